@@ -1,0 +1,12 @@
+//! Selflink: hierarchical radiosity with isotropic clusters, refined from the root's self-link.
+#[cfg(feature = "gui")]
+pub mod app;
+pub mod cancel;
+pub mod hierarchy;
+pub mod orient;
+#[cfg(feature = "gui")]
+pub mod render;
+pub mod scene;
+pub mod solver;
+pub mod visibility;
+pub mod worker;

@@ -1,0 +1,1 @@
+//! Faces turned towards the space that sees them.

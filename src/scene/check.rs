@@ -1,0 +1,53 @@
+//! What loading skipped, clamped or ignored: counted here once, shown once to a person.
+
+use serde::Serialize;
+
+/// Counts of everything that loading changed or left out; all zero for a flawless file.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct Skipped {
+    /// Faces without area or with repeated corners.
+    pub degenerate_faces: usize,
+    /// Faces listed twice with the same winding.
+    pub duplicate_faces: usize,
+    /// Faces of materials that are panes (dissolve under ½, transmission, alpha BLEND).
+    pub transparent_faces: usize,
+    /// Faces whose material the sidecar tells to ignore.
+    pub ignored_faces: usize,
+    /// Materials whose reflectance was clamped.
+    pub clamped_materials: usize,
+    /// Faces without a (known) material, shown grey.
+    pub faces_without_material: usize,
+    /// Lights that are no surfaces (KHR_lights_punctual).
+    pub ignored_lights: usize,
+    /// Polygons that were cut into triangles (more than four corners, concave or not planar).
+    pub triangulated_polygons: usize,
+    /// Faces that the inside of the scene sees from behind.
+    pub faces_seen_from_behind: usize,
+    /// Faces that `Sides::Auto` turned round.
+    pub turned_faces: usize,
+    /// Further remarks, each one sentence (a missing MTL file, an unreadable texture).
+    pub notes: Vec<String>,
+}
+
+impl Skipped {
+    /// One sentence for each thing that happened; empty when nothing did.
+    pub fn sentences(&self) -> Vec<String> {
+        let counted = [
+            (self.degenerate_faces, "degenerate face skipped", "degenerate faces skipped"),
+            (self.duplicate_faces, "face listed twice skipped", "faces listed twice skipped"),
+            (self.transparent_faces, "transparent face left out", "transparent faces left out"),
+            (self.ignored_faces, "face ignored by the sidecar", "faces ignored by the sidecar"),
+            (self.clamped_materials, "material's reflectance clamped", "materials' reflectances clamped"),
+            (self.faces_without_material, "face without a material shown grey", "faces without a material shown grey"),
+            (self.ignored_lights, "light that is no surface ignored", "lights that are no surfaces ignored"),
+            (self.triangulated_polygons, "polygon cut into triangles", "polygons cut into triangles"),
+            (self.faces_seen_from_behind, "face seen from behind", "faces seen from behind (try sides: auto or both)"),
+            (self.turned_faces, "face turned round", "faces turned round"),
+        ];
+        let sentences = counted.iter().filter(|(count, ..)| *count > 0).map(|(count, one, many)| match count {
+            1 => format!("1 {one}."),
+            _ => format!("{count} {many}."),
+        });
+        sentences.chain(self.notes.iter().cloned()).collect()
+    }
+}

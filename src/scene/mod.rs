@@ -1,0 +1,244 @@
+//! The scene: polygons, materials, groups and a camera, as every later layer reads them.
+//!
+//! A scene comes from a file ([`load`]: OBJ, glTF/GLB and their sidecar) or from code ([`builtin`]).
+//! Nothing here knows about clusters, links or windows; this module imports no other of the crate.
+
+pub mod builtin;
+mod check;
+mod gltf;
+mod load;
+mod obj;
+mod sidecar;
+mod triangulate;
+mod write;
+
+use glam::Vec3;
+use serde::{Deserialize, Serialize};
+
+pub use check::Skipped;
+pub use load::{LoadError, Source, load, load_file};
+pub use sidecar::{Sidecar, SidecarMaterial};
+pub use write::{WriteError, write_obj};
+
+/// Index into [`Scene::materials`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct MaterialId(pub u32);
+
+/// Index into [`Scene::groups`]; the root group is `GroupId(0)`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct GroupId(pub u32);
+
+/// A diffuse material.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Material {
+    /// Name as the file gives it.
+    pub name: String,
+    /// Reflectance ρ per colour, 0 ≤ ρ < 1.
+    pub reflectance: Vec3,
+    /// Emission B_e per colour, W/m² (exitance, π times the radiance of OBJ `Ke`).
+    pub emission: Vec3,
+}
+
+/// A node of the scene's own hierarchy: an OBJ path such as `office/desk_2`, or a glTF node.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Group {
+    /// Name of this level alone, without its parents'.
+    pub name: String,
+    /// The group that holds this one; `None` for the root alone.
+    pub parent: Option<GroupId>,
+}
+
+/// A triangle or a (nearly planar, convex) quad with one bright side: the one from which its corners run anticlockwise.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Polygon {
+    corners: [u32; 4],
+    /// The material of the bright side.
+    pub material: MaterialId,
+    /// The group that holds the polygon directly.
+    pub group: GroupId,
+    /// True for the second of two opposite patches made of one face ([`Sides::Both`]); it casts no shadow of its own.
+    pub is_back: bool,
+}
+
+/// Marks the absent fourth corner of a triangle.
+const NO_CORNER: u32 = u32::MAX;
+
+impl Polygon {
+    /// A triangle over vertex indices.
+    pub fn triangle(corners: [u32; 3], material: MaterialId, group: GroupId) -> Self {
+        let [a, b, c] = corners;
+        Self { corners: [a, b, c, NO_CORNER], material, group, is_back: false }
+    }
+
+    /// A quad over vertex indices, in order around its rim.
+    pub fn quad(corners: [u32; 4], material: MaterialId, group: GroupId) -> Self {
+        Self { corners, material, group, is_back: false }
+    }
+
+    /// The three or four vertex indices, anticlockwise as seen from the bright side.
+    pub fn corners(&self) -> &[u32] {
+        if self.corners[3] == NO_CORNER { &self.corners[..3] } else { &self.corners }
+    }
+
+    /// Whether the polygon has four corners.
+    pub fn is_quad(&self) -> bool {
+        self.corners[3] != NO_CORNER
+    }
+
+    /// The same face with its bright side turned to the other half space.
+    pub fn flipped(&self) -> Self {
+        let [a, b, c, d] = self.corners;
+        let corners = if self.is_quad() { [a, d, c, b] } else { [a, c, b, NO_CORNER] };
+        Self { corners, ..*self }
+    }
+}
+
+/// Which sides of a face reflect and emit light. Occluders stop light from either side in every case.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Sides {
+    /// The side that the winding shows.
+    #[default]
+    Front,
+    /// Both: each face becomes two opposite patches.
+    Both,
+    /// Each face is turned towards the space that sees it (rays decide).
+    Auto,
+}
+
+/// A view: where the eye is, what it looks at and how wide.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct CameraPose {
+    /// Eye position, in the scene's length unit.
+    pub eye: Vec3,
+    /// The point looked at.
+    pub target: Vec3,
+    /// Up direction; need not be normalised.
+    pub up: Vec3,
+    /// Horizontal field of view, degrees.
+    pub hfov_deg: f32,
+}
+
+/// Polygons with materials, groups and what loading had to say about them.
+#[derive(Clone, Debug)]
+pub struct Scene {
+    /// Name shown to a person (file stem or the name of our own scene).
+    pub name: String,
+    /// Positions, in the scene's length unit (metres where areas and watts are to be read).
+    pub vertices: Vec<Vec3>,
+    /// Faces; order is the file's.
+    pub polygons: Vec<Polygon>,
+    /// Materials; every polygon's index is valid.
+    pub materials: Vec<Material>,
+    /// Groups; a parent precedes its children, `groups[0]` is the root.
+    pub groups: Vec<Group>,
+    /// The view to open with, where the scene names one.
+    pub camera: Option<CameraPose>,
+    /// Which sides of its faces are bright; [`crate::orient::apply`] makes it so.
+    pub sides: Sides,
+    /// What loading skipped, clamped or ignored.
+    pub skipped: Skipped,
+}
+
+impl Scene {
+    /// An empty scene with a root group.
+    pub fn new(name: impl Into<String>) -> Self {
+        let name = name.into();
+        Self {
+            groups: vec![Group { name: name.clone(), parent: None }],
+            name,
+            vertices: Vec::new(),
+            polygons: Vec::new(),
+            materials: Vec::new(),
+            camera: None,
+            sides: Sides::Front,
+            skipped: Skipped::default(),
+        }
+    }
+
+    /// Adds a material and returns its id.
+    pub fn add_material(&mut self, name: &str, reflectance: Vec3, emission: Vec3) -> MaterialId {
+        self.materials.push(Material { name: name.to_owned(), reflectance, emission });
+        MaterialId(self.materials.len() as u32 - 1)
+    }
+
+    /// Adds a group below `parent` and returns its id.
+    pub fn add_group(&mut self, name: &str, parent: GroupId) -> GroupId {
+        self.groups.push(Group { name: name.to_owned(), parent: Some(parent) });
+        GroupId(self.groups.len() as u32 - 1)
+    }
+
+    /// Adds a quad by its corner positions, anticlockwise as seen from the bright side; vertices are not shared.
+    pub fn add_quad(&mut self, corners: [Vec3; 4], material: MaterialId, group: GroupId) {
+        let first = self.vertices.len() as u32;
+        self.vertices.extend(corners);
+        self.polygons.push(Polygon::quad([first, first + 1, first + 2, first + 3], material, group));
+    }
+
+    /// Adds a triangle by its corner positions, anticlockwise as seen from the bright side; vertices are not shared.
+    pub fn add_triangle(&mut self, corners: [Vec3; 3], material: MaterialId, group: GroupId) {
+        let first = self.vertices.len() as u32;
+        self.vertices.extend(corners);
+        self.polygons.push(Polygon::triangle([first, first + 1, first + 2], material, group));
+    }
+
+    /// Corner positions of a polygon: three or four.
+    pub fn corner_positions(&self, polygon: &Polygon) -> ([Vec3; 4], usize) {
+        let mut positions = [Vec3::ZERO; 4];
+        let corners = polygon.corners();
+        for (position, &corner) in positions.iter_mut().zip(corners) {
+            *position = self.vertices[corner as usize];
+        }
+        (positions, corners.len())
+    }
+
+    /// Area of a polygon, in the square of the length unit (a quad's as its two triangles').
+    pub fn area(&self, polygon: &Polygon) -> f32 {
+        let ([a, b, c, d], count) = self.corner_positions(polygon);
+        let first = (b - a).cross(c - a).length();
+        let second = if count == 4 { (c - a).cross(d - a).length() } else { 0.0 };
+        0.5 * (first + second)
+    }
+
+    /// Unit normal of the bright side.
+    pub fn normal(&self, polygon: &Polygon) -> Vec3 {
+        let ([a, b, c, d], count) = self.corner_positions(polygon);
+        let twice_area = if count == 4 { (c - a).cross(d - b) } else { (b - a).cross(c - a) };
+        twice_area.normalize_or_zero()
+    }
+
+    /// Lower and upper corner of the box around all polygons; both zero for an empty scene.
+    pub fn bounds(&self) -> (Vec3, Vec3) {
+        let used = self.polygons.iter().flat_map(|polygon| polygon.corners());
+        let (lower, upper) = used.fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(lower, upper), &corner| {
+            let position = self.vertices[corner as usize];
+            (lower.min(position), upper.max(position))
+        });
+        if lower.x <= upper.x { (lower, upper) } else { (Vec3::ZERO, Vec3::ZERO) }
+    }
+
+    /// Total emitted power Φ = Σ A·B_e per colour, W (for lengths in metres).
+    pub fn emitted_power(&self) -> Vec3 {
+        self.polygons
+            .iter()
+            .map(|polygon| self.area(polygon) * self.materials[polygon.material.0 as usize].emission)
+            .sum()
+    }
+
+    /// The group's path from the root, levels joined by `/`, without the root's own name.
+    pub fn group_path(&self, group: GroupId) -> String {
+        let mut names = Vec::new();
+        let mut current = &self.groups[group.0 as usize];
+        while let Some(parent) = current.parent {
+            names.push(current.name.as_str());
+            current = &self.groups[parent.0 as usize];
+        }
+        names.reverse();
+        names.join("/")
+    }
+
+    /// The material with this name.
+    pub fn material_named(&self, name: &str) -> Option<MaterialId> {
+        self.materials.iter().position(|material| material.name == name).map(|index| MaterialId(index as u32))
+    }
+}

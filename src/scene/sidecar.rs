@@ -1,0 +1,5 @@
+//! Sidecar.
+/// Placeholder.
+pub struct Sidecar;
+/// Placeholder.
+pub struct SidecarMaterial;

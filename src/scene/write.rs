@@ -1,0 +1,5 @@
+//! Writing.
+/// Placeholder.
+pub struct WriteError;
+/// Placeholder.
+pub fn write_obj() {}

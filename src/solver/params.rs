@@ -1,0 +1,365 @@
+//! Every parameter of the solver: default, range, unit, hint and what a change invalidates, in one place.
+//!
+//! The command line, the window's solver panel and the statistics all read [`PARAMETERS`].
+
+use std::ops::RangeInclusive;
+
+use serde::{Deserialize, Serialize};
+
+use crate::scene::Sides;
+
+/// How the part of the hierarchy above the initial patches is built.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum ClusteringMode {
+    /// Plain Hierarchical Radiosity: every pair of initial patches is a candidate (Table 1, HR).
+    None,
+    /// Uniform octree of the bounding box, the root being level 1 (Table 2, OCTREE).
+    Octree,
+    /// The scene's own groups (Table 2, USER).
+    Groups,
+    /// Surface-area heuristic over centroids, boxes may overlap (the paper's future work).
+    #[default]
+    Adaptive,
+}
+
+/// When irradiance that a cluster received reaches the patches below it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Push {
+    /// Link by link, weighted with each patch's cosine towards the source (α-links, section 3.3).
+    #[default]
+    Immediate,
+    /// Summed on the cluster and handed down evenly afterwards (β-links).
+    Deferred,
+}
+
+/// The threshold ε on the unoccluded power of a link.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Epsilon {
+    /// As a share of the scene's emitted power Φ; becomes watts when a solve starts.
+    Relative(f64),
+    /// In W.
+    Watts(f64),
+}
+
+/// All that a person can turn; [`PARAMETERS`] describes each field.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SolverParams {
+    /// Threshold ε on B_s·F·A_r.
+    pub epsilon: Epsilon,
+    /// ε_partial / ε: how much stricter partly visible links are judged (section 2.3: 1/10).
+    pub partial_factor: f64,
+    /// f_vis: visibility rays per BFA/ε (section 2.4).
+    pub visibility_factor: f64,
+    /// Fewest visibility rays of a link that is tested at all.
+    pub rays_min: u32,
+    /// Most visibility rays of a link.
+    pub rays_max: u32,
+    /// How clusters are built.
+    pub clustering: ClusteringMode,
+    /// Deepest octree level, the root being 1; for [`ClusteringMode::Octree`].
+    pub octree_depth: u32,
+    /// When clusters hand irradiance down.
+    pub push: Push,
+    /// Which sides of faces are bright; `None` as the scene says.
+    pub sides: Option<Sides>,
+    /// Worker threads; 0 takes every core.
+    pub threads: u32,
+    /// Seed of every random choice.
+    pub seed: u64,
+}
+
+impl Default for SolverParams {
+    fn default() -> Self {
+        Self {
+            epsilon: Epsilon::Relative(1e-4),
+            partial_factor: 0.1,
+            visibility_factor: 4.0,
+            rays_min: 4,
+            rays_max: 64,
+            clustering: ClusteringMode::Adaptive,
+            octree_depth: 5,
+            push: Push::Immediate,
+            sides: None,
+            threads: 0,
+            seed: 1,
+        }
+    }
+}
+
+/// The least work that a changed parameter asks for, from little to much.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Invalidates {
+    /// What is there stays valid.
+    Nothing,
+    /// Radiosities: gather again over the links that are there.
+    Radiosities,
+    /// Verdicts: judge the stored links again and refine further where they fail.
+    Verdicts,
+    /// Links: refine again from the root's self-link, starting with the present radiosities.
+    Links,
+    /// Hierarchy: rebuild clusters and everything above them.
+    Hierarchy,
+    /// Scene: turn or double faces, then everything else.
+    Scene,
+}
+
+/// Names the parameters; the order is that of the panel.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum ParameterId {
+    /// ε relative to Φ.
+    Epsilon,
+    /// ε in W.
+    EpsilonWatts,
+    /// ε_partial / ε.
+    PartialFactor,
+    /// f_vis.
+    VisibilityFactor,
+    /// Lower ray bound.
+    RaysMin,
+    /// Upper ray bound.
+    RaysMax,
+    /// Clustering mode.
+    Clustering,
+    /// Octree depth.
+    OctreeDepth,
+    /// Push mode.
+    Push,
+    /// Bright sides.
+    Sides,
+    /// Worker threads.
+    Threads,
+    /// Random seed.
+    Seed,
+}
+
+/// The kind of value and where it may lie.
+#[derive(Clone, Debug, PartialEq)]
+pub enum ValueKind {
+    /// A real number; `logarithmic` asks for a log slider.
+    Real {
+        /// Values a slider offers; the command line accepts what [`SolverParams::validate`] does.
+        range: RangeInclusive<f64>,
+        /// Whether a slider should be logarithmic.
+        logarithmic: bool,
+    },
+    /// A whole number.
+    Whole {
+        /// Values a slider offers.
+        range: RangeInclusive<u64>,
+    },
+    /// One of a few names.
+    Choice {
+        /// The names, as the command line spells them.
+        names: &'static [&'static str],
+    },
+}
+
+/// What the command line and the panels need to know of one parameter.
+pub struct Parameter {
+    /// Which one.
+    pub id: ParameterId,
+    /// Long option without its dashes.
+    pub flag: &'static str,
+    /// Label in the panel.
+    pub label: &'static str,
+    /// Unit or empty.
+    pub unit: &'static str,
+    /// One sentence for help and tooltips, with the paper's section where there is one.
+    pub hint: &'static str,
+    /// Kind and range.
+    pub kind: ValueKind,
+}
+
+/// Every parameter, in the order of the panel.
+pub const PARAMETERS: [Parameter; 12] = [
+    Parameter {
+        id: ParameterId::Epsilon,
+        flag: "epsilon",
+        label: "ε relative",
+        unit: "Φ",
+        hint: "A link is refined while its unoccluded power B·F·A exceeds this share of the scene's emitted power (section 2.3).",
+        kind: ValueKind::Real { range: 1e-7..=1e-1, logarithmic: true },
+    },
+    Parameter {
+        id: ParameterId::EpsilonWatts,
+        flag: "epsilon-watts",
+        label: "ε in watts",
+        unit: "W",
+        hint: "The same threshold in watts, as the solver uses it; it does not follow a dimmed lamp.",
+        kind: ValueKind::Real { range: 1e-9..=1e6, logarithmic: true },
+    },
+    Parameter {
+        id: ParameterId::PartialFactor,
+        flag: "partial-factor",
+        label: "partial visibility factor",
+        unit: "",
+        hint: "Partly visible links are judged with ε times this factor; the paper found 1/10 good (section 2.3).",
+        kind: ValueKind::Real { range: 0.01..=1.0, logarithmic: true },
+    },
+    Parameter {
+        id: ParameterId::VisibilityFactor,
+        flag: "visibility-factor",
+        label: "visibility factor f_vis",
+        unit: "rays",
+        hint: "Visibility rays of a link per B·F·A/ε, so that every ray decides about the same power (section 2.4).",
+        kind: ValueKind::Real { range: 0.1..=64.0, logarithmic: true },
+    },
+    Parameter {
+        id: ParameterId::RaysMin,
+        flag: "rays-min",
+        label: "rays, at least",
+        unit: "",
+        hint: "Fewest visibility rays of a tested link; most links need no more, so this bound costs the most time (section 2.4).",
+        kind: ValueKind::Whole { range: 1..=64 },
+    },
+    Parameter {
+        id: ParameterId::RaysMax,
+        flag: "rays-max",
+        label: "rays, at most",
+        unit: "",
+        hint: "Most visibility rays of a link (section 2.4).",
+        kind: ValueKind::Whole { range: 1..=1024 },
+    },
+    Parameter {
+        id: ParameterId::Clustering,
+        flag: "clustering",
+        label: "clustering",
+        unit: "",
+        hint: "How polygons are grouped: not at all (plain hierarchical radiosity), octree, the scene's own groups, or adaptive (section 2.2).",
+        kind: ValueKind::Choice { names: &["none", "octree", "groups", "adaptive"] },
+    },
+    Parameter {
+        id: ParameterId::OctreeDepth,
+        flag: "octree-depth",
+        label: "octree depth",
+        unit: "levels",
+        hint: "Deepest level of the octree, the root being level 1 (Table 2).",
+        kind: ValueKind::Whole { range: 1..=10 },
+    },
+    Parameter {
+        id: ParameterId::Push,
+        flag: "push",
+        label: "push",
+        unit: "",
+        hint: "Hand irradiance that a cluster receives to its patches link by link with their cosine (immediate) or evenly afterwards (deferred, section 3.3).",
+        kind: ValueKind::Choice { names: &["immediate", "deferred"] },
+    },
+    Parameter {
+        id: ParameterId::Sides,
+        flag: "sides",
+        label: "bright sides",
+        unit: "",
+        hint: "Which sides of a face reflect: the one its winding shows, both, or the one that the room sees (auto); as the scene says if not given.",
+        kind: ValueKind::Choice { names: &["front", "both", "auto"] },
+    },
+    Parameter {
+        id: ParameterId::Threads,
+        flag: "threads",
+        label: "threads",
+        unit: "",
+        hint: "Worker threads, 0 for every core; the result is the same for any number.",
+        kind: ValueKind::Whole { range: 0..=64 },
+    },
+    Parameter {
+        id: ParameterId::Seed,
+        flag: "seed",
+        label: "seed",
+        unit: "",
+        hint: "Seed of the visibility rays; the same seed gives the same solution, bit for bit.",
+        kind: ValueKind::Whole { range: 0..=1_000_000 },
+    },
+];
+
+/// A parameter that cannot be used, with what to do about it.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum ParamsError {
+    /// ε must be a positive number.
+    #[error("--epsilon must be greater than 0 (it is {0}); try 1e-3 for a coarse and 1e-5 for a fine solution")]
+    Epsilon(f64),
+    /// Factors must be positive numbers.
+    #[error("--{flag} must be greater than 0 and at most {most} (it is {value})")]
+    Factor {
+        /// The option.
+        flag: &'static str,
+        /// Its value.
+        value: f64,
+        /// The largest allowed value.
+        most: f64,
+    },
+    /// Bounds the wrong way round or out of range.
+    #[error("--rays-min ({min}) must be at least 1 and at most --rays-max ({max}), which must be at most 4096")]
+    Rays {
+        /// Lower bound.
+        min: u32,
+        /// Upper bound.
+        max: u32,
+    },
+    /// Octree depth out of range.
+    #[error("--octree-depth must lie between 1 and 16 (it is {0})")]
+    OctreeDepth(u32),
+}
+
+impl SolverParams {
+    /// Checks every field.
+    ///
+    /// # Errors
+    /// The first field that cannot be used, as one sentence.
+    pub fn validate(&self) -> Result<(), ParamsError> {
+        let (Epsilon::Relative(epsilon) | Epsilon::Watts(epsilon)) = self.epsilon;
+        if !(epsilon > 0.0 && epsilon.is_finite()) {
+            return Err(ParamsError::Epsilon(epsilon));
+        }
+        let factors =
+            [("partial-factor", self.partial_factor, 1.0), ("visibility-factor", self.visibility_factor, 1e4)];
+        for (flag, value, most) in factors {
+            if !(value > 0.0 && value <= most) {
+                return Err(ParamsError::Factor { flag, value, most });
+            }
+        }
+        if self.rays_min < 1 || self.rays_min > self.rays_max || self.rays_max > 4096 {
+            return Err(ParamsError::Rays { min: self.rays_min, max: self.rays_max });
+        }
+        if !(1..=16).contains(&self.octree_depth) {
+            return Err(ParamsError::OctreeDepth(self.octree_depth));
+        }
+        Ok(())
+    }
+
+    /// The least work that takes a solution made with `self` to one made with `newer`.
+    pub fn change_to(&self, newer: &Self) -> Invalidates {
+        let octree = self.clustering == ClusteringMode::Octree && self.octree_depth != newer.octree_depth;
+        if self.sides != newer.sides {
+            Invalidates::Scene
+        } else if self.clustering != newer.clustering || octree {
+            Invalidates::Hierarchy
+        } else if self.seed != newer.seed
+            || self.epsilon_grows(newer)
+            || newer.partial_factor > self.partial_factor
+            || newer.rays_max < self.rays_max
+        {
+            Invalidates::Links
+        } else if self.epsilon != newer.epsilon
+            || newer.partial_factor < self.partial_factor
+            || newer.visibility_factor > self.visibility_factor
+            || newer.rays_min > self.rays_min
+            || newer.rays_max > self.rays_max
+        {
+            Invalidates::Verdicts
+        } else if self.push != newer.push {
+            Invalidates::Radiosities
+        } else {
+            Invalidates::Nothing
+        }
+    }
+
+    /// Whether ε becomes coarser, or cannot be compared because its kind changes.
+    fn epsilon_grows(&self, newer: &Self) -> bool {
+        match (self.epsilon, newer.epsilon) {
+            (Epsilon::Relative(old), Epsilon::Relative(new)) | (Epsilon::Watts(old), Epsilon::Watts(new)) => new > old,
+            _ => true,
+        }
+    }
+}

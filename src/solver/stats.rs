@@ -1,0 +1,91 @@
+//! Counts, times and the power balance of a solution, as statistics files and panels show them.
+
+use serde::Serialize;
+
+/// What the solver is doing.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Phase {
+    /// Building clusters.
+    #[default]
+    Hierarchy,
+    /// Judging candidate links.
+    Refine,
+    /// Gathering to convergence.
+    Gather,
+    /// Nothing is left to do.
+    Done,
+}
+
+/// Counts and times of one solve; keys as in the statistics file.
+#[derive(Clone, Debug, Default, Serialize)]
+pub struct Stats {
+    /// What the solver is doing now.
+    pub phase: Phase,
+    /// Threshold ε, W.
+    pub epsilon_watts: f64,
+    /// Threshold ε as a share of Φ (0 where nothing emits).
+    pub epsilon_relative: f64,
+    /// Polygons that became patches.
+    pub initial_patches: usize,
+    /// Clusters.
+    pub clusters: usize,
+    /// Leaf patches of the subdivision.
+    pub patches: usize,
+    /// Elements of every kind.
+    pub elements: usize,
+    /// Links kept.
+    pub links: usize,
+    /// Pairs that the oracle was asked about.
+    pub pairs_judged: u64,
+    /// Visibility rays cast.
+    pub rays: u64,
+    /// Rounds of refinement, each ended by a gather.
+    pub iterations: u32,
+    /// Waves of the present round.
+    pub wave: u32,
+    /// Candidates that wait in the present wave.
+    pub candidates_left: usize,
+    /// Whether nothing was left to refine and the last gather converged.
+    pub converged: bool,
+    /// Times that the depth guard kept a patch from being subdivided.
+    pub depth_guard_struck: u64,
+    /// Leaves whose form factors summed to more than 1 and were scaled back.
+    pub clamped_leaves: usize,
+    /// Time spent so far.
+    pub seconds: Seconds,
+    /// Memory of the large tables.
+    pub bytes: Bytes,
+    /// Emitted power Φ, W (all colours summed).
+    pub emitted_watts: f64,
+    /// Power absorbed by bright sides, W (all colours summed).
+    pub absorbed_watts: f64,
+    /// Share of the present phase that is done, where it can be told, 0..1.
+    pub progress: Option<f32>,
+}
+
+/// Wall-clock seconds by phase.
+#[derive(Clone, Copy, Debug, Default, Serialize)]
+pub struct Seconds {
+    /// Reading the file, turning faces and building the occluders.
+    pub load: f64,
+    /// Building clusters.
+    pub hierarchy: f64,
+    /// Judging and refining.
+    pub refine: f64,
+    /// Gathering.
+    pub gather: f64,
+    /// From the solve's start to the first snapshot.
+    pub first_snapshot: f64,
+    /// From the solve's start to now, snapshots included.
+    pub total: f64,
+}
+
+/// Bytes of the large tables.
+#[derive(Clone, Copy, Debug, Default, Serialize)]
+pub struct Bytes {
+    /// Links alone.
+    pub links: usize,
+    /// Elements with their radiosities, and vertices.
+    pub elements: usize,
+}
