@@ -1,1 +1,91 @@
-//! The wgpu view.
+//! The wgpu view of a snapshot: mesh, overlays, camera, picking and pictures without a window.
+//!
+//! Physics stays out: a [`Snapshot`] brings linear radiosities in W/m², and only here are they exposed, bent by the tone curve
+//! and gamma-encoded ([`Display`]). The module knows nothing of windows or panels. It imports `scene` (camera pose),
+//! `solver::snapshot` and `hierarchy::ElementId`.
+//!
+//! The window and a picture on disk go the same way: [`SceneRenderer::draw`] renders into its own multisampled target and resolves
+//! it to one `Rgba8Unorm` texture, which a window blits into its pass and [`Offscreen`] reads back.
+
+mod buffer;
+mod camera;
+mod display;
+mod offscreen;
+mod overlay;
+mod pick;
+mod pipelines;
+mod renderer;
+mod target;
+
+pub use camera::Camera;
+pub use display::{Display, Exposure, auto_exposure, encode_gamma, tone_curve};
+pub use offscreen::Offscreen;
+pub use overlay::{LinkFilter, Overlay, power_colour};
+pub use pick::{Picked, pick};
+pub use renderer::{Frame, SceneRenderer, sample_count};
+
+#[cfg(doc)]
+use crate::solver::snapshot::Snapshot;
+
+/// Widest and highest picture that can be asked for, pixels.
+pub const MAX_SIZE: u32 = 16_384;
+
+/// Why something cannot be drawn.
+#[derive(Debug, thiserror::Error)]
+pub enum RenderError {
+    /// No Vulkan, Metal, DirectX or GL adapter answers.
+    #[error(
+        "no graphics adapter was found: install a graphics driver, or software rendering (Debian and Ubuntu: apt install mesa-vulkan-drivers)"
+    )]
+    NoAdapter,
+    /// The adapter gives no device.
+    #[error("the graphics adapter {adapter} gives no device: {reason}")]
+    NoDevice {
+        /// The adapter's name.
+        adapter: String,
+        /// What the driver said.
+        reason: String,
+    },
+    /// A picture of no or too many pixels.
+    #[error("a picture of {width}×{height} pixels cannot be drawn: choose 1 to {limit} pixels each way")]
+    Size {
+        /// Width asked for, pixels.
+        width: u32,
+        /// Height asked for, pixels.
+        height: u32,
+        /// The most that can be drawn, pixels.
+        limit: u32,
+    },
+    /// A mesh that the adapter cannot hold.
+    #[error(
+        "the {what} need a graphics buffer of {needed_mib} MiB, but the adapter takes at most {limit_mib} MiB: choose a larger ε or a smaller scene"
+    )]
+    TooLarge {
+        /// What the buffer is to hold.
+        what: &'static str,
+        /// Size needed, MiB.
+        needed_mib: u64,
+        /// The adapter's limit, MiB.
+        limit_mib: u64,
+    },
+    /// A picture that the adapter cannot hand back.
+    #[error(
+        "a picture of {width}×{height} pixels needs a graphics buffer of {needed_mib} MiB, but the adapter takes at most {limit_mib} MiB: choose a smaller picture"
+    )]
+    PictureTooLarge {
+        /// Width asked for, pixels.
+        width: u32,
+        /// Height asked for, pixels.
+        height: u32,
+        /// Size needed, MiB.
+        needed_mib: u64,
+        /// The adapter's limit, MiB.
+        limit_mib: u64,
+    },
+    /// The graphics device gave up on a picture, for want of memory for one.
+    #[error("the graphics adapter could not draw the picture, a smaller one may succeed: {reason}")]
+    Device {
+        /// What the driver said.
+        reason: String,
+    },
+}

@@ -1,0 +1,245 @@
+//! The camera: a turntable around a target, which can also look round and fly. No window types.
+
+use glam::{Mat4, Quat, Vec2, Vec3};
+
+use crate::scene::CameraPose;
+
+/// Vertical field of view when nothing else is asked for, radians (36° is a 50 mm lens turned upright).
+const DEFAULT_VFOV: f32 = 0.7;
+/// Field of view limits, radians.
+const VFOV_RANGE: (f32, f32) = (0.02, 2.8);
+/// The line of sight stays this far from the up axis, radians, so that an orbit never flips over a pole.
+const POLE_GAP: f32 = 0.01;
+/// Near plane as a share of the scene's diagonal. Reversed depth in floats resolves a constant share of the distance whatever the
+/// near plane is, so it can be as close as a person ever comes.
+const NEAR_SHARE: f32 = 1e-5;
+/// Speed of flight, scene diagonals a second.
+const FLY_SPEED: f32 = 0.15;
+/// Nearest and farthest distance from eye to target, scene diagonals.
+const DISTANCE_SHARES: (f32, f32) = (1e-4, 100.0);
+
+/// Where the eye is and what it sees; right-handed, looking from `eye` to `target`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Camera {
+    eye: Vec3,
+    target: Vec3,
+    /// Unit axis of the turntable.
+    up: Vec3,
+    /// Vertical field of view, radians; the horizontal one follows from the picture's aspect.
+    vfov: f32,
+    lower: Vec3,
+    upper: Vec3,
+}
+
+impl Camera {
+    /// A pose seen with an aspect (width / height), in a scene with these bounds; a pose without a view (eye on target, not finite)
+    /// frames the scene instead.
+    pub fn from_pose(pose: &CameraPose, aspect: f32, bounds: (Vec3, Vec3)) -> Self {
+        let framed = Self::frame(bounds, aspect);
+        let sight = pose.target - pose.eye;
+        if !(pose.eye.is_finite() && sight.length_squared() > 0.0 && sight.is_finite() && pose.hfov_deg.is_finite()) {
+            return framed;
+        }
+        let hfov = pose.hfov_deg.to_radians().clamp(VFOV_RANGE.0, VFOV_RANGE.1);
+        let vfov = 2.0 * ((hfov / 2.0).tan() / sane_aspect(aspect)).atan();
+        let up = pose.up.try_normalize().unwrap_or(Vec3::Y);
+        let mut camera =
+            Self { eye: pose.eye, target: pose.target, up, vfov: vfov.clamp(VFOV_RANGE.0, VFOV_RANGE.1), ..framed };
+        camera.set_sight(sight);
+        camera.target = camera.eye + camera.sight();
+        camera
+    }
+
+    /// A view of everything from the front, the right and above, with `y` up.
+    pub fn frame(bounds: (Vec3, Vec3), aspect: f32) -> Self {
+        let mut camera = Self {
+            eye: Vec3::new(0.45, 0.4, 1.0),
+            target: Vec3::ZERO,
+            up: Vec3::Y,
+            vfov: DEFAULT_VFOV,
+            lower: bounds.0,
+            upper: bounds.1,
+        };
+        camera.frame_all(bounds, aspect);
+        camera
+    }
+
+    /// Moves back or forth until the scene fills the picture; the direction of sight, the up axis and the lens stay.
+    pub fn frame_all(&mut self, bounds: (Vec3, Vec3), aspect: f32) {
+        self.set_bounds(bounds);
+        let half_fov = 0.5 * self.vfov.min(self.hfov(aspect));
+        let radius = 0.5 * self.scene_size();
+        let direction = self.forward();
+        self.target = 0.5 * (self.lower + self.upper);
+        self.eye = self.target - direction * (radius / half_fov.sin());
+    }
+
+    /// Tells the camera the size of the scene, on which near plane and speeds depend.
+    pub fn set_bounds(&mut self, bounds: (Vec3, Vec3)) {
+        let usable = bounds.0.is_finite() && bounds.1.is_finite() && bounds.0.cmple(bounds.1).all();
+        (self.lower, self.upper) = if usable { bounds } else { (Vec3::ZERO, Vec3::ZERO) };
+    }
+
+    /// The pose, to be saved; the horizontal field of view is that of the given aspect.
+    pub fn pose(&self, aspect: f32) -> CameraPose {
+        CameraPose { eye: self.eye, target: self.target, up: self.up, hfov_deg: self.hfov(aspect).to_degrees() }
+    }
+
+    /// Eye position.
+    pub fn eye(&self) -> Vec3 {
+        self.eye
+    }
+
+    /// The point that orbits turn around.
+    pub fn target(&self) -> Vec3 {
+        self.target
+    }
+
+    /// Unit vector of sight.
+    pub fn forward(&self) -> Vec3 {
+        self.sight().normalize()
+    }
+
+    /// Vertical field of view, radians.
+    pub fn vfov(&self) -> f32 {
+        self.vfov
+    }
+
+    /// Sets the vertical field of view, radians.
+    pub fn set_vfov(&mut self, vfov: f32) {
+        self.vfov = vfov.clamp(VFOV_RANGE.0, VFOV_RANGE.1);
+    }
+
+    /// Horizontal field of view at an aspect, radians.
+    pub fn hfov(&self, aspect: f32) -> f32 {
+        2.0 * ((0.5 * self.vfov).tan() * sane_aspect(aspect)).atan()
+    }
+
+    /// Turns the eye around the target by radians, as if the scene were dragged to the right and downwards.
+    pub fn orbit(&mut self, right: f32, down: f32) {
+        let sight = self.turned(self.sight(), -right, -down);
+        self.eye = self.target - sight;
+    }
+
+    /// Turns the head by radians, to the right and downwards.
+    pub fn look(&mut self, right: f32, down: f32) {
+        let sight = self.turned(self.sight(), -right, -down);
+        self.target = self.eye + sight;
+    }
+
+    /// Drags the scene at the target's distance along the picture, in shares of the picture's height, to the right and downwards.
+    pub fn pan(&mut self, right: f32, down: f32) {
+        let height = 2.0 * self.sight().length() * (0.5 * self.vfov).tan();
+        let (side, above) = self.screen_axes();
+        self.shift(height * (down * above - right * side));
+    }
+
+    /// Multiplies the distance to the target: below 1 comes nearer.
+    pub fn zoom(&mut self, factor: f32) {
+        if factor.is_finite() && factor > 0.0 {
+            let size = self.scene_size();
+            let distance = self.sight().length() * factor;
+            let distance = distance.clamp(DISTANCE_SHARES.0 * size, DISTANCE_SHARES.1 * size);
+            self.eye = self.target - self.forward() * distance;
+        }
+    }
+
+    /// Flies along right, up axis and line of sight; each in seconds at a speed that suits the scene's size.
+    pub fn fly(&mut self, local: Vec3) {
+        let (side, _) = self.screen_axes();
+        let step = local.x * side + local.y * self.up + local.z * self.forward();
+        self.shift(FLY_SPEED * self.scene_size() * step);
+    }
+
+    /// Turns the eye towards a point, around which orbits then turn.
+    pub fn look_at(&mut self, point: Vec3) {
+        let sight = point - self.eye;
+        if sight.is_finite() && sight.length() > DISTANCE_SHARES.0 * self.scene_size() {
+            self.set_sight(sight);
+        }
+    }
+
+    /// World to clip space for an aspect: depth is reversed and has no far plane, near / distance (1 at the near plane, 0 at infinity).
+    pub fn clip_from_world(&self, aspect: f32) -> Mat4 {
+        let focal = 1.0 / (0.5 * self.vfov).tan();
+        let clip_from_view = Mat4::from_cols_array_2d(&[
+            [focal / sane_aspect(aspect), 0.0, 0.0, 0.0],
+            [0.0, focal, 0.0, 0.0],
+            [0.0, 0.0, 0.0, -1.0],
+            [0.0, 0.0, self.near(), 0.0],
+        ]);
+        let (side, above) = self.screen_axes();
+        let back = -self.forward();
+        let world_from_view =
+            Mat4::from_cols(side.extend(0.0), above.extend(0.0), back.extend(0.0), self.eye.extend(1.0));
+        clip_from_view * world_from_view.inverse()
+    }
+
+    /// Distance of the near plane, in the scene's unit.
+    pub fn near(&self) -> f32 {
+        NEAR_SHARE * self.scene_size()
+    }
+
+    /// The ray through a point of the picture, −1..1 to the right and upwards: eye and unit direction.
+    pub fn ray(&self, ndc: Vec2, aspect: f32) -> (Vec3, Vec3) {
+        let (side, above) = self.screen_axes();
+        let reach = (0.5 * self.vfov).tan() * ndc;
+        let direction = self.forward() + reach.x * sane_aspect(aspect) * side + reach.y * above;
+        (self.eye, direction.normalize())
+    }
+
+    /// Diagonal of the scene's box; 1 for an empty scene.
+    pub fn scene_size(&self) -> f32 {
+        let diagonal = (self.upper - self.lower).length();
+        if diagonal > 0.0 && diagonal.is_finite() { diagonal } else { 1.0 }
+    }
+
+    fn sight(&self) -> Vec3 {
+        self.target - self.eye
+    }
+
+    /// Unit vectors to the right and upwards in the picture.
+    fn screen_axes(&self) -> (Vec3, Vec3) {
+        let forward = self.forward();
+        let side = forward.cross(self.up).normalize();
+        (side, side.cross(forward))
+    }
+
+    fn shift(&mut self, by: Vec3) {
+        if by.is_finite() {
+            self.eye += by;
+            self.target += by;
+        }
+    }
+
+    /// Points the eye along `sight`, away from the poles.
+    fn set_sight(&mut self, sight: Vec3) {
+        // A vector along the axis has no heading; any will do.
+        let level = sight.reject_from_normalized(self.up);
+        let heading = level.try_normalize().unwrap_or_else(|| self.up.any_orthonormal_vector());
+        let pitch = sight.dot(self.up).atan2(level.length());
+        self.target = self.eye + sight.length() * self.direction(heading, pitch);
+    }
+
+    /// A sight turned left around the up axis and upwards, radians, its length kept.
+    fn turned(&self, sight: Vec3, left: f32, upwards: f32) -> Vec3 {
+        if !(left.is_finite() && upwards.is_finite()) {
+            return sight;
+        }
+        let level = sight.reject_from_normalized(self.up);
+        let heading = Quat::from_axis_angle(self.up, left) * level.normalize();
+        let pitch = sight.dot(self.up).atan2(level.length()) + upwards;
+        sight.length() * self.direction(heading, pitch)
+    }
+
+    fn direction(&self, heading: Vec3, pitch: f32) -> Vec3 {
+        let limit = std::f32::consts::FRAC_PI_2 - POLE_GAP;
+        let (sin, cos) = pitch.clamp(-limit, limit).sin_cos();
+        cos * heading + sin * self.up
+    }
+}
+
+/// An aspect that can be divided by, also for a window folded to nothing.
+fn sane_aspect(aspect: f32) -> f32 {
+    if aspect.is_finite() && aspect > 0.0 { aspect.clamp(1e-3, 1e3) } else { 1.0 }
+}
