@@ -1,5 +1,225 @@
-//! Placeholder for the arena of elements.
+//! The hierarchy: one arena of elements, from the root cluster over initial patches down to the leaves of their subdivision.
+//!
+//! Sillion's unified hierarchy (paper, sections 1.2 and 2.1): a cluster holds clusters and initial patches, a patch holds only
+//! the four patches it was split into. The part above the initial patches is built once ([`ClusteringMode`]); the part
+//! below grows while links are refined ([`Hierarchy::subdivide`]). This module imports `scene` alone.
 
-/// Index of an element in the hierarchy's arena; the root cluster is `ElementId(0)`.
+mod adaptive;
+mod build;
+mod groups;
+mod octree;
+mod patch;
+mod sample;
+mod surface;
+
+use glam::Vec3;
+use rustc_hash::FxHashMap;
+use serde::{Deserialize, Serialize};
+
+use crate::scene::Scene;
+
+pub use patch::Patch;
+pub use sample::SurfacePoint;
+pub use surface::smooth_surfaces;
+
+/// How the part of the hierarchy above the initial patches is built.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum ClusteringMode {
+    /// Plain Hierarchical Radiosity: every pair of initial patches is a candidate (Table 1, HR).
+    None,
+    /// Uniform octree of the bounding box, the root being level 1 (Table 2, OCTREE).
+    Octree,
+    /// The scene's own groups (Table 2, USER).
+    Groups,
+    /// Surface-area heuristic over centroids, boxes may overlap (the paper's future work).
+    #[default]
+    Adaptive,
+}
+
+/// Index of an element in the hierarchy's arena; the root cluster is [`Hierarchy::ROOT`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct ElementId(pub u32);
+
+impl ElementId {
+    /// The element's place in any table that is parallel to the arena.
+    #[inline]
+    pub fn index(self) -> usize {
+        self.0 as usize
+    }
+}
+
+/// A cluster: a box around polygons, which scatters like an isotropic volume (section 1.2).
+#[derive(Clone, Copy, Debug)]
+pub struct Cluster {
+    /// Half the box's extent along each axis; the centre is the element's.
+    pub half_extent: Vec3,
+    /// Depth below the root, which is level 0.
+    pub level: u16,
+    /// First of the initial patches below, in [`Hierarchy::initial_patches`].
+    first_patch: u32,
+    /// Number of initial patches below.
+    patch_count: u32,
+}
+
+/// What an element is.
+#[derive(Clone, Copy, Debug)]
+pub enum Shape {
+    /// A group of elements.
+    Cluster(Cluster),
+    /// A planar triangle or quad.
+    Patch(Patch),
+}
+
+/// A node of the hierarchy.
+#[derive(Clone, Copy, Debug)]
+pub struct Element {
+    parent: u32,
+    first_child: u32,
+    child_count: u32,
+    /// Area, m²; a cluster's is the sum of its polygons' (the "equivalent area" of section 2.1).
+    pub area: f32,
+    /// Centroid of a patch, centre of a cluster's box.
+    pub centre: Vec3,
+    /// Tells what the element is whatever its index: seeds the rays of its links.
+    pub key: u64,
+    /// Cluster or patch.
+    pub shape: Shape,
+}
+
+/// Stands for "no parent".
+const NO_PARENT: u32 = u32::MAX;
+
+impl Element {
+    /// Whether the element is a cluster.
+    pub fn is_cluster(&self) -> bool {
+        matches!(self.shape, Shape::Cluster(_))
+    }
+
+    /// Whether the element has no children.
+    pub fn is_leaf(&self) -> bool {
+        self.child_count == 0
+    }
+
+    /// The enclosing element; `None` for the root.
+    pub fn parent(&self) -> Option<ElementId> {
+        (self.parent != NO_PARENT).then_some(ElementId(self.parent))
+    }
+
+    /// The children; empty for a leaf.
+    pub fn children(&self) -> impl ExactSizeIterator<Item = ElementId> + Clone + use<> {
+        (self.first_child..self.first_child + self.child_count).map(ElementId)
+    }
+}
+
+/// The arena of elements with the vertices of its patches.
+pub struct Hierarchy {
+    elements: Vec<Element>,
+    vertices: Vec<Vec3>,
+    /// Vertex in the middle of a split edge, by the edge's ends (smaller index first).
+    midpoints: FxHashMap<(u32, u32), u32>,
+    /// Initial patches such that those below any one cluster lie together.
+    initial_patches: Vec<ElementId>,
+    /// Summed area before each initial patch, m²; one longer than `initial_patches`.
+    area_before: Vec<f64>,
+    cluster_count: usize,
+    leaf_count: usize,
+}
+
+impl Hierarchy {
+    /// The root cluster.
+    pub const ROOT: ElementId = ElementId(0);
+
+    /// Builds the clusters over a scene's polygons, which become the initial patches.
+    pub fn new(scene: &Scene, mode: ClusteringMode, octree_depth: u32) -> Self {
+        build::build(scene, mode, octree_depth)
+    }
+
+    /// The element with this id.
+    #[inline]
+    pub fn element(&self, id: ElementId) -> &Element {
+        &self.elements[id.index()]
+    }
+
+    /// All elements; a parent precedes its children.
+    pub fn elements(&self) -> &[Element] {
+        &self.elements
+    }
+
+    /// Ids of all elements.
+    pub fn ids(&self) -> impl ExactSizeIterator<Item = ElementId> + Clone + use<> {
+        (0..self.elements.len() as u32).map(ElementId)
+    }
+
+    /// Vertex positions that [`Patch::corners`] refer to.
+    pub fn vertices(&self) -> &[Vec3] {
+        &self.vertices
+    }
+
+    /// The initial patches, those below any one cluster side by side.
+    pub fn initial_patches(&self) -> &[ElementId] {
+        &self.initial_patches
+    }
+
+    /// The initial patches below a cluster.
+    pub fn patches_below(&self, cluster: &Cluster) -> &[ElementId] {
+        let first = cluster.first_patch as usize;
+        &self.initial_patches[first..first + cluster.patch_count as usize]
+    }
+
+    /// Number of clusters.
+    pub fn cluster_count(&self) -> usize {
+        self.cluster_count
+    }
+
+    /// Number of leaf patches.
+    pub fn leaf_count(&self) -> usize {
+        self.leaf_count
+    }
+
+    /// The vertex in the middle of the edge between two vertices, if a patch on either side was split there.
+    pub fn midpoint(&self, a: u32, b: u32) -> Option<u32> {
+        self.midpoints.get(&(a.min(b), a.max(b))).copied()
+    }
+
+    /// Whether any patch was split.
+    pub fn is_subdivided(&self) -> bool {
+        !self.midpoints.is_empty()
+    }
+
+    /// Memory of elements and vertices, bytes.
+    pub fn bytes(&self) -> usize {
+        size_of_val(&self.elements[..])
+            + size_of_val(&self.vertices[..])
+            + size_of_val(&self.initial_patches[..])
+            + size_of_val(&self.area_before[..])
+            + self.midpoints.len() * size_of::<((u32, u32), u32)>()
+    }
+
+    /// Splits a leaf patch into four, unless it has been split already; clusters are left as they are.
+    pub fn subdivide(&mut self, id: ElementId) {
+        let parent = *self.element(id);
+        let Shape::Patch(patch) = parent.shape else { return };
+        if !parent.is_leaf() {
+            return;
+        }
+        let first_child = self.elements.len() as u32;
+        let quarters = self.quarters(&patch);
+        for (index, quarter) in quarters.into_iter().enumerate() {
+            let mut child = self.patch_element(quarter, mix(parent.key, index as u64 + 1));
+            child.parent = id.0;
+            self.elements.push(child);
+        }
+        let element = &mut self.elements[id.index()];
+        (element.first_child, element.child_count) = (first_child, 4);
+        self.leaf_count += 3;
+    }
+}
+
+/// A well-mixed 64-bit hash of two numbers (the finaliser of splitmix64).
+pub fn mix(a: u64, b: u64) -> u64 {
+    let mut z = a.wrapping_mul(0x9e37_79b9_7f4a_7c15).wrapping_add(b).wrapping_add(0x9e37_79b9_7f4a_7c15);
+    z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    z ^ (z >> 31)
+}

@@ -1,6 +1,23 @@
 //! From radiosity in W/m² to a colour on the screen: exposure, filmic tone curve, gamma.
+//!
+//! Exposure: the log-average key of Reinhard et al., "Photographic Tone Reproduction for Digital Images", SIGGRAPH 2002.
+//! Tone curve: the rational fit to the ACES filmic curve of K. Narkowicz, "ACES Filmic Tone Mapping Curve", 2015, per channel.
 
 use crate::solver::snapshot::Snapshot;
+
+/// Exposed log-average luminance of a well exposed picture, before the tone curve. Photography's 0.18 is the key of a landscape;
+/// rooms are mostly pale walls.
+const KEY: f32 = 0.3;
+/// The brightest lit surfaces are exposed to this at most; the tone curve shows it as 0.95 of white.
+const HIGHLIGHT: f32 = 2.5;
+/// Share of the lit area that may be brighter than `HIGHLIGHT`.
+const HIGHLIGHT_AREA: f64 = 0.02;
+/// Shares of the lit area, from the darkest, whose log-average is taken: a few very dark or very bright leaves do not count.
+const COUNTED_AREA: (f64, f64) = (0.1, 0.95);
+/// Leaves darker than this share of the mean count as unlit: outsides of walls that a leak reaches.
+const UNLIT_SHARE: f64 = 1e-4;
+/// More leaves than this are sampled evenly, so that a large mesh costs no more than a few milliseconds.
+const MOST_LEAVES: usize = 1 << 16;
 
 /// How bright the picture is made.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -40,13 +57,61 @@ pub struct Display {
     pub exposure: Exposure,
 }
 
-/// The factor on radiosities, m²/W, that exposes a snapshot well.
-pub fn auto_exposure(_snapshot: &Snapshot) -> f32 {
-    1.0
+/// The factor on radiosities, m²/W, that exposes a snapshot well; 1 where nothing is lit.
+///
+/// Takes the log-average luminance over the lit area, lamps aside, so that it neither follows the camera nor jumps when a lamp comes
+/// into view, and scales inversely with the light.
+pub fn auto_exposure(snapshot: &Snapshot) -> f32 {
+    let step = snapshot.leaf_radiosity.len().div_ceil(MOST_LEAVES).max(1);
+    let leaves = || snapshot.mesh.leaves.iter().zip(&snapshot.leaf_radiosity).zip(&snapshot.leaf_irradiance);
+    let collect = |with_lamps: bool| -> Vec<(f64, f64)> {
+        leaves()
+            .step_by(step)
+            .map(|((leaf, &radiosity), &irradiance)| {
+                (luminance(radiosity), luminance(irradiance), f64::from(leaf.area))
+            })
+            // What sends out more than it receives is a lamp.
+            .filter(|&(sent, received, _)| with_lamps || sent <= received)
+            .map(|(sent, _, area)| (sent, area))
+            .filter(|&(sent, area)| sent > 0.0 && sent.is_finite() && area > 0.0 && area.is_finite())
+            .collect()
+    };
+    let mut lit = collect(false);
+    if lit.is_empty() {
+        lit = collect(true);
+    }
+    let area: f64 = lit.iter().map(|&(_, area)| area).sum();
+    let mean = lit.iter().map(|&(sent, area)| sent * area).sum::<f64>() / area;
+    lit.retain(|&(sent, _)| sent >= UNLIT_SHARE * mean);
+    lit.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
+    let Some(&(brightest, _)) = lit.last() else { return 1.0 };
+
+    let area: f64 = lit.iter().map(|&(_, area)| area).sum();
+    let (lowest, highest) = (COUNTED_AREA.0 * area, COUNTED_AREA.1 * area);
+    let (mut below, mut counted, mut logs, mut highlight) = (0.0, 0.0, 0.0, brightest);
+    for &(sent, area_here) in &lit {
+        let upto = below + area_here;
+        let share = (upto.min(highest) - below.max(lowest)).max(0.0);
+        counted += share;
+        logs += share * sent.ln();
+        if below <= (1.0 - HIGHLIGHT_AREA) * area {
+            highlight = sent;
+        }
+        below = upto;
+    }
+    let exposure = (f64::from(KEY) / (logs / counted).exp()).min(f64::from(HIGHLIGHT) / highlight);
+    if exposure.is_finite() && exposure > 0.0 { exposure.clamp(1e-30, 1e30) as f32 } else { 1.0 }
 }
 
-/// Filmic tone curve of one linear, exposed channel: 0..∞ to 0..1.
-pub fn tone_curve(x: f32) -> f32 {
+/// Luminance of a linear RGB radiosity, W/m² (Rec. 709 weights).
+fn luminance([r, g, b]: [f32; 3]) -> f64 {
+    f64::from(0.2126 * r + 0.7152 * g + 0.0722 * b)
+}
+
+/// Filmic tone curve of one linear, exposed channel: 0..∞ to 0..1 (Narkowicz 2015).
+pub fn tone_curve(exposed: f32) -> f32 {
+    // Far beyond white the curve is flat, and its square must stay finite.
+    let x = exposed.clamp(0.0, 1e4);
     (x * (2.51 * x + 0.03) / (x * (2.43 * x + 0.59) + 0.14)).clamp(0.0, 1.0)
 }
 

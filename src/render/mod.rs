@@ -7,17 +7,20 @@
 //! The window and a picture on disk go the same way: [`SceneRenderer::draw`] renders into its own multisampled target and resolves
 //! it to one `Rgba8Unorm` texture, which a window blits into its pass and [`Offscreen`] reads back.
 
+mod buffer;
 mod camera;
 mod display;
 mod offscreen;
 mod overlay;
 mod pick;
+mod pipelines;
 mod renderer;
+mod target;
 
 pub use camera::Camera;
 pub use display::{Display, Exposure, auto_exposure, encode_gamma, tone_curve};
 pub use offscreen::Offscreen;
-pub use overlay::{Line, LinkFilter, Overlay, power_colour};
+pub use overlay::{LinkFilter, Overlay, power_colour};
 pub use pick::{Picked, pick};
 pub use renderer::{Frame, SceneRenderer, sample_count};
 
@@ -65,9 +68,23 @@ pub enum RenderError {
         /// The adapter's limit, MiB.
         limit_mib: u64,
     },
-    /// The picture could not be read back.
-    #[error("the picture could not be read back from the graphics adapter: {reason}")]
-    ReadBack {
+    /// A picture that the adapter cannot hand back.
+    #[error(
+        "a picture of {width}×{height} pixels needs a graphics buffer of {needed_mib} MiB, but the adapter takes at most {limit_mib} MiB: choose a smaller picture"
+    )]
+    PictureTooLarge {
+        /// Width asked for, pixels.
+        width: u32,
+        /// Height asked for, pixels.
+        height: u32,
+        /// Size needed, MiB.
+        needed_mib: u64,
+        /// The adapter's limit, MiB.
+        limit_mib: u64,
+    },
+    /// The graphics device gave up on a picture, for want of memory for one.
+    #[error("the graphics adapter could not draw the picture, a smaller one may succeed: {reason}")]
+    Device {
         /// What the driver said.
         reason: String,
     },

@@ -1,18 +1,59 @@
-//! Pictures without a window.
+//! Pictures without a window, on whatever adapter answers, software ones included.
 
-use super::{Camera, Display, Overlay, RenderError};
+use std::sync::mpsc;
+
+use image::RgbaImage;
+
+use super::pipelines::COLOUR_FORMAT;
+use super::renderer::supported_samples;
+use super::{Camera, Display, Frame, Overlay, RenderError, SceneRenderer};
 use crate::solver::snapshot::Snapshot;
 
+/// Bytes of a pixel of the finished picture.
+const PIXEL_BYTES: u32 = 4;
+
 /// A graphics device of its own and a renderer on it.
-pub struct Offscreen {}
+pub struct Offscreen {
+    device: wgpu::Device,
+    queue: wgpu::Queue,
+    samples: u32,
+    renderer: SceneRenderer,
+    adapter: String,
+}
 
 impl Offscreen {
-    /// Takes the first adapter that answers, software ones included.
+    /// Takes the first adapter that answers.
     ///
     /// # Errors
     /// No adapter, or one that gives no device.
     pub fn new() -> Result<Self, RenderError> {
-        Err(RenderError::NoAdapter)
+        let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env());
+        let options = |force_fallback_adapter| wgpu::RequestAdapterOptions {
+            power_preference: wgpu::PowerPreference::HighPerformance,
+            force_fallback_adapter,
+            ..Default::default()
+        };
+        let adapter = pollster::block_on(instance.request_adapter(&options(false)))
+            .or_else(|_| pollster::block_on(instance.request_adapter(&options(true))))
+            .map_err(|_| RenderError::NoAdapter)?;
+        let name = adapter.get_info().name;
+        let descriptor = wgpu::DeviceDescriptor {
+            label: Some("offscreen"),
+            // All that the adapter has: pictures and meshes may be larger than the defaults.
+            required_limits: adapter.limits(),
+            ..Default::default()
+        };
+        let (device, queue) = pollster::block_on(adapter.request_device(&descriptor))
+            .map_err(|error| RenderError::NoDevice { adapter: name.clone(), reason: error.to_string() })?;
+        // A picture to keep is worth the time of several samples, on a software adapter too.
+        let samples = supported_samples(&adapter);
+        let renderer = new_renderer(&device, &queue, samples);
+        Ok(Self { device, queue, samples, renderer, adapter: name })
+    }
+
+    /// Name of the graphics adapter.
+    pub fn adapter(&self) -> &str {
+        &self.adapter
     }
 
     /// Draws one picture.
@@ -21,12 +62,82 @@ impl Offscreen {
     /// A size of zero or beyond the adapter's limits, a mesh beyond them, or a failed read-back.
     pub fn picture(
         &mut self,
-        _snapshot: &Snapshot,
-        _camera: &Camera,
-        _display: &Display,
-        _overlay: &Overlay,
-        _size: [u32; 2],
-    ) -> Result<image::RgbaImage, RenderError> {
-        Err(RenderError::NoAdapter)
+        snapshot: &Snapshot,
+        camera: &Camera,
+        display: &Display,
+        overlay: &Overlay,
+        size: [u32; 2],
+    ) -> Result<RgbaImage, RenderError> {
+        // Without these, running out of graphics memory would end the program; what then fails to be used is reported as invalid.
+        let memory = self.device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
+        let validity = self.device.push_error_scope(wgpu::ErrorFilter::Validation);
+        let picture = self.draw_and_read(&Frame { snapshot, camera, display, overlay, size });
+        let invalid = pollster::block_on(validity.pop());
+        let exhausted = pollster::block_on(memory.pop());
+        match exhausted.or(invalid) {
+            Some(error) => {
+                // Its textures and buffers may be unusable.
+                self.renderer = new_renderer(&self.device, &self.queue, self.samples);
+                Err(RenderError::Device { reason: error.to_string() })
+            }
+            None => picture,
+        }
     }
+
+    fn draw_and_read(&mut self, frame: &Frame<'_>) -> Result<RgbaImage, RenderError> {
+        let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        // Each picture stands for itself: two snapshots of different solves may carry the same numbers.
+        self.renderer.forget();
+        self.renderer.draw(&mut encoder, frame)?;
+        let failed = |reason: String| RenderError::Device { reason };
+        let texture = self.renderer.picture().ok_or_else(|| failed("nothing was drawn".into()))?;
+
+        let [width, height] = frame.size;
+        let row_bytes = width * PIXEL_BYTES;
+        let padded_row_bytes = row_bytes.next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
+        let bytes = u64::from(padded_row_bytes) * u64::from(height);
+        let limit = self.device.limits().max_buffer_size;
+        if bytes > limit {
+            return Err(RenderError::PictureTooLarge {
+                width,
+                height,
+                needed_mib: bytes.div_ceil(1 << 20),
+                limit_mib: limit >> 20,
+            });
+        }
+        let buffer = self.device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some("read-back"),
+            size: bytes,
+            usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ,
+            mapped_at_creation: false,
+        });
+        encoder.copy_texture_to_buffer(
+            texture.as_image_copy(),
+            wgpu::TexelCopyBufferInfo {
+                buffer: &buffer,
+                layout: wgpu::TexelCopyBufferLayout {
+                    offset: 0,
+                    bytes_per_row: Some(padded_row_bytes),
+                    rows_per_image: None,
+                },
+            },
+            texture.size(),
+        );
+        self.queue.submit([encoder.finish()]);
+
+        let (sender, receiver) = mpsc::channel();
+        // The receiver outlives the wait below; a failed send could only mean that nobody waits any more.
+        buffer.map_async(wgpu::MapMode::Read, .., move |result| drop(sender.send(result)));
+        self.device.poll(wgpu::PollType::wait_indefinitely()).map_err(|error| failed(error.to_string()))?;
+        let mapped = receiver.recv().map_err(|_| failed("the device gave no answer".into()))?;
+        mapped.map_err(|error| failed(error.to_string()))?;
+        let rows = buffer.get_mapped_range(..).map_err(|error| failed(error.to_string()))?;
+        let pixels: Vec<u8> =
+            rows.chunks_exact(padded_row_bytes as usize).flat_map(|row| &row[..row_bytes as usize]).copied().collect();
+        RgbaImage::from_raw(width, height, pixels).ok_or_else(|| failed("too few pixels came back".into()))
+    }
+}
+
+fn new_renderer(device: &wgpu::Device, queue: &wgpu::Queue, samples: u32) -> SceneRenderer {
+    SceneRenderer::new(device.clone(), queue.clone(), samples, COLOUR_FORMAT)
 }

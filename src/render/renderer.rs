@@ -1,7 +1,21 @@
-//! Draws snapshots with wgpu.
+//! Draws snapshots with wgpu: uploads what changed, records one pass, keeps the finished picture.
 
-use super::{Camera, Display, Overlay, RenderError};
-use crate::solver::snapshot::Snapshot;
+use std::sync::Arc;
+
+use bytemuck::cast_slice;
+
+use super::buffer::GrowingBuffer;
+use super::overlay::{self, Line};
+use super::pipelines::{COLOUR_FORMAT, DEPTH_FORMAT, Pipelines};
+use super::target::Target;
+use super::{Camera, Display, MAX_SIZE, Overlay, RenderError, auto_exposure};
+use crate::solver::snapshot::{ClusterBox, Mesh, Snapshot};
+
+/// Samples per pixel where drawing is cheap.
+pub(super) const SAMPLES: u32 = 4;
+
+/// Lines are cut this many near planes before the eye: nearer, they would be wider than the picture.
+const LINE_NEAR: f32 = 100.0;
 
 /// What one picture shows.
 #[derive(Clone, Copy)]
@@ -18,33 +32,301 @@ pub struct Frame<'a> {
     pub size: [u32; 2],
 }
 
-/// Samples per pixel that suit an adapter: 1 on software ones, where drawing takes the solver's cores, otherwise 4.
-pub fn sample_count(_adapter: &wgpu::Adapter) -> u32 {
-    1
+/// Samples per pixel that suit a window on an adapter: 1 on software ones, where drawing takes the solver's cores, otherwise 4.
+pub fn sample_count(adapter: &wgpu::Adapter) -> u32 {
+    let is_software = adapter.get_info().device_type == wgpu::DeviceType::Cpu;
+    if is_software { 1 } else { supported_samples(adapter) }
+}
+
+/// 4 samples where the adapter takes them for colour and depth, otherwise 1.
+pub(super) fn supported_samples(adapter: &wgpu::Adapter) -> u32 {
+    let supported = [COLOUR_FORMAT, DEPTH_FORMAT]
+        .iter()
+        .all(|&format| adapter.get_texture_format_features(format).flags.sample_count_supported(SAMPLES));
+    if supported { SAMPLES } else { 1 }
+}
+
+/// The uniform `View` of scene.wgsl.
+#[derive(Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
+struct ViewUniform {
+    clip_from_world: [[f32; 4]; 4],
+    size: [f32; 2],
+    exposure: f32,
+    line_near: f32,
+}
+
+/// Lines on the graphics device and what they were made from.
+struct LineSet<Key> {
+    buffer: GrowingBuffer,
+    count: u32,
+    key: Option<Key>,
+}
+
+impl<Key: PartialEq> LineSet<Key> {
+    fn new(what: &'static str) -> Self {
+        Self { buffer: GrowingBuffer::new(what, wgpu::BufferUsages::VERTEX), count: 0, key: None }
+    }
+
+    fn clear(&mut self) {
+        (self.count, self.key) = (0, None);
+    }
+
+    /// Makes and uploads the lines unless those of the key are there.
+    fn update(
+        &mut self,
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        key: Key,
+        make: impl FnOnce() -> Vec<Line>,
+    ) -> Result<(), RenderError> {
+        if self.key.as_ref() != Some(&key) {
+            self.clear();
+            let lines = make();
+            self.buffer.write(device, queue, cast_slice(&lines))?;
+            self.count = lines.len() as u32;
+            self.key = Some(key);
+        }
+        Ok(())
+    }
+
+    fn draw(&self, pass: &mut wgpu::RenderPass<'_>, pipeline: &wgpu::RenderPipeline) {
+        if self.count > 0
+            && let Some(lines) = self.buffer.contents()
+        {
+            pass.set_pipeline(pipeline);
+            pass.set_vertex_buffer(0, lines);
+            pass.draw(0..4, 0..self.count);
+        }
+    }
+}
+
+/// Tells shared data apart by where it lies; holding it keeps the place from being used again.
+struct Same<T>(Arc<T>);
+
+impl<T> PartialEq for Same<T> {
+    fn eq(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.0, &other.0)
+    }
 }
 
 /// Owns what the picture needs on the graphics device.
-pub struct SceneRenderer {}
+pub struct SceneRenderer {
+    device: wgpu::Device,
+    queue: wgpu::Queue,
+    samples: u32,
+    pipelines: Pipelines,
+    view_buffer: wgpu::Buffer,
+    view_binding: wgpu::BindGroup,
+    sampler: wgpu::Sampler,
+    target: Option<(Target, wgpu::BindGroup)>,
+
+    positions: GrowingBuffer,
+    radiosities: GrowingBuffer,
+    indices: GrowingBuffer,
+    index_count: u32,
+    mesh: Option<Same<Mesh>>,
+    /// Generation and serial of the radiosities on the device.
+    shown: Option<(u64, u64)>,
+    auto_exposure: f32,
+
+    outlines: LineSet<Same<Mesh>>,
+    boxes: LineSet<(Same<Vec<ClusterBox>>, u16)>,
+    links: LineSet<((u64, u64), usize)>,
+}
 
 impl SceneRenderer {
     /// A renderer with so many samples per pixel ([`sample_count`]), which can blit into targets of one format.
-    pub fn new(_device: wgpu::Device, _queue: wgpu::Queue, _samples: u32, _blit_format: wgpu::TextureFormat) -> Self {
-        Self {}
+    pub fn new(device: wgpu::Device, queue: wgpu::Queue, samples: u32, blit_format: wgpu::TextureFormat) -> Self {
+        let pipelines = Pipelines::new(&device, samples, blit_format);
+        let view_buffer = device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some("view"),
+            size: size_of::<ViewUniform>() as u64,
+            usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
+            mapped_at_creation: false,
+        });
+        let view_binding = device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some("view"),
+            layout: &pipelines.view_layout,
+            entries: &[wgpu::BindGroupEntry { binding: 0, resource: view_buffer.as_entire_binding() }],
+        });
+        let sampler = device.create_sampler(&wgpu::SamplerDescriptor { label: Some("picture"), ..Default::default() });
+        Self {
+            device,
+            queue,
+            samples,
+            pipelines,
+            view_buffer,
+            view_binding,
+            sampler,
+            target: None,
+            positions: GrowingBuffer::new("mesh vertices", wgpu::BufferUsages::VERTEX),
+            radiosities: GrowingBuffer::new("vertex radiosities", wgpu::BufferUsages::VERTEX),
+            indices: GrowingBuffer::new("mesh triangles", wgpu::BufferUsages::INDEX),
+            index_count: 0,
+            mesh: None,
+            shown: None,
+            auto_exposure: 1.0,
+            outlines: LineSet::new("element outlines"),
+            boxes: LineSet::new("cluster boxes"),
+            links: LineSet::new("links"),
+        }
     }
 
     /// Uploads what changed and records the drawing of one picture into the renderer's own texture.
     ///
     /// # Errors
     /// A size of zero or beyond the adapter's limits, or a mesh beyond them; the picture before stays.
-    pub fn draw(&mut self, _encoder: &mut wgpu::CommandEncoder, _frame: &Frame<'_>) -> Result<(), RenderError> {
+    pub fn draw(&mut self, encoder: &mut wgpu::CommandEncoder, frame: &Frame<'_>) -> Result<(), RenderError> {
+        self.check_size(frame.size)?;
+        self.upload(frame.snapshot)?;
+        self.upload_lines(frame.snapshot, frame.overlay)?;
+        let [width, height] = frame.size.map(|side| side as f32);
+        let view = ViewUniform {
+            clip_from_world: frame.camera.clip_from_world(width / height).to_cols_array_2d(),
+            size: [width, height],
+            exposure: frame.display.exposure.factor(self.auto_exposure),
+            line_near: LINE_NEAR * frame.camera.near(),
+        };
+        self.queue.write_buffer(&self.view_buffer, 0, bytemuck::bytes_of(&view));
+        if self.target.as_ref().is_none_or(|(target, _)| target.size != frame.size) {
+            self.target = Some(self.make_target(frame.size));
+        }
+        if let Some((target, _)) = &self.target {
+            self.record(encoder, target);
+        }
         Ok(())
     }
 
     /// Fills the viewport of a pass with the last picture; nothing before the first one.
-    pub fn blit(&self, _pass: &mut wgpu::RenderPass<'_>) {}
+    pub fn blit(&self, pass: &mut wgpu::RenderPass<'_>) {
+        if let Some((_, binding)) = &self.target {
+            pass.set_pipeline(&self.pipelines.blit);
+            pass.set_bind_group(0, binding, &[]);
+            pass.draw(0..3, 0..1);
+        }
+    }
 
     /// The last picture, `Rgba8Unorm`, gamma-encoded.
     pub fn picture(&self) -> Option<&wgpu::Texture> {
-        None
+        self.target.as_ref().map(|(target, _)| &target.picture)
+    }
+
+    /// The automatic exposure of the snapshot that was last drawn, m²/W.
+    pub fn auto_exposure(&self) -> f32 {
+        self.auto_exposure
+    }
+
+    /// Forgets which snapshot is shown, so that the next one is uploaded whatever its generation and serial say.
+    pub fn forget(&mut self) {
+        self.shown = None;
+        self.links.clear();
+    }
+
+    /// # Errors
+    /// A size of zero or beyond the adapter's limits.
+    fn check_size(&self, [width, height]: [u32; 2]) -> Result<(), RenderError> {
+        let limit = self.device.limits().max_texture_dimension_2d.min(MAX_SIZE);
+        let allowed = 1..=limit;
+        if allowed.contains(&width) && allowed.contains(&height) {
+            Ok(())
+        } else {
+            Err(RenderError::Size { width, height, limit })
+        }
+    }
+
+    fn upload(&mut self, snapshot: &Snapshot) -> Result<(), RenderError> {
+        let (device, queue) = (&self.device, &self.queue);
+        let mesh = Same(snapshot.mesh.clone());
+        if self.mesh.as_ref() != Some(&mesh) {
+            (self.mesh, self.shown, self.index_count) = (None, None, 0);
+            self.positions.write(device, queue, cast_slice(&mesh.0.positions))?;
+            self.indices.write(device, queue, cast_slice(&mesh.0.triangles))?;
+            self.index_count = 3 * mesh.0.triangles.len() as u32;
+            self.mesh = Some(mesh);
+        }
+        let identity = (snapshot.generation, snapshot.serial);
+        if self.shown != Some(identity) {
+            self.radiosities.write(device, queue, cast_slice(&snapshot.vertex_radiosity))?;
+            self.auto_exposure = auto_exposure(snapshot);
+            self.shown = Some(identity);
+        }
+        Ok(())
+    }
+
+    fn upload_lines(&mut self, snapshot: &Snapshot, overlay: &Overlay) -> Result<(), RenderError> {
+        let (device, queue) = (&self.device, &self.queue);
+        if overlay.elements {
+            let mesh = &snapshot.mesh;
+            self.outlines.update(device, queue, Same(mesh.clone()), || overlay::element_outlines(mesh))?;
+        } else {
+            self.outlines.clear();
+        }
+        if let Some(level) = overlay.clusters {
+            let clusters = &snapshot.clusters;
+            let key = (Same(clusters.clone()), level);
+            self.boxes.update(device, queue, key, || overlay::cluster_boxes(clusters, level))?;
+        } else {
+            self.boxes.clear();
+        }
+        if let Some(filter) = overlay.links {
+            let key = ((snapshot.generation, snapshot.serial), filter.strongest);
+            self.links.update(device, queue, key, || overlay::links(snapshot, filter))?;
+        } else {
+            self.links.clear();
+        }
+        Ok(())
+    }
+
+    fn make_target(&self, size: [u32; 2]) -> (Target, wgpu::BindGroup) {
+        let target = Target::new(&self.device, size, self.samples);
+        let binding = self.device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some("picture"),
+            layout: &self.pipelines.picture_layout,
+            entries: &[
+                wgpu::BindGroupEntry { binding: 0, resource: wgpu::BindingResource::TextureView(&target.picture_view) },
+                wgpu::BindGroupEntry { binding: 1, resource: wgpu::BindingResource::Sampler(&self.sampler) },
+            ],
+        });
+        (target, binding)
+    }
+
+    /// Background, mesh, then lines: those in surfaces where they are seen, links faintly through everything as well.
+    fn record(&self, encoder: &mut wgpu::CommandEncoder, target: &Target) {
+        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some("scene"),
+            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+                view: target.samples_view.as_ref().unwrap_or(&target.picture_view),
+                depth_slice: None,
+                resolve_target: target.samples_view.as_ref().map(|_| &target.picture_view),
+                ops: wgpu::Operations {
+                    load: wgpu::LoadOp::Clear(wgpu::Color::BLACK),
+                    store: if target.samples_view.is_some() { wgpu::StoreOp::Discard } else { wgpu::StoreOp::Store },
+                },
+            })],
+            depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
+                view: &target.depth_view,
+                depth_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Clear(0.0), store: wgpu::StoreOp::Discard }),
+                stencil_ops: None,
+            }),
+            ..Default::default()
+        });
+        pass.set_bind_group(0, &self.view_binding, &[]);
+        pass.set_pipeline(&self.pipelines.background);
+        pass.draw(0..3, 0..1);
+        if let (Some(positions), Some(radiosities), Some(indices)) =
+            (self.positions.contents(), self.radiosities.contents(), self.indices.contents())
+        {
+            pass.set_pipeline(&self.pipelines.mesh);
+            pass.set_vertex_buffer(0, positions);
+            pass.set_vertex_buffer(1, radiosities);
+            pass.set_index_buffer(indices, wgpu::IndexFormat::Uint32);
+            pass.draw_indexed(0..self.index_count, 0, 0..1);
+        }
+        let lines = &self.pipelines.lines;
+        self.outlines.draw(&mut pass, lines);
+        self.boxes.draw(&mut pass, lines);
+        self.links.draw(&mut pass, &self.pipelines.lines_through);
+        self.links.draw(&mut pass, lines);
     }
 }

@@ -1,9 +1,214 @@
-//! Loading.
-/// Placeholder.
-pub struct LoadError;
-/// Placeholder.
-pub struct Source;
-/// Placeholder.
-pub fn load() {}
-/// Placeholder.
-pub fn load_file() {}
+//! Loading: a scene comes from an OBJ, glTF or GLB file with its sidecar, by extension and content.
+
+use std::path::{Path, PathBuf};
+use std::{fs, io};
+
+use super::assemble::assemble;
+use super::sidecar::{Sidecar, SidecarError};
+use super::{Scene, gltf, obj};
+
+/// Where a scene comes from.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Source {
+    /// A file: OBJ, glTF or GLB.
+    File(PathBuf),
+}
+
+/// A scene that cannot be loaded: what, where, and what to do.
+#[derive(Debug, thiserror::Error)]
+pub enum LoadError {
+    /// There is no such file.
+    #[error("{}: no such file; check the path", path.display())]
+    Missing {
+        /// The file asked for.
+        path: PathBuf,
+    },
+    /// The file is there but cannot be read.
+    #[error("{}: cannot be read ({source}); check that it is a file and its permissions", path.display())]
+    Unreadable {
+        /// The file.
+        path: PathBuf,
+        /// What the system says.
+        source: io::Error,
+    },
+    /// The file has no content.
+    #[error("{}: the file is empty; Selflink reads OBJ, glTF and GLB scenes", path.display())]
+    Empty {
+        /// The file.
+        path: PathBuf,
+    },
+    /// The file is something else.
+    #[error("{}: this is {what}, not a scene; Selflink reads OBJ, glTF and GLB scenes", path.display())]
+    NotAScene {
+        /// The file.
+        path: PathBuf,
+        /// What it seems to be.
+        what: String,
+    },
+    /// The content cannot be understood.
+    #[error("{}, {place}: {problem}", path.display())]
+    Parse {
+        /// The file.
+        path: PathBuf,
+        /// Line of a text file, or the part of a glTF file.
+        place: String,
+        /// What is wrong, and what would be right.
+        problem: String,
+    },
+    /// A coordinate is NaN, infinite or too large.
+    #[error("{}, {place}: {vertex} has a coordinate that is not finite; export the scene again", path.display())]
+    Coordinate {
+        /// The file.
+        path: PathBuf,
+        /// Line of a text file, or the part of a glTF file.
+        place: String,
+        /// Which vertex.
+        vertex: String,
+    },
+    /// A face refers to a vertex that is not there.
+    #[error("{}, {place}: a face refers to vertex {index}, but there are {count}; the file is damaged or cut off", path.display())]
+    FaceIndex {
+        /// The file.
+        path: PathBuf,
+        /// Line of a text file, or the part of a glTF file.
+        place: String,
+        /// The index as the file has it.
+        index: i64,
+        /// Number of vertices.
+        count: usize,
+    },
+    /// Nothing to light.
+    #[error("{}: the scene has no polygons to light{why}", path.display())]
+    NoPolygons {
+        /// The file.
+        path: PathBuf,
+        /// What became of them, in brackets, or empty.
+        why: String,
+    },
+    /// More polygons than memory can take.
+    #[error("{}: the scene has {count} polygons, more than the {most} that can be loaded", path.display())]
+    TooLarge {
+        /// The file.
+        path: PathBuf,
+        /// Number of polygons.
+        count: usize,
+        /// The limit.
+        most: usize,
+    },
+    /// The sidecar cannot be used.
+    #[error(transparent)]
+    Sidecar(#[from] SidecarError),
+}
+
+/// Loads a scene from wherever it comes.
+///
+/// # Errors
+/// As [`load_file`].
+pub fn load(source: &Source) -> Result<Scene, LoadError> {
+    match source {
+        Source::File(path) => load_file(path),
+    }
+}
+
+/// Loads a scene file with its sidecar; what was skipped, clamped or ignored stands in [`Scene::skipped`].
+///
+/// # Errors
+/// One sentence with the file, the place in it and what to do.
+pub fn load_file(path: &Path) -> Result<Scene, LoadError> {
+    let bytes = read(path)?;
+    let draft = match format_of(path, &bytes)? {
+        Format::Obj => obj::read(path, &bytes)?,
+        Format::Gltf => gltf::read(path, &bytes)?,
+    };
+    drop(bytes);
+    let sidecar_path = Sidecar::path_for(path);
+    let sidecar = if sidecar_path.exists() { Sidecar::read(&sidecar_path)? } else { Sidecar::default() };
+    let scene = assemble(&scene_name(path), draft, &sidecar);
+    if scene.polygons.is_empty() {
+        let mut said = scene.skipped.sentences();
+        said.truncate(4);
+        let why = if said.is_empty() { String::new() } else { format!(" ({})", said.join(" ")) };
+        return Err(LoadError::NoPolygons { path: path.to_owned(), why });
+    }
+    Ok(scene)
+}
+
+/// The name shown to a person.
+pub(super) fn scene_name(path: &Path) -> String {
+    path.file_stem().map_or_else(|| "scene".to_owned(), |stem| stem.to_string_lossy().into_owned())
+}
+
+fn read(path: &Path) -> Result<Vec<u8>, LoadError> {
+    let bytes = fs::read(path).map_err(|source| match source.kind() {
+        io::ErrorKind::NotFound => LoadError::Missing { path: path.to_owned() },
+        _ => LoadError::Unreadable { path: path.to_owned(), source },
+    })?;
+    if bytes.iter().all(u8::is_ascii_whitespace) {
+        return Err(LoadError::Empty { path: path.to_owned() });
+    }
+    Ok(bytes)
+}
+
+#[derive(Debug, PartialEq)]
+enum Format {
+    Obj,
+    Gltf,
+}
+
+/// Decides by content where that is clear, else by extension.
+fn format_of(path: &Path, bytes: &[u8]) -> Result<Format, LoadError> {
+    let not_a_scene = |what: String| Err(LoadError::NotAScene { path: path.to_owned(), what });
+    if let Ok(image) = image::guess_format(bytes)
+        && !bytes.starts_with(b"P")
+    {
+        let extension = image.extensions_str().first().copied().unwrap_or_default();
+        return not_a_scene(format!("an image ({})", extension.to_uppercase()));
+    }
+    let known: [(&[u8], &str); 8] = [
+        (b"%PDF", "a PDF document"),
+        (b"PK\x03\x04", "a ZIP archive (unpack it first)"),
+        (b"\x1f\x8b", "a compressed file (unpack it first)"),
+        (b"BLENDER", "a Blender file (export it as glTF)"),
+        (b"\x28\xb5\x2f\xfd", "a compressed file (unpack it first)"),
+        (b"Kaydara FBX", "an FBX file (convert it to glTF)"),
+        (b"ply", "a PLY file (convert it to OBJ)"),
+        (b"\x7fELF", "a program"),
+    ];
+    if let Some((_, what)) = known.iter().find(|(magic, _)| bytes.starts_with(magic)) {
+        return not_a_scene((*what).to_owned());
+    }
+    let extension = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
+    if bytes.starts_with(b"glTF") {
+        return Ok(Format::Gltf);
+    }
+    if bytes.iter().take(8192).any(|&byte| byte == 0) {
+        return not_a_scene("a binary file of an unknown kind".to_owned());
+    }
+    match extension.as_str() {
+        "obj" => Ok(Format::Obj),
+        "gltf" => Ok(Format::Gltf),
+        "glb" => not_a_scene("a file without the header of a GLB file".to_owned()),
+        _ if bytes.trim_ascii_start().starts_with(b"{") => Ok(Format::Gltf),
+        _ if bytes.split(|&byte| byte == b'\n').any(|line| line.trim_ascii_start().starts_with(b"v ")) => {
+            Ok(Format::Obj)
+        }
+        "" => not_a_scene("a file without a known extension".to_owned()),
+        other => not_a_scene(format!("a .{other} file")),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn content_decides_before_the_extension() {
+        let of = |name: &str, bytes: &[u8]| format_of(Path::new(name), bytes).ok();
+        assert_eq!(of("a.obj", b"v 0 0 0\n"), Some(Format::Obj));
+        assert_eq!(of("a.obj", b"glTF\x02\0\0\0"), Some(Format::Gltf));
+        assert_eq!(of("a.txt", b"# by hand\n v 0 0 0\n"), Some(Format::Obj));
+        assert_eq!(of("a", b" {\"asset\": {}}"), Some(Format::Gltf));
+        assert_eq!(of("a.obj", b"\x89PNG\r\n\x1a\n"), None);
+        assert_eq!(of("a.txt", b"hello"), None);
+    }
+}

@@ -4,11 +4,17 @@
 //! Nothing here knows about clusters, links or windows; this module imports no other of the crate.
 
 pub mod builtin;
+mod assemble;
 mod check;
+mod draft;
+mod edit;
 mod gltf;
 mod load;
+mod mtl;
 mod obj;
+mod obj_text;
 mod sidecar;
+mod texture;
 mod triangulate;
 mod write;
 
@@ -16,8 +22,9 @@ use glam::Vec3;
 use serde::{Deserialize, Serialize};
 
 pub use check::Skipped;
+pub use edit::EditError;
 pub use load::{LoadError, Source, load, load_file};
-pub use sidecar::{Sidecar, SidecarMaterial};
+pub use sidecar::{Sidecar, SidecarError, SidecarMaterial};
 pub use write::{WriteError, write_obj};
 
 /// Index into [`Scene::materials`].

@@ -1,5 +1,172 @@
-//! Sidecar.
-/// Placeholder.
-pub struct Sidecar;
-/// Placeholder.
-pub struct SidecarMaterial;
+//! The sidecar `NAME.selflink.json` beside a scene: corrections that the scene's own format cannot hold.
+//!
+//! ```json
+//! { "materials": { "lamp": { "emission": [30, 30, 30] }, "pane": { "ignore": true } },
+//!   "sides": "auto",
+//!   "camera": { "eye": [0, 1, 3], "target": [0, 1, 0], "up": [0, 1, 0], "hfov_deg": 50 } }
+//! ```
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::{fs, io};
+
+use glam::Vec3;
+use serde::{Deserialize, Serialize};
+
+use super::{CameraPose, Scene, Sides};
+
+/// The largest reflectance that a sidecar may set; a light path then loses at least a hundredth at each bounce.
+pub(super) const MAX_SIDECAR_REFLECTANCE: f32 = 0.99;
+
+/// What a sidecar says of a scene; every part may be missing.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Sidecar {
+    /// Corrections by material name.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub materials: BTreeMap<String, SidecarMaterial>,
+    /// Which sides of faces are bright.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sides: Option<Sides>,
+    /// The view to open with.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub camera: Option<CameraPose>,
+}
+
+/// What a sidecar says of one material; what is missing stays as the scene file has it.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SidecarMaterial {
+    /// Reflectance ρ per colour, 0 to 0.99.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub reflectance: Option<Vec3>,
+    /// Emission B_e per colour, W/m² (exitance).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub emission: Option<Vec3>,
+    /// Whether faces of this material are left out.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub ignore: bool,
+}
+
+/// A sidecar that cannot be read, used or written.
+#[derive(Debug, thiserror::Error)]
+pub enum SidecarError {
+    /// The file is there but cannot be read.
+    #[error("{}: cannot be read ({source}); check its permissions or move it away", path.display())]
+    Unreadable {
+        /// The sidecar.
+        path: PathBuf,
+        /// What the system says.
+        source: io::Error,
+    },
+    /// Not JSON, or a field that a sidecar does not have.
+    #[error("{}: not a valid sidecar: {source}", path.display())]
+    Syntax {
+        /// The sidecar.
+        path: PathBuf,
+        /// What is wrong, with line and column.
+        source: serde_json::Error,
+    },
+    /// A number out of its range.
+    #[error("{}: {problem}", path.display())]
+    Value {
+        /// The sidecar.
+        path: PathBuf,
+        /// Which value, and what it may be.
+        problem: String,
+    },
+    /// The file cannot be written.
+    #[error("{}: cannot be written ({source}); choose another folder", path.display())]
+    Unwritable {
+        /// The sidecar.
+        path: PathBuf,
+        /// What the system says.
+        source: io::Error,
+    },
+}
+
+impl Sidecar {
+    /// Where the sidecar of a scene file lies: `room.obj` has `room.selflink.json`.
+    pub fn path_for(scene: &Path) -> PathBuf {
+        scene.with_extension("selflink.json")
+    }
+
+    /// All that this program may have changed in a scene: reflectance and emission of each material, sides and camera.
+    pub fn of(scene: &Scene) -> Self {
+        let materials = scene.materials.iter().map(|material| {
+            let reflectance = Some(material.reflectance.clamp(Vec3::ZERO, Vec3::splat(MAX_SIDECAR_REFLECTANCE)));
+            let said = SidecarMaterial { reflectance, emission: Some(material.emission), ignore: false };
+            (material.name.clone(), said)
+        });
+        Self { materials: materials.collect(), sides: Some(scene.sides), camera: scene.camera }
+    }
+
+    /// Reads and checks a sidecar.
+    ///
+    /// # Errors
+    /// Unreadable, not a sidecar, or a value out of its range.
+    pub fn read(path: &Path) -> Result<Self, SidecarError> {
+        let bytes = fs::read(path).map_err(|source| SidecarError::Unreadable { path: path.to_owned(), source })?;
+        let text = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(&bytes);
+        let sidecar: Self = serde_json::from_slice(text)
+            .map_err(|source| SidecarError::Syntax { path: path.to_owned(), source })?;
+        match sidecar.problem() {
+            Some(problem) => Err(SidecarError::Value { path: path.to_owned(), problem }),
+            None => Ok(sidecar),
+        }
+    }
+
+    /// Writes the sidecar.
+    ///
+    /// # Errors
+    /// The file cannot be written.
+    pub fn write(&self, path: &Path) -> Result<(), SidecarError> {
+        let unwritable = |source| SidecarError::Unwritable { path: path.to_owned(), source };
+        let mut text = serde_json::to_string_pretty(self).map_err(|error| unwritable(error.into()))?;
+        text.push('\n');
+        fs::write(path, text).map_err(unwritable)
+    }
+
+    /// The first value that is out of its range, as a sentence.
+    fn problem(&self) -> Option<String> {
+        let of_materials = self.materials.iter().find_map(|(name, material)| {
+            let reflectance = material.reflectance.filter(|value| !in_range(*value, MAX_SIDECAR_REFLECTANCE));
+            let emission = material.emission.filter(|value| !in_range(*value, f32::MAX));
+            match (reflectance, emission) {
+                (Some(value), _) => Some(format!(
+                    "the reflectance {value} of material `{name}` must lie between 0 and {MAX_SIDECAR_REFLECTANCE}"
+                )),
+                (_, Some(value)) => {
+                    Some(format!("the emission {value} of material `{name}` must be finite and not negative"))
+                }
+                _ => None,
+            }
+        });
+        of_materials.or_else(|| self.camera.as_ref().and_then(camera_problem))
+    }
+}
+
+/// Whether every colour is finite and between 0 and `most`.
+fn in_range(value: Vec3, most: f32) -> bool {
+    value.is_finite() && value.min_element() >= 0.0 && value.max_element() <= most
+}
+
+/// Why a view cannot be used.
+fn camera_problem(camera: &CameraPose) -> Option<String> {
+    let CameraPose { eye, target, up, hfov_deg } = *camera;
+    let forward = target - eye;
+    let problem = if !(eye.is_finite() && target.is_finite() && up.is_finite()) {
+        "has a coordinate that is not finite"
+    } else if forward == Vec3::ZERO {
+        "looks at the point where its eye is; give it another target"
+    } else if up == Vec3::ZERO {
+        "has no up direction; [0, 1, 0] is usual"
+    } else if forward.normalize().cross(up.normalize()).length() < 1e-5 {
+        "looks along its up direction; turn up away from it"
+    } else if !(hfov_deg > 0.0 && hfov_deg < 180.0) {
+        "needs an hfov_deg between 0 and 180"
+    } else {
+        return None;
+    };
+    Some(format!("the camera {problem}"))
+}

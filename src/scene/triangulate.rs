@@ -1,1 +1,263 @@
-//! triangulate
+//! Polygons cut into what the solver takes: triangles, and quads where they are convex and nearly planar.
+//!
+//! Anything else is cut by ear clipping in the plane of its Newell normal, so that concave and slightly
+//! non-planar polygons come out right.
+
+use glam::{DVec2, DVec3, Vec3};
+
+/// A quad's fourth corner may lie this share of the longer diagonal away from the plane of the others.
+const QUAD_WARP: f64 = 0.02;
+
+/// Twice the area of a corner's triangle, relative to the squared longest edge, below which the corner is straight.
+const STRAIGHT: f64 = 1e-6;
+
+/// Twice the area vector of a polygon (Newell): its direction is the best-fit normal.
+pub(super) fn newell(positions: &[Vec3]) -> DVec3 {
+    let origin = positions.first().copied().unwrap_or_default().as_dvec3();
+    let next = positions.iter().cycle().skip(1);
+    positions.iter().zip(next).map(|(a, b)| (a.as_dvec3() - origin).cross(b.as_dvec3() - origin)).sum()
+}
+
+/// Squared length of the longest edge.
+pub(super) fn longest_edge_squared(positions: &[Vec3]) -> f64 {
+    let next = positions.iter().cycle().skip(1);
+    positions.iter().zip(next).map(|(a, b)| a.as_dvec3().distance_squared(b.as_dvec3())).fold(0.0, f64::max)
+}
+
+/// Whether four corners make a quad that can stay one: strictly convex and nearly planar.
+pub(super) fn is_good_quad(corners: [Vec3; 4]) -> bool {
+    let [a, b, c, d] = corners.map(Vec3::as_dvec3);
+    let normal = newell(&corners).normalize_or_zero();
+    let smallest_turn = STRAIGHT * longest_edge_squared(&corners);
+    let turns = [[d, a, b], [a, b, c], [b, c, d], [c, d, a]];
+    if turns.iter().any(|[before, at, after]| (at - before).cross(after - at).dot(normal) <= smallest_turn) {
+        return false;
+    }
+    let plane = (b - a).cross(c - a).normalize_or_zero();
+    let diagonal = a.distance(c).max(b.distance(d));
+    (d - a).dot(plane).abs() < QUAD_WARP * diagonal
+}
+
+/// Cuts a polygon into triangles of corner numbers, wound as the polygon is; triangles without area are left out.
+pub(super) fn ear_clip(positions: &[Vec3]) -> Vec<[usize; 3]> {
+    EarClipper::new(positions).run()
+}
+
+/// How strict the search for the next ear is; each level is tried when the one before finds none.
+#[derive(Clone, Copy, PartialEq)]
+enum Strictness {
+    /// No other corner inside the ear or on its rim.
+    Strict,
+    /// No other corner inside; on the rim is allowed (holes joined by a bridge).
+    Touching,
+    /// Any corner: the polygon crosses itself, and every triangulation is a guess.
+    Any,
+}
+
+/// The remaining polygon as a doubly linked ring over its corners in the best-fit plane.
+struct EarClipper {
+    points: Vec<DVec2>,
+    next: Vec<usize>,
+    previous: Vec<usize>,
+    /// Corners that turn the wrong way; only these can lie in another corner's ear.
+    reflex: Vec<usize>,
+    smallest_turn: f64,
+}
+
+impl EarClipper {
+    fn new(positions: &[Vec3]) -> Self {
+        let normal = newell(positions).normalize_or(DVec3::Z);
+        let (right, up) = normal.any_orthonormal_pair();
+        let origin = positions.first().copied().unwrap_or_default().as_dvec3();
+        let flat = |position: &Vec3| {
+            let offset = position.as_dvec3() - origin;
+            DVec2::new(offset.dot(right), offset.dot(up))
+        };
+        let points: Vec<DVec2> = positions.iter().map(flat).collect();
+        let count = points.len();
+        let mut clipper = Self {
+            next: (0..count).map(|corner| (corner + 1) % count).collect(),
+            previous: (0..count).map(|corner| (corner + count - 1) % count).collect(),
+            reflex: Vec::new(),
+            smallest_turn: STRAIGHT * longest_edge_squared(positions),
+            points,
+        };
+        clipper.reflex = (0..count).filter(|&corner| clipper.turn(corner) <= clipper.smallest_turn).collect();
+        clipper
+    }
+
+    /// Clips ears until a triangle is left.
+    fn run(mut self) -> Vec<[usize; 3]> {
+        let mut triangles = Vec::with_capacity(self.points.len().saturating_sub(2));
+        let mut remaining = self.points.len();
+        let mut corner = 0;
+        let mut tried = 0;
+        let mut strictness = Strictness::Strict;
+        while remaining > 2 {
+            if remaining == 3 || self.is_ear(corner, strictness) {
+                let (before, after) = (self.previous[corner], self.next[corner]);
+                if self.turn(corner).abs() > 0.0 {
+                    triangles.push([before, corner, after]);
+                }
+                self.remove(corner);
+                remaining -= 1;
+                tried = 0;
+                strictness = Strictness::Strict;
+                // Going on behind the neighbour spreads the ears and avoids a fan of slivers.
+                corner = self.next[after];
+                continue;
+            }
+            corner = self.next[corner];
+            tried += 1;
+            if tried > remaining {
+                tried = 0;
+                strictness = match strictness {
+                    Strictness::Strict => Strictness::Touching,
+                    Strictness::Touching | Strictness::Any => Strictness::Any,
+                };
+            }
+        }
+        triangles
+    }
+
+    /// Twice the signed area of the triangle at a corner; positive where the polygon is convex.
+    fn turn(&self, corner: usize) -> f64 {
+        let [a, b, c] = [self.previous[corner], corner, self.next[corner]].map(|index| self.points[index]);
+        (b - a).perp_dot(c - b)
+    }
+
+    fn is_ear(&self, corner: usize, strictness: Strictness) -> bool {
+        if strictness == Strictness::Any {
+            return true;
+        }
+        if self.turn(corner) <= self.smallest_turn {
+            return false;
+        }
+        let [a, b, c] = [self.previous[corner], corner, self.next[corner]].map(|index| self.points[index]);
+        let blocks = |point: DVec2| {
+            if point == a || point == b || point == c {
+                return false;
+            }
+            let inside = (b - a).perp_dot(point - a).min((c - b).perp_dot(point - b)).min((a - c).perp_dot(point - c));
+            match strictness {
+                Strictness::Strict => inside >= -self.smallest_turn,
+                Strictness::Touching | Strictness::Any => inside > self.smallest_turn,
+            }
+        };
+        !self.reflex.iter().any(|&other| blocks(self.points[other]))
+    }
+
+    fn remove(&mut self, corner: usize) {
+        let (before, after) = (self.previous[corner], self.next[corner]);
+        self.next[before] = after;
+        self.previous[after] = before;
+        let (turn_before, turn_after) = (self.turn(before), self.turn(after));
+        let smallest = self.smallest_turn;
+        self.reflex.retain(|&other| {
+            other != corner
+                && !(other == before && turn_before > smallest)
+                && !(other == after && turn_after > smallest)
+        });
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn area_of(triangles: &[[usize; 3]], positions: &[Vec3]) -> f64 {
+        let twice = |&[a, b, c]: &[usize; 3]| newell(&[positions[a], positions[b], positions[c]]).length();
+        triangles.iter().map(|triangle| 0.5 * twice(triangle)).sum()
+    }
+
+    fn flat(outline: &[[f32; 2]]) -> Vec<Vec3> {
+        outline.iter().map(|&[x, y]| Vec3::new(x, y, 0.25 * x)).collect()
+    }
+
+    /// Truth: the area of the polygon by the shoelace (Newell) formula, the winding of every triangle, and n − 2
+    /// triangles for a polygon without straight corners.
+    #[test]
+    fn concave_outlines_keep_area_and_winding() {
+        let arrow = flat(&[[0.0, 0.0], [2.0, -1.0], [1.0, 0.0], [2.0, 1.0]]);
+        let letter_l = flat(&[[0.0, 0.0], [3.0, 0.0], [3.0, 1.0], [1.0, 1.0], [1.0, 3.0], [0.0, 3.0]]);
+        let comb = flat(&[
+            [0.0, 0.0],
+            [5.0, 0.0],
+            [5.0, 3.0],
+            [4.0, 3.0],
+            [4.0, 1.0],
+            [3.0, 1.0],
+            [3.0, 3.0],
+            [2.0, 3.0],
+            [2.0, 1.0],
+            [1.0, 1.0],
+            [1.0, 3.0],
+            [0.0, 3.0],
+        ]);
+        for outline in [arrow, letter_l, comb] {
+            for turned in 0..outline.len() {
+                let mut outline = outline.clone();
+                outline.rotate_left(turned);
+                let triangles = ear_clip(&outline);
+                assert_eq!(triangles.len(), outline.len() - 2);
+                let normal = newell(&outline);
+                let area = area_of(&triangles, &outline);
+                assert!((area - 0.5 * normal.length()).abs() < 1e-6 * area, "{area} of {}", 0.5 * normal.length());
+                for &[a, b, c] in &triangles {
+                    assert!(newell(&[outline[a], outline[b], outline[c]]).dot(normal) > 0.0);
+                }
+            }
+        }
+    }
+
+    /// Truth: corners on a straight edge are kept as corners of triangles with area, none is lost.
+    #[test]
+    fn straight_corners_are_used() {
+        let outline = flat(&[[0.0, 0.0], [1.0, 0.0], [2.0, 0.0], [2.0, 2.0], [0.0, 2.0]]);
+        let triangles = ear_clip(&outline);
+        assert_eq!(triangles.len(), 3);
+        assert!(triangles.iter().all(|triangle| area_of(&[*triangle], &outline) > 0.1));
+        assert!((0..5).all(|corner| triangles.iter().any(|triangle| triangle.contains(&corner))));
+    }
+
+    /// Truth: a square ring cut open by a bridge has area 9 − 1.
+    #[test]
+    fn a_hole_joined_by_a_bridge_stays_open() {
+        let outline: Vec<Vec3> = [
+            [0.0, 0.0],
+            [3.0, 0.0],
+            [3.0, 3.0],
+            [0.0, 3.0],
+            [0.0, 0.0],
+            [1.0, 1.0],
+            [1.0, 2.0],
+            [2.0, 2.0],
+            [2.0, 1.0],
+            [1.0, 1.0],
+        ]
+        .iter()
+        .map(|&[x, y]| Vec3::new(x, y, 0.0))
+        .collect();
+        assert!((area_of(&ear_clip(&outline), &outline) - 8.0).abs() < 1e-9);
+    }
+
+    /// Truth: whatever it is, an outline that crosses itself ends and gives at most n − 2 triangles.
+    #[test]
+    fn crossing_outlines_end() {
+        let bow = flat(&[[0.0, 0.0], [1.0, 1.0], [1.0, 0.0], [0.0, 1.0], [0.5, 3.0]]);
+        assert!(ear_clip(&bow).len() <= 3);
+        assert!(ear_clip(&[Vec3::ONE; 7]).is_empty());
+    }
+
+    /// Truth: the definition, at both sides of its bounds (2 % of a diagonal of √2 is 0.028).
+    #[test]
+    fn quads_stay_where_convex_and_flat() {
+        let quad = |x: f32, y: f32, z: f32| [Vec3::ZERO, Vec3::X, Vec3::new(1.0, 1.0, 0.0), Vec3::new(x, y, z)];
+        assert!(is_good_quad(quad(0.0, 1.0, 0.0)));
+        assert!(is_good_quad(quad(0.0, 1.0, 0.027)));
+        assert!(!is_good_quad(quad(0.0, 1.0, 0.03)));
+        assert!(!is_good_quad(quad(0.7, 0.3, 0.0)), "concave");
+        assert!(!is_good_quad(quad(0.5, 0.5, 0.0)), "straight corner");
+        assert!(!is_good_quad(quad(2.0, -0.5, 0.0)), "crossing");
+    }
+}

@@ -1,21 +1,57 @@
-//! Placeholder solver: shows each polygon with its reflectance as radiosity.
+//! The solver: one link, from the root cluster to itself, refined until every link carries little enough.
+//!
+//! [`Solver::step`] does one bounded piece of work at a time, so that whoever drives it can look at pictures, change
+//! parameters or stop in between. The algorithm:
+//!
+//! 1. Start with emitted light and the root's self-link as the one candidate.
+//! 2. Judge the candidates of a wave ([`Oracle`]), apply the verdicts ([`Refinement`]); repeat until none is left.
+//! 3. Gather to convergence ([`Gatherer`]).
+//! 4. Judge the stored links again, for B has grown; those that fail are candidates of the next round. Done when none fails.
+//!
+//! This module imports `scene`, `visibility` and `hierarchy`.
+
+mod balance;
+mod candidate;
+mod display;
+mod form_factor;
+mod gather;
+mod link;
+mod oracle;
 pub mod params;
+mod picture;
+mod rays;
+mod refine;
 pub mod snapshot;
 pub mod stats;
 
 use std::sync::Arc;
+use std::time::Instant;
 
+use glam::Vec3;
+
+pub use balance::{PowerBalance, power_balance};
+pub use form_factor::{Exchange, exchange, point_to_polygon};
+pub use link::{Evidence, Link, LinkTable};
+pub use oracle::Rejection;
 pub use params::{
     ClusteringMode, Epsilon, Invalidates, PARAMETERS, Parameter, ParameterId, ParamsError, Push, SolverParams,
     ValueKind,
 };
+pub use refine::RejectedPair;
 pub use snapshot::{ClusterBox, InspectedElement, Leaf, LinkView, Mesh, Snapshot};
 pub use stats::{Bytes, Phase, Seconds, Stats};
 
 use crate::cancel::CancelToken;
-use crate::hierarchy::ElementId;
+use crate::hierarchy::{ElementId, Hierarchy, Shape};
 use crate::scene::{MaterialId, Scene};
 use crate::visibility::Occluders;
+use candidate::{Candidate, Directions};
+use display::Display;
+use gather::{Gatherer, Light, Surface, pull};
+use oracle::{Oracle, Thresholds};
+use picture::Picture;
+use rays::RaySampler;
+use refine::Refinement;
 
 /// Why a solve cannot start.
 #[derive(Debug, thiserror::Error)]
@@ -25,14 +61,14 @@ pub enum SolverError {
     Params(#[from] ParamsError),
     /// Plain HR would need more memory than there is.
     #[error(
-        "clustering none would judge {pairs} pairs and needs up to {needed_mib} MiB for links, but only {available_mib} MiB are free: choose adaptive, groups or octree"
+        "clustering none would judge {pairs} pairs and needs up to {needed_mib} MiB for their links, but only {available_mib} MiB are free: choose adaptive, groups or octree"
     )]
     TooManyPairs {
         /// Pairs of initial patches.
         pairs: u64,
-        /// Memory their links may take.
+        /// Memory their links may take, MiB.
         needed_mib: u64,
-        /// Memory that is free.
+        /// Memory that is free, MiB.
         available_mib: u64,
     },
 }
@@ -40,9 +76,9 @@ pub enum SolverError {
 /// What one call of [`Solver::step`] did.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Step {
-    /// Judged and applied a part of a wave; true when the wave ended with it.
+    /// Judged and applied a part of a wave.
     Refined {
-        /// Whether the wave ended.
+        /// Whether the wave ended with it.
         wave_ended: bool,
     },
     /// Gathered to convergence and judged the stored links again.
@@ -53,13 +89,38 @@ pub enum Step {
     Interrupted,
 }
 
+/// A round's gather ends when less than this share of the power is still to come: thresholds do not ask for more.
+const ROUND_TOLERANCE: f64 = 1e-2;
+/// The last gather ends when less than this share of the power is still to come.
+const FINAL_TOLERANCE: f64 = 1e-5;
+/// A gather is given up after this many sweeps; at the largest reflectance that files may hold (0.99) light needs 1,400
+/// sweeps to fall to 10⁻⁶.
+const MOST_SWEEPS: u32 = 2000;
+
 /// Refines the root's self-link and gathers, step by step.
 pub struct Solver {
     scene: Arc<Scene>,
+    occluders: Arc<Occluders>,
+    surfaces: Vec<Surface>,
     params: SolverParams,
+    epsilon_watts: f64,
+    hierarchy: Hierarchy,
+    light: Light,
+    /// Largest colour of each element's B at the last fixed point of the algorithm; what verdicts look at.
+    brightness: Vec<f32>,
+    links: LinkTable,
+    refinement: Refinement,
+    phase: Phase,
+    /// Whether the last gather went to [`FINAL_TOLERANCE`].
+    gathered_finely: bool,
+    iterations: u32,
+    clamped_leaves: usize,
+    seconds: Seconds,
+    started: Instant,
     generation: u64,
     serial: u64,
-    steps: u32,
+    picture: Picture,
+    display: Option<Display>,
     inspected: Option<ElementId>,
 }
 
@@ -70,12 +131,44 @@ impl Solver {
     /// Parameters out of range, or a `none` solve that cannot fit into memory.
     pub fn new(
         scene: Arc<Scene>,
-        _occluders: Arc<Occluders>,
+        occluders: Arc<Occluders>,
         params: SolverParams,
         generation: u64,
     ) -> Result<Self, SolverError> {
         params.validate()?;
-        Ok(Self { scene, params, generation, serial: 0, steps: 0, inspected: None })
+        if params.clustering == ClusteringMode::None {
+            check_pairs_fit(scene.polygons.len() as u64)?;
+        }
+        let started = Instant::now();
+        let hierarchy = Hierarchy::new(&scene, params.clustering, params.octree_depth);
+        let seconds = Seconds { hierarchy: started.elapsed().as_secs_f64(), ..Seconds::default() };
+        let mut solver = Self {
+            surfaces: surfaces_of(&scene),
+            epsilon_watts: watts(&params, &scene),
+            scene,
+            occluders,
+            params,
+            hierarchy,
+            light: Light::default(),
+            brightness: Vec::new(),
+            links: LinkTable::default(),
+            refinement: Refinement::default(),
+            phase: Phase::Refine,
+            gathered_finely: false,
+            iterations: 0,
+            clamped_leaves: 0,
+            seconds,
+            started,
+            generation,
+            serial: 0,
+            picture: Picture::default(),
+            display: None,
+            inspected: None,
+        };
+        solver.light = solver.emitted_light();
+        solver.fix_brightness();
+        solver.refinement.start([Candidate::root()]);
+        Ok(solver)
     }
 
     /// Does one bounded piece of work.
@@ -83,12 +176,121 @@ impl Solver {
         if cancel.is_cancelled() {
             return Step::Interrupted;
         }
-        self.steps += 1;
-        match self.steps {
-            0..50 => Step::Refined { wave_ended: true },
-            50 => Step::Gathered,
-            _ => Step::Finished,
+        let before = Instant::now();
+        match self.phase {
+            Phase::Hierarchy | Phase::Refine => {
+                let step = self.refine(cancel);
+                self.seconds.refine += before.elapsed().as_secs_f64();
+                step
+            }
+            Phase::Gather => {
+                let step = self.gather(cancel);
+                self.seconds.gather += before.elapsed().as_secs_f64();
+                step
+            }
+            Phase::Done => Step::Finished,
         }
+    }
+
+    /// Steps until nothing is left to do; false if cancelled.
+    pub fn run(&mut self, cancel: &CancelToken) -> bool {
+        loop {
+            match self.step(cancel) {
+                Step::Finished => return true,
+                Step::Interrupted => return false,
+                Step::Refined { .. } | Step::Gathered => {}
+            }
+        }
+    }
+
+    fn refine(&mut self, cancel: &CancelToken) -> Step {
+        let oracle = oracle(&self.hierarchy, &self.brightness, &self.occluders, &self.params, self.epsilon_watts);
+        let Some(judged) = self.refinement.judge(&oracle, cancel) else { return Step::Interrupted };
+        let wave_ended = self.refinement.apply(&mut self.hierarchy, &judged);
+        self.light.grow(&self.hierarchy);
+        let known = self.brightness.len();
+        self.brightness.extend(self.light.radiosity[known..].iter().map(|radiosity| radiosity.max_element()));
+        if self.refinement.is_finished() {
+            self.phase = Phase::Gather;
+        }
+        Step::Refined { wave_ended }
+    }
+
+    fn gather(&mut self, cancel: &CancelToken) -> Step {
+        let accepted = std::mem::take(&mut self.refinement.accepted);
+        if !accepted.is_empty() || self.links.receivers() < self.hierarchy.elements().len() {
+            self.links.append(self.hierarchy.elements().len(), &accepted);
+            self.gathered_finely = false;
+        }
+        // The first rounds are coarse: light that is not judged yet has no place in what verdicts look at.
+        let tolerance = if self.gathered_finely { FINAL_TOLERANCE } else { ROUND_TOLERANCE };
+        let mut light = self.light.clone();
+        let gatherer = self.gatherer(&self.links);
+        let Some(clamped) = gatherer.limit_rows(&mut light, cancel) else { return Step::Interrupted };
+        if !gatherer.converge(&mut light, tolerance, MOST_SWEEPS, cancel) {
+            return Step::Interrupted;
+        }
+        self.light = light;
+        self.clamped_leaves = clamped;
+        self.fix_brightness();
+        self.iterations += 1;
+        let failing = self.take_failing_links();
+        if !failing.is_empty() {
+            self.refinement.start(failing);
+            self.gathered_finely = false;
+            self.phase = Phase::Refine;
+        } else if self.gathered_finely {
+            self.phase = Phase::Done;
+        } else {
+            // Once more, to the end; if that wakes no link, all is done.
+            self.gathered_finely = true;
+        }
+        Step::Gathered
+    }
+
+    /// Takes the links out that fail by the present radiosities and returns them as candidates.
+    fn take_failing_links(&mut self) -> Vec<Candidate> {
+        let oracle = oracle(&self.hierarchy, &self.brightness, &self.occluders, &self.params, self.epsilon_watts);
+        let failing = self.links.drain(|receiver, link| oracle.must_judge_again(receiver, link));
+        let candidate = |(receiver, link): (ElementId, Link)| {
+            let directions = Directions { to_a: true, to_b: false };
+            let inherits_visible = link.evidence() == Evidence::Inherited && receiver != link.source();
+            Candidate::new(receiver, link.source(), directions, link.visibility(), inherits_visible)
+        };
+        failing.into_iter().map(candidate).collect()
+    }
+
+    fn gatherer<'a>(&'a self, links: &'a LinkTable) -> Gatherer<'a> {
+        Gatherer {
+            hierarchy: &self.hierarchy,
+            links,
+            surfaces: &self.surfaces,
+            push: self.params.push,
+            with_unjudged: false,
+        }
+    }
+
+    /// Emitted light alone, pulled up the tree.
+    fn emitted_light(&self) -> Light {
+        let emission = |element: &crate::hierarchy::Element| match element.shape {
+            Shape::Patch(patch) => self.surfaces[patch.polygon as usize].emission,
+            Shape::Cluster(_) => Vec3::ZERO,
+        };
+        let mut radiosity: Vec<Vec3> = self.hierarchy.elements().iter().map(emission).collect();
+        pull(&self.hierarchy, &mut radiosity);
+        let irradiance = vec![Vec3::ZERO; radiosity.len()];
+        Light { radiosity, irradiance, row_excess: Vec::new() }
+    }
+
+    /// Makes the present radiosities those that verdicts look at.
+    fn fix_brightness(&mut self) {
+        self.brightness.clear();
+        self.brightness.extend(self.light.radiosity.iter().map(|radiosity| radiosity.max_element()));
+    }
+
+    /// The scene as it is solved, edits of emission included.
+    pub fn scene(&self) -> &Arc<Scene> {
+        &self.scene
     }
 
     /// The present parameters.
@@ -96,24 +298,99 @@ impl Solver {
         &self.params
     }
 
-    /// Takes over new parameters with the least work that suffices; false when hierarchy or scene must be rebuilt by a new solver.
+    /// The elements.
+    pub fn hierarchy(&self) -> &Hierarchy {
+        &self.hierarchy
+    }
+
+    /// The links that the last gather knew.
+    pub fn links(&self) -> &LinkTable {
+        &self.links
+    }
+
+    /// Radiosity B of each element, W/m², parallel to the hierarchy's arena.
+    pub fn radiosity(&self) -> &[Vec3] {
+        &self.light.radiosity
+    }
+
+    /// Irradiance E of each leaf, W/m², parallel to the hierarchy's arena.
+    pub fn irradiance(&self) -> &[Vec3] {
+        &self.light.irradiance
+    }
+
+    /// Records every rejected pair from now on; for tests that ask whether all pairs are covered.
+    pub fn record_rejected(&mut self) {
+        self.refinement.rejected.get_or_insert_default();
+    }
+
+    /// The pairs rejected since [`Self::record_rejected`].
+    pub fn rejected(&self) -> &[RejectedPair] {
+        self.refinement.rejected.as_deref().unwrap_or_default()
+    }
+
+    /// Takes over new parameters with the least work that suffices; false when hierarchy or scene must be rebuilt by a new
+    /// solver, which then takes over.
     ///
     /// # Errors
     /// Parameters out of range; the present ones stay.
     pub fn set_params(&mut self, params: SolverParams) -> Result<bool, SolverError> {
         params.validate()?;
         let change = self.params.change_to(&params);
+        if self.params.epsilon != params.epsilon {
+            self.epsilon_watts = watts(&params, &self.scene);
+        }
         self.params = params;
-        self.steps = 0;
-        Ok(change < Invalidates::Hierarchy)
+        match change {
+            Invalidates::Nothing => {}
+            Invalidates::Radiosities | Invalidates::Verdicts => self.resume(),
+            Invalidates::Links => self.restart_from_root(),
+            Invalidates::Hierarchy | Invalidates::Scene => return Ok(false),
+        }
+        Ok(true)
     }
 
-    /// Changes a material's emission B_e (W/m²); ε in watts stays.
-    pub fn set_emission(&mut self, material: MaterialId, emission: glam::Vec3) {
+    /// Changes a material's emission B_e (W/m²); ε in watts stays, and so do all links.
+    pub fn set_emission(&mut self, material: MaterialId, emission: Vec3) {
         let mut scene = (*self.scene).clone();
         scene.materials[material.0 as usize].emission = emission;
         self.scene = Arc::new(scene);
-        self.steps = 0;
+        self.surfaces = surfaces_of(&self.scene);
+        if self.epsilon_watts <= 0.0 {
+            // There was no light to measure ε by.
+            self.epsilon_watts = watts(&self.params, &self.scene);
+        }
+        self.resume();
+    }
+
+    /// Goes on with what is there after a change that leaves candidates and links valid.
+    fn resume(&mut self) {
+        self.gathered_finely = false;
+        if self.phase == Phase::Done {
+            self.phase = Phase::Gather;
+        }
+    }
+
+    /// Refines again from the root's self-link, on the same clusters, judging by the radiosities that are known.
+    fn restart_from_root(&mut self) {
+        let (seconds, started) = (self.seconds, self.started);
+        let known = self.light.radiosity[..].to_vec();
+        let counts = self.refinement.counts;
+        self.hierarchy = Hierarchy::new(&self.scene, self.params.clustering, self.params.octree_depth);
+        self.light = self.emitted_light();
+        // Clusters and initial patches come first and in the same order as before.
+        for (radiosity, known) in self.light.radiosity.iter_mut().zip(known) {
+            *radiosity = known;
+        }
+        self.links = LinkTable::default();
+        self.refinement = Refinement::default();
+        self.refinement.counts = counts;
+        self.refinement.start([Candidate::root()]);
+        self.fix_brightness();
+        self.picture = Picture::default();
+        self.display = None;
+        self.phase = Phase::Refine;
+        self.gathered_finely = false;
+        (self.seconds, self.started) = (seconds, started);
     }
 
     /// Asks that snapshots carry the links of an element.
@@ -121,62 +398,101 @@ impl Solver {
         self.inspected = element;
     }
 
+    /// Books time that passed before the solver was made: reading the file and building the occluders.
+    pub fn set_load_seconds(&mut self, seconds: f64) {
+        self.seconds.load = seconds;
+    }
+
     /// Counts and times so far.
     pub fn stats(&self) -> Stats {
+        let (wave, next_wave) = self.refinement.waiting_len();
+        let emitted = self.scene.emitted_power();
+        let largest = f64::from(emitted.max_element());
         Stats {
-            initial_patches: self.scene.polygons.len(),
-            patches: self.scene.polygons.len(),
-            iterations: self.steps,
-            ..Stats::default()
+            phase: self.phase,
+            epsilon_watts: self.epsilon_watts,
+            epsilon_relative: if largest > 0.0 { self.epsilon_watts / largest } else { 0.0 },
+            initial_patches: self.hierarchy.initial_patches().len(),
+            clusters: self.hierarchy.cluster_count(),
+            patches: self.hierarchy.leaf_count(),
+            elements: self.hierarchy.elements().len(),
+            links: self.links.len() + self.refinement.accepted.len(),
+            pairs_judged: self.refinement.counts.pairs_judged,
+            rays: self.refinement.counts.rays,
+            iterations: self.iterations,
+            wave: self.refinement.waves,
+            candidates_left: wave + next_wave,
+            converged: self.phase == Phase::Done,
+            depth_guard_struck: self.refinement.counts.depth_guard_struck,
+            clamped_leaves: self.clamped_leaves,
+            seconds: Seconds { total: self.started.elapsed().as_secs_f64(), ..self.seconds },
+            bytes: Bytes { links: self.links.bytes(), elements: self.hierarchy.bytes() + self.light.bytes() },
+            emitted_watts: f64::from(emitted.element_sum()),
+            absorbed_watts: balance::absorbed(self).element_sum(),
+            progress: (self.phase == Phase::Refine && wave + next_wave > 0)
+                .then(|| 1.0 - wave as f32 / (wave + next_wave) as f32),
         }
     }
 
     /// A picture of what is there, candidates counted at their present level.
     pub fn snapshot(&mut self) -> Snapshot {
-        self.serial += 1;
-        let mut mesh = Mesh::default();
-        let mut vertex_radiosity = Vec::new();
-        let mut leaf_radiosity = Vec::new();
-        for (index, polygon) in self.scene.polygons.iter().enumerate() {
-            let first = mesh.positions.len() as u32;
-            let (corners, count) = self.scene.corner_positions(polygon);
-            let material = &self.scene.materials[polygon.material.0 as usize];
-            let shade = 0.6 + 0.4 * self.scene.normal(polygon).dot(glam::Vec3::new(0.3, 0.8, 0.5));
-            let radiosity = (material.emission + shade * material.reflectance).to_array();
-            mesh.positions.extend(corners[..count].iter().map(|corner| corner.to_array()));
-            vertex_radiosity.extend(std::iter::repeat_n(radiosity, count));
-            for corner in 2..count as u32 {
-                mesh.triangles.push([first, first + corner - 1, first + corner]);
-                mesh.triangle_leaf.push(index as u32);
-            }
-            for corner in 0..count as u32 {
-                mesh.outlines.push([first + corner, first + (corner + 1) % count as u32]);
-            }
-            mesh.leaves.push(Leaf {
-                element: ElementId(index as u32 + 1),
-                polygon: index as u32,
-                material: polygon.material,
-                area: self.scene.area(polygon),
-                level: 0,
-            });
-            leaf_radiosity.push(radiosity);
+        let snapshot = picture::snapshot(self);
+        if self.serial == 1 {
+            self.seconds.first_snapshot = self.started.elapsed().as_secs_f64();
         }
-        let (lower, upper) = self.scene.bounds();
-        let clusters = vec![ClusterBox { lower, upper, level: 0, polygons: self.scene.polygons.len() as u32 }];
-        Snapshot {
-            generation: self.generation,
-            serial: self.serial,
-            mesh: Arc::new(mesh),
-            vertex_radiosity,
-            leaf_irradiance: leaf_radiosity.clone(),
-            leaf_radiosity,
-            clusters: Arc::new(clusters),
-            inspected: self.inspected.map(|element| InspectedElement {
-                element,
-                centre: (lower + upper) / 2.0,
-                links: Vec::new(),
-            }),
-            stats: self.stats(),
-        }
+        snapshot
     }
+}
+
+/// The oracle over the present state; a function of the parts, so that refinement can be borrowed beside it.
+fn oracle<'a>(
+    hierarchy: &'a Hierarchy,
+    brightness: &'a [f32],
+    occluders: &'a Occluders,
+    params: &SolverParams,
+    epsilon_watts: f64,
+) -> Oracle<'a> {
+    let thresholds = Thresholds {
+        epsilon: epsilon_watts as f32,
+        epsilon_partial: (params.partial_factor * epsilon_watts) as f32,
+        visibility_factor: params.visibility_factor as f32,
+        rays_min: params.rays_min,
+        rays_max: params.rays_max,
+    };
+    Oracle { hierarchy, brightness, thresholds, sampler: RaySampler { occluders, seed: params.seed } }
+}
+
+/// ε in W.
+fn watts(params: &SolverParams, scene: &Scene) -> f64 {
+    match params.epsilon {
+        Epsilon::Watts(watts) => watts,
+        Epsilon::Relative(share) => share * f64::from(scene.emitted_power().max_element()),
+    }
+}
+
+fn surfaces_of(scene: &Scene) -> Vec<Surface> {
+    let surface = |polygon: &crate::scene::Polygon| {
+        let material = &scene.materials[polygon.material.0 as usize];
+        Surface { reflectance: material.reflectance, emission: material.emission }
+    };
+    scene.polygons.iter().map(surface).collect()
+}
+
+/// Whether plain HR's links fit into memory, should every pair become one.
+fn check_pairs_fit(patches: u64) -> Result<(), SolverError> {
+    let pairs = patches * patches.saturating_sub(1);
+    // A link and its receiver while it waits to be taken into the table.
+    let needed = pairs * (size_of::<Link>() + size_of::<(ElementId, Link)>()) as u64;
+    let available = available_memory().unwrap_or(u64::MAX);
+    if needed <= available / 2 {
+        return Ok(());
+    }
+    Err(SolverError::TooManyPairs { pairs, needed_mib: needed >> 20, available_mib: available >> 20 })
+}
+
+/// Memory that the system could give, bytes, where it tells.
+fn available_memory() -> Option<u64> {
+    let meminfo = std::fs::read_to_string("/proc/meminfo").ok()?;
+    let line = meminfo.lines().find(|line| line.starts_with("MemAvailable:"))?;
+    line.split_whitespace().nth(1)?.parse::<u64>().ok().map(|kib| kib << 10)
 }

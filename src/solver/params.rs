@@ -6,22 +6,8 @@ use std::ops::RangeInclusive;
 
 use serde::{Deserialize, Serialize};
 
+pub use crate::hierarchy::ClusteringMode;
 use crate::scene::Sides;
-
-/// How the part of the hierarchy above the initial patches is built.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum ClusteringMode {
-    /// Plain Hierarchical Radiosity: every pair of initial patches is a candidate (Table 1, HR).
-    None,
-    /// Uniform octree of the bounding box, the root being level 1 (Table 2, OCTREE).
-    Octree,
-    /// The scene's own groups (Table 2, USER).
-    Groups,
-    /// Surface-area heuristic over centroids, boxes may overlap (the paper's future work).
-    #[default]
-    Adaptive,
-}
 
 /// When irradiance that a cluster received reaches the patches below it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]

@@ -1,0 +1,187 @@
+//! From a scene to an arena: a clustering strategy says who belongs together, this module lays the elements out.
+
+use std::collections::VecDeque;
+
+use glam::Vec3;
+use rustc_hash::FxHashMap;
+
+use super::{
+    Cluster, ClusteringMode, Element, ElementId, Hierarchy, NO_PARENT, Patch, Shape, adaptive, groups, mix, octree,
+};
+use crate::scene::Scene;
+
+/// What a clustering strategy makes: clusters within clusters, polygons in them.
+#[derive(Default)]
+pub(super) struct Grouping {
+    /// Clusters inside.
+    pub(super) groupings: Vec<Grouping>,
+    /// Polygons directly inside.
+    pub(super) polygons: Vec<u32>,
+}
+
+/// Box and centroid of each polygon, as strategies read them.
+pub(super) struct PolygonBounds {
+    pub(super) lower: Vec<Vec3>,
+    pub(super) upper: Vec<Vec3>,
+}
+
+impl PolygonBounds {
+    fn new(scene: &Scene) -> Self {
+        let bounds = |polygon| {
+            let (positions, count) = scene.corner_positions(polygon);
+            let around = |f: fn(Vec3, Vec3) -> Vec3| positions[1..count].iter().copied().fold(positions[0], f);
+            (around(Vec3::min), around(Vec3::max))
+        };
+        let (lower, upper) = scene.polygons.iter().map(bounds).unzip();
+        Self { lower, upper }
+    }
+
+    /// Twice the middle of a polygon's box.
+    pub(super) fn doubled_middle(&self, polygon: u32) -> Vec3 {
+        self.lower[polygon as usize] + self.upper[polygon as usize]
+    }
+
+    /// The box around some polygons.
+    pub(super) fn around(&self, polygons: &[u32]) -> (Vec3, Vec3) {
+        polygons.iter().fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(lower, upper), &polygon| {
+            (lower.min(self.lower[polygon as usize]), upper.max(self.upper[polygon as usize]))
+        })
+    }
+}
+
+impl Grouping {
+    /// The same grouping without clusters of one member and without empty ones; `None` if nothing is left.
+    fn tidied(self) -> Option<Self> {
+        let mut tidy = Self { groupings: Vec::with_capacity(self.groupings.len()), polygons: self.polygons };
+        for inner in self.groupings.into_iter().filter_map(Self::tidied) {
+            match (inner.groupings.is_empty(), inner.polygons.as_slice()) {
+                (true, &[only]) => tidy.polygons.push(only),
+                _ => tidy.groupings.push(inner),
+            }
+        }
+        match (tidy.groupings.len(), tidy.polygons.len()) {
+            (0, 0) => None,
+            (1, 0) => tidy.groupings.pop(),
+            _ => Some(tidy),
+        }
+    }
+}
+
+/// Builds the hierarchy of a scene.
+pub(super) fn build(scene: &Scene, mode: ClusteringMode, octree_depth: u32) -> Hierarchy {
+    let bounds = PolygonBounds::new(scene);
+    let all: Vec<u32> = (0..scene.polygons.len() as u32).collect();
+    let grouping = match mode {
+        ClusteringMode::None => Grouping { groupings: Vec::new(), polygons: all },
+        ClusteringMode::Octree => octree::group(&bounds, all, octree_depth),
+        ClusteringMode::Groups => groups::group(scene, &bounds),
+        ClusteringMode::Adaptive => adaptive::group(&bounds, all),
+    };
+    let (vertices, welded) = weld(&scene.vertices);
+    let mut hierarchy = Hierarchy {
+        elements: Vec::with_capacity(2 * scene.polygons.len() + 1),
+        vertices,
+        midpoints: FxHashMap::default(),
+        initial_patches: Vec::with_capacity(scene.polygons.len()),
+        area_before: vec![0.0],
+        cluster_count: 0,
+        leaf_count: scene.polygons.len(),
+    };
+    hierarchy.lay_out(scene, &welded, grouping.tidied().unwrap_or_default());
+    hierarchy.finish_clusters(Hierarchy::ROOT);
+    hierarchy
+}
+
+/// Vertices with bit-equal positions made one, and the new index of each old one.
+fn weld(positions: &[Vec3]) -> (Vec<Vec3>, Vec<u32>) {
+    let mut index_of = FxHashMap::with_capacity_and_hasher(positions.len(), Default::default());
+    let mut vertices = Vec::with_capacity(positions.len());
+    let welded = positions.iter().map(|&position| {
+        // Adding zero makes −0 and 0 the same key.
+        *index_of.entry((position + Vec3::ZERO).to_array().map(f32::to_bits)).or_insert_with(|| {
+            vertices.push(position);
+            vertices.len() as u32 - 1
+        })
+    });
+    let welded = welded.collect();
+    (vertices, welded)
+}
+
+impl Hierarchy {
+    /// Lays the elements out breadth first, so that siblings lie together and parents come first.
+    fn lay_out(&mut self, scene: &Scene, welded: &[u32], root: Grouping) {
+        let empty_cluster = |parent: u32, level: u16| Element {
+            parent,
+            first_child: 0,
+            child_count: 0,
+            area: 0.0,
+            centre: Vec3::ZERO,
+            key: 0,
+            shape: Shape::Cluster(Cluster { half_extent: Vec3::ZERO, level, first_patch: 0, patch_count: 0 }),
+        };
+        self.elements.push(empty_cluster(NO_PARENT, 0));
+        self.cluster_count = 1;
+        let mut waiting = VecDeque::from([(0_u32, 0_u16, root)]);
+        while let Some((parent, level, grouping)) = waiting.pop_front() {
+            let first_child = self.elements.len() as u32;
+            let child_count = (grouping.groupings.len() + grouping.polygons.len()) as u32;
+            for inner in grouping.groupings {
+                waiting.push_back((self.elements.len() as u32, level + 1, inner));
+                self.elements.push(empty_cluster(parent, level + 1));
+                self.cluster_count += 1;
+            }
+            for index in grouping.polygons {
+                let polygon = &scene.polygons[index as usize];
+                let mut corners = [0; 4];
+                let count = polygon.corners().len();
+                for (corner, &old) in corners.iter_mut().zip(polygon.corners()) {
+                    *corner = welded[old as usize];
+                }
+                let patch = Patch::new(&corners[..count], index, 0);
+                let element = Element { parent, ..self.patch_element(patch, mix(1, u64::from(index))) };
+                self.elements.push(element);
+            }
+            let element = &mut self.elements[parent as usize];
+            (element.first_child, element.child_count) = (first_child, child_count);
+        }
+    }
+
+    /// Fills in boxes, areas, keys and the order of initial patches, depth first; returns the element's box.
+    fn finish_clusters(&mut self, id: ElementId) -> (Vec3, Vec3) {
+        let element = *self.element(id);
+        let cluster = match element.shape {
+            Shape::Patch(patch) => {
+                self.initial_patches.push(id);
+                let before = self.area_before[self.area_before.len() - 1];
+                self.area_before.push(before + f64::from(element.area));
+                let (positions, count) = self.corner_positions(&patch);
+                let around = |f: fn(Vec3, Vec3) -> Vec3| positions[1..count].iter().copied().fold(positions[0], f);
+                return (around(Vec3::min), around(Vec3::max));
+            }
+            Shape::Cluster(cluster) => cluster,
+        };
+        let first_patch = self.initial_patches.len();
+        let (mut lower, mut upper) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
+        for child in element.children() {
+            let (child_lower, child_upper) = self.finish_clusters(child);
+            (lower, upper) = (lower.min(child_lower), upper.max(child_upper));
+        }
+        let patch_count = self.initial_patches.len() - first_patch;
+        if patch_count == 0 {
+            (lower, upper) = (Vec3::ZERO, Vec3::ZERO);
+        }
+        let first_key = self.initial_patches.get(first_patch).map_or(0, |first| self.element(*first).key);
+        let area = self.area_before[first_patch + patch_count] - self.area_before[first_patch];
+        let finished = &mut self.elements[id.index()];
+        finished.area = area as f32;
+        finished.centre = 0.5 * (lower + upper);
+        finished.key = mix(first_key, mix(patch_count as u64, u64::from(cluster.level)));
+        finished.shape = Shape::Cluster(Cluster {
+            half_extent: 0.5 * (upper - lower),
+            first_patch: first_patch as u32,
+            patch_count: patch_count as u32,
+            ..cluster
+        });
+        (lower, upper)
+    }
+}

@@ -1,0 +1,51 @@
+//! Smooth surfaces: polygons over which radiosity may be interpolated.
+
+use rustc_hash::FxHashMap;
+
+use super::{Hierarchy, Shape};
+use crate::scene::Scene;
+
+/// Polygons that meet in an edge belong to one smooth surface when their normals differ by less (cosine of 40°).
+const SMOOTH_COSINE: f32 = 0.766;
+
+/// The smooth, same-material surface that each polygon belongs to, as the smallest polygon index on it.
+///
+/// Two polygons are joined when they share an edge that both run through in opposite directions (so neither is the other's
+/// back), have the same material and meet at less than 40°.
+pub fn smooth_surfaces(scene: &Scene, hierarchy: &Hierarchy) -> Vec<u32> {
+    let mut surface: Vec<u32> = (0..scene.polygons.len() as u32).collect();
+    let mut edges: FxHashMap<(u32, u32), u32> = FxHashMap::default();
+    edges.reserve(2 * scene.polygons.len());
+    for &id in hierarchy.initial_patches() {
+        let Shape::Patch(patch) = hierarchy.element(id).shape else { continue };
+        let corners = patch.corners();
+        for (index, &from) in corners.iter().enumerate() {
+            let to = corners[(index + 1) % corners.len()];
+            let Some(&neighbour) = edges.get(&(to, from)) else {
+                edges.insert((from, to), id.0);
+                continue;
+            };
+            let Shape::Patch(other) = hierarchy.element(super::ElementId(neighbour)).shape else { continue };
+            let material = |polygon: u32| scene.polygons[polygon as usize].material;
+            if material(patch.polygon) == material(other.polygon) && patch.normal.dot(other.normal) > SMOOTH_COSINE {
+                join(&mut surface, patch.polygon, other.polygon);
+            }
+        }
+    }
+    (0..surface.len() as u32).map(|polygon| find(&mut surface, polygon)).collect()
+}
+
+fn find(surface: &mut [u32], polygon: u32) -> u32 {
+    let mut root = polygon;
+    while surface[root as usize] != root {
+        let grandparent = surface[surface[root as usize] as usize];
+        surface[root as usize] = grandparent;
+        root = grandparent;
+    }
+    root
+}
+
+fn join(surface: &mut [u32], a: u32, b: u32) {
+    let (a, b) = (find(surface, a), find(surface, b));
+    surface[a.max(b) as usize] = a.min(b);
+}

@@ -1,0 +1,214 @@
+//! The wgpu pipelines: background, mesh, lines and the blit into a window.
+
+use super::overlay::Line;
+
+/// Format of the finished picture; holds gamma-encoded colour, as egui's textures do.
+pub(super) const COLOUR_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
+/// Reversed depth needs floats to hold its precision far away.
+pub(super) const DEPTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
+
+/// Opacity of the links where something hides them.
+const HIDDEN_LINK_OPACITY: f64 = 0.3;
+
+/// All that is made once per device.
+pub(super) struct Pipelines {
+    /// Layout of the one uniform binding of the scene's pipelines.
+    pub(super) view_layout: wgpu::BindGroupLayout,
+    /// The gradient behind everything.
+    pub(super) background: wgpu::RenderPipeline,
+    /// Bright sides of the leaves.
+    pub(super) mesh: wgpu::RenderPipeline,
+    /// Lines where nothing hides them.
+    pub(super) lines: wgpu::RenderPipeline,
+    /// Lines seen faintly through everything.
+    pub(super) lines_through: wgpu::RenderPipeline,
+    /// Layout of the finished picture and its sampler.
+    pub(super) picture_layout: wgpu::BindGroupLayout,
+    /// Picture into a window's pass.
+    pub(super) blit: wgpu::RenderPipeline,
+}
+
+/// What the pipelines of the scene differ in.
+struct Stage<'a> {
+    name: &'a str,
+    entry_points: [&'a str; 2],
+    buffers: &'a [Option<wgpu::VertexBufferLayout<'a>>],
+    topology: wgpu::PrimitiveTopology,
+    cull: Option<wgpu::Face>,
+    writes_depth: bool,
+    depth_compare: wgpu::CompareFunction,
+    blend: Option<wgpu::BlendState>,
+    constants: &'a [(&'a str, f64)],
+}
+
+impl Pipelines {
+    /// Compiles everything for a number of samples and a window's format.
+    pub(super) fn new(device: &wgpu::Device, samples: u32, blit_format: wgpu::TextureFormat) -> Self {
+        let view_layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+            label: Some("view"),
+            entries: &[wgpu::BindGroupLayoutEntry {
+                binding: 0,
+                visibility: wgpu::ShaderStages::VERTEX_FRAGMENT,
+                ty: wgpu::BindingType::Buffer {
+                    ty: wgpu::BufferBindingType::Uniform,
+                    has_dynamic_offset: false,
+                    min_binding_size: None,
+                },
+                count: None,
+            }],
+        });
+        let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+            label: Some("scene"),
+            bind_group_layouts: &[Some(&view_layout)],
+            immediate_size: 0,
+        });
+        let module = device.create_shader_module(wgpu::include_wgsl!("scene.wgsl"));
+        let scene_pipeline = |stage: &Stage<'_>| {
+            let compilation_options =
+                || wgpu::PipelineCompilationOptions { constants: stage.constants, ..Default::default() };
+            device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+                label: Some(stage.name),
+                layout: Some(&layout),
+                vertex: wgpu::VertexState {
+                    module: &module,
+                    entry_point: Some(stage.entry_points[0]),
+                    compilation_options: compilation_options(),
+                    buffers: stage.buffers,
+                },
+                primitive: wgpu::PrimitiveState {
+                    topology: stage.topology,
+                    cull_mode: stage.cull,
+                    ..Default::default()
+                },
+                depth_stencil: Some(wgpu::DepthStencilState {
+                    format: DEPTH_FORMAT,
+                    depth_write_enabled: Some(stage.writes_depth),
+                    depth_compare: Some(stage.depth_compare),
+                    stencil: wgpu::StencilState::default(),
+                    bias: wgpu::DepthBiasState::default(),
+                }),
+                multisample: wgpu::MultisampleState { count: samples, ..Default::default() },
+                fragment: Some(wgpu::FragmentState {
+                    module: &module,
+                    entry_point: Some(stage.entry_points[1]),
+                    compilation_options: compilation_options(),
+                    targets: &[Some(wgpu::ColorTargetState {
+                        format: COLOUR_FORMAT,
+                        blend: stage.blend,
+                        write_mask: wgpu::ColorWrites::ALL,
+                    })],
+                }),
+                multiview_mask: None,
+                cache: None,
+            })
+        };
+
+        let background = scene_pipeline(&Stage {
+            name: "background",
+            entry_points: ["background_vertex", "background_fragment"],
+            buffers: &[],
+            topology: wgpu::PrimitiveTopology::TriangleList,
+            cull: None,
+            writes_depth: false,
+            depth_compare: wgpu::CompareFunction::Always,
+            blend: None,
+            constants: &[],
+        });
+        let positions = wgpu::vertex_attr_array![0 => Float32x3];
+        let radiosities = wgpu::vertex_attr_array![1 => Float32x3];
+        let per_vertex = |attributes| wgpu::VertexBufferLayout {
+            array_stride: size_of::<[f32; 3]>() as u64,
+            step_mode: wgpu::VertexStepMode::Vertex,
+            attributes,
+        };
+        let mesh = scene_pipeline(&Stage {
+            name: "mesh",
+            entry_points: ["mesh_vertex", "mesh_fragment"],
+            buffers: &[Some(per_vertex(&positions)), Some(per_vertex(&radiosities))],
+            topology: wgpu::PrimitiveTopology::TriangleList,
+            // Faces have one bright side: from outside one looks into the room.
+            cull: Some(wgpu::Face::Back),
+            writes_depth: true,
+            depth_compare: wgpu::CompareFunction::Greater,
+            blend: None,
+            constants: &[],
+        });
+        let line_attributes = wgpu::vertex_attr_array![0 => Float32x3, 1 => Float32x3, 2 => Float32, 3 => Unorm8x4];
+        let line_buffers = [Some(wgpu::VertexBufferLayout {
+            array_stride: size_of::<Line>() as u64,
+            step_mode: wgpu::VertexStepMode::Instance,
+            attributes: &line_attributes,
+        })];
+        let lines = Stage {
+            name: "lines",
+            entry_points: ["line_vertex", "line_fragment"],
+            buffers: &line_buffers,
+            topology: wgpu::PrimitiveTopology::TriangleStrip,
+            cull: None,
+            writes_depth: false,
+            depth_compare: wgpu::CompareFunction::GreaterEqual,
+            blend: Some(wgpu::BlendState::ALPHA_BLENDING),
+            constants: &[],
+        };
+        let lines_through = scene_pipeline(&Stage {
+            name: "lines through everything",
+            depth_compare: wgpu::CompareFunction::Always,
+            constants: &[("line_opacity", HIDDEN_LINK_OPACITY)],
+            ..lines
+        });
+        let lines = scene_pipeline(&lines);
+        let (picture_layout, blit) = blit_pipeline(device, blit_format);
+        Self { view_layout, background, mesh, lines, lines_through, picture_layout, blit }
+    }
+}
+
+fn blit_pipeline(device: &wgpu::Device, format: wgpu::TextureFormat) -> (wgpu::BindGroupLayout, wgpu::RenderPipeline) {
+    let entry =
+        |binding, ty| wgpu::BindGroupLayoutEntry { binding, visibility: wgpu::ShaderStages::FRAGMENT, ty, count: None };
+    let picture_layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+        label: Some("picture"),
+        entries: &[
+            entry(
+                0,
+                wgpu::BindingType::Texture {
+                    sample_type: wgpu::TextureSampleType::Float { filterable: true },
+                    view_dimension: wgpu::TextureViewDimension::D2,
+                    multisampled: false,
+                },
+            ),
+            entry(1, wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Filtering)),
+        ],
+    });
+    let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+        label: Some("blit"),
+        bind_group_layouts: &[Some(&picture_layout)],
+        immediate_size: 0,
+    });
+    let module = device.create_shader_module(wgpu::include_wgsl!("blit.wgsl"));
+    let encodes = f64::from(u8::from(format.is_srgb()));
+    let pipeline = device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+        label: Some("blit"),
+        layout: Some(&layout),
+        vertex: wgpu::VertexState {
+            module: &module,
+            entry_point: Some("blit_vertex"),
+            compilation_options: wgpu::PipelineCompilationOptions::default(),
+            buffers: &[],
+        },
+        primitive: wgpu::PrimitiveState::default(),
+        depth_stencil: None,
+        multisample: wgpu::MultisampleState::default(),
+        fragment: Some(wgpu::FragmentState {
+            module: &module,
+            entry_point: Some("blit_fragment"),
+            compilation_options: wgpu::PipelineCompilationOptions {
+                constants: &[("target_encodes", encodes)],
+                ..Default::default()
+            },
+            targets: &[Some(format.into())],
+        }),
+        multiview_mask: None,
+        cache: None,
+    });
+    (picture_layout, pipeline)
+}

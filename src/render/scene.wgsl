@@ -1,0 +1,132 @@
+// Background, mesh and lines, drawn into one gamma-encoded target with reversed depth (1 at the near plane, 0 at infinity).
+
+struct View {
+    clip_from_world: mat4x4f,
+    // Width and height of the picture, pixels.
+    size: vec2f,
+    // Factor on radiosities, m²/W.
+    exposure: f32,
+    // Nearest distance at which lines are drawn, in the scene's unit.
+    line_near: f32,
+}
+
+@group(0) @binding(0) var<uniform> view: View;
+
+// Background: a soft vertical gradient, so that a black scene stands out from it.
+
+struct BackgroundVarying {
+    @builtin(position) clip: vec4f,
+    @location(0) height: f32,
+}
+
+@vertex
+fn background_vertex(@builtin(vertex_index) index: u32) -> BackgroundVarying {
+    let corner = vec2f(f32((index << 1u) & 2u), f32(index & 2u));
+    return BackgroundVarying(vec4f(2.0 * corner - 1.0, 0.0, 1.0), corner.y);
+}
+
+@fragment
+fn background_fragment(in: BackgroundVarying) -> @location(0) vec4f {
+    return vec4f(mix(vec3f(0.15, 0.15, 0.16), vec3f(0.24, 0.25, 0.27), in.height), 1.0);
+}
+
+// Mesh: radiosity interpolated between vertices, then exposed and encoded at each pixel.
+
+struct MeshVarying {
+    @builtin(position) clip: vec4f,
+    @location(0) radiosity: vec3f,
+}
+
+@vertex
+fn mesh_vertex(@location(0) point_in_world: vec3f, @location(1) radiosity: vec3f) -> MeshVarying {
+    return MeshVarying(view.clip_from_world * vec4f(point_in_world, 1.0), radiosity);
+}
+
+@fragment
+fn mesh_fragment(in: MeshVarying) -> @location(0) vec4f {
+    return vec4f(encode_gamma(tone_curve(view.exposure * max(in.radiosity, vec3f(0.0)))), 1.0);
+}
+
+// The same formulas as `tone_curve` and `encode_gamma` in display.rs, which say where they come from.
+
+fn tone_curve(exposed: vec3f) -> vec3f {
+    // Far beyond white the curve is flat, and its square must stay finite.
+    let x = min(exposed, vec3f(1e4));
+    return clamp(x * (2.51 * x + 0.03) / (x * (2.43 * x + 0.59) + 0.14), vec3f(0.0), vec3f(1.0));
+}
+
+fn encode_gamma(linear: vec3f) -> vec3f {
+    return select(1.055 * pow(linear, vec3f(1.0 / 2.4)) - 0.055, 12.92 * linear, linear <= vec3f(0.0031308));
+}
+
+// Lines: quads of constant width on the screen with round ends and soft edges; a line of no length is a dot.
+
+// Factor on the opacity of all lines.
+override line_opacity: f32 = 1.0;
+// Lines are drawn as if nearer by this share of their distance, so that those in a surface are not half hidden by it.
+const LINE_BIAS: f32 = 1e-3;
+
+struct LineInstance {
+    @location(0) start: vec3f,
+    @location(1) end: vec3f,
+    @location(2) width: f32,
+    @location(3) colour: vec4f,
+}
+
+struct LineVarying {
+    @builtin(position) clip: vec4f,
+    // Position along and across the line, pixels; 0 at its start.
+    @location(0) along_across: vec2f,
+    // Length and half width, pixels.
+    @location(1) @interpolate(flat) extent: vec2f,
+    @location(2) @interpolate(flat) colour: vec4f,
+}
+
+@vertex
+fn line_vertex(@builtin(vertex_index) index: u32, line: LineInstance) -> LineVarying {
+    var start = view.clip_from_world * vec4f(line.start, 1.0);
+    var end = view.clip_from_world * vec4f(line.end, 1.0);
+    let near = view.line_near;
+    var out: LineVarying;
+    if max(start.w, end.w) < near {
+        // Behind the eye: outside the clip volume.
+        out.clip = vec4f(0.0, 0.0, 2.0, 1.0);
+        return out;
+    }
+    if start.w < near {
+        start = mix(start, end, (near - start.w) / (end.w - start.w));
+    } else if end.w < near {
+        end = mix(end, start, (near - end.w) / (start.w - end.w));
+    }
+    let start_ndc = start.xyz / start.w;
+    let end_ndc = end.xyz / end.w;
+    let span = 0.5 * view.size * (end_ndc.xy - start_ndc.xy);
+    let length = length(span);
+    var along = vec2f(1.0, 0.0);
+    if length > 1e-3 {
+        along = span / length;
+    }
+    let across = vec2f(-along.y, along.x);
+    let half_width = 0.5 * line.width;
+    // Half a pixel more, for the soft edge.
+    let reach = half_width + 0.5;
+    let at_end = (index & 1u) == 1u;
+    let side = select(-reach, reach, (index & 2u) == 2u);
+    let cap = select(-reach, reach, at_end);
+    let ndc = select(start_ndc, end_ndc, at_end);
+    let offset = (cap * along + side * across) / (0.5 * view.size);
+    // Divided by w already, so that the pixel distances below are interpolated straight across the screen.
+    out.clip = vec4f(ndc.xy + offset, min(ndc.z * (1.0 + LINE_BIAS), 1.0), 1.0);
+    out.along_across = vec2f(select(0.0, length, at_end) + cap, side);
+    out.extent = vec2f(length, half_width);
+    out.colour = line.colour;
+    return out;
+}
+
+@fragment
+fn line_fragment(in: LineVarying) -> @location(0) vec4f {
+    let beyond = in.along_across.x - clamp(in.along_across.x, 0.0, in.extent.x);
+    let distance = length(vec2f(beyond, in.along_across.y));
+    let coverage = clamp(in.extent.y + 0.5 - distance, 0.0, 1.0);
+    return vec4f(in.colour.rgb, in.colour.a * coverage * line_opacity);
+}

@@ -1,0 +1,94 @@
+//! A scene as a reader found it, before anything is checked: what OBJ and glTF have in common.
+
+use glam::Vec3;
+use rustc_hash::FxHashMap;
+
+use super::{Group, GroupId, Skipped};
+
+/// More polygons than this are refused: they would take tens of gigabytes to light.
+pub(super) const MOST_POLYGONS: usize = 32_000_000;
+
+/// Reflectance of faces whose material nobody defines.
+pub(super) const GREY: Vec3 = Vec3::splat(0.5);
+
+/// A material as the file has it; nothing is clamped yet.
+pub(super) struct DraftMaterial {
+    pub name: String,
+    pub reflectance: Vec3,
+    /// Exitance, W/m².
+    pub emission: Vec3,
+    /// A pane: dissolve under a half, transmission or alpha BLEND.
+    pub transparent: bool,
+    /// False for the grey that stands in for a material that the file does not define.
+    pub defined: bool,
+}
+
+impl DraftMaterial {
+    /// The grey that stands in for a material that the file does not define.
+    pub fn undefined(name: &str) -> Self {
+        let name = name.to_owned();
+        Self { name, reflectance: GREY, emission: Vec3::ZERO, transparent: false, defined: false }
+    }
+}
+
+/// A run of corners in [`Draft::corners`].
+pub(super) struct DraftFace {
+    /// Number of corners, at least 3.
+    pub count: u32,
+    /// Index into [`Draft::materials`].
+    pub material: u32,
+    pub group: GroupId,
+}
+
+/// What a reader hands on.
+pub(super) struct Draft {
+    pub vertices: Vec<Vec3>,
+    /// Vertex indices (all valid) of one face after the other.
+    pub corners: Vec<u32>,
+    pub faces: Vec<DraftFace>,
+    pub materials: Vec<DraftMaterial>,
+    pub groups: Vec<Group>,
+    pub skipped: Skipped,
+    children: FxHashMap<(GroupId, String), GroupId>,
+}
+
+impl Draft {
+    /// Nothing but a root group.
+    pub fn new(name: &str) -> Self {
+        Self {
+            vertices: Vec::new(),
+            corners: Vec::new(),
+            faces: Vec::new(),
+            materials: Vec::new(),
+            groups: vec![Group { name: name.to_owned(), parent: None }],
+            skipped: Skipped::default(),
+            children: FxHashMap::default(),
+        }
+    }
+
+    /// A new group below `parent`, whether or not it has a sibling of the same name.
+    pub fn add_group(&mut self, name: &str, parent: GroupId) -> GroupId {
+        self.groups.push(Group { name: name.to_owned(), parent: Some(parent) });
+        GroupId(self.groups.len() as u32 - 1)
+    }
+
+    /// The group with a `/`-separated path, made with its parents where it is not there yet.
+    pub fn group_at(&mut self, path: &str) -> GroupId {
+        let levels = path.split('/').map(str::trim).filter(|level| !level.is_empty());
+        levels.fold(GroupId(0), |parent, level| {
+            let key = (parent, level.to_owned());
+            if let Some(&group) = self.children.get(&key) {
+                return group;
+            }
+            let group = self.add_group(level, parent);
+            self.children.insert(key, group);
+            group
+        })
+    }
+
+    /// Adds a face over valid vertex indices.
+    pub fn add_face(&mut self, corners: &[u32], material: u32, group: GroupId) {
+        self.corners.extend_from_slice(corners);
+        self.faces.push(DraftFace { count: corners.len() as u32, material, group });
+    }
+}

@@ -1,0 +1,164 @@
+//! Changes that a person makes to a loaded scene: a material that emits, a light under the ceiling.
+
+use glam::Vec3;
+
+use super::{GroupId, Scene};
+
+/// A change that cannot be made.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum EditError {
+    /// No material of that name.
+    #[error("the scene has no material `{name}`; {hint}")]
+    UnknownMaterial {
+        /// The name asked for.
+        name: String,
+        /// Names that there are.
+        hint: String,
+    },
+    /// Emission must be finite and not negative.
+    #[error("an emission must be three finite numbers of at least 0, in W/m² (it is {0})")]
+    Emission(Vec3),
+    /// The side of a light must be positive.
+    #[error("the side of a ceiling light must be greater than 0 (it is {0})")]
+    Size(f32),
+    /// The up direction must have a length.
+    #[error("the up direction of a ceiling light must have a length")]
+    Up,
+}
+
+/// Name of the material of [`Scene::add_ceiling_light`].
+const CEILING_LIGHT: &str = "ceiling light";
+
+/// Reflectance of an added light: it mostly shines.
+const LIGHT_REFLECTANCE: Vec3 = Vec3::splat(0.5);
+
+impl Scene {
+    /// Makes every face of a material emit; `emission` is the exitance B_e, W/m² per colour.
+    ///
+    /// # Errors
+    /// An unknown material (with the nearest names) or an emission that is negative or not finite.
+    pub fn set_emission(&mut self, material: &str, emission: Vec3) -> Result<(), EditError> {
+        check_emission(emission)?;
+        let mut found = false;
+        for named in self.materials.iter_mut().filter(|named| named.name == material) {
+            named.emission = emission;
+            found = true;
+        }
+        if found {
+            return Ok(());
+        }
+        Err(EditError::UnknownMaterial { name: material.to_owned(), hint: self.names_like(material) })
+    }
+
+    /// Adds a square panel that shines down (against `up`), its middle at `centre`, its side `size` in the scene's
+    /// length unit; `exitance` is B_e, W/m² per colour. [`crate::ceiling::place`] finds the place for it.
+    ///
+    /// # Errors
+    /// A size, direction or exitance that cannot be used.
+    pub fn add_ceiling_light(&mut self, centre: Vec3, up: Vec3, size: f32, exitance: Vec3) -> Result<(), EditError> {
+        check_emission(exitance)?;
+        if !(size > 0.0 && size.is_finite()) {
+            return Err(EditError::Size(size));
+        }
+        let up = up.try_normalize().ok_or(EditError::Up)?;
+        let (right, forward) = panel_axes(up);
+        let (along, across) = (0.5 * size * right, 0.5 * size * forward);
+        let material = self.add_material(CEILING_LIGHT, LIGHT_REFLECTANCE, exitance);
+        let group = self.add_group(CEILING_LIGHT, GroupId(0));
+        // Anticlockwise as seen from below.
+        let corners =
+            [centre - along - across, centre - along + across, centre + along + across, centre + along - across];
+        self.add_quad(corners, material, group);
+        Ok(())
+    }
+
+    /// Whether any face emits.
+    pub fn has_light(&self) -> bool {
+        self.polygons.iter().any(|polygon| self.materials[polygon.material.0 as usize].emission.max_element() > 0.0)
+    }
+
+    /// One sentence for a scene that is black because nothing in it emits.
+    pub fn no_light_sentence() -> &'static str {
+        "Nothing in this scene emits light, so it is black: make a material emit (--emit MATERIAL=r,g,b) or add a ceiling light (--ceiling-light)."
+    }
+
+    /// Up to eight material names, those most like `wanted` first.
+    fn names_like(&self, wanted: &str) -> String {
+        let mut names: Vec<&str> = self.materials.iter().map(|material| material.name.as_str()).collect();
+        names.sort_by_cached_key(|name| (unlikeness(name, wanted), name.to_lowercase()));
+        names.dedup();
+        let more = names.len().saturating_sub(8);
+        names.truncate(8);
+        match (names.is_empty(), more) {
+            (true, _) => "it has no materials".to_owned(),
+            (false, 0) => format!("it has {}", names.join(", ")),
+            (false, _) => format!("it has {} and {more} more", names.join(", ")),
+        }
+    }
+}
+
+/// Axis-aligned directions of the panel's edges: `right × forward` points up.
+pub(crate) fn panel_axes(up: Vec3) -> (Vec3, Vec3) {
+    let across = if up.x.abs() < 0.9 { Vec3::X } else { Vec3::Y };
+    let right = (across - up * across.dot(up)).normalize();
+    (right, up.cross(right))
+}
+
+fn check_emission(emission: Vec3) -> Result<(), EditError> {
+    if emission.is_finite() && emission.min_element() >= 0.0 { Ok(()) } else { Err(EditError::Emission(emission)) }
+}
+
+/// Edit distance of two names (case aside), 0 where one holds the other.
+fn unlikeness(name: &str, wanted: &str) -> usize {
+    let (name, wanted) = (name.to_lowercase(), wanted.to_lowercase());
+    if !wanted.is_empty() && (name.contains(&wanted) || wanted.contains(&name)) {
+        return 0;
+    }
+    let wanted: Vec<char> = wanted.chars().take(64).collect();
+    let mut row: Vec<usize> = (0..=wanted.len()).collect();
+    for (index, letter) in name.chars().take(64).enumerate() {
+        let mut diagonal = row[0];
+        row[0] = index + 1;
+        for (column, other) in wanted.iter().enumerate() {
+            let replaced = diagonal + usize::from(letter != *other);
+            diagonal = row[column + 1];
+            row[column + 1] = replaced.min(diagonal + 1).min(row[column] + 1);
+        }
+    }
+    row[wanted.len()]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_unknown_material_is_answered_with_the_nearest_names() {
+        let mut scene = Scene::new("room");
+        for name in ["wall", "ceiling", "floor", "Lamp.001"] {
+            scene.add_material(name, Vec3::ONE, Vec3::ZERO);
+        }
+        let error = scene.set_emission("lamp", Vec3::ONE).expect_err("no such material");
+        assert_eq!(error.to_string(), "the scene has no material `lamp`; it has Lamp.001, wall, floor, ceiling");
+        assert!(scene.set_emission("wall", Vec3::new(1.0, -1.0, 0.0)).is_err());
+        assert!(scene.set_emission("wall", Vec3::splat(f32::NAN)).is_err());
+        scene.set_emission("wall", Vec3::ONE).expect("a known material");
+        assert!(!scene.has_light(), "no face has that material");
+    }
+
+    /// Truth: the panel's normal is −up and its area the square of its side, whatever up is.
+    #[test]
+    fn ceiling_lights_shine_down() {
+        for up in [Vec3::Y, Vec3::Z, Vec3::X, -Vec3::Y, Vec3::new(0.0, 2.0, 0.0)] {
+            let mut scene = Scene::new("room");
+            scene.add_ceiling_light(Vec3::ONE, up, 0.5, Vec3::splat(10.0)).expect("a good light");
+            let panel = scene.polygons[0];
+            assert!(scene.normal(&panel).dot(-up.normalize()) > 0.9999, "{up}");
+            assert!((scene.area(&panel) - 0.25).abs() < 1e-6);
+            assert!(scene.has_light());
+        }
+        let mut scene = Scene::new("room");
+        assert_eq!(scene.add_ceiling_light(Vec3::ONE, Vec3::Y, 0.0, Vec3::ONE), Err(EditError::Size(0.0)));
+        assert_eq!(scene.add_ceiling_light(Vec3::ONE, Vec3::ZERO, 1.0, Vec3::ONE), Err(EditError::Up));
+    }
+}

@@ -1,0 +1,195 @@
+//! MTL files by tobj: `Kd` is reflectance, `Ke` a radiance (B_e = π·Ke), a low dissolve a pane.
+//!
+//! tobj panics on a colour with fewer than three numbers and gives up a whole file for one bad number, so only sound
+//! lines that matter here reach it.
+
+use std::f32::consts::PI;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use glam::Vec3;
+use rayon::prelude::*;
+use rustc_hash::FxHashMap;
+
+use super::draft::{DraftMaterial, GREY};
+use super::texture::{beside, mean_colour};
+
+/// Materials by name, and remarks on what could not be read.
+#[derive(Default)]
+pub(super) struct MaterialLibrary {
+    by_name: FxHashMap<String, tobj::Material>,
+    means: FxHashMap<String, Vec3>,
+}
+
+impl MaterialLibrary {
+    /// Reads the material files and textures that a scene refers to.
+    pub fn read(scene: &Path, references: &[String], notes: &mut Vec<String>) -> Self {
+        let mut library = Self::default();
+        for reference in references {
+            library.read_file(scene, reference, notes);
+        }
+        library.read_textures(scene, notes);
+        library
+    }
+
+    /// The material of a name, if any file defines it.
+    pub fn get(&self, name: &str) -> Option<DraftMaterial> {
+        let material = self.by_name.get(name)?;
+        let emission = material.emissive.map_or(Vec3::ZERO, |radiance| PI * Vec3::from_array(radiance));
+        let mean = material.diffuse_texture.as_ref().and_then(|texture| self.means.get(texture));
+        let unsaid = match (mean, emission == Vec3::ZERO) {
+            (Some(_), _) => Vec3::ONE,
+            (None, true) => GREY,
+            (None, false) => Vec3::ZERO,
+        };
+        let diffuse = material.diffuse.map_or(unsaid, Vec3::from_array);
+        let transparency = material.unknown_param.get("Tr").and_then(|value| value.parse::<f32>().ok());
+        let dissolve = material.dissolve.or(transparency.map(|transparency| 1.0 - transparency));
+        Some(DraftMaterial {
+            name: name.to_owned(),
+            reflectance: diffuse * mean.copied().unwrap_or(Vec3::ONE),
+            emission,
+            transparent: dissolve.is_some_and(|dissolve| dissolve < 0.5),
+            defined: true,
+        })
+    }
+
+    fn read_file(&mut self, scene: &Path, reference: &str, notes: &mut Vec<String>) {
+        let Some(path) = beside(scene, reference) else {
+            notes.push(format!("The material file `{reference}` lies outside the scene's folder and is not read."));
+            return;
+        };
+        let bytes = match fs::read(&path) {
+            Ok(bytes) => bytes,
+            Err(error) => {
+                notes.push(format!("The material file `{reference}` cannot be read ({error}): grey instead."));
+                return;
+            }
+        };
+        let text = sound_lines(&String::from_utf8_lossy(&bytes), reference, notes);
+        match tobj::load_mtl_buf(&mut text.as_bytes()) {
+            Ok((materials, _)) => {
+                self.by_name.extend(materials.into_iter().map(|material| (material.name.clone(), material)));
+            }
+            Err(error) => {
+                notes.push(format!("The material file `{reference}` cannot be understood ({error}): grey instead."));
+            }
+        }
+    }
+
+    fn read_textures(&mut self, scene: &Path, notes: &mut Vec<String>) {
+        let mut names: Vec<&String> = self.by_name.values().filter_map(|it| it.diffuse_texture.as_ref()).collect();
+        names.sort_unstable();
+        names.dedup();
+        let read = |name: &&String| {
+            let path: PathBuf = beside(scene, name).ok_or("it lies outside the scene's folder")?;
+            let bytes = fs::read(path).map_err(|error| error.to_string())?;
+            mean_colour(&bytes).map(glam::Vec4::truncate)
+        };
+        let means: Vec<Result<Vec3, String>> = names.par_iter().map(read).collect();
+        let mut known = FxHashMap::default();
+        for (name, mean) in names.into_iter().zip(means) {
+            match mean {
+                Ok(mean) => {
+                    known.insert(name.clone(), mean);
+                }
+                Err(error) => notes.push(format!("The texture `{name}` is not used: {error}.")),
+            }
+        }
+        self.means = known;
+    }
+}
+
+/// The lines of an MTL file that matter here, in a form that tobj reads rightly.
+fn sound_lines(text: &str, file: &str, notes: &mut Vec<String>) -> String {
+    let mut sound = String::with_capacity(text.len());
+    let mut bad = Vec::new();
+    for (index, line) in text.trim_start_matches('\u{feff}').lines().enumerate() {
+        let line = line.trim();
+        let (keyword, rest) = line.split_once(char::is_whitespace).unwrap_or((line, ""));
+        let rest = rest.trim();
+        let kept = match keyword {
+            "newmtl" if !rest.is_empty() => Some(rest.to_owned()),
+            "Kd" | "Ke" => colour(rest),
+            "d" | "Tr" => number(rest.trim_start_matches("-halo").trim()),
+            "map_Kd" => Some(texture_name(rest)).filter(|name| !name.is_empty()),
+            "newmtl" => None,
+            _ => continue,
+        };
+        match kept {
+            Some(value) => {
+                sound.push_str(keyword);
+                sound.push(' ');
+                sound.push_str(&value);
+                sound.push('\n');
+            }
+            None => bad.push(index + 1),
+        }
+    }
+    if let Some(first) = bad.first() {
+        let count = bad.len();
+        let lines = if count == 1 { "line is".to_owned() } else { format!("{count} lines are") };
+        notes.push(format!("In the material file `{file}` {lines} not understood and left out (first: line {first})."));
+    }
+    sound
+}
+
+/// Three finite numbers; one alone stands for all three.
+fn colour(text: &str) -> Option<String> {
+    let values: Vec<f32> = text.split_whitespace().map_while(|word| word.parse().ok()).take(3).collect();
+    let [red, green, blue] = match values[..] {
+        [red, green, blue] => [red, green, blue],
+        [grey] => [grey; 3],
+        _ => return None,
+    };
+    (red.is_finite() && green.is_finite() && blue.is_finite()).then(|| format!("{red} {green} {blue}"))
+}
+
+fn number(text: &str) -> Option<String> {
+    let value: f32 = text.split_whitespace().next()?.parse().ok()?;
+    value.is_finite().then(|| value.to_string())
+}
+
+/// The file name behind the options of a texture line (`-s 1 1 1 wood.png`); names may hold spaces.
+fn texture_name(text: &str) -> String {
+    let mut words = text.split_whitespace().peekable();
+    if !text.starts_with('-') {
+        return text.to_owned();
+    }
+    while let Some(option) = words.next_if(|word| word.starts_with('-')) {
+        let numbers = match option {
+            "-o" | "-s" | "-t" => 3,
+            "-mm" => 2,
+            _ => 1,
+        };
+        for taken in 0..numbers {
+            // Vectors may be cut short; a mode such as `on` is a word, not a number.
+            let belongs = |word: &&str| (numbers == 1 && taken == 0) || word.parse::<f32>().is_ok();
+            if words.next_if(belongs).is_none() {
+                break;
+            }
+        }
+    }
+    words.collect::<Vec<_>>().join(" ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn texture_options_are_not_part_of_the_name() {
+        assert_eq!(texture_name("wood grain.png"), "wood grain.png");
+        assert_eq!(texture_name("-s 2 2 2 wood.png"), "wood.png");
+        assert_eq!(texture_name("-blendu off -o 0.5 -mm 0 1 dark wood.png"), "dark wood.png");
+    }
+
+    #[test]
+    fn bad_lines_are_left_out_and_said() {
+        let mut notes = Vec::new();
+        let text = "newmtl a\nKd 0.1 0.2\nKd\nKe nan 0 0\nKd 0.5\nillum x\nd -halo 0.25\n";
+        let sound = sound_lines(text, "a.mtl", &mut notes);
+        assert_eq!(sound, "newmtl a\nKd 0.5 0.5 0.5\nd 0.25\n");
+        assert_eq!(notes, ["In the material file `a.mtl` 3 lines are not understood and left out (first: line 2)."]);
+    }
+}

@@ -1,0 +1,103 @@
+//! Where the emitted power goes: a balance whose sides are measured each on its own.
+
+use glam::{DVec3, Vec3};
+use rayon::prelude::*;
+
+use super::Solver;
+use crate::hierarchy::{ElementId, mix};
+
+/// The power of a solution, W per colour: Φ should equal the sum of the other three.
+#[derive(Clone, Copy, Debug)]
+pub struct PowerBalance {
+    /// Φ = Σ A·B_e.
+    pub emitted: DVec3,
+    /// Σ A·E·(1−ρ) over the leaves of the solution.
+    pub absorbed: DVec3,
+    /// Power that meets the dark back of a face.
+    pub stopped_by_backs: DVec3,
+    /// Power that leaves the scene.
+    pub escaped: DVec3,
+}
+
+impl PowerBalance {
+    /// What is missing (positive) or created (negative), as a share of the emitted power of all colours.
+    pub fn relative_gap(&self) -> f64 {
+        let accounted = self.absorbed + self.stopped_by_backs + self.escaped;
+        let emitted = self.emitted.element_sum();
+        if emitted > 0.0 { (emitted - accounted.element_sum()) / emitted } else { 0.0 }
+    }
+}
+
+/// Power absorbed by bright sides, W per colour.
+pub(super) fn absorbed(solver: &Solver) -> DVec3 {
+    let leaf = |(element, irradiance): (&crate::hierarchy::Element, &Vec3)| match element.shape {
+        crate::hierarchy::Shape::Patch(patch) if element.is_leaf() => {
+            let surface = &solver.surfaces[patch.polygon as usize];
+            f64::from(element.area) * (*irradiance * (Vec3::ONE - surface.reflectance)).as_dvec3()
+        }
+        _ => DVec3::ZERO,
+    };
+    solver.hierarchy.elements().iter().zip(&solver.light.irradiance).map(leaf).sum()
+}
+
+/// Measures the balance of a solution: absorption from its irradiances, what backs stop and what escapes by `rays` random
+/// rays that leave its leaves in proportion to their radiosity and that know nothing of its links.
+pub fn power_balance(solver: &Solver, rays: u32, seed: u64) -> PowerBalance {
+    let hierarchy = &solver.hierarchy;
+    let leaves: Vec<ElementId> =
+        hierarchy.ids().filter(|id| hierarchy.element(*id).is_leaf() && !hierarchy.element(*id).is_cluster()).collect();
+    let mut power_before = vec![0.0_f64];
+    for leaf in &leaves {
+        let power = f64::from(hierarchy.element(*leaf).area * solver.light.radiosity[leaf.index()].element_sum());
+        power_before.push(power_before[power_before.len() - 1] + power);
+    }
+    let total = power_before[leaves.len()];
+    let emitted = solver.scene.emitted_power().as_dvec3();
+    let mut balance =
+        PowerBalance { emitted, absorbed: absorbed(solver), stopped_by_backs: DVec3::ZERO, escaped: DVec3::ZERO };
+    if total <= 0.0 || rays == 0 {
+        return balance;
+    }
+    let lower_upper = solver.scene.bounds();
+    let nearest = 1e-5 * (lower_upper.1 - lower_upper.0).length();
+    let fates: Vec<(DVec3, DVec3)> = (0..rays)
+        .into_par_iter()
+        .map(|index| {
+            let random = |axis: u64| (mix(mix(seed, u64::from(index)), axis) >> 40) as f32 / 16_777_216.0;
+            let wanted = (f64::from(index) + f64::from(random(0))) / f64::from(rays) * total;
+            let place = power_before[1..leaves.len()].partition_point(|&before| before <= wanted);
+            let leaf = leaves[place];
+            let point = hierarchy.point_on(leaf, random(1), random(2));
+            let direction = cosine_direction(point.normal, random(3), random(4));
+            let radiosity = solver.light.radiosity[leaf.index()];
+            let carried = (radiosity / radiosity.element_sum()).as_dvec3() * (total / f64::from(rays));
+            match solver.occluders.closest_hit(point.position + nearest * point.normal, direction, 0.0) {
+                None => (DVec3::ZERO, carried),
+                Some(hit) if !hit.front && !solver.is_double(hit.polygon) => (carried, DVec3::ZERO),
+                Some(_) => (DVec3::ZERO, DVec3::ZERO),
+            }
+        })
+        .collect();
+    for (stopped, escaped) in fates {
+        balance.stopped_by_backs += stopped;
+        balance.escaped += escaped;
+    }
+    balance
+}
+
+impl Solver {
+    /// Whether the face of this polygon is bright on both sides.
+    fn is_double(&self, polygon: u32) -> bool {
+        // The backs of doubled faces follow all fronts, in the same order.
+        let fronts = self.scene.polygons.iter().position(|polygon| polygon.is_back).unwrap_or(usize::MAX);
+        (polygon as usize) < fronts && fronts != usize::MAX
+    }
+}
+
+/// A direction about a normal with density cosθ/π.
+fn cosine_direction(normal: Vec3, u: f32, v: f32) -> Vec3 {
+    let (tangent, bitangent) = normal.any_orthonormal_pair();
+    let (sine, cosine) = (std::f32::consts::TAU * v).sin_cos();
+    let radius = u.sqrt();
+    (radius * (cosine * tangent + sine * bitangent) + (1.0 - u).max(0.0).sqrt() * normal).normalize()
+}

@@ -1,0 +1,107 @@
+//! Candidates: pairs of elements that wait to be judged.
+
+use super::link::quantised;
+use crate::hierarchy::{ElementId, Hierarchy};
+
+/// Which directions of a pair a candidate stands for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Directions {
+    /// Light from `b` to `a`.
+    pub to_a: bool,
+    /// Light from `a` to `b`.
+    pub to_b: bool,
+}
+
+impl Directions {
+    /// Neither is left.
+    pub fn is_empty(self) -> bool {
+        !(self.to_a || self.to_b)
+    }
+}
+
+/// An unordered pair that waits for a verdict in one or both directions; `a == b` for a self-link.
+#[derive(Clone, Copy, Debug)]
+pub struct Candidate {
+    /// One end.
+    pub a: ElementId,
+    /// The other.
+    pub b: ElementId,
+    visibility: u16,
+    /// Directions that are still open.
+    pub directions: Directions,
+    /// Whether a pair that holds this one is known to be fully visible.
+    pub inherits_visible: bool,
+}
+
+impl Candidate {
+    /// A pair with the visibility of the pair it came from.
+    pub fn new(a: ElementId, b: ElementId, directions: Directions, visibility: f32, inherits_visible: bool) -> Self {
+        Self { a, b, visibility: quantised(visibility), directions, inherits_visible }
+    }
+
+    /// The root's self-link, with which everything starts.
+    pub fn root() -> Self {
+        Self::new(Hierarchy::ROOT, Hierarchy::ROOT, Directions { to_a: true, to_b: false }, 1.0, false)
+    }
+
+    /// Visibility of the pair it came from, 0..=1.
+    pub fn visibility(&self) -> f32 {
+        f32::from(self.visibility) / f32::from(u16::MAX)
+    }
+
+    /// Whether it is a cluster's link to itself.
+    pub fn is_self(&self) -> bool {
+        self.a == self.b
+    }
+}
+
+/// Work that waits in a wave.
+#[derive(Clone, Copy, Debug)]
+pub enum Waiting {
+    /// A pair.
+    Pair(Candidate),
+    /// All pairs of a cluster's child (by its number) with itself and its later siblings: a refined self-link, kept short so
+    /// that plain HR's millions of pairs need not lie in memory at once.
+    Siblings {
+        /// The cluster.
+        cluster: ElementId,
+        /// Number of the child among the cluster's children.
+        child: u32,
+        /// First sibling that is not yet done, the child itself included.
+        from: u32,
+    },
+}
+
+/// Takes up to `limit` candidates from the front of a wave; what is left over of a row of siblings goes back.
+pub fn take_chunk(
+    wave: &mut std::collections::VecDeque<Waiting>,
+    hierarchy: &Hierarchy,
+    limit: usize,
+) -> Vec<Candidate> {
+    let mut chunk = Vec::with_capacity(limit.min(wave.len().max(256)));
+    while chunk.len() < limit {
+        match wave.pop_front() {
+            None => break,
+            Some(Waiting::Pair(candidate)) => chunk.push(candidate),
+            Some(Waiting::Siblings { cluster, child, from }) => {
+                let children = hierarchy.element(cluster).children();
+                let (first, count) = (children.clone().next().map_or(0, |id| id.0), children.len() as u32);
+                let own = ElementId(first + child);
+                let room = (limit - chunk.len()) as u32;
+                let until = count.min(from.saturating_add(room));
+                for other in from..until {
+                    let is_self = other == child;
+                    if is_self && !hierarchy.element(own).is_cluster() {
+                        continue;
+                    }
+                    let directions = Directions { to_a: true, to_b: !is_self };
+                    chunk.push(Candidate::new(own, ElementId(first + other), directions, 1.0, false));
+                }
+                if until < count {
+                    wave.push_front(Waiting::Siblings { cluster, child, from: until });
+                }
+            }
+        }
+    }
+    chunk
+}

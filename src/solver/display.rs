@@ -1,0 +1,221 @@
+//! The display mesh: leaves as triangles without cracks, and vertex radiosities averaged over the leaves around a vertex.
+//!
+//! A vertex belongs to one smooth, same-material surface. Where a neighbour was split and a leaf was not, the neighbour's
+//! vertices on the common edge (hanging vertices) become corners of the leaf's own triangles, so nothing jumps or gapes.
+
+use std::sync::Arc;
+
+use glam::Vec3;
+use rayon::prelude::*;
+use rustc_hash::FxHashMap;
+
+use super::gather::Light;
+use super::snapshot::{ClusterBox, Leaf, Mesh};
+use crate::hierarchy::{ElementId, Hierarchy, Shape, smooth_surfaces};
+use crate::scene::Scene;
+
+/// The mesh of one state of the hierarchy, and how leaves' radiosities make its vertices'.
+pub struct Display {
+    /// Elements when the mesh was made; more elements ask for a new one.
+    elements: usize,
+    /// The mesh.
+    pub mesh: Arc<Mesh>,
+    /// Boxes of the clusters.
+    pub clusters: Arc<Vec<ClusterBox>>,
+    /// Where each vertex's shares start; one longer than the number of vertices.
+    starts: Vec<u32>,
+    /// Leaf (index into the mesh's leaves) and weight; a vertex's weights sum to 1.
+    shares: Vec<(u32, f32)>,
+    surfaces: Arc<Vec<u32>>,
+}
+
+impl Display {
+    /// The mesh of the hierarchy as it is, the old one where nothing was split since.
+    pub fn current(old: Option<Self>, scene: &Scene, hierarchy: &Hierarchy) -> Self {
+        let elements = hierarchy.elements().len();
+        match old {
+            Some(display) if display.elements == elements => display,
+            Some(display) => Self::build(hierarchy, scene, display.surfaces, display.clusters),
+            None => {
+                let surfaces = Arc::new(smooth_surfaces(scene, hierarchy));
+                Self::build(hierarchy, scene, surfaces, Arc::new(cluster_boxes(hierarchy)))
+            }
+        }
+    }
+
+    fn build(hierarchy: &Hierarchy, scene: &Scene, surfaces: Arc<Vec<u32>>, clusters: Arc<Vec<ClusterBox>>) -> Self {
+        let mut builder = MeshBuilder::new(hierarchy, scene, &surfaces);
+        for &patch in hierarchy.initial_patches() {
+            hierarchy.leaves_below(patch, &mut |leaf| builder.add_leaf(leaf));
+        }
+        let (mesh, starts, shares) = builder.finish();
+        Self { elements: hierarchy.elements().len(), mesh: Arc::new(mesh), clusters, starts, shares, surfaces }
+    }
+
+    /// Radiosity of each mesh vertex, W/m².
+    pub fn vertex_radiosity(&self, light: &Light) -> Vec<[f32; 3]> {
+        let leaf_radiosity = |leaf: u32| light.radiosity[self.mesh.leaves[leaf as usize].element.index()];
+        let vertex = |range: &[u32]| {
+            let shares = &self.shares[range[0] as usize..range[1] as usize];
+            shares.iter().map(|&(leaf, weight)| weight * leaf_radiosity(leaf)).sum::<Vec3>().to_array()
+        };
+        self.starts.par_windows(2).with_min_len(4096).map(vertex).collect()
+    }
+
+    /// A value of each leaf in the mesh's order.
+    pub fn of_leaves(&self, table: &[Vec3]) -> Vec<[f32; 3]> {
+        self.mesh.leaves.iter().map(|leaf| table[leaf.element.index()].to_array()).collect()
+    }
+}
+
+struct MeshBuilder<'a> {
+    hierarchy: &'a Hierarchy,
+    scene: &'a Scene,
+    surfaces: &'a [u32],
+    mesh: Mesh,
+    /// Mesh vertex by (hierarchy vertex, smooth surface).
+    vertex_of: FxHashMap<(u32, u32), u32>,
+    /// (mesh vertex, leaf, weight) in the order found.
+    contributions: Vec<(u32, u32, f32)>,
+    rim: Vec<u32>,
+}
+
+impl<'a> MeshBuilder<'a> {
+    fn new(hierarchy: &'a Hierarchy, scene: &'a Scene, surfaces: &'a [u32]) -> Self {
+        let leaves = hierarchy.leaf_count();
+        let mut vertex_of = FxHashMap::default();
+        vertex_of.reserve(2 * leaves);
+        let mesh = Mesh {
+            triangles: Vec::with_capacity(2 * leaves),
+            triangle_leaf: Vec::with_capacity(2 * leaves),
+            outlines: Vec::with_capacity(4 * leaves),
+            leaves: Vec::with_capacity(leaves),
+            ..Mesh::default()
+        };
+        Self {
+            hierarchy,
+            scene,
+            surfaces,
+            mesh,
+            vertex_of,
+            contributions: Vec::with_capacity(4 * leaves),
+            rim: Vec::new(),
+        }
+    }
+
+    fn add_leaf(&mut self, id: ElementId) {
+        let element = self.hierarchy.element(id);
+        let Shape::Patch(patch) = element.shape else { return };
+        let leaf = self.mesh.leaves.len() as u32;
+        let material = self.scene.polygons[patch.polygon as usize].material;
+        self.mesh.leaves.push(Leaf {
+            element: id,
+            polygon: patch.polygon,
+            material,
+            area: element.area,
+            level: patch.level,
+        });
+        let surface = self.surfaces[patch.polygon as usize];
+        let corners = patch.corners();
+        self.rim.clear();
+        for (index, &from) in corners.iter().enumerate() {
+            let vertex = self.vertex(from, surface);
+            self.rim.push(vertex);
+            if self.hierarchy.is_subdivided() {
+                self.hanging(from, corners[(index + 1) % corners.len()], surface);
+            }
+        }
+        let rim = std::mem::take(&mut self.rim);
+        for index in 0..rim.len() {
+            self.contribute(&rim, index, leaf, element.centre);
+            self.mesh.outlines.push([rim[index], rim[(index + 1) % rim.len()]]);
+        }
+        match *rim.as_slice() {
+            [a, b, c] => self.triangle([a, b, c], leaf),
+            [a, b, c, d] if corners.len() == 4 => {
+                self.triangle([a, b, c], leaf);
+                self.triangle([a, c, d], leaf);
+            }
+            _ => {
+                let centre = self.mesh.positions.len() as u32;
+                self.mesh.positions.push(element.centre.to_array());
+                self.contributions.push((centre, leaf, 1.0));
+                for index in 0..rim.len() {
+                    self.triangle([centre, rim[index], rim[(index + 1) % rim.len()]], leaf);
+                }
+            }
+        }
+        self.rim = rim;
+    }
+
+    /// Adds the vertices that neighbours put on an edge, in order, its ends left out.
+    fn hanging(&mut self, from: u32, to: u32, surface: u32) {
+        if let Some(middle) = self.hierarchy.midpoint(from, to) {
+            self.hanging(from, middle, surface);
+            let vertex = self.vertex(middle, surface);
+            self.rim.push(vertex);
+            self.hanging(middle, to, surface);
+        }
+    }
+
+    fn vertex(&mut self, vertex: u32, surface: u32) -> u32 {
+        let (positions, hierarchy) = (&mut self.mesh.positions, self.hierarchy);
+        *self.vertex_of.entry((vertex, surface)).or_insert_with(|| {
+            positions.push(hierarchy.vertices()[vertex as usize].to_array());
+            positions.len() as u32 - 1
+        })
+    }
+
+    /// A leaf counts at a vertex by the angle it fills there, over the squared distance of its centre: this reproduces a
+    /// linear radiosity across a change of subdivision level.
+    fn contribute(&mut self, rim: &[u32], index: usize, leaf: u32, centre: Vec3) {
+        let at = |index: usize| Vec3::from(self.mesh.positions[rim[index % rim.len()] as usize]);
+        let vertex = at(index);
+        let angle = (at(index + 1) - vertex).angle_between(at(index + rim.len() - 1) - vertex);
+        let distance_squared = (centre - vertex).length_squared();
+        let weight = if distance_squared > 0.0 && angle > 0.0 { angle / distance_squared } else { 0.0 };
+        self.contributions.push((rim[index], leaf, weight));
+    }
+
+    fn triangle(&mut self, corners: [u32; 3], leaf: u32) {
+        self.mesh.triangles.push(corners);
+        self.mesh.triangle_leaf.push(leaf);
+    }
+
+    /// Sorts contributions by vertex and makes each vertex's weights sum to 1.
+    fn finish(self) -> (Mesh, Vec<u32>, Vec<(u32, f32)>) {
+        let vertices = self.mesh.positions.len();
+        let mut starts = vec![0_u32; vertices + 1];
+        let mut sums = vec![0.0_f64; vertices];
+        for &(vertex, _, weight) in &self.contributions {
+            starts[vertex as usize + 1] += 1;
+            sums[vertex as usize] += f64::from(weight);
+        }
+        for vertex in 0..vertices {
+            starts[vertex + 1] += starts[vertex];
+        }
+        let mut next = starts.clone();
+        let mut shares = vec![(0, 0.0); self.contributions.len()];
+        for (vertex, leaf, weight) in self.contributions {
+            let vertex = vertex as usize;
+            let count = f64::from(starts[vertex + 1] - starts[vertex]);
+            let share = if sums[vertex] > 0.0 { f64::from(weight) / sums[vertex] } else { 1.0 / count };
+            shares[next[vertex] as usize] = (leaf, share as f32);
+            next[vertex] += 1;
+        }
+        (self.mesh, starts, shares)
+    }
+}
+
+fn cluster_boxes(hierarchy: &Hierarchy) -> Vec<ClusterBox> {
+    let clusters = hierarchy.elements().iter().filter_map(|element| match &element.shape {
+        Shape::Cluster(cluster) => Some(ClusterBox {
+            lower: element.centre - cluster.half_extent,
+            upper: element.centre + cluster.half_extent,
+            level: cluster.level,
+            polygons: hierarchy.patches_below(cluster).len() as u32,
+        }),
+        Shape::Patch(_) => None,
+    });
+    clusters.collect()
+}

@@ -1,0 +1,215 @@
+//! Form factors without occlusion, as one symmetric *exchange* G = A_r·F(r←s) = A_s·F(s←r), in m².
+//!
+//! Far patches use the disc form, near and touching ones the analytic point-to-polygon form factor averaged over points of
+//! the smaller; a cluster's cosine is ¼, the mean projected area of randomly turned one-sided faces [Sillion 95, eqs 8–15].
+
+use std::f32::consts::PI;
+
+use glam::Vec3;
+
+use crate::hierarchy::{Cluster, Element, ElementId, Hierarchy, Patch, Shape};
+
+/// A cluster's mean cosine: projected over total area of randomly turned one-sided faces.
+pub const CLUSTER_COSINE: f32 = 0.25;
+/// Patches nearer than this many times the larger one's size (square root of area) get the analytic form factor: at this
+/// distance the disc form of two facing squares is 1 % off.
+const NEAR: f32 = 4.0;
+/// Behind a plane up to this share of an element's size still counts as on it: f32 noise of coplanar faces.
+const PLANE_TOLERANCE: f32 = 1e-4;
+
+/// What geometry alone says about a pair of elements.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Exchange {
+    /// One end lies wholly behind the other's plane: no light passes.
+    FacingAway,
+    /// They see each other unless something is between them.
+    Facing {
+        /// Estimate of G = A_r·F(r←s), m².
+        estimate: f32,
+        /// What the oracle judges by: the estimate, or min(A_r, A_s) where boxes touch and the estimate means little.
+        bound: f32,
+        /// Whether the ends' boxes overlap or touch.
+        overlapping: bool,
+    },
+}
+
+/// The exchange between two different elements.
+pub fn exchange(hierarchy: &Hierarchy, a: ElementId, b: ElementId) -> Exchange {
+    let (first, second) = (hierarchy.element(a), hierarchy.element(b));
+    match (&first.shape, &second.shape) {
+        (Shape::Patch(p), Shape::Patch(q)) => patches(hierarchy, (first, p), (second, q)),
+        (Shape::Patch(p), Shape::Cluster(c)) => patch_and_cluster(hierarchy, (first, p), (second, c)),
+        (Shape::Cluster(c), Shape::Patch(p)) => patch_and_cluster(hierarchy, (second, p), (first, c)),
+        (Shape::Cluster(c), Shape::Cluster(d)) => clusters((first, c), (second, d)),
+    }
+}
+
+/// Self-exchange G = A·F of a cluster: what its polygons send to each other, estimated as in a homogeneous sphere of the same
+/// volume and area (`1 − P_escape`, [Sillion 95]; κ = ΣA/(4V), eq 15).
+pub fn self_exchange(element: &Element, cluster: &Cluster) -> f32 {
+    let half = cluster.half_extent;
+    // A flat box gets the thickness of a hundredth of its size: its volume must not vanish.
+    let padded = half.max(Vec3::splat(0.01 * half.max_element()));
+    let volume = 8.0 * padded.x * padded.y * padded.z;
+    if volume <= 0.0 {
+        return 0.0;
+    }
+    let radius = (0.75 * volume / PI).cbrt();
+    let depth = element.area / (4.0 * volume) * radius;
+    element.area * (1.0 - escape_from_sphere(depth))
+}
+
+/// Share of the light born evenly in a homogeneous sphere that leaves it, by the optical depth κR of its radius.
+fn escape_from_sphere(depth: f32) -> f32 {
+    let t = f64::from(depth);
+    if t < 0.05 {
+        // Series of the closed form, which cancels here.
+        return (1.0 - 0.75 * t) as f32;
+    }
+    (3.0 / (8.0 * t * t * t) * (2.0 * t * t - 1.0 + (1.0 + 2.0 * t) * (-2.0 * t).exp())) as f32
+}
+
+fn patches(hierarchy: &Hierarchy, (first, p): (&Element, &Patch), (second, q): (&Element, &Patch)) -> Exchange {
+    let (p_positions, p_count) = hierarchy.corner_positions(p);
+    let (q_positions, q_count) = hierarchy.corner_positions(q);
+    let (p_corners, q_corners) = (&p_positions[..p_count], &q_positions[..q_count]);
+    if all_behind(first, p, q_corners) || all_behind(second, q, p_corners) {
+        return Exchange::FacingAway;
+    }
+    let larger_area = first.area.max(second.area);
+    let between = second.centre - first.centre;
+    let distance_squared = between.length_squared();
+    // Cosines times distance.
+    let (p_height, q_height) = (p.normal.dot(between), -q.normal.dot(between));
+    let near = distance_squared < NEAR * NEAR * larger_area;
+    let estimate = if near || p_height <= 0.0 || q_height <= 0.0 {
+        let ((small, s, s_corners), (large, l, l_corners)) = if first.area <= second.area {
+            ((first, p, p_corners), (second, q, q_corners))
+        } else {
+            ((second, q, q_corners), (first, p, p_corners))
+        };
+        analytic(small, s.normal, s_corners, large, l, l_corners)
+    } else {
+        let cosines = p_height * q_height / distance_squared;
+        cosines * first.area * second.area / (PI * distance_squared + larger_area)
+    };
+    Exchange::Facing { estimate, bound: estimate, overlapping: false }
+}
+
+/// Gauss points of order 3 on the unit interval and their weights.
+const GAUSS: [(f32, f32); 3] = [(0.112_701_66, 0.277_777_8), (0.5, 0.444_444_45), (0.887_298_35, 0.277_777_8)];
+
+/// G by the form factor from points of the smaller patch to the whole larger one.
+fn analytic(small: &Element, normal: Vec3, corners: &[Vec3], large: &Element, l: &Patch, l_corners: &[Vec3]) -> f32 {
+    // Far for its own size, a patch needs one point.
+    let distance_squared = (large.centre - small.centre).length_squared();
+    let one_point = small.area * 64.0 < large.area.min(distance_squared);
+    let at = |point: Vec3| {
+        let in_front = l.normal.dot(point - large.centre) > 0.0;
+        if in_front { point_to_polygon(point, normal, l_corners) } else { 0.0 }
+    };
+    if one_point {
+        return small.area * at(small.centre);
+    }
+    let mut mean = 0.0;
+    for (u, u_weight) in GAUSS {
+        for (v, v_weight) in GAUSS {
+            mean += u_weight * v_weight * at(mapped(corners, u, v));
+        }
+    }
+    small.area * mean
+}
+
+/// Point of a triangle or quad at `(u, v)`; for a triangle the square is folded along `v` with a root, for equal areas.
+fn mapped(corners: &[Vec3], u: f32, v: f32) -> Vec3 {
+    match *corners {
+        [a, b, c] => {
+            let root = u.sqrt();
+            a + root * ((1.0 - v) * (b - a) + v * (c - a))
+        }
+        [a, b, c, d] => a.lerp(b, u).lerp(d.lerp(c, u), v),
+        _ => unreachable!("a patch has three or four corners"),
+    }
+}
+
+/// Form factor from a point with a normal to a polygon, clipped to the point's horizon [Lambert; facts: Baum 89].
+pub fn point_to_polygon(point: Vec3, normal: Vec3, corners: &[Vec3]) -> f32 {
+    // A quad clipped by one plane has at most five corners.
+    let mut clipped = [Vec3::ZERO; 6];
+    let mut count = 0;
+    for (index, &corner) in corners.iter().enumerate() {
+        let (from, to) = (corner - point, corners[(index + 1) % corners.len()] - point);
+        let (from_height, to_height) = (normal.dot(from), normal.dot(to));
+        if from_height >= 0.0 {
+            clipped[count] = from;
+            count += 1;
+        }
+        if (from_height > 0.0 && to_height < 0.0) || (from_height < 0.0 && to_height > 0.0) {
+            clipped[count] = from + (to - from) * (from_height / (from_height - to_height));
+            count += 1;
+        }
+    }
+    let mut sum = 0.0;
+    for index in 0..count {
+        let (from, to) = (clipped[index], clipped[(index + 1) % count]);
+        let cross = from.cross(to);
+        let sine = cross.length();
+        if sine > 0.0 {
+            let angle = sine.atan2(from.dot(to));
+            sum += angle * normal.dot(cross) / sine;
+        }
+    }
+    // The polygon runs clockwise as seen from a point that its bright side faces.
+    (-sum / (2.0 * PI)).clamp(0.0, 1.0)
+}
+
+/// Whether points lie behind (or in) a patch's plane.
+fn all_behind(element: &Element, patch: &Patch, points: &[Vec3]) -> bool {
+    let highest =
+        points.iter().map(|&point| patch.normal.dot(point - element.centre)).fold(f32::NEG_INFINITY, f32::max);
+    let reach = points.iter().map(|&point| (point - element.centre).length_squared()).fold(0.0, f32::max).sqrt();
+    highest <= PLANE_TOLERANCE * reach
+}
+
+fn patch_and_cluster(
+    hierarchy: &Hierarchy,
+    (element, patch): (&Element, &Patch),
+    (other, cluster): (&Element, &Cluster),
+) -> Exchange {
+    let between = other.centre - element.centre;
+    let middle_height = patch.normal.dot(between);
+    let reach = patch.normal.abs().dot(cluster.half_extent);
+    let highest = middle_height + reach;
+    if highest <= PLANE_TOLERANCE * (between.length() + cluster.half_extent.length()) {
+        return Exchange::FacingAway;
+    }
+    // Only the part of the box before the plane is seen, at its own mean height.
+    let lowest = (middle_height - reach).max(0.0);
+    let seen = if reach > 0.0 { ((highest - lowest) / (2.0 * reach)).min(1.0) } else { 1.0 };
+    let height = 0.5 * (highest + lowest);
+    let distance_squared = between.length_squared().max(height * height);
+    let cosine = (height / distance_squared.sqrt()).min(1.0) * seen;
+    let larger_area = element.area.max(CLUSTER_COSINE * other.area);
+    let estimate = cosine * CLUSTER_COSINE * element.area * other.area / (PI * distance_squared + larger_area);
+    let (positions, count) = hierarchy.corner_positions(patch);
+    let lower = positions[1..count].iter().copied().fold(positions[0], Vec3::min);
+    let upper = positions[1..count].iter().copied().fold(positions[0], Vec3::max);
+    let gap =
+        ((0.5 * (lower + upper) - other.centre).abs() - 0.5 * (upper - lower) - cluster.half_extent).max_element();
+    with_bound(estimate, element, other, gap)
+}
+
+fn clusters((first, c): (&Element, &Cluster), (second, d): (&Element, &Cluster)) -> Exchange {
+    let between = second.centre - first.centre;
+    let larger_area = CLUSTER_COSINE * first.area.max(second.area);
+    let areas = CLUSTER_COSINE * CLUSTER_COSINE * first.area * second.area;
+    let estimate = areas / (PI * between.length_squared() + larger_area);
+    let gap = (between.abs() - c.half_extent - d.half_extent).max_element();
+    with_bound(estimate, first, second, gap)
+}
+
+fn with_bound(estimate: f32, first: &Element, second: &Element, gap: f32) -> Exchange {
+    let overlapping = gap <= 0.0;
+    let bound = if overlapping { first.area.min(second.area) } else { estimate };
+    Exchange::Facing { estimate, bound, overlapping }
+}

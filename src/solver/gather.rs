@@ -1,0 +1,243 @@
+//! Gather, push and pull: one sweep moves light once across every link (paper, sections 1.2 and 3.3).
+
+use glam::Vec3;
+use rayon::prelude::*;
+
+use super::link::{Link, LinkTable};
+use super::params::Push;
+use crate::cancel::CancelToken;
+use crate::hierarchy::{ElementId, Hierarchy, Shape};
+
+/// Radiosities and irradiances of all elements, parallel to the arena.
+#[derive(Clone, Debug, Default)]
+pub struct Light {
+    /// Radiosity B, W/m².
+    pub radiosity: Vec<Vec3>,
+    /// Irradiance E, W/m²; meant for leaves, on other elements what reached them from above.
+    pub irradiance: Vec<Vec3>,
+    /// Sum of F·V over the links that light each initial patch's leaves, where it exceeds 1 (a leaf gets at most all that is
+    /// around it); 1 elsewhere. Empty before the first [`Gatherer::limit_rows`].
+    pub row_excess: Vec<f32>,
+}
+
+impl Light {
+    /// Extends the tables to new elements, which start with their parent's light.
+    pub fn grow(&mut self, hierarchy: &Hierarchy) {
+        for id in (self.radiosity.len()..hierarchy.elements().len()).map(|index| ElementId(index as u32)) {
+            let parent = hierarchy.element(id).parent().map(ElementId::index);
+            let inherited = |table: &[Vec3]| parent.map_or(Vec3::ZERO, |parent| table[parent]);
+            let (radiosity, irradiance) = (inherited(&self.radiosity), inherited(&self.irradiance));
+            self.radiosity.push(radiosity);
+            self.irradiance.push(irradiance);
+        }
+    }
+
+    /// Memory of the tables, bytes.
+    pub fn bytes(&self) -> usize {
+        size_of_val(&self.radiosity[..]) + size_of_val(&self.irradiance[..]) + size_of_val(&self.row_excess[..])
+    }
+}
+
+/// Reflectance and emission of a polygon.
+#[derive(Clone, Copy, Debug)]
+pub struct Surface {
+    /// ρ.
+    pub reflectance: Vec3,
+    /// B_e, W/m².
+    pub emission: Vec3,
+}
+
+/// Moves light over a table of links.
+pub struct Gatherer<'a> {
+    /// Elements.
+    pub hierarchy: &'a Hierarchy,
+    /// Links by receiver.
+    pub links: &'a LinkTable,
+    /// Material of each polygon.
+    pub surfaces: &'a [Surface],
+    /// How clusters hand irradiance down.
+    pub push: Push,
+    /// Whether links that no ray has judged carry light.
+    pub with_unjudged: bool,
+}
+
+/// Leaves may miss this much of a sum of 1 before they are scaled back: noise of V and F.
+const ROW_TOLERANCE: f32 = 1.0;
+
+impl Gatherer<'_> {
+    /// Sweeps until the power still to come is below `tolerance` of all power; false if cancelled, with `light` as the last
+    /// whole sweep left it.
+    ///
+    /// What is to come is estimated by the ratio of successive changes, as of a geometric series.
+    pub fn converge(&self, light: &mut Light, tolerance: f64, most_sweeps: u32, cancel: &CancelToken) -> bool {
+        let mut last_change = f64::INFINITY;
+        for _ in 0..most_sweeps {
+            let Some(change) = self.sweep(light, cancel) else { return false };
+            let ratio =
+                if last_change.is_finite() && last_change > 0.0 { (change.moved / last_change).min(0.99) } else { 0.9 };
+            let to_come = change.moved * ratio / (1.0 - ratio);
+            if to_come.max(change.moved) <= tolerance * change.power || change.moved == 0.0 {
+                break;
+            }
+            last_change = change.moved;
+        }
+        true
+    }
+
+    /// One sweep: gather over links, push to leaves, reflect, pull up; `None` if cancelled, with nothing changed.
+    fn sweep(&self, light: &mut Light, cancel: &CancelToken) -> Option<Change> {
+        let incoming = self.incoming(&light.radiosity, cancel)?;
+        let elements = self.hierarchy.elements();
+        let mut change = Change::default();
+        for (index, element) in elements.iter().enumerate() {
+            let from_above = element.parent().map_or(Vec3::ZERO, |parent| light.irradiance[parent.index()]);
+            light.irradiance[index] = from_above + incoming[index];
+        }
+        for (index, element) in elements.iter().enumerate().rev() {
+            let old = light.radiosity[index];
+            let new = match element.shape {
+                Shape::Patch(patch) if element.is_leaf() => {
+                    if let Some(&excess) = light.row_excess.get(index) {
+                        light.irradiance[index] /= excess;
+                    }
+                    let surface = &self.surfaces[patch.polygon as usize];
+                    let new = surface.emission + surface.reflectance * light.irradiance[index];
+                    change.moved += f64::from(element.area) * f64::from((new - old).abs().max_element());
+                    change.power += f64::from(element.area) * f64::from(new.max_element());
+                    new
+                }
+                _ => mean_of_children(self.hierarchy, &light.radiosity, element.children()),
+            };
+            light.radiosity[index] = new;
+        }
+        Some(change)
+    }
+
+    /// Finds leaves whose F·V sum to more than 1 — an estimate's failure, which could let light grow without end — and scales
+    /// their irradiance back to what a sum of 1 brings; returns how many. Never scales up.
+    pub fn limit_rows(&self, light: &mut Light, cancel: &CancelToken) -> Option<usize> {
+        let ones = vec![Vec3::ONE; self.hierarchy.elements().len()];
+        let mut rows = self.incoming(&ones, cancel)?;
+        for (index, element) in self.hierarchy.elements().iter().enumerate() {
+            if let Some(parent) = element.parent() {
+                rows[index] = rows[index] + rows[parent.index()];
+            }
+        }
+        light.row_excess = rows.iter().map(|row| row.x.max(ROW_TOLERANCE)).collect();
+        let exceeds = |(row, element): &(&Vec3, &crate::hierarchy::Element)| {
+            element.is_leaf() && !element.is_cluster() && row.x > ROW_TOLERANCE
+        };
+        Some(rows.iter().zip(self.hierarchy.elements()).filter(exceeds).count())
+    }
+
+    /// What arrives at each element by its own links; at initial patches also what clusters above push to them at once.
+    fn incoming(&self, radiosity: &[Vec3], cancel: &CancelToken) -> Option<Vec<Vec3>> {
+        let immediate = self.push == Push::Immediate;
+        let flux = |link: &Link| {
+            let carries = self.with_unjudged || link.evidence() != super::link::Evidence::None;
+            if carries { radiosity[link.source().index()] * link.transfer() } else { Vec3::ZERO }
+        };
+        let mut incoming: Vec<Vec3> = (0..self.hierarchy.elements().len() as u32)
+            .into_par_iter()
+            .with_min_len(512)
+            .map(ElementId)
+            .map(|receiver| {
+                if cancel.is_cancelled() {
+                    return Vec3::ZERO;
+                }
+                let links = self.links.of(receiver).iter();
+                if immediate && self.hierarchy.element(receiver).is_cluster() {
+                    links.filter(|link| link.source() == receiver).map(flux).sum()
+                } else {
+                    links.map(flux).sum()
+                }
+            })
+            .collect();
+        if immediate {
+            let rays = self.beams(&flux);
+            let pushed: Vec<Vec3> = self
+                .hierarchy
+                .initial_patches()
+                .par_iter()
+                .with_min_len(64)
+                .map(|&patch| if cancel.is_cancelled() { Vec3::ZERO } else { self.pushed_to(patch, &rays) })
+                .collect();
+            for (&patch, pushed) in self.hierarchy.initial_patches().iter().zip(pushed) {
+                incoming[patch.index()] += pushed;
+            }
+        }
+        (!cancel.is_cancelled()).then_some(incoming)
+    }
+
+    /// For each cluster the light that its links bring, with where it comes from.
+    fn beams(&self, flux: &(impl Fn(&Link) -> Vec3 + Sync)) -> Vec<Vec<Beam>> {
+        let cluster_beams = |(index, element): (usize, &crate::hierarchy::Element)| {
+            let receiver = ElementId(index as u32);
+            if !element.is_cluster() {
+                return Vec::new();
+            }
+            let links = self.links.of(receiver).iter().filter(|link| link.source() != receiver);
+            let beam = |link: &Link| Beam {
+                from: self.hierarchy.element(link.source()).centre,
+                // The 4 undoes the cluster's mean cosine of ¼.
+                flux: 4.0 * flux(link),
+            };
+            links.map(beam).collect()
+        };
+        self.hierarchy.elements().par_iter().with_min_len(256).enumerate().map(cluster_beams).collect()
+    }
+
+    /// Immediate push (α-links, section 3.3): what the clusters above hand to an initial patch, each link by the patch's cosine.
+    fn pushed_to(&self, id: ElementId, beams: &[Vec<Beam>]) -> Vec3 {
+        let element = self.hierarchy.element(id);
+        let Shape::Patch(patch) = element.shape else { return Vec3::ZERO };
+        let mut sum = Vec3::ZERO;
+        let mut above = element.parent();
+        while let Some(cluster) = above {
+            for beam in &beams[cluster.index()] {
+                let towards = beam.from - element.centre;
+                let height = patch.normal.dot(towards);
+                if height > 0.0 {
+                    sum += beam.flux * (height * towards.length_recip());
+                }
+            }
+            above = self.hierarchy.element(cluster).parent();
+        }
+        sum
+    }
+}
+
+/// Light on its way into a cluster.
+struct Beam {
+    from: Vec3,
+    flux: Vec3,
+}
+
+/// Sets the radiosity of all elements from their leaves', by area.
+pub fn pull(hierarchy: &Hierarchy, radiosity: &mut [Vec3]) {
+    for (index, element) in hierarchy.elements().iter().enumerate().rev() {
+        if !element.is_leaf() {
+            radiosity[index] = mean_of_children(hierarchy, radiosity, element.children());
+        }
+    }
+}
+
+fn mean_of_children(hierarchy: &Hierarchy, radiosity: &[Vec3], children: impl Iterator<Item = ElementId>) -> Vec3 {
+    let mut power = Vec3::ZERO;
+    let mut area = 0.0;
+    for child in children {
+        let child_area = hierarchy.element(child).area;
+        power += child_area * radiosity[child.index()];
+        area += child_area;
+    }
+    if area > 0.0 { power / area } else { Vec3::ZERO }
+}
+
+/// How much one sweep moved.
+#[derive(Default)]
+struct Change {
+    /// Σ A·|ΔB| over leaves, W.
+    moved: f64,
+    /// Σ A·B over leaves, W.
+    power: f64,
+}

@@ -1,0 +1,261 @@
+//! The oracle: decides what becomes of a pair; pure, so that a wave can be judged in parallel.
+//!
+//! The power oracle of the paper (section 2.3, [Lischinski 94]): refine while B_s·F·A_r > ε, with ε_partial where the ends
+//! see each other only in part; rays in proportion to B·F·A/ε within bounds (section 2.4).
+
+use crate::hierarchy::{ElementId, Hierarchy, Shape};
+
+use super::candidate::Candidate;
+use super::form_factor::{Exchange, exchange, self_exchange};
+use super::link::{Evidence, Link};
+use super::rays::RaySampler;
+use super::refine::end_to_split;
+
+/// Thresholds in the units that the oracle uses.
+#[derive(Clone, Copy, Debug)]
+pub struct Thresholds {
+    /// ε, W.
+    pub epsilon: f32,
+    /// ε_partial, W.
+    pub epsilon_partial: f32,
+    /// f_vis: rays per BFA/ε.
+    pub visibility_factor: f32,
+    /// Fewest rays.
+    pub rays_min: u32,
+    /// Most rays.
+    pub rays_max: u32,
+}
+
+impl Thresholds {
+    /// Visibility rays that a link of this unoccluded power deserves (section 2.4).
+    pub fn rays_for(&self, power: f32) -> u32 {
+        let wanted = self.visibility_factor * power / self.epsilon;
+        // The cast saturates: a huge or undefined quotient (ε = 0) asks for the most.
+        (wanted.ceil() as u32).clamp(self.rays_min, self.rays_max)
+    }
+}
+
+/// Why a pair gets no link.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Rejection {
+    /// One end lies behind the other.
+    FacingAway,
+    /// No ray came through.
+    Occluded,
+}
+
+/// What becomes of one direction of a pair.
+#[derive(Clone, Copy, Debug)]
+pub enum Decision {
+    /// The direction was not asked about.
+    NotAsked,
+    /// It is kept as a link.
+    Accept(Link),
+    /// It is kept as a link only because a patch is too deep to be split.
+    AcceptAtGuard(Link),
+    /// It must be refined.
+    Refine,
+    /// It carries nothing.
+    Reject(Rejection),
+}
+
+/// What becomes of a pair.
+#[derive(Clone, Copy, Debug)]
+pub struct Verdict {
+    /// For the link at `a`, lit by `b`.
+    pub to_a: Decision,
+    /// For the link at `b`, lit by `a`.
+    pub to_b: Decision,
+    /// Visibility found, which the pair's refinements start with.
+    pub visibility: f32,
+    /// Whether all rays came through, so that refinements need no rays.
+    pub fully_visible: bool,
+    /// Rays cast.
+    pub rays: u32,
+}
+
+/// Judges pairs against one state of the solution.
+pub struct Oracle<'a> {
+    /// Elements.
+    pub hierarchy: &'a Hierarchy,
+    /// Largest colour of each element's radiosity B, W/m².
+    pub brightness: &'a [f32],
+    /// Thresholds.
+    pub thresholds: Thresholds,
+    /// Casts visibility rays.
+    pub sampler: RaySampler<'a>,
+}
+
+impl Oracle<'_> {
+    /// Decides about a candidate.
+    pub fn judge(&self, candidate: &Candidate) -> Verdict {
+        if candidate.is_self() {
+            return self.judge_self(candidate);
+        }
+        let (a, b) = (candidate.a, candidate.b);
+        let (estimate, bound) = match exchange(self.hierarchy, a, b) {
+            Exchange::FacingAway => return Verdict::alike(candidate, Decision::Reject(Rejection::FacingAway)),
+            Exchange::Facing { estimate, bound, .. } => (estimate, bound),
+        };
+        let brightness_to_a = if candidate.directions.to_a { self.brightness[b.index()] } else { 0.0 };
+        let brightness_to_b = if candidate.directions.to_b { self.brightness[a.index()] } else { 0.0 };
+        let strongest = brightness_to_a.max(brightness_to_b);
+        // A dark direction waits for its own judgement and needs nothing of this one.
+        let weakest = match (brightness_to_a > 0.0, brightness_to_b > 0.0) {
+            (true, true) => brightness_to_a.min(brightness_to_b),
+            _ => strongest,
+        };
+        let sight = if strongest > 0.0 {
+            // Where both directions would be refined anyway, a mixture of seen and blocked rays says all.
+            let stop_when_mixed = weakest * bound > self.thresholds.epsilon_partial;
+            self.look(candidate, strongest * estimate, strongest * bound, stop_when_mixed)
+        } else {
+            Sight::unseen(candidate)
+        };
+        let decide = |asked: bool, receiver: ElementId, source: ElementId| {
+            if asked { self.decide(receiver, source, estimate, bound, &sight) } else { Decision::NotAsked }
+        };
+        Verdict {
+            to_a: decide(candidate.directions.to_a, a, b),
+            to_b: decide(candidate.directions.to_b, b, a),
+            visibility: sight.visibility,
+            fully_visible: sight.kind == SightKind::Full,
+            rays: sight.rays,
+        }
+    }
+
+    /// Whether a stored link fails by the present radiosities and must be judged again.
+    pub fn must_judge_again(&self, receiver: ElementId, link: &Link) -> bool {
+        let source = link.source();
+        let brightness = self.brightness[source.index()];
+        if brightness <= 0.0 {
+            return false;
+        }
+        if link.evidence() == Evidence::None {
+            return true;
+        }
+        let hierarchy = self.hierarchy;
+        let power = if receiver == source {
+            brightness * hierarchy.element(receiver).area
+        } else {
+            match exchange(hierarchy, receiver, source) {
+                Exchange::FacingAway => return true,
+                Exchange::Facing { bound, .. } => brightness * bound,
+            }
+        };
+        let (allowed, rays) = match link.evidence() {
+            Evidence::Inherited => (self.thresholds.epsilon, u32::MAX),
+            Evidence::Rays(rays) if link.visibility() >= 1.0 => (self.thresholds.epsilon, u32::from(rays)),
+            Evidence::Rays(rays) => (self.thresholds.epsilon_partial, u32::from(rays)),
+            Evidence::None => return true,
+        };
+        if power > allowed {
+            return receiver == source || end_to_split(hierarchy, receiver, source).is_some();
+        }
+        // More light than it was judged by may ask for more rays; a doubled count is worth a new look.
+        power > self.thresholds.epsilon_partial && self.thresholds.rays_for(power) >= rays.saturating_mul(2)
+    }
+
+    /// A self-link is refined while the power that its cluster sends could matter; it has no rays, its estimate holds the
+    /// cluster's own occlusion.
+    fn judge_self(&self, candidate: &Candidate) -> Verdict {
+        let element = self.hierarchy.element(candidate.a);
+        let Shape::Cluster(cluster) = element.shape else {
+            return Verdict::alike(candidate, Decision::Reject(Rejection::FacingAway));
+        };
+        let brightness = self.brightness[candidate.a.index()];
+        let power = brightness * element.area;
+        let decision = if power > self.thresholds.epsilon_partial {
+            Decision::Refine
+        } else {
+            let form_factor = if element.area > 0.0 { self_exchange(element, &cluster) / element.area } else { 0.0 };
+            let evidence = if brightness > 0.0 { Evidence::Inherited } else { Evidence::None };
+            Decision::Accept(Link::new(candidate.a, form_factor, 1.0, evidence))
+        };
+        Verdict { to_a: decision, to_b: Decision::NotAsked, visibility: 1.0, fully_visible: false, rays: 0 }
+    }
+
+    fn decide(&self, receiver: ElementId, source: ElementId, estimate: f32, bound: f32, sight: &Sight) -> Decision {
+        let brightness = self.brightness[source.index()];
+        let area = self.hierarchy.element(receiver).area;
+        let form_factor = if area > 0.0 { (estimate / area).min(1.0) } else { 0.0 };
+        if brightness <= 0.0 {
+            return Decision::Accept(Link::new(source, form_factor, sight.visibility, Evidence::None));
+        }
+        let allowed = match sight.kind {
+            SightKind::None => return Decision::Reject(Rejection::Occluded),
+            SightKind::Full => self.thresholds.epsilon,
+            SightKind::Partial | SightKind::Unknown => self.thresholds.epsilon_partial,
+        };
+        let link = Link::new(source, form_factor, sight.visibility, sight.evidence());
+        if brightness * bound <= allowed {
+            Decision::Accept(link)
+        } else if end_to_split(self.hierarchy, receiver, source).is_none() {
+            Decision::AcceptAtGuard(link)
+        } else {
+            Decision::Refine
+        }
+    }
+
+    /// Finds out how well the ends of a pair see each other, with as many rays as its power deserves.
+    fn look(&self, candidate: &Candidate, power: f32, bound: f32, stop_when_mixed: bool) -> Sight {
+        if candidate.inherits_visible {
+            return Sight { kind: SightKind::Full, visibility: 1.0, rays: 0 };
+        }
+        if bound > self.thresholds.epsilon && bound > power {
+            // Boxes that touch are refined in any case; what their members see is for their members to find out.
+            return Sight { kind: SightKind::Unknown, visibility: candidate.visibility(), rays: 0 };
+        }
+        let rays = self.thresholds.rays_for(power);
+        let seen = self.sampler.cast(self.hierarchy, candidate.a, candidate.b, rays, stop_when_mixed);
+        let kind = match seen.visible {
+            0 => SightKind::None,
+            visible if visible == seen.cast => SightKind::Full,
+            _ => SightKind::Partial,
+        };
+        Sight { kind, visibility: seen.share(), rays: seen.cast }
+    }
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum SightKind {
+    Full,
+    Partial,
+    None,
+    Unknown,
+}
+
+struct Sight {
+    kind: SightKind,
+    visibility: f32,
+    rays: u32,
+}
+
+impl Sight {
+    /// Nobody looked: both ends are dark.
+    fn unseen(candidate: &Candidate) -> Self {
+        let kind = if candidate.inherits_visible { SightKind::Full } else { SightKind::Unknown };
+        Self { kind, visibility: candidate.visibility(), rays: 0 }
+    }
+
+    fn evidence(&self) -> Evidence {
+        match self.kind {
+            SightKind::Full if self.rays == 0 => Evidence::Inherited,
+            SightKind::Unknown => Evidence::None,
+            _ => Evidence::Rays(self.rays.min(u32::from(u16::MAX) - 1) as u16),
+        }
+    }
+}
+
+impl Verdict {
+    fn alike(candidate: &Candidate, decision: Decision) -> Self {
+        let if_asked = |asked: bool| if asked { decision } else { Decision::NotAsked };
+        Self {
+            to_a: if_asked(candidate.directions.to_a),
+            to_b: if_asked(candidate.directions.to_b),
+            visibility: 0.0,
+            fully_visible: false,
+            rays: 0,
+        }
+    }
+}

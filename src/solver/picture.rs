@@ -1,0 +1,145 @@
+//! Pictures: what the solution looks like before it is finished, made on the side.
+//!
+//! A picture gathers over the stored links and over everything that still waits, at its present level; it never writes the
+//! solver's own radiosities, so a solve is the same whether or not anybody looks.
+
+use rayon::prelude::*;
+
+use super::Solver;
+use super::candidate::Waiting;
+use super::display::Display;
+use super::form_factor::{Exchange, exchange, self_exchange};
+use super::gather::{Gatherer, Light};
+use super::link::{Evidence, Link, LinkTable};
+use super::snapshot::{InspectedElement, LinkView, Snapshot};
+use super::stats::Phase;
+use crate::cancel::CancelToken;
+use crate::hierarchy::{ElementId, Hierarchy, Shape};
+
+/// The light of the last picture, from which the next one starts.
+#[derive(Default)]
+pub struct Picture {
+    light: Option<Light>,
+}
+
+/// A picture's gather ends when this share of the power is still to come: less than a shade on a screen.
+const PICTURE_TOLERANCE: f64 = 5e-3;
+/// Sweeps of the first picture, which starts from emitted light.
+const FIRST_SWEEPS: u32 = 12;
+/// Sweeps of a later one, which starts from the picture before.
+const LATER_SWEEPS: u32 = 3;
+
+/// The present state as a snapshot.
+pub(super) fn snapshot(solver: &mut Solver) -> Snapshot {
+    solver.serial += 1;
+    let finished = solver.phase == Phase::Done;
+    let light = if finished { solver.light.clone() } else { picture_light(solver) };
+    let display = Display::current(solver.display.take(), &solver.scene, &solver.hierarchy);
+    let snapshot = Snapshot {
+        generation: solver.generation,
+        serial: solver.serial,
+        mesh: display.mesh.clone(),
+        vertex_radiosity: display.vertex_radiosity(&light),
+        leaf_irradiance: display.of_leaves(&light.irradiance),
+        leaf_radiosity: display.of_leaves(&light.radiosity),
+        clusters: display.clusters.clone(),
+        inspected: solver.inspected.and_then(|element| inspected(solver, &light, element)),
+        stats: solver.stats(),
+    };
+    solver.display = Some(display);
+    solver.picture.light = Some(light);
+    snapshot
+}
+
+fn picture_light(solver: &mut Solver) -> Light {
+    let first = solver.picture.light.is_none();
+    let mut light = solver.picture.light.take().unwrap_or_else(|| solver.light.clone());
+    light.grow(&solver.hierarchy);
+    let table = table_with_waiting(solver);
+    let gatherer = Gatherer {
+        hierarchy: &solver.hierarchy,
+        links: &table,
+        surfaces: &solver.surfaces,
+        push: solver.params.push,
+        with_unjudged: true,
+    };
+    let never = CancelToken::new();
+    gatherer.limit_rows(&mut light, &never);
+    gatherer.converge(&mut light, PICTURE_TOLERANCE, if first { FIRST_SWEEPS } else { LATER_SWEEPS }, &never);
+    light
+}
+
+/// Stored links, those that wait to be stored, and candidates as if they had been accepted.
+fn table_with_waiting(solver: &Solver) -> LinkTable {
+    let hierarchy = &solver.hierarchy;
+    let waiting: Vec<&Waiting> = solver.refinement.waiting().collect();
+    let as_links: Vec<[Option<(ElementId, Link)>; 2]> =
+        waiting.par_iter().with_min_len(256).map(|waiting| links_of_waiting(hierarchy, waiting)).collect();
+    let accepted = solver.refinement.accepted.iter().copied();
+    let further: Vec<(ElementId, Link)> = accepted.chain(as_links.into_iter().flatten().flatten()).collect();
+    let mut table = solver.links.clone();
+    table.append(hierarchy.elements().len(), &further);
+    table
+}
+
+/// What waits, as links with their estimated form factor and the visibility of what they came from.
+fn links_of_waiting(hierarchy: &Hierarchy, waiting: &Waiting) -> [Option<(ElementId, Link)>; 2] {
+    match *waiting {
+        Waiting::Pair(candidate) if candidate.is_self() => [self_link(hierarchy, candidate.a), None],
+        Waiting::Pair(candidate) => {
+            let (a, b) = (candidate.a, candidate.b);
+            let Exchange::Facing { estimate, .. } = exchange(hierarchy, a, b) else { return [None, None] };
+            let link = |asked: bool, receiver: ElementId, source: ElementId| {
+                let area = hierarchy.element(receiver).area;
+                let form_factor = if area > 0.0 { (estimate / area).min(1.0) } else { 0.0 };
+                asked.then(|| (receiver, Link::new(source, form_factor, candidate.visibility(), Evidence::None)))
+            };
+            [link(candidate.directions.to_a, a, b), link(candidate.directions.to_b, b, a)]
+        }
+        // A row of siblings stands for the exchange of one child with the rest of its cluster: let the cluster light it.
+        Waiting::Siblings { cluster, child, from } => {
+            let element = hierarchy.element(cluster);
+            let Some(own) = element.children().nth(child as usize) else { return [None, None] };
+            let Some((_, link)) = self_link(hierarchy, cluster) else { return [None, None] };
+            let left = (element.children().len() as u32 - from) as f32 / element.children().len() as f32;
+            // Rows shrink as the wave goes on; both halves of the pairs of a row go to its child.
+            let form_factor = (link.form_factor * 2.0 * left).min(link.form_factor);
+            [Some((own, Link::new(cluster, form_factor, 1.0, Evidence::None))), None]
+        }
+    }
+}
+
+fn self_link(hierarchy: &Hierarchy, id: ElementId) -> Option<(ElementId, Link)> {
+    let element = hierarchy.element(id);
+    let Shape::Cluster(cluster) = &element.shape else { return None };
+    let form_factor = if element.area > 0.0 { self_exchange(element, cluster) / element.area } else { 0.0 };
+    Some((id, Link::new(id, form_factor, 1.0, Evidence::None)))
+}
+
+/// The links that bring light to an element: its own and its ancestors', strongest first.
+fn inspected(solver: &Solver, light: &Light, id: ElementId) -> Option<InspectedElement> {
+    let hierarchy = &solver.hierarchy;
+    let element = hierarchy.elements().get(id.index())?;
+    let mut links = Vec::new();
+    let mut receiver = Some(id);
+    while let Some(at) = receiver {
+        let accepted = solver.refinement.accepted.iter().filter(|(to, _)| *to == at).map(|(_, link)| link);
+        for link in solver.links.of(at).iter().chain(accepted) {
+            let source = hierarchy.element(link.source());
+            let brightness = light.radiosity[link.source().index()].max_element();
+            links.push(LinkView {
+                receiver: at,
+                source: link.source(),
+                receiver_centre: hierarchy.element(at).centre,
+                source_centre: source.centre,
+                source_is_cluster: source.is_cluster(),
+                form_factor: link.form_factor,
+                visibility: link.visibility(),
+                power: brightness * link.transfer() * hierarchy.element(at).area,
+            });
+        }
+        receiver = hierarchy.element(at).parent();
+    }
+    links.sort_by(|a, b| b.power.total_cmp(&a.power));
+    Some(InspectedElement { element: id, centre: element.centre, links })
+}

@@ -1,0 +1,172 @@
+//! Refinement in waves: judge in parallel, then apply the verdicts in order on one thread.
+
+use std::collections::VecDeque;
+
+use rayon::prelude::*;
+
+use super::candidate::{Candidate, Directions, Waiting, take_chunk};
+use super::form_factor::{Exchange, exchange};
+use super::link::Link;
+use super::oracle::{Decision, Oracle, Rejection, Verdict};
+use crate::cancel::CancelToken;
+use crate::hierarchy::{ElementId, Hierarchy, Shape};
+
+/// Patches of this level are not split further; [`Counts::depth_guard_struck`] counts how often it mattered.
+pub const DEEPEST_LEVEL: u8 = 12;
+/// Candidates judged between two looks at commands.
+const CHUNK: usize = 1 << 14;
+
+/// What refinement counts.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Counts {
+    /// Directed pairs that the oracle was asked about.
+    pub pairs_judged: u64,
+    /// Rays cast.
+    pub rays: u64,
+    /// Pairs accepted only because a patch is too deep to be split.
+    pub depth_guard_struck: u64,
+}
+
+/// A direction of a pair that carries nothing.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct RejectedPair {
+    /// Receiver.
+    pub receiver: ElementId,
+    /// Source.
+    pub source: ElementId,
+    /// Why.
+    pub rejection: Rejection,
+}
+
+/// The wave at hand, the one that forms, and what was accepted since the last gather.
+#[derive(Default)]
+pub struct Refinement {
+    wave: VecDeque<Waiting>,
+    next_wave: VecDeque<Waiting>,
+    /// Accepted links that wait to be taken into the table.
+    pub accepted: Vec<(ElementId, Link)>,
+    /// Counts since the start.
+    pub counts: Counts,
+    /// Waves finished in this round.
+    pub waves: u32,
+    /// Rejected pairs, where a test asks to record them.
+    pub rejected: Option<Vec<RejectedPair>>,
+}
+
+impl Refinement {
+    /// Starts a round with these candidates.
+    pub fn start(&mut self, candidates: impl IntoIterator<Item = Candidate>) {
+        self.wave = candidates.into_iter().map(Waiting::Pair).collect();
+        self.next_wave.clear();
+        self.waves = 0;
+    }
+
+    /// Whether nothing waits.
+    pub fn is_finished(&self) -> bool {
+        self.wave.is_empty() && self.next_wave.is_empty()
+    }
+
+    /// Everything that waits, in order.
+    pub fn waiting(&self) -> impl Iterator<Item = &Waiting> {
+        self.wave.iter().chain(&self.next_wave)
+    }
+
+    /// Entries that wait in this wave and the next.
+    pub fn waiting_len(&self) -> (usize, usize) {
+        (self.wave.len(), self.next_wave.len())
+    }
+
+    /// Takes a chunk of the wave and judges it; `None` if cancelled, with the chunk put back.
+    pub fn judge(&mut self, oracle: &Oracle, cancel: &CancelToken) -> Option<Vec<(Candidate, Verdict)>> {
+        let chunk = take_chunk(&mut self.wave, oracle.hierarchy, CHUNK);
+        let judged: Option<Vec<_>> = chunk
+            .par_iter()
+            .with_min_len(64)
+            .map(|candidate| (!cancel.is_cancelled()).then(|| (*candidate, oracle.judge(candidate))))
+            .collect();
+        if judged.is_none() {
+            for candidate in chunk.into_iter().rev() {
+                self.wave.push_front(Waiting::Pair(candidate));
+            }
+        }
+        judged
+    }
+
+    /// Applies verdicts in order; true when the wave ended with them.
+    pub fn apply(&mut self, hierarchy: &mut Hierarchy, judged: &[(Candidate, Verdict)]) -> bool {
+        for (candidate, verdict) in judged {
+            let (a, b) = (candidate.a, candidate.b);
+            self.counts.rays += u64::from(verdict.rays);
+            let to_a = self.settle(a, b, &verdict.to_a);
+            let to_b = self.settle(b, a, &verdict.to_b);
+            let directions = Directions { to_a, to_b };
+            if !directions.is_empty() {
+                self.refine(hierarchy, candidate, verdict, directions);
+            }
+        }
+        let ended = self.wave.is_empty();
+        if ended {
+            self.wave = std::mem::take(&mut self.next_wave);
+            self.waves += 1;
+        }
+        ended
+    }
+
+    /// Books one direction's decision; true if it must be refined.
+    fn settle(&mut self, receiver: ElementId, source: ElementId, decision: &Decision) -> bool {
+        self.counts.pairs_judged += u64::from(!matches!(decision, Decision::NotAsked));
+        match *decision {
+            Decision::NotAsked => {}
+            Decision::Accept(link) => self.accepted.push((receiver, link)),
+            Decision::AcceptAtGuard(link) => {
+                self.counts.depth_guard_struck += 1;
+                self.accepted.push((receiver, link));
+            }
+            Decision::Reject(rejection) => {
+                if let Some(rejected) = &mut self.rejected {
+                    rejected.push(RejectedPair { receiver, source, rejection });
+                }
+            }
+            Decision::Refine => return true,
+        }
+        false
+    }
+
+    /// Queues the pairs that a refined pair turns into.
+    fn refine(&mut self, hierarchy: &mut Hierarchy, candidate: &Candidate, verdict: &Verdict, directions: Directions) {
+        let (a, b) = (candidate.a, candidate.b);
+        if candidate.is_self() {
+            let children = hierarchy.element(a).children().len() as u32;
+            let rows = (0..children).map(|child| Waiting::Siblings { cluster: a, child, from: child });
+            self.next_wave.extend(rows);
+            return;
+        }
+        let Some(end) = end_to_split(hierarchy, a, b) else { return };
+        hierarchy.subdivide(end);
+        for child in hierarchy.element(end).children() {
+            let (a, b) = if end == a { (child, b) } else { (a, child) };
+            let pair = Candidate::new(a, b, directions, verdict.visibility, verdict.fully_visible);
+            self.next_wave.push_back(Waiting::Pair(pair));
+        }
+    }
+}
+
+/// The end of a pair that is split: the larger by area, but a cluster before a patch where they overlap (or small scattered
+/// clusters shred walls); `None` where that is a patch too deep to be split.
+pub fn end_to_split(hierarchy: &Hierarchy, a: ElementId, b: ElementId) -> Option<ElementId> {
+    let (first, second) = (hierarchy.element(a), hierarchy.element(b));
+    let larger = if first.area >= second.area { a } else { b };
+    let end = if first.is_cluster() == second.is_cluster() || hierarchy.element(larger).is_cluster() {
+        larger
+    } else {
+        match exchange(hierarchy, a, b) {
+            Exchange::Facing { overlapping: true, .. } if first.is_cluster() => a,
+            Exchange::Facing { overlapping: true, .. } => b,
+            _ => larger,
+        }
+    };
+    match hierarchy.element(end).shape {
+        Shape::Patch(patch) if patch.level >= DEEPEST_LEVEL => None,
+        _ => Some(end),
+    }
+}
