@@ -16,8 +16,10 @@ const NO_AREA: f64 = 1e-7;
 
 /// Makes the scene.
 pub(super) fn assemble(name: &str, draft: Draft, sidecar: &Sidecar) -> Scene {
-    let Draft { vertices, corners, faces, materials, groups, mut skipped, .. } = draft;
-    for unknown in sidecar.materials.keys().filter(|name| !materials.iter().any(|material| material.name == **name)) {
+    let Draft { vertices, corners, faces, materials, unused_materials, groups, mut skipped, .. } = draft;
+    let known: FxHashSet<&str> =
+        materials.iter().map(|material| &material.name).chain(&unused_materials).map(String::as_str).collect();
+    for unknown in sidecar.materials.keys().filter(|name| !known.contains(name.as_str())) {
         skipped.notes.push(format!("The sidecar names a material `{unknown}` that the scene does not have."));
     }
 

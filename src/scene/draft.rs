@@ -47,6 +47,8 @@ pub(super) struct Draft {
     pub corners: Vec<u32>,
     pub faces: Vec<DraftFace>,
     pub materials: Vec<DraftMaterial>,
+    /// Names that the file defines but no face uses; a sidecar may speak of them.
+    pub unused_materials: Vec<String>,
     pub groups: Vec<Group>,
     pub skipped: Skipped,
     children: FxHashMap<(GroupId, String), GroupId>,
@@ -60,6 +62,7 @@ impl Draft {
             corners: Vec::new(),
             faces: Vec::new(),
             materials: Vec::new(),
+            unused_materials: Vec::new(),
             groups: vec![Group { name: name.to_owned(), parent: None }],
             skipped: Skipped::default(),
             children: FxHashMap::default(),

@@ -9,6 +9,7 @@ mod check;
 mod draft;
 mod edit;
 mod gltf;
+mod gltf_buffers;
 mod load;
 mod mtl;
 mod obj;
