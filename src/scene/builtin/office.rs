@@ -1,0 +1,1 @@
+pub(super) fn build() -> crate::scene::Scene { crate::scene::Scene::new("office") }
