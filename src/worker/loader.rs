@@ -11,18 +11,29 @@ use std::sync::mpsc::Sender;
 use std::thread::Builder;
 use std::time::Instant;
 
+use glam::Vec3;
+
 use super::Message;
 use crate::cancel::CancelToken;
-use crate::orient;
 use crate::scene::{self, Scene, Sides, Source};
 use crate::visibility::Occluders;
+use crate::{ceiling, orient};
 
 /// What a loader is to do.
 pub(super) enum Job {
     /// Read this.
     Load(Source),
-    /// Turn the faces of a scene that was edited, or whose sides are to differ.
-    Remake { raw: Arc<Scene>, path: Option<PathBuf> },
+    /// Add lights to the present scene, or turn its faces, and build its occluders anew.
+    Remake { raw: Arc<Scene>, path: Option<PathBuf>, lights: Vec<CeilingLight> },
+}
+
+/// A square light to be added below the ceiling.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct CeilingLight {
+    /// Length of its sides, in the scene's length unit.
+    pub size: f32,
+    /// Exitance B_e, W/m².
+    pub exitance: Vec3,
 }
 
 /// A scene that is ready to be solved.
@@ -37,8 +48,6 @@ pub(super) struct Prepared {
     pub path: Option<PathBuf>,
     /// The sides that were asked for; `None` as the scene says.
     pub sides: Option<Sides>,
-    /// Whether this is a new scene and not an edit of the present one.
-    pub is_new: bool,
     /// Seconds that all this took.
     pub seconds: f64,
 }
@@ -63,22 +72,24 @@ pub(super) fn start(
 
 fn prepare(job: Job, sides: Option<Sides>) -> Result<Prepared, String> {
     let begun = Instant::now();
-    let (raw, path, is_new) = match job {
+    let (raw, path) = match job {
         Job::Load(source) => {
             let path = match &source {
                 Source::File(path) => Some(path.clone()),
                 Source::Builtin(_) => None,
             };
-            (Arc::new(scene::load(&source).map_err(|error| error.to_string())?), path, true)
+            (Arc::new(scene::load(&source).map_err(|error| error.to_string())?), path)
         }
-        Job::Remake { raw, path } => (raw, path, false),
+        Job::Remake { mut raw, path, lights } => {
+            for CeilingLight { size, exitance } in lights {
+                ceiling::add_light(Arc::make_mut(&mut raw), size, exitance).map_err(|error| error.to_string())?;
+            }
+            (raw, path)
+        }
     };
-    let mut turned = (*raw).clone();
-    turned.sides = sides.unwrap_or(raw.sides);
-    orient::apply(&mut turned);
-    let scene = Arc::new(turned);
-    let occluders = Arc::new(Occluders::new(&scene));
-    Ok(Prepared { raw, scene, occluders, path, sides, is_new, seconds: begun.elapsed().as_secs_f64() })
+    let (scene, occluders) = orient::apply((*raw).clone(), sides.unwrap_or(raw.sides));
+    let seconds = begun.elapsed().as_secs_f64();
+    Ok(Prepared { raw, scene: Arc::new(scene), occluders: Arc::new(occluders), path, sides, seconds })
 }
 
 /// What a panic said.

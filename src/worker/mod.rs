@@ -8,10 +8,12 @@
 //! the present scene stays and goes on being solved until the new one is ready. Imports `scene`, `orient`,
 //! `visibility` and `solver`; knows no window.
 
+mod guard;
 mod loader;
 mod merge;
 mod pacing;
 mod session;
+mod stage;
 
 use std::path::PathBuf;
 use std::sync::mpsc::{Receiver, Sender, channel};

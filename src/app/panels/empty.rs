@@ -8,7 +8,7 @@ use crate::worker::Command;
 
 /// In place of the first picture: how to get one.
 pub(in super::super) fn show(app: &mut App, ui: &mut Ui, rect: Rect, outbox: &mut Outbox) {
-    egui::Area::new(egui::Id::new("empty")).pivot(Align2::CENTER_CENTER).fixed_pos(rect.center()).show(ui.ctx(), |ui| {
+    egui::Area::new(egui::Id::unique("empty")).pivot(Align2::CENTER_CENTER).fixed_pos(rect.center()).show(ui.ctx(), |ui| {
         ui.set_width(rect.width().min(420.0));
         ui.vertical_centered(|ui| match &app.shown.status.loading {
             Some(name) => {
@@ -29,7 +29,7 @@ pub(in super::super) fn show(app: &mut App, ui: &mut Ui, rect: Rect, outbox: &mu
 pub(in super::super) fn show_loading(app: &App, ui: &mut Ui, rect: Rect, outbox: &mut Outbox) {
     let Some(name) = &app.shown.status.loading else { return };
     let at = rect.center_top() + egui::vec2(0.0, 12.0);
-    egui::Area::new(egui::Id::new("loading")).pivot(Align2::CENTER_TOP).fixed_pos(at).show(ui.ctx(), |ui| {
+    egui::Area::new(egui::Id::unique("loading")).pivot(Align2::CENTER_TOP).fixed_pos(at).show(ui.ctx(), |ui| {
         egui::Frame::popup(ui.style()).show(ui, |ui| {
             ui.horizontal(|ui| {
                 ui.spinner();

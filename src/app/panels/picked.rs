@@ -18,7 +18,7 @@ pub(in super::super) fn show(app: &mut App, ui: &mut Ui, rect: Rect, outbox: &mu
     let (Some(picked), Some(snapshot), Some(info)) = (&app.picked, &app.shown.snapshot, &app.shown.info) else { return };
     let mut close = false;
     let at = rect.right_top() + egui::vec2(-10.0, 10.0);
-    egui::Area::new(egui::Id::new("picked")).pivot(Align2::RIGHT_TOP).fixed_pos(at).show(ui.ctx(), |ui| {
+    egui::Area::new(egui::Id::unique("picked")).pivot(Align2::RIGHT_TOP).fixed_pos(at).show(ui.ctx(), |ui| {
         let frame = egui::Frame::popup(ui.style()).fill(theme::PANEL.gamma_multiply(0.94)).inner_margin(10);
         frame.show(ui, |ui| {
             ui.set_width(WIDTH);
