@@ -145,7 +145,7 @@ impl Dice {
     }
 
     fn command(&mut self) -> Command {
-        let scenes = [BuiltinScene::Cornell, BuiltinScene::Seminar];
+        let scenes = [BuiltinScene::ALL[0], BuiltinScene::ALL[1]];
         match self.roll(12) {
             0 => Command::Load(Source::Builtin(scenes[self.roll(2) as usize])),
             1 => Command::Load(Source::File("no/such/room.obj".into())),
