@@ -64,8 +64,7 @@ pub fn place(scene: &Scene, occluders: &Occluders, size: f32) -> CeilingPlace {
     ceilings.sort_unstable_by(f32::total_cmp);
     // The median passes over a beam or a pipe and a single gap.
     let ceiling = ceilings[ceilings.len() / 2];
-    let panel =
-        if ceiling.is_finite() { ceiling - CLEARANCE * height } else { floor + OPEN_HEIGHT * height };
+    let panel = if ceiling.is_finite() { ceiling - CLEARANCE * height } else { floor + OPEN_HEIGHT * height };
     CeilingPlace { centre: middle + (panel - middle.dot(up)) * up, up }
 }
 
@@ -102,14 +101,7 @@ fn reference_level(scene: &Scene, up: Vec3) -> f32 {
 }
 
 /// Height of the first face, from `level` upwards, that closes a free space on the vertical line through `point`.
-fn ceiling_above(
-    occluders: &Occluders,
-    point: Vec3,
-    up: Vec3,
-    floor: f32,
-    height: f32,
-    level: f32,
-) -> Option<f32> {
+fn ceiling_above(occluders: &Occluders, point: Vec3, up: Vec3, floor: f32, height: f32, level: f32) -> Option<f32> {
     let at = |level: f32| point + (level - point.dot(up)) * up;
     let step = 1e-5 * height;
     let below = occluders.closest_hit(at(level), -up, 0.0).map_or(floor, |hit| level - hit.distance);
