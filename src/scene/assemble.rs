@@ -31,8 +31,9 @@ pub(super) fn assemble(name: &str, draft: Draft, sidecar: &Sidecar) -> Scene {
         let emission = material.emission.max(Vec3::ZERO);
         let clamped = (said.reflectance.is_none() && reflectance != material.reflectance)
             || (said.emission.is_none() && emission != material.emission);
-        skipped.clamped_materials += usize::from(clamped);
-        rules.push(FaceRule::new(&said, material.transparent, material.defined));
+        let rule = FaceRule::new(&said, material.transparent, material.defined);
+        skipped.clamped_materials += usize::from(clamped && matches!(rule, FaceRule::Keep));
+        rules.push(rule);
         final_materials.push(Material {
             name: material.name,
             reflectance: said.reflectance.unwrap_or(reflectance),

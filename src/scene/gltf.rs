@@ -68,9 +68,30 @@ fn parse(bytes: &[u8]) -> Result<(Document, Option<Vec<u8>>), Problem> {
     let mut root = document.into_json();
     root.extensions_required.retain(|name| !HARMLESS.iter().any(|harmless| name.starts_with(harmless)));
     if let Some(compressed) = root.extensions_required.iter().find(|name| name.contains("compression")) {
-        return Err(format!("the geometry is compressed ({compressed}), which is not read; export without compression"));
+        return Err(format!(
+            "the geometry is compressed ({compressed}), which is not read; export without compression"
+        ));
     }
+    prepare_for_validation(&mut root)?;
     Ok((Document::from_json(root).map_err(damaged)?, blob))
+}
+
+/// The crate's validation looks up the accessor of positions unchecked, and asks for bounds, which nothing here needs
+/// and some exporters forget.
+fn prepare_for_validation(root: &mut gltf::json::Root) -> Result<(), Problem> {
+    for (mesh, primitive) in
+        root.meshes.iter().enumerate().flat_map(|(mesh, it)| it.primitives.iter().map(move |part| (mesh, part)))
+    {
+        if let Some(positions) = primitive.attributes.get(&Checked::Valid(Semantic::Positions)) {
+            let number = positions.value();
+            let accessor = root.accessors.get_mut(number);
+            let accessor =
+                accessor.ok_or_else(|| format!("mesh {mesh} asks for accessor {number}, which is not there"))?;
+            let unknown = serde_json::json!([0.0, 0.0, 0.0]);
+            (accessor.min, accessor.max) = (Some(unknown.clone()), Some(unknown));
+        }
+    }
+    Ok(())
 }
 
 /// Materials in the order of the file, so that its material numbers are the draft's.
@@ -103,9 +124,9 @@ fn add_materials(draft: &mut Draft, document: &Document, data: &GltfData) {
 
 /// Mean colours by image number, of the images that matter here.
 fn mean_colours(draft: &mut Draft, document: &Document, data: &GltfData) -> FxHashMap<usize, Vec4> {
-    let used = document.materials().flat_map(|material| {
-        [material.pbr_metallic_roughness().base_color_texture(), material.emissive_texture()]
-    });
+    let used = document
+        .materials()
+        .flat_map(|material| [material.pbr_metallic_roughness().base_color_texture(), material.emissive_texture()]);
     let mut numbers: Vec<usize> = used.flatten().map(|info| info.texture().source().index()).collect();
     numbers.sort_unstable();
     numbers.dedup();

@@ -108,8 +108,8 @@ impl Sidecar {
     pub fn read(path: &Path) -> Result<Self, SidecarError> {
         let bytes = fs::read(path).map_err(|source| SidecarError::Unreadable { path: path.to_owned(), source })?;
         let text = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(&bytes);
-        let sidecar: Self = serde_json::from_slice(text)
-            .map_err(|source| SidecarError::Syntax { path: path.to_owned(), source })?;
+        let sidecar: Self =
+            serde_json::from_slice(text).map_err(|source| SidecarError::Syntax { path: path.to_owned(), source })?;
         match sidecar.problem() {
             Some(problem) => Err(SidecarError::Value { path: path.to_owned(), problem }),
             None => Ok(sidecar),
