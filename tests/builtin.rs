@@ -35,8 +35,8 @@ fn the_papers_rooms_have_the_papers_polygon_counts() {
 #[test]
 fn the_seminar_room_takes_any_size_exactly() {
     let sizes = [
-        1_000, 1_001, 1_002, 1_003, 1_234, 1_499, 2_007, 2_009, 2_500, 2_999, 3_333, 4_096, 6_007, 8_192, 12_345, 16_384,
-        32_768, 65_537, 131_072, 262_143, 262_144,
+        1_000, 1_001, 1_002, 1_003, 1_234, 1_499, 2_007, 2_009, 2_500, 2_999, 3_333, 4_096, 6_007, 8_192, 12_345,
+        16_384, 32_768, 65_537, 131_072, 262_143, 262_144,
     ];
     for polygons in sizes {
         assert_eq!(BuiltinScene::Seminar { polygons }.build().polygons.len(), polygons);
@@ -150,14 +150,64 @@ fn rooms_leak_no_light_and_show_no_backs() {
                     break;
                 }
                 normal = scene.normal(&scene.polygons[hit.polygon as usize]);
-                origin += towards * hit.distance + normal * 1e-4;
+                origin += towards * hit.distance + normal * 2e-5;
             }
         }
-        // Not quite zero: 0.1 mm before a face may be inside its neighbour.
-        let stray = 1e-4 * f64::from(rays);
-        assert!(f64::from(escaped) <= stray, "{}: {escaped} of {rays} rays escaped", scene.name);
-        assert!(f64::from(backs) <= stray, "{}: {backs} of {rays} rays met a back", scene.name);
+        // Not quite zero: the offset of 20 µm may set a ray inside the neighbour of the face that it leaves.
+        assert!(escaped <= 2 && backs <= 2, "{}: of {rays} rays {escaped} escaped, {backs} met a back", scene.name);
     }
+}
+
+#[test]
+fn no_two_faces_lie_on_each_other() {
+    for scene in scenes() {
+        // Faces by plane, whichever way they look: the unit normal's rounding and the distance to 0.1 mm.
+        let mut planes: HashMap<[i32; 4], Vec<usize>> = HashMap::new();
+        for (index, polygon) in scene.polygons.iter().enumerate() {
+            let normal = scene.normal(polygon);
+            let largest = normal.to_array().into_iter().find(|part| part.abs() > 0.5).unwrap_or(1.0);
+            let normal = normal * largest.signum();
+            let distance = normal.dot(scene.corner_positions(polygon).0[0]);
+            let key = (normal * 1e3).round().as_ivec3();
+            planes.entry([key.x, key.y, key.z, (distance * 1e4).round() as i32]).or_default().push(index);
+        }
+        for [one, other] in planes.values().flat_map(|plane| {
+            plane
+                .iter()
+                .flat_map(move |&one| plane.iter().filter(move |&&other| other != one).map(move |&other| [one, other]))
+        }) {
+            let [a, b] = [one, other].map(|index| &scene.polygons[index]);
+            let (corners, count) = scene.corner_positions(a);
+            let middle = corners[..count].iter().sum::<Vec3>() / count as f32;
+            for corner in &corners[..count] {
+                let point = middle.lerp(*corner, 0.9);
+                assert!(
+                    !is_inside(&scene, b, point),
+                    "{}: {} lies on {} at {point}",
+                    scene.name,
+                    scene.group_path(a.group),
+                    scene.group_path(b.group)
+                );
+            }
+            assert!(
+                !is_inside(&scene, b, middle),
+                "{}: {} lies on {} at {middle}",
+                scene.name,
+                scene.group_path(a.group),
+                scene.group_path(b.group)
+            );
+        }
+    }
+}
+
+/// Whether a point in the plane of a convex polygon lies inside it, at least 0.1 mm from its rim.
+fn is_inside(scene: &Scene, polygon: &Polygon, point: Vec3) -> bool {
+    let (corners, count) = scene.corner_positions(polygon);
+    let normal = scene.normal(polygon);
+    (0..count).all(|index| {
+        let (from, to) = (corners[index], corners[(index + 1) % count]);
+        (to - from).normalize().cross(point - from).dot(normal) > 1e-4
+    })
 }
 
 #[test]
@@ -205,9 +255,7 @@ fn a_written_scene_reads_back_bit_for_bit() {
         for (read, written) in materials.iter().zip(&scene.materials) {
             assert_eq!(read.name, written.name);
             assert_eq!(read.diffuse, Some(written.reflectance.to_array()));
-            let radiance: Vec<f32> =
-                read.unknown_param.get("Ke").map_or(vec![0.0; 3], |ke| ke.split(' ').map(|v| v.parse().unwrap()).collect());
-            let exitance = Vec3::from_slice(&radiance) * std::f32::consts::PI;
+            let exitance = Vec3::from(read.emissive.unwrap_or_default()) * std::f32::consts::PI;
             assert_eq!(exitance, written.emission, "{}", written.name);
         }
         let mut read: HashMap<Face, usize> = HashMap::new();
@@ -215,7 +263,8 @@ fn a_written_scene_reads_back_bit_for_bit() {
             let mesh = &model.mesh;
             let material = &materials[mesh.material_id.expect("every face has a material")].name;
             let mut start = 0;
-            let counts = if mesh.face_arities.is_empty() { vec![3; mesh.indices.len() / 3] } else { mesh.face_arities.clone() };
+            let counts =
+                if mesh.face_arities.is_empty() { vec![3; mesh.indices.len() / 3] } else { mesh.face_arities.clone() };
             for count in counts {
                 let corners = mesh.indices[start..start + count as usize]
                     .iter()
@@ -250,7 +299,8 @@ fn assets_are_current() {
         write_obj(&builtin.build(), target).expect("the folder can be written");
         for extension in ["obj", "mtl", "selflink.json"] {
             let name = format!("{}.{extension}", builtin.name());
-            let [kept, drawn] = [&assets, target].map(|folder| std::fs::read(folder.join(&name)).expect("the file is there"));
+            let [kept, drawn] =
+                [&assets, target].map(|folder| std::fs::read(folder.join(&name)).expect("the file is there"));
             assert!(kept == drawn, "assets/{name} is stale: run this test once with SELFLINK_UPDATE_ASSETS=1");
         }
     }

@@ -8,12 +8,6 @@ use glam::{Affine3, Quat, Vec3, vec3};
 use super::shapes::{Draft, Faces};
 use crate::scene::MaterialId;
 
-/// The frame of a wall whose left lower corner, seen from the room, is `origin`, and which faces `turn` degrees
-/// anticlockwise from +z.
-pub(super) fn on_wall(draft: &mut Draft, origin: Vec3, turn: f32, draw: impl FnOnce(&mut Draft)) {
-    draft.at(origin, turn, draw);
-}
-
 /// Materials of a window.
 #[derive(Clone, Copy)]
 pub(super) struct WindowPaint {
@@ -96,7 +90,12 @@ pub(super) fn door(d: &mut Draft, [width, height]: [f32; 2], leaf: MaterialId, f
         let plate = vec3(half - 0.09, 1.0, FACE);
         d.cuboid(plate, plate + vec3(0.04, 0.14, 0.008), Faces::BACK, metal);
         d.cuboid(plate + vec3(-0.09, 0.08, 0.038), plate + vec3(0.03, 0.098, 0.052), Faces::NONE, metal);
-        d.cuboid(plate + vec3(0.012, 0.082, 0.008), plate + vec3(0.028, 0.096, 0.038), Faces::BACK | Faces::FRONT, metal);
+        d.cuboid(
+            plate + vec3(0.012, 0.082, 0.008),
+            plate + vec3(0.028, 0.096, 0.038),
+            Faces::BACK | Faces::FRONT,
+            metal,
+        );
     });
 }
 
@@ -187,18 +186,37 @@ pub(super) fn name_card(d: &mut Draft, material: MaterialId) {
     d.triangle([vec3(-x, 0., -z), vec3(-x, 0., z), vec3(-x, y, 0.)], material);
 }
 
-/// Rows of keys that stand on a keyboard, each row a group: `rows` gives each row's key widths, in keys.
+/// Rows of keys that stand on a keyboard, in groups of up to eight neighbours: `rows` gives each row's key widths, in keys.
 pub(super) fn keys(d: &mut Draft, origin: Vec3, [pitch, high]: [f32; 2], rows: &[&[f32]], material: MaterialId) {
-    let gap = 0.14 * pitch;
+    let gap = 0.07 * pitch;
     for (row, widths) in rows.iter().enumerate() {
-        d.group(&format!("keys_{}", row + 1), |d| {
-            let mut x = origin.x;
-            for width in *widths {
-                let lower = vec3(x + gap, origin.y, origin.z + pitch * row as f32 + gap);
-                let upper = vec3(x + width * pitch, origin.y + high, lower.z + pitch - gap);
-                d.cuboid(lower, upper, Faces::BOTTOM, material);
-                x += width * pitch;
-            }
-        });
+        let mut x = origin.x;
+        for (block, widths) in widths.chunks(8).enumerate() {
+            d.group(&format!("row_{}_{}", row + 1, block + 1), |d| {
+                for width in widths {
+                    let lower = vec3(x + gap, origin.y, origin.z + pitch * row as f32 + gap);
+                    x += width * pitch;
+                    let upper = vec3(x - gap, origin.y + high, lower.z + pitch - 2.0 * gap);
+                    d.cuboid(lower, upper, Faces::BOTTOM, material);
+                }
+            });
+        }
     }
+}
+
+/// A flat frame on the wall around `width` × `height`, centred on the origin's foot; what it frames is `picture`'s.
+pub(super) fn framed(
+    d: &mut Draft,
+    [width, height]: [f32; 2],
+    [bar, depth]: [f32; 2],
+    frame: MaterialId,
+    picture: impl FnOnce(&mut Draft),
+) {
+    let half = 0.5 * width;
+    let (lying, standing) = (Faces::BACK, Faces::BACK | Faces::ENDS);
+    d.cuboid(vec3(-half - bar, -bar, 0.0), vec3(half + bar, 0.0, depth), lying, frame);
+    d.cuboid(vec3(-half - bar, height, 0.0), vec3(half + bar, height + bar, depth), lying, frame);
+    d.cuboid(vec3(-half - bar, 0.0, 0.0), vec3(-half, height, depth), standing, frame);
+    d.cuboid(vec3(half, 0.0, 0.0), vec3(half + bar, height, depth), standing, frame);
+    picture(d);
 }

@@ -132,7 +132,11 @@ impl Draft {
     /// A box between two corners, without the faces `left_out`.
     pub(super) fn cuboid(&mut self, lower: Vec3, upper: Vec3, left_out: Faces, material: MaterialId) {
         let corner = |x: bool, y: bool, z: bool| {
-            vec3(if x { upper.x } else { lower.x }, if y { upper.y } else { lower.y }, if z { upper.z } else { lower.z })
+            vec3(
+                if x { upper.x } else { lower.x },
+                if y { upper.y } else { lower.y },
+                if z { upper.z } else { lower.z },
+            )
         };
         const O: bool = false;
         const I: bool = true;
@@ -215,15 +219,8 @@ impl Draft {
     }
 
     /// A thin strip along `spine`, as wide as `widths` says across `side` and `thickness` thick downwards: a leaf, a
-    /// folded sheet. Closed on every side.
-    pub(super) fn blade(
-        &mut self,
-        spine: &[Vec3],
-        widths: &[f32],
-        side: Vec3,
-        thickness: f32,
-        material: MaterialId,
-    ) {
+    /// folded sheet. Closed on every side; `side` × the spine points up.
+    pub(super) fn blade(&mut self, spine: &[Vec3], widths: &[f32], side: Vec3, thickness: f32, material: MaterialId) {
         let down = vec3(0.0, -thickness, 0.0);
         let edge = |index: usize, sign: f32| spine[index] + 0.5 * sign * widths[index] * side;
         for index in 0..spine.len() - 1 {

@@ -9,8 +9,8 @@ use glam::{Vec3, vec3};
 
 use super::furniture::{self, WindowPaint};
 use super::shapes::{Dice, Draft, Faces, srgb};
-use things::Thing;
 use crate::scene::{CameraPose, MaterialId, Scene};
+use things::Thing;
 
 /// Each table seats two.
 const SEATS_PER_TABLE: usize = 2;

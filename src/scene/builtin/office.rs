@@ -1,1 +1,0 @@
-pub(super) fn build() -> crate::scene::Scene { crate::scene::Scene::new("office") }
