@@ -357,9 +357,11 @@ mod tests {
         let (target, distance) = (camera.target(), camera.eye().distance(camera.target()));
         for step in 0..400 {
             // Far over the pole and back, with some turning.
+            let (side_before, _) = camera.screen_axes();
             camera.orbit(0.03, if step < 200 { 0.1 } else { -0.1 });
-            let (_, above) = camera.screen_axes();
+            let (side, above) = camera.screen_axes();
             assert!(above.dot(Vec3::Y) > 0.0, "upside down at step {step}");
+            assert!(side.dot(side_before) > 0.99, "turned round at step {step}");
             assert_eq!(camera.target(), target);
             assert!((camera.eye().distance(target) / distance - 1.0).abs() < 1e-4, "step {step}");
         }

@@ -16,8 +16,8 @@ const HIGHLIGHT_AREA: f64 = 0.02;
 const COUNTED_AREA: (f64, f64) = (0.1, 0.95);
 /// Leaves darker than this share of the mean count as unlit: outsides of walls that a leak reaches.
 const UNLIT_SHARE: f64 = 1e-4;
-/// More leaves than this are sampled evenly, so that a large mesh costs no more than a few milliseconds.
-const MOST_LEAVES: usize = 1 << 16;
+/// More leaves than this are sampled evenly, so that a large mesh costs a few milliseconds at most.
+const MOST_LEAVES: usize = 1 << 14;
 
 /// How bright the picture is made.
 #[derive(Clone, Copy, Debug, PartialEq)]
