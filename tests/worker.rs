@@ -59,7 +59,7 @@ fn a_scene_is_loaded_shown_and_finished() {
 
 #[test]
 fn a_pause_holds_and_a_step_moves_one_wave() {
-    let worker = spawn(SolverParams { epsilon: Epsilon::Relative(1e-5), ..SolverParams::default() });
+    let worker = spawn(coarse());
     worker.send(Command::Pause);
     load(&worker, BuiltinScene::Cornell);
     let first = wait_for("the first picture", || worker.latest());

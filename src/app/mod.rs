@@ -103,7 +103,8 @@ impl App {
         }
         let stored = |key| cc.storage.map(|storage| (storage, key));
         let recent = stored(RECENT_KEY).and_then(|(storage, key)| eframe::get_value(storage, key)).unwrap_or_default();
-        let display = stored(DISPLAY_KEY).and_then(|(storage, key)| eframe::get_value(storage, key)).unwrap_or_default();
+        let display =
+            stored(DISPLAY_KEY).and_then(|(storage, key)| eframe::get_value(storage, key)).unwrap_or_default();
         Ok(Self {
             worker,
             shown: Shown::default(),

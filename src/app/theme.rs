@@ -27,6 +27,9 @@ pub(super) const DONE: Color32 = Color32::from_rgb(112, 190, 128);
 pub(super) const PANEL_WIDTH: f32 = 348.0;
 /// Width of the labels in the left panel, points.
 pub(super) const LABEL_WIDTH: f32 = 132.0;
+const SLIDER_WIDTH: f32 = 96.0;
+/// Least width of the value beside a slider, points, so that values stand in a column.
+const VALUE_WIDTH: f32 = 84.0;
 
 /// Gives a context this theme.
 pub(super) fn apply(ctx: &egui::Context) {
@@ -68,11 +71,11 @@ pub(super) fn apply(ctx: &egui::Context) {
         ]
         .into();
         let spacing = &mut style.spacing;
-        spacing.item_spacing = egui::vec2(8.0, 6.0);
-        spacing.button_padding = egui::vec2(9.0, 4.0);
-        spacing.interact_size.y = 22.0;
-        spacing.slider_width = 96.0;
-        spacing.combo_width = 150.0;
+        spacing.item_spacing = egui::vec2(8.0, 4.0);
+        spacing.button_padding = egui::vec2(8.0, 2.0);
+        spacing.interact_size.y = 21.0;
+        spacing.slider_width = SLIDER_WIDTH;
+        spacing.combo_width = SLIDER_WIDTH + VALUE_WIDTH + 8.0;
         spacing.indent = 12.0;
         spacing.tooltip_width = 320.0;
     });
@@ -86,4 +89,25 @@ pub(super) fn value(text: impl Into<String>) -> egui::RichText {
 /// The name of a value.
 pub(super) fn weak(text: impl Into<String>) -> egui::RichText {
     egui::RichText::new(text).color(TEXT_WEAK)
+}
+
+/// A labelled row of the left panel; the label names the widget for assistive technology too.
+pub(super) fn row(
+    ui: &mut egui::Ui,
+    label: &str,
+    widget: impl FnOnce(&mut egui::Ui) -> egui::Response,
+) -> egui::Response {
+    let row = ui.horizontal(|ui| {
+        let label = ui
+            .scope(|ui| {
+                ui.set_min_width(LABEL_WIDTH);
+                ui.set_max_width(LABEL_WIDTH);
+                ui.add(egui::Label::new(label).truncate())
+            })
+            .inner;
+        ui.spacing_mut().interact_size.x = VALUE_WIDTH;
+        let widget = widget(ui).labelled_by(label.id);
+        (label, widget)
+    });
+    row.inner.0 | row.inner.1
 }

@@ -49,7 +49,8 @@ mod tests {
     /// A dragged slider sends a burst; the order between different kinds must survive.
     #[test]
     fn newest_settings_win_and_order_stays() {
-        let burst = vec![params(1e-2), emission(0, 1.0), params(1e-3), emission(1, 2.0), emission(0, 3.0), params(1e-4)];
+        let burst =
+            vec![params(1e-2), emission(0, 1.0), params(1e-3), emission(1, 2.0), emission(0, 3.0), params(1e-4)];
         let merged = merge(burst);
         let expected = [emission(1, 2.0), emission(0, 3.0), params(1e-4)];
         assert_eq!(format!("{merged:?}"), format!("{expected:?}"));

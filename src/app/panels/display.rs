@@ -19,7 +19,9 @@ pub(super) fn show(ui: &mut Ui, shown: &Shown, display: &mut DisplaySettings) {
     ui.checkbox(&mut display.show_links, "Links of the picked element")
         .on_hover_text("Lines to the sources of its light, colour by power; click a surface to pick it");
     ui.add_enabled_ui(display.show_links, |ui| {
-        row(ui, "Strongest links", |ui| ui.add(Slider::new(&mut display.strongest_links, LINKS).logarithmic(true)));
+        theme::row(ui, "Strongest links", |ui| {
+            ui.add(Slider::new(&mut display.strongest_links, LINKS).logarithmic(true))
+        });
     });
 }
 
@@ -29,7 +31,7 @@ fn show_exposure(ui: &mut Ui, display: &mut DisplaySettings) {
         true => (&mut display.auto_stops, "Correction of the automatic exposure; one stop is a factor of 2"),
         false => (&mut display.manual_stops, "0 stops shows 1 W/m² as white before the tone curve"),
     };
-    row(ui, "Exposure", |ui| {
+    theme::row(ui, "Exposure", |ui| {
         let slider = Slider::new(stops, STOPS).fixed_decimals(1).suffix(" stops").trailing_fill(false);
         ui.add(slider).on_hover_text(hint)
     });
@@ -43,7 +45,7 @@ fn show_clusters(ui: &mut Ui, shown: &Shown, display: &mut DisplaySettings) {
         return;
     };
     ui.add_enabled_ui(display.show_clusters, |ui| {
-        row(ui, "Cluster level", |ui| {
+        theme::row(ui, "Cluster level", |ui| {
             // What was chosen for a deeper hierarchy comes back with it.
             let mut level = display.cluster_level.min(deepest);
             let response = ui.add(Slider::new(&mut level, 0..=deepest).suffix(format!(" of {deepest}")));
@@ -52,17 +54,5 @@ fn show_clusters(ui: &mut Ui, shown: &Shown, display: &mut DisplaySettings) {
             }
             response
         });
-    });
-}
-
-fn row(ui: &mut Ui, name: &str, widget: impl FnOnce(&mut Ui) -> egui::Response) {
-    ui.horizontal(|ui| {
-        let label = ui
-            .scope(|ui| {
-                ui.set_min_width(theme::LABEL_WIDTH);
-                ui.label(name)
-            })
-            .inner;
-        widget(ui).labelled_by(label.id);
     });
 }

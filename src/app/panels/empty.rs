@@ -8,21 +8,24 @@ use crate::worker::Command;
 
 /// In place of the first picture: how to get one.
 pub(in super::super) fn show(app: &mut App, ui: &mut Ui, rect: Rect, outbox: &mut Outbox) {
-    egui::Area::new(egui::Id::unique("empty")).pivot(Align2::CENTER_CENTER).fixed_pos(rect.center()).show(ui.ctx(), |ui| {
-        ui.set_width(rect.width().min(420.0));
-        ui.vertical_centered(|ui| match &app.shown.status.loading {
-            Some(name) => {
-                ui.spinner();
-                ui.label(RichText::new(format!("Loading {name}…")).size(15.0));
-            }
-            None => {
-                ui.label(RichText::new("Open a room to light").size(20.0).color(theme::TEXT_STRONG));
-                ui.label(theme::weak("Drop an OBJ, glTF or GLB file here, or start with one of our own:"));
-                ui.add_space(4.0);
-                ui.horizontal(|ui| builtin_buttons(ui, "view", outbox));
-            }
-        });
-    });
+    egui::Area::new(egui::Id::unique("empty")).pivot(Align2::CENTER_CENTER).fixed_pos(rect.center()).show(
+        ui.ctx(),
+        |ui| {
+            ui.set_width(rect.width().min(420.0));
+            ui.vertical_centered(|ui| match &app.shown.status.loading {
+                Some(name) => {
+                    ui.spinner();
+                    ui.label(RichText::new(format!("Loading {name}…")).size(15.0));
+                }
+                None => {
+                    ui.label(RichText::new("Open a room to light").size(20.0).color(theme::TEXT_STRONG));
+                    ui.label(theme::weak("Drop an OBJ, glTF or GLB file here, or start with one of our own:"));
+                    ui.add_space(4.0);
+                    ui.horizontal(|ui| builtin_buttons(ui, "view", outbox));
+                }
+            });
+        },
+    );
 }
 
 /// Over the present picture: what is being loaded, and a way out.

@@ -4,6 +4,7 @@ use egui::{ComboBox, DragValue, Slider, Ui};
 use glam::Vec3;
 
 use super::super::{Outbox, theme};
+use crate::ceiling;
 use crate::scene::{MaterialId, Scene};
 use crate::worker::{Command, SceneInfo};
 
@@ -11,8 +12,6 @@ use crate::worker::{Command, SceneInfo};
 const FIRST_EXITANCE: f32 = 100.0;
 /// Exitances a slider offers, W/m².
 const EXITANCES: std::ops::RangeInclusive<f32> = 0.1..=1e5;
-/// Side of the ceiling light offered at first, as a share of the scene's smallest side.
-const FIRST_SIZE: f32 = 0.25;
 
 /// What is about to be given to the scene.
 pub(in super::super) struct LampEditor {
@@ -38,11 +37,9 @@ impl Default for LampEditor {
 impl LampEditor {
     /// Sizes that suit a scene; its first lamp, if it has one, is the material shown.
     pub(in super::super) fn for_scene(scene: &Scene) -> Self {
-        let (lower, upper) = scene.bounds();
-        let side = (upper - lower).max_element().max(f32::MIN_POSITIVE);
         let emits = |material: &crate::scene::Material| material.emission.max_element() > 0.0;
         let lamp = scene.materials.iter().position(emits).unwrap_or(0);
-        let mut editor = Self { size: FIRST_SIZE * side, ..Self::default() };
+        let mut editor = Self { size: ceiling::suggested_size(scene), ..Self::default() };
         editor.choose(scene, MaterialId(lamp as u32));
         editor
     }
@@ -62,7 +59,8 @@ impl LampEditor {
 /// Draws the section.
 pub(super) fn show(ui: &mut Ui, info: &SceneInfo, lamp: &mut LampEditor, outbox: &mut Outbox) {
     if !info.has_light {
-        let sentence = "Nothing in this scene emits light, so it is black: make a material emit, or add a ceiling light.";
+        let sentence =
+            "Nothing in this scene emits light, so it is black: make a material emit, or add a ceiling light.";
         ui.add(egui::Label::new(egui::RichText::new(sentence).color(theme::ACCENT)).wrap());
         ui.add_space(2.0);
     }
@@ -105,13 +103,9 @@ fn show_material(ui: &mut Ui, scene: &Scene, lamp: &mut LampEditor, outbox: &mut
 
 fn show_ceiling(ui: &mut Ui, lamp: &mut LampEditor, outbox: &mut Outbox) {
     ui.label(theme::weak("Add a square light below the ceiling"));
-    ui.horizontal(|ui| {
-        let label = ui.add_sized([theme::LABEL_WIDTH, 20.0], egui::Label::new("Side length"));
-        let speed = 0.01 * f64::from(lamp.size);
-        let drag = DragValue::new(&mut lamp.size).speed(speed).range(1e-6..=1e6).max_decimals(3);
-        ui.add(drag).labelled_by(label.id);
-        ui.label(theme::weak("scene units"));
-    });
+    let speed = 0.01 * f64::from(lamp.size);
+    let side = DragValue::new(&mut lamp.size).speed(speed).range(1e-6..=1e6).max_decimals(3);
+    theme::row(ui, "Side length", |ui| ui.add(side)).on_hover_text("In the scene's length unit");
     exitance_slider(ui, &mut lamp.ceiling_exitance, "Ceiling strength");
     if ui.button("Add a ceiling light").clicked() {
         let exitance = Vec3::splat(lamp.ceiling_exitance);
@@ -120,9 +114,6 @@ fn show_ceiling(ui: &mut Ui, lamp: &mut LampEditor, outbox: &mut Outbox) {
 }
 
 fn exitance_slider(ui: &mut Ui, exitance: &mut f32, name: &str) {
-    ui.horizontal(|ui| {
-        let label = ui.add_sized([theme::LABEL_WIDTH, 20.0], egui::Label::new(name));
-        let slider = Slider::new(exitance, EXITANCES).logarithmic(true).suffix(" W/m²").max_decimals(1);
-        ui.add(slider).labelled_by(label.id);
-    });
+    let slider = Slider::new(exitance, EXITANCES).logarithmic(true).suffix(" W/m²").max_decimals(1);
+    theme::row(ui, name, |ui| ui.add(slider));
 }

@@ -43,13 +43,13 @@ fn show_sections(app: &mut App, ui: &mut Ui, outbox: &mut Outbox) {
 /// A section that can be folded away; `id` tells sections apart whose title changes.
 fn section(ui: &mut Ui, title: &str, is_open: bool, id: Option<&str>, contents: impl FnOnce(&mut Ui)) {
     let heading = RichText::new(title).strong().size(14.0).color(theme::TEXT_STRONG);
-    CollapsingHeader::new(heading).id_salt((id.unwrap_or(title), is_open && id.is_some())).default_open(is_open).show_unindented(
-        ui,
-        |ui| {
+    CollapsingHeader::new(heading)
+        .id_salt((id.unwrap_or(title), is_open && id.is_some()))
+        .default_open(is_open)
+        .show_unindented(ui, |ui| {
             ui.add_space(2.0);
             contents(ui);
             ui.add_space(4.0);
-        },
-    );
+        });
     ui.separator();
 }

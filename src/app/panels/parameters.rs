@@ -4,7 +4,9 @@ use egui::{ComboBox, Slider, Ui};
 
 use super::super::{format, theme};
 use crate::scene::Sides;
-use crate::solver::{ClusteringMode, Epsilon, PARAMETERS, Parameter, ParameterId, Push, SolverParams, Stats, ValueKind};
+use crate::solver::{
+    ClusteringMode, Epsilon, PARAMETERS, Parameter, ParameterId, Push, SolverParams, Stats, ValueKind,
+};
 
 /// ε as it stands, in both measures.
 #[derive(Clone, Copy)]
@@ -39,48 +41,42 @@ pub(super) fn show(ui: &mut Ui, params: &mut SolverParams, stats: Option<&Stats>
 }
 
 fn show_one(ui: &mut Ui, parameter: &Parameter, params: &mut SolverParams, stats: Option<&Stats>) {
-    ui.horizontal(|ui| {
-        let label = ui
-            .scope(|ui| {
-                ui.set_min_width(theme::LABEL_WIDTH);
-                ui.set_max_width(theme::LABEL_WIDTH);
-                ui.add(egui::Label::new(parameter.label).truncate())
-            })
-            .inner
-            .on_hover_text(parameter.hint);
-        let response = match &parameter.kind {
-            ValueKind::Real { range, logarithmic } => {
-                let epsilon = EpsilonMeasures::new(params.epsilon, stats);
-                let mut value = real(params, parameter.id, epsilon);
-                let slider = Slider::new(&mut value, range.clone())
-                    .logarithmic(*logarithmic)
-                    // What came from the command line may lie outside of what the slider offers, and stays.
-                    .clamping(egui::SliderClamping::Edits)
-                    .smart_aim(false)
-                    .custom_formatter(|value, _| format::number(value))
-                    .suffix(suffix(parameter.unit));
-                let response = ui.add(slider);
-                if response.changed() {
-                    set_real(params, parameter.id, value);
-                }
-                response
+    let row = theme::row(ui, parameter.label, |ui| show_widget(ui, parameter, params, stats));
+    row.on_hover_text(parameter.hint);
+}
+
+fn show_widget(ui: &mut Ui, parameter: &Parameter, params: &mut SolverParams, stats: Option<&Stats>) -> egui::Response {
+    match &parameter.kind {
+        ValueKind::Real { range, logarithmic } => {
+            let epsilon = EpsilonMeasures::new(params.epsilon, stats);
+            let mut value = real(params, parameter.id, epsilon);
+            let slider = Slider::new(&mut value, range.clone())
+                .logarithmic(*logarithmic)
+                // What came from the command line may lie outside of what the slider offers, and stays.
+                .clamping(egui::SliderClamping::Edits)
+                .smart_aim(false)
+                .custom_formatter(|value, _| format::number(value))
+                .suffix(suffix(parameter.unit));
+            let response = ui.add(slider);
+            if response.changed() {
+                set_real(params, parameter.id, value);
             }
-            ValueKind::Whole { range } => {
-                let mut value = whole(params, parameter.id);
-                let slider = Slider::new(&mut value, range.clone())
-                    .clamping(egui::SliderClamping::Edits)
-                    .logarithmic(*range.end() > 100)
-                    .suffix(suffix(parameter.unit));
-                let response = ui.add(slider);
-                if response.changed() {
-                    set_whole(params, parameter.id, value);
-                }
-                response
+            response
+        }
+        ValueKind::Whole { range } => {
+            let mut value = whole(params, parameter.id);
+            let slider = Slider::new(&mut value, range.clone())
+                .clamping(egui::SliderClamping::Edits)
+                .logarithmic(*range.end() > 100)
+                .suffix(suffix(parameter.unit));
+            let response = ui.add(slider);
+            if response.changed() {
+                set_whole(params, parameter.id, value);
             }
-            ValueKind::Choice { names } => show_choice(ui, parameter.id, names, params),
-        };
-        response.labelled_by(label.id).on_hover_text(parameter.hint);
-    });
+            response
+        }
+        ValueKind::Choice { names } => show_choice(ui, parameter.id, names, params),
+    }
 }
 
 fn show_choice(ui: &mut Ui, id: ParameterId, names: &[&'static str], params: &mut SolverParams) -> egui::Response {
@@ -194,7 +190,8 @@ mod tests {
     fn every_parameter_can_be_read_and_set() {
         let stats = Stats { epsilon_relative: 1e-4, epsilon_watts: 0.05, ..Stats::default() };
         for parameter in &PARAMETERS {
-            let before = SolverParams { clustering: ClusteringMode::Octree, sides: Some(Sides::Front), ..Default::default() };
+            let before =
+                SolverParams { clustering: ClusteringMode::Octree, sides: Some(Sides::Front), ..Default::default() };
             let mut after = before;
             match &parameter.kind {
                 ValueKind::Real { range, .. } => {

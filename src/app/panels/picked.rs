@@ -15,7 +15,9 @@ const WIDTH: f32 = 288.0;
 
 /// Draws the card; nothing when nothing is picked.
 pub(in super::super) fn show(app: &mut App, ui: &mut Ui, rect: Rect, outbox: &mut Outbox) {
-    let (Some(picked), Some(snapshot), Some(info)) = (&app.picked, &app.shown.snapshot, &app.shown.info) else { return };
+    let (Some(picked), Some(snapshot), Some(info)) = (&app.picked, &app.shown.snapshot, &app.shown.info) else {
+        return;
+    };
     let mut close = false;
     let at = rect.right_top() + egui::vec2(-10.0, 10.0);
     egui::Area::new(egui::Id::unique("picked")).pivot(Align2::RIGHT_TOP).fixed_pos(at).show(ui.ctx(), |ui| {

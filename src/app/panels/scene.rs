@@ -29,9 +29,7 @@ pub(super) fn show(ui: &mut Ui, shown: &Shown, files: &mut Files, camera: Option
 
 fn left_label(text: &str) -> impl egui::Widget {
     let text = theme::weak(text);
-    move |ui: &mut Ui| {
-        ui.with_layout(egui::Layout::left_to_right(egui::Align::Center), |ui| ui.label(text)).inner
-    }
+    move |ui: &mut Ui| ui.with_layout(egui::Layout::left_to_right(egui::Align::Center), |ui| ui.label(text)).inner
 }
 
 fn show_present(ui: &mut Ui, info: &SceneInfo, camera: Option<CameraPose>, outbox: &mut Outbox) {

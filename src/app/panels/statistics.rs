@@ -1,6 +1,6 @@
 //! The statistics section: counts, times, memory and power of the snapshot in view.
 
-use egui::{Grid, Ui};
+use egui::Ui;
 
 use super::super::{Shown, format, theme};
 use crate::solver::Stats;
@@ -11,13 +11,15 @@ pub(super) fn show(ui: &mut Ui, shown: &Shown) {
         ui.label(theme::weak("No solution yet."));
         return;
     };
-    Grid::new("statistics").num_columns(2).spacing([16.0, 3.0]).striped(true).show(ui, |ui| {
-        for (name, value) in rows(&snapshot.stats) {
-            ui.label(theme::weak(name));
-            ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| ui.label(theme::value(value)));
-            ui.end_row();
-        }
-    });
+    for (index, (name, value)) in rows(&snapshot.stats).into_iter().enumerate() {
+        let fill = if index % 2 == 0 { ui.visuals().faint_bg_color } else { egui::Color32::TRANSPARENT };
+        egui::Frame::new().fill(fill).inner_margin(egui::Margin::symmetric(4, 1)).show(ui, |ui| {
+            ui.horizontal(|ui| {
+                ui.label(theme::weak(name));
+                ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| ui.label(theme::value(value)));
+            });
+        });
+    }
 }
 
 fn rows(stats: &Stats) -> Vec<(&'static str, String)> {
