@@ -194,6 +194,7 @@ fn a_bad_path_is_said_and_the_scene_stays() {
     click(&mut window, "Open");
     until(&mut window, "the message", |window| window.query_by_label_contains("room.obj: no such file").is_some());
     assert_eq!(window.state().scene_info().expect("the scene stays").scene.name, "cornell");
+    assert!(window.state().view_rect().height() > 650.0, "the message must leave room for the picture");
     click(&mut window, "Dismiss");
     until(&mut window, "its end", |window| window.query_by_label("Dismiss").is_none());
     assert_eq!(share_of_different_pixels(&before, &picture(&mut window)), 0.0);

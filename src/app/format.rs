@@ -14,6 +14,11 @@ pub(super) fn count(number: impl TryInto<u64>) -> String {
     text
 }
 
+/// A count of things: 1 polygon, 2,008 polygons.
+pub(super) fn things(number: usize, one: &str, many: &str) -> String {
+    format!("{} {}", count(number), if number == 1 { one } else { many })
+}
+
 /// Three digits that count, with a power of ten where that is shorter to read: 0.0123, 12.3, 1.23e-5.
 pub(super) fn number(value: f64) -> String {
     if value == 0.0 {
@@ -78,6 +83,8 @@ mod tests {
         assert_eq!(count(999_u32), "999");
         assert_eq!(count(1_000_u32), "1,000");
         assert_eq!(count(1_234_567_usize), "1,234,567");
+        assert_eq!(things(1, "polygon", "polygons"), "1 polygon");
+        assert_eq!(things(2_008, "polygon", "polygons"), "2,008 polygons");
         assert_eq!(number(0.0), "0");
         assert_eq!(number(12.345), "12.3");
         assert_eq!(number(0.012345), "0.0123");

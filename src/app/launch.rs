@@ -16,17 +16,17 @@ const LEAST_SIZE: [f32; 2] = [860.0, 540.0];
 /// Why there is no window.
 #[derive(Debug, thiserror::Error)]
 pub enum AppError {
-    /// No display answers, or no graphics adapter draws to it.
+    /// Neither X11 nor Wayland answers, or a library of theirs is missing.
     #[error(
-        "no window can be opened ({reason}): start the program from a desktop session with a graphics driver (Debian and Ubuntu: apt install mesa-vulkan-drivers libxkbcommon-x11-0), or use `selflink solve` and `selflink render`"
+        "no window can be opened, {reason}: start the program from a desktop session (Debian and Ubuntu may lack libxkbcommon-x11-0), or use `selflink solve` and `selflink render`"
     )]
-    NoWindow {
-        /// What the window system said.
+    NoDisplay {
+        /// What is missing.
         reason: String,
     },
-    /// The window came without a wgpu device.
+    /// No graphics adapter draws to the display.
     #[error(
-        "the window has no graphics device: install a graphics driver, or software rendering (Debian and Ubuntu: apt install mesa-vulkan-drivers)"
+        "no window can be opened, no graphics adapter draws to this display: install a graphics driver or software rendering (Debian and Ubuntu: apt install mesa-vulkan-drivers), or use `selflink solve`"
     )]
     NoDevice,
     /// The system gives no further thread.
@@ -64,17 +64,28 @@ pub fn run(source: Option<Source>, params: SolverParams) -> Result<(), AppError>
     }));
     match outcome {
         Ok(Ok(())) => Ok(()),
-        Ok(Err(eframe::Error::AppCreation(error))) => match error.downcast::<AppError>() {
-            Ok(error) => Err(*error),
-            Err(error) => Err(AppError::NoWindow { reason: error.to_string() }),
-        },
-        Ok(Err(error)) => Err(AppError::NoWindow { reason: error.to_string() }),
+        Ok(Err(error)) => Err(advice(error)),
         // winit panics where a library of the window system is missing; a panic of the open window is a fault of ours.
         Err(panic) if is_open.get() => resume_unwind(panic),
         Err(panic) => {
             let text = panic.downcast_ref::<String>().map(String::as_str);
             let text = text.or_else(|| panic.downcast_ref::<&str>().copied());
-            Err(AppError::NoWindow { reason: text.unwrap_or("the window system broke off").to_owned() })
+            Err(AppError::NoDisplay { reason: text.unwrap_or("the window system broke off").to_owned() })
         }
+    }
+}
+
+/// What a person can do about it.
+fn advice(error: eframe::Error) -> AppError {
+    match error {
+        eframe::Error::AppCreation(error) => match error.downcast::<AppError>() {
+            Ok(error) => *error,
+            Err(error) => AppError::NoDisplay { reason: error.to_string() },
+        },
+        eframe::Error::Wgpu(_) => AppError::NoDevice,
+        eframe::Error::Winit(_) | eframe::Error::WinitEventLoop(_) => {
+            AppError::NoDisplay { reason: "no display answers".to_owned() }
+        }
+        other => AppError::NoDisplay { reason: other.to_string() },
     }
 }

@@ -4,6 +4,8 @@ use super::theme;
 
 /// No more than these are shown; older ones make room.
 const MOST: usize = 4;
+/// Room kept for the button beside a sentence, points.
+const BUTTON_ROOM: f32 = 80.0;
 
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Kind {
@@ -45,15 +47,18 @@ impl Messages {
                 Kind::Note => (theme::NOTE_FILL, theme::ACCENT),
             };
             egui::Frame::new().fill(fill).inner_margin(egui::Margin::symmetric(12, 8)).show(ui, |ui| {
-                ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-                    let close = ui.button("Dismiss");
-                    if close.clicked() {
-                        dismissed = Some(index);
-                    }
-                    ui.with_layout(egui::Layout::left_to_right(egui::Align::Center), |ui| {
-                        let (dot, _) = ui.allocate_exact_size(egui::vec2(8.0, 8.0), egui::Sense::hover());
-                        ui.painter().circle_filled(dot.center(), 4.0, mark);
-                        ui.add(egui::Label::new(egui::RichText::new(sentence).color(theme::TEXT_STRONG)).wrap());
+                ui.horizontal(|ui| {
+                    let (dot, _) = ui.allocate_exact_size(egui::vec2(8.0, 8.0), egui::Sense::hover());
+                    ui.painter().circle_filled(dot.center(), 4.0, mark);
+                    let text = egui::RichText::new(sentence).color(theme::TEXT_STRONG);
+                    ui.scope(|ui| {
+                        ui.set_max_width(ui.available_width() - BUTTON_ROOM);
+                        ui.add(egui::Label::new(text).wrap());
+                    });
+                    ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+                        if ui.button("Dismiss").clicked() {
+                            dismissed = Some(index);
+                        }
                     });
                 });
             });

@@ -239,6 +239,7 @@ impl eframe::App for App {
         }
         panels::show_sides(self, ui, &mut outbox);
         egui::CentralPanel::no_frame().show(ui, |ui| {
+            ui.spacing_mut().item_spacing.y = 0.0;
             self.messages.show(ui);
             let clicked = viewport::show(self, ui, &mut outbox);
             if let Some(clicked) = clicked {

@@ -48,13 +48,14 @@ impl DisplaySettings {
             true => Exposure::Auto { stops: self.auto_stops },
             false => Exposure::Manual { stops: self.manual_stops },
         };
-        Display { exposure, ..Display::default() }
+        Display { exposure }
     }
 
-    /// As the renderer wants it; cluster levels beyond the deepest show the deepest.
-    pub(super) fn overlay(&self, deepest_level: u16) -> Overlay {
+    /// As the renderer wants it; cluster levels beyond the deepest show the deepest. A scene without light would be
+    /// black in black, so that nothing could be chosen in it: it is drawn with outlines.
+    pub(super) fn overlay(&self, deepest_level: u16, is_dark: bool) -> Overlay {
         Overlay {
-            elements: self.show_elements,
+            elements: self.show_elements || is_dark,
             clusters: self.show_clusters.then_some(self.cluster_level.min(deepest_level)),
             links: self.show_links.then_some(LinkFilter { strongest: self.strongest_links }),
         }

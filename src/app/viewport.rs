@@ -176,11 +176,12 @@ pub(super) fn show(app: &mut App, ui: &mut Ui, outbox: &mut Outbox) -> Option<Cl
         let scale = ui.ctx().pixels_per_point();
         let pixels = |points: f32| (points * scale).round().max(1.0) as u32;
         let deepest = snapshot.clusters.iter().map(|cluster| cluster.level).max().unwrap_or(0);
+        let is_dark = app.shown.info.as_ref().is_some_and(|info| !info.has_light);
         let picture = Picture {
             snapshot,
             camera,
             display: app.display.display(),
-            overlay: app.display.overlay(deepest),
+            overlay: app.display.overlay(deepest, is_dark),
             size: [pixels(rect.width()), pixels(rect.height())],
         };
         picture.add_to(&ui.painter_at(rect), rect);

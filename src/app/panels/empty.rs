@@ -3,7 +3,8 @@
 use egui::{Align2, Rect, RichText, Ui};
 
 use super::super::{App, Outbox, theme};
-use super::scene::builtin_buttons;
+use crate::scene::Source;
+use crate::scene::builtin::BuiltinScene;
 use crate::worker::Command;
 
 /// In place of the first picture: how to get one.
@@ -20,8 +21,15 @@ pub(in super::super) fn show(app: &mut App, ui: &mut Ui, rect: Rect, outbox: &mu
                 None => {
                     ui.label(RichText::new("Open a room to light").size(20.0).color(theme::TEXT_STRONG));
                     ui.label(theme::weak("Drop an OBJ, glTF or GLB file here, or start with one of our own:"));
-                    ui.add_space(4.0);
-                    ui.horizontal(|ui| builtin_buttons(ui, "view", outbox));
+                    ui.add_space(8.0);
+                    ui.columns(BuiltinScene::ALL.len(), |columns| {
+                        for (column, scene) in columns.iter_mut().zip(BuiltinScene::ALL) {
+                            let size = egui::vec2(column.available_width(), 30.0);
+                            if column.add_sized(size, egui::Button::new(scene.name())).clicked() {
+                                outbox.push(Command::Load(Source::Builtin(scene)));
+                            }
+                        }
+                    });
                 }
             });
         },

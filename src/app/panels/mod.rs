@@ -19,9 +19,10 @@ pub(super) fn show_sides(app: &mut App, ui: &mut Ui, outbox: &mut Outbox) {
     egui::Panel::bottom("status").show(ui, |ui| status_bar::show(ui, &app.shown, &app.time_left));
     egui::Panel::left("sections").default_size(theme::PANEL_WIDTH).size_range(300.0..=480.0).show(ui, |ui| {
         ScrollArea::vertical().auto_shrink([false, false]).show(ui, |ui| {
-            ui.add_space(4.0);
-            show_sections(app, ui, outbox);
-            ui.add_space(8.0);
+            // Beside the scroll bar, which floats.
+            egui::Frame::new().inner_margin(egui::Margin { right: 8, top: 4, bottom: 8, left: 0 }).show(ui, |ui| {
+                show_sections(app, ui, outbox);
+            });
         });
     });
 }

@@ -31,7 +31,12 @@ impl EpsilonMeasures {
 pub(super) fn show(ui: &mut Ui, params: &mut SolverParams, stats: Option<&Stats>) -> bool {
     let before = *params;
     for parameter in &PARAMETERS {
-        let is_used = parameter.id != ParameterId::OctreeDepth || params.clustering == ClusteringMode::Octree;
+        let is_used = match parameter.id {
+            ParameterId::OctreeDepth => params.clustering == ClusteringMode::Octree,
+            // Without light there are no watts to measure by.
+            ParameterId::EpsilonWatts => EpsilonMeasures::new(params.epsilon, stats).watts > 0.0,
+            _ => true,
+        };
         ui.add_enabled_ui(is_used, |ui| show_one(ui, parameter, params, stats));
     }
     if ui.button("Reset to defaults").clicked() {

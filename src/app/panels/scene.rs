@@ -13,7 +13,7 @@ use crate::worker::{Command, SceneInfo};
 /// Draws the section.
 pub(super) fn show(ui: &mut Ui, shown: &Shown, files: &mut Files, camera: Option<CameraPose>, outbox: &mut Outbox) {
     match &shown.info {
-        Some(info) => show_present(ui, info, camera, outbox),
+        Some(info) => show_present(ui, info),
         None => {
             ui.label(theme::weak("No scene is open."));
         }
@@ -22,9 +22,18 @@ pub(super) fn show(ui: &mut Ui, shown: &Shown, files: &mut Files, camera: Option
     show_path_field(ui, files, outbox);
     ui.horizontal(|ui| {
         ui.add_sized([theme::LABEL_WIDTH, 20.0], left_label("Our own scenes"));
-        builtin_buttons(ui, "panel", outbox);
+        for scene in BuiltinScene::ALL {
+            if ui.button(scene.name()).clicked() {
+                outbox.push(Command::Load(Source::Builtin(scene)));
+            }
+        }
     });
-    show_recent(ui, files, outbox);
+    ui.horizontal(|ui| {
+        show_recent(ui, files, outbox);
+        if shown.info.as_ref().is_some_and(|info| info.path.is_some()) {
+            show_save(ui, camera, outbox);
+        }
+    });
 }
 
 fn left_label(text: &str) -> impl egui::Widget {
@@ -32,7 +41,7 @@ fn left_label(text: &str) -> impl egui::Widget {
     move |ui: &mut Ui| ui.with_layout(egui::Layout::left_to_right(egui::Align::Center), |ui| ui.label(text)).inner
 }
 
-fn show_present(ui: &mut Ui, info: &SceneInfo, camera: Option<CameraPose>, outbox: &mut Outbox) {
+fn show_present(ui: &mut Ui, info: &SceneInfo) {
     ui.horizontal(|ui| {
         let name = RichText::new(&info.scene.name).strong().color(theme::TEXT_STRONG);
         let label = ui.add(egui::Label::new(name).truncate());
@@ -40,17 +49,11 @@ fn show_present(ui: &mut Ui, info: &SceneInfo, camera: Option<CameraPose>, outbo
             label.on_hover_text(path.display().to_string());
         }
     });
-    let polygons = format::count(info.scene.polygons.len());
-    let materials = format::count(info.scene.materials.len());
-    ui.label(theme::weak(format!(
-        "{polygons} polygons, {materials} materials, loaded in {}",
-        format::seconds(info.load_seconds)
-    )));
+    let polygons = format::things(info.scene.polygons.len(), "polygon", "polygons");
+    let materials = format::things(info.scene.materials.len(), "material", "materials");
+    ui.label(theme::weak(format!("{polygons}, {materials}, loaded in {}", format::seconds(info.load_seconds))));
     if !info.skipped.is_empty() {
-        let title = match info.skipped.len() {
-            1 => "1 remark from loading".to_owned(),
-            count => format!("{count} remarks from loading"),
-        };
+        let title = format::things(info.skipped.len(), "remark from loading", "remarks from loading");
         egui::CollapsingHeader::new(RichText::new(title).color(theme::ACCENT))
             .id_salt(("remarks", info.generation))
             .default_open(info.skipped.len() <= 3)
@@ -59,12 +62,6 @@ fn show_present(ui: &mut Ui, info: &SceneInfo, camera: Option<CameraPose>, outbo
                     ui.add(egui::Label::new(theme::weak(sentence)).wrap());
                 }
             });
-    }
-    if info.path.is_some() {
-        let hint = "Writes NAME.selflink.json beside the scene: materials, emission, sides and the present camera.";
-        if ui.button("Save sidecar").on_hover_text(hint).clicked() {
-            outbox.push(Command::SaveSidecar { camera });
-        }
     }
 }
 
@@ -90,19 +87,6 @@ fn show_path_field(ui: &mut Ui, files: &mut Files, outbox: &mut Outbox) {
     });
 }
 
-/// A button for each of our own scenes; `place` tells apart the places where they stand.
-pub(super) fn builtin_buttons(ui: &mut Ui, place: &str, outbox: &mut Outbox) {
-    ui.push_id(place, |ui| {
-        ui.horizontal(|ui| {
-            for scene in BuiltinScene::ALL {
-                if ui.button(scene.name()).clicked() {
-                    outbox.push(Command::Load(Source::Builtin(scene)));
-                }
-            }
-        });
-    });
-}
-
 fn show_recent(ui: &mut Ui, files: &Files, outbox: &mut Outbox) {
     if files.recent().is_empty() {
         return;
@@ -117,4 +101,11 @@ fn show_recent(ui: &mut Ui, files: &Files, outbox: &mut Outbox) {
         }
     });
     outbox.extend(chosen.map(|path| Command::Load(Source::File(path))));
+}
+
+fn show_save(ui: &mut Ui, camera: Option<CameraPose>, outbox: &mut Outbox) {
+    let hint = "Writes NAME.selflink.json beside the scene: materials, emission, sides and the present camera.";
+    if ui.button("Save sidecar").on_hover_text(hint).clicked() {
+        outbox.push(Command::SaveSidecar { camera });
+    }
 }
