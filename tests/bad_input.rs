@@ -30,6 +30,8 @@ fn bad_obj_files() {
         ("nan.obj", format!("{corners}v 0 NaN 0\nf 1 2 3\n"), &["line 4", "vertex 4", "not finite"]),
         ("inf.obj", format!("v 0 0 -inf\n{corners}f 1 2 3\n"), &["line 1", "vertex 1"]),
         ("huge.obj", format!("v 1e39 0 0\n{corners}f 1 2 3\n"), &["line 1", "vertex 1"]),
+        ("far.obj", format!("v 2e9 0 0\n{corners}f 1 2 3\n"), &["line 1", "vertex 1", "beyond 1e9"]),
+        ("tiny.obj", "v 0 0 0\nv 1e-20 0 0\nv 0 1e-20 0\nf 1 2 3\n".into(), &["no polygons", "degenerate"]),
         ("short.obj", "v 0 0\n".into(), &["line 1", "three coordinates"]),
         ("letters.obj", "v 0 x 0\n".into(), &["line 1", "`x` is not a coordinate"]),
         ("past.obj", format!("{corners}f 1 2 3\nf 1 2 4\n"), &["line 5", "vertex 4", "there are 3"]),

@@ -199,7 +199,10 @@ fn a_sidecar_written_is_read_back() {
     scene.set_emission("b:1", Vec3::new(1.0, 0.3, 7.7)).expect("a known material");
     scene.sides = Sides::Both;
     scene.camera = Some(CameraPose { eye: Vec3::Z, target: Vec3::ZERO, up: Vec3::Y, hfov_deg: 47.5 });
-    let sidecar = Sidecar::of(&scene);
+    let mut sidecar = Sidecar::of(&scene);
+    sidecar.materials.entry("pane".to_owned()).or_default().ignore = true;
+    sidecar.update(&scene);
+    assert!(sidecar.materials["pane"].ignore, "what the scene cannot know is kept");
     sidecar.write(&Sidecar::path_for(&path)).expect("a writable folder");
     assert_eq!(Sidecar::read(&Sidecar::path_for(&path)).expect("what was written"), sidecar);
     let again = load_file(&path).expect("a sound scene");

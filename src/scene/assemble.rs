@@ -14,6 +14,9 @@ const MAX_FILE_REFLECTANCE: f32 = 0.95;
 /// A face whose doubled area is below this share of its squared longest edge has no area but rounding noise.
 const NO_AREA: f64 = 1e-7;
 
+/// Twice the area of the smallest face, in the square of the length unit: f32 must still divide by its square.
+const SMALLEST: f64 = 1e-18;
+
 /// Makes the scene.
 pub(super) fn assemble(name: &str, draft: Draft, sidecar: &Sidecar) -> Scene {
     let Draft { vertices, corners, faces, materials, unused_materials, groups, mut skipped, .. } = draft;
@@ -186,8 +189,8 @@ impl<'a> PolygonBuilder<'a> {
     }
 
     fn is_degenerate(&self) -> bool {
-        self.ring.len() < 3
-            || newell(&self.ring_positions).length() <= NO_AREA * longest_edge_squared(&self.ring_positions)
+        let least = SMALLEST.max(NO_AREA * longest_edge_squared(&self.ring_positions));
+        self.ring.len() < 3 || newell(&self.ring_positions).length() <= least
     }
 
     /// Whether no face had the same corners in the same cyclic order before.

@@ -92,13 +92,24 @@ impl Sidecar {
     }
 
     /// All that this program may have changed in a scene: reflectance and emission of each material, sides and camera.
+    ///
+    /// A scene does not remember which materials a sidecar told to ignore; where a sidecar is already there, read it and
+    /// [`update`](Self::update) it instead.
     pub fn of(scene: &Scene) -> Self {
-        let materials = scene.materials.iter().map(|material| {
-            let reflectance = Some(material.reflectance.clamp(Vec3::ZERO, Vec3::splat(MAX_SIDECAR_REFLECTANCE)));
-            let said = SidecarMaterial { reflectance, emission: Some(material.emission), ignore: false };
-            (material.name.clone(), said)
-        });
-        Self { materials: materials.collect(), sides: Some(scene.sides), camera: scene.camera }
+        let mut sidecar = Self::default();
+        sidecar.update(scene);
+        sidecar
+    }
+
+    /// Takes over what [`Sidecar::of`] tells of a scene and keeps all the rest.
+    pub fn update(&mut self, scene: &Scene) {
+        for material in &scene.materials {
+            let said = self.materials.entry(material.name.clone()).or_default();
+            said.reflectance = Some(material.reflectance.clamp(Vec3::ZERO, Vec3::splat(MAX_SIDECAR_REFLECTANCE)));
+            said.emission = Some(material.emission);
+        }
+        self.sides = Some(scene.sides);
+        self.camera = scene.camera.or(self.camera);
     }
 
     /// Reads and checks a sidecar.
