@@ -4,7 +4,7 @@ use glam::Vec3;
 use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::draft::{Draft, DraftFace};
-use super::sidecar::{Sidecar, SidecarMaterial};
+use super::sidecar::{MAX_EMISSION, Sidecar, SidecarMaterial};
 use super::triangulate::{ear_clip, is_good_quad, longest_edge_squared, newell};
 use super::{Material, MaterialId, Polygon, Scene, Sides, Skipped};
 
@@ -31,7 +31,7 @@ pub(super) fn assemble(name: &str, draft: Draft, sidecar: &Sidecar) -> Scene {
     for material in materials {
         let said = sidecar.materials.get(&material.name).cloned().unwrap_or_default();
         let reflectance = material.reflectance.clamp(Vec3::ZERO, Vec3::splat(MAX_FILE_REFLECTANCE));
-        let emission = material.emission.max(Vec3::ZERO);
+        let emission = material.emission.clamp(Vec3::ZERO, Vec3::splat(MAX_EMISSION));
         let clamped = (said.reflectance.is_none() && reflectance != material.reflectance)
             || (said.emission.is_none() && emission != material.emission);
         let rule = FaceRule::new(&said, material.transparent, material.defined);

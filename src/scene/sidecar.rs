@@ -18,6 +18,9 @@ use super::{CameraPose, Scene, Sides};
 /// The largest reflectance that a sidecar may set; a light path then loses at least a hundredth at each bounce.
 pub(super) const MAX_SIDECAR_REFLECTANCE: f32 = 0.99;
 
+/// The largest emission B_e, W/m² (the sun's surface has 6e7): powers must stay finite in f32.
+pub(super) const MAX_EMISSION: f32 = 1e9;
+
 /// What a sidecar says of a scene; every part may be missing.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -142,13 +145,13 @@ impl Sidecar {
     fn problem(&self) -> Option<String> {
         let of_materials = self.materials.iter().find_map(|(name, material)| {
             let reflectance = material.reflectance.filter(|value| !in_range(*value, MAX_SIDECAR_REFLECTANCE));
-            let emission = material.emission.filter(|value| !in_range(*value, f32::MAX));
+            let emission = material.emission.filter(|value| !in_range(*value, MAX_EMISSION));
             match (reflectance, emission) {
                 (Some(value), _) => Some(format!(
                     "the reflectance {value} of material `{name}` must lie between 0 and {MAX_SIDECAR_REFLECTANCE}"
                 )),
                 (_, Some(value)) => {
-                    Some(format!("the emission {value} of material `{name}` must be finite and not negative"))
+                    Some(format!("the emission {value} of material `{name}` must lie between 0 and 1e9 W/m²"))
                 }
                 _ => None,
             }
