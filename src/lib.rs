@@ -2,6 +2,7 @@
 #[cfg(feature = "gui")]
 pub mod app;
 pub mod cancel;
+pub mod ceiling;
 pub mod hierarchy;
 pub mod orient;
 #[cfg(feature = "gui")]

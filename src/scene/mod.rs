@@ -3,12 +3,13 @@
 //! A scene comes from a file ([`load`]: OBJ, glTF/GLB and their sidecar) or from code ([`builtin`]).
 //! Nothing here knows about clusters, links or windows; this module imports no other of the crate.
 
-pub mod builtin;
 mod assemble;
+pub mod builtin;
 mod check;
 mod draft;
 mod edit;
 mod gltf;
+mod gltf_buffers;
 mod load;
 mod mtl;
 mod obj;

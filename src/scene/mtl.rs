@@ -14,7 +14,7 @@ use rustc_hash::FxHashMap;
 use super::draft::{DraftMaterial, GREY};
 use super::texture::{beside, mean_colour};
 
-/// Materials by name, and remarks on what could not be read.
+/// Materials by name, and the mean colours of their textures.
 #[derive(Default)]
 pub(super) struct MaterialLibrary {
     by_name: FxHashMap<String, tobj::Material>,
@@ -52,6 +52,11 @@ impl MaterialLibrary {
             transparent: dissolve.is_some_and(|dissolve| dissolve < 0.5),
             defined: true,
         })
+    }
+
+    /// Every name that a file defines.
+    pub fn names(&self) -> impl Iterator<Item = &String> {
+        self.by_name.keys()
     }
 
     fn read_file(&mut self, scene: &Path, reference: &str, notes: &mut Vec<String>) {

@@ -49,6 +49,7 @@ fn add_materials(draft: &mut Draft, path: &Path, text: &ObjText) {
             DraftMaterial::undefined(&key)
         }));
     }
+    draft.unused_materials = library.names().cloned().collect();
     if !unknown.is_empty() && !text.material_files.is_empty() {
         let count = unknown.len();
         unknown.truncate(5);

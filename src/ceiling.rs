@@ -1,0 +1,184 @@
+//! A light for scenes that have none: where under the ceiling a panel goes.
+//!
+//! [`Scene::add_ceiling_light`] takes a position; this module finds one by casting rays up and down through the scene.
+
+use glam::Vec3;
+
+use crate::scene::{EditError, Scene};
+use crate::visibility::Occluders;
+
+/// A free space below a ceiling is at least this share of the scene's height; less is a drawer or a gap in a roof.
+const LEAST_SPACE: f32 = 0.1;
+/// The panel hangs this share of the scene's height below the ceiling.
+const CLEARANCE: f32 = 0.005;
+/// Where nothing is above, the panel hangs at this share of the scene's height.
+const OPEN_HEIGHT: f32 = 0.95;
+/// Faces that one vertical line may cross.
+const MOST_CROSSINGS: usize = 256;
+
+/// Where a ceiling light goes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CeilingPlace {
+    /// Middle of the panel.
+    pub centre: Vec3,
+    /// Up direction, along one axis; the panel shines against it.
+    pub up: Vec3,
+}
+
+/// Adds a square light of side `size` (in the scene's length unit) under the ceiling; `exitance` is B_e in W/m².
+///
+/// # Errors
+/// A size or an exitance that cannot be used.
+pub fn add_light(scene: &mut Scene, size: f32, exitance: Vec3) -> Result<(), EditError> {
+    let CeilingPlace { centre, up } = place(scene, &Occluders::new(scene), size);
+    scene.add_ceiling_light(centre, up, size, exitance)
+}
+
+/// A side that suits the scene: a quarter of its smaller horizontal extent.
+pub fn suggested_size(scene: &Scene) -> f32 {
+    let (lower, upper) = scene.bounds();
+    let up = up_axis(scene);
+    let extent = upper - lower;
+    let horizontal = (0..3).filter(|&axis| up[axis] == 0.0).map(|axis| extent[axis]);
+    0.25 * horizontal.fold(f32::INFINITY, f32::min).max(1e-3 * extent.max_element())
+}
+
+/// The place for a panel of side `size`: at the middle of the scene, under the ceiling of the space that the camera
+/// (or, without one, most of the faces) is in, below any roof.
+pub fn place(scene: &Scene, occluders: &Occluders, size: f32) -> CeilingPlace {
+    let up = up_axis(scene);
+    let (lower, upper) = scene.bounds();
+    let middle = 0.5 * (lower + upper);
+    let height = (upper - lower).dot(up.abs());
+    let floor = lower.dot(up).min(upper.dot(up));
+    let level = reference_level(scene, up).clamp(floor, floor + height);
+    let right = if up.x == 0.0 { Vec3::X } else { Vec3::Y };
+    let forward = up.cross(right);
+    let reach = if size.is_finite() { 0.4 * size } else { 0.0 };
+    // Off the diagonals, along which quads are cut and a ray may slip through.
+    let lines = [(0.07, 0.03), (0.9, 0.7), (-0.8, 1.0), (-1.0, -0.75), (0.7, -0.95)];
+    let mut ceilings: Vec<f32> = lines
+        .iter()
+        .map(|(x, z)| middle + reach * (x * right + z * forward))
+        .map(|point| ceiling_above(occluders, point, up, floor, height, level).unwrap_or(f32::INFINITY))
+        .collect();
+    ceilings.sort_unstable_by(f32::total_cmp);
+    // The median passes over a beam or a pipe and a single gap.
+    let ceiling = ceilings[ceilings.len() / 2];
+    let panel = if ceiling.is_finite() { ceiling - CLEARANCE * height } else { floor + OPEN_HEIGHT * height };
+    CeilingPlace { centre: middle + (panel - middle.dot(up)) * up, up }
+}
+
+/// The axis nearest to the camera's up, y without a camera.
+fn up_axis(scene: &Scene) -> Vec3 {
+    let up = scene.camera.map_or(Vec3::Y, |camera| camera.up);
+    let axis = up.abs().max_position();
+    let mut nearest = Vec3::ZERO;
+    nearest[axis] = if up[axis] < 0.0 { -1.0 } else { 1.0 };
+    nearest
+}
+
+/// A height inside the room: the eye's where it lies in the scene's box; else the middle of the box, or the median of
+/// the faces' heights where that is lower (a sky or a tall tree outside stretches the box).
+fn reference_level(scene: &Scene, up: Vec3) -> f32 {
+    let (lower, upper) = scene.bounds();
+    if let Some(camera) = scene.camera
+        && camera.eye.cmpge(lower).all()
+        && camera.eye.cmple(upper).all()
+    {
+        return camera.eye.dot(up);
+    }
+    let height = |polygon| {
+        let (corners, count) = scene.corner_positions(polygon);
+        corners[..count].iter().sum::<Vec3>().dot(up) / count as f32
+    };
+    let mut heights: Vec<f32> = scene.polygons.iter().map(height).collect();
+    let middle = heights.len() / 2;
+    if heights.is_empty() {
+        return 0.0;
+    }
+    let median = *heights.select_nth_unstable_by(middle, f32::total_cmp).1;
+    median.min(0.5 * (lower + upper).dot(up))
+}
+
+/// Height of the first face, from `level` upwards, that closes a free space on the vertical line through `point`.
+fn ceiling_above(occluders: &Occluders, point: Vec3, up: Vec3, floor: f32, height: f32, level: f32) -> Option<f32> {
+    let at = |level: f32| point + (level - point.dot(up)) * up;
+    let step = 1e-5 * height;
+    // Not `-up`: its negative zeros make rays miss every face.
+    let down = Vec3::ZERO - up;
+    let below = occluders.closest_hit(at(level), down, 0.0).map_or(floor, |hit| level - hit.distance);
+    let mut space_from = below;
+    let mut from = level;
+    for _ in 0..MOST_CROSSINGS {
+        let face = from + occluders.closest_hit(at(from), up, step)?.distance;
+        if face - space_from >= LEAST_SPACE * height {
+            return Some(face);
+        }
+        space_from = face;
+        from = face;
+    }
+    None
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::{CameraPose, GroupId, MaterialId};
+
+    fn add_slab(scene: &mut Scene, material: MaterialId, level: f32, half: f32) {
+        let corner = |x: f32, z: f32| Vec3::new(x, level, z);
+        let corners = [corner(-half, -half), corner(half, -half), corner(half, half), corner(-half, half)];
+        scene.add_quad(corners, material, GroupId(0));
+    }
+
+    fn house(levels: &[(f32, f32)]) -> Scene {
+        let mut scene = Scene::new("house");
+        let material = scene.add_material("wall", Vec3::splat(0.5), Vec3::ZERO);
+        for &(level, half) in levels {
+            add_slab(&mut scene, material, level, half);
+        }
+        scene
+    }
+
+    fn panel_level(scene: &Scene) -> f32 {
+        place(scene, &Occluders::new(scene), 0.5).centre.y
+    }
+
+    /// Truth: floor 0, table top 0.7 to 0.75, ceiling 2.8, roof 3.2 with its underside at 3.1.
+    #[test]
+    fn the_panel_hangs_inside_the_room_and_below_the_roof() {
+        let levels = [(0.0, 3.0), (0.7, 1.0), (0.75, 1.0), (2.8, 3.0), (3.1, 4.0), (3.2, 4.0)];
+        let mut scene = house(&levels);
+        for eye_level in [None, Some(1.6), Some(0.72)] {
+            let pose = |y| CameraPose { eye: Vec3::new(2.0, y, 2.0), target: Vec3::ZERO, up: Vec3::Y, hfov_deg: 50.0 };
+            scene.camera = eye_level.map(pose);
+            let panel = panel_level(&scene);
+            assert!(panel < 2.8 && panel > 2.7, "{eye_level:?}: {panel}");
+        }
+    }
+
+    /// Truth: without anything above, 95 % of the height of the box; walls alone give the height.
+    #[test]
+    fn an_open_scene_gets_its_light_near_the_top() {
+        let mut scene = house(&[(0.0, 3.0)]);
+        let corners = [Vec3::new(3.0, 0.0, -3.0), Vec3::new(3.0, 4.0, -3.0), Vec3::new(3.0, 4.0, 3.0)];
+        scene.add_triangle(corners, MaterialId(0), GroupId(0));
+        assert!((panel_level(&scene) - 3.8).abs() < 1e-5);
+        assert_eq!(place(&Scene::new(""), &Occluders::new(&Scene::new("")), 1.0).centre, Vec3::ZERO);
+    }
+
+    #[test]
+    fn the_light_shines_and_keeps_to_the_up_axis() {
+        let mut scene = house(&[(0.0, 3.0), (2.8, 3.0)]);
+        let size = suggested_size(&scene);
+        add_light(&mut scene, size, Vec3::splat(20.0)).expect("a good light");
+        assert!(scene.has_light());
+        let panel = scene.polygons.last().expect("the panel");
+        assert!(scene.normal(panel).y < -0.999);
+        assert!((scene.area(panel) - 2.25).abs() < 1e-4);
+        let power = scene.emitted_power().x;
+        assert!((power - 45.0).abs() < 1e-3, "{power}");
+        assert!(add_light(&mut scene, f32::NAN, Vec3::ONE).is_err());
+    }
+}

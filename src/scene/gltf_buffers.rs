@@ -1,0 +1,228 @@
+//! The bytes behind a glTF document, every access checked: a damaged file gives a sentence, never a panic.
+//!
+//! The readers of the `gltf` crate trust offsets and counts; here they are compared with what is there first.
+
+use std::path::Path;
+use std::{array, fs};
+
+use glam::{DVec3, Vec3};
+use gltf::json::accessor::{Accessor, ComponentType, Type};
+use gltf::json::validation::Checked;
+use gltf::json::{Index, Root, buffer, image};
+
+use super::draft::MOST_POLYGONS;
+use super::texture::beside;
+
+/// What is wrong, without the file and the place.
+pub(super) type Problem = String;
+
+/// A glTF document's JSON and its binary data.
+pub(super) struct GltfData<'a> {
+    pub root: &'a Root,
+    path: &'a Path,
+    buffers: Vec<Vec<u8>>,
+}
+
+impl<'a> GltfData<'a> {
+    /// Reads every buffer; `blob` is the binary chunk of a GLB file.
+    pub fn read(path: &'a Path, root: &'a Root, blob: Option<Vec<u8>>) -> Result<Self, Problem> {
+        let mut blob = blob;
+        let mut buffers = Vec::with_capacity(root.buffers.len());
+        for (index, buffer) in root.buffers.iter().enumerate() {
+            let bytes = match &buffer.uri {
+                Some(uri) => read_uri(path, uri).map_err(|problem| format!("buffer {index}: {problem}"))?,
+                None => blob.take().ok_or_else(|| format!("buffer {index} has no data"))?,
+            };
+            if (bytes.len() as u64) < buffer.byte_length.0 {
+                let (needed, there) = (buffer.byte_length.0, bytes.len());
+                return Err(format!("buffer {index} should hold {needed} bytes but has {there}; the file is cut off"));
+            }
+            buffers.push(bytes);
+        }
+        Ok(Self { root, path, buffers })
+    }
+
+    /// Positions of a primitive; integer components are scaled as `normalized` says.
+    pub fn positions(&self, index: Index<Accessor>) -> Result<Vec<Vec3>, Problem> {
+        let accessor = self.accessor(index)?;
+        if !matches!(accessor.type_, Checked::Valid(Type::Vec3)) {
+            return Err(format!("accessor {} holds no positions (its type is not VEC3)", index.value()));
+        }
+        let elements = self.elements::<3>(index, accessor)?;
+        Ok(elements.into_iter().map(|element| DVec3::from_array(element).as_vec3()).collect())
+    }
+
+    /// Vertex indices of a primitive.
+    pub fn indices(&self, index: Index<Accessor>) -> Result<Vec<u32>, Problem> {
+        let accessor = self.accessor(index)?;
+        let component = component_type(accessor)?;
+        let is_index = matches!(component, ComponentType::U8 | ComponentType::U16 | ComponentType::U32);
+        if !matches!(accessor.type_, Checked::Valid(Type::Scalar)) || !is_index || accessor.normalized {
+            return Err(format!("accessor {} holds no vertex indices", index.value()));
+        }
+        Ok(self.elements::<1>(index, accessor)?.into_iter().map(|[value]| value as u32).collect())
+    }
+
+    /// The encoded bytes of an image.
+    pub fn image(&self, image: &image::Image) -> Result<Vec<u8>, Problem> {
+        match (&image.buffer_view, &image.uri) {
+            (Some(view), _) => Ok(self.view(*view)?.0.to_vec()),
+            (None, Some(uri)) => read_uri(self.path, uri),
+            (None, None) => Err("the image has no data".to_owned()),
+        }
+    }
+
+    fn accessor(&self, index: Index<Accessor>) -> Result<&'a Accessor, Problem> {
+        self.root.accessors.get(index.value()).ok_or_else(|| format!("there is no accessor {}", index.value()))
+    }
+
+    /// The bytes of a buffer view, and its stride if it has one.
+    fn view(&self, index: Index<buffer::View>) -> Result<(&[u8], Option<usize>), Problem> {
+        let number = index.value();
+        let view = self.root.buffer_views.get(number).ok_or_else(|| format!("there is no buffer view {number}"))?;
+        let bytes = self.buffers.get(view.buffer.value()).ok_or_else(|| format!("view {number} has no buffer"))?;
+        slice(bytes, view.byte_offset.map_or(0, |offset| offset.0), view.byte_length.0)
+            .map(|bytes| (bytes, view.byte_stride.map(|stride| stride.0)))
+            .ok_or_else(|| format!("buffer view {number} reaches past its buffer; the file is damaged or cut off"))
+    }
+
+    /// All elements of an accessor with `N` components, sparse replacements included.
+    fn elements<const N: usize>(&self, index: Index<Accessor>, accessor: &Accessor) -> Result<Vec<[f64; N]>, Problem> {
+        let number = index.value();
+        let past = || format!("accessor {number} reaches past its data; the file is damaged or cut off");
+        let component = component_type(accessor)?;
+        let count = usize::try_from(accessor.count.0).map_err(|_| past())?;
+        let element = |bytes: &[u8]| -> [f64; N] {
+            let size = component.size();
+            array::from_fn(|at| decode(component, accessor.normalized, &bytes[at * size..(at + 1) * size]))
+        };
+        let mut elements = match accessor.buffer_view {
+            Some(view) => {
+                let (bytes, stride) = self.view(view)?;
+                let offset = accessor.byte_offset.map_or(0, |offset| offset.0);
+                let items = Strided::new(bytes, offset, stride, N * component.size(), count).ok_or_else(past)?;
+                items.iter().map(element).collect()
+            }
+            None if accessor.sparse.is_some() && count <= MOST_POLYGONS => vec![[0.0; N]; count],
+            None => return Err(format!("accessor {number} has no data")),
+        };
+        let Some(sparse) = &accessor.sparse else { return Ok(elements) };
+        let replaced = usize::try_from(sparse.count.0).map_err(|_| past())?;
+        let Checked::Valid(index_type) = sparse.indices.component_type else {
+            return Err(format!("accessor {number} has sparse indices of an unknown type"));
+        };
+        let (index_bytes, index_stride) = self.view(sparse.indices.buffer_view)?;
+        let index_size = index_type.0.size();
+        let (value_bytes, value_stride) = self.view(sparse.values.buffer_view)?;
+        let value_size = N * component.size();
+        let indices = Strided::new(index_bytes, sparse.indices.byte_offset.0, index_stride, index_size, replaced);
+        let values = Strided::new(value_bytes, sparse.values.byte_offset.0, value_stride, value_size, replaced);
+        for (at, value) in indices.ok_or_else(past)?.iter().zip(values.ok_or_else(past)?.iter()) {
+            let slot = elements.get_mut(decode(index_type.0, false, at) as usize).ok_or_else(past)?;
+            *slot = element(value);
+        }
+        Ok(elements)
+    }
+}
+
+/// Equally spaced items in a byte slice, all inside it.
+struct Strided<'a> {
+    bytes: &'a [u8],
+    stride: usize,
+    size: usize,
+    count: usize,
+}
+
+impl<'a> Strided<'a> {
+    /// `None` if an item would reach past the end.
+    fn new(bytes: &'a [u8], offset: u64, stride: Option<usize>, size: usize, count: usize) -> Option<Self> {
+        let stride = stride.unwrap_or(size);
+        let bytes = bytes.get(usize::try_from(offset).ok()?..)?;
+        let end = match count.checked_sub(1) {
+            Some(last) => last.checked_mul(stride)?.checked_add(size)?,
+            None => 0,
+        };
+        (stride >= size && end <= bytes.len()).then_some(Self { bytes, stride, size, count })
+    }
+
+    fn iter(&self) -> impl Iterator<Item = &'a [u8]> {
+        let Self { bytes, stride, size, count } = *self;
+        (0..count).map(move |item| &bytes[item * stride..item * stride + size])
+    }
+}
+
+fn slice(bytes: &[u8], offset: u64, length: u64) -> Option<&[u8]> {
+    let (offset, end) = (usize::try_from(offset).ok()?, usize::try_from(offset.checked_add(length)?).ok()?);
+    bytes.get(offset..end)
+}
+
+fn component_type(accessor: &Accessor) -> Result<ComponentType, Problem> {
+    match accessor.component_type {
+        Checked::Valid(component) => Ok(component.0),
+        Checked::Invalid => Err("an accessor has an unknown component type".to_owned()),
+    }
+}
+
+/// One little-endian component, mapped to −1..1 or 0..1 where it is a normalised integer.
+fn decode(component: ComponentType, normalized: bool, bytes: &[u8]) -> f64 {
+    let (value, most) = match (component, bytes) {
+        (ComponentType::I8, &[a]) => (f64::from(a as i8), f64::from(i8::MAX)),
+        (ComponentType::U8, &[a]) => (f64::from(a), f64::from(u8::MAX)),
+        (ComponentType::I16, &[a, b]) => (f64::from(i16::from_le_bytes([a, b])), f64::from(i16::MAX)),
+        (ComponentType::U16, &[a, b]) => (f64::from(u16::from_le_bytes([a, b])), f64::from(u16::MAX)),
+        (ComponentType::U32, &[a, b, c, d]) => (f64::from(u32::from_le_bytes([a, b, c, d])), f64::from(u32::MAX)),
+        (ComponentType::F32, &[a, b, c, d]) => return f64::from(f32::from_le_bytes([a, b, c, d])),
+        _ => (f64::NAN, 1.0),
+    };
+    if normalized { (value / most).max(-1.0) } else { value }
+}
+
+/// The bytes behind a URI: embedded, or a file in the scene's folder.
+fn read_uri(scene: &Path, uri: &str) -> Result<Vec<u8>, Problem> {
+    if uri.starts_with("data:") {
+        let data = gltf::buffer::Data::from_source(gltf::buffer::Source::Uri(uri), None);
+        return data.map(|data| data.0).map_err(|error| format!("the embedded data cannot be decoded ({error})"));
+    }
+    let name = percent_decoded(uri).ok_or_else(|| format!("`{uri}` is not a file name"))?;
+    let path = beside(scene, &name).ok_or_else(|| format!("`{name}` lies outside the scene's folder"))?;
+    fs::read(path).map_err(|error| format!("`{name}` cannot be read ({error})"))
+}
+
+/// A URI's text with `%20` and the like resolved; `None` if that is no text.
+fn percent_decoded(uri: &str) -> Option<String> {
+    let mut bytes = Vec::with_capacity(uri.len());
+    let mut rest = uri.as_bytes();
+    while let Some((&byte, behind)) = rest.split_first() {
+        rest = behind;
+        if byte == b'%' {
+            let (digits, behind) = rest.split_at_checked(2)?;
+            bytes.push(u8::from_str_radix(str::from_utf8(digits).ok()?, 16).ok()?);
+            rest = behind;
+        } else {
+            bytes.push(byte);
+        }
+    }
+    String::from_utf8(bytes).ok()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn items_never_reach_past_the_end() {
+        let bytes = [0_u8; 10];
+        let fits = |offset, stride, size, count| Strided::new(&bytes, offset, stride, size, count).is_some();
+        assert!(fits(0, None, 5, 2) && fits(2, Some(6), 2, 2) && fits(10, None, 4, 0));
+        assert!(!fits(1, None, 5, 2) && !fits(11, None, 1, 0) && !fits(0, Some(1), 2, 2));
+        assert!(!fits(0, None, 12, usize::MAX) && !fits(u64::MAX, None, 1, 1));
+    }
+
+    #[test]
+    fn percent_signs_are_resolved_or_refused() {
+        assert_eq!(percent_decoded("my%20room.bin").as_deref(), Some("my room.bin"));
+        for bad in ["%", "%2", "%zz", "%ff%fe", "%é"] {
+            assert_eq!(percent_decoded(bad), None, "{bad}");
+        }
+    }
+}
