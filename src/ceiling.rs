@@ -55,7 +55,8 @@ pub fn place(scene: &Scene, occluders: &Occluders, size: f32) -> CeilingPlace {
     let right = if up.x == 0.0 { Vec3::X } else { Vec3::Y };
     let forward = up.cross(right);
     let reach = if size.is_finite() { 0.4 * size } else { 0.0 };
-    let lines = [(0.0, 0.0), (1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0), (1.0, -1.0)];
+    // Off the diagonals, along which quads are cut and a ray may slip through.
+    let lines = [(0.07, 0.03), (0.9, 0.7), (-0.8, 1.0), (-1.0, -0.75), (0.7, -0.95)];
     let mut ceilings: Vec<f32> = lines
         .iter()
         .map(|(x, z)| middle + reach * (x * right + z * forward))
@@ -104,7 +105,9 @@ fn reference_level(scene: &Scene, up: Vec3) -> f32 {
 fn ceiling_above(occluders: &Occluders, point: Vec3, up: Vec3, floor: f32, height: f32, level: f32) -> Option<f32> {
     let at = |level: f32| point + (level - point.dot(up)) * up;
     let step = 1e-5 * height;
-    let below = occluders.closest_hit(at(level), -up, 0.0).map_or(floor, |hit| level - hit.distance);
+    // Not `-up`: its negative zeros make rays miss every face.
+    let down = Vec3::ZERO - up;
+    let below = occluders.closest_hit(at(level), down, 0.0).map_or(floor, |hit| level - hit.distance);
     let mut space_from = below;
     let mut from = level;
     for _ in 0..MOST_CROSSINGS {

@@ -27,9 +27,11 @@ const SEED: u64 = 0x5e1f_1111;
 /// Makes the scene's faces bright on the sides asked for, and the occluders that go with them.
 ///
 /// `Front` leaves the faces and counts those seen from behind, `Auto` turns these, and `Both` appends each face once
-/// more as an opposite patch ([`Polygon::is_back`]). Occluders stop light from either side in every case.
+/// more as an opposite patch ([`Polygon::is_back`]); opposite patches that are there already go first. Occluders stop light from either side in every case.
 pub fn apply(mut scene: Scene, sides: Sides) -> (Scene, Occluders) {
     scene.sides = sides;
+    scene.polygons.retain(|polygon| !polygon.is_back);
+    (scene.skipped.faces_seen_from_behind, scene.skipped.turned_faces) = (0, 0);
     let occluders = Occluders::new(&scene);
     match sides {
         Sides::Front => {
@@ -396,6 +398,8 @@ mod tests {
             assert!(scene.normal(&front).distance(-scene.normal(&back)) < 1e-6);
         }
         assert!(occluders.occluded(MIDDLE, MIDDLE + 10.0 * Vec3::Y));
+        assert_eq!(apply(scene.clone(), Sides::Both).0.polygons, scene.polygons);
+        assert_eq!(apply(scene, Sides::Front).0.polygons, room().polygons);
     }
 
     #[test]

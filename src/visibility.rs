@@ -69,7 +69,7 @@ impl Occluders {
             return false;
         }
         let offset = RELATIVE_OFFSET * length;
-        let ray = Ray::new(from.into(), span / length, offset, length - offset);
+        let ray = Ray::new(from.into(), without_negative_zeros(span / length), offset, length - offset);
         !self.bvh.ray_traverse_miss(ray, |ray, index| self.triangles[index].intersect(ray))
     }
 
@@ -78,7 +78,7 @@ impl Occluders {
         if self.triangles.is_empty() {
             return None;
         }
-        let ray = Ray::new(origin.into(), direction.into(), nearest, f32::INFINITY);
+        let ray = Ray::new(origin.into(), without_negative_zeros(direction.into()), nearest, f32::INFINITY);
         let mut hit = RayHit::none();
         let found = self.bvh.ray_traverse(ray, &mut hit, |ray, index| self.triangles[index].intersect(ray));
         found.then(|| {
@@ -87,4 +87,9 @@ impl Occluders {
             Hit { distance: hit.t, polygon: self.polygon_of_triangle[index], front }
         })
     }
+}
+
+/// A ray along an axis whose other components are −0 misses every face in obvhs: its octant does not fit its inverse.
+fn without_negative_zeros(direction: Vec3A) -> Vec3A {
+    direction + Vec3A::ZERO
 }

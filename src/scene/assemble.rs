@@ -4,7 +4,7 @@ use glam::Vec3;
 use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::draft::{Draft, DraftFace};
-use super::sidecar::{Sidecar, SidecarMaterial};
+use super::sidecar::{MAX_EMISSION, Sidecar, SidecarMaterial};
 use super::triangulate::{ear_clip, is_good_quad, longest_edge_squared, newell};
 use super::{Material, MaterialId, Polygon, Scene, Sides, Skipped};
 
@@ -13,6 +13,9 @@ const MAX_FILE_REFLECTANCE: f32 = 0.95;
 
 /// A face whose doubled area is below this share of its squared longest edge has no area but rounding noise.
 const NO_AREA: f64 = 1e-7;
+
+/// Twice the area of the smallest face, in the square of the length unit: f32 must still divide by its square.
+const SMALLEST: f64 = 1e-18;
 
 /// Makes the scene.
 pub(super) fn assemble(name: &str, draft: Draft, sidecar: &Sidecar) -> Scene {
@@ -28,7 +31,7 @@ pub(super) fn assemble(name: &str, draft: Draft, sidecar: &Sidecar) -> Scene {
     for material in materials {
         let said = sidecar.materials.get(&material.name).cloned().unwrap_or_default();
         let reflectance = material.reflectance.clamp(Vec3::ZERO, Vec3::splat(MAX_FILE_REFLECTANCE));
-        let emission = material.emission.max(Vec3::ZERO);
+        let emission = material.emission.clamp(Vec3::ZERO, Vec3::splat(MAX_EMISSION));
         let clamped = (said.reflectance.is_none() && reflectance != material.reflectance)
             || (said.emission.is_none() && emission != material.emission);
         let rule = FaceRule::new(&said, material.transparent, material.defined);
@@ -186,8 +189,8 @@ impl<'a> PolygonBuilder<'a> {
     }
 
     fn is_degenerate(&self) -> bool {
-        self.ring.len() < 3
-            || newell(&self.ring_positions).length() <= NO_AREA * longest_edge_squared(&self.ring_positions)
+        let least = SMALLEST.max(NO_AREA * longest_edge_squared(&self.ring_positions));
+        self.ring.len() < 3 || newell(&self.ring_positions).length() <= least
     }
 
     /// Whether no face had the same corners in the same cyclic order before.

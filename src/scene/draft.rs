@@ -8,6 +8,14 @@ use super::{Group, GroupId, Skipped};
 /// More polygons than this are refused: they would take tens of gigabytes to light.
 pub(super) const MOST_POLYGONS: usize = 32_000_000;
 
+/// The largest coordinate, in the scene's length unit: the fourth power of a distance must stay a finite f32.
+const MAX_COORDINATE: f32 = 1e9;
+
+/// Whether a coordinate is finite and not too large to reckon with.
+pub(super) fn is_usable(coordinate: f32) -> bool {
+    coordinate.abs() <= MAX_COORDINATE
+}
+
 /// Reflectance of faces whose material nobody defines.
 pub(super) const GREY: Vec3 = Vec3::splat(0.5);
 

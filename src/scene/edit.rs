@@ -2,6 +2,7 @@
 
 use glam::Vec3;
 
+use super::sidecar::MAX_EMISSION;
 use super::{GroupId, Scene};
 
 /// A change that cannot be made.
@@ -15,8 +16,8 @@ pub enum EditError {
         /// Names that there are.
         hint: String,
     },
-    /// Emission must be finite and not negative.
-    #[error("an emission must be three finite numbers of at least 0, in W/m² (it is {0})")]
+    /// Emission must be neither negative nor beyond all reason.
+    #[error("an emission must be three numbers between 0 and 1e9, in W/m² (it is {0})")]
     Emission(Vec3),
     /// The side of a light must be positive.
     #[error("the side of a ceiling light must be greater than 0 (it is {0})")]
@@ -105,7 +106,8 @@ pub(crate) fn panel_axes(up: Vec3) -> (Vec3, Vec3) {
 }
 
 fn check_emission(emission: Vec3) -> Result<(), EditError> {
-    if emission.is_finite() && emission.min_element() >= 0.0 { Ok(()) } else { Err(EditError::Emission(emission)) }
+    let in_range = emission.min_element() >= 0.0 && emission.max_element() <= MAX_EMISSION && emission.is_finite();
+    if in_range { Ok(()) } else { Err(EditError::Emission(emission)) }
 }
 
 /// Edit distance of two names (case aside), 0 where one holds the other.
@@ -142,6 +144,8 @@ mod tests {
         assert_eq!(error.to_string(), "the scene has no material `lamp`; it has Lamp.001, wall, floor, ceiling");
         assert!(scene.set_emission("wall", Vec3::new(1.0, -1.0, 0.0)).is_err());
         assert!(scene.set_emission("wall", Vec3::splat(f32::NAN)).is_err());
+        assert!(scene.set_emission("wall", Vec3::new(f32::NAN, 1.0, 1.0)).is_err());
+        assert!(scene.set_emission("wall", Vec3::splat(1e10)).is_err());
         scene.set_emission("wall", Vec3::ONE).expect("a known material");
         assert!(!scene.has_light(), "no face has that material");
     }

@@ -14,7 +14,7 @@ use rayon::prelude::*;
 use rustc_hash::FxHashMap;
 
 use super::GroupId;
-use super::draft::{Draft, DraftMaterial, MOST_POLYGONS};
+use super::draft::{Draft, DraftMaterial, MOST_POLYGONS, is_usable};
 use super::gltf_buffers::{GltfData, Problem};
 use super::load::{LoadError, scene_name};
 use super::texture::mean_colour;
@@ -235,7 +235,7 @@ impl Walk<'_> {
             let first = draft.vertices.len() as u32;
             for (number, position) in part.positions.iter().enumerate() {
                 let position = world.transform_point3(position.as_dvec3()).as_vec3();
-                if !position.is_finite() {
+                if !position.to_array().into_iter().all(is_usable) {
                     let (place, vertex) = (format!("node {node}, mesh {mesh}"), format!("vertex {number}"));
                     return Err(LoadError::Coordinate { path: path.to_path_buf(), place, vertex });
                 }

@@ -9,10 +9,11 @@ use std::path::Path;
 
 use rustc_hash::FxHashSet;
 
+use super::draft::is_usable;
 use super::load::LoadError;
 
 /// A face with more corners than this is no modeller's work.
-const MOST_CORNERS: usize = 16_384;
+const MOST_CORNERS: usize = 4096;
 
 /// Name given to tobj where a file names neither object nor group.
 pub(super) const UNNAMED: &str = "unnamed_object";
@@ -126,7 +127,7 @@ impl<'a> LineReader<'a> {
         for _ in 0..3 {
             let word = words.next().ok_or_else(|| self.problem("a vertex needs three coordinates"))?;
             let value: f32 = word.parse().map_err(|_| self.problem(format!("`{word}` is not a coordinate")))?;
-            if !value.is_finite() {
+            if !is_usable(value) {
                 let vertex = format!("vertex {}", self.vertex_count);
                 return Err(LoadError::Coordinate { path: self.path.to_owned(), place: self.place(), vertex });
             }

@@ -18,6 +18,9 @@ use super::{CameraPose, Scene, Sides};
 /// The largest reflectance that a sidecar may set; a light path then loses at least a hundredth at each bounce.
 pub(super) const MAX_SIDECAR_REFLECTANCE: f32 = 0.99;
 
+/// The largest emission B_e, W/m² (the sun's surface has 6e7): powers must stay finite in f32.
+pub(super) const MAX_EMISSION: f32 = 1e9;
+
 /// What a sidecar says of a scene; every part may be missing.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -92,13 +95,24 @@ impl Sidecar {
     }
 
     /// All that this program may have changed in a scene: reflectance and emission of each material, sides and camera.
+    ///
+    /// A scene does not remember which materials a sidecar told to ignore; where a sidecar is already there, read it and
+    /// [`update`](Self::update) it instead.
     pub fn of(scene: &Scene) -> Self {
-        let materials = scene.materials.iter().map(|material| {
-            let reflectance = Some(material.reflectance.clamp(Vec3::ZERO, Vec3::splat(MAX_SIDECAR_REFLECTANCE)));
-            let said = SidecarMaterial { reflectance, emission: Some(material.emission), ignore: false };
-            (material.name.clone(), said)
-        });
-        Self { materials: materials.collect(), sides: Some(scene.sides), camera: scene.camera }
+        let mut sidecar = Self::default();
+        sidecar.update(scene);
+        sidecar
+    }
+
+    /// Takes over what [`Sidecar::of`] tells of a scene and keeps all the rest.
+    pub fn update(&mut self, scene: &Scene) {
+        for material in &scene.materials {
+            let said = self.materials.entry(material.name.clone()).or_default();
+            said.reflectance = Some(material.reflectance.clamp(Vec3::ZERO, Vec3::splat(MAX_SIDECAR_REFLECTANCE)));
+            said.emission = Some(material.emission);
+        }
+        self.sides = Some(scene.sides);
+        self.camera = scene.camera.or(self.camera);
     }
 
     /// Reads and checks a sidecar.
@@ -131,13 +145,13 @@ impl Sidecar {
     fn problem(&self) -> Option<String> {
         let of_materials = self.materials.iter().find_map(|(name, material)| {
             let reflectance = material.reflectance.filter(|value| !in_range(*value, MAX_SIDECAR_REFLECTANCE));
-            let emission = material.emission.filter(|value| !in_range(*value, f32::MAX));
+            let emission = material.emission.filter(|value| !in_range(*value, MAX_EMISSION));
             match (reflectance, emission) {
                 (Some(value), _) => Some(format!(
                     "the reflectance {value} of material `{name}` must lie between 0 and {MAX_SIDECAR_REFLECTANCE}"
                 )),
                 (_, Some(value)) => {
-                    Some(format!("the emission {value} of material `{name}` must be finite and not negative"))
+                    Some(format!("the emission {value} of material `{name}` must lie between 0 and 1e9 W/m²"))
                 }
                 _ => None,
             }

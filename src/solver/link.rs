@@ -9,7 +9,7 @@ use crate::hierarchy::ElementId;
 pub enum Evidence {
     /// Not yet judged: the source was dark. V is that of the pair it came from.
     None,
-    /// From this many rays.
+    /// From as many rays as its power deserved, this number.
     Rays(u16),
     /// Inherited: a pair that holds this one is fully visible.
     Inherited,

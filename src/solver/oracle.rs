@@ -135,12 +135,13 @@ impl Oracle<'_> {
             return true;
         }
         let hierarchy = self.hierarchy;
-        let power = if receiver == source {
-            brightness * hierarchy.element(receiver).area
+        let (power, bound) = if receiver == source {
+            let power = brightness * hierarchy.element(receiver).area;
+            (power, power)
         } else {
             match exchange(hierarchy, receiver, source) {
                 Exchange::FacingAway => return true,
-                Exchange::Facing { bound, .. } => brightness * bound,
+                Exchange::Facing { estimate, bound, .. } => (brightness * estimate, brightness * bound),
             }
         };
         let (allowed, rays) = match link.evidence() {
@@ -149,11 +150,11 @@ impl Oracle<'_> {
             Evidence::Rays(rays) => (self.thresholds.epsilon_partial, u32::from(rays)),
             Evidence::None => return true,
         };
-        if power > allowed {
+        if bound > allowed {
             return receiver == source || end_to_split(hierarchy, receiver, source).is_some();
         }
         // More light than it was judged by may ask for more rays; a doubled count is worth a new look.
-        power > self.thresholds.epsilon_partial && self.thresholds.rays_for(power) >= rays.saturating_mul(2)
+        bound > self.thresholds.epsilon_partial && self.thresholds.rays_for(power) >= rays.saturating_mul(2)
     }
 
     /// A self-link is refined while the power that its cluster sends could matter; it has no rays, its estimate holds the
@@ -200,11 +201,11 @@ impl Oracle<'_> {
     /// Finds out how well the ends of a pair see each other, with as many rays as its power deserves.
     fn look(&self, candidate: &Candidate, power: f32, bound: f32, stop_when_mixed: bool) -> Sight {
         if candidate.inherits_visible {
-            return Sight { kind: SightKind::Full, visibility: 1.0, rays: 0 };
+            return Sight { kind: SightKind::Full, visibility: 1.0, rays: 0, asked: 0 };
         }
         if bound > self.thresholds.epsilon && bound > power {
             // Boxes that touch are refined in any case; what their members see is for their members to find out.
-            return Sight { kind: SightKind::Unknown, visibility: candidate.visibility(), rays: 0 };
+            return Sight { kind: SightKind::Unknown, visibility: candidate.visibility(), rays: 0, asked: 0 };
         }
         let rays = self.thresholds.rays_for(power);
         let seen = self.sampler.cast(self.hierarchy, candidate.a, candidate.b, rays, stop_when_mixed);
@@ -213,7 +214,7 @@ impl Oracle<'_> {
             visible if visible == seen.cast => SightKind::Full,
             _ => SightKind::Partial,
         };
-        Sight { kind, visibility: seen.share(), rays: seen.cast }
+        Sight { kind, visibility: seen.share(), rays: seen.cast, asked: rays }
     }
 }
 
@@ -228,21 +229,24 @@ enum SightKind {
 struct Sight {
     kind: SightKind,
     visibility: f32,
+    /// Rays cast.
     rays: u32,
+    /// Rays that the pair's power deserved; fewer are cast where few points face each other.
+    asked: u32,
 }
 
 impl Sight {
     /// Nobody looked: both ends are dark.
     fn unseen(candidate: &Candidate) -> Self {
         let kind = if candidate.inherits_visible { SightKind::Full } else { SightKind::Unknown };
-        Self { kind, visibility: candidate.visibility(), rays: 0 }
+        Self { kind, visibility: candidate.visibility(), rays: 0, asked: 0 }
     }
 
     fn evidence(&self) -> Evidence {
         match self.kind {
-            SightKind::Full if self.rays == 0 => Evidence::Inherited,
+            SightKind::Full if self.asked == 0 => Evidence::Inherited,
             SightKind::Unknown => Evidence::None,
-            _ => Evidence::Rays(self.rays.min(u32::from(u16::MAX) - 1) as u16),
+            _ => Evidence::Rays(self.asked.min(u32::from(u16::MAX) - 1) as u16),
         }
     }
 }
