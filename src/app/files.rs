@@ -11,8 +11,7 @@ const MOST_RECENT: usize = 6;
 const TOO_FAST: Duration = Duration::from_millis(200);
 
 /// What to do without a dialog.
-pub(super) const NO_DIALOG: &str =
-    "No file dialog answers on this system: type the path into the field beside Browse…, or drop the file on the window.";
+pub(super) const NO_DIALOG: &str = "No file dialog answers on this system: type the path into the field beside Browse…, or drop the file on the window.";
 
 /// What came of the system's dialog.
 pub(super) enum DialogAnswer {

@@ -86,6 +86,5 @@ fn advice(error: eframe::Error) -> AppError {
         eframe::Error::Winit(_) | eframe::Error::WinitEventLoop(_) => {
             AppError::NoDisplay { reason: "no display answers".to_owned() }
         }
-        other => AppError::NoDisplay { reason: other.to_string() },
     }
 }

@@ -12,6 +12,7 @@ mod paint;
 mod panels;
 mod picked;
 mod settings;
+mod sources;
 mod theme;
 mod time_left;
 mod viewport;
@@ -160,15 +161,21 @@ impl App {
         let is_newer = self.shown.snapshot.as_ref().is_none_or(|shown| !Arc::ptr_eq(shown, &latest));
         if is_newer {
             self.time_left.note(&latest.stats);
-            if let Some(picked) = self.picked.as_mut()
-                && !picked.follow(&latest)
-            {
-                self.picked = None;
-            }
-            if let Some(picked) = self.picked.as_ref().filter(|picked| !picked.is_inspected_by(&latest)) {
-                self.worker.send(Command::Inspect(Some(picked.element)));
-            }
+            self.follow_picked(&latest);
             self.shown.snapshot = Some(latest);
+        }
+    }
+
+    /// Finds the picked element in a newer snapshot, and asks for its links where the snapshot has none.
+    fn follow_picked(&mut self, latest: &Snapshot) {
+        let (Some(picked), Some(info)) = (self.picked.as_mut(), &self.shown.info) else { return };
+        if !picked.follow(latest) {
+            self.picked = None;
+            return;
+        }
+        picked.note_sources(latest, &info.scene);
+        if picked.has_to_ask(latest) {
+            self.worker.send(Command::Inspect(Some(picked.element)));
         }
     }
 
@@ -214,7 +221,8 @@ impl App {
         let (Some(snapshot), Some(info)) = (&self.shown.snapshot, &self.shown.info) else { return };
         self.picked = PickedElement::at(snapshot, clicked.origin, clicked.direction);
         outbox.push(Command::Inspect(self.picked.as_ref().map(|picked| picked.element)));
-        if let Some(picked) = &self.picked {
+        if let Some(picked) = self.picked.as_mut() {
+            picked.has_to_ask(snapshot);
             self.lamp.choose(&info.scene, picked.leaf.material);
             if clicked.is_double {
                 self.view.look_at(picked.point);

@@ -4,9 +4,11 @@ use std::collections::HashMap;
 
 use glam::Vec3;
 
+use super::sources::{NamedSource, strongest};
 use crate::hierarchy::ElementId;
 use crate::render::pick;
-use crate::solver::{Leaf, Mesh, Snapshot};
+use crate::scene::Scene;
+use crate::solver::{InspectedElement, Leaf, Mesh, Snapshot};
 
 /// A leaf element, and the ray that found it.
 pub(super) struct PickedElement {
@@ -19,6 +21,10 @@ pub(super) struct PickedElement {
     pub point: Vec3,
     /// The rim of the leaf, as pairs of points.
     pub outline: Vec<[Vec3; 2]>,
+    /// The strongest links that the present snapshot carries for it.
+    pub sources: Vec<NamedSource>,
+    /// The generation whose solver was asked for the element's links.
+    asked: Option<u64>,
     origin: Vec3,
     direction: Vec3,
 }
@@ -31,14 +37,26 @@ impl PickedElement {
         let index = found.leaf as usize;
         let leaf = *mesh.leaves.get(index)?;
         let outline = outline_of(mesh, found.leaf);
-        Some(Self { element: leaf.element, leaf, index, point: found.point, outline, origin, direction })
+        Some(Self {
+            element: leaf.element,
+            leaf,
+            index,
+            point: found.point,
+            outline,
+            sources: Vec::new(),
+            asked: None,
+            origin,
+            direction,
+        })
     }
 
     /// Finds the element in a newer snapshot; where it was subdivided, the leaf now lying under the ray takes its
     /// place. False when there is none.
     pub(super) fn follow(&mut self, snapshot: &Snapshot) -> bool {
         let mesh = &snapshot.mesh;
-        let is_it = |leaf: &Leaf| leaf.element == self.element && leaf.polygon == self.leaf.polygon;
+        let is_it = |leaf: &Leaf| {
+            leaf.element == self.element && leaf.polygon == self.leaf.polygon && leaf.area == self.leaf.area
+        };
         let stays = mesh.leaves.get(self.index).is_some_and(is_it);
         let found = if stays { Some(self.index) } else { mesh.leaves.iter().position(is_it) };
         match found {
@@ -60,9 +78,23 @@ impl PickedElement {
         }
     }
 
-    /// Whether a snapshot carries the links of this element.
-    pub(super) fn is_inspected_by(&self, snapshot: &Snapshot) -> bool {
-        snapshot.inspected.as_ref().is_some_and(|inspected| inspected.element == self.element)
+    /// The links that a snapshot carries for this element.
+    pub(super) fn inspected_by<'a>(&self, snapshot: &'a Snapshot) -> Option<&'a InspectedElement> {
+        snapshot.inspected.as_ref().filter(|inspected| inspected.element == self.element)
+    }
+
+    /// Names the sources of a newer snapshot.
+    pub(super) fn note_sources(&mut self, snapshot: &Snapshot, scene: &Scene) {
+        let inspected = self.inspected_by(snapshot);
+        self.sources = inspected.map(|inspected| strongest(inspected, snapshot, scene)).unwrap_or_default();
+    }
+
+    /// Whether the solver of this snapshot has yet to be asked for the links; true once for each solver, since one that
+    /// knows no answer must not be asked for ever.
+    pub(super) fn has_to_ask(&mut self, snapshot: &Snapshot) -> bool {
+        let is_asked = self.asked == Some(snapshot.generation);
+        self.asked = Some(snapshot.generation);
+        !is_asked
     }
 }
 

@@ -3,13 +3,12 @@
 use egui::{Align2, Grid, Rect, RichText, Ui};
 
 use super::super::picked::PickedElement;
+use super::super::sources::NamedSource;
 use super::super::{App, Outbox, format, theme};
 use crate::scene::Scene;
-use crate::solver::{LinkView, Snapshot};
+use crate::solver::Snapshot;
 use crate::worker::Command;
 
-/// So many sources are listed.
-const SOURCES: usize = 5;
 /// Width of the card, points.
 const WIDTH: f32 = 288.0;
 
@@ -31,7 +30,7 @@ pub(in super::super) fn show(app: &mut App, ui: &mut Ui, rect: Rect, outbox: &mu
                 });
             });
             show_facts(ui, picked, snapshot, &info.scene);
-            show_sources(ui, picked, snapshot, &info.scene);
+            show_sources(ui, picked, snapshot);
         });
     });
     if close {
@@ -65,44 +64,24 @@ fn colours(rgb: Option<&[f32; 3]>) -> String {
     rgb.map_or("–".into(), |rgb| rgb.map(|value| format!("{:>7}", format::number(value.into()))).join(" "))
 }
 
-fn show_sources(ui: &mut Ui, picked: &PickedElement, snapshot: &Snapshot, scene: &Scene) {
+fn show_sources(ui: &mut Ui, picked: &PickedElement, snapshot: &Snapshot) {
     ui.separator();
-    let Some(inspected) = snapshot.inspected.as_ref().filter(|inspected| inspected.element == picked.element) else {
+    let Some(inspected) = picked.inspected_by(snapshot) else {
         ui.label(theme::weak("Asking for its links…"));
         return;
     };
     let count = inspected.links.len();
     ui.label(match count {
         0 => "No link brings it light".to_owned(),
-        1 => "1 link brings it light".to_owned(),
+        1 => "1 link brings it light:".to_owned(),
         _ => format!("{} links bring it light; the strongest:", format::count(count)),
     });
     Grid::new("sources").num_columns(2).spacing([12.0, 2.0]).show(ui, |ui| {
-        for link in inspected.links.iter().take(SOURCES) {
+        for NamedSource { link, name } in &picked.sources {
             ui.label(theme::value(format!("{:>9}", format::quantity(link.power.into(), "W"))));
-            let name = egui::Label::new(source_name(link, snapshot, scene)).truncate();
             let details = format!("F = {}, V = {:.2}", format::number(link.form_factor.into()), link.visibility);
-            ui.add(name).on_hover_text(details);
+            ui.add(egui::Label::new(name.as_str()).truncate()).on_hover_text(format!("{name}; {details}"));
             ui.end_row();
         }
     });
-}
-
-/// A leaf by its group and material, anything above by its kind and place.
-fn source_name(link: &LinkView, snapshot: &Snapshot, scene: &Scene) -> String {
-    let place = link.source_centre;
-    if link.source_is_cluster {
-        return format!("cluster at {:.2}, {:.2}, {:.2}", place.x, place.y, place.z);
-    }
-    let leaf = snapshot.mesh.leaves.iter().find(|leaf| leaf.element == link.source);
-    match leaf.and_then(|leaf| scene.polygons.get(leaf.polygon as usize)) {
-        Some(polygon) => {
-            let material = &scene.materials[polygon.material.0 as usize].name;
-            match scene.group_path(polygon.group) {
-                path if path.is_empty() => material.clone(),
-                path => format!("{path} ({material})"),
-            }
-        }
-        None => format!("patch at {:.2}, {:.2}, {:.2}", place.x, place.y, place.z),
-    }
 }
