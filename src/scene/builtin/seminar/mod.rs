@@ -258,7 +258,7 @@ impl Hall {
                 d.piece("chair", vec3(0.2, 0.0, 0.45), 12.0, |d| pieces::chair(d, p));
                 d.piece("things", vec3(-0.4, TABLE_HEIGHT, 0.05), 15.0, |d| {
                     furniture::lying_book(d, [0.19, 0.035, 0.26], p.covers[1], p.paper);
-                    d.at(vec3(0.01, 0.035, 0.0), 25.0, |d| {
+                    d.at(vec3(0.0, 0.035, 0.0), 4.0, |d| {
                         furniture::lying_book(d, [0.15, 0.025, 0.2], p.covers[0], p.paper);
                     });
                 });
