@@ -24,7 +24,7 @@ pub(super) fn build() -> Scene {
     along_the_walls(&mut draft, &paints);
     let mut scene = draft.finish();
     scene.camera =
-        Some(CameraPose { eye: vec3(-2.1, 1.6, 1.9), target: vec3(0.5, 0.8, -1.2), up: Vec3::Y, hfov_deg: 70.0 });
+        Some(CameraPose { eye: vec3(-2.3, 1.6, 2.0), target: vec3(0.6, 0.78, -1.0), up: Vec3::Y, hfov_deg: 70.0 });
     scene
 }
 
@@ -180,7 +180,7 @@ fn along_the_walls(d: &mut Draft, p: &Paints) {
     });
     d.piece("tall_plant", vec3(2.4, 0.0, -1.95), 0.0, |d| pieces::tall_plant(d, p));
     d.piece("cabinet", vec3(-2.5, 0.0, -1.95), 0.0, |d| pieces::cabinet(d, p));
-    d.piece("armchair", vec3(1.45, 0.012, 0.95), 118.0, |d| pieces::armchair(d, p));
+    d.piece("armchair", vec3(1.35, 0.012, 0.72), 118.0, |d| pieces::armchair(d, p));
     d.group("pictures", |d| {
         let picture = |d: &mut Draft, index: usize, at: Vec3, turn: f32, size: [f32; 2]| {
             d.piece(&format!("picture_{index}"), at, turn, |d| pieces::picture(d, p, size, index));
