@@ -88,6 +88,14 @@ impl Polygon {
         if self.corners[3] == NO_CORNER { &self.corners[..3] } else { &self.corners }
     }
 
+    /// Replaces each vertex index; [`builtin`] welds with it.
+    pub(crate) fn map_corners(&mut self, mut replace: impl FnMut(u32) -> u32) {
+        let count = self.corners().len();
+        for corner in &mut self.corners[..count] {
+            *corner = replace(*corner);
+        }
+    }
+
     /// Whether the polygon has four corners.
     pub fn is_quad(&self) -> bool {
         self.corners[3] != NO_CORNER
