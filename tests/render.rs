@@ -264,6 +264,22 @@ fn what_is_picked_is_what_is_seen() {
     assert!(seen.iter().all(|&pixels| pixels > 100), "{seen:?}");
 }
 
+#[test]
+fn rims_of_faces_are_not_extrapolated() {
+    // Truth: no vertex is darker than 2 W/m². Slivers cross pixels whose middles they do not cover.
+    let sliver =
+        |x: f32| [(x, -1.0), (x + 0.01, -1.0), (x + 0.03, 1.0), (x + 0.02, 1.0)].map(|(x, y)| Vec3::new(x, y, 0.1));
+    let mut lit = snapshot(&[(SQUARE, [2.0; 3]), (sliver(-0.5), [2.0; 3]), (sliver(0.2), [2.0; 3])]);
+    for vertex in [5, 6, 9, 10] {
+        lit.vertex_radiosity[vertex] = [20.0; 3];
+    }
+    let pose = CameraPose { hfov_deg: 40.0, ..camera(2.0).pose(1.0) };
+    let camera = Camera::from_pose(&pose, 1.0, BOUNDS);
+    let Some(picture) = draw(&lit, &camera, &Overlay::default(), [99, 99]) else { return };
+    let [darkest, ..] = displayed([2.0; 3]);
+    assert!(picture.pixels().all(|pixel| pixel.0[0] + 1 >= darkest));
+}
+
 /// The inside of a box from −1 to 1 without its front: floor, ceiling, back and side walls of different radiosities.
 fn room(light: f32) -> Snapshot {
     let turned = |turn: fn(Vec3) -> Vec3| SQUARE.map(|corner| turn(corner - Vec3::Z));

@@ -1,1 +1,266 @@
-//! The window.
+//! The window: state, and what happens in a frame.
+//!
+//! The window owns no solver state. In each frame it takes up what the worker has to say ([`Shown`]), lets the panels and the view
+//! write commands into an outbox, and sends them. Panels see only what they are given, so none of them can wait for the solver.
+//! Imports everything below it; only `main` knows this module.
+
+mod files;
+mod format;
+mod launch;
+mod messages;
+mod paint;
+mod panels;
+mod picked;
+mod settings;
+mod sources;
+mod theme;
+mod time_left;
+mod viewport;
+
+use std::sync::Arc;
+use std::sync::mpsc::{Receiver, channel};
+use std::time::Duration;
+
+use eframe::CreationContext;
+
+pub use launch::{AppError, run};
+
+use crate::scene::Source;
+use crate::solver::{Snapshot, SolverParams};
+use crate::worker::{Command, Event, SceneInfo, SolverThread, Status};
+use files::Files;
+use messages::Messages;
+use panels::light::LampEditor;
+use picked::PickedElement;
+use settings::DisplaySettings;
+use time_left::TimeLeft;
+use viewport::Viewport;
+
+/// On software adapters drawing takes the solver's cores, so pictures wait this long for each other.
+const REPAINT_INTERVAL_ON_CPU: Duration = Duration::from_millis(100);
+
+/// Keys under which the storage keeps what lasts from one run to the next.
+const RECENT_KEY: &str = "recent_files";
+const DISPLAY_KEY: &str = "display";
+
+/// What the worker last said, as every panel sees it.
+#[derive(Default)]
+struct Shown {
+    /// The scene of `snapshot`.
+    info: Option<Arc<SceneInfo>>,
+    snapshot: Option<Arc<Snapshot>>,
+    status: Status,
+}
+
+/// Commands that a frame gives rise to.
+type Outbox = Vec<Command>;
+
+/// The window's state.
+pub struct App {
+    worker: SolverThread,
+    shown: Shown,
+    /// A scene whose first snapshot has not come yet; the former one stays in view meanwhile.
+    incoming: Option<Incoming>,
+    /// The solver's parameters as the panel shows them; ahead of the worker's while a slider is dragged.
+    params: SolverParams,
+    messages: Messages,
+    files: Files,
+    lamp: LampEditor,
+    display: DisplaySettings,
+    view: Viewport,
+    picked: Option<PickedElement>,
+    time_left: TimeLeft,
+    drawing_failures: Receiver<String>,
+}
+
+struct Incoming {
+    info: Arc<SceneInfo>,
+    /// A new scene rather than an edit: the camera starts afresh.
+    is_new: bool,
+}
+
+impl App {
+    /// Sets up theme, renderer and solver thread, and starts loading `source`.
+    ///
+    /// # Errors
+    /// No wgpu device is there, or no thread for the solver.
+    pub fn new(cc: &CreationContext<'_>, source: Option<Source>, params: SolverParams) -> Result<Self, AppError> {
+        theme::apply(&cc.egui_ctx);
+        let render_state = cc.wgpu_render_state.as_ref().ok_or(AppError::NoDevice)?;
+        let (failures, drawing_failures) = channel();
+        paint::install(render_state, failures, cc.egui_ctx.clone());
+        let on_cpu = render_state.adapter.get_info().device_type == wgpu::DeviceType::Cpu;
+        let ctx = cc.egui_ctx.clone();
+        let wake = move || {
+            if on_cpu {
+                ctx.request_repaint_after(REPAINT_INTERVAL_ON_CPU);
+            } else {
+                ctx.request_repaint();
+            }
+        };
+        let worker = SolverThread::spawn(params, Box::new(wake))?;
+        if let Some(source) = source {
+            worker.send(Command::Load(source));
+        }
+        let stored = |key| cc.storage.map(|storage| (storage, key));
+        let recent = stored(RECENT_KEY).and_then(|(storage, key)| eframe::get_value(storage, key)).unwrap_or_default();
+        let display =
+            stored(DISPLAY_KEY).and_then(|(storage, key)| eframe::get_value(storage, key)).unwrap_or_default();
+        Ok(Self {
+            worker,
+            shown: Shown::default(),
+            incoming: None,
+            params,
+            messages: Messages::default(),
+            files: Files::new(recent),
+            lamp: LampEditor::default(),
+            display,
+            view: Viewport::default(),
+            picked: None,
+            time_left: TimeLeft::default(),
+            drawing_failures,
+        })
+    }
+
+    /// The snapshot in view.
+    pub fn snapshot(&self) -> Option<&Arc<Snapshot>> {
+        self.shown.snapshot.as_ref()
+    }
+
+    /// The scene in view.
+    pub fn scene_info(&self) -> Option<&Arc<SceneInfo>> {
+        self.shown.info.as_ref()
+    }
+
+    /// What the worker said it is about, as of the last frame.
+    pub fn status(&self) -> &Status {
+        &self.shown.status
+    }
+
+    /// Where the view lies in the window, points.
+    pub fn view_rect(&self) -> egui::Rect {
+        self.view.rect()
+    }
+
+    /// Takes up everything that the worker has to say.
+    fn take_up_news(&mut self) {
+        // Events before the snapshot: whoever has read the event of a scene finds that scene's snapshot or an older one.
+        while let Some(event) = self.worker.try_event() {
+            self.take_up(event);
+        }
+        while let Ok(failure) = self.drawing_failures.try_recv() {
+            self.messages.error(format!("The view cannot be drawn: {failure}."));
+        }
+        self.shown.status = self.worker.status();
+        let Some(latest) = self.worker.latest() else { return };
+        if let Some(incoming) = self.incoming.take_if(|incoming| incoming.info.generation <= latest.generation) {
+            self.adopt(incoming);
+        } else if self.incoming.is_some() {
+            return;
+        }
+        let is_newer = self.shown.snapshot.as_ref().is_none_or(|shown| !Arc::ptr_eq(shown, &latest));
+        if is_newer {
+            self.time_left.note(&latest.stats);
+            self.follow_picked(&latest);
+            self.shown.snapshot = Some(latest);
+        }
+    }
+
+    /// Finds the picked element in a newer snapshot, and asks for its links where the snapshot has none.
+    fn follow_picked(&mut self, latest: &Snapshot) {
+        let (Some(picked), Some(info)) = (self.picked.as_mut(), &self.shown.info) else { return };
+        if !picked.follow(latest) {
+            self.picked = None;
+            return;
+        }
+        picked.note_sources(latest, &info.scene);
+        if picked.has_to_ask(latest) {
+            self.worker.send(Command::Inspect(Some(picked.element)));
+        }
+    }
+
+    fn take_up(&mut self, event: Event) {
+        match event {
+            Event::SceneLoaded(info) => {
+                if let Some(path) = &info.path {
+                    self.files.note_opened(path);
+                }
+                self.incoming = Some(Incoming { info, is_new: true });
+            }
+            Event::SceneEdited(info) => {
+                let is_new = self.incoming.as_ref().is_some_and(|incoming| incoming.is_new);
+                self.incoming = Some(Incoming { info, is_new });
+            }
+            Event::LoadFailed(sentence) => self.messages.error(sentence),
+            Event::SolveFailed(sentence) => {
+                self.messages.error(sentence);
+                self.params = self.worker.status().params;
+            }
+            Event::Finished => {}
+            Event::Saved(path) => self.messages.note(format!("Saved {}.", path.display())),
+            Event::SaveFailed(sentence) => self.messages.error(sentence),
+        }
+    }
+
+    fn adopt(&mut self, incoming: Incoming) {
+        let Incoming { info, is_new } = incoming;
+        if is_new {
+            self.view.start_with(&info.scene);
+            self.picked = None;
+            self.lamp = LampEditor::for_scene(&info.scene);
+        }
+        self.shown.info = Some(info);
+    }
+
+    fn open_dropped_files(&self, ctx: &egui::Context, outbox: &mut Outbox) {
+        let dropped = ctx.input(|input| input.raw.dropped_files.first().map(|file| file.path().to_owned()));
+        outbox.extend(dropped.map(|path| Command::Load(Source::File(path))));
+    }
+
+    fn pick(&mut self, clicked: viewport::Clicked, outbox: &mut Outbox) {
+        let (Some(snapshot), Some(info)) = (&self.shown.snapshot, &self.shown.info) else { return };
+        self.picked = PickedElement::at(snapshot, clicked.origin, clicked.direction);
+        outbox.push(Command::Inspect(self.picked.as_ref().map(|picked| picked.element)));
+        if let Some(picked) = self.picked.as_mut() {
+            picked.has_to_ask(snapshot);
+            self.lamp.choose(&info.scene, picked.leaf.material);
+            if clicked.is_double {
+                self.view.look_at(picked.point);
+            }
+        }
+    }
+}
+
+impl eframe::App for App {
+    fn logic(&mut self, _ctx: &egui::Context, _frame: &mut eframe::Frame) {
+        self.take_up_news();
+    }
+
+    fn ui(&mut self, ui: &mut egui::Ui, _frame: &mut eframe::Frame) {
+        let mut outbox = Outbox::new();
+        self.open_dropped_files(ui.ctx(), &mut outbox);
+        if let Some(answer) = self.files.poll_dialog() {
+            match answer {
+                files::DialogAnswer::Chosen(path) => outbox.push(Command::Load(Source::File(path))),
+                files::DialogAnswer::NoDialog => self.messages.note(files::NO_DIALOG.into()),
+            }
+        }
+        panels::show_sides(self, ui, &mut outbox);
+        egui::CentralPanel::no_frame().show(ui, |ui| {
+            ui.spacing_mut().item_spacing.y = 0.0;
+            self.messages.show(ui);
+            let clicked = viewport::show(self, ui, &mut outbox);
+            if let Some(clicked) = clicked {
+                self.pick(clicked, &mut outbox);
+            }
+        });
+        for command in outbox {
+            self.worker.send(command);
+        }
+    }
+
+    fn save(&mut self, storage: &mut dyn eframe::Storage) {
+        eframe::set_value(storage, RECENT_KEY, &self.files.recent());
+        eframe::set_value(storage, DISPLAY_KEY, &self.display);
+    }
+}

@@ -1,6 +1,6 @@
 //! The camera: a turntable around a target, which can also look round and fly. No window types.
 
-use glam::{Mat4, Quat, Vec2, Vec3};
+use glam::{BVec3, Mat4, Quat, Vec2, Vec3};
 
 use crate::scene::CameraPose;
 
@@ -15,6 +15,8 @@ const POLE_GAP: f32 = 0.01;
 const NEAR_SHARE: f32 = 1e-5;
 /// Speed of flight, scene diagonals a second.
 const FLY_SPEED: f32 = 0.15;
+/// A framed scene stays a little away from the picture's rim.
+const FRAME_MARGIN: f32 = 1.05;
 /// Nearest and farthest distance from eye to target, scene diagonals.
 const DISTANCE_SHARES: (f32, f32) = (1e-4, 100.0);
 
@@ -64,14 +66,24 @@ impl Camera {
         camera
     }
 
-    /// Moves back or forth until the scene fills the picture; the direction of sight, the up axis and the lens stay.
+    /// Moves until the scene's box fills the picture; the direction of sight, the up axis and the lens stay.
     pub fn frame_all(&mut self, bounds: (Vec3, Vec3), aspect: f32) {
         self.set_bounds(bounds);
-        let half_fov = 0.5 * self.vfov.min(self.hfov(aspect));
-        let radius = 0.5 * self.scene_size();
-        let direction = self.forward();
-        self.target = 0.5 * (self.lower + self.upper);
-        self.eye = self.target - direction * (radius / half_fov.sin());
+        let forward = self.forward();
+        let (side, above) = self.screen_axes();
+        let half_height = (0.5 * self.vfov).tan();
+        let half_width = half_height * sane_aspect(aspect);
+        let centre = 0.5 * (self.lower + self.upper);
+        // How far before the centre the eye must be for each corner to lie inside the picture.
+        let distances = (0..8).map(|corner| {
+            let upper = BVec3::new(corner & 1 != 0, corner & 2 != 0, corner & 4 != 0);
+            let offset = Vec3::select(upper, self.upper, self.lower) - centre;
+            let reach = (offset.dot(side).abs() / half_width).max(offset.dot(above).abs() / half_height);
+            reach - offset.dot(forward)
+        });
+        let distance = FRAME_MARGIN * distances.fold(0.0, f32::max);
+        self.target = centre;
+        self.eye = centre - forward * if distance > 0.0 { distance } else { self.scene_size() };
     }
 
     /// Tells the camera the size of the scene, on which near plane and speeds depend.
@@ -242,4 +254,175 @@ impl Camera {
 /// An aspect that can be divided by, also for a window folded to nothing.
 fn sane_aspect(aspect: f32) -> f32 {
     if aspect.is_finite() && aspect > 0.0 { aspect.clamp(1e-3, 1e3) } else { 1.0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::f32::consts::{FRAC_PI_2, PI};
+
+    use glam::vec2;
+
+    use super::*;
+
+    const BOUNDS: (Vec3, Vec3) = (Vec3::new(-3.0, 0.0, -2.0), Vec3::new(5.0, 3.0, 2.0));
+
+    fn camera() -> Camera {
+        let pose =
+            CameraPose { eye: Vec3::new(1.0, 1.5, 6.0), target: Vec3::new(0.5, 1.0, 0.0), up: Vec3::Y, hfov_deg: 70.0 };
+        Camera::from_pose(&pose, 1.6, BOUNDS)
+    }
+
+    fn ndc(camera: &Camera, point: Vec3, aspect: f32) -> Vec3 {
+        camera.clip_from_world(aspect).project_point3(point)
+    }
+
+    #[test]
+    fn a_pose_comes_back_as_it_was_given() {
+        let pose =
+            CameraPose { eye: Vec3::new(1.0, 1.5, 6.0), target: Vec3::new(0.5, 1.0, 0.0), up: Vec3::Z, hfov_deg: 70.0 };
+        let back = Camera::from_pose(&pose, 1.6, BOUNDS).pose(1.6);
+        assert!((back.hfov_deg - 70.0).abs() < 1e-3 && back.up == Vec3::Z && back.eye == pose.eye);
+        assert!(back.target.distance(pose.target) < 1e-5, "{back:?}");
+    }
+
+    #[test]
+    fn a_pose_that_is_no_view_frames_the_scene() {
+        let good = camera().pose(1.6);
+        let framed = Camera::frame(BOUNDS, 1.6);
+        for bad in [
+            CameraPose { eye: good.target, ..good },
+            CameraPose { eye: Vec3::NAN, ..good },
+            CameraPose { hfov_deg: f32::NAN, ..good },
+            CameraPose { target: Vec3::INFINITY, ..good },
+        ] {
+            assert_eq!(Camera::from_pose(&bad, 1.6, BOUNDS), framed);
+        }
+    }
+
+    #[test]
+    fn the_target_is_in_the_middle_and_the_horizontal_field_of_view_is_as_asked() {
+        let camera = camera();
+        let middle = ndc(&camera, camera.target(), 1.6);
+        assert!(middle.truncate().length() < 1e-5, "{middle}");
+        // Truth: the definition. A direction turned by half of 70° to the right lies on the picture's rim.
+        let turned = Quat::from_axis_angle(Vec3::Y, -35f32.to_radians());
+        let level =
+            Camera::from_pose(&CameraPose { target: Vec3::new(1.0, 1.5, 0.0), ..camera.pose(1.6) }, 1.6, BOUNDS);
+        let rim = ndc(&level, level.eye() + turned * level.forward(), 1.6);
+        assert!((rim.x - 1.0).abs() < 1e-5 && rim.y.abs() < 1e-5, "{rim}");
+    }
+
+    #[test]
+    fn depth_is_one_at_the_near_plane_and_falls_towards_zero() {
+        let camera = camera();
+        let at = |distance: f32| ndc(&camera, camera.eye() + distance * camera.forward(), 1.6).z;
+        assert!((at(camera.near()) - 1.0).abs() < 1e-2);
+        // Distances that differ by a hundred-thousandth are told apart, near by and far away.
+        for distance in [0.01, 1.0, 10.0, 1000.0] {
+            assert!(at(distance) > at(distance * 1.00001) && at(distance * 1.00001) > 0.0, "{distance}");
+        }
+    }
+
+    #[test]
+    fn a_ray_meets_the_point_that_projects_to_it() {
+        let camera = camera();
+        for place in [vec2(0.0, 0.0), vec2(-0.9, 0.7), vec2(0.3, -0.8)] {
+            let (origin, direction) = camera.ray(place, 1.6);
+            assert!((direction.length() - 1.0).abs() < 1e-6);
+            let projected = ndc(&camera, origin + 7.0 * direction, 1.6);
+            assert!(projected.truncate().distance(place) < 1e-5, "{place} {projected}");
+        }
+    }
+
+    #[test]
+    fn framing_puts_every_corner_into_the_picture_and_fills_it() {
+        for aspect in [0.4, 1.0, 2.5] {
+            let camera = Camera::frame(BOUNDS, aspect);
+            let corners = (0..8).map(|bits| {
+                let upper = BVec3::new(bits & 1 != 0, bits & 2 != 0, bits & 4 != 0);
+                ndc(&camera, Vec3::select(upper, BOUNDS.1, BOUNDS.0), aspect)
+            });
+            let widest = corners.map(|corner| corner.x.abs().max(corner.y.abs())).fold(0.0, f32::max);
+            assert!((0.85..1.0).contains(&widest), "aspect {aspect}: {widest}");
+        }
+        // Neither an empty scene nor a folded window leads to what is not a number.
+        for (bounds, aspect) in [((Vec3::ZERO, Vec3::ZERO), 1.0), ((Vec3::NAN, Vec3::INFINITY), 1.0), (BOUNDS, 0.0)] {
+            assert!(Camera::frame(bounds, aspect).clip_from_world(aspect).is_finite());
+        }
+    }
+
+    #[test]
+    fn an_orbit_keeps_target_and_distance_and_never_flips_over_a_pole() {
+        let mut camera = camera();
+        let (target, distance) = (camera.target(), camera.eye().distance(camera.target()));
+        for step in 0..400 {
+            // Far over the pole and back, with some turning.
+            let (side_before, _) = camera.screen_axes();
+            camera.orbit(0.03, if step < 200 { 0.1 } else { -0.1 });
+            let (side, above) = camera.screen_axes();
+            assert!(above.dot(Vec3::Y) > 0.0, "upside down at step {step}");
+            assert!(side.dot(side_before) > 0.99, "turned round at step {step}");
+            assert_eq!(camera.target(), target);
+            assert!((camera.eye().distance(target) / distance - 1.0).abs() < 1e-4, "step {step}");
+        }
+        // A full turn comes back.
+        let mut turned = self::camera();
+        (0..100).for_each(|_| turned.orbit(2.0 * PI / 100.0, 0.0));
+        assert!(turned.eye().distance(self::camera().eye()) < 1e-3);
+    }
+
+    #[test]
+    fn dragging_moves_the_scene_with_the_mouse() {
+        // Orbit: what is before the target goes right and down with the mouse.
+        let mut camera = camera();
+        let before = camera.target() - 0.3 * camera.forward();
+        camera.orbit(0.1, 0.1);
+        let moved = ndc(&camera, before, 1.6);
+        assert!(moved.x > 0.0 && moved.y < 0.0, "{moved}");
+        // Pan: the old target is where the mouse is, half a height to the right and a quarter down.
+        let mut camera = self::camera();
+        let old = camera.target();
+        camera.pan(0.5, 0.25);
+        let moved = ndc(&camera, old, 1.6).truncate();
+        assert!(moved.distance(vec2(1.0 / 1.6, -0.5)) < 1e-4, "{moved}");
+        // Look: what was in the middle goes left when the head turns right.
+        let mut camera = self::camera();
+        let (old, eye) = (camera.target(), camera.eye());
+        camera.look(0.1, 0.0);
+        assert!(ndc(&camera, old, 1.6).x < 0.0 && camera.eye() == eye);
+    }
+
+    #[test]
+    fn zoom_and_flight_follow_the_scene_s_size() {
+        let mut camera = camera();
+        let distance = camera.eye().distance(camera.target());
+        camera.zoom(0.5);
+        assert!((camera.eye().distance(camera.target()) / distance - 0.5).abs() < 1e-5);
+        (0..1000).for_each(|_| camera.zoom(0.5));
+        assert!(camera.eye().distance(camera.target()) > 0.0 && camera.clip_from_world(1.0).is_finite());
+        for bad in [0.0, -1.0, f32::NAN, f32::INFINITY] {
+            let before = camera;
+            camera.zoom(bad);
+            assert_eq!(camera, before);
+        }
+        let mut camera = self::camera();
+        let (eye, forward) = (camera.eye(), camera.forward());
+        camera.fly(2.0 * Vec3::Z);
+        let way = camera.eye() - eye;
+        assert!((way.length() - 2.0 * FLY_SPEED * camera.scene_size()).abs() < 1e-4 && way.dot(forward) > 0.0);
+    }
+
+    #[test]
+    fn looking_at_a_point_puts_it_in_the_middle() {
+        let mut camera = camera();
+        let (eye, point) = (camera.eye(), Vec3::new(-2.0, 0.2, 1.0));
+        camera.look_at(point);
+        assert!(camera.eye() == eye && camera.target().distance(point) < 1e-4);
+        assert!(ndc(&camera, point, 1.6).truncate().length() < 1e-4);
+        // Straight down has no heading; the camera keeps off the pole.
+        camera.look_at(eye - 5.0 * Vec3::Y);
+        assert!(camera.clip_from_world(1.6).is_finite());
+        let pitch = camera.forward().dot(Vec3::Y).asin();
+        assert!((pitch + FRAC_PI_2).abs() < 2.0 * POLE_GAP, "{pitch}");
+    }
 }

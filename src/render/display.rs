@@ -7,7 +7,7 @@ use crate::solver::snapshot::Snapshot;
 
 /// Exposed log-average luminance of a well exposed picture, before the tone curve. Photography's 0.18 is the key of a landscape;
 /// rooms are mostly pale walls.
-const KEY: f32 = 0.3;
+const KEY: f32 = 0.22;
 /// The brightest lit surfaces are exposed to this at most; the tone curve shows it as 0.95 of white.
 const HIGHLIGHT: f32 = 2.5;
 /// Share of the lit area that may be brighter than `HIGHLIGHT`.
@@ -16,8 +16,8 @@ const HIGHLIGHT_AREA: f64 = 0.02;
 const COUNTED_AREA: (f64, f64) = (0.1, 0.95);
 /// Leaves darker than this share of the mean count as unlit: outsides of walls that a leak reaches.
 const UNLIT_SHARE: f64 = 1e-4;
-/// More leaves than this are sampled evenly, so that a large mesh costs no more than a few milliseconds.
-const MOST_LEAVES: usize = 1 << 16;
+/// More leaves than this are sampled evenly, so that a large mesh costs a few milliseconds at most.
+const MOST_LEAVES: usize = 1 << 14;
 
 /// How bright the picture is made.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -118,4 +118,95 @@ pub fn tone_curve(exposed: f32) -> f32 {
 /// sRGB gamma encoding of one linear channel, 0..1 (IEC 61966-2-1).
 pub fn encode_gamma(linear: f32) -> f32 {
     if linear <= 0.003_130_8 { 12.92 * linear } else { 1.055 * linear.powf(1.0 / 2.4) - 0.055 }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use super::*;
+    use crate::hierarchy::ElementId;
+    use crate::scene::MaterialId;
+    use crate::solver::snapshot::{Leaf, Mesh};
+    use crate::solver::stats::Stats;
+
+    /// Leaves by area, radiosity and irradiance, grey.
+    fn snapshot(leaves: &[(f32, f32, f32)]) -> Snapshot {
+        let leaf = |&(area, ..): &(f32, f32, f32)| Leaf {
+            element: ElementId(1),
+            polygon: 0,
+            material: MaterialId(0),
+            area,
+            level: 0,
+        };
+        Snapshot {
+            generation: 1,
+            serial: 1,
+            mesh: Arc::new(Mesh { leaves: leaves.iter().map(leaf).collect(), ..Mesh::default() }),
+            vertex_radiosity: Vec::new(),
+            leaf_irradiance: leaves.iter().map(|leaf| [leaf.2; 3]).collect(),
+            leaf_radiosity: leaves.iter().map(|leaf| [leaf.1; 3]).collect(),
+            clusters: Arc::default(),
+            inspected: None,
+            stats: Stats::default(),
+        }
+    }
+
+    #[test]
+    fn an_even_room_is_exposed_to_the_key_whatever_its_light() {
+        // Truth: the definition; f32 rounding only.
+        for radiosity in [1e-6, 0.2, 3e5] {
+            let exposed = radiosity * auto_exposure(&snapshot(&[(1.0, radiosity, 2.0 * radiosity); 20]));
+            assert!((exposed / KEY - 1.0).abs() < 1e-5, "{exposed}");
+        }
+    }
+
+    #[test]
+    fn lamps_and_unlit_leaves_do_not_count() {
+        let room = vec![(1.0, 0.5, 1.0); 50];
+        let alone = auto_exposure(&snapshot(&room));
+        let mut lit = room.clone();
+        // A lamp of a fifth of the area, outsides that nothing or a leak reaches.
+        lit.extend([(10.0, 500.0, 1.0), (40.0, 0.0, 0.0), (40.0, 1e-9, 1e-9)]);
+        let with_lamp = auto_exposure(&snapshot(&lit));
+        assert!((with_lamp / alone - 1.0).abs() < 1e-5, "{with_lamp} {alone}");
+    }
+
+    #[test]
+    fn a_bright_tenth_of_the_room_is_not_blown_out() {
+        let mut leaves = vec![(1.0, 0.01, 0.02); 90];
+        leaves.extend([(1.0, 10.0, 20.0); 10]);
+        let exposure = auto_exposure(&snapshot(&leaves));
+        assert!((10.0 * exposure - HIGHLIGHT).abs() < 1e-4, "{exposure}");
+    }
+
+    #[test]
+    fn nothing_lit_or_not_a_number_gives_a_usable_exposure() {
+        assert_eq!(auto_exposure(&snapshot(&[])), 1.0);
+        assert_eq!(auto_exposure(&snapshot(&[(1.0, 0.0, 0.0); 3])), 1.0);
+        assert_eq!(auto_exposure(&snapshot(&[(1.0, f32::NAN, 1.0), (f32::NAN, 1.0, 1.0)])), 1.0);
+        // Lamps alone: the picture is of them.
+        assert!((auto_exposure(&snapshot(&[(1.0, 5.0, 0.0); 3])) - KEY / 5.0).abs() < 1e-5);
+    }
+
+    #[test]
+    fn a_large_mesh_is_sampled_to_nearly_the_same_exposure() {
+        // Truth: the same mixture in few leaves; sampling every n-th leaf of an aperiodic mixture costs below 1 %.
+        let leaf = |index: usize| (1.0, 0.1 + 0.9 * ((index * 7919) % 10_007) as f32 / 10_007.0, 5.0);
+        let few: Vec<_> = (0..20_014).map(leaf).collect();
+        let many: Vec<_> = (0..300_210).map(leaf).collect();
+        let ratio = auto_exposure(&snapshot(&few)) / auto_exposure(&snapshot(&many));
+        assert!((ratio - 1.0).abs() < 0.01, "{ratio}");
+    }
+
+    #[test]
+    fn the_tone_curve_rises_from_black_to_white_and_rolls_off() {
+        assert_eq!((tone_curve(0.0), tone_curve(-1.0), tone_curve(f32::MAX)), (0.0, 0.0, 1.0));
+        let values: Vec<f32> = (0..=100).map(|step| tone_curve(0.05 * step as f32)).collect();
+        assert!(values.is_sorted_by(|a, b| a < b), "strictly rising below white");
+        assert!((0.9..1.0).contains(&tone_curve(HIGHLIGHT)));
+        // Truth: IEC 61966-2-1 at its ends and its joint.
+        assert!(encode_gamma(0.0) == 0.0 && (encode_gamma(1.0) - 1.0).abs() < 1e-6);
+        assert!((encode_gamma(0.003_130_8) - encode_gamma(0.003_130_9)).abs() < 1e-5);
+    }
 }

@@ -61,10 +61,10 @@ const CLUSTER: ([u8; 4], f32) = ([255, 176, 0, 220], 1.5);
 /// The picked element.
 const PICKED: ([u8; 4], f32) = ([255, 255, 255, 255], 2.5);
 /// Width of a link, pixels, and diameter of the dots at its ends.
-const LINK_WIDTH: f32 = 1.5;
-const SOURCE_DOT: f32 = 5.0;
-const CLUSTER_DOT: f32 = 8.0;
-const PICKED_DOT: f32 = 9.0;
+const LINK_WIDTH: f32 = 2.0;
+const SOURCE_DOT: f32 = 6.0;
+const CLUSTER_DOT: f32 = 9.0;
+const PICKED_DOT: f32 = 10.0;
 /// Links weaker than this share of the strongest have the ramp's first colour.
 const WEAKEST_SHARE: f32 = 1e-3;
 

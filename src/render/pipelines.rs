@@ -18,6 +18,8 @@ pub(super) struct Pipelines {
     pub(super) background: wgpu::RenderPipeline,
     /// Bright sides of the leaves.
     pub(super) mesh: wgpu::RenderPipeline,
+    /// The same, pushed back where it is slanted, so that it does not cut the outlines drawn in it.
+    pub(super) mesh_behind_outlines: wgpu::RenderPipeline,
     /// Lines where nothing hides them.
     pub(super) lines: wgpu::RenderPipeline,
     /// Lines seen faintly through everything.
@@ -38,6 +40,7 @@ struct Stage<'a> {
     writes_depth: bool,
     depth_compare: wgpu::CompareFunction,
     blend: Option<wgpu::BlendState>,
+    bias: wgpu::DepthBiasState,
     constants: &'a [(&'a str, f64)],
 }
 
@@ -85,7 +88,7 @@ impl Pipelines {
                     depth_write_enabled: Some(stage.writes_depth),
                     depth_compare: Some(stage.depth_compare),
                     stencil: wgpu::StencilState::default(),
-                    bias: wgpu::DepthBiasState::default(),
+                    bias: stage.bias,
                 }),
                 multisample: wgpu::MultisampleState { count: samples, ..Default::default() },
                 fragment: Some(wgpu::FragmentState {
@@ -112,6 +115,7 @@ impl Pipelines {
             writes_depth: false,
             depth_compare: wgpu::CompareFunction::Always,
             blend: None,
+            bias: wgpu::DepthBiasState::default(),
             constants: &[],
         });
         let positions = wgpu::vertex_attr_array![0 => Float32x3];
@@ -121,7 +125,7 @@ impl Pipelines {
             step_mode: wgpu::VertexStepMode::Vertex,
             attributes,
         };
-        let mesh = scene_pipeline(&Stage {
+        let mesh = Stage {
             name: "mesh",
             entry_points: ["mesh_vertex", "mesh_fragment"],
             buffers: &[Some(per_vertex(&positions)), Some(per_vertex(&radiosities))],
@@ -131,8 +135,17 @@ impl Pipelines {
             writes_depth: true,
             depth_compare: wgpu::CompareFunction::Greater,
             blend: None,
+            bias: wgpu::DepthBiasState::default(),
             constants: &[],
+        };
+        let mesh_behind_outlines = scene_pipeline(&Stage {
+            name: "mesh behind outlines",
+            // Away from the eye by the depth that changes across a pixel. Not without outlines: a face seen edge-on would fall
+            // behind the wall at its back.
+            bias: wgpu::DepthBiasState { slope_scale: -1.0, ..Default::default() },
+            ..mesh
         });
+        let mesh = scene_pipeline(&mesh);
         let line_attributes = wgpu::vertex_attr_array![0 => Float32x3, 1 => Float32x3, 2 => Float32, 3 => Unorm8x4];
         let line_buffers = [Some(wgpu::VertexBufferLayout {
             array_stride: size_of::<Line>() as u64,
@@ -148,6 +161,7 @@ impl Pipelines {
             writes_depth: false,
             depth_compare: wgpu::CompareFunction::GreaterEqual,
             blend: Some(wgpu::BlendState::ALPHA_BLENDING),
+            bias: wgpu::DepthBiasState::default(),
             constants: &[],
         };
         let lines_through = scene_pipeline(&Stage {
@@ -158,7 +172,7 @@ impl Pipelines {
         });
         let lines = scene_pipeline(&lines);
         let (picture_layout, blit) = blit_pipeline(device, blit_format);
-        Self { view_layout, background, mesh, lines, lines_through, picture_layout, blit }
+        Self { view_layout, background, mesh, mesh_behind_outlines, lines, lines_through, picture_layout, blit }
     }
 }
 

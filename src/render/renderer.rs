@@ -317,7 +317,8 @@ impl SceneRenderer {
         if let (Some(positions), Some(radiosities), Some(indices)) =
             (self.positions.contents(), self.radiosities.contents(), self.indices.contents())
         {
-            pass.set_pipeline(&self.pipelines.mesh);
+            let outlined = self.outlines.count > 0;
+            pass.set_pipeline(if outlined { &self.pipelines.mesh_behind_outlines } else { &self.pipelines.mesh });
             pass.set_vertex_buffer(0, positions);
             pass.set_vertex_buffer(1, radiosities);
             pass.set_index_buffer(indices, wgpu::IndexFormat::Uint32);

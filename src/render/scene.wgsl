@@ -34,7 +34,8 @@ fn background_fragment(in: BackgroundVarying) -> @location(0) vec4f {
 
 struct MeshVarying {
     @builtin(position) clip: vec4f,
-    @location(0) radiosity: vec3f,
+    // Where the rim of a face crosses the pixel, its middle may lie outside the face and would extrapolate to black or white.
+    @location(0) @interpolate(perspective, centroid) radiosity: vec3f,
 }
 
 @vertex
@@ -64,7 +65,7 @@ fn encode_gamma(linear: vec3f) -> vec3f {
 // Factor on the opacity of all lines.
 override line_opacity: f32 = 1.0;
 // Lines are drawn as if nearer by this share of their distance, so that those in a surface are not half hidden by it.
-const LINE_BIAS: f32 = 1e-3;
+const LINE_BIAS: f32 = 3e-4;
 
 struct LineInstance {
     @location(0) start: vec3f,

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 use std::{fs, io};
 
 use super::assemble::assemble;
+use super::builtin::BuiltinScene;
 use super::sidecar::{Sidecar, SidecarError};
 use super::{Scene, gltf, obj};
 
@@ -12,6 +13,8 @@ use super::{Scene, gltf, obj};
 pub enum Source {
     /// A file: OBJ, glTF or GLB.
     File(PathBuf),
+    /// One of our own scenes, drawn by code.
+    Builtin(BuiltinScene),
 }
 
 /// A scene that cannot be loaded: what, where, and what to do.
@@ -107,6 +110,7 @@ pub enum LoadError {
 pub fn load(source: &Source) -> Result<Scene, LoadError> {
     match source {
         Source::File(path) => load_file(path),
+        Source::Builtin(scene) => Ok(scene.build()),
     }
 }
 

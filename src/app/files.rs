@@ -1,0 +1,124 @@
+//! Choosing files: the path field, the system's dialog on a thread of its own, and recent files.
+
+use std::path::{Path, PathBuf};
+use std::sync::mpsc::{Receiver, TryRecvError, channel};
+use std::thread::Builder;
+use std::time::{Duration, Instant};
+
+/// So many recent files are remembered.
+const MOST_RECENT: usize = 6;
+/// Nobody cancels a dialog as fast as this: there was none.
+const TOO_FAST: Duration = Duration::from_millis(200);
+
+/// What to do without a dialog.
+pub(super) const NO_DIALOG: &str = "No file dialog answers on this system: type the path into the field beside Browse…, or drop the file on the window.";
+
+/// What came of the system's dialog.
+pub(super) enum DialogAnswer {
+    Chosen(PathBuf),
+    NoDialog,
+}
+
+/// State of the file controls.
+pub(super) struct Files {
+    /// The path field.
+    pub path_text: String,
+    recent: Vec<PathBuf>,
+    dialog: Option<Receiver<Closed>>,
+}
+
+struct Closed {
+    path: Option<PathBuf>,
+    after: Duration,
+}
+
+impl Files {
+    /// With the files of earlier runs.
+    pub(super) fn new(recent: Vec<PathBuf>) -> Self {
+        Self { path_text: String::new(), recent, dialog: None }
+    }
+
+    /// Files opened lately, the last one first.
+    pub(super) fn recent(&self) -> &[PathBuf] {
+        &self.recent
+    }
+
+    /// Remembers a file that was opened.
+    pub(super) fn note_opened(&mut self, path: &Path) {
+        // A relative path would mean another file after a start elsewhere.
+        let path = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
+        self.recent.retain(|other| *other != path);
+        self.recent.insert(0, path);
+        self.recent.truncate(MOST_RECENT);
+    }
+
+    /// The path that was typed, without the blanks and quotes that come with pasting.
+    pub(super) fn typed_path(&self) -> Option<PathBuf> {
+        let text = self.path_text.trim().trim_matches(['"', '\'']);
+        (!text.is_empty()).then(|| PathBuf::from(text))
+    }
+
+    /// Whether the system's dialog is open.
+    pub(super) fn dialog_is_open(&self) -> bool {
+        self.dialog.is_some()
+    }
+
+    /// Opens the system's dialog on a thread of its own.
+    pub(super) fn open_dialog(&mut self, ctx: &egui::Context) {
+        let (answer, answers) = channel();
+        let ctx = ctx.clone();
+        let ask = move || {
+            let opened = Instant::now();
+            let path = rfd::FileDialog::new()
+                .set_title("Open a scene")
+                .add_filter("Scenes (OBJ, glTF, GLB)", &["obj", "gltf", "glb", "OBJ", "GLTF", "GLB"])
+                .add_filter("All files", &["*"])
+                .pick_file();
+            // The window may be gone by now.
+            let _ = answer.send(Closed { path, after: opened.elapsed() });
+            ctx.request_repaint();
+        };
+        if Builder::new().name("file-dialog".into()).spawn(ask).is_ok() {
+            self.dialog = Some(answers);
+        }
+    }
+
+    /// What came of the dialog, once it is closed with something to say.
+    pub(super) fn poll_dialog(&mut self) -> Option<DialogAnswer> {
+        let closed = match self.dialog.as_ref()?.try_recv() {
+            Ok(closed) => closed,
+            Err(TryRecvError::Empty) => return None,
+            // The dialog's thread broke.
+            Err(TryRecvError::Disconnected) => Closed { path: None, after: Duration::ZERO },
+        };
+        self.dialog = None;
+        match closed {
+            Closed { path: Some(path), .. } => Some(DialogAnswer::Chosen(path)),
+            Closed { after, .. } if after < TOO_FAST => Some(DialogAnswer::NoDialog),
+            Closed { .. } => None,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn recent_files_are_listed_once_and_the_last_comes_first() {
+        let mut files = Files::new(Vec::new());
+        for name in ["/a", "/b", "/c", "/d", "/e", "/f", "/g", "/b"] {
+            files.note_opened(Path::new(name));
+        }
+        let expected: Vec<PathBuf> = ["/b", "/g", "/f", "/e", "/d", "/c"].map(PathBuf::from).into();
+        assert_eq!(files.recent(), expected);
+    }
+
+    #[test]
+    fn pasted_paths_lose_blanks_and_quotes() {
+        let mut files = Files::new(Vec::new());
+        assert_eq!(files.typed_path(), None);
+        files.path_text = " \"/rooms/my room.obj\" ".into();
+        assert_eq!(files.typed_path(), Some(PathBuf::from("/rooms/my room.obj")));
+    }
+}

@@ -1,0 +1,100 @@
+//! Numbers as people read them: units, thousands separators, three digits that count.
+
+/// A count with thousands separators: 1,234,567.
+pub(super) fn count(number: impl TryInto<u64>) -> String {
+    let Ok(number) = number.try_into() else { return "–".into() };
+    let digits = number.to_string();
+    let mut text = String::with_capacity(digits.len() + digits.len() / 3);
+    for (index, digit) in digits.chars().enumerate() {
+        if index > 0 && (digits.len() - index).is_multiple_of(3) {
+            text.push(',');
+        }
+        text.push(digit);
+    }
+    text
+}
+
+/// A count of things: 1 polygon, 2,008 polygons.
+pub(super) fn things(number: usize, one: &str, many: &str) -> String {
+    format!("{} {}", count(number), if number == 1 { one } else { many })
+}
+
+/// Three digits that count, with a power of ten where that is shorter to read: 0.0123, 12.3, 1.23e-5.
+pub(super) fn number(value: f64) -> String {
+    if value == 0.0 {
+        return "0".into();
+    }
+    if !value.is_finite() {
+        return "–".into();
+    }
+    match value.abs() {
+        size if !(1e-3..1e6).contains(&size) => format!("{value:.2e}"),
+        size if size >= 1e3 => {
+            let sign = if value < 0.0 { "-" } else { "" };
+            format!("{sign}{}", count(size.round() as u64))
+        }
+        size => {
+            let decimals = (2 - size.log10().floor() as i32).clamp(0, 6) as usize;
+            format!("{value:.decimals$}")
+        }
+    }
+}
+
+/// A number with its unit.
+pub(super) fn quantity(value: f64, unit: &str) -> String {
+    format!("{} {unit}", number(value))
+}
+
+/// A time: 12.3 ms, 4.56 s, 2 min 05 s.
+pub(super) fn seconds(seconds: f64) -> String {
+    if seconds >= 60.0 {
+        let whole = seconds.round() as u64;
+        format!("{} min {:02} s", whole / 60, whole % 60)
+    } else if seconds >= 1.0 || seconds <= 0.0 {
+        format!("{seconds:.1} s")
+    } else {
+        format!("{:.0} ms", 1e3 * seconds)
+    }
+}
+
+/// A memory size: 512 B, 12.3 KiB, 4.5 MiB.
+pub(super) fn bytes(bytes: usize) -> String {
+    const UNITS: [&str; 4] = ["KiB", "MiB", "GiB", "TiB"];
+    if bytes < 1024 {
+        return format!("{bytes} B");
+    }
+    let mut size = bytes as f64 / 1024.0;
+    let mut unit = 0;
+    while size >= 1024.0 && unit + 1 < UNITS.len() {
+        size /= 1024.0;
+        unit += 1;
+    }
+    format!("{size:.1} {}", UNITS[unit])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Written out by hand.
+    #[test]
+    fn numbers_read_well() {
+        assert_eq!(count(0_u32), "0");
+        assert_eq!(count(999_u32), "999");
+        assert_eq!(count(1_000_u32), "1,000");
+        assert_eq!(count(1_234_567_usize), "1,234,567");
+        assert_eq!(things(1, "polygon", "polygons"), "1 polygon");
+        assert_eq!(things(2_008, "polygon", "polygons"), "2,008 polygons");
+        assert_eq!(number(0.0), "0");
+        assert_eq!(number(12.345), "12.3");
+        assert_eq!(number(0.012345), "0.0123");
+        assert_eq!(number(-12_345.0), "-12,345");
+        assert_eq!(number(0.000_012_3), "1.23e-5");
+        assert_eq!(number(f64::NAN), "–");
+        assert_eq!(quantity(2.5, "W"), "2.50 W");
+        assert_eq!(seconds(0.0123), "12 ms");
+        assert_eq!(seconds(125.0), "2 min 05 s");
+        assert_eq!(bytes(512), "512 B");
+        assert_eq!(bytes(5 << 20), "5.0 MiB");
+    }
+}

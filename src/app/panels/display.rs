@@ -1,0 +1,58 @@
+//! The display section: exposure and overlays.
+
+use egui::{Slider, Ui};
+
+use super::super::settings::DisplaySettings;
+use super::super::{Shown, theme};
+
+/// Exposures a slider offers, stops.
+const STOPS: std::ops::RangeInclusive<f32> = -10.0..=10.0;
+/// Numbers of links a slider offers.
+const LINKS: std::ops::RangeInclusive<usize> = 1..=2000;
+
+/// Draws the section.
+pub(super) fn show(ui: &mut Ui, shown: &Shown, display: &mut DisplaySettings) {
+    show_exposure(ui, display);
+    ui.add_space(4.0);
+    ui.checkbox(&mut display.show_elements, "Element outlines");
+    show_clusters(ui, shown, display);
+    ui.checkbox(&mut display.show_links, "Links of the picked element")
+        .on_hover_text("Lines to the sources of its light, colour by power; click a surface to pick it");
+    ui.add_enabled_ui(display.show_links, |ui| {
+        theme::row(ui, "Strongest links", |ui| {
+            ui.add(Slider::new(&mut display.strongest_links, LINKS).logarithmic(true))
+        });
+    });
+}
+
+fn show_exposure(ui: &mut Ui, display: &mut DisplaySettings) {
+    ui.checkbox(&mut display.auto_exposure, "Automatic exposure");
+    let (stops, hint) = match display.auto_exposure {
+        true => (&mut display.auto_stops, "Correction of the automatic exposure; one stop is a factor of 2"),
+        false => (&mut display.manual_stops, "0 stops shows 1 W/m² as white before the tone curve"),
+    };
+    theme::row(ui, "Exposure", |ui| {
+        let slider = Slider::new(stops, STOPS).fixed_decimals(1).suffix(" stops").trailing_fill(false);
+        ui.add(slider).on_hover_text(hint)
+    });
+}
+
+fn show_clusters(ui: &mut Ui, shown: &Shown, display: &mut DisplaySettings) {
+    ui.checkbox(&mut display.show_clusters, "Cluster boxes");
+    let Some(snapshot) = &shown.snapshot else { return };
+    let Some(deepest) = snapshot.clusters.iter().map(|cluster| cluster.level).max() else {
+        ui.label(theme::weak("There are no clusters."));
+        return;
+    };
+    ui.add_enabled_ui(display.show_clusters, |ui| {
+        theme::row(ui, "Cluster level", |ui| {
+            // What was chosen for a deeper hierarchy comes back with it.
+            let mut level = display.cluster_level.min(deepest);
+            let response = ui.add(Slider::new(&mut level, 0..=deepest).suffix(format!(" of {deepest}")));
+            if response.changed() {
+                display.cluster_level = level;
+            }
+            response
+        });
+    });
+}

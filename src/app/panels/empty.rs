@@ -1,0 +1,65 @@
+//! What the view says when there is no picture, while a scene is being loaded, and while a file hovers over it.
+
+use egui::{Align2, Rect, RichText, Ui};
+
+use super::super::{App, Outbox, theme};
+use crate::scene::Source;
+use crate::scene::builtin::BuiltinScene;
+use crate::worker::Command;
+
+/// In place of the first picture: how to get one.
+pub(in super::super) fn show(app: &mut App, ui: &mut Ui, rect: Rect, outbox: &mut Outbox) {
+    egui::Area::new(egui::Id::unique("empty")).pivot(Align2::CENTER_CENTER).fixed_pos(rect.center()).show(
+        ui.ctx(),
+        |ui| {
+            ui.set_width(rect.width().min(420.0));
+            ui.vertical_centered(|ui| match &app.shown.status.loading {
+                Some(name) => {
+                    ui.spinner();
+                    ui.label(RichText::new(format!("Loading {name}…")).size(15.0));
+                }
+                None => {
+                    ui.label(RichText::new("Open a room to light").size(20.0).color(theme::TEXT_STRONG));
+                    ui.label(theme::weak("Drop an OBJ, glTF or GLB file here, or start with one of our own:"));
+                    ui.add_space(8.0);
+                    ui.columns(BuiltinScene::ALL.len(), |columns| {
+                        for (column, scene) in columns.iter_mut().zip(BuiltinScene::ALL) {
+                            let size = egui::vec2(column.available_width(), 30.0);
+                            if column.add_sized(size, egui::Button::new(scene.name())).clicked() {
+                                outbox.push(Command::Load(Source::Builtin(scene)));
+                            }
+                        }
+                    });
+                }
+            });
+        },
+    );
+}
+
+/// Over the present picture: what is being loaded, and a way out.
+pub(in super::super) fn show_loading(app: &App, ui: &mut Ui, rect: Rect, outbox: &mut Outbox) {
+    let Some(name) = &app.shown.status.loading else { return };
+    let at = rect.center_top() + egui::vec2(0.0, 12.0);
+    egui::Area::new(egui::Id::unique("loading")).pivot(Align2::CENTER_TOP).fixed_pos(at).show(ui.ctx(), |ui| {
+        egui::Frame::popup(ui.style()).show(ui, |ui| {
+            ui.horizontal(|ui| {
+                ui.spinner();
+                ui.label(format!("Loading {name}…"));
+                if ui.button("Cancel").on_hover_text("Keep the scene that is in view").clicked() {
+                    outbox.push(Command::CancelLoad);
+                }
+            });
+        });
+    });
+}
+
+/// While a file hovers over the window.
+pub(in super::super) fn show_drop_hint(ui: &Ui, rect: Rect) {
+    if ui.input(|input| input.raw.hovered_files.is_empty()) {
+        return;
+    }
+    let painter = ui.painter_at(rect);
+    painter.rect_filled(rect, 0.0, egui::Color32::from_black_alpha(160));
+    let font = egui::FontId::proportional(20.0);
+    painter.text(rect.center(), Align2::CENTER_CENTER, "Drop to open this scene", font, theme::TEXT_STRONG);
+}

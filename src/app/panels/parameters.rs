@@ -1,0 +1,238 @@
+//! One widget for each of [`PARAMETERS`], made from its kind, range, unit and hint.
+
+use egui::{ComboBox, Slider, Ui};
+
+use super::super::{format, theme};
+use crate::scene::Sides;
+use crate::solver::{
+    ClusteringMode, Epsilon, PARAMETERS, Parameter, ParameterId, Push, SolverParams, Stats, ValueKind,
+};
+
+/// ε as it stands, in both measures.
+#[derive(Clone, Copy)]
+struct EpsilonMeasures {
+    relative: f64,
+    watts: f64,
+}
+
+impl EpsilonMeasures {
+    /// The measure that a person did not set follows from the emitted power that the last solve saw.
+    fn new(epsilon: Epsilon, stats: Option<&Stats>) -> Self {
+        let power = stats.filter(|stats| stats.epsilon_relative > 0.0);
+        let power = power.map_or(0.0, |stats| stats.epsilon_watts / stats.epsilon_relative);
+        match epsilon {
+            Epsilon::Relative(relative) => Self { relative, watts: relative * power },
+            Epsilon::Watts(watts) => Self { relative: if power > 0.0 { watts / power } else { 0.0 }, watts },
+        }
+    }
+}
+
+/// Draws all parameters; true when one was changed.
+pub(super) fn show(ui: &mut Ui, params: &mut SolverParams, stats: Option<&Stats>) -> bool {
+    let before = *params;
+    for parameter in &PARAMETERS {
+        let is_used = match parameter.id {
+            ParameterId::OctreeDepth => params.clustering == ClusteringMode::Octree,
+            // Without light there are no watts to measure by.
+            ParameterId::EpsilonWatts => EpsilonMeasures::new(params.epsilon, stats).watts > 0.0,
+            _ => true,
+        };
+        ui.add_enabled_ui(is_used, |ui| show_one(ui, parameter, params, stats));
+    }
+    if ui.button("Reset to defaults").clicked() {
+        *params = SolverParams::default();
+    }
+    *params != before
+}
+
+fn show_one(ui: &mut Ui, parameter: &Parameter, params: &mut SolverParams, stats: Option<&Stats>) {
+    let row = theme::row(ui, parameter.label, |ui| show_widget(ui, parameter, params, stats));
+    row.on_hover_text(parameter.hint);
+}
+
+fn show_widget(ui: &mut Ui, parameter: &Parameter, params: &mut SolverParams, stats: Option<&Stats>) -> egui::Response {
+    match &parameter.kind {
+        ValueKind::Real { range, logarithmic } => {
+            let epsilon = EpsilonMeasures::new(params.epsilon, stats);
+            let mut value = real(params, parameter.id, epsilon);
+            let slider = Slider::new(&mut value, range.clone())
+                .logarithmic(*logarithmic)
+                // What came from the command line may lie outside of what the slider offers, and stays.
+                .clamping(egui::SliderClamping::Edits)
+                .smart_aim(false)
+                .custom_formatter(|value, _| format::number(value))
+                .suffix(suffix(parameter.unit));
+            let response = ui.add(slider);
+            if response.changed() {
+                set_real(params, parameter.id, value);
+            }
+            response
+        }
+        ValueKind::Whole { range } => {
+            let mut value = whole(params, parameter.id);
+            let slider = Slider::new(&mut value, range.clone())
+                .clamping(egui::SliderClamping::Edits)
+                .logarithmic(*range.end() > 100)
+                .suffix(suffix(parameter.unit));
+            let response = ui.add(slider);
+            if response.changed() {
+                set_whole(params, parameter.id, value);
+            }
+            response
+        }
+        ValueKind::Choice { names } => show_choice(ui, parameter.id, names, params),
+    }
+}
+
+fn show_choice(ui: &mut Ui, id: ParameterId, names: &[&'static str], params: &mut SolverParams) -> egui::Response {
+    let chosen = choice(params, id);
+    let text = chosen.map_or(AS_THE_SCENE_SAYS, |index| names[index]);
+    let mut newly = None;
+    let combo = ComboBox::from_id_salt(("choice", text.len(), id as usize)).selected_text(text);
+    let inner = combo.show_ui(ui, |ui| {
+        if id == ParameterId::Sides && ui.selectable_label(chosen.is_none(), AS_THE_SCENE_SAYS).clicked() {
+            newly = Some(None);
+        }
+        for (index, name) in names.iter().enumerate() {
+            if ui.selectable_label(chosen == Some(index), *name).clicked() {
+                newly = Some(Some(index));
+            }
+        }
+    });
+    if let Some(index) = newly {
+        set_choice(params, id, index);
+    }
+    inner.response
+}
+
+/// The choice of sides that leaves it to the file.
+const AS_THE_SCENE_SAYS: &str = "as the scene says";
+
+fn suffix(unit: &str) -> String {
+    if unit.is_empty() { String::new() } else { format!(" {unit}") }
+}
+
+fn real(params: &SolverParams, id: ParameterId, epsilon: EpsilonMeasures) -> f64 {
+    match id {
+        ParameterId::Epsilon => epsilon.relative,
+        ParameterId::EpsilonWatts => epsilon.watts,
+        ParameterId::PartialFactor => params.partial_factor,
+        ParameterId::VisibilityFactor => params.visibility_factor,
+        _ => 0.0,
+    }
+}
+
+fn set_real(params: &mut SolverParams, id: ParameterId, value: f64) {
+    match id {
+        ParameterId::Epsilon => params.epsilon = Epsilon::Relative(value),
+        ParameterId::EpsilonWatts => params.epsilon = Epsilon::Watts(value),
+        ParameterId::PartialFactor => params.partial_factor = value,
+        ParameterId::VisibilityFactor => params.visibility_factor = value,
+        _ => {}
+    }
+}
+
+fn whole(params: &SolverParams, id: ParameterId) -> u64 {
+    match id {
+        ParameterId::RaysMin => params.rays_min.into(),
+        ParameterId::RaysMax => params.rays_max.into(),
+        ParameterId::OctreeDepth => params.octree_depth.into(),
+        ParameterId::Threads => params.threads.into(),
+        ParameterId::Seed => params.seed,
+        _ => 0,
+    }
+}
+
+fn set_whole(params: &mut SolverParams, id: ParameterId, value: u64) {
+    let small = u32::try_from(value).unwrap_or(u32::MAX);
+    match id {
+        // Each bound pushes the other along, so that a drag never asks for what cannot be.
+        ParameterId::RaysMin => {
+            params.rays_min = small;
+            params.rays_max = params.rays_max.max(small);
+        }
+        ParameterId::RaysMax => {
+            params.rays_max = small;
+            params.rays_min = params.rays_min.min(small);
+        }
+        ParameterId::OctreeDepth => params.octree_depth = small,
+        ParameterId::Threads => params.threads = small,
+        ParameterId::Seed => params.seed = value,
+        _ => {}
+    }
+}
+
+const CLUSTERINGS: [ClusteringMode; 4] =
+    [ClusteringMode::None, ClusteringMode::Octree, ClusteringMode::Groups, ClusteringMode::Adaptive];
+const PUSHES: [Push; 2] = [Push::Immediate, Push::Deferred];
+const SIDES: [Sides; 3] = [Sides::Front, Sides::Both, Sides::Auto];
+
+/// Index into the names of the parameter's kind.
+fn choice(params: &SolverParams, id: ParameterId) -> Option<usize> {
+    match id {
+        ParameterId::Clustering => CLUSTERINGS.iter().position(|mode| *mode == params.clustering),
+        ParameterId::Push => PUSHES.iter().position(|push| *push == params.push),
+        ParameterId::Sides => SIDES.iter().position(|sides| Some(*sides) == params.sides),
+        _ => None,
+    }
+}
+
+fn set_choice(params: &mut SolverParams, id: ParameterId, index: Option<usize>) {
+    match (id, index) {
+        (ParameterId::Clustering, Some(index)) => params.clustering = CLUSTERINGS[index],
+        (ParameterId::Push, Some(index)) => params.push = PUSHES[index],
+        (ParameterId::Sides, index) => params.sides = index.map(|index| SIDES[index]),
+        _ => {}
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Truth: setting what was read changes nothing, setting something else changes it, for every parameter of the table.
+    #[test]
+    fn every_parameter_can_be_read_and_set() {
+        let stats = Stats { epsilon_relative: 1e-4, epsilon_watts: 0.05, ..Stats::default() };
+        for parameter in &PARAMETERS {
+            let before =
+                SolverParams { clustering: ClusteringMode::Octree, sides: Some(Sides::Front), ..Default::default() };
+            let mut after = before;
+            match &parameter.kind {
+                ValueKind::Real { range, .. } => {
+                    let middle = (range.start() * range.end()).sqrt() * 1.1;
+                    set_real(&mut after, parameter.id, middle);
+                    let epsilon = EpsilonMeasures::new(after.epsilon, Some(&stats));
+                    assert_eq!(real(&after, parameter.id, epsilon), middle, "{}", parameter.flag);
+                }
+                ValueKind::Whole { range } => {
+                    set_whole(&mut after, parameter.id, *range.end());
+                    assert_eq!(whole(&after, parameter.id), *range.end(), "{}", parameter.flag);
+                }
+                ValueKind::Choice { names } => {
+                    for index in 0..names.len() {
+                        set_choice(&mut after, parameter.id, Some(index));
+                        assert_eq!(choice(&after, parameter.id), Some(index), "{}", parameter.flag);
+                    }
+                }
+            }
+            assert_ne!(before, after, "{}", parameter.flag);
+            assert_eq!(after.validate(), Ok(()), "{}", parameter.flag);
+        }
+    }
+
+    /// The names in the table are those of the enumerations, in the same order.
+    #[test]
+    fn choices_are_named_as_serde_names_them() {
+        let spelled = |value: serde_json::Value| value.as_str().map(str::to_owned).expect("an enumeration is a string");
+        for parameter in &PARAMETERS {
+            let ValueKind::Choice { names } = &parameter.kind else { continue };
+            let expected: Vec<String> = match parameter.id {
+                ParameterId::Clustering => CLUSTERINGS.map(|mode| spelled(serde_json::json!(mode))).into(),
+                ParameterId::Push => PUSHES.map(|push| spelled(serde_json::json!(push))).into(),
+                _ => SIDES.map(|sides| spelled(serde_json::json!(sides))).into(),
+            };
+            assert_eq!(*names, expected);
+        }
+    }
+}

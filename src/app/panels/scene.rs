@@ -1,0 +1,111 @@
+//! The scene section: what is in view, and ways to open something else.
+
+use std::path::PathBuf;
+
+use egui::{RichText, Ui};
+
+use super::super::files::Files;
+use super::super::{Outbox, Shown, format, theme};
+use crate::scene::builtin::BuiltinScene;
+use crate::scene::{CameraPose, Source};
+use crate::worker::{Command, SceneInfo};
+
+/// Draws the section.
+pub(super) fn show(ui: &mut Ui, shown: &Shown, files: &mut Files, camera: Option<CameraPose>, outbox: &mut Outbox) {
+    match &shown.info {
+        Some(info) => show_present(ui, info),
+        None => {
+            ui.label(theme::weak("No scene is open."));
+        }
+    }
+    ui.add_space(4.0);
+    show_path_field(ui, files, outbox);
+    ui.horizontal(|ui| {
+        ui.add_sized([theme::LABEL_WIDTH, 20.0], left_label("Our own scenes"));
+        for scene in BuiltinScene::ALL {
+            if ui.button(scene.name()).clicked() {
+                outbox.push(Command::Load(Source::Builtin(scene)));
+            }
+        }
+    });
+    ui.horizontal(|ui| {
+        show_recent(ui, files, outbox);
+        if shown.info.as_ref().is_some_and(|info| info.path.is_some()) {
+            show_save(ui, camera, outbox);
+        }
+    });
+}
+
+fn left_label(text: &str) -> impl egui::Widget {
+    let text = theme::weak(text);
+    move |ui: &mut Ui| ui.with_layout(egui::Layout::left_to_right(egui::Align::Center), |ui| ui.label(text)).inner
+}
+
+fn show_present(ui: &mut Ui, info: &SceneInfo) {
+    ui.horizontal(|ui| {
+        let name = RichText::new(&info.scene.name).strong().color(theme::TEXT_STRONG);
+        let label = ui.add(egui::Label::new(name).truncate());
+        if let Some(path) = &info.path {
+            label.on_hover_text(path.display().to_string());
+        }
+    });
+    let polygons = format::things(info.scene.polygons.len(), "polygon", "polygons");
+    let materials = format::things(info.scene.materials.len(), "material", "materials");
+    ui.label(theme::weak(format!("{polygons}, {materials}, loaded in {}", format::seconds(info.load_seconds))));
+    if !info.skipped.is_empty() {
+        let title = format::things(info.skipped.len(), "remark from loading", "remarks from loading");
+        egui::CollapsingHeader::new(RichText::new(title).color(theme::ACCENT))
+            .id_salt(("remarks", info.generation))
+            .default_open(info.skipped.len() <= 3)
+            .show(ui, |ui| {
+                for sentence in &info.skipped {
+                    ui.add(egui::Label::new(theme::weak(sentence)).wrap());
+                }
+            });
+    }
+}
+
+fn show_path_field(ui: &mut Ui, files: &mut Files, outbox: &mut Outbox) {
+    ui.horizontal(|ui| {
+        let browse = egui::Button::new("Browse…");
+        if ui.add_enabled(!files.dialog_is_open(), browse).on_hover_text("Choose a file (OBJ, glTF, GLB)").clicked() {
+            files.open_dialog(ui.ctx());
+        }
+        let width = ui.available_width() - 64.0;
+        let field = egui::TextEdit::singleline(&mut files.path_text)
+            .hint_text("path of an OBJ, glTF or GLB file")
+            .desired_width(width);
+        let response = ui.add(field).accessible_name("Scene path");
+        let entered = response.lost_focus() && ui.input(|input| input.key_pressed(egui::Key::Enter));
+        let can_open = files.typed_path().is_some();
+        let open = ui.add_enabled(can_open, egui::Button::new("Open")).clicked();
+        if (entered || open)
+            && let Some(path) = files.typed_path()
+        {
+            outbox.push(Command::Load(Source::File(path)));
+        }
+    });
+}
+
+fn show_recent(ui: &mut Ui, files: &Files, outbox: &mut Outbox) {
+    if files.recent().is_empty() {
+        return;
+    }
+    let mut chosen: Option<PathBuf> = None;
+    ui.menu_button("Recent files", |ui| {
+        for path in files.recent() {
+            let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
+            if ui.button(name).on_hover_text(path.display().to_string()).clicked() {
+                chosen = Some(path.clone());
+            }
+        }
+    });
+    outbox.extend(chosen.map(|path| Command::Load(Source::File(path))));
+}
+
+fn show_save(ui: &mut Ui, camera: Option<CameraPose>, outbox: &mut Outbox) {
+    let hint = "Writes NAME.selflink.json beside the scene: materials, emission, sides and the present camera.";
+    if ui.button("Save sidecar").on_hover_text(hint).clicked() {
+        outbox.push(Command::SaveSidecar { camera });
+    }
+}

@@ -1,0 +1,90 @@
+//! The bar below: what the solver is doing, how far it is, and the counts that grow meanwhile.
+
+use egui::{ProgressBar, Ui};
+
+use super::super::time_left::TimeLeft;
+use super::super::{Shown, format, theme};
+use crate::solver::{Phase, Stats};
+use crate::worker::RunState;
+
+/// Draws the bar.
+pub(super) fn show(ui: &mut Ui, shown: &Shown, time_left: &TimeLeft) {
+    ui.add_space(2.0);
+    ui.horizontal(|ui| {
+        ui.set_min_height(22.0);
+        let stats = shown.snapshot.as_ref().map(|snapshot| &snapshot.stats);
+        let (text, colour) = state(shown.status.run, stats);
+        let (dot, _) = ui.allocate_exact_size(egui::vec2(10.0, 10.0), egui::Sense::hover());
+        ui.painter().circle_filled(dot.center(), 4.0, colour);
+        ui.scope(|ui| {
+            ui.set_min_width(138.0);
+            ui.label(text);
+        });
+        let Some(stats) = stats else { return };
+        show_progress(ui, shown.status.run, stats);
+        for (name, value) in cells(stats, time_left.seconds().filter(|_| shown.status.run == RunState::Running)) {
+            show_cell(ui, name, &value);
+        }
+    });
+    ui.add_space(2.0);
+}
+
+fn state(run: RunState, stats: Option<&Stats>) -> (String, egui::Color32) {
+    let phase = stats.map(|stats| match stats.phase {
+        Phase::Hierarchy => "Building clusters".to_owned(),
+        Phase::Refine => format!("Refining, wave {}", stats.wave),
+        Phase::Gather => "Gathering".to_owned(),
+        Phase::Done => "Done".to_owned(),
+    });
+    match run {
+        RunState::Idle => ("Nothing to solve".into(), theme::TEXT_WEAK),
+        RunState::Running => (phase.unwrap_or_else(|| "Starting".into()), theme::ACCENT),
+        RunState::Paused => (format!("Paused: {}", phase.unwrap_or_default()), theme::TEXT_WEAK),
+        RunState::Finished => {
+            let converged = stats.is_none_or(|stats| stats.converged);
+            (if converged { "Converged" } else { "Finished" }.into(), theme::DONE)
+        }
+    }
+}
+
+fn show_progress(ui: &mut Ui, run: RunState, stats: &Stats) {
+    let share = match run {
+        RunState::Finished => Some(1.0),
+        _ => stats.progress,
+    };
+    let bar = ProgressBar::new(share.unwrap_or(0.0)).desired_width(110.0).desired_height(6.0).fill(theme::ACCENT);
+    let response = ui.add(bar);
+    let name = share.map_or("Progress not known".to_owned(), |share| format!("Progress {:.0} %", 100.0 * share));
+    let _ = response.on_hover_text(name);
+}
+
+fn cells(stats: &Stats, time_left: Option<f64>) -> Vec<(&'static str, String)> {
+    let mut cells = vec![
+        ("time", format::seconds(stats.seconds.total)),
+        ("patches", format::count(stats.patches)),
+        ("links", format::count(stats.links)),
+        ("candidates", format::count(stats.candidates_left)),
+        ("rays", format::count(stats.rays)),
+        ("clusters", format::count(stats.clusters)),
+    ];
+    if let Some(seconds) = time_left {
+        cells.insert(1, ("left", format!("about {}", format::seconds(seconds))));
+    }
+    cells
+}
+
+/// A name and its value, left out where there is no more room: a cell cut in two is worse than none.
+fn show_cell(ui: &mut Ui, name: &str, value: &str) {
+    let font = egui::TextStyle::Monospace.resolve(ui.style());
+    let letters = value.chars().count().max(7) as f32;
+    let value_width = letters * ui.ctx().fonts_mut(|fonts| fonts.glyph_width(&font, '0'));
+    let name_font = egui::TextStyle::Body.resolve(ui.style());
+    let name_width: f32 = name.chars().map(|c| ui.ctx().fonts_mut(|fonts| fonts.glyph_width(&name_font, c))).sum();
+    if ui.available_width() < value_width + name_width + 24.0 {
+        return;
+    }
+    ui.add_space(8.0);
+    ui.spacing_mut().item_spacing.x = 5.0;
+    ui.label(theme::weak(name));
+    ui.add_sized([value_width, 18.0], egui::Label::new(theme::value(value)).halign(egui::Align::Min));
+}

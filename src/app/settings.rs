@@ -1,0 +1,63 @@
+//! How the picture is shown; kept from one run to the next.
+
+use serde::{Deserialize, Serialize};
+
+use crate::render::{Display, Exposure, LinkFilter, Overlay};
+
+/// How the picture is shown.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub(super) struct DisplaySettings {
+    /// Whether the exposure follows the picture.
+    pub auto_exposure: bool,
+    /// Correction of the automatic exposure, stops.
+    pub auto_stops: f32,
+    /// Exposure by hand, stops; 0 shows 1 W/m² as 1.
+    pub manual_stops: f32,
+    /// Outlines of the leaf elements.
+    pub show_elements: bool,
+    /// Boxes of one level of clusters.
+    pub show_clusters: bool,
+    /// That level, the root being 0.
+    pub cluster_level: u16,
+    /// Links of the picked element.
+    pub show_links: bool,
+    /// So many of them at most, the strongest first.
+    pub strongest_links: usize,
+}
+
+impl Default for DisplaySettings {
+    fn default() -> Self {
+        Self {
+            auto_exposure: true,
+            auto_stops: 0.0,
+            manual_stops: 0.0,
+            show_elements: false,
+            show_clusters: false,
+            cluster_level: 2,
+            show_links: true,
+            strongest_links: LinkFilter::default().strongest,
+        }
+    }
+}
+
+impl DisplaySettings {
+    /// As the renderer wants it.
+    pub(super) fn display(&self) -> Display {
+        let exposure = match self.auto_exposure {
+            true => Exposure::Auto { stops: self.auto_stops },
+            false => Exposure::Manual { stops: self.manual_stops },
+        };
+        Display { exposure }
+    }
+
+    /// As the renderer wants it; cluster levels beyond the deepest show the deepest. A scene without light would be
+    /// black in black, so that nothing could be chosen in it: it is drawn with outlines.
+    pub(super) fn overlay(&self, deepest_level: u16, is_dark: bool) -> Overlay {
+        Overlay {
+            elements: self.show_elements || is_dark,
+            clusters: self.show_clusters.then_some(self.cluster_level.min(deepest_level)),
+            links: self.show_links.then_some(LinkFilter { strongest: self.strongest_links }),
+        }
+    }
+}

@@ -1,0 +1,205 @@
+//! The view: mouse and keys move the camera, clicks pick; the picture is drawn by [`super::paint`].
+
+use egui::{Key, PointerButton, Rect, Response, Sense, Ui};
+use glam::{Vec2, Vec3};
+
+use super::paint::Picture;
+use super::{App, Outbox, panels, theme};
+use crate::render::Camera;
+use crate::scene::{CameraPose, Scene};
+
+/// A drag across the view's height turns the camera by this, radians.
+const TURN_PER_HEIGHT: f32 = std::f32::consts::PI;
+/// Change of the distance's logarithm for each point of scrolling.
+const ZOOM_PER_POINT: f32 = 0.002;
+/// Flying speed with shift held, as a factor.
+const FAST: f32 = 4.0;
+/// Longest time of flight in one frame, seconds: a frame that took long must not throw the eye through a wall.
+const LONGEST_FLIGHT: f32 = 0.1;
+
+/// Name of the view for assistive technology and tests.
+const VIEW_NAME: &str = "View";
+
+/// Where the eye is, and where it started.
+pub(super) struct Viewport {
+    camera: Option<Camera>,
+    bounds: (Vec3, Vec3),
+    start: Option<CameraPose>,
+    rect: Rect,
+}
+
+impl Default for Viewport {
+    fn default() -> Self {
+        Self { camera: None, bounds: (Vec3::ZERO, Vec3::ZERO), start: None, rect: Rect::ZERO }
+    }
+}
+
+/// A click into the view, as a ray.
+pub(super) struct Clicked {
+    pub origin: Vec3,
+    pub direction: Vec3,
+    pub is_double: bool,
+}
+
+impl Viewport {
+    /// Looks at a new scene, from its own camera where it has one.
+    pub(super) fn start_with(&mut self, scene: &Scene) {
+        self.bounds = scene.bounds();
+        self.start = scene.camera;
+        // Made when the view's aspect is known.
+        self.camera = None;
+    }
+
+    /// Where the view lies in the window, points.
+    pub(super) fn rect(&self) -> Rect {
+        self.rect
+    }
+
+    /// The present view, to be saved.
+    pub(super) fn pose(&self) -> Option<CameraPose> {
+        self.camera.map(|camera| camera.pose(self.aspect()))
+    }
+
+    /// Turns the eye towards a point.
+    pub(super) fn look_at(&mut self, point: Vec3) {
+        if let Some(camera) = self.camera.as_mut() {
+            camera.look_at(point);
+        }
+    }
+
+    fn aspect(&self) -> f32 {
+        if self.rect.height() > 0.0 { self.rect.width() / self.rect.height() } else { 1.0 }
+    }
+
+    /// The camera of the scene's start.
+    fn start_camera(&self) -> Camera {
+        match &self.start {
+            Some(pose) => Camera::from_pose(pose, self.aspect(), self.bounds),
+            None => Camera::frame(self.bounds, self.aspect()),
+        }
+    }
+
+    /// Mouse and wheel.
+    fn steer(&mut self, ui: &Ui, response: &Response) {
+        let Some(mut camera) = self.camera else { return };
+        let drag = response.drag_delta() / self.rect.height().max(1.0);
+        let shift = ui.input(|input| input.modifiers.shift);
+        if response.dragged_by(PointerButton::Primary) && !shift {
+            camera.orbit(TURN_PER_HEIGHT * drag.x, TURN_PER_HEIGHT * drag.y);
+        } else if response.dragged() {
+            camera.pan(drag.x, drag.y);
+        }
+        if response.contains_pointer() {
+            let (scroll, pinch) = ui.input(|input| (input.smooth_scroll_delta().y, input.zoom_delta()));
+            if scroll != 0.0 || pinch != 1.0 {
+                camera.zoom((-ZOOM_PER_POINT * scroll).exp() / pinch);
+            }
+        }
+        self.camera = Some(camera);
+    }
+
+    /// Keys; only while the view has the person's attention and no text is being typed.
+    fn fly(&mut self, ui: &Ui, response: &Response) {
+        let attends = response.has_focus() || response.contains_pointer();
+        if !attends || ui.ctx().text_edit_focused() {
+            return;
+        }
+        let (local, seconds, frame_all, home) = ui.input(|input| {
+            let axis = |plus, minus| f32::from(i8::from(input.key_down(plus)) - i8::from(input.key_down(minus)));
+            let local = match input.modifiers.command || input.modifiers.alt {
+                true => Vec3::ZERO,
+                false => Vec3::new(axis(Key::D, Key::A), axis(Key::E, Key::Q), axis(Key::W, Key::S)),
+            };
+            let speed = if input.modifiers.shift { FAST } else { 1.0 };
+            let seconds = input.stable_dt.min(LONGEST_FLIGHT);
+            (speed * local, seconds, input.key_pressed(Key::F), input.key_pressed(Key::Home))
+        });
+        let aspect = self.aspect();
+        if home {
+            self.camera = Some(self.start_camera());
+        }
+        let bounds = self.bounds;
+        let Some(camera) = self.camera.as_mut() else { return };
+        if frame_all {
+            camera.frame_all(bounds, aspect);
+        }
+        if local != Vec3::ZERO {
+            camera.fly(seconds * local);
+            ui.ctx().request_repaint();
+        }
+    }
+
+    /// The ray under a click.
+    fn clicked(&self, response: &Response) -> Option<Clicked> {
+        let is_double = response.double_clicked();
+        if !(response.clicked() || is_double) {
+            return None;
+        }
+        let at = response.interact_pointer_pos()?;
+        let share = (at - self.rect.min) / self.rect.size();
+        let ndc = Vec2::new(2.0 * share.x - 1.0, 1.0 - 2.0 * share.y);
+        let (origin, direction) = self.camera?.ray(ndc, self.aspect());
+        Some(Clicked { origin, direction, is_double })
+    }
+
+    /// Where points of the scene lie in the window; `None` behind the eye.
+    fn project(&self, camera: &Camera, point: Vec3) -> Option<egui::Pos2> {
+        let clip = camera.clip_from_world(self.aspect()) * point.extend(1.0);
+        (clip.w > 0.0).then(|| {
+            let (x, y) = (clip.x / clip.w, clip.y / clip.w);
+            self.rect.min + self.rect.size() * egui::vec2(0.5 + 0.5 * x, 0.5 - 0.5 * y)
+        })
+    }
+}
+
+/// Draws the view over all that is left of the window, and what lies over it.
+pub(super) fn show(app: &mut App, ui: &mut Ui, outbox: &mut Outbox) -> Option<Clicked> {
+    let (rect, response) = ui.allocate_exact_size(ui.available_size(), Sense::click_and_drag());
+    response.widget_info(|| egui::WidgetInfo::labeled(egui::accesskit::Role::Canvas, true, VIEW_NAME));
+    app.view.rect = rect;
+    ui.painter().rect_filled(rect, 0.0, theme::WELL);
+    let Some(snapshot) = app.shown.snapshot.clone() else {
+        panels::empty::show(app, ui, rect, outbox);
+        return None;
+    };
+    if app.view.camera.is_none() {
+        app.view.camera = Some(app.view.start_camera());
+    }
+    if response.clicked() || response.drag_started() {
+        response.request_focus();
+    }
+    app.view.steer(ui, &response);
+    app.view.fly(ui, &response);
+    let clicked = app.view.clicked(&response);
+
+    if let Some(camera) = app.view.camera {
+        let scale = ui.ctx().pixels_per_point();
+        let pixels = |points: f32| (points * scale).round().max(1.0) as u32;
+        let deepest = snapshot.clusters.iter().map(|cluster| cluster.level).max().unwrap_or(0);
+        let is_dark = app.shown.info.as_ref().is_some_and(|info| !info.has_light);
+        let picture = Picture {
+            snapshot,
+            camera,
+            display: app.display.display(),
+            overlay: app.display.overlay(deepest, is_dark),
+            size: [pixels(rect.width()), pixels(rect.height())],
+        };
+        picture.add_to(&ui.painter_at(rect), rect);
+        draw_picked_rim(app, ui, &camera);
+    }
+    panels::picked::show(app, ui, rect, outbox);
+    panels::empty::show_loading(app, ui, rect, outbox);
+    panels::empty::show_drop_hint(ui, rect);
+    clicked
+}
+
+/// The rim of the picked element, drawn over the picture.
+fn draw_picked_rim(app: &App, ui: &Ui, camera: &Camera) {
+    let Some(picked) = &app.picked else { return };
+    let painter = ui.painter_at(app.view.rect);
+    for ends in &picked.outline {
+        if let [Some(from), Some(to)] = ends.map(|end| app.view.project(camera, end)) {
+            painter.line_segment([from, to], egui::Stroke::new(2.0, theme::ACCENT));
+        }
+    }
+}

@@ -1,0 +1,220 @@
+//! The solver's thread: commands go in, events and the latest snapshot come out.
+//!
+//! A window owns no solver state and never waits for the solver, nor the solver for the window. Bulk results lie in a
+//! slot that holds the newest `Arc<Snapshot>`; what must not be lost comes as an [`Event`] on a channel. A command
+//! cancels the step that runs, so that it is taken up at once; bursts of commands are merged, the newest settings win.
+//!
+//! Files are read and BVHs built on a further thread (`loader`), which is orphaned when its result is no longer wanted:
+//! the present scene stays and goes on being solved until the new one is ready. Imports `scene`, `orient`,
+//! `visibility` and `solver`; knows no window.
+
+mod guard;
+mod loader;
+mod merge;
+mod pacing;
+mod session;
+mod stage;
+
+use std::path::PathBuf;
+use std::sync::mpsc::{Receiver, Sender, channel};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::thread::{Builder, JoinHandle};
+
+use glam::Vec3;
+
+use crate::cancel::CancelToken;
+use crate::hierarchy::ElementId;
+use crate::scene::{CameraPose, MaterialId, Scene, Source};
+use crate::solver::{Snapshot, SolverParams};
+
+/// What a person asks of the solver.
+#[derive(Clone, Debug)]
+pub enum Command {
+    /// Reads a scene and, when that succeeds, solves it in place of the present one.
+    Load(Source),
+    /// Forgets a load that is under way.
+    CancelLoad,
+    /// Takes over new parameters with the least work that suffices.
+    SetParams(SolverParams),
+    /// Stops after the present step.
+    Pause,
+    /// Goes on where it stopped.
+    Resume,
+    /// Goes on until the present wave ends, then pauses.
+    StepWave,
+    /// Solves afresh from the root's self-link.
+    Restart,
+    /// Asks that snapshots carry the links of an element.
+    Inspect(Option<ElementId>),
+    /// Changes a material's emission; ε in watts stays.
+    SetEmission {
+        /// The material.
+        material: MaterialId,
+        /// Exitance B_e, W/m².
+        emission: Vec3,
+    },
+    /// Adds a square lamp below the ceiling.
+    AddCeilingLight {
+        /// Length of its sides, in the scene's length unit.
+        size: f32,
+        /// Exitance B_e, W/m².
+        exitance: Vec3,
+    },
+    /// Writes the sidecar beside the scene's file.
+    SaveSidecar {
+        /// The view to open with.
+        camera: Option<CameraPose>,
+    },
+    /// Ends the thread.
+    Shutdown,
+}
+
+/// What must not be lost on the way to a person.
+#[derive(Clone, Debug)]
+pub enum Event {
+    /// A new scene is being solved.
+    SceneLoaded(Arc<SceneInfo>),
+    /// The present scene was changed: a lamp, an emission, turned faces.
+    SceneEdited(Arc<SceneInfo>),
+    /// A scene could not be loaded; one sentence. The present one stays.
+    LoadFailed(String),
+    /// Parameters or an edit could not be used, or the solver broke; one sentence. The last picture stays.
+    SolveFailed(String),
+    /// Nothing is left to refine.
+    Finished,
+    /// The sidecar was written.
+    Saved(PathBuf),
+    /// The sidecar could not be written; one sentence.
+    SaveFailed(String),
+}
+
+/// The scene that is being solved.
+#[derive(Clone, Debug)]
+pub struct SceneInfo {
+    /// The scene, faces turned or doubled as its sides ask.
+    pub scene: Arc<Scene>,
+    /// The file it came from; `None` for our own scenes.
+    pub path: Option<PathBuf>,
+    /// The first generation of snapshots that show this scene.
+    pub generation: u64,
+    /// Whether anything emits.
+    pub has_light: bool,
+    /// What loading skipped, clamped or ignored, a sentence each.
+    pub skipped: Vec<String>,
+    /// Seconds spent reading, turning faces and building the occluders.
+    pub load_seconds: f64,
+}
+
+/// What the solver's thread is about.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum RunState {
+    /// No scene is there, or the solve could not start.
+    #[default]
+    Idle,
+    /// Refining.
+    Running,
+    /// Waiting for a person.
+    Paused,
+    /// Nothing is left to do.
+    Finished,
+}
+
+/// A small summary that a window may read in every frame.
+#[derive(Clone, Debug, Default)]
+pub struct Status {
+    /// What the thread is about.
+    pub run: RunState,
+    /// The parameters that are in force.
+    pub params: SolverParams,
+    /// What is being loaded, if anything is.
+    pub loading: Option<String>,
+}
+
+/// What the thread shares with its owner; both locks are held for a swap or a copy only.
+#[derive(Default)]
+struct Shared {
+    latest: Mutex<Option<Arc<Snapshot>>>,
+    status: Mutex<Status>,
+}
+
+/// Locks; a thread that panicked while it held the lock left a whole value behind, since all of them only swap.
+fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// What arrives at the thread.
+enum Message {
+    Command(Command),
+    /// A loader is done; the number says which.
+    Prepared(u64, Result<Box<loader::Prepared>, String>),
+}
+
+/// The solver's thread and the ends of its channels; dropping it lets the thread end by itself.
+pub struct SolverThread {
+    inbox: Sender<Message>,
+    events: Receiver<Event>,
+    shared: Arc<Shared>,
+    cancel: CancelToken,
+    handle: JoinHandle<()>,
+}
+
+impl SolverThread {
+    /// Starts the thread with nothing to solve. `wake` is called on that thread whenever a new snapshot, event or
+    /// status is there; it must not block.
+    ///
+    /// # Errors
+    /// The system gives no further thread.
+    pub fn spawn(params: SolverParams, wake: Box<dyn Fn() + Send>) -> std::io::Result<Self> {
+        let (inbox, messages) = channel();
+        let (event_sender, events) = channel();
+        let shared = Arc::new(Shared::default());
+        lock(&shared.status).params = params;
+        let cancel = CancelToken::new();
+        let session = session::Session::new(
+            session::Ends {
+                messages,
+                loopback: inbox.clone(),
+                events: event_sender,
+                shared: shared.clone(),
+                cancel: cancel.clone(),
+                wake,
+            },
+            params,
+        );
+        let handle = Builder::new().name("solver".into()).spawn(move || session.run())?;
+        Ok(Self { inbox, events, shared, cancel, handle })
+    }
+
+    /// Hands a command over; returns at once.
+    pub fn send(&self, command: Command) {
+        // A thread that has ended takes no commands, and none is missed: only Shutdown ends it.
+        let _ = self.inbox.send(Message::Command(command));
+        self.cancel.cancel();
+    }
+
+    /// The next event, if one is there.
+    pub fn try_event(&self) -> Option<Event> {
+        self.events.try_recv().ok()
+    }
+
+    /// The newest snapshot.
+    pub fn latest(&self) -> Option<Arc<Snapshot>> {
+        lock(&self.shared.latest).clone()
+    }
+
+    /// What the thread is about.
+    pub fn status(&self) -> Status {
+        lock(&self.shared.status).clone()
+    }
+
+    /// Whether the thread has ended (after [`Command::Shutdown`]).
+    pub fn has_ended(&self) -> bool {
+        self.handle.is_finished()
+    }
+}
+
+impl Drop for SolverThread {
+    fn drop(&mut self) {
+        self.send(Command::Shutdown);
+    }
+}

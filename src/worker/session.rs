@@ -1,0 +1,295 @@
+//! The loop of the solver's thread: take up commands, do one step, show what is there.
+
+use std::sync::Arc;
+use std::sync::mpsc::{Receiver, Sender};
+use std::time::Instant;
+
+use rayon::ThreadPool;
+
+use super::guard::{guarded, pool_of};
+use super::loader::Prepared;
+use super::merge::merge;
+use super::pacing::Pacing;
+use super::stage::Awaited;
+use super::{Command, Event, Message, RunState, Shared, Status, lock};
+use crate::cancel::CancelToken;
+use crate::solver::{Solver, SolverParams, Step};
+
+/// The thread's ends of its channels.
+pub(super) struct Ends {
+    pub messages: Receiver<Message>,
+    /// For loaders, which answer on the channel that commands come by.
+    pub loopback: Sender<Message>,
+    pub events: Sender<Event>,
+    pub shared: Arc<Shared>,
+    pub cancel: CancelToken,
+    pub wake: Box<dyn Fn() + Send>,
+}
+
+/// Whether a person wants the solver to go on.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Drive {
+    Run,
+    Pause,
+    /// So many waves to go before it pauses.
+    Waves(u32),
+}
+
+/// Everything the thread owns; scenes and their loaders are handled in [`super::stage`].
+pub(super) struct Session {
+    pub(super) ends: Ends,
+    /// As a person last set them; the solver's differ while faces are being turned.
+    pub(super) params: SolverParams,
+    pub(super) pool: Option<ThreadPool>,
+    pub(super) prepared: Option<Box<Prepared>>,
+    pub(super) solver: Option<Solver>,
+    pub(super) generation: u64,
+    drive: Drive,
+    finished: bool,
+    /// Loaders whose result is awaited: of a new scene, and of the present one made anew.
+    pub(super) loading: Option<Awaited>,
+    pub(super) remaking: Option<Awaited>,
+    pub(super) tickets: u64,
+    pacing: Pacing,
+    /// A picture is owed whatever the pacing says.
+    picture_owed: bool,
+}
+
+impl Session {
+    pub(super) fn new(ends: Ends, params: SolverParams) -> Self {
+        Self {
+            ends,
+            params,
+            pool: pool_of(params.threads),
+            prepared: None,
+            solver: None,
+            generation: 0,
+            drive: Drive::Run,
+            finished: false,
+            loading: None,
+            remaking: None,
+            tickets: 0,
+            pacing: Pacing::default(),
+            picture_owed: false,
+        }
+    }
+
+    /// Takes up commands, does one step, shows what is there, until it is told to end.
+    pub(super) fn run(mut self) {
+        loop {
+            let messages = self.receive();
+            let any = !messages.is_empty();
+            for message in messages {
+                match message {
+                    Message::Command(Command::Shutdown) => return,
+                    Message::Command(command) => self.obey(command),
+                    Message::Prepared(ticket, result) => self.take_prepared(ticket, result),
+                }
+            }
+            if self.picture_owed {
+                self.publish_picture();
+            }
+            if any {
+                self.publish_status();
+            }
+            if self.has_work() {
+                self.advance();
+            }
+        }
+    }
+
+    fn has_work(&self) -> bool {
+        self.solver.is_some() && !self.finished && self.drive != Drive::Pause
+    }
+
+    /// All messages that wait, bursts merged; sleeps where there is nothing to do but wait for one.
+    fn receive(&self) -> Vec<Message> {
+        // The session holds a sender itself, so the channel never closes before a Shutdown arrives.
+        let first = if self.has_work() { None } else { self.ends.messages.recv().ok() };
+        // Before the channel is emptied: whoever sends after that cancels after that.
+        self.ends.cancel.reset();
+        let mut commands = Vec::new();
+        let mut others = Vec::new();
+        for message in first.into_iter().chain(self.ends.messages.try_iter()) {
+            match message {
+                Message::Command(command) => commands.push(command),
+                other => others.push(other),
+            }
+        }
+        others.extend(merge(commands).into_iter().map(Message::Command));
+        others
+    }
+
+    fn obey(&mut self, command: Command) {
+        match command {
+            Command::Load(source) => self.load(source),
+            Command::CancelLoad => self.loading = None,
+            Command::SetParams(params) => self.set_params(params),
+            Command::Pause => {
+                self.drive = Drive::Pause;
+                self.picture_owed = true;
+            }
+            Command::Resume => self.drive = Drive::Run,
+            Command::StepWave if self.finished => self.drive = Drive::Pause,
+            Command::StepWave => {
+                self.drive = match self.drive {
+                    Drive::Waves(count) => Drive::Waves(count + 1),
+                    Drive::Run | Drive::Pause => Drive::Waves(1),
+                };
+            }
+            Command::Restart => {
+                if let Err(sentence) = self.start_solver() {
+                    self.emit(Event::SolveFailed(sentence));
+                }
+            }
+            Command::Inspect(element) => {
+                if let Some(solver) = self.solver.as_mut() {
+                    solver.inspect(element);
+                    self.picture_owed = true;
+                }
+            }
+            Command::SetEmission { material, emission } => self.set_emission(material, emission),
+            Command::AddCeilingLight { size, exitance } => self.add_ceiling_light(size, exitance),
+            Command::SaveSidecar { camera } => self.save_sidecar(camera),
+            // Seen by `run`.
+            Command::Shutdown => {}
+        }
+    }
+
+    /// The least work that takes the present solution to new parameters; refused ones change nothing.
+    fn set_params(&mut self, params: SolverParams) {
+        if params == self.params {
+            return;
+        }
+        if let Err(error) = params.validate() {
+            return self.emit(Event::SolveFailed(error.to_string()));
+        }
+        let former = std::mem::replace(&mut self.params, params);
+        if former.threads != params.threads {
+            self.pool = pool_of(params.threads);
+        }
+        let Some(prepared) = &self.prepared else { return };
+        if prepared.sides != params.sides {
+            // The other parameters come into force with the turned scene.
+            return self.remake(None);
+        }
+        if self.remaking.as_ref().is_some_and(|awaited| awaited.lights.is_empty()) {
+            // The sides were set back before the turned scene came.
+            self.remaking = None;
+        }
+        let in_place = match self.solver.as_mut() {
+            Some(solver) => {
+                guarded(self.pool.as_ref(), || solver.set_params(params).map_err(|error| error.to_string()))
+            }
+            None => Ok(false),
+        };
+        let outcome = match in_place {
+            Ok(true) => {
+                self.refine_again();
+                Ok(())
+            }
+            Ok(false) => self.start_solver(),
+            Err(sentence) => Err(sentence),
+        };
+        if let Err(sentence) = outcome {
+            self.params = former;
+            if let Some(solver) = self.solver.as_mut() {
+                // The solver that stays goes by the parameters that stay, which it has had before.
+                let _ = guarded(self.pool.as_ref(), || solver.set_params(former).map_err(|error| error.to_string()));
+            }
+            self.emit(Event::SolveFailed(sentence));
+        }
+    }
+
+    /// A new solver takes over.
+    pub(super) fn install(&mut self, solver: Solver) {
+        self.generation += 1;
+        self.solver = Some(solver);
+        self.finished = false;
+        self.picture_owed = true;
+    }
+
+    /// The present solver has something to do again.
+    pub(super) fn refine_again(&mut self) {
+        self.finished = false;
+        self.picture_owed = true;
+    }
+
+    fn advance(&mut self) {
+        let Some(solver) = self.solver.as_mut() else { return };
+        let cancel = &self.ends.cancel;
+        let step = match guarded(self.pool.as_ref(), || Ok(solver.step(cancel))) {
+            Ok(step) => step,
+            Err(sentence) => return self.give_up(&sentence),
+        };
+        match step {
+            Step::Interrupted => {}
+            Step::Finished => {
+                self.finished = true;
+                self.publish_picture();
+                self.publish_status();
+                self.emit(Event::Finished);
+            }
+            Step::Refined { wave_ended: false } => self.publish_picture_when_due(),
+            Step::Refined { wave_ended: true } | Step::Gathered => match self.drive {
+                Drive::Waves(count) if count > 1 => {
+                    self.drive = Drive::Waves(count - 1);
+                    self.publish_picture_when_due();
+                }
+                Drive::Waves(_) => {
+                    self.drive = Drive::Pause;
+                    self.publish_picture();
+                    self.publish_status();
+                }
+                Drive::Run | Drive::Pause => self.publish_picture_when_due(),
+            },
+        }
+    }
+
+    fn publish_picture_when_due(&mut self) {
+        if self.pacing.is_due(Instant::now()) {
+            self.publish_picture();
+        }
+    }
+
+    fn publish_picture(&mut self) {
+        self.picture_owed = false;
+        let Some(solver) = self.solver.as_mut() else { return };
+        let begun = Instant::now();
+        let snapshot = match guarded(self.pool.as_ref(), || Ok(solver.snapshot())) {
+            Ok(snapshot) => Arc::new(snapshot),
+            Err(sentence) => return self.give_up(&sentence),
+        };
+        self.pacing.taken(begun, Instant::now());
+        let former = lock(&self.ends.shared.latest).replace(snapshot);
+        // Freed after the lock: a large mesh takes its time.
+        drop(former);
+        (self.ends.wake)();
+    }
+
+    /// Lets go of a solver that broke; its last picture stays.
+    fn give_up(&mut self, sentence: &str) {
+        self.solver = None;
+        self.publish_status();
+        self.emit(Event::SolveFailed(format!("The solver broke ({sentence}); the last picture stays, restart it.")));
+    }
+
+    pub(super) fn emit(&self, event: Event) {
+        // A window that is gone wants no events.
+        let _ = self.ends.events.send(event);
+        (self.ends.wake)();
+    }
+
+    fn publish_status(&self) {
+        let run = match (&self.solver, self.finished, self.drive) {
+            (None, ..) => RunState::Idle,
+            (_, true, _) => RunState::Finished,
+            (_, _, Drive::Pause) => RunState::Paused,
+            _ => RunState::Running,
+        };
+        let awaited = self.loading.as_ref().or(self.remaking.as_ref());
+        let loading = awaited.map(|awaited| awaited.name.clone());
+        *lock(&self.ends.shared.status) = Status { run, params: self.params, loading };
+        (self.ends.wake)();
+    }
+}

@@ -1,0 +1,183 @@
+//! The scene of a session: loading another, editing the present one, and the solvers made for them.
+
+use std::sync::Arc;
+
+use glam::Vec3;
+
+use super::guard::guarded;
+use super::loader::{self, CeilingLight, Job, Prepared};
+use super::session::Session;
+use super::{Event, SceneInfo};
+use crate::scene::{CameraPose, MaterialId, Sidecar, Source};
+use crate::solver::{Solver, SolverError};
+
+/// A loader whose result is awaited.
+pub(super) struct Awaited {
+    ticket: u64,
+    /// What is being made, for a person.
+    pub name: String,
+    /// Lights that it adds to the present scene.
+    pub lights: Vec<CeilingLight>,
+}
+
+impl Session {
+    /// Reads a scene on a thread of its own; one that is being read already is forgotten.
+    pub(super) fn load(&mut self, source: Source) {
+        let name = match &source {
+            Source::File(path) => path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned(),
+            Source::Builtin(scene) => scene.name().to_owned(),
+        };
+        self.loading = self.start_loader(Job::Load(source), name, Vec::new());
+    }
+
+    /// Makes the present scene anew on a thread of its own: with the sides of the present parameters, and one more light
+    /// if there is one. Lights that were under way come with it.
+    pub(super) fn remake(&mut self, light: Option<CeilingLight>) {
+        let Some(prepared) = &self.prepared else { return };
+        let (raw, path) = (prepared.raw.clone(), prepared.path.clone());
+        let mut lights = self.remaking.take().map(|awaited| awaited.lights).unwrap_or_default();
+        lights.extend(light);
+        let name = if lights.is_empty() { "the turned faces" } else { "the ceiling light" };
+        let job = Job::Remake { raw, path, lights: lights.clone() };
+        self.remaking = self.start_loader(job, name.into(), lights);
+    }
+
+    fn start_loader(&mut self, job: Job, name: String, lights: Vec<CeilingLight>) -> Option<Awaited> {
+        self.tickets += 1;
+        let ticket = self.tickets;
+        let (loopback, cancel) = (self.ends.loopback.clone(), self.ends.cancel.clone());
+        match loader::start(job, self.params.sides, ticket, loopback, cancel) {
+            Ok(()) => Some(Awaited { ticket, name, lights }),
+            Err(error) => {
+                self.emit(Event::LoadFailed(format!("{name} cannot be loaded, no thread is left ({error})")));
+                None
+            }
+        }
+    }
+
+    /// Takes over what a loader made, if it is still wanted; a failure leaves everything as it is.
+    pub(super) fn take_prepared(&mut self, ticket: u64, result: Result<Box<Prepared>, String>) {
+        let is_it = |awaited: &mut Awaited| awaited.ticket == ticket;
+        let is_new = self.loading.take_if(is_it).is_some();
+        if !is_new && self.remaking.take_if(is_it).is_none() {
+            return;
+        }
+        let adopted = result.and_then(|prepared| Ok((self.build_solver(&prepared)?, prepared)));
+        match adopted {
+            Ok((solver, prepared)) => {
+                self.install(solver);
+                let are_sides_old = prepared.sides != self.params.sides;
+                self.prepared = Some(prepared);
+                self.announce_scene(is_new);
+                if is_new {
+                    // It was to change the scene that is gone.
+                    self.remaking = None;
+                }
+                if are_sides_old {
+                    self.remake(None);
+                }
+            }
+            Err(sentence) if is_new => self.emit(Event::LoadFailed(sentence)),
+            Err(sentence) => {
+                if let Some(solver) = &self.solver {
+                    self.params = *solver.params();
+                }
+                self.emit(Event::SolveFailed(sentence));
+            }
+        }
+    }
+
+    /// A new solver of the present scene with a higher generation; the one that is there stays if that fails.
+    pub(super) fn start_solver(&mut self) -> Result<(), String> {
+        if let Some(prepared) = &self.prepared {
+            let solver = self.build_solver(prepared)?;
+            self.install(solver);
+        }
+        Ok(())
+    }
+
+    fn build_solver(&self, prepared: &Prepared) -> Result<Solver, String> {
+        let (scene, occluders) = (prepared.scene.clone(), prepared.occluders.clone());
+        let (params, generation) = (self.params, self.generation + 1);
+        let mut solver = guarded(self.pool.as_ref(), move || {
+            Solver::new(scene, occluders, params, generation).map_err(|error: SolverError| error.to_string())
+        })?;
+        solver.set_load_seconds(prepared.seconds);
+        Ok(solver)
+    }
+
+    fn announce_scene(&self, is_new: bool) {
+        let Some(prepared) = &self.prepared else { return };
+        let info = Arc::new(SceneInfo {
+            scene: prepared.scene.clone(),
+            path: prepared.path.clone(),
+            generation: self.generation,
+            has_light: prepared.scene.has_light(),
+            skipped: prepared.scene.skipped.sentences(),
+            load_seconds: prepared.seconds,
+        });
+        self.emit(if is_new { Event::SceneLoaded(info) } else { Event::SceneEdited(info) });
+    }
+
+    /// Changes the emission of a material in place; links and ε in watts stay.
+    pub(super) fn set_emission(&mut self, material: MaterialId, emission: Vec3) {
+        let Some(prepared) = self.prepared.as_mut() else { return };
+        let index = material.0 as usize;
+        let Some(name) = prepared.scene.materials.get(index).map(|material| material.name.clone()) else {
+            return self.emit(Event::SolveFailed(format!("the scene has no material number {index}")));
+        };
+        if !(emission.is_finite() && emission.min_element() >= 0.0) {
+            let sentence = format!("the emission of {name} must be a number of W/m² that is not negative");
+            return self.emit(Event::SolveFailed(sentence));
+        }
+        Arc::make_mut(&mut prepared.scene).materials[index].emission = emission;
+        Arc::make_mut(&mut prepared.raw).materials[index].emission = emission;
+        match self.solver.as_mut() {
+            Some(solver) => {
+                solver.set_emission(material, emission);
+                self.refine_again();
+            }
+            None => {
+                if let Err(sentence) = self.start_solver() {
+                    self.emit(Event::SolveFailed(sentence));
+                }
+            }
+        }
+        self.announce_scene(false);
+        if self.remaking.is_some() {
+            // What is under way knows nothing of the new emission.
+            self.remake(None);
+        }
+    }
+
+    /// Adds a light; occluders and clusters are made anew.
+    pub(super) fn add_ceiling_light(&mut self, size: f32, exitance: Vec3) {
+        let is_usable = size.is_finite() && size > 0.0 && exitance.is_finite() && exitance.min_element() >= 0.0;
+        if is_usable {
+            self.remake(Some(CeilingLight { size, exitance }));
+        } else {
+            let sentence = "a ceiling light needs a side greater than 0 and a strength that is not negative";
+            self.emit(Event::SolveFailed(sentence.into()));
+        }
+    }
+
+    /// Writes what a person changed beside the scene's file; what an earlier sidecar ignores stays ignored.
+    pub(super) fn save_sidecar(&mut self, camera: Option<CameraPose>) {
+        let Some(prepared) = &self.prepared else { return };
+        let Some(path) = prepared.path.as_deref().map(Sidecar::path_for) else {
+            let sentence = "one of our own scenes has no file beside which a sidecar could lie";
+            return self.emit(Event::SaveFailed(sentence.into()));
+        };
+        let mut sidecar = Sidecar::of(&prepared.raw);
+        sidecar.sides = self.params.sides.or(sidecar.sides);
+        sidecar.camera = camera.or(sidecar.camera);
+        if let Ok(former) = Sidecar::read(&path) {
+            let ignored = former.materials.into_iter().filter(|(_, material)| material.ignore);
+            sidecar.materials.extend(ignored);
+        }
+        match sidecar.write(&path) {
+            Ok(()) => self.emit(Event::Saved(path)),
+            Err(error) => self.emit(Event::SaveFailed(error.to_string())),
+        }
+    }
+}

@@ -1,0 +1,224 @@
+//! The window's panels and view, driven headless by accessible names as a person drives them.
+//!
+//! Truth: what the worker says that it took up, and pictures that differ where they must. Needs a wgpu adapter; software
+//! Vulkan serves.
+#![cfg(feature = "gui")]
+
+use std::time::{Duration, Instant};
+
+use egui::accesskit::Role;
+use egui_kittest::Harness;
+use egui_kittest::kittest::Queryable;
+use selflink::app::App;
+use selflink::scene::Source;
+use selflink::scene::builtin::BuiltinScene;
+use selflink::solver::{ClusteringMode, Epsilon, SolverParams};
+use selflink::worker::RunState;
+
+const PATIENCE: Duration = Duration::from_secs(60);
+
+fn coarse() -> SolverParams {
+    SolverParams { epsilon: Epsilon::Relative(1e-2), ..SolverParams::default() }
+}
+
+fn window(source: Option<Source>, params: SolverParams) -> Harness<'static, App> {
+    Harness::builder()
+        .with_size([1280.0, 800.0])
+        .wgpu()
+        .build_eframe(|cc| App::new(cc, source, params).expect("a wgpu device and a thread are there"))
+}
+
+fn cornell(params: SolverParams) -> Harness<'static, App> {
+    let mut window = window(Some(Source::Builtin(BuiltinScene::Cornell)), params);
+    until(&mut window, "the first picture", |window| window.state().snapshot().is_some());
+    window
+}
+
+/// Lets frames pass until the condition holds; the worker has its own pace.
+fn until(window: &mut Harness<'static, App>, what: &str, holds: impl Fn(&Harness<'static, App>) -> bool) {
+    let begun = Instant::now();
+    loop {
+        window.step();
+        if holds(window) {
+            // Whatever was clicked last has been laid out.
+            window.step();
+            return;
+        }
+        assert!(begun.elapsed() < PATIENCE, "{what} did not happen within {PATIENCE:?}");
+        std::thread::sleep(Duration::from_millis(5));
+    }
+}
+
+/// Scrolls a widget into sight and clicks it.
+fn click(window: &mut Harness<'static, App>, label: &str) {
+    window.get_by_label(label).scroll_to_me();
+    // Scrolling is animated.
+    window.run_steps(6);
+    window.get_by_label(label).click();
+    window.run_steps(2);
+}
+
+fn finish(window: &mut Harness<'static, App>) {
+    until(window, "finishing", |window| window.state().status().run == RunState::Finished);
+}
+
+/// The pixels of the view.
+fn picture(window: &mut Harness<'static, App>) -> image::RgbaImage {
+    window.remove_cursor();
+    window.step();
+    let rect = window.state().view_rect();
+    let whole = window.render().expect("a frame can be drawn");
+    let [x, y, width, height] = [rect.min.x, rect.min.y, rect.width(), rect.height()].map(|points| points as u32);
+    image::imageops::crop_imm(&whole, x, y, width, height).to_image()
+}
+
+fn share_of_different_pixels(one: &image::RgbaImage, other: &image::RgbaImage) -> f64 {
+    assert_eq!(one.dimensions(), other.dimensions());
+    let different = one.pixels().zip(other.pixels()).filter(|(one, other)| one != other).count();
+    different as f64 / f64::from(one.width() * one.height())
+}
+
+#[test]
+fn a_scene_is_opened_by_its_panel_and_lit() {
+    let mut window = window(None, coarse());
+    window.step();
+    assert!(window.query_by_label("Open a room to light").is_some(), "the empty window says what to do");
+    window.get_all_by_label("cornell").next().expect("our own scenes are offered").click();
+    finish(&mut window);
+    assert_eq!(window.state().scene_info().expect("a scene").scene.name, "cornell");
+    assert!(window.query_by_label("Open a room to light").is_none());
+    let lit = picture(&mut window);
+    let red = lit.pixels().filter(|pixel| pixel[0] > 120 && pixel[1] < pixel[0] / 2 && pixel[2] < pixel[0] / 2).count();
+    assert!(red > 1000, "the left wall is red: {red} pixels");
+}
+
+#[test]
+fn changed_parameters_reach_the_solver() {
+    let mut window = cornell(coarse());
+    finish(&mut window);
+    let patches = window.state().snapshot().expect("a picture").stats.patches;
+
+    window.get_by_role_and_label(Role::Slider, "ε relative").set_value_accesskit(2e-3);
+    until(&mut window, "a finer ε", |window| window.state().status().params.epsilon == Epsilon::Relative(2e-3));
+    until(&mut window, "more patches", |window| {
+        window.state().snapshot().is_some_and(|snapshot| snapshot.stats.patches > patches)
+    });
+
+    let generation = window.state().snapshot().expect("a picture").generation;
+    window.get_by_role_and_label(Role::ComboBox, "clustering").click();
+    window.step();
+    window.step();
+    click(&mut window, "octree");
+    until(&mut window, "octree", |window| window.state().status().params.clustering == ClusteringMode::Octree);
+    window.get_by_role_and_label(Role::Slider, "octree depth").set_value_accesskit(3.0);
+    until(&mut window, "depth 3", |window| window.state().status().params.octree_depth == 3);
+    until(&mut window, "a new hierarchy", |window| {
+        window.state().snapshot().is_some_and(|snapshot| snapshot.generation > generation)
+    });
+}
+
+#[test]
+fn a_solve_is_paused_stepped_and_resumed() {
+    let params = SolverParams { epsilon: Epsilon::Relative(1e-3), ..SolverParams::default() };
+    let mut window = window(Some(Source::Builtin(BuiltinScene::from_name("seminar").expect("ours"))), params);
+    until(&mut window, "the first picture", |window| window.state().snapshot().is_some());
+    click(&mut window, "Pause");
+    until(&mut window, "the pause", |window| window.state().status().run == RunState::Paused);
+    let before = window.state().snapshot().expect("a picture").stats.pairs_judged;
+    click(&mut window, "Step one wave");
+    until(&mut window, "one more wave", |window| {
+        let judged = window.state().snapshot().expect("a picture").stats.pairs_judged;
+        judged > before && window.state().status().run == RunState::Paused
+    });
+    click(&mut window, "Run");
+    until(&mut window, "going on", |window| window.state().status().run != RunState::Paused);
+}
+
+#[test]
+fn overlays_and_a_picked_element_are_shown() {
+    let mut window = cornell(coarse());
+    finish(&mut window);
+    let plain = picture(&mut window);
+    click(&mut window, "Element outlines");
+    let outlined = picture(&mut window);
+    let share = share_of_different_pixels(&plain, &outlined);
+    assert!((0.001..0.5).contains(&share), "outlines cover {share} of the view");
+    click(&mut window, "Element outlines");
+    assert_eq!(share_of_different_pixels(&plain, &picture(&mut window)), 0.0, "without overlays it is as before");
+    click(&mut window, "Cluster boxes");
+    assert!(share_of_different_pixels(&plain, &picture(&mut window)) > 0.0005);
+    click(&mut window, "Cluster boxes");
+
+    let centre = window.state().view_rect().center();
+    window.drag_at(centre);
+    window.drop_at(centre);
+    until(&mut window, "its links", |window| {
+        window.state().snapshot().is_some_and(|snapshot| snapshot.inspected.is_some())
+    });
+    assert!(window.query_by_label("Picked element").is_some());
+    let inspected = window.state().snapshot().and_then(|snapshot| snapshot.inspected.clone()).expect("links");
+    assert!(!inspected.links.is_empty(), "the back wall is lit by something");
+    click(&mut window, "Close");
+    until(&mut window, "letting go", |window| window.query_by_label("Picked element").is_none());
+}
+
+#[test]
+fn dragging_turns_the_view_and_home_brings_it_back() {
+    let mut window = cornell(coarse());
+    finish(&mut window);
+    let start = picture(&mut window);
+    let centre = window.state().view_rect().center();
+    window.drag_at(centre);
+    window.step();
+    window.hover_at(centre + egui::vec2(120.0, 40.0));
+    window.step();
+    window.drop_at(centre + egui::vec2(120.0, 40.0));
+    window.step();
+    assert!(share_of_different_pixels(&start, &picture(&mut window)) > 0.2, "the picture did not turn");
+    window.hover_at(centre);
+    window.step();
+    window.key_press(egui::Key::Home);
+    window.step();
+    assert_eq!(share_of_different_pixels(&start, &picture(&mut window)), 0.0, "Home is where it started");
+}
+
+#[test]
+fn a_bad_path_is_said_and_the_scene_stays() {
+    let mut window = cornell(coarse());
+    finish(&mut window);
+    let before = picture(&mut window);
+    let field = window.get_by_label("Scene path");
+    field.focus();
+    field.type_text("no/such/room.obj");
+    window.step();
+    click(&mut window, "Open");
+    until(&mut window, "the message", |window| window.query_by_label_contains("room.obj: no such file").is_some());
+    assert_eq!(window.state().scene_info().expect("the scene stays").scene.name, "cornell");
+    assert!(window.state().view_rect().height() > 650.0, "the message must leave room for the picture");
+    click(&mut window, "Dismiss");
+    until(&mut window, "its end", |window| window.query_by_label("Dismiss").is_none());
+    assert_eq!(share_of_different_pixels(&before, &picture(&mut window)), 0.0);
+}
+
+/// Three walls without a lamp.
+const DARK_ROOM: &str = "o room/walls
+v 0 0 0\nv 2 0 0\nv 2 0 2\nv 0 0 2\nv 0 2 0\nv 2 2 0\nv 2 2 2\nv 0 2 2
+f 4 3 2 1\nf 1 2 6 5\nf 1 5 8 4\n";
+
+#[test]
+fn a_scene_without_a_lamp_says_so_and_can_be_given_one() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("dark.obj");
+    std::fs::write(&path, DARK_ROOM).expect("the room is written");
+    let mut window = window(Some(Source::File(path)), coarse());
+    until(&mut window, "the room", |window| window.state().scene_info().is_some());
+    assert!(!window.state().scene_info().expect("a scene").has_light);
+    assert!(window.query_by_label_contains("Nothing in this scene emits light").is_some());
+    click(&mut window, "Add a ceiling light");
+    until(&mut window, "light", |window| window.state().scene_info().is_some_and(|info| info.has_light));
+    finish(&mut window);
+    let snapshot = window.state().snapshot().expect("a picture");
+    let lit = snapshot.leaf_irradiance.iter().filter(|rgb| rgb[0] > 0.0).count();
+    assert!(lit > 0, "the lamp lights the walls");
+    assert!(window.query_by_label_contains("Nothing in this scene emits light").is_none());
+}

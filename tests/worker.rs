@@ -1,0 +1,200 @@
+//! The solver's thread, driven as a window drives it.
+//!
+//! Truth: the protocol itself (what is sent is taken up, nothing is lost, generations never run backwards). Times are
+//! generous bounds on liveness, not measurements.
+
+use std::time::{Duration, Instant};
+
+use selflink::hierarchy::ElementId;
+use selflink::scene::builtin::BuiltinScene;
+use selflink::scene::{MaterialId, Source};
+use selflink::solver::{ClusteringMode, Epsilon, SolverParams};
+use selflink::worker::{Command, Event, RunState, SolverThread};
+
+const PATIENCE: Duration = Duration::from_secs(60);
+
+fn coarse() -> SolverParams {
+    SolverParams { epsilon: Epsilon::Relative(1e-2), ..SolverParams::default() }
+}
+
+fn spawn(params: SolverParams) -> SolverThread {
+    SolverThread::spawn(params, Box::new(|| {})).expect("a thread is left")
+}
+
+/// Waits until `found` gives something; panics with `what` when it never does.
+fn wait_for<T>(what: &str, mut found: impl FnMut() -> Option<T>) -> T {
+    let begun = Instant::now();
+    while begun.elapsed() < PATIENCE {
+        if let Some(value) = found() {
+            return value;
+        }
+        std::thread::sleep(Duration::from_millis(2));
+    }
+    panic!("{what} did not happen within {PATIENCE:?}");
+}
+
+fn wait_for_event(worker: &SolverThread, what: &str, wanted: impl Fn(&Event) -> bool) -> Event {
+    wait_for(what, || worker.try_event().filter(&wanted))
+}
+
+fn load(worker: &SolverThread, scene: BuiltinScene) {
+    worker.send(Command::Load(Source::Builtin(scene)));
+    wait_for_event(worker, "loading", |event| matches!(event, Event::SceneLoaded(_)));
+}
+
+fn wait_until_finished(worker: &SolverThread) {
+    wait_for("finishing", || (worker.status().run == RunState::Finished).then_some(()));
+}
+
+#[test]
+fn a_scene_is_loaded_shown_and_finished() {
+    let worker = spawn(coarse());
+    load(&worker, BuiltinScene::Cornell);
+    wait_for_event(&worker, "the end of the solve", |event| matches!(event, Event::Finished));
+    let snapshot = worker.latest().expect("a finished solve shows its picture");
+    assert_eq!(snapshot.generation, 1);
+    assert!(!snapshot.mesh.triangles.is_empty());
+    assert_eq!(snapshot.vertex_radiosity.len(), snapshot.mesh.positions.len());
+}
+
+#[test]
+fn a_pause_holds_and_a_step_moves_one_wave() {
+    let worker = spawn(coarse());
+    worker.send(Command::Pause);
+    load(&worker, BuiltinScene::Cornell);
+    let first = wait_for("the first picture", || worker.latest());
+    assert_eq!(worker.status().run, RunState::Paused);
+    std::thread::sleep(Duration::from_millis(150));
+    let still = worker.latest().expect("the first picture stays");
+    assert_eq!((still.generation, still.serial), (first.generation, first.serial), "a paused solve made pictures");
+
+    let mut judged = first.stats.pairs_judged;
+    for _ in 0..3 {
+        let before = worker.latest().expect("a picture is there").serial;
+        worker.send(Command::StepWave);
+        let next = wait_for("the picture of a step", || {
+            worker.latest().filter(|snapshot| snapshot.serial > before && worker.status().run == RunState::Paused)
+        });
+        assert!(next.stats.pairs_judged >= judged);
+        judged = next.stats.pairs_judged;
+    }
+    worker.send(Command::Resume);
+    wait_until_finished(&worker);
+}
+
+#[test]
+fn a_failing_load_keeps_the_scene_that_is_there() {
+    let worker = spawn(coarse());
+    load(&worker, BuiltinScene::Cornell);
+    wait_until_finished(&worker);
+    let before = worker.latest().expect("a picture");
+    worker.send(Command::Load(Source::File("no/such/room.obj".into())));
+    let failure = wait_for_event(&worker, "the failure", |event| matches!(event, Event::LoadFailed(_)));
+    let Event::LoadFailed(sentence) = failure else { panic!("{failure:?}") };
+    assert!(sentence.contains("room.obj"), "{sentence}");
+    assert_eq!(worker.latest().expect("the picture stays").generation, before.generation);
+    wait_for("the end of the load", || worker.status().loading.is_none().then_some(()));
+
+    // The scene that stayed can still be worked on.
+    worker.send(Command::SetEmission { material: MaterialId(0), emission: glam::Vec3::splat(3.0) });
+    let after = wait_for_event(&worker, "the edit", |event| matches!(event, Event::SceneEdited(_)));
+    let Event::SceneEdited(info) = after else { panic!("{after:?}") };
+    assert_eq!(info.scene.materials[0].emission, glam::Vec3::splat(3.0));
+}
+
+#[test]
+fn parameters_are_taken_over_or_refused_with_a_sentence() {
+    let worker = spawn(coarse());
+    load(&worker, BuiltinScene::Cornell);
+    let octree = SolverParams { clustering: ClusteringMode::Octree, octree_depth: 3, ..coarse() };
+    worker.send(Command::SetParams(octree));
+    wait_for("the new generation", || worker.latest().filter(|snapshot| snapshot.generation >= 2));
+    assert_eq!(worker.status().params, octree);
+
+    worker.send(Command::SetParams(SolverParams { rays_min: 9, rays_max: 3, ..octree }));
+    wait_for_event(&worker, "the refusal", |event| matches!(event, Event::SolveFailed(_)));
+    assert_eq!(worker.status().params, octree, "refused parameters must not stay");
+    wait_until_finished(&worker);
+}
+
+#[test]
+fn light_can_be_brought_into_a_scene() {
+    let worker = spawn(coarse());
+    load(&worker, BuiltinScene::Cornell);
+    wait_until_finished(&worker);
+    let before = worker.latest().expect("a picture").mesh.leaves.iter().map(|leaf| leaf.area).sum::<f32>();
+    worker.send(Command::AddCeilingLight { size: 0.2, exitance: glam::Vec3::splat(10.0) });
+    let event = wait_for_event(&worker, "the lamp", |event| matches!(event, Event::SceneEdited(_)));
+    let Event::SceneEdited(info) = event else { panic!("{event:?}") };
+    assert!(info.has_light);
+    let snapshot =
+        wait_for("its picture", || worker.latest().filter(|snapshot| snapshot.generation >= info.generation));
+    let after = snapshot.mesh.leaves.iter().map(|leaf| leaf.area).sum::<f32>();
+    assert!(after > before, "the lamp has an area: {before} m² before, {after} m² after");
+}
+
+/// A small generator is enough to mix commands (xorshift); the seed is fixed so that a failure comes again.
+struct Dice(u64);
+
+impl Dice {
+    fn roll(&mut self, sides: u64) -> u64 {
+        self.0 ^= self.0 << 13;
+        self.0 ^= self.0 >> 7;
+        self.0 ^= self.0 << 17;
+        self.0 % sides
+    }
+
+    fn command(&mut self) -> Command {
+        let scenes = [BuiltinScene::ALL[0], BuiltinScene::ALL[1]];
+        match self.roll(12) {
+            0 => Command::Load(Source::Builtin(scenes[self.roll(2) as usize])),
+            1 => Command::Load(Source::File("no/such/room.obj".into())),
+            2 => Command::Pause,
+            3 => Command::StepWave,
+            4 => Command::Restart,
+            5 => Command::Inspect(Some(ElementId(self.roll(20) as u32))),
+            6 => Command::SetEmission { material: MaterialId(self.roll(9) as u32), emission: glam::Vec3::ONE },
+            7 => Command::CancelLoad,
+            8 => {
+                let modes = [ClusteringMode::Adaptive, ClusteringMode::Octree, ClusteringMode::Groups];
+                let clustering = modes[self.roll(3) as usize];
+                let threads = self.roll(3) as u32;
+                Command::SetParams(SolverParams { clustering, threads, ..coarse() })
+            }
+            9 => {
+                let epsilon = Epsilon::Relative(0.1 / (1 + self.roll(99)) as f64);
+                Command::SetParams(SolverParams { epsilon, ..coarse() })
+            }
+            10 => Command::AddCeilingLight { size: 0.1, exitance: glam::Vec3::ONE },
+            _ => Command::Resume,
+        }
+    }
+}
+
+#[test]
+fn any_500_commands_leave_it_alive_and_it_ends_within_a_second() {
+    let worker = spawn(coarse());
+    load(&worker, BuiltinScene::Cornell);
+    let mut dice = Dice(0x5e1f_11a4);
+    let mut newest = (0, 0);
+    for _ in 0..500 {
+        worker.send(dice.command());
+        if dice.roll(3) == 0 {
+            std::thread::sleep(Duration::from_micros(500));
+        }
+        if let Some(snapshot) = worker.latest() {
+            let this = (snapshot.generation, snapshot.serial);
+            assert!(this >= newest, "{this:?} came after {newest:?}");
+            newest = this;
+        }
+        while let Some(event) = worker.try_event() {
+            if let Event::SolveFailed(sentence) = event {
+                assert!(!sentence.contains("broke"), "{sentence}");
+            }
+        }
+    }
+    let asked = Instant::now();
+    worker.send(Command::Shutdown);
+    wait_for("the end of the thread", || worker.has_ended().then_some(()));
+    assert!(asked.elapsed() < Duration::from_secs(1), "it took {:?} to end", asked.elapsed());
+}
