@@ -171,32 +171,57 @@ fn no_two_faces_lie_on_each_other() {
             let key = (normal * 1e3).round().as_ivec3();
             planes.entry([key.x, key.y, key.z, (distance * 1e4).round() as i32]).or_default().push(index);
         }
-        for [one, other] in planes.values().flat_map(|plane| {
-            plane
-                .iter()
-                .flat_map(move |&one| plane.iter().filter(move |&&other| other != one).map(move |&other| [one, other]))
-        }) {
-            let [a, b] = [one, other].map(|index| &scene.polygons[index]);
-            let (corners, count) = scene.corner_positions(a);
-            let middle = corners[..count].iter().sum::<Vec3>() / count as f32;
-            for corner in &corners[..count] {
-                let point = middle.lerp(*corner, 0.9);
-                assert!(
-                    !is_inside(&scene, b, point),
-                    "{}: {} lies on {} at {point}",
-                    scene.name,
-                    scene.group_path(a.group),
-                    scene.group_path(b.group)
-                );
+        let mut clashes = HashSet::new();
+        for plane in planes.values() {
+            for (&one, &other) in plane.iter().flat_map(|one| plane.iter().map(move |other| (one, other))) {
+                let [a, b] = [one, other].map(|index| &scene.polygons[index]);
+                let (corners, count) = scene.corner_positions(a);
+                let middle = corners[..count].iter().sum::<Vec3>() / count as f32;
+                let mut points = corners[..count].iter().map(|corner| middle.lerp(*corner, 0.9)).chain([middle]);
+                if one != other && points.any(|point| is_inside(&scene, b, point)) {
+                    clashes.insert([a, b].map(|polygon| scene.group_path(polygon.group)));
+                }
             }
-            assert!(
-                !is_inside(&scene, b, middle),
-                "{}: {} lies on {} at {middle}",
-                scene.name,
-                scene.group_path(a.group),
-                scene.group_path(b.group)
-            );
         }
+        assert!(clashes.is_empty(), "{}: faces lie on each other: {clashes:#?}", scene.name);
+    }
+}
+
+#[test]
+fn open_solids_rest_wholly_on_a_surface() {
+    // The Cornell box has no front.
+    for scene in scenes().into_iter().filter(|scene| scene.name != "cornell") {
+        // An edge that one polygon has to itself is the rim of an opening.
+        let mut owners: HashMap<(u32, u32), Vec<usize>> = HashMap::new();
+        for (index, polygon) in scene.polygons.iter().enumerate() {
+            let corners = polygon.corners();
+            for (&from, &to) in corners.iter().zip(corners.iter().cycle().skip(1)) {
+                owners.entry((from.min(to), from.max(to))).or_default().push(index);
+            }
+        }
+        let occluders = Occluders::new(&scene);
+        let mut loose = HashSet::new();
+        for ((from, to), owners) in owners {
+            let &[owner] = owners.as_slice() else { continue };
+            let polygon = &scene.polygons[owner];
+            let path = scene.group_path(polygon.group);
+            if path == "walls" || path.starts_with("window_side") {
+                continue; // the shell has edges to the outside; rays check it
+            }
+            let ([a, b, c, d], count) = scene.corner_positions(polygon);
+            let middle = if count == 4 { (a + b + c + d) / 4.0 } else { (a + b + c) / 3.0 };
+            let [from, to] = [from, to].map(|corner| scene.vertices[corner as usize]);
+            for share in [0.02, 0.5, 0.98] {
+                // From inside the solid, past the rim: a surface has to come at once.
+                let rim = from.lerp(to, share);
+                let along = (rim - middle).reject_from((to - from).normalize()).normalize();
+                let start = rim - 1e-3 * along - 1e-4 * scene.normal(polygon);
+                if occluders.closest_hit(start, along, 0.0).is_none_or(|hit| hit.distance > 4e-3) {
+                    loose.insert(format!("{path} at {rim}"));
+                }
+            }
+        }
+        assert!(loose.is_empty(), "{}: {} rims hang in the air: {loose:#?}", scene.name, loose.len());
     }
 }
 

@@ -168,3 +168,71 @@ fn group_name(scene: &Scene, group: GroupId) -> String {
     names.reverse();
     names.join("/")
 }
+
+#[cfg(test)]
+mod tests {
+    use glam::{Vec3, vec3};
+
+    use super::*;
+    use crate::scene::CameraPose;
+
+    /// A scene with everything that OBJ words cannot hold as it is.
+    fn odd_scene() -> Scene {
+        let mut scene = Scene::new("odd");
+        let plain = scene.add_material("old oak", Vec3::splat(0.5), Vec3::ZERO);
+        let bright = scene.add_material("old oak", Vec3::splat(0.97), vec3(1.0, 2.0, 1e-3));
+        let shelf = scene.add_group("left / right", GroupId(0));
+        let board = scene.add_group("board", shelf);
+        let corners = [Vec3::ZERO, Vec3::X, vec3(1.0, 1.0, 0.1), Vec3::Y];
+        scene.add_quad(corners, plain, board);
+        scene.add_triangle([corners[0], corners[1], corners[2]], bright, GroupId(0));
+        scene
+    }
+
+    #[test]
+    fn names_become_single_words_and_stay_different() {
+        let scene = odd_scene();
+        let names = material_names(&scene.materials);
+        assert_eq!(names, ["old_oak", "old_oak_2"]);
+        let text = obj_text(&scene, &names, "odd");
+        let faces = text.find("mtllib odd.mtl\n").map(|start| &text[start..]);
+        assert!(faces.is_some_and(|text| text.contains("g left___right/board\nusemtl old_oak\nf 1 2 3 4\n")), "{text}");
+    }
+
+    #[test]
+    fn faces_of_the_root_precede_every_group() {
+        let scene = odd_scene();
+        let text = obj_text(&scene, &material_names(&scene.materials), "odd");
+        let [root, group] = ["f 5 6 7\n", "g left"].map(|part| text.find(part).expect("both are written"));
+        assert!(root < group, "{text}");
+    }
+
+    #[test]
+    fn the_sidecar_says_what_obj_cannot() {
+        let mut scene = odd_scene();
+        let turned = Polygon { is_back: true, ..scene.polygons[0].flipped() };
+        scene.polygons.push(turned);
+        scene.camera = Some(CameraPose { eye: vec3(0.1, 0.2, 3.0), target: Vec3::ZERO, up: Vec3::Y, hfov_deg: 39.3 });
+        let names = material_names(&scene.materials);
+        let sidecar: serde_json::Value = serde_json::from_str(&sidecar_text(&scene, &names)).expect("it is JSON");
+        let expected = json!({
+            "sides": "both",
+            "materials": { "old_oak_2": { "reflectance": [0.97, 0.97, 0.97] } },
+            "camera": { "eye": [0.1, 0.2, 3.0], "target": [0.0, 0.0, 0.0], "up": [0.0, 1.0, 0.0], "hfov_deg": 39.3 },
+        });
+        assert_eq!(sidecar, expected);
+        assert_eq!(obj_text(&scene, &names, "odd").matches("\nf ").count(), 2, "opposite patches are one face");
+    }
+
+    #[test]
+    fn a_radiance_times_pi_is_the_exitance() {
+        for radiance_written in [17.0_f32, 12.0, 4.0, 0.1, 620.0] {
+            assert_eq!(radiance(radiance_written * std::f32::consts::PI), radiance_written);
+        }
+        // Not every f32 is a multiple of π; the nearest is within one unit in the last place.
+        for exitance in [1.0_f32, 0.3, 315.421] {
+            let back = radiance(exitance) * std::f32::consts::PI;
+            assert!((back - exitance).abs() <= exitance * f32::EPSILON, "{exitance} became {back}");
+        }
+    }
+}

@@ -15,8 +15,7 @@ pub struct Light {
     pub radiosity: Vec<Vec3>,
     /// Irradiance E, W/m²; meant for leaves, on other elements what reached them from above.
     pub irradiance: Vec<Vec3>,
-    /// Sum of F·V over the links that light each initial patch's leaves, where it exceeds 1 (a leaf gets at most all that is
-    /// around it); 1 elsewhere. Empty before the first [`Gatherer::limit_rows`].
+    /// What a leaf's irradiance is divided by, 1 for nearly all; empty before the first [`Gatherer::limit_rows`].
     pub row_excess: Vec<f32>,
 }
 
@@ -61,8 +60,8 @@ pub struct Gatherer<'a> {
     pub with_unjudged: bool,
 }
 
-/// Leaves may miss this much of a sum of 1 before they are scaled back: noise of V and F.
-const ROW_TOLERANCE: f32 = 1.0;
+/// Where ρ times a leaf's sum of F·V stays below this, light dies out however often it is reflected.
+const LARGEST_RETURN: f32 = 0.98;
 
 impl Gatherer<'_> {
     /// Sweeps until the power still to come is below `tolerance` of all power; false if cancelled, with `light` as the last
@@ -113,21 +112,30 @@ impl Gatherer<'_> {
         Some(change)
     }
 
-    /// Finds leaves whose F·V sum to more than 1 — an estimate's failure, which could let light grow without end — and scales
-    /// their irradiance back to what a sum of 1 brings; returns how many. Never scales up.
+    /// Finds leaves whose F·V sum to so much more than 1 that light could grow without end, and notes by how much their
+    /// irradiance must be scaled back; returns how many. Never scales up.
+    ///
+    /// A sum somewhat above 1 is no failure of its own: a leaf shares the links of the patches above it, which are right in
+    /// the mean over all their leaves; to cut off those above and leave those below would lose light.
     pub fn limit_rows(&self, light: &mut Light, cancel: &CancelToken) -> Option<usize> {
         let ones = vec![Vec3::ONE; self.hierarchy.elements().len()];
         let mut rows = self.incoming(&ones, cancel)?;
+        let mut limited = 0;
+        light.row_excess.clear();
         for (index, element) in self.hierarchy.elements().iter().enumerate() {
-            if let Some(parent) = element.parent() {
-                rows[index] = rows[index] + rows[parent.index()];
-            }
+            let from_above = element.parent().map_or(Vec3::ZERO, |parent| rows[parent.index()]);
+            rows[index] += from_above;
+            let excess = match element.shape {
+                Shape::Patch(patch) if element.is_leaf() => {
+                    let reflectance = self.surfaces[patch.polygon as usize].reflectance.max_element();
+                    (rows[index].x * reflectance / LARGEST_RETURN).min(rows[index].x).max(1.0)
+                }
+                _ => 1.0,
+            };
+            limited += usize::from(excess > 1.0);
+            light.row_excess.push(excess);
         }
-        light.row_excess = rows.iter().map(|row| row.x.max(ROW_TOLERANCE)).collect();
-        let exceeds = |(row, element): &(&Vec3, &crate::hierarchy::Element)| {
-            element.is_leaf() && !element.is_cluster() && row.x > ROW_TOLERANCE
-        };
-        Some(rows.iter().zip(self.hierarchy.elements()).filter(exceeds).count())
+        Some(limited)
     }
 
     /// What arrives at each element by its own links; at initial patches also what clusters above push to them at once.

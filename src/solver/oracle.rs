@@ -135,8 +135,12 @@ impl Oracle<'_> {
             return true;
         }
         let hierarchy = self.hierarchy;
+        let area = hierarchy.element(receiver).area;
         let (power, bound) = if receiver == source {
-            let power = brightness * hierarchy.element(receiver).area;
+            (brightness * area, brightness * area)
+        } else if !hierarchy.element(receiver).is_cluster() && !hierarchy.element(source).is_cluster() {
+            // Patches have one estimate, and the link holds it.
+            let power = brightness * link.form_factor * area;
             (power, power)
         } else {
             match exchange(hierarchy, receiver, source) {

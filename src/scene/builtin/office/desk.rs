@@ -20,7 +20,6 @@ pub(super) struct Habits {
     pub(super) lamp: f32,
     /// Degrees that the screen is turned by.
     pub(super) screen_turn: f32,
-    pub(super) two_pencils: bool,
 }
 
 /// The desk: a side panel on the left, a pedestal with three drawers on the right.
@@ -56,26 +55,22 @@ pub(super) fn equipment(d: &mut Draft, p: &Paints, habits: Habits) {
     d.piece("mouse", top(0.33, 0.22), -10.0, |d| mouse(d, p));
     d.piece("lamp", top(habits.lamp, -0.24), if habits.lamp < 0.0 { 0.0 } else { 180.0 }, |d| lamp(d, p));
     d.group("papers", |d| {
+        let pile = top(away * 0.58 + dice.between(-0.03, 0.03), 0.14 + dice.between(-0.02, 0.02));
         for sheet in 0..3 {
-            let at = top(away * 0.58 + dice.between(-0.03, 0.03), 0.14 + dice.between(-0.02, 0.02));
-            let lift = vec3(0.0, 0.004 * sheet as f32, 0.0);
-            // Each sheet is a little smaller than the one below, on which it rests.
-            let (turn, size) = (dice.between(-4.0, 4.0), 1.0 - 0.16 * sheet as f32);
-            d.at(at + lift, turn, |d| {
+            // Each sheet is smaller than the one below, on which it rests wholly.
+            let (lift, size) = (vec3(0.0, 0.004 * sheet as f32, 0.0), 1.0 - 0.16 * sheet as f32);
+            d.at(pile + lift, dice.between(-3.0, 3.0), |d| {
                 d.block(Vec3::ZERO, vec3(0.24 * size, 0.004, 0.32 * size), Faces::BOTTOM, p.paper);
             });
         }
         d.at(top(habits.lamp.signum() * 0.6, 0.17), dice.between(-12.0, 12.0), |d| furniture::paper(d, 0.002, p.paper));
         d.at(top(habits.lamp.signum() * 0.43, 0.24), 8.0, |d| furniture::pencil(d, p.covers[3]));
-        if habits.two_pencils {
-            d.at(top(habits.lamp.signum() * 0.4, 0.22), -13.0, |d| furniture::pencil(d, p.covers[1]));
-        }
     });
     d.piece("books", top(away * 0.42, -0.2), dice.between(-10.0, 10.0), |d| {
         let mut y = 0.0;
         for size in [1.0, 0.86, 0.7] {
             let (thick, cover) = (0.005 * dice.between(5.0, 9.0).round(), dice.pick(&p.covers));
-            d.at(vec3(0.0, y, 0.0), dice.between(-5.0, 5.0), |d| {
+            d.at(vec3(0.0, y, 0.0), dice.between(-2.5, 2.5), |d| {
                 furniture::lying_book(d, [0.2 * size, thick, 0.27 * size], cover, p.paper);
             });
             y += thick;
@@ -92,30 +87,25 @@ fn monitor(d: &mut Draft, p: &Paints) {
         // Sunk 5 mm into the housing.
         d.cuboid(vec3(-0.03, 0.012, -0.055), vec3(0.03, 0.3, 0.005 - thick), Faces::BOTTOM, p.dark);
     });
+    // One grid for the rim and what the screen shows, so that neighbours share full edges.
+    let across = [-x, rim - x, 0.06, x - rim, x];
+    let up = [low, low + rim, low + 0.04, high - 0.05, high - rim, high];
+    let is_rim =
+        |column: usize, row: usize| [0, across.len() - 2].contains(&column) || [0, up.len() - 2].contains(&row);
+    let plane = (Vec3::ZERO, Vec3::X, Vec3::Y);
     d.group("housing", |d| {
         d.cuboid(vec3(-x, low, -thick), vec3(x, high, 0.0), Faces::FRONT, p.dark);
-        let across = [-x, rim - x, x - rim, x];
-        d.wall(
-            (Vec3::ZERO, Vec3::X, Vec3::Y),
-            &across,
-            &[low, low + rim, high - rim, high],
-            |c, r| c == 1 && r == 1,
-            p.dark,
-        );
+        d.wall(plane, &across, &up, |column, row| !is_rim(column, row), p.dark);
     });
     d.group("screen", |d| {
-        let across = [rim - x, -0.2, 0.06, x - rim];
-        let up = [low + rim, low + 0.04, high - 0.05, high - rim];
         let shown = |column: usize, row: usize| match (column, row) {
-            (_, 0) => p.screen_code,
-            (1, 1) => p.screen_page,
+            (_, 1) => p.screen_code,
+            (1, 2) => p.screen_page,
             _ => p.screen,
         };
-        for row in 0..up.len() - 1 {
-            for column in 0..across.len() - 1 {
-                let (x, y) = (&across[column..column + 2], &up[row..row + 2]);
-                d.wall((Vec3::ZERO, Vec3::X, Vec3::Y), x, y, |_, _| false, shown(column, row));
-            }
+        for material in [p.screen, p.screen_page, p.screen_code] {
+            let other = |column, row| is_rim(column, row) || shown(column, row) != material;
+            d.wall(plane, &across, &up, other, material);
         }
     });
 }

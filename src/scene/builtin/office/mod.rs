@@ -24,7 +24,7 @@ pub(super) fn build() -> Scene {
     along_the_walls(&mut draft, &paints);
     let mut scene = draft.finish();
     scene.camera =
-        Some(CameraPose { eye: vec3(-2.1, 1.6, 1.9), target: vec3(0.5, 0.8, -1.2), up: Vec3::Y, hfov_deg: 70.0 });
+        Some(CameraPose { eye: vec3(-2.3, 1.6, 2.0), target: vec3(0.6, 0.78, -1.0), up: Vec3::Y, hfov_deg: 70.0 });
     scene
 }
 
@@ -89,7 +89,7 @@ impl Paints {
             fresh_leaf: d.paint("fresh_leaf", srgb(0x7fae4b)),
             enamel: d.paint("enamel", srgb(0xc23b30)),
             lamp: d.lamp("lamp", Vec3::splat(0.7), vec3(42.0, 36.0, 27.0)),
-            bulb: d.lamp("bulb", Vec3::splat(0.7), vec3(620.0, 440.0, 220.0)),
+            bulb: d.lamp("bulb", Vec3::splat(0.7), vec3(900.0, 620.0, 300.0)),
             daylight: d.lamp("daylight", Vec3::splat(0.1), vec3(4.6, 5.5, 6.8)),
             screen: d.lamp("screen", Vec3::splat(0.04), vec3(0.35, 0.8, 1.6)),
             screen_page: d.lamp("screen_page", Vec3::splat(0.04), vec3(2.2, 2.3, 2.5)),
@@ -156,13 +156,14 @@ fn lamps(d: &mut Draft, p: &Paints) {
 fn desks(d: &mut Draft, p: &Paints) {
     d.piece("desk_1", vec3(-0.95, 0.0, -1.65), 0.0, |d| {
         desk::desk(d, p);
-        desk::equipment(d, p, desk::Habits { seed: 1, lamp: -0.62, screen_turn: 6.0, two_pencils: false });
+        desk::equipment(d, p, desk::Habits { seed: 1, lamp: -0.62, screen_turn: 6.0 });
         d.piece("telephone", vec3(-0.43, 0.0, -0.05), 12.0, |d| desk::telephone(d, p));
         d.piece("chair", vec3(-0.05, 0.0, 0.72), 30.0, |d| pieces::office_chair(d, p));
     });
     d.piece("desk_2", vec3(0.95, 0.0, -1.65), 0.0, |d| {
         desk::desk(d, p);
-        desk::equipment(d, p, desk::Habits { seed: 2, lamp: 0.62, screen_turn: -8.0, two_pencils: true });
+        desk::equipment(d, p, desk::Habits { seed: 2, lamp: 0.62, screen_turn: -8.0 });
+        d.piece("calendar", vec3(0.42, 0.74, 0.0), -14.0, |d| furniture::name_card(d, p.paper));
         d.piece("chair", vec3(-0.1, 0.0, 0.85), -35.0, |d| pieces::office_chair(d, p));
     });
     d.piece("bin", vec3(0.0, 0.0, -1.3), 0.0, |d| pieces::bin(d, p));
@@ -179,7 +180,7 @@ fn along_the_walls(d: &mut Draft, p: &Paints) {
     });
     d.piece("tall_plant", vec3(2.4, 0.0, -1.95), 0.0, |d| pieces::tall_plant(d, p));
     d.piece("cabinet", vec3(-2.5, 0.0, -1.95), 0.0, |d| pieces::cabinet(d, p));
-    d.piece("armchair", vec3(1.45, 0.012, 0.95), 118.0, |d| pieces::armchair(d, p));
+    d.piece("armchair", vec3(1.35, 0.012, 0.72), 118.0, |d| pieces::armchair(d, p));
     d.group("pictures", |d| {
         let picture = |d: &mut Draft, index: usize, at: Vec3, turn: f32, size: [f32; 2]| {
             d.piece(&format!("picture_{index}"), at, turn, |d| pieces::picture(d, p, size, index));

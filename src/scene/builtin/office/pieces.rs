@@ -16,7 +16,7 @@ pub(super) fn office_chair(d: &mut Draft, p: &Paints) {
             });
         }
         d.group("column", |d| {
-            d.lathe(&[(0.0, 0.06), (0.045, 0.06), (0.045, 0.12), (0.028, 0.14), (0.028, 0.44)], 8, p.steel);
+            d.lathe(&[(0.0, 0.06), (0.045, 0.06), (0.045, 0.12), (0.028, 0.14), (0.028, 0.43)], 8, p.steel);
         });
     });
     let cushion = [(0.0, 0.0), (0.9, 0.0), (1.0, 0.3), (1.0, 0.7), (0.9, 1.0), (0.0, 1.0)];
@@ -37,7 +37,7 @@ pub(super) fn office_chair(d: &mut Draft, p: &Paints) {
     });
     d.group("support", |d| {
         d.bar([vec3(0.0, 0.46, 0.2), vec3(0.0, 0.46, 0.32)], [0.06, 0.03], Faces::NONE, p.dark);
-        d.bar([vec3(0.0, 0.45, 0.305), vec3(0.0, 0.85, 0.29)], [0.06, 0.03], Faces::NONE, p.dark);
+        d.bar([vec3(0.0, 0.45, 0.305), vec3(0.0, 0.85, 0.29)], [0.05, 0.03], Faces::NONE, p.dark);
         for x in [-0.255, 0.255] {
             d.block(vec3(x, 0.66, 0.03), vec3(0.06, 0.03, 0.26), Faces::NONE, p.dark);
             d.block(vec3(x, 0.45, 0.05), vec3(0.03, 0.21, 0.05), Faces::TOP, p.dark);
@@ -59,16 +59,14 @@ pub(super) fn armchair(d: &mut Draft, p: &Paints) {
             d.block(vec3(x, 0.3, 0.0), vec3(0.12, 0.26, 2.0 * z), Faces::BOTTOM, p.visitor);
         }
         let (inner, back) = (x - 0.12, z - 0.14);
-        d.cuboid(vec3(-inner, 0.3, back), vec3(inner, 0.82, z), Faces::BOTTOM, p.visitor);
+        // The back is higher than the arms, so it keeps 4 mm away from them.
+        d.cuboid(vec3(0.004 - inner, 0.3, back), vec3(inner - 0.004, 0.82, z), Faces::BOTTOM, p.visitor);
         d.cuboid(
             vec3(0.005 - inner, 0.3, 0.015 - z),
             vec3(inner - 0.005, 0.42, back - 0.005),
             Faces::BOTTOM,
             p.cushion,
         );
-    });
-    d.piece("book", vec3(0.06, 0.42, -0.1), 35.0, |d| {
-        super::furniture::lying_book(d, [0.16, 0.03, 0.22], p.covers[0], p.paper);
     });
 }
 

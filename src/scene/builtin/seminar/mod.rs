@@ -16,8 +16,10 @@ use things::Thing;
 const SEATS_PER_TABLE: usize = 2;
 /// Between the middles of neighbouring tables, m.
 const TABLE_PITCH: f32 = 1.75;
+/// Between the middles of neighbouring rows, m.
 const ROW_PITCH: f32 = 1.25;
 const TABLE_HEIGHT: f32 = 0.74;
+
 /// Draws the room with exactly this many polygons.
 pub(super) fn build(polygons: usize) -> Scene {
     // Seats grow a little slower than polygons do: a larger hall also shows more on its tables.
@@ -45,7 +47,7 @@ impl Room {
     fn sizes() -> impl Iterator<Item = Self> {
         const MOST_TABLES: usize = 12;
         (2..=MOST_TABLES).flat_map(|tables| {
-            let last = if tables == MOST_TABLES { 44 } else { (9 * tables / 5).max(3) };
+            let last = if tables == MOST_TABLES { 44 } else { (9 * tables / 5).max(4) };
             ((4 * tables).div_ceil(3).min(last)..=last).map(move |rows| Self { rows, tables })
         })
     }
@@ -258,7 +260,7 @@ impl Hall {
                 d.piece("chair", vec3(0.2, 0.0, 0.45), 12.0, |d| pieces::chair(d, p));
                 d.piece("things", vec3(-0.4, TABLE_HEIGHT, 0.05), 15.0, |d| {
                     furniture::lying_book(d, [0.19, 0.035, 0.26], p.covers[1], p.paper);
-                    d.at(vec3(0.01, 0.035, 0.0), 25.0, |d| {
+                    d.at(vec3(0.0, 0.035, 0.0), 4.0, |d| {
                         furniture::lying_book(d, [0.15, 0.025, 0.2], p.covers[0], p.paper);
                     });
                 });

@@ -41,8 +41,10 @@ impl Thing {
 pub(super) fn plan(seats: usize, polygons: usize) -> Vec<Vec<Thing>> {
     let mut plan = vec![Vec::new(); seats];
     let mut rest = polygons;
-    // A stride without a common factor visits every seat once, all over the room.
-    let stride = (seats * 5 / 8..seats).find(|&stride| gcd(stride, seats) == 1).unwrap_or(1);
+    // Steps of the golden section scatter the first visits all over the room; a step without a common factor with the
+    // number of seats visits each once.
+    let golden = (0.618 * seats as f64) as usize;
+    let stride = (golden..seats).find(|&stride| gcd(stride, seats) == 1).unwrap_or(1);
     let seat = |visit: usize| visit * stride % seats;
 
     let few = [Thing::Paper, Thing::Book, Thing::Pencil, Thing::Paper, Thing::Bottle];
@@ -75,7 +77,7 @@ fn gcd(a: usize, b: usize) -> usize {
 
 /// Draws things on the table top before a seat (y = 0; the seat is at +z), each kind in a place of its own.
 pub(super) fn draw(d: &mut Draft, things: &[Thing], p: &Paints, mut dice: Dice) {
-    let mut pile = 0.0;
+    let (mut height, mut size, pile_turn) = (0.0, 1.0, dice.between(-9.0, 9.0));
     for thing in things {
         let turn = dice.between(-9.0, 9.0);
         match thing {
@@ -85,13 +87,12 @@ pub(super) fn draw(d: &mut Draft, things: &[Thing], p: &Paints, mut dice: Dice) 
             Thing::Card => d.at(vec3(0.04, 0.0, -0.22), 0.5 * turn, |d| furniture::name_card(d, p.paper)),
             Thing::Laptop => d.group("laptop", |d| d.at(vec3(0.155, 0.0, 0.14), 0.3 * turn, |d| laptop(d, p))),
             Thing::Book => {
-                let (thick, cover) = (0.01 * dice.between(1.5, 4.0).round(), dice.pick(&p.covers));
-                // The higher a book lies, the smaller it is, so that it rests wholly on the one below.
-                let shrink = 1.0 / (1.0 + 0.2 * (pile / 0.03));
-                d.at(vec3(-0.2, pile, -0.17), turn, |d| {
-                    furniture::lying_book(d, [0.17 * shrink, thick, 0.23 * shrink], cover, p.paper);
+                let (thick, cover) = (0.005 * dice.between(3.0, 8.0).round(), dice.pick(&p.covers));
+                d.at(vec3(-0.2, height, -0.17), pile_turn + dice.between(-1.5, 1.5), |d| {
+                    furniture::lying_book(d, [0.17 * size, thick, 0.23 * size], cover, p.paper);
                 });
-                pile += thick;
+                height += thick;
+                size *= 0.9; // the next one rests wholly on this one
             }
         }
     }
