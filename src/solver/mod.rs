@@ -257,6 +257,7 @@ impl Solver {
             // Nothing to do at this ε; the next gather goes on to the next.
         } else if self.gathered_finely {
             self.phase = Phase::Done;
+            self.seconds.total = self.started.elapsed().as_secs_f64();
         } else {
             // Once more, to the end; if that wakes no link, all is done.
             self.gathered_finely = true;
@@ -406,7 +407,6 @@ impl Solver {
 
     /// Refines again from the root's self-link, on the same clusters, judging by the radiosities that are known.
     fn restart_from_root(&mut self) {
-        let (seconds, started) = (self.seconds, self.started);
         let known = self.light.radiosity[..].to_vec();
         let counts = self.refinement.counts;
         self.hierarchy = Hierarchy::new(&self.scene, self.params.clustering, self.params.octree_depth);
@@ -423,8 +423,8 @@ impl Solver {
         self.picture = Picture::default();
         self.display = None;
         self.phase = Phase::Refine;
+        self.stage = 0;
         self.gathered_finely = false;
-        (self.seconds, self.started) = (seconds, started);
     }
 
     /// Asks that snapshots carry the links of an element.
@@ -459,7 +459,10 @@ impl Solver {
             converged: self.phase == Phase::Done,
             depth_guard_struck: self.refinement.counts.depth_guard_struck,
             clamped_leaves: self.clamped_leaves,
-            seconds: Seconds { total: self.started.elapsed().as_secs_f64(), ..self.seconds },
+            seconds: match self.phase {
+                Phase::Done => self.seconds,
+                _ => Seconds { total: self.started.elapsed().as_secs_f64(), ..self.seconds },
+            },
             bytes: Bytes { links: self.links.bytes(), elements: self.hierarchy.bytes() + self.light.bytes() },
             emitted_watts: f64::from(emitted.element_sum()),
             absorbed_watts: balance::absorbed(self).element_sum(),

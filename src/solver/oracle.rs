@@ -81,6 +81,10 @@ pub struct Verdict {
     pub rays: u32,
 }
 
+/// A stored link may exceed its threshold by this factor before it is judged again: B creeps up towards its limit, and a
+/// round for the last few percent refines links that matter as little as those beside them.
+const MARGIN: f32 = 1.05;
+
 /// Judges pairs against one state of the solution.
 pub struct Oracle<'a> {
     /// Elements.
@@ -165,7 +169,7 @@ impl Oracle<'_> {
             Evidence::Rays(rays) => (self.thresholds.epsilon_partial, u32::from(rays)),
             Evidence::None => return true,
         };
-        if bound > allowed {
+        if bound > MARGIN * allowed {
             return receiver == source || end_to_split(hierarchy, receiver, source).is_some();
         }
         // More light than it was judged by may ask for more rays; a doubled count is worth a new look.
