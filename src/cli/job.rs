@@ -148,6 +148,10 @@ impl Job {
 
 /// Cancels when the time is over; ends with the process.
 fn start_timer(limit: Duration, cancel: CancelToken) -> anyhow::Result<()> {
+    if limit.is_zero() {
+        cancel.cancel();
+        return Ok(());
+    }
     let wait = move || {
         std::thread::sleep(limit);
         cancel.cancel();

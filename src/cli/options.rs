@@ -25,7 +25,7 @@ fn solver_arg(parameter: &'static Parameter) -> Arg {
         .long(parameter.flag)
         .help(format!("{}{unit} [default: {default}]", parameter.hint))
         // A negative number is refused with its reason, not taken for an option.
-        .allow_negative_numbers(true)
+        .allow_hyphen_values(true)
         .help_heading("Solver");
     match &parameter.kind {
         ValueKind::Real { .. } => arg.value_name("NUMBER").value_parser(value_parser!(f64)),
@@ -140,7 +140,7 @@ pub fn solving(command: Command) -> Command {
                 .long("seconds")
                 .value_name("T")
                 .value_parser(value_parser!(f64))
-                .allow_negative_numbers(true)
+                .allow_hyphen_values(true)
                 .help("Stop after so many seconds of solving and use the solution that is there"),
         )
         .args(solver_args())

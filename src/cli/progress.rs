@@ -43,8 +43,7 @@ impl Progress {
             Phase::Refine => format!("round {}, wave {}", stats.iterations + 1, stats.wave),
             Phase::Gather | Phase::Done => format!("round {}, gathering", stats.iterations + 1),
         };
-        let [links, patches, rays] =
-            [stats.links as u64, stats.patches as u64, stats.rays].map(|number| format::count(number));
+        let [links, patches, rays] = [stats.links as u64, stats.patches as u64, stats.rays].map(format::count);
         bar.set_message(format!("{phase}: {links} links, {patches} patches, {rays} rays"));
     }
 
