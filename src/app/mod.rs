@@ -5,7 +5,7 @@
 //! Imports everything below it; only `main` knows this module.
 
 mod files;
-mod format;
+
 mod launch;
 mod messages;
 mod paint;
@@ -25,6 +25,7 @@ use eframe::CreationContext;
 
 pub use launch::{AppError, run};
 
+use crate::format;
 use crate::scene::Source;
 use crate::solver::{Snapshot, SolverParams};
 use crate::worker::{Command, Event, SceneInfo, SolverThread, Status};

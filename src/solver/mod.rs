@@ -479,6 +479,11 @@ impl Solver {
         }
         snapshot
     }
+
+    /// Irradiance E of each mesh vertex of the last snapshot, W/m², averaged like its radiosity; empty before the first one.
+    pub fn vertex_irradiance(&self) -> Vec<[f32; 3]> {
+        picture::vertex_irradiance(self)
+    }
 }
 
 /// The oracle over the present state; a function of the parts, so that refinement can be borrowed beside it.
