@@ -4,8 +4,8 @@
 //! parameters or stop in between. The algorithm:
 //!
 //! 1. Start with emitted light and the root's self-link as the one candidate.
-//! 2. Judge the candidates of a wave ([`Oracle`]), apply the verdicts ([`Refinement`]); repeat until none is left.
-//! 3. Gather to convergence ([`Gatherer`]).
+//! 2. Judge the candidates of a wave (`Oracle`), apply the verdicts (`Refinement`); repeat until none is left.
+//! 3. Gather to convergence (`Gatherer`).
 //! 4. Judge the stored links again, for B has grown; those that fail are candidates of the next round. Done when none fails.
 //!
 //! This module imports `scene`, `visibility` and `hierarchy`.
