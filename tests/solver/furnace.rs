@@ -1,0 +1,92 @@
+//! Furnaces: a closed room of one reflectance ρ and one emission B_e glows with B = B_e / (1 − ρ) everywhere.
+//!
+//! Truth: conservation. Every row of form factors sums to 1, whatever stands in the room.
+
+use selflink::hierarchy::ClusteringMode;
+use selflink::solver::{Push, SolverParams};
+
+use super::support::{MODES, deviation, empty_room, furnished_room, is_sound, params, solve};
+
+/// 1 % on the mean, as the issue asks, with furniture in the room so that clusters and occlusion count.
+fn furnished_furnace_glows_evenly(mode: ClusteringMode) {
+    let solved = solve(&furnished_room(0.5, 1.0), params(mode, 1e-4));
+    let (mean, rms, worst) = deviation(&solved, 2.0);
+    let stats = solved.stats();
+    println!(
+        "{mode:?}: mean {mean:.4} ({:+.2} %), RMS {:.2} %, worst {:.1} %; {} links, {} patches, {} limited leaves",
+        50.0 * (mean - 2.0),
+        100.0 * rms,
+        100.0 * worst,
+        stats.links,
+        stats.patches,
+        stats.clamped_leaves
+    );
+    assert!((mean / 2.0 - 1.0).abs() < 0.01, "{mode:?}: B = {mean} instead of 2");
+}
+
+#[test]
+fn furnished_furnace_glows_evenly_without_clusters() {
+    furnished_furnace_glows_evenly(ClusteringMode::None);
+}
+
+#[test]
+fn furnished_furnace_glows_evenly_with_an_octree() {
+    furnished_furnace_glows_evenly(ClusteringMode::Octree);
+}
+
+#[test]
+fn furnished_furnace_glows_evenly_with_groups() {
+    furnished_furnace_glows_evenly(ClusteringMode::Groups);
+}
+
+#[test]
+fn furnished_furnace_glows_evenly_with_adaptive_clusters() {
+    furnished_furnace_glows_evenly(ClusteringMode::Adaptive);
+}
+
+/// The empty room has exact form factors to every pair of walls within 1 %, and so each leaf, not only the mean, glows as it
+/// should within 1 % · ρ/(1−ρ); at ε where the whole walls are the leaves as well as where they are split.
+#[test]
+fn empty_furnace_glows_evenly_on_every_leaf() {
+    for epsilon in [1e-1, 1e-3] {
+        for mode in MODES {
+            let (mean, _, worst) = deviation(&solve(&empty_room(0.5, 1.0), params(mode, epsilon)), 2.0);
+            assert!(worst < 0.01, "{mode:?} at {epsilon}: mean {mean}, worst {:.2} % off", 100.0 * worst);
+        }
+    }
+}
+
+/// An error of a row's sum by 1e-3 becomes 1e-3 · ρ/(1−ρ) = 1.9 % at ρ = 0.95. Truth also for the sweeps: at ρ = 0.95 a gather
+/// that counted sweeps instead of looking at the change would end low.
+#[test]
+fn bright_furnace_converges() {
+    for push in [Push::Immediate, Push::Deferred] {
+        for mode in MODES {
+            let solved = solve(&empty_room(0.95, 1.0), SolverParams { push, ..params(mode, 1e-3) });
+            let (mean, _, worst) = deviation(&solved, 20.0);
+            assert!(is_sound(&solved));
+            assert!((mean / 20.0 - 1.0).abs() < 0.019, "{mode:?}: B = {mean} instead of 20, worst {worst}");
+        }
+    }
+}
+
+/// The furnished room at ρ = 0.95: 1 % of a row's sum is 19 % of B; what must not happen is that light grows without bound.
+#[test]
+fn bright_furnished_furnace_stays_finite() {
+    for mode in MODES {
+        let solved = solve(&furnished_room(0.95, 1.0), params(mode, 1e-3));
+        let (mean, rms, worst) = deviation(&solved, 20.0);
+        println!("{mode:?}, ρ = 0.95 with furniture: mean {mean:.2}, RMS {rms:.3}, worst {worst:.2}");
+        assert!(is_sound(&solved));
+        assert!((mean / 20.0 - 1.0).abs() < 0.19, "{mode:?}: B = {mean} instead of 20");
+    }
+}
+
+/// Truth: what is emitted is also B where nothing is reflected; exact, for nothing is added to it.
+#[test]
+fn a_black_furnace_only_emits() {
+    for mode in MODES {
+        let solved = solve(&furnished_room(0.0, 1.0), params(mode, 1e-3));
+        assert_eq!(deviation(&solved, 1.0).2, 0.0, "{mode:?}");
+    }
+}
