@@ -10,7 +10,7 @@ use selflink::hierarchy::{ClusteringMode, ElementId, Hierarchy, Shape};
 use selflink::scene::{GroupId, Scene};
 use selflink::solver::{Exchange, exchange, point_to_polygon};
 
-use super::support::{MODES, leaves, links, params, received, solve};
+use super::support::{MODES, add_box, furnished_room, leaves, links, params, received, solve};
 
 /// An interval.
 type Span = [f64; 2];
@@ -146,6 +146,7 @@ fn the_closed_forms_agree_with_known_values() {
 /// common edge, the disc form just beyond where it takes over).
 #[test]
 fn one_pair_exchanges_its_closed_form() {
+    let mut wrong = Vec::new();
     for pair in pairs() {
         let hierarchy = hierarchy_of(&scene_of(&pair));
         let (a, b) = both(&hierarchy);
@@ -154,33 +155,22 @@ fn one_pair_exchanges_its_closed_form() {
         };
         let error = f64::from(estimate) / pair.exchange - 1.0;
         println!("{}: {estimate} instead of {}, {:+.2} %", pair.name, pair.exchange, 100.0 * error);
-        assert!(error.abs() < 0.01, "{}: {estimate} instead of {}", pair.name, pair.exchange);
+        if error.abs() > 0.01 {
+            wrong.push(format!("{}: {:+.2} %", pair.name, 100.0 * error));
+        }
     }
+    assert!(wrong.is_empty(), "off by more than 1 %: {wrong:?}");
 }
 
-/// Truth: G is one number for a pair, whichever end is named first; equal bits, for V and links of both directions rest on it.
+/// Truth: reciprocity. G is one number for a pair, whichever end is named first; to the bit, or a solve would hang on the
+/// order in which ends are named.
 #[test]
 fn exchange_is_symmetric() {
-    for pair in pairs() {
-        let hierarchy = hierarchy_of(&scene_of(&pair));
-        let (a, b) = both(&hierarchy);
-        assert_eq!(exchange(&hierarchy, a, b), exchange(&hierarchy, b, a), "{}", pair.name);
-    }
-    let hierarchy = hierarchy_of(&super::support::furnished_room(0.5, 1.0));
-    for a in hierarchy.ids() {
-        for b in hierarchy.ids().filter(|&b| b != a) {
-            match (exchange(&hierarchy, a, b), exchange(&hierarchy, b, a)) {
-                (Exchange::FacingAway, Exchange::FacingAway) => {}
-                (Exchange::Facing { estimate, bound, overlapping }, Exchange::Facing { estimate: e, bound: o, overlapping: v }) => {
-                    // Of two patches of one area either may be the one that is sampled: as far apart as two such
-                    // estimates, 1 %, are from the truth.
-                    let equal_area = hierarchy.element(a).area == hierarchy.element(b).area;
-                    let tolerance = if equal_area { 0.02 * estimate } else { 0.0 };
-                    assert!((estimate - e).abs() <= tolerance && (bound - o).abs() <= tolerance, "{a:?} {b:?}: {estimate} {e}");
-                    assert_eq!(overlapping, v);
-                }
-                other => panic!("{a:?} and {b:?} disagree about facing: {other:?}"),
-            }
+    let scenes = pairs().iter().map(scene_of).collect::<Vec<_>>();
+    for scene in scenes.iter().chain([&furnished_room(0.5, 1.0)]) {
+        let hierarchy = hierarchy_of(scene);
+        for (a, b) in hierarchy.ids().flat_map(|a| hierarchy.ids().map(move |b| (a, b))).filter(|(a, b)| a != b) {
+            assert_eq!(exchange(&hierarchy, a, b), exchange(&hierarchy, b, a), "{}: {a:?} and {b:?}", scene.name);
         }
     }
 }
@@ -280,7 +270,7 @@ fn a_self_link_that_is_accepted_carries_the_closed_form_of_a_sphere() {
         for index in 0..8 {
             let corner = Vec3::new((index & 1) as f32, (index >> 1 & 1) as f32, (index >> 2) as f32);
             let box_corners = (corner, corner + side);
-            super::support::add_box(&mut scene, box_corners, false, (material, GroupId(0)));
+            add_box(&mut scene, box_corners, false, (material, GroupId(0)));
         }
         // ε so coarse that the root's self-link itself is good enough.
         let solved = solve(&scene, params(ClusteringMode::Adaptive, 1e3));

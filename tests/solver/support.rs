@@ -57,7 +57,7 @@ pub fn add_box(scene: &mut Scene, (lower, upper): (Vec3, Vec3), bright_inside: b
 
 /// A closed room of 1 × 1 × 1 without anything in it.
 pub fn empty_room(reflectance: f32, emission: f32) -> Scene {
-    let mut scene = Scene::new("empty room");
+    let mut scene = Scene::new("room");
     let material = scene.add_material("wall", Vec3::splat(reflectance), Vec3::splat(emission));
     add_box(&mut scene, (Vec3::ZERO, Vec3::ONE), true, (material, GroupId(0)));
     scene
@@ -103,7 +103,7 @@ pub fn lamp_room() -> Scene {
     let lamp = scene.add_material("lamp", Vec3::splat(0.3), Vec3::new(20.0, 18.0, 14.0));
     let group = scene.add_group("lamp", GroupId(0));
     scene.add_quad(
-        [[0.4, 0.6], [0.6, 0.6], [0.6, 0.4], [0.4, 0.4]].map(|[x, z]| Vec3::new(x, 0.98, z)),
+        [[0.4, 0.4], [0.6, 0.4], [0.6, 0.6], [0.4, 0.6]].map(|[x, z]| Vec3::new(x, 0.98, z)),
         lamp,
         group,
     );
