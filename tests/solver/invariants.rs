@@ -158,16 +158,21 @@ fn powers_of_two_in_lengths_and_emission_change_nothing() {
 /// Other factors round: 0.1 % of the links, and a B that is the same within the error that such links may carry, 1 %.
 #[test]
 fn other_units_change_next_to_nothing() {
-    for mode in MODES {
-        let plain = solve(&lamp_room(), params(mode, 1e-3));
+    let mut wrong = Vec::new();
+    for scene in [BuiltinScene::Office.build(), BuiltinScene::Seminar { polygons: 2008 }.build(), lamp_room()] {
+        let plain = solve(&scene, params(ClusteringMode::Adaptive, 1e-3));
         for factor in [0.1, 10.0] {
-            let other = solve(&scaled(&lamp_room(), factor, 1.0), params(mode, 1e-3));
+            let other = solve(&scaled(&scene, factor, 1.0), params(ClusteringMode::Adaptive, 1e-3));
             let (count, expected) = (other.links().len() as f64, plain.links().len() as f64);
-            assert!((count / expected - 1.0).abs() < 1e-3, "{mode:?} × {factor}: {count} links instead of {expected}");
             let off = difference(&other, &plain);
-            assert!(off < 0.01, "{mode:?} × {factor}: B differs by {off}");
+            let what = format!("{} × {factor}: {count} links instead of {expected}, B differs by {off:.1e}", scene.name);
+            println!("{what}");
+            if (count / expected - 1.0).abs() > 1e-3 || off > 0.01 {
+                wrong.push(what);
+            }
         }
     }
+    assert!(wrong.is_empty(), "{wrong:?}");
 }
 
 /// Scenes in millimetres and in thousands of kilometres end and have no NaN; they have the light of the same scene in metres.

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 use selflink::cancel::CancelToken;
 use selflink::hierarchy::{ElementId, Hierarchy, Shape};
 use selflink::scene::{GroupId, MaterialId, Scene};
@@ -191,16 +191,28 @@ pub fn deviation(solver: &Solver, truth: f64) -> (f64, f64, f64) {
     (sum / area_sum, (squares / area_sum).sqrt(), worst)
 }
 
-/// Relative RMS difference of two solutions' radiosities over the initial patches, weighted by area.
+/// Relative RMS difference of two solutions' radiosities over the polygons, weighted by area.
 pub fn difference(one: &Solver, other: &Solver) -> f64 {
-    let (mut differences, mut squares) = (0.0, 0.0);
-    for &patch in one.hierarchy().initial_patches() {
-        let area = f64::from(one.hierarchy().element(patch).area);
-        let (a, b) = (one.radiosity()[patch.index()].as_dvec3(), other.radiosity()[patch.index()].as_dvec3());
-        differences += area * (a - b).length_squared();
-        squares += area * b.length_squared();
+    let (one, other) = (of_polygons(one), of_polygons(other));
+    assert_eq!(one.len(), other.len());
+    let mut sums = (0.0, 0.0);
+    for ((_, a), (area, b)) in one.into_iter().zip(other) {
+        sums.0 += area * (a - b).length_squared();
+        sums.1 += area * b.length_squared();
     }
-    (differences / squares).sqrt()
+    (sums.0 / sums.1).sqrt()
+}
+
+/// Area and mean radiosity of each polygon.
+fn of_polygons(solver: &Solver) -> Vec<(f64, DVec3)> {
+    let hierarchy = solver.hierarchy();
+    let mut polygons = vec![(0.0, DVec3::ZERO); hierarchy.initial_patches().len()];
+    for &id in hierarchy.initial_patches() {
+        let element = hierarchy.element(id);
+        let Shape::Patch(patch) = element.shape else { panic!("an initial patch is a patch") };
+        polygons[patch.polygon as usize] = (f64::from(element.area), solver.radiosity()[id.index()].as_dvec3());
+    }
+    polygons
 }
 
 /// Whether every radiosity is a number, none negative.
