@@ -3,8 +3,11 @@
 pub mod app;
 pub mod cancel;
 pub mod ceiling;
+pub mod export;
+pub mod format;
 pub mod hierarchy;
 pub mod orient;
+pub mod probe;
 #[cfg(feature = "gui")]
 pub mod render;
 pub mod scene;

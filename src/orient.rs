@@ -35,7 +35,7 @@ pub fn apply(mut scene: Scene, sides: Sides) -> (Scene, Occluders) {
     let occluders = Occluders::new(&scene);
     match sides {
         Sides::Front => {
-            let votes = votes(&scene, &occluders);
+            let votes = votes(&scene, &occluders, false);
             scene.skipped.faces_seen_from_behind = votes.iter().filter(|vote| **vote < 0).count();
             (scene, occluders)
         }
@@ -49,7 +49,7 @@ pub fn apply(mut scene: Scene, sides: Sides) -> (Scene, Occluders) {
             (scene, occluders)
         }
         Sides::Auto => {
-            let votes = votes(&scene, &occluders);
+            let votes = votes(&scene, &occluders, true);
             let surfaces = surface_votes(&scene, &votes);
             let mut turned = 0;
             for (index, polygon) in scene.polygons.iter_mut().enumerate() {
@@ -70,8 +70,9 @@ pub fn apply(mut scene: Scene, sides: Sides) -> (Scene, Occluders) {
 /// For each polygon, how much more it is seen from its bright side than from behind; 0 where nothing tells.
 ///
 /// What the eye's particles see is decided by them alone: a lamp may lie in a housing, the eye lies in the space that
-/// the picture shows.
-fn votes(scene: &Scene, occluders: &Occluders) -> Vec<i64> {
+/// the picture shows. `lamp_backs` says whether particles leave the dark sides of lamps too, which matters where lamps may be
+/// turned the wrong way; where they are right, it would show the inside of their housings.
+fn votes(scene: &Scene, occluders: &Occluders, lamp_backs: bool) -> Vec<i64> {
     let rays = (RAYS_PER_POLYGON * scene.polygons.len()).clamp(*RAYS.start(), *RAYS.end());
     let walks = Walks::new(scene, occluders);
     let particles = rays / BOUNCES;
@@ -80,7 +81,7 @@ fn votes(scene: &Scene, occluders: &Occluders) -> Vec<i64> {
     if scene.camera.is_some() {
         let mut from_eye = walks.run(particles, 0, |random| walks.start_at_eye(random));
         if let Some(lamps) = &lamps {
-            let from_lamps = walks.run(particles / 2, 1, |random| walks.start_at_lamp(lamps, random));
+            let from_lamps = walks.run(particles / 2, 1, |random| walks.start_at_lamp(lamps, lamp_backs, random));
             for (vote, other) in from_eye.iter_mut().zip(from_lamps) {
                 *vote = if *vote == 0 { other } else { *vote };
             }
@@ -91,7 +92,7 @@ fn votes(scene: &Scene, occluders: &Occluders) -> Vec<i64> {
         return votes;
     }
     match &lamps {
-        Some(lamps) => walks.run(particles, 1, |random| walks.start_at_lamp(lamps, random)),
+        Some(lamps) => walks.run(particles, 1, |random| walks.start_at_lamp(lamps, lamp_backs, random)),
         None => walks.run(particles, 2, |random| walks.start_in_box(random)),
     }
 }
@@ -162,8 +163,8 @@ impl<'a> Walks<'a> {
         Some((eye, direction))
     }
 
-    /// From a lamp, on either side.
-    fn start_at_lamp(&self, lamps: &Lamps, random: &mut Random) -> Option<Start> {
+    /// From a lamp, on its bright side or on either.
+    fn start_at_lamp(&self, lamps: &Lamps, lamp_backs: bool, random: &mut Random) -> Option<Start> {
         let polygon = &self.scene.polygons[lamps.pick(random.unit()) as usize];
         let ([a, b, c, d], count) = self.scene.corner_positions(polygon);
         let [b, c] = if count == 4 && random.unit() < 0.5 { [c, d] } else { [b, c] };
@@ -172,7 +173,7 @@ impl<'a> Walks<'a> {
             (u, v) = (1.0 - u, 1.0 - v);
         }
         let normal = self.scene.normal(polygon);
-        let side = if random.unit() < 0.5 { normal } else { -normal };
+        let side = if random.unit() < 0.5 && lamp_backs { -normal } else { normal };
         (side != Vec3::ZERO).then(|| (a + u * (b - a) + v * (c - a), random.around(side)))
     }
 

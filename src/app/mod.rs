@@ -1,11 +1,11 @@
 //! The window: state, and what happens in a frame.
 //!
-//! The window owns no solver state. In each frame it takes up what the worker has to say ([`Shown`]), lets the panels and the view
+//! The window owns no solver state. In each frame it takes up what the worker has to say (`Shown`), lets the panels and the view
 //! write commands into an outbox, and sends them. Panels see only what they are given, so none of them can wait for the solver.
 //! Imports everything below it; only `main` knows this module.
 
 mod files;
-mod format;
+
 mod launch;
 mod messages;
 mod paint;
@@ -25,6 +25,7 @@ use eframe::CreationContext;
 
 pub use launch::{AppError, run};
 
+use crate::format;
 use crate::scene::Source;
 use crate::solver::{Snapshot, SolverParams};
 use crate::worker::{Command, Event, SceneInfo, SolverThread, Status};
@@ -143,7 +144,7 @@ impl App {
     }
 
     /// Takes up everything that the worker has to say.
-    fn take_up_news(&mut self) {
+    fn take_up_news(&mut self, ctx: &egui::Context) {
         // Events before the snapshot: whoever has read the event of a scene finds that scene's snapshot or an older one.
         while let Some(event) = self.worker.try_event() {
             self.take_up(event);
@@ -154,7 +155,7 @@ impl App {
         self.shown.status = self.worker.status();
         let Some(latest) = self.worker.latest() else { return };
         if let Some(incoming) = self.incoming.take_if(|incoming| incoming.info.generation <= latest.generation) {
-            self.adopt(incoming);
+            self.adopt(ctx, incoming);
         } else if self.incoming.is_some() {
             return;
         }
@@ -202,9 +203,12 @@ impl App {
         }
     }
 
-    fn adopt(&mut self, incoming: Incoming) {
+    /// Brings a scene into view whose first snapshot is there.
+    fn adopt(&mut self, ctx: &egui::Context, incoming: Incoming) {
         let Incoming { info, is_new } = incoming;
         if is_new {
+            let title = format!("{} – Selflink", info.scene.name);
+            ctx.send_viewport_cmd(egui::ViewportCommand::Title(title));
             self.view.start_with(&info.scene);
             self.picked = None;
             self.lamp = LampEditor::for_scene(&info.scene);
@@ -232,8 +236,8 @@ impl App {
 }
 
 impl eframe::App for App {
-    fn logic(&mut self, _ctx: &egui::Context, _frame: &mut eframe::Frame) {
-        self.take_up_news();
+    fn logic(&mut self, ctx: &egui::Context, _frame: &mut eframe::Frame) {
+        self.take_up_news(ctx);
     }
 
     fn ui(&mut self, ui: &mut egui::Ui, _frame: &mut eframe::Frame) {

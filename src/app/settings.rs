@@ -53,11 +53,13 @@ impl DisplaySettings {
 
     /// As the renderer wants it; cluster levels beyond the deepest show the deepest. A scene without light would be
     /// black in black, so that nothing could be chosen in it: it is drawn with outlines.
-    pub(super) fn overlay(&self, deepest_level: u16, is_dark: bool) -> Overlay {
+    pub(super) fn overlay(&self, deepest_level: u16, is_dark: bool, is_picked: bool) -> Overlay {
+        // Without links the renderer still marks the picked element.
+        let strongest = if self.show_links { self.strongest_links } else { 0 };
         Overlay {
             elements: self.show_elements || is_dark,
             clusters: self.show_clusters.then_some(self.cluster_level.min(deepest_level)),
-            links: self.show_links.then_some(LinkFilter { strongest: self.strongest_links }),
+            links: is_picked.then_some(LinkFilter { strongest }),
         }
     }
 }

@@ -141,15 +141,6 @@ impl Viewport {
         let (origin, direction) = self.camera?.ray(ndc, self.aspect());
         Some(Clicked { origin, direction, is_double })
     }
-
-    /// Where points of the scene lie in the window; `None` behind the eye.
-    fn project(&self, camera: &Camera, point: Vec3) -> Option<egui::Pos2> {
-        let clip = camera.clip_from_world(self.aspect()) * point.extend(1.0);
-        (clip.w > 0.0).then(|| {
-            let (x, y) = (clip.x / clip.w, clip.y / clip.w);
-            self.rect.min + self.rect.size() * egui::vec2(0.5 + 0.5 * x, 0.5 - 0.5 * y)
-        })
-    }
 }
 
 /// Draws the view over all that is left of the window, and what lies over it.
@@ -181,25 +172,13 @@ pub(super) fn show(app: &mut App, ui: &mut Ui, outbox: &mut Outbox) -> Option<Cl
             snapshot,
             camera,
             display: app.display.display(),
-            overlay: app.display.overlay(deepest, is_dark),
+            overlay: app.display.overlay(deepest, is_dark, app.picked.is_some()),
             size: [pixels(rect.width()), pixels(rect.height())],
         };
         picture.add_to(&ui.painter_at(rect), rect);
-        draw_picked_rim(app, ui, &camera);
     }
     panels::picked::show(app, ui, rect, outbox);
     panels::empty::show_loading(app, ui, rect, outbox);
     panels::empty::show_drop_hint(ui, rect);
     clicked
-}
-
-/// The rim of the picked element, drawn over the picture.
-fn draw_picked_rim(app: &App, ui: &Ui, camera: &Camera) {
-    let Some(picked) = &app.picked else { return };
-    let painter = ui.painter_at(app.view.rect);
-    for ends in &picked.outline {
-        if let [Some(from), Some(to)] = ends.map(|end| app.view.project(camera, end)) {
-            painter.line_segment([from, to], egui::Stroke::new(2.0, theme::ACCENT));
-        }
-    }
 }

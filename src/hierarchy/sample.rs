@@ -11,16 +11,20 @@ pub struct SurfacePoint {
     pub position: Vec3,
     /// Unit normal of the bright side.
     pub normal: Vec3,
+    /// Area of the polygon or patch that it lies on, m².
+    pub area: f32,
 }
 
 impl Hierarchy {
     /// The point of an element at `(u, v)` in the unit square; equal areas of the square are equal areas of the element.
     #[inline]
     pub fn point_on(&self, id: ElementId, u: f32, v: f32) -> SurfacePoint {
-        match &self.element(id).shape {
+        let element = self.element(id);
+        match &element.shape {
             Shape::Patch(patch) => {
                 let (corners, count) = self.corner_positions(patch);
-                SurfacePoint { position: point_on_polygon(&corners[..count], u, v), normal: patch.normal }
+                let position = point_on_polygon(&corners[..count], u, v);
+                SurfacePoint { position, normal: patch.normal, area: element.area }
             }
             Shape::Cluster(cluster) => {
                 let first = cluster.first_patch as usize;

@@ -7,7 +7,7 @@ use crate::solver::snapshot::Snapshot;
 
 /// Exposed log-average luminance of a well exposed picture, before the tone curve. Photography's 0.18 is the key of a landscape;
 /// rooms are mostly pale walls.
-const KEY: f32 = 0.22;
+const KEY: f32 = 0.16;
 /// The brightest lit surfaces are exposed to this at most; the tone curve shows it as 0.95 of white.
 const HIGHLIGHT: f32 = 2.5;
 /// Share of the lit area that may be brighter than `HIGHLIGHT`.

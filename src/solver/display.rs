@@ -9,7 +9,6 @@ use glam::Vec3;
 use rayon::prelude::*;
 use rustc_hash::FxHashMap;
 
-use super::gather::Light;
 use super::snapshot::{ClusterBox, Leaf, Mesh};
 use crate::hierarchy::{ElementId, Hierarchy, Shape, smooth_surfaces};
 use crate::scene::Scene;
@@ -52,12 +51,12 @@ impl Display {
         Self { elements: hierarchy.elements().len(), mesh: Arc::new(mesh), clusters, starts, shares, surfaces }
     }
 
-    /// Radiosity of each mesh vertex, W/m².
-    pub fn vertex_radiosity(&self, light: &Light) -> Vec<[f32; 3]> {
-        let leaf_radiosity = |leaf: u32| light.radiosity[self.mesh.leaves[leaf as usize].element.index()];
+    /// Values of each mesh vertex, averaged over the leaves around it; `table` is parallel to the hierarchy's arena.
+    pub fn of_vertices(&self, table: &[Vec3]) -> Vec<[f32; 3]> {
+        let of_leaf = |leaf: u32| table[self.mesh.leaves[leaf as usize].element.index()];
         let vertex = |range: &[u32]| {
             let shares = &self.shares[range[0] as usize..range[1] as usize];
-            shares.iter().map(|&(leaf, weight)| weight * leaf_radiosity(leaf)).sum::<Vec3>().to_array()
+            shares.iter().map(|&(leaf, weight)| weight * of_leaf(leaf)).sum::<Vec3>().to_array()
         };
         self.starts.par_windows(2).with_min_len(4096).map(vertex).collect()
     }

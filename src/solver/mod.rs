@@ -28,6 +28,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use glam::Vec3;
+use rayon::prelude::*;
 
 pub use balance::{PowerBalance, power_balance};
 pub use form_factor::{Exchange, exchange, point_to_polygon};
@@ -89,6 +90,10 @@ pub enum Step {
     Interrupted,
 }
 
+/// Multiples of ε that a solve goes through. Verdicts look at radiosities, so a fine ε needs them nearly right: with the
+/// last ε alone, links judged while B was small are judged again and again as it grows, and are refined by wrong values.
+const SCHEDULE: [f64; 2] = [8.0, 1.0];
+
 /// A round's gather ends when less than this share of the power is still to come: thresholds do not ask for more.
 const ROUND_TOLERANCE: f64 = 1e-2;
 /// The last gather ends when less than this share of the power is still to come.
@@ -111,6 +116,8 @@ pub struct Solver {
     links: LinkTable,
     refinement: Refinement,
     phase: Phase,
+    /// Place in [`SCHEDULE`].
+    stage: usize,
     /// Whether the last gather went to [`FINAL_TOLERANCE`].
     gathered_finely: bool,
     iterations: u32,
@@ -154,6 +161,7 @@ impl Solver {
             links: LinkTable::default(),
             refinement: Refinement::default(),
             phase: Phase::Refine,
+            stage: 0,
             gathered_finely: false,
             iterations: 0,
             clamped_leaves: 0,
@@ -204,7 +212,8 @@ impl Solver {
     }
 
     fn refine(&mut self, cancel: &CancelToken) -> Step {
-        let oracle = oracle(&self.hierarchy, &self.brightness, &self.occluders, &self.params, self.epsilon_watts);
+        let epsilon = self.stage_epsilon();
+        let oracle = oracle(&self.hierarchy, &self.brightness, &self.occluders, &self.params, epsilon);
         let Some(judged) = self.refinement.judge(&oracle, cancel) else { return Step::Interrupted };
         let wave_ended = self.refinement.apply(&mut self.hierarchy, &judged);
         self.light.grow(&self.hierarchy);
@@ -234,13 +243,21 @@ impl Solver {
         self.clamped_leaves = clamped;
         self.fix_brightness();
         self.iterations += 1;
-        let failing = self.take_failing_links();
+        let mut failing = self.take_failing_links(false);
+        if failing.is_empty() && self.stage + 1 < SCHEDULE.len() {
+            self.stage += 1;
+            failing = self.take_failing_links(true);
+            failing.append(&mut self.take_doubtful_pairs());
+        }
         if !failing.is_empty() {
             self.refinement.start(failing);
             self.gathered_finely = false;
             self.phase = Phase::Refine;
+        } else if self.stage + 1 < SCHEDULE.len() {
+            // Nothing to do at this ε; the next gather goes on to the next.
         } else if self.gathered_finely {
             self.phase = Phase::Done;
+            self.seconds.total = self.started.elapsed().as_secs_f64();
         } else {
             // Once more, to the end; if that wakes no link, all is done.
             self.gathered_finely = true;
@@ -248,16 +265,34 @@ impl Solver {
         Step::Gathered
     }
 
-    /// Takes the links out that fail by the present radiosities and returns them as candidates.
-    fn take_failing_links(&mut self) -> Vec<Candidate> {
-        let oracle = oracle(&self.hierarchy, &self.brightness, &self.occluders, &self.params, self.epsilon_watts);
+    /// ε of the present stage, W.
+    fn stage_epsilon(&self) -> f64 {
+        self.epsilon_watts * SCHEDULE[self.stage]
+    }
+
+    /// Takes the links out that fail by the present radiosities and returns them as candidates; those that inherited their
+    /// visibility by a coarser ε must show it by this one.
+    fn take_failing_links(&mut self, finer_epsilon: bool) -> Vec<Candidate> {
+        let epsilon = self.stage_epsilon();
+        let oracle = oracle(&self.hierarchy, &self.brightness, &self.occluders, &self.params, epsilon);
         let failing = self.links.drain(|receiver, link| oracle.must_judge_again(receiver, link));
         let candidate = |(receiver, link): (ElementId, Link)| {
             let directions = Directions { to_a: true, to_b: false };
-            let inherits_visible = link.evidence() == Evidence::Inherited && receiver != link.source();
+            let inherited = link.evidence() == Evidence::Inherited && receiver != link.source();
+            let inherits_visible = inherited && !finer_epsilon;
             Candidate::new(receiver, link.source(), directions, link.visibility(), inherits_visible)
         };
         failing.into_iter().map(candidate).collect()
+    }
+
+    /// Takes out the pairs whose occlusion matters more by the present ε than when it was found.
+    fn take_doubtful_pairs(&mut self) -> Vec<Candidate> {
+        let epsilon = self.stage_epsilon();
+        let oracle = oracle(&self.hierarchy, &self.brightness, &self.occluders, &self.params, epsilon);
+        let occluded = std::mem::take(&mut self.refinement.occluded);
+        let (doubtful, believed) = occluded.into_par_iter().partition(|pair| oracle.is_doubtful(pair));
+        self.refinement.occluded = believed;
+        doubtful
     }
 
     fn gatherer<'a>(&'a self, links: &'a LinkTable) -> Gatherer<'a> {
@@ -372,7 +407,6 @@ impl Solver {
 
     /// Refines again from the root's self-link, on the same clusters, judging by the radiosities that are known.
     fn restart_from_root(&mut self) {
-        let (seconds, started) = (self.seconds, self.started);
         let known = self.light.radiosity[..].to_vec();
         let counts = self.refinement.counts;
         self.hierarchy = Hierarchy::new(&self.scene, self.params.clustering, self.params.octree_depth);
@@ -389,8 +423,8 @@ impl Solver {
         self.picture = Picture::default();
         self.display = None;
         self.phase = Phase::Refine;
+        self.stage = 0;
         self.gathered_finely = false;
-        (self.seconds, self.started) = (seconds, started);
     }
 
     /// Asks that snapshots carry the links of an element.
@@ -425,7 +459,10 @@ impl Solver {
             converged: self.phase == Phase::Done,
             depth_guard_struck: self.refinement.counts.depth_guard_struck,
             clamped_leaves: self.clamped_leaves,
-            seconds: Seconds { total: self.started.elapsed().as_secs_f64(), ..self.seconds },
+            seconds: match self.phase {
+                Phase::Done => self.seconds,
+                _ => Seconds { total: self.started.elapsed().as_secs_f64(), ..self.seconds },
+            },
             bytes: Bytes { links: self.links.bytes(), elements: self.hierarchy.bytes() + self.light.bytes() },
             emitted_watts: f64::from(emitted.element_sum()),
             absorbed_watts: balance::absorbed(self).element_sum(),
@@ -441,6 +478,11 @@ impl Solver {
             self.seconds.first_snapshot = self.started.elapsed().as_secs_f64();
         }
         snapshot
+    }
+
+    /// Irradiance E of each mesh vertex of the last snapshot, W/m², averaged like its radiosity; empty before the first one.
+    pub fn vertex_irradiance(&self) -> Vec<[f32; 3]> {
+        picture::vertex_irradiance(self)
     }
 }
 

@@ -8,7 +8,8 @@ use crate::hierarchy::{ElementId, Hierarchy, Shape};
 use super::candidate::Candidate;
 use super::form_factor::{Exchange, exchange, self_exchange};
 use super::link::{Evidence, Link};
-use super::rays::RaySampler;
+use super::form_factor::CLUSTER_COSINE;
+use super::rays::{RayPlan, RaySampler, Survey};
 use super::refine::end_to_split;
 
 /// Thresholds in the units that the oracle uses.
@@ -32,6 +33,12 @@ impl Thresholds {
         let wanted = self.visibility_factor * power / self.epsilon;
         // The cast saturates: a huge or undefined quotient (ε = 0) asks for the most.
         (wanted.ceil() as u32).clamp(self.rays_min, self.rays_max)
+    }
+
+    /// Rays that must all be blocked before a pair of this unoccluded power is believed to be occluded: so many that what
+    /// they may have missed, about one ray's share, is below ε_partial.
+    fn rays_to_reject(&self, power: f32) -> u32 {
+        (power / self.epsilon_partial).ceil() as u32
     }
 }
 
@@ -74,6 +81,10 @@ pub struct Verdict {
     pub rays: u32,
 }
 
+/// A stored link may exceed its threshold by this factor before it is judged again: B creeps up towards its limit, and a
+/// round for the last few percent refines links that matter as little as those beside them.
+const MARGIN: f32 = 1.05;
+
 /// Judges pairs against one state of the solution.
 pub struct Oracle<'a> {
     /// Elements.
@@ -113,7 +124,11 @@ impl Oracle<'_> {
             Sight::unseen(candidate)
         };
         let decide = |asked: bool, receiver: ElementId, source: ElementId| {
-            if asked { self.decide(receiver, source, estimate, bound, &sight) } else { Decision::NotAsked }
+            if !asked {
+                return Decision::NotAsked;
+            }
+            let form_factor = self.form_factor(receiver, source, estimate, sight.survey.map(|survey| (survey, receiver == a)));
+            self.decide(receiver, source, form_factor, bound, &sight)
         };
         Verdict {
             to_a: decide(candidate.directions.to_a, a, b),
@@ -154,11 +169,21 @@ impl Oracle<'_> {
             Evidence::Rays(rays) => (self.thresholds.epsilon_partial, u32::from(rays)),
             Evidence::None => return true,
         };
-        if bound > allowed {
+        if bound > MARGIN * allowed {
             return receiver == source || end_to_split(hierarchy, receiver, source).is_some();
         }
         // More light than it was judged by may ask for more rays; a doubled count is worth a new look.
         bound > self.thresholds.epsilon_partial && self.thresholds.rays_for(power) >= rays.saturating_mul(2)
+    }
+
+    /// Whether a pair that no ray came through could carry enough to be looked at again.
+    pub fn is_doubtful(&self, pair: &Candidate) -> bool {
+        let to = |asked: bool, source: ElementId| if asked { self.brightness[source.index()] } else { 0.0 };
+        let brightness = to(pair.directions.to_a, pair.b).max(to(pair.directions.to_b, pair.a));
+        match exchange(self.hierarchy, pair.a, pair.b) {
+            Exchange::FacingAway => false,
+            Exchange::Facing { bound, .. } => brightness * bound > self.thresholds.epsilon_partial,
+        }
     }
 
     /// A self-link is refined while the power that its cluster sends could matter; it has no rays, its estimate holds the
@@ -180,10 +205,22 @@ impl Oracle<'_> {
         Verdict { to_a: decision, to_b: Decision::NotAsked, visibility: 1.0, fully_visible: false, rays: 0 }
     }
 
-    fn decide(&self, receiver: ElementId, source: ElementId, estimate: f32, bound: f32, sight: &Sight) -> Decision {
+    /// Form factor F(r←s) without occlusion: by the estimate for patches and where nobody looked, else by how the polygons
+    /// of the clusters are turned. A receiving cluster keeps its ¼, which an immediate push undoes for each of its patches.
+    fn form_factor(&self, receiver: ElementId, source: ElementId, estimate: f32, survey: Option<(Survey, bool)>) -> f32 {
+        let (to, from) = (self.hierarchy.element(receiver), self.hierarchy.element(source));
+        match survey {
+            Some((survey, receiver_is_a)) if to.is_cluster() => {
+                CLUSTER_COSINE * (from.area * survey.kernel_per_cosine(receiver_is_a)).min(1.0)
+            }
+            Some((survey, _)) if from.is_cluster() => (from.area * survey.mean_kernel()).min(1.0),
+            _ if to.area > 0.0 => (estimate / to.area).min(1.0),
+            _ => 0.0,
+        }
+    }
+
+    fn decide(&self, receiver: ElementId, source: ElementId, form_factor: f32, bound: f32, sight: &Sight) -> Decision {
         let brightness = self.brightness[source.index()];
-        let area = self.hierarchy.element(receiver).area;
-        let form_factor = if area > 0.0 { (estimate / area).min(1.0) } else { 0.0 };
         if brightness <= 0.0 {
             return Decision::Accept(Link::new(source, form_factor, sight.visibility, Evidence::None));
         }
@@ -204,21 +241,30 @@ impl Oracle<'_> {
 
     /// Finds out how well the ends of a pair see each other, with as many rays as its power deserves.
     fn look(&self, candidate: &Candidate, power: f32, bound: f32, stop_when_mixed: bool) -> Sight {
+        let survey = |plan| self.sampler.survey(self.hierarchy, candidate.a, candidate.b, plan);
         if candidate.inherits_visible {
-            return Sight { kind: SightKind::Full, visibility: 1.0, rays: 0, asked: 0 };
+            let among_patches =
+                !self.hierarchy.element(candidate.a).is_cluster() && !self.hierarchy.element(candidate.b).is_cluster();
+            let plan = RayPlan { rays: 0, rays_if_blocked: 0, stop_when_mixed };
+            let survey = (!among_patches).then(|| survey(plan));
+            return Sight { kind: SightKind::Full, visibility: 1.0, rays: 0, asked: 0, survey };
         }
         if bound > self.thresholds.epsilon && bound > power {
             // Boxes that touch are refined in any case; what their members see is for their members to find out.
-            return Sight { kind: SightKind::Unknown, visibility: candidate.visibility(), rays: 0, asked: 0 };
+            let visibility = candidate.visibility();
+            return Sight { kind: SightKind::Unknown, visibility, rays: 0, asked: 0, survey: None };
         }
         let rays = self.thresholds.rays_for(power);
-        let seen = self.sampler.cast(self.hierarchy, candidate.a, candidate.b, rays, stop_when_mixed);
-        let kind = match seen.visible {
-            0 => SightKind::None,
-            visible if visible == seen.cast => SightKind::Full,
+        let to_reject = self.thresholds.rays_to_reject(power);
+        let rays_if_blocked = to_reject.clamp(rays, self.thresholds.rays_max);
+        let survey = survey(RayPlan { rays, rays_if_blocked, stop_when_mixed });
+        let believed = survey.cast == 0 || survey.cast >= to_reject || bound <= self.thresholds.epsilon_partial;
+        let kind = match survey.visible {
+            0 if believed => SightKind::None,
+            visible if visible == survey.cast => SightKind::Full,
             _ => SightKind::Partial,
         };
-        Sight { kind, visibility: seen.share(), rays: seen.cast, asked: rays }
+        Sight { kind, visibility: survey.visibility(), rays: survey.cast, asked: rays, survey: Some(survey) }
     }
 }
 
@@ -237,13 +283,15 @@ struct Sight {
     rays: u32,
     /// Rays that the pair's power deserved; fewer are cast where few points face each other.
     asked: u32,
+    /// The points looked at, where any were.
+    survey: Option<Survey>,
 }
 
 impl Sight {
     /// Nobody looked: both ends are dark.
     fn unseen(candidate: &Candidate) -> Self {
         let kind = if candidate.inherits_visible { SightKind::Full } else { SightKind::Unknown };
-        Self { kind, visibility: candidate.visibility(), rays: 0, asked: 0 }
+        Self { kind, visibility: candidate.visibility(), rays: 0, asked: 0, survey: None }
     }
 
     fn evidence(&self) -> Evidence {

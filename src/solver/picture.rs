@@ -39,7 +39,7 @@ pub(super) fn snapshot(solver: &mut Solver) -> Snapshot {
         generation: solver.generation,
         serial: solver.serial,
         mesh: display.mesh.clone(),
-        vertex_radiosity: display.vertex_radiosity(&light),
+        vertex_radiosity: display.of_vertices(&light.radiosity),
         leaf_irradiance: display.of_leaves(&light.irradiance),
         leaf_radiosity: display.of_leaves(&light.radiosity),
         clusters: display.clusters.clone(),
@@ -49,6 +49,14 @@ pub(super) fn snapshot(solver: &mut Solver) -> Snapshot {
     solver.display = Some(display);
     solver.picture.light = Some(light);
     snapshot
+}
+
+/// Irradiance E of each vertex of the last snapshot's mesh, W/m².
+pub(super) fn vertex_irradiance(solver: &Solver) -> Vec<[f32; 3]> {
+    match (&solver.display, &solver.picture.light) {
+        (Some(display), Some(light)) => display.of_vertices(&light.irradiance),
+        _ => Vec::new(),
+    }
 }
 
 fn picture_light(solver: &mut Solver) -> Light {

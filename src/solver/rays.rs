@@ -1,25 +1,64 @@
-//! Visibility rays between random points of two elements (section 2.4).
+//! Surveys: pairs of random points on two elements, and visibility rays between those that face each other (section 2.4).
+//!
+//! For patches a survey tells how much of the other end is seen. For clusters the same points also tell how their polygons
+//! are turned: a box of furniture, a lamp or a wall made of pieces is not the cloud of randomly turned faces that the mean
+//! cosine of ¼ stands for, and the power of a link that was stored with that cosine is lost or made up.
+
+use std::f32::consts::PI;
 
 use crate::hierarchy::{ElementId, Hierarchy, mix};
 use crate::visibility::Occluders;
 
-/// How many rays went out and came through.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Seen {
-    /// Rays cast.
+/// How many rays a pair gets.
+#[derive(Clone, Copy, Debug)]
+pub struct RayPlan {
+    /// Rays where any comes through; 0 to look at the points alone.
+    pub rays: u32,
+    /// Rays before a pair counts as occluded; at least `rays`.
+    pub rays_if_blocked: u32,
+    /// End as soon as one ray came through and one did not.
+    pub stop_when_mixed: bool,
+}
+
+/// What a survey found.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Survey {
+    /// Pairs of points looked at.
+    pub pairs: u32,
+    /// Rays cast between those that face each other.
     pub cast: u32,
     /// Rays that met nothing.
     pub visible: u32,
+    /// Sum over pairs of cosθ·cosθ'/(πd²), zero for those that do not face each other, 1/m².
+    kernel: f32,
+    /// The same over visible pairs.
+    visible_kernel: f32,
+    /// Sum over pairs of the positive cosine at the end `a`.
+    cosine_at_a: f32,
+    /// Sum over pairs of the positive cosine at the end `b`.
+    cosine_at_b: f32,
 }
 
-impl Seen {
-    /// Share of rays that came through.
-    pub fn share(self) -> f32 {
-        if self.cast == 0 { 0.0 } else { self.visible as f32 / self.cast as f32 }
+impl Survey {
+    /// Mean visibility, each pair of points counted by the light it would carry.
+    pub fn visibility(&self) -> f32 {
+        if self.kernel > 0.0 { (self.visible_kernel / self.kernel).min(1.0) } else { 0.0 }
+    }
+
+    /// Mean of the kernel cosθ·cosθ'/(πd²) over all pairs, 1/m².
+    pub fn mean_kernel(&self) -> f32 {
+        if self.pairs > 0 { self.kernel / self.pairs as f32 } else { 0.0 }
+    }
+
+    /// Mean of the kernel over what the receiver's points show of themselves: cosθ'/(πd²) as a face at the receiver that is
+    /// turned to the source gets it, 1/m².
+    pub fn kernel_per_cosine(&self, receiver_is_a: bool) -> f32 {
+        let cosine = if receiver_is_a { self.cosine_at_a } else { self.cosine_at_b };
+        if cosine > 0.0 { self.kernel / cosine } else { 0.0 }
     }
 }
 
-/// Casts rays between elements; the points depend on what the two are and on the seed, not on who asks.
+/// Surveys pairs of elements; the points depend on what the two are and on the seed, not on who asks.
 #[derive(Clone, Copy)]
 pub struct RaySampler<'a> {
     /// What stops light.
@@ -30,38 +69,68 @@ pub struct RaySampler<'a> {
 
 /// Steps of the four-dimensional R-sequence (Roberts), inverse powers of the root of x⁵ = x + 1, as 32-bit fractions.
 const STEPS: [u32; 4] = [3_679_390_609, 3_152_041_523, 2_700_274_806, 2_313_257_605];
-/// Pairs of points tried for each ray before an end is said to turn its back.
+/// Pairs of points on patches tried for each ray before an end is said to turn its back.
 const TRIES: u32 = 8;
+/// Pairs of points of which a cluster's form factor is made at least.
+const FEWEST_PAIRS: u32 = 12;
 
 impl RaySampler<'_> {
-    /// Casts up to `rays` rays between points that face each other; with `stop_when_mixed` it ends as soon as one came
-    /// through and one did not.
-    pub fn cast(&self, hierarchy: &Hierarchy, a: ElementId, b: ElementId, rays: u32, stop_when_mixed: bool) -> Seen {
+    /// Looks at pairs of points of two elements, with rays between those that face each other.
+    pub fn survey(&self, hierarchy: &Hierarchy, a: ElementId, b: ElementId, plan: RayPlan) -> Survey {
         let (a_key, b_key) = (hierarchy.element(a).key, hierarchy.element(b).key);
         // The same points for both directions: order the ends by what they are.
-        let (first, second) = if a_key <= b_key { (a, b) } else { (b, a) };
+        let a_is_first = a_key <= b_key;
         let pair = mix(mix(a_key.min(b_key), a_key.max(b_key)), self.seed);
         let (low, high) = (mix(pair, 1), mix(pair, 2));
         let start = [low as u32, (low >> 32) as u32, high as u32, (high >> 32) as u32];
-        let mut seen = Seen { cast: 0, visible: 0 };
-        for index in 0..rays.saturating_mul(TRIES) {
+        let clusters = u32::from(hierarchy.element(a).is_cluster()) + u32::from(hierarchy.element(b).is_cluster());
+        // Between clusters the number of pairs is fixed, about so many that the wanted number of them face each other: to
+        // stop at a number of rays would make the mean kernel depend on it.
+        let pairs_for = |rays: u32| match clusters {
+            0 => rays.saturating_mul(TRIES),
+            _ => (rays << clusters).max(FEWEST_PAIRS),
+        };
+        let (pairs, pairs_if_blocked) = (pairs_for(plan.rays), pairs_for(plan.rays_if_blocked));
+        let mut survey = Survey::default();
+        for index in 0..pairs_if_blocked {
+            let enough = if clusters > 0 { index >= pairs } else { survey.cast >= plan.rays };
+            let blocked = survey.visible == 0 && survey.cast < plan.rays_if_blocked;
+            if enough && !blocked {
+                break;
+            }
             let coordinate = |axis: usize| {
                 let fixed = start[axis].wrapping_add(STEPS[axis].wrapping_mul(index));
                 (fixed >> 8) as f32 * (1.0 / 16_777_216.0)
             };
-            let from = hierarchy.point_on(first, coordinate(0), coordinate(1));
-            let to = hierarchy.point_on(second, coordinate(2), coordinate(3));
+            let (u, v) = if a_is_first { (0, 2) } else { (2, 0) };
+            let from = hierarchy.point_on(a, coordinate(u), coordinate(u + 1));
+            let to = hierarchy.point_on(b, coordinate(v), coordinate(v + 1));
             let span = to.position - from.position;
-            if from.normal.dot(span) <= 0.0 || to.normal.dot(span) >= 0.0 {
+            let distance_squared = span.length_squared();
+            let to_unit = distance_squared.sqrt().recip();
+            let (cosine_a, cosine_b) = (from.normal.dot(span) * to_unit, -to.normal.dot(span) * to_unit);
+            survey.pairs += 1;
+            survey.cosine_at_a += cosine_a.max(0.0);
+            survey.cosine_at_b += cosine_b.max(0.0);
+            if !(cosine_a > 0.0 && cosine_b > 0.0) {
                 continue;
             }
-            seen.cast += 1;
-            seen.visible += u32::from(!self.occluders.occluded(from.position, to.position));
-            let mixed = seen.visible > 0 && seen.visible < seen.cast;
-            if seen.cast == rays || (mixed && stop_when_mixed) {
+            let kernel = cosine_a * cosine_b / (PI * distance_squared + from.area.min(to.area));
+            survey.kernel += kernel;
+            if plan.rays == 0 {
+                survey.visible_kernel += kernel;
+                continue;
+            }
+            survey.cast += 1;
+            if !self.occluders.occluded(from.position, to.position) {
+                survey.visible += 1;
+                survey.visible_kernel += kernel;
+            }
+            let mixed = survey.visible > 0 && survey.visible < survey.cast;
+            if mixed && plan.stop_when_mixed {
                 break;
             }
         }
-        seen
+        survey
     }
 }

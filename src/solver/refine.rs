@@ -45,6 +45,8 @@ pub struct Refinement {
     next_wave: VecDeque<Waiting>,
     /// Accepted links that wait to be taken into the table.
     pub accepted: Vec<(ElementId, Link)>,
+    /// Pairs that no ray came through; a smaller ε looks at them again.
+    pub occluded: Vec<Candidate>,
     /// Counts since the start.
     pub counts: Counts,
     /// Waves finished in this round.
@@ -99,6 +101,11 @@ impl Refinement {
             self.counts.rays += u64::from(verdict.rays);
             let to_a = self.settle(a, b, &verdict.to_a);
             let to_b = self.settle(b, a, &verdict.to_b);
+            let occluded = |decision: &Decision| matches!(decision, Decision::Reject(Rejection::Occluded));
+            let blocked = Directions { to_a: occluded(&verdict.to_a), to_b: occluded(&verdict.to_b) };
+            if !blocked.is_empty() {
+                self.occluded.push(Candidate::new(a, b, blocked, 0.0, false));
+            }
             let directions = Directions { to_a, to_b };
             if !directions.is_empty() {
                 self.refine(hierarchy, candidate, verdict, directions);

@@ -1,11 +1,16 @@
 //! What the view says when there is no picture, while a scene is being loaded, and while a file hovers over it.
 
+use std::time::Duration;
+
 use egui::{Align2, Rect, RichText, Ui};
 
 use super::super::{App, Outbox, theme};
 use crate::scene::Source;
 use crate::scene::builtin::BuiltinScene;
 use crate::worker::Command;
+
+/// Time between two dots of the loading message, seconds.
+const DOT_SECONDS: f64 = 0.4;
 
 /// In place of the first picture: how to get one.
 pub(in super::super) fn show(app: &mut App, ui: &mut Ui, rect: Rect, outbox: &mut Outbox) {
@@ -15,8 +20,7 @@ pub(in super::super) fn show(app: &mut App, ui: &mut Ui, rect: Rect, outbox: &mu
             ui.set_width(rect.width().min(420.0));
             ui.vertical_centered(|ui| match &app.shown.status.loading {
                 Some(name) => {
-                    ui.spinner();
-                    ui.label(RichText::new(format!("Loading {name}…")).size(15.0));
+                    loading_label(ui, name, 15.0);
                 }
                 None => {
                     ui.label(RichText::new("Open a room to light").size(20.0).color(theme::TEXT_STRONG));
@@ -43,14 +47,22 @@ pub(in super::super) fn show_loading(app: &App, ui: &mut Ui, rect: Rect, outbox:
     egui::Area::new(egui::Id::unique("loading")).pivot(Align2::CENTER_TOP).fixed_pos(at).show(ui.ctx(), |ui| {
         egui::Frame::popup(ui.style()).show(ui, |ui| {
             ui.horizontal(|ui| {
-                ui.spinner();
-                ui.label(format!("Loading {name}…"));
+                loading_label(ui, name, 13.0);
                 if ui.button("Cancel").on_hover_text("Keep the scene that is in view").clicked() {
                     outbox.push(Command::CancelLoad);
                 }
             });
         });
     });
+}
+
+/// One to three dots in turn show that something goes on; a spinner would repaint the window at full speed, and on
+/// software adapters that takes the loader's cores.
+fn loading_label(ui: &mut Ui, name: &str, size: f32) {
+    let dots = 1 + (ui.input(|input| input.time) / DOT_SECONDS) as usize % 3;
+    let text = format!("Loading {name} {:<3}", ".".repeat(dots));
+    ui.label(RichText::new(text).size(size));
+    ui.ctx().request_repaint_after(Duration::from_secs_f64(DOT_SECONDS));
 }
 
 /// While a file hovers over the window.

@@ -1,5 +1,6 @@
 //! The panels around the view: each takes what it shows and writes commands into the outbox.
 
+pub(super) mod controls;
 pub(super) mod display;
 pub(super) mod empty;
 pub(super) mod light;
@@ -39,6 +40,7 @@ fn show_sections(app: &mut App, ui: &mut Ui, outbox: &mut Outbox) {
     section(ui, "Solver", true, None, |ui| solver::show(ui, &app.shown, &mut app.params, outbox));
     section(ui, "Display", true, None, |ui| display::show(ui, &app.shown, &mut app.display));
     section(ui, "Statistics", false, None, |ui| statistics::show(ui, &app.shown));
+    section(ui, "Mouse and keys", false, None, controls::show);
 }
 
 /// A section that can be folded away; `id` tells sections apart whose title changes.

@@ -32,6 +32,8 @@ pub(super) fn show(ui: &mut Ui, shown: &Shown, time_left: &TimeLeft) {
 fn state(run: RunState, stats: Option<&Stats>) -> (String, egui::Color32) {
     let phase = stats.map(|stats| match stats.phase {
         Phase::Hierarchy => "Building clusters".to_owned(),
+        // Between rounds the stored links are judged again, since B has grown.
+        Phase::Refine if stats.wave == 0 => format!("Judging, round {}", stats.iterations + 1),
         Phase::Refine => format!("Refining, wave {}", stats.wave),
         Phase::Gather => "Gathering".to_owned(),
         Phase::Done => "Done".to_owned(),

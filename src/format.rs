@@ -1,7 +1,7 @@
 //! Numbers as people read them: units, thousands separators, three digits that count.
 
 /// A count with thousands separators: 1,234,567.
-pub(super) fn count(number: impl TryInto<u64>) -> String {
+pub fn count(number: impl TryInto<u64>) -> String {
     let Ok(number) = number.try_into() else { return "–".into() };
     let digits = number.to_string();
     let mut text = String::with_capacity(digits.len() + digits.len() / 3);
@@ -15,12 +15,12 @@ pub(super) fn count(number: impl TryInto<u64>) -> String {
 }
 
 /// A count of things: 1 polygon, 2,008 polygons.
-pub(super) fn things(number: usize, one: &str, many: &str) -> String {
+pub fn things(number: usize, one: &str, many: &str) -> String {
     format!("{} {}", count(number), if number == 1 { one } else { many })
 }
 
 /// Three digits that count, with a power of ten where that is shorter to read: 0.0123, 12.3, 1.23e-5.
-pub(super) fn number(value: f64) -> String {
+pub fn number(value: f64) -> String {
     if value == 0.0 {
         return "0".into();
     }
@@ -41,12 +41,12 @@ pub(super) fn number(value: f64) -> String {
 }
 
 /// A number with its unit.
-pub(super) fn quantity(value: f64, unit: &str) -> String {
+pub fn quantity(value: f64, unit: &str) -> String {
     format!("{} {unit}", number(value))
 }
 
 /// A time: 12.3 ms, 4.56 s, 2 min 05 s.
-pub(super) fn seconds(seconds: f64) -> String {
+pub fn seconds(seconds: f64) -> String {
     if seconds >= 60.0 {
         let whole = seconds.round() as u64;
         format!("{} min {:02} s", whole / 60, whole % 60)
@@ -58,7 +58,7 @@ pub(super) fn seconds(seconds: f64) -> String {
 }
 
 /// A memory size: 512 B, 12.3 KiB, 4.5 MiB.
-pub(super) fn bytes(bytes: usize) -> String {
+pub fn bytes(bytes: usize) -> String {
     const UNITS: [&str; 4] = ["KiB", "MiB", "GiB", "TiB"];
     if bytes < 1024 {
         return format!("{bytes} B");

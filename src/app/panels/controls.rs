@@ -1,0 +1,29 @@
+//! The section that says what mouse and keys do in the view.
+
+use egui::{Grid, Ui};
+
+use super::super::theme;
+
+/// What to do, and what it does; [`super::super::viewport`] acts so.
+const CONTROLS: [(&str, &str); 9] = [
+    ("left drag", "orbit"),
+    ("right, middle or shift drag", "pan"),
+    ("wheel or pinch", "zoom"),
+    ("W A S D, Q E", "fly, down and up"),
+    ("shift with these", "fly faster"),
+    ("click", "pick the element"),
+    ("double-click", "look at the point"),
+    ("F", "frame all"),
+    ("Home", "back to the start"),
+];
+
+/// Draws the section.
+pub(super) fn show(ui: &mut Ui) {
+    Grid::new("controls").num_columns(2).spacing([16.0, 3.0]).show(ui, |ui| {
+        for (deed, effect) in CONTROLS {
+            ui.label(deed);
+            ui.label(theme::weak(effect));
+            ui.end_row();
+        }
+    });
+}

@@ -1,0 +1,161 @@
+//! A job: a scene that is ready to be solved, and its solution.
+
+use std::path::Path;
+use std::sync::Arc;
+use std::thread::Builder;
+use std::time::{Duration, Instant};
+
+use anyhow::{anyhow, bail};
+use clap::ArgMatches;
+use glam::Vec3;
+use rayon::{ThreadPool, ThreadPoolBuilder};
+use selflink::cancel::CancelToken;
+use selflink::scene::{Scene, Source};
+use selflink::solver::{Snapshot, Solver, SolverParams, Stats, Step};
+use selflink::visibility::Occluders;
+use selflink::{ceiling, orient, scene};
+
+use super::options::{self, AddedLight};
+use super::progress::Progress;
+
+/// What is to be solved, and how; read from the arguments and checked, but nothing loaded yet.
+pub struct Order {
+    /// Where the scene comes from.
+    pub source: Source,
+    /// The solver's parameters.
+    pub params: SolverParams,
+    /// Light added to the scene.
+    pub light: AddedLight,
+    /// How long the solve may take.
+    pub limit: Option<Duration>,
+}
+
+impl Order {
+    /// The order that the arguments of [`options::solving`] give.
+    pub fn from_matches(matches: &ArgMatches) -> anyhow::Result<Self> {
+        let source = options::source(matches.get_one::<String>("scene").map_or("", String::as_str))?;
+        let limit = match matches.get_one::<f64>("seconds") {
+            Some(&seconds) => Some(
+                Duration::try_from_secs_f64(seconds)
+                    .map_err(|_| anyhow!("--seconds must be a number of seconds, not {seconds}"))?,
+            ),
+            None => None,
+        };
+        Ok(Self { source, params: options::solver_params(matches)?, light: options::added_light(matches)?, limit })
+    }
+
+    /// The scene's file, which no output may overwrite.
+    pub fn inputs(&self) -> Vec<&Path> {
+        match &self.source {
+            Source::File(path) => vec![path],
+            Source::Builtin(_) => Vec::new(),
+        }
+    }
+
+    /// Loads the scene and says on stderr what loading skipped.
+    pub fn load(self) -> anyhow::Result<Job> {
+        let pool = pool(self.params.threads)?;
+        let begun = Instant::now();
+        let (scene, occluders) = pool.install(|| prepare(&self))?;
+        let load_seconds = begun.elapsed().as_secs_f64();
+        for sentence in scene.skipped.sentences() {
+            eprintln!("note: {sentence}");
+        }
+        if !scene.has_light() {
+            eprintln!("warning: {}", Scene::no_light_sentence());
+        }
+        let (scene, occluders) = (Arc::new(scene), Arc::new(occluders));
+        Ok(Job { scene, occluders, params: self.params, limit: self.limit, load_seconds, pool })
+    }
+}
+
+fn prepare(order: &Order) -> anyhow::Result<(Scene, Occluders)> {
+    let mut scene = scene::load(&order.source)?;
+    for (material, emission) in &order.light.emitting {
+        scene.set_emission(material, *emission)?;
+    }
+    if let Some(light) = order.light.ceiling {
+        let size = light.size.unwrap_or_else(|| ceiling::suggested_size(&scene));
+        ceiling::add_light(&mut scene, size, Vec3::splat(light.exitance))?;
+    }
+    let sides = order.params.sides.unwrap_or(scene.sides);
+    Ok(orient::apply(scene, sides))
+}
+
+fn pool(threads: u32) -> anyhow::Result<ThreadPool> {
+    let builder = ThreadPoolBuilder::new().num_threads(threads as usize).thread_name(|index| format!("solver-{index}"));
+    builder.build().map_err(|error| anyhow!("the solver's threads cannot be started ({error}); try fewer --threads"))
+}
+
+/// A scene that is ready to be solved.
+pub struct Job {
+    /// The scene, faces turned or doubled as its sides ask.
+    pub scene: Arc<Scene>,
+    occluders: Arc<Occluders>,
+    params: SolverParams,
+    limit: Option<Duration>,
+    load_seconds: f64,
+    /// The threads that work on it.
+    pub pool: ThreadPool,
+}
+
+/// A solution, finished or not.
+pub struct Solution {
+    /// The solver, for further questions.
+    pub solver: Solver,
+    /// Counts and times when the solve ended.
+    pub stats: Stats,
+    /// What is there to be seen.
+    pub snapshot: Snapshot,
+    /// When the first snapshot was there.
+    pub first_snapshot_at: Instant,
+    /// Threads that worked on it.
+    pub threads: usize,
+}
+
+impl Job {
+    /// Refines and gathers until nothing is left to do or the time is over; shows progress on a terminal.
+    pub fn solve(&self) -> anyhow::Result<Solution> {
+        self.pool.install(|| self.solve_here())
+    }
+
+    fn solve_here(&self) -> anyhow::Result<Solution> {
+        let cancel = CancelToken::new();
+        if let Some(limit) = self.limit {
+            start_timer(limit, cancel.clone())?;
+        }
+        let mut solver = Solver::new(self.scene.clone(), self.occluders.clone(), self.params, 1)?;
+        solver.set_load_seconds(self.load_seconds);
+        // What a window would show at once; its time is reported.
+        drop(solver.snapshot());
+        let first_snapshot_at = Instant::now();
+        let mut progress = Progress::start();
+        loop {
+            match solver.step(&cancel) {
+                Step::Finished | Step::Interrupted => break,
+                Step::Refined { .. } | Step::Gathered => progress.show(&solver),
+            }
+        }
+        progress.finish();
+        let stats = solver.stats();
+        let snapshot = solver.snapshot();
+        if snapshot.vertex_radiosity.iter().flatten().any(|value| !value.is_finite()) {
+            bail!("the solution holds values that are not finite: please report this scene");
+        }
+        Ok(Solution { solver, stats, snapshot, first_snapshot_at, threads: self.pool.current_num_threads() })
+    }
+}
+
+/// Cancels when the time is over; ends with the process.
+fn start_timer(limit: Duration, cancel: CancelToken) -> anyhow::Result<()> {
+    if limit.is_zero() {
+        cancel.cancel();
+        return Ok(());
+    }
+    let wait = move || {
+        std::thread::sleep(limit);
+        cancel.cancel();
+    };
+    let started = Builder::new().name("timer".into()).spawn(wait);
+    started.map(drop).map_err(|error| anyhow!("no thread is left to watch the time ({error})"))
+}

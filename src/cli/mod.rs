@@ -1,0 +1,88 @@
+//! The command line: the window, or `solve`, `render`, `probe` and `scene` without one.
+//!
+//! Whatever cannot be done gives one sentence on stderr and exit code 2. Results go to stdout, remarks about the scene and
+//! progress to stderr.
+
+mod job;
+mod options;
+mod output;
+mod probe;
+mod progress;
+#[cfg(feature = "gui")]
+mod render;
+mod report;
+mod scene;
+mod solve;
+mod window;
+
+use std::process::ExitCode;
+use std::time::Instant;
+
+use clap::error::ErrorKind;
+use clap::{ArgMatches, Command};
+
+/// Exit code of everything that cannot be done.
+const CANNOT: u8 = 2;
+
+/// Runs what the arguments ask for; `started` is when the process was.
+pub fn main(started: Instant) -> ExitCode {
+    let matches = match command().try_get_matches() {
+        Ok(matches) => matches,
+        Err(error) if matches!(error.kind(), ErrorKind::DisplayHelp | ErrorKind::DisplayVersion) => {
+            return match output::say(&error.render().to_string()) {
+                Ok(()) => ExitCode::SUCCESS,
+                Err(_) => ExitCode::from(CANNOT),
+            };
+        }
+        Err(error) => return refuse(&sentence_of(&error)),
+    };
+    match dispatch(&matches, started) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => refuse(&error.to_string()),
+    }
+}
+
+fn dispatch(matches: &ArgMatches, started: Instant) -> anyhow::Result<()> {
+    match matches.subcommand() {
+        Some(("solve", matches)) => solve::run(matches, started),
+        #[cfg(feature = "gui")]
+        Some(("render", matches)) => render::run(matches),
+        Some(("probe", matches)) => probe::run(matches),
+        Some(("scene", matches)) => scene::run(matches),
+        _ => window::run(matches, started),
+    }
+}
+
+fn command() -> Command {
+    let command = window::command().subcommand(solve::command());
+    #[cfg(feature = "gui")]
+    let command = command.subcommand(render::command());
+    command.subcommand(probe::command()).subcommand(scene::command())
+}
+
+/// Says why, in one line.
+fn refuse(sentence: &str) -> ExitCode {
+    let words: Vec<&str> = sentence.split_whitespace().collect();
+    eprintln!("selflink: {}", words.join(" "));
+    ExitCode::from(CANNOT)
+}
+
+/// What clap says in several paragraphs, without its usage lines.
+fn sentence_of(error: &clap::Error) -> String {
+    let text = error.render().to_string();
+    let is_said = |paragraph: &&str| !paragraph.starts_with("Usage:") && !paragraph.starts_with("For more information");
+    let said: Vec<&str> = text.split("\n\n").map(str::trim).filter(is_said).collect();
+    let said = said.join("; ");
+    format!("{} (see selflink --help)", said.strip_prefix("error: ").unwrap_or(&said))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Clap's own checks of names, defaults and conflicts.
+    #[test]
+    fn the_command_line_is_sound() {
+        command().debug_assert();
+    }
+}

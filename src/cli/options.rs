@@ -1,0 +1,299 @@
+//! Options that several commands share: the solver's parameters, made from [`PARAMETERS`], the scene, and added light.
+
+use std::path::{Path, PathBuf};
+use std::str::FromStr;
+
+use anyhow::{Context, bail};
+use clap::{Arg, ArgAction, ArgMatches, Command, value_parser};
+use glam::Vec3;
+use selflink::hierarchy::ClusteringMode;
+use selflink::scene::{Sides, Source, builtin::BuiltinScene};
+use selflink::solver::{Epsilon, PARAMETERS, Parameter, ParameterId, Push, SolverParams, ValueKind};
+
+/// More threads than any machine has cores for.
+const MOST_THREADS: u32 = 1024;
+
+/// One argument for each of the solver's parameters: help, unit and default from the one place that states them.
+pub fn solver_args() -> impl Iterator<Item = Arg> {
+    PARAMETERS.iter().map(solver_arg)
+}
+
+fn solver_arg(parameter: &'static Parameter) -> Arg {
+    let default = default_text(parameter.id);
+    let unit = if parameter.unit.is_empty() { String::new() } else { format!(" Unit: {}.", parameter.unit) };
+    let arg = Arg::new(parameter.flag)
+        .long(parameter.flag)
+        .help(format!("{}{unit} [default: {default}]", parameter.hint))
+        // A negative number is refused with its reason, not taken for an option.
+        .allow_hyphen_values(true)
+        .help_heading("Solver");
+    match &parameter.kind {
+        ValueKind::Real { .. } => arg.value_name("NUMBER").value_parser(value_parser!(f64)),
+        ValueKind::Whole { .. } if parameter.id == ParameterId::Seed => {
+            arg.value_name("N").value_parser(value_parser!(u64))
+        }
+        ValueKind::Whole { .. } => arg.value_name("N").value_parser(value_parser!(u32)),
+        ValueKind::Choice { names } => {
+            arg.value_name("MODE").value_parser(clap::builder::PossibleValuesParser::new(*names))
+        }
+    }
+}
+
+/// A parameter's default as a person would write it.
+fn default_text(id: ParameterId) -> String {
+    let params = SolverParams::default();
+    let (relative, watts) = match params.epsilon {
+        Epsilon::Relative(share) => (format!("{share:e}"), "as --epsilon says".to_owned()),
+        Epsilon::Watts(watts) => ("as --epsilon-watts says".to_owned(), format!("{watts:e}")),
+    };
+    match id {
+        ParameterId::Epsilon => relative,
+        ParameterId::EpsilonWatts => watts,
+        ParameterId::PartialFactor => params.partial_factor.to_string(),
+        ParameterId::VisibilityFactor => params.visibility_factor.to_string(),
+        ParameterId::RaysMin => params.rays_min.to_string(),
+        ParameterId::RaysMax => params.rays_max.to_string(),
+        ParameterId::Clustering => name_of(&params.clustering),
+        ParameterId::OctreeDepth => params.octree_depth.to_string(),
+        ParameterId::Push => name_of(&params.push),
+        ParameterId::Sides => params.sides.map_or_else(|| "as the scene says".to_owned(), |sides| name_of(&sides)),
+        ParameterId::Threads => format!("{}, every core", params.threads),
+        ParameterId::Seed => params.seed.to_string(),
+    }
+}
+
+/// The name of a choice, as files and the command line spell it.
+pub fn name_of(choice: &impl serde::Serialize) -> String {
+    match serde_json::to_value(choice) {
+        Ok(serde_json::Value::String(name)) => name,
+        _ => String::new(),
+    }
+}
+
+/// The parameters that the arguments ask for, checked.
+pub fn solver_params(matches: &ArgMatches) -> anyhow::Result<SolverParams> {
+    let mut params = SolverParams::default();
+    for parameter in &PARAMETERS {
+        set(&mut params, parameter, matches)?;
+    }
+    let given = |flag| matches.contains_id(flag);
+    if given("epsilon") && given("epsilon-watts") {
+        bail!("--epsilon and --epsilon-watts state the same threshold: give one of them");
+    }
+    if params.threads > MOST_THREADS {
+        bail!("--threads must be at most {MOST_THREADS} (it is {}); 0 takes every core", params.threads);
+    }
+    params.validate()?;
+    Ok(params)
+}
+
+fn set(params: &mut SolverParams, parameter: &Parameter, matches: &ArgMatches) -> anyhow::Result<()> {
+    let flag = parameter.flag;
+    let real = || matches.get_one::<f64>(flag).copied();
+    let whole = || matches.get_one::<u32>(flag).copied();
+    match parameter.id {
+        ParameterId::Epsilon => params.epsilon = real().map_or(params.epsilon, Epsilon::Relative),
+        ParameterId::EpsilonWatts => params.epsilon = real().map_or(params.epsilon, Epsilon::Watts),
+        ParameterId::PartialFactor => params.partial_factor = real().unwrap_or(params.partial_factor),
+        ParameterId::VisibilityFactor => params.visibility_factor = real().unwrap_or(params.visibility_factor),
+        ParameterId::RaysMin => params.rays_min = whole().unwrap_or(params.rays_min),
+        ParameterId::RaysMax => params.rays_max = whole().unwrap_or(params.rays_max),
+        ParameterId::Clustering => {
+            params.clustering = choice::<ClusteringMode>(matches, flag)?.unwrap_or(params.clustering);
+        }
+        ParameterId::OctreeDepth => params.octree_depth = whole().unwrap_or(params.octree_depth),
+        ParameterId::Push => params.push = choice::<Push>(matches, flag)?.unwrap_or(params.push),
+        ParameterId::Sides => params.sides = choice::<Sides>(matches, flag)?.or(params.sides),
+        ParameterId::Threads => params.threads = whole().unwrap_or(params.threads),
+        ParameterId::Seed => params.seed = matches.get_one::<u64>(flag).copied().unwrap_or(params.seed),
+    }
+    Ok(())
+}
+
+fn choice<T: serde::de::DeserializeOwned>(matches: &ArgMatches, flag: &str) -> anyhow::Result<Option<T>> {
+    let Some(name) = matches.get_one::<String>(flag) else { return Ok(None) };
+    let value = serde_json::from_value(serde_json::Value::String(name.clone()));
+    Ok(Some(value.with_context(|| format!("--{flag} does not know {name}"))?))
+}
+
+/// The scene, light added to it, the solver's parameters and the time it may take: what every command that solves takes.
+pub fn solving(command: Command) -> Command {
+    command
+        .arg(scene_arg().required(true))
+        .arg(
+            Arg::new("emit")
+                .long("emit")
+                .value_name("MATERIAL=R,G,B")
+                .action(ArgAction::Append)
+                .help("Make a material emit; exitance per colour in W/m². May be given several times"),
+        )
+        .arg(
+            Arg::new("ceiling-light")
+                .long("ceiling-light")
+                .value_name("SIZE:W_PER_M2")
+                .num_args(0..=1)
+                .default_missing_value("")
+                .help("Add a square lamp under the ceiling: its side in the scene's unit and its exitance [default: a quarter of the room, 100 W/m²]"),
+        )
+        .arg(
+            Arg::new("seconds")
+                .long("seconds")
+                .value_name("T")
+                .value_parser(value_parser!(f64))
+                .allow_hyphen_values(true)
+                .help("Stop after so many seconds of solving and use the solution that is there"),
+        )
+        .args(solver_args())
+}
+
+/// The scene, by path or name.
+pub fn scene_arg() -> Arg {
+    Arg::new("scene")
+        .value_name("SCENE")
+        .help(format!("An OBJ, glTF or GLB file, or one of our own scenes: {}", names()))
+}
+
+/// The names of our own scenes.
+pub fn names() -> String {
+    BuiltinScene::ALL.map(|scene| scene.name()).join(", ")
+}
+
+/// Where a scene of this name or path comes from.
+pub fn source(text: &str) -> anyhow::Result<Source> {
+    if let Some(scene) = BuiltinScene::from_name(text) {
+        return Ok(Source::Builtin(scene));
+    }
+    let path = Path::new(text);
+    if path.extension().is_none() && path.components().count() <= 1 && !path.exists() {
+        bail!("`{text}` is neither a file nor one of our own scenes ({})", names());
+    }
+    Ok(Source::File(path.to_owned()))
+}
+
+/// The path of an option that takes one.
+pub fn path(matches: &ArgMatches, name: &str) -> Option<PathBuf> {
+    matches.get_one::<PathBuf>(name).cloned()
+}
+
+/// An argument that takes a file or folder.
+pub fn path_arg(name: &'static str, value_name: &'static str) -> Arg {
+    Arg::new(name).long(name).value_name(value_name).value_parser(value_parser!(PathBuf))
+}
+
+/// Light that a person adds to a scene.
+#[derive(Default)]
+pub struct AddedLight {
+    /// Materials that emit: name and exitance, W/m².
+    pub emitting: Vec<(String, Vec3)>,
+    /// A lamp under the ceiling.
+    pub ceiling: Option<CeilingLight>,
+}
+
+/// A lamp under the ceiling, as far as it was described.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CeilingLight {
+    /// Side, in the scene's length unit; `None` as suits the room.
+    pub size: Option<f32>,
+    /// Exitance, W/m².
+    pub exitance: f32,
+}
+
+/// Exitance of a lamp that nothing is said about, W/m²: a bright office ceiling panel.
+const USUAL_EXITANCE: f32 = 100.0;
+
+/// The light that the arguments add.
+pub fn added_light(matches: &ArgMatches) -> anyhow::Result<AddedLight> {
+    let emitting = matches.get_many::<String>("emit").unwrap_or_default();
+    let emitting = emitting.map(|text| emission(text)).collect::<anyhow::Result<_>>()?;
+    let ceiling = matches.get_one::<String>("ceiling-light").map(|text| ceiling_light(text)).transpose()?;
+    Ok(AddedLight { emitting, ceiling })
+}
+
+fn emission(text: &str) -> anyhow::Result<(String, Vec3)> {
+    // A name may hold an equals sign, numbers do not.
+    let parts = text.rsplit_once('=').and_then(|(name, rgb)| Some((name, numbers::<3>(rgb, ',')?)));
+    let Some((name, rgb)) = parts else {
+        bail!("--emit must be MATERIAL=r,g,b with three numbers in W/m² (it is `{text}`)");
+    };
+    Ok((name.to_owned(), Vec3::from(rgb)))
+}
+
+fn ceiling_light(text: &str) -> anyhow::Result<CeilingLight> {
+    let light = match (text, numbers::<1>(text, ':'), numbers::<2>(text, ':')) {
+        ("", ..) => CeilingLight { size: None, exitance: USUAL_EXITANCE },
+        (_, Some([size]), _) => CeilingLight { size: Some(size), exitance: USUAL_EXITANCE },
+        (_, _, Some([size, exitance])) => CeilingLight { size: Some(size), exitance },
+        _ => bail!("--ceiling-light must be SIZE:W_PER_M2, such as 1.5:100 (it is `{text}`)"),
+    };
+    Ok(light)
+}
+
+/// So many finite numbers between separators.
+pub fn numbers<const N: usize>(text: &str, separator: char) -> Option<[f32; N]> {
+    let parsed: Option<Vec<f32>> =
+        text.split(separator).map(|part| f32::from_str(part.trim()).ok().filter(|number| number.is_finite())).collect();
+    parsed?.try_into().ok()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn params(args: &[&str]) -> anyhow::Result<SolverParams> {
+        let command = solving(Command::new("test"));
+        solver_params(&command.try_get_matches_from([&["test", "office"], args].concat())?)
+    }
+
+    #[test]
+    fn no_option_gives_the_defaults() {
+        assert_eq!(params(&[]).expect("no options"), SolverParams::default());
+    }
+
+    /// Truth: each option sets the one field of its name.
+    #[test]
+    fn each_option_sets_its_field() {
+        let defaults = SolverParams::default();
+        let cases: [(&[&str], SolverParams); 12] = [
+            (&["--epsilon", "0.01"], SolverParams { epsilon: Epsilon::Relative(0.01), ..defaults }),
+            (&["--epsilon-watts", "3"], SolverParams { epsilon: Epsilon::Watts(3.0), ..defaults }),
+            (&["--partial-factor", "0.5"], SolverParams { partial_factor: 0.5, ..defaults }),
+            (&["--visibility-factor", "2"], SolverParams { visibility_factor: 2.0, ..defaults }),
+            (&["--rays-min", "2"], SolverParams { rays_min: 2, ..defaults }),
+            (&["--rays-max", "99"], SolverParams { rays_max: 99, ..defaults }),
+            (&["--clustering", "octree"], SolverParams { clustering: ClusteringMode::Octree, ..defaults }),
+            (&["--octree-depth", "3"], SolverParams { octree_depth: 3, ..defaults }),
+            (&["--push", "deferred"], SolverParams { push: Push::Deferred, ..defaults }),
+            (&["--sides", "both"], SolverParams { sides: Some(Sides::Both), ..defaults }),
+            (&["--threads", "2"], SolverParams { threads: 2, ..defaults }),
+            (&["--seed", "77"], SolverParams { seed: 77, ..defaults }),
+        ];
+        for (args, expected) in cases {
+            assert_eq!(params(args).expect("a good option"), expected, "{args:?}");
+        }
+    }
+
+    #[test]
+    fn options_that_cannot_be_used() {
+        for args in [
+            ["--epsilon", "0"],
+            ["--epsilon", "-1"],
+            ["--epsilon", "NaN"],
+            ["--threads", "4096"],
+            ["--rays-min", "500"],
+        ] {
+            assert!(params(&args).is_err(), "{args:?}");
+        }
+        assert!(params(&["--epsilon", "1e-3", "--epsilon-watts", "1"]).is_err());
+    }
+
+    #[test]
+    fn added_light_is_read() {
+        assert_eq!(emission("a=b=1,2,3").expect("good"), ("a=b".to_owned(), Vec3::new(1.0, 2.0, 3.0)));
+        for text in ["wall", "wall=1,2", "wall=1,2,x", "wall=1,2,NaN"] {
+            assert!(emission(text).is_err(), "{text}");
+        }
+        assert_eq!(ceiling_light("2:50").expect("good"), CeilingLight { size: Some(2.0), exitance: 50.0 });
+        assert_eq!(ceiling_light("2").expect("good"), CeilingLight { size: Some(2.0), exitance: USUAL_EXITANCE });
+        assert!(ceiling_light("room.obj").is_err());
+    }
+}

@@ -1,0 +1,137 @@
+//! `selflink probe`: irradiance and radiosity at points of a CSV file.
+
+use std::fs;
+use std::io::Write as _;
+use std::path::Path;
+
+use anyhow::{anyhow, bail};
+use clap::{ArgMatches, Command};
+use glam::Vec3;
+use selflink::format::things;
+use selflink::probe::{Probe, Sample};
+
+use super::job::Order;
+use super::options::{self, path, path_arg};
+use super::output::{OutputFile, say};
+
+/// Columns read.
+const COLUMNS: &str = "x,y,z,nx,ny,nz";
+/// Columns added, W/m².
+const ADDED: &str = "E_r,E_g,E_b,B_r,B_g,B_b";
+
+/// The command's arguments.
+pub fn command() -> Command {
+    options::solving(
+        Command::new("probe").about("Solve a scene; write irradiance E and radiosity B (W/m²) at given points"),
+    )
+    .arg(
+        path_arg("points", "FILE.csv")
+            .required(true)
+            .help(format!("Points on surfaces, a row each: {COLUMNS}; a header line may come first")),
+    )
+    .arg(
+        path_arg("out", "FILE.csv")
+            .required(true)
+            .help(format!("The same rows with {ADDED}; these stay empty where a point lies on no surface")),
+    )
+}
+
+/// Runs it.
+pub fn run(matches: &ArgMatches) -> anyhow::Result<()> {
+    let order = Order::from_matches(matches)?;
+    let points_path = path(matches, "points").unwrap_or_default();
+    let rows = read_rows(&points_path)?;
+    let inputs = [order.inputs(), vec![&*points_path]].concat();
+    let file = OutputFile::new(&path(matches, "out").unwrap_or_default(), &inputs)?;
+
+    let job = order.load()?;
+    let solution = job.solve()?;
+    let snapshot = &solution.snapshot;
+    let irradiance = solution.solver.vertex_irradiance();
+    let probe = Probe::new(&snapshot.mesh, &irradiance, &snapshot.vertex_radiosity);
+    let samples: Vec<Option<Sample>> = rows.iter().map(|row| probe.at(row.point, row.normal)).collect();
+    file.write(|writer| {
+        writeln!(writer, "{COLUMNS},{ADDED}")?;
+        for (row, sample) in rows.iter().zip(&samples) {
+            match sample {
+                Some(Sample { irradiance: e, radiosity: b }) => {
+                    writeln!(writer, "{},{},{},{},{},{},{}", row.text, e.x, e.y, e.z, b.x, b.y, b.z)?;
+                }
+                None => writeln!(writer, "{},,,,,,", row.text)?,
+            }
+        }
+        Ok(())
+    })?;
+    let missed = samples.iter().filter(|sample| sample.is_none()).count();
+    if missed > 0 {
+        let rows = things(missed, "row lies", "rows lie");
+        eprintln!("warning: {rows} on no surface that faces the given normal; E and B are empty there.");
+    }
+    say(&format!("{}: {}\n", file.path().display(), things(rows.len(), "point", "points")))
+}
+
+/// A point to be probed.
+#[derive(Debug, PartialEq)]
+struct Row {
+    /// The row as it was read.
+    text: String,
+    point: Vec3,
+    normal: Vec3,
+}
+
+fn read_rows(path: &Path) -> anyhow::Result<Vec<Row>> {
+    let text = fs::read_to_string(path)
+        .map_err(|error| anyhow!("{}: cannot be read ({error}); --points takes a CSV file", path.display()))?;
+    let rows = parse_rows(&text).map_err(|problem| anyhow!("{}, {problem}", path.display()))?;
+    if rows.is_empty() {
+        bail!("{}: there are no points; each row must be {COLUMNS}", path.display());
+    }
+    Ok(rows)
+}
+
+fn parse_rows(text: &str) -> anyhow::Result<Vec<Row>> {
+    let mut rows = Vec::new();
+    let lines = text.trim_start_matches('\u{feff}').lines().map(str::trim).enumerate();
+    let mut filled = lines.filter(|(_, line)| !line.is_empty()).peekable();
+    // Words in every column of the first line are a header.
+    filled.next_if(|(_, line)| line.split(',').all(|word| word.trim().parse::<f32>().is_err()));
+    for (index, line) in filled {
+        let number = index + 1;
+        let Some([x, y, z, nx, ny, nz]) = options::numbers::<6>(line, ',') else {
+            bail!("line {number}: a row must be six finite numbers, {COLUMNS}");
+        };
+        let normal = Vec3::new(nx, ny, nz);
+        let Some(normal) = normal.try_normalize() else {
+            bail!("line {number}: the normal nx,ny,nz has no length");
+        };
+        rows.push(Row { text: line.to_owned(), point: Vec3::new(x, y, z), normal });
+    }
+    Ok(rows)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rows_with_and_without_a_header() {
+        let rows = parse_rows("\u{feff}x, y, z, nx, ny, nz\r\n\r\n1,2,3,0,0,2\r\n").expect("good rows");
+        assert_eq!(rows, [Row { text: "1,2,3,0,0,2".into(), point: Vec3::new(1.0, 2.0, 3.0), normal: Vec3::Z }]);
+        assert_eq!(parse_rows("1,2,3,0,1,0").expect("a good row").len(), 1);
+    }
+
+    #[test]
+    fn bad_rows_name_their_line() {
+        let cases = [
+            ("1,2,3,0,0,1\n1,2,3", "line 2"),
+            ("1,2,3,0,0,x", "line 1"),
+            ("x,y,z,nx,ny,nz\n\n1,2,NaN,0,0,1", "line 3"),
+            ("1,2,3,0,0,0", "no length"),
+            ("x,y\nx,y", "line 2"),
+        ];
+        for (text, part) in cases {
+            let said = parse_rows(text).expect_err("a bad row").to_string();
+            assert!(said.contains(part), "{text}: {said}");
+        }
+    }
+}

@@ -1,0 +1,56 @@
+//! A progress bar on stderr, where that is a terminal.
+
+use std::io::IsTerminal as _;
+use std::time::{Duration, Instant};
+
+use indicatif::{ProgressBar, ProgressStyle};
+use selflink::format;
+use selflink::solver::{Phase, Solver};
+
+/// Counting what is there looks at every element, so the bar moves only so often.
+const INTERVAL: Duration = Duration::from_millis(100);
+/// Steps of the bar.
+const STEPS: u64 = 1000;
+
+/// The bar, or nothing.
+pub struct Progress {
+    bar: Option<ProgressBar>,
+    shown: Instant,
+}
+
+impl Progress {
+    /// A bar if stderr is a terminal.
+    pub fn start() -> Self {
+        let bar = std::io::stderr().is_terminal().then(|| {
+            let bar = ProgressBar::new(STEPS);
+            let style = ProgressStyle::with_template("{elapsed:>4} {bar:24} {msg}");
+            bar.with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
+        });
+        Self { bar, shown: Instant::now() }
+    }
+
+    /// Shows how far the solver is.
+    pub fn show(&mut self, solver: &Solver) {
+        let Some(bar) = &self.bar else { return };
+        if self.shown.elapsed() < INTERVAL {
+            return;
+        }
+        self.shown = Instant::now();
+        let stats = solver.stats();
+        bar.set_position((f64::from(stats.progress.unwrap_or(1.0)) * STEPS as f64) as u64);
+        let phase = match stats.phase {
+            Phase::Hierarchy => "building clusters".to_owned(),
+            Phase::Refine => format!("round {}, wave {}", stats.iterations + 1, stats.wave),
+            Phase::Gather | Phase::Done => format!("round {}, gathering", stats.iterations + 1),
+        };
+        let [links, patches, rays] = [stats.links as u64, stats.patches as u64, stats.rays].map(format::count);
+        bar.set_message(format!("{phase}: {links} links, {patches} patches, {rays} rays"));
+    }
+
+    /// Takes the bar away.
+    pub fn finish(self) {
+        if let Some(bar) = self.bar {
+            bar.finish_and_clear();
+        }
+    }
+}

@@ -1,0 +1,235 @@
+//! `selflink render`: a picture of the solution, drawn without a window.
+
+use anyhow::{anyhow, bail};
+use clap::{Arg, ArgAction, ArgMatches, Command};
+use glam::{Vec2, Vec3};
+use image::{ImageFormat, RgbaImage};
+use selflink::render::{Camera, Display, Exposure, LinkFilter, MAX_SIZE, Offscreen, Overlay, pick};
+use selflink::scene::{CameraPose, Scene};
+
+use super::job::{Order, Solution};
+use super::options::{self, numbers, path, path_arg};
+use super::output::{OutputFile, say};
+
+/// Pixels of a picture that nothing is said about.
+const USUAL_SIZE: [u32; 2] = [1280, 800];
+/// Horizontal field of view where neither scene nor person names one, degrees.
+const USUAL_HFOV: f32 = 60.0;
+
+/// The command's arguments.
+pub fn command() -> Command {
+    options::solving(Command::new("render").about("Solve a scene and draw it to a PNG file, without a window"))
+        .arg(path_arg("out", "FILE.png").required(true).help("The picture"))
+        .arg(Arg::new("size").long("size").value_name("WxH").help("Pixels [default: 1280x800]"))
+        .arg(
+            Arg::new("camera")
+                .long("camera")
+                .value_name("EX,EY,EZ:TX,TY,TZ")
+                .allow_hyphen_values(true)
+                .help("Where the eye is and the point it looks at [default: as the scene says, or all of it]"),
+        )
+        .arg(
+            Arg::new("exposure")
+                .long("exposure")
+                .value_name("auto|STOPS")
+                .allow_hyphen_values(true)
+                .help("Brightness: automatic, or in stops, 0 showing 1 W/m² as 1 [default: auto]"),
+        )
+        .arg(
+            Arg::new("overlay")
+                .long("overlay")
+                .value_name("elements|clusters:LEVEL|links:X,Y")
+                .action(ArgAction::Append)
+                .help("Draw over the picture: outlines of the patches, boxes of the clusters of a level (0 is the root), or the links of the surface at a pixel. May be given several times"),
+        )
+}
+
+/// How a picture is to be drawn.
+pub struct View {
+    /// Width and height, pixels.
+    pub size: [u32; 2],
+    /// Eye and target.
+    pub camera: Option<[Vec3; 2]>,
+    /// How radiosities become colours.
+    pub display: Display,
+    /// What is drawn over the picture.
+    pub overlay: Overlay,
+    /// The pixel whose surface shows its links.
+    pub links_at: Option<[f32; 2]>,
+}
+
+impl Default for View {
+    fn default() -> Self {
+        Self {
+            size: USUAL_SIZE,
+            camera: None,
+            display: Display::default(),
+            overlay: Overlay::default(),
+            links_at: None,
+        }
+    }
+}
+
+/// Runs it.
+pub fn run(matches: &ArgMatches) -> anyhow::Result<()> {
+    let order = Order::from_matches(matches)?;
+    let view = view(matches)?;
+    let path = path(matches, "out").unwrap_or_default();
+    if !path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("png")) {
+        bail!("{}: pictures are written as PNG; choose a name that ends in .png", path.display());
+    }
+    let file = OutputFile::new(&path, &order.inputs())?;
+    let job = order.load()?;
+    // Before the long work, so that a missing adapter is told soon.
+    let mut offscreen = Offscreen::new()?;
+    let mut solution = job.solve()?;
+    let picture = draw(&mut offscreen, &job.scene, &mut solution, &view)?;
+    save(&picture, &file)?;
+    let [width, height] = view.size;
+    say(&format!("{}: {width} × {height} pixels, drawn by {}\n", file.path().display(), offscreen.adapter()))
+}
+
+/// Writes a picture as PNG.
+pub fn save(picture: &RgbaImage, file: &OutputFile) -> anyhow::Result<()> {
+    let mut encoded = std::io::Cursor::new(Vec::new());
+    picture.write_to(&mut encoded, ImageFormat::Png)?;
+    file.write(|writer| std::io::Write::write_all(writer, encoded.get_ref()))
+}
+
+/// Draws a solution.
+pub fn draw(
+    offscreen: &mut Offscreen,
+    scene: &Scene,
+    solution: &mut Solution,
+    view: &View,
+) -> anyhow::Result<RgbaImage> {
+    let camera = camera(scene, view);
+    if let Some(pixel) = view.links_at {
+        inspect(solution, &camera, pixel, view.size);
+    }
+    Ok(offscreen.picture(&solution.snapshot, &camera, &view.display, &view.overlay, view.size)?)
+}
+
+fn camera(scene: &Scene, view: &View) -> Camera {
+    let [width, height] = view.size.map(|pixels| pixels as f32);
+    let (aspect, bounds) = (width / height, scene.bounds());
+    let given = view.camera.map(|[eye, target]| CameraPose {
+        eye,
+        target,
+        up: scene.camera.map_or(Vec3::Y, |camera| camera.up),
+        hfov_deg: scene.camera.map_or(USUAL_HFOV, |camera| camera.hfov_deg),
+    });
+    match given.or(scene.camera) {
+        Some(pose) => Camera::from_pose(&pose, aspect, bounds),
+        None => Camera::frame(bounds, aspect),
+    }
+}
+
+/// Asks the solver for the links of the surface at a pixel.
+fn inspect(solution: &mut Solution, camera: &Camera, [x, y]: [f32; 2], [width, height]: [u32; 2]) {
+    let (width, height) = (width as f32, height as f32);
+    let ndc = Vec2::new(2.0 * (x + 0.5) / width - 1.0, 1.0 - 2.0 * (y + 0.5) / height);
+    let (origin, direction) = camera.ray(ndc, width / height);
+    match pick(&solution.snapshot.mesh, origin, direction) {
+        Some(picked) => {
+            let element = solution.snapshot.mesh.leaves[picked.leaf as usize].element;
+            solution.solver.inspect(Some(element));
+            solution.snapshot = solution.solver.snapshot();
+        }
+        None => eprintln!("warning: no surface is to be seen at pixel {x},{y}, so no links are drawn."),
+    }
+}
+
+fn view(matches: &ArgMatches) -> anyhow::Result<View> {
+    let text = |name: &str| matches.get_one::<String>(name).map(String::as_str);
+    let size = text("size").map_or(Ok(USUAL_SIZE), size)?;
+    let camera = text("camera").map(eye_and_target).transpose()?;
+    let display = Display { exposure: text("exposure").map_or(Ok(Exposure::default()), exposure)? };
+    let mut view = View { size, camera, display, ..View::default() };
+    for overlay in matches.get_many::<String>("overlay").unwrap_or_default() {
+        add_overlay(&mut view, overlay)?;
+    }
+    Ok(view)
+}
+
+fn size(text: &str) -> anyhow::Result<[u32; 2]> {
+    let parsed =
+        text.split_once(['x', '×']).and_then(|(width, height)| Some([width.parse().ok()?, height.parse().ok()?]));
+    match parsed {
+        Some([width, height]) if (1..=MAX_SIZE).contains(&width) && (1..=MAX_SIZE).contains(&height) => {
+            Ok([width, height])
+        }
+        _ => bail!("--size must be WIDTHxHEIGHT with 1 to {MAX_SIZE} pixels each way (it is `{text}`)"),
+    }
+}
+
+fn eye_and_target(text: &str) -> anyhow::Result<[Vec3; 2]> {
+    let parsed =
+        text.split_once(':').and_then(|(eye, target)| Some([numbers::<3>(eye, ',')?, numbers::<3>(target, ',')?]));
+    match parsed.map(|pair| pair.map(Vec3::from)) {
+        Some([eye, target]) if eye != target => Ok([eye, target]),
+        Some(_) => bail!("--camera must have its target away from the eye (it is `{text}`)"),
+        None => bail!("--camera must be ex,ey,ez:tx,ty,tz, eye and target (it is `{text}`)"),
+    }
+}
+
+fn exposure(text: &str) -> anyhow::Result<Exposure> {
+    if text == "auto" {
+        return Ok(Exposure::default());
+    }
+    match text.parse::<f32>() {
+        // Beyond, the factor is no f32 any more.
+        Ok(stops) if stops.abs() <= 100.0 => Ok(Exposure::Manual { stops }),
+        _ => bail!("--exposure must be auto or a number of stops between -100 and 100 (it is `{text}`)"),
+    }
+}
+
+fn add_overlay(view: &mut View, text: &str) -> anyhow::Result<()> {
+    let unknown = || anyhow!("--overlay must be elements, clusters:LEVEL or links:X,Y (it is `{text}`)");
+    match text.split_once(':') {
+        None if text == "elements" => view.overlay.elements = true,
+        Some(("clusters", level)) => view.overlay.clusters = Some(level.parse().map_err(|_| unknown())?),
+        Some(("links", pixel)) => {
+            let pixel = numbers::<2>(pixel, ',').ok_or_else(unknown)?;
+            let [width, height] = view.size.map(|pixels| pixels as f32);
+            if !((0.0..width).contains(&pixel[0]) && (0.0..height).contains(&pixel[1])) {
+                bail!("--overlay {text} lies outside the picture of {width}x{height} pixels");
+            }
+            view.overlay.links = Some(LinkFilter::default());
+            view.links_at = Some(pixel);
+        }
+        _ => return Err(unknown()),
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sizes_and_cameras_are_read() {
+        assert_eq!(size("640x480").expect("good"), [640, 480]);
+        for text in ["", "640", "0x480", "640x", "-1x5", "1e3x5", "640x99999"] {
+            assert!(size(text).is_err(), "{text}");
+        }
+        let camera = eye_and_target("-1,2,3:0,0,0.5").expect("good");
+        assert_eq!(camera, [Vec3::new(-1.0, 2.0, 3.0), Vec3::new(0.0, 0.0, 0.5)]);
+        for text in ["", "1,2,3", "1,2:3,4", "1,2,3:1,2,3", "1,2,NaN:0,0,0"] {
+            assert!(eye_and_target(text).is_err(), "{text}");
+        }
+    }
+
+    #[test]
+    fn overlays_are_read_together() {
+        let mut view = View::default();
+        for text in ["elements", "clusters:3", "links:10,20"] {
+            add_overlay(&mut view, text).expect("good");
+        }
+        assert!(view.overlay.elements && view.overlay.links.is_some());
+        assert_eq!((view.overlay.clusters, view.links_at), (Some(3), Some([10.0, 20.0])));
+        for text in ["", "boxes", "clusters", "clusters:x", "links:1", "links:5000,1", "links:-1,1"] {
+            assert!(add_overlay(&mut view, text).is_err(), "{text}");
+        }
+    }
+}

@@ -1,0 +1,188 @@
+//! The statistics of a solve: as JSON for programs, as a few lines for people.
+
+use std::fmt::Write as _;
+use std::time::Instant;
+
+use selflink::format::{bytes, count, number, quantity, seconds};
+use selflink::scene::{Scene, Sides, Skipped};
+use selflink::solver::{Bytes, ClusteringMode, PowerBalance, Push, Seconds, power_balance};
+use serde::Serialize;
+
+use super::job::{Job, Solution};
+use super::options::name_of;
+
+/// Rays that measure what escapes and what backs stop: about 0.3 % of the power either way.
+const BALANCE_RAYS: u32 = 100_000;
+
+/// Everything that is told about a solve; the keys of the statistics file.
+#[derive(Serialize)]
+pub struct Report<'a> {
+    scene: &'a str,
+    clustering: ClusteringMode,
+    octree_depth: u32,
+    epsilon_relative: f64,
+    epsilon_watts: f64,
+    partial_factor: f64,
+    visibility_factor: f64,
+    rays_min: u32,
+    rays_max: u32,
+    push: Push,
+    sides: Sides,
+    seed: u64,
+    initial_patches: usize,
+    clusters: usize,
+    patches: usize,
+    links: usize,
+    pairs_judged: u64,
+    rays: u64,
+    iterations: u32,
+    converged: bool,
+    threads: usize,
+    seconds: Times,
+    bytes: Bytes,
+    /// Highest resident memory of the process; `None` where the system does not tell.
+    peak_rss_bytes: Option<u64>,
+    emitted_watts: f64,
+    absorbed_watts: f64,
+    /// Measured by rays; `None` for a solution that is not finished.
+    stopped_by_backs_watts: Option<f64>,
+    escaped_watts: Option<f64>,
+    /// Share of the emitted power that is missing (positive) or too much.
+    balance_gap: Option<f64>,
+    depth_guard_struck: u64,
+    clamped_leaves: usize,
+    skipped: &'a Skipped,
+}
+
+#[derive(Serialize)]
+struct Times {
+    #[serde(flatten)]
+    solve: Seconds,
+    /// From the process's start, loading included.
+    since_process_start_first_snapshot: f64,
+}
+
+impl<'a> Report<'a> {
+    /// Gathers what is known of a solution; `started` is when the process was.
+    pub fn new(job: &'a Job, solution: &Solution, started: Instant) -> Self {
+        let (stats, params, scene) = (&solution.stats, solution.solver.params(), &job.scene);
+        let measure = || job.pool.install(|| power_balance(&solution.solver, BALANCE_RAYS, params.seed));
+        let balance: Option<PowerBalance> = stats.converged.then(measure);
+        let since_start = solution.first_snapshot_at.saturating_duration_since(started);
+        Self {
+            scene: &scene.name,
+            clustering: params.clustering,
+            octree_depth: params.octree_depth,
+            epsilon_relative: stats.epsilon_relative,
+            epsilon_watts: stats.epsilon_watts,
+            partial_factor: params.partial_factor,
+            visibility_factor: params.visibility_factor,
+            rays_min: params.rays_min,
+            rays_max: params.rays_max,
+            push: params.push,
+            sides: scene.sides,
+            seed: params.seed,
+            initial_patches: stats.initial_patches,
+            clusters: stats.clusters,
+            patches: stats.patches,
+            links: stats.links,
+            pairs_judged: stats.pairs_judged,
+            rays: stats.rays,
+            iterations: stats.iterations,
+            converged: stats.converged,
+            threads: solution.threads,
+            seconds: Times { solve: stats.seconds, since_process_start_first_snapshot: since_start.as_secs_f64() },
+            bytes: stats.bytes,
+            peak_rss_bytes: peak_memory(),
+            emitted_watts: stats.emitted_watts,
+            absorbed_watts: absorbed(scene, solution),
+            stopped_by_backs_watts: balance.map(|balance| balance.stopped_by_backs.element_sum()),
+            escaped_watts: balance.map(|balance| balance.escaped.element_sum()),
+            balance_gap: balance.map(|balance| balance.relative_gap()),
+            depth_guard_struck: stats.depth_guard_struck,
+            clamped_leaves: stats.clamped_leaves,
+            skipped: &scene.skipped,
+        }
+    }
+
+    /// A few lines for people.
+    pub fn summary(&self) -> String {
+        let times = &self.seconds.solve;
+        let state = if self.converged { "converged" } else { "not finished" };
+        let depth = match self.clustering {
+            ClusteringMode::Octree => format!(" of depth {}", self.octree_depth),
+            ClusteringMode::None | ClusteringMode::Groups | ClusteringMode::Adaptive => String::new(),
+        };
+        let mut lines = vec![
+            format!(
+                "{}: {} polygons, clustering {}{depth}, ε = {} Φ = {}, {state}",
+                self.scene,
+                count(self.initial_patches),
+                name_of(&self.clustering),
+                number(self.epsilon_relative),
+                quantity(self.epsilon_watts, "W"),
+            ),
+            format!(
+                "elements   {} clusters, {} patches, {} links ({}), elements {}",
+                count(self.clusters),
+                count(self.patches),
+                count(self.links),
+                bytes(self.bytes.links),
+                bytes(self.bytes.elements),
+            ),
+            format!(
+                "work       {} pairs judged, {} rays, rounds: {}, threads: {}",
+                count(self.pairs_judged),
+                count(self.rays),
+                self.iterations,
+                self.threads
+            ),
+            format!(
+                "time       {} in all: clusters {}, refining {}, gathering {}; first picture after {}; loading took {}",
+                seconds(times.total),
+                seconds(times.hierarchy),
+                seconds(times.refine),
+                seconds(times.gather),
+                seconds(times.first_snapshot),
+                seconds(times.load),
+            ),
+        ];
+        let mut power = format!(
+            "power      {} emitted, {} absorbed",
+            quantity(self.emitted_watts, "W"),
+            quantity(self.absorbed_watts, "W")
+        );
+        if let (Some(backs), Some(escaped), Some(gap)) =
+            (self.stopped_by_backs_watts, self.escaped_watts, self.balance_gap)
+        {
+            let (backs, escaped) = (quantity(backs, "W"), quantity(escaped, "W"));
+            // A String takes any text.
+            let _ = write!(power, ", {backs} stopped by backs, {escaped} escaped; missing {:.1} %", 100.0 * gap);
+        }
+        lines.push(power);
+        if let Some(peak) = self.peak_rss_bytes {
+            lines.push(format!("memory     {} at most", bytes(peak as usize)));
+        }
+        lines.join("\n") + "\n"
+    }
+}
+
+/// Power absorbed by bright sides in what is there to be seen, W (all colours summed): a solution that is not finished has
+/// it in its picture alone.
+fn absorbed(scene: &Scene, solution: &Solution) -> f64 {
+    let snapshot = &solution.snapshot;
+    let leaves = snapshot.mesh.leaves.iter().zip(&snapshot.leaf_irradiance);
+    let power = leaves.map(|(leaf, irradiance)| {
+        let reflectance = scene.materials[leaf.material.0 as usize].reflectance.to_array();
+        let absorbed = irradiance.iter().zip(reflectance).map(|(received, rho)| f64::from(received * (1.0 - rho)));
+        f64::from(leaf.area) * absorbed.sum::<f64>()
+    });
+    power.sum()
+}
+
+/// Highest resident memory of this process, where the system tells.
+fn peak_memory() -> Option<u64> {
+    let status = std::fs::read_to_string("/proc/self/status").ok()?;
+    let line = status.lines().find(|line| line.starts_with("VmHWM:"))?;
+    line.split_whitespace().nth(1)?.parse::<u64>().ok().map(|kib| kib << 10)
+}

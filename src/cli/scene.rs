@@ -1,0 +1,47 @@
+//! `selflink scene`: writes one of our own scenes as OBJ, MTL and sidecar.
+
+use anyhow::bail;
+use clap::{Arg, ArgMatches, Command, value_parser};
+use selflink::format::things;
+use selflink::scene::{builtin::BuiltinScene, write_obj};
+
+use super::options::{self, path, path_arg};
+use super::output::say;
+
+/// The command's arguments.
+pub fn command() -> Command {
+    Command::new("scene")
+        .about("Write one of our own scenes as OBJ, MTL and sidecar")
+        .arg(Arg::new("name").value_name("NAME").required(true).help(format!("One of {}", options::names())))
+        .arg(
+            Arg::new("polygons")
+                .long("polygons")
+                .value_name("N")
+                .value_parser(value_parser!(usize))
+                .help("Draw the seminar room with so many polygons"),
+        )
+        .arg(path_arg("out", "DIR").required(true).help("Folder to write to; it is made where it is missing"))
+}
+
+/// Runs it.
+pub fn run(matches: &ArgMatches) -> anyhow::Result<()> {
+    let name = matches.get_one::<String>("name").map_or("", String::as_str);
+    let Some(mut builtin) = BuiltinScene::from_name(name) else {
+        bail!("`{name}` is none of our own scenes ({})", options::names());
+    };
+    if let Some(&wanted) = matches.get_one::<usize>("polygons") {
+        let range = BuiltinScene::SEMINAR_RANGE;
+        match &mut builtin {
+            BuiltinScene::Seminar { polygons } if range.contains(&wanted) => *polygons = wanted,
+            BuiltinScene::Seminar { .. } => {
+                bail!("--polygons must lie between {} and {} (it is {wanted})", range.start(), range.end());
+            }
+            BuiltinScene::Cornell | BuiltinScene::Office => {
+                bail!("--polygons is for the seminar room only, not for {name}")
+            }
+        }
+    }
+    let scene = builtin.build();
+    let written = write_obj(&scene, &path(matches, "out").unwrap_or_default())?;
+    say(&format!("{}: {}\n", written.display(), things(scene.polygons.len(), "polygon", "polygons")))
+}

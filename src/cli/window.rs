@@ -1,0 +1,89 @@
+//! `selflink [SCENE]`: the window; without a display the main job is done all the same, into a picture and statistics.
+
+#[cfg(feature = "gui")]
+use std::path::PathBuf;
+use std::time::Instant;
+
+use clap::{ArgMatches, Command};
+#[cfg(feature = "gui")]
+use selflink::render::Offscreen;
+use selflink::scene::{Source, builtin::BuiltinScene};
+use selflink::solver::SolverParams;
+
+use super::job::Order;
+#[cfg(feature = "gui")]
+use super::job::{Job, Solution};
+use super::options::{self, AddedLight};
+#[cfg(feature = "gui")]
+use super::output::OutputFile;
+use super::output::say;
+#[cfg(feature = "gui")]
+use super::render::{self, View};
+use super::report::Report;
+
+/// The program's own arguments.
+pub fn command() -> Command {
+    let default = BuiltinScene::default().name();
+    Command::new("selflink")
+        .version(env!("CARGO_PKG_VERSION"))
+        .about("Lights a 3D scene by hierarchical radiosity with isotropic clusters and shows it in a window.\n\nWithout a command the window opens; without a display the scene is solved all the same, into a picture and statistics.")
+        .args_conflicts_with_subcommands(true)
+        .arg(options::scene_arg().default_value(default))
+        .args(options::solver_args())
+}
+
+/// Runs it.
+pub fn run(matches: &ArgMatches, started: Instant) -> anyhow::Result<()> {
+    let source = options::source(matches.get_one::<String>("scene").map_or("", String::as_str))?;
+    let params = options::solver_params(matches)?;
+    let sentence = match open(&source, params) {
+        Ok(()) => return Ok(()),
+        Err(sentence) => sentence,
+    };
+    eprintln!("selflink: {sentence}.");
+    eprintln!("selflink: solving the scene without a window.");
+    without_window(Order { source, params, light: AddedLight::default(), limit: None }, started)
+}
+
+#[cfg(feature = "gui")]
+fn open(source: &Source, params: SolverParams) -> Result<(), String> {
+    selflink::app::run(Some(source.clone()), params).map_err(|error| error.to_string())
+}
+
+#[cfg(not(feature = "gui"))]
+fn open(_source: &Source, _params: SolverParams) -> Result<(), String> {
+    Err("no window can be opened, this program was built without one".to_owned())
+}
+
+/// Solves the scene, prints the statistics and writes a picture if an adapter draws one.
+fn without_window(order: Order, started: Instant) -> anyhow::Result<()> {
+    let job = order.load()?;
+    #[cfg(feature = "gui")]
+    let file = OutputFile::new(&picture_path(&job.scene.name), &[])?;
+    let solution = job.solve()?;
+    say(&Report::new(&job, &solution, started).summary())?;
+    #[cfg(feature = "gui")]
+    draw(&job, solution, &file)?;
+    Ok(())
+}
+
+#[cfg(feature = "gui")]
+fn draw(job: &Job, mut solution: Solution, file: &OutputFile) -> anyhow::Result<()> {
+    let mut offscreen = match Offscreen::new() {
+        Ok(offscreen) => offscreen,
+        Err(error) => {
+            eprintln!("selflink: no picture was drawn, {error}.");
+            return Ok(());
+        }
+    };
+    let picture = render::draw(&mut offscreen, &job.scene, &mut solution, &View::default())?;
+    render::save(&picture, file)?;
+    say(&format!("picture    {}, drawn by {}\n", file.path().display(), offscreen.adapter()))
+}
+
+/// In the current folder, by the scene's name.
+#[cfg(feature = "gui")]
+fn picture_path(scene: &str) -> PathBuf {
+    let name: String = scene.chars().map(|c| if c.is_alphanumeric() || "-_.".contains(c) { c } else { '_' }).collect();
+    PathBuf::from(format!("selflink-{name}.png"))
+}
