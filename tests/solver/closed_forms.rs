@@ -46,8 +46,8 @@ fn perpendicular(x: Span, y: Span, xi: Span, eta: Span) -> f64 {
 
 /// A rectangle at height `z` that faces up or down.
 fn level_rectangle(x: Span, y: Span, z: f64, up: bool) -> [Vec3; 4] {
-    let mut corners = [[x[0], y[0]], [x[1], y[0]], [x[1], y[1]], [x[0], y[1]]]
-        .map(|[x, y]| Vec3::new(x as f32, y as f32, z as f32));
+    let mut corners =
+        [[x[0], y[0]], [x[1], y[0]], [x[1], y[1]], [x[0], y[1]]].map(|[x, y]| Vec3::new(x as f32, y as f32, z as f32));
     if !up {
         corners.reverse();
     }
@@ -245,7 +245,9 @@ fn squares_in_pieces_exchange_their_closed_form_through_clusters() {
         let black = scene.add_material("black", Vec3::ZERO, Vec3::ZERO);
         for (square, material, name) in [(pair.one, lamp, "lamp"), (pair.other, black, "black")] {
             let group = scene.add_group(name, GroupId(0));
-            let at = |u: usize, v: usize| square[0] + 0.25 * (u as f32 * (square[1] - square[0]) + v as f32 * (square[3] - square[0]));
+            let at = |u: usize, v: usize| {
+                square[0] + 0.25 * (u as f32 * (square[1] - square[0]) + v as f32 * (square[3] - square[0]))
+            };
             for (u, v) in (0..16).map(|piece| (piece / 4, piece % 4)) {
                 scene.add_quad([at(u, v), at(u + 1, v), at(u + 1, v + 1), at(u, v + 1)], material, group);
             }
@@ -315,6 +317,7 @@ fn clusters_hand_light_to_the_sides_that_face_it() {
         let dark: f64 = (10..19).map(|polygon| received(&solved, polygon)).sum();
         assert!((lit / truth - 1.0).abs() < 0.02, "{mode:?}: {lit} W instead of {truth}");
         assert!(dark == 0.0, "{mode:?}: {dark} W on the sides that face away");
-        assert!(solved.hierarchy().ids().all(|id| !matches!(solved.hierarchy().element(id).shape, Shape::Cluster(_)) || solved.irradiance()[id.index()].is_finite()));
+        assert!(solved.hierarchy().ids().all(|id| !matches!(solved.hierarchy().element(id).shape, Shape::Cluster(_))
+            || solved.irradiance()[id.index()].is_finite()));
     }
 }

@@ -213,7 +213,9 @@ fn quarters_make_up_the_whole() {
     check_tree(&scene, &hierarchy);
     assert_eq!(hierarchy.leaf_count(), 2 * 256);
     for id in hierarchy.ids() {
-        let (Shape::Patch(patch), Some(parent)) = (hierarchy.element(id).shape, hierarchy.element(id).parent()) else { continue };
+        let (Shape::Patch(patch), Some(parent)) = (hierarchy.element(id).shape, hierarchy.element(id).parent()) else {
+            continue;
+        };
         if let Shape::Patch(whole) = hierarchy.element(parent).shape {
             assert_eq!(patch.level, whole.level + 1);
             assert!(patch.normal.dot(whole.normal) > 0.999_999);

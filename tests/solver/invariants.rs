@@ -65,7 +65,8 @@ fn threads_do_not_matter() {
 #[test]
 fn threads_do_not_matter_in_the_office() {
     let scene = BuiltinScene::Office.build();
-    let solution = |threads| with_threads(threads, || Solution::of(&solve(&scene, params(ClusteringMode::Adaptive, 3e-3))));
+    let solution =
+        |threads| with_threads(threads, || Solution::of(&solve(&scene, params(ClusteringMode::Adaptive, 3e-3))));
     let one = solution(1);
     assert_same(&solution(8), &one, "8 threads");
 }
@@ -148,7 +149,8 @@ fn powers_of_two_in_lengths_and_emission_change_nothing() {
                 let what = format!("{} in {mode:?}, lengths × {length}, emission × {emission}", scene.name);
                 assert_eq!(links(&plain).len(), links(&other).len(), "{what}: links");
                 assert!(links(&plain) == links(&other), "{what}: links differ in their bits");
-                let in_proportion: Vec<Vec3> = plain.radiosity().iter().map(|radiosity| emission * *radiosity).collect();
+                let in_proportion: Vec<Vec3> =
+                    plain.radiosity().iter().map(|radiosity| emission * *radiosity).collect();
                 assert!(in_proportion == other.radiosity(), "{what}: radiosities differ in their bits");
             }
         }
@@ -165,7 +167,8 @@ fn other_units_change_next_to_nothing() {
             let other = solve(&scaled(&scene, factor, 1.0), params(ClusteringMode::Adaptive, 1e-3));
             let (count, expected) = (other.links().len() as f64, plain.links().len() as f64);
             let off = difference(&other, &plain);
-            let what = format!("{} × {factor}: {count} links instead of {expected}, B differs by {off:.1e}", scene.name);
+            let what =
+                format!("{} × {factor}: {count} links instead of {expected}, B differs by {off:.1e}", scene.name);
             println!("{what}");
             if (count / expected - 1.0).abs() > 1e-3 || off > 0.01 {
                 wrong.push(what);
@@ -241,7 +244,11 @@ fn scenes_with_nothing_to_exchange_end_at_once() {
     for (scene, squares) in [(Scene::new("empty"), 0), (one, 1), (backs, 2)] {
         for mode in MODES {
             let mut solved = solve(&scene, params(mode, 1e-4));
-            assert!(solved.irradiance().iter().all(|irradiance| *irradiance == Vec3::ZERO), "{} in {mode:?}", scene.name);
+            assert!(
+                solved.irradiance().iter().all(|irradiance| *irradiance == Vec3::ZERO),
+                "{} in {mode:?}",
+                scene.name
+            );
             assert!(solved.radiosity()[1..].iter().all(|radiosity| *radiosity == Vec3::ONE));
             let snapshot = solved.snapshot();
             assert_eq!((snapshot.mesh.leaves.len(), snapshot.mesh.triangles.len()), (squares, 2 * squares));

@@ -102,11 +102,7 @@ pub fn lamp_room() -> Scene {
     add_furniture(&mut scene, furniture);
     let lamp = scene.add_material("lamp", Vec3::splat(0.3), Vec3::new(20.0, 18.0, 14.0));
     let group = scene.add_group("lamp", GroupId(0));
-    scene.add_quad(
-        [[0.4, 0.4], [0.6, 0.4], [0.6, 0.6], [0.4, 0.6]].map(|[x, z]| Vec3::new(x, 0.98, z)),
-        lamp,
-        group,
-    );
+    scene.add_quad([[0.4, 0.4], [0.6, 0.4], [0.6, 0.6], [0.4, 0.6]].map(|[x, z]| Vec3::new(x, 0.98, z)), lamp, group);
     assert!(scene.normal(scene.polygons.last().expect("the lamp")).y < 0.0, "the lamp shines down");
     scene
 }
