@@ -19,7 +19,7 @@ type Span = [f64; 2];
 fn corners(spans: [Span; 4], term: impl Fn([f64; 4]) -> f64) -> f64 {
     let corner = |index: usize| {
         let ends = std::array::from_fn(|axis| spans[axis][index >> axis & 1]);
-        if index.count_ones() % 2 == 0 { term(ends) } else { -term(ends) }
+        if index.count_ones().is_multiple_of(2) { term(ends) } else { -term(ends) }
     };
     (0..16).map(corner).sum()
 }
