@@ -6,9 +6,9 @@
 use crate::hierarchy::{ElementId, Hierarchy, Shape};
 
 use super::candidate::Candidate;
+use super::form_factor::CLUSTER_COSINE;
 use super::form_factor::{Exchange, exchange, self_exchange};
 use super::link::{Evidence, Link};
-use super::form_factor::CLUSTER_COSINE;
 use super::rays::{RayPlan, RaySampler, Survey};
 use super::refine::end_to_split;
 
@@ -127,7 +127,8 @@ impl Oracle<'_> {
             if !asked {
                 return Decision::NotAsked;
             }
-            let form_factor = self.form_factor(receiver, source, estimate, sight.survey.map(|survey| (survey, receiver == a)));
+            let form_factor =
+                self.form_factor(receiver, source, estimate, sight.survey.map(|survey| (survey, receiver == a)));
             self.decide(receiver, source, form_factor, bound, &sight)
         };
         Verdict {
@@ -207,7 +208,13 @@ impl Oracle<'_> {
 
     /// Form factor F(r←s) without occlusion: by the estimate for patches and where nobody looked, else by how the polygons
     /// of the clusters are turned. A receiving cluster keeps its ¼, which an immediate push undoes for each of its patches.
-    fn form_factor(&self, receiver: ElementId, source: ElementId, estimate: f32, survey: Option<(Survey, bool)>) -> f32 {
+    fn form_factor(
+        &self,
+        receiver: ElementId,
+        source: ElementId,
+        estimate: f32,
+        survey: Option<(Survey, bool)>,
+    ) -> f32 {
         let (to, from) = (self.hierarchy.element(receiver), self.hierarchy.element(source));
         match survey {
             Some((survey, receiver_is_a)) if to.is_cluster() => {

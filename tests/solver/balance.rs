@@ -1,0 +1,46 @@
+//! Where the emitted power goes.
+//!
+//! Truth: conservation. What is absorbed by bright sides (from the solution), stopped by backs and lost to the outside (both by
+//! rays that know nothing of its links) is what the lamps emit.
+
+use selflink::hierarchy::ClusteringMode;
+use selflink::scene::builtin::BuiltinScene;
+use selflink::solver::power_balance;
+
+use super::support::{MODES, lamp_room, params, solve};
+
+/// 2 %, as the issue asks; 65,536 rays are good to 0.4 % of the power that is lost.
+fn closes(scene: BuiltinScene) {
+    let solved = solve(&scene.build(), params(ClusteringMode::Adaptive, 1e-4));
+    let balance = power_balance(&solved, 1 << 16, 7);
+    let gap = balance.relative_gap();
+    println!("{}: {:+.2} % of the power is missing", scene.name(), 100.0 * gap);
+    assert!(gap.abs() < 0.02, "{}: {:+.2} % of the power is missing: {balance:?}", scene.name(), 100.0 * gap);
+}
+
+#[test]
+fn power_balance_closes_in_the_cornell_box() {
+    closes(BuiltinScene::Cornell);
+}
+
+#[test]
+fn power_balance_closes_in_the_seminar_room() {
+    closes(BuiltinScene::Seminar { polygons: BuiltinScene::SEMINAR_POLYGONS });
+}
+
+#[test]
+fn power_balance_closes_in_the_office() {
+    closes(BuiltinScene::Office);
+}
+
+/// A closed room loses nothing: what is emitted is absorbed or meets the lamp's back, in every mode.
+#[test]
+fn a_closed_room_loses_nothing() {
+    for mode in MODES {
+        let balance = power_balance(&solve(&lamp_room(), params(mode, 1e-4)), 1 << 14, 7);
+        println!("{mode:?}: {:+.2} % of the power is missing", 100.0 * balance.relative_gap());
+        // One ray in a thousand may slip through the edge between two faces.
+        assert!(balance.escaped.element_sum() < 1e-3 * balance.emitted.element_sum(), "{mode:?}");
+        assert!(balance.relative_gap().abs() < 0.02, "{mode:?}: {:+.2} %", 100.0 * balance.relative_gap());
+    }
+}

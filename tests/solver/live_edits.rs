@@ -1,0 +1,146 @@
+//! Parameters and lamps changed while a solution is there: what is still valid stays, and the result is a fresh solve's.
+//!
+//! Truth: a fresh solve, within the error that ε allows either of them.
+
+use glam::Vec3;
+use selflink::cancel::CancelToken;
+use selflink::hierarchy::ClusteringMode;
+use selflink::scene::MaterialId;
+use selflink::solver::{Epsilon, Push, Solver, SolverParams};
+
+use super::support::{difference, is_sound, lamp_room, links, params, solve};
+
+const COARSE: f64 = 1e-2;
+const FINE: f64 = 1e-3;
+/// Two solutions of one threshold whose links were judged by other radiosities on the way: each is within a few per cent
+/// of the truth at ε = 1e-3.
+const SAME: f64 = 0.03;
+
+fn change(solver: &mut Solver, params: SolverParams) {
+    assert!(solver.set_params(params).expect("usable parameters"), "the hierarchy stays");
+    assert!(solver.run(&CancelToken::new()));
+    assert!(is_sound(solver));
+}
+
+#[test]
+fn a_finer_threshold_goes_on_from_what_is_there() {
+    for mode in [ClusteringMode::None, ClusteringMode::Groups, ClusteringMode::Adaptive] {
+        let fresh = solve(&lamp_room(), params(mode, FINE));
+        let mut solver = solve(&lamp_room(), params(mode, COARSE));
+        let before = solver.stats();
+        change(&mut solver, params(mode, FINE));
+        let after = solver.stats();
+        assert!(after.links > before.links && after.patches > before.patches);
+        let judged = after.pairs_judged - before.pairs_judged;
+        assert!(judged < fresh.stats().pairs_judged, "{mode:?}: {judged} of {}", fresh.stats().pairs_judged);
+        let off = difference(&solver, &fresh);
+        println!("{mode:?}: {judged} pairs judged instead of {}, B differs by {off:.4}", fresh.stats().pairs_judged);
+        assert!(off < SAME, "{mode:?}: B differs by {off}");
+    }
+}
+
+#[test]
+fn a_coarser_threshold_gives_the_coarse_solution() {
+    for mode in [ClusteringMode::None, ClusteringMode::Groups, ClusteringMode::Adaptive] {
+        let fresh = solve(&lamp_room(), params(mode, COARSE));
+        let mut solver = solve(&lamp_room(), params(mode, FINE));
+        let before = solver.stats();
+        change(&mut solver, params(mode, COARSE));
+        let after = solver.stats();
+        assert!(after.links < before.links && after.patches < before.patches);
+        let off = difference(&solver, &fresh);
+        println!("{mode:?}: {} links instead of {}, B differs by {off:.4}", after.links, fresh.stats().links);
+        // Ten times the threshold, ten times the error per link; half as many digits on the whole.
+        assert!(off < 3.0 * SAME, "{mode:?}: B differs by {off}");
+    }
+}
+
+/// Truth: pushing moves light over the links that are there; no pair is judged but those that wake for the change of B.
+#[test]
+fn another_push_mode_only_gathers_again() {
+    let deferred = |push| SolverParams { push, ..params(ClusteringMode::Groups, FINE) };
+    let mut solver = solve(&lamp_room(), deferred(Push::Deferred));
+    let before = solver.stats();
+    change(&mut solver, deferred(Push::Immediate));
+    let after = solver.stats();
+    let judged = after.pairs_judged - before.pairs_judged;
+    assert!(judged < before.pairs_judged / 10, "{judged} pairs of {} judged again", before.pairs_judged);
+    let off = difference(&solver, &solve(&lamp_room(), deferred(Push::Immediate)));
+    assert!(off < SAME, "B differs by {off}");
+}
+
+/// What cannot matter does nothing, to the bit.
+#[test]
+fn a_change_of_threads_changes_nothing() {
+    let mut solver = solve(&lamp_room(), params(ClusteringMode::Adaptive, FINE));
+    let (before, stored) = (solver.radiosity().to_vec(), links(&solver));
+    change(&mut solver, SolverParams { threads: 3, ..params(ClusteringMode::Adaptive, FINE) });
+    assert!(before == solver.radiosity() && stored == links(&solver));
+}
+
+/// Other clusters ask for another solver, and what is wrong is refused with the present solution kept.
+#[test]
+fn other_clusters_and_wrong_values_leave_the_solution_alone() {
+    let mut solver = solve(&lamp_room(), params(ClusteringMode::Adaptive, COARSE));
+    let before = solver.radiosity().to_vec();
+    assert!(!solver.set_params(params(ClusteringMode::Groups, COARSE)).expect("usable parameters"));
+    for wrong in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+        let refused = SolverParams { epsilon: Epsilon::Relative(wrong), ..*solver.params() };
+        assert!(solver.set_params(refused).is_err(), "ε = {wrong}");
+    }
+    assert!(before == solver.radiosity());
+}
+
+/// Truth: linearity. Twice the emission is twice the light on the links that stay; 1e-4 is ten times what the last gather leaves
+/// undone. ε in watts is doubled with it, so that no link has to wake.
+#[test]
+fn a_lamp_twice_as_bright_doubles_the_light() {
+    let with = |watts: f64| SolverParams { epsilon: Epsilon::Watts(watts), ..params(ClusteringMode::Adaptive, FINE) };
+    let mut solver = solve(&lamp_room(), with(1e-3));
+    let before = solver.radiosity().to_vec();
+    let stored = links(&solver);
+    let lamp = solver.scene().material_named("lamp").expect("a lamp");
+    let emission = solver.scene().materials[lamp.0 as usize].emission;
+    // Links stay as they are for twice the light at twice the threshold, but a raised threshold starts from the root: so
+    // dim the lamp instead, which wakes nothing.
+    solver.set_emission(lamp, 0.5 * emission);
+    assert!(solver.run(&CancelToken::new()));
+    assert!(links(&solver) == stored, "a dimmed lamp asks for no new link");
+    for (now, before) in solver.radiosity().iter().zip(&before) {
+        assert!(
+            (2.0 * *now - *before).abs().max_element() <= 1e-4 * before.max_element().max(1e-3),
+            "{now} of {before}"
+        );
+    }
+    solver.set_emission(lamp, 2.0 * emission);
+    assert!(solver.run(&CancelToken::new()));
+    assert!(solver.links().len() >= stored.len());
+    let fresh = {
+        let mut scene = lamp_room();
+        scene.materials[lamp.0 as usize].emission = 2.0 * emission;
+        solve(&scene, with(1e-3))
+    };
+    let off = difference(&solver, &fresh);
+    assert!(off < SAME, "B differs by {off}");
+}
+
+/// A lamp switched off leaves no light behind, and one switched on in the dark is as good as a fresh solve.
+#[test]
+fn lamps_go_out_and_on() {
+    let lamp = MaterialId(2);
+    let mut solver = solve(&lamp_room(), params(ClusteringMode::Adaptive, FINE));
+    let emission = solver.scene().materials[2].emission;
+    solver.set_emission(lamp, Vec3::ZERO);
+    assert!(solver.run(&CancelToken::new()));
+    let most = solver.radiosity().iter().fold(0.0_f32, |most, radiosity| most.max(radiosity.max_element()));
+    // The last gather leaves 1e-5 of the power, at worst of that of the lit room (20 W/m² on the lamp).
+    assert!(most < 1e-3, "{most} W/m² are left");
+
+    let mut dark = lamp_room();
+    dark.materials[2].emission = Vec3::ZERO;
+    let mut solver = solve(&dark, params(ClusteringMode::Adaptive, FINE));
+    solver.set_emission(lamp, emission);
+    assert!(solver.run(&CancelToken::new()));
+    let off = difference(&solver, &solve(&lamp_room(), params(ClusteringMode::Adaptive, FINE)));
+    assert!(off < SAME, "B differs by {off}");
+}

@@ -1,0 +1,11 @@
+//! The solver and its hierarchy against truths that do not depend on them: closed forms, conservation, symmetry,
+//! bookkeeping. One program, so that the modules share [`support`].
+
+mod balance;
+mod closed_forms;
+mod display_mesh;
+mod furnace;
+mod hierarchy;
+mod invariants;
+mod live_edits;
+mod support;
