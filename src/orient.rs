@@ -410,7 +410,7 @@ mod tests {
         let occluders = Occluders::new(&scene);
         let with = |threads| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool of few threads");
-            pool.install(|| votes(&scene, &occluders))
+            pool.install(|| votes(&scene, &occluders, true))
         };
         assert_eq!(with(1), with(3));
     }
