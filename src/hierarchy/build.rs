@@ -19,7 +19,13 @@ pub(super) struct Grouping {
     pub(super) polygons: Vec<u32>,
 }
 
-/// Box and centroid of each polygon, as strategies read them.
+/// Steps of [`PolygonBounds`] along the scene's longest side.
+const GRID: f32 = 65_536.0;
+
+/// Box of each polygon on a grid over the scene, as strategies read it.
+///
+/// On a grid, faces that lie at the same place do so exactly, and ties stay ties: the same scene in other units, where
+/// coordinates round otherwise, gets the same clusters.
 pub(super) struct PolygonBounds {
     pub(super) lower: Vec<Vec3>,
     pub(super) upper: Vec<Vec3>,
@@ -27,10 +33,13 @@ pub(super) struct PolygonBounds {
 
 impl PolygonBounds {
     fn new(scene: &Scene) -> Self {
+        let (origin, end) = scene.bounds();
+        let side = (end - origin).max_element();
+        let on_grid = |position: Vec3| if side > 0.0 { ((position - origin) / side * GRID).round() } else { Vec3::ZERO };
         let bounds = |polygon| {
             let (positions, count) = scene.corner_positions(polygon);
             let around = |f: fn(Vec3, Vec3) -> Vec3| positions[1..count].iter().copied().fold(positions[0], f);
-            (around(Vec3::min), around(Vec3::max))
+            (on_grid(around(Vec3::min)), on_grid(around(Vec3::max)))
         };
         let (lower, upper) = scene.polygons.iter().map(bounds).unzip();
         Self { lower, upper }

@@ -9,11 +9,23 @@ use crate::scene::Scene;
 /// ask about every pair of them.
 const MOST_DIRECT_POLYGONS: usize = 64;
 
+/// Groups nested deeper than this belong to their ancestor of this depth: files may nest without end, clusters need not.
+const DEEPEST: u32 = 64;
+
 /// Groups polygons as the scene does.
 pub(super) fn group(scene: &Scene, bounds: &PolygonBounds) -> Grouping {
     let mut groupings: Vec<Grouping> = scene.groups.iter().map(|_| Grouping::default()).collect();
+    let mut depths: Vec<u32> = Vec::with_capacity(scene.groups.len());
+    let mut standing_for: Vec<usize> = Vec::with_capacity(scene.groups.len());
+    for (index, group) in scene.groups.iter().enumerate() {
+        let parent = group.parent.map(|parent| parent.0 as usize);
+        let depth = parent.map_or(0, |parent| depths[parent] + 1);
+        let too_deep = parent.filter(|_| depth > DEEPEST);
+        depths.push(depth.min(DEEPEST));
+        standing_for.push(too_deep.map_or(index, |parent| standing_for[parent]));
+    }
     for (index, polygon) in scene.polygons.iter().enumerate() {
-        groupings[polygon.group.0 as usize].polygons.push(index as u32);
+        groupings[standing_for[polygon.group.0 as usize]].polygons.push(index as u32);
     }
     for (index, group) in scene.groups.iter().enumerate().rev() {
         let mut grouping = std::mem::take(&mut groupings[index]);

@@ -14,22 +14,27 @@ const SMOOTH_COSINE: f32 = 0.766;
 /// back), have the same material and meet at less than 40°.
 pub fn smooth_surfaces(scene: &Scene, hierarchy: &Hierarchy) -> Vec<u32> {
     let mut surface: Vec<u32> = (0..scene.polygons.len() as u32).collect();
-    let mut edges: FxHashMap<(u32, u32), u32> = FxHashMap::default();
-    edges.reserve(2 * scene.polygons.len());
+    // The first patch with each directed edge, and the next one with the same edge: a doubled face's back runs like its
+    // neighbour's front.
+    let mut first_with: FxHashMap<(u32, u32), usize> = FxHashMap::default();
+    let mut edges: Vec<(u32, Option<usize>)> = Vec::new();
+    first_with.reserve(4 * scene.polygons.len());
     for &id in hierarchy.initial_patches() {
         let Shape::Patch(patch) = hierarchy.element(id).shape else { continue };
         let corners = patch.corners();
         for (index, &from) in corners.iter().enumerate() {
             let to = corners[(index + 1) % corners.len()];
-            let Some(&neighbour) = edges.get(&(to, from)) else {
-                edges.insert((from, to), id.0);
-                continue;
-            };
-            let Shape::Patch(other) = hierarchy.element(super::ElementId(neighbour)).shape else { continue };
-            let material = |polygon: u32| scene.polygons[polygon as usize].material;
-            if material(patch.polygon) == material(other.polygon) && patch.normal.dot(other.normal) > SMOOTH_COSINE {
-                join(&mut surface, patch.polygon, other.polygon);
+            let mut next = first_with.get(&(to, from)).copied();
+            while let Some((neighbour, after)) = next.map(|place| edges[place]) {
+                next = after;
+                let Shape::Patch(other) = hierarchy.element(super::ElementId(neighbour)).shape else { continue };
+                let material = |polygon: u32| scene.polygons[polygon as usize].material;
+                if material(patch.polygon) == material(other.polygon) && patch.normal.dot(other.normal) > SMOOTH_COSINE {
+                    join(&mut surface, patch.polygon, other.polygon);
+                }
             }
+            let before = first_with.insert((from, to), edges.len());
+            edges.push((id.0, before));
         }
     }
     (0..surface.len() as u32).map(|polygon| find(&mut surface, polygon)).collect()

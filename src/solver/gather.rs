@@ -15,8 +15,8 @@ pub struct Light {
     pub radiosity: Vec<Vec3>,
     /// Irradiance E, W/m²; meant for leaves, on other elements what reached them from above.
     pub irradiance: Vec<Vec3>,
-    /// What a leaf's irradiance is divided by, 1 for nearly all; empty before the first [`Gatherer::limit_rows`].
-    pub row_excess: Vec<f32>,
+    /// What a leaf's irradiance is multiplied by; empty before the first [`Gatherer::limit_rows`].
+    pub row_scale: Vec<f32>,
 }
 
 impl Light {
@@ -33,7 +33,7 @@ impl Light {
 
     /// Memory of the tables, bytes.
     pub fn bytes(&self) -> usize {
-        size_of_val(&self.radiosity[..]) + size_of_val(&self.irradiance[..]) + size_of_val(&self.row_excess[..])
+        size_of_val(&self.radiosity[..]) + size_of_val(&self.irradiance[..]) + size_of_val(&self.row_scale[..])
     }
 }
 
@@ -62,6 +62,8 @@ pub struct Gatherer<'a> {
 
 /// Where ρ times a leaf's sum of F·V stays below this, light dies out however often it is reflected.
 const LARGEST_RETURN: f32 = 0.98;
+/// A leaf takes over from its siblings at most as much as it has itself.
+const MOST_SCALE: f32 = 2.0;
 
 impl Gatherer<'_> {
     /// Sweeps until the power still to come is below `tolerance` of all power; false if cancelled, with `light` as the last
@@ -96,8 +98,8 @@ impl Gatherer<'_> {
             let old = light.radiosity[index];
             let new = match element.shape {
                 Shape::Patch(patch) if element.is_leaf() => {
-                    if let Some(&excess) = light.row_excess.get(index) {
-                        light.irradiance[index] /= excess;
+                    if let Some(&scale) = light.row_scale.get(index) {
+                        light.irradiance[index] *= scale;
                     }
                     let surface = &self.surfaces[patch.polygon as usize];
                     let new = surface.emission + surface.reflectance * light.irradiance[index];
@@ -112,30 +114,42 @@ impl Gatherer<'_> {
         Some(change)
     }
 
-    /// Finds leaves whose F·V sum to so much more than 1 that light could grow without end, and notes by how much their
-    /// irradiance must be scaled back; returns how many. Never scales up.
+    /// Finds by how much each leaf's irradiance must be scaled for its F·V to sum to no more than 1; returns how many leaves
+    /// exceeded that.
     ///
-    /// A sum somewhat above 1 is no failure of its own: a leaf shares the links of the patches above it, which are right in
-    /// the mean over all their leaves; to cut off those above and leave those below would lose light.
+    /// A leaf shares the links of the patches above it, which are right in the mean over all their leaves but not for each: a
+    /// leaf in a corner adds its own large form factors to a mean that holds them already. What a leaf has too much is
+    /// therefore what its siblings have too little, and goes to them; a whole initial patch is scaled back only where light
+    /// could grow without end, and never up.
     pub fn limit_rows(&self, light: &mut Light, cancel: &CancelToken) -> Option<usize> {
-        let ones = vec![Vec3::ONE; self.hierarchy.elements().len()];
-        let mut rows = self.incoming(&ones, cancel)?;
-        let mut limited = 0;
-        light.row_excess.clear();
-        for (index, element) in self.hierarchy.elements().iter().enumerate() {
-            let from_above = element.parent().map_or(Vec3::ZERO, |parent| rows[parent.index()]);
-            rows[index] += from_above;
-            let excess = match element.shape {
-                Shape::Patch(patch) if element.is_leaf() => {
-                    let reflectance = self.surfaces[patch.polygon as usize].reflectance.max_element();
-                    (rows[index].x * reflectance / LARGEST_RETURN).min(rows[index].x).max(1.0)
-                }
-                _ => 1.0,
-            };
-            limited += usize::from(excess > 1.0);
-            light.row_excess.push(excess);
+        let elements = self.hierarchy.elements();
+        let mut rows: Vec<f32> =
+            self.incoming(&vec![Vec3::ONE; elements.len()], cancel)?.into_iter().map(|row| row.x).collect();
+        for (index, element) in elements.iter().enumerate() {
+            rows[index] += element.parent().map_or(0.0, |parent| rows[parent.index()]);
         }
-        Some(limited)
+        let mut exceeding = 0;
+        for (index, element) in elements.iter().enumerate().rev().filter(|(_, element)| !element.is_cluster()) {
+            if element.is_leaf() {
+                exceeding += usize::from(rows[index] > 1.0);
+            } else {
+                rows[index] = mean_of(self.hierarchy, element.children(), |child| rows[child.index()]);
+            }
+        }
+        let mut wanted = rows.clone();
+        for &id in self.hierarchy.initial_patches() {
+            let Shape::Patch(patch) = self.hierarchy.element(id).shape else { continue };
+            let reflectance = self.surfaces[patch.polygon as usize].reflectance.max_element();
+            wanted[id.index()] = rows[id.index()].min((LARGEST_RETURN / reflectance).max(1.0));
+        }
+        for (index, element) in elements.iter().enumerate() {
+            if !element.is_cluster() && !element.is_leaf() {
+                share_out(self.hierarchy, wanted[index], element.children(), &rows, &mut wanted);
+            }
+        }
+        let scale = |(&wanted, &row): (&f32, &f32)| if row > 0.0 { (wanted / row).min(MOST_SCALE) } else { 1.0 };
+        light.row_scale = wanted.iter().zip(&rows).map(scale).collect();
+        Some(exceeding)
     }
 
     /// What arrives at each element by its own links; at initial patches also what clusters above push to them at once.
@@ -239,6 +253,37 @@ fn mean_of_children(hierarchy: &Hierarchy, radiosity: &[Vec3], children: impl It
         area += child_area;
     }
     if area > 0.0 { power / area } else { Vec3::ZERO }
+}
+
+/// Mean of a value over elements, by area.
+fn mean_of(hierarchy: &Hierarchy, elements: impl Iterator<Item = ElementId>, value: impl Fn(ElementId) -> f32) -> f32 {
+    let (sum, area) = elements.fold((0.0, 0.0), |(sum, area), id| {
+        let own = hierarchy.element(id).area;
+        (sum + own * value(id), area + own)
+    });
+    if area > 0.0 { sum / area } else { 0.0 }
+}
+
+/// Shares the mean that a patch should have out to its children: each keeps its own up to the larger of 1 and the mean,
+/// and what is then missing goes where there is room.
+fn share_out(
+    hierarchy: &Hierarchy,
+    mean: f32,
+    children: impl Iterator<Item = ElementId> + Clone,
+    rows: &[f32],
+    wanted: &mut [f32],
+) {
+    let most = mean.max(1.0);
+    let kept = mean_of(hierarchy, children.clone(), |child| rows[child.index()].min(most));
+    let room = most - kept;
+    for child in children {
+        let own = rows[child.index()].min(most);
+        wanted[child.index()] = if mean >= kept {
+            own + if room > 0.0 { (most - own) * (mean - kept) / room } else { 0.0 }
+        } else {
+            own * mean / kept
+        };
+    }
 }
 
 /// How much one sweep moved.

@@ -290,8 +290,9 @@ impl Solver {
         let epsilon = self.stage_epsilon();
         let oracle = oracle(&self.hierarchy, &self.brightness, &self.occluders, &self.params, epsilon);
         let occluded = std::mem::take(&mut self.refinement.occluded);
-        let (doubtful, believed) = occluded.into_par_iter().partition(|pair| oracle.is_doubtful(pair));
+        let (doubtful, believed): (Vec<Candidate>, _) = occluded.into_par_iter().partition(|pair| oracle.is_doubtful(pair));
         self.refinement.occluded = believed;
+        self.refinement.forget_rejections(&doubtful);
         doubtful
     }
 
@@ -314,7 +315,7 @@ impl Solver {
         let mut radiosity: Vec<Vec3> = self.hierarchy.elements().iter().map(emission).collect();
         pull(&self.hierarchy, &mut radiosity);
         let irradiance = vec![Vec3::ZERO; radiosity.len()];
-        Light { radiosity, irradiance, row_excess: Vec::new() }
+        Light { radiosity, irradiance, row_scale: Vec::new() }
     }
 
     /// Makes the present radiosities those that verdicts look at.

@@ -36,9 +36,10 @@ impl Thresholds {
     }
 
     /// Rays that must all be blocked before a pair of this unoccluded power is believed to be occluded: so many that what
-    /// they may have missed, about one ray's share, is below ε_partial.
+    /// they may have missed, about one ray's share, is below a quarter of ε_partial. With all of ε_partial, 3 % of the power
+    /// of the seminar room went missing at ε = 1e-4, with a quarter 0.5 %, for a fifth more rays.
     fn rays_to_reject(&self, power: f32) -> u32 {
-        (power / self.epsilon_partial).ceil() as u32
+        (4.0 * power / self.epsilon_partial).ceil() as u32
     }
 }
 

@@ -119,6 +119,17 @@ impl Refinement {
         ended
     }
 
+    /// Takes back what was recorded of pairs that are looked at again.
+    pub fn forget_rejections(&mut self, pairs: &[Candidate]) {
+        let Some(rejected) = &mut self.rejected else { return };
+        let again: rustc_hash::FxHashSet<(ElementId, ElementId)> = pairs
+            .iter()
+            .flat_map(|pair| [(pair.directions.to_a, pair.a, pair.b), (pair.directions.to_b, pair.b, pair.a)])
+            .filter_map(|(asked, receiver, source)| asked.then_some((receiver, source)))
+            .collect();
+        rejected.retain(|pair| !again.contains(&(pair.receiver, pair.source)));
+    }
+
     /// Books one direction's decision; true if it must be refined.
     fn settle(&mut self, receiver: ElementId, source: ElementId, decision: &Decision) -> bool {
         self.counts.pairs_judged += u64::from(!matches!(decision, Decision::NotAsked));
