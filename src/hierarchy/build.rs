@@ -35,7 +35,8 @@ impl PolygonBounds {
     fn new(scene: &Scene) -> Self {
         let (origin, end) = scene.bounds();
         let side = (end - origin).max_element();
-        let on_grid = |position: Vec3| if side > 0.0 { ((position - origin) / side * GRID).round() } else { Vec3::ZERO };
+        let on_grid =
+            |position: Vec3| if side > 0.0 { ((position - origin) / side * GRID).round() } else { Vec3::ZERO };
         let bounds = |polygon| {
             let (positions, count) = scene.corner_positions(polygon);
             let around = |f: fn(Vec3, Vec3) -> Vec3| positions[1..count].iter().copied().fold(positions[0], f);

@@ -11,8 +11,6 @@ pub struct SurfacePoint {
     pub position: Vec3,
     /// Unit normal of the bright side.
     pub normal: Vec3,
-    /// Area of the polygon or patch that it lies on, m².
-    pub area: f32,
 }
 
 impl Hierarchy {
@@ -24,7 +22,7 @@ impl Hierarchy {
             Shape::Patch(patch) => {
                 let (corners, count) = self.corner_positions(patch);
                 let position = point_on_polygon(&corners[..count], u, v);
-                SurfacePoint { position, normal: patch.normal, area: element.area }
+                SurfacePoint { position, normal: patch.normal }
             }
             Shape::Cluster(cluster) => {
                 let first = cluster.first_patch as usize;

@@ -29,7 +29,8 @@ pub fn smooth_surfaces(scene: &Scene, hierarchy: &Hierarchy) -> Vec<u32> {
                 next = after;
                 let Shape::Patch(other) = hierarchy.element(super::ElementId(neighbour)).shape else { continue };
                 let material = |polygon: u32| scene.polygons[polygon as usize].material;
-                if material(patch.polygon) == material(other.polygon) && patch.normal.dot(other.normal) > SMOOTH_COSINE {
+                if material(patch.polygon) == material(other.polygon) && patch.normal.dot(other.normal) > SMOOTH_COSINE
+                {
                     join(&mut surface, patch.polygon, other.polygon);
                 }
             }

@@ -48,16 +48,13 @@ pub struct Surface {
 
 /// Moves light over a table of links.
 pub struct Gatherer<'a> {
-    /// Elements.
-    pub hierarchy: &'a Hierarchy,
-    /// Links by receiver.
-    pub links: &'a LinkTable,
-    /// Material of each polygon.
-    pub surfaces: &'a [Surface],
-    /// How clusters hand irradiance down.
-    pub push: Push,
-    /// Whether links that no ray has judged carry light.
-    pub with_unjudged: bool,
+    hierarchy: &'a Hierarchy,
+    links: &'a LinkTable,
+    surfaces: &'a [Surface],
+    push: Push,
+    with_unjudged: bool,
+    /// For each link of a cluster, irradiance of a face turned to the source over the cluster's mean irradiance.
+    concentration: Vec<f32>,
 }
 
 /// Where ρ times a leaf's sum of F·V stays below this, light dies out however often it is reflected.
@@ -65,7 +62,23 @@ const LARGEST_RETURN: f32 = 0.98;
 /// A leaf takes over from its siblings at most as much as it has itself.
 const MOST_SCALE: f32 = 2.0;
 
-impl Gatherer<'_> {
+impl<'a> Gatherer<'a> {
+    /// Prepares to move light over `links`, to polygons of these `surfaces`; `with_unjudged` tells whether links that no
+    /// ray has judged carry light.
+    pub fn new(
+        hierarchy: &'a Hierarchy,
+        links: &'a LinkTable,
+        surfaces: &'a [Surface],
+        push: Push,
+        with_unjudged: bool,
+    ) -> Self {
+        let concentration = match push {
+            Push::Immediate => concentrations(hierarchy, links),
+            Push::Deferred => Vec::new(),
+        };
+        Self { hierarchy, links, surfaces, push, with_unjudged, concentration }
+    }
+
     /// Sweeps until the power still to come is below `tolerance` of all power; false if cancelled, with `light` as the last
     /// whole sweep left it.
     ///
@@ -167,11 +180,14 @@ impl Gatherer<'_> {
                 if cancel.is_cancelled() {
                     return Vec3::ZERO;
                 }
-                let links = self.links.of(receiver).iter();
+                let links = self.links.range(receiver).zip(self.links.of(receiver));
                 if immediate && self.hierarchy.element(receiver).is_cluster() {
-                    links.filter(|link| link.source() == receiver).map(flux).sum()
+                    // What has no direction, or none that a patch faces, is handed down evenly.
+                    let even =
+                        |(place, link): &(usize, &Link)| link.source() == receiver || self.concentration[*place] == 0.0;
+                    links.filter(even).map(|(_, link)| flux(link)).sum()
                 } else {
-                    links.map(flux).sum()
+                    links.map(|(_, link)| flux(link)).sum()
                 }
             })
             .collect();
@@ -198,13 +214,12 @@ impl Gatherer<'_> {
             if !element.is_cluster() {
                 return Vec::new();
             }
-            let links = self.links.of(receiver).iter().filter(|link| link.source() != receiver);
-            let beam = |link: &Link| Beam {
+            let links = self.links.range(receiver).zip(self.links.of(receiver));
+            let beam = |(place, link): (usize, &Link)| Beam {
                 from: self.hierarchy.element(link.source()).centre,
-                // The 4 undoes the cluster's mean cosine of ¼.
-                flux: 4.0 * flux(link),
+                flux: flux(link) * self.concentration[place],
             };
-            links.map(beam).collect()
+            links.filter(|(_, link)| link.source() != receiver).map(beam).collect()
         };
         self.hierarchy.elements().par_iter().with_min_len(256).enumerate().map(cluster_beams).collect()
     }
@@ -217,16 +232,52 @@ impl Gatherer<'_> {
         let mut above = element.parent();
         while let Some(cluster) = above {
             for beam in &beams[cluster.index()] {
-                let towards = beam.from - element.centre;
-                let height = patch.normal.dot(towards);
-                if height > 0.0 {
-                    sum += beam.flux * (height * towards.length_recip());
-                }
+                sum += beam.flux * cosine_towards(element.centre, patch.normal, beam.from);
             }
             above = self.hierarchy.element(cluster).parent();
         }
         sum
     }
+}
+
+/// Positive cosine of a face towards a point.
+#[inline]
+fn cosine_towards(centre: Vec3, normal: Vec3, point: Vec3) -> f32 {
+    let towards = point - centre;
+    let height = normal.dot(towards);
+    if height > 0.0 { height * towards.length_recip() } else { 0.0 }
+}
+
+/// What an immediate push multiplies a link's mean irradiance with, before each patch's cosine: one over the mean cosine of the
+/// cluster's patches towards the source, so that the patches together get the power that the link carries. Where no patch
+/// faces the source's centre, the link is handed down evenly (0 here, see [`Gatherer::incoming`]).
+///
+/// For randomly turned faces this is the 4 of the paper's model, whose mean cosine is ¼.
+fn concentrations(hierarchy: &Hierarchy, links: &LinkTable) -> Vec<f32> {
+    let of_receiver = |receiver: usize| {
+        let receiver = ElementId(receiver as u32);
+        let element = hierarchy.element(receiver);
+        let own = links.of(receiver).iter();
+        match &element.shape {
+            Shape::Patch(_) => own.map(|_| 1.0).collect::<Vec<f32>>(),
+            Shape::Cluster(cluster) => own
+                .map(|link| {
+                    let from = hierarchy.element(link.source()).centre;
+                    let seen = hierarchy.patches_below(cluster).iter().map(|&id| {
+                        let below = hierarchy.element(id);
+                        let Shape::Patch(patch) = below.shape else { return 0.0 };
+                        below.area * cosine_towards(below.centre, patch.normal, from)
+                    });
+                    let mean_cosine = seen.sum::<f32>() / element.area;
+                    // A face gets at most all that the source sends out.
+                    if mean_cosine > 0.0 { mean_cosine.recip().min(link.form_factor.recip()) } else { 0.0 }
+                })
+                .collect(),
+        }
+    };
+    let per_receiver: Vec<Vec<f32>> =
+        (0..links.receivers()).into_par_iter().with_min_len(64).map(of_receiver).collect();
+    per_receiver.into_iter().flatten().collect()
 }
 
 /// Light on its way into a cluster.

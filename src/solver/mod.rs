@@ -290,20 +290,15 @@ impl Solver {
         let epsilon = self.stage_epsilon();
         let oracle = oracle(&self.hierarchy, &self.brightness, &self.occluders, &self.params, epsilon);
         let occluded = std::mem::take(&mut self.refinement.occluded);
-        let (doubtful, believed): (Vec<Candidate>, _) = occluded.into_par_iter().partition(|pair| oracle.is_doubtful(pair));
+        let (doubtful, believed): (Vec<Candidate>, _) =
+            occluded.into_par_iter().partition(|pair| oracle.is_doubtful(pair));
         self.refinement.occluded = believed;
         self.refinement.forget_rejections(&doubtful);
         doubtful
     }
 
     fn gatherer<'a>(&'a self, links: &'a LinkTable) -> Gatherer<'a> {
-        Gatherer {
-            hierarchy: &self.hierarchy,
-            links,
-            surfaces: &self.surfaces,
-            push: self.params.push,
-            with_unjudged: false,
-        }
+        Gatherer::new(&self.hierarchy, links, &self.surfaces, self.params.push, false)
     }
 
     /// Emitted light alone, pulled up the tree.

@@ -6,7 +6,6 @@
 use crate::hierarchy::{ElementId, Hierarchy, Shape};
 
 use super::candidate::Candidate;
-use super::form_factor::CLUSTER_COSINE;
 use super::form_factor::{Exchange, exchange, self_exchange};
 use super::link::{Evidence, Link};
 use super::rays::{RayPlan, RaySampler, Survey};
@@ -39,7 +38,7 @@ impl Thresholds {
     /// they may have missed, about one ray's share, is below a quarter of ε_partial. With all of ε_partial, 3 % of the power
     /// of the seminar room went missing at ε = 1e-4, with a quarter 0.5 %, for a fifth more rays.
     fn rays_to_reject(&self, power: f32) -> u32 {
-        (4.0 * power / self.epsilon_partial).ceil() as u32
+        (2.0 * power / self.epsilon_partial).ceil() as u32
     }
 }
 
@@ -128,8 +127,7 @@ impl Oracle<'_> {
             if !asked {
                 return Decision::NotAsked;
             }
-            let form_factor =
-                self.form_factor(receiver, source, estimate, sight.survey.map(|survey| (survey, receiver == a)));
+            let form_factor = self.form_factor(receiver, source, estimate, sight.survey.as_ref());
             self.decide(receiver, source, form_factor, bound, &sight)
         };
         Verdict {
@@ -208,20 +206,11 @@ impl Oracle<'_> {
     }
 
     /// Form factor F(r←s) without occlusion: by the estimate for patches and where nobody looked, else by how the polygons
-    /// of the clusters are turned. A receiving cluster keeps its ¼, which an immediate push undoes for each of its patches.
-    fn form_factor(
-        &self,
-        receiver: ElementId,
-        source: ElementId,
-        estimate: f32,
-        survey: Option<(Survey, bool)>,
-    ) -> f32 {
+    /// of the clusters are turned.
+    fn form_factor(&self, receiver: ElementId, source: ElementId, estimate: f32, survey: Option<&Survey>) -> f32 {
         let (to, from) = (self.hierarchy.element(receiver), self.hierarchy.element(source));
         match survey {
-            Some((survey, receiver_is_a)) if to.is_cluster() => {
-                CLUSTER_COSINE * (from.area * survey.kernel_per_cosine(receiver_is_a)).min(1.0)
-            }
-            Some((survey, _)) if from.is_cluster() => (from.area * survey.mean_kernel()).min(1.0),
+            Some(survey) if to.is_cluster() || from.is_cluster() => (from.area * survey.mean_kernel()).min(1.0),
             _ if to.area > 0.0 => (estimate / to.area).min(1.0),
             _ => 0.0,
         }

@@ -64,13 +64,7 @@ fn picture_light(solver: &mut Solver) -> Light {
     let mut light = solver.picture.light.take().unwrap_or_else(|| solver.light.clone());
     light.grow(&solver.hierarchy);
     let table = table_with_waiting(solver);
-    let gatherer = Gatherer {
-        hierarchy: &solver.hierarchy,
-        links: &table,
-        surfaces: &solver.surfaces,
-        push: solver.params.push,
-        with_unjudged: true,
-    };
+    let gatherer = Gatherer::new(&solver.hierarchy, &table, &solver.surfaces, solver.params.push, true);
     let never = CancelToken::new();
     gatherer.limit_rows(&mut light, &never);
     gatherer.converge(&mut light, PICTURE_TOLERANCE, if first { FIRST_SWEEPS } else { LATER_SWEEPS }, &never);

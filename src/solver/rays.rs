@@ -33,10 +33,6 @@ pub struct Survey {
     kernel: f32,
     /// The same over visible pairs.
     visible_kernel: f32,
-    /// Sum over pairs of the positive cosine at the end `a`.
-    cosine_at_a: f32,
-    /// Sum over pairs of the positive cosine at the end `b`.
-    cosine_at_b: f32,
 }
 
 impl Survey {
@@ -48,13 +44,6 @@ impl Survey {
     /// Mean of the kernel cosθ·cosθ'/(πd²) over all pairs, 1/m².
     pub fn mean_kernel(&self) -> f32 {
         if self.pairs > 0 { self.kernel / self.pairs as f32 } else { 0.0 }
-    }
-
-    /// Mean of the kernel over what the receiver's points show of themselves: cosθ'/(πd²) as a face at the receiver that is
-    /// turned to the source gets it, 1/m².
-    pub fn kernel_per_cosine(&self, receiver_is_a: bool) -> f32 {
-        let cosine = if receiver_is_a { self.cosine_at_a } else { self.cosine_at_b };
-        if cosine > 0.0 { self.kernel / cosine } else { 0.0 }
     }
 }
 
@@ -91,6 +80,8 @@ impl RaySampler<'_> {
             _ => (rays << clusters).max(FEWEST_PAIRS),
         };
         let (pairs, pairs_if_blocked) = (pairs_for(plan.rays), pairs_for(plan.rays_if_blocked));
+        // Points stand for this area; nearer to each other than its size they say no more than that.
+        let smallest = hierarchy.element(a).area.min(hierarchy.element(b).area) / pairs.max(1) as f32;
         let mut survey = Survey::default();
         for index in 0..pairs_if_blocked {
             let enough = if clusters > 0 { index >= pairs } else { survey.cast >= plan.rays };
@@ -110,12 +101,10 @@ impl RaySampler<'_> {
             let to_unit = distance_squared.sqrt().recip();
             let (cosine_a, cosine_b) = (from.normal.dot(span) * to_unit, -to.normal.dot(span) * to_unit);
             survey.pairs += 1;
-            survey.cosine_at_a += cosine_a.max(0.0);
-            survey.cosine_at_b += cosine_b.max(0.0);
             if !(cosine_a > 0.0 && cosine_b > 0.0) {
                 continue;
             }
-            let kernel = cosine_a * cosine_b / (PI * distance_squared + from.area.min(to.area));
+            let kernel = cosine_a * cosine_b / (PI * distance_squared + smallest);
             survey.kernel += kernel;
             if plan.rays == 0 {
                 survey.visible_kernel += kernel;
