@@ -11,7 +11,7 @@ use obvhs::triangle::Triangle;
 use crate::scene::Scene;
 
 /// Rays start and end this share of their length away from the surfaces they join, so that they do not meet them.
-const RELATIVE_OFFSET: f32 = 1e-4;
+const RELATIVE_OFFSET: f32 = 1e-5;
 
 /// Where a ray first meets a face.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -244,10 +244,11 @@ impl Solver {
         self.fix_brightness();
         self.iterations += 1;
         let mut failing = self.take_failing_links(false);
+        failing.append(&mut self.take_doubtful_pairs(false));
         if failing.is_empty() && self.stage + 1 < SCHEDULE.len() {
             self.stage += 1;
             failing = self.take_failing_links(true);
-            failing.append(&mut self.take_doubtful_pairs());
+            failing.append(&mut self.take_doubtful_pairs(true));
         }
         if !failing.is_empty() {
             self.refinement.start(failing);
@@ -285,14 +286,15 @@ impl Solver {
         failing.into_iter().map(candidate).collect()
     }
 
-    /// Takes out the pairs whose occlusion matters more by the present ε than when it was found.
-    fn take_doubtful_pairs(&mut self) -> Vec<Candidate> {
+    /// Takes out the pairs whose occlusion matters more by now than when it was found.
+    fn take_doubtful_pairs(&mut self, finer_epsilon: bool) -> Vec<Candidate> {
         let epsilon = self.stage_epsilon();
         let oracle = oracle(&self.hierarchy, &self.brightness, &self.occluders, &self.params, epsilon);
         let occluded = std::mem::take(&mut self.refinement.occluded);
-        let (doubtful, believed): (Vec<Candidate>, _) =
-            occluded.into_par_iter().partition(|pair| oracle.is_doubtful(pair));
+        let (doubtful, believed): (Vec<_>, _) =
+            occluded.into_par_iter().partition(|pair| oracle.is_doubtful(pair, finer_epsilon));
         self.refinement.occluded = believed;
+        let doubtful: Vec<Candidate> = doubtful.into_iter().map(|occluded| occluded.pair).collect();
         self.refinement.forget_rejections(&doubtful);
         doubtful
     }

@@ -9,7 +9,7 @@ use super::candidate::Candidate;
 use super::form_factor::{Exchange, exchange, self_exchange};
 use super::link::{Evidence, Link};
 use super::rays::{RayPlan, RaySampler, Survey};
-use super::refine::end_to_split;
+use super::refine::{OccludedPair, end_to_split};
 
 /// Thresholds in the units that the oracle uses.
 #[derive(Clone, Copy, Debug)]
@@ -38,7 +38,7 @@ impl Thresholds {
     /// they may have missed, about one ray's share, is below a quarter of ε_partial. With all of ε_partial, 3 % of the power
     /// of the seminar room went missing at ε = 1e-4, with a quarter 0.5 %, for a fifth more rays.
     fn rays_to_reject(&self, power: f32) -> u32 {
-        (2.0 * power / self.epsilon_partial).ceil() as u32
+        (self.visibility_factor * power / self.epsilon).ceil() as u32
     }
 }
 
@@ -77,6 +77,8 @@ pub struct Verdict {
     pub visibility: f32,
     /// Whether all rays came through, so that refinements need no rays.
     pub fully_visible: bool,
+    /// Whether the pair's power was below ε_partial.
+    pub is_negligible: bool,
     /// Rays cast.
     pub rays: u32,
 }
@@ -135,6 +137,7 @@ impl Oracle<'_> {
             to_b: decide(candidate.directions.to_b, b, a),
             visibility: sight.visibility,
             fully_visible: sight.kind == SightKind::Full,
+            is_negligible: strongest * bound <= self.thresholds.epsilon_partial,
             rays: sight.rays,
         }
     }
@@ -176,13 +179,19 @@ impl Oracle<'_> {
         bound > self.thresholds.epsilon_partial && self.thresholds.rays_for(power) >= rays.saturating_mul(2)
     }
 
-    /// Whether a pair that no ray came through could carry enough to be looked at again.
-    pub fn is_doubtful(&self, pair: &Candidate) -> bool {
+    /// Whether a pair that no ray came through could by now carry enough to be looked at again: it was dropped as negligible
+    /// and is no more, or ε has become finer. To refine only those of its like that one of a few rays happened to come
+    /// through, and forget the others, would lose light.
+    pub fn is_doubtful(&self, occluded: &OccludedPair, finer_epsilon: bool) -> bool {
+        if !(occluded.was_negligible || finer_epsilon) {
+            return false;
+        }
+        let pair = &occluded.pair;
         let to = |asked: bool, source: ElementId| if asked { self.brightness[source.index()] } else { 0.0 };
         let brightness = to(pair.directions.to_a, pair.b).max(to(pair.directions.to_b, pair.a));
         match exchange(self.hierarchy, pair.a, pair.b) {
             Exchange::FacingAway => false,
-            Exchange::Facing { bound, .. } => brightness * bound > self.thresholds.epsilon_partial,
+            Exchange::Facing { bound, .. } => brightness * bound > MARGIN * self.thresholds.epsilon_partial,
         }
     }
 
@@ -202,7 +211,14 @@ impl Oracle<'_> {
             let evidence = if brightness > 0.0 { Evidence::Inherited } else { Evidence::None };
             Decision::Accept(Link::new(candidate.a, form_factor, 1.0, evidence))
         };
-        Verdict { to_a: decision, to_b: Decision::NotAsked, visibility: 1.0, fully_visible: false, rays: 0 }
+        Verdict {
+            to_a: decision,
+            to_b: Decision::NotAsked,
+            visibility: 1.0,
+            fully_visible: false,
+            is_negligible: false,
+            rays: 0,
+        }
     }
 
     /// Form factor F(r←s) without occlusion: by the estimate for patches and where nobody looked, else by how the polygons
@@ -308,6 +324,7 @@ impl Verdict {
             to_b: if_asked(candidate.directions.to_b),
             visibility: 0.0,
             fully_visible: false,
+            is_negligible: false,
             rays: 0,
         }
     }

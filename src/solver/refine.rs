@@ -38,6 +38,15 @@ pub struct RejectedPair {
     pub rejection: Rejection,
 }
 
+/// A pair that no ray came through.
+#[derive(Clone, Copy, Debug)]
+pub struct OccludedPair {
+    /// The pair in the directions that were rejected.
+    pub pair: Candidate,
+    /// Whether its power was below ε_partial, so that few rays were enough to drop it.
+    pub was_negligible: bool,
+}
+
 /// The wave at hand, the one that forms, and what was accepted since the last gather.
 #[derive(Default)]
 pub struct Refinement {
@@ -46,7 +55,7 @@ pub struct Refinement {
     /// Accepted links that wait to be taken into the table.
     pub accepted: Vec<(ElementId, Link)>,
     /// Pairs that no ray came through; a smaller ε looks at them again.
-    pub occluded: Vec<Candidate>,
+    pub occluded: Vec<OccludedPair>,
     /// Counts since the start.
     pub counts: Counts,
     /// Waves finished in this round.
@@ -104,7 +113,8 @@ impl Refinement {
             let occluded = |decision: &Decision| matches!(decision, Decision::Reject(Rejection::Occluded));
             let blocked = Directions { to_a: occluded(&verdict.to_a), to_b: occluded(&verdict.to_b) };
             if !blocked.is_empty() {
-                self.occluded.push(Candidate::new(a, b, blocked, 0.0, false));
+                let pair = Candidate::new(a, b, blocked, 0.0, false);
+                self.occluded.push(OccludedPair { pair, was_negligible: verdict.is_negligible });
             }
             let directions = Directions { to_a, to_b };
             if !directions.is_empty() {
