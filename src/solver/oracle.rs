@@ -38,7 +38,7 @@ impl Thresholds {
     /// they may have missed, about one ray's share, is below a quarter of ε_partial. With all of ε_partial, 3 % of the power
     /// of the seminar room went missing at ε = 1e-4, with a quarter 0.5 %, for a fifth more rays.
     fn rays_to_reject(&self, power: f32) -> u32 {
-        (self.visibility_factor * power / self.epsilon).ceil() as u32
+        (2.0 * power / self.epsilon_partial).ceil() as u32
     }
 }
 
@@ -252,14 +252,16 @@ impl Oracle<'_> {
         }
     }
 
+    fn are_patches(&self, pair: &Candidate) -> bool {
+        !self.hierarchy.element(pair.a).is_cluster() && !self.hierarchy.element(pair.b).is_cluster()
+    }
+
     /// Finds out how well the ends of a pair see each other, with as many rays as its power deserves.
     fn look(&self, candidate: &Candidate, power: f32, bound: f32, stop_when_mixed: bool) -> Sight {
         let survey = |plan| self.sampler.survey(self.hierarchy, candidate.a, candidate.b, plan);
         if candidate.inherits_visible {
-            let among_patches =
-                !self.hierarchy.element(candidate.a).is_cluster() && !self.hierarchy.element(candidate.b).is_cluster();
             let plan = RayPlan { rays: 0, rays_if_blocked: 0, stop_when_mixed };
-            let survey = (!among_patches).then(|| survey(plan));
+            let survey = (!self.are_patches(candidate)).then(|| survey(plan));
             return Sight { kind: SightKind::Full, visibility: 1.0, rays: 0, asked: 0, survey };
         }
         if bound > self.thresholds.epsilon && bound > power {
@@ -271,10 +273,12 @@ impl Oracle<'_> {
         let to_reject = self.thresholds.rays_to_reject(power);
         let rays_if_blocked = to_reject.clamp(rays, self.thresholds.rays_max);
         let survey = survey(RayPlan { rays, rays_if_blocked, stop_when_mixed });
-        let believed = survey.cast == 0 || survey.cast >= to_reject || bound <= self.thresholds.epsilon_partial;
+        // Patches that show each other no point face away; of a cluster, the faces that matter may have been missed.
+        let face_away = survey.cast == 0 && self.are_patches(candidate);
+        let believed = face_away || survey.cast >= to_reject || bound <= self.thresholds.epsilon_partial;
         let kind = match survey.visible {
             0 if believed => SightKind::None,
-            visible if visible == survey.cast => SightKind::Full,
+            visible if visible == survey.cast && visible > 0 => SightKind::Full,
             _ => SightKind::Partial,
         };
         Sight { kind, visibility: survey.visibility(), rays: survey.cast, asked: rays, survey: Some(survey) }
