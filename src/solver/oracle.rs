@@ -85,7 +85,7 @@ pub struct Verdict {
 
 /// A stored link may exceed its threshold by this factor before it is judged again: B creeps up towards its limit, and a
 /// round for the last few percent refines links that matter as little as those beside them.
-const MARGIN: f32 = 1.05;
+const MARGIN: f32 = 1.1;
 
 /// Judges pairs against one state of the solution.
 pub struct Oracle<'a> {
