@@ -29,18 +29,25 @@ pub struct Occluders {
     bvh: CwBvh,
     triangles: Vec<Triangle>,
     polygon_of_triangle: Vec<u32>,
+    /// Power of two that brings the scene to a size near 1, in which the BVH is built: the same scene in units that differ by
+    /// powers of two meets the same rays, bit for bit.
+    scale: f32,
 }
 
 impl Occluders {
     /// Builds the BVH over every face of the scene that is not the second side of another.
     pub fn new(scene: &Scene) -> Self {
+        let (lower, upper) = scene.bounds();
+        let extent = lower.abs().max(upper.abs()).max_element();
+        let scale = if extent > 0.0 && extent.is_finite() { (-extent.log2().floor()).exp2() } else { 1.0 };
         let mut triangles = Vec::with_capacity(2 * scene.polygons.len());
         let mut polygons = Vec::with_capacity(2 * scene.polygons.len());
         for (index, polygon) in scene.polygons.iter().enumerate().filter(|(_, polygon)| !polygon.is_back) {
             let ([a, b, c, d], count) = scene.corner_positions(polygon);
             let fan = [[a, b, c], [a, c, d]];
             for [v0, v1, v2] in fan.into_iter().take(count - 2) {
-                triangles.push(Triangle { v0: v0.into(), v1: v1.into(), v2: v2.into() });
+                let [v0, v1, v2] = [v0, v1, v2].map(|corner| Vec3A::from(scale * corner));
+                triangles.push(Triangle { v0, v1, v2 });
                 polygons.push(index as u32);
             }
         }
@@ -54,7 +61,7 @@ impl Occluders {
         let reorder = |index: &u32| *index as usize;
         let polygon_of_triangle = bvh.primitive_indices.iter().map(reorder).map(|index| polygons[index]).collect();
         let triangles = bvh.primitive_indices.iter().map(reorder).map(|index| triangles[index]).collect();
-        Self { bvh, triangles, polygon_of_triangle }
+        Self { bvh, triangles, polygon_of_triangle, scale }
     }
 
     /// Whether a face stops the light between two points, their own surfaces aside.
@@ -63,13 +70,14 @@ impl Occluders {
         if self.triangles.is_empty() {
             return false;
         }
-        let span = Vec3A::from(to - from);
+        let from = Vec3A::from(self.scale * from);
+        let span = Vec3A::from(self.scale * to) - from;
         let length = span.length();
         if length <= 0.0 {
             return false;
         }
         let offset = RELATIVE_OFFSET * length;
-        let ray = Ray::new(from.into(), without_negative_zeros(span / length), offset, length - offset);
+        let ray = Ray::new(from, without_negative_zeros(span / length), offset, length - offset);
         !self.bvh.ray_traverse_miss(ray, |ray, index| self.triangles[index].intersect(ray))
     }
 
@@ -78,13 +86,15 @@ impl Occluders {
         if self.triangles.is_empty() {
             return None;
         }
+        let origin = self.scale * origin;
+        let nearest = self.scale * nearest;
         let ray = Ray::new(origin.into(), without_negative_zeros(direction.into()), nearest, f32::INFINITY);
         let mut hit = RayHit::none();
         let found = self.bvh.ray_traverse(ray, &mut hit, |ray, index| self.triangles[index].intersect(ray));
         found.then(|| {
             let index = hit.primitive_id as usize;
             let front = self.triangles[index].compute_normal().dot(direction.into()) < 0.0;
-            Hit { distance: hit.t, polygon: self.polygon_of_triangle[index], front }
+            Hit { distance: hit.t / self.scale, polygon: self.polygon_of_triangle[index], front }
         })
     }
 }

@@ -35,6 +35,8 @@ pub enum Exchange {
 
 /// The exchange between two different elements.
 pub fn exchange(hierarchy: &Hierarchy, a: ElementId, b: ElementId) -> Exchange {
+    // The same order of the same numbers whichever end asks: the same bits for both directions.
+    let (a, b) = if hierarchy.element(a).key <= hierarchy.element(b).key { (a, b) } else { (b, a) };
     let (first, second) = (hierarchy.element(a), hierarchy.element(b));
     match (&first.shape, &second.shape) {
         (Shape::Patch(p), Shape::Patch(q)) => patches(hierarchy, (first, p), (second, q)),

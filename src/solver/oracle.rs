@@ -3,7 +3,7 @@
 //! The power oracle of the paper (section 2.3, [Lischinski 94]): refine while B_s·F·A_r > ε, with ε_partial where the ends
 //! see each other only in part; rays in proportion to B·F·A/ε within bounds (section 2.4).
 
-use crate::hierarchy::{ElementId, Hierarchy, Shape};
+use crate::hierarchy::{Cluster, ElementId, Hierarchy, Shape};
 
 use super::candidate::Candidate;
 use super::form_factor::{Exchange, exchange, self_exchange};
@@ -86,6 +86,9 @@ pub struct Verdict {
 /// A stored link may exceed its threshold by this factor before it is judged again: B creeps up towards its limit, and a
 /// round for the last few percent refines links that matter as little as those beside them.
 const MARGIN: f32 = 1.1;
+
+/// Clusters of up to this many polygons are looked at pair by pair before their self-link is kept.
+const MOST_CONVEX: usize = 8;
 
 /// Judges pairs against one state of the solution.
 pub struct Oracle<'a> {
@@ -206,6 +209,8 @@ impl Oracle<'_> {
         let power = brightness * element.area;
         let decision = if power > self.thresholds.epsilon_partial {
             Decision::Refine
+        } else if self.is_convex(&cluster) {
+            Decision::Reject(Rejection::FacingAway)
         } else {
             let form_factor = if element.area > 0.0 { self_exchange(element, &cluster) / element.area } else { 0.0 };
             let evidence = if brightness > 0.0 { Evidence::Inherited } else { Evidence::None };
@@ -219,6 +224,14 @@ impl Oracle<'_> {
             is_negligible: false,
             rays: 0,
         }
+    }
+
+    /// Whether a small cluster's polygons, such as the sides of a box, all turn their backs on each other.
+    fn is_convex(&self, cluster: &Cluster) -> bool {
+        let patches = self.hierarchy.patches_below(cluster);
+        let see_each_other = |a: &ElementId, b: &ElementId| exchange(self.hierarchy, *a, *b) != Exchange::FacingAway;
+        patches.len() <= MOST_CONVEX
+            && !patches.iter().enumerate().any(|(place, a)| patches[..place].iter().any(|b| see_each_other(a, b)))
     }
 
     /// Form factor F(r←s) without occlusion: by the estimate for patches and where nobody looked, else by how the polygons

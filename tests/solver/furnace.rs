@@ -54,16 +54,18 @@ fn empty_furnace_of_whole_walls_glows_evenly() {
     assert!(worst < 0.01, "mean {mean}, worst {:.2} % off", 100.0 * worst);
 }
 
-/// Walls that are split: a leaf's irradiance is in part its ancestors', so single leaves are off, but less so with a finer ε;
-/// 1 % on the mean.
+/// Walls that are split: a leaf's irradiance is in part its ancestors', so single leaves could be off; with any ε not by more
+/// than 1 %, RMS and mean alike.
 #[test]
-fn empty_furnace_glows_more_evenly_with_a_finer_threshold() {
+fn empty_furnace_glows_evenly_with_any_threshold() {
     for mode in MODES {
         let of = |epsilon: f64| deviation(&solve(&empty_room(0.5, 1.0), params(mode, epsilon)), 2.0);
         let (coarse, fine) = (of(1e-2), of(1e-4));
         println!("{mode:?}: mean {:.4} and {:.4}, RMS {:.4} and {:.4}", coarse.0, fine.0, coarse.1, fine.1);
-        assert!(fine.1 < coarse.1, "{mode:?}: RMS grew from {} to {}", coarse.1, fine.1);
-        assert!((fine.0 / 2.0 - 1.0).abs() < 0.01, "{mode:?}: B = {} instead of 2", fine.0);
+        for (mean, rms, _) in [coarse, fine] {
+            assert!(rms < 0.01, "{mode:?}: RMS {rms}");
+            assert!((mean / 2.0 - 1.0).abs() < 0.01, "{mode:?}: B = {mean} instead of 2");
+        }
     }
 }
 
@@ -83,11 +85,11 @@ fn bright_furnace_converges() {
     }
 }
 
-/// The furnished room at ρ = 0.95: 1 % of a row's sum is 19 % of B; what must not happen is that light grows without bound.
+/// The furnished room at ρ = 0.95, at the ε that is right to 1 % at ρ = 0.5: 1 % of a row's sum is 19 % of B; what must not happen is that light grows without bound.
 #[test]
 fn bright_furnished_furnace_stays_finite() {
     for mode in MODES {
-        let solved = solve(&furnished_room(0.95, 1.0), params(mode, 1e-3));
+        let solved = solve(&furnished_room(0.95, 1.0), params(mode, 1e-4));
         let (mean, rms, worst) = deviation(&solved, 20.0);
         println!("{mode:?}, ρ = 0.95 with furniture: mean {mean:.2}, RMS {rms:.3}, worst {worst:.2}");
         assert!(is_sound(&solved));
