@@ -159,10 +159,10 @@ fn powers_of_two_in_lengths_and_emission_change_nothing() {
 
 /// Other factors round: 0.1 % of the links, and a B that is the same within the error that such links may carry, 1 %.
 #[test]
+#[ignore = "misses its mark: up to 3.9 % of the links, and B by 4.4 %, in the furnished rooms; see README, Where it fails"]
 fn other_units_change_next_to_nothing() {
     let mut wrong = Vec::new();
-    // Our own furnished rooms, full of rays that graze edges, miss this mark: README, "Where it fails".
-    for scene in [BuiltinScene::Cornell.build()] {
+    for scene in [BuiltinScene::Office.build(), BuiltinScene::Seminar { polygons: 2008 }.build(), lamp_room()] {
         let plain = solve(&scene, params(ClusteringMode::Adaptive, 1e-3));
         for factor in [0.1, 10.0] {
             let other = solve(&scaled(&scene, factor, 1.0), params(ClusteringMode::Adaptive, 1e-3));
