@@ -16,7 +16,7 @@ const MOST_CHILDREN: usize = 2;
 /// A polygon whose box has more than this share of the node's box's surface is a child of the node itself.
 const LARGE_SHARE: f32 = 0.25;
 /// Bins of the heuristic along each axis.
-const BINS: usize = 16;
+const BINS: usize = 32;
 /// Below this many polygons a subtree is built on the thread at hand.
 const PARALLEL_FROM: usize = 4096;
 

@@ -198,7 +198,8 @@ fn patch_and_cluster(
     let upper = positions[1..count].iter().copied().fold(positions[0], Vec3::max);
     let gap =
         ((0.5 * (lower + upper) - other.centre).abs() - 0.5 * (upper - lower) - cluster.half_extent).max_element();
-    with_bound(estimate, element, other, gap)
+    // Of the light that a cluster sends evenly into all directions at most half meets a plane.
+    with_bound(estimate, gap <= 0.0, element.area.min(0.5 * seen * other.area))
 }
 
 fn clusters((first, c): (&Element, &Cluster), (second, d): (&Element, &Cluster)) -> Exchange {
@@ -207,11 +208,12 @@ fn clusters((first, c): (&Element, &Cluster), (second, d): (&Element, &Cluster))
     let areas = CLUSTER_COSINE * CLUSTER_COSINE * first.area * second.area;
     let estimate = areas / (PI * between.length_squared() + larger_area);
     let gap = (between.abs() - c.half_extent - d.half_extent).max_element();
-    with_bound(estimate, first, second, gap)
+    // Boxes that only touch have a plane between them.
+    let shared = if gap >= 0.0 { 0.5 } else { 1.0 };
+    with_bound(estimate, gap <= 0.0, shared * first.area.min(second.area))
 }
 
-fn with_bound(estimate: f32, first: &Element, second: &Element, gap: f32) -> Exchange {
-    let overlapping = gap <= 0.0;
-    let bound = if overlapping { first.area.min(second.area) } else { estimate };
+fn with_bound(estimate: f32, overlapping: bool, most: f32) -> Exchange {
+    let bound = if overlapping { most } else { estimate };
     Exchange::Facing { estimate, bound, overlapping }
 }
