@@ -11,19 +11,16 @@ pub struct SurfacePoint {
     pub position: Vec3,
     /// Unit normal of the bright side.
     pub normal: Vec3,
+    /// The leaf that it lies on.
+    pub leaf: ElementId,
 }
 
 impl Hierarchy {
     /// The point of an element at `(u, v)` in the unit square; equal areas of the square are equal areas of the element.
     #[inline]
     pub fn point_on(&self, id: ElementId, u: f32, v: f32) -> SurfacePoint {
-        let element = self.element(id);
-        match &element.shape {
-            Shape::Patch(patch) => {
-                let (corners, count) = self.corner_positions(patch);
-                let position = point_on_polygon(&corners[..count], u, v);
-                SurfacePoint { position, normal: patch.normal }
-            }
+        match &self.element(id).shape {
+            Shape::Patch(_) => self.point_on_patch(id, u, v),
             Shape::Cluster(cluster) => {
                 let first = cluster.first_patch as usize;
                 let last = first + cluster.patch_count as usize;
@@ -33,10 +30,54 @@ impl Hierarchy {
                 let index = first + above;
                 let (before, after) = (self.area_before[index], self.area_before[index + 1]);
                 let rest = if after > before { (wanted - before) / (after - before) } else { 0.5 };
-                self.point_on(self.initial_patches[index], (rest as f32).clamp(0.0, 1.0), v)
+                self.point_on_patch(self.initial_patches[index], (rest as f32).clamp(0.0, 1.0), v)
             }
         }
     }
+
+    /// The point of a patch, found by going down to its leaf.
+    fn point_on_patch(&self, mut id: ElementId, mut u: f32, mut v: f32) -> SurfacePoint {
+        loop {
+            let element = self.element(id);
+            let Shape::Patch(patch) = &element.shape else { unreachable!("below a patch there are patches") };
+            if element.is_leaf() {
+                let (corners, count) = self.corner_positions(patch);
+                let position = point_on_polygon(&corners[..count], u, v);
+                return SurfacePoint { position, normal: patch.normal, leaf: id };
+            }
+            let child = if patch.corners().len() == 3 {
+                triangle_quarter(&mut u, &mut v)
+            } else {
+                let [a, b, c, d] = [0, 1, 2, 3].map(|child| self.elements[element.first_child as usize + child].area);
+                let is_right = take_side(&mut u, (a + d) / (a + b + c + d));
+                let is_upper = take_side(&mut v, if is_right { b / (b + c) } else { a / (a + d) });
+                match (is_right, is_upper) {
+                    (false, false) => 0,
+                    (true, false) => 1,
+                    (true, true) => 2,
+                    (false, true) => 3,
+                }
+            };
+            id = ElementId(element.first_child + child);
+        }
+    }
+}
+
+/// Whether a coordinate lies beyond `share`; spreads the side it lies on over the unit interval.
+fn take_side(coordinate: &mut f32, share: f32) -> bool {
+    let is_beyond = *coordinate >= share;
+    *coordinate = if is_beyond { (*coordinate - share) / (1.0 - share) } else { *coordinate / share };
+    is_beyond
+}
+
+/// The quarter of a triangle that `(u, v)` lies in, by area; spreads it over the unit square.
+fn triangle_quarter(u: &mut f32, v: &mut f32) -> u32 {
+    if !take_side(u, 0.25) {
+        return 0;
+    }
+    let third = ((*v * 3.0) as u32).min(2);
+    *v = (*v * 3.0 - third as f32).clamp(0.0, 1.0);
+    [1, 3, 2][third as usize]
 }
 
 /// The point of a triangle or convex quad at `(u, v)`, uniform by area.

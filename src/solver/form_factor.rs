@@ -26,7 +26,8 @@ pub enum Exchange {
     Facing {
         /// Estimate of G = A_r·F(r←s), m².
         estimate: f32,
-        /// What the oracle judges by: the estimate, or min(A_r, A_s) where boxes touch and the estimate means little.
+        /// What the oracle judges by: the estimate, or a bound where boxes touch and the estimate means little. Of the light
+        /// that a cluster sends evenly into all directions at most half meets a plane, or a box beside it.
         bound: f32,
         /// Whether the ends' boxes overlap or touch.
         overlapping: bool,
@@ -198,7 +199,6 @@ fn patch_and_cluster(
     let upper = positions[1..count].iter().copied().fold(positions[0], Vec3::max);
     let gap =
         ((0.5 * (lower + upper) - other.centre).abs() - 0.5 * (upper - lower) - cluster.half_extent).max_element();
-    // Of the light that a cluster sends evenly into all directions at most half meets a plane.
     with_bound(estimate, gap <= 0.0, element.area.min(0.5 * seen * other.area))
 }
 
@@ -208,9 +208,7 @@ fn clusters((first, c): (&Element, &Cluster), (second, d): (&Element, &Cluster))
     let areas = CLUSTER_COSINE * CLUSTER_COSINE * first.area * second.area;
     let estimate = areas / (PI * between.length_squared() + larger_area);
     let gap = (between.abs() - c.half_extent - d.half_extent).max_element();
-    // Boxes that only touch have a plane between them.
-    let shared = if gap >= 0.0 { 0.5 } else { 1.0 };
-    with_bound(estimate, gap <= 0.0, shared * first.area.min(second.area))
+    with_bound(estimate, gap <= 0.0, 0.5 * first.area.min(second.area))
 }
 
 fn with_bound(estimate: f32, overlapping: bool, most: f32) -> Exchange {

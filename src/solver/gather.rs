@@ -15,6 +15,8 @@ pub struct Light {
     pub radiosity: Vec<Vec3>,
     /// Irradiance E, W/m²; meant for leaves, on other elements what reached them from above.
     pub irradiance: Vec<Vec3>,
+    /// Emitted part of B, W/m².
+    pub emitted: Vec<Vec3>,
     /// What a leaf's irradiance is multiplied by; empty before the first [`Gatherer::limit_rows`].
     pub row_scale: Vec<f32>,
 }
@@ -28,12 +30,16 @@ impl Light {
             let (radiosity, irradiance) = (inherited(&self.radiosity), inherited(&self.irradiance));
             self.radiosity.push(radiosity);
             self.irradiance.push(irradiance);
+            self.emitted.push(inherited(&self.emitted));
         }
     }
 
     /// Memory of the tables, bytes.
     pub fn bytes(&self) -> usize {
-        size_of_val(&self.radiosity[..]) + size_of_val(&self.irradiance[..]) + size_of_val(&self.row_scale[..])
+        size_of_val(&self.radiosity[..])
+            + size_of_val(&self.irradiance[..])
+            + size_of_val(&self.emitted[..])
+            + size_of_val(&self.row_scale[..])
     }
 }
 
@@ -53,8 +59,8 @@ pub struct Gatherer<'a> {
     surfaces: &'a [Surface],
     push: Push,
     with_unjudged: bool,
-    /// For each link of a cluster, irradiance of a face turned to the source over the cluster's mean irradiance.
-    concentration: Vec<f32>,
+    /// How each link's light is handed to the patches of its receiver; empty for a deferred push.
+    handing: Vec<Handing>,
 }
 
 /// Where ρ times a leaf's sum of F·V stays below this, light dies out however often it is reflected.
@@ -72,11 +78,11 @@ impl<'a> Gatherer<'a> {
         push: Push,
         with_unjudged: bool,
     ) -> Self {
-        let concentration = match push {
-            Push::Immediate => concentrations(hierarchy, links),
+        let handing = match push {
+            Push::Immediate => handings(hierarchy, links),
             Push::Deferred => Vec::new(),
         };
-        Self { hierarchy, links, surfaces, push, with_unjudged, concentration }
+        Self { hierarchy, links, surfaces, push, with_unjudged, handing }
     }
 
     /// Sweeps until the power still to come is below `tolerance` of all power; false if cancelled, with `light` as the last
@@ -100,7 +106,7 @@ impl<'a> Gatherer<'a> {
 
     /// One sweep: gather over links, push to leaves, reflect, pull up; `None` if cancelled, with nothing changed.
     fn sweep(&self, light: &mut Light, cancel: &CancelToken) -> Option<Change> {
-        let incoming = self.incoming(&light.radiosity, cancel)?;
+        let incoming = self.incoming(&light.radiosity, &light.emitted, cancel)?;
         let elements = self.hierarchy.elements();
         let mut change = Change::default();
         for (index, element) in elements.iter().enumerate() {
@@ -136,8 +142,9 @@ impl<'a> Gatherer<'a> {
     /// could grow without end, and never up.
     pub fn limit_rows(&self, light: &mut Light, cancel: &CancelToken) -> Option<usize> {
         let elements = self.hierarchy.elements();
+        let (evenly_lit, dark) = (vec![Vec3::ONE; elements.len()], vec![Vec3::ZERO; elements.len()]);
         let mut rows: Vec<f32> =
-            self.incoming(&vec![Vec3::ONE; elements.len()], cancel)?.into_iter().map(|row| row.x).collect();
+            self.incoming(&evenly_lit, &dark, cancel)?.into_iter().map(|row| row.x).collect();
         for (index, element) in elements.iter().enumerate() {
             rows[index] += element.parent().map_or(0.0, |parent| rows[parent.index()]);
         }
@@ -166,11 +173,12 @@ impl<'a> Gatherer<'a> {
     }
 
     /// What arrives at each element by its own links; at initial patches also what clusters above push to them at once.
-    fn incoming(&self, radiosity: &[Vec3], cancel: &CancelToken) -> Option<Vec<Vec3>> {
+    fn incoming(&self, radiosity: &[Vec3], emitted: &[Vec3], cancel: &CancelToken) -> Option<Vec<Vec3>> {
         let immediate = self.push == Push::Immediate;
         let flux = |link: &Link| {
             let carries = self.with_unjudged || link.evidence() != super::link::Evidence::None;
-            if carries { radiosity[link.source().index()] * link.transfer() } else { Vec3::ZERO }
+            let source = link.source().index();
+            if carries { link.irradiance(radiosity[source], emitted[source]) } else { Vec3::ZERO }
         };
         let mut incoming: Vec<Vec3> = (0..self.hierarchy.elements().len() as u32)
             .into_par_iter()
@@ -182,10 +190,7 @@ impl<'a> Gatherer<'a> {
                 }
                 let links = self.links.range(receiver).zip(self.links.of(receiver));
                 if immediate && self.hierarchy.element(receiver).is_cluster() {
-                    // What has no direction, or none that a patch faces, is handed down evenly.
-                    let even =
-                        |(place, link): &(usize, &Link)| link.source() == receiver || self.concentration[*place] == 0.0;
-                    links.filter(even).map(|(_, link)| flux(link)).sum()
+                    links.map(|(place, link)| flux(link) * self.handing[place].even).sum()
                 } else {
                     links.map(|(_, link)| flux(link)).sum()
                 }
@@ -217,9 +222,9 @@ impl<'a> Gatherer<'a> {
             let links = self.links.range(receiver).zip(self.links.of(receiver));
             let beam = |(place, link): (usize, &Link)| Beam {
                 from: self.hierarchy.element(link.source()).centre,
-                flux: flux(link) * self.concentration[place],
+                flux: flux(link) * self.handing[place].beam,
             };
-            links.filter(|(_, link)| link.source() != receiver).map(beam).collect()
+            links.filter(|(place, _)| self.handing[*place].beam > 0.0).map(beam).collect()
         };
         self.hierarchy.elements().par_iter().with_min_len(256).enumerate().map(cluster_beams).collect()
     }
@@ -248,34 +253,48 @@ fn cosine_towards(centre: Vec3, normal: Vec3, point: Vec3) -> f32 {
     if height > 0.0 { height * towards.length_recip() } else { 0.0 }
 }
 
-/// What an immediate push multiplies a link's mean irradiance with, before each patch's cosine: one over the mean cosine of the
-/// cluster's patches towards the source, so that the patches together get the power that the link carries. Where no patch
-/// faces the source's centre, the link is handed down evenly (0 here, see [`Gatherer::incoming`]).
-///
-/// For randomly turned faces this is the 4 of the paper's model, whose mean cosine is ¼.
-fn concentrations(hierarchy: &Hierarchy, links: &LinkTable) -> Vec<f32> {
+/// How an immediate push hands a link's light down, in multiples of the receiver's mean irradiance.
+#[derive(Clone, Copy, Debug)]
+struct Handing {
+    /// To a face turned to the source; each patch gets its cosine's share.
+    beam: f32,
+    /// To every patch, whichever way it faces.
+    even: f32,
+}
+
+impl Handing {
+    const EVEN: Self = Self { beam: 0.0, even: 1.0 };
+}
+
+/// The immediate push of each link: a beam of one over the mean cosine of the cluster's patches towards the source, so that
+/// together they get the power that the link carries. For randomly turned faces this is the 4 of the paper's model, whose
+/// mean cosine is ¼. What has no direction, or would give a face more than the source sends out, is handed down evenly.
+fn handings(hierarchy: &Hierarchy, links: &LinkTable) -> Vec<Handing> {
     let of_receiver = |receiver: usize| {
         let receiver = ElementId(receiver as u32);
         let element = hierarchy.element(receiver);
         let own = links.of(receiver).iter();
-        match &element.shape {
-            Shape::Patch(_) => own.map(|_| 1.0).collect::<Vec<f32>>(),
-            Shape::Cluster(cluster) => own
-                .map(|link| {
-                    let from = hierarchy.element(link.source()).centre;
-                    let seen = hierarchy.patches_below(cluster).iter().map(|&id| {
-                        let below = hierarchy.element(id);
-                        let Shape::Patch(patch) = below.shape else { return 0.0 };
-                        below.area * cosine_towards(below.centre, patch.normal, from)
-                    });
-                    let mean_cosine = seen.sum::<f32>() / element.area;
-                    // A face gets at most all that the source sends out.
-                    if mean_cosine > 0.0 { mean_cosine.recip().min(link.form_factor.recip()) } else { 0.0 }
-                })
-                .collect(),
-        }
+        let handing = |link: &Link| {
+            let Shape::Cluster(cluster) = &element.shape else { return Handing::EVEN };
+            if link.source() == receiver {
+                return Handing::EVEN;
+            }
+            let from = hierarchy.element(link.source()).centre;
+            let seen = hierarchy.patches_below(cluster).iter().map(|&id| {
+                let below = hierarchy.element(id);
+                let Shape::Patch(patch) = below.shape else { return 0.0 };
+                below.area * cosine_towards(below.centre, patch.normal, from)
+            });
+            let mean_cosine = seen.sum::<f32>() / element.area;
+            if mean_cosine <= 0.0 {
+                return Handing::EVEN;
+            }
+            let beam = mean_cosine.recip().min(link.form_factor.recip());
+            Handing { beam, even: (1.0 - beam * mean_cosine).max(0.0) }
+        };
+        own.map(handing).collect::<Vec<_>>()
     };
-    let per_receiver: Vec<Vec<f32>> =
+    let per_receiver: Vec<Vec<Handing>> =
         (0..links.receivers()).into_par_iter().with_min_len(64).map(of_receiver).collect();
     per_receiver.into_iter().flatten().collect()
 }

@@ -1,5 +1,6 @@
 //! Links and the table that keeps them by receiver.
 
+use glam::Vec3;
 use rayon::prelude::*;
 
 use crate::hierarchy::ElementId;
@@ -22,6 +23,9 @@ pub struct Link {
     source: u32,
     /// Form factor F(r←s) without occlusion.
     pub form_factor: f32,
+    /// How much more (or less) of what the source emits arrives than if all of the source emitted evenly: a lamp in a dark
+    /// housing sends its light where the lamp faces.
+    pub glow: f32,
     visibility: u16,
     evidence: u16,
 }
@@ -37,7 +41,17 @@ impl Link {
             Evidence::Rays(rays) => rays.clamp(1, INHERITED - 1),
             Evidence::Inherited => INHERITED,
         };
-        Self { source: source.0, form_factor, visibility: quantised(visibility), evidence }
+        Self { source: source.0, form_factor, glow: 1.0, visibility: quantised(visibility), evidence }
+    }
+
+    /// The same with another share of the source's emitted light.
+    pub fn with_glow(self, glow: f32) -> Self {
+        Self { glow, ..self }
+    }
+
+    /// The same as if nobody had looked at the pair.
+    pub fn unjudged(self) -> Self {
+        Self { evidence: UNJUDGED, ..self }
     }
 
     /// The element that sends.
@@ -61,7 +75,13 @@ impl Link {
         }
     }
 
-    /// F·V: what a gather multiplies the source's radiosity with.
+    /// Irradiance that the link brings of the source's radiosity B and the part of it B_e that the source emits, W/m².
+    #[inline]
+    pub fn irradiance(&self, radiosity: Vec3, emitted: Vec3) -> Vec3 {
+        self.transfer() * (radiosity + (self.glow - 1.0) * emitted)
+    }
+
+    /// F·V: what a gather multiplies the source's reflected radiosity with.
     #[inline]
     pub fn transfer(&self) -> f32 {
         self.form_factor * self.visibility()

@@ -92,7 +92,7 @@ pub enum Step {
 
 /// Multiples of ε that a solve goes through. Verdicts look at radiosities, so a fine ε needs them nearly right: with the
 /// last ε alone, links judged while B was small are judged again and again as it grows, and are refined by wrong values.
-const SCHEDULE: [f64; 2] = [8.0, 1.0];
+const SCHEDULE: [f64; 2] = [2.0, 1.0];
 
 /// A round's gather ends when less than this share of the power is still to come: thresholds do not ask for more.
 const ROUND_TOLERANCE: f64 = 1e-2;
@@ -213,7 +213,7 @@ impl Solver {
 
     fn refine(&mut self, cancel: &CancelToken) -> Step {
         let epsilon = self.stage_epsilon();
-        let oracle = oracle(&self.hierarchy, &self.brightness, &self.occluders, &self.params, epsilon);
+        let oracle = oracle(&self.hierarchy, &self.brightness, &self.light.emitted, &self.occluders, &self.params, epsilon);
         let Some(judged) = self.refinement.judge(&oracle, cancel) else { return Step::Interrupted };
         let wave_ended = self.refinement.apply(&mut self.hierarchy, &judged);
         self.light.grow(&self.hierarchy);
@@ -275,7 +275,7 @@ impl Solver {
     /// visibility by a coarser ε must show it by this one.
     fn take_failing_links(&mut self, finer_epsilon: bool) -> Vec<Candidate> {
         let epsilon = self.stage_epsilon();
-        let oracle = oracle(&self.hierarchy, &self.brightness, &self.occluders, &self.params, epsilon);
+        let oracle = oracle(&self.hierarchy, &self.brightness, &self.light.emitted, &self.occluders, &self.params, epsilon);
         let failing = self.links.drain(|receiver, link| oracle.must_judge_again(receiver, link));
         let candidate = |(receiver, link): (ElementId, Link)| {
             let directions = Directions { to_a: true, to_b: false };
@@ -289,7 +289,7 @@ impl Solver {
     /// Takes out the pairs whose occlusion matters more by now than when it was found.
     fn take_doubtful_pairs(&mut self, finer_epsilon: bool) -> Vec<Candidate> {
         let epsilon = self.stage_epsilon();
-        let oracle = oracle(&self.hierarchy, &self.brightness, &self.occluders, &self.params, epsilon);
+        let oracle = oracle(&self.hierarchy, &self.brightness, &self.light.emitted, &self.occluders, &self.params, epsilon);
         let occluded = std::mem::take(&mut self.refinement.occluded);
         let (doubtful, believed): (Vec<_>, _) =
             occluded.into_par_iter().partition(|pair| oracle.is_doubtful(pair, finer_epsilon));
@@ -312,7 +312,7 @@ impl Solver {
         let mut radiosity: Vec<Vec3> = self.hierarchy.elements().iter().map(emission).collect();
         pull(&self.hierarchy, &mut radiosity);
         let irradiance = vec![Vec3::ZERO; radiosity.len()];
-        Light { radiosity, irradiance, row_scale: Vec::new() }
+        Light { emitted: radiosity.clone(), radiosity, irradiance, row_scale: Vec::new() }
     }
 
     /// Makes the present radiosities those that verdicts look at.
@@ -388,6 +388,7 @@ impl Solver {
         scene.materials[material.0 as usize].emission = emission;
         self.scene = Arc::new(scene);
         self.surfaces = surfaces_of(&self.scene);
+        self.light.emitted = self.emitted_light().emitted;
         if self.epsilon_watts <= 0.0 {
             // There was no light to measure ε by.
             self.epsilon_watts = watts(&self.params, &self.scene);
@@ -488,6 +489,7 @@ impl Solver {
 fn oracle<'a>(
     hierarchy: &'a Hierarchy,
     brightness: &'a [f32],
+    emitted: &'a [Vec3],
     occluders: &'a Occluders,
     params: &SolverParams,
     epsilon_watts: f64,
@@ -499,7 +501,7 @@ fn oracle<'a>(
         rays_min: params.rays_min,
         rays_max: params.rays_max,
     };
-    Oracle { hierarchy, brightness, thresholds, sampler: RaySampler { occluders, seed: params.seed } }
+    Oracle { hierarchy, brightness, thresholds, sampler: RaySampler { occluders, seed: params.seed, emitted } }
 }
 
 /// ε in W.

@@ -5,11 +5,11 @@
 
 use crate::hierarchy::{Cluster, ElementId, Hierarchy, Shape};
 
-use super::candidate::{Candidate, Directions};
+use super::candidate::Candidate;
 use super::form_factor::{Exchange, exchange, self_exchange};
 use super::link::{Evidence, Link};
-use super::rays::{RayPlan, RaySampler, Survey};
-use super::refine::OccludedPair;
+use super::rays::{RayPlan, RaySampler, Receiver, Survey};
+use super::refine::{OccludedPair, end_to_split};
 
 /// Thresholds in the units that the oracle uses.
 #[derive(Clone, Copy, Debug)]
@@ -35,10 +35,11 @@ impl Thresholds {
     }
 
     /// Rays that must all be blocked before a pair of this unoccluded power is believed to be occluded: so many that what
-    /// they may have missed, about one ray's share, is below a quarter of ε_partial. With all of ε_partial, 3 % of the power
-    /// of the seminar room went missing at ε = 1e-4, with a quarter 0.5 %, for a fifth more rays.
+    /// they may have missed, about one ray's share, is below a sixth of ε_partial. What few rays miss is lost, and what few
+    /// rays see in full by chance is gained; with three rays per ε_partial the two hold each other (`tests/solver/balance.rs`),
+    /// with one, 4 % of the power of the office goes missing at ε = 1e-4.
     fn rays_to_reject(&self, power: f32) -> u32 {
-        (2.0 * power / self.epsilon_partial).ceil() as u32
+        (3.0 * power / self.epsilon_partial).ceil() as u32
     }
 }
 
@@ -79,14 +80,9 @@ pub struct Verdict {
     pub fully_visible: bool,
     /// Whether the pair's power was below ε_partial.
     pub is_negligible: bool,
-    /// The end to split where a direction must be refined; `None` for a self-link, which splits both ways.
-    pub split: Option<ElementId>,
     /// Rays cast.
     pub rays: u32,
 }
-
-/// Patches of this level are not split further.
-const DEEPEST_LEVEL: u8 = 12;
 
 /// A stored link may exceed its threshold by this factor before it is judged again: B creeps up towards its limit, and a
 /// round for the last few percent refines links that matter as little as those beside them.
@@ -133,51 +129,23 @@ impl Oracle<'_> {
         } else {
             Sight::unseen(candidate)
         };
-        let split = self.end_to_split(a, b, candidate.directions);
-        let decide = |asked: bool, receiver: ElementId, source: ElementId| {
+        let decide = |asked: bool, receiver: ElementId, source: ElementId, end: Receiver| {
             if !asked {
                 return Decision::NotAsked;
             }
             let form_factor = self.form_factor(receiver, source, estimate, sight.survey.as_ref());
-            self.decide(source, form_factor, bound, &sight, split)
+            let glow = sight.survey.as_ref().map_or(1.0, |survey| survey.glow(end));
+            let link = Link::new(source, form_factor, sight.visibility, sight.evidence()).with_glow(glow);
+            self.decide(receiver, link, bound, sight.kind)
         };
         Verdict {
-            to_a: decide(candidate.directions.to_a, a, b),
-            to_b: decide(candidate.directions.to_b, b, a),
+            to_a: decide(candidate.directions.to_a, a, b, Receiver::A),
+            to_b: decide(candidate.directions.to_b, b, a, Receiver::B),
             visibility: sight.visibility,
             fully_visible: sight.kind == SightKind::Full,
             is_negligible: strongest * bound <= self.thresholds.epsilon_partial,
-            split,
             rays: sight.rays,
         }
-    }
-
-    /// The end of a pair that is split: a cluster that shines unevenly first, then the larger by area, but a cluster before a
-    /// patch where they overlap (or small scattered clusters shred walls); `None` where that is a patch too deep to be split.
-    fn end_to_split(&self, a: ElementId, b: ElementId, directions: Directions) -> Option<ElementId> {
-        let (first, second) = (self.hierarchy.element(a), self.hierarchy.element(b));
-        let larger = if first.area >= second.area { a } else { b };
-        let end = match (directions.to_b && self.is_uneven(a), directions.to_a && self.is_uneven(b)) {
-            (true, false) => a,
-            (false, true) => b,
-            _ if first.is_cluster() == second.is_cluster() || self.hierarchy.element(larger).is_cluster() => larger,
-            _ => match exchange(self.hierarchy, a, b) {
-                Exchange::Facing { overlapping: true, .. } if first.is_cluster() => a,
-                Exchange::Facing { overlapping: true, .. } => b,
-                _ => larger,
-            },
-        };
-        match self.hierarchy.element(end).shape {
-            Shape::Patch(patch) if patch.level >= DEEPEST_LEVEL => None,
-            _ => Some(end),
-        }
-    }
-
-    /// Whether a cluster's light comes from a small part of it, such as the lamp in a housing.
-    fn is_uneven(&self, id: ElementId) -> bool {
-        let element = self.hierarchy.element(id);
-        let brightest = || element.children().map(|child| self.brightness[child.index()]).fold(0.0, f32::max);
-        element.is_cluster() && brightest() > *UNEVEN * self.brightness[id.index()]
     }
 
     /// Whether a stored link fails by the present radiosities and must be judged again.
@@ -211,7 +179,7 @@ impl Oracle<'_> {
             Evidence::None => return true,
         };
         if bound > MARGIN * allowed {
-            return receiver == source || self.end_to_split(receiver, source, Directions { to_a: true, to_b: false }).is_some();
+            return receiver == source || end_to_split(hierarchy, receiver, source).is_some();
         }
         // More light than it was judged by may ask for more rays; a doubled count is worth a new look.
         bound > self.thresholds.epsilon_partial && self.thresholds.rays_for(power) >= rays.saturating_mul(2)
@@ -257,7 +225,6 @@ impl Oracle<'_> {
             visibility: 1.0,
             fully_visible: false,
             is_negligible: false,
-            split: None,
             rays: 0,
         }
     }
@@ -281,20 +248,19 @@ impl Oracle<'_> {
         }
     }
 
-    fn decide(&self, source: ElementId, form_factor: f32, bound: f32, sight: &Sight, split: Option<ElementId>) -> Decision {
-        let brightness = self.brightness[source.index()];
+    fn decide(&self, receiver: ElementId, link: Link, bound: f32, sight: SightKind) -> Decision {
+        let brightness = self.brightness[link.source().index()];
         if brightness <= 0.0 {
-            return Decision::Accept(Link::new(source, form_factor, sight.visibility, Evidence::None));
+            return Decision::Accept(link.unjudged());
         }
-        let allowed = match sight.kind {
+        let allowed = match sight {
             SightKind::None => return Decision::Reject(Rejection::Occluded),
             SightKind::Full => self.thresholds.epsilon,
             SightKind::Partial | SightKind::Unknown => self.thresholds.epsilon_partial,
         };
-        let link = Link::new(source, form_factor, sight.visibility, sight.evidence());
         if brightness * bound <= allowed {
             Decision::Accept(link)
-        } else if split.is_none() {
+        } else if end_to_split(self.hierarchy, receiver, link.source()).is_none() {
             Decision::AcceptAtGuard(link)
         } else {
             Decision::Refine
@@ -378,10 +344,7 @@ impl Verdict {
             visibility: 0.0,
             fully_visible: false,
             is_negligible: false,
-            split: None,
             rays: 0,
         }
     }
 }
-
-static UNEVEN: std::sync::LazyLock<f32> = std::sync::LazyLock::new(|| std::env::var("UNEVEN").map_or(1.5, |x| x.parse().unwrap()));

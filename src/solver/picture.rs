@@ -128,7 +128,8 @@ fn inspected(solver: &Solver, light: &Light, id: ElementId) -> Option<InspectedE
         let accepted = solver.refinement.accepted.iter().filter(|(to, _)| *to == at).map(|(_, link)| link);
         for link in solver.links.of(at).iter().chain(accepted) {
             let source = hierarchy.element(link.source());
-            let brightness = light.radiosity[link.source().index()].max_element();
+            let from = link.source().index();
+            let irradiance = link.irradiance(light.radiosity[from], light.emitted[from]);
             links.push(LinkView {
                 receiver: at,
                 source: link.source(),
@@ -137,7 +138,7 @@ fn inspected(solver: &Solver, light: &Light, id: ElementId) -> Option<InspectedE
                 source_is_cluster: source.is_cluster(),
                 form_factor: link.form_factor,
                 visibility: link.visibility(),
-                power: brightness * link.transfer() * hierarchy.element(at).area,
+                power: irradiance.max_element() * hierarchy.element(at).area,
             });
         }
         receiver = hierarchy.element(at).parent();

@@ -6,6 +6,8 @@
 
 use std::f32::consts::PI;
 
+use glam::Vec3;
+
 use crate::hierarchy::{ElementId, Hierarchy, mix};
 use crate::visibility::Occluders;
 
@@ -29,10 +31,21 @@ pub struct Survey {
     pub cast: u32,
     /// Rays that met nothing.
     pub visible: u32,
-    /// Sum over pairs of cosθ·cosθ'/(πd²), zero for those that do not face each other, 1/m².
+    /// Sum over pairs of the kernel cosθ·cosθ'/(πd²), zero for those that do not face each other, 1/m².
     kernel: f32,
     /// The same over visible pairs.
     visible_kernel: f32,
+    /// The same over visible pairs, each counted by how strongly the second, or the first, end emits at its point.
+    emitted_kernel: [f32; 2],
+}
+
+/// The end of a surveyed pair that receives.
+#[derive(Clone, Copy, Debug)]
+pub enum Receiver {
+    /// The first.
+    A = 0,
+    /// The second.
+    B = 1,
 }
 
 impl Survey {
@@ -45,6 +58,20 @@ impl Survey {
     pub fn mean_kernel(&self) -> f32 {
         if self.pairs > 0 { self.kernel / self.pairs as f32 } else { 0.0 }
     }
+
+    /// How much more of what the source emits arrives than if all of it emitted evenly.
+    pub fn glow(&self, receiver: Receiver) -> f32 {
+        if self.visible_kernel > 0.0 { self.emitted_kernel[receiver as usize] / self.visible_kernel } else { 1.0 }
+    }
+
+    fn count(&mut self, kernel: f32, emission: [f32; 2], is_visible: bool) {
+        self.kernel += kernel;
+        if is_visible {
+            self.visible_kernel += kernel;
+            self.emitted_kernel[0] += emission[0] * kernel;
+            self.emitted_kernel[1] += emission[1] * kernel;
+        }
+    }
 }
 
 /// Surveys pairs of elements; the points depend on what the two are and on the seed, not on who asks.
@@ -54,6 +81,8 @@ pub struct RaySampler<'a> {
     pub occluders: &'a Occluders,
     /// Seed of all points.
     pub seed: u64,
+    /// Emission B_e of each element, W/m².
+    pub emitted: &'a [Vec3],
 }
 
 /// Steps of the four-dimensional R-sequence (Roberts), inverse powers of the root of x⁵ = x + 1, as 32-bit fractions.
@@ -82,6 +111,10 @@ impl RaySampler<'_> {
         let (pairs, pairs_if_blocked) = (pairs_for(plan.rays), pairs_for(plan.rays_if_blocked));
         // Points stand for this area; nearer to each other than its size they say no more than that.
         let smallest = hierarchy.element(a).area.min(hierarchy.element(b).area) / pairs.max(1) as f32;
+        let relative = |leaf: ElementId, whole: ElementId| {
+            let mean = self.emitted[whole.index()].max_element();
+            if mean > 0.0 { self.emitted[leaf.index()].max_element() / mean } else { 1.0 }
+        };
         let mut survey = Survey::default();
         for index in 0..pairs_if_blocked {
             let enough = if clusters > 0 { index >= pairs } else { survey.cast >= plan.rays };
@@ -105,16 +138,15 @@ impl RaySampler<'_> {
                 continue;
             }
             let kernel = cosine_a * cosine_b / (PI * distance_squared + smallest);
-            survey.kernel += kernel;
+            let emission = [relative(to.leaf, b), relative(from.leaf, a)];
             if plan.rays == 0 {
-                survey.visible_kernel += kernel;
+                survey.count(kernel, emission, true);
                 continue;
             }
             survey.cast += 1;
-            if !self.occluders.occluded(from.position, to.position) {
-                survey.visible += 1;
-                survey.visible_kernel += kernel;
-            }
+            let is_visible = !self.occluders.occluded(from.position, to.position);
+            survey.visible += u32::from(is_visible);
+            survey.count(kernel, emission, is_visible);
             let mixed = survey.visible > 0 && survey.visible < survey.cast;
             if mixed && plan.stop_when_mixed {
                 break;
