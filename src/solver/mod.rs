@@ -94,6 +94,10 @@ pub enum Step {
 /// last ε alone, links judged while B was small are judged again and again as it grows, and are refined by wrong values.
 const SCHEDULE: [f64; 2] = [2.0, 1.0];
 
+/// Rounds end when no more than one in so many links fails its threshold: the last ones are refined, but what little that
+/// changes is not judged again.
+const FEW: usize = 1000;
+
 /// A round's gather ends when less than this share of the power is still to come: thresholds do not ask for more.
 const ROUND_TOLERANCE: f64 = 1e-2;
 /// The last gather ends when less than this share of the power is still to come.
@@ -118,8 +122,8 @@ pub struct Solver {
     phase: Phase,
     /// Place in [`SCHEDULE`].
     stage: usize,
-    /// Whether the last gather went to [`FINAL_TOLERANCE`].
-    gathered_finely: bool,
+    /// Whether the next gather is the last one, to [`FINAL_TOLERANCE`].
+    gathers_finely: bool,
     iterations: u32,
     clamped_leaves: usize,
     seconds: Seconds,
@@ -162,7 +166,7 @@ impl Solver {
             refinement: Refinement::default(),
             phase: Phase::Refine,
             stage: 0,
-            gathered_finely: false,
+            gathers_finely: false,
             iterations: 0,
             clamped_leaves: 0,
             seconds,
@@ -213,7 +217,8 @@ impl Solver {
 
     fn refine(&mut self, cancel: &CancelToken) -> Step {
         let epsilon = self.stage_epsilon();
-        let oracle = oracle(&self.hierarchy, &self.brightness, &self.light.emitted, &self.occluders, &self.params, epsilon);
+        let oracle =
+            oracle(&self.hierarchy, &self.brightness, &self.light.emitted, &self.occluders, &self.params, epsilon);
         let Some(judged) = self.refinement.judge(&oracle, cancel) else { return Step::Interrupted };
         let wave_ended = self.refinement.apply(&mut self.hierarchy, &judged);
         self.light.grow(&self.hierarchy);
@@ -229,10 +234,9 @@ impl Solver {
         let accepted = std::mem::take(&mut self.refinement.accepted);
         if !accepted.is_empty() || self.links.receivers() < self.hierarchy.elements().len() {
             self.links.append(self.hierarchy.elements().len(), &accepted);
-            self.gathered_finely = false;
         }
         // The first rounds are coarse: light that is not judged yet has no place in what verdicts look at.
-        let tolerance = if self.gathered_finely { FINAL_TOLERANCE } else { ROUND_TOLERANCE };
+        let tolerance = if self.gathers_finely { FINAL_TOLERANCE } else { ROUND_TOLERANCE };
         let mut light = self.light.clone();
         let gatherer = self.gatherer(&self.links);
         let Some(clamped) = gatherer.limit_rows(&mut light, cancel) else { return Step::Interrupted };
@@ -243,25 +247,22 @@ impl Solver {
         self.clamped_leaves = clamped;
         self.fix_brightness();
         self.iterations += 1;
-        let mut failing = self.take_failing_links(false);
-        failing.append(&mut self.take_doubtful_pairs(false));
-        if failing.is_empty() && self.stage + 1 < SCHEDULE.len() {
+        if self.gathers_finely {
+            self.phase = Phase::Done;
+            self.seconds.total = self.started.elapsed().as_secs_f64();
+            return Step::Gathered;
+        }
+        let mut failing = self.take_failing(false);
+        let few_fail = failing.len() * FEW <= self.links.len();
+        if few_fail && self.stage + 1 < SCHEDULE.len() {
             self.stage += 1;
-            failing = self.take_failing_links(true);
-            failing.append(&mut self.take_doubtful_pairs(true));
+            failing.append(&mut self.take_failing(true));
+        } else {
+            self.gathers_finely = few_fail;
         }
         if !failing.is_empty() {
             self.refinement.start(failing);
-            self.gathered_finely = false;
             self.phase = Phase::Refine;
-        } else if self.stage + 1 < SCHEDULE.len() {
-            // Nothing to do at this ε; the next gather goes on to the next.
-        } else if self.gathered_finely {
-            self.phase = Phase::Done;
-            self.seconds.total = self.started.elapsed().as_secs_f64();
-        } else {
-            // Once more, to the end; if that wakes no link, all is done.
-            self.gathered_finely = true;
         }
         Step::Gathered
     }
@@ -271,32 +272,26 @@ impl Solver {
         self.epsilon_watts * SCHEDULE[self.stage]
     }
 
-    /// Takes the links out that fail by the present radiosities and returns them as candidates; those that inherited their
-    /// visibility by a coarser ε must show it by this one.
-    fn take_failing_links(&mut self, finer_epsilon: bool) -> Vec<Candidate> {
+    /// Takes out what must be judged again as candidates. A link that fails by the present radiosities, where visibility that
+    /// was inherited by a coarser ε must show itself by this one; and pairs whose occlusion matters more than when it was found.
+    fn take_failing(&mut self, finer_epsilon: bool) -> Vec<Candidate> {
         let epsilon = self.stage_epsilon();
-        let oracle = oracle(&self.hierarchy, &self.brightness, &self.light.emitted, &self.occluders, &self.params, epsilon);
+        let oracle =
+            oracle(&self.hierarchy, &self.brightness, &self.light.emitted, &self.occluders, &self.params, epsilon);
         let failing = self.links.drain(|receiver, link| oracle.must_judge_again(receiver, link));
-        let candidate = |(receiver, link): (ElementId, Link)| {
+        let of_link = |(receiver, link): (ElementId, Link)| {
             let directions = Directions { to_a: true, to_b: false };
             let inherited = link.evidence() == Evidence::Inherited && receiver != link.source();
             let inherits_visible = inherited && !finer_epsilon;
             Candidate::new(receiver, link.source(), directions, link.visibility(), inherits_visible)
         };
-        failing.into_iter().map(candidate).collect()
-    }
-
-    /// Takes out the pairs whose occlusion matters more by now than when it was found.
-    fn take_doubtful_pairs(&mut self, finer_epsilon: bool) -> Vec<Candidate> {
-        let epsilon = self.stage_epsilon();
-        let oracle = oracle(&self.hierarchy, &self.brightness, &self.light.emitted, &self.occluders, &self.params, epsilon);
         let occluded = std::mem::take(&mut self.refinement.occluded);
         let (doubtful, believed): (Vec<_>, _) =
             occluded.into_par_iter().partition(|pair| oracle.is_doubtful(pair, finer_epsilon));
-        self.refinement.occluded = believed;
         let doubtful: Vec<Candidate> = doubtful.into_iter().map(|occluded| occluded.pair).collect();
+        self.refinement.occluded = believed;
         self.refinement.forget_rejections(&doubtful);
-        doubtful
+        failing.into_iter().map(of_link).chain(doubtful).collect()
     }
 
     fn gatherer<'a>(&'a self, links: &'a LinkTable) -> Gatherer<'a> {
@@ -398,7 +393,7 @@ impl Solver {
 
     /// Goes on with what is there after a change that leaves candidates and links valid.
     fn resume(&mut self) {
-        self.gathered_finely = false;
+        self.gathers_finely = false;
         if self.phase == Phase::Done {
             self.phase = Phase::Gather;
         }
@@ -423,7 +418,7 @@ impl Solver {
         self.display = None;
         self.phase = Phase::Refine;
         self.stage = 0;
-        self.gathered_finely = false;
+        self.gathers_finely = false;
     }
 
     /// Asks that snapshots carry the links of an element.

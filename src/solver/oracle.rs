@@ -34,12 +34,12 @@ impl Thresholds {
         (wanted.ceil() as u32).clamp(self.rays_min, self.rays_max)
     }
 
-    /// Rays that must all be blocked before a pair of this unoccluded power is believed to be occluded: so many that what
-    /// they may have missed, about one ray's share, is below a sixth of ε_partial. What few rays miss is lost, and what few
-    /// rays see in full by chance is gained; with three rays per ε_partial the two hold each other (`tests/solver/balance.rs`),
-    /// with one, 4 % of the power of the office goes missing at ε = 1e-4.
+    /// Rays that must all be blocked before a pair of this unoccluded power is believed to be occluded: eight per ε_partial, so
+    /// that what they may have missed is an eighth of it. What few rays miss is lost for good, and what few rays see in full
+    /// by chance is gained; between three and eight the power that the office loses at ε = 1e-4 falls from 4 % to 1 %
+    /// (`tests/solver/balance.rs`).
     fn rays_to_reject(&self, power: f32) -> u32 {
-        (3.0 * power / self.epsilon_partial).ceil() as u32
+        (8.0 * power / self.epsilon_partial).ceil() as u32
     }
 }
 

@@ -62,7 +62,7 @@ impl Default for SolverParams {
         Self {
             epsilon: Epsilon::Relative(1e-4),
             partial_factor: 0.1,
-            visibility_factor: 8.0,
+            visibility_factor: 5.0,
             rays_min: 4,
             rays_max: 64,
             clustering: ClusteringMode::Adaptive,
