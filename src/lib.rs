@@ -17,7 +17,8 @@
 //! 2. **Refine.** A link that is not good enough is replaced by links of the children of its larger end. A cluster's self-link is
 //!    replaced by links between all pairs of its children, their own self-links included. This goes on in waves: the links
 //!    of a wave are judged in parallel, and the verdicts applied in order, so that a solve is the same bit for bit for any number of threads.
-//! 3. **Gather.** Light moves once over every link, E_r += B_s·F·V. What a cluster receives is handed to the patches below it,
+//! 3. **Gather.** Light moves once over every link, E_r += B_s·F·V; what a cluster emits has an F·V of its own, for its lamps
+//!    may face another way than the rest of it. What a cluster receives is handed to the patches below it,
 //!    link by link with each patch's cosine towards the source (section 3.3, α-links of \[4\]) or evenly afterwards
 //!    (β-links). Leaves reflect, B = B_e + ρE, and parents take the mean of their children. Sweeps are repeated until no power is left to move.
 //! 4. **Repeat.** B has grown, so links are judged again; those that fail now are refined. Done when none fails.

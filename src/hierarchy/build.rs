@@ -6,7 +6,8 @@ use glam::Vec3;
 use rustc_hash::FxHashMap;
 
 use super::{
-    Cluster, ClusteringMode, Element, ElementId, Hierarchy, NO_PARENT, Patch, Shape, adaptive, groups, mix, octree,
+    Cluster, ClusteringMode, Element, ElementId, Hierarchy, NO_PARENT, Patch, PatchSums, Shape, adaptive, groups, mix,
+    octree,
 };
 use crate::scene::Scene;
 
@@ -93,7 +94,7 @@ pub(super) fn build(scene: &Scene, mode: ClusteringMode, octree_depth: u32) -> H
         vertices,
         midpoints: FxHashMap::default(),
         initial_patches: Vec::with_capacity(scene.polygons.len()),
-        area_before: vec![0.0],
+        area_sums: PatchSums::default(),
         cluster_count: 0,
         leaf_count: scene.polygons.len(),
     };
@@ -162,8 +163,7 @@ impl Hierarchy {
         let cluster = match element.shape {
             Shape::Patch(patch) => {
                 self.initial_patches.push(id);
-                let before = self.area_before[self.area_before.len() - 1];
-                self.area_before.push(before + f64::from(element.area));
+                self.area_sums.push(f64::from(element.area));
                 let (positions, count) = self.corner_positions(&patch);
                 let around = |f: fn(Vec3, Vec3) -> Vec3| positions[1..count].iter().copied().fold(positions[0], f);
                 return (around(Vec3::min), around(Vec3::max));
@@ -181,17 +181,18 @@ impl Hierarchy {
             (lower, upper) = (Vec3::ZERO, Vec3::ZERO);
         }
         let first_key = self.initial_patches.get(first_patch).map_or(0, |first| self.element(*first).key);
-        let area = self.area_before[first_patch + patch_count] - self.area_before[first_patch];
-        let finished = &mut self.elements[id.index()];
-        finished.area = area as f32;
-        finished.centre = 0.5 * (lower + upper);
-        finished.key = mix(first_key, mix(patch_count as u64, u64::from(cluster.level)));
-        finished.shape = Shape::Cluster(Cluster {
+        let cluster = Cluster {
             half_extent: 0.5 * (upper - lower),
             first_patch: first_patch as u32,
             patch_count: patch_count as u32,
             ..cluster
-        });
+        };
+        let area = self.area_sums.over(&cluster);
+        let finished = &mut self.elements[id.index()];
+        finished.area = area as f32;
+        finished.centre = 0.5 * (lower + upper);
+        finished.key = mix(first_key, mix(patch_count as u64, u64::from(cluster.level)));
+        finished.shape = Shape::Cluster(cluster);
         (lower, upper)
     }
 }

@@ -19,7 +19,7 @@ use serde::{Deserialize, Serialize};
 use crate::scene::Scene;
 
 pub use patch::Patch;
-pub use sample::SurfacePoint;
+pub use sample::{PatchSums, SurfacePoint};
 pub use surface::smooth_surfaces;
 
 /// How the part of the hierarchy above the initial patches is built.
@@ -120,8 +120,8 @@ pub struct Hierarchy {
     midpoints: FxHashMap<(u32, u32), u32>,
     /// Initial patches such that those below any one cluster lie together.
     initial_patches: Vec<ElementId>,
-    /// Summed area before each initial patch, m²; one longer than `initial_patches`.
-    area_before: Vec<f64>,
+    /// Areas of the initial patches, m².
+    area_sums: PatchSums,
     cluster_count: usize,
     leaf_count: usize,
 }
@@ -192,7 +192,7 @@ impl Hierarchy {
         size_of_val(&self.elements[..])
             + size_of_val(&self.vertices[..])
             + size_of_val(&self.initial_patches[..])
-            + size_of_val(&self.area_before[..])
+            + self.area_sums.bytes()
             + self.midpoints.len() * size_of::<((u32, u32), u32)>()
     }
 

@@ -2,7 +2,62 @@
 
 use glam::Vec3;
 
-use super::{ElementId, Hierarchy, Shape};
+use super::{Cluster, ElementId, Hierarchy, Shape};
+
+/// Running sums over the initial patches, in the order of [`Hierarchy::initial_patches`]: what points are spread by.
+#[derive(Clone, Debug)]
+pub struct PatchSums(Vec<f64>);
+
+impl Default for PatchSums {
+    fn default() -> Self {
+        Self(vec![0.0])
+    }
+}
+
+impl PatchSums {
+    /// Sums up a value of each initial patch.
+    pub fn new(values: impl IntoIterator<Item = f64>) -> Self {
+        let mut sums = Self::default();
+        values.into_iter().for_each(|value| sums.push(value));
+        sums
+    }
+
+    /// Adds the value of the next patch.
+    pub(super) fn push(&mut self, value: f64) {
+        self.0.push(self.0[self.0.len() - 1] + value);
+    }
+
+    /// Memory, bytes.
+    pub fn bytes(&self) -> usize {
+        size_of_val(&self.0[..])
+    }
+
+    /// The sum over a cluster's patches; 0 for a patch.
+    pub fn of(&self, hierarchy: &Hierarchy, id: ElementId) -> f64 {
+        match &hierarchy.element(id).shape {
+            Shape::Cluster(cluster) => self.over(cluster),
+            Shape::Patch(_) => 0.0,
+        }
+    }
+
+    /// The sum over a cluster's patches.
+    pub fn over(&self, cluster: &Cluster) -> f64 {
+        let first = cluster.first_patch as usize;
+        self.0[first + cluster.patch_count as usize] - self.0[first]
+    }
+
+    /// The place of the patch of a cluster that holds the share `u` of its sum, and how far into that patch it is, 0..=1.
+    fn locate(&self, cluster: &Cluster, u: f32) -> (usize, f32) {
+        let first = cluster.first_patch as usize;
+        let last = first + cluster.patch_count as usize;
+        let (start, end) = (self.0[first], self.0[last]);
+        let wanted = start + f64::from(u) * (end - start);
+        let index = first + self.0[first + 1..last].partition_point(|&sum| sum <= wanted);
+        let (before, after) = (self.0[index], self.0[index + 1]);
+        let rest = if after > before { (wanted - before) / (after - before) } else { 0.5 };
+        (index, (rest as f32).clamp(0.0, 1.0))
+    }
+}
 
 /// A point on a bright side.
 #[derive(Clone, Copy, Debug)]
@@ -11,26 +66,23 @@ pub struct SurfacePoint {
     pub position: Vec3,
     /// Unit normal of the bright side.
     pub normal: Vec3,
-    /// The leaf that it lies on.
-    pub leaf: ElementId,
 }
 
 impl Hierarchy {
     /// The point of an element at `(u, v)` in the unit square; equal areas of the square are equal areas of the element.
     #[inline]
     pub fn point_on(&self, id: ElementId, u: f32, v: f32) -> SurfacePoint {
+        self.point_on_by(&self.area_sums, id, u, v)
+    }
+
+    /// The same where a cluster's points are spread over its patches by their share of `sums` instead of their area.
+    #[inline]
+    pub fn point_on_by(&self, sums: &PatchSums, id: ElementId, u: f32, v: f32) -> SurfacePoint {
         match &self.element(id).shape {
             Shape::Patch(_) => self.point_on_patch(id, u, v),
             Shape::Cluster(cluster) => {
-                let first = cluster.first_patch as usize;
-                let last = first + cluster.patch_count as usize;
-                let (start, end) = (self.area_before[first], self.area_before[last]);
-                let wanted = start + f64::from(u) * (end - start);
-                let above = self.area_before[first + 1..last].partition_point(|&area| area <= wanted);
-                let index = first + above;
-                let (before, after) = (self.area_before[index], self.area_before[index + 1]);
-                let rest = if after > before { (wanted - before) / (after - before) } else { 0.5 };
-                self.point_on_patch(self.initial_patches[index], (rest as f32).clamp(0.0, 1.0), v)
+                let (index, rest) = sums.locate(cluster, u);
+                self.point_on_patch(self.initial_patches[index], rest, v)
             }
         }
     }
@@ -43,7 +95,7 @@ impl Hierarchy {
             if element.is_leaf() {
                 let (corners, count) = self.corner_positions(patch);
                 let position = point_on_polygon(&corners[..count], u, v);
-                return SurfacePoint { position, normal: patch.normal, leaf: id };
+                return SurfacePoint { position, normal: patch.normal };
             }
             let child = if patch.corners().len() == 3 {
                 triangle_quarter(&mut u, &mut v)

@@ -23,9 +23,9 @@ pub struct Link {
     source: u32,
     /// Form factor F(r←s) without occlusion.
     pub form_factor: f32,
-    /// How much more (or less) of what the source emits arrives than if all of the source emitted evenly: a lamp in a dark
-    /// housing sends its light where the lamp faces.
-    pub glow: f32,
+    /// F·V of what the source emits: a lamp in a dark housing sends its light where the lamp faces, not all around as the
+    /// cluster of both does.
+    pub direct: f32,
     visibility: u16,
     evidence: u16,
 }
@@ -41,12 +41,8 @@ impl Link {
             Evidence::Rays(rays) => rays.clamp(1, INHERITED - 1),
             Evidence::Inherited => INHERITED,
         };
-        Self { source: source.0, form_factor, glow: 1.0, visibility: quantised(visibility), evidence }
-    }
-
-    /// The same with another share of the source's emitted light.
-    pub fn with_glow(self, glow: f32) -> Self {
-        Self { glow, ..self }
+        let link = Self { source: source.0, form_factor, direct: 0.0, visibility: quantised(visibility), evidence };
+        Self { direct: link.transfer(), ..link }
     }
 
     /// The same as if nobody had looked at the pair.
@@ -78,10 +74,10 @@ impl Link {
     /// Irradiance that the link brings of the source's radiosity B and the part of it B_e that the source emits, W/m².
     #[inline]
     pub fn irradiance(&self, radiosity: Vec3, emitted: Vec3) -> Vec3 {
-        self.transfer() * (radiosity + (self.glow - 1.0) * emitted)
+        self.transfer() * (radiosity - emitted) + self.direct * emitted
     }
 
-    /// F·V: what a gather multiplies the source's reflected radiosity with.
+    /// F·V of what the source reflects.
     #[inline]
     pub fn transfer(&self) -> f32 {
         self.form_factor * self.visibility()

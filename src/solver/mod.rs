@@ -16,6 +16,8 @@ mod display;
 mod form_factor;
 mod gather;
 mod link;
+mod live;
+mod memory;
 mod oracle;
 pub mod params;
 mod picture;
@@ -43,12 +45,13 @@ pub use snapshot::{ClusterBox, InspectedElement, Leaf, LinkView, Mesh, Snapshot}
 pub use stats::{Bytes, Phase, Seconds, Stats};
 
 use crate::cancel::CancelToken;
-use crate::hierarchy::{ElementId, Hierarchy, Shape};
-use crate::scene::{MaterialId, Scene};
+use crate::hierarchy::{ElementId, Hierarchy, PatchSums, Shape};
+use crate::scene::Scene;
 use crate::visibility::Occluders;
 use candidate::{Candidate, Directions};
 use display::Display;
 use gather::{Gatherer, Light, Surface, pull};
+use memory::check_pairs_fit;
 use oracle::{Oracle, Thresholds};
 use picture::Picture;
 use rays::RaySampler;
@@ -115,6 +118,8 @@ pub struct Solver {
     epsilon_watts: f64,
     hierarchy: Hierarchy,
     light: Light,
+    /// Emitted power of the initial patches, by the largest colour, W.
+    emission: PatchSums,
     /// Largest colour of each element's B at the last fixed point of the algorithm; what verdicts look at.
     brightness: Vec<f32>,
     links: LinkTable,
@@ -161,6 +166,7 @@ impl Solver {
             params,
             hierarchy,
             light: Light::default(),
+            emission: PatchSums::default(),
             brightness: Vec::new(),
             links: LinkTable::default(),
             refinement: Refinement::default(),
@@ -178,6 +184,7 @@ impl Solver {
             inspected: None,
         };
         solver.light = solver.emitted_light();
+        solver.emission = solver.emission_sums();
         solver.fix_brightness();
         solver.refinement.start([Candidate::root()]);
         Ok(solver)
@@ -217,8 +224,7 @@ impl Solver {
 
     fn refine(&mut self, cancel: &CancelToken) -> Step {
         let epsilon = self.stage_epsilon();
-        let oracle =
-            oracle(&self.hierarchy, &self.brightness, &self.light.emitted, &self.occluders, &self.params, epsilon);
+        let oracle = oracle(&self.hierarchy, &self.brightness, &self.emission, &self.occluders, &self.params, epsilon);
         let Some(judged) = self.refinement.judge(&oracle, cancel) else { return Step::Interrupted };
         let wave_ended = self.refinement.apply(&mut self.hierarchy, &judged);
         self.light.grow(&self.hierarchy);
@@ -276,15 +282,9 @@ impl Solver {
     /// was inherited by a coarser ε must show itself by this one; and pairs whose occlusion matters more than when it was found.
     fn take_failing(&mut self, finer_epsilon: bool) -> Vec<Candidate> {
         let epsilon = self.stage_epsilon();
-        let oracle =
-            oracle(&self.hierarchy, &self.brightness, &self.light.emitted, &self.occluders, &self.params, epsilon);
+        let oracle = oracle(&self.hierarchy, &self.brightness, &self.emission, &self.occluders, &self.params, epsilon);
         let failing = self.links.drain(|receiver, link| oracle.must_judge_again(receiver, link));
-        let of_link = |(receiver, link): (ElementId, Link)| {
-            let directions = Directions { to_a: true, to_b: false };
-            let inherited = link.evidence() == Evidence::Inherited && receiver != link.source();
-            let inherits_visible = inherited && !finer_epsilon;
-            Candidate::new(receiver, link.source(), directions, link.visibility(), inherits_visible)
-        };
+        let of_link = |(receiver, link): (ElementId, Link)| judged_again(receiver, &link, finer_epsilon);
         let occluded = std::mem::take(&mut self.refinement.occluded);
         let (doubtful, believed): (Vec<_>, _) =
             occluded.into_par_iter().partition(|pair| oracle.is_doubtful(pair, finer_epsilon));
@@ -308,6 +308,12 @@ impl Solver {
         pull(&self.hierarchy, &mut radiosity);
         let irradiance = vec![Vec3::ZERO; radiosity.len()];
         Light { emitted: radiosity.clone(), radiosity, irradiance, row_scale: Vec::new() }
+    }
+
+    fn emission_sums(&self) -> PatchSums {
+        let power =
+            |&id: &ElementId| f64::from(self.hierarchy.element(id).area * self.light.emitted[id.index()].max_element());
+        PatchSums::new(self.hierarchy.initial_patches().iter().map(power))
     }
 
     /// Makes the present radiosities those that verdicts look at.
@@ -354,71 +360,6 @@ impl Solver {
     /// The pairs rejected since [`Self::record_rejected`].
     pub fn rejected(&self) -> &[RejectedPair] {
         self.refinement.rejected.as_deref().unwrap_or_default()
-    }
-
-    /// Takes over new parameters with the least work that suffices; false when hierarchy or scene must be rebuilt by a new
-    /// solver, which then takes over.
-    ///
-    /// # Errors
-    /// Parameters out of range; the present ones stay.
-    pub fn set_params(&mut self, params: SolverParams) -> Result<bool, SolverError> {
-        params.validate()?;
-        let change = self.params.change_to(&params);
-        if self.params.epsilon != params.epsilon {
-            self.epsilon_watts = watts(&params, &self.scene);
-        }
-        self.params = params;
-        match change {
-            Invalidates::Nothing => {}
-            Invalidates::Radiosities | Invalidates::Verdicts => self.resume(),
-            Invalidates::Links => self.restart_from_root(),
-            Invalidates::Hierarchy | Invalidates::Scene => return Ok(false),
-        }
-        Ok(true)
-    }
-
-    /// Changes a material's emission B_e (W/m²); ε in watts stays, and so do all links.
-    pub fn set_emission(&mut self, material: MaterialId, emission: Vec3) {
-        let mut scene = (*self.scene).clone();
-        scene.materials[material.0 as usize].emission = emission;
-        self.scene = Arc::new(scene);
-        self.surfaces = surfaces_of(&self.scene);
-        self.light.emitted = self.emitted_light().emitted;
-        if self.epsilon_watts <= 0.0 {
-            // There was no light to measure ε by.
-            self.epsilon_watts = watts(&self.params, &self.scene);
-        }
-        self.resume();
-    }
-
-    /// Goes on with what is there after a change that leaves candidates and links valid.
-    fn resume(&mut self) {
-        self.gathers_finely = false;
-        if self.phase == Phase::Done {
-            self.phase = Phase::Gather;
-        }
-    }
-
-    /// Refines again from the root's self-link, on the same clusters, judging by the radiosities that are known.
-    fn restart_from_root(&mut self) {
-        let known = self.light.radiosity[..].to_vec();
-        let counts = self.refinement.counts;
-        self.hierarchy = Hierarchy::new(&self.scene, self.params.clustering, self.params.octree_depth);
-        self.light = self.emitted_light();
-        // Clusters and initial patches come first and in the same order as before.
-        for (radiosity, known) in self.light.radiosity.iter_mut().zip(known) {
-            *radiosity = known;
-        }
-        self.links = LinkTable::default();
-        self.refinement = Refinement::default();
-        self.refinement.counts = counts;
-        self.refinement.start([Candidate::root()]);
-        self.fix_brightness();
-        self.picture = Picture::default();
-        self.display = None;
-        self.phase = Phase::Refine;
-        self.stage = 0;
-        self.gathers_finely = false;
     }
 
     /// Asks that snapshots carry the links of an element.
@@ -480,11 +421,18 @@ impl Solver {
     }
 }
 
+/// The candidate that a stored link becomes; by a finer ε, visibility that it inherited must show itself.
+fn judged_again(receiver: ElementId, link: &Link, finer_epsilon: bool) -> Candidate {
+    let directions = Directions { to_a: true, to_b: false };
+    let inherited = link.evidence() == Evidence::Inherited && receiver != link.source();
+    Candidate::new(receiver, link.source(), directions, link.visibility(), inherited && !finer_epsilon)
+}
+
 /// The oracle over the present state; a function of the parts, so that refinement can be borrowed beside it.
 fn oracle<'a>(
     hierarchy: &'a Hierarchy,
     brightness: &'a [f32],
-    emitted: &'a [Vec3],
+    emission: &'a PatchSums,
     occluders: &'a Occluders,
     params: &SolverParams,
     epsilon_watts: f64,
@@ -496,7 +444,7 @@ fn oracle<'a>(
         rays_min: params.rays_min,
         rays_max: params.rays_max,
     };
-    Oracle { hierarchy, brightness, thresholds, sampler: RaySampler { occluders, seed: params.seed, emitted } }
+    Oracle { hierarchy, brightness, thresholds, sampler: RaySampler { occluders, seed: params.seed, emission } }
 }
 
 /// ε in W.
@@ -513,23 +461,4 @@ fn surfaces_of(scene: &Scene) -> Vec<Surface> {
         Surface { reflectance: material.reflectance, emission: material.emission }
     };
     scene.polygons.iter().map(surface).collect()
-}
-
-/// Whether plain HR's links fit into memory, should every pair become one.
-fn check_pairs_fit(patches: u64) -> Result<(), SolverError> {
-    let pairs = patches * patches.saturating_sub(1);
-    // A link and its receiver while it waits to be taken into the table.
-    let needed = pairs * (size_of::<Link>() + size_of::<(ElementId, Link)>()) as u64;
-    let available = available_memory().unwrap_or(u64::MAX);
-    if needed <= available / 2 {
-        return Ok(());
-    }
-    Err(SolverError::TooManyPairs { pairs, needed_mib: needed >> 20, available_mib: available >> 20 })
-}
-
-/// Memory that the system could give, bytes, where it tells.
-fn available_memory() -> Option<u64> {
-    let meminfo = std::fs::read_to_string("/proc/meminfo").ok()?;
-    let line = meminfo.lines().find(|line| line.starts_with("MemAvailable:"))?;
-    line.split_whitespace().nth(1)?.parse::<u64>().ok().map(|kib| kib << 10)
 }

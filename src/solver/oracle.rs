@@ -5,10 +5,10 @@
 
 use crate::hierarchy::{Cluster, ElementId, Hierarchy, Shape};
 
-use super::candidate::Candidate;
+use super::candidate::{Candidate, Directions};
 use super::form_factor::{Exchange, exchange, self_exchange};
 use super::link::{Evidence, Link};
-use super::rays::{RayPlan, RaySampler, Receiver, Survey};
+use super::rays::{RayPlan, RaySampler, Spread, Survey};
 use super::refine::{OccludedPair, end_to_split};
 
 /// Thresholds in the units that the oracle uses.
@@ -129,22 +129,34 @@ impl Oracle<'_> {
         } else {
             Sight::unseen(candidate)
         };
-        let decide = |asked: bool, receiver: ElementId, source: ElementId, end: Receiver| {
+        let mut rays = sight.rays;
+        let mut decide = |asked: bool, receiver: ElementId, source: ElementId, spread: Spread| {
             if !asked {
                 return Decision::NotAsked;
             }
             let form_factor = self.form_factor(receiver, source, estimate, sight.survey.as_ref());
-            let glow = sight.survey.as_ref().map_or(1.0, |survey| survey.glow(end));
-            let link = Link::new(source, form_factor, sight.visibility, sight.evidence()).with_glow(glow);
-            self.decide(receiver, link, bound, sight.kind)
+            let link = Link::new(source, form_factor, sight.visibility, sight.evidence());
+            let mut decision = self.decide(receiver, link, bound, sight.kind);
+            if let Decision::Accept(link) | Decision::AcceptAtGuard(link) = &mut decision
+                && let Some(plan) = sight.plan
+                && self.sampler.emits_in_part(self.hierarchy, source)
+            {
+                let survey = self.sampler.survey(self.hierarchy, (a, b), spread, plan);
+                rays += survey.cast;
+                let source_area = self.hierarchy.element(source).area;
+                link.direct = (source_area * survey.mean_visible_kernel()).min(1.0);
+            }
+            decision
         };
+        let to_a = decide(candidate.directions.to_a, a, b, Spread::EmissionOfB);
+        let to_b = decide(candidate.directions.to_b, b, a, Spread::EmissionOfA);
         Verdict {
-            to_a: decide(candidate.directions.to_a, a, b, Receiver::A),
-            to_b: decide(candidate.directions.to_b, b, a, Receiver::B),
+            to_a,
+            to_b,
             visibility: sight.visibility,
             fully_visible: sight.kind == SightKind::Full,
             is_negligible: strongest * bound <= self.thresholds.epsilon_partial,
-            rays: sight.rays,
+            rays,
         }
     }
 
@@ -273,30 +285,57 @@ impl Oracle<'_> {
 
     /// Finds out how well the ends of a pair see each other, with as many rays as its power deserves.
     fn look(&self, candidate: &Candidate, power: f32, bound: f32, stop_when_mixed: bool) -> Sight {
-        let survey = |plan| self.sampler.survey(self.hierarchy, candidate.a, candidate.b, plan);
+        let survey = |spread: Spread, plan: RayPlan| {
+            self.sampler.survey(self.hierarchy, (candidate.a, candidate.b), spread, plan)
+        };
         if candidate.inherits_visible {
             let plan = RayPlan { rays: 0, rays_if_blocked: 0, stop_when_mixed };
-            let survey = (!self.are_patches(candidate)).then(|| survey(plan));
-            return Sight { kind: SightKind::Full, visibility: 1.0, rays: 0, asked: 0, survey };
+            let found = (!self.are_patches(candidate)).then(|| survey(Spread::Even, plan));
+            return Sight {
+                kind: SightKind::Full,
+                visibility: 1.0,
+                rays: 0,
+                asked: 0,
+                survey: found,
+                plan: Some(plan),
+            };
         }
         if bound > self.thresholds.epsilon && bound > power {
             // Boxes that touch are refined in any case; what their members see is for their members to find out.
-            let visibility = candidate.visibility();
-            return Sight { kind: SightKind::Unknown, visibility, rays: 0, asked: 0, survey: None };
+            return Sight { visibility: candidate.visibility(), ..Sight::unseen(candidate) };
         }
-        let rays = self.thresholds.rays_for(power);
+        let asked = self.thresholds.rays_for(power);
         let to_reject = self.thresholds.rays_to_reject(power);
-        let rays_if_blocked = to_reject.clamp(rays, self.thresholds.rays_max);
-        let survey = survey(RayPlan { rays, rays_if_blocked, stop_when_mixed });
+        let plan =
+            RayPlan { rays: asked, rays_if_blocked: to_reject.clamp(asked, self.thresholds.rays_max), stop_when_mixed };
+        let found = survey(Spread::Even, plan);
+        let mut rays = found.cast;
+        let plan = RayPlan { rays_if_blocked: asked, stop_when_mixed: false, ..plan };
         // Patches that show each other no point face away; of a cluster, the faces that matter may have been missed.
-        let face_away = survey.cast == 0 && self.are_patches(candidate);
-        let believed = face_away || survey.cast >= to_reject || bound <= self.thresholds.epsilon_partial;
-        let kind = match survey.visible {
-            0 if believed => SightKind::None,
-            visible if visible == survey.cast && visible > 0 => SightKind::Full,
-            _ => SightKind::Partial,
+        let face_away = found.cast == 0 && self.are_patches(candidate);
+        let believed = face_away || found.cast >= to_reject || bound <= self.thresholds.epsilon_partial;
+        let mut shows_lamp = |asked: bool, source: ElementId, spread: Spread| {
+            asked && self.sampler.emits_in_part(self.hierarchy, source) && {
+                let lamp = survey(spread, plan);
+                rays += lamp.cast;
+                lamp.visible > 0
+            }
         };
-        Sight { kind, visibility: survey.visibility(), rays: survey.cast, asked: rays, survey: Some(survey) }
+        let mut is_occluded = || {
+            let Directions { to_a, to_b } = candidate.directions;
+            found.visible == 0
+                && believed
+                && !shows_lamp(to_a, candidate.b, Spread::EmissionOfB)
+                && !shows_lamp(to_b, candidate.a, Spread::EmissionOfA)
+        };
+        let kind = if found.visible == found.cast && found.visible > 0 {
+            SightKind::Full
+        } else if is_occluded() {
+            SightKind::None
+        } else {
+            SightKind::Partial
+        };
+        Sight { kind, visibility: found.visibility(), rays, asked, survey: Some(found), plan: Some(plan) }
     }
 }
 
@@ -317,13 +356,15 @@ struct Sight {
     asked: u32,
     /// The points looked at, where any were.
     survey: Option<Survey>,
+    /// How to look at what a lamp in a cluster lights, where somebody looked.
+    plan: Option<RayPlan>,
 }
 
 impl Sight {
     /// Nobody looked: both ends are dark.
     fn unseen(candidate: &Candidate) -> Self {
         let kind = if candidate.inherits_visible { SightKind::Full } else { SightKind::Unknown };
-        Self { kind, visibility: candidate.visibility(), rays: 0, asked: 0, survey: None }
+        Self { kind, visibility: candidate.visibility(), rays: 0, asked: 0, survey: None, plan: None }
     }
 
     fn evidence(&self) -> Evidence {

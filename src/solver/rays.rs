@@ -6,9 +6,7 @@
 
 use std::f32::consts::PI;
 
-use glam::Vec3;
-
-use crate::hierarchy::{ElementId, Hierarchy, mix};
+use crate::hierarchy::{ElementId, Hierarchy, PatchSums, mix};
 use crate::visibility::Occluders;
 
 /// How many rays a pair gets.
@@ -35,17 +33,6 @@ pub struct Survey {
     kernel: f32,
     /// The same over visible pairs.
     visible_kernel: f32,
-    /// The same over visible pairs, each counted by how strongly the second, or the first, end emits at its point.
-    emitted_kernel: [f32; 2],
-}
-
-/// The end of a surveyed pair that receives.
-#[derive(Clone, Copy, Debug)]
-pub enum Receiver {
-    /// The first.
-    A = 0,
-    /// The second.
-    B = 1,
 }
 
 impl Survey {
@@ -59,19 +46,25 @@ impl Survey {
         if self.pairs > 0 { self.kernel / self.pairs as f32 } else { 0.0 }
     }
 
-    /// How much more of what the source emits arrives than if all of it emitted evenly.
-    pub fn glow(&self, receiver: Receiver) -> f32 {
-        if self.visible_kernel > 0.0 { self.emitted_kernel[receiver as usize] / self.visible_kernel } else { 1.0 }
+    /// Mean over all pairs of the kernel times visibility, 1/m².
+    pub fn mean_visible_kernel(&self) -> f32 {
+        if self.pairs > 0 { self.visible_kernel / self.pairs as f32 } else { 0.0 }
     }
 
-    fn count(&mut self, kernel: f32, emission: [f32; 2], is_visible: bool) {
-        self.kernel += kernel;
-        if is_visible {
-            self.visible_kernel += kernel;
-            self.emitted_kernel[0] += emission[0] * kernel;
-            self.emitted_kernel[1] += emission[1] * kernel;
-        }
+    fn is_mixed(&self) -> bool {
+        self.visible > 0 && self.visible < self.cast
     }
+}
+
+/// How the points of a survey are spread.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Spread {
+    /// Evenly over both ends.
+    Even,
+    /// Over the first end by what it emits, evenly over the second, which receives.
+    EmissionOfA,
+    /// The other way round.
+    EmissionOfB,
 }
 
 /// Surveys pairs of elements; the points depend on what the two are and on the seed, not on who asks.
@@ -81,8 +74,8 @@ pub struct RaySampler<'a> {
     pub occluders: &'a Occluders,
     /// Seed of all points.
     pub seed: u64,
-    /// Emission B_e of each element, W/m².
-    pub emitted: &'a [Vec3],
+    /// Where light is emitted.
+    pub emission: &'a PatchSums,
 }
 
 /// Steps of the four-dimensional R-sequence (Roberts), inverse powers of the root of x⁵ = x + 1, as 32-bit fractions.
@@ -93,27 +86,44 @@ const TRIES: u32 = 8;
 const FEWEST_PAIRS: u32 = 12;
 
 impl RaySampler<'_> {
+    /// Whether an element is a cluster that emits, so that its light may come from a part of it alone.
+    pub fn emits_in_part(&self, hierarchy: &Hierarchy, source: ElementId) -> bool {
+        self.emission.of(hierarchy, source) > 0.0
+    }
+
     /// Looks at pairs of points of two elements, with rays between those that face each other.
-    pub fn survey(&self, hierarchy: &Hierarchy, a: ElementId, b: ElementId, plan: RayPlan) -> Survey {
+    pub fn survey(
+        &self,
+        hierarchy: &Hierarchy,
+        (a, b): (ElementId, ElementId),
+        spread: Spread,
+        plan: RayPlan,
+    ) -> Survey {
         let (a_key, b_key) = (hierarchy.element(a).key, hierarchy.element(b).key);
         // The same points for both directions: order the ends by what they are.
         let a_is_first = a_key <= b_key;
+        let purpose = match spread {
+            Spread::Even => 0,
+            Spread::EmissionOfA => 1 + u64::from(a_is_first),
+            Spread::EmissionOfB => 1 + u64::from(!a_is_first),
+        };
         let pair = mix(mix(a_key.min(b_key), a_key.max(b_key)), self.seed);
-        let (low, high) = (mix(pair, 1), mix(pair, 2));
+        let (low, high) = (mix(pair, 1 + 2 * purpose), mix(pair, 2 + 2 * purpose));
         let start = [low as u32, (low >> 32) as u32, high as u32, (high >> 32) as u32];
         let clusters = u32::from(hierarchy.element(a).is_cluster()) + u32::from(hierarchy.element(b).is_cluster());
         // Between clusters the number of pairs is fixed, about so many that the wanted number of them face each other: to
         // stop at a number of rays would make the mean kernel depend on it.
-        let pairs_for = |rays: u32| match clusters {
-            0 => rays.saturating_mul(TRIES),
-            _ => (rays << clusters).max(FEWEST_PAIRS),
+        let pairs_for = |rays: u32| match (clusters, spread) {
+            (0, _) => rays.saturating_mul(TRIES),
+            (_, Spread::Even) => (rays << clusters).max(FEWEST_PAIRS),
+            _ => (rays << (clusters - 1)).max(FEWEST_PAIRS),
         };
         let (pairs, pairs_if_blocked) = (pairs_for(plan.rays), pairs_for(plan.rays_if_blocked));
         // Points stand for this area; nearer to each other than its size they say no more than that.
         let smallest = hierarchy.element(a).area.min(hierarchy.element(b).area) / pairs.max(1) as f32;
-        let relative = |leaf: ElementId, whole: ElementId| {
-            let mean = self.emitted[whole.index()].max_element();
-            if mean > 0.0 { self.emitted[leaf.index()].max_element() / mean } else { 1.0 }
+        let point = |id: ElementId, is_source: bool, u: f32, v: f32| match is_source {
+            true => hierarchy.point_on_by(self.emission, id, u, v),
+            false => hierarchy.point_on(id, u, v),
         };
         let mut survey = Survey::default();
         for index in 0..pairs_if_blocked {
@@ -127,8 +137,8 @@ impl RaySampler<'_> {
                 (fixed >> 8) as f32 * (1.0 / 16_777_216.0)
             };
             let (u, v) = if a_is_first { (0, 2) } else { (2, 0) };
-            let from = hierarchy.point_on(a, coordinate(u), coordinate(u + 1));
-            let to = hierarchy.point_on(b, coordinate(v), coordinate(v + 1));
+            let from = point(a, spread == Spread::EmissionOfA, coordinate(u), coordinate(u + 1));
+            let to = point(b, spread == Spread::EmissionOfB, coordinate(v), coordinate(v + 1));
             let span = to.position - from.position;
             let distance_squared = span.length_squared();
             let to_unit = distance_squared.sqrt().recip();
@@ -138,17 +148,17 @@ impl RaySampler<'_> {
                 continue;
             }
             let kernel = cosine_a * cosine_b / (PI * distance_squared + smallest);
-            let emission = [relative(to.leaf, b), relative(from.leaf, a)];
+            survey.kernel += kernel;
             if plan.rays == 0 {
-                survey.count(kernel, emission, true);
+                survey.visible_kernel += kernel;
                 continue;
             }
             survey.cast += 1;
-            let is_visible = !self.occluders.occluded(from.position, to.position);
-            survey.visible += u32::from(is_visible);
-            survey.count(kernel, emission, is_visible);
-            let mixed = survey.visible > 0 && survey.visible < survey.cast;
-            if mixed && plan.stop_when_mixed {
+            if !self.occluders.occluded(from.position, to.position) {
+                survey.visible += 1;
+                survey.visible_kernel += kernel;
+            }
+            if survey.is_mixed() && plan.stop_when_mixed {
                 break;
             }
         }

@@ -72,6 +72,11 @@ impl Refinement {
         self.waves = 0;
     }
 
+    /// Lets further candidates wait behind those of this round.
+    pub fn add(&mut self, candidates: impl IntoIterator<Item = Candidate>) {
+        self.next_wave.extend(candidates.into_iter().map(Waiting::Pair));
+    }
+
     /// Whether nothing waits.
     pub fn is_finished(&self) -> bool {
         self.wave.is_empty() && self.next_wave.is_empty()

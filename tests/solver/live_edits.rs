@@ -5,10 +5,10 @@
 use glam::Vec3;
 use selflink::cancel::CancelToken;
 use selflink::hierarchy::ClusteringMode;
-use selflink::scene::MaterialId;
+use selflink::scene::{GroupId, MaterialId};
 use selflink::solver::{Epsilon, Push, Solver, SolverParams};
 
-use super::support::{difference, is_sound, lamp_room, links, params, solve};
+use super::support::{add_box, difference, empty_room, is_sound, lamp_room, links, params, received, solve};
 
 const COARSE: f64 = 1e-2;
 const FINE: f64 = 1e-3;
@@ -143,4 +143,39 @@ fn lamps_go_out_and_on() {
     assert!(solver.run(&CancelToken::new()));
     let off = difference(&solver, &solve(&lamp_room(), params(ClusteringMode::Adaptive, FINE)));
     assert!(off < SAME, "B differs by {off}");
+}
+
+/// One housing with a lamp below and one above: where its cluster sends its light is measured anew when the other goes on.
+#[test]
+fn a_second_lamp_in_a_housing_shines_its_own_way() {
+    let of = |lamps: [f32; 2]| {
+        let mut scene = empty_room(0.0, 0.0);
+        let housing = scene.add_material("housing", Vec3::ZERO, Vec3::ZERO);
+        let [below, above] = ["below", "above"]
+            .map(|name| scene.add_material(name, Vec3::ZERO, Vec3::splat(lamps[usize::from(name == "above")])));
+        let group = scene.add_group("lamp", GroupId(0));
+        add_box(&mut scene, (Vec3::new(0.35, 0.4, 0.35), Vec3::new(0.65, 0.6, 0.65)), false, (housing, group));
+        let first = scene.polygons.len() - 6;
+        scene.polygons[first + 1].material = below;
+        scene.polygons[first + 4].material = above;
+        (scene, above)
+    };
+    let with = |watts: f64| SolverParams { epsilon: Epsilon::Watts(watts), ..params(ClusteringMode::Groups, FINE) };
+    let (scene, above) = of([1.0, 0.0]);
+    let mut solver = solve(&scene, with(0.03));
+    assert!(received(&solver, 4) < 0.1 * received(&solver, 1), "the ceiling is dark");
+    solver.set_emission(above, Vec3::ONE);
+    assert!(solver.run(&CancelToken::new()));
+    let fresh = solve(&of([1.0, 1.0]).0, with(0.03));
+    println!(
+        "{} and {} instead of {} and {} W",
+        received(&solver, 1),
+        received(&solver, 4),
+        received(&fresh, 1),
+        received(&fresh, 4)
+    );
+    for polygon in [1, 4] {
+        let (now, truth) = (received(&solver, polygon), received(&fresh, polygon));
+        assert!((now / truth - 1.0).abs() < 0.05, "{polygon}: {now} W instead of {truth}");
+    }
 }
