@@ -1,4 +1,4 @@
-//! How long the present phase may still take, from how its progress went so far.
+//! How long the present round may still refine, from how its progress went so far.
 
 use std::time::Instant;
 
@@ -7,7 +7,7 @@ use crate::solver::{Phase, Stats};
 /// Progress must have gone so far before it is extrapolated.
 const LEAST_PROGRESS: f32 = 0.03;
 
-/// Remembers where the present phase began.
+/// Remembers where the present round began to tell.
 #[derive(Default)]
 pub(super) struct TimeLeft {
     begun: Option<Begun>,
@@ -16,14 +16,13 @@ pub(super) struct TimeLeft {
 
 struct Begun {
     phase: Phase,
-    wave: u32,
     iterations: u32,
     at: Instant,
     progress: f32,
 }
 
 impl TimeLeft {
-    /// Seconds to the end of the present phase, where that can be told.
+    /// Seconds to the end of the present round's refinement, where that can be told.
     pub(super) fn seconds(&self) -> Option<f64> {
         self.seconds
     }
@@ -40,8 +39,7 @@ impl TimeLeft {
             return;
         };
         let same = |begun: &Begun| {
-            (begun.phase, begun.wave, begun.iterations) == (stats.phase, stats.wave, stats.iterations)
-                && progress >= begun.progress
+            (begun.phase, begun.iterations) == (stats.phase, stats.iterations) && progress >= begun.progress
         };
         match self.begun.as_ref().filter(|begun| same(begun)) {
             Some(begun) => {
@@ -52,8 +50,8 @@ impl TimeLeft {
                 }
             }
             None => {
-                let (phase, wave, iterations) = (stats.phase, stats.wave, stats.iterations);
-                self.begun = Some(Begun { phase, wave, iterations, at: now, progress });
+                let (phase, iterations) = (stats.phase, stats.iterations);
+                self.begun = Some(Begun { phase, iterations, at: now, progress });
             }
         }
     }
@@ -65,11 +63,16 @@ mod tests {
 
     use super::*;
 
-    /// A quarter in two seconds leaves six seconds for the other three; a new wave starts anew.
+    /// A quarter in two seconds leaves six seconds for the other three; a new round starts anew.
     #[test]
-    fn progress_is_extrapolated_within_a_wave() {
+    fn progress_is_extrapolated_within_a_round() {
         let now = Instant::now();
-        let stats = |wave, progress| Stats { phase: Phase::Refine, wave, progress: Some(progress), ..Stats::default() };
+        let stats = |iterations, progress| Stats {
+            phase: Phase::Refine,
+            iterations,
+            progress: Some(progress),
+            ..Stats::default()
+        };
         let mut left = TimeLeft::default();
         left.note_at(&stats(1, 0.0), now);
         assert_eq!(left.seconds(), None);

@@ -37,7 +37,8 @@ impl Progress {
         }
         self.shown = Instant::now();
         let stats = solver.stats();
-        bar.set_position((f64::from(stats.progress.unwrap_or(1.0)) * STEPS as f64) as u64);
+        let progress = stats.progress.unwrap_or(if stats.phase == Phase::Refine { 0.0 } else { 1.0 });
+        bar.set_position((f64::from(progress) * STEPS as f64) as u64);
         let phase = match stats.phase {
             Phase::Hierarchy => "building clusters".to_owned(),
             Phase::Refine => format!("round {}, wave {}", stats.iterations + 1, stats.wave),

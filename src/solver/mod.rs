@@ -401,8 +401,7 @@ impl Solver {
             bytes: Bytes { links: self.links.bytes(), elements: self.hierarchy.bytes() + self.light.bytes() },
             emitted_watts: f64::from(emitted.element_sum()),
             absorbed_watts: balance::absorbed(self).element_sum(),
-            progress: (self.phase == Phase::Refine && wave + next_wave > 0)
-                .then(|| 1.0 - wave as f32 / (wave + next_wave) as f32),
+            progress: self.refinement.progress().filter(|_| self.phase == Phase::Refine),
         }
     }
 

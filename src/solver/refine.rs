@@ -60,6 +60,10 @@ pub struct Refinement {
     pub counts: Counts,
     /// Waves finished in this round.
     pub waves: u32,
+    /// Candidates judged in this round, and in this wave alone.
+    judged: (usize, usize),
+    /// Candidates that each one of the last whole wave left.
+    last_growth: f32,
     /// Rejected pairs, where a test asks to record them.
     pub rejected: Option<Vec<RejectedPair>>,
 }
@@ -70,6 +74,7 @@ impl Refinement {
         self.wave = candidates.into_iter().map(Waiting::Pair).collect();
         self.next_wave.clear();
         self.waves = 0;
+        self.judged = (0, 0);
     }
 
     /// Lets further candidates wait behind those of this round.
@@ -90,6 +95,15 @@ impl Refinement {
     /// Entries that wait in this wave and the next.
     pub fn waiting_len(&self) -> (usize, usize) {
         (self.wave.len(), self.next_wave.len())
+    }
+
+    /// Share of the round that is done, if the present wave tells: where each candidate leaves g < 1 others, the n that wait
+    /// make n/(1−g) in all. While waves still grow there is no telling.
+    pub fn progress(&self) -> Option<f32> {
+        let (done, in_wave) = (self.judged.0 as f32, self.judged.1 as f32);
+        let growth = if in_wave > 0.0 { self.next_wave.len() as f32 / in_wave } else { self.last_growth };
+        let waiting = (self.wave.len() + self.next_wave.len()) as f32;
+        (done > 0.0 && growth < 1.0).then(|| done / (done + waiting / (1.0 - growth)))
     }
 
     /// Takes a chunk of the wave and judges it; `None` if cancelled, with the chunk put back.
@@ -126,8 +140,12 @@ impl Refinement {
                 self.refine(hierarchy, candidate, verdict, directions);
             }
         }
+        self.judged.0 += judged.len();
+        self.judged.1 += judged.len();
         let ended = self.wave.is_empty();
         if ended {
+            self.last_growth = self.next_wave.len() as f32 / self.judged.1.max(1) as f32;
+            self.judged.1 = 0;
             self.wave = std::mem::take(&mut self.next_wave);
             self.waves += 1;
         }

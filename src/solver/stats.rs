@@ -60,7 +60,7 @@ pub struct Stats {
     pub emitted_watts: f64,
     /// Power absorbed by bright sides, W (all colours summed).
     pub absorbed_watts: f64,
-    /// Share of the present phase that is done, where it can be told, 0..1.
+    /// Share of the present round's refinement that is done, where it can be told, 0..1.
     pub progress: Option<f32>,
 }
 

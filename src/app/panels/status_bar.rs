@@ -70,7 +70,7 @@ fn cells(stats: &Stats, time_left: Option<f64>) -> Vec<(&'static str, String)> {
         ("clusters", format::count(stats.clusters)),
     ];
     if let Some(seconds) = time_left {
-        cells.insert(1, ("left", format!("about {}", format::seconds(seconds))));
+        cells.insert(1, ("left in round", format!("about {}", format::seconds(seconds))));
     }
     cells
 }
