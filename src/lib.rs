@@ -56,7 +56,7 @@
 //! | --- | --- |
 //! | [`scene`] | polygons, materials, groups; loading OBJ and glTF, sidecars, our own scenes |
 //! | [`visibility`] | the ray BVH: is a point seen from another, what does a ray meet |
-//! | [`orient`], [`ceiling`] | which sides are bright; where a lamp goes |
+//! | [`orient`], [`ceiling`], [`added_light`] | which sides are bright; where a lamp goes; light that a person adds |
 //! | [`hierarchy`] | the tree of elements and the ways to build its clusters |
 //! | [`solver`] | oracle, refinement, gather, snapshots, statistics; every parameter ([`solver::PARAMETERS`]) |
 //! | [`probe`], [`export`] | values at points; the lit mesh as PLY |
@@ -104,6 +104,7 @@
 //! 9. H. E. Rushmeier, K. E. Torrance. *The zonal method for calculating light intensities in the presence of a participating
 //!    medium.* SIGGRAPH 1987, pp. 293–302.
 
+pub mod added_light;
 #[cfg(feature = "gui")]
 pub mod app;
 pub mod cancel;

@@ -4,11 +4,13 @@
 //! Vulkan serves.
 #![cfg(feature = "gui")]
 
+use glam::Vec3;
 use std::time::{Duration, Instant};
 
 use egui::accesskit::Role;
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
+use selflink::added_light::{AddedLight, CeilingLight};
 use selflink::app::App;
 use selflink::scene::Source;
 use selflink::scene::builtin::BuiltinScene;
@@ -22,10 +24,14 @@ fn coarse() -> SolverParams {
 }
 
 fn window(source: Option<Source>, params: SolverParams) -> Harness<'static, App> {
+    window_with(source.map(|source| (source, AddedLight::default())), params)
+}
+
+fn window_with(opening: Option<(Source, AddedLight)>, params: SolverParams) -> Harness<'static, App> {
     Harness::builder()
         .with_size([1280.0, 800.0])
         .wgpu()
-        .build_eframe(|cc| App::new(cc, source, params).expect("a wgpu device and a thread are there"))
+        .build_eframe(|cc| App::new(cc, opening, params).expect("a wgpu device and a thread are there"))
 }
 
 fn cornell(params: SolverParams) -> Harness<'static, App> {
@@ -221,4 +227,21 @@ fn a_scene_without_a_lamp_says_so_and_can_be_given_one() {
     let lit = snapshot.leaf_irradiance.iter().filter(|rgb| rgb[0] > 0.0).count();
     assert!(lit > 0, "the lamp lights the walls");
     assert!(window.query_by_label_contains("Nothing in this scene emits light").is_none());
+}
+
+#[test]
+fn light_asked_for_at_the_start_is_there_at_once() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("dark.obj");
+    std::fs::write(&path, DARK_ROOM).expect("the room is written");
+    let light = AddedLight { emitting: Vec::new(), ceiling: Some(CeilingLight { size: None, exitance: 100.0 }) };
+    let mut window = window_with(Some((Source::File(path.clone()), light)), coarse());
+    until(&mut window, "the room", |window| window.state().scene_info().is_some());
+    assert!(window.state().scene_info().expect("a scene").has_light);
+    assert!(window.query_by_label_contains("Nothing in this scene emits light").is_none());
+    // What cannot be added is said, and no scene is shown in its place.
+    let light = AddedLight { emitting: vec![("roof".into(), Vec3::ONE)], ceiling: None };
+    let mut window = window_with(Some((Source::File(path), light)), coarse());
+    until(&mut window, "the message", |window| window.query_by_label_contains("no material `roof`").is_some());
+    assert!(window.state().scene_info().is_none());
 }

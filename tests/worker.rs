@@ -38,7 +38,7 @@ fn wait_for_event(worker: &SolverThread, what: &str, wanted: impl Fn(&Event) -> 
 }
 
 fn load(worker: &SolverThread, scene: BuiltinScene) {
-    worker.send(Command::Load(Source::Builtin(scene)));
+    worker.send(Command::load(Source::Builtin(scene)));
     wait_for_event(worker, "loading", |event| matches!(event, Event::SceneLoaded(_)));
 }
 
@@ -88,7 +88,7 @@ fn a_failing_load_keeps_the_scene_that_is_there() {
     load(&worker, BuiltinScene::Cornell);
     wait_until_finished(&worker);
     let before = worker.latest().expect("a picture");
-    worker.send(Command::Load(Source::File("no/such/room.obj".into())));
+    worker.send(Command::load(Source::File("no/such/room.obj".into())));
     let failure = wait_for_event(&worker, "the failure", |event| matches!(event, Event::LoadFailed(_)));
     let Event::LoadFailed(sentence) = failure else { panic!("{failure:?}") };
     assert!(sentence.contains("room.obj"), "{sentence}");
@@ -159,7 +159,7 @@ fn a_saved_sidecar_brings_the_changes_back() {
 
     let worker = spawn(coarse());
     let open = || {
-        worker.send(Command::Load(Source::File(path.clone())));
+        worker.send(Command::load(Source::File(path.clone())));
         match wait_for_event(&worker, "loading", |event| matches!(event, Event::SceneLoaded(_))) {
             Event::SceneLoaded(info) => info,
             event => panic!("{event:?}"),
@@ -195,8 +195,8 @@ impl Dice {
     fn command(&mut self) -> Command {
         let scenes = [BuiltinScene::ALL[0], BuiltinScene::ALL[1]];
         match self.roll(12) {
-            0 => Command::Load(Source::Builtin(scenes[self.roll(2) as usize])),
-            1 => Command::Load(Source::File("no/such/room.obj".into())),
+            0 => Command::load(Source::Builtin(scenes[self.roll(2) as usize])),
+            1 => Command::load(Source::File("no/such/room.obj".into())),
             2 => Command::Pause,
             3 => Command::StepWave,
             4 => Command::Restart,

@@ -5,6 +5,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::rc::Rc;
 
 use super::App;
+use crate::added_light::AddedLight;
 use crate::scene::Source;
 use crate::solver::SolverParams;
 
@@ -38,7 +39,7 @@ pub enum AppError {
 ///
 /// # Errors
 /// There is no display, no adapter, or a library of the window system is missing; each with advice in one sentence.
-pub fn run(source: Option<Source>, params: SolverParams) -> Result<(), AppError> {
+pub fn run(opening: Option<(Source, AddedLight)>, params: SolverParams) -> Result<(), AppError> {
     let options = eframe::NativeOptions {
         viewport: egui::ViewportBuilder::default()
             .with_title("Selflink")
@@ -56,7 +57,7 @@ pub fn run(source: Option<Source>, params: SolverParams) -> Result<(), AppError>
             "selflink",
             options,
             Box::new(move |cc| {
-                let app = App::new(cc, source, params)?;
+                let app = App::new(cc, opening, params)?;
                 creator_is_open.set(true);
                 Ok(Box::new(app))
             }),

@@ -25,6 +25,7 @@ use eframe::CreationContext;
 
 pub use launch::{AppError, run};
 
+use crate::added_light::AddedLight;
 use crate::format;
 use crate::scene::Source;
 use crate::solver::{Snapshot, SolverParams};
@@ -85,7 +86,11 @@ impl App {
     ///
     /// # Errors
     /// No wgpu device is there, or no thread for the solver.
-    pub fn new(cc: &CreationContext<'_>, source: Option<Source>, params: SolverParams) -> Result<Self, AppError> {
+    pub fn new(
+        cc: &CreationContext<'_>,
+        opening: Option<(Source, AddedLight)>,
+        params: SolverParams,
+    ) -> Result<Self, AppError> {
         theme::apply(&cc.egui_ctx);
         let render_state = cc.wgpu_render_state.as_ref().ok_or(AppError::NoDevice)?;
         let (failures, drawing_failures) = channel();
@@ -100,8 +105,8 @@ impl App {
             }
         };
         let worker = SolverThread::spawn(params, Box::new(wake))?;
-        if let Some(source) = source {
-            worker.send(Command::Load(source));
+        if let Some((source, light)) = opening {
+            worker.send(Command::Load(source, light));
         }
         let stored = |key| cc.storage.map(|storage| (storage, key));
         let recent = stored(RECENT_KEY).and_then(|(storage, key)| eframe::get_value(storage, key)).unwrap_or_default();
@@ -218,7 +223,7 @@ impl App {
 
     fn open_dropped_files(&self, ctx: &egui::Context, outbox: &mut Outbox) {
         let dropped = ctx.input(|input| input.raw.dropped_files.first().map(|file| file.path().to_owned()));
-        outbox.extend(dropped.map(|path| Command::Load(Source::File(path))));
+        outbox.extend(dropped.map(|path| Command::load(Source::File(path))));
     }
 
     fn pick(&mut self, clicked: viewport::Clicked, outbox: &mut Outbox) {
@@ -245,7 +250,7 @@ impl eframe::App for App {
         self.open_dropped_files(ui.ctx(), &mut outbox);
         if let Some(answer) = self.files.poll_dialog() {
             match answer {
-                files::DialogAnswer::Chosen(path) => outbox.push(Command::Load(Source::File(path))),
+                files::DialogAnswer::Chosen(path) => outbox.push(Command::load(Source::File(path))),
                 files::DialogAnswer::NoDialog => self.messages.note(files::NO_DIALOG.into()),
             }
         }

@@ -7,15 +7,15 @@ use std::time::{Duration, Instant};
 
 use anyhow::{anyhow, bail};
 use clap::ArgMatches;
-use glam::Vec3;
 use rayon::{ThreadPool, ThreadPoolBuilder};
+use selflink::added_light::AddedLight;
 use selflink::cancel::CancelToken;
 use selflink::scene::{Scene, Source};
 use selflink::solver::{Snapshot, Solver, SolverParams, Stats, Step};
 use selflink::visibility::Occluders;
-use selflink::{ceiling, orient, scene};
+use selflink::{orient, scene};
 
-use super::options::{self, AddedLight};
+use super::options;
 use super::progress::Progress;
 
 /// What is to be solved, and how; read from the arguments and checked, but nothing loaded yet.
@@ -71,13 +71,7 @@ impl Order {
 
 fn prepare(order: &Order) -> anyhow::Result<(Scene, Occluders)> {
     let mut scene = scene::load(&order.source)?;
-    for (material, emission) in &order.light.emitting {
-        scene.set_emission(material, *emission)?;
-    }
-    if let Some(light) = order.light.ceiling {
-        let size = light.size.unwrap_or_else(|| ceiling::suggested_size(&scene));
-        ceiling::add_light(&mut scene, size, Vec3::splat(light.exitance))?;
-    }
+    order.light.add_to(&mut scene)?;
     let sides = order.params.sides.unwrap_or(scene.sides);
     Ok(orient::apply(scene, sides))
 }

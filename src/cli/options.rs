@@ -6,6 +6,7 @@ use std::str::FromStr;
 use anyhow::{Context, bail};
 use clap::{Arg, ArgAction, ArgMatches, Command, value_parser};
 use glam::Vec3;
+use selflink::added_light::{AddedLight, CeilingLight};
 use selflink::hierarchy::ClusteringMode;
 use selflink::scene::{Sides, Source, builtin::BuiltinScene};
 use selflink::solver::{Epsilon, PARAMETERS, Parameter, ParameterId, Push, SolverParams, ValueKind};
@@ -116,25 +117,28 @@ fn choice<T: serde::de::DeserializeOwned>(matches: &ArgMatches, flag: &str) -> a
     Ok(Some(value.with_context(|| format!("--{flag} does not know {name}"))?))
 }
 
+/// Light that is added to the scene.
+pub fn light_args() -> [Arg; 2] {
+    [
+        Arg::new("emit")
+            .long("emit")
+            .value_name("MATERIAL=R,G,B")
+            .action(ArgAction::Append)
+            .help("Make a material emit; exitance per colour in W/m². May be given several times"),
+        Arg::new("ceiling-light")
+            .long("ceiling-light")
+            .value_name("SIZE:W_PER_M2")
+            .num_args(0..=1)
+            .default_missing_value("")
+            .help("Add a square lamp under the ceiling: its side in the scene's unit and its exitance [default: a quarter of the room, 100 W/m²]"),
+    ]
+}
+
 /// The scene, light added to it, the solver's parameters and the time it may take: what every command that solves takes.
 pub fn solving(command: Command) -> Command {
     command
         .arg(scene_arg().required(true))
-        .arg(
-            Arg::new("emit")
-                .long("emit")
-                .value_name("MATERIAL=R,G,B")
-                .action(ArgAction::Append)
-                .help("Make a material emit; exitance per colour in W/m². May be given several times"),
-        )
-        .arg(
-            Arg::new("ceiling-light")
-                .long("ceiling-light")
-                .value_name("SIZE:W_PER_M2")
-                .num_args(0..=1)
-                .default_missing_value("")
-                .help("Add a square lamp under the ceiling: its side in the scene's unit and its exitance [default: a quarter of the room, 100 W/m²]"),
-        )
+        .args(light_args())
         .arg(
             Arg::new("seconds")
                 .long("seconds")
@@ -178,24 +182,6 @@ pub fn path(matches: &ArgMatches, name: &str) -> Option<PathBuf> {
 /// An argument that takes a file or folder.
 pub fn path_arg(name: &'static str, value_name: &'static str) -> Arg {
     Arg::new(name).long(name).value_name(value_name).value_parser(value_parser!(PathBuf))
-}
-
-/// Light that a person adds to a scene.
-#[derive(Default)]
-pub struct AddedLight {
-    /// Materials that emit: name and exitance, W/m².
-    pub emitting: Vec<(String, Vec3)>,
-    /// A lamp under the ceiling.
-    pub ceiling: Option<CeilingLight>,
-}
-
-/// A lamp under the ceiling, as far as it was described.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct CeilingLight {
-    /// Side, in the scene's length unit; `None` as suits the room.
-    pub size: Option<f32>,
-    /// Exitance, W/m².
-    pub exitance: f32,
 }
 
 /// Exitance of a lamp that nothing is said about, W/m²: a bright office ceiling panel.

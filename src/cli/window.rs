@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use clap::{ArgMatches, Command};
+use selflink::added_light::AddedLight;
 #[cfg(feature = "gui")]
 use selflink::render::Offscreen;
 use selflink::scene::{Source, builtin::BuiltinScene};
@@ -13,7 +14,7 @@ use selflink::solver::SolverParams;
 use super::job::Order;
 #[cfg(feature = "gui")]
 use super::job::{Job, Solution};
-use super::options::{self, AddedLight};
+use super::options;
 #[cfg(feature = "gui")]
 use super::output::OutputFile;
 use super::output::say;
@@ -29,6 +30,7 @@ pub fn command() -> Command {
         .about("Lights a 3D scene by hierarchical radiosity with isotropic clusters and shows it in a window.\n\nWithout a command the window opens; without a display the scene is solved all the same, into a picture and statistics.")
         .args_conflicts_with_subcommands(true)
         .arg(options::scene_arg().default_value(default))
+        .args(options::light_args())
         .args(options::solver_args())
 }
 
@@ -36,22 +38,23 @@ pub fn command() -> Command {
 pub fn run(matches: &ArgMatches, started: Instant) -> anyhow::Result<()> {
     let source = options::source(matches.get_one::<String>("scene").map_or("", String::as_str))?;
     let params = options::solver_params(matches)?;
-    let sentence = match open(&source, params) {
+    let light = options::added_light(matches)?;
+    let sentence = match open(&source, &light, params) {
         Ok(()) => return Ok(()),
         Err(sentence) => sentence,
     };
     eprintln!("selflink: {sentence}.");
     eprintln!("selflink: solving the scene without a window.");
-    without_window(Order { source, params, light: AddedLight::default(), limit: None }, started)
+    without_window(Order { source, params, light, limit: None }, started)
 }
 
 #[cfg(feature = "gui")]
-fn open(source: &Source, params: SolverParams) -> Result<(), String> {
-    selflink::app::run(Some(source.clone()), params).map_err(|error| error.to_string())
+fn open(source: &Source, light: &AddedLight, params: SolverParams) -> Result<(), String> {
+    selflink::app::run(Some((source.clone(), light.clone())), params).map_err(|error| error.to_string())
 }
 
 #[cfg(not(feature = "gui"))]
-fn open(_source: &Source, _params: SolverParams) -> Result<(), String> {
+fn open(_source: &Source, _light: &AddedLight, _params: SolverParams) -> Result<(), String> {
     Err("no window can be opened, this program was built without one".to_owned())
 }
 

@@ -14,6 +14,7 @@ use std::time::Instant;
 use glam::Vec3;
 
 use super::Message;
+use crate::added_light::AddedLight;
 use crate::cancel::CancelToken;
 use crate::scene::{self, Scene, Sides, Source};
 use crate::visibility::Occluders;
@@ -21,8 +22,8 @@ use crate::{ceiling, orient};
 
 /// What a loader is to do.
 pub(super) enum Job {
-    /// Read this.
-    Load(Source),
+    /// Read this and add light to it.
+    Load(Source, AddedLight),
     /// Add lights to the present scene, or turn its faces, and build its occluders anew.
     Remake { raw: Arc<Scene>, path: Option<PathBuf>, lights: Vec<CeilingLight> },
 }
@@ -73,12 +74,14 @@ pub(super) fn start(
 fn prepare(job: Job, sides: Option<Sides>) -> Result<Prepared, String> {
     let begun = Instant::now();
     let (raw, path) = match job {
-        Job::Load(source) => {
+        Job::Load(source, light) => {
             let path = match &source {
                 Source::File(path) => Some(path.clone()),
                 Source::Builtin(_) => None,
             };
-            (Arc::new(scene::load(&source).map_err(|error| error.to_string())?), path)
+            let mut raw = scene::load(&source).map_err(|error| error.to_string())?;
+            light.add_to(&mut raw).map_err(|error| error.to_string())?;
+            (Arc::new(raw), path)
         }
         Job::Remake { mut raw, path, lights } => {
             for CeilingLight { size, exitance } in lights {

@@ -20,7 +20,7 @@ fn supersedes(later: &Command, earlier: &Command) -> bool {
     match (later, earlier) {
         (Shutdown, Command::SaveSidecar { .. }) => false,
         (Shutdown, _)
-        | (Load(_) | CancelLoad, Load(_) | CancelLoad)
+        | (Load(..) | CancelLoad, Load(..) | CancelLoad)
         | (SetParams(_), SetParams(_))
         | (Inspect(_), Inspect(_))
         | (Restart, Restart)

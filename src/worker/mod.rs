@@ -22,6 +22,7 @@ use std::thread::{Builder, JoinHandle};
 
 use glam::Vec3;
 
+use crate::added_light::AddedLight;
 use crate::cancel::CancelToken;
 use crate::hierarchy::ElementId;
 use crate::scene::{CameraPose, MaterialId, Scene, Source};
@@ -30,8 +31,8 @@ use crate::solver::{Snapshot, SolverParams};
 /// What a person asks of the solver.
 #[derive(Clone, Debug)]
 pub enum Command {
-    /// Reads a scene and, when that succeeds, solves it in place of the present one.
-    Load(Source),
+    /// Reads a scene, adds light to it and, when that succeeds, solves it in place of the present one.
+    Load(Source, AddedLight),
     /// Forgets a load that is under way.
     CancelLoad,
     /// Takes over new parameters with the least work that suffices.
@@ -67,6 +68,13 @@ pub enum Command {
     },
     /// Ends the thread.
     Shutdown,
+}
+
+impl Command {
+    /// Reads a scene as it is.
+    pub fn load(source: Source) -> Self {
+        Self::Load(source, AddedLight::default())
+    }
 }
 
 /// What must not be lost on the way to a person.

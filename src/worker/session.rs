@@ -122,7 +122,7 @@ impl Session {
 
     fn obey(&mut self, command: Command) {
         match command {
-            Command::Load(source) => self.load(source),
+            Command::Load(source, light) => self.load(source, light),
             Command::CancelLoad => self.loading = None,
             Command::SetParams(params) => self.set_params(params),
             Command::Pause => {

@@ -8,6 +8,7 @@ use super::guard::guarded;
 use super::loader::{self, CeilingLight, Job, Prepared};
 use super::session::Session;
 use super::{Event, SceneInfo};
+use crate::added_light::AddedLight;
 use crate::scene::{CameraPose, MaterialId, Sidecar, Source};
 use crate::solver::{Solver, SolverError};
 
@@ -22,12 +23,12 @@ pub(super) struct Awaited {
 
 impl Session {
     /// Reads a scene on a thread of its own; one that is being read already is forgotten.
-    pub(super) fn load(&mut self, source: Source) {
+    pub(super) fn load(&mut self, source: Source, light: AddedLight) {
         let name = match &source {
             Source::File(path) => path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned(),
             Source::Builtin(scene) => scene.name().to_owned(),
         };
-        self.loading = self.start_loader(Job::Load(source), name, Vec::new());
+        self.loading = self.start_loader(Job::Load(source, light), name, Vec::new());
     }
 
     /// Makes the present scene anew on a thread of its own: with the sides of the present parameters, and one more light

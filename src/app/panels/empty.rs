@@ -30,7 +30,7 @@ pub(in super::super) fn show(app: &mut App, ui: &mut Ui, rect: Rect, outbox: &mu
                         for (column, scene) in columns.iter_mut().zip(BuiltinScene::ALL) {
                             let size = egui::vec2(column.available_width(), 30.0);
                             if column.add_sized(size, egui::Button::new(scene.name())).clicked() {
-                                outbox.push(Command::Load(Source::Builtin(scene)));
+                                outbox.push(Command::load(Source::Builtin(scene)));
                             }
                         }
                     });

@@ -24,7 +24,7 @@ pub(super) fn show(ui: &mut Ui, shown: &Shown, files: &mut Files, camera: Option
         ui.add_sized([theme::LABEL_WIDTH, 20.0], left_label("Our own scenes"));
         for scene in BuiltinScene::ALL {
             if ui.button(scene.name()).clicked() {
-                outbox.push(Command::Load(Source::Builtin(scene)));
+                outbox.push(Command::load(Source::Builtin(scene)));
             }
         }
     });
@@ -82,7 +82,7 @@ fn show_path_field(ui: &mut Ui, files: &mut Files, outbox: &mut Outbox) {
         if (entered || open)
             && let Some(path) = files.typed_path()
         {
-            outbox.push(Command::Load(Source::File(path)));
+            outbox.push(Command::load(Source::File(path)));
         }
     });
 }
@@ -100,7 +100,7 @@ fn show_recent(ui: &mut Ui, files: &Files, outbox: &mut Outbox) {
             }
         }
     });
-    outbox.extend(chosen.map(|path| Command::Load(Source::File(path))));
+    outbox.extend(chosen.map(|path| Command::load(Source::File(path))));
 }
 
 fn show_save(ui: &mut Ui, camera: Option<CameraPose>, outbox: &mut Outbox) {

@@ -1,0 +1,41 @@
+//! Light that a person adds to a scene that is read: most downloads have none.
+
+use glam::Vec3;
+
+use crate::ceiling;
+use crate::scene::{EditError, Scene};
+
+/// What is added; by default nothing.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct AddedLight {
+    /// Materials that emit: name and exitance B_e, W/m².
+    pub emitting: Vec<(String, Vec3)>,
+    /// A lamp under the ceiling.
+    pub ceiling: Option<CeilingLight>,
+}
+
+/// A square lamp under the ceiling, as far as it was described.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CeilingLight {
+    /// Side, in the scene's length unit; `None` as suits the room.
+    pub size: Option<f32>,
+    /// Exitance B_e, W/m².
+    pub exitance: f32,
+}
+
+impl AddedLight {
+    /// Adds it all to a scene whose faces have not been turned or doubled.
+    ///
+    /// # Errors
+    /// A material that the scene does not have, or a size or an exitance that cannot be used.
+    pub fn add_to(&self, scene: &mut Scene) -> Result<(), EditError> {
+        for (material, emission) in &self.emitting {
+            scene.set_emission(material, *emission)?;
+        }
+        if let Some(CeilingLight { size, exitance }) = self.ceiling {
+            let size = size.unwrap_or_else(|| ceiling::suggested_size(scene));
+            ceiling::add_light(scene, size, Vec3::splat(exitance))?;
+        }
+        Ok(())
+    }
+}
