@@ -7,7 +7,7 @@
 use glam::Vec3;
 use rayon::prelude::*;
 
-use super::build::{Grouping, PolygonBounds};
+use super::grouping::{Grouping, PolygonBounds};
 
 /// Clusters of this many polygons are not split further.
 const MOST_IN_LEAF: usize = 1;

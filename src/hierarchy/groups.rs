@@ -1,7 +1,7 @@
 //! The scene's own hierarchy as clusters: the paper's hand-made ones (USER in Table 2).
 
 use super::adaptive;
-use super::build::{Grouping, PolygonBounds};
+use super::grouping::{Grouping, PolygonBounds};
 use crate::scene::Scene;
 
 /// A group with more polygons than this directly inside gets clusters of its own for them, built as in

@@ -6,6 +6,7 @@
 
 mod adaptive;
 mod build;
+mod grouping;
 mod groups;
 mod octree;
 mod patch;

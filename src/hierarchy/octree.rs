@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use super::build::{Grouping, PolygonBounds};
+use super::grouping::{Grouping, PolygonBounds};
 
 /// Groups polygons by octree cells down to `depth`, the root being level 1.
 pub(super) fn group(bounds: &PolygonBounds, polygons: Vec<u32>, depth: u32) -> Grouping {

@@ -1,5 +1,7 @@
 //! A scene as a reader found it, before anything is checked: what OBJ and glTF have in common.
 
+use std::path::Path;
+
 use glam::Vec3;
 use rustc_hash::FxHashMap;
 
@@ -14,6 +16,11 @@ const MAX_COORDINATE: f32 = 1e9;
 /// Whether a coordinate is finite and not too large to reckon with.
 pub(super) fn is_usable(coordinate: f32) -> bool {
     coordinate.abs() <= MAX_COORDINATE
+}
+
+/// The name shown to a person.
+pub(super) fn scene_name(path: &Path) -> String {
+    path.file_stem().map_or_else(|| "scene".to_owned(), |stem| stem.to_string_lossy().into_owned())
 }
 
 /// Reflectance of faces whose material nobody defines.

@@ -14,9 +14,10 @@ use rayon::prelude::*;
 use rustc_hash::FxHashMap;
 
 use super::GroupId;
+use super::draft::scene_name;
 use super::draft::{Draft, DraftMaterial, MOST_POLYGONS, is_usable};
 use super::gltf_buffers::{GltfData, Problem};
-use super::load::{LoadError, scene_name};
+use super::load_error::LoadError;
 use super::texture::mean_colour;
 
 /// Extensions that change nothing here, so that a file which requires them can be read all the same.

@@ -5,7 +5,9 @@ use std::{fs, io};
 
 use super::assemble::assemble;
 use super::builtin::BuiltinScene;
-use super::sidecar::{Sidecar, SidecarError};
+use super::draft::scene_name;
+use super::load_error::LoadError;
+use super::sidecar::Sidecar;
 use super::{Scene, gltf, obj};
 
 /// Where a scene comes from.
@@ -15,92 +17,6 @@ pub enum Source {
     File(PathBuf),
     /// One of our own scenes, drawn by code.
     Builtin(BuiltinScene),
-}
-
-/// A scene that cannot be loaded: what, where, and what to do.
-#[derive(Debug, thiserror::Error)]
-pub enum LoadError {
-    /// There is no such file.
-    #[error("{}: no such file; check the path", path.display())]
-    Missing {
-        /// The file asked for.
-        path: PathBuf,
-    },
-    /// The file is there but cannot be read.
-    #[error("{}: cannot be read ({source}); check that it is a file and its permissions", path.display())]
-    Unreadable {
-        /// The file.
-        path: PathBuf,
-        /// What the system says.
-        source: io::Error,
-    },
-    /// The file has no content.
-    #[error("{}: the file is empty; Selflink reads OBJ, glTF and GLB scenes", path.display())]
-    Empty {
-        /// The file.
-        path: PathBuf,
-    },
-    /// The file is something else.
-    #[error("{}: this is {what}, not a scene; Selflink reads OBJ, glTF and GLB scenes", path.display())]
-    NotAScene {
-        /// The file.
-        path: PathBuf,
-        /// What it seems to be.
-        what: String,
-    },
-    /// The content cannot be understood.
-    #[error("{}, {place}: {problem}", path.display())]
-    Parse {
-        /// The file.
-        path: PathBuf,
-        /// Line of a text file, or the part of a glTF file.
-        place: String,
-        /// What is wrong, and what would be right.
-        problem: String,
-    },
-    /// A coordinate is NaN, infinite or too large.
-    #[error("{}, {place}: {vertex} has a coordinate that is not finite or beyond 1e9; export the scene again", path.display())]
-    Coordinate {
-        /// The file.
-        path: PathBuf,
-        /// Line of a text file, or the part of a glTF file.
-        place: String,
-        /// Which vertex.
-        vertex: String,
-    },
-    /// A face refers to a vertex that is not there.
-    #[error("{}, {place}: a face refers to vertex {index}, but there are {count}; the file is damaged or cut off", path.display())]
-    FaceIndex {
-        /// The file.
-        path: PathBuf,
-        /// Line of a text file, or the part of a glTF file.
-        place: String,
-        /// The index as the file has it.
-        index: i64,
-        /// Number of vertices.
-        count: usize,
-    },
-    /// Nothing to light.
-    #[error("{}: the scene has no polygons to light{why}", path.display())]
-    NoPolygons {
-        /// The file.
-        path: PathBuf,
-        /// What became of them, in brackets, or empty.
-        why: String,
-    },
-    /// More polygons than memory can take.
-    #[error("{}: the scene has {count} polygons, more than the {most} that can be loaded", path.display())]
-    TooLarge {
-        /// The file.
-        path: PathBuf,
-        /// Number of polygons.
-        count: usize,
-        /// The limit.
-        most: usize,
-    },
-    /// The sidecar cannot be used.
-    #[error(transparent)]
-    Sidecar(#[from] SidecarError),
 }
 
 /// Loads a scene from wherever it comes.
@@ -135,11 +51,6 @@ pub fn load_file(path: &Path) -> Result<Scene, LoadError> {
         return Err(LoadError::NoPolygons { path: path.to_owned(), why });
     }
     Ok(scene)
-}
-
-/// The name shown to a person.
-pub(super) fn scene_name(path: &Path) -> String {
-    path.file_stem().map_or_else(|| "scene".to_owned(), |stem| stem.to_string_lossy().into_owned())
 }
 
 fn read(path: &Path) -> Result<Vec<u8>, LoadError> {

@@ -11,6 +11,7 @@ mod edit;
 mod gltf;
 mod gltf_buffers;
 mod load;
+mod load_error;
 mod mtl;
 mod obj;
 mod obj_text;
@@ -24,7 +25,8 @@ use serde::{Deserialize, Serialize};
 
 pub use check::Skipped;
 pub use edit::EditError;
-pub use load::{LoadError, Source, load, load_file};
+pub use load::{Source, load, load_file};
+pub use load_error::LoadError;
 pub use sidecar::{Sidecar, SidecarError, SidecarMaterial};
 pub use write::{WriteError, write_obj};
 

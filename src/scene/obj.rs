@@ -7,8 +7,9 @@ use std::path::Path;
 
 use glam::Vec3;
 
+use super::draft::scene_name;
 use super::draft::{Draft, DraftMaterial, MOST_POLYGONS};
-use super::load::{LoadError, scene_name};
+use super::load_error::LoadError;
 use super::mtl::MaterialLibrary;
 use super::obj_text::{ObjText, UNNAMED, material_key, plain_text};
 

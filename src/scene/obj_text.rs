@@ -10,7 +10,7 @@ use std::path::Path;
 use rustc_hash::FxHashSet;
 
 use super::draft::is_usable;
-use super::load::LoadError;
+use super::load_error::LoadError;
 
 /// A face with more corners than this is no modeller's work.
 const MOST_CORNERS: usize = 4096;

@@ -1,8 +1,11 @@
 //! Candidates: pairs of elements that wait to be judged.
 
+use super::form_factor::{Exchange, exchange};
 use super::link::quantised;
-use crate::hierarchy::{ElementId, Hierarchy};
+use crate::hierarchy::{ElementId, Hierarchy, Shape};
 
+/// Patches of this level are not split further; [`Counts::depth_guard_struck`] counts how often it mattered.
+pub const DEEPEST_LEVEL: u8 = 12;
 /// Which directions of a pair a candidate stands for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Directions {
@@ -104,4 +107,24 @@ pub fn take_chunk(
         }
     }
     chunk
+}
+
+/// The end of a pair that is split: the larger by area, but a cluster before a patch where they overlap (or small scattered
+/// clusters shred walls); `None` where that is a patch too deep to be split.
+pub fn end_to_split(hierarchy: &Hierarchy, a: ElementId, b: ElementId) -> Option<ElementId> {
+    let (first, second) = (hierarchy.element(a), hierarchy.element(b));
+    let larger = if first.area >= second.area { a } else { b };
+    let end = if first.is_cluster() == second.is_cluster() || hierarchy.element(larger).is_cluster() {
+        larger
+    } else {
+        match exchange(hierarchy, a, b) {
+            Exchange::Facing { overlapping: true, .. } if first.is_cluster() => a,
+            Exchange::Facing { overlapping: true, .. } => b,
+            _ => larger,
+        }
+    };
+    match hierarchy.element(end).shape {
+        Shape::Patch(patch) if patch.level >= DEEPEST_LEVEL => None,
+        _ => Some(end),
+    }
 }

@@ -25,6 +25,7 @@ mod rays;
 mod refine;
 pub mod snapshot;
 pub mod stats;
+mod verdict;
 
 use std::sync::Arc;
 use std::time::Instant;
@@ -35,7 +36,6 @@ use rayon::prelude::*;
 pub use balance::{PowerBalance, power_balance};
 pub use form_factor::{Exchange, exchange, point_to_polygon};
 pub use link::{Evidence, Link, LinkTable};
-pub use oracle::Rejection;
 pub use params::{
     ClusteringMode, Epsilon, Invalidates, PARAMETERS, Parameter, ParameterId, ParamsError, Push, SolverParams,
     ValueKind,
@@ -43,6 +43,7 @@ pub use params::{
 pub use refine::RejectedPair;
 pub use snapshot::{ClusterBox, InspectedElement, Leaf, LinkView, Mesh, Snapshot};
 pub use stats::{Bytes, Phase, Seconds, Stats};
+pub use verdict::Rejection;
 
 use crate::cancel::CancelToken;
 use crate::hierarchy::{ElementId, Hierarchy, PatchSums, Shape};

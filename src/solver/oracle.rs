@@ -5,11 +5,11 @@
 
 use crate::hierarchy::{Cluster, ElementId, Hierarchy, Shape};
 
-use super::candidate::{Candidate, Directions};
+use super::candidate::{Candidate, Directions, end_to_split};
 use super::form_factor::{Exchange, exchange, self_exchange};
 use super::link::{Evidence, Link};
 use super::rays::{RayPlan, RaySampler, Spread, Survey};
-use super::refine::{OccludedPair, end_to_split};
+use super::verdict::{Decision, OccludedPair, Rejection, Verdict};
 
 /// Thresholds in the units that the oracle uses.
 #[derive(Clone, Copy, Debug)]
@@ -41,47 +41,6 @@ impl Thresholds {
     fn rays_to_reject(&self, power: f32) -> u32 {
         (8.0 * power / self.epsilon_partial).ceil() as u32
     }
-}
-
-/// Why a pair gets no link.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Rejection {
-    /// One end lies behind the other.
-    FacingAway,
-    /// No ray came through.
-    Occluded,
-}
-
-/// What becomes of one direction of a pair.
-#[derive(Clone, Copy, Debug)]
-pub enum Decision {
-    /// The direction was not asked about.
-    NotAsked,
-    /// It is kept as a link.
-    Accept(Link),
-    /// It is kept as a link only because a patch is too deep to be split.
-    AcceptAtGuard(Link),
-    /// It must be refined.
-    Refine,
-    /// It carries nothing.
-    Reject(Rejection),
-}
-
-/// What becomes of a pair.
-#[derive(Clone, Copy, Debug)]
-pub struct Verdict {
-    /// For the link at `a`, lit by `b`.
-    pub to_a: Decision,
-    /// For the link at `b`, lit by `a`.
-    pub to_b: Decision,
-    /// Visibility found, which the pair's refinements start with.
-    pub visibility: f32,
-    /// Whether all rays came through, so that refinements need no rays.
-    pub fully_visible: bool,
-    /// Whether the pair's power was below ε_partial.
-    pub is_negligible: bool,
-    /// Rays cast.
-    pub rays: u32,
 }
 
 /// A stored link may exceed its threshold by this factor before it is judged again: B creeps up towards its limit, and a
@@ -372,20 +331,6 @@ impl Sight {
             SightKind::Full if self.asked == 0 => Evidence::Inherited,
             SightKind::Unknown => Evidence::None,
             _ => Evidence::Rays(self.asked.min(u32::from(u16::MAX) - 1) as u16),
-        }
-    }
-}
-
-impl Verdict {
-    fn alike(candidate: &Candidate, decision: Decision) -> Self {
-        let if_asked = |asked: bool| if asked { decision } else { Decision::NotAsked };
-        Self {
-            to_a: if_asked(candidate.directions.to_a),
-            to_b: if_asked(candidate.directions.to_b),
-            visibility: 0.0,
-            fully_visible: false,
-            is_negligible: false,
-            rays: 0,
         }
     }
 }

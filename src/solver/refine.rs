@@ -4,15 +4,13 @@ use std::collections::VecDeque;
 
 use rayon::prelude::*;
 
-use super::candidate::{Candidate, Directions, Waiting, take_chunk};
-use super::form_factor::{Exchange, exchange};
+use super::candidate::{Candidate, Directions, Waiting, end_to_split, take_chunk};
 use super::link::Link;
-use super::oracle::{Decision, Oracle, Rejection, Verdict};
+use super::oracle::Oracle;
+use super::verdict::{Decision, OccludedPair, Rejection, Verdict};
 use crate::cancel::CancelToken;
-use crate::hierarchy::{ElementId, Hierarchy, Shape};
+use crate::hierarchy::{ElementId, Hierarchy};
 
-/// Patches of this level are not split further; [`Counts::depth_guard_struck`] counts how often it mattered.
-pub const DEEPEST_LEVEL: u8 = 12;
 /// Candidates judged between two looks at commands.
 const CHUNK: usize = 1 << 14;
 
@@ -36,15 +34,6 @@ pub struct RejectedPair {
     pub source: ElementId,
     /// Why.
     pub rejection: Rejection,
-}
-
-/// A pair that no ray came through.
-#[derive(Clone, Copy, Debug)]
-pub struct OccludedPair {
-    /// The pair in the directions that were rejected.
-    pub pair: Candidate,
-    /// Whether its power was below ε_partial, so that few rays were enough to drop it.
-    pub was_negligible: bool,
 }
 
 /// The wave at hand, the one that forms, and what was accepted since the last gather.
@@ -199,25 +188,5 @@ impl Refinement {
             let pair = Candidate::new(a, b, directions, verdict.visibility, verdict.fully_visible);
             self.next_wave.push_back(Waiting::Pair(pair));
         }
-    }
-}
-
-/// The end of a pair that is split: the larger by area, but a cluster before a patch where they overlap (or small scattered
-/// clusters shred walls); `None` where that is a patch too deep to be split.
-pub fn end_to_split(hierarchy: &Hierarchy, a: ElementId, b: ElementId) -> Option<ElementId> {
-    let (first, second) = (hierarchy.element(a), hierarchy.element(b));
-    let larger = if first.area >= second.area { a } else { b };
-    let end = if first.is_cluster() == second.is_cluster() || hierarchy.element(larger).is_cluster() {
-        larger
-    } else {
-        match exchange(hierarchy, a, b) {
-            Exchange::Facing { overlapping: true, .. } if first.is_cluster() => a,
-            Exchange::Facing { overlapping: true, .. } => b,
-            _ => larger,
-        }
-    };
-    match hierarchy.element(end).shape {
-        Shape::Patch(patch) if patch.level >= DEEPEST_LEVEL => None,
-        _ => Some(end),
     }
 }

@@ -53,6 +53,16 @@ pub(super) struct Prepared {
     pub seconds: f64,
 }
 
+/// A loader whose result is awaited.
+pub(super) struct Awaited {
+    /// The number that its result carries.
+    pub ticket: u64,
+    /// What is being made, for a person.
+    pub name: String,
+    /// Lights that it adds to the present scene.
+    pub lights: Vec<CeilingLight>,
+}
+
 /// Starts a loader; its result comes as [`Message::Prepared`] with `ticket`.
 pub(super) fn start(
     job: Job,

@@ -7,10 +7,9 @@ use std::time::Instant;
 use rayon::ThreadPool;
 
 use super::guard::{guarded, pool_of};
-use super::loader::Prepared;
+use super::loader::{Awaited, Prepared};
 use super::merge::merge;
 use super::pacing::Pacing;
-use super::stage::Awaited;
 use super::{Command, Event, Message, RunState, Shared, Status, lock};
 use crate::cancel::CancelToken;
 use crate::solver::{Solver, SolverParams, Step};

@@ -5,21 +5,12 @@ use std::sync::Arc;
 use glam::Vec3;
 
 use super::guard::guarded;
-use super::loader::{self, CeilingLight, Job, Prepared};
+use super::loader::{self, Awaited, CeilingLight, Job, Prepared};
 use super::session::Session;
 use super::{Event, SceneInfo};
 use crate::added_light::AddedLight;
 use crate::scene::{CameraPose, MaterialId, Sidecar, Source};
 use crate::solver::{Solver, SolverError};
-
-/// A loader whose result is awaited.
-pub(super) struct Awaited {
-    ticket: u64,
-    /// What is being made, for a person.
-    pub name: String,
-    /// Lights that it adds to the present scene.
-    pub lights: Vec<CeilingLight>,
-}
 
 impl Session {
     /// Reads a scene on a thread of its own; one that is being read already is forgotten.
