@@ -1,4 +1,4 @@
-//! The command line: the window, or `solve`, `render`, `probe` and `scene` without one.
+//! The command line: the window, or `solve`, `render`, `probe`, `reference` and `scene` without one.
 //!
 //! Whatever cannot be done gives one sentence on stderr and exit code 2. Results go to stdout, remarks about the scene and
 //! progress to stderr.
@@ -8,6 +8,7 @@ mod options;
 mod output;
 mod probe;
 mod progress;
+mod reference;
 #[cfg(feature = "gui")]
 mod render;
 mod report;
@@ -48,6 +49,7 @@ fn dispatch(matches: &ArgMatches, started: Instant) -> anyhow::Result<()> {
         #[cfg(feature = "gui")]
         Some(("render", matches)) => render::run(matches),
         Some(("probe", matches)) => probe::run(matches),
+        Some(("reference", matches)) => reference::run(matches),
         Some(("scene", matches)) => scene::run(matches),
         _ => window::run(matches, started),
     }
@@ -57,7 +59,7 @@ fn command() -> Command {
     let command = window::command().subcommand(solve::command());
     #[cfg(feature = "gui")]
     let command = command.subcommand(render::command());
-    command.subcommand(probe::command()).subcommand(scene::command())
+    command.subcommand(probe::command()).subcommand(reference::command()).subcommand(scene::command())
 }
 
 /// Says why, in one line.

@@ -1,0 +1,159 @@
+//! One path: an unbiased estimate of the irradiance at a point.
+//!
+//! At each vertex light is looked for twice, on a point of a lamp (next-event estimation) and along the direction in
+//! which the path goes on (cosine-weighted); the balance heuristic \[Veach, Guibas, SIGGRAPH 1995\] weighs the two, so that a lamp
+//! that touches a wall has no spike. A path goes on with the probability of its throughput (Russian roulette) and so has no
+//! longest length.
+
+use std::f32::consts::{PI, TAU};
+use std::sync::Arc;
+
+use glam::Vec3;
+
+use super::lamps::Lamps;
+use super::points::SurfacePoint;
+use super::sequence::Sequence;
+use crate::scene::Scene;
+use crate::visibility::{Hit, Occluders};
+
+/// Rays start this share of the scene's diagonal off the surface that they leave.
+const RELATIVE_OFFSET: f32 = 1e-5;
+
+/// Vertices of a path whose numbers are stratified over a batch; farther ones differ too much from path to path to gain.
+const EVEN_VERTICES: u32 = 3;
+
+/// Pairs of random numbers of a vertex, and what each is for.
+const PAIRS: u32 = 3;
+const DIRECTION: u32 = 0;
+const LAMP_POINT: u32 = 1;
+const CHOICES: u32 = 2;
+
+/// A scene made ready for paths.
+pub struct Tracer {
+    occluders: Arc<Occluders>,
+    /// One for each polygon.
+    faces: Vec<Face>,
+    /// The polygon on the other side of each doubled face; empty where no face is doubled.
+    back_of: Vec<Option<u32>>,
+    lamps: Option<Lamps>,
+    /// How far off a surface a ray starts, in the scene's length unit.
+    offset: f32,
+}
+
+/// The bright side of a polygon.
+#[derive(Clone, Copy)]
+struct Face {
+    normal: Vec3,
+    reflectance: Vec3,
+    emission: Vec3,
+}
+
+impl Tracer {
+    /// Prepares a scene; `occluders` must be its own.
+    pub fn new(scene: &Scene, occluders: Arc<Occluders>) -> Self {
+        let face = |polygon: &crate::scene::Polygon| {
+            let material = &scene.materials[polygon.material.0 as usize];
+            let normal = scene.normal(polygon);
+            Face { normal, reflectance: material.reflectance, emission: material.emission }
+        };
+        let (lower, upper) = scene.bounds();
+        Self {
+            occluders,
+            faces: scene.polygons.iter().map(face).collect(),
+            back_of: backs(scene),
+            lamps: Lamps::new(scene),
+            offset: RELATIVE_OFFSET * lower.distance(upper),
+        }
+    }
+
+    /// What one path finds at a point, W/m².
+    pub fn irradiance(&self, point: &SurfacePoint, random: &Sequence) -> Vec3 {
+        let Some(lamps) = &self.lamps else { return Vec3::ZERO };
+        let (mut position, mut normal) = (point.position, point.normal);
+        let (mut irradiance, mut throughput) = (Vec3::ZERO, Vec3::ONE);
+        for vertex in 0.. {
+            let pair = |purpose: u32| {
+                let dimension = PAIRS * vertex + purpose;
+                if vertex < EVEN_VERTICES { random.even(dimension) } else { random.plain(dimension) }
+            };
+            let origin = position + self.offset * normal;
+            let [lamp, stay] = pair(CHOICES);
+            irradiance += throughput * self.from_lamp(lamps, origin, normal, lamp, pair(LAMP_POINT));
+
+            let direction = cosine_direction(normal, pair(DIRECTION));
+            let Some(hit) = self.occluders.closest_hit(origin, direction, 0.0) else { break };
+            let Some(face) = self.bright_side(hit) else { break };
+            if face.emission != Vec3::ZERO {
+                let kernel = kernel(direction.dot(normal), -direction.dot(face.normal), hit.distance * hit.distance);
+                irradiance += throughput * face.emission * (kernel / (kernel + lamps.density(face.emission)));
+            }
+            throughput *= face.reflectance;
+            let survival = throughput.max_element();
+            if stay >= survival {
+                break;
+            }
+            throughput /= survival;
+            (position, normal) = (origin + hit.distance * direction, face.normal);
+        }
+        irradiance
+    }
+
+    /// Light that a point of a lamp sends here, with its weight against the direction that the path takes by chance.
+    #[inline]
+    fn from_lamp(&self, lamps: &Lamps, origin: Vec3, normal: Vec3, pick: f32, [u, v]: [f32; 2]) -> Vec3 {
+        let lamp = lamps.point(pick, u, v);
+        let target = lamp.position + self.offset * lamp.normal;
+        let span = target - origin;
+        let distance_squared = span.length_squared();
+        let direction = span / distance_squared.sqrt();
+        let kernel = kernel(direction.dot(normal), -direction.dot(lamp.normal), distance_squared);
+        if kernel > 0.0 && !self.occluders.occluded(origin, target) {
+            // B_e · kernel / density, times the weight density / (density + kernel).
+            lamp.emission * (kernel / (kernel + lamps.density(lamp.emission)))
+        } else {
+            Vec3::ZERO
+        }
+    }
+
+    /// The bright side that a ray meets; `None` for a dark back.
+    fn bright_side(&self, hit: Hit) -> Option<Face> {
+        let polygon = if hit.front { hit.polygon } else { *self.back_of.get(hit.polygon as usize)?.as_ref()? };
+        Some(self.faces[polygon as usize])
+    }
+}
+
+/// cosθ·cosθ′/(π·d²), per area: what a point receives of a lamp per radiosity and area, and the density, per area of the lamp,
+/// of a cosine-weighted direction; 0 where either end faces away.
+#[inline]
+fn kernel(cosine: f32, lamp_cosine: f32, distance_squared: f32) -> f32 {
+    if cosine > 0.0 && lamp_cosine > 0.0 && distance_squared > 0.0 {
+        cosine * lamp_cosine / (PI * distance_squared)
+    } else {
+        0.0
+    }
+}
+
+/// A direction about a normal with density cosθ/π.
+#[inline]
+fn cosine_direction(normal: Vec3, [u, v]: [f32; 2]) -> Vec3 {
+    let (tangent, bitangent) = normal.any_orthonormal_pair();
+    let (sine, cosine) = (TAU * v).sin_cos();
+    let radius = u.sqrt();
+    (radius * (cosine * tangent + sine * bitangent) + (1.0 - u).max(0.0).sqrt() * normal).normalize()
+}
+
+/// The second side of each doubled face: fronts and backs come in the same order ([`crate::orient::apply`]).
+fn backs(scene: &Scene) -> Vec<Option<u32>> {
+    let index_of = |is_back: bool| {
+        let all = scene.polygons.iter().enumerate();
+        all.filter(move |(_, polygon)| polygon.is_back == is_back).map(|(index, _)| index as u32)
+    };
+    if index_of(true).next().is_none() {
+        return Vec::new();
+    }
+    let mut back_of = vec![None; scene.polygons.len()];
+    for (front, back) in index_of(false).zip(index_of(true)) {
+        back_of[front as usize] = Some(back);
+    }
+    back_of
+}
