@@ -35,7 +35,9 @@ pub struct Wish {
 /// The command's arguments.
 pub fn command() -> Command {
     let command = Command::new("reference")
-        .about("Path-trace irradiance E at random points on surfaces, with standard errors, until the noise is low enough")
+        .about(
+            "Path-trace irradiance E at random points on surfaces, with standard errors, until the noise is low enough",
+        )
         .arg(options::scene_arg().required(true))
         .arg(path_arg("out", "FILE.csv").help(format!("Write the points: {COLUMNS}")))
         .arg(options::seconds_arg("Stop after so many seconds with what is known by then"));
@@ -63,8 +65,9 @@ pub fn wish_args(command: Command) -> Command {
                 .help("Noise that suffices: RMS over the points, relative to the radiosity's [default: 0.01]"),
         )
         .arg(
-            path_arg("cache", "DIR")
-                .help("Folder that keeps references for the next time [default: selflink in $XDG_CACHE_HOME or ~/.cache]"),
+            path_arg("cache", "DIR").help(
+                "Folder that keeps references for the next time [default: selflink in $XDG_CACHE_HOME or ~/.cache]",
+            ),
         )
         .arg(
             Arg::new("no-cache")
@@ -115,7 +118,9 @@ pub fn make(job: &Job, wish: &Wish) -> anyhow::Result<Outcome> {
         outcome
     });
     if let Some(error) = &outcome.cache_error {
-        eprintln!("warning: the reference cannot be kept for the next time ({error}); --cache DIR names another folder.");
+        eprintln!(
+            "warning: the reference cannot be kept for the next time ({error}); --cache DIR names another folder."
+        );
     }
     Ok(Outcome { seconds: begun.elapsed().as_secs_f64(), ..outcome })
 }
@@ -149,7 +154,7 @@ pub fn summary(scene: &str, outcome: &Outcome) -> String {
         passes => format!(", {} % from the cache", 100 * passes / outcome.passes),
     };
     format!(
-        "{scene}: {}, {} paths each{cached}, noise {:.2} %, {}\n",
+        "{scene}: {}, {} paths{cached}, noise {:.2} %, {}\n",
         things(reference.points.len(), "point", "points"),
         count(reference.paths),
         100.0 * outcome.noise,

@@ -12,7 +12,7 @@ use glam::{DVec3, Vec3};
 use sha2::{Digest, Sha256};
 
 use super::points::SurfacePoint;
-use super::run::{PATHS_OF_PASS, ReferenceRun, Sums};
+use super::run::{BATCH, PILOT, ReferenceRun, State, Sums};
 use crate::scene::Scene;
 
 /// Goes up with every change of what a path computes or of the file's layout.
@@ -21,8 +21,8 @@ const VERSION: u32 = 1;
 const MAGIC: &[u8; 8] = b"slnkref\n";
 /// Bytes of a hash.
 const HASH: usize = 32;
-/// Bytes of a point's sums: six numbers.
-const RECORD: usize = 48;
+/// Bytes of a point's sums: a count and six numbers.
+const RECORD: usize = 4 + 6 * 8;
 
 /// A hash of all that a reference's values depend on: the polygons as they are turned and doubled, reflectances, emissions,
 /// points, seed, and the version of the method.
@@ -35,7 +35,8 @@ impl Key {
         let mut hash = Sha256::new();
         hash.update(MAGIC);
         hash.update(VERSION.to_le_bytes());
-        hash.update(PATHS_OF_PASS.to_le_bytes());
+        hash.update(BATCH.to_le_bytes());
+        hash.update(PILOT.to_le_bytes());
         hash.update(seed.to_le_bytes());
         hash.update((scene.polygons.len() as u64).to_le_bytes());
         for polygon in &scene.polygons {
@@ -93,8 +94,8 @@ impl Cache {
     pub fn load(&self, run: &mut ReferenceRun) -> bool {
         let Ok(bytes) = fs::read(self.path(run.key())) else { return false };
         match decode(&bytes, run.key(), run.points().len()) {
-            Some((passes, sums)) if passes > run.passes() => {
-                run.restore(passes, sums);
+            Some(state) if state.passes > run.passes() => {
+                run.restore(state);
                 true
             }
             _ => false,
@@ -109,7 +110,7 @@ impl Cache {
         static COUNTER: AtomicU32 = AtomicU32::new(0);
         let path = self.path(run.key());
         let stored = fs::read(&path).ok().and_then(|bytes| decode(&bytes, run.key(), run.points().len()));
-        if stored.is_some_and(|(passes, _)| passes >= run.passes()) {
+        if stored.is_some_and(|state| state.passes >= run.passes()) {
             return Ok(());
         }
         fs::create_dir_all(&self.0)?;
@@ -129,12 +130,14 @@ impl Cache {
 }
 
 fn encode(run: &ReferenceRun) -> Vec<u8> {
-    let mut bytes = Vec::with_capacity(MAGIC.len() + 2 * HASH + 12 + RECORD * run.sums().len());
+    let state = run.state();
+    let mut bytes = Vec::with_capacity(MAGIC.len() + 2 * HASH + 12 + 2 * RECORD * state.pilot.len());
     bytes.extend(MAGIC);
     bytes.extend(run.key().0);
-    bytes.extend(run.passes().to_le_bytes());
-    bytes.extend((run.sums().len() as u64).to_le_bytes());
-    for sums in run.sums() {
+    bytes.extend(state.passes.to_le_bytes());
+    bytes.extend((state.pilot.len() as u64).to_le_bytes());
+    for sums in state.pilot.iter().chain(&state.counted) {
+        bytes.extend(sums.count.to_le_bytes());
         for value in sums.mean.to_array().into_iter().chain(sums.square.to_array()) {
             bytes.extend(value.to_le_bytes());
         }
@@ -144,8 +147,8 @@ fn encode(run: &ReferenceRun) -> Vec<u8> {
     bytes
 }
 
-/// Passes and sums of a whole and fitting file.
-fn decode(bytes: &[u8], key: &Key, points: usize) -> Option<(u32, Vec<Sums>)> {
+/// The state in a whole and fitting file.
+fn decode(bytes: &[u8], key: &Key, points: usize) -> Option<State> {
     let (content, hash) = bytes.split_at_checked(bytes.len().checked_sub(HASH)?)?;
     if <[u8; HASH]>::from(Sha256::digest(content)) != hash {
         return None;
@@ -153,13 +156,16 @@ fn decode(bytes: &[u8], key: &Key, points: usize) -> Option<(u32, Vec<Sums>)> {
     let content = content.strip_prefix(MAGIC)?.strip_prefix(&key.0)?;
     let (passes, content) = content.split_first_chunk::<4>()?;
     let (count, records) = content.split_first_chunk::<8>()?;
-    if u64::from_le_bytes(*count) != points as u64 || records.len() != RECORD * points {
+    if u64::from_le_bytes(*count) != points as u64 || records.len() != 2 * RECORD * points {
         return None;
     }
     let sums = records.as_chunks::<RECORD>().0.iter().map(|record| {
-        let numbers = record.as_chunks::<8>().0;
+        let (count, numbers) = record.split_first_chunk::<4>()?;
+        let numbers = numbers.as_chunks::<8>().0;
         let vector = |first: usize| DVec3::from_array([0, 1, 2].map(|axis| f64::from_le_bytes(numbers[first + axis])));
-        Sums { mean: vector(0), square: vector(3) }
+        Some(Sums { count: u32::from_le_bytes(*count), mean: vector(0), square: vector(3) })
     });
-    Some((u32::from_le_bytes(*passes), sums.collect()))
+    let mut pilot: Vec<Sums> = sums.collect::<Option<_>>()?;
+    let counted = pilot.split_off(points);
+    Some(State { passes: u32::from_le_bytes(*passes), pilot, counted })
 }

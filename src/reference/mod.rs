@@ -1,7 +1,7 @@
 //! A truth to measure by: path-traced irradiance at points on surfaces, with a standard error for each.
 //!
 //! The paper measured no error "due to the lack of a good reference solution"; this is one. It shares the scene, its
-//! occluders, materials and bright sides with the solver and none of the solver's code: [`path`](self) estimates are unbiased,
+//! occluders, materials and bright sides with the solver and none of the solver's code: its estimates are unbiased,
 //! of any number of bounces, and say how far they may be off. [`ReferenceRun`] makes them better pass by pass and keeps what it knows
 //! in a [`Cache`]. Imports `scene` and `visibility`, never `solver`.
 //!
@@ -30,6 +30,7 @@ mod path;
 mod points;
 mod run;
 mod sequence;
+mod share;
 
 pub use cache::{Cache, Key};
 pub use compute::{Outcome, Target, compute};

@@ -8,9 +8,9 @@
 use std::f32::consts::{PI, TAU};
 use std::sync::Arc;
 
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 
-use super::lamps::Lamps;
+use super::lamps::{LampPoint, Lamps};
 use super::points::SurfacePoint;
 use super::sequence::Sequence;
 use crate::scene::Scene;
@@ -66,9 +66,14 @@ impl Tracer {
         }
     }
 
-    /// What one path finds at a point, W/m².
-    pub fn irradiance(&self, point: &SurfacePoint, random: &Sequence) -> Vec3 {
-        let Some(lamps) = &self.lamps else { return Vec3::ZERO };
+    /// The mean of so many paths from a point, a power of two, that share one scrambled sequence, W/m².
+    pub fn irradiance(&self, point: &SurfacePoint, seed: u64, paths: u32) -> DVec3 {
+        let Some(lamps) = &self.lamps else { return DVec3::ZERO };
+        let path = |index: u32| self.path(point, lamps, &Sequence::new(seed, index, paths)).as_dvec3();
+        (0..paths).map(path).sum::<DVec3>() / f64::from(paths)
+    }
+
+    fn path(&self, point: &SurfacePoint, lamps: &Lamps, random: &Sequence) -> Vec3 {
         let (mut position, mut normal) = (point.position, point.normal);
         let (mut irradiance, mut throughput) = (Vec3::ZERO, Vec3::ONE);
         for vertex in 0.. {
@@ -77,15 +82,18 @@ impl Tracer {
                 if vertex < EVEN_VERTICES { random.even(dimension) } else { random.plain(dimension) }
             };
             let origin = position + self.offset * normal;
-            let [lamp, stay] = pair(CHOICES);
-            irradiance += throughput * self.from_lamp(lamps, origin, normal, lamp, pair(LAMP_POINT));
+            let ([pick, stay], [u, v]) = (pair(CHOICES), pair(LAMP_POINT));
+            let choice = lamps.choice(origin, normal);
+            irradiance += throughput * self.from_lamp(&lamps.point(&choice, pick, u, v), origin, normal);
 
             let direction = cosine_direction(normal, pair(DIRECTION));
             let Some(hit) = self.occluders.closest_hit(origin, direction, 0.0) else { break };
-            let Some(face) = self.bright_side(hit) else { break };
+            let Some(polygon) = self.bright_side(hit) else { break };
+            let face = self.faces[polygon as usize];
             if face.emission != Vec3::ZERO {
                 let kernel = kernel(direction.dot(normal), -direction.dot(face.normal), hit.distance * hit.distance);
-                irradiance += throughput * face.emission * (kernel / (kernel + lamps.density(face.emission)));
+                irradiance +=
+                    throughput * face.emission * share(kernel, lamps.density(&choice, polygon, face.emission));
             }
             throughput *= face.reflectance;
             let survival = throughput.max_element();
@@ -100,8 +108,7 @@ impl Tracer {
 
     /// Light that a point of a lamp sends here, with its weight against the direction that the path takes by chance.
     #[inline]
-    fn from_lamp(&self, lamps: &Lamps, origin: Vec3, normal: Vec3, pick: f32, [u, v]: [f32; 2]) -> Vec3 {
-        let lamp = lamps.point(pick, u, v);
+    fn from_lamp(&self, lamp: &LampPoint, origin: Vec3, normal: Vec3) -> Vec3 {
         let target = lamp.position + self.offset * lamp.normal;
         let span = target - origin;
         let distance_squared = span.length_squared();
@@ -109,17 +116,22 @@ impl Tracer {
         let kernel = kernel(direction.dot(normal), -direction.dot(lamp.normal), distance_squared);
         if kernel > 0.0 && !self.occluders.occluded(origin, target) {
             // B_e · kernel / density, times the weight density / (density + kernel).
-            lamp.emission * (kernel / (kernel + lamps.density(lamp.emission)))
+            lamp.emission * share(kernel, lamp.density)
         } else {
             Vec3::ZERO
         }
     }
 
-    /// The bright side that a ray meets; `None` for a dark back.
-    fn bright_side(&self, hit: Hit) -> Option<Face> {
-        let polygon = if hit.front { hit.polygon } else { *self.back_of.get(hit.polygon as usize)?.as_ref()? };
-        Some(self.faces[polygon as usize])
+    /// The polygon whose bright side a ray meets; `None` for a dark back.
+    fn bright_side(&self, hit: Hit) -> Option<u32> {
+        if hit.front { Some(hit.polygon) } else { *self.back_of.get(hit.polygon as usize)? }
     }
+}
+
+/// kernel / (kernel + density): the balance heuristic's weight of a direction, and what a lamp's point counts per emission.
+#[inline]
+fn share(kernel: f32, density: f32) -> f32 {
+    if kernel > 0.0 { kernel / (kernel + density) } else { 0.0 }
 }
 
 /// cosθ·cosθ′/(π·d²), per area: what a point receives of a lamp per radiosity and area, and the density, per area of the lamp,

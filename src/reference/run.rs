@@ -1,21 +1,28 @@
 //! Passes of paths over all points, and what they add up to.
+//!
+//! The first passes, the pilot, send the same number of paths from every point. How far these scatter decides how many each
+//! point gets of all later ones, and the pilot counts no more: a mean whose number of samples depended on the samples themselves
+//! would be biased.
 
 use std::sync::Arc;
 
-use glam::{DVec3, Vec3};
+use glam::DVec3;
 use rayon::prelude::*;
 
 use super::cache::Key;
 use super::path::Tracer;
 use super::points::SurfacePoint;
-use super::sequence::{Sequence, mix};
+use super::sequence::mix;
+use super::share::shares;
 use crate::cancel::CancelToken;
 use crate::scene::Scene;
 use crate::visibility::Occluders;
 
-/// Paths that a pass sends from each point, a power of two. They share one scrambled sequence; more paths in it lower the noise faster,
-/// fewer leave more passes from which the error is known, and let a pass be stopped sooner.
-pub const PATHS_OF_PASS: u32 = 64;
+/// Paths of a batch, a power of two. They share one scrambled sequence: more paths in it lower the noise faster, fewer leave more
+/// batches from which the error is known.
+pub const BATCH: u32 = 64;
+/// Passes of the pilot: enough to meet what is rare, such as the bright inside of a lamp shade, at most points that it lights.
+pub const PILOT: u32 = 32;
 
 /// Irradiances at points, as well as they are known.
 #[derive(Clone, Debug)]
@@ -24,19 +31,31 @@ pub struct Reference {
     pub points: Arc<[SurfacePoint]>,
     /// Mean irradiance E of each, W/m².
     pub irradiance: Vec<DVec3>,
-    /// Standard error of each mean, W/m²; infinite before the second pass.
+    /// Standard error of each mean, W/m²; infinite before the second batch.
     pub standard_error: Vec<DVec3>,
-    /// Paths from each point.
+    /// Paths that it stands on.
     pub paths: u64,
 }
 
-/// Sums over the passes at one point, per colour.
+/// Sums over the batches at one point, per colour.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Sums {
-    /// Σ of the passes' means, W/m².
+    /// Batches.
+    pub count: u32,
+    /// Σ of their means, W/m².
     pub mean: DVec3,
-    /// Σ of their squares.
+    /// Σ of the squares of their means.
     pub square: DVec3,
+}
+
+/// All that a run has found out.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct State {
+    pub passes: u32,
+    /// One for each point.
+    pub pilot: Vec<Sums>,
+    /// What counts once it is worth more than the pilot.
+    pub counted: Vec<Sums>,
 }
 
 /// A reference in the making.
@@ -45,49 +64,64 @@ pub struct ReferenceRun {
     points: Arc<[SurfacePoint]>,
     seed: u64,
     key: Key,
-    passes: u32,
-    sums: Vec<Sums>,
+    state: State,
+    /// Batches of each point per later pass, 1 on average; empty during the pilot.
+    shares: Vec<f64>,
 }
 
 impl ReferenceRun {
     /// A run that has made no pass; `occluders` must be the scene's own ([`crate::orient::apply`]).
     pub fn new(scene: &Scene, occluders: Arc<Occluders>, points: Arc<[SurfacePoint]>, seed: u64) -> Self {
+        let none = vec![Sums::default(); points.len()];
         Self {
             tracer: Tracer::new(scene, occluders),
             key: Key::of(scene, &points, seed),
-            passes: 0,
-            sums: vec![Sums::default(); points.len()],
+            state: State { passes: 0, pilot: none.clone(), counted: none },
+            shares: Vec::new(),
             points,
             seed,
         }
     }
 
-    /// Sends paths from every point; false if cancelled, which leaves the run as it was.
+    /// Sends a batch of paths from every point, on average; false if cancelled, which leaves the run as it was.
     ///
     /// The result is the same bit for bit for any number of threads.
     pub fn pass(&mut self, cancel: &CancelToken) -> bool {
-        let batch = |(index, point): (usize, &SurfacePoint)| {
-            if cancel.is_cancelled() {
-                return None;
-            }
-            let seed = mix(mix(self.seed, index as u64), u64::from(self.passes));
-            let paths = (0..PATHS_OF_PASS).map(|path| Sequence::new(seed, path, PATHS_OF_PASS));
-            let sum: DVec3 = paths.map(|random| self.tracer.irradiance(point, &random).as_dvec3()).sum();
-            Some(sum / f64::from(PATHS_OF_PASS))
+        let pass = self.state.passes;
+        if pass == PILOT && self.shares.is_empty() {
+            self.shares = shares(&self.points, &self.state.pilot);
+        }
+        let batches =
+            (0..self.points.len()).flat_map(|point| self.batches(point, pass).map(move |batch| (point, batch)));
+        let batches: Vec<(usize, u32)> = batches.collect();
+        let trace = |&(point, batch): &(usize, u32)| {
+            let seed = mix(mix(self.seed, point as u64), u64::from(batch));
+            (!cancel.is_cancelled()).then(|| (point, self.tracer.irradiance(&self.points[point], seed, BATCH)))
         };
-        let means: Option<Vec<DVec3>> = self.points.par_iter().enumerate().map(batch).collect();
-        let Some(means) = means else { return false };
-        for (sums, mean) in self.sums.iter_mut().zip(means) {
+        let Some(means) = batches.par_iter().map(trace).collect::<Option<Vec<_>>>() else { return false };
+        let sums = if pass < PILOT { &mut self.state.pilot } else { &mut self.state.counted };
+        for (point, mean) in means {
+            let sums = &mut sums[point];
+            sums.count += 1;
             sums.mean += mean;
             sums.square += mean * mean;
         }
-        self.passes += 1;
+        self.state.passes += 1;
         true
+    }
+
+    /// The numbers of the batches that a pass makes at a point.
+    fn batches(&self, point: usize, pass: u32) -> std::ops::Range<u32> {
+        if pass < PILOT {
+            return pass..pass + 1;
+        }
+        let up_to = |passes: u32| PILOT + (f64::from(passes) * self.shares[point]) as u32;
+        up_to(pass - PILOT)..up_to(pass - PILOT + 1)
     }
 
     /// Passes made so far, those read from a cache included.
     pub fn passes(&self) -> u32 {
-        self.passes
+        self.state.passes
     }
 
     /// The points.
@@ -102,31 +136,42 @@ impl ReferenceRun {
 
     /// What is known now.
     pub fn reference(&self) -> Reference {
-        let passes = f64::from(self.passes);
-        let mean = |sums: &Sums| if self.passes > 0 { sums.mean / passes } else { DVec3::ZERO };
-        let error = |sums: &Sums| {
-            if self.passes < 2 {
-                return DVec3::INFINITY;
-            }
-            let mean = mean(sums);
-            let variance = (sums.square / passes - mean * mean).max(DVec3::ZERO);
-            (variance / (passes - 1.0)).map(f64::sqrt)
-        };
+        // Until then the pilot is the better one.
+        let counts = self.state.passes >= 2 * PILOT;
+        let sums = if counts { &self.state.counted } else { &self.state.pilot };
         Reference {
             points: self.points.clone(),
-            irradiance: self.sums.iter().map(mean).collect(),
-            standard_error: self.sums.iter().map(error).collect(),
-            paths: u64::from(self.passes) * u64::from(PATHS_OF_PASS),
+            irradiance: sums.iter().map(Sums::mean).collect(),
+            standard_error: sums.iter().map(Sums::standard_error).collect(),
+            paths: sums.iter().map(|sums| u64::from(sums.count) * u64::from(BATCH)).sum(),
         }
     }
 
-    pub(super) fn sums(&self) -> &[Sums] {
-        &self.sums
+    pub(super) fn state(&self) -> &State {
+        &self.state
     }
 
     /// Goes on from a state that was saved.
-    pub(super) fn restore(&mut self, passes: u32, sums: Vec<Sums>) {
-        (self.passes, self.sums) = (passes, sums);
+    pub(super) fn restore(&mut self, state: State) {
+        self.state = state;
+        self.shares = if self.state.passes > PILOT { shares(&self.points, &self.state.pilot) } else { Vec::new() };
+    }
+}
+
+impl Sums {
+    /// Mean of the batches, W/m²; 0 without any.
+    pub fn mean(&self) -> DVec3 {
+        if self.count > 0 { self.mean / f64::from(self.count) } else { DVec3::ZERO }
+    }
+
+    /// Standard error of the mean, W/m².
+    pub fn standard_error(&self) -> DVec3 {
+        if self.count < 2 {
+            return DVec3::INFINITY;
+        }
+        let (count, mean) = (f64::from(self.count), self.mean());
+        let variance = (self.square / count - mean * mean).max(DVec3::ZERO);
+        (variance / (count - 1.0)).map(f64::sqrt)
     }
 }
 
@@ -138,11 +183,7 @@ impl Reference {
 
     /// Standard error of [`Self::radiosity`], W/m².
     pub fn radiosity_error(&self, index: usize) -> DVec3 {
-        let reflectance = self.points[index].reflectance;
-        // 0 · ∞ where nothing is known yet and nothing is reflected.
-        let of = |rho: f32, error: f64| if rho > 0.0 { f64::from(rho) * error } else { 0.0 };
-        let error = self.standard_error[index];
-        DVec3::new(of(reflectance.x, error.x), of(reflectance.y, error.y), of(reflectance.z, error.z))
+        reflected(&self.points[index], self.standard_error[index])
     }
 
     /// Relative RMS noise of the radiosities over the points, all colours together; for [`super::random_points`] this is
@@ -171,9 +212,11 @@ impl Reference {
         let spread: DVec3 = self.irradiance.iter().map(|value| (*value - mean) * (*value - mean)).sum();
         (mean, (spread / (count * (count - 1.0))).map(f64::sqrt))
     }
+}
 
-    /// Irradiances as a view draws them.
-    pub fn irradiance_f32(&self) -> Vec<Vec3> {
-        self.irradiance.iter().map(|value| value.as_vec3()).collect()
-    }
+/// What a point reflects of an irradiance; nothing, even of an infinite one, where it is black.
+pub(super) fn reflected(point: &SurfacePoint, irradiance: DVec3) -> DVec3 {
+    let of = |rho: f32, irradiance: f64| if rho > 0.0 { f64::from(rho) * irradiance } else { 0.0 };
+    let reflectance = point.reflectance;
+    DVec3::new(of(reflectance.x, irradiance.x), of(reflectance.y, irradiance.y), of(reflectance.z, irradiance.z))
 }
