@@ -60,6 +60,7 @@
 //! | [`hierarchy`] | the tree of elements and the ways to build its clusters |
 //! | [`solver`] | oracle, refinement, gather, snapshots, statistics; every parameter ([`solver::PARAMETERS`]) |
 //! | [`probe`], [`export`] | values at points; the lit mesh as PLY |
+//! | [`accuracy`] | how far a solution is from the truth: closed forms, error against a reference |
 //! | [`worker`] | a thread that solves while somebody looks |
 #![cfg_attr(feature = "gui", doc = "| [`render`] | the wgpu picture of a snapshot, with and without a window |")]
 #![cfg_attr(feature = "gui", doc = "| [`app`] | the window |")]
@@ -104,6 +105,7 @@
 //! 9. H. E. Rushmeier, K. E. Torrance. *The zonal method for calculating light intensities in the presence of a participating
 //!    medium.* SIGGRAPH 1987, pp. 293–302.
 
+pub mod accuracy;
 #[cfg(feature = "gui")]
 pub mod app;
 pub mod cancel;

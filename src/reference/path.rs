@@ -84,7 +84,7 @@ impl Tracer {
             let origin = position + self.offset * normal;
             let ([pick, stay], [u, v]) = (pair(CHOICES), pair(LAMP_POINT));
             let choice = lamps.choice(origin, normal);
-            irradiance += throughput * self.from_lamp(&lamps.point(&choice, pick, u, v), origin, normal);
+            irradiance += throughput * self.from_lamp(&lamps.point(&choice, pick, u, v), position, normal);
 
             let direction = cosine_direction(normal, pair(DIRECTION));
             let Some(hit) = self.occluders.closest_hit(origin, direction, 0.0) else { break };
@@ -108,13 +108,13 @@ impl Tracer {
 
     /// Light that a point of a lamp sends here, with its weight against the direction that the path takes by chance.
     #[inline]
-    fn from_lamp(&self, lamp: &LampPoint, origin: Vec3, normal: Vec3) -> Vec3 {
-        let target = lamp.position + self.offset * lamp.normal;
-        let span = target - origin;
+    fn from_lamp(&self, lamp: &LampPoint, position: Vec3, normal: Vec3) -> Vec3 {
+        let span = lamp.position - position;
         let distance_squared = span.length_squared();
         let direction = span / distance_squared.sqrt();
         let kernel = kernel(direction.dot(normal), -direction.dot(lamp.normal), distance_squared);
-        if kernel > 0.0 && !self.occluders.occluded(origin, target) {
+        let (from, to) = (position + self.offset * normal, lamp.position + self.offset * lamp.normal);
+        if kernel > 0.0 && !self.occluders.occluded(from, to) {
             // B_e · kernel / density, times the weight density / (density + kernel).
             lamp.emission * share(kernel, lamp.density)
         } else {
