@@ -61,6 +61,7 @@
 //! | [`solver`] | oracle, refinement, gather, snapshots, statistics; every parameter ([`solver::PARAMETERS`]) |
 //! | [`probe`], [`export`] | values at points; the lit mesh as PLY |
 //! | [`accuracy`] | how far a solution is from the truth: closed forms, error against a reference |
+//! | [`chart`] | speed against accuracy: sweeps of settings, tables and pictures |
 //! | [`worker`] | a thread that solves while somebody looks |
 #![cfg_attr(feature = "gui", doc = "| [`render`] | the wgpu picture of a snapshot, with and without a window |")]
 #![cfg_attr(feature = "gui", doc = "| [`app`] | the window |")]
@@ -110,6 +111,7 @@ pub mod accuracy;
 pub mod app;
 pub mod cancel;
 pub mod ceiling;
+pub mod chart;
 pub mod export;
 pub mod format;
 pub mod hierarchy;

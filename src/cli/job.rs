@@ -33,7 +33,12 @@ pub struct Order {
 impl Order {
     /// The order that the arguments of [`options::solving`] give.
     pub fn from_matches(matches: &ArgMatches) -> anyhow::Result<Self> {
-        let source = options::source(matches.get_one::<String>("scene").map_or("", String::as_str))?;
+        Self::of_scene(matches.get_one::<String>("scene").map_or("", String::as_str), matches)
+    }
+
+    /// The same for one of several scenes.
+    pub fn of_scene(scene: &str, matches: &ArgMatches) -> anyhow::Result<Self> {
+        let source = options::source(scene)?;
         let limit = options::seconds(matches)?;
         Ok(Self { source, params: options::solver_params(matches)?, light: options::added_light(matches)?, limit })
     }
