@@ -32,6 +32,8 @@ pub struct Reading {
     pub truth: f64,
     /// Share by which the scene itself may miss the truth: curved surfaces are drawn with flat faces.
     pub allowance: f64,
+    /// By how much an error in a row of form factors grows: 1/(1−ρ) in a closed room of one reflectance, else 1.
+    pub gain: f64,
     /// What an irradiance of 1 W/m² counts in `unit`.
     pub factor: f64,
     /// `lx`, `%`, or empty for a form factor or an irradiance per exitance of 1.
@@ -117,11 +119,12 @@ fn furnace(reflectance: f64) -> Case {
     let wall = scene.add_material("wall", Vec3::splat(reflectance as f32), Vec3::ONE);
     add_room(&mut scene, Vec3::ONE, [wall; 6]);
     let truth = closed_forms::closed_room(1.0, 1.0, reflectance);
-    let readings = vec![
+    let readings = [
         mean("all walls", (0..6).collect(), truth),
         point("in a wall", FLOOR, vec3(0.3, 0.6, 0.0), truth),
         point("near a corner", FLOOR, vec3(0.02, 0.03, 0.0), truth),
     ];
+    let readings = readings.into_iter().map(|reading| in_closed_room(reading, reflectance)).collect();
     Case { name, source: "E = B_e/(1−ρ)", readings, scene }
 }
 
@@ -141,6 +144,7 @@ fn cubes() -> [Case; 3] {
         if let Some(ceiling) = ceiling {
             readings.push(mean("ceiling", vec![CEILING], (ceiling - 1.0) / ceiling_reflectance));
         }
+        let readings = readings.into_iter().map(|reading| in_closed_room(reading, reflectance)).collect();
         Case { name, source: "extrapolated exact solves", readings, scene }
     };
     [
@@ -167,7 +171,8 @@ fn sphere() -> Case {
     let area: f64 = scene.polygons.iter().map(|polygon| f64::from(scene.area(polygon))).sum();
     let truth = closed_forms::closed_room(f64::from(scene.emitted_power().x), area, 0.5);
     let all = (0..scene.polygons.len() as u32).collect();
-    let readings = vec![mean("all", all, truth), Reading { allowance: 0.005, ..mean("lower half", far, truth) }];
+    let readings = [mean("all", all, truth), Reading { allowance: 0.005, ..mean("lower half", far, truth) }];
+    let readings = readings.map(|reading| in_closed_room(reading, 0.5)).into();
     Case { name: "sphere, ρ = 0.5", source: "F = A/4πR²", readings, scene }
 }
 
@@ -273,18 +278,31 @@ fn cie_5_8() -> Case {
         scene.vertices[corner..].iter_mut().for_each(|vertex| *vertex += aside);
         let truth = closed_forms::closed_room(10_000.0, 96.0, reflectance);
         let faces = (first as u32..first as u32 + 6).collect();
-        readings.push(Reading { unit: "lx", ..mean(&format!("ρ = {reflectance}"), faces, truth) });
+        let reading = Reading { unit: "lx", ..mean(&format!("ρ = {reflectance}"), faces, truth) };
+        readings.push(in_closed_room(reading, reflectance));
     }
     Case { name: "CIE 171 5.8, closed cube", source: "Φ/(S(1−ρ))", readings, scene }
 }
 
 fn mean(label: &str, polygons: Vec<u32>, truth: f64) -> Reading {
-    Reading { label: label.to_owned(), place: Place::Mean(polygons), truth, allowance: 0.0, factor: 1.0, unit: "" }
+    Reading {
+        label: label.to_owned(),
+        place: Place::Mean(polygons),
+        truth,
+        allowance: 0.0,
+        gain: 1.0,
+        factor: 1.0,
+        unit: "",
+    }
 }
 
 fn point(label: &str, polygon: u32, position: Vec3, truth: f64) -> Reading {
     let place = Place::Point { polygon, position };
-    Reading { label: label.to_owned(), place, truth, allowance: 0.0, factor: 1.0, unit: "" }
+    Reading { label: label.to_owned(), place, truth, allowance: 0.0, gain: 1.0, factor: 1.0, unit: "" }
+}
+
+fn in_closed_room(reading: Reading, reflectance: f64) -> Reading {
+    Reading { gain: 1.0 / (1.0 - reflectance), ..reading }
 }
 
 /// A form factor in per cent.

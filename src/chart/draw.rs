@@ -133,9 +133,10 @@ fn plot<B: DrawingBackend>(
     let (_, area) = root.split_vertically(92);
     let mut context = ChartBuilder::on(&area)
         .margin_right(28)
+        .margin_left(26)
         .margin_bottom(12)
         .x_label_area_size(64)
-        .y_label_area_size(90)
+        .y_label_area_size(74)
         .build_cartesian_2d(x, y)?;
     context
         .configure_mesh()
@@ -164,7 +165,15 @@ fn plot<B: DrawingBackend>(
         context
             .draw_series(DashedLineSeries::new(line.iter().copied(), 3, 5, INK.stroke_width(2)))?
             .label(format!("path tracer, {} fixed points", crate::format::count(path_tracer_points(chart))))
-            .legend(|(x, y)| PathElement::new([(x, y), (x + 34, y)], INK.stroke_width(1)));
+            .legend(|(x, y)| {
+                let dash = |from: i32| PathElement::new([(from, 0), (from + 4, 0)], INK.stroke_width(2));
+                EmptyElement::at((x, y))
+                    + dash(0)
+                    + dash(8)
+                    + Cross::new((17, 0), 4, INK.stroke_width(2))
+                    + dash(23)
+                    + dash(30)
+            });
         context.draw_series(line.iter().map(|point| Cross::new(*point, 4, INK.stroke_width(2))))?;
     }
     for curve in curves {
@@ -209,7 +218,7 @@ fn plot<B: DrawingBackend>(
     root.present()
 }
 
-fn curves(drawing: Drawing) -> Vec<Curve<'_>> {
+fn curves(drawing: Drawing<'_>) -> Vec<Curve<'_>> {
     let mut curves: Vec<Curve> = Vec::new();
     let mut modes = Vec::new();
     for run in drawing.chart.runs.iter().filter(|run| run.converged) {

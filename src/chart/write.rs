@@ -89,7 +89,9 @@ pub fn error_table(chart: &Chart) -> String {
     settings.dedup();
     let mut text = String::from("| ε/Φ |");
     // A String takes any text.
-    epsilons.iter().for_each(|epsilon| drop(write!(text, " {epsilon:.0e} |")));
+    for epsilon in &epsilons {
+        let _ = write!(text, " {epsilon:.0e} |");
+    }
     text += &format!("\n| --- |{}\n", " ---: |".repeat(epsilons.len()));
     for setting in settings {
         let _ = write!(text, "| {setting} |");

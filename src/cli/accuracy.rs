@@ -12,7 +12,7 @@ use super::options::{name_of, path, path_arg};
 use super::output::{OutputFile, make_folder, say};
 
 /// Thresholds of the table, as shares of Φ.
-const EPSILONS: [f64; 2] = [1e-3, 1e-5];
+const EPSILONS: [f64; 2] = [1e-3, 1e-4];
 const MODES: [ClusteringMode; 4] =
     [ClusteringMode::None, ClusteringMode::Octree, ClusteringMode::Groups, ClusteringMode::Adaptive];
 /// Passes of the reference at a point: 2¹⁶ paths.

@@ -169,3 +169,30 @@ fn backs(scene: &Scene) -> Vec<Option<u32>> {
     }
     back_of
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::accuracy::cases;
+    use crate::reference::random_points_on;
+
+    /// Truth: nothing gets out of a closed room. What slips between two faces is lost again with every bounce: one ray in 10,000
+    /// made a furnace of ρ = 0.95 darker by 0.2 %. At most one in 50,000 here.
+    #[test]
+    fn closed_rooms_keep_their_light() {
+        let is_closed = |name: &str| name.contains("furnace") || name.contains("sphere");
+        for case in cases::all().into_iter().filter(|case| is_closed(case.name)) {
+            let tracer = Tracer::new(&case.scene, Arc::new(Occluders::new(&case.scene)));
+            let all: Vec<u32> = (0..case.scene.polygons.len() as u32).collect();
+            let rays = 1 << 17;
+            let points = random_points_on(&case.scene, &all, rays, 7);
+            let lost = points.iter().enumerate().filter(|(index, point)| {
+                let direction = cosine_direction(point.normal, Sequence::new(7, *index as u32, 1 << 17).plain(0));
+                let hit = tracer.occluders.closest_hit(point.position + tracer.offset * point.normal, direction, 0.0);
+                hit.is_none_or(|hit| !hit.front)
+            });
+            let lost = lost.count();
+            assert!(lost * 50_000 <= rays, "{}: {lost} of {rays} rays got out", case.name);
+        }
+    }
+}
