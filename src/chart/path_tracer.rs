@@ -10,7 +10,7 @@ use crate::scene::Scene;
 use crate::visibility::Occluders;
 
 /// Keeps its points and paths apart from those of the reference.
-const SALT: u64 = 0x6375_7276_65;
+const SALT: u64 = 0x0063_7572_7665;
 
 /// Lets it compute `points` random points for `limit`, and writes down how far it is after 2, 4, 8, … passes.
 pub fn curve(

@@ -15,8 +15,8 @@ use super::output::{OutputFile, make_folder, say};
 const EPSILONS: [f64; 2] = [1e-3, 1e-4];
 const MODES: [ClusteringMode; 4] =
     [ClusteringMode::None, ClusteringMode::Octree, ClusteringMode::Groups, ClusteringMode::Adaptive];
-/// Passes of the reference at a point: 2¹⁶ paths.
-const PASSES: u32 = 1024;
+/// Passes of the reference at a point: 2¹⁴ paths.
+const PASSES: u32 = 256;
 const SEED: u64 = 1;
 
 /// The command's arguments.

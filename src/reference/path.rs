@@ -84,7 +84,7 @@ impl Tracer {
             let origin = position + self.offset * normal;
             let ([pick, stay], [u, v]) = (pair(CHOICES), pair(LAMP_POINT));
             let choice = lamps.choice(origin, normal);
-            irradiance += throughput * self.from_lamp(&lamps.point(&choice, pick, u, v), position, normal);
+            irradiance += throughput * self.lamp_light(&lamps.point(&choice, pick, u, v), position, normal);
 
             let direction = cosine_direction(normal, pair(DIRECTION));
             let Some(hit) = self.occluders.closest_hit(origin, direction, 0.0) else { break };
@@ -108,7 +108,7 @@ impl Tracer {
 
     /// Light that a point of a lamp sends here, with its weight against the direction that the path takes by chance.
     #[inline]
-    fn from_lamp(&self, lamp: &LampPoint, position: Vec3, normal: Vec3) -> Vec3 {
+    fn lamp_light(&self, lamp: &LampPoint, position: Vec3, normal: Vec3) -> Vec3 {
         let span = lamp.position - position;
         let distance_squared = span.length_squared();
         let direction = span / distance_squared.sqrt();

@@ -34,11 +34,11 @@ fn the_reference_finds_every_closed_form() {
 ///
 /// 1 %: what a link's form factor may be wrong by (`tests/solver/closed_forms.rs`), 1/(1−ρ) times that in a closed room. The rest
 /// shrinks with ε. A link between leaves of area A carries no more than ε where A² ~ ε, and what a constant or a linear
-/// function over a leaf misses goes by A ~ √ε. The factors were found by measuring: 0.9 for means; 5.5 for
+/// function over a leaf misses goes by A ~ √ε. The factors were found by measuring: 1.5 for means; 5.5 for
 /// points as displayed, and 7 where the edge of a shadow runs through the leaves.
 fn tolerance(case: &Case, reading: &Reading, epsilon: f64) -> f64 {
     let factor = match &reading.place {
-        Place::Mean(_) => 1.2,
+        Place::Mean(_) => 2.0,
         Place::Point { .. } if case.name.contains("5.7") => 8.0,
         Place::Point { .. } => 6.0,
     };
