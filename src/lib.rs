@@ -57,9 +57,12 @@
 //! | [`scene`] | polygons, materials, groups; loading OBJ and glTF, sidecars, our own scenes |
 //! | [`visibility`] | the ray BVH: is a point seen from another, what does a ray meet |
 //! | [`orient`], [`ceiling`], [`added_light`] | which sides are bright; where a lamp goes; light that a person adds |
+//! | [`reference`] | a truth to measure by: path-traced irradiance, beside the solver and without its code |
 //! | [`hierarchy`] | the tree of elements and the ways to build its clusters |
 //! | [`solver`] | oracle, refinement, gather, snapshots, statistics; every parameter ([`solver::PARAMETERS`]) |
 //! | [`probe`], [`export`] | values at points; the lit mesh as PLY |
+//! | [`accuracy`] | how far a solution is from the truth: closed forms, error against a reference |
+//! | [`chart`] | speed against accuracy: sweeps of settings, tables and pictures |
 //! | [`worker`] | a thread that solves while somebody looks |
 #![cfg_attr(feature = "gui", doc = "| [`render`] | the wgpu picture of a snapshot, with and without a window |")]
 #![cfg_attr(feature = "gui", doc = "| [`app`] | the window |")]
@@ -104,16 +107,19 @@
 //! 9. H. E. Rushmeier, K. E. Torrance. *The zonal method for calculating light intensities in the presence of a participating
 //!    medium.* SIGGRAPH 1987, pp. 293–302.
 
+pub mod accuracy;
 pub mod added_light;
 #[cfg(feature = "gui")]
 pub mod app;
 pub mod cancel;
 pub mod ceiling;
+pub mod chart;
 pub mod export;
 pub mod format;
 pub mod hierarchy;
 pub mod orient;
 pub mod probe;
+pub mod reference;
 #[cfg(feature = "gui")]
 pub mod render;
 pub mod scene;

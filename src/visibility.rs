@@ -13,6 +13,10 @@ use crate::scene::Scene;
 /// Rays start and end this share of their length away from the surfaces they join, so that they do not meet them.
 const RELATIVE_OFFSET: f32 = 1e-5;
 
+/// obvhs misses boxes that end nearer than 10⁻⁴ to a ray's origin: in a BVH of size 1 every corner of a room would leak one ray in
+/// 10,000. In one of this size that is 10⁻⁸ of the scene, below what f32 tells apart.
+const SIZE_IN_BVH: f32 = 8192.0;
+
 /// Where a ray first meets a face.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hit {
@@ -29,8 +33,8 @@ pub struct Occluders {
     bvh: CwBvh,
     triangles: Vec<Triangle>,
     polygon_of_triangle: Vec<u32>,
-    /// Power of two that brings the scene to a size near 1, in which the BVH is built: the same scene in units that differ by
-    /// powers of two meets the same rays, bit for bit.
+    /// Power of two that brings the scene to a size near [`SIZE_IN_BVH`], in which the BVH is built: the same scene in units that
+    /// differ by powers of two meets the same rays, bit for bit.
     scale: f32,
 }
 
@@ -39,7 +43,8 @@ impl Occluders {
     pub fn new(scene: &Scene) -> Self {
         let (lower, upper) = scene.bounds();
         let extent = lower.abs().max(upper.abs()).max_element();
-        let scale = if extent > 0.0 && extent.is_finite() { (-extent.log2().floor()).exp2() } else { 1.0 };
+        let scale =
+            if extent > 0.0 && extent.is_finite() { SIZE_IN_BVH * (-extent.log2().floor()).exp2() } else { 1.0 };
         let mut triangles = Vec::with_capacity(2 * scene.polygons.len());
         let mut polygons = Vec::with_capacity(2 * scene.polygons.len());
         for (index, polygon) in scene.polygons.iter().enumerate().filter(|(_, polygon)| !polygon.is_back) {

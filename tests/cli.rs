@@ -247,6 +247,24 @@ fn bad_input_is_one_sentence_and_exit_code_2() {
         (vec!["probe", good, "--points", name(&gone), "--out", name(&nowhere)], "cannot be read"),
         (vec!["probe", good, "--points", name(&points), "--out", name(&nowhere)], "cannot be written"),
         (vec!["probe", good, "--points", name(&points), "--out", name(&points)], "overwrite"),
+        (vec!["reference", "ofice"], "cornell, seminar, office"),
+        (vec!["reference", name(&gone)], "no such file"),
+        (vec!["reference", good, "--points", "0"], "--points must lie between"),
+        (vec!["reference", good, "--points", "-5"], "--points"),
+        (vec!["reference", good, "--noise", "0"], "--noise must lie between"),
+        (vec!["reference", good, "--noise", "NaN"], "--noise must lie between"),
+        (vec!["reference", good, "--seconds", "-1"], "--seconds"),
+        (vec!["reference", good, "--out", name(&nowhere)], "cannot be written"),
+        (vec!["reference", good, "--out", good], "overwrite"),
+        (vec!["reference", good, "--cache", "somewhere", "--no-cache"], "--no-cache"),
+        (vec!["chart", "cornell"], "--out"),
+        (vec!["chart", "ofice", "--out", name(&gone)], "cornell, seminar, office"),
+        (vec!["chart", "cornell", "--out", good], "cannot be made"),
+        (vec!["chart", "cornell", "--out", name(&gone), "--epsilons", "1e-2,few"], "--epsilons must be"),
+        (vec!["chart", "cornell", "--out", name(&gone), "--epsilons", "0"], "--epsilons must be"),
+        (vec!["chart", "cornell", "--out", name(&gone), "--settings", "kmeans"], "adaptive, immediate"),
+        (vec!["chart", "cornell", "--out", name(&gone), "--seconds", "0"], "--seconds must be greater than 0"),
+        (vec!["accuracy", "--out", good], "cannot be made"),
         (vec!["scene", "attic", "--out", name(&nowhere)], "cornell, seminar, office"),
         (vec!["scene", "seminar", "--polygons", "5", "--out", name(&nowhere)], "between 1000 and"),
         (vec!["scene", "office", "--polygons", "5000", "--out", name(&nowhere)], "seminar"),
@@ -343,6 +361,84 @@ fn probed_points_come_back_with_irradiance_and_radiosity() {
         let (e, b) = (number(rows[4][6 + colour]), number(rows[4][9 + colour]));
         let emission = [10.0, 20.0, 40.0][colour];
         assert!((b / (emission + reflectance * e) - 1.0).abs() < 1e-4, "{written}");
+    }
+}
+
+/// Truth: a second run reads what the first one kept, and says so; rows hold their errors beside their values.
+#[test]
+fn a_reference_is_written_and_kept_for_the_next_time() {
+    let folder = Folder::new();
+    let (out, cache) = (folder.path("points.csv"), folder.path("cache"));
+    let args =
+        ["reference", "cornell", "--points", "50", "--noise", "0.1", "--out", name(&out), "--cache", name(&cache)];
+    let (first, _) = succeed(&args);
+    assert!(first.starts_with("cornell: 50 points, ") && !first.contains("cache"), "{first}");
+    let written = std::fs::read_to_string(&out).expect("the table was written");
+    let (second, _) = succeed(&args);
+    assert!(second.contains("all from the cache"), "{second}");
+    assert_eq!(std::fs::read_to_string(&out).expect("the table was written"), written);
+    let rows: Vec<Vec<f64>> = written
+        .lines()
+        .skip(1)
+        .map(|row| row.split(',').map(|cell| cell.parse().expect("a number")).collect())
+        .collect();
+    assert!(written.starts_with("x,y,z,nx,ny,nz,polygon,rho_r,"), "{written}");
+    assert!(rows.len() == 50 && rows.iter().all(|row| row.len() == 16), "{written}");
+    assert!(rows.iter().any(|row| row[10] > 0.0 && row[13] > 0.0 && row[13] < row[10]), "{written}");
+    let (finer, _) = succeed(&[&args[..4], &["--noise", "0.05"], &args[6..]].concat());
+    assert!(finer.contains(" % from the cache"), "{finer}");
+}
+
+#[test]
+fn a_reference_that_runs_out_of_time_says_so() {
+    let (stdout, stderr) = succeed(&["reference", "cornell", "--noise", "1e-6", "--seconds", "0.2", "--no-cache"]);
+    assert!(stderr.contains("the time was over") && stdout.contains("1,000 points"), "{stdout}{stderr}");
+}
+
+/// Truth: a row for each run with every parameter; pictures of the size asked for that show something.
+#[test]
+fn a_chart_is_tables_and_pictures() {
+    let folder = Folder::new();
+    let (out, cache) = (folder.path("made/charts"), folder.path("cache"));
+    let (table, _) = succeed(&[
+        "chart",
+        "cornell",
+        "--out",
+        name(&out),
+        "--epsilons",
+        "1e-3,1e-2",
+        "--settings",
+        "adaptive,none",
+        "--points",
+        "100",
+        "--noise",
+        "0.05",
+        "--seconds",
+        "2",
+        "--cache",
+        name(&cache),
+        "--rays-min",
+        "3",
+    ]);
+    assert!(table.contains("| adaptive, immediate |") && table.contains("| none |"), "{table}");
+    let read = |file: &str| std::fs::read_to_string(out.join(file)).expect("it was written");
+    let csv = read("cornell.csv");
+    let solved: Vec<&str> = csv.lines().filter(|row| !row.contains("path tracer")).collect();
+    assert_eq!(solved.len(), 1 + 3 * 2, "{csv}");
+    let columns = |row: &str| row.replace(", ", "; ").split(',').count();
+    assert!(csv.lines().all(|row| columns(row) == columns(solved[0])), "{csv}");
+    assert!(csv.contains("path tracer"), "{csv}");
+    let chart: Value = serde_json::from_str(&read("cornell.json")).expect("JSON");
+    let runs = chart["runs"].as_array().expect("runs");
+    assert!(runs.iter().all(|run| run["params"]["rays_min"] == 3 && run["converged"] == true), "{chart}");
+    let error = |index: usize| runs[index]["error"]["displayed"]["rms"].as_f64().expect("an error");
+    assert!(error(1) < error(0), "a finer threshold is more accurate: {chart}");
+    assert!(runs.iter().any(|run| run["pareto"] == true), "{chart}");
+    for name in ["seconds", "links", "rays"] {
+        let picture = image::open(out.join(format!("cornell-{name}.png"))).expect("a PNG").to_rgb8();
+        let colours: std::collections::HashSet<_> = picture.pixels().collect();
+        assert!(picture.dimensions() == (1200, 800) && colours.len() > 50, "{name}: {} colours", colours.len());
+        assert!(read(&format!("cornell-{name}.svg")).contains("Pareto front"));
     }
 }
 

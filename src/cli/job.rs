@@ -33,14 +33,13 @@ pub struct Order {
 impl Order {
     /// The order that the arguments of [`options::solving`] give.
     pub fn from_matches(matches: &ArgMatches) -> anyhow::Result<Self> {
-        let source = options::source(matches.get_one::<String>("scene").map_or("", String::as_str))?;
-        let limit = match matches.get_one::<f64>("seconds") {
-            Some(&seconds) => Some(
-                Duration::try_from_secs_f64(seconds)
-                    .map_err(|_| anyhow!("--seconds must be a number of seconds, not {seconds}"))?,
-            ),
-            None => None,
-        };
+        Self::of_scene(matches.get_one::<String>("scene").map_or("", String::as_str), matches)
+    }
+
+    /// The same for one of several scenes.
+    pub fn of_scene(scene: &str, matches: &ArgMatches) -> anyhow::Result<Self> {
+        let source = options::source(scene)?;
+        let limit = options::seconds(matches)?;
         Ok(Self { source, params: options::solver_params(matches)?, light: options::added_light(matches)?, limit })
     }
 
@@ -85,8 +84,10 @@ fn pool(threads: u32) -> anyhow::Result<ThreadPool> {
 pub struct Job {
     /// The scene, faces turned or doubled as its sides ask.
     pub scene: Arc<Scene>,
-    occluders: Arc<Occluders>,
-    params: SolverParams,
+    /// What stops its light.
+    pub occluders: Arc<Occluders>,
+    /// The solver's parameters.
+    pub params: SolverParams,
     limit: Option<Duration>,
     load_seconds: f64,
     /// The threads that work on it.

@@ -1,13 +1,16 @@
-//! The command line: the window, or `solve`, `render`, `probe` and `scene` without one.
+//! The command line: the window, or `solve`, `render`, `probe`, `reference`, `chart`, `accuracy` and `scene` without one.
 //!
 //! Whatever cannot be done gives one sentence on stderr and exit code 2. Results go to stdout, remarks about the scene and
 //! progress to stderr.
 
+mod accuracy;
+mod chart;
 mod job;
 mod options;
 mod output;
 mod probe;
 mod progress;
+mod reference;
 #[cfg(feature = "gui")]
 mod render;
 mod report;
@@ -48,6 +51,9 @@ fn dispatch(matches: &ArgMatches, started: Instant) -> anyhow::Result<()> {
         #[cfg(feature = "gui")]
         Some(("render", matches)) => render::run(matches),
         Some(("probe", matches)) => probe::run(matches),
+        Some(("chart", matches)) => chart::run(matches),
+        Some(("accuracy", matches)) => accuracy::run(matches),
+        Some(("reference", matches)) => reference::run(matches),
         Some(("scene", matches)) => scene::run(matches),
         _ => window::run(matches, started),
     }
@@ -57,7 +63,8 @@ fn command() -> Command {
     let command = window::command().subcommand(solve::command());
     #[cfg(feature = "gui")]
     let command = command.subcommand(render::command());
-    command.subcommand(probe::command()).subcommand(scene::command())
+    let command = command.subcommand(probe::command()).subcommand(reference::command()).subcommand(chart::command());
+    command.subcommand(accuracy::command()).subcommand(scene::command())
 }
 
 /// Says why, in one line.

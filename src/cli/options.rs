@@ -2,8 +2,9 @@
 
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
+use std::time::Duration;
 
-use anyhow::{Context, bail};
+use anyhow::{Context, anyhow, bail};
 use clap::{Arg, ArgAction, ArgMatches, Command, value_parser};
 use glam::Vec3;
 use selflink::added_light::{AddedLight, CeilingLight};
@@ -16,7 +17,12 @@ const MOST_THREADS: u32 = 1024;
 
 /// One argument for each of the solver's parameters: help, unit and default from the one place that states them.
 pub fn solver_args() -> impl Iterator<Item = Arg> {
-    PARAMETERS.iter().map(solver_arg)
+    solver_args_where(|_| true)
+}
+
+/// The arguments of some of the solver's parameters.
+pub fn solver_args_where(wanted: impl Fn(ParameterId) -> bool) -> impl Iterator<Item = Arg> {
+    PARAMETERS.iter().filter(move |parameter| wanted(parameter.id)).map(solver_arg)
 }
 
 fn solver_arg(parameter: &'static Parameter) -> Arg {
@@ -77,7 +83,7 @@ pub fn solver_params(matches: &ArgMatches) -> anyhow::Result<SolverParams> {
     for parameter in &PARAMETERS {
         set(&mut params, parameter, matches)?;
     }
-    let given = |flag| matches.contains_id(flag);
+    let given = |flag| has(matches, flag);
     if given("epsilon") && given("epsilon-watts") {
         bail!("--epsilon and --epsilon-watts state the same threshold: give one of them");
     }
@@ -88,8 +94,16 @@ pub fn solver_params(matches: &ArgMatches) -> anyhow::Result<SolverParams> {
     Ok(params)
 }
 
+/// Whether an option was given; a command need not know it.
+fn has(matches: &ArgMatches, flag: &str) -> bool {
+    matches.try_contains_id(flag).unwrap_or(false)
+}
+
 fn set(params: &mut SolverParams, parameter: &Parameter, matches: &ArgMatches) -> anyhow::Result<()> {
     let flag = parameter.flag;
+    if !has(matches, flag) {
+        return Ok(());
+    }
     let real = || matches.get_one::<f64>(flag).copied();
     let whole = || matches.get_one::<u32>(flag).copied();
     match parameter.id {
@@ -139,15 +153,25 @@ pub fn solving(command: Command) -> Command {
     command
         .arg(scene_arg().required(true))
         .args(light_args())
-        .arg(
-            Arg::new("seconds")
-                .long("seconds")
-                .value_name("T")
-                .value_parser(value_parser!(f64))
-                .allow_hyphen_values(true)
-                .help("Stop after so many seconds of solving and use the solution that is there"),
-        )
+        .arg(seconds_arg("Stop after so many seconds of solving and use the solution that is there"))
         .args(solver_args())
+}
+
+/// How long something may take.
+pub fn seconds_arg(help: &'static str) -> Arg {
+    Arg::new("seconds")
+        .long("seconds")
+        .value_name("T")
+        .value_parser(value_parser!(f64))
+        .allow_hyphen_values(true)
+        .help(help)
+}
+
+/// The time limit given, if one was.
+pub fn seconds(matches: &ArgMatches) -> anyhow::Result<Option<Duration>> {
+    let Some(&seconds) = matches.get_one::<f64>("seconds") else { return Ok(None) };
+    let limit = Duration::try_from_secs_f64(seconds);
+    Ok(Some(limit.map_err(|_| anyhow!("--seconds must be a number of seconds, not {seconds}"))?))
 }
 
 /// The scene, by path or name.

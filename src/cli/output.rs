@@ -15,6 +15,12 @@ pub fn say(text: &str) -> anyhow::Result<()> {
     }
 }
 
+/// Makes a folder where it is missing.
+pub fn make_folder(folder: &Path) -> anyhow::Result<()> {
+    fs::create_dir_all(folder)
+        .map_err(|error| anyhow!("{}: cannot be made ({error}); choose another folder", folder.display()))
+}
+
 /// A file to be written when the work is done.
 pub struct OutputFile(PathBuf);
 

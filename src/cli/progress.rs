@@ -55,3 +55,9 @@ impl Progress {
         }
     }
 }
+
+/// A bar for work whose length is not known.
+pub fn spinner() -> ProgressBar {
+    let style = ProgressStyle::with_template("{elapsed:>4} {spinner} {msg}");
+    ProgressBar::new_spinner().with_style(style.unwrap_or_else(|_| ProgressStyle::default_spinner()))
+}

@@ -1,0 +1,231 @@
+//! The error of a solution against a reference.
+//!
+//! B is compared at the reference's points, which lie evenly by area and not on lamps, both as it is displayed (interpolated
+//! between vertices) and as the solver has it (one constant per leaf). The squares of the reference's own standard errors are
+//! subtracted, so that its noise is not taken for an error of the solution.
+
+use std::sync::Arc;
+
+use glam::{DVec3, Vec3};
+use serde::Serialize;
+
+use super::locate::{Place, locate};
+use crate::reference::Reference;
+use crate::solver::{Mesh, Snapshot};
+
+/// Points darker than this share of the RMS radiosity count as that bright in local errors: relative to nothing, all is wrong.
+const DARKEST: f64 = 1e-4;
+
+/// The error of one way to read a solution.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Measure {
+    /// RMS of the difference in B over the area, all colours together, over the RMS of B; the reference's noise is subtracted.
+    pub rms: f64,
+    /// The same per colour.
+    pub rms_rgb: [f64; 3],
+    /// Whether the difference is within the reference's noise, so that `rms` is 0 for want of a better reference.
+    pub below_noise: bool,
+    /// Mean difference over the mean of B per colour; positive where the solution is too bright.
+    pub bias_rgb: [f64; 3],
+    /// The same over all colours.
+    pub bias: f64,
+    /// Local relative error |ΔB|/|B|, its median over the area.
+    pub local_median: f64,
+    /// Its 95th percentile.
+    pub local_p95: f64,
+    /// Its median over the darker half of the area.
+    pub dark_median: f64,
+    /// Its 95th percentile there.
+    pub dark_p95: f64,
+}
+
+/// The error of a solution.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct SolutionError {
+    /// Of what is displayed: vertex values, interpolated.
+    pub displayed: Measure,
+    /// Of the leaves' constants.
+    pub leaves: Measure,
+    /// Relative RMS noise of the reference itself.
+    pub reference_noise: f64,
+    /// Median of the reference's own local relative error over the darker half.
+    pub reference_dark_median: f64,
+    /// Points compared.
+    pub points: usize,
+}
+
+/// Measures snapshots against one reference; remembers where its points lie as long as the mesh stays.
+pub struct ErrorMeter {
+    reference: Arc<Reference>,
+    located: Option<(Arc<Mesh>, Vec<Option<Place>>)>,
+}
+
+impl ErrorMeter {
+    /// A meter for this reference, whose points should be [`crate::reference::random_points`].
+    pub fn new(reference: Arc<Reference>) -> Self {
+        Self { reference, located: None }
+    }
+
+    /// The reference.
+    pub fn reference(&self) -> &Arc<Reference> {
+        &self.reference
+    }
+
+    /// Takes a better reference.
+    pub fn set_reference(&mut self, reference: Arc<Reference>) {
+        if !Arc::ptr_eq(&self.reference.points, &reference.points) {
+            self.located = None;
+        }
+        self.reference = reference;
+    }
+
+    /// The error of a snapshot of the same scene.
+    pub fn measure(&mut self, snapshot: &Snapshot) -> SolutionError {
+        let displayed = self.radiosities(snapshot);
+        let leaves = self.leaf_radiosities(snapshot);
+        let reference = &*self.reference;
+        let samples = |values: &[Option<DVec3>]| {
+            let of = |(index, value): (usize, &Option<DVec3>)| {
+                let (truth, noise) = (reference.radiosity(index), reference.radiosity_error(index));
+                value.map(|value| Sample { truth, noise, difference: value - truth })
+            };
+            values.iter().enumerate().filter_map(of).collect::<Vec<_>>()
+        };
+        let (displayed, leaves) = (samples(&displayed), samples(&leaves));
+        SolutionError {
+            reference_noise: reference.noise(),
+            reference_dark_median: dark_noise(&displayed),
+            points: displayed.len(),
+            displayed: measure(&displayed),
+            leaves: measure(&leaves),
+        }
+    }
+
+    /// B as displayed at each point, W/m²; `None` where the mesh does not have the point's polygon.
+    pub fn radiosities(&mut self, snapshot: &Snapshot) -> Vec<Option<DVec3>> {
+        let mesh = snapshot.mesh.clone();
+        let at = |place: &Place| {
+            let corners = mesh.triangles[place.triangle as usize].map(|vertex| vertex as usize);
+            let [a, b, c] = corners.map(|vertex| Vec3::from(snapshot.vertex_radiosity[vertex]).as_dvec3());
+            let weights = place.weights.as_dvec3();
+            weights.x * a + weights.y * b + weights.z * c
+        };
+        self.places(&snapshot.mesh).iter().map(|place| place.as_ref().map(at)).collect()
+    }
+
+    fn leaf_radiosities(&mut self, snapshot: &Snapshot) -> Vec<Option<DVec3>> {
+        let mesh = snapshot.mesh.clone();
+        let at = |place: &Place| {
+            let leaf = mesh.triangle_leaf[place.triangle as usize] as usize;
+            Vec3::from(snapshot.leaf_radiosity[leaf]).as_dvec3()
+        };
+        self.places(&snapshot.mesh).iter().map(|place| place.as_ref().map(at)).collect()
+    }
+
+    fn places(&mut self, mesh: &Arc<Mesh>) -> &[Option<Place>] {
+        let stale = self.located.as_ref().is_none_or(|(known, _)| !Arc::ptr_eq(known, mesh));
+        if stale {
+            self.located = Some((mesh.clone(), locate(&self.reference.points, mesh)));
+        }
+        self.located.as_ref().map_or(&[], |(_, places)| places)
+    }
+}
+
+/// One point compared, W/m².
+struct Sample {
+    truth: DVec3,
+    noise: DVec3,
+    difference: DVec3,
+}
+
+fn measure(samples: &[Sample]) -> Measure {
+    let sum = |of: &dyn Fn(&Sample) -> DVec3| samples.iter().map(of).sum::<DVec3>();
+    let squares = sum(&|sample| sample.difference * sample.difference);
+    let noise = sum(&|sample| sample.noise * sample.noise);
+    let signal = sum(&|sample| sample.truth * sample.truth);
+    let relative = |squares: f64, noise: f64, signal: f64| {
+        if signal > 0.0 { ((squares - noise).max(0.0) / signal).sqrt() } else { 0.0 }
+    };
+    let (difference, mean) = (sum(&|sample| sample.difference), sum(&|sample| sample.truth));
+    let share = |part: f64, whole: f64| if whole > 0.0 { part / whole } else { 0.0 };
+    let darkest = DARKEST * (signal.element_sum() / samples.len().max(1) as f64).sqrt();
+    let mut local: Vec<(f64, f64)> = samples.iter().map(|sample| sample.local(darkest)).collect();
+    local.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let of_half = quantiles(local[..local.len().div_ceil(2)].iter().map(|local| local.1).collect());
+    let of_all = quantiles(local.iter().map(|local| local.1).collect());
+    Measure {
+        rms: relative(squares.element_sum(), noise.element_sum(), signal.element_sum()),
+        rms_rgb: [0, 1, 2].map(|colour| relative(squares[colour], noise[colour], signal[colour])),
+        below_noise: squares.element_sum() <= noise.element_sum(),
+        bias_rgb: [0, 1, 2].map(|colour| share(difference[colour], mean[colour])),
+        bias: share(difference.element_sum(), mean.element_sum()),
+        local_median: of_all.0,
+        local_p95: of_all.1,
+        dark_median: of_half.0,
+        dark_p95: of_half.1,
+    }
+}
+
+impl Sample {
+    /// Brightness of the truth, and the relative error beyond the noise.
+    fn local(&self, darkest: f64) -> (f64, f64) {
+        let brightness = self.truth.length();
+        let beyond = (self.difference.length_squared() - self.noise.length_squared()).max(0.0).sqrt();
+        (brightness, if beyond > 0.0 { beyond / brightness.max(darkest) } else { 0.0 })
+    }
+}
+
+/// Median of the reference's relative standard error over the darker half of the points that are lit at all.
+fn dark_noise(samples: &[Sample]) -> f64 {
+    let lit = samples.iter().filter(|sample| sample.truth.length() > 0.0);
+    let mut noises: Vec<(f64, f64)> =
+        lit.map(|sample| (sample.truth.length(), sample.noise.length() / sample.truth.length())).collect();
+    noises.sort_by(|a, b| a.0.total_cmp(&b.0));
+    quantiles(noises[..noises.len().div_ceil(2)].iter().map(|noise| noise.1).collect()).0
+}
+
+/// Median and 95th percentile; 0 of nothing.
+fn quantiles(mut values: Vec<f64>) -> (f64, f64) {
+    values.sort_by(f64::total_cmp);
+    let at = |share: f64| {
+        let index = (share * values.len() as f64) as usize;
+        values.get(index.min(values.len().saturating_sub(1))).copied().unwrap_or(0.0)
+    };
+    (at(0.5), at(0.95))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn sample(truth: f64, difference: f64, noise: f64) -> Sample {
+        let [truth, difference, noise] = [truth, difference, noise].map(|value| DVec3::new(value, 0.0, 0.0));
+        Sample { truth, noise, difference }
+    }
+
+    /// Truth: worked out by hand. Nine points of B = 1 that are right and one of B = 4 that is 2 too bright, noise ½ there:
+    /// RMS √((4 − ¼)/25), bias 2/13.
+    #[test]
+    fn the_noise_is_subtracted_and_the_bias_has_a_sign() {
+        let mut samples: Vec<Sample> = (0..9).map(|_| sample(1.0, 0.0, 0.0)).collect();
+        samples.push(sample(4.0, 2.0, 0.5));
+        let found = measure(&samples);
+        assert!((found.rms - (3.75_f64 / 25.0).sqrt()).abs() < 1e-12, "{found:?}");
+        assert!((found.bias - 2.0 / 13.0).abs() < 1e-12 && found.bias_rgb[1] == 0.0, "{found:?}");
+        assert_eq!((found.local_median, found.dark_p95), (0.0, 0.0));
+        assert!((found.local_p95 - 3.75_f64.sqrt() / 4.0).abs() < 1e-12, "{found:?}");
+        assert!(!found.below_noise);
+        let found = measure(&[sample(1.0, 0.1, 0.2), sample(1.0, -0.1, 0.2)]);
+        assert_eq!((found.rms, found.below_noise), (0.0, true));
+    }
+
+    /// Truth: the definition. A dark room behind a bright one that is wholly wrong hardly shows in the RMS.
+    #[test]
+    fn a_dark_room_that_is_wrong_shows_in_the_darker_half() {
+        let bright = (0..60).map(|_| sample(1.0, 0.001, 0.0));
+        let dark = (0..40).map(|_| sample(1e-3, 1e-3, 0.0));
+        let found = measure(&bright.chain(dark).collect::<Vec<_>>());
+        assert!(found.rms < 0.002 && found.dark_median == 1.0 && found.local_p95 == 1.0, "{found:?}");
+        assert!((found.local_median - 0.001).abs() < 1e-9, "{found:?}");
+    }
+}

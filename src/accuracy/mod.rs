@@ -1,0 +1,15 @@
+//! How far a solution is from the truth: closed forms, and the error against a path-traced [`Reference`](crate::reference::Reference).
+//!
+//! [`closed_forms`] holds the formulas, [`cases`] makes scenes of them that the reference and the solver are put to, and
+//! [`ErrorMeter`] measures a snapshot against a reference. Imports `reference` and `solver`.
+
+pub mod cases;
+mod checks;
+pub mod closed_forms;
+mod error;
+mod locate;
+mod points;
+
+pub use checks::{Measured, by_reference, by_solver};
+pub use error::{ErrorMeter, Measure, SolutionError};
+pub use points::vertex_points;

@@ -1,0 +1,297 @@
+//! Charts as pictures: error over time, links or rays, both axes logarithmic.
+
+use std::sync::OnceLock;
+
+use plotters::coord::Shift;
+use plotters::prelude::*;
+use plotters::series::DashedLineSeries;
+use plotters::style::register_font;
+
+use super::axis::LogAxis;
+use super::pareto::front;
+use super::record::{Chart, RunRecord};
+use crate::solver::Push;
+
+/// Size of a picture, pixels.
+pub const SIZE: (u32, u32) = (1200, 800);
+
+/// Colours that people with any colour vision tell apart \[Okabe, Ito 2008\].
+const COLOURS: [RGBColor; 7] = [
+    RGBColor(0, 114, 178),
+    RGBColor(0, 158, 115),
+    RGBColor(230, 159, 0),
+    RGBColor(213, 94, 0),
+    RGBColor(204, 121, 167),
+    RGBColor(86, 180, 233),
+    RGBColor(120, 100, 60),
+];
+const INK: RGBColor = RGBColor(40, 40, 40);
+const FAINT: RGBColor = RGBColor(225, 225, 225);
+const FRONT: RGBColor = RGBColor(255, 236, 170);
+
+/// What the error is drawn against.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Against {
+    /// Seconds, the path tracer beside.
+    Seconds,
+    /// Links.
+    Links,
+    /// Visibility rays.
+    Rays,
+}
+
+/// What is drawn and how.
+#[derive(Clone, Copy, Debug)]
+pub struct Drawing<'a> {
+    /// The runs.
+    pub chart: &'a Chart,
+    /// The horizontal axis.
+    pub against: Against,
+}
+
+/// Why a chart cannot be drawn.
+#[derive(Debug, thiserror::Error)]
+pub enum DrawError {
+    /// No run finished.
+    #[error("no run of {0} finished, so there is nothing to draw: give more --seconds or a coarser --epsilons")]
+    Empty(String),
+    /// The drawing library failed.
+    #[error("the chart cannot be drawn ({0})")]
+    Plot(String),
+}
+
+/// The chart as RGB pixels of [`SIZE`], row by row.
+///
+/// # Errors
+/// No run finished.
+pub fn draw_png(drawing: Drawing) -> Result<image::RgbImage, DrawError> {
+    let mut pixels = vec![0; (3 * SIZE.0 * SIZE.1) as usize];
+    let root = BitMapBackend::with_buffer(&mut pixels, SIZE).into_drawing_area();
+    draw(drawing, &root)?;
+    drop(root);
+    Ok(image::RgbImage::from_raw(SIZE.0, SIZE.1, pixels).expect("three bytes for each pixel"))
+}
+
+/// The chart as SVG.
+///
+/// # Errors
+/// No run finished.
+pub fn draw_svg(drawing: Drawing) -> Result<String, DrawError> {
+    let mut text = String::new();
+    let root = SVGBackend::with_string(&mut text, SIZE).into_drawing_area();
+    draw(drawing, &root)?;
+    drop(root);
+    Ok(text)
+}
+
+/// A setting's line.
+struct Curve<'a> {
+    name: &'a str,
+    colour: RGBColor,
+    /// Deferred push: dashed, with open marks.
+    open: bool,
+    points: Vec<(f64, f64)>,
+    runs: Vec<&'a RunRecord>,
+}
+
+fn draw<B: DrawingBackend>(drawing: Drawing, root: &DrawingArea<B, Shift>) -> Result<(), DrawError> {
+    let chart = drawing.chart;
+    let curves = curves(drawing);
+    let path_tracer: Vec<(f64, f64)> = match drawing.against {
+        Against::Seconds => chart.path_tracer.iter().map(|record| (record.seconds, record.error)).collect(),
+        Against::Links | Against::Rays => Vec::new(),
+    };
+    let all: Vec<(f64, f64)> =
+        curves.iter().flat_map(|curve| &curve.points).copied().filter(|point| point.0 > 0.0 && point.1 > 0.0).collect();
+    if all.is_empty() {
+        return Err(DrawError::Empty(chart.scene.clone()));
+    }
+    let empty = || DrawError::Empty(chart.scene.clone());
+    let every = || all.iter().chain(&path_tracer);
+    let x = LogAxis::around(every().map(|point| point.0)).ok_or_else(empty)?;
+    let y = LogAxis::around(every().map(|point| 100.0 * point.1)).ok_or_else(empty)?;
+    plot(drawing, root, &curves, &path_tracer, (x, y)).map_err(|error| DrawError::Plot(error.to_string()))
+}
+
+fn plot<B: DrawingBackend>(
+    drawing: Drawing,
+    root: &DrawingArea<B, Shift>,
+    curves: &[Curve],
+    path_tracer: &[(f64, f64)],
+    (x, y): (LogAxis, LogAxis),
+) -> Result<(), DrawingAreaErrorKind<B::ErrorType>> {
+    let chart = drawing.chart;
+    let text = |size: f64, colour: RGBColor| (family(), size).into_font().color(&colour);
+    root.fill(&WHITE)?;
+    let (title, unit) = match drawing.against {
+        Against::Seconds => ("time", "seconds of solving"),
+        Against::Links => ("links", "links"),
+        Against::Rays => ("rays", "visibility rays"),
+    };
+    root.draw(&Text::new(format!("{}: error over {title}", chart.scene), (90, 22), text(32.0, INK)))?;
+    root.draw(&Text::new(subtitle(chart), (90, 62), text(19.0, RGBColor(110, 110, 110))))?;
+    let (_, area) = root.split_vertically(92);
+    let mut context = ChartBuilder::on(&area)
+        .margin_right(28)
+        .margin_left(26)
+        .margin_bottom(12)
+        .x_label_area_size(64)
+        .y_label_area_size(74)
+        .build_cartesian_2d(x, y)?;
+    context
+        .configure_mesh()
+        .x_desc(unit)
+        .y_desc("RMS error of B as displayed, %")
+        .x_labels(11)
+        .y_labels(9)
+        .x_label_formatter(&|value| tick(*value))
+        .y_label_formatter(&|value| tick(*value))
+        .bold_line_style(FAINT)
+        .light_line_style(TRANSPARENT)
+        .axis_style(RGBColor(150, 150, 150))
+        .label_style(text(20.0, INK))
+        .axis_desc_style(text(22.0, INK))
+        .draw()?;
+    let percent = |&(x, y): &(f64, f64)| (x, 100.0 * y);
+
+    let mut best: Vec<(f64, f64)> = best_of(curves).iter().map(percent).collect();
+    best.sort_by(|a, b| a.0.total_cmp(&b.0));
+    context
+        .draw_series(LineSeries::new(best, FRONT.stroke_width(16)))?
+        .label("Pareto front: none both cheaper and better")
+        .legend(|(x, y)| PathElement::new([(x, y), (x + 34, y)], FRONT.stroke_width(14)));
+    if !path_tracer.is_empty() {
+        let line: Vec<(f64, f64)> = path_tracer.iter().map(percent).collect();
+        context
+            .draw_series(DashedLineSeries::new(line.iter().copied(), 3, 5, INK.stroke_width(2)))?
+            .label(format!("path tracer, {} fixed points", crate::format::count(path_tracer_points(chart))))
+            .legend(|(x, y)| {
+                let dash = |from: i32| PathElement::new([(from, 0), (from + 4, 0)], INK.stroke_width(2));
+                EmptyElement::at((x, y))
+                    + dash(0)
+                    + dash(8)
+                    + Cross::new((17, 0), 4, INK.stroke_width(2))
+                    + dash(23)
+                    + dash(30)
+            });
+        context.draw_series(line.iter().map(|point| Cross::new(*point, 4, INK.stroke_width(2))))?;
+    }
+    for curve in curves {
+        let line: Vec<(f64, f64)> = curve.points.iter().map(percent).collect();
+        let (colour, open) = (curve.colour, curve.open);
+        let series = if open {
+            context.draw_series(DashedLineSeries::new(line.iter().copied(), 9, 6, colour.stroke_width(2)))?
+        } else {
+            context.draw_series(LineSeries::new(line.iter().copied(), colour.stroke_width(3)))?
+        };
+        series.label(curve.name).legend(move |(x, y)| {
+            let dot = if open { colour.stroke_width(2) } else { colour.filled() };
+            let gap = if open { 8 } else { 17 };
+            EmptyElement::at((x, y))
+                + PathElement::new([(0, 0), (gap, 0)], colour.stroke_width(if open { 2 } else { 3 }))
+                + PathElement::new([(34 - gap, 0), (34, 0)], colour.stroke_width(if open { 2 } else { 3 }))
+                + Circle::new((17, 0), 5, dot)
+        });
+        if open {
+            context.draw_series(line.iter().map(|point| Circle::new(*point, 5, WHITE.filled())))?;
+            context.draw_series(line.iter().map(|point| Circle::new(*point, 5, colour.stroke_width(2))))?;
+        } else {
+            context.draw_series(line.iter().map(|point| Circle::new(*point, 5, colour.filled())))?;
+        }
+    }
+    if let Some(curve) = curves.first() {
+        let labels = curve.points.iter().zip(&curve.runs).map(|(point, run)| {
+            let style = text(17.0, curve.colour);
+            EmptyElement::at(percent(point)) + Text::new(format!("ε {:.0e}", run.epsilon_relative), (-62, 10), style)
+        });
+        context.draw_series(labels)?;
+    }
+    context
+        .configure_series_labels()
+        .position(SeriesLabelPosition::UpperRight)
+        .margin(14)
+        .legend_area_size(46)
+        .background_style(WHITE.mix(0.85))
+        .border_style(FAINT)
+        .label_font(text(19.0, INK))
+        .draw()?;
+    root.present()
+}
+
+fn curves(drawing: Drawing<'_>) -> Vec<Curve<'_>> {
+    let mut curves: Vec<Curve> = Vec::new();
+    let mut modes = Vec::new();
+    for run in drawing.chart.runs.iter().filter(|run| run.converged) {
+        let cost = match drawing.against {
+            Against::Seconds => run.seconds.total,
+            Against::Links => run.links as f64,
+            Against::Rays => run.rays as f64,
+        };
+        if !(cost > 0.0 && run.error.displayed.rms > 0.0) {
+            continue;
+        }
+        if curves.last().is_none_or(|curve| curve.name != run.setting) {
+            // A clustering keeps its colour for either push; a setting that differs in something else gets its own.
+            let open = run.params.push == Push::Deferred;
+            let taken = curves.iter().any(|curve| {
+                let other = &curve.runs[0].params;
+                (other.clustering, other.push) == (run.params.clustering, run.params.push)
+            });
+            let mode = (run.params.clustering, taken.then(|| run.setting.clone()));
+            let index = modes.iter().position(|known| *known == mode).unwrap_or_else(|| {
+                modes.push(mode);
+                modes.len() - 1
+            });
+            let colour = COLOURS[index % COLOURS.len()];
+            curves.push(Curve { name: &run.setting, colour, open, points: Vec::new(), runs: Vec::new() });
+        }
+        if let Some(curve) = curves.last_mut() {
+            curve.points.push((cost, run.error.displayed.rms));
+            curve.runs.push(run);
+        }
+    }
+    curves
+}
+
+fn best_of(curves: &[Curve]) -> Vec<(f64, f64)> {
+    let points: Vec<(f64, f64)> = curves.iter().flat_map(|curve| &curve.points).copied().collect();
+    let marks = front(&points);
+    points.into_iter().zip(marks).filter(|(_, is_best)| *is_best).map(|(point, _)| point).collect()
+}
+
+fn subtitle(chart: &Chart) -> String {
+    let reference = &chart.reference;
+    format!(
+        "{} polygons, {} threads; reference: {} points, noise {:.1} %, subtracted",
+        crate::format::count(chart.polygons),
+        chart.threads,
+        crate::format::count(reference.points),
+        100.0 * reference.noise
+    )
+}
+
+fn path_tracer_points(chart: &Chart) -> usize {
+    chart.path_tracer.first().map_or(0, |record| record.points)
+}
+
+/// A number at an axis: 0.05, 20, 1 M.
+fn tick(value: f64) -> String {
+    let scaled = |value: f64, unit: &str| format!("{}{unit}", (1e3 * value).round() / 1e3);
+    match value {
+        value if value >= 0.9e6 => scaled(value / 1e6, " M"),
+        value if value >= 0.9e3 => scaled(value / 1e3, " k"),
+        value if value >= 0.9e-3 => scaled(value, ""),
+        _ => format!("{value:.0e}"),
+    }
+}
+
+/// The family under which the font that comes with the program is known: pictures need no fonts of the system.
+fn family() -> &'static str {
+    static REGISTERED: OnceLock<bool> = OnceLock::new();
+    const FAMILY: &str = "sans-serif";
+    REGISTERED.get_or_init(|| {
+        // Ubuntu Light, under the Ubuntu Font Licence.
+        register_font(FAMILY, FontStyle::Normal, epaint_default_fonts::UBUNTU_LIGHT).is_ok()
+    });
+    FAMILY
+}

@@ -1,0 +1,18 @@
+//! Speed against accuracy: the same scene solved with many settings, each run's error beside its time, links and rays.
+//!
+//! A [`Sweep`] is a list of named settings and thresholds; [`Sweep::run`] makes a [`Chart`] of it, which is written as CSV and
+//! JSON and drawn as pictures. The path tracer stands in the same chart with the same clock. Imports `accuracy`,
+//! `reference` and `solver`.
+
+mod axis;
+mod draw;
+mod pareto;
+mod path_tracer;
+mod record;
+mod sweep;
+mod write;
+
+pub use draw::{Against, DrawError, Drawing, draw_png, draw_svg};
+pub use record::{Chart, PathTracerRecord, ReferenceRecord, RunRecord, SkippedRun};
+pub use sweep::{Setting, Sweep, usual_epsilons, usual_settings};
+pub use write::{csv, error_table};

@@ -1,0 +1,147 @@
+//! `selflink chart`: error over time, links and rays for many settings, as tables and pictures.
+
+use std::io::{IsTerminal as _, Write as _};
+use std::path::Path;
+use std::sync::Arc;
+use std::time::Duration;
+
+use anyhow::bail;
+use clap::{Arg, ArgMatches, Command};
+use selflink::cancel::CancelToken;
+use selflink::chart::{
+    Against, Chart, Drawing, Sweep, csv, draw_png, draw_svg, error_table, usual_epsilons, usual_settings,
+};
+use selflink::solver::ParameterId;
+
+use super::job::{Job, Order};
+use super::options::{self, path, path_arg};
+use super::output::{OutputFile, json, say};
+use super::progress;
+use super::reference::{self, Wish};
+
+/// Time of one run when nothing is said, s.
+const SECONDS: f64 = 20.0;
+
+/// The command's arguments.
+pub fn command() -> Command {
+    let command = Command::new("chart")
+        .about(
+            "Chart the solver's error over time, links and rays, for every clustering and push, beside a path tracer's",
+        )
+        .arg(options::scene_arg().num_args(1..).required(true))
+        .arg(
+            path_arg("out", "DIR")
+                .required(true)
+                .help("Folder for SCENE-….csv, .json, .svg and .png; it is made where it is missing"),
+        )
+        .arg(
+            Arg::new("epsilons")
+                .long("epsilons")
+                .value_name("LIST")
+                .help("Thresholds as shares of Φ, such as 1e-2,1e-3 [default: seven from 1e-2 to 1e-5]"),
+        )
+        .arg(Arg::new("settings").long("settings").value_name("LIST").help(
+            "Settings to run: names, or the first words of names, between commas, such as adaptive,none [default: all]",
+        ))
+        .arg(options::seconds_arg(
+            "Time of one run; what is finer than one that took longer is left out [default: 20]",
+        ));
+    let swept = [ParameterId::Epsilon, ParameterId::EpsilonWatts, ParameterId::Clustering, ParameterId::Push];
+    let command = reference::wish_args(command).args(options::light_args());
+    command.args(options::solver_args_where(move |id| !swept.contains(&id)))
+}
+
+/// Runs it.
+pub fn run(matches: &ArgMatches) -> anyhow::Result<()> {
+    let scenes: Vec<&String> = matches.get_many("scene").unwrap_or_default().collect();
+    let orders = scenes.iter().map(|scene| Order::of_scene(scene, matches)).collect::<anyhow::Result<Vec<_>>>()?;
+    let limit = options::seconds(matches)?.unwrap_or(Duration::from_secs_f64(SECONDS));
+    if limit.is_zero() {
+        bail!("--seconds must be greater than 0: every run needs some time");
+    }
+    let epsilons = epsilons(matches)?;
+    let wish = reference::wish(matches, None)?;
+    let wanted: Option<Vec<&str>> =
+        matches.get_one::<String>("settings").map(|list| list.split(',').map(str::trim).collect());
+    if let Some(words) = &wanted {
+        let known = usual_settings(selflink::solver::SolverParams::default());
+        if let Some(word) = words.iter().find(|word| !known.iter().any(|setting| is_called(&setting.name, word))) {
+            let names = known.iter().map(|setting| setting.name.as_str()).collect::<Vec<_>>().join("; ");
+            bail!("--settings does not know `{word}`; the settings are: {names}");
+        }
+    }
+    let folder = path(matches, "out").unwrap_or_default();
+    super::output::make_folder(&folder)?;
+    for order in orders {
+        let job = order.load()?;
+        let settings = usual_settings(job.params).into_iter().filter(|setting| {
+            wanted.as_ref().is_none_or(|words| words.iter().any(|word| is_called(&setting.name, word)))
+        });
+        let sweep = Sweep { settings: settings.collect(), epsilons: epsilons.clone(), limit };
+        let chart = chart(&job, &wish, &sweep)?;
+        write(&chart, &folder)?;
+        let named = format!("{}\n\n{}\n", chart.scene, error_table(&chart));
+        say(&named)?;
+        for skipped in &chart.skipped {
+            eprintln!("note: {}, ε = {:.0e} Φ left out: {}.", skipped.setting, skipped.epsilon_relative, skipped.why);
+        }
+    }
+    Ok(())
+}
+
+/// Whether a setting has this name, or one that begins with this word.
+fn is_called(name: &str, word: &str) -> bool {
+    name == word || name.split(',').next() == Some(word)
+}
+
+fn epsilons(matches: &ArgMatches) -> anyhow::Result<Vec<f64>> {
+    let Some(list) = matches.get_one::<String>("epsilons") else { return Ok(usual_epsilons()) };
+    let parsed: Option<Vec<f64>> = list.split(',').map(|part| part.trim().parse().ok()).collect();
+    let mut epsilons = parsed.unwrap_or_default();
+    if epsilons.is_empty() || epsilons.iter().any(|epsilon| !(*epsilon > 0.0 && epsilon.is_finite())) {
+        bail!("--epsilons must be numbers greater than 0 between commas, such as 1e-2,1e-3 (it is `{list}`)");
+    }
+    epsilons.sort_by(|a, b| b.total_cmp(a));
+    Ok(epsilons)
+}
+
+fn chart(job: &Job, wish: &Wish, sweep: &Sweep) -> anyhow::Result<Chart> {
+    let outcome = reference::make(job, wish)?;
+    eprint!("reference  {}", reference::summary(&job.scene.name, &outcome));
+    let reference = Arc::new(outcome.reference);
+    let bar = std::io::stderr().is_terminal().then(progress::spinner);
+    let told = |setting: &str, epsilon: f64| {
+        if let Some(bar) = &bar {
+            bar.set_message(format!("{setting}, ε = {epsilon:.0e} Φ"));
+            bar.tick();
+        }
+    };
+    let cancel = CancelToken::new();
+    let chart = job.pool.install(|| sweep.run(&job.scene, &job.occluders, reference, &cancel, told));
+    if let Some(bar) = &bar {
+        bar.finish_and_clear();
+    }
+    Ok(chart)
+}
+
+fn write(chart: &Chart, folder: &Path) -> anyhow::Result<()> {
+    let file = |ending: &str| OutputFile::new(&folder.join(format!("{}{ending}", file_name(&chart.scene))), &[]);
+    let text = |ending: &str, text: String| file(ending)?.write(|writer| writer.write_all(text.as_bytes()));
+    text(".csv", csv(chart))?;
+    text(".json", json(chart)?)?;
+    for (against, name) in [(Against::Seconds, "seconds"), (Against::Links, "links"), (Against::Rays, "rays")] {
+        let drawing = Drawing { chart, against };
+        text(&format!("-{name}.svg"), draw_svg(drawing)?)?;
+        let picture = draw_png(drawing)?;
+        file(&format!("-{name}.png"))?.write(|writer| {
+            let encoder = image::codecs::png::PngEncoder::new(writer);
+            picture.write_with_encoder(encoder).map_err(std::io::Error::other)
+        })?;
+    }
+    Ok(())
+}
+
+/// A scene's name as a file can have it.
+fn file_name(scene: &str) -> String {
+    scene.chars().map(|c| if c.is_alphanumeric() || "-_.".contains(c) { c } else { '_' }).collect()
+}

@@ -1,0 +1,222 @@
+//! Passes of paths over all points, and what they add up to.
+//!
+//! The first passes, the pilot, send the same number of paths from every point. How far these scatter decides how many each
+//! point gets of all later ones, and the pilot counts no more: a mean whose number of samples depended on the samples themselves
+//! would be biased.
+
+use std::sync::Arc;
+
+use glam::DVec3;
+use rayon::prelude::*;
+
+use super::cache::Key;
+use super::path::Tracer;
+use super::points::SurfacePoint;
+use super::sequence::mix;
+use super::share::shares;
+use crate::cancel::CancelToken;
+use crate::scene::Scene;
+use crate::visibility::Occluders;
+
+/// Paths of a batch, a power of two. They share one scrambled sequence: more paths in it lower the noise faster, fewer leave more
+/// batches from which the error is known.
+pub const BATCH: u32 = 64;
+/// Passes of the pilot: enough to meet what is rare, such as the bright inside of a lamp shade, at most points that it lights.
+pub const PILOT: u32 = 32;
+
+/// Irradiances at points, as well as they are known.
+#[derive(Clone, Debug)]
+pub struct Reference {
+    /// The points.
+    pub points: Arc<[SurfacePoint]>,
+    /// Mean irradiance E of each, W/m².
+    pub irradiance: Vec<DVec3>,
+    /// Standard error of each mean, W/m²; infinite before the second batch.
+    pub standard_error: Vec<DVec3>,
+    /// Paths that it stands on.
+    pub paths: u64,
+}
+
+/// Sums over the batches at one point, per colour.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Sums {
+    /// Batches.
+    pub count: u32,
+    /// Σ of their means, W/m².
+    pub mean: DVec3,
+    /// Σ of the squares of their means.
+    pub square: DVec3,
+}
+
+/// All that a run has found out.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct State {
+    pub passes: u32,
+    /// One for each point.
+    pub pilot: Vec<Sums>,
+    /// What counts once it is worth more than the pilot.
+    pub counted: Vec<Sums>,
+}
+
+/// A reference in the making.
+pub struct ReferenceRun {
+    tracer: Tracer,
+    points: Arc<[SurfacePoint]>,
+    seed: u64,
+    key: Key,
+    state: State,
+    /// Batches of each point per later pass, 1 on average; empty during the pilot.
+    shares: Vec<f64>,
+}
+
+impl ReferenceRun {
+    /// A run that has made no pass; `occluders` must be the scene's own ([`crate::orient::apply`]).
+    pub fn new(scene: &Scene, occluders: Arc<Occluders>, points: Arc<[SurfacePoint]>, seed: u64) -> Self {
+        let none = vec![Sums::default(); points.len()];
+        Self {
+            tracer: Tracer::new(scene, occluders),
+            key: Key::of(scene, &points, seed),
+            state: State { passes: 0, pilot: none.clone(), counted: none },
+            shares: Vec::new(),
+            points,
+            seed,
+        }
+    }
+
+    /// Sends a batch of paths from every point, on average; false if cancelled, which leaves the run as it was.
+    ///
+    /// The result is the same bit for bit for any number of threads.
+    pub fn pass(&mut self, cancel: &CancelToken) -> bool {
+        let pass = self.state.passes;
+        if pass == PILOT && self.shares.is_empty() {
+            self.shares = shares(&self.points, &self.state.pilot);
+        }
+        let batches =
+            (0..self.points.len()).flat_map(|point| self.batches(point, pass).map(move |batch| (point, batch)));
+        let batches: Vec<(usize, u32)> = batches.collect();
+        let trace = |&(point, batch): &(usize, u32)| {
+            let seed = mix(mix(self.seed, point as u64), u64::from(batch));
+            (!cancel.is_cancelled()).then(|| (point, self.tracer.irradiance(&self.points[point], seed, BATCH)))
+        };
+        let Some(means) = batches.par_iter().map(trace).collect::<Option<Vec<_>>>() else { return false };
+        let sums = if pass < PILOT { &mut self.state.pilot } else { &mut self.state.counted };
+        for (point, mean) in means {
+            let sums = &mut sums[point];
+            sums.count += 1;
+            sums.mean += mean;
+            sums.square += mean * mean;
+        }
+        self.state.passes += 1;
+        true
+    }
+
+    /// The numbers of the batches that a pass makes at a point.
+    fn batches(&self, point: usize, pass: u32) -> std::ops::Range<u32> {
+        if pass < PILOT {
+            return pass..pass + 1;
+        }
+        let up_to = |passes: u32| PILOT + (f64::from(passes) * self.shares[point]) as u32;
+        up_to(pass - PILOT)..up_to(pass - PILOT + 1)
+    }
+
+    /// Passes made so far, those read from a cache included.
+    pub fn passes(&self) -> u32 {
+        self.state.passes
+    }
+
+    /// The points.
+    pub fn points(&self) -> &Arc<[SurfacePoint]> {
+        &self.points
+    }
+
+    /// What decides its values: scene, points and seed.
+    pub fn key(&self) -> &Key {
+        &self.key
+    }
+
+    /// What is known now.
+    pub fn reference(&self) -> Reference {
+        // Until then the pilot is the better one.
+        let counts = self.state.passes >= 2 * PILOT;
+        let sums = if counts { &self.state.counted } else { &self.state.pilot };
+        Reference {
+            points: self.points.clone(),
+            irradiance: sums.iter().map(Sums::mean).collect(),
+            standard_error: sums.iter().map(Sums::standard_error).collect(),
+            paths: sums.iter().map(|sums| u64::from(sums.count) * u64::from(BATCH)).sum(),
+        }
+    }
+
+    pub(super) fn state(&self) -> &State {
+        &self.state
+    }
+
+    /// Goes on from a state that was saved.
+    pub(super) fn restore(&mut self, state: State) {
+        self.state = state;
+        self.shares = if self.state.passes > PILOT { shares(&self.points, &self.state.pilot) } else { Vec::new() };
+    }
+}
+
+impl Sums {
+    /// Mean of the batches, W/m²; 0 without any.
+    pub fn mean(&self) -> DVec3 {
+        if self.count > 0 { self.mean / f64::from(self.count) } else { DVec3::ZERO }
+    }
+
+    /// Standard error of the mean, W/m².
+    pub fn standard_error(&self) -> DVec3 {
+        if self.count < 2 {
+            return DVec3::INFINITY;
+        }
+        let (count, mean) = (f64::from(self.count), self.mean());
+        let variance = (self.square / count - mean * mean).max(DVec3::ZERO);
+        (variance / (count - 1.0)).map(f64::sqrt)
+    }
+}
+
+impl Reference {
+    /// Radiosity of a point as far as it is reflected, ρE, W/m²; lamps' own light is left out.
+    pub fn radiosity(&self, index: usize) -> DVec3 {
+        self.points[index].reflectance.as_dvec3() * self.irradiance[index]
+    }
+
+    /// Standard error of [`Self::radiosity`], W/m².
+    pub fn radiosity_error(&self, index: usize) -> DVec3 {
+        reflected(&self.points[index], self.standard_error[index])
+    }
+
+    /// Relative RMS noise of the radiosities over the points, all colours together; for [`super::random_points`] this is
+    /// weighted by area. Where nothing is reflected, that of the irradiances.
+    pub fn noise(&self) -> f64 {
+        let sum = |of: &dyn Fn(usize) -> DVec3| (0..self.points.len()).map(|i| of(i).length_squared()).sum::<f64>();
+        let (noise, signal) = (sum(&|index| self.radiosity_error(index)), sum(&|index| self.radiosity(index)));
+        if signal > 0.0 {
+            return (noise / signal).sqrt();
+        }
+        let (noise, signal) = (sum(&|index| self.standard_error[index]), sum(&|index| self.irradiance[index]));
+        if signal > 0.0 {
+            (noise / signal).sqrt()
+        } else if self.paths > 0 {
+            0.0
+        } else {
+            f64::INFINITY
+        }
+    }
+
+    /// Mean irradiance over the points and its standard error, W/m²: the spread between points counts, so that random points
+    /// stand for the surfaces that they lie on.
+    pub fn mean(&self) -> (DVec3, DVec3) {
+        let count = self.points.len() as f64;
+        let mean = self.irradiance.iter().sum::<DVec3>() / count;
+        let spread: DVec3 = self.irradiance.iter().map(|value| (*value - mean) * (*value - mean)).sum();
+        (mean, (spread / (count * (count - 1.0))).map(f64::sqrt))
+    }
+}
+
+/// What a point reflects of an irradiance; nothing, even of an infinite one, where it is black.
+pub(super) fn reflected(point: &SurfacePoint, irradiance: DVec3) -> DVec3 {
+    let of = |rho: f32, irradiance: f64| if rho > 0.0 { f64::from(rho) * irradiance } else { 0.0 };
+    let reflectance = point.reflectance;
+    DVec3::new(of(reflectance.x, irradiance.x), of(reflectance.y, irradiance.y), of(reflectance.z, irradiance.z))
+}
