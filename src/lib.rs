@@ -119,6 +119,7 @@ pub mod format;
 pub mod hierarchy;
 pub mod orient;
 pub mod probe;
+pub mod referee;
 pub mod reference;
 #[cfg(feature = "gui")]
 pub mod render;

@@ -113,6 +113,22 @@ impl ErrorMeter {
         self.places(&snapshot.mesh).iter().map(|place| place.as_ref().map(at)).collect()
     }
 
+    /// Signed relative error of what is displayed at each point, colours together, (ΣB − ΣB*)/ΣB*; NaN where the mesh does
+    /// not have the point's polygon.
+    pub fn relative_differences(&mut self, snapshot: &Snapshot) -> Vec<f32> {
+        let displayed = self.radiosities(snapshot);
+        let truths: Vec<f64> =
+            (0..displayed.len()).map(|index| self.reference.radiosity(index).element_sum()).collect();
+        let darkest =
+            DARKEST * (truths.iter().map(|truth| truth * truth).sum::<f64>() / truths.len().max(1) as f64).sqrt();
+        let relative = |(value, truth): (Option<DVec3>, &f64)| {
+            value.map_or(f32::NAN, |value| {
+                ((value.element_sum() - truth) / truth.max(darkest.max(f64::MIN_POSITIVE))) as f32
+            })
+        };
+        displayed.into_iter().zip(&truths).map(relative).collect()
+    }
+
     fn leaf_radiosities(&mut self, snapshot: &Snapshot) -> Vec<Option<DVec3>> {
         let mesh = snapshot.mesh.clone();
         let at = |place: &Place| {

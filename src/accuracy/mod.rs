@@ -7,9 +7,11 @@ pub mod cases;
 mod checks;
 pub mod closed_forms;
 mod error;
+mod field;
 mod locate;
 mod points;
 
 pub use checks::{Measured, by_reference, by_solver};
 pub use error::{ErrorMeter, Measure, SolutionError};
+pub use field::ScatteredField;
 pub use points::vertex_points;

@@ -144,7 +144,7 @@ fn view(matches: &ArgMatches) -> anyhow::Result<View> {
     let text = |name: &str| matches.get_one::<String>(name).map(String::as_str);
     let size = text("size").map_or(Ok(USUAL_SIZE), size)?;
     let camera = text("camera").map(eye_and_target).transpose()?;
-    let display = Display { exposure: text("exposure").map_or(Ok(Exposure::default()), exposure)? };
+    let display = Display { exposure: text("exposure").map_or(Ok(Exposure::default()), exposure)?, as_colours: false };
     let mut view = View { size, camera, display, ..View::default() };
     for overlay in matches.get_many::<String>("overlay").unwrap_or_default() {
         add_overlay(&mut view, overlay)?;

@@ -55,6 +55,8 @@ impl Exposure {
 pub struct Display {
     /// How bright the picture is made.
     pub exposure: Exposure,
+    /// The vertices carry gamma-encoded colours, 0..=1, instead of radiosities: they are shown as they are.
+    pub as_colours: bool,
 }
 
 /// The factor on radiosities, m²/W, that exposes a snapshot well; 1 where nothing is lit.

@@ -14,6 +14,7 @@ mod offscreen;
 mod overlay;
 mod pick;
 mod pipelines;
+mod ramp;
 mod renderer;
 mod target;
 
@@ -22,6 +23,7 @@ pub use display::{Display, Exposure, auto_exposure, encode_gamma, tone_curve};
 pub use offscreen::Offscreen;
 pub use overlay::{LinkFilter, Overlay, power_colour};
 pub use pick::{Picked, pick};
+pub use ramp::{BLUE_WHITE_RED, VIRIDIS, along_ramp};
 pub use renderer::{Frame, SceneRenderer, sample_count};
 
 #[cfg(doc)]

@@ -3,6 +3,7 @@
 use glam::Vec3;
 use rustc_hash::FxHashMap;
 
+use super::ramp::{VIRIDIS, along_ramp};
 use crate::hierarchy::ElementId;
 use crate::solver::snapshot::{ClusterBox, InspectedElement, Mesh, Snapshot};
 
@@ -68,32 +69,12 @@ const PICKED_DOT: f32 = 10.0;
 /// Links weaker than this share of the strongest have the ramp's first colour.
 const WEAKEST_SHARE: f32 = 1e-3;
 
-/// The viridis ramp of matplotlib at ten even places (S. van der Walt, N. Smith 2015; public domain).
-const VIRIDIS: [[u8; 3]; 10] = [
-    [68, 1, 84],
-    [72, 40, 120],
-    [62, 74, 137],
-    [49, 104, 142],
-    [38, 130, 142],
-    [31, 158, 137],
-    [53, 183, 121],
-    [109, 205, 89],
-    [180, 222, 44],
-    [253, 231, 37],
-];
-
-/// Colour of a link on a colour-blind-safe ramp (viridis): `share` is its power over that of the strongest link drawn, on a
-/// logarithmic scale over three decades. Gamma-encoded.
+/// Colour of a link: `share` is its power over that of the strongest link drawn, on a logarithmic scale over three decades.
+/// Gamma-encoded.
 pub fn power_colour(share: f32) -> [u8; 3] {
     let decades = WEAKEST_SHARE.log10();
-    let along = if share > 0.0 { (1.0 - share.log10() / decades).clamp(0.0, 1.0) } else { 0.0 };
-    let place = along * (VIRIDIS.len() - 1) as f32;
-    let lower = (place as usize).min(VIRIDIS.len() - 2);
-    let mix = place - lower as f32;
-    std::array::from_fn(|channel| {
-        let (from, to) = (f32::from(VIRIDIS[lower][channel]), f32::from(VIRIDIS[lower + 1][channel]));
-        (from + mix * (to - from)).round() as u8
-    })
+    let along = if share > 0.0 { 1.0 - share.log10() / decades } else { 0.0 };
+    along_ramp(&VIRIDIS, along)
 }
 
 /// Outlines of all leaves.

@@ -56,6 +56,9 @@ struct ViewUniform {
     line_near: f32,
 }
 
+/// In place of an exposure: vertices carry colours.
+const COLOURS_AS_THEY_ARE: f32 = -1.0;
+
 /// Lines on the graphics device and what they were made from.
 struct LineSet<Key> {
     buffer: GrowingBuffer,
@@ -185,7 +188,10 @@ impl SceneRenderer {
         let view = ViewUniform {
             clip_from_world: frame.camera.clip_from_world(width / height).to_cols_array_2d(),
             size: [width, height],
-            exposure: frame.display.exposure.factor(self.auto_exposure),
+            exposure: match frame.display.as_colours {
+                true => COLOURS_AS_THEY_ARE,
+                false => frame.display.exposure.factor(self.auto_exposure),
+            },
             line_near: LINE_NEAR * frame.camera.near(),
         };
         self.queue.write_buffer(&self.view_buffer, 0, bytemuck::bytes_of(&view));

@@ -4,7 +4,7 @@ struct View {
     clip_from_world: mat4x4f,
     // Width and height of the picture, pixels.
     size: vec2f,
-    // Factor on radiosities, m²/W.
+    // Factor on radiosities, m²/W; below 0 the vertices carry colours, which are shown as they are.
     exposure: f32,
     // Nearest distance at which lines are drawn, in the scene's unit.
     line_near: f32,
@@ -45,6 +45,9 @@ fn mesh_vertex(@location(0) point_in_world: vec3f, @location(1) radiosity: vec3f
 
 @fragment
 fn mesh_fragment(in: MeshVarying) -> @location(0) vec4f {
+    if view.exposure < 0.0 {
+        return vec4f(in.radiosity, 1.0);
+    }
     return vec4f(encode_gamma(tone_curve(view.exposure * max(in.radiosity, vec3f(0.0)))), 1.0);
 }
 
