@@ -63,7 +63,7 @@ pub enum DrawError {
     Plot(String),
 }
 
-/// The chart as RGB pixels of [`SIZE`], row by row.
+/// The chart as RGB pixels of 1200 × 800, row by row.
 ///
 /// # Errors
 /// No run finished.
