@@ -57,7 +57,7 @@
 //! | [`scene`] | polygons, materials, groups; loading OBJ and glTF, sidecars, our own scenes |
 //! | [`visibility`] | the ray BVH: is a point seen from another, what does a ray meet |
 //! | [`orient`], [`ceiling`], [`added_light`] | which sides are bright; where a lamp goes; light that a person adds |
-//! | [`reference`] | a truth to measure by: path-traced irradiance, beside the solver and without its code |
+//! | [`mod@reference`] | a truth to measure by: path-traced irradiance, beside the solver and without its code |
 //! | [`hierarchy`] | the tree of elements and the ways to build its clusters |
 //! | [`solver`] | oracle, refinement, gather, snapshots, statistics; every parameter ([`solver::PARAMETERS`]) |
 //! | [`probe`], [`export`] | values at points; the lit mesh as PLY |

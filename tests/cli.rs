@@ -385,7 +385,7 @@ fn a_reference_is_written_and_kept_for_the_next_time() {
     assert!(written.starts_with("x,y,z,nx,ny,nz,polygon,rho_r,"), "{written}");
     assert!(rows.len() == 50 && rows.iter().all(|row| row.len() == 16), "{written}");
     assert!(rows.iter().any(|row| row[10] > 0.0 && row[13] > 0.0 && row[13] < row[10]), "{written}");
-    let (finer, _) = succeed(&[&args[..4], &["--noise", "0.05"], &args[6..]].concat());
+    let (finer, _) = succeed(&[&args[..4], &["--noise", "0.01"], &args[6..]].concat());
     assert!(finer.contains(" % from the cache"), "{finer}");
 }
 

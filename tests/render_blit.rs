@@ -87,7 +87,7 @@ fn a_window_shows_the_picture_upright_and_in_its_colours_whatever_its_format() {
         let view = window.create_view(&wgpu::TextureViewDescriptor::default());
         let mut show = |snapshot: &Snapshot| {
             let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-            let display = Display { exposure: Exposure::Manual { stops: 0.0 } };
+            let display = Display { exposure: Exposure::Manual { stops: 0.0 }, as_colours: false };
             let (display, overlay) = (&display, &Overlay::default());
             let frame = Frame { snapshot, camera: &camera, display, overlay, size: [SIDE; 2] };
             renderer.draw(&mut encoder, &frame).expect("a small picture");

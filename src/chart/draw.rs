@@ -25,6 +25,9 @@ const COLOURS: [RGBColor; 7] = [
     RGBColor(86, 180, 233),
     RGBColor(120, 100, 60),
 ];
+/// Pixels at the right that the legend takes.
+const LEGEND_WIDTH: u32 = 300;
+
 const INK: RGBColor = RGBColor(40, 40, 40);
 const FAINT: RGBColor = RGBColor(225, 225, 225);
 const FRONT: RGBColor = RGBColor(255, 236, 170);
@@ -60,7 +63,7 @@ pub enum DrawError {
     Plot(String),
 }
 
-/// The chart as RGB pixels of [`SIZE`], row by row.
+/// The chart as RGB pixels of 1200 × 800, row by row.
 ///
 /// # Errors
 /// No run finished.
@@ -131,6 +134,8 @@ fn plot<B: DrawingBackend>(
     root.draw(&Text::new(format!("{}: error over {title}", chart.scene), (90, 22), text(32.0, INK)))?;
     root.draw(&Text::new(subtitle(chart), (90, 62), text(19.0, RGBColor(110, 110, 110))))?;
     let (_, area) = root.split_vertically(92);
+    // Beside the plot: no corner of it is free in every chart.
+    let (area, beside) = area.split_horizontally(SIZE.0 - LEGEND_WIDTH);
     let mut context = ChartBuilder::on(&area)
         .margin_right(28)
         .margin_left(26)
@@ -156,42 +161,20 @@ fn plot<B: DrawingBackend>(
 
     let mut best: Vec<(f64, f64)> = best_of(curves).iter().map(percent).collect();
     best.sort_by(|a, b| a.0.total_cmp(&b.0));
-    context
-        .draw_series(LineSeries::new(best, FRONT.stroke_width(16)))?
-        .label("Pareto front: none both cheaper and better")
-        .legend(|(x, y)| PathElement::new([(x, y), (x + 34, y)], FRONT.stroke_width(14)));
+    context.draw_series(LineSeries::new(best, FRONT.stroke_width(16)))?;
     if !path_tracer.is_empty() {
         let line: Vec<(f64, f64)> = path_tracer.iter().map(percent).collect();
-        context
-            .draw_series(DashedLineSeries::new(line.iter().copied(), 3, 5, INK.stroke_width(2)))?
-            .label(format!("path tracer, {} fixed points", crate::format::count(path_tracer_points(chart))))
-            .legend(|(x, y)| {
-                let dash = |from: i32| PathElement::new([(from, 0), (from + 4, 0)], INK.stroke_width(2));
-                EmptyElement::at((x, y))
-                    + dash(0)
-                    + dash(8)
-                    + Cross::new((17, 0), 4, INK.stroke_width(2))
-                    + dash(23)
-                    + dash(30)
-            });
+        context.draw_series(DashedLineSeries::new(line.iter().copied(), 3, 5, INK.stroke_width(2)))?;
         context.draw_series(line.iter().map(|point| Cross::new(*point, 4, INK.stroke_width(2))))?;
     }
     for curve in curves {
         let line: Vec<(f64, f64)> = curve.points.iter().map(percent).collect();
         let (colour, open) = (curve.colour, curve.open);
-        let series = if open {
-            context.draw_series(DashedLineSeries::new(line.iter().copied(), 9, 6, colour.stroke_width(2)))?
+        if open {
+            context.draw_series(DashedLineSeries::new(line.iter().copied(), 9, 6, colour.stroke_width(2)))?;
         } else {
-            context.draw_series(LineSeries::new(line.iter().copied(), colour.stroke_width(3)))?
-        };
-        series.label(curve.name).legend(move |(x, y)| {
-            let dot = if open { colour.stroke_width(2) } else { colour.filled() };
-            let gap = if open { 8 } else { 17 };
-            EmptyElement::at((x, y))
-                + PathElement::new([(0, 0), (gap, 0)], colour.stroke_width(if open { 2 } else { 3 }))
-                + PathElement::new([(34 - gap, 0), (34, 0)], colour.stroke_width(if open { 2 } else { 3 }))
-                + Circle::new((17, 0), 5, dot)
-        });
+            context.draw_series(LineSeries::new(line.iter().copied(), colour.stroke_width(3)))?;
+        }
         if open {
             context.draw_series(line.iter().map(|point| Circle::new(*point, 5, WHITE.filled())))?;
             context.draw_series(line.iter().map(|point| Circle::new(*point, 5, colour.stroke_width(2))))?;
@@ -206,16 +189,44 @@ fn plot<B: DrawingBackend>(
         });
         context.draw_series(labels)?;
     }
-    context
-        .configure_series_labels()
-        .position(SeriesLabelPosition::UpperRight)
-        .margin(14)
-        .legend_area_size(46)
-        .background_style(WHITE.mix(0.85))
-        .border_style(FAINT)
-        .label_font(text(19.0, INK))
-        .draw()?;
+    legend(chart, curves, !path_tracer.is_empty(), &beside)?;
     root.present()
+}
+
+/// Names of the curves, one below the other.
+fn legend<B: DrawingBackend>(
+    chart: &Chart,
+    curves: &[Curve],
+    has_path_tracer: bool,
+    area: &DrawingArea<B, Shift>,
+) -> Result<(), DrawingAreaErrorKind<B::ErrorType>> {
+    let mut y = 30;
+    let name = |text: &str, y: i32| {
+        let style = (family(), 19.0).into_font().color(&INK);
+        area.draw(&Text::new(text.to_owned(), (66, y - 10), style))
+    };
+    let line =
+        |from: i32, to: i32, y: i32, style: ShapeStyle| area.draw(&PathElement::new([(from, y), (to, y)], style));
+    for curve in curves {
+        let (colour, width) = (curve.colour, if curve.open { 2 } else { 3 });
+        let gap = if curve.open { 10 } else { 20 };
+        line(14, 14 + gap, y, colour.stroke_width(width))?;
+        line(54 - gap, 54, y, colour.stroke_width(width))?;
+        let dot = if curve.open { colour.stroke_width(2) } else { colour.filled() };
+        area.draw(&Circle::new((34, y), 5, dot))?;
+        name(curve.name, y)?;
+        y += 32;
+    }
+    if has_path_tracer {
+        for from in [14, 22, 42, 50] {
+            line(from, from + 4, y, INK.stroke_width(2))?;
+        }
+        area.draw(&Cross::new((34, y), 4, INK.stroke_width(2)))?;
+        name(&format!("path tracer at {} points", crate::format::count(path_tracer_points(chart))), y)?;
+        y += 32;
+    }
+    line(14, 54, y, FRONT.stroke_width(16))?;
+    name("Pareto front", y)
 }
 
 fn curves(drawing: Drawing<'_>) -> Vec<Curve<'_>> {

@@ -146,7 +146,7 @@ fn a_changed_scene_is_another_reference() {
     assert_ne!(original, changed(&|scene| scene.materials[0].reflectance.y += 1e-6));
     assert_ne!(original, changed(&|scene| scene.materials[3].emission.z *= 1.000_001));
     assert_ne!(original, changed(&|scene| scene.polygons[0] = scene.polygons[0].flipped()));
-    assert_ne!(original, changed(&|scene| drop(scene.polygons.pop())));
+    assert_ne!(original, changed(&|scene| scene.polygons.truncate(19)));
     assert_eq!(original, changed(&|scene| scene.name = "another name".to_owned()));
 }
 
