@@ -145,6 +145,8 @@ struct Work {
     is_done: bool,
     meter: Option<ErrorMeter>,
     field: Option<(Arc<Mesh>, ScatteredField)>,
+    /// The scene, which tells what is a lamp and is not compared.
+    scene: Arc<Scene>,
     /// What was measured last, and when.
     last: Option<(Arc<Snapshot>, Instant)>,
     saved: Instant,
@@ -170,7 +172,7 @@ impl Session {
             let asks: Vec<Ask> = first.into_iter().chain(self.asks.try_iter()).collect();
             for ask in asks {
                 match ask {
-                    Ask::Begin { scene, points, cache } => self.begin(&scene, points, cache),
+                    Ask::Begin { scene, points, cache } => self.begin(scene, points, cache),
                     Ask::Measure(snapshot) => self.waiting = Some(snapshot),
                     Ask::Forget => self.forget(),
                     Ask::End => return self.save(),
@@ -185,17 +187,17 @@ impl Session {
         self.waiting.is_some() && self.work.as_ref().is_some_and(|work| work.meter.is_some())
     }
 
-    fn begin(&mut self, scene: &Scene, points: usize, cache: Option<Cache>) {
+    fn begin(&mut self, scene: Arc<Scene>, points: usize, cache: Option<Cache>) {
         self.forget();
-        let points: Arc<[_]> = random_points(scene, points, SEED).into();
-        let mut run = ReferenceRun::new(scene, Arc::new(Occluders::new(scene)), points, SEED);
+        let points: Arc<[_]> = random_points(&scene, points, SEED).into();
+        let mut run = ReferenceRun::new(&scene, Arc::new(Occluders::new(&scene)), points, SEED);
         if let Some(cache) = &cache {
             cache.load(&mut run);
         }
         *lock(&self.report) = Report { is_active: true, points: run.points().len(), ..Report::default() };
-        let mut work = Work { run, cache, is_done: false, meter: None, field: None, last: None, saved: Instant::now() };
-        work.is_done = work.run.points().is_empty();
-        self.work = Some(work);
+        let is_done = run.points().is_empty();
+        let saved = Instant::now();
+        self.work = Some(Work { run, cache, is_done, meter: None, field: None, scene, last: None, saved });
         self.take_reference();
     }
 
@@ -257,7 +259,7 @@ impl Session {
     }
 
     fn measure(&mut self) {
-        let Some(Work { meter: Some(meter), field, last, run, .. }) = self.work.as_mut() else { return };
+        let Some(Work { meter: Some(meter), field, scene, last, run, .. }) = self.work.as_mut() else { return };
         let Some(snapshot) = self.waiting.take() else { return };
         let mut measure = || {
             if field.as_ref().is_none_or(|(mesh, _)| !Arc::ptr_eq(mesh, &snapshot.mesh)) {
@@ -265,7 +267,9 @@ impl Session {
             }
             let error = meter.measure(&snapshot);
             let at_points = meter.relative_differences(&snapshot);
-            (error, field.as_ref().map(|(_, field)| field.at_vertices(&at_points)).unwrap_or_default())
+            let mut differences = field.as_ref().map(|(_, field)| field.at_vertices(&at_points)).unwrap_or_default();
+            forget_lamps(scene, &snapshot.mesh, &mut differences);
+            (error, differences)
         };
         let (error, differences) = match &self.pool {
             Some(pool) => pool.install(measure),
@@ -276,5 +280,15 @@ impl Session {
         let measured = Measurement { snapshot, error, differences, serial: self.serial };
         lock(&self.report).measured = Some(Arc::new(measured));
         (self.wake)();
+    }
+}
+
+/// Nothing is known of lamps: their own light is given, not found.
+fn forget_lamps(scene: &Scene, mesh: &Mesh, differences: &mut [f32]) {
+    for (triangle, &leaf) in mesh.triangles.iter().zip(&mesh.triangle_leaf) {
+        let material = mesh.leaves[leaf as usize].material;
+        if scene.materials[material.0 as usize].emission.max_element() > 0.0 {
+            triangle.iter().for_each(|&vertex| differences[vertex as usize] = f32::NAN);
+        }
     }
 }

@@ -54,7 +54,7 @@ fn try_draw(
         }
     }
     let offscreen = device.as_mut().expect("made above");
-    Some(offscreen.picture(snapshot, camera, &Display { exposure }, overlay, size))
+    Some(offscreen.picture(snapshot, camera, &Display { exposure, as_colours: false }, overlay, size))
 }
 
 /// Quads with one radiosity each, anticlockwise from their bright side, W/m².

@@ -245,3 +245,37 @@ fn light_asked_for_at_the_start_is_there_at_once() {
     until(&mut window, "the message", |window| window.query_by_label_contains("no material `roof`").is_some());
     assert!(window.state().scene_info().is_none());
 }
+
+/// A comparison with a reference: the section tells the error and its noise, the chart holds a curve for each run, and the
+/// surfaces take the colours of their errors and give them back.
+#[test]
+fn the_picture_is_compared_with_a_reference() {
+    let mut window = cornell(coarse());
+    finish(&mut window);
+    let lit = picture(&mut window);
+    click(&mut window, "Accuracy");
+    click(&mut window, "Compare with a reference");
+    until(&mut window, "an error", |window| window.query_by_label("Error (RMS)").is_some());
+    assert!(window.query_all_by_label_contains("noise").next().is_some());
+    click(&mut window, "difference");
+    let differences = picture(&mut window);
+    assert!(share_of_different_pixels(&lit, &differences) > 0.2, "the walls show their errors");
+    click(&mut window, "error");
+    let errors = picture(&mut window);
+    assert!(share_of_different_pixels(&differences, &errors) > 0.2);
+    // A finer ε is a run of its own.
+    let curves = |window: &Harness<'static, App>| window.query_all_by_label_contains("Φ, adaptive, immediate").count();
+    assert_eq!(curves(&window), 1);
+    window.get_by_role_and_label(Role::Slider, "ε relative").set_value_accesskit(2e-3);
+    until(&mut window, "a second curve", |window| curves(window) == 2);
+    click(&mut window, "light");
+    assert_eq!(window.query_all_by_label_contains("grey: unknown").count(), 0);
+    click(&mut window, "Stop comparing");
+    until(&mut window, "the offer", |window| window.query_by_label("Compare with a reference").is_some());
+    assert!(share_of_different_pixels(&picture(&mut window), &lit) < 0.5, "the light is back");
+    if let Some(folder) = std::env::var_os("SELFLINK_KEEP_PICTURES") {
+        errors.save(std::path::Path::new(&folder).join("errors.png")).expect("a picture is kept");
+        differences.save(std::path::Path::new(&folder).join("differences.png")).expect("a picture is kept");
+        window.render().expect("a frame").save(std::path::Path::new(&folder).join("frame.png")).expect("kept");
+    }
+}

@@ -4,9 +4,10 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
+use super::Wake;
 use crate::accuracy::SolutionError;
-use crate::reference::Cache;
 use crate::referee::{Measurement, Referee, Report};
+use crate::reference::Cache;
 use crate::render::{BLUE_WHITE_RED, VIRIDIS, along_ramp};
 use crate::scene::Scene;
 use crate::solver::{Epsilon, Snapshot, SolverParams};
@@ -87,13 +88,14 @@ impl Default for Comparison {
 }
 
 impl Comparison {
-    /// Starts a reference of a scene; `wake` is called when there is something new.
+    /// Starts a reference of a scene.
     ///
     /// # Errors
     /// The system gives no further thread.
-    pub(super) fn begin(&mut self, scene: &Arc<Scene>, wake: Box<dyn Fn() + Send>) -> std::io::Result<()> {
+    pub(super) fn begin(&mut self, scene: &Arc<Scene>, wake: &Wake) -> std::io::Result<()> {
         if self.referee.is_none() {
-            self.referee = Some(Referee::spawn(wake)?);
+            let wake = wake.clone();
+            self.referee = Some(Referee::spawn(Box::new(move || wake()))?);
         }
         self.forget_measurements();
         self.report.is_active = true;
@@ -212,7 +214,8 @@ impl Comparison {
                 serial: u64::MAX - 2 * measured.serial - u64::from(self.shading == Shading::Error),
                 ..(*measured.snapshot).clone()
             };
-            self.painted = Some(Painted { serial: measured.serial, shading: self.shading, snapshot: Arc::new(snapshot) });
+            self.painted =
+                Some(Painted { serial: measured.serial, shading: self.shading, snapshot: Arc::new(snapshot) });
         }
         self.painted.as_ref().map(|painted| painted.snapshot.clone())
     }

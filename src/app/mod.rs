@@ -4,8 +4,8 @@
 //! write commands into an outbox, and sends them. Panels see only what they are given, so none of them can wait for the solver.
 //! Imports everything below it; only `main` knows this module.
 
+mod comparison;
 mod files;
-
 mod launch;
 mod messages;
 mod paint;
@@ -30,6 +30,7 @@ use crate::format;
 use crate::scene::Source;
 use crate::solver::{Snapshot, SolverParams};
 use crate::worker::{Command, Event, SceneInfo, SolverThread, Status};
+use comparison::Comparison;
 use files::Files;
 use messages::Messages;
 use panels::light::LampEditor;
@@ -57,6 +58,9 @@ struct Shown {
 /// Commands that a frame gives rise to.
 type Outbox = Vec<Command>;
 
+/// What threads call when they have something to show.
+type Wake = Arc<dyn Fn() + Send + Sync>;
+
 /// The window's state.
 pub struct App {
     worker: SolverThread,
@@ -72,6 +76,8 @@ pub struct App {
     view: Viewport,
     picked: Option<PickedElement>,
     time_left: TimeLeft,
+    comparison: Comparison,
+    wake: Wake,
     drawing_failures: Receiver<String>,
 }
 
@@ -97,14 +103,15 @@ impl App {
         paint::install(render_state, failures, cc.egui_ctx.clone());
         let on_cpu = render_state.adapter.get_info().device_type == wgpu::DeviceType::Cpu;
         let ctx = cc.egui_ctx.clone();
-        let wake = move || {
+        let wake: Wake = Arc::new(move || {
             if on_cpu {
                 ctx.request_repaint_after(REPAINT_INTERVAL_ON_CPU);
             } else {
                 ctx.request_repaint();
             }
-        };
-        let worker = SolverThread::spawn(params, Box::new(wake))?;
+        });
+        let of_worker = wake.clone();
+        let worker = SolverThread::spawn(params, Box::new(move || of_worker()))?;
         if let Some((source, light)) = opening {
             worker.send(Command::Load(source, light));
         }
@@ -124,6 +131,8 @@ impl App {
             view: Viewport::default(),
             picked: None,
             time_left: TimeLeft::default(),
+            comparison: Comparison::default(),
+            wake,
             drawing_failures,
         })
     }
@@ -158,6 +167,7 @@ impl App {
             self.messages.error(format!("The view cannot be drawn: {failure}."));
         }
         self.shown.status = self.worker.status();
+        self.comparison.note(self.shown.snapshot.as_ref(), &self.shown.status.params);
         let Some(latest) = self.worker.latest() else { return };
         if let Some(incoming) = self.incoming.take_if(|incoming| incoming.info.generation <= latest.generation) {
             self.adopt(ctx, incoming);
@@ -211,6 +221,7 @@ impl App {
     /// Brings a scene into view whose first snapshot is there.
     fn adopt(&mut self, ctx: &egui::Context, incoming: Incoming) {
         let Incoming { info, is_new } = incoming;
+        self.comparison.follow_scene(&info.scene, is_new);
         if is_new {
             let title = format!("{} – Selflink", info.scene.name);
             ctx.send_viewport_cmd(egui::ViewportCommand::Title(title));

@@ -5,7 +5,7 @@ use glam::{Vec2, Vec3};
 
 use super::paint::Picture;
 use super::{App, Outbox, panels, theme};
-use crate::render::Camera;
+use crate::render::{Camera, Display};
 use crate::scene::{CameraPose, Scene};
 
 /// A drag across the view's height turns the camera by this, radians.
@@ -168,14 +168,18 @@ pub(super) fn show(app: &mut App, ui: &mut Ui, outbox: &mut Outbox) -> Option<Cl
         let pixels = |points: f32| (points * scale).round().max(1.0) as u32;
         let deepest = snapshot.clusters.iter().map(|cluster| cluster.level).max().unwrap_or(0);
         let is_dark = app.shown.info.as_ref().is_some_and(|info| !info.has_light);
+        let painted = app.comparison.painted();
         let picture = Picture {
-            snapshot,
             camera,
-            display: app.display.display(),
+            display: Display { as_colours: painted.is_some(), ..app.display.display() },
+            snapshot: painted.unwrap_or(snapshot),
             overlay: app.display.overlay(deepest, is_dark, app.picked.is_some()),
             size: [pixels(rect.width()), pixels(rect.height())],
         };
         picture.add_to(&ui.painter_at(rect), rect);
+    }
+    if app.comparison.error().is_some() {
+        panels::legend::show(ui, rect, app.comparison.shading);
     }
     panels::picked::show(app, ui, rect, outbox);
     panels::empty::show_loading(app, ui, rect, outbox);

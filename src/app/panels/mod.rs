@@ -1,8 +1,10 @@
 //! The panels around the view: each takes what it shows and writes commands into the outbox.
 
+pub(super) mod accuracy;
 pub(super) mod controls;
 pub(super) mod display;
 pub(super) mod empty;
+pub(super) mod legend;
 pub(super) mod light;
 pub(super) mod parameters;
 pub(super) mod picked;
@@ -39,6 +41,14 @@ fn show_sections(app: &mut App, ui: &mut Ui, outbox: &mut Outbox) {
     }
     section(ui, "Solver", true, None, |ui| solver::show(ui, &app.shown, &mut app.params, outbox));
     section(ui, "Display", true, None, |ui| display::show(ui, &app.shown, &mut app.display));
+    if let Some(info) = app.shown.info.clone() {
+        let (comparison, wake) = (&mut app.comparison, &app.wake);
+        let mut outcome = Ok(());
+        section(ui, "Accuracy", false, None, |ui| outcome = accuracy::show(ui, &info, comparison, wake));
+        if let Err(sentence) = outcome {
+            app.messages.error(sentence);
+        }
+    }
     section(ui, "Statistics", false, None, |ui| statistics::show(ui, &app.shown));
     section(ui, "Mouse and keys", false, None, controls::show);
 }

@@ -1,0 +1,189 @@
+//! The accuracy section: a reference made in the background, the error of the picture by it, and a chart of error over time.
+
+use std::sync::Arc;
+
+use egui::{Color32, ProgressBar, Slider, Ui};
+use egui_plot::{Line, Plot, PlotPoints, Points};
+
+use super::super::comparison::{Comparison, POINTS, Run, Shading};
+use super::super::{Wake, format, theme};
+use crate::accuracy::SolutionError;
+use crate::referee::GOAL;
+use crate::worker::SceneInfo;
+
+/// Height of the chart, points.
+const CHART_HEIGHT: f32 = 170.0;
+/// Errors below this are drawn there: a logarithm has no zero.
+const LEAST_ERROR: f64 = 1e-3;
+
+/// Draws the section; a sentence where a reference was asked for and cannot be made.
+pub(super) fn show(ui: &mut Ui, info: &Arc<SceneInfo>, comparison: &mut Comparison, wake: &Wake) -> Result<(), String> {
+    let outcome = match comparison.report().is_active {
+        true => {
+            show_reference(ui, comparison);
+            Ok(())
+        }
+        false => show_offer(ui, info, comparison, wake),
+    };
+    if let Some(error) = comparison.error() {
+        show_error(ui, error);
+        show_shading(ui, &mut comparison.shading);
+    }
+    if !comparison.runs().is_empty() {
+        show_chart(ui, comparison.runs());
+        if comparison.runs().len() > 1 && ui.button("Forget earlier curves").clicked() {
+            comparison.forget_runs();
+        }
+    }
+    outcome
+}
+
+fn show_offer(ui: &mut Ui, info: &Arc<SceneInfo>, comparison: &mut Comparison, wake: &Wake) -> Result<(), String> {
+    ui.label(theme::weak("How far is this picture from the truth? A path tracer finds out in the background."));
+    theme::row(ui, "Points", |ui| {
+        let slider = Slider::new(&mut comparison.points, POINTS).logarithmic(true);
+        ui.add(slider).on_hover_text("So many points on the surfaces are compared; more show errors in finer detail")
+    });
+    let can_compare = info.has_light;
+    let button = ui.add_enabled(can_compare, egui::Button::new("Compare with a reference"));
+    if button.on_disabled_hover_text("Nothing in this scene emits light").clicked() {
+        let begun = comparison.begin(&info.scene, wake);
+        return begun.map_err(|error| format!("No reference can be made, no thread is left ({error})."));
+    }
+    Ok(())
+}
+
+fn show_reference(ui: &mut Ui, comparison: &mut Comparison) {
+    let report = comparison.report();
+    let (text, share) = match report.noise {
+        None => ("first paths…".to_owned(), 0.0),
+        Some(noise) if report.is_done => (format!("noise {}", percent(noise)), 1.0),
+        // Noise falls as the root of the paths.
+        Some(noise) => (format!("noise {}, goal {}", percent(noise), percent(GOAL)), (GOAL / noise).powi(2).min(1.0)),
+    };
+    let points = format::count(report.points);
+    theme::row(ui, "Reference", |ui| {
+        ui.label(theme::value(text)).on_hover_text(format!(
+            "Path-traced at {points} points; the noise is subtracted from the errors below. Kept on disk for the next time."
+        ))
+    });
+    ui.horizontal(|ui| {
+        ui.add(ProgressBar::new(share as f32).desired_width(200.0).desired_height(6.0).fill(theme::ACCENT));
+        if ui.button("Stop comparing").clicked() {
+            comparison.stop();
+        }
+    });
+    if let Some(failure) = &comparison.report().cache_failure {
+        ui.label(theme::weak(failure));
+    }
+}
+
+fn show_error(ui: &mut Ui, error: &SolutionError) {
+    let shown = &error.displayed;
+    let rms = match shown.below_noise {
+        true => format!("below {}", percent(error.reference_noise)),
+        false => percent(shown.rms),
+    };
+    let mut row = |name: &str, value: String, hint: &str| {
+        theme::row(ui, name, |ui| ui.label(theme::value(value)).on_hover_text(hint));
+    };
+    row(
+        "Error (RMS)",
+        rms,
+        "Of the radiosity as displayed, over the area of all surfaces but the lamps, relative to its RMS",
+    );
+    row("…of the elements", percent(error.leaves.rms), "The same with one value for each element, not interpolated");
+    row("Bias", format!("{:+.1} %", 100.0 * shown.bias), "Mean difference: too bright is positive");
+    let local = format!("{}, {}", percent(shown.local_median), percent(shown.local_p95));
+    row("Local error", local, "Relative to each point's own radiosity: median and 95th percentile over the area");
+    let dark = format!("{}, {}", percent(shown.dark_median), percent(shown.dark_p95));
+    row("…where it is dark", dark, "The same over the darker half of the area");
+}
+
+fn show_shading(ui: &mut Ui, shading: &mut Shading) {
+    theme::row(ui, "Show", |ui| {
+        ui.horizontal(|ui| {
+            ui.selectable_value(shading, Shading::Lit, "light");
+            ui.selectable_value(shading, Shading::Error, "error");
+            ui.selectable_value(shading, Shading::Difference, "difference");
+        })
+        .response
+    });
+}
+
+fn show_chart(ui: &mut Ui, runs: &[Run]) {
+    ui.add_space(4.0);
+    ui.label(theme::weak("Error (RMS) over time; earlier settings faint"));
+    let power_of_ten = |mark: egui_plot::GridMark, unit: &str, factor: f64| {
+        let decimals = (-(mark.value + factor.log10())).round().max(0.0) as usize;
+        format!("{:.decimals$} {unit}", factor * 10f64.powf(mark.value))
+    };
+    Plot::new("error over time")
+        .height(CHART_HEIGHT)
+        .allow_drag(false)
+        .allow_zoom(false)
+        .allow_scroll(false)
+        .allow_boxed_zoom(false)
+        .show_x(false)
+        .show_y(false)
+        .set_margin_fraction(egui::vec2(0.06, 0.12))
+        .x_grid_spacer(egui_plot::uniform_grid_spacer(|_| [1.0, 1.0, 1.0]))
+        .y_grid_spacer(egui_plot::uniform_grid_spacer(|_| [1.0, 1.0, 1.0]))
+        .x_axis_formatter(move |mark, _| power_of_ten(mark, "s", 1.0))
+        .y_axis_formatter(move |mark, _| power_of_ten(mark, "%", 100.0))
+        .include_y(-1.0)
+        .include_y(0.0)
+        .include_x(-2.0)
+        .include_x(0.0)
+        .show(ui, |plot| {
+            for (index, run) in runs.iter().enumerate() {
+                let is_present = index + 1 == runs.len();
+                let colour = if is_present { theme::ACCENT } else { faint(index) };
+                let points: Vec<[f64; 2]> =
+                    run.points.iter().map(|&[seconds, error]| logarithms(seconds, error)).collect();
+                let end = points.last().copied();
+                let width = if is_present { 2.0 } else { 1.2 };
+                plot.line(Line::new(run.name.clone(), PlotPoints::from(points)).color(colour).width(width));
+                if let Some(end) = end {
+                    plot.points(Points::new(run.name.clone(), vec![end]).color(colour).radius(3.0));
+                }
+            }
+        });
+    for (index, run) in runs.iter().enumerate().rev() {
+        let colour = if index + 1 == runs.len() { theme::ACCENT } else { faint(index) };
+        let end = run
+            .points
+            .last()
+            .map(|[seconds, error]| format!("{} after {}", percent(*error), format::seconds(*seconds)));
+        ui.horizontal(|ui| {
+            let (dot, _) = ui.allocate_exact_size(egui::vec2(8.0, 8.0), egui::Sense::hover());
+            ui.painter().circle_filled(dot.center(), 4.0, colour);
+            ui.add(egui::Label::new(theme::weak(format!("{}: {}", run.name, end.unwrap_or_default()))).truncate());
+        });
+    }
+}
+
+fn logarithms(seconds: f64, error: f64) -> [f64; 2] {
+    [seconds.max(1e-4).log10(), error.max(LEAST_ERROR).log10()]
+}
+
+/// The colour of an earlier run's curve.
+fn faint(index: usize) -> Color32 {
+    const COLOURS: [Color32; 4] = [
+        Color32::from_rgb(96, 130, 168),
+        Color32::from_rgb(110, 150, 120),
+        Color32::from_rgb(150, 120, 150),
+        Color32::from_rgb(140, 140, 110),
+    ];
+    COLOURS[index % COLOURS.len()]
+}
+
+fn percent(share: f64) -> String {
+    let percent = 100.0 * share;
+    match percent {
+        // Where next to no light is, any is far too much.
+        1000.0.. => "over 1,000 %".to_owned(),
+        10.0.. => format!("{percent:.0} %"),
+        _ => format!("{percent:.1} %"),
+    }
+}

@@ -1,0 +1,85 @@
+//! The referee's thread: what it measures is what the error meter finds, and it never keeps anybody waiting.
+
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use selflink::accuracy::ErrorMeter;
+use selflink::cancel::CancelToken;
+use selflink::referee::{Measurement, Referee};
+use selflink::reference::{Cache, ReferenceRun, random_points};
+use selflink::scene::builtin::BuiltinScene;
+use selflink::scene::{Scene, Sides};
+use selflink::solver::{Epsilon, Snapshot, Solver, SolverParams};
+use selflink::visibility::Occluders;
+
+const PATIENCE: Duration = Duration::from_secs(60);
+
+fn solved(scene: BuiltinScene, epsilon: f64) -> (Arc<Scene>, Arc<Occluders>, Arc<Snapshot>) {
+    let (scene, occluders) = selflink::orient::apply(scene.build(), Sides::Front);
+    let (scene, occluders) = (Arc::new(scene), Arc::new(occluders));
+    let params = SolverParams { epsilon: Epsilon::Relative(epsilon), ..SolverParams::default() };
+    let mut solver = Solver::new(scene.clone(), occluders.clone(), params, 1).expect("usable parameters");
+    solver.run(&CancelToken::new());
+    let snapshot = Arc::new(solver.snapshot());
+    (scene, occluders, snapshot)
+}
+
+fn until<T>(what: &str, mut found: impl FnMut() -> Option<T>) -> T {
+    let begun = Instant::now();
+    loop {
+        if let Some(found) = found() {
+            return found;
+        }
+        assert!(begun.elapsed() < PATIENCE, "{what} did not happen within {PATIENCE:?}");
+        std::thread::sleep(Duration::from_millis(2));
+    }
+}
+
+fn referee() -> Referee {
+    Referee::spawn(Box::new(|| {})).expect("a thread")
+}
+
+/// Truth: the meter itself with the reference that the cache holds in the end. Lamps are known, so nothing is said about them.
+#[test]
+fn it_measures_what_the_meter_finds() {
+    let (scene, occluders, snapshot) = solved(BuiltinScene::Cornell, 1e-2);
+    let folder = tempfile::tempdir().expect("a folder");
+    let referee = referee();
+    referee.begin(scene.clone(), 250, Some(Cache::new(folder.path())));
+    referee.measure(snapshot.clone());
+    let is_last = |measured: &Arc<Measurement>| measured.error.reference_noise <= selflink::referee::GOAL;
+    let measured = until("the last measurement", || referee.report().measured.filter(is_last));
+    assert!(Arc::ptr_eq(&measured.snapshot, &snapshot));
+    assert_eq!(measured.differences.len(), snapshot.mesh.positions.len());
+    let known = measured.differences.iter().filter(|difference| difference.is_finite()).count();
+    assert!(known > 0 && known < measured.differences.len(), "{known} vertices but the lamp's are known");
+    referee.forget();
+    until("forgetting", || (!referee.report().is_active).then_some(()));
+
+    let points: Arc<[_]> = random_points(&scene, 250, 1).into();
+    let mut run = ReferenceRun::new(&scene, occluders, points, 1);
+    assert!(Cache::new(folder.path()).load(&mut run), "the reference is kept on disk");
+    let expected = ErrorMeter::new(Arc::new(run.reference())).measure(&snapshot);
+    assert_eq!(measured.error, expected);
+    assert!(
+        (0.05..0.6).contains(&expected.displayed.rms),
+        "a coarse solution is some tens of percent off: {expected:?}"
+    );
+}
+
+/// A pass over many points takes long; a person who stops it, or opens another scene, does not wait for it.
+#[test]
+fn it_stops_within_50_ms() {
+    let (scene, _, snapshot) = solved(BuiltinScene::Seminar { polygons: 2008 }, 1e-1);
+    let referee = referee();
+    referee.begin(scene, 16_000, None);
+    referee.measure(snapshot);
+    until("the first pass", || referee.report().is_active.then_some(()));
+    std::thread::sleep(Duration::from_millis(100));
+    let begun = Instant::now();
+    referee.forget();
+    until("stopping", || (!referee.report().is_active).then_some(()));
+    // 50 ms, and as much again for a machine on which other tests run at the same time.
+    assert!(begun.elapsed() < Duration::from_millis(100), "{:?}", begun.elapsed());
+    assert!(referee.report().measured.is_none());
+}
