@@ -111,7 +111,8 @@ mod tests {
         };
         let field = ScatteredField::new(&[point(1.0), point(-1.0)], &mesh);
         let values = field.at_vertices(&[3.0, -2.0]);
-        assert!(values[..4].iter().all(|&value| value == 3.0) && values[4..8].iter().all(|&value| value == -2.0));
+        let are = |values: &[f32], truth: f32| values.iter().all(|value| (value - truth).abs() < 1e-5);
+        assert!(are(&values[..4], 3.0) && are(&values[4..8], -2.0), "{values:?}");
         assert!(values[8..].iter().all(|value| value.is_nan()), "{values:?}");
     }
 }
