@@ -1,7 +1,7 @@
 //! Form factors without occlusion, as one symmetric *exchange* G = A_r·F(r←s) = A_s·F(s←r), in m².
 //!
-//! Far patches use the disc form, near and touching ones the analytic point-to-polygon form factor averaged over points of
-//! the smaller; a cluster's cosine is ¼, the mean projected area of randomly turned one-sided faces [Sillion 95, eqs 8–15].
+//! Far patches use the kernel between their centres with its curvature over both, near and touching ones the analytic
+//! point-to-polygon form factor averaged over points of the smaller; a cluster's cosine is ¼, the mean projected area of randomly turned one-sided faces [Sillion 95, eqs 8–15].
 
 use std::f32::consts::PI;
 
@@ -11,9 +11,11 @@ use crate::hierarchy::{Cluster, Element, ElementId, Hierarchy, Patch, Shape};
 
 /// A cluster's mean cosine: projected over total area of randomly turned one-sided faces.
 pub const CLUSTER_COSINE: f32 = 0.25;
-/// Patches nearer than this many times the larger one's size (square root of area) get the analytic form factor: beyond, the
-/// disc form of two facing squares is less than 0.5 % off.
-const NEAR: f32 = 4.0;
+/// Patches nearer than this many times the larger one's size (square root of area) get the analytic form factor.
+const NEAR: f32 = 2.5;
+/// So do those where the kernel's curvature changes its mean by more than this share: what the expansion leaves out is about the
+/// square of that, 1 %.
+const MOST_CURVED: f32 = 0.1;
 /// Behind a plane up to this share of an element's size still counts as on it: f32 noise of coplanar faces.
 const PLANE_TOLERANCE: f32 = 1e-4;
 
@@ -83,20 +85,40 @@ fn patches(hierarchy: &Hierarchy, (first, p): (&Element, &Patch), (second, q): (
     let distance_squared = between.length_squared();
     // Cosines times distance.
     let (p_height, q_height) = (p.normal.dot(between), -q.normal.dot(between));
-    let near = distance_squared < NEAR * NEAR * first.area.max(second.area);
-    let estimate = if near || p_height <= 0.0 || q_height <= 0.0 {
+    let near = distance_squared < NEAR * NEAR * first.area.max(second.area) || p_height <= 0.0 || q_height <= 0.0;
+    let far = (!near).then(|| from_centres((first, p, p_corners), (second, q, q_corners))).flatten();
+    let estimate = far.unwrap_or_else(|| {
         let ((small, s, s_corners), (large, l, l_corners)) = if (first.area, first.key) <= (second.area, second.key) {
             ((first, p, p_corners), (second, q, q_corners))
         } else {
             ((second, q, q_corners), (first, p, p_corners))
         };
         analytic(small, s.normal, s_corners, large, l, l_corners)
-    } else {
-        // The disc form with both ends' areas: as good for either direction.
-        let cosines = p_height * q_height / distance_squared;
-        cosines * first.area * second.area / (PI * distance_squared + first.area + second.area)
-    };
+    });
     Exchange::Facing { estimate, bound: estimate, overlapping: false }
+}
+
+/// G by the kernel k = cosθ·cosθ'/(πd²) between the centres and its second derivatives: its mean over both patches is
+/// k + ½·tr(H·C) with the Hessian H in the span between the points and the sum C of the patches' covariances, which are a
+/// twelfth of the sum over corners of (v−c)(v−c)ᵀ for triangles and parallelograms alike. `None` where that changes k too much.
+fn from_centres(
+    (first, p, p_corners): (&Element, &Patch, &[Vec3]),
+    (second, q, q_corners): (&Element, &Patch, &[Vec3]),
+) -> Option<f32> {
+    let span = second.centre - first.centre;
+    let square = span.length_squared();
+    let (p_height, q_height) = (p.normal.dot(span), -q.normal.dot(span));
+    let heights = p_height * q_height;
+    // Second derivative along `e` of heights/square², times square².
+    let curvature = |e: Vec3| {
+        let (by_p, by_q, along) = (p.normal.dot(e), q.normal.dot(e), span.dot(e) / square);
+        -2.0 * by_p * by_q - 8.0 * (q_height * by_p - p_height * by_q) * along
+            + heights * (24.0 * along * along - 4.0 * e.length_squared() / square)
+    };
+    let over = |corners: &[Vec3], centre: Vec3| corners.iter().map(|&corner| curvature(corner - centre)).sum::<f32>();
+    let change = (over(p_corners, first.centre) + over(q_corners, second.centre)) / 24.0;
+    let is_mild = change.abs() <= MOST_CURVED * heights;
+    is_mild.then(|| (heights + change) * first.area * second.area / (PI * square * square))
 }
 
 /// Gauss points of order 3 on the unit interval and their weights.

@@ -55,7 +55,7 @@ fn empty_furnace_of_whole_walls_glows_evenly() {
 }
 
 /// Walls that are split: a leaf's irradiance is in part its ancestors', so single leaves could be off; with any ε not by more
-/// than 1 %, RMS and mean alike.
+/// than 0.2 %, RMS and mean alike, for so good are form factors far and near.
 #[test]
 fn empty_furnace_glows_evenly_with_any_threshold() {
     for mode in MODES {
@@ -63,14 +63,14 @@ fn empty_furnace_glows_evenly_with_any_threshold() {
         let (coarse, fine) = (of(1e-2), of(1e-4));
         println!("{mode:?}: mean {:.4} and {:.4}, RMS {:.4} and {:.4}", coarse.0, fine.0, coarse.1, fine.1);
         for (mean, rms, _) in [coarse, fine] {
-            assert!(rms < 0.01, "{mode:?}: RMS {rms}");
-            assert!((mean / 2.0 - 1.0).abs() < 0.01, "{mode:?}: B = {mean} instead of 2");
+            assert!(rms < 0.002, "{mode:?}: RMS {rms}");
+            assert!((mean / 2.0 - 1.0).abs() < 0.002, "{mode:?}: B = {mean} instead of 2");
         }
     }
 }
 
-/// An error of 1 % in the sum of a row of form factors, as at ρ = 0.5, becomes 1 % · ρ/(1−ρ) = 19 % of B at ρ = 0.95. A gather that
-/// counted sweeps instead of looking at the change would end low.
+/// An error of 0.2 % in the sum of a row of form factors becomes 0.2 % · ρ/(1−ρ) = 3.8 % of B at ρ = 0.95. A gather that counted
+/// sweeps instead of looking at the change would end low.
 #[test]
 fn bright_furnace_converges() {
     for push in [Push::Immediate, Push::Deferred] {
@@ -80,7 +80,7 @@ fn bright_furnace_converges() {
             let limited = solved.stats().clamped_leaves;
             println!("{mode:?}, {push:?}: mean {mean:.2}, RMS {rms:.3}, worst {worst:.2}, {limited} leaves limited");
             assert!(is_sound(&solved));
-            assert!((mean / 20.0 - 1.0).abs() < 0.19, "{mode:?}, {push:?}: B = {mean} instead of 20");
+            assert!((mean / 20.0 - 1.0).abs() < 0.038, "{mode:?}, {push:?}: B = {mean} instead of 20");
         }
     }
 }
