@@ -209,6 +209,39 @@ fn a_sidecar_written_is_read_back() {
     assert_eq!((again.materials, again.sides, again.camera), (scene.materials, scene.sides, scene.camera));
 }
 
+/// Truth: a light that was added is in no scene file, so the sidecar alone brings it back, with what was changed of it.
+#[test]
+fn ceiling_lights_come_back_by_the_sidecar() {
+    let folder = Folder::new();
+    let path = folder.write("room.obj", format!("{SQUARE}usemtl a\nf 1 2 3\n"));
+    let mut scene = load_file(&path).expect("a sound scene");
+    for (height, exitance) in [(0.9, 50.0), (0.8, 20.0)] {
+        let centre = Vec3::new(0.3, height, 0.1);
+        scene.add_ceiling_light(centre, Vec3::Y, 0.2, Vec3::splat(exitance)).expect("a good light");
+    }
+    scene.set_emission("ceiling light 2", Vec3::new(1.0, 2.0, 3.0)).expect("the second light's own name");
+    let sidecar_path = Sidecar::path_for(&path);
+    Sidecar::of(&scene).write(&sidecar_path).expect("a writable folder");
+    let again = load_file(&path).expect("a sound scene");
+    assert!(again.has_light());
+    assert_eq!(again.skipped, scene.skipped, "the sidecar speaks of nothing that is not there");
+    assert_eq!((&again.materials, &again.ceiling_panels), (&scene.materials, &scene.ceiling_panels));
+    assert_eq!(again.emitted_power(), scene.emitted_power());
+    assert_eq!(Sidecar::of(&again), Sidecar::of(&scene), "saving again changes nothing");
+
+    let bad = [
+        (r#""centre": [0, 0, 0], "up": [0, 0, 0], "size": 1, "exitance": [1, 1, 1]"#, "up direction"),
+        (r#""centre": [0, 0, 0], "up": [0, 1, 0], "size": -1, "exitance": [1, 1, 1]"#, "size greater than 0"),
+        (r#""centre": [0, 0, 0], "up": [0, 1, 0], "size": 1, "exitance": [1, -1, 1]"#, "exitance"),
+        (r#""centre": [0, 0, 0], "up": [0, 1, 0], "size": 1"#, "exitance"),
+    ];
+    for (light, part) in bad {
+        folder.write("room.selflink.json", format!(r#"{{"ceiling_lights": [{{{light}}}]}}"#));
+        let sentence = load_file(&path).expect_err("a bad light").to_string();
+        assert!(sentence.contains(part) && sentence.contains("room.selflink.json"), "{sentence}");
+    }
+}
+
 #[test]
 fn gltf_nodes_are_groups_and_instances_are_copies() {
     let scene = load_square_glb(

@@ -3,7 +3,7 @@
 use glam::Vec3;
 
 use super::sidecar::MAX_EMISSION;
-use super::{GroupId, Scene};
+use super::{CeilingPanel, GroupId, Scene};
 
 /// A change that cannot be made.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -27,7 +27,7 @@ pub enum EditError {
     Up,
 }
 
-/// Name of the material of [`Scene::add_ceiling_light`].
+/// Name of the material of the first [`Scene::add_ceiling_light`]; further ones are numbered.
 const CEILING_LIGHT: &str = "ceiling light";
 
 /// Reflectance of an added light: it mostly shines.
@@ -53,6 +53,7 @@ impl Scene {
 
     /// Adds a square panel that shines down (against `up`), its middle at `centre`, its side `size` in the scene's
     /// length unit; `exitance` is B_e, W/m² per colour. [`crate::ceiling::place`] finds the place for it.
+    /// Each light has a material of its own: "ceiling light", "ceiling light 2" and so on.
     ///
     /// # Errors
     /// A size, direction or exitance that cannot be used.
@@ -64,13 +65,22 @@ impl Scene {
         let up = up.try_normalize().ok_or(EditError::Up)?;
         let (right, forward) = panel_axes(up);
         let (along, across) = (0.5 * size * right, 0.5 * size * forward);
-        let material = self.add_material(CEILING_LIGHT, LIGHT_REFLECTANCE, exitance);
-        let group = self.add_group(CEILING_LIGHT, GroupId(0));
+        let name = self.free_name(CEILING_LIGHT);
+        let material = self.add_material(&name, LIGHT_REFLECTANCE, exitance);
+        let group = self.add_group(&name, GroupId(0));
+        self.ceiling_panels.push(CeilingPanel { material, centre, up, size });
         // Anticlockwise as seen from below.
         let corners =
             [centre - along - across, centre - along + across, centre + along + across, centre + along - across];
         self.add_quad(corners, material, group);
         Ok(())
+    }
+
+    /// A name that no material has yet: this one, or with the first number that makes it new.
+    fn free_name(&self, name: &str) -> String {
+        let numbered = (2..).map(|number| format!("{name} {number}"));
+        let mut names = std::iter::once(name.to_owned()).chain(numbered);
+        names.find(|name| self.material_named(name).is_none()).unwrap_or_default()
     }
 
     /// Whether any face emits.
@@ -160,6 +170,9 @@ mod tests {
             assert!(scene.normal(&panel).dot(-up.normalize()) > 0.9999, "{up}");
             assert!((scene.area(&panel) - 0.25).abs() < 1e-6);
             assert!(scene.has_light());
+            scene.add_ceiling_light(Vec3::ZERO, up, 0.5, Vec3::splat(10.0)).expect("a second light");
+            let names: Vec<_> = scene.materials.iter().map(|material| material.name.as_str()).collect();
+            assert_eq!(names, ["ceiling light", "ceiling light 2"], "each can be named on its own");
         }
         let mut scene = Scene::new("room");
         assert_eq!(scene.add_ceiling_light(Vec3::ONE, Vec3::Y, 0.0, Vec3::ONE), Err(EditError::Size(0.0)));

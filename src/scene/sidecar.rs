@@ -2,6 +2,7 @@
 //!
 //! ```json
 //! { "materials": { "lamp": { "emission": [30, 30, 30] }, "pane": { "ignore": true } },
+//!   "ceiling_lights": [{ "centre": [1, 2.7, 1], "up": [0, 1, 0], "size": 0.5, "exitance": [100, 100, 100] }],
 //!   "sides": "auto",
 //!   "camera": { "eye": [0, 1, 3], "target": [0, 1, 0], "up": [0, 1, 0], "hfov_deg": 50 } }
 //! ```
@@ -13,7 +14,7 @@ use std::{fs, io};
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
 
-use super::{CameraPose, Scene, Sides};
+use super::{CameraPose, CeilingPanel, EditError, Scene, Sides};
 
 /// The largest reflectance that a sidecar may set; a light path then loses at least a hundredth at each bounce.
 pub(super) const MAX_SIDECAR_REFLECTANCE: f32 = 0.99;
@@ -28,6 +29,9 @@ pub struct Sidecar {
     /// Corrections by material name.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub materials: BTreeMap<String, SidecarMaterial>,
+    /// Lights to be added.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub ceiling_lights: Vec<SidecarLight>,
     /// Which sides of faces are bright.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub sides: Option<Sides>,
@@ -49,6 +53,20 @@ pub struct SidecarMaterial {
     /// Whether faces of this material are left out.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub ignore: bool,
+}
+
+/// A square light that a person added, shining against `up`.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SidecarLight {
+    /// Middle of the panel.
+    pub centre: Vec3,
+    /// Up direction; need not be normalised.
+    pub up: Vec3,
+    /// Length of its sides, in the scene's length unit.
+    pub size: f32,
+    /// Emission B_e per colour, W/m².
+    pub exitance: Vec3,
 }
 
 /// A sidecar that cannot be read, used or written.
@@ -94,7 +112,8 @@ impl Sidecar {
         scene.with_extension("selflink.json")
     }
 
-    /// All that this program may have changed in a scene: reflectance and emission of each material, sides and camera.
+    /// All that this program may have changed in a scene: reflectance and emission of each material, added lights, sides
+    /// and camera.
     ///
     /// A scene does not remember which materials a sidecar told to ignore; where a sidecar is already there, read it and
     /// [`update`](Self::update) it instead.
@@ -106,13 +125,30 @@ impl Sidecar {
 
     /// Takes over what [`Sidecar::of`] tells of a scene and keeps all the rest.
     pub fn update(&mut self, scene: &Scene) {
-        for material in &scene.materials {
+        let is_added = |index: usize| scene.ceiling_panels.iter().any(|panel| panel.material.0 as usize == index);
+        for (_, material) in scene.materials.iter().enumerate().filter(|(index, _)| !is_added(*index)) {
             let said = self.materials.entry(material.name.clone()).or_default();
             said.reflectance = Some(material.reflectance.clamp(Vec3::ZERO, Vec3::splat(MAX_SIDECAR_REFLECTANCE)));
             said.emission = Some(material.emission);
         }
+        let light = |panel: &CeilingPanel| SidecarLight {
+            centre: panel.centre,
+            up: panel.up,
+            size: panel.size,
+            exitance: scene.materials[panel.material.0 as usize].emission,
+        };
+        self.ceiling_lights = scene.ceiling_panels.iter().map(light).collect();
         self.sides = Some(scene.sides);
         self.camera = scene.camera.or(self.camera);
+    }
+
+    /// Adds the lights to a scene.
+    ///
+    /// # Errors
+    /// A light that cannot be used; none of a sidecar that was [read](Self::read).
+    pub fn add_lights_to(&self, scene: &mut Scene) -> Result<(), EditError> {
+        let mut lights = self.ceiling_lights.iter();
+        lights.try_for_each(|light| scene.add_ceiling_light(light.centre, light.up, light.size, light.exitance))
     }
 
     /// Reads and checks a sidecar.
@@ -156,13 +192,31 @@ impl Sidecar {
                 _ => None,
             }
         });
-        of_materials.or_else(|| self.camera.as_ref().and_then(camera_problem))
+        let of_lights = || self.ceiling_lights.iter().find_map(light_problem);
+        of_materials.or_else(of_lights).or_else(|| self.camera.as_ref().and_then(camera_problem))
     }
 }
 
 /// Whether every colour is finite and between 0 and `most`.
 fn in_range(value: Vec3, most: f32) -> bool {
     value.is_finite() && value.min_element() >= 0.0 && value.max_element() <= most
+}
+
+/// Why a light cannot be used.
+fn light_problem(light: &SidecarLight) -> Option<String> {
+    let SidecarLight { centre, up, size, exitance } = *light;
+    let problem = if !(centre.is_finite() && up.is_finite()) {
+        "has a coordinate that is not finite".to_owned()
+    } else if up.try_normalize().is_none() {
+        "has no up direction; [0, 1, 0] is usual".to_owned()
+    } else if !(size > 0.0 && size.is_finite()) {
+        format!("needs a size greater than 0 (it is {size})")
+    } else if !in_range(exitance, MAX_EMISSION) {
+        format!("needs an exitance between 0 and 1e9 W/m² (it is {exitance})")
+    } else {
+        return None;
+    };
+    Some(format!("a ceiling light {problem}"))
 }
 
 /// Why a view cannot be used.
