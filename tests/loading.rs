@@ -209,6 +209,36 @@ fn a_sidecar_written_is_read_back() {
     assert_eq!((again.materials, again.sides, again.camera), (scene.materials, scene.sides, scene.camera));
 }
 
+/// Truth: a person's own file. What a scene has as its file states it needs no sidecar, and what a sidecar says stays.
+#[test]
+fn a_sidecar_holds_only_what_was_changed_and_keeps_what_it_said() {
+    let folder = Folder::new();
+    folder.write("room.mtl", "newmtl a\nKd 0.5 0.4 0.3\nnewmtl b\nKd 1 1 1\nnewmtl c\nKd 0.1 0.1 0.1\n");
+    let faces = "usemtl a\nf 1 2 3\nusemtl b\nf 1 3 4\nusemtl c\nf 1 2 4\n";
+    let path = folder.write("room.obj", format!("mtllib room.mtl\n{SQUARE}{faces}"));
+    let mut scene = load_file(&path).expect("a sound scene");
+    assert_eq!(Sidecar::of(&scene), Sidecar::default(), "nothing was changed, clamped values included");
+    scene.set_emission("a", Vec3::ONE).expect("a known material");
+    let sidecar = Sidecar::of(&scene);
+    assert_eq!(sidecar.materials.keys().collect::<Vec<_>>(), ["a"]);
+    assert_eq!((sidecar.materials["a"].reflectance, sidecar.sides), (None, None));
+
+    let by_hand =
+        r#"{"materials": {"c": {"reflectance": [0.1, 0.1, 0.1]}, "pane": {"ignore": true}}, "sides": "front"}"#;
+    let sidecar_path = folder.write("room.selflink.json", by_hand);
+    let mut merged = Sidecar::read(&sidecar_path).expect("a good sidecar");
+    let before = merged.clone();
+    merged.update(&load_file(&path).expect("a sound scene"));
+    assert_eq!(merged, before);
+
+    let mut permissions = std::fs::metadata(&sidecar_path).expect("it is there").permissions();
+    permissions.set_readonly(true);
+    std::fs::set_permissions(&sidecar_path, permissions).expect("our own file");
+    let sentence = sidecar.write(&sidecar_path).expect_err("a protected file").to_string();
+    assert!(sentence.contains("room.selflink.json: is read-only"), "{sentence}");
+    assert_eq!(std::fs::read_to_string(&sidecar_path).expect("it is still there"), by_hand);
+}
+
 /// Truth: a light that was added is in no scene file, so the sidecar alone brings it back, with what was changed of it.
 #[test]
 fn ceiling_lights_come_back_by_the_sidecar() {

@@ -229,6 +229,31 @@ fn a_scene_without_a_lamp_says_so_and_can_be_given_one() {
     assert!(window.query_by_label_contains("Nothing in this scene emits light").is_none());
 }
 
+/// Truth: the file. A click writes where nothing is; where a sidecar is, only a second one does.
+#[test]
+fn an_existing_sidecar_is_overwritten_only_when_confirmed() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("dark.obj");
+    std::fs::write(&path, DARK_ROOM).expect("the room is written");
+    let sidecar = folder.path().join("dark.selflink.json");
+    let mut window = window(Some(Source::File(path)), coarse());
+    until(&mut window, "the room", |window| window.state().scene_info().is_some());
+    click(&mut window, "Save sidecar");
+    until(&mut window, "the file", |window| window.query_by_label_contains("Saved").is_some());
+    assert!(sidecar.exists() && window.query_by_label_contains("Overwrite").is_none());
+
+    let by_hand = "{\n  \"sides\": \"front\"}";
+    std::fs::write(&sidecar, by_hand).expect("the sidecar is written");
+    for answer in ["Cancel", "Overwrite"] {
+        click(&mut window, "Save sidecar");
+        until(&mut window, "the question", |window| window.query_by_label("Overwrite dark.selflink.json?").is_some());
+        assert_eq!(std::fs::read_to_string(&sidecar).expect("the sidecar"), by_hand);
+        click(&mut window, answer);
+        until(&mut window, "the end of the question", |window| window.query_by_label("Cancel").is_none());
+    }
+    until(&mut window, "the new file", |_| std::fs::read_to_string(&sidecar).is_ok_and(|text| text.contains("camera")));
+}
+
 #[test]
 fn light_asked_for_at_the_start_is_there_at_once() {
     let folder = tempfile::tempdir().expect("a folder");

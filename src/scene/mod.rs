@@ -161,6 +161,9 @@ pub struct Scene {
     pub polygons: Vec<Polygon>,
     /// Materials; every polygon's index is valid.
     pub materials: Vec<Material>,
+    /// Reflectance and emission of the first materials as the scene's file alone has them, without its sidecar; empty where no
+    /// file is.
+    pub filed_materials: Vec<Material>,
     /// Groups; a parent precedes its children, `groups[0]` is the root.
     pub groups: Vec<Group>,
     /// Lights among the polygons that no scene file holds: [`Scene::add_ceiling_light`] made them.
@@ -183,6 +186,7 @@ impl Scene {
             vertices: Vec::new(),
             polygons: Vec::new(),
             materials: Vec::new(),
+            filed_materials: Vec::new(),
             ceiling_panels: Vec::new(),
             camera: None,
             sides: Sides::Front,

@@ -14,7 +14,7 @@ use std::{fs, io};
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
 
-use super::{CameraPose, CeilingPanel, EditError, Scene, Sides};
+use super::{CameraPose, CeilingPanel, EditError, Material, Scene, Sides};
 
 /// The largest reflectance that a sidecar may set; a light path then loses at least a hundredth at each bounce.
 pub(super) const MAX_SIDECAR_REFLECTANCE: f32 = 0.99;
@@ -96,6 +96,12 @@ pub enum SidecarError {
         /// Which value, and what it may be.
         problem: String,
     },
+    /// Somebody protected the file, which counts even where the system would let us write.
+    #[error("{}: is read-only and stays as it is; allow writing to it, or move it away, and save again", path.display())]
+    ReadOnly {
+        /// The sidecar.
+        path: PathBuf,
+    },
     /// The file cannot be written.
     #[error("{}: cannot be written ({source}); choose another folder", path.display())]
     Unwritable {
@@ -112,8 +118,7 @@ impl Sidecar {
         scene.with_extension("selflink.json")
     }
 
-    /// All that this program may have changed in a scene: reflectance and emission of each material, added lights, sides
-    /// and camera.
+    /// All in which a scene differs from its file: reflectances, emissions, added lights, sides and camera.
     ///
     /// A scene does not remember which materials a sidecar told to ignore; where a sidecar is already there, read it and
     /// [`update`](Self::update) it instead.
@@ -123,13 +128,22 @@ impl Sidecar {
         sidecar
     }
 
-    /// Takes over what [`Sidecar::of`] tells of a scene and keeps all the rest.
+    /// Takes over what [`Sidecar::of`] tells of a scene, brings what was said already up to date and keeps all the rest.
     pub fn update(&mut self, scene: &Scene) {
         let is_added = |index: usize| scene.ceiling_panels.iter().any(|panel| panel.material.0 as usize == index);
-        for (_, material) in scene.materials.iter().enumerate().filter(|(index, _)| !is_added(*index)) {
-            let said = self.materials.entry(material.name.clone()).or_default();
-            said.reflectance = Some(material.reflectance.clamp(Vec3::ZERO, Vec3::splat(MAX_SIDECAR_REFLECTANCE)));
-            said.emission = Some(material.emission);
+        for (index, material) in scene.materials.iter().enumerate().filter(|(index, _)| !is_added(*index)) {
+            let filed = scene.filed_materials.get(index);
+            let is_new = |new: Vec3, old: fn(&Material) -> Vec3| filed.is_none_or(|filed| old(filed) != new);
+            let said = self.materials.get(&material.name);
+            let says_reflectance = said.is_some_and(|said| said.reflectance.is_some());
+            let says_emission = said.is_some_and(|said| said.emission.is_some());
+            let reflectance = material.reflectance.clamp(Vec3::ZERO, Vec3::splat(MAX_SIDECAR_REFLECTANCE));
+            if says_reflectance || is_new(reflectance, |filed| filed.reflectance) {
+                self.materials.entry(material.name.clone()).or_default().reflectance = Some(reflectance);
+            }
+            if says_emission || is_new(material.emission, |filed| filed.emission) {
+                self.materials.entry(material.name.clone()).or_default().emission = Some(material.emission);
+            }
         }
         let light = |panel: &CeilingPanel| SidecarLight {
             centre: panel.centre,
@@ -138,7 +152,9 @@ impl Sidecar {
             exitance: scene.materials[panel.material.0 as usize].emission,
         };
         self.ceiling_lights = scene.ceiling_panels.iter().map(light).collect();
-        self.sides = Some(scene.sides);
+        if self.sides.is_some() || scene.sides != Sides::default() {
+            self.sides = Some(scene.sides);
+        }
         self.camera = scene.camera.or(self.camera);
     }
 
@@ -169,8 +185,11 @@ impl Sidecar {
     /// Writes the sidecar.
     ///
     /// # Errors
-    /// The file cannot be written.
+    /// The file is protected or cannot be written.
     pub fn write(&self, path: &Path) -> Result<(), SidecarError> {
+        if fs::metadata(path).is_ok_and(|present| present.permissions().readonly()) {
+            return Err(SidecarError::ReadOnly { path: path.to_owned() });
+        }
         let unwritable = |source| SidecarError::Unwritable { path: path.to_owned(), source };
         let mut text = serde_json::to_string_pretty(self).map_err(|error| unwritable(error.into()))?;
         text.push('\n');

@@ -7,7 +7,7 @@ use egui::{RichText, Ui};
 use super::super::files::Files;
 use super::super::{Outbox, Shown, format, theme};
 use crate::scene::builtin::BuiltinScene;
-use crate::scene::{CameraPose, Source};
+use crate::scene::{CameraPose, Sidecar, Source};
 use crate::worker::{Command, SceneInfo};
 
 /// Draws the section.
@@ -30,10 +30,11 @@ pub(super) fn show(ui: &mut Ui, shown: &Shown, files: &mut Files, camera: Option
     });
     ui.horizontal(|ui| {
         show_recent(ui, files, outbox);
-        if shown.info.as_ref().is_some_and(|info| info.path.is_some()) {
-            show_save(ui, camera, outbox);
+        if let Some(path) = sidecar_of(shown) {
+            show_save(ui, path, files, camera, outbox);
         }
     });
+    show_question(ui, sidecar_of(shown), files, camera, outbox);
 }
 
 fn left_label(text: &str) -> impl egui::Widget {
@@ -103,9 +104,39 @@ fn show_recent(ui: &mut Ui, files: &Files, outbox: &mut Outbox) {
     outbox.extend(chosen.map(|path| Command::load(Source::File(path))));
 }
 
-fn show_save(ui: &mut Ui, camera: Option<CameraPose>, outbox: &mut Outbox) {
-    let hint = "Writes NAME.selflink.json beside the scene: materials, emission, sides and the present camera.";
+/// Where the sidecar of the scene in view lies, or would lie.
+fn sidecar_of(shown: &Shown) -> Option<PathBuf> {
+    shown.info.as_ref().and_then(|info| info.path.as_deref()).map(Sidecar::path_for)
+}
+
+fn show_save(ui: &mut Ui, path: PathBuf, files: &mut Files, camera: Option<CameraPose>, outbox: &mut Outbox) {
+    let hint = "Writes NAME.selflink.json beside the scene: what was changed of materials, added lights, sides and the present camera. What it says already stays.";
     if ui.button("Save sidecar").on_hover_text(hint).clicked() {
+        if path.exists() {
+            files.sidecar_in_question = Some(path);
+        } else {
+            outbox.push(Command::SaveSidecar { camera });
+        }
+    }
+}
+
+/// Asks before a sidecar that is there already is overwritten.
+fn show_question(
+    ui: &mut Ui,
+    present: Option<PathBuf>,
+    files: &mut Files,
+    camera: Option<CameraPose>,
+    outbox: &mut Outbox,
+) {
+    // Another scene makes the question pointless.
+    let Some(path) = files.sidecar_in_question.take_if(|path| present.as_ref() == Some(path)) else { return };
+    let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
+    ui.add(egui::Label::new(RichText::new(format!("Overwrite {name}?")).color(theme::ACCENT)).wrap());
+    let (overwrite, cancel) =
+        ui.horizontal(|ui| (ui.button("Overwrite").clicked(), ui.button("Cancel").clicked())).inner;
+    if overwrite {
         outbox.push(Command::SaveSidecar { camera });
+    } else if !cancel {
+        files.sidecar_in_question = Some(path);
     }
 }
