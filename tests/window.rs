@@ -229,6 +229,30 @@ fn a_scene_without_a_lamp_says_so_and_can_be_given_one() {
     assert!(window.query_by_label_contains("Nothing in this scene emits light").is_none());
 }
 
+/// Truth: the slider's value. A lamp follows it without a button; what does not emit waits for the button.
+#[test]
+fn a_lamp_follows_its_slider_at_once() {
+    let mut window = cornell(coarse());
+    finish(&mut window);
+    click(&mut window, "Light");
+    let strongest = |window: &Harness<'static, App>| {
+        let info = window.state().scene_info().expect("a scene");
+        info.scene.materials.iter().map(|material| material.emission.max_element()).fold(0.0, f32::max)
+    };
+    let before = strongest(&window);
+    let strength = 2.0 * f64::from(before).round();
+    window.get_by_role_and_label(Role::Slider, "Strength").set_value_accesskit(strength);
+    until(&mut window, "a brighter lamp", |window| (f64::from(strongest(window)) - strength).abs() < 0.1);
+    click(&mut window, "Switch it off");
+    until(&mut window, "darkness", |window| strongest(window) == 0.0);
+    window.get_by_role_and_label(Role::Slider, "Strength").set_value_accesskit(7.0);
+    window.run_steps(10);
+    finish(&mut window);
+    assert_eq!(strongest(&window), 0.0, "what does not emit waits for the button");
+    click(&mut window, "Make it emit");
+    until(&mut window, "light", |window| (strongest(window) - 7.0).abs() < 0.1);
+}
+
 /// Truth: the file. A click writes where nothing is; where a sidecar is, only a second one does.
 #[test]
 fn an_existing_sidecar_is_overwritten_only_when_confirmed() {
