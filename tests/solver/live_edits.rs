@@ -55,6 +55,38 @@ fn a_coarser_threshold_gives_the_coarse_solution() {
     }
 }
 
+/// Truth: rest is not work, and a solve that begins again counts what a fresh one counts; judging by the radiosities that are
+/// known it judges some pairs more or less, but not twice as many.
+#[test]
+fn time_and_counts_are_those_of_the_present_solve() {
+    let rest = std::time::Duration::from_millis(300);
+    let mut solver = Solver::new(
+        lamp_room().into(),
+        selflink::visibility::Occluders::new(&lamp_room()).into(),
+        params(ClusteringMode::Adaptive, FINE),
+        1,
+    )
+    .expect("usable parameters");
+    let begun = std::time::Instant::now();
+    solver.step(&CancelToken::new());
+    std::thread::sleep(rest);
+    assert!(solver.run(&CancelToken::new()));
+    let seconds = solver.stats().seconds;
+    let passed = begun.elapsed().as_secs_f64();
+    assert!(seconds.total > 0.0 && seconds.total <= passed - 0.3 + seconds.hierarchy, "{seconds:?} of {passed}");
+    let parts = seconds.hierarchy + seconds.refine + seconds.gather;
+    assert!((seconds.total - parts).abs() < 1e-9, "no snapshot was taken: {seconds:?}");
+
+    let fine = solver.stats();
+    change(&mut solver, params(ClusteringMode::Adaptive, COARSE));
+    let (after, fresh) = (solver.stats(), solve(&lamp_room(), params(ClusteringMode::Adaptive, COARSE)).stats());
+    assert!(after.rays < 2 * fresh.rays && after.rays < fine.rays, "{} rays, {} afresh", after.rays, fresh.rays);
+    assert!(after.pairs_judged < 2 * fresh.pairs_judged, "{} of {}", after.pairs_judged, fresh.pairs_judged);
+    assert!(after.iterations <= fresh.iterations + 2);
+    let parts = after.seconds.hierarchy + after.seconds.refine + after.seconds.gather;
+    assert!((after.seconds.total - parts).abs() < 1e-9, "{:?}", after.seconds);
+}
+
 /// Truth: pushing moves light over the links that are there; no pair is judged but those that wake for the change of B.
 #[test]
 fn another_push_mode_only_gathers_again() {
