@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 
 use egui::accesskit::Role;
 use egui_kittest::Harness;
-use egui_kittest::kittest::Queryable;
+use egui_kittest::kittest::{NodeT, Queryable};
 use selflink::added_light::{AddedLight, CeilingLight};
 use selflink::app::App;
 use selflink::scene::Source;
@@ -228,6 +228,32 @@ fn a_scene_without_a_lamp_says_so_and_can_be_given_one() {
     let lit = snapshot.leaf_irradiance.iter().filter(|rgb| rgb[0] > 0.0).count();
     assert!(lit > 0, "the lamp lights the walls");
     assert!(window.query_by_label_contains("Nothing in this scene emits light").is_none());
+}
+
+/// Truth: the slider's value; stops belong to the scene they were chosen for.
+#[test]
+fn another_scene_is_shown_as_it_is() {
+    let mut window = cornell(coarse());
+    finish(&mut window);
+    let plain = picture(&mut window);
+    window.get_by_role_and_label(Role::Slider, "Exposure").set_value_accesskit(-6.0);
+    until(&mut window, "a darker picture", |window| exposure(window) == -6.0);
+    assert!(share_of_different_pixels(&plain, &picture(&mut window)) > 0.3);
+    window.get_all_by_label("cornell").find(is_button).expect("our own scenes are offered").click();
+    until(&mut window, "the scene again", |window| {
+        window.state().snapshot().is_some_and(|snapshot| snapshot.generation > 1)
+    });
+    assert_eq!(exposure(&window), 0.0);
+    finish(&mut window);
+    assert_eq!(share_of_different_pixels(&plain, &picture(&mut window)), 0.0);
+}
+
+fn exposure(window: &Harness<'static, App>) -> f64 {
+    window.get_by_role_and_label(Role::Slider, "Exposure").accesskit_node().numeric_value().expect("a number")
+}
+
+fn is_button(node: &egui_kittest::Node<'_>) -> bool {
+    node.accesskit_node().role() == Role::Button
 }
 
 /// Truth: the slider's value. A lamp follows it without a button; what does not emit waits for the button.

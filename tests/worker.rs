@@ -60,8 +60,8 @@ fn a_scene_is_loaded_shown_and_finished() {
 #[test]
 fn a_pause_holds_and_a_step_moves_one_wave() {
     let worker = spawn(coarse());
+    worker.send(Command::load(Source::Builtin(BuiltinScene::Cornell)));
     worker.send(Command::Pause);
-    load(&worker, BuiltinScene::Cornell);
     let first = wait_for("the first picture", || worker.latest());
     assert_eq!(worker.status().run, RunState::Paused);
     std::thread::sleep(Duration::from_millis(150));
@@ -79,6 +79,20 @@ fn a_pause_holds_and_a_step_moves_one_wave() {
         judged = next.stats.pairs_judged;
     }
     worker.send(Command::Resume);
+    wait_until_finished(&worker);
+}
+
+/// Truth: a pause is for the scene that was paused.
+#[test]
+fn a_newly_opened_scene_runs() {
+    let worker = spawn(coarse());
+    worker.send(Command::load(Source::Builtin(BuiltinScene::Cornell)));
+    worker.send(Command::Pause);
+    wait_for("the pause", || (worker.latest().is_some() && worker.status().run == RunState::Paused).then_some(()));
+    worker.send(Command::load(Source::File("no/such/room.obj".into())));
+    wait_for_event(&worker, "the failure", |event| matches!(event, Event::LoadFailed(_)));
+    assert_eq!(worker.status().run, RunState::Paused, "a scene that stays stays paused");
+    load(&worker, BuiltinScene::Cornell);
     wait_until_finished(&worker);
 }
 

@@ -228,6 +228,8 @@ impl App {
             self.view.start_with(&info.scene);
             self.picked = None;
             self.lamp = LampEditor::for_scene(&info.scene);
+            // A correction made for another scene's light would make this one black or white.
+            self.display.auto_stops = 0.0;
         }
         self.shown.info = Some(info);
     }

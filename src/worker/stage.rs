@@ -6,7 +6,7 @@ use glam::Vec3;
 
 use super::guard::guarded;
 use super::loader::{self, Awaited, CeilingLight, Job, Prepared};
-use super::session::Session;
+use super::session::{Drive, Session};
 use super::{Event, SceneInfo};
 use crate::added_light::AddedLight;
 use crate::scene::{CameraPose, MaterialId, Sidecar, SidecarError, Source};
@@ -62,6 +62,9 @@ impl Session {
                 self.prepared = Some(prepared);
                 self.announce_scene(is_new);
                 if is_new {
+                    if self.runs_when_loaded {
+                        self.drive = Drive::Run;
+                    }
                     // It was to change the scene that is gone.
                     self.remaking = None;
                 }
