@@ -207,6 +207,15 @@ fn a_bad_path_is_said_and_the_scene_stays() {
     assert_eq!(share_of_different_pixels(&before, &picture(&mut window)), 0.0);
 }
 
+#[test]
+fn a_scene_that_opens_takes_old_errors_away() {
+    let mut window = window(Some(Source::File("no/such/room.obj".into())), coarse());
+    until(&mut window, "the message", |window| window.query_by_label_contains("room.obj: no such file").is_some());
+    window.get_all_by_label("cornell").next().expect("our own scenes are offered").click();
+    finish(&mut window);
+    assert!(window.query_by_label("Dismiss").is_none(), "the scene is there, the error of another one is not");
+}
+
 /// Three walls without a lamp.
 const DARK_ROOM: &str = "o room/walls
 v 0 0 0\nv 2 0 0\nv 2 0 2\nv 0 0 2\nv 0 2 0\nv 2 2 0\nv 2 2 2\nv 0 2 2

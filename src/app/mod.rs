@@ -201,6 +201,7 @@ impl App {
                 if let Some(path) = &info.path {
                     self.files.note_opened(path);
                 }
+                self.messages.forget_errors();
                 self.incoming = Some(Incoming { info, is_new: true });
             }
             Event::SceneEdited(info) => {
