@@ -2,13 +2,17 @@
 
 use egui::{ProgressBar, Ui};
 
-use super::super::time_left::TimeLeft;
+use super::super::time_left::{Clock, TICK, TimeLeft};
 use super::super::{Shown, format, theme};
 use crate::solver::{Phase, Stats};
 use crate::worker::RunState;
 
 /// Draws the bar.
-pub(super) fn show(ui: &mut Ui, shown: &Shown, time_left: &TimeLeft) {
+pub(super) fn show(ui: &mut Ui, shown: &Shown, time_left: &TimeLeft, clock: &Clock) {
+    let more = clock.seconds();
+    if more.is_some() {
+        ui.ctx().request_repaint_after(TICK);
+    }
     ui.add_space(2.0);
     ui.horizontal(|ui| {
         ui.set_min_height(22.0);
@@ -22,7 +26,8 @@ pub(super) fn show(ui: &mut Ui, shown: &Shown, time_left: &TimeLeft) {
         });
         let Some(stats) = stats else { return };
         show_progress(ui, shown.status.run, stats);
-        for (name, value) in cells(stats, time_left.seconds().filter(|_| shown.status.run == RunState::Running)) {
+        let time_left = time_left.seconds().filter(|_| shown.status.run == RunState::Running);
+        for (name, value) in cells(stats, more.unwrap_or(0.0), time_left) {
             show_cell(ui, name, &value);
         }
     });
@@ -60,9 +65,9 @@ fn show_progress(ui: &mut Ui, run: RunState, stats: &Stats) {
     let _ = response.on_hover_text(name);
 }
 
-fn cells(stats: &Stats, time_left: Option<f64>) -> Vec<(&'static str, String)> {
+fn cells(stats: &Stats, more_seconds: f64, time_left: Option<f64>) -> Vec<(&'static str, String)> {
     let mut cells = vec![
-        ("time", format::seconds(stats.seconds.total)),
+        ("time", format::seconds(stats.seconds.total + more_seconds)),
         ("patches", format::count(stats.patches)),
         ("links", format::count(stats.links)),
         ("candidates", format::count(stats.candidates_left)),
