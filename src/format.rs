@@ -72,9 +72,30 @@ pub fn bytes(bytes: usize) -> String {
     format!("{size:.1} {}", UNITS[unit])
 }
 
+/// What the system says of an error, without its number: `(os error 2)` tells a person nothing.
+pub fn without_os_codes(text: &str) -> String {
+    const MARK: &str = " (os error ";
+    let mut kept = String::with_capacity(text.len());
+    let mut rest = text;
+    while let Some(start) = rest.find(MARK) {
+        let behind = &rest[start + MARK.len()..];
+        let digits = behind.len() - behind.trim_start_matches(|c: char| c.is_ascii_digit() || c == '-').len();
+        let is_code = digits > 0 && behind[digits..].starts_with(')');
+        kept.push_str(&rest[..if is_code { start } else { start + MARK.len() }]);
+        rest = if is_code { &behind[digits + 1..] } else { behind };
+    }
+    kept + rest
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn numbers_of_the_system_are_left_out() {
+        let said = "a.csv: cannot be read (No such file (os error 2)); try (os error x) again (os error 13)";
+        assert_eq!(without_os_codes(said), "a.csv: cannot be read (No such file); try (os error x) again");
+    }
 
     /// Written out by hand.
     #[test]

@@ -36,7 +36,7 @@ impl Messages {
     }
 
     fn push(&mut self, kind: Kind, sentence: String) {
-        let sentence = as_sentence(&sentence);
+        let sentence = as_sentence(&super::format::without_os_codes(&sentence));
         self.entries.retain(|(_, entry)| *entry != sentence);
         self.entries.push((kind, sentence));
         let surplus = self.entries.len().saturating_sub(MOST);
