@@ -14,6 +14,16 @@ pub fn count(number: impl TryInto<u64>) -> String {
     text
 }
 
+/// A number to one decimal with thousands separators, for what a person sets: 0.5, 100, 11,174.3.
+pub fn grouped(value: f64) -> String {
+    let tenths = (value.abs() * 10.0).round() as u64;
+    let sign = if value < 0.0 && tenths > 0 { "-" } else { "" };
+    match tenths % 10 {
+        0 => format!("{sign}{}", count(tenths / 10)),
+        tenth => format!("{sign}{}.{tenth}", count(tenths / 10)),
+    }
+}
+
 /// A count of things: 1 polygon, 2,008 polygons.
 pub fn things(number: usize, one: &str, many: &str) -> String {
     format!("{} {}", count(number), if number == 1 { one } else { many })
@@ -106,6 +116,7 @@ mod tests {
         assert_eq!(count(1_234_567_usize), "1,234,567");
         assert_eq!(things(1, "polygon", "polygons"), "1 polygon");
         assert_eq!(things(2_008, "polygon", "polygons"), "2,008 polygons");
+        assert_eq!([0.0, 0.04, -2.5, 100.0, 11_174.34].map(grouped), ["0", "0", "-2.5", "100", "11,174.3"]);
         assert_eq!(number(0.0), "0");
         assert_eq!(number(12.345), "12.3");
         assert_eq!(number(0.012345), "0.0123");

@@ -207,6 +207,27 @@ fn a_bad_path_is_said_and_the_scene_stays() {
     assert_eq!(share_of_different_pixels(&before, &picture(&mut window)), 0.0);
 }
 
+/// Truth: the field's own text. Its end is what is shown, and the whole path is what is opened.
+#[test]
+fn a_long_path_shows_its_end() {
+    let mut window = window(None, coarse());
+    window.step();
+    let field = window.get_by_label("Scene path");
+    field.focus();
+    let path = format!("{}/room.obj", "no/such/folder".repeat(9));
+    field.type_text(&path);
+    window.run_steps(2);
+    window.key_press(egui::Key::Tab);
+    window.run_steps(2);
+    let shown = window.get_by_label("Scene path").accesskit_node().value().expect("a text");
+    assert!(
+        shown.starts_with('…') && shown.ends_with("/room.obj") && path.ends_with(&shown['…'.len_utf8()..]),
+        "{shown}"
+    );
+    click(&mut window, "Open");
+    until(&mut window, "the message", |window| window.query_by_label_contains("room.obj: no such file").is_some());
+}
+
 #[test]
 fn a_scene_that_opens_takes_old_errors_away() {
     let mut window = window(Some(Source::File("no/such/room.obj".into())), coarse());
@@ -221,6 +242,9 @@ const DARK_ROOM: &str = "o room/walls
 v 0 0 0\nv 2 0 0\nv 2 0 2\nv 0 0 2\nv 0 2 0\nv 2 2 0\nv 2 2 2\nv 0 2 2
 f 4 3 2 1\nf 1 2 6 5\nf 1 5 8 4\n";
 
+const TOO_LARGE: &str =
+    "The ceiling light, with sides of 8, is larger than the scene, which measures 2 by 2: choose a smaller one.";
+
 #[test]
 fn a_scene_without_a_lamp_says_so_and_can_be_given_one() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -230,12 +254,19 @@ fn a_scene_without_a_lamp_says_so_and_can_be_given_one() {
     until(&mut window, "the room", |window| window.state().scene_info().is_some());
     assert!(!window.state().scene_info().expect("a scene").has_light);
     assert!(window.query_by_label_contains("Nothing in this scene emits light").is_some());
+    finish(&mut window);
+    assert!(window.query_by_label("Nothing emits light").is_some() && window.query_by_label("Converged").is_none());
+    window.get_by_role_and_label(Role::SpinButton, "Side length").set_value_accesskit(8.0);
     click(&mut window, "Add a ceiling light");
     until(&mut window, "light", |window| window.state().scene_info().is_some_and(|info| info.has_light));
     finish(&mut window);
     let snapshot = window.state().snapshot().expect("a picture");
     let lit = snapshot.leaf_irradiance.iter().filter(|rgb| rgb[0] > 0.0).count();
     assert!(lit > 0, "the lamp lights the walls");
+    assert!(window.query_by_label("Converged").is_some());
+    // Over the view, and among the scene's remarks.
+    let said = window.query_all_by_role_and_label(Role::Label, TOO_LARGE).count();
+    assert_eq!(said, 2);
     assert!(window.query_by_label_contains("Nothing in this scene emits light").is_none());
 }
 

@@ -209,6 +209,10 @@ impl App {
                 self.incoming = Some(Incoming { info, is_new: true });
             }
             Event::SceneEdited(info) => {
+                let known = self.shown.info.as_ref().map_or(&[][..], |shown| &shown.scene.skipped.notes[..]);
+                for note in info.scene.skipped.notes.iter().filter(|note| !known.contains(note)) {
+                    self.messages.note(note.clone());
+                }
                 let is_new = self.incoming.as_ref().is_some_and(|incoming| incoming.is_new);
                 self.incoming = Some(Incoming { info, is_new });
             }

@@ -64,6 +64,7 @@ impl Scene {
         }
         let up = up.try_normalize().ok_or(EditError::Up)?;
         let (right, forward) = panel_axes(up);
+        self.skipped.notes.extend(self.misfit(centre, [right, forward], size));
         let (along, across) = (0.5 * size * right, 0.5 * size * forward);
         let name = self.free_name(CEILING_LIGHT);
         let material = self.add_material(&name, LIGHT_REFLECTANCE, exitance);
@@ -74,6 +75,29 @@ impl Scene {
             [centre - along - across, centre - along + across, centre + along + across, centre + along - across];
         self.add_quad(corners, material, group);
         Ok(())
+    }
+
+    /// Why a light that was asked for will hardly light the room, if it is so: it is larger, or reaches out of it.
+    fn misfit(&self, centre: Vec3, edges: [Vec3; 2], size: f32) -> Option<String> {
+        if self.polygons.is_empty() {
+            return None;
+        }
+        let (lower, upper) = self.bounds();
+        let extent = upper - lower;
+        // Rounding must not matter: a light may fill the whole ceiling.
+        let slack = 1e-3 * extent.max_element();
+        let [a, b] = edges.map(|edge| extent.dot(edge.abs()));
+        if size > a + slack || size > b + slack {
+            let [a, b] = [a, b].map(|length| (1e3 * length).round() / 1e3);
+            return Some(format!(
+                "The ceiling light, with sides of {size}, is larger than the scene, which measures {a} by {b}: choose a smaller one."
+            ));
+        }
+        let reach = 0.5 * size * (edges[0].abs() + edges[1].abs());
+        let is_inside = (centre - reach).cmpge(lower - slack).all() && (centre + reach).cmple(upper + slack).all();
+        (!is_inside).then(|| {
+            "The ceiling light lies outside of the scene, in part at least: it may light little of it.".to_owned()
+        })
     }
 
     /// A name that no material has yet: this one, or with the first number that makes it new.
@@ -158,6 +182,23 @@ mod tests {
         assert!(scene.set_emission("wall", Vec3::splat(1e10)).is_err());
         scene.set_emission("wall", Vec3::ONE).expect("a known material");
         assert!(!scene.has_light(), "no face has that material");
+    }
+
+    /// Truth: a unit box.
+    #[test]
+    fn a_light_that_does_not_fit_is_said() {
+        let notes = |centre: Vec3, size: f32| {
+            let mut scene = Scene::new("room");
+            let grey = scene.add_material("grey", Vec3::splat(0.5), Vec3::ZERO);
+            scene.add_triangle([Vec3::ZERO, Vec3::X, Vec3::ONE], grey, GroupId(0));
+            scene.add_triangle([Vec3::ZERO, Vec3::ONE, Vec3::Z], grey, GroupId(0));
+            scene.add_ceiling_light(centre, Vec3::Y, size, Vec3::ONE).expect("it is added all the same");
+            scene.skipped.notes.join(" ")
+        };
+        assert_eq!(notes(Vec3::new(0.5, 0.9, 0.5), 1.0), "");
+        assert!(notes(Vec3::new(0.5, 0.9, 0.5), 3.0).contains("larger than the scene"));
+        assert!(notes(Vec3::new(0.9, 0.9, 0.5), 0.5).contains("outside of the scene"));
+        assert!(notes(Vec3::new(0.5, 1.5, 0.5), 0.5).contains("outside of the scene"));
     }
 
     /// Truth: the panel's normal is −up and its area the square of its side, whatever up is.

@@ -3,7 +3,7 @@
 use egui::{ComboBox, DragValue, Slider, Ui};
 use glam::Vec3;
 
-use super::super::{Outbox, theme};
+use super::super::{Outbox, format, theme};
 use crate::ceiling;
 use crate::scene::{MaterialId, Scene};
 use crate::worker::{Command, SceneInfo};
@@ -126,5 +126,7 @@ fn exitance_slider(ui: &mut Ui, exitance: &mut f32, name: &str) {
     // What a file says beyond the slider's range stays until a person moves it.
     let slider = Slider::new(exitance, EXITANCES).clamping(egui::SliderClamping::Edits);
     let slider = slider.logarithmic(true).suffix(" W/m²").max_decimals(1);
+    let slider = slider.custom_formatter(|value, _| format::grouped(value));
+    let slider = slider.custom_parser(|text| text.replace(',', "").trim().parse().ok());
     theme::row(ui, name, |ui| ui.add(slider));
 }

@@ -73,10 +73,20 @@ fn show_path_field(ui: &mut Ui, files: &mut Files, outbox: &mut Outbox) {
             files.open_dialog(ui.ctx());
         }
         let width = ui.available_width() - 64.0;
-        let field = egui::TextEdit::singleline(&mut files.path_text)
+        let id = ui.make_persistent_id("scene path");
+        // While nobody types, the end of a long path tells more than its start.
+        let is_typed = ui.memory(|memory| memory.has_focus(id));
+        let mut end = if is_typed { None } else { end_that_fits(ui, &files.path_text, width - PATH_MARGIN) };
+        let is_cut = end.is_some();
+        let field = egui::TextEdit::singleline(end.as_mut().unwrap_or(&mut files.path_text))
+            .id(id)
             .hint_text("path of an OBJ, glTF or GLB file")
             .desired_width(width);
-        let response = ui.add(field).accessible_name("Scene path");
+        let mut response = ui.add(field);
+        if is_cut {
+            response = response.on_hover_text(files.path_text.as_str());
+        }
+        let response = response.accessible_name("Scene path");
         let entered = response.lost_focus() && ui.input(|input| input.key_pressed(egui::Key::Enter));
         let can_open = files.typed_path().is_some();
         let open = ui.add_enabled(can_open, egui::Button::new("Open")).clicked();
@@ -86,6 +96,25 @@ fn show_path_field(ui: &mut Ui, files: &mut Files, outbox: &mut Outbox) {
             outbox.push(Command::load(Source::File(path)));
         }
     });
+}
+
+/// Room that a text field keeps free beside its text, points.
+const PATH_MARGIN: f32 = 12.0;
+
+/// The end of a text behind an ellipsis, where the whole is wider than `width`.
+fn end_that_fits(ui: &Ui, text: &str, width: f32) -> Option<String> {
+    let font = egui::TextStyle::Body.resolve(ui.style());
+    let width_of = |letter: char| ui.ctx().fonts_mut(|fonts| fonts.glyph_width(&font, letter));
+    if text.chars().map(width_of).sum::<f32>() <= width {
+        return None;
+    }
+    let mut left = width - width_of('…');
+    let fits = |letter: &char| {
+        left -= width_of(*letter);
+        left >= 0.0
+    };
+    let backwards: Vec<char> = text.chars().rev().take_while(fits).collect();
+    Some(std::iter::once('…').chain(backwards.into_iter().rev()).collect())
 }
 
 fn show_recent(ui: &mut Ui, files: &Files, outbox: &mut Outbox) {

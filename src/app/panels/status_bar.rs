@@ -17,7 +17,8 @@ pub(super) fn show(ui: &mut Ui, shown: &Shown, time_left: &TimeLeft, clock: &Clo
     ui.horizontal(|ui| {
         ui.set_min_height(22.0);
         let stats = shown.snapshot.as_ref().map(|snapshot| &snapshot.stats);
-        let (text, colour) = state(shown.status.run, stats);
+        let is_dark = shown.info.as_ref().is_some_and(|info| !info.has_light);
+        let (text, colour) = state(shown.status.run, stats, is_dark);
         let (dot, _) = ui.allocate_exact_size(egui::vec2(10.0, 10.0), egui::Sense::hover());
         ui.painter().circle_filled(dot.center(), 4.0, colour);
         ui.scope(|ui| {
@@ -34,7 +35,7 @@ pub(super) fn show(ui: &mut Ui, shown: &Shown, time_left: &TimeLeft, clock: &Clo
     ui.add_space(2.0);
 }
 
-fn state(run: RunState, stats: Option<&Stats>) -> (String, egui::Color32) {
+fn state(run: RunState, stats: Option<&Stats>, is_dark: bool) -> (String, egui::Color32) {
     let phase = stats.map(|stats| match stats.phase {
         Phase::Hierarchy => "Building clusters".to_owned(),
         // Between rounds the stored links are judged again, since B has grown.
@@ -47,6 +48,7 @@ fn state(run: RunState, stats: Option<&Stats>) -> (String, egui::Color32) {
         RunState::Idle => ("Nothing to solve".into(), theme::TEXT_WEAK),
         RunState::Running => (phase.unwrap_or_else(|| "Starting".into()), theme::ACCENT),
         RunState::Paused => (format!("Paused: {}", phase.unwrap_or_default()), theme::TEXT_WEAK),
+        RunState::Finished if is_dark => ("Nothing emits light".into(), theme::TEXT_WEAK),
         RunState::Finished => {
             let converged = stats.is_none_or(|stats| stats.converged);
             (if converged { "Converged" } else { "Finished" }.into(), theme::DONE)
