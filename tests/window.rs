@@ -125,17 +125,26 @@ fn changed_parameters_reach_the_solver() {
 
 #[test]
 fn a_solve_is_paused_stepped_and_resumed() {
-    let params = SolverParams { epsilon: Epsilon::Relative(1e-3), ..SolverParams::default() };
+    // Fine enough that it is not finished before the pause, however slow the window.
+    let params = SolverParams { epsilon: Epsilon::Relative(1e-4), ..SolverParams::default() };
     let mut window = window(Some(Source::Builtin(BuiltinScene::from_name("seminar").expect("ours"))), params);
     until(&mut window, "the first picture", |window| window.state().snapshot().is_some());
     click(&mut window, "Pause");
     until(&mut window, "the pause", |window| window.state().status().run == RunState::Paused);
-    let before = window.state().snapshot().expect("a picture").stats.pairs_judged;
-    click(&mut window, "Step one wave");
-    until(&mut window, "one more wave", |window| {
-        let judged = window.state().snapshot().expect("a picture").stats.pairs_judged;
-        judged > before && window.state().status().run == RunState::Paused
-    });
+    let now = |window: &Harness<'static, App>| {
+        let snapshot = window.state().snapshot().expect("a picture");
+        (snapshot.serial, snapshot.stats.pairs_judged)
+    };
+    let before = now(&window).1;
+    // The step after a round's last wave gathers and judges nothing; the one behind it does.
+    for _ in 0..2 {
+        let serial = now(&window).0;
+        click(&mut window, "Step one wave");
+        until(&mut window, "one more step", |window| {
+            now(window).0 > serial && window.state().status().run == RunState::Paused
+        });
+    }
+    assert!(now(&window).1 > before, "no wave was judged");
     click(&mut window, "Run");
     until(&mut window, "going on", |window| window.state().status().run != RunState::Paused);
 }
