@@ -14,6 +14,16 @@ pub fn count(number: impl TryInto<u64>) -> String {
     text
 }
 
+/// A number to one decimal with thousands separators, for what a person sets: 0.5, 100, 11,174.3.
+pub fn grouped(value: f64) -> String {
+    let tenths = (value.abs() * 10.0).round() as u64;
+    let sign = if value < 0.0 && tenths > 0 { "-" } else { "" };
+    match tenths % 10 {
+        0 => format!("{sign}{}", count(tenths / 10)),
+        tenth => format!("{sign}{}.{tenth}", count(tenths / 10)),
+    }
+}
+
 /// A count of things: 1 polygon, 2,008 polygons.
 pub fn things(number: usize, one: &str, many: &str) -> String {
     format!("{} {}", count(number), if number == 1 { one } else { many })
@@ -72,9 +82,30 @@ pub fn bytes(bytes: usize) -> String {
     format!("{size:.1} {}", UNITS[unit])
 }
 
+/// What the system says of an error, without its number: `(os error 2)` tells a person nothing.
+pub fn without_os_codes(text: &str) -> String {
+    const MARK: &str = " (os error ";
+    let mut kept = String::with_capacity(text.len());
+    let mut rest = text;
+    while let Some(start) = rest.find(MARK) {
+        let behind = &rest[start + MARK.len()..];
+        let digits = behind.len() - behind.trim_start_matches(|c: char| c.is_ascii_digit() || c == '-').len();
+        let is_code = digits > 0 && behind[digits..].starts_with(')');
+        kept.push_str(&rest[..if is_code { start } else { start + MARK.len() }]);
+        rest = if is_code { &behind[digits + 1..] } else { behind };
+    }
+    kept + rest
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn numbers_of_the_system_are_left_out() {
+        let said = "a.csv: cannot be read (No such file (os error 2)); try (os error x) again (os error 13)";
+        assert_eq!(without_os_codes(said), "a.csv: cannot be read (No such file); try (os error x) again");
+    }
 
     /// Written out by hand.
     #[test]
@@ -85,6 +116,7 @@ mod tests {
         assert_eq!(count(1_234_567_usize), "1,234,567");
         assert_eq!(things(1, "polygon", "polygons"), "1 polygon");
         assert_eq!(things(2_008, "polygon", "polygons"), "2,008 polygons");
+        assert_eq!([0.0, 0.04, -2.5, 100.0, 11_174.34].map(grouped), ["0", "0", "-2.5", "100", "11,174.3"]);
         assert_eq!(number(0.0), "0");
         assert_eq!(number(12.345), "12.3");
         assert_eq!(number(0.012345), "0.0123");

@@ -208,6 +208,8 @@ fn bad_input_is_one_sentence_and_exit_code_2() {
     let folder = Folder::new();
     let good = folder.write("good.obj", SQUARE);
     let good = name(&good);
+    let named_ply = folder.write("good.ply", SQUARE);
+    let mesh_as_obj = folder.path("mesh.obj");
     let points = folder.write("points.csv", "0.5,0.5,0,0,0,1\n");
     let bad_points = folder.write("bad.csv", "x,y,z,nx,ny,nz\n0.5,0.5,0,0,0,1\n0.5,0.5,zero,0,0,1\n");
     let empty = folder.write("empty.obj", "");
@@ -228,16 +230,23 @@ fn bad_input_is_one_sentence_and_exit_code_2() {
         (vec!["solve", good, "--epsilon", "0"], "--epsilon must be greater than 0"),
         (vec!["solve", good, "--epsilon", "-1e-3"], "--epsilon must be greater than 0"),
         (vec!["solve", good, "--epsilon-watts", "0"], "greater than 0"),
-        (vec!["solve", good, "--epsilon", "few"], "--epsilon"),
+        (
+            vec!["solve", good, "--epsilon", "few"],
+            "--epsilon <NUMBER>': it must be a number (see selflink solve --help)",
+        ),
+        (vec!["solve", good, "--rays-max", "1.5"], "it must be a whole number, 0 or more"),
+        (vec!["solve", good, "--rays-max", "99999999999"], "it is too large"),
+        (vec!["--epsilom", "1"], "(see selflink --help)"),
         (vec!["solve", good, "--epsilon", "1e-3", "--epsilon-watts", "1"], "one of them"),
         (vec!["solve", good, "--rays-min", "9", "--rays-max", "3"], "--rays-max (3)"),
         (vec!["solve", good, "--clustering", "kmeans"], "none, octree, groups, adaptive"),
         (vec!["solve", good, "--threads", "100000"], "--threads"),
-        (vec!["solve", good, "--epsilom", "1"], "--epsilom"),
+        (vec!["solve", good, "--epsilom", "1"], "(see selflink solve --help)"),
         (vec!["solve", good, "--seconds", "-1"], "--seconds"),
         (vec!["solve", good, "--out", name(&nowhere)], "cannot be written"),
         (vec!["solve", good, "--stats", name(&nowhere)], "cannot be written"),
-        (vec!["solve", good, "--out", good], "overwrite"),
+        (vec!["solve", name(&named_ply), "--out", name(&named_ply)], "overwrite"),
+        (vec!["solve", good, "--out", name(&mesh_as_obj)], "mesh.obj: meshes are written as PLY"),
         (vec!["solve", good, "--emit", "lamp=1,1,1"], "floor, roof"),
         (vec!["solve", good, "--emit", "roof=1,1"], "r,g,b"),
         (vec!["solve", good, "--emit", "roof=1,1,-1"], "emission"),
@@ -274,7 +283,9 @@ fn bad_input_is_one_sentence_and_exit_code_2() {
     for (args, part) in cases {
         let said = refused(&args);
         assert!(said.contains(part), "{args:?}: `{part}` is not in: {said}");
+        assert!(!said.contains("os error") && !said.contains("literal"), "{args:?}: {said}");
     }
+    assert!(!mesh_as_obj.exists());
     assert_eq!(std::fs::read_to_string(good).expect("the scene is still there"), SQUARE, "nothing was overwritten");
 }
 
@@ -323,6 +334,10 @@ fn a_picture_has_the_size_asked_for_and_shows_the_overlays() {
     {
         assert!(draw(file, &["--overlay", overlay]) != plain, "{overlay} is not to be seen");
     }
+    let deep = folder.path("deep.png");
+    let (_, said) =
+        succeed(&["render", "cornell", "--out", name(&deep), "--overlay", "clusters:99", "--epsilon", "1e-2"]);
+    assert!(said.contains("note: there are no clusters of level 99"), "{said}");
     assert!(draw("camera.png", &["--camera", "0.1,0.2,0.7:0.3,0.3,0"]) != plain, "the camera has not moved");
     // Truth: the background, which no light reaches, is all that stays.
     let brightest = |picture: &image::RgbaImage| picture.pixels().map(|pixel| pixel.0[0]).max();

@@ -216,6 +216,9 @@ fn links_show_their_power_and_shimmer_through_what_hides_them() {
         form_factor: 0.1,
         visibility: 1.0,
         power: 1.0,
+        levels_up: 0,
+        receiver_is_cluster: false,
+        irradiance: Vec3::ZERO,
     };
     let inspected =
         |link| InspectedElement { element: ElementId(5), centre: Vec3::new(0.9, 0.9, 0.0), links: vec![link] };

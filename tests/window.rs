@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 
 use egui::accesskit::Role;
 use egui_kittest::Harness;
-use egui_kittest::kittest::Queryable;
+use egui_kittest::kittest::{NodeT, Queryable};
 use selflink::added_light::{AddedLight, CeilingLight};
 use selflink::app::App;
 use selflink::scene::Source;
@@ -125,17 +125,26 @@ fn changed_parameters_reach_the_solver() {
 
 #[test]
 fn a_solve_is_paused_stepped_and_resumed() {
-    let params = SolverParams { epsilon: Epsilon::Relative(1e-3), ..SolverParams::default() };
+    // Fine enough that it is not finished before the pause, however slow the window.
+    let params = SolverParams { epsilon: Epsilon::Relative(1e-4), ..SolverParams::default() };
     let mut window = window(Some(Source::Builtin(BuiltinScene::from_name("seminar").expect("ours"))), params);
     until(&mut window, "the first picture", |window| window.state().snapshot().is_some());
     click(&mut window, "Pause");
     until(&mut window, "the pause", |window| window.state().status().run == RunState::Paused);
-    let before = window.state().snapshot().expect("a picture").stats.pairs_judged;
-    click(&mut window, "Step one wave");
-    until(&mut window, "one more wave", |window| {
-        let judged = window.state().snapshot().expect("a picture").stats.pairs_judged;
-        judged > before && window.state().status().run == RunState::Paused
-    });
+    let now = |window: &Harness<'static, App>| {
+        let snapshot = window.state().snapshot().expect("a picture");
+        (snapshot.serial, snapshot.stats.pairs_judged)
+    };
+    let before = now(&window).1;
+    // The step after a round's last wave gathers and judges nothing; the one behind it does.
+    for _ in 0..2 {
+        let serial = now(&window).0;
+        click(&mut window, "Step one wave");
+        until(&mut window, "one more step", |window| {
+            now(window).0 > serial && window.state().status().run == RunState::Paused
+        });
+    }
+    assert!(now(&window).1 > before, "no wave was judged");
     click(&mut window, "Run");
     until(&mut window, "going on", |window| window.state().status().run != RunState::Paused);
 }
@@ -164,6 +173,7 @@ fn overlays_and_a_picked_element_are_shown() {
     assert!(window.query_by_label("Picked element").is_some());
     let inspected = window.state().snapshot().and_then(|snapshot| snapshot.inspected.clone()).expect("links");
     assert!(!inspected.links.is_empty(), "the back wall is lit by something");
+    assert!(window.query_by_label_contains("of it and of all that holds it").is_some());
     click(&mut window, "Close");
     until(&mut window, "letting go", |window| window.query_by_label("Picked element").is_none());
 }
@@ -206,10 +216,43 @@ fn a_bad_path_is_said_and_the_scene_stays() {
     assert_eq!(share_of_different_pixels(&before, &picture(&mut window)), 0.0);
 }
 
+/// Truth: the field's own text. Its end is what is shown, and the whole path is what is opened.
+#[test]
+fn a_long_path_shows_its_end() {
+    let mut window = window(None, coarse());
+    window.step();
+    let field = window.get_by_label("Scene path");
+    field.focus();
+    let path = format!("{}/room.obj", "no/such/folder".repeat(9));
+    field.type_text(&path);
+    window.run_steps(2);
+    window.key_press(egui::Key::Tab);
+    window.run_steps(2);
+    let shown = window.get_by_label("Scene path").accesskit_node().value().expect("a text");
+    assert!(
+        shown.starts_with('…') && shown.ends_with("/room.obj") && path.ends_with(&shown['…'.len_utf8()..]),
+        "{shown}"
+    );
+    click(&mut window, "Open");
+    until(&mut window, "the message", |window| window.query_by_label_contains("room.obj: no such file").is_some());
+}
+
+#[test]
+fn a_scene_that_opens_takes_old_errors_away() {
+    let mut window = window(Some(Source::File("no/such/room.obj".into())), coarse());
+    until(&mut window, "the message", |window| window.query_by_label_contains("room.obj: no such file").is_some());
+    window.get_all_by_label("cornell").next().expect("our own scenes are offered").click();
+    finish(&mut window);
+    assert!(window.query_by_label("Dismiss").is_none(), "the scene is there, the error of another one is not");
+}
+
 /// Three walls without a lamp.
 const DARK_ROOM: &str = "o room/walls
 v 0 0 0\nv 2 0 0\nv 2 0 2\nv 0 0 2\nv 0 2 0\nv 2 2 0\nv 2 2 2\nv 0 2 2
 f 4 3 2 1\nf 1 2 6 5\nf 1 5 8 4\n";
+
+const TOO_LARGE: &str =
+    "The ceiling light, with sides of 8, is larger than the scene, which measures 2 by 2: choose a smaller one.";
 
 #[test]
 fn a_scene_without_a_lamp_says_so_and_can_be_given_one() {
@@ -220,13 +263,95 @@ fn a_scene_without_a_lamp_says_so_and_can_be_given_one() {
     until(&mut window, "the room", |window| window.state().scene_info().is_some());
     assert!(!window.state().scene_info().expect("a scene").has_light);
     assert!(window.query_by_label_contains("Nothing in this scene emits light").is_some());
+    finish(&mut window);
+    assert!(window.query_by_label("Nothing emits light").is_some() && window.query_by_label("Converged").is_none());
+    window.get_by_role_and_label(Role::SpinButton, "Side length").set_value_accesskit(8.0);
     click(&mut window, "Add a ceiling light");
     until(&mut window, "light", |window| window.state().scene_info().is_some_and(|info| info.has_light));
     finish(&mut window);
     let snapshot = window.state().snapshot().expect("a picture");
     let lit = snapshot.leaf_irradiance.iter().filter(|rgb| rgb[0] > 0.0).count();
     assert!(lit > 0, "the lamp lights the walls");
+    assert!(window.query_by_label("Converged").is_some());
+    // Over the view, and among the scene's remarks.
+    let said = window.query_all_by_role_and_label(Role::Label, TOO_LARGE).count();
+    assert_eq!(said, 2);
     assert!(window.query_by_label_contains("Nothing in this scene emits light").is_none());
+}
+
+/// Truth: the slider's value; stops belong to the scene they were chosen for.
+#[test]
+fn another_scene_is_shown_as_it_is() {
+    let mut window = cornell(coarse());
+    finish(&mut window);
+    let plain = picture(&mut window);
+    window.get_by_role_and_label(Role::Slider, "Exposure").set_value_accesskit(-6.0);
+    until(&mut window, "a darker picture", |window| exposure(window) == -6.0);
+    assert!(share_of_different_pixels(&plain, &picture(&mut window)) > 0.3);
+    window.get_all_by_label("cornell").find(is_button).expect("our own scenes are offered").click();
+    until(&mut window, "the scene again", |window| {
+        window.state().snapshot().is_some_and(|snapshot| snapshot.generation > 1)
+    });
+    assert_eq!(exposure(&window), 0.0);
+    finish(&mut window);
+    assert_eq!(share_of_different_pixels(&plain, &picture(&mut window)), 0.0);
+}
+
+fn exposure(window: &Harness<'static, App>) -> f64 {
+    window.get_by_role_and_label(Role::Slider, "Exposure").accesskit_node().numeric_value().expect("a number")
+}
+
+fn is_button(node: &egui_kittest::Node<'_>) -> bool {
+    node.accesskit_node().role() == Role::Button
+}
+
+/// Truth: the slider's value. A lamp follows it without a button; what does not emit waits for the button.
+#[test]
+fn a_lamp_follows_its_slider_at_once() {
+    let mut window = cornell(coarse());
+    finish(&mut window);
+    click(&mut window, "Light");
+    let strongest = |window: &Harness<'static, App>| {
+        let info = window.state().scene_info().expect("a scene");
+        info.scene.materials.iter().map(|material| material.emission.max_element()).fold(0.0, f32::max)
+    };
+    let before = strongest(&window);
+    let strength = 2.0 * f64::from(before).round();
+    window.get_by_role_and_label(Role::Slider, "Strength").set_value_accesskit(strength);
+    until(&mut window, "a brighter lamp", |window| (f64::from(strongest(window)) - strength).abs() < 0.1);
+    click(&mut window, "Switch it off");
+    until(&mut window, "darkness", |window| strongest(window) == 0.0);
+    window.get_by_role_and_label(Role::Slider, "Strength").set_value_accesskit(7.0);
+    window.run_steps(10);
+    finish(&mut window);
+    assert_eq!(strongest(&window), 0.0, "what does not emit waits for the button");
+    click(&mut window, "Make it emit");
+    until(&mut window, "light", |window| (strongest(window) - 7.0).abs() < 0.1);
+}
+
+/// Truth: the file. A click writes where nothing is; where a sidecar is, only a second one does.
+#[test]
+fn an_existing_sidecar_is_overwritten_only_when_confirmed() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("dark.obj");
+    std::fs::write(&path, DARK_ROOM).expect("the room is written");
+    let sidecar = folder.path().join("dark.selflink.json");
+    let mut window = window(Some(Source::File(path)), coarse());
+    until(&mut window, "the room", |window| window.state().scene_info().is_some());
+    click(&mut window, "Save sidecar");
+    until(&mut window, "the file", |window| window.query_by_label_contains("Saved").is_some());
+    assert!(sidecar.exists() && window.query_by_label_contains("Overwrite").is_none());
+
+    let by_hand = "{\n  \"sides\": \"front\"}";
+    std::fs::write(&sidecar, by_hand).expect("the sidecar is written");
+    for answer in ["Cancel", "Overwrite"] {
+        click(&mut window, "Save sidecar");
+        until(&mut window, "the question", |window| window.query_by_label("Overwrite dark.selflink.json?").is_some());
+        assert_eq!(std::fs::read_to_string(&sidecar).expect("the sidecar"), by_hand);
+        click(&mut window, answer);
+        until(&mut window, "the end of the question", |window| window.query_by_label("Cancel").is_none());
+    }
+    until(&mut window, "the new file", |_| std::fs::read_to_string(&sidecar).is_ok_and(|text| text.contains("camera")));
 }
 
 #[test]

@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 
 use selflink::hierarchy::ElementId;
 use selflink::scene::builtin::BuiltinScene;
-use selflink::scene::{CameraPose, MaterialId, Sides, Source};
+use selflink::scene::{CameraPose, MaterialId, Sidecar, Sides, Source};
 use selflink::solver::{ClusteringMode, Epsilon, SolverParams};
 use selflink::worker::{Command, Event, RunState, SolverThread};
 
@@ -60,8 +60,8 @@ fn a_scene_is_loaded_shown_and_finished() {
 #[test]
 fn a_pause_holds_and_a_step_moves_one_wave() {
     let worker = spawn(coarse());
+    worker.send(Command::load(Source::Builtin(BuiltinScene::Cornell)));
     worker.send(Command::Pause);
-    load(&worker, BuiltinScene::Cornell);
     let first = wait_for("the first picture", || worker.latest());
     assert_eq!(worker.status().run, RunState::Paused);
     std::thread::sleep(Duration::from_millis(150));
@@ -79,6 +79,20 @@ fn a_pause_holds_and_a_step_moves_one_wave() {
         judged = next.stats.pairs_judged;
     }
     worker.send(Command::Resume);
+    wait_until_finished(&worker);
+}
+
+/// Truth: a pause is for the scene that was paused.
+#[test]
+fn a_newly_opened_scene_runs() {
+    let worker = spawn(coarse());
+    worker.send(Command::load(Source::Builtin(BuiltinScene::Cornell)));
+    worker.send(Command::Pause);
+    wait_for("the pause", || (worker.latest().is_some() && worker.status().run == RunState::Paused).then_some(()));
+    worker.send(Command::load(Source::File("no/such/room.obj".into())));
+    wait_for_event(&worker, "the failure", |event| matches!(event, Event::LoadFailed(_)));
+    assert_eq!(worker.status().run, RunState::Paused, "a scene that stays stays paused");
+    load(&worker, BuiltinScene::Cornell);
     wait_until_finished(&worker);
 }
 
@@ -154,7 +168,7 @@ fn a_saved_sidecar_brings_the_changes_back() {
     let walls = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\n\
         usemtl wall\nf 1 2 3 4\nusemtl floor\nf 1 5 6 2\nusemtl pane\nf 5 6 3\n";
     std::fs::write(&path, walls).expect("the room is written");
-    let ignoring = r#"{"materials": {"pane": {"ignore": true}}}"#;
+    let ignoring = r#"{"materials": {"floor": {"reflectance": [0.2, 0.3, 0.4]}, "pane": {"ignore": true}}}"#;
     std::fs::write(path.with_extension("selflink.json"), ignoring).expect("the sidecar is written");
 
     let worker = spawn(coarse());
@@ -171,14 +185,23 @@ fn a_saved_sidecar_brings_the_changes_back() {
     worker.send(Command::SetEmission { material: wall, emission: glam::Vec3::new(1.0, 2.0, 3.0) });
     let eye = glam::Vec3::new(0.5, 0.5, 3.0);
     let camera = CameraPose { eye, target: glam::Vec3::ZERO, up: glam::Vec3::Y, hfov_deg: 50.0 };
+    worker.send(Command::AddCeilingLight { size: 0.2, exitance: glam::Vec3::splat(10.0) });
+    let has_panel = |event: &Event| matches!(event, Event::SceneEdited(info) if !info.scene.ceiling_panels.is_empty());
+    wait_for_event(&worker, "the lamp", has_panel);
     worker.send(Command::SaveSidecar { camera: Some(camera) });
     wait_for_event(&worker, "saving", |event| matches!(event, Event::Saved(_)));
+    let written = Sidecar::read(&Sidecar::path_for(&path)).expect("what was saved");
+    assert_eq!(written.materials.keys().collect::<Vec<_>>(), ["floor", "pane", "wall"], "{written:?}");
+    assert_eq!(written.materials["wall"].reflectance, None, "it is as the file says");
 
     let again = open();
     let wall = again.scene.material_named("wall").expect("a wall");
     assert_eq!(again.scene.materials[wall.0 as usize].emission, glam::Vec3::new(1.0, 2.0, 3.0));
     assert_eq!(again.scene.camera, Some(camera));
-    assert_eq!(again.scene.polygons.len(), 2, "the pane is still ignored");
+    assert_eq!(again.scene.polygons.len(), 3, "the pane is still ignored, and the lamp is there");
+    assert_eq!((again.scene.ceiling_panels.len(), &again.skipped), (1, &info.skipped));
+    let floor = again.scene.material_named("floor").expect("a floor");
+    assert_eq!(again.scene.materials[floor.0 as usize].reflectance, glam::Vec3::new(0.2, 0.3, 0.4));
 }
 
 /// A small generator is enough to mix commands (xorshift); the seed is fixed so that a failure comes again.

@@ -25,6 +25,8 @@ pub(super) struct Files {
     pub path_text: String,
     recent: Vec<PathBuf>,
     dialog: Option<Receiver<Closed>>,
+    /// A sidecar that is there already and is to be overwritten only if a person says so.
+    pub sidecar_in_question: Option<PathBuf>,
 }
 
 struct Closed {
@@ -35,7 +37,7 @@ struct Closed {
 impl Files {
     /// With the files of earlier runs.
     pub(super) fn new(recent: Vec<PathBuf>) -> Self {
-        Self { path_text: String::new(), recent, dialog: None }
+        Self { path_text: String::new(), recent, dialog: None, sidecar_in_question: None }
     }
 
     /// Files opened lately, the last one first.

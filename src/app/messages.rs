@@ -30,8 +30,13 @@ impl Messages {
         self.push(Kind::Note, sentence);
     }
 
+    /// Takes back what could not be done; for a scene that came after it, it no longer matters.
+    pub(super) fn forget_errors(&mut self) {
+        self.entries.retain(|(kind, _)| *kind != Kind::Error);
+    }
+
     fn push(&mut self, kind: Kind, sentence: String) {
-        let sentence = as_sentence(&sentence);
+        let sentence = as_sentence(&super::format::without_os_codes(&sentence));
         self.entries.retain(|(_, entry)| *entry != sentence);
         self.entries.push((kind, sentence));
         let surplus = self.entries.len().saturating_sub(MOST);
@@ -89,5 +94,9 @@ mod tests {
         }
         let texts: Vec<_> = messages.entries.iter().map(|(_, text)| text.as_str()).collect();
         assert_eq!(texts, ["Number 2 failed.", "Number 3 failed.", "Number 4 failed.", "Number 5 failed."]);
+        messages.note("saved".into());
+        messages.forget_errors();
+        let texts: Vec<_> = messages.entries.iter().map(|(_, text)| text.as_str()).collect();
+        assert_eq!(texts, ["Saved."]);
     }
 }

@@ -36,7 +36,7 @@ use messages::Messages;
 use panels::light::LampEditor;
 use picked::PickedElement;
 use settings::DisplaySettings;
-use time_left::TimeLeft;
+use time_left::{Clock, TimeLeft};
 use viewport::Viewport;
 
 /// On software adapters drawing takes the solver's cores, so pictures wait this long for each other.
@@ -78,6 +78,7 @@ pub struct App {
     time_left: TimeLeft,
     comparison: Comparison,
     wake: Wake,
+    clock: Clock,
     drawing_failures: Receiver<String>,
 }
 
@@ -133,6 +134,7 @@ impl App {
             time_left: TimeLeft::default(),
             comparison: Comparison::default(),
             wake,
+            clock: Clock::default(),
             drawing_failures,
         })
     }
@@ -168,6 +170,7 @@ impl App {
         }
         self.shown.status = self.worker.status();
         self.comparison.note(self.shown.snapshot.as_ref(), &self.shown.status.params);
+        self.clock.note(self.shown.status.run, false);
         let Some(latest) = self.worker.latest() else { return };
         if let Some(incoming) = self.incoming.take_if(|incoming| incoming.info.generation <= latest.generation) {
             self.adopt(ctx, incoming);
@@ -177,6 +180,7 @@ impl App {
         let is_newer = self.shown.snapshot.as_ref().is_none_or(|shown| !Arc::ptr_eq(shown, &latest));
         if is_newer {
             self.time_left.note(&latest.stats);
+            self.clock.note(self.shown.status.run, true);
             self.follow_picked(&latest);
             self.shown.snapshot = Some(latest);
         }
@@ -201,9 +205,14 @@ impl App {
                 if let Some(path) = &info.path {
                     self.files.note_opened(path);
                 }
+                self.messages.forget_errors();
                 self.incoming = Some(Incoming { info, is_new: true });
             }
             Event::SceneEdited(info) => {
+                let known = self.shown.info.as_ref().map_or(&[][..], |shown| &shown.scene.skipped.notes[..]);
+                for note in info.scene.skipped.notes.iter().filter(|note| !known.contains(note)) {
+                    self.messages.note(note.clone());
+                }
                 let is_new = self.incoming.as_ref().is_some_and(|incoming| incoming.is_new);
                 self.incoming = Some(Incoming { info, is_new });
             }
@@ -228,6 +237,8 @@ impl App {
             self.view.start_with(&info.scene);
             self.picked = None;
             self.lamp = LampEditor::for_scene(&info.scene);
+            // A correction made for another scene's light would make this one black or white.
+            self.display.auto_stops = 0.0;
         }
         self.shown.info = Some(info);
     }

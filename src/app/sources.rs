@@ -17,9 +17,23 @@ pub(super) struct NamedSource {
     pub name: String,
 }
 
-/// The strongest links of an element, named.
+impl NamedSource {
+    /// Which element's link it is, seen from the inspected one.
+    pub(super) fn receiver(&self) -> String {
+        let kind = if self.link.receiver_is_cluster { "cluster" } else { "patch" };
+        match self.link.levels_up {
+            0 => "a link of the element's own".to_owned(),
+            1 => format!("a link of the {kind} that holds it"),
+            levels => format!("a link of the {kind} {levels} levels above it"),
+        }
+    }
+}
+
+/// The links that bring an element most, named.
 pub(super) fn strongest(inspected: &InspectedElement, snapshot: &Snapshot, scene: &Scene) -> Vec<NamedSource> {
-    let strongest = inspected.links.iter().take(MOST);
+    let mut links: Vec<&LinkView> = inspected.links.iter().collect();
+    links.sort_by(|a, b| b.irradiance.max_element().total_cmp(&a.irradiance.max_element()));
+    let strongest = links.into_iter().take(MOST);
     strongest.map(|link| NamedSource { link: *link, name: name(link, snapshot, scene) }).collect()
 }
 
@@ -99,6 +113,9 @@ mod tests {
             form_factor: 0.1,
             visibility: 1.0,
             power: 1.0,
+            levels_up: 0,
+            receiver_is_cluster: false,
+            irradiance: Vec3::ONE,
         };
         assert_eq!(name(&link, &snapshot, &scene), "ceiling (white)");
         let elsewhere = LinkView { source_centre: Vec3::new(5.0, 2.0, 0.0), ..link };

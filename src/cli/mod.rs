@@ -23,6 +23,7 @@ use std::time::Instant;
 
 use clap::error::ErrorKind;
 use clap::{ArgMatches, Command};
+use selflink::format::without_os_codes;
 
 /// Exit code of everything that cannot be done.
 const CANNOT: u8 = 2;
@@ -70,7 +71,7 @@ fn command() -> Command {
 /// Says why, in one line.
 fn refuse(sentence: &str) -> ExitCode {
     let words: Vec<&str> = sentence.split_whitespace().collect();
-    eprintln!("selflink: {}", words.join(" "));
+    eprintln!("selflink: {}", without_os_codes(&words.join(" ")));
     ExitCode::from(CANNOT)
 }
 
@@ -80,7 +81,15 @@ fn sentence_of(error: &clap::Error) -> String {
     let is_said = |paragraph: &&str| !paragraph.starts_with("Usage:") && !paragraph.starts_with("For more information");
     let said: Vec<&str> = text.split("\n\n").map(str::trim).filter(is_said).collect();
     let said = said.join("; ");
-    format!("{} (see selflink --help)", said.strip_prefix("error: ").unwrap_or(&said))
+    format!("{} (see selflink{} --help)", said.strip_prefix("error: ").unwrap_or(&said), named_command())
+}
+
+/// The command that the arguments name, with a space before it; nothing where they name none.
+fn named_command() -> String {
+    let first = std::env::args_os().nth(1).unwrap_or_default();
+    let command = command();
+    let named = command.get_subcommands().find(|command| command.get_name() == first);
+    named.map_or(String::new(), |command| format!(" {}", command.get_name()))
 }
 
 #[cfg(test)]

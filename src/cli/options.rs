@@ -35,15 +35,26 @@ fn solver_arg(parameter: &'static Parameter) -> Arg {
         .allow_hyphen_values(true)
         .help_heading("Solver");
     match &parameter.kind {
-        ValueKind::Real { .. } => arg.value_name("NUMBER").value_parser(value_parser!(f64)),
-        ValueKind::Whole { .. } if parameter.id == ParameterId::Seed => {
-            arg.value_name("N").value_parser(value_parser!(u64))
-        }
-        ValueKind::Whole { .. } => arg.value_name("N").value_parser(value_parser!(u32)),
+        ValueKind::Real { .. } => arg.value_name("NUMBER").value_parser(number),
+        ValueKind::Whole { .. } if parameter.id == ParameterId::Seed => arg.value_name("N").value_parser(whole::<u64>),
+        ValueKind::Whole { .. } => arg.value_name("N").value_parser(whole::<u32>),
         ValueKind::Choice { names } => {
             arg.value_name("MODE").value_parser(clap::builder::PossibleValuesParser::new(*names))
         }
     }
+}
+
+/// Reads a number; what is none is told in a person's words.
+pub fn number(text: &str) -> Result<f64, String> {
+    text.parse().map_err(|_| "it must be a number".to_owned())
+}
+
+/// Reads a number of things, likewise.
+pub fn whole<T: FromStr>(text: &str) -> Result<T, String> {
+    text.parse().map_err(|_| match text.parse::<u64>() {
+        Ok(_) => "it is too large".to_owned(),
+        Err(_) => "it must be a whole number, 0 or more".to_owned(),
+    })
 }
 
 /// A parameter's default as a person would write it.
@@ -159,12 +170,7 @@ pub fn solving(command: Command) -> Command {
 
 /// How long something may take.
 pub fn seconds_arg(help: &'static str) -> Arg {
-    Arg::new("seconds")
-        .long("seconds")
-        .value_name("T")
-        .value_parser(value_parser!(f64))
-        .allow_hyphen_values(true)
-        .help(help)
+    Arg::new("seconds").long("seconds").value_name("T").value_parser(number).allow_hyphen_values(true).help(help)
 }
 
 /// The time limit given, if one was.

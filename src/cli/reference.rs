@@ -4,7 +4,7 @@ use std::io::{IsTerminal as _, Write as _};
 use std::time::Duration;
 
 use anyhow::bail;
-use clap::{Arg, ArgAction, ArgMatches, Command, value_parser};
+use clap::{Arg, ArgAction, ArgMatches, Command};
 use selflink::cancel::CancelToken;
 use selflink::format::{count, seconds, things};
 use selflink::reference::{Cache, Outcome, Reference, ReferenceRun, SurfacePoint, Target, compute, random_points};
@@ -52,7 +52,7 @@ pub fn wish_args(command: Command) -> Command {
             Arg::new("points")
                 .long("points")
                 .value_name("N")
-                .value_parser(value_parser!(u32))
+                .value_parser(options::whole::<u32>)
                 .allow_hyphen_values(true)
                 .help(format!("Random points of the reference, evenly by area, lamps left out [default: {POINTS}]")),
         )
@@ -60,7 +60,7 @@ pub fn wish_args(command: Command) -> Command {
             Arg::new("noise")
                 .long("noise")
                 .value_name("SHARE")
-                .value_parser(value_parser!(f64))
+                .value_parser(options::number)
                 .allow_hyphen_values(true)
                 .help("Noise that suffices: RMS over the points, relative to the radiosity's [default: 0.01]"),
         )

@@ -104,6 +104,10 @@ pub fn draw(
     view: &View,
 ) -> anyhow::Result<RgbaImage> {
     let camera = camera(scene, view);
+    let deepest = solution.snapshot.clusters.iter().map(|cluster| cluster.level).max().unwrap_or(0);
+    if let Some(level) = view.overlay.clusters.filter(|level| *level > deepest) {
+        eprintln!("note: there are no clusters of level {level} to be drawn, the deepest have level {deepest}.");
+    }
     if let Some(pixel) = view.links_at {
         inspect(solution, &camera, pixel, view.size);
     }

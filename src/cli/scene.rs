@@ -1,7 +1,7 @@
 //! `selflink scene`: writes one of our own scenes as OBJ, MTL and sidecar.
 
 use anyhow::bail;
-use clap::{Arg, ArgMatches, Command, value_parser};
+use clap::{Arg, ArgMatches, Command};
 use selflink::format::things;
 use selflink::scene::{builtin::BuiltinScene, write_obj};
 
@@ -17,7 +17,7 @@ pub fn command() -> Command {
             Arg::new("polygons")
                 .long("polygons")
                 .value_name("N")
-                .value_parser(value_parser!(usize))
+                .value_parser(options::whole::<usize>)
                 .help("Draw the seminar room with so many polygons"),
         )
         .arg(path_arg("out", "DIR").required(true).help("Folder to write to; it is made where it is missing"))

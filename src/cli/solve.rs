@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
+use anyhow::bail;
 use clap::{ArgMatches, Command};
 use selflink::export;
 
@@ -28,7 +29,12 @@ pub fn run(matches: &ArgMatches, started: Instant) -> anyhow::Result<()> {
     let stats_path = path(matches, "stats");
     let stats_to_stdout = stats_path.as_deref() == Some(Path::new("-"));
     let stats_file = stats_path.filter(|_| !stats_to_stdout).map(output).transpose()?;
-    let mesh_file = path(matches, "out").map(output).transpose()?;
+    let mesh_path = path(matches, "out");
+    let is_ply = |path: &&PathBuf| path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("ply"));
+    if let Some(path) = mesh_path.as_ref().filter(|path| !is_ply(path)) {
+        bail!("{}: meshes are written as PLY; choose a name that ends in .ply", path.display());
+    }
+    let mesh_file = mesh_path.map(output).transpose()?;
 
     let job = order.load()?;
     let solution = job.solve()?;

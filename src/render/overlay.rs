@@ -180,6 +180,9 @@ mod tests {
             form_factor: 0.1,
             visibility: 1.0,
             power,
+            levels_up: 0,
+            receiver_is_cluster: false,
+            irradiance: Vec3::ZERO,
         }
     }
 

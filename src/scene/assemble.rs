@@ -28,6 +28,7 @@ pub(super) fn assemble(name: &str, draft: Draft, sidecar: &Sidecar) -> Scene {
 
     let mut rules = Vec::with_capacity(materials.len());
     let mut final_materials = Vec::with_capacity(materials.len());
+    let mut filed_materials = Vec::with_capacity(materials.len());
     for material in materials {
         let said = sidecar.materials.get(&material.name).cloned().unwrap_or_default();
         let reflectance = material.reflectance.clamp(Vec3::ZERO, Vec3::splat(MAX_FILE_REFLECTANCE));
@@ -37,11 +38,13 @@ pub(super) fn assemble(name: &str, draft: Draft, sidecar: &Sidecar) -> Scene {
         let rule = FaceRule::new(&said, material.transparent, material.defined);
         skipped.clamped_materials += usize::from(clamped && matches!(rule, FaceRule::Keep));
         rules.push(rule);
+        let filed = Material { name: material.name, reflectance, emission };
         final_materials.push(Material {
-            name: material.name,
             reflectance: said.reflectance.unwrap_or(reflectance),
             emission: said.emission.unwrap_or(emission),
+            ..filed.clone()
         });
+        filed_materials.push(filed);
     }
 
     let mut builder = PolygonBuilder::new(&vertices, skipped, faces.len());
@@ -57,6 +60,7 @@ pub(super) fn assemble(name: &str, draft: Draft, sidecar: &Sidecar) -> Scene {
     scene.polygons = builder.polygons;
     scene.skipped = builder.skipped;
     scene.materials = final_materials;
+    scene.filed_materials = filed_materials;
     scene.groups = groups;
     scene.camera = sidecar.camera;
     scene.sides = sidecar.sides.unwrap_or(Sides::Front);

@@ -3,7 +3,7 @@
 use glam::Vec3;
 
 use super::sidecar::MAX_EMISSION;
-use super::{GroupId, Scene};
+use super::{CeilingPanel, GroupId, Scene};
 
 /// A change that cannot be made.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -27,7 +27,7 @@ pub enum EditError {
     Up,
 }
 
-/// Name of the material of [`Scene::add_ceiling_light`].
+/// Name of the material of the first [`Scene::add_ceiling_light`]; further ones are numbered.
 const CEILING_LIGHT: &str = "ceiling light";
 
 /// Reflectance of an added light: it mostly shines.
@@ -53,6 +53,7 @@ impl Scene {
 
     /// Adds a square panel that shines down (against `up`), its middle at `centre`, its side `size` in the scene's
     /// length unit; `exitance` is B_e, W/m² per colour. [`crate::ceiling::place`] finds the place for it.
+    /// Each light has a material of its own: "ceiling light", "ceiling light 2" and so on.
     ///
     /// # Errors
     /// A size, direction or exitance that cannot be used.
@@ -63,14 +64,47 @@ impl Scene {
         }
         let up = up.try_normalize().ok_or(EditError::Up)?;
         let (right, forward) = panel_axes(up);
+        self.skipped.notes.extend(self.misfit(centre, [right, forward], size));
         let (along, across) = (0.5 * size * right, 0.5 * size * forward);
-        let material = self.add_material(CEILING_LIGHT, LIGHT_REFLECTANCE, exitance);
-        let group = self.add_group(CEILING_LIGHT, GroupId(0));
+        let name = self.free_name(CEILING_LIGHT);
+        let material = self.add_material(&name, LIGHT_REFLECTANCE, exitance);
+        let group = self.add_group(&name, GroupId(0));
+        self.ceiling_panels.push(CeilingPanel { material, centre, up, size });
         // Anticlockwise as seen from below.
         let corners =
             [centre - along - across, centre - along + across, centre + along + across, centre + along - across];
         self.add_quad(corners, material, group);
         Ok(())
+    }
+
+    /// Why a light that was asked for will hardly light the room, if it is so: it is larger, or reaches out of it.
+    fn misfit(&self, centre: Vec3, edges: [Vec3; 2], size: f32) -> Option<String> {
+        if self.polygons.is_empty() {
+            return None;
+        }
+        let (lower, upper) = self.bounds();
+        let extent = upper - lower;
+        // Rounding must not matter: a light may fill the whole ceiling.
+        let slack = 1e-3 * extent.max_element();
+        let [a, b] = edges.map(|edge| extent.dot(edge.abs()));
+        if size > a + slack || size > b + slack {
+            let [a, b] = [a, b].map(|length| (1e3 * length).round() / 1e3);
+            return Some(format!(
+                "The ceiling light, with sides of {size}, is larger than the scene, which measures {a} by {b}: choose a smaller one."
+            ));
+        }
+        let reach = 0.5 * size * (edges[0].abs() + edges[1].abs());
+        let is_inside = (centre - reach).cmpge(lower - slack).all() && (centre + reach).cmple(upper + slack).all();
+        (!is_inside).then(|| {
+            "The ceiling light lies outside of the scene, in part at least: it may light little of it.".to_owned()
+        })
+    }
+
+    /// A name that no material has yet: this one, or with the first number that makes it new.
+    fn free_name(&self, name: &str) -> String {
+        let numbered = (2..).map(|number| format!("{name} {number}"));
+        let mut names = std::iter::once(name.to_owned()).chain(numbered);
+        names.find(|name| self.material_named(name).is_none()).unwrap_or_default()
     }
 
     /// Whether any face emits.
@@ -150,6 +184,23 @@ mod tests {
         assert!(!scene.has_light(), "no face has that material");
     }
 
+    /// Truth: a unit box.
+    #[test]
+    fn a_light_that_does_not_fit_is_said() {
+        let notes = |centre: Vec3, size: f32| {
+            let mut scene = Scene::new("room");
+            let grey = scene.add_material("grey", Vec3::splat(0.5), Vec3::ZERO);
+            scene.add_triangle([Vec3::ZERO, Vec3::X, Vec3::ONE], grey, GroupId(0));
+            scene.add_triangle([Vec3::ZERO, Vec3::ONE, Vec3::Z], grey, GroupId(0));
+            scene.add_ceiling_light(centre, Vec3::Y, size, Vec3::ONE).expect("it is added all the same");
+            scene.skipped.notes.join(" ")
+        };
+        assert_eq!(notes(Vec3::new(0.5, 0.9, 0.5), 1.0), "");
+        assert!(notes(Vec3::new(0.5, 0.9, 0.5), 3.0).contains("larger than the scene"));
+        assert!(notes(Vec3::new(0.9, 0.9, 0.5), 0.5).contains("outside of the scene"));
+        assert!(notes(Vec3::new(0.5, 1.5, 0.5), 0.5).contains("outside of the scene"));
+    }
+
     /// Truth: the panel's normal is −up and its area the square of its side, whatever up is.
     #[test]
     fn ceiling_lights_shine_down() {
@@ -160,6 +211,9 @@ mod tests {
             assert!(scene.normal(&panel).dot(-up.normalize()) > 0.9999, "{up}");
             assert!((scene.area(&panel) - 0.25).abs() < 1e-6);
             assert!(scene.has_light());
+            scene.add_ceiling_light(Vec3::ZERO, up, 0.5, Vec3::splat(10.0)).expect("a second light");
+            let names: Vec<_> = scene.materials.iter().map(|material| material.name.as_str()).collect();
+            assert_eq!(names, ["ceiling light", "ceiling light 2"], "each can be named on its own");
         }
         let mut scene = Scene::new("room");
         assert_eq!(scene.add_ceiling_light(Vec3::ONE, Vec3::Y, 0.0, Vec3::ONE), Err(EditError::Size(0.0)));

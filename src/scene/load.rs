@@ -7,8 +7,8 @@ use super::assemble::assemble;
 use super::builtin::BuiltinScene;
 use super::draft::scene_name;
 use super::load_error::LoadError;
-use super::sidecar::Sidecar;
-use super::{Scene, gltf, obj};
+use super::sidecar::{Sidecar, SidecarError};
+use super::{EditError, Scene, gltf, obj};
 
 /// Where a scene comes from.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -43,13 +43,15 @@ pub fn load_file(path: &Path) -> Result<Scene, LoadError> {
     drop(bytes);
     let sidecar_path = Sidecar::path_for(path);
     let sidecar = if sidecar_path.exists() { Sidecar::read(&sidecar_path)? } else { Sidecar::default() };
-    let scene = assemble(&scene_name(path), draft, &sidecar);
+    let mut scene = assemble(&scene_name(path), draft, &sidecar);
     if scene.polygons.is_empty() {
         let mut said = scene.skipped.sentences();
         said.truncate(4);
         let why = if said.is_empty() { String::new() } else { format!(" ({})", said.join(" ")) };
         return Err(LoadError::NoPolygons { path: path.to_owned(), why });
     }
+    let unusable = |error: EditError| SidecarError::Value { path: sidecar_path.clone(), problem: error.to_string() };
+    sidecar.add_lights_to(&mut scene).map_err(unusable)?;
     Ok(scene)
 }
 

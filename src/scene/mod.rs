@@ -27,7 +27,7 @@ pub use check::Skipped;
 pub use edit::EditError;
 pub use load::{Source, load, load_file};
 pub use load_error::LoadError;
-pub use sidecar::{Sidecar, SidecarError, SidecarMaterial};
+pub use sidecar::{Sidecar, SidecarError, SidecarLight, SidecarMaterial};
 pub use write::{WriteError, write_obj};
 
 /// Index into [`Scene::materials`].
@@ -137,6 +137,19 @@ pub struct CameraPose {
     pub hfov_deg: f32,
 }
 
+/// A square light that was added below the ceiling; its exitance is its material's emission.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CeilingPanel {
+    /// Its own material.
+    pub material: MaterialId,
+    /// Middle of the panel.
+    pub centre: Vec3,
+    /// Unit vector; the panel shines against it.
+    pub up: Vec3,
+    /// Length of its sides, in the scene's length unit.
+    pub size: f32,
+}
+
 /// Polygons with materials, groups and what loading had to say about them.
 #[derive(Clone, Debug)]
 pub struct Scene {
@@ -148,8 +161,13 @@ pub struct Scene {
     pub polygons: Vec<Polygon>,
     /// Materials; every polygon's index is valid.
     pub materials: Vec<Material>,
+    /// Reflectance and emission of the first materials as the scene's file alone has them, without its sidecar; empty where no
+    /// file is.
+    pub filed_materials: Vec<Material>,
     /// Groups; a parent precedes its children, `groups[0]` is the root.
     pub groups: Vec<Group>,
+    /// Lights among the polygons that no scene file holds: [`Scene::add_ceiling_light`] made them.
+    pub ceiling_panels: Vec<CeilingPanel>,
     /// The view to open with, where the scene names one.
     pub camera: Option<CameraPose>,
     /// Which sides of its faces are bright; [`crate::orient::apply`] makes it so.
@@ -168,6 +186,8 @@ impl Scene {
             vertices: Vec::new(),
             polygons: Vec::new(),
             materials: Vec::new(),
+            filed_materials: Vec::new(),
+            ceiling_panels: Vec::new(),
             camera: None,
             sides: Sides::Front,
             skipped: Skipped::default(),

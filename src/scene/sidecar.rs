@@ -2,6 +2,7 @@
 //!
 //! ```json
 //! { "materials": { "lamp": { "emission": [30, 30, 30] }, "pane": { "ignore": true } },
+//!   "ceiling_lights": [{ "centre": [1, 2.7, 1], "up": [0, 1, 0], "size": 0.5, "exitance": [100, 100, 100] }],
 //!   "sides": "auto",
 //!   "camera": { "eye": [0, 1, 3], "target": [0, 1, 0], "up": [0, 1, 0], "hfov_deg": 50 } }
 //! ```
@@ -13,7 +14,7 @@ use std::{fs, io};
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
 
-use super::{CameraPose, Scene, Sides};
+use super::{CameraPose, CeilingPanel, EditError, Material, Scene, Sides};
 
 /// The largest reflectance that a sidecar may set; a light path then loses at least a hundredth at each bounce.
 pub(super) const MAX_SIDECAR_REFLECTANCE: f32 = 0.99;
@@ -28,6 +29,9 @@ pub struct Sidecar {
     /// Corrections by material name.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub materials: BTreeMap<String, SidecarMaterial>,
+    /// Lights to be added.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub ceiling_lights: Vec<SidecarLight>,
     /// Which sides of faces are bright.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub sides: Option<Sides>,
@@ -49,6 +53,20 @@ pub struct SidecarMaterial {
     /// Whether faces of this material are left out.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub ignore: bool,
+}
+
+/// A square light that a person added, shining against `up`.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SidecarLight {
+    /// Middle of the panel.
+    pub centre: Vec3,
+    /// Up direction; need not be normalised.
+    pub up: Vec3,
+    /// Length of its sides, in the scene's length unit.
+    pub size: f32,
+    /// Emission B_e per colour, W/m².
+    pub exitance: Vec3,
 }
 
 /// A sidecar that cannot be read, used or written.
@@ -78,6 +96,12 @@ pub enum SidecarError {
         /// Which value, and what it may be.
         problem: String,
     },
+    /// Somebody protected the file, which counts even where the system would let us write.
+    #[error("{}: is read-only and stays as it is; allow writing to it, or move it away, and save again", path.display())]
+    ReadOnly {
+        /// The sidecar.
+        path: PathBuf,
+    },
     /// The file cannot be written.
     #[error("{}: cannot be written ({source}); choose another folder", path.display())]
     Unwritable {
@@ -94,7 +118,7 @@ impl Sidecar {
         scene.with_extension("selflink.json")
     }
 
-    /// All that this program may have changed in a scene: reflectance and emission of each material, sides and camera.
+    /// All in which a scene differs from its file: reflectances, emissions, added lights, sides and camera.
     ///
     /// A scene does not remember which materials a sidecar told to ignore; where a sidecar is already there, read it and
     /// [`update`](Self::update) it instead.
@@ -104,15 +128,43 @@ impl Sidecar {
         sidecar
     }
 
-    /// Takes over what [`Sidecar::of`] tells of a scene and keeps all the rest.
+    /// Takes over what [`Sidecar::of`] tells of a scene, brings what was said already up to date and keeps all the rest.
     pub fn update(&mut self, scene: &Scene) {
-        for material in &scene.materials {
-            let said = self.materials.entry(material.name.clone()).or_default();
-            said.reflectance = Some(material.reflectance.clamp(Vec3::ZERO, Vec3::splat(MAX_SIDECAR_REFLECTANCE)));
-            said.emission = Some(material.emission);
+        let is_added = |index: usize| scene.ceiling_panels.iter().any(|panel| panel.material.0 as usize == index);
+        for (index, material) in scene.materials.iter().enumerate().filter(|(index, _)| !is_added(*index)) {
+            let filed = scene.filed_materials.get(index);
+            let is_new = |new: Vec3, old: fn(&Material) -> Vec3| filed.is_none_or(|filed| old(filed) != new);
+            let said = self.materials.get(&material.name);
+            let says_reflectance = said.is_some_and(|said| said.reflectance.is_some());
+            let says_emission = said.is_some_and(|said| said.emission.is_some());
+            let reflectance = material.reflectance.clamp(Vec3::ZERO, Vec3::splat(MAX_SIDECAR_REFLECTANCE));
+            if says_reflectance || is_new(reflectance, |filed| filed.reflectance) {
+                self.materials.entry(material.name.clone()).or_default().reflectance = Some(reflectance);
+            }
+            if says_emission || is_new(material.emission, |filed| filed.emission) {
+                self.materials.entry(material.name.clone()).or_default().emission = Some(material.emission);
+            }
         }
-        self.sides = Some(scene.sides);
+        let light = |panel: &CeilingPanel| SidecarLight {
+            centre: panel.centre,
+            up: panel.up,
+            size: panel.size,
+            exitance: scene.materials[panel.material.0 as usize].emission,
+        };
+        self.ceiling_lights = scene.ceiling_panels.iter().map(light).collect();
+        if self.sides.is_some() || scene.sides != Sides::default() {
+            self.sides = Some(scene.sides);
+        }
         self.camera = scene.camera.or(self.camera);
+    }
+
+    /// Adds the lights to a scene.
+    ///
+    /// # Errors
+    /// A light that cannot be used; none of a sidecar that was [read](Self::read).
+    pub fn add_lights_to(&self, scene: &mut Scene) -> Result<(), EditError> {
+        let mut lights = self.ceiling_lights.iter();
+        lights.try_for_each(|light| scene.add_ceiling_light(light.centre, light.up, light.size, light.exitance))
     }
 
     /// Reads and checks a sidecar.
@@ -133,8 +185,11 @@ impl Sidecar {
     /// Writes the sidecar.
     ///
     /// # Errors
-    /// The file cannot be written.
+    /// The file is protected or cannot be written.
     pub fn write(&self, path: &Path) -> Result<(), SidecarError> {
+        if fs::metadata(path).is_ok_and(|present| present.permissions().readonly()) {
+            return Err(SidecarError::ReadOnly { path: path.to_owned() });
+        }
         let unwritable = |source| SidecarError::Unwritable { path: path.to_owned(), source };
         let mut text = serde_json::to_string_pretty(self).map_err(|error| unwritable(error.into()))?;
         text.push('\n');
@@ -156,13 +211,31 @@ impl Sidecar {
                 _ => None,
             }
         });
-        of_materials.or_else(|| self.camera.as_ref().and_then(camera_problem))
+        let of_lights = || self.ceiling_lights.iter().find_map(light_problem);
+        of_materials.or_else(of_lights).or_else(|| self.camera.as_ref().and_then(camera_problem))
     }
 }
 
 /// Whether every colour is finite and between 0 and `most`.
 fn in_range(value: Vec3, most: f32) -> bool {
     value.is_finite() && value.min_element() >= 0.0 && value.max_element() <= most
+}
+
+/// Why a light cannot be used.
+fn light_problem(light: &SidecarLight) -> Option<String> {
+    let SidecarLight { centre, up, size, exitance } = *light;
+    let problem = if !(centre.is_finite() && up.is_finite()) {
+        "has a coordinate that is not finite".to_owned()
+    } else if up.try_normalize().is_none() {
+        "has no up direction; [0, 1, 0] is usual".to_owned()
+    } else if !(size > 0.0 && size.is_finite()) {
+        format!("needs a size greater than 0 (it is {size})")
+    } else if !in_range(exitance, MAX_EMISSION) {
+        format!("needs an exitance between 0 and 1e9 W/m² (it is {exitance})")
+    } else {
+        return None;
+    };
+    Some(format!("a ceiling light {problem}"))
 }
 
 /// Why a view cannot be used.

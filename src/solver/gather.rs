@@ -275,31 +275,58 @@ impl Handing {
 fn handings(hierarchy: &Hierarchy, links: &LinkTable) -> Vec<Handing> {
     let of_receiver = |receiver: usize| {
         let receiver = ElementId(receiver as u32);
-        let element = hierarchy.element(receiver);
-        let own = links.of(receiver).iter();
-        let handing = |link: &Link| {
-            let Shape::Cluster(cluster) = &element.shape else { return Handing::EVEN };
-            if link.source() == receiver {
-                return Handing::EVEN;
-            }
-            let from = hierarchy.element(link.source()).centre;
-            let seen = hierarchy.patches_below(cluster).iter().map(|&id| {
-                let below = hierarchy.element(id);
-                let Shape::Patch(patch) = below.shape else { return 0.0 };
-                below.area * cosine_towards(below.centre, patch.normal, from)
-            });
-            let mean_cosine = seen.sum::<f32>() / element.area;
-            if mean_cosine <= 0.0 {
-                return Handing::EVEN;
-            }
-            let beam = mean_cosine.recip().min(link.form_factor.recip());
-            Handing { beam, even: (1.0 - beam * mean_cosine).max(0.0) }
-        };
-        own.map(handing).collect::<Vec<_>>()
+        links.of(receiver).iter().map(|link| handing(hierarchy, receiver, link)).collect::<Vec<_>>()
     };
     let per_receiver: Vec<Vec<Handing>> =
         (0..links.receivers()).into_par_iter().with_min_len(64).map(of_receiver).collect();
     per_receiver.into_iter().flatten().collect()
+}
+
+/// The immediate push of one link.
+fn handing(hierarchy: &Hierarchy, receiver: ElementId, link: &Link) -> Handing {
+    let element = hierarchy.element(receiver);
+    let Shape::Cluster(cluster) = &element.shape else { return Handing::EVEN };
+    if link.source() == receiver {
+        return Handing::EVEN;
+    }
+    let from = hierarchy.element(link.source()).centre;
+    let seen = hierarchy.patches_below(cluster).iter().map(|&id| {
+        let below = hierarchy.element(id);
+        let Shape::Patch(patch) = below.shape else { return 0.0 };
+        below.area * cosine_towards(below.centre, patch.normal, from)
+    });
+    let mean_cosine = seen.sum::<f32>() / element.area;
+    if mean_cosine <= 0.0 {
+        return Handing::EVEN;
+    }
+    let beam = mean_cosine.recip().min(link.form_factor.recip());
+    Handing { beam, even: (1.0 - beam * mean_cosine).max(0.0) }
+}
+
+/// What a link at `receiver`, which brings it `flux` (W/m²), hands down to a leaf below: a cluster's to the leaf's initial
+/// patch by that one's cosine, as [`Gatherer`] does.
+pub fn handed_down(
+    hierarchy: &Hierarchy,
+    push: Push,
+    (receiver, link): (ElementId, &Link),
+    flux: Vec3,
+    leaf: ElementId,
+) -> Vec3 {
+    if push == Push::Deferred || !hierarchy.element(receiver).is_cluster() {
+        return flux;
+    }
+    let handing = handing(hierarchy, receiver, link);
+    let initial = std::iter::successors(Some(leaf), |&id| {
+        hierarchy.element(id).parent().filter(|&parent| !hierarchy.element(parent).is_cluster())
+    });
+    let element = hierarchy.element(initial.last().unwrap_or(leaf));
+    let from = hierarchy.element(link.source()).centre;
+    match element.shape {
+        Shape::Patch(patch) => {
+            flux * (handing.even + handing.beam * cosine_towards(element.centre, patch.normal, from))
+        }
+        Shape::Cluster(_) => flux,
+    }
 }
 
 /// Light on its way into a cluster.

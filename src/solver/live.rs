@@ -9,8 +9,8 @@ use super::link::LinkTable;
 use super::params::{Invalidates, SolverParams};
 use super::picture::Picture;
 use super::refine::Refinement;
-use super::stats::Phase;
-use super::{Solver, SolverError, judged_again, surfaces_of, watts};
+use super::stats::{Phase, Seconds};
+use super::{Solver, SolverError, judged_again, surfaces_of, timed, watts};
 use crate::hierarchy::{ElementId, Hierarchy, PatchSums, Shape};
 use crate::scene::MaterialId;
 
@@ -89,8 +89,13 @@ impl Solver {
     /// Refines again from the root's self-link, on the same clusters, judging by the radiosities that are known.
     fn restart_from_root(&mut self) {
         let known = self.light.radiosity[..].to_vec();
-        let counts = self.refinement.counts;
-        self.hierarchy = Hierarchy::new(&self.scene, self.params.clustering, self.params.octree_depth);
+        let scene = self.scene.clone();
+        let (hierarchy, seconds) = timed(|| Hierarchy::new(&scene, self.params.clustering, self.params.octree_depth));
+        self.hierarchy = hierarchy;
+        // Another solve begins, so it counts from zero.
+        self.seconds = Seconds { load: self.seconds.load, hierarchy: seconds, total: seconds, ..Seconds::default() };
+        self.iterations = 0;
+        self.clamped_leaves = 0;
         self.light = self.emitted_light();
         self.emission = self.emission_sums();
         // Clusters and initial patches come first and in the same order as before.
@@ -99,7 +104,6 @@ impl Solver {
         }
         self.links = LinkTable::default();
         self.refinement = Refinement::default();
-        self.refinement.counts = counts;
         self.refinement.start([Candidate::root()]);
         self.fix_brightness();
         self.picture = Picture::default();

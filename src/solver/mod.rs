@@ -132,8 +132,8 @@ pub struct Solver {
     gathers_finely: bool,
     iterations: u32,
     clamped_leaves: usize,
+    /// Time spent working; whoever drives the solver may let it rest in between.
     seconds: Seconds,
-    started: Instant,
     generation: u64,
     serial: u64,
     picture: Picture,
@@ -156,9 +156,8 @@ impl Solver {
         if params.clustering == ClusteringMode::None {
             check_pairs_fit(scene.polygons.len() as u64)?;
         }
-        let started = Instant::now();
-        let hierarchy = Hierarchy::new(&scene, params.clustering, params.octree_depth);
-        let seconds = Seconds { hierarchy: started.elapsed().as_secs_f64(), ..Seconds::default() };
+        let (hierarchy, seconds) = timed(|| Hierarchy::new(&scene, params.clustering, params.octree_depth));
+        let seconds = Seconds { hierarchy: seconds, total: seconds, ..Seconds::default() };
         let mut solver = Self {
             surfaces: surfaces_of(&scene),
             epsilon_watts: watts(&params, &scene),
@@ -177,7 +176,6 @@ impl Solver {
             iterations: 0,
             clamped_leaves: 0,
             seconds,
-            started,
             generation,
             serial: 0,
             picture: Picture::default(),
@@ -196,16 +194,17 @@ impl Solver {
         if cancel.is_cancelled() {
             return Step::Interrupted;
         }
-        let before = Instant::now();
         match self.phase {
             Phase::Hierarchy | Phase::Refine => {
-                let step = self.refine(cancel);
-                self.seconds.refine += before.elapsed().as_secs_f64();
+                let (step, seconds) = timed(|| self.refine(cancel));
+                self.seconds.refine += seconds;
+                self.seconds.total += seconds;
                 step
             }
             Phase::Gather => {
-                let step = self.gather(cancel);
-                self.seconds.gather += before.elapsed().as_secs_f64();
+                let (step, seconds) = timed(|| self.gather(cancel));
+                self.seconds.gather += seconds;
+                self.seconds.total += seconds;
                 step
             }
             Phase::Done => Step::Finished,
@@ -256,7 +255,6 @@ impl Solver {
         self.iterations += 1;
         if self.gathers_finely {
             self.phase = Phase::Done;
-            self.seconds.total = self.started.elapsed().as_secs_f64();
             return Step::Gathered;
         }
         let mut failing = self.take_failing(false);
@@ -395,10 +393,7 @@ impl Solver {
             converged: self.phase == Phase::Done,
             depth_guard_struck: self.refinement.counts.depth_guard_struck,
             clamped_leaves: self.clamped_leaves,
-            seconds: match self.phase {
-                Phase::Done => self.seconds,
-                _ => Seconds { total: self.started.elapsed().as_secs_f64(), ..self.seconds },
-            },
+            seconds: self.seconds,
             bytes: Bytes { links: self.links.bytes(), elements: self.hierarchy.bytes() + self.light.bytes() },
             emitted_watts: f64::from(emitted.element_sum()),
             absorbed_watts: balance::absorbed(self).element_sum(),
@@ -408,10 +403,16 @@ impl Solver {
 
     /// A picture of what is there, candidates counted at their present level.
     pub fn snapshot(&mut self) -> Snapshot {
-        let snapshot = picture::snapshot(self);
-        if self.serial == 1 {
-            self.seconds.first_snapshot = self.started.elapsed().as_secs_f64();
+        let is_first = self.seconds.first_snapshot <= 0.0;
+        let (mut snapshot, seconds) = timed(|| picture::snapshot(self));
+        // Who looks at a finished solution adds nothing to the time that it took.
+        if self.phase != Phase::Done {
+            self.seconds.total += seconds;
         }
+        if is_first {
+            self.seconds.first_snapshot = self.seconds.total;
+        }
+        snapshot.stats.seconds = self.seconds;
         snapshot
     }
 
@@ -419,6 +420,13 @@ impl Solver {
     pub fn vertex_irradiance(&self) -> Vec<[f32; 3]> {
         picture::vertex_irradiance(self)
     }
+}
+
+/// Does some work; also tells how many seconds it took.
+fn timed<T>(work: impl FnOnce() -> T) -> (T, f64) {
+    let begun = Instant::now();
+    let result = work();
+    (result, begun.elapsed().as_secs_f64())
 }
 
 /// The candidate that a stored link becomes; by a finer ε, visibility that it inherited must show itself.

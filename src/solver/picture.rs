@@ -9,7 +9,7 @@ use super::Solver;
 use super::candidate::Waiting;
 use super::display::Display;
 use super::form_factor::{Exchange, exchange, self_exchange};
-use super::gather::{Gatherer, Light};
+use super::gather::{Gatherer, Light, handed_down};
 use super::link::{Evidence, Link, LinkTable};
 use super::snapshot::{InspectedElement, LinkView, Snapshot};
 use super::stats::Phase;
@@ -33,7 +33,11 @@ const LATER_SWEEPS: u32 = 3;
 pub(super) fn snapshot(solver: &mut Solver) -> Snapshot {
     solver.serial += 1;
     let finished = solver.phase == Phase::Done;
-    let light = if finished { solver.light.clone() } else { picture_light(solver) };
+    let table = (!finished).then(|| table_with_waiting(solver));
+    let light = match &table {
+        Some(table) => picture_light(solver, table),
+        None => solver.light.clone(),
+    };
     let display = Display::current(solver.display.take(), &solver.scene, &solver.hierarchy);
     let snapshot = Snapshot {
         generation: solver.generation,
@@ -43,7 +47,9 @@ pub(super) fn snapshot(solver: &mut Solver) -> Snapshot {
         leaf_irradiance: display.of_leaves(&light.irradiance),
         leaf_radiosity: display.of_leaves(&light.radiosity),
         clusters: display.clusters.clone(),
-        inspected: solver.inspected.and_then(|element| inspected(solver, &light, element)),
+        inspected: solver
+            .inspected
+            .and_then(|element| inspected(solver, table.as_ref().unwrap_or(&solver.links), &light, element)),
         stats: solver.stats(),
     };
     solver.display = Some(display);
@@ -59,12 +65,11 @@ pub(super) fn vertex_irradiance(solver: &Solver) -> Vec<[f32; 3]> {
     }
 }
 
-fn picture_light(solver: &mut Solver) -> Light {
+fn picture_light(solver: &mut Solver, table: &LinkTable) -> Light {
     let first = solver.picture.light.is_none();
     let mut light = solver.picture.light.take().unwrap_or_else(|| solver.light.clone());
     light.grow(&solver.hierarchy);
-    let table = table_with_waiting(solver);
-    let gatherer = Gatherer::new(&solver.hierarchy, &table, &solver.surfaces, solver.params.push, true);
+    let gatherer = Gatherer::new(&solver.hierarchy, table, &solver.surfaces, solver.params.push, true);
     let never = CancelToken::new();
     gatherer.limit_rows(&mut light, &never);
     gatherer.converge(&mut light, PICTURE_TOLERANCE, if first { FIRST_SWEEPS } else { LATER_SWEEPS }, &never);
@@ -118,30 +123,37 @@ fn self_link(hierarchy: &Hierarchy, id: ElementId) -> Option<(ElementId, Link)> 
     Some((id, Link::new(id, form_factor, 1.0, Evidence::None)))
 }
 
-/// The links that bring light to an element: its own and its ancestors', strongest first.
-fn inspected(solver: &Solver, light: &Light, id: ElementId) -> Option<InspectedElement> {
+/// The links that bring light to an element, its own and its ancestors', among those that `light` came over; strongest first.
+fn inspected(solver: &Solver, table: &LinkTable, light: &Light, id: ElementId) -> Option<InspectedElement> {
     let hierarchy = &solver.hierarchy;
     let element = hierarchy.elements().get(id.index())?;
+    let scale = light.row_scale.get(id.index()).copied().unwrap_or(1.0);
+    let finished = solver.phase == Phase::Done;
     let mut links = Vec::new();
-    let mut receiver = Some(id);
-    while let Some(at) = receiver {
-        let accepted = solver.refinement.accepted.iter().filter(|(to, _)| *to == at).map(|(_, link)| link);
-        for link in solver.links.of(at).iter().chain(accepted) {
+    for (levels_up, at) in std::iter::successors(Some(id), |&at| hierarchy.element(at).parent()).enumerate() {
+        let receiver = hierarchy.element(at);
+        for link in table.of(at) {
+            if finished && link.evidence() == Evidence::None {
+                // The source was dark, and the last gather passed it over.
+                continue;
+            }
             let source = hierarchy.element(link.source());
             let from = link.source().index();
-            let irradiance = link.irradiance(light.radiosity[from], light.emitted[from]);
+            let flux = link.irradiance(light.radiosity[from], light.emitted[from]);
             links.push(LinkView {
                 receiver: at,
                 source: link.source(),
-                receiver_centre: hierarchy.element(at).centre,
+                receiver_centre: receiver.centre,
                 source_centre: source.centre,
                 source_is_cluster: source.is_cluster(),
                 form_factor: link.form_factor,
                 visibility: link.visibility(),
-                power: irradiance.max_element() * hierarchy.element(at).area,
+                power: flux.max_element() * receiver.area,
+                levels_up: levels_up as u16,
+                receiver_is_cluster: receiver.is_cluster(),
+                irradiance: scale * handed_down(hierarchy, solver.params.push, (at, link), flux, id),
             });
         }
-        receiver = hierarchy.element(at).parent();
     }
     links.sort_by(|a, b| b.power.total_cmp(&a.power));
     Some(InspectedElement { element: id, centre: element.centre, links })

@@ -104,6 +104,12 @@ pub struct LinkView {
     pub form_factor: f32,
     /// Visibility V.
     pub visibility: f32,
-    /// Power carried, B_s·F·V·A_r, W (largest colour).
+    /// Power carried to the whole receiver, B_s·F·V·A_r, W (largest colour).
     pub power: f32,
+    /// How many levels above the inspected element the receiver lies; 0 for the element itself.
+    pub levels_up: u16,
+    /// Whether the receiver is a cluster.
+    pub receiver_is_cluster: bool,
+    /// What the link brings to the inspected element, W/m²; over all links this adds up to its irradiance E.
+    pub irradiance: Vec3,
 }

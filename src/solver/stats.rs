@@ -64,7 +64,7 @@ pub struct Stats {
     pub progress: Option<f32>,
 }
 
-/// Wall-clock seconds by phase.
+/// Seconds of work by phase; pauses between steps do not count.
 #[derive(Clone, Copy, Debug, Default, Serialize)]
 pub struct Seconds {
     /// Reading the file, turning faces and building the occluders.
@@ -75,9 +75,9 @@ pub struct Seconds {
     pub refine: f64,
     /// Gathering.
     pub gather: f64,
-    /// From the solve's start to the first snapshot.
+    /// Of `total`, until the first snapshot was there.
     pub first_snapshot: f64,
-    /// From the solve's start to now, snapshots included.
+    /// Spent on this solve so far: clusters, refining, gathering, and snapshots until it was done.
     pub total: f64,
 }
 

@@ -27,7 +27,7 @@ pub(super) struct Ends {
 
 /// Whether a person wants the solver to go on.
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum Drive {
+pub(super) enum Drive {
     Run,
     Pause,
     /// So many waves to go before it pauses.
@@ -43,7 +43,9 @@ pub(super) struct Session {
     pub(super) prepared: Option<Box<Prepared>>,
     pub(super) solver: Option<Solver>,
     pub(super) generation: u64,
-    drive: Drive,
+    pub(super) drive: Drive,
+    /// Whether the scene that is being loaded starts running: it does, unless somebody paused after asking for it.
+    pub(super) runs_when_loaded: bool,
     finished: bool,
     /// Loaders whose result is awaited: of a new scene, and of the present one made anew.
     pub(super) loading: Option<Awaited>,
@@ -64,6 +66,7 @@ impl Session {
             solver: None,
             generation: 0,
             drive: Drive::Run,
+            runs_when_loaded: true,
             finished: false,
             loading: None,
             remaking: None,
@@ -120,6 +123,11 @@ impl Session {
     }
 
     fn obey(&mut self, command: Command) {
+        match command {
+            Command::Load(..) => self.runs_when_loaded = true,
+            Command::Pause | Command::StepWave => self.runs_when_loaded = false,
+            _ => {}
+        }
         match command {
             Command::Load(source, light) => self.load(source, light),
             Command::CancelLoad => self.loading = None,

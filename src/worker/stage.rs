@@ -6,10 +6,10 @@ use glam::Vec3;
 
 use super::guard::guarded;
 use super::loader::{self, Awaited, CeilingLight, Job, Prepared};
-use super::session::Session;
+use super::session::{Drive, Session};
 use super::{Event, SceneInfo};
 use crate::added_light::AddedLight;
-use crate::scene::{CameraPose, MaterialId, Sidecar, Source};
+use crate::scene::{CameraPose, MaterialId, Sidecar, SidecarError, Source};
 use crate::solver::{Solver, SolverError};
 
 impl Session {
@@ -62,6 +62,9 @@ impl Session {
                 self.prepared = Some(prepared);
                 self.announce_scene(is_new);
                 if is_new {
+                    if self.runs_when_loaded {
+                        self.drive = Drive::Run;
+                    }
                     // It was to change the scene that is gone.
                     self.remaking = None;
                 }
@@ -153,23 +156,24 @@ impl Session {
         }
     }
 
-    /// Writes what a person changed beside the scene's file; what an earlier sidecar ignores stays ignored.
+    /// Writes what a person changed beside the scene's file, into what a sidecar that is there already says.
     pub(super) fn save_sidecar(&mut self, camera: Option<CameraPose>) {
         let Some(prepared) = &self.prepared else { return };
         let Some(path) = prepared.path.as_deref().map(Sidecar::path_for) else {
             let sentence = "one of our own scenes has no file beside which a sidecar could lie";
             return self.emit(Event::SaveFailed(sentence.into()));
         };
-        let mut sidecar = Sidecar::of(&prepared.raw);
-        sidecar.sides = self.params.sides.or(sidecar.sides);
-        sidecar.camera = camera.or(sidecar.camera);
-        if let Ok(former) = Sidecar::read(&path) {
-            let ignored = former.materials.into_iter().filter(|(_, material)| material.ignore);
-            sidecar.materials.extend(ignored);
-        }
-        match sidecar.write(&path) {
+        let write = || {
+            let mut sidecar = if path.exists() { Sidecar::read(&path)? } else { Sidecar::default() };
+            let mut scene = (*prepared.raw).clone();
+            scene.sides = self.params.sides.unwrap_or(scene.sides);
+            scene.camera = camera.or(scene.camera);
+            sidecar.update(&scene);
+            sidecar.write(&path)
+        };
+        match write() {
             Ok(()) => self.emit(Event::Saved(path)),
-            Err(error) => self.emit(Event::SaveFailed(error.to_string())),
+            Err(error) => self.emit(Event::SaveFailed(SidecarError::to_string(&error))),
         }
     }
 }

@@ -55,6 +55,66 @@ fn a_coarser_threshold_gives_the_coarse_solution() {
     }
 }
 
+/// Truth: rest is not work, and a solve that begins again counts what a fresh one counts; judging by the radiosities that are
+/// known it judges some pairs more or less, but not twice as many.
+#[test]
+fn time_and_counts_are_those_of_the_present_solve() {
+    let rest = std::time::Duration::from_millis(300);
+    let mut solver = Solver::new(
+        lamp_room().into(),
+        selflink::visibility::Occluders::new(&lamp_room()).into(),
+        params(ClusteringMode::Adaptive, FINE),
+        1,
+    )
+    .expect("usable parameters");
+    let begun = std::time::Instant::now();
+    solver.step(&CancelToken::new());
+    std::thread::sleep(rest);
+    assert!(solver.run(&CancelToken::new()));
+    let seconds = solver.stats().seconds;
+    let passed = begun.elapsed().as_secs_f64();
+    assert!(seconds.total > 0.0 && seconds.total <= passed - 0.3 + seconds.hierarchy, "{seconds:?} of {passed}");
+    let parts = seconds.hierarchy + seconds.refine + seconds.gather;
+    assert!((seconds.total - parts).abs() < 1e-9, "no snapshot was taken: {seconds:?}");
+
+    let fine = solver.stats();
+    change(&mut solver, params(ClusteringMode::Adaptive, COARSE));
+    let (after, fresh) = (solver.stats(), solve(&lamp_room(), params(ClusteringMode::Adaptive, COARSE)).stats());
+    assert!(after.rays < 2 * fresh.rays && after.rays < fine.rays, "{} rays, {} afresh", after.rays, fresh.rays);
+    assert!(after.pairs_judged < 2 * fresh.pairs_judged, "{} of {}", after.pairs_judged, fresh.pairs_judged);
+    assert!(after.iterations <= fresh.iterations + 2);
+    let parts = after.seconds.hierarchy + after.seconds.refine + after.seconds.gather;
+    assert!((after.seconds.total - parts).abs() < 1e-9, "{:?}", after.seconds);
+}
+
+/// Truth: E itself. What the links of a leaf and of all that hold it bring to it adds up to its irradiance, for a picture of
+/// what is not finished too; a picture's gather leaves 5e-3 of the power undone, the last one 1e-5.
+#[test]
+fn the_shares_of_an_elements_links_add_up_to_its_irradiance() {
+    for push in [Push::Immediate, Push::Deferred] {
+        let params = SolverParams { push, ..params(ClusteringMode::Adaptive, FINE) };
+        let occluders = selflink::visibility::Occluders::new(&lamp_room());
+        let mut solver = Solver::new(lamp_room().into(), occluders.into(), params, 1).expect("usable parameters");
+        for (finish, tolerance) in [(false, 0.05), (true, 1e-3)] {
+            if finish {
+                assert!(solver.run(&CancelToken::new()));
+            }
+            let leaves = solver.snapshot().mesh.leaves.len();
+            for leaf in (0..leaves).step_by((leaves / 7).max(1)) {
+                let element = solver.snapshot().mesh.leaves[leaf].element;
+                solver.inspect(Some(element));
+                let snapshot = solver.snapshot();
+                let links = &snapshot.inspected.as_ref().expect("its links").links;
+                let sum: Vec3 = links.iter().map(|link| link.irradiance).sum();
+                let whole = Vec3::from(snapshot.leaf_irradiance[leaf]);
+                let off = (sum - whole).abs().max_element() / whole.max_element();
+                assert!(off < tolerance, "{push:?}, finished {finish}: {sum} of {whole} W/m²");
+                assert!(links.iter().any(|link| link.levels_up > 0 && link.receiver != element));
+            }
+        }
+    }
+}
+
 /// Truth: pushing moves light over the links that are there; no pair is judged but those that wake for the change of B.
 #[test]
 fn another_push_mode_only_gathers_again() {

@@ -3,7 +3,7 @@
 use egui::{ComboBox, DragValue, Slider, Ui};
 use glam::Vec3;
 
-use super::super::{Outbox, theme};
+use super::super::{Outbox, format, theme};
 use crate::ceiling;
 use crate::scene::{MaterialId, Scene};
 use crate::worker::{Command, SceneInfo};
@@ -44,6 +44,11 @@ impl LampEditor {
         editor
     }
 
+    /// What the material is to emit: exitance B_e per colour, W/m².
+    fn emission(&self) -> Vec3 {
+        self.exitance * Vec3::from(self.colour)
+    }
+
     /// Shows a material: its emission if it has one, otherwise what was set last.
     pub(in super::super) fn choose(&mut self, scene: &Scene, material: MaterialId) {
         self.material = material;
@@ -72,6 +77,7 @@ pub(super) fn show(ui: &mut Ui, info: &SceneInfo, lamp: &mut LampEditor, outbox:
 fn show_material(ui: &mut Ui, scene: &Scene, lamp: &mut LampEditor, outbox: &mut Outbox) {
     ui.label(theme::weak("Make a material emit (click a surface in the view to choose it)"));
     let Some(material) = scene.materials.get(lamp.material.0 as usize) else { return };
+    let before = (lamp.material, lamp.emission());
     ui.horizontal(|ui| {
         let combo = ComboBox::from_id_salt("material").width(196.0).truncate().selected_text(material.name.as_str());
         let mut chosen = None;
@@ -89,12 +95,15 @@ fn show_material(ui: &mut Ui, scene: &Scene, lamp: &mut LampEditor, outbox: &mut
         let _ = ui.color_edit_button_rgb(&mut lamp.colour).accessible_name("Colour of the light");
     });
     exitance_slider(ui, &mut lamp.exitance, "Strength");
+    let emits = material.emission.max_element() > 0.0;
+    // The choice of another material shows that one's values, which is no change of them.
+    if emits && lamp.material == before.0 && lamp.emission() != before.1 {
+        outbox.push(Command::SetEmission { material: lamp.material, emission: lamp.emission() });
+    }
     ui.horizontal(|ui| {
-        if ui.button("Make it emit").clicked() {
-            let emission = lamp.exitance * Vec3::from(lamp.colour);
-            outbox.push(Command::SetEmission { material: lamp.material, emission });
+        if ui.add_enabled(!emits, egui::Button::new("Make it emit")).clicked() {
+            outbox.push(Command::SetEmission { material: lamp.material, emission: lamp.emission() });
         }
-        let emits = material.emission.max_element() > 0.0;
         if ui.add_enabled(emits, egui::Button::new("Switch it off")).clicked() {
             outbox.push(Command::SetEmission { material: lamp.material, emission: Vec3::ZERO });
         }
@@ -114,6 +123,10 @@ fn show_ceiling(ui: &mut Ui, lamp: &mut LampEditor, outbox: &mut Outbox) {
 }
 
 fn exitance_slider(ui: &mut Ui, exitance: &mut f32, name: &str) {
-    let slider = Slider::new(exitance, EXITANCES).logarithmic(true).suffix(" W/m²").max_decimals(1);
+    // What a file says beyond the slider's range stays until a person moves it.
+    let slider = Slider::new(exitance, EXITANCES).clamping(egui::SliderClamping::Edits);
+    let slider = slider.logarithmic(true).suffix(" W/m²").max_decimals(1);
+    let slider = slider.custom_formatter(|value, _| format::grouped(value));
+    let slider = slider.custom_parser(|text| text.replace(',', "").trim().parse().ok());
     theme::row(ui, name, |ui| ui.add(slider));
 }

@@ -69,11 +69,15 @@ fn show_widget(ui: &mut Ui, parameter: &Parameter, params: &mut SolverParams, st
             response
         }
         ValueKind::Whole { range } => {
-            let mut value = whole(params, parameter.id);
+            let id = parameter.id;
+            let mut value = whole(params, id);
+            let suffix = suffix_of(value, parameter.unit);
             let slider = Slider::new(&mut value, range.clone())
                 .clamping(egui::SliderClamping::Edits)
                 .logarithmic(*range.end() > 100)
-                .suffix(suffix(parameter.unit));
+                .custom_formatter(move |value, _| whole_text(id, value))
+                .custom_parser(move |text| whole_value(id, text))
+                .suffix(suffix);
             let response = ui.add(slider);
             if response.changed() {
                 set_whole(params, parameter.id, value);
@@ -110,6 +114,28 @@ const AS_THE_SCENE_SAYS: &str = "as the scene says";
 
 fn suffix(unit: &str) -> String {
     if unit.is_empty() { String::new() } else { format!(" {unit}") }
+}
+
+/// The unit of so many things: one level has no s.
+fn suffix_of(count: u64, unit: &str) -> String {
+    suffix(if count == 1 { unit.trim_end_matches('s') } else { unit })
+}
+
+/// What no number of threads means.
+const ALL_CORES: &str = "all cores";
+
+fn whole_text(id: ParameterId, value: f64) -> String {
+    match id {
+        ParameterId::Threads if value == 0.0 => ALL_CORES.to_owned(),
+        _ => format::count(value.round() as u64),
+    }
+}
+
+fn whole_value(id: ParameterId, text: &str) -> Option<f64> {
+    match id {
+        ParameterId::Threads if text.trim() == ALL_CORES => Some(0.0),
+        _ => text.replace(',', "").trim().parse().ok(),
+    }
 }
 
 fn real(params: &SolverParams, id: ParameterId, epsilon: EpsilonMeasures) -> f64 {
@@ -219,6 +245,22 @@ mod tests {
             assert_ne!(before, after, "{}", parameter.flag);
             assert_eq!(after.validate(), Ok(()), "{}", parameter.flag);
         }
+    }
+
+    /// Truth: what is shown can be typed again.
+    #[test]
+    fn whole_numbers_are_shown_as_people_write_them() {
+        for (id, value, text) in [
+            (ParameterId::RaysMax, 11_174.0, "11,174"),
+            (ParameterId::Threads, 0.0, "all cores"),
+            (ParameterId::Threads, 2.0, "2"),
+        ] {
+            assert_eq!(whole_text(id, value), text);
+            assert_eq!(whole_value(id, text), Some(value));
+        }
+        assert_eq!(whole_value(ParameterId::Threads, "0"), Some(0.0));
+        assert_eq!([0, 1, 2].map(|count| suffix_of(count, "levels")), [" levels", " level", " levels"]);
+        assert_eq!(suffix_of(1, ""), "");
     }
 
     /// The names in the table are those of the enumerations, in the same order.

@@ -71,16 +71,26 @@ fn show_sources(ui: &mut Ui, picked: &PickedElement, snapshot: &Snapshot) {
         return;
     };
     let count = inspected.links.len();
-    ui.label(match count {
-        0 => "No link brings it light".to_owned(),
-        1 => "1 link brings it light:".to_owned(),
-        _ => format!("{} links bring it light; the strongest:", format::count(count)),
-    });
+    if count == 0 {
+        ui.label("No link brings it light");
+        return;
+    }
+    let links = format::things(count, "link", "links");
+    let heading = format!("E by source, W/m² ({links} of it and of all that holds it; the strongest):");
+    ui.add(egui::Label::new(heading).wrap());
     Grid::new("sources").num_columns(2).spacing([12.0, 2.0]).show(ui, |ui| {
-        for NamedSource { link, name } in &picked.sources {
-            ui.label(theme::value(format!("{:>9}", format::quantity(link.power.into(), "W"))));
-            let details = format!("F = {}, V = {:.2}", format::number(link.form_factor.into()), link.visibility);
-            ui.add(egui::Label::new(name.as_str()).truncate()).on_hover_text(format!("{name}; {details}"));
+        for source in &picked.sources {
+            let NamedSource { link, name } = source;
+            ui.label(theme::value(format!("{:>9}", format::number(link.irradiance.max_element().into()))));
+            let details = format!(
+                "{name}: {}; E {}, F = {}, V = {:.2}, {} to the whole receiver",
+                source.receiver(),
+                colours(Some(&link.irradiance.to_array())),
+                format::number(link.form_factor.into()),
+                link.visibility,
+                format::quantity(link.power.into(), "W"),
+            );
+            ui.add(egui::Label::new(name.as_str()).truncate()).on_hover_text(details);
             ui.end_row();
         }
     });

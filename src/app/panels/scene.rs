@@ -7,7 +7,7 @@ use egui::{RichText, Ui};
 use super::super::files::Files;
 use super::super::{Outbox, Shown, format, theme};
 use crate::scene::builtin::BuiltinScene;
-use crate::scene::{CameraPose, Source};
+use crate::scene::{CameraPose, Sidecar, Source};
 use crate::worker::{Command, SceneInfo};
 
 /// Draws the section.
@@ -30,10 +30,11 @@ pub(super) fn show(ui: &mut Ui, shown: &Shown, files: &mut Files, camera: Option
     });
     ui.horizontal(|ui| {
         show_recent(ui, files, outbox);
-        if shown.info.as_ref().is_some_and(|info| info.path.is_some()) {
-            show_save(ui, camera, outbox);
+        if let Some(path) = sidecar_of(shown) {
+            show_save(ui, path, files, camera, outbox);
         }
     });
+    show_question(ui, sidecar_of(shown), files, camera, outbox);
 }
 
 fn left_label(text: &str) -> impl egui::Widget {
@@ -72,10 +73,20 @@ fn show_path_field(ui: &mut Ui, files: &mut Files, outbox: &mut Outbox) {
             files.open_dialog(ui.ctx());
         }
         let width = ui.available_width() - 64.0;
-        let field = egui::TextEdit::singleline(&mut files.path_text)
+        let id = ui.make_persistent_id("scene path");
+        // While nobody types, the end of a long path tells more than its start.
+        let is_typed = ui.memory(|memory| memory.has_focus(id));
+        let mut end = if is_typed { None } else { end_that_fits(ui, &files.path_text, width - PATH_MARGIN) };
+        let is_cut = end.is_some();
+        let field = egui::TextEdit::singleline(end.as_mut().unwrap_or(&mut files.path_text))
+            .id(id)
             .hint_text("path of an OBJ, glTF or GLB file")
             .desired_width(width);
-        let response = ui.add(field).accessible_name("Scene path");
+        let mut response = ui.add(field);
+        if is_cut {
+            response = response.on_hover_text(files.path_text.as_str());
+        }
+        let response = response.accessible_name("Scene path");
         let entered = response.lost_focus() && ui.input(|input| input.key_pressed(egui::Key::Enter));
         let can_open = files.typed_path().is_some();
         let open = ui.add_enabled(can_open, egui::Button::new("Open")).clicked();
@@ -85,6 +96,25 @@ fn show_path_field(ui: &mut Ui, files: &mut Files, outbox: &mut Outbox) {
             outbox.push(Command::load(Source::File(path)));
         }
     });
+}
+
+/// Room that a text field keeps free beside its text, points.
+const PATH_MARGIN: f32 = 12.0;
+
+/// The end of a text behind an ellipsis, where the whole is wider than `width`.
+fn end_that_fits(ui: &Ui, text: &str, width: f32) -> Option<String> {
+    let font = egui::TextStyle::Body.resolve(ui.style());
+    let width_of = |letter: char| ui.ctx().fonts_mut(|fonts| fonts.glyph_width(&font, letter));
+    if text.chars().map(width_of).sum::<f32>() <= width {
+        return None;
+    }
+    let mut left = width - width_of('…');
+    let fits = |letter: &char| {
+        left -= width_of(*letter);
+        left >= 0.0
+    };
+    let backwards: Vec<char> = text.chars().rev().take_while(fits).collect();
+    Some(std::iter::once('…').chain(backwards.into_iter().rev()).collect())
 }
 
 fn show_recent(ui: &mut Ui, files: &Files, outbox: &mut Outbox) {
@@ -103,9 +133,39 @@ fn show_recent(ui: &mut Ui, files: &Files, outbox: &mut Outbox) {
     outbox.extend(chosen.map(|path| Command::load(Source::File(path))));
 }
 
-fn show_save(ui: &mut Ui, camera: Option<CameraPose>, outbox: &mut Outbox) {
-    let hint = "Writes NAME.selflink.json beside the scene: materials, emission, sides and the present camera.";
+/// Where the sidecar of the scene in view lies, or would lie.
+fn sidecar_of(shown: &Shown) -> Option<PathBuf> {
+    shown.info.as_ref().and_then(|info| info.path.as_deref()).map(Sidecar::path_for)
+}
+
+fn show_save(ui: &mut Ui, path: PathBuf, files: &mut Files, camera: Option<CameraPose>, outbox: &mut Outbox) {
+    let hint = "Writes NAME.selflink.json beside the scene: what was changed of materials, added lights, sides and the present camera. What it says already stays.";
     if ui.button("Save sidecar").on_hover_text(hint).clicked() {
+        if path.exists() {
+            files.sidecar_in_question = Some(path);
+        } else {
+            outbox.push(Command::SaveSidecar { camera });
+        }
+    }
+}
+
+/// Asks before a sidecar that is there already is overwritten.
+fn show_question(
+    ui: &mut Ui,
+    present: Option<PathBuf>,
+    files: &mut Files,
+    camera: Option<CameraPose>,
+    outbox: &mut Outbox,
+) {
+    // Another scene makes the question pointless.
+    let Some(path) = files.sidecar_in_question.take_if(|path| present.as_ref() == Some(path)) else { return };
+    let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
+    ui.add(egui::Label::new(RichText::new(format!("Overwrite {name}?")).color(theme::ACCENT)).wrap());
+    let (overwrite, cancel) =
+        ui.horizontal(|ui| (ui.button("Overwrite").clicked(), ui.button("Cancel").clicked())).inner;
+    if overwrite {
         outbox.push(Command::SaveSidecar { camera });
+    } else if !cancel {
+        files.sidecar_in_question = Some(path);
     }
 }

@@ -2,18 +2,23 @@
 
 use egui::{ProgressBar, Ui};
 
-use super::super::time_left::TimeLeft;
+use super::super::time_left::{Clock, TICK, TimeLeft};
 use super::super::{Shown, format, theme};
 use crate::solver::{Phase, Stats};
 use crate::worker::RunState;
 
 /// Draws the bar.
-pub(super) fn show(ui: &mut Ui, shown: &Shown, time_left: &TimeLeft) {
+pub(super) fn show(ui: &mut Ui, shown: &Shown, time_left: &TimeLeft, clock: &Clock) {
+    let more = clock.seconds();
+    if more.is_some() {
+        ui.ctx().request_repaint_after(TICK);
+    }
     ui.add_space(2.0);
     ui.horizontal(|ui| {
         ui.set_min_height(22.0);
         let stats = shown.snapshot.as_ref().map(|snapshot| &snapshot.stats);
-        let (text, colour) = state(shown.status.run, stats);
+        let is_dark = shown.info.as_ref().is_some_and(|info| !info.has_light);
+        let (text, colour) = state(shown.status.run, stats, is_dark);
         let (dot, _) = ui.allocate_exact_size(egui::vec2(10.0, 10.0), egui::Sense::hover());
         ui.painter().circle_filled(dot.center(), 4.0, colour);
         ui.scope(|ui| {
@@ -22,14 +27,15 @@ pub(super) fn show(ui: &mut Ui, shown: &Shown, time_left: &TimeLeft) {
         });
         let Some(stats) = stats else { return };
         show_progress(ui, shown.status.run, stats);
-        for (name, value) in cells(stats, time_left.seconds().filter(|_| shown.status.run == RunState::Running)) {
+        let time_left = time_left.seconds().filter(|_| shown.status.run == RunState::Running);
+        for (name, value) in cells(stats, more.unwrap_or(0.0), time_left) {
             show_cell(ui, name, &value);
         }
     });
     ui.add_space(2.0);
 }
 
-fn state(run: RunState, stats: Option<&Stats>) -> (String, egui::Color32) {
+fn state(run: RunState, stats: Option<&Stats>, is_dark: bool) -> (String, egui::Color32) {
     let phase = stats.map(|stats| match stats.phase {
         Phase::Hierarchy => "Building clusters".to_owned(),
         // Between rounds the stored links are judged again, since B has grown.
@@ -42,6 +48,7 @@ fn state(run: RunState, stats: Option<&Stats>) -> (String, egui::Color32) {
         RunState::Idle => ("Nothing to solve".into(), theme::TEXT_WEAK),
         RunState::Running => (phase.unwrap_or_else(|| "Starting".into()), theme::ACCENT),
         RunState::Paused => (format!("Paused: {}", phase.unwrap_or_default()), theme::TEXT_WEAK),
+        RunState::Finished if is_dark => ("Nothing emits light".into(), theme::TEXT_WEAK),
         RunState::Finished => {
             let converged = stats.is_none_or(|stats| stats.converged);
             (if converged { "Converged" } else { "Finished" }.into(), theme::DONE)
@@ -60,9 +67,9 @@ fn show_progress(ui: &mut Ui, run: RunState, stats: &Stats) {
     let _ = response.on_hover_text(name);
 }
 
-fn cells(stats: &Stats, time_left: Option<f64>) -> Vec<(&'static str, String)> {
+fn cells(stats: &Stats, more_seconds: f64, time_left: Option<f64>) -> Vec<(&'static str, String)> {
     let mut cells = vec![
-        ("time", format::seconds(stats.seconds.total)),
+        ("time", format::seconds(stats.seconds.total + more_seconds)),
         ("patches", format::count(stats.patches)),
         ("links", format::count(stats.links)),
         ("candidates", format::count(stats.candidates_left)),
