@@ -100,7 +100,7 @@ const SCHEDULE: [f64; 2] = [2.0, 1.0];
 
 /// Rounds end when no more than one in so many links fails its threshold: the last ones are refined, but what little that
 /// changes is not judged again.
-const FEW: usize = 1000;
+const FEW: usize = 100;
 
 /// A round's gather ends when less than this share of the power is still to come: thresholds do not ask for more.
 const ROUND_TOLERANCE: f64 = 1e-2;
