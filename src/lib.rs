@@ -63,7 +63,7 @@
 //! | [`probe`], [`export`] | values at points; the lit mesh as PLY |
 //! | [`accuracy`] | how far a solution is from the truth: closed forms, error against a reference |
 //! | [`chart`] | speed against accuracy: sweeps of settings, tables and pictures |
-//! | [`worker`] | a thread that solves while somebody looks |
+//! | [`worker`], [`referee`] | a thread that solves while somebody looks, and one that measures what it shows |
 #![cfg_attr(feature = "gui", doc = "| [`render`] | the wgpu picture of a snapshot, with and without a window |")]
 #![cfg_attr(feature = "gui", doc = "| [`app`] | the window |")]
 //!
