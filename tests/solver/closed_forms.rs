@@ -6,43 +6,12 @@
 use std::f64::consts::PI;
 
 use glam::Vec3;
+use selflink::accuracy::closed_forms::{Span, parallel_exchange as parallel, perpendicular_exchange as perpendicular};
 use selflink::hierarchy::{ClusteringMode, ElementId, Hierarchy, Shape};
 use selflink::scene::{GroupId, Scene};
 use selflink::solver::{Exchange, SolverParams, exchange, point_to_polygon};
 
 use super::support::{MODES, add_box, empty_room, furnished_room, leaves, links, params, received, solve};
-
-/// An interval.
-type Span = [f64; 2];
-
-/// Alternating sum over the ends of four intervals.
-fn corners(spans: [Span; 4], term: impl Fn([f64; 4]) -> f64) -> f64 {
-    let corner = |index: usize| {
-        let ends = std::array::from_fn(|axis| spans[axis][index >> axis & 1]);
-        if index.count_ones().is_multiple_of(2) { term(ends) } else { -term(ends) }
-    };
-    (0..16).map(corner).sum()
-}
-
-/// Exchange A·F of two parallel rectangles at distance `z`: x and y of one, ξ and η of the other.
-fn parallel(x: Span, y: Span, xi: Span, eta: Span, z: f64) -> f64 {
-    corners([x, y, xi, eta], |[x, y, xi, eta]| {
-        let (a, b) = (x - xi, y - eta);
-        let (ra, rb) = (a.hypot(z), b.hypot(z));
-        (b * ra * (b / ra).atan() + a * rb * (a / rb).atan() - 0.5 * z * z * (a * a + b * b + z * z).ln()) / (2.0 * PI)
-    })
-}
-
-/// Exchange A·F of two perpendicular rectangles: one spans x and y at z = 0, the other z = ξ and y = η at x = 0.
-fn perpendicular(x: Span, y: Span, xi: Span, eta: Span) -> f64 {
-    corners([x, y, xi, eta], |[x, y, xi, eta]| {
-        let (c, d) = (x.hypot(xi), y - eta);
-        let reach = c * c + d * d;
-        let slope = if c > 0.0 { d * c * (d / c).atan() } else { 0.0 };
-        let log = if reach > 0.0 { 0.25 * (c * c - d * d) * reach.ln() } else { 0.0 };
-        (slope - log) / (2.0 * PI)
-    })
-}
 
 /// A rectangle at height `z` that faces up or down.
 fn level_rectangle(x: Span, y: Span, z: f64, up: bool) -> [Vec3; 4] {
