@@ -144,7 +144,8 @@ pub(super) fn telephone(d: &mut Draft, p: &Paints) {
 
 /// A lamp whose arm leans to the right, with the bulb in a shade of enamel.
 fn lamp(d: &mut Draft, p: &Paints) {
-    let elbow = vec3(-0.06, 0.3, 0.0);
+    // Above the head, so that the arm comes down on the shade from outside.
+    let elbow = vec3(-0.06, 0.47, 0.0);
     let head = vec3(0.16, 0.43, 0.06);
     d.group("arm", |d| {
         d.lathe(&[(0.075, 0.0), (0.075, 0.012), (0.05, 0.025), (0.0, 0.025)], 10, p.enamel);
