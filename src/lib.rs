@@ -56,6 +56,7 @@
 //! | --- | --- |
 //! | [`scene`] | polygons, materials, groups; loading OBJ and glTF, sidecars, our own scenes |
 //! | [`visibility`] | the ray BVH: is a point seen from another, what does a ray meet |
+//! | [`exposure`] | which parts of faces light can reach at all |
 //! | [`orient`], [`ceiling`], [`added_light`] | which sides are bright; where a lamp goes; light that a person adds |
 //! | [`mod@reference`] | a truth to measure by: path-traced irradiance, beside the solver and without its code |
 //! | [`hierarchy`] | the tree of elements and the ways to build its clusters |
@@ -115,10 +116,12 @@ pub mod cancel;
 pub mod ceiling;
 pub mod chart;
 pub mod export;
+pub mod exposure;
 pub mod format;
 pub mod hierarchy;
 pub mod orient;
 pub mod probe;
+pub mod random;
 pub mod referee;
 pub mod reference;
 #[cfg(feature = "gui")]

@@ -189,8 +189,9 @@ impl Session {
 
     fn begin(&mut self, scene: Arc<Scene>, points: usize, cache: Option<Cache>) {
         self.forget();
-        let points: Arc<[_]> = random_points(&scene, points, SEED).into();
-        let mut run = ReferenceRun::new(&scene, Arc::new(Occluders::new(&scene)), points, SEED);
+        let occluders = Arc::new(Occluders::new(&scene));
+        let points: Arc<[_]> = random_points(&scene, &occluders, points, SEED).into();
+        let mut run = ReferenceRun::new(&scene, occluders, points, SEED);
         if let Some(cache) = &cache {
             cache.load(&mut run);
         }

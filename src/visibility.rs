@@ -17,6 +17,9 @@ const RELATIVE_OFFSET: f32 = 1e-5;
 /// 10,000. In one of this size that is 3·10⁻⁶ of the scene. Its checks of its own boxes allow for 10⁻⁵, which is why it is no larger.
 const SIZE_IN_BVH: f32 = 32.0;
 
+/// Three times the distance from a ray's origin within which obvhs may miss a face, in the BVH's units.
+const LEAST_DISTANCE: f32 = 3e-4;
+
 /// Where a ray first meets a face.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hit {
@@ -67,6 +70,11 @@ impl Occluders {
         let polygon_of_triangle = bvh.primitive_indices.iter().map(reorder).map(|index| polygons[index]).collect();
         let triangles = bvh.primitive_indices.iter().map(reorder).map(|index| triangles[index]).collect();
         Self { bvh, triangles, polygon_of_triangle, scale }
+    }
+
+    /// How far from a face a ray must start so as not to meet it, in the scene's length unit.
+    pub fn least_distance(&self) -> f32 {
+        LEAST_DISTANCE / self.scale
     }
 
     /// Whether a face stops the light between two points, their own surfaces aside.

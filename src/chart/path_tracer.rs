@@ -22,7 +22,7 @@ pub fn curve(
     cancel: &CancelToken,
 ) -> Vec<PathTracerRecord> {
     let seed = seed ^ SALT;
-    let points = random_points(scene, points, seed);
+    let points = random_points(scene, occluders, points, seed);
     let mut records = Vec::new();
     if points.is_empty() {
         return records;

@@ -175,7 +175,7 @@ fn absorbed(scene: &Scene, solution: &Solution) -> f64 {
     let power = leaves.map(|(leaf, irradiance)| {
         let reflectance = scene.materials[leaf.material.0 as usize].reflectance.to_array();
         let absorbed = irradiance.iter().zip(reflectance).map(|(received, rho)| f64::from(received * (1.0 - rho)));
-        f64::from(leaf.area) * absorbed.sum::<f64>()
+        f64::from(leaf.exposed_area) * absorbed.sum::<f64>()
     });
     power.sum()
 }

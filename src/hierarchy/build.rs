@@ -1,19 +1,22 @@
 //! From a scene to an arena: a clustering strategy says who belongs together, this module lays the elements out.
 
 use std::collections::VecDeque;
+use std::sync::Arc;
 
 use glam::Vec3;
 use rustc_hash::FxHashMap;
 
 use super::grouping::{Grouping, PolygonBounds};
 use super::{
-    Cluster, ClusteringMode, Element, ElementId, Hierarchy, NO_PARENT, Patch, PatchSums, Shape, adaptive, groups, mix,
+    Cluster, ClusteringMode, Element, ElementId, Hierarchy, NO_PARENT, Patch, PatchSums, Shape, adaptive, groups,
     octree,
 };
+use crate::exposure::Exposure;
+use crate::random::mix;
 use crate::scene::Scene;
 
 /// Builds the hierarchy of a scene.
-pub(super) fn build(scene: &Scene, mode: ClusteringMode, octree_depth: u32) -> Hierarchy {
+pub(super) fn build(scene: &Scene, exposure: Arc<Exposure>, mode: ClusteringMode, octree_depth: u32) -> Hierarchy {
     let bounds = PolygonBounds::new(scene);
     let all: Vec<u32> = (0..scene.polygons.len() as u32).collect();
     let grouping = match mode {
@@ -29,6 +32,7 @@ pub(super) fn build(scene: &Scene, mode: ClusteringMode, octree_depth: u32) -> H
         midpoints: FxHashMap::default(),
         initial_patches: Vec::with_capacity(scene.polygons.len()),
         area_sums: PatchSums::default(),
+        exposure,
         cluster_count: 0,
         leaf_count: scene.polygons.len(),
     };
@@ -82,7 +86,8 @@ impl Hierarchy {
                 for (corner, &old) in corners.iter_mut().zip(polygon.corners()) {
                     *corner = welded[old as usize];
                 }
-                let patch = Patch::new(&corners[..count], index, 0);
+                let cells = self.exposure.of_polygon(index);
+                let patch = Patch::new(&corners[..count], index, 0, cells);
                 let element = Element { parent, ..self.patch_element(patch, mix(1, u64::from(index))) };
                 self.elements.push(element);
             }

@@ -2,7 +2,7 @@
 //!
 //! Sillion's unified hierarchy (paper, sections 1.2 and 2.1): a cluster holds clusters and initial patches, a patch holds only
 //! the four patches it was split into. The part above the initial patches is built once ([`ClusteringMode`]); the part
-//! below grows while links are refined ([`Hierarchy::subdivide`]). This module imports `scene` alone.
+//! below grows while links are refined ([`Hierarchy::subdivide`]). This module imports `scene` and `exposure`.
 
 mod adaptive;
 mod build;
@@ -17,6 +17,10 @@ use glam::Vec3;
 use rustc_hash::FxHashMap;
 use serde::{Deserialize, Serialize};
 
+use std::sync::Arc;
+
+use crate::exposure::Exposure;
+use crate::random::mix;
 use crate::scene::Scene;
 
 pub use patch::Patch;
@@ -78,7 +82,7 @@ pub struct Element {
     parent: u32,
     first_child: u32,
     child_count: u32,
-    /// Area, m²; a cluster's is the sum of its polygons' (the "equivalent area" of section 2.1).
+    /// Area that light can reach ([`Exposure`]), m²; a cluster's is the sum of its polygons' (the "equivalent area" of section 2.1).
     pub area: f32,
     /// Centroid of a patch, centre of a cluster's box.
     pub centre: Vec3,
@@ -123,6 +127,7 @@ pub struct Hierarchy {
     initial_patches: Vec<ElementId>,
     /// Areas of the initial patches, m².
     area_sums: PatchSums,
+    exposure: Arc<Exposure>,
     cluster_count: usize,
     leaf_count: usize,
 }
@@ -131,9 +136,15 @@ impl Hierarchy {
     /// The root cluster.
     pub const ROOT: ElementId = ElementId(0);
 
-    /// Builds the clusters over a scene's polygons, which become the initial patches.
-    pub fn new(scene: &Scene, mode: ClusteringMode, octree_depth: u32) -> Self {
-        build::build(scene, mode, octree_depth)
+    /// Builds the clusters over a scene's polygons, which become the initial patches; what `exposure` says is hidden counts as
+    /// no area.
+    pub fn new(scene: &Scene, exposure: Arc<Exposure>, mode: ClusteringMode, octree_depth: u32) -> Self {
+        build::build(scene, exposure, mode, octree_depth)
+    }
+
+    /// Which parts of the polygons are hidden.
+    pub fn exposure(&self) -> &Arc<Exposure> {
+        &self.exposure
     }
 
     /// The element with this id.
@@ -194,6 +205,7 @@ impl Hierarchy {
             + size_of_val(&self.vertices[..])
             + size_of_val(&self.initial_patches[..])
             + self.area_sums.bytes()
+            + self.exposure.bytes()
             + self.midpoints.len() * size_of::<((u32, u32), u32)>()
     }
 
@@ -215,12 +227,4 @@ impl Hierarchy {
         (element.first_child, element.child_count) = (first_child, 4);
         self.leaf_count += 3;
     }
-}
-
-/// A well-mixed 64-bit hash of two numbers (the finaliser of splitmix64).
-pub fn mix(a: u64, b: u64) -> u64 {
-    let mut z = a.wrapping_mul(0x9e37_79b9_7f4a_7c15).wrapping_add(b).wrapping_add(0x9e37_79b9_7f4a_7c15);
-    z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-    z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-    z ^ (z >> 31)
 }

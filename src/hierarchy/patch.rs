@@ -2,6 +2,8 @@
 
 use glam::Vec3;
 
+use crate::exposure::Cells;
+
 use super::{Element, ElementId, Hierarchy, NO_PARENT, Shape};
 
 /// Marks the absent fourth corner of a triangle.
@@ -18,14 +20,16 @@ pub struct Patch {
     pub polygon: u32,
     /// Subdivision level; initial patches have level 0.
     pub level: u8,
+    /// Which parts of it are hidden.
+    pub(super) cells: Cells,
 }
 
 impl Patch {
     /// A patch over three or four vertices; the normal is set by [`Hierarchy::patch_element`].
-    pub(super) fn new(corners: &[u32], polygon: u32, level: u8) -> Self {
+    pub(super) fn new(corners: &[u32], polygon: u32, level: u8, cells: Cells) -> Self {
         let mut padded = [NO_CORNER; 4];
         padded[..corners.len()].copy_from_slice(corners);
-        Self { corners: padded, normal: Vec3::ZERO, polygon, level }
+        Self { corners: padded, normal: Vec3::ZERO, polygon, level, cells }
     }
 
     /// The three or four corners.
@@ -79,16 +83,31 @@ impl Hierarchy {
             parent: NO_PARENT,
             first_child: 0,
             child_count: 0,
-            area: area_vector.length(),
+            area: area_vector.length() * self.exposure.share(patch.cells),
             centre: centroid(&positions[..count]),
             key,
             shape: Shape::Patch(patch),
         }
     }
 
+    /// Area of a patch with what is hidden of it, m²; its element's is without.
+    pub fn whole_area(&self, element: &Element, patch: &Patch) -> f32 {
+        if patch.cells.are_all_exposed() {
+            return element.area;
+        }
+        let (positions, count) = self.corner_positions(patch);
+        area_vector(&positions[..count]).length()
+    }
+
     /// The four quarters of a patch; new vertices in the middle of edges are shared with the neighbours.
     pub(super) fn quarters(&mut self, patch: &Patch) -> [Patch; 4] {
-        let quarter = |corners: &[u32]| Patch::new(corners, patch.polygon, patch.level + 1);
+        let exposure = self.exposure.clone();
+        let mut number = 0;
+        let mut quarter = |corners: &[u32]| {
+            let cells = exposure.of_quarter(patch.cells, number);
+            number += 1;
+            Patch::new(corners, patch.polygon, patch.level + 1, cells)
+        };
         match *patch.corners() {
             [a, b, c] => {
                 let (ab, bc, ca) = (self.split_edge(a, b), self.split_edge(b, c), self.split_edge(c, a));

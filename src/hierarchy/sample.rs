@@ -2,7 +2,8 @@
 
 use glam::Vec3;
 
-use super::{Cluster, ElementId, Hierarchy, Shape};
+use super::{Cluster, Element, ElementId, Hierarchy, Shape};
+use crate::exposure::quarter;
 
 /// Running sums over the initial patches, in the order of [`Hierarchy::initial_patches`]: what points are spread by.
 #[derive(Clone, Debug)]
@@ -93,11 +94,19 @@ impl Hierarchy {
             let element = self.element(id);
             let Shape::Patch(patch) = &element.shape else { unreachable!("below a patch there are patches") };
             if element.is_leaf() {
-                let (corners, count) = self.corner_positions(patch);
+                let (mut corners, count) = self.corner_positions(patch);
+                if !patch.cells.are_all_exposed()
+                    && let Some((quarters, rest)) = self.exposure.exposed_cell(patch.cells, u)
+                {
+                    corners = quarters.fold(corners, |corners, number| quarter(corners, count, number));
+                    u = rest;
+                }
                 let position = point_on_polygon(&corners[..count], u, v);
                 return SurfacePoint { position, normal: patch.normal };
             }
-            let child = if patch.corners().len() == 3 {
+            let child = if !patch.cells.are_all_exposed() {
+                self.quarter_by_area(element, &mut u)
+            } else if patch.corners().len() == 3 {
                 triangle_quarter(&mut u, &mut v)
             } else {
                 let [a, b, c, d] = [0, 1, 2, 3].map(|child| self.elements[element.first_child as usize + child].area);
@@ -112,6 +121,22 @@ impl Hierarchy {
             };
             id = ElementId(element.first_child + child);
         }
+    }
+}
+
+impl Hierarchy {
+    /// The quarter of a patch hidden in part at `u` of its exposed area; spreads that quarter's share over the unit interval.
+    fn quarter_by_area(&self, element: &Element, u: &mut f32) -> u32 {
+        let areas = [0, 1, 2, 3].map(|child| self.elements[element.first_child as usize + child].area);
+        let mut rest = *u * areas.iter().sum::<f32>();
+        let last = areas.iter().rposition(|area| *area > 0.0).unwrap_or(0);
+        let mut child = 0;
+        while child < last && rest >= areas[child] {
+            rest -= areas[child];
+            child += 1;
+        }
+        *u = if areas[child] > 0.0 { (rest / areas[child]).clamp(0.0, 1.0) } else { 0.5 };
+        child as u32
     }
 }
 

@@ -13,7 +13,7 @@
 //! use selflink::scene::{Sides, builtin::BuiltinScene};
 //!
 //! let (scene, occluders) = selflink::orient::apply(BuiltinScene::Cornell.build(), Sides::Front);
-//! let points = random_points(&scene, 20, 1);
+//! let points = random_points(&scene, &occluders, 20, 1);
 //! let mut run = ReferenceRun::new(&scene, Arc::new(occluders), points.into(), 1);
 //! for _ in 0..4 {
 //!     run.pass(&CancelToken::new());

@@ -1,13 +1,21 @@
 //! Where irradiance is wanted: points on the bright sides of a scene.
 
 use glam::Vec3;
+use rayon::prelude::*;
 
 use super::lamps::point_on_polygon;
 use super::sequence::mix;
+use crate::exposure::Darkness;
 use crate::scene::Scene;
+use crate::visibility::Occluders;
 
 /// Keeps the places of points apart from the paths of the same seed.
 const SALT: u64 = 0x706f_696e_7473;
+
+/// Rays that must all meet backs before a point is left out: one that sees a tenth of the room is so once in a thousand times.
+const RAYS: u32 = 64;
+/// A scene of which next to everything is hidden gets fewer points.
+const MOST_ROUNDS: u64 = 16;
 
 /// Steps of the points that follow one another on a polygon: the two-dimensional sequence of the plastic number, 1.3247
 /// \[M. Roberts, *The unreasonable effectiveness of quasirandom sequences*, 2018\].
@@ -35,16 +43,35 @@ impl SurfacePoint {
     }
 }
 
-/// So many random points on all bright sides but the lamps', evenly by area: each stands for the same area.
+/// So many random points on all bright sides but the lamps' and what is hidden inside of things, evenly by area: each stands for
+/// the same area, and light can reach each ([`Darkness`]).
 ///
-/// The area of all sides, one after the other, is cut into as many equal parts, and each part holds one point; points of one polygon are spread evenly over it.
-pub fn random_points(scene: &Scene, count: usize, seed: u64) -> Vec<SurfacePoint> {
+/// The area of all sides, one after the other, is cut into as many equal parts, and each part holds one point; points of one
+/// polygon are spread evenly over it. Where hidden points are left out, others come from another such round.
+pub fn random_points(scene: &Scene, occluders: &Occluders, count: usize, seed: u64) -> Vec<SurfacePoint> {
     let is_lamp = |index: usize| {
         let material = scene.polygons[index].material;
         scene.materials[material.0 as usize].emission.max_element() > 0.0
     };
     let polygons: Vec<u32> = (0..scene.polygons.len()).filter(|index| !is_lamp(*index)).map(|i| i as u32).collect();
-    random_points_on(scene, &polygons, count, seed)
+    if scene.polygons.iter().any(|polygon| polygon.is_back) {
+        // Both sides of faces are bright: nothing lies behind a back.
+        return random_points_on(scene, &polygons, count, seed);
+    }
+    let darkness = Darkness::new(scene, occluders);
+    let mut points = Vec::with_capacity(count);
+    for round in 0..MOST_ROUNDS {
+        let drawn = random_points_on(scene, &polygons, count - points.len(), mix(seed, round));
+        let is_exposed = |(index, point): (usize, &SurfacePoint)| {
+            !darkness.hides(point.position, point.normal, mix(seed ^ SALT, index as u64), RAYS)
+        };
+        let exposed: Vec<bool> = drawn.par_iter().enumerate().map(is_exposed).collect();
+        points.extend(drawn.into_iter().zip(exposed).filter_map(|(point, is_exposed)| is_exposed.then_some(point)));
+        if points.len() == count {
+            break;
+        }
+    }
+    points
 }
 
 /// So many random points on these polygons, evenly by area.
@@ -87,12 +114,13 @@ mod tests {
             let corner = |x: f32, y: f32| Vec3::new(size * x, size * y, z);
             scene.add_quad([corner(0., 0.), corner(1., 0.), corner(1., 1.), corner(0., 1.)], material, GroupId(0));
         }
-        let points = random_points(&scene, 1000, 1);
+        let occluders = Occluders::new(&scene);
+        let points = random_points(&scene, &occluders, 1000, 1);
         let on = |polygon: u32| points.iter().filter(|point| point.polygon == polygon).count();
         assert_eq!((on(0), on(1), on(2)), (100, 0, 900));
         assert!(points.iter().all(|point| point.normal == Vec3::Z && point.reflectance == Vec3::splat(0.5)));
         let mean = points[100..].iter().map(|point| point.position).sum::<Vec3>() / 900.0;
         assert!(mean.distance(Vec3::new(1.5, 1.5, 2.0)) < 0.02, "{mean}");
-        assert_ne!(points, random_points(&scene, 1000, 2));
+        assert_ne!(points, random_points(&scene, &occluders, 1000, 2));
     }
 }

@@ -4,7 +4,8 @@ use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
 use super::Solver;
-use crate::hierarchy::{ElementId, mix};
+use crate::hierarchy::ElementId;
+use crate::random::mix;
 
 /// The power of a solution, W per colour: Φ should equal the sum of the other three.
 #[derive(Clone, Copy, Debug)]
@@ -13,7 +14,7 @@ pub struct PowerBalance {
     pub emitted: DVec3,
     /// Σ A·E·(1−ρ) over the leaves of the solution.
     pub absorbed: DVec3,
-    /// Power that meets the dark back of a face.
+    /// Power that meets the dark back of a face, that of hidden parts of lamps included.
     pub stopped_by_backs: DVec3,
     /// Power that leaves the scene.
     pub escaped: DVec3,
@@ -78,6 +79,10 @@ pub fn power_balance(solver: &Solver, rays: u32, seed: u64) -> PowerBalance {
             }
         })
         .collect();
+    let exposed_emission = leaves
+        .iter()
+        .map(|leaf| f64::from(hierarchy.element(*leaf).area) * solver.light.emitted[leaf.index()].as_dvec3());
+    balance.stopped_by_backs = (emitted - exposed_emission.sum::<DVec3>()).max(DVec3::ZERO);
     for (stopped, escaped) in fates {
         balance.stopped_by_backs += stopped;
         balance.escaped += escaped;

@@ -67,6 +67,9 @@ impl Display {
     }
 }
 
+/// A hidden leaf counts this little at its vertices: not beside exposed ones, but where there are no others.
+const LEAST_EXPOSED: f32 = 1e-6;
+
 struct MeshBuilder<'a> {
     hierarchy: &'a Hierarchy,
     scene: &'a Scene,
@@ -107,13 +110,17 @@ impl<'a> MeshBuilder<'a> {
         let Shape::Patch(patch) = element.shape else { return };
         let leaf = self.mesh.leaves.len() as u32;
         let material = self.scene.polygons[patch.polygon as usize].material;
+        let whole_area = self.hierarchy.whole_area(element, &patch);
         self.mesh.leaves.push(Leaf {
             element: id,
             polygon: patch.polygon,
             material,
-            area: element.area,
+            area: whole_area,
+            exposed_area: element.area,
             level: patch.level,
         });
+        // What is hidden must not darken what is beside it.
+        let exposed = (element.area / whole_area).max(LEAST_EXPOSED);
         let surface = self.surfaces[patch.polygon as usize];
         let corners = patch.corners();
         self.rim.clear();
@@ -126,7 +133,7 @@ impl<'a> MeshBuilder<'a> {
         }
         let rim = std::mem::take(&mut self.rim);
         for index in 0..rim.len() {
-            self.contribute(&rim, index, leaf, element.centre);
+            self.contribute(&rim, index, leaf, element.centre, exposed);
             self.mesh.outlines.push([rim[index], rim[(index + 1) % rim.len()]]);
         }
         match *rim.as_slice() {
@@ -165,14 +172,14 @@ impl<'a> MeshBuilder<'a> {
         })
     }
 
-    /// A leaf counts at a vertex by the angle it fills there, over the squared distance of its centre: this reproduces a
-    /// linear radiosity across a change of subdivision level.
-    fn contribute(&mut self, rim: &[u32], index: usize, leaf: u32, centre: Vec3) {
+    /// A leaf counts at a vertex by the angle it fills there, over the squared distance of its centre, which reproduces a
+    /// linear radiosity across a change of subdivision level, and by how much of it is exposed.
+    fn contribute(&mut self, rim: &[u32], index: usize, leaf: u32, centre: Vec3, exposed: f32) {
         let at = |index: usize| Vec3::from(self.mesh.positions[rim[index % rim.len()] as usize]);
         let vertex = at(index);
         let angle = (at(index + 1) - vertex).angle_between(at(index + rim.len() - 1) - vertex);
         let distance_squared = (centre - vertex).length_squared();
-        let weight = if distance_squared > 0.0 && angle > 0.0 { angle / distance_squared } else { 0.0 };
+        let weight = if distance_squared > 0.0 && angle > 0.0 { exposed * angle / distance_squared } else { 0.0 };
         self.contributions.push((rim[index], leaf, weight));
     }
 

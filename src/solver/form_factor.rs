@@ -41,6 +41,10 @@ pub fn exchange(hierarchy: &Hierarchy, a: ElementId, b: ElementId) -> Exchange {
     // The same order of the same numbers whichever end asks: the same bits for both directions.
     let (a, b) = if hierarchy.element(a).key <= hierarchy.element(b).key { (a, b) } else { (b, a) };
     let (first, second) = (hierarchy.element(a), hierarchy.element(b));
+    if first.area <= 0.0 || second.area <= 0.0 {
+        // Hidden wholly: no light goes there or comes from there.
+        return Exchange::FacingAway;
+    }
     match (&first.shape, &second.shape) {
         (Shape::Patch(p), Shape::Patch(q)) => patches(hierarchy, (first, p), (second, q)),
         (Shape::Patch(p), Shape::Cluster(c)) => patch_and_cluster(hierarchy, (first, p), (second, c)),
@@ -85,15 +89,17 @@ fn patches(hierarchy: &Hierarchy, (first, p): (&Element, &Patch), (second, q): (
     let distance_squared = between.length_squared();
     // Cosines times distance.
     let (p_height, q_height) = (p.normal.dot(between), -q.normal.dot(between));
-    let near = distance_squared < NEAR * NEAR * first.area.max(second.area) || p_height <= 0.0 || q_height <= 0.0;
+    let (p_whole, q_whole) = (hierarchy.whole_area(first, p), hierarchy.whole_area(second, q));
+    let near = distance_squared < NEAR * NEAR * p_whole.max(q_whole) || p_height <= 0.0 || q_height <= 0.0;
     let far = (!near).then(|| from_centres((first, p, p_corners), (second, q, q_corners))).flatten();
     let estimate = far.unwrap_or_else(|| {
-        let ((small, s, s_corners), (large, l, l_corners)) = if (first.area, first.key) <= (second.area, second.key) {
-            ((first, p, p_corners), (second, q, q_corners))
+        let ((small, s, s_corners), (large, l, l_corners), l_whole) = if (p_whole, first.key) <= (q_whole, second.key) {
+            ((first, p, p_corners), (second, q, q_corners), q_whole)
         } else {
-            ((second, q, q_corners), (first, p, p_corners))
+            ((second, q, q_corners), (first, p, p_corners), p_whole)
         };
-        analytic(small, s.normal, s_corners, large, l, l_corners)
+        // What is hidden of the larger one sends as little of its light as it takes of its area.
+        analytic(small, s.normal, s_corners, large, l, l_corners) * (large.area / l_whole)
     });
     Exchange::Facing { estimate, bound: estimate, overlapping: false }
 }

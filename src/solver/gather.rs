@@ -124,6 +124,10 @@ impl<'a> Gatherer<'a> {
                     if let Some(&scale) = light.row_scale.get(index) {
                         light.irradiance[index] *= scale;
                     }
+                    if element.area <= 0.0 {
+                        // Hidden: what the elements above hand down does not reach it.
+                        light.irradiance[index] = Vec3::ZERO;
+                    }
                     let surface = &self.surfaces[patch.polygon as usize];
                     let new = surface.emission + surface.reflectance * light.irradiance[index];
                     change.moved += f64::from(element.area) * f64::from((new - old).abs().max_element());

@@ -90,7 +90,9 @@ impl Solver {
     fn restart_from_root(&mut self) {
         let known = self.light.radiosity[..].to_vec();
         let scene = self.scene.clone();
-        let (hierarchy, seconds) = timed(|| Hierarchy::new(&scene, self.params.clustering, self.params.octree_depth));
+        let exposure = self.hierarchy.exposure().clone();
+        let (hierarchy, seconds) =
+            timed(|| Hierarchy::new(&scene, exposure, self.params.clustering, self.params.octree_depth));
         self.hierarchy = hierarchy;
         // Another solve begins, so it counts from zero.
         self.seconds = Seconds { load: self.seconds.load, hierarchy: seconds, total: seconds, ..Seconds::default() };

@@ -46,6 +46,7 @@ pub use stats::{Bytes, Phase, Seconds, Stats};
 pub use verdict::Rejection;
 
 use crate::cancel::CancelToken;
+use crate::exposure::Exposure;
 use crate::hierarchy::{ElementId, Hierarchy, PatchSums, Shape};
 use crate::scene::Scene;
 use crate::visibility::Occluders;
@@ -156,7 +157,10 @@ impl Solver {
         if params.clustering == ClusteringMode::None {
             check_pairs_fit(scene.polygons.len() as u64)?;
         }
-        let (hierarchy, seconds) = timed(|| Hierarchy::new(&scene, params.clustering, params.octree_depth));
+        let (hierarchy, seconds) = timed(|| {
+            let exposure = Arc::new(Exposure::new(&scene, &occluders));
+            Hierarchy::new(&scene, exposure, params.clustering, params.octree_depth)
+        });
         let seconds = Seconds { hierarchy: seconds, total: seconds, ..Seconds::default() };
         let mut solver = Self {
             surfaces: surfaces_of(&scene),

@@ -6,7 +6,8 @@
 
 use std::f32::consts::PI;
 
-use crate::hierarchy::{ElementId, Hierarchy, PatchSums, mix};
+use crate::hierarchy::{ElementId, Hierarchy, PatchSums};
+use crate::random::mix;
 use crate::visibility::Occluders;
 
 /// How many rays a pair gets.

@@ -59,6 +59,8 @@ pub struct Leaf {
     pub material: MaterialId,
     /// Area, m².
     pub area: f32,
+    /// Area of it that light can reach, m².
+    pub exposed_area: f32,
     /// Subdivision level below the initial patch, which is level 0.
     pub level: u8,
 }

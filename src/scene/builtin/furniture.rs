@@ -32,8 +32,8 @@ pub(super) fn window(d: &mut Draft, [width, height]: [f32; 2], [columns, rows]: 
         d.quad([vec3(w, 0., back), vec3(w, 0., 0.), vec3(w, h, 0.), vec3(w, h, back)], paint.reveal);
         d.cuboid(vec3(-0.04, -0.03, 0.0), vec3(w + 0.04, 0.0, 0.16), Faces::BACK, paint.sill);
     });
-    // Bars stand before and behind the panes, so their joints let no light through.
-    let pane_depth = back + 0.4 * FRAME;
+    // Panes close the bars at the back: nothing is drawn beyond them, where it is dark.
+    let pane_depth = back;
     let lights = |count: usize, length: f32| -> Vec<[f32; 2]> {
         let light = (length - 2.0 * FRAME - BAR * (count - 1) as f32) / count as f32;
         let start = |index: usize| FRAME + (light + BAR) * index as f32;
