@@ -56,7 +56,7 @@ fn it_measures_what_the_meter_finds() {
     referee.forget();
     until("forgetting", || (!referee.report().is_active).then_some(()));
 
-    let points: Arc<[_]> = random_points(&scene, 250, 1).into();
+    let points: Arc<[_]> = random_points(&scene, &occluders, 250, 1).into();
     let mut run = ReferenceRun::new(&scene, occluders, points, 1);
     assert!(Cache::new(folder.path()).load(&mut run), "the reference is kept on disk");
     let expected = ErrorMeter::new(Arc::new(run.reference())).measure(&snapshot);

@@ -6,7 +6,10 @@
 
 use std::f32::consts::PI;
 
-use crate::hierarchy::{ElementId, Hierarchy, PatchSums};
+use glam::Vec3;
+
+use super::form_factor::point_to_polygon;
+use crate::hierarchy::{ElementId, Hierarchy, PatchSums, Shape, SurfacePoint};
 use crate::random::mix;
 use crate::visibility::Occluders;
 
@@ -32,6 +35,8 @@ pub struct Survey {
     pub visible: u32,
     /// Sum over pairs of the kernel cosθ·cosθ'/(πd²), zero for those that do not face each other, 1/m².
     kernel: f32,
+    /// The same over pairs with a ray between them.
+    rayed_kernel: f32,
     /// The same over visible pairs.
     visible_kernel: f32,
 }
@@ -39,7 +44,7 @@ pub struct Survey {
 impl Survey {
     /// Mean visibility, each pair of points counted by the light it would carry.
     pub fn visibility(&self) -> f32 {
-        if self.kernel > 0.0 { (self.visible_kernel / self.kernel).min(1.0) } else { 0.0 }
+        if self.rayed_kernel > 0.0 { (self.visible_kernel / self.rayed_kernel).min(1.0) } else { 0.0 }
     }
 
     /// Mean of the kernel cosθ·cosθ'/(πd²) over all pairs, 1/m².
@@ -49,7 +54,7 @@ impl Survey {
 
     /// Mean over all pairs of the kernel times visibility, 1/m².
     pub fn mean_visible_kernel(&self) -> f32 {
-        if self.pairs > 0 { self.visible_kernel / self.pairs as f32 } else { 0.0 }
+        self.mean_kernel() * self.visibility()
     }
 
     fn is_mixed(&self) -> bool {
@@ -77,6 +82,40 @@ pub struct RaySampler<'a> {
     pub seed: u64,
     /// Where light is emitted.
     pub emission: &'a PatchSums,
+}
+
+/// The patch of a pair of patch and cluster: seen from a point of the cluster as a whole, so that points may lie as near to it as
+/// they like.
+struct WholePatch {
+    is_a: bool,
+    corners: [Vec3; 4],
+    count: usize,
+    centre: Vec3,
+    normal: Vec3,
+    area: f32,
+}
+
+impl WholePatch {
+    fn of(hierarchy: &Hierarchy, (a, b): (ElementId, ElementId)) -> Option<Self> {
+        let (first, second) = (hierarchy.element(a), hierarchy.element(b));
+        let (is_a, element) = match (first.is_cluster(), second.is_cluster()) {
+            (false, true) => (true, first),
+            (true, false) => (false, second),
+            _ => return None,
+        };
+        let Shape::Patch(patch) = &element.shape else { return None };
+        let (corners, count) = hierarchy.corner_positions(patch);
+        let area = hierarchy.whole_area(element, patch);
+        Some(Self { is_a, corners, count, centre: element.centre, normal: patch.normal, area })
+    }
+
+    /// Mean over the patch of the kernel to a point, 1/m².
+    fn mean_kernel(&self, point: &SurfacePoint) -> f32 {
+        if self.normal.dot(point.position - self.centre) <= 0.0 {
+            return 0.0;
+        }
+        point_to_polygon(point.position, point.normal, &self.corners[..self.count]) / self.area
+    }
 }
 
 /// Steps of the four-dimensional R-sequence (Roberts), inverse powers of the root of x⁵ = x + 1, as 32-bit fractions.
@@ -126,6 +165,7 @@ impl RaySampler<'_> {
             true => hierarchy.point_on_by(self.emission, id, u, v),
             false => hierarchy.point_on(id, u, v),
         };
+        let whole_patch = WholePatch::of(hierarchy, (a, b));
         let mut survey = Survey::default();
         for index in 0..pairs_if_blocked {
             let enough = if clusters > 0 { index >= pairs } else { survey.cast >= plan.rays };
@@ -145,15 +185,22 @@ impl RaySampler<'_> {
             let to_unit = distance_squared.sqrt().recip();
             let (cosine_a, cosine_b) = (from.normal.dot(span) * to_unit, -to.normal.dot(span) * to_unit);
             survey.pairs += 1;
-            if !(cosine_a > 0.0 && cosine_b > 0.0) {
-                continue;
-            }
-            let kernel = cosine_a * cosine_b / (PI * distance_squared + smallest);
+            let faces = cosine_a > 0.0 && cosine_b > 0.0;
+            let kernel = match &whole_patch {
+                Some(patch) => patch.mean_kernel(if patch.is_a { &to } else { &from }),
+                None if faces => cosine_a * cosine_b / (PI * distance_squared + smallest),
+                None => 0.0,
+            };
             survey.kernel += kernel;
             if plan.rays == 0 {
+                survey.rayed_kernel += kernel;
                 survey.visible_kernel += kernel;
                 continue;
             }
+            if !faces {
+                continue;
+            }
+            survey.rayed_kernel += kernel;
             survey.cast += 1;
             if !self.occluders.occluded(from.position, to.position) {
                 survey.visible += 1;

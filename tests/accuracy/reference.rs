@@ -13,7 +13,7 @@ use selflink::scene::{Scene, Sides};
 
 fn run_of(scene: Scene, sides: Sides, points: usize, seed: u64) -> ReferenceRun {
     let (scene, occluders) = orient::apply(scene, sides);
-    let points = random_points(&scene, points, seed);
+    let points = random_points(&scene, &occluders, points, seed);
     ReferenceRun::new(&scene, Arc::new(occluders), points.into(), seed)
 }
 
@@ -53,7 +53,7 @@ fn the_same_for_any_number_of_threads() {
 #[test]
 fn standard_errors_tell_the_error() {
     let (scene, occluders) = orient::apply(BuiltinScene::Cornell.build(), Sides::Front);
-    let (points, occluders) = (random_points(&scene, 100, 1), Arc::new(occluders));
+    let (points, occluders) = (random_points(&scene, &occluders, 100, 1), Arc::new(occluders));
     let of = |seed| passes(ReferenceRun::new(&scene, occluders.clone(), points.clone().into(), seed), 32).reference();
     let (one, other) = (of(1), of(2));
     let mut squares = Vec::new();
