@@ -12,7 +12,10 @@ pub enum Evidence {
     None,
     /// From as many rays as its power deserved, this number.
     Rays(u16),
-    /// Inherited: a pair that holds this one is fully visible.
+    /// As many rays as its power deserved, this number, all came through. V is from others: of pairs seen in part some
+    /// look clear by chance, and to believe that would make up light.
+    Clear(u16),
+    /// A pair that holds this one looked clear; V is from rays of its own.
     Inherited,
 }
 
@@ -32,17 +35,26 @@ pub struct Link {
 
 const UNJUDGED: u16 = 0;
 const INHERITED: u16 = u16::MAX;
+/// Set where a look was clear; the other bits count rays.
+const CLEAR: u16 = 1 << 15;
+const MOST_RAYS: u16 = CLEAR - 2;
 
 impl Link {
     /// A link with visibility V in 0..=1.
     pub fn new(source: ElementId, form_factor: f32, visibility: f32, evidence: Evidence) -> Self {
         let evidence = match evidence {
             Evidence::None => UNJUDGED,
-            Evidence::Rays(rays) => rays.clamp(1, INHERITED - 1),
+            Evidence::Rays(rays) => rays.clamp(1, MOST_RAYS),
+            Evidence::Clear(rays) => CLEAR | rays.min(MOST_RAYS),
             Evidence::Inherited => INHERITED,
         };
         let link = Self { source: source.0, form_factor, direct: 0.0, visibility: quantised(visibility), evidence };
         Self { direct: link.transfer(), ..link }
+    }
+
+    /// The same with another visibility V in 0..=1.
+    pub fn with_visibility(self, visibility: f32) -> Self {
+        Self::new(self.source(), self.form_factor, visibility, self.evidence())
     }
 
     /// The same as if nobody had looked at the pair.
@@ -67,6 +79,7 @@ impl Link {
         match self.evidence {
             UNJUDGED => Evidence::None,
             INHERITED => Evidence::Inherited,
+            rays if rays & CLEAR != 0 => Evidence::Clear(rays & !CLEAR),
             rays => Evidence::Rays(rays),
         }
     }

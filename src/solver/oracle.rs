@@ -89,6 +89,7 @@ impl Oracle<'_> {
             Sight::unseen(candidate)
         };
         let mut rays = sight.rays;
+        let mut second_look = None;
         let mut decide = |asked: bool, receiver: ElementId, source: ElementId, spread: Spread| {
             if !asked {
                 return Decision::NotAsked;
@@ -96,6 +97,19 @@ impl Oracle<'_> {
             let form_factor = self.form_factor(receiver, source, estimate, sight.survey.as_ref());
             let link = Link::new(source, form_factor, sight.visibility, sight.evidence());
             let mut decision = self.decide(receiver, link, bound, sight.kind);
+            if let Decision::Accept(link) | Decision::AcceptAtGuard(link) = &mut decision
+                && sight.kind == SightKind::Full
+                && self.is_chosen_for_clear(link, bound)
+            {
+                let visibility = *second_look.get_or_insert_with(|| {
+                    let asked = self.thresholds.rays_for(strongest * estimate);
+                    let plan = RayPlan { rays: asked, rays_if_blocked: asked, stop_when_mixed: false };
+                    let survey = self.sampler.survey(self.hierarchy, (a, b), Spread::EvenAgain, plan);
+                    rays += survey.cast;
+                    if survey.cast > 0 { survey.visibility() } else { 1.0 }
+                });
+                *link = link.with_visibility(visibility);
+            }
             if let Decision::Accept(link) | Decision::AcceptAtGuard(link) = &mut decision
                 && let Some(plan) = sight.plan
                 && self.sampler.emits_in_part(self.hierarchy, source)
@@ -145,7 +159,7 @@ impl Oracle<'_> {
         };
         let (allowed, rays) = match link.evidence() {
             Evidence::Inherited => (self.thresholds.epsilon, u32::MAX),
-            Evidence::Rays(rays) if link.visibility() >= 1.0 => (self.thresholds.epsilon, u32::from(rays)),
+            Evidence::Clear(rays) => (self.thresholds.epsilon, u32::from(rays)),
             Evidence::Rays(rays) => (self.thresholds.epsilon_partial, u32::from(rays)),
             Evidence::None => return true,
         };
@@ -216,6 +230,17 @@ impl Oracle<'_> {
             Some(survey) if to.is_cluster() || from.is_cluster() => (from.area * survey.mean_kernel()).min(1.0),
             _ if to.area > 0.0 => (estimate / to.area).min(1.0),
             _ => 0.0,
+        }
+    }
+
+    /// Whether a link is kept only because its ends looked clear of each other: it would be refined otherwise, or it was never
+    /// looked at itself. Its V must then come from another look.
+    fn is_chosen_for_clear(&self, link: &Link, bound: f32) -> bool {
+        let brightness = self.brightness[link.source().index()];
+        match link.evidence() {
+            Evidence::None => false,
+            Evidence::Inherited => true,
+            Evidence::Clear(_) | Evidence::Rays(_) => brightness * bound > self.thresholds.epsilon_partial,
         }
     }
 
@@ -323,7 +348,8 @@ impl Sight {
         match self.kind {
             SightKind::Full if self.asked == 0 => Evidence::Inherited,
             SightKind::Unknown => Evidence::None,
-            _ => Evidence::Rays(self.asked.min(u32::from(u16::MAX) - 1) as u16),
+            SightKind::Full => Evidence::Clear(self.asked.min(u32::from(u16::MAX)) as u16),
+            _ => Evidence::Rays(self.asked.min(u32::from(u16::MAX)) as u16),
         }
     }
 }

@@ -67,6 +67,8 @@ impl Survey {
 pub enum Spread {
     /// Evenly over both ends.
     Even,
+    /// The same with other points.
+    EvenAgain,
     /// Over the first end by what it emits, evenly over the second, which receives.
     EmissionOfA,
     /// The other way round.
@@ -146,6 +148,7 @@ impl RaySampler<'_> {
             Spread::Even => 0,
             Spread::EmissionOfA => 1 + u64::from(a_is_first),
             Spread::EmissionOfB => 1 + u64::from(!a_is_first),
+            Spread::EvenAgain => 3,
         };
         let pair = mix(mix(a_key.min(b_key), a_key.max(b_key)), self.seed);
         let (low, high) = (mix(pair, 1 + 2 * purpose), mix(pair, 2 + 2 * purpose));
@@ -155,7 +158,7 @@ impl RaySampler<'_> {
         // stop at a number of rays would make the mean kernel depend on it.
         let pairs_for = |rays: u32| match (clusters, spread) {
             (0, _) => rays.saturating_mul(TRIES),
-            (_, Spread::Even) => (rays << clusters).max(FEWEST_PAIRS),
+            (_, Spread::Even | Spread::EvenAgain) => (rays << clusters).max(FEWEST_PAIRS),
             _ => (rays << (clusters - 1)).max(FEWEST_PAIRS),
         };
         let (pairs, pairs_if_blocked) = (pairs_for(plan.rays), pairs_for(plan.rays_if_blocked));
