@@ -66,7 +66,7 @@ pub struct Gatherer<'a> {
 /// No patch receives more than all around it send: its F·V sum to 1 at most, and to so much more as form factors are good for.
 /// A row that rays see too well by chance is cut as a whole, and with it light that they see well: to cut at 1 sharply would lose
 /// 2 % of the power of a furnished room instead of 1.8 %.
-const LARGEST_ROW: f32 = 1.002;
+const LARGEST_ROW: f32 = 1.25;
 /// Where ρ times a patch's sum of F·V stays below this, light dies out however often it is reflected.
 const LARGEST_RETURN: f32 = 0.98;
 /// A leaf takes over from its siblings at most as much as it has itself.

@@ -189,12 +189,11 @@ impl RaySampler<'_> {
             let (cosine_a, cosine_b) = (from.normal.dot(span) * to_unit, -to.normal.dot(span) * to_unit);
             survey.pairs += 1;
             let faces = cosine_a > 0.0 && cosine_b > 0.0;
-            let kernel = match &whole_patch {
+            let kernel = if faces { cosine_a * cosine_b / (PI * distance_squared + smallest) } else { 0.0 };
+            survey.kernel += match &whole_patch {
                 Some(patch) => patch.mean_kernel(if patch.is_a { &to } else { &from }),
-                None if faces => cosine_a * cosine_b / (PI * distance_squared + smallest),
-                None => 0.0,
+                None => kernel,
             };
-            survey.kernel += kernel;
             if plan.rays == 0 {
                 survey.rayed_kernel += kernel;
                 survey.visible_kernel += kernel;
