@@ -5,8 +5,9 @@
 //! lies half under a box would else be shown half as bright as it is beside the box, and would send half of its light into
 //! the box: in the seminar room 7 % of the area is hidden like this, and took 6 % of the power with it.
 //!
-//! Each polygon that is large enough is cut into 4^k cells, the very quarters into which refinement would split it, and rays
-//! tell which of them are hidden. A patch then has the area of its exposed cells, and random points of it lie on these.
+//! Each polygon that is large enough is cut into 4^k cells, the very quarters into which refinement would split it, and rays from
+//! four points tell how much of each is hidden. A patch then has the area that is exposed. Random points of it lie
+//! on all cells that are exposed at all, so that none of the light that goes to them is missed.
 
 use glam::Vec3;
 use rayon::prelude::*;
@@ -15,11 +16,13 @@ use crate::random::mix;
 use crate::scene::{Polygon, Scene};
 use crate::visibility::Occluders;
 
-/// Cells have about this share of a scene's area: a square of 15 cm in a seminar room.
-const CELL_SHARE: f32 = 1.0 / 16_384.0;
+/// Cells have about this share of a scene's area: a square of 30 cm in a seminar room.
+const CELL_SHARE: f32 = 1.0 / 4_096.0;
 /// A polygon is cut into no more than 4^5 cells.
 const MOST_LEVELS: u32 = 5;
-/// Rays that must all meet backs before a cell is believed to be hidden: of one that sees a sixth of the room, one in twenty is
+/// Points looked at in a cell, one in each of its quarters.
+const POINTS: u8 = 4;
+/// Rays that must all meet backs before a point is believed to be hidden: of one that sees a sixth of the room, one in twenty is
 /// mistaken for hidden.
 const RAYS: u32 = 16;
 
@@ -28,8 +31,8 @@ const RAYS: u32 = 16;
 pub struct Exposure {
     /// Cells of each polygon; empty where nothing is hidden in the whole scene.
     polygons: Vec<Cells>,
-    /// One bit for each cell of the polygons that are hidden in part: whether it is exposed.
-    exposed: Vec<bool>,
+    /// How many points of each cell are exposed, for the polygons that are hidden in part.
+    exposed: Vec<u8>,
 }
 
 /// The cells of a patch, the quarters of its quarters in the order of their numbers.
@@ -40,11 +43,24 @@ pub struct Cells {
     count: u32,
 }
 
+/// How much of a patch is exposed, as shares of its area.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Shares {
+    /// What light can reach.
+    pub exposed: f32,
+    /// The cells of which light can reach a part: where random points lie.
+    pub sampled: f32,
+}
+
 impl Cells {
     /// Whether the whole patch is exposed.
     #[inline]
     pub fn are_all_exposed(self) -> bool {
         self.count == 0
+    }
+
+    fn range(self) -> std::ops::Range<usize> {
+        self.first as usize..(self.first + self.count) as usize
     }
 }
 
@@ -56,10 +72,11 @@ impl Exposure {
             return Self::default();
         }
         let total: f32 = scene.polygons.iter().map(|polygon| scene.area(polygon)).sum();
-        let cell = CELL_SHARE * total;
         let darkness = Darkness::new(scene, occluders);
-        let look = |(index, polygon): (usize, &Polygon)| hidden_cells(&darkness, index as u32, polygon, cell);
-        let looked: Vec<Vec<bool>> = scene.polygons.par_iter().enumerate().map(look).collect();
+        let look = |(index, polygon): (usize, &Polygon)| {
+            exposed_points(&darkness, index as u32, polygon, CELL_SHARE * total)
+        };
+        let looked: Vec<Vec<u8>> = scene.polygons.par_iter().enumerate().map(look).collect();
         let mut exposure = Self::default();
         if looked.iter().all(Vec::is_empty) {
             return exposure;
@@ -83,22 +100,29 @@ impl Exposure {
         }
         let count = cells.count / 4;
         let part = Cells { first: cells.first + quarter * count, count };
-        if self.exposed_cells(part) == count { Cells::default() } else { part }
+        if self.exposed[part.range()].iter().all(|points| *points == POINTS) { Cells::default() } else { part }
     }
 
-    /// Share of a patch's area that is exposed, 0..=1.
-    pub fn share(&self, cells: Cells) -> f32 {
-        if cells.count == 0 { 1.0 } else { self.exposed_cells(cells) as f32 / cells.count as f32 }
+    /// How much of a patch with these cells is exposed.
+    pub fn shares(&self, cells: Cells) -> Shares {
+        if cells.count == 0 {
+            return Shares { exposed: 1.0, sampled: 1.0 };
+        }
+        let exposed = self.exposed[cells.range()].iter().map(|points| f32::from(*points)).sum::<f32>();
+        let sampled = self.sampled_cells(cells) as f32;
+        Shares {
+            exposed: exposed / (f32::from(POINTS) * cells.count as f32),
+            sampled: sampled / cells.count as f32,
+        }
     }
 
-    /// The exposed cell at `u` in 0..1 of all exposed cells of a patch, as the quarters that lead to it from the patch, and how far `u` is
-    /// into it; `None` where nothing is exposed.
-    pub fn exposed_cell(&self, cells: Cells, u: f32) -> Option<(impl Iterator<Item = u32> + use<>, f32)> {
-        let exposed = self.exposed_cells(cells);
-        let wanted = u.clamp(0.0, 1.0) * exposed as f32;
-        let rank = (wanted as u32).min(exposed.checked_sub(1)?);
-        let range = cells.first..cells.first + cells.count;
-        let mut places = range.filter(|&cell| self.exposed[cell as usize]).map(|cell| cell - cells.first);
+    /// The cell at `u` in 0..1 of all cells of a patch that are exposed at all, as the quarters that lead to it from the patch, and how
+    /// far `u` is into it; `None` where nothing is exposed.
+    pub fn sampled_cell(&self, cells: Cells, u: f32) -> Option<(impl Iterator<Item = u32> + use<>, f32)> {
+        let sampled = self.sampled_cells(cells);
+        let wanted = u.clamp(0.0, 1.0) * sampled as f32;
+        let rank = (wanted as u32).min(sampled.checked_sub(1)?);
+        let mut places = (0..cells.count).filter(|cell| self.exposed[(cells.first + cell) as usize] > 0);
         let cell = places.nth(rank as usize)?;
         let levels = cells.count.ilog2() / 2;
         let quarters = (0..levels).rev().map(move |level| (cell >> (2 * level)) & 3);
@@ -110,31 +134,34 @@ impl Exposure {
         size_of_val(&self.polygons[..]) + size_of_val(&self.exposed[..])
     }
 
-    fn exposed_cells(&self, cells: Cells) -> u32 {
-        let range = cells.first as usize..(cells.first + cells.count) as usize;
-        self.exposed[range].iter().filter(|exposed| **exposed).count() as u32
+    fn sampled_cells(&self, cells: Cells) -> u32 {
+        self.exposed[cells.range()].iter().filter(|points| **points > 0).count() as u32
     }
 }
 
-/// Whether each cell of a polygon is exposed; nothing where all are.
-fn hidden_cells(darkness: &Darkness, index: u32, polygon: &Polygon, cell: f32) -> Vec<bool> {
+/// How many points of each cell of a polygon are exposed; nothing where all are.
+fn exposed_points(darkness: &Darkness, index: u32, polygon: &Polygon, cell: f32) -> Vec<u8> {
     let scene = darkness.scene;
     let area = scene.area(polygon);
-    if area < cell {
+    if area < 0.25 * cell {
         return Vec::new();
     }
-    let levels = (0.5 * (area / cell).log2()).ceil().clamp(1.0, MOST_LEVELS as f32) as u32;
+    let levels = (0.5 * (area / cell).log2()).round().clamp(0.0, MOST_LEVELS as f32) as u32;
     let (corners, corner_count) = scene.corner_positions(polygon);
     let normal = scene.normal(polygon);
     let exposed = |cell: u32| {
         let quarters = (0..levels).rev().map(|level| (cell >> (2 * level)) & 3);
         let corners = quarters.fold(corners, |corners, number| quarter(corners, corner_count, number));
-        let seed = mix(u64::from(index), u64::from(cell));
-        // Anywhere in the cell: what is as regular as the cells must not meet all their middles.
-        !darkness.hides(point_in(corners, corner_count, uniform(mix(seed, 1))), normal, seed, RAYS)
+        let is_exposed = |part: &u32| {
+            let seed = mix(u64::from(index), u64::from(u32::from(POINTS) * cell + part));
+            // Anywhere in the quarter: what is as regular as the cells must not meet all their middles.
+            let point = point_in(quarter(corners, corner_count, *part), corner_count, uniform(mix(seed, 1)));
+            !darkness.hides(point, normal, seed, RAYS)
+        };
+        (0..u32::from(POINTS)).filter(is_exposed).count() as u8
     };
-    let cells: Vec<bool> = (0..1_u32 << (2 * levels)).map(exposed).collect();
-    if cells.iter().all(|exposed| *exposed) { Vec::new() } else { cells }
+    let cells: Vec<u8> = (0..1_u32 << (2 * levels)).map(exposed).collect();
+    if cells.iter().all(|points| *points == POINTS) { Vec::new() } else { cells }
 }
 
 /// Corners of one of the quarters into which a triangle or quad is split.

@@ -64,6 +64,7 @@ impl Hierarchy {
             first_child: 0,
             child_count: 0,
             area: 0.0,
+            sampled_area: 0.0,
             centre: Vec3::ZERO,
             key: 0,
             shape: Shape::Cluster(Cluster { half_extent: Vec3::ZERO, level, first_patch: 0, patch_count: 0 }),
@@ -102,7 +103,7 @@ impl Hierarchy {
         let cluster = match element.shape {
             Shape::Patch(patch) => {
                 self.initial_patches.push(id);
-                self.area_sums.push(f64::from(element.area));
+                self.area_sums.push(f64::from(element.sampled_area));
                 let (positions, count) = self.corner_positions(&patch);
                 let around = |f: fn(Vec3, Vec3) -> Vec3| positions[1..count].iter().copied().fold(positions[0], f);
                 return (around(Vec3::min), around(Vec3::max));
@@ -126,9 +127,11 @@ impl Hierarchy {
             patch_count: patch_count as u32,
             ..cluster
         };
-        let area = self.area_sums.over(&cluster);
+        let sampled_area = self.area_sums.over(&cluster) as f32;
+        let patches = &self.initial_patches[first_patch..];
+        let area: f64 = patches.iter().map(|patch| f64::from(self.element(*patch).area)).sum();
         let finished = &mut self.elements[id.index()];
-        finished.area = area as f32;
+        (finished.area, finished.sampled_area) = (area as f32, sampled_area);
         finished.centre = 0.5 * (lower + upper);
         finished.key = mix(first_key, mix(patch_count as u64, u64::from(cluster.level)));
         finished.shape = Shape::Cluster(cluster);

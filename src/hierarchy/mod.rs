@@ -84,6 +84,9 @@ pub struct Element {
     child_count: u32,
     /// Area that light can reach ([`Exposure`]), m²; a cluster's is the sum of its polygons' (the "equivalent area" of section 2.1).
     pub area: f32,
+    /// Area over which its random points are spread, m²: `area` and, where an edge of what hides it runs, some of the hidden area
+    /// beside it.
+    pub sampled_area: f32,
     /// Centroid of a patch, centre of a cluster's box.
     pub centre: Vec3,
     /// Tells what the element is whatever its index: seeds the rays of its links.
@@ -125,7 +128,7 @@ pub struct Hierarchy {
     midpoints: FxHashMap<(u32, u32), u32>,
     /// Initial patches such that those below any one cluster lie together.
     initial_patches: Vec<ElementId>,
-    /// Areas of the initial patches, m².
+    /// Sampled areas of the initial patches, m².
     area_sums: PatchSums,
     exposure: Arc<Exposure>,
     cluster_count: usize,

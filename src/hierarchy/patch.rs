@@ -79,11 +79,13 @@ impl Hierarchy {
         let (positions, count) = self.corner_positions(&patch);
         let area_vector = area_vector(&positions[..count]);
         patch.normal = area_vector.normalize_or_zero();
+        let shares = self.exposure.shares(patch.cells);
         Element {
             parent: NO_PARENT,
             first_child: 0,
             child_count: 0,
-            area: area_vector.length() * self.exposure.share(patch.cells),
+            area: area_vector.length() * shares.exposed,
+            sampled_area: area_vector.length() * shares.sampled,
             centre: centroid(&positions[..count]),
             key,
             shape: Shape::Patch(patch),

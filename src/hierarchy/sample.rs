@@ -96,7 +96,7 @@ impl Hierarchy {
             if element.is_leaf() {
                 let (mut corners, count) = self.corner_positions(patch);
                 if !patch.cells.are_all_exposed()
-                    && let Some((quarters, rest)) = self.exposure.exposed_cell(patch.cells, u)
+                    && let Some((quarters, rest)) = self.exposure.sampled_cell(patch.cells, u)
                 {
                     corners = quarters.fold(corners, |corners, number| quarter(corners, count, number));
                     u = rest;
@@ -125,9 +125,9 @@ impl Hierarchy {
 }
 
 impl Hierarchy {
-    /// The quarter of a patch hidden in part at `u` of its exposed area; spreads that quarter's share over the unit interval.
+    /// The quarter of a patch hidden in part at `u` of its sampled area; spreads that quarter's share over the unit interval.
     fn quarter_by_area(&self, element: &Element, u: &mut f32) -> u32 {
-        let areas = [0, 1, 2, 3].map(|child| self.elements[element.first_child as usize + child].area);
+        let areas = [0, 1, 2, 3].map(|child| self.elements[element.first_child as usize + child].sampled_area);
         let mut rest = *u * areas.iter().sum::<f32>();
         let last = areas.iter().rposition(|area| *area > 0.0).unwrap_or(0);
         let mut child = 0;

@@ -139,6 +139,7 @@ mod tests {
             polygon: 0,
             material: MaterialId(0),
             area,
+            exposed_area: area,
             level: 0,
         };
         Snapshot {

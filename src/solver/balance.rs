@@ -4,6 +4,7 @@ use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
 use super::Solver;
+use crate::exposure::Darkness;
 use crate::hierarchy::ElementId;
 use crate::random::mix;
 
@@ -19,6 +20,10 @@ pub struct PowerBalance {
     /// Power that leaves the scene.
     pub escaped: DVec3,
 }
+
+/// Rays that tell whether a point is hidden, and points tried until one is not.
+const HIDDEN_RAYS: u32 = 16;
+const MOST_TRIES: u64 = 16;
 
 impl PowerBalance {
     /// What is missing (positive) or created (negative), as a share of the emitted power of all colours.
@@ -61,6 +66,8 @@ pub fn power_balance(solver: &Solver, rays: u32, seed: u64) -> PowerBalance {
     }
     let lower_upper = solver.scene.bounds();
     let nearest = 1e-5 * (lower_upper.1 - lower_upper.0).length();
+    let darkness = Darkness::new(&solver.scene, &solver.occluders);
+    let can_hide = |leaf: ElementId| hierarchy.element(leaf).area < hierarchy.element(leaf).sampled_area;
     let fates: Vec<(DVec3, DVec3)> = (0..rays)
         .into_par_iter()
         .map(|index| {
@@ -68,7 +75,14 @@ pub fn power_balance(solver: &Solver, rays: u32, seed: u64) -> PowerBalance {
             let wanted = (f64::from(index) + f64::from(random(0))) / f64::from(rays) * total;
             let place = power_before[1..leaves.len()].partition_point(|&before| before <= wanted);
             let leaf = leaves[place];
-            let point = hierarchy.point_on(leaf, random(1), random(2));
+            let exposed = |number: u64| {
+                let point = hierarchy.point_on(leaf, random(5 + 2 * number), random(6 + 2 * number));
+                let seed = mix(seed, u64::from(index));
+                let is_hidden = can_hide(leaf) && darkness.hides(point.position, point.normal, seed, HIDDEN_RAYS);
+                (!is_hidden).then_some(point)
+            };
+            let point = (0..MOST_TRIES).find_map(exposed);
+            let point = point.unwrap_or_else(|| hierarchy.point_on(leaf, random(1), random(2)));
             let direction = cosine_direction(point.normal, random(3), random(4));
             let radiosity = solver.light.radiosity[leaf.index()];
             let carried = (radiosity / radiosity.element_sum()).as_dvec3() * (total / f64::from(rays));

@@ -60,7 +60,7 @@ impl Solver {
         let hierarchy = &self.hierarchy;
         let area = |&id: &ElementId| match hierarchy.element(id).shape {
             Shape::Patch(patch) if self.scene.polygons[patch.polygon as usize].material == material => {
-                f64::from(hierarchy.element(id).area)
+                f64::from(hierarchy.element(id).sampled_area)
             }
             _ => 0.0,
         };

@@ -3,7 +3,7 @@
 //! The power oracle of the paper (section 2.3, [Lischinski 94]): refine while B_s·F·A_r > ε, with ε_partial where the ends
 //! see each other only in part; rays in proportion to B·F·A/ε within bounds (section 2.4).
 
-use crate::hierarchy::{Cluster, ElementId, Hierarchy, Shape};
+use crate::hierarchy::{Cluster, Element, ElementId, Hierarchy, Shape};
 
 use super::candidate::{Candidate, Directions, end_to_split};
 use super::form_factor::{Exchange, exchange, self_exchange};
@@ -116,8 +116,9 @@ impl Oracle<'_> {
             {
                 let survey = self.sampler.survey(self.hierarchy, (a, b), spread, plan);
                 rays += survey.cast;
-                let source_area = self.hierarchy.element(source).area;
-                link.direct = (source_area * survey.mean_visible_kernel()).min(1.0);
+                let (to, from) = (self.hierarchy.element(receiver), self.hierarchy.element(source));
+                link.direct = (from.area * survey.mean_visible_kernel()).min(1.0)
+                    / (exposed_share(to) * exposed_share(from));
             }
             decision
         };
@@ -149,7 +150,8 @@ impl Oracle<'_> {
             (brightness * area, brightness * area)
         } else if !hierarchy.element(receiver).is_cluster() && !hierarchy.element(source).is_cluster() {
             // Patches have one estimate, and the link holds it.
-            let power = brightness * link.form_factor * area;
+            let sampled = exposed_share(hierarchy.element(receiver)) * exposed_share(hierarchy.element(source));
+            let power = brightness * link.form_factor * sampled * area;
             (power, power)
         } else {
             match exchange(hierarchy, receiver, source) {
@@ -223,14 +225,17 @@ impl Oracle<'_> {
     }
 
     /// Form factor F(r←s) without occlusion: by the estimate for patches and where nobody looked, else by how the polygons
-    /// of the clusters are turned.
+    /// of the clusters are turned. Where random points lie on hidden parts as well, V is low by their shares and F high.
     fn form_factor(&self, receiver: ElementId, source: ElementId, estimate: f32, survey: Option<&Survey>) -> f32 {
         let (to, from) = (self.hierarchy.element(receiver), self.hierarchy.element(source));
-        match survey {
-            Some(survey) if to.is_cluster() || from.is_cluster() => (from.area * survey.mean_kernel()).min(1.0),
-            _ if to.area > 0.0 => (estimate / to.area).min(1.0),
-            _ => 0.0,
+        if to.area <= 0.0 {
+            return 0.0;
         }
+        let form_factor = match survey {
+            Some(survey) if to.is_cluster() || from.is_cluster() => from.area * survey.mean_kernel(),
+            _ => estimate / to.area,
+        };
+        form_factor.min(1.0) / (exposed_share(to) * exposed_share(from))
     }
 
     /// Whether a link is kept only because its ends looked clear of each other: it would be refined otherwise, or it was never
@@ -314,6 +319,11 @@ impl Oracle<'_> {
         };
         Sight { kind, visibility: found.visibility(), rays, asked, survey: Some(found), plan: Some(plan) }
     }
+}
+
+/// Share of the random points of an element that light can reach.
+fn exposed_share(element: &Element) -> f32 {
+    if element.sampled_area > 0.0 { element.area / element.sampled_area } else { 1.0 }
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

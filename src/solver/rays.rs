@@ -163,7 +163,7 @@ impl RaySampler<'_> {
         };
         let (pairs, pairs_if_blocked) = (pairs_for(plan.rays), pairs_for(plan.rays_if_blocked));
         // Points stand for this area; nearer to each other than its size they say no more than that.
-        let smallest = hierarchy.element(a).area.min(hierarchy.element(b).area) / pairs.max(1) as f32;
+        let smallest = hierarchy.element(a).sampled_area.min(hierarchy.element(b).sampled_area) / pairs.max(1) as f32;
         let point = |id: ElementId, is_source: bool, u: f32, v: f32| match is_source {
             true => hierarchy.point_on_by(self.emission, id, u, v),
             false => hierarchy.point_on(id, u, v),

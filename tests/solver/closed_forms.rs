@@ -83,7 +83,7 @@ fn both(hierarchy: &Hierarchy) -> (ElementId, ElementId) {
 }
 
 fn hierarchy_of(scene: &Scene) -> Hierarchy {
-    Hierarchy::new(scene, ClusteringMode::Adaptive, 5)
+    Hierarchy::new(scene, std::sync::Arc::default(), ClusteringMode::Adaptive, 5)
 }
 
 /// The functions above against figures computed elsewhere (Gauss quadrature and Monte Carlo).

@@ -6,6 +6,8 @@ use glam::Vec3;
 use proptest::prelude::*;
 use proptest::test_runner::{Config, RngAlgorithm, TestRng, TestRunner};
 use rustc_hash::{FxHashMap, FxHashSet};
+use std::sync::Arc;
+
 use selflink::hierarchy::{ClusteringMode, ElementId, Hierarchy, Shape};
 use selflink::scene::{GroupId, Scene};
 use selflink::solver::Solver;
@@ -168,7 +170,7 @@ fn every_pair_of_patches_is_covered_once_in_random_scenes() {
 fn clustering_modes_build_what_they_say() {
     let scene = furnished_room(0.5, 1.0);
     let of = |mode: ClusteringMode, depth: u32| {
-        let hierarchy = Hierarchy::new(&scene, mode, depth);
+        let hierarchy = Hierarchy::new(&scene, Arc::default(), mode, depth);
         check_tree(&scene, &hierarchy);
         hierarchy
     };
@@ -185,7 +187,7 @@ fn clustering_modes_build_what_they_say() {
 #[test]
 fn octree_clusters_fit_their_cells() {
     let scene = furnished_room(0.5, 1.0);
-    let hierarchy = Hierarchy::new(&scene, ClusteringMode::Octree, 6);
+    let hierarchy = Hierarchy::new(&scene, Arc::default(), ClusteringMode::Octree, 6);
     for id in hierarchy.ids() {
         if let Shape::Cluster(cluster) = hierarchy.element(id).shape {
             let cell = 0.5 * 0.5_f32.powi(i32::from(cluster.level));
@@ -204,7 +206,7 @@ fn quarters_make_up_the_whole() {
     let trapezium = [Vec3::ZERO, Vec3::new(4.0, 0.0, 0.0), Vec3::new(3.0, 2.0, 0.0), Vec3::new(1.0, 2.0, 0.0)];
     scene.add_triangle(triangle, grey, GroupId(0));
     scene.add_quad(trapezium, grey, GroupId(0));
-    let mut hierarchy = Hierarchy::new(&scene, ClusteringMode::None, 1);
+    let mut hierarchy = Hierarchy::new(&scene, Arc::default(), ClusteringMode::None, 1);
     for _ in 0..4 {
         for id in hierarchy.ids() {
             hierarchy.subdivide(id);
