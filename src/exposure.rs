@@ -73,9 +73,8 @@ impl Exposure {
         }
         let total: f32 = scene.polygons.iter().map(|polygon| scene.area(polygon)).sum();
         let darkness = Darkness::new(scene, occluders);
-        let look = |(index, polygon): (usize, &Polygon)| {
-            exposed_points(&darkness, index as u32, polygon, CELL_SHARE * total)
-        };
+        let look =
+            |(index, polygon): (usize, &Polygon)| exposed_points(&darkness, index as u32, polygon, CELL_SHARE * total);
         let looked: Vec<Vec<u8>> = scene.polygons.par_iter().enumerate().map(look).collect();
         let mut exposure = Self::default();
         if looked.iter().all(Vec::is_empty) {
@@ -110,10 +109,15 @@ impl Exposure {
         }
         let exposed = self.exposed[cells.range()].iter().map(|points| f32::from(*points)).sum::<f32>();
         let sampled = self.sampled_cells(cells) as f32;
-        Shares {
-            exposed: exposed / (f32::from(POINTS) * cells.count as f32),
-            sampled: sampled / cells.count as f32,
-        }
+        Shares { exposed: exposed / (f32::from(POINTS) * cells.count as f32), sampled: sampled / cells.count as f32 }
+    }
+
+    /// How much of the cell at a corner of a patch is exposed, as a share of its area; corners are numbered like the quarters that
+    /// hold them.
+    pub fn share_at_corner(&self, cells: Cells, corner: u32) -> f32 {
+        // The quarter of that number, of its quarters that of the same number, and so on.
+        let cell = cells.first + corner * (cells.count.max(1) - 1) / 3;
+        if cells.count == 0 { 1.0 } else { f32::from(self.exposed[cell as usize]) / f32::from(POINTS) }
     }
 
     /// The cell at `u` in 0..1 of all cells of a patch that are exposed at all, as the quarters that lead to it from the patch, and how

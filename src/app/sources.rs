@@ -85,7 +85,8 @@ mod tests {
         let group = scene.add_group("ceiling", GroupId(0));
         let corners = [Vec3::new(-1.0, 2.0, -1.0), Vec3::new(1.0, 2.0, -1.0), Vec3::new(0.0, 2.0, 1.0)];
         scene.add_triangle(corners, white, group);
-        let leaf = Leaf { element: ElementId(7), polygon: 0, material: MaterialId(0), area: 2.0, exposed_area: 2.0, level: 1 };
+        let leaf =
+            Leaf { element: ElementId(7), polygon: 0, material: MaterialId(0), area: 2.0, exposed_area: 2.0, level: 1 };
         let mesh = Mesh {
             positions: corners.map(|corner| corner.to_array()).into(),
             triangles: vec![[0, 1, 2]],

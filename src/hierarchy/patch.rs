@@ -101,6 +101,11 @@ impl Hierarchy {
         area_vector(&positions[..count]).length()
     }
 
+    /// How much of a patch is exposed near one of its corners, 0..=1.
+    pub fn exposed_at_corner(&self, patch: &Patch, corner: usize) -> f32 {
+        self.exposure.share_at_corner(patch.cells, corner as u32)
+    }
+
     /// The four quarters of a patch; new vertices in the middle of edges are shared with the neighbours.
     pub(super) fn quarters(&mut self, patch: &Patch) -> [Patch; 4] {
         let exposure = self.exposure.clone();

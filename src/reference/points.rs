@@ -110,8 +110,8 @@ mod tests {
         let mut scene = Scene::new("three squares");
         let wall = scene.add_material("wall", Vec3::splat(0.5), Vec3::ZERO);
         let lamp = scene.add_material("lamp", Vec3::splat(0.5), Vec3::X);
-        for (size, z, material) in [(1.0, 0.0, wall), (5.0, 1.0, lamp), (3.0, 2.0, wall)] {
-            let corner = |x: f32, y: f32| Vec3::new(size * x, size * y, z);
+        for (size, aside, material) in [(1.0, 20.0, wall), (5.0, 10.0, lamp), (3.0, 0.0, wall)] {
+            let corner = |x: f32, y: f32| Vec3::new(aside + size * x, size * y, 2.0);
             scene.add_quad([corner(0., 0.), corner(1., 0.), corner(1., 1.), corner(0., 1.)], material, GroupId(0));
         }
         let occluders = Occluders::new(&scene);

@@ -67,7 +67,7 @@ impl Display {
     }
 }
 
-/// A hidden leaf counts this little at its vertices: not beside exposed ones, but where there are no others.
+/// What is hidden counts this little at a vertex: not beside what is exposed, but where there is nothing else.
 const LEAST_EXPOSED: f32 = 1e-6;
 
 struct MeshBuilder<'a> {
@@ -80,6 +80,8 @@ struct MeshBuilder<'a> {
     /// (mesh vertex, leaf, weight) in the order found.
     contributions: Vec<(u32, u32, f32)>,
     rim: Vec<u32>,
+    /// How much of the leaf is exposed near each vertex of the rim.
+    rim_exposed: Vec<f32>,
 }
 
 impl<'a> MeshBuilder<'a> {
@@ -102,6 +104,7 @@ impl<'a> MeshBuilder<'a> {
             vertex_of,
             contributions: Vec::with_capacity(4 * leaves),
             rim: Vec::new(),
+            rim_exposed: Vec::new(),
         }
     }
 
@@ -119,21 +122,23 @@ impl<'a> MeshBuilder<'a> {
             exposed_area: element.area,
             level: patch.level,
         });
-        // What is hidden must not darken what is beside it.
-        let exposed = (element.area / whole_area).max(LEAST_EXPOSED);
+        let exposed = element.area / whole_area;
         let surface = self.surfaces[patch.polygon as usize];
         let corners = patch.corners();
         self.rim.clear();
+        self.rim_exposed.clear();
         for (index, &from) in corners.iter().enumerate() {
             let vertex = self.vertex(from, surface);
             self.rim.push(vertex);
+            self.rim_exposed.push(self.hierarchy.exposed_at_corner(&patch, index));
             if self.hierarchy.is_subdivided() {
                 self.hanging(from, corners[(index + 1) % corners.len()], surface);
+                self.rim_exposed.resize(self.rim.len(), exposed);
             }
         }
         let rim = std::mem::take(&mut self.rim);
         for index in 0..rim.len() {
-            self.contribute(&rim, index, leaf, element.centre, exposed);
+            self.contribute(&rim, index, leaf, element.centre);
             self.mesh.outlines.push([rim[index], rim[(index + 1) % rim.len()]]);
         }
         match *rim.as_slice() {
@@ -173,12 +178,14 @@ impl<'a> MeshBuilder<'a> {
     }
 
     /// A leaf counts at a vertex by the angle it fills there, over the squared distance of its centre, which reproduces a
-    /// linear radiosity across a change of subdivision level, and by how much of it is exposed.
-    fn contribute(&mut self, rim: &[u32], index: usize, leaf: u32, centre: Vec3, exposed: f32) {
+    /// linear radiosity across a change of subdivision level, and by how much of it is exposed there: beyond a thing that stands on the
+    /// vertex it may be lit otherwise.
+    fn contribute(&mut self, rim: &[u32], index: usize, leaf: u32, centre: Vec3) {
         let at = |index: usize| Vec3::from(self.mesh.positions[rim[index % rim.len()] as usize]);
         let vertex = at(index);
         let angle = (at(index + 1) - vertex).angle_between(at(index + rim.len() - 1) - vertex);
         let distance_squared = (centre - vertex).length_squared();
+        let exposed = self.rim_exposed[index].max(LEAST_EXPOSED);
         let weight = if distance_squared > 0.0 && angle > 0.0 { exposed * angle / distance_squared } else { 0.0 };
         self.contributions.push((rim[index], leaf, weight));
     }

@@ -314,8 +314,9 @@ impl Solver {
     }
 
     fn emission_sums(&self) -> PatchSums {
-        let power =
-            |&id: &ElementId| f64::from(self.hierarchy.element(id).sampled_area * self.light.emitted[id.index()].max_element());
+        let power = |&id: &ElementId| {
+            f64::from(self.hierarchy.element(id).sampled_area * self.light.emitted[id.index()].max_element())
+        };
         PatchSums::new(self.hierarchy.initial_patches().iter().map(power))
     }
 

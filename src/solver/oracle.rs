@@ -117,8 +117,8 @@ impl Oracle<'_> {
                 let survey = self.sampler.survey(self.hierarchy, (a, b), spread, plan);
                 rays += survey.cast;
                 let (to, from) = (self.hierarchy.element(receiver), self.hierarchy.element(source));
-                link.direct = (from.area * survey.mean_visible_kernel()).min(1.0)
-                    / (exposed_share(to) * exposed_share(from));
+                link.direct =
+                    (from.area * survey.mean_visible_kernel()).min(1.0) / (exposed_share(to) * exposed_share(from));
             }
             decision
         };
