@@ -14,5 +14,7 @@ mod write;
 
 pub use draw::{Against, DrawError, Drawing, draw_png, draw_svg};
 pub use record::{Chart, PathTracerRecord, ReferenceRecord, RunRecord, SkippedRun};
+pub(crate) use sweep::within;
 pub use sweep::{Setting, Sweep, usual_epsilons, usual_settings};
+pub(crate) use write::parameter_columns;
 pub use write::{csv, error_table};

@@ -172,7 +172,7 @@ impl Chart {
 }
 
 /// Does work that is cancelled when the time is over or when `outer` is.
-fn within(limit: Duration, outer: &CancelToken, work: impl FnOnce(&CancelToken) -> bool) -> bool {
+pub(crate) fn within(limit: Duration, outer: &CancelToken, work: impl FnOnce(&CancelToken) -> bool) -> bool {
     /// How often the outer token is looked at.
     const LOOK: Duration = Duration::from_millis(20);
     let inner = CancelToken::new();

@@ -3,6 +3,7 @@
 use std::fmt::Write as _;
 
 use super::record::{Chart, RunRecord};
+use crate::solver::SolverParams;
 
 /// The chart as CSV: a row for each run, with every parameter, then one for each state of the path tracer.
 pub fn csv(chart: &Chart) -> String {
@@ -31,21 +32,17 @@ pub fn csv(chart: &Chart) -> String {
 /// Names and values of the columns; values are empty without a run.
 fn columns(run: Option<&RunRecord>, chart: &Chart) -> Vec<(&'static str, String)> {
     let of = |value: &dyn Fn(&RunRecord) -> String| run.map(value).unwrap_or_default();
-    let (epsilon, choice) =
-        (|run: &RunRecord| run.epsilon_relative.to_string(), |value: serde_json::Result<_>| name(value));
-    vec![
+    // Names alone where there is no run: any parameters have them.
+    let parameters = parameter_columns(&run.map_or_else(SolverParams::default, |run| run.params));
+    let parameters = parameters.map(|(name, value)| (name, if run.is_some() { value } else { String::new() }));
+    let mut columns = vec![
         ("scene", chart.scene.clone()),
         ("setting", of(&|run| format!("\"{}\"", run.setting))),
-        ("epsilon_relative", of(&epsilon)),
+        ("epsilon_relative", of(&|run| run.epsilon_relative.to_string())),
         ("epsilon_watts", of(&|run| run.epsilon_watts.to_string())),
-        ("clustering", of(&|run| choice(serde_json::to_value(run.params.clustering)))),
-        ("octree_depth", of(&|run| run.params.octree_depth.to_string())),
-        ("push", of(&|run| choice(serde_json::to_value(run.params.push)))),
-        ("partial_factor", of(&|run| run.params.partial_factor.to_string())),
-        ("visibility_factor", of(&|run| run.params.visibility_factor.to_string())),
-        ("rays_min", of(&|run| run.params.rays_min.to_string())),
-        ("rays_max", of(&|run| run.params.rays_max.to_string())),
-        ("seed", of(&|run| run.params.seed.to_string())),
+    ];
+    columns.extend(parameters);
+    columns.extend([
         ("threads", chart.threads.to_string()),
         ("converged", of(&|run| run.converged.to_string())),
         ("seconds", of(&|run| run.seconds.total.to_string())),
@@ -72,6 +69,21 @@ fn columns(run: Option<&RunRecord>, chart: &Chart) -> Vec<(&'static str, String)
         ("reference_noise", chart.reference.noise.to_string()),
         ("pareto", of(&|run| run.pareto.to_string())),
         ("paths", String::new()),
+    ]);
+    columns
+}
+
+/// Names and values of the solver's parameters, ε, sides and threads aside, which their tables tell in their own way.
+pub(crate) fn parameter_columns(params: &SolverParams) -> [(&'static str, String); 8] {
+    [
+        ("clustering", name(serde_json::to_value(params.clustering))),
+        ("octree_depth", params.octree_depth.to_string()),
+        ("push", name(serde_json::to_value(params.push))),
+        ("partial_factor", params.partial_factor.to_string()),
+        ("visibility_factor", params.visibility_factor.to_string()),
+        ("rays_min", params.rays_min.to_string()),
+        ("rays_max", params.rays_max.to_string()),
+        ("seed", params.seed.to_string()),
     ]
 }
 

@@ -75,7 +75,8 @@ fn prepare(order: &Order) -> anyhow::Result<(Scene, Occluders)> {
     Ok(orient::apply(scene, sides))
 }
 
-fn pool(threads: u32) -> anyhow::Result<ThreadPool> {
+/// Threads for the solver; 0 takes every core.
+pub fn pool(threads: u32) -> anyhow::Result<ThreadPool> {
     let builder = ThreadPoolBuilder::new().num_threads(threads as usize).thread_name(|index| format!("solver-{index}"));
     builder.build().map_err(|error| anyhow!("the solver's threads cannot be started ({error}); try fewer --threads"))
 }

@@ -1,4 +1,5 @@
-//! The command line: the window, or `solve`, `render`, `probe`, `reference`, `chart`, `accuracy` and `scene` without one.
+//! The command line: the window, or `solve`, `render`, `probe`, `reference`, `chart`, `tables`,
+//! `accuracy` and `scene` without one.
 //!
 //! Whatever cannot be done gives one sentence on stderr and exit code 2. Results go to stdout, remarks about the scene and
 //! progress to stderr.
@@ -16,6 +17,7 @@ mod render;
 mod report;
 mod scene;
 mod solve;
+mod tables;
 mod window;
 
 use std::process::ExitCode;
@@ -53,6 +55,7 @@ fn dispatch(matches: &ArgMatches, started: Instant) -> anyhow::Result<()> {
         Some(("render", matches)) => render::run(matches),
         Some(("probe", matches)) => probe::run(matches),
         Some(("chart", matches)) => chart::run(matches),
+        Some(("tables", matches)) => tables::run(matches),
         Some(("accuracy", matches)) => accuracy::run(matches),
         Some(("reference", matches)) => reference::run(matches),
         Some(("scene", matches)) => scene::run(matches),
@@ -65,7 +68,7 @@ fn command() -> Command {
     #[cfg(feature = "gui")]
     let command = command.subcommand(render::command());
     let command = command.subcommand(probe::command()).subcommand(reference::command()).subcommand(chart::command());
-    command.subcommand(accuracy::command()).subcommand(scene::command())
+    command.subcommand(tables::command()).subcommand(accuracy::command()).subcommand(scene::command())
 }
 
 /// Says why, in one line.

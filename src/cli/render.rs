@@ -116,17 +116,14 @@ pub fn draw(
 
 fn camera(scene: &Scene, view: &View) -> Camera {
     let [width, height] = view.size.map(|pixels| pixels as f32);
-    let (aspect, bounds) = (width / height, scene.bounds());
+    let aspect = width / height;
     let given = view.camera.map(|[eye, target]| CameraPose {
         eye,
         target,
         up: scene.camera.map_or(Vec3::Y, |camera| camera.up),
         hfov_deg: scene.camera.map_or(USUAL_HFOV, |camera| camera.hfov_deg),
     });
-    match given.or(scene.camera) {
-        Some(pose) => Camera::from_pose(&pose, aspect, bounds),
-        None => Camera::frame(bounds, aspect),
-    }
+    given.map_or_else(|| Camera::of_scene(scene, aspect), |pose| Camera::from_pose(&pose, aspect, scene.bounds()))
 }
 
 /// Asks the solver for the links of the surface at a pixel.

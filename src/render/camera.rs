@@ -2,7 +2,7 @@
 
 use glam::{BVec3, Mat4, Quat, Vec2, Vec3};
 
-use crate::scene::CameraPose;
+use crate::scene::{CameraPose, Scene};
 
 /// Vertical field of view when nothing else is asked for, radians (36° is a 50 mm lens turned upright).
 const DEFAULT_VFOV: f32 = 0.7;
@@ -50,6 +50,12 @@ impl Camera {
         camera.set_sight(sight);
         camera.target = camera.eye + camera.sight();
         camera
+    }
+
+    /// The scene's own view, or one of everything, with an aspect (width / height).
+    pub fn of_scene(scene: &Scene, aspect: f32) -> Self {
+        let bounds = scene.bounds();
+        scene.camera.map_or_else(|| Self::frame(bounds, aspect), |pose| Self::from_pose(&pose, aspect, bounds))
     }
 
     /// A view of everything from the front, the right and above, with `y` up.

@@ -1,0 +1,106 @@
+//! What the paper says, what was found here, and whether that agrees. Verdicts come from numbers, by a rule that is stated.
+
+use std::fmt;
+
+use super::Part;
+
+/// How a claim fares.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Verdict {
+    /// As the paper says.
+    Confirmed,
+    /// More so than the paper says.
+    Better,
+    /// Otherwise here.
+    NotSoHere,
+}
+
+impl Verdict {
+    /// Of a gain: better from `better` on, confirmed from `enough` on.
+    pub fn at_least(value: f64, enough: f64, better: f64) -> Self {
+        if value >= better {
+            Self::Better
+        } else if value >= enough {
+            Self::Confirmed
+        } else {
+            Self::NotSoHere
+        }
+    }
+
+    /// Of a cost: better up to `better`, confirmed up to `enough`.
+    pub fn at_most(value: f64, enough: f64, better: f64) -> Self {
+        Self::at_least(-value, -enough, -better)
+    }
+
+    /// Of what is so or not.
+    pub fn so(holds: bool) -> Self {
+        if holds { Self::Confirmed } else { Self::NotSoHere }
+    }
+}
+
+impl fmt::Display for Verdict {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str(match self {
+            Self::Confirmed => "confirmed",
+            Self::Better => "better",
+            Self::NotSoHere => "not so here",
+        })
+    }
+}
+
+/// A statement of the paper beside what was found.
+#[derive(Clone, Debug)]
+pub struct Claim {
+    /// Section, table or figure.
+    pub place: &'static str,
+    /// What the paper says.
+    pub says: String,
+    /// What was found, with its numbers.
+    pub found: String,
+    /// When the verdict is *confirmed* or *better*.
+    pub rule: &'static str,
+    /// The verdict.
+    pub verdict: Verdict,
+    /// The runs that it rests on.
+    pub part: Part,
+}
+
+impl Claim {
+    /// A claim whose runs were left out.
+    pub fn unanswered(place: &'static str, says: &str, rule: &'static str, part: Part, why: &str) -> Self {
+        let found = format!("left out: {why}");
+        Self { place, says: says.to_owned(), found, rule, verdict: Verdict::NotSoHere, part }
+    }
+}
+
+/// The claims as a Markdown table.
+pub fn claims_markdown(claims: &[Claim]) -> String {
+    let row = |claim: &Claim| {
+        format!(
+            "| {} | {} | {} | *{}* | {} | `selflink tables --only {}` |\n",
+            claim.place,
+            claim.says,
+            claim.found,
+            claim.verdict,
+            claim.rule,
+            claim.part.name()
+        )
+    };
+    let rows: String = claims.iter().map(row).collect();
+    format!("| where | the paper | here | verdict | rule | command |\n| --- | --- | --- | --- | --- | --- |\n{rows}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Truth: the definitions.
+    #[test]
+    fn verdicts_follow_their_bounds() {
+        let gains = [0.5, 1.0, 1.9, 2.0].map(|value| Verdict::at_least(value, 1.0, 2.0).to_string());
+        assert_eq!(gains, ["not so here", "confirmed", "confirmed", "better"]);
+        let costs = [0.1, 0.2, 0.3, 0.4, f64::NAN].map(|value| Verdict::at_most(value, 0.3, 0.1));
+        use Verdict::{Better, Confirmed, NotSoHere};
+        assert_eq!(costs, [Better, Confirmed, Confirmed, NotSoHere, NotSoHere]);
+    }
+}

@@ -1,0 +1,265 @@
+//! Measured runs: a room with its reference, a solve, its counts, times and error.
+
+use std::sync::Arc;
+
+use rustc_hash::FxHashMap;
+
+use super::effort::Effort;
+use crate::accuracy::{ErrorMeter, SolutionError};
+use crate::cancel::CancelToken;
+use crate::chart::within;
+use crate::orient;
+use crate::reference::{Cache, Reference, ReferenceRun, Target, compute, random_points};
+use crate::scene::{Scene, builtin::BuiltinScene};
+use crate::solver::{Epsilon, Evidence, Snapshot, Solver, SolverParams, Stats};
+use crate::visibility::Occluders;
+
+/// Seed of the reference's points and paths, the same as the solver's default.
+const SEED: u64 = 1;
+
+/// What errors are measured by.
+pub struct Truth {
+    /// Random points.
+    pub points: usize,
+    /// When the reference is good enough.
+    pub target: Target,
+    /// Where references are kept.
+    pub cache: Option<Cache>,
+}
+
+/// A scene that is ready to be solved. Its occluders are built already: no time of a run holds them.
+pub struct Room {
+    /// Its name on the command line.
+    pub name: &'static str,
+    /// The scene.
+    pub scene: Arc<Scene>,
+    /// What stops its light.
+    pub occluders: Arc<Occluders>,
+    meter: Option<ErrorMeter>,
+}
+
+impl Room {
+    /// A room for its speed alone.
+    pub fn new(builtin: BuiltinScene) -> Self {
+        Self::of_scene(builtin.name(), builtin.build())
+    }
+
+    /// The same of any scene.
+    pub fn of_scene(name: &'static str, scene: Scene) -> Self {
+        let sides = scene.sides;
+        let (scene, occluders) = orient::apply(scene, sides);
+        Self { name, scene: Arc::new(scene), occluders: Arc::new(occluders), meter: None }
+    }
+
+    /// Its polygons.
+    pub fn polygons(&self) -> usize {
+        self.scene.polygons.len()
+    }
+
+    /// What a person reads: seminar, 2,008 polygons.
+    pub fn title(&self) -> String {
+        format!("{}, {}", self.name, crate::format::things(self.polygons(), "polygon", "polygons"))
+    }
+}
+
+/// One setting, measured.
+#[derive(Clone, Debug)]
+pub struct Run {
+    /// What the tables call it.
+    pub setting: String,
+    /// The scene's name.
+    pub scene: &'static str,
+    /// Its polygons.
+    pub polygons: usize,
+    /// Every parameter.
+    pub params: SolverParams,
+    /// Worker threads.
+    pub threads: usize,
+    /// Time of each repetition, s: building clusters, refining and gathering.
+    pub seconds: Vec<f64>,
+    /// Counts of the solve, which are the same in every repetition.
+    pub stats: Stats,
+    /// Links whose visibility comes from rays of their own.
+    pub links_with_rays: usize,
+    /// Those of them that had no more rays than the lower bound.
+    pub links_at_bound: usize,
+    /// The error, where there is a reference.
+    pub error: Option<SolutionError>,
+}
+
+impl Run {
+    /// The median time, s.
+    pub fn time(&self) -> f64 {
+        median(&self.seconds)
+    }
+
+    /// Displayed RMS error, a share.
+    pub fn rms(&self) -> f64 {
+        self.error.map_or(f64::NAN, |error| error.displayed.rms)
+    }
+
+    /// Median of the displayed local error, a share.
+    pub fn local_median(&self) -> f64 {
+        self.error.map_or(f64::NAN, |error| error.displayed.local_median)
+    }
+
+    /// Bytes of links, elements and radiosities when the solve ends.
+    pub fn bytes(&self) -> usize {
+        self.stats.bytes.links + self.stats.bytes.elements
+    }
+}
+
+/// A run that was not made, or not to its end.
+#[derive(Clone, Debug)]
+pub struct LeftOut {
+    /// The setting.
+    pub setting: String,
+    /// Polygons of the room.
+    pub polygons: usize,
+    /// Why, in a few words.
+    pub why: String,
+}
+
+/// Makes the runs.
+pub struct Lab<'a> {
+    /// What is run.
+    pub effort: Effort,
+    truth: Truth,
+    references: FxHashMap<BuiltinScene, Arc<Reference>>,
+    tell: &'a mut dyn FnMut(&str),
+}
+
+impl<'a> Lab<'a> {
+    /// A lab that tells what it does, line by line.
+    pub fn new(effort: Effort, truth: Truth, tell: &'a mut dyn FnMut(&str)) -> Self {
+        Self { effort, truth, references: FxHashMap::default(), tell }
+    }
+
+    /// Says what is done.
+    pub fn tell(&mut self, line: &str) {
+        (self.tell)(line);
+    }
+
+    /// A room whose runs have an error.
+    pub fn room(&mut self, builtin: BuiltinScene) -> Room {
+        let mut room = Room::new(builtin);
+        let reference = match self.references.get(&builtin) {
+            Some(reference) => reference.clone(),
+            None => {
+                self.tell(&format!("reference of {}", room.title()));
+                let points = random_points(&room.scene, self.truth.points, SEED).into();
+                let mut run = ReferenceRun::new(&room.scene, room.occluders.clone(), points, SEED);
+                let cache = self.truth.cache.as_ref();
+                let outcome = compute(&mut run, cache, self.truth.target, &CancelToken::new(), |_, _| {});
+                if let Some(error) = &outcome.cache_error {
+                    self.tell(&format!("the reference cannot be kept for the next time ({error})"));
+                }
+                self.references.entry(builtin).insert_entry(Arc::new(outcome.reference)).get().clone()
+            }
+        };
+        room.meter = Some(ErrorMeter::new(reference));
+        room
+    }
+
+    /// A setting, repeated where it is short.
+    ///
+    /// # Errors
+    /// It does not fit into memory or takes longer than it may.
+    pub fn run(&mut self, room: &mut Room, setting: &str, params: SolverParams) -> Result<Run, LeftOut> {
+        let mut run = self.once(room, setting, params)?;
+        while run.time() < Effort::SHORT && run.seconds.len() < self.effort.repeats {
+            run.seconds.extend(self.once(room, setting, params)?.seconds);
+        }
+        Ok(run)
+    }
+
+    /// Settings by turns, so that what else the machine does meets all of them alike.
+    ///
+    /// # Errors
+    /// As [`Lab::run`].
+    pub fn by_turns(
+        &mut self,
+        room: &mut Room,
+        settings: &[(&str, SolverParams)],
+        turns: usize,
+    ) -> Result<Vec<Run>, LeftOut> {
+        let mut runs = Vec::new();
+        for turn in 0..turns.max(1) {
+            for (index, (setting, params)) in settings.iter().enumerate() {
+                let run = self.once(room, setting, *params)?;
+                match runs.get_mut(index) {
+                    None => runs.push(run),
+                    Some(known) if turn > 0 => known.seconds.extend(run.seconds),
+                    Some(_) => {}
+                }
+            }
+        }
+        Ok(runs)
+    }
+
+    /// Seconds until there is a picture, from the root's self-link alone.
+    ///
+    /// # Errors
+    /// As [`Lab::run`].
+    pub fn first_picture(&mut self, room: &Room, setting: &str, params: SolverParams) -> Result<f64, LeftOut> {
+        let of = |error: String| LeftOut { setting: setting.to_owned(), polygons: room.polygons(), why: error };
+        let solver = Solver::new(room.scene.clone(), room.occluders.clone(), params, 1);
+        let mut solver = solver.map_err(|error| of(error.to_string()))?;
+        Ok(solver.snapshot().stats.seconds.first_snapshot)
+    }
+
+    fn once(&mut self, room: &mut Room, setting: &str, params: SolverParams) -> Result<Run, LeftOut> {
+        Ok(self.solve(room, setting, params)?.0)
+    }
+
+    /// One solve and what is there to be seen of it.
+    ///
+    /// # Errors
+    /// As [`Lab::run`].
+    pub fn solve(&mut self, room: &mut Room, setting: &str, params: SolverParams) -> Result<(Run, Snapshot), LeftOut> {
+        self.tell(&format!("{}: {setting}", room.title()));
+        let left_out = |why: String| LeftOut { setting: setting.to_owned(), polygons: room.polygons(), why };
+        let solver = Solver::new(room.scene.clone(), room.occluders.clone(), params, 1);
+        let mut solver = solver.map_err(|error| left_out(error.to_string()))?;
+        if !within(self.effort.cap, &CancelToken::new(), |cancel| solver.run(cancel)) {
+            return Err(left_out(format!("not finished within {} s", self.effort.cap.as_secs())));
+        }
+        let stats = solver.stats();
+        let rays = |link: &crate::solver::Link| match link.evidence() {
+            Evidence::Rays(rays) => Some(u32::from(rays)),
+            Evidence::None | Evidence::Inherited => None,
+        };
+        let counts = solver
+            .links()
+            .all()
+            .iter()
+            .filter_map(rays)
+            .fold((0, 0), |(all, at_bound), rays| (all + 1, at_bound + usize::from(rays <= params.rays_min)));
+        let snapshot = solver.snapshot();
+        let run = Run {
+            setting: setting.to_owned(),
+            scene: room.name,
+            polygons: room.polygons(),
+            params,
+            threads: rayon::current_num_threads(),
+            seconds: vec![stats.seconds.total],
+            links_with_rays: counts.0,
+            links_at_bound: counts.1,
+            error: room.meter.as_mut().map(|meter| meter.measure(&snapshot)),
+            stats,
+        };
+        Ok((run, snapshot))
+    }
+}
+
+/// The usual parameters with a share of Φ as ε.
+pub fn with_epsilon(epsilon: f64) -> SolverParams {
+    SolverParams { epsilon: Epsilon::Relative(epsilon), ..SolverParams::default() }
+}
+
+/// The median; NaN of nothing.
+pub fn median(values: &[f64]) -> f64 {
+    let mut sorted = values.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    sorted.get(sorted.len() / 2).copied().unwrap_or(f64::NAN)
+}

@@ -1,0 +1,140 @@
+//! What a part of the paper comes to: tables for people, records for programs, claims, and the files that hold them.
+
+use std::fmt::Write as _;
+
+use super::Part;
+use super::claims::Claim;
+
+/// A table as people read it.
+#[derive(Clone, Debug, Default)]
+pub struct Table {
+    /// A line above it.
+    pub caption: String,
+    /// Names of the columns; the first one names the row.
+    pub head: Vec<String>,
+    /// Cells, row by row.
+    pub rows: Vec<Vec<String>>,
+}
+
+impl Table {
+    /// As Markdown, numbers to the right.
+    pub fn markdown(&self) -> String {
+        let line = |cells: &[String]| format!("| {} |\n", cells.join(" | "));
+        let rule: Vec<String> =
+            (0..self.head.len()).map(|column| if column == 0 { "---" } else { "---:" }.to_owned()).collect();
+        let rows: String = self.rows.iter().map(|row| line(row)).collect();
+        format!("{}\n\n{}{}{rows}", self.caption, line(&self.head), line(&rule))
+    }
+
+    /// As text for a terminal.
+    pub fn text(&self) -> String {
+        let lines = || std::iter::once(&self.head).chain(&self.rows);
+        let width = |column: usize| lines().filter_map(|row| row.get(column)).map(|cell| cell.chars().count()).max();
+        let widths: Vec<usize> = (0..self.head.len()).map(|column| width(column).unwrap_or(0)).collect();
+        let line = |row: &Vec<String>| {
+            let cell = |(column, (cell, width)): (usize, (&String, &usize))| match column {
+                0 => format!("{cell:<width$}"),
+                _ => format!("{cell:>width$}"),
+            };
+            row.iter().zip(&widths).enumerate().map(cell).collect::<Vec<_>>().join("  ").trim_end().to_owned() + "\n"
+        };
+        format!("{}\n{}", self.caption, lines().map(line).collect::<String>())
+    }
+}
+
+/// A row of a CSV file: names and values. Rows of one file need not have the same names.
+pub type Record = Vec<(&'static str, String)>;
+
+/// One part of the paper, run.
+#[derive(Clone, Debug)]
+pub struct Report {
+    /// Which one.
+    pub part: Part,
+    /// Its title.
+    pub title: String,
+    /// What was run, in Markdown.
+    pub introduction: String,
+    /// The tables.
+    pub tables: Vec<Table>,
+    /// What is to be said of them, a sentence or two each, in Markdown.
+    pub remarks: Vec<String>,
+    /// The paper's rows and every run with all its parameters.
+    pub records: Vec<Record>,
+    /// The paper's claims that these runs answer.
+    pub claims: Vec<Claim>,
+}
+
+impl Report {
+    /// The part's page.
+    pub fn markdown(&self) -> String {
+        let mut text = format!("# {}\n\n{}\n", self.title, self.introduction);
+        for table in &self.tables {
+            text += &format!("\n{}", table.markdown());
+        }
+        for remark in &self.remarks {
+            text += &format!("\n{remark}\n");
+        }
+        // A String takes any text.
+        let _ = write!(text, "\nWritten by `selflink tables --only {}`.", self.part.name());
+        if !self.records.is_empty() {
+            let _ = write!(text, " Every parameter and count: [{0}.csv]({0}.csv).", self.part.name());
+        }
+        text + "\n"
+    }
+
+    /// The same for a terminal.
+    pub fn text(&self) -> String {
+        let tables: String = self.tables.iter().map(|table| format!("{}\n", table.text())).collect();
+        let remarks: String = self.remarks.iter().map(|remark| format!("{remark}\n\n")).collect();
+        format!("{}\n\n{tables}{remarks}", self.title)
+    }
+
+    /// The records as CSV: a column for every name, in the order in which names first turn up.
+    pub fn csv(&self) -> String {
+        let mut names: Vec<&str> = Vec::new();
+        for (name, _) in self.records.iter().flatten() {
+            if !names.contains(name) {
+                names.push(name);
+            }
+        }
+        let row = |record: &Record| {
+            let of = |name: &&str| {
+                record.iter().find(|(known, _)| known == name).map_or(String::new(), |(_, value)| quoted(value))
+            };
+            names.iter().map(of).collect::<Vec<_>>().join(",") + "\n"
+        };
+        names.join(",") + "\n" + &self.records.iter().map(row).collect::<String>()
+    }
+}
+
+/// A value as a CSV file can have it.
+fn quoted(value: &str) -> String {
+    if value.contains([',', '"', '\n']) { format!("\"{}\"", value.replace('"', "\"\"")) } else { value.to_owned() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Written out by hand.
+    #[test]
+    fn tables_and_records_are_written() {
+        let table = Table {
+            caption: "Some".into(),
+            head: ["who", "n"].map(String::from).to_vec(),
+            rows: vec![["paper".to_owned(), "1,000".to_owned()].to_vec(), ["we".to_owned(), "9".to_owned()].to_vec()],
+        };
+        assert_eq!(table.markdown(), "Some\n\n| who | n |\n| --- | ---: |\n| paper | 1,000 |\n| we | 9 |\n");
+        assert_eq!(table.text(), "Some\nwho        n\npaper  1,000\nwe         9\n");
+        let report = Report {
+            part: Part::Push,
+            title: String::new(),
+            introduction: String::new(),
+            tables: vec![table],
+            remarks: Vec::new(),
+            records: vec![vec![("a", "1,5".into())], vec![("b", "x".into()), ("a", "2".into())]],
+            claims: Vec::new(),
+        };
+        assert_eq!(report.csv(), "a,b\n\"1,5\",\n2,x\n");
+    }
+}
