@@ -65,12 +65,11 @@ impl Effort {
 
     /// Small rooms and coarse thresholds: the same files, but no answer to the paper.
     pub fn quick() -> Self {
-        let small = BuiltinScene::Seminar { polygons: 1_000 };
         Self {
             quick: true,
-            seminar: small,
+            seminar: BuiltinScene::Cornell,
             seminar_epsilon: 3e-2,
-            office: small,
+            office: BuiltinScene::Seminar { polygons: 1_000 },
             office_epsilon: 3e-2,
             coarse_and_fine: [1e-1, 1e-2],
             sizes: vec![1_000, 4_000],

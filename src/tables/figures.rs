@@ -96,6 +96,7 @@ pub fn draw(lab: &mut Lab<'_>, offscreen: &mut Offscreen) -> Result<(Report, Vec
         ),
         tables: Vec::new(),
         remarks: Vec::new(),
+        pictures: Vec::new(),
         records: Vec::new(),
         claims: Vec::new(),
     };
@@ -113,9 +114,9 @@ pub fn draw(lab: &mut Lab<'_>, offscreen: &mut Offscreen) -> Result<(Report, Vec
                 report.tables.last_mut().into_iter().for_each(|table| {
                     table.caption += &format!("; mean difference {} of white", percent(f64::from(mean)));
                 });
-                report.remarks.push(format!(
+                report.pictures.push(format!(
                     "## {}\n\n![{}]({name}.png)\n\n![Difference]({name}-difference.png)",
-                    pair.name.replace("figure-", "Figure ").replace('-', " and "),
+                    pair.name.replace("figure-", "Figure ").replace('-', " beside "),
                     pair.caption
                 ));
                 pictures.push(Picture { name: format!("{name}.png"), pixels: side_by_side(&left, &right) });

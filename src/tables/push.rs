@@ -82,6 +82,7 @@ pub fn run(lab: &mut Lab<'_>) -> Report {
         ),
         tables,
         remarks,
+        pictures: Vec::new(),
         records: all,
         claims,
     }

@@ -48,6 +48,7 @@ pub fn run(lab: &mut Lab<'_>) -> Report {
         ),
         tables: Vec::new(),
         remarks: Vec::new(),
+        pictures: Vec::new(),
         records: Vec::new(),
         claims: Vec::new(),
     };

@@ -58,6 +58,8 @@ pub struct Report {
     pub tables: Vec<Table>,
     /// What is to be said of them, a sentence or two each, in Markdown.
     pub remarks: Vec<String>,
+    /// Pictures, in Markdown; nothing for a terminal.
+    pub pictures: Vec<String>,
     /// The paper's rows and every run with all its parameters.
     pub records: Vec<Record>,
     /// The paper's claims that these runs answer.
@@ -71,7 +73,7 @@ impl Report {
         for table in &self.tables {
             text += &format!("\n{}", table.markdown());
         }
-        for remark in &self.remarks {
+        for remark in self.remarks.iter().chain(&self.pictures) {
             text += &format!("\n{remark}\n");
         }
         // A String takes any text.
@@ -132,6 +134,7 @@ mod tests {
             introduction: String::new(),
             tables: vec![table],
             remarks: Vec::new(),
+            pictures: Vec::new(),
             records: vec![vec![("a", "1,5".into())], vec![("b", "x".into()), ("a", "2".into())]],
             claims: Vec::new(),
         };

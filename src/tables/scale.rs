@@ -95,7 +95,7 @@ pub fn run(lab: &mut Lab<'_>) -> Report {
         all.extend(records("seminar", &[], &growth.runs));
     }
     tables.extend(scale_text::forecast(&growths));
-    remarks.extend(scale_text::limits(&growths));
+    remarks.extend(scale_text::limits(&growths, lab.effort.scale_epsilon));
     Report {
         part: Part::Scale,
         title: "Growth with the number of polygons, and what 10⁷ to 10⁹ would take".into(),
@@ -108,6 +108,7 @@ pub fn run(lab: &mut Lab<'_>) -> Report {
         ),
         tables,
         remarks,
+        pictures: Vec::new(),
         records: all,
         claims: claims_of(&growths),
     }

@@ -1,6 +1,6 @@
 //! Beyond what can be measured: what the fitted laws say of 10⁷ to 10⁹ polygons, and where today's design stops.
 
-use super::columns::times;
+use super::columns::percent;
 use super::report::Table;
 use super::scale::Growth;
 use crate::format::{bytes, count, number, quantity};
@@ -49,7 +49,7 @@ fn duration(seconds: f64) -> String {
 }
 
 /// Where the design stops, and what would have to change: numbers from the laws and from the sizes of the types.
-pub fn limits(growths: &[Growth]) -> Vec<String> {
+pub fn limits(growths: &[Growth], epsilon: f64) -> Vec<String> {
     let Some(adaptive) = growths.iter().find(|growth| growth.name == "adaptive") else { return Vec::new() };
     let (Some(run), Some(time), Some(links), Some(elements)) =
         (adaptive.largest(), adaptive.time, adaptive.links, adaptive.elements)
@@ -60,7 +60,7 @@ pub fn limits(growths: &[Growth]) -> Vec<String> {
     let elements_each = run.stats.elements as f64 / polygons;
     let bytes_each = run.stats.bytes.elements as f64 / polygons;
     let seconds = run.stats.seconds;
-    let share = |part: f64| format!("{} %", number(100.0 * part / seconds.total));
+    let share = |part: f64| percent(part / seconds.total);
     let most_elements = U32 / elements_each;
     let most_links = links_reach(links.factor, links.exponent);
     let scene_each = size_of::<Polygon>() as f64 + 4.0 * 12.0;
@@ -102,7 +102,7 @@ pub fn limits(growths: &[Growth]) -> Vec<String> {
         format!(
             "- **10⁷ polygons** need {} for elements and links and {} here: today's design does that on a machine with memory for it.\n\
              - **10⁸ polygons** need {}: elements must shrink. Clusters of few small polygons that no link ever opens need no elements for what they hold: an element could be made \
-             when a link first asks for its children, from a hierarchy on disk. The links at ε = 10⁻³ Φ are {}, so nearly all of the tree stays closed.\n\
+             when a link first asks for its children, from a hierarchy on disk. The links at ε = {epsilon:e} Φ are {}, so nearly all of the tree stays closed.\n\
              - **10⁹ polygons** need {}: besides, 64-bit ids (or 32-bit ids within a part), the scene and its BVH in parts that are loaded when rays or links reach them, gathering in parts that only touch \
              receivers with links, and display of what the camera sees. {} of the element ids would be in use at {} elements a polygon.",
             bytes(elements.at(1e7) as usize + (links.at(1e7) * size_of::<Link>() as f64) as usize),
@@ -110,7 +110,7 @@ pub fn limits(growths: &[Growth]) -> Vec<String> {
             bytes(elements.at(1e8) as usize),
             number(links.at(1e8)),
             bytes(elements.at(1e9) as usize),
-            times(1e9 * elements_each / U32),
+            percent(1e9 * elements_each / U32),
             number(elements_each)
         ),
     ]
