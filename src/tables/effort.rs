@@ -42,7 +42,7 @@ pub struct Effort {
 
 impl Effort {
     /// Runs that are shorter are repeated, s.
-    pub const SHORT: f64 = 1.0;
+    pub const SHORT: f64 = 10.0;
 
     /// The paper's rooms.
     pub fn full() -> Self {

@@ -166,35 +166,30 @@ impl<'a> Lab<'a> {
     /// # Errors
     /// It does not fit into memory or takes longer than it may.
     pub fn run(&mut self, room: &mut Room, setting: &str, params: SolverParams) -> Result<Run, LeftOut> {
-        let mut run = self.once(room, setting, params)?;
-        while run.time() < Effort::SHORT && run.seconds.len() < self.effort.repeats {
-            run.seconds.extend(self.once(room, setting, params)?.seconds);
-        }
-        Ok(run)
+        let runs = self.by_turns(room, &[(setting.to_owned(), params)], self.effort.repeats);
+        runs.into_iter().next().expect("one setting, one run")
     }
 
-    /// Settings by turns, so that what else the machine does meets all of them alike.
-    ///
-    /// # Errors
-    /// As [`Lab::run`].
+    /// Settings by turns, so that what else the machine does meets all of them alike; those that are not short have one turn.
     pub fn by_turns(
         &mut self,
         room: &mut Room,
-        settings: &[(&str, SolverParams)],
+        settings: &[(String, SolverParams)],
         turns: usize,
-    ) -> Result<Vec<Run>, LeftOut> {
-        let mut runs = Vec::new();
-        for turn in 0..turns.max(1) {
-            for (index, (setting, params)) in settings.iter().enumerate() {
-                let run = self.once(room, setting, *params)?;
-                match runs.get_mut(index) {
-                    None => runs.push(run),
-                    Some(known) if turn > 0 => known.seconds.extend(run.seconds),
-                    Some(_) => {}
+    ) -> Vec<Result<Run, LeftOut>> {
+        let mut runs: Vec<_> = settings
+            .iter()
+            .map(|(setting, params)| self.solve(room, setting, *params).map(|solved| solved.0))
+            .collect();
+        for _ in 1..turns {
+            for run in runs.iter_mut().flatten().filter(|run| run.seconds[0] < Effort::SHORT) {
+                let setting = run.setting.clone();
+                if let Ok((again, _)) = self.solve(room, &setting, run.params) {
+                    run.seconds.extend(again.seconds);
                 }
             }
         }
-        Ok(runs)
+        runs
     }
 
     /// Seconds until there is a picture, from the root's self-link alone.
@@ -206,10 +201,6 @@ impl<'a> Lab<'a> {
         let solver = Solver::new(room.scene.clone(), room.occluders.clone(), params, 1);
         let mut solver = solver.map_err(|error| of(error.to_string()))?;
         Ok(solver.snapshot().stats.seconds.first_snapshot)
-    }
-
-    fn once(&mut self, room: &mut Room, setting: &str, params: SolverParams) -> Result<Run, LeftOut> {
-        Ok(self.solve(room, setting, params)?.0)
     }
 
     /// One solve and what is there to be seen of it.

@@ -25,10 +25,9 @@ pub fn run(lab: &mut Lab<'_>) -> Report {
         for (clustering, name) in [(ClusteringMode::Adaptive, "adaptive"), (ClusteringMode::Groups, "groups")] {
             let of = |push| SolverParams { clustering, push, ..with_epsilon(epsilon) };
             let settings = [("immediate", of(Push::Immediate)), ("deferred", of(Push::Deferred))];
-            let names = settings.map(|(push, params)| (format!("{name}, {push}"), params));
-            let settings = [(names[0].0.as_str(), names[0].1), (names[1].0.as_str(), names[1].1)];
+            let settings = settings.map(|(push, params)| (format!("{name}, {push}"), params));
             let label = format!("{}, {name}", room.name);
-            let runs = match lab.by_turns(&mut room, &settings, turns) {
+            let runs: Vec<Run> = match lab.by_turns(&mut room, &settings, turns).into_iter().collect() {
                 Ok(runs) => runs,
                 Err(left_out) => {
                     remarks.push(format!("Left out: {label}: {}.", left_out.why));

@@ -1,6 +1,8 @@
 //! Beyond what can be measured: what the fitted laws say of 10⁷ to 10⁹ polygons, and where today's design stops.
 
 use super::columns::percent;
+use super::fit::PowerLaw;
+use super::lab::Run;
 use super::report::Table;
 use super::scale::Growth;
 use crate::format::{bytes, count, number, quantity};
@@ -10,30 +12,63 @@ use crate::solver::Link;
 
 /// Polygons of the forecast.
 const SIZES: [(f64, &str); 3] = [(1e7, "10⁷"), (1e8, "10⁸"), (1e9, "10⁹")];
+/// More polygons than anybody has.
+const MOST: f64 = 1e12;
 /// What a u32 can tell apart.
 const U32: f64 = 4_294_967_296.0;
+
+/// A law, and what grows from the largest room measured with no less than its number of polygons: small rooms have costs that
+/// do not grow, so a law through them all promises too little.
+struct Forecast {
+    law: PowerLaw,
+    largest: (f64, f64),
+}
+
+impl Forecast {
+    fn new(growth: &Growth, law: Option<PowerLaw>, of: impl Fn(&Run) -> f64) -> Option<Self> {
+        let run = growth.largest()?;
+        Some(Self { law: law?, largest: (run.polygons as f64, of(run)) })
+    }
+
+    /// At least in proportion.
+    fn at(&self, polygons: f64) -> f64 {
+        let (largest, value) = self.largest;
+        value * (polygons / largest).powf(self.law.exponent.max(1.0))
+    }
+}
+
+fn time_of(growth: &Growth) -> Option<Forecast> {
+    Forecast::new(growth, growth.time, Run::time)
+}
+
+fn elements_of(growth: &Growth) -> Option<Forecast> {
+    Forecast::new(growth, growth.elements, |run| run.stats.bytes.elements as f64)
+}
 
 /// What each mode would take, a table.
 pub fn forecast(growths: &[Growth]) -> Option<Table> {
     let row = |growth: &Growth| {
-        let (time, links, elements) = (growth.time?, growth.links?, growth.elements?);
+        let (time, links, elements) = (time_of(growth)?, growth.links?, elements_of(growth)?);
         Some(SIZES.map(|(size, name)| {
             let link_bytes = links.at(size) * size_of::<Link>() as f64;
+            let memory = |elements: f64| bytes((link_bytes + elements) as usize);
             vec![
                 format!("{}, {name}", growth.name),
+                duration(time.law.at(size)),
                 duration(time.at(size)),
                 number(links.at(size)),
                 bytes(link_bytes as usize),
-                bytes(elements.at(size) as usize),
-                bytes((link_bytes + elements.at(size)) as usize),
+                memory(elements.law.at(size)),
+                memory(elements.at(size)),
             ]
         }))
     };
     let rows: Vec<Vec<String>> = growths.iter().filter_map(row).flatten().collect();
     (!rows.is_empty()).then(|| Table {
-        caption: "By the fitted laws, on this machine's threads; scene, BVH and pairs that wait are not in the memory"
+        caption: "What larger rooms would take on this machine's threads: by the fitted laws, and with time and elements growing from the largest room measured at least in proportion to the polygons, \
+                  which is the likelier one, for laws through small rooms bend. Links by their law. Scene, BVH and pairs that wait are not in the memory"
             .into(),
-        head: ["", "time", "links", "bytes of links", "bytes of elements", "memory"].map(String::from).into(),
+        head: ["", "time by law", "time", "links", "bytes of links", "memory by law", "memory"].map(String::from).into(),
         rows,
     })
 }
@@ -52,7 +87,7 @@ fn duration(seconds: f64) -> String {
 pub fn limits(growths: &[Growth], epsilon: f64) -> Vec<String> {
     let Some(adaptive) = growths.iter().find(|growth| growth.name == "adaptive") else { return Vec::new() };
     let (Some(run), Some(time), Some(links), Some(elements)) =
-        (adaptive.largest(), adaptive.time, adaptive.links, adaptive.elements)
+        (adaptive.largest(), time_of(adaptive), adaptive.links, elements_of(adaptive))
     else {
         return Vec::new();
     };
@@ -67,7 +102,7 @@ pub fn limits(growths: &[Growth], epsilon: f64) -> Vec<String> {
     vec![
         "## Where today's design stops".into(),
         format!(
-            "In the largest room that adaptive clusters solved ({} polygons) building the hierarchy took {}, refining {} and gathering {} of {}. An element has {} bytes, a link {}; \
+            "In the largest room that adaptive clusters solved ({} polygons) building the hierarchy took {}, refining {} and gathering {} of {} (of one run). An element has {} bytes, a link {}; \
              with radiosities, sums and vertices a polygon costs {} at the end of the solve, in {} elements.",
             count(run.polygons),
             share(seconds.hierarchy),
@@ -86,7 +121,7 @@ pub fn limits(growths: &[Growth], epsilon: f64) -> Vec<String> {
              - **Everything is in memory at once**: scene (about {} a polygon with its own corners), BVH, elements, the whole table of links; while a wave is applied its candidates too. \
              At 10⁹ polygons elements and radiosities alone are {}, the scene about {}.\n\
              - **Every gather sweeps every element** and copies all radiosities, whether or not anything has changed there: this, not the links, is what grows with the polygons. \
-             By the laws 10⁹ polygons take {}, but only {} links.",
+             10⁹ polygons would take {}, but by their law only {} links.",
             number(elements_each),
             number(most_elements),
             number(U32),
@@ -118,8 +153,9 @@ pub fn limits(growths: &[Growth], epsilon: f64) -> Vec<String> {
 
 /// Polygons at which a law of links reaches what a u32 can count, as part of a sentence.
 fn links_reach(factor: f64, exponent: f64) -> String {
-    if exponent <= 0.05 {
-        return ", which no number of polygons reaches by the law".into();
+    let reached = (U32 / factor).powf(1.0 / exponent);
+    if exponent <= 0.0 || reached > MOST {
+        return ", which adaptive clusters do not come near by their law".into();
     }
-    format!(", which the law reaches at {} polygons", number((U32 / factor).powf(1.0 / exponent)))
+    format!(", which adaptive clusters reach at {} polygons by their law", number(reached))
 }

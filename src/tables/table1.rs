@@ -2,6 +2,7 @@
 
 use super::claims::{Claim, Verdict};
 use super::columns::{Column, left_out_remarks, percent, records, table, times};
+use super::effort::Effort;
 use super::lab::{Lab, LeftOut, Room, Run, with_epsilon};
 use super::report::{Report, Table};
 use super::{Part, paper};
@@ -25,13 +26,13 @@ const EPSILON_OF_INITIAL_LINKS: f64 = 0.3;
 const MOST_HALVINGS: u32 = 8;
 
 /// Every clustering of the table with these parameters.
-pub fn settings(params: SolverParams) -> Vec<(&'static str, SolverParams)> {
+fn settings(params: SolverParams) -> Vec<(String, SolverParams)> {
     let of = |clustering| SolverParams { clustering, ..params };
     vec![
-        ("HR (none)", of(ClusteringMode::None)),
-        ("IC, adaptive", of(ClusteringMode::Adaptive)),
-        ("IC, groups", of(ClusteringMode::Groups)),
-        ("IC, octree 5", SolverParams { octree_depth: 5, ..of(ClusteringMode::Octree) }),
+        ("HR (none)".into(), of(ClusteringMode::None)),
+        ("IC, adaptive".into(), of(ClusteringMode::Adaptive)),
+        ("IC, groups".into(), of(ClusteringMode::Groups)),
+        ("IC, octree 5".into(), SolverParams { octree_depth: 5, ..of(ClusteringMode::Octree) }),
     ]
 }
 
@@ -40,8 +41,7 @@ pub fn run(lab: &mut Lab<'_>) -> Report {
     let epsilon = lab.effort.seminar_epsilon;
     let mut room = lab.room(lab.effort.seminar);
     let settings = settings(with_epsilon(epsilon));
-    let mut runs: Vec<Result<Run, LeftOut>> =
-        settings.iter().map(|(setting, params)| lab.run(&mut room, setting, *params)).collect();
+    let mut runs = lab.by_turns(&mut room, &settings, lab.effort.repeats);
     let plain = SolverParams { clustering: ClusteringMode::None, ..with_epsilon(EPSILON_OF_INITIAL_LINKS) };
     let initial = lab.run(&mut room, "HR, initial links alone", plain);
     if let Ok(hr) = runs[0].clone() {
@@ -87,8 +87,9 @@ pub fn run(lab: &mut Lab<'_>) -> Report {
 /// How times are taken, for introductions.
 pub fn timing(lab: &Lab<'_>) -> String {
     format!(
-        "of building clusters, refining and gathering on {} threads, the ray BVH built before; below 1 s the median of {} runs",
+        "of building clusters, refining and gathering on {} threads, the ray BVH built before; below {} s the median of {} runs",
         rayon::current_num_threads(),
+        Effort::SHORT,
         lab.effort.repeats
     )
 }

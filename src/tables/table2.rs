@@ -35,8 +35,7 @@ pub fn run(lab: &mut Lab<'_>) -> Report {
     settings.push(("groups".into(), of(ClusteringMode::Groups, params.octree_depth)));
     settings.push(("adaptive".into(), params));
     settings.push(("HR (none)".into(), of(ClusteringMode::None, params.octree_depth)));
-    let runs: Vec<Result<Run, LeftOut>> =
-        settings.iter().map(|(setting, params)| lab.run(&mut room, setting, *params)).collect();
+    let runs = lab.by_turns(&mut room, &settings, lab.effort.repeats);
     let soon = Soon::run(lab, &mut room);
 
     let caption = format!("{}, ε = {epsilon:e} Φ", room.title());
