@@ -118,6 +118,8 @@ pub struct LeftOut {
     pub polygons: usize,
     /// Why, in a few words.
     pub why: String,
+    /// The time that did not suffice, s, where it was time that lacked.
+    pub longer_than: Option<f64>,
 }
 
 /// Makes the runs.
@@ -197,7 +199,8 @@ impl<'a> Lab<'a> {
     /// # Errors
     /// As [`Lab::run`].
     pub fn first_picture(&mut self, room: &Room, setting: &str, params: SolverParams) -> Result<f64, LeftOut> {
-        let of = |error: String| LeftOut { setting: setting.to_owned(), polygons: room.polygons(), why: error };
+        let of =
+            |why: String| LeftOut { setting: setting.to_owned(), polygons: room.polygons(), why, longer_than: None };
         let solver = Solver::new(room.scene.clone(), room.occluders.clone(), params, 1);
         let mut solver = solver.map_err(|error| of(error.to_string()))?;
         Ok(solver.snapshot().stats.seconds.first_snapshot)
@@ -209,11 +212,17 @@ impl<'a> Lab<'a> {
     /// As [`Lab::run`].
     pub fn solve(&mut self, room: &mut Room, setting: &str, params: SolverParams) -> Result<(Run, Snapshot), LeftOut> {
         self.tell(&format!("{}: {setting}", room.title()));
-        let left_out = |why: String| LeftOut { setting: setting.to_owned(), polygons: room.polygons(), why };
+        let left_out = |why: String, longer_than: Option<f64>| LeftOut {
+            setting: setting.to_owned(),
+            polygons: room.polygons(),
+            why,
+            longer_than,
+        };
         let solver = Solver::new(room.scene.clone(), room.occluders.clone(), params, 1);
-        let mut solver = solver.map_err(|error| left_out(error.to_string()))?;
+        let mut solver = solver.map_err(|error| left_out(error.to_string(), None))?;
         if !within(self.effort.cap, &CancelToken::new(), |cancel| solver.run(cancel)) {
-            return Err(left_out(format!("not finished within {} s", self.effort.cap.as_secs())));
+            let cap = self.effort.cap.as_secs_f64();
+            return Err(left_out(format!("not finished within {cap} s"), Some(cap)));
         }
         let stats = solver.stats();
         let rays = |link: &crate::solver::Link| match link.evidence() {

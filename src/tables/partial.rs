@@ -17,7 +17,7 @@ const COLUMNS: [Column; 6] = [Column::Time, Column::Patches, Column::Links, Colu
 const SAYS: &str = "ε_partial = ε/10 produces good results";
 const RULE: &str = "no other factor has less than 0.9× the median error that 1/10 has with as many rays";
 /// Multiples of ε at which 1/10 is run as well, so that every other factor meets it with as many rays.
-const MULTIPLES: [f64; 7] = [16.0, 8.0, 4.0, 2.0, 0.5, 0.25, 0.125];
+const MULTIPLES: [f64; 8] = [16.0, 8.0, 4.0, 2.0, 0.5, 0.25, 0.125, 0.0625];
 
 /// Runs it.
 pub fn run(lab: &mut Lab<'_>) -> Report {
