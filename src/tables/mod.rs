@@ -69,7 +69,7 @@ impl Part {
         Self::ALL.into_iter().find(|part| part.name() == name)
     }
 
-    /// Runs the part; the figures are drawn by [`figures`](mod@figures) instead, for they need a graphics adapter.
+    /// Runs the part; nothing for the figures, which need a graphics adapter (`figures::draw`, with the feature `gui`).
     pub fn run(self, lab: &mut Lab<'_>) -> Option<Report> {
         Some(match self {
             Self::Table1 => table1::run(lab),
