@@ -160,7 +160,7 @@ fn claim(pair: &Pair, mean: f32, signed: f32) -> Option<Claim> {
         place: "3.1, Figure 2",
         says: "The solutions of HR and IC are visually very similar".into(),
         found: format!(
-            "the pictures differ by {} of white in the mean; IC is brighter by {}",
+            "the pictures differ by {} of white in the mean, IC less HR with its sign by {}",
             percent(f64::from(mean)),
             percent(f64::from(signed))
         ),
