@@ -149,7 +149,7 @@ impl<'a> Lab<'a> {
             Some(reference) => reference.clone(),
             None => {
                 self.tell(&format!("reference of {}", room.title()));
-                let points = random_points(&room.scene, self.truth.points, SEED).into();
+                let points = random_points(&room.scene, &room.occluders, self.truth.points, SEED).into();
                 let mut run = ReferenceRun::new(&room.scene, room.occluders.clone(), points, SEED);
                 let cache = self.truth.cache.as_ref();
                 let outcome = compute(&mut run, cache, self.truth.target, &CancelToken::new(), |_, _| {});
@@ -226,7 +226,7 @@ impl<'a> Lab<'a> {
         }
         let stats = solver.stats();
         let rays = |link: &crate::solver::Link| match link.evidence() {
-            Evidence::Rays(rays) => Some(u32::from(rays)),
+            Evidence::Rays(rays) | Evidence::Clear(rays) => Some(u32::from(rays)),
             Evidence::None | Evidence::Inherited => None,
         };
         let counts = solver

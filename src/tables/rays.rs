@@ -151,7 +151,8 @@ fn share_of_visibility(room: &Room, runs: &[Result<Run, LeftOut>], hr: &Result<R
 
 /// What a ray between two random points costs one thread while all are at work, s.
 fn seconds_of_a_ray(room: &Room) -> f64 {
-    let points: Vec<Vec3> = random_points(&room.scene, POINTS, 1).iter().map(|point| point.position).collect();
+    let points: Vec<Vec3> =
+        random_points(&room.scene, &room.occluders, POINTS, 1).iter().map(|point| point.position).collect();
     if points.is_empty() {
         return 0.0;
     }
