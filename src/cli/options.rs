@@ -10,7 +10,7 @@ use glam::Vec3;
 use selflink::added_light::{AddedLight, CeilingLight};
 use selflink::hierarchy::ClusteringMode;
 use selflink::scene::{Sides, Source, builtin::BuiltinScene};
-use selflink::solver::{Epsilon, PARAMETERS, Parameter, ParameterId, Push, SolverParams, ValueKind};
+use selflink::solver::{ClusterModel, Epsilon, PARAMETERS, Parameter, ParameterId, Push, SolverParams, ValueKind};
 
 /// More threads than any machine has cores for.
 const MOST_THREADS: u32 = 1024;
@@ -73,6 +73,7 @@ fn default_text(id: ParameterId) -> String {
         ParameterId::RaysMax => params.rays_max.to_string(),
         ParameterId::Clustering => name_of(&params.clustering),
         ParameterId::OctreeDepth => params.octree_depth.to_string(),
+        ParameterId::ClusterModel => name_of(&params.cluster_model),
         ParameterId::Push => name_of(&params.push),
         ParameterId::Sides => params.sides.map_or_else(|| "as the scene says".to_owned(), |sides| name_of(&sides)),
         ParameterId::Threads => format!("{}, every core", params.threads),
@@ -128,6 +129,9 @@ fn set(params: &mut SolverParams, parameter: &Parameter, matches: &ArgMatches) -
             params.clustering = choice::<ClusteringMode>(matches, flag)?.unwrap_or(params.clustering);
         }
         ParameterId::OctreeDepth => params.octree_depth = whole().unwrap_or(params.octree_depth),
+        ParameterId::ClusterModel => {
+            params.cluster_model = choice::<ClusterModel>(matches, flag)?.unwrap_or(params.cluster_model);
+        }
         ParameterId::Push => params.push = choice::<Push>(matches, flag)?.unwrap_or(params.push),
         ParameterId::Sides => params.sides = choice::<Sides>(matches, flag)?.or(params.sides),
         ParameterId::Threads => params.threads = whole().unwrap_or(params.threads),
@@ -269,7 +273,7 @@ mod tests {
     #[test]
     fn each_option_sets_its_field() {
         let defaults = SolverParams::default();
-        let cases: [(&[&str], SolverParams); 12] = [
+        let cases: [(&[&str], SolverParams); 13] = [
             (&["--epsilon", "0.01"], SolverParams { epsilon: Epsilon::Relative(0.01), ..defaults }),
             (&["--epsilon-watts", "3"], SolverParams { epsilon: Epsilon::Watts(3.0), ..defaults }),
             (&["--partial-factor", "0.5"], SolverParams { partial_factor: 0.5, ..defaults }),
@@ -278,6 +282,7 @@ mod tests {
             (&["--rays-max", "99"], SolverParams { rays_max: 99, ..defaults }),
             (&["--clustering", "octree"], SolverParams { clustering: ClusteringMode::Octree, ..defaults }),
             (&["--octree-depth", "3"], SolverParams { octree_depth: 3, ..defaults }),
+            (&["--cluster-model", "isotropic"], SolverParams { cluster_model: ClusterModel::Isotropic, ..defaults }),
             (&["--push", "deferred"], SolverParams { push: Push::Deferred, ..defaults }),
             (&["--sides", "both"], SolverParams { sides: Some(Sides::Both), ..defaults }),
             (&["--threads", "2"], SolverParams { threads: 2, ..defaults }),

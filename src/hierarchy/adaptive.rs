@@ -10,11 +10,11 @@ use rayon::prelude::*;
 use super::grouping::{Grouping, PolygonBounds};
 
 /// Clusters of this many polygons are not split further.
-const MOST_IN_LEAF: usize = 1;
+const MOST_IN_LEAF: usize = 4;
 /// Children that a cluster is given at most, besides large polygons.
 const MOST_CHILDREN: usize = 2;
 /// A polygon whose box has more than this share of the node's box's surface is a child of the node itself.
-const LARGE_SHARE: f32 = 0.5;
+const LARGE_SHARE: f32 = 0.1;
 /// Bins of the heuristic along each axis.
 const BINS: usize = 32;
 /// Below this many polygons a subtree is built on the thread at hand.

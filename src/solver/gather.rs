@@ -4,9 +4,10 @@ use glam::Vec3;
 use rayon::prelude::*;
 
 use super::link::{Link, LinkTable};
-use super::params::Push;
+use super::params::{Push, SolverParams};
+use super::push::Pusher;
 use crate::cancel::CancelToken;
-use crate::hierarchy::{ElementId, Hierarchy, Shape};
+use crate::hierarchy::{Element, ElementId, Hierarchy, Shape};
 
 /// Radiosities and irradiances of all elements, parallel to the arena.
 #[derive(Clone, Debug, Default)]
@@ -57,15 +58,37 @@ pub struct Gatherer<'a> {
     hierarchy: &'a Hierarchy,
     links: &'a LinkTable,
     surfaces: &'a [Surface],
-    push: Push,
     with_unjudged: bool,
-    /// How each link's light is handed to the patches of its receiver; empty for a deferred push.
-    handing: Vec<Handing>,
+    /// What a sweep reads of each element, parallel to the arena.
+    nodes: Vec<Node>,
+    /// Hands what clusters receive to the patches below at once; `None` for a deferred push.
+    pusher: Option<Pusher<'a>>,
 }
 
-/// No patch receives more than all around it send: its F·V sum to 1 at most, and to so much more as form factors are good for.
-/// A row that rays see too well by chance is cut as a whole, and with it light that they see well: to cut at 1 sharply would lose
-/// 2 % of the power of a furnished room instead of 1.8 %.
+/// The little that a sweep reads of an element: it passes over all of them, and memory is what it waits for.
+struct Node {
+    parent: u32,
+    /// Polygon of a leaf.
+    polygon: u32,
+    area: f32,
+}
+
+/// Stands for "no parent" and "no leaf".
+const NONE: u32 = u32::MAX;
+
+impl Node {
+    fn of(element: &Element) -> Self {
+        let polygon = match element.shape {
+            Shape::Patch(patch) if element.is_leaf() => patch.polygon,
+            _ => NONE,
+        };
+        Self { parent: element.parent().map_or(NONE, |parent| parent.0), polygon, area: element.area }
+    }
+}
+
+/// No patch receives more than all around it send: its F·V sum to 1, give or take what few rays are wrong by. Rows that are too
+/// small by chance stay as they are, so to cut those that are too large at 1 would lose light: at 1.002 the seminar
+/// room gets 4 % darker. A row beyond this is no chance.
 const LARGEST_ROW: f32 = 1.25;
 /// Where ρ times a patch's sum of F·V stays below this, light dies out however often it is reflected.
 const LARGEST_RETURN: f32 = 0.98;
@@ -79,14 +102,13 @@ impl<'a> Gatherer<'a> {
         hierarchy: &'a Hierarchy,
         links: &'a LinkTable,
         surfaces: &'a [Surface],
-        push: Push,
+        params: &SolverParams,
         with_unjudged: bool,
     ) -> Self {
-        let handing = match push {
-            Push::Immediate => handings(hierarchy, links),
-            Push::Deferred => Vec::new(),
-        };
-        Self { hierarchy, links, surfaces, push, with_unjudged, handing }
+        let is_immediate = params.push == Push::Immediate;
+        let pusher = is_immediate.then(|| Pusher::new(hierarchy, links, params.cluster_model));
+        let nodes = hierarchy.elements().iter().map(Node::of).collect();
+        Self { hierarchy, links, surfaces, with_unjudged, nodes, pusher }
     }
 
     /// Sweeps until the power still to come is below `tolerance` of all power; false if cancelled, with `light` as the last
@@ -111,32 +133,32 @@ impl<'a> Gatherer<'a> {
     /// One sweep: gather over links, push to leaves, reflect, pull up; `None` if cancelled, with nothing changed.
     fn sweep(&self, light: &mut Light, cancel: &CancelToken) -> Option<Change> {
         let incoming = self.incoming(&light.radiosity, &light.emitted, cancel)?;
-        let elements = self.hierarchy.elements();
         let mut change = Change::default();
-        for (index, element) in elements.iter().enumerate() {
-            let from_above = element.parent().map_or(Vec3::ZERO, |parent| light.irradiance[parent.index()]);
-            light.irradiance[index] = from_above + incoming[index];
+        for (index, (incoming, node)) in incoming.into_iter().zip(&self.nodes).enumerate() {
+            let from_above = light.irradiance.get(node.parent as usize).copied().unwrap_or(Vec3::ZERO);
+            light.irradiance[index] = from_above + incoming;
         }
-        for (index, element) in elements.iter().enumerate().rev() {
-            let old = light.radiosity[index];
-            let new = match element.shape {
-                Shape::Patch(patch) if element.is_leaf() => {
-                    if let Some(&scale) = light.row_scale.get(index) {
-                        light.irradiance[index] *= scale;
-                    }
-                    if element.area <= 0.0 {
-                        // Hidden: what the elements above hand down does not reach it.
-                        light.irradiance[index] = Vec3::ZERO;
-                    }
-                    let surface = &self.surfaces[patch.polygon as usize];
-                    let new = surface.emission + surface.reflectance * light.irradiance[index];
-                    change.moved += f64::from(element.area) * f64::from((new - old).abs().max_element());
-                    change.power += f64::from(element.area) * f64::from(new.max_element());
-                    new
-                }
-                _ => mean_of_children(self.hierarchy, &light.radiosity, element.children()),
+        // Σ A·B of the children, W.
+        let mut power_below = vec![Vec3::ZERO; self.nodes.len()];
+        for (index, node) in self.nodes.iter().enumerate().rev() {
+            let new = if node.polygon == NONE {
+                if node.area > 0.0 { power_below[index] / node.area } else { Vec3::ZERO }
+            } else {
+                let scale = light.row_scale.get(index).copied().unwrap_or(1.0);
+                // Hidden wholly: what the elements above hand down does not reach it.
+                let scale = if node.area > 0.0 { scale } else { 0.0 };
+                light.irradiance[index] = (scale * light.irradiance[index]).max(Vec3::ZERO);
+                let surface = &self.surfaces[node.polygon as usize];
+                let new = surface.emission + surface.reflectance * light.irradiance[index];
+                let moved = (new - light.radiosity[index]).abs();
+                change.moved += f64::from(node.area) * f64::from(moved.max_element());
+                change.power += f64::from(node.area) * f64::from(new.max_element());
+                new
             };
             light.radiosity[index] = new;
+            if let Some(above) = power_below.get_mut(node.parent as usize) {
+                *above += node.area * new;
+            }
         }
         Some(change)
     }
@@ -181,7 +203,6 @@ impl<'a> Gatherer<'a> {
 
     /// What arrives at each element by its own links; at initial patches also what clusters above push to them at once.
     fn incoming(&self, radiosity: &[Vec3], emitted: &[Vec3], cancel: &CancelToken) -> Option<Vec<Vec3>> {
-        let immediate = self.push == Push::Immediate;
         let flux = |link: &Link| {
             let carries = self.with_unjudged || link.evidence() != super::link::Evidence::None;
             let source = link.source().index();
@@ -196,147 +217,22 @@ impl<'a> Gatherer<'a> {
                     return Vec3::ZERO;
                 }
                 let links = self.links.range(receiver).zip(self.links.of(receiver));
-                if immediate && self.hierarchy.element(receiver).is_cluster() {
-                    links.map(|(place, link)| flux(link) * self.handing[place].even).sum()
-                } else {
-                    links.map(|(_, link)| flux(link)).sum()
+                match &self.pusher {
+                    Some(pusher) if self.hierarchy.element(receiver).is_cluster() => {
+                        links.map(|(place, link)| flux(link) * pusher.share_handed_evenly(place)).sum()
+                    }
+                    _ => links.map(|(_, link)| flux(link)).sum(),
                 }
             })
             .collect();
-        if immediate {
-            let rays = self.beams(&flux);
-            let pushed: Vec<Vec3> = self
-                .hierarchy
-                .initial_patches()
-                .par_iter()
-                .with_min_len(64)
-                .map(|&patch| if cancel.is_cancelled() { Vec3::ZERO } else { self.pushed_to(patch, &rays) })
-                .collect();
+        if let Some(pusher) = &self.pusher {
+            let pushed = pusher.push(&flux, cancel);
             for (&patch, pushed) in self.hierarchy.initial_patches().iter().zip(pushed) {
                 incoming[patch.index()] += pushed;
             }
         }
         (!cancel.is_cancelled()).then_some(incoming)
     }
-
-    /// For each cluster the light that its links bring, with where it comes from.
-    fn beams(&self, flux: &(impl Fn(&Link) -> Vec3 + Sync)) -> Vec<Vec<Beam>> {
-        let cluster_beams = |(index, element): (usize, &crate::hierarchy::Element)| {
-            let receiver = ElementId(index as u32);
-            if !element.is_cluster() {
-                return Vec::new();
-            }
-            let links = self.links.range(receiver).zip(self.links.of(receiver));
-            let beam = |(place, link): (usize, &Link)| Beam {
-                from: self.hierarchy.element(link.source()).centre,
-                flux: flux(link) * self.handing[place].beam,
-            };
-            links.filter(|(place, _)| self.handing[*place].beam > 0.0).map(beam).collect()
-        };
-        self.hierarchy.elements().par_iter().with_min_len(256).enumerate().map(cluster_beams).collect()
-    }
-
-    /// Immediate push (α-links, section 3.3): what the clusters above hand to an initial patch, each link by the patch's cosine.
-    fn pushed_to(&self, id: ElementId, beams: &[Vec<Beam>]) -> Vec3 {
-        let element = self.hierarchy.element(id);
-        let Shape::Patch(patch) = element.shape else { return Vec3::ZERO };
-        let mut sum = Vec3::ZERO;
-        let mut above = element.parent();
-        while let Some(cluster) = above {
-            for beam in &beams[cluster.index()] {
-                sum += beam.flux * cosine_towards(element.centre, patch.normal, beam.from);
-            }
-            above = self.hierarchy.element(cluster).parent();
-        }
-        sum
-    }
-}
-
-/// Positive cosine of a face towards a point.
-#[inline]
-fn cosine_towards(centre: Vec3, normal: Vec3, point: Vec3) -> f32 {
-    let towards = point - centre;
-    let height = normal.dot(towards);
-    if height > 0.0 { height * towards.length_recip() } else { 0.0 }
-}
-
-/// How an immediate push hands a link's light down, in multiples of the receiver's mean irradiance.
-#[derive(Clone, Copy, Debug)]
-struct Handing {
-    /// To a face turned to the source; each patch gets its cosine's share.
-    beam: f32,
-    /// To every patch, whichever way it faces.
-    even: f32,
-}
-
-impl Handing {
-    const EVEN: Self = Self { beam: 0.0, even: 1.0 };
-}
-
-/// The immediate push of each link: a beam of one over the mean cosine of the cluster's patches towards the source, so that
-/// together they get the power that the link carries. For randomly turned faces this is the 4 of the paper's model, whose
-/// mean cosine is ¼. What has no direction, or would give a face more than the source sends out, is handed down evenly.
-fn handings(hierarchy: &Hierarchy, links: &LinkTable) -> Vec<Handing> {
-    let of_receiver = |receiver: usize| {
-        let receiver = ElementId(receiver as u32);
-        links.of(receiver).iter().map(|link| handing(hierarchy, receiver, link)).collect::<Vec<_>>()
-    };
-    let per_receiver: Vec<Vec<Handing>> =
-        (0..links.receivers()).into_par_iter().with_min_len(64).map(of_receiver).collect();
-    per_receiver.into_iter().flatten().collect()
-}
-
-/// The immediate push of one link.
-fn handing(hierarchy: &Hierarchy, receiver: ElementId, link: &Link) -> Handing {
-    let element = hierarchy.element(receiver);
-    let Shape::Cluster(cluster) = &element.shape else { return Handing::EVEN };
-    if link.source() == receiver {
-        return Handing::EVEN;
-    }
-    let from = hierarchy.element(link.source()).centre;
-    let seen = hierarchy.patches_below(cluster).iter().map(|&id| {
-        let below = hierarchy.element(id);
-        let Shape::Patch(patch) = below.shape else { return 0.0 };
-        below.area * cosine_towards(below.centre, patch.normal, from)
-    });
-    let mean_cosine = seen.sum::<f32>() / element.area;
-    if mean_cosine <= 0.0 {
-        return Handing::EVEN;
-    }
-    let beam = mean_cosine.recip().min(link.form_factor.recip());
-    Handing { beam, even: (1.0 - beam * mean_cosine).max(0.0) }
-}
-
-/// What a link at `receiver`, which brings it `flux` (W/m²), hands down to a leaf below: a cluster's to the leaf's initial
-/// patch by that one's cosine, as [`Gatherer`] does.
-pub fn handed_down(
-    hierarchy: &Hierarchy,
-    push: Push,
-    (receiver, link): (ElementId, &Link),
-    flux: Vec3,
-    leaf: ElementId,
-) -> Vec3 {
-    if push == Push::Deferred || !hierarchy.element(receiver).is_cluster() {
-        return flux;
-    }
-    let handing = handing(hierarchy, receiver, link);
-    let initial = std::iter::successors(Some(leaf), |&id| {
-        hierarchy.element(id).parent().filter(|&parent| !hierarchy.element(parent).is_cluster())
-    });
-    let element = hierarchy.element(initial.last().unwrap_or(leaf));
-    let from = hierarchy.element(link.source()).centre;
-    match element.shape {
-        Shape::Patch(patch) => {
-            flux * (handing.even + handing.beam * cosine_towards(element.centre, patch.normal, from))
-        }
-        Shape::Cluster(_) => flux,
-    }
-}
-
-/// Light on its way into a cluster.
-struct Beam {
-    from: Vec3,
-    flux: Vec3,
 }
 
 /// Sets the radiosity of all elements from their leaves', by area.

@@ -21,6 +21,7 @@ mod memory;
 mod oracle;
 pub mod params;
 mod picture;
+mod push;
 mod rays;
 mod refine;
 pub mod snapshot;
@@ -37,8 +38,8 @@ pub use balance::{PowerBalance, power_balance};
 pub use form_factor::{Exchange, exchange, point_to_polygon};
 pub use link::{Evidence, Link, LinkTable};
 pub use params::{
-    ClusteringMode, Epsilon, Invalidates, PARAMETERS, Parameter, ParameterId, ParamsError, Push, SolverParams,
-    ValueKind,
+    ClusterModel, ClusteringMode, Epsilon, Invalidates, PARAMETERS, Parameter, ParameterId, ParamsError, Push,
+    SolverParams, ValueKind,
 };
 pub use refine::RejectedPair;
 pub use snapshot::{ClusterBox, InspectedElement, Leaf, LinkView, Mesh, Snapshot};
@@ -298,7 +299,7 @@ impl Solver {
     }
 
     fn gatherer<'a>(&'a self, links: &'a LinkTable) -> Gatherer<'a> {
-        Gatherer::new(&self.hierarchy, links, &self.surfaces, self.params.push, false)
+        Gatherer::new(&self.hierarchy, links, &self.surfaces, &self.params, false)
     }
 
     /// Emitted light alone, pulled up the tree.
@@ -457,7 +458,8 @@ fn oracle<'a>(
         rays_min: params.rays_min,
         rays_max: params.rays_max,
     };
-    Oracle { hierarchy, brightness, thresholds, sampler: RaySampler { occluders, seed: params.seed, emission } }
+    let model = params.cluster_model;
+    Oracle { hierarchy, brightness, thresholds, model, sampler: RaySampler { occluders, seed: params.seed, emission } }
 }
 
 /// ε in W.

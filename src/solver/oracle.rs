@@ -8,6 +8,7 @@ use crate::hierarchy::{Cluster, Element, ElementId, Hierarchy, Shape};
 use super::candidate::{Candidate, Directions, end_to_split};
 use super::form_factor::{Exchange, exchange, self_exchange};
 use super::link::{Evidence, Link};
+use super::params::ClusterModel;
 use super::rays::{RayPlan, RaySampler, Spread, Survey};
 use super::verdict::{Decision, OccludedPair, Rejection, Verdict};
 
@@ -47,6 +48,9 @@ impl Thresholds {
 /// round for the last few percent refines links that matter as little as those beside them.
 const MARGIN: f32 = 1.1;
 
+/// Rays of a self-link that is kept: there are few of them, and of their points few face each other.
+const SELF_RAYS: u32 = 32;
+
 /// Clusters of up to this many polygons are looked at pair by pair before their self-link is kept.
 const MOST_CONVEX: usize = 8;
 
@@ -58,6 +62,8 @@ pub struct Oracle<'a> {
     pub brightness: &'a [f32],
     /// Thresholds.
     pub thresholds: Thresholds,
+    /// What clusters are to light.
+    pub model: ClusterModel,
     /// Casts visibility rays.
     pub sampler: RaySampler<'a>,
 }
@@ -112,6 +118,7 @@ impl Oracle<'_> {
             }
             if let Decision::Accept(link) | Decision::AcceptAtGuard(link) = &mut decision
                 && let Some(plan) = sight.plan
+                && self.model == ClusterModel::Oriented
                 && self.sampler.emits_in_part(self.hierarchy, source)
             {
                 let survey = self.sampler.survey(self.hierarchy, (a, b), spread, plan);
@@ -197,14 +204,14 @@ impl Oracle<'_> {
         };
         let brightness = self.brightness[candidate.a.index()];
         let power = brightness * element.area;
+        let mut rays = 0;
         let decision = if power > self.thresholds.epsilon_partial {
             Decision::Refine
         } else if self.is_convex(&cluster) {
             Decision::Reject(Rejection::FacingAway)
         } else {
-            let form_factor = if element.area > 0.0 { self_exchange(element, &cluster) / element.area } else { 0.0 };
             let evidence = if brightness > 0.0 { Evidence::Inherited } else { Evidence::None };
-            Decision::Accept(Link::new(candidate.a, form_factor, 1.0, evidence))
+            Decision::Accept(self.self_link(candidate.a, &cluster, evidence, &mut rays))
         };
         Verdict {
             to_a: decision,
@@ -212,8 +219,27 @@ impl Oracle<'_> {
             visibility: 1.0,
             fully_visible: false,
             is_negligible: false,
-            rays: 0,
+            rays,
         }
+    }
+
+    /// A cluster's link to itself: F·V of what its polygons send each other by pairs of points on them, or, where they count as a
+    /// volume or nothing is lit yet, by the closed form of a sphere of the same density.
+    fn self_link(&self, id: ElementId, cluster: &Cluster, evidence: Evidence, rays: &mut u32) -> Link {
+        let element = self.hierarchy.element(id);
+        if element.area <= 0.0 {
+            return Link::new(id, 0.0, 1.0, evidence);
+        }
+        if self.model == ClusterModel::Isotropic || evidence == Evidence::None {
+            return Link::new(id, self_exchange(element, cluster) / element.area, 1.0, evidence);
+        }
+        let asked = SELF_RAYS.max(self.thresholds.rays_min);
+        let plan = RayPlan { rays: asked, rays_if_blocked: asked, stop_when_mixed: false };
+        let survey = self.sampler.survey(self.hierarchy, (id, id), Spread::Even, plan);
+        *rays += survey.cast;
+        let share = exposed_share(element);
+        let form_factor = (element.area * survey.mean_kernel()).min(1.0) / (share * share);
+        Link::new(id, form_factor, survey.visibility(), evidence)
     }
 
     /// Whether a small cluster's polygons, such as the sides of a box, all turn their backs on each other.
@@ -232,7 +258,9 @@ impl Oracle<'_> {
             return 0.0;
         }
         let form_factor = match survey {
-            Some(survey) if to.is_cluster() || from.is_cluster() => from.area * survey.mean_kernel(),
+            Some(survey) if self.model == ClusterModel::Oriented && (to.is_cluster() || from.is_cluster()) => {
+                from.area * survey.mean_kernel()
+            }
             _ => estimate / to.area,
         };
         form_factor.min(1.0) / (exposed_share(to) * exposed_share(from))

@@ -20,6 +20,19 @@ pub enum Push {
     Deferred,
 }
 
+/// What a cluster is to the light that it sends and receives.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum ClusterModel {
+    /// A volume that scatters alike into all directions (section 1.2, [Sillion 95]): its mean cosine is ¼, whichever way its
+    /// polygons are turned, and what it emits leaves it as what it reflects does.
+    Isotropic,
+    /// The polygons that it holds: pairs of points on the ends of a link tell by which cosines they see each other, and what
+    /// a cluster emits is looked at apart from what it reflects.
+    #[default]
+    Oriented,
+}
+
 /// The threshold ε on the unoccluded power of a link.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
@@ -47,6 +60,8 @@ pub struct SolverParams {
     pub clustering: ClusteringMode,
     /// Deepest octree level, the root being 1; for [`ClusteringMode::Octree`].
     pub octree_depth: u32,
+    /// What clusters are to light.
+    pub cluster_model: ClusterModel,
     /// When clusters hand irradiance down.
     pub push: Push,
     /// Which sides of faces are bright; `None` as the scene says.
@@ -67,6 +82,7 @@ impl Default for SolverParams {
             rays_max: 64,
             clustering: ClusteringMode::Adaptive,
             octree_depth: 5,
+            cluster_model: ClusterModel::Oriented,
             push: Push::Immediate,
             sides: None,
             threads: 0,
@@ -111,6 +127,8 @@ pub enum ParameterId {
     Clustering,
     /// Octree depth.
     OctreeDepth,
+    /// Cluster model.
+    ClusterModel,
     /// Push mode.
     Push,
     /// Bright sides.
@@ -160,7 +178,7 @@ pub struct Parameter {
 }
 
 /// Every parameter, in the order of the panel.
-pub const PARAMETERS: [Parameter; 12] = [
+pub const PARAMETERS: [Parameter; 13] = [
     Parameter {
         id: ParameterId::Epsilon,
         flag: "epsilon",
@@ -224,6 +242,14 @@ pub const PARAMETERS: [Parameter; 12] = [
         unit: "levels",
         hint: "Deepest level of the octree, the root being level 1 (Table 2).",
         kind: ValueKind::Whole { range: 1..=10 },
+    },
+    Parameter {
+        id: ParameterId::ClusterModel,
+        flag: "cluster-model",
+        label: "cluster model",
+        unit: "",
+        hint: "Light of a cluster: alike into all directions (isotropic, the paper's, section 1.2) or as its polygons are turned (oriented, by samples).",
+        kind: ValueKind::Choice { names: &["isotropic", "oriented"] },
     },
     Parameter {
         id: ParameterId::Push,
@@ -325,6 +351,7 @@ impl SolverParams {
             || self.epsilon_grows(newer)
             || newer.partial_factor > self.partial_factor
             || newer.rays_max < self.rays_max
+            || newer.cluster_model != self.cluster_model
         {
             Invalidates::Links
         } else if self.epsilon != newer.epsilon

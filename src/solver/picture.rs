@@ -9,8 +9,9 @@ use super::Solver;
 use super::candidate::Waiting;
 use super::display::Display;
 use super::form_factor::{Exchange, exchange, self_exchange};
-use super::gather::{Gatherer, Light, handed_down};
+use super::gather::{Gatherer, Light};
 use super::link::{Evidence, Link, LinkTable};
+use super::push::handed_down;
 use super::snapshot::{InspectedElement, LinkView, Snapshot};
 use super::stats::Phase;
 use crate::cancel::CancelToken;
@@ -69,7 +70,7 @@ fn picture_light(solver: &mut Solver, table: &LinkTable) -> Light {
     let first = solver.picture.light.is_none();
     let mut light = solver.picture.light.take().unwrap_or_else(|| solver.light.clone());
     light.grow(&solver.hierarchy);
-    let gatherer = Gatherer::new(&solver.hierarchy, table, &solver.surfaces, solver.params.push, true);
+    let gatherer = Gatherer::new(&solver.hierarchy, table, &solver.surfaces, &solver.params, true);
     let never = CancelToken::new();
     gatherer.limit_rows(&mut light, &never);
     gatherer.converge(&mut light, PICTURE_TOLERANCE, if first { FIRST_SWEEPS } else { LATER_SWEEPS }, &never);
@@ -151,7 +152,7 @@ fn inspected(solver: &Solver, table: &LinkTable, light: &Light, id: ElementId) -
                 power: flux.max_element() * receiver.area,
                 levels_up: levels_up as u16,
                 receiver_is_cluster: receiver.is_cluster(),
-                irradiance: scale * handed_down(hierarchy, solver.params.push, (at, link), flux, id),
+                irradiance: scale * handed_down(hierarchy, &solver.params, (at, link), flux, id),
             });
         }
     }

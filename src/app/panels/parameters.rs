@@ -5,7 +5,7 @@ use egui::{ComboBox, Slider, Ui};
 use super::super::{format, theme};
 use crate::scene::Sides;
 use crate::solver::{
-    ClusteringMode, Epsilon, PARAMETERS, Parameter, ParameterId, Push, SolverParams, Stats, ValueKind,
+    ClusterModel, ClusteringMode, Epsilon, PARAMETERS, Parameter, ParameterId, Push, SolverParams, Stats, ValueKind,
 };
 
 /// ε as it stands, in both measures.
@@ -190,6 +190,7 @@ fn set_whole(params: &mut SolverParams, id: ParameterId, value: u64) {
 
 const CLUSTERINGS: [ClusteringMode; 4] =
     [ClusteringMode::None, ClusteringMode::Octree, ClusteringMode::Groups, ClusteringMode::Adaptive];
+const MODELS: [ClusterModel; 2] = [ClusterModel::Isotropic, ClusterModel::Oriented];
 const PUSHES: [Push; 2] = [Push::Immediate, Push::Deferred];
 const SIDES: [Sides; 3] = [Sides::Front, Sides::Both, Sides::Auto];
 
@@ -197,6 +198,7 @@ const SIDES: [Sides; 3] = [Sides::Front, Sides::Both, Sides::Auto];
 fn choice(params: &SolverParams, id: ParameterId) -> Option<usize> {
     match id {
         ParameterId::Clustering => CLUSTERINGS.iter().position(|mode| *mode == params.clustering),
+        ParameterId::ClusterModel => MODELS.iter().position(|model| *model == params.cluster_model),
         ParameterId::Push => PUSHES.iter().position(|push| *push == params.push),
         ParameterId::Sides => SIDES.iter().position(|sides| Some(*sides) == params.sides),
         _ => None,
@@ -206,6 +208,7 @@ fn choice(params: &SolverParams, id: ParameterId) -> Option<usize> {
 fn set_choice(params: &mut SolverParams, id: ParameterId, index: Option<usize>) {
     match (id, index) {
         (ParameterId::Clustering, Some(index)) => params.clustering = CLUSTERINGS[index],
+        (ParameterId::ClusterModel, Some(index)) => params.cluster_model = MODELS[index],
         (ParameterId::Push, Some(index)) => params.push = PUSHES[index],
         (ParameterId::Sides, index) => params.sides = index.map(|index| SIDES[index]),
         _ => {}
@@ -271,6 +274,7 @@ mod tests {
             let ValueKind::Choice { names } = &parameter.kind else { continue };
             let expected: Vec<String> = match parameter.id {
                 ParameterId::Clustering => CLUSTERINGS.map(|mode| spelled(serde_json::json!(mode))).into(),
+                ParameterId::ClusterModel => MODELS.map(|model| spelled(serde_json::json!(model))).into(),
                 ParameterId::Push => PUSHES.map(|push| spelled(serde_json::json!(push))).into(),
                 _ => SIDES.map(|sides| spelled(serde_json::json!(sides))).into(),
             };
