@@ -2,7 +2,8 @@
 //!
 //! B is compared at the reference's points, which lie evenly by area and not on lamps, both as it is displayed (interpolated
 //! between vertices) and as the solver has it (one constant per leaf). The squares of the reference's own standard errors are
-//! subtracted, so that its noise is not taken for an error of the solution.
+//! subtracted, so that its noise is not taken for an error of the solution. The points are a sample of the surfaces, so every
+//! error has a standard error of its own.
 
 use std::sync::Arc;
 
@@ -10,6 +11,7 @@ use glam::{DVec3, Vec3};
 use serde::Serialize;
 
 use super::locate::{Place, locate};
+use super::spread;
 use crate::reference::Reference;
 use crate::solver::{Mesh, Snapshot};
 
@@ -21,7 +23,12 @@ const DARKEST: f64 = 1e-4;
 pub struct Measure {
     /// RMS of the difference in B over the area, all colours together, over the RMS of B; the reference's noise is subtracted.
     pub rms: f64,
-    /// The same per colour.
+    /// Standard error of `rms`, in the same unit: what other random points, and another reference of the same noise, would
+    /// change in it. By the jackknife over the points \[Efron, Stein 1981\]: where few points hold most of the squared error it is about as
+    /// large as `rms`, and what no point has met it does not know. Where `below_noise`, the error that may hide there.
+    /// Infinite where only one point was compared.
+    pub rms_noise: f64,
+    /// `rms` per colour.
     pub rms_rgb: [f64; 3],
     /// Whether the difference is within the reference's noise, so that `rms` is 0 for want of a better reference.
     pub below_noise: bool,
@@ -31,7 +38,10 @@ pub struct Measure {
     pub bias: f64,
     /// Local relative error |ΔB|/|B|, its median over the area.
     pub local_median: f64,
-    /// Its 95th percentile.
+    /// Standard error of `local_median`, in the same unit: half the distance between the local errors of rank n/2 ± √n/2. Infinite
+    /// where only one point was compared.
+    pub local_median_noise: f64,
+    /// The local error's 95th percentile.
     pub local_p95: f64,
     /// Its median over the darker half of the area.
     pub dark_median: f64,
@@ -154,6 +164,17 @@ struct Sample {
     difference: DVec3,
 }
 
+/// The error of an estimate of which each point is off by its own standard error: the RMS error of an unbiased one, such as a path
+/// tracer's.
+pub fn of_standard_errors(estimate: &Reference) -> Measure {
+    let sample = |index: usize| Sample {
+        truth: estimate.radiosity(index),
+        noise: DVec3::ZERO,
+        difference: estimate.radiosity_error(index),
+    };
+    measure(&(0..estimate.points.len()).map(sample).collect::<Vec<_>>())
+}
+
 fn measure(samples: &[Sample]) -> Measure {
     let sum = |of: &dyn Fn(&Sample) -> DVec3| samples.iter().map(of).sum::<DVec3>();
     let squares = sum(&|sample| sample.difference * sample.difference);
@@ -167,15 +188,21 @@ fn measure(samples: &[Sample]) -> Measure {
     let darkest = DARKEST * (signal.element_sum() / samples.len().max(1) as f64).sqrt();
     let mut local: Vec<(f64, f64)> = samples.iter().map(|sample| sample.local(darkest)).collect();
     local.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let of_half = quantiles(local[..local.len().div_ceil(2)].iter().map(|local| local.1).collect());
-    let of_all = quantiles(local.iter().map(|local| local.1).collect());
+    let (half, all) = (&local[..local.len().div_ceil(2)], &local[..]);
+    let [half, all] = [half, all].map(|part| sorted(part.iter().map(|local| local.1).collect()));
+    let (of_half, of_all) = (quantiles(&half), quantiles(&all));
+    let excess = |sample: &Sample| sample.difference.length_squared() - sample.noise.length_squared();
+    let points: Vec<(f64, f64)> =
+        samples.iter().map(|sample| (excess(sample), sample.truth.length_squared())).collect();
     Measure {
         rms: relative(squares.element_sum(), noise.element_sum(), signal.element_sum()),
+        rms_noise: spread::of_root(&points),
         rms_rgb: [0, 1, 2].map(|colour| relative(squares[colour], noise[colour], signal[colour])),
         below_noise: squares.element_sum() <= noise.element_sum(),
         bias_rgb: [0, 1, 2].map(|colour| share(difference[colour], mean[colour])),
         bias: share(difference.element_sum(), mean.element_sum()),
         local_median: of_all.0,
+        local_median_noise: spread::of_median(&all),
         local_p95: of_all.1,
         dark_median: of_half.0,
         dark_p95: of_half.1,
@@ -197,12 +224,16 @@ fn dark_noise(samples: &[Sample]) -> f64 {
     let mut noises: Vec<(f64, f64)> =
         lit.map(|sample| (sample.truth.length(), sample.noise.length() / sample.truth.length())).collect();
     noises.sort_by(|a, b| a.0.total_cmp(&b.0));
-    quantiles(noises[..noises.len().div_ceil(2)].iter().map(|noise| noise.1).collect()).0
+    quantiles(&sorted(noises[..noises.len().div_ceil(2)].iter().map(|noise| noise.1).collect())).0
 }
 
-/// Median and 95th percentile; 0 of nothing.
-fn quantiles(mut values: Vec<f64>) -> (f64, f64) {
+fn sorted(mut values: Vec<f64>) -> Vec<f64> {
     values.sort_by(f64::total_cmp);
+    values
+}
+
+/// Median and 95th percentile of sorted values; 0 of nothing.
+fn quantiles(values: &[f64]) -> (f64, f64) {
     let at = |share: f64| {
         let index = (share * values.len() as f64) as usize;
         values.get(index.min(values.len().saturating_sub(1))).copied().unwrap_or(0.0)
@@ -231,8 +262,15 @@ mod tests {
         assert_eq!((found.local_median, found.dark_p95), (0.0, 0.0));
         assert!((found.local_p95 - 3.75_f64.sqrt() / 4.0).abs() < 1e-12, "{found:?}");
         assert!(!found.below_noise);
+        // One point holds the whole error: without it there is none, and without another it grows by next to nothing.
+        assert!((0.9..1.1).contains(&(found.rms_noise / found.rms)), "{found:?}");
         let found = measure(&[sample(1.0, 0.1, 0.2), sample(1.0, -0.1, 0.2)]);
         assert_eq!((found.rms, found.below_noise), (0.0, true));
+        // Both squares are −0.03, alike without either, so that nothing hides there.
+        assert!(found.rms_noise < 1e-6, "{found:?}");
+        assert_eq!(measure(&[]), Measure { below_noise: true, ..Measure::default() });
+        let found = measure(&[sample(1.0, 0.1, 0.0)]);
+        assert_eq!((found.rms_noise, found.local_median_noise), (f64::INFINITY, f64::INFINITY), "{found:?}");
     }
 
     /// Truth: the definition. A dark room behind a bright one that is wholly wrong hardly shows in the RMS.

@@ -10,8 +10,9 @@ mod error;
 mod field;
 mod locate;
 mod points;
+mod spread;
 
 pub use checks::{Measured, by_reference, by_solver};
-pub use error::{ErrorMeter, Measure, SolutionError};
+pub use error::{ErrorMeter, Measure, SolutionError, of_standard_errors};
 pub use field::ScatteredField;
 pub use points::vertex_points;
