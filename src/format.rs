@@ -50,6 +50,26 @@ pub fn number(value: f64) -> String {
     }
 }
 
+/// A measured value with its standard error, which says how many digits count: 12.4 ± 0.8, 40 ± 19, 8.23 ± 0.04.
+pub fn plus_minus(value: f64, standard_error: f64) -> String {
+    if !value.is_finite() {
+        return "–".into();
+    }
+    let decimals = match standard_error {
+        error if error < 0.01 => 3,
+        error if error < 0.1 => 2,
+        error if error < 10.0 || !error.is_finite() => 1,
+        _ => 0,
+    };
+    let text = |value: f64| if value < 1e3 { format!("{value:.decimals$}") } else { count(value.round() as u64) };
+    match standard_error {
+        // No error at all says nothing of digits.
+        0.0 => format!("{} ± 0", number(value)),
+        error if error.is_finite() => format!("{} ± {}", text(value), text(error)),
+        _ => format!("{} ± ∞", text(value)),
+    }
+}
+
 /// A number with its unit.
 pub fn quantity(value: f64, unit: &str) -> String {
     format!("{} {unit}", number(value))
@@ -124,6 +144,14 @@ mod tests {
         assert_eq!(number(0.000_012_3), "1.23e-5");
         assert_eq!(number(f64::NAN), "–");
         assert_eq!(quantity(2.5, "W"), "2.50 W");
+        let measured =
+            [(12.44, 0.81), (41.2, 19.0), (8.2345, 0.041), (0.0, 0.3), (1234.0, 56.0), (5.0, 0.0), (0.5, 0.0012)];
+        let read = measured.map(|(value, error)| plus_minus(value, error));
+        assert_eq!(
+            read,
+            ["12.4 ± 0.8", "41 ± 19", "8.23 ± 0.04", "0.0 ± 0.3", "1,234 ± 56", "5.00 ± 0", "0.500 ± 0.001"]
+        );
+        assert_eq!((plus_minus(12.44, f64::INFINITY), plus_minus(f64::NAN, 1.0)), ("12.4 ± ∞".into(), "–".into()));
         assert_eq!(seconds(0.0123), "12 ms");
         assert_eq!(seconds(125.0), "2 min 05 s");
         assert_eq!(bytes(512), "512 B");

@@ -449,11 +449,44 @@ fn a_chart_is_tables_and_pictures() {
     let error = |index: usize| runs[index]["error"]["displayed"]["rms"].as_f64().expect("an error");
     assert!(error(1) < error(0), "a finer threshold is more accurate: {chart}");
     assert!(runs.iter().any(|run| run["pareto"] == true), "{chart}");
-    for name in ["seconds", "links", "rays"] {
+    for name in ["seconds", "links", "rays", "median"] {
         let picture = image::open(out.join(format!("cornell-{name}.png"))).expect("a PNG").to_rgb8();
         let colours: std::collections::HashSet<_> = picture.pixels().collect();
         assert!(picture.dimensions() == (1200, 800) && colours.len() > 50, "{name}: {} colours", colours.len());
-        assert!(read(&format!("cornell-{name}.svg")).contains("Pareto front"));
+        let drawn = read(&format!("cornell-{name}.svg"));
+        assert!(drawn.contains("Pareto front") && drawn.contains("±1 standard error"));
+    }
+    assert!(read("cornell-median.svg").contains("median local error"));
+    assert!(table.contains(" ± "), "{table}");
+    for (file, error, noise) in
+        [("cornell-seconds.svg", "rms", "rms_noise"), ("cornell-median.svg", "local_median", "local_median_noise")]
+    {
+        let of = |name: &str, run: &Value| run["error"]["displayed"][name].as_f64().expect("a number");
+        let errors: Vec<_> = runs.iter().map(|run| (of(error, run), of(noise, run))).collect();
+        assert!(errors.iter().all(|(error, noise)| *noise > 0.0 && noise < error), "{errors:?}");
+        bars_are_standard_errors(&read(file), &errors);
+    }
+}
+
+/// Truth: on a logarithmic axis a bar from e − s to e + s is as long as the logarithm of their ratio, and the tops of two bars are
+/// as far apart as that of theirs, in the same number of pixels each; two pixels are rounding. Bars are the vertical lines of
+/// one pixel in a curve's colour.
+fn bars_are_standard_errors(svg: &str, errors: &[(f64, f64)]) {
+    let is_bar = |line: &&str| {
+        ["#0072B2", "#009E73"].iter().any(|colour| line.contains(&format!("stroke=\"{colour}\" stroke-width=\"1\"")))
+    };
+    let ends = |line: &str| {
+        let points = line.split("points=\"").nth(1)?.split('"').next()?;
+        let numbers: Vec<f64> = points.split([',', ' ']).filter_map(|number| number.parse().ok()).collect();
+        (numbers.len() == 4 && numbers[0] == numbers[2]).then(|| (numbers[1], numbers[3]))
+    };
+    let bars: Vec<(f64, f64)> = svg.lines().filter(is_bar).filter_map(ends).collect();
+    assert_eq!(bars.len(), errors.len(), "a bar for each run: {bars:?}");
+    // From the coarse run to the fine one.
+    let pixels = (bars[1].1 - bars[0].1) / ((errors[0].0 + errors[0].1) / (errors[1].0 + errors[1].1)).ln();
+    for ((low, high), (error, noise)) in bars.iter().zip(errors) {
+        let length = pixels * ((error + noise) / (error - noise)).ln();
+        assert!((low - high - length).abs() <= 2.0, "{length} pixels: {bars:?} for {errors:?}");
     }
 }
 

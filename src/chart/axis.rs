@@ -22,6 +22,12 @@ impl LogAxis {
         })
     }
 
+    /// What of this stretch lies on the axis, which ends above 0; none where all of it lies beside.
+    pub fn clip(&self, from: f64, to: f64) -> Option<(f64, f64)> {
+        let (from, to) = (from.max(self.low), to.min(self.high));
+        (from < to).then_some((from, to))
+    }
+
     /// Values to be marked with a number.
     pub fn marks(&self, most: usize) -> Vec<f64> {
         let steps: [&[f64]; 3] = [&[1.0, 2.0, 5.0], &[1.0, 3.0], &[1.0]];
@@ -69,5 +75,8 @@ mod tests {
         assert!(near(LogAxis { low: 0.04, high: 0.3 }.marks(10), &[0.05, 0.1, 0.2]));
         assert!(near(LogAxis { low: 0.9e-3, high: 200.0 }.marks(7), &[1e-3, 1e-2, 0.1, 1.0, 10.0, 100.0]));
         assert!(LogAxis::around([0.0, f64::NAN]).is_none());
+        assert_eq!(axis.clip(-0.3, 0.5), Some((0.01, 0.5)));
+        assert_eq!(axis.clip(0.5, f64::INFINITY), Some((0.5, 1.0)));
+        assert_eq!((axis.clip(-3.0, 0.0), axis.clip(2.0, 3.0)), (None, None));
     }
 }

@@ -1,4 +1,4 @@
-//! Charts as pictures: error over time, links or rays, both axes logarithmic.
+//! Charts as pictures: error over time, links or rays with bars of its standard error, both axes logarithmic.
 
 use std::sync::OnceLock;
 
@@ -9,7 +9,8 @@ use plotters::style::register_font;
 
 use super::axis::LogAxis;
 use super::pareto::front;
-use super::record::{Chart, RunRecord};
+use super::record::{Chart, PathTracerRecord, RunRecord};
+use crate::accuracy::Measure;
 use crate::solver::Push;
 
 /// Size of a picture, pixels.
@@ -43,6 +44,57 @@ pub enum Against {
     Rays,
 }
 
+/// Which error is drawn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Shown {
+    /// RMS over the area: what an eye that looks at the whole picture sees, and what few bright places can rule.
+    Rms,
+    /// Median of the local relative error, which no few places rule.
+    Median,
+}
+
+impl Shown {
+    fn of_run(self, error: &Measure) -> Uncertain {
+        match self {
+            Self::Rms => Uncertain { error: error.rms, noise: error.rms_noise },
+            Self::Median => Uncertain { error: error.local_median, noise: error.local_median_noise },
+        }
+    }
+
+    fn of_path_tracer(self, record: &PathTracerRecord) -> Uncertain {
+        match self {
+            Self::Rms => Uncertain { error: record.error, noise: record.error_noise },
+            Self::Median => Uncertain { error: record.local_median, noise: record.local_median_noise },
+        }
+    }
+}
+
+/// An error and its standard error, shares.
+#[derive(Clone, Copy)]
+struct Uncertain {
+    error: f64,
+    noise: f64,
+}
+
+/// A mark in a chart.
+#[derive(Clone, Copy)]
+struct Point {
+    cost: f64,
+    error: Uncertain,
+}
+
+impl Point {
+    /// Where it lies, the error in per cent.
+    fn place(&self) -> (f64, f64) {
+        (self.cost, 100.0 * self.error.error)
+    }
+
+    /// One standard error below and above, per cent.
+    fn ends(&self) -> [f64; 2] {
+        [-1.0, 1.0].map(|sign| 100.0 * (self.error.error + sign * self.error.noise))
+    }
+}
+
 /// What is drawn and how.
 #[derive(Clone, Copy, Debug)]
 pub struct Drawing<'a> {
@@ -50,6 +102,8 @@ pub struct Drawing<'a> {
     pub chart: &'a Chart,
     /// The horizontal axis.
     pub against: Against,
+    /// The vertical axis.
+    pub shown: Shown,
 }
 
 /// Why a chart cannot be drawn.
@@ -93,26 +147,32 @@ struct Curve<'a> {
     colour: RGBColor,
     /// Deferred push: dashed, with open marks.
     open: bool,
-    points: Vec<(f64, f64)>,
+    points: Vec<Point>,
     runs: Vec<&'a RunRecord>,
 }
 
 fn draw<B: DrawingBackend>(drawing: Drawing, root: &DrawingArea<B, Shift>) -> Result<(), DrawError> {
     let chart = drawing.chart;
     let curves = curves(drawing);
-    let path_tracer: Vec<(f64, f64)> = match drawing.against {
-        Against::Seconds => chart.path_tracer.iter().map(|record| (record.seconds, record.error)).collect(),
+    let of_record =
+        |record: &PathTracerRecord| Point { cost: record.seconds, error: drawing.shown.of_path_tracer(record) };
+    let path_tracer: Vec<Point> = match drawing.against {
+        Against::Seconds => chart.path_tracer.iter().map(of_record).collect(),
         Against::Links | Against::Rays => Vec::new(),
     };
-    let all: Vec<(f64, f64)> =
-        curves.iter().flat_map(|curve| &curve.points).copied().filter(|point| point.0 > 0.0 && point.1 > 0.0).collect();
-    if all.is_empty() {
+    if curves.is_empty() {
         return Err(DrawError::Empty(chart.scene.clone()));
     }
     let empty = || DrawError::Empty(chart.scene.clone());
-    let every = || all.iter().chain(&path_tracer);
-    let x = LogAxis::around(every().map(|point| point.0)).ok_or_else(empty)?;
-    let y = LogAxis::around(every().map(|point| 100.0 * point.1)).ok_or_else(empty)?;
+    let every = || curves.iter().flat_map(|curve| &curve.points).chain(&path_tracer);
+    let x = LogAxis::around(every().map(|point| point.cost)).ok_or_else(empty)?;
+    // Bars are seen as far as twice the error and half of it; what is longer ends at the axis.
+    let tall = |point: &Point| {
+        let (_, error) = point.place();
+        let [low, high] = point.ends();
+        [error, low.max(0.5 * error), high.min(2.0 * error)]
+    };
+    let y = LogAxis::around(every().flat_map(tall)).ok_or_else(empty)?;
     plot(drawing, root, &curves, &path_tracer, (x, y)).map_err(|error| DrawError::Plot(error.to_string()))
 }
 
@@ -120,18 +180,22 @@ fn plot<B: DrawingBackend>(
     drawing: Drawing,
     root: &DrawingArea<B, Shift>,
     curves: &[Curve],
-    path_tracer: &[(f64, f64)],
+    path_tracer: &[Point],
     (x, y): (LogAxis, LogAxis),
 ) -> Result<(), DrawingAreaErrorKind<B::ErrorType>> {
     let chart = drawing.chart;
     let text = |size: f64, colour: RGBColor| (family(), size).into_font().color(&colour);
     root.fill(&WHITE)?;
+    let (measure, of_measure) = match drawing.shown {
+        Shown::Rms => ("error", "RMS error of B as displayed, %"),
+        Shown::Median => ("median error", "median local error of B as displayed, %"),
+    };
     let (title, unit) = match drawing.against {
         Against::Seconds => ("time", "seconds of solving"),
         Against::Links => ("links", "links"),
         Against::Rays => ("rays", "visibility rays"),
     };
-    root.draw(&Text::new(format!("{}: error over {title}", chart.scene), (90, 22), text(32.0, INK)))?;
+    root.draw(&Text::new(format!("{}: {measure} over {title}", chart.scene), (90, 22), text(32.0, INK)))?;
     root.draw(&Text::new(subtitle(chart), (90, 62), text(19.0, RGBColor(110, 110, 110))))?;
     let (_, area) = root.split_vertically(92);
     // Beside the plot: no corner of it is free in every chart.
@@ -146,7 +210,7 @@ fn plot<B: DrawingBackend>(
     context
         .configure_mesh()
         .x_desc(unit)
-        .y_desc("RMS error of B as displayed, %")
+        .y_desc(of_measure)
         .x_labels(11)
         .y_labels(9)
         .x_label_formatter(&|value| tick(*value))
@@ -157,18 +221,27 @@ fn plot<B: DrawingBackend>(
         .label_style(text(20.0, INK))
         .axis_desc_style(text(22.0, INK))
         .draw()?;
-    let percent = |&(x, y): &(f64, f64)| (x, 100.0 * y);
 
-    let mut best: Vec<(f64, f64)> = best_of(curves).iter().map(percent).collect();
+    let mut best: Vec<(f64, f64)> = best_of(curves);
     best.sort_by(|a, b| a.0.total_cmp(&b.0));
     context.draw_series(LineSeries::new(best, FRONT.stroke_width(16)))?;
+    // Beneath all lines and marks.
+    let groups = curves.iter().map(|curve| (curve.colour, &curve.points[..])).chain([(INK, path_tracer)]);
+    for (colour, points) in groups {
+        let bar = |point: &Point| {
+            let [low, high] = point.ends();
+            let (low, high) = y.clip(low, high)?;
+            Some(PathElement::new([(point.cost, low), (point.cost, high)], colour.stroke_width(1)))
+        };
+        context.draw_series(points.iter().filter_map(bar))?;
+    }
     if !path_tracer.is_empty() {
-        let line: Vec<(f64, f64)> = path_tracer.iter().map(percent).collect();
+        let line: Vec<(f64, f64)> = path_tracer.iter().map(Point::place).collect();
         context.draw_series(DashedLineSeries::new(line.iter().copied(), 3, 5, INK.stroke_width(2)))?;
         context.draw_series(line.iter().map(|point| Cross::new(*point, 4, INK.stroke_width(2))))?;
     }
     for curve in curves {
-        let line: Vec<(f64, f64)> = curve.points.iter().map(percent).collect();
+        let line: Vec<(f64, f64)> = curve.points.iter().map(Point::place).collect();
         let (colour, open) = (curve.colour, curve.open);
         if open {
             context.draw_series(DashedLineSeries::new(line.iter().copied(), 9, 6, colour.stroke_width(2)))?;
@@ -185,7 +258,7 @@ fn plot<B: DrawingBackend>(
     if let Some(curve) = curves.first() {
         let labels = curve.points.iter().zip(&curve.runs).map(|(point, run)| {
             let style = text(17.0, curve.colour);
-            EmptyElement::at(percent(point)) + Text::new(format!("ε {:.0e}", run.epsilon_relative), (-62, 10), style)
+            EmptyElement::at(point.place()) + Text::new(format!("ε {:.0e}", run.epsilon_relative), (-62, 10), style)
         });
         context.draw_series(labels)?;
     }
@@ -226,7 +299,10 @@ fn legend<B: DrawingBackend>(
         y += 32;
     }
     line(14, 54, y, FRONT.stroke_width(16))?;
-    name("Pareto front", y)
+    name("Pareto front", y)?;
+    y += 32;
+    area.draw(&PathElement::new([(34, y - 11), (34, y + 11)], INK.stroke_width(1)))?;
+    name("±1 standard error", y)
 }
 
 fn curves(drawing: Drawing<'_>) -> Vec<Curve<'_>> {
@@ -238,7 +314,8 @@ fn curves(drawing: Drawing<'_>) -> Vec<Curve<'_>> {
             Against::Links => run.links as f64,
             Against::Rays => run.rays as f64,
         };
-        if !(cost > 0.0 && run.error.displayed.rms > 0.0) {
+        let error = drawing.shown.of_run(&run.error.displayed);
+        if !(cost > 0.0 && error.error > 0.0) {
             continue;
         }
         if curves.last().is_none_or(|curve| curve.name != run.setting) {
@@ -257,7 +334,7 @@ fn curves(drawing: Drawing<'_>) -> Vec<Curve<'_>> {
             curves.push(Curve { name: &run.setting, colour, open, points: Vec::new(), runs: Vec::new() });
         }
         if let Some(curve) = curves.last_mut() {
-            curve.points.push((cost, run.error.displayed.rms));
+            curve.points.push(Point { cost, error });
             curve.runs.push(run);
         }
     }
@@ -265,7 +342,7 @@ fn curves(drawing: Drawing<'_>) -> Vec<Curve<'_>> {
 }
 
 fn best_of(curves: &[Curve]) -> Vec<(f64, f64)> {
-    let points: Vec<(f64, f64)> = curves.iter().flat_map(|curve| &curve.points).copied().collect();
+    let points: Vec<(f64, f64)> = curves.iter().flat_map(|curve| &curve.points).map(Point::place).collect();
     let marks = front(&points);
     points.into_iter().zip(marks).filter(|(_, is_best)| *is_best).map(|(point, _)| point).collect()
 }
@@ -273,7 +350,7 @@ fn best_of(curves: &[Curve]) -> Vec<(f64, f64)> {
 fn subtitle(chart: &Chart) -> String {
     let reference = &chart.reference;
     format!(
-        "{} polygons, {} threads; reference: {} points, noise {:.1} %, subtracted",
+        "{} polygons, {} threads; reference: {} points, noise {:.1} %, subtracted; bars: ±1 standard error over the points",
         crate::format::count(chart.polygons),
         chart.threads,
         crate::format::count(reference.points),

@@ -12,7 +12,7 @@ mod record;
 mod sweep;
 mod write;
 
-pub use draw::{Against, DrawError, Drawing, draw_png, draw_svg};
+pub use draw::{Against, DrawError, Drawing, Shown, draw_png, draw_svg};
 pub use record::{Chart, PathTracerRecord, ReferenceRecord, RunRecord, SkippedRun};
 pub(crate) use sweep::within;
 pub use sweep::{Setting, Sweep, usual_epsilons, usual_settings};

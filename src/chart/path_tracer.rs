@@ -4,6 +4,7 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use super::record::PathTracerRecord;
+use crate::accuracy::of_standard_errors;
 use crate::cancel::CancelToken;
 use crate::reference::{ReferenceRun, random_points};
 use crate::scene::Scene;
@@ -11,6 +12,8 @@ use crate::visibility::Occluders;
 
 /// Keeps its points and paths apart from those of the reference.
 const SALT: u64 = 0x0063_7572_7665;
+/// Half of all normal errors are below this share of their standard deviation.
+const MEDIAN_OF_NORMAL: f64 = 0.6745;
 
 /// Lets it compute `points` random points for `limit`, and writes down how far it is after 2, 4, 8, … passes.
 pub fn curve(
@@ -38,11 +41,15 @@ pub fn curve(
         spent += begun.elapsed();
         if run.passes() >= 2 && run.passes().is_power_of_two() {
             let reference = run.reference();
+            let of_sigma = of_standard_errors(&reference);
             records.push(PathTracerRecord {
                 points: reference.points.len(),
                 paths: reference.paths,
                 seconds: spent.as_secs_f64(),
                 error: reference.noise(),
+                error_noise: of_sigma.rms_noise,
+                local_median: MEDIAN_OF_NORMAL * of_sigma.local_median,
+                local_median_noise: MEDIAN_OF_NORMAL * of_sigma.local_median_noise,
             });
         }
     }

@@ -96,4 +96,10 @@ pub struct PathTracerRecord {
     pub seconds: f64,
     /// Relative RMS of its standard errors, which is the RMS error of an unbiased estimate.
     pub error: f64,
+    /// Standard error of `error`, from the spread over the points.
+    pub error_noise: f64,
+    /// Median of its local relative error, which it would have with normal errors of its standard errors.
+    pub local_median: f64,
+    /// Standard error of `local_median`.
+    pub local_median_noise: f64,
 }

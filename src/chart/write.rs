@@ -19,6 +19,9 @@ pub fn csv(chart: &Chart) -> String {
             "setting" => "path tracer".to_owned(),
             "seconds" => record.seconds.to_string(),
             "rms" => record.error.to_string(),
+            "rms_noise" => record.error_noise.to_string(),
+            "local_median" => record.local_median.to_string(),
+            "local_median_noise" => record.local_median_noise.to_string(),
             "vertices" => record.points.to_string(),
             "threads" => chart.threads.to_string(),
             "paths" => record.paths.to_string(),
@@ -56,6 +59,7 @@ fn columns(run: Option<&RunRecord>, chart: &Chart) -> Vec<(&'static str, String)
         ("clamped_leaves", of(&|run| run.clamped_leaves.to_string())),
         ("link_bytes", of(&|run| run.bytes.links.to_string())),
         ("rms", of(&|run| run.error.displayed.rms.to_string())),
+        ("rms_noise", of(&|run| run.error.displayed.rms_noise.to_string())),
         ("rms_leaves", of(&|run| run.error.leaves.rms.to_string())),
         ("below_noise", of(&|run| run.error.displayed.below_noise.to_string())),
         ("bias", of(&|run| run.error.displayed.bias.to_string())),
@@ -63,6 +67,7 @@ fn columns(run: Option<&RunRecord>, chart: &Chart) -> Vec<(&'static str, String)
         ("bias_g", of(&|run| run.error.displayed.bias_rgb[1].to_string())),
         ("bias_b", of(&|run| run.error.displayed.bias_rgb[2].to_string())),
         ("local_median", of(&|run| run.error.displayed.local_median.to_string())),
+        ("local_median_noise", of(&|run| run.error.displayed.local_median_noise.to_string())),
         ("local_p95", of(&|run| run.error.displayed.local_p95.to_string())),
         ("dark_median", of(&|run| run.error.displayed.dark_median.to_string())),
         ("dark_p95", of(&|run| run.error.displayed.dark_p95.to_string())),
@@ -92,7 +97,7 @@ fn name(value: serde_json::Result<serde_json::Value>) -> String {
     value.ok().and_then(|value| value.as_str().map(str::to_owned)).unwrap_or_default()
 }
 
-/// A Markdown table of the displayed error, a row for each setting and a column for each ε: RMS and time.
+/// A Markdown table of the displayed error, a row for each setting and a column for each ε: RMS ± its standard error, and time.
 pub fn error_table(chart: &Chart) -> String {
     let mut epsilons: Vec<f64> = chart.runs.iter().map(|run| run.epsilon_relative).collect();
     epsilons.sort_by(|a, b| b.total_cmp(a));
@@ -111,8 +116,9 @@ pub fn error_table(chart: &Chart) -> String {
             let at = |run: &&RunRecord| run.setting == setting && (run.epsilon_relative / epsilon - 1.0).abs() < 1e-6;
             match chart.runs.iter().find(at) {
                 Some(run) if run.converged => {
-                    let (error, seconds) = (100.0 * run.error.displayed.rms, crate::format::seconds(run.seconds.total));
-                    let _ = write!(text, " {error:.1} %, {seconds} |");
+                    let shown = &run.error.displayed;
+                    let error = crate::format::plus_minus(100.0 * shown.rms, 100.0 * shown.rms_noise);
+                    let _ = write!(text, " {error} %, {} |", crate::format::seconds(run.seconds.total));
                 }
                 Some(_) => text += " not finished |",
                 None => text += " |",

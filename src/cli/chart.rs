@@ -1,4 +1,4 @@
-//! `selflink chart`: error over time, links and rays for many settings, as tables and pictures.
+//! `selflink chart`: error with its standard error over time, links and rays for many settings, as tables and pictures.
 
 use std::io::{IsTerminal as _, Write as _};
 use std::path::Path;
@@ -9,7 +9,7 @@ use anyhow::bail;
 use clap::{Arg, ArgMatches, Command};
 use selflink::cancel::CancelToken;
 use selflink::chart::{
-    Against, Chart, Drawing, Sweep, csv, draw_png, draw_svg, error_table, usual_epsilons, usual_settings,
+    Against, Chart, Drawing, Shown, Sweep, csv, draw_png, draw_svg, error_table, usual_epsilons, usual_settings,
 };
 use selflink::solver::ParameterId;
 
@@ -32,7 +32,7 @@ pub fn command() -> Command {
         .arg(
             path_arg("out", "DIR")
                 .required(true)
-                .help("Folder for SCENE-….csv, .json, .svg and .png; it is made where it is missing"),
+                .help("Folder for SCENE.csv, SCENE.json and SCENE-….svg and .png; it is made where it is missing"),
         )
         .arg(
             Arg::new("epsilons")
@@ -129,8 +129,14 @@ fn write(chart: &Chart, folder: &Path) -> anyhow::Result<()> {
     let text = |ending: &str, text: String| file(ending)?.write(|writer| writer.write_all(text.as_bytes()));
     text(".csv", csv(chart))?;
     text(".json", json(chart)?)?;
-    for (against, name) in [(Against::Seconds, "seconds"), (Against::Links, "links"), (Against::Rays, "rays")] {
-        let drawing = Drawing { chart, against };
+    let pictures = [
+        (Shown::Rms, Against::Seconds, "seconds"),
+        (Shown::Rms, Against::Links, "links"),
+        (Shown::Rms, Against::Rays, "rays"),
+        (Shown::Median, Against::Seconds, "median"),
+    ];
+    for (shown, against, name) in pictures {
+        let drawing = Drawing { chart, against, shown };
         text(&format!("-{name}.svg"), draw_svg(drawing)?)?;
         let picture = draw_png(drawing)?;
         file(&format!("-{name}.png"))?.write(|writer| {
