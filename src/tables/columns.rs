@@ -4,7 +4,7 @@ use super::lab::{LeftOut, Run};
 use super::paper;
 use super::report::{Record, Table};
 use crate::chart::parameter_columns;
-use crate::format::{bytes, count, grouped, number, quantity};
+use crate::format::{bytes, count, grouped, number, plus_minus, quantity};
 
 /// A column of a table of runs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -61,8 +61,8 @@ impl Column {
             Self::Links => count(run.stats.links),
             Self::Rays => count(run.stats.rays),
             Self::Memory => bytes(run.bytes()),
-            Self::Rms => percent(run.rms()),
-            Self::Median => percent(run.local_median()),
+            Self::Rms => run.rms_text(),
+            Self::Median => run.local_median_text(),
         }
     }
 
@@ -81,6 +81,11 @@ impl Column {
 /// A share in per cent.
 pub fn percent(share: f64) -> String {
     if share.is_finite() { format!("{} %", number(100.0 * share)) } else { "–".into() }
+}
+
+/// A share and its standard error in per cent.
+pub fn percent_with(share: f64, standard_error: f64) -> String {
+    format!("{} %", plus_minus(100.0 * share, 100.0 * standard_error))
 }
 
 /// A ratio: 102×.
@@ -184,9 +189,11 @@ fn record(run: &Run) -> Record {
     if let Some(error) = &run.error {
         record.extend([
             ("rms", error.displayed.rms.to_string()),
+            ("rms_noise", error.displayed.rms_noise.to_string()),
             ("rms_leaves", error.leaves.rms.to_string()),
             ("bias", error.displayed.bias.to_string()),
             ("local_median", error.displayed.local_median.to_string()),
+            ("local_median_noise", error.displayed.local_median_noise.to_string()),
             ("local_p95", error.displayed.local_p95.to_string()),
             ("dark_median", error.displayed.dark_median.to_string()),
             ("dark_p95", error.displayed.dark_p95.to_string()),

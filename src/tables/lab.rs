@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use rustc_hash::FxHashMap;
 
+use super::columns::percent_with;
 use super::effort::Effort;
 use crate::accuracy::{ErrorMeter, SolutionError};
 use crate::cancel::CancelToken;
@@ -96,6 +97,18 @@ impl Run {
     /// Displayed RMS error, a share.
     pub fn rms(&self) -> f64 {
         self.error.map_or(f64::NAN, |error| error.displayed.rms)
+    }
+
+    /// The displayed RMS error with its standard error: 12.4 ± 0.8 %.
+    pub fn rms_text(&self) -> String {
+        self.error.map_or("–".into(), |error| percent_with(error.displayed.rms, error.displayed.rms_noise))
+    }
+
+    /// The same of the median.
+    pub fn local_median_text(&self) -> String {
+        let text =
+            |error: SolutionError| percent_with(error.displayed.local_median, error.displayed.local_median_noise);
+        self.error.map_or("–".into(), text)
     }
 
     /// Median of the displayed local error, a share.

@@ -177,7 +177,7 @@ fn least_area(lab: &mut Lab<'_>, report: &mut Report) {
                     "{} at ε = {fine:e} Φ: {} patches, median error {}; the guard struck {} times",
                     room.name,
                     count(run.stats.patches),
-                    percent(run.local_median()),
+                    run.local_median_text(),
                     count(struck)
                 ),
                 rule,

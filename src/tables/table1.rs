@@ -71,7 +71,7 @@ pub fn run(lab: &mut Lab<'_>) -> Report {
         title: "Table 1: hierarchical radiosity against isotropic clustering".into(),
         introduction: format!(
             "Equal ε for all, chosen so that adaptive clusters come near the paper's 2,926 patches; patches are leaves of the subdivision. Times are {}. Error is that of B \
-             as displayed, at {} random points against the path-traced reference, whose noise is subtracted: RMS over RMS of B, and the median of the local error. Memory is the \
+             as displayed, at {} random points against the path-traced reference, whose noise is subtracted: RMS over RMS of B, and the median of the local error, each ± its standard error over the points. Memory is the \
              solver's own count of links, elements and radiosities when the solve ends.",
             timing(lab),
             runs.iter().flatten().find_map(|run| run.error).map_or("–".into(), |error| count(error.points))
@@ -194,7 +194,7 @@ fn claims_of(hr: &Run, ic: &Run, initial: &Run, as_accurate: Option<&Run>) -> Ve
         Claim {
             place: "3.1",
             says: "At equal ε, IC's error is probably larger than HR's".into(),
-            found: format!("{} of HR's: {} and {}", times(error), percent(ic.rms()), percent(hr.rms())),
+            found: format!("{} of HR's: {} and {}", times(error), ic.rms_text(), hr.rms_text()),
             rule: "confirmed where it is larger, better where it is not",
             verdict: Verdict::at_least(-error, f64::NEG_INFINITY, -1.0),
             part,
@@ -211,11 +211,11 @@ fn claims_of(hr: &Run, ic: &Run, initial: &Run, as_accurate: Option<&Run>) -> Ve
                 found: format!(
                     "{}: HR {} (median {}) in {}, IC {} ({}) in {}",
                     times(ratio),
-                    percent(hr.rms()),
-                    percent(hr.local_median()),
+                    hr.rms_text(),
+                    hr.local_median_text(),
                     quantity(hr.time(), "s"),
-                    percent(run.rms()),
-                    percent(run.local_median()),
+                    run.rms_text(),
+                    run.local_median_text(),
                     quantity(run.time(), "s")
                 ),
                 rule,

@@ -1,7 +1,7 @@
 //! Table 2 and sections 3.1 and 3.2: ways to cluster the office, and how soon there is a picture of it.
 
 use super::claims::{Claim, Verdict};
-use super::columns::{Column, left_out_remarks, percent, records, table, times};
+use super::columns::{Column, left_out_remarks, records, table, times};
 use super::lab::{Lab, LeftOut, Room, Run, with_epsilon};
 use super::report::{Report, Table};
 use super::{Part, paper, table1};
@@ -163,7 +163,11 @@ fn claims_of(runs: &[Result<Run, LeftOut>]) -> Vec<Claim> {
         claims.push(Claim {
             place: "3.2, Figures 5 and 6",
             says: "Octree solutions show artefacts that the scene's own clusters do not".into(),
-            found: format!("median error: octree 5 {}, groups {}", percent(medians.0), percent(medians.1)),
+            found: format!(
+                "median error: octree 5 {}, groups {}",
+                five.map_or("–".into(), Run::local_median_text),
+                user.local_median_text()
+            ),
             rule: "the octree's median error is larger at equal ε",
             verdict: Verdict::so(medians.0 > medians.1),
             part,
@@ -254,13 +258,12 @@ impl Soon {
             vec![format!("paper: {name}"), format!("{} s", number(seconds)), "–".into(), "–".into(), "–".into()]
         };
         let of = |run: &Run| {
-            let error = percent(run.local_median());
             vec![
                 run.setting.clone(),
                 quantity(run.time(), "s"),
                 count(run.stats.patches),
                 count(run.stats.links),
-                error,
+                run.local_median_text(),
             ]
         };
         let first = vec![
