@@ -41,14 +41,25 @@ impl Shading {
     }
 }
 
+/// The error of a solve at one moment.
+#[derive(Clone, Copy)]
+pub(super) struct RunPoint {
+    /// Since the solve's start, s.
+    pub seconds: f64,
+    /// Relative RMS error.
+    pub error: f64,
+    /// Its standard error.
+    pub noise: f64,
+}
+
 /// The error over time of one solve.
 pub(super) struct Run {
     /// Its settings, short.
     pub name: String,
     params: SolverParams,
     generation: u64,
-    /// Seconds since the solve's start, and relative RMS error.
-    pub points: Vec<[f64; 2]>,
+    /// From the first picture to the last.
+    pub points: Vec<RunPoint>,
 }
 
 /// A snapshot whose vertices carry colours, and what it was made of.
@@ -161,13 +172,14 @@ impl Comparison {
 
     fn add_to_run(&mut self, measured: &Measurement, params: &SolverParams) {
         let stats = &measured.snapshot.stats;
-        let point = [stats.seconds.total, measured.error.displayed.rms];
+        let shown = &measured.error.displayed;
+        let point = RunPoint { seconds: stats.seconds.total, error: shown.rms, noise: shown.rms_noise };
         let generation = measured.snapshot.generation;
         let goes_on = |run: &&mut Run| run.generation == generation && run.params == *params;
         match self.runs.last_mut().filter(goes_on) {
             Some(run) => {
                 // A better reference measures the last picture again.
-                if run.points.last().is_some_and(|last| last[0] >= point[0]) {
+                if run.points.last().is_some_and(|last| last.seconds >= point.seconds) {
                     run.points.pop();
                 }
                 run.points.push(point);

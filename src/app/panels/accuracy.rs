@@ -3,9 +3,9 @@
 use std::sync::Arc;
 
 use egui::{Color32, ProgressBar, Slider, Ui};
-use egui_plot::{Line, Plot, PlotPoints, Points};
+use egui_plot::{FilledArea, Line, Plot, PlotPoints, Points};
 
-use super::super::comparison::{Comparison, POINTS, Run, Shading};
+use super::super::comparison::{Comparison, POINTS, Run, RunPoint, Shading};
 use super::super::{Wake, format, theme};
 use crate::accuracy::SolutionError;
 use crate::referee::GOAL;
@@ -82,7 +82,7 @@ fn show_error(ui: &mut Ui, error: &SolutionError) {
     let shown = &error.displayed;
     let rms = match shown.below_noise {
         true => format!("below {}", percent(error.reference_noise)),
-        false => percent(shown.rms),
+        false => percent_with(shown.rms, shown.rms_noise),
     };
     let mut row = |name: &str, value: String, hint: &str| {
         theme::row(ui, name, |ui| ui.label(theme::value(value)).on_hover_text(hint));
@@ -90,12 +90,21 @@ fn show_error(ui: &mut Ui, error: &SolutionError) {
     row(
         "Error (RMS)",
         rms,
-        "Of the radiosity as displayed, over the area of all surfaces but the lamps, relative to its RMS",
+        "Of the radiosity as displayed, over the area of all surfaces but the lamps, relative to its RMS; ± one standard error, \
+         for other points would find another error. Where a few bright points hold most of it, that is large",
     );
-    row("…of the elements", percent(error.leaves.rms), "The same with one value for each element, not interpolated");
+    row(
+        "…of the elements",
+        percent_with(error.leaves.rms, error.leaves.rms_noise),
+        "The same with one value for each element, not interpolated",
+    );
     row("Bias", format!("{:+.1} %", 100.0 * shown.bias), "Mean difference: too bright is positive");
-    let local = format!("{}, {}", percent(shown.local_median), percent(shown.local_p95));
-    row("Local error", local, "Relative to each point's own radiosity: median and 95th percentile over the area");
+    let local = format!("{}, {}", percent_with(shown.local_median, shown.local_median_noise), percent(shown.local_p95));
+    row(
+        "Local error",
+        local,
+        "Relative to each point's own radiosity: median ± its standard error, and 95th percentile over the area",
+    );
     let dark = format!("{}, {}", percent(shown.dark_median), percent(shown.dark_p95));
     row("…where it is dark", dark, "The same over the darker half of the area");
 }
@@ -113,7 +122,7 @@ fn show_shading(ui: &mut Ui, shading: &mut Shading) {
 
 fn show_chart(ui: &mut Ui, runs: &[Run]) {
     ui.add_space(4.0);
-    ui.label(theme::weak("Error (RMS) over time; earlier settings faint"));
+    ui.label(theme::weak("Error (RMS) over time, band: ±1 standard error; earlier settings faint"));
     let power_of_ten = |mark: egui_plot::GridMark, unit: &str, factor: f64| {
         let decimals = (-(mark.value + factor.log10())).round().max(0.0) as usize;
         format!("{:.decimals$} {unit}", factor * 10f64.powf(mark.value))
@@ -136,11 +145,15 @@ fn show_chart(ui: &mut Ui, runs: &[Run]) {
         .include_x(-2.0)
         .include_x(0.0)
         .show(ui, |plot| {
+            // Beneath all lines.
+            if let Some(run) = runs.last() {
+                plot.add(band(run));
+            }
             for (index, run) in runs.iter().enumerate() {
                 let is_present = index + 1 == runs.len();
                 let colour = if is_present { theme::ACCENT } else { faint(index) };
                 let points: Vec<[f64; 2]> =
-                    run.points.iter().map(|&[seconds, error]| logarithms(seconds, error)).collect();
+                    run.points.iter().map(|point| logarithms(point.seconds, point.error)).collect();
                 let end = points.last().copied();
                 let width = if is_present { 2.0 } else { 1.2 };
                 plot.line(Line::new(run.name.clone(), PlotPoints::from(points)).color(colour).width(width));
@@ -154,13 +167,32 @@ fn show_chart(ui: &mut Ui, runs: &[Run]) {
         let end = run
             .points
             .last()
-            .map(|[seconds, error]| format!("{} after {}", percent(*error), format::seconds(*seconds)));
+            .map(|at| format!("{} after {}", percent_with(at.error, at.noise), format::seconds(at.seconds)));
         ui.horizontal(|ui| {
             let (dot, _) = ui.allocate_exact_size(egui::vec2(8.0, 8.0), egui::Sense::hover());
             ui.painter().circle_filled(dot.center(), 4.0, colour);
             ui.add(egui::Label::new(theme::weak(format!("{}: {}", run.name, end.unwrap_or_default()))).truncate());
         });
     }
+}
+
+/// One standard error to either side of a run's curve.
+fn band(run: &Run) -> FilledArea {
+    let end = |sign: f64| {
+        let at = |point: &RunPoint| {
+            // Where nothing is known of the noise, no band is honest; none is drawn.
+            let noise = if point.noise.is_finite() { point.noise } else { 0.0 };
+            logarithms(point.seconds, point.error + sign * noise)
+        };
+        run.points.iter().map(at).collect::<Vec<_>>()
+    };
+    let (low, high) = (end(-1.0), end(1.0));
+    let [seconds, low, high] = [
+        low.iter().map(|point| point[0]).collect::<Vec<_>>(),
+        low.iter().map(|point| point[1]).collect(),
+        high.iter().map(|point| point[1]).collect(),
+    ];
+    FilledArea::new(run.name.clone(), &seconds, &low, &high).fill_color(theme::ACCENT.gamma_multiply(0.25))
 }
 
 fn logarithms(seconds: f64, error: f64) -> [f64; 2] {
@@ -176,6 +208,14 @@ fn faint(index: usize) -> Color32 {
         Color32::from_rgb(140, 140, 110),
     ];
     COLOURS[index % COLOURS.len()]
+}
+
+/// With its standard error: 12.4 ± 0.8 %.
+fn percent_with(share: f64, standard_error: f64) -> String {
+    match share {
+        10.0.. => percent(share),
+        _ => format!("{} %", format::plus_minus(100.0 * share, 100.0 * standard_error)),
+    }
 }
 
 fn percent(share: f64) -> String {
