@@ -122,7 +122,7 @@ fn show_shading(ui: &mut Ui, shading: &mut Shading) {
 
 fn show_chart(ui: &mut Ui, runs: &[Run]) {
     ui.add_space(4.0);
-    ui.label(theme::weak("Error (RMS) over time, band: ±1 standard error; earlier settings faint"));
+    ui.label(theme::weak("Error (RMS) over time, ±1 standard error; earlier settings faint"));
     let power_of_ten = |mark: egui_plot::GridMark, unit: &str, factor: f64| {
         let decimals = (-(mark.value + factor.log10())).round().max(0.0) as usize;
         format!("{:.decimals$} {unit}", factor * 10f64.powf(mark.value))
@@ -155,8 +155,12 @@ fn show_chart(ui: &mut Ui, runs: &[Run]) {
                 let points: Vec<[f64; 2]> =
                     run.points.iter().map(|point| logarithms(point.seconds, point.error)).collect();
                 let end = points.last().copied();
+                let bar = run.points.last().map(|point| ends(point).to_vec());
                 let width = if is_present { 2.0 } else { 1.2 };
                 plot.line(Line::new(run.name.clone(), PlotPoints::from(points)).color(colour).width(width));
+                if let Some(bar) = bar {
+                    plot.line(Line::new(run.name.clone(), PlotPoints::from(bar)).color(colour).width(1.0));
+                }
                 if let Some(end) = end {
                     plot.points(Points::new(run.name.clone(), vec![end]).color(colour).radius(3.0));
                 }
@@ -164,10 +168,7 @@ fn show_chart(ui: &mut Ui, runs: &[Run]) {
         });
     for (index, run) in runs.iter().enumerate().rev() {
         let colour = if index + 1 == runs.len() { theme::ACCENT } else { faint(index) };
-        let end = run
-            .points
-            .last()
-            .map(|at| format!("{} after {}", percent_with(at.error, at.noise), format::seconds(at.seconds)));
+        let end = run.points.last().map(|at| format!("{} after {}", percent(at.error), format::seconds(at.seconds)));
         ui.horizontal(|ui| {
             let (dot, _) = ui.allocate_exact_size(egui::vec2(8.0, 8.0), egui::Sense::hover());
             ui.painter().circle_filled(dot.center(), 4.0, colour);
@@ -178,21 +179,15 @@ fn show_chart(ui: &mut Ui, runs: &[Run]) {
 
 /// One standard error to either side of a run's curve.
 fn band(run: &Run) -> FilledArea {
-    let end = |sign: f64| {
-        let at = |point: &RunPoint| {
-            // Where nothing is known of the noise, no band is honest; none is drawn.
-            let noise = if point.noise.is_finite() { point.noise } else { 0.0 };
-            logarithms(point.seconds, point.error + sign * noise)
-        };
-        run.points.iter().map(at).collect::<Vec<_>>()
-    };
-    let (low, high) = (end(-1.0), end(1.0));
-    let [seconds, low, high] = [
-        low.iter().map(|point| point[0]).collect::<Vec<_>>(),
-        low.iter().map(|point| point[1]).collect(),
-        high.iter().map(|point| point[1]).collect(),
-    ];
-    FilledArea::new(run.name.clone(), &seconds, &low, &high).fill_color(theme::ACCENT.gamma_multiply(0.25))
+    let ends: Vec<_> = run.points.iter().map(ends).collect();
+    let of = |end: usize, axis: usize| ends.iter().map(|ends| ends[end][axis]).collect::<Vec<_>>();
+    FilledArea::new(run.name.clone(), &of(0, 0), &of(0, 1), &of(1, 1)).fill_color(theme::ACCENT.gamma_multiply(0.25))
+}
+
+/// One standard error below and above a point; the point itself where nothing is known of its noise.
+fn ends(point: &RunPoint) -> [[f64; 2]; 2] {
+    let noise = if point.noise.is_finite() { point.noise } else { 0.0 };
+    [-1.0, 1.0].map(|sign| logarithms(point.seconds, point.error + sign * noise))
 }
 
 fn logarithms(seconds: f64, error: f64) -> [f64; 2] {
