@@ -224,8 +224,13 @@ mod tests {
     fn every_parameter_can_be_read_and_set() {
         let stats = Stats { epsilon_relative: 1e-4, epsilon_watts: 0.05, ..Stats::default() };
         for parameter in &PARAMETERS {
-            let before =
-                SolverParams { clustering: ClusteringMode::Octree, sides: Some(Sides::Front), ..Default::default() };
+            // No choice is the last of its kind.
+            let before = SolverParams {
+                clustering: ClusteringMode::Octree,
+                cluster_model: ClusterModel::Isotropic,
+                sides: Some(Sides::Front),
+                ..Default::default()
+            };
             let mut after = before;
             match &parameter.kind {
                 ValueKind::Real { range, .. } => {
