@@ -23,8 +23,9 @@
 //!    (β-links). Leaves reflect, B = B_e + ρE, and parents take the mean of their children. Sweeps are repeated until no power is left to move.
 //! 4. **Repeat.** B has grown, so links are judged again; those that fail now are refined. Done when none fails.
 //!
-//! A cluster has no normal: it counts as a volume of randomly turned faces, whose cosine is ¼ on average, so a form factor
-//! between two clusters carries 1/16 (\[2\]). At any time there is a picture: links that still wait to be judged count as they are, so
+//! A cluster has no normal: to the oracle it is a volume of randomly turned faces, whose cosine is ¼ on average, so a form factor
+//! between two clusters carries 1/16 (\[2\]). What a link then carries is found by pairs of points on its ends, or by that
+//! same model ([`solver::ClusterModel`]). Parts of faces that lie hidden inside of things are no area ([`exposure`]). At any time there is a picture: links that still wait to be judged count as they are, so
 //! the first picture, which the root's self-link alone makes, is there at once, and later ones sharpen.
 //!
 //! # Symbols and units
@@ -69,7 +70,7 @@
 #![cfg_attr(feature = "gui", doc = "| [`render`] | the wgpu picture of a snapshot, with and without a window |")]
 #![cfg_attr(feature = "gui", doc = "| [`app`] | the window |")]
 //!
-//! [`mod@format`] writes numbers for people and [`cancel`] stops long work. The feature `gui` (on by default) holds what needs a graphics adapter
+//! [`mod@format`] writes numbers for people, [`random`] makes reproducible random ones, and [`cancel`] stops long work. The feature `gui` (on by default) holds what needs a graphics adapter
 //! or a window; all else is a library that needs neither:
 //!
 //! ```

@@ -12,7 +12,7 @@ use crate::accuracy::ErrorMeter;
 use crate::cancel::CancelToken;
 use crate::reference::Reference;
 use crate::scene::Scene;
-use crate::solver::{ClusteringMode, Epsilon, Push, Solver, SolverError, SolverParams};
+use crate::solver::{ClusterModel, ClusteringMode, Epsilon, Push, Solver, SolverError, SolverParams};
 use crate::visibility::Occluders;
 
 /// The path tracer computes as many points as the display mesh of a solve with this ε has vertices.
@@ -38,7 +38,8 @@ pub struct Sweep {
     pub limit: Duration,
 }
 
-/// Every clustering with either push, on top of `base`. Without clusters there is nothing to push.
+/// Every clustering with either push, on top of `base`, and the paper's isotropic clusters. Without clusters there is nothing to
+/// push.
 pub fn usual_settings(base: SolverParams) -> Vec<Setting> {
     let modes = [
         ("adaptive", ClusteringMode::Adaptive),
@@ -57,6 +58,9 @@ pub fn usual_settings(base: SolverParams) -> Vec<Setting> {
             }
         }
     }
+    let isotropic = SolverParams { cluster_model: ClusterModel::Isotropic, ..base };
+    let params = SolverParams { clustering: ClusteringMode::Adaptive, push: Push::Immediate, ..isotropic };
+    settings.push(Setting { name: "isotropic, adaptive".to_owned(), params });
     settings
 }
 

@@ -26,7 +26,7 @@ const SECONDS: f64 = 20.0;
 pub fn command() -> Command {
     let command = Command::new("chart")
         .about(
-            "Chart the solver's error over time, links and rays, for every clustering and push, beside a path tracer's",
+            "Chart the solver's error over time, links and rays, for every clustering, push and cluster model, beside a path tracer's",
         )
         .arg(options::scene_arg().num_args(1..).required(true))
         .arg(
@@ -46,7 +46,13 @@ pub fn command() -> Command {
         .arg(options::seconds_arg(
             "Time of one run; what is finer than one that took longer is left out [default: 20]",
         ));
-    let swept = [ParameterId::Epsilon, ParameterId::EpsilonWatts, ParameterId::Clustering, ParameterId::Push];
+    let swept = [
+        ParameterId::Epsilon,
+        ParameterId::EpsilonWatts,
+        ParameterId::Clustering,
+        ParameterId::ClusterModel,
+        ParameterId::Push,
+    ];
     let command = reference::wish_args(command).args(options::light_args());
     command.args(options::solver_args_where(move |id| !swept.contains(&id)))
 }

@@ -169,5 +169,8 @@ fn readme(reports: &[Report], effort: &Effort, threads: usize, took: f64) -> Str
     for report in reports {
         let _ = writeln!(text, "- [{}]({}.md)", report.title, report.part.name());
     }
+    if !effort.quick {
+        text += "- [What was tried, and what became of it](tried.md), written by hand\n";
+    }
     text + "\n## Claims\n\n" + &claims_markdown(&claims)
 }

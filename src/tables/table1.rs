@@ -7,7 +7,7 @@ use super::lab::{Lab, LeftOut, Room, Run, with_epsilon};
 use super::report::{Report, Table};
 use super::{Part, paper};
 use crate::format::{count, number, quantity};
-use crate::solver::{ClusteringMode, SolverParams};
+use crate::solver::{ClusterModel, ClusteringMode, SolverParams};
 
 const COLUMNS: [Column; 8] = [
     Column::Time,
@@ -33,6 +33,10 @@ fn settings(params: SolverParams) -> Vec<(String, SolverParams)> {
         ("IC, adaptive".into(), of(ClusteringMode::Adaptive)),
         ("IC, groups".into(), of(ClusteringMode::Groups)),
         ("IC, octree 5".into(), SolverParams { octree_depth: 5, ..of(ClusteringMode::Octree) }),
+        (
+            "IC, adaptive, isotropic clusters".into(),
+            SolverParams { cluster_model: ClusterModel::Isotropic, ..of(ClusteringMode::Adaptive) },
+        ),
     ]
 }
 
@@ -54,7 +58,7 @@ pub fn run(lab: &mut Lab<'_>) -> Report {
     let mut remarks = left_out_remarks(&runs);
     let mut claims = Vec::new();
     if let (Ok(hr), Ok(ic), Some(Ok(initial))) = (&runs[0], &runs[1], runs.last()) {
-        tables.push(ratios(hr, &runs[1..4]));
+        tables.push(ratios(hr, &runs[1..5]));
         remarks.push(format!(
             "The paper's HR kept every pair as a link, 2,008² + 2,968. Ours judges {} pairs, some of them again as radiosities grow, and keeps the {} that see each \
              other: pairs that face away or see nothing of each other have no link.",
