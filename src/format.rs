@@ -117,6 +117,11 @@ pub fn without_os_codes(text: &str) -> String {
     kept + rest
 }
 
+/// A share and its standard error in per cent.
+pub fn percent_with(share: f64, standard_error: f64) -> String {
+    format!("{} %", plus_minus(100.0 * share, 100.0 * standard_error))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

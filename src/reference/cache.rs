@@ -8,65 +8,15 @@ use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU32, Ordering};
 
-use glam::{DVec3, Vec3};
+use glam::DVec3;
 use sha2::{Digest, Sha256};
 
-use super::points::SurfacePoint;
-use super::run::{BATCH, PILOT, ReferenceRun, State, Sums};
-use crate::scene::Scene;
+use super::key::{HASH, Key, MAGIC};
+use super::run::ReferenceRun;
+use super::sums::{State, Sums};
 
-/// Goes up with every change of what a path computes or of the file's layout.
-const VERSION: u32 = 1;
-/// The first bytes of a file.
-const MAGIC: &[u8; 8] = b"slnkref\n";
-/// Bytes of a hash.
-const HASH: usize = 32;
 /// Bytes of a point's sums: a count and six numbers.
 const RECORD: usize = 4 + 6 * 8;
-
-/// A hash of all that a reference's values depend on: the polygons as they are turned and doubled, reflectances, emissions,
-/// points, seed, and the version of the method.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Key([u8; HASH]);
-
-impl Key {
-    /// The key of a reference for these points.
-    pub fn of(scene: &Scene, points: &[SurfacePoint], seed: u64) -> Self {
-        let mut hash = Sha256::new();
-        hash.update(MAGIC);
-        hash.update(VERSION.to_le_bytes());
-        hash.update(BATCH.to_le_bytes());
-        hash.update(PILOT.to_le_bytes());
-        hash.update(seed.to_le_bytes());
-        hash.update((scene.polygons.len() as u64).to_le_bytes());
-        for polygon in &scene.polygons {
-            let (corners, count) = scene.corner_positions(polygon);
-            let material = &scene.materials[polygon.material.0 as usize];
-            hash.update([count as u8, u8::from(polygon.is_back)]);
-            for vector in corners[..count].iter().chain([&material.reflectance, &material.emission]) {
-                update(&mut hash, *vector);
-            }
-        }
-        hash.update((points.len() as u64).to_le_bytes());
-        for point in points {
-            hash.update(point.polygon.to_le_bytes());
-            for vector in [point.position, point.normal, point.reflectance] {
-                update(&mut hash, vector);
-            }
-        }
-        Self(hash.finalize().into())
-    }
-
-    fn name(&self) -> String {
-        self.0[..16].iter().map(|byte| format!("{byte:02x}")).collect()
-    }
-}
-
-fn update(hash: &mut Sha256, vector: Vec3) {
-    for value in vector.to_array() {
-        hash.update(value.to_bits().to_le_bytes());
-    }
-}
 
 /// A folder of references.
 #[derive(Clone, Debug)]

@@ -25,14 +25,17 @@
 
 mod cache;
 mod compute;
+mod key;
 mod lamps;
 mod path;
 mod points;
 mod run;
 mod sequence;
 mod share;
+mod sums;
 
-pub use cache::{Cache, Key};
+pub use cache::Cache;
 pub use compute::{Outcome, Target, compute};
+pub use key::Key;
 pub use points::{SurfacePoint, random_points, random_points_on};
 pub use run::{Reference, ReferenceRun};

@@ -1,7 +1,7 @@
 //! How many of the paths each point gets.
 
 use super::points::SurfacePoint;
-use super::run::{Sums, reflected};
+use super::sums::{Sums, reflected};
 
 /// The least share of a point, in batches per pass, whatever the pilot found there: it may have missed what is rare.
 const LEAST: f64 = 0.25;

@@ -4,7 +4,7 @@ use super::lab::{LeftOut, Run};
 use super::paper;
 use super::report::{Record, Table};
 use crate::chart::parameter_columns;
-use crate::format::{bytes, count, grouped, number, plus_minus, quantity};
+use crate::format::{bytes, count, grouped, number, quantity};
 
 /// A column of a table of runs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -81,11 +81,6 @@ impl Column {
 /// A share in per cent.
 pub fn percent(share: f64) -> String {
     if share.is_finite() { format!("{} %", number(100.0 * share)) } else { "–".into() }
-}
-
-/// A share and its standard error in per cent.
-pub fn percent_with(share: f64, standard_error: f64) -> String {
-    format!("{} %", plus_minus(100.0 * share, 100.0 * standard_error))
 }
 
 /// A ratio: 102×.

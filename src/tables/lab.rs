@@ -4,11 +4,11 @@ use std::sync::Arc;
 
 use rustc_hash::FxHashMap;
 
-use super::columns::percent_with;
 use super::effort::Effort;
 use crate::accuracy::{ErrorMeter, SolutionError};
 use crate::cancel::CancelToken;
 use crate::chart::within;
+use crate::format::percent_with;
 use crate::orient;
 use crate::reference::{Cache, Reference, ReferenceRun, Target, compute, random_points};
 use crate::scene::{Scene, builtin::BuiltinScene};

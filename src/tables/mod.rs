@@ -10,6 +10,7 @@ mod effort;
 #[cfg(feature = "gui")]
 pub mod figures;
 mod fit;
+mod growth;
 mod lab;
 pub mod paper;
 mod partial;

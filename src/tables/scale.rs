@@ -3,7 +3,8 @@
 use super::Part;
 use super::claims::{Claim, Verdict};
 use super::columns::{Column, left_out_remarks, records, table};
-use super::fit::{PowerLaw, fit};
+use super::fit::PowerLaw;
+use super::growth::Growth;
 use super::lab::{Lab, LeftOut, Room, Run, with_epsilon};
 use super::report::{Report, Table};
 use super::{scale_text, table1};
@@ -13,55 +14,6 @@ use crate::solver::{ClusteringMode, SolverParams};
 
 const COLUMNS: [Column; 7] =
     [Column::Polygons, Column::Time, Column::Patches, Column::Pairs, Column::Links, Column::Rays, Column::Memory];
-
-/// One mode's runs and laws.
-pub struct Growth {
-    /// What the tables call the mode.
-    pub name: &'static str,
-    /// The runs, small rooms first.
-    pub runs: Vec<Result<Run, LeftOut>>,
-    /// Time, s, of the number of polygons.
-    pub time: Option<PowerLaw>,
-    /// Links.
-    pub links: Option<PowerLaw>,
-    /// Pairs judged.
-    pub pairs: Option<PowerLaw>,
-    /// Bytes of links, elements and radiosities.
-    pub memory: Option<PowerLaw>,
-    /// Bytes of elements and radiosities alone.
-    pub elements: Option<PowerLaw>,
-}
-
-impl Growth {
-    fn new(name: &'static str, runs: Vec<Result<Run, LeftOut>>) -> Self {
-        let law = |of: &dyn Fn(&Run) -> f64| {
-            fit(&runs.iter().flatten().map(|run| (run.polygons as f64, of(run))).collect::<Vec<_>>())
-        };
-        Self {
-            time: law(&Run::time),
-            links: law(&|run| run.stats.links as f64),
-            pairs: law(&|run| run.stats.pairs_judged as f64),
-            memory: law(&|run| run.bytes() as f64),
-            elements: law(&|run| run.stats.bytes.elements as f64),
-            name,
-            runs,
-        }
-    }
-
-    /// The exponent that the time of the first room that took too long has at least over the largest one solved, with that room's
-    /// polygons.
-    fn least_exponent(&self) -> Option<(usize, f64)> {
-        let largest = self.largest()?;
-        let left_out = self.runs.iter().filter_map(|run| run.as_ref().err()).find(|run| run.longer_than.is_some())?;
-        let (time, size) = (left_out.longer_than? / largest.time(), left_out.polygons as f64 / largest.polygons as f64);
-        Some((left_out.polygons, time.ln() / size.ln()))
-    }
-
-    /// The largest room that was solved.
-    pub fn largest(&self) -> Option<&Run> {
-        self.runs.iter().flatten().last()
-    }
-}
 
 /// Runs it.
 pub fn run(lab: &mut Lab<'_>) -> Report {

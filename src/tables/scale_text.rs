@@ -2,9 +2,9 @@
 
 use super::columns::percent;
 use super::fit::PowerLaw;
+use super::growth::Growth;
 use super::lab::Run;
 use super::report::Table;
-use super::scale::Growth;
 use crate::format::{bytes, count, number, quantity};
 use crate::hierarchy::Element;
 use crate::scene::Polygon;

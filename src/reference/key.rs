@@ -1,0 +1,58 @@
+//! What a reference is known by: a hash of all that its values depend on.
+
+use glam::Vec3;
+use sha2::{Digest, Sha256};
+
+use super::points::SurfacePoint;
+use super::sums::{BATCH, PILOT};
+use crate::scene::Scene;
+
+/// Goes up with every change of what a path computes or of the file's layout.
+pub(super) const VERSION: u32 = 1;
+/// The first bytes of a file.
+pub(super) const MAGIC: &[u8; 8] = b"slnkref\n";
+/// Bytes of a hash.
+pub(super) const HASH: usize = 32;
+/// A hash of all that a reference's values depend on: the polygons as they are turned and doubled, reflectances, emissions,
+/// points, seed, and the version of the method.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Key(pub(super) [u8; HASH]);
+
+impl Key {
+    /// The key of a reference for these points.
+    pub fn of(scene: &Scene, points: &[SurfacePoint], seed: u64) -> Self {
+        let mut hash = Sha256::new();
+        hash.update(MAGIC);
+        hash.update(VERSION.to_le_bytes());
+        hash.update(BATCH.to_le_bytes());
+        hash.update(PILOT.to_le_bytes());
+        hash.update(seed.to_le_bytes());
+        hash.update((scene.polygons.len() as u64).to_le_bytes());
+        for polygon in &scene.polygons {
+            let (corners, count) = scene.corner_positions(polygon);
+            let material = &scene.materials[polygon.material.0 as usize];
+            hash.update([count as u8, u8::from(polygon.is_back)]);
+            for vector in corners[..count].iter().chain([&material.reflectance, &material.emission]) {
+                update(&mut hash, *vector);
+            }
+        }
+        hash.update((points.len() as u64).to_le_bytes());
+        for point in points {
+            hash.update(point.polygon.to_le_bytes());
+            for vector in [point.position, point.normal, point.reflectance] {
+                update(&mut hash, vector);
+            }
+        }
+        Self(hash.finalize().into())
+    }
+
+    pub(super) fn name(&self) -> String {
+        self.0[..16].iter().map(|byte| format!("{byte:02x}")).collect()
+    }
+}
+
+fn update(hash: &mut Sha256, vector: Vec3) {
+    for value in vector.to_array() {
+        hash.update(value.to_bits().to_le_bytes());
+    }
+}
