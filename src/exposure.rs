@@ -12,7 +12,7 @@
 use glam::Vec3;
 use rayon::prelude::*;
 
-use crate::random::mix;
+use crate::random::{cosine_direction, mix};
 use crate::scene::{Polygon, Scene};
 use crate::visibility::Occluders;
 
@@ -115,9 +115,12 @@ impl Exposure {
     /// How much of the cell at a corner of a patch is exposed, as a share of its area; corners are numbered like the quarters that
     /// hold them.
     pub fn share_at_corner(&self, cells: Cells, corner: u32) -> f32 {
+        if cells.are_all_exposed() {
+            return 1.0;
+        }
         // The quarter of that number, of its quarters that of the same number, and so on.
-        let cell = cells.first + corner * (cells.count.max(1) - 1) / 3;
-        if cells.count == 0 { 1.0 } else { f32::from(self.exposed[cell as usize]) / f32::from(POINTS) }
+        let cell = cells.first + corner * (cells.count - 1) / 3;
+        f32::from(self.exposed[cell as usize]) / f32::from(POINTS)
     }
 
     /// The cell at `u` in 0..1 of all cells of a patch that are exposed at all, as the quarters that lead to it from the patch, and how
@@ -233,14 +236,11 @@ impl<'a> Darkness<'a> {
     /// Whether a point lies inside of something: of so many random rays none meets a bright side, at least half meet the backs of faces
     /// (the others leave the scene), and as many rays to the lamps are blocked.
     pub fn hides(&self, point: Vec3, normal: Vec3, seed: u64, rays: u32) -> bool {
-        let (tangent, bitangent) = normal.any_orthonormal_pair();
         let lifted = point + self.occluders.least_distance() * normal;
         let mut backs = 0;
         for ray in 0..rays {
             let [u, v] = uniform(mix(seed, 2 * u64::from(ray) + 2));
-            let (sine, cosine) = (std::f32::consts::TAU * v).sin_cos();
-            let direction = u.sqrt() * (cosine * tangent + sine * bitangent) + (1.0 - u).sqrt() * normal;
-            match self.occluders.closest_hit(lifted, direction.normalize(), 0.0) {
+            match self.occluders.closest_hit(lifted, cosine_direction(normal, u, v), 0.0) {
                 Some(hit) if hit.front => return false,
                 Some(_) => backs += 1,
                 None => {}

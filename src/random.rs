@@ -1,4 +1,6 @@
-//! Random numbers that are the same on every run: a hash of what they are for.
+//! Random numbers that are the same on every run, a hash of what they are for, and directions made of them.
+
+use glam::Vec3;
 
 /// A well-mixed 64-bit hash of two numbers (the finaliser of splitmix64).
 pub fn mix(a: u64, b: u64) -> u64 {
@@ -6,4 +8,12 @@ pub fn mix(a: u64, b: u64) -> u64 {
     z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
     z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
     z ^ (z >> 31)
+}
+
+/// A direction about a normal with density cosθ/π.
+pub fn cosine_direction(normal: Vec3, u: f32, v: f32) -> Vec3 {
+    let (tangent, bitangent) = normal.any_orthonormal_pair();
+    let (sine, cosine) = (std::f32::consts::TAU * v).sin_cos();
+    let radius = u.sqrt();
+    (radius * (cosine * tangent + sine * bitangent) + (1.0 - u).max(0.0).sqrt() * normal).normalize()
 }

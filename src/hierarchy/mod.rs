@@ -109,6 +109,11 @@ impl Element {
         self.child_count == 0
     }
 
+    /// Share of the element's random points that light can reach.
+    pub fn exposed_share(&self) -> f32 {
+        if self.sampled_area > 0.0 { self.area / self.sampled_area } else { 1.0 }
+    }
+
     /// The enclosing element; `None` for the root.
     pub fn parent(&self) -> Option<ElementId> {
         (self.parent != NO_PARENT).then_some(ElementId(self.parent))
@@ -221,7 +226,8 @@ impl Hierarchy {
         }
         let first_child = self.elements.len() as u32;
         let quarters = self.quarters(&patch);
-        for (index, quarter) in quarters.into_iter().enumerate() {
+        for (index, mut quarter) in quarters.into_iter().enumerate() {
+            quarter.cells = self.exposure.of_quarter(patch.cells, index as u32);
             let mut child = self.patch_element(quarter, mix(parent.key, index as u64 + 1));
             child.parent = id.0;
             self.elements.push(child);

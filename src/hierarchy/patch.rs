@@ -106,15 +106,9 @@ impl Hierarchy {
         self.exposure.share_at_corner(patch.cells, corner as u32)
     }
 
-    /// The four quarters of a patch; new vertices in the middle of edges are shared with the neighbours.
+    /// The four quarters of a patch, as if nothing of them were hidden; new vertices in the middle of edges are shared with the neighbours.
     pub(super) fn quarters(&mut self, patch: &Patch) -> [Patch; 4] {
-        let exposure = self.exposure.clone();
-        let mut number = 0;
-        let mut quarter = |corners: &[u32]| {
-            let cells = exposure.of_quarter(patch.cells, number);
-            number += 1;
-            Patch::new(corners, patch.polygon, patch.level + 1, cells)
-        };
+        let quarter = |corners: &[u32]| Patch::new(corners, patch.polygon, patch.level + 1, Cells::default());
         match *patch.corners() {
             [a, b, c] => {
                 let (ab, bc, ca) = (self.split_edge(a, b), self.split_edge(b, c), self.split_edge(c, a));

@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use super::Solver;
 use crate::exposure::Darkness;
 use crate::hierarchy::ElementId;
-use crate::random::mix;
+use crate::random::{cosine_direction, mix};
 
 /// The power of a solution, W per colour: Φ should equal the sum of the other three.
 #[derive(Clone, Copy, Debug)]
@@ -67,7 +67,7 @@ pub fn power_balance(solver: &Solver, rays: u32, seed: u64) -> PowerBalance {
     let lower_upper = solver.scene.bounds();
     let nearest = 1e-5 * (lower_upper.1 - lower_upper.0).length();
     let darkness = Darkness::new(&solver.scene, &solver.occluders);
-    let can_hide = |leaf: ElementId| hierarchy.element(leaf).area < hierarchy.element(leaf).sampled_area;
+    let can_hide = |leaf: ElementId| hierarchy.element(leaf).exposed_share() < 1.0;
     let fates: Vec<(DVec3, DVec3)> = (0..rays)
         .into_par_iter()
         .map(|index| {
@@ -111,12 +111,4 @@ impl Solver {
         let fronts = self.scene.polygons.iter().position(|polygon| polygon.is_back).unwrap_or(usize::MAX);
         (polygon as usize) < fronts && fronts != usize::MAX
     }
-}
-
-/// A direction about a normal with density cosθ/π.
-fn cosine_direction(normal: Vec3, u: f32, v: f32) -> Vec3 {
-    let (tangent, bitangent) = normal.any_orthonormal_pair();
-    let (sine, cosine) = (std::f32::consts::TAU * v).sin_cos();
-    let radius = u.sqrt();
-    (radius * (cosine * tangent + sine * bitangent) + (1.0 - u).max(0.0).sqrt() * normal).normalize()
 }

@@ -3,7 +3,7 @@
 //! The power oracle of the paper (section 2.3, [Lischinski 94]): refine while B_s·F·A_r > ε, with ε_partial where the ends
 //! see each other only in part; rays in proportion to B·F·A/ε within bounds (section 2.4).
 
-use crate::hierarchy::{Cluster, Element, ElementId, Hierarchy, Shape};
+use crate::hierarchy::{Cluster, ElementId, Hierarchy, Shape};
 
 use super::candidate::{Candidate, Directions, end_to_split};
 use super::form_factor::{Exchange, exchange, self_exchange};
@@ -107,14 +107,12 @@ impl Oracle<'_> {
                 && sight.kind == SightKind::Full
                 && self.is_chosen_for_clear(link, bound)
             {
-                let visibility = *second_look.get_or_insert_with(|| {
-                    let asked = self.thresholds.rays_for(strongest * estimate);
-                    let plan = RayPlan { rays: asked, rays_if_blocked: asked, stop_when_mixed: false };
-                    let survey = self.sampler.survey(self.hierarchy, (a, b), Spread::EvenAgain, plan);
+                let survey = second_look.get_or_insert_with(|| {
+                    let survey = self.look_again((a, b), strongest * estimate);
                     rays += survey.cast;
-                    if survey.cast > 0 { survey.visibility() } else { 1.0 }
+                    survey
                 });
-                *link = link.with_visibility(visibility);
+                *link = link.with_visibility(if survey.cast > 0 { survey.visibility() } else { 1.0 });
             }
             if let Decision::Accept(link) | Decision::AcceptAtGuard(link) = &mut decision
                 && let Some(plan) = sight.plan
@@ -125,7 +123,7 @@ impl Oracle<'_> {
                 rays += survey.cast;
                 let (to, from) = (self.hierarchy.element(receiver), self.hierarchy.element(source));
                 link.direct =
-                    (from.area * survey.mean_visible_kernel()).min(1.0) / (exposed_share(to) * exposed_share(from));
+                    (from.area * survey.mean_visible_kernel()).min(1.0) / (to.exposed_share() * from.exposed_share());
             }
             decision
         };
@@ -157,7 +155,7 @@ impl Oracle<'_> {
             (brightness * area, brightness * area)
         } else if !hierarchy.element(receiver).is_cluster() && !hierarchy.element(source).is_cluster() {
             // Patches have one estimate, and the link holds it.
-            let sampled = exposed_share(hierarchy.element(receiver)) * exposed_share(hierarchy.element(source));
+            let sampled = hierarchy.element(receiver).exposed_share() * hierarchy.element(source).exposed_share();
             let power = brightness * link.form_factor * sampled * area;
             (power, power)
         } else {
@@ -237,7 +235,7 @@ impl Oracle<'_> {
         let plan = RayPlan { rays: asked, rays_if_blocked: asked, stop_when_mixed: false };
         let survey = self.sampler.survey(self.hierarchy, (id, id), Spread::Even, plan);
         *rays += survey.cast;
-        let share = exposed_share(element);
+        let share = element.exposed_share();
         let form_factor = (element.area * survey.mean_kernel()).min(1.0) / (share * share);
         Link::new(id, form_factor, survey.visibility(), evidence)
     }
@@ -263,7 +261,14 @@ impl Oracle<'_> {
             }
             _ => estimate / to.area,
         };
-        form_factor.min(1.0) / (exposed_share(to) * exposed_share(from))
+        form_factor.min(1.0) / (to.exposed_share() * from.exposed_share())
+    }
+
+    /// Looks at other points of a pair than those that made it look clear.
+    fn look_again(&self, pair: (ElementId, ElementId), power: f32) -> Survey {
+        let asked = self.thresholds.rays_for(power);
+        let plan = RayPlan { rays: asked, rays_if_blocked: asked, stop_when_mixed: false };
+        self.sampler.survey(self.hierarchy, pair, Spread::EvenAgain, plan)
     }
 
     /// Whether a link is kept only because its ends looked clear of each other: it would be refined otherwise, or it was never
@@ -349,11 +354,6 @@ impl Oracle<'_> {
     }
 }
 
-/// Share of the random points of an element that light can reach.
-fn exposed_share(element: &Element) -> f32 {
-    if element.sampled_area > 0.0 { element.area / element.sampled_area } else { 1.0 }
-}
-
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum SightKind {
     Full,
@@ -383,11 +383,12 @@ impl Sight {
     }
 
     fn evidence(&self) -> Evidence {
+        let asked = self.asked.min(u32::from(u16::MAX)) as u16;
         match self.kind {
-            SightKind::Full if self.asked == 0 => Evidence::Inherited,
+            SightKind::Full if asked == 0 => Evidence::Inherited,
             SightKind::Unknown => Evidence::None,
-            SightKind::Full => Evidence::Clear(self.asked.min(u32::from(u16::MAX)) as u16),
-            _ => Evidence::Rays(self.asked.min(u32::from(u16::MAX)) as u16),
+            SightKind::Full => Evidence::Clear(asked),
+            SightKind::Partial | SightKind::None => Evidence::Rays(asked),
         }
     }
 }

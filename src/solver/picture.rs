@@ -11,7 +11,7 @@ use super::display::Display;
 use super::form_factor::{Exchange, exchange, self_exchange};
 use super::gather::{Gatherer, Light};
 use super::link::{Evidence, Link, LinkTable};
-use super::push::handed_down;
+use super::push::Inspector;
 use super::snapshot::{InspectedElement, LinkView, Snapshot};
 use super::stats::Phase;
 use crate::cancel::CancelToken;
@@ -130,6 +130,7 @@ fn inspected(solver: &Solver, table: &LinkTable, light: &Light, id: ElementId) -
     let element = hierarchy.elements().get(id.index())?;
     let scale = light.row_scale.get(id.index()).copied().unwrap_or(1.0);
     let finished = solver.phase == Phase::Done;
+    let inspector = Inspector::new(hierarchy, &solver.params);
     let mut links = Vec::new();
     for (levels_up, at) in std::iter::successors(Some(id), |&at| hierarchy.element(at).parent()).enumerate() {
         let receiver = hierarchy.element(at);
@@ -152,7 +153,7 @@ fn inspected(solver: &Solver, table: &LinkTable, light: &Light, id: ElementId) -
                 power: flux.max_element() * receiver.area,
                 levels_up: levels_up as u16,
                 receiver_is_cluster: receiver.is_cluster(),
-                irradiance: scale * handed_down(hierarchy, &solver.params, (at, link), flux, id),
+                irradiance: scale * inspector.handed_down((at, link), flux, id),
             });
         }
     }

@@ -190,29 +190,38 @@ impl<'a> Pusher<'a> {
     }
 }
 
-/// What a link at `receiver`, which brings it `flux` (W/m²), hands down to a leaf below: a cluster's to the leaf's initial
-/// patch by that one's cosine. For a single element: the patch's own cosine stands for that of the clusters around it.
-pub fn handed_down(
-    hierarchy: &Hierarchy,
-    params: &SolverParams,
-    (receiver, link): (ElementId, &Link),
-    flux: Vec3,
-    leaf: ElementId,
-) -> Vec3 {
-    if params.push == Push::Deferred || !hierarchy.element(receiver).is_cluster() {
-        return flux;
+/// Tells what single links hand down to one leaf: the patch's own cosine stands for that of the clusters around it.
+pub struct Inspector<'a> {
+    hierarchy: &'a Hierarchy,
+    params: &'a SolverParams,
+    facings: Vec<Facing>,
+}
+
+impl<'a> Inspector<'a> {
+    /// Prepares to look at any number of links.
+    pub fn new(hierarchy: &'a Hierarchy, params: &'a SolverParams) -> Self {
+        Self { hierarchy, params, facings: facings(hierarchy) }
     }
-    let (handing, _) = handed(hierarchy, &facings(hierarchy), params.cluster_model, (receiver, link), 0);
-    let initial = std::iter::successors(Some(leaf), |&id| {
-        hierarchy.element(id).parent().filter(|&parent| !hierarchy.element(parent).is_cluster())
-    });
-    let element = hierarchy.element(initial.last().unwrap_or(leaf));
-    let from = hierarchy.element(link.source()).centre;
-    match element.shape {
-        Shape::Patch(patch) => {
-            flux * (handing.even + handing.beam * cosine_towards(element.centre, patch.normal, from))
+
+    /// What a link at `receiver`, which brings it `flux` (W/m²), hands down to a leaf below: a cluster's to the leaf's initial
+    /// patch by that one's cosine.
+    pub fn handed_down(&self, (receiver, link): (ElementId, &Link), flux: Vec3, leaf: ElementId) -> Vec3 {
+        let (hierarchy, params) = (self.hierarchy, self.params);
+        if params.push == Push::Deferred || !hierarchy.element(receiver).is_cluster() {
+            return flux;
         }
-        Shape::Cluster(_) => flux,
+        let (handing, _) = handed(hierarchy, &self.facings, params.cluster_model, (receiver, link), 0);
+        let initial = std::iter::successors(Some(leaf), |&id| {
+            hierarchy.element(id).parent().filter(|&parent| !hierarchy.element(parent).is_cluster())
+        });
+        let element = hierarchy.element(initial.last().unwrap_or(leaf));
+        let from = hierarchy.element(link.source()).centre;
+        match element.shape {
+            Shape::Patch(patch) => {
+                flux * (handing.even + handing.beam * cosine_towards(element.centre, patch.normal, from))
+            }
+            Shape::Cluster(_) => flux,
+        }
     }
 }
 

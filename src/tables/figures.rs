@@ -85,21 +85,16 @@ fn pairs(lab: &Lab<'_>) -> Vec<Pair> {
 /// # Errors
 /// The adapter cannot draw a picture.
 pub fn draw(lab: &mut Lab<'_>, offscreen: &mut Offscreen) -> Result<(Report, Vec<Picture>), RenderError> {
-    let mut report = Report {
-        part: Part::Figures,
-        title: "Figures 2 to 7".into(),
-        introduction: format!(
+    let mut report = Report::new(
+        Part::Figures,
+        "Figures 2 to 7",
+        format!(
             "Each pair has one exposure, that of its right picture. Below each pair the difference of displayed brightness, right less left: white is equal, red is brighter at the right, blue is darker; \
              the full colour is a difference of {} of white. Pictures are drawn by {}.",
             percent(f64::from(FULL_COLOUR)),
             offscreen.adapter()
         ),
-        tables: Vec::new(),
-        remarks: Vec::new(),
-        pictures: Vec::new(),
-        records: Vec::new(),
-        claims: Vec::new(),
-    };
+    );
     let mut pictures = Vec::new();
     for pair in pairs(lab) {
         match solve_and_draw(lab, offscreen, &pair)? {

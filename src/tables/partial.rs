@@ -22,20 +22,15 @@ const MULTIPLES: [f64; 8] = [16.0, 8.0, 4.0, 2.0, 0.5, 0.25, 0.125, 0.0625];
 /// Runs it.
 pub fn run(lab: &mut Lab<'_>) -> Report {
     let part = Part::Partial;
-    let mut report = Report {
+    let mut report = Report::new(
         part,
-        title: "Section 2.3: ε_partial and what ε means".into(),
-        introduction: format!(
+        "Section 2.3: ε_partial and what ε means",
+        format!(
             "Adaptive clusters; links whose ends see each other in part are judged by ε_partial. ε is that of Tables 1 and 2, so a smaller ε_partial also makes a finer solution: \
              what counts is what it gains for its rays. Times are {}.",
             table1::timing(lab)
         ),
-        tables: Vec::new(),
-        remarks: Vec::new(),
-        pictures: Vec::new(),
-        records: Vec::new(),
-        claims: Vec::new(),
-    };
+    );
     for (builtin, epsilon) in
         [(lab.effort.seminar, lab.effort.seminar_epsilon), (lab.effort.office, lab.effort.office_epsilon)]
     {

@@ -39,19 +39,14 @@ const MEASUREMENTS: usize = 5;
 
 /// Runs it.
 pub fn run(lab: &mut Lab<'_>) -> Report {
-    let mut report = Report {
-        part: Part::Rays,
-        title: "Section 2.4: visibility rays".into(),
-        introduction: format!(
+    let mut report = Report::new(
+        Part::Rays,
+        "Section 2.4: visibility rays",
+        format!(
             "A link gets f_vis · BFA/ε rays, within a lower and an upper bound; the first row is the usual setting. Adaptive clusters, ε of Tables 1 and 2. Times are {}.",
             table1::timing(lab)
         ),
-        tables: Vec::new(),
-        remarks: Vec::new(),
-        pictures: Vec::new(),
-        records: Vec::new(),
-        claims: Vec::new(),
-    };
+    );
     for (builtin, epsilon) in
         [(lab.effort.seminar, lab.effort.seminar_epsilon), (lab.effort.office, lab.effort.office_epsilon)]
     {

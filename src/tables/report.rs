@@ -67,6 +67,20 @@ pub struct Report {
 }
 
 impl Report {
+    /// A report without anything in it yet.
+    pub fn new(part: Part, title: &str, introduction: String) -> Self {
+        Self {
+            part,
+            title: title.to_owned(),
+            introduction,
+            tables: Vec::new(),
+            remarks: Vec::new(),
+            pictures: Vec::new(),
+            records: Vec::new(),
+            claims: Vec::new(),
+        }
+    }
+
     /// The part's page.
     pub fn markdown(&self) -> String {
         let mut text = format!("# {}\n\n{}\n", self.title, self.introduction);

@@ -5,7 +5,7 @@
 use std::sync::Arc;
 
 use glam::Vec3;
-use selflink::exposure::Exposure;
+use selflink::exposure::{Exposure, quarter};
 use selflink::hierarchy::{ClusteringMode, Hierarchy, Shape};
 use selflink::scene::{GroupId, Scene};
 use selflink::visibility::Occluders;
@@ -67,6 +67,27 @@ fn the_floor_under_a_box_is_no_area() {
         // More than a cell away from the box's sides.
         let inside = point.x > 0.31 && point.x < 0.49 && point.z > 0.36 && point.z < 0.64;
         assert!(!inside, "{point} is under the box");
+    }
+}
+
+/// Cells are the very quarters into which patches are split, in the same order: else a patch would hold its neighbour's cells.
+#[test]
+fn cells_are_the_quarters_of_patches() {
+    let mut scene = Scene::new("a quad and a triangle");
+    let grey = scene.add_material("grey", Vec3::splat(0.5), Vec3::ONE);
+    let corners = [Vec3::ZERO, Vec3::new(4.0, 0.0, 1.0), Vec3::new(4.5, 2.0, 1.0), Vec3::new(0.0, 3.0, 0.0)];
+    scene.add_quad(corners, grey, GroupId(0));
+    scene.add_triangle([corners[0], corners[1], corners[3]], grey, GroupId(0));
+    let mut hierarchy = Hierarchy::new(&scene, Arc::default(), ClusteringMode::None, 1);
+    for id in hierarchy.initial_patches().to_vec() {
+        hierarchy.subdivide(id);
+        let Shape::Patch(whole) = hierarchy.element(id).shape else { panic!("an initial patch") };
+        let (corners, count) = hierarchy.corner_positions(&whole);
+        for (number, child) in hierarchy.element(id).children().enumerate() {
+            let Shape::Patch(part) = hierarchy.element(child).shape else { panic!("a patch holds patches") };
+            let (found, _) = hierarchy.corner_positions(&part);
+            assert_eq!(found[..count], quarter(corners, count, number as u32)[..count], "quarter {number}");
+        }
     }
 }
 
