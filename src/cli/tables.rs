@@ -7,6 +7,7 @@ use std::time::Instant;
 
 use anyhow::{anyhow, bail};
 use clap::{Arg, ArgAction, ArgMatches, Command};
+use rayon::ThreadPool;
 use selflink::format::seconds;
 use selflink::solver::ParameterId;
 use selflink::tables::{Claim, Effort, Lab, Part, Report, Truth, Verdict, claims_markdown};
@@ -64,25 +65,21 @@ pub fn run(matches: &ArgMatches) -> anyhow::Result<()> {
     let mut tell = |line: &str| eprintln!("{:>7}  {line}", seconds(begun.elapsed().as_secs_f64()));
     let truth = Truth { points: wish.points, target: wish.target, cache: wish.cache };
     let mut reports = Vec::new();
-    let threads = pool.current_num_threads();
-    pool.install(|| {
-        let mut lab = Lab::new(effort.clone(), truth, &mut tell);
-        for &part in &parts {
-            let Some(report) = report(&mut lab, part, &folder)? else { continue };
-            save(&folder, &format!("{}.md", part.name()), &report.markdown())?;
-            if !report.records.is_empty() {
-                save(&folder, &format!("{}.csv", part.name()), &report.csv())?;
-            }
-            say(&format!("{}\n", report.text()))?;
-            reports.push(report);
+    let mut lab = Lab::new(effort.clone(), truth, &mut tell);
+    for &part in &parts {
+        let Some(report) = report(&mut lab, part, &folder, &pool)? else { continue };
+        save(&folder, &format!("{}.md", part.name()), &report.markdown())?;
+        if !report.records.is_empty() {
+            save(&folder, &format!("{}.csv", part.name()), &report.csv())?;
         }
-        anyhow::Ok(())
-    })?;
+        say(&format!("{}\n", report.text()))?;
+        reports.push(report);
+    }
     let took = begun.elapsed().as_secs_f64();
     let claims: Vec<&Claim> = reports.iter().flat_map(|report| &report.claims).collect();
     say(&verdicts(&claims))?;
     if parts.len() == Part::ALL.len() {
-        save(&folder, "README.md", &readme(&reports, &effort, threads, took))?;
+        save(&folder, "README.md", &readme(&reports, &effort, pool.current_num_threads(), took))?;
     }
     eprintln!("{}: written in {}", folder.display(), seconds(took));
     Ok(())
@@ -98,18 +95,22 @@ fn parts(matches: &ArgMatches) -> anyhow::Result<Vec<Part>> {
 }
 
 /// One part; nothing where it is the figures and there is nothing to draw them with.
-fn report(lab: &mut Lab<'_>, part: Part, folder: &Path) -> anyhow::Result<Option<Report>> {
+fn report(lab: &mut Lab<'_>, part: Part, folder: &Path, pool: &ThreadPool) -> anyhow::Result<Option<Report>> {
     if part != Part::Figures {
-        return Ok(part.run(lab));
+        return Ok(pool.install(|| part.run(lab)));
     }
-    figures(lab, folder)
+    figures(lab, folder, pool)
 }
 
 #[cfg(feature = "gui")]
-fn figures(lab: &mut Lab<'_>, folder: &Path) -> anyhow::Result<Option<Report>> {
+fn figures(lab: &mut Lab<'_>, folder: &Path, pool: &ThreadPool) -> anyhow::Result<Option<Report>> {
     use selflink::render::{Offscreen, RenderError};
+    use selflink::tables::figures;
     let drawn = match Offscreen::new() {
-        Ok(mut offscreen) => selflink::tables::figures::draw(lab, &mut offscreen)?,
+        Ok(mut offscreen) => {
+            let solved = pool.install(|| figures::solve(lab));
+            figures::draw(solved, &mut offscreen, lab.effort.picture)?
+        }
         Err(error @ (RenderError::NoAdapter | RenderError::NoDevice { .. })) => {
             eprintln!("warning: the figures are left out: {error}.");
             return Ok(None);
@@ -128,7 +129,7 @@ fn figures(lab: &mut Lab<'_>, folder: &Path) -> anyhow::Result<Option<Report>> {
 }
 
 #[cfg(not(feature = "gui"))]
-fn figures(_: &mut Lab<'_>, _: &Path) -> anyhow::Result<Option<Report>> {
+fn figures(_: &mut Lab<'_>, _: &Path, _: &ThreadPool) -> anyhow::Result<Option<Report>> {
     eprintln!("warning: the figures are left out: this program was built without the feature gui.");
     Ok(None)
 }

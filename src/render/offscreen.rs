@@ -22,11 +22,13 @@ pub struct Offscreen {
 }
 
 impl Offscreen {
-    /// Takes the first adapter that answers.
+    /// Takes the first adapter that answers. Not for threads of a pool: nobody waits until they have ended, and a driver whose
+    /// data of a thread are freed while the process ends may free them twice.
     ///
     /// # Errors
     /// No adapter, or one that gives no device.
     pub fn new() -> Result<Self, RenderError> {
+        debug_assert!(rayon::current_thread_index().is_none(), "drawn on a pool's thread, which may end too late");
         let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env());
         let options = |force_fallback_adapter| wgpu::RequestAdapterOptions {
             power_preference: wgpu::PowerPreference::HighPerformance,

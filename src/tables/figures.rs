@@ -1,5 +1,7 @@
 //! Figures 2 to 7: pairs of pictures side by side, and the difference of each pair.
 
+use std::sync::Arc;
+
 use image::{Rgb, RgbImage, RgbaImage, imageops};
 
 use super::Part;
@@ -10,8 +12,8 @@ use super::report::Report;
 use crate::render::{
     BLUE_WHITE_RED, Camera, Display, Exposure, Offscreen, Overlay, RenderError, along_ramp, auto_exposure,
 };
-use crate::scene::builtin::BuiltinScene;
-use crate::solver::{ClusteringMode, Push, SolverParams};
+use crate::scene::{Scene, builtin::BuiltinScene};
+use crate::solver::{ClusteringMode, Push, Snapshot, SolverParams};
 
 const COLUMNS: [Column; 5] = [Column::Time, Column::Patches, Column::Links, Column::Rms, Column::Median];
 /// Pixels between the two pictures of a pair.
@@ -80,11 +82,39 @@ fn pairs(lab: &Lab<'_>) -> Vec<Pair> {
     ]
 }
 
-/// Draws them.
+/// A pair with its solutions, ready to be drawn.
+pub struct SolvedPair {
+    pair: Pair,
+    sides: Result<Sides, LeftOut>,
+}
+
+struct Sides {
+    scene: Arc<Scene>,
+    solutions: [(Run, Snapshot); 2],
+}
+
+/// Solves all pairs, on whatever threads; [`draw`] is for the main thread alone ([`Offscreen::new`]).
+pub fn solve(lab: &mut Lab<'_>) -> Vec<SolvedPair> {
+    pairs(lab).into_iter().map(|pair| SolvedPair { sides: solve_pair(lab, &pair), pair }).collect()
+}
+
+fn solve_pair(lab: &mut Lab<'_>, pair: &Pair) -> Result<Sides, LeftOut> {
+    let mut room = lab.room(pair.scene);
+    let [left, right] = &pair.sides;
+    let left = lab.solve(&mut room, &left.0, left.1)?;
+    let right = lab.solve(&mut room, &right.0, right.1)?;
+    Ok(Sides { scene: room.scene, solutions: [left, right] })
+}
+
+/// Draws solved pairs in a size of pixels.
 ///
 /// # Errors
 /// The adapter cannot draw a picture.
-pub fn draw(lab: &mut Lab<'_>, offscreen: &mut Offscreen) -> Result<(Report, Vec<Picture>), RenderError> {
+pub fn draw(
+    solved: Vec<SolvedPair>,
+    offscreen: &mut Offscreen,
+    size: [u32; 2],
+) -> Result<(Report, Vec<Picture>), RenderError> {
     let mut report = Report::new(
         Part::Figures,
         "Figures 2 to 7",
@@ -96,13 +126,13 @@ pub fn draw(lab: &mut Lab<'_>, offscreen: &mut Offscreen) -> Result<(Report, Vec
         ),
     );
     let mut pictures = Vec::new();
-    for pair in pairs(lab) {
-        match solve_and_draw(lab, offscreen, &pair)? {
-            Ok((runs, drawn)) => {
-                let [left, right] = drawn;
+    for SolvedPair { pair, sides } in solved {
+        match sides {
+            Ok(sides) => {
+                let [left, right] = draw_pair(&sides, offscreen, size)?;
                 let (difference, mean, signed) = difference(&left, &right);
                 report.claims.extend(claim(&pair, mean, signed));
-                let runs = runs.map(Ok);
+                let runs = sides.solutions.map(|(run, _)| Ok(run));
                 report.tables.push(table(pair.caption.clone(), &COLUMNS, &[], &runs));
                 report.records.extend(records(pair.scene.name(), &[], &runs));
                 let name = pair.name;
@@ -124,29 +154,13 @@ pub fn draw(lab: &mut Lab<'_>, offscreen: &mut Offscreen) -> Result<(Report, Vec
     Ok((report, pictures))
 }
 
-type Drawn = ([Run; 2], [RgbaImage; 2]);
-
-fn solve_and_draw(
-    lab: &mut Lab<'_>,
-    offscreen: &mut Offscreen,
-    pair: &Pair,
-) -> Result<Result<Drawn, LeftOut>, RenderError> {
-    let size = lab.effort.picture;
-    let mut room = lab.room(pair.scene);
-    let [left, right] = &pair.sides;
-    let solved = lab
-        .solve(&mut room, &left.0, left.1)
-        .and_then(|left| lab.solve(&mut room, &right.0, right.1).map(|right| [left, right]));
-    let [left, right] = match solved {
-        Ok(solved) => solved,
-        Err(left_out) => return Ok(Err(left_out)),
-    };
-    let camera = Camera::of_scene(&room.scene, size[0] as f32 / size[1] as f32);
-    let exposure = Exposure::Manual { stops: auto_exposure(&right.1).log2() };
+fn draw_pair(sides: &Sides, offscreen: &mut Offscreen, size: [u32; 2]) -> Result<[RgbaImage; 2], RenderError> {
+    let [(_, left), (_, right)] = &sides.solutions;
+    let camera = Camera::of_scene(&sides.scene, size[0] as f32 / size[1] as f32);
+    let exposure = Exposure::Manual { stops: auto_exposure(right).log2() };
     let display = Display { exposure, as_colours: false };
     let mut draw = |snapshot| offscreen.picture(snapshot, &camera, &display, &Overlay::default(), size);
-    let drawn = [draw(&left.1)?, draw(&right.1)?];
-    Ok(Ok(([left.0, right.0], drawn)))
+    Ok([draw(left)?, draw(right)?])
 }
 
 /// HR and IC look alike.

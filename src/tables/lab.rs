@@ -141,12 +141,12 @@ pub struct Lab<'a> {
     pub effort: Effort,
     truth: Truth,
     references: FxHashMap<BuiltinScene, Arc<Reference>>,
-    tell: &'a mut dyn FnMut(&str),
+    tell: &'a mut (dyn FnMut(&str) + Send),
 }
 
 impl<'a> Lab<'a> {
     /// A lab that tells what it does, line by line.
-    pub fn new(effort: Effort, truth: Truth, tell: &'a mut dyn FnMut(&str)) -> Self {
+    pub fn new(effort: Effort, truth: Truth, tell: &'a mut (dyn FnMut(&str) + Send)) -> Self {
         Self { effort, truth, references: FxHashMap::default(), tell }
     }
 
