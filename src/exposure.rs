@@ -14,7 +14,7 @@ use rayon::prelude::*;
 
 use crate::random::{cosine_direction, mix};
 use crate::scene::{Polygon, Scene};
-use crate::visibility::Occluders;
+use crate::visibility::{Hit, Occluders};
 
 /// Cells have about this share of a scene's area: a square of 30 cm in a seminar room.
 const CELL_SHARE: f32 = 1.0 / 4_096.0;
@@ -25,6 +25,9 @@ const POINTS: u8 = 4;
 /// Rays that must all meet backs before a point is believed to be hidden: of one that sees a sixth of the room, one in twenty is
 /// mistaken for hidden.
 const RAYS: u32 = 16;
+
+/// Reflections after which light that was not found is not looked for any further.
+const MOST_BOUNCES: u64 = 6;
 
 /// The hidden parts of each polygon of a scene.
 #[derive(Clone, Debug, Default)]
@@ -236,17 +239,54 @@ impl<'a> Darkness<'a> {
     /// Whether a point lies inside of something: of so many random rays none meets a bright side, at least half meet the backs of faces
     /// (the others leave the scene), and as many rays to the lamps are blocked.
     pub fn hides(&self, point: Vec3, normal: Vec3, seed: u64, rays: u32) -> bool {
-        let lifted = point + self.occluders.least_distance() * normal;
         let mut backs = 0;
         for ray in 0..rays {
-            let [u, v] = uniform(mix(seed, 2 * u64::from(ray) + 2));
-            match self.occluders.closest_hit(lifted, cosine_direction(normal, u, v), 0.0) {
-                Some(hit) if hit.front => return false,
+            match self.look(point, normal, mix(seed, 2 * u64::from(ray) + 2)) {
+                Some((_, hit)) if hit.front => return false,
                 Some(_) => backs += 1,
                 None => {}
             }
         }
         2 * backs >= rays && !(0..rays).any(|ray| self.shows_lamp(point, normal, mix(seed, 2 * u64::from(ray) + 3)))
+    }
+
+    /// The same where things run through each other or stand face on face, so that bright sides may be hidden as well: at least half
+    /// of the rays meet backs, and no light is found along the others, however they are reflected.
+    pub fn encloses(&self, point: Vec3, normal: Vec3, seed: u64, rays: u32) -> bool {
+        let mut backs = 0;
+        for ray in 0..rays {
+            let (mut point, mut normal) = (point, normal);
+            for bounce in 0..MOST_BOUNCES {
+                let seed = mix(mix(seed, u64::from(ray)), bounce);
+                if self.shows_lamp(point, normal, mix(seed, 1)) {
+                    return false;
+                }
+                match self.look(point, normal, mix(seed, 2)) {
+                    Some((place, hit)) if hit.front => {
+                        let polygon = &self.scene.polygons[hit.polygon as usize];
+                        if self.scene.materials[polygon.material.0 as usize].emission != Vec3::ZERO {
+                            return false;
+                        }
+                        (point, normal) = (place, self.scene.normal(polygon));
+                    }
+                    Some(_) => {
+                        backs += u32::from(bounce == 0);
+                        break;
+                    }
+                    None => break,
+                }
+            }
+        }
+        2 * backs >= rays
+    }
+
+    /// What a random ray meets, and where.
+    fn look(&self, point: Vec3, normal: Vec3, random: u64) -> Option<(Vec3, Hit)> {
+        let lifted = point + self.occluders.least_distance() * normal;
+        let [u, v] = uniform(random);
+        let direction = cosine_direction(normal, u, v);
+        let hit = self.occluders.closest_hit(lifted, direction, 0.0)?;
+        Some((lifted + hit.distance * direction, hit))
     }
 
     fn shows_lamp(&self, point: Vec3, normal: Vec3, random: u64) -> bool {

@@ -11,7 +11,7 @@ use rayon::prelude::*;
 use rustc_hash::FxHashMap;
 
 use crate::scene::{Polygon, Scene, Sides};
-use crate::visibility::Occluders;
+use crate::visibility::{Hit, Occluders};
 
 /// Rays for each polygon; more would not be seen, fewer leave many faces without a vote.
 const RAYS_PER_POLYGON: usize = 4;
@@ -68,6 +68,27 @@ pub fn apply(mut scene: Scene, sides: Sides) -> (Scene, Occluders) {
             (scene, occluders)
         }
     }
+}
+
+/// The second side of each doubled face; empty where none is doubled. Fronts and backs come in the same order ([`apply`]).
+pub fn backs(scene: &Scene) -> Vec<Option<u32>> {
+    let index_of = |is_back: bool| {
+        let all = scene.polygons.iter().enumerate();
+        all.filter(move |(_, polygon)| polygon.is_back == is_back).map(|(index, _)| index as u32)
+    };
+    if index_of(true).next().is_none() {
+        return Vec::new();
+    }
+    let mut back_of = vec![None; scene.polygons.len()];
+    for (front, back) in index_of(false).zip(index_of(true)) {
+        back_of[front as usize] = Some(back);
+    }
+    back_of
+}
+
+/// The polygon whose bright side a ray meets, by what [`backs`] told; `None` for a dark back.
+pub fn bright_side(hit: Hit, back_of: &[Option<u32>]) -> Option<u32> {
+    if hit.front { Some(hit.polygon) } else { *back_of.get(hit.polygon as usize)? }
 }
 
 /// For each polygon, how much more it is seen from its bright side than from behind; 0 where nothing tells.

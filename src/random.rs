@@ -10,6 +10,12 @@ pub fn mix(a: u64, b: u64) -> u64 {
     z ^ (z >> 31)
 }
 
+/// The 24 upper bits of a number as a fraction in 0..1, never 1.
+#[inline]
+pub fn fraction(bits: u32) -> f32 {
+    (bits >> 8) as f32 * (1.0 / 16_777_216.0)
+}
+
 /// A direction about a normal with density cosθ/π.
 pub fn cosine_direction(normal: Vec3, u: f32, v: f32) -> Vec3 {
     let (tangent, bitangent) = normal.any_orthonormal_pair();

@@ -140,6 +140,39 @@ impl Hierarchy {
         })
     }
 
+    /// The leaf below (or at) a patch that holds a point of its plane.
+    pub fn leaf_at(&self, mut id: ElementId, point: Vec3) -> ElementId {
+        loop {
+            let element = self.element(id);
+            let Shape::Patch(patch) = &element.shape else { return id };
+            if element.is_leaf() {
+                return id;
+            }
+            let (positions, count) = self.corner_positions(patch);
+            let is_left = |from: Vec3, to: Vec3| (to - from).cross(point - from).dot(patch.normal) > 0.0;
+            let middle = |first: usize, second: usize| 0.5 * (positions[first] + positions[second]);
+            let child = if count == 4 {
+                // The lines between the middles of opposite sides cross in the quarters' common corner.
+                let (is_left, is_upper) = (is_left(middle(0, 1), middle(2, 3)), is_left(middle(3, 0), middle(1, 2)));
+                match (is_left, is_upper) {
+                    (true, false) => 0,
+                    (false, false) => 1,
+                    (false, true) => 2,
+                    (true, true) => 3,
+                }
+            } else {
+                let (ab, bc, ca) = (middle(0, 1), middle(1, 2), middle(2, 0));
+                match (is_left(ca, ab), is_left(ab, bc), is_left(bc, ca)) {
+                    (false, ..) => 0,
+                    (_, false, _) => 1,
+                    (.., false) => 2,
+                    _ => 3,
+                }
+            };
+            id = ElementId(element.first_child + child);
+        }
+    }
+
     /// The leaf patches below (or at) a patch, in order.
     pub fn leaves_below(&self, id: ElementId, visit: &mut impl FnMut(ElementId)) {
         if self.element(id).is_leaf() {

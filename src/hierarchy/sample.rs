@@ -67,6 +67,8 @@ pub struct SurfacePoint {
     pub position: Vec3,
     /// Unit normal of the bright side.
     pub normal: Vec3,
+    /// Index of the scene's polygon.
+    pub polygon: u32,
 }
 
 impl Hierarchy {
@@ -102,7 +104,7 @@ impl Hierarchy {
                     u = rest;
                 }
                 let position = point_on_polygon(&corners[..count], u, v);
-                return SurfacePoint { position, normal: patch.normal };
+                return SurfacePoint { position, normal: patch.normal, polygon: patch.polygon };
             }
             let child = if !patch.cells.are_all_exposed() {
                 self.quarter_by_area(element, &mut u)

@@ -13,8 +13,9 @@ use glam::{DVec3, Vec3};
 use super::lamps::{LampPoint, Lamps};
 use super::points::SurfacePoint;
 use super::sequence::Sequence;
+use crate::orient;
 use crate::scene::Scene;
-use crate::visibility::{Hit, Occluders};
+use crate::visibility::Occluders;
 
 /// Rays start this share of the scene's diagonal off the surface that they leave.
 const RELATIVE_OFFSET: f32 = 1e-5;
@@ -60,7 +61,7 @@ impl Tracer {
         Self {
             occluders,
             faces: scene.polygons.iter().map(face).collect(),
-            back_of: backs(scene),
+            back_of: orient::backs(scene),
             lamps: Lamps::new(scene),
             offset: RELATIVE_OFFSET * lower.distance(upper),
         }
@@ -88,7 +89,7 @@ impl Tracer {
 
             let direction = cosine_direction(normal, pair(DIRECTION));
             let Some(hit) = self.occluders.closest_hit(origin, direction, 0.0) else { break };
-            let Some(polygon) = self.bright_side(hit) else { break };
+            let Some(polygon) = orient::bright_side(hit, &self.back_of) else { break };
             let face = self.faces[polygon as usize];
             if face.emission != Vec3::ZERO {
                 let kernel = kernel(direction.dot(normal), -direction.dot(face.normal), hit.distance * hit.distance);
@@ -121,11 +122,6 @@ impl Tracer {
             Vec3::ZERO
         }
     }
-
-    /// The polygon whose bright side a ray meets; `None` for a dark back.
-    fn bright_side(&self, hit: Hit) -> Option<u32> {
-        if hit.front { Some(hit.polygon) } else { *self.back_of.get(hit.polygon as usize)? }
-    }
 }
 
 /// kernel / (kernel + density): the balance heuristic's weight of a direction, and what a lamp's point counts per emission.
@@ -152,22 +148,6 @@ fn cosine_direction(normal: Vec3, [u, v]: [f32; 2]) -> Vec3 {
     let (sine, cosine) = (TAU * v).sin_cos();
     let radius = u.sqrt();
     (radius * (cosine * tangent + sine * bitangent) + (1.0 - u).max(0.0).sqrt() * normal).normalize()
-}
-
-/// The second side of each doubled face: fronts and backs come in the same order ([`crate::orient::apply`]).
-fn backs(scene: &Scene) -> Vec<Option<u32>> {
-    let index_of = |is_back: bool| {
-        let all = scene.polygons.iter().enumerate();
-        all.filter(move |(_, polygon)| polygon.is_back == is_back).map(|(index, _)| index as u32)
-    };
-    if index_of(true).next().is_none() {
-        return Vec::new();
-    }
-    let mut back_of = vec![None; scene.polygons.len()];
-    for (front, back) in index_of(false).zip(index_of(true)) {
-        back_of[front as usize] = Some(back);
-    }
-    back_of
 }
 
 #[cfg(test)]

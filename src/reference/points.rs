@@ -63,7 +63,7 @@ pub fn random_points(scene: &Scene, occluders: &Occluders, count: usize, seed: u
     for round in 0..MOST_ROUNDS {
         let drawn = random_points_on(scene, &polygons, count - points.len(), mix(seed, round));
         let is_exposed = |(index, point): (usize, &SurfacePoint)| {
-            !darkness.hides(point.position, point.normal, mix(seed ^ SALT, index as u64), RAYS)
+            !darkness.encloses(point.position, point.normal, mix(seed ^ SALT, index as u64), RAYS)
         };
         let exposed: Vec<bool> = drawn.par_iter().enumerate().map(is_exposed).collect();
         points.extend(drawn.into_iter().zip(exposed).filter_map(|(point, is_exposed)| is_exposed.then_some(point)));

@@ -130,6 +130,10 @@ impl<'a> Gatherer<'a> {
         true
     }
 
+    pub fn sweep_once(&self, light: &mut Light) {
+        self.sweep(light, &CancelToken::new());
+    }
+
     /// One sweep: gather over links, push to leaves, reflect, pull up; `None` if cancelled, with nothing changed.
     fn sweep(&self, light: &mut Light, cancel: &CancelToken) -> Option<Change> {
         let incoming = self.incoming(&light.radiosity, &light.emitted, cancel)?;

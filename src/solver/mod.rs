@@ -13,6 +13,7 @@
 mod balance;
 mod candidate;
 mod display;
+mod final_gather;
 mod form_factor;
 mod gather;
 mod link;
@@ -355,6 +356,33 @@ impl Solver {
     /// Irradiance E of each leaf, W/m², parallel to the hierarchy's arena.
     pub fn irradiance(&self) -> &[Vec3] {
         &self.light.irradiance
+    }
+
+    /// Experiment.
+    pub fn final_gather(&mut self, error: f64, trace: bool) -> Snapshot {
+        let mut snapshot = self.snapshot();
+        let never = CancelToken::new();
+        let mut light = self.light.clone();
+        light.radiosity = light.emitted.clone();
+        self.gatherer(&self.links).sweep_once(&mut light);
+        let indirect: Vec<Vec3> = self.light.irradiance.iter().zip(&light.irradiance).map(|(all, direct)| (*all - *direct).max(Vec3::ZERO)).collect();
+        let begun = Instant::now();
+        let context = final_gather::Context { scene: &self.scene, occluders: &self.occluders, surfaces: &self.surfaces, seed: self.params.seed };
+        let mut gather = final_gather::FinalGather::new(self.display.as_ref().unwrap(), &self.hierarchy, &context, error, &indirect);
+        loop {
+            match gather.step(&mut self.hierarchy, &context, &never) {
+                Some(final_gather::Progress::Done) => break,
+                Some(final_gather::Progress::Pass) if trace => {
+                    eprintln!("   {:.3} s: {} vertices, {} leaves, {}", begun.elapsed().as_secs_f64(), gather.display().mesh.positions.len(), gather.display().mesh.leaves.len(), gather.trace());
+                }
+                _ => {}
+            }
+        }
+        if trace { eprintln!("   {:.3} {}", begun.elapsed().as_secs_f64(), gather.trace()); }
+        snapshot.mesh = gather.display().mesh.clone();
+        snapshot.vertex_radiosity = gather.radiosity();
+        snapshot.leaf_radiosity = vec![[0.0; 3]; snapshot.mesh.leaves.len()];
+        snapshot
     }
 
     /// Records every rejected pair from now on; for tests that ask whether all pairs are covered.

@@ -7,7 +7,7 @@ use rayon::prelude::*;
 
 use super::Solver;
 use super::candidate::Waiting;
-use super::display::Display;
+use super::display::{Display, Style};
 use super::form_factor::{Exchange, exchange, self_exchange};
 use super::gather::{Gatherer, Light};
 use super::link::{Evidence, Link, LinkTable};
@@ -39,7 +39,7 @@ pub(super) fn snapshot(solver: &mut Solver) -> Snapshot {
         Some(table) => picture_light(solver, table),
         None => solver.light.clone(),
     };
-    let display = Display::current(solver.display.take(), &solver.scene, &solver.hierarchy);
+    let display = Display::current(solver.display.take(), &solver.scene, &solver.hierarchy, Style::Shared);
     let snapshot = Snapshot {
         generation: solver.generation,
         serial: solver.serial,

@@ -10,7 +10,7 @@ use glam::Vec3;
 
 use super::form_factor::point_to_polygon;
 use crate::hierarchy::{ElementId, Hierarchy, PatchSums, Shape, SurfacePoint};
-use crate::random::mix;
+use crate::random::{fraction, mix};
 use crate::visibility::Occluders;
 
 /// How many rays a pair gets.
@@ -177,8 +177,7 @@ impl RaySampler<'_> {
                 break;
             }
             let coordinate = |axis: usize| {
-                let fixed = start[axis].wrapping_add(STEPS[axis].wrapping_mul(index));
-                (fixed >> 8) as f32 * (1.0 / 16_777_216.0)
+                fraction(start[axis].wrapping_add(STEPS[axis].wrapping_mul(index)))
             };
             let (u, v) = if a_is_first { (0, 2) } else { (2, 0) };
             let from = point(a, spread == Spread::EmissionOfA, coordinate(u), coordinate(u + 1));

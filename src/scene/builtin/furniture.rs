@@ -26,10 +26,10 @@ pub(super) fn window(d: &mut Draft, [width, height]: [f32; 2], [columns, rows]: 
     const BAR: f32 = 0.05;
     let (w, h, back, front) = (width, height, -DEPTH, FRAME - DEPTH);
     d.group("reveal", |d| {
-        d.quad([vec3(0., 0., 0.), vec3(w, 0., 0.), vec3(w, 0., back), vec3(0., 0., back)], paint.reveal);
-        d.quad([vec3(0., h, back), vec3(w, h, back), vec3(w, h, 0.), vec3(0., h, 0.)], paint.reveal);
-        d.quad([vec3(0., 0., 0.), vec3(0., 0., back), vec3(0., h, back), vec3(0., h, 0.)], paint.reveal);
-        d.quad([vec3(w, 0., back), vec3(w, 0., 0.), vec3(w, h, 0.), vec3(w, h, back)], paint.reveal);
+        d.quad([vec3(0., 0., 0.), vec3(w, 0., 0.), vec3(w, 0., front), vec3(0., 0., front)], paint.reveal);
+        d.quad([vec3(0., h, front), vec3(w, h, front), vec3(w, h, 0.), vec3(0., h, 0.)], paint.reveal);
+        d.quad([vec3(0., 0., 0.), vec3(0., 0., front), vec3(0., h, front), vec3(0., h, 0.)], paint.reveal);
+        d.quad([vec3(w, 0., front), vec3(w, 0., 0.), vec3(w, h, 0.), vec3(w, h, front)], paint.reveal);
         d.cuboid(vec3(-0.04, -0.03, 0.0), vec3(w + 0.04, 0.0, 0.16), Faces::BACK, paint.sill);
     });
     // Panes close the bars at the back: nothing is drawn beyond them, where it is dark.
@@ -41,8 +41,11 @@ pub(super) fn window(d: &mut Draft, [width, height]: [f32; 2], [columns, rows]: 
     };
     let (columns, rows) = (lights(columns, w), lights(rows, h));
     d.group("frame", |d| {
-        d.cuboid(vec3(0., 0., back), vec3(FRAME, h, front), (Faces::RIGHT | Faces::FRONT).all_but(), paint.frame);
-        d.cuboid(vec3(w - FRAME, 0., back), vec3(w, h, front), (Faces::LEFT | Faces::FRONT).all_but(), paint.frame);
+        // What bars meet at is not drawn below them.
+        d.cuboid(vec3(0., 0., back), vec3(FRAME, h, front), Faces::FRONT.all_but(), paint.frame);
+        d.cuboid(vec3(0., FRAME, back), vec3(FRAME, h - FRAME, front), Faces::RIGHT.all_but(), paint.frame);
+        d.cuboid(vec3(w - FRAME, 0., back), vec3(w, h, front), Faces::FRONT.all_but(), paint.frame);
+        d.cuboid(vec3(w - FRAME, FRAME, back), vec3(w, h - FRAME, front), Faces::LEFT.all_but(), paint.frame);
         let lying = |y0: f32, y1: f32| [vec3(FRAME, y0, back), vec3(w - FRAME, y1, front)];
         let [lower, upper] = lying(0.0, FRAME);
         d.cuboid(lower, upper, (Faces::TOP | Faces::FRONT).all_but(), paint.frame);

@@ -1,0 +1,480 @@
+//! The final gather: light looked for anew at every vertex of the mesh that is shown.
+//!
+//! Links know how much light the elements exchange, in the mean over each; at the edge of a shadow, or below a table,
+//! that mean is wrong. So vertices get direct light by rays to the lamps, leaves are split where it is not linear between them, and
+//! indirect light comes over rows of rays that end on the mesh (a final gather over a coarse solution, [Lischinski, Tampieri, Greenberg 93]).
+//! Rows are kept and gathered over again until nothing changes, starting with what the links say: so the links' own errors die out.
+//! At last the result is looked at in random places, and what is not as exact as was asked for is made so.
+
+mod estimate;
+mod lamps;
+mod rows;
+mod split;
+mod stance;
+mod vertices;
+
+use std::ops::Range;
+
+use glam::Vec3;
+use rayon::prelude::*;
+use rustc_hash::FxHashMap;
+
+use super::display::{Display, Style, VertexKey};
+use super::gather::Surface;
+use crate::cancel::CancelToken;
+use crate::hierarchy::{ElementId, Hierarchy, Shape};
+use crate::orient;
+use crate::random::mix;
+use crate::scene::Scene;
+use crate::visibility::Occluders;
+pub use estimate::Estimate;
+use estimate::Tally;
+use lamps::{Lamps, Seen, Sent};
+use rows::{Rows, Surroundings, position_hash};
+use stance::{Finder, Stance};
+use vertices::Vertex;
+
+/// Vertices looked at between two looks at commands.
+const CHUNK: usize = 512;
+/// Rays to lamps from a point, times the error that is allowed between vertices.
+const LAMP_RAYS: f64 = 0.9;
+/// Splitting ends when it leaves more than this share of the squared error: noise does not fall by it.
+const LEAST_GAIN: f64 = 0.8;
+/// Leaves of less than this share of the mean area have no vertex in their middle.
+const MIDDLE: f32 = 0.1;
+/// Rounds of splitting leaves before rays are cast, and after the solution was found wanting.
+const MOST_ROUNDS: u32 = 8;
+/// Times that a solution is made finer because its error was estimated above the goal.
+const MOST_ATTEMPTS: u32 = 6;
+/// More vertices than this are not made for the sake of the goal.
+const MOST_VERTICES: usize = 1 << 21;
+/// The allowed error is shared out to what lies between vertices and to the noise of their values.
+const MESH_SHARE: f64 = 0.6;
+const NOISE_SHARE: f64 = 0.6;
+/// The next attempt aims below the goal by this factor.
+const AIM: f64 = 0.8;
+/// What reflects so many times more than the mean is a lamp to all others.
+const BRIGHT: f32 = 10.0;
+/// Points of a polygon by which that is decided.
+const BRIGHT_POINTS: u32 = 4;
+/// Rays of a vertex in a pass, at least and at most.
+const PASS_RAYS: [f32; 2] = [4.0, 1024.0];
+/// Standard deviation of the light along one random ray, as a share of all, as low-discrepancy directions make it.
+const SPREAD: f64 = 0.35;
+/// Sweeps end when they move less than this share of the light.
+const TOLERANCE: f64 = 2e-3;
+/// Sweeps at most.
+const MOST_SWEEPS: u32 = 50;
+
+/// What the gather reads of the solver.
+pub struct Context<'a> {
+    /// The scene.
+    pub scene: &'a Scene,
+    /// What stops light.
+    pub occluders: &'a Occluders,
+    /// Reflectance and emission of each polygon.
+    pub surfaces: &'a [Surface],
+    /// Seed of all random choices.
+    pub seed: u64,
+}
+
+/// Allowed errors, as shares of the RMS radiosity.
+#[derive(Clone, Copy, Debug)]
+struct Goal {
+    /// Of everything: what was asked for.
+    error: f64,
+    /// Of values between vertices.
+    mesh: f64,
+    /// Noise of the vertices' values.
+    noise: f64,
+}
+
+/// What is done next.
+#[derive(Clone, Copy, Debug)]
+enum Stage {
+    /// Direct light at vertices from this one on.
+    Direct(usize),
+    /// Rays of the open pass, from this vertex on.
+    Cast(usize),
+    /// The estimate, from this point on.
+    Estimate(usize, Tally),
+    /// The goal is reached, or cannot be.
+    Done,
+}
+
+/// What a step did.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Progress {
+    /// A part of a pass.
+    Part,
+    /// A pass ended: there is something new to be seen.
+    Pass,
+    /// Nothing is left to do.
+    Done,
+}
+
+/// The state of a final gather.
+pub struct FinalGather {
+    goal: Goal,
+    stage: Stage,
+    round: u32,
+    attempt: u32,
+    /// The mesh, with middles.
+    display: Display,
+    vertices: Vec<Vertex>,
+    /// Of each vertex, where it is looked at from; none where it is hidden.
+    stances: Vec<Box<[Stance]>>,
+    /// Direct irradiance of each vertex, W/m²; NaN where it is still to be found.
+    direct: Vec<Vec3>,
+    /// Indirect irradiance of each vertex, W/m².
+    indirect: Vec<Vec3>,
+    rows: Rows,
+    /// Squared errors of leaves that were looked at and kept.
+    kept: FxHashMap<ElementId, f64>,
+    /// Squared error between the vertices, measured last, W²/m².
+    mesh_error: f64,
+    /// Noise of the vertices' values, measured last; infinite before.
+    noise: f64,
+    /// Variance of the light along one ray, as a share of the squared light; as measured.
+    spread: f32,
+    estimate: Option<Estimate>,
+    /// Rays cast, those of former attempts and of looks at the error included.
+    rays: u64,
+    sent: Sent,
+    /// The initial patch of each polygon.
+    patches: Vec<ElementId>,
+    back_of: Vec<Option<u32>>,
+    diagonal: f32,
+}
+
+impl FinalGather {
+    /// Starts with what links say of the indirect irradiance of each leaf (parallel to the hierarchy's arena, W/m²); `error` is
+    /// the RMS error that is asked for, as a share of the RMS radiosity.
+    pub fn new(old: &Display, hierarchy: &Hierarchy, context: &Context, error: f64, indirect: &[Vec3]) -> Self {
+        let leaves = &old.mesh.leaves;
+        let mean_area = leaves.iter().map(|leaf| leaf.area).sum::<f32>() / leaves.len().max(1) as f32;
+        let display = old.rebuilt(context.scene, hierarchy, Style::WithCentres(MIDDLE * mean_area));
+        let (lower, upper) = context.scene.bounds();
+        let mut patches = vec![Hierarchy::ROOT; context.scene.polygons.len()];
+        for &id in hierarchy.initial_patches() {
+            if let Shape::Patch(patch) = hierarchy.element(id).shape {
+                patches[patch.polygon as usize] = id;
+            }
+        }
+        let sent = what_is_sent(hierarchy, context, error, indirect);
+        let indirect = display.of_vertices(indirect).into_iter().map(Vec3::from).collect();
+        let mut gather = Self {
+            goal: Goal { error, mesh: MESH_SHARE * error, noise: NOISE_SHARE * error },
+            stage: Stage::Direct(0),
+            round: 0,
+            attempt: 0,
+            vertices: Vec::new(),
+            stances: Vec::new(),
+            direct: Vec::new(),
+            indirect,
+            rows: Rows::default(),
+            kept: FxHashMap::default(),
+            mesh_error: f64::INFINITY,
+            noise: f64::INFINITY,
+            spread: (SPREAD * SPREAD) as f32,
+            estimate: None,
+            rays: 0,
+            sent,
+            patches,
+            back_of: orient::backs(context.scene),
+            diagonal: lower.distance(upper),
+            display,
+        };
+        gather.take_mesh(context, FxHashMap::default());
+        gather
+    }
+
+    /// Does one bounded piece of work; what it was about is done whole or, if cancelled, not at all.
+    pub fn step(&mut self, hierarchy: &mut Hierarchy, context: &Context, cancel: &CancelToken) -> Option<Progress> {
+        if cancel.is_cancelled() {
+            return None;
+        }
+        let progress = match self.stage {
+            Stage::Direct(first) => {
+                let range = first..(first + CHUNK).min(self.vertices.len());
+                self.find_direct(hierarchy, context, range.clone());
+                self.stage = Stage::Direct(range.end);
+                if range.end < self.vertices.len() {
+                    return Some(Progress::Part);
+                }
+                if self.round < MOST_ROUNDS && self.split(hierarchy, context) {
+                    self.round += 1;
+                    self.stage = Stage::Direct(0);
+                } else {
+                    self.open_pass();
+                }
+                Progress::Pass
+            }
+            Stage::Cast(first) => {
+                let range = first..(first + CHUNK).min(self.vertices.len());
+                let chunk = self.rows.cast(&self.surroundings(hierarchy, context), range.clone());
+                self.rows.take(range.start, chunk);
+                self.stage = Stage::Cast(range.end);
+                if range.end < self.vertices.len() {
+                    return Some(Progress::Part);
+                }
+                self.converge();
+                if self.rows.passes() >= 2 {
+                    (self.noise, self.spread) = self.measure_noise();
+                }
+                if self.noise > self.goal.noise && self.rows.has_room() {
+                    self.open_pass();
+                } else {
+                    self.stage = Stage::Estimate(0, Tally::default());
+                }
+                Progress::Pass
+            }
+            Stage::Estimate(first, tally) => {
+                let range = first..(first + CHUNK).min(estimate::POINTS);
+                let tally = tally.add(self.look_at_points(hierarchy, context, self.attempt, range.clone()));
+                self.stage = Stage::Estimate(range.end, tally);
+                if range.end < estimate::POINTS {
+                    return Some(Progress::Part);
+                }
+                self.rays += tally.rays;
+                self.estimate = tally.estimate();
+                self.stage = self.after_estimate();
+                Progress::Part
+            }
+            Stage::Done => Progress::Done,
+        };
+        Some(progress)
+    }
+
+    /// Whether the goal is reached; if not, what comes next with a stricter aim.
+    fn after_estimate(&mut self) -> Stage {
+        let Some(estimate) = self.estimate.filter(|estimate| estimate.high > self.goal.error) else { return Stage::Done };
+        if self.attempt >= MOST_ATTEMPTS || self.vertices.len() > MOST_VERTICES || !self.rows.has_room() {
+            return Stage::Done;
+        }
+        self.attempt += 1;
+        self.round = 0;
+        let factor = (AIM * self.goal.error / estimate.high).max(0.25);
+        // What is not noise lies between the vertices.
+        let between = (estimate.high.powi(2) - self.noise.powi(2)).max(0.0).sqrt();
+        if between > MESH_SHARE * self.goal.error {
+            self.goal.mesh *= factor;
+            self.kept.clear();
+        }
+        if self.noise > 0.5 * self.goal.error {
+            self.goal.noise *= factor;
+        }
+        Stage::Direct(self.vertices.len())
+    }
+
+    /// Estimated error, if there is an estimate yet.
+    pub fn estimate(&self) -> Option<Estimate> {
+        self.estimate
+    }
+
+    /// The mesh of the values.
+    pub fn display(&self) -> &Display {
+        &self.display
+    }
+
+    pub fn trace(&self) -> String {
+        format!("{} round {} attempt {} noise {:.4} mesh {:.4} rays {} estimate {:.4?} goal {:.3} {:.3}", match self.stage { Stage::Direct(_) => "direct", Stage::Cast(_) => "cast", Stage::Estimate(..) => "estimate", Stage::Done => "done" }, self.round, self.attempt, self.noise, (self.mesh_error.max(0.0) / self.energy()).sqrt(), self.rays(), self.estimate.map(|e| (e.rms, e.high)), self.goal.mesh, self.goal.noise)
+    }
+
+    /// Rays cast.
+    pub fn rays(&self) -> u64 {
+        self.rays + self.rows.rays()
+    }
+
+    /// Memory, bytes.
+    pub fn bytes(&self) -> usize {
+        self.rows.bytes()
+            + self.vertices.len() * (size_of::<Vertex>() + size_of::<(Box<[Stance]>, Stance)>() + 2 * size_of::<Vec3>())
+    }
+
+    fn surroundings<'a>(&'a self, hierarchy: &'a Hierarchy, context: &'a Context) -> Surroundings<'a> {
+        Surroundings {
+            display: &self.display,
+            hierarchy,
+            occluders: context.occluders,
+            stances: &self.stances,
+            patches: &self.patches,
+            back_of: &self.back_of,
+            lamps: &self.sent.radiosity,
+            diagonal: self.diagonal,
+            seed: context.seed,
+        }
+    }
+
+    /// Rays to lamps that a point deserves.
+    fn lamp_rays(&self) -> f32 {
+        (LAMP_RAYS / self.goal.mesh).clamp(8.0, 512.0) as f32
+    }
+
+    fn find_direct(&mut self, hierarchy: &Hierarchy, context: &Context, range: Range<usize>) {
+        let lamps = self.lamps(hierarchy, context);
+        let darkness = self.darkness(context);
+        let finder = Finder { display: &self.display, hierarchy, darkness: darkness.as_ref(), seed: context.seed };
+        let find = |cut: &mut Vec<Seen>, vertex: usize| {
+            self.direct[vertex].is_nan().then(|| {
+                let seed = mix(context.seed, position_hash(&self.display, vertex));
+                let mut rays = 0;
+                let (stances, irradiance) = finder.find(vertex, &mut |stance| {
+                    let wanted = self.lamp_rays() * stance.weight;
+                    let lit = lamps.irradiance(stance.position, stance.normal, wanted, seed, cut);
+                    rays += lit.rays;
+                    lit.irradiance
+                });
+                (irradiance, stances, rays)
+            })
+        };
+        let found: Vec<Option<(Vec3, Box<[Stance]>, u32)>> =
+            range.clone().into_par_iter().with_min_len(16).map_init(Vec::new, find).collect();
+        for (vertex, found) in range.zip(found) {
+            if let Some((irradiance, stances, rays)) = found {
+                (self.direct[vertex], self.stances[vertex]) = (irradiance, stances);
+                self.rays += u64::from(rays);
+            }
+        }
+    }
+
+    /// Splits the leaves in which light at random points is not what the vertices around say; whether there were any.
+    fn split(&mut self, hierarchy: &mut Hierarchy, context: &Context) -> bool {
+        let look = self.look_at_leaves(hierarchy, context);
+        self.rays += look.rays;
+        let allowed = self.goal.mesh * self.goal.mesh * self.energy();
+        let error = look.errors.iter().sum::<f64>();
+        let is_vain = self.round > 0 && error > LEAST_GAIN * self.mesh_error;
+        self.mesh_error = error;
+        if error <= allowed || is_vain || self.vertices.len() > MOST_VERTICES {
+            return false;
+        }
+        let threshold = split::threshold(&look.errors, allowed);
+        self.kept.clear();
+        let mesh = self.display.mesh.clone();
+        for (leaf, error) in mesh.leaves.iter().zip(&look.errors) {
+            if *error >= threshold {
+                hierarchy.subdivide(leaf.element);
+            } else {
+                self.kept.insert(leaf.element, *error);
+            }
+        }
+        let new = self.display.rebuilt(context.scene, hierarchy, self.display.style());
+        let former = std::mem::replace(&mut self.display, new);
+        let of_vertex = std::mem::take(&mut self.direct).into_iter().zip(std::mem::take(&mut self.stances));
+        let known: FxHashMap<VertexKey, _> = former.keys().iter().copied().zip(of_vertex).collect();
+        let indirect: FxHashMap<VertexKey, Vec3> =
+            former.keys().iter().copied().zip(std::mem::take(&mut self.indirect)).collect();
+        self.indirect = self.interpolated(&indirect);
+        self.take_mesh(context, known);
+        true
+    }
+
+    /// Tables of the present mesh; `known` is what was found before.
+    fn take_mesh(&mut self, context: &Context, mut known: FxHashMap<VertexKey, (Vec3, Box<[Stance]>)>) {
+        self.vertices = vertices::of_mesh(&self.display, context.scene);
+        let of = |key: &VertexKey| known.remove(key).unwrap_or((Vec3::NAN, Box::default()));
+        (self.direct, self.stances) = self.display.keys().iter().map(of).unzip();
+        self.rays += self.rows.rays();
+        self.rows = Rows::new(self.vertices.len());
+        self.noise = f64::INFINITY;
+    }
+
+    /// Rays go where they decide about most light: the variance of the mean over the area is least where each vertex has rays
+    /// in proportion to √A·ρE. Their number is what the goal asks for, by what was measured or, before that, by [`SPREAD`].
+    fn open_pass(&mut self) {
+        let weight = |(vertex, of): (usize, &Vertex)| match of.emission == Vec3::ZERO {
+            true => of.area.sqrt() * (of.reflectance * self.irradiance(vertex)).max_element().max(0.0),
+            false => 0.0,
+        };
+        let weights: Vec<f32> = self.vertices.iter().enumerate().map(weight).collect();
+        let sum = weights.iter().map(|weight| f64::from(*weight)).sum::<f64>();
+        // Rays of all vertices together that bring the noise to the goal.
+        let cast = self.rows.rays() as f64;
+        let wanted = if self.noise.is_finite() {
+            (cast * ((self.noise / self.goal.noise).powi(2) - 1.0)).clamp(0.0, 4.0 * cast)
+        } else {
+            // Two passes are needed to tell the noise.
+            0.5 * (SPREAD / self.goal.noise).powi(2) * sum * sum / self.energy().max(f64::MIN_POSITIVE)
+        };
+        let [least, most] = PASS_RAYS;
+        let rays = |weight: &f32| {
+            let share = if sum > 0.0 { f64::from(*weight) / sum } else { 0.0 };
+            ((wanted * share) as f32).clamp(least, most).ceil() as u32
+        };
+        self.rows.open(&weights.iter().map(rays).collect::<Vec<u32>>());
+        self.stage = Stage::Cast(0);
+    }
+
+    /// Gathers over the rows until nothing moves.
+    fn converge(&mut self) {
+        for _ in 0..MOST_SWEEPS {
+            let new = self.rows.gather(&self.display, &self.reflected());
+            let (mut moved, mut all) = (0.0, 0.0);
+            for ((vertex, new), old) in self.vertices.iter().zip(&new).zip(&self.indirect) {
+                moved += f64::from(vertex.area * (*new - *old).abs().max_element());
+                all += f64::from(vertex.area * new.max_element());
+            }
+            self.indirect = new;
+            if moved <= TOLERANCE * all {
+                break;
+            }
+        }
+    }
+
+    /// Noise of the vertices' values as a share of the RMS radiosity, by how the passes differ; and the variance of one ray's light
+    /// as a share of its square.
+    fn measure_noise(&self) -> (f64, f32) {
+        let passes = self.rows.passes();
+        let reflected = self.reflected();
+        let mean = self.rows.gather(&self.display, &reflected);
+        let (mut squares, mut of_ray) = (0.0, 0.0);
+        for pass in 0..passes {
+            let one = self.rows.gather_pass(pass, &self.display, &reflected);
+            let weight = self.rows.share_of(pass) / (passes as f64 - 1.0);
+            for ((vertex, of), (one, mean)) in self.vertices.iter().enumerate().zip(one.iter().zip(&mean)) {
+                if of.emission == Vec3::ZERO && !self.is_hidden(vertex) {
+                    let square = weight * f64::from(of.area * (of.reflectance * (*one - *mean)).length_squared());
+                    squares += square;
+                    of_ray += square * f64::from(self.rows.rays_of(vertex));
+                }
+            }
+        }
+        let energy = self.energy().max(f64::MIN_POSITIVE);
+        let indirect = |(of, indirect): (&Vertex, &Vec3)| f64::from(of.area * (of.reflectance * *indirect).length_squared());
+        let indirect: f64 = self.vertices.iter().zip(&self.indirect).map(indirect).sum();
+        ((squares / energy).sqrt(), (of_ray / indirect.max(f64::MIN_POSITIVE)) as f32)
+    }
+}
+
+/// Radiosity of all that shines: what lamps emit, and what surfaces reflect that are much brighter than the rest.
+fn what_is_sent(hierarchy: &Hierarchy, context: &Context, error: f64, indirect: &[Vec3]) -> Sent {
+    let emission: Vec<Vec3> = context.surfaces.iter().map(|surface| surface.emission).collect();
+    let emitted = Sent::new(hierarchy, emission);
+    let lamps = Lamps { hierarchy, sent: &emitted, occluders: context.occluders };
+    let rays = (LAMP_RAYS / error).clamp(8.0, 64.0) as f32;
+    let reflected = |cut: &mut Vec<Seen>, &id: &ElementId| {
+        let element = hierarchy.element(id);
+        let Shape::Patch(patch) = element.shape else { return (0, 0.0, Vec3::ZERO) };
+        let surface = &context.surfaces[patch.polygon as usize];
+        let light = |index: u32| {
+            let [u, v] = [0.7549, 0.5698].map(|step| (0.5 + step * index as f32).fract());
+            let point = hierarchy.point_on(id, u, v);
+            let seed = mix(mix(context.seed, element.key), u64::from(index));
+            lamps.irradiance(point.position, point.normal, rays, seed, cut).irradiance
+        };
+        let direct = (0..BRIGHT_POINTS).map(light).sum::<Vec3>() / BRIGHT_POINTS as f32;
+        (patch.polygon, element.area, surface.reflectance * (direct + indirect[id.index()]))
+    };
+    let reflected: Vec<(u32, f32, Vec3)> =
+        hierarchy.initial_patches().par_iter().with_min_len(64).map_init(Vec::new, reflected).collect();
+    let area: f32 = reflected.iter().map(|of| of.1).sum();
+    let mean = reflected.iter().map(|of| of.1 * of.2.max_element()).sum::<f32>() / area;
+    let mut radiosity = emitted.radiosity;
+    for (polygon, _, reflected) in reflected {
+        if reflected.max_element() > BRIGHT * mean {
+            radiosity[polygon as usize] += reflected;
+        }
+    }
+    Sent::new(hierarchy, radiosity)
+}

@@ -1,0 +1,254 @@
+//! Rows: what each vertex sees of the lit mesh, as the places where rays into its half space end.
+//!
+//! A row is a Monte Carlo estimate of the form factors of a vertex to everything, visibility and all: cosine-weighted
+//! directions make each place that a ray meets count alike. Rows are kept, so that light can be gathered over them as often as it takes
+//! to converge, without another ray.
+
+use glam::Vec3;
+use rayon::prelude::*;
+
+use super::super::display::Display;
+use super::stance::Stance;
+use crate::hierarchy::{ElementId, Hierarchy};
+use crate::orient::bright_side;
+use crate::random::{cosine_direction, fraction, mix};
+use crate::visibility::Occluders;
+
+/// Rays start this share of the scene's diagonal off their surface.
+const RELATIVE_OFFSET: f32 = 1e-5;
+/// A vertex from which so many of its rays meet backs is hidden inside of something.
+const HIDDEN: f32 = 0.9;
+/// Memory that rows may take, bytes.
+const MOST_BYTES: usize = 1 << 29;
+/// Steps of the two-dimensional sequence of the plastic number (Roberts), as 32-bit fractions.
+const STEPS: [u32; 2] = [3_242_174_889, 2_447_445_414];
+
+/// Where a ray ended.
+#[derive(Clone, Copy, Debug)]
+struct Hit {
+    /// Index into the mesh; [`NOWHERE`] where no light comes from.
+    triangle: u32,
+    /// Weights of its second and third corner.
+    weights: [u16; 2],
+}
+
+const NOWHERE: u32 = u32::MAX;
+
+/// One pass: some rays from each vertex.
+struct Pass {
+    /// Where the rays of each vertex start; one longer than the number of vertices.
+    starts: Vec<u32>,
+    hits: Vec<Hit>,
+}
+
+/// What all passes know.
+#[derive(Default)]
+pub struct Rows {
+    passes: Vec<Pass>,
+    /// Rays of each vertex so far.
+    counts: Vec<u32>,
+    /// Rays of each vertex that met the back of a face.
+    backs: Vec<u32>,
+}
+
+/// What rays are cast against.
+pub struct Surroundings<'a> {
+    pub display: &'a Display,
+    pub hierarchy: &'a Hierarchy,
+    pub occluders: &'a Occluders,
+    /// Of each vertex.
+    pub stances: &'a [Box<[Stance]>],
+    /// The initial patch of each polygon.
+    pub patches: &'a [ElementId],
+    /// The polygon on the other side of each doubled face; empty where none is doubled.
+    pub back_of: &'a [Option<u32>],
+    /// What counts as a lamp, whose light comes by other rays; zero for other polygons.
+    pub lamps: &'a [Vec3],
+    /// Diagonal of the scene.
+    pub diagonal: f32,
+    pub seed: u64,
+}
+
+/// The rays of some vertices in a row.
+pub struct Chunk {
+    hits: Vec<Hit>,
+    backs: Vec<u32>,
+}
+
+impl Rows {
+    /// Starts anew for so many vertices.
+    pub fn new(vertices: usize) -> Self {
+        Self { passes: Vec::new(), counts: vec![0; vertices], backs: vec![0; vertices] }
+    }
+
+    /// Opens a pass with so many rays from each vertex.
+    pub fn open(&mut self, rays: &[u32]) {
+        let mut starts = vec![0];
+        let mut sum = 0;
+        starts.extend(rays.iter().map(|rays| {
+            sum += rays;
+            sum
+        }));
+        self.passes.push(Pass { starts, hits: Vec::with_capacity(sum as usize) });
+    }
+
+    /// Casts the rays of a range of vertices of the open pass.
+    pub fn cast(&self, around: &Surroundings, vertices: std::ops::Range<usize>) -> Chunk {
+        let Some(pass) = self.passes.last() else { return Chunk { hits: Vec::new(), backs: Vec::new() } };
+        let (hits, backs): (Vec<Vec<Hit>>, Vec<u32>) = vertices
+            .into_par_iter()
+            .with_min_len(16)
+            .map(|vertex| {
+                let count = pass.starts[vertex + 1] - pass.starts[vertex];
+                around.look(vertex, self.counts[vertex], count)
+            })
+            .unzip();
+        Chunk { hits: hits.into_iter().flatten().collect(), backs }
+    }
+
+    /// Takes over what [`Self::cast`] found for the vertices from `first`.
+    pub fn take(&mut self, first: usize, chunk: Chunk) {
+        let Some(pass) = self.passes.last_mut() else { return };
+        pass.hits.extend(chunk.hits);
+        for (index, backs) in chunk.backs.into_iter().enumerate() {
+            self.backs[first + index] += backs;
+            self.counts[first + index] += pass.starts[first + index + 1] - pass.starts[first + index];
+        }
+    }
+
+    /// Whether a vertex is hidden inside of something.
+    pub fn is_hidden(&self, vertex: usize) -> bool {
+        self.counts[vertex] > 0 && self.backs[vertex] as f32 >= HIDDEN * self.counts[vertex] as f32
+    }
+
+    /// Rays cast.
+    pub fn rays(&self) -> u64 {
+        self.counts.iter().map(|count| u64::from(*count)).sum()
+    }
+
+    /// Rays of a vertex.
+    pub fn rays_of(&self, vertex: usize) -> u32 {
+        self.counts[vertex]
+    }
+
+    /// A pass's share of all rays.
+    pub fn share_of(&self, pass: usize) -> f64 {
+        self.passes[pass].hits.len() as f64 / self.rays().max(1) as f64
+    }
+
+    /// Whether memory allows for as many rays again.
+    pub fn has_room(&self) -> bool {
+        self.bytes() <= MOST_BYTES / 2
+    }
+
+    /// Memory, bytes.
+    pub fn bytes(&self) -> usize {
+        let of_pass = |pass: &Pass| size_of_val(&pass.hits[..]) + size_of_val(&pass.starts[..]);
+        self.passes.iter().map(of_pass).sum::<usize>() + 2 * size_of_val(&self.counts[..])
+    }
+
+    /// Number of passes.
+    pub fn passes(&self) -> usize {
+        self.passes.len()
+    }
+
+    /// Irradiance of each vertex from what the vertices reflect (W/m²), over all passes.
+    pub fn gather(&self, display: &Display, reflected: &[Vec3]) -> Vec<Vec3> {
+        let of_vertex = |vertex: usize| {
+            let sum: Vec3 = self.passes.iter().map(|pass| pass.sum(vertex, display, reflected)).sum();
+            sum / self.counts[vertex].max(1) as f32
+        };
+        (0..self.counts.len()).into_par_iter().with_min_len(512).map(of_vertex).collect()
+    }
+
+    /// The same over one pass alone.
+    pub fn gather_pass(&self, pass: usize, display: &Display, reflected: &[Vec3]) -> Vec<Vec3> {
+        let pass = &self.passes[pass];
+        let of_vertex = |vertex: usize| {
+            let count = pass.starts[vertex + 1] - pass.starts[vertex];
+            pass.sum(vertex, display, reflected) / count.max(1) as f32
+        };
+        (0..self.counts.len()).into_par_iter().with_min_len(512).map(of_vertex).collect()
+    }
+}
+
+impl Pass {
+    fn sum(&self, vertex: usize, display: &Display, reflected: &[Vec3]) -> Vec3 {
+        let hits = &self.hits[self.starts[vertex] as usize..self.starts[vertex + 1] as usize];
+        hits.iter().map(|hit| hit.light(display, reflected)).sum()
+    }
+}
+
+impl Hit {
+    /// What is reflected there, W/m².
+    fn light(&self, display: &Display, reflected: &[Vec3]) -> Vec3 {
+        if self.triangle == NOWHERE {
+            return Vec3::ZERO;
+        }
+        let [a, b, c] = display.mesh.triangles[self.triangle as usize].map(|corner| reflected[corner as usize]);
+        let [second, third] = self.weights.map(|weight| f32::from(weight) / f32::from(u16::MAX));
+        a + second * (b - a) + third * (c - a)
+    }
+}
+
+impl Surroundings<'_> {
+    /// Rays number `done..done + count` of a vertex, and how many of them met backs.
+    fn look(&self, vertex: usize, done: u32, count: u32) -> (Vec<Hit>, u32) {
+        let start = mix(mix(self.seed, 0x6761_7468_6572), position_hash(self.display, vertex));
+        let start = [start as u32, (start >> 32) as u32];
+        let mut backs = 0;
+        let stances = &self.stances[vertex];
+        let hits = (done..done + count).map(|index| {
+            let [u, v] =
+                [0, 1].map(|axis| fraction(start[axis].wrapping_add(STEPS[axis].wrapping_mul(index))));
+            // Every ray counts alike, so the stances take their turns by their weights.
+            let pick = fraction((start[0] ^ start[1]).wrapping_add(2_654_435_769_u32.wrapping_mul(index)));
+            let mut rest = pick;
+            let stance = stances.iter().find(|stance| {
+                rest -= stance.weight;
+                rest < 0.0
+            });
+            let Some(stance) = stance.or(stances.last()) else { return Hit { triangle: NOWHERE, weights: [0; 2] } };
+            let direction = cosine_direction(stance.normal, u, v);
+            self.follow(stance.position + RELATIVE_OFFSET * self.diagonal * stance.normal, direction, &mut backs)
+        });
+        (hits.collect(), backs)
+    }
+
+    /// Irradiance at a point of what the vertices reflect (W/m²), by so many rays.
+    pub fn light_at(&self, point: Vec3, normal: Vec3, seed: u64, rays: u32, reflected: &[Vec3]) -> Vec3 {
+        let start = [seed as u32, (seed >> 32) as u32];
+        let origin = point + RELATIVE_OFFSET * self.diagonal * normal;
+        let light = |index: u32| {
+            let [u, v] = [0, 1].map(|axis| fraction(start[axis].wrapping_add(STEPS[axis].wrapping_mul(index))));
+            self.follow(origin, cosine_direction(normal, u, v), &mut 0).light(self.display, reflected)
+        };
+        (0..rays).map(light).sum::<Vec3>() / rays.max(1) as f32
+    }
+
+    fn follow(&self, origin: Vec3, direction: Vec3, backs: &mut u32) -> Hit {
+        let nowhere = Hit { triangle: NOWHERE, weights: [0; 2] };
+        let Some(hit) = self.occluders.closest_hit(origin, direction, 0.0) else { return nowhere };
+        let Some(polygon) = bright_side(hit, self.back_of) else {
+            *backs += 1;
+            return nowhere;
+        };
+        if self.lamps[polygon as usize] != Vec3::ZERO {
+            return nowhere;
+        }
+        let place = origin + hit.distance * direction;
+        let Some((triangle, weights)) = self.display.locate(self.hierarchy, self.patches[polygon as usize], place)
+        else {
+            return nowhere;
+        };
+        let quantised = |weight: f32| (weight.clamp(0.0, 1.0) * f32::from(u16::MAX)) as u16;
+        Hit { triangle, weights: [quantised(weights.y), quantised(weights.z)] }
+    }
+}
+
+/// Tells vertices apart whatever their index.
+pub fn position_hash(display: &Display, vertex: usize) -> u64 {
+    let [x, y, z] = display.mesh.positions[vertex].map(|coordinate| u64::from(coordinate.to_bits()));
+    let surface = u64::from(display.keys()[vertex].1);
+    mix(mix(x, y), mix(z, surface))
+}
