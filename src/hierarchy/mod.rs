@@ -24,7 +24,7 @@ use crate::random::mix;
 use crate::scene::Scene;
 
 pub use patch::Patch;
-pub use sample::{PatchSums, SurfacePoint};
+pub use sample::{PatchSums, SurfacePoint, point_on_polygon};
 pub use surface::smooth_surfaces;
 
 /// How the part of the hierarchy above the initial patches is built.

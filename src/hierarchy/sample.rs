@@ -160,7 +160,7 @@ fn triangle_quarter(u: &mut f32, v: &mut f32) -> u32 {
 }
 
 /// The point of a triangle or convex quad at `(u, v)`, uniform by area.
-fn point_on_polygon(corners: &[Vec3], u: f32, v: f32) -> Vec3 {
+pub fn point_on_polygon(corners: &[Vec3], u: f32, v: f32) -> Vec3 {
     match *corners {
         [a, b, c] => point_on_triangle(a, b, c, u, v),
         [a, b, c, d] => {

@@ -368,7 +368,7 @@ impl Solver {
         let indirect: Vec<Vec3> = self.light.irradiance.iter().zip(&light.irradiance).map(|(all, direct)| (*all - *direct).max(Vec3::ZERO)).collect();
         let begun = Instant::now();
         let context = final_gather::Context { scene: &self.scene, occluders: &self.occluders, surfaces: &self.surfaces, seed: self.params.seed };
-        let mut gather = final_gather::FinalGather::new(self.display.as_ref().unwrap(), &self.hierarchy, &context, error, &indirect);
+        let mut gather = final_gather::FinalGather::new(self.display.as_ref().unwrap(), &self.hierarchy, &context, error, &indirect, &self.light.irradiance);
         loop {
             match gather.step(&mut self.hierarchy, &context, &never) {
                 Some(final_gather::Progress::Done) => break,

@@ -8,13 +8,19 @@ use std::f32::consts::PI;
 use glam::Vec3;
 
 use super::super::form_factor::point_to_polygon;
-use crate::hierarchy::{Element, ElementId, Hierarchy, Patch, PatchSums, Shape};
+use crate::exposure::quarter;
+use crate::hierarchy::{ElementId, Hierarchy, PatchSums, Shape, SurfacePoint, point_on_polygon};
 use crate::random::{fraction, mix};
 use crate::visibility::Occluders;
 
 /// A cluster of lamps this small, as a share of its distance, is one lamp: a ray to a random point of it tells as much as a ray to one
 /// of its members.
 const SMALL: f32 = 0.1;
+
+/// A patch of a larger radius than this share of its distance is near.
+const NEAR: f32 = 0.7;
+/// It is cut into quarters so many times at most.
+const MOST_CUTS: u32 = 4;
 
 /// Steps of the two-dimensional sequence of the plastic number (Roberts), as 32-bit fractions.
 const STEPS: [u32; 2] = [3_242_174_889, 2_447_445_414];
@@ -37,6 +43,11 @@ impl Sent {
         };
         let powers = PatchSums::new(hierarchy.initial_patches().iter().map(power));
         Self { radiosity, powers }
+    }
+
+    /// Power of a cluster's lamps, W (largest colour).
+    fn power(&self, hierarchy: &Hierarchy, cluster: ElementId) -> f32 {
+        self.powers.of(hierarchy, cluster) as f32
     }
 }
 
@@ -63,39 +74,145 @@ pub struct Lit {
 /// A lamp, or a small cluster of them, as a point sees it.
 #[derive(Clone, Copy, Debug)]
 pub struct Seen {
-    id: ElementId,
-    /// What it could send, W/m² (largest colour), and for a patch its form factor.
+    lamp: Lamp,
+    /// What it could send, W/m² (largest colour).
     most: f32,
-    form_factor: f32,
 }
 
+#[derive(Clone, Copy, Debug)]
+enum Lamp {
+    Cluster(ElementId),
+    /// A patch, or a part of one that is near.
+    Part { polygon: u32, corners: [Vec3; 4], count: usize, normal: Vec3, form_factor: f32 },
+}
+
+/// What the rays to a lamp found.
+#[derive(Clone, Copy, Debug, Default)]
+struct Found {
+    /// Points of the lamp tried, and rays cast to those that face the point.
+    points: u32,
+    rays: u32,
+    /// Sums of kernels: of all rays, and of those that came through.
+    all: f32,
+    visible: f32,
+    /// Of a cluster: sum of kernel and emission, by its power.
+    light: Vec3,
+}
+
+impl Seen {
+    fn new(lamp: Lamp, most: f32) -> Self {
+        Self { lamp, most }
+    }
+}
+
+/// Most rays to all lamps, as a multiple of those that a point gets first.
+const MOST_AGAIN: f32 = 16.0;
+
 impl Lamps<'_> {
-    /// Irradiance that lamps send to a point, by about so many rays; `cut` is room to work in.
-    pub fn irradiance(&self, point: Vec3, normal: Vec3, rays: f32, seed: u64, cut: &mut Vec<Seen>) -> Lit {
+    /// Irradiance that lamps send to a point, by about so many rays, and by more where what they find leaves it more doubtful than
+    /// `doubt` (standard deviation, W/m²); `cut` is room to work in.
+    pub fn irradiance(&self, point: Vec3, normal: Vec3, rays: f32, doubt: f32, seed: u64, cut: &mut Vec<Seen>) -> Lit {
         cut.clear();
         self.collect(Hierarchy::ROOT, point, normal, cut);
         let total: f32 = cut.iter().map(|seen| seen.most).sum();
-        let mut lit = Lit::default();
         if total <= 0.0 {
-            return lit;
+            return Lit::default();
         }
-        for (index, seen) in cut.iter().enumerate() {
-            let seed = mix(seed, index as u64);
-            let wanted = rays * seen.most / total;
-            // What deserves less than a ray gets one by chance, and counts for all those that get none.
-            let chance = wanted.min(1.0);
-            if fraction(mix(seed, 1) as u32) >= chance {
-                continue;
-            }
-            let count = wanted.ceil().max(1.0) as u32;
-            let light = match self.hierarchy.element(seen.id).shape {
-                Shape::Patch(patch) => self.of_patch(seen, &patch, point, normal, count, seed),
-                Shape::Cluster(_) => self.of_cluster(seen.id, point, normal, count, seed),
-            };
-            lit.irradiance += light.irradiance / chance;
-            lit.rays += light.rays;
+        let (mut lit, variance) = self.look_at_all(point, normal, (rays, total), seed, cut);
+        if variance > doubt * doubt {
+            let times = (variance / (doubt * doubt)).min(MOST_AGAIN);
+            let (better, _) = self.look_at_all(point, normal, (times * rays, total), mix(seed, 3), cut);
+            // Both looks are right in the mean.
+            lit.irradiance = (lit.irradiance + times * better.irradiance) / (1.0 + times);
+            lit.rays += better.rays;
         }
         lit
+    }
+
+    /// Looks at every lamp of a cut with its share of the rays; what was found, and its variance as far as it can be told, (W/m²)².
+    fn look_at_all(
+        &self,
+        point: Vec3,
+        normal: Vec3,
+        (rays, total): (f32, f32),
+        seed: u64,
+        cut: &mut [Seen],
+    ) -> (Lit, f32) {
+        // What deserves less than a ray gets one by chance, and counts for all those that get none; the chances are dealt out in
+        // turn, so that as many get one as there should.
+        let mut dealt = fraction(mix(seed, 1) as u32);
+        // Of those: what they could send, how many got a ray, and how much of it came through.
+        let (mut small, mut picks, mut through) = (0.0, 0.0, 0.0);
+        let (mut lit, mut variance) = (Lit::default(), 0.0);
+        for (index, seen) in cut.iter_mut().enumerate() {
+            let wanted = rays * seen.most / total;
+            let chance = wanted.min(1.0);
+            small += if wanted < 1.0 { seen.most } else { 0.0 };
+            dealt += chance;
+            if dealt < 1.0 {
+                continue;
+            }
+            dealt -= 1.0;
+            let found = self.look(seen, point, normal, wanted.ceil().max(1.0) as u32, mix(seed, index as u64));
+            lit.irradiance += self.light(seen, &found) / chance;
+            lit.rays += found.rays;
+            let visibility = if found.all > 0.0 { (found.visible / found.all).min(1.0) } else { 0.0 };
+            if wanted < 1.0 {
+                picks += 1.0;
+                through += visibility;
+            } else if found.rays > 1 {
+                variance += seen.most * seen.most * visibility * (1.0 - visibility) / found.rays as f32;
+            }
+        }
+        if picks > 1.0 {
+            let share = through / picks;
+            variance += small * small * share * (1.0 - share) / picks;
+        }
+        (lit, variance)
+    }
+
+    /// B_e·F·V with V weighted by the kernel, since rays to the near end of a lamp decide about more light.
+    fn light(&self, seen: &Seen, found: &Found) -> Vec3 {
+        match seen.lamp {
+            Lamp::Part { .. } if found.all <= 0.0 => Vec3::ZERO,
+            Lamp::Part { polygon, form_factor, .. } => {
+                form_factor * (found.visible / found.all) * self.sent.radiosity[polygon as usize]
+            }
+            Lamp::Cluster(_) => found.light / found.points as f32,
+        }
+    }
+
+    /// Casts rays to a lamp.
+    fn look(&self, seen: &Seen, point: Vec3, normal: Vec3, count: u32, seed: u64) -> Found {
+        let start = mix(seed, 2);
+        let start = [start as u32, (start >> 32) as u32];
+        let mut found = Found::default();
+        for index in 0..count {
+            let coordinate = |axis: usize| fraction(start[axis].wrapping_add(STEPS[axis].wrapping_mul(index)));
+            let [u, v] = [0, 1].map(coordinate);
+            let target = match seen.lamp {
+                Lamp::Cluster(id) => self.hierarchy.point_on_by(&self.sent.powers, id, u, v),
+                Lamp::Part { polygon, corners, count, normal, .. } => {
+                    SurfacePoint { position: point_on_polygon(&corners[..count], u, v), normal, polygon }
+                }
+            };
+            let kernel = kernel(point, normal, target.position, target.normal);
+            found.points += 1;
+            if kernel <= 0.0 {
+                continue;
+            }
+            found.all += kernel;
+            found.rays += 1;
+            if !self.occluders.occluded(point, target.position) {
+                found.visible += kernel;
+                if let Lamp::Cluster(id) = seen.lamp {
+                    // Points lie by power: each stands for the same number of watts, in the colour of its lamp.
+                    let radiosity = self.sent.radiosity[target.polygon as usize];
+                    found.light += kernel * self.sent.power(self.hierarchy, id) * radiosity / radiosity.max_element();
+                }
+            }
+        }
+        found
     }
 
     fn collect(&self, id: ElementId, point: Vec3, normal: Vec3, cut: &mut Vec<Seen>) {
@@ -111,72 +228,54 @@ impl Lamps<'_> {
                 if cluster.half_extent.length_squared() < SMALL * SMALL * distance_squared {
                     let cosine = (normal.dot(span) / distance_squared.sqrt()).max(SMALL);
                     let most = power as f32 * cosine / (PI * distance_squared);
-                    cut.push(Seen { id, most, form_factor: 0.0 });
+                    cut.push(Seen::new(Lamp::Cluster(id), most));
                 } else {
                     element.children().for_each(|child| self.collect(child, point, normal, cut));
                 }
             }
             Shape::Patch(patch) => {
-                let emission = self.sent.radiosity[patch.polygon as usize].max_element();
-                if emission <= 0.0 || patch.normal.dot(point - element.centre) <= 0.0 {
-                    return;
-                }
-                let (corners, count) = self.hierarchy.corner_positions(patch);
-                let form_factor = point_to_polygon(point, normal, &corners[..count]) * self.exposed(element, patch);
-                if form_factor > 0.0 {
-                    cut.push(Seen { id, most: form_factor * emission, form_factor });
+                let radiosity = self.sent.radiosity[patch.polygon as usize].max_element();
+                if radiosity > 0.0 && patch.normal.dot(point - element.centre) > 0.0 {
+                    let (corners, count) = self.hierarchy.corner_positions(patch);
+                    let part = Part { polygon: patch.polygon, radiosity, normal: patch.normal, count };
+                    part.collect(corners, (point, normal), MOST_CUTS, cut);
                 }
             }
         }
     }
+}
 
-    fn exposed(&self, element: &Element, patch: &Patch) -> f32 {
-        let whole = self.hierarchy.whole_area(element, patch);
-        if whole > 0.0 { element.sampled_area / whole } else { 0.0 }
-    }
+/// A part of a patch that shines.
+#[derive(Clone, Copy)]
+struct Part {
+    polygon: u32,
+    radiosity: f32,
+    normal: Vec3,
+    count: usize,
+}
 
-    /// B_e·F·V with V weighted by the kernel, since rays to the near end of a lamp decide about more light.
-    fn of_patch(&self, seen: &Seen, patch: &Patch, point: Vec3, normal: Vec3, count: u32, seed: u64) -> Lit {
-        let (mut all, mut visible, mut rays) = (0.0, 0.0, 0);
-        for target in self.points(seen.id, count, seed) {
-            let kernel = kernel(point, normal, target.position, target.normal);
-            if kernel > 0.0 {
-                all += kernel;
-                rays += 1;
-                if !self.occluders.occluded(point, target.position) {
-                    visible += kernel;
-                }
-            }
+impl Part {
+    /// What is near for its size is cut into quarters: most of its light comes from its nearest end, and few rays to all of it would
+    /// tell about the rest.
+    fn collect(&self, corners: [Vec3; 4], (point, normal): (Vec3, Vec3), cuts: u32, cut: &mut Vec<Seen>) {
+        let used = &corners[..self.count];
+        let highest = used.iter().map(|corner| normal.dot(*corner - point)).fold(f32::NEG_INFINITY, f32::max);
+        if highest <= 0.0 {
+            return;
         }
-        let share = if all > 0.0 { visible / all } else { 0.0 };
-        Lit { irradiance: seen.form_factor * share * self.sent.radiosity[patch.polygon as usize], rays }
-    }
-
-    fn of_cluster(&self, id: ElementId, point: Vec3, normal: Vec3, count: u32, seed: u64) -> Lit {
-        let Shape::Cluster(cluster) = &self.hierarchy.element(id).shape else { return Lit::default() };
-        let power = self.sent.powers.over(cluster) as f32;
-        let mut lit = Lit::default();
-        for target in self.points(id, count, seed) {
-            let kernel = kernel(point, normal, target.position, target.normal);
-            if kernel > 0.0 {
-                lit.rays += 1;
-                if !self.occluders.occluded(point, target.position) {
-                    // Points lie by power: each stands for the same number of watts, in the colour of its lamp.
-                    let emission = self.sent.radiosity[target.polygon as usize];
-                    lit.irradiance += kernel * power / count as f32 * emission / emission.max_element();
-                }
+        let centre = used.iter().sum::<Vec3>() / self.count as f32;
+        let size = used.iter().map(|corner| corner.distance_squared(centre)).fold(0.0, f32::max);
+        if cuts > 0 && size > NEAR * NEAR * centre.distance_squared(point) {
+            for number in 0..4 {
+                self.collect(quarter(corners, self.count, number), (point, normal), cuts - 1, cut);
             }
+            return;
         }
-        lit
-    }
-
-    fn points(&self, id: ElementId, count: u32, seed: u64) -> impl Iterator<Item = crate::hierarchy::SurfacePoint> {
-        let start = mix(seed, 2);
-        let start = [start as u32, (start >> 32) as u32];
-        (0..count).map(move |index| {
-            let coordinate = |axis: usize| fraction(start[axis].wrapping_add(STEPS[axis].wrapping_mul(index)));
-            self.hierarchy.point_on_by(&self.sent.powers, id, coordinate(0), coordinate(1))
-        })
+        let form_factor = point_to_polygon(point, normal, used);
+        if form_factor > 0.0 {
+            let Self { polygon, radiosity, normal, count } = *self;
+            cut.push(Seen::new(Lamp::Part { polygon, corners, count, normal, form_factor }, form_factor * radiosity));
+        }
     }
 }
 

@@ -38,7 +38,9 @@ use vertices::Vertex;
 const CHUNK: usize = 512;
 /// Rays to lamps from a point, times the error that is allowed between vertices.
 const LAMP_RAYS: f64 = 0.9;
-/// Splitting ends when it leaves more than this share of the squared error: noise does not fall by it.
+/// Noise of direct light at vertices, as a share of the error that is allowed between them.
+const DIRECT_NOISE: f64 = 0.5;
+/// Splitting ends when it made many leaves and left more than this share of the squared error: noise does not fall by it.
 const LEAST_GAIN: f64 = 0.8;
 /// Leaves of less than this share of the mean area have no vertex in their middle.
 const MIDDLE: f32 = 0.1;
@@ -49,8 +51,8 @@ const MOST_ATTEMPTS: u32 = 6;
 /// More vertices than this are not made for the sake of the goal.
 const MOST_VERTICES: usize = 1 << 21;
 /// The allowed error is shared out to what lies between vertices and to the noise of their values.
-const MESH_SHARE: f64 = 0.6;
-const NOISE_SHARE: f64 = 0.6;
+const MESH_SHARE: f64 = 0.5;
+const NOISE_SHARE: f64 = 0.5;
 /// The next attempt aims below the goal by this factor.
 const AIM: f64 = 0.8;
 /// What reflects so many times more than the mean is a lamp to all others.
@@ -131,8 +133,12 @@ pub struct FinalGather {
     rows: Rows,
     /// Squared errors of leaves that were looked at and kept.
     kept: FxHashMap<ElementId, f64>,
+    /// Σ A·|B|² of what links say, W²/m².
+    energy_of_links: f64,
     /// Squared error between the vertices, measured last, W²/m².
     mesh_error: f64,
+    /// Whether the last round of splitting made many leaves.
+    grew: bool,
     /// Noise of the vertices' values, measured last; infinite before.
     noise: f64,
     /// Variance of the light along one ray, as a share of the squared light; as measured.
@@ -150,7 +156,7 @@ pub struct FinalGather {
 impl FinalGather {
     /// Starts with what links say of the indirect irradiance of each leaf (parallel to the hierarchy's arena, W/m²); `error` is
     /// the RMS error that is asked for, as a share of the RMS radiosity.
-    pub fn new(old: &Display, hierarchy: &Hierarchy, context: &Context, error: f64, indirect: &[Vec3]) -> Self {
+    pub fn new(old: &Display, hierarchy: &Hierarchy, context: &Context, error: f64, indirect: &[Vec3], irradiance: &[Vec3]) -> Self {
         let leaves = &old.mesh.leaves;
         let mean_area = leaves.iter().map(|leaf| leaf.area).sum::<f32>() / leaves.len().max(1) as f32;
         let display = old.rebuilt(context.scene, hierarchy, Style::WithCentres(MIDDLE * mean_area));
@@ -161,6 +167,14 @@ impl FinalGather {
                 patches[patch.polygon as usize] = id;
             }
         }
+        let energy_of = |leaf: &super::Leaf| {
+            let surface = &context.surfaces[leaf.polygon as usize];
+            match surface.emission == Vec3::ZERO {
+                true => f64::from(leaf.area * (surface.reflectance * irradiance[leaf.element.index()]).length_squared()),
+                false => 0.0,
+            }
+        };
+        let energy_of_links = leaves.iter().map(energy_of).sum();
         let sent = what_is_sent(hierarchy, context, error, indirect);
         let indirect = display.of_vertices(indirect).into_iter().map(Vec3::from).collect();
         let mut gather = Self {
@@ -174,7 +188,9 @@ impl FinalGather {
             indirect,
             rows: Rows::default(),
             kept: FxHashMap::default(),
+            energy_of_links,
             mesh_error: f64::INFINITY,
+            grew: false,
             noise: f64::INFINITY,
             spread: (SPREAD * SPREAD) as f32,
             estimate: None,
@@ -248,15 +264,17 @@ impl FinalGather {
 
     /// Whether the goal is reached; if not, what comes next with a stricter aim.
     fn after_estimate(&mut self) -> Stage {
-        let Some(estimate) = self.estimate.filter(|estimate| estimate.high > self.goal.error) else { return Stage::Done };
+        let Some(error) = self.estimate.map(|estimate| estimate.cautious()).filter(|error| *error > self.goal.error) else {
+            return Stage::Done;
+        };
         if self.attempt >= MOST_ATTEMPTS || self.vertices.len() > MOST_VERTICES || !self.rows.has_room() {
             return Stage::Done;
         }
         self.attempt += 1;
         self.round = 0;
-        let factor = (AIM * self.goal.error / estimate.high).max(0.25);
+        let factor = (AIM * self.goal.error / error).max(0.5);
         // What is not noise lies between the vertices.
-        let between = (estimate.high.powi(2) - self.noise.powi(2)).max(0.0).sqrt();
+        let between = (error.powi(2) - self.noise.powi(2)).max(0.0).sqrt();
         if between > MESH_SHARE * self.goal.error {
             self.goal.mesh *= factor;
             self.kept.clear();
@@ -315,13 +333,19 @@ impl FinalGather {
         let lamps = self.lamps(hierarchy, context);
         let darkness = self.darkness(context);
         let finder = Finder { display: &self.display, hierarchy, darkness: darkness.as_ref(), seed: context.seed };
+        let energy = if self.round == 0 { self.energy_of_links } else { self.energy() };
+        let allowed = (DIRECT_NOISE * self.goal.mesh).powi(2) * energy / self.vertices.len() as f64;
         let find = |cut: &mut Vec<Seen>, vertex: usize| {
             self.direct[vertex].is_nan().then(|| {
                 let seed = mix(context.seed, position_hash(&self.display, vertex));
+                // Each vertex may hold its part of the error.
+                let of = &self.vertices[vertex];
+                let weight = f64::from(of.area * of.reflectance.length_squared()).max(f64::MIN_POSITIVE);
+                let doubt = (allowed / weight).sqrt() as f32;
                 let mut rays = 0;
                 let (stances, irradiance) = finder.find(vertex, &mut |stance| {
                     let wanted = self.lamp_rays() * stance.weight;
-                    let lit = lamps.irradiance(stance.position, stance.normal, wanted, seed, cut);
+                    let lit = lamps.irradiance(stance.position, stance.normal, wanted, doubt, seed, cut);
                     rays += lit.rays;
                     lit.irradiance
                 });
@@ -344,7 +368,7 @@ impl FinalGather {
         self.rays += look.rays;
         let allowed = self.goal.mesh * self.goal.mesh * self.energy();
         let error = look.errors.iter().sum::<f64>();
-        let is_vain = self.round > 0 && error > LEAST_GAIN * self.mesh_error;
+        let is_vain = self.round > 0 && self.grew && error > LEAST_GAIN * self.mesh_error;
         self.mesh_error = error;
         if error <= allowed || is_vain || self.vertices.len() > MOST_VERTICES {
             return false;
@@ -360,6 +384,7 @@ impl FinalGather {
             }
         }
         let new = self.display.rebuilt(context.scene, hierarchy, self.display.style());
+        self.grew = 10 * new.mesh.leaves.len() > 11 * mesh.leaves.len();
         let former = std::mem::replace(&mut self.display, new);
         let of_vertex = std::mem::take(&mut self.direct).into_iter().zip(std::mem::take(&mut self.stances));
         let known: FxHashMap<VertexKey, _> = former.keys().iter().copied().zip(of_vertex).collect();
@@ -461,7 +486,7 @@ fn what_is_sent(hierarchy: &Hierarchy, context: &Context, error: f64, indirect: 
             let [u, v] = [0.7549, 0.5698].map(|step| (0.5 + step * index as f32).fract());
             let point = hierarchy.point_on(id, u, v);
             let seed = mix(mix(context.seed, element.key), u64::from(index));
-            lamps.irradiance(point.position, point.normal, rays, seed, cut).irradiance
+            lamps.irradiance(point.position, point.normal, rays, f32::INFINITY, seed, cut).irradiance
         };
         let direct = (0..BRIGHT_POINTS).map(light).sum::<Vec3>() / BRIGHT_POINTS as f32;
         (patch.polygon, element.area, surface.reflectance * (direct + indirect[id.index()]))

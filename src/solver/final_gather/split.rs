@@ -68,7 +68,7 @@ impl FinalGather {
                 // Two looks that know nothing of each other: the product of their differences is right in the mean, whatever
                 // their noise.
                 let [first, second] = [1, 2].map(|look| {
-                    let lit = lamps.irradiance(point.position, point.normal, 0.5 * self.lamp_rays(), mix(seed, look), cut);
+                    let lit = lamps.irradiance(point.position, point.normal, 0.5 * self.lamp_rays(), f32::INFINITY, mix(seed, look), cut);
                     rays += u64::from(lit.rays);
                     lit.irradiance
                 });
@@ -146,7 +146,7 @@ pub fn threshold(errors: &[f64], allowed: f64) -> f64 {
     sorted.sort_by(f64::total_cmp);
     let mut sum = 0.0;
     let kept = sorted.iter().take_while(|error| {
-        sum += error.max(0.0);
+        sum += **error;
         sum <= KEPT * allowed
     });
     let kept = kept.count();
