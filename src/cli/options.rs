@@ -10,7 +10,9 @@ use glam::Vec3;
 use selflink::added_light::{AddedLight, CeilingLight};
 use selflink::hierarchy::ClusteringMode;
 use selflink::scene::{Sides, Source, builtin::BuiltinScene};
-use selflink::solver::{ClusterModel, Epsilon, PARAMETERS, Parameter, ParameterId, Push, SolverParams, ValueKind};
+use selflink::solver::{
+    ClusterModel, Epsilon, OracleKind, PARAMETERS, Parameter, ParameterId, Push, SolverParams, ValueKind,
+};
 
 /// More threads than any machine has cores for.
 const MOST_THREADS: u32 = 1024;
@@ -74,6 +76,7 @@ fn default_text(id: ParameterId) -> String {
         ParameterId::Clustering => name_of(&params.clustering),
         ParameterId::OctreeDepth => params.octree_depth.to_string(),
         ParameterId::ClusterModel => name_of(&params.cluster_model),
+        ParameterId::Oracle => name_of(&params.oracle),
         ParameterId::Push => name_of(&params.push),
         ParameterId::Sides => params.sides.map_or_else(|| "as the scene says".to_owned(), |sides| name_of(&sides)),
         ParameterId::Threads => format!("{}, every core", params.threads),
@@ -132,6 +135,7 @@ fn set(params: &mut SolverParams, parameter: &Parameter, matches: &ArgMatches) -
         ParameterId::ClusterModel => {
             params.cluster_model = choice::<ClusterModel>(matches, flag)?.unwrap_or(params.cluster_model);
         }
+        ParameterId::Oracle => params.oracle = choice::<OracleKind>(matches, flag)?.unwrap_or(params.oracle),
         ParameterId::Push => params.push = choice::<Push>(matches, flag)?.unwrap_or(params.push),
         ParameterId::Sides => params.sides = choice::<Sides>(matches, flag)?.or(params.sides),
         ParameterId::Threads => params.threads = whole().unwrap_or(params.threads),
@@ -273,9 +277,10 @@ mod tests {
     #[test]
     fn each_option_sets_its_field() {
         let defaults = SolverParams::default();
-        let cases: [(&[&str], SolverParams); 13] = [
+        let cases: [(&[&str], SolverParams); 14] = [
             (&["--epsilon", "0.01"], SolverParams { epsilon: Epsilon::Relative(0.01), ..defaults }),
             (&["--epsilon-watts", "3"], SolverParams { epsilon: Epsilon::Watts(3.0), ..defaults }),
+            (&["--oracle", "error"], SolverParams { oracle: OracleKind::Error, ..defaults }),
             (&["--partial-factor", "0.5"], SolverParams { partial_factor: 0.5, ..defaults }),
             (&["--visibility-factor", "2"], SolverParams { visibility_factor: 2.0, ..defaults }),
             (&["--rays-min", "2"], SolverParams { rays_min: 2, ..defaults }),

@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use selflink::format::{bytes, count, number, quantity, seconds};
 use selflink::scene::{Scene, Sides, Skipped};
-use selflink::solver::{Bytes, ClusteringMode, PowerBalance, Push, Seconds, power_balance};
+use selflink::solver::{Bytes, ClusteringMode, OracleKind, PowerBalance, Push, Seconds, power_balance};
 use serde::Serialize;
 
 use super::job::{Job, Solution};
@@ -26,6 +26,7 @@ pub struct Report<'a> {
     visibility_factor: f64,
     rays_min: u32,
     rays_max: u32,
+    oracle: OracleKind,
     push: Push,
     sides: Sides,
     seed: u64,
@@ -79,6 +80,7 @@ impl<'a> Report<'a> {
             visibility_factor: params.visibility_factor,
             rays_min: params.rays_min,
             rays_max: params.rays_max,
+            oracle: params.oracle,
             push: params.push,
             sides: scene.sides,
             seed: params.seed,

@@ -17,6 +17,7 @@ mod final_gather;
 mod form_factor;
 mod gather;
 mod link;
+mod link_error;
 mod live;
 mod memory;
 mod oracle;
@@ -25,6 +26,7 @@ mod picture;
 mod push;
 mod rays;
 mod refine;
+mod sight;
 pub mod snapshot;
 pub mod stats;
 mod verdict;
@@ -39,8 +41,8 @@ pub use balance::{PowerBalance, power_balance};
 pub use form_factor::{Exchange, exchange, point_to_polygon};
 pub use link::{Evidence, Link, LinkTable};
 pub use params::{
-    ClusterModel, ClusteringMode, Epsilon, Invalidates, PARAMETERS, Parameter, ParameterId, ParamsError, Push,
-    SolverParams, ValueKind,
+    ClusterModel, ClusteringMode, Epsilon, Invalidates, OracleKind, PARAMETERS, Parameter, ParameterId, ParamsError,
+    Push, SolverParams, ValueKind,
 };
 pub use refine::RejectedPair;
 pub use snapshot::{ClusterBox, InspectedElement, Leaf, LinkView, Mesh, Snapshot};
@@ -56,10 +58,11 @@ use candidate::{Candidate, Directions};
 use display::Display;
 use gather::{Gatherer, Light, Surface, pull};
 use memory::check_pairs_fit;
-use oracle::{Oracle, Thresholds};
+use oracle::Oracle;
 use picture::Picture;
 use rays::RaySampler;
 use refine::Refinement;
+use sight::Thresholds;
 
 /// Why a solve cannot start.
 #[derive(Debug, thiserror::Error)]
@@ -126,6 +129,8 @@ pub struct Solver {
     emission: PatchSums,
     /// Largest colour of each element's B at the last fixed point of the algorithm; what verdicts look at.
     brightness: Vec<f32>,
+    /// Standard deviation of that over each element's leaves, W/m².
+    spread: Vec<f32>,
     links: LinkTable,
     refinement: Refinement,
     phase: Phase,
@@ -174,6 +179,7 @@ impl Solver {
             light: Light::default(),
             emission: PatchSums::default(),
             brightness: Vec::new(),
+            spread: Vec::new(),
             links: LinkTable::default(),
             refinement: Refinement::default(),
             phase: Phase::Refine,
@@ -230,12 +236,21 @@ impl Solver {
 
     fn refine(&mut self, cancel: &CancelToken) -> Step {
         let epsilon = self.stage_epsilon();
-        let oracle = oracle(&self.hierarchy, &self.brightness, &self.emission, &self.occluders, &self.params, epsilon);
+        let oracle = oracle(
+            &self.hierarchy,
+            &self.brightness,
+            &self.spread,
+            &self.emission,
+            &self.occluders,
+            &self.params,
+            epsilon,
+        );
         let Some(judged) = self.refinement.judge(&oracle, cancel) else { return Step::Interrupted };
         let wave_ended = self.refinement.apply(&mut self.hierarchy, &judged);
         self.light.grow(&self.hierarchy);
         let known = self.brightness.len();
         self.brightness.extend(self.light.radiosity[known..].iter().map(|radiosity| radiosity.max_element()));
+        self.spread.resize(self.brightness.len(), 0.0);
         if self.refinement.is_finished() {
             self.phase = Phase::Gather;
         }
@@ -287,7 +302,15 @@ impl Solver {
     /// was inherited by a coarser ε must show itself by this one; and pairs whose occlusion matters more than when it was found.
     fn take_failing(&mut self, finer_epsilon: bool) -> Vec<Candidate> {
         let epsilon = self.stage_epsilon();
-        let oracle = oracle(&self.hierarchy, &self.brightness, &self.emission, &self.occluders, &self.params, epsilon);
+        let oracle = oracle(
+            &self.hierarchy,
+            &self.brightness,
+            &self.spread,
+            &self.emission,
+            &self.occluders,
+            &self.params,
+            epsilon,
+        );
         let failing = self.links.drain(|receiver, link| oracle.must_judge_again(receiver, link));
         let of_link = |(receiver, link): (ElementId, Link)| judged_again(receiver, &link, finer_epsilon);
         let occluded = std::mem::take(&mut self.refinement.occluded);
@@ -326,6 +349,7 @@ impl Solver {
     fn fix_brightness(&mut self) {
         self.brightness.clear();
         self.brightness.extend(self.light.radiosity.iter().map(|radiosity| radiosity.max_element()));
+        link_error::spread_of(&self.hierarchy, &self.brightness, &mut self.spread);
     }
 
     /// The scene as it is solved, edits of emission included.
@@ -474,6 +498,7 @@ fn judged_again(receiver: ElementId, link: &Link, finer_epsilon: bool) -> Candid
 fn oracle<'a>(
     hierarchy: &'a Hierarchy,
     brightness: &'a [f32],
+    spread: &'a [f32],
     emission: &'a PatchSums,
     occluders: &'a Occluders,
     params: &SolverParams,
@@ -487,7 +512,16 @@ fn oracle<'a>(
         rays_max: params.rays_max,
     };
     let model = params.cluster_model;
-    Oracle { hierarchy, brightness, thresholds, model, sampler: RaySampler { occluders, seed: params.seed, emission } }
+    let kind = params.oracle;
+    Oracle {
+        hierarchy,
+        brightness,
+        spread,
+        thresholds,
+        model,
+        kind,
+        sampler: RaySampler { occluders, seed: params.seed, emission },
+    }
 }
 
 /// ε in W.

@@ -1,48 +1,19 @@
 //! The oracle: decides what becomes of a pair; pure, so that a wave can be judged in parallel.
 //!
 //! The power oracle of the paper (section 2.3, [Lischinski 94]): refine while B_s·F·A_r > ε, with ε_partial where the ends
-//! see each other only in part; rays in proportion to B·F·A/ε within bounds (section 2.4).
+//! see each other only in part; rays in proportion to B·F·A/ε within bounds (section 2.4). The error oracle (`link_error`)
+//! looks the same way and decides otherwise.
 
 use crate::hierarchy::{Cluster, ElementId, Hierarchy, Shape};
 
 use super::candidate::{Candidate, Directions, end_to_split};
 use super::form_factor::{Exchange, exchange, self_exchange};
 use super::link::{Evidence, Link};
-use super::params::ClusterModel;
+use super::link_error::Facing;
+use super::params::{ClusterModel, OracleKind};
 use super::rays::{RayPlan, RaySampler, Spread, Survey};
+use super::sight::{Sight, SightKind, Thresholds};
 use super::verdict::{Decision, OccludedPair, Rejection, Verdict};
-
-/// Thresholds in the units that the oracle uses.
-#[derive(Clone, Copy, Debug)]
-pub struct Thresholds {
-    /// ε, W.
-    pub epsilon: f32,
-    /// ε_partial, W.
-    pub epsilon_partial: f32,
-    /// f_vis: rays per BFA/ε.
-    pub visibility_factor: f32,
-    /// Fewest rays.
-    pub rays_min: u32,
-    /// Most rays.
-    pub rays_max: u32,
-}
-
-impl Thresholds {
-    /// Visibility rays that a link of this unoccluded power deserves (section 2.4).
-    pub fn rays_for(&self, power: f32) -> u32 {
-        let wanted = self.visibility_factor * power / self.epsilon;
-        // The cast saturates: a huge or undefined quotient (ε = 0) asks for the most.
-        (wanted.ceil() as u32).clamp(self.rays_min, self.rays_max)
-    }
-
-    /// Rays that must all be blocked before a pair of this unoccluded power is believed to be occluded: eight per ε_partial, so
-    /// that what they may have missed is an eighth of it. What few rays miss is lost for good, and what few rays see in full
-    /// by chance is gained; from four to eight the power that the office loses at ε = 1e-4 falls from 2.1 % to 1.1 %
-    /// (`tests/solver/balance.rs`).
-    fn rays_to_reject(&self, power: f32) -> u32 {
-        (8.0 * power / self.epsilon_partial).ceil() as u32
-    }
-}
 
 /// A stored link may exceed its threshold by this factor before it is judged again: B creeps up towards its limit, and a
 /// round for the last few percent refines links that matter as little as those beside them.
@@ -60,6 +31,10 @@ pub struct Oracle<'a> {
     pub hierarchy: &'a Hierarchy,
     /// Largest colour of each element's radiosity B, W/m².
     pub brightness: &'a [f32],
+    /// Standard deviation of that over the leaves of each element, W/m².
+    pub spread: &'a [f32],
+    /// What links are refined by.
+    pub kind: OracleKind,
     /// Thresholds.
     pub thresholds: Thresholds,
     /// What clusters are to light.
@@ -75,9 +50,9 @@ impl Oracle<'_> {
             return self.judge_self(candidate);
         }
         let (a, b) = (candidate.a, candidate.b);
-        let (estimate, bound) = match exchange(self.hierarchy, a, b) {
+        let (estimate, bound, overlapping) = match exchange(self.hierarchy, a, b) {
             Exchange::FacingAway => return Verdict::alike(candidate, Decision::Reject(Rejection::FacingAway)),
-            Exchange::Facing { estimate, bound, .. } => (estimate, bound),
+            Exchange::Facing { estimate, bound, overlapping } => (estimate, bound, overlapping),
         };
         let brightness_to_a = if candidate.directions.to_a { self.brightness[b.index()] } else { 0.0 };
         let brightness_to_b = if candidate.directions.to_b { self.brightness[a.index()] } else { 0.0 };
@@ -89,7 +64,11 @@ impl Oracle<'_> {
         };
         let sight = if strongest > 0.0 {
             // Where both directions would be refined anyway, a mixture of seen and blocked rays says all.
-            let stop_when_mixed = weakest * bound > self.thresholds.epsilon_partial;
+            let stop_when_mixed = match self.kind {
+                OracleKind::Energy => weakest * bound > self.thresholds.epsilon_partial,
+                // By this oracle, V decides what is refined.
+                OracleKind::Error => false,
+            };
             self.look(candidate, strongest * estimate, strongest * bound, stop_when_mixed)
         } else {
             Sight::unseen(candidate)
@@ -102,7 +81,12 @@ impl Oracle<'_> {
             }
             let form_factor = self.form_factor(receiver, source, estimate, sight.survey.as_ref());
             let link = Link::new(source, form_factor, sight.visibility, sight.evidence());
-            let mut decision = self.decide(receiver, link, bound, sight.kind);
+            let mut decision = match self.kind {
+                OracleKind::Energy => self.decide(receiver, link, bound, sight.kind),
+                OracleKind::Error => {
+                    self.decide_by_error(receiver, link, Facing { estimate, bound, overlapping }, &sight)
+                }
+            };
             if let Decision::Accept(link) | Decision::AcceptAtGuard(link) = &mut decision
                 && sight.kind == SightKind::Full
                 && self.is_chosen_for_clear(link, bound)
@@ -148,6 +132,9 @@ impl Oracle<'_> {
         }
         if link.evidence() == Evidence::None {
             return true;
+        }
+        if self.kind == OracleKind::Error {
+            return self.fails_by_error(receiver, link, MARGIN);
         }
         let hierarchy = self.hierarchy;
         let area = hierarchy.element(receiver).area;
@@ -203,8 +190,12 @@ impl Oracle<'_> {
         let brightness = self.brightness[candidate.a.index()];
         let power = brightness * element.area;
         let mut rays = 0;
-        let decision = if power > self.thresholds.epsilon_partial {
-            Decision::Refine
+        let allowed = match self.kind {
+            OracleKind::Energy => self.thresholds.epsilon_partial,
+            OracleKind::Error => self.thresholds.epsilon,
+        };
+        let decision = if power > allowed {
+            Decision::Refine(candidate.a)
         } else if self.is_convex(&cluster) {
             Decision::Reject(Rejection::FacingAway)
         } else {
@@ -293,12 +284,9 @@ impl Oracle<'_> {
             SightKind::Partial | SightKind::Unknown => self.thresholds.epsilon_partial,
         };
         if brightness * bound <= allowed {
-            Decision::Accept(link)
-        } else if end_to_split(self.hierarchy, receiver, link.source()).is_none() {
-            Decision::AcceptAtGuard(link)
-        } else {
-            Decision::Refine
+            return Decision::Accept(link);
         }
+        end_to_split(self.hierarchy, receiver, link.source()).map_or(Decision::AcceptAtGuard(link), Decision::Refine)
     }
 
     fn are_patches(&self, pair: &Candidate) -> bool {
@@ -315,14 +303,17 @@ impl Oracle<'_> {
             let found = (!self.are_patches(candidate)).then(|| survey(Spread::Even, plan));
             return Sight { visibility: 1.0, survey: found, plan: Some(plan), ..Sight::unseen(candidate) };
         }
-        if bound > self.thresholds.epsilon && bound > power {
+        let is_refined = match self.kind {
+            OracleKind::Energy => bound > self.thresholds.epsilon,
+            OracleKind::Error => self.is_refined_unseen(bound),
+        };
+        if is_refined && bound > power {
             // Boxes that touch are refined in any case; what their members see is for their members to find out.
             return Sight::unseen(candidate);
         }
         let asked = self.thresholds.rays_for(power);
-        let to_reject = self.thresholds.rays_to_reject(power);
-        let plan =
-            RayPlan { rays: asked, rays_if_blocked: to_reject.clamp(asked, self.thresholds.rays_max), stop_when_mixed };
+        let (to_reject, most) = self.thresholds.rays_to_reject(power, self.kind);
+        let plan = RayPlan { rays: asked, rays_if_blocked: to_reject.clamp(asked, most), stop_when_mixed };
         let found = survey(Spread::Even, plan);
         let mut rays = found.cast;
         let plan = RayPlan { rays_if_blocked: asked, stop_when_mixed: false, ..plan };
@@ -351,44 +342,5 @@ impl Oracle<'_> {
             SightKind::Partial
         };
         Sight { kind, visibility: found.visibility(), rays, asked, survey: Some(found), plan: Some(plan) }
-    }
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum SightKind {
-    Full,
-    Partial,
-    None,
-    Unknown,
-}
-
-struct Sight {
-    kind: SightKind,
-    visibility: f32,
-    /// Rays cast.
-    rays: u32,
-    /// Rays that the pair's power deserved; fewer are cast where few points face each other.
-    asked: u32,
-    /// The points looked at, where any were.
-    survey: Option<Survey>,
-    /// How to look at what a lamp in a cluster lights, where somebody looked.
-    plan: Option<RayPlan>,
-}
-
-impl Sight {
-    /// Nobody looked: both ends are dark.
-    fn unseen(candidate: &Candidate) -> Self {
-        let kind = if candidate.inherits_visible { SightKind::Full } else { SightKind::Unknown };
-        Self { kind, visibility: candidate.visibility(), rays: 0, asked: 0, survey: None, plan: None }
-    }
-
-    fn evidence(&self) -> Evidence {
-        let asked = self.asked.min(u32::from(u16::MAX)) as u16;
-        match self.kind {
-            SightKind::Full if asked == 0 => Evidence::Inherited,
-            SightKind::Unknown => Evidence::None,
-            SightKind::Full => Evidence::Clear(asked),
-            SightKind::Partial | SightKind::None => Evidence::Rays(asked),
-        }
     }
 }

@@ -33,6 +33,17 @@ pub enum ClusterModel {
     Oriented,
 }
 
+/// What a link is refined by.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum OracleKind {
+    /// The power that it could carry (section 2.3).
+    #[default]
+    Energy,
+    /// The power that it is likely to put in the wrong place, or to make up or lose.
+    Error,
+}
+
 /// The threshold ε on the unoccluded power of a link.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
@@ -48,6 +59,8 @@ pub enum Epsilon {
 pub struct SolverParams {
     /// Threshold ε on B_s·F·A_r.
     pub epsilon: Epsilon,
+    /// What links are refined by.
+    pub oracle: OracleKind,
     /// ε_partial / ε: how much stricter partly visible links are judged (section 2.3: 1/10).
     pub partial_factor: f64,
     /// f_vis: visibility rays per BFA/ε (section 2.4).
@@ -76,6 +89,7 @@ impl Default for SolverParams {
     fn default() -> Self {
         Self {
             epsilon: Epsilon::Relative(1e-4),
+            oracle: OracleKind::Energy,
             partial_factor: 0.1,
             visibility_factor: 5.0,
             rays_min: 4,
@@ -115,6 +129,8 @@ pub enum ParameterId {
     Epsilon,
     /// ε in W.
     EpsilonWatts,
+    /// Oracle.
+    Oracle,
     /// ε_partial / ε.
     PartialFactor,
     /// f_vis.
@@ -178,7 +194,7 @@ pub struct Parameter {
 }
 
 /// Every parameter, in the order of the panel.
-pub const PARAMETERS: [Parameter; 13] = [
+pub const PARAMETERS: [Parameter; 14] = [
     Parameter {
         id: ParameterId::Epsilon,
         flag: "epsilon",
@@ -194,6 +210,14 @@ pub const PARAMETERS: [Parameter; 13] = [
         unit: "W",
         hint: "The same threshold in watts, as the solver uses it; it does not follow a dimmed lamp.",
         kind: ValueKind::Real { range: 1e-9..=1e6, logarithmic: true },
+    },
+    Parameter {
+        id: ParameterId::Oracle,
+        flag: "oracle",
+        label: "oracle",
+        unit: "",
+        hint: "What ε bounds: the power that a link could carry (energy, the paper's, section 2.3) or the power that it is likely to put in the wrong place (error).",
+        kind: ValueKind::Choice { names: &["energy", "error"] },
     },
     Parameter {
         id: ParameterId::PartialFactor,
@@ -352,6 +376,7 @@ impl SolverParams {
             || newer.partial_factor > self.partial_factor
             || newer.rays_max < self.rays_max
             || newer.cluster_model != self.cluster_model
+            || newer.oracle != self.oracle
         {
             Invalidates::Links
         } else if self.epsilon != newer.epsilon

@@ -4,7 +4,7 @@ use std::collections::VecDeque;
 
 use rayon::prelude::*;
 
-use super::candidate::{Candidate, Directions, Waiting, end_to_split, take_chunk};
+use super::candidate::{Candidate, Directions, Waiting, take_chunk};
 use super::link::Link;
 use super::oracle::Oracle;
 use super::verdict::{Decision, OccludedPair, Rejection, Verdict};
@@ -124,9 +124,18 @@ impl Refinement {
                 let pair = Candidate::new(a, b, blocked, 0.0, false);
                 self.occluded.push(OccludedPair { pair, was_negligible: verdict.is_negligible });
             }
-            let directions = Directions { to_a, to_b };
-            if !directions.is_empty() {
-                self.refine(hierarchy, candidate, verdict, directions);
+            let both = Directions { to_a: true, to_b: true };
+            match (to_a, to_b) {
+                (Some(end), Some(other)) if end == other => self.refine(hierarchy, candidate, verdict, both, end),
+                _ => {
+                    let splits =
+                        [(to_a, Directions { to_b: false, ..both }), (to_b, Directions { to_a: false, ..both })];
+                    for (end, directions) in splits {
+                        if let Some(end) = end {
+                            self.refine(hierarchy, candidate, verdict, directions, end);
+                        }
+                    }
+                }
             }
         }
         self.judged.0 += judged.len();
@@ -152,8 +161,8 @@ impl Refinement {
         rejected.retain(|pair| !again.contains(&(pair.receiver, pair.source)));
     }
 
-    /// Books one direction's decision; true if it must be refined.
-    fn settle(&mut self, receiver: ElementId, source: ElementId, decision: &Decision) -> bool {
+    /// Books one direction's decision; the end to split if it must be refined.
+    fn settle(&mut self, receiver: ElementId, source: ElementId, decision: &Decision) -> Option<ElementId> {
         self.counts.pairs_judged += u64::from(!matches!(decision, Decision::NotAsked));
         match *decision {
             Decision::NotAsked => {}
@@ -167,13 +176,20 @@ impl Refinement {
                     rejected.push(RejectedPair { receiver, source, rejection });
                 }
             }
-            Decision::Refine => return true,
+            Decision::Refine(end) => return Some(end),
         }
-        false
+        None
     }
 
     /// Queues the pairs that a refined pair turns into.
-    fn refine(&mut self, hierarchy: &mut Hierarchy, candidate: &Candidate, verdict: &Verdict, directions: Directions) {
+    fn refine(
+        &mut self,
+        hierarchy: &mut Hierarchy,
+        candidate: &Candidate,
+        verdict: &Verdict,
+        directions: Directions,
+        end: ElementId,
+    ) {
         let (a, b) = (candidate.a, candidate.b);
         if candidate.is_self() {
             let children = hierarchy.element(a).children().len() as u32;
@@ -181,7 +197,6 @@ impl Refinement {
             self.next_wave.extend(rows);
             return;
         }
-        let Some(end) = end_to_split(hierarchy, a, b) else { return };
         hierarchy.subdivide(end);
         for child in hierarchy.element(end).children() {
             let (a, b) = if end == a { (child, b) } else { (a, child) };

@@ -2,6 +2,7 @@
 
 use super::candidate::Candidate;
 use super::link::Link;
+use crate::hierarchy::ElementId;
 
 /// Why a pair gets no link.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -21,8 +22,8 @@ pub enum Decision {
     Accept(Link),
     /// It is kept as a link only because a patch is too deep to be split.
     AcceptAtGuard(Link),
-    /// It must be refined.
-    Refine,
+    /// It must be refined by the children of this end.
+    Refine(ElementId),
     /// It carries nothing.
     Reject(Rejection),
 }

@@ -4,6 +4,7 @@
 mod balance;
 mod closed_forms;
 mod display_mesh;
+mod error_oracle;
 mod exposure;
 mod furnace;
 mod hierarchy;

@@ -5,7 +5,8 @@ use egui::{ComboBox, Slider, Ui};
 use super::super::{format, theme};
 use crate::scene::Sides;
 use crate::solver::{
-    ClusterModel, ClusteringMode, Epsilon, PARAMETERS, Parameter, ParameterId, Push, SolverParams, Stats, ValueKind,
+    ClusterModel, ClusteringMode, Epsilon, OracleKind, PARAMETERS, Parameter, ParameterId, Push, SolverParams, Stats,
+    ValueKind,
 };
 
 /// ε as it stands, in both measures.
@@ -191,6 +192,7 @@ fn set_whole(params: &mut SolverParams, id: ParameterId, value: u64) {
 const CLUSTERINGS: [ClusteringMode; 4] =
     [ClusteringMode::None, ClusteringMode::Octree, ClusteringMode::Groups, ClusteringMode::Adaptive];
 const MODELS: [ClusterModel; 2] = [ClusterModel::Isotropic, ClusterModel::Oriented];
+const ORACLES: [OracleKind; 2] = [OracleKind::Energy, OracleKind::Error];
 const PUSHES: [Push; 2] = [Push::Immediate, Push::Deferred];
 const SIDES: [Sides; 3] = [Sides::Front, Sides::Both, Sides::Auto];
 
@@ -199,6 +201,7 @@ fn choice(params: &SolverParams, id: ParameterId) -> Option<usize> {
     match id {
         ParameterId::Clustering => CLUSTERINGS.iter().position(|mode| *mode == params.clustering),
         ParameterId::ClusterModel => MODELS.iter().position(|model| *model == params.cluster_model),
+        ParameterId::Oracle => ORACLES.iter().position(|oracle| *oracle == params.oracle),
         ParameterId::Push => PUSHES.iter().position(|push| *push == params.push),
         ParameterId::Sides => SIDES.iter().position(|sides| Some(*sides) == params.sides),
         _ => None,
@@ -209,6 +212,7 @@ fn set_choice(params: &mut SolverParams, id: ParameterId, index: Option<usize>) 
     match (id, index) {
         (ParameterId::Clustering, Some(index)) => params.clustering = CLUSTERINGS[index],
         (ParameterId::ClusterModel, Some(index)) => params.cluster_model = MODELS[index],
+        (ParameterId::Oracle, Some(index)) => params.oracle = ORACLES[index],
         (ParameterId::Push, Some(index)) => params.push = PUSHES[index],
         (ParameterId::Sides, index) => params.sides = index.map(|index| SIDES[index]),
         _ => {}
@@ -280,6 +284,7 @@ mod tests {
             let expected: Vec<String> = match parameter.id {
                 ParameterId::Clustering => CLUSTERINGS.map(|mode| spelled(serde_json::json!(mode))).into(),
                 ParameterId::ClusterModel => MODELS.map(|model| spelled(serde_json::json!(model))).into(),
+                ParameterId::Oracle => ORACLES.map(|oracle| spelled(serde_json::json!(oracle))).into(),
                 ParameterId::Push => PUSHES.map(|push| spelled(serde_json::json!(push))).into(),
                 _ => SIDES.map(|sides| spelled(serde_json::json!(sides))).into(),
             };
