@@ -17,4 +17,4 @@ pub use record::{Chart, PathTracerRecord, ReferenceRecord, RunRecord, SkippedRun
 pub(crate) use sweep::within;
 pub use sweep::{Setting, Sweep, usual_epsilons, usual_settings};
 pub(crate) use write::parameter_columns;
-pub use write::{csv, error_table};
+pub use write::{csv, error_table, promise_table};

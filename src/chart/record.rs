@@ -66,6 +66,10 @@ pub struct RunRecord {
     pub iterations: u32,
     /// Leaves whose form factors were scaled back.
     pub clamped_leaves: usize,
+    /// Error that was asked for, if one was.
+    pub error_asked: Option<f64>,
+    /// The solver's own cautious estimate of its error, if it made one.
+    pub error_estimate: Option<f64>,
     /// Memory of the large tables.
     pub bytes: Bytes,
     /// Its error.

@@ -12,7 +12,10 @@ use crate::accuracy::ErrorMeter;
 use crate::cancel::CancelToken;
 use crate::reference::Reference;
 use crate::scene::Scene;
-use crate::solver::{ClusterModel, ClusteringMode, Epsilon, Push, Solver, SolverError, SolverParams};
+use crate::solver::{
+    ClusterModel, ClusteringMode, Epsilon, OracleKind, Push, Reconstruct, Solver, SolverError, SolverParams,
+    USUAL_ERROR,
+};
 use crate::visibility::Occluders;
 
 /// The path tracer computes as many points as the display mesh of a solve with this ε has vertices.
@@ -38,9 +41,10 @@ pub struct Sweep {
     pub limit: Duration,
 }
 
-/// Every clustering with either push, on top of `base`, and the paper's isotropic clusters. Without clusters there is nothing to
-/// push.
+/// Every clustering with either push, on top of `base`, the paper's isotropic clusters, the oracle that goes by errors, and the final
+/// gather that is asked for an error. Without clusters there is nothing to push.
 pub fn usual_settings(base: SolverParams) -> Vec<Setting> {
+    let base = SolverParams { error: None, reconstruct: Reconstruct::Vertex, oracle: OracleKind::Energy, ..base };
     let modes = [
         ("adaptive", ClusteringMode::Adaptive),
         ("groups", ClusteringMode::Groups),
@@ -61,12 +65,33 @@ pub fn usual_settings(base: SolverParams) -> Vec<Setting> {
     let isotropic = SolverParams { cluster_model: ClusterModel::Isotropic, ..base };
     let params = SolverParams { clustering: ClusteringMode::Adaptive, push: Push::Immediate, ..isotropic };
     settings.push(Setting { name: "isotropic, adaptive".to_owned(), params });
+    let adaptive = SolverParams { clustering: ClusteringMode::Adaptive, push: Push::Immediate, ..base };
+    let params = SolverParams { oracle: OracleKind::Error, ..adaptive };
+    settings.push(Setting { name: "error oracle, adaptive".to_owned(), params });
+    let params = SolverParams { error: Some(USUAL_ERROR), ..adaptive };
+    settings.push(Setting { name: "gather, adaptive".to_owned(), params });
     settings
 }
 
 /// Thresholds from 10⁻² to 10⁻⁵, two to a power of ten.
 pub fn usual_epsilons() -> Vec<f64> {
     vec![1e-2, 3e-3, 1e-3, 3e-4, 1e-4, 3e-5, 1e-5]
+}
+
+/// Errors that a final gather is asked for, from 20 % to 2 %.
+const ERRORS: [f64; 5] = [0.2, 0.1, 0.05, 0.03, 0.02];
+
+impl Setting {
+    /// The runs of this setting, from coarse to fine.
+    fn runs(&self, epsilons: &[f64]) -> Vec<SolverParams> {
+        match self.params.error {
+            Some(_) => ERRORS.iter().map(|error| SolverParams { error: Some(*error), ..self.params }).collect(),
+            None => {
+                let with = |epsilon: &f64| SolverParams { epsilon: Epsilon::Relative(*epsilon), ..self.params };
+                epsilons.iter().map(with).collect()
+            }
+        }
+    }
 }
 
 impl Sweep {
@@ -97,11 +122,11 @@ impl Sweep {
         let mut meter = ErrorMeter::new(reference);
         for setting in &self.settings {
             let mut unfinished: Option<String> = None;
-            for &epsilon in &self.epsilons {
+            for params in setting.runs(&self.epsilons) {
                 if cancel.is_cancelled() {
                     return chart;
                 }
-                let params = SolverParams { epsilon: Epsilon::Relative(epsilon), ..setting.params };
+                let (Epsilon::Relative(epsilon) | Epsilon::Watts(epsilon)) = params.threshold();
                 let skip = |why: String| SkippedRun { setting: setting.name.clone(), epsilon_relative: epsilon, why };
                 if let Some(why) = &unfinished {
                     chart.skipped.push(skip(why.clone()));
@@ -121,7 +146,10 @@ impl Sweep {
             }
         }
         progress("path tracer", 0.0);
-        let vertices = chart.runs.iter().find(|run| run.epsilon_relative <= 1.001 * EPSILON_OF_POINTS);
+        let vertices = chart
+            .runs
+            .iter()
+            .find(|run| run.error_asked.is_none() && run.epsilon_relative <= 1.001 * EPSILON_OF_POINTS);
         let points = vertices.or(chart.runs.last()).map_or(1000, |run| run.vertices);
         chart.path_tracer = path_tracer::curve(scene, occluders, points, seed, self.limit, cancel);
         chart.mark_front();
@@ -156,6 +184,8 @@ impl Sweep {
             rays: stats.rays,
             iterations: stats.iterations,
             clamped_leaves: stats.clamped_leaves,
+            error_asked: stats.error_asked,
+            error_estimate: stats.error_estimate,
             bytes: stats.bytes,
             error: meter.measure(&snapshot),
             pareto: false,

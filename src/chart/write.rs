@@ -56,6 +56,8 @@ fn columns(run: Option<&RunRecord>, chart: &Chart) -> Vec<(&'static str, String)
         ("patches", of(&|run| run.patches.to_string())),
         ("vertices", of(&|run| run.vertices.to_string())),
         ("iterations", of(&|run| run.iterations.to_string())),
+        ("error_asked", of(&|run| run.error_asked.map(|error| error.to_string()).unwrap_or_default())),
+        ("error_estimate", of(&|run| run.error_estimate.map(|error| error.to_string()).unwrap_or_default())),
         ("clamped_leaves", of(&|run| run.clamped_leaves.to_string())),
         ("link_bytes", of(&|run| run.bytes.links.to_string())),
         ("rms", of(&|run| run.error.displayed.rms.to_string())),
@@ -79,12 +81,13 @@ fn columns(run: Option<&RunRecord>, chart: &Chart) -> Vec<(&'static str, String)
 }
 
 /// Names and values of the solver's parameters, ε, sides and threads aside, which their tables tell in their own way.
-pub(crate) fn parameter_columns(params: &SolverParams) -> [(&'static str, String); 10] {
+pub(crate) fn parameter_columns(params: &SolverParams) -> [(&'static str, String); 11] {
     [
         ("clustering", name(serde_json::to_value(params.clustering))),
         ("octree_depth", params.octree_depth.to_string()),
         ("cluster_model", name(serde_json::to_value(params.cluster_model))),
         ("oracle", name(serde_json::to_value(params.oracle))),
+        ("reconstruct", name(serde_json::to_value(params.shown_by()))),
         ("push", name(serde_json::to_value(params.push))),
         ("partial_factor", params.partial_factor.to_string()),
         ("visibility_factor", params.visibility_factor.to_string()),
@@ -99,12 +102,48 @@ fn name(value: serde_json::Result<serde_json::Value>) -> String {
     value.ok().and_then(|value| value.as_str().map(str::to_owned)).unwrap_or_default()
 }
 
+/// A Markdown table of what was asked for, what the solver promised and what was measured; nothing where no run was asked for an error. The
+/// path tracer's time is that of as many points as the run has vertices, to the measured error.
+pub fn promise_table(chart: &Chart) -> String {
+    let asked: Vec<&RunRecord> = chart.runs.iter().filter(|run| run.error_asked.is_some() && run.converged).collect();
+    if asked.is_empty() {
+        return String::new();
+    }
+    let mut text = String::from(
+        "| asked | estimated | measured | median | time | links | vertices | path tracer | ratio |\n| ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: |\n",
+    );
+    let percent = |share: f64| format!("{:.1} %", 100.0 * share);
+    for run in asked {
+        let shown = &run.error.displayed;
+        // Its error falls with the root of its paths, which take time in proportion to the points.
+        let tracer = chart
+            .path_tracer
+            .last()
+            .map(|last| last.seconds * (last.error / shown.rms).powi(2) * run.vertices as f64 / last.points as f64);
+        let _ = writeln!(
+            text,
+            "| {} | {} | {} % | {} | {} | {} | {} | {} | {} |",
+            percent(run.error_asked.unwrap_or_default()),
+            run.error_estimate.map_or("–".into(), percent),
+            crate::format::plus_minus(100.0 * shown.rms, 100.0 * shown.rms_noise),
+            percent(shown.local_median),
+            crate::format::seconds(run.seconds.total),
+            crate::format::count(run.links),
+            crate::format::count(run.vertices),
+            tracer.map_or("–".into(), crate::format::seconds),
+            tracer.map_or("–".into(), |tracer| format!("{:.1}", tracer / run.seconds.total)),
+        );
+    }
+    text
+}
+
 /// A Markdown table of the displayed error, a row for each setting and a column for each ε: RMS ± its standard error, and time.
 pub fn error_table(chart: &Chart) -> String {
-    let mut epsilons: Vec<f64> = chart.runs.iter().map(|run| run.epsilon_relative).collect();
+    let by_threshold = || chart.runs.iter().filter(|run| run.error_asked.is_none());
+    let mut epsilons: Vec<f64> = by_threshold().map(|run| run.epsilon_relative).collect();
     epsilons.sort_by(|a, b| b.total_cmp(a));
     epsilons.dedup_by(|a, b| (*a / *b - 1.0).abs() < 1e-6);
-    let mut settings: Vec<&str> = chart.runs.iter().map(|run| run.setting.as_str()).collect();
+    let mut settings: Vec<&str> = by_threshold().map(|run| run.setting.as_str()).collect();
     settings.dedup();
     let mut text = String::from("| ε/Φ |");
     // A String takes any text.

@@ -9,7 +9,8 @@ use anyhow::bail;
 use clap::{Arg, ArgMatches, Command};
 use selflink::cancel::CancelToken;
 use selflink::chart::{
-    Against, Chart, Drawing, Shown, Sweep, csv, draw_png, draw_svg, error_table, usual_epsilons, usual_settings,
+    Against, Chart, Drawing, Shown, Sweep, csv, draw_png, draw_svg, error_table, promise_table, usual_epsilons,
+    usual_settings,
 };
 use selflink::solver::ParameterId;
 
@@ -86,7 +87,7 @@ pub fn run(matches: &ArgMatches) -> anyhow::Result<()> {
         let sweep = Sweep { settings: settings.collect(), epsilons: epsilons.clone(), limit };
         let chart = chart(&job, &wish, &sweep)?;
         write(&chart, &folder)?;
-        let named = format!("{}\n\n{}\n", chart.scene, error_table(&chart));
+        let named = format!("{}\n\n{}\n{}\n", chart.scene, error_table(&chart), promise_table(&chart));
         say(&named)?;
         for skipped in &chart.skipped {
             eprintln!("note: {}, ε = {:.0e} Φ left out: {}.", skipped.setting, skipped.epsilon_relative, skipped.why);

@@ -129,7 +129,7 @@ impl Job {
         loop {
             match solver.step(&cancel) {
                 Step::Finished | Step::Interrupted => break,
-                Step::Refined { .. } | Step::Gathered => progress.show(&solver),
+                Step::Refined { .. } | Step::Gathered | Step::Reconstructed { .. } => progress.show(&solver),
             }
         }
         progress.finish();

@@ -5,13 +5,15 @@ use std::str::FromStr;
 use std::time::Duration;
 
 use anyhow::{Context, anyhow, bail};
+use clap::parser::ValueSource;
 use clap::{Arg, ArgAction, ArgMatches, Command, value_parser};
 use glam::Vec3;
 use selflink::added_light::{AddedLight, CeilingLight};
 use selflink::hierarchy::ClusteringMode;
 use selflink::scene::{Sides, Source, builtin::BuiltinScene};
 use selflink::solver::{
-    ClusterModel, Epsilon, OracleKind, PARAMETERS, Parameter, ParameterId, Push, SolverParams, ValueKind,
+    ClusterModel, Epsilon, OracleKind, PARAMETERS, Parameter, ParameterId, Push, Reconstruct, SolverParams,
+    USUAL_ERROR, ValueKind,
 };
 
 /// More threads than any machine has cores for.
@@ -67,6 +69,8 @@ fn default_text(id: ParameterId) -> String {
         Epsilon::Watts(watts) => ("as --epsilon-watts says".to_owned(), format!("{watts:e}")),
     };
     match id {
+        ParameterId::Error => format!("{USUAL_ERROR}, unless --epsilon or --reconstruct is given"),
+        ParameterId::Reconstruct => name_of(&params.reconstruct),
         ParameterId::Epsilon => relative,
         ParameterId::EpsilonWatts => watts,
         ParameterId::PartialFactor => params.partial_factor.to_string(),
@@ -94,11 +98,17 @@ pub fn name_of(choice: &impl serde::Serialize) -> String {
 
 /// The parameters that the arguments ask for, checked.
 pub fn solver_params(matches: &ArgMatches) -> anyhow::Result<SolverParams> {
-    let mut params = SolverParams::default();
+    let given = |flag| has(matches, flag) && matches.value_source(flag) == Some(ValueSource::CommandLine);
+    let by_threshold = ["epsilon", "epsilon-watts", "reconstruct"].into_iter().find(|flag| given(flag));
+    if let Some(flag) = by_threshold.filter(|_| given("error")) {
+        bail!("--error chooses what --{flag} would say: give one of them");
+    }
+    let knows_error = matches.try_contains_id("error").is_ok();
+    let mut params =
+        if by_threshold.is_none() && knows_error { SolverParams::usual() } else { SolverParams::default() };
     for parameter in &PARAMETERS {
         set(&mut params, parameter, matches)?;
     }
-    let given = |flag| has(matches, flag);
     if given("epsilon") && given("epsilon-watts") {
         bail!("--epsilon and --epsilon-watts state the same threshold: give one of them");
     }
@@ -122,6 +132,10 @@ fn set(params: &mut SolverParams, parameter: &Parameter, matches: &ArgMatches) -
     let real = || matches.get_one::<f64>(flag).copied();
     let whole = || matches.get_one::<u32>(flag).copied();
     match parameter.id {
+        ParameterId::Error => params.error = real().or(params.error),
+        ParameterId::Reconstruct => {
+            params.reconstruct = choice::<Reconstruct>(matches, flag)?.unwrap_or(params.reconstruct);
+        }
         ParameterId::Epsilon => params.epsilon = real().map_or(params.epsilon, Epsilon::Relative),
         ParameterId::EpsilonWatts => params.epsilon = real().map_or(params.epsilon, Epsilon::Watts),
         ParameterId::PartialFactor => params.partial_factor = real().unwrap_or(params.partial_factor),

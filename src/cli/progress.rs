@@ -42,6 +42,7 @@ impl Progress {
         let phase = match stats.phase {
             Phase::Hierarchy => "building clusters".to_owned(),
             Phase::Refine => format!("round {}, wave {}", stats.iterations + 1, stats.wave),
+            Phase::Reconstruct => "looking from vertices".to_owned(),
             Phase::Gather | Phase::Done => format!("round {}, gathering", stats.iterations + 1),
         };
         let [links, patches, rays] = [stats.links as u64, stats.patches as u64, stats.rays].map(format::count);

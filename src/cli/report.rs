@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use selflink::format::{bytes, count, number, quantity, seconds};
 use selflink::scene::{Scene, Sides, Skipped};
-use selflink::solver::{Bytes, ClusteringMode, OracleKind, PowerBalance, Push, Seconds, power_balance};
+use selflink::solver::{Bytes, ClusteringMode, OracleKind, PowerBalance, Push, Reconstruct, Seconds, power_balance};
 use serde::Serialize;
 
 use super::job::{Job, Solution};
@@ -22,6 +22,11 @@ pub struct Report<'a> {
     octree_depth: u32,
     epsilon_relative: f64,
     epsilon_watts: f64,
+    /// RMS error asked for and the solver's cautious estimate of it, as shares of the RMS radiosity.
+    error_asked: Option<f64>,
+    error_estimate: Option<f64>,
+    reconstruct: Reconstruct,
+    vertices: usize,
     partial_factor: f64,
     visibility_factor: f64,
     rays_min: u32,
@@ -76,6 +81,10 @@ impl<'a> Report<'a> {
             octree_depth: params.octree_depth,
             epsilon_relative: stats.epsilon_relative,
             epsilon_watts: stats.epsilon_watts,
+            error_asked: stats.error_asked,
+            error_estimate: stats.error_estimate,
+            reconstruct: params.shown_by(),
+            vertices: solution.snapshot.mesh.positions.len(),
             partial_factor: params.partial_factor,
             visibility_factor: params.visibility_factor,
             rays_min: params.rays_min,
@@ -140,15 +149,19 @@ impl<'a> Report<'a> {
                 self.threads
             ),
             format!(
-                "time       {} in all: clusters {}, refining {}, gathering {}; first picture after {}; loading took {}",
+                "time       {} in all: clusters {}, refining {}, gathering {}, vertices {}; first picture after {}; loading took {}",
                 seconds(times.total),
                 seconds(times.hierarchy),
                 seconds(times.refine),
                 seconds(times.gather),
+                seconds(times.reconstruct),
                 seconds(times.first_snapshot),
                 seconds(times.load),
             ),
         ];
+        if let Some(asked) = self.error_asked {
+            lines.insert(1, format!("error      {}", promise(asked, self.error_estimate)));
+        }
         let mut power = format!(
             "power      {} emitted, {} absorbed",
             quantity(self.emitted_watts, "W"),
@@ -166,6 +179,22 @@ impl<'a> Report<'a> {
             lines.push(format!("memory     {} at most", bytes(peak as usize)));
         }
         lines.join("\n") + "\n"
+    }
+}
+
+/// What was asked for and what came of it.
+fn promise(asked: f64, estimate: Option<f64>) -> String {
+    let percent = |share: f64| format!("{} %", number(100.0 * share));
+    match estimate {
+        Some(estimate) if estimate <= asked => {
+            format!("{} asked, at most {} by the solver's own estimate", percent(asked), percent(estimate))
+        }
+        Some(estimate) => format!(
+            "{} asked, only {} reached by the solver's own estimate: the scene would need more vertices or rays than fit",
+            percent(asked),
+            percent(estimate)
+        ),
+        None => format!("{} asked, not estimated yet", percent(asked)),
     }
 }
 

@@ -130,8 +130,11 @@ impl<'a> Gatherer<'a> {
         true
     }
 
-    pub fn sweep_once(&self, light: &mut Light) {
-        self.sweep(light, &CancelToken::new());
+    /// Irradiance that emitted light alone brings over the links, parallel to the arena, W/m²; `None` if cancelled.
+    pub fn direct(&self, light: &Light, cancel: &CancelToken) -> Option<Vec<Vec3>> {
+        let mut direct = Light { radiosity: light.emitted.clone(), ..light.clone() };
+        self.sweep(&mut direct, cancel)?;
+        Some(direct.irradiance)
     }
 
     /// One sweep: gather over links, push to leaves, reflect, pull up; `None` if cancelled, with nothing changed.

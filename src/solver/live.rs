@@ -23,7 +23,7 @@ impl Solver {
     pub fn set_params(&mut self, params: SolverParams) -> Result<bool, SolverError> {
         params.validate()?;
         let change = self.params.change_to(&params);
-        if self.params.epsilon != params.epsilon {
+        if self.params.threshold() != params.threshold() {
             self.epsilon_watts = watts(&params, &self.scene);
         }
         self.params = params;
@@ -79,9 +79,10 @@ impl Solver {
     /// Goes on with what is there after a change that leaves candidates and links valid.
     fn resume(&mut self) {
         self.gathers_finely = false;
+        self.final_gather = None;
         if !self.refinement.is_finished() {
             self.phase = Phase::Refine;
-        } else if self.phase == Phase::Done {
+        } else if matches!(self.phase, Phase::Done | Phase::Reconstruct) {
             self.phase = Phase::Gather;
         }
     }
@@ -110,6 +111,7 @@ impl Solver {
         self.fix_brightness();
         self.picture = Picture::default();
         self.display = None;
+        self.final_gather = None;
         self.phase = Phase::Refine;
         self.stage = 0;
         self.gathers_finely = false;

@@ -25,6 +25,7 @@ pub mod params;
 mod picture;
 mod push;
 mod rays;
+mod reconstruct;
 mod refine;
 mod sight;
 pub mod snapshot;
@@ -42,7 +43,7 @@ pub use form_factor::{Exchange, exchange, point_to_polygon};
 pub use link::{Evidence, Link, LinkTable};
 pub use params::{
     ClusterModel, ClusteringMode, Epsilon, Invalidates, OracleKind, PARAMETERS, Parameter, ParameterId, ParamsError,
-    Push, SolverParams, ValueKind,
+    Push, Reconstruct, SolverParams, USUAL_ERROR, ValueKind,
 };
 pub use refine::RejectedPair;
 pub use snapshot::{ClusterBox, InspectedElement, Leaf, LinkView, Mesh, Snapshot};
@@ -56,6 +57,7 @@ use crate::scene::Scene;
 use crate::visibility::Occluders;
 use candidate::{Candidate, Directions};
 use display::Display;
+use final_gather::FinalGather;
 use gather::{Gatherer, Light, Surface, pull};
 use memory::check_pairs_fit;
 use oracle::Oracle;
@@ -94,6 +96,11 @@ pub enum Step {
     },
     /// Gathered to convergence and judged the stored links again.
     Gathered,
+    /// Looked for light at vertices.
+    Reconstructed {
+        /// Whether a pass over all of them ended with it.
+        pass_ended: bool,
+    },
     /// Nothing is left to do.
     Finished,
     /// The token was cancelled; the same step can be taken again, with the same result.
@@ -146,6 +153,7 @@ pub struct Solver {
     serial: u64,
     picture: Picture,
     display: Option<Display>,
+    final_gather: Option<FinalGather>,
     inspected: Option<ElementId>,
 }
 
@@ -192,6 +200,7 @@ impl Solver {
             serial: 0,
             picture: Picture::default(),
             display: None,
+            final_gather: None,
             inspected: None,
         };
         solver.light = solver.emitted_light();
@@ -219,6 +228,12 @@ impl Solver {
                 self.seconds.total += seconds;
                 step
             }
+            Phase::Reconstruct => {
+                let (step, seconds) = timed(|| self.reconstruct(cancel));
+                self.seconds.reconstruct += seconds;
+                self.seconds.total += seconds;
+                step
+            }
             Phase::Done => Step::Finished,
         }
     }
@@ -229,7 +244,7 @@ impl Solver {
             match self.step(cancel) {
                 Step::Finished => return true,
                 Step::Interrupted => return false,
-                Step::Refined { .. } | Step::Gathered => {}
+                Step::Refined { .. } | Step::Gathered | Step::Reconstructed { .. } => {}
             }
         }
     }
@@ -275,7 +290,7 @@ impl Solver {
         self.fix_brightness();
         self.iterations += 1;
         if self.gathers_finely {
-            self.phase = Phase::Done;
+            self.end_links();
             return Step::Gathered;
         }
         let mut failing = self.take_failing(false);
@@ -382,33 +397,6 @@ impl Solver {
         &self.light.irradiance
     }
 
-    /// Experiment.
-    pub fn final_gather(&mut self, error: f64, trace: bool) -> Snapshot {
-        let mut snapshot = self.snapshot();
-        let never = CancelToken::new();
-        let mut light = self.light.clone();
-        light.radiosity = light.emitted.clone();
-        self.gatherer(&self.links).sweep_once(&mut light);
-        let indirect: Vec<Vec3> = self.light.irradiance.iter().zip(&light.irradiance).map(|(all, direct)| (*all - *direct).max(Vec3::ZERO)).collect();
-        let begun = Instant::now();
-        let context = final_gather::Context { scene: &self.scene, occluders: &self.occluders, surfaces: &self.surfaces, seed: self.params.seed };
-        let mut gather = final_gather::FinalGather::new(self.display.as_ref().unwrap(), &self.hierarchy, &context, error, &indirect, &self.light.irradiance);
-        loop {
-            match gather.step(&mut self.hierarchy, &context, &never) {
-                Some(final_gather::Progress::Done) => break,
-                Some(final_gather::Progress::Pass) if trace => {
-                    eprintln!("   {:.3} s: {} vertices, {} leaves, {}", begun.elapsed().as_secs_f64(), gather.display().mesh.positions.len(), gather.display().mesh.leaves.len(), gather.trace());
-                }
-                _ => {}
-            }
-        }
-        if trace { eprintln!("   {:.3} {}", begun.elapsed().as_secs_f64(), gather.trace()); }
-        snapshot.mesh = gather.display().mesh.clone();
-        snapshot.vertex_radiosity = gather.radiosity();
-        snapshot.leaf_radiosity = vec![[0.0; 3]; snapshot.mesh.leaves.len()];
-        snapshot
-    }
-
     /// Records every rejected pair from now on; for tests that ask whether all pairs are covered.
     pub fn record_rejected(&mut self) {
         self.refinement.rejected.get_or_insert_default();
@@ -444,15 +432,21 @@ impl Solver {
             elements: self.hierarchy.elements().len(),
             links: self.links.len() + self.refinement.accepted.len(),
             pairs_judged: self.refinement.counts.pairs_judged,
-            rays: self.refinement.counts.rays,
+            rays: self.refinement.counts.rays + self.final_gather.as_ref().map_or(0, FinalGather::rays),
             iterations: self.iterations,
             wave: self.refinement.waves,
             candidates_left: wave + next_wave,
             converged: self.phase == Phase::Done,
             depth_guard_struck: self.refinement.counts.depth_guard_struck,
             clamped_leaves: self.clamped_leaves,
+            error_asked: self.params.error,
+            error_estimate: self.error_estimate(),
             seconds: self.seconds,
-            bytes: Bytes { links: self.links.bytes(), elements: self.hierarchy.bytes() + self.light.bytes() },
+            bytes: Bytes {
+                links: self.links.bytes(),
+                elements: self.hierarchy.bytes() + self.light.bytes(),
+                rows: self.final_gather.as_ref().map_or(0, FinalGather::bytes),
+            },
             emitted_watts: f64::from(emitted.element_sum()),
             absorbed_watts: balance::absorbed(self).element_sum(),
             progress: self.refinement.progress().filter(|_| self.phase == Phase::Refine),
@@ -526,7 +520,7 @@ fn oracle<'a>(
 
 /// ε in W.
 fn watts(params: &SolverParams, scene: &Scene) -> f64 {
-    match params.epsilon {
+    match params.threshold() {
         Epsilon::Watts(watts) => watts,
         Epsilon::Relative(share) => share * f64::from(scene.emitted_power().max_element()),
     }

@@ -54,11 +54,36 @@ pub enum Epsilon {
     Watts(f64),
 }
 
+/// How what the solver knows of its elements becomes the light that is shown.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Reconstruct {
+    /// One value for each leaf, as the method has it.
+    Constant,
+    /// Leaves' values averaged at the vertices and interpolated between them.
+    #[default]
+    Vertex,
+    /// Light looked for anew at each vertex, over the links' solution (a final gather), on leaves that are split where light asks
+    /// for it.
+    Gather,
+}
+
+/// The error that is asked for where nobody says anything, as a share of the RMS radiosity.
+pub const USUAL_ERROR: f64 = 0.05;
+
+/// Where an error is asked for, links are refined to this share of it as ε/Φ: a final gather needs no more of them.
+const EPSILON_PER_ERROR: f64 = 0.2;
+
 /// All that a person can turn; [`PARAMETERS`] describes each field.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SolverParams {
-    /// Threshold ε on B_s·F·A_r.
+    /// RMS error of the shown radiosity that is asked for, as a share of its RMS; the solver then chooses ε and ends when its own
+    /// estimate says so. `None` to solve by ε.
+    pub error: Option<f64>,
+    /// Threshold ε on B_s·F·A_r, where no error is asked for.
     pub epsilon: Epsilon,
+    /// How light is shown; where an error is asked for, always by a final gather.
+    pub reconstruct: Reconstruct,
     /// What links are refined by.
     pub oracle: OracleKind,
     /// ε_partial / ε: how much stricter partly visible links are judged (section 2.3: 1/10).
@@ -88,7 +113,9 @@ pub struct SolverParams {
 impl Default for SolverParams {
     fn default() -> Self {
         Self {
+            error: None,
             epsilon: Epsilon::Relative(1e-4),
+            reconstruct: Reconstruct::Vertex,
             oracle: OracleKind::Energy,
             partial_factor: 0.1,
             visibility_factor: 5.0,
@@ -125,12 +152,16 @@ pub enum Invalidates {
 /// Names the parameters; the order is that of the panel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum ParameterId {
+    /// RMS error that is asked for.
+    Error,
     /// ε relative to Φ.
     Epsilon,
     /// ε in W.
     EpsilonWatts,
     /// Oracle.
     Oracle,
+    /// How light is shown.
+    Reconstruct,
     /// ε_partial / ε.
     PartialFactor,
     /// f_vis.
@@ -194,7 +225,15 @@ pub struct Parameter {
 }
 
 /// Every parameter, in the order of the panel.
-pub const PARAMETERS: [Parameter; 14] = [
+pub const PARAMETERS: [Parameter; 16] = [
+    Parameter {
+        id: ParameterId::Error,
+        flag: "error",
+        label: "error",
+        unit: "",
+        hint: "Largest RMS error of what is shown, as a share of the RMS radiosity: the solver chooses ε and ends when its own estimate says so.",
+        kind: ValueKind::Real { range: 0.01..=0.3, logarithmic: true },
+    },
     Parameter {
         id: ParameterId::Epsilon,
         flag: "epsilon",
@@ -218,6 +257,14 @@ pub const PARAMETERS: [Parameter; 14] = [
         unit: "",
         hint: "What ε bounds: the power that a link could carry (energy, the paper's, section 2.3) or the power that it is likely to put in the wrong place (error).",
         kind: ValueKind::Choice { names: &["energy", "error"] },
+    },
+    Parameter {
+        id: ParameterId::Reconstruct,
+        flag: "reconstruct",
+        label: "reconstruct",
+        unit: "",
+        hint: "What is shown: one value for each leaf (constant), values averaged at vertices (vertex), or light looked for anew at each vertex (gather).",
+        kind: ValueKind::Choice { names: &["constant", "vertex", "gather"] },
     },
     Parameter {
         id: ParameterId::PartialFactor,
@@ -312,6 +359,9 @@ pub const PARAMETERS: [Parameter; 14] = [
 /// A parameter that cannot be used, with what to do about it.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum ParamsError {
+    /// An error is a share.
+    #[error("--error must be greater than 0 and less than 1 (it is {0}); try 0.05 for 5 %")]
+    Error(f64),
     /// ε must be a positive number.
     #[error("--epsilon must be greater than 0 (it is {0}); try 1e-3 for a coarse and 1e-5 for a fine solution")]
     Epsilon(f64),
@@ -339,11 +389,29 @@ pub enum ParamsError {
 }
 
 impl SolverParams {
+    /// What the program does where nobody says anything: it asks for an error.
+    pub fn usual() -> Self {
+        Self { error: Some(USUAL_ERROR), ..Self::default() }
+    }
+
+    /// The threshold ε that the solver goes by.
+    pub fn threshold(&self) -> Epsilon {
+        self.error.map_or(self.epsilon, |error| Epsilon::Relative(EPSILON_PER_ERROR * error))
+    }
+
+    /// How light is shown.
+    pub fn shown_by(&self) -> Reconstruct {
+        if self.error.is_some() { Reconstruct::Gather } else { self.reconstruct }
+    }
+
     /// Checks every field.
     ///
     /// # Errors
     /// The first field that cannot be used, as one sentence.
     pub fn validate(&self) -> Result<(), ParamsError> {
+        if let Some(error) = self.error.filter(|error| !(*error > 0.0 && *error < 1.0)) {
+            return Err(ParamsError::Error(error));
+        }
         let (Epsilon::Relative(epsilon) | Epsilon::Watts(epsilon)) = self.epsilon;
         if !(epsilon > 0.0 && epsilon.is_finite()) {
             return Err(ParamsError::Epsilon(epsilon));
@@ -379,14 +447,14 @@ impl SolverParams {
             || newer.oracle != self.oracle
         {
             Invalidates::Links
-        } else if self.epsilon != newer.epsilon
+        } else if self.threshold() != newer.threshold()
             || newer.partial_factor < self.partial_factor
             || newer.visibility_factor > self.visibility_factor
             || newer.rays_min > self.rays_min
             || newer.rays_max > self.rays_max
         {
             Invalidates::Verdicts
-        } else if self.push != newer.push {
+        } else if self.push != newer.push || self.shown_by() != newer.shown_by() || self.error != newer.error {
             Invalidates::Radiosities
         } else {
             Invalidates::Nothing
@@ -395,7 +463,7 @@ impl SolverParams {
 
     /// Whether ε becomes coarser, or cannot be compared because its kind changes.
     fn epsilon_grows(&self, newer: &Self) -> bool {
-        match (self.epsilon, newer.epsilon) {
+        match (self.threshold(), newer.threshold()) {
             (Epsilon::Relative(old), Epsilon::Relative(new)) | (Epsilon::Watts(old), Epsilon::Watts(new)) => new > old,
             _ => true,
         }

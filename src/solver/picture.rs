@@ -7,7 +7,7 @@ use rayon::prelude::*;
 
 use super::Solver;
 use super::candidate::Waiting;
-use super::display::{Display, Style};
+use super::display::Display;
 use super::form_factor::{Exchange, exchange, self_exchange};
 use super::gather::{Gatherer, Light};
 use super::link::{Evidence, Link, LinkTable};
@@ -33,18 +33,28 @@ const LATER_SWEEPS: u32 = 3;
 /// The present state as a snapshot.
 pub(super) fn snapshot(solver: &mut Solver) -> Snapshot {
     solver.serial += 1;
-    let finished = solver.phase == Phase::Done;
+    let finished = matches!(solver.phase, Phase::Reconstruct | Phase::Done);
     let table = (!finished).then(|| table_with_waiting(solver));
     let light = match &table {
         Some(table) => picture_light(solver, table),
         None => solver.light.clone(),
     };
-    let display = Display::current(solver.display.take(), &solver.scene, &solver.hierarchy, Style::Shared);
+    let style = solver.style();
+    let gathered = solver.final_gather.as_ref().filter(|gather| gather.is_ready());
+    let of_links = match gathered {
+        Some(_) => None,
+        None => Some(Display::current(solver.display.take(), &solver.scene, &solver.hierarchy, style)),
+    };
+    let (display, vertex_radiosity) = match (&of_links, gathered) {
+        (None, Some(gather)) => (gather.display(), gather.radiosity()),
+        (Some(display), _) => (display, display.of_vertices(&light.radiosity)),
+        (None, None) => unreachable!("what is not gathered comes from links"),
+    };
     let snapshot = Snapshot {
         generation: solver.generation,
         serial: solver.serial,
         mesh: display.mesh.clone(),
-        vertex_radiosity: display.of_vertices(&light.radiosity),
+        vertex_radiosity,
         leaf_irradiance: display.of_leaves(&light.irradiance),
         leaf_radiosity: display.of_leaves(&light.radiosity),
         clusters: display.clusters.clone(),
@@ -53,15 +63,19 @@ pub(super) fn snapshot(solver: &mut Solver) -> Snapshot {
             .and_then(|element| inspected(solver, table.as_ref().unwrap_or(&solver.links), &light, element)),
         stats: solver.stats(),
     };
-    solver.display = Some(display);
+    if of_links.is_some() {
+        solver.display = of_links;
+    }
     solver.picture.light = Some(light);
     snapshot
 }
 
 /// Irradiance E of each vertex of the last snapshot's mesh, W/m².
 pub(super) fn vertex_irradiance(solver: &Solver) -> Vec<[f32; 3]> {
-    match (&solver.display, &solver.picture.light) {
-        (Some(display), Some(light)) => display.of_vertices(&light.irradiance),
+    let gathered = solver.final_gather.as_ref().filter(|gather| gather.is_ready());
+    match (gathered, &solver.display, &solver.picture.light) {
+        (Some(gather), ..) => gather.vertex_irradiance(),
+        (None, Some(display), Some(light)) => display.of_vertices(&light.irradiance),
         _ => Vec::new(),
     }
 }
@@ -129,7 +143,7 @@ fn inspected(solver: &Solver, table: &LinkTable, light: &Light, id: ElementId) -
     let hierarchy = &solver.hierarchy;
     let element = hierarchy.elements().get(id.index())?;
     let scale = light.row_scale.get(id.index()).copied().unwrap_or(1.0);
-    let finished = solver.phase == Phase::Done;
+    let finished = matches!(solver.phase, Phase::Reconstruct | Phase::Done);
     let inspector = Inspector::new(hierarchy, &solver.params);
     let mut links = Vec::new();
     for (levels_up, at) in std::iter::successors(Some(id), |&at| hierarchy.element(at).parent()).enumerate() {

@@ -176,9 +176,7 @@ impl RaySampler<'_> {
             if enough && !blocked {
                 break;
             }
-            let coordinate = |axis: usize| {
-                fraction(start[axis].wrapping_add(STEPS[axis].wrapping_mul(index)))
-            };
+            let coordinate = |axis: usize| fraction(start[axis].wrapping_add(STEPS[axis].wrapping_mul(index)));
             let (u, v) = if a_is_first { (0, 2) } else { (2, 0) };
             let from = point(a, spread == Spread::EmissionOfA, coordinate(u), coordinate(u + 1));
             let to = point(b, spread == Spread::EmissionOfB, coordinate(v), coordinate(v + 1));

@@ -13,6 +13,8 @@ pub enum Phase {
     Refine,
     /// Gathering to convergence.
     Gather,
+    /// Looking for light at the vertices (final gather).
+    Reconstruct,
     /// Nothing is left to do.
     Done,
 }
@@ -52,6 +54,10 @@ pub struct Stats {
     pub depth_guard_struck: u64,
     /// Leaves whose form factors summed to more than 1 and were scaled back.
     pub clamped_leaves: usize,
+    /// RMS error that was asked for, as a share of the RMS radiosity.
+    pub error_asked: Option<f64>,
+    /// The solver's own cautious estimate of it, once there is one.
+    pub error_estimate: Option<f64>,
     /// Time spent so far.
     pub seconds: Seconds,
     /// Memory of the large tables.
@@ -75,6 +81,8 @@ pub struct Seconds {
     pub refine: f64,
     /// Gathering.
     pub gather: f64,
+    /// Looking for light at the vertices.
+    pub reconstruct: f64,
     /// Of `total`, until the first snapshot was there.
     pub first_snapshot: f64,
     /// Spent on this solve so far: clusters, refining, gathering, and snapshots until it was done.
@@ -88,4 +96,6 @@ pub struct Bytes {
     pub links: usize,
     /// Elements with their radiosities, and vertices.
     pub elements: usize,
+    /// Vertices of the final gather and the rows of what they see.
+    pub rows: usize,
 }

@@ -237,19 +237,23 @@ impl Session {
                 self.publish_status();
                 self.emit(Event::Finished);
             }
-            Step::Refined { wave_ended: false } => self.publish_picture_when_due(),
-            Step::Refined { wave_ended: true } | Step::Gathered => match self.drive {
-                Drive::Waves(count) if count > 1 => {
-                    self.drive = Drive::Waves(count - 1);
-                    self.publish_picture_when_due();
+            Step::Refined { wave_ended: false } | Step::Reconstructed { pass_ended: false } => {
+                self.publish_picture_when_due()
+            }
+            Step::Refined { wave_ended: true } | Step::Gathered | Step::Reconstructed { pass_ended: true } => {
+                match self.drive {
+                    Drive::Waves(count) if count > 1 => {
+                        self.drive = Drive::Waves(count - 1);
+                        self.publish_picture_when_due();
+                    }
+                    Drive::Waves(_) => {
+                        self.drive = Drive::Pause;
+                        self.publish_picture();
+                        self.publish_status();
+                    }
+                    Drive::Run | Drive::Pause => self.publish_picture_when_due(),
                 }
-                Drive::Waves(_) => {
-                    self.drive = Drive::Pause;
-                    self.publish_picture();
-                    self.publish_status();
-                }
-                Drive::Run | Drive::Pause => self.publish_picture_when_due(),
-            },
+            }
         }
     }
 

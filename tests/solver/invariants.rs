@@ -122,7 +122,7 @@ fn interruptions_do_not_matter() {
             match step {
                 Step::Finished => break,
                 Step::Interrupted => struck += 1,
-                Step::Refined { .. } | Step::Gathered => {}
+                Step::Refined { .. } | Step::Gathered | Step::Reconstructed { .. } => {}
             }
         }
         println!("{mode:?}: {struck} of {steps} steps interrupted");

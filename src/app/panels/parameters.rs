@@ -5,8 +5,8 @@ use egui::{ComboBox, Slider, Ui};
 use super::super::{format, theme};
 use crate::scene::Sides;
 use crate::solver::{
-    ClusterModel, ClusteringMode, Epsilon, OracleKind, PARAMETERS, Parameter, ParameterId, Push, SolverParams, Stats,
-    ValueKind,
+    ClusterModel, ClusteringMode, Epsilon, OracleKind, PARAMETERS, Parameter, ParameterId, Push, Reconstruct,
+    SolverParams, Stats, USUAL_ERROR, ValueKind,
 };
 
 /// ε as it stands, in both measures.
@@ -31,19 +31,41 @@ impl EpsilonMeasures {
 /// Draws all parameters; true when one was changed.
 pub(super) fn show(ui: &mut Ui, params: &mut SolverParams, stats: Option<&Stats>) -> bool {
     let before = *params;
+    show_what_is_asked(ui, params);
     for parameter in &PARAMETERS {
         let is_used = match parameter.id {
             ParameterId::OctreeDepth => params.clustering == ClusteringMode::Octree,
+            ParameterId::Error => params.error.is_some(),
+            ParameterId::Epsilon | ParameterId::Reconstruct => params.error.is_none(),
+            _ if parameter.id == ParameterId::EpsilonWatts && params.error.is_some() => false,
             // Without light there are no watts to measure by.
-            ParameterId::EpsilonWatts => EpsilonMeasures::new(params.epsilon, stats).watts > 0.0,
+            ParameterId::EpsilonWatts => EpsilonMeasures::new(params.threshold(), stats).watts > 0.0,
             _ => true,
         };
         ui.add_enabled_ui(is_used, |ui| show_one(ui, parameter, params, stats));
     }
     if ui.button("Reset to defaults").clicked() {
-        *params = SolverParams::default();
+        *params = SolverParams::usual();
     }
     *params != before
+}
+
+/// Either an error is asked for, and the solver chooses ε, or ε itself.
+fn show_what_is_asked(ui: &mut Ui, params: &mut SolverParams) {
+    theme::row(ui, "ask for", |ui| {
+        let response = ui.horizontal(|ui| {
+            if ui.selectable_label(params.error.is_some(), "an error").clicked() && params.error.is_none() {
+                params.error = Some(USUAL_ERROR);
+            }
+            if ui.selectable_label(params.error.is_none(), "a threshold ε").clicked() {
+                params.error = None;
+            }
+        });
+        response.response
+    })
+    .on_hover_text(
+        "Ask for an error, and the solver refines no further than it needs; or set the paper's threshold yourself.",
+    );
 }
 
 fn show_one(ui: &mut Ui, parameter: &Parameter, params: &mut SolverParams, stats: Option<&Stats>) {
@@ -54,14 +76,16 @@ fn show_one(ui: &mut Ui, parameter: &Parameter, params: &mut SolverParams, stats
 fn show_widget(ui: &mut Ui, parameter: &Parameter, params: &mut SolverParams, stats: Option<&Stats>) -> egui::Response {
     match &parameter.kind {
         ValueKind::Real { range, logarithmic } => {
-            let epsilon = EpsilonMeasures::new(params.epsilon, stats);
-            let mut value = real(params, parameter.id, epsilon);
+            let id = parameter.id;
+            let epsilon = EpsilonMeasures::new(params.threshold(), stats);
+            let mut value = real(params, id, epsilon);
             let slider = Slider::new(&mut value, range.clone())
                 .logarithmic(*logarithmic)
                 // What came from the command line may lie outside of what the slider offers, and stays.
                 .clamping(egui::SliderClamping::Edits)
                 .smart_aim(false)
-                .custom_formatter(|value, _| format::number(value))
+                .custom_formatter(move |value, _| real_text(id, value))
+                .custom_parser(move |text| real_value(id, text))
                 .suffix(suffix(parameter.unit));
             let response = ui.add(slider);
             if response.changed() {
@@ -125,6 +149,21 @@ fn suffix_of(count: u64, unit: &str) -> String {
 /// What no number of threads means.
 const ALL_CORES: &str = "all cores";
 
+/// An error is shown in percent.
+fn real_text(id: ParameterId, value: f64) -> String {
+    match id {
+        ParameterId::Error => format!("{} %", format::number(100.0 * value)),
+        _ => format::number(value),
+    }
+}
+
+fn real_value(id: ParameterId, text: &str) -> Option<f64> {
+    match id {
+        ParameterId::Error => text.replace('%', "").trim().parse::<f64>().ok().map(|percent| percent / 100.0),
+        _ => text.trim().parse().ok(),
+    }
+}
+
 fn whole_text(id: ParameterId, value: f64) -> String {
     match id {
         ParameterId::Threads if value == 0.0 => ALL_CORES.to_owned(),
@@ -141,6 +180,7 @@ fn whole_value(id: ParameterId, text: &str) -> Option<f64> {
 
 fn real(params: &SolverParams, id: ParameterId, epsilon: EpsilonMeasures) -> f64 {
     match id {
+        ParameterId::Error => params.error.unwrap_or(USUAL_ERROR),
         ParameterId::Epsilon => epsilon.relative,
         ParameterId::EpsilonWatts => epsilon.watts,
         ParameterId::PartialFactor => params.partial_factor,
@@ -151,6 +191,7 @@ fn real(params: &SolverParams, id: ParameterId, epsilon: EpsilonMeasures) -> f64
 
 fn set_real(params: &mut SolverParams, id: ParameterId, value: f64) {
     match id {
+        ParameterId::Error => params.error = Some(value),
         ParameterId::Epsilon => params.epsilon = Epsilon::Relative(value),
         ParameterId::EpsilonWatts => params.epsilon = Epsilon::Watts(value),
         ParameterId::PartialFactor => params.partial_factor = value,
@@ -193,6 +234,7 @@ const CLUSTERINGS: [ClusteringMode; 4] =
     [ClusteringMode::None, ClusteringMode::Octree, ClusteringMode::Groups, ClusteringMode::Adaptive];
 const MODELS: [ClusterModel; 2] = [ClusterModel::Isotropic, ClusterModel::Oriented];
 const ORACLES: [OracleKind; 2] = [OracleKind::Energy, OracleKind::Error];
+const RECONSTRUCTIONS: [Reconstruct; 3] = [Reconstruct::Constant, Reconstruct::Vertex, Reconstruct::Gather];
 const PUSHES: [Push; 2] = [Push::Immediate, Push::Deferred];
 const SIDES: [Sides; 3] = [Sides::Front, Sides::Both, Sides::Auto];
 
@@ -202,6 +244,7 @@ fn choice(params: &SolverParams, id: ParameterId) -> Option<usize> {
         ParameterId::Clustering => CLUSTERINGS.iter().position(|mode| *mode == params.clustering),
         ParameterId::ClusterModel => MODELS.iter().position(|model| *model == params.cluster_model),
         ParameterId::Oracle => ORACLES.iter().position(|oracle| *oracle == params.oracle),
+        ParameterId::Reconstruct => RECONSTRUCTIONS.iter().position(|way| *way == params.reconstruct),
         ParameterId::Push => PUSHES.iter().position(|push| *push == params.push),
         ParameterId::Sides => SIDES.iter().position(|sides| Some(*sides) == params.sides),
         _ => None,
@@ -213,6 +256,7 @@ fn set_choice(params: &mut SolverParams, id: ParameterId, index: Option<usize>) 
         (ParameterId::Clustering, Some(index)) => params.clustering = CLUSTERINGS[index],
         (ParameterId::ClusterModel, Some(index)) => params.cluster_model = MODELS[index],
         (ParameterId::Oracle, Some(index)) => params.oracle = ORACLES[index],
+        (ParameterId::Reconstruct, Some(index)) => params.reconstruct = RECONSTRUCTIONS[index],
         (ParameterId::Push, Some(index)) => params.push = PUSHES[index],
         (ParameterId::Sides, index) => params.sides = index.map(|index| SIDES[index]),
         _ => {}
@@ -285,6 +329,7 @@ mod tests {
                 ParameterId::Clustering => CLUSTERINGS.map(|mode| spelled(serde_json::json!(mode))).into(),
                 ParameterId::ClusterModel => MODELS.map(|model| spelled(serde_json::json!(model))).into(),
                 ParameterId::Oracle => ORACLES.map(|oracle| spelled(serde_json::json!(oracle))).into(),
+                ParameterId::Reconstruct => RECONSTRUCTIONS.map(|way| spelled(serde_json::json!(way))).into(),
                 ParameterId::Push => PUSHES.map(|push| spelled(serde_json::json!(push))).into(),
                 _ => SIDES.map(|sides| spelled(serde_json::json!(sides))).into(),
             };

@@ -79,12 +79,20 @@ impl Tally {
 impl FinalGather {
     /// Looks at some of the points; `round` chooses which ones. Half of them lie evenly by area, half by A·|B|²: a small bright place
     /// may hold most of the error, and by area alone hardly a point would meet it.
-    pub(super) fn look_at_points(&self, hierarchy: &Hierarchy, context: &Context, round: u32, points: Range<usize>) -> Tally {
+    pub(super) fn look_at_points(
+        &self,
+        hierarchy: &Hierarchy,
+        context: &Context,
+        round: u32,
+        points: Range<usize>,
+    ) -> Tally {
         let start = mix(mix(context.seed, 0x6573_7469_6d61_7465), u64::from(round));
         let reflected = self.reflected();
         let shares = self.shares(hierarchy, context, &reflected);
         let rays = ((RAYS / self.goal.error) as u32).clamp(8, 64);
-        let look = |cut: &mut Vec<Seen>, index: usize| self.look_at_point(hierarchy, context, (&reflected, &shares), rays, (start, index), cut);
+        let look = |cut: &mut Vec<Seen>, index: usize| {
+            self.look_at_point(hierarchy, context, (&reflected, &shares), rays, (start, index), cut)
+        };
         // Summed in order, so that the result does not depend on the threads.
         let tallies: Vec<Tally> = points.into_par_iter().with_min_len(16).map_init(Vec::new, look).collect();
         tallies.into_iter().fold(Tally::default(), Tally::add)
@@ -100,7 +108,8 @@ impl FinalGather {
         cut: &mut Vec<Seen>,
     ) -> Tally {
         let from = [start as u32, (start >> 32) as u32];
-        let [u, v] = [0, 1].map(|axis: usize| fraction(from[axis].wrapping_add(STEPS[axis].wrapping_mul(index as u32))));
+        let [u, v] =
+            [0, 1].map(|axis: usize| fraction(from[axis].wrapping_add(STEPS[axis].wrapping_mul(index as u32))));
         let leaf = shares.partition_point(|share| *share <= f64::from(u)).min(shares.len() - 1);
         let before = if leaf > 0 { shares[leaf - 1] } else { 0.0 };
         let share = shares[leaf] - before;
@@ -123,11 +132,13 @@ impl FinalGather {
             let lit = lamps.irradiance(point.position, point.normal, rays as f32, f32::INFINITY, seed, cut);
             cast += u64::from(lit.rays) + u64::from(rays);
             is_lit |= lit.irradiance != Vec3::ZERO;
-            surface.reflectance * (lit.irradiance + surroundings.light_at(point.position, point.normal, seed, rays, reflected))
+            surface.reflectance
+                * (lit.irradiance + surroundings.light_at(point.position, point.normal, seed, rays, reflected))
         });
         let is_hidden = || {
             let seed = mix(start, index as u64);
-            self.darkness(context).is_some_and(|darkness| darkness.encloses(point.position, point.normal, seed, DARK_RAYS))
+            self.darkness(context)
+                .is_some_and(|darkness| darkness.encloses(point.position, point.normal, seed, DARK_RAYS))
         };
         // Where lamps shine nothing is hidden; light that interpolation leaks into what is closed does not count.
         if !is_lit && is_hidden() {
@@ -147,7 +158,8 @@ impl FinalGather {
                 return (0.0, 0.0);
             }
             let area = f64::from(hierarchy.element(of.element).sampled_area);
-            let vertices = self.display.triangles_of(leaf as u32).flat_map(|triangle| mesh.triangles[triangle as usize]);
+            let vertices =
+                self.display.triangles_of(leaf as u32).flat_map(|triangle| mesh.triangles[triangle as usize]);
             let brightest = vertices.map(|vertex| reflected[vertex as usize].length_squared()).fold(0.0, f32::max);
             (area, area * f64::from(brightest))
         };

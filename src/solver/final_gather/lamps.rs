@@ -83,7 +83,13 @@ pub struct Seen {
 enum Lamp {
     Cluster(ElementId),
     /// A patch, or a part of one that is near.
-    Part { polygon: u32, corners: [Vec3; 4], count: usize, normal: Vec3, form_factor: f32 },
+    Part {
+        polygon: u32,
+        corners: [Vec3; 4],
+        count: usize,
+        normal: Vec3,
+        form_factor: f32,
+    },
 }
 
 /// What the rays to a lamp found.
@@ -284,5 +290,9 @@ fn kernel(point: Vec3, normal: Vec3, target: Vec3, target_normal: Vec3) -> f32 {
     let span = target - point;
     let square = span.length_squared();
     let (cosine, target_cosine) = (normal.dot(span), -target_normal.dot(span));
-    if cosine > 0.0 && target_cosine > 0.0 && square > 0.0 { cosine * target_cosine / (PI * square * square) } else { 0.0 }
+    if cosine > 0.0 && target_cosine > 0.0 && square > 0.0 {
+        cosine * target_cosine / (PI * square * square)
+    } else {
+        0.0
+    }
 }

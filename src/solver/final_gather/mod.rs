@@ -21,6 +21,7 @@ use rustc_hash::FxHashMap;
 
 use super::display::{Display, Style, VertexKey};
 use super::gather::Surface;
+use super::params::USUAL_ERROR;
 use crate::cancel::CancelToken;
 use crate::hierarchy::{ElementId, Hierarchy, Shape};
 use crate::orient;
@@ -118,6 +119,8 @@ pub enum Progress {
 /// The state of a final gather.
 pub struct FinalGather {
     goal: Goal,
+    /// Whether the error was asked for, and must be estimated.
+    is_promise: bool,
     stage: Stage,
     round: u32,
     attempt: u32,
@@ -154,9 +157,18 @@ pub struct FinalGather {
 }
 
 impl FinalGather {
-    /// Starts with what links say of the indirect irradiance of each leaf (parallel to the hierarchy's arena, W/m²); `error` is
-    /// the RMS error that is asked for, as a share of the RMS radiosity.
-    pub fn new(old: &Display, hierarchy: &Hierarchy, context: &Context, error: f64, indirect: &[Vec3], irradiance: &[Vec3]) -> Self {
+    /// Starts with what links say of all and of the indirect irradiance (parallel to the hierarchy's arena, W/m²); `asked` is
+    /// the RMS error that is asked for, as a share of the RMS radiosity. Where none is, the usual one is aimed at once, and what
+    /// came of it is not looked at.
+    pub fn new(
+        old: &Display,
+        hierarchy: &Hierarchy,
+        context: &Context,
+        asked: Option<f64>,
+        irradiance: &[Vec3],
+        indirect: &[Vec3],
+    ) -> Self {
+        let error = asked.unwrap_or(USUAL_ERROR);
         let leaves = &old.mesh.leaves;
         let mean_area = leaves.iter().map(|leaf| leaf.area).sum::<f32>() / leaves.len().max(1) as f32;
         let display = old.rebuilt(context.scene, hierarchy, Style::WithCentres(MIDDLE * mean_area));
@@ -170,7 +182,9 @@ impl FinalGather {
         let energy_of = |leaf: &super::Leaf| {
             let surface = &context.surfaces[leaf.polygon as usize];
             match surface.emission == Vec3::ZERO {
-                true => f64::from(leaf.area * (surface.reflectance * irradiance[leaf.element.index()]).length_squared()),
+                true => {
+                    f64::from(leaf.area * (surface.reflectance * irradiance[leaf.element.index()]).length_squared())
+                }
                 false => 0.0,
             }
         };
@@ -179,6 +193,7 @@ impl FinalGather {
         let indirect = display.of_vertices(indirect).into_iter().map(Vec3::from).collect();
         let mut gather = Self {
             goal: Goal { error, mesh: MESH_SHARE * error, noise: NOISE_SHARE * error },
+            is_promise: asked.is_some(),
             stage: Stage::Direct(0),
             round: 0,
             attempt: 0,
@@ -240,8 +255,10 @@ impl FinalGather {
                 }
                 if self.noise > self.goal.noise && self.rows.has_room() {
                     self.open_pass();
-                } else {
+                } else if self.is_promise {
                     self.stage = Stage::Estimate(0, Tally::default());
+                } else {
+                    self.stage = Stage::Done;
                 }
                 Progress::Pass
             }
@@ -264,7 +281,8 @@ impl FinalGather {
 
     /// Whether the goal is reached; if not, what comes next with a stricter aim.
     fn after_estimate(&mut self) -> Stage {
-        let Some(error) = self.estimate.map(|estimate| estimate.cautious()).filter(|error| *error > self.goal.error) else {
+        let Some(error) = self.estimate.map(|estimate| estimate.cautious()).filter(|error| *error > self.goal.error)
+        else {
             return Stage::Done;
         };
         if self.attempt >= MOST_ATTEMPTS || self.vertices.len() > MOST_VERTICES || !self.rows.has_room() {
@@ -295,8 +313,9 @@ impl FinalGather {
         &self.display
     }
 
-    pub fn trace(&self) -> String {
-        format!("{} round {} attempt {} noise {:.4} mesh {:.4} rays {} estimate {:.4?} goal {:.3} {:.3}", match self.stage { Stage::Direct(_) => "direct", Stage::Cast(_) => "cast", Stage::Estimate(..) => "estimate", Stage::Done => "done" }, self.round, self.attempt, self.noise, (self.mesh_error.max(0.0) / self.energy()).sqrt(), self.rays(), self.estimate.map(|e| (e.rms, e.high)), self.goal.mesh, self.goal.noise)
+    /// Whether there are values to be shown: the first pass has met every vertex.
+    pub fn is_ready(&self) -> bool {
+        self.round > 0 || self.attempt > 0 || !matches!(self.stage, Stage::Direct(_))
     }
 
     /// Rays cast.
@@ -466,7 +485,8 @@ impl FinalGather {
             }
         }
         let energy = self.energy().max(f64::MIN_POSITIVE);
-        let indirect = |(of, indirect): (&Vertex, &Vec3)| f64::from(of.area * (of.reflectance * *indirect).length_squared());
+        let indirect =
+            |(of, indirect): (&Vertex, &Vec3)| f64::from(of.area * (of.reflectance * *indirect).length_squared());
         let indirect: f64 = self.vertices.iter().zip(&self.indirect).map(indirect).sum();
         ((squares / energy).sqrt(), (of_ray / indirect.max(f64::MIN_POSITIVE)) as f32)
     }

@@ -199,8 +199,7 @@ impl Surroundings<'_> {
         let mut backs = 0;
         let stances = &self.stances[vertex];
         let hits = (done..done + count).map(|index| {
-            let [u, v] =
-                [0, 1].map(|axis| fraction(start[axis].wrapping_add(STEPS[axis].wrapping_mul(index))));
+            let [u, v] = [0, 1].map(|axis| fraction(start[axis].wrapping_add(STEPS[axis].wrapping_mul(index))));
             // Every ray counts alike, so the stances take their turns by their weights.
             let pick = fraction((start[0] ^ start[1]).wrapping_add(2_654_435_769_u32.wrapping_mul(index)));
             let mut rest = pick;

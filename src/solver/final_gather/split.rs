@@ -35,13 +35,10 @@ pub struct Look {
 
 impl FinalGather {
     /// Squared errors of all leaves; those that were kept before are not looked at again.
-    pub(super) fn look_at_leaves(
-        &self,
-        hierarchy: &Hierarchy,
-        context: &Context,
-    ) -> Look {
+    pub(super) fn look_at_leaves(&self, hierarchy: &Hierarchy, context: &Context) -> Look {
         let leaves = &self.display.mesh.leaves;
-        let energies: Vec<f64> = (0..leaves.len()).into_par_iter().with_min_len(512).map(|leaf| self.most(leaf)).collect();
+        let energies: Vec<f64> =
+            (0..leaves.len()).into_par_iter().with_min_len(512).map(|leaf| self.most(leaf)).collect();
         let mean = energies.iter().sum::<f64>() / leaves.len().max(1) as f64;
         let darkness = self.darkness(context);
         let lamps = self.lamps(hierarchy, context);
@@ -51,7 +48,10 @@ impl FinalGather {
             if let Some(error) = self.kept.get(&of.element) {
                 return (*error, 0);
             }
-            if energies[leaf] <= negligible || of.level >= DEEPEST || context.surfaces[of.polygon as usize].emission != Vec3::ZERO {
+            if energies[leaf] <= negligible
+                || of.level >= DEEPEST
+                || context.surfaces[of.polygon as usize].emission != Vec3::ZERO
+            {
                 return (0.0, 0);
             }
             let count = (POINTS * energies[leaf] / mean).round().clamp(1.0, MOST_POINTS) as u32;
@@ -61,18 +61,30 @@ impl FinalGather {
             let start = [start as u32, (start >> 32) as u32];
             let (mut sum, mut rays, mut found) = (0.0, 0, 0);
             for index in 0..count {
-                let [u, v] = [0, 1].map(|axis: usize| fraction(start[axis].wrapping_add(STEPS[axis].wrapping_mul(index))));
+                let [u, v] =
+                    [0, 1].map(|axis: usize| fraction(start[axis].wrapping_add(STEPS[axis].wrapping_mul(index))));
                 let point = hierarchy.point_on(of.element, u, v);
                 let seed = mix(mix(key, context.seed), u64::from(index));
                 let Some(shown) = self.direct_shown(hierarchy, of.element, point.position) else { continue };
                 // Two looks that know nothing of each other: the product of their differences is right in the mean, whatever
                 // their noise.
                 let [first, second] = [1, 2].map(|look| {
-                    let lit = lamps.irradiance(point.position, point.normal, 0.5 * self.lamp_rays(), f32::INFINITY, mix(seed, look), cut);
+                    let lit = lamps.irradiance(
+                        point.position,
+                        point.normal,
+                        0.5 * self.lamp_rays(),
+                        f32::INFINITY,
+                        mix(seed, look),
+                        cut,
+                    );
                     rays += u64::from(lit.rays);
                     lit.irradiance
                 });
-                let is_hidden = || darkness.as_ref().is_some_and(|darkness| darkness.encloses(point.position, point.normal, seed, DARK_RAYS));
+                let is_hidden = || {
+                    darkness
+                        .as_ref()
+                        .is_some_and(|darkness| darkness.encloses(point.position, point.normal, seed, DARK_RAYS))
+                };
                 if first == Vec3::ZERO && second == Vec3::ZERO && is_hidden() {
                     continue;
                 }

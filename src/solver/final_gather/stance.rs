@@ -76,7 +76,8 @@ impl Finder<'_> {
                 None => planes.push(Plane { normal: patch.normal, weight, middle, leaf: (id, weight) }),
             }
         }
-        let mut lit: Vec<(Stance, Vec3)> = planes.iter().filter_map(|plane| self.stance(vertex, position, plane, direct)).collect();
+        let mut lit: Vec<(Stance, Vec3)> =
+            planes.iter().filter_map(|plane| self.stance(vertex, position, plane, direct)).collect();
         let total: f32 = lit.iter().map(|(stance, _)| stance.weight).sum();
         lit.iter_mut().for_each(|(stance, _)| stance.weight /= total);
         let irradiance = lit.iter().map(|(stance, irradiance)| stance.weight * *irradiance).sum();
@@ -103,9 +104,8 @@ impl Finder<'_> {
         let (corners, count) = self.hierarchy.corner_positions(patch);
         let first = position.lerp(plane.middle / plane.weight, INSIDE[0]);
         let inward = INSIDE[1..].iter().map(|share| position.lerp(element.centre, *share));
-        let outward = OUTWARD
-            .iter()
-            .flat_map(|share| corners[..count].iter().map(|corner| element.centre.lerp(*corner, *share)));
+        let outward =
+            OUTWARD.iter().flat_map(|share| corners[..count].iter().map(|corner| element.centre.lerp(*corner, *share)));
         std::iter::once(first).chain(inward).chain(outward).find_map(&mut at)
     }
 

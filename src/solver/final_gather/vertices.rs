@@ -81,9 +81,10 @@ impl FinalGather {
         (self.stances[vertex].is_empty() && !self.direct[vertex].is_nan()) || self.rows.is_hidden(vertex)
     }
 
-    /// Hidden vertices take the mean of what lies around them.
+    /// Hidden vertices, and those that were not looked at yet, take the mean of what lies around them.
     fn fill_hidden(&self, values: &mut [Vec3]) {
-        let known = (0..values.len()).map(|vertex| !self.is_hidden(vertex)).collect();
+        let is_known = |vertex: usize| !self.direct[vertex].is_nan() && !self.is_hidden(vertex);
+        let known = (0..values.len()).map(is_known).collect();
         spread(&self.display, values, known);
     }
 

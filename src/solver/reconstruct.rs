@@ -1,0 +1,86 @@
+//! From the links' solution to what is shown: nothing more to do, or a final gather over it.
+
+use super::display::{Display, Style};
+use super::final_gather::{Context, FinalGather, Progress};
+use super::params::Reconstruct;
+use super::stats::Phase;
+use super::{Solver, Step};
+use crate::cancel::CancelToken;
+
+impl Solver {
+    /// What comes after the last gather over links.
+    pub(super) fn end_links(&mut self) {
+        self.final_gather = None;
+        self.phase = if self.params.shown_by() == Reconstruct::Gather && self.scene.has_light() {
+            Phase::Reconstruct
+        } else {
+            Phase::Done
+        };
+    }
+
+    /// How leaves become triangles while links are all there is.
+    pub(super) fn style(&self) -> Style {
+        match self.params.shown_by() {
+            Reconstruct::Constant => Style::Flat,
+            Reconstruct::Vertex | Reconstruct::Gather => Style::Shared,
+        }
+    }
+
+    /// The error that can be promised, as a share of the RMS radiosity, once it was estimated.
+    pub(super) fn error_estimate(&self) -> Option<f64> {
+        Some(self.final_gather.as_ref()?.estimate()?.cautious())
+    }
+
+    /// A part of the final gather.
+    pub(super) fn reconstruct(&mut self, cancel: &CancelToken) -> Step {
+        let mut gather = match self.final_gather.take() {
+            Some(gather) => gather,
+            None => match self.new_final_gather(cancel) {
+                Some(gather) => gather,
+                None => return Step::Interrupted,
+            },
+        };
+        let context = Context {
+            scene: &self.scene,
+            occluders: &self.occluders,
+            surfaces: &self.surfaces,
+            seed: self.params.seed,
+        };
+        let progress = gather.step(&mut self.hierarchy, &context, cancel);
+        self.final_gather = Some(gather);
+        let elements = self.hierarchy.elements().len();
+        if self.links.receivers() < elements {
+            // Leaves that were split keep their light, and share the links of what they were.
+            self.links.append(elements, &[]);
+            self.light.grow(&self.hierarchy);
+            let known = self.brightness.len();
+            self.brightness.extend(self.light.radiosity[known..].iter().map(|radiosity| radiosity.max_element()));
+        }
+        match progress {
+            None => Step::Interrupted,
+            Some(Progress::Part) => Step::Reconstructed { pass_ended: false },
+            Some(Progress::Pass) => Step::Reconstructed { pass_ended: true },
+            Some(Progress::Done) => {
+                self.phase = Phase::Done;
+                Step::Reconstructed { pass_ended: true }
+            }
+        }
+    }
+
+    fn new_final_gather(&mut self, cancel: &CancelToken) -> Option<FinalGather> {
+        let direct = self.gatherer(&self.links).direct(&self.light, cancel)?;
+        let all = self.light.irradiance.iter().zip(&direct);
+        let indirect: Vec<_> = all.map(|(all, direct)| (*all - *direct).max(glam::Vec3::ZERO)).collect();
+        let display = Display::current(self.display.take(), &self.scene, &self.hierarchy, self.style());
+        let context = Context {
+            scene: &self.scene,
+            occluders: &self.occluders,
+            surfaces: &self.surfaces,
+            seed: self.params.seed,
+        };
+        let gather =
+            FinalGather::new(&display, &self.hierarchy, &context, self.params.error, &self.light.irradiance, &indirect);
+        self.display = Some(display);
+        Some(gather)
+    }
+}
