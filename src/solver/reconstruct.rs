@@ -2,10 +2,12 @@
 
 use super::display::{Display, Style};
 use super::final_gather::{Context, FinalGather, Progress};
+use super::gather::pull;
 use super::params::Reconstruct;
 use super::stats::Phase;
 use super::{Solver, Step};
 use crate::cancel::CancelToken;
+use crate::hierarchy::Shape;
 
 impl Solver {
     /// What comes after the last gather over links.
@@ -61,10 +63,23 @@ impl Solver {
             Some(Progress::Part) => Step::Reconstructed { pass_ended: false },
             Some(Progress::Pass) => Step::Reconstructed { pass_ended: true },
             Some(Progress::Done) => {
+                self.take_over();
                 self.phase = Phase::Done;
                 Step::Reconstructed { pass_ended: true }
             }
         }
+    }
+
+    /// What was found at the vertices becomes the leaves' light, in the mean over each.
+    fn take_over(&mut self) {
+        let Some(gather) = &self.final_gather else { return };
+        for (leaf, irradiance) in gather.of_leaves() {
+            let Shape::Patch(patch) = self.hierarchy.element(leaf).shape else { continue };
+            let surface = &self.surfaces[patch.polygon as usize];
+            self.light.irradiance[leaf.index()] = irradiance;
+            self.light.radiosity[leaf.index()] = surface.emission + surface.reflectance * irradiance;
+        }
+        pull(&self.hierarchy, &mut self.light.radiosity);
     }
 
     fn new_final_gather(&mut self, cancel: &CancelToken) -> Option<FinalGather> {

@@ -42,7 +42,7 @@ const LAMP_RAYS: f64 = 0.9;
 /// Noise of direct light at vertices, as a share of the error that is allowed between them.
 const DIRECT_NOISE: f64 = 0.5;
 /// Splitting ends when it made many leaves and left more than this share of the squared error: noise does not fall by it.
-const LEAST_GAIN: f64 = 0.8;
+const LEAST_GAIN: f64 = 0.95;
 /// Leaves of less than this share of the mean area have no vertex in their middle.
 const MIDDLE: f32 = 0.1;
 /// Rounds of splitting leaves before rays are cast, and after the solution was found wanting.
@@ -224,6 +224,9 @@ impl FinalGather {
     pub fn step(&mut self, hierarchy: &mut Hierarchy, context: &Context, cancel: &CancelToken) -> Option<Progress> {
         if cancel.is_cancelled() {
             return None;
+        }
+        if std::env::var("TRACE").is_ok() && matches!(self.stage, Stage::Direct(0) | Stage::Cast(0) | Stage::Estimate(0, _) | Stage::Done) {
+            eprintln!("{:?} {} round {} attempt {} vertices {} leaves {} noise {:.4} mesh {:.4} rays {} estimate {:.4?} goal {:.4} {:.4}", std::time::SystemTime::now().duration_since(std::time::UNIX_EPOCH).unwrap().as_millis() % 100000, match self.stage { Stage::Direct(_) => "direct", Stage::Cast(_) => "cast", Stage::Estimate(..) => "estimate", Stage::Done => "done" }, self.round, self.attempt, self.vertices.len(), self.display.mesh.leaves.len(), self.noise, (self.mesh_error.max(0.0) / self.energy()).sqrt(), self.rays(), self.estimate.map(|e| (e.rms, e.high)), self.goal.mesh, self.goal.noise);
         }
         let progress = match self.stage {
             Stage::Direct(first) => {

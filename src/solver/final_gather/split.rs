@@ -16,8 +16,8 @@ const MOST_POINTS: f64 = 32.0;
 const NEGLIGIBLE: f64 = 0.05;
 /// Leaves whose errors add up to this share of what is allowed are kept as they are; those that are split keep a part of theirs.
 const KEPT: f64 = 0.7;
-/// Patches are not split below this level.
-const DEEPEST: u8 = 12;
+/// Leaves are not split where their width is below this share of the scene's diagonal: 5 mm in a room.
+const THINNEST: f32 = 5e-4;
 /// Rays that must meet backs before a point is believed to be hidden.
 const DARK_RAYS: u32 = 16;
 /// Share of (ρ·ΔE)² in the middle of a leaf that is its error, since the middle is a vertex itself.
@@ -49,7 +49,7 @@ impl FinalGather {
                 return (*error, 0);
             }
             if energies[leaf] <= negligible
-                || of.level >= DEEPEST
+                || self.is_thin(leaf)
                 || context.surfaces[of.polygon as usize].emission != Vec3::ZERO
             {
                 return (0.0, 0);
@@ -123,6 +123,15 @@ impl FinalGather {
         let square = difference - square_of_noise(middle) - noise / (count * count);
         let reflectance = self.vertices[middle].reflectance.max_element();
         INDIRECT * f64::from(mesh.leaves[leaf].exposed_area * reflectance * reflectance * square)
+    }
+
+    /// Whether a leaf is too thin to be split.
+    fn is_thin(&self, leaf: usize) -> bool {
+        let mesh = &self.display.mesh;
+        let corners = self.display.triangles_of(leaf as u32).flat_map(|triangle| mesh.triangles[triangle as usize]);
+        let corners: Vec<Vec3> = corners.map(|corner| Vec3::from(mesh.positions[corner as usize])).collect();
+        let longest = corners.iter().map(|corner| corner.distance(corners[0])).fold(0.0, f32::max);
+        mesh.leaves[leaf].area < THINNEST * self.diagonal * longest
     }
 
     /// A·|ρE|² of a leaf if all of it were as bright as its brightest vertex.

@@ -4,6 +4,7 @@ use glam::Vec3;
 use rustc_hash::FxHashMap;
 
 use super::FinalGather;
+use crate::hierarchy::ElementId;
 use crate::scene::Scene;
 use crate::solver::display::{Display, VertexKey};
 
@@ -74,6 +75,23 @@ impl FinalGather {
         let mut irradiance: Vec<Vec3> = (0..self.vertices.len()).map(|vertex| self.irradiance(vertex)).collect();
         self.fill_hidden(&mut irradiance);
         irradiance.iter().map(Vec3::to_array).collect()
+    }
+
+    /// Mean irradiance of each leaf of the mesh, W/m².
+    pub fn of_leaves(&self) -> impl Iterator<Item = (ElementId, Vec3)> {
+        let irradiance = self.vertex_irradiance();
+        let mesh = self.display.mesh.clone();
+        (0..mesh.leaves.len()).map(move |leaf| {
+            let (mut sum, mut area) = (Vec3::ZERO, 0.0);
+            for triangle in self.display.triangles_of(leaf as u32) {
+                let corners = mesh.triangles[triangle as usize].map(|corner| corner as usize);
+                let [a, b, c] = corners.map(|corner| Vec3::from(mesh.positions[corner]));
+                let weight = (b - a).cross(c - a).length();
+                sum += weight * corners.map(|corner| Vec3::from(irradiance[corner])).into_iter().sum::<Vec3>() / 3.0;
+                area += weight;
+            }
+            (mesh.leaves[leaf].element, if area > 0.0 { sum / area } else { Vec3::ZERO })
+        })
     }
 
     /// Whether no light can reach a vertex, because it lies inside of something.
