@@ -284,16 +284,22 @@ mod tests {
 
     #[test]
     fn no_option_gives_the_defaults() {
-        assert_eq!(params(&[]).expect("no options"), SolverParams::default());
+        assert_eq!(params(&[]).expect("no options"), SolverParams::usual());
+        // Whoever speaks of ε, or of how light is shown, asks for no error.
+        assert_eq!(params(&["--epsilon", "1e-4"]).expect("ε"), SolverParams::default());
+        assert_eq!(params(&["--reconstruct", "vertex"]).expect("vertices"), SolverParams::default());
     }
 
     /// Truth: each option sets the one field of its name.
     #[test]
     fn each_option_sets_its_field() {
-        let defaults = SolverParams::default();
-        let cases: [(&[&str], SolverParams); 14] = [
-            (&["--epsilon", "0.01"], SolverParams { epsilon: Epsilon::Relative(0.01), ..defaults }),
-            (&["--epsilon-watts", "3"], SolverParams { epsilon: Epsilon::Watts(3.0), ..defaults }),
+        let (defaults, by_threshold) = (SolverParams::usual(), SolverParams::default());
+        let constant = SolverParams { reconstruct: Reconstruct::Constant, ..by_threshold };
+        let cases: [(&[&str], SolverParams); 16] = [
+            (&["--error", "0.1"], SolverParams { error: Some(0.1), ..defaults }),
+            (&["--reconstruct", "constant"], constant),
+            (&["--epsilon", "0.01"], SolverParams { epsilon: Epsilon::Relative(0.01), ..by_threshold }),
+            (&["--epsilon-watts", "3"], SolverParams { epsilon: Epsilon::Watts(3.0), ..by_threshold }),
             (&["--oracle", "error"], SolverParams { oracle: OracleKind::Error, ..defaults }),
             (&["--partial-factor", "0.5"], SolverParams { partial_factor: 0.5, ..defaults }),
             (&["--visibility-factor", "2"], SolverParams { visibility_factor: 2.0, ..defaults }),
@@ -318,12 +324,17 @@ mod tests {
             ["--epsilon", "0"],
             ["--epsilon", "-1"],
             ["--epsilon", "NaN"],
+            ["--error", "0"],
+            ["--error", "1"],
+            ["--error", "NaN"],
             ["--threads", "4096"],
             ["--rays-min", "500"],
         ] {
             assert!(params(&args).is_err(), "{args:?}");
         }
         assert!(params(&["--epsilon", "1e-3", "--epsilon-watts", "1"]).is_err());
+        assert!(params(&["--epsilon", "1e-3", "--error", "0.1"]).is_err());
+        assert!(params(&["--reconstruct", "vertex", "--error", "0.1"]).is_err());
     }
 
     #[test]

@@ -504,6 +504,7 @@ fn oracle<'a>(
         visibility_factor: params.visibility_factor as f32,
         rays_min: params.rays_min,
         rays_max: params.rays_max,
+        is_patient: params.oracle == OracleKind::Error || params.error.is_some(),
     };
     let model = params.cluster_model;
     let kind = params.oracle;

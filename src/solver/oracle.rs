@@ -312,7 +312,7 @@ impl Oracle<'_> {
             return Sight::unseen(candidate);
         }
         let asked = self.thresholds.rays_for(power);
-        let (to_reject, most) = self.thresholds.rays_to_reject(power, self.kind);
+        let (to_reject, most) = self.thresholds.rays_to_reject(power);
         let plan = RayPlan { rays: asked, rays_if_blocked: to_reject.clamp(asked, most), stop_when_mixed };
         let found = survey(Spread::Even, plan);
         let mut rays = found.cast;

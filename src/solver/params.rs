@@ -229,7 +229,7 @@ pub const PARAMETERS: [Parameter; 16] = [
     Parameter {
         id: ParameterId::Error,
         flag: "error",
-        label: "error",
+        label: "error at most",
         unit: "",
         hint: "Largest RMS error of what is shown, as a share of the RMS radiosity: the solver chooses ε and ends when its own estimate says so.",
         kind: ValueKind::Real { range: 0.01..=0.3, logarithmic: true },

@@ -2,10 +2,9 @@
 
 use super::candidate::Candidate;
 use super::link::Evidence;
-use super::params::OracleKind;
 use super::rays::{RayPlan, Survey};
 
-/// Rays of a pair that seems occluded, as a multiple of the most rays of others, by the error oracle.
+/// Rays of a pair that seems occluded, as a multiple of the most rays of others, where there is patience.
 const MOST_BLOCKED: u32 = 16;
 
 /// Thresholds in the units that the oracle uses.
@@ -21,6 +20,8 @@ pub struct Thresholds {
     pub rays_min: u32,
     /// Most rays.
     pub rays_max: u32,
+    /// Whether pairs that seem occluded get many rays, to be believed sooner.
+    pub is_patient: bool,
 }
 
 impl Thresholds {
@@ -36,16 +37,15 @@ impl Thresholds {
     /// by chance is gained; from four to eight the power that the office loses at ε = 1e-4 falls from 2.1 % to 1.1 %
     /// (`tests/solver/balance.rs`).
     ///
-    /// The error oracle bounds what they may have missed by ε/8 and goes on up to [`MOST_BLOCKED`] times the most rays: many rays
-    /// on one pair cost less than those on all its children, and a dark room behind a wall is not split for want of them. Also
-    /// returns the most rays that are cast to find out.
-    pub fn rays_to_reject(&self, power: f32, kind: OracleKind) -> (u32, u32) {
-        match kind {
-            OracleKind::Energy => ((8.0 * power / self.epsilon_partial).ceil() as u32, self.rays_max),
-            OracleKind::Error => {
-                let most = MOST_BLOCKED * self.rays_max;
-                (((8.0 * power / self.epsilon).ceil() as u32).min(most), most)
-            }
+    /// The patient way, of the error oracle and where a final gather follows, bounds what they may have missed by ε/8 and goes on up
+    /// to [`MOST_BLOCKED`] times the most rays: many rays on one pair cost less than those on all its children, and a dark room
+    /// behind a wall is not split for want of them. Also returns the most rays that are cast to find out.
+    pub fn rays_to_reject(&self, power: f32) -> (u32, u32) {
+        if self.is_patient {
+            let most = MOST_BLOCKED * self.rays_max;
+            (((8.0 * power / self.epsilon).ceil() as u32).min(most), most)
+        } else {
+            ((8.0 * power / self.epsilon_partial).ceil() as u32, self.rays_max)
         }
     }
 }

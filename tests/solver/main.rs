@@ -6,6 +6,7 @@ mod closed_forms;
 mod display_mesh;
 mod error_oracle;
 mod exposure;
+mod final_gather;
 mod furnace;
 mod hierarchy;
 mod invariants;

@@ -31,18 +31,20 @@ pub struct Sent {
     pub radiosity: Vec<Vec3>,
     /// Power of the initial patches, W (largest colour).
     powers: PatchSums,
+    /// Polygons whose radiosity holds what they reflect as well.
+    pub with_reflected: Vec<bool>,
 }
 
 impl Sent {
-    /// By the radiosity that each polygon sends as a lamp.
-    pub fn new(hierarchy: &Hierarchy, radiosity: Vec<Vec3>) -> Self {
+    /// By the radiosity that each polygon sends as a lamp, and whether it holds what the polygon reflects.
+    pub fn new(hierarchy: &Hierarchy, radiosity: Vec<Vec3>, with_reflected: Vec<bool>) -> Self {
         let power = |&id: &ElementId| {
             let element = hierarchy.element(id);
             let Shape::Patch(patch) = element.shape else { return 0.0 };
             f64::from(element.sampled_area * radiosity[patch.polygon as usize].max_element())
         };
         let powers = PatchSums::new(hierarchy.initial_patches().iter().map(power));
-        Self { radiosity, powers }
+        Self { radiosity, powers, with_reflected }
     }
 
     /// Power of a cluster's lamps, W (largest colour).

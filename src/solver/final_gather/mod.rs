@@ -49,6 +49,9 @@ const MIDDLE: f32 = 0.1;
 const MOST_ROUNDS: u32 = 8;
 /// Times that a solution is made finer because its error was estimated above the goal.
 const MOST_ATTEMPTS: u32 = 6;
+/// An attempt that leaves more than this share of the estimated error has stalled; so many may.
+const LEAST_PROGRESS: f64 = 0.9;
+const MOST_STALLED: u32 = 2;
 /// More vertices than this are not made for the sake of the goal.
 const MOST_VERTICES: usize = 1 << 21;
 /// The allowed error is shared out to what lies between vertices and to the noise of their values.
@@ -61,7 +64,7 @@ const BRIGHT: f32 = 10.0;
 /// Points of a polygon by which that is decided.
 const BRIGHT_POINTS: u32 = 4;
 /// Rays of a vertex in a pass, at least and at most.
-const PASS_RAYS: [f32; 2] = [4.0, 1024.0];
+const PASS_RAYS: [f32; 2] = [8.0, 1024.0];
 /// Standard deviation of the light along one random ray, as a share of all, as low-discrepancy directions make it.
 const SPREAD: f64 = 0.35;
 /// Sweeps end when they move less than this share of the light.
@@ -124,6 +127,8 @@ pub struct FinalGather {
     stage: Stage,
     round: u32,
     attempt: u32,
+    stalled: u32,
+    last_error: Option<f64>,
     /// The mesh, with middles.
     display: Display,
     vertices: Vec<Vertex>,
@@ -197,6 +202,8 @@ impl FinalGather {
             stage: Stage::Direct(0),
             round: 0,
             attempt: 0,
+            stalled: 0,
+            last_error: None,
             vertices: Vec::new(),
             stances: Vec::new(),
             direct: Vec::new(),
@@ -224,9 +231,6 @@ impl FinalGather {
     pub fn step(&mut self, hierarchy: &mut Hierarchy, context: &Context, cancel: &CancelToken) -> Option<Progress> {
         if cancel.is_cancelled() {
             return None;
-        }
-        if std::env::var("TRACE").is_ok() && matches!(self.stage, Stage::Direct(0) | Stage::Cast(0) | Stage::Estimate(0, _) | Stage::Done) {
-            eprintln!("{:?} {} round {} attempt {} vertices {} leaves {} noise {:.4} mesh {:.4} rays {} estimate {:.4?} goal {:.4} {:.4}", std::time::SystemTime::now().duration_since(std::time::UNIX_EPOCH).unwrap().as_millis() % 100000, match self.stage { Stage::Direct(_) => "direct", Stage::Cast(_) => "cast", Stage::Estimate(..) => "estimate", Stage::Done => "done" }, self.round, self.attempt, self.vertices.len(), self.display.mesh.leaves.len(), self.noise, (self.mesh_error.max(0.0) / self.energy()).sqrt(), self.rays(), self.estimate.map(|e| (e.rms, e.high)), self.goal.mesh, self.goal.noise);
         }
         let progress = match self.stage {
             Stage::Direct(first) => {
@@ -288,6 +292,12 @@ impl FinalGather {
         else {
             return Stage::Done;
         };
+        // What a finer mesh does not help is smaller than leaves may be.
+        self.stalled += u32::from(self.last_error.is_some_and(|last| error > LEAST_PROGRESS * last));
+        self.last_error = Some(error);
+        if self.stalled >= MOST_STALLED {
+            return Stage::Done;
+        }
         if self.attempt >= MOST_ATTEMPTS || self.vertices.len() > MOST_VERTICES || !self.rows.has_room() {
             return Stage::Done;
         }
@@ -340,7 +350,7 @@ impl FinalGather {
             stances: &self.stances,
             patches: &self.patches,
             back_of: &self.back_of,
-            lamps: &self.sent.radiosity,
+            lamps: &self.sent.with_reflected,
             diagonal: self.diagonal,
             seed: context.seed,
         }
@@ -498,7 +508,7 @@ impl FinalGather {
 /// Radiosity of all that shines: what lamps emit, and what surfaces reflect that are much brighter than the rest.
 fn what_is_sent(hierarchy: &Hierarchy, context: &Context, error: f64, indirect: &[Vec3]) -> Sent {
     let emission: Vec<Vec3> = context.surfaces.iter().map(|surface| surface.emission).collect();
-    let emitted = Sent::new(hierarchy, emission);
+    let emitted = Sent::new(hierarchy, emission, Vec::new());
     let lamps = Lamps { hierarchy, sent: &emitted, occluders: context.occluders };
     let rays = (LAMP_RAYS / error).clamp(8.0, 64.0) as f32;
     let reflected = |cut: &mut Vec<Seen>, &id: &ElementId| {
@@ -519,10 +529,12 @@ fn what_is_sent(hierarchy: &Hierarchy, context: &Context, error: f64, indirect: 
     let area: f32 = reflected.iter().map(|of| of.1).sum();
     let mean = reflected.iter().map(|of| of.1 * of.2.max_element()).sum::<f32>() / area;
     let mut radiosity = emitted.radiosity;
+    let mut is_bright = vec![false; radiosity.len()];
     for (polygon, _, reflected) in reflected {
         if reflected.max_element() > BRIGHT * mean {
             radiosity[polygon as usize] += reflected;
+            is_bright[polygon as usize] = true;
         }
     }
-    Sent::new(hierarchy, radiosity)
+    Sent::new(hierarchy, radiosity, is_bright)
 }

@@ -62,8 +62,8 @@ pub struct Surroundings<'a> {
     pub patches: &'a [ElementId],
     /// The polygon on the other side of each doubled face; empty where none is doubled.
     pub back_of: &'a [Option<u32>],
-    /// What counts as a lamp, whose light comes by other rays; zero for other polygons.
-    pub lamps: &'a [Vec3],
+    /// Polygons whose reflected light comes by other rays, as that of lamps.
+    pub lamps: &'a [bool],
     /// Diagonal of the scene.
     pub diagonal: f32,
     pub seed: u64,
@@ -232,7 +232,7 @@ impl Surroundings<'_> {
             *backs += 1;
             return nowhere;
         };
-        if self.lamps[polygon as usize] != Vec3::ZERO {
+        if self.lamps[polygon as usize] {
             return nowhere;
         }
         let place = origin + hit.distance * direction;
