@@ -6,8 +6,10 @@
 //! Rows are kept and gathered over again until nothing changes, starting with what the links say: so the links' own errors die out.
 //! At last the result is looked at in random places, and what is not as exact as was asked for is made so.
 
+mod bright;
 mod estimate;
 mod lamps;
+mod passes;
 mod rows;
 mod split;
 mod stance;
@@ -30,7 +32,7 @@ use crate::scene::Scene;
 use crate::visibility::Occluders;
 pub use estimate::Estimate;
 use estimate::Tally;
-use lamps::{Lamps, Seen, Sent};
+use lamps::{Seen, Sent};
 use rows::{Rows, Surroundings, position_hash};
 use stance::{Finder, Stance};
 use vertices::Vertex;
@@ -59,18 +61,8 @@ const MESH_SHARE: f64 = 0.5;
 const NOISE_SHARE: f64 = 0.5;
 /// The next attempt aims below the goal by this factor.
 const AIM: f64 = 0.8;
-/// What reflects so many times more than the mean is a lamp to all others.
-const BRIGHT: f32 = 10.0;
-/// Points of a polygon by which that is decided.
-const BRIGHT_POINTS: u32 = 4;
-/// Rays of a vertex in a pass, at least and at most.
-const PASS_RAYS: [f32; 2] = [8.0, 1024.0];
 /// Standard deviation of the light along one random ray, as a share of all, as low-discrepancy directions make it.
 const SPREAD: f64 = 0.35;
-/// Sweeps end when they move less than this share of the light.
-const TOLERANCE: f64 = 2e-3;
-/// Sweeps at most.
-const MOST_SWEEPS: u32 = 50;
 
 /// What the gather reads of the solver.
 pub struct Context<'a> {
@@ -107,6 +99,9 @@ enum Stage {
     /// The goal is reached, or cannot be.
     Done,
 }
+
+/// Direct irradiance of a vertex, where it was looked for, and the rays that it took.
+type Lit = (Vec3, Box<[Stance]>, u32);
 
 /// What a step did.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -194,7 +189,7 @@ impl FinalGather {
             }
         };
         let energy_of_links = leaves.iter().map(energy_of).sum();
-        let sent = what_is_sent(hierarchy, context, error, indirect);
+        let sent = bright::what_is_sent(hierarchy, context, error, indirect);
         let indirect = display.of_vertices(indirect).into_iter().map(Vec3::from).collect();
         let mut gather = Self {
             goal: Goal { error, mesh: MESH_SHARE * error, noise: NOISE_SHARE * error },
@@ -384,8 +379,7 @@ impl FinalGather {
                 (irradiance, stances, rays)
             })
         };
-        let found: Vec<Option<(Vec3, Box<[Stance]>, u32)>> =
-            range.clone().into_par_iter().with_min_len(16).map_init(Vec::new, find).collect();
+        let found: Vec<Option<Lit>> = range.clone().into_par_iter().with_min_len(16).map_init(Vec::new, find).collect();
         for (vertex, found) in range.zip(found) {
             if let Some((irradiance, stances, rays)) = found {
                 (self.direct[vertex], self.stances[vertex]) = (irradiance, stances);
@@ -436,105 +430,4 @@ impl FinalGather {
         self.rows = Rows::new(self.vertices.len());
         self.noise = f64::INFINITY;
     }
-
-    /// Rays go where they decide about most light: the variance of the mean over the area is least where each vertex has rays
-    /// in proportion to √A·ρE. Their number is what the goal asks for, by what was measured or, before that, by [`SPREAD`].
-    fn open_pass(&mut self) {
-        let weight = |(vertex, of): (usize, &Vertex)| match of.emission == Vec3::ZERO {
-            true => of.area.sqrt() * (of.reflectance * self.irradiance(vertex)).max_element().max(0.0),
-            false => 0.0,
-        };
-        let weights: Vec<f32> = self.vertices.iter().enumerate().map(weight).collect();
-        let sum = weights.iter().map(|weight| f64::from(*weight)).sum::<f64>();
-        // Rays of all vertices together that bring the noise to the goal.
-        let cast = self.rows.rays() as f64;
-        let wanted = if self.noise.is_finite() {
-            (cast * ((self.noise / self.goal.noise).powi(2) - 1.0)).clamp(0.0, 4.0 * cast)
-        } else {
-            // Two passes are needed to tell the noise.
-            0.5 * (SPREAD / self.goal.noise).powi(2) * sum * sum / self.energy().max(f64::MIN_POSITIVE)
-        };
-        let [least, most] = PASS_RAYS;
-        let rays = |weight: &f32| {
-            let share = if sum > 0.0 { f64::from(*weight) / sum } else { 0.0 };
-            ((wanted * share) as f32).clamp(least, most).ceil() as u32
-        };
-        self.rows.open(&weights.iter().map(rays).collect::<Vec<u32>>());
-        self.stage = Stage::Cast(0);
-    }
-
-    /// Gathers over the rows until nothing moves.
-    fn converge(&mut self) {
-        for _ in 0..MOST_SWEEPS {
-            let new = self.rows.gather(&self.display, &self.reflected());
-            let (mut moved, mut all) = (0.0, 0.0);
-            for ((vertex, new), old) in self.vertices.iter().zip(&new).zip(&self.indirect) {
-                moved += f64::from(vertex.area * (*new - *old).abs().max_element());
-                all += f64::from(vertex.area * new.max_element());
-            }
-            self.indirect = new;
-            if moved <= TOLERANCE * all {
-                break;
-            }
-        }
-    }
-
-    /// Noise of the vertices' values as a share of the RMS radiosity, by how the passes differ; and the variance of one ray's light
-    /// as a share of its square.
-    fn measure_noise(&self) -> (f64, f32) {
-        let passes = self.rows.passes();
-        let reflected = self.reflected();
-        let mean = self.rows.gather(&self.display, &reflected);
-        let (mut squares, mut of_ray) = (0.0, 0.0);
-        for pass in 0..passes {
-            let one = self.rows.gather_pass(pass, &self.display, &reflected);
-            let weight = self.rows.share_of(pass) / (passes as f64 - 1.0);
-            for ((vertex, of), (one, mean)) in self.vertices.iter().enumerate().zip(one.iter().zip(&mean)) {
-                if of.emission == Vec3::ZERO && !self.is_hidden(vertex) {
-                    let square = weight * f64::from(of.area * (of.reflectance * (*one - *mean)).length_squared());
-                    squares += square;
-                    of_ray += square * f64::from(self.rows.rays_of(vertex));
-                }
-            }
-        }
-        let energy = self.energy().max(f64::MIN_POSITIVE);
-        let indirect =
-            |(of, indirect): (&Vertex, &Vec3)| f64::from(of.area * (of.reflectance * *indirect).length_squared());
-        let indirect: f64 = self.vertices.iter().zip(&self.indirect).map(indirect).sum();
-        ((squares / energy).sqrt(), (of_ray / indirect.max(f64::MIN_POSITIVE)) as f32)
-    }
-}
-
-/// Radiosity of all that shines: what lamps emit, and what surfaces reflect that are much brighter than the rest.
-fn what_is_sent(hierarchy: &Hierarchy, context: &Context, error: f64, indirect: &[Vec3]) -> Sent {
-    let emission: Vec<Vec3> = context.surfaces.iter().map(|surface| surface.emission).collect();
-    let emitted = Sent::new(hierarchy, emission, Vec::new());
-    let lamps = Lamps { hierarchy, sent: &emitted, occluders: context.occluders };
-    let rays = (LAMP_RAYS / error).clamp(8.0, 64.0) as f32;
-    let reflected = |cut: &mut Vec<Seen>, &id: &ElementId| {
-        let element = hierarchy.element(id);
-        let Shape::Patch(patch) = element.shape else { return (0, 0.0, Vec3::ZERO) };
-        let surface = &context.surfaces[patch.polygon as usize];
-        let light = |index: u32| {
-            let [u, v] = [0.7549, 0.5698].map(|step| (0.5 + step * index as f32).fract());
-            let point = hierarchy.point_on(id, u, v);
-            let seed = mix(mix(context.seed, element.key), u64::from(index));
-            lamps.irradiance(point.position, point.normal, rays, f32::INFINITY, seed, cut).irradiance
-        };
-        let direct = (0..BRIGHT_POINTS).map(light).sum::<Vec3>() / BRIGHT_POINTS as f32;
-        (patch.polygon, element.area, surface.reflectance * (direct + indirect[id.index()]))
-    };
-    let reflected: Vec<(u32, f32, Vec3)> =
-        hierarchy.initial_patches().par_iter().with_min_len(64).map_init(Vec::new, reflected).collect();
-    let area: f32 = reflected.iter().map(|of| of.1).sum();
-    let mean = reflected.iter().map(|of| of.1 * of.2.max_element()).sum::<f32>() / area;
-    let mut radiosity = emitted.radiosity;
-    let mut is_bright = vec![false; radiosity.len()];
-    for (polygon, _, reflected) in reflected {
-        if reflected.max_element() > BRIGHT * mean {
-            radiosity[polygon as usize] += reflected;
-            is_bright[polygon as usize] = true;
-        }
-    }
-    Sent::new(hierarchy, radiosity, is_bright)
 }

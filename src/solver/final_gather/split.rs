@@ -57,7 +57,7 @@ impl FinalGather {
             let count = (POINTS * energies[leaf] / mean).round().clamp(1.0, MOST_POINTS) as u32;
             let reflectance = context.surfaces[of.polygon as usize].reflectance;
             let key = hierarchy.element(of.element).key;
-            let start = mix(mix(context.seed, 0x7370_6c69_74), key);
+            let start = mix(mix(context.seed, 0x0073_706c_6974), key);
             let start = [start as u32, (start >> 32) as u32];
             let (mut sum, mut rays, mut found) = (0.0, 0, 0);
             for index in 0..count {

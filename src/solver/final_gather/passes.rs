@@ -1,0 +1,82 @@
+//! Passes of rays over all vertices: how many, what light they bring, and how noisy it is.
+
+use glam::Vec3;
+
+use super::vertices::Vertex;
+use super::{FinalGather, SPREAD, Stage};
+
+/// Rays of a vertex in a pass, at least and at most.
+const PASS_RAYS: [f32; 2] = [8.0, 1024.0];
+/// Sweeps end when they move less than this share of the light.
+const TOLERANCE: f64 = 2e-3;
+/// Sweeps at most.
+const MOST_SWEEPS: u32 = 50;
+
+impl FinalGather {
+    /// Rays go where they decide about most light: the variance of the mean over the area is least where each vertex has rays
+    /// in proportion to √A·ρE. Their number is what the goal asks for, by what was measured or, before that, by [`SPREAD`].
+    pub(super) fn open_pass(&mut self) {
+        let weight = |(vertex, of): (usize, &Vertex)| match of.emission == Vec3::ZERO {
+            true => of.area.sqrt() * (of.reflectance * self.irradiance(vertex)).max_element().max(0.0),
+            false => 0.0,
+        };
+        let weights: Vec<f32> = self.vertices.iter().enumerate().map(weight).collect();
+        let sum = weights.iter().map(|weight| f64::from(*weight)).sum::<f64>();
+        // Rays of all vertices together that bring the noise to the goal.
+        let cast = self.rows.rays() as f64;
+        let wanted = if self.noise.is_finite() {
+            (cast * ((self.noise / self.goal.noise).powi(2) - 1.0)).clamp(0.0, 4.0 * cast)
+        } else {
+            // Two passes are needed to tell the noise.
+            0.5 * (SPREAD / self.goal.noise).powi(2) * sum * sum / self.energy().max(f64::MIN_POSITIVE)
+        };
+        let [least, most] = PASS_RAYS;
+        let rays = |weight: &f32| {
+            let share = if sum > 0.0 { f64::from(*weight) / sum } else { 0.0 };
+            ((wanted * share) as f32).clamp(least, most).ceil() as u32
+        };
+        self.rows.open(&weights.iter().map(rays).collect::<Vec<u32>>());
+        self.stage = Stage::Cast(0);
+    }
+
+    /// Gathers over the rows until nothing moves.
+    pub(super) fn converge(&mut self) {
+        for _ in 0..MOST_SWEEPS {
+            let new = self.rows.gather(&self.display, &self.reflected());
+            let (mut moved, mut all) = (0.0, 0.0);
+            for ((vertex, new), old) in self.vertices.iter().zip(&new).zip(&self.indirect) {
+                moved += f64::from(vertex.area * (*new - *old).abs().max_element());
+                all += f64::from(vertex.area * new.max_element());
+            }
+            self.indirect = new;
+            if moved <= TOLERANCE * all {
+                break;
+            }
+        }
+    }
+
+    /// Noise of the vertices' values as a share of the RMS radiosity, by how the passes differ; and the variance of one ray's light
+    /// as a share of its square.
+    pub(super) fn measure_noise(&self) -> (f64, f32) {
+        let passes = self.rows.passes();
+        let reflected = self.reflected();
+        let mean = self.rows.gather(&self.display, &reflected);
+        let (mut squares, mut of_ray) = (0.0, 0.0);
+        for pass in 0..passes {
+            let one = self.rows.gather_pass(pass, &self.display, &reflected);
+            let weight = self.rows.share_of(pass) / (passes as f64 - 1.0);
+            for ((vertex, of), (one, mean)) in self.vertices.iter().enumerate().zip(one.iter().zip(&mean)) {
+                if of.emission == Vec3::ZERO && !self.is_hidden(vertex) {
+                    let square = weight * f64::from(of.area * (of.reflectance * (*one - *mean)).length_squared());
+                    squares += square;
+                    of_ray += square * f64::from(self.rows.rays_of(vertex));
+                }
+            }
+        }
+        let energy = self.energy().max(f64::MIN_POSITIVE);
+        let indirect =
+            |(of, indirect): (&Vertex, &Vec3)| f64::from(of.area * (of.reflectance * *indirect).length_squared());
+        let indirect: f64 = self.vertices.iter().zip(&self.indirect).map(indirect).sum();
+        ((squares / energy).sqrt(), (of_ray / indirect.max(f64::MIN_POSITIVE)) as f32)
+    }
+}
