@@ -244,7 +244,7 @@ fn choice(params: &SolverParams, id: ParameterId) -> Option<usize> {
         ParameterId::Clustering => CLUSTERINGS.iter().position(|mode| *mode == params.clustering),
         ParameterId::ClusterModel => MODELS.iter().position(|model| *model == params.cluster_model),
         ParameterId::Oracle => ORACLES.iter().position(|oracle| *oracle == params.oracle),
-        ParameterId::Reconstruct => RECONSTRUCTIONS.iter().position(|way| *way == params.reconstruct),
+        ParameterId::Reconstruct => RECONSTRUCTIONS.iter().position(|way| *way == params.shown_by()),
         ParameterId::Push => PUSHES.iter().position(|push| *push == params.push),
         ParameterId::Sides => SIDES.iter().position(|sides| Some(*sides) == params.sides),
         _ => None,

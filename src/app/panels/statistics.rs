@@ -37,13 +37,20 @@ fn rows(stats: &Stats) -> Vec<(&'static str, String)> {
         ("time: clusters", format::seconds(stats.seconds.hierarchy)),
         ("time: refining", format::seconds(stats.seconds.refine)),
         ("time: gathering", format::seconds(stats.seconds.gather)),
+        ("time: vertices", format::seconds(stats.seconds.reconstruct)),
         ("first snapshot after", format::seconds(stats.seconds.first_snapshot)),
         ("total", format::seconds(stats.seconds.total)),
         ("links in memory", format::bytes(stats.bytes.links)),
         ("elements in memory", format::bytes(stats.bytes.elements)),
+        ("rows in memory", format::bytes(stats.bytes.rows)),
         ("emitted", format::quantity(stats.emitted_watts, "W")),
         ("absorbed", format::quantity(stats.absorbed_watts, "W")),
     ];
+    if let Some(asked) = stats.error_asked {
+        let percent = |share: f64| format!("{} %", format::number(100.0 * share));
+        rows.push(("error asked", percent(asked)));
+        rows.push(("error estimated", stats.error_estimate.map_or("not yet".to_owned(), percent)));
+    }
     if stats.depth_guard_struck > 0 {
         rows.push(("depth guard struck", format::count(stats.depth_guard_struck)));
     }

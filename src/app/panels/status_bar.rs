@@ -52,6 +52,10 @@ fn state(run: RunState, stats: Option<&Stats>, is_dark: bool) -> (String, egui::
         RunState::Finished if is_dark => ("Nothing emits light".into(), theme::TEXT_WEAK),
         RunState::Finished => {
             let converged = stats.is_none_or(|stats| stats.converged);
+            let missed = stats.and_then(|stats| stats.error_estimate.filter(|error| Some(*error) > stats.error_asked));
+            if let Some(error) = missed {
+                return (format!("Reached {} % only", format::number(100.0 * error)), theme::ACCENT);
+            }
             (if converged { "Converged" } else { "Finished" }.into(), theme::DONE)
         }
     }
@@ -77,6 +81,9 @@ fn cells(stats: &Stats, more_seconds: f64, time_left: Option<f64>) -> Vec<(&'sta
         ("rays", format::count(stats.rays)),
         ("clusters", format::count(stats.clusters)),
     ];
+    if let Some(error) = stats.error_estimate {
+        cells.insert(1, ("error", format!("{} %", format::number(100.0 * error))));
+    }
     if let Some(seconds) = time_left {
         cells.insert(1, ("left in round", format!("about {}", format::seconds(seconds))));
     }
