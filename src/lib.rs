@@ -109,6 +109,8 @@
 //!    Eurographics Workshop on Rendering, pp. 343–357, June 1994.
 //! 9. H. E. Rushmeier, K. E. Torrance. *The zonal method for calculating light intensities in the presence of a participating
 //!    medium.* SIGGRAPH 1987, pp. 293–302.
+//! 10. D. Lischinski, F. Tampieri, D. P. Greenberg. *Combining hierarchical radiosity and discontinuity meshing.* SIGGRAPH 1993,
+//!     pp. 199–208.
 
 pub mod accuracy;
 pub mod added_light;

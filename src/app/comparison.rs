@@ -235,11 +235,12 @@ impl Comparison {
 
 /// Settings in a few words.
 fn name_of(params: &SolverParams) -> String {
-    let epsilon = match params.epsilon {
-        Epsilon::Relative(share) => format!("ε {share:.0e} Φ"),
-        Epsilon::Watts(watts) => format!("ε {watts:.1e} W"),
+    let asked = match (params.error, params.epsilon) {
+        (Some(error), _) => format!("{} % asked", crate::format::number(100.0 * error)),
+        (None, Epsilon::Relative(share)) => format!("ε {share:.0e} Φ"),
+        (None, Epsilon::Watts(watts)) => format!("ε {watts:.1e} W"),
     };
     let mode = format!("{:?}", params.clustering).to_lowercase();
     let push = format!("{:?}", params.push).to_lowercase();
-    format!("{epsilon}, {mode}, {push}")
+    format!("{asked}, {mode}, {push}")
 }

@@ -6,7 +6,8 @@
 //! 1. Start with emitted light and the root's self-link as the one candidate.
 //! 2. Judge the candidates of a wave (`Oracle`), apply the verdicts (`Refinement`); repeat until none is left.
 //! 3. Gather to convergence (`Gatherer`).
-//! 4. Judge the stored links again, for B has grown; those that fail are candidates of the next round. Done when none fails.
+//! 4. Judge the stored links again, for B has grown; those that fail are candidates of the next round, until none fails.
+//! 5. Where an error is asked for, look for light anew at the vertices (a final gather) until its own estimate keeps the promise.
 //!
 //! This module imports `scene`, `visibility` and `hierarchy`.
 
