@@ -373,6 +373,26 @@ fn light_asked_for_at_the_start_is_there_at_once() {
 
 /// A comparison with a reference: the section tells the error and its noise, the chart holds a curve for each run, and the
 /// surfaces take the colours of their errors and give them back.
+/// The usual way to use it: the window asks for an error, says which one it reached, and does more when asked for less.
+#[test]
+fn an_error_is_asked_for_with_a_slider() {
+    let mut window = cornell(SolverParams::usual());
+    finish(&mut window);
+    let vertices = |window: &Harness<'static, App>| window.state().snapshot().map_or(0, |lit| lit.mesh.positions.len());
+    let usual = vertices(&window);
+    let estimate = |window: &Harness<'static, App>| window.state().snapshot().and_then(|lit| lit.stats.error_estimate);
+    assert!(estimate(&window).is_some_and(|error| error <= 0.05), "{:?}", estimate(&window));
+    window.get_by_role_and_label(Role::Slider, "error at most").set_value_accesskit(0.02);
+    until(&mut window, "a finer solution", |window| {
+        window.state().status().run == RunState::Finished && estimate(window).is_some_and(|error| error <= 0.02)
+    });
+    assert!(vertices(&window) > usual);
+    click(&mut window, "a threshold ε");
+    until(&mut window, "a solution by ε", |window| {
+        window.state().status().run == RunState::Finished && estimate(window).is_none()
+    });
+}
+
 #[test]
 fn the_picture_is_compared_with_a_reference() {
     let mut window = cornell(coarse());
