@@ -9,6 +9,8 @@
 //! four points tell how much of each is hidden. A patch then has the area that is exposed. Random points of it lie
 //! on all cells that are exposed at all, so that none of the light that goes to them is missed.
 
+use std::sync::Arc;
+
 use glam::Vec3;
 use rayon::prelude::*;
 
@@ -210,18 +212,17 @@ fn uniform(number: u64) -> [f32; 2] {
     [number >> 40, (number >> 8) & 0xff_ffff].map(|bits| bits as f32 / 16_777_216.0)
 }
 
-/// Tells points that no light can reach.
-pub struct Darkness<'a> {
-    scene: &'a Scene,
-    occluders: &'a Occluders,
+/// The polygons that emit, as targets of rays.
+#[derive(Debug)]
+pub struct LampList {
     /// Polygons that emit, and the sums of their powers, W.
     lamps: Vec<u32>,
     powers: Vec<f32>,
 }
 
-impl<'a> Darkness<'a> {
-    /// For a scene whose faces are bright on one side.
-    pub fn new(scene: &'a Scene, occluders: &'a Occluders) -> Self {
+impl LampList {
+    /// Those of a scene.
+    pub fn new(scene: &Scene) -> Self {
         let emitted = |polygon: &Polygon| {
             scene.materials[polygon.material.0 as usize].emission.max_element() * scene.area(polygon)
         };
@@ -233,7 +234,26 @@ impl<'a> Darkness<'a> {
             sum
         };
         let powers = lamps.iter().map(power).collect();
-        Self { scene, occluders, lamps, powers }
+        Self { lamps, powers }
+    }
+}
+
+/// Tells points that no light can reach.
+pub struct Darkness<'a> {
+    scene: &'a Scene,
+    occluders: &'a Occluders,
+    lamps: Arc<LampList>,
+}
+
+impl<'a> Darkness<'a> {
+    /// For a scene whose faces are bright on one side.
+    pub fn new(scene: &'a Scene, occluders: &'a Occluders) -> Self {
+        Self::with_lamps(scene, occluders, Arc::new(LampList::new(scene)))
+    }
+
+    /// The same with the scene's lamps, which take a look at all polygons to find.
+    pub fn with_lamps(scene: &'a Scene, occluders: &'a Occluders, lamps: Arc<LampList>) -> Self {
+        Self { scene, occluders, lamps }
     }
 
     /// Whether a point lies inside of something: of so many random rays none meets a bright side, at least half meet the backs of faces
@@ -290,10 +310,10 @@ impl<'a> Darkness<'a> {
     }
 
     fn shows_lamp(&self, point: Vec3, normal: Vec3, random: u64) -> bool {
-        let Some(&power) = self.powers.last() else { return false };
+        let Some(&power) = self.lamps.powers.last() else { return false };
         let wanted = uniform(mix(random, 1))[0] * power;
-        let place = self.powers.partition_point(|&sum| sum <= wanted).min(self.lamps.len() - 1);
-        let lamp = &self.scene.polygons[self.lamps[place] as usize];
+        let place = self.lamps.powers.partition_point(|&sum| sum <= wanted).min(self.lamps.lamps.len() - 1);
+        let lamp = &self.scene.polygons[self.lamps.lamps[place] as usize];
         let (corners, count) = self.scene.corner_positions(lamp);
         let on_lamp = point_in(corners, count, uniform(random));
         let span = on_lamp - point;

@@ -16,6 +16,7 @@ mod stance;
 mod vertices;
 
 use std::ops::Range;
+use std::sync::Arc;
 
 use glam::Vec3;
 use rayon::prelude::*;
@@ -25,6 +26,7 @@ use super::display::{Display, Style, VertexKey};
 use super::gather::Surface;
 use super::params::USUAL_ERROR;
 use crate::cancel::CancelToken;
+use crate::exposure::LampList;
 use crate::hierarchy::{ElementId, Hierarchy, Shape};
 use crate::orient;
 use crate::random::mix;
@@ -136,8 +138,8 @@ pub struct FinalGather {
     rows: Rows,
     /// Squared errors of leaves that were looked at and kept.
     kept: FxHashMap<ElementId, f64>,
-    /// Σ A·|B|² of what links say, W²/m².
-    energy_of_links: f64,
+    /// Σ A·|B|², W²/m²: of what links say, later of what was found when the present pass began.
+    known_energy: f64,
     /// Squared error between the vertices, measured last, W²/m².
     mesh_error: f64,
     /// Whether the last round of splitting made many leaves.
@@ -150,6 +152,7 @@ pub struct FinalGather {
     /// Rays cast, those of former attempts and of looks at the error included.
     rays: u64,
     sent: Sent,
+    lamp_list: Arc<LampList>,
     /// The initial patch of each polygon.
     patches: Vec<ElementId>,
     back_of: Vec<Option<u32>>,
@@ -188,7 +191,7 @@ impl FinalGather {
                 false => 0.0,
             }
         };
-        let energy_of_links = leaves.iter().map(energy_of).sum();
+        let known_energy = leaves.iter().map(energy_of).sum();
         let sent = bright::what_is_sent(hierarchy, context, error, indirect);
         let indirect = display.of_vertices(indirect).into_iter().map(Vec3::from).collect();
         let mut gather = Self {
@@ -205,7 +208,7 @@ impl FinalGather {
             indirect,
             rows: Rows::default(),
             kept: FxHashMap::default(),
-            energy_of_links,
+            known_energy,
             mesh_error: f64::INFINITY,
             grew: false,
             noise: f64::INFINITY,
@@ -213,6 +216,7 @@ impl FinalGather {
             estimate: None,
             rays: 0,
             sent,
+            lamp_list: Arc::new(LampList::new(context.scene)),
             patches,
             back_of: orient::backs(context.scene),
             diagonal: lower.distance(upper),
@@ -357,10 +361,13 @@ impl FinalGather {
     }
 
     fn find_direct(&mut self, hierarchy: &Hierarchy, context: &Context, range: Range<usize>) {
+        if range.start == 0 && self.round > 0 {
+            self.known_energy = self.energy();
+        }
         let lamps = self.lamps(hierarchy, context);
         let darkness = self.darkness(context);
         let finder = Finder { display: &self.display, hierarchy, darkness: darkness.as_ref(), seed: context.seed };
-        let energy = if self.round == 0 { self.energy_of_links } else { self.energy() };
+        let energy = self.known_energy;
         let allowed = (DIRECT_NOISE * self.goal.mesh).powi(2) * energy / self.vertices.len() as f64;
         let find = |cut: &mut Vec<Seen>, vertex: usize| {
             self.direct[vertex].is_nan().then(|| {

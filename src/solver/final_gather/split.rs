@@ -157,7 +157,8 @@ impl FinalGather {
 
     /// Tells hidden points; where both sides of faces are bright there are no backs, and nothing is hidden.
     pub(super) fn darkness<'a>(&self, context: &'a Context) -> Option<Darkness<'a>> {
-        self.back_of.is_empty().then(|| Darkness::new(context.scene, context.occluders))
+        let lamps = || self.lamp_list.clone();
+        self.back_of.is_empty().then(|| Darkness::with_lamps(context.scene, context.occluders, lamps()))
     }
 }
 
