@@ -273,31 +273,39 @@ impl<'a> Darkness<'a> {
     /// The same where things run through each other or stand face on face, so that bright sides may be hidden as well: at least half
     /// of the rays meet backs, and no light is found along the others, however they are reflected.
     pub fn encloses(&self, point: Vec3, normal: Vec3, seed: u64, rays: u32) -> bool {
-        let mut backs = 0;
+        let seed_of = |ray: u32, bounce: u64| mix(mix(seed, u64::from(ray)), bounce);
+        // Most points see fronts enough to be believed at once.
+        let (mut fronts, mut others) = (Vec::new(), 0);
         for ray in 0..rays {
-            let (mut point, mut normal) = (point, normal);
-            for bounce in 0..MOST_BOUNCES {
-                let seed = mix(mix(seed, u64::from(ray)), bounce);
-                if self.shows_lamp(point, normal, mix(seed, 1)) {
-                    return false;
-                }
-                match self.look(point, normal, mix(seed, 2)) {
-                    Some((place, hit)) if hit.front => {
-                        let polygon = &self.scene.polygons[hit.polygon as usize];
-                        if self.scene.materials[polygon.material.0 as usize].emission != Vec3::ZERO {
-                            return false;
-                        }
-                        (point, normal) = (place, self.scene.normal(polygon));
-                    }
-                    Some(_) => {
-                        backs += u32::from(bounce == 0);
-                        break;
-                    }
-                    None => break,
-                }
+            match self.look(point, normal, mix(seed_of(ray, 0), 2)) {
+                Some((_, hit)) if !hit.front => continue,
+                Some((place, hit)) => fronts.push((ray, place, hit)),
+                None => {}
+            }
+            others += 1;
+            if 2 * others > rays {
+                return false;
             }
         }
-        2 * backs >= rays
+        !(0..rays).any(|ray| self.shows_lamp(point, normal, mix(seed_of(ray, 0), 1)))
+            && !fronts.into_iter().any(|(ray, place, hit)| self.finds_light(place, hit, |bounce| seed_of(ray, bounce)))
+    }
+
+    /// Whether a path that has met a bright side finds light.
+    fn finds_light(&self, mut place: Vec3, mut hit: Hit, seed: impl Fn(u64) -> u64) -> bool {
+        for bounce in 1..=MOST_BOUNCES {
+            let polygon = &self.scene.polygons[hit.polygon as usize];
+            let normal = self.scene.normal(polygon);
+            let shines = self.scene.materials[polygon.material.0 as usize].emission != Vec3::ZERO;
+            if shines || self.shows_lamp(place, normal, mix(seed(bounce), 1)) {
+                return true;
+            }
+            match self.look(place, normal, mix(seed(bounce), 2)) {
+                Some((next, met)) if met.front => (place, hit) = (next, met),
+                _ => return false,
+            }
+        }
+        false
     }
 
     /// What a random ray meets, and where.
