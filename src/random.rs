@@ -16,6 +16,16 @@ pub fn fraction(bits: u32) -> f32 {
     (bits >> 8) as f32 * (1.0 / 16_777_216.0)
 }
 
+/// Steps of the two-dimensional sequence of the plastic number \[Roberts 2018\], as 32-bit fractions.
+const STEPS: [u32; 2] = [3_242_174_889, 2_447_445_414];
+
+/// Point number `index` of a sequence that fills the unit square evenly, from a start that the seed tells.
+#[inline]
+pub fn even_point(seed: u64, index: u32) -> [f32; 2] {
+    let start = [seed as u32, (seed >> 32) as u32];
+    [0, 1].map(|axis: usize| fraction(start[axis].wrapping_add(STEPS[axis].wrapping_mul(index))))
+}
+
 /// A direction about a normal with density cosθ/π.
 pub fn cosine_direction(normal: Vec3, u: f32, v: f32) -> Vec3 {
     let (tangent, bitangent) = normal.any_orthonormal_pair();

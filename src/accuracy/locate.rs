@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use glam::Vec3;
 
 use crate::reference::SurfacePoint;
-use crate::solver::Mesh;
+use crate::solver::{Mesh, barycentric};
 
 /// A point's triangle and its barycentric weights there.
 #[derive(Clone, Copy, Debug)]
@@ -46,13 +46,4 @@ pub fn locate(points: &[SurfacePoint], mesh: &Mesh) -> Vec<Option<Place>> {
         Some(Place { weights: weights / weights.element_sum(), ..best })
     };
     points.par_iter().map(place).collect()
-}
-
-/// Barycentric weights of a point's projection; not finite for a triangle without area.
-fn barycentric([a, b, c]: [Vec3; 3], point: Vec3) -> Vec3 {
-    let across = (b - a).cross(c - a);
-    let area_squared = across.length_squared();
-    let of_b = (point - a).cross(c - a).dot(across) / area_squared;
-    let of_c = (b - a).cross(point - a).dot(across) / area_squared;
-    Vec3::new(1.0 - of_b - of_c, of_b, of_c)
 }

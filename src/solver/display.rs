@@ -170,7 +170,7 @@ impl Display {
 const LEAST_EXPOSED: f32 = 1e-6;
 
 /// Barycentric weights of a point's projection; not finite for a triangle without area.
-fn barycentric([a, b, c]: [Vec3; 3], point: Vec3) -> Vec3 {
+pub fn barycentric([a, b, c]: [Vec3; 3], point: Vec3) -> Vec3 {
     let across = (b - a).cross(c - a);
     let area_squared = across.length_squared();
     let of_b = (point - a).cross(c - a).dot(across) / area_squared;

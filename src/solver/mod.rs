@@ -40,6 +40,7 @@ use glam::Vec3;
 use rayon::prelude::*;
 
 pub use balance::{PowerBalance, power_balance};
+pub use display::barycentric;
 pub use form_factor::{Exchange, exchange, point_to_polygon};
 pub use link::{Evidence, Link, LinkTable};
 pub use params::{
@@ -263,10 +264,7 @@ impl Solver {
         );
         let Some(judged) = self.refinement.judge(&oracle, cancel) else { return Step::Interrupted };
         let wave_ended = self.refinement.apply(&mut self.hierarchy, &judged);
-        self.light.grow(&self.hierarchy);
-        let known = self.brightness.len();
-        self.brightness.extend(self.light.radiosity[known..].iter().map(|radiosity| radiosity.max_element()));
-        self.spread.resize(self.brightness.len(), 0.0);
+        self.grow_light();
         if self.refinement.is_finished() {
             self.phase = Phase::Gather;
         }
@@ -359,6 +357,14 @@ impl Solver {
             f64::from(self.hierarchy.element(id).sampled_area * self.light.emitted[id.index()].max_element())
         };
         PatchSums::new(self.hierarchy.initial_patches().iter().map(power))
+    }
+
+    /// Lets new elements start with their parents' light, in all that verdicts look at.
+    fn grow_light(&mut self) {
+        self.light.grow(&self.hierarchy);
+        let known = self.brightness.len();
+        self.brightness.extend(self.light.radiosity[known..].iter().map(|radiosity| radiosity.max_element()));
+        self.spread.resize(self.brightness.len(), 0.0);
     }
 
     /// Makes the present radiosities those that verdicts look at.

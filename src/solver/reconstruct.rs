@@ -54,9 +54,7 @@ impl Solver {
         if self.links.receivers() < elements {
             // Leaves that were split keep their light, and share the links of what they were.
             self.links.append(elements, &[]);
-            self.light.grow(&self.hierarchy);
-            let known = self.brightness.len();
-            self.brightness.extend(self.light.radiosity[known..].iter().map(|radiosity| radiosity.max_element()));
+            self.grow_light();
         }
         match progress {
             None => Step::Interrupted,

@@ -12,7 +12,7 @@ use rayon::prelude::*;
 use super::lamps::Seen;
 use super::{Context, FinalGather};
 use crate::hierarchy::Hierarchy;
-use crate::random::{fraction, mix};
+use crate::random::{even_point, mix};
 
 /// Points looked at.
 pub const POINTS: usize = 2048;
@@ -20,8 +20,6 @@ pub const POINTS: usize = 2048;
 const RAYS: f64 = 0.8;
 /// Rays that must meet backs before a point is believed to be hidden.
 const DARK_RAYS: u32 = 32;
-/// Steps of the two-dimensional sequence of the plastic number (Roberts), as 32-bit fractions.
-const STEPS: [u32; 2] = [3_242_174_889, 2_447_445_414];
 
 /// What points found so far.
 #[derive(Clone, Copy, Debug, Default)]
@@ -107,9 +105,7 @@ impl FinalGather {
         (start, index): (u64, usize),
         cut: &mut Vec<Seen>,
     ) -> Tally {
-        let from = [start as u32, (start >> 32) as u32];
-        let [u, v] =
-            [0, 1].map(|axis: usize| fraction(from[axis].wrapping_add(STEPS[axis].wrapping_mul(index as u32))));
+        let [u, v] = even_point(start, index as u32);
         let leaf = shares.partition_point(|share| *share <= f64::from(u)).min(shares.len() - 1);
         let before = if leaf > 0 { shares[leaf - 1] } else { 0.0 };
         let share = shares[leaf] - before;

@@ -10,7 +10,7 @@ use glam::Vec3;
 use super::super::form_factor::point_to_polygon;
 use crate::exposure::quarter;
 use crate::hierarchy::{ElementId, Hierarchy, PatchSums, Shape, SurfacePoint, point_on_polygon};
-use crate::random::{fraction, mix};
+use crate::random::{even_point, fraction, mix};
 use crate::visibility::Occluders;
 
 /// A cluster of lamps this small, as a share of its distance, is one lamp: a ray to a random point of it tells as much as a ray to one
@@ -21,9 +21,6 @@ const SMALL: f32 = 0.1;
 const NEAR: f32 = 0.7;
 /// It is cut into quarters so many times at most.
 const MOST_CUTS: u32 = 4;
-
-/// Steps of the two-dimensional sequence of the plastic number (Roberts), as 32-bit fractions.
-const STEPS: [u32; 2] = [3_242_174_889, 2_447_445_414];
 
 /// What the lamps of a scene send.
 pub struct Sent {
@@ -193,11 +190,9 @@ impl Lamps<'_> {
     /// Casts rays to a lamp.
     fn look(&self, seen: &Seen, point: Vec3, normal: Vec3, count: u32, seed: u64) -> Found {
         let start = mix(seed, 2);
-        let start = [start as u32, (start >> 32) as u32];
         let mut found = Found::default();
         for index in 0..count {
-            let coordinate = |axis: usize| fraction(start[axis].wrapping_add(STEPS[axis].wrapping_mul(index)));
-            let [u, v] = [0, 1].map(coordinate);
+            let [u, v] = even_point(start, index);
             let target = match seen.lamp {
                 Lamp::Cluster(id) => self.hierarchy.point_on_by(&self.sent.powers, id, u, v),
                 Lamp::Part { polygon, corners, count, normal, .. } => {

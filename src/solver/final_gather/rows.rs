@@ -11,7 +11,7 @@ use super::super::display::Display;
 use super::stance::Stance;
 use crate::hierarchy::{ElementId, Hierarchy};
 use crate::orient::bright_side;
-use crate::random::{cosine_direction, fraction, mix};
+use crate::random::{cosine_direction, even_point, fraction, mix};
 use crate::visibility::Occluders;
 
 /// Rays start this share of the scene's diagonal off their surface.
@@ -20,8 +20,6 @@ const RELATIVE_OFFSET: f32 = 1e-5;
 const HIDDEN: f32 = 0.9;
 /// Memory that rows may take, bytes.
 const MOST_BYTES: usize = 1 << 29;
-/// Steps of the two-dimensional sequence of the plastic number (Roberts), as 32-bit fractions.
-const STEPS: [u32; 2] = [3_242_174_889, 2_447_445_414];
 
 /// Where a ray ended.
 #[derive(Clone, Copy, Debug)]
@@ -194,12 +192,12 @@ impl Hit {
 impl Surroundings<'_> {
     /// Rays number `done..done + count` of a vertex, and how many of them met backs.
     fn look(&self, vertex: usize, done: u32, count: u32) -> (Vec<Hit>, u32) {
-        let start = mix(mix(self.seed, 0x6761_7468_6572), position_hash(self.display, vertex));
-        let start = [start as u32, (start >> 32) as u32];
+        let seed = mix(mix(self.seed, 0x6761_7468_6572), position_hash(self.display, vertex));
+        let start = [seed as u32, (seed >> 32) as u32];
         let mut backs = 0;
         let stances = &self.stances[vertex];
         let hits = (done..done + count).map(|index| {
-            let [u, v] = [0, 1].map(|axis| fraction(start[axis].wrapping_add(STEPS[axis].wrapping_mul(index))));
+            let [u, v] = even_point(seed, index);
             // Every ray counts alike, so the stances take their turns by their weights.
             let pick = fraction((start[0] ^ start[1]).wrapping_add(2_654_435_769_u32.wrapping_mul(index)));
             let mut rest = pick;
@@ -216,10 +214,9 @@ impl Surroundings<'_> {
 
     /// Irradiance at a point of what the vertices reflect (W/m²), by so many rays.
     pub fn light_at(&self, point: Vec3, normal: Vec3, seed: u64, rays: u32, reflected: &[Vec3]) -> Vec3 {
-        let start = [seed as u32, (seed >> 32) as u32];
         let origin = point + RELATIVE_OFFSET * self.diagonal * normal;
         let light = |index: u32| {
-            let [u, v] = [0, 1].map(|axis| fraction(start[axis].wrapping_add(STEPS[axis].wrapping_mul(index))));
+            let [u, v] = even_point(seed, index);
             self.follow(origin, cosine_direction(normal, u, v), &mut 0).light(self.display, reflected)
         };
         (0..rays).map(light).sum::<Vec3>() / rays.max(1) as f32

@@ -7,7 +7,7 @@ use super::lamps::{Lamps, Seen};
 use super::{Context, FinalGather};
 use crate::exposure::Darkness;
 use crate::hierarchy::{ElementId, Hierarchy};
-use crate::random::{fraction, mix};
+use crate::random::{even_point, mix};
 
 /// Random points per leaf: on average and at most. Large bright leaves get more.
 const POINTS: f64 = 1.5;
@@ -22,8 +22,6 @@ const THINNEST: f32 = 5e-4;
 const DARK_RAYS: u32 = 16;
 /// Share of (ρ·ΔE)² in the middle of a leaf that is its error, since the middle is a vertex itself.
 const INDIRECT: f64 = 0.15;
-/// Steps of the two-dimensional sequence of the plastic number (Roberts), as 32-bit fractions.
-const STEPS: [u32; 2] = [3_242_174_889, 2_447_445_414];
 
 /// What became of a look at the mesh.
 pub struct Look {
@@ -58,11 +56,9 @@ impl FinalGather {
             let reflectance = context.surfaces[of.polygon as usize].reflectance;
             let key = hierarchy.element(of.element).key;
             let start = mix(mix(context.seed, 0x0073_706c_6974), key);
-            let start = [start as u32, (start >> 32) as u32];
             let (mut sum, mut rays, mut found) = (0.0, 0, 0);
             for index in 0..count {
-                let [u, v] =
-                    [0, 1].map(|axis: usize| fraction(start[axis].wrapping_add(STEPS[axis].wrapping_mul(index))));
+                let [u, v] = even_point(start, index);
                 let point = hierarchy.point_on(of.element, u, v);
                 let seed = mix(mix(key, context.seed), u64::from(index));
                 let Some(shown) = self.direct_shown(hierarchy, of.element, point.position) else { continue };
