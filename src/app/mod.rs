@@ -5,6 +5,7 @@
 //! Imports everything below it; only `main` knows this module.
 
 mod comparison;
+mod dock;
 mod files;
 mod launch;
 mod messages;
@@ -77,6 +78,8 @@ pub struct App {
     picked: Option<PickedElement>,
     time_left: TimeLeft,
     comparison: Comparison,
+    /// The tool that the dock shows.
+    tool: Option<dock::Tool>,
     wake: Wake,
     clock: Clock,
     drawing_failures: Receiver<String>,
@@ -133,6 +136,7 @@ impl App {
             picked: None,
             time_left: TimeLeft::default(),
             comparison: Comparison::default(),
+            tool: None,
             wake,
             clock: Clock::default(),
             drawing_failures,
@@ -277,6 +281,8 @@ impl eframe::App for App {
             }
         }
         panels::show_sides(self, ui, &mut outbox);
+        egui::Panel::top("tools").show(ui, |ui| dock::show_bar(self, ui));
+        dock::show(self, ui, &mut outbox);
         egui::CentralPanel::no_frame().show(ui, |ui| {
             ui.spacing_mut().item_spacing.y = 0.0;
             self.messages.show(ui);

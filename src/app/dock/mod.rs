@@ -1,0 +1,76 @@
+//! The dock at the right: tools that look into the solution, one at a time; closed until somebody asks for one.
+//!
+//! A bar above the view opens and closes them.
+
+use egui::{RichText, ScrollArea, Ui};
+use serde::{Deserialize, Serialize};
+
+use super::{App, Outbox, theme};
+
+/// A tool of the dock.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub(super) enum Tool {
+    /// What an element is, what lights it and what it lights.
+    Inspector,
+    /// All links as blocks, receivers by sources.
+    Matrix,
+    /// The tree of clusters, and groups made by hand.
+    Clusters,
+    /// Irradiance at points.
+    Measure,
+    /// Two solutions side by side.
+    Compare,
+    /// What can be taken along.
+    Export,
+}
+
+/// Every tool with its name on the bar and what it is for, in the bar's order.
+const TOOLS: [(Tool, &str, &str); 6] = [
+    (Tool::Inspector, "Inspector", "What an element is, what lights it and what it lights"),
+    (Tool::Matrix, "Link matrix", "All links as blocks: receivers by sources"),
+    (Tool::Clusters, "Clusters", "The tree of clusters, and groups made by hand"),
+    (Tool::Measure, "Measure", "Irradiance and illuminance at points and on a work plane"),
+    (Tool::Compare, "Compare", "Two solutions side by side"),
+    (Tool::Export, "Export", "Pictures, meshes, links and numbers to take along"),
+];
+
+/// Widths that the dock may be given, points.
+const WIDTHS: std::ops::RangeInclusive<f32> = 300.0..=900.0;
+const FIRST_WIDTH: f32 = 380.0;
+
+/// The bar above the view: a switch for each tool.
+pub(super) fn show_bar(app: &mut App, ui: &mut Ui) {
+    ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+        for (tool, name, hint) in TOOLS.iter().rev() {
+            let is_open = app.tool == Some(*tool);
+            if ui.selectable_label(is_open, *name).on_hover_text(*hint).clicked() {
+                app.tool = (!is_open).then_some(*tool);
+            }
+        }
+    });
+}
+
+/// The open tool, if one is.
+pub(super) fn show(app: &mut App, ui: &mut Ui, _outbox: &mut Outbox) {
+    let Some(open) = app.tool else { return };
+    let Some((_, name, hint)) = TOOLS.iter().find(|(tool, ..)| *tool == open) else { return };
+    egui::Panel::right("dock").default_size(FIRST_WIDTH).size_range(WIDTHS).show(ui, |ui| {
+        ui.horizontal(|ui| {
+            ui.label(RichText::new(*name).strong().size(14.0).color(theme::TEXT_STRONG)).on_hover_text(*hint);
+            ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+                if ui.button("Close tool").clicked() {
+                    app.tool = None;
+                }
+            });
+        });
+        ui.separator();
+        ScrollArea::vertical().auto_shrink([false, false]).show(ui, |_ui| match open {
+            Tool::Inspector => {}
+            Tool::Matrix => {}
+            Tool::Clusters => {}
+            Tool::Measure => {}
+            Tool::Compare => {}
+            Tool::Export => {}
+        });
+    });
+}
