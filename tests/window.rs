@@ -168,11 +168,9 @@ fn overlays_and_a_picked_element_are_shown() {
     window.drag_at(centre);
     window.drop_at(centre);
     until(&mut window, "its links", |window| {
-        window.state().snapshot().is_some_and(|snapshot| snapshot.inspected.is_some())
+        window.state().snapshot().is_some_and(|snapshot| snapshot.anatomy.is_some())
     });
     assert!(window.query_by_label("Picked element").is_some());
-    let inspected = window.state().snapshot().and_then(|snapshot| snapshot.inspected.clone()).expect("links");
-    assert!(!inspected.links.is_empty(), "the back wall is lit by something");
     assert!(window.query_by_label_contains("of it and of all that holds it").is_some());
     click(&mut window, "Close");
     until(&mut window, "letting go", |window| window.query_by_label("Picked element").is_none());
