@@ -6,7 +6,7 @@ use super::{App, format, theme};
 use crate::solver::{MomentInfo, MomentKind};
 
 /// Height of the bar, points.
-const HEIGHT: f32 = 26.0;
+const HEIGHT: f32 = 30.0;
 /// Room for the words at the right, points.
 const WORDS: f32 = 318.0;
 /// Half the height of a tick, points, by what ended with it.
@@ -26,11 +26,10 @@ pub(super) fn show(app: &mut App, ui: &mut Ui) {
     egui::Panel::bottom("timeline").exact_size(HEIGHT).show(ui, |ui| {
         ui.horizontal_centered(|ui| {
             let (label, hint) = match app.looking.is_playing() {
-                true => ("⏸", "Stop playing"),
-                false => ("▶", "Play the refinement from the root's self-link, step by step"),
+                true => ("Stop", "Stop playing"),
+                false => ("Play", "Play the refinement from the root's self-link, step by step"),
             };
             let play = ui.button(label).on_hover_text(hint);
-            play.widget_info(|| egui::WidgetInfo::labeled(egui::accesskit::Role::Button, true, "Play the steps"));
             if play.clicked() {
                 app.looking.play_or_stop(now);
             }
@@ -41,7 +40,7 @@ pub(super) fn show(app: &mut App, ui: &mut Ui) {
             }
             ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
                 let at = app.looking.moment.unwrap_or(moments.len() - 1).min(moments.len() - 1);
-                ui.allocate_ui_with_layout(vec2(WORDS, HEIGHT), Layout::left_to_right(Align::Center), |ui| {
+                ui.allocate_ui_with_layout(vec2(WORDS, 20.0), Layout::left_to_right(Align::Center), |ui| {
                     ui.set_width(WORDS);
                     ui.add(egui::Label::new(theme::value(in_words(&moments, at))).truncate());
                 });
@@ -68,7 +67,7 @@ fn in_words(moments: &[MomentInfo], at: usize) -> String {
 
 /// The ticks, with the present one marked; a click or drag chooses another: the last one is the present.
 fn track(ui: &mut Ui, moments: &[MomentInfo], shown: Option<usize>) -> Option<Option<usize>> {
-    let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), HEIGHT - 6.0), Sense::click_and_drag());
+    let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), 20.0), Sense::click_and_drag());
     let last = moments.len() - 1;
     response.widget_info(|| {
         let at = shown.unwrap_or(last) as f64 + 1.0;
