@@ -4,6 +4,7 @@
 //! Vulkan serves.
 #![cfg(feature = "gui")]
 
+mod gallery;
 mod panels;
 mod support;
 mod timeline;
