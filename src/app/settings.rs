@@ -48,7 +48,7 @@ impl DisplaySettings {
             true => Exposure::Auto { stops: self.auto_stops },
             false => Exposure::Manual { stops: self.manual_stops },
         };
-        Display { exposure, as_colours: false }
+        Display { exposure, as_colours: false, reading: None }
     }
 
     /// As the renderer wants it; cluster levels beyond the deepest show the deepest. A scene without light would be

@@ -7,10 +7,14 @@
 mod accuracy;
 mod chart;
 mod job;
+#[cfg(feature = "gui")]
+mod legend;
 mod options;
 mod output;
 mod probe;
 mod progress;
+#[cfg(feature = "gui")]
+mod reading;
 mod reference;
 #[cfg(feature = "gui")]
 mod render;

@@ -47,8 +47,7 @@ pub fn run(matches: &ArgMatches) -> anyhow::Result<()> {
     let job = order.load()?;
     let solution = job.solve()?;
     let snapshot = &solution.snapshot;
-    let irradiance = solution.solver.vertex_irradiance();
-    let probe = Probe::new(&snapshot.mesh, &irradiance, &snapshot.vertex_radiosity);
+    let probe = Probe::new(&snapshot.mesh, &snapshot.vertex_irradiance, &snapshot.vertex_radiosity);
     let samples: Vec<Option<Sample>> = rows.iter().map(|row| probe.at(row.point, row.normal)).collect();
     file.write(|writer| {
         writeln!(writer, "{COLUMNS},{ADDED}")?;
