@@ -134,6 +134,7 @@ pub mod reference;
 pub mod render;
 pub mod scene;
 pub mod solver;
+pub mod survey;
 pub mod tables;
 pub mod visibility;
 pub mod worker;

@@ -20,14 +20,8 @@ const SIZE: u32 = 201;
 /// A square of side 2 that fills the picture: E grows evenly from 1 W/m² at the left to 3 at the right, B is a tenth of it.
 fn slope() -> Snapshot {
     let corners = [[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [1.0, 1.0, 0.0], [-1.0, 1.0, 0.0]];
-    let leaf = Leaf {
-        element: ElementId(1),
-        polygon: 0,
-        material: MaterialId(0),
-        area: 4.0,
-        exposed_area: 4.0,
-        level: 0,
-    };
+    let leaf =
+        Leaf { element: ElementId(1), polygon: 0, material: MaterialId(0), area: 4.0, exposed_area: 4.0, level: 0 };
     let irradiance = [1.0, 3.0, 3.0, 1.0];
     Snapshot {
         generation: 1,

@@ -13,7 +13,7 @@ use selflink::render::Reading;
 
 /// Sizes for a picture of 800 lines; larger ones have larger legends.
 const USUAL_HEIGHT: f32 = 800.0;
-const CARD: [f32; 2] = [380.0, 78.0];
+const CARD: [f32; 2] = [380.0, 88.0];
 const MARGIN: f32 = 12.0;
 const BAR: [f32; 2] = [340.0, 14.0];
 
@@ -78,9 +78,9 @@ fn write(
         area.draw(&Text::new(text.to_owned(), (x, (y * scale) as i32), style)).map_err(|error| failed(&error))
     };
     let left = (20.0 * scale) as i32;
-    say(&reading.title(unit), (left, 7.0), style(15.0, &TEXT, HPos::Left))?;
+    say(&reading.title(unit), (left, 7.0), style(16.0, &TEXT, HPos::Left))?;
     let remark = if unit == Unit::Lumens { FORMULA } else { "weighted by the eye" };
-    say(remark, (width as i32 - left, 9.0), style(11.5, &WEAK, HPos::Right))?;
+    say(remark, (left, 68.0), style(12.0, &WEAK, HPos::Left))?;
     let mut free_from = 0;
     for (place, label) in labels {
         let (text_width, _) =

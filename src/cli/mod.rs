@@ -23,6 +23,7 @@ mod scene;
 mod solve;
 mod tables;
 mod window;
+mod work_plane;
 
 use std::process::ExitCode;
 use std::time::Instant;

@@ -33,7 +33,6 @@ pub fn with_options(command: Command) -> Command {
             .value_name("V,V,…")
             .num_args(0..=1)
             .default_missing_value("")
-            .allow_hyphen_values(true)
             .help(format!("Draw lines of equal value, {MOST_ISOLINES} at most [default: at round values]; over the lit picture, those of E")),
         Arg::new("no-legend").long("no-legend").action(ArgAction::SetTrue).help("Leave the legend out of the picture"),
     ];

@@ -68,7 +68,8 @@ impl ReadingUniform {
         let with = |[r, g, b]: [f32; 3], value: f32| [r, g, b, value];
         let mut lines = [[0.0; 4]; MOST_ISOLINES];
         for (line, &value) in lines.iter_mut().zip(isolines.values()) {
-            *line = with(encoded(if *fills { contrast(scale.colour(value)) } else { scale.colour(value) }), value);
+            let colour = scale.colour(value);
+            *line = with(encoded(if *fills { contrast(colour) } else { paler(colour) }), value);
         }
         Self {
             ends: scale.ends(),
@@ -80,6 +81,11 @@ impl ReadingUniform {
             stops: scale.ramp.stops().map(|stop| with(encoded(stop), 1.0)),
         }
     }
+}
+
+/// A colour that can be seen on lit surfaces, dark ones too.
+fn paler(colour: [u8; 3]) -> [u8; 3] {
+    colour.map(|channel| channel + (255 - channel) / 3)
 }
 
 /// What can be seen on a colour.
