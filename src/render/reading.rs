@@ -108,6 +108,12 @@ impl ColourScale {
         Self { low: low / unit.per_watt(), high: high / unit.per_watt(), spacing, ramp }
     }
 
+    /// The same up to a round number in lx, from nothing.
+    pub fn rounded(self) -> Self {
+        let per_watt = Unit::Lumens.per_watt();
+        Self { high: round_up(per_watt * self.high) / per_watt, ..self }
+    }
+
     /// Round values inside the range, its ends among them where they are round, W/m².
     pub fn ticks(&self, unit: Unit) -> Vec<f32> {
         let (low, high) = (unit.per_watt() * self.low, unit.per_watt() * self.high);

@@ -69,7 +69,7 @@ pub struct Report {
 
 enum Ask {
     Light(Arc<Scene>, Arc<Snapshot>),
-    Look(Ray),
+    Look(Option<Ray>),
     Probe(Vec<(Vec3, Vec3)>),
     Measure(WorkPlane),
     ForgetPlane,
@@ -115,8 +115,8 @@ impl Surveyor {
         self.ask(Ask::Light(scene, snapshot));
     }
 
-    /// Asks what a ray meets.
-    pub fn look(&self, ray: Ray) {
+    /// Asks what a ray meets, now and in each new light until another is asked for.
+    pub fn look(&self, ray: Option<Ray>) {
         self.ask(Ask::Look(ray));
     }
 
@@ -196,7 +196,7 @@ impl Session {
                         self.light = Some((scene, snapshot));
                         self.has_new_light = true;
                     }
-                    Ask::Look(ray) => self.look = Some(ray),
+                    Ask::Look(ray) => self.look = ray,
                     Ask::Probe(places) => {
                         self.probes = places;
                         self.has_new_light = true;
@@ -332,7 +332,7 @@ impl Session {
         let mut has_moved = false;
         for ask in self.asks.try_iter() {
             match ask {
-                Ask::Look(ray) => (self.look, has_moved) = (Some(ray), true),
+                Ask::Look(ray) => (self.look, has_moved) = (ray, true),
                 other => self.deferred.push(other),
             }
         }
