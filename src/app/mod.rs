@@ -9,10 +9,14 @@ mod dock;
 mod files;
 mod launch;
 mod looking;
+mod measure_marks;
+mod measuring;
 mod messages;
 mod paint;
 mod panels;
 mod picked;
+mod readings;
+mod save_dialog;
 mod settings;
 mod sources;
 mod theme;
@@ -32,13 +36,15 @@ use crate::added_light::AddedLight;
 use crate::format;
 use crate::scene::Source;
 use crate::solver::{Snapshot, SolverParams};
-use crate::worker::{Command, Event, SceneInfo, SolverThread, Status};
+use crate::worker::{Command, Event, RunState, SceneInfo, SolverThread, Status};
 use comparison::Comparison;
 use files::Files;
 use looking::Looking;
+use measuring::Measuring;
 use messages::Messages;
 use panels::light::LampEditor;
 use picked::PickedElement;
+use readings::ReadingInView;
 use settings::DisplaySettings;
 use time_left::{Clock, TimeLeft};
 use viewport::Viewport;
@@ -77,6 +83,8 @@ pub struct App {
     files: Files,
     lamp: LampEditor,
     display: DisplaySettings,
+    reading: ReadingInView,
+    measuring: Measuring,
     view: Viewport,
     picked: Option<PickedElement>,
     time_left: TimeLeft,
@@ -136,6 +144,8 @@ impl App {
             files: Files::new(recent),
             lamp: LampEditor::default(),
             display,
+            reading: ReadingInView::default(),
+            measuring: Measuring::default(),
             view: Viewport::default(),
             picked: None,
             time_left: TimeLeft::default(),
@@ -194,6 +204,7 @@ impl App {
             self.follow_picked(&latest);
             self.shown.snapshot = Some(latest);
         }
+        self.follow_measuring();
     }
 
     /// Finds the picked element in a newer snapshot.
@@ -204,6 +215,14 @@ impl App {
             return;
         }
         picked.note_sources(latest, &info.scene);
+    }
+
+    /// Shows the surveyor what is in view, and takes up what it found.
+    fn follow_measuring(&mut self) {
+        if let (Some(snapshot), Some(info)) = (&self.shown.snapshot, &self.shown.info) {
+            let is_settled = matches!(self.shown.status.run, RunState::Finished | RunState::Paused);
+            self.measuring.note(&info.scene, snapshot, is_settled);
+        }
     }
 
     fn take_up(&mut self, event: Event) {
@@ -244,6 +263,7 @@ impl App {
             self.view.start_with(&info.scene);
             self.picked = None;
             self.lamp = LampEditor::for_scene(&info.scene);
+            self.measuring.start_with(&info.scene);
             // A correction made for another scene's light would make this one black or white.
             self.display.auto_stops = 0.0;
         }
@@ -257,6 +277,13 @@ impl App {
 
     fn pick(&mut self, clicked: viewport::Clicked) {
         let (Some(snapshot), Some(info)) = (&self.shown.snapshot, &self.shown.info) else { return };
+        if self.tool == Some(dock::Tool::Measure) && self.measuring.places_probes {
+            if let Some(found) = PickedElement::at(snapshot, clicked.origin, clicked.direction) {
+                let polygon = &info.scene.polygons[found.leaf.polygon as usize];
+                self.measuring.place(found.point, info.scene.normal(polygon), &self.wake);
+            }
+            return;
+        }
         self.picked = PickedElement::at(snapshot, clicked.origin, clicked.direction);
         if let Some(picked) = self.picked.as_mut() {
             picked.note_sources(snapshot, &info.scene);

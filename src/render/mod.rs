@@ -15,6 +15,8 @@ mod overlay;
 mod pick;
 mod pipelines;
 mod ramp;
+mod reading;
+mod reading_settings;
 mod renderer;
 mod target;
 
@@ -23,7 +25,9 @@ pub use display::{Display, Exposure, auto_exposure, encode_gamma, tone_curve};
 pub use offscreen::Offscreen;
 pub use overlay::{Line, Marks, Overlay, USUAL_LINKS, link_marks, power_colour};
 pub use pick::{Picked, pick};
-pub use ramp::{BLUE_WHITE_RED, VIRIDIS, along_ramp};
+pub use ramp::{BLUE_WHITE_RED, CIVIDIS, Ramp, VIRIDIS, along_ramp};
+pub use reading::{ColourScale, Isolines, MOST_ISOLINES, Reading, Spacing};
+pub use reading_settings::{IsolinesWanted, Mark, ReadingSettings, Show};
 pub use renderer::{Frame, SceneRenderer, sample_count};
 
 #[cfg(doc)]

@@ -6,5 +6,6 @@
 
 mod gallery;
 mod panels;
+mod readings;
 mod support;
 mod timeline;

@@ -2,6 +2,9 @@
 //!
 //! A bar above the view opens and closes them.
 
+mod measure;
+mod readout;
+
 use egui::{RichText, ScrollArea, Ui};
 use serde::{Deserialize, Serialize};
 
@@ -54,6 +57,7 @@ pub(super) fn show_bar(app: &mut App, ui: &mut Ui) {
                 app.tool = (!is_open).then_some(*tool);
             }
         }
+        ui.with_layout(egui::Layout::left_to_right(egui::Align::Center), |ui| readout::show(app, ui));
     });
 }
 
@@ -71,11 +75,11 @@ pub(super) fn show(app: &mut App, ui: &mut Ui, _outbox: &mut Outbox) {
             });
         });
         ui.separator();
-        ScrollArea::vertical().auto_shrink([false, false]).show(ui, |_ui| match open {
+        ScrollArea::vertical().auto_shrink([false, false]).show(ui, |ui| match open {
             Tool::Inspector => {}
             Tool::Matrix => {}
             Tool::Clusters => {}
-            Tool::Measure => {}
+            Tool::Measure => measure::show(ui, &app.shown, &mut app.measuring, &mut app.messages, &app.wake),
             Tool::Compare => {}
             Tool::Export => {}
         });
