@@ -4,6 +4,7 @@
 //! write commands into an outbox, and sends them. Panels see only what they are given, so none of them can wait for the solver.
 //! Imports everything below it; only `main` knows this module.
 
+mod appearance;
 mod comparison;
 mod dock;
 mod files;
@@ -12,6 +13,7 @@ mod messages;
 mod paint;
 mod panels;
 mod picked;
+mod session;
 mod settings;
 mod sources;
 mod theme;
@@ -31,11 +33,13 @@ use crate::format;
 use crate::scene::Source;
 use crate::solver::{Snapshot, SolverParams};
 use crate::worker::{Command, Event, SceneInfo, SolverThread, Status};
+use appearance::Appearance;
 use comparison::Comparison;
 use files::Files;
 use messages::Messages;
 use panels::light::LampEditor;
 use picked::PickedElement;
+use session::Opened;
 use settings::DisplaySettings;
 use time_left::{Clock, TimeLeft};
 use viewport::Viewport;
@@ -75,6 +79,9 @@ pub struct App {
     lamp: LampEditor,
     display: DisplaySettings,
     view: Viewport,
+    appearance: Appearance,
+    /// Where the scene in view came from.
+    opened: Opened,
     picked: Option<PickedElement>,
     time_left: TimeLeft,
     comparison: Comparison,
@@ -101,7 +108,7 @@ impl App {
         opening: Option<(Source, AddedLight)>,
         params: SolverParams,
     ) -> Result<Self, AppError> {
-        theme::apply(&cc.egui_ctx);
+        let appearance = Appearance::restore(&cc.egui_ctx, cc.storage);
         let render_state = cc.wgpu_render_state.as_ref().ok_or(AppError::NoDevice)?;
         let (failures, drawing_failures) = channel();
         paint::install(render_state, failures, cc.egui_ctx.clone());
@@ -116,7 +123,9 @@ impl App {
         });
         let of_worker = wake.clone();
         let worker = SolverThread::spawn(params, Box::new(move || of_worker()))?;
+        let mut opened = Opened::default();
         if let Some((source, light)) = opening {
+            opened.ask(&source, &light);
             worker.send(Command::Load(source, light));
         }
         let stored = |key| cc.storage.map(|storage| (storage, key));
@@ -133,6 +142,8 @@ impl App {
             lamp: LampEditor::default(),
             display,
             view: Viewport::default(),
+            appearance,
+            opened,
             picked: None,
             time_left: TimeLeft::default(),
             comparison: Comparison::default(),
@@ -209,6 +220,7 @@ impl App {
                 if let Some(path) = &info.path {
                     self.files.note_opened(path);
                 }
+                self.opened.note(&info);
                 self.messages.forget_errors();
                 self.incoming = Some(Incoming { info, is_new: true });
             }
@@ -238,7 +250,7 @@ impl App {
         if is_new {
             let title = format!("{} – Selflink", info.scene.name);
             ctx.send_viewport_cmd(egui::ViewportCommand::Title(title));
-            self.view.start_with(&info.scene);
+            self.view.start_with(&info.scene, self.opened.camera.take());
             self.picked = None;
             self.lamp = LampEditor::for_scene(&info.scene);
             // A correction made for another scene's light would make this one black or white.
@@ -269,6 +281,7 @@ impl App {
 impl eframe::App for App {
     fn logic(&mut self, ctx: &egui::Context, _frame: &mut eframe::Frame) {
         self.take_up_news(ctx);
+        self.appearance.follow(ctx);
     }
 
     fn ui(&mut self, ui: &mut egui::Ui, _frame: &mut eframe::Frame) {
@@ -292,6 +305,11 @@ impl eframe::App for App {
             }
         });
         for command in outbox {
+            if let Command::Load(source, light) = &command {
+                self.opened.ask(source, light);
+                // What was kept for the first scene is none of another one's.
+                self.opened.camera = None;
+            }
             self.worker.send(command);
         }
     }
@@ -299,5 +317,7 @@ impl eframe::App for App {
     fn save(&mut self, storage: &mut dyn eframe::Storage) {
         eframe::set_value(storage, RECENT_KEY, &self.files.recent());
         eframe::set_value(storage, DISPLAY_KEY, &self.display);
+        self.appearance.keep(storage);
+        self.keep_session(storage);
     }
 }

@@ -33,7 +33,6 @@ const VALUE_WIDTH: f32 = 84.0;
 
 /// Gives a context this theme.
 pub(super) fn apply(ctx: &egui::Context) {
-    ctx.set_theme(egui::Theme::Dark);
     ctx.all_styles_mut(|style| {
         let visuals = &mut style.visuals;
         *visuals = egui::Visuals::dark();

@@ -25,12 +25,14 @@ pub(super) struct Viewport {
     camera: Option<Camera>,
     bounds: (Vec3, Vec3),
     start: Option<CameraPose>,
+    /// The first view, where it is not that of the start.
+    first: Option<CameraPose>,
     rect: Rect,
 }
 
 impl Default for Viewport {
     fn default() -> Self {
-        Self { camera: None, bounds: (Vec3::ZERO, Vec3::ZERO), start: None, rect: Rect::ZERO }
+        Self { camera: None, bounds: (Vec3::ZERO, Vec3::ZERO), start: None, first: None, rect: Rect::ZERO }
     }
 }
 
@@ -42,8 +44,9 @@ pub(super) struct Clicked {
 }
 
 impl Viewport {
-    /// Looks at a new scene, from its own camera where it has one.
-    pub(super) fn start_with(&mut self, scene: &Scene) {
+    /// Looks at a new scene, from `first` or from its own camera where it has one.
+    pub(super) fn start_with(&mut self, scene: &Scene, first: Option<CameraPose>) {
+        self.first = first;
         self.bounds = scene.bounds();
         self.start = scene.camera;
         // Made when the view's aspect is known.
@@ -76,6 +79,13 @@ impl Viewport {
         match &self.start {
             Some(pose) => Camera::from_pose(pose, self.aspect(), self.bounds),
             None => Camera::frame(self.bounds, self.aspect()),
+        }
+    }
+
+    fn first_camera(&mut self) -> Camera {
+        match self.first.take() {
+            Some(pose) => Camera::from_pose(&pose, self.aspect(), self.bounds),
+            None => self.start_camera(),
         }
     }
 
@@ -154,7 +164,7 @@ pub(super) fn show(app: &mut App, ui: &mut Ui, outbox: &mut Outbox) -> Option<Cl
         return None;
     };
     if app.view.camera.is_none() {
-        app.view.camera = Some(app.view.start_camera());
+        app.view.camera = Some(app.view.first_camera());
     }
     if response.clicked() || response.drag_started() {
         response.request_focus();

@@ -14,17 +14,20 @@ mod offscreen;
 mod overlay;
 mod pick;
 mod pipelines;
+mod radiosities;
 mod ramp;
 mod renderer;
 mod target;
 
 pub use camera::Camera;
-pub use display::{Display, Exposure, auto_exposure, encode_gamma, tone_curve};
+pub use display::Display;
 pub use offscreen::Offscreen;
 pub use overlay::{LinkFilter, Overlay, power_colour};
 pub use pick::{Picked, pick};
 pub use ramp::{BLUE_WHITE_RED, VIRIDIS, along_ramp};
 pub use renderer::{Frame, SceneRenderer, sample_count};
+
+pub use crate::tone::{Exposure, auto_exposure, encode_gamma, tone_curve};
 
 #[cfg(doc)]
 use crate::solver::snapshot::Snapshot;

@@ -51,7 +51,7 @@ fn mesh_fragment(in: MeshVarying) -> @location(0) vec4f {
     return vec4f(encode_gamma(tone_curve(view.exposure * max(in.radiosity, vec3f(0.0)))), 1.0);
 }
 
-// The same formulas as `tone_curve` and `encode_gamma` in display.rs, which say where they come from.
+// The same formulas as `tone_curve` and `encode_gamma` in tone.rs, which say where they come from.
 
 fn tone_curve(exposed: vec3f) -> vec3f {
     // Far beyond white the curve is flat, and its square must stay finite.

@@ -399,6 +399,11 @@ impl Solver {
         &self.light.radiosity
     }
 
+    /// The part of B that each element emits, B_e, W/m², parallel to the hierarchy's arena.
+    pub fn emitted_radiosity(&self) -> &[Vec3] {
+        &self.light.emitted
+    }
+
     /// Irradiance E of each leaf, W/m², parallel to the hierarchy's arena.
     pub fn irradiance(&self) -> &[Vec3] {
         &self.light.irradiance
