@@ -9,6 +9,7 @@ mod comparison;
 mod dock;
 mod files;
 mod launch;
+mod looking;
 mod messages;
 mod paint;
 mod panels;
@@ -18,6 +19,7 @@ mod settings;
 mod sources;
 mod theme;
 mod time_left;
+mod timeline;
 mod viewport;
 
 use std::sync::Arc;
@@ -36,6 +38,7 @@ use crate::worker::{Command, Event, SceneInfo, SolverThread, Status};
 use appearance::Appearance;
 use comparison::Comparison;
 use files::Files;
+use looking::Looking;
 use messages::Messages;
 use panels::light::LampEditor;
 use picked::PickedElement;
@@ -87,6 +90,7 @@ pub struct App {
     comparison: Comparison,
     /// The tool that the dock shows.
     tool: Option<dock::Tool>,
+    looking: Looking,
     wake: Wake,
     clock: Clock,
     drawing_failures: Receiver<String>,
@@ -148,6 +152,7 @@ impl App {
             time_left: TimeLeft::default(),
             comparison: Comparison::default(),
             tool: None,
+            looking: Looking::default(),
             wake,
             clock: Clock::default(),
             drawing_failures,
@@ -196,12 +201,13 @@ impl App {
         if is_newer {
             self.time_left.note(&latest.stats);
             self.clock.note(self.shown.status.run, true);
+            self.looking.follow(&latest);
             self.follow_picked(&latest);
             self.shown.snapshot = Some(latest);
         }
     }
 
-    /// Finds the picked element in a newer snapshot, and asks for its links where the snapshot has none.
+    /// Finds the picked element in a newer snapshot.
     fn follow_picked(&mut self, latest: &Snapshot) {
         let (Some(picked), Some(info)) = (self.picked.as_mut(), &self.shown.info) else { return };
         if !picked.follow(latest) {
@@ -209,9 +215,6 @@ impl App {
             return;
         }
         picked.note_sources(latest, &info.scene);
-        if picked.has_to_ask(latest) {
-            self.worker.send(Command::Inspect(Some(picked.element)));
-        }
     }
 
     fn take_up(&mut self, event: Event) {
@@ -264,12 +267,11 @@ impl App {
         outbox.extend(dropped.map(|path| Command::load(Source::File(path))));
     }
 
-    fn pick(&mut self, clicked: viewport::Clicked, outbox: &mut Outbox) {
+    fn pick(&mut self, clicked: viewport::Clicked) {
         let (Some(snapshot), Some(info)) = (&self.shown.snapshot, &self.shown.info) else { return };
         self.picked = PickedElement::at(snapshot, clicked.origin, clicked.direction);
-        outbox.push(Command::Inspect(self.picked.as_ref().map(|picked| picked.element)));
         if let Some(picked) = self.picked.as_mut() {
-            picked.has_to_ask(snapshot);
+            picked.note_sources(snapshot, &info.scene);
             self.lamp.choose(&info.scene, picked.leaf.material);
             if clicked.is_double {
                 self.view.look_at(picked.point);
@@ -296,14 +298,17 @@ impl eframe::App for App {
         panels::show_sides(self, ui, &mut outbox);
         egui::Panel::top("tools").show(ui, |ui| dock::show_bar(self, ui));
         dock::show(self, ui, &mut outbox);
+        timeline::show(self, ui);
         egui::CentralPanel::no_frame().show(ui, |ui| {
             ui.spacing_mut().item_spacing.y = 0.0;
             self.messages.show(ui);
             let clicked = viewport::show(self, ui, &mut outbox);
             if let Some(clicked) = clicked {
-                self.pick(clicked, &mut outbox);
+                self.pick(clicked);
             }
         });
+        let wants_anatomy = self.picked.is_some() || self.tool.is_some_and(dock::Tool::reads_anatomy);
+        outbox.extend(self.looking.command(wants_anatomy));
         for command in outbox {
             if let Command::Load(source, light) = &command {
                 self.opened.ask(source, light);

@@ -178,12 +178,15 @@ pub(super) fn show(app: &mut App, ui: &mut Ui, outbox: &mut Outbox) -> Option<Cl
         let pixels = |points: f32| (points * scale).round().max(1.0) as u32;
         let deepest = snapshot.clusters.iter().map(|cluster| cluster.level).max().unwrap_or(0);
         let is_dark = app.shown.info.as_ref().is_some_and(|info| !info.has_light);
+        // Without links the picked element still has its rim.
+        let most = if app.display.show_links { app.display.strongest_links } else { 0 };
+        let marks = app.picked.as_mut().map(|picked| picked.marks(&snapshot, most)).unwrap_or_default();
         let painted = app.comparison.painted();
         let picture = Picture {
             camera,
             display: Display { as_colours: painted.is_some(), ..app.display.display() },
             snapshot: painted.unwrap_or(snapshot),
-            overlay: app.display.overlay(deepest, is_dark, app.picked.is_some()),
+            overlay: app.display.overlay(deepest, is_dark, marks),
             size: [pixels(rect.width()), pixels(rect.height())],
         };
         picture.add_to(&ui.painter_at(rect), rect);
@@ -191,7 +194,7 @@ pub(super) fn show(app: &mut App, ui: &mut Ui, outbox: &mut Outbox) -> Option<Cl
     if app.comparison.error().is_some() {
         panels::legend::show(ui, rect, app.comparison.shading);
     }
-    panels::picked::show(app, ui, rect, outbox);
+    panels::picked::show(app, ui, rect);
     panels::empty::show_loading(app, ui, rect, outbox);
     panels::empty::show_drop_hint(ui, rect);
     clicked

@@ -41,13 +41,15 @@ pub fn run(matches: &ArgMatches, started: Instant) -> anyhow::Result<()> {
     let links_file = path(matches, "links").map(output).transpose()?;
 
     let job = order.load()?;
-    let solution = job.solve()?;
+    let mut solution = job.solve()?;
     if let (Some(file), Some(format)) = (&mesh_file, mesh_format) {
         let lit = LitMesh::of(&solution.snapshot, &job.scene.materials);
         file.write(|writer| format.write(writer, &lit))?;
     }
     if let Some(file) = &links_file {
-        let rows = job.pool.install(|| links::rows(&solution.solver));
+        solution.solver.show_anatomy(true);
+        let anatomy = job.pool.install(|| solution.solver.snapshot()).anatomy;
+        let rows = anatomy.map(|anatomy| job.pool.install(|| links::rows(&anatomy))).unwrap_or_default();
         file.write(|writer| links::write(writer, &rows))?;
     }
     let report = Report::new(&job, &solution, started);

@@ -5,7 +5,7 @@ use std::io::{self, Write};
 use rayon::prelude::*;
 
 use crate::hierarchy::{ElementId, Hierarchy, Shape};
-use crate::solver::{Evidence, Link, Solver};
+use crate::solver::{Anatomy, Evidence, Link};
 
 /// The columns; [`LinkRow`] says what they hold.
 const COLUMNS: &str = "receiver,receiver_kind,receiver_polygon,receiver_area_m2,source,source_kind,source_polygon,source_area_m2,\
@@ -39,27 +39,29 @@ pub struct LinkEnd {
     pub area: f32,
 }
 
-/// The links that the last gather of a solver knew, by receiver.
-pub fn rows(solver: &Solver) -> Vec<LinkRow> {
-    let (hierarchy, radiosity, emitted) = (solver.hierarchy(), solver.radiosity(), solver.emitted_radiosity());
+/// The links of a state of a solution, by receiver; those that wait to be judged, with neither rays nor a verdict, lie among them.
+pub fn rows(anatomy: &Anatomy) -> Vec<LinkRow> {
+    let hierarchy = anatomy.hierarchy();
     let row = |receiver: ElementId, link: &Link| {
-        let (index, source) = (receiver.index(), link.source().index());
-        let irradiance = link.irradiance(radiosity[source], emitted[source]);
+        let source = link.source();
+        let irradiance = link.irradiance(anatomy.radiosity(source), anatomy.emitted(source));
         LinkRow {
             receiver: LinkEnd::of(hierarchy, receiver),
-            source: LinkEnd::of(hierarchy, link.source()),
+            source: LinkEnd::of(hierarchy, source),
             form_factor: link.form_factor,
             visibility: link.visibility(),
             rays: match link.evidence() {
                 Evidence::Rays(rays) | Evidence::Clear(rays) => Some(rays),
                 Evidence::None | Evidence::Inherited => None,
             },
-            power: irradiance.max_element() * hierarchy.elements()[index].area,
+            power: irradiance.max_element() * hierarchy.element(receiver).area,
         }
     };
-    let receivers: Vec<ElementId> = hierarchy.ids().take(solver.links().receivers()).collect();
-    let of =
-        |receiver: &ElementId| solver.links().of(*receiver).iter().map(|link| row(*receiver, link)).collect::<Vec<_>>();
+    let receivers: Vec<ElementId> = hierarchy.ids().take(anatomy.links().receivers()).collect();
+    let of = |receiver: &ElementId| {
+        let links = anatomy.links().of(*receiver);
+        links.iter().map(|link| row(*receiver, link)).collect::<Vec<_>>()
+    };
     receivers.par_iter().flat_map_iter(of).collect()
 }
 

@@ -22,7 +22,7 @@ mod target;
 pub use camera::Camera;
 pub use display::Display;
 pub use offscreen::Offscreen;
-pub use overlay::{LinkFilter, Overlay, power_colour};
+pub use overlay::{Line, Marks, Overlay, USUAL_LINKS, link_marks, power_colour};
 pub use pick::{Picked, pick};
 pub use ramp::{BLUE_WHITE_RED, VIRIDIS, along_ramp};
 pub use renderer::{Frame, SceneRenderer, sample_count};
