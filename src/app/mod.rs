@@ -6,8 +6,12 @@
 
 mod appearance;
 mod comparison;
+mod dialog;
+mod divider;
 mod dock;
+mod exports;
 mod files;
+mod freeze;
 mod launch;
 mod looking;
 mod messages;
@@ -37,7 +41,9 @@ use crate::solver::{Snapshot, SolverParams};
 use crate::worker::{Command, Event, SceneInfo, SolverThread, Status};
 use appearance::Appearance;
 use comparison::Comparison;
+use exports::Exports;
 use files::Files;
+use freeze::Freeze;
 use looking::Looking;
 use messages::Messages;
 use panels::light::LampEditor;
@@ -88,6 +94,8 @@ pub struct App {
     picked: Option<PickedElement>,
     time_left: TimeLeft,
     comparison: Comparison,
+    freeze: Freeze,
+    exports: Exports,
     /// The tool that the dock shows.
     tool: Option<dock::Tool>,
     looking: Looking,
@@ -151,6 +159,8 @@ impl App {
             picked: None,
             time_left: TimeLeft::default(),
             comparison: Comparison::default(),
+            freeze: Freeze::default(),
+            exports: Exports::default(),
             tool: None,
             looking: Looking::default(),
             wake,
@@ -190,6 +200,8 @@ impl App {
         }
         self.shown.status = self.worker.status();
         self.comparison.note(self.shown.snapshot.as_ref(), &self.shown.status.params);
+        self.freeze.note(self.shown.snapshot.as_ref(), &self.wake);
+        self.exports.poll();
         self.clock.note(self.shown.status.run, false);
         let Some(latest) = self.worker.latest() else { return };
         if let Some(incoming) = self.incoming.take_if(|incoming| incoming.info.generation <= latest.generation) {
@@ -255,6 +267,9 @@ impl App {
             ctx.send_viewport_cmd(egui::ViewportCommand::Title(title));
             self.view.start_with(&info.scene, self.opened.camera.take());
             self.picked = None;
+            self.freeze.let_go();
+            let former = self.shown.info.as_ref().map(|former| former.scene.name.as_str());
+            self.exports.suggest(&info.scene.name, former);
             self.lamp = LampEditor::for_scene(&info.scene);
             // A correction made for another scene's light would make this one black or white.
             self.display.auto_stops = 0.0;

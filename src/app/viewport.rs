@@ -4,7 +4,7 @@ use egui::{Key, PointerButton, Rect, Response, Sense, Ui};
 use glam::{Vec2, Vec3};
 
 use super::paint::Picture;
-use super::{App, Outbox, panels, theme};
+use super::{App, Outbox, divider, panels, theme};
 use crate::render::{Camera, Display};
 use crate::scene::{CameraPose, Scene};
 
@@ -28,11 +28,20 @@ pub(super) struct Viewport {
     /// The first view, where it is not that of the start.
     first: Option<CameraPose>,
     rect: Rect,
+    /// What was drawn last.
+    picture: Option<Picture>,
 }
 
 impl Default for Viewport {
     fn default() -> Self {
-        Self { camera: None, bounds: (Vec3::ZERO, Vec3::ZERO), start: None, first: None, rect: Rect::ZERO }
+        Self {
+            camera: None,
+            bounds: (Vec3::ZERO, Vec3::ZERO),
+            start: None,
+            first: None,
+            rect: Rect::ZERO,
+            picture: None,
+        }
     }
 }
 
@@ -56,6 +65,16 @@ impl Viewport {
     /// Where the view lies in the window, points.
     pub(super) fn rect(&self) -> Rect {
         self.rect
+    }
+
+    /// Size of what was drawn last, pixels.
+    pub(super) fn pixels(&self) -> [u32; 2] {
+        self.picture.as_ref().map_or([0; 2], |picture| picture.size)
+    }
+
+    /// What was drawn last, in another size, pixels.
+    pub(super) fn picture(&self, size: [u32; 2]) -> Option<Picture> {
+        self.picture.clone().map(|picture| Picture { size, ..picture })
     }
 
     /// The present view, to be saved.
@@ -181,17 +200,23 @@ pub(super) fn show(app: &mut App, ui: &mut Ui, outbox: &mut Outbox) -> Option<Cl
         // Without links the picked element still has its rim.
         let most = if app.display.show_links { app.display.strongest_links } else { 0 };
         let marks = app.picked.as_mut().map(|picked| picked.marks(&snapshot, most)).unwrap_or_default();
-        let painted = app.comparison.painted();
+        let beside = app.freeze.beside();
+        // Colours that stand for errors would be none of the solution beside.
+        let errors = if beside.is_none() { app.comparison.painted() } else { None };
+        let painted = app.freeze.painted().or(errors);
         let picture = Picture {
             camera,
             display: Display { as_colours: painted.is_some(), ..app.display.display() },
-            snapshot: painted.unwrap_or(snapshot),
+            snapshot: painted.or_else(|| app.freeze.alone()).unwrap_or(snapshot),
+            beside,
             overlay: app.display.overlay(deepest, is_dark, marks),
             size: [pixels(rect.width()), pixels(rect.height())],
         };
+        app.view.picture = Some(picture.clone());
         picture.add_to(&ui.painter_at(rect), rect);
     }
-    if app.comparison.error().is_some() {
+    divider::show(ui, rect, &mut app.freeze);
+    if app.comparison.error().is_some() && app.freeze.frozen().is_none() {
         panels::legend::show(ui, rect, app.comparison.shading);
     }
     panels::picked::show(app, ui, rect);

@@ -4,12 +4,8 @@ use anyhow::{anyhow, bail};
 use clap::{Arg, ArgAction, ArgMatches, Command};
 use glam::{Vec2, Vec3};
 use image::{ImageFormat, RgbaImage};
-<<<<<<< HEAD
 use selflink::export::{PictureFormat, exr};
-use selflink::render::{Camera, Display, Exposure, LinkFilter, MAX_SIZE, Offscreen, Overlay, pick};
-=======
 use selflink::render::{Camera, Display, Exposure, MAX_SIZE, Marks, Offscreen, Overlay, USUAL_LINKS, link_marks, pick};
->>>>>>> main
 use selflink::scene::{CameraPose, Scene};
 
 use super::job::{Order, Solution};
@@ -88,7 +84,7 @@ pub fn run(matches: &ArgMatches) -> anyhow::Result<()> {
     let view = View { pose: order.settings.camera, ..view(matches)? };
     let path = path(matches, "out").unwrap_or_default();
     let format = PictureFormat::of(&path)?;
-    if format == PictureFormat::Exr && view.overlay != Overlay::default() {
+    if format == PictureFormat::Exr && (view.overlay != Overlay::default() || view.links_at.is_some()) {
         bail!(
             "--overlay draws over pictures as they are shown (PNG), not over radiosities (EXR): leave one of them out"
         );

@@ -2,6 +2,9 @@
 //!
 //! A bar above the view opens and closes them.
 
+mod compare;
+mod export;
+
 use egui::{RichText, ScrollArea, Ui};
 use serde::{Deserialize, Serialize};
 
@@ -27,7 +30,7 @@ pub(super) enum Tool {
 impl Tool {
     /// Whether the tool looks at elements and links, which snapshots carry only when they are asked to.
     pub(super) fn reads_anatomy(self) -> bool {
-        matches!(self, Self::Inspector | Self::Matrix | Self::Clusters)
+        matches!(self, Self::Inspector | Self::Matrix | Self::Clusters | Self::Export)
     }
 }
 
@@ -71,13 +74,13 @@ pub(super) fn show(app: &mut App, ui: &mut Ui, _outbox: &mut Outbox) {
             });
         });
         ui.separator();
-        ScrollArea::vertical().auto_shrink([false, false]).show(ui, |_ui| match open {
+        ScrollArea::vertical().auto_shrink([false, false]).show(ui, |ui| match open {
             Tool::Inspector => {}
             Tool::Matrix => {}
             Tool::Clusters => {}
             Tool::Measure => {}
-            Tool::Compare => {}
-            Tool::Export => {}
+            Tool::Compare => compare::show(app, ui),
+            Tool::Export => export::show(app, ui),
         });
     });
 }

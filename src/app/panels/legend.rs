@@ -17,8 +17,17 @@ pub(in super::super) fn show(ui: &Ui, view: Rect, shading: Shading) {
     let (title, first, labels) = match shading {
         Shading::Lit => return,
         Shading::Error => ("relative error", 0.0, ["0 %", "25 %", "50 %"]),
-        Shading::Difference => ("too dark – too bright", -FULL_SCALE, ["−50 %", "0 %", "+50 %"]),
+        Shading::Difference => return show_difference(ui, view, "too dark – too bright"),
     };
+    show_ramp(ui, view, shading, title, first, labels);
+}
+
+/// The same for signed differences; `title` says what the ends mean.
+pub(in super::super) fn show_difference(ui: &Ui, view: Rect, title: &str) {
+    show_ramp(ui, view, Shading::Difference, title, -FULL_SCALE, ["−50 %", "0 %", "+50 %"]);
+}
+
+fn show_ramp(ui: &Ui, view: Rect, shading: Shading, title: &str, first: f32, labels: [&str; 3]) {
     let card = Rect::from_min_size(
         pos2(view.left() + MARGIN, view.bottom() - MARGIN - 58.0),
         vec2(BAR.x + 2.0 * MARGIN + 12.0, 58.0),
