@@ -20,6 +20,7 @@ mod panels;
 mod picked;
 mod session;
 mod settings;
+mod shortcuts;
 mod sources;
 mod theme;
 mod time_left;
@@ -98,6 +99,10 @@ pub struct App {
     exports: Exports,
     /// The tool that the dock shows.
     tool: Option<dock::Tool>,
+    /// Whether the list of keys is open.
+    are_keys_shown: bool,
+    /// Whether panels, bars and dock are hidden.
+    is_full_picture: bool,
     looking: Looking,
     wake: Wake,
     clock: Clock,
@@ -162,6 +167,8 @@ impl App {
             freeze: Freeze::default(),
             exports: Exports::default(),
             tool: None,
+            are_keys_shown: false,
+            is_full_picture: false,
             looking: Looking::default(),
             wake,
             clock: Clock::default(),
@@ -310,10 +317,13 @@ impl eframe::App for App {
                 files::DialogAnswer::NoDialog => self.messages.note(files::NO_DIALOG.into()),
             }
         }
-        panels::show_sides(self, ui, &mut outbox);
-        egui::Panel::top("tools").show(ui, |ui| dock::show_bar(self, ui));
-        dock::show(self, ui, &mut outbox);
-        timeline::show(self, ui);
+        shortcuts::act(self, ui, &mut outbox);
+        if !self.is_full_picture {
+            panels::show_sides(self, ui, &mut outbox);
+            egui::Panel::top("tools").show(ui, |ui| dock::show_bar(self, ui));
+            dock::show(self, ui, &mut outbox);
+            timeline::show(self, ui);
+        }
         egui::CentralPanel::no_frame().show(ui, |ui| {
             ui.spacing_mut().item_spacing.y = 0.0;
             self.messages.show(ui);
@@ -322,6 +332,7 @@ impl eframe::App for App {
                 self.pick(clicked);
             }
         });
+        shortcuts::show_list(self, ui.ctx());
         let wants_anatomy = self.picked.is_some() || self.tool.is_some_and(dock::Tool::reads_anatomy);
         outbox.extend(self.looking.command(wants_anatomy));
         for command in outbox {

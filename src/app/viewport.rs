@@ -28,6 +28,8 @@ pub(super) struct Viewport {
     /// The first view, where it is not that of the start.
     first: Option<CameraPose>,
     rect: Rect,
+    /// The widget that takes mouse and keys.
+    id: Option<egui::Id>,
     /// What was drawn last.
     picture: Option<Picture>,
 }
@@ -40,6 +42,7 @@ impl Default for Viewport {
             start: None,
             first: None,
             rect: Rect::ZERO,
+            id: None,
             picture: None,
         }
     }
@@ -65,6 +68,11 @@ impl Viewport {
     /// Where the view lies in the window, points.
     pub(super) fn rect(&self) -> Rect {
         self.rect
+    }
+
+    /// The widget that takes mouse and keys, once it was drawn.
+    pub(super) fn id(&self) -> Option<egui::Id> {
+        self.id
     }
 
     /// Size of what was drawn last, pixels.
@@ -176,7 +184,8 @@ impl Viewport {
 pub(super) fn show(app: &mut App, ui: &mut Ui, outbox: &mut Outbox) -> Option<Clicked> {
     let (rect, response) = ui.allocate_exact_size(ui.available_size(), Sense::click_and_drag());
     response.widget_info(|| egui::WidgetInfo::labeled(egui::accesskit::Role::Canvas, true, VIEW_NAME));
-    app.view.rect = rect;
+    (app.view.rect, app.view.id) = (rect, Some(response.id));
+    panels::hint::show_way_back(app, ui, rect);
     ui.painter().rect_filled(rect, 0.0, theme::WELL);
     let Some(snapshot) = app.shown.snapshot.clone() else {
         panels::empty::show(app, ui, rect, outbox);
@@ -221,6 +230,7 @@ pub(super) fn show(app: &mut App, ui: &mut Ui, outbox: &mut Outbox) -> Option<Cl
     }
     panels::picked::show(app, ui, rect);
     panels::empty::show_loading(app, ui, rect, outbox);
+    panels::hint::show_first_lines(app, ui, rect);
     panels::empty::show_drop_hint(ui, rect);
     clicked
 }
