@@ -13,13 +13,12 @@ use std::time::Instant;
 use image::{ImageFormat, RgbaImage};
 
 use super::dialog::Dialog;
-use super::paint::{Beside, Picture};
+use super::paint::Picture;
 use super::{Wake, format};
 use crate::export::{LitMesh, MeshFormat, exr, links};
-use crate::render::{Display, Exposure, Offscreen};
+use crate::render::{Offscreen, Overlay, RenderError};
 use crate::scene::Scene;
 use crate::solver::Snapshot;
-use crate::tone;
 
 /// Size of a picture that is to be written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -170,20 +169,20 @@ pub(super) fn write_png(path: &Path, picture: &Picture) -> Result<String, String
 }
 
 /// Draws what the window shows, both sides of a split view included.
-fn draw(picture: &Picture) -> Result<RgbaImage, crate::render::RenderError> {
+fn draw(picture: &Picture) -> Result<RgbaImage, RenderError> {
     let mut offscreen = Offscreen::new()?;
-    let Some(Beside { snapshot, share }) = &picture.beside else {
-        return offscreen.picture(&picture.snapshot, &picture.camera, &picture.display, &picture.overlay, picture.size);
+    let mut draw = |snapshot: &Snapshot, overlay: &Overlay| {
+        offscreen.picture(snapshot, &picture.camera, &picture.display, overlay, picture.size)
     };
-    let factor = picture.display.exposure.factor(tone::auto_exposure(snapshot));
-    let display = Display { exposure: Exposure::Manual { stops: factor.log2() }, ..picture.display };
-    let mut side =
-        |snapshot: &Snapshot| offscreen.picture(snapshot, &picture.camera, &display, &picture.overlay, picture.size);
-    let (left, mut right) = (side(snapshot)?, side(&picture.snapshot)?);
-    let width = (share * picture.size[0] as f32).round() as u32;
-    let left = image::imageops::crop_imm(&left, 0, 0, width, picture.size[1]).to_image();
-    image::imageops::replace(&mut right, &left, 0, 0);
-    Ok(right)
+    let mut drawn = draw(&picture.snapshot, &picture.overlay)?;
+    if let Some(beside) = &picture.beside {
+        let left = draw(&beside.snapshot, &beside.overlay(picture))?;
+        let [width, height] = picture.size;
+        let covered = (beside.share * width as f32).round() as u32;
+        let left = image::imageops::crop_imm(&left, 0, 0, covered, height).to_image();
+        image::imageops::replace(&mut drawn, &left, 0, 0);
+    }
+    Ok(drawn)
 }
 
 /// Writes what the view shows as radiosities in W/m².

@@ -8,6 +8,7 @@ use super::Wake;
 use super::comparison::Shading;
 use super::paint::Beside;
 use crate::accuracy::{Contrast, contrast};
+use crate::render::{Exposure, auto_exposure};
 use crate::solver::{Snapshot, SolverParams};
 
 /// What the view shows while a solution is kept.
@@ -28,6 +29,8 @@ pub(super) struct Frozen {
     pub params: SolverParams,
     /// RMS error by the reference and its standard error, where it was measured.
     pub measured: Option<(f64, f64)>,
+    /// Its automatic exposure, m²/W.
+    auto_exposure: f32,
 }
 
 /// State of the comparison.
@@ -59,7 +62,8 @@ impl Freeze {
     /// Keeps a solution as A.
     pub(super) fn keep(&mut self, snapshot: Arc<Snapshot>, params: SolverParams, measured: Option<(f64, f64)>) {
         self.let_go();
-        self.frozen = Some(Frozen { snapshot, params, measured });
+        let auto_exposure = auto_exposure(&snapshot);
+        self.frozen = Some(Frozen { snapshot, params, measured, auto_exposure });
     }
 
     /// Lets A go.
@@ -71,6 +75,14 @@ impl Freeze {
     /// A.
     pub(super) fn frozen(&self) -> Option<&Frozen> {
         self.frozen.as_ref()
+    }
+
+    /// The exposure of both, which is A's while one is kept: whoever compares wants no other difference.
+    pub(super) fn exposure(&self, chosen: Exposure) -> Exposure {
+        match &self.frozen {
+            Some(frozen) => Exposure::Manual { stops: chosen.factor(frozen.auto_exposure).log2() },
+            None => chosen,
+        }
     }
 
     /// RMS difference of B to A as a share of A's RMS radiosity, of the newest B for which it was found.

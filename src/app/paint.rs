@@ -7,7 +7,7 @@ use std::sync::mpsc::Sender;
 
 use egui_wgpu::{CallbackResources, CallbackTrait, RenderState, ScreenDescriptor};
 
-use crate::render::{self, Camera, Display, Exposure, Frame, Marks, Overlay, RenderError, SceneRenderer};
+use crate::render::{self, Camera, Display, Frame, Marks, Overlay, RenderError, SceneRenderer};
 use crate::solver::Snapshot;
 
 /// What one picture shows.
@@ -23,7 +23,7 @@ pub(super) struct Picture {
     pub beside: Option<Beside>,
 }
 
-/// A solution that covers the left of a picture; both are exposed as this one.
+/// A solution that covers the left of a picture.
 #[derive(Clone)]
 pub(super) struct Beside {
     pub snapshot: Arc<Snapshot>,
@@ -85,28 +85,34 @@ impl Picture {
 }
 
 impl Stage {
-    /// Draws the solution at the left first, whose exposure both have.
     fn draw(&mut self, encoder: &mut wgpu::CommandEncoder, picture: &Picture) -> Result<(), RenderError> {
-        let mut frame = Frame {
+        let frame = Frame {
             snapshot: &picture.snapshot,
             camera: &picture.camera,
             display: &picture.display,
             overlay: &picture.overlay,
             size: picture.size,
         };
-        let Some(beside) = &picture.beside else {
-            // What it holds on the device is wanted no more.
-            self.beside = None;
-            return self.renderer.draw(encoder, &frame);
-        };
-        let left = self.beside.get_or_insert_with(&self.make);
-        // What is pointed at belongs to the solution at the right.
-        let overlay = Overlay { marks: Marks::default(), ..picture.overlay.clone() };
-        left.draw(encoder, &Frame { snapshot: &beside.snapshot, overlay: &overlay, ..frame })?;
-        let factor = picture.display.exposure.factor(left.auto_exposure());
-        let display = Display { exposure: Exposure::Manual { stops: factor.log2() }, ..picture.display };
-        frame.display = &display;
-        self.renderer.draw(encoder, &frame)
+        self.renderer.draw(encoder, &frame)?;
+        match &picture.beside {
+            Some(beside) => {
+                let left = self.beside.get_or_insert_with(&self.make);
+                let overlay = beside.overlay(picture);
+                left.draw(encoder, &Frame { snapshot: &beside.snapshot, overlay: &overlay, ..frame })
+            }
+            None => {
+                // What it holds on the device is wanted no more.
+                self.beside = None;
+                Ok(())
+            }
+        }
+    }
+}
+
+impl Beside {
+    /// What is drawn over it: what is pointed at belongs to the solution at the right.
+    pub(super) fn overlay(&self, picture: &Picture) -> Overlay {
+        Overlay { marks: Marks::default(), ..picture.overlay.clone() }
     }
 }
 

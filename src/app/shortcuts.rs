@@ -53,9 +53,8 @@ pub(super) fn act(app: &mut App, ui: &Ui, outbox: &mut Outbox) {
     if ctx.text_edit_focused() {
         return;
     }
-    let pressed = |input: &egui::InputState| -> Vec<Deed> {
-        input.events.iter().filter_map(|event| deed_of(event)).collect()
-    };
+    let pressed =
+        |input: &egui::InputState| -> Vec<Deed> { input.events.iter().filter_map(|event| deed_of(event)).collect() };
     // Space presses the button that has the focus.
     let is_view_focused = ctx.memory(|memory| memory.focused()).is_none_or(|focused| app.view.id() == Some(focused));
     for deed in ctx.input(pressed) {
@@ -112,7 +111,8 @@ pub(super) fn show_list(app: &mut App, ctx: &egui::Context) {
             ui.horizontal_top(|ui| {
                 column(ui, "In the view", &panels::controls::CONTROLS);
                 ui.add_space(24.0);
-                let keys: Vec<_> = SHORTCUTS.iter().map(|(_, _, key, effect, _)| (*key, *effect)).chain([SCALING]).collect();
+                let keys: Vec<_> =
+                    SHORTCUTS.iter().map(|(_, _, key, effect, _)| (*key, *effect)).chain([SCALING]).collect();
                 column(ui, "Anywhere", &keys);
             });
         });

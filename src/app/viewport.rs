@@ -209,13 +209,17 @@ pub(super) fn show(app: &mut App, ui: &mut Ui, outbox: &mut Outbox) -> Option<Cl
         // Without links the picked element still has its rim.
         let most = if app.display.show_links { app.display.strongest_links } else { 0 };
         let marks = app.picked.as_mut().map(|picked| picked.marks(&snapshot, most)).unwrap_or_default();
-        let beside = app.freeze.beside();
+        let (beside, chosen) = (app.freeze.beside(), app.display.display());
         // Colours that stand for errors would be none of the solution beside.
         let errors = if beside.is_none() { app.comparison.painted() } else { None };
         let painted = app.freeze.painted().or(errors);
         let picture = Picture {
             camera,
-            display: Display { as_colours: painted.is_some(), ..app.display.display() },
+            display: Display {
+                exposure: app.freeze.exposure(chosen.exposure),
+                as_colours: painted.is_some(),
+                ..chosen
+            },
             snapshot: painted.or_else(|| app.freeze.alone()).unwrap_or(snapshot),
             beside,
             overlay: app.display.overlay(deepest, is_dark, marks),

@@ -4,6 +4,9 @@
 //! Vulkan serves.
 #![cfg(feature = "gui")]
 
+mod compare;
+mod craft;
 mod panels;
 mod support;
+mod take_along;
 mod timeline;

@@ -81,8 +81,8 @@ fn show_sides(freeze: &mut Freeze, ui: &mut Ui) {
                 "A | B",
                 "A at the left of a divider that can be dragged, B at its right; same view, same exposure",
             ),
-            (Sides::A, "A", "A alone"),
-            (Sides::B, "B", "B alone"),
+            (Sides::A, "A alone", "The solution that was frozen"),
+            (Sides::B, "B alone", "The solution that runs, exposed as A"),
             (Sides::Difference, "B − A", "Where B is darker or brighter than A, relative to A"),
         ] {
             ui.selectable_value(&mut freeze.sides, sides, name).on_hover_text(hint);

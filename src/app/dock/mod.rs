@@ -51,7 +51,8 @@ const FIRST_WIDTH: f32 = 380.0;
 /// The bar above the view: a switch for each tool.
 pub(super) fn show_bar(app: &mut App, ui: &mut Ui) {
     ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-        let keys = ui.selectable_label(app.are_keys_shown, " ? ").on_hover_text("Mouse and keys").accessible_name("Keys");
+        let keys =
+            ui.selectable_label(app.are_keys_shown, " ? ").on_hover_text("Mouse and keys").accessible_name("Keys");
         if keys.clicked() {
             app.are_keys_shown = !app.are_keys_shown;
         }
