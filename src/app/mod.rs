@@ -4,9 +4,14 @@
 //! write commands into an outbox, and sends them. Panels see only what they are given, so none of them can wait for the solver.
 //! Imports everything below it; only `main` knows this module.
 
+mod appearance;
 mod comparison;
+mod dialog;
+mod divider;
 mod dock;
+mod exports;
 mod files;
+mod freeze;
 mod launch;
 mod looking;
 mod measure_marks;
@@ -17,7 +22,9 @@ mod panels;
 mod picked;
 mod readings;
 mod save_dialog;
+mod session;
 mod settings;
+mod shortcuts;
 mod sources;
 mod theme;
 mod time_left;
@@ -37,14 +44,18 @@ use crate::format;
 use crate::scene::Source;
 use crate::solver::{Snapshot, SolverParams};
 use crate::worker::{Command, Event, RunState, SceneInfo, SolverThread, Status};
+use appearance::Appearance;
 use comparison::Comparison;
+use exports::Exports;
 use files::Files;
+use freeze::Freeze;
 use looking::Looking;
 use measuring::Measuring;
 use messages::Messages;
 use panels::light::LampEditor;
 use picked::PickedElement;
 use readings::ReadingInView;
+use session::Opened;
 use settings::DisplaySettings;
 use time_left::{Clock, TimeLeft};
 use viewport::Viewport;
@@ -86,11 +97,20 @@ pub struct App {
     reading: ReadingInView,
     measuring: Measuring,
     view: Viewport,
+    appearance: Appearance,
+    /// Where the scene in view came from.
+    opened: Opened,
     picked: Option<PickedElement>,
     time_left: TimeLeft,
     comparison: Comparison,
+    freeze: Freeze,
+    exports: Exports,
     /// The tool that the dock shows.
     tool: Option<dock::Tool>,
+    /// Whether the list of keys is open.
+    are_keys_shown: bool,
+    /// Whether panels, bars and dock are hidden.
+    is_full_picture: bool,
     looking: Looking,
     wake: Wake,
     clock: Clock,
@@ -113,7 +133,7 @@ impl App {
         opening: Option<(Source, AddedLight)>,
         params: SolverParams,
     ) -> Result<Self, AppError> {
-        theme::apply(&cc.egui_ctx);
+        let appearance = Appearance::restore(&cc.egui_ctx, cc.storage);
         let render_state = cc.wgpu_render_state.as_ref().ok_or(AppError::NoDevice)?;
         let (failures, drawing_failures) = channel();
         paint::install(render_state, failures, cc.egui_ctx.clone());
@@ -128,7 +148,9 @@ impl App {
         });
         let of_worker = wake.clone();
         let worker = SolverThread::spawn(params, Box::new(move || of_worker()))?;
+        let mut opened = Opened::default();
         if let Some((source, light)) = opening {
+            opened.ask(&source, &light);
             worker.send(Command::Load(source, light));
         }
         let stored = |key| cc.storage.map(|storage| (storage, key));
@@ -147,10 +169,16 @@ impl App {
             reading: ReadingInView::default(),
             measuring: Measuring::default(),
             view: Viewport::default(),
+            appearance,
+            opened,
             picked: None,
             time_left: TimeLeft::default(),
             comparison: Comparison::default(),
+            freeze: Freeze::default(),
+            exports: Exports::default(),
             tool: None,
+            are_keys_shown: false,
+            is_full_picture: false,
             looking: Looking::default(),
             wake,
             clock: Clock::default(),
@@ -189,6 +217,8 @@ impl App {
         }
         self.shown.status = self.worker.status();
         self.comparison.note(self.shown.snapshot.as_ref(), &self.shown.status.params);
+        self.freeze.note(self.shown.snapshot.as_ref(), &self.wake);
+        self.exports.poll();
         self.clock.note(self.shown.status.run, false);
         let Some(latest) = self.worker.latest() else { return };
         if let Some(incoming) = self.incoming.take_if(|incoming| incoming.info.generation <= latest.generation) {
@@ -231,6 +261,7 @@ impl App {
                 if let Some(path) = &info.path {
                     self.files.note_opened(path);
                 }
+                self.opened.note(&info);
                 self.messages.forget_errors();
                 self.incoming = Some(Incoming { info, is_new: true });
             }
@@ -260,8 +291,11 @@ impl App {
         if is_new {
             let title = format!("{} – Selflink", info.scene.name);
             ctx.send_viewport_cmd(egui::ViewportCommand::Title(title));
-            self.view.start_with(&info.scene);
+            self.view.start_with(&info.scene, self.opened.camera.take());
             self.picked = None;
+            self.freeze.let_go();
+            let former = self.shown.info.as_ref().map(|former| former.scene.name.as_str());
+            self.exports.suggest(&info.scene.name, former);
             self.lamp = LampEditor::for_scene(&info.scene);
             self.measuring.start_with(&info.scene);
             // A correction made for another scene's light would make this one black or white.
@@ -298,6 +332,7 @@ impl App {
 impl eframe::App for App {
     fn logic(&mut self, ctx: &egui::Context, _frame: &mut eframe::Frame) {
         self.take_up_news(ctx);
+        self.appearance.follow(ctx);
     }
 
     fn ui(&mut self, ui: &mut egui::Ui, _frame: &mut eframe::Frame) {
@@ -309,10 +344,13 @@ impl eframe::App for App {
                 files::DialogAnswer::NoDialog => self.messages.note(files::NO_DIALOG.into()),
             }
         }
-        panels::show_sides(self, ui, &mut outbox);
-        egui::Panel::top("tools").show(ui, |ui| dock::show_bar(self, ui));
-        dock::show(self, ui, &mut outbox);
-        timeline::show(self, ui);
+        shortcuts::act(self, ui, &mut outbox);
+        if !self.is_full_picture {
+            panels::show_sides(self, ui, &mut outbox);
+            egui::Panel::top("tools").show(ui, |ui| dock::show_bar(self, ui));
+            dock::show(self, ui, &mut outbox);
+            timeline::show(self, ui);
+        }
         egui::CentralPanel::no_frame().show(ui, |ui| {
             ui.spacing_mut().item_spacing.y = 0.0;
             self.messages.show(ui);
@@ -321,9 +359,15 @@ impl eframe::App for App {
                 self.pick(clicked);
             }
         });
+        shortcuts::show_list(self, ui.ctx());
         let wants_anatomy = self.picked.is_some() || self.tool.is_some_and(dock::Tool::reads_anatomy);
         outbox.extend(self.looking.command(wants_anatomy));
         for command in outbox {
+            if let Command::Load(source, light) = &command {
+                self.opened.ask(source, light);
+                // What was kept for the first scene is none of another one's.
+                self.opened.camera = None;
+            }
             self.worker.send(command);
         }
     }
@@ -331,5 +375,7 @@ impl eframe::App for App {
     fn save(&mut self, storage: &mut dyn eframe::Storage) {
         eframe::set_value(storage, RECENT_KEY, &self.files.recent());
         eframe::set_value(storage, DISPLAY_KEY, &self.display);
+        self.appearance.keep(storage);
+        self.keep_session(storage);
     }
 }

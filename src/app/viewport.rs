@@ -5,7 +5,7 @@ use glam::{Vec2, Vec3};
 
 use super::comparison::Shading;
 use super::paint::Picture;
-use super::{App, Outbox, measure_marks, panels, theme};
+use super::{App, Outbox, divider, measure_marks, panels, theme};
 use crate::render::{Camera, Display};
 use crate::scene::{CameraPose, Scene};
 use crate::survey::Ray;
@@ -27,12 +27,26 @@ pub(super) struct Viewport {
     camera: Option<Camera>,
     bounds: (Vec3, Vec3),
     start: Option<CameraPose>,
+    /// The first view, where it is not that of the start.
+    first: Option<CameraPose>,
     rect: Rect,
+    /// The widget that takes mouse and keys.
+    id: Option<egui::Id>,
+    /// What was drawn last.
+    picture: Option<Picture>,
 }
 
 impl Default for Viewport {
     fn default() -> Self {
-        Self { camera: None, bounds: (Vec3::ZERO, Vec3::ZERO), start: None, rect: Rect::ZERO }
+        Self {
+            camera: None,
+            bounds: (Vec3::ZERO, Vec3::ZERO),
+            start: None,
+            first: None,
+            rect: Rect::ZERO,
+            id: None,
+            picture: None,
+        }
     }
 }
 
@@ -44,8 +58,9 @@ pub(super) struct Clicked {
 }
 
 impl Viewport {
-    /// Looks at a new scene, from its own camera where it has one.
-    pub(super) fn start_with(&mut self, scene: &Scene) {
+    /// Looks at a new scene, from `first` or from its own camera where it has one.
+    pub(super) fn start_with(&mut self, scene: &Scene, first: Option<CameraPose>) {
+        self.first = first;
         self.bounds = scene.bounds();
         self.start = scene.camera;
         // Made when the view's aspect is known.
@@ -55,6 +70,21 @@ impl Viewport {
     /// Where the view lies in the window, points.
     pub(super) fn rect(&self) -> Rect {
         self.rect
+    }
+
+    /// The widget that takes mouse and keys, once it was drawn.
+    pub(super) fn id(&self) -> Option<egui::Id> {
+        self.id
+    }
+
+    /// Size of what was drawn last, pixels.
+    pub(super) fn pixels(&self) -> [u32; 2] {
+        self.picture.as_ref().map_or([0; 2], |picture| picture.size)
+    }
+
+    /// What was drawn last, in another size, pixels.
+    pub(super) fn picture(&self, size: [u32; 2]) -> Option<Picture> {
+        self.picture.clone().map(|picture| Picture { size, ..picture })
     }
 
     /// The present view, to be saved.
@@ -78,6 +108,13 @@ impl Viewport {
         match &self.start {
             Some(pose) => Camera::from_pose(pose, self.aspect(), self.bounds),
             None => Camera::frame(self.bounds, self.aspect()),
+        }
+    }
+
+    fn first_camera(&mut self) -> Camera {
+        match self.first.take() {
+            Some(pose) => Camera::from_pose(&pose, self.aspect(), self.bounds),
+            None => self.start_camera(),
         }
     }
 
@@ -154,14 +191,15 @@ impl Viewport {
 pub(super) fn show(app: &mut App, ui: &mut Ui, outbox: &mut Outbox) -> Option<Clicked> {
     let (rect, response) = ui.allocate_exact_size(ui.available_size(), Sense::click_and_drag());
     response.widget_info(|| egui::WidgetInfo::labeled(egui::accesskit::Role::Canvas, true, VIEW_NAME));
-    app.view.rect = rect;
+    (app.view.rect, app.view.id) = (rect, Some(response.id));
+    panels::hint::show_way_back(app, ui, rect);
     ui.painter().rect_filled(rect, 0.0, theme::WELL);
     let Some(snapshot) = app.shown.snapshot.clone() else {
         panels::empty::show(app, ui, rect, outbox);
         return None;
     };
     if app.view.camera.is_none() {
-        app.view.camera = Some(app.view.start_camera());
+        app.view.camera = Some(app.view.first_camera());
     }
     if response.clicked() || response.drag_started() {
         response.request_focus();
@@ -181,21 +219,33 @@ pub(super) fn show(app: &mut App, ui: &mut Ui, outbox: &mut Outbox) -> Option<Cl
         // Without links the picked element still has its rim.
         let most = if app.display.show_links { app.display.strongest_links } else { 0 };
         let marks = app.picked.as_mut().map(|picked| picked.marks(&snapshot, most)).unwrap_or_default();
-        let painted = app.comparison.painted();
+        let (beside, chosen) = (app.freeze.beside(), app.display.display());
         let reading = app.reading.follow(&snapshot, &app.display.reading);
+        // Colours that stand for errors would be none of the solution beside.
+        let errors = if beside.is_none() { app.comparison.painted() } else { None };
+        let painted = app.freeze.painted().or(errors);
         let picture = Picture {
             camera,
-            display: Display { as_colours: painted.is_some(), reading, ..app.display.display() },
-            snapshot: painted.unwrap_or(snapshot),
+            display: Display {
+                exposure: app.freeze.exposure(chosen.exposure),
+                as_colours: painted.is_some(),
+                reading,
+                ..chosen
+            },
+            snapshot: painted.or_else(|| app.freeze.alone()).unwrap_or(snapshot),
+            beside,
             overlay: app.display.overlay(deepest, is_dark, marks),
             size: [pixels(rect.width()), pixels(rect.height())],
         };
+        app.view.picture = Some(picture.clone());
         picture.add_to(&ui.painter_at(rect), rect);
         measure_marks::show(&ui.painter_at(rect), rect, &camera, &app.measuring, reading.as_ref());
     }
     show_legend(app, ui, rect);
+    divider::show(ui, rect, &mut app.freeze);
     panels::picked::show(app, ui, rect);
     panels::empty::show_loading(app, ui, rect, outbox);
+    panels::hint::show_first_lines(app, ui, rect);
     panels::empty::show_drop_hint(ui, rect);
     clicked
 }

@@ -1,9 +1,10 @@
-//! `selflink render`: a picture of the solution, drawn without a window.
+//! `selflink render`: a picture of the solution, drawn without a window, as PNG or, in W/m², as EXR.
 
 use anyhow::{anyhow, bail};
 use clap::{Arg, ArgAction, ArgMatches, Command};
 use glam::{Vec2, Vec3};
 use image::{ImageFormat, RgbaImage};
+use selflink::export::{PictureFormat, exr};
 use selflink::render::{
     Camera, Display, Exposure, MAX_SIZE, Marks, Offscreen, Overlay, ReadingSettings, USUAL_LINKS, link_marks, pick,
 };
@@ -21,9 +22,13 @@ const USUAL_HFOV: f32 = 60.0;
 
 /// The command's arguments.
 pub fn command() -> Command {
-    let command = Command::new("render").about("Solve a scene and draw it to a PNG file, without a window");
+    let command = Command::new("render").about("Solve a scene and draw it to a PNG or EXR file, without a window");
     reading::with_options(options::solving(command))
-        .arg(path_arg("out", "FILE.png").required(true).help("The picture"))
+        .arg(
+            path_arg("out", "FILE.png|exr")
+                .required(true)
+                .help("The picture as it is shown (PNG), or radiosities in W/m², unexposed and without overlays (EXR)"),
+        )
         .arg(Arg::new("size").long("size").value_name("WxH").help("Pixels [default: 1280x800]"))
         .arg(
             Arg::new("camera")
@@ -54,6 +59,8 @@ pub struct View {
     pub size: [u32; 2],
     /// Eye and target.
     pub camera: Option<[Vec3; 2]>,
+    /// The whole view, where neither of these is given.
+    pub pose: Option<CameraPose>,
     /// How radiosities become colours.
     pub display: Display,
     /// What is drawn over the picture.
@@ -71,6 +78,7 @@ impl Default for View {
         Self {
             size: USUAL_SIZE,
             camera: None,
+            pose: None,
             display: Display::default(),
             overlay: Overlay::default(),
             reading: ReadingSettings::default(),
@@ -83,18 +91,26 @@ impl Default for View {
 /// Runs it.
 pub fn run(matches: &ArgMatches) -> anyhow::Result<()> {
     let order = Order::from_matches(matches)?;
-    let view = view(matches)?;
+    let view = View { pose: order.settings.camera, ..view(matches)? };
     let path = path(matches, "out").unwrap_or_default();
-    if !path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("png")) {
-        bail!("{}: pictures are written as PNG; choose a name that ends in .png", path.display());
+    let format = PictureFormat::of(&path)?;
+    if format == PictureFormat::Exr && (view.overlay != Overlay::default() || view.links_at.is_some()) {
+        bail!(
+            "--overlay draws over pictures as they are shown (PNG), not over radiosities (EXR): leave one of them out"
+        );
     }
     let file = OutputFile::new(&path, &order.inputs())?;
     let job = order.load()?;
     // Before the long work, so that a missing adapter is told soon.
     let mut offscreen = Offscreen::new()?;
     let mut solution = job.solve()?;
-    let picture = draw(&mut offscreen, &job.scene, &mut solution, &view)?;
-    save(&picture, &file)?;
+    match format {
+        PictureFormat::Png => save(&draw(&mut offscreen, &job.scene, &mut solution, &view)?, &file)?,
+        PictureFormat::Exr => {
+            let picture = offscreen.radiosities(&solution.snapshot, &camera(&job.scene, &view), view.size)?;
+            file.write(|writer| exr::write(writer, &picture))?;
+        }
+    }
     let [width, height] = view.size;
     say(&format!("{}: {width} × {height} pixels, drawn by {}\n", file.path().display(), offscreen.adapter()))
 }
@@ -140,7 +156,9 @@ fn camera(scene: &Scene, view: &View) -> Camera {
         up: scene.camera.map_or(Vec3::Y, |camera| camera.up),
         hfov_deg: scene.camera.map_or(USUAL_HFOV, |camera| camera.hfov_deg),
     });
-    given.map_or_else(|| Camera::of_scene(scene, aspect), |pose| Camera::from_pose(&pose, aspect, scene.bounds()))
+    given
+        .or(view.pose)
+        .map_or_else(|| Camera::of_scene(scene, aspect), |pose| Camera::from_pose(&pose, aspect, scene.bounds()))
 }
 
 /// The links of the surface at a pixel.

@@ -14,6 +14,7 @@ mod offscreen;
 mod overlay;
 mod pick;
 mod pipelines;
+mod radiosities;
 mod ramp;
 mod reading;
 mod reading_settings;
@@ -21,7 +22,7 @@ mod renderer;
 mod target;
 
 pub use camera::Camera;
-pub use display::{Display, Exposure, auto_exposure, encode_gamma, tone_curve};
+pub use display::Display;
 pub use offscreen::Offscreen;
 pub use overlay::{Line, Marks, Overlay, USUAL_LINKS, link_marks, power_colour};
 pub use pick::{Picked, pick};
@@ -29,6 +30,8 @@ pub use ramp::{BLUE_WHITE_RED, CIVIDIS, Ramp, VIRIDIS, along_ramp};
 pub use reading::{ColourScale, Isolines, MOST_ISOLINES, Reading, Spacing};
 pub use reading_settings::{IsolinesWanted, Mark, ReadingSettings, Show};
 pub use renderer::{Frame, SceneRenderer, sample_count};
+
+pub use crate::tone::{Exposure, auto_exposure, encode_gamma, tone_curve};
 
 #[cfg(doc)]
 use crate::solver::snapshot::Snapshot;

@@ -4,8 +4,11 @@
 //! Vulkan serves.
 #![cfg(feature = "gui")]
 
+mod compare;
+mod craft;
 mod gallery;
 mod panels;
 mod readings;
 mod support;
+mod take_along;
 mod timeline;

@@ -2,13 +2,15 @@
 //!
 //! A bar above the view opens and closes them.
 
+pub(super) mod compare;
+mod export;
 mod measure;
 mod readout;
 
 use egui::{RichText, ScrollArea, Ui};
 use serde::{Deserialize, Serialize};
 
-use super::{App, Outbox, theme};
+use super::{App, Outbox};
 
 /// A tool of the dock.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -30,7 +32,7 @@ pub(super) enum Tool {
 impl Tool {
     /// Whether the tool looks at elements and links, which snapshots carry only when they are asked to.
     pub(super) fn reads_anatomy(self) -> bool {
-        matches!(self, Self::Inspector | Self::Matrix | Self::Clusters)
+        matches!(self, Self::Inspector | Self::Matrix | Self::Clusters | Self::Export)
     }
 }
 
@@ -51,6 +53,16 @@ const FIRST_WIDTH: f32 = 380.0;
 /// The bar above the view: a switch for each tool.
 pub(super) fn show_bar(app: &mut App, ui: &mut Ui) {
     ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+        let keys =
+            ui.selectable_label(app.are_keys_shown, " ? ").on_hover_text("Mouse and keys").accessible_name("Keys");
+        if keys.clicked() {
+            app.are_keys_shown = !app.are_keys_shown;
+        }
+        let full = ui.selectable_label(app.is_full_picture, "Full picture");
+        if full.on_hover_text("Hide all panels; F11 or Esc brings them back").clicked() {
+            app.is_full_picture = true;
+        }
+        ui.separator();
         for (tool, name, hint) in TOOLS.iter().rev() {
             let is_open = app.tool == Some(*tool);
             if ui.selectable_label(is_open, *name).on_hover_text(*hint).clicked() {
@@ -67,7 +79,7 @@ pub(super) fn show(app: &mut App, ui: &mut Ui, _outbox: &mut Outbox) {
     let Some((_, name, hint)) = TOOLS.iter().find(|(tool, ..)| *tool == open) else { return };
     egui::Panel::right("dock").default_size(FIRST_WIDTH).size_range(WIDTHS).show(ui, |ui| {
         ui.horizontal(|ui| {
-            ui.label(RichText::new(*name).strong().size(14.0).color(theme::TEXT_STRONG)).on_hover_text(*hint);
+            ui.label(RichText::new(*name).strong().size(14.0)).on_hover_text(*hint);
             ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
                 if ui.button("Close tool").clicked() {
                     app.tool = None;
@@ -80,8 +92,8 @@ pub(super) fn show(app: &mut App, ui: &mut Ui, _outbox: &mut Outbox) {
             Tool::Matrix => {}
             Tool::Clusters => {}
             Tool::Measure => measure::show(ui, &app.shown, &mut app.measuring, &mut app.messages, &app.wake),
-            Tool::Compare => {}
-            Tool::Export => {}
+            Tool::Compare => compare::show(app, ui),
+            Tool::Export => export::show(app, ui),
         });
     });
 }

@@ -19,11 +19,12 @@ pub(in super::super) fn show(app: &mut App, ui: &mut Ui, rect: Rect) {
     let mut close = false;
     let at = rect.right_top() + egui::vec2(-10.0, 10.0);
     egui::Area::new(egui::Id::unique("picked")).pivot(Align2::RIGHT_TOP).fixed_pos(at).show(ui.ctx(), |ui| {
+        theme::over_the_view(ui);
         let frame = egui::Frame::popup(ui.style()).fill(theme::PANEL.gamma_multiply(0.94)).inner_margin(10);
         frame.show(ui, |ui| {
             ui.set_width(WIDTH);
             ui.horizontal(|ui| {
-                ui.label(RichText::new("Picked element").strong().size(14.0).color(theme::TEXT_STRONG));
+                ui.label(RichText::new("Picked element").strong().size(14.0));
                 ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
                     close = ui.button("Close").on_hover_text("Let go of the element").clicked();
                 });
@@ -48,8 +49,8 @@ fn show_facts(ui: &mut Ui, picked: &PickedElement, snapshot: &Snapshot, scene: &
             ui.add(egui::Label::new(value).truncate());
             ui.end_row();
         };
-        row("material", RichText::new(material).color(theme::TEXT_STRONG));
-        row("group", RichText::new(group).color(theme::TEXT_STRONG));
+        row("material", RichText::new(material).strong());
+        row("group", RichText::new(group).strong());
         row("polygon", theme::value(format::count(leaf.polygon)));
         row("area", theme::value(format::quantity(leaf.area.into(), "m²")));
         row("level", theme::value(leaf.level.to_string()));
