@@ -25,7 +25,7 @@ pub(super) fn show(ui: &Ui, view: Rect, freeze: &mut Freeze) {
         Sides::A => label(&painter, pos2(view.center().x, view.top() + 12.0), Align2::CENTER_TOP, "A, frozen"),
         Sides::B => label(&painter, pos2(view.center().x, view.top() + 12.0), Align2::CENTER_TOP, "B, running"),
         Sides::Difference => {
-            panels::legend::show_difference(ui, view, "B darker than A – B brighter");
+            panels::legend::show_difference(ui, view, "B darker – brighter");
         }
     }
 }
