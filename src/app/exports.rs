@@ -1,6 +1,6 @@
 //! What the window writes to disk, each on a thread of its own: pictures, meshes, links, settings and statistics.
 //!
-//! One file is written at a time; the window goes on meanwhile and says what came of it.
+//! One file is written at a time; the window goes on meanwhile and says what came of it. Whoever tires of waiting may cancel.
 
 use std::fs::File;
 use std::io::{self, BufWriter, Write};
@@ -15,6 +15,7 @@ use image::{ImageFormat, RgbaImage};
 use super::dialog::Dialog;
 use super::paint::Picture;
 use super::{Wake, format};
+use crate::cancel::CancelToken;
 use crate::export::{LitMesh, MeshFormat, exr, links};
 use crate::render::{Offscreen, Overlay, RenderError};
 use crate::scene::Scene;
@@ -75,6 +76,7 @@ pub(super) struct Exports {
 
 struct Writing {
     path: PathBuf,
+    cancel: CancelToken,
     since: Instant,
     answers: Receiver<Result<String, String>>,
 }
@@ -114,23 +116,31 @@ impl Exports {
         self.writing.as_ref().map(|writing| (writing.path.as_path(), writing.since))
     }
 
+    /// Gives up on the file that is being written: nobody waits for its thread, which stops before it writes.
+    pub(super) fn cancel(&mut self) {
+        if let Some(writing) = self.writing.take() {
+            writing.cancel.cancel();
+        }
+    }
+
     /// Writes a file on a thread of its own; `write` returns what to say of it.
     pub(super) fn begin(
         &mut self,
         path: PathBuf,
         wake: &Wake,
-        write: impl FnOnce(&Path) -> Result<String, String> + Send + 'static,
+        write: impl FnOnce(&Target) -> Result<String, String> + Send + 'static,
     ) {
         let (answer, answers) = channel();
-        let (wake, of_thread) = (wake.clone(), path.clone());
+        let cancel = CancelToken::new();
+        let (wake, target) = (wake.clone(), Target { path: path.clone(), cancel: cancel.clone() });
         let work = move || {
             // The window may be gone by now.
-            let _ = answer.send(write(&of_thread));
+            let _ = answer.send(write(&target));
             wake();
         };
         self.outcome = None;
         match Builder::new().name("export".into()).spawn(work) {
-            Ok(_) => self.writing = Some(Writing { path, since: Instant::now(), answers }),
+            Ok(_) => self.writing = Some(Writing { path, cancel, since: Instant::now(), answers }),
             Err(error) => {
                 self.outcome = Some(Err(format!("{}: no thread is left to write it ({error})", path.display())));
             }
@@ -159,13 +169,13 @@ fn suggested(scene: &str) -> String {
 }
 
 /// Writes a picture as it is shown.
-pub(super) fn write_png(path: &Path, picture: &Picture) -> Result<String, String> {
+pub(super) fn write_png(target: &Target, picture: &Picture) -> Result<String, String> {
     let drawn = draw(picture).map_err(|error| error.to_string())?;
     let mut encoded = io::Cursor::new(Vec::new());
     drawn.write_to(&mut encoded, ImageFormat::Png).map_err(|error| error.to_string())?;
-    write(path, |writer| writer.write_all(encoded.get_ref()))?;
+    target.write(|writer| writer.write_all(encoded.get_ref()))?;
     let [width, height] = picture.size;
-    Ok(saved(path, &format!("{width} × {height} pixels")))
+    Ok(target.saved(&format!("{width} × {height} pixels")))
 }
 
 /// Draws what the window shows, both sides of a split view included.
@@ -186,49 +196,66 @@ fn draw(picture: &Picture) -> Result<RgbaImage, RenderError> {
 }
 
 /// Writes what the view shows as radiosities in W/m².
-pub(super) fn write_exr(path: &Path, picture: &Picture, lit: &Snapshot) -> Result<String, String> {
+pub(super) fn write_exr(target: &Target, picture: &Picture, lit: &Snapshot) -> Result<String, String> {
     let drawn = Offscreen::new()
         .and_then(|mut offscreen| offscreen.radiosities(lit, &picture.camera, picture.size))
         .map_err(|error| error.to_string())?;
-    write(path, |writer| exr::write(writer, &drawn))?;
+    target.write(|writer| exr::write(writer, &drawn))?;
     let [width, height] = picture.size;
-    Ok(saved(path, &format!("{width} × {height} pixels, W/m²")))
+    Ok(target.saved(&format!("{width} × {height} pixels, W/m²")))
 }
 
 /// Writes the lit mesh.
-pub(super) fn write_mesh(path: &Path, form: MeshFormat, snapshot: &Snapshot, scene: &Scene) -> Result<String, String> {
+pub(super) fn write_mesh(
+    target: &Target,
+    form: MeshFormat,
+    snapshot: &Snapshot,
+    scene: &Scene,
+) -> Result<String, String> {
     let lit = LitMesh::of(snapshot, &scene.materials);
-    write(path, |writer| form.write(writer, &lit))?;
-    Ok(saved(path, &format::things(snapshot.mesh.triangles.len(), "triangle", "triangles")))
+    target.write(|writer| form.write(writer, &lit))?;
+    Ok(target.saved(&format::things(snapshot.mesh.triangles.len(), "triangle", "triangles")))
 }
 
 /// Writes the links of a snapshot that carries its anatomy.
-pub(super) fn write_links(path: &Path, snapshot: &Arc<Snapshot>) -> Result<String, String> {
+pub(super) fn write_links(target: &Target, snapshot: &Arc<Snapshot>) -> Result<String, String> {
     let anatomy = snapshot.anatomy.as_ref().ok_or("the links are not there yet: try again")?;
     let rows = links::rows(anatomy);
-    write(path, |writer| links::write(writer, &rows))?;
-    Ok(saved(path, &format::things(rows.len(), "link", "links")))
+    target.write(|writer| links::write(writer, &rows))?;
+    Ok(target.saved(&format::things(rows.len(), "link", "links")))
 }
 
 /// Writes a text that is there already.
-pub(super) fn write_text(path: &Path, text: &str) -> Result<String, String> {
-    write(path, |writer| writer.write_all(text.as_bytes()))?;
-    Ok(saved(path, &format::bytes(text.len())))
+pub(super) fn write_text(target: &Target, text: &str) -> Result<String, String> {
+    target.write(|writer| writer.write_all(text.as_bytes()))?;
+    Ok(target.saved(&format::bytes(text.len())))
 }
 
-fn saved(path: &Path, what: &str) -> String {
-    format!("Saved {} ({what}).", path.display())
+/// Where a thread writes, unless somebody gave up on it.
+pub(super) struct Target {
+    path: PathBuf,
+    cancel: CancelToken,
 }
 
-fn write(path: &Path, content: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>) -> Result<(), String> {
-    let write = || {
-        let mut writer = BufWriter::new(File::create(path)?);
-        content(&mut writer)?;
-        writer.flush()
-    };
-    write().map_err(|error| {
-        format!("{}: cannot be written ({error}); choose a folder that you may write to.", path.display())
-    })
+impl Target {
+    fn saved(&self, what: &str) -> String {
+        format!("Saved {} ({what}).", self.path.display())
+    }
+
+    fn write(&self, content: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>) -> Result<(), String> {
+        if self.cancel.is_cancelled() {
+            return Err(String::new());
+        }
+        let write = || {
+            let mut writer = BufWriter::new(File::create(&self.path)?);
+            content(&mut writer)?;
+            writer.flush()
+        };
+        write().map_err(|error| {
+            let path = self.path.display();
+            format!("{path}: cannot be written ({error}); choose a folder that you may write to.")
+        })
+    }
 }
 
 #[cfg(test)]

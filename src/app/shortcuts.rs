@@ -44,6 +44,10 @@ const SHORTCUTS: [Shortcut; 15] = [
     (Key::Escape, Modifiers::NONE, "Esc", "close this list, leave the full picture", Deed::Leave),
 ];
 
+/// Size of the list, points: egui would find it only after some frames.
+const LIST_WIDTH: f32 = 670.0;
+const LIST_HEIGHT: f32 = 430.0;
+
 /// What egui does by itself.
 const SCALING: (&str, &str) = ("Ctrl + − 0", "everything larger, smaller, as it was");
 
@@ -107,13 +111,17 @@ pub(super) fn show_list(app: &mut App, ctx: &egui::Context) {
         .collapsible(false)
         .resizable(false)
         .anchor(egui::Align2::CENTER_CENTER, [0.0, 0.0])
+        .default_width(LIST_WIDTH)
+        .min_width(LIST_WIDTH)
         .show(ctx, |ui| {
-            ui.horizontal_top(|ui| {
-                column(ui, "In the view", &panels::controls::CONTROLS);
-                ui.add_space(24.0);
-                let keys: Vec<_> =
-                    SHORTCUTS.iter().map(|(_, _, key, effect, _)| (*key, *effect)).chain([SCALING]).collect();
-                column(ui, "Anywhere", &keys);
+            ui.set_min_size(egui::vec2(LIST_WIDTH, LIST_HEIGHT));
+            egui::Frame::new().inner_margin(8).show(ui, |ui| {
+                ui.horizontal_top(|ui| {
+                    column(ui, "In the view", &panels::controls::CONTROLS);
+                    ui.add_space(24.0);
+                    let keys = SHORTCUTS.iter().map(|(_, _, key, effect, _)| (*key, *effect)).chain([SCALING]);
+                    column(ui, "Anywhere", &keys.collect::<Vec<_>>());
+                });
             });
         });
     app.are_keys_shown = is_open;

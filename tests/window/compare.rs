@@ -79,7 +79,7 @@ fn the_table_tells_what_differs_and_the_view_shows_where() {
     let of_a = links(&window);
     finer(&mut window);
     let grouped = |count: usize| selflink::format::count(count as u64);
-    for text in ["1.00e-3 Φ".to_owned(), grouped(of_a), grouped(links(&window))] {
+    for text in ["0.00100 Φ".to_owned(), grouped(of_a), grouped(links(&window))] {
         assert!(window.query_all_by_label(&text).next().is_some(), "{text}");
     }
     until(&mut window, "the difference", |window| {

@@ -148,6 +148,12 @@ fn the_next_start_goes_on_where_the_last_ended() {
     click(&mut window, "Compare");
     window.get_by_role_and_label(Role::Slider, "ε relative").set_value_accesskit(5e-3);
     until(&mut window, "a finer ε", |window| window.state().status().params.epsilon == Epsilon::Relative(5e-3));
+    // A solution that was refined on its way differs from one that starts with this ε.
+    let generation = window.state().snapshot().expect("a picture").generation;
+    click(&mut window, "Restart");
+    until(&mut window, "a fresh solve", |window| {
+        window.state().snapshot().is_some_and(|shown| shown.generation > generation)
+    });
     finish(&mut window);
     let centre = window.state().view_rect().center();
     window.drag_at(centre);
@@ -176,9 +182,13 @@ fn a_scene_that_is_gone_is_said_and_replaced() {
         solver: SolverParams { rays_min: 0, ..coarse() },
         ..Settings::default()
     };
-    // Only what is read again matters, not how the whole is called.
+    // As the window writes it; what it lacks is as it is by default.
+    #[derive(serde::Serialize)]
+    struct Session {
+        settings: Settings,
+    }
     let mut storage = MemoryStorage::default();
-    eframe::set_value(&mut storage, "session", &HashMap::from([("settings", settings)]));
+    eframe::set_value(&mut storage, "session", &Session { settings });
     let mut window = resumed(storage);
     until(&mut window, "the default scene", |window| window.state().snapshot().is_some());
     assert_eq!(window.state().scene_info().expect("a scene").scene.name, "cornell");

@@ -10,6 +10,9 @@ use super::super::freeze::{Freeze, Frozen, Sides};
 use super::super::{App, format, theme};
 use crate::solver::{PARAMETERS, Snapshot, SolverParams, Stats};
 
+/// Numbers that differ by less than this share are alike.
+const WORTH_TELLING: f64 = 0.01;
+
 /// A row of the table: name, A, B and, where it is a number, how much of A's B is.
 struct Row {
     name: String,
@@ -118,7 +121,11 @@ fn differing_settings(a: &SolverParams, b: &SolverParams) -> Vec<Row> {
         return Vec::new();
     };
     let differ = a.iter().filter_map(|(key, of_a)| Some((key, of_a, b.get(key)?))).filter(|(_, a, b)| a != b);
-    differ.map(|(key, a, b)| Row { name: label_of(key), a: text_of(a), b: text_of(b), ratio: None }).collect()
+    let text = |key: &str, value: &Value| match (key, value.as_f64()) {
+        ("error", Some(share)) => format!("{} %", format::number(100.0 * share)),
+        _ => text_of(value),
+    };
+    differ.map(|(key, a, b)| Row { name: label_of(key), a: text(key, a), b: text(key, b), ratio: None }).collect()
 }
 
 /// The panel's name of a parameter.
@@ -155,7 +162,12 @@ fn results(frozen: &Frozen, b: &Snapshot, measured: Option<(f64, f64)>, differen
     let (of_a, of_b) = (&frozen.snapshot.stats, &b.stats);
     let row = |name: &str, text: fn(f64) -> String, value: fn(&Stats) -> f64| {
         let (a, b) = (value(of_a), value(of_b));
-        Row { name: name.into(), a: text(a), b: text(b), ratio: (a > 0.0 && a != b).then(|| b / a) }
+        Row {
+            name: name.into(),
+            a: text(a),
+            b: text(b),
+            ratio: (a > 0.0 && (b / a - 1.0).abs() >= WORTH_TELLING).then(|| b / a),
+        }
     };
     let count = |value: f64| format::count(value as u64);
     let mut rows = vec![

@@ -53,7 +53,7 @@ pub(super) fn show(app: &mut App, ui: &mut Ui) {
         ask(app, item);
     }
     show_question(app, ui);
-    show_state(&app.exports, ui);
+    show_state(&mut app.exports, ui);
 }
 
 fn heading(ui: &mut Ui, text: &str) {
@@ -162,10 +162,17 @@ fn show_question(app: &mut App, ui: &mut Ui) {
     });
 }
 
-fn show_state(exports: &Exports, ui: &mut Ui) {
+fn show_state(exports: &mut Exports, ui: &mut Ui) {
     if let Some((path, since)) = exports.writing() {
         let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
-        ui.label(format!("Writing {name}, {}…", format::seconds(since.elapsed().as_secs_f64())));
+        let text = format!("Writing {name}, {}…", format::seconds(since.elapsed().as_secs_f64()));
+        let is_given_up = ui.horizontal(|ui| {
+            ui.label(text);
+            ui.button("Cancel").on_hover_text("Do not write this file").clicked()
+        });
+        if is_given_up.inner {
+            exports.cancel();
+        }
         ui.ctx().request_repaint_after(std::time::Duration::from_millis(250));
     }
     match &exports.outcome {
@@ -192,27 +199,25 @@ fn begin(app: &mut App, item: Item) {
     let settings = app.settings();
     let (exports, wake) = (&mut app.exports, &app.wake);
     match (item, picture) {
-        (Item::Png, Some(picture)) => exports.begin(path, wake, move |path| exports::write_png(path, &picture)),
-        (Item::Exr, Some(picture)) => {
-            exports.begin(path, wake, move |path| exports::write_exr(path, &picture, &snapshot))
-        }
+        (Item::Png, Some(picture)) => exports.begin(path, wake, move |to| exports::write_png(to, &picture)),
+        (Item::Exr, Some(picture)) => exports.begin(path, wake, move |to| exports::write_exr(to, &picture, &snapshot)),
         (Item::Png | Item::Exr, None) => exports.outcome = Some(Err("Nothing has been drawn yet.".into())),
         (Item::Ply, _) => {
-            exports.begin(path, wake, move |path| exports::write_mesh(path, MeshFormat::Ply, &snapshot, &scene));
+            exports.begin(path, wake, move |to| exports::write_mesh(to, MeshFormat::Ply, &snapshot, &scene));
         }
         (Item::Glb, _) => {
-            exports.begin(path, wake, move |path| exports::write_mesh(path, MeshFormat::Glb, &snapshot, &scene));
+            exports.begin(path, wake, move |to| exports::write_mesh(to, MeshFormat::Glb, &snapshot, &scene));
         }
-        (Item::Links, _) => exports.begin(path, wake, move |path| exports::write_links(path, &snapshot)),
-        (Item::Settings, _) => exports.begin(path, wake, move |path| {
-            exports::write_text(path, &settings.to_json().map_err(|error| error.to_string())?)
+        (Item::Links, _) => exports.begin(path, wake, move |to| exports::write_links(to, &snapshot)),
+        (Item::Settings, _) => exports.begin(path, wake, move |to| {
+            exports::write_text(to, &settings.to_json().map_err(|error| error.to_string())?)
         }),
-        (Item::Statistics, _) => exports.begin(path, wake, move |path| {
+        (Item::Statistics, _) => exports.begin(path, wake, move |to| {
             let report = serde_json::json!({
                 "scene": scene.name, "settings": settings, "statistics": snapshot.stats,
             });
             let text = serde_json::to_string_pretty(&report).map_err(|error| error.to_string())?;
-            exports::write_text(path, &(text + "\n"))
+            exports::write_text(to, &(text + "\n"))
         }),
     }
 }

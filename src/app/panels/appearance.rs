@@ -15,7 +15,7 @@ pub(super) fn show(ui: &mut Ui, appearance: &mut Appearance) {
             for (theme, name) in [
                 (ThemePreference::Dark, "dark"),
                 (ThemePreference::Light, "bright"),
-                (ThemePreference::System, "as the system"),
+                (ThemePreference::System, "system"),
             ] {
                 if ui.selectable_value(&mut appearance.theme, theme, name).changed() {
                     ui.ctx().set_theme(theme);

@@ -30,7 +30,7 @@ struct Legend<'a> {
 /// The legend of the difference between two solutions.
 pub(in super::super) fn show_difference(ui: &mut Ui, view: Rect) {
     let hint = "Difference of the radiosities, relative to that of A at the same point";
-    show_shading(ui, view, Shading::Difference, ("B darker than A – B brighter", hint));
+    show_shading(ui, view, Shading::Difference, ("B darker – brighter", hint));
 }
 
 /// The legend of errors; nothing for light.
