@@ -90,6 +90,7 @@ pub struct App {
     view: Viewport,
     picked: Option<PickedElement>,
     inspection: Inspection,
+    inspector: dock::Inspector,
     marks: MarksOverView,
     /// What the mouse is over, in a panel or in the view.
     pointing: Pointing,
@@ -153,6 +154,7 @@ impl App {
             view: Viewport::default(),
             picked: None,
             inspection: Inspection::default(),
+            inspector: dock::Inspector::default(),
             marks: MarksOverView::default(),
             pointing: Pointing::default(),
             time_left: TimeLeft::default(),
@@ -225,6 +227,21 @@ impl App {
         let picked = self.shown.snapshot.as_ref().and_then(|snapshot| PickedElement::by_id(snapshot, id));
         if picked.is_some() {
             self.picked = picked;
+        }
+    }
+
+    /// Brings what panels show of the picked element up to date.
+    fn inspect_picked(&mut self, ctx: &egui::Context) {
+        let (Some(picked), Some(snapshot), Some(info)) = (&self.picked, &self.shown.snapshot, &self.shown.info) else {
+            return;
+        };
+        // The card tells what lights an element; only the inspector can be turned round.
+        let direction = match self.tool {
+            Some(dock::Tool::Inspector) => self.inspector.direction(),
+            _ => inspection::Direction::In,
+        };
+        if self.inspection.look(snapshot, &info.scene, picked.element, direction) {
+            ctx.request_repaint_after(LATER);
         }
     }
 
@@ -305,6 +322,7 @@ impl eframe::App for App {
                 files::DialogAnswer::NoDialog => self.messages.note(files::NO_DIALOG.into()),
             }
         }
+        self.inspect_picked(ui.ctx());
         panels::show_sides(self, ui, &mut outbox);
         egui::Panel::top("tools").show(ui, |ui| dock::show_bar(self, ui));
         dock::show(self, ui, &mut outbox);
@@ -317,7 +335,8 @@ impl eframe::App for App {
                 self.pick(clicked);
             }
         });
-        let wants_anatomy = self.picked.is_some() || self.tool.is_some_and(dock::Tool::reads_anatomy);
+        let links_wanted = self.picked.is_some() || self.display.links.of == settings::LinksOf::Level;
+        let wants_anatomy = links_wanted || self.tool.is_some_and(dock::Tool::reads_anatomy);
         outbox.extend(self.looking.command(wants_anatomy));
         self.pointing.end_frame(ui.ctx());
         for command in outbox {

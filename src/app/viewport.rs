@@ -67,6 +67,17 @@ impl Viewport {
         }
     }
 
+    /// Turns the eye towards a point that lies beyond the edges of the view; one within them moves nothing.
+    pub(super) fn turn_towards_unseen(&mut self, point: Vec3) {
+        let aspect = self.aspect();
+        if let Some(camera) = self.camera.as_mut() {
+            let clip = camera.clip_from_world(aspect) * point.extend(1.0);
+            if clip.w <= 0.0 || clip.x.abs() > clip.w || clip.y.abs() > clip.w {
+                camera.look_at(point);
+            }
+        }
+    }
+
     fn aspect(&self) -> f32 {
         if self.rect.height() > 0.0 { self.rect.width() / self.rect.height() } else { 1.0 }
     }
@@ -168,10 +179,8 @@ pub(super) fn show(app: &mut App, ui: &mut Ui, outbox: &mut Outbox) -> Option<Cl
         let pixels = |points: f32| (points * scale).round().max(1.0) as u32;
         let deepest = snapshot.clusters.iter().map(|cluster| cluster.level).max().unwrap_or(0);
         let is_dark = app.shown.info.as_ref().is_some_and(|info| !info.has_light);
-        // Without links the picked element still has its rim.
-        let most = if app.display.show_links { app.display.strongest_links } else { 0 };
-        let marks =
-            app.marks.over(&snapshot, app.picked.as_ref().map(|picked| picked.element), most, app.pointing.now());
+        let picked = app.picked.as_ref().map(|picked| picked.element);
+        let marks = app.marks.over(&snapshot, picked, &app.inspection, &app.display.links, app.pointing.now());
         let painted = app.comparison.painted();
         let picture = Picture {
             camera,
@@ -185,6 +194,7 @@ pub(super) fn show(app: &mut App, ui: &mut Ui, outbox: &mut Outbox) -> Option<Cl
     if app.comparison.error().is_some() {
         panels::legend::show(ui, rect, app.comparison.shading);
     }
+    panels::links::show_legend(app, ui, rect);
     panels::picked::show(app, ui, rect);
     panels::empty::show_loading(app, ui, rect, outbox);
     panels::empty::show_drop_hint(ui, rect);

@@ -10,6 +10,7 @@
 mod buffer;
 mod camera;
 mod display;
+mod links;
 mod offscreen;
 mod outline;
 mod overlay;
@@ -21,9 +22,10 @@ mod target;
 
 pub use camera::Camera;
 pub use display::{Display, Exposure, auto_exposure, encode_gamma, tone_curve};
+pub use links::{ChosenLinks, LinkColour, LinkFilter, LinkStyle, Seen, USUAL_LINKS, level_colour};
 pub use offscreen::Offscreen;
 pub use outline::element_outline;
-pub use overlay::{Line, Marks, Overlay, USUAL_LINKS, link_marks, power_colour};
+pub use overlay::{Line, Marks, Overlay, picked_marks, power_colour};
 pub use pick::{Picked, pick};
 pub use ramp::{BLUE_WHITE_RED, VIRIDIS, along_ramp};
 pub use renderer::{Frame, SceneRenderer, sample_count};

@@ -7,6 +7,8 @@ mod inspector;
 use egui::{RichText, ScrollArea, Ui};
 use serde::{Deserialize, Serialize};
 
+pub(super) use inspector::Inspector;
+
 use super::{App, Outbox, theme};
 
 /// A tool of the dock.
@@ -52,7 +54,7 @@ const TOOLS: [(Tool, &str, &str); 6] = [
 const WIDTHS: std::ops::RangeInclusive<f32> = 300.0..=900.0;
 const FIRST_WIDTH: f32 = 380.0;
 /// For a table of links.
-const FIRST_WIDTH_OF_TABLE: f32 = 470.0;
+const FIRST_WIDTH_OF_TABLE: f32 = 500.0;
 
 /// The bar above the view: a switch for each tool.
 pub(super) fn show_bar(app: &mut App, ui: &mut Ui) {

@@ -6,6 +6,7 @@ pub(super) mod display;
 pub(super) mod empty;
 pub(super) mod legend;
 pub(super) mod light;
+pub(super) mod links;
 pub(super) mod parameters;
 pub(super) mod picked;
 pub(super) mod scene;

@@ -78,6 +78,20 @@ impl Anatomy {
         views
     }
 
+    /// Everything that brings light to an element: its own links, those of all that holds it and of its parts. In no order.
+    pub fn all_incoming(&self, id: ElementId) -> Vec<LinkView> {
+        let mut links = self.incoming(id);
+        links.append(&mut self.incoming_of_parts(id));
+        links
+    }
+
+    /// Everything that takes light of an element elsewhere, likewise.
+    pub fn all_outgoing(&self, id: ElementId) -> Vec<LinkView> {
+        let mut links = self.outgoing(id);
+        links.append(&mut self.outgoing_of_parts(id));
+        links
+    }
+
     /// The elements below one, with their levels above it, which are negative.
     fn visit_parts(&self, id: ElementId, visit: &mut impl FnMut(ElementId, i16)) {
         let mut waiting: Vec<(ElementId, i16)> =
@@ -89,10 +103,9 @@ impl Anatomy {
     }
 
     /// Links of all receivers at a depth.
-    pub fn links_at_depth(&self, depth: u16) -> Vec<LinkView> {
-        let receivers = self.hierarchy.ids().filter(|&id| self.depth(id) == depth);
-        let of = |receiver: ElementId| self.links.of(receiver).iter().map(move |link| self.view(receiver, link, 0));
-        receivers.flat_map(of).collect()
+    pub fn links_at_depth(&self, depth: u16) -> impl Iterator<Item = LinkView> {
+        let receivers = self.hierarchy.ids().filter(move |&id| self.depth(id) == depth);
+        receivers.flat_map(move |receiver| self.links.of(receiver).iter().map(move |link| self.view(receiver, link, 0)))
     }
 
     /// What links bring, summed up by the ends away from the element that was asked for (`far`), each as the element that holds it at a
