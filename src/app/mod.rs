@@ -182,6 +182,11 @@ impl App {
         &self.shown.status
     }
 
+    /// The picked element, in the snapshot in view.
+    pub fn picked_element(&self) -> Option<ElementId> {
+        self.picked.as_ref().map(|picked| picked.element)
+    }
+
     /// Where the view lies in the window, points.
     pub fn view_rect(&self) -> egui::Rect {
         self.view.rect()

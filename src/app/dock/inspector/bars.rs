@@ -15,7 +15,9 @@ const MOST: usize = 6;
 const HEIGHT: f32 = 17.0;
 /// Widths of the name and of the numbers, points.
 const NAME: f32 = 178.0;
-const NUMBERS: f32 = 118.0;
+const NUMBERS: f32 = 136.0;
+/// Share of E by which it and what links bring may differ and still be the same.
+const SAME: f32 = 0.01;
 /// Level by which far ends are summed up at first.
 const USUAL_LEVEL: u16 = 3;
 
@@ -96,6 +98,13 @@ fn unit(direction: Direction) -> &'static str {
     }
 }
 
+/// E where it is not what links bring, because the final gather looked past them.
+fn gathered(inspection: &Inspection, direction: Direction, total: Vec3) -> Option<f32> {
+    let irradiance = inspection.facts.as_ref()?.irradiance;
+    let off = (irradiance - total).abs().max_element();
+    (direction == Direction::In && off > SAME * irradiance.max_element()).then(|| irradiance.max_element())
+}
+
 fn show_heading(ui: &mut Ui, subject: &Subject<'_>, inspection: &Inspection, direction: Direction, bars: &mut Bars) {
     let links = format::things(inspection.links.len(), "link", "links");
     let total = format::quantity(bars.total.max_element().into(), unit(direction));
@@ -105,6 +114,11 @@ fn show_heading(ui: &mut Ui, subject: &Subject<'_>, inspection: &Inspection, dir
             Direction::Out => (format!("{links} carry {total}"), "Of the light that leaves it; the brightest colour"),
         };
         ui.label(RichText::new(text).color(theme::TEXT_STRONG)).on_hover_text(hint);
+        if let Some(irradiance) = gathered(inspection, direction, bars.total) {
+            let text = format!("final gather {}", compact(irradiance));
+            let hint = "E of the final gather, which looks past the links once they are there: the difference is what links hide";
+            ui.label(theme::weak(text)).on_hover_text(hint);
+        }
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
             let deepest = subject.anatomy.deepest();
             let mut level = bars.level.min(deepest);

@@ -153,10 +153,25 @@ fn show_direction(ui: &mut Ui, direction: &mut Direction) {
     });
 }
 
-/// Digits that fit into a narrow column.
+/// A number in six characters at most: 12,345, 12.3, 0.0123, 0.0012, 1.2e-5.
 fn compact(value: f32) -> String {
     match value.abs() {
-        size if size > 0.0 && !(1e-3..1e5).contains(&size) => format!("{value:.0e}"),
+        size if size > 0.0 && !(1e-3..1e5).contains(&size) => format!("{value:.1e}"),
+        size if size > 0.0 && size < 1e-2 => format!("{value:.4}"),
         _ => format::number(value.into()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Written out by hand.
+    #[test]
+    fn numbers_fit_into_their_columns() {
+        let values = [0.0, 12_345.0, 123_456.0, 12.34, 0.012_34, 0.001_234, 1.234e-5, 0.999, 1e-3];
+        let read = values.map(compact);
+        assert_eq!(read, ["0", "12,345", "1.2e5", "12.3", "0.0123", "0.0012", "1.2e-5", "0.999", "0.0010"]);
+        assert!(read.iter().all(|text| text.len() <= 6));
     }
 }
