@@ -13,11 +13,15 @@ mod inspection;
 mod launch;
 mod looking;
 mod marks;
+mod measure_marks;
+mod measuring;
 mod messages;
 mod names;
 mod paint;
 mod panels;
 mod picked;
+mod readings;
+mod save_dialog;
 mod settings;
 mod theme;
 mod time_left;
@@ -37,16 +41,18 @@ use crate::format;
 use crate::hierarchy::ElementId;
 use crate::scene::Source;
 use crate::solver::{Snapshot, SolverParams};
-use crate::worker::{Command, Event, SceneInfo, SolverThread, Status};
+use crate::worker::{Command, Event, RunState, SceneInfo, SolverThread, Status};
 use comparison::Comparison;
 use files::Files;
 use highlight::Pointing;
 use inspection::Inspection;
 use looking::Looking;
 use marks::MarksOverView;
+use measuring::Measuring;
 use messages::Messages;
 use panels::light::LampEditor;
 use picked::PickedElement;
+use readings::ReadingInView;
 use settings::DisplaySettings;
 use time_left::{Clock, TimeLeft};
 use viewport::Viewport;
@@ -87,6 +93,8 @@ pub struct App {
     files: Files,
     lamp: LampEditor,
     display: DisplaySettings,
+    reading: ReadingInView,
+    measuring: Measuring,
     view: Viewport,
     picked: Option<PickedElement>,
     inspection: Inspection,
@@ -151,6 +159,8 @@ impl App {
             files: Files::new(recent),
             lamp: LampEditor::default(),
             display,
+            reading: ReadingInView::default(),
+            measuring: Measuring::default(),
             view: Viewport::default(),
             picked: None,
             inspection: Inspection::default(),
@@ -218,6 +228,7 @@ impl App {
             self.follow_picked(&latest);
             self.shown.snapshot = Some(latest);
         }
+        self.follow_measuring();
     }
 
     /// Finds the picked element in a newer snapshot.
@@ -247,6 +258,14 @@ impl App {
         };
         if self.inspection.look(snapshot, &info.scene, picked.element, direction) {
             ctx.request_repaint_after(LATER);
+        }
+    }
+
+    /// Shows the surveyor what is in view, and takes up what it found.
+    fn follow_measuring(&mut self) {
+        if let (Some(snapshot), Some(info)) = (&self.shown.snapshot, &self.shown.info) {
+            let is_settled = matches!(self.shown.status.run, RunState::Finished | RunState::Paused);
+            self.measuring.note(&info.scene, snapshot, is_settled);
         }
     }
 
@@ -288,6 +307,7 @@ impl App {
             self.view.start_with(&info.scene);
             self.picked = None;
             self.lamp = LampEditor::for_scene(&info.scene);
+            self.measuring.start_with(&info.scene);
             // A correction made for another scene's light would make this one black or white.
             self.display.auto_stops = 0.0;
         }
@@ -301,6 +321,15 @@ impl App {
 
     fn pick(&mut self, clicked: viewport::Clicked) {
         let (Some(snapshot), Some(info)) = (&self.shown.snapshot, &self.shown.info) else { return };
+        if self.tool == Some(dock::Tool::Measure) && self.measuring.places_probes {
+            if let Some(found) = PickedElement::at(snapshot, clicked.origin, clicked.direction) {
+                let leaf = snapshot.mesh.leaves.iter().find(|leaf| leaf.element == found.element);
+                if let Some(polygon) = leaf.and_then(|leaf| info.scene.polygons.get(leaf.polygon as usize)) {
+                    self.measuring.place(found.point, info.scene.normal(polygon), &self.wake);
+                }
+            }
+            return;
+        }
         self.picked = PickedElement::at(snapshot, clicked.origin, clicked.direction);
         if let Some(picked) = &self.picked {
             if let Some(leaf) = snapshot.mesh.leaves.iter().find(|leaf| leaf.element == picked.element) {

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::render::{Display, Exposure, LinkFilter, LinkStyle, Marks, Overlay};
+use crate::render::{Display, Exposure, LinkFilter, LinkStyle, Marks, Overlay, ReadingSettings};
 
 /// How the picture is shown.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -22,6 +22,10 @@ pub(super) struct DisplaySettings {
     pub cluster_level: u16,
     /// Links over the view.
     pub links: LinkOverlay,
+    /// What is read off the surfaces.
+    pub reading: ReadingSettings,
+    /// Values of isolux lines as they were typed, in the unit shown; empty for round ones.
+    pub isolux_text: String,
 }
 
 /// Which links are drawn over the view, and how.
@@ -64,6 +68,8 @@ impl Default for DisplaySettings {
             show_clusters: false,
             cluster_level: 2,
             links: LinkOverlay::default(),
+            reading: ReadingSettings::default(),
+            isolux_text: String::new(),
         }
     }
 }
@@ -75,7 +81,7 @@ impl DisplaySettings {
             true => Exposure::Auto { stops: self.auto_stops },
             false => Exposure::Manual { stops: self.manual_stops },
         };
-        Display { exposure, as_colours: false }
+        Display { exposure, ..Display::default() }
     }
 
     /// As the renderer wants it; cluster levels beyond the deepest show the deepest. A scene without light would be

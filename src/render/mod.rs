@@ -17,6 +17,8 @@ mod overlay;
 mod pick;
 mod pipelines;
 mod ramp;
+mod reading;
+mod reading_settings;
 mod renderer;
 mod target;
 
@@ -27,7 +29,9 @@ pub use offscreen::Offscreen;
 pub use outline::element_outline;
 pub use overlay::{Line, Marks, Overlay, picked_marks, power_colour};
 pub use pick::{Picked, pick};
-pub use ramp::{BLUE_WHITE_RED, VIRIDIS, along_ramp};
+pub use ramp::{BLUE_WHITE_RED, CIVIDIS, Ramp, VIRIDIS, along_ramp};
+pub use reading::{ColourScale, Isolines, MOST_ISOLINES, Reading, Spacing};
+pub use reading_settings::{IsolinesWanted, Mark, ReadingSettings, Show};
 pub use renderer::{Frame, SceneRenderer, sample_count};
 
 #[cfg(doc)]

@@ -4,7 +4,9 @@
 //! Vulkan serves.
 #![cfg(feature = "gui")]
 
+mod gallery;
 mod inspector;
 mod panels;
+mod readings;
 mod support;
 mod timeline;

@@ -3,6 +3,8 @@
 //! A bar above the view opens and closes them.
 
 mod inspector;
+mod measure;
+mod readout;
 
 use egui::{RichText, ScrollArea, Ui};
 use serde::{Deserialize, Serialize};
@@ -65,6 +67,7 @@ pub(super) fn show_bar(app: &mut App, ui: &mut Ui) {
                 app.tool = (!is_open).then_some(*tool);
             }
         }
+        ui.with_layout(egui::Layout::left_to_right(egui::Align::Center), |ui| readout::show(app, ui));
     });
 }
 
@@ -87,12 +90,9 @@ pub(super) fn show(app: &mut App, ui: &mut Ui, _outbox: &mut Outbox) {
             Tool::Inspector => inspector::show(app, ui),
             Tool::Matrix => {}
             Tool::Clusters | Tool::Measure | Tool::Compare | Tool::Export => {
-                ScrollArea::vertical().auto_shrink([false, false]).show(ui, |_ui| match open {
-                    Tool::Inspector | Tool::Matrix => {}
-                    Tool::Clusters => {}
-                    Tool::Measure => {}
-                    Tool::Compare => {}
-                    Tool::Export => {}
+                ScrollArea::vertical().auto_shrink([false, false]).show(ui, |ui| match open {
+                    Tool::Measure => measure::show(ui, &app.shown, &mut app.measuring, &mut app.messages, &app.wake),
+                    Tool::Inspector | Tool::Matrix | Tool::Clusters | Tool::Compare | Tool::Export => {}
                 });
             }
         }
