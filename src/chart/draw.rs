@@ -184,7 +184,7 @@ fn plot<B: DrawingBackend>(
     (x, y): (LogAxis, LogAxis),
 ) -> Result<(), DrawingAreaErrorKind<B::ErrorType>> {
     let chart = drawing.chart;
-    let text = |size: f64, colour: RGBColor| (family(), size).into_font().color(&colour);
+    let text = |size: f64, colour: RGBColor| (font_family(), size).into_font().color(&colour);
     root.fill(&WHITE)?;
     let (measure, of_measure) = match drawing.shown {
         Shown::Rms => ("error", "RMS error of B as displayed, %"),
@@ -275,7 +275,7 @@ fn legend<B: DrawingBackend>(
 ) -> Result<(), DrawingAreaErrorKind<B::ErrorType>> {
     let mut y = 30;
     let name = |text: &str, y: i32| {
-        let style = (family(), 19.0).into_font().color(&INK);
+        let style = (font_family(), 19.0).into_font().color(&INK);
         area.draw(&Text::new(text.to_owned(), (66, y - 10), style))
     };
     let line =
@@ -374,7 +374,7 @@ fn tick(value: f64) -> String {
 }
 
 /// The family under which the font that comes with the program is known: pictures need no fonts of the system.
-fn family() -> &'static str {
+pub fn font_family() -> &'static str {
     static REGISTERED: OnceLock<bool> = OnceLock::new();
     const FAMILY: &str = "sans-serif";
     REGISTERED.get_or_init(|| {

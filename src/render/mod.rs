@@ -14,16 +14,15 @@ mod offscreen;
 mod overlay;
 mod pick;
 mod pipelines;
-mod ramp;
 mod renderer;
 mod target;
 
+pub use crate::ramp::{BLUE_WHITE_RED, VIRIDIS, along_ramp};
 pub use camera::Camera;
 pub use display::{Display, Exposure, auto_exposure, encode_gamma, tone_curve};
 pub use offscreen::Offscreen;
 pub use overlay::{Line, Marks, Overlay, USUAL_LINKS, link_marks, power_colour};
 pub use pick::{Picked, pick};
-pub use ramp::{BLUE_WHITE_RED, VIRIDIS, along_ramp};
 pub use renderer::{Frame, SceneRenderer, sample_count};
 
 #[cfg(doc)]

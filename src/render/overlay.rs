@@ -5,8 +5,8 @@ use std::sync::Arc;
 use glam::Vec3;
 use rustc_hash::FxHashMap;
 
-use super::ramp::{VIRIDIS, along_ramp};
 use crate::hierarchy::ElementId;
+use crate::ramp::{VIRIDIS, along_ramp};
 use crate::solver::LinkView;
 use crate::solver::snapshot::{ClusterBox, Mesh, Snapshot};
 
