@@ -4,7 +4,8 @@ use anyhow::{anyhow, bail};
 use clap::{Arg, ArgMatches, Command, value_parser};
 use selflink::cancel::CancelToken;
 use selflink::hierarchy::Room;
-use selflink::matrix::{Colouring, Drawing, Names, draw};
+use selflink::matrix::{Colouring, Drawing, draw};
+use selflink::names::Names;
 use selflink::solver::{Snapshot, Solver, Step};
 
 use super::job::{Job, Order};
@@ -78,9 +79,9 @@ pub fn run(matches: &ArgMatches) -> anyhow::Result<()> {
         }
     };
     let anatomy = snapshot.anatomy.ok_or_else(|| anyhow!("the solution tells nothing of its links"))?;
-    let names = Names::new(&job.scene, anatomy.hierarchy());
+    let names = Names::new(snapshot.generation, anatomy.hierarchy(), &job.scene);
     let (colouring, room) = (colouring.unwrap_or_default(), room.map(|(_, room)| room).unwrap_or_default());
-    let drawing = Drawing { anatomy: &anatomy, names: &names, title: &job.scene.name, room, colouring, pixels };
+    let drawing = Drawing { anatomy: &anatomy, names: &names, scene: &job.scene, room, colouring, pixels };
     let picture = draw(drawing)?;
     file.write(|writer| {
         let encoder = image::codecs::png::PngEncoder::new(writer);

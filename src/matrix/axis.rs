@@ -4,6 +4,8 @@
 //! before; as one zooms in, smaller ones take their place.
 
 use crate::hierarchy::{ElementId, Hierarchy, Order};
+use crate::names::Names;
+use crate::scene::Scene;
 
 /// Largest share of what is in view that an element of each tier takes.
 const TIERS: [f64; 3] = [0.45, 0.12, 0.03];
@@ -51,6 +53,23 @@ pub fn brackets(
     // From one end to the other, tier by tier.
     found.sort_by(|one, other| one.tier.cmp(&other.tier).then(one.span[0].total_cmp(&other.span[0])));
     found
+}
+
+/// The longest name of an element that `fits`; `None` where none does, or where an inner bracket would only repeat what the one around it
+/// says.
+pub fn fitting_name(
+    (names, scene): (&Names, &Scene),
+    hierarchy: &Hierarchy,
+    bracket: &Bracket,
+    fits: impl Fn(&str) -> bool,
+) -> Option<String> {
+    let id = bracket.element;
+    let element = hierarchy.element(id);
+    let repeats = bracket.tier > 0
+        && !element.is_cluster()
+        && element.parent().is_some_and(|up| !hierarchy.element(up).is_cluster());
+    let candidates = [Names::full, Names::label].into_iter().map(|name| name(names, hierarchy, scene, id));
+    candidates.filter(|_| !repeats).find(|name| fits(name))
 }
 
 #[cfg(test)]

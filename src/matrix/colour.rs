@@ -47,7 +47,7 @@ pub const UNJUDGED: [u8; 3] = [72, 76, 86];
 const INHERITED: [u8; 3] = [104, 182, 226];
 
 /// Power density at either end of the ramp, as a multiple of what all emitted power spread evenly over all pairs would be.
-const POWER_RANGE: [f32; 2] = [1e-3, 1e3];
+const POWER_RANGE: [f32; 2] = [1e-2, 1e2];
 /// Rays at the end of the ramp.
 const MOST_RAYS: f32 = 1000.0;
 
@@ -60,8 +60,7 @@ pub struct Palette {
     colouring: Colouring,
     /// Density that counts as even, W/m⁴.
     even: f32,
-    /// Splits between the root and each element.
-    depths: Vec<u16>,
+    /// Refinements on the longest way from the root's self-link to a link.
     deepest: u16,
 }
 
@@ -91,21 +90,20 @@ impl Palette {
         let hierarchy = anatomy.hierarchy();
         let area = hierarchy.element(Hierarchy::ROOT).area;
         let even = anatomy.emitted(Hierarchy::ROOT).max_element() / area;
-        let depths = if colouring == Colouring::Level { depths(hierarchy) } else { Vec::new() };
-        // Receivers and sources alone: what no link ends at was passed by.
-        let of_link = |link: LinkView| depths[link.receiver.index()] + depths[link.source.index()];
+        // Of receivers and sources alone: what no link ends at was passed by.
+        let of_link = |link: LinkView| anatomy.depth(link.receiver) + anatomy.depth(link.source);
         let deepest = match colouring {
             Colouring::Level => anatomy.all_links().map(of_link).max().unwrap_or(0),
             _ => 0,
         };
-        Self { colouring, even, depths, deepest: deepest.max(1) }
+        Self { colouring, even, deepest: deepest.max(1) }
     }
 
     /// What a link adds to the pixels that its block covers.
-    pub(super) fn tone(&self, hierarchy: &Hierarchy, link: &LinkView) -> Tone {
+    pub(super) fn tone(&self, anatomy: &Anatomy, link: &LinkView) -> Tone {
         match self.colouring {
-            Colouring::Power => [self.density(hierarchy, link), 0.0, 0.0],
-            _ => self.colour(hierarchy, link).map(light),
+            Colouring::Power => [self.density(anatomy, link), 0.0, 0.0],
+            _ => self.colour(anatomy, link).map(light),
         }
     }
 
@@ -118,9 +116,9 @@ impl Palette {
     }
 
     /// The gamma-encoded colour of a link.
-    pub fn colour(&self, hierarchy: &Hierarchy, link: &LinkView) -> [u8; 3] {
+    pub fn colour(&self, anatomy: &Anatomy, link: &LinkView) -> [u8; 3] {
         match self.colouring {
-            Colouring::Power => self.of_density(self.density(hierarchy, link)),
+            Colouring::Power => self.of_density(self.density(anatomy, link)),
             Colouring::Visibility => match link.visibility {
                 _ if link.evidence == Evidence::None => UNJUDGED,
                 seen if seen >= 1.0 => SEEN_FULLY,
@@ -128,7 +126,7 @@ impl Palette {
                 seen => along_ramp(&[SEEN_PARTLY[1], SEEN_PARTLY[0]], seen),
             },
             Colouring::Level => {
-                let depth = |id: ElementId| f32::from(self.depths[id.index()]);
+                let depth = |id: ElementId| f32::from(anatomy.depth(id));
                 along_ramp(&VIRIDIS, (depth(link.receiver) + depth(link.source)) / f32::from(self.deepest))
             }
             Colouring::Rays => match link.evidence {
@@ -142,9 +140,10 @@ impl Palette {
     }
 
     /// Power for each area of both ends, as a multiple of the even density.
-    fn density(&self, hierarchy: &Hierarchy, link: &LinkView) -> f32 {
-        let areas = hierarchy.element(link.receiver).area * hierarchy.element(link.source).area;
-        let even = self.even * areas / hierarchy.element(Hierarchy::ROOT).area;
+    fn density(&self, anatomy: &Anatomy, link: &LinkView) -> f32 {
+        let area = |id: ElementId| anatomy.hierarchy().element(id).area;
+        let areas = area(link.receiver) * area(link.source);
+        let even = self.even * areas;
         if even > 0.0 { link.power / even } else { 0.0 }
     }
 
@@ -169,7 +168,7 @@ impl Palette {
         match self.colouring {
             Colouring::Power => Legend {
                 title: "power per area of both ends, 1 = Φ spread evenly".into(),
-                ticks: texts(&["1/1000", "1/10", "10", "1000"]),
+                ticks: texts(&["1/100", "1/10", "1", "10", "100"]),
                 entries: vec![no_link],
             },
             Colouring::Visibility => Legend {
@@ -205,13 +204,4 @@ const ROSE: [[u8; 3]; 4] = [[58, 26, 56], [138, 44, 84], [214, 92, 92], [252, 20
 pub(super) fn light(value: u8) -> f32 {
     let value = f32::from(value) / 255.0;
     value * value
-}
-
-/// Splits between the root and each element; parents precede their children.
-fn depths(hierarchy: &Hierarchy) -> Vec<u16> {
-    let mut depths = vec![0; hierarchy.elements().len()];
-    for (index, element) in hierarchy.elements().iter().enumerate() {
-        depths[index] = element.parent().map_or(0, |parent| depths[parent.index()] + 1);
-    }
-    depths
 }

@@ -6,18 +6,16 @@
 //!
 //! [`raster`] draws the blocks of any part of the square, [`pair_at`] says what lies at a place, [`brackets`] which elements to name
 //! along its edges, and [`draw`] makes a whole picture with axes and legend. Window and command line share all of them. Nothing
-//! here knows a window; the module imports `solver`, `hierarchy`, `scene` and `ramp`.
+//! here knows a window; the module imports `solver`, `hierarchy`, `scene`, `names` and `ramp`.
 
 mod axis;
 mod colour;
-mod names;
 mod pair;
 mod picture;
 mod raster;
 
-pub use axis::{Bracket, brackets};
-pub use colour::{Colouring, EMPTY, Legend, LegendEntry, Palette, SEEN_FULLY, SEEN_PARTLY, UNJUDGED, UNSEEN};
-pub use names::Names;
+pub use axis::{Bracket, brackets, fitting_name};
+pub use colour::{Colouring, EMPTY, Legend, LegendEntry, Palette};
 pub use pair::{Pair, pair_at};
 pub use picture::{DrawError, Drawing, draw};
 pub use raster::{Facts, Raster, Request, View, facts, raster};

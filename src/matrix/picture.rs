@@ -6,15 +6,16 @@ use plotters::prelude::*;
 use plotters::style::FontTransform;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
-use super::axis::{Bracket, brackets};
+use super::axis::{Bracket, brackets, fitting_name};
 use super::colour::{Legend, Palette};
-use super::names::Names;
 use super::raster::{Request, View, facts, raster};
 use super::{Colouring, EMPTY};
 use crate::cancel::CancelToken;
 use crate::chart::font_family;
 use crate::format;
 use crate::hierarchy::Room;
+use crate::names::Names;
+use crate::scene::Scene;
 use crate::solver::Anatomy;
 
 /// Room around the square, pixels: title and names above, names at the left, air at the right, legend below.
@@ -38,8 +39,8 @@ pub struct Drawing<'a> {
     pub anatomy: &'a Anatomy,
     /// Names of its elements.
     pub names: &'a Names,
-    /// The scene's name.
-    pub title: &'a str,
+    /// Its scene.
+    pub scene: &'a Scene,
     /// What elements get room for.
     pub room: Room,
     /// What colours stand for.
@@ -97,7 +98,7 @@ fn paint<'b>(drawing: Drawing<'_>, root: &Area<'_, 'b>) -> Result<(), Failure<'b
         Room::Polygons => "polygons",
         Room::Leaves => "leaves",
     };
-    let title = format!("{}: links by {}", drawing.title, colouring.name());
+    let title = format!("{}: links by {}", drawing.scene.name, colouring.name());
     let subtitle = format!(
         "{}; {:.0} % of the square is empty; room by {of_room}",
         format::things(facts.links, "link", "links"),
@@ -112,9 +113,9 @@ fn paint<'b>(drawing: Drawing<'_>, root: &Area<'_, 'b>) -> Result<(), Failure<'b
         bracket_along_both_edges(drawing, root, bracket, place)?;
     }
     let upright = text(17.0, FAINT).transform(FontTransform::Rotate270).pos(Pos::new(HPos::Center, VPos::Center));
-    root.draw(&Text::new("← receivers", (left - 70, top + size / 2), upright))?;
+    root.draw(&Text::new("receivers", (left - 70, top + size / 2), upright))?;
     let middle = text(17.0, FAINT).pos(Pos::new(HPos::Center, VPos::Center));
-    root.draw(&Text::new("sources →", (left + size / 2, top - 70), middle))?;
+    root.draw(&Text::new("sources", (left + size / 2, top - 70), middle))?;
     legend(root, &Palette::new(anatomy, colouring), (left, top + size + 18))
 }
 
@@ -131,19 +132,15 @@ fn bracket_along_both_edges<'b>(
     let colour = BRACKETS[place % BRACKETS.len()].filled();
     root.draw(&Rectangle::new([(left + start, top + outer), (left + end - 1, top + outer + TIER)], colour))?;
     root.draw(&Rectangle::new([(left + outer, top + start), (left + outer + TIER, top + end - 1)], colour))?;
-    let hierarchy = drawing.anatomy.hierarchy();
-    let long = drawing.names.of(hierarchy, bracket.element);
-    let short = drawing.names.short(hierarchy, bracket.element);
-    let centred = |colour| text(15.0, colour).pos(Pos::new(HPos::Center, VPos::Center));
-    for name in [Some(long.as_str()), short].into_iter().flatten() {
-        let (width, _) = root.estimate_text_size(name, &centred(INK))?;
-        if width as i32 + 8 <= end - start {
-            let (along, across) = ((start + end) / 2, outer + TIER / 2);
-            root.draw(&Text::new(name, (left + along, top + across), centred(INK)))?;
-            let upright = centred(INK).transform(FontTransform::Rotate270);
-            root.draw(&Text::new(name, (left + across, top + along), upright))?;
-            break;
-        }
+    let centred = || text(15.0, INK).pos(Pos::new(HPos::Center, VPos::Center));
+    let fits =
+        |name: &str| root.estimate_text_size(name, &centred()).is_ok_and(|(width, _)| width as i32 + 8 <= end - start);
+    let named = fitting_name((drawing.names, drawing.scene), drawing.anatomy.hierarchy(), bracket, fits);
+    if let Some(name) = named {
+        let (along, across) = ((start + end) / 2, outer + TIER / 2);
+        root.draw(&Text::new(name.as_str(), (left + along, top + across), centred()))?;
+        let upright = centred().transform(FontTransform::Rotate270);
+        root.draw(&Text::new(name.as_str(), (left + across, top + along), upright))?;
     }
     Ok(())
 }
@@ -156,7 +153,7 @@ fn legend<'b>(root: &Area<'_, 'b>, palette: &Palette, (left, top): (i32, i32)) -
     if !ticks.is_empty() {
         for step in 0..RAMP.0 {
             let [r, g, b] = palette.along(step as f32 / (RAMP.0 - 1) as f32);
-            let column = [(left + step, top + 26), (left + step, top + 26 + RAMP.1)];
+            let column = [(left + step, top + 26), (left + step + 1, top + 26 + RAMP.1)];
             root.draw(&Rectangle::new(column, RGBColor(r, g, b).filled()))?;
         }
         let last = (ticks.len() - 1).max(1) as i32;

@@ -81,7 +81,6 @@ pub struct Raster {
 
 /// Draws a part of the matrix; `None` where it was cancelled.
 pub fn raster(anatomy: &Anatomy, request: &Request, cancel: &CancelToken) -> Option<Raster> {
-    let hierarchy = anatomy.hierarchy();
     let order = anatomy.order(request.room);
     let palette = Palette::new(anatomy, request.colouring);
     let View { left, top, size } = request.view;
@@ -89,7 +88,7 @@ pub fn raster(anatomy: &Anatomy, request: &Request, cancel: &CancelToken) -> Opt
     let pixels = |[start, end]: [f64; 2], from: f64| [(scale * (start - from)) as f32, (scale * (end - from)) as f32];
     let is_in = |[start, end]: [f64; 2], from: f64| start < from + size && end > from;
     let mut canvas = Canvas::new(request.pixels);
-    for receiver in hierarchy.ids().filter(|&id| is_in(order.span(id), top)) {
+    for receiver in anatomy.hierarchy().ids().filter(|&id| is_in(order.span(id), top)) {
         if receiver.0.is_multiple_of(RECEIVERS_PER_LOOK) && cancel.is_cancelled() {
             return None;
         }
@@ -98,7 +97,7 @@ pub fn raster(anatomy: &Anatomy, request: &Request, cancel: &CancelToken) -> Opt
             let columns = pixels(order.span(link.source), left);
             let gap = if request.has_gaps { gap(rows, columns) } else { 0.0 };
             let inside = |[start, end]: [f32; 2]| [start + gap, end - gap];
-            canvas.add(inside(rows), inside(columns), palette.tone(hierarchy, &link));
+            canvas.add(inside(rows), inside(columns), palette.tone(anatomy, &link));
         }
     }
     Some(canvas.resolve(&palette))
