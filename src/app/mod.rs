@@ -92,6 +92,7 @@ pub struct App {
     marks: MarksOverView,
     /// What the mouse is over, in a panel or in the view.
     pointing: Pointing,
+    matrix: dock::LinkMatrix,
     time_left: TimeLeft,
     comparison: Comparison,
     /// The tool that the dock shows.
@@ -154,6 +155,7 @@ impl App {
             inspection: Inspection::default(),
             marks: MarksOverView::default(),
             pointing: Pointing::default(),
+            matrix: dock::LinkMatrix::default(),
             time_left: TimeLeft::default(),
             comparison: Comparison::default(),
             tool: None,

@@ -1,12 +1,16 @@
 //! The view: mouse and keys move the camera, clicks pick; the picture is drawn by [`super::paint`].
 
-use egui::{Key, PointerButton, Rect, Response, Sense, Ui};
+use egui::{Key, PointerButton, Pos2, Rect, Response, Sense, Ui};
 use glam::{Vec2, Vec3};
 
+use super::dock::Tool;
+use super::highlight::Highlight;
 use super::paint::Picture;
 use super::{App, Outbox, panels, theme};
-use crate::render::{Camera, Display};
+use crate::hierarchy::ElementId;
+use crate::render::{Camera, Display, pick};
 use crate::scene::{CameraPose, Scene};
+use crate::solver::Snapshot;
 
 /// A drag across the view's height turns the camera by this, radians.
 const TURN_PER_HEIGHT: f32 = std::f32::consts::PI;
@@ -26,11 +30,13 @@ pub(super) struct Viewport {
     bounds: (Vec3, Vec3),
     start: Option<CameraPose>,
     rect: Rect,
+    /// The ray that was last looked along for what lies under the mouse, generation and serial of the picture, and what was found.
+    looked_along: Option<([Vec3; 2], (u64, u64), Option<ElementId>)>,
 }
 
 impl Default for Viewport {
     fn default() -> Self {
-        Self { camera: None, bounds: (Vec3::ZERO, Vec3::ZERO), start: None, rect: Rect::ZERO }
+        Self { camera: None, bounds: (Vec3::ZERO, Vec3::ZERO), start: None, rect: Rect::ZERO, looked_along: None }
     }
 }
 
@@ -135,11 +141,31 @@ impl Viewport {
         if !(response.clicked() || is_double) {
             return None;
         }
-        let at = response.interact_pointer_pos()?;
+        let [origin, direction] = self.ray_through(response.interact_pointer_pos()?)?;
+        Some(Clicked { origin, direction, is_double })
+    }
+
+    /// Origin and direction of the ray through a point of the window.
+    fn ray_through(&self, at: Pos2) -> Option<[Vec3; 2]> {
         let share = (at - self.rect.min) / self.rect.size();
         let ndc = Vec2::new(2.0 * share.x - 1.0, 1.0 - 2.0 * share.y);
         let (origin, direction) = self.camera?.ray(ndc, self.aspect());
-        Some(Clicked { origin, direction, is_double })
+        Some([origin, direction])
+    }
+
+    /// The leaf under the mouse, looked for only where the ray or the picture is another one.
+    fn leaf_under(&mut self, response: &Response, snapshot: &Snapshot) -> Option<ElementId> {
+        let at = response.hover_pos().filter(|_| !response.dragged())?;
+        let ray = self.ray_through(at)?;
+        let picture = (snapshot.generation, snapshot.serial);
+        if let Some((_, _, found)) = self.looked_along.filter(|(along, of, _)| (*along, *of) == (ray, picture)) {
+            return found;
+        }
+        let mesh = &snapshot.mesh;
+        let picked = pick(mesh, ray[0], ray[1]);
+        let found = picked.and_then(|picked| mesh.leaves.get(picked.leaf as usize)).map(|leaf| leaf.element);
+        self.looked_along = Some((ray, picture, found));
+        found
     }
 }
 
@@ -162,6 +188,11 @@ pub(super) fn show(app: &mut App, ui: &mut Ui, outbox: &mut Outbox) -> Option<Cl
     app.view.steer(ui, &response);
     app.view.fly(ui, &response);
     let clicked = app.view.clicked(&response);
+    if app.tool.is_some_and(Tool::marks_what_is_pointed_at)
+        && let Some(leaf) = app.view.leaf_under(&response, &snapshot)
+    {
+        app.pointing.at(Highlight::Element(leaf));
+    }
 
     if let Some(camera) = app.view.camera {
         let scale = ui.ctx().pixels_per_point();

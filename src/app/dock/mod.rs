@@ -3,11 +3,13 @@
 //! A bar above the view opens and closes them.
 
 mod inspector;
+mod matrix;
 
 use egui::{RichText, ScrollArea, Ui};
 use serde::{Deserialize, Serialize};
 
 use super::{App, Outbox, theme};
+pub(super) use matrix::LinkMatrix;
 
 /// A tool of the dock.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -30,6 +32,11 @@ impl Tool {
     /// Whether the tool looks at elements and links, which snapshots carry only when they are asked to.
     pub(super) fn reads_anatomy(self) -> bool {
         matches!(self, Self::Inspector | Self::Matrix | Self::Clusters)
+    }
+
+    /// Whether the tool marks what lies under the mouse in the view.
+    pub(super) fn marks_what_is_pointed_at(self) -> bool {
+        self == Self::Matrix
     }
 
     /// Width when it is opened for the first time, points; each tool remembers its own.
@@ -83,7 +90,7 @@ pub(super) fn show(app: &mut App, ui: &mut Ui, _outbox: &mut Outbox) {
         match open {
             // These fill the dock and scroll by themselves.
             Tool::Inspector => inspector::show(app, ui),
-            Tool::Matrix => {}
+            Tool::Matrix => matrix::show(app, ui),
             Tool::Clusters | Tool::Measure | Tool::Compare | Tool::Export => {
                 ScrollArea::vertical().auto_shrink([false, false]).show(ui, |_ui| match open {
                     Tool::Inspector | Tool::Matrix => {}
