@@ -3,6 +3,8 @@
 //! Each tier holds the largest elements that are no larger than its share of what is in view, so that they lie inside of those of the tier
 //! before; as one zooms in, smaller ones take their place.
 
+use rustc_hash::FxHashMap;
+
 use crate::hierarchy::{ElementId, Hierarchy, Order};
 use crate::names::Names;
 use crate::scene::Scene;
@@ -17,8 +19,10 @@ const LEAST: f64 = 3.0;
 pub struct Bracket {
     /// The element.
     pub element: ElementId,
-    /// 0 for the largest ones.
+    /// The first tier that it belongs to, 0 for that of the largest ones.
     pub tier: usize,
+    /// The last one: what is small enough for the next tier too takes the room of both.
+    pub last_tier: usize,
     /// Its beginning and end, 0..=1.
     pub span: [f64; 2],
 }
@@ -33,7 +37,7 @@ pub fn brackets(
 ) -> Vec<Bracket> {
     let size = end - start;
     let least = LEAST / f64::from(length.max(1.0)) * size;
-    let mut found = Vec::new();
+    let mut found: FxHashMap<ElementId, Bracket> = FxHashMap::default();
     for (tier, share) in TIERS.into_iter().take(tiers).enumerate() {
         let mut open = vec![Hierarchy::ROOT];
         while let Some(id) = open.pop() {
@@ -44,13 +48,15 @@ pub fn brackets(
             }
             let element = hierarchy.element(id);
             if width <= share * size || element.is_leaf() {
-                found.push(Bracket { element: id, tier, span });
+                let first = Bracket { element: id, tier, last_tier: tier, span };
+                found.entry(id).or_insert(first).last_tier = tier;
             } else {
                 open.extend(element.children());
             }
         }
     }
     // From one end to the other, tier by tier.
+    let mut found: Vec<Bracket> = found.into_values().collect();
     found.sort_by(|one, other| one.tier.cmp(&other.tier).then(one.span[0].total_cmp(&other.span[0])));
     found
 }
@@ -89,7 +95,9 @@ mod tests {
             let all = brackets(&hierarchy, &order, view, 400.0, 2);
             assert!(!all.is_empty());
             for tier in 0..2 {
-                let of_tier: Vec<&Bracket> = all.iter().filter(|bracket| bracket.tier == tier).collect();
+                let is_of = |bracket: &&Bracket| (bracket.tier..=bracket.last_tier).contains(&tier);
+                let mut of_tier: Vec<&Bracket> = all.iter().filter(is_of).collect();
+                of_tier.sort_by(|one, other| one.span[0].total_cmp(&other.span[0]));
                 assert!(of_tier.windows(2).all(|pair| pair[0].span[1] <= pair[1].span[0]));
                 for bracket in of_tier {
                     assert!(bracket.span[0] < view[1] && bracket.span[1] > view[0]);

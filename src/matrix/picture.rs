@@ -129,15 +129,16 @@ fn bracket_along_both_edges<'b>(
     let (left, top, size) = (MARGINS[1] as i32, MARGINS[0] as i32, f64::from(drawing.pixels));
     let [start, end] = bracket.span.map(|place| (place * size).round() as i32);
     let outer = -(TIERS as i32 - bracket.tier as i32) * (TIER + TIER_GAP);
+    let thick = (bracket.last_tier - bracket.tier) as i32 * (TIER + TIER_GAP) + TIER;
     let colour = BRACKETS[place % BRACKETS.len()].filled();
-    root.draw(&Rectangle::new([(left + start, top + outer), (left + end - 1, top + outer + TIER)], colour))?;
-    root.draw(&Rectangle::new([(left + outer, top + start), (left + outer + TIER, top + end - 1)], colour))?;
+    root.draw(&Rectangle::new([(left + start, top + outer), (left + end - 1, top + outer + thick)], colour))?;
+    root.draw(&Rectangle::new([(left + outer, top + start), (left + outer + thick, top + end - 1)], colour))?;
     let centred = || text(15.0, INK).pos(Pos::new(HPos::Center, VPos::Center));
     let fits =
         |name: &str| root.estimate_text_size(name, &centred()).is_ok_and(|(width, _)| width as i32 + 8 <= end - start);
     let named = fitting_name((drawing.names, drawing.scene), drawing.anatomy.hierarchy(), bracket, fits);
     if let Some(name) = named {
-        let (along, across) = ((start + end) / 2, outer + TIER / 2);
+        let (along, across) = ((start + end) / 2, outer + thick / 2);
         root.draw(&Text::new(name.as_str(), (left + along, top + across), centred()))?;
         let upright = centred().transform(FontTransform::Rotate270);
         root.draw(&Text::new(name.as_str(), (left + across, top + along), upright))?;

@@ -186,3 +186,156 @@ pub fn facts(anatomy: &Anatomy, room: Room) -> Facts {
     let (links, covered) = links.fold((0, 0.0), |(count, sum), room| (count + 1, sum + room));
     Facts { links, covered: covered.min(1.0) }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use glam::Vec3;
+
+    use super::*;
+    use crate::hierarchy::Hierarchy;
+    use crate::matrix::pair_at;
+    use crate::scene::{GroupId, Scene};
+    use crate::solver::{Epsilon, Solver, SolverParams, Step};
+    use crate::visibility::Occluders;
+
+    /// A closed cube that nothing stands in; its ceiling shines.
+    fn cube() -> Scene {
+        let mut scene = Scene::new("cube");
+        let wall = scene.add_material("wall", Vec3::splat(0.5), Vec3::ZERO);
+        let lamp = scene.add_material("lamp", Vec3::splat(0.5), Vec3::ONE);
+        for axis in 0..3 {
+            for upper in [false, true] {
+                let corner = |u: f32, v: f32| {
+                    let mut at = Vec3::ZERO;
+                    (at[axis], at[(axis + 1) % 3], at[(axis + 2) % 3]) = (f32::from(upper), u, v);
+                    at
+                };
+                let mut corners = [corner(0.0, 0.0), corner(1.0, 0.0), corner(1.0, 1.0), corner(0.0, 1.0)];
+                if upper {
+                    corners.reverse();
+                }
+                scene.add_quad(corners, if axis == 1 && upper { lamp } else { wall }, GroupId(0));
+            }
+        }
+        scene
+    }
+
+    fn solver() -> Solver {
+        let scene = Arc::new(cube());
+        let occluders = Arc::new(Occluders::new(&scene));
+        let params = SolverParams { epsilon: Epsilon::Relative(3e-3), ..SolverParams::default() };
+        let mut solver = Solver::new(scene, occluders, params, 1).expect("the parameters are valid");
+        solver.show_anatomy(true);
+        solver
+    }
+
+    fn anatomy(solver: &mut Solver) -> Arc<Anatomy> {
+        solver.snapshot().anatomy.expect("it was asked for")
+    }
+
+    fn request(room: Room, colouring: Colouring, pixels: usize) -> Request {
+        Request { room, colouring, view: View::WHOLE, pixels, has_gaps: false }
+    }
+
+    fn drawn(anatomy: &Anatomy, request: &Request) -> Raster {
+        raster(anatomy, request, &CancelToken::new()).expect("nobody cancelled it")
+    }
+
+    /// Truth: two blocks by hand, one of whole pixels and one that covers a quarter of its pixel.
+    #[test]
+    fn blocks_cover_their_pixels() {
+        let mut canvas = Canvas::new(4);
+        canvas.add([0.0, 2.0], [1.0, 4.0], [1.0, 0.25, 0.0]);
+        canvas.add([3.5, 4.0], [0.0, 0.5], [0.0, 1.0, 0.0]);
+        let covered: Vec<f32> = canvas.sums.iter().map(|sum| sum[3]).collect();
+        #[rustfmt::skip]
+        assert_eq!(covered, [
+            0.0, 1.0, 1.0, 1.0,
+            0.0, 1.0, 1.0, 1.0,
+            0.0, 0.0, 0.0, 0.0,
+            0.25, 0.0, 0.0, 0.0,
+        ]);
+        assert_eq!(canvas.sums[1], [1.0, 0.25, 0.0, 1.0]);
+        assert_eq!(canvas.sums[12], [0.0, 0.25, 0.0, 0.25]);
+    }
+
+    /// Truth: at first there is one link, as large as the square.
+    #[test]
+    fn the_first_square_is_full() {
+        let anatomy = anatomy(&mut solver());
+        assert_eq!(facts(&anatomy, Room::Area), Facts { links: 1, covered: 1.0 });
+        for colouring in Colouring::ALL {
+            let raster = drawn(&anatomy, &request(Room::Area, colouring, 8));
+            assert!(raster.covered.iter().all(|&covered| covered == 1.0));
+            assert!(raster.pixels.iter().all(|&pixel| pixel == raster.pixels[0] && pixel != EMPTY), "{colouring:?}");
+        }
+    }
+
+    /// Truth: in an empty cube each face sees the five others and not itself, so that after each wave, as at the end, five sixths of the
+    /// square are covered, none of it twice; pictures cover what the blocks do.
+    #[test]
+    fn blocks_tile_the_square() {
+        let mut solver = solver();
+        let never = CancelToken::new();
+        let mut waves = 0;
+        loop {
+            match solver.step(&never) {
+                Step::Refined { wave_ended: true } => {
+                    waves += 1;
+                    let covered = facts(&anatomy(&mut solver), Room::Area).covered;
+                    assert!(covered >= 5.0 / 6.0 - 1e-6, "wave {waves}: {covered}");
+                }
+                Step::Finished => break,
+                _ => {}
+            }
+        }
+        let anatomy = anatomy(&mut solver);
+        assert!(waves > 2 && anatomy.links().len() > 100);
+        for room in Room::ALL {
+            let order = anatomy.order(room);
+            let width = |id| order.span(id)[1] - order.span(id)[0];
+            let faces = anatomy.hierarchy().initial_patches();
+            let expected = 1.0 - faces.iter().map(|&face| width(face) * width(face)).sum::<f64>();
+            assert!((facts(&anatomy, room).covered - expected).abs() < 1e-6, "{room:?}");
+            let raster = drawn(&anatomy, &request(room, Colouring::Power, 96));
+            let mean = raster.covered.iter().map(|&covered| f64::from(covered)).sum::<f64>() / (96.0 * 96.0);
+            assert!((mean - expected).abs() < 1e-4, "{room:?}: {mean} instead of {expected}");
+        }
+    }
+
+    /// Truth: a magnified part is made of the same blocks; each lies where the pair is found.
+    #[test]
+    fn a_part_shows_what_lies_there() {
+        let mut solver = solver();
+        assert!(solver.run(&CancelToken::new()));
+        let anatomy = anatomy(&mut solver);
+        let view = View::new(0.25, 0.5, 0.25);
+        let part = drawn(&anatomy, &Request { view, ..request(Room::Area, Colouring::Level, 64) });
+        let all = drawn(&anatomy, &request(Room::Area, Colouring::Level, 256));
+        for row in 0..64 {
+            assert_eq!(part.pixels[64 * row..][..64], all.pixels[256 * (128 + row) + 64..][..64]);
+        }
+        let order = anatomy.order(Room::Leaves);
+        let middle = |id| 0.5 * (order.span(id)[0] + order.span(id)[1]);
+        for link in anatomy.all_links().step_by(7) {
+            let pair = pair_at(&anatomy, Room::Leaves, [middle(link.source), middle(link.receiver)]);
+            let found = pair.link.map(|found| (found.receiver, found.source));
+            assert_eq!(found, Some((link.receiver, link.source)));
+        }
+        let face = anatomy.hierarchy().initial_patches()[0];
+        assert!(pair_at(&anatomy, Room::Leaves, [middle(face); 2]).link.is_none(), "a face does not see itself");
+        assert_eq!(pair_at(&anatomy, Room::Area, [0.0, 1.0]).receivers[0], Hierarchy::ROOT);
+    }
+
+    /// Truth: what is under the mouse stays there, and nothing outside of the square comes into view.
+    #[test]
+    fn views_stay_inside() {
+        let zoomed = View::WHOLE.zoomed(4.0, [0.9, 0.1]);
+        assert!((zoomed.size - 0.25).abs() < 1e-12);
+        assert!(((0.9 - zoomed.left) / zoomed.size - 0.9).abs() < 1e-12);
+        assert_eq!(zoomed.zoomed(0.01, [0.9, 0.1]), View::WHOLE);
+        assert_eq!(View::new(-3.0, 7.0, 0.5), View { left: 0.0, top: 0.5, size: 0.5 });
+    }
+}

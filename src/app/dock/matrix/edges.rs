@@ -51,7 +51,8 @@ fn paint_edge(painter: &Painter, matrix: &LinkMatrix, looked: Looked<'_>, map: M
     let side = map.rect.width();
     let all = brackets(hierarchy, order, [from, from + map.view.size], side, TIERS);
     for (place, bracket) in all.iter().enumerate() {
-        let rect = place_of(edge, map, bracket.span, bracket.tier);
+        let outer = place_of(edge, map, bracket.span, bracket.tier);
+        let rect = outer.union(place_of(edge, map, bracket.span, bracket.last_tier));
         painter.rect_filled(rect, 2.0, FILLS[place % FILLS.len()]);
         name(painter, looked, edge, bracket, rect);
     }

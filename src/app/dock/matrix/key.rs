@@ -33,13 +33,13 @@ impl LinkMatrix {
             let links = format::things(facts.links, "link", "links");
             ui.label(theme::value(links))
                 .on_hover_text("Blocks of the matrix, those that wait to be judged among them");
+            ui.label(theme::weak("·"));
             let empty = format!("{:.0} % empty", 100.0 * (1.0 - facts.covered));
             let hint = "Share of the square where no link is: these pairs face away from each other or nothing is seen";
             ui.label(theme::value(empty)).on_hover_text(hint);
-            let zoom = self.view.size.recip();
             let hint = "Show the whole matrix again (double-click or Home); the wheel zooms, a drag moves";
-            let label = format!("×{}", format::number(zoom));
-            if !self.view.is_whole() && ui.button(format!("Show all ({label})")).on_hover_text(hint).clicked() {
+            let label = format!("Show all (×{})", format::number(self.view.size.recip()));
+            if !self.view.is_whole() && ui.button(label).on_hover_text(hint).clicked() {
                 self.view = View::WHOLE;
             }
         });

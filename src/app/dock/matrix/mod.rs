@@ -11,7 +11,7 @@ mod tip;
 
 use std::sync::Arc;
 
-use egui::{ColorImage, Context, Rect, TextureHandle, TextureOptions, Ui, vec2};
+use egui::{ColorImage, Context, Rect, TextureHandle, TextureOptions, Ui, Vec2, vec2};
 
 use super::super::{App, Wake, theme};
 use crate::hierarchy::Room;
@@ -40,7 +40,7 @@ const LEAST_SIDE: f32 = 140.0;
 /// Room below the square for what its colours mean, points.
 const ROOM_BELOW: f32 = 100.0;
 /// Room beside it, where the dock is wide, points.
-const ROOM_BESIDE: f32 = 230.0;
+const ROOM_BESIDE: f32 = 214.0;
 
 /// The tool's state.
 pub(in crate::app) struct LinkMatrix {
@@ -140,9 +140,10 @@ impl LinkMatrix {
         let Some(names) = self.names.take() else { return };
         let looked = Looked { anatomy, scene, names: &names };
         let room = ui.available_size();
-        let is_wide = room.x - room.y >= ROOM_BESIDE - ROOM_BELOW;
-        let reserved = if is_wide { vec2(ROOM_BESIDE, 0.0) } else { vec2(0.0, ROOM_BELOW) };
-        let side = (room - reserved - edges::WIDTH).min_elem().max(LEAST_SIDE);
+        let side = |reserved: Vec2| (room - reserved - edges::WIDTH).min_elem();
+        let (below, beside) = (side(vec2(0.0, ROOM_BELOW)), side(vec2(ROOM_BESIDE, 0.0)));
+        let is_wide = beside > below;
+        let side = below.max(beside).max(LEAST_SIDE);
         let state = (snapshot.generation, snapshot.serial, snapshot.moment);
         let layout = if is_wide { egui::Layout::left_to_right(egui::Align::Min) } else { *ui.layout() };
         ui.with_layout(layout, |ui| {

@@ -1,7 +1,9 @@
 //! The square itself: picture, marks, and what mouse and keys do to it.
 
 use egui::emath::GuiRounding;
-use egui::{Color32, Key, Painter, Pos2, Rect, Response, Sense, Stroke, StrokeKind, Ui, Vec2, pos2};
+use egui::{
+    Color32, EventFilter, Key, Painter, Pos2, Rect, Response, Sense, Stroke, StrokeKind, Tooltip, Ui, Vec2, pos2,
+};
 
 use super::super::super::highlight::{Highlight, RECEIVER, SOURCE};
 use super::super::super::{App, theme};
@@ -60,6 +62,9 @@ pub(super) fn show(matrix: &mut LinkMatrix, app: &mut App, ui: &mut Ui, looked: 
     if response.clicked() || response.drag_started() {
         response.request_focus();
     }
+    // Arrows move the view, not the focus.
+    let arrows = EventFilter { horizontal_arrows: true, vertical_arrows: true, ..EventFilter::default() };
+    ui.memory_mut(|memory| memory.set_focus_lock_filter(response.id, arrows));
     matrix.view = steered(ui, &response, Map { rect, view: matrix.view });
     let map = Map { rect, view: matrix.view };
 
@@ -81,7 +86,8 @@ pub(super) fn show(matrix: &mut LinkMatrix, app: &mut App, ui: &mut Ui, looked: 
             app.pick_element(if picks_source { source } else { receiver });
         }
         if !response.dragged() {
-            response.on_hover_ui_at_pointer(|ui| tip::show(ui, looked, &pair));
+            // At once: one moves over many blocks.
+            Tooltip::for_widget(&response).at_pointer().gap(14.0).show(|ui| tip::show(ui, looked, &pair));
         }
     }
     rect
@@ -198,8 +204,8 @@ fn steered(ui: &Ui, response: &Response, map: Map) -> View {
             view = view.zoomed(factor, Map { view, ..map }.place(at));
         }
     }
-    let attends = response.has_focus() || response.hovered();
-    if !attends || ui.ctx().text_edit_focused() {
+    let is_free = ui.memory(|memory| memory.focused().is_none());
+    if !(response.has_focus() || response.hovered() && is_free) || ui.ctx().text_edit_focused() {
         return view;
     }
     ui.input_mut(|input| {
