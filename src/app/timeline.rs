@@ -9,6 +9,8 @@ use crate::solver::{MomentInfo, MomentKind};
 const HEIGHT: f32 = 30.0;
 /// Room for the words at the right, points.
 const WORDS: f32 = 318.0;
+/// The track is to have no less, points.
+const LEAST_TRACK: f32 = 60.0;
 /// Half the height of a tick, points, by what ended with it.
 const TICKS: [(MomentKind, f32); 4] =
     [(MomentKind::Start, 6.0), (MomentKind::Wave, 3.0), (MomentKind::Round, 6.0), (MomentKind::Pass, 6.0)];
@@ -40,10 +42,13 @@ pub(super) fn show(app: &mut App, ui: &mut Ui) {
             }
             ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
                 let at = app.looking.moment.unwrap_or(moments.len() - 1).min(moments.len() - 1);
-                ui.allocate_ui_with_layout(vec2(WORDS, 20.0), Layout::left_to_right(Align::Center), |ui| {
-                    ui.set_width(WORDS);
-                    ui.add(egui::Label::new(theme::value(in_words(&moments, at))).truncate());
-                });
+                // Where the view is narrow the track comes first.
+                if ui.available_width() > WORDS + LEAST_TRACK {
+                    ui.allocate_ui_with_layout(vec2(WORDS, 20.0), Layout::left_to_right(Align::Center), |ui| {
+                        ui.set_width(WORDS);
+                        ui.add(egui::Label::new(theme::value(in_words(&moments, at))).truncate());
+                    });
+                }
                 if let Some(moment) = track(ui, &moments, app.looking.moment) {
                     app.looking.show(moment);
                 }

@@ -61,8 +61,11 @@ pub fn brackets(
     found
 }
 
-/// The longest name of an element that `fits`; `None` where none does, or where an inner bracket would only repeat what the one around it
-/// says.
+/// Fewer letters of a name than these say nothing.
+const FEWEST_LETTERS: usize = 3;
+
+/// The longest name of an element that `fits`, its label shortened if need be; `None` where nothing does, or where an inner bracket would
+/// only repeat what the one around it says.
 pub fn fitting_name(
     (names, scene): (&Names, &Scene),
     hierarchy: &Hierarchy,
@@ -70,12 +73,15 @@ pub fn fitting_name(
     fits: impl Fn(&str) -> bool,
 ) -> Option<String> {
     let id = bracket.element;
-    let element = hierarchy.element(id);
-    let repeats = bracket.tier > 0
-        && !element.is_cluster()
-        && element.parent().is_some_and(|up| !hierarchy.element(up).is_cluster());
-    let candidates = [Names::full, Names::label].into_iter().map(|name| name(names, hierarchy, scene, id));
-    candidates.filter(|_| !repeats).find(|name| fits(name))
+    let is_patch = |id: ElementId| !hierarchy.element(id).is_cluster();
+    if bracket.tier > 0 && is_patch(id) && hierarchy.element(id).parent().is_some_and(is_patch) {
+        return None;
+    }
+    let label = names.label(hierarchy, scene, id);
+    let letters = label.chars().count();
+    let shortened = (FEWEST_LETTERS..letters).rev().map(|kept| label.chars().take(kept).chain(['…']).collect());
+    let candidates = [names.full(hierarchy, scene, id), label.clone()].into_iter().chain(shortened);
+    candidates.into_iter().find(|name| fits(name))
 }
 
 #[cfg(test)]

@@ -63,22 +63,23 @@ pub enum DrawError {
 /// The drawing library failed.
 pub fn draw(drawing: Drawing<'_>) -> Result<RgbImage, DrawError> {
     let [above, left, right, below] = MARGINS;
+    let palette = Palette::new(drawing.anatomy, drawing.colouring);
     let (width, height) = (left + drawing.pixels + right, above + drawing.pixels + below);
     let mut pixels = vec![0; 3 * (width * height) as usize];
     {
         let root = BitMapBackend::with_buffer(&mut pixels, (width, height)).into_drawing_area();
-        paint(drawing, &root).map_err(|error| DrawError::Plot(error.to_string()))?;
+        paint(drawing, &palette, &root).map_err(|error| DrawError::Plot(error.to_string()))?;
     }
-    blit(drawing, &mut pixels, width);
+    blit(drawing, &palette, &mut pixels, width);
     RgbImage::from_raw(width, height, pixels).ok_or_else(|| DrawError::Plot("its size is wrong".into()))
 }
 
 /// Copies the square into the picture.
-fn blit(drawing: Drawing<'_>, pixels: &mut [u8], width: u32) {
-    let Drawing { anatomy, room, colouring, .. } = drawing;
+fn blit(drawing: Drawing<'_>, palette: &Palette, pixels: &mut [u8], width: u32) {
+    let Drawing { anatomy, room, .. } = drawing;
     let size = drawing.pixels as usize;
-    let request = Request { room, colouring, view: View::WHOLE, pixels: size, has_gaps: true };
-    let Some(raster) = raster(anatomy, &request, &CancelToken::new()) else { return };
+    let request = Request { room, view: View::WHOLE, pixels: size, has_gaps: true };
+    let Some(raster) = raster(anatomy, palette, &request, &CancelToken::new()) else { return };
     for (row, line) in raster.pixels.chunks(size).enumerate() {
         let start = 3 * ((MARGINS[0] as usize + row) * width as usize + MARGINS[1] as usize);
         pixels[start..start + 3 * size].copy_from_slice(line.as_flattened());
@@ -88,7 +89,7 @@ fn blit(drawing: Drawing<'_>, pixels: &mut [u8], width: u32) {
 type Area<'a, 'b> = DrawingArea<BitMapBackend<'b>, Shift>;
 type Failure<'b> = DrawingAreaErrorKind<<BitMapBackend<'b> as DrawingBackend>::ErrorType>;
 
-fn paint<'b>(drawing: Drawing<'_>, root: &Area<'_, 'b>) -> Result<(), Failure<'b>> {
+fn paint<'b>(drawing: Drawing<'_>, palette: &Palette, root: &Area<'_, 'b>) -> Result<(), Failure<'b>> {
     let Drawing { anatomy, room, colouring, .. } = drawing;
     root.fill(&PAPER)?;
     let (left, top, size) = (MARGINS[1] as i32, MARGINS[0] as i32, drawing.pixels as i32);
@@ -116,7 +117,7 @@ fn paint<'b>(drawing: Drawing<'_>, root: &Area<'_, 'b>) -> Result<(), Failure<'b
     root.draw(&Text::new("receivers", (left - 70, top + size / 2), upright))?;
     let middle = text(17.0, FAINT).pos(Pos::new(HPos::Center, VPos::Center));
     root.draw(&Text::new("sources", (left + size / 2, top - 70), middle))?;
-    legend(root, &Palette::new(anatomy, colouring), (left, top + size + 18))
+    legend(root, palette, (left, top + size + 18))
 }
 
 /// An element's bracket above its columns and beside its rows.

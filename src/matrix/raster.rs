@@ -3,7 +3,7 @@
 //! By power that mean is a density, so that what flows through a pixel is right at any magnification; all other colours are mixed as
 //! light. What no link covers is [`EMPTY`].
 
-use super::colour::{Colouring, EMPTY, Palette, Tone, light};
+use super::colour::{EMPTY, Palette, Tone, light};
 use crate::cancel::CancelToken;
 use crate::hierarchy::Room;
 use crate::solver::Anatomy;
@@ -58,8 +58,6 @@ impl View {
 pub struct Request {
     /// What elements get room for.
     pub room: Room,
-    /// What colours stand for.
-    pub colouring: Colouring,
     /// The part in view.
     pub view: View,
     /// Pixels along each side.
@@ -80,13 +78,13 @@ pub struct Raster {
 }
 
 /// Draws a part of the matrix; `None` where it was cancelled.
-pub fn raster(anatomy: &Anatomy, request: &Request, cancel: &CancelToken) -> Option<Raster> {
+pub fn raster(anatomy: &Anatomy, palette: &Palette, request: &Request, cancel: &CancelToken) -> Option<Raster> {
     let order = anatomy.order(request.room);
-    let palette = Palette::new(anatomy, request.colouring);
     let View { left, top, size } = request.view;
     let scale = request.pixels as f64 / size;
     let pixels = |[start, end]: [f64; 2], from: f64| [(scale * (start - from)) as f32, (scale * (end - from)) as f32];
     let is_in = |[start, end]: [f64; 2], from: f64| start < from + size && end > from;
+    let rim = request.pixels as f32;
     let mut canvas = Canvas::new(request.pixels);
     for receiver in anatomy.hierarchy().ids().filter(|&id| is_in(order.span(id), top)) {
         if receiver.0.is_multiple_of(RECEIVERS_PER_LOOK) && cancel.is_cancelled() {
@@ -96,11 +94,14 @@ pub fn raster(anatomy: &Anatomy, request: &Request, cancel: &CancelToken) -> Opt
         for link in anatomy.links_of(receiver).filter(|link| is_in(order.span(link.source), left)) {
             let columns = pixels(order.span(link.source), left);
             let gap = if request.has_gaps { gap(rows, columns) } else { 0.0 };
-            let inside = |[start, end]: [f32; 2]| [start + gap, end - gap];
+            // The rim of the square is nobody's common border.
+            let inside = |[start, end]: [f32; 2]| {
+                [if start > 0.0 { start + gap } else { start }, if end < rim { end - gap } else { end }]
+            };
             canvas.add(inside(rows), inside(columns), palette.tone(anatomy, &link));
         }
     }
-    Some(canvas.resolve(&palette))
+    Some(canvas.resolve(palette))
 }
 
 /// The gap inside of a block's border, pixels.
@@ -195,7 +196,7 @@ mod tests {
 
     use super::*;
     use crate::hierarchy::Hierarchy;
-    use crate::matrix::pair_at;
+    use crate::matrix::{Colouring, pair_at};
     use crate::scene::{GroupId, Scene};
     use crate::solver::{Epsilon, Solver, SolverParams, Step};
     use crate::visibility::Occluders;
@@ -235,12 +236,13 @@ mod tests {
         solver.snapshot().anatomy.expect("it was asked for")
     }
 
-    fn request(room: Room, colouring: Colouring, pixels: usize) -> Request {
-        Request { room, colouring, view: View::WHOLE, pixels, has_gaps: false }
+    fn request(room: Room, pixels: usize) -> Request {
+        Request { room, view: View::WHOLE, pixels, has_gaps: false }
     }
 
-    fn drawn(anatomy: &Anatomy, request: &Request) -> Raster {
-        raster(anatomy, request, &CancelToken::new()).expect("nobody cancelled it")
+    fn drawn(anatomy: &Anatomy, colouring: Colouring, request: &Request) -> Raster {
+        let palette = Palette::new(anatomy, colouring);
+        raster(anatomy, &palette, request, &CancelToken::new()).expect("nobody cancelled it")
     }
 
     /// Truth: two blocks by hand, one of whole pixels and one that covers a quarter of its pixel.
@@ -267,7 +269,7 @@ mod tests {
         let anatomy = anatomy(&mut solver());
         assert_eq!(facts(&anatomy, Room::Area), Facts { links: 1, covered: 1.0 });
         for colouring in Colouring::ALL {
-            let raster = drawn(&anatomy, &request(Room::Area, colouring, 8));
+            let raster = drawn(&anatomy, colouring, &Request { has_gaps: true, ..request(Room::Area, 50) });
             assert!(raster.covered.iter().all(|&covered| covered == 1.0));
             assert!(raster.pixels.iter().all(|&pixel| pixel == raster.pixels[0] && pixel != EMPTY), "{colouring:?}");
         }
@@ -299,7 +301,7 @@ mod tests {
             let faces = anatomy.hierarchy().initial_patches();
             let expected = 1.0 - faces.iter().map(|&face| width(face) * width(face)).sum::<f64>();
             assert!((facts(&anatomy, room).covered - expected).abs() < 1e-6, "{room:?}");
-            let raster = drawn(&anatomy, &request(room, Colouring::Power, 96));
+            let raster = drawn(&anatomy, Colouring::Power, &request(room, 96));
             let mean = raster.covered.iter().map(|&covered| f64::from(covered)).sum::<f64>() / (96.0 * 96.0);
             assert!((mean - expected).abs() < 1e-4, "{room:?}: {mean} instead of {expected}");
         }
@@ -312,8 +314,8 @@ mod tests {
         assert!(solver.run(&CancelToken::new()));
         let anatomy = anatomy(&mut solver);
         let view = View::new(0.25, 0.5, 0.25);
-        let part = drawn(&anatomy, &Request { view, ..request(Room::Area, Colouring::Level, 64) });
-        let all = drawn(&anatomy, &request(Room::Area, Colouring::Level, 256));
+        let part = drawn(&anatomy, Colouring::Level, &Request { view, ..request(Room::Area, 64) });
+        let all = drawn(&anatomy, Colouring::Level, &request(Room::Area, 256));
         for row in 0..64 {
             assert_eq!(part.pixels[64 * row..][..64], all.pixels[256 * (128 + row) + 64..][..64]);
         }

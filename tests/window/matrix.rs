@@ -2,7 +2,7 @@
 
 use egui::Key;
 use egui_kittest::Harness;
-use egui_kittest::kittest::Queryable;
+use egui_kittest::kittest::{NodeT, Queryable};
 use selflink::app::App;
 use selflink::solver::{Epsilon, SolverParams};
 
@@ -100,7 +100,9 @@ fn the_matrix_is_magnified_and_coloured() {
         ("rays", "rays that the visibility is known by"),
         ("power", "power per area of both ends, 1 = Φ spread evenly"),
     ] {
-        click(&mut window, colouring);
+        // The status bar has some of these words too.
+        let switch = |node: &egui_kittest::Node<'_>| node.accesskit_node().role() == egui::accesskit::Role::Button;
+        window.get_all_by_label(colouring).find(switch).expect("a switch").click();
         until(&mut window, legend, |window| says(window, legend));
     }
 }

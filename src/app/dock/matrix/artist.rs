@@ -7,20 +7,18 @@ use std::sync::Arc;
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::thread::Builder;
 
+use super::Look;
 use crate::app::Wake;
 use crate::cancel::CancelToken;
-use crate::matrix::{Facts, Legend, Palette, Raster, Request, View, facts, raster};
+use crate::matrix::{Facts, Palette, Raster, Request, View, facts, raster};
 use crate::solver::Anatomy;
 
 /// Pixels of a picture of the whole square that fills in while a part of it is moved.
 const PIXELS_OF_WHOLE: usize = 512;
 
-/// What tells states of the matrix apart: generation, serial and moment of a snapshot.
-pub(super) type State = (u64, u64, Option<usize>);
-
 /// What is to be drawn.
 pub(super) struct Order {
-    pub state: State,
+    pub look: Look,
     pub anatomy: Arc<Anatomy>,
     pub request: Request,
     /// Whether the whole square is wanted as well.
@@ -29,14 +27,20 @@ pub(super) struct Order {
 
 /// What was drawn.
 pub(super) struct Drawn {
-    pub state: State,
+    pub look: Look,
     pub request: Request,
     pub raster: Raster,
     /// The whole square, coarse, if it was wanted.
     pub whole: Option<Raster>,
     pub facts: Facts,
-    pub palette: Palette,
-    pub legend: Legend,
+    pub palette: Arc<Palette>,
+}
+
+/// What all parts of one look have in common.
+struct Known {
+    look: Look,
+    facts: Facts,
+    palette: Arc<Palette>,
 }
 
 /// The window's side of the thread.
@@ -58,8 +62,9 @@ impl Artist {
         let cancel = CancelToken::new();
         let token = cancel.clone();
         let work = move || {
+            let mut known = None;
             while let Ok(order) = taken.recv() {
-                let Some(picture) = draw(&order, &token) else { return };
+                let Some(picture) = draw(&order, &mut known, &token) else { return };
                 if done.send(picture).is_err() {
                     return;
                 }
@@ -94,12 +99,17 @@ impl Drop for Artist {
     }
 }
 
-fn draw(order: &Order, cancel: &CancelToken) -> Option<Drawn> {
-    let Order { state, anatomy, request, wants_whole } = order;
-    let drawn = raster(anatomy, request, cancel)?;
+fn draw(order: &Order, known: &mut Option<Known>, cancel: &CancelToken) -> Option<Drawn> {
+    let Order { look, anatomy, request, wants_whole } = order;
+    let former = known.take().filter(|known| known.look == *look);
+    let Known { facts, palette, .. } = known.insert(former.unwrap_or_else(|| Known {
+        look: *look,
+        facts: facts(anatomy, request.room),
+        palette: Arc::new(Palette::new(anatomy, look.colouring)),
+    }));
+    let drawn = raster(anatomy, palette, request, cancel)?;
     let of_whole = Request { view: View::WHOLE, pixels: PIXELS_OF_WHOLE, ..*request };
-    let whole = if *wants_whole { Some(raster(anatomy, &of_whole, cancel)?) } else { None };
-    let palette = Palette::new(anatomy, request.colouring);
-    let (facts, legend) = (facts(anatomy, request.room), palette.legend());
-    Some(Drawn { state: *state, request: *request, raster: drawn, whole, facts, palette, legend })
+    let whole = if *wants_whole { Some(raster(anatomy, palette, &of_whole, cancel)?) } else { None };
+    let (facts, palette) = (*facts, palette.clone());
+    Some(Drawn { look: *look, request: *request, raster: drawn, whole, facts, palette })
 }

@@ -19,7 +19,7 @@ use crate::matrix::{Colouring, Facts, Legend, Palette, Raster, Request, View};
 use crate::names::Names;
 use crate::scene::Scene;
 use crate::solver::{Anatomy, Snapshot};
-use artist::{Artist, Drawn, Order, State};
+use artist::{Artist, Drawn, Order};
 
 /// Colourings with their names and hints, in the order of their switches.
 const COLOURINGS: [(Colouring, &str, &str); 4] = [
@@ -58,7 +58,8 @@ pub(in crate::app) struct LinkMatrix {
 /// What a picture was made of but for the part of the square.
 #[derive(Clone, Copy, PartialEq)]
 struct Look {
-    state: State,
+    /// Generation, serial and moment of the snapshot.
+    state: (u64, u64, Option<usize>),
     room: Room,
     colouring: Colouring,
 }
@@ -69,7 +70,7 @@ struct Shown {
     request: Request,
     texture: TextureHandle,
     facts: Facts,
-    palette: Palette,
+    palette: Arc<Palette>,
     legend: Legend,
 }
 
@@ -145,23 +146,23 @@ impl LinkMatrix {
         let is_wide = beside > below;
         let side = below.max(beside).max(LEAST_SIDE);
         let state = (snapshot.generation, snapshot.serial, snapshot.moment);
+        let look = Look { state, room: self.room, colouring: self.colouring };
         let layout = if is_wide { egui::Layout::left_to_right(egui::Align::Min) } else { *ui.layout() };
         ui.with_layout(layout, |ui| {
             let square = square::show(self, app, ui, looked, side);
-            self.keep_up(app, ui.ctx(), state, anatomy, square);
+            self.keep_up(app, ui.ctx(), look, anatomy, square);
             ui.vertical(|ui| self.show_key(ui));
         });
         self.names = Some(names);
     }
 
     /// Takes up a picture that is there, and orders the next one where something changed.
-    fn keep_up(&mut self, app: &mut App, ctx: &Context, state: State, anatomy: &Arc<Anatomy>, square: Rect) {
+    fn keep_up(&mut self, app: &mut App, ctx: &Context, look: Look, anatomy: &Arc<Anatomy>, square: Rect) {
         if let Some(drawn) = self.artist.as_mut().and_then(Artist::take) {
             self.take_up(ctx, drawn);
         }
-        let look = Look { state, room: self.room, colouring: self.colouring };
         let pixels = (square.width() * ctx.pixels_per_point()).round().max(1.0) as usize;
-        let request = Request { room: self.room, colouring: self.colouring, view: self.view, pixels, has_gaps: true };
+        let request = Request { room: self.room, view: self.view, pixels, has_gaps: true };
         if self.shown.as_ref().is_some_and(|shown| shown.look == look && shown.request == request) {
             return;
         }
@@ -170,7 +171,7 @@ impl LinkMatrix {
         }
         let wants_whole = !self.view.is_whole() && self.whole.as_ref().is_none_or(|(whole, _)| *whole != look);
         if let Some(artist) = self.artist.as_mut().filter(|artist| artist.is_free()) {
-            artist.order(Order { state, anatomy: anatomy.clone(), request, wants_whole });
+            artist.order(Order { look, anatomy: anatomy.clone(), request, wants_whole });
         }
     }
 
@@ -183,8 +184,8 @@ impl LinkMatrix {
     }
 
     fn take_up(&mut self, ctx: &Context, drawn: Drawn) {
-        let Drawn { state, request, raster, whole, facts, palette, legend } = drawn;
-        let look = Look { state, room: request.room, colouring: request.colouring };
+        let Drawn { look, request, raster, whole, facts, palette } = drawn;
+        let legend = palette.legend();
         let texture = texture(ctx, &raster);
         if request.view.is_whole() {
             self.whole = Some((look, texture.clone()));
