@@ -394,6 +394,36 @@ fn a_picture_has_the_size_asked_for_and_shows_the_overlays() {
     assert!(brightest(&draw("dim.png", &["--exposure", "-20"])) < brightest(&plain), "by hand it is dark");
 }
 
+/// Truth: at first there is the root's self-link alone, one colour from corner to corner; later there are many, and what is no picture
+/// is refused.
+#[test]
+fn a_link_matrix_starts_as_one_square() {
+    let folder = Folder::new();
+    let colours = |file: &str, args: &[&str]| {
+        let path = folder.path(file);
+        succeed(&[&["matrix", "cornell", "--size", "200", "--out", name(&path)], &COARSE[..], args].concat());
+        let picture = image::open(path).expect("a PNG").to_rgb8();
+        // The square, which lies at the right and has the legend below.
+        let (left, top) = (picture.width() - 230, picture.height() - 296);
+        let square = image::imageops::crop_imm(&picture, left, top, 200, 200).to_image();
+        square.pixels().copied().collect::<std::collections::HashSet<_>>().len()
+    };
+    for colour in ["power", "visibility", "level", "rays"] {
+        assert_eq!(colours("first.png", &["--waves", "0", "--colour", colour]), 1, "{colour}");
+        assert!(colours("last.png", &["--room", "leaves", "--colour", colour]) > 3, "{colour}");
+    }
+    let (picture, jpeg) = (folder.path("out.png"), folder.path("out.jpg"));
+    for (args, part) in [
+        (["--out", name(&jpeg), "--size", "200"], ".png"),
+        (["--out", name(&picture), "--size", "9"], "--size"),
+        (["--out", name(&picture), "--room", "kitchen"], "--room"),
+        (["--out", name(&picture), "--waves", "-1"], "--waves"),
+    ] {
+        let said = refused(&[&["matrix", "cornell"], &args[..]].concat());
+        assert!(said.contains(part), "{args:?}: `{part}` is not in: {said}");
+    }
+}
+
 /// Truth: a scene whose exact values are known. The floor's radiosity is that of its irradiance, B = ρE (grey ρ = 0.5 of
 /// faces without an MTL), at every point, since both are interpolated by the same weights.
 #[test]

@@ -21,7 +21,6 @@ mod marks;
 mod measure_marks;
 mod measuring;
 mod messages;
-mod names;
 mod paint;
 mod panels;
 mod picked;
@@ -116,6 +115,7 @@ pub struct App {
     marks: MarksOverView,
     /// What the mouse is over, in a panel or in the view.
     pointing: Pointing,
+    matrix: dock::LinkMatrix,
     time_left: TimeLeft,
     comparison: Comparison,
     freeze: Freeze,
@@ -191,6 +191,7 @@ impl App {
             inspector: dock::Inspector::default(),
             marks: MarksOverView::default(),
             pointing: Pointing::default(),
+            matrix: dock::LinkMatrix::default(),
             time_left: TimeLeft::default(),
             comparison: Comparison::default(),
             freeze: Freeze::default(),

@@ -9,6 +9,7 @@ mod build;
 mod grouping;
 mod groups;
 mod octree;
+mod order;
 mod patch;
 mod sample;
 mod surface;
@@ -23,6 +24,7 @@ use crate::exposure::Exposure;
 use crate::random::mix;
 use crate::scene::Scene;
 
+pub use order::{Order, Room};
 pub use patch::Patch;
 pub use sample::{PatchSums, SurfacePoint, point_on_polygon};
 pub use surface::smooth_surfaces;
@@ -65,6 +67,13 @@ pub struct Cluster {
     first_patch: u32,
     /// Number of initial patches below.
     patch_count: u32,
+}
+
+impl Cluster {
+    /// Number of initial patches below.
+    pub fn patch_count(&self) -> u32 {
+        self.patch_count
+    }
 }
 
 /// What an element is.

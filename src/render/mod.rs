@@ -17,7 +17,6 @@ mod overlay;
 mod pick;
 mod pipelines;
 mod radiosities;
-mod ramp;
 mod reading;
 mod reading_settings;
 mod renderer;
@@ -30,11 +29,11 @@ pub use offscreen::Offscreen;
 pub use outline::element_outline;
 pub use overlay::{Line, Marks, Overlay, picked_marks, power_colour};
 pub use pick::{Picked, pick};
-pub use ramp::{BLUE_WHITE_RED, CIVIDIS, Ramp, VIRIDIS, along_ramp};
 pub use reading::{ColourScale, Isolines, MOST_ISOLINES, Reading, Spacing};
 pub use reading_settings::{IsolinesWanted, Mark, ReadingSettings, Show};
 pub use renderer::{Frame, SceneRenderer, sample_count};
 
+pub use crate::ramp::{BLUE_WHITE_RED, CIVIDIS, Ramp, VIRIDIS, along_ramp};
 pub use crate::tone::{Exposure, auto_exposure, encode_gamma, tone_curve};
 
 #[cfg(doc)]

@@ -8,6 +8,7 @@ mod compare;
 mod craft;
 mod gallery;
 mod inspector;
+mod matrix;
 mod panels;
 mod readings;
 mod support;

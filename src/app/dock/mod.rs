@@ -5,6 +5,7 @@
 pub(super) mod compare;
 mod export;
 mod inspector;
+mod matrix;
 mod measure;
 mod readout;
 
@@ -12,6 +13,7 @@ use egui::{RichText, ScrollArea, Ui};
 use serde::{Deserialize, Serialize};
 
 pub(super) use inspector::Inspector;
+pub(super) use matrix::LinkMatrix;
 
 use super::{App, Outbox};
 
@@ -36,6 +38,11 @@ impl Tool {
     /// Whether the tool looks at elements and links, which snapshots carry only when they are asked to.
     pub(super) fn reads_anatomy(self) -> bool {
         matches!(self, Self::Inspector | Self::Matrix | Self::Clusters | Self::Export)
+    }
+
+    /// Whether the tool marks what lies under the mouse in the view.
+    pub(super) fn marks_what_is_pointed_at(self) -> bool {
+        self == Self::Matrix
     }
 
     /// Width when it is opened for the first time, points; each tool remembers its own.
@@ -100,7 +107,7 @@ pub(super) fn show(app: &mut App, ui: &mut Ui, _outbox: &mut Outbox) {
         match open {
             // These fill the dock and scroll by themselves.
             Tool::Inspector => inspector::show(app, ui),
-            Tool::Matrix => {}
+            Tool::Matrix => matrix::show(app, ui),
             Tool::Clusters | Tool::Measure | Tool::Compare | Tool::Export => {
                 ScrollArea::vertical().auto_shrink([false, false]).show(ui, |ui| match open {
                     Tool::Measure => measure::show(ui, &app.shown, &mut app.measuring, &mut app.messages, &app.wake),
