@@ -4,7 +4,10 @@ use anyhow::{anyhow, bail};
 use clap::{Arg, ArgAction, ArgMatches, Command};
 use glam::{Vec2, Vec3};
 use image::{ImageFormat, RgbaImage};
-use selflink::render::{Camera, Display, Exposure, MAX_SIZE, Marks, Offscreen, Overlay, USUAL_LINKS, link_marks, pick};
+use selflink::render::{
+    Camera, ClusterView, Display, Exposure, MAX_SIZE, Marks, Offscreen, Overlay, USUAL_LINKS, by_clusters, link_marks,
+    pick,
+};
 use selflink::scene::{CameraPose, Scene};
 
 use super::job::{Order, Solution};
@@ -42,6 +45,19 @@ pub fn command() -> Command {
                 .action(ArgAction::Append)
                 .help("Draw over the picture: outlines of the patches, boxes of the clusters of a level (0 is the root), or the links of the surface at a pixel. May be given several times"),
         )
+        .arg(
+            Arg::new("show")
+                .long("show")
+                .value_name("light|clusters:LEVEL")
+                .help("What colours the surfaces: the light, or the cluster of a level (0 is the root) that they belong to [default: light]"),
+        )
+        .arg(
+            Arg::new("explode")
+                .long("explode")
+                .value_name("0 to 1")
+                .allow_hyphen_values(true)
+                .help("Pull the clusters apart of the level that --show or else --overlay names; at 1 they lie twice as far from the middle [default: 0]"),
+        )
 }
 
 /// How a picture is to be drawn.
@@ -56,6 +72,8 @@ pub struct View {
     pub overlay: Overlay,
     /// The pixel whose surface shows its links.
     pub links_at: Option<[f32; 2]>,
+    /// Clusters as colours, or pulled apart.
+    pub clusters: Option<ClusterView>,
 }
 
 impl Default for View {
@@ -66,6 +84,7 @@ impl Default for View {
             display: Display::default(),
             overlay: Overlay::default(),
             links_at: None,
+            clusters: None,
         }
     }
 }
@@ -105,14 +124,21 @@ pub fn draw(
 ) -> anyhow::Result<RgbaImage> {
     let camera = camera(scene, view);
     let deepest = solution.snapshot.clusters.iter().map(|cluster| cluster.level).max().unwrap_or(0);
-    if let Some(level) = view.overlay.clusters.filter(|level| *level > deepest) {
+    let levels = view.overlay.clusters.into_iter().chain(view.clusters.map(|clusters| clusters.level));
+    if let Some(level) = levels.max().filter(|level| *level > deepest) {
         eprintln!("note: there are no clusters of level {level} to be drawn, the deepest have level {deepest}.");
     }
     let mut overlay = view.overlay.clone();
     if let Some(pixel) = view.links_at {
         overlay.marks = links_at(solution, &camera, pixel, view.size);
     }
-    Ok(offscreen.picture(&solution.snapshot, &camera, &view.display, &overlay, view.size)?)
+    let by_clusters = view.clusters.and_then(|clusters| {
+        solution.solver.show_anatomy(true);
+        by_clusters(&solution.solver.snapshot(), ClusterView { level: clusters.level.min(deepest), ..clusters })
+    });
+    let display = Display { as_colours: view.clusters.is_some_and(|clusters| clusters.coloured), ..view.display };
+    let snapshot = by_clusters.as_ref().unwrap_or(&solution.snapshot);
+    Ok(offscreen.picture(snapshot, &camera, &display, &overlay, view.size)?)
 }
 
 fn camera(scene: &Scene, view: &View) -> Camera {
@@ -155,7 +181,38 @@ fn view(matches: &ArgMatches) -> anyhow::Result<View> {
     for overlay in matches.get_many::<String>("overlay").unwrap_or_default() {
         add_overlay(&mut view, overlay)?;
     }
+    view.clusters = clusters(text("show"), text("explode"), view.overlay.clusters)?;
+    if view.links_at.is_some() && view.clusters.is_some_and(|clusters| clusters.explode > 0.0) {
+        bail!("--explode moves surfaces away from their links: leave out --overlay links or --explode");
+    }
     Ok(view)
+}
+
+/// Clusters as colours or pulled apart, where one of these is asked for.
+fn clusters(show: Option<&str>, explode: Option<&str>, boxes: Option<u16>) -> anyhow::Result<Option<ClusterView>> {
+    let unknown = |text: &str| anyhow!("--show must be light or clusters:LEVEL (it is `{text}`)");
+    let level = match show {
+        None | Some("light") => None,
+        Some(text) => {
+            let level = text.strip_prefix("clusters:").ok_or_else(|| unknown(text))?;
+            Some(level.parse().map_err(|_| unknown(text))?)
+        }
+    };
+    let coloured = level.is_some();
+    let Some(explode) = explode else {
+        return Ok(level.map(|level| ClusterView { level, explode: 0.0, coloured }));
+    };
+    let explode = match explode.parse::<f32>() {
+        Ok(share) if (0.0..=1.0).contains(&share) => share,
+        _ => bail!("--explode must be a number between 0 and 1 (it is `{explode}`)"),
+    };
+    let level = level.or(boxes).filter(|level| *level > 0);
+    let Some(level) = level else {
+        bail!(
+            "--explode needs a level of 1 or more to pull apart: add --show clusters:LEVEL or --overlay clusters:LEVEL"
+        )
+    };
+    Ok(Some(ClusterView { level, explode, coloured }))
 }
 
 fn size(text: &str) -> anyhow::Result<[u32; 2]> {
@@ -236,5 +293,20 @@ mod tests {
         for text in ["", "boxes", "clusters", "clusters:x", "links:1", "links:5000,1", "links:-1,1"] {
             assert!(add_overlay(&mut view, text).is_err(), "{text}");
         }
+    }
+
+    #[test]
+    fn clusters_are_coloured_and_pulled_apart() {
+        let read = |show, explode, boxes| clusters(show, explode, boxes).map_err(|error| error.to_string());
+        assert_eq!(read(None, None, Some(2)), Ok(None));
+        assert_eq!(read(Some("light"), None, None), Ok(None));
+        let view = |level, explode, coloured| Ok(Some(ClusterView { level, explode, coloured }));
+        assert_eq!(read(Some("clusters:3"), None, None), view(3, 0.0, true));
+        assert_eq!(read(Some("clusters:3"), Some("0.5"), Some(1)), view(3, 0.5, true));
+        assert_eq!(read(None, Some("1"), Some(2)), view(2, 1.0, false));
+        for (show, explode) in [("cluster", "0"), ("clusters:-1", "0"), ("clusters:1", "2"), ("clusters:0", "1")] {
+            assert!(read(Some(show), Some(explode), None).is_err(), "{show} {explode}");
+        }
+        assert!(read(None, Some("0.5"), None).is_err_and(|sentence| sentence.contains("needs a level")));
     }
 }

@@ -2,13 +2,14 @@
 //!
 //! Physics stays out: a [`Snapshot`] brings linear radiosities in W/m², and only here are they exposed, bent by the tone curve
 //! and gamma-encoded ([`Display`]). The module knows nothing of windows or panels. It imports `scene` (camera pose),
-//! `solver::snapshot` and `hierarchy::ElementId`.
+//! `solver::snapshot` and, for clusters and links, the elements of `hierarchy`.
 //!
 //! The window and a picture on disk go the same way: [`SceneRenderer::draw`] renders into its own multisampled target and resolves
 //! it to one `Rgba8Unorm` texture, which a window blits into its pass and [`Offscreen`] reads back.
 
 mod buffer;
 mod camera;
+mod clusters;
 mod display;
 mod offscreen;
 mod overlay;
@@ -19,6 +20,7 @@ mod renderer;
 mod target;
 
 pub use camera::Camera;
+pub use clusters::{ApartMesh, ClusterParts, ClusterView, by_clusters, cluster_colours};
 pub use display::{Display, Exposure, auto_exposure, encode_gamma, tone_curve};
 pub use offscreen::Offscreen;
 pub use overlay::{Line, Marks, Overlay, USUAL_LINKS, link_marks, power_colour};

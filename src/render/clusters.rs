@@ -1,0 +1,290 @@
+//! The clusters of one level as a picture: each in a colour of its own, or pulled apart from the middle of the scene.
+//!
+//! Both are made of a snapshot that carries its anatomy, and become a snapshot again, whose mesh has each cluster's vertices apart from
+//! all others: the renderer draws it, its outlines and its boxes like any other.
+
+use std::sync::Arc;
+
+use glam::Vec3;
+
+use crate::hierarchy::{Element, ElementId, Hierarchy, Shape};
+use crate::random::mix;
+use crate::solver::snapshot::{ClusterBox, Mesh, Snapshot};
+
+/// How the clusters of a level are shown.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ClusterView {
+    /// The level, the root being 0.
+    pub level: u16,
+    /// How far the clusters are pulled apart, 0..=1: at 1 their centres lie twice as far from the root's as they are.
+    pub explode: f32,
+    /// Whether surfaces show the colours of their clusters instead of their light.
+    pub coloured: bool,
+}
+
+/// Colours that people with any colour vision tell apart: those of M. Okabe and K. Ito, "Color Universal Design", 2008, and of P. Tol,
+/// "Colour Schemes", SRON/EPS/TN/09-002, 2021 (muted), in an order that sets neighbours off.
+const PALETTE: [[u8; 3]; 12] = [
+    [230, 159, 0],
+    [86, 180, 233],
+    [0, 158, 115],
+    [240, 228, 66],
+    [0, 114, 178],
+    [213, 94, 0],
+    [204, 121, 167],
+    [68, 170, 153],
+    [153, 153, 51],
+    [204, 102, 119],
+    [136, 204, 238],
+    [221, 204, 119],
+];
+/// Surfaces that hang at the root itself belong to no smaller cluster.
+const AT_ROOT: [u8; 3] = [196, 197, 200];
+/// Colours are mixed with so much white, so that the darkest still read when shaded.
+const WHITE_SHARE: f32 = 0.12;
+/// Where surfaces are lit from, so that shapes read; askew, so that no two walls of a room look alike.
+const LIT_FROM: Vec3 = Vec3::new(0.33, 0.80, 0.50);
+/// Brightness of a surface that faces the light and of one that turns its back to it.
+const SHADES: (f32, f32) = (1.0, 0.46);
+/// Steps along each axis of the root's box by which places of clusters are told apart.
+const STEPS: f32 = 1024.0;
+
+/// What of the scene moves as one, and its colour.
+#[derive(Clone, Copy, Debug)]
+struct Part {
+    /// From the root's centre to its own, in the scene's unit.
+    way: Vec3,
+    /// Gamma-encoded.
+    colour: [u8; 3],
+}
+
+/// The hierarchy cut at one level: a polygon belongs to the deepest cluster around it that lies no deeper than that. Polygons that hang
+/// at the root are parts of their own, for a room opens when its walls come apart.
+#[derive(Clone, Debug)]
+pub struct ClusterParts {
+    parts: Vec<Part>,
+    of_polygon: Vec<u32>,
+    /// Of each cluster in the arena's order; `None` above the level.
+    of_cluster: Vec<Option<u32>>,
+}
+
+impl ClusterParts {
+    /// Cuts a hierarchy.
+    pub fn new(hierarchy: &Hierarchy, level: u16) -> Self {
+        let root = hierarchy.element(Hierarchy::ROOT);
+        let whole = Part { way: Vec3::ZERO, colour: AT_ROOT };
+        let mut cut = Self { parts: vec![whole], of_polygon: Vec::new(), of_cluster: Vec::new() };
+        let colours = cluster_colours(hierarchy);
+        // Part that holds each cluster; parents precede their children.
+        let mut holder = vec![0_u32; colours.len()];
+        let mut clusters = hierarchy.ids().filter(|id| hierarchy.element(*id).is_cluster());
+        let places: Vec<ElementId> = clusters.by_ref().collect();
+        let mut place_of = vec![0_u32; places.last().map_or(0, |last| last.index() + 1)];
+        for (place, &id) in places.iter().enumerate() {
+            place_of[id.index()] = place as u32;
+            let element = hierarchy.element(id);
+            let own_level = level_of(element);
+            holder[place] = match element.parent() {
+                None => 0,
+                Some(parent) if own_level > level => holder[place_of[parent.index()] as usize],
+                Some(_) => cut.add(element.centre - root.centre, colours[place]),
+            };
+            cut.of_cluster.push((own_level >= level).then_some(holder[place]));
+        }
+        cut.of_polygon = vec![0; hierarchy.initial_patches().len()];
+        for &id in hierarchy.initial_patches() {
+            let element = hierarchy.element(id);
+            let (Shape::Patch(patch), Some(parent)) = (&element.shape, element.parent()) else { continue };
+            let part = match holder[place_of[parent.index()] as usize] {
+                0 if level > 0 => cut.add(element.centre - root.centre, AT_ROOT),
+                part => part,
+            };
+            cut.of_polygon[patch.polygon as usize] = part;
+        }
+        cut
+    }
+
+    fn add(&mut self, way: Vec3, colour: [u8; 3]) -> u32 {
+        self.parts.push(Part { way, colour });
+        self.parts.len() as u32 - 1
+    }
+
+    /// How far a polygon is moved, in the scene's unit.
+    pub fn offset_of_polygon(&self, polygon: u32, explode: f32) -> Vec3 {
+        self.offset(self.of_polygon.get(polygon as usize).copied().unwrap_or(0), explode)
+    }
+
+    /// How far the cluster is moved that comes at this place among the clusters of the arena; not at all above the level.
+    pub fn offset_of_cluster(&self, place: usize, explode: f32) -> Vec3 {
+        let part = self.of_cluster.get(place).copied().flatten();
+        part.map_or(Vec3::ZERO, |part| self.offset(part, explode))
+    }
+
+    /// How far an element is moved.
+    pub fn offset_of(&self, hierarchy: &Hierarchy, id: ElementId, explode: f32) -> Vec3 {
+        match &hierarchy.element(id).shape {
+            Shape::Patch(patch) => self.offset_of_polygon(patch.polygon, explode),
+            Shape::Cluster(_) => {
+                let before = &hierarchy.elements()[..id.index()];
+                self.offset_of_cluster(before.iter().filter(|element| element.is_cluster()).count(), explode)
+            }
+        }
+    }
+
+    /// The colour of a polygon's part, gamma-encoded.
+    pub fn colour_of_polygon(&self, polygon: u32) -> [u8; 3] {
+        self.of_polygon.get(polygon as usize).map_or(AT_ROOT, |part| self.parts[*part as usize].colour)
+    }
+
+    fn offset(&self, part: u32, explode: f32) -> Vec3 {
+        explode * self.parts[part as usize].way
+    }
+}
+
+fn level_of(element: &Element) -> u16 {
+    match &element.shape {
+        Shape::Cluster(cluster) => cluster.level,
+        Shape::Patch(_) => u16::MAX,
+    }
+}
+
+/// The colour of each cluster in the arena's order: told by its place in the scene, so that it is the same whenever the cluster is, and
+/// another one than its siblings' as long as there are colours enough.
+pub fn cluster_colours(hierarchy: &Hierarchy) -> Vec<[u8; 3]> {
+    let root = hierarchy.element(Hierarchy::ROOT);
+    let side = match &root.shape {
+        Shape::Cluster(cluster) => 2.0 * cluster.half_extent.max_element(),
+        Shape::Patch(_) => 0.0,
+    };
+    let step = if side > 0.0 { STEPS / side } else { 0.0 };
+    let (mut parent, mut taken) = (None, 0_u32);
+    let colour = |element: &Element| {
+        let Shape::Cluster(cluster) = &element.shape else { return AT_ROOT };
+        if element.parent().is_none() {
+            return AT_ROOT;
+        }
+        if parent != element.parent() {
+            (parent, taken) = (element.parent(), 0);
+        }
+        let place = [element.centre - root.centre, cluster.half_extent];
+        let steps = place.iter().flat_map(|vector| (step * *vector).round().to_array());
+        let hash = steps.fold(1, |hash, step| mix(hash, u64::from((step as i32).cast_unsigned())));
+        let mut index = hash as usize % PALETTE.len();
+        let all = (1_u32 << PALETTE.len()) - 1;
+        while taken != all && taken & (1 << index) != 0 {
+            index = (index + 1) % PALETTE.len();
+        }
+        taken |= 1 << index;
+        PALETTE[index].map(|channel| (f32::from(channel) + WHITE_SHARE * (255.0 - f32::from(channel))).round() as u8)
+    };
+    hierarchy.elements().iter().filter(|element| element.is_cluster()).map(colour).collect()
+}
+
+/// A mesh whose parts share no vertices.
+pub struct ApartMesh {
+    mesh: Mesh,
+    /// Of each vertex, the one that it was made of.
+    source: Vec<u32>,
+    /// Of each vertex.
+    part: Vec<u32>,
+}
+
+/// The edges of a leaf's triangles that no other of them shares.
+fn rim(triangles: &[[u32; 3]]) -> impl Iterator<Item = [u32; 2]> + '_ {
+    let edges = || triangles.iter().flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]]);
+    edges().filter(move |&[from, to]| edges().all(|other| other != [to, from]))
+}
+
+/// Stands for "no part yet".
+const NO_PART: u32 = u32::MAX;
+
+impl ApartMesh {
+    /// Cuts a mesh between parts; triangles and leaves stay in their order.
+    pub fn new(mesh: &Mesh, parts: &ClusterParts) -> Self {
+        let part_of_leaf = |leaf: u32| parts.of_polygon[mesh.leaves[leaf as usize].polygon as usize];
+        let mut apart = Self {
+            mesh: Mesh { leaves: mesh.leaves.clone(), triangle_leaf: mesh.triangle_leaf.clone(), ..Mesh::default() },
+            source: Vec::with_capacity(mesh.positions.len()),
+            part: Vec::with_capacity(mesh.positions.len()),
+        };
+        apart.mesh.positions.reserve(mesh.positions.len());
+        // Triangles of a part lie together, so that the vertex made last is the one wanted.
+        let mut last = vec![(NO_PART, 0_u32); mesh.positions.len()];
+        let corner = |apart: &mut Self, last: &mut [(u32, u32)], vertex: u32, part: u32| {
+            let known = &mut last[vertex as usize];
+            if known.0 != part {
+                *known = (part, apart.source.len() as u32);
+                apart.source.push(vertex);
+                apart.part.push(part);
+                apart.mesh.positions.push(mesh.positions[vertex as usize]);
+            }
+            known.1
+        };
+        let triangles = mesh.triangles.iter().zip(&mesh.triangle_leaf);
+        apart.mesh.triangles = triangles
+            .map(|(corners, &leaf)| corners.map(|vertex| corner(&mut apart, &mut last, vertex, part_of_leaf(leaf))))
+            .collect();
+        apart.mesh.outlines.reserve(mesh.outlines.len());
+        let runs = apart.mesh.triangle_leaf.chunk_by(|a, b| a == b);
+        let mut rest = apart.mesh.triangles.as_slice();
+        for run in runs {
+            let (of_leaf, behind) = rest.split_at(run.len());
+            rest = behind;
+            apart.mesh.outlines.extend(rim(of_leaf));
+        }
+        apart
+    }
+
+    /// The mesh with its parts pulled apart.
+    fn exploded(&self, parts: &ClusterParts, explode: f32) -> Mesh {
+        let mut mesh = self.mesh.clone();
+        if explode > 0.0 {
+            for (position, &part) in mesh.positions.iter_mut().zip(&self.part) {
+                *position = (Vec3::from(*position) + parts.offset(part, explode)).to_array();
+            }
+        }
+        mesh
+    }
+
+    /// Gamma-encoded colours of the vertices, shaded by how their surfaces are turned.
+    fn colours(&self, parts: &ClusterParts) -> Vec<[f32; 3]> {
+        let mut normals = vec![Vec3::ZERO; self.source.len()];
+        for &corners in &self.mesh.triangles {
+            let [a, b, c] = corners.map(|vertex| Vec3::from(self.mesh.positions[vertex as usize]));
+            for vertex in corners {
+                normals[vertex as usize] += (b - a).cross(c - a);
+            }
+        }
+        let towards = LIT_FROM.normalize();
+        let shaded = |(normal, &part): (&Vec3, &u32)| {
+            let facing = 0.5 + 0.5 * normal.normalize_or_zero().dot(towards);
+            let shade = SHADES.1 + (SHADES.0 - SHADES.1) * facing;
+            parts.parts[part as usize].colour.map(|channel| shade * f32::from(channel) / 255.0)
+        };
+        normals.iter().zip(&self.part).map(shaded).collect()
+    }
+
+    /// A snapshot of this mesh as a view shows it; the vertices carry colours where the view is coloured, else their radiosities.
+    pub fn snapshot(&self, of: &Snapshot, parts: &ClusterParts, view: ClusterView) -> Snapshot {
+        let moved = |(place, cluster): (usize, &ClusterBox)| {
+            let offset = parts.offset_of_cluster(place, view.explode);
+            ClusterBox { lower: cluster.lower + offset, upper: cluster.upper + offset, ..*cluster }
+        };
+        Snapshot {
+            mesh: Arc::new(self.exploded(parts, view.explode)),
+            vertex_radiosity: match view.coloured {
+                true => self.colours(parts),
+                false => self.source.iter().map(|&vertex| of.vertex_radiosity[vertex as usize]).collect(),
+            },
+            clusters: Arc::new(of.clusters.iter().enumerate().map(moved).collect()),
+            ..of.clone()
+        }
+    }
+}
+
+/// A snapshot as a view of its clusters shows it; `None` where it carries no anatomy.
+pub fn by_clusters(snapshot: &Snapshot, view: ClusterView) -> Option<Snapshot> {
+    let anatomy = snapshot.anatomy.as_ref()?;
+    let parts = ClusterParts::new(anatomy.hierarchy(), view.level);
+    Some(ApartMesh::new(&snapshot.mesh, &parts).snapshot(snapshot, &parts, view))
+}
