@@ -40,8 +40,8 @@ const PALETTE: [[u8; 3]; 12] = [
 ];
 /// Surfaces that hang at the root itself belong to no smaller cluster.
 const AT_ROOT: [u8; 3] = [196, 197, 200];
-/// Colours are mixed with so much white, so that the darkest still read when shaded.
-const WHITE_SHARE: f32 = 0.12;
+/// Each comes in two tints, mixed with so much white.
+const WHITE_SHARES: [f32; 2] = [0.08, 0.40];
 /// Where surfaces are lit from, so that shapes read; askew, so that no two walls of a room look alike.
 const LIT_FROM: Vec3 = Vec3::new(0.33, 0.80, 0.50);
 /// Brightness of a surface that faces the light and of one that turns its back to it.
@@ -175,7 +175,8 @@ pub fn cluster_colours(hierarchy: &Hierarchy) -> Vec<[u8; 3]> {
             index = (index + 1) % PALETTE.len();
         }
         taken |= 1 << index;
-        PALETTE[index].map(|channel| (f32::from(channel) + WHITE_SHARE * (255.0 - f32::from(channel))).round() as u8)
+        let white = WHITE_SHARES[(hash >> 32) as usize % WHITE_SHARES.len()];
+        PALETTE[index].map(|channel| (f32::from(channel) + white * (255.0 - f32::from(channel))).round() as u8)
     };
     hierarchy.elements().iter().filter(|element| element.is_cluster()).map(colour).collect()
 }
