@@ -124,6 +124,7 @@ pub mod exposure;
 pub mod format;
 pub mod hierarchy;
 pub mod orient;
+pub mod photometry;
 pub mod probe;
 pub mod random;
 pub mod referee;

@@ -6,15 +6,19 @@
 
 mod comparison;
 mod dock;
+mod facts;
 mod files;
+mod highlight;
+mod inspection;
 mod launch;
 mod looking;
+mod marks;
 mod messages;
+mod names;
 mod paint;
 mod panels;
 mod picked;
 mod settings;
-mod sources;
 mod theme;
 mod time_left;
 mod timeline;
@@ -30,12 +34,16 @@ pub use launch::{AppError, run};
 
 use crate::added_light::AddedLight;
 use crate::format;
+use crate::hierarchy::ElementId;
 use crate::scene::Source;
 use crate::solver::{Snapshot, SolverParams};
 use crate::worker::{Command, Event, SceneInfo, SolverThread, Status};
 use comparison::Comparison;
 use files::Files;
+use highlight::Pointing;
+use inspection::Inspection;
 use looking::Looking;
+use marks::MarksOverView;
 use messages::Messages;
 use panels::light::LampEditor;
 use picked::PickedElement;
@@ -45,6 +53,8 @@ use viewport::Viewport;
 
 /// On software adapters drawing takes the solver's cores, so pictures wait this long for each other.
 const REPAINT_INTERVAL_ON_CPU: Duration = Duration::from_millis(100);
+/// What was put off for want of time is looked at again after this.
+const LATER: Duration = Duration::from_millis(200);
 
 /// Keys under which the storage keeps what lasts from one run to the next.
 const RECENT_KEY: &str = "recent_files";
@@ -79,6 +89,10 @@ pub struct App {
     display: DisplaySettings,
     view: Viewport,
     picked: Option<PickedElement>,
+    inspection: Inspection,
+    marks: MarksOverView,
+    /// What the mouse is over, in a panel or in the view.
+    pointing: Pointing,
     time_left: TimeLeft,
     comparison: Comparison,
     /// The tool that the dock shows.
@@ -138,6 +152,9 @@ impl App {
             display,
             view: Viewport::default(),
             picked: None,
+            inspection: Inspection::default(),
+            marks: MarksOverView::default(),
+            pointing: Pointing::default(),
             time_left: TimeLeft::default(),
             comparison: Comparison::default(),
             tool: None,
@@ -198,12 +215,17 @@ impl App {
 
     /// Finds the picked element in a newer snapshot.
     fn follow_picked(&mut self, latest: &Snapshot) {
-        let (Some(picked), Some(info)) = (self.picked.as_mut(), &self.shown.info) else { return };
-        if !picked.follow(latest) {
+        if self.picked.as_mut().is_some_and(|picked| !picked.follow(latest)) {
             self.picked = None;
-            return;
         }
-        picked.note_sources(latest, &info.scene);
+    }
+
+    /// Picks any element, patch or cluster, by its id; nothing where the snapshot in view does not know it.
+    fn pick_element(&mut self, id: ElementId) {
+        let picked = self.shown.snapshot.as_ref().and_then(|snapshot| PickedElement::by_id(snapshot, id));
+        if picked.is_some() {
+            self.picked = picked;
+        }
     }
 
     fn take_up(&mut self, event: Event) {
@@ -258,9 +280,10 @@ impl App {
     fn pick(&mut self, clicked: viewport::Clicked) {
         let (Some(snapshot), Some(info)) = (&self.shown.snapshot, &self.shown.info) else { return };
         self.picked = PickedElement::at(snapshot, clicked.origin, clicked.direction);
-        if let Some(picked) = self.picked.as_mut() {
-            picked.note_sources(snapshot, &info.scene);
-            self.lamp.choose(&info.scene, picked.leaf.material);
+        if let Some(picked) = &self.picked {
+            if let Some(leaf) = snapshot.mesh.leaves.iter().find(|leaf| leaf.element == picked.element) {
+                self.lamp.choose(&info.scene, leaf.material);
+            }
             if clicked.is_double {
                 self.view.look_at(picked.point);
             }
@@ -296,6 +319,7 @@ impl eframe::App for App {
         });
         let wants_anatomy = self.picked.is_some() || self.tool.is_some_and(dock::Tool::reads_anatomy);
         outbox.extend(self.looking.command(wants_anatomy));
+        self.pointing.end_frame(ui.ctx());
         for command in outbox {
             self.worker.send(command);
         }

@@ -170,7 +170,8 @@ pub(super) fn show(app: &mut App, ui: &mut Ui, outbox: &mut Outbox) -> Option<Cl
         let is_dark = app.shown.info.as_ref().is_some_and(|info| !info.has_light);
         // Without links the picked element still has its rim.
         let most = if app.display.show_links { app.display.strongest_links } else { 0 };
-        let marks = app.picked.as_mut().map(|picked| picked.marks(&snapshot, most)).unwrap_or_default();
+        let marks =
+            app.marks.over(&snapshot, app.picked.as_ref().map(|picked| picked.element), most, app.pointing.now());
         let painted = app.comparison.painted();
         let picture = Picture {
             camera,

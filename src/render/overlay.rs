@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use glam::Vec3;
-use rustc_hash::FxHashMap;
 
+use super::outline::{box_edges, element_outline};
 use super::ramp::{VIRIDIS, along_ramp};
 use crate::hierarchy::ElementId;
 use crate::solver::LinkView;
@@ -102,21 +102,11 @@ pub(super) fn element_outlines(mesh: &Mesh) -> Vec<Line> {
 pub(super) fn cluster_boxes(clusters: &[ClusterBox], level: u16) -> Vec<Line> {
     let (colour, width) = CLUSTER;
     let of_level = clusters.iter().filter(|cluster| cluster.level == level);
-    of_level.flat_map(|cluster| box_edges(cluster).map(|[from, to]| Line::new(from, to, width, colour))).collect()
-}
-
-/// The edges between corners of the box that differ in one coordinate.
-fn box_edges(cluster: &ClusterBox) -> [[Vec3; 2]; 12] {
-    let corner = |bits: usize| {
-        let upper = glam::BVec3::new(bits & 1 != 0, bits & 2 != 0, bits & 4 != 0);
-        Vec3::select(upper, cluster.upper, cluster.lower)
-    };
-    std::array::from_fn(|edge| {
-        let (axis, rest) = (edge / 4, edge % 4);
-        let low_bits = rest & ((1 << axis) - 1);
-        let from = (rest - low_bits) << 1 | low_bits;
-        [corner(from), corner(from | 1 << axis)]
-    })
+    of_level
+        .flat_map(|cluster| {
+            box_edges(cluster.lower, cluster.upper).map(|[from, to]| Line::new(from, to, width, colour))
+        })
+        .collect()
 }
 
 /// The strongest links that bring light to an element, so many at most, weakest first so that strong ones end on top, and the element
@@ -125,7 +115,7 @@ pub fn link_marks(snapshot: &Snapshot, element: ElementId, most: usize) -> Vec<L
     let Some(anatomy) = snapshot.anatomy.as_ref().filter(|anatomy| anatomy.holds(element)) else { return Vec::new() };
     let mut lines = link_lines(&anatomy.incoming(element), most);
     let (colour, width) = PICKED;
-    let rim = leaf_rim(&snapshot.mesh, element);
+    let rim = element_outline(anatomy.hierarchy(), element);
     lines.extend(rim.into_iter().map(|[from, to]| Line::new(from, to, width, colour)));
     lines.push(Line::dot(anatomy.hierarchy().element(element).centre, PICKED_DOT, colour));
     lines
@@ -145,22 +135,6 @@ fn link_lines(links: &[LinkView], most: usize) -> Vec<Line> {
         ]
     });
     drawn.collect()
-}
-
-/// The edges around a leaf: those that only one of its triangles has. Empty where the element is no leaf.
-fn leaf_rim(mesh: &Mesh, element: ElementId) -> Vec<[Vec3; 2]> {
-    let Some(leaf) = mesh.leaves.iter().position(|leaf| leaf.element == element) else { return Vec::new() };
-    let triangles = mesh.triangles.iter().zip(&mesh.triangle_leaf).filter(|&(_, &of)| of as usize == leaf);
-    let mut uses: FxHashMap<[u32; 2], u32> = FxHashMap::default();
-    for (&[a, b, c], _) in triangles {
-        for [from, to] in [[a, b], [b, c], [c, a]] {
-            *uses.entry([from.min(to), from.max(to)]).or_default() += 1;
-        }
-    }
-    let position = |vertex: u32| Vec3::from(mesh.positions[vertex as usize]);
-    let mut edges: Vec<_> = uses.into_iter().filter(|&(_, count)| count == 1).map(|(edge, _)| edge).collect();
-    edges.sort_unstable();
-    edges.into_iter().map(|[a, b]| [position(a), position(b)]).collect()
 }
 
 #[cfg(test)]
@@ -202,15 +176,6 @@ mod tests {
             receiver_is_cluster: false,
             irradiance: Vec3::ZERO,
         }
-    }
-
-    #[test]
-    fn the_rim_of_a_quad_has_four_edges_without_its_diagonal() {
-        let rim = leaf_rim(&two_leaves(), ElementId(7));
-        assert_eq!(rim.len(), 4);
-        assert!(rim.iter().all(|[a, b]| (a.distance(*b) - 1.0).abs() < 1e-6), "{rim:?}");
-        assert_eq!(leaf_rim(&two_leaves(), ElementId(9)).len(), 3);
-        assert!(leaf_rim(&two_leaves(), ElementId(1)).is_empty());
     }
 
     #[test]
