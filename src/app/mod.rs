@@ -4,6 +4,7 @@
 //! write commands into an outbox, and sends them. Panels see only what they are given, so none of them can wait for the solver.
 //! Imports everything below it; only `main` knows this module.
 
+mod cluster_view;
 mod comparison;
 mod dock;
 mod facts;
@@ -29,6 +30,7 @@ use std::sync::mpsc::{Receiver, channel};
 use std::time::Duration;
 
 use eframe::CreationContext;
+use glam::Vec3;
 
 pub use launch::{AppError, run};
 
@@ -38,6 +40,7 @@ use crate::hierarchy::ElementId;
 use crate::scene::Source;
 use crate::solver::{Snapshot, SolverParams};
 use crate::worker::{Command, Event, SceneInfo, SolverThread, Status};
+use cluster_view::ClusterScene;
 use comparison::Comparison;
 use files::Files;
 use highlight::Pointing;
@@ -95,6 +98,8 @@ pub struct App {
     pointing: Pointing,
     time_left: TimeLeft,
     comparison: Comparison,
+    cluster_view: ClusterScene,
+    clusters: dock::Clusters,
     /// The tool that the dock shows.
     tool: Option<dock::Tool>,
     looking: Looking,
@@ -157,6 +162,8 @@ impl App {
             pointing: Pointing::default(),
             time_left: TimeLeft::default(),
             comparison: Comparison::default(),
+            cluster_view: ClusterScene::default(),
+            clusters: dock::Clusters::default(),
             tool: None,
             looking: Looking::default(),
             wake,
@@ -265,6 +272,7 @@ impl App {
             ctx.send_viewport_cmd(egui::ViewportCommand::Title(title));
             self.view.start_with(&info.scene);
             self.picked = None;
+            self.clusters = dock::Clusters::default();
             self.lamp = LampEditor::for_scene(&info.scene);
             // A correction made for another scene's light would make this one black or white.
             self.display.auto_stops = 0.0;
@@ -279,13 +287,15 @@ impl App {
 
     fn pick(&mut self, clicked: viewport::Clicked) {
         let (Some(snapshot), Some(info)) = (&self.shown.snapshot, &self.shown.info) else { return };
-        self.picked = PickedElement::at(snapshot, clicked.origin, clicked.direction);
+        let (origin, moved_by) =
+            self.cluster_view.into_scene(clicked.origin, clicked.direction).unwrap_or((clicked.origin, Vec3::ZERO));
+        self.picked = PickedElement::at(snapshot, origin, clicked.direction);
         if let Some(picked) = &self.picked {
             if let Some(leaf) = snapshot.mesh.leaves.iter().find(|leaf| leaf.element == picked.element) {
                 self.lamp.choose(&info.scene, leaf.material);
             }
             if clicked.is_double {
-                self.view.look_at(picked.point);
+                self.view.look_at(picked.point + moved_by);
             }
         }
     }
@@ -317,7 +327,8 @@ impl eframe::App for App {
                 self.pick(clicked);
             }
         });
-        let wants_anatomy = self.picked.is_some() || self.tool.is_some_and(dock::Tool::reads_anatomy);
+        let wants_anatomy =
+            self.picked.is_some() || self.cluster_view.is_active() || self.tool.is_some_and(dock::Tool::reads_anatomy);
         outbox.extend(self.looking.command(wants_anatomy));
         self.pointing.end_frame(ui.ctx());
         for command in outbox {

@@ -170,13 +170,24 @@ pub(super) fn show(app: &mut App, ui: &mut Ui, outbox: &mut Outbox) -> Option<Cl
         let is_dark = app.shown.info.as_ref().is_some_and(|info| !info.has_light);
         // Without links the picked element still has its rim.
         let most = if app.display.show_links { app.display.strongest_links } else { 0 };
-        let marks =
-            app.marks.over(&snapshot, app.picked.as_ref().map(|picked| picked.element), most, app.pointing.now());
-        let painted = app.comparison.painted();
+        let picked = app.picked.as_ref().map(|picked| picked.element);
+        let of_errors = app.comparison.painted();
+        let level = app.display.cluster_level.min(deepest);
+        let of_clusters = match of_errors {
+            None => app.cluster_view.painted(&snapshot, level),
+            Some(_) => None,
+        };
+        let marks = match &snapshot.anatomy {
+            Some(anatomy) if of_clusters.is_some() && app.cluster_view.is_exploded() => {
+                app.cluster_view.marks(anatomy, picked, app.pointing.now())
+            }
+            _ => app.marks.over(&snapshot, picked, most, app.pointing.now()),
+        };
+        let has_colours = of_errors.is_some() || (of_clusters.is_some() && app.cluster_view.coloured);
         let picture = Picture {
             camera,
-            display: Display { as_colours: painted.is_some(), ..app.display.display() },
-            snapshot: painted.unwrap_or(snapshot),
+            display: Display { as_colours: has_colours, ..app.display.display() },
+            snapshot: of_errors.or(of_clusters).unwrap_or(snapshot),
             overlay: app.display.overlay(deepest, is_dark, marks),
             size: [pixels(rect.width()), pixels(rect.height())],
         };

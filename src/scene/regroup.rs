@@ -14,6 +14,8 @@
 //! With `/*` behind its path it brings what is in it, but not itself: the bookshelf above is the file's own with a plant in it, and the
 //! group of the carpet is dissolved. What the list does not name stays where the file has it.
 
+use std::sync::Arc;
+
 use rustc_hash::FxHashMap;
 use serde::de::Error;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
@@ -68,6 +70,20 @@ impl Scene {
     /// The tree that `groups` clusters by: the scene's own groups, as [`Scene::regrouping`] arranges them.
     pub fn group_tree(&self) -> GroupTree {
         GroupTree::arranged(&self.groups, &self.regrouping).0
+    }
+
+    /// The scene as if its file had its groups as they are arranged; the scene itself where nobody arranged them.
+    pub fn as_arranged(self: &Arc<Self>) -> Arc<Self> {
+        if self.regrouping.is_empty() {
+            return self.clone();
+        }
+        let tree = self.group_tree();
+        let mut scene = (**self).clone();
+        for polygon in &mut scene.polygons {
+            polygon.group = tree.home(polygon.group);
+        }
+        (scene.groups, scene.regrouping) = (tree.groups, Vec::new());
+        Arc::new(scene)
     }
 
     /// Arranges the groups by hand; returns a sentence for each member that the scene does not have or that is named twice.
@@ -193,6 +209,34 @@ impl GroupTree {
     /// The group of the tree that holds what is directly in one of the scene's own.
     pub fn home(&self, own: GroupId) -> GroupId {
         self.homes.get(own.0 as usize).copied().unwrap_or(GroupId(0))
+    }
+
+    /// This group and all that hold it, upwards.
+    pub fn upwards(&self, group: GroupId) -> impl Iterator<Item = GroupId> {
+        std::iter::successors(Some(group), |&at| self.groups[at.0 as usize].parent)
+    }
+
+    /// The group's path from the root, levels joined by `/`, without the root's own name.
+    pub fn path(&self, group: GroupId) -> String {
+        let mut names: Vec<&str> =
+            self.upwards(group).filter(|at| at.0 > 0).map(|at| self.groups[at.0 as usize].name.as_str()).collect();
+        names.reverse();
+        names.join("/")
+    }
+
+    /// Sums over each group with all that is in it of what the scene's own groups hold directly.
+    pub fn sums<T: Copy + Default + std::ops::AddAssign>(&self, held: impl Iterator<Item = (GroupId, T)>) -> Vec<T> {
+        let mut sums = vec![T::default(); self.groups.len()];
+        for (own, amount) in held {
+            sums[self.home(own).0 as usize] += amount;
+        }
+        for (index, group) in self.groups.iter().enumerate().rev() {
+            if let Some(parent) = group.parent {
+                let amount = sums[index];
+                sums[parent.0 as usize] += amount;
+            }
+        }
+        sums
     }
 
     /// The groups in each group.
@@ -349,6 +393,16 @@ mod tests {
         let home = |own: u32| addresses[tree.home(GroupId(own)).0 as usize].as_str();
         let homes: Vec<&str> = (0..9).map(home).collect();
         assert_eq!(homes, ["", "", "floor", "desk", "lamps/lamp", "desk/top", "chair", "chair/leg", "desk/leg"]);
+    }
+
+    #[test]
+    fn paths_are_of_names_and_sums_of_all_that_is_in_a_group() {
+        let tree = read("[]").0;
+        let at = |address: &str| {
+            GroupId(tree.addresses().iter().position(|other| other == address).expect("it is there") as u32)
+        };
+        assert_eq!(tree.path(at("chair/leg #2")), "chair/leg");
+        assert_eq!(tree.sums([(at("desk/lamp"), 2), (at("desk"), 3), (at("walls"), 1)].into_iter())[..3], [6, 1, 0]);
     }
 
     #[test]

@@ -39,11 +39,6 @@ impl GroupTree {
         self.groups[group.0 as usize].parent
     }
 
-    /// This group and all that hold it, upwards.
-    pub fn upwards(&self, group: GroupId) -> impl Iterator<Item = GroupId> {
-        std::iter::successors(Some(group), |&at| self.parent(at))
-    }
-
     /// Those of some groups that lie in no other of them; never the root.
     fn topmost(&self, groups: &[GroupId]) -> Result<Vec<GroupId>, RegroupError> {
         let is_inside =
