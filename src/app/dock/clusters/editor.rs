@@ -26,7 +26,7 @@ pub(super) struct GroupEditor {
     members: Vec<GroupMember>,
     /// What the worker has not confirmed yet: until then the scene still has former groups.
     is_sent: bool,
-    tree: Option<GroupTree>,
+    tree: Option<Arc<GroupTree>>,
     children: Vec<Vec<GroupId>>,
     /// Polygons in each group with all that is in it, and their area, m².
     polygons: Vec<u32>,
@@ -55,7 +55,7 @@ impl GroupEditor {
             self.selected.clear();
         }
         let tree = GroupTree::arranged(&scene.groups, &self.members).0;
-        if self.tree.as_ref() != Some(&tree) {
+        if self.tree.as_deref() != Some(&tree) {
             self.selected.clear();
             self.unfolded = [GroupId(0)].into_iter().collect();
         }
@@ -69,12 +69,12 @@ impl GroupEditor {
                 tree.sums(scene.polygons.iter().map(|polygon| (polygon.group, f64::from(scene.area(polygon)))));
         }
         self.children = tree.children();
-        self.tree = Some(tree);
+        self.tree = Some(Arc::new(tree));
     }
 
     /// The tree as it is arranged now.
-    pub(super) fn tree(&self) -> Option<&GroupTree> {
-        self.tree.as_ref()
+    pub(super) fn tree(&self) -> Option<Arc<GroupTree>> {
+        self.tree.clone()
     }
 
     /// Polygons in a group with all that is in it, and their area, m².
@@ -147,7 +147,7 @@ impl GroupEditor {
 
     /// Makes an edit and says what the worker is to be told, or keeps the reason why it cannot be made.
     pub(super) fn edit(&mut self, edited: Result<Regrouped, RegroupError>) -> Option<Command> {
-        let (own, former) = (&self.scene.as_ref()?.groups, self.tree.as_ref()?);
+        let (own, former) = (&self.scene.as_ref()?.groups, self.tree.as_deref()?);
         let Regrouped { tree, places, group } = match edited {
             Ok(edited) => edited,
             Err(error) => {
@@ -186,7 +186,7 @@ impl GroupEditor {
     fn rearranged(&mut self) -> Option<Command> {
         let scene = self.scene.as_ref()?;
         let tree = GroupTree::arranged(&scene.groups, &self.members).0;
-        let former = self.tree.as_ref().map(GroupTree::addresses).unwrap_or_default();
+        let former = self.tree.as_deref().map(GroupTree::addresses).unwrap_or_default();
         let open: FxHashSet<&String> = self.unfolded.iter().filter_map(|group| former.get(group.0 as usize)).collect();
         let still_open = tree.addresses().into_iter().enumerate().filter(|(_, address)| open.contains(address));
         self.unfolded = still_open.map(|(index, _)| GroupId(index as u32)).collect();

@@ -21,8 +21,10 @@ pub(super) fn show(app: &mut App, ui: &mut Ui, outbox: &mut Outbox) {
     app.clusters.editor.follow(&info.scene);
     show_use(app, ui, outbox);
     let editor = &mut app.clusters.editor;
-    let Some(tree) = editor.tree().cloned() else { return };
+    let Some(tree) = editor.tree() else { return };
     let mut command = show_buttons(editor, &tree, ui);
+    // A button may have changed it.
+    let tree = editor.tree().unwrap_or(tree);
     if let Some(problem) = &editor.problem {
         ui.add(egui::Label::new(RichText::new(problem).color(theme::ACCENT)).wrap());
     }
@@ -37,7 +39,7 @@ pub(super) fn show(app: &mut App, ui: &mut Ui, outbox: &mut Outbox) {
     ui.scope(|ui| {
         ui.spacing_mut().item_spacing.y = 0.0;
         if let Some(edited) = show_tree(editor, &tree, height, ui) {
-            command = editor.edit(edited);
+            command = editor.edit(edited).or(command.take());
         }
     });
     ui.add_space(4.0);
@@ -112,9 +114,8 @@ fn show_targets(tree: &GroupTree, is_on: bool, ui: &mut Ui) -> Option<GroupId> {
     let mut chosen = None;
     let response = ui.add_enabled_ui(is_on, |ui| {
         let targets = ComboBox::from_id_salt("move into").selected_text("Move into…").width(110.0);
-        let addresses = || tree.addresses();
         targets.show_ui(ui, |ui| {
-            let addresses = addresses();
+            let addresses = tree.addresses();
             ui.set_min_width(260.0);
             let area = ScrollArea::vertical().auto_shrink([false, true]);
             area.show_rows(ui, ui.spacing().interact_size.y, addresses.len(), |ui, range| {

@@ -95,6 +95,15 @@ impl ClusterTree {
     }
 }
 
+/// A name below the row of what holds it: without the path that both have.
+fn within<'a>(full_name: &'a str, holder: &str) -> &'a str {
+    let path = holder.split_once(": ").map_or(holder, |(path, _)| path);
+    let rest = if path.is_empty() { None } else { full_name.strip_prefix(path) };
+    let material = |rest: &'a str| rest.strip_prefix(" (")?.strip_suffix(')');
+    let shorter = rest.and_then(|rest| rest.strip_prefix('/').or(rest.strip_prefix(": ")).or(material(rest)));
+    shorter.unwrap_or(full_name)
+}
+
 /// Draws the tree.
 pub(super) fn show(app: &mut App, ui: &mut Ui) {
     let (Some(snapshot), Some(info)) = (app.shown.snapshot.clone(), app.shown.info.clone()) else { return };
@@ -142,8 +151,8 @@ pub(super) fn show(app: &mut App, ui: &mut Ui) {
             let Some((names, scene)) = &tree.names else { continue };
             let id = row.element;
             let full_name = names.full(hierarchy, scene, id);
-            let is_cluster = hierarchy.element(id).is_cluster();
-            let short = if is_cluster { names.short(hierarchy, scene, id) } else { full_name.clone() };
+            let holder = hierarchy.element(id).parent().map(|parent| names.full(hierarchy, scene, parent));
+            let name = within(&full_name, holder.as_deref().unwrap_or_default());
             let powers = tree.powers.as_ref();
             let power = powers.map_or(0.0, |powers| match tree.power {
                 PowerShown::Received => powers.received(id),
@@ -164,7 +173,7 @@ pub(super) fn show(app: &mut App, ui: &mut Ui) {
                 id: egui::Id::unique(("cluster row", id.0)),
                 depth: row.depth,
                 fold,
-                name: &short,
+                name,
                 full_name: &full_name,
                 colour: tree.colour(id),
                 values: &values,
@@ -192,5 +201,22 @@ pub(super) fn show(app: &mut App, ui: &mut Ui) {
         // Known already, so that the tree does not jump to it.
         tree.followed = Some(id);
         app.pick_element(id);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::within;
+
+    /// Written out by hand, in the forms that names have.
+    #[test]
+    fn names_leave_out_what_their_holder_says() {
+        assert_eq!(within("desk/lamp", "desk"), "lamp");
+        assert_eq!(within("desk/lamp (steel)", "desk/lamp: 9 polygons of it"), "steel");
+        assert_eq!(within("desk/lamp (steel)", "desk: 9 polygons of it"), "lamp (steel)");
+        assert_eq!(within("desk: 4 polygons of it", "desk: 9 polygons of it"), "4 polygons of it");
+        assert_eq!(within("desktop", "desk"), "desktop");
+        assert_eq!(within("cluster of 4 polygons", "cluster of 9 polygons"), "cluster of 4 polygons");
+        assert_eq!(within("walls (wall)", ""), "walls (wall)");
     }
 }
