@@ -181,7 +181,7 @@ pub(super) fn show(app: &mut App, ui: &mut Ui, outbox: &mut Outbox) -> Option<Cl
             Some(anatomy) if of_clusters.is_some() && app.cluster_view.is_exploded() => {
                 app.cluster_view.marks(anatomy, picked, app.pointing.now())
             }
-            _ => app.marks.over(&snapshot, picked, most, app.pointing.now()),
+            _ => app.clusters.with_group(app.marks.over(&snapshot, picked, most, app.pointing.now())),
         };
         let has_colours = of_errors.is_some() || (of_clusters.is_some() && app.cluster_view.coloured);
         let picture = Picture {

@@ -24,7 +24,7 @@ pub use camera::Camera;
 pub use clusters::{ApartMesh, ClusterParts, ClusterView, by_clusters, cluster_colours};
 pub use display::{Display, Exposure, auto_exposure, encode_gamma, tone_curve};
 pub use offscreen::Offscreen;
-pub use outline::element_outline;
+pub use outline::{box_edges, element_outline};
 pub use overlay::{Line, Marks, Overlay, USUAL_LINKS, link_marks, power_colour};
 pub use pick::{Picked, pick};
 pub use ramp::{BLUE_WHITE_RED, VIRIDIS, along_ramp};

@@ -3,8 +3,10 @@
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
+use glam::Vec3;
 use rustc_hash::FxHashSet;
 
+use crate::render::box_edges;
 use crate::scene::{GroupId, GroupMember, GroupTree, RegroupError, Regrouped, Scene};
 use crate::worker::Command;
 
@@ -31,6 +33,10 @@ pub(super) struct GroupEditor {
     /// Polygons in each group with all that is in it, and their area, m².
     polygons: Vec<u32>,
     areas: Vec<f64>,
+    /// Lower and upper corner of each group's box; the lower one lies above the upper where it has no polygons.
+    boxes: Vec<(Vec3, Vec3)>,
+    /// The group whose row the mouse is over.
+    pub pointed: Option<GroupId>,
     pub selected: BTreeSet<GroupId>,
     unfolded: FxHashSet<GroupId>,
     undo: Vec<Vec<GroupMember>>,
@@ -81,6 +87,12 @@ impl GroupEditor {
     pub(super) fn size(&self, group: GroupId) -> (u32, f64) {
         let index = group.0 as usize;
         (self.polygons.get(index).copied().unwrap_or(0), self.areas.get(index).copied().unwrap_or(0.0))
+    }
+
+    /// The edges of the box of the group that the mouse is over; rows say anew in each frame which one it is.
+    pub(super) fn take_pointed_box(&mut self) -> Option<[[Vec3; 2]; 12]> {
+        let (lower, upper) = *self.boxes.get(self.pointed.take()?.0 as usize)?;
+        lower.cmple(upper).all().then(|| box_edges(lower, upper))
     }
 
     /// Whether groups lie in a group.
@@ -213,6 +225,27 @@ impl GroupEditor {
     }
 }
 
+/// The boxes of all groups.
+fn boxes(tree: &GroupTree, scene: &Scene) -> Vec<(Vec3, Vec3)> {
+    let mut boxes = vec![(Vec3::INFINITY, Vec3::NEG_INFINITY); tree.groups().len()];
+    for polygon in &scene.polygons {
+        let (lower, upper) = &mut boxes[tree.home(polygon.group).0 as usize];
+        for &corner in polygon.corners() {
+            let position = scene.vertices[corner as usize];
+            (*lower, *upper) = (lower.min(position), upper.max(position));
+        }
+    }
+    // Parents precede their children.
+    for (index, group) in tree.groups().iter().enumerate().rev() {
+        if let Some(parent) = group.parent {
+            let inner = boxes[index];
+            let outer = &mut boxes[parent.0 as usize];
+            *outer = (outer.0.min(inner.0), outer.1.max(inner.1));
+        }
+    }
+    boxes
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -251,6 +284,11 @@ mod tests {
         assert_eq!((editor.name.as_str(), editor.size(GroupId(0))), ("group 1", whole));
         let both = editor.size(group(&editor, "short_block")).0 + editor.size(group(&editor, "tall_block")).0;
         assert_eq!(editor.size(group(&editor, "group 1")).0, both);
+        let made = group(&editor, "group 1");
+        editor.pointed = Some(made);
+        let edges = editor.take_pointed_box().expect("it has polygons");
+        let (lower, upper) = editor.boxes[0];
+        assert!(edges.iter().flatten().all(|corner| corner.cmpge(lower).all() && corner.cmple(upper).all()));
         assert!(editor.rows().iter().any(|row| row.group == group(&editor, "group 1")));
         let Some(Command::SetGroups(members)) = editor.undo() else { panic!("nothing was told") };
         assert!(members.is_empty() && !editor.can_undo() && !editor.is_arranged());

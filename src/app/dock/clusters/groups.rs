@@ -83,7 +83,12 @@ fn show_buttons(editor: &mut GroupEditor, tree: &GroupTree, ui: &mut Ui) -> Opti
         if button(ui, "Move out", is_any, "Moves what is selected out of the group that holds it") {
             command = editor.edit(tree.moved_out(&selection));
         }
-        if button(ui, "Dissolve", is_any, "Dissolves the selected groups: what is in them goes into what holds them") {
+        if button(
+            ui,
+            "Dissolve",
+            is_any,
+            "Dissolves the selected groups: what is in them goes into what holds them; Delete does so to a row",
+        ) {
             command = editor.edit(tree.dissolved(&selection));
         }
         if let Some(into) = show_targets(tree, is_any, ui) {
@@ -175,6 +180,9 @@ fn show_tree(
             if done.response.clicked() {
                 let keeps_others = ui.input(|input| input.modifiers.command || input.modifiers.shift);
                 editor.select(group, keeps_others);
+            }
+            if done.response.contains_pointer() || done.response.has_focus() {
+                editor.pointed = Some(group);
             }
             if group.0 > 0 {
                 let moving = if editor.selected.contains(&group) { editor.selection() } else { vec![group] };

@@ -7,8 +7,10 @@ mod rows;
 mod tree;
 
 use egui::{Slider, Ui};
+use glam::Vec3;
 
 use super::super::{App, Outbox, theme};
+use crate::render::{Line, Marks};
 use editor::GroupEditor;
 use tree::ClusterTree;
 
@@ -28,6 +30,35 @@ pub(in super::super) struct Clusters {
     page: Page,
     tree: ClusterTree,
     editor: GroupEditor,
+    marked: Option<Marked>,
+}
+
+/// Marks with a group's box, and what they were made of.
+struct Marked {
+    over: Marks,
+    edges: [[Vec3; 2]; 12],
+    all: Marks,
+}
+
+/// The box of a group, gamma-encoded, and its width, pixels.
+const GROUP_BOX: ([u8; 4], f32) = ([255, 255, 255, 255], 2.5);
+
+impl Clusters {
+    /// Marks with the box of the group that the mouse is over added; the same ones as long as nothing changes.
+    pub(in super::super) fn with_group(&mut self, marks: Marks) -> Marks {
+        let Some(edges) = self.editor.take_pointed_box() else { return marks };
+        match &self.marked {
+            Some(marked) if (&marked.over, &marked.edges) == (&marks, &edges) => marked.all.clone(),
+            _ => {
+                let (colour, width) = GROUP_BOX;
+                let mut lines = marks.0.as_ref().map_or_else(Vec::new, |lines| (**lines).clone());
+                lines.extend(edges.map(|[from, to]| Line::new(from, to, width, colour)));
+                let all = Marks::from(lines);
+                self.marked = Some(Marked { over: marks, edges, all: all.clone() });
+                all
+            }
+        }
+    }
 }
 
 /// Draws the tool.

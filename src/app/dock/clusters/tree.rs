@@ -12,7 +12,7 @@ use super::outline::{Fold, ROW_HEIGHT, RowLook, show_head, show_row};
 use super::rows::{Powers, Row, has_rows_below, polygons, visible_rows, with_row};
 use crate::hierarchy::{ElementId, Hierarchy};
 use crate::render::cluster_colours;
-use crate::scene::Scene;
+use crate::scene::{GroupMember, Scene};
 use crate::solver::{Anatomy, Snapshot};
 
 /// Which power the last column has.
@@ -38,6 +38,7 @@ pub(super) struct ClusterTree {
     powers: Option<Powers>,
     /// Names, and the scene with the groups that they are taken from.
     names: Option<(Names, Arc<Scene>)>,
+    regrouping: Vec<GroupMember>,
     /// Of each cluster, in the arena's order, and the places of clusters in it.
     colours: Vec<(ElementId, [u8; 3])>,
     /// The picked element that was last unfolded to.
@@ -52,10 +53,11 @@ impl ClusterTree {
         let Some(anatomy) = &snapshot.anatomy else { return };
         let hierarchy = anatomy.hierarchy();
         let mut is_old = false;
-        if self.generation != snapshot.generation || self.names.is_none() {
-            // Other clusters: ids mean something else.
+        if self.generation != snapshot.generation || self.names.is_none() || self.regrouping != scene.regrouping {
+            // Other clusters, whose ids mean something else, or other names.
             self.generation = snapshot.generation;
             self.unfolded = [Hierarchy::ROOT].into_iter().collect();
+            self.regrouping.clone_from(&scene.regrouping);
             let scene = scene.as_arranged();
             self.names = Some((Names::new(snapshot.generation, hierarchy, &scene), scene));
             let clusters = hierarchy.ids().filter(|id| hierarchy.element(*id).is_cluster());
