@@ -52,13 +52,14 @@ impl ClusterScene {
         (self.coloured || explode > 0.0).then_some(ClusterView { level, explode, coloured: self.coloured })
     }
 
-    /// The snapshot as the view shows it; `None` for the plain picture, or while the anatomy has not come.
-    pub(super) fn painted(&mut self, snapshot: &Arc<Snapshot>, level: u16) -> Option<Arc<Snapshot>> {
-        let Some(view) = self.view(level) else {
+    /// The snapshot as the view shows a level; `None` for the plain picture, while the anatomy has not come, and where no level is to be
+    /// shown.
+    pub(super) fn painted(&mut self, snapshot: &Arc<Snapshot>, level: Option<u16>) -> Option<Arc<Snapshot>> {
+        let wanted = level.and_then(|level| Some((level, self.view(level)?)));
+        let (Some((level, view)), Some(anatomy)) = (wanted, &snapshot.anatomy) else {
             (self.cut, self.painted) = (None, None);
             return None;
         };
-        let anatomy = snapshot.anatomy.as_ref()?;
         let is_painted = |painted: &&Painted| painted.view == view && Arc::ptr_eq(&painted.of, snapshot);
         if let Some(painted) = self.painted.as_ref().filter(is_painted) {
             return Some(painted.snapshot.clone());
@@ -151,7 +152,7 @@ mod tests {
     fn clicks_into_the_pulled_apart_picture_meet_the_same_surfaces() {
         let snapshot = snapshot();
         let mut view = ClusterScene { explode: 0.7, ..ClusterScene::default() };
-        let painted = view.painted(&snapshot, 2).expect("it carries its anatomy");
+        let painted = view.painted(&snapshot, Some(2)).expect("it carries its anatomy");
         let eye = Vec3::new(0.278, 0.273, -0.8);
         let mut met = 0;
         for step in 0..400 {
@@ -170,14 +171,14 @@ mod tests {
     fn nothing_is_painted_for_the_plain_picture_and_once_for_any_other() {
         let snapshot = snapshot();
         let mut view = ClusterScene::default();
-        assert!(view.painted(&snapshot, 2).is_none() && !view.is_active());
+        assert!(view.painted(&snapshot, Some(2)).is_none() && !view.is_active());
         view.coloured = true;
-        let first = view.painted(&snapshot, 2).expect("it carries its anatomy");
-        assert!(Arc::ptr_eq(&first, &view.painted(&snapshot, 2).expect("it is there")));
+        let first = view.painted(&snapshot, Some(2)).expect("it carries its anatomy");
+        assert!(Arc::ptr_eq(&first, &view.painted(&snapshot, Some(2)).expect("it is there")));
         view.explode = 0.5;
-        let second = view.painted(&snapshot, 2).expect("it carries its anatomy");
+        let second = view.painted(&snapshot, Some(2)).expect("it carries its anatomy");
         assert!(first.serial != second.serial && second.serial != snapshot.serial);
         view.coloured = false;
-        assert!(view.painted(&snapshot, 0).is_none(), "the root alone cannot be pulled apart");
+        assert!(view.painted(&snapshot, Some(0)).is_none(), "the root alone cannot be pulled apart");
     }
 }

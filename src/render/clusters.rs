@@ -262,6 +262,11 @@ impl ApartMesh {
         normals.iter().zip(&self.part).map(shaded).collect()
     }
 
+    /// The values of the vertices that these were made of.
+    fn of_source(&self, values: &[[f32; 3]]) -> Vec<[f32; 3]> {
+        self.source.iter().map(|&vertex| values[vertex as usize]).collect()
+    }
+
     /// A snapshot of this mesh as a view shows it; the vertices carry colours where the view is coloured, else their radiosities.
     pub fn snapshot(&self, of: &Snapshot, parts: &ClusterParts, view: ClusterView) -> Snapshot {
         let moved = |(place, cluster): (usize, &ClusterBox)| {
@@ -272,8 +277,9 @@ impl ApartMesh {
             mesh: Arc::new(self.exploded(parts, view.explode)),
             vertex_radiosity: match view.coloured {
                 true => self.colours(parts),
-                false => self.source.iter().map(|&vertex| of.vertex_radiosity[vertex as usize]).collect(),
+                false => self.of_source(&of.vertex_radiosity),
             },
+            vertex_irradiance: self.of_source(&of.vertex_irradiance),
             clusters: Arc::new(of.clusters.iter().enumerate().map(moved).collect()),
             ..of.clone()
         }

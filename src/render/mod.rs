@@ -11,24 +11,33 @@ mod buffer;
 mod camera;
 mod clusters;
 mod display;
+mod links;
 mod offscreen;
 mod outline;
 mod overlay;
 mod pick;
 mod pipelines;
+mod radiosities;
 mod ramp;
+mod reading;
+mod reading_settings;
 mod renderer;
 mod target;
 
 pub use camera::Camera;
 pub use clusters::{ApartMesh, ClusterParts, ClusterView, by_clusters, cluster_colours};
-pub use display::{Display, Exposure, auto_exposure, encode_gamma, tone_curve};
+pub use display::Display;
+pub use links::{ChosenLinks, LinkColour, LinkFilter, LinkStyle, Seen, USUAL_LINKS, level_colour};
 pub use offscreen::Offscreen;
 pub use outline::{box_edges, element_outline};
-pub use overlay::{Line, Marks, Overlay, USUAL_LINKS, link_marks, power_colour};
+pub use overlay::{Line, Marks, Overlay, picked_marks, power_colour};
 pub use pick::{Picked, pick};
-pub use ramp::{BLUE_WHITE_RED, VIRIDIS, along_ramp};
+pub use ramp::{BLUE_WHITE_RED, CIVIDIS, Ramp, VIRIDIS, along_ramp};
+pub use reading::{ColourScale, Isolines, MOST_ISOLINES, Reading, Spacing};
+pub use reading_settings::{IsolinesWanted, Mark, ReadingSettings, Show};
 pub use renderer::{Frame, SceneRenderer, sample_count};
+
+pub use crate::tone::{Exposure, auto_exposure, encode_gamma, tone_curve};
 
 #[cfg(doc)]
 use crate::solver::snapshot::Snapshot;

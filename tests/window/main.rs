@@ -5,6 +5,12 @@
 #![cfg(feature = "gui")]
 
 mod clusters;
+mod compare;
+mod craft;
+mod gallery;
+mod inspector;
 mod panels;
+mod readings;
 mod support;
+mod take_along;
 mod timeline;

@@ -3,14 +3,19 @@
 //! A bar above the view opens and closes them.
 
 mod clusters;
+pub(super) mod compare;
+mod export;
 mod inspector;
+mod measure;
+mod readout;
 
 use egui::{RichText, ScrollArea, Ui};
 use serde::{Deserialize, Serialize};
 
 pub(super) use clusters::Clusters;
+pub(super) use inspector::Inspector;
 
-use super::{App, Outbox, theme};
+use super::{App, Outbox};
 
 /// A tool of the dock.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -32,7 +37,7 @@ pub(in crate::app) enum Tool {
 impl Tool {
     /// Whether the tool looks at elements and links, which snapshots carry only when they are asked to.
     pub(super) fn reads_anatomy(self) -> bool {
-        matches!(self, Self::Inspector | Self::Matrix | Self::Clusters)
+        matches!(self, Self::Inspector | Self::Matrix | Self::Clusters | Self::Export)
     }
 
     /// Width when it is opened for the first time, points; each tool remembers its own.
@@ -55,17 +60,28 @@ const TOOLS: [(Tool, &str, &str); 6] = [
 const WIDTHS: std::ops::RangeInclusive<f32> = 300.0..=900.0;
 const FIRST_WIDTH: f32 = 380.0;
 /// For a table.
-const FIRST_WIDTH_OF_TABLE: f32 = 470.0;
+const FIRST_WIDTH_OF_TABLE: f32 = 500.0;
 
 /// The bar above the view: a switch for each tool.
 pub(super) fn show_bar(app: &mut App, ui: &mut Ui) {
     ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+        let keys =
+            ui.selectable_label(app.are_keys_shown, " ? ").on_hover_text("Mouse and keys").accessible_name("Keys");
+        if keys.clicked() {
+            app.are_keys_shown = !app.are_keys_shown;
+        }
+        let full = ui.selectable_label(app.is_full_picture, "Full picture");
+        if full.on_hover_text("Hide all panels; F11 or Esc brings them back").clicked() {
+            app.is_full_picture = true;
+        }
+        ui.separator();
         for (tool, name, hint) in TOOLS.iter().rev() {
             let is_open = app.tool == Some(*tool);
             if ui.selectable_label(is_open, *name).on_hover_text(*hint).clicked() {
                 app.tool = (!is_open).then_some(*tool);
             }
         }
+        ui.with_layout(egui::Layout::left_to_right(egui::Align::Center), |ui| readout::show(app, ui));
     });
 }
 
@@ -75,7 +91,7 @@ pub(super) fn show(app: &mut App, ui: &mut Ui, outbox: &mut Outbox) {
     let Some((_, name, hint)) = TOOLS.iter().find(|(tool, ..)| *tool == open) else { return };
     egui::Panel::right(*name).default_size(open.first_width()).size_range(WIDTHS).show(ui, |ui| {
         ui.horizontal(|ui| {
-            ui.label(RichText::new(*name).strong().size(14.0).color(theme::TEXT_STRONG)).on_hover_text(*hint);
+            ui.label(RichText::new(*name).strong().size(14.0)).on_hover_text(*hint);
             ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
                 if ui.button("Close tool").clicked() {
                     app.tool = None;
@@ -89,11 +105,11 @@ pub(super) fn show(app: &mut App, ui: &mut Ui, outbox: &mut Outbox) {
             Tool::Matrix => {}
             Tool::Clusters => clusters::show(app, ui, outbox),
             Tool::Measure | Tool::Compare | Tool::Export => {
-                ScrollArea::vertical().auto_shrink([false, false]).show(ui, |_ui| match open {
+                ScrollArea::vertical().auto_shrink([false, false]).show(ui, |ui| match open {
+                    Tool::Measure => measure::show(ui, &app.shown, &mut app.measuring, &mut app.messages, &app.wake),
+                    Tool::Compare => compare::show(app, ui),
+                    Tool::Export => export::show(app, ui),
                     Tool::Inspector | Tool::Matrix | Tool::Clusters => {}
-                    Tool::Measure => {}
-                    Tool::Compare => {}
-                    Tool::Export => {}
                 });
             }
         }

@@ -71,6 +71,7 @@ impl GroupEditor {
     fn take(&mut self, tree: GroupTree) {
         if let Some(scene) = &self.scene {
             self.polygons = tree.sums(scene.polygons.iter().map(|polygon| (polygon.group, 1)));
+            self.boxes = boxes(&tree, scene);
             self.areas =
                 tree.sums(scene.polygons.iter().map(|polygon| (polygon.group, f64::from(scene.area(polygon)))));
         }

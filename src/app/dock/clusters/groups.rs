@@ -1,6 +1,6 @@
 //! The editor of groups: a tree to drag, drop and select in, and buttons that do the same by keyboard.
 
-use egui::{Align2, Color32, ComboBox, LayerId, Order, RichText, ScrollArea, Sense, TextStyle, Ui};
+use egui::{Align2, Color32, ComboBox, LayerId, Order, ScrollArea, Sense, TextStyle, Ui};
 
 use super::super::super::{App, Outbox, format, theme};
 use super::editor::GroupEditor;
@@ -26,7 +26,8 @@ pub(super) fn show(app: &mut App, ui: &mut Ui, outbox: &mut Outbox) {
     // A button may have changed it.
     let tree = editor.tree().unwrap_or(tree);
     if let Some(problem) = &editor.problem {
-        ui.add(egui::Label::new(RichText::new(problem).color(theme::ACCENT)).wrap());
+        let problem = theme::notice(ui, problem);
+        ui.add(egui::Label::new(problem).wrap());
     }
     ui.separator();
     show_head(
@@ -189,7 +190,12 @@ fn show_tree(
                 done.response.dnd_set_drag_payload(Dragged(moving));
             }
             if done.response.dnd_hover_payload::<Dragged>().is_some() {
-                ui.painter().rect_stroke(done.response.rect, 3.0, (1.5, theme::ACCENT), egui::StrokeKind::Inside);
+                ui.painter().rect_stroke(
+                    done.response.rect,
+                    3.0,
+                    (1.5, theme::palette(ui.visuals()).accent),
+                    egui::StrokeKind::Inside,
+                );
             }
             if let Some(moving) = done.response.dnd_release_payload::<Dragged>() {
                 edited = Some(tree.moved(&moving.0, group));

@@ -60,12 +60,18 @@ pub(super) fn show_head(ui: &mut Ui, name: &str, columns: &[(&str, f32, &str)]) 
         Align2::LEFT_CENTER,
         name,
         font.clone(),
-        theme::TEXT_WEAK,
+        theme::palette(ui.visuals()).text_weak,
     );
     let mut right = rect.right() - END_ROOM;
     for (title, width, hint) in columns.iter().rev() {
         let cell = Rect::from_min_max(pos2(right - width, rect.top()), pos2(right, rect.bottom()));
-        ui.painter().text(pos2(right, middle), Align2::RIGHT_CENTER, title, font.clone(), theme::TEXT_WEAK);
+        ui.painter().text(
+            pos2(right, middle),
+            Align2::RIGHT_CENTER,
+            title,
+            font.clone(),
+            theme::palette(ui.visuals()).text_weak,
+        );
         let response = ui.interact(cell, ui.scope_id().with(("head", title)), Sense::hover());
         response.widget_info(|| WidgetInfo::labeled(Role::Label, true, *title));
         response.on_hover_text(*hint);
@@ -94,7 +100,7 @@ pub(super) fn show_row(ui: &mut Ui, look: &RowLook<'_>, widths: &[f32]) -> RowDo
         ui.painter().rect_filled(rect, 3.0, fill);
     }
     if response.has_focus() {
-        ui.painter().rect_stroke(rect, 3.0, (1.0, theme::ACCENT), egui::StrokeKind::Inside);
+        ui.painter().rect_stroke(rect, 3.0, (1.0, theme::palette(ui.visuals()).accent), egui::StrokeKind::Inside);
     }
     let left = rect.left() + INDENT * f32::from(look.depth.min(DEEPEST_INDENT));
     let mut toggled = show_fold(ui, rect, left, look);
@@ -108,7 +114,7 @@ pub(super) fn show_row(ui: &mut Ui, look: &RowLook<'_>, widths: &[f32]) -> RowDo
     }
     let numbers = columns_width(widths) + END_ROOM;
     let room = Rect::from_min_max(pos2(name_left, rect.top()), pos2(rect.right() - numbers - 6.0, rect.bottom()));
-    let colour = if look.is_selected { theme::TEXT_STRONG } else { theme::TEXT };
+    let colour = if look.is_selected { theme::palette(ui.visuals()).text_strong } else { ui.visuals().text_color() };
     let galley = egui::WidgetText::from(egui::RichText::new(look.name).color(colour)).into_galley(
         ui,
         Some(egui::TextWrapMode::Truncate),
@@ -126,7 +132,7 @@ fn show_values(ui: &Ui, rect: Rect, look: &RowLook<'_>, widths: &[f32]) {
     let mut right = rect.right() - END_ROOM;
     for (value, width) in look.values.iter().zip(widths).rev() {
         let at = pos2(right, rect.center().y);
-        ui.painter().text(at, Align2::RIGHT_CENTER, value, font.clone(), theme::TEXT_STRONG);
+        ui.painter().text(at, Align2::RIGHT_CENTER, value, font.clone(), theme::palette(ui.visuals()).text_strong);
         right -= width;
     }
 }
@@ -142,7 +148,10 @@ fn show_fold(ui: &Ui, rect: Rect, left: f32, look: &RowLook<'_>) -> bool {
     let is_open = look.fold == Fold::Unfolded;
     let verb = if is_open { "Fold" } else { "Unfold" };
     response.widget_info(|| WidgetInfo::labeled(Role::Button, true, format!("{verb} {}", look.full_name)));
-    let (c, colour) = (place.center(), if response.hovered() { theme::ACCENT } else { theme::TEXT_WEAK });
+    let (c, colour) = (
+        place.center(),
+        if response.hovered() { theme::palette(ui.visuals()).accent } else { theme::palette(ui.visuals()).text_weak },
+    );
     let points = match is_open {
         true => vec![c + vec2(-4.0, -2.0), c + vec2(4.0, -2.0), c + vec2(0.0, 3.5)],
         false => vec![c + vec2(-2.0, -4.0), c + vec2(3.5, 0.0), c + vec2(-2.0, 4.0)],
