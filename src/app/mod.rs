@@ -5,6 +5,7 @@
 //! Imports everything below it; only `main` knows this module.
 
 mod appearance;
+mod cluster_view;
 mod comparison;
 mod dialog;
 mod divider;
@@ -39,6 +40,7 @@ use std::sync::mpsc::{Receiver, channel};
 use std::time::Duration;
 
 use eframe::CreationContext;
+use glam::Vec3;
 
 pub use launch::{AppError, run};
 
@@ -49,6 +51,7 @@ use crate::scene::Source;
 use crate::solver::{Snapshot, SolverParams};
 use crate::worker::{Command, Event, RunState, SceneInfo, SolverThread, Status};
 use appearance::Appearance;
+use cluster_view::ClusterScene;
 use comparison::Comparison;
 use exports::Exports;
 use files::Files;
@@ -118,6 +121,8 @@ pub struct App {
     matrix: dock::LinkMatrix,
     time_left: TimeLeft,
     comparison: Comparison,
+    cluster_view: ClusterScene,
+    clusters: dock::Clusters,
     freeze: Freeze,
     exports: Exports,
     /// The tool that the dock shows.
@@ -194,6 +199,8 @@ impl App {
             matrix: dock::LinkMatrix::default(),
             time_left: TimeLeft::default(),
             comparison: Comparison::default(),
+            cluster_view: ClusterScene::default(),
+            clusters: dock::Clusters::default(),
             freeze: Freeze::default(),
             exports: Exports::default(),
             tool: None,
@@ -338,6 +345,7 @@ impl App {
             ctx.send_viewport_cmd(egui::ViewportCommand::Title(title));
             self.view.start_with(&info.scene, self.opened.camera.take());
             self.picked = None;
+            self.clusters = dock::Clusters::default();
             self.freeze.let_go();
             let former = self.shown.info.as_ref().map(|former| former.scene.name.as_str());
             self.exports.suggest(&info.scene.name, former);
@@ -356,8 +364,10 @@ impl App {
 
     fn pick(&mut self, clicked: viewport::Clicked) {
         let (Some(snapshot), Some(info)) = (&self.shown.snapshot, &self.shown.info) else { return };
+        let (origin, moved_by) =
+            self.cluster_view.into_scene(clicked.origin, clicked.direction).unwrap_or((clicked.origin, Vec3::ZERO));
         if self.tool == Some(dock::Tool::Measure) && self.measuring.places_probes {
-            if let Some(found) = PickedElement::at(snapshot, clicked.origin, clicked.direction) {
+            if let Some(found) = PickedElement::at(snapshot, origin, clicked.direction) {
                 let leaf = snapshot.mesh.leaves.iter().find(|leaf| leaf.element == found.element);
                 if let Some(polygon) = leaf.and_then(|leaf| info.scene.polygons.get(leaf.polygon as usize)) {
                     self.measuring.place(found.point, info.scene.normal(polygon), &self.wake);
@@ -365,13 +375,13 @@ impl App {
             }
             return;
         }
-        self.picked = PickedElement::at(snapshot, clicked.origin, clicked.direction);
+        self.picked = PickedElement::at(snapshot, origin, clicked.direction);
         if let Some(picked) = &self.picked {
             if let Some(leaf) = snapshot.mesh.leaves.iter().find(|leaf| leaf.element == picked.element) {
                 self.lamp.choose(&info.scene, leaf.material);
             }
             if clicked.is_double {
-                self.view.look_at(picked.point);
+                self.view.look_at(picked.point + moved_by);
             }
         }
     }
@@ -410,7 +420,8 @@ impl eframe::App for App {
         });
         shortcuts::show_list(self, ui.ctx());
         let links_wanted = self.picked.is_some() || self.display.links.of == settings::LinksOf::Level;
-        let wants_anatomy = links_wanted || self.tool.is_some_and(dock::Tool::reads_anatomy);
+        let wants_anatomy =
+            links_wanted || self.cluster_view.is_active() || self.tool.is_some_and(dock::Tool::reads_anatomy);
         outbox.extend(self.looking.command(wants_anatomy));
         self.pointing.end_frame(ui.ctx());
         for command in outbox {

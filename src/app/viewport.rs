@@ -243,8 +243,9 @@ pub(super) fn show(app: &mut App, ui: &mut Ui, outbox: &mut Outbox) -> Option<Cl
     app.view.steer(ui, &response);
     app.view.fly(ui, &response);
     let clicked = app.view.clicked(&response);
-    // While the view turns nothing can be read.
-    let pointer = response.hover_pos().filter(|_| !response.dragged()).and_then(|at| app.view.ray_at(at));
+    // While the view turns nothing can be read, nor off surfaces that lie elsewhere than in the scene.
+    let can_read = !response.dragged() && !app.cluster_view.is_exploded();
+    let pointer = response.hover_pos().filter(|_| can_read).and_then(|at| app.view.ray_at(at));
     app.measuring.point_at(pointer, &app.wake);
     if app.tool.is_some_and(Tool::marks_what_is_pointed_at)
         && let Some(leaf) = app.view.leaf_under(&response, &snapshot)
@@ -258,21 +259,34 @@ pub(super) fn show(app: &mut App, ui: &mut Ui, outbox: &mut Outbox) -> Option<Cl
         let deepest = snapshot.clusters.iter().map(|cluster| cluster.level).max().unwrap_or(0);
         let is_dark = app.shown.info.as_ref().is_some_and(|info| !info.has_light);
         let picked = app.picked.as_ref().map(|picked| picked.element);
-        let marks = app.marks.over(&snapshot, picked, &app.inspection, &app.display.links, app.pointing.now());
         let (beside, chosen) = (app.freeze.beside(), app.display.display());
         let reading = app.reading.follow(&snapshot, &app.display.reading);
         // Colours that stand for errors would be none of the solution beside.
         let errors = if beside.is_none() { app.comparison.painted() } else { None };
-        let painted = app.freeze.painted().or(errors);
+        let other = app.freeze.painted().or(errors);
+        let has_errors = other.is_some();
+        let other = other.or_else(|| app.freeze.alone());
+        // Clusters are shown of the present solution, where nothing else is asked for.
+        let level = (beside.is_none() && other.is_none()).then(|| app.display.cluster_level.min(deepest));
+        let by_clusters = app.cluster_view.painted(&snapshot, level);
+        let marks = match &snapshot.anatomy {
+            Some(anatomy) if app.cluster_view.is_exploded() => {
+                app.cluster_view.marks(anatomy, picked, app.pointing.now())
+            }
+            _ => {
+                let links = &app.display.links;
+                app.clusters.with_group(app.marks.over(&snapshot, picked, &app.inspection, links, app.pointing.now()))
+            }
+        };
         let picture = Picture {
             camera,
             display: Display {
                 exposure: app.freeze.exposure(chosen.exposure),
-                as_colours: painted.is_some(),
+                as_colours: has_errors || (by_clusters.is_some() && app.cluster_view.coloured),
                 reading,
                 ..chosen
             },
-            snapshot: painted.or_else(|| app.freeze.alone()).unwrap_or(snapshot),
+            snapshot: other.or(by_clusters).unwrap_or(snapshot),
             beside,
             overlay: app.display.overlay(deepest, is_dark, marks),
             size: [pixels(rect.width()), pixels(rect.height())],

@@ -8,8 +8,8 @@ use glam::{Vec2, Vec3};
 use image::{ImageFormat, RgbaImage};
 use selflink::export::{PictureFormat, exr};
 use selflink::render::{
-    Camera, ChosenLinks, Display, Exposure, LinkFilter, LinkStyle, MAX_SIZE, Marks, Offscreen, Overlay,
-    ReadingSettings, pick, picked_marks,
+    Camera, ChosenLinks, ClusterView, Display, Exposure, LinkFilter, LinkStyle, MAX_SIZE, Marks, Offscreen, Overlay,
+    ReadingSettings, by_clusters, pick, picked_marks,
 };
 use selflink::scene::{CameraPose, Scene};
 use selflink::solver::{Anatomy, LinkView};
@@ -17,7 +17,7 @@ use selflink::solver::{Anatomy, LinkView};
 use super::job::{Order, Solution};
 use super::options::{self, numbers, path, path_arg};
 use super::output::{OutputFile, say};
-use super::{legend, reading};
+use super::{clusters, legend, reading};
 
 /// Pixels of a picture that nothing is said about.
 const USUAL_SIZE: [u32; 2] = [1280, 800];
@@ -55,6 +55,13 @@ pub fn command() -> Command {
                 .action(ArgAction::Append)
                 .help("Draw over the picture: outlines of the patches, boxes of the clusters of a level (0 is the root), the links of the surface at a pixel, or those of all receivers at a level below the root; the strongest 200. May be given several times"),
         )
+        .arg(
+            Arg::new("explode")
+                .long("explode")
+                .value_name("0 to 1")
+                .allow_hyphen_values(true)
+                .help("Pull the clusters apart of the level that --show or else --overlay names; at 1 they lie twice as far from the middle [default: 0]"),
+        )
 }
 
 /// How a picture is to be drawn.
@@ -69,6 +76,8 @@ pub struct View {
     pub display: Display,
     /// What is drawn over the picture.
     pub overlay: Overlay,
+    /// Clusters as colours, or pulled apart.
+    pub clusters: Option<ClusterView>,
     /// What is read off the surfaces.
     pub reading: ReadingSettings,
     /// Whether a legend tells what false colours mean.
@@ -94,6 +103,7 @@ impl Default for View {
             pose: None,
             display: Display::default(),
             overlay: Overlay::default(),
+            clusters: None,
             reading: ReadingSettings::default(),
             has_legend: true,
             links: None,
@@ -144,7 +154,8 @@ pub fn draw(
 ) -> anyhow::Result<RgbaImage> {
     let camera = camera(scene, view);
     let deepest = solution.snapshot.clusters.iter().map(|cluster| cluster.level).max().unwrap_or(0);
-    if let Some(level) = view.overlay.clusters.filter(|level| *level > deepest) {
+    let levels = view.overlay.clusters.into_iter().chain(view.clusters.map(|clusters| clusters.level));
+    if let Some(level) = levels.max().filter(|level| *level > deepest) {
         eprintln!("note: there are no clusters of level {level} to be drawn, the deepest have level {deepest}.");
     }
     let mut overlay = view.overlay.clone();
@@ -153,10 +164,16 @@ pub fn draw(
         Some(LinksOf::Level(level)) => overlay.marks = links_of_level(solution, level),
         None => {}
     }
+    let by_clusters = view.clusters.and_then(|clusters| {
+        anatomy(solution)?;
+        by_clusters(&solution.snapshot, ClusterView { level: clusters.level.min(deepest), ..clusters })
+    });
+    let snapshot = by_clusters.as_ref().unwrap_or(&solution.snapshot);
     let reading = view.reading.reading(&solution.snapshot);
-    let display = Display { reading, ..view.display };
-    let mut picture = offscreen.picture(&solution.snapshot, &camera, &display, &overlay, view.size)?;
-    if let Some(reading) = reading.filter(|_| view.has_legend) {
+    let as_colours = view.clusters.is_some_and(|clusters| clusters.coloured);
+    let display = Display { reading, as_colours, ..view.display };
+    let mut picture = offscreen.picture(snapshot, &camera, &display, &overlay, view.size)?;
+    if let Some(reading) = reading.filter(|_| view.has_legend && !as_colours) {
         legend::draw(&mut picture, &reading, view.reading.unit)?;
     }
     Ok(picture)
@@ -233,6 +250,10 @@ fn view(matches: &ArgMatches) -> anyhow::Result<View> {
     let mut view = View { size, camera, display, reading, has_legend, ..View::default() };
     for overlay in matches.get_many::<String>("overlay").unwrap_or_default() {
         add_overlay(&mut view, overlay)?;
+    }
+    view.clusters = clusters::view(text("show"), text("explode"), view.overlay.clusters)?;
+    if view.links.is_some() && view.clusters.is_some_and(|clusters| clusters.explode > 0.0) {
+        bail!("--explode moves surfaces away from their links: leave out --overlay links or --explode");
     }
     Ok(view)
 }

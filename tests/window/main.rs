@@ -4,6 +4,7 @@
 //! Vulkan serves.
 #![cfg(feature = "gui")]
 
+mod clusters;
 mod compare;
 mod craft;
 mod gallery;

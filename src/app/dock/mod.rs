@@ -2,6 +2,7 @@
 //!
 //! A bar above the view opens and closes them.
 
+mod clusters;
 pub(super) mod compare;
 mod export;
 mod inspector;
@@ -12,6 +13,7 @@ mod readout;
 use egui::{RichText, ScrollArea, Ui};
 use serde::{Deserialize, Serialize};
 
+pub(super) use clusters::Clusters;
 pub(super) use inspector::Inspector;
 pub(super) use matrix::LinkMatrix;
 
@@ -47,7 +49,7 @@ impl Tool {
 
     /// Width when it is opened for the first time, points; each tool remembers its own.
     fn first_width(self) -> f32 {
-        if self == Self::Inspector { FIRST_WIDTH_OF_TABLE } else { FIRST_WIDTH }
+        if matches!(self, Self::Inspector | Self::Clusters) { FIRST_WIDTH_OF_TABLE } else { FIRST_WIDTH }
     }
 }
 
@@ -64,7 +66,7 @@ const TOOLS: [(Tool, &str, &str); 6] = [
 /// Widths that the dock may be given, points.
 const WIDTHS: std::ops::RangeInclusive<f32> = 300.0..=900.0;
 const FIRST_WIDTH: f32 = 380.0;
-/// For a table of links.
+/// For a table.
 const FIRST_WIDTH_OF_TABLE: f32 = 500.0;
 
 /// The bar above the view: a switch for each tool.
@@ -91,7 +93,7 @@ pub(super) fn show_bar(app: &mut App, ui: &mut Ui) {
 }
 
 /// The open tool, if one is.
-pub(super) fn show(app: &mut App, ui: &mut Ui, _outbox: &mut Outbox) {
+pub(super) fn show(app: &mut App, ui: &mut Ui, outbox: &mut Outbox) {
     let Some(open) = app.tool else { return };
     let Some((_, name, hint)) = TOOLS.iter().find(|(tool, ..)| *tool == open) else { return };
     egui::Panel::right(*name).default_size(open.first_width()).size_range(WIDTHS).show(ui, |ui| {
@@ -108,7 +110,8 @@ pub(super) fn show(app: &mut App, ui: &mut Ui, _outbox: &mut Outbox) {
             // These fill the dock and scroll by themselves.
             Tool::Inspector => inspector::show(app, ui),
             Tool::Matrix => matrix::show(app, ui),
-            Tool::Clusters | Tool::Measure | Tool::Compare | Tool::Export => {
+            Tool::Clusters => clusters::show(app, ui, outbox),
+            Tool::Measure | Tool::Compare | Tool::Export => {
                 ScrollArea::vertical().auto_shrink([false, false]).show(ui, |ui| match open {
                     Tool::Measure => measure::show(ui, &app.shown, &mut app.measuring, &mut app.messages, &app.wake),
                     Tool::Compare => compare::show(app, ui),
