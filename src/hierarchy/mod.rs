@@ -8,6 +8,7 @@ mod adaptive;
 mod build;
 mod grouping;
 mod groups;
+mod merge_back;
 mod octree;
 mod patch;
 mod sample;
@@ -23,6 +24,7 @@ use crate::exposure::Exposure;
 use crate::random::mix;
 use crate::scene::Scene;
 
+pub use merge_back::Renumbering;
 pub use patch::Patch;
 pub use sample::{PatchSums, SurfacePoint, point_on_polygon};
 pub use surface::smooth_surfaces;
@@ -138,6 +140,8 @@ pub struct Hierarchy {
     exposure: Arc<Exposure>,
     cluster_count: usize,
     leaf_count: usize,
+    /// Vertices of the initial patches, which come first.
+    initial_vertices: usize,
 }
 
 impl Hierarchy {

@@ -104,18 +104,24 @@ impl Oracle<'_> {
         if receiver == source {
             return self.brightness[source.index()] * self.hierarchy.element(source).area > allowed;
         }
+        let Exchange::Facing { estimate, bound, overlapping } = exchange(self.hierarchy, receiver, source) else {
+            return true;
+        };
+        let facing = Facing { estimate, bound, overlapping };
+        link.evidence() == Evidence::None
+            || self.exceeds_error(receiver, link, facing, allowed)
+                && end_to_split(self.hierarchy, receiver, source).is_some()
+    }
+
+    /// Whether a link's error exceeds what is allowed, W; always where nobody looked.
+    pub fn exceeds_error(&self, receiver: ElementId, link: &Link, facing: Facing, allowed: f32) -> bool {
         let (visibility, rays) = match link.evidence() {
             Evidence::None => return true,
             Evidence::Inherited => (1.0, None),
             Evidence::Clear(rays) => (1.0, Some(u32::from(rays))),
             Evidence::Rays(rays) => (link.visibility(), Some(u32::from(rays))),
         };
-        let Exchange::Facing { estimate, bound, overlapping } = exchange(self.hierarchy, receiver, source) else {
-            return true;
-        };
-        let facing = Facing { estimate, bound, overlapping };
-        self.error_of(receiver, source, facing, visibility, rays).total() > allowed
-            && end_to_split(self.hierarchy, receiver, source).is_some()
+        self.error_of(receiver, link.source(), facing, visibility, rays).total() > allowed
     }
 
     /// Whether a touching pair is refined whatever its visibility.

@@ -13,6 +13,8 @@
 
 mod balance;
 mod candidate;
+mod change;
+mod coarsen;
 mod display;
 mod final_gather;
 mod form_factor;
@@ -40,11 +42,12 @@ use glam::Vec3;
 use rayon::prelude::*;
 
 pub use balance::{PowerBalance, power_balance};
+pub use change::Invalidates;
 pub use display::barycentric;
 pub use form_factor::{Exchange, exchange, point_to_polygon};
 pub use link::{Evidence, Link, LinkTable};
 pub use params::{
-    ClusterModel, ClusteringMode, Epsilon, Invalidates, OracleKind, PARAMETERS, Parameter, ParameterId, ParamsError,
+    ClusterModel, ClusteringMode, Epsilon, OracleKind, PARAMETERS, Parameter, ParameterId, ParamsError,
     Push, Reconstruct, SolverParams, USUAL_ERROR, ValueKind,
 };
 pub use refine::RejectedPair;
@@ -58,6 +61,7 @@ use crate::hierarchy::{ElementId, Hierarchy, PatchSums, Shape};
 use crate::scene::Scene;
 use crate::visibility::Occluders;
 use candidate::{Candidate, Directions};
+use change::Doubts;
 use display::Display;
 use final_gather::FinalGather;
 use gather::{Gatherer, Light, Surface, pull};
@@ -132,6 +136,12 @@ pub struct Solver {
     surfaces: Vec<Surface>,
     params: SolverParams,
     epsilon_watts: f64,
+    /// The Φ by which ε became watts, W.
+    anchor_watts: f64,
+    /// Whether links may be finer than ε asks for, because it was raised.
+    merges_back: bool,
+    /// What the next look at the stored links must look for.
+    doubts: Doubts,
     hierarchy: Hierarchy,
     light: Light,
     /// Emitted power of the initial patches, by the largest colour, W.
@@ -170,18 +180,33 @@ impl Solver {
         params: SolverParams,
         generation: u64,
     ) -> Result<Self, SolverError> {
+        Self::with_exposure(scene, occluders, params, generation, |scene, occluders| {
+            Arc::new(Exposure::new(scene, occluders))
+        })
+    }
+
+    /// The same where somebody may know already what is hidden.
+    fn with_exposure(
+        scene: Arc<Scene>,
+        occluders: Arc<Occluders>,
+        params: SolverParams,
+        generation: u64,
+        exposure: impl FnOnce(&Scene, &Occluders) -> Arc<Exposure>,
+    ) -> Result<Self, SolverError> {
         params.validate()?;
         if params.clustering == ClusteringMode::None {
             check_pairs_fit(scene.polygons.len() as u64)?;
         }
         let (hierarchy, seconds) = timed(|| {
-            let exposure = Arc::new(Exposure::new(&scene, &occluders));
-            Hierarchy::new(&scene, exposure, params.clustering, params.octree_depth)
+            Hierarchy::new(&scene, exposure(&scene, &occluders), params.clustering, params.octree_depth)
         });
         let seconds = Seconds { hierarchy: seconds, total: seconds, ..Seconds::default() };
         let mut solver = Self {
             surfaces: surfaces_of(&scene),
             epsilon_watts: watts(&params, &scene),
+            anchor_watts: largest_power(&scene),
+            merges_back: false,
+            doubts: Doubts::default(),
             scene,
             occluders,
             params,
@@ -223,6 +248,13 @@ impl Solver {
                 self.seconds.refine += seconds;
                 self.seconds.total += seconds;
                 step
+            }
+            Phase::Gather if self.merges_back => {
+                let (is_done, seconds) = timed(|| self.merge_back(cancel));
+                self.seconds.refine += seconds;
+                self.seconds.total += seconds;
+                self.merges_back = !is_done;
+                if is_done { Step::Refined { wave_ended: true } } else { Step::Interrupted }
             }
             Phase::Gather => {
                 let (step, seconds) = timed(|| self.gather(cancel));
@@ -292,11 +324,12 @@ impl Solver {
             self.end_links();
             return Step::Gathered;
         }
-        let mut failing = self.take_failing(false);
+        let doubts = std::mem::take(&mut self.doubts);
+        let mut failing = self.take_failing(doubts);
         let few_fail = failing.len() * FEW <= self.links.len();
         if few_fail && self.stage + 1 < SCHEDULE.len() {
             self.stage += 1;
-            failing.append(&mut self.take_failing(true));
+            failing.append(&mut self.take_failing(Doubts { finer_epsilon: true, ..Doubts::default() }));
         } else {
             self.gathers_finely = few_fail;
         }
@@ -312,10 +345,9 @@ impl Solver {
         self.epsilon_watts * SCHEDULE[self.stage]
     }
 
-    /// Takes out what must be judged again as candidates. A link that fails by the present radiosities, where visibility that
-    /// was inherited by a coarser ε must show itself by this one; and pairs whose occlusion matters more than when it was found.
-    fn take_failing(&mut self, finer_epsilon: bool) -> Vec<Candidate> {
-        let epsilon = self.stage_epsilon();
+    /// Takes out what must be judged again as candidates. A link that fails by the present radiosities or is in doubt; and pairs
+    /// whose occlusion matters more than when it was found.
+    fn take_failing(&mut self, doubts: Doubts) -> Vec<Candidate> {
         let oracle = oracle(
             &self.hierarchy,
             &self.brightness,
@@ -323,13 +355,15 @@ impl Solver {
             &self.emission,
             &self.occluders,
             &self.params,
-            epsilon,
+            self.stage_epsilon(),
         );
-        let failing = self.links.drain(|receiver, link| oracle.must_judge_again(receiver, link));
-        let of_link = |(receiver, link): (ElementId, Link)| judged_again(receiver, &link, finer_epsilon);
+        let failing = self.links.drain(|receiver, link| {
+            oracle.must_judge_again(receiver, link) || oracle.is_in_doubt(receiver, link, doubts)
+        });
+        let of_link = |(receiver, link): (ElementId, Link)| judged_again(receiver, &link, doubts);
         let occluded = std::mem::take(&mut self.refinement.occluded);
         let (doubtful, believed): (Vec<_>, _) =
-            occluded.into_par_iter().partition(|pair| oracle.is_doubtful(pair, finer_epsilon));
+            occluded.into_par_iter().partition(|pair| oracle.is_doubtful(pair, doubts));
         let doubtful: Vec<Candidate> = doubtful.into_iter().map(|occluded| occluded.pair).collect();
         self.refinement.occluded = believed;
         self.refinement.forget_rejections(&doubtful);
@@ -433,6 +467,8 @@ impl Solver {
             phase: self.phase,
             epsilon_watts: self.epsilon_watts,
             epsilon_relative: if largest > 0.0 { self.epsilon_watts / largest } else { 0.0 },
+            power_watts: largest,
+            anchor_watts: self.anchor_watts,
             initial_patches: self.hierarchy.initial_patches().len(),
             clusters: self.hierarchy.cluster_count(),
             patches: self.hierarchy.leaf_count(),
@@ -488,11 +524,12 @@ fn timed<T>(work: impl FnOnce() -> T) -> (T, f64) {
     (result, begun.elapsed().as_secs_f64())
 }
 
-/// The candidate that a stored link becomes; by a finer ε, visibility that it inherited must show itself.
-fn judged_again(receiver: ElementId, link: &Link, finer_epsilon: bool) -> Candidate {
+/// The candidate that a stored link becomes; by a finer ε or with more rays, visibility that it inherited must show itself.
+fn judged_again(receiver: ElementId, link: &Link, doubts: Doubts) -> Candidate {
     let directions = Directions { to_a: true, to_b: false };
-    let inherited = link.evidence() == Evidence::Inherited && receiver != link.source();
-    Candidate::new(receiver, link.source(), directions, link.visibility(), inherited && !finer_epsilon)
+    let is_inherited = link.evidence() == Evidence::Inherited && receiver != link.source();
+    let must_show = doubts.finer_epsilon || doubts.more_rays;
+    Candidate::new(receiver, link.source(), directions, link.visibility(), is_inherited && !must_show)
 }
 
 /// The oracle over the present state; a function of the parts, so that refinement can be borrowed beside it.
@@ -530,8 +567,13 @@ fn oracle<'a>(
 fn watts(params: &SolverParams, scene: &Scene) -> f64 {
     match params.threshold() {
         Epsilon::Watts(watts) => watts,
-        Epsilon::Relative(share) => share * f64::from(scene.emitted_power().max_element()),
+        Epsilon::Relative(share) => share * largest_power(scene),
     }
+}
+
+/// Emitted power Φ by the largest colour, W.
+fn largest_power(scene: &Scene) -> f64 {
+    f64::from(scene.emitted_power().max_element())
 }
 
 fn surfaces_of(scene: &Scene) -> Vec<Surface> {

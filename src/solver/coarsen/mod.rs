@@ -1,0 +1,166 @@
+//! A coarser threshold on a solution that is there: links and patches are merged back instead of starting over.
+//!
+//! Refinement replaces a pair by the pairs of one end's parts; this is its reverse. From the finest pairs up, parts are
+//! replaced by the whole as long as the oracle would now accept it by the radiosities that are known. The whole's F and V
+//! are the means of its parts', so the same power passes, and no ray is cast. Patches whose quarters neither send nor receive a link of
+//! their own are merged with them.
+
+mod combined;
+mod pairs;
+
+use glam::Vec3;
+use rustc_hash::FxHashSet;
+
+use super::candidate::{Candidate, Directions};
+use super::display::Display;
+use super::gather::Light;
+use super::link::{Link, LinkTable};
+use super::picture::Picture;
+use super::verdict::{OccludedPair, Rejection};
+use super::{RejectedPair, Solver, oracle};
+use crate::cancel::CancelToken;
+use crate::hierarchy::{ElementId, Hierarchy, Renumbering};
+use pairs::{Pair, Pairs, Standing};
+
+impl Solver {
+    /// Merges links and patches back as far as the present thresholds allow; false if cancelled, with nothing changed.
+    pub(super) fn merge_back(&mut self, cancel: &CancelToken) -> bool {
+        let accepted = std::mem::take(&mut self.refinement.accepted);
+        self.links.append(self.hierarchy.elements().len(), &accepted);
+        let emitted: Vec<f32> = self.light.emitted.iter().map(|emitted| emitted.max_element()).collect();
+        let oracle = oracle(
+            &self.hierarchy,
+            &self.brightness,
+            &self.spread,
+            &self.emission,
+            &self.occluders,
+            &self.params,
+            self.stage_epsilon(),
+        );
+        let pairs = Pairs::new(&oracle, &emitted, &self.links, &self.refinement.occluded);
+        let Some(pairs) = pairs.merge(cancel) else { return false };
+        self.adopt(&pairs);
+        true
+    }
+
+    /// Goes on with these pairs and no more patches than they need.
+    fn adopt(&mut self, pairs: &[(Pair, Standing)]) {
+        let stays_split = split_by(&self.hierarchy, pairs);
+        let (hierarchy, renumbering) = self.hierarchy.merged_back(|id| stays_split[id.index()]);
+        let before = std::mem::replace(&mut self.hierarchy, hierarchy);
+        let renumbered = |id: ElementId| {
+            renumbering.of(id).expect("patches above the ends of a pair stay split, so that the ends stay")
+        };
+        let link = |(pair, standing): &(Pair, Standing)| match standing {
+            Standing::Linked(link) => Some((renumbered(pair.0), link.with_source(renumbered(pair.1)))),
+            Standing::Occluded { .. } => None,
+        };
+        let links: Vec<(ElementId, Link)> = pairs.iter().filter_map(link).collect();
+        self.links = LinkTable::default();
+        self.links.append(self.hierarchy.elements().len(), &links);
+        self.refinement.occluded = occluded_of(pairs, &renumbered);
+        if let Some(recorded) = &mut self.refinement.rejected {
+            *recorded = rejected_of(recorded, pairs, (&before, &self.hierarchy), &renumbering);
+        }
+        self.light = light_of(&self.light, &before, &renumbering);
+        self.brightness = renumbering.reorder(&self.brightness);
+        self.spread = renumbering.reorder(&self.spread);
+        self.inspected = self.inspected.and_then(|id| renumbering.of_nearest(&before, id));
+        // A picture starts from what is known now; its mesh is made anew.
+        self.picture = Picture::default();
+        self.display = self.display.take().map(Display::outdated);
+        self.final_gather = None;
+    }
+}
+
+/// Whether each element is split because a pair needs one of its parts.
+fn split_by(hierarchy: &Hierarchy, pairs: &[(Pair, Standing)]) -> Vec<bool> {
+    let mut is_needed = vec![false; hierarchy.elements().len()];
+    for ((receiver, source), _) in pairs {
+        is_needed[receiver.index()] = true;
+        is_needed[source.index()] = true;
+    }
+    let mut is_split = vec![false; is_needed.len()];
+    // Children come after their parent.
+    for id in (0..is_needed.len() as u32).rev().map(ElementId) {
+        if is_needed[id.index()] || is_split[id.index()] {
+            if let Some(parent) = hierarchy.element(id).parent() {
+                is_split[parent.index()] = true;
+            }
+        }
+    }
+    is_split
+}
+
+/// The occluded pairs, both directions together where they stand alike.
+fn occluded_of(pairs: &[(Pair, Standing)], renumbered: &impl Fn(ElementId) -> ElementId) -> Vec<OccludedPair> {
+    let standing_of = |pair: Pair| match pairs.binary_search_by_key(&pair, |(pair, _)| *pair) {
+        Ok(place) => match pairs[place].1 {
+            Standing::Occluded { was_negligible } => Some(was_negligible),
+            Standing::Linked(_) => None,
+        },
+        Err(_) => None,
+    };
+    let occluded = |((receiver, source), standing): &(Pair, Standing)| {
+        let Standing::Occluded { was_negligible } = *standing else { return None };
+        let to_b = standing_of((*source, *receiver)) == Some(was_negligible);
+        if to_b && receiver > source {
+            // The other direction stands for both.
+            return None;
+        }
+        let directions = Directions { to_a: true, to_b };
+        let pair = Candidate::new(renumbered(*receiver), renumbered(*source), directions, 0.0, false);
+        Some(OccludedPair { pair, was_negligible })
+    };
+    pairs.iter().filter_map(occluded).collect()
+}
+
+/// What a test recorded of rejected pairs, without those that a merged pair now stands for.
+fn rejected_of(
+    recorded: &[RejectedPair],
+    pairs: &[(Pair, Standing)],
+    (before, after): (&Hierarchy, &Hierarchy),
+    renumbering: &Renumbering,
+) -> Vec<RejectedPair> {
+    /// Whether a set has a pair that holds this one, or itself.
+    fn has_around(set: &FxHashSet<Pair>, hierarchy: &Hierarchy, (receiver, source): Pair, itself: bool) -> bool {
+        let above = |id: ElementId| std::iter::successors(Some(id), |&id| hierarchy.element(id).parent());
+        let mut around = above(receiver).flat_map(|to| above(source).map(move |from| (to, from)));
+        around.any(|pair| (itself || pair != (receiver, source)) && set.contains(&pair))
+    }
+    let standing: FxHashSet<Pair> = pairs.iter().map(|(pair, _)| *pair).collect();
+    let occluded = pairs.iter().filter(|(_, standing)| matches!(standing, Standing::Occluded { .. }));
+    let occluded = occluded.map(|(pair, _)| (*pair, Rejection::Occluded));
+    let facing_away = recorded.iter().filter(|pair| pair.rejection == Rejection::FacingAway);
+    let facing_away = facing_away.map(|pair| ((pair.receiver, pair.source), pair.rejection));
+    let facing_away = facing_away.filter(|(pair, _)| !has_around(&standing, before, *pair, true));
+    // Where all quarters turn away, what they were merged to does.
+    let new = |((receiver, source), rejection): (Pair, Rejection)| {
+        let of = |id: ElementId| renumbering.of_nearest(before, id);
+        Some(((of(receiver)?, of(source)?), rejection))
+    };
+    let mut known = FxHashSet::default();
+    let all: Vec<(Pair, Rejection)> =
+        occluded.chain(facing_away).filter_map(new).filter(|(pair, _)| known.insert(*pair)).collect();
+    let outer = all.into_iter().filter(|(pair, _)| !has_around(&known, after, *pair, false));
+    outer.map(|((receiver, source), rejection)| RejectedPair { receiver, source, rejection }).collect()
+}
+
+/// The light of what is left, that of merged patches the mean over their quarters.
+fn light_of(light: &Light, before: &Hierarchy, renumbering: &Renumbering) -> Light {
+    let mut irradiance = light.irradiance.clone();
+    for id in (0..before.elements().len() as u32).rev().map(ElementId) {
+        let element = before.element(id);
+        let is_merged = |child: ElementId| renumbering.of(child).is_none();
+        if element.area > 0.0 && !element.is_leaf() && element.children().all(is_merged) {
+            let power: Vec3 = element.children().map(|child| before.element(child).area * irradiance[child.index()]).sum();
+            irradiance[id.index()] = power / element.area;
+        }
+    }
+    Light {
+        radiosity: renumbering.reorder(&light.radiosity),
+        irradiance: renumbering.reorder(&irradiance),
+        emitted: renumbering.reorder(&light.emitted),
+        row_scale: renumbering.reorder(&light.row_scale),
+    }
+}
