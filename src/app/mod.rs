@@ -8,6 +8,7 @@ mod comparison;
 mod dock;
 mod files;
 mod launch;
+mod lighting;
 mod messages;
 mod paint;
 mod panels;
@@ -16,6 +17,7 @@ mod settings;
 mod sources;
 mod theme;
 mod time_left;
+mod undo;
 mod viewport;
 
 use std::sync::Arc;
@@ -34,10 +36,11 @@ use crate::worker::{Command, Event, SceneInfo, SolverThread, Status};
 use comparison::Comparison;
 use files::Files;
 use messages::Messages;
-use panels::light::LampEditor;
+use panels::light::LightEditor;
 use picked::PickedElement;
 use settings::DisplaySettings;
 use time_left::{Clock, TimeLeft};
+use undo::History;
 use viewport::Viewport;
 
 /// On software adapters drawing takes the solver's cores, so pictures wait this long for each other.
@@ -72,7 +75,8 @@ pub struct App {
     params: SolverParams,
     messages: Messages,
     files: Files,
-    lamp: LampEditor,
+    light: LightEditor,
+    history: History,
     display: DisplaySettings,
     view: Viewport,
     picked: Option<PickedElement>,
@@ -130,7 +134,8 @@ impl App {
             params,
             messages: Messages::default(),
             files: Files::new(recent),
-            lamp: LampEditor::default(),
+            light: LightEditor::default(),
+            history: History::default(),
             display,
             view: Viewport::default(),
             picked: None,
@@ -224,6 +229,7 @@ impl App {
             Event::SolveFailed(sentence) => {
                 self.messages.error(sentence);
                 self.params = self.worker.status().params;
+                self.history.take_as_given(self.settings());
             }
             Event::Finished => {}
             Event::Saved(path) => self.messages.note(format!("Saved {}.", path.display())),
@@ -240,10 +246,13 @@ impl App {
             ctx.send_viewport_cmd(egui::ViewportCommand::Title(title));
             self.view.start_with(&info.scene);
             self.picked = None;
-            self.lamp = LampEditor::for_scene(&info.scene);
+            self.light = LightEditor::for_scene(&info.scene);
             // A correction made for another scene's light would make this one black or white.
             self.display.auto_stops = 0.0;
+            self.history = History::default();
         }
+        self.light.follow(&info.scene);
+        self.history.take_as_given(self.settings());
         self.shown.info = Some(info);
     }
 
@@ -253,12 +262,12 @@ impl App {
     }
 
     fn pick(&mut self, clicked: viewport::Clicked, outbox: &mut Outbox) {
-        let (Some(snapshot), Some(info)) = (&self.shown.snapshot, &self.shown.info) else { return };
+        let Some(snapshot) = &self.shown.snapshot else { return };
         self.picked = PickedElement::at(snapshot, clicked.origin, clicked.direction);
         outbox.push(Command::Inspect(self.picked.as_ref().map(|picked| picked.element)));
         if let Some(picked) = self.picked.as_mut() {
             picked.has_to_ask(snapshot);
-            self.lamp.choose(&info.scene, picked.leaf.material);
+            self.light.choose(picked.leaf.material);
             if clicked.is_double {
                 self.view.look_at(picked.point);
             }
@@ -280,8 +289,14 @@ impl eframe::App for App {
                 files::DialogAnswer::NoDialog => self.messages.note(files::NO_DIALOG.into()),
             }
         }
+        undo::take_keys(self, ui.ctx(), &mut outbox);
         panels::show_sides(self, ui, &mut outbox);
-        egui::Panel::top("tools").show(ui, |ui| dock::show_bar(self, ui));
+        egui::Panel::top("tools").show(ui, |ui| {
+            ui.horizontal(|ui| {
+                undo::show_buttons(self, ui, &mut outbox);
+                dock::show_bar(self, ui);
+            });
+        });
         dock::show(self, ui, &mut outbox);
         egui::CentralPanel::no_frame().show(ui, |ui| {
             ui.spacing_mut().item_spacing.y = 0.0;
@@ -291,6 +306,7 @@ impl eframe::App for App {
                 self.pick(clicked, &mut outbox);
             }
         });
+        undo::note(self, ui.ctx());
         for command in outbox {
             self.worker.send(command);
         }

@@ -6,7 +6,7 @@ use super::sources::{NamedSource, strongest};
 use crate::hierarchy::ElementId;
 use crate::render::pick;
 use crate::scene::Scene;
-use crate::solver::{InspectedElement, Leaf, Snapshot};
+use crate::solver::{InspectedElement, Leaf, Mesh, Snapshot, barycentric};
 
 /// A leaf element, and the ray that found it.
 pub(super) struct PickedElement {
@@ -48,11 +48,15 @@ impl PickedElement {
     /// place. False when there is none.
     pub(super) fn follow(&mut self, snapshot: &Snapshot) -> bool {
         let mesh = &snapshot.mesh;
-        let is_it = |leaf: &Leaf| {
-            leaf.element == self.element && leaf.polygon == self.leaf.polygon && leaf.area == self.leaf.area
+        // Elements are numbered anew when patches are merged back, so a number alone proves nothing.
+        let is_it = |(index, leaf): (usize, &Leaf)| {
+            leaf.element == self.element
+                && leaf.polygon == self.leaf.polygon
+                && leaf.area == self.leaf.area
+                && holds(mesh, index, self.point)
         };
-        let stays = mesh.leaves.get(self.index).is_some_and(is_it);
-        let found = if stays { Some(self.index) } else { mesh.leaves.iter().position(is_it) };
+        let stays = mesh.leaves.get(self.index).is_some_and(|leaf| is_it((self.index, leaf)));
+        let found = if stays { Some(self.index) } else { mesh.leaves.iter().enumerate().position(is_it) };
         match found {
             Some(index) => {
                 self.index = index;
@@ -87,4 +91,19 @@ impl PickedElement {
         self.asked = Some(snapshot.generation);
         !is_asked
     }
+}
+
+/// How far outside of a triangle, in its own measure, a point may lie that was found on it.
+const ON_EDGE: f32 = 1e-3;
+
+/// Whether a point of its plane lies in a leaf.
+fn holds(mesh: &Mesh, leaf: usize, point: Vec3) -> bool {
+    // Triangles lie in the order of their leaves.
+    let first = mesh.triangle_leaf.partition_point(|&of| (of as usize) < leaf);
+    let own = mesh.triangle_leaf[first..].iter().take_while(|&&of| of as usize == leaf);
+    let mut triangles = own.zip(&mesh.triangles[first..]);
+    triangles.any(|(_, corners)| {
+        let corners = corners.map(|at| Vec3::from(mesh.positions[at as usize]));
+        barycentric(corners, point).min_element() >= -ON_EDGE
+    })
 }

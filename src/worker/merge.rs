@@ -16,7 +16,10 @@ pub(super) fn merge(commands: Vec<Command>) -> Vec<Command> {
 
 /// Whether `earlier` has no effect when `later` follows it.
 fn supersedes(later: &Command, earlier: &Command) -> bool {
-    use Command::{CancelLoad, Inspect, Load, Pause, Restart, Resume, SetEmission, SetParams, Shutdown, StepWave};
+    use Command::{
+        AnchorEpsilon, CancelLoad, Inspect, Load, Pause, Restart, Resume, SetEmission, SetParams, SetReflectance,
+        Shutdown, StepWave,
+    };
     match (later, earlier) {
         (Shutdown, Command::SaveSidecar { .. }) => false,
         (Shutdown, _)
@@ -24,8 +27,10 @@ fn supersedes(later: &Command, earlier: &Command) -> bool {
         | (SetParams(_), SetParams(_))
         | (Inspect(_), Inspect(_))
         | (Restart, Restart)
+        | (AnchorEpsilon, AnchorEpsilon)
         | (Pause | Resume, Pause | Resume | StepWave) => true,
-        (SetEmission { material: new, .. }, SetEmission { material: old, .. }) => new == old,
+        (SetEmission { material: new, .. }, SetEmission { material: old, .. })
+        | (SetReflectance { material: new, .. }, SetReflectance { material: old, .. }) => new == old,
         _ => false,
     }
 }

@@ -10,6 +10,7 @@ use super::guard::{guarded, pool_of};
 use super::loader::{Awaited, Prepared};
 use super::merge::merge;
 use super::pacing::Pacing;
+use super::stage::MaterialEdit;
 use super::{Command, Event, Message, RunState, Shared, Status, lock};
 use crate::cancel::CancelToken;
 use crate::solver::{Solver, SolverParams, Step};
@@ -155,7 +156,13 @@ impl Session {
                     self.picture_owed = true;
                 }
             }
-            Command::SetEmission { material, emission } => self.set_emission(material, emission),
+            Command::SetEmission { material, emission } => {
+                self.edit_material(material, MaterialEdit::Emission(emission));
+            }
+            Command::SetReflectance { material, reflectance } => {
+                self.edit_material(material, MaterialEdit::Reflectance(reflectance));
+            }
+            Command::AnchorEpsilon => self.anchor_epsilon(),
             Command::AddCeilingLight { size, exitance } => self.add_ceiling_light(size, exitance),
             Command::SaveSidecar { camera } => self.save_sidecar(camera),
             // Seen by `run`.
@@ -195,7 +202,7 @@ impl Session {
                 self.refine_again();
                 Ok(())
             }
-            Ok(false) => self.start_solver(),
+            Ok(false) => self.rebuild_solver(),
             Err(sentence) => Err(sentence),
         };
         if let Err(sentence) = outcome {

@@ -121,7 +121,7 @@ fn every_pair_of_patches_is_covered_once_in_a_furnished_room() {
 }
 
 /// A scene of random boxes and a soup of triangles, a few of them shining.
-fn soup() -> impl Strategy<Value = Scene> {
+pub fn soup() -> impl Strategy<Value = Scene> {
     let point = prop::array::uniform3(-2.0_f32..2.0).prop_map(Vec3::from);
     let a_box = (point.clone(), prop::array::uniform3(0.02_f32..1.0).prop_map(Vec3::from), any::<bool>());
     let a_triangle = (point, prop::array::uniform6(-0.8_f32..0.8));

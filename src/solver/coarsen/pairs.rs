@@ -1,7 +1,7 @@
 //! The pairs of a solution, merged back from their parts for as long as the oracle would accept the whole.
 
 use rayon::prelude::*;
-use rustc_hash::FxHashMap;
+use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::combined::Combined;
 use crate::cancel::CancelToken;
@@ -46,6 +46,8 @@ enum Split {
 }
 
 /// Parts that turn away from each other leave no trace; below a part that was refined they are looked for this deep.
+///
+/// The error oracle may split either end, so that by it two wholes may share such parts: these carry nothing.
 const DEEPEST_TRACE: u32 = 2;
 
 /// Every directed pair that carries a link or was found occluded; of all others the ends turn away from each other.
@@ -54,6 +56,8 @@ pub struct Pairs<'a> {
     /// Largest colour of each element's emission, W/m².
     emitted: &'a [f32],
     standings: FxHashMap<Pair, Standing>,
+    /// Parts that carry nothing and belong to a whole by now.
+    spent: FxHashSet<Pair>,
     /// Place of each element's initial patch, or a cluster's first one, in the hierarchy's order.
     places: Vec<u32>,
 }
@@ -72,7 +76,7 @@ impl<'a> Pairs<'a> {
             let asked = directions.into_iter().filter(|(asked, ..)| *asked);
             standings.extend(asked.map(|(_, receiver, source)| ((receiver, source), standing)));
         }
-        Self { oracle, emitted, standings, places: places(oracle.hierarchy) }
+        Self { oracle, emitted, standings, spent: FxHashSet::default(), places: places(oracle.hierarchy) }
     }
 
     /// Merges, from the parts up, what the oracle would accept as a whole; the pairs that are left in order of receivers and
@@ -121,8 +125,10 @@ impl<'a> Pairs<'a> {
         let wholes = if of_receiver == of_source {
             [of_receiver.map(|both| Whole { receiver: both, source: both, split: Split::Both }), None]
         } else {
-            let by_receiver = of_receiver.filter(|&above| self.was_split(above, source));
-            let by_source = of_source.filter(|&above| self.was_split(above, receiver));
+            let is_whole =
+                |end: ElementId, other: ElementId| !self.holds(end, other) && self.was_split(end, other);
+            let by_receiver = of_receiver.filter(|&above| is_whole(above, source));
+            let by_source = of_source.filter(|&above| is_whole(above, receiver));
             [
                 by_receiver.map(|receiver| Whole { receiver, source, split: Split::Receiver }),
                 by_source.map(|source| Whole { receiver, source, split: Split::Source }),
@@ -133,13 +139,32 @@ impl<'a> Pairs<'a> {
 
     /// Whether refinement would split `end` of a pair with `other`. The error oracle may split either.
     fn was_split(&self, end: ElementId, other: ElementId) -> bool {
-        if self.holds(end, other) {
-            return false;
-        }
         let hierarchy = self.hierarchy();
         self.oracle.kind == OracleKind::Error
             || end_to_split(hierarchy, end, other) == Some(end)
-            || end_to_split(hierarchy, other, end) == Some(end)
+            // Of equal ends it is that which came first.
+            || hierarchy.element(end).area == hierarchy.element(other).area
+                && end_to_split(hierarchy, other, end) == Some(end)
+    }
+
+    /// Whether refinement comes by a pair: it splits each of the elements above one end while the other end is still whole.
+    fn is_reached(&self, a: ElementId, b: ElementId) -> bool {
+        let above_is_split = |end: ElementId, other: ElementId| {
+            let above = self.hierarchy().element(end).parent();
+            above.is_none_or(|above| self.holds(above, other) || self.was_split(above, other))
+        };
+        above_is_split(a, b) && above_is_split(b, a)
+    }
+
+    /// The same by all the elements above, up to the children of one cluster, which all meet.
+    fn is_surely_reached(&self, a: ElementId, b: ElementId) -> bool {
+        let parent = |id: ElementId| self.hierarchy().element(id).parent();
+        let comes_from = |end: ElementId, other: ElementId| {
+            parent(end).is_some_and(|above| {
+                !self.holds(above, other) && self.was_split(above, other) && self.is_surely_reached(above, other)
+            })
+        };
+        parent(a) == parent(b) || comes_from(a, b) || comes_from(b, a)
     }
 
     /// Whether an element holds another.
@@ -174,6 +199,7 @@ impl<'a> Pairs<'a> {
             return None;
         }
         let mut combined = Combined::default();
+        let mut has_void = false;
         for pair in self.parts(whole) {
             match self.standings.get(&pair) {
                 Some(Standing::Linked(link)) => {
@@ -184,15 +210,22 @@ impl<'a> Pairs<'a> {
                 Some(Standing::Occluded { was_negligible }) => {
                     combined.add_occluded(self.hierarchy(), pair, self.weight_of(whole, pair), *was_negligible);
                 }
-                None if self.is_void(pair, DEEPEST_TRACE) => {}
+                None if self.is_void(pair, DEEPEST_TRACE) => has_void = true,
                 None => return None,
             }
+        }
+        // Parts that stand are taken by one whole; those that do not must not be claimed by another.
+        let (receiver, source) = (whole.receiver, whole.source);
+        let is_whole = whole.split == Split::Both
+            || self.is_reached(receiver, source) && (!has_void || self.is_surely_reached(receiver, source));
+        if !is_whole {
+            return None;
         }
         if combined.links == 0 {
             let standing = Standing::Occluded { was_negligible: combined.was_negligible };
             return (whole.split != Split::Both && combined.occluded > 0).then_some(standing);
         }
-        self.oracle.accept_merged(whole.receiver, whole.source, &combined).map(Standing::Linked)
+        self.oracle.accept_merged(receiver, source, &combined).map(Standing::Linked)
     }
 
     /// Share of a part in the irradiance of the whole: that of its receiver in the area.
@@ -210,6 +243,9 @@ impl<'a> Pairs<'a> {
     /// Whether nothing passes between the ends because they turn away from each other, or all their parts do.
     fn is_void(&self, (receiver, source): Pair, depth: u32) -> bool {
         let hierarchy = self.hierarchy();
+        if self.spent.contains(&(receiver, source)) {
+            return false;
+        }
         if receiver == source {
             // A patch has no self-link, nor has a cluster that none of its polygons lights.
             return match &hierarchy.element(receiver).shape {
@@ -235,7 +271,9 @@ impl<'a> Pairs<'a> {
             return false;
         }
         for pair in &parts {
-            self.standings.remove(pair);
+            if self.standings.remove(pair).is_none() {
+                self.spent.insert(*pair);
+            }
         }
         true
     }
