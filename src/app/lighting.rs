@@ -38,6 +38,12 @@ impl Tinted {
         self.tint
     }
 
+    /// Another colour; black keeps the tint.
+    pub fn set(&mut self, value: Vec3) {
+        self.set_tint(value);
+        self.value = value;
+    }
+
     /// Another strength of the same tint.
     pub fn set_strength(&mut self, strength: f32) {
         self.value = strength * self.tint;
@@ -188,5 +194,7 @@ mod tests {
         assert_eq!(reflectance.value(), Vec3::new(0.35, 0.175, 0.35));
         reflectance.set_tint(Vec3::ZERO);
         assert_eq!(reflectance.strength(), 0.35);
+        reflectance.set(Vec3::new(0.1, 0.2, 0.4));
+        assert_eq!((reflectance.value(), reflectance.tint()), (Vec3::new(0.1, 0.2, 0.4), Vec3::new(0.25, 0.5, 1.0)));
     }
 }

@@ -31,6 +31,7 @@ impl Solver {
             return Ok(false);
         }
         let was_gathered = self.params.shown_by() == Reconstruct::Gather;
+        let is_moved = self.params.push != params.push || was_gathered;
         self.params = params;
         self.epsilon_watts = epsilon;
         if is_anchored_anew {
@@ -41,10 +42,13 @@ impl Solver {
         match change.cost {
             Invalidates::Nothing | Invalidates::Picture => {}
             // Links and their light stay; vertices look for theirs.
-            Invalidates::Radiosities if self.phase == Phase::Done && !was_gathered && self.is_to_reconstruct() => {
+            Invalidates::Radiosities if self.phase == Phase::Done && !is_moved && self.is_to_reconstruct() => {
                 self.end_links();
             }
-            Invalidates::Radiosities | Invalidates::Verdicts | Invalidates::Refinement => self.resume(),
+            Invalidates::Radiosities | Invalidates::Verdicts | Invalidates::Refinement => {
+                self.is_converged &= !is_moved;
+                self.resume();
+            }
             Invalidates::Links => self.restart_from_root(),
             Invalidates::Hierarchy | Invalidates::Scene => unreachable!("what is rebuilt was turned away above"),
         }
@@ -124,6 +128,7 @@ impl Solver {
         edit(&mut scene.materials[material.0 as usize]);
         self.scene = Arc::new(scene);
         self.surfaces = surfaces_of(&self.scene);
+        self.is_converged = false;
     }
 
     /// Clusters that hold faces of a material beside other lamps, or that were dark so far.
@@ -185,7 +190,7 @@ impl Solver {
         self.final_gather = None;
         self.phase = Phase::Refine;
         self.stage = 0;
-        self.gathers_finely = false;
+        (self.gathers_finely, self.is_converged) = (false, false);
         (self.merges_back, self.doubts) = (false, Doubts::default());
     }
 }

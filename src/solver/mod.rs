@@ -157,6 +157,8 @@ pub struct Solver {
     stage: usize,
     /// Whether the next gather is the last one, to [`FINAL_TOLERANCE`].
     gathers_finely: bool,
+    /// Whether the light is that of the last gather, and nothing has changed since but what is asked of links.
+    is_converged: bool,
     iterations: u32,
     clamped_leaves: usize,
     /// Time spent working; whoever drives the solver may let it rest in between.
@@ -220,6 +222,7 @@ impl Solver {
             phase: Phase::Refine,
             stage: 0,
             gathers_finely: false,
+            is_converged: false,
             iterations: 0,
             clamped_leaves: 0,
             seconds,
@@ -305,8 +308,13 @@ impl Solver {
 
     fn gather(&mut self, cancel: &CancelToken) -> Step {
         let accepted = std::mem::take(&mut self.refinement.accepted);
+        self.is_converged &= accepted.is_empty();
         if !accepted.is_empty() || self.links.receivers() < self.hierarchy.elements().len() {
             self.links.append(self.hierarchy.elements().len(), &accepted);
+        }
+        if self.is_converged && !self.gathers_finely {
+            self.judge_stored();
+            return Step::Gathered;
         }
         // The first rounds are coarse: light that is not judged yet has no place in what verdicts look at.
         let tolerance = if self.gathers_finely { FINAL_TOLERANCE } else { ROUND_TOLERANCE };
@@ -321,9 +329,16 @@ impl Solver {
         self.fix_brightness();
         self.iterations += 1;
         if self.gathers_finely {
+            self.is_converged = true;
             self.end_links();
-            return Step::Gathered;
+        } else {
+            self.judge_stored();
         }
+        Step::Gathered
+    }
+
+    /// Judges the stored links by the present radiosities; those that fail are candidates of the next round.
+    fn judge_stored(&mut self) {
         let doubts = std::mem::take(&mut self.doubts);
         let mut failing = self.take_failing(doubts);
         let few_fail = failing.len() * FEW <= self.links.len();
@@ -337,7 +352,6 @@ impl Solver {
             self.refinement.start(failing);
             self.phase = Phase::Refine;
         }
-        Step::Gathered
     }
 
     /// ε of the present stage, W.

@@ -77,8 +77,7 @@ fn thresholds_go_to_and_fro() {
     assert!(!coarse.1.is_empty());
 }
 
-/// The error oracle may split either end, so two wholes may share parts that turn away from each other: all is covered, and what
-/// is covered twice carries nothing. Another oracle takes over what it finds.
+/// The error oracle may split either end of a pair; and another oracle takes over what it finds.
 #[test]
 fn the_error_oracle_merges_too() {
     let scene = lamp_room();

@@ -7,17 +7,17 @@
 
 mod combined;
 mod pairs;
+mod recorded;
 
 use glam::Vec3;
-use rustc_hash::FxHashSet;
 
 use super::candidate::{Candidate, Directions};
 use super::display::Display;
 use super::gather::Light;
 use super::link::{Link, LinkTable};
 use super::picture::Picture;
-use super::verdict::{OccludedPair, Rejection};
-use super::{RejectedPair, Solver, oracle};
+use super::verdict::OccludedPair;
+use super::{Solver, oracle};
 use crate::cancel::CancelToken;
 use crate::hierarchy::{ElementId, Hierarchy, Renumbering};
 use pairs::{Pair, Pairs, Standing};
@@ -60,14 +60,14 @@ impl Solver {
         self.links.append(self.hierarchy.elements().len(), &links);
         self.refinement.occluded = occluded_of(pairs, &renumbered);
         if let Some(recorded) = &mut self.refinement.rejected {
-            *recorded = rejected_of(recorded, pairs, (&before, &self.hierarchy), &renumbering);
+            *recorded = recorded::after_merging(recorded, pairs, (&before, &self.hierarchy), &renumbering);
         }
         self.light = light_of(&self.light, &before, &renumbering);
         self.brightness = renumbering.reorder(&self.brightness);
         self.spread = renumbering.reorder(&self.spread);
         self.inspected = self.inspected.and_then(|id| renumbering.of_nearest(&before, id));
         // A picture starts from what is known now; its mesh is made anew.
-        self.picture = Picture::default();
+        self.picture = Picture::of(self.light.clone());
         self.display = self.display.take().map(Display::outdated);
         self.final_gather = None;
     }
@@ -113,37 +113,6 @@ fn occluded_of(pairs: &[(Pair, Standing)], renumbered: &impl Fn(ElementId) -> El
         Some(OccludedPair { pair, was_negligible })
     };
     pairs.iter().filter_map(occluded).collect()
-}
-
-/// What a test recorded of rejected pairs, without those that a merged pair now stands for.
-fn rejected_of(
-    recorded: &[RejectedPair],
-    pairs: &[(Pair, Standing)],
-    (before, after): (&Hierarchy, &Hierarchy),
-    renumbering: &Renumbering,
-) -> Vec<RejectedPair> {
-    /// Whether a set has a pair that holds this one, or itself.
-    fn has_around(set: &FxHashSet<Pair>, hierarchy: &Hierarchy, (receiver, source): Pair, itself: bool) -> bool {
-        let above = |id: ElementId| std::iter::successors(Some(id), |&id| hierarchy.element(id).parent());
-        let mut around = above(receiver).flat_map(|to| above(source).map(move |from| (to, from)));
-        around.any(|pair| (itself || pair != (receiver, source)) && set.contains(&pair))
-    }
-    let standing: FxHashSet<Pair> = pairs.iter().map(|(pair, _)| *pair).collect();
-    let occluded = pairs.iter().filter(|(_, standing)| matches!(standing, Standing::Occluded { .. }));
-    let occluded = occluded.map(|(pair, _)| (*pair, Rejection::Occluded));
-    let facing_away = recorded.iter().filter(|pair| pair.rejection == Rejection::FacingAway);
-    let facing_away = facing_away.map(|pair| ((pair.receiver, pair.source), pair.rejection));
-    let facing_away = facing_away.filter(|(pair, _)| !has_around(&standing, before, *pair, true));
-    // Where all quarters turn away, what they were merged to does.
-    let new = |((receiver, source), rejection): (Pair, Rejection)| {
-        let of = |id: ElementId| renumbering.of_nearest(before, id);
-        Some(((of(receiver)?, of(source)?), rejection))
-    };
-    let mut known = FxHashSet::default();
-    let all: Vec<(Pair, Rejection)> =
-        occluded.chain(facing_away).filter_map(new).filter(|(pair, _)| known.insert(*pair)).collect();
-    let outer = all.into_iter().filter(|(pair, _)| !has_around(&known, after, *pair, false));
-    outer.map(|((receiver, source), rejection)| RejectedPair { receiver, source, rejection }).collect()
 }
 
 /// The light of what is left, that of merged patches the mean over their quarters.

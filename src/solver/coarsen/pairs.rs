@@ -1,7 +1,7 @@
 //! The pairs of a solution, merged back from their parts for as long as the oracle would accept the whole.
 
 use rayon::prelude::*;
-use rustc_hash::{FxHashMap, FxHashSet};
+use rustc_hash::FxHashMap;
 
 use super::combined::Combined;
 use crate::cancel::CancelToken;
@@ -47,7 +47,8 @@ enum Split {
 
 /// Parts that turn away from each other leave no trace; below a part that was refined they are looked for this deep.
 ///
-/// The error oracle may split either end, so that by it two wholes may share such parts: these carry nothing.
+/// By the error oracle, which may split either end, two wholes may both claim such parts; since these carry nothing, no light is
+/// made up by it.
 const DEEPEST_TRACE: u32 = 2;
 
 /// Every directed pair that carries a link or was found occluded; of all others the ends turn away from each other.
@@ -56,8 +57,6 @@ pub struct Pairs<'a> {
     /// Largest colour of each element's emission, W/m².
     emitted: &'a [f32],
     standings: FxHashMap<Pair, Standing>,
-    /// Parts that carry nothing and belong to a whole by now.
-    spent: FxHashSet<Pair>,
     /// Place of each element's initial patch, or a cluster's first one, in the hierarchy's order.
     places: Vec<u32>,
 }
@@ -76,7 +75,7 @@ impl<'a> Pairs<'a> {
             let asked = directions.into_iter().filter(|(asked, ..)| *asked);
             standings.extend(asked.map(|(_, receiver, source)| ((receiver, source), standing)));
         }
-        Self { oracle, emitted, standings, spent: FxHashSet::default(), places: places(oracle.hierarchy) }
+        Self { oracle, emitted, standings, places: places(oracle.hierarchy) }
     }
 
     /// Merges, from the parts up, what the oracle would accept as a whole; the pairs that are left in order of receivers and
@@ -156,15 +155,26 @@ impl<'a> Pairs<'a> {
         above_is_split(a, b) && above_is_split(b, a)
     }
 
-    /// The same by all the elements above, up to the children of one cluster, which all meet.
+    /// The same without doubt: of two ends of equal area either may have been split first, which leaves pairs between that
+    /// refinement may have passed by.
     fn is_surely_reached(&self, a: ElementId, b: ElementId) -> bool {
-        let parent = |id: ElementId| self.hierarchy().element(id).parent();
-        let comes_from = |end: ElementId, other: ElementId| {
-            parent(end).is_some_and(|above| {
-                !self.holds(above, other) && self.was_split(above, other) && self.is_surely_reached(above, other)
-            })
+        let hierarchy = self.hierarchy();
+        let element = |id: ElementId| hierarchy.element(id);
+        let (Some(above_a), Some(above_b)) = (element(a).parent(), element(b).parent()) else { return false };
+        let comes_from = |above: ElementId, other: ElementId| {
+            !self.holds(above, other)
+                && end_to_split(hierarchy, above, other) == Some(above)
+                && end_to_split(hierarchy, other, above) == Some(above)
+                && self.is_surely_reached(above, other)
         };
-        parent(a) == parent(b) || comes_from(a, b) || comes_from(b, a)
+        let are_equal = element(above_a).area == element(above_b).area;
+        above_a == above_b
+            || comes_from(above_a, b)
+            || comes_from(above_b, a)
+            || are_equal
+                && !self.holds(above_a, above_b)
+                && !self.holds(above_b, above_a)
+                && self.is_surely_reached(above_a, above_b)
     }
 
     /// Whether an element holds another.
@@ -214,11 +224,12 @@ impl<'a> Pairs<'a> {
                 None => return None,
             }
         }
-        // Parts that stand are taken by one whole; those that do not must not be claimed by another.
         let (receiver, source) = (whole.receiver, whole.source);
-        let is_whole = whole.split == Split::Both
-            || self.is_reached(receiver, source) && (!has_void || self.is_surely_reached(receiver, source));
-        if !is_whole {
+        // Parts that stand belong to one whole alone; those that leave no trace might be claimed by two.
+        let is_one = whole.split == Split::Both
+            || self.is_reached(receiver, source)
+                && (!has_void || self.oracle.kind == OracleKind::Error || self.is_surely_reached(receiver, source));
+        if !is_one {
             return None;
         }
         if combined.links == 0 {
@@ -243,9 +254,6 @@ impl<'a> Pairs<'a> {
     /// Whether nothing passes between the ends because they turn away from each other, or all their parts do.
     fn is_void(&self, (receiver, source): Pair, depth: u32) -> bool {
         let hierarchy = self.hierarchy();
-        if self.spent.contains(&(receiver, source)) {
-            return false;
-        }
         if receiver == source {
             // A patch has no self-link, nor has a cluster that none of its polygons lights.
             return match &hierarchy.element(receiver).shape {
@@ -271,9 +279,7 @@ impl<'a> Pairs<'a> {
             return false;
         }
         for pair in &parts {
-            if self.standings.remove(pair).is_none() {
-                self.spent.insert(*pair);
-            }
+            self.standings.remove(pair);
         }
         true
     }

@@ -19,9 +19,10 @@ pub(super) fn show(ui: &mut Ui, scene: &Scene, editor: &mut LightEditor) {
     if lamps.is_empty() {
         return;
     }
-    let all_watts: f32 = lamps.iter().map(|&lamp| watts(editor, lamp)).sum();
-    let heading = format!("{}, {}", format::things(lamps.len(), "lamp", "lamps"), format::quantity(all_watts.into(), "W"));
-    ui.label(theme::weak(heading)).on_hover_text("Materials that emit; power of the brightest colour, all of their faces");
+    let all: glam::Vec3 = lamps.iter().map(|&lamp| power(editor, lamp)).sum();
+    let (count, watts) = (format::things(lamps.len(), "lamp", "lamps"), format::quantity(all.max_element().into(), "W"));
+    ui.label(theme::weak(format!("{count}, {watts}")))
+        .on_hover_text("Materials that emit, with the power of all of their faces in the brightest colour");
     ScrollArea::vertical().id_salt("lamps").max_height(MOST_HEIGHT).auto_shrink([false, true]).show(ui, |ui| {
         for lamp in lamps {
             let Some(material) = scene.materials.get(lamp) else { continue };
@@ -33,7 +34,7 @@ pub(super) fn show(ui: &mut Ui, scene: &Scene, editor: &mut LightEditor) {
 
 fn show_one(ui: &mut Ui, name: &str, id: MaterialId, editor: &mut LightEditor) {
     let index = id.0 as usize;
-    let watts = watts(editor, index);
+    let watts = power(editor, index).max_element();
     let exitance = editor.lighting.of(index).map_or(0.0, |light| light.emission().max_element());
     let Some(light) = editor.lighting.of_mut(index) else { return };
     ui.horizontal(|ui| {
@@ -71,8 +72,8 @@ fn show_one(ui: &mut Ui, name: &str, id: MaterialId, editor: &mut LightEditor) {
     });
 }
 
-/// Power of a material's faces by the brightest colour, W.
-fn watts(editor: &LightEditor, material: usize) -> f32 {
+/// Power that a material's faces emit, W per colour.
+fn power(editor: &LightEditor, material: usize) -> glam::Vec3 {
     let area = editor.areas.get(material).copied().unwrap_or(0.0);
-    editor.lighting.of(material).map_or(0.0, |light| area * light.emission().max_element())
+    editor.lighting.of(material).map_or(glam::Vec3::ZERO, |light| area * light.emission())
 }

@@ -1,8 +1,8 @@
 //! The material at hand: what it reflects, and what it emits.
 
 use egui::{Button, ComboBox, Slider, Ui};
+use glam::Vec3;
 
-use super::super::super::lighting::Tinted;
 use super::super::super::theme;
 use super::{LightEditor, exitance_slider};
 use crate::scene::{MAX_SIDECAR_REFLECTANCE, MaterialId, Scene};
@@ -22,7 +22,10 @@ pub(super) fn show(ui: &mut Ui, scene: &Scene, editor: &mut LightEditor) {
         response
     })
     .on_hover_text("Share ρ of the light that it reflects, of its brightest colour");
-    show_colour(ui, "Colour", "Colour of the reflectance", &mut light.reflectance);
+    let mut colour = light.reflectance.value().to_array();
+    if show_colour(ui, "Colour", "Share of each colour that it reflects", &mut colour) {
+        light.reflectance.set(Vec3::from(colour).min(Vec3::splat(MAX_SIDECAR_REFLECTANCE)));
+    }
     let mut strength = light.emission.strength();
     theme::row(ui, "Strength", |ui| {
         let response = exitance_slider(ui, &mut strength);
@@ -32,7 +35,10 @@ pub(super) fn show(ui: &mut Ui, scene: &Scene, editor: &mut LightEditor) {
         response
     })
     .on_hover_text("Exitance B_e that it emits of its brightest colour, before its dimmer");
-    show_colour(ui, "Colour of light", "Colour of the light that it emits", &mut light.emission);
+    let mut tint = light.emission.tint().to_array();
+    if show_colour(ui, "Colour of light", "Tint of the light that it emits; its strength stays", &mut tint) {
+        light.emission.set_tint(tint.into());
+    }
     ui.horizontal(|ui| {
         let name = if light.is_lamp { "Switch it on" } else { "Make it emit" };
         if ui.add_enabled(!light.is_on, Button::new(name)).clicked() {
@@ -61,14 +67,7 @@ fn show_choice(ui: &mut Ui, scene: &Scene, editor: &mut LightEditor) {
     let _ = response.on_hover_text(material.name.as_str());
 }
 
-fn show_colour(ui: &mut Ui, label: &str, name: &str, tinted: &mut Tinted) {
-    theme::row(ui, label, |ui| {
-        let mut tint = tinted.tint().to_array();
-        let response = ui.color_edit_button_rgb(&mut tint);
-        if response.changed() {
-            tinted.set_tint(tint.into());
-        }
-        response
-    })
-    .on_hover_text(name);
+/// A colour that can be edited; true when it was.
+fn show_colour(ui: &mut Ui, label: &str, hint: &str, colour: &mut [f32; 3]) -> bool {
+    theme::row(ui, label, |ui| ui.color_edit_button_rgb(colour)).on_hover_text(hint).changed()
 }

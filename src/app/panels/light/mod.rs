@@ -82,22 +82,28 @@ pub(super) fn show(
     ceiling::show(ui, &mut editor.ceiling, outbox);
 }
 
-/// Says that ε stays in watts where the lamps' power has changed since it was set, and offers to set it anew.
+/// Says by which power ε was set, and offers to set it anew where that has changed: ε stays in watts when a lamp is dimmed.
+///
+/// The row is there whether or not it has, so that nothing below it jumps while somebody drags a slider.
 fn show_anchor(ui: &mut Ui, shown: &Shown, params: &SolverParams, outbox: &mut Outbox) {
-    let Some(stats) = shown.snapshot.as_ref().map(|snapshot| &snapshot.stats) else { return };
+    let stats = shown.snapshot.as_ref().map(|snapshot| &snapshot.stats);
+    let Some(stats) = stats.filter(|stats| stats.power_watts > 0.0) else { return };
     let is_relative = matches!(params.threshold(), Epsilon::Relative(_));
     let has_moved = (stats.power_watts - stats.anchor_watts).abs() > SAME_POWER * stats.anchor_watts;
-    if !is_relative || !has_moved || stats.power_watts <= 0.0 {
-        return;
-    }
-    ui.add_space(4.0);
     let [then, now] = [stats.anchor_watts, stats.power_watts].map(|power| format::quantity(power, "W"));
-    let sentence = format!("The lamps emit Φ = {now}; ε was set when it was {then}, and stays in watts.");
-    ui.add(egui::Label::new(theme::weak(sentence)).wrap());
-    let button = ui.button("Re-anchor ε");
-    if button.on_hover_text("Set ε to the same share of the power that the lamps emit now").clicked() {
-        outbox.push(Command::AnchorEpsilon);
-    }
+    let text = match (is_relative, has_moved) {
+        (false, _) => format!("Φ = {now}; ε was set in watts"),
+        (true, false) => format!("Φ = {now}, as when ε was set"),
+        (true, true) => format!("Φ = {now}; ε was set at {then}"),
+    };
+    ui.horizontal(|ui| {
+        let button = ui.add_enabled(is_relative && has_moved, egui::Button::new("Re-anchor ε"));
+        let hint = "ε stays in watts when lamps change; this sets it to the same share of the power Φ that they emit now";
+        if button.on_hover_text(hint).on_disabled_hover_text(hint).clicked() {
+            outbox.push(Command::AnchorEpsilon);
+        }
+        ui.add(egui::Label::new(theme::weak(text)).truncate()).on_hover_text(hint);
+    });
 }
 
 fn exitance_slider(ui: &mut Ui, exitance: &mut f32) -> egui::Response {
