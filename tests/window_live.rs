@@ -85,6 +85,19 @@ fn a_lamp_is_dimmed_switched_and_brought_back() {
     let full = material(&window, &lamp).emission;
     let is = |window: &Harness<'static, App>, emission: glam::Vec3| material(window, &lamp).emission == emission;
 
+    // A drag, in the midst of which the worker answers, is one step.
+    let dimmer = window.get_by_role_and_label(Role::Slider, &format!("Dimmer of {lamp}")).rect();
+    window.drag_at(dimmer.left_center() + egui::vec2(48.0, 0.0));
+    window.step();
+    for left in [60.0, 70.0, 80.0] {
+        window.hover_at(dimmer.left_center() + egui::vec2(left, 0.0));
+        until(&mut window, "a brighter lamp", |window| !is(window, full));
+    }
+    window.drop_at(dimmer.left_center() + egui::vec2(80.0, 0.0));
+    window.run_steps(2);
+    click(&mut window, Role::Button, "Undo");
+    until(&mut window, "the light before the drag", |window| is(window, full));
+
     window.get_by_role_and_label(Role::Slider, &format!("Dimmer of {lamp}")).set_value_accesskit(50.0);
     until(&mut window, "half the light", |window| is(window, 0.5 * full));
     let is_offered = |window: &Harness<'static, App>| {

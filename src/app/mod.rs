@@ -250,9 +250,10 @@ impl App {
             // A correction made for another scene's light would make this one black or white.
             self.display.auto_stops = 0.0;
             self.history = History::default();
+            self.history.take_as_given(self.settings());
         }
         self.light.follow(&info.scene);
-        self.history.take_as_given(self.settings());
+        self.history.follow(&info.scene);
         self.shown.info = Some(info);
     }
 

@@ -8,6 +8,7 @@ use egui::{Button, Context, Key, KeyboardShortcut, Modifiers, Ui};
 use super::lighting::Lighting;
 use super::settings::DisplaySettings;
 use super::{App, Outbox};
+use crate::scene::Scene;
 use crate::solver::SolverParams;
 use crate::worker::Command;
 
@@ -65,6 +66,13 @@ impl History {
         self.now = Some(settings);
     }
 
+    /// Takes up materials that an edited scene has more, which is no step; a drag that goes on stays one.
+    pub(super) fn follow(&mut self, scene: &Scene) {
+        if let Some(now) = self.now.as_mut() {
+            now.lighting.extend_to(&scene.materials);
+        }
+    }
+
     fn undo(&mut self, settings: Settings) -> Option<Settings> {
         // A drag that is not over yet is a step too.
         self.note(&settings);
@@ -108,6 +116,8 @@ impl App {
         self.light.lighting.restore(&lighting);
         outbox.extend(self.light.lighting.commands_since(&present));
         (self.params, self.display) = (params, display);
+        // With what came later, which stays.
+        self.history.take_as_given(self.settings());
     }
 }
 

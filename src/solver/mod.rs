@@ -9,6 +9,9 @@
 //! 4. Judge the stored links again, for B has grown; those that fail are candidates of the next round, until none fails.
 //! 5. Where an error is asked for, look for light anew at the vertices (a final gather) until its own estimate keeps the promise.
 //!
+//! Settings, lamps and materials may change meanwhile (`live`): what that costs is told by `change`, and a coarser threshold merges
+//! links and patches back (`coarsen`).
+//!
 //! This module imports `scene`, `visibility` and `hierarchy`.
 
 mod balance;
@@ -350,6 +353,9 @@ impl Solver {
         }
         if !failing.is_empty() {
             self.refinement.start(failing);
+            if doubts != Doubts::default() {
+                self.refinement.hurry();
+            }
             self.phase = Phase::Refine;
         }
     }

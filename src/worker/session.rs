@@ -55,6 +55,8 @@ pub(super) struct Session {
     pacing: Pacing,
     /// A picture is owed whatever the pacing says.
     picture_owed: bool,
+    /// A person waits for what comes of the first step.
+    hurries: bool,
 }
 
 impl Session {
@@ -74,6 +76,7 @@ impl Session {
             tickets: 0,
             pacing: Pacing::default(),
             picture_owed: false,
+            hurries: false,
         }
     }
 
@@ -91,6 +94,7 @@ impl Session {
             }
             if self.picture_owed {
                 self.publish_picture();
+                self.hurries = true;
             }
             if any {
                 self.publish_status();
@@ -236,6 +240,10 @@ impl Session {
             Ok(step) => step,
             Err(sentence) => return self.give_up(&sentence),
         };
+        let hurries = std::mem::take(&mut self.hurries);
+        if hurries && step != Step::Gathered {
+            self.pacing.hurry();
+        }
         match step {
             Step::Interrupted => {}
             Step::Finished => {
@@ -261,6 +269,10 @@ impl Session {
                     Drive::Run | Drive::Pause => self.publish_picture_when_due(),
                 }
             }
+        }
+        if hurries && step == Step::Gathered {
+            // Links were judged, which shows nothing yet; the step behind it will.
+            self.pacing.hurry();
         }
     }
 
