@@ -71,7 +71,10 @@ fn a_changed_threshold_shows_soon_in_the_office() {
         let times = picture_after(&worker, Command::SetParams(by(epsilon)), has_other_patches);
         finish(&worker);
         let (took, links) = (begun.elapsed(), worker.latest().map_or(0, |latest| latest.stats.links));
-        println!("ε = {epsilon:.0e} Φ: a picture after {:.1?}, other patches after {:.1?}, all {links} links after {took:.1?}", times[0], times[1]);
+        println!(
+            "ε = {epsilon:.0e} Φ: a picture after {:.1?}, other patches after {:.1?}, all {links} links after {took:.1?}",
+            times[0], times[1]
+        );
         assert!(times[1] < SOON, "{times:?}");
     }
     let rebuilt = SolverParams { clustering: ClusteringMode::Groups, ..by(3e-3) };
@@ -93,7 +96,8 @@ fn edited(worker: &SolverThread) -> std::sync::Arc<selflink::worker::SceneInfo> 
 fn reflectances_and_dimmed_lamps_are_saved() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("corner.obj");
-    let walls = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nusemtl wall\nf 1 2 3 4\nusemtl floor\nf 1 5 6 2\n";
+    let walls =
+        "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nusemtl wall\nf 1 2 3 4\nusemtl floor\nf 1 5 6 2\n";
     std::fs::write(&path, walls).expect("the room is written");
     let worker = solved(Source::File(path.clone()), by(1e-2));
     let scene = worker.latest().expect("a picture");

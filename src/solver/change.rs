@@ -92,8 +92,7 @@ impl SolverParams {
             || newer.partial_factor > self.partial_factor
             || newer.oracle != self.oracle;
         let doubts = Doubts {
-            finer_epsilon: is_other_threshold && newer_epsilon <= epsilon
-                || newer.partial_factor < self.partial_factor,
+            finer_epsilon: is_other_threshold && newer_epsilon <= epsilon || newer.partial_factor < self.partial_factor,
             more_rays: newer.visibility_factor > self.visibility_factor
                 || newer.rays_min > self.rays_min
                 || newer.rays_max > self.rays_max,
@@ -154,9 +153,7 @@ mod tests {
             ParameterId::Reconstruct => {
                 [Reconstruct::Vertex, Reconstruct::Gather].map(|reconstruct| SolverParams { reconstruct, ..base })
             }
-            ParameterId::PartialFactor => {
-                [0.1, 0.2].map(|partial_factor| SolverParams { partial_factor, ..base })
-            }
+            ParameterId::PartialFactor => [0.1, 0.2].map(|partial_factor| SolverParams { partial_factor, ..base }),
             ParameterId::VisibilityFactor => {
                 [5.0, 6.0].map(|visibility_factor| SolverParams { visibility_factor, ..base })
             }

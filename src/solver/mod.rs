@@ -50,8 +50,8 @@ pub use display::barycentric;
 pub use form_factor::{Exchange, exchange, point_to_polygon};
 pub use link::{Evidence, Link, LinkTable};
 pub use params::{
-    ClusterModel, ClusteringMode, Epsilon, OracleKind, PARAMETERS, Parameter, ParameterId, ParamsError,
-    Push, Reconstruct, SolverParams, USUAL_ERROR, ValueKind,
+    ClusterModel, ClusteringMode, Epsilon, OracleKind, PARAMETERS, Parameter, ParameterId, ParamsError, Push,
+    Reconstruct, SolverParams, USUAL_ERROR, ValueKind,
 };
 pub use refine::RejectedPair;
 pub use snapshot::{ClusterBox, InspectedElement, Leaf, LinkView, Mesh, Snapshot};
@@ -202,9 +202,8 @@ impl Solver {
         if params.clustering == ClusteringMode::None {
             check_pairs_fit(scene.polygons.len() as u64)?;
         }
-        let (hierarchy, seconds) = timed(|| {
-            Hierarchy::new(&scene, exposure(&scene, &occluders), params.clustering, params.octree_depth)
-        });
+        let (hierarchy, seconds) =
+            timed(|| Hierarchy::new(&scene, exposure(&scene, &occluders), params.clustering, params.octree_depth));
         let seconds = Seconds { hierarchy: seconds, total: seconds, ..Seconds::default() };
         let mut solver = Self {
             surfaces: surfaces_of(&scene),

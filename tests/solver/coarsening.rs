@@ -34,16 +34,19 @@ fn a_raised_threshold_merges_links_and_patches_back() {
     let scene = lamp_room();
     for mode in MODES {
         let fresh = solve(&scene, params(mode, COARSE));
+        let finer = solve(&scene, params(mode, FINE));
         let mut solver = solve(&scene, params(mode, FINE));
         let before = solver.stats();
         change(&mut solver, params(mode, COARSE));
+        let [error, error_afresh] = [&solver, &fresh].map(|coarse| difference(coarse, &finer));
+        assert!(error < 1.25 * error_afresh, "{mode:?}: off by {error}, afresh by {error_afresh}");
         let (after, wanted) = (solver.stats(), fresh.stats());
         check_tree(&scene, solver.hierarchy());
         check_coverage(&solver, &format!("{mode:?}"));
         let off = difference(&solver, &fresh);
         let power = after.absorbed_watts / before.absorbed_watts - 1.0;
         println!(
-            "{mode:?}: {} links of {}, afresh {}; {} patches of {}, afresh {}; power {power:+.4}, B differs by {off:.4}",
+            "{mode:?}: {} links of {}, afresh {}; {} patches of {}, afresh {}; power {power:+.4}, error {error:.4}, afresh {error_afresh:.4}, B differs by {off:.4}",
             after.links, before.links, wanted.links, after.patches, before.patches, wanted.patches
         );
         assert!((after.links as f64) < MOST_LINKS * wanted.links as f64, "{mode:?}: {} links", after.links);

@@ -122,7 +122,8 @@ fn light_of(light: &Light, before: &Hierarchy, renumbering: &Renumbering) -> Lig
         let element = before.element(id);
         let is_merged = |child: ElementId| renumbering.of(child).is_none();
         if element.area > 0.0 && !element.is_leaf() && element.children().all(is_merged) {
-            let power: Vec3 = element.children().map(|child| before.element(child).area * irradiance[child.index()]).sum();
+            let power: Vec3 =
+                element.children().map(|child| before.element(child).area * irradiance[child.index()]).sum();
             irradiance[id.index()] = power / element.area;
         }
     }

@@ -67,7 +67,8 @@ impl<'a> Pairs<'a> {
         let mut standings = FxHashMap::default();
         standings.reserve(links.len() + occluded.len());
         for receiver in (0..links.receivers() as u32).map(ElementId) {
-            standings.extend(links.of(receiver).iter().map(|link| ((receiver, link.source()), Standing::Linked(*link))));
+            standings
+                .extend(links.of(receiver).iter().map(|link| ((receiver, link.source()), Standing::Linked(*link))));
         }
         for OccludedPair { pair, was_negligible } in occluded {
             let standing = Standing::Occluded { was_negligible: *was_negligible };
@@ -124,8 +125,7 @@ impl<'a> Pairs<'a> {
         let wholes = if of_receiver == of_source {
             [of_receiver.map(|both| Whole { receiver: both, source: both, split: Split::Both }), None]
         } else {
-            let is_whole =
-                |end: ElementId, other: ElementId| !self.holds(end, other) && self.was_split(end, other);
+            let is_whole = |end: ElementId, other: ElementId| !self.holds(end, other) && self.was_split(end, other);
             let by_receiver = of_receiver.filter(|&above| is_whole(above, source));
             let by_source = of_source.filter(|&above| is_whole(above, receiver));
             [
@@ -267,8 +267,7 @@ impl<'a> Pairs<'a> {
         let Some(end) = end_to_split(hierarchy, receiver, source).filter(|_| depth > 0) else { return false };
         let pair_of = |child: ElementId| if end == receiver { (child, source) } else { (receiver, child) };
         let mut children = hierarchy.element(end).children().map(pair_of);
-        children.len() > 0
-            && children.all(|pair| !self.standings.contains_key(&pair) && self.is_void(pair, depth - 1))
+        children.len() > 0 && children.all(|pair| !self.standings.contains_key(&pair) && self.is_void(pair, depth - 1))
     }
 
     /// Takes the parts of a whole out, if all that stood before are still there.

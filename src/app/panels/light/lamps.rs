@@ -20,7 +20,8 @@ pub(super) fn show(ui: &mut Ui, scene: &Scene, editor: &mut LightEditor) {
         return;
     }
     let all: glam::Vec3 = lamps.iter().map(|&lamp| power(editor, lamp)).sum();
-    let (count, watts) = (format::things(lamps.len(), "lamp", "lamps"), format::quantity(all.max_element().into(), "W"));
+    let (count, watts) =
+        (format::things(lamps.len(), "lamp", "lamps"), format::quantity(all.max_element().into(), "W"));
     ui.label(theme::weak(format!("{count}, {watts}")))
         .on_hover_text("Materials that emit, with the power of all of their faces in the brightest colour");
     ScrollArea::vertical().id_salt("lamps").max_height(MOST_HEIGHT).auto_shrink([false, true]).show(ui, |ui| {

@@ -59,13 +59,7 @@ impl LightEditor {
 }
 
 /// Draws the section.
-pub(super) fn show(
-    ui: &mut Ui,
-    shown: &Shown,
-    params: &SolverParams,
-    editor: &mut LightEditor,
-    outbox: &mut Outbox,
-) {
+pub(super) fn show(ui: &mut Ui, shown: &Shown, params: &SolverParams, editor: &mut LightEditor, outbox: &mut Outbox) {
     let Some(info) = &shown.info else { return };
     if !info.has_light {
         let sentence =
@@ -98,7 +92,8 @@ fn show_anchor(ui: &mut Ui, shown: &Shown, params: &SolverParams, outbox: &mut O
     };
     ui.horizontal(|ui| {
         let button = ui.add_enabled(is_relative && has_moved, egui::Button::new("Re-anchor ε"));
-        let hint = "ε stays in watts when lamps change; this sets it to the same share of the power Φ that they emit now";
+        let hint =
+            "ε stays in watts when lamps change; this sets it to the same share of the power Φ that they emit now";
         if button.on_hover_text(hint).on_disabled_hover_text(hint).clicked() {
             outbox.push(Command::AnchorEpsilon);
         }
