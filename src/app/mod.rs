@@ -17,6 +17,7 @@ mod freeze;
 mod highlight;
 mod inspection;
 mod launch;
+mod lighting;
 mod looking;
 mod marks;
 mod measure_marks;
@@ -33,6 +34,7 @@ mod shortcuts;
 mod theme;
 mod time_left;
 mod timeline;
+mod undo;
 mod viewport;
 
 use std::sync::Arc;
@@ -62,12 +64,13 @@ use looking::Looking;
 use marks::MarksOverView;
 use measuring::Measuring;
 use messages::Messages;
-use panels::light::LampEditor;
+use panels::light::LightEditor;
 use picked::PickedElement;
 use readings::ReadingInView;
 use session::Opened;
 use settings::DisplaySettings;
 use time_left::{Clock, TimeLeft};
+use undo::History;
 use viewport::Viewport;
 
 /// On software adapters drawing takes the solver's cores, so pictures wait this long for each other.
@@ -104,7 +107,8 @@ pub struct App {
     params: SolverParams,
     messages: Messages,
     files: Files,
-    lamp: LampEditor,
+    light: LightEditor,
+    history: History,
     display: DisplaySettings,
     reading: ReadingInView,
     measuring: Measuring,
@@ -184,7 +188,8 @@ impl App {
             params,
             messages: Messages::default(),
             files: Files::new(recent),
-            lamp: LampEditor::default(),
+            light: LightEditor::default(),
+            history: History::default(),
             display,
             reading: ReadingInView::default(),
             measuring: Measuring::default(),
@@ -329,6 +334,7 @@ impl App {
             Event::SolveFailed(sentence) => {
                 self.messages.error(sentence);
                 self.params = self.worker.status().params;
+                self.history.take_as_given(self.undoable());
             }
             Event::Finished => {}
             Event::Saved(path) => self.messages.note(format!("Saved {}.", path.display())),
@@ -349,11 +355,15 @@ impl App {
             self.freeze.let_go();
             let former = self.shown.info.as_ref().map(|former| former.scene.name.as_str());
             self.exports.suggest(&info.scene.name, former);
-            self.lamp = LampEditor::for_scene(&info.scene);
             self.measuring.start_with(&info.scene);
+            self.light = LightEditor::for_scene(&info.scene);
             // A correction made for another scene's light would make this one black or white.
             self.display.auto_stops = 0.0;
+            self.history = History::default();
+            self.history.take_as_given(self.undoable());
         }
+        self.light.follow(&info.scene);
+        self.history.follow(&info.scene);
         self.shown.info = Some(info);
     }
 
@@ -378,7 +388,7 @@ impl App {
         self.picked = PickedElement::at(snapshot, origin, clicked.direction);
         if let Some(picked) = &self.picked {
             if let Some(leaf) = snapshot.mesh.leaves.iter().find(|leaf| leaf.element == picked.element) {
-                self.lamp.choose(&info.scene, leaf.material);
+                self.light.choose(leaf.material);
             }
             if clicked.is_double {
                 self.view.look_at(picked.point + moved_by);
@@ -403,10 +413,16 @@ impl eframe::App for App {
             }
         }
         shortcuts::act(self, ui, &mut outbox);
+        undo::take_keys(self, ui.ctx(), &mut outbox);
         self.inspect_picked(ui.ctx());
         if !self.is_full_picture {
             panels::show_sides(self, ui, &mut outbox);
-            egui::Panel::top("tools").show(ui, |ui| dock::show_bar(self, ui));
+            egui::Panel::top("tools").show(ui, |ui| {
+                ui.horizontal(|ui| {
+                    undo::show_buttons(self, ui, &mut outbox);
+                    dock::show_bar(self, ui);
+                });
+            });
             dock::show(self, ui, &mut outbox);
             timeline::show(self, ui);
         }
@@ -424,6 +440,7 @@ impl eframe::App for App {
             links_wanted || self.cluster_view.is_active() || self.tool.is_some_and(dock::Tool::reads_anatomy);
         outbox.extend(self.looking.command(wants_anatomy));
         self.pointing.end_frame(ui.ctx());
+        undo::note(self, ui.ctx());
         for command in outbox {
             if let Command::Load(source, light) = &command {
                 self.opened.ask(source, light);

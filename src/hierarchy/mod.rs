@@ -8,6 +8,7 @@ mod adaptive;
 mod build;
 mod grouping;
 mod groups;
+mod merge_back;
 mod octree;
 mod order;
 mod patch;
@@ -24,6 +25,7 @@ use crate::exposure::Exposure;
 use crate::random::mix;
 use crate::scene::Scene;
 
+pub use merge_back::Renumbering;
 pub use order::{Order, Room};
 pub use patch::Patch;
 pub use sample::{PatchSums, SurfacePoint, point_on_polygon};
@@ -148,6 +150,8 @@ pub struct Hierarchy {
     exposure: Arc<Exposure>,
     cluster_count: usize,
     leaf_count: usize,
+    /// Vertices of the initial patches, which come first.
+    initial_vertices: usize,
 }
 
 impl Hierarchy {
@@ -250,6 +254,7 @@ impl Hierarchy {
             area_sums: self.area_sums.clone(),
             exposure: self.exposure.clone(),
             cluster_count: self.cluster_count,
+            initial_vertices: self.initial_vertices,
         }
     }
 

@@ -31,11 +31,11 @@ pub use load::{Source, load, load_file};
 pub use load_error::LoadError;
 pub use regroup::{GroupMember, GroupTree};
 pub use regroup_edit::{RegroupError, Regrouped};
-pub use sidecar::{Sidecar, SidecarError, SidecarLight, SidecarMaterial};
+pub use sidecar::{MAX_EMISSION, MAX_SIDECAR_REFLECTANCE, Sidecar, SidecarError, SidecarLight, SidecarMaterial};
 pub use write::{WriteError, write_obj};
 
 /// Index into [`Scene::materials`].
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct MaterialId(pub u32);
 
 /// Index into [`Scene::groups`]; the root group is `GroupId(0)`.

@@ -18,10 +18,10 @@ use serde::{Deserialize, Serialize};
 use super::{CameraPose, CeilingPanel, EditError, GroupMember, Material, Scene, Sides};
 
 /// The largest reflectance that a sidecar may set; a light path then loses at least a hundredth at each bounce.
-pub(super) const MAX_SIDECAR_REFLECTANCE: f32 = 0.99;
+pub const MAX_SIDECAR_REFLECTANCE: f32 = 0.99;
 
 /// The largest emission B_e, W/m² (the sun's surface has 6e7): powers must stay finite in f32.
-pub(super) const MAX_EMISSION: f32 = 1e9;
+pub const MAX_EMISSION: f32 = 1e9;
 
 /// What a sidecar says of a scene; every part may be missing.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]

@@ -53,6 +53,15 @@ pub enum Command {
         /// Exitance B_e, W/m².
         emission: Vec3,
     },
+    /// Changes a material's reflectance; ε in watts stays.
+    SetReflectance {
+        /// The material.
+        material: MaterialId,
+        /// Reflectance ρ per colour, 0 to 0.99.
+        reflectance: Vec3,
+    },
+    /// Measures a relative ε by the power that is emitted now.
+    AnchorEpsilon,
     /// Adds a square lamp below the ceiling.
     AddCeilingLight {
         /// Length of its sides, in the scene's length unit.

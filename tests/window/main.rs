@@ -9,6 +9,7 @@ mod compare;
 mod craft;
 mod gallery;
 mod inspector;
+mod live;
 mod matrix;
 mod panels;
 mod readings;

@@ -5,7 +5,7 @@ use egui::{Grid, Ui};
 use super::super::theme;
 
 /// What to do, and what it does; [`super::super::viewport`] acts so.
-pub(in super::super) const CONTROLS: [(&str, &str); 9] = [
+pub(in super::super) const CONTROLS: [(&str, &str); 10] = [
     ("left drag", "orbit"),
     ("right, middle or shift drag", "pan"),
     ("wheel or pinch", "zoom"),
@@ -15,6 +15,7 @@ pub(in super::super) const CONTROLS: [(&str, &str); 9] = [
     ("double-click", "look at the point"),
     ("F", "frame all"),
     ("Home", "back to the start"),
+    ("Ctrl+Z, Ctrl+Shift+Z", "undo, redo a setting"),
 ];
 
 /// Draws the section.

@@ -3,6 +3,7 @@
 pub(super) mod accuracy;
 pub(super) mod appearance;
 pub(super) mod controls;
+pub(super) mod costs;
 pub(super) mod display;
 pub(super) mod empty;
 pub(super) mod hint;
@@ -41,7 +42,9 @@ fn show_sections(app: &mut App, ui: &mut Ui, outbox: &mut Outbox) {
         // A dark scene opens the section that helps; with a lamp it is one of many.
         let dark = !info.has_light;
         let title = if dark { "Light: none yet" } else { "Light" };
-        section(ui, title, dark, Some("light"), |ui| light::show(ui, &info, &mut app.lamp, outbox));
+        section(ui, title, dark, Some("light"), |ui| {
+            light::show(ui, &app.shown, &app.params, &mut app.light, outbox);
+        });
     }
     section(ui, "Solver", true, None, |ui| solver::show(ui, &app.shown, &mut app.params, outbox));
     section(ui, "Display", true, None, |ui| {
