@@ -35,7 +35,8 @@ fn upper_left(radiosity: [f32; 3], serial: u64, mesh: &Arc<Mesh>) -> Snapshot {
         leaf_irradiance: Vec::new(),
         leaf_radiosity: Vec::new(),
         clusters: Arc::default(),
-        inspected: None,
+        moment: None,
+        anatomy: None,
         stats: Stats::default(),
     }
 }

@@ -38,7 +38,8 @@ fn slope() -> Snapshot {
         leaf_irradiance: vec![[2.0; 3]],
         leaf_radiosity: vec![[0.2; 3]],
         clusters: Arc::default(),
-        inspected: None,
+        moment: None,
+        anatomy: None,
         stats: Stats::default(),
     }
 }

@@ -8,7 +8,8 @@ mod comparison;
 mod dock;
 mod files;
 mod launch;
-mod marks;
+mod looking;
+mod measure_marks;
 mod measuring;
 mod messages;
 mod paint;
@@ -20,6 +21,7 @@ mod settings;
 mod sources;
 mod theme;
 mod time_left;
+mod timeline;
 mod viewport;
 
 use std::sync::Arc;
@@ -37,6 +39,7 @@ use crate::solver::{Snapshot, SolverParams};
 use crate::worker::{Command, Event, RunState, SceneInfo, SolverThread, Status};
 use comparison::Comparison;
 use files::Files;
+use looking::Looking;
 use measuring::Measuring;
 use messages::Messages;
 use panels::light::LampEditor;
@@ -88,6 +91,7 @@ pub struct App {
     comparison: Comparison,
     /// The tool that the dock shows.
     tool: Option<dock::Tool>,
+    looking: Looking,
     wake: Wake,
     clock: Clock,
     drawing_failures: Receiver<String>,
@@ -147,6 +151,7 @@ impl App {
             time_left: TimeLeft::default(),
             comparison: Comparison::default(),
             tool: None,
+            looking: Looking::default(),
             wake,
             clock: Clock::default(),
             drawing_failures,
@@ -195,13 +200,14 @@ impl App {
         if is_newer {
             self.time_left.note(&latest.stats);
             self.clock.note(self.shown.status.run, true);
+            self.looking.follow(&latest);
             self.follow_picked(&latest);
             self.shown.snapshot = Some(latest);
         }
         self.follow_measuring();
     }
 
-    /// Finds the picked element in a newer snapshot, and asks for its links where the snapshot has none.
+    /// Finds the picked element in a newer snapshot.
     fn follow_picked(&mut self, latest: &Snapshot) {
         let (Some(picked), Some(info)) = (self.picked.as_mut(), &self.shown.info) else { return };
         if !picked.follow(latest) {
@@ -209,9 +215,6 @@ impl App {
             return;
         }
         picked.note_sources(latest, &info.scene);
-        if picked.has_to_ask(latest) {
-            self.worker.send(Command::Inspect(Some(picked.element)));
-        }
     }
 
     /// Shows the surveyor what is in view, and takes up what it found.
@@ -272,7 +275,7 @@ impl App {
         outbox.extend(dropped.map(|path| Command::load(Source::File(path))));
     }
 
-    fn pick(&mut self, clicked: viewport::Clicked, outbox: &mut Outbox) {
+    fn pick(&mut self, clicked: viewport::Clicked) {
         let (Some(snapshot), Some(info)) = (&self.shown.snapshot, &self.shown.info) else { return };
         if self.tool == Some(dock::Tool::Measure) && self.measuring.places_probes {
             if let Some(found) = PickedElement::at(snapshot, clicked.origin, clicked.direction) {
@@ -282,9 +285,8 @@ impl App {
             return;
         }
         self.picked = PickedElement::at(snapshot, clicked.origin, clicked.direction);
-        outbox.push(Command::Inspect(self.picked.as_ref().map(|picked| picked.element)));
         if let Some(picked) = self.picked.as_mut() {
-            picked.has_to_ask(snapshot);
+            picked.note_sources(snapshot, &info.scene);
             self.lamp.choose(&info.scene, picked.leaf.material);
             if clicked.is_double {
                 self.view.look_at(picked.point);
@@ -310,14 +312,17 @@ impl eframe::App for App {
         panels::show_sides(self, ui, &mut outbox);
         egui::Panel::top("tools").show(ui, |ui| dock::show_bar(self, ui));
         dock::show(self, ui, &mut outbox);
+        timeline::show(self, ui);
         egui::CentralPanel::no_frame().show(ui, |ui| {
             ui.spacing_mut().item_spacing.y = 0.0;
             self.messages.show(ui);
             let clicked = viewport::show(self, ui, &mut outbox);
             if let Some(clicked) = clicked {
-                self.pick(clicked, &mut outbox);
+                self.pick(clicked);
             }
         });
+        let wants_anatomy = self.picked.is_some() || self.tool.is_some_and(dock::Tool::reads_anatomy);
+        outbox.extend(self.looking.command(wants_anatomy));
         for command in outbox {
             self.worker.send(command);
         }

@@ -60,7 +60,7 @@ impl Picture {
             serial: self.snapshot.serial,
             camera: self.camera,
             display: self.display,
-            overlay: self.overlay,
+            overlay: self.overlay.clone(),
             size: self.size,
         }
     }

@@ -4,9 +4,9 @@ use glam::Vec3;
 
 use super::sources::{NamedSource, strongest};
 use crate::hierarchy::ElementId;
-use crate::render::pick;
+use crate::render::{Marks, link_marks, pick};
 use crate::scene::Scene;
-use crate::solver::{InspectedElement, Leaf, Snapshot};
+use crate::solver::{Leaf, Snapshot};
 
 /// A leaf element, and the ray that found it.
 pub(super) struct PickedElement {
@@ -19,8 +19,10 @@ pub(super) struct PickedElement {
     pub point: Vec3,
     /// The strongest links that the present snapshot carries for it.
     pub sources: Vec<NamedSource>,
-    /// The generation whose solver was asked for the element's links.
-    asked: Option<u64>,
+    /// How many links bring it light in the present snapshot.
+    pub link_count: usize,
+    /// The marks of its links, and what they were made from: generation, serial and the most that are drawn.
+    marks: (Option<(u64, u64, usize)>, Marks),
     origin: Vec3,
     direction: Vec3,
 }
@@ -38,7 +40,8 @@ impl PickedElement {
             index,
             point: found.point,
             sources: Vec::new(),
-            asked: None,
+            link_count: 0,
+            marks: (None, Marks::default()),
             origin,
             direction,
         })
@@ -69,22 +72,20 @@ impl PickedElement {
         }
     }
 
-    /// The links that a snapshot carries for this element.
-    pub(super) fn inspected_by<'a>(&self, snapshot: &'a Snapshot) -> Option<&'a InspectedElement> {
-        snapshot.inspected.as_ref().filter(|inspected| inspected.element == self.element)
-    }
-
-    /// Names the sources of a newer snapshot.
+    /// Counts and names the sources of a newer snapshot, where it carries them.
     pub(super) fn note_sources(&mut self, snapshot: &Snapshot, scene: &Scene) {
-        let inspected = self.inspected_by(snapshot);
-        self.sources = inspected.map(|inspected| strongest(inspected, snapshot, scene)).unwrap_or_default();
+        let anatomy = snapshot.anatomy.as_ref().filter(|anatomy| anatomy.holds(self.element));
+        let links = anatomy.map(|anatomy| anatomy.incoming(self.element)).unwrap_or_default();
+        self.link_count = links.len();
+        self.sources = strongest(&links, snapshot, scene);
     }
 
-    /// Whether the solver of this snapshot has yet to be asked for the links; true once for each solver, since one that
-    /// knows no answer must not be asked for ever.
-    pub(super) fn has_to_ask(&mut self, snapshot: &Snapshot) -> bool {
-        let is_asked = self.asked == Some(snapshot.generation);
-        self.asked = Some(snapshot.generation);
-        !is_asked
+    /// Lines for its strongest links, so many at most, and a rim around it.
+    pub(super) fn marks(&mut self, snapshot: &Snapshot, most: usize) -> Marks {
+        let key = Some((snapshot.generation, snapshot.serial, most));
+        if self.marks.0 != key {
+            self.marks = (key, link_marks(snapshot, self.element, most).into());
+        }
+        self.marks.1.clone()
     }
 }

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::render::{Display, Exposure, LinkFilter, Overlay, ReadingSettings};
+use crate::render::{Display, Exposure, Marks, Overlay, ReadingSettings, USUAL_LINKS};
 
 /// How the picture is shown.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -40,7 +40,7 @@ impl Default for DisplaySettings {
             show_clusters: false,
             cluster_level: 2,
             show_links: true,
-            strongest_links: LinkFilter::default().strongest,
+            strongest_links: USUAL_LINKS,
             reading: ReadingSettings::default(),
             isolux_text: String::new(),
         }
@@ -59,13 +59,11 @@ impl DisplaySettings {
 
     /// As the renderer wants it; cluster levels beyond the deepest show the deepest. A scene without light would be
     /// black in black, so that nothing could be chosen in it: it is drawn with outlines.
-    pub(super) fn overlay(&self, deepest_level: u16, is_dark: bool, is_picked: bool) -> Overlay {
-        // Without links the renderer still marks the picked element.
-        let strongest = if self.show_links { self.strongest_links } else { 0 };
+    pub(super) fn overlay(&self, deepest_level: u16, is_dark: bool, marks: Marks) -> Overlay {
         Overlay {
             elements: self.show_elements || is_dark,
             clusters: self.show_clusters.then_some(self.cluster_level.min(deepest_level)),
-            links: is_picked.then_some(LinkFilter { strongest }),
+            marks,
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::render::pick;
 use crate::scene::Scene;
-use crate::solver::{InspectedElement, LinkView, Snapshot};
+use crate::solver::{LinkView, Snapshot};
 
 /// So many sources are named, the strongest.
 const MOST: usize = 5;
@@ -30,8 +30,8 @@ impl NamedSource {
 }
 
 /// The links that bring an element most, named.
-pub(super) fn strongest(inspected: &InspectedElement, snapshot: &Snapshot, scene: &Scene) -> Vec<NamedSource> {
-    let mut links: Vec<&LinkView> = inspected.links.iter().collect();
+pub(super) fn strongest(links: &[LinkView], snapshot: &Snapshot, scene: &Scene) -> Vec<NamedSource> {
+    let mut links: Vec<&LinkView> = links.iter().collect();
     links.sort_by(|a, b| b.irradiance.max_element().total_cmp(&a.irradiance.max_element()));
     let strongest = links.into_iter().take(MOST);
     strongest.map(|link| NamedSource { link: *link, name: name(link, snapshot, scene) }).collect()
@@ -75,7 +75,7 @@ mod tests {
     use super::*;
     use crate::hierarchy::ElementId;
     use crate::scene::{GroupId, MaterialId};
-    use crate::solver::{Leaf, Mesh, Stats};
+    use crate::solver::{Evidence, Leaf, Mesh, Stats};
 
     /// A ceiling of one triangle, subdivided or not, is named by its polygon.
     #[test]
@@ -103,7 +103,8 @@ mod tests {
             leaf_irradiance: vec![[0.0; 3]],
             leaf_radiosity: vec![[0.0; 3]],
             clusters: Vec::new().into(),
-            inspected: None,
+            moment: None,
+            anatomy: None,
             stats: Stats::default(),
         };
         let link = LinkView {
@@ -114,6 +115,7 @@ mod tests {
             source_is_cluster: false,
             form_factor: 0.1,
             visibility: 1.0,
+            evidence: Evidence::Inherited,
             power: 1.0,
             levels_up: 0,
             receiver_is_cluster: false,

@@ -5,7 +5,7 @@ use glam::{Vec2, Vec3};
 
 use super::comparison::Shading;
 use super::paint::Picture;
-use super::{App, Outbox, marks, panels, theme};
+use super::{App, Outbox, measure_marks, panels, theme};
 use crate::render::{Camera, Display};
 use crate::scene::{CameraPose, Scene};
 use crate::survey::Ray;
@@ -178,20 +178,23 @@ pub(super) fn show(app: &mut App, ui: &mut Ui, outbox: &mut Outbox) -> Option<Cl
         let pixels = |points: f32| (points * scale).round().max(1.0) as u32;
         let deepest = snapshot.clusters.iter().map(|cluster| cluster.level).max().unwrap_or(0);
         let is_dark = app.shown.info.as_ref().is_some_and(|info| !info.has_light);
+        // Without links the picked element still has its rim.
+        let most = if app.display.show_links { app.display.strongest_links } else { 0 };
+        let marks = app.picked.as_mut().map(|picked| picked.marks(&snapshot, most)).unwrap_or_default();
         let painted = app.comparison.painted();
         let reading = app.reading.follow(&snapshot, &app.display.reading);
         let picture = Picture {
             camera,
             display: Display { as_colours: painted.is_some(), reading, ..app.display.display() },
             snapshot: painted.unwrap_or(snapshot),
-            overlay: app.display.overlay(deepest, is_dark, app.picked.is_some()),
+            overlay: app.display.overlay(deepest, is_dark, marks),
             size: [pixels(rect.width()), pixels(rect.height())],
         };
         picture.add_to(&ui.painter_at(rect), rect);
-        marks::show(&ui.painter_at(rect), rect, &camera, &app.measuring, reading.as_ref());
+        measure_marks::show(&ui.painter_at(rect), rect, &camera, &app.measuring, reading.as_ref());
     }
     show_legend(app, ui, rect);
-    panels::picked::show(app, ui, rect, outbox);
+    panels::picked::show(app, ui, rect);
     panels::empty::show_loading(app, ui, rect, outbox);
     panels::empty::show_drop_hint(ui, rect);
     clicked

@@ -4,7 +4,9 @@ use anyhow::{anyhow, bail};
 use clap::{Arg, ArgAction, ArgMatches, Command};
 use glam::{Vec2, Vec3};
 use image::{ImageFormat, RgbaImage};
-use selflink::render::{Camera, Display, Exposure, LinkFilter, MAX_SIZE, Offscreen, Overlay, ReadingSettings, pick};
+use selflink::render::{
+    Camera, Display, Exposure, MAX_SIZE, Marks, Offscreen, Overlay, ReadingSettings, USUAL_LINKS, link_marks, pick,
+};
 use selflink::scene::{CameraPose, Scene};
 
 use super::job::{Order, Solution};
@@ -116,12 +118,13 @@ pub fn draw(
     if let Some(level) = view.overlay.clusters.filter(|level| *level > deepest) {
         eprintln!("note: there are no clusters of level {level} to be drawn, the deepest have level {deepest}.");
     }
+    let mut overlay = view.overlay.clone();
     if let Some(pixel) = view.links_at {
-        inspect(solution, &camera, pixel, view.size);
+        overlay.marks = links_at(solution, &camera, pixel, view.size);
     }
     let reading = view.reading.reading(&solution.snapshot);
     let display = Display { reading, ..view.display };
-    let mut picture = offscreen.picture(&solution.snapshot, &camera, &display, &view.overlay, view.size)?;
+    let mut picture = offscreen.picture(&solution.snapshot, &camera, &display, &overlay, view.size)?;
     if let Some(reading) = reading.filter(|_| view.has_legend) {
         legend::draw(&mut picture, &reading, view.reading.unit)?;
     }
@@ -140,18 +143,22 @@ fn camera(scene: &Scene, view: &View) -> Camera {
     given.map_or_else(|| Camera::of_scene(scene, aspect), |pose| Camera::from_pose(&pose, aspect, scene.bounds()))
 }
 
-/// Asks the solver for the links of the surface at a pixel.
-fn inspect(solution: &mut Solution, camera: &Camera, [x, y]: [f32; 2], [width, height]: [u32; 2]) {
+/// The links of the surface at a pixel.
+fn links_at(solution: &mut Solution, camera: &Camera, [x, y]: [f32; 2], [width, height]: [u32; 2]) -> Marks {
     let (width, height) = (width as f32, height as f32);
     let ndc = Vec2::new(2.0 * (x + 0.5) / width - 1.0, 1.0 - 2.0 * (y + 0.5) / height);
     let (origin, direction) = camera.ray(ndc, width / height);
     match pick(&solution.snapshot.mesh, origin, direction) {
         Some(picked) => {
             let element = solution.snapshot.mesh.leaves[picked.leaf as usize].element;
-            solution.solver.inspect(Some(element));
+            solution.solver.show_anatomy(true);
             solution.snapshot = solution.solver.snapshot();
+            link_marks(&solution.snapshot, element, USUAL_LINKS).into()
         }
-        None => eprintln!("warning: no surface is to be seen at pixel {x},{y}, so no links are drawn."),
+        None => {
+            eprintln!("warning: no surface is to be seen at pixel {x},{y}, so no links are drawn.");
+            Marks::default()
+        }
     }
 }
 
@@ -212,7 +219,6 @@ fn add_overlay(view: &mut View, text: &str) -> anyhow::Result<()> {
             if !((0.0..width).contains(&pixel[0]) && (0.0..height).contains(&pixel[1])) {
                 bail!("--overlay {text} lies outside the picture of {width}x{height} pixels");
             }
-            view.overlay.links = Some(LinkFilter::default());
             view.links_at = Some(pixel);
         }
         _ => return Err(unknown()),
@@ -243,7 +249,7 @@ mod tests {
         for text in ["elements", "clusters:3", "links:10,20"] {
             add_overlay(&mut view, text).expect("good");
         }
-        assert!(view.overlay.elements && view.overlay.links.is_some());
+        assert!(view.overlay.elements && view.links_at.is_some());
         assert_eq!((view.overlay.clusters, view.links_at), (Some(3), Some([10.0, 20.0])));
         for text in ["", "boxes", "clusters", "clusters:x", "links:1", "links:5000,1", "links:-1,1"] {
             assert!(add_overlay(&mut view, text).is_err(), "{text}");

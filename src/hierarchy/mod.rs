@@ -126,6 +126,7 @@ impl Element {
 }
 
 /// The arena of elements with the vertices of its patches.
+#[derive(Clone)]
 pub struct Hierarchy {
     elements: Vec<Element>,
     vertices: Vec<Vec3>,
@@ -215,6 +216,32 @@ impl Hierarchy {
             + self.area_sums.bytes()
             + self.exposure.bytes()
             + self.midpoints.len() * size_of::<((u32, u32), u32)>()
+    }
+
+    /// The hierarchy as it was when it had so many elements and vertices; both tables only grow.
+    pub fn as_of(&self, elements: usize, vertices: usize) -> Self {
+        let mut former: Vec<Element> = self.elements[..elements].to_vec();
+        for element in &mut former {
+            if element.first_child as usize >= elements {
+                (element.first_child, element.child_count) = (0, 0);
+            }
+        }
+        let is_leaf = |element: &&Element| element.is_leaf() && !element.is_cluster();
+        Self {
+            leaf_count: former.iter().filter(is_leaf).count(),
+            elements: former,
+            vertices: self.vertices[..vertices].to_vec(),
+            midpoints: self
+                .midpoints
+                .iter()
+                .filter(|&(_, &at)| (at as usize) < vertices)
+                .map(|(k, v)| (*k, *v))
+                .collect(),
+            initial_patches: self.initial_patches.clone(),
+            area_sums: self.area_sums.clone(),
+            exposure: self.exposure.clone(),
+            cluster_count: self.cluster_count,
+        }
     }
 
     /// Splits a leaf patch into four, unless it has been split already; clusters are left as they are.

@@ -155,7 +155,8 @@ mod tests {
             leaf_irradiance: leaves.iter().map(|leaf| [leaf.2; 3]).collect(),
             leaf_radiosity: leaves.iter().map(|leaf| [leaf.1; 3]).collect(),
             clusters: Arc::default(),
-            inspected: None,
+            moment: None,
+            anatomy: None,
             stats: Stats::default(),
         }
     }

@@ -23,7 +23,7 @@ mod target;
 pub use camera::Camera;
 pub use display::{Display, Exposure, auto_exposure, encode_gamma, tone_curve};
 pub use offscreen::Offscreen;
-pub use overlay::{LinkFilter, Overlay, power_colour};
+pub use overlay::{Line, Marks, Overlay, USUAL_LINKS, link_marks, power_colour};
 pub use pick::{Picked, pick};
 pub use ramp::{BLUE_WHITE_RED, CIVIDIS, Ramp, VIRIDIS, along_ramp};
 pub use reading::{ColourScale, Isolines, MOST_ISOLINES, Reading, Spacing};

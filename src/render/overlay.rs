@@ -1,56 +1,70 @@
-//! What is drawn over the picture: outlines of the leaves, boxes of clusters, links of the picked element.
+//! What is drawn over the picture: outlines of the leaves, boxes of clusters, and marks: links and whatever else a view points at.
+
+use std::sync::Arc;
 
 use glam::Vec3;
 use rustc_hash::FxHashMap;
 
 use super::ramp::{VIRIDIS, along_ramp};
 use crate::hierarchy::ElementId;
-use crate::solver::snapshot::{ClusterBox, InspectedElement, Mesh, Snapshot};
+use crate::solver::LinkView;
+use crate::solver::snapshot::{ClusterBox, Mesh, Snapshot};
 
 /// What to draw over the picture.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Overlay {
     /// Outlines of all leaves.
     pub elements: bool,
     /// Boxes of the clusters of this level, the root being level 0.
     pub clusters: Option<u16>,
-    /// Links of the snapshot's inspected element.
-    pub links: Option<LinkFilter>,
+    /// Lines over everything, faint where surfaces hide them, in the order in which they are drawn.
+    pub marks: Marks,
 }
 
-/// Which links of the inspected element to draw.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct LinkFilter {
-    /// So many at most, the strongest first.
-    pub strongest: usize,
-}
+/// Lines that are shared with whoever made them; two are the same if they are one.
+#[derive(Clone, Debug, Default)]
+pub struct Marks(pub Option<Arc<Vec<Line>>>);
 
-impl Default for LinkFilter {
-    fn default() -> Self {
-        Self { strongest: 200 }
+impl PartialEq for Marks {
+    fn eq(&self, other: &Self) -> bool {
+        match (&self.0, &other.0) {
+            (Some(one), Some(other)) => Arc::ptr_eq(one, other),
+            (one, other) => one.is_none() && other.is_none(),
+        }
     }
 }
+
+impl From<Vec<Line>> for Marks {
+    fn from(lines: Vec<Line>) -> Self {
+        Self((!lines.is_empty()).then(|| Arc::new(lines)))
+    }
+}
+
+/// As many links as can still be told apart.
+pub const USUAL_LINKS: usize = 200;
 
 /// A straight line of constant width on the screen; with both ends in one place, a round dot.
 #[derive(Clone, Copy, Debug, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C)]
-pub(super) struct Line {
+pub struct Line {
     /// One end, in the scene's unit.
-    pub(super) from: [f32; 3],
+    pub from: [f32; 3],
     /// The other end.
-    pub(super) to: [f32; 3],
+    pub to: [f32; 3],
     /// Width, pixels.
-    pub(super) width: f32,
+    pub width: f32,
     /// Gamma-encoded colour and opacity.
-    pub(super) colour: [u8; 4],
+    pub colour: [u8; 4],
 }
 
 impl Line {
-    fn new(from: Vec3, to: Vec3, width: f32, colour: [u8; 4]) -> Self {
+    /// A line.
+    pub fn new(from: Vec3, to: Vec3, width: f32, colour: [u8; 4]) -> Self {
         Self { from: from.into(), to: to.into(), width, colour }
     }
 
-    fn dot(at: Vec3, width: f32, colour: [u8; 4]) -> Self {
+    /// A round dot.
+    pub fn dot(at: Vec3, width: f32, colour: [u8; 4]) -> Self {
         Self::new(at, at, width, colour)
     }
 }
@@ -105,19 +119,20 @@ fn box_edges(cluster: &ClusterBox) -> [[Vec3; 2]; 12] {
     })
 }
 
-/// The links of the inspected element, weakest first so that strong ones end on top, and the element itself.
-pub(super) fn links(snapshot: &Snapshot, filter: LinkFilter) -> Vec<Line> {
-    let Some(inspected) = &snapshot.inspected else { return Vec::new() };
-    let mut lines = link_lines(inspected, filter);
+/// The strongest links that bring light to an element, so many at most, weakest first so that strong ones end on top, and the element
+/// itself; empty where the snapshot carries no anatomy.
+pub fn link_marks(snapshot: &Snapshot, element: ElementId, most: usize) -> Vec<Line> {
+    let Some(anatomy) = snapshot.anatomy.as_ref().filter(|anatomy| anatomy.holds(element)) else { return Vec::new() };
+    let mut lines = link_lines(&anatomy.incoming(element), most);
     let (colour, width) = PICKED;
-    let rim = leaf_rim(&snapshot.mesh, inspected.element);
+    let rim = leaf_rim(&snapshot.mesh, element);
     lines.extend(rim.into_iter().map(|[from, to]| Line::new(from, to, width, colour)));
-    lines.push(Line::dot(inspected.centre, PICKED_DOT, colour));
+    lines.push(Line::dot(anatomy.hierarchy().element(element).centre, PICKED_DOT, colour));
     lines
 }
 
-fn link_lines(inspected: &InspectedElement, filter: LinkFilter) -> Vec<Line> {
-    let strongest = &inspected.links[..filter.strongest.min(inspected.links.len())];
+fn link_lines(links: &[LinkView], most: usize) -> Vec<Line> {
+    let strongest = &links[..most.min(links.len())];
     let most = strongest.iter().map(|link| link.power).fold(0.0, f32::max);
     let drawn = strongest.iter().rev().flat_map(|link| {
         let [r, g, b] = power_colour(if most > 0.0 { link.power / most } else { 0.0 });
@@ -151,7 +166,8 @@ fn leaf_rim(mesh: &Mesh, element: ElementId) -> Vec<[Vec3; 2]> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::solver::snapshot::{Leaf, LinkView};
+    use crate::solver::Evidence;
+    use crate::solver::snapshot::Leaf;
 
     fn two_leaves() -> Mesh {
         let leaf = |element| Leaf {
@@ -180,6 +196,7 @@ mod tests {
             source_is_cluster,
             form_factor: 0.1,
             visibility: 1.0,
+            evidence: Evidence::Inherited,
             power,
             levels_up: 0,
             receiver_is_cluster: false,
@@ -220,12 +237,8 @@ mod tests {
 
     #[test]
     fn only_the_strongest_links_are_drawn_and_the_strongest_last() {
-        let inspected = InspectedElement {
-            element: ElementId(7),
-            centre: Vec3::ZERO,
-            links: vec![link(8.0, false), link(4.0, true), link(2.0, false)],
-        };
-        let lines = link_lines(&inspected, LinkFilter { strongest: 2 });
+        let links = [link(8.0, false), link(4.0, true), link(2.0, false)];
+        let lines = link_lines(&links, 2);
         // Two links, each a line and the dot of its source.
         assert_eq!(lines.len(), 4);
         assert_eq!(lines[2].to, [8.0, 0.0, 0.0]);

@@ -9,7 +9,7 @@ use super::overlay::{self, Line};
 use super::pipelines::{COLOUR_FORMAT, DEPTH_FORMAT, Pipelines};
 use super::reading::{MOST_ISOLINES, Reading, Spacing, at_vertices};
 use super::target::Target;
-use super::{Camera, Display, MAX_SIZE, Overlay, RenderError, auto_exposure};
+use super::{Camera, Display, MAX_SIZE, Marks, Overlay, RenderError, auto_exposure};
 use crate::photometry::Quantity;
 use crate::solver::snapshot::{ClusterBox, Mesh, Snapshot};
 
@@ -125,17 +125,18 @@ impl<Key: PartialEq> LineSet<Key> {
     }
 
     /// Makes and uploads the lines unless those of the key are there.
-    fn update(
+    fn update<Made: AsRef<[Line]>>(
         &mut self,
         device: &wgpu::Device,
         queue: &wgpu::Queue,
         key: Key,
-        make: impl FnOnce() -> Vec<Line>,
+        make: impl FnOnce() -> Made,
     ) -> Result<(), RenderError> {
         if self.key.as_ref() != Some(&key) {
             self.clear();
             let lines = make();
-            self.buffer.write(device, queue, cast_slice(&lines))?;
+            let lines = lines.as_ref();
+            self.buffer.write(device, queue, cast_slice(lines))?;
             self.count = lines.len() as u32;
             self.key = Some(key);
         }
@@ -187,7 +188,7 @@ pub struct SceneRenderer {
 
     outlines: LineSet<Same<Mesh>>,
     boxes: LineSet<(Same<Vec<ClusterBox>>, u16)>,
-    links: LineSet<((u64, u64), usize)>,
+    marks: LineSet<Marks>,
 }
 
 impl SceneRenderer {
@@ -226,7 +227,7 @@ impl SceneRenderer {
             auto_exposure: 1.0,
             outlines: LineSet::new("element outlines"),
             boxes: LineSet::new("cluster boxes"),
-            links: LineSet::new("links"),
+            marks: LineSet::new("marks"),
         }
     }
 
@@ -283,7 +284,6 @@ impl SceneRenderer {
     /// Forgets which snapshot is shown, so that the next one is uploaded whatever its generation and serial say.
     pub fn forget(&mut self) {
         self.shown = None;
-        self.links.clear();
     }
 
     /// # Errors
@@ -345,11 +345,10 @@ impl SceneRenderer {
         } else {
             self.boxes.clear();
         }
-        if let Some(filter) = overlay.links {
-            let key = ((snapshot.generation, snapshot.serial), filter.strongest);
-            self.links.update(device, queue, key, || overlay::links(snapshot, filter))?;
+        if let Some(lines) = &overlay.marks.0 {
+            self.marks.update(device, queue, overlay.marks.clone(), || lines.as_slice())?;
         } else {
-            self.links.clear();
+            self.marks.clear();
         }
         Ok(())
     }
@@ -406,7 +405,7 @@ impl SceneRenderer {
         let lines = &self.pipelines.lines;
         self.outlines.draw(&mut pass, lines);
         self.boxes.draw(&mut pass, lines);
-        self.links.draw(&mut pass, &self.pipelines.lines_through);
-        self.links.draw(&mut pass, lines);
+        self.marks.draw(&mut pass, &self.pipelines.lines_through);
+        self.marks.draw(&mut pass, lines);
     }
 }

@@ -115,5 +115,7 @@ impl Solver {
         self.phase = Phase::Refine;
         self.stage = 0;
         self.gathers_finely = false;
+        self.frozen = None;
+        self.restart_history();
     }
 }

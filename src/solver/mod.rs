@@ -11,12 +11,14 @@
 //!
 //! This module imports `scene`, `visibility` and `hierarchy`.
 
+pub mod anatomy;
 mod balance;
 mod candidate;
 mod display;
 mod final_gather;
 mod form_factor;
 mod gather;
+mod history;
 mod link;
 mod link_error;
 mod live;
@@ -39,16 +41,18 @@ use std::time::Instant;
 use glam::Vec3;
 use rayon::prelude::*;
 
+pub use anatomy::{Anatomy, LinkView};
 pub use balance::{PowerBalance, power_balance};
 pub use display::barycentric;
 pub use form_factor::{Exchange, exchange, point_to_polygon};
+pub use history::{MomentInfo, MomentKind};
 pub use link::{Evidence, Link, LinkTable};
 pub use params::{
     ClusterModel, ClusteringMode, Epsilon, Invalidates, OracleKind, PARAMETERS, Parameter, ParameterId, ParamsError,
     Push, Reconstruct, SolverParams, USUAL_ERROR, ValueKind,
 };
 pub use refine::RejectedPair;
-pub use snapshot::{ClusterBox, InspectedElement, Leaf, LinkView, Mesh, Snapshot};
+pub use snapshot::{ClusterBox, Leaf, Mesh, Snapshot};
 pub use stats::{Bytes, Phase, Seconds, Stats};
 pub use verdict::Rejection;
 
@@ -61,6 +65,7 @@ use candidate::{Candidate, Directions};
 use display::Display;
 use final_gather::FinalGather;
 use gather::{Gatherer, Light, Surface, pull};
+use history::History;
 use memory::check_pairs_fit;
 use oracle::Oracle;
 use picture::Picture;
@@ -156,7 +161,10 @@ pub struct Solver {
     picture: Picture,
     display: Option<Display>,
     final_gather: Option<FinalGather>,
-    inspected: Option<ElementId>,
+    /// Whether snapshots carry the anatomy, and the hierarchy of the last one that did.
+    wants_anatomy: bool,
+    frozen: Option<Arc<Hierarchy>>,
+    history: Option<History>,
 }
 
 impl Solver {
@@ -203,7 +211,9 @@ impl Solver {
             picture: Picture::default(),
             display: None,
             final_gather: None,
-            inspected: None,
+            wants_anatomy: false,
+            frozen: None,
+            history: None,
         };
         solver.light = solver.emitted_light();
         solver.emission = solver.emission_sums();
@@ -212,8 +222,7 @@ impl Solver {
         Ok(solver)
     }
 
-    /// Does one bounded piece of work.
-    pub fn step(&mut self, cancel: &CancelToken) -> Step {
+    fn work(&mut self, cancel: &CancelToken) -> Step {
         if cancel.is_cancelled() {
             return Step::Interrupted;
         }
@@ -238,6 +247,18 @@ impl Solver {
             }
             Phase::Done => Step::Finished,
         }
+    }
+
+    /// Does one bounded piece of work, and keeps the moment where one ends with it and history is kept.
+    pub fn step(&mut self, cancel: &CancelToken) -> Step {
+        let step = self.work(cancel);
+        match step {
+            Step::Refined { wave_ended: true } => self.remember(MomentKind::Wave),
+            Step::Gathered => self.remember(MomentKind::Round),
+            Step::Reconstructed { pass_ended: true } => self.remember(MomentKind::Pass),
+            _ => {}
+        }
+        step
     }
 
     /// Steps until nothing is left to do; false if cancelled.
@@ -414,9 +435,12 @@ impl Solver {
         self.refinement.rejected.as_deref().unwrap_or_default()
     }
 
-    /// Asks that snapshots carry the links of an element.
-    pub fn inspect(&mut self, element: Option<ElementId>) {
-        self.inspected = element;
+    /// Says whether snapshots carry the [`Anatomy`] of what they show.
+    pub fn show_anatomy(&mut self, is_wanted: bool) {
+        self.wants_anatomy = is_wanted;
+        if !is_wanted {
+            self.frozen = None;
+        }
     }
 
     /// Books time that passed before the solver was made: reading the file and building the occluders.

@@ -24,9 +24,8 @@ use glam::Vec3;
 
 use crate::added_light::AddedLight;
 use crate::cancel::CancelToken;
-use crate::hierarchy::ElementId;
 use crate::scene::{CameraPose, MaterialId, Scene, Source};
-use crate::solver::{Snapshot, SolverParams};
+use crate::solver::{MomentInfo, Snapshot, SolverParams};
 
 /// What a person asks of the solver.
 #[derive(Clone, Debug)]
@@ -45,8 +44,8 @@ pub enum Command {
     StepWave,
     /// Solves afresh from the root's self-link.
     Restart,
-    /// Asks that snapshots carry the links of an element.
-    Inspect(Option<ElementId>),
+    /// Says what snapshots show.
+    Look(Look),
     /// Changes a material's emission; ε in watts stays.
     SetEmission {
         /// The material.
@@ -75,6 +74,15 @@ impl Command {
     pub fn load(source: Source) -> Self {
         Self::Load(source, AddedLight::default())
     }
+}
+
+/// What snapshots show.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Look {
+    /// Whether they carry the anatomy of the solution: its elements and links.
+    pub anatomy: bool,
+    /// A former moment in place of the present; the solver goes on meanwhile. Another solve forgets it.
+    pub moment: Option<usize>,
 }
 
 /// What must not be lost on the way to a person.
@@ -136,6 +144,8 @@ pub struct Status {
     pub params: SolverParams,
     /// What is being loaded, if anything is.
     pub loading: Option<String>,
+    /// The steps of the solve so far, which [`Look::moment`] counts; oldest first.
+    pub moments: Arc<[MomentInfo]>,
 }
 
 /// What the thread shares with its owner; both locks are held for a swap or a copy only.

@@ -10,9 +10,9 @@ use super::guard::{guarded, pool_of};
 use super::loader::{Awaited, Prepared};
 use super::merge::merge;
 use super::pacing::Pacing;
-use super::{Command, Event, Message, RunState, Shared, Status, lock};
+use super::{Command, Event, Look, Message, RunState, Shared, Status, lock};
 use crate::cancel::CancelToken;
-use crate::solver::{Solver, SolverParams, Step};
+use crate::solver::{MomentInfo, Solver, SolverParams, Step};
 
 /// The thread's ends of its channels.
 pub(super) struct Ends {
@@ -54,6 +54,11 @@ pub(super) struct Session {
     pacing: Pacing,
     /// A picture is owed whatever the pacing says.
     picture_owed: bool,
+    look: Look,
+    /// Steps that were told of.
+    moments: Arc<[MomentInfo]>,
+    /// Generation and number of changes that they stand for.
+    told: (u64, u64),
 }
 
 impl Session {
@@ -73,6 +78,9 @@ impl Session {
             tickets: 0,
             pacing: Pacing::default(),
             picture_owed: false,
+            look: Look::default(),
+            moments: Arc::default(),
+            told: (0, 0),
         }
     }
 
@@ -149,11 +157,9 @@ impl Session {
                     self.emit(Event::SolveFailed(sentence));
                 }
             }
-            Command::Inspect(element) => {
-                if let Some(solver) = self.solver.as_mut() {
-                    solver.inspect(element);
-                    self.picture_owed = true;
-                }
+            Command::Look(look) => {
+                self.look = look;
+                self.picture_owed = true;
             }
             Command::SetEmission { material, emission } => self.set_emission(material, emission),
             Command::AddCeilingLight { size, exitance } => self.add_ceiling_light(size, exitance),
@@ -209,8 +215,10 @@ impl Session {
     }
 
     /// A new solver takes over.
-    pub(super) fn install(&mut self, solver: Solver) {
+    pub(super) fn install(&mut self, mut solver: Solver) {
         self.generation += 1;
+        self.look.moment = None;
+        solver.keep_history();
         self.solver = Some(solver);
         self.finished = false;
         self.picture_owed = true;
@@ -229,6 +237,7 @@ impl Session {
             Ok(step) => step,
             Err(sentence) => return self.give_up(&sentence),
         };
+        self.tell_moments();
         match step {
             Step::Interrupted => {}
             Step::Finished => {
@@ -267,7 +276,11 @@ impl Session {
         self.picture_owed = false;
         let Some(solver) = self.solver.as_mut() else { return };
         let begun = Instant::now();
-        let snapshot = match guarded(self.pool.as_ref(), || Ok(solver.snapshot())) {
+        let look = self.look;
+        solver.show_anatomy(look.anatomy);
+        let former = |solver: &mut Solver| look.moment.and_then(|moment| solver.snapshot_of(moment));
+        let taken = guarded(self.pool.as_ref(), || Ok(former(solver).unwrap_or_else(|| solver.snapshot())));
+        let snapshot = match taken {
             Ok(snapshot) => Arc::new(snapshot),
             Err(sentence) => return self.give_up(&sentence),
         };
@@ -276,6 +289,16 @@ impl Session {
         // Freed after the lock: a large mesh takes its time.
         drop(former);
         (self.ends.wake)();
+    }
+
+    /// Lets the status know of steps that it has not heard of.
+    fn tell_moments(&mut self) {
+        let Some(solver) = &self.solver else { return };
+        if solver.moments_told() != self.told {
+            self.told = solver.moments_told();
+            self.moments = solver.moments().cloned().collect();
+            lock(&self.ends.shared.status).moments = self.moments.clone();
+        }
     }
 
     /// Lets go of a solver that broke; its last picture stays.
@@ -291,7 +314,8 @@ impl Session {
         (self.ends.wake)();
     }
 
-    fn publish_status(&self) {
+    fn publish_status(&mut self) {
+        self.tell_moments();
         let run = match (&self.solver, self.finished, self.drive) {
             (None, ..) => RunState::Idle,
             (_, true, _) => RunState::Finished,
@@ -300,7 +324,7 @@ impl Session {
         };
         let awaited = self.loading.as_ref().or(self.remaking.as_ref());
         let loading = awaited.map(|awaited| awaited.name.clone());
-        *lock(&self.ends.shared.status) = Status { run, params: self.params, loading };
+        *lock(&self.ends.shared.status) = Status { run, params: self.params, loading, moments: self.moments.clone() };
         (self.ends.wake)();
     }
 }

@@ -27,6 +27,13 @@ pub(super) enum Tool {
     Export,
 }
 
+impl Tool {
+    /// Whether the tool looks at elements and links, which snapshots carry only when they are asked to.
+    pub(super) fn reads_anatomy(self) -> bool {
+        matches!(self, Self::Inspector | Self::Matrix | Self::Clusters)
+    }
+}
+
 /// Every tool with its name on the bar and what it is for, in the bar's order.
 const TOOLS: [(Tool, &str, &str); 6] = [
     (Tool::Inspector, "Inspector", "What an element is, what lights it and what it lights"),

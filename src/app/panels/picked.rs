@@ -4,16 +4,15 @@ use egui::{Align2, Grid, Rect, RichText, Ui};
 
 use super::super::picked::PickedElement;
 use super::super::sources::NamedSource;
-use super::super::{App, Outbox, format, theme};
+use super::super::{App, format, theme};
 use crate::scene::Scene;
 use crate::solver::Snapshot;
-use crate::worker::Command;
 
 /// Width of the card, points.
 const WIDTH: f32 = 288.0;
 
 /// Draws the card; nothing when nothing is picked.
-pub(in super::super) fn show(app: &mut App, ui: &mut Ui, rect: Rect, outbox: &mut Outbox) {
+pub(in super::super) fn show(app: &mut App, ui: &mut Ui, rect: Rect) {
     let (Some(picked), Some(snapshot), Some(info)) = (&app.picked, &app.shown.snapshot, &app.shown.info) else {
         return;
     };
@@ -35,7 +34,6 @@ pub(in super::super) fn show(app: &mut App, ui: &mut Ui, rect: Rect, outbox: &mu
     });
     if close {
         app.picked = None;
-        outbox.push(Command::Inspect(None));
     }
 }
 
@@ -66,11 +64,11 @@ fn colours(rgb: Option<&[f32; 3]>) -> String {
 
 fn show_sources(ui: &mut Ui, picked: &PickedElement, snapshot: &Snapshot) {
     ui.separator();
-    let Some(inspected) = picked.inspected_by(snapshot) else {
+    if snapshot.anatomy.is_none() {
         ui.label(theme::weak("Asking for its links…"));
         return;
-    };
-    let count = inspected.links.len();
+    }
+    let count = picked.link_count;
     if count == 0 {
         ui.label("No link brings it light");
         return;

@@ -1,54 +1,21 @@
 //! Reading the light in the window, driven headless by accessible names: false colours, isolux lines, the pointer, probes, a work plane.
 //!
-//! Truth: the snapshot in view, and pictures that differ, or do not, where they must. Needs a wgpu adapter; software Vulkan serves.
-#![cfg(feature = "gui")]
-
-use std::time::{Duration, Instant};
+//! Truth: the snapshot in view, and pictures that differ, or do not, where they must.
 
 use egui::accesskit::Role;
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
-use selflink::added_light::AddedLight;
 use selflink::app::App;
-use selflink::scene::Source;
-use selflink::scene::builtin::BuiltinScene;
-use selflink::solver::{Epsilon, SolverParams};
-use selflink::worker::RunState;
 
-const PATIENCE: Duration = Duration::from_secs(60);
+use crate::support::{click, coarse, finish, until};
 
 type Window = Harness<'static, App>;
 
 /// The Cornell box, solved coarsely.
 fn cornell() -> Window {
-    let params = SolverParams { epsilon: Epsilon::Relative(1e-2), ..SolverParams::default() };
-    let opening = Some((Source::Builtin(BuiltinScene::Cornell), AddedLight::default()));
-    let mut window = Harness::builder()
-        .with_size([1280.0, 800.0])
-        .wgpu()
-        .build_eframe(|cc| App::new(cc, opening, params).expect("a wgpu device and a thread are there"));
-    until(&mut window, "finishing", |window| window.state().status().run == RunState::Finished);
+    let mut window = crate::support::cornell(coarse());
+    finish(&mut window);
     window
-}
-
-fn until(window: &mut Window, what: &str, holds: impl Fn(&Window) -> bool) {
-    let begun = Instant::now();
-    loop {
-        window.step();
-        if holds(window) {
-            window.step();
-            return;
-        }
-        assert!(begun.elapsed() < PATIENCE, "{what} did not happen within {PATIENCE:?}");
-        std::thread::sleep(Duration::from_millis(5));
-    }
-}
-
-fn click(window: &mut Window, label: &str) {
-    window.get_by_label(label).scroll_to_me();
-    window.run_steps(6);
-    window.get_by_label(label).click();
-    window.run_steps(2);
 }
 
 /// Chooses from a list by its label.
@@ -183,7 +150,7 @@ fn a_work_plane_is_measured_shown_and_written() {
     window.run_steps(3);
     // Notes take room from the view.
     while window.query_all_by_label("Dismiss").next().is_some() {
-        window.get_all_by_label("Dismiss").next().expect("just seen").click();
+        window.get_all_by_label("Dismiss").next().expect("one is there").click();
         window.run_steps(2);
     }
     assert_eq!(difference(&before, &picture(&mut window)), 0.0);
