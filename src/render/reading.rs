@@ -154,10 +154,10 @@ impl Isolines {
         let mut wanted: Vec<f32> = values.into_iter().filter(|value| *value > 0.0 && value.is_finite()).collect();
         wanted.sort_by(f32::total_cmp);
         wanted.dedup();
-        let mut lines = Self::default();
-        lines.count = wanted.len().min(MOST_ISOLINES);
-        lines.values[..lines.count].copy_from_slice(&wanted[..lines.count]);
-        lines
+        let count = wanted.len().min(MOST_ISOLINES);
+        let mut values = [0.0; MOST_ISOLINES];
+        values[..count].copy_from_slice(&wanted[..count]);
+        Self { values, count }
     }
 
     /// Lines at the round values strictly inside a scale.

@@ -233,7 +233,7 @@ impl Session {
 
     /// Answers what can be answered; how long to wait before the rest is tried again, if there is a rest.
     fn work(&mut self) -> Option<Duration> {
-        let Some((scene, snapshot)) = self.light.clone() else { return None };
+        let (scene, snapshot) = self.light.clone()?;
         let can_look = self.look.is_some() && snapshot.mesh.triangles.len() <= MOST_POINTED;
         let is_asked = can_look || !self.probes.is_empty() || self.plane.is_some();
         if !is_asked {

@@ -12,7 +12,7 @@ use selflink::scene::Source;
 use selflink::scene::builtin::BuiltinScene;
 use selflink::solver::{Epsilon, SolverParams};
 
-use crate::support::{click, finish, until, window_of_size};
+use crate::support::{choose, click, finish, until, window_of_size};
 
 const SIZE: [f32; 2] = [1600.0, 1000.0];
 
@@ -77,4 +77,22 @@ fn elements_and_clusters() {
     click(&mut window, "Element outlines");
     click(&mut window, "Cluster boxes");
     save(&mut window, "window-clusters");
+}
+
+#[test]
+#[ignore = "writes screenshots/, see ./dev shots"]
+fn readings() {
+    let mut window = solved(BuiltinScene::Office, by_threshold(1e-3));
+    choose(&mut window, "Surfaces show", "irradiance E");
+    click(&mut window, "Isolux lines");
+    save(&mut window, "window-illuminance");
+    click(&mut window, "Isolux lines");
+    choose(&mut window, "Surfaces show", "the light");
+    click(&mut window, "Measure");
+    click(&mut window, "Place probes");
+    click_view(&mut window, 0.35, 0.75);
+    click_view(&mut window, 0.75, 0.55);
+    click(&mut window, "Measure the work plane");
+    until(&mut window, "the plane", |window| window.query_by_label("Uniformity U₀").is_some());
+    save(&mut window, "window-measure");
 }

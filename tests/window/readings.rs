@@ -2,12 +2,11 @@
 //!
 //! Truth: the snapshot in view, and pictures that differ, or do not, where they must.
 
-use egui::accesskit::Role;
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
 use selflink::app::App;
 
-use crate::support::{click, coarse, finish, until};
+use crate::support::{choose, click, coarse, finish, picture, until};
 
 type Window = Harness<'static, App>;
 
@@ -16,26 +15,6 @@ fn cornell() -> Window {
     let mut window = crate::support::cornell(coarse());
     finish(&mut window);
     window
-}
-
-/// Chooses from a list by its label.
-fn choose(window: &mut Window, list: &str, what: &str) {
-    window.get_by_role_and_label(Role::ComboBox, list).scroll_to_me();
-    window.run_steps(6);
-    window.get_by_role_and_label(Role::ComboBox, list).click();
-    window.run_steps(2);
-    window.get_by_label(what).click();
-    window.run_steps(3);
-}
-
-/// The pixels of the view.
-fn picture(window: &mut Window) -> image::RgbaImage {
-    window.remove_cursor();
-    window.step();
-    let rect = window.state().view_rect();
-    let whole = window.render().expect("a frame can be drawn");
-    let [x, y, width, height] = [rect.min.x, rect.min.y, rect.width(), rect.height()].map(|points| points as u32);
-    image::imageops::crop_imm(&whole, x, y, width, height).to_image()
 }
 
 /// Share of the pixels that differ, the lower left corner with its legend aside.
