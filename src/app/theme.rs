@@ -77,8 +77,8 @@ pub(super) const WELL: Color32 = Color32::from_rgb(18, 19, 22);
 /// Done.
 pub(super) const DONE: Color32 = Color32::from_rgb(112, 190, 128);
 
-/// Width of the left panel, points: a label, a slider and its value.
-pub(super) const PANEL_WIDTH: f32 = 356.0;
+/// Width of the left panel, points: a label, a slider, its value and the mark of its cost.
+pub(super) const PANEL_WIDTH: f32 = 374.0;
 /// Width of the labels in the left panel, points.
 pub(super) const LABEL_WIDTH: f32 = 132.0;
 const SLIDER_WIDTH: f32 = 96.0;

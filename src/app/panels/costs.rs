@@ -8,6 +8,9 @@ use crate::solver::{Invalidates, Parameter, ValueKind};
 /// Bars of the mark.
 const MOST_BARS: usize = 3;
 
+/// Room that the mark takes, points.
+const WIDTH: f32 = 14.0;
+
 /// What a change to a lower and to a higher value asks of the solver, as one sentence or two.
 pub(super) fn sentence(parameter: &Parameter) -> String {
     let [lower, higher] = parameter.costs.map(Invalidates::in_words);
@@ -31,6 +34,10 @@ fn bars(cost: Invalidates) -> usize {
 pub(super) fn show_mark(ui: &Ui, row: Rect, parameter: &Parameter) {
     let lit = parameter.costs.map(bars).into_iter().max().unwrap_or(0);
     let right = ui.max_rect().right() - 1.0;
+    if right - WIDTH < row.right() {
+        // Somebody made the panel narrow.
+        return;
+    }
     for bar in 0..MOST_BARS {
         let height = 4.0 + 3.0 * bar as f32;
         let left = right - 4.0 * (MOST_BARS - bar) as f32;

@@ -85,10 +85,10 @@ fn split_by(hierarchy: &Hierarchy, pairs: &[(Pair, Standing)]) -> Vec<bool> {
     let mut is_split = vec![false; is_needed.len()];
     // Children come after their parent.
     for id in (0..is_needed.len() as u32).rev().map(ElementId) {
-        if is_needed[id.index()] || is_split[id.index()] {
-            if let Some(parent) = hierarchy.element(id).parent() {
-                is_split[parent.index()] = true;
-            }
+        if (is_needed[id.index()] || is_split[id.index()])
+            && let Some(parent) = hierarchy.element(id).parent()
+        {
+            is_split[parent.index()] = true;
         }
     }
     is_split

@@ -10,8 +10,10 @@ use crate::scene::{MaterialId, Scene};
 const DIMMER: std::ops::RangeInclusive<f32> = 0.0..=200.0;
 /// Height that the list may take before it scrolls, points.
 const MOST_HEIGHT: f32 = 150.0;
-/// Width of the value beside a dimmer, points; a colour stands beside it.
+/// Widths of the value beside a dimmer and of the colour beside that, points.
 const PERCENT_WIDTH: f32 = 52.0;
+
+const COLOUR_WIDTH: f32 = 32.0;
 
 /// Draws the list.
 pub(super) fn show(ui: &mut Ui, scene: &Scene, editor: &mut LightEditor) {
@@ -62,6 +64,7 @@ fn show_one(ui: &mut Ui, name: &str, id: MaterialId, editor: &mut LightEditor) {
         if dimmer.accessible_name(format!("Dimmer of {name}")).changed() {
             light.dimmer = percent / 100.0;
         }
+        ui.spacing_mut().interact_size.x = COLOUR_WIDTH;
         let mut colour = light.emission.tint().to_array();
         let button = ui.color_edit_button_rgb(&mut colour).on_hover_text("Colour of the light");
         if button.accessible_name(format!("Colour of {name}")).changed() {
