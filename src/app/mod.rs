@@ -14,10 +14,14 @@ mod files;
 mod freeze;
 mod launch;
 mod looking;
+mod measure_marks;
+mod measuring;
 mod messages;
 mod paint;
 mod panels;
 mod picked;
+mod readings;
+mod save_dialog;
 mod session;
 mod settings;
 mod shortcuts;
@@ -39,16 +43,18 @@ use crate::added_light::AddedLight;
 use crate::format;
 use crate::scene::Source;
 use crate::solver::{Snapshot, SolverParams};
-use crate::worker::{Command, Event, SceneInfo, SolverThread, Status};
+use crate::worker::{Command, Event, RunState, SceneInfo, SolverThread, Status};
 use appearance::Appearance;
 use comparison::Comparison;
 use exports::Exports;
 use files::Files;
 use freeze::Freeze;
 use looking::Looking;
+use measuring::Measuring;
 use messages::Messages;
 use panels::light::LampEditor;
 use picked::PickedElement;
+use readings::ReadingInView;
 use session::Opened;
 use settings::DisplaySettings;
 use time_left::{Clock, TimeLeft};
@@ -88,6 +94,8 @@ pub struct App {
     files: Files,
     lamp: LampEditor,
     display: DisplaySettings,
+    reading: ReadingInView,
+    measuring: Measuring,
     view: Viewport,
     appearance: Appearance,
     /// Where the scene in view came from.
@@ -158,6 +166,8 @@ impl App {
             files: Files::new(recent),
             lamp: LampEditor::default(),
             display,
+            reading: ReadingInView::default(),
+            measuring: Measuring::default(),
             view: Viewport::default(),
             appearance,
             opened,
@@ -224,6 +234,7 @@ impl App {
             self.follow_picked(&latest);
             self.shown.snapshot = Some(latest);
         }
+        self.follow_measuring();
     }
 
     /// Finds the picked element in a newer snapshot.
@@ -234,6 +245,14 @@ impl App {
             return;
         }
         picked.note_sources(latest, &info.scene);
+    }
+
+    /// Shows the surveyor what is in view, and takes up what it found.
+    fn follow_measuring(&mut self) {
+        if let (Some(snapshot), Some(info)) = (&self.shown.snapshot, &self.shown.info) {
+            let is_settled = matches!(self.shown.status.run, RunState::Finished | RunState::Paused);
+            self.measuring.note(&info.scene, snapshot, is_settled);
+        }
     }
 
     fn take_up(&mut self, event: Event) {
@@ -278,6 +297,7 @@ impl App {
             let former = self.shown.info.as_ref().map(|former| former.scene.name.as_str());
             self.exports.suggest(&info.scene.name, former);
             self.lamp = LampEditor::for_scene(&info.scene);
+            self.measuring.start_with(&info.scene);
             // A correction made for another scene's light would make this one black or white.
             self.display.auto_stops = 0.0;
         }
@@ -291,6 +311,13 @@ impl App {
 
     fn pick(&mut self, clicked: viewport::Clicked) {
         let (Some(snapshot), Some(info)) = (&self.shown.snapshot, &self.shown.info) else { return };
+        if self.tool == Some(dock::Tool::Measure) && self.measuring.places_probes {
+            if let Some(found) = PickedElement::at(snapshot, clicked.origin, clicked.direction) {
+                let polygon = &info.scene.polygons[found.leaf.polygon as usize];
+                self.measuring.place(found.point, info.scene.normal(polygon), &self.wake);
+            }
+            return;
+        }
         self.picked = PickedElement::at(snapshot, clicked.origin, clicked.direction);
         if let Some(picked) = self.picked.as_mut() {
             picked.note_sources(snapshot, &info.scene);

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::render::{Display, Exposure, Marks, Overlay, USUAL_LINKS};
+use crate::render::{Display, Exposure, Marks, Overlay, ReadingSettings, USUAL_LINKS};
 
 /// How the picture is shown.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -24,6 +24,10 @@ pub(super) struct DisplaySettings {
     pub show_links: bool,
     /// So many of them at most, the strongest first.
     pub strongest_links: usize,
+    /// What is read off the surfaces.
+    pub reading: ReadingSettings,
+    /// Values of isolux lines as they were typed, in the unit shown; empty for round ones.
+    pub isolux_text: String,
 }
 
 impl Default for DisplaySettings {
@@ -37,6 +41,8 @@ impl Default for DisplaySettings {
             cluster_level: 2,
             show_links: true,
             strongest_links: USUAL_LINKS,
+            reading: ReadingSettings::default(),
+            isolux_text: String::new(),
         }
     }
 }
@@ -48,7 +54,7 @@ impl DisplaySettings {
             true => Exposure::Auto { stops: self.auto_stops },
             false => Exposure::Manual { stops: self.manual_stops },
         };
-        Display { exposure, as_colours: false }
+        Display { exposure, ..Display::default() }
     }
 
     /// As the renderer wants it; cluster levels beyond the deepest show the deepest. A scene without light would be

@@ -99,6 +99,7 @@ mod tests {
             serial: 1,
             mesh: mesh.into(),
             vertex_radiosity: vec![[0.0; 3]; 3],
+            vertex_irradiance: vec![[0.0; 3]; 3],
             leaf_irradiance: vec![[0.0; 3]],
             leaf_radiosity: vec![[0.0; 3]],
             clusters: Vec::new().into(),

@@ -3,10 +3,12 @@
 use egui::{Key, PointerButton, Rect, Response, Sense, Ui};
 use glam::{Vec2, Vec3};
 
+use super::comparison::Shading;
 use super::paint::Picture;
-use super::{App, Outbox, divider, panels, theme};
+use super::{App, Outbox, divider, measure_marks, panels, theme};
 use crate::render::{Camera, Display};
 use crate::scene::{CameraPose, Scene};
+use crate::survey::Ray;
 
 /// A drag across the view's height turns the camera by this, radians.
 const TURN_PER_HEIGHT: f32 = std::f32::consts::PI;
@@ -166,16 +168,21 @@ impl Viewport {
         }
     }
 
+    /// The ray under a place in the window.
+    fn ray_at(&self, at: egui::Pos2) -> Option<Ray> {
+        let share = (at - self.rect.min) / self.rect.size();
+        let ndc = Vec2::new(2.0 * share.x - 1.0, 1.0 - 2.0 * share.y);
+        let (origin, direction) = self.camera?.ray(ndc, self.aspect());
+        Some(Ray { origin, direction })
+    }
+
     /// The ray under a click.
     fn clicked(&self, response: &Response) -> Option<Clicked> {
         let is_double = response.double_clicked();
         if !(response.clicked() || is_double) {
             return None;
         }
-        let at = response.interact_pointer_pos()?;
-        let share = (at - self.rect.min) / self.rect.size();
-        let ndc = Vec2::new(2.0 * share.x - 1.0, 1.0 - 2.0 * share.y);
-        let (origin, direction) = self.camera?.ray(ndc, self.aspect());
+        let Ray { origin, direction } = self.ray_at(response.interact_pointer_pos()?)?;
         Some(Clicked { origin, direction, is_double })
     }
 }
@@ -200,6 +207,9 @@ pub(super) fn show(app: &mut App, ui: &mut Ui, outbox: &mut Outbox) -> Option<Cl
     app.view.steer(ui, &response);
     app.view.fly(ui, &response);
     let clicked = app.view.clicked(&response);
+    // While the view turns nothing can be read.
+    let pointer = response.hover_pos().filter(|_| !response.dragged()).and_then(|at| app.view.ray_at(at));
+    app.measuring.point_at(pointer, &app.wake);
 
     if let Some(camera) = app.view.camera {
         let scale = ui.ctx().pixels_per_point();
@@ -213,11 +223,13 @@ pub(super) fn show(app: &mut App, ui: &mut Ui, outbox: &mut Outbox) -> Option<Cl
         // Colours that stand for errors would be none of the solution beside.
         let errors = if beside.is_none() { app.comparison.painted() } else { None };
         let painted = app.freeze.painted().or(errors);
+        let reading = app.reading.follow(&snapshot, &app.display.reading);
         let picture = Picture {
             camera,
             display: Display {
                 exposure: app.freeze.exposure(chosen.exposure),
                 as_colours: painted.is_some(),
+                reading,
                 ..chosen
             },
             snapshot: painted.or_else(|| app.freeze.alone()).unwrap_or(snapshot),
@@ -227,14 +239,32 @@ pub(super) fn show(app: &mut App, ui: &mut Ui, outbox: &mut Outbox) -> Option<Cl
         };
         app.view.picture = Some(picture.clone());
         picture.add_to(&ui.painter_at(rect), rect);
+        measure_marks::show(&ui.painter_at(rect), rect, &camera, &app.measuring, reading.as_ref());
     }
     divider::show(ui, rect, &mut app.freeze);
-    if app.comparison.error().is_some() && app.freeze.frozen().is_none() {
-        panels::legend::show(ui, rect, app.comparison.shading);
-    }
+    show_legend(app, ui, rect);
     panels::picked::show(app, ui, rect);
     panels::empty::show_loading(app, ui, rect, outbox);
     panels::hint::show_first_lines(app, ui, rect);
     panels::empty::show_drop_hint(ui, rect);
     clicked
+}
+
+/// What the colours of the surfaces mean, where they stand for something.
+fn show_legend(app: &App, ui: &mut Ui, rect: Rect) {
+    if app.freeze.painted().is_some() {
+        // The divider's module tells what these colours mean.
+    } else if app.comparison.error().is_some() && app.comparison.shading != Shading::Lit {
+        panels::legend::show_error(ui, rect, app.comparison.shading);
+    } else if let Some(reading) = app.reading.last() {
+        let settings = &app.display.reading;
+        let remark = match (reading.fills, settings.range) {
+            (false, _) => "lines",
+            (true, Some(_)) => "locked range",
+            (true, None) => "",
+        };
+        panels::legend::show_reading(ui, rect, &reading, settings.unit, remark);
+    } else if let Some(reading) = app.measuring.plane_scale(None).filter(|_| app.measuring.shows_points) {
+        panels::legend::show_reading(ui, rect, &reading, app.display.reading.unit, "work plane");
+    }
 }

@@ -7,10 +7,14 @@
 mod accuracy;
 mod chart;
 mod job;
+#[cfg(feature = "gui")]
+mod legend;
 mod options;
 mod output;
 mod probe;
 mod progress;
+#[cfg(feature = "gui")]
+mod reading;
 mod reference;
 #[cfg(feature = "gui")]
 mod render;
@@ -19,6 +23,7 @@ mod scene;
 mod solve;
 mod tables;
 mod window;
+mod work_plane;
 
 use std::process::ExitCode;
 use std::time::Instant;

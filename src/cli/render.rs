@@ -5,12 +5,15 @@ use clap::{Arg, ArgAction, ArgMatches, Command};
 use glam::{Vec2, Vec3};
 use image::{ImageFormat, RgbaImage};
 use selflink::export::{PictureFormat, exr};
-use selflink::render::{Camera, Display, Exposure, MAX_SIZE, Marks, Offscreen, Overlay, USUAL_LINKS, link_marks, pick};
+use selflink::render::{
+    Camera, Display, Exposure, MAX_SIZE, Marks, Offscreen, Overlay, ReadingSettings, USUAL_LINKS, link_marks, pick,
+};
 use selflink::scene::{CameraPose, Scene};
 
 use super::job::{Order, Solution};
 use super::options::{self, numbers, path, path_arg};
 use super::output::{OutputFile, say};
+use super::{legend, reading};
 
 /// Pixels of a picture that nothing is said about.
 const USUAL_SIZE: [u32; 2] = [1280, 800];
@@ -19,7 +22,8 @@ const USUAL_HFOV: f32 = 60.0;
 
 /// The command's arguments.
 pub fn command() -> Command {
-    options::solving(Command::new("render").about("Solve a scene and draw it to a PNG or EXR file, without a window"))
+    let command = Command::new("render").about("Solve a scene and draw it to a PNG or EXR file, without a window");
+    reading::with_options(options::solving(command))
         .arg(
             path_arg("out", "FILE.png|exr")
                 .required(true)
@@ -61,6 +65,10 @@ pub struct View {
     pub display: Display,
     /// What is drawn over the picture.
     pub overlay: Overlay,
+    /// What is read off the surfaces.
+    pub reading: ReadingSettings,
+    /// Whether a legend tells what false colours mean.
+    pub has_legend: bool,
     /// The pixel whose surface shows its links.
     pub links_at: Option<[f32; 2]>,
 }
@@ -73,6 +81,8 @@ impl Default for View {
             pose: None,
             display: Display::default(),
             overlay: Overlay::default(),
+            reading: ReadingSettings::default(),
+            has_legend: true,
             links_at: None,
         }
     }
@@ -128,7 +138,13 @@ pub fn draw(
     if let Some(pixel) = view.links_at {
         overlay.marks = links_at(solution, &camera, pixel, view.size);
     }
-    Ok(offscreen.picture(&solution.snapshot, &camera, &view.display, &overlay, view.size)?)
+    let reading = view.reading.reading(&solution.snapshot);
+    let display = Display { reading, ..view.display };
+    let mut picture = offscreen.picture(&solution.snapshot, &camera, &display, &overlay, view.size)?;
+    if let Some(reading) = reading.filter(|_| view.has_legend) {
+        legend::draw(&mut picture, &reading, view.reading.unit)?;
+    }
+    Ok(picture)
 }
 
 fn camera(scene: &Scene, view: &View) -> Camera {
@@ -168,8 +184,10 @@ fn view(matches: &ArgMatches) -> anyhow::Result<View> {
     let text = |name: &str| matches.get_one::<String>(name).map(String::as_str);
     let size = text("size").map_or(Ok(USUAL_SIZE), size)?;
     let camera = text("camera").map(eye_and_target).transpose()?;
-    let display = Display { exposure: text("exposure").map_or(Ok(Exposure::default()), exposure)?, as_colours: false };
-    let mut view = View { size, camera, display, ..View::default() };
+    let display =
+        Display { exposure: text("exposure").map_or(Ok(Exposure::default()), exposure)?, ..Display::default() };
+    let (reading, has_legend) = (reading::settings(matches)?, !matches.get_flag("no-legend"));
+    let mut view = View { size, camera, display, reading, has_legend, ..View::default() };
     for overlay in matches.get_many::<String>("overlay").unwrap_or_default() {
         add_overlay(&mut view, overlay)?;
     }

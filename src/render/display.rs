@@ -1,5 +1,6 @@
 //! How a picture shows radiosities; exposure and tone curve are those of [`crate::tone`].
 
+use super::reading::Reading;
 use crate::tone::Exposure;
 
 /// How radiosities become colours.
@@ -9,4 +10,6 @@ pub struct Display {
     pub exposure: Exposure,
     /// The vertices carry gamma-encoded colours, 0..=1, instead of radiosities: they are shown as they are.
     pub as_colours: bool,
+    /// What is read off the surfaces, as false colours or lines of equal value; nothing where vertices carry colours.
+    pub reading: Option<Reading>,
 }

@@ -16,6 +16,8 @@ mod pick;
 mod pipelines;
 mod radiosities;
 mod ramp;
+mod reading;
+mod reading_settings;
 mod renderer;
 mod target;
 
@@ -24,7 +26,9 @@ pub use display::Display;
 pub use offscreen::Offscreen;
 pub use overlay::{Line, Marks, Overlay, USUAL_LINKS, link_marks, power_colour};
 pub use pick::{Picked, pick};
-pub use ramp::{BLUE_WHITE_RED, VIRIDIS, along_ramp};
+pub use ramp::{BLUE_WHITE_RED, CIVIDIS, Ramp, VIRIDIS, along_ramp};
+pub use reading::{ColourScale, Isolines, MOST_ISOLINES, Reading, Spacing};
+pub use reading_settings::{IsolinesWanted, Mark, ReadingSettings, Show};
 pub use renderer::{Frame, SceneRenderer, sample_count};
 
 pub use crate::tone::{Exposure, auto_exposure, encode_gamma, tone_curve};

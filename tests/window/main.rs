@@ -6,7 +6,9 @@
 
 mod compare;
 mod craft;
+mod gallery;
 mod panels;
+mod readings;
 mod support;
 mod take_along;
 mod timeline;

@@ -4,6 +4,8 @@
 
 pub(super) mod compare;
 mod export;
+mod measure;
+mod readout;
 
 use egui::{RichText, ScrollArea, Ui};
 use serde::{Deserialize, Serialize};
@@ -67,6 +69,7 @@ pub(super) fn show_bar(app: &mut App, ui: &mut Ui) {
                 app.tool = (!is_open).then_some(*tool);
             }
         }
+        ui.with_layout(egui::Layout::left_to_right(egui::Align::Center), |ui| readout::show(app, ui));
     });
 }
 
@@ -88,7 +91,7 @@ pub(super) fn show(app: &mut App, ui: &mut Ui, _outbox: &mut Outbox) {
             Tool::Inspector => {}
             Tool::Matrix => {}
             Tool::Clusters => {}
-            Tool::Measure => {}
+            Tool::Measure => measure::show(ui, &app.shown, &mut app.measuring, &mut app.messages, &app.wake),
             Tool::Compare => compare::show(app, ui),
             Tool::Export => export::show(app, ui),
         });

@@ -1,9 +1,11 @@
-//! The display section: exposure and overlays.
+//! The display section: readings, exposure and overlays.
 
 use egui::{Slider, Ui};
 
 use super::super::settings::DisplaySettings;
 use super::super::{Shown, theme};
+use super::readings;
+use crate::render::Reading;
 
 /// Exposures a slider offers, stops.
 const STOPS: std::ops::RangeInclusive<f32> = -10.0..=10.0;
@@ -11,7 +13,9 @@ const STOPS: std::ops::RangeInclusive<f32> = -10.0..=10.0;
 const LINKS: std::ops::RangeInclusive<usize> = 1..=2000;
 
 /// Draws the section.
-pub(super) fn show(ui: &mut Ui, shown: &Shown, display: &mut DisplaySettings) {
+pub(super) fn show(ui: &mut Ui, shown: &Shown, display: &mut DisplaySettings, reading: Option<&Reading>) {
+    readings::show(ui, display, reading);
+    ui.add_space(4.0);
     show_exposure(ui, display);
     ui.add_space(4.0);
     ui.checkbox(&mut display.show_elements, "Element outlines");
