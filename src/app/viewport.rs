@@ -253,7 +253,7 @@ pub(super) fn show(app: &mut App, ui: &mut Ui, outbox: &mut Outbox) -> Option<Cl
 /// What the colours of the surfaces mean, where they stand for something.
 fn show_legend(app: &App, ui: &mut Ui, rect: Rect) {
     if app.freeze.painted().is_some() {
-        // The divider's module tells what these colours mean.
+        panels::legend::show_difference(ui, rect);
     } else if app.comparison.error().is_some() && app.comparison.shading != Shading::Lit {
         panels::legend::show_error(ui, rect, app.comparison.shading);
     } else if let Some(reading) = app.reading.last() {

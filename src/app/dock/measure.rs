@@ -4,9 +4,9 @@ use std::path::Path;
 
 use egui::{Button, DragValue, Grid, ProgressBar, RichText, TextEdit, Ui};
 
+use super::super::dialog::DialogAnswer;
 use super::super::measuring::{Measuring, Table};
 use super::super::messages::Messages;
-use super::super::save_dialog::Answer;
 use super::super::{Shown, Wake, format, theme};
 use crate::photometry::{CONVENTION, lux};
 use crate::survey::{PlaneReading, Probed};
@@ -35,7 +35,7 @@ pub(super) fn show(ui: &mut Ui, shown: &Shown, measuring: &mut Measuring, messag
 }
 
 fn heading(ui: &mut Ui, text: &str) {
-    ui.label(RichText::new(text).strong().color(theme::TEXT_STRONG));
+    ui.label(RichText::new(text).strong());
 }
 
 fn show_probes(ui: &mut Ui, measuring: &mut Measuring) {
@@ -132,7 +132,7 @@ fn show_plane_setup(ui: &mut Ui, shown: &Shown, measuring: &mut Measuring, wake:
         ui.add(bar).on_hover_text(format!("{:.0} % of the points are measured", 100.0 * share));
     }
     if let Some(failure) = measuring.failure() {
-        ui.add(egui::Label::new(RichText::new(failure).color(theme::ERROR)).wrap());
+        ui.add(egui::Label::new(RichText::new(failure).color(ui.visuals().error_fg_color)).wrap());
     }
 }
 
@@ -140,7 +140,7 @@ fn show_summary(ui: &mut Ui, shown: &Shown, plane: &PlaneReading) {
     let summary = plane.summary();
     if summary.points == 0 {
         let sentence = "Every point lies inside of something or outside of the room: choose another height.";
-        ui.add(egui::Label::new(RichText::new(sentence).color(theme::ERROR)).wrap());
+        ui.add(egui::Label::new(RichText::new(sentence).color(ui.visuals().error_fg_color)).wrap());
         return;
     }
     let lux = |value: f32| format!("{:>7} lx", format::number(value.into()));
@@ -198,8 +198,8 @@ fn show_files(ui: &mut Ui, measuring: &mut Measuring, messages: &mut Messages) {
         write(measuring, &path, messages);
     }
     match measuring.save.poll() {
-        Some(Answer::Chosen(path)) => write(measuring, &path, messages),
-        Some(Answer::NoDialog) => messages.note(NO_DIALOG.into()),
+        Some(DialogAnswer::Chosen(path)) => write(measuring, &path, messages),
+        Some(DialogAnswer::NoDialog) => messages.note(NO_DIALOG.into()),
         None => {}
     }
 }
