@@ -63,7 +63,7 @@
 //! | [`hierarchy`] | the tree of elements and the ways to build its clusters |
 //! | [`solver`] | oracle, refinement, gather, snapshots, statistics; every parameter ([`solver::PARAMETERS`]) |
 //! | [`tone`] | from W/m² to colours: exposure, tone curve, gamma |
-//! | [`probe`], [`export`] | values at points; the lit mesh as PLY or GLB, links as CSV, pictures in W/m² as EXR, settings as JSON |
+//! | [`probe`], [`survey`], [`export`] | values at points on surfaces; at probes and on a work plane; the lit mesh as PLY or GLB, links as CSV, pictures in W/m² as EXR, settings as JSON |
 //! | [`accuracy`] | how far a solution is from the truth: closed forms, error against a reference |
 //! | [`chart`] | speed against accuracy: sweeps of settings, tables and pictures |
 //! | [`tables`] | the paper's tables and statements run again, its rows above ours, a verdict on each claim |
@@ -71,7 +71,7 @@
 #![cfg_attr(feature = "gui", doc = "| [`render`] | the wgpu picture of a snapshot, with and without a window |")]
 #![cfg_attr(feature = "gui", doc = "| [`app`] | the window |")]
 //!
-//! [`mod@format`] writes numbers for people, [`random`] makes reproducible random ones, and [`cancel`] stops long work. The feature `gui` (on by default) holds what needs a graphics adapter
+//! [`photometry`] counts lux, [`mod@format`] writes numbers for people, [`random`] makes reproducible random ones, and [`cancel`] stops long work. The feature `gui` (on by default) holds what needs a graphics adapter
 //! or a window; all else is a library that needs neither:
 //!
 //! ```

@@ -15,7 +15,7 @@ const STEP: f32 = 0.02;
 const HANDLE: f32 = 9.0;
 
 /// Draws it; also lets it be dragged. Nothing where no solution is kept.
-pub(super) fn show(ui: &Ui, view: Rect, freeze: &mut Freeze) {
+pub(super) fn show(ui: &mut Ui, view: Rect, freeze: &mut Freeze) {
     if freeze.frozen().is_none() {
         return;
     }

@@ -10,13 +10,18 @@ mod dialog;
 mod divider;
 mod dock;
 mod exports;
+mod facts;
 mod files;
 mod freeze;
+mod highlight;
+mod inspection;
 mod launch;
 mod looking;
+mod marks;
 mod measure_marks;
 mod measuring;
 mod messages;
+mod names;
 mod paint;
 mod panels;
 mod picked;
@@ -25,7 +30,6 @@ mod save_dialog;
 mod session;
 mod settings;
 mod shortcuts;
-mod sources;
 mod theme;
 mod time_left;
 mod timeline;
@@ -41,6 +45,7 @@ pub use launch::{AppError, run};
 
 use crate::added_light::AddedLight;
 use crate::format;
+use crate::hierarchy::ElementId;
 use crate::scene::Source;
 use crate::solver::{Snapshot, SolverParams};
 use crate::worker::{Command, Event, RunState, SceneInfo, SolverThread, Status};
@@ -49,7 +54,10 @@ use comparison::Comparison;
 use exports::Exports;
 use files::Files;
 use freeze::Freeze;
+use highlight::Pointing;
+use inspection::Inspection;
 use looking::Looking;
+use marks::MarksOverView;
 use measuring::Measuring;
 use messages::Messages;
 use panels::light::LampEditor;
@@ -62,6 +70,8 @@ use viewport::Viewport;
 
 /// On software adapters drawing takes the solver's cores, so pictures wait this long for each other.
 const REPAINT_INTERVAL_ON_CPU: Duration = Duration::from_millis(100);
+/// What was put off for want of time is looked at again after this.
+const LATER: Duration = Duration::from_millis(200);
 
 /// Keys under which the storage keeps what lasts from one run to the next.
 const RECENT_KEY: &str = "recent_files";
@@ -101,6 +111,11 @@ pub struct App {
     /// Where the scene in view came from.
     opened: Opened,
     picked: Option<PickedElement>,
+    inspection: Inspection,
+    inspector: dock::Inspector,
+    marks: MarksOverView,
+    /// What the mouse is over, in a panel or in the view.
+    pointing: Pointing,
     time_left: TimeLeft,
     comparison: Comparison,
     freeze: Freeze,
@@ -172,6 +187,10 @@ impl App {
             appearance,
             opened,
             picked: None,
+            inspection: Inspection::default(),
+            inspector: dock::Inspector::default(),
+            marks: MarksOverView::default(),
+            pointing: Pointing::default(),
             time_left: TimeLeft::default(),
             comparison: Comparison::default(),
             freeze: Freeze::default(),
@@ -199,6 +218,11 @@ impl App {
     /// What the worker said it is about, as of the last frame.
     pub fn status(&self) -> &Status {
         &self.shown.status
+    }
+
+    /// The picked element, in the snapshot in view.
+    pub fn picked_element(&self) -> Option<ElementId> {
+        self.picked.as_ref().map(|picked| picked.element)
     }
 
     /// Where the view lies in the window, points.
@@ -239,12 +263,32 @@ impl App {
 
     /// Finds the picked element in a newer snapshot.
     fn follow_picked(&mut self, latest: &Snapshot) {
-        let (Some(picked), Some(info)) = (self.picked.as_mut(), &self.shown.info) else { return };
-        if !picked.follow(latest) {
+        if self.picked.as_mut().is_some_and(|picked| !picked.follow(latest)) {
             self.picked = None;
-            return;
         }
-        picked.note_sources(latest, &info.scene);
+    }
+
+    /// Picks any element, patch or cluster, by its id; nothing where the snapshot in view does not know it.
+    fn pick_element(&mut self, id: ElementId) {
+        let picked = self.shown.snapshot.as_ref().and_then(|snapshot| PickedElement::by_id(snapshot, id));
+        if picked.is_some() {
+            self.picked = picked;
+        }
+    }
+
+    /// Brings what panels show of the picked element up to date.
+    fn inspect_picked(&mut self, ctx: &egui::Context) {
+        let (Some(picked), Some(snapshot), Some(info)) = (&self.picked, &self.shown.snapshot, &self.shown.info) else {
+            return;
+        };
+        // The card tells what lights an element; only the inspector can be turned round.
+        let direction = match self.tool {
+            Some(dock::Tool::Inspector) => self.inspector.direction(),
+            _ => inspection::Direction::In,
+        };
+        if self.inspection.look(snapshot, &info.scene, picked.element, direction) {
+            ctx.request_repaint_after(LATER);
+        }
     }
 
     /// Shows the surveyor what is in view, and takes up what it found.
@@ -313,15 +357,18 @@ impl App {
         let (Some(snapshot), Some(info)) = (&self.shown.snapshot, &self.shown.info) else { return };
         if self.tool == Some(dock::Tool::Measure) && self.measuring.places_probes {
             if let Some(found) = PickedElement::at(snapshot, clicked.origin, clicked.direction) {
-                let polygon = &info.scene.polygons[found.leaf.polygon as usize];
-                self.measuring.place(found.point, info.scene.normal(polygon), &self.wake);
+                let leaf = snapshot.mesh.leaves.iter().find(|leaf| leaf.element == found.element);
+                if let Some(polygon) = leaf.and_then(|leaf| info.scene.polygons.get(leaf.polygon as usize)) {
+                    self.measuring.place(found.point, info.scene.normal(polygon), &self.wake);
+                }
             }
             return;
         }
         self.picked = PickedElement::at(snapshot, clicked.origin, clicked.direction);
-        if let Some(picked) = self.picked.as_mut() {
-            picked.note_sources(snapshot, &info.scene);
-            self.lamp.choose(&info.scene, picked.leaf.material);
+        if let Some(picked) = &self.picked {
+            if let Some(leaf) = snapshot.mesh.leaves.iter().find(|leaf| leaf.element == picked.element) {
+                self.lamp.choose(&info.scene, leaf.material);
+            }
             if clicked.is_double {
                 self.view.look_at(picked.point);
             }
@@ -345,6 +392,7 @@ impl eframe::App for App {
             }
         }
         shortcuts::act(self, ui, &mut outbox);
+        self.inspect_picked(ui.ctx());
         if !self.is_full_picture {
             panels::show_sides(self, ui, &mut outbox);
             egui::Panel::top("tools").show(ui, |ui| dock::show_bar(self, ui));
@@ -360,8 +408,10 @@ impl eframe::App for App {
             }
         });
         shortcuts::show_list(self, ui.ctx());
-        let wants_anatomy = self.picked.is_some() || self.tool.is_some_and(dock::Tool::reads_anatomy);
+        let links_wanted = self.picked.is_some() || self.display.links.of == settings::LinksOf::Level;
+        let wants_anatomy = links_wanted || self.tool.is_some_and(dock::Tool::reads_anatomy);
         outbox.extend(self.looking.command(wants_anatomy));
+        self.pointing.end_frame(ui.ctx());
         for command in outbox {
             if let Command::Load(source, light) = &command {
                 self.opened.ask(source, light);

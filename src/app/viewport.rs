@@ -99,6 +99,17 @@ impl Viewport {
         }
     }
 
+    /// Turns the eye towards a point that lies beyond the edges of the view; one within them moves nothing.
+    pub(super) fn turn_towards_unseen(&mut self, point: Vec3) {
+        let aspect = self.aspect();
+        if let Some(camera) = self.camera.as_mut() {
+            let clip = camera.clip_from_world(aspect) * point.extend(1.0);
+            if clip.w <= 0.0 || clip.x.abs() > clip.w || clip.y.abs() > clip.w {
+                camera.look_at(point);
+            }
+        }
+    }
+
     fn aspect(&self) -> f32 {
         if self.rect.height() > 0.0 { self.rect.width() / self.rect.height() } else { 1.0 }
     }
@@ -216,9 +227,8 @@ pub(super) fn show(app: &mut App, ui: &mut Ui, outbox: &mut Outbox) -> Option<Cl
         let pixels = |points: f32| (points * scale).round().max(1.0) as u32;
         let deepest = snapshot.clusters.iter().map(|cluster| cluster.level).max().unwrap_or(0);
         let is_dark = app.shown.info.as_ref().is_some_and(|info| !info.has_light);
-        // Without links the picked element still has its rim.
-        let most = if app.display.show_links { app.display.strongest_links } else { 0 };
-        let marks = app.picked.as_mut().map(|picked| picked.marks(&snapshot, most)).unwrap_or_default();
+        let picked = app.picked.as_ref().map(|picked| picked.element);
+        let marks = app.marks.over(&snapshot, picked, &app.inspection, &app.display.links, app.pointing.now());
         let (beside, chosen) = (app.freeze.beside(), app.display.display());
         // Colours that stand for errors would be none of the solution beside.
         let errors = if beside.is_none() { app.comparison.painted() } else { None };
@@ -241,8 +251,9 @@ pub(super) fn show(app: &mut App, ui: &mut Ui, outbox: &mut Outbox) -> Option<Cl
         picture.add_to(&ui.painter_at(rect), rect);
         measure_marks::show(&ui.painter_at(rect), rect, &camera, &app.measuring, reading.as_ref());
     }
-    divider::show(ui, rect, &mut app.freeze);
     show_legend(app, ui, rect);
+    divider::show(ui, rect, &mut app.freeze);
+    panels::links::show_legend(app, ui, rect);
     panels::picked::show(app, ui, rect);
     panels::empty::show_loading(app, ui, rect, outbox);
     panels::hint::show_first_lines(app, ui, rect);

@@ -168,7 +168,7 @@ impl Hierarchy {
     }
 
     /// Ids of all elements.
-    pub fn ids(&self) -> impl ExactSizeIterator<Item = ElementId> + Clone + use<> {
+    pub fn ids(&self) -> impl DoubleEndedIterator<Item = ElementId> + ExactSizeIterator + Clone + use<> {
         (0..self.elements.len() as u32).map(ElementId)
     }
 

@@ -10,7 +10,9 @@
 mod buffer;
 mod camera;
 mod display;
+mod links;
 mod offscreen;
+mod outline;
 mod overlay;
 mod pick;
 mod pipelines;
@@ -23,8 +25,10 @@ mod target;
 
 pub use camera::Camera;
 pub use display::Display;
+pub use links::{ChosenLinks, LinkColour, LinkFilter, LinkStyle, Seen, USUAL_LINKS, level_colour};
 pub use offscreen::Offscreen;
-pub use overlay::{Line, Marks, Overlay, USUAL_LINKS, link_marks, power_colour};
+pub use outline::element_outline;
+pub use overlay::{Line, Marks, Overlay, picked_marks, power_colour};
 pub use pick::{Picked, pick};
 pub use ramp::{BLUE_WHITE_RED, CIVIDIS, Ramp, VIRIDIS, along_ramp};
 pub use reading::{ColourScale, Isolines, MOST_ISOLINES, Reading, Spacing};

@@ -4,6 +4,9 @@
 //! a few milliseconds in a room, and some tens with a million polygons. Whoever holds it can ask about any element without asking
 //! the solver.
 
+mod error;
+mod parts;
+
 use std::sync::{Arc, OnceLock};
 
 use glam::Vec3;
@@ -25,6 +28,12 @@ pub struct Anatomy {
     passes_over_unjudged: bool,
     by_source: OnceLock<BySource>,
     spans: OnceLock<Vec<[f32; 2]>>,
+    /// Levels below the root of each element.
+    depths: OnceLock<Vec<u16>>,
+    /// Mean over its leaves' area of what their irradiance is multiplied by, of each element.
+    scales: OnceLock<Vec<f32>>,
+    /// Standard deviation of brightness over the leaves of each element, W/m².
+    spread: OnceLock<Vec<f32>>,
 }
 
 impl std::fmt::Debug for Anatomy {
@@ -65,8 +74,8 @@ pub struct LinkView {
     pub evidence: Evidence,
     /// Power carried to the whole receiver, B_s·F·V·A_r, W (largest colour).
     pub power: f32,
-    /// How many levels above the element that was asked for this end of the link lies; 0 for the element itself.
-    pub levels_up: u16,
+    /// How many levels above the element that was asked for this end of the link lies; 0 for the element itself, negative for its parts.
+    pub levels_up: i16,
     /// For light that comes in: what the link brings to the element, W/m²; over all links this adds up to its irradiance E. For light that
     /// goes out: what of the receiver's irradiance is owed to the element, by its share of the source's power.
     pub irradiance: Vec3,
@@ -81,8 +90,19 @@ impl Anatomy {
         epsilon_watts: f64,
         passes_over_unjudged: bool,
     ) -> Self {
-        let (by_source, spans) = (OnceLock::new(), OnceLock::new());
-        Self { hierarchy, links, light, params, epsilon_watts, passes_over_unjudged, by_source, spans }
+        Self {
+            hierarchy,
+            links,
+            light,
+            params,
+            epsilon_watts,
+            passes_over_unjudged,
+            by_source: OnceLock::new(),
+            spans: OnceLock::new(),
+            depths: OnceLock::new(),
+            scales: OnceLock::new(),
+            spread: OnceLock::new(),
+        }
     }
 
     /// The elements.
@@ -147,13 +167,13 @@ impl Anatomy {
     /// Links that bring an element light, its own and those of all that holds it; strongest power first.
     pub fn incoming(&self, id: ElementId) -> Vec<LinkView> {
         let inspector = Inspector::new(&self.hierarchy, &self.params);
-        let scale = self.light.row_scale.get(id.index()).copied().unwrap_or(1.0);
+        let scale = self.scale(id);
         let mut views = Vec::new();
         for (levels_up, at) in self.upwards(id).enumerate() {
             for link in self.links.of(at).iter().filter(|link| self.carries(link)) {
                 let flux = self.flux(link);
                 let irradiance = scale * inspector.handed_down((at, link), flux, id);
-                views.push(LinkView { irradiance, ..self.view(at, link, levels_up as u16) });
+                views.push(LinkView { irradiance, ..self.view(at, link, levels_up as i16) });
             }
         }
         views.sort_by(|a, b| b.power.total_cmp(&a.power));
@@ -173,7 +193,7 @@ impl Anatomy {
             for &place in by_source.of(at) {
                 let link = &self.links.all()[place as usize];
                 if self.carries(link) {
-                    let view = self.view(by_source.receivers[place as usize], link, levels_up as u16);
+                    let view = self.view(by_source.receivers[place as usize], link, levels_up as i16);
                     views.push(LinkView { irradiance: share * self.flux(link), ..view });
                 }
             }
@@ -189,7 +209,7 @@ impl Anatomy {
     }
 
     /// A link as a view shows it; its irradiance is what it brings to its receiver.
-    fn view(&self, receiver: ElementId, link: &Link, levels_up: u16) -> LinkView {
+    fn view(&self, receiver: ElementId, link: &Link, levels_up: i16) -> LinkView {
         let (to, from) = (self.hierarchy.element(receiver), self.hierarchy.element(link.source()));
         let flux = if self.carries(link) { self.flux(link) } else { Vec3::ZERO };
         LinkView {

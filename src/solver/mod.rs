@@ -47,6 +47,7 @@ pub use display::barycentric;
 pub use form_factor::{Exchange, exchange, point_to_polygon};
 pub use history::{MomentInfo, MomentKind};
 pub use link::{Evidence, Link, LinkTable};
+pub use link_error::LinkError;
 pub use params::{
     ClusterModel, ClusteringMode, Epsilon, Invalidates, OracleKind, PARAMETERS, Parameter, ParameterId, ParamsError,
     Push, Reconstruct, SolverParams, USUAL_ERROR, ValueKind,

@@ -7,6 +7,7 @@
 mod compare;
 mod craft;
 mod gallery;
+mod inspector;
 mod panels;
 mod readings;
 mod support;

@@ -4,17 +4,20 @@
 
 pub(super) mod compare;
 mod export;
+mod inspector;
 mod measure;
 mod readout;
 
 use egui::{RichText, ScrollArea, Ui};
 use serde::{Deserialize, Serialize};
 
+pub(super) use inspector::Inspector;
+
 use super::{App, Outbox};
 
 /// A tool of the dock.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub(super) enum Tool {
+pub(in crate::app) enum Tool {
     /// What an element is, what lights it and what it lights.
     Inspector,
     /// All links as blocks, receivers by sources.
@@ -34,6 +37,11 @@ impl Tool {
     pub(super) fn reads_anatomy(self) -> bool {
         matches!(self, Self::Inspector | Self::Matrix | Self::Clusters | Self::Export)
     }
+
+    /// Width when it is opened for the first time, points; each tool remembers its own.
+    fn first_width(self) -> f32 {
+        if self == Self::Inspector { FIRST_WIDTH_OF_TABLE } else { FIRST_WIDTH }
+    }
 }
 
 /// Every tool with its name on the bar and what it is for, in the bar's order.
@@ -49,6 +57,8 @@ const TOOLS: [(Tool, &str, &str); 6] = [
 /// Widths that the dock may be given, points.
 const WIDTHS: std::ops::RangeInclusive<f32> = 300.0..=900.0;
 const FIRST_WIDTH: f32 = 380.0;
+/// For a table of links.
+const FIRST_WIDTH_OF_TABLE: f32 = 500.0;
 
 /// The bar above the view: a switch for each tool.
 pub(super) fn show_bar(app: &mut App, ui: &mut Ui) {
@@ -77,7 +87,7 @@ pub(super) fn show_bar(app: &mut App, ui: &mut Ui) {
 pub(super) fn show(app: &mut App, ui: &mut Ui, _outbox: &mut Outbox) {
     let Some(open) = app.tool else { return };
     let Some((_, name, hint)) = TOOLS.iter().find(|(tool, ..)| *tool == open) else { return };
-    egui::Panel::right("dock").default_size(FIRST_WIDTH).size_range(WIDTHS).show(ui, |ui| {
+    egui::Panel::right(*name).default_size(open.first_width()).size_range(WIDTHS).show(ui, |ui| {
         ui.horizontal(|ui| {
             ui.label(RichText::new(*name).strong().size(14.0)).on_hover_text(*hint);
             ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
@@ -87,13 +97,18 @@ pub(super) fn show(app: &mut App, ui: &mut Ui, _outbox: &mut Outbox) {
             });
         });
         ui.separator();
-        ScrollArea::vertical().auto_shrink([false, false]).show(ui, |ui| match open {
-            Tool::Inspector => {}
+        match open {
+            // These fill the dock and scroll by themselves.
+            Tool::Inspector => inspector::show(app, ui),
             Tool::Matrix => {}
-            Tool::Clusters => {}
-            Tool::Measure => measure::show(ui, &app.shown, &mut app.measuring, &mut app.messages, &app.wake),
-            Tool::Compare => compare::show(app, ui),
-            Tool::Export => export::show(app, ui),
-        });
+            Tool::Clusters | Tool::Measure | Tool::Compare | Tool::Export => {
+                ScrollArea::vertical().auto_shrink([false, false]).show(ui, |ui| match open {
+                    Tool::Measure => measure::show(ui, &app.shown, &mut app.measuring, &mut app.messages, &app.wake),
+                    Tool::Compare => compare::show(app, ui),
+                    Tool::Export => export::show(app, ui),
+                    Tool::Inspector | Tool::Matrix | Tool::Clusters => {}
+                });
+            }
+        }
     });
 }

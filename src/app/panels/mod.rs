@@ -8,6 +8,7 @@ pub(super) mod empty;
 pub(super) mod hint;
 pub(super) mod legend;
 pub(super) mod light;
+pub(super) mod links;
 pub(super) mod parameters;
 pub(super) mod picked;
 mod readings;
