@@ -3,6 +3,7 @@
 use glam::Vec3;
 use rayon::prelude::*;
 
+use crate::photometry::weighted;
 use crate::probe::Probe;
 use crate::solver::{Mesh, Snapshot};
 
@@ -80,9 +81,8 @@ fn mean_luminance(snapshot: &Snapshot) -> f32 {
     if area > 0.0 { (light / area) as f32 } else { 0.0 }
 }
 
-/// Rec. 709 weights.
 fn luminance(radiosity: Vec3) -> f32 {
-    radiosity.dot(Vec3::new(0.2126, 0.7152, 0.0722))
+    weighted(radiosity.to_array())
 }
 
 #[cfg(test)]

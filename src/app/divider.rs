@@ -3,7 +3,7 @@
 use egui::{Align2, CursorIcon, FontId, Key, Painter, Rect, Sense, Stroke, Ui, pos2, vec2};
 
 use super::freeze::{Freeze, Sides};
-use super::{panels, theme};
+use super::theme;
 
 /// So far beside the line it can be taken hold of, points.
 const REACH: f32 = 5.0;
@@ -24,9 +24,8 @@ pub(super) fn show(ui: &mut Ui, view: Rect, freeze: &mut Freeze) {
         Sides::Split => show_divider(ui, &painter, view, &mut freeze.divider),
         Sides::A => label(&painter, pos2(view.center().x, view.top() + 12.0), Align2::CENTER_TOP, "A, frozen"),
         Sides::B => label(&painter, pos2(view.center().x, view.top() + 12.0), Align2::CENTER_TOP, "B, running"),
-        Sides::Difference => {
-            panels::legend::show_difference(ui, view);
-        }
+        // Its legend says what it is.
+        Sides::Difference => {}
     }
 }
 

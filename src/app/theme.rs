@@ -9,6 +9,7 @@ use egui::{Color32, CornerRadius, FontFamily, FontId, Stroke, Style, TextStyle, 
 pub(super) struct Palette {
     /// What can be acted upon, as text.
     pub accent: Color32,
+    error: Color32,
     /// Behind a failure's sentence.
     pub error_fill: Color32,
     /// Behind a remark.
@@ -31,6 +32,7 @@ pub(super) struct Palette {
 
 const DARK: Palette = Palette {
     accent: ACCENT,
+    error: ERROR,
     error_fill: Color32::from_rgb(62, 30, 29),
     note_fill: Color32::from_rgb(46, 42, 34),
     text_strong: TEXT_STRONG,
@@ -47,6 +49,7 @@ const DARK: Palette = Palette {
 /// Text has a contrast of 4.5 or more to what is behind it.
 const LIGHT: Palette = Palette {
     accent: Color32::from_rgb(146, 84, 0),
+    error: Color32::from_rgb(176, 32, 22),
     error_fill: Color32::from_rgb(250, 222, 218),
     note_fill: Color32::from_rgb(250, 240, 218),
     text_strong: Color32::from_rgb(20, 22, 26),
@@ -113,6 +116,7 @@ fn style_with(style: &mut Style, base: Visuals, palette: &Palette) {
     visuals.hyperlink_color = palette.accent;
     visuals.selection.bg_fill = palette.selection;
     visuals.selection.stroke = Stroke::new(1.0, palette.text_strong);
+    visuals.error_fg_color = palette.error;
     visuals.slider_trailing_fill = true;
     visuals.window_corner_radius = CornerRadius::same(6);
     let widgets = &mut visuals.widgets;
@@ -201,7 +205,7 @@ mod tests {
             (one.max(other) + 0.05) / (one.min(other) + 0.05)
         };
         for (name, palette) in [("dark", &DARK), ("light", &LIGHT)] {
-            let texts = [palette.accent, palette.text_strong, palette.text, palette.text_weak];
+            let texts = [palette.accent, palette.text_strong, palette.text, palette.text_weak, palette.error];
             for (number, text) in texts.into_iter().enumerate() {
                 for behind in [palette.panel, palette.stripe, palette.well] {
                     let contrast = contrast(text, behind);

@@ -260,7 +260,6 @@ pub(super) fn show(app: &mut App, ui: &mut Ui, outbox: &mut Outbox) -> Option<Cl
         let is_dark = app.shown.info.as_ref().is_some_and(|info| !info.has_light);
         let picked = app.picked.as_ref().map(|picked| picked.element);
         let (beside, chosen) = (app.freeze.beside(), app.display.display());
-        let reading = app.reading.follow(&snapshot, &app.display.reading);
         // Colours that stand for errors would be none of the solution beside.
         let errors = if beside.is_none() { app.comparison.painted() } else { None };
         let other = app.freeze.painted().or(errors);
@@ -278,6 +277,7 @@ pub(super) fn show(app: &mut App, ui: &mut Ui, outbox: &mut Outbox) -> Option<Cl
                 app.clusters.with_group(app.marks.over(&snapshot, picked, &app.inspection, links, app.pointing.now()))
             }
         };
+        let reading = app.reading.follow(&snapshot, &app.display.reading);
         let picture = Picture {
             camera,
             display: Display {
@@ -307,7 +307,9 @@ pub(super) fn show(app: &mut App, ui: &mut Ui, outbox: &mut Outbox) -> Option<Cl
 
 /// What the colours of the surfaces mean, where they stand for something.
 fn show_legend(app: &App, ui: &mut Ui, rect: Rect) {
-    if app.comparison.error().is_some() && app.comparison.shading != Shading::Lit {
+    if app.freeze.painted().is_some() {
+        panels::legend::show_difference(ui, rect);
+    } else if app.comparison.error().is_some() && app.comparison.shading != Shading::Lit {
         panels::legend::show_error(ui, rect, app.comparison.shading);
     } else if let Some(reading) = app.reading.last() {
         let settings = &app.display.reading;

@@ -35,7 +35,7 @@ pub(super) fn show(ui: &mut Ui, shown: &Shown, measuring: &mut Measuring, messag
 }
 
 fn heading(ui: &mut Ui, text: &str) {
-    ui.label(RichText::new(text).strong().color(theme::TEXT_STRONG));
+    ui.label(RichText::new(text).strong());
 }
 
 fn show_probes(ui: &mut Ui, measuring: &mut Measuring) {
@@ -135,7 +135,7 @@ fn show_plane_setup(ui: &mut Ui, shown: &Shown, measuring: &mut Measuring, wake:
         ui.add(bar).on_hover_text(format!("{:.0} % of the points are measured", 100.0 * share));
     }
     if let Some(failure) = measuring.failure() {
-        ui.add(egui::Label::new(RichText::new(failure).color(theme::ERROR)).wrap());
+        ui.add(egui::Label::new(RichText::new(failure).color(ui.visuals().error_fg_color)).wrap());
     }
 }
 
@@ -143,7 +143,7 @@ fn show_summary(ui: &mut Ui, shown: &Shown, plane: &PlaneReading) {
     let summary = plane.summary();
     if summary.points == 0 {
         let sentence = "Every point lies inside of something or outside of the room: choose another height.";
-        ui.add(egui::Label::new(RichText::new(sentence).color(theme::ERROR)).wrap());
+        ui.add(egui::Label::new(RichText::new(sentence).color(ui.visuals().error_fg_color)).wrap());
         return;
     }
     let lux = |value: f32| format!("{:>7} lx", format::number(value.into()));

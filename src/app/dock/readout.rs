@@ -2,7 +2,7 @@
 
 use egui::{Label, RichText, Ui};
 
-use super::super::{App, format, theme};
+use super::super::{App, format};
 use crate::photometry::{CONVENTION, lux, weighted};
 
 /// Draws it; nothing while the pointer is elsewhere.
@@ -19,5 +19,5 @@ pub(super) fn show(app: &App, ui: &mut Ui) {
         by_colour(e),
         by_colour(b)
     );
-    ui.add(Label::new(RichText::new(text).monospace().color(theme::TEXT)).truncate()).on_hover_text(details);
+    ui.add(Label::new(RichText::new(text).monospace()).truncate()).on_hover_text(details);
 }

@@ -72,6 +72,7 @@ fn show(ui: &mut Ui, view: Rect, legend: &Legend<'_>) {
     let at = view.left_bottom() + vec2(MARGIN, -MARGIN);
     let area = egui::Area::new(egui::Id::unique("legend")).pivot(Align2::LEFT_BOTTOM).fixed_pos(at);
     area.show(ui.ctx(), |ui| {
+        theme::over_the_view(ui);
         let frame = Frame::popup(ui.style())
             .fill(theme::PANEL.gamma_multiply(0.94))
             .inner_margin(egui::Margin::symmetric(18, 7));

@@ -65,8 +65,8 @@ fn show_facts(ui: &mut Ui, facts: &Facts) {
         };
         match (&facts.material, facts.polygon) {
             (Some(material), Some(polygon)) => {
-                row("material", RichText::new(material).color(theme::TEXT_STRONG));
-                row("group", RichText::new(or_dash(&facts.group)).color(theme::TEXT_STRONG));
+                row("material", RichText::new(material).strong());
+                row("group", RichText::new(or_dash(&facts.group)).strong());
                 row("polygon", theme::value(format::count(polygon)));
             }
             _ => row("cluster of", theme::value(format::things(facts.polygons, "polygon", "polygons"))),
