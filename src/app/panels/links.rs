@@ -93,16 +93,18 @@ fn show_kinds(ui: &mut Ui, filter: &mut LinkFilter) {
 /// A row of alternatives.
 fn choice<T: Copy + PartialEq>(ui: &mut Ui, name: &str, chosen: &mut T, choices: &[(T, &str, &str)]) {
     ui.horizontal(|ui| {
-        let label = ui
-            .scope(|ui| {
-                ui.set_min_width(theme::LABEL_WIDTH);
-                ui.set_max_width(theme::LABEL_WIDTH);
-                ui.add(egui::Label::new(name).truncate())
-            })
-            .inner;
+        ui.scope(|ui| {
+            ui.set_min_width(theme::LABEL_WIDTH);
+            ui.set_max_width(theme::LABEL_WIDTH);
+            ui.add(egui::Label::new(name).truncate());
+        });
         ui.spacing_mut().item_spacing.x = 2.0;
         for (value, text, hint) in choices {
-            ui.selectable_value(chosen, *value, *text).on_hover_text(*hint).labelled_by(label.id);
+            let response = ui.selectable_value(chosen, *value, *text).on_hover_text(*hint);
+            response.widget_info(|| {
+                let (role, label) = (egui::accesskit::Role::RadioButton, format!("{name}: {text}"));
+                egui::WidgetInfo::selected(role, true, *chosen == *value, label)
+            });
         }
     });
 }

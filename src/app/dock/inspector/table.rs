@@ -35,10 +35,10 @@ const COLUMNS: [(Column, f32, [&str; 2], &str, &str); 8] = [
         30.0,
         ["rays"; 2],
         "rays",
-        "Rays that tell of V; a pair that holds this one was clear: “all”; nobody looked: –",
+        "Rays by which V was judged; inh.: a pair that holds this one looked clear, –: nobody looked",
     ),
     (Column::Power, 44.0, ["W"; 2], "power", "Power B·F·V·A that the link carries to its whole receiver, W"),
-    (Column::OverEpsilon, 38.0, ["/ε"; 2], "share of ε", "Power over the threshold ε"),
+    (Column::OverEpsilon, 42.0, ["/ε"; 2], "share of ε", "Power over the threshold ε"),
     (
         Column::Error,
         42.0,
@@ -176,7 +176,7 @@ fn cell(subject: &Subject<'_>, link: &LinkView, direction: Direction, column: Co
         Column::Visibility => format!("{:.2}", link.visibility),
         Column::Rays => match (rays(link), link.evidence) {
             (Some(rays), _) => rays.to_string(),
-            (None, Evidence::Inherited) => "all".into(),
+            (None, Evidence::Inherited) => "inh.".into(),
             (None, _) => "–".into(),
         },
         Column::Brought | Column::FormFactor | Column::Power | Column::OverEpsilon | Column::Error => {
