@@ -41,7 +41,6 @@ impl Pointing {
     }
 
     /// What was pointed at when the last frame ended.
-    #[expect(dead_code, reason = "the link matrix and the tree of clusters mark it")]
     pub(super) fn shown(&self) -> Highlight {
         self.shown
     }

@@ -110,7 +110,7 @@ fn choice<T: Copy + PartialEq>(ui: &mut Ui, name: &str, chosen: &mut T, choices:
 }
 
 /// Size of the legend's bar, points.
-const BAR: egui::Vec2 = vec2(232.0, 10.0);
+const BAR: egui::Vec2 = vec2(252.0, 10.0);
 const STEPS: usize = 48;
 /// Room around and inside of the card, points.
 const MARGIN: f32 = 12.0;
@@ -125,7 +125,12 @@ pub(in super::super) fn show_legend(app: &App, ui: &Ui, view: Rect) {
     let font = FontId::proportional(12.0);
     let painter = ui.painter_at(view);
     let galley = painter.layout(words.clone(), font.clone(), theme::TEXT_STRONG, BAR.x);
-    let height = galley.size().y + 2.0 * 8.0 + if has_colours { 50.0 } else { 0.0 };
+    let of_colours = match app.display.links.style.colour {
+        _ if !has_colours => 0.0,
+        LinkColour::Visibility => 37.0,
+        LinkColour::Power | LinkColour::Level => 50.0,
+    };
+    let height = galley.size().y + 2.0 * 8.0 + of_colours;
     let size = vec2(BAR.x + 2.0 * MARGIN, height);
     let card = Rect::from_min_size(view.right_bottom() - vec2(MARGIN, MARGIN) - size, size);
     let response = ui.interact(card, egui::Id::unique("link legend"), egui::Sense::hover());

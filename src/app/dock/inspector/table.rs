@@ -83,10 +83,12 @@ pub(super) fn show(
         let rows = order.rows(subject, inspection, direction).to_vec();
         body.rows(ROW_HEIGHT, count, |mut row| {
             let Some(&link) = rows.get(row.index()).and_then(|&at| inspection.links.get(at as usize)) else { return };
+            let highlight = Highlight::Link { receiver: link.receiver, source: link.source };
+            row.set_hovered(pointing.shown() == highlight);
             show_link(&mut row, subject, inspection, direction, &link);
             let response = row.response();
             if response.hovered() {
-                pointing.at(Highlight::Link { receiver: link.receiver, source: link.source });
+                pointing.at(highlight);
             }
             if response.clicked() {
                 walk = Some(Walk::To(direction.far_end(&link)));
