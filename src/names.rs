@@ -6,8 +6,11 @@
 use rustc_hash::FxHashMap;
 
 use crate::format;
-use crate::hierarchy::{ElementId, Hierarchy, Shape};
+use crate::hierarchy::{Cluster, ElementId, Hierarchy, Shape};
 use crate::scene::{GroupId, Polygon, Scene};
+
+/// So many groups of a cluster that has several are named.
+const NAMED: usize = 2;
 
 /// Groups of the clusters of one generation.
 pub struct Names {
@@ -63,7 +66,10 @@ impl Names {
                 match self.group(scene, id) {
                     Some((path, whole)) if size == whole => path,
                     Some((path, _)) => format!("{path}: {polygons} of it"),
-                    None => format!("cluster of {polygons}"),
+                    None => match self.contents(hierarchy, scene, cluster) {
+                        contents if contents.is_empty() => format!("cluster of {polygons}"),
+                        contents => format!("{contents} ({polygons})"),
+                    },
                 }
             }
             Shape::Patch(patch) => match scene.polygons.get(patch.polygon as usize) {
@@ -110,6 +116,26 @@ impl Names {
         }
     }
 
+    /// The topmost groups that a cluster has polygons of, those with most of them first; two by name, the others in number.
+    fn contents(&self, hierarchy: &Hierarchy, scene: &Scene, cluster: &Cluster) -> String {
+        let mut counts: FxHashMap<GroupId, usize> = FxHashMap::default();
+        for &id in hierarchy.patches_below(cluster) {
+            if let Shape::Patch(patch) = &hierarchy.element(id).shape
+                && let Some(polygon) = scene.polygons.get(patch.polygon as usize)
+            {
+                *counts.entry(topmost_group(scene, polygon.group)).or_default() += 1;
+            }
+        }
+        counts.remove(&GroupId(0));
+        let mut counts: Vec<(GroupId, usize)> = counts.into_iter().collect();
+        counts.sort_by(|(a, one), (b, other)| other.cmp(one).then(a.cmp(b)));
+        let named: Vec<String> = counts.iter().take(NAMED).map(|(group, _)| scene.group_path(*group)).collect();
+        match counts.len().saturating_sub(NAMED) {
+            0 => named.join(", "),
+            others => format!("{} and {others} more", named.join(", ")),
+        }
+    }
+
     /// The path of a cluster's group, and how many polygons that one holds; `None` for the scene's root group.
     fn group(&self, scene: &Scene, id: ElementId) -> Option<(String, usize)> {
         let group = *self.group_of.get(&id)?;
@@ -126,6 +152,17 @@ fn name_of_polygon(scene: &Scene, polygon: &Polygon) -> String {
         path if path.is_empty() => material.to_owned(),
         path => format!("{path} ({material})"),
     }
+}
+
+/// The group below the root that holds this one; the root for itself.
+fn topmost_group(scene: &Scene, mut group: GroupId) -> GroupId {
+    while let Some(parent) = scene.groups.get(group.0 as usize).and_then(|of| of.parent) {
+        if parent == GroupId(0) {
+            break;
+        }
+        group = parent;
+    }
+    group
 }
 
 /// The deepest group that holds both; a parent precedes its children.
@@ -177,6 +214,10 @@ mod tests {
         let patch = hierarchy.initial_patches()[0];
         assert_eq!(names.label(&hierarchy, &scene, patch), "white");
         assert!(names.are_of(1) && !names.are_of(2));
+        let Shape::Cluster(root) = &hierarchy.element(Hierarchy::ROOT).shape else {
+            unreachable!("the root is a cluster")
+        };
+        assert_eq!(names.contents(&hierarchy, &scene, root), "room, post");
     }
 
     /// Truth: the nearest group above both, by hand.

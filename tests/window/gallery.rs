@@ -96,3 +96,20 @@ fn readings() {
     until(&mut window, "the plane", |window| window.query_by_label("Uniformity U₀").is_some());
     save(&mut window, "window-measure");
 }
+
+#[test]
+#[ignore = "writes screenshots/, see ./dev shots"]
+fn inspector() {
+    let mut window = solved(BuiltinScene::Office, by_threshold(1e-3));
+    click(&mut window, "Inspector");
+    window.run_steps(4);
+    click_view(&mut window, 0.5, 0.8);
+    anatomy(&mut window);
+    save(&mut window, "window-inspector");
+    click(&mut window, "Links: level");
+    click(&mut window, "Close tool");
+    click(&mut window, "Link colour: visibility");
+    click(&mut window, "Outlines of both ends");
+    anatomy(&mut window);
+    save(&mut window, "window-level-links");
+}

@@ -164,7 +164,7 @@ fn links_over_the_view_are_filtered_and_the_rest_is_said() {
     let mut window = cornell(coarse());
     finish(&mut window);
     let plain = picture(&mut window);
-    click(&mut window, "level");
+    click(&mut window, "Links: level");
     until(&mut window, "links of a level", |window| window.query_by_label_contains("drawn").is_some());
     window.get_by_role_and_label(Role::Slider, "Receivers at level").set_value_accesskit(3.0);
     window.run_steps(3);
@@ -179,9 +179,9 @@ fn links_over_the_view_are_filtered_and_the_rest_is_said() {
     assert!(share_of_different_pixels(&plain, &picture(&mut window)) < share_of_different_pixels(&plain, &all));
     click(&mut window, "patch–patch");
     assert!(text(&window, " drawn").contains("filtered out"));
-    click(&mut window, "visibility");
+    click(&mut window, "Link colour: visibility");
     assert!(window.query_by_label_contains("drawn").is_some());
-    click(&mut window, "none");
+    click(&mut window, "Links: none");
     assert!(window.query_by_label_contains("drawn").is_none());
     assert_eq!(share_of_different_pixels(&plain, &picture(&mut window)), 0.0, "without links it is as before");
 }

@@ -93,22 +93,24 @@ fn show_kinds(ui: &mut Ui, filter: &mut LinkFilter) {
 /// A row of alternatives.
 fn choice<T: Copy + PartialEq>(ui: &mut Ui, name: &str, chosen: &mut T, choices: &[(T, &str, &str)]) {
     ui.horizontal(|ui| {
-        let label = ui
-            .scope(|ui| {
-                ui.set_min_width(theme::LABEL_WIDTH);
-                ui.set_max_width(theme::LABEL_WIDTH);
-                ui.add(egui::Label::new(name).truncate())
-            })
-            .inner;
+        ui.scope(|ui| {
+            ui.set_min_width(theme::LABEL_WIDTH);
+            ui.set_max_width(theme::LABEL_WIDTH);
+            ui.add(egui::Label::new(name).truncate());
+        });
         ui.spacing_mut().item_spacing.x = 2.0;
         for (value, text, hint) in choices {
-            ui.selectable_value(chosen, *value, *text).on_hover_text(*hint).labelled_by(label.id);
+            let response = ui.selectable_value(chosen, *value, *text).on_hover_text(*hint);
+            response.widget_info(|| {
+                let (role, label) = (egui::accesskit::Role::RadioButton, format!("{name}: {text}"));
+                egui::WidgetInfo::selected(role, true, *chosen == *value, label)
+            });
         }
     });
 }
 
 /// Size of the legend's bar, points.
-const BAR: egui::Vec2 = vec2(232.0, 10.0);
+const BAR: egui::Vec2 = vec2(252.0, 10.0);
 const STEPS: usize = 48;
 /// Room around and inside of the card, points.
 const MARGIN: f32 = 12.0;
@@ -123,7 +125,12 @@ pub(in super::super) fn show_legend(app: &App, ui: &Ui, view: Rect) {
     let font = FontId::proportional(12.0);
     let painter = ui.painter_at(view);
     let galley = painter.layout(words.clone(), font.clone(), theme::TEXT_STRONG, BAR.x);
-    let height = galley.size().y + 2.0 * 8.0 + if has_colours { 50.0 } else { 0.0 };
+    let of_colours = match app.display.links.style.colour {
+        _ if !has_colours => 0.0,
+        LinkColour::Visibility => 37.0,
+        LinkColour::Power | LinkColour::Level => 50.0,
+    };
+    let height = galley.size().y + 2.0 * 8.0 + of_colours;
     let size = vec2(BAR.x + 2.0 * MARGIN, height);
     let card = Rect::from_min_size(view.right_bottom() - vec2(MARGIN, MARGIN) - size, size);
     let response = ui.interact(card, egui::Id::unique("link legend"), egui::Sense::hover());

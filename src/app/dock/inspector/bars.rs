@@ -68,7 +68,8 @@ pub(super) fn show(
     bars.bring_up_to_date(subject, inspection, direction);
     show_heading(ui, subject, inspection, direction, bars);
     let (shown, rest) = bars.sums.split_at(MOST.min(bars.sums.len()));
-    let most = shown.first().map_or(0.0, |(_, sum)| sum.max_element());
+    let of_rest = rest.iter().map(|(_, sum)| *sum).sum::<Vec3>().max_element();
+    let most = shown.first().map_or(0.0, |(_, sum)| sum.max_element()).max(of_rest);
     let unit = unit(direction);
     let total = bars.total.max_element();
     let mut walk = None;
@@ -84,9 +85,8 @@ pub(super) fn show(
         }
     }
     if !rest.is_empty() {
-        let value = rest.iter().map(|(_, sum)| *sum).sum::<Vec3>().max_element();
         let name = format!("the rest, {}", format::things(rest.len(), "element", "elements"));
-        Bar { name: &name, value, most: most.max(value), total, unit }.show(ui, false);
+        Bar { name: &name, value: of_rest, most, total, unit }.show(ui, false);
     }
     walk
 }

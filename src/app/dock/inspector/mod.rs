@@ -72,8 +72,9 @@ pub(super) fn show(app: &mut App, ui: &mut Ui) {
         numbers::show(ui, &subject, facts);
     }
     ui.separator();
-    show_direction(ui, &mut inspector.direction);
+    // The links at hand are those of the direction until now; another one is looked at in the next frame.
     let direction = inspector.direction;
+    show_direction(ui, &mut inspector.direction);
     let pointing = &mut app.pointing;
     walk = bars::show(ui, &subject, &mut app.inspection, direction, &mut inspector.bars, pointing).or(walk);
     ui.separator();

@@ -35,10 +35,10 @@ const COLUMNS: [(Column, f32, [&str; 2], &str, &str); 8] = [
         30.0,
         ["rays"; 2],
         "rays",
-        "Rays that tell of V; a pair that holds this one was clear: “all”; nobody looked: –",
+        "Rays by which V was judged; inh.: a pair that holds this one looked clear, –: nobody looked",
     ),
     (Column::Power, 44.0, ["W"; 2], "power", "Power B·F·V·A that the link carries to its whole receiver, W"),
-    (Column::OverEpsilon, 38.0, ["/ε"; 2], "share of ε", "Power over the threshold ε"),
+    (Column::OverEpsilon, 42.0, ["/ε"; 2], "share of ε", "Power over the threshold ε"),
     (
         Column::Error,
         42.0,
@@ -83,10 +83,12 @@ pub(super) fn show(
         let rows = order.rows(subject, inspection, direction).to_vec();
         body.rows(ROW_HEIGHT, count, |mut row| {
             let Some(&link) = rows.get(row.index()).and_then(|&at| inspection.links.get(at as usize)) else { return };
+            let highlight = Highlight::Link { receiver: link.receiver, source: link.source };
+            row.set_hovered(pointing.shown() == highlight);
             show_link(&mut row, subject, inspection, direction, &link);
             let response = row.response();
             if response.hovered() {
-                pointing.at(Highlight::Link { receiver: link.receiver, source: link.source });
+                pointing.at(highlight);
             }
             if response.clicked() {
                 walk = Some(Walk::To(direction.far_end(&link)));
@@ -177,7 +179,7 @@ fn cell(subject: &Subject<'_>, link: &LinkView, direction: Direction, column: Co
         Column::Visibility => format!("{:.2}", link.visibility),
         Column::Rays => match (rays(link), link.evidence) {
             (Some(rays), _) => rays.to_string(),
-            (None, Evidence::Inherited) => "all".into(),
+            (None, Evidence::Inherited) => "inh.".into(),
             (None, _) => "–".into(),
         },
         Column::Brought | Column::FormFactor | Column::Power | Column::OverEpsilon | Column::Error => {
