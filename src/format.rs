@@ -50,6 +50,17 @@ pub fn number(value: f64) -> String {
     }
 }
 
+/// Three digits that count, without zeros at the end, for round numbers: 0.5, 20, 1,500.
+pub fn short(value: f64) -> String {
+    let text = number(value);
+    match text.split_once('.') {
+        Some((_, decimals)) if decimals.chars().all(|digit| digit.is_ascii_digit()) => {
+            text.trim_end_matches('0').trim_end_matches('.').to_owned()
+        }
+        _ => text,
+    }
+}
+
 /// A measured value with its standard error, which says how many digits count: 12.4 ± 0.8, 40 ± 19, 8.23 ± 0.04.
 pub fn plus_minus(value: f64, standard_error: f64) -> String {
     if !value.is_finite() {
@@ -143,6 +154,7 @@ mod tests {
         assert_eq!(things(2_008, "polygon", "polygons"), "2,008 polygons");
         assert_eq!([0.0, 0.04, -2.5, 100.0, 11_174.34].map(grouped), ["0", "0", "-2.5", "100", "11,174.3"]);
         assert_eq!(number(0.0), "0");
+        assert_eq!([0.5, 20.0, 1500.0, 0.01, 1e-5, 0.0].map(short), ["0.5", "20", "1,500", "0.01", "1.00e-5", "0"]);
         assert_eq!(number(12.345), "12.3");
         assert_eq!(number(0.012345), "0.0123");
         assert_eq!(number(-12_345.0), "-12,345");

@@ -64,6 +64,8 @@
 //! | [`solver`] | oracle, refinement, gather, snapshots, statistics; every parameter ([`solver::PARAMETERS`]) |
 //! | [`probe`], [`export`] | values at points; the lit mesh as PLY |
 //! | [`accuracy`] | how far a solution is from the truth: closed forms, error against a reference |
+//! | [`matrix`] | the link matrix: all links as blocks, receivers by sources |
+//! | [`names`], [`ramp`] | names for elements; colours for quantities |
 //! | [`chart`] | speed against accuracy: sweeps of settings, tables and pictures |
 //! | [`tables`] | the paper's tables and statements run again, its rows above ours, a verdict on each claim |
 //! | [`worker`], [`referee`] | a thread that solves while somebody looks, and one that measures what it shows |
@@ -121,6 +123,7 @@ pub mod ceiling;
 pub mod chart;
 pub mod export;
 pub mod exposure;
+pub mod font;
 pub mod format;
 pub mod hierarchy;
 pub mod matrix;
@@ -136,6 +139,7 @@ pub mod reference;
 pub mod render;
 pub mod scene;
 pub mod solver;
+pub mod survey;
 pub mod tables;
 pub mod visibility;
 pub mod worker;

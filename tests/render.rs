@@ -54,7 +54,7 @@ fn try_draw(
         }
     }
     let offscreen = device.as_mut().expect("made above");
-    Some(offscreen.picture(snapshot, camera, &Display { exposure, as_colours: false }, overlay, size))
+    Some(offscreen.picture(snapshot, camera, &Display { exposure, ..Display::default() }, overlay, size))
 }
 
 /// Quads with one radiosity each, anticlockwise from their bright side, W/m².
@@ -79,6 +79,11 @@ fn snapshot(quads: &[([Vec3; 4], [f32; 3])]) -> Snapshot {
         generation: 1,
         serial: 1,
         mesh: Arc::new(mesh),
+        // Twice what is sent, as of a grey surface of ρ = ½.
+        vertex_irradiance: vertex_radiosity
+            .iter()
+            .map(|radiosity: &[f32; 3]| radiosity.map(|channel| 2.0 * channel))
+            .collect(),
         vertex_radiosity,
         leaf_irradiance: vec![[f32::INFINITY; 3]; leaf_radiosity.len()],
         leaf_radiosity,

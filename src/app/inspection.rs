@@ -114,11 +114,10 @@ impl Inspection {
 
 /// The links of an element, its parts and all that holds it, by what they bring; most first.
 fn links(anatomy: &Anatomy, element: ElementId, direction: Direction) -> Vec<LinkView> {
-    let (mut links, parts) = match direction {
-        Direction::In => (anatomy.incoming(element), anatomy.incoming_of_parts(element)),
-        Direction::Out => (anatomy.outgoing(element), anatomy.outgoing_of_parts(element)),
+    let mut links = match direction {
+        Direction::In => anatomy.all_incoming(element),
+        Direction::Out => anatomy.all_outgoing(element),
     };
-    links.extend(parts);
     let most = |link: &LinkView| match direction {
         Direction::In => link.irradiance.max_element(),
         Direction::Out => link.power,

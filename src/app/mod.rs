@@ -13,10 +13,14 @@ mod inspection;
 mod launch;
 mod looking;
 mod marks;
+mod measure_marks;
+mod measuring;
 mod messages;
 mod paint;
 mod panels;
 mod picked;
+mod readings;
+mod save_dialog;
 mod settings;
 mod theme;
 mod time_left;
@@ -36,16 +40,18 @@ use crate::format;
 use crate::hierarchy::ElementId;
 use crate::scene::Source;
 use crate::solver::{Snapshot, SolverParams};
-use crate::worker::{Command, Event, SceneInfo, SolverThread, Status};
+use crate::worker::{Command, Event, RunState, SceneInfo, SolverThread, Status};
 use comparison::Comparison;
 use files::Files;
 use highlight::Pointing;
 use inspection::Inspection;
 use looking::Looking;
 use marks::MarksOverView;
+use measuring::Measuring;
 use messages::Messages;
 use panels::light::LampEditor;
 use picked::PickedElement;
+use readings::ReadingInView;
 use settings::DisplaySettings;
 use time_left::{Clock, TimeLeft};
 use viewport::Viewport;
@@ -86,9 +92,12 @@ pub struct App {
     files: Files,
     lamp: LampEditor,
     display: DisplaySettings,
+    reading: ReadingInView,
+    measuring: Measuring,
     view: Viewport,
     picked: Option<PickedElement>,
     inspection: Inspection,
+    inspector: dock::Inspector,
     marks: MarksOverView,
     /// What the mouse is over, in a panel or in the view.
     pointing: Pointing,
@@ -150,9 +159,12 @@ impl App {
             files: Files::new(recent),
             lamp: LampEditor::default(),
             display,
+            reading: ReadingInView::default(),
+            measuring: Measuring::default(),
             view: Viewport::default(),
             picked: None,
             inspection: Inspection::default(),
+            inspector: dock::Inspector::default(),
             marks: MarksOverView::default(),
             pointing: Pointing::default(),
             matrix: dock::LinkMatrix::default(),
@@ -179,6 +191,11 @@ impl App {
     /// What the worker said it is about, as of the last frame.
     pub fn status(&self) -> &Status {
         &self.shown.status
+    }
+
+    /// The picked element, in the snapshot in view.
+    pub fn picked_element(&self) -> Option<ElementId> {
+        self.picked.as_ref().map(|picked| picked.element)
     }
 
     /// Where the view lies in the window, points.
@@ -212,6 +229,7 @@ impl App {
             self.follow_picked(&latest);
             self.shown.snapshot = Some(latest);
         }
+        self.follow_measuring();
     }
 
     /// Finds the picked element in a newer snapshot.
@@ -226,6 +244,29 @@ impl App {
         let picked = self.shown.snapshot.as_ref().and_then(|snapshot| PickedElement::by_id(snapshot, id));
         if picked.is_some() {
             self.picked = picked;
+        }
+    }
+
+    /// Brings what panels show of the picked element up to date.
+    fn inspect_picked(&mut self, ctx: &egui::Context) {
+        let (Some(picked), Some(snapshot), Some(info)) = (&self.picked, &self.shown.snapshot, &self.shown.info) else {
+            return;
+        };
+        // The card tells what lights an element; only the inspector can be turned round.
+        let direction = match self.tool {
+            Some(dock::Tool::Inspector) => self.inspector.direction(),
+            _ => inspection::Direction::In,
+        };
+        if self.inspection.look(snapshot, &info.scene, picked.element, direction) {
+            ctx.request_repaint_after(LATER);
+        }
+    }
+
+    /// Shows the surveyor what is in view, and takes up what it found.
+    fn follow_measuring(&mut self) {
+        if let (Some(snapshot), Some(info)) = (&self.shown.snapshot, &self.shown.info) {
+            let is_settled = matches!(self.shown.status.run, RunState::Finished | RunState::Paused);
+            self.measuring.note(&info.scene, snapshot, is_settled);
         }
     }
 
@@ -267,6 +308,7 @@ impl App {
             self.view.start_with(&info.scene);
             self.picked = None;
             self.lamp = LampEditor::for_scene(&info.scene);
+            self.measuring.start_with(&info.scene);
             // A correction made for another scene's light would make this one black or white.
             self.display.auto_stops = 0.0;
         }
@@ -280,6 +322,15 @@ impl App {
 
     fn pick(&mut self, clicked: viewport::Clicked) {
         let (Some(snapshot), Some(info)) = (&self.shown.snapshot, &self.shown.info) else { return };
+        if self.tool == Some(dock::Tool::Measure) && self.measuring.places_probes {
+            if let Some(found) = PickedElement::at(snapshot, clicked.origin, clicked.direction) {
+                let leaf = snapshot.mesh.leaves.iter().find(|leaf| leaf.element == found.element);
+                if let Some(polygon) = leaf.and_then(|leaf| info.scene.polygons.get(leaf.polygon as usize)) {
+                    self.measuring.place(found.point, info.scene.normal(polygon), &self.wake);
+                }
+            }
+            return;
+        }
         self.picked = PickedElement::at(snapshot, clicked.origin, clicked.direction);
         if let Some(picked) = &self.picked {
             if let Some(leaf) = snapshot.mesh.leaves.iter().find(|leaf| leaf.element == picked.element) {
@@ -306,6 +357,7 @@ impl eframe::App for App {
                 files::DialogAnswer::NoDialog => self.messages.note(files::NO_DIALOG.into()),
             }
         }
+        self.inspect_picked(ui.ctx());
         panels::show_sides(self, ui, &mut outbox);
         egui::Panel::top("tools").show(ui, |ui| dock::show_bar(self, ui));
         dock::show(self, ui, &mut outbox);
@@ -318,7 +370,8 @@ impl eframe::App for App {
                 self.pick(clicked);
             }
         });
-        let wants_anatomy = self.picked.is_some() || self.tool.is_some_and(dock::Tool::reads_anatomy);
+        let links_wanted = self.picked.is_some() || self.display.links.of == settings::LinksOf::Level;
+        let wants_anatomy = links_wanted || self.tool.is_some_and(dock::Tool::reads_anatomy);
         outbox.extend(self.looking.command(wants_anatomy));
         self.pointing.end_frame(ui.ctx());
         for command in outbox {

@@ -1,16 +1,16 @@
 //! The view: mouse and keys move the camera, clicks pick; the picture is drawn by [`super::paint`].
 
-use egui::{Key, PointerButton, Pos2, Rect, Response, Sense, Ui};
+use egui::{Key, PointerButton, Rect, Response, Sense, Ui};
 use glam::{Vec2, Vec3};
 
+use super::comparison::Shading;
 use super::dock::Tool;
 use super::highlight::Highlight;
 use super::paint::Picture;
-use super::{App, Outbox, panels, theme};
-use crate::hierarchy::ElementId;
-use crate::render::{Camera, Display, pick};
+use super::{App, Outbox, measure_marks, panels, theme};
+use crate::render::{Camera, Display};
 use crate::scene::{CameraPose, Scene};
-use crate::solver::Snapshot;
+use crate::survey::Ray;
 
 /// A drag across the view's height turns the camera by this, radians.
 const TURN_PER_HEIGHT: f32 = std::f32::consts::PI;
@@ -30,13 +30,11 @@ pub(super) struct Viewport {
     bounds: (Vec3, Vec3),
     start: Option<CameraPose>,
     rect: Rect,
-    /// The ray that was last looked along for what lies under the mouse, generation and serial of the picture, and what was found.
-    looked_along: Option<([Vec3; 2], (u64, u64), Option<ElementId>)>,
 }
 
 impl Default for Viewport {
     fn default() -> Self {
-        Self { camera: None, bounds: (Vec3::ZERO, Vec3::ZERO), start: None, rect: Rect::ZERO, looked_along: None }
+        Self { camera: None, bounds: (Vec3::ZERO, Vec3::ZERO), start: None, rect: Rect::ZERO }
     }
 }
 
@@ -70,6 +68,17 @@ impl Viewport {
     pub(super) fn look_at(&mut self, point: Vec3) {
         if let Some(camera) = self.camera.as_mut() {
             camera.look_at(point);
+        }
+    }
+
+    /// Turns the eye towards a point that lies beyond the edges of the view; one within them moves nothing.
+    pub(super) fn turn_towards_unseen(&mut self, point: Vec3) {
+        let aspect = self.aspect();
+        if let Some(camera) = self.camera.as_mut() {
+            let clip = camera.clip_from_world(aspect) * point.extend(1.0);
+            if clip.w <= 0.0 || clip.x.abs() > clip.w || clip.y.abs() > clip.w {
+                camera.look_at(point);
+            }
         }
     }
 
@@ -135,37 +144,22 @@ impl Viewport {
         }
     }
 
+    /// The ray under a place in the window.
+    fn ray_at(&self, at: egui::Pos2) -> Option<Ray> {
+        let share = (at - self.rect.min) / self.rect.size();
+        let ndc = Vec2::new(2.0 * share.x - 1.0, 1.0 - 2.0 * share.y);
+        let (origin, direction) = self.camera?.ray(ndc, self.aspect());
+        Some(Ray { origin, direction })
+    }
+
     /// The ray under a click.
     fn clicked(&self, response: &Response) -> Option<Clicked> {
         let is_double = response.double_clicked();
         if !(response.clicked() || is_double) {
             return None;
         }
-        let [origin, direction] = self.ray_through(response.interact_pointer_pos()?)?;
+        let Ray { origin, direction } = self.ray_at(response.interact_pointer_pos()?)?;
         Some(Clicked { origin, direction, is_double })
-    }
-
-    /// Origin and direction of the ray through a point of the window.
-    fn ray_through(&self, at: Pos2) -> Option<[Vec3; 2]> {
-        let share = (at - self.rect.min) / self.rect.size();
-        let ndc = Vec2::new(2.0 * share.x - 1.0, 1.0 - 2.0 * share.y);
-        let (origin, direction) = self.camera?.ray(ndc, self.aspect());
-        Some([origin, direction])
-    }
-
-    /// The leaf under the mouse, looked for only where the ray or the picture is another one.
-    fn leaf_under(&mut self, response: &Response, snapshot: &Snapshot) -> Option<ElementId> {
-        let at = response.hover_pos().filter(|_| !response.dragged())?;
-        let ray = self.ray_through(at)?;
-        let picture = (snapshot.generation, snapshot.serial);
-        if let Some((_, _, found)) = self.looked_along.filter(|(along, of, _)| (*along, *of) == (ray, picture)) {
-            return found;
-        }
-        let mesh = &snapshot.mesh;
-        let picked = pick(mesh, ray[0], ray[1]);
-        let found = picked.and_then(|picked| mesh.leaves.get(picked.leaf as usize)).map(|leaf| leaf.element);
-        self.looked_along = Some((ray, picture, found));
-        found
     }
 }
 
@@ -188,10 +182,13 @@ pub(super) fn show(app: &mut App, ui: &mut Ui, outbox: &mut Outbox) -> Option<Cl
     app.view.steer(ui, &response);
     app.view.fly(ui, &response);
     let clicked = app.view.clicked(&response);
+    // While the view turns nothing can be read.
+    let pointer = response.hover_pos().filter(|_| !response.dragged()).and_then(|at| app.view.ray_at(at));
+    app.measuring.point_at(pointer, &app.wake);
     if app.tool.is_some_and(Tool::marks_what_is_pointed_at)
-        && let Some(leaf) = app.view.leaf_under(&response, &snapshot)
+        && let Some(reading) = app.measuring.under_pointer()
     {
-        app.pointing.at(Highlight::Element(leaf));
+        app.pointing.at(Highlight::Element(reading.leaf.element));
     }
 
     if let Some(camera) = app.view.camera {
@@ -199,25 +196,41 @@ pub(super) fn show(app: &mut App, ui: &mut Ui, outbox: &mut Outbox) -> Option<Cl
         let pixels = |points: f32| (points * scale).round().max(1.0) as u32;
         let deepest = snapshot.clusters.iter().map(|cluster| cluster.level).max().unwrap_or(0);
         let is_dark = app.shown.info.as_ref().is_some_and(|info| !info.has_light);
-        // Without links the picked element still has its rim.
-        let most = if app.display.show_links { app.display.strongest_links } else { 0 };
-        let marks =
-            app.marks.over(&snapshot, app.picked.as_ref().map(|picked| picked.element), most, app.pointing.now());
+        let picked = app.picked.as_ref().map(|picked| picked.element);
+        let marks = app.marks.over(&snapshot, picked, &app.inspection, &app.display.links, app.pointing.now());
         let painted = app.comparison.painted();
+        let reading = app.reading.follow(&snapshot, &app.display.reading);
         let picture = Picture {
             camera,
-            display: Display { as_colours: painted.is_some(), ..app.display.display() },
+            display: Display { as_colours: painted.is_some(), reading, ..app.display.display() },
             snapshot: painted.unwrap_or(snapshot),
             overlay: app.display.overlay(deepest, is_dark, marks),
             size: [pixels(rect.width()), pixels(rect.height())],
         };
         picture.add_to(&ui.painter_at(rect), rect);
+        measure_marks::show(&ui.painter_at(rect), rect, &camera, &app.measuring, reading.as_ref());
     }
-    if app.comparison.error().is_some() {
-        panels::legend::show(ui, rect, app.comparison.shading);
-    }
+    show_legend(app, ui, rect);
+    panels::links::show_legend(app, ui, rect);
     panels::picked::show(app, ui, rect);
     panels::empty::show_loading(app, ui, rect, outbox);
     panels::empty::show_drop_hint(ui, rect);
     clicked
+}
+
+/// What the colours of the surfaces mean, where they stand for something.
+fn show_legend(app: &App, ui: &mut Ui, rect: Rect) {
+    if app.comparison.error().is_some() && app.comparison.shading != Shading::Lit {
+        panels::legend::show_error(ui, rect, app.comparison.shading);
+    } else if let Some(reading) = app.reading.last() {
+        let settings = &app.display.reading;
+        let remark = match (reading.fills, settings.range) {
+            (false, _) => "lines",
+            (true, Some(_)) => "locked range",
+            (true, None) => "",
+        };
+        panels::legend::show_reading(ui, rect, &reading, settings.unit, remark);
+    } else if let Some(reading) = app.measuring.plane_scale(None).filter(|_| app.measuring.shows_points) {
+        panels::legend::show_reading(ui, rect, &reading, app.display.reading.unit, "work plane");
+    }
 }

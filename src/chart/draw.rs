@@ -1,16 +1,14 @@
 //! Charts as pictures: error over time, links or rays with bars of its standard error, both axes logarithmic.
 
-use std::sync::OnceLock;
-
 use plotters::coord::Shift;
 use plotters::prelude::*;
 use plotters::series::DashedLineSeries;
-use plotters::style::register_font;
 
 use super::axis::LogAxis;
 use super::pareto::front;
 use super::record::{Chart, PathTracerRecord, RunRecord};
 use crate::accuracy::Measure;
+use crate::font::family;
 use crate::solver::Push;
 
 /// Size of a picture, pixels.
@@ -184,7 +182,7 @@ fn plot<B: DrawingBackend>(
     (x, y): (LogAxis, LogAxis),
 ) -> Result<(), DrawingAreaErrorKind<B::ErrorType>> {
     let chart = drawing.chart;
-    let text = |size: f64, colour: RGBColor| (font_family(), size).into_font().color(&colour);
+    let text = |size: f64, colour: RGBColor| (family(), size).into_font().color(&colour);
     root.fill(&WHITE)?;
     let (measure, of_measure) = match drawing.shown {
         Shown::Rms => ("error", "RMS error of B as displayed, %"),
@@ -275,7 +273,7 @@ fn legend<B: DrawingBackend>(
 ) -> Result<(), DrawingAreaErrorKind<B::ErrorType>> {
     let mut y = 30;
     let name = |text: &str, y: i32| {
-        let style = (font_family(), 19.0).into_font().color(&INK);
+        let style = (family(), 19.0).into_font().color(&INK);
         area.draw(&Text::new(text.to_owned(), (66, y - 10), style))
     };
     let line =
@@ -371,15 +369,4 @@ fn tick(value: f64) -> String {
         value if value >= 0.9e-3 => scaled(value, ""),
         _ => format!("{value:.0e}"),
     }
-}
-
-/// The family under which the font that comes with the program is known: pictures need no fonts of the system.
-pub fn font_family() -> &'static str {
-    static REGISTERED: OnceLock<bool> = OnceLock::new();
-    const FAMILY: &str = "sans-serif";
-    REGISTERED.get_or_init(|| {
-        // Ubuntu Light, under the Ubuntu Font Licence.
-        register_font(FAMILY, FontStyle::Normal, epaint_default_fonts::UBUNTU_LIGHT).is_ok()
-    });
-    FAMILY
 }

@@ -12,7 +12,6 @@ mod record;
 mod sweep;
 mod write;
 
-pub(crate) use draw::font_family;
 pub use draw::{Against, DrawError, Drawing, Shown, draw_png, draw_svg};
 pub use record::{Chart, PathTracerRecord, ReferenceRecord, RunRecord, SkippedRun};
 pub(crate) use sweep::within;

@@ -7,11 +7,15 @@
 mod accuracy;
 mod chart;
 mod job;
+#[cfg(feature = "gui")]
+mod legend;
 mod matrix;
 mod options;
 mod output;
 mod probe;
 mod progress;
+#[cfg(feature = "gui")]
+mod reading;
 mod reference;
 #[cfg(feature = "gui")]
 mod render;
@@ -20,6 +24,7 @@ mod scene;
 mod solve;
 mod tables;
 mod window;
+mod work_plane;
 
 use std::process::ExitCode;
 use std::time::Instant;

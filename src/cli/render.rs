@@ -1,15 +1,22 @@
 //! `selflink render`: a picture of the solution, drawn without a window.
 
+use std::sync::Arc;
+
 use anyhow::{anyhow, bail};
 use clap::{Arg, ArgAction, ArgMatches, Command};
 use glam::{Vec2, Vec3};
 use image::{ImageFormat, RgbaImage};
-use selflink::render::{Camera, Display, Exposure, MAX_SIZE, Marks, Offscreen, Overlay, USUAL_LINKS, link_marks, pick};
+use selflink::render::{
+    Camera, ChosenLinks, Display, Exposure, LinkFilter, LinkStyle, MAX_SIZE, Marks, Offscreen, Overlay,
+    ReadingSettings, pick, picked_marks,
+};
 use selflink::scene::{CameraPose, Scene};
+use selflink::solver::{Anatomy, LinkView};
 
 use super::job::{Order, Solution};
 use super::options::{self, numbers, path, path_arg};
 use super::output::{OutputFile, say};
+use super::{legend, reading};
 
 /// Pixels of a picture that nothing is said about.
 const USUAL_SIZE: [u32; 2] = [1280, 800];
@@ -18,7 +25,8 @@ const USUAL_HFOV: f32 = 60.0;
 
 /// The command's arguments.
 pub fn command() -> Command {
-    options::solving(Command::new("render").about("Solve a scene and draw it to a PNG file, without a window"))
+    let command = Command::new("render").about("Solve a scene and draw it to a PNG file, without a window");
+    reading::with_options(options::solving(command))
         .arg(path_arg("out", "FILE.png").required(true).help("The picture"))
         .arg(Arg::new("size").long("size").value_name("WxH").help("Pixels [default: 1280x800]"))
         .arg(
@@ -38,9 +46,9 @@ pub fn command() -> Command {
         .arg(
             Arg::new("overlay")
                 .long("overlay")
-                .value_name("elements|clusters:LEVEL|links:X,Y")
+                .value_name("elements|clusters:LEVEL|links:X,Y|level-links:LEVEL")
                 .action(ArgAction::Append)
-                .help("Draw over the picture: outlines of the patches, boxes of the clusters of a level (0 is the root), or the links of the surface at a pixel. May be given several times"),
+                .help("Draw over the picture: outlines of the patches, boxes of the clusters of a level (0 is the root), the links of the surface at a pixel, or those of all receivers at a level below the root; the strongest 200. May be given several times"),
         )
 }
 
@@ -54,8 +62,21 @@ pub struct View {
     pub display: Display,
     /// What is drawn over the picture.
     pub overlay: Overlay,
-    /// The pixel whose surface shows its links.
-    pub links_at: Option<[f32; 2]>,
+    /// What is read off the surfaces.
+    pub reading: ReadingSettings,
+    /// Whether a legend tells what false colours mean.
+    pub has_legend: bool,
+    /// The links over it.
+    pub links: Option<LinksOf>,
+}
+
+/// Whose links are drawn.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum LinksOf {
+    /// Those of the surface at a pixel.
+    Pixel([f32; 2]),
+    /// Those of all receivers at a level below the root.
+    Level(u16),
 }
 
 impl Default for View {
@@ -65,7 +86,9 @@ impl Default for View {
             camera: None,
             display: Display::default(),
             overlay: Overlay::default(),
-            links_at: None,
+            reading: ReadingSettings::default(),
+            has_legend: true,
+            links: None,
         }
     }
 }
@@ -109,10 +132,18 @@ pub fn draw(
         eprintln!("note: there are no clusters of level {level} to be drawn, the deepest have level {deepest}.");
     }
     let mut overlay = view.overlay.clone();
-    if let Some(pixel) = view.links_at {
-        overlay.marks = links_at(solution, &camera, pixel, view.size);
+    match view.links {
+        Some(LinksOf::Pixel(pixel)) => overlay.marks = links_at(solution, &camera, pixel, view.size),
+        Some(LinksOf::Level(level)) => overlay.marks = links_of_level(solution, level),
+        None => {}
     }
-    Ok(offscreen.picture(&solution.snapshot, &camera, &view.display, &overlay, view.size)?)
+    let reading = view.reading.reading(&solution.snapshot);
+    let display = Display { reading, ..view.display };
+    let mut picture = offscreen.picture(&solution.snapshot, &camera, &display, &overlay, view.size)?;
+    if let Some(reading) = reading.filter(|_| view.has_legend) {
+        legend::draw(&mut picture, &reading, view.reading.unit)?;
+    }
+    Ok(picture)
 }
 
 fn camera(scene: &Scene, view: &View) -> Camera {
@@ -135,9 +166,11 @@ fn links_at(solution: &mut Solution, camera: &Camera, [x, y]: [f32; 2], [width, 
     match pick(&solution.snapshot.mesh, origin, direction) {
         Some(picked) => {
             let element = solution.snapshot.mesh.leaves[picked.leaf as usize].element;
-            solution.solver.show_anatomy(true);
-            solution.snapshot = solution.solver.snapshot();
-            link_marks(&solution.snapshot, element, USUAL_LINKS).into()
+            let Some(anatomy) = anatomy(solution) else { return Marks::default() };
+            let style = LinkStyle { ends: false, ..LinkStyle::default() };
+            let mut lines = chosen(&anatomy, anatomy.incoming(element)).lines(&anatomy, style);
+            lines.extend(picked_marks(&anatomy, element));
+            lines.into()
         }
         None => {
             eprintln!("warning: no surface is to be seen at pixel {x},{y}, so no links are drawn.");
@@ -146,12 +179,40 @@ fn links_at(solution: &mut Solution, camera: &Camera, [x, y]: [f32; 2], [width, 
     }
 }
 
+/// The links of all receivers at a level.
+fn links_of_level(solution: &mut Solution, level: u16) -> Marks {
+    let Some(anatomy) = anatomy(solution) else { return Marks::default() };
+    if level > anatomy.deepest() {
+        eprintln!(
+            "note: there are no elements at level {level} to be linked, the deepest have level {}.",
+            anatomy.deepest()
+        );
+    }
+    chosen(&anatomy, anatomy.links_at_depth(level)).lines(&anatomy, LinkStyle::default()).into()
+}
+
+/// The strongest links, and a word about the rest.
+fn chosen(anatomy: &Anatomy, links: impl IntoIterator<Item = LinkView>) -> ChosenLinks {
+    let chosen = ChosenLinks::new(links, &LinkFilter::default(), anatomy.epsilon_watts());
+    eprintln!("note: {}.", chosen.to_string().to_lowercase());
+    chosen
+}
+
+/// The solution's elements and links.
+fn anatomy(solution: &mut Solution) -> Option<Arc<Anatomy>> {
+    solution.solver.show_anatomy(true);
+    solution.snapshot = solution.solver.snapshot();
+    solution.snapshot.anatomy.clone()
+}
+
 fn view(matches: &ArgMatches) -> anyhow::Result<View> {
     let text = |name: &str| matches.get_one::<String>(name).map(String::as_str);
     let size = text("size").map_or(Ok(USUAL_SIZE), size)?;
     let camera = text("camera").map(eye_and_target).transpose()?;
-    let display = Display { exposure: text("exposure").map_or(Ok(Exposure::default()), exposure)?, as_colours: false };
-    let mut view = View { size, camera, display, ..View::default() };
+    let display =
+        Display { exposure: text("exposure").map_or(Ok(Exposure::default()), exposure)?, ..Display::default() };
+    let (reading, has_legend) = (reading::settings(matches)?, !matches.get_flag("no-legend"));
+    let mut view = View { size, camera, display, reading, has_legend, ..View::default() };
     for overlay in matches.get_many::<String>("overlay").unwrap_or_default() {
         add_overlay(&mut view, overlay)?;
     }
@@ -191,7 +252,8 @@ fn exposure(text: &str) -> anyhow::Result<Exposure> {
 }
 
 fn add_overlay(view: &mut View, text: &str) -> anyhow::Result<()> {
-    let unknown = || anyhow!("--overlay must be elements, clusters:LEVEL or links:X,Y (it is `{text}`)");
+    let unknown =
+        || anyhow!("--overlay must be elements, clusters:LEVEL, links:X,Y or level-links:LEVEL (it is `{text}`)");
     match text.split_once(':') {
         None if text == "elements" => view.overlay.elements = true,
         Some(("clusters", level)) => view.overlay.clusters = Some(level.parse().map_err(|_| unknown())?),
@@ -201,8 +263,9 @@ fn add_overlay(view: &mut View, text: &str) -> anyhow::Result<()> {
             if !((0.0..width).contains(&pixel[0]) && (0.0..height).contains(&pixel[1])) {
                 bail!("--overlay {text} lies outside the picture of {width}x{height} pixels");
             }
-            view.links_at = Some(pixel);
+            view.links = Some(LinksOf::Pixel(pixel));
         }
+        Some(("level-links", level)) => view.links = Some(LinksOf::Level(level.parse().map_err(|_| unknown())?)),
         _ => return Err(unknown()),
     }
     Ok(())
@@ -231,9 +294,11 @@ mod tests {
         for text in ["elements", "clusters:3", "links:10,20"] {
             add_overlay(&mut view, text).expect("good");
         }
-        assert!(view.overlay.elements && view.links_at.is_some());
-        assert_eq!((view.overlay.clusters, view.links_at), (Some(3), Some([10.0, 20.0])));
-        for text in ["", "boxes", "clusters", "clusters:x", "links:1", "links:5000,1", "links:-1,1"] {
+        assert!(view.overlay.elements);
+        assert_eq!((view.overlay.clusters, view.links), (Some(3), Some(LinksOf::Pixel([10.0, 20.0]))));
+        add_overlay(&mut view, "level-links:4").expect("good");
+        assert_eq!(view.links, Some(LinksOf::Level(4)));
+        for text in ["", "boxes", "clusters", "clusters:x", "links:1", "links:5000,1", "links:-1,1", "level-links:x"] {
             assert!(add_overlay(&mut view, text).is_err(), "{text}");
         }
     }

@@ -11,7 +11,7 @@ use super::colour::{Legend, Palette};
 use super::raster::{Request, View, facts, raster};
 use super::{Colouring, EMPTY};
 use crate::cancel::CancelToken;
-use crate::chart::font_family;
+use crate::font::family;
 use crate::format;
 use crate::hierarchy::Room;
 use crate::names::Names;
@@ -185,5 +185,5 @@ fn legend<'b>(root: &Area<'_, 'b>, palette: &Palette, (left, top): (i32, i32)) -
 }
 
 fn text(size: f64, colour: RGBColor) -> TextStyle<'static> {
-    (font_family(), size).into_font().color(&colour)
+    (family(), size).into_font().color(&colour)
 }

@@ -3,6 +3,8 @@
 //! Exposure: the log-average key of Reinhard et al., "Photographic Tone Reproduction for Digital Images", SIGGRAPH 2002.
 //! Tone curve: the rational fit to the ACES filmic curve of K. Narkowicz, "ACES Filmic Tone Mapping Curve", 2015, per channel.
 
+use super::reading::Reading;
+use crate::photometry::weighted;
 use crate::solver::snapshot::Snapshot;
 
 /// Exposed log-average luminance of a well exposed picture, before the tone curve. Photography's 0.18 is the key of a landscape;
@@ -57,6 +59,8 @@ pub struct Display {
     pub exposure: Exposure,
     /// The vertices carry gamma-encoded colours, 0..=1, instead of radiosities: they are shown as they are.
     pub as_colours: bool,
+    /// What is read off the surfaces, as false colours or lines of equal value; nothing where vertices carry colours.
+    pub reading: Option<Reading>,
 }
 
 /// The factor on radiosities, m²/W, that exposes a snapshot well; 1 where nothing is lit.
@@ -105,9 +109,9 @@ pub fn auto_exposure(snapshot: &Snapshot) -> f32 {
     if exposure.is_finite() && exposure > 0.0 { exposure.clamp(1e-30, 1e30) as f32 } else { 1.0 }
 }
 
-/// Luminance of a linear RGB radiosity, W/m² (Rec. 709 weights).
-fn luminance([r, g, b]: [f32; 3]) -> f64 {
-    f64::from(0.2126 * r + 0.7152 * g + 0.0722 * b)
+/// Luminance of a linear RGB radiosity, W/m².
+fn luminance(radiosity: [f32; 3]) -> f64 {
+    weighted(radiosity).into()
 }
 
 /// Filmic tone curve of one linear, exposed channel: 0..∞ to 0..1 (Narkowicz 2015).
@@ -147,6 +151,7 @@ mod tests {
             serial: 1,
             mesh: Arc::new(Mesh { leaves: leaves.iter().map(leaf).collect(), ..Mesh::default() }),
             vertex_radiosity: Vec::new(),
+            vertex_irradiance: Vec::new(),
             leaf_irradiance: leaves.iter().map(|leaf| [leaf.2; 3]).collect(),
             leaf_radiosity: leaves.iter().map(|leaf| [leaf.1; 3]).collect(),
             clusters: Arc::default(),

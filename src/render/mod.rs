@@ -10,21 +10,27 @@
 mod buffer;
 mod camera;
 mod display;
+mod links;
 mod offscreen;
 mod outline;
 mod overlay;
 mod pick;
 mod pipelines;
+mod reading;
+mod reading_settings;
 mod renderer;
 mod target;
 
-pub use crate::ramp::{BLUE_WHITE_RED, VIRIDIS, along_ramp};
+pub use crate::ramp::{BLUE_WHITE_RED, CIVIDIS, Ramp, VIRIDIS, along_ramp};
 pub use camera::Camera;
 pub use display::{Display, Exposure, auto_exposure, encode_gamma, tone_curve};
+pub use links::{ChosenLinks, LinkColour, LinkFilter, LinkStyle, Seen, USUAL_LINKS, level_colour};
 pub use offscreen::Offscreen;
 pub use outline::element_outline;
-pub use overlay::{Line, Marks, Overlay, USUAL_LINKS, link_marks, power_colour};
+pub use overlay::{Line, Marks, Overlay, picked_marks, power_colour};
 pub use pick::{Picked, pick};
+pub use reading::{ColourScale, Isolines, MOST_ISOLINES, Reading, Spacing};
+pub use reading_settings::{IsolinesWanted, Mark, ReadingSettings, Show};
 pub use renderer::{Frame, SceneRenderer, sample_count};
 
 #[cfg(doc)]

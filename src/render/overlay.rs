@@ -7,8 +7,8 @@ use glam::Vec3;
 use super::outline::{box_edges, element_outline};
 use crate::hierarchy::ElementId;
 use crate::ramp::{VIRIDIS, along_ramp};
-use crate::solver::LinkView;
-use crate::solver::snapshot::{ClusterBox, Mesh, Snapshot};
+use crate::solver::Anatomy;
+use crate::solver::snapshot::{ClusterBox, Mesh};
 
 /// What to draw over the picture.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -39,9 +39,6 @@ impl From<Vec<Line>> for Marks {
         Self((!lines.is_empty()).then(|| Arc::new(lines)))
     }
 }
-
-/// As many links as can still be told apart.
-pub const USUAL_LINKS: usize = 200;
 
 /// A straight line of constant width on the screen; with both ends in one place, a round dot.
 #[derive(Clone, Copy, Debug, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
@@ -75,10 +72,7 @@ const OUTLINE: ([u8; 4], f32) = ([70, 130, 220, 190], 1.2);
 const CLUSTER: ([u8; 4], f32) = ([255, 176, 0, 220], 1.5);
 /// The picked element.
 const PICKED: ([u8; 4], f32) = ([255, 255, 255, 255], 2.5);
-/// Width of a link, pixels, and diameter of the dots at its ends.
-const LINK_WIDTH: f32 = 2.0;
-const SOURCE_DOT: f32 = 6.0;
-const CLUSTER_DOT: f32 = 9.0;
+/// Diameter of the dot at its centre.
 const PICKED_DOT: f32 = 10.0;
 /// Links weaker than this share of the strongest have the ramp's first colour.
 const WEAKEST_SHARE: f32 = 1e-3;
@@ -109,38 +103,18 @@ pub(super) fn cluster_boxes(clusters: &[ClusterBox], level: u16) -> Vec<Line> {
         .collect()
 }
 
-/// The strongest links that bring light to an element, so many at most, weakest first so that strong ones end on top, and the element
-/// itself; empty where the snapshot carries no anatomy.
-pub fn link_marks(snapshot: &Snapshot, element: ElementId, most: usize) -> Vec<Line> {
-    let Some(anatomy) = snapshot.anatomy.as_ref().filter(|anatomy| anatomy.holds(element)) else { return Vec::new() };
-    let mut lines = link_lines(&anatomy.incoming(element), most);
+/// The picked element: its rim or box, and its centre.
+pub fn picked_marks(anatomy: &Anatomy, element: ElementId) -> Vec<Line> {
     let (colour, width) = PICKED;
-    let rim = element_outline(anatomy.hierarchy(), element);
-    lines.extend(rim.into_iter().map(|[from, to]| Line::new(from, to, width, colour)));
+    let rim = element_outline(anatomy.hierarchy(), element).into_iter();
+    let mut lines: Vec<Line> = rim.map(|[from, to]| Line::new(from, to, width, colour)).collect();
     lines.push(Line::dot(anatomy.hierarchy().element(element).centre, PICKED_DOT, colour));
     lines
-}
-
-fn link_lines(links: &[LinkView], most: usize) -> Vec<Line> {
-    let strongest = &links[..most.min(links.len())];
-    let most = strongest.iter().map(|link| link.power).fold(0.0, f32::max);
-    let drawn = strongest.iter().rev().flat_map(|link| {
-        let [r, g, b] = power_colour(if most > 0.0 { link.power / most } else { 0.0 });
-        let colour = [r, g, b, 255];
-        // A cluster receives and sends as a whole: its dot is larger.
-        let dot = if link.source_is_cluster { CLUSTER_DOT } else { SOURCE_DOT };
-        [
-            Line::new(link.receiver_centre, link.source_centre, LINK_WIDTH, colour),
-            Line::dot(link.source_centre, dot, colour),
-        ]
-    });
-    drawn.collect()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::solver::Evidence;
     use crate::solver::snapshot::Leaf;
 
     fn two_leaves() -> Mesh {
@@ -158,23 +132,6 @@ mod tests {
             triangle_leaf: vec![0, 0, 1],
             outlines: vec![[0, 1], [1, 2], [2, 3], [3, 0], [1, 4], [4, 2]],
             leaves: vec![leaf(7), leaf(9)],
-        }
-    }
-
-    fn link(power: f32, source_is_cluster: bool) -> LinkView {
-        LinkView {
-            receiver: ElementId(7),
-            source: ElementId(9),
-            receiver_centre: Vec3::ZERO,
-            source_centre: Vec3::X * power,
-            source_is_cluster,
-            form_factor: 0.1,
-            visibility: 1.0,
-            evidence: Evidence::Inherited,
-            power,
-            levels_up: 0,
-            receiver_is_cluster: false,
-            irradiance: Vec3::ZERO,
         }
     }
 
@@ -198,17 +155,6 @@ mod tests {
         starts.sort();
         starts.dedup();
         assert_eq!(starts.len(), 12);
-    }
-
-    #[test]
-    fn only_the_strongest_links_are_drawn_and_the_strongest_last() {
-        let links = [link(8.0, false), link(4.0, true), link(2.0, false)];
-        let lines = link_lines(&links, 2);
-        // Two links, each a line and the dot of its source.
-        assert_eq!(lines.len(), 4);
-        assert_eq!(lines[2].to, [8.0, 0.0, 0.0]);
-        assert_eq!(lines[2].colour, [253, 231, 37, 255]);
-        assert_eq!((lines[1].from, lines[1].width), (lines[1].to, CLUSTER_DOT));
     }
 
     #[test]

@@ -186,6 +186,7 @@ impl Solver {
             generation: self.generation,
             serial: self.serial,
             vertex_radiosity: display.of_vertices(&light.radiosity),
+            vertex_irradiance: display.of_vertices(&light.irradiance),
             leaf_irradiance: display.of_leaves(&light.irradiance),
             leaf_radiosity: display.of_leaves(&light.radiosity),
             mesh: display.mesh,

@@ -499,11 +499,6 @@ impl Solver {
         snapshot.stats.seconds = self.seconds;
         snapshot
     }
-
-    /// Irradiance E of each mesh vertex of the last snapshot, W/m², averaged like its radiosity; empty before the first one.
-    pub fn vertex_irradiance(&self) -> Vec<[f32; 3]> {
-        picture::vertex_irradiance(self)
-    }
 }
 
 /// Does some work; also tells how many seconds it took.

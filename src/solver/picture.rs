@@ -50,9 +50,13 @@ pub(super) fn snapshot(solver: &mut Solver) -> Snapshot {
         Some(_) => None,
         None => Some(Display::current(solver.display.take(), &solver.scene, &solver.hierarchy, style)),
     };
-    let (display, vertex_radiosity) = match (&of_links, gathered) {
-        (None, Some(gather)) => (gather.display(), gather.radiosity()),
-        (Some(display), _) => (display, display.of_vertices(&light.radiosity)),
+    let (display, vertex_irradiance, vertex_radiosity) = match (&of_links, gathered) {
+        (None, Some(gather)) => {
+            let irradiance = gather.vertex_irradiance();
+            let radiosity = gather.radiosity_of(&irradiance);
+            (gather.display(), irradiance, radiosity)
+        }
+        (Some(display), _) => (display, display.of_vertices(&light.irradiance), display.of_vertices(&light.radiosity)),
         (None, None) => unreachable!("what is not gathered comes from links"),
     };
     let anatomy =
@@ -62,6 +66,7 @@ pub(super) fn snapshot(solver: &mut Solver) -> Snapshot {
         serial: solver.serial,
         mesh: display.mesh.clone(),
         vertex_radiosity,
+        vertex_irradiance,
         leaf_irradiance: display.of_leaves(&light.irradiance),
         leaf_radiosity: display.of_leaves(&light.radiosity),
         clusters: display.clusters.clone(),
@@ -74,16 +79,6 @@ pub(super) fn snapshot(solver: &mut Solver) -> Snapshot {
     }
     solver.picture.light = Some(light);
     snapshot
-}
-
-/// Irradiance E of each vertex of the last snapshot's mesh, W/m².
-pub(super) fn vertex_irradiance(solver: &Solver) -> Vec<[f32; 3]> {
-    let gathered = solver.final_gather.as_ref().filter(|gather| gather.is_ready());
-    match (gathered, &solver.display, &solver.picture.light) {
-        (Some(gather), ..) => gather.vertex_irradiance(),
-        (None, Some(display), Some(light)) => display.of_vertices(&light.irradiance),
-        _ => Vec::new(),
-    }
 }
 
 fn picture_light(solver: &mut Solver, table: &LinkTable) -> Light {

@@ -22,6 +22,8 @@ pub struct Snapshot {
     pub mesh: Arc<Mesh>,
     /// Radiosity B of each mesh vertex, W/m², linear RGB.
     pub vertex_radiosity: Vec<[f32; 3]>,
+    /// Irradiance E of each mesh vertex, W/m², linear RGB.
+    pub vertex_irradiance: Vec<[f32; 3]>,
     /// Irradiance E of each leaf, W/m²; parallel to [`Mesh::leaves`].
     pub leaf_irradiance: Vec<[f32; 3]>,
     /// Radiosity B of each leaf, W/m²; parallel to [`Mesh::leaves`].

@@ -4,7 +4,10 @@
 //! Vulkan serves.
 #![cfg(feature = "gui")]
 
+mod gallery;
+mod inspector;
 mod matrix;
 mod panels;
+mod readings;
 mod support;
 mod timeline;

@@ -22,8 +22,16 @@ pub fn window(source: Option<Source>, params: SolverParams) -> Harness<'static, 
 }
 
 pub fn window_with(opening: Option<(Source, AddedLight)>, params: SolverParams) -> Harness<'static, App> {
+    open([1280.0, 800.0], opening, params)
+}
+
+pub fn window_of_size(size: [f32; 2], source: Option<Source>, params: SolverParams) -> Harness<'static, App> {
+    open(size, source.map(|source| (source, AddedLight::default())), params)
+}
+
+fn open(size: [f32; 2], opening: Option<(Source, AddedLight)>, params: SolverParams) -> Harness<'static, App> {
     Harness::builder()
-        .with_size([1280.0, 800.0])
+        .with_size(size)
         .wgpu()
         .build_eframe(|cc| App::new(cc, opening, params).expect("a wgpu device and a thread are there"))
 }

@@ -4,9 +4,13 @@
 
 mod inspector;
 mod matrix;
+mod measure;
+mod readout;
 
 use egui::{RichText, ScrollArea, Ui};
 use serde::{Deserialize, Serialize};
+
+pub(super) use inspector::Inspector;
 
 use super::{App, Outbox, theme};
 pub(super) use matrix::LinkMatrix;
@@ -59,7 +63,7 @@ const TOOLS: [(Tool, &str, &str); 6] = [
 const WIDTHS: std::ops::RangeInclusive<f32> = 300.0..=900.0;
 const FIRST_WIDTH: f32 = 380.0;
 /// For a table of links.
-const FIRST_WIDTH_OF_TABLE: f32 = 470.0;
+const FIRST_WIDTH_OF_TABLE: f32 = 500.0;
 
 /// The bar above the view: a switch for each tool.
 pub(super) fn show_bar(app: &mut App, ui: &mut Ui) {
@@ -70,6 +74,7 @@ pub(super) fn show_bar(app: &mut App, ui: &mut Ui) {
                 app.tool = (!is_open).then_some(*tool);
             }
         }
+        ui.with_layout(egui::Layout::left_to_right(egui::Align::Center), |ui| readout::show(app, ui));
     });
 }
 
@@ -92,12 +97,9 @@ pub(super) fn show(app: &mut App, ui: &mut Ui, _outbox: &mut Outbox) {
             Tool::Inspector => inspector::show(app, ui),
             Tool::Matrix => matrix::show(app, ui),
             Tool::Clusters | Tool::Measure | Tool::Compare | Tool::Export => {
-                ScrollArea::vertical().auto_shrink([false, false]).show(ui, |_ui| match open {
-                    Tool::Inspector | Tool::Matrix => {}
-                    Tool::Clusters => {}
-                    Tool::Measure => {}
-                    Tool::Compare => {}
-                    Tool::Export => {}
+                ScrollArea::vertical().auto_shrink([false, false]).show(ui, |ui| match open {
+                    Tool::Measure => measure::show(ui, &app.shown, &mut app.measuring, &mut app.messages, &app.wake),
+                    Tool::Inspector | Tool::Matrix | Tool::Clusters | Tool::Compare | Tool::Export => {}
                 });
             }
         }

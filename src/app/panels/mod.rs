@@ -6,8 +6,10 @@ pub(super) mod display;
 pub(super) mod empty;
 pub(super) mod legend;
 pub(super) mod light;
+pub(super) mod links;
 pub(super) mod parameters;
 pub(super) mod picked;
+mod readings;
 pub(super) mod scene;
 pub(super) mod solver;
 pub(super) mod statistics;
@@ -40,7 +42,9 @@ fn show_sections(app: &mut App, ui: &mut Ui, outbox: &mut Outbox) {
         section(ui, title, dark, Some("light"), |ui| light::show(ui, &info, &mut app.lamp, outbox));
     }
     section(ui, "Solver", true, None, |ui| solver::show(ui, &app.shown, &mut app.params, outbox));
-    section(ui, "Display", true, None, |ui| display::show(ui, &app.shown, &mut app.display));
+    section(ui, "Display", true, None, |ui| {
+        display::show(ui, &app.shown, &mut app.display, app.reading.last().as_ref())
+    });
     if let Some(info) = app.shown.info.clone() {
         let (comparison, wake) = (&mut app.comparison, &app.wake);
         let mut outcome = Ok(());

@@ -6,7 +6,7 @@ use glam::Vec3;
 
 use super::super::dock::Tool;
 use super::super::facts::Facts;
-use super::super::inspection::{Direction, Inspection};
+use super::super::inspection::Inspection;
 use super::super::{App, format, theme};
 use crate::hierarchy::ElementId;
 use crate::scene::Scene;
@@ -26,9 +26,6 @@ pub(in super::super) fn show(app: &mut App, ui: &mut Ui, rect: Rect) {
         return;
     };
     let (element, scene) = (picked.element, &info.scene);
-    if app.inspection.look(snapshot, scene, element, Direction::In) {
-        ui.ctx().request_repaint_after(super::super::LATER);
-    }
     let (mut close, mut inspect) = (false, false);
     let at = rect.right_top() + egui::vec2(-10.0, 10.0);
     egui::Area::new(egui::Id::unique("picked")).pivot(Align2::RIGHT_TOP).fixed_pos(at).show(ui.ctx(), |ui| {
@@ -128,15 +125,25 @@ fn name_of_source(inspection: &mut Inspection, anatomy: &Anatomy, scene: &Scene,
     }
 }
 
-/// Which element's link it is, seen from the inspected one.
+/// Whose link brings the light, seen from the inspected element.
 pub(in super::super) fn whose(link: &LinkView) -> String {
-    let kind = if link.receiver_is_cluster { "cluster" } else { "patch" };
-    match link.levels_up {
+    whose_end(link.levels_up, link.receiver_is_cluster)
+}
+
+/// Whose link takes the light away, likewise.
+pub(in super::super) fn whose_light(link: &LinkView) -> String {
+    whose_end(link.levels_up, link.source_is_cluster)
+}
+
+fn whose_end(levels_up: i16, is_cluster: bool) -> String {
+    let kind = if is_cluster { "cluster" } else { "patch" };
+    match levels_up {
         0 => "a link of the element's own".to_owned(),
         1 => format!("a link of the {kind} that holds it"),
         levels if levels > 0 => format!("a link of the {kind} {levels} levels above it"),
         levels => {
-            format!("a link of a {kind} inside of it, {} below", format::things(-levels as usize, "level", "levels"))
+            let below = format::things(usize::from(levels.unsigned_abs()), "level", "levels");
+            format!("a link of a {kind} inside of it, {below} below")
         }
     }
 }
