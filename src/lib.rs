@@ -65,6 +65,8 @@
 //! | [`tone`] | from W/m² to colours: exposure, tone curve, gamma |
 //! | [`probe`], [`survey`], [`export`] | values at points on surfaces; at probes and on a work plane; the lit mesh as PLY or GLB, links as CSV, pictures in W/m² as EXR, settings as JSON |
 //! | [`accuracy`] | how far a solution is from the truth: closed forms, error against a reference |
+//! | [`matrix`] | the link matrix: all links as blocks, receivers by sources |
+//! | [`names`], [`ramp`] | names for elements; colours for quantities |
 //! | [`chart`] | speed against accuracy: sweeps of settings, tables and pictures |
 //! | [`tables`] | the paper's tables and statements run again, its rows above ours, a verdict on each claim |
 //! | [`worker`], [`referee`] | a thread that solves while somebody looks, and one that measures what it shows |

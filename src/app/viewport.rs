@@ -8,10 +8,8 @@ use super::dock::Tool;
 use super::highlight::Highlight;
 use super::paint::Picture;
 use super::{App, Outbox, divider, measure_marks, panels, theme};
-use crate::hierarchy::ElementId;
-use crate::render::{Camera, Display, pick};
+use crate::render::{Camera, Display};
 use crate::scene::{CameraPose, Scene};
-use crate::solver::Snapshot;
 use crate::survey::Ray;
 
 /// A drag across the view's height turns the camera by this, radians.
@@ -22,9 +20,6 @@ const ZOOM_PER_POINT: f32 = 0.002;
 const FAST: f32 = 4.0;
 /// Longest time of flight in one frame, seconds: a frame that took long must not throw the eye through a wall.
 const LONGEST_FLIGHT: f32 = 0.1;
-
-/// Triangles of a larger mesh are not searched whenever the mouse moves.
-const MOST_POINTED_AT: usize = 300_000;
 
 /// Name of the view for assistive technology and tests.
 const VIEW_NAME: &str = "View";
@@ -41,8 +36,6 @@ pub(super) struct Viewport {
     id: Option<egui::Id>,
     /// What was drawn last.
     picture: Option<Picture>,
-    /// The ray that was last looked along for what lies under the mouse, generation and serial of the picture, and what was found.
-    looked_along: Option<([Vec3; 2], (u64, u64), Option<ElementId>)>,
 }
 
 impl Default for Viewport {
@@ -55,7 +48,6 @@ impl Default for Viewport {
             rect: Rect::ZERO,
             id: None,
             picture: None,
-            looked_along: None,
         }
     }
 }
@@ -206,21 +198,6 @@ impl Viewport {
         let Ray { origin, direction } = self.ray_at(response.interact_pointer_pos()?)?;
         Some(Clicked { origin, direction, is_double })
     }
-
-    /// The leaf under the mouse, looked for only where the ray or the picture is another one.
-    fn leaf_under(&mut self, response: &Response, snapshot: &Snapshot) -> Option<ElementId> {
-        let mesh = &snapshot.mesh;
-        let at = response.hover_pos().filter(|_| !response.dragged() && mesh.triangles.len() <= MOST_POINTED_AT)?;
-        let Ray { origin, direction } = self.ray_at(at)?;
-        let (ray, picture) = ([origin, direction], (snapshot.generation, snapshot.serial));
-        if let Some((_, _, found)) = self.looked_along.filter(|(along, of, _)| (*along, *of) == (ray, picture)) {
-            return found;
-        }
-        let picked = pick(mesh, origin, direction);
-        let found = picked.and_then(|picked| mesh.leaves.get(picked.leaf as usize)).map(|leaf| leaf.element);
-        self.looked_along = Some((ray, picture, found));
-        found
-    }
 }
 
 /// Draws the view over all that is left of the window, and what lies over it.
@@ -248,9 +225,9 @@ pub(super) fn show(app: &mut App, ui: &mut Ui, outbox: &mut Outbox) -> Option<Cl
     let pointer = response.hover_pos().filter(|_| can_read).and_then(|at| app.view.ray_at(at));
     app.measuring.point_at(pointer, &app.wake);
     if app.tool.is_some_and(Tool::marks_what_is_pointed_at)
-        && let Some(leaf) = app.view.leaf_under(&response, &snapshot)
+        && let Some(reading) = app.measuring.under_pointer()
     {
-        app.pointing.at(Highlight::Element(leaf));
+        app.pointing.at(Highlight::Element(reading.leaf.element));
     }
 
     if let Some(camera) = app.view.camera {

@@ -52,6 +52,7 @@ pub fn command() -> Command {
                 .long("waves")
                 .value_name("N")
                 .value_parser(value_parser!(u32))
+                .allow_hyphen_values(true)
                 .help("Stop after so many waves of refinement; 0 shows the root's self-link [default: solve to the end]"),
         )
 }

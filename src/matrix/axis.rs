@@ -100,7 +100,7 @@ mod tests {
         for view in [[0.0, 1.0], [0.25, 0.375], [0.5, 0.5001]] {
             let all = brackets(&hierarchy, &order, view, 400.0, 2);
             assert!(!all.is_empty());
-            for tier in 0..2 {
+            for (tier, share) in TIERS.into_iter().enumerate().take(2) {
                 let is_of = |bracket: &&Bracket| (bracket.tier..=bracket.last_tier).contains(&tier);
                 let mut of_tier: Vec<&Bracket> = all.iter().filter(is_of).collect();
                 of_tier.sort_by(|one, other| one.span[0].total_cmp(&other.span[0]));
@@ -109,7 +109,7 @@ mod tests {
                     assert!(bracket.span[0] < view[1] && bracket.span[1] > view[0]);
                     let width = bracket.span[1] - bracket.span[0];
                     let is_leaf = hierarchy.element(bracket.element).is_leaf();
-                    assert!(is_leaf || width <= TIERS[tier] * (view[1] - view[0]));
+                    assert!(is_leaf || width <= share * (view[1] - view[0]));
                 }
             }
         }

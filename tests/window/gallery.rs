@@ -113,3 +113,19 @@ fn inspector() {
     anatomy(&mut window);
     save(&mut window, "window-level-links");
 }
+
+#[test]
+#[ignore = "writes screenshots/, see ./dev shots"]
+fn link_matrix() {
+    let mut window = solved(BuiltinScene::Office, by_threshold(1e-3));
+    click(&mut window, "Link matrix");
+    anatomy(&mut window);
+    until(&mut window, "its numbers", |window| window.query_by_label_contains("% empty").is_some());
+    let square = window.get_by_label("Matrix of links").rect();
+    window.hover_at(square.min + egui::vec2(0.2, 0.74) * square.size());
+    until(&mut window, "a link", |window| window.query_by_label("form factor F").is_some());
+    // Not saved by `save`, which takes the mouse away.
+    window.run_steps(4);
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("screenshots/window-matrix.png");
+    window.render().expect("a frame can be drawn").save(&path).expect("the folder can be written");
+}
