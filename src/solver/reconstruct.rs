@@ -92,9 +92,16 @@ impl Solver {
             surfaces: &self.surfaces,
             seed: self.params.seed,
         };
-        let gather =
-            FinalGather::new(&display, &self.hierarchy, &context, self.params.error, &self.light.irradiance, &indirect);
+        let gather = FinalGather::new(
+            &display,
+            &self.hierarchy,
+            &context,
+            self.params.error,
+            &self.light.irradiance,
+            &indirect,
+            cancel,
+        );
         self.display = Some(display);
-        Some(gather)
+        gather
     }
 }
