@@ -11,6 +11,7 @@
 //!
 //! This module imports `scene`, `visibility` and `hierarchy`.
 
+mod audit;
 mod balance;
 mod candidate;
 mod display;
@@ -39,6 +40,7 @@ use std::time::Instant;
 use glam::Vec3;
 use rayon::prelude::*;
 
+pub use audit::{Audit, audit};
 pub use balance::{PowerBalance, power_balance};
 pub use display::barycentric;
 pub use form_factor::{Exchange, exchange, point_to_polygon};
