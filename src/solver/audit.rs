@@ -87,18 +87,3 @@ impl Audit {
         (values.iter().copied().fold(0.0, f64::max), if area > 0.0 { sum / area } else { 0.0 })
     }
 }
-
-impl Solver {
-    /// 1/(1−ρ_max) per colour over the materials in use: by how much reflections can multiply light at most.
-    pub fn largest_gain(&self) -> Vec3 {
-        let largest = self.surfaces.iter().fold(Vec3::ZERO, |most, surface| most.max(surface.reflectance));
-        (Vec3::ONE - largest).recip()
-    }
-
-    /// What no radiosity can exceed, max B_e/(1−ρ_max) per colour, W/m²: nothing is brighter than the brightest lamp seen on all
-    /// sides, however often that is reflected.
-    pub fn radiosity_bound(&self) -> Vec3 {
-        let brightest = self.surfaces.iter().fold(Vec3::ZERO, |most, surface| most.max(surface.emission));
-        brightest * self.largest_gain()
-    }
-}

@@ -13,6 +13,7 @@
 
 mod audit;
 mod balance;
+mod bounds;
 mod candidate;
 mod display;
 mod final_gather;
@@ -151,6 +152,7 @@ pub struct Solver {
     gathers_finely: bool,
     iterations: u32,
     clamped_leaves: usize,
+    bounded_leaves: usize,
     /// Time spent working; whoever drives the solver may let it rest in between.
     seconds: Seconds,
     generation: u64,
@@ -199,6 +201,7 @@ impl Solver {
             gathers_finely: false,
             iterations: 0,
             clamped_leaves: 0,
+            bounded_leaves: 0,
             seconds,
             generation,
             serial: 0,
@@ -286,6 +289,7 @@ impl Solver {
         if !gatherer.converge(&mut light, tolerance, MOST_SWEEPS, cancel) {
             return Step::Interrupted;
         }
+        self.bounded_leaves = self.keep_bounds(&mut light);
         self.light = light;
         self.clamped_leaves = clamped;
         self.fix_brightness();
@@ -448,6 +452,7 @@ impl Solver {
             converged: self.phase == Phase::Done,
             depth_guard_struck: self.refinement.counts.depth_guard_struck,
             clamped_leaves: self.clamped_leaves,
+            bounded_leaves: self.bounded_leaves,
             error_asked: self.params.error,
             error_estimate: self.error_estimate(),
             seconds: self.seconds,

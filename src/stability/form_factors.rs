@@ -117,7 +117,7 @@ fn weighted_visibility() -> Result<Vec<Check>, SolverError> {
     scene.add_quad(level([0.25, 0.75], [0.25, 0.75], 0.5, true), black, GroupId(0));
     let mut checks = Vec::new();
     // One link with many rays: the product of a plain mean V and F would be 12 % too low.
-    let one_link = SolverParams { rays_min: 2048, rays_max: 2048, ..params(ClusteringMode::None, 10.0) };
+    let one_link = SolverParams { rays_min: 2048, rays_max: 2048, ..params(ClusteringMode::None, 5.0) };
     checks.push(Check::within("one link", BEHIND_BLOCKER, received(&solve(&scene, one_link)?, 1), 0.02));
     for mode in MODES {
         let found = received(&solve(&scene, params(mode, 1e-4))?, 1);
