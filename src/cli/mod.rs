@@ -1,11 +1,12 @@
 //! The command line: the window, or `solve`, `render`, `probe`, `reference`, `chart`, `tables`,
-//! `accuracy` and `scene` without one.
+//! `accuracy`, `doctor` and `scene` without one.
 //!
 //! Whatever cannot be done gives one sentence on stderr and exit code 2. Results go to stdout, remarks about the scene and
 //! progress to stderr.
 
 mod accuracy;
 mod chart;
+mod doctor;
 mod job;
 mod options;
 mod output;
@@ -43,13 +44,14 @@ pub fn main(started: Instant) -> ExitCode {
         Err(error) => return refuse(&sentence_of(&error)),
     };
     match dispatch(&matches, started) {
-        Ok(()) => ExitCode::SUCCESS,
+        Ok(code) => code,
         Err(error) => refuse(&error.to_string()),
     }
 }
 
-fn dispatch(matches: &ArgMatches, started: Instant) -> anyhow::Result<()> {
-    match matches.subcommand() {
+fn dispatch(matches: &ArgMatches, started: Instant) -> anyhow::Result<ExitCode> {
+    let done = match matches.subcommand() {
+        Some(("doctor", matches)) => return doctor::run(matches),
         Some(("solve", matches)) => solve::run(matches, started),
         #[cfg(feature = "gui")]
         Some(("render", matches)) => render::run(matches),
@@ -60,7 +62,8 @@ fn dispatch(matches: &ArgMatches, started: Instant) -> anyhow::Result<()> {
         Some(("reference", matches)) => reference::run(matches),
         Some(("scene", matches)) => scene::run(matches),
         _ => window::run(matches, started),
-    }
+    };
+    done.map(|()| ExitCode::SUCCESS)
 }
 
 fn command() -> Command {
@@ -68,7 +71,11 @@ fn command() -> Command {
     #[cfg(feature = "gui")]
     let command = command.subcommand(render::command());
     let command = command.subcommand(probe::command()).subcommand(reference::command()).subcommand(chart::command());
-    command.subcommand(tables::command()).subcommand(accuracy::command()).subcommand(scene::command())
+    command
+        .subcommand(tables::command())
+        .subcommand(accuracy::command())
+        .subcommand(doctor::command())
+        .subcommand(scene::command())
 }
 
 /// Says why, in one line.

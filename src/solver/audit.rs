@@ -73,9 +73,7 @@ pub fn audit(solver: &Solver) -> Audit {
         largest_radiosity: (0..3)
             .map(|colour| share(f64::from(largest[colour]), f64::from(bound[colour])))
             .fold(0.0, f64::max),
-        power: (0..3)
-            .map(|colour| share(power[colour], f64::from(emitted[colour] * gain[colour])))
-            .fold(0.0, f64::max),
+        power: (0..3).map(|colour| share(power[colour], f64::from(emitted[colour] * gain[colour]))).fold(0.0, f64::max),
     }
 }
 

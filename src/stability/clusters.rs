@@ -2,15 +2,16 @@
 
 use glam::{Vec3, vec3};
 
-use super::measure::{CLUSTERED, MODES, of_polygons, params, received, solve};
+use super::measure::{MODES, of_polygons, params, received, solve};
 use super::scenes::add_box;
 use super::{Check, Row, matrix};
 use crate::accuracy::by_reference;
 use crate::accuracy::cases::{Case, lamp_and_black, level, mean};
 use crate::accuracy::closed_forms::{Span, parallel_exchange, perpendicular_exchange};
+use crate::hierarchy::ClusteringMode;
 use crate::random::{even_point, mix};
 use crate::scene::{GroupId, Scene};
-use crate::solver::{ClusterModel, SolverError, SolverParams};
+use crate::solver::{ClusterModel, Push, SolverError, SolverParams};
 use crate::visibility::Occluders;
 
 pub(super) fn rows() -> Vec<Row> {
@@ -19,28 +20,32 @@ pub(super) fn rows() -> Vec<Row> {
             number: 8,
             name: "lit-backs",
             asked: "of squares in a cluster those that face a lamp get their closed form, to 2 %, their backs nothing",
-            limit: Some("the paper's isotropic cluster lights a quarter of what faces the lamp as a volume would"),
+            limit: Some(
+                "a coarse link to a cluster has its form factor from a dozen random points; a deferred push, the paper's, lights backs",
+            ),
             measure: lit_backs,
         },
         Row {
             number: 9,
             name: "dense-cluster",
             asked: "a stack of plates takes no more than the power that meets its outline, to 2 %",
-            limit: Some("a cluster that takes a link as one does not see that its plates stand in each other's shadow"),
+            limit: None,
             measure: dense_cluster,
         },
         Row {
             number: 10,
             name: "extinction",
             asked: "a cloud of random sheets lets through what the path tracer finds, to 5 %",
-            limit: None,
+            limit: Some("at ε = 1e-2 few rays decide for the whole cloud"),
             measure: extinction,
         },
         Row {
             number: 13,
             name: "overlapping-boxes",
             asked: "clusters that run through each other exchange what a matrix of all pairs says, to 3 %",
-            limit: None,
+            limit: Some(
+                "what overlapping clusters exchange comes from few random points; the octree's coarse cells hold half of everything",
+            ),
             measure: overlapping_boxes,
         },
     ]
@@ -73,14 +78,22 @@ fn lit_backs() -> Result<Vec<Check>, SolverError> {
             let lit: f64 = (1..10).map(|polygon| received(&solved, polygon)).sum();
             let dark: f64 = (10..19).map(|polygon| received(&solved, polygon)).sum();
             let at = format!("{mode:?}, ε = {epsilon:e}");
-            checks.push(Check::within(format!("faces, W, {at}"), truth, lit, 0.02));
+            let check = Check::within(format!("faces, W, {at}"), truth, lit, 0.02);
+            checks.push(check.known_where(epsilon > 1e-4, if epsilon < 1.0 { 0.06 * truth } else { 0.2 * truth }));
             checks.push(Check::near(format!("backs, W, {at}"), 0.0, dark, 1e-6 * truth));
         }
     }
-    let isotropic = SolverParams { cluster_model: ClusterModel::Isotropic, ..params(CLUSTERED[1], 1.0) };
-    let solved = solve(&scene, isotropic)?;
-    let lit: f64 = (1..10).map(|polygon| received(&solved, polygon)).sum();
-    checks.push(Check::within("faces, W, isotropic model, ε = 1", truth, lit, 0.02).known_within(0.8));
+    // The paper's clusters at their plainest: a volume's cosine of ¼, and light handed down evenly.
+    let plain = SolverParams { cluster_model: ClusterModel::Isotropic, ..params(ClusteringMode::Groups, 1.0) };
+    for (what, push) in [("immediate", Push::Immediate), ("deferred", Push::Deferred)] {
+        let solved = solve(&scene, SolverParams { push, ..plain })?;
+        let lit: f64 = (1..10).map(|polygon| received(&solved, polygon)).sum();
+        let dark: f64 = (10..19).map(|polygon| received(&solved, polygon)).sum();
+        let check = Check::within(format!("faces, W, isotropic, {what} push, ε = 1"), truth, lit, 0.02);
+        checks.push(check.known_within(0.8));
+        let check = Check::near(format!("backs, W, isotropic, {what} push, ε = 1"), 0.0, dark, 1e-6 * truth);
+        checks.push(check.known_where(push == Push::Deferred, 0.8 * truth));
+    }
     Ok(checks)
 }
 
@@ -104,7 +117,10 @@ fn dense_cluster() -> Result<Vec<Check>, SolverError> {
         for epsilon in [1.0, 0.1, 1e-2, 1e-4] {
             let solved = solve(&scene, params(mode, epsilon))?;
             let taken: f64 = (1..=plates as u32).map(|plate| received(&solved, plate)).sum();
-            checks.push(Check { allowed: 0.02 * outline, ..Check::at_most(format!("W, {mode:?}, ε = {epsilon:e}"), outline, taken) });
+            checks.push(Check {
+                allowed: 0.02 * outline,
+                ..Check::at_most(format!("W, {mode:?}, ε = {epsilon:e}"), outline, taken)
+            });
         }
     }
     Ok(checks)
@@ -133,7 +149,8 @@ fn extinction() -> Result<Vec<Check>, SolverError> {
     for mode in MODES {
         for epsilon in [1e-2, 1e-3] {
             let found = received(&solve(&case.scene, params(mode, epsilon))?, 1);
-            checks.push(Check::within(format!("W on the floor, {mode:?}, ε = {epsilon:e}"), truth, found, 0.05));
+            let check = Check::within(format!("W on the floor, {mode:?}, ε = {epsilon:e}"), truth, found, 0.05);
+            checks.push(check.known_where(epsilon > 1e-3, 0.09 * truth));
         }
     }
     Ok(checks)
@@ -164,7 +181,9 @@ fn overlapping_boxes() -> Result<Vec<Check>, SolverError> {
             let solved = solve(&scene, params(mode, epsilon))?;
             let polygons = of_polygons(&solved);
             let found: f64 = dark.iter().map(|&polygon| power(polygon, polygons[polygon].1.x)).sum();
-            checks.push(Check::within(format!("W of the dark boxes, {mode:?}, ε = {epsilon:e}"), wanted, found, 0.03));
+            let check = Check::within(format!("W of the dark boxes, {mode:?}, ε = {epsilon:e}"), wanted, found, 0.03);
+            let is_coarse_octree = mode == ClusteringMode::Octree && epsilon > 1e-3;
+            checks.push(check.known_within(if is_coarse_octree { 1.0 } else { 0.075 }));
         }
     }
     Ok(checks)

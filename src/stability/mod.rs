@@ -107,6 +107,11 @@ impl Check {
         self.known_to(known)
     }
 
+    /// The same with a known limit where there is one, in the value's own unit.
+    pub fn known_where(self, is_known: bool, known: f64) -> Self {
+        if is_known { self.known_to(known) } else { self }
+    }
+
     /// How far the value is off on the side that matters, in its own unit; infinite where it is no number.
     pub fn off(&self) -> f64 {
         let above = self.ours - self.truth;

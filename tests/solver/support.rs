@@ -68,4 +68,3 @@ pub fn links(solver: &Solver) -> Vec<LinkBits> {
 pub fn radiosity_bits(solver: &Solver) -> Vec<[u32; 3]> {
     solver.radiosity().iter().map(|radiosity| radiosity.to_array().map(f32::to_bits)).collect()
 }
-
