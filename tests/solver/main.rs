@@ -3,6 +3,8 @@
 
 mod balance;
 mod closed_forms;
+#[path = "../support/coverage.rs"]
+mod coverage;
 mod display_mesh;
 mod error_oracle;
 mod exposure;

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use selflink::cancel::CancelToken;
-use selflink::hierarchy::{ElementId, Hierarchy, Shape};
+use selflink::hierarchy::ElementId;
 use selflink::scene::Scene;
 use selflink::solver::{Link, Solver, SolverParams};
 use selflink::visibility::Occluders;
@@ -30,17 +30,6 @@ pub fn solve(scene: &Scene, params: SolverParams) -> Solver {
 /// The same, with this many threads.
 pub fn with_threads<T: Send>(threads: usize, work: impl FnOnce() -> T + Send) -> T {
     rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads are left").install(work)
-}
-
-/// The initial patch that a patch is a part of, and the share of its area.
-pub fn initial_patch(hierarchy: &Hierarchy, patch: ElementId) -> (ElementId, f64) {
-    let mut id = patch;
-    while let Shape::Patch(shape) = hierarchy.element(id).shape
-        && shape.level > 0
-    {
-        id = hierarchy.element(id).parent().expect("a patch below the first level has a parent");
-    }
-    (id, f64::from(hierarchy.element(patch).area) / f64::from(hierarchy.element(id).area))
 }
 
 /// A stored link, bit for bit.
