@@ -7,7 +7,7 @@ use glam::{DVec3, Vec3};
 
 use crate::accuracy::closed_forms::point_to_polygon;
 use crate::exposure::quarter;
-use crate::random::even_point;
+use crate::random::{even_point, mix};
 use crate::scene::Scene;
 use crate::visibility::Occluders;
 
@@ -92,7 +92,8 @@ fn row(to: &Part, parts: &[Part], occluders: &Occluders, points: u32) -> Vec<f64
         if from.polygon == to.polygon || from.area <= 0.0 || to.area <= 0.0 {
             return 0.0;
         }
-        let mean = (0..points).map(|index| of_point(to.point(even_point(7, index)), to.normal, from, occluders, index));
+        let mean = (0..points)
+            .map(|index| of_point(to.point(even_point(mix(7, 1), index)), to.normal, from, occluders, index));
         mean.sum::<f64>() / f64::from(points)
     };
     parts.iter().map(factor).collect()
@@ -110,7 +111,7 @@ fn of_point(point: Vec3, normal: Vec3, from: &Part, occluders: &Occluders, seed:
     }
     let (mut all, mut seen) = (0.0, 0.0);
     for look in 0..LOOKS {
-        let at = from.point(even_point(u64::from(seed) + 11, look));
+        let at = from.point(even_point(mix(11, u64::from(seed)), look));
         let span = at - point;
         let heights = normal.dot(span).max(0.0) * (-from.normal.dot(span)).max(0.0);
         let kernel = f64::from(heights) / f64::from(span.length_squared()).powi(2).max(f64::MIN_POSITIVE);

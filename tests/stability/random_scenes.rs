@@ -23,9 +23,11 @@ use selflink::visibility::Occluders;
 use super::coverage::check_coverage;
 
 /// Scenes tried where nobody asks for more.
-const USUAL_SCENES: u32 = 300;
+const USUAL_SCENES: u32 = 200;
 /// Of these one in so many is also solved by the matrix, which takes longer.
 const SCENES_PER_MATRIX: u32 = 12;
+/// Share of the reflected light that the solver and the matrix may place otherwise.
+const MATRIX_SHARE: f64 = 0.05;
 /// Steps that no scene of this size needs.
 const MOST_STEPS: u32 = 100_000;
 /// Scenes of up to so many polygons are looked at pair by pair.
@@ -239,29 +241,40 @@ fn tidy_scenes() -> impl Strategy<Value = Scene> {
     })
 }
 
-/// The matrix has 4 parts to a polygon (16 where they are few) and 4 points and 16 rays to a pair: good to some 3 % itself.
+/// ε of the solver where it is compared with the matrix, as a share of Φ.
+const SMALL_EPSILON: f64 = 3e-5;
+
+/// The matrix has 4 parts to a polygon and 6 points and 16 rays to a pair of these: good to some 3 % itself. What is absorbed or
+/// reflected beyond that may be wrong by ε for each polygon, which matters where lamps light next to nothing.
 #[test]
 fn with_a_small_epsilon_the_solver_finds_what_the_matrix_does() {
     let worst = std::cell::Cell::new(0.0_f64);
     let agrees = |(scene, params): (Scene, SolverParams)| {
         let occluders = Arc::new(Occluders::new(&scene));
         let truth = matrix::radiosities(&scene, &occluders, 1, 6);
-        let (scene, sized) = (Arc::new(scene), params.clustering);
-        let params = SolverParams { clustering: sized, seed: params.seed, epsilon: Epsilon::Relative(3e-5), ..SolverParams::default() };
-        let solved = solve(&scene, &occluders, params)?;
-        // What polygons emit is the same in both: light that was received is compared.
-        let (mut differences, mut squares) = (0.0, 0.0);
+        let scene = Arc::new(scene);
+        let SolverParams { clustering, seed, .. } = params;
+        let epsilon = Epsilon::Relative(SMALL_EPSILON);
+        let solved = solve(&scene, &occluders, SolverParams { clustering, seed, epsilon, ..SolverParams::default() })?;
+        // What polygons emit is the same in both: light that they reflect is compared, polygon by polygon.
+        let (mut differing, mut reflected) = (0.0, 0.0);
         for (polygon, ((area, radiosity), truth)) in of_polygons(&solved).into_iter().zip(truth).enumerate() {
-            let emission = scene.materials[scene.polygons[polygon].material.0 as usize].emission.as_dvec3();
-            differences += area * (radiosity - truth).length_squared();
-            squares += area * (truth - emission).length_squared();
+            let emission = scene.materials[scene.polygons[polygon].material.0 as usize].emission.x;
+            differing += area * (radiosity.x - truth.x).abs();
+            reflected += area * (truth.x - f64::from(emission));
         }
-        let off = if squares > 0.0 { (differences / squares).sqrt() } else { 0.0 };
-        worst.set(worst.get().max(off));
-        prop_assert!(off < 0.08, "{} polygons: reflected light is {:.1} % off", scene.polygons.len(), 100.0 * off);
+        let allowed = scene.polygons.len() as f64 * SMALL_EPSILON * f64::from(scene.emitted_power().x);
+        if reflected > 100.0 * allowed {
+            worst.set(worst.get().max(differing / reflected));
+        }
+        prop_assert!(
+            differing <= MATRIX_SHARE * reflected + allowed,
+            "{} polygons: of {reflected} W reflected {differing} W differ ({allowed} W may)",
+            scene.polygons.len()
+        );
         Ok(())
     };
     let cases = (scenes() / SCENES_PER_MATRIX).max(1);
     try_on(b"selflink: as by a whole matrix!!", cases, &(tidy_scenes(), settings()), agrees);
-    println!("{cases} scenes: reflected light is up to {:.1} % off", 100.0 * worst.get());
+    println!("{cases} scenes: where there is light to reflect, up to {:.1} % of it differs", 100.0 * worst.get());
 }
