@@ -11,8 +11,17 @@ use crate::random::{even_point, mix};
 use crate::scene::Scene;
 use crate::visibility::Occluders;
 
-/// Points of the source that visibility is looked at from each point of the receiver.
-const LOOKS: u32 = 16;
+/// How finely a scene is looked at.
+#[derive(Clone, Copy, Debug)]
+pub struct Fineness {
+    /// Polygons are cut into four until their parts have no more area than this, m².
+    pub largest_part: f64,
+    /// Points of each part that receive.
+    pub points: u32,
+    /// Points of a part that each of these looks at.
+    pub looks: u32,
+}
+
 /// Light is followed until less than this share of it moves.
 const LEAST_CHANGE: f64 = 1e-9;
 
@@ -40,12 +49,11 @@ impl Part {
     }
 }
 
-/// Mean radiosity (all colours) of each polygon of a scene, W/m², with every polygon cut `cuts` times into four and form factors
-/// from `points` points of each part.
-pub fn radiosities(scene: &Scene, occluders: &Occluders, cuts: u32, points: u32) -> Vec<DVec3> {
-    let parts = parts(scene, cuts);
+/// Mean radiosity (all colours) of each polygon of a scene, W/m².
+pub fn radiosities(scene: &Scene, occluders: &Occluders, fineness: Fineness) -> Vec<DVec3> {
+    let parts = parts(scene, fineness.largest_part);
     let material = |part: &Part| &scene.materials[scene.polygons[part.polygon].material.0 as usize];
-    let rows: Vec<Vec<f64>> = parts.iter().map(|part| row(part, &parts, occluders, points)).collect();
+    let rows: Vec<Vec<f64>> = parts.iter().map(|part| row(part, &parts, occluders, fineness)).collect();
     let emitted: Vec<DVec3> = parts.iter().map(|part| material(part).emission.as_dvec3()).collect();
     let reflectances: Vec<DVec3> = parts.iter().map(|part| material(part).reflectance.as_dvec3()).collect();
     let mut radiosity = emitted.clone();
@@ -71,36 +79,45 @@ pub fn radiosities(scene: &Scene, occluders: &Occluders, cuts: u32, points: u32)
     sums.into_iter().map(|(area, power)| if area > 0.0 { power / area } else { DVec3::ZERO }).collect()
 }
 
-fn parts(scene: &Scene, cuts: u32) -> Vec<Part> {
+fn parts(scene: &Scene, largest_part: f64) -> Vec<Part> {
     let mut parts = Vec::new();
     for (index, polygon) in scene.polygons.iter().enumerate() {
         let (corners, count) = scene.corner_positions(polygon);
         let mut pieces = vec![corners];
-        for _ in 0..cuts {
+        let area = f64::from(scene.area(polygon));
+        while area > largest_part * pieces.len() as f64 {
             let cut = |piece: &[Vec3; 4]| [0, 1, 2, 3].map(|number| quarter(*piece, count, number));
             pieces = pieces.iter().flat_map(cut).collect();
         }
-        let (normal, share) = (scene.normal(polygon), f64::from(scene.area(polygon)) / pieces.len() as f64);
+        let (normal, share) = (scene.normal(polygon), area / pieces.len() as f64);
         parts.extend(pieces.into_iter().map(|corners| Part { polygon: index, corners, count, normal, area: share }));
     }
     parts
 }
 
 /// Form factors from one part to all, seen parts only.
-fn row(to: &Part, parts: &[Part], occluders: &Occluders, points: u32) -> Vec<f64> {
+fn row(to: &Part, parts: &[Part], occluders: &Occluders, fineness: Fineness) -> Vec<f64> {
     let factor = |from: &Part| {
         if from.polygon == to.polygon || from.area <= 0.0 || to.area <= 0.0 {
             return 0.0;
         }
-        let mean = (0..points)
-            .map(|index| of_point(to.point(even_point(mix(7, 1), index)), to.normal, from, occluders, index));
-        mean.sum::<f64>() / f64::from(points)
+        let at = |index: u32| {
+            let point = to.point(even_point(mix(7, 1), index));
+            let places = (0..fineness.looks).map(|look| from.point(even_point(mix(11, u64::from(index)), look)));
+            of_point((point, to.normal), from, occluders, places)
+        };
+        (0..fineness.points).map(at).sum::<f64>() / f64::from(fineness.points)
     };
     parts.iter().map(factor).collect()
 }
 
-/// Form factor from a point to a part, of what is seen of it.
-fn of_point(point: Vec3, normal: Vec3, from: &Part, occluders: &Occluders, seed: u32) -> f64 {
+/// Form factor from a point to a part, of what is seen of it from there at some places.
+fn of_point(
+    (point, normal): (Vec3, Vec3),
+    from: &Part,
+    occluders: &Occluders,
+    places: impl Iterator<Item = Vec3>,
+) -> f64 {
     if from.normal.dot(point - from.corners[0]) <= 0.0 {
         return 0.0;
     }
@@ -110,8 +127,7 @@ fn of_point(point: Vec3, normal: Vec3, from: &Part, occluders: &Occluders, seed:
         return 0.0;
     }
     let (mut all, mut seen) = (0.0, 0.0);
-    for look in 0..LOOKS {
-        let at = from.point(even_point(mix(11, u64::from(seed)), look));
+    for at in places {
         let span = at - point;
         let heights = normal.dot(span).max(0.0) * (-from.normal.dot(span)).max(0.0);
         let kernel = f64::from(heights) / f64::from(span.length_squared()).powi(2).max(f64::MIN_POSITIVE);
@@ -130,7 +146,9 @@ mod tests {
     #[test]
     fn a_furnace_glows_evenly() {
         let scene = empty_room(0.5, 1.0);
-        for radiosity in radiosities(&scene, &Occluders::new(&scene), 1, 16) {
+        for radiosity in
+            radiosities(&scene, &Occluders::new(&scene), Fineness { largest_part: 0.25, points: 16, looks: 1 })
+        {
             assert!((radiosity - 2.0).abs().max_element() < 0.02, "{radiosity}");
         }
     }

@@ -15,7 +15,7 @@ use selflink::cancel::CancelToken;
 use selflink::hierarchy::ClusteringMode;
 use selflink::scene::{GroupId, MaterialId, Scene};
 use selflink::solver::{ClusterModel, Epsilon, OracleKind, Push, Solver, SolverParams, Step, power_balance};
-use selflink::stability::matrix;
+use selflink::stability::matrix::{self, Fineness};
 use selflink::stability::measure::{is_sound, of_polygons};
 use selflink::stability::scenes::add_box;
 use selflink::visibility::Occluders;
@@ -25,9 +25,9 @@ use super::coverage::check_coverage;
 /// Scenes tried where nobody asks for more.
 const USUAL_SCENES: u32 = 200;
 /// Of these one in so many is also solved by the matrix, which takes longer.
-const SCENES_PER_MATRIX: u32 = 12;
+const SCENES_PER_MATRIX: u32 = 25;
 /// Share of the reflected light that the solver and the matrix may place otherwise.
-const MATRIX_SHARE: f64 = 0.05;
+const MATRIX_SHARE: f64 = 0.03;
 /// Steps that no scene of this size needs.
 const MOST_STEPS: u32 = 100_000;
 /// Scenes of up to so many polygons are looked at pair by pair.
@@ -183,10 +183,12 @@ fn holds((recipe, params): (Recipe, SolverParams)) -> Result<(), TestCaseError> 
     let occluders = Arc::new(Occluders::new(&scene));
     let mut solved = solve(&scene, &occluders, params)?;
     prop_assert!(is_sound(&solved), "a radiosity is negative or no number");
-    // f32 rounds in the last place of a product and a sum.
-    let bound = (1.0 + 1e-6) * solved.radiosity_bound();
-    let largest = solved.radiosity().iter().copied().fold(Vec3::ZERO, Vec3::max);
-    prop_assert!(largest.cmple(bound).all(), "B = {largest} exceeds {bound}");
+    // f32 rounds in the last place of a product and a sum; means over clusters sum up thousands.
+    let bound = solved.radiosity_bound();
+    for (element, radiosity) in solved.hierarchy().elements().iter().zip(solved.radiosity()) {
+        let rounding = if element.is_cluster() { 1e-4 } else { 1e-6 };
+        prop_assert!(radiosity.cmple((1.0 + rounding) * bound).all(), "B = {radiosity} exceeds {bound}");
+    }
     let power: f64 = of_polygons(&solved).iter().map(|(area, radiosity)| area * radiosity.max_element()).sum();
     let gain = solved.largest_gain().max_element();
     let most = f64::from(scene.emitted_power().max_element() * gain);
@@ -241,17 +243,19 @@ fn tidy_scenes() -> impl Strategy<Value = Scene> {
     })
 }
 
+/// Walls in parts of half a metre; their irradiance by a lamp as near must not hang on where few points lie.
+const FINENESS: Fineness = Fineness { largest_part: 0.3, points: 4, looks: 4 };
 /// ε of the solver where it is compared with the matrix, as a share of Φ.
 const SMALL_EPSILON: f64 = 3e-5;
 
-/// The matrix has 4 parts to a polygon and 6 points and 16 rays to a pair of these: good to some 3 % itself. What is absorbed or
+/// The matrix itself is good to some per cent. What is absorbed or
 /// reflected beyond that may be wrong by ε for each polygon, which matters where lamps light next to nothing.
 #[test]
 fn with_a_small_epsilon_the_solver_finds_what_the_matrix_does() {
     let worst = std::cell::Cell::new(0.0_f64);
     let agrees = |(scene, params): (Scene, SolverParams)| {
         let occluders = Arc::new(Occluders::new(&scene));
-        let truth = matrix::radiosities(&scene, &occluders, 1, 6);
+        let truth = matrix::radiosities(&scene, &occluders, FINENESS);
         let scene = Arc::new(scene);
         let SolverParams { clustering, seed, .. } = params;
         let epsilon = Epsilon::Relative(SMALL_EPSILON);
