@@ -69,6 +69,7 @@
 //! | [`names`], [`ramp`] | names for elements; colours for quantities |
 //! | [`chart`] | speed against accuracy: sweeps of settings, tables and pictures |
 //! | [`tables`] | the paper's tables and statements run again, its rows above ours, a verdict on each claim |
+//! | [`stability`] | the places where methods of this kind fail, each as a scene with a known truth |
 //! | [`worker`], [`referee`] | a thread that solves while somebody looks, and one that measures what it shows |
 #![cfg_attr(feature = "gui", doc = "| [`render`] | the wgpu picture of a snapshot, with and without a window |")]
 #![cfg_attr(feature = "gui", doc = "| [`app`] | the window |")]
@@ -140,6 +141,7 @@ pub mod reference;
 pub mod render;
 pub mod scene;
 pub mod solver;
+pub mod stability;
 pub mod survey;
 pub mod tables;
 pub mod tone;

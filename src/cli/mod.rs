@@ -1,5 +1,5 @@
 //! The command line: the window, or `solve`, `render`, `matrix`, `probe`, `reference`, `chart`, `tables`,
-//! `accuracy` and `scene` without one.
+//! `accuracy`, `doctor` and `scene` without one.
 //!
 //! Whatever cannot be done gives one sentence on stderr and exit code 2. Results go to stdout, remarks about the scene and
 //! progress to stderr.
@@ -8,6 +8,7 @@ mod accuracy;
 mod chart;
 #[cfg(feature = "gui")]
 mod clusters;
+mod doctor;
 mod job;
 #[cfg(feature = "gui")]
 mod legend;
@@ -51,13 +52,14 @@ pub fn main(started: Instant) -> ExitCode {
         Err(error) => return refuse(&sentence_of(&error)),
     };
     match dispatch(&matches, started) {
-        Ok(()) => ExitCode::SUCCESS,
+        Ok(code) => code,
         Err(error) => refuse(&error.to_string()),
     }
 }
 
-fn dispatch(matches: &ArgMatches, started: Instant) -> anyhow::Result<()> {
-    match matches.subcommand() {
+fn dispatch(matches: &ArgMatches, started: Instant) -> anyhow::Result<ExitCode> {
+    let done = match matches.subcommand() {
+        Some(("doctor", matches)) => return doctor::run(matches),
         Some(("solve", matches)) => solve::run(matches, started),
         #[cfg(feature = "gui")]
         Some(("render", matches)) => render::run(matches),
@@ -69,7 +71,8 @@ fn dispatch(matches: &ArgMatches, started: Instant) -> anyhow::Result<()> {
         Some(("reference", matches)) => reference::run(matches),
         Some(("scene", matches)) => scene::run(matches),
         _ => window::run(matches, started),
-    }
+    };
+    done.map(|()| ExitCode::SUCCESS)
 }
 
 fn command() -> Command {
@@ -78,7 +81,11 @@ fn command() -> Command {
     let command = command.subcommand(render::command());
     let command = command.subcommand(matrix::command());
     let command = command.subcommand(probe::command()).subcommand(reference::command()).subcommand(chart::command());
-    command.subcommand(tables::command()).subcommand(accuracy::command()).subcommand(scene::command())
+    command
+        .subcommand(tables::command())
+        .subcommand(accuracy::command())
+        .subcommand(doctor::command())
+        .subcommand(scene::command())
 }
 
 /// Says why, in one line.

@@ -15,7 +15,9 @@
 //! This module imports `scene`, `visibility` and `hierarchy`.
 
 pub mod anatomy;
+mod audit;
 mod balance;
+mod bounds;
 mod candidate;
 mod change;
 mod coarsen;
@@ -47,6 +49,7 @@ use glam::Vec3;
 use rayon::prelude::*;
 
 pub use anatomy::{Anatomy, LinkView};
+pub use audit::{Audit, audit};
 pub use balance::{PowerBalance, power_balance};
 pub use change::Invalidates;
 pub use display::barycentric;
@@ -170,6 +173,7 @@ pub struct Solver {
     is_converged: bool,
     iterations: u32,
     clamped_leaves: usize,
+    bounded_leaves: usize,
     /// Time spent working; whoever drives the solver may let it rest in between.
     seconds: Seconds,
     generation: u64,
@@ -236,6 +240,7 @@ impl Solver {
             is_converged: false,
             iterations: 0,
             clamped_leaves: 0,
+            bounded_leaves: 0,
             seconds,
             generation,
             serial: 0,
@@ -348,6 +353,7 @@ impl Solver {
         if !gatherer.converge(&mut light, tolerance, MOST_SWEEPS, cancel) {
             return Step::Interrupted;
         }
+        self.bounded_leaves = self.keep_bounds(&mut light);
         self.light = light;
         self.clamped_leaves = clamped;
         self.fix_brightness();
@@ -526,6 +532,7 @@ impl Solver {
             converged: self.phase == Phase::Done,
             depth_guard_struck: self.refinement.counts.depth_guard_struck,
             clamped_leaves: self.clamped_leaves,
+            bounded_leaves: self.bounded_leaves,
             error_asked: self.params.error,
             error_estimate: self.error_estimate(),
             seconds: self.seconds,

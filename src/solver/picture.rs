@@ -98,6 +98,7 @@ fn picture_light(solver: &mut Solver, table: &LinkTable) -> Light {
     let never = CancelToken::new();
     gatherer.limit_rows(&mut light, &never);
     gatherer.converge(&mut light, PICTURE_TOLERANCE, if first { FIRST_SWEEPS } else { LATER_SWEEPS }, &never);
+    solver.keep_bounds(&mut light);
     light
 }
 

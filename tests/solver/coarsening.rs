@@ -9,7 +9,8 @@ use selflink::cancel::CancelToken;
 use selflink::hierarchy::ClusteringMode;
 use selflink::solver::{OracleKind, Solver, SolverParams, Step};
 
-use super::hierarchy::{check_coverage, check_tree, soup};
+use super::coverage::check_coverage;
+use super::hierarchy::{check_tree, soup};
 use super::support::{MODES, difference, is_sound, lamp_room, links, params, radiosity_bits, solve, with_threads};
 
 const COARSE: f64 = 1e-2;
