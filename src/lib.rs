@@ -62,7 +62,8 @@
 //! | [`mod@reference`] | a truth to measure by: path-traced irradiance, beside the solver and without its code |
 //! | [`hierarchy`] | the tree of elements and the ways to build its clusters |
 //! | [`solver`] | oracle, refinement, gather, snapshots, statistics; every parameter ([`solver::PARAMETERS`]) |
-//! | [`probe`], [`survey`], [`export`] | values at points on surfaces; at probes and on a work plane; the lit mesh as PLY |
+//! | [`tone`] | from W/m² to colours: exposure, tone curve, gamma |
+//! | [`probe`], [`survey`], [`export`] | values at points on surfaces; at probes and on a work plane; the lit mesh as PLY or GLB, links as CSV, pictures in W/m² as EXR, settings as JSON |
 //! | [`accuracy`] | how far a solution is from the truth: closed forms, error against a reference |
 //! | [`chart`] | speed against accuracy: sweeps of settings, tables and pictures |
 //! | [`tables`] | the paper's tables and statements run again, its rows above ours, a verdict on each claim |
@@ -124,9 +125,12 @@ pub mod exposure;
 pub mod font;
 pub mod format;
 pub mod hierarchy;
+pub mod matrix;
+pub mod names;
 pub mod orient;
 pub mod photometry;
 pub mod probe;
+pub mod ramp;
 pub mod random;
 pub mod referee;
 pub mod reference;
@@ -136,5 +140,6 @@ pub mod scene;
 pub mod solver;
 pub mod survey;
 pub mod tables;
+pub mod tone;
 pub mod visibility;
 pub mod worker;

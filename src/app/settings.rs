@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::render::{Display, Exposure, Marks, Overlay, ReadingSettings, USUAL_LINKS};
+use crate::render::{Display, Exposure, LinkFilter, LinkStyle, Marks, Overlay, ReadingSettings};
 
 /// How the picture is shown.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -20,14 +20,42 @@ pub(super) struct DisplaySettings {
     pub show_clusters: bool,
     /// That level, the root being 0.
     pub cluster_level: u16,
-    /// Links of the picked element.
-    pub show_links: bool,
-    /// So many of them at most, the strongest first.
-    pub strongest_links: usize,
+    /// Links over the view.
+    pub links: LinkOverlay,
     /// What is read off the surfaces.
     pub reading: ReadingSettings,
     /// Values of isolux lines as they were typed, in the unit shown; empty for round ones.
     pub isolux_text: String,
+}
+
+/// Which links are drawn over the view, and how.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub(super) struct LinkOverlay {
+    pub of: LinksOf,
+    /// Level of the receivers below the root.
+    pub level: u16,
+    pub filter: LinkFilter,
+    pub style: LinkStyle,
+}
+
+/// Whose links are drawn.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub(super) enum LinksOf {
+    /// Nobody's.
+    Nothing,
+    /// Those of the picked element.
+    #[default]
+    Picked,
+    /// Those whose receiver lies at a level of the hierarchy.
+    Level,
+}
+
+impl Default for LinkOverlay {
+    fn default() -> Self {
+        let style = LinkStyle { ends: false, ..LinkStyle::default() };
+        Self { of: LinksOf::default(), level: 2, filter: LinkFilter::default(), style }
+    }
 }
 
 impl Default for DisplaySettings {
@@ -39,8 +67,7 @@ impl Default for DisplaySettings {
             show_elements: false,
             show_clusters: false,
             cluster_level: 2,
-            show_links: true,
-            strongest_links: USUAL_LINKS,
+            links: LinkOverlay::default(),
             reading: ReadingSettings::default(),
             isolux_text: String::new(),
         }

@@ -9,6 +9,8 @@ use crate::solver::{MomentInfo, MomentKind};
 const HEIGHT: f32 = 30.0;
 /// Room for the words at the right, points.
 const WORDS: f32 = 318.0;
+/// Share of a narrow bar that they get at most.
+const SHARE_OF_WORDS: f32 = 0.6;
 /// Half the height of a tick, points, by what ended with it.
 const TICKS: [(MomentKind, f32); 4] =
     [(MomentKind::Start, 6.0), (MomentKind::Wave, 3.0), (MomentKind::Round, 6.0), (MomentKind::Pass, 6.0)];
@@ -40,8 +42,9 @@ pub(super) fn show(app: &mut App, ui: &mut Ui) {
             }
             ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
                 let at = app.looking.moment.unwrap_or(moments.len() - 1).min(moments.len() - 1);
-                ui.allocate_ui_with_layout(vec2(WORDS, 20.0), Layout::left_to_right(Align::Center), |ui| {
-                    ui.set_width(WORDS);
+                let words = WORDS.min(SHARE_OF_WORDS * ui.available_width());
+                ui.allocate_ui_with_layout(vec2(words, 20.0), Layout::left_to_right(Align::Center), |ui| {
+                    ui.set_width(words);
                     ui.add(egui::Label::new(theme::value(in_words(&moments, at))).truncate());
                 });
                 if let Some(moment) = track(ui, &moments, app.looking.moment) {

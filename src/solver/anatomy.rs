@@ -4,6 +4,9 @@
 //! a few milliseconds in a room, and some tens with a million polygons. Whoever holds it can ask about any element without asking
 //! the solver.
 
+mod error;
+mod parts;
+
 use std::sync::{Arc, OnceLock};
 
 use glam::Vec3;
@@ -12,7 +15,7 @@ use super::gather::Light;
 use super::link::{Evidence, Link, LinkTable};
 use super::params::SolverParams;
 use super::push::Inspector;
-use crate::hierarchy::{ElementId, Hierarchy, Shape};
+use crate::hierarchy::{ElementId, Hierarchy, Order, Room, Shape};
 
 /// Elements, links and light of one state of a solution.
 pub struct Anatomy {
@@ -24,7 +27,13 @@ pub struct Anatomy {
     /// Links whose source was dark when they were judged carry nothing: the last gather passes them over.
     passes_over_unjudged: bool,
     by_source: OnceLock<BySource>,
-    spans: OnceLock<Vec<[f32; 2]>>,
+    orders: [OnceLock<Order>; Room::ALL.len()],
+    /// Levels below the root of each element.
+    depths: OnceLock<Vec<u16>>,
+    /// Mean over its leaves' area of what their irradiance is multiplied by, of each element.
+    scales: OnceLock<Vec<f32>>,
+    /// Standard deviation of brightness over the leaves of each element, W/m².
+    spread: OnceLock<Vec<f32>>,
 }
 
 impl std::fmt::Debug for Anatomy {
@@ -65,8 +74,8 @@ pub struct LinkView {
     pub evidence: Evidence,
     /// Power carried to the whole receiver, B_s·F·V·A_r, W (largest colour).
     pub power: f32,
-    /// How many levels above the element that was asked for this end of the link lies; 0 for the element itself.
-    pub levels_up: u16,
+    /// How many levels above the element that was asked for this end of the link lies; 0 for the element itself, negative for its parts.
+    pub levels_up: i16,
     /// For light that comes in: what the link brings to the element, W/m²; over all links this adds up to its irradiance E. For light that
     /// goes out: what of the receiver's irradiance is owed to the element, by its share of the source's power.
     pub irradiance: Vec3,
@@ -81,8 +90,19 @@ impl Anatomy {
         epsilon_watts: f64,
         passes_over_unjudged: bool,
     ) -> Self {
-        let (by_source, spans) = (OnceLock::new(), OnceLock::new());
-        Self { hierarchy, links, light, params, epsilon_watts, passes_over_unjudged, by_source, spans }
+        Self {
+            hierarchy,
+            links,
+            light,
+            params,
+            epsilon_watts,
+            passes_over_unjudged,
+            by_source: OnceLock::new(),
+            orders: Default::default(),
+            depths: OnceLock::new(),
+            scales: OnceLock::new(),
+            spread: OnceLock::new(),
+        }
     }
 
     /// The elements.
@@ -138,22 +158,26 @@ impl Anatomy {
         std::iter::successors(Some(id), |&at| self.hierarchy.element(at).parent())
     }
 
-    /// Where an element lies in the order of the hierarchy, as the beginning and end of its share of all area, 0..=1: children lie
-    /// side by side inside of their parent, and each element takes as much room as it has area.
+    /// The order of the hierarchy: where each element lies on the line from 0 to 1.
+    pub fn order(&self, room: Room) -> &Order {
+        self.orders[room as usize].get_or_init(|| Order::new(&self.hierarchy, room))
+    }
+
+    /// Beginning and end of an element's share of all area, 0..=1, in the order of the hierarchy.
     pub fn span(&self, id: ElementId) -> [f32; 2] {
-        self.spans.get_or_init(|| spans(&self.hierarchy))[id.index()]
+        self.order(Room::Area).span(id).map(|place| place as f32)
     }
 
     /// Links that bring an element light, its own and those of all that holds it; strongest power first.
     pub fn incoming(&self, id: ElementId) -> Vec<LinkView> {
         let inspector = Inspector::new(&self.hierarchy, &self.params);
-        let scale = self.light.row_scale.get(id.index()).copied().unwrap_or(1.0);
+        let scale = self.scale(id);
         let mut views = Vec::new();
         for (levels_up, at) in self.upwards(id).enumerate() {
             for link in self.links.of(at).iter().filter(|link| self.carries(link)) {
                 let flux = self.flux(link);
                 let irradiance = scale * inspector.handed_down((at, link), flux, id);
-                views.push(LinkView { irradiance, ..self.view(at, link, levels_up as u16) });
+                views.push(LinkView { irradiance, ..self.view(at, link, levels_up as i16) });
             }
         }
         views.sort_by(|a, b| b.power.total_cmp(&a.power));
@@ -173,7 +197,7 @@ impl Anatomy {
             for &place in by_source.of(at) {
                 let link = &self.links.all()[place as usize];
                 if self.carries(link) {
-                    let view = self.view(by_source.receivers[place as usize], link, levels_up as u16);
+                    let view = self.view(by_source.receivers[place as usize], link, levels_up as i16);
                     views.push(LinkView { irradiance: share * self.flux(link), ..view });
                 }
             }
@@ -185,11 +209,16 @@ impl Anatomy {
     /// Every link with its receiver, in the order of receivers.
     pub fn all_links(&self) -> impl Iterator<Item = LinkView> + '_ {
         let receivers = (0..self.links.receivers() as u32).map(ElementId);
-        receivers.flat_map(move |receiver| self.links.of(receiver).iter().map(move |link| self.view(receiver, link, 0)))
+        receivers.flat_map(move |receiver| self.links_of(receiver))
+    }
+
+    /// The links at a receiver, without those of what holds it.
+    pub fn links_of(&self, receiver: ElementId) -> impl Iterator<Item = LinkView> + '_ {
+        self.links.of(receiver).iter().map(move |link| self.view(receiver, link, 0))
     }
 
     /// A link as a view shows it; its irradiance is what it brings to its receiver.
-    fn view(&self, receiver: ElementId, link: &Link, levels_up: u16) -> LinkView {
+    fn view(&self, receiver: ElementId, link: &Link, levels_up: i16) -> LinkView {
         let (to, from) = (self.hierarchy.element(receiver), self.hierarchy.element(link.source()));
         let flux = if self.carries(link) { self.flux(link) } else { Vec3::ZERO };
         LinkView {
@@ -251,27 +280,6 @@ impl BySource {
     }
 }
 
-/// Beginning and end of each element's share of the area; parents precede their children in the arena.
-fn spans(hierarchy: &Hierarchy) -> Vec<[f32; 2]> {
-    let elements = hierarchy.elements();
-    let mut spans = vec![[0.0_f64, 1.0]; elements.len()];
-    for (index, element) in elements.iter().enumerate() {
-        let [start, end] = spans[index];
-        let area = |child: ElementId| f64::from(hierarchy.element(child).area);
-        let total: f64 = element.children().map(area).sum();
-        let count = element.children().len() as f64;
-        let mut at = start;
-        for child in element.children() {
-            // Hidden elements have no area, but their place.
-            let share = if total > 0.0 { area(child) / total } else { count.recip() };
-            let next = at + share * (end - start);
-            spans[child.index()] = [at, next.min(end)];
-            at = next;
-        }
-    }
-    spans.into_iter().map(|span| span.map(|place| place as f32)).collect()
-}
-
 #[cfg(test)]
 mod tests {
     use std::sync::Arc;
@@ -290,26 +298,6 @@ mod tests {
         assert!(solver.run(&CancelToken::new()));
         solver.show_anatomy(true);
         solver.snapshot().anatomy.expect("it was asked for")
-    }
-
-    /// Truth: children tile their parent, and the leaves all of the order.
-    #[test]
-    fn spans_tile_the_order() {
-        let anatomy = anatomy();
-        assert_eq!(anatomy.span(Hierarchy::ROOT), [0.0, 1.0]);
-        let hierarchy = anatomy.hierarchy();
-        for id in hierarchy.ids() {
-            let children: Vec<ElementId> = hierarchy.element(id).children().collect();
-            let [start, end] = anatomy.span(id);
-            if let (Some(&first), Some(&last)) = (children.first(), children.last()) {
-                assert_eq!(anatomy.span(first)[0], start);
-                // Sums of shares round in f64, spans to f32.
-                assert!((anatomy.span(last)[1] - end).abs() <= 1e-6);
-                for pair in children.windows(2) {
-                    assert_eq!(anatomy.span(pair[0])[1], anatomy.span(pair[1])[0]);
-                }
-            }
-        }
     }
 
     /// Truth: each link comes in at one end and goes out at the other, and carries the same power there.

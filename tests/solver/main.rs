@@ -3,6 +3,7 @@
 
 mod balance;
 mod closed_forms;
+mod coarsening;
 mod display_mesh;
 mod error_oracle;
 mod exposure;

@@ -4,9 +4,9 @@ use std::path::Path;
 
 use egui::{Button, DragValue, Grid, ProgressBar, RichText, TextEdit, Ui};
 
+use super::super::dialog::DialogAnswer;
 use super::super::measuring::{Measuring, Table};
 use super::super::messages::Messages;
-use super::super::save_dialog::Answer;
 use super::super::{Shown, Wake, format, theme};
 use crate::photometry::{CONVENTION, lux};
 use crate::survey::{PlaneReading, Probed};
@@ -202,8 +202,8 @@ fn show_files(ui: &mut Ui, measuring: &mut Measuring, messages: &mut Messages) {
         write(measuring, &path, messages);
     }
     match measuring.save.poll() {
-        Some(Answer::Chosen(path)) => write(measuring, &path, messages),
-        Some(Answer::NoDialog) => messages.note(NO_DIALOG.into()),
+        Some(DialogAnswer::Chosen(path)) => write(measuring, &path, messages),
+        Some(DialogAnswer::NoDialog) => messages.note(NO_DIALOG.into()),
         None => {}
     }
 }
