@@ -170,6 +170,9 @@ impl Measuring {
         });
         self.shown = Some(snapshot.clone());
         self.asked = Some((snapshot.clone(), plane));
+        if self.surveyor.is_none() {
+            self.report.failure = Some("no thread is left to measure with: close other programs and try again".into());
+        }
     }
 
     /// Gives the plane up.
@@ -240,7 +243,7 @@ impl Measuring {
         Ok(text)
     }
 
-    /// Starts the surveyor where it is not yet there; without a further thread nothing is read.
+    /// Starts the surveyor where it is not yet there; without a further thread nothing is read, and the next question tries again.
     fn with_surveyor(&mut self, wake: &Wake, ask: impl FnOnce(&Surveyor)) {
         if self.surveyor.is_none() {
             let wake = wake.clone();
