@@ -116,7 +116,7 @@ impl ClusterScene {
     }
 
     /// A ray into the picture as one into the scene, which meets the same surface at once: beside it, how far that surface was moved.
-    pub(super) fn into_scene(&self, origin: Vec3, direction: Vec3) -> Option<(Vec3, Vec3)> {
+    pub(super) fn ray_in_scene(&self, origin: Vec3, direction: Vec3) -> Option<(Vec3, Vec3)> {
         let (cut, painted) = (self.cut.as_ref()?, self.painted.as_ref()?);
         let mesh = &painted.snapshot.mesh;
         let met = crate::render::pick(mesh, origin, direction)?;
@@ -159,7 +159,7 @@ mod tests {
             let (x, y) = ((step % 20) as f32 / 20.0 - 0.475, (step / 20) as f32 / 20.0 - 0.475);
             let direction = Vec3::new(x, y, 1.0);
             let Some(there) = crate::render::pick(&painted.mesh, eye, direction) else { continue };
-            let (origin, _) = view.into_scene(eye, direction).expect("it meets a surface");
+            let (origin, _) = view.ray_in_scene(eye, direction).expect("it meets a surface");
             let here = crate::render::pick(&snapshot.mesh, origin, direction).expect("so does its stand-in");
             assert_eq!(here.leaf, there.leaf, "at {x} {y}");
             met += 1;

@@ -375,7 +375,7 @@ impl App {
     fn pick(&mut self, clicked: viewport::Clicked) {
         let (Some(snapshot), Some(info)) = (&self.shown.snapshot, &self.shown.info) else { return };
         let (origin, moved_by) =
-            self.cluster_view.into_scene(clicked.origin, clicked.direction).unwrap_or((clicked.origin, Vec3::ZERO));
+            self.cluster_view.ray_in_scene(clicked.origin, clicked.direction).unwrap_or((clicked.origin, Vec3::ZERO));
         if self.tool == Some(dock::Tool::Measure) && self.measuring.places_probes {
             if let Some(found) = PickedElement::at(snapshot, origin, clicked.direction) {
                 let leaf = snapshot.mesh.leaves.iter().find(|leaf| leaf.element == found.element);

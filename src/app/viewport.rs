@@ -261,7 +261,6 @@ pub(super) fn show(app: &mut App, ui: &mut Ui, outbox: &mut Outbox) -> Option<Cl
                 exposure: app.freeze.exposure(chosen.exposure),
                 as_colours: has_errors || (by_clusters.is_some() && app.cluster_view.coloured),
                 reading,
-                ..chosen
             },
             snapshot: other.or(by_clusters).unwrap_or(snapshot),
             beside,

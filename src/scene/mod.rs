@@ -17,6 +17,7 @@ mod obj;
 mod obj_text;
 mod regroup;
 mod regroup_edit;
+mod regroup_list;
 mod sidecar;
 mod texture;
 mod triangulate;
