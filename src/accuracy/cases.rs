@@ -284,7 +284,8 @@ fn cie_5_8() -> Case {
     Case { name: "CIE 171 5.8, closed cube", source: "Φ/(S(1−ρ))", readings, scene }
 }
 
-fn mean(label: &str, polygons: Vec<u32>, truth: f64) -> Reading {
+/// The mean over some polygons as a reading.
+pub(crate) fn mean(label: &str, polygons: Vec<u32>, truth: f64) -> Reading {
     Reading {
         label: label.to_owned(),
         place: Place::Mean(polygons),
@@ -296,7 +297,8 @@ fn mean(label: &str, polygons: Vec<u32>, truth: f64) -> Reading {
     }
 }
 
-fn point(label: &str, polygon: u32, position: Vec3, truth: f64) -> Reading {
+/// A point of a polygon as a reading.
+pub(crate) fn point(label: &str, polygon: u32, position: Vec3, truth: f64) -> Reading {
     let place = Place::Point { polygon, position };
     Reading { label: label.to_owned(), place, truth, allowance: 0.0, gain: 1.0, factor: 1.0, unit: "" }
 }
@@ -310,7 +312,8 @@ fn share(label: &str, polygon: u32, at: DVec3, truth: f64) -> Reading {
     Reading { factor: 100.0, unit: "%", ..point(label, polygon, at.as_vec3(), 100.0 * truth) }
 }
 
-fn lamp_and_black(scene: &mut Scene, exitance: f64) -> (MaterialId, MaterialId) {
+/// A lamp of this exitance, W/m², that reflects nothing, and a material that neither shines nor reflects.
+pub(crate) fn lamp_and_black(scene: &mut Scene, exitance: f64) -> (MaterialId, MaterialId) {
     let lamp = scene.add_material("lamp", Vec3::ZERO, Vec3::splat(exitance as f32));
     (lamp, scene.add_material("black", Vec3::ZERO, Vec3::ZERO))
 }
@@ -321,13 +324,13 @@ fn corners(scene: &Scene, polygon: usize) -> Vec<DVec3> {
 }
 
 /// A rectangle at height `z` that faces up or down.
-fn level(x: Span, y: Span, z: f64, up: bool) -> [Vec3; 4] {
+pub(crate) fn level(x: Span, y: Span, z: f64, up: bool) -> [Vec3; 4] {
     let corners = [(x[0], y[0]), (x[1], y[0]), (x[1], y[1]), (x[0], y[1])];
     turned(corners.map(|(x, y)| vec3(x as f32, y as f32, z as f32)), up)
 }
 
 /// A rectangle at x = 0 that faces +x: z from ξ and y from η.
-fn upright(xi: Span, eta: Span) -> [Vec3; 4] {
+pub(crate) fn upright(xi: Span, eta: Span) -> [Vec3; 4] {
     [(eta[0], xi[0]), (eta[1], xi[0]), (eta[1], xi[1]), (eta[0], xi[1])].map(|(y, z)| vec3(0.0, y as f32, z as f32))
 }
 

@@ -5,8 +5,8 @@ use std::time::{Duration, Instant};
 use rustc_hash::FxHashMap;
 
 use super::facts::Facts;
-use super::names::Names;
 use crate::hierarchy::ElementId;
+use crate::names::Names;
 use crate::scene::Scene;
 use crate::solver::{Anatomy, LinkView, Snapshot};
 

@@ -1,14 +1,18 @@
-//! The command line: the window, or `solve`, `render`, `probe`, `reference`, `chart`, `tables`,
-//! `accuracy` and `scene` without one.
+//! The command line: the window, or `solve`, `render`, `matrix`, `probe`, `reference`, `chart`, `tables`,
+//! `accuracy`, `doctor` and `scene` without one.
 //!
 //! Whatever cannot be done gives one sentence on stderr and exit code 2. Results go to stdout, remarks about the scene and
 //! progress to stderr.
 
 mod accuracy;
 mod chart;
+#[cfg(feature = "gui")]
+mod clusters;
+mod doctor;
 mod job;
 #[cfg(feature = "gui")]
 mod legend;
+mod matrix;
 mod options;
 mod output;
 mod probe;
@@ -48,16 +52,18 @@ pub fn main(started: Instant) -> ExitCode {
         Err(error) => return refuse(&sentence_of(&error)),
     };
     match dispatch(&matches, started) {
-        Ok(()) => ExitCode::SUCCESS,
+        Ok(code) => code,
         Err(error) => refuse(&error.to_string()),
     }
 }
 
-fn dispatch(matches: &ArgMatches, started: Instant) -> anyhow::Result<()> {
-    match matches.subcommand() {
+fn dispatch(matches: &ArgMatches, started: Instant) -> anyhow::Result<ExitCode> {
+    let done = match matches.subcommand() {
+        Some(("doctor", matches)) => return doctor::run(matches),
         Some(("solve", matches)) => solve::run(matches, started),
         #[cfg(feature = "gui")]
         Some(("render", matches)) => render::run(matches),
+        Some(("matrix", matches)) => matrix::run(matches),
         Some(("probe", matches)) => probe::run(matches),
         Some(("chart", matches)) => chart::run(matches),
         Some(("tables", matches)) => tables::run(matches),
@@ -65,15 +71,21 @@ fn dispatch(matches: &ArgMatches, started: Instant) -> anyhow::Result<()> {
         Some(("reference", matches)) => reference::run(matches),
         Some(("scene", matches)) => scene::run(matches),
         _ => window::run(matches, started),
-    }
+    };
+    done.map(|()| ExitCode::SUCCESS)
 }
 
 fn command() -> Command {
     let command = window::command().subcommand(solve::command());
     #[cfg(feature = "gui")]
     let command = command.subcommand(render::command());
+    let command = command.subcommand(matrix::command());
     let command = command.subcommand(probe::command()).subcommand(reference::command()).subcommand(chart::command());
-    command.subcommand(tables::command()).subcommand(accuracy::command()).subcommand(scene::command())
+    command
+        .subcommand(tables::command())
+        .subcommand(accuracy::command())
+        .subcommand(doctor::command())
+        .subcommand(scene::command())
 }
 
 /// Says why, in one line.

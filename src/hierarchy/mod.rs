@@ -8,7 +8,9 @@ mod adaptive;
 mod build;
 mod grouping;
 mod groups;
+mod merge_back;
 mod octree;
+mod order;
 mod patch;
 mod sample;
 mod surface;
@@ -23,6 +25,8 @@ use crate::exposure::Exposure;
 use crate::random::mix;
 use crate::scene::Scene;
 
+pub use merge_back::Renumbering;
+pub use order::{Order, Room};
 pub use patch::Patch;
 pub use sample::{PatchSums, SurfacePoint, point_on_polygon};
 pub use surface::smooth_surfaces;
@@ -65,6 +69,13 @@ pub struct Cluster {
     first_patch: u32,
     /// Number of initial patches below.
     patch_count: u32,
+}
+
+impl Cluster {
+    /// Number of initial patches below.
+    pub fn patch_count(&self) -> u32 {
+        self.patch_count
+    }
 }
 
 /// What an element is.
@@ -139,6 +150,8 @@ pub struct Hierarchy {
     exposure: Arc<Exposure>,
     cluster_count: usize,
     leaf_count: usize,
+    /// Vertices of the initial patches, which come first.
+    initial_vertices: usize,
 }
 
 impl Hierarchy {
@@ -241,6 +254,7 @@ impl Hierarchy {
             area_sums: self.area_sums.clone(),
             exposure: self.exposure.clone(),
             cluster_count: self.cluster_count,
+            initial_vertices: self.initial_vertices,
         }
     }
 

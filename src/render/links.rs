@@ -8,9 +8,9 @@ use serde::{Deserialize, Serialize};
 
 use super::outline::element_outline;
 use super::overlay::{Line, power_colour};
-use super::ramp::{VIRIDIS, along_ramp};
 use crate::format;
 use crate::hierarchy::ElementId;
+use crate::ramp::{VIRIDIS, along_ramp};
 use crate::solver::{Anatomy, Evidence, LinkView};
 
 /// As many links as can still be told apart.

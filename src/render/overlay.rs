@@ -5,8 +5,8 @@ use std::sync::Arc;
 use glam::Vec3;
 
 use super::outline::{box_edges, element_outline};
-use super::ramp::{VIRIDIS, along_ramp};
 use crate::hierarchy::ElementId;
+use crate::ramp::{VIRIDIS, along_ramp};
 use crate::solver::Anatomy;
 use crate::solver::snapshot::{ClusterBox, Mesh};
 

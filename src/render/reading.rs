@@ -2,8 +2,8 @@
 //!
 //! The shader colours each pixel by the value interpolated there; what is here tells it how, and tells a legend the same.
 
-use super::ramp::Ramp;
 use crate::photometry::{Quantity, Unit, weighted};
+use crate::ramp::Ramp;
 use crate::solver::snapshot::Snapshot;
 
 /// So many lines of equal value at most.
@@ -17,7 +17,7 @@ const LINEAR_FROM_ZERO: f32 = 0.5;
 /// More leaves than this are sampled evenly.
 const MOST_LEAVES: usize = 1 << 14;
 /// Marks that a scale wants.
-const WANTED_TICKS: f32 = 5.0;
+const WANTED_TICKS: f32 = 6.0;
 
 /// A quantity read off the surfaces.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -154,10 +154,10 @@ impl Isolines {
         let mut wanted: Vec<f32> = values.into_iter().filter(|value| *value > 0.0 && value.is_finite()).collect();
         wanted.sort_by(f32::total_cmp);
         wanted.dedup();
-        let mut lines = Self::default();
-        lines.count = wanted.len().min(MOST_ISOLINES);
-        lines.values[..lines.count].copy_from_slice(&wanted[..lines.count]);
-        lines
+        let count = wanted.len().min(MOST_ISOLINES);
+        let mut values = [0.0; MOST_ISOLINES];
+        values[..count].copy_from_slice(&wanted[..count]);
+        Self { values, count }
     }
 
     /// Lines at the round values strictly inside a scale.
@@ -230,7 +230,7 @@ fn round_down(value: f32) -> f32 {
 /// The next step upwards of 1, 2 or 5 times a power of ten.
 fn round_step(value: f32) -> f32 {
     let (digit, power) = digits(value);
-    power * [1.0, 2.0, 5.0].into_iter().find(|round| *round >= 0.9 * digit).unwrap_or(10.0)
+    power * [1.0, 2.0, 5.0].into_iter().find(|round| *round >= 0.8 * digit).unwrap_or(10.0)
 }
 
 /// A number as a digit, 1..10, times a power of ten.

@@ -2,10 +2,10 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::ramp::Ramp;
 use super::reading::{ColourScale, Isolines, Reading, Spacing};
 use crate::format;
 use crate::photometry::{Quantity, Unit};
+use crate::ramp::Ramp;
 use crate::solver::snapshot::Snapshot;
 
 /// What colours the surfaces.

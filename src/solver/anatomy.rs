@@ -15,7 +15,7 @@ use super::gather::Light;
 use super::link::{Evidence, Link, LinkTable};
 use super::params::SolverParams;
 use super::push::Inspector;
-use crate::hierarchy::{ElementId, Hierarchy, Shape};
+use crate::hierarchy::{ElementId, Hierarchy, Order, Room, Shape};
 
 /// Elements, links and light of one state of a solution.
 pub struct Anatomy {
@@ -27,7 +27,7 @@ pub struct Anatomy {
     /// Links whose source was dark when they were judged carry nothing: the last gather passes them over.
     passes_over_unjudged: bool,
     by_source: OnceLock<BySource>,
-    spans: OnceLock<Vec<[f32; 2]>>,
+    orders: [OnceLock<Order>; Room::ALL.len()],
     /// Levels below the root of each element.
     depths: OnceLock<Vec<u16>>,
     /// Mean over its leaves' area of what their irradiance is multiplied by, of each element.
@@ -98,7 +98,7 @@ impl Anatomy {
             epsilon_watts,
             passes_over_unjudged,
             by_source: OnceLock::new(),
-            spans: OnceLock::new(),
+            orders: Default::default(),
             depths: OnceLock::new(),
             scales: OnceLock::new(),
             spread: OnceLock::new(),
@@ -158,10 +158,14 @@ impl Anatomy {
         std::iter::successors(Some(id), |&at| self.hierarchy.element(at).parent())
     }
 
-    /// Where an element lies in the order of the hierarchy, as the beginning and end of its share of all area, 0..=1: children lie
-    /// side by side inside of their parent, and each element takes as much room as it has area.
+    /// The order of the hierarchy: where each element lies on the line from 0 to 1.
+    pub fn order(&self, room: Room) -> &Order {
+        self.orders[room as usize].get_or_init(|| Order::new(&self.hierarchy, room))
+    }
+
+    /// Beginning and end of an element's share of all area, 0..=1, in the order of the hierarchy.
     pub fn span(&self, id: ElementId) -> [f32; 2] {
-        self.spans.get_or_init(|| spans(&self.hierarchy))[id.index()]
+        self.order(Room::Area).span(id).map(|place| place as f32)
     }
 
     /// Links that bring an element light, its own and those of all that holds it; strongest power first.
@@ -205,7 +209,12 @@ impl Anatomy {
     /// Every link with its receiver, in the order of receivers.
     pub fn all_links(&self) -> impl Iterator<Item = LinkView> + '_ {
         let receivers = (0..self.links.receivers() as u32).map(ElementId);
-        receivers.flat_map(move |receiver| self.links.of(receiver).iter().map(move |link| self.view(receiver, link, 0)))
+        receivers.flat_map(move |receiver| self.links_of(receiver))
+    }
+
+    /// The links at a receiver, without those of what holds it.
+    pub fn links_of(&self, receiver: ElementId) -> impl Iterator<Item = LinkView> + '_ {
+        self.links.of(receiver).iter().map(move |link| self.view(receiver, link, 0))
     }
 
     /// A link as a view shows it; its irradiance is what it brings to its receiver.
@@ -271,27 +280,6 @@ impl BySource {
     }
 }
 
-/// Beginning and end of each element's share of the area; parents precede their children in the arena.
-fn spans(hierarchy: &Hierarchy) -> Vec<[f32; 2]> {
-    let elements = hierarchy.elements();
-    let mut spans = vec![[0.0_f64, 1.0]; elements.len()];
-    for (index, element) in elements.iter().enumerate() {
-        let [start, end] = spans[index];
-        let area = |child: ElementId| f64::from(hierarchy.element(child).area);
-        let total: f64 = element.children().map(area).sum();
-        let count = element.children().len() as f64;
-        let mut at = start;
-        for child in element.children() {
-            // Hidden elements have no area, but their place.
-            let share = if total > 0.0 { area(child) / total } else { count.recip() };
-            let next = at + share * (end - start);
-            spans[child.index()] = [at, next.min(end)];
-            at = next;
-        }
-    }
-    spans.into_iter().map(|span| span.map(|place| place as f32)).collect()
-}
-
 #[cfg(test)]
 mod tests {
     use std::sync::Arc;
@@ -310,26 +298,6 @@ mod tests {
         assert!(solver.run(&CancelToken::new()));
         solver.show_anatomy(true);
         solver.snapshot().anatomy.expect("it was asked for")
-    }
-
-    /// Truth: children tile their parent, and the leaves all of the order.
-    #[test]
-    fn spans_tile_the_order() {
-        let anatomy = anatomy();
-        assert_eq!(anatomy.span(Hierarchy::ROOT), [0.0, 1.0]);
-        let hierarchy = anatomy.hierarchy();
-        for id in hierarchy.ids() {
-            let children: Vec<ElementId> = hierarchy.element(id).children().collect();
-            let [start, end] = anatomy.span(id);
-            if let (Some(&first), Some(&last)) = (children.first(), children.last()) {
-                assert_eq!(anatomy.span(first)[0], start);
-                // Sums of shares round in f64, spans to f32.
-                assert!((anatomy.span(last)[1] - end).abs() <= 1e-6);
-                for pair in children.windows(2) {
-                    assert_eq!(anatomy.span(pair[0])[1], anatomy.span(pair[1])[0]);
-                }
-            }
-        }
     }
 
     /// Truth: each link comes in at one end and goes out at the other, and carries the same power there.

@@ -187,11 +187,7 @@ impl<'a> Gatherer<'a> {
     /// more than there is, and never up.
     pub fn limit_rows(&self, light: &mut Light, cancel: &CancelToken) -> Option<usize> {
         let elements = self.hierarchy.elements();
-        let (evenly_lit, dark) = (vec![Vec3::ONE; elements.len()], vec![Vec3::ZERO; elements.len()]);
-        let mut rows: Vec<f32> = self.incoming(&evenly_lit, &dark, cancel)?.into_iter().map(|row| row.x).collect();
-        for (index, element) in elements.iter().enumerate() {
-            rows[index] += element.parent().map_or(0.0, |parent| rows[parent.index()]);
-        }
+        let mut rows = self.rows(cancel)?;
         let mut exceeding = 0;
         for (index, element) in elements.iter().enumerate().rev().filter(|(_, element)| !element.is_cluster()) {
             if element.is_leaf() {
@@ -214,6 +210,17 @@ impl<'a> Gatherer<'a> {
         let scale = |(&wanted, &row): (&f32, &f32)| if row > 0.0 { (wanted / row).min(MOST_SCALE) } else { 1.0 };
         light.row_scale = wanted.iter().zip(&rows).map(scale).collect();
         Some(exceeding)
+    }
+
+    /// Each element's sum of F·V, its ancestors' included, before rows are limited; parallel to the arena. `None` if cancelled.
+    pub fn rows(&self, cancel: &CancelToken) -> Option<Vec<f32>> {
+        let elements = self.hierarchy.elements();
+        let (evenly_lit, dark) = (vec![Vec3::ONE; elements.len()], vec![Vec3::ZERO; elements.len()]);
+        let mut rows: Vec<f32> = self.incoming(&evenly_lit, &dark, cancel)?.into_iter().map(|row| row.x).collect();
+        for (index, element) in elements.iter().enumerate() {
+            rows[index] += element.parent().map_or(0.0, |parent| rows[parent.index()]);
+        }
+        Some(rows)
     }
 
     /// What arrives at each element by its own links; at initial patches also what clusters above push to them at once.

@@ -104,13 +104,19 @@ impl Oracle<'_> {
         if receiver == source {
             return self.brightness[source.index()] * self.hierarchy.element(source).area > allowed;
         }
-        let Some((visibility, rays)) = seen_by(link.visibility(), link.evidence()) else { return true };
         let Exchange::Facing { estimate, bound, overlapping } = exchange(self.hierarchy, receiver, source) else {
             return true;
         };
         let facing = Facing { estimate, bound, overlapping };
-        self.error_of(receiver, source, facing, visibility, rays).total() > allowed
-            && end_to_split(self.hierarchy, receiver, source).is_some()
+        link.evidence() == Evidence::None
+            || self.exceeds_error(receiver, link, facing, allowed)
+                && end_to_split(self.hierarchy, receiver, source).is_some()
+    }
+
+    /// Whether a link's error exceeds what is allowed, W; always where nobody looked.
+    pub fn exceeds_error(&self, receiver: ElementId, link: &Link, facing: Facing, allowed: f32) -> bool {
+        let Some((visibility, rays)) = seen_by(link.visibility(), link.evidence()) else { return true };
+        self.error_of(receiver, link.source(), facing, visibility, rays).total() > allowed
     }
 
     /// Whether a touching pair is refined whatever its visibility.

@@ -25,6 +25,13 @@ pub struct Picture {
     light: Option<Light>,
 }
 
+impl Picture {
+    /// As if this had been the light of the last picture.
+    pub fn of(light: Light) -> Self {
+        Self { light: Some(light) }
+    }
+}
+
 /// A picture's gather ends when this share of the power is still to come: less than a shade on a screen.
 pub(super) const PICTURE_TOLERANCE: f64 = 5e-3;
 /// Sweeps of the first picture, which starts from emitted light.
@@ -36,7 +43,9 @@ const LATER_SWEEPS: u32 = 3;
 pub(super) fn snapshot(solver: &mut Solver) -> Snapshot {
     solver.serial += 1;
     let finished = matches!(solver.phase, Phase::Reconstruct | Phase::Done);
-    let table = (!finished).then(|| table_with_waiting(solver));
+    let nothing_waits = solver.refinement.is_finished() && solver.refinement.accepted.is_empty();
+    let is_known = finished || solver.is_converged && nothing_waits;
+    let table = (!is_known).then(|| table_with_waiting(solver));
     let light = match &table {
         Some(table) => picture_light(solver, table),
         None => solver.light.clone(),
@@ -89,6 +98,7 @@ fn picture_light(solver: &mut Solver, table: &LinkTable) -> Light {
     let never = CancelToken::new();
     gatherer.limit_rows(&mut light, &never);
     gatherer.converge(&mut light, PICTURE_TOLERANCE, if first { FIRST_SWEEPS } else { LATER_SWEEPS }, &never);
+    solver.keep_bounds(&mut light);
     light
 }
 

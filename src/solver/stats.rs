@@ -28,6 +28,10 @@ pub struct Stats {
     pub epsilon_watts: f64,
     /// Threshold ε as a share of Φ (0 where nothing emits).
     pub epsilon_relative: f64,
+    /// Emitted power Φ now, by the largest colour, W.
+    pub power_watts: f64,
+    /// The Φ by which ε became watts, W; ε stays as it is when a lamp is dimmed.
+    pub anchor_watts: f64,
     /// Polygons that became patches.
     pub initial_patches: usize,
     /// Clusters.
@@ -54,6 +58,8 @@ pub struct Stats {
     pub depth_guard_struck: u64,
     /// Leaves whose form factors summed to more than 1 and were scaled back.
     pub clamped_leaves: usize,
+    /// Leaves that were brighter than anything in the scene can be, max B_e/(1−ρ_max), and were brought back to that.
+    pub bounded_leaves: usize,
     /// RMS error that was asked for, as a share of the RMS radiosity.
     pub error_asked: Option<f64>,
     /// The solver's own cautious estimate of it, once there is one.

@@ -10,6 +10,7 @@ use super::guard::{guarded, pool_of};
 use super::loader::{Awaited, Prepared};
 use super::merge::merge;
 use super::pacing::Pacing;
+use super::stage::MaterialEdit;
 use super::{Command, Event, Look, Message, RunState, Shared, Status, lock};
 use crate::cancel::CancelToken;
 use crate::solver::{MomentInfo, Solver, SolverParams, Step};
@@ -59,6 +60,8 @@ pub(super) struct Session {
     moments: Arc<[MomentInfo]>,
     /// Generation and number of changes that they stand for.
     told: (u64, u64),
+    /// A person waits for what comes of the first step.
+    hurries: bool,
 }
 
 impl Session {
@@ -81,6 +84,7 @@ impl Session {
             look: Look::default(),
             moments: Arc::default(),
             told: (0, 0),
+            hurries: false,
         }
     }
 
@@ -98,6 +102,7 @@ impl Session {
             }
             if self.picture_owed {
                 self.publish_picture();
+                self.hurries = true;
             }
             if any {
                 self.publish_status();
@@ -161,8 +166,15 @@ impl Session {
                 self.look = look;
                 self.picture_owed = true;
             }
-            Command::SetEmission { material, emission } => self.set_emission(material, emission),
+            Command::SetEmission { material, emission } => {
+                self.edit_material(material, MaterialEdit::Emission(emission));
+            }
+            Command::SetReflectance { material, reflectance } => {
+                self.edit_material(material, MaterialEdit::Reflectance(reflectance));
+            }
+            Command::AnchorEpsilon => self.anchor_epsilon(),
             Command::AddCeilingLight { size, exitance } => self.add_ceiling_light(size, exitance),
+            Command::SetGroups(members) => self.set_groups(members),
             Command::SaveSidecar { camera } => self.save_sidecar(camera),
             // Seen by `run`.
             Command::Shutdown => {}
@@ -201,7 +213,7 @@ impl Session {
                 self.refine_again();
                 Ok(())
             }
-            Ok(false) => self.start_solver(),
+            Ok(false) => self.rebuild_solver(),
             Err(sentence) => Err(sentence),
         };
         if let Err(sentence) = outcome {
@@ -238,6 +250,10 @@ impl Session {
             Err(sentence) => return self.give_up(&sentence),
         };
         self.tell_moments();
+        let hurries = std::mem::take(&mut self.hurries);
+        if hurries && step != Step::Gathered {
+            self.pacing.hurry();
+        }
         match step {
             Step::Interrupted => {}
             Step::Finished => {
@@ -263,6 +279,10 @@ impl Session {
                     Drive::Run | Drive::Pause => self.publish_picture_when_due(),
                 }
             }
+        }
+        if hurries && step == Step::Gathered {
+            // Links were judged, which shows nothing yet; the step behind it will.
+            self.pacing.hurry();
         }
     }
 

@@ -5,18 +5,17 @@
 use glam::Vec3;
 use proptest::prelude::*;
 use proptest::test_runner::{Config, RngAlgorithm, TestRng, TestRunner};
-use rustc_hash::{FxHashMap, FxHashSet};
 use std::sync::Arc;
 
 use selflink::hierarchy::{ClusteringMode, ElementId, Hierarchy, Shape};
 use selflink::scene::{GroupId, Scene};
-use selflink::solver::Solver;
 
-use super::support::{MODES, add_box, furnished_room, initial_patch, is_sound, lamp_room, links, params, solve};
+use super::coverage::check_coverage;
+use super::support::{MODES, add_box, furnished_room, is_sound, lamp_room, params, solve};
 
 /// Every polygon is one initial patch, every element but the root has the parent that lists it, areas add up, boxes hold
 /// what is in them. Areas and boxes within f32's 1e-6 of the scene's size.
-fn check_tree(scene: &Scene, hierarchy: &Hierarchy) {
+pub fn check_tree(scene: &Scene, hierarchy: &Hierarchy) {
     let mut polygons: Vec<u32> = Vec::new();
     for &id in hierarchy.initial_patches() {
         let Shape::Patch(patch) = hierarchy.element(id).shape else { panic!("an initial patch is a patch") };
@@ -49,64 +48,6 @@ fn check_tree(scene: &Scene, hierarchy: &Hierarchy) {
     assert_eq!(reachable, 1, "the root alone has no parent");
 }
 
-/// How often each ordered pair of initial patches is covered, as a share of the pair's areas, by what was stored or rejected.
-fn covered(solver: &Solver) -> FxHashMap<(ElementId, ElementId), f64> {
-    let hierarchy = solver.hierarchy();
-    let below = |id: ElementId| match &hierarchy.element(id).shape {
-        Shape::Cluster(cluster) => hierarchy.patches_below(cluster).iter().map(|&patch| (patch, 1.0)).collect(),
-        Shape::Patch(_) => vec![initial_patch(hierarchy, id)],
-    };
-    let mut covered = FxHashMap::default();
-    for (receiver, source) in accounted(solver) {
-        for (to, to_share) in below(receiver) {
-            for (from, from_share) in below(source) {
-                // What an accepted self-link of a cluster stands for leaves out each patch with itself.
-                if receiver != source || to != from {
-                    *covered.entry((to, from)).or_insert(0.0) += to_share * from_share;
-                }
-            }
-        }
-    }
-    covered
-}
-
-/// Receivers and sources of all stored links and rejections.
-fn accounted(solver: &Solver) -> Vec<(ElementId, ElementId)> {
-    let stored = links(solver).into_iter().map(|link| (link.receiver, link.source));
-    stored.chain(solver.rejected().iter().map(|pair| (pair.receiver, pair.source))).collect()
-}
-
-/// The element and all that hold it.
-fn with_ancestors(hierarchy: &Hierarchy, id: ElementId) -> impl Iterator<Item = ElementId> {
-    std::iter::successors(Some(id), |&id| hierarchy.element(id).parent())
-}
-
-fn check_coverage(solver: &Solver, what: &str) {
-    let hierarchy = solver.hierarchy();
-    let covered = covered(solver);
-    let patches = hierarchy.initial_patches();
-    for &to in patches {
-        for &from in patches {
-            let share = covered.get(&(to, from)).copied().unwrap_or(0.0);
-            let wanted = if to == from { 0.0 } else { 1.0 };
-            // Shares are quotients of areas that subdivision rounds to f32.
-            assert!((share - wanted).abs() < 1e-4, "{what}: {to:?} ← {from:?} is covered {share} times");
-        }
-    }
-    // The sum might hide a part that is covered twice beside one that is not: no pair may hold another.
-    let pairs: Vec<_> = accounted(solver);
-    let set: FxHashSet<_> = pairs.iter().copied().collect();
-    assert_eq!(set.len(), pairs.len(), "{what}: a pair is accounted for twice");
-    for &(receiver, source) in &pairs {
-        for to in with_ancestors(hierarchy, receiver) {
-            for from in with_ancestors(hierarchy, source) {
-                let holds = (to, from) != (receiver, source) && set.contains(&(to, from));
-                assert!(!holds, "{what}: {to:?} ← {from:?} holds {receiver:?} ← {source:?}");
-            }
-        }
-    }
-}
-
 #[test]
 fn every_pair_of_patches_is_covered_once_in_a_furnished_room() {
     for scene in [furnished_room(0.5, 1.0), lamp_room()] {
@@ -121,7 +62,7 @@ fn every_pair_of_patches_is_covered_once_in_a_furnished_room() {
 }
 
 /// A scene of random boxes and a soup of triangles, a few of them shining.
-fn soup() -> impl Strategy<Value = Scene> {
+pub fn soup() -> impl Strategy<Value = Scene> {
     let point = prop::array::uniform3(-2.0_f32..2.0).prop_map(Vec3::from);
     let a_box = (point.clone(), prop::array::uniform3(0.02_f32..1.0).prop_map(Vec3::from), any::<bool>());
     let a_triangle = (point, prop::array::uniform6(-0.8_f32..0.8));

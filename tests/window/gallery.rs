@@ -12,7 +12,7 @@ use selflink::scene::Source;
 use selflink::scene::builtin::BuiltinScene;
 use selflink::solver::{Epsilon, SolverParams};
 
-use crate::support::{click, finish, until, window_of_size};
+use crate::support::{choose, click, finish, until, window_of_size};
 
 const SIZE: [f32; 2] = [1600.0, 1000.0];
 
@@ -81,6 +81,24 @@ fn elements_and_clusters() {
 
 #[test]
 #[ignore = "writes screenshots/, see ./dev shots"]
+fn readings() {
+    let mut window = solved(BuiltinScene::Office, by_threshold(1e-3));
+    choose(&mut window, "Surfaces show", "irradiance E");
+    click(&mut window, "Isolux lines");
+    save(&mut window, "window-illuminance");
+    click(&mut window, "Isolux lines");
+    choose(&mut window, "Surfaces show", "the light");
+    click(&mut window, "Measure");
+    click(&mut window, "Place probes");
+    click_view(&mut window, 0.35, 0.75);
+    click_view(&mut window, 0.75, 0.55);
+    click(&mut window, "Measure the work plane");
+    until(&mut window, "the plane", |window| window.query_by_label("Uniformity U₀").is_some());
+    save(&mut window, "window-measure");
+}
+
+#[test]
+#[ignore = "writes screenshots/, see ./dev shots"]
 fn inspector() {
     let mut window = solved(BuiltinScene::Office, by_threshold(1e-3));
     click(&mut window, "Inspector");
@@ -94,4 +112,20 @@ fn inspector() {
     click(&mut window, "Outlines of both ends");
     anatomy(&mut window);
     save(&mut window, "window-level-links");
+}
+
+#[test]
+#[ignore = "writes screenshots/, see ./dev shots"]
+fn link_matrix() {
+    let mut window = solved(BuiltinScene::Office, by_threshold(1e-3));
+    click(&mut window, "Link matrix");
+    anatomy(&mut window);
+    until(&mut window, "its numbers", |window| window.query_by_label_contains("% empty").is_some());
+    let square = window.get_by_label("Matrix of links").rect();
+    window.hover_at(square.min + egui::vec2(0.2, 0.74) * square.size());
+    until(&mut window, "a link", |window| window.query_by_label("form factor F").is_some());
+    // Not saved by `save`, which takes the mouse away.
+    window.run_steps(4);
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("screenshots/window-matrix.png");
+    window.render().expect("a frame can be drawn").save(&path).expect("the folder can be written");
 }

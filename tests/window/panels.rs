@@ -252,7 +252,7 @@ fn a_lamp_follows_its_slider_at_once() {
     window.run_steps(10);
     finish(&mut window);
     assert_eq!(strongest(&window), 0.0, "what does not emit waits for the button");
-    click(&mut window, "Make it emit");
+    click(&mut window, "Switch it on");
     until(&mut window, "light", |window| (strongest(window) - 7.0).abs() < 0.1);
 }
 

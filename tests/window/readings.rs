@@ -2,12 +2,11 @@
 //!
 //! Truth: the snapshot in view, and pictures that differ, or do not, where they must.
 
-use egui::accesskit::Role;
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
 use selflink::app::App;
 
-use crate::support::{click, coarse, finish, until};
+use crate::support::{choose, click, coarse, finish, picture, until};
 
 type Window = Harness<'static, App>;
 
@@ -16,26 +15,6 @@ fn cornell() -> Window {
     let mut window = crate::support::cornell(coarse());
     finish(&mut window);
     window
-}
-
-/// Chooses from a list by its label.
-fn choose(window: &mut Window, list: &str, what: &str) {
-    window.get_by_role_and_label(Role::ComboBox, list).scroll_to_me();
-    window.run_steps(6);
-    window.get_by_role_and_label(Role::ComboBox, list).click();
-    window.run_steps(2);
-    window.get_by_label(what).click();
-    window.run_steps(3);
-}
-
-/// The pixels of the view.
-fn picture(window: &mut Window) -> image::RgbaImage {
-    window.remove_cursor();
-    window.step();
-    let rect = window.state().view_rect();
-    let whole = window.render().expect("a frame can be drawn");
-    let [x, y, width, height] = [rect.min.x, rect.min.y, rect.width(), rect.height()].map(|points| points as u32);
-    image::imageops::crop_imm(&whole, x, y, width, height).to_image()
 }
 
 /// Share of the pixels that differ, the lower left corner with its legend aside.
@@ -148,8 +127,9 @@ fn a_work_plane_is_measured_shown_and_written() {
     until(&mut window, "its end", |window| window.query_by_label("Uniformity U₀").is_none());
     window.get_by_label("Close tool").click();
     window.run_steps(3);
+    // Notes take room from the view.
     while window.query_all_by_label("Dismiss").next().is_some() {
-        window.get_all_by_label("Dismiss").next().expect("one is there").click();
+        window.get_all_by_label("Dismiss").next().expect("just seen").click();
         window.run_steps(2);
     }
     assert_eq!(difference(&before, &picture(&mut window)), 0.0);

@@ -2,6 +2,7 @@
 
 use std::time::{Duration, Instant};
 
+use egui::accesskit::Role;
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 use selflink::added_light::AddedLight;
@@ -64,6 +65,16 @@ pub fn click(window: &mut Harness<'static, App>, label: &str) {
     window.run_steps(6);
     window.get_by_label(label).click();
     window.run_steps(2);
+}
+
+/// Chooses from a list by its label.
+pub fn choose(window: &mut Harness<'static, App>, list: &str, what: &str) {
+    window.get_by_role_and_label(Role::ComboBox, list).scroll_to_me();
+    window.run_steps(6);
+    window.get_by_role_and_label(Role::ComboBox, list).click();
+    window.run_steps(2);
+    window.get_by_label(what).click();
+    window.run_steps(3);
 }
 
 pub fn finish(window: &mut Harness<'static, App>) {

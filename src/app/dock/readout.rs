@@ -2,7 +2,7 @@
 
 use egui::{Label, RichText, Ui};
 
-use super::super::{App, format, theme};
+use super::super::{App, format};
 use crate::photometry::{CONVENTION, lux, weighted};
 
 /// Draws it; nothing while the pointer is elsewhere.
@@ -15,9 +15,9 @@ pub(super) fn show(app: &App, ui: &mut Ui) {
         format!("E {} lx, {} W/m²   B {} W/m²   {material}", number(lux(e)), number(weighted(e)), number(weighted(b)),);
     let by_colour = |rgb: [f32; 3]| rgb.map(|value| format::number(value.into())).join(" ");
     let details = format!(
-        "Under the pointer: irradiance E {} and radiosity B {} W/m² (R G B). {CONVENTION}; W/m² here weighs the colours alike.",
+        "Under the pointer: irradiance E {} and radiosity B {} W/m² (R G B). {CONVENTION}; the W/m² shown are their means by the same weights.",
         by_colour(e),
         by_colour(b)
     );
-    ui.add(Label::new(RichText::new(text).monospace().color(theme::TEXT)).truncate()).on_hover_text(details);
+    ui.add(Label::new(RichText::new(text).monospace()).truncate()).on_hover_text(details);
 }

@@ -11,6 +11,7 @@ use rayon::prelude::*;
 
 use super::lamps::Seen;
 use super::{Context, FinalGather};
+use crate::cancel::CancelToken;
 use crate::hierarchy::Hierarchy;
 use crate::random::{even_point, mix};
 
@@ -83,17 +84,20 @@ impl FinalGather {
         context: &Context,
         round: u32,
         points: Range<usize>,
-    ) -> Tally {
+        cancel: &CancelToken,
+    ) -> Option<Tally> {
         let start = mix(mix(context.seed, 0x6573_7469_6d61_7465), u64::from(round));
         let reflected = self.reflected();
         let shares = self.shares(hierarchy, context, &reflected);
         let rays = ((RAYS / self.goal.error) as u32).clamp(8, 64);
         let look = |cut: &mut Vec<Seen>, index: usize| {
-            self.look_at_point(hierarchy, context, (&reflected, &shares), rays, (start, index), cut)
+            (!cancel.is_cancelled())
+                .then(|| self.look_at_point(hierarchy, context, (&reflected, &shares), rays, (start, index), cut))
         };
         // Summed in order, so that the result does not depend on the threads.
-        let tallies: Vec<Tally> = points.into_par_iter().with_min_len(16).map_init(Vec::new, look).collect();
-        tallies.into_iter().fold(Tally::default(), Tally::add)
+        let tallies: Vec<Tally> =
+            points.into_par_iter().with_min_len(16).map_init(Vec::new, look).collect::<Option<_>>()?;
+        Some(tallies.into_iter().fold(Tally::default(), Tally::add))
     }
 
     fn look_at_point(
@@ -145,7 +149,8 @@ impl FinalGather {
         Tally { error, squares: error * error, energy, points: 1.0, rays: cast }
     }
 
-    /// Running sums of the shares of points that the mesh's leaves get, up to 1; lamps get none.
+    /// Running sums of the shares of points that the mesh's leaves get, up to 1; lamps get none. A third of the points lie by area, a
+    /// third by A·|B|² of the leaves, and a third by that of the polygons: what is wrongly shown dark beside what is bright must be met too.
     fn shares(&self, hierarchy: &Hierarchy, context: &Context, reflected: &[Vec3]) -> Vec<f64> {
         let mesh = &self.display.mesh;
         let of_leaf = |leaf: usize| {
@@ -160,13 +165,21 @@ impl FinalGather {
             (area, area * f64::from(brightest))
         };
         let leaves: Vec<(f64, f64)> = (0..mesh.leaves.len()).map(of_leaf).collect();
+        let mut polygons = vec![(0.0, 0.0); context.surfaces.len()];
+        for (of, leaf) in mesh.leaves.iter().zip(&leaves) {
+            let sum: &mut (f64, f64) = &mut polygons[of.polygon as usize];
+            *sum = (sum.0 + leaf.0, sum.1 + leaf.1);
+        }
         let all = leaves.iter().fold((0.0, 0.0), |sum, leaf| (sum.0 + leaf.0, sum.1 + leaf.1));
-        let half = |part: f64, all: f64| if all > 0.0 { 0.5 * part / all } else { 0.0 };
+        let share = |part: f64, all: f64| if all > 0.0 { part / all } else { 0.0 };
         let mut sum = 0.0;
         let mut shares: Vec<f64> = leaves
             .iter()
-            .map(|leaf| {
-                sum += half(leaf.0, all.0) + half(leaf.1, all.1);
+            .zip(&mesh.leaves)
+            .map(|(leaf, of)| {
+                let polygon = polygons[of.polygon as usize];
+                let of_polygon = share(leaf.0, polygon.0) * polygon.1;
+                sum += share(leaf.0, all.0) + share(leaf.1, all.1) + share(of_polygon, all.1);
                 sum
             })
             .collect();

@@ -113,7 +113,7 @@ fn show_heading(ui: &mut Ui, subject: &Subject<'_>, inspection: &Inspection, dir
             Direction::In => (format!("{links} bring {total}"), "Over all links this is E; the brightest colour"),
             Direction::Out => (format!("{links} carry {total}"), "Of the light that leaves it; the brightest colour"),
         };
-        ui.label(RichText::new(text).color(theme::TEXT_STRONG)).on_hover_text(hint);
+        ui.label(RichText::new(text).strong()).on_hover_text(hint);
         if let Some(irradiance) = gathered(inspection, direction, bars.total) {
             let text = format!("final gather {}", compact(irradiance));
             let hint = "E of the final gather, which looks past the links once they are there: the difference is what links hide";
@@ -159,13 +159,13 @@ impl Bar<'_> {
             painter.rect_filled(rect, 3.0, ui.visuals().widgets.hovered.weak_bg_fill);
         }
         let middle = rect.center().y;
-        let mut name =
-            egui::text::LayoutJob::simple_singleline(self.name.into(), FontId::proportional(12.0), theme::TEXT);
+        let (text, strong) = (ui.visuals().text_color(), ui.visuals().strong_text_color());
+        let mut name = egui::text::LayoutJob::simple_singleline(self.name.into(), FontId::proportional(12.0), text);
         name.wrap = egui::text::TextWrapping::truncate_at_width(NAME);
         let name = painter.layout_job(name);
-        painter.galley(pos2(rect.left() + 2.0, middle - 0.5 * name.size().y), name, theme::TEXT);
+        painter.galley(pos2(rect.left() + 2.0, middle - 0.5 * name.size().y), name, text);
         let at = pos2(rect.right() - 2.0, middle);
-        painter.text(at, Align2::RIGHT_CENTER, numbers, FontId::monospace(11.0), theme::TEXT_STRONG);
+        painter.text(at, Align2::RIGHT_CENTER, numbers, FontId::monospace(11.0), strong);
         let left = rect.left() + NAME + 8.0;
         let room = (rect.right() - NUMBERS - left).max(8.0);
         let width = if self.most > 0.0 { room * self.value / self.most } else { 0.0 };

@@ -25,7 +25,7 @@ pub(super) fn show(
             }
             let is_here = id == subject.element;
             let name = inspection.short_name(subject.anatomy, subject.scene, id);
-            let colour = if is_here { theme::TEXT_STRONG } else { theme::TEXT };
+            let colour = if is_here { ui.visuals().strong_text_color() } else { ui.visuals().text_color() };
             let crumb = ui.selectable_label(is_here, RichText::new(name).size(12.0).color(colour));
             let crumb = crumb.on_hover_text(format!("Level {depth}: click to inspect it"));
             if crumb.hovered() {

@@ -131,7 +131,7 @@ fn show_head(ui: &mut Ui, subject: &Subject<'_>, inspection: &mut Inspection, vi
             let kind = if anatomy.hierarchy().element(id).is_cluster() { "cluster" } else { "patch" };
             ui.with_layout(egui::Layout::left_to_right(egui::Align::Center), |ui| {
                 ui.label(theme::weak(kind));
-                ui.add(egui::Label::new(RichText::new(name).strong().color(theme::TEXT_STRONG)).truncate());
+                ui.add(egui::Label::new(RichText::new(name).strong()).truncate());
             });
         });
     });

@@ -115,7 +115,8 @@ fn show_header(header: &mut TableRow<'_, '_>, direction: Direction, order: &mut 
 /// A column's title: a click sorts by it, another one the other way.
 fn title(ui: &mut Ui, column: Column, text: &str, name: &str, hint: &str, order: &mut Order) {
     let is_chosen = order.by == column;
-    let colour = if is_chosen { theme::ACCENT } else { theme::TEXT_WEAK };
+    let visuals = ui.visuals();
+    let colour = if is_chosen { theme::palette(visuals).accent } else { visuals.weak_text_color() };
     ui.spacing_mut().button_padding = egui::Vec2::ZERO;
     let response = ui.add(Button::new(RichText::new(text).size(DIGITS + 0.5).color(colour)).frame(false));
     response.widget_info(|| WidgetInfo::selected(Role::Button, true, is_chosen, format!("Sort by {name}")));
@@ -150,7 +151,7 @@ fn show_link(
     for (column, ..) in COLUMNS {
         row.col(|ui| {
             let text = RichText::new(cell(subject, link, direction, column)).monospace().size(DIGITS);
-            let text = if is_strong(column) { text.color(theme::TEXT_STRONG) } else { text };
+            let text = if is_strong(column) { text.strong() } else { text };
             ui.add(Label::new(text).selectable(false).extend());
         });
     }

@@ -5,7 +5,7 @@
 
 use rustc_hash::FxHashMap;
 
-use super::format;
+use crate::format;
 use crate::hierarchy::{Cluster, ElementId, Hierarchy, Shape};
 use crate::scene::{GroupId, Polygon, Scene};
 
@@ -13,7 +13,7 @@ use crate::scene::{GroupId, Polygon, Scene};
 const NAMED: usize = 2;
 
 /// Groups of the clusters of one generation.
-pub(super) struct Names {
+pub struct Names {
     generation: u64,
     /// The deepest group that holds all polygons of a cluster.
     group_of: FxHashMap<ElementId, GroupId>,
@@ -23,7 +23,7 @@ pub(super) struct Names {
 
 impl Names {
     /// Looks at the clusters of a hierarchy.
-    pub(super) fn new(generation: u64, hierarchy: &Hierarchy, scene: &Scene) -> Self {
+    pub fn new(generation: u64, hierarchy: &Hierarchy, scene: &Scene) -> Self {
         let mut polygons_in = vec![0; scene.groups.len()];
         for polygon in &scene.polygons {
             if let Some(count) = polygons_in.get_mut(polygon.group.0 as usize) {
@@ -52,12 +52,12 @@ impl Names {
     }
 
     /// Whether these are the names of a generation.
-    pub(super) fn are_of(&self, generation: u64) -> bool {
+    pub fn are_of(&self, generation: u64) -> bool {
         self.generation == generation
     }
 
     /// What an element is called.
-    pub(super) fn full(&self, hierarchy: &Hierarchy, scene: &Scene, id: ElementId) -> String {
+    pub fn full(&self, hierarchy: &Hierarchy, scene: &Scene, id: ElementId) -> String {
         match &hierarchy.element(id).shape {
             Shape::Cluster(_) if id == Hierarchy::ROOT => "the whole scene".into(),
             Shape::Cluster(cluster) => {
@@ -80,7 +80,7 @@ impl Names {
     }
 
     /// The same in a word or two, for a place among those that hold it.
-    pub(super) fn short(&self, hierarchy: &Hierarchy, scene: &Scene, id: ElementId) -> String {
+    pub fn short(&self, hierarchy: &Hierarchy, scene: &Scene, id: ElementId) -> String {
         let element = hierarchy.element(id);
         match &element.shape {
             Shape::Cluster(_) if id == Hierarchy::ROOT => "scene".into(),
@@ -96,6 +96,22 @@ impl Names {
                 let first = element.parent().and_then(|parent| hierarchy.element(parent).children().next());
                 let number = first.map_or(0, |first| id.0 - first.0) + 1;
                 format!("quarter {number}")
+            }
+        }
+    }
+
+    /// The same where room is scarce and numbers say little, such as along an axis: the group's last name or the patch's material.
+    pub fn label(&self, hierarchy: &Hierarchy, scene: &Scene, id: ElementId) -> String {
+        let last_of = |path: String| path.rsplit('/').next().unwrap_or_default().to_owned();
+        match &hierarchy.element(id).shape {
+            Shape::Cluster(_) => match self.group(scene, id) {
+                Some((path, _)) => last_of(path),
+                None => self.short(hierarchy, scene, id),
+            },
+            Shape::Patch(patch) => {
+                let material = scene.polygons.get(patch.polygon as usize).map(|polygon| polygon.material.0 as usize);
+                let material = material.and_then(|material| scene.materials.get(material));
+                material.map_or_else(|| self.short(hierarchy, scene, id), |material| material.name.clone())
             }
         }
     }
@@ -194,6 +210,9 @@ mod tests {
         }
         let ceiling = hierarchy.ids().find(|id| full[id.index()] == "room/ceiling").expect("it was there");
         assert_eq!(names.short(&hierarchy, &scene, ceiling), "ceiling");
+        assert_eq!(names.label(&hierarchy, &scene, ceiling), "ceiling");
+        let patch = hierarchy.initial_patches()[0];
+        assert_eq!(names.label(&hierarchy, &scene, patch), "white");
         assert!(names.are_of(1) && !names.are_of(2));
         let Shape::Cluster(root) = &hierarchy.element(Hierarchy::ROOT).shape else {
             unreachable!("the root is a cluster")

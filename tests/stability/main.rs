@@ -1,0 +1,7 @@
+//! Where methods of this family fail: every row of `selflink doctor` as a test of its own, random scenes against invariants, and
+//! that the list of limits says what is known.
+
+#[path = "../support/coverage.rs"]
+mod coverage;
+mod random_scenes;
+mod rows;

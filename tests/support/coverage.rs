@@ -1,0 +1,81 @@
+//! That light of every pair of patches is accounted for exactly once.
+//!
+//! Truth: counting. Refinement only ever replaces a pair by its parts.
+
+use rustc_hash::{FxHashMap, FxHashSet};
+use selflink::hierarchy::{ElementId, Hierarchy, Shape};
+use selflink::solver::Solver;
+
+/// The initial patch that a patch is a part of, and the share of its area.
+fn initial_patch(hierarchy: &Hierarchy, patch: ElementId) -> (ElementId, f64) {
+    let mut id = patch;
+    while let Shape::Patch(shape) = hierarchy.element(id).shape
+        && shape.level > 0
+    {
+        id = hierarchy.element(id).parent().expect("a patch below the first level has a parent");
+    }
+    // A polygon without area is never split.
+    let area = |id: ElementId| f64::from(hierarchy.element(id).area);
+    (id, if id == patch { 1.0 } else { area(patch) / area(id) })
+}
+
+/// How often each ordered pair of initial patches is covered, as a share of the pair's areas, by what was stored or rejected.
+fn covered(solver: &Solver) -> FxHashMap<(ElementId, ElementId), f64> {
+    let hierarchy = solver.hierarchy();
+    let below = |id: ElementId| match &hierarchy.element(id).shape {
+        Shape::Cluster(cluster) => hierarchy.patches_below(cluster).iter().map(|&patch| (patch, 1.0)).collect(),
+        Shape::Patch(_) => vec![initial_patch(hierarchy, id)],
+    };
+    let mut covered = FxHashMap::default();
+    for (receiver, source) in accounted(solver) {
+        for (to, to_share) in below(receiver) {
+            for (from, from_share) in below(source) {
+                // What an accepted self-link of a cluster stands for leaves out each patch with itself.
+                if receiver != source || to != from {
+                    *covered.entry((to, from)).or_insert(0.0) += to_share * from_share;
+                }
+            }
+        }
+    }
+    covered
+}
+
+/// Receivers and sources of all stored links and rejections.
+fn accounted(solver: &Solver) -> Vec<(ElementId, ElementId)> {
+    let of = |receiver: ElementId| solver.links().of(receiver).iter().map(move |link| (receiver, link.source()));
+    let stored = solver.hierarchy().ids().flat_map(of);
+    stored.chain(solver.rejected().iter().map(|pair| (pair.receiver, pair.source))).collect()
+}
+
+/// The element and all that hold it.
+fn with_ancestors(hierarchy: &Hierarchy, id: ElementId) -> impl Iterator<Item = ElementId> {
+    std::iter::successors(Some(id), |&id| hierarchy.element(id).parent())
+}
+
+/// Asserts that every ordered pair of different initial patches is covered exactly once; the solver must have recorded its
+/// rejections.
+pub fn check_coverage(solver: &Solver, what: &str) {
+    let hierarchy = solver.hierarchy();
+    let covered = covered(solver);
+    let patches = hierarchy.initial_patches();
+    for &to in patches {
+        for &from in patches {
+            let share = covered.get(&(to, from)).copied().unwrap_or(0.0);
+            let wanted = if to == from { 0.0 } else { 1.0 };
+            // Shares are quotients of areas that subdivision rounds to f32.
+            assert!((share - wanted).abs() < 1e-4, "{what}: {to:?} ← {from:?} is covered {share} times");
+        }
+    }
+    // The sum might hide a part that is covered twice beside one that is not: no pair may hold another.
+    let pairs: Vec<_> = accounted(solver);
+    let set: FxHashSet<_> = pairs.iter().copied().collect();
+    assert_eq!(set.len(), pairs.len(), "{what}: a pair is accounted for twice");
+    for &(receiver, source) in &pairs {
+        for to in with_ancestors(hierarchy, receiver) {
+            for from in with_ancestors(hierarchy, source) {
+                let holds = (to, from) != (receiver, source) && set.contains(&(to, from));
+                assert!(!holds, "{what}: {to:?} ← {from:?} holds {receiver:?} ← {source:?}");
+            }
+        }
+    }
+}
