@@ -380,8 +380,12 @@ fn a_picture_has_the_size_asked_for_and_shows_the_overlays() {
     assert_eq!(plain.dimensions(), (96, 64));
     let colours: std::collections::HashSet<_> = plain.pixels().collect();
     assert!(colours.len() > 50, "a lit room has many shades, not {}", colours.len());
-    for (file, overlay) in [("elements.png", "elements"), ("clusters.png", "clusters:0"), ("links.png", "links:48,50")]
-    {
+    for (file, overlay) in [
+        ("elements.png", "elements"),
+        ("clusters.png", "clusters:0"),
+        ("links.png", "links:48,50"),
+        ("level.png", "level-links:2"),
+    ] {
         assert!(draw(file, &["--overlay", overlay]) != plain, "{overlay} is not to be seen");
     }
     let deep = folder.path("deep.png");
