@@ -54,7 +54,9 @@ fn files_hold_what_the_window_shows() {
     save(&mut window, "Picture (PNG)", &format!("{name}.png"));
     let snapshot = window.state().snapshot().expect("a picture").clone();
     let png = image::open(format!("{name}.png")).expect("a picture").to_rgba8();
-    assert_eq!(png.dimensions(), shown.dimensions());
+    // The view may end within a pixel.
+    assert!(png.width().abs_diff(shown.width()) <= 1 && png.height().abs_diff(shown.height()) <= 1);
+    let png = image::imageops::crop_imm(&png, 0, 0, shown.width(), shown.height()).to_image();
     // The window draws with one sample a pixel on software adapters: edges differ, surfaces do not.
     let apart =
         |(one, other): (&image::Rgba<u8>, &image::Rgba<u8>)| one.0.iter().zip(other.0).any(|(a, b)| a.abs_diff(b) > 3);
