@@ -62,7 +62,8 @@
 //! | [`mod@reference`] | a truth to measure by: path-traced irradiance, beside the solver and without its code |
 //! | [`hierarchy`] | the tree of elements and the ways to build its clusters |
 //! | [`solver`] | oracle, refinement, gather, snapshots, statistics; every parameter ([`solver::PARAMETERS`]) |
-//! | [`probe`], [`export`] | values at points; the lit mesh as PLY |
+//! | [`tone`] | from W/m² to colours: exposure, tone curve, gamma |
+//! | [`probe`], [`survey`], [`export`] | values at points on surfaces; at probes and on a work plane; the lit mesh as PLY or GLB, links as CSV, pictures in W/m² as EXR, settings as JSON |
 //! | [`accuracy`] | how far a solution is from the truth: closed forms, error against a reference |
 //! | [`matrix`] | the link matrix: all links as blocks, receivers by sources |
 //! | [`names`], [`ramp`] | names for elements; colours for quantities |
@@ -72,7 +73,7 @@
 #![cfg_attr(feature = "gui", doc = "| [`render`] | the wgpu picture of a snapshot, with and without a window |")]
 #![cfg_attr(feature = "gui", doc = "| [`app`] | the window |")]
 //!
-//! [`mod@format`] writes numbers for people, [`random`] makes reproducible random ones, and [`cancel`] stops long work. The feature `gui` (on by default) holds what needs a graphics adapter
+//! [`photometry`] counts lux, [`mod@format`] writes numbers for people, [`random`] makes reproducible random ones, and [`cancel`] stops long work. The feature `gui` (on by default) holds what needs a graphics adapter
 //! or a window; all else is a library that needs neither:
 //!
 //! ```
@@ -141,5 +142,6 @@ pub mod scene;
 pub mod solver;
 pub mod survey;
 pub mod tables;
+pub mod tone;
 pub mod visibility;
 pub mod worker;

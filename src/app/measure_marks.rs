@@ -1,6 +1,6 @@
 //! Marks over the view: probes, and the points of a work plane coloured by what they receive.
 
-use egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Stroke, pos2, vec2};
+use egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Shape, Stroke, pos2, vec2};
 use glam::{Mat4, Vec3};
 
 use super::measuring::Measuring;
@@ -8,12 +8,16 @@ use super::{format, theme};
 use crate::photometry::{lux, weighted};
 use crate::render::{Camera, Reading};
 
-/// Radii of a point of the plane, points; its size in the room in between.
-const RADII: (f32, f32) = (2.0, 22.0);
-/// Share of a cell that a point's mark fills, from its middle.
-const CELL_SHARE: f32 = 0.3;
+/// Radii of a point of the plane where it is nearest to and farthest from the eye, points; its size in the room in between.
+const RADII: (f32, f32) = (2.0, 15.0);
+/// Share of a cell that a point's disc fills, from its middle.
+const CELL_SHARE: f32 = 0.22;
+/// Corners of a disc.
+const CORNERS: usize = 24;
 /// Points of at least this radius have room for their value.
-const LEAST_LABELLED: f32 = 8.0;
+const LEAST_LABELLED: f32 = 5.0;
+/// More values than this are not written: nobody could read them.
+const MOST_VALUES: usize = 400;
 const PROBE_RADIUS: f32 = 5.0;
 
 /// Draws what was measured over the view.
@@ -37,26 +41,44 @@ pub(super) fn show(painter: &Painter, view: Rect, camera: &Camera, measuring: &M
 
 fn show_plane(painter: &Painter, eye: &Eye, measuring: &Measuring, scale: &Reading) {
     let Some(plane) = measuring.plane_reading() else { return };
-    let cell = plane.grid.steps[0].min(plane.grid.steps[1]);
-    let mut seen: Vec<(f32, Pos2, f32, Vec3)> = Vec::new();
-    for (point, value) in plane.grid.points.iter().zip(&plane.values) {
+    let grid = &plane.grid;
+    let (across, along) = grid.up.any_orthonormal_pair();
+    let mut seen: Vec<(Pos2, f32, Vec3, Vec3)> = Vec::new();
+    for (point, value) in grid.points.iter().zip(&plane.values) {
         if let (Some(value), Some((at, points_per_length))) = (value, eye.project(*point)) {
-            seen.push((points_per_length, at, (CELL_SHARE * cell * points_per_length).clamp(RADII.0, RADII.1), *value));
+            seen.push((at, points_per_length, *point, *value));
         }
     }
     // Nearer ones over farther ones.
-    seen.sort_by(|a, b| a.0.total_cmp(&b.0));
-    for (_, at, radius, value) in seen {
+    seen.sort_by(|a, b| a.1.total_cmp(&b.1));
+    let radius_of = |points_per_length: f32| {
+        (CELL_SHARE * grid.steps[0].min(grid.steps[1]) * points_per_length).clamp(RADII.0, RADII.1)
+    };
+    for (_, points_per_length, point, value) in &seen {
         let [r, g, b] = scale.scale.colour(weighted(value.to_array()));
-        painter.circle(
-            at,
-            radius,
-            Color32::from_rgba_unmultiplied(r, g, b, 225),
-            Stroke::new(1.0, Color32::from_black_alpha(150)),
-        );
-        if measuring.writes_values && radius >= LEAST_LABELLED {
-            let text = format::number(lux(value.to_array()).into());
-            label(painter, at + vec2(0.0, radius + 1.0), Align2::CENTER_TOP, &text, 11.0);
+        let radius = radius_of(*points_per_length) / points_per_length;
+        let corner = |index: usize| {
+            let (sine, cosine) = (std::f32::consts::TAU * index as f32 / CORNERS as f32).sin_cos();
+            eye.project(*point + radius * (cosine * across + sine * along)).map(|(at, _)| at)
+        };
+        let disc: Vec<Pos2> = (0..CORNERS).filter_map(corner).collect();
+        let edge = Stroke::new(1.0, Color32::from_black_alpha(170));
+        painter.add(Shape::convex_polygon(disc, Color32::from_rgba_unmultiplied(r, g, b, 230), edge));
+    }
+    if measuring.writes_values {
+        write_values(painter, seen.iter().rev().map(|(at, scale, _, value)| (*at, radius_of(*scale), *value)));
+    }
+}
+
+/// Writes values beside points, nearer ones first, where nothing is written yet.
+fn write_values(painter: &Painter, points: impl Iterator<Item = (Pos2, f32, Vec3)>) {
+    let mut taken: Vec<Rect> = Vec::new();
+    for (at, _, value) in points.take_while(|(_, radius, _)| *radius >= LEAST_LABELLED) {
+        let text = format::number(lux(value.to_array()).into());
+        let room = Rect::from_center_size(at, vec2(7.0 * text.len() as f32, 13.0));
+        if taken.len() < MOST_VALUES && !taken.iter().any(|other| other.intersects(room)) {
+            label(painter, at, Align2::CENTER_CENTER, &text, 11.0);
+            taken.push(room);
         }
     }
 }

@@ -196,10 +196,10 @@ impl Measuring {
         self.report.plane.as_ref().filter(|_| self.asked.is_some())
     }
 
-    /// How its values are coloured: as the surfaces are where these show irradiance, otherwise from nothing to the brightest point.
+    /// How its values are coloured: as the irradiance in view where there is a legend of it, otherwise from nothing to the brightest point.
     pub(super) fn plane_scale(&self, reading: Option<&Reading>) -> Option<Reading> {
         let plane = self.plane_reading()?;
-        if let Some(reading) = reading.filter(|reading| reading.fills && reading.quantity == Quantity::Irradiance) {
+        if let Some(reading) = reading.filter(|reading| reading.quantity == Quantity::Irradiance) {
             return Some(*reading);
         }
         let Summary { maximum, .. } = plane.summary();

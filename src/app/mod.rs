@@ -4,10 +4,16 @@
 //! write commands into an outbox, and sends them. Panels see only what they are given, so none of them can wait for the solver.
 //! Imports everything below it; only `main` knows this module.
 
+mod appearance;
+mod cluster_view;
 mod comparison;
+mod dialog;
+mod divider;
 mod dock;
+mod exports;
 mod facts;
 mod files;
+mod freeze;
 mod highlight;
 mod inspection;
 mod launch;
@@ -21,7 +27,9 @@ mod panels;
 mod picked;
 mod readings;
 mod save_dialog;
+mod session;
 mod settings;
+mod shortcuts;
 mod theme;
 mod time_left;
 mod timeline;
@@ -32,6 +40,7 @@ use std::sync::mpsc::{Receiver, channel};
 use std::time::Duration;
 
 use eframe::CreationContext;
+use glam::Vec3;
 
 pub use launch::{AppError, run};
 
@@ -41,8 +50,12 @@ use crate::hierarchy::ElementId;
 use crate::scene::Source;
 use crate::solver::{Snapshot, SolverParams};
 use crate::worker::{Command, Event, RunState, SceneInfo, SolverThread, Status};
+use appearance::Appearance;
+use cluster_view::ClusterScene;
 use comparison::Comparison;
+use exports::Exports;
 use files::Files;
+use freeze::Freeze;
 use highlight::Pointing;
 use inspection::Inspection;
 use looking::Looking;
@@ -52,6 +65,7 @@ use messages::Messages;
 use panels::light::LampEditor;
 use picked::PickedElement;
 use readings::ReadingInView;
+use session::Opened;
 use settings::DisplaySettings;
 use time_left::{Clock, TimeLeft};
 use viewport::Viewport;
@@ -95,6 +109,9 @@ pub struct App {
     reading: ReadingInView,
     measuring: Measuring,
     view: Viewport,
+    appearance: Appearance,
+    /// Where the scene in view came from.
+    opened: Opened,
     picked: Option<PickedElement>,
     inspection: Inspection,
     inspector: dock::Inspector,
@@ -104,8 +121,16 @@ pub struct App {
     matrix: dock::LinkMatrix,
     time_left: TimeLeft,
     comparison: Comparison,
+    cluster_view: ClusterScene,
+    clusters: dock::Clusters,
+    freeze: Freeze,
+    exports: Exports,
     /// The tool that the dock shows.
     tool: Option<dock::Tool>,
+    /// Whether the list of keys is open.
+    are_keys_shown: bool,
+    /// Whether panels, bars and dock are hidden.
+    is_full_picture: bool,
     looking: Looking,
     wake: Wake,
     clock: Clock,
@@ -128,7 +153,7 @@ impl App {
         opening: Option<(Source, AddedLight)>,
         params: SolverParams,
     ) -> Result<Self, AppError> {
-        theme::apply(&cc.egui_ctx);
+        let appearance = Appearance::restore(&cc.egui_ctx, cc.storage);
         let render_state = cc.wgpu_render_state.as_ref().ok_or(AppError::NoDevice)?;
         let (failures, drawing_failures) = channel();
         paint::install(render_state, failures, cc.egui_ctx.clone());
@@ -143,7 +168,9 @@ impl App {
         });
         let of_worker = wake.clone();
         let worker = SolverThread::spawn(params, Box::new(move || of_worker()))?;
+        let mut opened = Opened::default();
         if let Some((source, light)) = opening {
+            opened.ask(&source, &light);
             worker.send(Command::Load(source, light));
         }
         let stored = |key| cc.storage.map(|storage| (storage, key));
@@ -162,6 +189,8 @@ impl App {
             reading: ReadingInView::default(),
             measuring: Measuring::default(),
             view: Viewport::default(),
+            appearance,
+            opened,
             picked: None,
             inspection: Inspection::default(),
             inspector: dock::Inspector::default(),
@@ -170,7 +199,13 @@ impl App {
             matrix: dock::LinkMatrix::default(),
             time_left: TimeLeft::default(),
             comparison: Comparison::default(),
+            cluster_view: ClusterScene::default(),
+            clusters: dock::Clusters::default(),
+            freeze: Freeze::default(),
+            exports: Exports::default(),
             tool: None,
+            are_keys_shown: false,
+            is_full_picture: false,
             looking: Looking::default(),
             wake,
             clock: Clock::default(),
@@ -214,6 +249,8 @@ impl App {
         }
         self.shown.status = self.worker.status();
         self.comparison.note(self.shown.snapshot.as_ref(), &self.shown.status.params);
+        self.freeze.note(self.shown.snapshot.as_ref(), &self.wake);
+        self.exports.poll();
         self.clock.note(self.shown.status.run, false);
         let Some(latest) = self.worker.latest() else { return };
         if let Some(incoming) = self.incoming.take_if(|incoming| incoming.info.generation <= latest.generation) {
@@ -276,6 +313,7 @@ impl App {
                 if let Some(path) = &info.path {
                     self.files.note_opened(path);
                 }
+                self.opened.note(&info);
                 self.messages.forget_errors();
                 self.incoming = Some(Incoming { info, is_new: true });
             }
@@ -305,8 +343,12 @@ impl App {
         if is_new {
             let title = format!("{} – Selflink", info.scene.name);
             ctx.send_viewport_cmd(egui::ViewportCommand::Title(title));
-            self.view.start_with(&info.scene);
+            self.view.start_with(&info.scene, self.opened.camera.take());
             self.picked = None;
+            self.clusters = dock::Clusters::default();
+            self.freeze.let_go();
+            let former = self.shown.info.as_ref().map(|former| former.scene.name.as_str());
+            self.exports.suggest(&info.scene.name, former);
             self.lamp = LampEditor::for_scene(&info.scene);
             self.measuring.start_with(&info.scene);
             // A correction made for another scene's light would make this one black or white.
@@ -322,8 +364,10 @@ impl App {
 
     fn pick(&mut self, clicked: viewport::Clicked) {
         let (Some(snapshot), Some(info)) = (&self.shown.snapshot, &self.shown.info) else { return };
+        let (origin, moved_by) =
+            self.cluster_view.into_scene(clicked.origin, clicked.direction).unwrap_or((clicked.origin, Vec3::ZERO));
         if self.tool == Some(dock::Tool::Measure) && self.measuring.places_probes {
-            if let Some(found) = PickedElement::at(snapshot, clicked.origin, clicked.direction) {
+            if let Some(found) = PickedElement::at(snapshot, origin, clicked.direction) {
                 let leaf = snapshot.mesh.leaves.iter().find(|leaf| leaf.element == found.element);
                 if let Some(polygon) = leaf.and_then(|leaf| info.scene.polygons.get(leaf.polygon as usize)) {
                     self.measuring.place(found.point, info.scene.normal(polygon), &self.wake);
@@ -331,13 +375,13 @@ impl App {
             }
             return;
         }
-        self.picked = PickedElement::at(snapshot, clicked.origin, clicked.direction);
+        self.picked = PickedElement::at(snapshot, origin, clicked.direction);
         if let Some(picked) = &self.picked {
             if let Some(leaf) = snapshot.mesh.leaves.iter().find(|leaf| leaf.element == picked.element) {
                 self.lamp.choose(&info.scene, leaf.material);
             }
             if clicked.is_double {
-                self.view.look_at(picked.point);
+                self.view.look_at(picked.point + moved_by);
             }
         }
     }
@@ -346,6 +390,7 @@ impl App {
 impl eframe::App for App {
     fn logic(&mut self, ctx: &egui::Context, _frame: &mut eframe::Frame) {
         self.take_up_news(ctx);
+        self.appearance.follow(ctx);
     }
 
     fn ui(&mut self, ui: &mut egui::Ui, _frame: &mut eframe::Frame) {
@@ -357,11 +402,14 @@ impl eframe::App for App {
                 files::DialogAnswer::NoDialog => self.messages.note(files::NO_DIALOG.into()),
             }
         }
+        shortcuts::act(self, ui, &mut outbox);
         self.inspect_picked(ui.ctx());
-        panels::show_sides(self, ui, &mut outbox);
-        egui::Panel::top("tools").show(ui, |ui| dock::show_bar(self, ui));
-        dock::show(self, ui, &mut outbox);
-        timeline::show(self, ui);
+        if !self.is_full_picture {
+            panels::show_sides(self, ui, &mut outbox);
+            egui::Panel::top("tools").show(ui, |ui| dock::show_bar(self, ui));
+            dock::show(self, ui, &mut outbox);
+            timeline::show(self, ui);
+        }
         egui::CentralPanel::no_frame().show(ui, |ui| {
             ui.spacing_mut().item_spacing.y = 0.0;
             self.messages.show(ui);
@@ -370,11 +418,18 @@ impl eframe::App for App {
                 self.pick(clicked);
             }
         });
+        shortcuts::show_list(self, ui.ctx());
         let links_wanted = self.picked.is_some() || self.display.links.of == settings::LinksOf::Level;
-        let wants_anatomy = links_wanted || self.tool.is_some_and(dock::Tool::reads_anatomy);
+        let wants_anatomy =
+            links_wanted || self.cluster_view.is_active() || self.tool.is_some_and(dock::Tool::reads_anatomy);
         outbox.extend(self.looking.command(wants_anatomy));
         self.pointing.end_frame(ui.ctx());
         for command in outbox {
+            if let Command::Load(source, light) = &command {
+                self.opened.ask(source, light);
+                // What was kept for the first scene is none of another one's.
+                self.opened.camera = None;
+            }
             self.worker.send(command);
         }
     }
@@ -382,5 +437,7 @@ impl eframe::App for App {
     fn save(&mut self, storage: &mut dyn eframe::Storage) {
         eframe::set_value(storage, RECENT_KEY, &self.files.recent());
         eframe::set_value(storage, DISPLAY_KEY, &self.display);
+        self.appearance.keep(storage);
+        self.keep_session(storage);
     }
 }

@@ -7,7 +7,7 @@ use super::comparison::Shading;
 use super::dock::Tool;
 use super::highlight::Highlight;
 use super::paint::Picture;
-use super::{App, Outbox, measure_marks, panels, theme};
+use super::{App, Outbox, divider, measure_marks, panels, theme};
 use crate::render::{Camera, Display};
 use crate::scene::{CameraPose, Scene};
 use crate::survey::Ray;
@@ -29,12 +29,26 @@ pub(super) struct Viewport {
     camera: Option<Camera>,
     bounds: (Vec3, Vec3),
     start: Option<CameraPose>,
+    /// The first view, where it is not that of the start.
+    first: Option<CameraPose>,
     rect: Rect,
+    /// The widget that takes mouse and keys.
+    id: Option<egui::Id>,
+    /// What was drawn last.
+    picture: Option<Picture>,
 }
 
 impl Default for Viewport {
     fn default() -> Self {
-        Self { camera: None, bounds: (Vec3::ZERO, Vec3::ZERO), start: None, rect: Rect::ZERO }
+        Self {
+            camera: None,
+            bounds: (Vec3::ZERO, Vec3::ZERO),
+            start: None,
+            first: None,
+            rect: Rect::ZERO,
+            id: None,
+            picture: None,
+        }
     }
 }
 
@@ -46,8 +60,9 @@ pub(super) struct Clicked {
 }
 
 impl Viewport {
-    /// Looks at a new scene, from its own camera where it has one.
-    pub(super) fn start_with(&mut self, scene: &Scene) {
+    /// Looks at a new scene, from `first` or from its own camera where it has one.
+    pub(super) fn start_with(&mut self, scene: &Scene, first: Option<CameraPose>) {
+        self.first = first;
         self.bounds = scene.bounds();
         self.start = scene.camera;
         // Made when the view's aspect is known.
@@ -57,6 +72,21 @@ impl Viewport {
     /// Where the view lies in the window, points.
     pub(super) fn rect(&self) -> Rect {
         self.rect
+    }
+
+    /// The widget that takes mouse and keys, once it was drawn.
+    pub(super) fn id(&self) -> Option<egui::Id> {
+        self.id
+    }
+
+    /// Size of what was drawn last, pixels.
+    pub(super) fn pixels(&self) -> [u32; 2] {
+        self.picture.as_ref().map_or([0; 2], |picture| picture.size)
+    }
+
+    /// What was drawn last, in another size, pixels.
+    pub(super) fn picture(&self, size: [u32; 2]) -> Option<Picture> {
+        self.picture.clone().map(|picture| Picture { size, ..picture })
     }
 
     /// The present view, to be saved.
@@ -91,6 +121,13 @@ impl Viewport {
         match &self.start {
             Some(pose) => Camera::from_pose(pose, self.aspect(), self.bounds),
             None => Camera::frame(self.bounds, self.aspect()),
+        }
+    }
+
+    fn first_camera(&mut self) -> Camera {
+        match self.first.take() {
+            Some(pose) => Camera::from_pose(&pose, self.aspect(), self.bounds),
+            None => self.start_camera(),
         }
     }
 
@@ -167,14 +204,15 @@ impl Viewport {
 pub(super) fn show(app: &mut App, ui: &mut Ui, outbox: &mut Outbox) -> Option<Clicked> {
     let (rect, response) = ui.allocate_exact_size(ui.available_size(), Sense::click_and_drag());
     response.widget_info(|| egui::WidgetInfo::labeled(egui::accesskit::Role::Canvas, true, VIEW_NAME));
-    app.view.rect = rect;
+    (app.view.rect, app.view.id) = (rect, Some(response.id));
+    panels::hint::show_way_back(app, ui, rect);
     ui.painter().rect_filled(rect, 0.0, theme::WELL);
     let Some(snapshot) = app.shown.snapshot.clone() else {
         panels::empty::show(app, ui, rect, outbox);
         return None;
     };
     if app.view.camera.is_none() {
-        app.view.camera = Some(app.view.start_camera());
+        app.view.camera = Some(app.view.first_camera());
     }
     if response.clicked() || response.drag_started() {
         response.request_focus();
@@ -182,8 +220,9 @@ pub(super) fn show(app: &mut App, ui: &mut Ui, outbox: &mut Outbox) -> Option<Cl
     app.view.steer(ui, &response);
     app.view.fly(ui, &response);
     let clicked = app.view.clicked(&response);
-    // While the view turns nothing can be read.
-    let pointer = response.hover_pos().filter(|_| !response.dragged()).and_then(|at| app.view.ray_at(at));
+    // While the view turns nothing can be read, nor off surfaces that lie elsewhere than in the scene.
+    let can_read = !response.dragged() && !app.cluster_view.is_exploded();
+    let pointer = response.hover_pos().filter(|_| can_read).and_then(|at| app.view.ray_at(at));
     app.measuring.point_at(pointer, &app.wake);
     if app.tool.is_some_and(Tool::marks_what_is_pointed_at)
         && let Some(reading) = app.measuring.under_pointer()
@@ -197,23 +236,48 @@ pub(super) fn show(app: &mut App, ui: &mut Ui, outbox: &mut Outbox) -> Option<Cl
         let deepest = snapshot.clusters.iter().map(|cluster| cluster.level).max().unwrap_or(0);
         let is_dark = app.shown.info.as_ref().is_some_and(|info| !info.has_light);
         let picked = app.picked.as_ref().map(|picked| picked.element);
-        let marks = app.marks.over(&snapshot, picked, &app.inspection, &app.display.links, app.pointing.now());
-        let painted = app.comparison.painted();
+        let (beside, chosen) = (app.freeze.beside(), app.display.display());
         let reading = app.reading.follow(&snapshot, &app.display.reading);
+        // Colours that stand for errors would be none of the solution beside.
+        let errors = if beside.is_none() { app.comparison.painted() } else { None };
+        let other = app.freeze.painted().or(errors);
+        let has_errors = other.is_some();
+        let other = other.or_else(|| app.freeze.alone());
+        // Clusters are shown of the present solution, where nothing else is asked for.
+        let level = (beside.is_none() && other.is_none()).then(|| app.display.cluster_level.min(deepest));
+        let by_clusters = app.cluster_view.painted(&snapshot, level);
+        let marks = match &snapshot.anatomy {
+            Some(anatomy) if app.cluster_view.is_exploded() => {
+                app.cluster_view.marks(anatomy, picked, app.pointing.now())
+            }
+            _ => {
+                let links = &app.display.links;
+                app.clusters.with_group(app.marks.over(&snapshot, picked, &app.inspection, links, app.pointing.now()))
+            }
+        };
         let picture = Picture {
             camera,
-            display: Display { as_colours: painted.is_some(), reading, ..app.display.display() },
-            snapshot: painted.unwrap_or(snapshot),
+            display: Display {
+                exposure: app.freeze.exposure(chosen.exposure),
+                as_colours: has_errors || (by_clusters.is_some() && app.cluster_view.coloured),
+                reading,
+                ..chosen
+            },
+            snapshot: other.or(by_clusters).unwrap_or(snapshot),
+            beside,
             overlay: app.display.overlay(deepest, is_dark, marks),
             size: [pixels(rect.width()), pixels(rect.height())],
         };
+        app.view.picture = Some(picture.clone());
         picture.add_to(&ui.painter_at(rect), rect);
         measure_marks::show(&ui.painter_at(rect), rect, &camera, &app.measuring, reading.as_ref());
     }
     show_legend(app, ui, rect);
+    divider::show(ui, rect, &mut app.freeze);
     panels::links::show_legend(app, ui, rect);
     panels::picked::show(app, ui, rect);
     panels::empty::show_loading(app, ui, rect, outbox);
+    panels::hint::show_first_lines(app, ui, rect);
     panels::empty::show_drop_hint(ui, rect);
     clicked
 }

@@ -95,7 +95,7 @@ pub fn run(matches: &ArgMatches) -> anyhow::Result<()> {
 /// The state after so many waves, or when nothing is left to do.
 fn after_waves(job: &Job, waves: u32) -> anyhow::Result<Snapshot> {
     job.pool.install(|| {
-        let mut solver = Solver::new(job.scene.clone(), job.occluders.clone(), job.params, 1)?;
+        let mut solver = Solver::new(job.scene.clone(), job.occluders.clone(), job.settings.solver, 1)?;
         solver.show_anatomy(true);
         let never = CancelToken::new();
         let mut left = waves;

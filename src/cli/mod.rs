@@ -6,6 +6,8 @@
 
 mod accuracy;
 mod chart;
+#[cfg(feature = "gui")]
+mod clusters;
 mod job;
 #[cfg(feature = "gui")]
 mod legend;

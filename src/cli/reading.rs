@@ -6,6 +6,7 @@ use clap::{Arg, ArgAction, ArgMatches, Command};
 use selflink::photometry::{CONVENTION, Unit};
 use selflink::render::{IsolinesWanted, MOST_ISOLINES, Ramp, ReadingSettings, Show, Spacing};
 
+use super::clusters::PREFIX;
 use super::options::numbers;
 
 /// Adds the options to a command.
@@ -19,7 +20,11 @@ pub fn with_options(command: Command) -> Command {
             .help(help)
     };
     let options = [
-        choice("show", &["lit", "irradiance", "radiosity"], "The light, or false colours of what arrives (E) or leaves (B)".into()),
+        Arg::new("show")
+            .long("show")
+            .value_name("lit|irradiance|radiosity|clusters:LEVEL")
+            .default_value("lit")
+            .help("The light, false colours of what arrives (E) or leaves (B), or a colour for each cluster of a level (0 is the root)"),
         choice("unit", &["lux", "watts"], format!("Unit of false colours, --range and --isolux: lx (lm/m² of B), or W/m². {CONVENTION}")),
         choice("scale", &["linear", "log"], "How false colours follow values".into()),
         choice("ramp", &["viridis", "cividis"], "False colours; both can be read by the colour-blind".into()),
@@ -47,7 +52,10 @@ pub fn settings(matches: &ArgMatches) -> anyhow::Result<ReadingSettings> {
     let show = match text("show") {
         Some("irradiance") => Show::Irradiance,
         Some("radiosity") => Show::Radiosity,
-        _ => Show::Lit,
+        None | Some("lit") => Show::Lit,
+        // Colours of clusters stand in place of the light.
+        Some(text) if text.starts_with(PREFIX) => Show::Lit,
+        Some(text) => bail!("--show must be lit, irradiance, radiosity or clusters:LEVEL (it is `{text}`)"),
     };
     let ramp = if text("ramp") == Some("cividis") { Ramp::Cividis } else { Ramp::Viridis };
     let range = text("range").map(|text| range(text, spacing, unit)).transpose()?;

@@ -1,4 +1,4 @@
-//! `selflink render`: a picture of the solution, drawn without a window.
+//! `selflink render`: a picture of the solution, drawn without a window, as PNG or, in W/m², as EXR.
 
 use std::sync::Arc;
 
@@ -6,9 +6,10 @@ use anyhow::{anyhow, bail};
 use clap::{Arg, ArgAction, ArgMatches, Command};
 use glam::{Vec2, Vec3};
 use image::{ImageFormat, RgbaImage};
+use selflink::export::{PictureFormat, exr};
 use selflink::render::{
-    Camera, ChosenLinks, Display, Exposure, LinkFilter, LinkStyle, MAX_SIZE, Marks, Offscreen, Overlay,
-    ReadingSettings, pick, picked_marks,
+    Camera, ChosenLinks, ClusterView, Display, Exposure, LinkFilter, LinkStyle, MAX_SIZE, Marks, Offscreen, Overlay,
+    ReadingSettings, by_clusters, pick, picked_marks,
 };
 use selflink::scene::{CameraPose, Scene};
 use selflink::solver::{Anatomy, LinkView};
@@ -16,7 +17,7 @@ use selflink::solver::{Anatomy, LinkView};
 use super::job::{Order, Solution};
 use super::options::{self, numbers, path, path_arg};
 use super::output::{OutputFile, say};
-use super::{legend, reading};
+use super::{clusters, legend, reading};
 
 /// Pixels of a picture that nothing is said about.
 const USUAL_SIZE: [u32; 2] = [1280, 800];
@@ -25,9 +26,13 @@ const USUAL_HFOV: f32 = 60.0;
 
 /// The command's arguments.
 pub fn command() -> Command {
-    let command = Command::new("render").about("Solve a scene and draw it to a PNG file, without a window");
+    let command = Command::new("render").about("Solve a scene and draw it to a PNG or EXR file, without a window");
     reading::with_options(options::solving(command))
-        .arg(path_arg("out", "FILE.png").required(true).help("The picture"))
+        .arg(
+            path_arg("out", "FILE.png|exr")
+                .required(true)
+                .help("The picture as it is shown (PNG), or radiosities in W/m², unexposed and without overlays (EXR)"),
+        )
         .arg(Arg::new("size").long("size").value_name("WxH").help("Pixels [default: 1280x800]"))
         .arg(
             Arg::new("camera")
@@ -50,6 +55,13 @@ pub fn command() -> Command {
                 .action(ArgAction::Append)
                 .help("Draw over the picture: outlines of the patches, boxes of the clusters of a level (0 is the root), the links of the surface at a pixel, or those of all receivers at a level below the root; the strongest 200. May be given several times"),
         )
+        .arg(
+            Arg::new("explode")
+                .long("explode")
+                .value_name("0 to 1")
+                .allow_hyphen_values(true)
+                .help("Pull the clusters apart of the level that --show or else --overlay names; at 1 they lie twice as far from the middle [default: 0]"),
+        )
 }
 
 /// How a picture is to be drawn.
@@ -58,10 +70,14 @@ pub struct View {
     pub size: [u32; 2],
     /// Eye and target.
     pub camera: Option<[Vec3; 2]>,
+    /// The whole view, where neither of these is given.
+    pub pose: Option<CameraPose>,
     /// How radiosities become colours.
     pub display: Display,
     /// What is drawn over the picture.
     pub overlay: Overlay,
+    /// Clusters as colours, or pulled apart.
+    pub clusters: Option<ClusterView>,
     /// What is read off the surfaces.
     pub reading: ReadingSettings,
     /// Whether a legend tells what false colours mean.
@@ -84,8 +100,10 @@ impl Default for View {
         Self {
             size: USUAL_SIZE,
             camera: None,
+            pose: None,
             display: Display::default(),
             overlay: Overlay::default(),
+            clusters: None,
             reading: ReadingSettings::default(),
             has_legend: true,
             links: None,
@@ -96,18 +114,26 @@ impl Default for View {
 /// Runs it.
 pub fn run(matches: &ArgMatches) -> anyhow::Result<()> {
     let order = Order::from_matches(matches)?;
-    let view = view(matches)?;
+    let view = View { pose: order.settings.camera, ..view(matches)? };
     let path = path(matches, "out").unwrap_or_default();
-    if !path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("png")) {
-        bail!("{}: pictures are written as PNG; choose a name that ends in .png", path.display());
+    let format = PictureFormat::of(&path)?;
+    if format == PictureFormat::Exr && (view.overlay != Overlay::default() || view.links.is_some()) {
+        bail!(
+            "--overlay draws over pictures as they are shown (PNG), not over radiosities (EXR): leave one of them out"
+        );
     }
     let file = OutputFile::new(&path, &order.inputs())?;
     let job = order.load()?;
     // Before the long work, so that a missing adapter is told soon.
     let mut offscreen = Offscreen::new()?;
     let mut solution = job.solve()?;
-    let picture = draw(&mut offscreen, &job.scene, &mut solution, &view)?;
-    save(&picture, &file)?;
+    match format {
+        PictureFormat::Png => save(&draw(&mut offscreen, &job.scene, &mut solution, &view)?, &file)?,
+        PictureFormat::Exr => {
+            let picture = offscreen.radiosities(&solution.snapshot, &camera(&job.scene, &view), view.size)?;
+            file.write(|writer| exr::write(writer, &picture))?;
+        }
+    }
     let [width, height] = view.size;
     say(&format!("{}: {width} × {height} pixels, drawn by {}\n", file.path().display(), offscreen.adapter()))
 }
@@ -128,7 +154,8 @@ pub fn draw(
 ) -> anyhow::Result<RgbaImage> {
     let camera = camera(scene, view);
     let deepest = solution.snapshot.clusters.iter().map(|cluster| cluster.level).max().unwrap_or(0);
-    if let Some(level) = view.overlay.clusters.filter(|level| *level > deepest) {
+    let levels = view.overlay.clusters.into_iter().chain(view.clusters.map(|clusters| clusters.level));
+    if let Some(level) = levels.max().filter(|level| *level > deepest) {
         eprintln!("note: there are no clusters of level {level} to be drawn, the deepest have level {deepest}.");
     }
     let mut overlay = view.overlay.clone();
@@ -137,10 +164,16 @@ pub fn draw(
         Some(LinksOf::Level(level)) => overlay.marks = links_of_level(solution, level),
         None => {}
     }
+    let by_clusters = view.clusters.and_then(|clusters| {
+        anatomy(solution)?;
+        by_clusters(&solution.snapshot, ClusterView { level: clusters.level.min(deepest), ..clusters })
+    });
+    let snapshot = by_clusters.as_ref().unwrap_or(&solution.snapshot);
     let reading = view.reading.reading(&solution.snapshot);
-    let display = Display { reading, ..view.display };
-    let mut picture = offscreen.picture(&solution.snapshot, &camera, &display, &overlay, view.size)?;
-    if let Some(reading) = reading.filter(|_| view.has_legend) {
+    let as_colours = view.clusters.is_some_and(|clusters| clusters.coloured);
+    let display = Display { reading, as_colours, ..view.display };
+    let mut picture = offscreen.picture(snapshot, &camera, &display, &overlay, view.size)?;
+    if let Some(reading) = reading.filter(|_| view.has_legend && !as_colours) {
         legend::draw(&mut picture, &reading, view.reading.unit)?;
     }
     Ok(picture)
@@ -155,7 +188,9 @@ fn camera(scene: &Scene, view: &View) -> Camera {
         up: scene.camera.map_or(Vec3::Y, |camera| camera.up),
         hfov_deg: scene.camera.map_or(USUAL_HFOV, |camera| camera.hfov_deg),
     });
-    given.map_or_else(|| Camera::of_scene(scene, aspect), |pose| Camera::from_pose(&pose, aspect, scene.bounds()))
+    given
+        .or(view.pose)
+        .map_or_else(|| Camera::of_scene(scene, aspect), |pose| Camera::from_pose(&pose, aspect, scene.bounds()))
 }
 
 /// The links of the surface at a pixel.
@@ -215,6 +250,10 @@ fn view(matches: &ArgMatches) -> anyhow::Result<View> {
     let mut view = View { size, camera, display, reading, has_legend, ..View::default() };
     for overlay in matches.get_many::<String>("overlay").unwrap_or_default() {
         add_overlay(&mut view, overlay)?;
+    }
+    view.clusters = clusters::view(text("show"), text("explode"), view.overlay.clusters)?;
+    if view.links.is_some() && view.clusters.is_some_and(|clusters| clusters.explode > 0.0) {
+        bail!("--explode moves surfaces away from their links: leave out --overlay links or --explode");
     }
     Ok(view)
 }

@@ -19,7 +19,7 @@ pub fn element_outline(hierarchy: &Hierarchy, id: ElementId) -> Vec<[Vec3; 2]> {
 }
 
 /// The edges between corners of a box that differ in one coordinate.
-pub(super) fn box_edges(lower: Vec3, upper: Vec3) -> [[Vec3; 2]; 12] {
+pub fn box_edges(lower: Vec3, upper: Vec3) -> [[Vec3; 2]; 12] {
     let corner = |bits: usize| Vec3::select(BVec3::new(bits & 1 != 0, bits & 2 != 0, bits & 4 != 0), upper, lower);
     std::array::from_fn(|edge| {
         let (axis, rest) = (edge / 4, edge % 4);

@@ -17,7 +17,7 @@ const LINEAR_FROM_ZERO: f32 = 0.5;
 /// More leaves than this are sampled evenly.
 const MOST_LEAVES: usize = 1 << 14;
 /// Marks that a scale wants.
-const WANTED_TICKS: f32 = 5.0;
+const WANTED_TICKS: f32 = 6.0;
 
 /// A quantity read off the surfaces.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -230,7 +230,7 @@ fn round_down(value: f32) -> f32 {
 /// The next step upwards of 1, 2 or 5 times a power of ten.
 fn round_step(value: f32) -> f32 {
     let (digit, power) = digits(value);
-    power * [1.0, 2.0, 5.0].into_iter().find(|round| *round >= 0.9 * digit).unwrap_or(10.0)
+    power * [1.0, 2.0, 5.0].into_iter().find(|round| *round >= 0.8 * digit).unwrap_or(10.0)
 }
 
 /// A number as a digit, 1..10, times a power of ten.

@@ -288,7 +288,7 @@ impl SceneRenderer {
 
     /// # Errors
     /// A size of zero or beyond the adapter's limits.
-    fn check_size(&self, [width, height]: [u32; 2]) -> Result<(), RenderError> {
+    pub(super) fn check_size(&self, [width, height]: [u32; 2]) -> Result<(), RenderError> {
         let limit = self.device.limits().max_texture_dimension_2d.min(MAX_SIZE);
         let allowed = 1..=limit;
         if allowed.contains(&width) && allowed.contains(&height) {

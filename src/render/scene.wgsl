@@ -109,7 +109,7 @@ fn with_line(colour: vec3f, line: vec4f, value: f32, slope: f32) -> vec3f {
     return mix(below, line.rgb, coverage);
 }
 
-// The same formulas as `tone_curve` and `encode_gamma` in display.rs, which say where they come from.
+// The same formulas as `tone_curve` and `encode_gamma` in tone.rs, which say where they come from.
 
 fn tone_curve(exposed: vec3f) -> vec3f {
     // Far beyond white the curve is flat, and its square must stay finite.

@@ -76,6 +76,7 @@ const EPSILON_PER_ERROR: f64 = 0.2;
 
 /// All that a person can turn; [`PARAMETERS`] describes each field.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
 pub struct SolverParams {
     /// RMS error of the shown radiosity that is asked for, as a share of its RMS; the solver then chooses ε and ends when its own
     /// estimate says so. `None` to solve by ε.

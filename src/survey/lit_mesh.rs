@@ -76,7 +76,7 @@ impl LitMesh {
 
     /// The first bright side along a ray, as the picture shows it; `direction` of any length.
     pub fn under(&self, origin: Vec3, direction: Vec3) -> Option<SurfaceReading> {
-        let direction = direction.try_normalize()?;
+        let direction = direction.try_normalize().filter(|_| origin.is_finite())?;
         let hit = self.faces.closest_front(origin, direction, 0.0)?;
         Some(self.reading(hit.polygon, origin + hit.distance * direction))
     }

@@ -20,6 +20,8 @@ use crate::solver::Snapshot;
 
 /// While meshes change, making them ready for rays takes this share of the time at most, as one part in so many.
 const BUILD_SHARE: u32 = 8;
+/// For the pointer alone, meshes of more triangles than this are not made ready: that would take seconds and much memory.
+const MOST_POINTED: usize = 1 << 20;
 /// The share of a plane that is measured is told this often.
 const TELL_EVERY: Duration = Duration::from_millis(50);
 
@@ -232,10 +234,12 @@ impl Session {
     /// Answers what can be answered; how long to wait before the rest is tried again, if there is a rest.
     fn work(&mut self) -> Option<Duration> {
         let Some((scene, snapshot)) = self.light.clone() else { return None };
-        let is_asked = self.look.is_some() || !self.probes.is_empty() || self.plane.is_some();
+        let can_look = self.look.is_some() && snapshot.mesh.triangles.len() <= MOST_POINTED;
+        let is_asked = can_look || !self.probes.is_empty() || self.plane.is_some();
         if !is_asked {
             // A light that nobody looks at is not held.
             (self.lit, self.has_new_light) = (None, false);
+            self.tell(|report| report.looked = None);
             return None;
         }
         let wait = self.follow(&scene, &snapshot);

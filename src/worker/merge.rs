@@ -16,13 +16,16 @@ pub(super) fn merge(commands: Vec<Command>) -> Vec<Command> {
 
 /// Whether `earlier` has no effect when `later` follows it.
 fn supersedes(later: &Command, earlier: &Command) -> bool {
-    use Command::{CancelLoad, Load, Look, Pause, Restart, Resume, SetEmission, SetParams, Shutdown, StepWave};
+    use Command::{
+        CancelLoad, Load, Look, Pause, Restart, Resume, SetEmission, SetGroups, SetParams, Shutdown, StepWave,
+    };
     match (later, earlier) {
         (Shutdown, Command::SaveSidecar { .. }) => false,
         (Shutdown, _)
         | (Load(..) | CancelLoad, Load(..) | CancelLoad)
         | (SetParams(_), SetParams(_))
         | (Look(_), Look(_))
+        | (SetGroups(_), SetGroups(_))
         | (Restart, Restart)
         | (Pause | Resume, Pause | Resume | StepWave) => true,
         (SetEmission { material: new, .. }, SetEmission { material: old, .. }) => new == old,

@@ -24,7 +24,7 @@ use glam::Vec3;
 
 use crate::added_light::AddedLight;
 use crate::cancel::CancelToken;
-use crate::scene::{CameraPose, MaterialId, Scene, Source};
+use crate::scene::{CameraPose, GroupMember, MaterialId, Scene, Source};
 use crate::solver::{MomentInfo, Snapshot, SolverParams};
 
 /// What a person asks of the solver.
@@ -60,6 +60,8 @@ pub enum Command {
         /// Exitance B_e, W/m².
         exitance: Vec3,
     },
+    /// Arranges the scene's groups by hand; an empty list has them as the file does. Clusters are built anew where they go by groups.
+    SetGroups(Vec<GroupMember>),
     /// Writes the sidecar beside the scene's file.
     SaveSidecar {
         /// The view to open with.

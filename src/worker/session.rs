@@ -163,6 +163,7 @@ impl Session {
             }
             Command::SetEmission { material, emission } => self.set_emission(material, emission),
             Command::AddCeilingLight { size, exitance } => self.add_ceiling_light(size, exitance),
+            Command::SetGroups(members) => self.set_groups(members),
             Command::SaveSidecar { camera } => self.save_sidecar(camera),
             // Seen by `run`.
             Command::Shutdown => {}

@@ -9,8 +9,8 @@ use super::loader::{self, Awaited, CeilingLight, Job, Prepared};
 use super::session::{Drive, Session};
 use super::{Event, SceneInfo};
 use crate::added_light::AddedLight;
-use crate::scene::{CameraPose, MaterialId, Sidecar, SidecarError, Source};
-use crate::solver::{Solver, SolverError};
+use crate::scene::{CameraPose, GroupMember, MaterialId, Sidecar, SidecarError, Source};
+use crate::solver::{ClusteringMode, Solver, SolverError};
 
 impl Session {
     /// Reads a scene on a thread of its own; one that is being read already is forgotten.
@@ -141,6 +141,26 @@ impl Session {
         self.announce_scene(false);
         if self.remaking.is_some() {
             // What is under way knows nothing of the new emission.
+            self.remake(None);
+        }
+    }
+
+    /// Arranges groups by hand; a solution whose clusters do not go by groups stays as it is.
+    pub(super) fn set_groups(&mut self, members: Vec<GroupMember>) {
+        let Some(prepared) = self.prepared.as_mut() else { return };
+        if prepared.raw.regrouping == members {
+            return;
+        }
+        Arc::make_mut(&mut prepared.scene).regrouping.clone_from(&members);
+        Arc::make_mut(&mut prepared.raw).regrouping = members;
+        if (self.solver.is_none() || self.params.clustering == ClusteringMode::Groups)
+            && let Err(sentence) = self.start_solver()
+        {
+            self.emit(Event::SolveFailed(sentence));
+        }
+        self.announce_scene(false);
+        if self.remaking.is_some() {
+            // What is under way knows nothing of the new groups.
             self.remake(None);
         }
     }

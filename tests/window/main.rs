@@ -4,10 +4,14 @@
 //! Vulkan serves.
 #![cfg(feature = "gui")]
 
+mod clusters;
+mod compare;
+mod craft;
 mod gallery;
 mod inspector;
 mod matrix;
 mod panels;
 mod readings;
 mod support;
+mod take_along;
 mod timeline;

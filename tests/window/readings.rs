@@ -148,8 +148,9 @@ fn a_work_plane_is_measured_shown_and_written() {
     until(&mut window, "its end", |window| window.query_by_label("Uniformity U₀").is_none());
     window.get_by_label("Close tool").click();
     window.run_steps(3);
+    // Notes take room from the view.
     while window.query_all_by_label("Dismiss").next().is_some() {
-        window.get_all_by_label("Dismiss").next().expect("one is there").click();
+        window.get_all_by_label("Dismiss").next().expect("just seen").click();
         window.run_steps(2);
     }
     assert_eq!(difference(&before, &picture(&mut window)), 0.0);

@@ -4,9 +4,9 @@ use std::path::Path;
 
 use egui::{Button, DragValue, Grid, ProgressBar, RichText, TextEdit, Ui};
 
+use super::super::dialog::DialogAnswer;
 use super::super::measuring::{Measuring, Table};
 use super::super::messages::Messages;
-use super::super::save_dialog::Answer;
 use super::super::{Shown, Wake, format, theme};
 use crate::photometry::{CONVENTION, lux};
 use crate::survey::{PlaneReading, Probed};
@@ -40,8 +40,11 @@ fn heading(ui: &mut Ui, text: &str) {
 
 fn show_probes(ui: &mut Ui, measuring: &mut Measuring) {
     ui.horizontal(|ui| {
-        ui.toggle_value(&mut measuring.places_probes, "Place probes")
-            .on_hover_text("While this is on, a click into the view places a probe on the surface there");
+        let toggle = ui.add(Button::new("Place probes").selected(measuring.places_probes));
+        if toggle.on_hover_text("While this is on, a click into the view places a probe on the surface there").clicked()
+        {
+            measuring.places_probes = !measuring.places_probes;
+        }
         let has_any = measuring.probes().next().is_some();
         if ui.add_enabled(has_any, Button::new("Remove all probes")).clicked() {
             measuring.remove_all();
@@ -148,7 +151,7 @@ fn show_summary(ui: &mut Ui, shown: &Shown, plane: &PlaneReading) {
         ("Average Ē", lux(summary.average), "Mean illuminance of the points"),
         ("Minimum", lux(summary.minimum), "Smallest illuminance"),
         ("Maximum", lux(summary.maximum), "Largest illuminance"),
-        ("Uniformity U₀", format!("{:>7.2}", summary.uniformity), "Minimum over average (EN 12464-1)"),
+        ("Uniformity U₀", format!("{:>7.2}   ", summary.uniformity), "Minimum over average (EN 12464-1)"),
     ];
     Grid::new("work plane").num_columns(2).spacing([12.0, 3.0]).show(ui, |ui| {
         for (name, value, hint) in rows {
@@ -186,20 +189,21 @@ fn show_files(ui: &mut Ui, measuring: &mut Measuring, messages: &mut Messages) {
             }
         }
     });
+    let is_there = tables.iter().any(|(table, .., is_there)| *is_there && *table == measuring.saves);
+    let mut is_clicked = false;
     theme::row(ui, "CSV file", |ui| {
         let field = TextEdit::singleline(&mut measuring.save.path_text).hint_text("path.csv").desired_width(150.0);
-        ui.add(field).on_hover_text("Path for systems without a file dialog; Write stores the table chosen above")
+        let field = ui.add(field);
+        let can_write = is_there && measuring.save.typed_path().is_some();
+        is_clicked = ui.add_enabled(can_write, Button::new("Write")).clicked();
+        field.on_hover_text("Path for systems without a file dialog; Write stores the table that was chosen last")
     });
-    let is_there = tables.iter().any(|(table, .., is_there)| *is_there && *table == measuring.saves);
-    let typed = measuring.save.typed_path().filter(|_| is_there);
-    if ui.add_enabled(typed.is_some(), Button::new("Write")).clicked()
-        && let Some(path) = typed
-    {
+    if let Some(path) = measuring.save.typed_path().filter(|_| is_clicked) {
         write(measuring, &path, messages);
     }
     match measuring.save.poll() {
-        Some(Answer::Chosen(path)) => write(measuring, &path, messages),
-        Some(Answer::NoDialog) => messages.note(NO_DIALOG.into()),
+        Some(DialogAnswer::Chosen(path)) => write(measuring, &path, messages),
+        Some(DialogAnswer::NoDialog) => messages.note(NO_DIALOG.into()),
         None => {}
     }
 }

@@ -15,7 +15,7 @@ pub(super) fn show(app: &App, ui: &mut Ui) {
         format!("E {} lx, {} W/m²   B {} W/m²   {material}", number(lux(e)), number(weighted(e)), number(weighted(b)),);
     let by_colour = |rgb: [f32; 3]| rgb.map(|value| format::number(value.into())).join(" ");
     let details = format!(
-        "Under the pointer: irradiance E {} and radiosity B {} W/m² (R G B). {CONVENTION}; W/m² here weighs the colours alike.",
+        "Under the pointer: irradiance E {} and radiosity B {} W/m² (R G B). {CONVENTION}; the W/m² shown are their means by the same weights.",
         by_colour(e),
         by_colour(b)
     );

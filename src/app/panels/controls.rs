@@ -5,7 +5,7 @@ use egui::{Grid, Ui};
 use super::super::theme;
 
 /// What to do, and what it does; [`super::super::viewport`] acts so.
-const CONTROLS: [(&str, &str); 9] = [
+pub(in super::super) const CONTROLS: [(&str, &str); 9] = [
     ("left drag", "orbit"),
     ("right, middle or shift drag", "pan"),
     ("wheel or pinch", "zoom"),
@@ -18,7 +18,7 @@ const CONTROLS: [(&str, &str); 9] = [
 ];
 
 /// Draws the section.
-pub(super) fn show(ui: &mut Ui) {
+pub(super) fn show(ui: &mut Ui, are_keys_shown: &mut bool) {
     Grid::new("controls").num_columns(2).spacing([16.0, 3.0]).show(ui, |ui| {
         for (deed, effect) in CONTROLS {
             ui.label(deed);
@@ -26,4 +26,7 @@ pub(super) fn show(ui: &mut Ui) {
             ui.end_row();
         }
     });
+    if ui.button("All keys").on_hover_text("The same, and the keys that work anywhere (?)").clicked() {
+        *are_keys_shown = true;
+    }
 }

@@ -27,18 +27,32 @@ struct Legend<'a> {
     marks: Vec<Mark>,
 }
 
+/// The legend of the difference between two solutions.
+pub(in super::super) fn show_difference(ui: &mut Ui, view: Rect) {
+    let hint = "Difference of the radiosities, relative to that of A at the same point";
+    show_shading(ui, view, Shading::Difference, ("B darker – brighter", hint));
+}
+
 /// The legend of errors; nothing for light.
 pub(in super::super) fn show_error(ui: &mut Ui, view: Rect, shading: Shading) {
-    let (title, first, labels) = match shading {
+    let title = match shading {
         Shading::Lit => return,
-        Shading::Error => ("relative error", 0.0, ["0 %", "25 %", "50 %"]),
-        Shading::Difference => ("too dark – too bright", -FULL_SCALE, ["−50 %", "0 %", "+50 %"]),
+        Shading::Error => "relative error",
+        Shading::Difference => "too dark – too bright",
+    };
+    let hint = "Error of the radiosity by the reference, relative to each point's own radiosity";
+    show_shading(ui, view, shading, (title, hint));
+}
+
+fn show_shading(ui: &mut Ui, view: Rect, shading: Shading, (title, hint): (&str, &str)) {
+    let (first, labels) = match shading {
+        Shading::Lit | Shading::Error => (0.0, ["0 %", "25 %", "50 %"]),
+        Shading::Difference => (-FULL_SCALE, ["−50 %", "0 %", "+50 %"]),
     };
     let colour = |along: f32| shading.colour(first + along * (FULL_SCALE - first));
     let places = [0.0, 0.5, 1.0];
     let marks = places.into_iter().zip(labels);
     let marks = marks.map(|(along, label)| Mark { along, label: label.to_owned(), is_line: false }).collect();
-    let hint = "Error of the radiosity by the reference, relative to each point's own radiosity";
     show(ui, view, &Legend { title: title.to_owned(), remark: "grey: unknown", hint, colour: &colour, marks });
 }
 

@@ -66,7 +66,7 @@ pub(super) fn show(ui: &mut Ui, info: &SceneInfo, lamp: &mut LampEditor, outbox:
     if !info.has_light {
         let sentence =
             "Nothing in this scene emits light, so it is black: make a material emit, or add a ceiling light.";
-        ui.add(egui::Label::new(egui::RichText::new(sentence).color(theme::ACCENT)).wrap());
+        ui.add(egui::Label::new(theme::notice(ui, sentence)).wrap());
         ui.add_space(2.0);
     }
     show_material(ui, &info.scene, lamp, outbox);

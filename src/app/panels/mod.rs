@@ -1,9 +1,11 @@
 //! The panels around the view: each takes what it shows and writes commands into the outbox.
 
 pub(super) mod accuracy;
+pub(super) mod appearance;
 pub(super) mod controls;
 pub(super) mod display;
 pub(super) mod empty;
+pub(super) mod hint;
 pub(super) mod legend;
 pub(super) mod light;
 pub(super) mod links;
@@ -54,12 +56,13 @@ fn show_sections(app: &mut App, ui: &mut Ui, outbox: &mut Outbox) {
         }
     }
     section(ui, "Statistics", false, None, |ui| statistics::show(ui, &app.shown));
-    section(ui, "Mouse and keys", false, None, controls::show);
+    section(ui, "Appearance", false, None, |ui| appearance::show(ui, &mut app.appearance));
+    section(ui, "Mouse and keys", false, None, |ui| controls::show(ui, &mut app.are_keys_shown));
 }
 
 /// A section that can be folded away; `id` tells sections apart whose title changes.
 fn section(ui: &mut Ui, title: &str, is_open: bool, id: Option<&str>, contents: impl FnOnce(&mut Ui)) {
-    let heading = RichText::new(title).strong().size(14.0).color(theme::TEXT_STRONG);
+    let heading = RichText::new(title).strong().size(14.0);
     CollapsingHeader::new(heading)
         .id_salt((id.unwrap_or(title), is_open && id.is_some()))
         .default_open(is_open)

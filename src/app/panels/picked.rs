@@ -29,11 +29,12 @@ pub(in super::super) fn show(app: &mut App, ui: &mut Ui, rect: Rect) {
     let (mut close, mut inspect) = (false, false);
     let at = rect.right_top() + egui::vec2(-10.0, 10.0);
     egui::Area::new(egui::Id::unique("picked")).pivot(Align2::RIGHT_TOP).fixed_pos(at).show(ui.ctx(), |ui| {
+        theme::over_the_view(ui);
         let frame = egui::Frame::popup(ui.style()).fill(theme::PANEL.gamma_multiply(0.94)).inner_margin(10);
         frame.show(ui, |ui| {
             ui.set_width(WIDTH);
             ui.horizontal(|ui| {
-                ui.label(RichText::new("Picked element").strong().size(14.0).color(theme::TEXT_STRONG));
+                ui.label(RichText::new("Picked element").strong().size(14.0));
                 ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
                     close = ui.button("Close").on_hover_text("Let go of the element").clicked();
                     let hint = "Open the inspector: all its links, and what holds it";

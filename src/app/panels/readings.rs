@@ -8,7 +8,7 @@ use crate::photometry::{CONVENTION, Unit};
 use crate::render::{IsolinesWanted, MOST_ISOLINES, Ramp, Reading, Show, Spacing};
 
 /// Width of the field of one end of a range, points.
-const END_WIDTH: f32 = 84.0;
+const END_WIDTH: f32 = 112.0;
 
 /// Draws the controls; `reading` is what the view shows.
 pub(super) fn show(ui: &mut Ui, display: &mut DisplaySettings, reading: Option<&Reading>) {
@@ -22,7 +22,7 @@ pub(super) fn show(ui: &mut Ui, display: &mut DisplaySettings, reading: Option<&
         Unit::Lumens => "lux (lm/m²)",
         Unit::Watts => "W/m²",
     });
-    unit.on_hover_text(format!("{CONVENTION}; W/m² weighs the three colours alike"));
+    unit.on_hover_text(format!("{CONVENTION}; W/m² is the mean of the three colours by the same weights"));
     choose(ui, "Scale", &mut settings.spacing, &[Spacing::Linear, Spacing::Logarithmic], |spacing| match spacing {
         Spacing::Linear => "linear",
         Spacing::Logarithmic => "logarithmic",
