@@ -46,8 +46,10 @@ const CHUNK: usize = 512;
 const LAMP_RAYS: f64 = 0.9;
 /// Noise of direct light at vertices, as a share of the error that is allowed between them.
 const DIRECT_NOISE: f64 = 0.5;
-/// Splitting ends when it made many leaves and left more than this share of the squared error: noise does not fall by it.
+/// Splitting ends when it made many leaves so many times in a row and left more than this share of the squared error: noise does not fall
+/// by it. Once may be because looking harder found more.
 const LEAST_GAIN: f64 = 0.95;
+const MOST_VAIN: u32 = 3;
 /// Leaves of less than this share of the mean area have no vertex in their middle.
 const MIDDLE: f32 = 0.1;
 /// Rounds of splitting leaves before rays are cast, and after the solution was found wanting.
@@ -146,8 +148,9 @@ pub struct FinalGather {
     /// The squared error of a leaf above which it was split last, W²/m², and the share of the squared range of light over a leaf that
     /// its squared error is on average: they tell where more must be looked at.
     expected: (f64, f64),
-    /// Whether the last round of splitting made many leaves.
+    /// Whether the last round of splitting made many leaves, and how many such rounds in a row gained nothing.
     grew: bool,
+    vain: u32,
     /// Noise of the vertices' values, measured last; infinite before.
     noise: f64,
     /// Variance of the light along one ray, as a share of the squared light; as measured.
@@ -217,6 +220,7 @@ impl FinalGather {
             mesh_error: f64::INFINITY,
             expected: (f64::INFINITY, 0.0),
             grew: false,
+            vain: 0,
             noise: f64::INFINITY,
             spread: (SPREAD * SPREAD) as f32,
             estimate: None,
@@ -415,8 +419,9 @@ impl FinalGather {
         let errors: Vec<f64> = look.leaves.iter().map(|looked| looked.error).collect();
         let error = errors.iter().sum::<f64>();
         let is_vain = self.round > 0 && self.grew && error > LEAST_GAIN * self.mesh_error;
+        self.vain = if is_vain { self.vain + 1 } else { 0 };
         self.mesh_error = error;
-        if error <= allowed || is_vain || self.vertices.len() > MOST_VERTICES {
+        if error <= allowed || self.vain >= MOST_VAIN || self.vertices.len() > MOST_VERTICES {
             return Some(false);
         }
         let threshold = split::threshold(&errors, allowed);
