@@ -183,33 +183,6 @@ fn light_comes_through_a_slit() {
     assert!(error.local_median < 0.2, "median local error {:.3}", error.local_median);
 }
 
-/// A small shade that is far brighter than the room around it holds all of the error: its leaves may be thinner than those of the
-/// room, 5 mm in ten metres, so that the edge of a shadow in it is found.
-#[test]
-fn shadows_in_a_bright_shade_are_resolved() {
-    let mut scene = empty_room(0.5, 0.0);
-    let white = scene.add_material("white", Vec3::splat(0.8), Vec3::ZERO);
-    let black = scene.add_material("black", Vec3::ZERO, Vec3::ZERO);
-    let bulb = scene.add_material("bulb", Vec3::ZERO, Vec3::splat(1e4));
-    let quad = |y: f32, [x0, x1]: [f32; 2], [z0, z1]: [f32; 2]| {
-        [Vec3::new(x0, y, z0), Vec3::new(x1, y, z0), Vec3::new(x1, y, z1), Vec3::new(x0, y, z1)]
-    };
-    // A plate of 4 mm that faces a bulb of 1 mm, 2 mm away, with half of it in the shadow of a blade close to the plate.
-    let up = |y, x, z| {
-        let [a, b, c, d] = quad(y, x, z);
-        [d, c, b, a]
-    };
-    scene.add_quad(up(0.5, [0.5, 0.504], [0.5, 0.504]), white, GroupId(0));
-    let plate = scene.polygons.len() as u32 - 1;
-    scene.add_quad(up(0.5003, [0.502, 0.5045], [0.4995, 0.5045]), black, GroupId(0));
-    scene.add_quad(quad(0.502, [0.5015, 0.5025], [0.5015, 0.5025]), bulb, GroupId(0));
-    let snapshot = solve(&scene, asking(0.1)).snapshot();
-    let levels = snapshot.mesh.leaves.iter().filter(|leaf| leaf.polygon == plate).map(|leaf| leaf.level);
-    let finest = levels.max().expect("leaves of the plate");
-    println!("finest level {finest}, estimate {:?}", snapshot.stats.error_estimate);
-    assert!(finest >= 3, "level {finest}");
-}
-
 /// Whatever the gather is at, its first part included, who cancels is heard at once, and what was begun can be done again with the same
 /// result.
 #[test]
