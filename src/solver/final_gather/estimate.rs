@@ -76,7 +76,7 @@ impl Tally {
 }
 
 impl FinalGather {
-    /// Looks at some of the points; `round` chooses which ones. Half of them lie evenly by area, half by A·|B|²: a small bright place
+    /// Looks at some of the points; `round` chooses which ones; `None` if cancelled. Half of them lie evenly by area, half by A·|B|²: a small bright place
     /// may hold most of the error, and by area alone hardly a point would meet it.
     pub(super) fn look_at_points(
         &self,
@@ -149,8 +149,7 @@ impl FinalGather {
         Tally { error, squares: error * error, energy, points: 1.0, rays: cast }
     }
 
-    /// Running sums of the shares of points that the mesh's leaves get, up to 1; lamps get none. A third of the points lie by area, a
-    /// third by A·|B|² of the leaves, and a third by that of the polygons: what is wrongly shown dark beside what is bright must be met too.
+    /// Running sums of the shares of points that the mesh's leaves get, up to 1; lamps get none.
     fn shares(&self, hierarchy: &Hierarchy, context: &Context, reflected: &[Vec3]) -> Vec<f64> {
         let mesh = &self.display.mesh;
         let of_leaf = |leaf: usize| {
@@ -165,21 +164,13 @@ impl FinalGather {
             (area, area * f64::from(brightest))
         };
         let leaves: Vec<(f64, f64)> = (0..mesh.leaves.len()).map(of_leaf).collect();
-        let mut polygons = vec![(0.0, 0.0); context.surfaces.len()];
-        for (of, leaf) in mesh.leaves.iter().zip(&leaves) {
-            let sum: &mut (f64, f64) = &mut polygons[of.polygon as usize];
-            *sum = (sum.0 + leaf.0, sum.1 + leaf.1);
-        }
         let all = leaves.iter().fold((0.0, 0.0), |sum, leaf| (sum.0 + leaf.0, sum.1 + leaf.1));
-        let share = |part: f64, all: f64| if all > 0.0 { part / all } else { 0.0 };
+        let half = |part: f64, all: f64| if all > 0.0 { 0.5 * part / all } else { 0.0 };
         let mut sum = 0.0;
         let mut shares: Vec<f64> = leaves
             .iter()
-            .zip(&mesh.leaves)
-            .map(|(leaf, of)| {
-                let polygon = polygons[of.polygon as usize];
-                let of_polygon = share(leaf.0, polygon.0) * polygon.1;
-                sum += share(leaf.0, all.0) + share(leaf.1, all.1) + share(of_polygon, all.1);
+            .map(|leaf| {
+                sum += half(leaf.0, all.0) + half(leaf.1, all.1);
                 sum
             })
             .collect();

@@ -36,7 +36,6 @@ pub use estimate::Estimate;
 use estimate::Tally;
 use lamps::{Seen, Sent};
 use rows::{Rows, Surroundings, position_hash};
-use split::Points;
 use stance::{Finder, Stance};
 use vertices::Vertex;
 
@@ -137,15 +136,12 @@ pub struct FinalGather {
     /// Indirect irradiance of each vertex, W/m².
     indirect: Vec<Vec3>,
     rows: Rows,
-    /// What was found of leaves that were looked at and kept.
-    kept: FxHashMap<ElementId, Points>,
+    /// Squared errors of leaves that were looked at and kept.
+    kept: FxHashMap<ElementId, f64>,
     /// Σ A·|B|², W²/m²: of what links say, later of what was found when the present pass began.
     known_energy: f64,
     /// Squared error between the vertices, measured last, W²/m².
     mesh_error: f64,
-    /// The squared error of a leaf above which it was split last, W²/m², and the share of the squared range of light over a leaf that
-    /// its squared error is on average: they tell where more must be looked at.
-    expected: (f64, f64),
     /// Whether the last round of splitting made many leaves.
     grew: bool,
     /// Noise of the vertices' values, measured last; infinite before.
@@ -215,7 +211,6 @@ impl FinalGather {
             kept: FxHashMap::default(),
             known_energy,
             mesh_error: f64::INFINITY,
-            expected: (f64::INFINITY, 0.0),
             grew: false,
             noise: f64::INFINITY,
             spread: (SPREAD * SPREAD) as f32,
@@ -310,6 +305,7 @@ impl FinalGather {
         let between = (error.powi(2) - self.noise.powi(2)).max(0.0).sqrt();
         if between > MESH_SHARE * self.goal.error {
             self.goal.mesh *= factor;
+            self.kept.clear();
         }
         if self.noise > 0.5 * self.goal.error {
             self.goal.noise *= factor;
@@ -410,24 +406,22 @@ impl FinalGather {
     /// cancelled.
     fn split(&mut self, hierarchy: &mut Hierarchy, context: &Context, cancel: &CancelToken) -> Option<bool> {
         let look = self.look_at_leaves(hierarchy, context, cancel)?;
-        self.rays += look.leaves.iter().map(|looked| looked.rays).sum::<u64>();
+        self.rays += look.rays;
         let allowed = self.goal.mesh * self.goal.mesh * self.energy();
-        let errors: Vec<f64> = look.leaves.iter().map(|looked| looked.error).collect();
-        let error = errors.iter().sum::<f64>();
+        let error = look.errors.iter().sum::<f64>();
         let is_vain = self.round > 0 && self.grew && error > LEAST_GAIN * self.mesh_error;
         self.mesh_error = error;
         if error <= allowed || is_vain || self.vertices.len() > MOST_VERTICES {
             return Some(false);
         }
-        let threshold = split::threshold(&errors, allowed);
-        self.expected = (threshold, look.share);
+        let threshold = split::threshold(&look.errors, allowed);
         self.kept.clear();
         let mesh = self.display.mesh.clone();
-        for (leaf, looked) in mesh.leaves.iter().zip(&look.leaves) {
-            if looked.error >= threshold {
+        for (leaf, error) in mesh.leaves.iter().zip(&look.errors) {
+            if *error >= threshold {
                 hierarchy.subdivide(leaf.element);
             } else {
-                self.kept.insert(leaf.element, looked.points);
+                self.kept.insert(leaf.element, *error);
             }
         }
         let new = self.display.rebuilt(context.scene, hierarchy, self.display.style());

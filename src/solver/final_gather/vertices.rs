@@ -101,7 +101,7 @@ impl FinalGather {
     }
 
     /// Hidden vertices, and those that were not looked at yet, take the mean of what lies around them.
-    pub(super) fn fill_hidden(&self, values: &mut [Vec3]) {
+    fn fill_hidden(&self, values: &mut [Vec3]) {
         let is_known = |vertex: usize| !self.direct[vertex].is_nan() && !self.is_hidden(vertex);
         let known = (0..values.len()).map(is_known).collect();
         spread(&self.display, values, known);
