@@ -274,6 +274,7 @@ pub(super) fn show(app: &mut App, ui: &mut Ui, outbox: &mut Outbox) -> Option<Cl
     show_legend(app, ui, rect);
     divider::show(ui, rect, &mut app.freeze);
     panels::links::show_legend(app, ui, rect);
+    panels::readout::show(app, ui, rect);
     panels::picked::show(app, ui, rect);
     panels::empty::show_loading(app, ui, rect, outbox);
     panels::hint::show_first_lines(app, ui, rect);

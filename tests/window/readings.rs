@@ -72,7 +72,7 @@ fn isolux_lines_lie_where_a_person_asks_for_them() {
 }
 
 #[test]
-fn the_bar_tells_what_lies_under_the_pointer() {
+fn a_line_tells_what_lies_under_the_pointer() {
     let mut window = cornell();
     assert!(window.query_by_label_contains(" lx, ").is_none());
     let rect = window.state().view_rect();

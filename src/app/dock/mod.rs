@@ -8,7 +8,6 @@ mod export;
 mod inspector;
 mod matrix;
 mod measure;
-mod readout;
 
 use egui::{RichText, ScrollArea, Ui};
 use serde::{Deserialize, Serialize};
@@ -88,7 +87,6 @@ pub(super) fn show_bar(app: &mut App, ui: &mut Ui) {
                 app.tool = (!is_open).then_some(*tool);
             }
         }
-        ui.with_layout(egui::Layout::left_to_right(egui::Align::Center), |ui| readout::show(app, ui));
     });
 }
 

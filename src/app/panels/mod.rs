@@ -13,6 +13,7 @@ pub(super) mod links;
 pub(super) mod parameters;
 pub(super) mod picked;
 mod readings;
+pub(super) mod readout;
 pub(super) mod scene;
 pub(super) mod solver;
 pub(super) mod statistics;

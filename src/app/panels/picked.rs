@@ -14,6 +14,8 @@ use crate::solver::{Anatomy, LinkView, Snapshot};
 
 /// Width of the card, points.
 const WIDTH: f32 = 288.0;
+/// A narrower view would be hidden by more than a few lines, points.
+const WIDE_ENOUGH: f32 = 640.0;
 /// So many links are shown, the strongest.
 const MOST: usize = 5;
 
@@ -44,7 +46,9 @@ pub(in super::super) fn show(app: &mut App, ui: &mut Ui, rect: Rect) {
             if let Some(facts) = &app.inspection.facts {
                 show_facts(ui, facts);
             }
-            show_sources(ui, &mut app.inspection, snapshot, scene, element);
+            if rect.width() >= WIDE_ENOUGH {
+                show_sources(ui, &mut app.inspection, snapshot, scene, element);
+            }
         });
     });
     if close {

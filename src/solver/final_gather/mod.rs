@@ -53,9 +53,8 @@ const MIDDLE: f32 = 0.1;
 const MOST_ROUNDS: u32 = 8;
 /// Times that a solution is made finer because its error was estimated above the goal.
 const MOST_ATTEMPTS: u32 = 6;
-/// An attempt that leaves more than this share of the estimated error has stalled; so many may.
+/// An attempt that leaves more than this share of the estimated error was in vain, and so would be the next one.
 const LEAST_PROGRESS: f64 = 0.9;
-const MOST_STALLED: u32 = 2;
 /// More vertices than this are not made for the sake of the goal.
 const MOST_VERTICES: usize = 1 << 21;
 /// The allowed error is shared out to what lies between vertices and to the noise of their values.
@@ -124,7 +123,6 @@ pub struct FinalGather {
     stage: Stage,
     round: u32,
     attempt: u32,
-    stalled: u32,
     last_error: Option<f64>,
     /// The mesh, with middles.
     display: Display,
@@ -201,7 +199,6 @@ impl FinalGather {
             stage: Stage::Direct(0),
             round: 0,
             attempt: 0,
-            stalled: 0,
             last_error: None,
             vertices: Vec::new(),
             stances: Vec::new(),
@@ -290,9 +287,9 @@ impl FinalGather {
             return Stage::Done;
         };
         // What a finer mesh does not help is smaller than leaves may be.
-        self.stalled += u32::from(self.last_error.is_some_and(|last| error > LEAST_PROGRESS * last));
+        let was_in_vain = self.last_error.is_some_and(|last| error > LEAST_PROGRESS * last);
         self.last_error = Some(error);
-        if self.stalled >= MOST_STALLED {
+        if was_in_vain {
             return Stage::Done;
         }
         if self.attempt >= MOST_ATTEMPTS || self.vertices.len() > MOST_VERTICES || !self.rows.has_room() {
