@@ -2,11 +2,14 @@
 
 use glam::Vec3;
 
+use serde::{Deserialize, Serialize};
+
 use crate::ceiling;
 use crate::scene::{EditError, Scene};
 
 /// What is added; by default nothing.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
 pub struct AddedLight {
     /// Materials that emit: name and exitance B_e, W/m².
     pub emitting: Vec<(String, Vec3)>,
@@ -15,7 +18,8 @@ pub struct AddedLight {
 }
 
 /// A square lamp under the ceiling, as far as it was described.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct CeilingLight {
     /// Side, in the scene's length unit; `None` as suits the room.
     pub size: Option<f32>,
@@ -24,6 +28,11 @@ pub struct CeilingLight {
 }
 
 impl AddedLight {
+    /// Whether nothing is added.
+    pub fn is_empty(&self) -> bool {
+        self.emitting.is_empty() && self.ceiling.is_none()
+    }
+
     /// Adds it all to a scene whose faces have not been turned or doubled.
     ///
     /// # Errors

@@ -70,7 +70,7 @@ pub fn place(scene: &Scene, occluders: &Occluders, size: f32) -> CeilingPlace {
 }
 
 /// The axis nearest to the camera's up, y without a camera.
-fn up_axis(scene: &Scene) -> Vec3 {
+pub fn up_axis(scene: &Scene) -> Vec3 {
     let up = scene.camera.map_or(Vec3::Y, |camera| camera.up);
     let axis = up.abs().max_position();
     let mut nearest = Vec3::ZERO;

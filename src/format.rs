@@ -39,7 +39,7 @@ pub fn number(value: f64) -> String {
     }
     match value.abs() {
         size if !(1e-3..1e6).contains(&size) => format!("{value:.2e}"),
-        size if size >= 1e3 => {
+        size if size >= 999.5 => {
             let sign = if value < 0.0 { "-" } else { "" };
             format!("{sign}{}", count(size.round() as u64))
         }
@@ -47,6 +47,17 @@ pub fn number(value: f64) -> String {
             let decimals = (2 - size.log10().floor() as i32).clamp(0, 6) as usize;
             format!("{value:.decimals$}")
         }
+    }
+}
+
+/// Three digits that count, without zeros at the end, for round numbers: 0.5, 20, 1,500.
+pub fn short(value: f64) -> String {
+    let text = number(value);
+    match text.split_once('.') {
+        Some((_, decimals)) if decimals.chars().all(|digit| digit.is_ascii_digit()) => {
+            text.trim_end_matches('0').trim_end_matches('.').to_owned()
+        }
+        _ => text,
     }
 }
 
@@ -143,6 +154,8 @@ mod tests {
         assert_eq!(things(2_008, "polygon", "polygons"), "2,008 polygons");
         assert_eq!([0.0, 0.04, -2.5, 100.0, 11_174.34].map(grouped), ["0", "0", "-2.5", "100", "11,174.3"]);
         assert_eq!(number(0.0), "0");
+        assert_eq!([0.5, 20.0, 1500.0, 0.01, 1e-5, 0.0].map(short), ["0.5", "20", "1,500", "0.01", "1.00e-5", "0"]);
+        assert_eq!([999.4, 999.6].map(number), ["999", "1,000"]);
         assert_eq!(number(12.345), "12.3");
         assert_eq!(number(0.012345), "0.0123");
         assert_eq!(number(-12_345.0), "-12,345");

@@ -62,8 +62,11 @@
 //! | [`mod@reference`] | a truth to measure by: path-traced irradiance, beside the solver and without its code |
 //! | [`hierarchy`] | the tree of elements and the ways to build its clusters |
 //! | [`solver`] | oracle, refinement, gather, snapshots, statistics; every parameter ([`solver::PARAMETERS`]) |
-//! | [`probe`], [`export`] | values at points; the lit mesh as PLY |
+//! | [`tone`] | from W/m² to colours: exposure, tone curve, gamma |
+//! | [`probe`], [`survey`], [`export`] | values at points on surfaces; at probes and on a work plane; the lit mesh as PLY or GLB, links as CSV, pictures in W/m² as EXR, settings as JSON |
 //! | [`accuracy`] | how far a solution is from the truth: closed forms, error against a reference |
+//! | [`matrix`] | the link matrix: all links as blocks, receivers by sources |
+//! | [`names`], [`ramp`] | names for elements; colours for quantities |
 //! | [`chart`] | speed against accuracy: sweeps of settings, tables and pictures |
 //! | [`tables`] | the paper's tables and statements run again, its rows above ours, a verdict on each claim |
 //! | [`stability`] | the places where methods of this kind fail, each as a scene with a known truth |
@@ -71,7 +74,7 @@
 #![cfg_attr(feature = "gui", doc = "| [`render`] | the wgpu picture of a snapshot, with and without a window |")]
 #![cfg_attr(feature = "gui", doc = "| [`app`] | the window |")]
 //!
-//! [`mod@format`] writes numbers for people, [`random`] makes reproducible random ones, and [`cancel`] stops long work. The feature `gui` (on by default) holds what needs a graphics adapter
+//! [`photometry`] counts lux, [`mod@format`] writes numbers for people, [`random`] makes reproducible random ones, and [`cancel`] stops long work. The feature `gui` (on by default) holds what needs a graphics adapter
 //! or a window; all else is a library that needs neither:
 //!
 //! ```
@@ -122,10 +125,15 @@ pub mod ceiling;
 pub mod chart;
 pub mod export;
 pub mod exposure;
+pub mod font;
 pub mod format;
 pub mod hierarchy;
+pub mod matrix;
+pub mod names;
 pub mod orient;
+pub mod photometry;
 pub mod probe;
+pub mod ramp;
 pub mod random;
 pub mod referee;
 pub mod reference;
@@ -134,6 +142,8 @@ pub mod render;
 pub mod scene;
 pub mod solver;
 pub mod stability;
+pub mod survey;
 pub mod tables;
+pub mod tone;
 pub mod visibility;
 pub mod worker;

@@ -164,6 +164,56 @@ fn the_lit_mesh_does_not_depend_on_the_threads() {
     assert!(meshes[0] == meshes[1], "one thread and two give different meshes");
 }
 
+/// Truth: the bits of the first solve. Its statistics are settings; what is given beside them counts more.
+#[test]
+fn statistics_are_settings_that_run_again() {
+    let folder = Folder::new();
+    let (first, again) = (folder.path("first.ply"), folder.path("again.ply"));
+    let dark = folder.write("dark.obj", SQUARE);
+    let stats_path = folder.path("stats.json");
+    let args = ["--emit", "roof=10,20,30", "--clustering", "octree", "--octree-depth", "3", "--seed", "7"];
+    let all =
+        [&["solve", name(&dark), "--out", name(&first), "--stats", name(&stats_path)], &COARSE[..], &args].concat();
+    succeed(&all);
+    succeed(&["solve", "--settings", name(&stats_path), "--out", name(&again)]);
+    let read = |path: &Path| std::fs::read(path).expect("a mesh");
+    assert!(read(&first) == read(&again), "the settings give another solution");
+    let (stdout, _) =
+        succeed(&["solve", "--settings", name(&stats_path), "--seed", "8", "--error", "0.2", "--stats", "-"]);
+    let other: Value = serde_json::from_str(&stdout).expect("stdout is pure JSON");
+    assert_eq!(
+        (&other["seed"], &other["error_asked"], &other["clustering"]),
+        (&8.into(), &0.2.into(), &"octree".into())
+    );
+    // Another scene takes the parameters, not the light.
+    let (stdout, _) = succeed(&["solve", "cornell", "--settings", name(&stats_path), "--stats", "-"]);
+    let other: Value = serde_json::from_str(&stdout).expect("stdout is pure JSON");
+    assert_eq!((&other["scene"], &other["settings"]["light"]), (&"cornell".into(), &Value::Null));
+    assert!(refused(&["solve", "--settings", name(&stats_path), "--stats", name(&stats_path)]).contains("overwrite"));
+    let empty = folder.write("empty.json", r#"{"settings": {}}"#);
+    assert!(refused(&["solve", "--settings", name(&empty)]).contains("name no scene"));
+    assert!(refused(&["solve", "--settings", name(&dark)]).contains("not valid settings"));
+}
+
+/// Truth: the counts of the statistics, and powers that add up to what the links bring.
+#[test]
+fn links_and_meshes_are_written_for_other_programs() {
+    let folder = Folder::new();
+    let (links, mesh) = (folder.path("links.csv"), folder.path("lit.glb"));
+    let stats = stats("cornell", &["--links", name(&links), "--out", name(&mesh)]);
+    let text = std::fs::read_to_string(&links).expect("links");
+    let mut lines = text.lines();
+    let columns = lines.next().expect("a header").split(',').count();
+    let rows: Vec<Vec<&str>> = lines.map(|line| line.split(',').collect()).collect();
+    assert_eq!(rows.len() as u64, stats["links"].as_u64().expect("a number"));
+    assert!(rows.iter().all(|row| row.len() == columns));
+    let power: f64 = rows.iter().filter_map(|row| row.last()?.parse::<f64>().ok()).sum();
+    let emitted = stats["emitted_watts"].as_f64().expect("a number");
+    assert!(power > 0.1 * emitted && power < 3.0 * emitted, "{power} W over links, {emitted} W emitted");
+    let scene = load_file(&mesh).expect("our own loader opens it");
+    assert!(scene.polygons.len() > 100);
+}
+
 #[test]
 fn a_solve_that_is_stopped_is_a_solution_of_what_is_there() {
     let stats = stats("cornell", &["--seconds", "0"]);
@@ -330,8 +380,12 @@ fn a_picture_has_the_size_asked_for_and_shows_the_overlays() {
     assert_eq!(plain.dimensions(), (96, 64));
     let colours: std::collections::HashSet<_> = plain.pixels().collect();
     assert!(colours.len() > 50, "a lit room has many shades, not {}", colours.len());
-    for (file, overlay) in [("elements.png", "elements"), ("clusters.png", "clusters:0"), ("links.png", "links:48,50")]
-    {
+    for (file, overlay) in [
+        ("elements.png", "elements"),
+        ("clusters.png", "clusters:0"),
+        ("links.png", "links:48,50"),
+        ("level.png", "level-links:2"),
+    ] {
         assert!(draw(file, &["--overlay", overlay]) != plain, "{overlay} is not to be seen");
     }
     let deep = folder.path("deep.png");
@@ -342,6 +396,36 @@ fn a_picture_has_the_size_asked_for_and_shows_the_overlays() {
     // Truth: the background, which no light reaches, is all that stays.
     let brightest = |picture: &image::RgbaImage| picture.pixels().map(|pixel| pixel.0[0]).max();
     assert!(brightest(&draw("dim.png", &["--exposure", "-20"])) < brightest(&plain), "by hand it is dark");
+}
+
+/// Truth: at first there is the root's self-link alone, one colour from corner to corner; later there are many, and what is no picture
+/// is refused.
+#[test]
+fn a_link_matrix_starts_as_one_square() {
+    let folder = Folder::new();
+    let colours = |file: &str, args: &[&str]| {
+        let path = folder.path(file);
+        succeed(&[&["matrix", "cornell", "--size", "200", "--out", name(&path)], &COARSE[..], args].concat());
+        let picture = image::open(path).expect("a PNG").to_rgb8();
+        // The square, which lies at the right and has the legend below.
+        let (left, top) = (picture.width() - 230, picture.height() - 296);
+        let square = image::imageops::crop_imm(&picture, left, top, 200, 200).to_image();
+        square.pixels().copied().collect::<std::collections::HashSet<_>>().len()
+    };
+    for colour in ["power", "visibility", "level", "rays"] {
+        assert_eq!(colours("first.png", &["--waves", "0", "--colour", colour]), 1, "{colour}");
+        assert!(colours("last.png", &["--room", "leaves", "--colour", colour]) > 3, "{colour}");
+    }
+    let (picture, jpeg) = (folder.path("out.png"), folder.path("out.jpg"));
+    for (args, part) in [
+        (["--out", name(&jpeg), "--size", "200"], ".png"),
+        (["--out", name(&picture), "--size", "9"], "--size"),
+        (["--out", name(&picture), "--room", "kitchen"], "--room"),
+        (["--out", name(&picture), "--waves", "-1"], "--waves"),
+    ] {
+        let said = refused(&[&["matrix", "cornell"], &args[..]].concat());
+        assert!(said.contains(part), "{args:?}: `{part}` is not in: {said}");
+    }
 }
 
 /// Truth: a scene whose exact values are known. The floor's radiosity is that of its irradiance, B = ρE (grey ρ = 0.5 of

@@ -9,11 +9,11 @@ use glam::Vec3;
 use image::{Rgba, RgbaImage};
 use selflink::hierarchy::ElementId;
 use selflink::render::{
-    Camera, Display, Exposure, LinkFilter, Offscreen, Overlay, RenderError, auto_exposure, encode_gamma, pick,
+    Camera, Display, Exposure, Line, Marks, Offscreen, Overlay, RenderError, auto_exposure, encode_gamma, pick,
     power_colour, tone_curve,
 };
 use selflink::scene::{CameraPose, MaterialId};
-use selflink::solver::{ClusterBox, InspectedElement, Leaf, LinkView, Mesh, Snapshot, Stats};
+use selflink::solver::{ClusterBox, Leaf, Mesh, Snapshot, Stats};
 
 /// One device for all tests: software ones take all cores anyway.
 static DEVICE: Mutex<Option<Offscreen>> = Mutex::new(None);
@@ -54,7 +54,7 @@ fn try_draw(
         }
     }
     let offscreen = device.as_mut().expect("made above");
-    Some(offscreen.picture(snapshot, camera, &Display { exposure, as_colours: false }, overlay, size))
+    Some(offscreen.picture(snapshot, camera, &Display { exposure, ..Display::default() }, overlay, size))
 }
 
 /// Quads with one radiosity each, anticlockwise from their bright side, W/m².
@@ -79,11 +79,17 @@ fn snapshot(quads: &[([Vec3; 4], [f32; 3])]) -> Snapshot {
         generation: 1,
         serial: 1,
         mesh: Arc::new(mesh),
+        // Twice what is sent, as of a grey surface of ρ = ½.
+        vertex_irradiance: vertex_radiosity
+            .iter()
+            .map(|radiosity: &[f32; 3]| radiosity.map(|channel| 2.0 * channel))
+            .collect(),
         vertex_radiosity,
         leaf_irradiance: vec![[f32::INFINITY; 3]; leaf_radiosity.len()],
         leaf_radiosity,
         clusters: Arc::new(Vec::new()),
-        inspected: None,
+        moment: None,
+        anatomy: None,
         stats: Stats::default(),
     }
 }
@@ -155,7 +161,7 @@ fn the_nearer_face_hides_the_farther_one_at_any_distance() {
 fn the_same_picture_twice_has_the_same_bytes() {
     let room = room(1.0);
     let camera = Camera::frame(BOUNDS, 1.5);
-    let overlay = Overlay { elements: true, clusters: Some(0), links: Some(LinkFilter::default()) };
+    let overlay = Overlay { elements: true, clusters: Some(0), marks: Marks::default() };
     let Some(first) = draw(&room, &camera, &overlay, [150, 100]) else { return };
     assert_eq!(draw(&room, &camera, &overlay, [150, 100]), Some(first));
 }
@@ -191,49 +197,34 @@ fn outlines_and_boxes_are_seen_where_they_lie() {
     lit.clusters = Arc::new(vec![ClusterBox { lower, upper, level: 2, polygons: 1 }]);
     let camera = camera(2.0);
     let Some(plain) = draw(&lit, &camera, &Overlay::default(), [200, 200]) else { return };
-    let changed = |overlay: Overlay, x: u32, y: u32| {
-        let picture = draw(&lit, &camera, &overlay, [200, 200]).expect("there was a device before");
+    let changed = |overlay: &Overlay, x: u32, y: u32| {
+        let picture = draw(&lit, &camera, overlay, [200, 200]).expect("there was a device before");
         // The line may fall on either side of a pixel's border.
         (y - 1..=y + 1).any(|y| picture.get_pixel(x, y) != plain.get_pixel(x, y))
     };
     // The square's lower edge is at 150 of 200 pixels, the box's (at z = 0) at 175.
     let elements = Overlay { elements: true, ..Overlay::default() };
-    assert!(changed(elements, 80, 150) && !changed(elements, 80, 175) && !changed(elements, 80, 120));
+    assert!(changed(&elements, 80, 150) && !changed(&elements, 80, 175) && !changed(&elements, 80, 120));
     let clusters = Overlay { clusters: Some(2), ..Overlay::default() };
-    assert!(changed(clusters, 80, 175) && !changed(clusters, 80, 150));
+    assert!(changed(&clusters, 80, 175) && !changed(&clusters, 80, 150));
     let other_level = Overlay { clusters: Some(1), ..Overlay::default() };
-    assert!(!changed(other_level, 80, 175));
+    assert!(!changed(&other_level, 80, 175));
 }
 
 #[test]
-fn links_show_their_power_and_shimmer_through_what_hides_them() {
-    let mut lit = snapshot(&[(SQUARE, [0.18; 3])]);
-    let link = |x: f32, z: f32| LinkView {
-        receiver: ElementId(5),
-        source: ElementId(6),
-        receiver_centre: Vec3::new(x, -0.8, z),
-        source_centre: Vec3::new(x, 0.8, z),
-        source_is_cluster: false,
-        form_factor: 0.1,
-        visibility: 1.0,
-        power: 1.0,
-        levels_up: 0,
-        receiver_is_cluster: false,
-        irradiance: Vec3::ZERO,
-    };
-    let inspected =
-        |link| InspectedElement { element: ElementId(5), centre: Vec3::new(0.9, 0.9, 0.0), links: vec![link] };
+fn marks_show_their_colour_and_shimmer_through_what_hides_them() {
+    let lit = snapshot(&[(SQUARE, [0.18; 3])]);
+    let [r, g, b] = power_colour(1.0);
     let camera = camera(2.0);
-    let overlay = Overlay { links: Some(LinkFilter::default()), ..Overlay::default() };
-    let middle = |snapshot: &Snapshot| {
-        let picture = draw(snapshot, &camera, &overlay, [201, 201])?;
+    let middle = |z: f32| {
+        let line = Line::new(Vec3::new(0.0, -0.8, z), Vec3::new(0.0, 0.8, z), 2.0, [r, g, b, 255]);
+        let overlay = Overlay { marks: vec![line].into(), ..Overlay::default() };
+        let picture = draw(&lit, &camera, &overlay, [201, 201])?;
         // The most yellow pixel near the middle, since a thin line may fall between two.
         (99..=101).map(|x| *picture.get_pixel(x, 100)).min_by_key(|pixel| pixel.0[2])
     };
-    lit.inspected = Some(inspected(link(0.0, 0.1)));
-    let Some(seen) = middle(&lit) else { return };
-    lit.inspected = Some(inspected(link(0.0, -0.1)));
-    let hidden = middle(&lit).expect("there was a device before");
+    let Some(seen) = middle(0.1) else { return };
+    let hidden = middle(-0.1).expect("there was a device before");
     let (strong, wall) = (power_colour(1.0), displayed([0.18; 3]));
     let closeness =
         |pixel: Rgba<u8>| (f32::from(wall[2]) - f32::from(pixel.0[2])) / (f32::from(wall[2]) - f32::from(strong[2]));

@@ -31,10 +31,12 @@ fn upper_left(radiosity: [f32; 3], serial: u64, mesh: &Arc<Mesh>) -> Snapshot {
         serial,
         mesh: mesh.clone(),
         vertex_radiosity: vec![radiosity; 3],
+        vertex_irradiance: vec![[0.0; 3]; 3],
         leaf_irradiance: Vec::new(),
         leaf_radiosity: Vec::new(),
         clusters: Arc::default(),
-        inspected: None,
+        moment: None,
+        anatomy: None,
         stats: Stats::default(),
     }
 }
@@ -87,7 +89,7 @@ fn a_window_shows_the_picture_upright_and_in_its_colours_whatever_its_format() {
         let view = window.create_view(&wgpu::TextureViewDescriptor::default());
         let mut show = |snapshot: &Snapshot| {
             let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-            let display = Display { exposure: Exposure::Manual { stops: 0.0 }, as_colours: false };
+            let display = Display { exposure: Exposure::Manual { stops: 0.0 }, ..Display::default() };
             let (display, overlay) = (&display, &Overlay::default());
             let frame = Frame { snapshot, camera: &camera, display, overlay, size: [SIDE; 2] };
             renderer.draw(&mut encoder, &frame).expect("a small picture");

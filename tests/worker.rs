@@ -5,11 +5,10 @@
 
 use std::time::{Duration, Instant};
 
-use selflink::hierarchy::ElementId;
 use selflink::scene::builtin::BuiltinScene;
 use selflink::scene::{CameraPose, MaterialId, Sidecar, Sides, Source};
 use selflink::solver::{ClusteringMode, Epsilon, SolverParams};
-use selflink::worker::{Command, Event, RunState, SolverThread};
+use selflink::worker::{Command, Event, Look, RunState, SolverThread};
 
 const PATIENCE: Duration = Duration::from_secs(60);
 
@@ -223,7 +222,10 @@ impl Dice {
             2 => Command::Pause,
             3 => Command::StepWave,
             4 => Command::Restart,
-            5 => Command::Inspect(Some(ElementId(self.roll(20) as u32))),
+            5 => Command::Look(Look {
+                anatomy: self.roll(2) == 0,
+                moment: (self.roll(3) == 0).then(|| self.roll(20) as usize),
+            }),
             6 => Command::SetEmission { material: MaterialId(self.roll(9) as u32), emission: glam::Vec3::ONE },
             7 => Command::CancelLoad,
             8 => {

@@ -66,7 +66,7 @@ pub fn by_solver(case: &Case, params: SolverParams) -> Result<Vec<f64>, SolverEr
     let mut solver = Solver::new(scene.clone(), Arc::new(Occluders::new(&scene)), params, 0)?;
     solver.run(&CancelToken::new());
     let snapshot = solver.snapshot();
-    let vertices = solver.vertex_irradiance();
+    let vertices = &snapshot.vertex_irradiance;
     let mesh = &snapshot.mesh;
     let value = |place: &Place| match place {
         Place::Point { polygon, position } => {

@@ -6,6 +6,7 @@
 pub mod cases;
 mod checks;
 pub mod closed_forms;
+mod contrast;
 mod error;
 mod field;
 mod locate;
@@ -13,6 +14,7 @@ mod points;
 mod spread;
 
 pub use checks::{Measured, by_reference, by_solver};
+pub use contrast::{Contrast, contrast};
 pub use error::{ErrorMeter, Measure, SolutionError, of_standard_errors};
 pub use field::ScatteredField;
 pub use points::vertex_points;

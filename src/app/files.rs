@@ -1,43 +1,30 @@
-//! Choosing files: the path field, the system's dialog on a thread of its own, and recent files.
+//! Choosing scenes: the path field, the system's dialog, and recent files.
 
 use std::path::{Path, PathBuf};
-use std::sync::mpsc::{Receiver, TryRecvError, channel};
-use std::thread::Builder;
-use std::time::{Duration, Instant};
+
+use super::dialog::Dialog;
+pub(super) use super::dialog::DialogAnswer;
 
 /// So many recent files are remembered.
 const MOST_RECENT: usize = 6;
-/// Nobody cancels a dialog as fast as this: there was none.
-const TOO_FAST: Duration = Duration::from_millis(200);
 
 /// What to do without a dialog.
 pub(super) const NO_DIALOG: &str = "No file dialog answers on this system: type the path into the field beside Browse…, or drop the file on the window.";
-
-/// What came of the system's dialog.
-pub(super) enum DialogAnswer {
-    Chosen(PathBuf),
-    NoDialog,
-}
 
 /// State of the file controls.
 pub(super) struct Files {
     /// The path field.
     pub path_text: String,
     recent: Vec<PathBuf>,
-    dialog: Option<Receiver<Closed>>,
+    dialog: Dialog,
     /// A sidecar that is there already and is to be overwritten only if a person says so.
     pub sidecar_in_question: Option<PathBuf>,
-}
-
-struct Closed {
-    path: Option<PathBuf>,
-    after: Duration,
 }
 
 impl Files {
     /// With the files of earlier runs.
     pub(super) fn new(recent: Vec<PathBuf>) -> Self {
-        Self { path_text: String::new(), recent, dialog: None, sidecar_in_question: None }
+        Self { path_text: String::new(), recent, dialog: Dialog::default(), sidecar_in_question: None }
     }
 
     /// Files opened lately, the last one first.
@@ -62,43 +49,23 @@ impl Files {
 
     /// Whether the system's dialog is open.
     pub(super) fn dialog_is_open(&self) -> bool {
-        self.dialog.is_some()
+        self.dialog.is_open()
     }
 
     /// Opens the system's dialog on a thread of its own.
     pub(super) fn open_dialog(&mut self, ctx: &egui::Context) {
-        let (answer, answers) = channel();
-        let ctx = ctx.clone();
-        let ask = move || {
-            let opened = Instant::now();
-            let path = rfd::FileDialog::new()
+        self.dialog.open(ctx, || {
+            rfd::FileDialog::new()
                 .set_title("Open a scene")
                 .add_filter("Scenes (OBJ, glTF, GLB)", &["obj", "gltf", "glb", "OBJ", "GLTF", "GLB"])
                 .add_filter("All files", &["*"])
-                .pick_file();
-            // The window may be gone by now.
-            let _ = answer.send(Closed { path, after: opened.elapsed() });
-            ctx.request_repaint();
-        };
-        if Builder::new().name("file-dialog".into()).spawn(ask).is_ok() {
-            self.dialog = Some(answers);
-        }
+                .pick_file()
+        });
     }
 
     /// What came of the dialog, once it is closed with something to say.
     pub(super) fn poll_dialog(&mut self) -> Option<DialogAnswer> {
-        let closed = match self.dialog.as_ref()?.try_recv() {
-            Ok(closed) => closed,
-            Err(TryRecvError::Empty) => return None,
-            // The dialog's thread broke.
-            Err(TryRecvError::Disconnected) => Closed { path: None, after: Duration::ZERO },
-        };
-        self.dialog = None;
-        match closed {
-            Closed { path: Some(path), .. } => Some(DialogAnswer::Chosen(path)),
-            Closed { after, .. } if after < TOO_FAST => Some(DialogAnswer::NoDialog),
-            Closed { .. } => None,
-        }
+        self.dialog.poll()
     }
 }
 

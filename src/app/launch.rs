@@ -5,9 +5,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::rc::Rc;
 
 use super::App;
-use crate::added_light::AddedLight;
-use crate::scene::Source;
-use crate::solver::SolverParams;
+use crate::export::settings::Settings;
 
 /// Size of the window when it is opened for the first time, points.
 const FIRST_SIZE: [f32; 2] = [1280.0, 800.0];
@@ -35,11 +33,12 @@ pub enum AppError {
     NoThread(#[from] std::io::Error),
 }
 
-/// Opens the window with a scene, if one is given, and returns when it is closed.
+/// Opens the window with these settings and returns when it is closed; one that `resumes` goes on as it was left, where it was
+/// open before.
 ///
 /// # Errors
 /// There is no display, no adapter, or a library of the window system is missing; each with advice in one sentence.
-pub fn run(opening: Option<(Source, AddedLight)>, params: SolverParams) -> Result<(), AppError> {
+pub fn run(settings: Settings, resumes: bool) -> Result<(), AppError> {
     let options = eframe::NativeOptions {
         viewport: egui::ViewportBuilder::default()
             .with_title("Selflink")
@@ -57,7 +56,7 @@ pub fn run(opening: Option<(Source, AddedLight)>, params: SolverParams) -> Resul
             "selflink",
             options,
             Box::new(move |cc| {
-                let app = App::new(cc, opening, params)?;
+                let app = if resumes { App::resume(cc, &settings)? } else { App::open(cc, &settings)? };
                 creator_is_open.set(true);
                 Ok(Box::new(app))
             }),

@@ -47,15 +47,16 @@ impl Messages {
     pub(super) fn show(&mut self, ui: &mut egui::Ui) {
         let mut dismissed = None;
         for (index, (kind, sentence)) in self.entries.iter().enumerate() {
+            let palette = theme::palette(ui.visuals());
             let (fill, mark) = match kind {
-                Kind::Error => (theme::ERROR_FILL, theme::ERROR),
-                Kind::Note => (theme::NOTE_FILL, theme::ACCENT),
+                Kind::Error => (palette.error_fill, theme::ERROR),
+                Kind::Note => (palette.note_fill, theme::ACCENT),
             };
             egui::Frame::new().fill(fill).inner_margin(egui::Margin::symmetric(12, 8)).show(ui, |ui| {
                 ui.horizontal(|ui| {
                     let (dot, _) = ui.allocate_exact_size(egui::vec2(8.0, 8.0), egui::Sense::hover());
                     ui.painter().circle_filled(dot.center(), 4.0, mark);
-                    let text = egui::RichText::new(sentence).color(theme::TEXT_STRONG);
+                    let text = egui::RichText::new(sentence).strong();
                     ui.scope(|ui| {
                         ui.set_max_width(ui.available_width() - BUTTON_ROOM);
                         ui.add(egui::Label::new(text).wrap());

@@ -4,18 +4,37 @@
 //! write commands into an outbox, and sends them. Panels see only what they are given, so none of them can wait for the solver.
 //! Imports everything below it; only `main` knows this module.
 
+mod appearance;
+mod cluster_view;
 mod comparison;
+mod dialog;
+mod divider;
 mod dock;
+mod exports;
+mod facts;
 mod files;
+mod freeze;
+mod highlight;
+mod inspection;
 mod launch;
+mod lighting;
+mod looking;
+mod marks;
+mod measure_marks;
+mod measuring;
 mod messages;
 mod paint;
 mod panels;
 mod picked;
+mod readings;
+mod save_dialog;
+mod session;
 mod settings;
-mod sources;
+mod shortcuts;
 mod theme;
 mod time_left;
+mod timeline;
+mod undo;
 mod viewport;
 
 use std::sync::Arc;
@@ -23,25 +42,41 @@ use std::sync::mpsc::{Receiver, channel};
 use std::time::Duration;
 
 use eframe::CreationContext;
+use glam::Vec3;
 
 pub use launch::{AppError, run};
 
 use crate::added_light::AddedLight;
 use crate::format;
+use crate::hierarchy::ElementId;
 use crate::scene::Source;
 use crate::solver::{Snapshot, SolverParams};
-use crate::worker::{Command, Event, SceneInfo, SolverThread, Status};
+use crate::worker::{Command, Event, RunState, SceneInfo, SolverThread, Status};
+use appearance::Appearance;
+use cluster_view::ClusterScene;
 use comparison::Comparison;
+use exports::Exports;
 use files::Files;
+use freeze::Freeze;
+use highlight::Pointing;
+use inspection::Inspection;
+use looking::Looking;
+use marks::MarksOverView;
+use measuring::Measuring;
 use messages::Messages;
-use panels::light::LampEditor;
+use panels::light::LightEditor;
 use picked::PickedElement;
+use readings::ReadingInView;
+use session::Opened;
 use settings::DisplaySettings;
 use time_left::{Clock, TimeLeft};
+use undo::History;
 use viewport::Viewport;
 
 /// On software adapters drawing takes the solver's cores, so pictures wait this long for each other.
 const REPAINT_INTERVAL_ON_CPU: Duration = Duration::from_millis(100);
+/// What was put off for want of time is looked at again after this.
+const LATER: Duration = Duration::from_millis(200);
 
 /// Keys under which the storage keeps what lasts from one run to the next.
 const RECENT_KEY: &str = "recent_files";
@@ -72,14 +107,35 @@ pub struct App {
     params: SolverParams,
     messages: Messages,
     files: Files,
-    lamp: LampEditor,
+    light: LightEditor,
+    history: History,
     display: DisplaySettings,
+    reading: ReadingInView,
+    measuring: Measuring,
     view: Viewport,
+    appearance: Appearance,
+    /// Where the scene in view came from.
+    opened: Opened,
     picked: Option<PickedElement>,
+    inspection: Inspection,
+    inspector: dock::Inspector,
+    marks: MarksOverView,
+    /// What the mouse is over, in a panel or in the view.
+    pointing: Pointing,
+    matrix: dock::LinkMatrix,
     time_left: TimeLeft,
     comparison: Comparison,
+    cluster_view: ClusterScene,
+    clusters: dock::Clusters,
+    freeze: Freeze,
+    exports: Exports,
     /// The tool that the dock shows.
     tool: Option<dock::Tool>,
+    /// Whether the list of keys is open.
+    are_keys_shown: bool,
+    /// Whether panels, bars and dock are hidden.
+    is_full_picture: bool,
+    looking: Looking,
     wake: Wake,
     clock: Clock,
     drawing_failures: Receiver<String>,
@@ -101,7 +157,7 @@ impl App {
         opening: Option<(Source, AddedLight)>,
         params: SolverParams,
     ) -> Result<Self, AppError> {
-        theme::apply(&cc.egui_ctx);
+        let appearance = Appearance::restore(&cc.egui_ctx, cc.storage);
         let render_state = cc.wgpu_render_state.as_ref().ok_or(AppError::NoDevice)?;
         let (failures, drawing_failures) = channel();
         paint::install(render_state, failures, cc.egui_ctx.clone());
@@ -116,7 +172,9 @@ impl App {
         });
         let of_worker = wake.clone();
         let worker = SolverThread::spawn(params, Box::new(move || of_worker()))?;
+        let mut opened = Opened::default();
         if let Some((source, light)) = opening {
+            opened.ask(&source, &light);
             worker.send(Command::Load(source, light));
         }
         let stored = |key| cc.storage.map(|storage| (storage, key));
@@ -130,13 +188,30 @@ impl App {
             params,
             messages: Messages::default(),
             files: Files::new(recent),
-            lamp: LampEditor::default(),
+            light: LightEditor::default(),
+            history: History::default(),
             display,
+            reading: ReadingInView::default(),
+            measuring: Measuring::default(),
             view: Viewport::default(),
+            appearance,
+            opened,
             picked: None,
+            inspection: Inspection::default(),
+            inspector: dock::Inspector::default(),
+            marks: MarksOverView::default(),
+            pointing: Pointing::default(),
+            matrix: dock::LinkMatrix::default(),
             time_left: TimeLeft::default(),
             comparison: Comparison::default(),
+            cluster_view: ClusterScene::default(),
+            clusters: dock::Clusters::default(),
+            freeze: Freeze::default(),
+            exports: Exports::default(),
             tool: None,
+            are_keys_shown: false,
+            is_full_picture: false,
+            looking: Looking::default(),
             wake,
             clock: Clock::default(),
             drawing_failures,
@@ -158,6 +233,11 @@ impl App {
         &self.shown.status
     }
 
+    /// The picked element, in the snapshot in view.
+    pub fn picked_element(&self) -> Option<ElementId> {
+        self.picked.as_ref().map(|picked| picked.element)
+    }
+
     /// Where the view lies in the window, points.
     pub fn view_rect(&self) -> egui::Rect {
         self.view.rect()
@@ -174,6 +254,8 @@ impl App {
         }
         self.shown.status = self.worker.status();
         self.comparison.note(self.shown.snapshot.as_ref(), &self.shown.status.params);
+        self.freeze.note(self.shown.snapshot.as_ref(), &self.wake);
+        self.exports.poll();
         self.clock.note(self.shown.status.run, false);
         let Some(latest) = self.worker.latest() else { return };
         if let Some(incoming) = self.incoming.take_if(|incoming| incoming.info.generation <= latest.generation) {
@@ -185,21 +267,48 @@ impl App {
         if is_newer {
             self.time_left.note(&latest.stats);
             self.clock.note(self.shown.status.run, true);
+            self.looking.follow(&latest);
             self.follow_picked(&latest);
             self.shown.snapshot = Some(latest);
         }
+        self.follow_measuring();
     }
 
-    /// Finds the picked element in a newer snapshot, and asks for its links where the snapshot has none.
+    /// Finds the picked element in a newer snapshot.
     fn follow_picked(&mut self, latest: &Snapshot) {
-        let (Some(picked), Some(info)) = (self.picked.as_mut(), &self.shown.info) else { return };
-        if !picked.follow(latest) {
+        if self.picked.as_mut().is_some_and(|picked| !picked.follow(latest)) {
             self.picked = None;
-            return;
         }
-        picked.note_sources(latest, &info.scene);
-        if picked.has_to_ask(latest) {
-            self.worker.send(Command::Inspect(Some(picked.element)));
+    }
+
+    /// Picks any element, patch or cluster, by its id; nothing where the snapshot in view does not know it.
+    fn pick_element(&mut self, id: ElementId) {
+        let picked = self.shown.snapshot.as_ref().and_then(|snapshot| PickedElement::by_id(snapshot, id));
+        if picked.is_some() {
+            self.picked = picked;
+        }
+    }
+
+    /// Brings what panels show of the picked element up to date.
+    fn inspect_picked(&mut self, ctx: &egui::Context) {
+        let (Some(picked), Some(snapshot), Some(info)) = (&self.picked, &self.shown.snapshot, &self.shown.info) else {
+            return;
+        };
+        // The card tells what lights an element; only the inspector can be turned round.
+        let direction = match self.tool {
+            Some(dock::Tool::Inspector) => self.inspector.direction(),
+            _ => inspection::Direction::In,
+        };
+        if self.inspection.look(snapshot, &info.scene, picked.element, direction) {
+            ctx.request_repaint_after(LATER);
+        }
+    }
+
+    /// Shows the surveyor what is in view, and takes up what it found.
+    fn follow_measuring(&mut self) {
+        if let (Some(snapshot), Some(info)) = (&self.shown.snapshot, &self.shown.info) {
+            let is_settled = matches!(self.shown.status.run, RunState::Finished | RunState::Paused);
+            self.measuring.note(&info.scene, snapshot, is_settled);
         }
     }
 
@@ -209,6 +318,7 @@ impl App {
                 if let Some(path) = &info.path {
                     self.files.note_opened(path);
                 }
+                self.opened.note(&info);
                 self.messages.forget_errors();
                 self.incoming = Some(Incoming { info, is_new: true });
             }
@@ -224,6 +334,7 @@ impl App {
             Event::SolveFailed(sentence) => {
                 self.messages.error(sentence);
                 self.params = self.worker.status().params;
+                self.history.take_as_given(self.undoable());
             }
             Event::Finished => {}
             Event::Saved(path) => self.messages.note(format!("Saved {}.", path.display())),
@@ -238,12 +349,21 @@ impl App {
         if is_new {
             let title = format!("{} – Selflink", info.scene.name);
             ctx.send_viewport_cmd(egui::ViewportCommand::Title(title));
-            self.view.start_with(&info.scene);
+            self.view.start_with(&info.scene, self.opened.camera.take());
             self.picked = None;
-            self.lamp = LampEditor::for_scene(&info.scene);
+            self.clusters = dock::Clusters::default();
+            self.freeze.let_go();
+            let former = self.shown.info.as_ref().map(|former| former.scene.name.as_str());
+            self.exports.suggest(&info.scene.name, former);
+            self.measuring.start_with(&info.scene);
+            self.light = LightEditor::for_scene(&info.scene);
             // A correction made for another scene's light would make this one black or white.
             self.display.auto_stops = 0.0;
+            self.history = History::default();
+            self.history.take_as_given(self.undoable());
         }
+        self.light.follow(&info.scene);
+        self.history.follow(&info.scene);
         self.shown.info = Some(info);
     }
 
@@ -252,15 +372,26 @@ impl App {
         outbox.extend(dropped.map(|path| Command::load(Source::File(path))));
     }
 
-    fn pick(&mut self, clicked: viewport::Clicked, outbox: &mut Outbox) {
+    fn pick(&mut self, clicked: viewport::Clicked) {
         let (Some(snapshot), Some(info)) = (&self.shown.snapshot, &self.shown.info) else { return };
-        self.picked = PickedElement::at(snapshot, clicked.origin, clicked.direction);
-        outbox.push(Command::Inspect(self.picked.as_ref().map(|picked| picked.element)));
-        if let Some(picked) = self.picked.as_mut() {
-            picked.has_to_ask(snapshot);
-            self.lamp.choose(&info.scene, picked.leaf.material);
+        let (origin, moved_by) =
+            self.cluster_view.ray_in_scene(clicked.origin, clicked.direction).unwrap_or((clicked.origin, Vec3::ZERO));
+        if self.tool == Some(dock::Tool::Measure) && self.measuring.places_probes {
+            if let Some(found) = PickedElement::at(snapshot, origin, clicked.direction) {
+                let leaf = snapshot.mesh.leaves.iter().find(|leaf| leaf.element == found.element);
+                if let Some(polygon) = leaf.and_then(|leaf| info.scene.polygons.get(leaf.polygon as usize)) {
+                    self.measuring.place(found.point, info.scene.normal(polygon), &self.wake);
+                }
+            }
+            return;
+        }
+        self.picked = PickedElement::at(snapshot, origin, clicked.direction);
+        if let Some(picked) = &self.picked {
+            if let Some(leaf) = snapshot.mesh.leaves.iter().find(|leaf| leaf.element == picked.element) {
+                self.light.choose(leaf.material);
+            }
             if clicked.is_double {
-                self.view.look_at(picked.point);
+                self.view.look_at(picked.point + moved_by);
             }
         }
     }
@@ -269,6 +400,7 @@ impl App {
 impl eframe::App for App {
     fn logic(&mut self, ctx: &egui::Context, _frame: &mut eframe::Frame) {
         self.take_up_news(ctx);
+        self.appearance.follow(ctx);
     }
 
     fn ui(&mut self, ui: &mut egui::Ui, _frame: &mut eframe::Frame) {
@@ -280,18 +412,41 @@ impl eframe::App for App {
                 files::DialogAnswer::NoDialog => self.messages.note(files::NO_DIALOG.into()),
             }
         }
-        panels::show_sides(self, ui, &mut outbox);
-        egui::Panel::top("tools").show(ui, |ui| dock::show_bar(self, ui));
-        dock::show(self, ui, &mut outbox);
+        shortcuts::act(self, ui, &mut outbox);
+        undo::take_keys(self, ui.ctx(), &mut outbox);
+        self.inspect_picked(ui.ctx());
+        if !self.is_full_picture {
+            panels::show_sides(self, ui, &mut outbox);
+            egui::Panel::top("tools").show(ui, |ui| {
+                ui.horizontal(|ui| {
+                    undo::show_buttons(self, ui, &mut outbox);
+                    dock::show_bar(self, ui);
+                });
+            });
+            dock::show(self, ui, &mut outbox);
+            timeline::show(self, ui);
+        }
         egui::CentralPanel::no_frame().show(ui, |ui| {
             ui.spacing_mut().item_spacing.y = 0.0;
             self.messages.show(ui);
             let clicked = viewport::show(self, ui, &mut outbox);
             if let Some(clicked) = clicked {
-                self.pick(clicked, &mut outbox);
+                self.pick(clicked);
             }
         });
+        shortcuts::show_list(self, ui.ctx());
+        let links_wanted = self.picked.is_some() || self.display.links.of == settings::LinksOf::Level;
+        let wants_anatomy =
+            links_wanted || self.cluster_view.is_active() || self.tool.is_some_and(dock::Tool::reads_anatomy);
+        outbox.extend(self.looking.command(wants_anatomy));
+        self.pointing.end_frame(ui.ctx());
+        undo::note(self, ui.ctx());
         for command in outbox {
+            if let Command::Load(source, light) = &command {
+                self.opened.ask(source, light);
+                // What was kept for the first scene is none of another one's.
+                self.opened.camera = None;
+            }
             self.worker.send(command);
         }
     }
@@ -299,5 +454,7 @@ impl eframe::App for App {
     fn save(&mut self, storage: &mut dyn eframe::Storage) {
         eframe::set_value(storage, RECENT_KEY, &self.files.recent());
         eframe::set_value(storage, DISPLAY_KEY, &self.display);
+        self.appearance.keep(storage);
+        self.keep_session(storage);
     }
 }

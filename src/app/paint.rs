@@ -7,10 +7,11 @@ use std::sync::mpsc::Sender;
 
 use egui_wgpu::{CallbackResources, CallbackTrait, RenderState, ScreenDescriptor};
 
-use crate::render::{self, Camera, Display, Frame, Overlay, SceneRenderer};
+use crate::render::{self, Camera, Display, Frame, Marks, Overlay, RenderError, SceneRenderer};
 use crate::solver::Snapshot;
 
 /// What one picture shows.
+#[derive(Clone)]
 pub(super) struct Picture {
     pub snapshot: Arc<Snapshot>,
     pub camera: Camera,
@@ -18,11 +19,24 @@ pub(super) struct Picture {
     pub overlay: Overlay,
     /// Width and height, pixels.
     pub size: [u32; 2],
+    /// Another solution at the left.
+    pub beside: Option<Beside>,
+}
+
+/// A solution that covers the left of a picture.
+#[derive(Clone)]
+pub(super) struct Beside {
+    pub snapshot: Arc<Snapshot>,
+    /// Share of the picture's width that it covers.
+    pub share: f32,
 }
 
 /// The renderer beside egui's own resources, and what it drew last.
 struct Stage {
     renderer: SceneRenderer,
+    /// For the solution at the left; made when there is one.
+    beside: Option<SceneRenderer>,
+    make: Box<dyn Fn() -> SceneRenderer + Send + Sync>,
     drawn: Option<Key>,
     failures: Sender<String>,
     ctx: egui::Context,
@@ -37,14 +51,17 @@ struct Key {
     display: Display,
     overlay: Overlay,
     size: [u32; 2],
+    /// Generation and serial of the solution at the left.
+    beside: Option<(u64, u64)>,
 }
 
 /// Sets up the renderer; what cannot be drawn is told through `failures`.
 pub(super) fn install(render_state: &RenderState, failures: Sender<String>, ctx: egui::Context) {
     let samples = render::sample_count(&render_state.adapter);
     let (device, queue) = (render_state.device.clone(), render_state.queue.clone());
-    let renderer = SceneRenderer::new(device, queue, samples, render_state.target_format);
-    let stage = Stage { renderer, drawn: None, failures, ctx };
+    let format = render_state.target_format;
+    let make = Box::new(move || SceneRenderer::new(device.clone(), queue.clone(), samples, format));
+    let stage = Stage { renderer: make(), beside: None, make, drawn: None, failures, ctx };
     render_state.renderer.write().callback_resources.insert(stage);
 }
 
@@ -60,9 +77,42 @@ impl Picture {
             serial: self.snapshot.serial,
             camera: self.camera,
             display: self.display,
-            overlay: self.overlay,
+            overlay: self.overlay.clone(),
             size: self.size,
+            beside: self.beside.as_ref().map(|beside| (beside.snapshot.generation, beside.snapshot.serial)),
         }
+    }
+}
+
+impl Stage {
+    fn draw(&mut self, encoder: &mut wgpu::CommandEncoder, picture: &Picture) -> Result<(), RenderError> {
+        let frame = Frame {
+            snapshot: &picture.snapshot,
+            camera: &picture.camera,
+            display: &picture.display,
+            overlay: &picture.overlay,
+            size: picture.size,
+        };
+        self.renderer.draw(encoder, &frame)?;
+        match &picture.beside {
+            Some(beside) => {
+                let left = self.beside.get_or_insert_with(&self.make);
+                let overlay = beside.overlay(picture);
+                left.draw(encoder, &Frame { snapshot: &beside.snapshot, overlay: &overlay, ..frame })
+            }
+            None => {
+                // What it holds on the device is wanted no more.
+                self.beside = None;
+                Ok(())
+            }
+        }
+    }
+}
+
+impl Beside {
+    /// What is drawn over it: what is pointed at belongs to the solution at the right.
+    pub(super) fn overlay(&self, picture: &Picture) -> Overlay {
+        Overlay { marks: Marks::default(), ..picture.overlay.clone() }
     }
 }
 
@@ -78,14 +128,7 @@ impl CallbackTrait for Picture {
         let Some(stage) = resources.get_mut::<Stage>() else { return Vec::new() };
         let key = self.key();
         if stage.drawn.as_ref() != Some(&key) {
-            let frame = Frame {
-                snapshot: &self.snapshot,
-                camera: &self.camera,
-                display: &self.display,
-                overlay: &self.overlay,
-                size: self.size,
-            };
-            if let Err(error) = stage.renderer.draw(encoder, &frame) {
+            if let Err(error) = stage.draw(encoder, self) {
                 // A window that is gone wants no message.
                 let _ = stage.failures.send(error.to_string());
                 stage.ctx.request_repaint();
@@ -97,12 +140,23 @@ impl CallbackTrait for Picture {
 
     fn paint(
         &self,
-        _info: egui::PaintCallbackInfo,
+        info: egui::PaintCallbackInfo,
         pass: &mut wgpu::RenderPass<'static>,
         resources: &CallbackResources,
     ) {
         if let Some(stage) = resources.get::<Stage>() {
             stage.renderer.blit(pass);
+            if let (Some(left), Some(beside)) = (&stage.beside, &self.beside) {
+                let (view, clip) = (info.viewport_in_pixels(), info.clip_rect_in_pixels());
+                let end = view.left_px + (beside.share * view.width_px as f32).round() as i32;
+                let width = (end - clip.left_px).clamp(0, clip.width_px);
+                let [x, y, width, height] =
+                    [clip.left_px, clip.top_px, width, clip.height_px].map(|px| px.max(0) as u32);
+                if width > 0 {
+                    pass.set_scissor_rect(x, y, width, height);
+                    left.blit(pass);
+                }
+            }
         }
     }
 }

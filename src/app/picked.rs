@@ -1,90 +1,111 @@
-//! The element that was picked: found along a ray, followed through later snapshots.
+//! The element that a person chose, by a click into the view or by name, and how it is found again in later snapshots.
+//!
+//! What is chosen is remembered as its path from the root. A snapshot that does not know all of it, such as one of a former moment,
+//! shows the deepest element of the path that it knows; the rest is taken up again when it is there.
 
 use glam::Vec3;
+use rustc_hash::FxHashMap;
 
-use super::sources::{NamedSource, strongest};
 use crate::hierarchy::ElementId;
 use crate::render::pick;
-use crate::scene::Scene;
-use crate::solver::{InspectedElement, Leaf, Snapshot};
+use crate::solver::{Anatomy, Snapshot};
 
-/// A leaf element, and the ray that found it.
+/// A patch or cluster, and how it was found.
 pub(super) struct PickedElement {
+    /// The element as the present snapshot has it.
     pub element: ElementId,
-    /// The leaf as the present snapshot has it.
-    pub leaf: Leaf,
-    /// Index of the leaf in the present snapshot.
-    pub index: usize,
-    /// The point that the ray met.
+    /// The point that was clicked, or the element's centre.
     pub point: Vec3,
-    /// The strongest links that the present snapshot carries for it.
-    pub sources: Vec<NamedSource>,
-    /// The generation whose solver was asked for the element's links.
-    asked: Option<u64>,
-    origin: Vec3,
-    direction: Vec3,
+    found: Found,
+    /// Ids and keys from the root down to what was chosen; empty while no anatomy was there.
+    path: Vec<(ElementId, u64)>,
+    /// Generation of the ids.
+    generation: u64,
+}
+
+/// How an element was found.
+#[derive(Clone, Copy)]
+enum Found {
+    /// As the first leaf along a ray: where it is subdivided, the leaf then lying under the ray takes its place.
+    ByRay { origin: Vec3, direction: Vec3 },
+    /// By its id: it stays what it is.
+    ById,
 }
 
 impl PickedElement {
     /// The first leaf along a ray.
     pub(super) fn at(snapshot: &Snapshot, origin: Vec3, direction: Vec3) -> Option<Self> {
-        let mesh = &snapshot.mesh;
-        let found = pick(mesh, origin, direction)?;
-        let index = found.leaf as usize;
-        let leaf = *mesh.leaves.get(index)?;
-        Some(Self {
-            element: leaf.element,
-            leaf,
-            index,
-            point: found.point,
-            sources: Vec::new(),
-            asked: None,
-            origin,
-            direction,
-        })
+        let found = pick(&snapshot.mesh, origin, direction)?;
+        let element = snapshot.mesh.leaves.get(found.leaf as usize)?.element;
+        let found_by = Found::ByRay { origin, direction };
+        Some(Self::new(snapshot, element, found.point, found_by))
     }
 
-    /// Finds the element in a newer snapshot; where it was subdivided, the leaf now lying under the ray takes its
-    /// place. False when there is none.
-    pub(super) fn follow(&mut self, snapshot: &Snapshot) -> bool {
-        let mesh = &snapshot.mesh;
-        let is_it = |leaf: &Leaf| {
-            leaf.element == self.element && leaf.polygon == self.leaf.polygon && leaf.area == self.leaf.area
-        };
-        let stays = mesh.leaves.get(self.index).is_some_and(is_it);
-        let found = if stays { Some(self.index) } else { mesh.leaves.iter().position(is_it) };
-        match found {
-            Some(index) => {
-                self.index = index;
-                self.leaf = mesh.leaves[index];
-                true
-            }
-            None => match Self::at(snapshot, self.origin, self.direction) {
-                Some(other) => {
-                    *self = other;
-                    true
-                }
-                None => false,
-            },
+    /// Any element; `None` where the snapshot does not know it.
+    pub(super) fn by_id(snapshot: &Snapshot, element: ElementId) -> Option<Self> {
+        let anatomy = snapshot.anatomy.as_ref().filter(|anatomy| anatomy.holds(element))?;
+        let centre = anatomy.hierarchy().element(element).centre;
+        Some(Self::new(snapshot, element, centre, Found::ById))
+    }
+
+    fn new(snapshot: &Snapshot, element: ElementId, point: Vec3, found: Found) -> Self {
+        let mut picked = Self { element, point, found, path: Vec::new(), generation: snapshot.generation };
+        if let Some(anatomy) = &snapshot.anatomy {
+            picked.note_path(anatomy);
+        }
+        picked
+    }
+
+    fn note_path(&mut self, anatomy: &Anatomy) {
+        if anatomy.holds(self.element) {
+            let key = |id: ElementId| anatomy.hierarchy().element(id).key;
+            self.path = anatomy.path(self.element).into_iter().map(|id| (id, key(id))).collect();
         }
     }
 
-    /// The links that a snapshot carries for this element.
-    pub(super) fn inspected_by<'a>(&self, snapshot: &'a Snapshot) -> Option<&'a InspectedElement> {
-        snapshot.inspected.as_ref().filter(|inspected| inspected.element == self.element)
+    /// Finds the element in a newer snapshot. False when nothing of its path is there.
+    pub(super) fn follow(&mut self, snapshot: &Snapshot) -> bool {
+        if let Found::ByRay { origin, direction } = self.found
+            && !self.is_leaf_of(snapshot)
+        {
+            let Some(other) = Self::at(snapshot, origin, direction) else { return false };
+            *self = other;
+            return true;
+        }
+        let Some(anatomy) = &snapshot.anatomy else {
+            // Nobody can tell elements of another hierarchy apart without it.
+            return snapshot.generation == self.generation || !self.path.is_empty();
+        };
+        if self.path.is_empty() {
+            self.note_path(anatomy);
+        }
+        match deepest_known(&self.path, anatomy) {
+            Some(element) => {
+                self.element = element;
+                if snapshot.generation != self.generation {
+                    self.generation = snapshot.generation;
+                    self.note_path(anatomy);
+                }
+                true
+            }
+            None => false,
+        }
     }
 
-    /// Names the sources of a newer snapshot.
-    pub(super) fn note_sources(&mut self, snapshot: &Snapshot, scene: &Scene) {
-        let inspected = self.inspected_by(snapshot);
-        self.sources = inspected.map(|inspected| strongest(inspected, snapshot, scene)).unwrap_or_default();
+    /// Whether the element is a leaf of this snapshot.
+    fn is_leaf_of(&self, snapshot: &Snapshot) -> bool {
+        snapshot.generation == self.generation && snapshot.mesh.leaves.iter().any(|leaf| leaf.element == self.element)
     }
+}
 
-    /// Whether the solver of this snapshot has yet to be asked for the links; true once for each solver, since one that
-    /// knows no answer must not be asked for ever.
-    pub(super) fn has_to_ask(&mut self, snapshot: &Snapshot) -> bool {
-        let is_asked = self.asked == Some(snapshot.generation);
-        self.asked = Some(snapshot.generation);
-        !is_asked
+/// The deepest element of a path that is there: under its own id, or under another one where elements were numbered anew.
+fn deepest_known(path: &[(ElementId, u64)], anatomy: &Anatomy) -> Option<ElementId> {
+    let hierarchy = anatomy.hierarchy();
+    let &(last, key) = path.last()?;
+    if anatomy.holds(last) && hierarchy.element(last).key == key {
+        return Some(last);
     }
+    let depth_of: FxHashMap<u64, usize> = path.iter().enumerate().map(|(depth, &(_, key))| (key, depth)).collect();
+    let known = hierarchy.ids().filter_map(|id| Some((*depth_of.get(&hierarchy.element(id).key)?, id)));
+    known.max().map(|(_, id)| id)
 }

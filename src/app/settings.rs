@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::render::{Display, Exposure, LinkFilter, Overlay};
+use crate::render::{Display, Exposure, LinkFilter, LinkStyle, Marks, Overlay, ReadingSettings};
 
 /// How the picture is shown.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -20,10 +20,42 @@ pub(super) struct DisplaySettings {
     pub show_clusters: bool,
     /// That level, the root being 0.
     pub cluster_level: u16,
-    /// Links of the picked element.
-    pub show_links: bool,
-    /// So many of them at most, the strongest first.
-    pub strongest_links: usize,
+    /// Links over the view.
+    pub links: LinkOverlay,
+    /// What is read off the surfaces.
+    pub reading: ReadingSettings,
+    /// Values of isolux lines as they were typed, in the unit shown; empty for round ones.
+    pub isolux_text: String,
+}
+
+/// Which links are drawn over the view, and how.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub(super) struct LinkOverlay {
+    pub of: LinksOf,
+    /// Level of the receivers below the root.
+    pub level: u16,
+    pub filter: LinkFilter,
+    pub style: LinkStyle,
+}
+
+/// Whose links are drawn.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub(super) enum LinksOf {
+    /// Nobody's.
+    Nothing,
+    /// Those of the picked element.
+    #[default]
+    Picked,
+    /// Those whose receiver lies at a level of the hierarchy.
+    Level,
+}
+
+impl Default for LinkOverlay {
+    fn default() -> Self {
+        let style = LinkStyle { ends: false, ..LinkStyle::default() };
+        Self { of: LinksOf::default(), level: 2, filter: LinkFilter::default(), style }
+    }
 }
 
 impl Default for DisplaySettings {
@@ -35,8 +67,9 @@ impl Default for DisplaySettings {
             show_elements: false,
             show_clusters: false,
             cluster_level: 2,
-            show_links: true,
-            strongest_links: LinkFilter::default().strongest,
+            links: LinkOverlay::default(),
+            reading: ReadingSettings::default(),
+            isolux_text: String::new(),
         }
     }
 }
@@ -48,18 +81,16 @@ impl DisplaySettings {
             true => Exposure::Auto { stops: self.auto_stops },
             false => Exposure::Manual { stops: self.manual_stops },
         };
-        Display { exposure, as_colours: false }
+        Display { exposure, ..Display::default() }
     }
 
     /// As the renderer wants it; cluster levels beyond the deepest show the deepest. A scene without light would be
     /// black in black, so that nothing could be chosen in it: it is drawn with outlines.
-    pub(super) fn overlay(&self, deepest_level: u16, is_dark: bool, is_picked: bool) -> Overlay {
-        // Without links the renderer still marks the picked element.
-        let strongest = if self.show_links { self.strongest_links } else { 0 };
+    pub(super) fn overlay(&self, deepest_level: u16, is_dark: bool, marks: Marks) -> Overlay {
         Overlay {
             elements: self.show_elements || is_dark,
             clusters: self.show_clusters.then_some(self.cluster_level.min(deepest_level)),
-            links: is_picked.then_some(LinkFilter { strongest }),
+            marks,
         }
     }
 }

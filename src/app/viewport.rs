@@ -3,10 +3,14 @@
 use egui::{Key, PointerButton, Rect, Response, Sense, Ui};
 use glam::{Vec2, Vec3};
 
+use super::comparison::Shading;
+use super::dock::Tool;
+use super::highlight::Highlight;
 use super::paint::Picture;
-use super::{App, Outbox, panels, theme};
+use super::{App, Outbox, divider, measure_marks, panels, theme};
 use crate::render::{Camera, Display};
 use crate::scene::{CameraPose, Scene};
+use crate::survey::Ray;
 
 /// A drag across the view's height turns the camera by this, radians.
 const TURN_PER_HEIGHT: f32 = std::f32::consts::PI;
@@ -25,12 +29,26 @@ pub(super) struct Viewport {
     camera: Option<Camera>,
     bounds: (Vec3, Vec3),
     start: Option<CameraPose>,
+    /// The first view, where it is not that of the start.
+    first: Option<CameraPose>,
     rect: Rect,
+    /// The widget that takes mouse and keys.
+    id: Option<egui::Id>,
+    /// What was drawn last.
+    picture: Option<Picture>,
 }
 
 impl Default for Viewport {
     fn default() -> Self {
-        Self { camera: None, bounds: (Vec3::ZERO, Vec3::ZERO), start: None, rect: Rect::ZERO }
+        Self {
+            camera: None,
+            bounds: (Vec3::ZERO, Vec3::ZERO),
+            start: None,
+            first: None,
+            rect: Rect::ZERO,
+            id: None,
+            picture: None,
+        }
     }
 }
 
@@ -42,8 +60,9 @@ pub(super) struct Clicked {
 }
 
 impl Viewport {
-    /// Looks at a new scene, from its own camera where it has one.
-    pub(super) fn start_with(&mut self, scene: &Scene) {
+    /// Looks at a new scene, from `first` or from its own camera where it has one.
+    pub(super) fn start_with(&mut self, scene: &Scene, first: Option<CameraPose>) {
+        self.first = first;
         self.bounds = scene.bounds();
         self.start = scene.camera;
         // Made when the view's aspect is known.
@@ -53,6 +72,21 @@ impl Viewport {
     /// Where the view lies in the window, points.
     pub(super) fn rect(&self) -> Rect {
         self.rect
+    }
+
+    /// The widget that takes mouse and keys, once it was drawn.
+    pub(super) fn id(&self) -> Option<egui::Id> {
+        self.id
+    }
+
+    /// Size of what was drawn last, pixels.
+    pub(super) fn pixels(&self) -> [u32; 2] {
+        self.picture.as_ref().map_or([0; 2], |picture| picture.size)
+    }
+
+    /// What was drawn last, in another size, pixels.
+    pub(super) fn picture(&self, size: [u32; 2]) -> Option<Picture> {
+        self.picture.clone().map(|picture| Picture { size, ..picture })
     }
 
     /// The present view, to be saved.
@@ -67,6 +101,17 @@ impl Viewport {
         }
     }
 
+    /// Turns the eye towards a point that lies beyond the edges of the view; one within them moves nothing.
+    pub(super) fn turn_towards_unseen(&mut self, point: Vec3) {
+        let aspect = self.aspect();
+        if let Some(camera) = self.camera.as_mut() {
+            let clip = camera.clip_from_world(aspect) * point.extend(1.0);
+            if clip.w <= 0.0 || clip.x.abs() > clip.w || clip.y.abs() > clip.w {
+                camera.look_at(point);
+            }
+        }
+    }
+
     fn aspect(&self) -> f32 {
         if self.rect.height() > 0.0 { self.rect.width() / self.rect.height() } else { 1.0 }
     }
@@ -76,6 +121,13 @@ impl Viewport {
         match &self.start {
             Some(pose) => Camera::from_pose(pose, self.aspect(), self.bounds),
             None => Camera::frame(self.bounds, self.aspect()),
+        }
+    }
+
+    fn first_camera(&mut self) -> Camera {
+        match self.first.take() {
+            Some(pose) => Camera::from_pose(&pose, self.aspect(), self.bounds),
+            None => self.start_camera(),
         }
     }
 
@@ -129,16 +181,21 @@ impl Viewport {
         }
     }
 
+    /// The ray under a place in the window.
+    fn ray_at(&self, at: egui::Pos2) -> Option<Ray> {
+        let share = (at - self.rect.min) / self.rect.size();
+        let ndc = Vec2::new(2.0 * share.x - 1.0, 1.0 - 2.0 * share.y);
+        let (origin, direction) = self.camera?.ray(ndc, self.aspect());
+        Some(Ray { origin, direction })
+    }
+
     /// The ray under a click.
     fn clicked(&self, response: &Response) -> Option<Clicked> {
         let is_double = response.double_clicked();
         if !(response.clicked() || is_double) {
             return None;
         }
-        let at = response.interact_pointer_pos()?;
-        let share = (at - self.rect.min) / self.rect.size();
-        let ndc = Vec2::new(2.0 * share.x - 1.0, 1.0 - 2.0 * share.y);
-        let (origin, direction) = self.camera?.ray(ndc, self.aspect());
+        let Ray { origin, direction } = self.ray_at(response.interact_pointer_pos()?)?;
         Some(Clicked { origin, direction, is_double })
     }
 }
@@ -147,14 +204,15 @@ impl Viewport {
 pub(super) fn show(app: &mut App, ui: &mut Ui, outbox: &mut Outbox) -> Option<Clicked> {
     let (rect, response) = ui.allocate_exact_size(ui.available_size(), Sense::click_and_drag());
     response.widget_info(|| egui::WidgetInfo::labeled(egui::accesskit::Role::Canvas, true, VIEW_NAME));
-    app.view.rect = rect;
+    (app.view.rect, app.view.id) = (rect, Some(response.id));
+    panels::hint::show_way_back(app, ui, rect);
     ui.painter().rect_filled(rect, 0.0, theme::WELL);
     let Some(snapshot) = app.shown.snapshot.clone() else {
         panels::empty::show(app, ui, rect, outbox);
         return None;
     };
     if app.view.camera.is_none() {
-        app.view.camera = Some(app.view.start_camera());
+        app.view.camera = Some(app.view.first_camera());
     }
     if response.clicked() || response.drag_started() {
         response.request_focus();
@@ -162,27 +220,82 @@ pub(super) fn show(app: &mut App, ui: &mut Ui, outbox: &mut Outbox) -> Option<Cl
     app.view.steer(ui, &response);
     app.view.fly(ui, &response);
     let clicked = app.view.clicked(&response);
+    // While the view turns nothing can be read, nor off surfaces that lie elsewhere than in the scene.
+    let can_read = !response.dragged() && !app.cluster_view.is_exploded();
+    let pointer = response.hover_pos().filter(|_| can_read).and_then(|at| app.view.ray_at(at));
+    app.measuring.point_at(pointer, &app.wake);
+    if app.tool.is_some_and(Tool::marks_what_is_pointed_at)
+        && let Some(reading) = app.measuring.under_pointer()
+    {
+        app.pointing.at(Highlight::Element(reading.leaf.element));
+    }
 
     if let Some(camera) = app.view.camera {
         let scale = ui.ctx().pixels_per_point();
         let pixels = |points: f32| (points * scale).round().max(1.0) as u32;
         let deepest = snapshot.clusters.iter().map(|cluster| cluster.level).max().unwrap_or(0);
         let is_dark = app.shown.info.as_ref().is_some_and(|info| !info.has_light);
-        let painted = app.comparison.painted();
+        let picked = app.picked.as_ref().map(|picked| picked.element);
+        let (beside, chosen) = (app.freeze.beside(), app.display.display());
+        // Colours that stand for errors would be none of the solution beside.
+        let errors = if beside.is_none() { app.comparison.painted() } else { None };
+        let other = app.freeze.painted().or(errors);
+        let has_errors = other.is_some();
+        let other = other.or_else(|| app.freeze.alone());
+        // Clusters are shown of the present solution, where nothing else is asked for.
+        let level = (beside.is_none() && other.is_none()).then(|| app.display.cluster_level.min(deepest));
+        let by_clusters = app.cluster_view.painted(&snapshot, level);
+        let marks = match &snapshot.anatomy {
+            Some(anatomy) if app.cluster_view.is_exploded() => {
+                app.cluster_view.marks(anatomy, picked, app.pointing.now())
+            }
+            _ => {
+                let links = &app.display.links;
+                app.clusters.with_group(app.marks.over(&snapshot, picked, &app.inspection, links, app.pointing.now()))
+            }
+        };
+        let reading = app.reading.follow(&snapshot, &app.display.reading);
         let picture = Picture {
             camera,
-            display: Display { as_colours: painted.is_some(), ..app.display.display() },
-            snapshot: painted.unwrap_or(snapshot),
-            overlay: app.display.overlay(deepest, is_dark, app.picked.is_some()),
+            display: Display {
+                exposure: app.freeze.exposure(chosen.exposure),
+                as_colours: has_errors || (by_clusters.is_some() && app.cluster_view.coloured),
+                reading,
+            },
+            snapshot: other.or(by_clusters).unwrap_or(snapshot),
+            beside,
+            overlay: app.display.overlay(deepest, is_dark, marks),
             size: [pixels(rect.width()), pixels(rect.height())],
         };
+        app.view.picture = Some(picture.clone());
         picture.add_to(&ui.painter_at(rect), rect);
+        measure_marks::show(&ui.painter_at(rect), rect, &camera, &app.measuring, reading.as_ref());
     }
-    if app.comparison.error().is_some() {
-        panels::legend::show(ui, rect, app.comparison.shading);
-    }
-    panels::picked::show(app, ui, rect, outbox);
+    show_legend(app, ui, rect);
+    divider::show(ui, rect, &mut app.freeze);
+    panels::links::show_legend(app, ui, rect);
+    panels::picked::show(app, ui, rect);
     panels::empty::show_loading(app, ui, rect, outbox);
+    panels::hint::show_first_lines(app, ui, rect);
     panels::empty::show_drop_hint(ui, rect);
     clicked
+}
+
+/// What the colours of the surfaces mean, where they stand for something.
+fn show_legend(app: &App, ui: &mut Ui, rect: Rect) {
+    if app.freeze.painted().is_some() {
+        panels::legend::show_difference(ui, rect);
+    } else if app.comparison.error().is_some() && app.comparison.shading != Shading::Lit {
+        panels::legend::show_error(ui, rect, app.comparison.shading);
+    } else if let Some(reading) = app.reading.last() {
+        let settings = &app.display.reading;
+        let remark = match (reading.fills, settings.range) {
+            (false, _) => "lines",
+            (true, Some(_)) => "locked range",
+            (true, None) => "",
+        };
+        panels::legend::show_reading(ui, rect, &reading, settings.unit, remark);
+    } else if let Some(reading) = app.measuring.plane_scale(None).filter(|_| app.measuring.shows_points) {
+        panels::legend::show_reading(ui, rect, &reading, app.display.reading.unit, "work plane");
+    }
 }

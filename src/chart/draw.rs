@@ -1,16 +1,14 @@
 //! Charts as pictures: error over time, links or rays with bars of its standard error, both axes logarithmic.
 
-use std::sync::OnceLock;
-
 use plotters::coord::Shift;
 use plotters::prelude::*;
 use plotters::series::DashedLineSeries;
-use plotters::style::register_font;
 
 use super::axis::LogAxis;
 use super::pareto::front;
 use super::record::{Chart, PathTracerRecord, RunRecord};
 use crate::accuracy::Measure;
+use crate::font::family;
 use crate::solver::Push;
 
 /// Size of a picture, pixels.
@@ -371,15 +369,4 @@ fn tick(value: f64) -> String {
         value if value >= 0.9e-3 => scaled(value, ""),
         _ => format!("{value:.0e}"),
     }
-}
-
-/// The family under which the font that comes with the program is known: pictures need no fonts of the system.
-fn family() -> &'static str {
-    static REGISTERED: OnceLock<bool> = OnceLock::new();
-    const FAMILY: &str = "sans-serif";
-    REGISTERED.get_or_init(|| {
-        // Ubuntu Light, under the Ubuntu Font Licence.
-        register_font(FAMILY, FontStyle::Normal, epaint_default_fonts::UBUNTU_LIGHT).is_ok()
-    });
-    FAMILY
 }

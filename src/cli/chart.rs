@@ -81,7 +81,7 @@ pub fn run(matches: &ArgMatches) -> anyhow::Result<()> {
     super::output::make_folder(&folder)?;
     for order in orders {
         let job = order.load()?;
-        let settings = usual_settings(job.params).into_iter().filter(|setting| {
+        let settings = usual_settings(job.settings.solver).into_iter().filter(|setting| {
             wanted.as_ref().is_none_or(|words| words.iter().any(|word| is_called(&setting.name, word)))
         });
         let sweep = Sweep { settings: settings.collect(), epsilons: epsilons.clone(), limit };

@@ -1,6 +1,6 @@
 //! A job: a scene that is ready to be solved, and its solution.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::thread::Builder;
 use std::time::{Duration, Instant};
@@ -8,10 +8,10 @@ use std::time::{Duration, Instant};
 use anyhow::{anyhow, bail};
 use clap::ArgMatches;
 use rayon::{ThreadPool, ThreadPoolBuilder};
-use selflink::added_light::AddedLight;
 use selflink::cancel::CancelToken;
+use selflink::export::settings::Settings;
 use selflink::scene::{Scene, Source};
-use selflink::solver::{Snapshot, Solver, SolverParams, Stats, Step};
+use selflink::solver::{Snapshot, Solver, Stats, Step};
 use selflink::visibility::Occluders;
 use selflink::{orient, scene};
 
@@ -22,10 +22,10 @@ use super::progress::Progress;
 pub struct Order {
     /// Where the scene comes from.
     pub source: Source,
-    /// The solver's parameters.
-    pub params: SolverParams,
-    /// Light added to the scene.
-    pub light: AddedLight,
+    /// Scene, added light, view and parameters.
+    pub settings: Settings,
+    /// The file that settings were read from.
+    pub settings_path: Option<PathBuf>,
     /// How long the solve may take.
     pub limit: Option<Duration>,
 }
@@ -33,27 +33,39 @@ pub struct Order {
 impl Order {
     /// The order that the arguments of [`options::solving`] give.
     pub fn from_matches(matches: &ArgMatches) -> anyhow::Result<Self> {
-        Self::of_scene(matches.get_one::<String>("scene").map_or("", String::as_str), matches)
+        Self::new(matches.get_one::<String>("scene").map(String::as_str), matches)
     }
 
     /// The same for one of several scenes.
     pub fn of_scene(scene: &str, matches: &ArgMatches) -> anyhow::Result<Self> {
-        let source = options::source(scene)?;
-        let limit = options::seconds(matches)?;
-        Ok(Self { source, params: options::solver_params(matches)?, light: options::added_light(matches)?, limit })
+        Self::new(Some(scene), matches)
     }
 
-    /// The scene's file, which no output may overwrite.
+    fn new(scene: Option<&str>, matches: &ArgMatches) -> anyhow::Result<Self> {
+        let limit = options::seconds(matches)?;
+        let settings = options::settings(scene, matches)?;
+        let source = match scene {
+            // As it was given, so that errors name it so.
+            Some(scene) => options::source(scene)?,
+            None => {
+                settings.source().ok_or_else(|| anyhow!("the settings name no scene: give one before --settings"))?
+            }
+        };
+        Ok(Self { source, settings, settings_path: options::settings_path(matches), limit })
+    }
+
+    /// The files read, which no output may overwrite.
     pub fn inputs(&self) -> Vec<&Path> {
-        match &self.source {
-            Source::File(path) => vec![path],
-            Source::Builtin(_) => Vec::new(),
-        }
+        let scene = match &self.source {
+            Source::File(path) => Some(path),
+            Source::Builtin(_) => None,
+        };
+        scene.into_iter().chain(&self.settings_path).map(PathBuf::as_path).collect()
     }
 
     /// Loads the scene and says on stderr what loading skipped.
     pub fn load(self) -> anyhow::Result<Job> {
-        let pool = pool(self.params.threads)?;
+        let pool = pool(self.settings.solver.threads)?;
         let begun = Instant::now();
         let (scene, occluders) = pool.install(|| prepare(&self))?;
         let load_seconds = begun.elapsed().as_secs_f64();
@@ -64,14 +76,14 @@ impl Order {
             eprintln!("warning: {}", Scene::no_light_sentence());
         }
         let (scene, occluders) = (Arc::new(scene), Arc::new(occluders));
-        Ok(Job { scene, occluders, params: self.params, limit: self.limit, load_seconds, pool })
+        Ok(Job { scene, occluders, settings: self.settings, limit: self.limit, load_seconds, pool })
     }
 }
 
 fn prepare(order: &Order) -> anyhow::Result<(Scene, Occluders)> {
     let mut scene = scene::load(&order.source)?;
-    order.light.add_to(&mut scene)?;
-    let sides = order.params.sides.unwrap_or(scene.sides);
+    order.settings.light.add_to(&mut scene)?;
+    let sides = order.settings.solver.sides.unwrap_or(scene.sides);
     Ok(orient::apply(scene, sides))
 }
 
@@ -87,8 +99,8 @@ pub struct Job {
     pub scene: Arc<Scene>,
     /// What stops its light.
     pub occluders: Arc<Occluders>,
-    /// The solver's parameters.
-    pub params: SolverParams,
+    /// What it is solved with.
+    pub settings: Settings,
     limit: Option<Duration>,
     load_seconds: f64,
     /// The threads that work on it.
@@ -120,7 +132,7 @@ impl Job {
         if let Some(limit) = self.limit {
             start_timer(limit, cancel.clone())?;
         }
-        let mut solver = Solver::new(self.scene.clone(), self.occluders.clone(), self.params, 1)?;
+        let mut solver = Solver::new(self.scene.clone(), self.occluders.clone(), self.settings.solver, 1)?;
         solver.set_load_seconds(self.load_seconds);
         // What a window would show at once; its time is reported.
         drop(solver.snapshot());

@@ -1,4 +1,4 @@
-//! The command line: the window, or `solve`, `render`, `probe`, `reference`, `chart`, `tables`,
+//! The command line: the window, or `solve`, `render`, `matrix`, `probe`, `reference`, `chart`, `tables`,
 //! `accuracy`, `doctor` and `scene` without one.
 //!
 //! Whatever cannot be done gives one sentence on stderr and exit code 2. Results go to stdout, remarks about the scene and
@@ -6,12 +6,19 @@
 
 mod accuracy;
 mod chart;
+#[cfg(feature = "gui")]
+mod clusters;
 mod doctor;
 mod job;
+#[cfg(feature = "gui")]
+mod legend;
+mod matrix;
 mod options;
 mod output;
 mod probe;
 mod progress;
+#[cfg(feature = "gui")]
+mod reading;
 mod reference;
 #[cfg(feature = "gui")]
 mod render;
@@ -20,6 +27,7 @@ mod scene;
 mod solve;
 mod tables;
 mod window;
+mod work_plane;
 
 use std::process::ExitCode;
 use std::time::Instant;
@@ -55,6 +63,7 @@ fn dispatch(matches: &ArgMatches, started: Instant) -> anyhow::Result<ExitCode> 
         Some(("solve", matches)) => solve::run(matches, started),
         #[cfg(feature = "gui")]
         Some(("render", matches)) => render::run(matches),
+        Some(("matrix", matches)) => matrix::run(matches),
         Some(("probe", matches)) => probe::run(matches),
         Some(("chart", matches)) => chart::run(matches),
         Some(("tables", matches)) => tables::run(matches),
@@ -70,6 +79,7 @@ fn command() -> Command {
     let command = window::command().subcommand(solve::command());
     #[cfg(feature = "gui")]
     let command = command.subcommand(render::command());
+    let command = command.subcommand(matrix::command());
     let command = command.subcommand(probe::command()).subcommand(reference::command()).subcommand(chart::command());
     command
         .subcommand(tables::command())

@@ -9,6 +9,7 @@ use clap::parser::ValueSource;
 use clap::{Arg, ArgAction, ArgMatches, Command, value_parser};
 use glam::Vec3;
 use selflink::added_light::{AddedLight, CeilingLight};
+use selflink::export::settings::Settings;
 use selflink::hierarchy::ClusteringMode;
 use selflink::scene::{Sides, Source, builtin::BuiltinScene};
 use selflink::solver::{
@@ -98,14 +99,23 @@ pub fn name_of(choice: &impl serde::Serialize) -> String {
 
 /// The parameters that the arguments ask for, checked.
 pub fn solver_params(matches: &ArgMatches) -> anyhow::Result<SolverParams> {
+    solver_params_over(None, matches)
+}
+
+/// The same, where a file of settings says what the arguments do not.
+pub fn solver_params_over(filed: Option<SolverParams>, matches: &ArgMatches) -> anyhow::Result<SolverParams> {
     let given = |flag| has(matches, flag) && matches.value_source(flag) == Some(ValueSource::CommandLine);
     let by_threshold = ["epsilon", "epsilon-watts", "reconstruct"].into_iter().find(|flag| given(flag));
     if let Some(flag) = by_threshold.filter(|_| given("error")) {
         bail!("--error chooses what --{flag} would say: give one of them");
     }
     let knows_error = matches.try_contains_id("error").is_ok();
-    let mut params =
-        if by_threshold.is_none() && knows_error { SolverParams::usual() } else { SolverParams::default() };
+    let mut params = match filed {
+        Some(filed) if by_threshold.is_none() => filed,
+        Some(filed) => SolverParams { error: None, ..filed },
+        None if by_threshold.is_none() && knows_error => SolverParams::usual(),
+        None => SolverParams::default(),
+    };
     for parameter in &PARAMETERS {
         set(&mut params, parameter, matches)?;
     }
@@ -184,10 +194,31 @@ pub fn light_args() -> [Arg; 2] {
 /// The scene, light added to it, the solver's parameters and the time it may take: what every command that solves takes.
 pub fn solving(command: Command) -> Command {
     command
-        .arg(scene_arg().required(true))
+        .arg(scene_arg().required_unless_present(SETTINGS))
+        .arg(settings_arg())
         .args(light_args())
         .arg(seconds_arg("Stop after so many seconds of solving and use the solution that is there"))
         .args(solver_args())
+}
+
+/// The option that names a file of settings, `--settings`; `chart` has another of that name.
+const SETTINGS: &str = "settings-file";
+
+/// A file of settings.
+pub fn settings_arg() -> Arg {
+    path_arg(SETTINGS, "FILE.json").long("settings").help(
+        "Solve as a file of settings or statistics says, which `solve --stats` and the window write: scene, added light and parameters; what is given beside it counts more",
+    )
+}
+
+/// The path of the settings that the arguments name; a command need not know the option.
+pub fn settings_path(matches: &ArgMatches) -> Option<PathBuf> {
+    matches.try_get_one::<PathBuf>(SETTINGS).ok().flatten().cloned()
+}
+
+/// The settings of the file that the arguments name.
+pub fn filed_settings(matches: &ArgMatches) -> anyhow::Result<Option<Settings>> {
+    Ok(settings_path(matches).map(|path| Settings::read(&path)).transpose()?)
 }
 
 /// How long something may take.
@@ -204,9 +235,12 @@ pub fn seconds(matches: &ArgMatches) -> anyhow::Result<Option<Duration>> {
 
 /// The scene, by path or name.
 pub fn scene_arg() -> Arg {
-    Arg::new("scene")
-        .value_name("SCENE")
-        .help(format!("An OBJ, glTF or GLB file, or one of our own scenes: {}", names()))
+    Arg::new("scene").value_name("SCENE").help(scene_help())
+}
+
+/// What a scene may be.
+pub fn scene_help() -> String {
+    format!("An OBJ, glTF or GLB file, or one of our own scenes: {}", names())
 }
 
 /// The names of our own scenes.
@@ -245,6 +279,20 @@ pub fn added_light(matches: &ArgMatches) -> anyhow::Result<AddedLight> {
     let emitting = emitting.map(|text| emission(text)).collect::<anyhow::Result<_>>()?;
     let ceiling = matches.get_one::<String>("ceiling-light").map(|text| ceiling_light(text)).transpose()?;
     Ok(AddedLight { emitting, ceiling })
+}
+
+/// All that decides a solution: the arguments, and where they say nothing the file of settings that they name. Another scene
+/// than the file's has neither its light nor its camera.
+pub fn settings(scene: Option<&str>, matches: &ArgMatches) -> anyhow::Result<Settings> {
+    let filed = filed_settings(matches)?;
+    let solver = solver_params_over(filed.as_ref().map(|filed| filed.solver), matches)?;
+    let given = scene.map(source).transpose()?.map(|source| Settings::name_of(&source));
+    let filed = filed.unwrap_or_default();
+    let filed_name = filed.source().map(|source| Settings::name_of(&source));
+    let same_scene = given.is_none() || given == filed_name;
+    let light = added_light(matches)?;
+    let light = if light.is_empty() && same_scene { filed.light } else { light };
+    Ok(Settings { scene: given.or(filed_name), light, camera: filed.camera.filter(|_| same_scene), solver })
 }
 
 fn emission(text: &str) -> anyhow::Result<(String, Vec3)> {

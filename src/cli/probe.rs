@@ -1,4 +1,4 @@
-//! `selflink probe`: irradiance and radiosity at points of a CSV file.
+//! `selflink probe`: irradiance and radiosity at points of a CSV file; a work plane is measured next door.
 
 use std::fs;
 use std::io::Write as _;
@@ -13,6 +13,7 @@ use selflink::probe::{Probe, Sample};
 use super::job::Order;
 use super::options::{self, path, path_arg};
 use super::output::{OutputFile, say};
+use super::work_plane;
 
 /// Columns read.
 const COLUMNS: &str = "x,y,z,nx,ny,nz";
@@ -22,11 +23,13 @@ const ADDED: &str = "E_r,E_g,E_b,B_r,B_g,B_b";
 /// The command's arguments.
 pub fn command() -> Command {
     options::solving(
-        Command::new("probe").about("Solve a scene; write irradiance E and radiosity B (W/m²) at given points"),
+        Command::new("probe")
+            .about("Solve a scene; write irradiance E and radiosity B (W/m²) at given points, or E of a work plane"),
     )
     .arg(
         path_arg("points", "FILE.csv")
-            .required(true)
+            .required_unless_present("work-plane")
+            .conflicts_with("work-plane")
             .help(format!("Points on surfaces, a row each: {COLUMNS}; a header line may come first")),
     )
     .arg(
@@ -34,10 +37,14 @@ pub fn command() -> Command {
             .required(true)
             .help(format!("The same rows with {ADDED}; these stay empty where a point lies on no surface")),
     )
+    .args(work_plane::args().map(|arg| arg.help_heading("Work plane")))
 }
 
 /// Runs it.
 pub fn run(matches: &ArgMatches) -> anyhow::Result<()> {
+    if let Some(plane) = work_plane::plane(matches) {
+        return work_plane::run(matches, plane);
+    }
     let order = Order::from_matches(matches)?;
     let points_path = path(matches, "points").unwrap_or_default();
     let rows = read_rows(&points_path)?;
@@ -47,8 +54,7 @@ pub fn run(matches: &ArgMatches) -> anyhow::Result<()> {
     let job = order.load()?;
     let solution = job.solve()?;
     let snapshot = &solution.snapshot;
-    let irradiance = solution.solver.vertex_irradiance();
-    let probe = Probe::new(&snapshot.mesh, &irradiance, &snapshot.vertex_radiosity);
+    let probe = Probe::new(&snapshot.mesh, &snapshot.vertex_irradiance, &snapshot.vertex_radiosity);
     let samples: Vec<Option<Sample>> = rows.iter().map(|row| probe.at(row.point, row.normal)).collect();
     file.write(|writer| {
         writeln!(writer, "{COLUMNS},{ADDED}")?;

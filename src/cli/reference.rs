@@ -98,7 +98,7 @@ pub fn wish(matches: &ArgMatches, limit: Option<Duration>) -> anyhow::Result<Wis
 
 /// Makes the reference of a job's scene; shows progress on a terminal.
 pub fn make(job: &Job, wish: &Wish) -> anyhow::Result<Outcome> {
-    let seed = job.params.seed;
+    let seed = job.settings.solver.seed;
     let points = random_points(&job.scene, &job.occluders, wish.points, seed);
     if points.is_empty() {
         bail!("every surface of {} emits: there are no points for a reference", job.scene.name);

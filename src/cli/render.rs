@@ -1,15 +1,23 @@
-//! `selflink render`: a picture of the solution, drawn without a window.
+//! `selflink render`: a picture of the solution, drawn without a window, as PNG or, in W/m², as EXR.
+
+use std::sync::Arc;
 
 use anyhow::{anyhow, bail};
 use clap::{Arg, ArgAction, ArgMatches, Command};
 use glam::{Vec2, Vec3};
 use image::{ImageFormat, RgbaImage};
-use selflink::render::{Camera, Display, Exposure, LinkFilter, MAX_SIZE, Offscreen, Overlay, pick};
+use selflink::export::{PictureFormat, exr};
+use selflink::render::{
+    Camera, ChosenLinks, ClusterView, Display, Exposure, LinkFilter, LinkStyle, MAX_SIZE, Marks, Offscreen, Overlay,
+    ReadingSettings, by_clusters, pick, picked_marks,
+};
 use selflink::scene::{CameraPose, Scene};
+use selflink::solver::{Anatomy, LinkView};
 
 use super::job::{Order, Solution};
 use super::options::{self, numbers, path, path_arg};
 use super::output::{OutputFile, say};
+use super::{clusters, legend, reading};
 
 /// Pixels of a picture that nothing is said about.
 const USUAL_SIZE: [u32; 2] = [1280, 800];
@@ -18,8 +26,13 @@ const USUAL_HFOV: f32 = 60.0;
 
 /// The command's arguments.
 pub fn command() -> Command {
-    options::solving(Command::new("render").about("Solve a scene and draw it to a PNG file, without a window"))
-        .arg(path_arg("out", "FILE.png").required(true).help("The picture"))
+    let command = Command::new("render").about("Solve a scene and draw it to a PNG or EXR file, without a window");
+    reading::with_options(options::solving(command))
+        .arg(
+            path_arg("out", "FILE.png|exr")
+                .required(true)
+                .help("The picture as it is shown (PNG), or radiosities in W/m², unexposed and without overlays (EXR)"),
+        )
         .arg(Arg::new("size").long("size").value_name("WxH").help("Pixels [default: 1280x800]"))
         .arg(
             Arg::new("camera")
@@ -38,9 +51,16 @@ pub fn command() -> Command {
         .arg(
             Arg::new("overlay")
                 .long("overlay")
-                .value_name("elements|clusters:LEVEL|links:X,Y")
+                .value_name("elements|clusters:LEVEL|links:X,Y|level-links:LEVEL")
                 .action(ArgAction::Append)
-                .help("Draw over the picture: outlines of the patches, boxes of the clusters of a level (0 is the root), or the links of the surface at a pixel. May be given several times"),
+                .help("Draw over the picture: outlines of the patches, boxes of the clusters of a level (0 is the root), the links of the surface at a pixel, or those of all receivers at a level below the root; the strongest 200. May be given several times"),
+        )
+        .arg(
+            Arg::new("explode")
+                .long("explode")
+                .value_name("0 to 1")
+                .allow_hyphen_values(true)
+                .help("Pull the clusters apart of the level that --show or else --overlay names; at 1 they lie twice as far from the middle [default: 0]"),
         )
 }
 
@@ -50,12 +70,29 @@ pub struct View {
     pub size: [u32; 2],
     /// Eye and target.
     pub camera: Option<[Vec3; 2]>,
+    /// The whole view, where neither of these is given.
+    pub pose: Option<CameraPose>,
     /// How radiosities become colours.
     pub display: Display,
     /// What is drawn over the picture.
     pub overlay: Overlay,
-    /// The pixel whose surface shows its links.
-    pub links_at: Option<[f32; 2]>,
+    /// Clusters as colours, or pulled apart.
+    pub clusters: Option<ClusterView>,
+    /// What is read off the surfaces.
+    pub reading: ReadingSettings,
+    /// Whether a legend tells what false colours mean.
+    pub has_legend: bool,
+    /// The links over it.
+    pub links: Option<LinksOf>,
+}
+
+/// Whose links are drawn.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum LinksOf {
+    /// Those of the surface at a pixel.
+    Pixel([f32; 2]),
+    /// Those of all receivers at a level below the root.
+    Level(u16),
 }
 
 impl Default for View {
@@ -63,9 +100,13 @@ impl Default for View {
         Self {
             size: USUAL_SIZE,
             camera: None,
+            pose: None,
             display: Display::default(),
             overlay: Overlay::default(),
-            links_at: None,
+            clusters: None,
+            reading: ReadingSettings::default(),
+            has_legend: true,
+            links: None,
         }
     }
 }
@@ -73,18 +114,26 @@ impl Default for View {
 /// Runs it.
 pub fn run(matches: &ArgMatches) -> anyhow::Result<()> {
     let order = Order::from_matches(matches)?;
-    let view = view(matches)?;
+    let view = View { pose: order.settings.camera, ..view(matches)? };
     let path = path(matches, "out").unwrap_or_default();
-    if !path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("png")) {
-        bail!("{}: pictures are written as PNG; choose a name that ends in .png", path.display());
+    let format = PictureFormat::of(&path)?;
+    if format == PictureFormat::Exr && (view.overlay != Overlay::default() || view.links.is_some()) {
+        bail!(
+            "--overlay draws over pictures as they are shown (PNG), not over radiosities (EXR): leave one of them out"
+        );
     }
     let file = OutputFile::new(&path, &order.inputs())?;
     let job = order.load()?;
     // Before the long work, so that a missing adapter is told soon.
     let mut offscreen = Offscreen::new()?;
     let mut solution = job.solve()?;
-    let picture = draw(&mut offscreen, &job.scene, &mut solution, &view)?;
-    save(&picture, &file)?;
+    match format {
+        PictureFormat::Png => save(&draw(&mut offscreen, &job.scene, &mut solution, &view)?, &file)?,
+        PictureFormat::Exr => {
+            let picture = offscreen.radiosities(&solution.snapshot, &camera(&job.scene, &view), view.size)?;
+            file.write(|writer| exr::write(writer, &picture))?;
+        }
+    }
     let [width, height] = view.size;
     say(&format!("{}: {width} × {height} pixels, drawn by {}\n", file.path().display(), offscreen.adapter()))
 }
@@ -105,13 +154,29 @@ pub fn draw(
 ) -> anyhow::Result<RgbaImage> {
     let camera = camera(scene, view);
     let deepest = solution.snapshot.clusters.iter().map(|cluster| cluster.level).max().unwrap_or(0);
-    if let Some(level) = view.overlay.clusters.filter(|level| *level > deepest) {
+    let levels = view.overlay.clusters.into_iter().chain(view.clusters.map(|clusters| clusters.level));
+    if let Some(level) = levels.max().filter(|level| *level > deepest) {
         eprintln!("note: there are no clusters of level {level} to be drawn, the deepest have level {deepest}.");
     }
-    if let Some(pixel) = view.links_at {
-        inspect(solution, &camera, pixel, view.size);
+    let mut overlay = view.overlay.clone();
+    match view.links {
+        Some(LinksOf::Pixel(pixel)) => overlay.marks = links_at(solution, &camera, pixel, view.size),
+        Some(LinksOf::Level(level)) => overlay.marks = links_of_level(solution, level),
+        None => {}
     }
-    Ok(offscreen.picture(&solution.snapshot, &camera, &view.display, &view.overlay, view.size)?)
+    let by_clusters = view.clusters.and_then(|clusters| {
+        anatomy(solution)?;
+        by_clusters(&solution.snapshot, ClusterView { level: clusters.level.min(deepest), ..clusters })
+    });
+    let snapshot = by_clusters.as_ref().unwrap_or(&solution.snapshot);
+    let reading = view.reading.reading(&solution.snapshot);
+    let as_colours = view.clusters.is_some_and(|clusters| clusters.coloured);
+    let display = Display { reading, as_colours, ..view.display };
+    let mut picture = offscreen.picture(snapshot, &camera, &display, &overlay, view.size)?;
+    if let Some(reading) = reading.filter(|_| view.has_legend && !as_colours) {
+        legend::draw(&mut picture, &reading, view.reading.unit)?;
+    }
+    Ok(picture)
 }
 
 fn camera(scene: &Scene, view: &View) -> Camera {
@@ -123,32 +188,72 @@ fn camera(scene: &Scene, view: &View) -> Camera {
         up: scene.camera.map_or(Vec3::Y, |camera| camera.up),
         hfov_deg: scene.camera.map_or(USUAL_HFOV, |camera| camera.hfov_deg),
     });
-    given.map_or_else(|| Camera::of_scene(scene, aspect), |pose| Camera::from_pose(&pose, aspect, scene.bounds()))
+    given
+        .or(view.pose)
+        .map_or_else(|| Camera::of_scene(scene, aspect), |pose| Camera::from_pose(&pose, aspect, scene.bounds()))
 }
 
-/// Asks the solver for the links of the surface at a pixel.
-fn inspect(solution: &mut Solution, camera: &Camera, [x, y]: [f32; 2], [width, height]: [u32; 2]) {
+/// The links of the surface at a pixel.
+fn links_at(solution: &mut Solution, camera: &Camera, [x, y]: [f32; 2], [width, height]: [u32; 2]) -> Marks {
     let (width, height) = (width as f32, height as f32);
     let ndc = Vec2::new(2.0 * (x + 0.5) / width - 1.0, 1.0 - 2.0 * (y + 0.5) / height);
     let (origin, direction) = camera.ray(ndc, width / height);
     match pick(&solution.snapshot.mesh, origin, direction) {
         Some(picked) => {
             let element = solution.snapshot.mesh.leaves[picked.leaf as usize].element;
-            solution.solver.inspect(Some(element));
-            solution.snapshot = solution.solver.snapshot();
+            let Some(anatomy) = anatomy(solution) else { return Marks::default() };
+            let style = LinkStyle { ends: false, ..LinkStyle::default() };
+            let mut lines = chosen(&anatomy, anatomy.incoming(element)).lines(&anatomy, style);
+            lines.extend(picked_marks(&anatomy, element));
+            lines.into()
         }
-        None => eprintln!("warning: no surface is to be seen at pixel {x},{y}, so no links are drawn."),
+        None => {
+            eprintln!("warning: no surface is to be seen at pixel {x},{y}, so no links are drawn.");
+            Marks::default()
+        }
     }
+}
+
+/// The links of all receivers at a level.
+fn links_of_level(solution: &mut Solution, level: u16) -> Marks {
+    let Some(anatomy) = anatomy(solution) else { return Marks::default() };
+    if level > anatomy.deepest() {
+        eprintln!(
+            "note: there are no elements at level {level} to be linked, the deepest have level {}.",
+            anatomy.deepest()
+        );
+    }
+    chosen(&anatomy, anatomy.links_at_depth(level)).lines(&anatomy, LinkStyle::default()).into()
+}
+
+/// The strongest links, and a word about the rest.
+fn chosen(anatomy: &Anatomy, links: impl IntoIterator<Item = LinkView>) -> ChosenLinks {
+    let chosen = ChosenLinks::new(links, &LinkFilter::default(), anatomy.epsilon_watts());
+    eprintln!("note: {}.", chosen.to_string().to_lowercase());
+    chosen
+}
+
+/// The solution's elements and links.
+fn anatomy(solution: &mut Solution) -> Option<Arc<Anatomy>> {
+    solution.solver.show_anatomy(true);
+    solution.snapshot = solution.solver.snapshot();
+    solution.snapshot.anatomy.clone()
 }
 
 fn view(matches: &ArgMatches) -> anyhow::Result<View> {
     let text = |name: &str| matches.get_one::<String>(name).map(String::as_str);
     let size = text("size").map_or(Ok(USUAL_SIZE), size)?;
     let camera = text("camera").map(eye_and_target).transpose()?;
-    let display = Display { exposure: text("exposure").map_or(Ok(Exposure::default()), exposure)?, as_colours: false };
-    let mut view = View { size, camera, display, ..View::default() };
+    let display =
+        Display { exposure: text("exposure").map_or(Ok(Exposure::default()), exposure)?, ..Display::default() };
+    let (reading, has_legend) = (reading::settings(matches)?, !matches.get_flag("no-legend"));
+    let mut view = View { size, camera, display, reading, has_legend, ..View::default() };
     for overlay in matches.get_many::<String>("overlay").unwrap_or_default() {
         add_overlay(&mut view, overlay)?;
+    }
+    view.clusters = clusters::view(text("show"), text("explode"), view.overlay.clusters)?;
+    if view.links.is_some() && view.clusters.is_some_and(|clusters| clusters.explode > 0.0) {
+        bail!("--explode moves surfaces away from their links: leave out --overlay links or --explode");
     }
     Ok(view)
 }
@@ -186,7 +291,8 @@ fn exposure(text: &str) -> anyhow::Result<Exposure> {
 }
 
 fn add_overlay(view: &mut View, text: &str) -> anyhow::Result<()> {
-    let unknown = || anyhow!("--overlay must be elements, clusters:LEVEL or links:X,Y (it is `{text}`)");
+    let unknown =
+        || anyhow!("--overlay must be elements, clusters:LEVEL, links:X,Y or level-links:LEVEL (it is `{text}`)");
     match text.split_once(':') {
         None if text == "elements" => view.overlay.elements = true,
         Some(("clusters", level)) => view.overlay.clusters = Some(level.parse().map_err(|_| unknown())?),
@@ -196,9 +302,9 @@ fn add_overlay(view: &mut View, text: &str) -> anyhow::Result<()> {
             if !((0.0..width).contains(&pixel[0]) && (0.0..height).contains(&pixel[1])) {
                 bail!("--overlay {text} lies outside the picture of {width}x{height} pixels");
             }
-            view.overlay.links = Some(LinkFilter::default());
-            view.links_at = Some(pixel);
+            view.links = Some(LinksOf::Pixel(pixel));
         }
+        Some(("level-links", level)) => view.links = Some(LinksOf::Level(level.parse().map_err(|_| unknown())?)),
         _ => return Err(unknown()),
     }
     Ok(())
@@ -227,9 +333,11 @@ mod tests {
         for text in ["elements", "clusters:3", "links:10,20"] {
             add_overlay(&mut view, text).expect("good");
         }
-        assert!(view.overlay.elements && view.overlay.links.is_some());
-        assert_eq!((view.overlay.clusters, view.links_at), (Some(3), Some([10.0, 20.0])));
-        for text in ["", "boxes", "clusters", "clusters:x", "links:1", "links:5000,1", "links:-1,1"] {
+        assert!(view.overlay.elements);
+        assert_eq!((view.overlay.clusters, view.links), (Some(3), Some(LinksOf::Pixel([10.0, 20.0]))));
+        add_overlay(&mut view, "level-links:4").expect("good");
+        assert_eq!(view.links, Some(LinksOf::Level(4)));
+        for text in ["", "boxes", "clusters", "clusters:x", "links:1", "links:5000,1", "links:-1,1", "level-links:x"] {
             assert!(add_overlay(&mut view, text).is_err(), "{text}");
         }
     }

@@ -3,6 +3,7 @@
 use std::fmt::Write as _;
 use std::time::Instant;
 
+use selflink::export::settings::Settings;
 use selflink::format::{bytes, count, number, quantity, seconds};
 use selflink::scene::{Scene, Sides, Skipped};
 use selflink::solver::{Bytes, ClusteringMode, OracleKind, PowerBalance, Push, Reconstruct, Seconds, power_balance};
@@ -35,6 +36,8 @@ pub struct Report<'a> {
     push: Push,
     sides: Sides,
     seed: u64,
+    /// All that the solution was made with, as `--settings` takes it.
+    settings: &'a Settings,
     initial_patches: usize,
     clusters: usize,
     patches: usize,
@@ -93,6 +96,7 @@ impl<'a> Report<'a> {
             push: params.push,
             sides: scene.sides,
             seed: params.seed,
+            settings: &job.settings,
             initial_patches: stats.initial_patches,
             clusters: stats.clusters,
             patches: stats.patches,

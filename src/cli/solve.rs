@@ -1,11 +1,10 @@
-//! `selflink solve`: a solution without a window; statistics, and the lit mesh as PLY.
+//! `selflink solve`: a solution without a window; statistics, the lit mesh as PLY or GLB, and links as CSV.
 
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use anyhow::bail;
 use clap::{ArgMatches, Command};
-use selflink::export;
+use selflink::export::{LitMesh, MeshFormat, links};
 
 use super::job::Order;
 use super::options::{self, path, path_arg};
@@ -14,12 +13,19 @@ use super::report::Report;
 
 /// The command's arguments.
 pub fn command() -> Command {
-    options::solving(Command::new("solve").about("Solve a scene; print a summary, write statistics and the lit mesh"))
-        .arg(
-            path_arg("stats", "FILE.json")
-                .help("Write the statistics as JSON; - writes them to stdout, in place of the summary"),
-        )
-        .arg(path_arg("out", "FILE.ply").help("Write the lit mesh: vertices with radiosities in W/m² (binary PLY)"))
+    options::solving(
+        Command::new("solve").about("Solve a scene; print a summary, write statistics, the lit mesh and links"),
+    )
+    .arg(
+        path_arg("stats", "FILE.json")
+            .help("Write the statistics as JSON; - writes them to stdout, in place of the summary"),
+    )
+    .arg(
+        path_arg("out", "FILE.ply|glb").help(
+            "Write the lit mesh: vertices with radiosities in W/m² and tone-mapped colours, as binary PLY or as GLB",
+        ),
+    )
+    .arg(path_arg("links", "FILE.csv").help("Write every link: both ends, F, V, rays and power in W"))
 }
 
 /// Runs it.
@@ -30,17 +36,21 @@ pub fn run(matches: &ArgMatches, started: Instant) -> anyhow::Result<()> {
     let stats_to_stdout = stats_path.as_deref() == Some(Path::new("-"));
     let stats_file = stats_path.filter(|_| !stats_to_stdout).map(output).transpose()?;
     let mesh_path = path(matches, "out");
-    let is_ply = |path: &&PathBuf| path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("ply"));
-    if let Some(path) = mesh_path.as_ref().filter(|path| !is_ply(path)) {
-        bail!("{}: meshes are written as PLY; choose a name that ends in .ply", path.display());
-    }
+    let mesh_format = mesh_path.as_deref().map(MeshFormat::of).transpose()?;
     let mesh_file = mesh_path.map(output).transpose()?;
+    let links_file = path(matches, "links").map(output).transpose()?;
 
     let job = order.load()?;
-    let solution = job.solve()?;
-    if let Some(file) = &mesh_file {
-        let snapshot = &solution.snapshot;
-        file.write(|writer| export::write_ply(writer, &snapshot.mesh, &snapshot.vertex_radiosity))?;
+    let mut solution = job.solve()?;
+    if let (Some(file), Some(format)) = (&mesh_file, mesh_format) {
+        let lit = LitMesh::of(&solution.snapshot, &job.scene.materials);
+        file.write(|writer| format.write(writer, &lit))?;
+    }
+    if let Some(file) = &links_file {
+        solution.solver.show_anatomy(true);
+        let anatomy = job.pool.install(|| solution.solver.snapshot()).anatomy;
+        let rows = anatomy.map(|anatomy| job.pool.install(|| links::rows(&anatomy))).unwrap_or_default();
+        file.write(|writer| links::write(writer, &rows))?;
     }
     let report = Report::new(&job, &solution, started);
     if let Some(file) = &stats_file {

@@ -4,12 +4,11 @@
 use std::path::PathBuf;
 use std::time::Instant;
 
-use clap::{ArgMatches, Command};
-use selflink::added_light::AddedLight;
+use clap::{Arg, ArgAction, ArgMatches, Command};
+use selflink::export::settings::Settings;
 #[cfg(feature = "gui")]
 use selflink::render::Offscreen;
 use selflink::scene::{Source, builtin::BuiltinScene};
-use selflink::solver::SolverParams;
 
 use super::job::Order;
 #[cfg(feature = "gui")]
@@ -27,34 +26,44 @@ pub fn command() -> Command {
     let default = BuiltinScene::default().name();
     Command::new("selflink")
         .version(env!("CARGO_PKG_VERSION"))
-        .about("Lights a 3D scene by hierarchical radiosity with isotropic clusters and shows it in a window.\n\nWithout a command the window opens; without a display the scene is solved all the same, into a picture and statistics.")
+        .about("Lights a 3D scene by hierarchical radiosity with isotropic clusters and shows it in a window.\n\nWithout a command the window opens, without any argument as it was left; without a display the scene is solved all the same, into a picture and statistics.")
         .args_conflicts_with_subcommands(true)
-        .arg(options::scene_arg().default_value(default))
+        .arg(options::scene_arg().help(format!("{} [default: {default}]", options::scene_help())))
+        .arg(options::settings_arg())
+        .arg(Arg::new("fresh").long("fresh").action(ArgAction::SetTrue).help(
+            "Start afresh, without the scene, settings and view of the last time",
+        ))
         .args(options::light_args())
         .args(options::solver_args())
 }
 
 /// Runs it.
 pub fn run(matches: &ArgMatches, started: Instant) -> anyhow::Result<()> {
-    let source = options::source(matches.get_one::<String>("scene").map_or("", String::as_str))?;
-    let params = options::solver_params(matches)?;
-    let light = options::added_light(matches)?;
-    let sentence = match open(&source, &light, params) {
+    let scene = matches.get_one::<String>("scene").map(String::as_str);
+    let mut settings = options::settings(scene, matches)?;
+    let source = match scene {
+        // As it was given, so that errors name it so.
+        Some(scene) => options::source(scene)?,
+        None => settings.source().unwrap_or(Source::Builtin(BuiltinScene::default())),
+    };
+    settings.scene = Some(Settings::name_of(&source));
+    let sentence = match open(&settings, !matches.args_present()) {
         Ok(()) => return Ok(()),
         Err(sentence) => sentence,
     };
     eprintln!("selflink: {sentence}.");
     eprintln!("selflink: solving the scene without a window.");
-    without_window(Order { source, params, light, limit: None }, started)
+    let settings_path = options::settings_path(matches);
+    without_window(Order { source, settings, settings_path, limit: None }, started)
 }
 
 #[cfg(feature = "gui")]
-fn open(source: &Source, light: &AddedLight, params: SolverParams) -> Result<(), String> {
-    selflink::app::run(Some((source.clone(), light.clone())), params).map_err(|error| error.to_string())
+fn open(settings: &Settings, resumes: bool) -> Result<(), String> {
+    selflink::app::run(settings.clone(), resumes).map_err(|error| error.to_string())
 }
 
 #[cfg(not(feature = "gui"))]
-fn open(_source: &Source, _light: &AddedLight, _params: SolverParams) -> Result<(), String> {
+fn open(_settings: &Settings, _resumes: bool) -> Result<(), String> {
     Err("no window can be opened, this program was built without one".to_owned())
 }
 

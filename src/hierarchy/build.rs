@@ -26,6 +26,7 @@ pub(super) fn build(scene: &Scene, exposure: Arc<Exposure>, mode: ClusteringMode
         ClusteringMode::Adaptive => adaptive::group(&bounds, all),
     };
     let (vertices, welded) = weld(&scene.vertices);
+    let initial_vertices = vertices.len();
     let mut hierarchy = Hierarchy {
         elements: Vec::with_capacity(2 * scene.polygons.len() + 1),
         vertices,
@@ -35,6 +36,7 @@ pub(super) fn build(scene: &Scene, exposure: Arc<Exposure>, mode: ClusteringMode
         exposure,
         cluster_count: 0,
         leaf_count: scene.polygons.len(),
+        initial_vertices,
     };
     hierarchy.lay_out(scene, &welded, grouping.tidied().unwrap_or_default());
     hierarchy.finish_clusters(Hierarchy::ROOT);

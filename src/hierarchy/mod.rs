@@ -8,7 +8,9 @@ mod adaptive;
 mod build;
 mod grouping;
 mod groups;
+mod merge_back;
 mod octree;
+mod order;
 mod patch;
 mod sample;
 mod surface;
@@ -23,6 +25,8 @@ use crate::exposure::Exposure;
 use crate::random::mix;
 use crate::scene::Scene;
 
+pub use merge_back::Renumbering;
+pub use order::{Order, Room};
 pub use patch::Patch;
 pub use sample::{PatchSums, SurfacePoint, point_on_polygon};
 pub use surface::smooth_surfaces;
@@ -65,6 +69,13 @@ pub struct Cluster {
     first_patch: u32,
     /// Number of initial patches below.
     patch_count: u32,
+}
+
+impl Cluster {
+    /// Number of initial patches below.
+    pub fn patch_count(&self) -> u32 {
+        self.patch_count
+    }
 }
 
 /// What an element is.
@@ -126,6 +137,7 @@ impl Element {
 }
 
 /// The arena of elements with the vertices of its patches.
+#[derive(Clone)]
 pub struct Hierarchy {
     elements: Vec<Element>,
     vertices: Vec<Vec3>,
@@ -138,6 +150,8 @@ pub struct Hierarchy {
     exposure: Arc<Exposure>,
     cluster_count: usize,
     leaf_count: usize,
+    /// Vertices of the initial patches, which come first.
+    initial_vertices: usize,
 }
 
 impl Hierarchy {
@@ -167,7 +181,7 @@ impl Hierarchy {
     }
 
     /// Ids of all elements.
-    pub fn ids(&self) -> impl ExactSizeIterator<Item = ElementId> + Clone + use<> {
+    pub fn ids(&self) -> impl DoubleEndedIterator<Item = ElementId> + ExactSizeIterator + Clone + use<> {
         (0..self.elements.len() as u32).map(ElementId)
     }
 
@@ -215,6 +229,33 @@ impl Hierarchy {
             + self.area_sums.bytes()
             + self.exposure.bytes()
             + self.midpoints.len() * size_of::<((u32, u32), u32)>()
+    }
+
+    /// The hierarchy as it was when it had so many elements and vertices; both tables only grow.
+    pub fn as_of(&self, elements: usize, vertices: usize) -> Self {
+        let mut former: Vec<Element> = self.elements[..elements].to_vec();
+        for element in &mut former {
+            if element.first_child as usize >= elements {
+                (element.first_child, element.child_count) = (0, 0);
+            }
+        }
+        let is_leaf = |element: &&Element| element.is_leaf() && !element.is_cluster();
+        Self {
+            leaf_count: former.iter().filter(is_leaf).count(),
+            elements: former,
+            vertices: self.vertices[..vertices].to_vec(),
+            midpoints: self
+                .midpoints
+                .iter()
+                .filter(|&(_, &at)| (at as usize) < vertices)
+                .map(|(k, v)| (*k, *v))
+                .collect(),
+            initial_patches: self.initial_patches.clone(),
+            area_sums: self.area_sums.clone(),
+            exposure: self.exposure.clone(),
+            cluster_count: self.cluster_count,
+            initial_vertices: self.initial_vertices,
+        }
     }
 
     /// Splits a leaf patch into four, unless it has been split already; clusters are left as they are.

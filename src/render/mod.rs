@@ -2,29 +2,41 @@
 //!
 //! Physics stays out: a [`Snapshot`] brings linear radiosities in W/m², and only here are they exposed, bent by the tone curve
 //! and gamma-encoded ([`Display`]). The module knows nothing of windows or panels. It imports `scene` (camera pose),
-//! `solver::snapshot` and `hierarchy::ElementId`.
+//! `solver::snapshot` and, for clusters and links, the elements of `hierarchy`.
 //!
 //! The window and a picture on disk go the same way: [`SceneRenderer::draw`] renders into its own multisampled target and resolves
 //! it to one `Rgba8Unorm` texture, which a window blits into its pass and [`Offscreen`] reads back.
 
 mod buffer;
 mod camera;
+mod clusters;
 mod display;
+mod links;
 mod offscreen;
+mod outline;
 mod overlay;
 mod pick;
 mod pipelines;
-mod ramp;
+mod radiosities;
+mod reading;
+mod reading_settings;
 mod renderer;
 mod target;
 
 pub use camera::Camera;
-pub use display::{Display, Exposure, auto_exposure, encode_gamma, tone_curve};
+pub use clusters::{ApartMesh, ClusterParts, ClusterView, by_clusters, cluster_colours};
+pub use display::Display;
+pub use links::{ChosenLinks, LinkColour, LinkFilter, LinkStyle, Seen, USUAL_LINKS, level_colour};
 pub use offscreen::Offscreen;
-pub use overlay::{LinkFilter, Overlay, power_colour};
+pub use outline::{box_edges, element_outline};
+pub use overlay::{Line, Marks, Overlay, picked_marks, power_colour};
 pub use pick::{Picked, pick};
-pub use ramp::{BLUE_WHITE_RED, VIRIDIS, along_ramp};
+pub use reading::{ColourScale, Isolines, MOST_ISOLINES, Reading, Spacing};
+pub use reading_settings::{IsolinesWanted, Mark, ReadingSettings, Show};
 pub use renderer::{Frame, SceneRenderer, sample_count};
+
+pub use crate::ramp::{BLUE_WHITE_RED, CIVIDIS, Ramp, VIRIDIS, along_ramp};
+pub use crate::tone::{Exposure, auto_exposure, encode_gamma, tone_curve};
 
 #[cfg(doc)]
 use crate::solver::snapshot::Snapshot;

@@ -1,12 +1,16 @@
 //! Pictures without a window, on whatever adapter answers, software ones included.
+//!
+//! As they are shown, or as radiosities in W/m².
 
 use std::sync::mpsc;
 
 use image::RgbaImage;
 
 use super::pipelines::COLOUR_FORMAT;
+use super::radiosities::{PLACES, RadiosityPass};
 use super::renderer::supported_samples;
 use super::{Camera, Display, Frame, Overlay, RenderError, SceneRenderer};
+use crate::export::exr::FloatPicture;
 use crate::solver::snapshot::Snapshot;
 
 /// Bytes of a pixel of the finished picture.
@@ -70,10 +74,42 @@ impl Offscreen {
         overlay: &Overlay,
         size: [u32; 2],
     ) -> Result<RgbaImage, RenderError> {
-        // Without these, running out of graphics memory would end the program; what then fails to be used is reported as invalid.
+        self.guarded(|offscreen| offscreen.draw_and_read(&Frame { snapshot, camera, display, overlay, size }))
+    }
+
+    /// Draws what each pixel sees as radiosity in W/m², linear and without overlays; four samples a pixel.
+    ///
+    /// # Errors
+    /// As [`Self::picture`].
+    pub fn radiosities(
+        &mut self,
+        snapshot: &Snapshot,
+        camera: &Camera,
+        size: [u32; 2],
+    ) -> Result<FloatPicture, RenderError> {
+        self.renderer.check_size(size)?;
+        self.guarded(|offscreen| {
+            let pass = RadiosityPass::new(&offscreen.device, &offscreen.queue, snapshot, size)?;
+            let mut pixels = vec![[0.0_f32; 4]; size[0] as usize * size[1] as usize];
+            for aside in PLACES {
+                let mut encoder = offscreen.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+                pass.draw(&offscreen.queue, &mut encoder, camera, aside);
+                let bytes = offscreen.read_back(encoder, pass.picture(), size_of::<[f32; 4]>() as u32)?;
+                for (sum, drawn) in pixels.iter_mut().zip(bytes.as_chunks::<16>().0) {
+                    let drawn: [f32; 4] = bytemuck::cast(*drawn);
+                    *sum = std::array::from_fn(|channel| sum[channel] + drawn[channel] / PLACES.len() as f32);
+                }
+            }
+            Ok(FloatPicture { size, pixels })
+        })
+    }
+
+    /// Draws; without this, running out of graphics memory would end the program, and what then fails to be used is reported
+    /// as invalid.
+    fn guarded<T>(&mut self, draw: impl FnOnce(&mut Self) -> Result<T, RenderError>) -> Result<T, RenderError> {
         let memory = self.device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
         let validity = self.device.push_error_scope(wgpu::ErrorFilter::Validation);
-        let picture = self.draw_and_read(&Frame { snapshot, camera, display, overlay, size });
+        let picture = draw(self);
         let invalid = pollster::block_on(validity.pop());
         let exhausted = pollster::block_on(memory.pop());
         match exhausted.or(invalid) {
@@ -91,11 +127,21 @@ impl Offscreen {
         // Each picture stands for itself: two snapshots of different solves may carry the same numbers.
         self.renderer.forget();
         self.renderer.draw(&mut encoder, frame)?;
-        let failed = |reason: String| RenderError::Device { reason };
-        let texture = self.renderer.picture().ok_or_else(|| failed("nothing was drawn".into()))?;
-
+        let texture = self.renderer.picture().ok_or_else(|| failed("nothing was drawn"))?;
+        let pixels = self.read_back(encoder, texture, PIXEL_BYTES)?;
         let [width, height] = frame.size;
-        let row_bytes = width * PIXEL_BYTES;
+        RgbaImage::from_raw(width, height, pixels).ok_or_else(|| failed("too few pixels came back"))
+    }
+
+    /// Submits what was recorded and hands the pixels of a texture back, row by row.
+    fn read_back(
+        &self,
+        mut encoder: wgpu::CommandEncoder,
+        texture: &wgpu::Texture,
+        pixel_bytes: u32,
+    ) -> Result<Vec<u8>, RenderError> {
+        let (width, height) = (texture.width(), texture.height());
+        let row_bytes = width * pixel_bytes;
         let padded_row_bytes = row_bytes.next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
         let bytes = u64::from(padded_row_bytes) * u64::from(height);
         let limit = self.device.limits().max_buffer_size;
@@ -130,14 +176,16 @@ impl Offscreen {
         let (sender, receiver) = mpsc::channel();
         // The receiver outlives the wait below; a failed send could only mean that nobody waits any more.
         buffer.map_async(wgpu::MapMode::Read, .., move |result| drop(sender.send(result)));
-        self.device.poll(wgpu::PollType::wait_indefinitely()).map_err(|error| failed(error.to_string()))?;
-        let mapped = receiver.recv().map_err(|_| failed("the device gave no answer".into()))?;
-        mapped.map_err(|error| failed(error.to_string()))?;
-        let rows = buffer.get_mapped_range(..).map_err(|error| failed(error.to_string()))?;
-        let pixels: Vec<u8> =
-            rows.chunks_exact(padded_row_bytes as usize).flat_map(|row| &row[..row_bytes as usize]).copied().collect();
-        RgbaImage::from_raw(width, height, pixels).ok_or_else(|| failed("too few pixels came back".into()))
+        self.device.poll(wgpu::PollType::wait_indefinitely()).map_err(failed)?;
+        let mapped = receiver.recv().map_err(|_| failed("the device gave no answer"))?;
+        mapped.map_err(failed)?;
+        let rows = buffer.get_mapped_range(..).map_err(failed)?;
+        Ok(rows.chunks_exact(padded_row_bytes as usize).flat_map(|row| &row[..row_bytes as usize]).copied().collect())
     }
+}
+
+fn failed(reason: impl ToString) -> RenderError {
+    RenderError::Device { reason: reason.to_string() }
 }
 
 fn new_renderer(device: &wgpu::Device, queue: &wgpu::Queue, samples: u32) -> SceneRenderer {

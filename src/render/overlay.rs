@@ -1,56 +1,67 @@
-//! What is drawn over the picture: outlines of the leaves, boxes of clusters, links of the picked element.
+//! What is drawn over the picture: outlines of the leaves, boxes of clusters, and marks: links and whatever else a view points at.
+
+use std::sync::Arc;
 
 use glam::Vec3;
-use rustc_hash::FxHashMap;
 
-use super::ramp::{VIRIDIS, along_ramp};
+use super::outline::{box_edges, element_outline};
 use crate::hierarchy::ElementId;
-use crate::solver::snapshot::{ClusterBox, InspectedElement, Mesh, Snapshot};
+use crate::ramp::{VIRIDIS, along_ramp};
+use crate::solver::Anatomy;
+use crate::solver::snapshot::{ClusterBox, Mesh};
 
 /// What to draw over the picture.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Overlay {
     /// Outlines of all leaves.
     pub elements: bool,
     /// Boxes of the clusters of this level, the root being level 0.
     pub clusters: Option<u16>,
-    /// Links of the snapshot's inspected element.
-    pub links: Option<LinkFilter>,
+    /// Lines over everything, faint where surfaces hide them, in the order in which they are drawn.
+    pub marks: Marks,
 }
 
-/// Which links of the inspected element to draw.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct LinkFilter {
-    /// So many at most, the strongest first.
-    pub strongest: usize,
+/// Lines that are shared with whoever made them; two are the same if they are one.
+#[derive(Clone, Debug, Default)]
+pub struct Marks(pub Option<Arc<Vec<Line>>>);
+
+impl PartialEq for Marks {
+    fn eq(&self, other: &Self) -> bool {
+        match (&self.0, &other.0) {
+            (Some(one), Some(other)) => Arc::ptr_eq(one, other),
+            (one, other) => one.is_none() && other.is_none(),
+        }
+    }
 }
 
-impl Default for LinkFilter {
-    fn default() -> Self {
-        Self { strongest: 200 }
+impl From<Vec<Line>> for Marks {
+    fn from(lines: Vec<Line>) -> Self {
+        Self((!lines.is_empty()).then(|| Arc::new(lines)))
     }
 }
 
 /// A straight line of constant width on the screen; with both ends in one place, a round dot.
 #[derive(Clone, Copy, Debug, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C)]
-pub(super) struct Line {
+pub struct Line {
     /// One end, in the scene's unit.
-    pub(super) from: [f32; 3],
+    pub from: [f32; 3],
     /// The other end.
-    pub(super) to: [f32; 3],
+    pub to: [f32; 3],
     /// Width, pixels.
-    pub(super) width: f32,
+    pub width: f32,
     /// Gamma-encoded colour and opacity.
-    pub(super) colour: [u8; 4],
+    pub colour: [u8; 4],
 }
 
 impl Line {
-    fn new(from: Vec3, to: Vec3, width: f32, colour: [u8; 4]) -> Self {
+    /// A line.
+    pub fn new(from: Vec3, to: Vec3, width: f32, colour: [u8; 4]) -> Self {
         Self { from: from.into(), to: to.into(), width, colour }
     }
 
-    fn dot(at: Vec3, width: f32, colour: [u8; 4]) -> Self {
+    /// A round dot.
+    pub fn dot(at: Vec3, width: f32, colour: [u8; 4]) -> Self {
         Self::new(at, at, width, colour)
     }
 }
@@ -61,10 +72,7 @@ const OUTLINE: ([u8; 4], f32) = ([70, 130, 220, 190], 1.2);
 const CLUSTER: ([u8; 4], f32) = ([255, 176, 0, 220], 1.5);
 /// The picked element.
 const PICKED: ([u8; 4], f32) = ([255, 255, 255, 255], 2.5);
-/// Width of a link, pixels, and diameter of the dots at its ends.
-const LINK_WIDTH: f32 = 2.0;
-const SOURCE_DOT: f32 = 6.0;
-const CLUSTER_DOT: f32 = 9.0;
+/// Diameter of the dot at its centre.
 const PICKED_DOT: f32 = 10.0;
 /// Links weaker than this share of the strongest have the ramp's first colour.
 const WEAKEST_SHARE: f32 = 1e-3;
@@ -88,70 +96,26 @@ pub(super) fn element_outlines(mesh: &Mesh) -> Vec<Line> {
 pub(super) fn cluster_boxes(clusters: &[ClusterBox], level: u16) -> Vec<Line> {
     let (colour, width) = CLUSTER;
     let of_level = clusters.iter().filter(|cluster| cluster.level == level);
-    of_level.flat_map(|cluster| box_edges(cluster).map(|[from, to]| Line::new(from, to, width, colour))).collect()
+    of_level
+        .flat_map(|cluster| {
+            box_edges(cluster.lower, cluster.upper).map(|[from, to]| Line::new(from, to, width, colour))
+        })
+        .collect()
 }
 
-/// The edges between corners of the box that differ in one coordinate.
-fn box_edges(cluster: &ClusterBox) -> [[Vec3; 2]; 12] {
-    let corner = |bits: usize| {
-        let upper = glam::BVec3::new(bits & 1 != 0, bits & 2 != 0, bits & 4 != 0);
-        Vec3::select(upper, cluster.upper, cluster.lower)
-    };
-    std::array::from_fn(|edge| {
-        let (axis, rest) = (edge / 4, edge % 4);
-        let low_bits = rest & ((1 << axis) - 1);
-        let from = (rest - low_bits) << 1 | low_bits;
-        [corner(from), corner(from | 1 << axis)]
-    })
-}
-
-/// The links of the inspected element, weakest first so that strong ones end on top, and the element itself.
-pub(super) fn links(snapshot: &Snapshot, filter: LinkFilter) -> Vec<Line> {
-    let Some(inspected) = &snapshot.inspected else { return Vec::new() };
-    let mut lines = link_lines(inspected, filter);
+/// The picked element: its rim or box, and its centre.
+pub fn picked_marks(anatomy: &Anatomy, element: ElementId) -> Vec<Line> {
     let (colour, width) = PICKED;
-    let rim = leaf_rim(&snapshot.mesh, inspected.element);
-    lines.extend(rim.into_iter().map(|[from, to]| Line::new(from, to, width, colour)));
-    lines.push(Line::dot(inspected.centre, PICKED_DOT, colour));
+    let rim = element_outline(anatomy.hierarchy(), element).into_iter();
+    let mut lines: Vec<Line> = rim.map(|[from, to]| Line::new(from, to, width, colour)).collect();
+    lines.push(Line::dot(anatomy.hierarchy().element(element).centre, PICKED_DOT, colour));
     lines
-}
-
-fn link_lines(inspected: &InspectedElement, filter: LinkFilter) -> Vec<Line> {
-    let strongest = &inspected.links[..filter.strongest.min(inspected.links.len())];
-    let most = strongest.iter().map(|link| link.power).fold(0.0, f32::max);
-    let drawn = strongest.iter().rev().flat_map(|link| {
-        let [r, g, b] = power_colour(if most > 0.0 { link.power / most } else { 0.0 });
-        let colour = [r, g, b, 255];
-        // A cluster receives and sends as a whole: its dot is larger.
-        let dot = if link.source_is_cluster { CLUSTER_DOT } else { SOURCE_DOT };
-        [
-            Line::new(link.receiver_centre, link.source_centre, LINK_WIDTH, colour),
-            Line::dot(link.source_centre, dot, colour),
-        ]
-    });
-    drawn.collect()
-}
-
-/// The edges around a leaf: those that only one of its triangles has. Empty where the element is no leaf.
-fn leaf_rim(mesh: &Mesh, element: ElementId) -> Vec<[Vec3; 2]> {
-    let Some(leaf) = mesh.leaves.iter().position(|leaf| leaf.element == element) else { return Vec::new() };
-    let triangles = mesh.triangles.iter().zip(&mesh.triangle_leaf).filter(|&(_, &of)| of as usize == leaf);
-    let mut uses: FxHashMap<[u32; 2], u32> = FxHashMap::default();
-    for (&[a, b, c], _) in triangles {
-        for [from, to] in [[a, b], [b, c], [c, a]] {
-            *uses.entry([from.min(to), from.max(to)]).or_default() += 1;
-        }
-    }
-    let position = |vertex: u32| Vec3::from(mesh.positions[vertex as usize]);
-    let mut edges: Vec<_> = uses.into_iter().filter(|&(_, count)| count == 1).map(|(edge, _)| edge).collect();
-    edges.sort_unstable();
-    edges.into_iter().map(|[a, b]| [position(a), position(b)]).collect()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::solver::snapshot::{Leaf, LinkView};
+    use crate::solver::snapshot::Leaf;
 
     fn two_leaves() -> Mesh {
         let leaf = |element| Leaf {
@@ -169,31 +133,6 @@ mod tests {
             outlines: vec![[0, 1], [1, 2], [2, 3], [3, 0], [1, 4], [4, 2]],
             leaves: vec![leaf(7), leaf(9)],
         }
-    }
-
-    fn link(power: f32, source_is_cluster: bool) -> LinkView {
-        LinkView {
-            receiver: ElementId(7),
-            source: ElementId(9),
-            receiver_centre: Vec3::ZERO,
-            source_centre: Vec3::X * power,
-            source_is_cluster,
-            form_factor: 0.1,
-            visibility: 1.0,
-            power,
-            levels_up: 0,
-            receiver_is_cluster: false,
-            irradiance: Vec3::ZERO,
-        }
-    }
-
-    #[test]
-    fn the_rim_of_a_quad_has_four_edges_without_its_diagonal() {
-        let rim = leaf_rim(&two_leaves(), ElementId(7));
-        assert_eq!(rim.len(), 4);
-        assert!(rim.iter().all(|[a, b]| (a.distance(*b) - 1.0).abs() < 1e-6), "{rim:?}");
-        assert_eq!(leaf_rim(&two_leaves(), ElementId(9)).len(), 3);
-        assert!(leaf_rim(&two_leaves(), ElementId(1)).is_empty());
     }
 
     #[test]
@@ -216,21 +155,6 @@ mod tests {
         starts.sort();
         starts.dedup();
         assert_eq!(starts.len(), 12);
-    }
-
-    #[test]
-    fn only_the_strongest_links_are_drawn_and_the_strongest_last() {
-        let inspected = InspectedElement {
-            element: ElementId(7),
-            centre: Vec3::ZERO,
-            links: vec![link(8.0, false), link(4.0, true), link(2.0, false)],
-        };
-        let lines = link_lines(&inspected, LinkFilter { strongest: 2 });
-        // Two links, each a line and the dot of its source.
-        assert_eq!(lines.len(), 4);
-        assert_eq!(lines[2].to, [8.0, 0.0, 0.0]);
-        assert_eq!(lines[2].colour, [253, 231, 37, 255]);
-        assert_eq!((lines[1].from, lines[1].width), (lines[1].to, CLUSTER_DOT));
     }
 
     #[test]

@@ -120,15 +120,21 @@ impl Pipelines {
         });
         let positions = wgpu::vertex_attr_array![0 => Float32x3];
         let radiosities = wgpu::vertex_attr_array![1 => Float32x3];
-        let per_vertex = |attributes| wgpu::VertexBufferLayout {
-            array_stride: size_of::<[f32; 3]>() as u64,
+        let measured = wgpu::vertex_attr_array![2 => Float32];
+        let per_vertex = |array_stride, attributes| wgpu::VertexBufferLayout {
+            array_stride,
             step_mode: wgpu::VertexStepMode::Vertex,
             attributes,
         };
+        let of_three = size_of::<[f32; 3]>() as u64;
         let mesh = Stage {
             name: "mesh",
             entry_points: ["mesh_vertex", "mesh_fragment"],
-            buffers: &[Some(per_vertex(&positions)), Some(per_vertex(&radiosities))],
+            buffers: &[
+                Some(per_vertex(of_three, &positions)),
+                Some(per_vertex(of_three, &radiosities)),
+                Some(per_vertex(size_of::<f32>() as u64, &measured)),
+            ],
             topology: wgpu::PrimitiveTopology::TriangleList,
             // Faces have one bright side: from outside one looks into the room.
             cull: Some(wgpu::Face::Back),

@@ -7,8 +7,10 @@ use bytemuck::cast_slice;
 use super::buffer::GrowingBuffer;
 use super::overlay::{self, Line};
 use super::pipelines::{COLOUR_FORMAT, DEPTH_FORMAT, Pipelines};
+use super::reading::{MOST_ISOLINES, Reading, Spacing, at_vertices};
 use super::target::Target;
-use super::{Camera, Display, MAX_SIZE, Overlay, RenderError, auto_exposure};
+use super::{Camera, Display, MAX_SIZE, Marks, Overlay, RenderError, auto_exposure};
+use crate::photometry::Quantity;
 use crate::solver::snapshot::{ClusterBox, Mesh, Snapshot};
 
 /// Samples per pixel where drawing is cheap.
@@ -46,6 +48,52 @@ pub(super) fn supported_samples(adapter: &wgpu::Adapter) -> u32 {
     if supported { SAMPLES } else { 1 }
 }
 
+/// The uniform `Reading` of scene.wgsl.
+#[derive(Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
+struct ReadingUniform {
+    ends: [f32; 2],
+    fills: u32,
+    is_logarithmic: u32,
+    line_count: u32,
+    padding: [u32; 3],
+    lines: [[f32; 4]; MOST_ISOLINES],
+    stops: [[f32; 4]; 10],
+}
+
+impl ReadingUniform {
+    fn new(reading: &Reading) -> Self {
+        let Reading { scale, fills, isolines, .. } = reading;
+        let encoded = |colour: [u8; 3]| colour.map(|channel| f32::from(channel) / 255.0);
+        let with = |[r, g, b]: [f32; 3], value: f32| [r, g, b, value];
+        let mut lines = [[0.0; 4]; MOST_ISOLINES];
+        for (line, &value) in lines.iter_mut().zip(isolines.values()) {
+            let colour = scale.colour(value);
+            *line = with(encoded(if *fills { contrast(colour) } else { paler(colour) }), value);
+        }
+        Self {
+            ends: scale.ends(),
+            fills: u32::from(*fills),
+            is_logarithmic: u32::from(scale.spacing == Spacing::Logarithmic),
+            line_count: isolines.values().len() as u32,
+            padding: [0; 3],
+            lines,
+            stops: scale.ramp.stops().map(|stop| with(encoded(stop), 1.0)),
+        }
+    }
+}
+
+/// A colour that can be seen on lit surfaces, dark ones too.
+fn paler(colour: [u8; 3]) -> [u8; 3] {
+    colour.map(|channel| channel + (255 - channel) / 3)
+}
+
+/// What can be seen on a colour.
+fn contrast([r, g, b]: [u8; 3]) -> [u8; 3] {
+    let brightness = 2 * u32::from(r) + 7 * u32::from(g) + u32::from(b);
+    if brightness > 1100 { [16, 16, 20] } else { [250, 250, 250] }
+}
+
 /// The uniform `View` of scene.wgsl.
 #[derive(Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C)]
@@ -54,6 +102,7 @@ struct ViewUniform {
     size: [f32; 2],
     exposure: f32,
     line_near: f32,
+    reading: ReadingUniform,
 }
 
 /// In place of an exposure: vertices carry colours.
@@ -76,17 +125,18 @@ impl<Key: PartialEq> LineSet<Key> {
     }
 
     /// Makes and uploads the lines unless those of the key are there.
-    fn update(
+    fn update<Made: AsRef<[Line]>>(
         &mut self,
         device: &wgpu::Device,
         queue: &wgpu::Queue,
         key: Key,
-        make: impl FnOnce() -> Vec<Line>,
+        make: impl FnOnce() -> Made,
     ) -> Result<(), RenderError> {
         if self.key.as_ref() != Some(&key) {
             self.clear();
             let lines = make();
-            self.buffer.write(device, queue, cast_slice(&lines))?;
+            let lines = lines.as_ref();
+            self.buffer.write(device, queue, cast_slice(lines))?;
             self.count = lines.len() as u32;
             self.key = Some(key);
         }
@@ -131,11 +181,14 @@ pub struct SceneRenderer {
     mesh: Option<Same<Mesh>>,
     /// Generation and serial of the radiosities on the device.
     shown: Option<(u64, u64)>,
+    /// The quantity that is read off the surfaces, and what it is there.
+    measured: GrowingBuffer,
+    measured_as: Option<Quantity>,
     auto_exposure: f32,
 
     outlines: LineSet<Same<Mesh>>,
     boxes: LineSet<(Same<Vec<ClusterBox>>, u16)>,
-    links: LineSet<((u64, u64), usize)>,
+    marks: LineSet<Marks>,
 }
 
 impl SceneRenderer {
@@ -169,10 +222,12 @@ impl SceneRenderer {
             index_count: 0,
             mesh: None,
             shown: None,
+            measured: GrowingBuffer::new("vertex readings", wgpu::BufferUsages::VERTEX),
+            measured_as: None,
             auto_exposure: 1.0,
             outlines: LineSet::new("element outlines"),
             boxes: LineSet::new("cluster boxes"),
-            links: LineSet::new("links"),
+            marks: LineSet::new("marks"),
         }
     }
 
@@ -183,6 +238,8 @@ impl SceneRenderer {
     pub fn draw(&mut self, encoder: &mut wgpu::CommandEncoder, frame: &Frame<'_>) -> Result<(), RenderError> {
         self.check_size(frame.size)?;
         self.upload(frame.snapshot)?;
+        let reading = frame.display.reading.filter(|_| !frame.display.as_colours);
+        self.upload_reading(frame.snapshot, reading.map(|reading| reading.quantity))?;
         self.upload_lines(frame.snapshot, frame.overlay)?;
         let [width, height] = frame.size.map(|side| side as f32);
         let view = ViewUniform {
@@ -193,6 +250,7 @@ impl SceneRenderer {
                 false => frame.display.exposure.factor(self.auto_exposure),
             },
             line_near: LINE_NEAR * frame.camera.near(),
+            reading: reading.as_ref().map_or(bytemuck::Zeroable::zeroed(), ReadingUniform::new),
         };
         self.queue.write_buffer(&self.view_buffer, 0, bytemuck::bytes_of(&view));
         if self.target.as_ref().is_none_or(|(target, _)| target.size != frame.size) {
@@ -226,12 +284,11 @@ impl SceneRenderer {
     /// Forgets which snapshot is shown, so that the next one is uploaded whatever its generation and serial say.
     pub fn forget(&mut self) {
         self.shown = None;
-        self.links.clear();
     }
 
     /// # Errors
     /// A size of zero or beyond the adapter's limits.
-    fn check_size(&self, [width, height]: [u32; 2]) -> Result<(), RenderError> {
+    pub(super) fn check_size(&self, [width, height]: [u32; 2]) -> Result<(), RenderError> {
         let limit = self.device.limits().max_texture_dimension_2d.min(MAX_SIZE);
         let allowed = 1..=limit;
         if allowed.contains(&width) && allowed.contains(&height) {
@@ -256,6 +313,19 @@ impl SceneRenderer {
             self.radiosities.write(device, queue, cast_slice(&snapshot.vertex_radiosity))?;
             self.auto_exposure = auto_exposure(snapshot);
             self.shown = Some(identity);
+            self.measured_as = None;
+        }
+        Ok(())
+    }
+
+    /// Uploads what is read off the surfaces of the snapshot on the device.
+    fn upload_reading(&mut self, snapshot: &Snapshot, quantity: Option<Quantity>) -> Result<(), RenderError> {
+        if let Some(quantity) = quantity
+            && self.measured_as != Some(quantity)
+        {
+            self.measured_as = None;
+            self.measured.write(&self.device, &self.queue, cast_slice(&at_vertices(snapshot, quantity)))?;
+            self.measured_as = Some(quantity);
         }
         Ok(())
     }
@@ -275,11 +345,10 @@ impl SceneRenderer {
         } else {
             self.boxes.clear();
         }
-        if let Some(filter) = overlay.links {
-            let key = ((snapshot.generation, snapshot.serial), filter.strongest);
-            self.links.update(device, queue, key, || overlay::links(snapshot, filter))?;
+        if let Some(lines) = &overlay.marks.0 {
+            self.marks.update(device, queue, overlay.marks.clone(), || lines.as_slice())?;
         } else {
-            self.links.clear();
+            self.marks.clear();
         }
         Ok(())
     }
@@ -327,13 +396,16 @@ impl SceneRenderer {
             pass.set_pipeline(if outlined { &self.pipelines.mesh_behind_outlines } else { &self.pipelines.mesh });
             pass.set_vertex_buffer(0, positions);
             pass.set_vertex_buffer(1, radiosities);
+            // Where nothing is read, anything of that size will do.
+            let measured = self.measured.contents().filter(|_| self.measured_as.is_some());
+            pass.set_vertex_buffer(2, measured.unwrap_or(radiosities));
             pass.set_index_buffer(indices, wgpu::IndexFormat::Uint32);
             pass.draw_indexed(0..self.index_count, 0, 0..1);
         }
         let lines = &self.pipelines.lines;
         self.outlines.draw(&mut pass, lines);
         self.boxes.draw(&mut pass, lines);
-        self.links.draw(&mut pass, &self.pipelines.lines_through);
-        self.links.draw(&mut pass, lines);
+        self.marks.draw(&mut pass, &self.pipelines.lines_through);
+        self.marks.draw(&mut pass, lines);
     }
 }

@@ -8,6 +8,20 @@ struct View {
     exposure: f32,
     // Nearest distance at which lines are drawn, in the scene's unit.
     line_near: f32,
+    reading: Reading,
+}
+
+// A quantity as false colours and lines of equal value; all zero where nothing is read.
+struct Reading {
+    // Its range, as logarithms to base 2 where it is logarithmic.
+    ends: vec2f,
+    fills: u32,
+    is_logarithmic: u32,
+    line_count: u32,
+    // Colour and value.
+    lines: array<vec4f, 8>,
+    // Colours of the ramp at even places.
+    stops: array<vec4f, 10>,
 }
 
 @group(0) @binding(0) var<uniform> view: View;
@@ -36,11 +50,16 @@ struct MeshVarying {
     @builtin(position) clip: vec4f,
     // Where the rim of a face crosses the pixel, its middle may lie outside the face and would extrapolate to black or white.
     @location(0) @interpolate(perspective, centroid) radiosity: vec3f,
+    @location(1) @interpolate(perspective, centroid) measured: f32,
 }
 
 @vertex
-fn mesh_vertex(@location(0) point_in_world: vec3f, @location(1) radiosity: vec3f) -> MeshVarying {
-    return MeshVarying(view.clip_from_world * vec4f(point_in_world, 1.0), radiosity);
+fn mesh_vertex(
+    @location(0) point_in_world: vec3f,
+    @location(1) radiosity: vec3f,
+    @location(2) measured: f32,
+) -> MeshVarying {
+    return MeshVarying(view.clip_from_world * vec4f(point_in_world, 1.0), radiosity, measured);
 }
 
 @fragment
@@ -48,10 +67,49 @@ fn mesh_fragment(in: MeshVarying) -> @location(0) vec4f {
     if view.exposure < 0.0 {
         return vec4f(in.radiosity, 1.0);
     }
-    return vec4f(encode_gamma(tone_curve(view.exposure * max(in.radiosity, vec3f(0.0)))), 1.0);
+    var colour = false_colour(in.measured);
+    if view.reading.fills == 0u {
+        colour = encode_gamma(tone_curve(view.exposure * max(in.radiosity, vec3f(0.0))));
+    }
+    let slope = length(vec2f(dpdx(in.measured), dpdy(in.measured)));
+    for (var index = 0u; index < view.reading.line_count; index += 1u) {
+        colour = with_line(colour, view.reading.lines[index], in.measured, slope);
+    }
+    return vec4f(colour, 1.0);
 }
 
-// The same formulas as `tone_curve` and `encode_gamma` in display.rs, which say where they come from.
+fn false_colour(value: f32) -> vec3f {
+    let ends = view.reading.ends;
+    var place = value;
+    if view.reading.is_logarithmic != 0u {
+        place = log2(max(value, 1e-37));
+    }
+    let along = 9.0 * clamp((place - ends.x) / (ends.y - ends.x), 0.0, 1.0);
+    let lower = min(u32(along), 8u);
+    return mix(view.reading.stops[lower].rgb, view.reading.stops[lower + 1u].rgb, along - f32(lower));
+}
+
+// Half the width of a line of equal value, and of the shade beside it that sets it off from lit surfaces, pixels.
+const ISOLINE_HALF_WIDTH: f32 = 0.75;
+const ISOLINE_SHADE: f32 = 1.0;
+
+// A line where the value is that of the line, as wide everywhere: the slope tells how far away, in pixels, that is.
+fn with_line(colour: vec3f, line: vec4f, value: f32, slope: f32) -> vec3f {
+    if slope <= 1e-6 * line.w {
+        // A plain has no lines, even at their height.
+        return colour;
+    }
+    let distance = abs(value - line.w) / slope;
+    let shade = clamp(ISOLINE_HALF_WIDTH + ISOLINE_SHADE + 0.5 - distance, 0.0, 1.0);
+    let coverage = clamp(ISOLINE_HALF_WIDTH + 0.5 - distance, 0.0, 1.0);
+    var below = colour;
+    if view.reading.fills == 0u {
+        below = mix(colour, vec3f(0.0), 0.5 * shade);
+    }
+    return mix(below, line.rgb, coverage);
+}
+
+// The same formulas as `tone_curve` and `encode_gamma` in tone.rs, which say where they come from.
 
 fn tone_curve(exposed: vec3f) -> vec3f {
     // Far beyond white the curve is flat, and its square must stay finite.

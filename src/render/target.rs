@@ -19,6 +19,16 @@ pub(super) struct Target {
 impl Target {
     /// Textures of a size that the device takes.
     pub(super) fn new(device: &wgpu::Device, size: [u32; 2], samples: u32) -> Self {
+        Self::with_format(device, size, samples, COLOUR_FORMAT)
+    }
+
+    /// The same for pictures of another format.
+    pub(super) fn with_format(
+        device: &wgpu::Device,
+        size: [u32; 2],
+        samples: u32,
+        colour_format: wgpu::TextureFormat,
+    ) -> Self {
         let texture = |label, format, sample_count, usage| {
             device.create_texture(&wgpu::TextureDescriptor {
                 label: Some(label),
@@ -33,10 +43,10 @@ impl Target {
         };
         let view = |texture: &wgpu::Texture| texture.create_view(&wgpu::TextureViewDescriptor::default());
         let read = wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_SRC;
-        let picture = texture("picture", COLOUR_FORMAT, 1, read);
+        let picture = texture("picture", colour_format, 1, read);
         let multisampled = samples > 1;
         let samples_view = multisampled
-            .then(|| view(&texture("picture samples", COLOUR_FORMAT, samples, wgpu::TextureUsages::empty())));
+            .then(|| view(&texture("picture samples", colour_format, samples, wgpu::TextureUsages::empty())));
         let depth_view = view(&texture("depth", DEPTH_FORMAT, samples, wgpu::TextureUsages::empty()));
         Self { size, picture_view: view(&picture), picture, samples_view, depth_view }
     }

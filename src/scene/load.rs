@@ -10,6 +10,9 @@ use super::load_error::LoadError;
 use super::sidecar::{Sidecar, SidecarError};
 use super::{EditError, Scene, gltf, obj};
 
+/// So many objects of the sidecar that are not there are named, the rest is counted.
+const MOST_REMARKS: usize = 5;
+
 /// Where a scene comes from.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Source {
@@ -52,6 +55,13 @@ pub fn load_file(path: &Path) -> Result<Scene, LoadError> {
     }
     let unusable = |error: EditError| SidecarError::Value { path: sidecar_path.clone(), problem: error.to_string() };
     sidecar.add_lights_to(&mut scene).map_err(unusable)?;
+    let mut remarks = scene.regroup(sidecar.groups);
+    let more = remarks.len().saturating_sub(MOST_REMARKS);
+    if more > 0 {
+        remarks.truncate(MOST_REMARKS);
+        remarks.push(format!("{more} more objects of the sidecar's groups could not be placed either."));
+    }
+    scene.skipped.notes.append(&mut remarks);
     Ok(scene)
 }
 

@@ -15,6 +15,9 @@ mod load_error;
 mod mtl;
 mod obj;
 mod obj_text;
+mod regroup;
+mod regroup_edit;
+mod regroup_list;
 mod sidecar;
 mod texture;
 mod triangulate;
@@ -27,11 +30,13 @@ pub use check::Skipped;
 pub use edit::EditError;
 pub use load::{Source, load, load_file};
 pub use load_error::LoadError;
-pub use sidecar::{Sidecar, SidecarError, SidecarLight, SidecarMaterial};
+pub use regroup::{GroupMember, GroupTree};
+pub use regroup_edit::{RegroupError, Regrouped};
+pub use sidecar::{MAX_EMISSION, MAX_SIDECAR_REFLECTANCE, Sidecar, SidecarError, SidecarLight, SidecarMaterial};
 pub use write::{WriteError, write_obj};
 
 /// Index into [`Scene::materials`].
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct MaterialId(pub u32);
 
 /// Index into [`Scene::groups`]; the root group is `GroupId(0)`.
@@ -166,6 +171,8 @@ pub struct Scene {
     pub filed_materials: Vec<Material>,
     /// Groups; a parent precedes its children, `groups[0]` is the root.
     pub groups: Vec<Group>,
+    /// How a person arranged the groups by hand; empty where they are as the file has them.
+    pub regrouping: Vec<GroupMember>,
     /// Lights among the polygons that no scene file holds: [`Scene::add_ceiling_light`] made them.
     pub ceiling_panels: Vec<CeilingPanel>,
     /// The view to open with, where the scene names one.
@@ -182,6 +189,7 @@ impl Scene {
         let name = name.into();
         Self {
             groups: vec![Group { name: name.clone(), parent: None }],
+            regrouping: Vec::new(),
             name,
             vertices: Vec::new(),
             polygons: Vec::new(),

@@ -4,6 +4,7 @@
 //! { "materials": { "lamp": { "emission": [30, 30, 30] }, "pane": { "ignore": true } },
 //!   "ceiling_lights": [{ "centre": [1, 2.7, 1], "up": [0, 1, 0], "size": 0.5, "exitance": [100, 100, 100] }],
 //!   "sides": "auto",
+//!   "groups": [{ "lamps": ["desk_1/lamp", "desk_2/lamp"] }],
 //!   "camera": { "eye": [0, 1, 3], "target": [0, 1, 0], "up": [0, 1, 0], "hfov_deg": 50 } }
 //! ```
 
@@ -14,13 +15,13 @@ use std::{fs, io};
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
 
-use super::{CameraPose, CeilingPanel, EditError, Material, Scene, Sides};
+use super::{CameraPose, CeilingPanel, EditError, GroupMember, Material, Scene, Sides};
 
 /// The largest reflectance that a sidecar may set; a light path then loses at least a hundredth at each bounce.
-pub(super) const MAX_SIDECAR_REFLECTANCE: f32 = 0.99;
+pub const MAX_SIDECAR_REFLECTANCE: f32 = 0.99;
 
 /// The largest emission B_e, W/m² (the sun's surface has 6e7): powers must stay finite in f32.
-pub(super) const MAX_EMISSION: f32 = 1e9;
+pub const MAX_EMISSION: f32 = 1e9;
 
 /// What a sidecar says of a scene; every part may be missing.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -35,6 +36,9 @@ pub struct Sidecar {
     /// Which sides of faces are bright.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub sides: Option<Sides>,
+    /// Groups made by hand.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub groups: Vec<GroupMember>,
     /// The view to open with.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub camera: Option<CameraPose>,
@@ -118,7 +122,7 @@ impl Sidecar {
         scene.with_extension("selflink.json")
     }
 
-    /// All in which a scene differs from its file: reflectances, emissions, added lights, sides and camera.
+    /// All in which a scene differs from its file: reflectances, emissions, added lights, groups made by hand, sides and camera.
     ///
     /// A scene does not remember which materials a sidecar told to ignore; where a sidecar is already there, read it and
     /// [`update`](Self::update) it instead.
@@ -155,6 +159,7 @@ impl Sidecar {
         if self.sides.is_some() || scene.sides != Sides::default() {
             self.sides = Some(scene.sides);
         }
+        self.groups = scene.regrouping.clone();
         self.camera = scene.camera.or(self.camera);
     }
 

@@ -31,6 +31,9 @@ pub type VertexKey = (u32, u32);
 /// Marks the middle of an element in a [`VertexKey`].
 const CENTRE: u32 = 1 << 31;
 
+/// Stands for the number of elements of a mesh that is to be made anew.
+const OUTDATED: usize = usize::MAX;
+
 /// Stands for "no leaf".
 const NO_LEAF: u32 = u32::MAX;
 
@@ -68,6 +71,11 @@ impl Display {
                 Self::build(hierarchy, scene, surfaces, Arc::new(cluster_boxes(hierarchy)), style)
             }
         }
+    }
+
+    /// For a hierarchy whose patches were merged back and numbered anew: smooth surfaces and boxes stay, the mesh does not.
+    pub fn outdated(self) -> Self {
+        Self { elements: OUTDATED, ..self }
     }
 
     /// The same hierarchy, or what it has grown to, in another style.

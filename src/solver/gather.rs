@@ -35,6 +35,14 @@ impl Light {
         }
     }
 
+    /// Forgets all but the first so many elements.
+    pub fn truncate(&mut self, elements: usize) {
+        for table in [&mut self.radiosity, &mut self.irradiance, &mut self.emitted] {
+            table.truncate(elements);
+        }
+        self.row_scale.truncate(elements);
+    }
+
     /// Memory of the tables, bytes.
     pub fn bytes(&self) -> usize {
         size_of_val(&self.radiosity[..])

@@ -57,6 +57,11 @@ impl Link {
         Self::new(self.source(), self.form_factor, visibility, self.evidence())
     }
 
+    /// The same from an element of another number.
+    pub fn with_source(self, source: ElementId) -> Self {
+        Self { source: source.0, ..self }
+    }
+
     /// The same as if nobody had looked at the pair.
     pub fn unjudged(self) -> Self {
         Self { evidence: UNJUDGED, ..self }

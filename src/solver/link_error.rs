@@ -104,18 +104,19 @@ impl Oracle<'_> {
         if receiver == source {
             return self.brightness[source.index()] * self.hierarchy.element(source).area > allowed;
         }
-        let (visibility, rays) = match link.evidence() {
-            Evidence::None => return true,
-            Evidence::Inherited => (1.0, None),
-            Evidence::Clear(rays) => (1.0, Some(u32::from(rays))),
-            Evidence::Rays(rays) => (link.visibility(), Some(u32::from(rays))),
-        };
         let Exchange::Facing { estimate, bound, overlapping } = exchange(self.hierarchy, receiver, source) else {
             return true;
         };
         let facing = Facing { estimate, bound, overlapping };
-        self.error_of(receiver, source, facing, visibility, rays).total() > allowed
-            && end_to_split(self.hierarchy, receiver, source).is_some()
+        link.evidence() == Evidence::None
+            || self.exceeds_error(receiver, link, facing, allowed)
+                && end_to_split(self.hierarchy, receiver, source).is_some()
+    }
+
+    /// Whether a link's error exceeds what is allowed, W; always where nobody looked.
+    pub fn exceeds_error(&self, receiver: ElementId, link: &Link, facing: Facing, allowed: f32) -> bool {
+        let Some((visibility, rays)) = seen_by(link.visibility(), link.evidence()) else { return true };
+        self.error_of(receiver, link.source(), facing, visibility, rays).total() > allowed
     }
 
     /// Whether a touching pair is refined whatever its visibility.
@@ -123,7 +124,6 @@ impl Oracle<'_> {
         TOUCHING_WEIGHT * bound_power > self.thresholds.epsilon
     }
 
-    /// Estimated error of a link with mean visibility V by so many rays; `None` where a pair that holds it was seen in full.
     fn error_of(
         &self,
         receiver: ElementId,
@@ -132,39 +132,70 @@ impl Oracle<'_> {
         visibility: f32,
         rays: Option<u32>,
     ) -> LinkError {
-        let hierarchy = self.hierarchy;
-        let brightness = self.brightness[source.index()];
-        if facing.overlapping && facing.bound > facing.estimate {
-            return LinkError { sight: TOUCHING_WEIGHT * brightness * facing.bound, ..LinkError::default() };
+        let light = SourceLight { brightness: self.brightness[source.index()], spread: self.spread[source.index()] };
+        estimated_error(self.hierarchy, (receiver, source), facing, light, (visibility, rays))
+    }
+}
+
+/// The V and the rays by which a stored link is judged; `None` where nobody looked.
+pub fn seen_by(visibility: f32, evidence: Evidence) -> Option<(f32, Option<u32>)> {
+    match evidence {
+        Evidence::None => None,
+        Evidence::Inherited => Some((1.0, None)),
+        Evidence::Clear(rays) => Some((1.0, Some(rays.into()))),
+        Evidence::Rays(rays) => Some((visibility, Some(rays.into()))),
+    }
+}
+
+/// A source's light, largest colour, W/m².
+#[derive(Clone, Copy, Debug)]
+pub struct SourceLight {
+    /// Radiosity B.
+    pub brightness: f32,
+    /// Its standard deviation over the source's leaves.
+    pub spread: f32,
+}
+
+/// Estimated error of a link (receiver, source) with mean visibility V by so many rays; `None` where a pair that holds it was seen in
+/// full.
+pub fn estimated_error(
+    hierarchy: &Hierarchy,
+    (receiver, source): (ElementId, ElementId),
+    facing: Facing,
+    light: SourceLight,
+    (visibility, rays): (f32, Option<u32>),
+) -> LinkError {
+    let brightness = light.brightness;
+    if facing.overlapping && facing.bound > facing.estimate {
+        return LinkError { sight: TOUCHING_WEIGHT * brightness * facing.bound, ..LinkError::default() };
+    }
+    let power = brightness * facing.estimate;
+    let (seen, noise) = match rays {
+        None => (1.0, 0.0),
+        Some(rays) => {
+            let rays = rays as f32;
+            let seen = (visibility * rays + PRIOR) / (rays + 2.0 * PRIOR);
+            (seen, (seen * (1.0 - seen) / (rays + 1.0)).sqrt())
         }
-        let power = brightness * facing.estimate;
-        let (seen, noise) = match rays {
-            None => (1.0, 0.0),
-            Some(rays) => {
-                let rays = rays as f32;
-                let seen = (visibility * rays + PRIOR) / (rays + 2.0 * PRIOR);
-                (seen, (seen * (1.0 - seen) / (rays + 1.0)).sqrt())
-            }
-        };
-        // Links kept because few rays came through by chance, while those by which more came through are refined, lose
-        // light: 9 % of the seminar room's at 1e-4, 7 % with this.
-        let at_least = seen.max(0.5);
-        let (own, other) = (extent(hierarchy, receiver), extent(hierarchy, source));
-        let share = if own > 0.0 { own / (own + other) } else { 0.0 };
-        let uneven = self.spread[source.index()] / brightness;
-        let over_source = match hierarchy.element(source).shape {
-            _ if uneven <= 0.0 => 0.0,
-            // Its faces are turned all ways.
-            Shape::Cluster(_) => 1.0,
-            Shape::Patch(_) => kernel_variation(hierarchy, source, receiver),
-        };
-        let with_sight = (over_source.powi(2) + (1.0 - seen) / seen.max(1e-6)).sqrt().min(1.0);
-        LinkError {
-            kernel: KERNEL_WEIGHT * power * at_least * kernel_variation(hierarchy, receiver, source),
-            sight: power * 2.0 * at_least * (1.0 - at_least) * share,
-            noise: NOISE_WEIGHT * power * noise,
-            source: SOURCE_WEIGHT * power * at_least * uneven * with_sight,
-        }
+    };
+    // Links kept because few rays came through by chance, while those by which more came through are refined, lose
+    // light: 9 % of the seminar room's at 1e-4, 7 % with this.
+    let at_least = seen.max(0.5);
+    let (own, other) = (extent(hierarchy, receiver), extent(hierarchy, source));
+    let share = if own > 0.0 { own / (own + other) } else { 0.0 };
+    let uneven = light.spread / brightness;
+    let over_source = match hierarchy.element(source).shape {
+        _ if uneven <= 0.0 => 0.0,
+        // Its faces are turned all ways.
+        Shape::Cluster(_) => 1.0,
+        Shape::Patch(_) => kernel_variation(hierarchy, source, receiver),
+    };
+    let with_sight = (over_source.powi(2) + (1.0 - seen) / seen.max(1e-6)).sqrt().min(1.0);
+    LinkError {
+        kernel: KERNEL_WEIGHT * power * at_least * kernel_variation(hierarchy, receiver, source),
+        sight: power * 2.0 * at_least * (1.0 - at_least) * share,
+        noise: NOISE_WEIGHT * power * noise,
+        source: SOURCE_WEIGHT * power * at_least * uneven * with_sight,
     }
 }
 

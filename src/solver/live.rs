@@ -5,54 +5,130 @@ use std::sync::Arc;
 use glam::Vec3;
 
 use super::candidate::Candidate;
+use super::change::{Doubts, Invalidates};
+use super::gather::pull;
 use super::link::LinkTable;
-use super::params::{Invalidates, SolverParams};
+use super::params::{Reconstruct, SolverParams};
 use super::picture::Picture;
 use super::refine::Refinement;
 use super::stats::{Phase, Seconds};
-use super::{Solver, SolverError, judged_again, surfaces_of, timed, watts};
+use super::{Solver, SolverError, judged_again, largest_power, surfaces_of, timed, watts};
 use crate::hierarchy::{ElementId, Hierarchy, PatchSums, Shape};
-use crate::scene::MaterialId;
+use crate::scene::{Material, MaterialId};
 
 impl Solver {
-    /// Takes over new parameters with the least work that suffices; false when hierarchy or scene must be rebuilt by a new
-    /// solver, which then takes over.
+    /// Takes over new parameters with the least work that suffices; false when hierarchy or scene must be rebuilt, by
+    /// [`Self::rebuilt`] or a new solver, which then takes over: this one stays as it is.
     ///
     /// # Errors
     /// Parameters out of range; the present ones stay.
     pub fn set_params(&mut self, params: SolverParams) -> Result<bool, SolverError> {
         params.validate()?;
-        let change = self.params.change_to(&params);
-        if self.params.threshold() != params.threshold() {
-            self.epsilon_watts = watts(&params, &self.scene);
+        let is_anchored_anew = self.params.threshold() != params.threshold();
+        let epsilon = if is_anchored_anew { watts(&params, &self.scene) } else { self.epsilon_watts };
+        let change = self.params.change_to(&params, [self.epsilon_watts, epsilon]);
+        if change.cost >= Invalidates::Hierarchy {
+            return Ok(false);
         }
+        let was_gathered = self.params.shown_by() == Reconstruct::Gather;
+        let is_moved = self.params.push != params.push || was_gathered;
         self.params = params;
-        match change {
-            Invalidates::Nothing => {}
-            Invalidates::Radiosities | Invalidates::Verdicts => self.resume(),
+        self.epsilon_watts = epsilon;
+        if is_anchored_anew {
+            self.anchor_watts = largest_power(&self.scene);
+        }
+        self.merges_back |= change.merges_back;
+        self.doubts = self.doubts.and(change.doubts);
+        match change.cost {
+            Invalidates::Nothing | Invalidates::Picture => {}
+            // Links and their light stay; vertices look for theirs.
+            Invalidates::Radiosities if self.phase == Phase::Done && !is_moved && self.is_to_reconstruct() => {
+                self.end_links();
+            }
+            Invalidates::Radiosities | Invalidates::Verdicts | Invalidates::Refinement => {
+                self.is_converged &= !is_moved;
+                self.resume();
+            }
             Invalidates::Links => self.restart_from_root(),
-            Invalidates::Hierarchy | Invalidates::Scene => return Ok(false),
+            Invalidates::Hierarchy | Invalidates::Scene => unreachable!("what is rebuilt was turned away above"),
         }
         Ok(true)
+    }
+
+    /// A solver of the same scene with other clusters, which starts with the radiosities that are known here and with what is known
+    /// of hidden parts.
+    ///
+    /// # Errors
+    /// Parameters out of range, or a `none` solve that cannot fit into memory.
+    pub fn rebuilt(&self, params: SolverParams, generation: u64) -> Result<Self, SolverError> {
+        let (scene, occluders) = (self.scene.clone(), self.occluders.clone());
+        let exposure = self.hierarchy.exposure().clone();
+        let mut new = Self::with_exposure(scene, occluders, params, generation, |_, _| exposure)?;
+        if params.threshold() == self.params.threshold() {
+            (new.epsilon_watts, new.anchor_watts) = (self.epsilon_watts, self.anchor_watts);
+        }
+        let mut of_polygons = vec![Vec3::ZERO; self.scene.polygons.len()];
+        for &id in self.hierarchy.initial_patches() {
+            if let Shape::Patch(patch) = self.hierarchy.element(id).shape {
+                of_polygons[patch.polygon as usize] = self.light.radiosity[id.index()];
+            }
+        }
+        for (element, radiosity) in new.hierarchy.elements().iter().zip(&mut new.light.radiosity) {
+            if let Shape::Patch(patch) = element.shape {
+                *radiosity = of_polygons[patch.polygon as usize];
+            }
+        }
+        pull(&new.hierarchy, &mut new.light.radiosity);
+        new.fix_brightness();
+        new.seconds.load = self.seconds.load;
+        Ok(new)
     }
 
     /// Changes a material's emission B_e (W/m²); ε in watts stays, and so do all links but those of clusters that now shine
     /// from other parts of them.
     pub fn set_emission(&mut self, material: MaterialId, emission: Vec3) {
-        let mut scene = (*self.scene).clone();
-        scene.materials[material.0 as usize].emission = emission;
-        self.scene = Arc::new(scene);
-        self.surfaces = surfaces_of(&self.scene);
+        self.edit_material(material, |material| material.emission = emission);
         let changed = self.changed_clusters(material);
         self.light.emitted = self.emitted_light().emitted;
         self.emission = self.emission_sums();
         let redirected = self.links.drain(|_, link| changed[link.source().index()]);
-        self.refinement.add(redirected.into_iter().map(|(receiver, link)| judged_again(receiver, &link, false)));
+        let judged_again = |(receiver, link): (ElementId, _)| judged_again(receiver, &link, Doubts::default());
+        self.refinement.add(redirected.into_iter().map(judged_again));
         if self.epsilon_watts <= 0.0 {
             // There was no light to measure ε by.
             self.epsilon_watts = watts(&self.params, &self.scene);
+            self.anchor_watts = largest_power(&self.scene);
         }
         self.resume();
+    }
+
+    /// Changes a material's reflectance ρ; ε in watts stays, and so do all links: light is gathered again, and links are judged
+    /// again where B has grown.
+    pub fn set_reflectance(&mut self, material: MaterialId, reflectance: Vec3) {
+        self.edit_material(material, |material| material.reflectance = reflectance);
+        self.resume();
+    }
+
+    /// Measures a relative ε by the power that is emitted now; ε in watts stays as it is.
+    pub fn anchor_epsilon(&mut self) {
+        let epsilon = watts(&self.params, &self.scene);
+        self.anchor_watts = largest_power(&self.scene);
+        if epsilon == self.epsilon_watts {
+            return;
+        }
+        let is_finer = epsilon < self.epsilon_watts;
+        self.merges_back |= !is_finer;
+        self.doubts.finer_epsilon |= is_finer;
+        self.epsilon_watts = epsilon;
+        self.resume();
+    }
+
+    fn edit_material(&mut self, material: MaterialId, edit: impl FnOnce(&mut Material)) {
+        let mut scene = (*self.scene).clone();
+        edit(&mut scene.materials[material.0 as usize]);
+        self.scene = Arc::new(scene);
+        self.surfaces = surfaces_of(&self.scene);
+        self.is_converged = false;
     }
 
     /// Clusters that hold faces of a material beside other lamps, or that were dark so far.
@@ -114,6 +190,9 @@ impl Solver {
         self.final_gather = None;
         self.phase = Phase::Refine;
         self.stage = 0;
-        self.gathers_finely = false;
+        self.frozen = None;
+        self.restart_history();
+        (self.gathers_finely, self.is_converged) = (false, false);
+        (self.merges_back, self.doubts) = (false, Doubts::default());
     }
 }

@@ -9,16 +9,23 @@
 //! 4. Judge the stored links again, for B has grown; those that fail are candidates of the next round, until none fails.
 //! 5. Where an error is asked for, look for light anew at the vertices (a final gather) until its own estimate keeps the promise.
 //!
+//! Settings, lamps and materials may change meanwhile (`live`): what that costs is told by `change`, and a coarser threshold merges
+//! links and patches back (`coarsen`).
+//!
 //! This module imports `scene`, `visibility` and `hierarchy`.
 
+pub mod anatomy;
 mod audit;
 mod balance;
 mod bounds;
 mod candidate;
+mod change;
+mod coarsen;
 mod display;
 mod final_gather;
 mod form_factor;
 mod gather;
+mod history;
 mod link;
 mod link_error;
 mod live;
@@ -41,17 +48,21 @@ use std::time::Instant;
 use glam::Vec3;
 use rayon::prelude::*;
 
+pub use anatomy::{Anatomy, LinkView};
 pub use audit::{Audit, audit};
 pub use balance::{PowerBalance, power_balance};
+pub use change::Invalidates;
 pub use display::barycentric;
 pub use form_factor::{Exchange, exchange, point_to_polygon};
+pub use history::{MomentInfo, MomentKind};
 pub use link::{Evidence, Link, LinkTable};
+pub use link_error::LinkError;
 pub use params::{
-    ClusterModel, ClusteringMode, Epsilon, Invalidates, OracleKind, PARAMETERS, Parameter, ParameterId, ParamsError,
-    Push, Reconstruct, SolverParams, USUAL_ERROR, ValueKind,
+    ClusterModel, ClusteringMode, Epsilon, OracleKind, PARAMETERS, Parameter, ParameterId, ParamsError, Push,
+    Reconstruct, SolverParams, USUAL_ERROR, ValueKind,
 };
 pub use refine::RejectedPair;
-pub use snapshot::{ClusterBox, InspectedElement, Leaf, LinkView, Mesh, Snapshot};
+pub use snapshot::{ClusterBox, Leaf, Mesh, Snapshot};
 pub use stats::{Bytes, Phase, Seconds, Stats};
 pub use verdict::Rejection;
 
@@ -61,9 +72,11 @@ use crate::hierarchy::{ElementId, Hierarchy, PatchSums, Shape};
 use crate::scene::Scene;
 use crate::visibility::Occluders;
 use candidate::{Candidate, Directions};
+use change::Doubts;
 use display::Display;
 use final_gather::FinalGather;
 use gather::{Gatherer, Light, Surface, pull};
+use history::History;
 use memory::check_pairs_fit;
 use oracle::Oracle;
 use picture::Picture;
@@ -135,6 +148,12 @@ pub struct Solver {
     surfaces: Vec<Surface>,
     params: SolverParams,
     epsilon_watts: f64,
+    /// The Φ by which ε became watts, W.
+    anchor_watts: f64,
+    /// Whether links may be finer than ε asks for, because it was raised.
+    merges_back: bool,
+    /// What the next look at the stored links must look for.
+    doubts: Doubts,
     hierarchy: Hierarchy,
     light: Light,
     /// Emitted power of the initial patches, by the largest colour, W.
@@ -150,6 +169,8 @@ pub struct Solver {
     stage: usize,
     /// Whether the next gather is the last one, to [`FINAL_TOLERANCE`].
     gathers_finely: bool,
+    /// Whether the light is that of the last gather, and nothing has changed since but what is asked of links.
+    is_converged: bool,
     iterations: u32,
     clamped_leaves: usize,
     bounded_leaves: usize,
@@ -160,7 +181,10 @@ pub struct Solver {
     picture: Picture,
     display: Option<Display>,
     final_gather: Option<FinalGather>,
-    inspected: Option<ElementId>,
+    /// Whether snapshots carry the anatomy, and the hierarchy of the last one that did.
+    wants_anatomy: bool,
+    frozen: Option<Arc<Hierarchy>>,
+    history: Option<History>,
 }
 
 impl Solver {
@@ -174,18 +198,32 @@ impl Solver {
         params: SolverParams,
         generation: u64,
     ) -> Result<Self, SolverError> {
+        Self::with_exposure(scene, occluders, params, generation, |scene, occluders| {
+            Arc::new(Exposure::new(scene, occluders))
+        })
+    }
+
+    /// The same where somebody may know already what is hidden.
+    fn with_exposure(
+        scene: Arc<Scene>,
+        occluders: Arc<Occluders>,
+        params: SolverParams,
+        generation: u64,
+        exposure: impl FnOnce(&Scene, &Occluders) -> Arc<Exposure>,
+    ) -> Result<Self, SolverError> {
         params.validate()?;
         if params.clustering == ClusteringMode::None {
             check_pairs_fit(scene.polygons.len() as u64)?;
         }
-        let (hierarchy, seconds) = timed(|| {
-            let exposure = Arc::new(Exposure::new(&scene, &occluders));
-            Hierarchy::new(&scene, exposure, params.clustering, params.octree_depth)
-        });
+        let (hierarchy, seconds) =
+            timed(|| Hierarchy::new(&scene, exposure(&scene, &occluders), params.clustering, params.octree_depth));
         let seconds = Seconds { hierarchy: seconds, total: seconds, ..Seconds::default() };
         let mut solver = Self {
             surfaces: surfaces_of(&scene),
             epsilon_watts: watts(&params, &scene),
+            anchor_watts: largest_power(&scene),
+            merges_back: false,
+            doubts: Doubts::default(),
             scene,
             occluders,
             params,
@@ -199,6 +237,7 @@ impl Solver {
             phase: Phase::Refine,
             stage: 0,
             gathers_finely: false,
+            is_converged: false,
             iterations: 0,
             clamped_leaves: 0,
             bounded_leaves: 0,
@@ -208,7 +247,9 @@ impl Solver {
             picture: Picture::default(),
             display: None,
             final_gather: None,
-            inspected: None,
+            wants_anatomy: false,
+            frozen: None,
+            history: None,
         };
         solver.light = solver.emitted_light();
         solver.emission = solver.emission_sums();
@@ -217,8 +258,7 @@ impl Solver {
         Ok(solver)
     }
 
-    /// Does one bounded piece of work.
-    pub fn step(&mut self, cancel: &CancelToken) -> Step {
+    fn work(&mut self, cancel: &CancelToken) -> Step {
         if cancel.is_cancelled() {
             return Step::Interrupted;
         }
@@ -228,6 +268,13 @@ impl Solver {
                 self.seconds.refine += seconds;
                 self.seconds.total += seconds;
                 step
+            }
+            Phase::Gather if self.merges_back => {
+                let (is_done, seconds) = timed(|| self.merge_back(cancel));
+                self.seconds.refine += seconds;
+                self.seconds.total += seconds;
+                self.merges_back = !is_done;
+                if is_done { Step::Refined { wave_ended: true } } else { Step::Interrupted }
             }
             Phase::Gather => {
                 let (step, seconds) = timed(|| self.gather(cancel));
@@ -243,6 +290,18 @@ impl Solver {
             }
             Phase::Done => Step::Finished,
         }
+    }
+
+    /// Does one bounded piece of work, and keeps the moment where one ends with it and history is kept.
+    pub fn step(&mut self, cancel: &CancelToken) -> Step {
+        let step = self.work(cancel);
+        match step {
+            Step::Refined { wave_ended: true } => self.remember(MomentKind::Wave),
+            Step::Gathered => self.remember(MomentKind::Round),
+            Step::Reconstructed { pass_ended: true } => self.remember(MomentKind::Pass),
+            _ => {}
+        }
+        step
     }
 
     /// Steps until nothing is left to do; false if cancelled.
@@ -278,8 +337,13 @@ impl Solver {
 
     fn gather(&mut self, cancel: &CancelToken) -> Step {
         let accepted = std::mem::take(&mut self.refinement.accepted);
+        self.is_converged &= accepted.is_empty();
         if !accepted.is_empty() || self.links.receivers() < self.hierarchy.elements().len() {
             self.links.append(self.hierarchy.elements().len(), &accepted);
+        }
+        if self.is_converged && !self.gathers_finely {
+            self.judge_stored();
+            return Step::Gathered;
         }
         // The first rounds are coarse: light that is not judged yet has no place in what verdicts look at.
         let tolerance = if self.gathers_finely { FINAL_TOLERANCE } else { ROUND_TOLERANCE };
@@ -295,22 +359,32 @@ impl Solver {
         self.fix_brightness();
         self.iterations += 1;
         if self.gathers_finely {
+            self.is_converged = true;
             self.end_links();
-            return Step::Gathered;
+        } else {
+            self.judge_stored();
         }
-        let mut failing = self.take_failing(false);
+        Step::Gathered
+    }
+
+    /// Judges the stored links by the present radiosities; those that fail are candidates of the next round.
+    fn judge_stored(&mut self) {
+        let doubts = std::mem::take(&mut self.doubts);
+        let mut failing = self.take_failing(doubts);
         let few_fail = failing.len() * FEW <= self.links.len();
         if few_fail && self.stage + 1 < SCHEDULE.len() {
             self.stage += 1;
-            failing.append(&mut self.take_failing(true));
+            failing.append(&mut self.take_failing(Doubts { finer_epsilon: true, ..Doubts::default() }));
         } else {
             self.gathers_finely = few_fail;
         }
         if !failing.is_empty() {
             self.refinement.start(failing);
+            if doubts != Doubts::default() {
+                self.refinement.hurry();
+            }
             self.phase = Phase::Refine;
         }
-        Step::Gathered
     }
 
     /// ε of the present stage, W.
@@ -318,10 +392,9 @@ impl Solver {
         self.epsilon_watts * SCHEDULE[self.stage]
     }
 
-    /// Takes out what must be judged again as candidates. A link that fails by the present radiosities, where visibility that
-    /// was inherited by a coarser ε must show itself by this one; and pairs whose occlusion matters more than when it was found.
-    fn take_failing(&mut self, finer_epsilon: bool) -> Vec<Candidate> {
-        let epsilon = self.stage_epsilon();
+    /// Takes out what must be judged again as candidates. A link that fails by the present radiosities or is in doubt; and pairs
+    /// whose occlusion matters more than when it was found.
+    fn take_failing(&mut self, doubts: Doubts) -> Vec<Candidate> {
         let oracle = oracle(
             &self.hierarchy,
             &self.brightness,
@@ -329,13 +402,15 @@ impl Solver {
             &self.emission,
             &self.occluders,
             &self.params,
-            epsilon,
+            self.stage_epsilon(),
         );
-        let failing = self.links.drain(|receiver, link| oracle.must_judge_again(receiver, link));
-        let of_link = |(receiver, link): (ElementId, Link)| judged_again(receiver, &link, finer_epsilon);
+        let failing = self.links.drain(|receiver, link| {
+            oracle.must_judge_again(receiver, link) || oracle.is_in_doubt(receiver, link, doubts)
+        });
+        let of_link = |(receiver, link): (ElementId, Link)| judged_again(receiver, &link, doubts);
         let occluded = std::mem::take(&mut self.refinement.occluded);
         let (doubtful, believed): (Vec<_>, _) =
-            occluded.into_par_iter().partition(|pair| oracle.is_doubtful(pair, finer_epsilon));
+            occluded.into_par_iter().partition(|pair| oracle.is_doubtful(pair, doubts));
         let doubtful: Vec<Candidate> = doubtful.into_iter().map(|occluded| occluded.pair).collect();
         self.refinement.occluded = believed;
         self.refinement.forget_rejections(&doubtful);
@@ -420,9 +495,12 @@ impl Solver {
         self.refinement.rejected.as_deref().unwrap_or_default()
     }
 
-    /// Asks that snapshots carry the links of an element.
-    pub fn inspect(&mut self, element: Option<ElementId>) {
-        self.inspected = element;
+    /// Says whether snapshots carry the [`Anatomy`] of what they show.
+    pub fn show_anatomy(&mut self, is_wanted: bool) {
+        self.wants_anatomy = is_wanted;
+        if !is_wanted {
+            self.frozen = None;
+        }
     }
 
     /// Books time that passed before the solver was made: reading the file and building the occluders.
@@ -439,6 +517,8 @@ impl Solver {
             phase: self.phase,
             epsilon_watts: self.epsilon_watts,
             epsilon_relative: if largest > 0.0 { self.epsilon_watts / largest } else { 0.0 },
+            power_watts: largest,
+            anchor_watts: self.anchor_watts,
             initial_patches: self.hierarchy.initial_patches().len(),
             clusters: self.hierarchy.cluster_count(),
             patches: self.hierarchy.leaf_count(),
@@ -481,11 +561,6 @@ impl Solver {
         snapshot.stats.seconds = self.seconds;
         snapshot
     }
-
-    /// Irradiance E of each mesh vertex of the last snapshot, W/m², averaged like its radiosity; empty before the first one.
-    pub fn vertex_irradiance(&self) -> Vec<[f32; 3]> {
-        picture::vertex_irradiance(self)
-    }
 }
 
 /// Does some work; also tells how many seconds it took.
@@ -495,11 +570,12 @@ fn timed<T>(work: impl FnOnce() -> T) -> (T, f64) {
     (result, begun.elapsed().as_secs_f64())
 }
 
-/// The candidate that a stored link becomes; by a finer ε, visibility that it inherited must show itself.
-fn judged_again(receiver: ElementId, link: &Link, finer_epsilon: bool) -> Candidate {
+/// The candidate that a stored link becomes; by a finer ε or with more rays, visibility that it inherited must show itself.
+fn judged_again(receiver: ElementId, link: &Link, doubts: Doubts) -> Candidate {
     let directions = Directions { to_a: true, to_b: false };
-    let inherited = link.evidence() == Evidence::Inherited && receiver != link.source();
-    Candidate::new(receiver, link.source(), directions, link.visibility(), inherited && !finer_epsilon)
+    let is_inherited = link.evidence() == Evidence::Inherited && receiver != link.source();
+    let must_show = doubts.finer_epsilon || doubts.more_rays;
+    Candidate::new(receiver, link.source(), directions, link.visibility(), is_inherited && !must_show)
 }
 
 /// The oracle over the present state; a function of the parts, so that refinement can be borrowed beside it.
@@ -537,8 +613,13 @@ fn oracle<'a>(
 fn watts(params: &SolverParams, scene: &Scene) -> f64 {
     match params.threshold() {
         Epsilon::Watts(watts) => watts,
-        Epsilon::Relative(share) => share * f64::from(scene.emitted_power().max_element()),
+        Epsilon::Relative(share) => share * largest_power(scene),
     }
+}
+
+/// Emitted power Φ by the largest colour, W.
+fn largest_power(scene: &Scene) -> f64 {
+    f64::from(scene.emitted_power().max_element())
 }
 
 fn surfaces_of(scene: &Scene) -> Vec<Surface> {

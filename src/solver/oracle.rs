@@ -7,6 +7,7 @@
 use crate::hierarchy::{Cluster, ElementId, Hierarchy, Shape};
 
 use super::candidate::{Candidate, Directions, end_to_split};
+use super::change::Doubts;
 use super::form_factor::{Exchange, exchange, self_exchange};
 use super::link::{Evidence, Link};
 use super::link_error::Facing;
@@ -151,24 +152,44 @@ impl Oracle<'_> {
                 Exchange::Facing { estimate, bound, .. } => (brightness * estimate, brightness * bound),
             }
         };
-        let (allowed, rays) = match link.evidence() {
-            Evidence::Inherited => (self.thresholds.epsilon, u32::MAX),
-            Evidence::Clear(rays) => (self.thresholds.epsilon, u32::from(rays)),
-            Evidence::Rays(rays) => (self.thresholds.epsilon_partial, u32::from(rays)),
+        let rays = match link.evidence() {
+            Evidence::Inherited => u32::MAX,
+            Evidence::Clear(rays) | Evidence::Rays(rays) => u32::from(rays),
             Evidence::None => return true,
         };
-        if bound > MARGIN * allowed {
+        if bound > MARGIN * self.allowed_by(link.evidence()) {
             return receiver == source || end_to_split(hierarchy, receiver, source).is_some();
         }
         // More light than it was judged by may ask for more rays; a doubled count is worth a new look.
         bound > self.thresholds.epsilon_partial && self.thresholds.rays_for(power) >= rays.saturating_mul(2)
     }
 
+    /// Whether a stored link that carries no more than it may must be judged again all the same.
+    pub fn is_in_doubt(&self, receiver: ElementId, link: &Link, doubts: Doubts) -> bool {
+        let (hierarchy, source) = (self.hierarchy, link.source());
+        let brightness = self.brightness[source.index()];
+        if brightness <= 0.0 || receiver == source && !doubts.cluster_model {
+            return false;
+        }
+        let has_too_few = || match (link.evidence(), exchange(hierarchy, receiver, source)) {
+            (Evidence::Clear(rays) | Evidence::Rays(rays), Exchange::Facing { estimate, .. }) => {
+                self.thresholds.rays_for(brightness * estimate) > u32::from(rays)
+            }
+            // What it comes from had rays.
+            _ => true,
+        };
+        let has_cluster = hierarchy.element(receiver).is_cluster() || hierarchy.element(source).is_cluster();
+        doubts.cluster_model && has_cluster || doubts.more_rays && has_too_few()
+    }
+
     /// Whether a pair that no ray came through could by now carry enough to be looked at again: it was dropped as negligible
     /// and is no more, or ε has become finer. To refine only those of its like that one of a few rays happened to come
     /// through, and forget the others, would lose light.
-    pub fn is_doubtful(&self, occluded: &OccludedPair, finer_epsilon: bool) -> bool {
-        if !(occluded.was_negligible || finer_epsilon) {
+    pub fn is_doubtful(&self, occluded: &OccludedPair, doubts: Doubts) -> bool {
+        if occluded.was_negligible && doubts.more_rays {
+            return true;
+        }
+        if !(occluded.was_negligible || doubts.finer_epsilon) {
             return false;
         }
         let pair = &occluded.pair;
@@ -177,6 +198,22 @@ impl Oracle<'_> {
         match exchange(self.hierarchy, pair.a, pair.b) {
             Exchange::FacingAway => false,
             Exchange::Facing { bound, .. } => brightness * bound > MARGIN * self.thresholds.epsilon_partial,
+        }
+    }
+
+    /// Power that a link may carry whose visibility is known so, W.
+    pub fn allowed_by(&self, evidence: Evidence) -> f32 {
+        match evidence {
+            Evidence::Clear(_) | Evidence::Inherited => self.thresholds.epsilon,
+            Evidence::Rays(_) | Evidence::None => self.thresholds.epsilon_partial,
+        }
+    }
+
+    /// Power that a cluster may send while its self-link is kept, W.
+    pub fn allowed_of_self(&self) -> f32 {
+        match self.kind {
+            OracleKind::Energy => self.thresholds.epsilon_partial,
+            OracleKind::Error => self.thresholds.epsilon,
         }
     }
 
@@ -190,11 +227,7 @@ impl Oracle<'_> {
         let brightness = self.brightness[candidate.a.index()];
         let power = brightness * element.area;
         let mut rays = 0;
-        let allowed = match self.kind {
-            OracleKind::Energy => self.thresholds.epsilon_partial,
-            OracleKind::Error => self.thresholds.epsilon,
-        };
-        let decision = if power > allowed {
+        let decision = if power > self.allowed_of_self() {
             Decision::Refine(candidate.a)
         } else if self.is_convex(&cluster) {
             Decision::Reject(Rejection::FacingAway)
@@ -232,7 +265,7 @@ impl Oracle<'_> {
     }
 
     /// Whether a small cluster's polygons, such as the sides of a box, all turn their backs on each other.
-    fn is_convex(&self, cluster: &Cluster) -> bool {
+    pub fn is_convex(&self, cluster: &Cluster) -> bool {
         let patches = self.hierarchy.patches_below(cluster);
         let see_each_other = |a: &ElementId, b: &ElementId| exchange(self.hierarchy, *a, *b) != Exchange::FacingAway;
         patches.len() <= MOST_CONVEX

@@ -1,4 +1,4 @@
-//! Every parameter of the solver: default, range, unit, hint and what a change invalidates, in one place.
+//! Every parameter of the solver: default, range, unit, hint and what a change costs, in one place.
 //!
 //! The command line, the window's solver panel and the statistics all read [`PARAMETERS`].
 
@@ -6,6 +6,7 @@ use std::ops::RangeInclusive;
 
 use serde::{Deserialize, Serialize};
 
+use super::change::Invalidates;
 pub use crate::hierarchy::ClusteringMode;
 use crate::scene::Sides;
 
@@ -76,6 +77,7 @@ const EPSILON_PER_ERROR: f64 = 0.2;
 
 /// All that a person can turn; [`PARAMETERS`] describes each field.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
 pub struct SolverParams {
     /// RMS error of the shown radiosity that is asked for, as a share of its RMS; the solver then chooses ε and ends when its own
     /// estimate says so. `None` to solve by ε.
@@ -130,23 +132,6 @@ impl Default for SolverParams {
             seed: 1,
         }
     }
-}
-
-/// The least work that a changed parameter asks for, from little to much.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Invalidates {
-    /// What is there stays valid.
-    Nothing,
-    /// Radiosities: gather again over the links that are there.
-    Radiosities,
-    /// Verdicts: judge the stored links again and refine further where they fail.
-    Verdicts,
-    /// Links: refine again from the root's self-link, starting with the present radiosities.
-    Links,
-    /// Hierarchy: rebuild clusters and everything above them.
-    Hierarchy,
-    /// Scene: turn or double faces, then everything else.
-    Scene,
 }
 
 /// Names the parameters; the order is that of the panel.
@@ -222,6 +207,8 @@ pub struct Parameter {
     pub hint: &'static str,
     /// Kind and range.
     pub kind: ValueKind,
+    /// The most that a change asks for: to a lower value, and to a higher one.
+    pub costs: [Invalidates; 2],
 }
 
 /// Every parameter, in the order of the panel.
@@ -233,6 +220,7 @@ pub const PARAMETERS: [Parameter; 16] = [
         unit: "",
         hint: "Largest RMS error of what is shown, as a share of the RMS radiosity: the solver chooses ε and ends when its own estimate says so.",
         kind: ValueKind::Real { range: 0.01..=0.3, logarithmic: true },
+        costs: [Invalidates::Verdicts, Invalidates::Refinement],
     },
     Parameter {
         id: ParameterId::Epsilon,
@@ -241,6 +229,7 @@ pub const PARAMETERS: [Parameter; 16] = [
         unit: "Φ",
         hint: "A link is refined while its unoccluded power B·F·A exceeds this share of the scene's emitted power (section 2.3).",
         kind: ValueKind::Real { range: 1e-7..=1e-1, logarithmic: true },
+        costs: [Invalidates::Verdicts, Invalidates::Refinement],
     },
     Parameter {
         id: ParameterId::EpsilonWatts,
@@ -249,6 +238,7 @@ pub const PARAMETERS: [Parameter; 16] = [
         unit: "W",
         hint: "The same threshold in watts, as the solver uses it; it does not follow a dimmed lamp.",
         kind: ValueKind::Real { range: 1e-9..=1e6, logarithmic: true },
+        costs: [Invalidates::Verdicts, Invalidates::Refinement],
     },
     Parameter {
         id: ParameterId::Oracle,
@@ -257,6 +247,7 @@ pub const PARAMETERS: [Parameter; 16] = [
         unit: "",
         hint: "What ε bounds: the power that a link could carry (energy, the paper's, section 2.3) or the power that it is likely to put in the wrong place (error).",
         kind: ValueKind::Choice { names: &["energy", "error"] },
+        costs: [Invalidates::Refinement; 2],
     },
     Parameter {
         id: ParameterId::Reconstruct,
@@ -265,6 +256,7 @@ pub const PARAMETERS: [Parameter; 16] = [
         unit: "",
         hint: "What is shown: one value for each leaf (constant), values averaged at vertices (vertex), or light looked for anew at each vertex (gather).",
         kind: ValueKind::Choice { names: &["constant", "vertex", "gather"] },
+        costs: [Invalidates::Radiosities; 2],
     },
     Parameter {
         id: ParameterId::PartialFactor,
@@ -273,6 +265,7 @@ pub const PARAMETERS: [Parameter; 16] = [
         unit: "",
         hint: "Partly visible links are judged with ε times this factor; the paper found 1/10 good (section 2.3).",
         kind: ValueKind::Real { range: 0.01..=1.0, logarithmic: true },
+        costs: [Invalidates::Verdicts, Invalidates::Refinement],
     },
     Parameter {
         id: ParameterId::VisibilityFactor,
@@ -281,6 +274,7 @@ pub const PARAMETERS: [Parameter; 16] = [
         unit: "rays",
         hint: "Visibility rays of a link per B·F·A/ε, so that every ray decides about the same power (section 2.4).",
         kind: ValueKind::Real { range: 0.1..=64.0, logarithmic: true },
+        costs: [Invalidates::Nothing, Invalidates::Verdicts],
     },
     Parameter {
         id: ParameterId::RaysMin,
@@ -289,6 +283,7 @@ pub const PARAMETERS: [Parameter; 16] = [
         unit: "",
         hint: "Fewest visibility rays of a tested link; most links need no more, so this bound costs the most time (section 2.4).",
         kind: ValueKind::Whole { range: 1..=64 },
+        costs: [Invalidates::Nothing, Invalidates::Verdicts],
     },
     Parameter {
         id: ParameterId::RaysMax,
@@ -297,6 +292,7 @@ pub const PARAMETERS: [Parameter; 16] = [
         unit: "",
         hint: "Most visibility rays of a link (section 2.4).",
         kind: ValueKind::Whole { range: 1..=1024 },
+        costs: [Invalidates::Nothing, Invalidates::Verdicts],
     },
     Parameter {
         id: ParameterId::Clustering,
@@ -305,6 +301,7 @@ pub const PARAMETERS: [Parameter; 16] = [
         unit: "",
         hint: "How polygons are grouped: not at all (plain hierarchical radiosity), octree, the scene's own groups, or adaptive (section 2.2).",
         kind: ValueKind::Choice { names: &["none", "octree", "groups", "adaptive"] },
+        costs: [Invalidates::Hierarchy; 2],
     },
     Parameter {
         id: ParameterId::OctreeDepth,
@@ -313,6 +310,7 @@ pub const PARAMETERS: [Parameter; 16] = [
         unit: "levels",
         hint: "Deepest level of the octree, the root being level 1 (Table 2).",
         kind: ValueKind::Whole { range: 1..=10 },
+        costs: [Invalidates::Hierarchy; 2],
     },
     Parameter {
         id: ParameterId::ClusterModel,
@@ -321,6 +319,7 @@ pub const PARAMETERS: [Parameter; 16] = [
         unit: "",
         hint: "Light of a cluster: alike into all directions (isotropic, the paper's, section 1.2) or as its polygons are turned (oriented, by samples).",
         kind: ValueKind::Choice { names: &["isotropic", "oriented"] },
+        costs: [Invalidates::Verdicts; 2],
     },
     Parameter {
         id: ParameterId::Push,
@@ -329,6 +328,7 @@ pub const PARAMETERS: [Parameter; 16] = [
         unit: "",
         hint: "Hand irradiance that a cluster receives to its patches link by link with their cosine (immediate) or evenly afterwards (deferred, section 3.3).",
         kind: ValueKind::Choice { names: &["immediate", "deferred"] },
+        costs: [Invalidates::Radiosities; 2],
     },
     Parameter {
         id: ParameterId::Sides,
@@ -337,6 +337,7 @@ pub const PARAMETERS: [Parameter; 16] = [
         unit: "",
         hint: "Which sides of a face reflect: the one its winding shows, both, or the one that the room sees (auto); as the scene says if not given.",
         kind: ValueKind::Choice { names: &["front", "both", "auto"] },
+        costs: [Invalidates::Scene; 2],
     },
     Parameter {
         id: ParameterId::Threads,
@@ -345,6 +346,7 @@ pub const PARAMETERS: [Parameter; 16] = [
         unit: "",
         hint: "Worker threads, 0 for every core; the result is the same for any number.",
         kind: ValueKind::Whole { range: 0..=64 },
+        costs: [Invalidates::Nothing; 2],
     },
     Parameter {
         id: ParameterId::Seed,
@@ -353,6 +355,7 @@ pub const PARAMETERS: [Parameter; 16] = [
         unit: "",
         hint: "Seed of the visibility rays; the same seed gives the same solution, bit for bit.",
         kind: ValueKind::Whole { range: 0..=1_000_000 },
+        costs: [Invalidates::Links; 2],
     },
 ];
 
@@ -430,42 +433,5 @@ impl SolverParams {
             return Err(ParamsError::OctreeDepth(self.octree_depth));
         }
         Ok(())
-    }
-
-    /// The least work that takes a solution made with `self` to one made with `newer`.
-    pub fn change_to(&self, newer: &Self) -> Invalidates {
-        let octree = self.clustering == ClusteringMode::Octree && self.octree_depth != newer.octree_depth;
-        if self.sides != newer.sides {
-            Invalidates::Scene
-        } else if self.clustering != newer.clustering || octree {
-            Invalidates::Hierarchy
-        } else if self.seed != newer.seed
-            || self.epsilon_grows(newer)
-            || newer.partial_factor > self.partial_factor
-            || newer.rays_max < self.rays_max
-            || newer.cluster_model != self.cluster_model
-            || newer.oracle != self.oracle
-        {
-            Invalidates::Links
-        } else if self.threshold() != newer.threshold()
-            || newer.partial_factor < self.partial_factor
-            || newer.visibility_factor > self.visibility_factor
-            || newer.rays_min > self.rays_min
-            || newer.rays_max > self.rays_max
-        {
-            Invalidates::Verdicts
-        } else if self.push != newer.push || self.shown_by() != newer.shown_by() || self.error != newer.error {
-            Invalidates::Radiosities
-        } else {
-            Invalidates::Nothing
-        }
-    }
-
-    /// Whether ε becomes coarser, or cannot be compared because its kind changes.
-    fn epsilon_grows(&self, newer: &Self) -> bool {
-        match (self.threshold(), newer.threshold()) {
-            (Epsilon::Relative(old), Epsilon::Relative(new)) | (Epsilon::Watts(old), Epsilon::Watts(new)) => new > old,
-            _ => true,
-        }
     }
 }

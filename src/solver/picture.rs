@@ -3,16 +3,18 @@
 //! A picture gathers over the stored links and over everything that still waits, at its present level; it never writes the
 //! solver's own radiosities, so a solve is the same whether or not anybody looks.
 
+use std::sync::Arc;
+
 use rayon::prelude::*;
 
 use super::Solver;
+use super::anatomy::Anatomy;
 use super::candidate::Waiting;
 use super::display::Display;
 use super::form_factor::{Exchange, exchange, self_exchange};
 use super::gather::{Gatherer, Light};
 use super::link::{Evidence, Link, LinkTable};
-use super::push::Inspector;
-use super::snapshot::{InspectedElement, LinkView, Snapshot};
+use super::snapshot::Snapshot;
 use super::stats::Phase;
 use crate::cancel::CancelToken;
 use crate::hierarchy::{ElementId, Hierarchy, Shape};
@@ -23,10 +25,17 @@ pub struct Picture {
     light: Option<Light>,
 }
 
+impl Picture {
+    /// As if this had been the light of the last picture.
+    pub fn of(light: Light) -> Self {
+        Self { light: Some(light) }
+    }
+}
+
 /// A picture's gather ends when this share of the power is still to come: less than a shade on a screen.
-const PICTURE_TOLERANCE: f64 = 5e-3;
+pub(super) const PICTURE_TOLERANCE: f64 = 5e-3;
 /// Sweeps of the first picture, which starts from emitted light.
-const FIRST_SWEEPS: u32 = 12;
+pub(super) const FIRST_SWEEPS: u32 = 12;
 /// Sweeps of a later one, which starts from the picture before.
 const LATER_SWEEPS: u32 = 3;
 
@@ -34,33 +43,44 @@ const LATER_SWEEPS: u32 = 3;
 pub(super) fn snapshot(solver: &mut Solver) -> Snapshot {
     solver.serial += 1;
     let finished = matches!(solver.phase, Phase::Reconstruct | Phase::Done);
-    let table = (!finished).then(|| table_with_waiting(solver));
+    let nothing_waits = solver.refinement.is_finished() && solver.refinement.accepted.is_empty();
+    let is_known = finished || solver.is_converged && nothing_waits;
+    let table = (!is_known).then(|| table_with_waiting(solver));
     let light = match &table {
         Some(table) => picture_light(solver, table),
         None => solver.light.clone(),
     };
     let style = solver.style();
+    if solver.wants_anatomy {
+        solver.freeze();
+    }
     let gathered = solver.final_gather.as_ref().filter(|gather| gather.is_ready());
     let of_links = match gathered {
         Some(_) => None,
         None => Some(Display::current(solver.display.take(), &solver.scene, &solver.hierarchy, style)),
     };
-    let (display, vertex_radiosity) = match (&of_links, gathered) {
-        (None, Some(gather)) => (gather.display(), gather.radiosity()),
-        (Some(display), _) => (display, display.of_vertices(&light.radiosity)),
+    let (display, vertex_irradiance, vertex_radiosity) = match (&of_links, gathered) {
+        (None, Some(gather)) => {
+            let irradiance = gather.vertex_irradiance();
+            let radiosity = gather.radiosity_of(&irradiance);
+            (gather.display(), irradiance, radiosity)
+        }
+        (Some(display), _) => (display, display.of_vertices(&light.irradiance), display.of_vertices(&light.radiosity)),
         (None, None) => unreachable!("what is not gathered comes from links"),
     };
+    let anatomy =
+        solver.wants_anatomy.then(|| solver.anatomy(table.as_ref().unwrap_or(&solver.links), &light, finished));
     let snapshot = Snapshot {
         generation: solver.generation,
         serial: solver.serial,
         mesh: display.mesh.clone(),
         vertex_radiosity,
+        vertex_irradiance,
         leaf_irradiance: display.of_leaves(&light.irradiance),
         leaf_radiosity: display.of_leaves(&light.radiosity),
         clusters: display.clusters.clone(),
-        inspected: solver
-            .inspected
-            .and_then(|element| inspected(solver, table.as_ref().unwrap_or(&solver.links), &light, element)),
+        moment: None,
+        anatomy,
         stats: solver.stats(),
     };
     if of_links.is_some() {
@@ -68,16 +88,6 @@ pub(super) fn snapshot(solver: &mut Solver) -> Snapshot {
     }
     solver.picture.light = Some(light);
     snapshot
-}
-
-/// Irradiance E of each vertex of the last snapshot's mesh, W/m².
-pub(super) fn vertex_irradiance(solver: &Solver) -> Vec<[f32; 3]> {
-    let gathered = solver.final_gather.as_ref().filter(|gather| gather.is_ready());
-    match (gathered, &solver.display, &solver.picture.light) {
-        (Some(gather), ..) => gather.vertex_irradiance(),
-        (None, Some(display), Some(light)) => display.of_vertices(&light.irradiance),
-        _ => Vec::new(),
-    }
 }
 
 fn picture_light(solver: &mut Solver, table: &LinkTable) -> Light {
@@ -94,15 +104,19 @@ fn picture_light(solver: &mut Solver, table: &LinkTable) -> Light {
 
 /// Stored links, those that wait to be stored, and candidates as if they had been accepted.
 fn table_with_waiting(solver: &Solver) -> LinkTable {
+    let mut table = solver.links.clone();
+    table.append(solver.hierarchy.elements().len(), &links_not_stored(solver));
+    table
+}
+
+/// Links that wait to be stored, and candidates as if they had been accepted; with their receivers.
+pub(super) fn links_not_stored(solver: &Solver) -> Vec<(ElementId, Link)> {
     let hierarchy = &solver.hierarchy;
     let waiting: Vec<&Waiting> = solver.refinement.waiting().collect();
     let as_links: Vec<[Option<(ElementId, Link)>; 2]> =
         waiting.par_iter().with_min_len(256).map(|waiting| links_of_waiting(hierarchy, waiting)).collect();
     let accepted = solver.refinement.accepted.iter().copied();
-    let further: Vec<(ElementId, Link)> = accepted.chain(as_links.into_iter().flatten().flatten()).collect();
-    let mut table = solver.links.clone();
-    table.append(hierarchy.elements().len(), &further);
-    table
+    accepted.chain(as_links.into_iter().flatten().flatten()).collect()
 }
 
 /// What waits, as links with their estimated form factor and the visibility of what they came from.
@@ -139,39 +153,20 @@ fn self_link(hierarchy: &Hierarchy, id: ElementId) -> Option<(ElementId, Link)> 
     Some((id, Link::new(id, form_factor, 1.0, Evidence::None)))
 }
 
-/// The links that bring light to an element, its own and its ancestors', among those that `light` came over; strongest first.
-fn inspected(solver: &Solver, table: &LinkTable, light: &Light, id: ElementId) -> Option<InspectedElement> {
-    let hierarchy = &solver.hierarchy;
-    let element = hierarchy.elements().get(id.index())?;
-    let scale = light.row_scale.get(id.index()).copied().unwrap_or(1.0);
-    let finished = matches!(solver.phase, Phase::Reconstruct | Phase::Done);
-    let inspector = Inspector::new(hierarchy, &solver.params);
-    let mut links = Vec::new();
-    for (levels_up, at) in std::iter::successors(Some(id), |&at| hierarchy.element(at).parent()).enumerate() {
-        let receiver = hierarchy.element(at);
-        for link in table.of(at) {
-            if finished && link.evidence() == Evidence::None {
-                // The source was dark, and the last gather passed it over.
-                continue;
-            }
-            let source = hierarchy.element(link.source());
-            let from = link.source().index();
-            let flux = link.irradiance(light.radiosity[from], light.emitted[from]);
-            links.push(LinkView {
-                receiver: at,
-                source: link.source(),
-                receiver_centre: receiver.centre,
-                source_centre: source.centre,
-                source_is_cluster: source.is_cluster(),
-                form_factor: link.form_factor,
-                visibility: link.visibility(),
-                power: flux.max_element() * receiver.area,
-                levels_up: levels_up as u16,
-                receiver_is_cluster: receiver.is_cluster(),
-                irradiance: scale * inspector.handed_down((at, link), flux, id),
-            });
+impl Solver {
+    /// Copies the hierarchy unless the copy that is there still is as it is.
+    pub(super) fn freeze(&mut self) {
+        let elements = self.hierarchy.elements().len();
+        if self.frozen.as_ref().is_none_or(|frozen| frozen.elements().len() != elements) {
+            self.frozen = Some(Arc::new(self.hierarchy.clone()));
         }
     }
-    links.sort_by(|a, b| b.power.total_cmp(&a.power));
-    Some(InspectedElement { element: id, centre: element.centre, links })
+
+    /// The anatomy of a state with these links and this light, over the hierarchy that was last frozen.
+    pub(super) fn anatomy(&self, links: &LinkTable, light: &Light, is_final: bool) -> Arc<Anatomy> {
+        let hierarchy = self.frozen.clone().unwrap_or_else(|| Arc::new(self.hierarchy.clone()));
+        let mut light = light.clone();
+        light.grow(&hierarchy);
+        Arc::new(Anatomy::new(hierarchy, links.clone(), light, self.params, self.epsilon_watts, is_final))
+    }
 }

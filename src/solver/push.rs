@@ -14,7 +14,7 @@ use super::form_factor::CLUSTER_COSINE;
 use super::link::{Link, LinkTable};
 use super::params::{ClusterModel, Push, SolverParams};
 use crate::cancel::CancelToken;
-use crate::hierarchy::{Cluster, ElementId, Hierarchy, Shape};
+use crate::hierarchy::{Cluster, Element, ElementId, Hierarchy, Shape};
 
 /// Links of clusters of up to this many patches meet each of these by itself.
 const MOST_MET: usize = 64;
@@ -203,24 +203,27 @@ impl<'a> Inspector<'a> {
         Self { hierarchy, params, facings: facings(hierarchy) }
     }
 
-    /// What a link at `receiver`, which brings it `flux` (W/m²), hands down to a leaf below: a cluster's to the leaf's initial
-    /// patch by that one's cosine.
-    pub fn handed_down(&self, (receiver, link): (ElementId, &Link), flux: Vec3, leaf: ElementId) -> Vec3 {
+    /// What a link at `receiver`, which brings it `flux` (W/m²), hands down to an element below: a cluster's to the initial patch by that
+    /// one's cosine, to a cluster below by the mean cosine of its patches.
+    pub fn handed_down(&self, (receiver, link): (ElementId, &Link), flux: Vec3, below: ElementId) -> Vec3 {
         let (hierarchy, params) = (self.hierarchy, self.params);
         if params.push == Push::Deferred || !hierarchy.element(receiver).is_cluster() {
             return flux;
         }
         let (handing, _) = handed(hierarchy, &self.facings, params.cluster_model, (receiver, link), 0);
-        let initial = std::iter::successors(Some(leaf), |&id| {
+        let initial = std::iter::successors(Some(below), |&id| {
             hierarchy.element(id).parent().filter(|&parent| !hierarchy.element(parent).is_cluster())
         });
-        let element = hierarchy.element(initial.last().unwrap_or(leaf));
+        let element = hierarchy.element(initial.last().unwrap_or(below));
         let from = hierarchy.element(link.source()).centre;
         match element.shape {
-            Shape::Patch(patch) => {
-                flux * (handing.even + handing.beam * cosine_towards(element.centre, patch.normal, from))
+            Shape::Patch(_) => flux * (handing.even + handing.beam * cosine_of(element, from)),
+            Shape::Cluster(cluster) => {
+                let patches = hierarchy.patches_below(&cluster).iter().map(|&id| hierarchy.element(id));
+                let seen: f32 = patches.map(|patch| patch.area * cosine_of(patch, from)).sum();
+                let mean = if element.area > 0.0 { seen / element.area } else { 0.0 };
+                flux * (handing.even + handing.beam * mean)
             }
-            Shape::Cluster(_) => flux,
         }
     }
 }
@@ -241,11 +244,8 @@ fn handed(
     }
     let from = hierarchy.element(link.source()).centre;
     if meets_each(hierarchy, cluster) {
-        let seen = hierarchy.patches_below(cluster).iter().map(|&id| {
-            let below = hierarchy.element(id);
-            let Shape::Patch(patch) = below.shape else { return 0.0 };
-            below.area * cosine_towards(below.centre, patch.normal, from)
-        });
+        let below = hierarchy.patches_below(cluster).iter().map(|&id| hierarchy.element(id));
+        let seen = below.map(|patch| patch.area * cosine_of(patch, from));
         return (Handing::new(model, seen.sum::<f32>() / element.area, link), None);
     }
     let mut targets = Vec::new();
@@ -324,6 +324,14 @@ fn skies(hierarchy: &Hierarchy) -> (Vec<u32>, Vec<ElementId>) {
         };
     }
     (sky_of, with_sky)
+}
+
+/// Positive cosine of a patch towards a point.
+fn cosine_of(element: &Element, point: Vec3) -> f32 {
+    match element.shape {
+        Shape::Patch(patch) => cosine_towards(element.centre, patch.normal, point),
+        Shape::Cluster(_) => 0.0,
+    }
 }
 
 /// Positive cosine of a face towards a point.

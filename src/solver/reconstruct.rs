@@ -13,11 +13,12 @@ impl Solver {
     /// What comes after the last gather over links.
     pub(super) fn end_links(&mut self) {
         self.final_gather = None;
-        self.phase = if self.params.shown_by() == Reconstruct::Gather && self.scene.has_light() {
-            Phase::Reconstruct
-        } else {
-            Phase::Done
-        };
+        self.phase = if self.is_to_reconstruct() { Phase::Reconstruct } else { Phase::Done };
+    }
+
+    /// Whether a final gather is asked for, and there is light to look for.
+    pub(super) fn is_to_reconstruct(&self) -> bool {
+        self.params.shown_by() == Reconstruct::Gather && self.scene.has_light()
     }
 
     /// How leaves become triangles while links are all there is.
@@ -91,9 +92,16 @@ impl Solver {
             surfaces: &self.surfaces,
             seed: self.params.seed,
         };
-        let gather =
-            FinalGather::new(&display, &self.hierarchy, &context, self.params.error, &self.light.irradiance, &indirect);
+        let gather = FinalGather::new(
+            &display,
+            &self.hierarchy,
+            &context,
+            self.params.error,
+            &self.light.irradiance,
+            &indirect,
+            cancel,
+        );
         self.display = Some(display);
-        Some(gather)
+        gather
     }
 }

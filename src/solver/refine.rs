@@ -13,6 +13,8 @@ use crate::hierarchy::{ElementId, Hierarchy};
 
 /// Candidates judged between two looks at commands.
 const CHUNK: usize = 1 << 14;
+/// Candidates of the first chunk after a change of settings, so that something new is soon to be seen.
+const FIRST_CHUNK: usize = 1 << 12;
 
 /// What refinement counts.
 #[derive(Clone, Copy, Debug, Default)]
@@ -51,6 +53,8 @@ pub struct Refinement {
     pub waves: u32,
     /// Candidates judged in this round, and in this wave alone.
     judged: (usize, usize),
+    /// Whether the next chunk is a short one.
+    hurries: bool,
     /// Candidates that each one of the last whole wave left.
     last_growth: f32,
     /// Rejected pairs, where a test asks to record them.
@@ -64,6 +68,11 @@ impl Refinement {
         self.next_wave.clear();
         self.waves = 0;
         self.judged = (0, 0);
+    }
+
+    /// Makes the next chunk a short one.
+    pub fn hurry(&mut self) {
+        self.hurries = true;
     }
 
     /// Lets further candidates wait behind those of this round.
@@ -97,7 +106,8 @@ impl Refinement {
 
     /// Takes a chunk of the wave and judges it; `None` if cancelled, with the chunk put back.
     pub fn judge(&mut self, oracle: &Oracle, cancel: &CancelToken) -> Option<Vec<(Candidate, Verdict)>> {
-        let chunk = take_chunk(&mut self.wave, oracle.hierarchy, CHUNK);
+        let limit = if std::mem::take(&mut self.hurries) { FIRST_CHUNK } else { CHUNK };
+        let chunk = take_chunk(&mut self.wave, oracle.hierarchy, limit);
         let judged: Option<Vec<_>> = chunk
             .par_iter()
             .with_min_len(64)

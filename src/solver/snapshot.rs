@@ -6,6 +6,7 @@ use std::sync::Arc;
 
 use glam::Vec3;
 
+use super::anatomy::Anatomy;
 use super::stats::Stats;
 use crate::hierarchy::ElementId;
 use crate::scene::MaterialId;
@@ -21,14 +22,18 @@ pub struct Snapshot {
     pub mesh: Arc<Mesh>,
     /// Radiosity B of each mesh vertex, W/m², linear RGB.
     pub vertex_radiosity: Vec<[f32; 3]>,
+    /// Irradiance E of each mesh vertex, W/m², linear RGB.
+    pub vertex_irradiance: Vec<[f32; 3]>,
     /// Irradiance E of each leaf, W/m²; parallel to [`Mesh::leaves`].
     pub leaf_irradiance: Vec<[f32; 3]>,
     /// Radiosity B of each leaf, W/m²; parallel to [`Mesh::leaves`].
     pub leaf_radiosity: Vec<[f32; 3]>,
     /// Boxes of the clusters; shared like the mesh.
     pub clusters: Arc<Vec<ClusterBox>>,
-    /// Links of the element that was asked for, if one was.
-    pub inspected: Option<InspectedElement>,
+    /// The former moment that it shows ([`super::Solver::snapshot_of`]); `None` for the present.
+    pub moment: Option<usize>,
+    /// Elements and links of this state, where somebody asked for them.
+    pub anatomy: Option<Arc<Anatomy>>,
     /// Counts and times.
     pub stats: Stats,
 }
@@ -76,42 +81,4 @@ pub struct ClusterBox {
     pub level: u16,
     /// Polygons inside.
     pub polygons: u32,
-}
-
-/// An element with the links that bring it light, its own and its ancestors'.
-#[derive(Clone, Debug)]
-pub struct InspectedElement {
-    /// The element that was asked for.
-    pub element: ElementId,
-    /// Its centre.
-    pub centre: Vec3,
-    /// Links, strongest power first.
-    pub links: Vec<LinkView>,
-}
-
-/// One link as a view draws it.
-#[derive(Clone, Copy, Debug)]
-pub struct LinkView {
-    /// The receiving element: the inspected one or one of its ancestors.
-    pub receiver: ElementId,
-    /// The element that sends.
-    pub source: ElementId,
-    /// Centre of the receiver.
-    pub receiver_centre: Vec3,
-    /// Centre of the source.
-    pub source_centre: Vec3,
-    /// Whether the source is a cluster.
-    pub source_is_cluster: bool,
-    /// Form factor F(r←s) without occlusion.
-    pub form_factor: f32,
-    /// Visibility V.
-    pub visibility: f32,
-    /// Power carried to the whole receiver, B_s·F·V·A_r, W (largest colour).
-    pub power: f32,
-    /// How many levels above the inspected element the receiver lies; 0 for the element itself.
-    pub levels_up: u16,
-    /// Whether the receiver is a cluster.
-    pub receiver_is_cluster: bool,
-    /// What the link brings to the inspected element, W/m²; over all links this adds up to its irradiance E.
-    pub irradiance: Vec3,
 }

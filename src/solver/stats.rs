@@ -28,6 +28,10 @@ pub struct Stats {
     pub epsilon_watts: f64,
     /// Threshold ε as a share of Φ (0 where nothing emits).
     pub epsilon_relative: f64,
+    /// Emitted power Φ now, by the largest colour, W.
+    pub power_watts: f64,
+    /// The Φ by which ε became watts, W; ε stays as it is when a lamp is dimmed.
+    pub anchor_watts: f64,
     /// Polygons that became patches.
     pub initial_patches: usize,
     /// Clusters.

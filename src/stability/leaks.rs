@@ -71,7 +71,7 @@ fn two_rooms() -> Scene {
 /// Mean irradiance of the leaves wholly beyond `x` over that of all leaves, and the same of the shown vertices.
 fn beyond(solver: &mut Solver, x: f32) -> (f64, f64) {
     let snapshot = solver.snapshot();
-    let vertices = solver.vertex_irradiance();
+    let vertices = &snapshot.vertex_irradiance;
     let mesh = &snapshot.mesh;
     let mut is_beyond = vec![true; mesh.leaves.len()];
     for (triangle, &leaf) in mesh.triangles.iter().zip(&mesh.triangle_leaf) {
@@ -87,7 +87,7 @@ fn beyond(solver: &mut Solver, x: f32) -> (f64, f64) {
     }
     let mean = |(area, power): (f64, f64)| if area > 0.0 { power / area } else { 0.0 };
     // Up to where leaves of both rooms end: what a person sees on the floor of the dark room beside the partition.
-    let shown = mesh.positions.iter().zip(&vertices).filter(|(position, _)| position[0] >= x);
+    let shown = mesh.positions.iter().zip(vertices).filter(|(position, _)| position[0] >= x);
     let brightest = shown.map(|(_, irradiance)| f64::from(irradiance[0])).fold(0.0, f64::max);
     (mean(dark) / mean(all), brightest / mean(all))
 }

@@ -9,6 +9,7 @@ use super::claims::{Claim, Verdict};
 use super::columns::{Column, left_out_remarks, percent, records, table};
 use super::lab::{Lab, LeftOut, Run, with_epsilon};
 use super::report::Report;
+use crate::photometry::weighted;
 use crate::render::{
     BLUE_WHITE_RED, Camera, Display, Exposure, Offscreen, Overlay, RenderError, along_ramp, auto_exposure,
 };
@@ -158,7 +159,7 @@ fn draw_pair(sides: &Sides, offscreen: &mut Offscreen, size: [u32; 2]) -> Result
     let [(_, left), (_, right)] = &sides.solutions;
     let camera = Camera::of_scene(&sides.scene, size[0] as f32 / size[1] as f32);
     let exposure = Exposure::Manual { stops: auto_exposure(right).log2() };
-    let display = Display { exposure, as_colours: false };
+    let display = Display { exposure, ..Display::default() };
     let mut draw = |snapshot| offscreen.picture(snapshot, &camera, &display, &Overlay::default(), size);
     Ok([draw(left)?, draw(right)?])
 }
@@ -208,8 +209,7 @@ fn difference(left: &RgbaImage, right: &RgbaImage) -> (RgbImage, f32, f32) {
 
 /// Displayed brightness of a pixel, 0..1 (Rec. 709 weights on encoded values).
 fn brightness([r, g, b, _]: [u8; 4]) -> f32 {
-    let [r, g, b] = [r, g, b].map(|channel| f32::from(channel) / 255.0);
-    0.2126 * r + 0.7152 * g + 0.0722 * b
+    weighted([r, g, b].map(|channel| f32::from(channel) / 255.0))
 }
 
 #[cfg(test)]

@@ -16,16 +16,22 @@ pub(super) fn merge(commands: Vec<Command>) -> Vec<Command> {
 
 /// Whether `earlier` has no effect when `later` follows it.
 fn supersedes(later: &Command, earlier: &Command) -> bool {
-    use Command::{CancelLoad, Inspect, Load, Pause, Restart, Resume, SetEmission, SetParams, Shutdown, StepWave};
+    use Command::{
+        AnchorEpsilon, CancelLoad, Load, Look, Pause, Restart, Resume, SetEmission, SetGroups, SetParams,
+        SetReflectance, Shutdown, StepWave,
+    };
     match (later, earlier) {
         (Shutdown, Command::SaveSidecar { .. }) => false,
         (Shutdown, _)
         | (Load(..) | CancelLoad, Load(..) | CancelLoad)
         | (SetParams(_), SetParams(_))
-        | (Inspect(_), Inspect(_))
+        | (Look(_), Look(_))
+        | (SetGroups(_), SetGroups(_))
         | (Restart, Restart)
+        | (AnchorEpsilon, AnchorEpsilon)
         | (Pause | Resume, Pause | Resume | StepWave) => true,
-        (SetEmission { material: new, .. }, SetEmission { material: old, .. }) => new == old,
+        (SetEmission { material: new, .. }, SetEmission { material: old, .. })
+        | (SetReflectance { material: new, .. }, SetReflectance { material: old, .. }) => new == old,
         _ => false,
     }
 }

@@ -24,9 +24,8 @@ use glam::Vec3;
 
 use crate::added_light::AddedLight;
 use crate::cancel::CancelToken;
-use crate::hierarchy::ElementId;
-use crate::scene::{CameraPose, MaterialId, Scene, Source};
-use crate::solver::{Snapshot, SolverParams};
+use crate::scene::{CameraPose, GroupMember, MaterialId, Scene, Source};
+use crate::solver::{MomentInfo, Snapshot, SolverParams};
 
 /// What a person asks of the solver.
 #[derive(Clone, Debug)]
@@ -45,8 +44,8 @@ pub enum Command {
     StepWave,
     /// Solves afresh from the root's self-link.
     Restart,
-    /// Asks that snapshots carry the links of an element.
-    Inspect(Option<ElementId>),
+    /// Says what snapshots show.
+    Look(Look),
     /// Changes a material's emission; ε in watts stays.
     SetEmission {
         /// The material.
@@ -54,6 +53,15 @@ pub enum Command {
         /// Exitance B_e, W/m².
         emission: Vec3,
     },
+    /// Changes a material's reflectance; ε in watts stays.
+    SetReflectance {
+        /// The material.
+        material: MaterialId,
+        /// Reflectance ρ per colour, 0 to 0.99.
+        reflectance: Vec3,
+    },
+    /// Measures a relative ε by the power that is emitted now.
+    AnchorEpsilon,
     /// Adds a square lamp below the ceiling.
     AddCeilingLight {
         /// Length of its sides, in the scene's length unit.
@@ -61,6 +69,8 @@ pub enum Command {
         /// Exitance B_e, W/m².
         exitance: Vec3,
     },
+    /// Arranges the scene's groups by hand; an empty list has them as the file does. Clusters are built anew where they go by groups.
+    SetGroups(Vec<GroupMember>),
     /// Writes the sidecar beside the scene's file.
     SaveSidecar {
         /// The view to open with.
@@ -75,6 +85,15 @@ impl Command {
     pub fn load(source: Source) -> Self {
         Self::Load(source, AddedLight::default())
     }
+}
+
+/// What snapshots show.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Look {
+    /// Whether they carry the anatomy of the solution: its elements and links.
+    pub anatomy: bool,
+    /// A former moment in place of the present; the solver goes on meanwhile. Another solve forgets it.
+    pub moment: Option<usize>,
 }
 
 /// What must not be lost on the way to a person.
@@ -136,6 +155,8 @@ pub struct Status {
     pub params: SolverParams,
     /// What is being loaded, if anything is.
     pub loading: Option<String>,
+    /// The steps of the solve so far, which [`Look::moment`] counts; oldest first.
+    pub moments: Arc<[MomentInfo]>,
 }
 
 /// What the thread shares with its owner; both locks are held for a swap or a copy only.

@@ -20,6 +20,11 @@ impl Pacing {
         self.next.is_none_or(|next| now >= next)
     }
 
+    /// Lets the next picture be taken at once: a person waits for it.
+    pub(super) fn hurry(&mut self) {
+        self.next = None;
+    }
+
     /// Notes a picture that was begun and ended at these times.
     pub(super) fn taken(&mut self, begun: Instant, ended: Instant) {
         let rest = WORK_PER_PICTURE * ended.saturating_duration_since(begun);
@@ -55,5 +60,10 @@ mod tests {
         assert!((250..=304).contains(&count), "{count} cheap pictures in 10 s");
         let (share, count) = share_of_pictures(Duration::from_millis(100), step);
         assert!(share <= 0.26 && count >= 20, "{count} dear pictures took {share}");
+        let (mut pacing, now) = (Pacing::default(), Instant::now());
+        pacing.taken(now, now);
+        assert!(!pacing.is_due(now));
+        pacing.hurry();
+        assert!(pacing.is_due(now));
     }
 }

@@ -10,9 +10,10 @@ use super::guard::{guarded, pool_of};
 use super::loader::{Awaited, Prepared};
 use super::merge::merge;
 use super::pacing::Pacing;
-use super::{Command, Event, Message, RunState, Shared, Status, lock};
+use super::stage::MaterialEdit;
+use super::{Command, Event, Look, Message, RunState, Shared, Status, lock};
 use crate::cancel::CancelToken;
-use crate::solver::{Solver, SolverParams, Step};
+use crate::solver::{MomentInfo, Solver, SolverParams, Step};
 
 /// The thread's ends of its channels.
 pub(super) struct Ends {
@@ -54,6 +55,13 @@ pub(super) struct Session {
     pacing: Pacing,
     /// A picture is owed whatever the pacing says.
     picture_owed: bool,
+    look: Look,
+    /// Steps that were told of.
+    moments: Arc<[MomentInfo]>,
+    /// Generation and number of changes that they stand for.
+    told: (u64, u64),
+    /// A person waits for what comes of the first step.
+    hurries: bool,
 }
 
 impl Session {
@@ -73,6 +81,10 @@ impl Session {
             tickets: 0,
             pacing: Pacing::default(),
             picture_owed: false,
+            look: Look::default(),
+            moments: Arc::default(),
+            told: (0, 0),
+            hurries: false,
         }
     }
 
@@ -90,6 +102,7 @@ impl Session {
             }
             if self.picture_owed {
                 self.publish_picture();
+                self.hurries = true;
             }
             if any {
                 self.publish_status();
@@ -149,14 +162,19 @@ impl Session {
                     self.emit(Event::SolveFailed(sentence));
                 }
             }
-            Command::Inspect(element) => {
-                if let Some(solver) = self.solver.as_mut() {
-                    solver.inspect(element);
-                    self.picture_owed = true;
-                }
+            Command::Look(look) => {
+                self.look = look;
+                self.picture_owed = true;
             }
-            Command::SetEmission { material, emission } => self.set_emission(material, emission),
+            Command::SetEmission { material, emission } => {
+                self.edit_material(material, MaterialEdit::Emission(emission));
+            }
+            Command::SetReflectance { material, reflectance } => {
+                self.edit_material(material, MaterialEdit::Reflectance(reflectance));
+            }
+            Command::AnchorEpsilon => self.anchor_epsilon(),
             Command::AddCeilingLight { size, exitance } => self.add_ceiling_light(size, exitance),
+            Command::SetGroups(members) => self.set_groups(members),
             Command::SaveSidecar { camera } => self.save_sidecar(camera),
             // Seen by `run`.
             Command::Shutdown => {}
@@ -195,7 +213,7 @@ impl Session {
                 self.refine_again();
                 Ok(())
             }
-            Ok(false) => self.start_solver(),
+            Ok(false) => self.rebuild_solver(),
             Err(sentence) => Err(sentence),
         };
         if let Err(sentence) = outcome {
@@ -209,8 +227,10 @@ impl Session {
     }
 
     /// A new solver takes over.
-    pub(super) fn install(&mut self, solver: Solver) {
+    pub(super) fn install(&mut self, mut solver: Solver) {
         self.generation += 1;
+        self.look.moment = None;
+        solver.keep_history();
         self.solver = Some(solver);
         self.finished = false;
         self.picture_owed = true;
@@ -229,6 +249,11 @@ impl Session {
             Ok(step) => step,
             Err(sentence) => return self.give_up(&sentence),
         };
+        self.tell_moments();
+        let hurries = std::mem::take(&mut self.hurries);
+        if hurries && step != Step::Gathered {
+            self.pacing.hurry();
+        }
         match step {
             Step::Interrupted => {}
             Step::Finished => {
@@ -255,6 +280,10 @@ impl Session {
                 }
             }
         }
+        if hurries && step == Step::Gathered {
+            // Links were judged, which shows nothing yet; the step behind it will.
+            self.pacing.hurry();
+        }
     }
 
     fn publish_picture_when_due(&mut self) {
@@ -267,7 +296,11 @@ impl Session {
         self.picture_owed = false;
         let Some(solver) = self.solver.as_mut() else { return };
         let begun = Instant::now();
-        let snapshot = match guarded(self.pool.as_ref(), || Ok(solver.snapshot())) {
+        let look = self.look;
+        solver.show_anatomy(look.anatomy);
+        let former = |solver: &mut Solver| look.moment.and_then(|moment| solver.snapshot_of(moment));
+        let taken = guarded(self.pool.as_ref(), || Ok(former(solver).unwrap_or_else(|| solver.snapshot())));
+        let snapshot = match taken {
             Ok(snapshot) => Arc::new(snapshot),
             Err(sentence) => return self.give_up(&sentence),
         };
@@ -276,6 +309,16 @@ impl Session {
         // Freed after the lock: a large mesh takes its time.
         drop(former);
         (self.ends.wake)();
+    }
+
+    /// Lets the status know of steps that it has not heard of.
+    fn tell_moments(&mut self) {
+        let Some(solver) = &self.solver else { return };
+        if solver.moments_told() != self.told {
+            self.told = solver.moments_told();
+            self.moments = solver.moments().cloned().collect();
+            lock(&self.ends.shared.status).moments = self.moments.clone();
+        }
     }
 
     /// Lets go of a solver that broke; its last picture stays.
@@ -291,7 +334,8 @@ impl Session {
         (self.ends.wake)();
     }
 
-    fn publish_status(&self) {
+    fn publish_status(&mut self) {
+        self.tell_moments();
         let run = match (&self.solver, self.finished, self.drive) {
             (None, ..) => RunState::Idle,
             (_, true, _) => RunState::Finished,
@@ -300,7 +344,7 @@ impl Session {
         };
         let awaited = self.loading.as_ref().or(self.remaking.as_ref());
         let loading = awaited.map(|awaited| awaited.name.clone());
-        *lock(&self.ends.shared.status) = Status { run, params: self.params, loading };
+        *lock(&self.ends.shared.status) = Status { run, params: self.params, loading, moments: self.moments.clone() };
         (self.ends.wake)();
     }
 }

@@ -9,8 +9,38 @@ use super::loader::{self, Awaited, CeilingLight, Job, Prepared};
 use super::session::{Drive, Session};
 use super::{Event, SceneInfo};
 use crate::added_light::AddedLight;
-use crate::scene::{CameraPose, MaterialId, Sidecar, SidecarError, Source};
-use crate::solver::{Solver, SolverError};
+use crate::scene::{
+    CameraPose, GroupMember, MAX_EMISSION, MAX_SIDECAR_REFLECTANCE, Material, MaterialId, Sidecar, SidecarError, Source,
+};
+use crate::solver::{ClusteringMode, Solver, SolverError};
+
+/// A change of one material.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum MaterialEdit {
+    /// Emission B_e, W/m².
+    Emission(Vec3),
+    /// Reflectance ρ.
+    Reflectance(Vec3),
+}
+
+impl MaterialEdit {
+    /// Why it cannot be made.
+    fn problem(self) -> Option<String> {
+        let (value, most, what, unit) = match self {
+            Self::Emission(value) => (value, MAX_EMISSION, "emission", " W/m²"),
+            Self::Reflectance(value) => (value, MAX_SIDECAR_REFLECTANCE, "reflectance", ""),
+        };
+        let is_usable = value.is_finite() && value.min_element() >= 0.0 && value.max_element() <= most;
+        (!is_usable).then(|| format!("{what} of a material must be three numbers between 0 and {most}{unit}"))
+    }
+
+    fn apply(self, material: &mut Material) {
+        match self {
+            Self::Emission(emission) => material.emission = emission,
+            Self::Reflectance(reflectance) => material.reflectance = reflectance,
+        }
+    }
+}
 
 impl Session {
     /// Reads a scene on a thread of its own; one that is being read already is forgotten.
@@ -114,34 +144,77 @@ impl Session {
         self.emit(if is_new { Event::SceneLoaded(info) } else { Event::SceneEdited(info) });
     }
 
-    /// Changes the emission of a material in place; links and ε in watts stay.
-    pub(super) fn set_emission(&mut self, material: MaterialId, emission: Vec3) {
+    /// A solver with other clusters takes over, which starts with what the present one knows.
+    pub(super) fn rebuild_solver(&mut self) -> Result<(), String> {
+        let Some(solver) = &self.solver else { return self.start_solver() };
+        let (params, generation) = (self.params, self.generation + 1);
+        let rebuilt = guarded(self.pool.as_ref(), || {
+            solver.rebuilt(params, generation).map_err(|error: SolverError| error.to_string())
+        })?;
+        self.install(rebuilt);
+        Ok(())
+    }
+
+    /// Changes a material in place; links and ε in watts stay.
+    pub(super) fn edit_material(&mut self, material: MaterialId, edit: MaterialEdit) {
         let Some(prepared) = self.prepared.as_mut() else { return };
         let index = material.0 as usize;
         let Some(name) = prepared.scene.materials.get(index).map(|material| material.name.clone()) else {
             return self.emit(Event::SolveFailed(format!("the scene has no material number {index}")));
         };
-        if !(emission.is_finite() && emission.min_element() >= 0.0) {
-            let sentence = format!("the emission of {name} must be a number of W/m² that is not negative");
-            return self.emit(Event::SolveFailed(sentence));
+        if let Some(problem) = edit.problem() {
+            return self.emit(Event::SolveFailed(format!("the {problem}, that of {name} too")));
         }
-        Arc::make_mut(&mut prepared.scene).materials[index].emission = emission;
-        Arc::make_mut(&mut prepared.raw).materials[index].emission = emission;
-        match self.solver.as_mut() {
+        edit.apply(&mut Arc::make_mut(&mut prepared.scene).materials[index]);
+        edit.apply(&mut Arc::make_mut(&mut prepared.raw).materials[index]);
+        let outcome = match self.solver.as_mut() {
             Some(solver) => {
-                solver.set_emission(material, emission);
-                self.refine_again();
+                let edited = guarded(self.pool.as_ref(), || {
+                    match edit {
+                        MaterialEdit::Emission(emission) => solver.set_emission(material, emission),
+                        MaterialEdit::Reflectance(reflectance) => solver.set_reflectance(material, reflectance),
+                    }
+                    Ok(())
+                });
+                edited.map(|()| self.refine_again())
             }
-            None => {
-                if let Err(sentence) = self.start_solver() {
-                    self.emit(Event::SolveFailed(sentence));
-                }
-            }
+            None => self.start_solver(),
+        };
+        if let Err(sentence) = outcome {
+            self.emit(Event::SolveFailed(sentence));
         }
         self.announce_scene(false);
         if self.remaking.is_some() {
-            // What is under way knows nothing of the new emission.
+            // What is under way knows nothing of the edit.
             self.remake(None);
+        }
+    }
+
+    /// Arranges groups by hand; a solution whose clusters do not go by groups stays as it is.
+    pub(super) fn set_groups(&mut self, members: Vec<GroupMember>) {
+        let Some(prepared) = self.prepared.as_mut() else { return };
+        if prepared.raw.regrouping == members {
+            return;
+        }
+        Arc::make_mut(&mut prepared.scene).regrouping.clone_from(&members);
+        Arc::make_mut(&mut prepared.raw).regrouping = members;
+        if (self.solver.is_none() || self.params.clustering == ClusteringMode::Groups)
+            && let Err(sentence) = self.start_solver()
+        {
+            self.emit(Event::SolveFailed(sentence));
+        }
+        self.announce_scene(false);
+        if self.remaking.is_some() {
+            // What is under way knows nothing of the new groups.
+            self.remake(None);
+        }
+    }
+
+    /// Measures a relative ε by the power that is emitted now.
+    pub(super) fn anchor_epsilon(&mut self) {
+        if let Some(solver) = self.solver.as_mut() {
+            solver.anchor_epsilon();
+            self.refine_again();
         }
     }
 

@@ -183,6 +183,40 @@ fn light_comes_through_a_slit() {
     assert!(error.local_median < 0.2, "median local error {:.3}", error.local_median);
 }
 
+/// Whatever the gather is at, its first part included, who cancels is heard at once, and what was begun can be done again with the same
+/// result.
+#[test]
+fn every_part_of_the_gather_can_be_cancelled() {
+    let scene = lamp_room();
+    let plain = solve(&scene, asking(0.1)).snapshot().vertex_radiosity;
+    let mut solving = solver(&scene, asking(0.1));
+    let mut interrupted = 0;
+    let mut patience = Duration::from_micros(20);
+    loop {
+        let cancel = CancelToken::new();
+        let step = std::thread::scope(|scope| {
+            scope.spawn(|| {
+                std::thread::sleep(patience);
+                cancel.cancel();
+            });
+            solving.step(&cancel)
+        });
+        match step {
+            Step::Finished => break,
+            // Each piece of work gets more time until it is done.
+            Step::Interrupted => {
+                interrupted += 1;
+                patience *= 2;
+            }
+            Step::Refined { .. } | Step::Gathered | Step::Reconstructed { .. } => {
+                patience = Duration::from_micros(20);
+            }
+        }
+    }
+    assert!(interrupted > 10, "{interrupted}");
+    assert_eq!(solving.snapshot().vertex_radiosity, plain);
+}
+
 /// The same bits for any number of threads.
 #[test]
 fn threads_do_not_matter() {

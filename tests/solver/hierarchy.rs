@@ -15,7 +15,7 @@ use super::support::{MODES, add_box, furnished_room, is_sound, lamp_room, params
 
 /// Every polygon is one initial patch, every element but the root has the parent that lists it, areas add up, boxes hold
 /// what is in them. Areas and boxes within f32's 1e-6 of the scene's size.
-fn check_tree(scene: &Scene, hierarchy: &Hierarchy) {
+pub fn check_tree(scene: &Scene, hierarchy: &Hierarchy) {
     let mut polygons: Vec<u32> = Vec::new();
     for &id in hierarchy.initial_patches() {
         let Shape::Patch(patch) = hierarchy.element(id).shape else { panic!("an initial patch is a patch") };
@@ -62,7 +62,7 @@ fn every_pair_of_patches_is_covered_once_in_a_furnished_room() {
 }
 
 /// A scene of random boxes and a soup of triangles, a few of them shining.
-fn soup() -> impl Strategy<Value = Scene> {
+pub fn soup() -> impl Strategy<Value = Scene> {
     let point = prop::array::uniform3(-2.0_f32..2.0).prop_map(Vec3::from);
     let a_box = (point.clone(), prop::array::uniform3(0.02_f32..1.0).prop_map(Vec3::from), any::<bool>());
     let a_triangle = (point, prop::array::uniform6(-0.8_f32..0.8));

@@ -80,13 +80,16 @@ fn onlookers_do_not_matter() {
         let mut watched = solver(&scene, params(mode, 1e-3));
         let never = CancelToken::new();
         let mut pictures = 0;
-        let mut element = 0;
+        let mut moment = 0;
+        watched.keep_history();
         loop {
             let snapshot = watched.snapshot();
             pictures += 1;
             assert!(snapshot.vertex_radiosity.iter().flatten().all(|value| value.is_finite() && *value >= 0.0));
-            element = (element + 7) % watched.hierarchy().elements().len() as u32;
-            watched.inspect(Some(selflink::hierarchy::ElementId(element)));
+            watched.show_anatomy(pictures % 3 == 0);
+            moment = (moment + 7) % watched.moments().len();
+            let former = watched.snapshot_of(moment).expect("a moment that was told of");
+            assert_eq!(former.moment, Some(moment));
             if watched.step(&never) == Step::Finished {
                 break;
             }

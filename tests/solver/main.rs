@@ -3,6 +3,7 @@
 
 mod balance;
 mod closed_forms;
+mod coarsening;
 #[path = "../support/coverage.rs"]
 mod coverage;
 mod display_mesh;

@@ -5,7 +5,7 @@ use egui::{Grid, Ui};
 use super::super::theme;
 
 /// What to do, and what it does; [`super::super::viewport`] acts so.
-const CONTROLS: [(&str, &str); 9] = [
+pub(in super::super) const CONTROLS: [(&str, &str); 10] = [
     ("left drag", "orbit"),
     ("right, middle or shift drag", "pan"),
     ("wheel or pinch", "zoom"),
@@ -15,10 +15,11 @@ const CONTROLS: [(&str, &str); 9] = [
     ("double-click", "look at the point"),
     ("F", "frame all"),
     ("Home", "back to the start"),
+    ("Ctrl+Z, Ctrl+Shift+Z", "undo, redo a setting"),
 ];
 
 /// Draws the section.
-pub(super) fn show(ui: &mut Ui) {
+pub(super) fn show(ui: &mut Ui, are_keys_shown: &mut bool) {
     Grid::new("controls").num_columns(2).spacing([16.0, 3.0]).show(ui, |ui| {
         for (deed, effect) in CONTROLS {
             ui.label(deed);
@@ -26,4 +27,7 @@ pub(super) fn show(ui: &mut Ui) {
             ui.end_row();
         }
     });
+    if ui.button("All keys").on_hover_text("The same, and the keys that work anywhere (?)").clicked() {
+        *are_keys_shown = true;
+    }
 }

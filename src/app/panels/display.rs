@@ -1,28 +1,25 @@
-//! The display section: exposure and overlays.
+//! The display section: readings, exposure and overlays.
 
 use egui::{Slider, Ui};
 
 use super::super::settings::DisplaySettings;
 use super::super::{Shown, theme};
+use super::readings;
+use crate::render::Reading;
 
 /// Exposures a slider offers, stops.
 const STOPS: std::ops::RangeInclusive<f32> = -10.0..=10.0;
-/// Numbers of links a slider offers.
-const LINKS: std::ops::RangeInclusive<usize> = 1..=2000;
 
 /// Draws the section.
-pub(super) fn show(ui: &mut Ui, shown: &Shown, display: &mut DisplaySettings) {
+pub(super) fn show(ui: &mut Ui, shown: &Shown, display: &mut DisplaySettings, reading: Option<&Reading>) {
+    readings::show(ui, display, reading);
+    ui.add_space(4.0);
     show_exposure(ui, display);
     ui.add_space(4.0);
     ui.checkbox(&mut display.show_elements, "Element outlines");
     show_clusters(ui, shown, display);
-    ui.checkbox(&mut display.show_links, "Links of the picked element")
-        .on_hover_text("Lines to the sources of its light, colour by power; click a surface to pick it");
-    ui.add_enabled_ui(display.show_links, |ui| {
-        theme::row(ui, "Strongest links", |ui| {
-            ui.add(Slider::new(&mut display.strongest_links, LINKS).logarithmic(true))
-        });
-    });
+    ui.add_space(4.0);
+    super::links::show(ui, shown, &mut display.links);
 }
 
 fn show_exposure(ui: &mut Ui, display: &mut DisplaySettings) {

@@ -17,13 +17,14 @@ pub(in super::super) fn show(app: &mut App, ui: &mut Ui, rect: Rect, outbox: &mu
     egui::Area::new(egui::Id::unique("empty")).pivot(Align2::CENTER_CENTER).fixed_pos(rect.center()).show(
         ui.ctx(),
         |ui| {
+            theme::over_the_view(ui);
             ui.set_width(rect.width().min(420.0));
             ui.vertical_centered(|ui| match &app.shown.status.loading {
                 Some(name) => {
                     loading_label(ui, name, 15.0);
                 }
                 None => {
-                    ui.label(RichText::new("Open a room to light").size(20.0).color(theme::TEXT_STRONG));
+                    ui.label(RichText::new("Open a room to light").size(20.0).strong());
                     ui.label(theme::weak("Drop an OBJ, glTF or GLB file here, or start with one of our own:"));
                     ui.add_space(8.0);
                     ui.columns(BuiltinScene::ALL.len(), |columns| {
@@ -45,6 +46,7 @@ pub(in super::super) fn show_loading(app: &App, ui: &mut Ui, rect: Rect, outbox:
     let Some(name) = &app.shown.status.loading else { return };
     let at = rect.center_top() + egui::vec2(0.0, 12.0);
     egui::Area::new(egui::Id::unique("loading")).pivot(Align2::CENTER_TOP).fixed_pos(at).show(ui.ctx(), |ui| {
+        theme::over_the_view(ui);
         egui::Frame::popup(ui.style()).show(ui, |ui| {
             ui.horizontal(|ui| {
                 loading_label(ui, name, 13.0);

@@ -1,40 +1,105 @@
-//! The legend over the view where its colours stand for errors.
+//! The legend over the view where colours stand for something: a ramp with marks below it.
 
-use egui::{Align2, Color32, FontId, Mesh, Rect, Shape, Ui, pos2, vec2};
+use egui::{Align2, Color32, FontId, Frame, Label, Mesh, Rect, RichText, Shape, Ui, UiBuilder, pos2, vec2};
 
 use super::super::comparison::{FULL_SCALE, Shading};
 use super::super::theme;
+use crate::photometry::{CONVENTION, Unit};
+use crate::render::{Mark, Reading};
 
 /// Size of the bar, points.
-const BAR: egui::Vec2 = vec2(220.0, 12.0);
+const BAR: egui::Vec2 = vec2(264.0, 12.0);
 /// Steps of the bar's colours.
-const STEPS: usize = 44;
-/// Room around it, points.
+const STEPS: usize = 88;
+/// Room between the card and the view's corner, points.
 const MARGIN: f32 = 12.0;
+/// Height of the row of labels, points.
+const LABELS: f32 = 22.0;
+/// Least room between two labels, points.
+const GAP: f32 = 5.0;
 
-/// Draws it into the view's lower left corner; nothing for light.
-pub(in super::super) fn show(ui: &Ui, view: Rect, shading: Shading) {
-    let (title, first, labels) = match shading {
+/// What a legend says.
+struct Legend<'a> {
+    title: String,
+    remark: &'a str,
+    hint: &'a str,
+    colour: &'a dyn Fn(f32) -> [u8; 3],
+    marks: Vec<Mark>,
+}
+
+/// The legend of the difference between two solutions.
+pub(in super::super) fn show_difference(ui: &mut Ui, view: Rect) {
+    let hint = "Difference of the radiosities, relative to that of A at the same point";
+    show_shading(ui, view, Shading::Difference, ("B darker – brighter", hint));
+}
+
+/// The legend of errors; nothing for light.
+pub(in super::super) fn show_error(ui: &mut Ui, view: Rect, shading: Shading) {
+    let title = match shading {
         Shading::Lit => return,
-        Shading::Error => ("relative error", 0.0, ["0 %", "25 %", "50 %"]),
-        Shading::Difference => ("too dark – too bright", -FULL_SCALE, ["−50 %", "0 %", "+50 %"]),
+        Shading::Error => "relative error",
+        Shading::Difference => "too dark – too bright",
     };
-    let card = Rect::from_min_size(
-        pos2(view.left() + MARGIN, view.bottom() - MARGIN - 58.0),
-        vec2(BAR.x + 2.0 * MARGIN + 12.0, 58.0),
-    );
-    let painter = ui.painter_at(view);
-    painter.rect_filled(card, 6.0, theme::PANEL.gamma_multiply(0.92));
-    let text = |at, align, text: &str, colour| {
-        painter.text(at, align, text, FontId::proportional(12.0), colour);
+    let hint = "Error of the radiosity by the reference, relative to each point's own radiosity";
+    show_shading(ui, view, shading, (title, hint));
+}
+
+fn show_shading(ui: &mut Ui, view: Rect, shading: Shading, (title, hint): (&str, &str)) {
+    let (first, labels) = match shading {
+        Shading::Lit | Shading::Error => (0.0, ["0 %", "25 %", "50 %"]),
+        Shading::Difference => (-FULL_SCALE, ["−50 %", "0 %", "+50 %"]),
     };
-    text(card.left_top() + vec2(MARGIN + 6.0, 6.0), Align2::LEFT_TOP, title, theme::TEXT_STRONG);
-    text(card.right_top() + vec2(-MARGIN - 6.0, 6.0), Align2::RIGHT_TOP, "grey: unknown", theme::TEXT_WEAK);
-    let bar = Rect::from_min_size(card.left_top() + vec2(MARGIN + 6.0, 24.0), BAR);
+    let colour = |along: f32| shading.colour(first + along * (FULL_SCALE - first));
+    let places = [0.0, 0.5, 1.0];
+    let marks = places.into_iter().zip(labels);
+    let marks = marks.map(|(along, label)| Mark { along, label: label.to_owned(), is_line: false }).collect();
+    show(ui, view, &Legend { title: title.to_owned(), remark: "grey: unknown", hint, colour: &colour, marks });
+}
+
+/// The legend of a quantity.
+pub(in super::super) fn show_reading(ui: &mut Ui, view: Rect, reading: &Reading, unit: Unit, remark: &str) {
+    let colour = |along: f32| reading.scale.ramp.at(along);
+    let hint = match unit {
+        Unit::Lumens => CONVENTION,
+        Unit::Watts => "The three colours weighed as the eye does: 0.2126 R + 0.7152 G + 0.0722 B",
+    };
+    let marks = reading.marks(unit);
+    show(ui, view, &Legend { title: reading.title(unit), remark, hint, colour: &colour, marks });
+}
+
+/// Draws a legend into the view's lower left corner.
+fn show(ui: &mut Ui, view: Rect, legend: &Legend<'_>) {
+    let at = view.left_bottom() + vec2(MARGIN, -MARGIN);
+    let area = egui::Area::new(egui::Id::unique("legend")).pivot(Align2::LEFT_BOTTOM).fixed_pos(at);
+    area.show(ui.ctx(), |ui| {
+        theme::over_the_view(ui);
+        let frame = Frame::popup(ui.style())
+            .fill(theme::PANEL.gamma_multiply(0.94))
+            .inner_margin(egui::Margin::symmetric(18, 7));
+        let card = frame.show(ui, |ui| {
+            ui.set_width(BAR.x);
+            ui.spacing_mut().item_spacing.y = 3.0;
+            ui.horizontal(|ui| {
+                ui.label(RichText::new(&legend.title).color(theme::TEXT_STRONG)).on_hover_text(legend.hint);
+                ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+                    ui.label(theme::weak(legend.remark).small());
+                });
+            });
+            let (bar, response) = ui.allocate_exact_size(BAR, egui::Sense::hover());
+            response.on_hover_text(legend.hint);
+            draw_bar(ui, bar, legend);
+            let (row, _) = ui.allocate_exact_size(vec2(BAR.x, LABELS), egui::Sense::hover());
+            draw_labels(ui, row, bar, &legend.marks);
+        });
+        card.response
+    });
+}
+
+fn draw_bar(ui: &Ui, bar: Rect, legend: &Legend<'_>) {
     let mut mesh = Mesh::default();
     for step in 0..=STEPS {
         let along = step as f32 / STEPS as f32;
-        let [r, g, b] = shading.colour(first + along * (FULL_SCALE - first));
+        let [r, g, b] = (legend.colour)(along);
         let (x, colour) = (bar.left() + along * bar.width(), Color32::from_rgb(r, g, b));
         mesh.colored_vertex(pos2(x, bar.top()), colour);
         mesh.colored_vertex(pos2(x, bar.bottom()), colour);
@@ -44,9 +109,32 @@ pub(in super::super) fn show(ui: &Ui, view: Rect, shading: Shading) {
             mesh.add_triangle(last - 1, last, last + 1);
         }
     }
-    painter.add(Shape::mesh(mesh));
-    let below = bar.bottom() + 3.0;
-    text(pos2(bar.left(), below), Align2::LEFT_TOP, labels[0], theme::TEXT);
-    text(pos2(bar.center().x, below), Align2::CENTER_TOP, labels[1], theme::TEXT);
-    text(pos2(bar.right(), below), Align2::RIGHT_TOP, labels[2], theme::TEXT);
+    ui.painter().add(Shape::mesh(mesh));
+}
+
+/// Marks and their values; a value that has no room is left out, those at the ends and of lines last.
+fn draw_labels(ui: &mut Ui, row: Rect, bar: Rect, marks: &[Mark]) {
+    let place = |along: f32| bar.left() + along.clamp(0.0, 1.0) * bar.width();
+    let font = FontId::proportional(12.0);
+    let mut taken: Vec<(f32, f32)> = Vec::new();
+    let matters = |(index, mark): &(usize, &Mark)| (!mark.is_line, *index != 0 && index + 1 != marks.len());
+    let mut order: Vec<(usize, &Mark)> = marks.iter().enumerate().collect();
+    order.sort_by_key(matters);
+    for (_, mark) in order {
+        let x = place(mark.along);
+        let (top, colour) = if mark.is_line { (bar.top(), Color32::WHITE) } else { (bar.bottom(), theme::TEXT_WEAK) };
+        ui.painter().vline(x, top..=bar.bottom() + 4.0, egui::Stroke::new(1.0, colour));
+        let width = ui.ctx().fonts_mut(|fonts| mark.label.chars().map(|c| fonts.glyph_width(&font, c)).sum::<f32>());
+        let (from, to) = (x - 0.5 * width - GAP, x + 0.5 * width + GAP);
+        if taken.iter().any(|(left, right)| from < *right && to > *left) {
+            continue;
+        }
+        taken.push((from + GAP, to - GAP));
+        let rect = Rect::from_center_size(pos2(x, row.bottom() - 8.0), vec2(width + 2.0 * GAP, 14.0));
+        let text = RichText::new(&mark.label).font(font.clone()).color(theme::TEXT);
+        let mut place = ui.new_child(
+            UiBuilder::new().max_rect(rect).layout(egui::Layout::centered_and_justified(egui::Direction::TopDown)),
+        );
+        place.add(Label::new(text).extend());
+    }
 }

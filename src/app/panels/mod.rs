@@ -1,13 +1,18 @@
 //! The panels around the view: each takes what it shows and writes commands into the outbox.
 
 pub(super) mod accuracy;
+pub(super) mod appearance;
 pub(super) mod controls;
+pub(super) mod costs;
 pub(super) mod display;
 pub(super) mod empty;
+pub(super) mod hint;
 pub(super) mod legend;
 pub(super) mod light;
+pub(super) mod links;
 pub(super) mod parameters;
 pub(super) mod picked;
+mod readings;
 pub(super) mod scene;
 pub(super) mod solver;
 pub(super) mod statistics;
@@ -37,10 +42,14 @@ fn show_sections(app: &mut App, ui: &mut Ui, outbox: &mut Outbox) {
         // A dark scene opens the section that helps; with a lamp it is one of many.
         let dark = !info.has_light;
         let title = if dark { "Light: none yet" } else { "Light" };
-        section(ui, title, dark, Some("light"), |ui| light::show(ui, &info, &mut app.lamp, outbox));
+        section(ui, title, dark, Some("light"), |ui| {
+            light::show(ui, &app.shown, &app.params, &mut app.light, outbox);
+        });
     }
     section(ui, "Solver", true, None, |ui| solver::show(ui, &app.shown, &mut app.params, outbox));
-    section(ui, "Display", true, None, |ui| display::show(ui, &app.shown, &mut app.display));
+    section(ui, "Display", true, None, |ui| {
+        display::show(ui, &app.shown, &mut app.display, app.reading.last().as_ref())
+    });
     if let Some(info) = app.shown.info.clone() {
         let (comparison, wake) = (&mut app.comparison, &app.wake);
         let mut outcome = Ok(());
@@ -50,12 +59,13 @@ fn show_sections(app: &mut App, ui: &mut Ui, outbox: &mut Outbox) {
         }
     }
     section(ui, "Statistics", false, None, |ui| statistics::show(ui, &app.shown));
-    section(ui, "Mouse and keys", false, None, controls::show);
+    section(ui, "Appearance", false, None, |ui| appearance::show(ui, &mut app.appearance));
+    section(ui, "Mouse and keys", false, None, |ui| controls::show(ui, &mut app.are_keys_shown));
 }
 
 /// A section that can be folded away; `id` tells sections apart whose title changes.
 fn section(ui: &mut Ui, title: &str, is_open: bool, id: Option<&str>, contents: impl FnOnce(&mut Ui)) {
-    let heading = RichText::new(title).strong().size(14.0).color(theme::TEXT_STRONG);
+    let heading = RichText::new(title).strong().size(14.0);
     CollapsingHeader::new(heading)
         .id_salt((id.unwrap_or(title), is_open && id.is_some()))
         .default_open(is_open)

@@ -3,6 +3,7 @@
 use egui::{ComboBox, Slider, Ui};
 
 use super::super::{format, theme};
+use super::costs;
 use crate::scene::Sides;
 use crate::solver::{
     ClusterModel, ClusteringMode, Epsilon, OracleKind, PARAMETERS, Parameter, ParameterId, Push, Reconstruct,
@@ -17,12 +18,18 @@ struct EpsilonMeasures {
 }
 
 impl EpsilonMeasures {
-    /// The measure that a person did not set follows from the emitted power that the last solve saw.
+    /// The measure that a person did not set follows from the emitted power: that of now, or for an ε that is in force already that by
+    /// which it was set.
     fn new(epsilon: Epsilon, stats: Option<&Stats>) -> Self {
-        let power = stats.filter(|stats| stats.epsilon_relative > 0.0);
-        let power = power.map_or(0.0, |stats| stats.epsilon_watts / stats.epsilon_relative);
+        let power = stats.map_or(0.0, |stats| stats.power_watts);
         match epsilon {
-            Epsilon::Relative(relative) => Self { relative, watts: relative * power },
+            Epsilon::Relative(relative) => {
+                let in_force = |stats: &&Stats| {
+                    (relative * stats.anchor_watts - stats.epsilon_watts).abs() <= 1e-9 * stats.epsilon_watts
+                };
+                let watts = stats.filter(in_force).map_or(relative * power, |stats| stats.epsilon_watts);
+                Self { relative, watts }
+            }
             Epsilon::Watts(watts) => Self { relative: if power > 0.0 { watts / power } else { 0.0 }, watts },
         }
     }
@@ -70,7 +77,12 @@ fn show_what_is_asked(ui: &mut Ui, params: &mut SolverParams) {
 
 fn show_one(ui: &mut Ui, parameter: &Parameter, params: &mut SolverParams, stats: Option<&Stats>) {
     let row = theme::row(ui, parameter.label, |ui| show_widget(ui, parameter, params, stats));
-    row.on_hover_text(parameter.hint);
+    costs::show_mark(ui, row.rect, parameter);
+    row.on_hover_ui(|ui| {
+        ui.set_max_width(ui.spacing().tooltip_width);
+        ui.label(parameter.hint);
+        ui.label(theme::weak(costs::sentence(parameter)));
+    });
 }
 
 fn show_widget(ui: &mut Ui, parameter: &Parameter, params: &mut SolverParams, stats: Option<&Stats>) -> egui::Response {
@@ -270,7 +282,7 @@ mod tests {
     /// Truth: setting what was read changes nothing, setting something else changes it, for every parameter of the table.
     #[test]
     fn every_parameter_can_be_read_and_set() {
-        let stats = Stats { epsilon_relative: 1e-4, epsilon_watts: 0.05, ..Stats::default() };
+        let stats = Stats { power_watts: 500.0, anchor_watts: 500.0, epsilon_watts: 0.05, ..Stats::default() };
         for parameter in &PARAMETERS {
             // No choice is the last of its kind.
             let before = SolverParams {
@@ -301,6 +313,16 @@ mod tests {
             assert_ne!(before, after, "{}", parameter.flag);
             assert_eq!(after.validate(), Ok(()), "{}", parameter.flag);
         }
+    }
+
+    /// Truth: ε in watts does not follow a dimmed lamp, and what is set anew is measured by the power of now.
+    #[test]
+    fn a_dimmed_lamp_leaves_watts_as_they_were() {
+        let stats = Stats { power_watts: 250.0, anchor_watts: 500.0, epsilon_watts: 0.05, ..Stats::default() };
+        let of = |epsilon| EpsilonMeasures::new(epsilon, Some(&stats));
+        assert_eq!(of(Epsilon::Relative(1e-4)).watts, 0.05);
+        assert_eq!(of(Epsilon::Relative(1e-3)).watts, 0.25);
+        assert_eq!(of(Epsilon::Watts(0.05)).relative, 2e-4);
     }
 
     /// Truth: what is shown can be typed again.

@@ -1,76 +1,98 @@
-//! The card of the picked element, over the view's corner: what it is, how it is lit and by what.
+//! The card of the picked element, over the view's corner: what it is, how it is lit and by what. The inspector, which tells more, takes
+//! its place.
 
 use egui::{Align2, Grid, Rect, RichText, Ui};
+use glam::Vec3;
 
-use super::super::picked::PickedElement;
-use super::super::sources::NamedSource;
-use super::super::{App, Outbox, format, theme};
+use super::super::dock::Tool;
+use super::super::facts::Facts;
+use super::super::inspection::Inspection;
+use super::super::{App, format, theme};
+use crate::hierarchy::ElementId;
 use crate::scene::Scene;
-use crate::solver::Snapshot;
-use crate::worker::Command;
+use crate::solver::{Anatomy, LinkView, Snapshot};
 
 /// Width of the card, points.
 const WIDTH: f32 = 288.0;
+/// So many links are shown, the strongest.
+const MOST: usize = 5;
 
 /// Draws the card; nothing when nothing is picked.
-pub(in super::super) fn show(app: &mut App, ui: &mut Ui, rect: Rect, outbox: &mut Outbox) {
+pub(in super::super) fn show(app: &mut App, ui: &mut Ui, rect: Rect) {
+    if app.tool == Some(Tool::Inspector) {
+        return;
+    }
     let (Some(picked), Some(snapshot), Some(info)) = (&app.picked, &app.shown.snapshot, &app.shown.info) else {
         return;
     };
-    let mut close = false;
+    let (element, scene) = (picked.element, &info.scene);
+    let (mut close, mut inspect) = (false, false);
     let at = rect.right_top() + egui::vec2(-10.0, 10.0);
     egui::Area::new(egui::Id::unique("picked")).pivot(Align2::RIGHT_TOP).fixed_pos(at).show(ui.ctx(), |ui| {
+        theme::over_the_view(ui);
         let frame = egui::Frame::popup(ui.style()).fill(theme::PANEL.gamma_multiply(0.94)).inner_margin(10);
         frame.show(ui, |ui| {
             ui.set_width(WIDTH);
             ui.horizontal(|ui| {
-                ui.label(RichText::new("Picked element").strong().size(14.0).color(theme::TEXT_STRONG));
+                ui.label(RichText::new("Picked element").strong().size(14.0));
                 ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
                     close = ui.button("Close").on_hover_text("Let go of the element").clicked();
+                    let hint = "Open the inspector: all its links, and what holds it";
+                    inspect = ui.button("Inspect").on_hover_text(hint).clicked();
                 });
             });
-            show_facts(ui, picked, snapshot, &info.scene);
-            show_sources(ui, picked, snapshot);
+            if let Some(facts) = &app.inspection.facts {
+                show_facts(ui, facts);
+            }
+            show_sources(ui, &mut app.inspection, snapshot, scene, element);
         });
     });
     if close {
         app.picked = None;
-        outbox.push(Command::Inspect(None));
+    }
+    if inspect {
+        app.tool = Some(Tool::Inspector);
     }
 }
 
-fn show_facts(ui: &mut Ui, picked: &PickedElement, snapshot: &Snapshot, scene: &Scene) {
-    let leaf = &picked.leaf;
-    let material = scene.materials.get(leaf.material.0 as usize).map_or("–", |material| material.name.as_str());
-    let group = scene.polygons.get(leaf.polygon as usize).map(|polygon| scene.group_path(polygon.group));
-    let group = group.filter(|path| !path.is_empty()).unwrap_or_else(|| "–".into());
+fn show_facts(ui: &mut Ui, facts: &Facts) {
+    let or_dash = |text: &str| if text.is_empty() { "–".to_owned() } else { text.to_owned() };
     Grid::new("picked facts").num_columns(2).spacing([12.0, 3.0]).show(ui, |ui| {
         let mut row = |name: &str, value: RichText| {
             ui.label(theme::weak(name));
             ui.add(egui::Label::new(value).truncate());
             ui.end_row();
         };
-        row("material", RichText::new(material).color(theme::TEXT_STRONG));
-        row("group", RichText::new(group).color(theme::TEXT_STRONG));
-        row("polygon", theme::value(format::count(leaf.polygon)));
-        row("area", theme::value(format::quantity(leaf.area.into(), "m²")));
-        row("level", theme::value(leaf.level.to_string()));
-        row("E  W/m²", theme::value(colours(snapshot.leaf_irradiance.get(picked.index))));
-        row("B  W/m²", theme::value(colours(snapshot.leaf_radiosity.get(picked.index))));
+        match (&facts.material, facts.polygon) {
+            (Some(material), Some(polygon)) => {
+                row("material", RichText::new(material).strong());
+                row("group", RichText::new(or_dash(&facts.group)).strong());
+                row("polygon", theme::value(format::count(polygon)));
+            }
+            _ => row("cluster of", theme::value(format::things(facts.polygons, "polygon", "polygons"))),
+        }
+        row("area", theme::value(format::quantity(facts.area.into(), "m²")));
+        match (facts.level, facts.depth) {
+            (Some(level), _) => row("level", theme::value(level.to_string())),
+            (None, Some(depth)) => row("level", theme::value(depth.to_string())),
+            (None, None) => {}
+        }
+        row("E  W/m²", theme::value(colours(facts.irradiance)));
+        row("B  W/m²", theme::value(colours(facts.radiosity)));
     });
 }
 
-fn colours(rgb: Option<&[f32; 3]>) -> String {
-    rgb.map_or("–".into(), |rgb| rgb.map(|value| format!("{:>7}", format::number(value.into()))).join(" "))
+fn colours(rgb: Vec3) -> String {
+    rgb.to_array().map(|value| format!("{:>7}", format::number(value.into()))).join(" ")
 }
 
-fn show_sources(ui: &mut Ui, picked: &PickedElement, snapshot: &Snapshot) {
+fn show_sources(ui: &mut Ui, inspection: &mut Inspection, snapshot: &Snapshot, scene: &Scene, element: ElementId) {
     ui.separator();
-    let Some(inspected) = picked.inspected_by(snapshot) else {
+    let Some(anatomy) = snapshot.anatomy.as_ref().filter(|anatomy| anatomy.holds(element)) else {
         ui.label(theme::weak("Asking for its links…"));
         return;
     };
-    let count = inspected.links.len();
+    let count = inspection.links.len();
     if count == 0 {
         ui.label("No link brings it light");
         return;
@@ -78,20 +100,51 @@ fn show_sources(ui: &mut Ui, picked: &PickedElement, snapshot: &Snapshot) {
     let links = format::things(count, "link", "links");
     let heading = format!("E by source, W/m² ({links} of it and of all that holds it; the strongest):");
     ui.add(egui::Label::new(heading).wrap());
+    let strongest: Vec<LinkView> = inspection.links.iter().take(MOST).copied().collect();
     Grid::new("sources").num_columns(2).spacing([12.0, 2.0]).show(ui, |ui| {
-        for source in &picked.sources {
-            let NamedSource { link, name } = source;
+        for link in strongest {
             ui.label(theme::value(format!("{:>9}", format::number(link.irradiance.max_element().into()))));
+            let name = name_of_source(inspection, anatomy, scene, &link);
             let details = format!(
                 "{name}: {}; E {}, F = {}, V = {:.2}, {} to the whole receiver",
-                source.receiver(),
-                colours(Some(&link.irradiance.to_array())),
+                whose(&link),
+                colours(link.irradiance),
                 format::number(link.form_factor.into()),
                 link.visibility,
                 format::quantity(link.power.into(), "W"),
             );
-            ui.add(egui::Label::new(name.as_str()).truncate()).on_hover_text(details);
+            ui.add(egui::Label::new(name).truncate()).on_hover_text(details);
             ui.end_row();
         }
     });
+}
+
+fn name_of_source(inspection: &mut Inspection, anatomy: &Anatomy, scene: &Scene, link: &LinkView) -> String {
+    match link.source == link.receiver {
+        true => "itself, among its parts".to_owned(),
+        false => inspection.name(anatomy, scene, link.source).to_owned(),
+    }
+}
+
+/// Whose link brings the light, seen from the inspected element.
+pub(in super::super) fn whose(link: &LinkView) -> String {
+    whose_end(link.levels_up, link.receiver_is_cluster)
+}
+
+/// Whose link takes the light away, likewise.
+pub(in super::super) fn whose_light(link: &LinkView) -> String {
+    whose_end(link.levels_up, link.source_is_cluster)
+}
+
+fn whose_end(levels_up: i16, is_cluster: bool) -> String {
+    let kind = if is_cluster { "cluster" } else { "patch" };
+    match levels_up {
+        0 => "a link of the element's own".to_owned(),
+        1 => format!("a link of the {kind} that holds it"),
+        levels if levels > 0 => format!("a link of the {kind} {levels} levels above it"),
+        levels => {
+            let below = format::things(usize::from(levels.unsigned_abs()), "level", "levels");
+            format!("a link of a {kind} inside of it, {below} below")
+        }
+    }
 }

@@ -44,7 +44,7 @@ fn left_label(text: &str) -> impl egui::Widget {
 
 fn show_present(ui: &mut Ui, info: &SceneInfo) {
     ui.horizontal(|ui| {
-        let name = RichText::new(&info.scene.name).strong().color(theme::TEXT_STRONG);
+        let name = RichText::new(&info.scene.name).strong();
         let label = ui.add(egui::Label::new(name).truncate());
         if let Some(path) = &info.path {
             label.on_hover_text(path.display().to_string());
@@ -55,7 +55,7 @@ fn show_present(ui: &mut Ui, info: &SceneInfo) {
     ui.label(theme::weak(format!("{polygons}, {materials}, loaded in {}", format::seconds(info.load_seconds))));
     if !info.skipped.is_empty() {
         let title = format::things(info.skipped.len(), "remark from loading", "remarks from loading");
-        egui::CollapsingHeader::new(RichText::new(title).color(theme::ACCENT))
+        egui::CollapsingHeader::new(theme::notice(ui, title))
             .id_salt(("remarks", info.generation))
             .default_open(info.skipped.len() <= 3)
             .show(ui, |ui| {
@@ -160,7 +160,7 @@ fn show_question(
     // Another scene makes the question pointless.
     let Some(path) = files.sidecar_in_question.take_if(|path| present.as_ref() == Some(path)) else { return };
     let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
-    ui.add(egui::Label::new(RichText::new(format!("Overwrite {name}?")).color(theme::ACCENT)).wrap());
+    ui.add(egui::Label::new(theme::notice(ui, format!("Overwrite {name}?"))).wrap());
     let (overwrite, cancel) =
         ui.horizontal(|ui| (ui.button("Overwrite").clicked(), ui.button("Cancel").clicked())).inner;
     if overwrite {

@@ -5,6 +5,7 @@ use rayon::prelude::*;
 
 use super::lamps::{Lamps, Seen, Sent};
 use super::{Context, LAMP_RAYS};
+use crate::cancel::CancelToken;
 use crate::hierarchy::{ElementId, Hierarchy, Shape};
 use crate::random::mix;
 
@@ -13,15 +14,24 @@ const BRIGHT: f32 = 10.0;
 /// Points of a polygon by which that is decided.
 const BRIGHT_POINTS: u32 = 4;
 
-/// Radiosity of all that shines: what lamps emit, and what surfaces reflect that are much brighter than the rest.
-pub fn what_is_sent(hierarchy: &Hierarchy, context: &Context, error: f64, indirect: &[Vec3]) -> Sent {
+/// Radiosity of all that shines: what lamps emit, and what surfaces reflect that are much brighter than the rest; `None` if cancelled.
+pub fn what_is_sent(
+    hierarchy: &Hierarchy,
+    context: &Context,
+    error: f64,
+    indirect: &[Vec3],
+    cancel: &CancelToken,
+) -> Option<Sent> {
     let emission: Vec<Vec3> = context.surfaces.iter().map(|surface| surface.emission).collect();
     let emitted = Sent::new(hierarchy, emission, Vec::new());
     let lamps = Lamps { hierarchy, sent: &emitted, occluders: context.occluders };
     let rays = (LAMP_RAYS / error).clamp(8.0, 64.0) as f32;
     let reflected = |cut: &mut Vec<Seen>, &id: &ElementId| {
+        if cancel.is_cancelled() {
+            return None;
+        }
         let element = hierarchy.element(id);
-        let Shape::Patch(patch) = element.shape else { return (0, 0.0, Vec3::ZERO) };
+        let Shape::Patch(patch) = element.shape else { return Some((0, 0.0, Vec3::ZERO)) };
         let surface = &context.surfaces[patch.polygon as usize];
         let light = |index: u32| {
             let [u, v] = [0.7549, 0.5698].map(|step| (0.5 + step * index as f32).fract());
@@ -30,10 +40,10 @@ pub fn what_is_sent(hierarchy: &Hierarchy, context: &Context, error: f64, indire
             lamps.irradiance(point.position, point.normal, rays, f32::INFINITY, seed, cut).irradiance
         };
         let direct = (0..BRIGHT_POINTS).map(light).sum::<Vec3>() / BRIGHT_POINTS as f32;
-        (patch.polygon, element.area, surface.reflectance * (direct + indirect[id.index()]))
+        Some((patch.polygon, element.area, surface.reflectance * (direct + indirect[id.index()])))
     };
     let reflected: Vec<(u32, f32, Vec3)> =
-        hierarchy.initial_patches().par_iter().with_min_len(64).map_init(Vec::new, reflected).collect();
+        hierarchy.initial_patches().par_iter().with_min_len(64).map_init(Vec::new, reflected).collect::<Option<_>>()?;
     let area: f32 = reflected.iter().map(|of| of.1).sum();
     let mean = reflected.iter().map(|of| of.1 * of.2.max_element()).sum::<f32>() / area;
     let mut radiosity = emitted.radiosity;
@@ -44,5 +54,5 @@ pub fn what_is_sent(hierarchy: &Hierarchy, context: &Context, error: f64, indire
             is_bright[polygon as usize] = true;
         }
     }
-    Sent::new(hierarchy, radiosity, is_bright)
+    Some(Sent::new(hierarchy, radiosity, is_bright))
 }

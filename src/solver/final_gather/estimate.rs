@@ -11,6 +11,7 @@ use rayon::prelude::*;
 
 use super::lamps::Seen;
 use super::{Context, FinalGather};
+use crate::cancel::CancelToken;
 use crate::hierarchy::Hierarchy;
 use crate::random::{even_point, mix};
 
@@ -75,7 +76,7 @@ impl Tally {
 }
 
 impl FinalGather {
-    /// Looks at some of the points; `round` chooses which ones. Half of them lie evenly by area, half by A·|B|²: a small bright place
+    /// Looks at some of the points; `round` chooses which ones; `None` if cancelled. Half of them lie evenly by area, half by A·|B|²: a small bright place
     /// may hold most of the error, and by area alone hardly a point would meet it.
     pub(super) fn look_at_points(
         &self,
@@ -83,17 +84,20 @@ impl FinalGather {
         context: &Context,
         round: u32,
         points: Range<usize>,
-    ) -> Tally {
+        cancel: &CancelToken,
+    ) -> Option<Tally> {
         let start = mix(mix(context.seed, 0x6573_7469_6d61_7465), u64::from(round));
         let reflected = self.reflected();
         let shares = self.shares(hierarchy, context, &reflected);
         let rays = ((RAYS / self.goal.error) as u32).clamp(8, 64);
         let look = |cut: &mut Vec<Seen>, index: usize| {
-            self.look_at_point(hierarchy, context, (&reflected, &shares), rays, (start, index), cut)
+            (!cancel.is_cancelled())
+                .then(|| self.look_at_point(hierarchy, context, (&reflected, &shares), rays, (start, index), cut))
         };
         // Summed in order, so that the result does not depend on the threads.
-        let tallies: Vec<Tally> = points.into_par_iter().with_min_len(16).map_init(Vec::new, look).collect();
-        tallies.into_iter().fold(Tally::default(), Tally::add)
+        let tallies: Vec<Tally> =
+            points.into_par_iter().with_min_len(16).map_init(Vec::new, look).collect::<Option<_>>()?;
+        Some(tallies.into_iter().fold(Tally::default(), Tally::add))
     }
 
     fn look_at_point(

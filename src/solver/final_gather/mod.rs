@@ -162,7 +162,7 @@ pub struct FinalGather {
 impl FinalGather {
     /// Starts with what links say of all and of the indirect irradiance (parallel to the hierarchy's arena, W/m²); `asked` is
     /// the RMS error that is asked for, as a share of the RMS radiosity. Where none is, the usual one is aimed at once, and what
-    /// came of it is not looked at.
+    /// came of it is not looked at. `None` if cancelled.
     pub fn new(
         old: &Display,
         hierarchy: &Hierarchy,
@@ -170,7 +170,8 @@ impl FinalGather {
         asked: Option<f64>,
         irradiance: &[Vec3],
         indirect: &[Vec3],
-    ) -> Self {
+        cancel: &CancelToken,
+    ) -> Option<Self> {
         let error = asked.unwrap_or(USUAL_ERROR);
         let leaves = &old.mesh.leaves;
         let mean_area = leaves.iter().map(|leaf| leaf.area).sum::<f32>() / leaves.len().max(1) as f32;
@@ -192,7 +193,7 @@ impl FinalGather {
             }
         };
         let known_energy = leaves.iter().map(energy_of).sum();
-        let sent = bright::what_is_sent(hierarchy, context, error, indirect);
+        let sent = bright::what_is_sent(hierarchy, context, error, indirect, cancel)?;
         let indirect = display.of_vertices(indirect).into_iter().map(Vec3::from).collect();
         let mut gather = Self {
             goal: Goal { error, mesh: MESH_SHARE * error, noise: NOISE_SHARE * error },
@@ -223,7 +224,7 @@ impl FinalGather {
             display,
         };
         gather.take_mesh(context, FxHashMap::default());
-        gather
+        Some(gather)
     }
 
     /// Does one bounded piece of work; what it was about is done whole or, if cancelled, not at all.
@@ -234,12 +235,12 @@ impl FinalGather {
         let progress = match self.stage {
             Stage::Direct(first) => {
                 let range = first..(first + CHUNK).min(self.vertices.len());
-                self.find_direct(hierarchy, context, range.clone());
+                self.find_direct(hierarchy, context, range.clone(), cancel)?;
                 self.stage = Stage::Direct(range.end);
                 if range.end < self.vertices.len() {
                     return Some(Progress::Part);
                 }
-                if self.round < MOST_ROUNDS && self.split(hierarchy, context) {
+                if self.round < MOST_ROUNDS && self.split(hierarchy, context, cancel)? {
                     self.round += 1;
                     self.stage = Stage::Direct(0);
                 } else {
@@ -249,16 +250,13 @@ impl FinalGather {
             }
             Stage::Cast(first) => {
                 let range = first..(first + CHUNK).min(self.vertices.len());
-                let chunk = self.rows.cast(&self.surroundings(hierarchy, context), range.clone());
+                let chunk = self.rows.cast(&self.surroundings(hierarchy, context), range.clone(), cancel)?;
                 self.rows.take(range.start, chunk);
                 self.stage = Stage::Cast(range.end);
                 if range.end < self.vertices.len() {
                     return Some(Progress::Part);
                 }
-                self.converge();
-                if self.rows.passes() >= 2 {
-                    (self.noise, self.spread) = self.measure_noise();
-                }
+                self.end_pass(cancel)?;
                 if self.noise > self.goal.noise && self.rows.has_room() {
                     self.open_pass();
                 } else if self.is_promise {
@@ -270,7 +268,7 @@ impl FinalGather {
             }
             Stage::Estimate(first, tally) => {
                 let range = first..(first + CHUNK).min(estimate::POINTS);
-                let tally = tally.add(self.look_at_points(hierarchy, context, self.attempt, range.clone()));
+                let tally = tally.add(self.look_at_points(hierarchy, context, self.attempt, range.clone(), cancel)?);
                 self.stage = Stage::Estimate(range.end, tally);
                 if range.end < estimate::POINTS {
                     return Some(Progress::Part);
@@ -360,7 +358,13 @@ impl FinalGather {
         (LAMP_RAYS / self.goal.mesh).clamp(8.0, 512.0) as f32
     }
 
-    fn find_direct(&mut self, hierarchy: &Hierarchy, context: &Context, range: Range<usize>) {
+    fn find_direct(
+        &mut self,
+        hierarchy: &Hierarchy,
+        context: &Context,
+        range: Range<usize>,
+        cancel: &CancelToken,
+    ) -> Option<()> {
         if range.start == 0 && self.round > 0 {
             self.known_energy = self.energy();
         }
@@ -370,7 +374,7 @@ impl FinalGather {
         let energy = self.known_energy;
         let allowed = (DIRECT_NOISE * self.goal.mesh).powi(2) * energy / self.vertices.len() as f64;
         let find = |cut: &mut Vec<Seen>, vertex: usize| {
-            self.direct[vertex].is_nan().then(|| {
+            let find = || {
                 let seed = mix(context.seed, position_hash(&self.display, vertex));
                 // Each vertex may hold its part of the error.
                 let of = &self.vertices[vertex];
@@ -384,27 +388,31 @@ impl FinalGather {
                     lit.irradiance
                 });
                 (irradiance, stances, rays)
-            })
+            };
+            (!cancel.is_cancelled()).then(|| self.direct[vertex].is_nan().then(find))
         };
-        let found: Vec<Option<Lit>> = range.clone().into_par_iter().with_min_len(16).map_init(Vec::new, find).collect();
+        let found: Vec<Option<Lit>> =
+            range.clone().into_par_iter().with_min_len(16).map_init(Vec::new, find).collect::<Option<_>>()?;
         for (vertex, found) in range.zip(found) {
             if let Some((irradiance, stances, rays)) = found {
                 (self.direct[vertex], self.stances[vertex]) = (irradiance, stances);
                 self.rays += u64::from(rays);
             }
         }
+        Some(())
     }
 
-    /// Splits the leaves in which light at random points is not what the vertices around say; whether there were any.
-    fn split(&mut self, hierarchy: &mut Hierarchy, context: &Context) -> bool {
-        let look = self.look_at_leaves(hierarchy, context);
+    /// Splits the leaves in which light at random points is not what the vertices around say; whether there were any, `None` if
+    /// cancelled.
+    fn split(&mut self, hierarchy: &mut Hierarchy, context: &Context, cancel: &CancelToken) -> Option<bool> {
+        let look = self.look_at_leaves(hierarchy, context, cancel)?;
         self.rays += look.rays;
         let allowed = self.goal.mesh * self.goal.mesh * self.energy();
         let error = look.errors.iter().sum::<f64>();
         let is_vain = self.round > 0 && self.grew && error > LEAST_GAIN * self.mesh_error;
         self.mesh_error = error;
         if error <= allowed || is_vain || self.vertices.len() > MOST_VERTICES {
-            return false;
+            return Some(false);
         }
         let threshold = split::threshold(&look.errors, allowed);
         self.kept.clear();
@@ -425,7 +433,7 @@ impl FinalGather {
             former.keys().iter().copied().zip(std::mem::take(&mut self.indirect)).collect();
         self.indirect = self.interpolated(&indirect);
         self.take_mesh(context, known);
-        true
+        Some(true)
     }
 
     /// Tables of the present mesh; `known` is what was found before.

@@ -4,6 +4,7 @@ use glam::Vec3;
 
 use super::vertices::Vertex;
 use super::{FinalGather, SPREAD, Stage};
+use crate::cancel::CancelToken;
 
 /// Rays of a vertex in a pass, at least and at most.
 const PASS_RAYS: [f32; 2] = [8.0, 1024.0];
@@ -39,10 +40,25 @@ impl FinalGather {
         self.stage = Stage::Cast(0);
     }
 
-    /// Gathers over the rows until nothing moves.
-    pub(super) fn converge(&mut self) {
+    /// Gathers over the rows after a pass, and tells the noise by how the passes differ; `None` if cancelled, which leaves all as it was.
+    pub(super) fn end_pass(&mut self, cancel: &CancelToken) -> Option<()> {
+        let before = self.indirect.clone();
+        let ended = self.converge(cancel).and_then(|()| {
+            if self.rows.passes() >= 2 {
+                (self.noise, self.spread) = self.measure_noise(cancel)?;
+            }
+            Some(())
+        });
+        if ended.is_none() {
+            self.indirect = before;
+        }
+        ended
+    }
+
+    /// Gathers over the rows until nothing moves; `None` if cancelled.
+    fn converge(&mut self, cancel: &CancelToken) -> Option<()> {
         for _ in 0..MOST_SWEEPS {
-            let new = self.rows.gather(&self.display, &self.reflected());
+            let new = self.rows.gather(&self.display, &self.reflected(), cancel)?;
             let (mut moved, mut all) = (0.0, 0.0);
             for ((vertex, new), old) in self.vertices.iter().zip(&new).zip(&self.indirect) {
                 moved += f64::from(vertex.area * (*new - *old).abs().max_element());
@@ -53,17 +69,18 @@ impl FinalGather {
                 break;
             }
         }
+        Some(())
     }
 
     /// Noise of the vertices' values as a share of the RMS radiosity, by how the passes differ; and the variance of one ray's light
-    /// as a share of its square.
-    pub(super) fn measure_noise(&self) -> (f64, f32) {
+    /// as a share of its square. `None` if cancelled.
+    fn measure_noise(&self, cancel: &CancelToken) -> Option<(f64, f32)> {
         let passes = self.rows.passes();
         let reflected = self.reflected();
-        let mean = self.rows.gather(&self.display, &reflected);
+        let mean = self.rows.gather(&self.display, &reflected, cancel)?;
         let (mut squares, mut of_ray) = (0.0, 0.0);
         for pass in 0..passes {
-            let one = self.rows.gather_pass(pass, &self.display, &reflected);
+            let one = self.rows.gather_pass(pass, &self.display, &reflected, cancel)?;
             let weight = self.rows.share_of(pass) / (passes as f64 - 1.0);
             for ((vertex, of), (one, mean)) in self.vertices.iter().enumerate().zip(one.iter().zip(&mean)) {
                 if of.emission == Vec3::ZERO && !self.is_hidden(vertex) {
@@ -77,6 +94,6 @@ impl FinalGather {
         let indirect =
             |(of, indirect): (&Vertex, &Vec3)| f64::from(of.area * (of.reflectance * *indirect).length_squared());
         let indirect: f64 = self.vertices.iter().zip(&self.indirect).map(indirect).sum();
-        ((squares / energy).sqrt(), (of_ray / indirect.max(f64::MIN_POSITIVE)) as f32)
+        Some(((squares / energy).sqrt(), (of_ray / indirect.max(f64::MIN_POSITIVE)) as f32))
     }
 }

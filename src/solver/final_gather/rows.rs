@@ -9,6 +9,7 @@ use rayon::prelude::*;
 
 use super::super::display::Display;
 use super::stance::Stance;
+use crate::cancel::CancelToken;
 use crate::hierarchy::{ElementId, Hierarchy};
 use crate::orient::bright_side;
 use crate::random::{cosine_direction, even_point, fraction, mix};
@@ -90,18 +91,19 @@ impl Rows {
         self.passes.push(Pass { starts, hits: Vec::with_capacity(sum as usize) });
     }
 
-    /// Casts the rays of a range of vertices of the open pass.
-    pub fn cast(&self, around: &Surroundings, vertices: std::ops::Range<usize>) -> Chunk {
-        let Some(pass) = self.passes.last() else { return Chunk { hits: Vec::new(), backs: Vec::new() } };
-        let (hits, backs): (Vec<Vec<Hit>>, Vec<u32>) = vertices
+    /// Casts the rays of a range of vertices of the open pass; `None` if there is none, or if cancelled.
+    pub fn cast(&self, around: &Surroundings, vertices: std::ops::Range<usize>, cancel: &CancelToken) -> Option<Chunk> {
+        let pass = self.passes.last()?;
+        let looked: Vec<(Vec<Hit>, u32)> = vertices
             .into_par_iter()
             .with_min_len(16)
             .map(|vertex| {
                 let count = pass.starts[vertex + 1] - pass.starts[vertex];
-                around.look(vertex, self.counts[vertex], count)
+                (!cancel.is_cancelled()).then(|| around.look(vertex, self.counts[vertex], count))
             })
-            .unzip();
-        Chunk { hits: hits.into_iter().flatten().collect(), backs }
+            .collect::<Option<_>>()?;
+        let (hits, backs): (Vec<Vec<Hit>>, Vec<u32>) = looked.into_iter().unzip();
+        Some(Chunk { hits: hits.into_iter().flatten().collect(), backs })
     }
 
     /// Takes over what [`Self::cast`] found for the vertices from `first`.
@@ -150,21 +152,27 @@ impl Rows {
         self.passes.len()
     }
 
-    /// Irradiance of each vertex from what the vertices reflect (W/m²), over all passes.
-    pub fn gather(&self, display: &Display, reflected: &[Vec3]) -> Vec<Vec3> {
+    /// Irradiance of each vertex from what the vertices reflect (W/m²), over all passes; `None` if cancelled.
+    pub fn gather(&self, display: &Display, reflected: &[Vec3], cancel: &CancelToken) -> Option<Vec<Vec3>> {
         let of_vertex = |vertex: usize| {
             let sum: Vec3 = self.passes.iter().map(|pass| pass.sum(vertex, display, reflected)).sum();
-            sum / self.counts[vertex].max(1) as f32
+            (!cancel.is_cancelled()).then(|| sum / self.counts[vertex].max(1) as f32)
         };
         (0..self.counts.len()).into_par_iter().with_min_len(512).map(of_vertex).collect()
     }
 
     /// The same over one pass alone.
-    pub fn gather_pass(&self, pass: usize, display: &Display, reflected: &[Vec3]) -> Vec<Vec3> {
+    pub fn gather_pass(
+        &self,
+        pass: usize,
+        display: &Display,
+        reflected: &[Vec3],
+        cancel: &CancelToken,
+    ) -> Option<Vec<Vec3>> {
         let pass = &self.passes[pass];
         let of_vertex = |vertex: usize| {
             let count = pass.starts[vertex + 1] - pass.starts[vertex];
-            pass.sum(vertex, display, reflected) / count.max(1) as f32
+            (!cancel.is_cancelled()).then(|| pass.sum(vertex, display, reflected) / count.max(1) as f32)
         };
         (0..self.counts.len()).into_par_iter().with_min_len(512).map(of_vertex).collect()
     }

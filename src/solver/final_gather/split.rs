@@ -5,6 +5,7 @@ use rayon::prelude::*;
 
 use super::lamps::{Lamps, Seen};
 use super::{Context, FinalGather};
+use crate::cancel::CancelToken;
 use crate::exposure::Darkness;
 use crate::hierarchy::{ElementId, Hierarchy};
 use crate::random::{even_point, mix};
@@ -32,8 +33,13 @@ pub struct Look {
 }
 
 impl FinalGather {
-    /// Squared errors of all leaves; those that were kept before are not looked at again.
-    pub(super) fn look_at_leaves(&self, hierarchy: &Hierarchy, context: &Context) -> Look {
+    /// Squared errors of all leaves; those that were kept before are not looked at again. `None` if cancelled.
+    pub(super) fn look_at_leaves(
+        &self,
+        hierarchy: &Hierarchy,
+        context: &Context,
+        cancel: &CancelToken,
+    ) -> Option<Look> {
         let leaves = &self.display.mesh.leaves;
         let energies: Vec<f64> =
             (0..leaves.len()).into_par_iter().with_min_len(512).map(|leaf| self.most(leaf)).collect();
@@ -42,15 +48,18 @@ impl FinalGather {
         let lamps = self.lamps(hierarchy, context);
         let negligible = NEGLIGIBLE * self.goal.mesh * self.goal.mesh * mean;
         let look = |cut: &mut Vec<Seen>, leaf: usize| {
+            if cancel.is_cancelled() {
+                return None;
+            }
             let of = &leaves[leaf];
             if let Some(error) = self.kept.get(&of.element) {
-                return (*error, 0);
+                return Some((*error, 0));
             }
             if energies[leaf] <= negligible
                 || self.is_thin(leaf)
                 || context.surfaces[of.polygon as usize].emission != Vec3::ZERO
             {
-                return (0.0, 0);
+                return Some((0.0, 0));
             }
             let count = (POINTS * energies[leaf] / mean).round().clamp(1.0, MOST_POINTS) as u32;
             let reflectance = context.surfaces[of.polygon as usize].reflectance;
@@ -88,14 +97,14 @@ impl FinalGather {
                 found += 1;
             }
             let mean = if found > 0 { sum / f64::from(found) } else { 0.0 };
-            (f64::from(of.exposed_area) * mean + self.indirect_error(leaf), rays)
+            Some((f64::from(of.exposed_area) * mean + self.indirect_error(leaf), rays))
         };
         let looked: Vec<(f64, u64)> =
-            (0..leaves.len()).into_par_iter().with_min_len(16).map_init(Vec::new, look).collect();
-        Look {
+            (0..leaves.len()).into_par_iter().with_min_len(16).map_init(Vec::new, look).collect::<Option<_>>()?;
+        Some(Look {
             errors: looked.iter().map(|looked| looked.0).collect(),
             rays: looked.iter().map(|looked| looked.1).sum(),
-        }
+        })
     }
 
     /// A·(ρ·ΔE)² of indirect light, by what rows found in the middle of a leaf and at its corners; their noise is subtracted.

@@ -64,10 +64,11 @@ impl FinalGather {
         reflected
     }
 
-    /// Radiosity B of each vertex as far as it is known, W/m².
-    pub fn radiosity(&self) -> Vec<[f32; 3]> {
-        let reflected = self.reflected();
-        reflected.iter().zip(&self.vertices).map(|(reflected, of)| (*reflected + of.emission).to_array()).collect()
+    /// Radiosity B of each vertex that receives this irradiance, W/m². Hidden vertices come out as the mean of their neighbours, which
+    /// are of one material.
+    pub fn radiosity_of(&self, irradiance: &[[f32; 3]]) -> Vec<[f32; 3]> {
+        let of = |(&irradiance, of): (&[f32; 3], &Vertex)| of.reflectance * Vec3::from(irradiance) + of.emission;
+        irradiance.iter().zip(&self.vertices).map(|vertex| of(vertex).to_array()).collect()
     }
 
     /// Irradiance E of each vertex as far as it is known, W/m².

@@ -1,32 +1,38 @@
-//! The lit mesh as a file for other programs: PLY.
+//! The lit mesh as PLY.
 
 use std::io::{self, Write};
 
-use crate::solver::Mesh;
+use super::LitMesh;
+use crate::tone::shown_colour;
 
 /// Writes the mesh as binary little-endian PLY. Its vertices carry the radiosity B per colour, W/m², linear RGB, as
-/// `radiosity_r`, `radiosity_g` and `radiosity_b`; its faces run anticlockwise around the bright side.
+/// `radiosity_r`, `radiosity_g` and `radiosity_b`, and the colour that a picture shows of it (exposed, tone-mapped,
+/// gamma-encoded) as `red`, `green` and `blue`, which is what viewers look for; its faces run anticlockwise around the bright side.
 ///
 /// # Errors
 /// Whatever the writer says.
-pub fn write_ply(writer: &mut impl Write, mesh: &Mesh, vertex_radiosity: &[[f32; 3]]) -> io::Result<()> {
+pub fn write(writer: &mut impl Write, lit: &LitMesh<'_>) -> io::Result<()> {
+    let mesh = lit.mesh;
     write!(
         writer,
         "ply\nformat binary_little_endian 1.0\n\
-         comment Selflink: radiosity B in W/m2, linear RGB\n\
+         comment Selflink: radiosity B in W/m2, linear RGB; red, green, blue as shown with an exposure of {} m2/W\n\
          element vertex {}\n\
          property float x\nproperty float y\nproperty float z\n\
          property float radiosity_r\nproperty float radiosity_g\nproperty float radiosity_b\n\
+         property uchar red\nproperty uchar green\nproperty uchar blue\n\
          element face {}\n\
          property list uchar int vertex_indices\n\
          end_header\n",
+        lit.exposure,
         mesh.positions.len(),
         mesh.triangles.len()
     )?;
-    for (position, radiosity) in mesh.positions.iter().zip(vertex_radiosity) {
+    for (position, radiosity) in mesh.positions.iter().zip(lit.radiosity) {
         for value in position.iter().chain(radiosity) {
             writer.write_all(&value.to_le_bytes())?;
         }
+        writer.write_all(&shown_colour(*radiosity, lit.exposure))?;
     }
     for triangle in &mesh.triangles {
         writer.write_all(&[3])?;
@@ -40,6 +46,8 @@ pub fn write_ply(writer: &mut impl Write, mesh: &Mesh, vertex_radiosity: &[[f32;
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::solver::Mesh;
+    use crate::tone::{encode_gamma, tone_curve};
 
     /// Truth: the format's definition, byte for byte, for one triangle.
     #[test]
@@ -49,17 +57,20 @@ mod tests {
             triangles: vec![[0, 1, 2]],
             ..Mesh::default()
         };
+        let lit = LitMesh { mesh: &mesh, radiosity: &[[2.0, 3.0, 4.0]; 3], exposure: 0.1, materials: &[] };
         let mut file = Vec::new();
-        write_ply(&mut file, &mesh, &[[2.0, 3.0, 4.0]; 3]).expect("a Vec takes any bytes");
+        write(&mut file, &lit).expect("a Vec takes any bytes");
         let marker = b"end_header\n";
         let end = file.windows(marker.len()).position(|window| window == marker).expect("a header") + marker.len();
         let header = String::from_utf8(file[..end].to_vec()).expect("an ASCII header");
         assert!(header.starts_with("ply\nformat binary_little_endian 1.0\n"), "{header}");
         assert!(header.contains("element vertex 3\n") && header.contains("element face 1\n"), "{header}");
         let body = &file[end..];
-        assert_eq!(body.len(), 3 * 6 * 4 + 1 + 3 * 4);
-        let floats: Vec<f32> = body[..72].as_chunks::<4>().0.iter().map(|bytes| f32::from_le_bytes(*bytes)).collect();
-        assert_eq!(floats[6..12], [1.0, 0.0, 0.0, 2.0, 3.0, 4.0]);
-        assert_eq!(body[72..], [3, 0, 0, 0, 0, 1, 0, 0, 0, 2, 0, 0, 0]);
+        assert_eq!(body.len(), 3 * (6 * 4 + 3) + 1 + 3 * 4);
+        let second: Vec<f32> = body[27..51].as_chunks::<4>().0.iter().map(|bytes| f32::from_le_bytes(*bytes)).collect();
+        assert_eq!(second, [1.0, 0.0, 0.0, 2.0, 3.0, 4.0]);
+        let shown = [0.2, 0.3, 0.4].map(|exposed| (255.0 * encode_gamma(tone_curve(exposed))).round() as u8);
+        assert_eq!(body[51..54], shown);
+        assert_eq!(body[81..], [3, 0, 0, 0, 0, 1, 0, 0, 0, 2, 0, 0, 0]);
     }
 }

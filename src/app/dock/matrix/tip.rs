@@ -1,0 +1,59 @@
+//! What is said of the block under the mouse.
+
+use egui::{Color32, Grid, RichText, Ui};
+
+use super::super::super::highlight::{RECEIVER, SOURCE};
+use super::super::super::{format, theme};
+use super::Looked;
+use crate::hierarchy::ElementId;
+use crate::matrix::Pair;
+use crate::solver::{Evidence, LinkView};
+
+/// Draws it.
+pub(super) fn show(ui: &mut Ui, looked: Looked<'_>, pair: &Pair) {
+    let name = |id: Option<ElementId>| match id {
+        Some(id) => looked.names.full(looked.anatomy.hierarchy(), looked.scene, id),
+        None => String::new(),
+    };
+    let (receiver, source) = match &pair.link {
+        Some(link) => (Some(link.receiver), Some(link.source)),
+        None => (pair.receivers.last().copied(), pair.sources.last().copied()),
+    };
+    Grid::new("block").num_columns(2).spacing([10.0, 3.0]).show(ui, |ui| {
+        for (what, id, [r, g, b, _]) in [("receiver", receiver, RECEIVER), ("source", source, SOURCE)] {
+            ui.label(RichText::new(what).color(Color32::from_rgb(r, g, b)));
+            ui.label(RichText::new(name(id)).color(theme::TEXT_STRONG));
+            ui.end_row();
+        }
+        if let Some(link) = &pair.link {
+            let epsilon = looked.anatomy.epsilon_watts();
+            for (what, value) in facts(link, epsilon) {
+                ui.label(theme::weak(what));
+                ui.label(theme::value(value));
+                ui.end_row();
+            }
+        }
+    });
+    match &pair.link {
+        None => ui.label("No link: they face away from each other, or no ray came through."),
+        Some(link) if link.receiver == link.source => ui.label("Light that it exchanges within itself."),
+        Some(_) => ui.label(theme::weak("Click: pick the receiver · Shift-click: the source")),
+    };
+}
+
+/// Names and values of what a link is.
+fn facts(link: &LinkView, epsilon: f64) -> [(&'static str, String); 4] {
+    let visibility = match link.evidence {
+        Evidence::None => format!("{:.2}, not judged yet", link.visibility),
+        Evidence::Rays(rays) => format!("{:.2} by {}", link.visibility, format::things(rays.into(), "ray", "rays")),
+        Evidence::Clear(rays) => format!("{:.2}, all of {rays} rays came through", link.visibility),
+        Evidence::Inherited => format!("{:.2}, clear with what holds it", link.visibility),
+    };
+    let share = if epsilon > 0.0 { format::number(f64::from(link.power) / epsilon) } else { "–".into() };
+    [
+        ("form factor F", format::number(link.form_factor.into())),
+        ("visibility V", visibility),
+        ("power B·F·V·A", format::quantity(link.power.into(), "W")),
+        ("share of ε", format!("{share} ε")),
+    ]
+}

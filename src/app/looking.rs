@@ -1,0 +1,80 @@
+//! What the window asks the worker's snapshots to show, and the walk through the steps of a solve.
+
+use std::time::Duration;
+
+use crate::solver::Snapshot;
+use crate::worker::{Command, Look};
+
+/// Each step stays in view for this long while they are played, unless its picture takes longer.
+const STEP_TIME: Duration = Duration::from_millis(450);
+
+/// The moment in view, and what was last asked for.
+#[derive(Default)]
+pub(super) struct Looking {
+    asked: Look,
+    /// The moment that a person looks at; `None` for the present.
+    pub moment: Option<usize>,
+    /// When the present step came into view while steps are being played, by the window's clock, seconds.
+    playing_since: Option<f64>,
+    generation: u64,
+}
+
+impl Looking {
+    /// Whether steps are being played.
+    pub(super) fn is_playing(&self) -> bool {
+        self.playing_since.is_some()
+    }
+
+    /// Plays the steps, from the first one where the present is in view, or stops playing.
+    pub(super) fn play_or_stop(&mut self, now: f64) {
+        if self.playing_since.take().is_none() {
+            self.playing_since = Some(now);
+            self.moment = Some(self.moment.unwrap_or(0));
+        }
+    }
+
+    /// Shows a moment, or the present; nothing is played any longer.
+    pub(super) fn show(&mut self, moment: Option<usize>) {
+        self.moment = moment;
+        self.playing_since = None;
+    }
+
+    /// Takes the next step when its time has come; how long until the one after, while steps are played.
+    pub(super) fn play(&mut self, now: f64, shown: Option<&Snapshot>, moments: usize) -> Option<Duration> {
+        let since = self.playing_since?;
+        if shown.is_none_or(|snapshot| snapshot.moment != self.moment) {
+            // Its picture is still being made.
+            self.playing_since = Some(now);
+            return Some(STEP_TIME);
+        }
+        let left = STEP_TIME.as_secs_f64() - (now - since);
+        if left > 0.0 {
+            return Some(Duration::from_secs_f64(left));
+        }
+        let next = self.moment.map_or(0, |moment| moment + 1);
+        if next < moments {
+            (self.moment, self.playing_since) = (Some(next), Some(now));
+            return Some(STEP_TIME);
+        }
+        self.show(None);
+        None
+    }
+
+    /// Another solve has other steps.
+    pub(super) fn follow(&mut self, snapshot: &Snapshot) {
+        if snapshot.generation != self.generation {
+            self.generation = snapshot.generation;
+            self.asked.moment = None;
+            self.show(None);
+        }
+    }
+
+    /// What to ask for, where it differs from what was asked for last.
+    pub(super) fn command(&mut self, wants_anatomy: bool) -> Option<Command> {
+        let look = Look { anatomy: wants_anatomy, moment: self.moment };
+        (look != self.asked).then(|| {
+            self.asked = look;
+            Command::Look(look)
+        })
+    }
+}

@@ -1,0 +1,256 @@
+//! The window's side of the surveyor: what lies under the pointer, probes, the work plane.
+
+use std::sync::Arc;
+
+use glam::Vec3;
+
+use super::Wake;
+use super::save_dialog::SaveDialog;
+use crate::photometry::Quantity;
+use crate::render::{ColourScale, Isolines, Ramp, Reading, Spacing};
+use crate::scene::Scene;
+use crate::solver::Snapshot;
+use crate::survey::{
+    NamedReading, PlaneReading, Probed, Ray, Report, Summary, Surveyor, WorkPlane, write_plane, write_probes,
+};
+
+/// A place on a surface that a person reads.
+pub(super) struct Probe {
+    /// Its name; a person may change it.
+    pub name: String,
+    pub point: Vec3,
+    pub normal: Vec3,
+}
+
+/// What is written to a file.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum Table {
+    Probes,
+    Plane,
+}
+
+/// State of the measure tool and of the reading under the pointer.
+pub(super) struct Measuring {
+    surveyor: Option<Surveyor>,
+    report: Report,
+    /// The pointer's ray that was asked about.
+    pointer: Option<Ray>,
+    /// The light that the surveyor was shown.
+    shown: Option<Arc<Snapshot>>,
+    /// Whether a click places a probe.
+    pub places_probes: bool,
+    probes: Vec<Probe>,
+    /// Probes placed so far, for their names.
+    placed: usize,
+    /// The plane that is set up; measured when asked.
+    pub plane: WorkPlane,
+    /// The light and the plane that were asked for.
+    asked: Option<(Arc<Snapshot>, WorkPlane)>,
+    /// Whether the points are drawn over the view.
+    pub shows_points: bool,
+    /// Whether their values are written there.
+    pub writes_values: bool,
+    /// Where tables are written.
+    pub save: SaveDialog,
+    /// What the file dialog was opened for.
+    pub saves: Table,
+}
+
+impl Default for Measuring {
+    fn default() -> Self {
+        Self {
+            surveyor: None,
+            report: Report::default(),
+            pointer: None,
+            shown: None,
+            places_probes: false,
+            probes: Vec::new(),
+            placed: 0,
+            plane: WorkPlane::default(),
+            asked: None,
+            shows_points: true,
+            writes_values: true,
+            save: SaveDialog::default(),
+            saves: Table::Plane,
+        }
+    }
+}
+
+impl Measuring {
+    /// Another scene is in view: nothing of the former holds.
+    pub(super) fn start_with(&mut self, scene: &Scene) {
+        self.forget_plane();
+        self.probes.clear();
+        self.send_probes();
+        (self.placed, self.places_probes) = (0, false);
+        self.plane = WorkPlane::for_scene(scene);
+    }
+
+    /// Shows the surveyor the light in view where it is asked for, and takes up what it found.
+    pub(super) fn note(&mut self, scene: &Arc<Scene>, snapshot: &Arc<Snapshot>, is_settled: bool) {
+        let Some(surveyor) = &self.surveyor else { return };
+        let is_wanted = self.pointer.is_some() || !self.probes.is_empty() || self.asked.is_some();
+        if is_wanted && self.shown.as_ref().is_none_or(|shown| !Arc::ptr_eq(shown, snapshot)) {
+            surveyor.show(scene.clone(), snapshot.clone());
+            self.shown = Some(snapshot.clone());
+        }
+        self.report = surveyor.report();
+        // While the solver works, each plane would be of a picture that is gone when it is there.
+        if let Some((asked, plane)) = &self.asked
+            && is_settled
+            && !Arc::ptr_eq(asked, snapshot)
+        {
+            surveyor.measure(*plane);
+            self.asked = Some((snapshot.clone(), *plane));
+        }
+    }
+
+    /// Follows the pointer; `None` while it is not over the view.
+    pub(super) fn point_at(&mut self, ray: Option<Ray>, wake: &Wake) {
+        if ray != self.pointer {
+            if self.pointer.is_none() {
+                // The next frame shows the surveyor the light in view.
+                wake();
+            }
+            self.pointer = ray;
+            self.with_surveyor(wake, |surveyor| surveyor.look(ray));
+        }
+    }
+
+    /// What lies under the pointer, as far as is known.
+    pub(super) fn under_pointer(&self) -> Option<&crate::survey::SurfaceReading> {
+        self.pointer?;
+        self.report.looked.as_ref()?.reading.as_ref()
+    }
+
+    /// Places a probe.
+    pub(super) fn place(&mut self, point: Vec3, normal: Vec3, wake: &Wake) {
+        self.placed += 1;
+        self.probes.push(Probe { name: format!("P{}", self.placed), point, normal });
+        self.with_surveyor(wake, |_| {});
+        self.send_probes();
+        wake();
+    }
+
+    /// Takes a probe away.
+    pub(super) fn remove(&mut self, index: usize) {
+        self.probes.remove(index);
+        self.send_probes();
+    }
+
+    /// Takes all probes away.
+    pub(super) fn remove_all(&mut self) {
+        self.probes.clear();
+        self.send_probes();
+    }
+
+    fn send_probes(&self) {
+        if let Some(surveyor) = &self.surveyor {
+            surveyor.probe(self.probes.iter().map(|probe| (probe.point, probe.normal)).collect());
+        }
+    }
+
+    /// Probes with what is known of them.
+    pub(super) fn probes(&self) -> impl Iterator<Item = (&Probe, Option<&Probed>)> {
+        let found = |probe: &Probe| self.report.probes.iter().find(|found| found.point == probe.point);
+        self.probes.iter().map(move |probe| (probe, found(probe)))
+    }
+
+    /// The name of a probe, to be changed.
+    pub(super) fn name_mut(&mut self, index: usize) -> &mut String {
+        &mut self.probes[index].name
+    }
+
+    /// Measures the plane that is set up, in the light in view.
+    pub(super) fn measure_plane(&mut self, scene: &Arc<Scene>, snapshot: &Arc<Snapshot>, wake: &Wake) {
+        let plane = self.plane;
+        self.with_surveyor(wake, |surveyor| {
+            surveyor.show(scene.clone(), snapshot.clone());
+            surveyor.measure(plane);
+        });
+        self.shown = Some(snapshot.clone());
+        self.asked = Some((snapshot.clone(), plane));
+        if self.surveyor.is_none() {
+            self.report.failure = Some("no thread is left to measure with: close other programs and try again".into());
+        }
+    }
+
+    /// Gives the plane up.
+    pub(super) fn forget_plane(&mut self) {
+        self.asked = None;
+        self.report.plane = None;
+        if let Some(surveyor) = &self.surveyor {
+            surveyor.forget_plane();
+        }
+    }
+
+    /// The share of the plane that is measured, while it is.
+    pub(super) fn progress(&self) -> Option<f32> {
+        self.report.progress
+    }
+
+    /// Why there is no plane, if it was asked for.
+    pub(super) fn failure(&self) -> Option<&str> {
+        self.report.failure.as_deref().filter(|_| self.asked.is_some())
+    }
+
+    /// The plane as last measured.
+    pub(super) fn plane_reading(&self) -> Option<&Arc<PlaneReading>> {
+        self.report.plane.as_ref().filter(|_| self.asked.is_some())
+    }
+
+    /// How its values are coloured: as the irradiance in view where there is a legend of it, otherwise from nothing to the brightest point.
+    pub(super) fn plane_scale(&self, reading: Option<&Reading>) -> Option<Reading> {
+        let plane = self.plane_reading()?;
+        if let Some(reading) = reading.filter(|reading| reading.quantity == Quantity::Irradiance) {
+            return Some(*reading);
+        }
+        let Summary { maximum, .. } = plane.summary();
+        let high = (maximum / crate::photometry::LUMENS_PER_WATT).max(1e-6);
+        let scale = ColourScale {
+            low: 0.0,
+            high,
+            spacing: Spacing::Linear,
+            ramp: reading.map_or(Ramp::Viridis, |reading| reading.scale.ramp),
+        };
+        Some(Reading {
+            quantity: Quantity::Irradiance,
+            scale: scale.rounded(),
+            fills: true,
+            isolines: Isolines::default(),
+        })
+    }
+
+    /// The rows of a table as CSV.
+    pub(super) fn csv(&self, table: Table) -> std::io::Result<Vec<u8>> {
+        let mut text = Vec::new();
+        match table {
+            Table::Plane => {
+                if let Some(plane) = self.plane_reading() {
+                    write_plane(&mut text, plane)?;
+                }
+            }
+            Table::Probes => {
+                let named = self.probes().map(|(probe, found)| NamedReading {
+                    name: &probe.name,
+                    point: probe.point,
+                    normal: probe.normal,
+                    reading: found.and_then(|found| found.reading),
+                });
+                write_probes(&mut text, named)?;
+            }
+        }
+        Ok(text)
+    }
+
+    /// Starts the surveyor where it is not yet there; without a further thread nothing is read, and the next question tries again.
+    fn with_surveyor(&mut self, wake: &Wake, ask: impl FnOnce(&Surveyor)) {
+        if self.surveyor.is_none() {
+            let wake = wake.clone();
+            self.surveyor = Surveyor::spawn(Box::new(move || wake())).ok();
+        }
+        if let Some(surveyor) = &self.surveyor {
+            ask(surveyor);
+        }
+    }
+}

@@ -1,0 +1,41 @@
+//! The appearance section: theme, and the size of everything.
+
+use egui::{ComboBox, ThemePreference, Ui};
+
+use super::super::appearance::Appearance;
+use super::super::theme;
+
+/// Sizes offered, as factors.
+const SCALES: [f32; 7] = [0.75, 0.9, 1.0, 1.25, 1.5, 2.0, 2.5];
+
+/// Draws the section.
+pub(super) fn show(ui: &mut Ui, appearance: &mut Appearance) {
+    theme::row(ui, "Theme", |ui| {
+        let themes = ui.horizontal(|ui| {
+            for (theme, name) in [
+                (ThemePreference::Dark, "dark"),
+                (ThemePreference::Light, "bright"),
+                (ThemePreference::System, "system"),
+            ] {
+                if ui.selectable_value(&mut appearance.theme, theme, name).changed() {
+                    ui.ctx().set_theme(theme);
+                }
+            }
+        });
+        themes.response
+    });
+    theme::row(ui, "Size of everything", |ui| {
+        let percent = |scale: f32| format!("{:.0} %", 100.0 * scale);
+        let present = ui.ctx().zoom_factor();
+        let combo = ComboBox::from_id_salt("size of everything").selected_text(percent(present));
+        let inner = combo.show_ui(ui, |ui| {
+            for scale in SCALES {
+                if ui.selectable_label(scale == present, percent(scale)).clicked() {
+                    appearance.scale = Some(scale);
+                    ui.ctx().set_zoom_factor(scale);
+                }
+            }
+        });
+        inner.response.on_hover_text("Also by keys: Ctrl with plus, minus and zero")
+    });
+}

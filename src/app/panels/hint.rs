@@ -1,0 +1,46 @@
+//! What lies over the view now and then: the three lines of the first start, and the way back from the full picture.
+
+use egui::{Align2, Area, Frame, Rect, Ui};
+
+use super::super::{App, theme};
+
+const LINES: [&str; 3] = [
+    "Drag to turn the room, roll the wheel to come nearer, fly with W A S D.",
+    "Click a surface to see what lights it; the tools above the view look further inside.",
+    "Ask for another error at the left and watch the light refine. Press ? for all keys.",
+];
+
+/// Draws the lines until somebody has read them.
+pub(in super::super) fn show_first_lines(app: &mut App, ui: &Ui, view: Rect) {
+    if !app.appearance.is_hint_shown {
+        return;
+    }
+    let at = view.center_bottom() - egui::vec2(0.0, 18.0);
+    Area::new(egui::Id::unique("first lines")).pivot(Align2::CENTER_BOTTOM).fixed_pos(at).show(ui.ctx(), |ui| {
+        theme::over_the_view(ui);
+        Frame::popup(ui.style()).fill(theme::PANEL.gamma_multiply(0.94)).inner_margin(12).show(ui, |ui| {
+            ui.set_max_width((view.width() - 60.0).max(200.0));
+            for line in LINES {
+                ui.label(egui::RichText::new(line).strong());
+            }
+            ui.add_space(4.0);
+            if ui.button("Got it").clicked() {
+                app.appearance.is_hint_shown = false;
+            }
+        });
+    });
+}
+
+/// A button in the corner of the full picture.
+pub(in super::super) fn show_way_back(app: &mut App, ui: &Ui, view: Rect) {
+    if !app.is_full_picture {
+        return;
+    }
+    let at = view.left_top() + egui::vec2(10.0, 10.0);
+    Area::new(egui::Id::unique("way back")).fixed_pos(at).show(ui.ctx(), |ui| {
+        theme::over_the_view(ui);
+        if ui.button("Show panels").on_hover_text("F11 or Esc does so too").clicked() {
+            app.is_full_picture = false;
+        }
+    });
+}

@@ -1,0 +1,110 @@
+//! The light section: every lamp with a switch and a dimmer, the material at hand, and a light under the ceiling.
+
+mod ceiling;
+mod lamps;
+mod material;
+
+use egui::{Slider, Ui};
+
+use super::super::lighting::Lighting;
+use super::super::{Outbox, Shown, format, theme};
+use crate::scene::{MaterialId, Scene};
+use crate::solver::{Epsilon, SolverParams};
+use crate::worker::Command;
+pub(in super::super) use ceiling::CeilingEditor;
+
+/// Exitances a slider offers, W/m².
+const EXITANCES: std::ops::RangeInclusive<f32> = 0.1..=1e5;
+/// A power that differs by less than this share counts as the same.
+const SAME_POWER: f64 = 1e-4;
+
+/// What the section is about to change, and of what.
+#[derive(Default)]
+pub(in super::super) struct LightEditor {
+    /// Of each material, what was set.
+    pub lighting: Lighting,
+    /// The material at hand.
+    material: MaterialId,
+    /// Area of the faces of each material, m².
+    areas: Vec<f32>,
+    ceiling: CeilingEditor,
+}
+
+impl LightEditor {
+    /// For a scene that was just opened; its first lamp, if it has one, is the material at hand.
+    pub(in super::super) fn for_scene(scene: &Scene) -> Self {
+        let lamp = scene.materials.iter().position(|material| material.emission.max_element() > 0.0);
+        let mut editor = Self {
+            material: MaterialId(lamp.unwrap_or(0) as u32),
+            ceiling: CeilingEditor::for_scene(scene),
+            ..Self::default()
+        };
+        editor.follow(scene);
+        editor
+    }
+
+    /// Takes up what an edited scene has more.
+    pub(in super::super) fn follow(&mut self, scene: &Scene) {
+        self.lighting.extend_to(&scene.materials);
+        self.areas = vec![0.0; scene.materials.len()];
+        for polygon in &scene.polygons {
+            self.areas[polygon.material.0 as usize] += scene.area(polygon);
+        }
+    }
+
+    /// Takes a material in hand.
+    pub(in super::super) fn choose(&mut self, material: MaterialId) {
+        self.material = material;
+    }
+}
+
+/// Draws the section.
+pub(super) fn show(ui: &mut Ui, shown: &Shown, params: &SolverParams, editor: &mut LightEditor, outbox: &mut Outbox) {
+    let Some(info) = &shown.info else { return };
+    if !info.has_light {
+        let sentence =
+            "Nothing in this scene emits light, so it is black: make a material emit, or add a ceiling light.";
+        ui.add(egui::Label::new(egui::RichText::new(sentence).color(theme::ACCENT)).wrap());
+        ui.add_space(2.0);
+    }
+    let before = editor.lighting.clone();
+    lamps::show(ui, &info.scene, editor);
+    material::show(ui, &info.scene, editor);
+    outbox.extend(editor.lighting.commands_since(&before));
+    show_anchor(ui, shown, params, outbox);
+    ui.add_space(6.0);
+    ceiling::show(ui, &mut editor.ceiling, outbox);
+}
+
+/// Says by which power ε was set, and offers to set it anew where that has changed: ε stays in watts when a lamp is dimmed.
+///
+/// The row is there whether or not it has, so that nothing below it jumps while somebody drags a slider.
+fn show_anchor(ui: &mut Ui, shown: &Shown, params: &SolverParams, outbox: &mut Outbox) {
+    let stats = shown.snapshot.as_ref().map(|snapshot| &snapshot.stats);
+    let Some(stats) = stats.filter(|stats| stats.power_watts > 0.0) else { return };
+    let is_relative = matches!(params.threshold(), Epsilon::Relative(_));
+    let has_moved = (stats.power_watts - stats.anchor_watts).abs() > SAME_POWER * stats.anchor_watts;
+    let [then, now] = [stats.anchor_watts, stats.power_watts].map(|power| format::quantity(power, "W"));
+    let text = match (is_relative, has_moved) {
+        (false, _) => format!("Φ = {now}; ε was set in watts"),
+        (true, false) => format!("Φ = {now}, as when ε was set"),
+        (true, true) => format!("Φ = {now}; ε was set at {then}"),
+    };
+    ui.horizontal(|ui| {
+        let button = ui.add_enabled(is_relative && has_moved, egui::Button::new("Re-anchor ε"));
+        let hint =
+            "ε stays in watts when lamps change; this sets it to the same share of the power Φ that they emit now";
+        if button.on_hover_text(hint).on_disabled_hover_text(hint).clicked() {
+            outbox.push(Command::AnchorEpsilon);
+        }
+        ui.add(egui::Label::new(theme::weak(text)).truncate()).on_hover_text(hint);
+    });
+}
+
+fn exitance_slider(ui: &mut Ui, exitance: &mut f32) -> egui::Response {
+    // What a file says beyond the slider's range stays until a person moves it.
+    let slider = Slider::new(exitance, EXITANCES).clamping(egui::SliderClamping::Edits);
+    let slider = slider.logarithmic(true).suffix(" W/m²").max_decimals(1);
+    let slider = slider.custom_formatter(|value, _| format::grouped(value));
+    ui.add(slider.custom_parser(|text| text.replace(',', "").trim().parse().ok()))
+}

@@ -1,0 +1,204 @@
+//! Links over the view: whose, which and in what colours; and the legend that says in words what is not drawn.
+
+use egui::{Align2, Color32, FontId, Mesh, Rect, Shape, Slider, Ui, pos2, vec2};
+
+use super::super::settings::{LinkOverlay, LinksOf};
+use super::super::{App, Shown, format, theme};
+use crate::render::{ChosenLinks, LinkColour, LinkFilter, Seen, level_colour, power_colour};
+
+/// Numbers of links a slider offers.
+const STRONGEST: std::ops::RangeInclusive<usize> = 1..=2000;
+/// Shares of ε a slider offers; its first place is 0.
+const LEAST_POWER: std::ops::RangeInclusive<f32> = 0.0..=10.0;
+const LEAST_POWER_ABOVE_0: f64 = 1e-4;
+
+/// Draws the rows of the display section.
+pub(super) fn show(ui: &mut Ui, shown: &Shown, links: &mut LinkOverlay) {
+    choice(
+        ui,
+        "Links",
+        &mut links.of,
+        &[
+            (LinksOf::Nothing, "none", "No links over the view"),
+            (LinksOf::Picked, "picked", "Links of the picked element: click a surface to pick it"),
+            (LinksOf::Level, "level", "Links of all receivers at one level of the hierarchy"),
+        ],
+    );
+    if links.of == LinksOf::Nothing {
+        return;
+    }
+    if links.of == LinksOf::Level {
+        show_level(ui, shown, links);
+    }
+    choice(
+        ui,
+        "Link colour",
+        &mut links.style.colour,
+        &[
+            (LinkColour::Power, "power", "Power B·F·V·A over that of the strongest link"),
+            (LinkColour::Visibility, "visibility", "Whether the ends see each other in full, in part, or nobody knows"),
+            (LinkColour::Level, "level of source", "The level of the source below the root"),
+        ],
+    );
+    let filter = &mut links.filter;
+    theme::row(ui, "Strongest links", |ui| {
+        let slider = Slider::new(&mut filter.strongest, STRONGEST).logarithmic(true);
+        ui.add(slider).on_hover_text("So many are drawn at most, the strongest first")
+    });
+    theme::row(ui, "Least power", |ui| {
+        let slider = Slider::new(&mut filter.least_power, LEAST_POWER)
+            .logarithmic(true)
+            .smallest_positive(LEAST_POWER_ABOVE_0)
+            .custom_formatter(|share, _| format!("{} ε", format::number(share)));
+        ui.add(slider).on_hover_text("Weaker links are left out; as a share of the threshold ε")
+    });
+    show_kinds(ui, filter);
+    ui.checkbox(&mut links.style.ends, "Outlines of both ends")
+        .on_hover_text("Rims of patches and boxes of clusters at both ends of each link");
+}
+
+fn show_level(ui: &mut Ui, shown: &Shown, links: &mut LinkOverlay) {
+    let anatomy = shown.snapshot.as_ref().and_then(|snapshot| snapshot.anatomy.as_ref());
+    let Some(deepest) = anatomy.map(|anatomy| anatomy.deepest()) else { return };
+    theme::row(ui, "Receivers at level", |ui| {
+        // What was chosen for a deeper hierarchy comes back with it.
+        let mut level = links.level.min(deepest);
+        let slider = Slider::new(&mut level, 0..=deepest).suffix(format!(" of {deepest}"));
+        let response = ui.add(slider).on_hover_text("Levels below the root; clusters and patches count alike");
+        if response.changed() {
+            links.level = level;
+        }
+        response
+    });
+}
+
+fn show_kinds(ui: &mut Ui, filter: &mut LinkFilter) {
+    ui.horizontal_wrapped(|ui| {
+        ui.spacing_mut().item_spacing.x = 10.0;
+        ui.checkbox(&mut filter.patch_patch, "patch–patch").on_hover_text("Links between two patches");
+        let hint = "Links between a cluster and a patch, either way";
+        ui.checkbox(&mut filter.cluster_patch, "cluster–patch").on_hover_text(hint);
+        let hint = "Links between two clusters, self-links among them";
+        ui.checkbox(&mut filter.cluster_cluster, "cluster–cluster").on_hover_text(hint);
+    });
+    ui.horizontal_wrapped(|ui| {
+        ui.spacing_mut().item_spacing.x = 10.0;
+        ui.checkbox(&mut filter.full, "seen in full").on_hover_text("All rays of the link came through");
+        ui.checkbox(&mut filter.partial, "in part").on_hover_text("Some rays of the link came through");
+        let hint = "No ray of the link came through, or nobody looked yet";
+        ui.checkbox(&mut filter.unseen, "unknown").on_hover_text(hint);
+    });
+}
+
+/// A row of alternatives.
+fn choice<T: Copy + PartialEq>(ui: &mut Ui, name: &str, chosen: &mut T, choices: &[(T, &str, &str)]) {
+    ui.horizontal(|ui| {
+        ui.scope(|ui| {
+            ui.set_min_width(theme::LABEL_WIDTH);
+            ui.set_max_width(theme::LABEL_WIDTH);
+            ui.add(egui::Label::new(name).truncate());
+        });
+        ui.spacing_mut().item_spacing.x = 2.0;
+        for (value, text, hint) in choices {
+            let response = ui.selectable_value(chosen, *value, *text).on_hover_text(*hint);
+            response.widget_info(|| {
+                let (role, label) = (egui::accesskit::Role::RadioButton, format!("{name}: {text}"));
+                egui::WidgetInfo::selected(role, true, *chosen == *value, label)
+            });
+        }
+    });
+}
+
+/// Size of the legend's bar, points.
+const BAR: egui::Vec2 = vec2(252.0, 10.0);
+const STEPS: usize = 48;
+/// Room around and inside of the card, points.
+const MARGIN: f32 = 12.0;
+/// Decades of power that the colours span.
+const DECADES: f32 = 3.0;
+
+/// Draws what the colours say, and how much is not drawn, into the view's lower right corner; nothing where no links are drawn.
+pub(in super::super) fn show_legend(app: &App, ui: &Ui, view: Rect) {
+    let Some(chosen) = app.marks.chosen_links() else { return };
+    let words = chosen.to_string();
+    let has_colours = !chosen.links.is_empty();
+    let font = FontId::proportional(12.0);
+    let painter = ui.painter_at(view);
+    let galley = painter.layout(words.clone(), font.clone(), theme::TEXT_STRONG, BAR.x);
+    let of_colours = match app.display.links.style.colour {
+        _ if !has_colours => 0.0,
+        LinkColour::Visibility => 37.0,
+        LinkColour::Power | LinkColour::Level => 50.0,
+    };
+    let height = galley.size().y + 2.0 * 8.0 + of_colours;
+    let size = vec2(BAR.x + 2.0 * MARGIN, height);
+    let card = Rect::from_min_size(view.right_bottom() - vec2(MARGIN, MARGIN) - size, size);
+    let response = ui.interact(card, egui::Id::unique("link legend"), egui::Sense::hover());
+    response.widget_info(|| egui::WidgetInfo::labeled(egui::accesskit::Role::Label, true, &words));
+    painter.rect_filled(card, 6.0, theme::PANEL.gamma_multiply(0.92));
+    let text_height = galley.size().y;
+    painter.galley(card.left_top() + vec2(MARGIN, 8.0), galley, theme::TEXT_STRONG);
+    if !has_colours {
+        return;
+    }
+    let text = |at, align, text: &str| painter.text(at, align, text, font.clone(), theme::TEXT);
+    let top = card.top() + text_height + 14.0;
+    let bar = Rect::from_min_size(pos2(card.left() + MARGIN, top + 15.0), BAR);
+    let (title, labels) = match app.display.links.style.colour {
+        LinkColour::Power => ("colour: power of the link", power_labels(chosen)),
+        LinkColour::Visibility => ("colour: visibility V of the link", [String::new(), String::new()]),
+        LinkColour::Level => ("colour: level of the source", level_labels(app)),
+    };
+    painter.text(pos2(bar.left(), top - 3.0), Align2::LEFT_TOP, title, font.clone(), theme::TEXT_WEAK);
+    if app.display.links.style.colour == LinkColour::Visibility {
+        let names = [(Seen::Full, "full"), (Seen::Partial, "partial"), (Seen::Not, "none or unknown")];
+        let mut x = bar.left();
+        for (seen, name) in names {
+            let [r, g, b] = seen.colour();
+            painter.rect_filled(
+                Rect::from_min_size(pos2(x, bar.top() + 2.0), vec2(14.0, 10.0)),
+                2.0,
+                Color32::from_rgb(r, g, b),
+            );
+            x = text(pos2(x + 19.0, bar.top()), Align2::LEFT_TOP, name).right() + 12.0;
+        }
+        return;
+    }
+    let colour = |along: f32| match app.display.links.style.colour {
+        LinkColour::Level => level_colour((1000.0 * along) as u16, 1000),
+        LinkColour::Power | LinkColour::Visibility => power_colour(10_f32.powf(DECADES * (along - 1.0))),
+    };
+    painter.add(ramp(bar, colour));
+    text(pos2(bar.left(), bar.bottom() + 2.0), Align2::LEFT_TOP, &labels[0]);
+    text(pos2(bar.right(), bar.bottom() + 2.0), Align2::RIGHT_TOP, &labels[1]);
+}
+
+fn power_labels(chosen: &ChosenLinks) -> [String; 2] {
+    let most = chosen.links.first().map_or(0.0, |link| f64::from(link.power));
+    let least = most / 10_f64.powf(DECADES.into());
+    [format!("≤ {}", format::quantity(least, "W")), format::quantity(most, "W")]
+}
+
+fn level_labels(app: &App) -> [String; 2] {
+    let anatomy = app.shown.snapshot.as_ref().and_then(|snapshot| snapshot.anatomy.as_ref());
+    let deepest = anatomy.map_or(0, |anatomy| anatomy.deepest());
+    ["0, the root".into(), deepest.to_string()]
+}
+
+/// A bar of colours.
+fn ramp(bar: Rect, colour: impl Fn(f32) -> [u8; 3]) -> Shape {
+    let mut mesh = Mesh::default();
+    for step in 0..=STEPS {
+        let along = step as f32 / STEPS as f32;
+        let [r, g, b] = colour(along);
+        let (x, colour) = (bar.left() + along * bar.width(), Color32::from_rgb(r, g, b));
+        mesh.colored_vertex(pos2(x, bar.top()), colour);
+        mesh.colored_vertex(pos2(x, bar.bottom()), colour);
+        if step > 0 {
+            let last = 2 * step as u32;
+            mesh.add_triangle(last - 2, last - 1, last);
+            mesh.add_triangle(last - 1, last, last + 1);
+        }
+    }
+    Shape::mesh(mesh)
+}

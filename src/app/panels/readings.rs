@@ -1,0 +1,154 @@
+//! Display section: what colours the surfaces, in which range, and lines of equal value.
+
+use egui::{ComboBox, DragValue, TextEdit, Ui};
+
+use super::super::settings::DisplaySettings;
+use super::super::theme;
+use crate::photometry::{CONVENTION, Unit};
+use crate::render::{IsolinesWanted, MOST_ISOLINES, Ramp, Reading, Show, Spacing};
+
+/// Width of the field of one end of a range, points.
+const END_WIDTH: f32 = 112.0;
+
+/// Draws the controls; `reading` is what the view shows.
+pub(super) fn show(ui: &mut Ui, display: &mut DisplaySettings, reading: Option<&Reading>) {
+    let settings = &mut display.reading;
+    choose(ui, "Surfaces show", &mut settings.show, &Show::ALL, name_of_show)
+        .on_hover_text("The light, or false colours of what arrives at (E) or leaves (B) each point");
+    show_isolines(ui, display);
+    let Some(reading) = reading else { return };
+    let settings = &mut display.reading;
+    let unit = choose(ui, "Unit", &mut settings.unit, &[Unit::Lumens, Unit::Watts], |unit| match unit {
+        Unit::Lumens => "lux (lm/m²)",
+        Unit::Watts => "W/m²",
+    });
+    unit.on_hover_text(format!("{CONVENTION}; W/m² is the mean of the three colours by the same weights"));
+    choose(ui, "Scale", &mut settings.spacing, &[Spacing::Linear, Spacing::Logarithmic], |spacing| match spacing {
+        Spacing::Linear => "linear",
+        Spacing::Logarithmic => "logarithmic",
+    })
+    .on_hover_text("Whether equal differences or equal ratios look alike");
+    let ramps = Ramp::ALL.map(|(ramp, _)| ramp);
+    choose(ui, "Colours", &mut settings.ramp, &ramps, |ramp| {
+        Ramp::ALL.iter().find(|(other, _)| *other == ramp).map_or("", |(_, name)| name)
+    })
+    .on_hover_text("Both can be read by people who do not tell red from green");
+    show_range(ui, display, reading);
+}
+
+fn name_of_show(show: Show) -> &'static str {
+    match show {
+        Show::Lit => "the light",
+        Show::Irradiance => "irradiance E",
+        Show::Radiosity => "radiosity B",
+    }
+}
+
+/// A list to choose from, named by its label.
+fn choose<T: Copy + PartialEq>(
+    ui: &mut Ui,
+    label: &str,
+    chosen: &mut T,
+    all: &[T],
+    name: impl Fn(T) -> &'static str,
+) -> egui::Response {
+    theme::row(ui, label, |ui| {
+        let list = ComboBox::from_id_salt(label).selected_text(name(*chosen));
+        list.show_ui(ui, |ui| all.iter().for_each(|one| drop(ui.selectable_value(chosen, *one, name(*one))))).response
+    })
+}
+
+fn show_isolines(ui: &mut Ui, display: &mut DisplaySettings) {
+    let mut are_on = display.reading.isolines != IsolinesWanted::None;
+    let hint = "Lines of equal value over the surfaces: of E over the lit picture, else of what is shown";
+    if ui.checkbox(&mut are_on, "Isolux lines").on_hover_text(hint).changed() {
+        display.reading.isolines = if are_on { wanted(display) } else { IsolinesWanted::None };
+    }
+    if !are_on {
+        return;
+    }
+    let is_good = values_of(&display.isolux_text).is_some();
+    let sign = display.reading.unit.sign(display.reading.show.quantity());
+    theme::row(ui, "Lines at", |ui| {
+        let field = TextEdit::singleline(&mut display.isolux_text)
+            .desired_width(ui.available_width() - 8.0)
+            .hint_text("round values")
+            .text_color_opt((!is_good).then_some(theme::ERROR));
+        ui.add(field).on_hover_text(format!(
+            "Up to {MOST_ISOLINES} values in {sign}, with commas between; empty for round values inside the range"
+        ))
+    });
+    // The numbers typed are of the unit shown, whichever it is now.
+    display.reading.isolines = wanted(display);
+}
+
+/// The lines that the field asks for; what cannot be read changes nothing.
+fn wanted(display: &DisplaySettings) -> IsolinesWanted {
+    match values_of(&display.isolux_text) {
+        Some(values) if values.is_empty() => IsolinesWanted::Round,
+        Some(values) => {
+            let per_watt = display.reading.unit.per_watt();
+            IsolinesWanted::At(values.into_iter().map(|value| value / per_watt).collect())
+        }
+        None => match &display.reading.isolines {
+            IsolinesWanted::None => IsolinesWanted::Round,
+            lines => lines.clone(),
+        },
+    }
+}
+
+/// Numbers above 0 with commas or blanks between; `None` where there is anything else, or too many.
+fn values_of(text: &str) -> Option<Vec<f32>> {
+    let parts = text.split([',', ' ', ';']).map(str::trim).filter(|part| !part.is_empty());
+    let values: Vec<f32> = parts.map(|part| part.parse::<f32>().ok()).collect::<Option<_>>()?;
+    let are_good = values.iter().all(|value| *value > 0.0 && value.is_finite()) && values.len() <= MOST_ISOLINES;
+    are_good.then_some(values)
+}
+
+fn show_range(ui: &mut Ui, display: &mut DisplaySettings, reading: &Reading) {
+    let settings = &mut display.reading;
+    let mut is_locked = settings.range.is_some();
+    let hint = "Keeps the range while the light or the scene changes, so that pictures can be compared; otherwise round numbers around \
+                96 % of the area";
+    if ui.checkbox(&mut is_locked, "Lock the range").on_hover_text(hint).changed() {
+        settings.range = is_locked.then_some([reading.scale.low, reading.scale.high]);
+    }
+    let (per_watt, sign) = (settings.unit.per_watt(), settings.unit.sign(settings.show.quantity()));
+    let mut ends = settings.range.unwrap_or([reading.scale.low, reading.scale.high]).map(|value| per_watt * value);
+    let least = if settings.spacing == Spacing::Logarithmic { 1e-6 } else { 0.0 };
+    let mut changed = false;
+    for (end, label) in [(0, "Range from"), (1, "Range to")] {
+        theme::row(ui, label, |ui| {
+            ui.add_enabled_ui(is_locked, |ui| {
+                let speed = (0.005 * ends[1]).max(1e-4);
+                let bounds = if end == 0 { least..=ends[1] } else { ends[0].max(1e-6)..=1e9 };
+                let field = DragValue::new(&mut ends[end])
+                    .speed(speed)
+                    .range(bounds)
+                    .max_decimals(3)
+                    .suffix(format!(" {sign}"));
+                let response = ui.add_sized([END_WIDTH, 20.0], field);
+                changed |= response.changed();
+                response
+            })
+            .inner
+        });
+    }
+    if changed && is_locked {
+        settings.range = Some(ends.map(|value| value / per_watt));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn values_are_read_as_people_write_them() {
+        assert_eq!(values_of(" 100, 200;300  500 "), Some(vec![100.0, 200.0, 300.0, 500.0]));
+        assert_eq!(values_of(""), Some(Vec::new()));
+        for text in ["x", "1,-2", "0", "1,2,3,4,5,6,7,8,9", "inf"] {
+            assert_eq!(values_of(text), None, "{text}");
+        }
+    }
+}

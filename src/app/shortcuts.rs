@@ -1,0 +1,164 @@
+//! Keyboard shortcuts: one table that is acted upon and shown.
+//!
+//! Keys that move the camera belong to [`super::viewport`]; the list shows them too.
+
+use egui::{Event, Grid, Key, Modifiers, RichText, Ui};
+
+use super::dock::{self, Tool};
+use super::{App, Outbox, panels, theme};
+use crate::worker::{Command, RunState};
+
+/// What a key does.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Deed {
+    ShowKeys,
+    Leave,
+    FullPicture,
+    PauseOrRun,
+    Step,
+    Restart,
+    Open,
+    Tool(Tool),
+    Freeze,
+    Outlines,
+}
+
+/// A key with its modifiers, how it is written, and what it does, in words and in deed.
+type Shortcut = (Key, Modifiers, &'static str, &'static str, Deed);
+
+const SHORTCUTS: [Shortcut; 15] = [
+    (Key::Space, Modifiers::NONE, "Space", "pause, run", Deed::PauseOrRun),
+    (Key::Period, Modifiers::NONE, ".", "step one wave", Deed::Step),
+    (Key::R, Modifiers::COMMAND, "Ctrl R", "solve afresh", Deed::Restart),
+    (Key::O, Modifiers::COMMAND, "Ctrl O", "open a scene", Deed::Open),
+    (Key::Num1, Modifiers::NONE, "1", "inspector", Deed::Tool(Tool::Inspector)),
+    (Key::Num2, Modifiers::NONE, "2", "link matrix", Deed::Tool(Tool::Matrix)),
+    (Key::Num3, Modifiers::NONE, "3", "clusters", Deed::Tool(Tool::Clusters)),
+    (Key::Num4, Modifiers::NONE, "4", "measure", Deed::Tool(Tool::Measure)),
+    (Key::Num5, Modifiers::NONE, "5", "compare", Deed::Tool(Tool::Compare)),
+    (Key::Num6, Modifiers::NONE, "6", "export", Deed::Tool(Tool::Export)),
+    (Key::X, Modifiers::NONE, "X", "freeze the solution as A", Deed::Freeze),
+    (Key::O, Modifiers::NONE, "O", "element outlines", Deed::Outlines),
+    (Key::F11, Modifiers::NONE, "F11", "full picture, without panels", Deed::FullPicture),
+    (Key::Questionmark, Modifiers::NONE, "?", "this list", Deed::ShowKeys),
+    (Key::Escape, Modifiers::NONE, "Esc", "close this list, leave the full picture", Deed::Leave),
+];
+
+/// Size of the list, points: egui would find it only after some frames.
+const LIST_WIDTH: f32 = 670.0;
+const LIST_HEIGHT: f32 = 430.0;
+
+/// What egui does by itself.
+const SCALING: (&str, &str) = ("Ctrl + − 0", "everything larger, smaller, as it was");
+
+/// Acts upon the keys of this frame; not while a text is being typed.
+pub(super) fn act(app: &mut App, ui: &Ui, outbox: &mut Outbox) {
+    let ctx = ui.ctx();
+    if ctx.text_edit_focused() {
+        return;
+    }
+    let pressed =
+        |input: &egui::InputState| -> Vec<Deed> { input.events.iter().filter_map(|event| deed_of(event)).collect() };
+    // Space presses the button that has the focus.
+    let is_view_focused = ctx.memory(|memory| memory.focused()).is_none_or(|focused| app.view.id() == Some(focused));
+    for deed in ctx.input(pressed) {
+        if deed != Deed::PauseOrRun || is_view_focused {
+            perform(app, deed, ctx, outbox);
+        }
+    }
+}
+
+fn deed_of(event: &Event) -> Option<Deed> {
+    let Event::Key { key, pressed: true, repeat: false, modifiers, .. } = event else { return None };
+    let fits = |(of, with, ..): &&Shortcut| of == key && with.command == modifiers.command && !modifiers.alt;
+    SHORTCUTS.iter().find(fits).map(|(.., deed)| *deed)
+}
+
+fn perform(app: &mut App, deed: Deed, ctx: &egui::Context, outbox: &mut Outbox) {
+    let run = app.shown.status.run;
+    match deed {
+        Deed::ShowKeys => app.are_keys_shown = !app.are_keys_shown,
+        Deed::Leave if app.are_keys_shown => app.are_keys_shown = false,
+        Deed::Leave => app.is_full_picture = false,
+        Deed::FullPicture => app.is_full_picture = !app.is_full_picture,
+        Deed::PauseOrRun => match run {
+            RunState::Paused => outbox.push(Command::Resume),
+            RunState::Running => outbox.push(Command::Pause),
+            RunState::Idle | RunState::Finished => {}
+        },
+        Deed::Step if matches!(run, RunState::Running | RunState::Paused) => outbox.push(Command::StepWave),
+        Deed::Restart if app.shown.info.is_some() => outbox.push(Command::Restart),
+        Deed::Step | Deed::Restart => {}
+        Deed::Open if !app.files.dialog_is_open() => app.files.open_dialog(ctx),
+        Deed::Open => {}
+        Deed::Tool(tool) => app.tool = (app.tool != Some(tool)).then_some(tool),
+        Deed::Freeze => {
+            if let Some(snapshot) = app.shown.snapshot.clone() {
+                dock::compare::keep(app, snapshot);
+                app.tool = Some(Tool::Compare);
+            }
+        }
+        Deed::Outlines => app.display.show_elements = !app.display.show_elements,
+    }
+}
+
+/// The list of all keys, over everything, while it is asked for.
+pub(super) fn show_list(app: &mut App, ctx: &egui::Context) {
+    let mut is_open = app.are_keys_shown;
+    egui::Window::new("Mouse and keys")
+        .id(egui::Id::unique("keys"))
+        .open(&mut is_open)
+        .collapsible(false)
+        .resizable(false)
+        .anchor(egui::Align2::CENTER_CENTER, [0.0, 0.0])
+        .default_width(LIST_WIDTH)
+        .min_width(LIST_WIDTH)
+        .show(ctx, |ui| {
+            ui.set_min_size(egui::vec2(LIST_WIDTH, LIST_HEIGHT));
+            egui::Frame::new().inner_margin(8).show(ui, |ui| {
+                ui.horizontal_top(|ui| {
+                    column(ui, "In the view", &panels::controls::CONTROLS);
+                    ui.add_space(24.0);
+                    let keys = SHORTCUTS.iter().map(|(_, _, key, effect, _)| (*key, *effect)).chain([SCALING]);
+                    column(ui, "Anywhere", &keys.collect::<Vec<_>>());
+                });
+            });
+        });
+    app.are_keys_shown = is_open;
+}
+
+fn column(ui: &mut Ui, title: &str, rows: &[(&str, &str)]) {
+    ui.vertical(|ui| {
+        ui.label(RichText::new(title).strong());
+        ui.add_space(4.0);
+        Grid::new(title).num_columns(2).spacing([16.0, 4.0]).show(ui, |ui| {
+            for (key, effect) in rows {
+                ui.label(theme::value(*key));
+                ui.label(*effect);
+                ui.end_row();
+            }
+        });
+    });
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn press(key: Key, modifiers: Modifiers) -> Option<Deed> {
+        deed_of(&Event::Key { key, physical_key: None, pressed: true, repeat: false, modifiers })
+    }
+
+    /// Every shortcut of the table is found by its own keys, so none hides another, and none takes a key that flies.
+    #[test]
+    fn each_key_does_one_thing() {
+        for (key, modifiers, name, _, deed) in SHORTCUTS {
+            assert_eq!(press(key, modifiers), Some(deed), "{name}");
+            let flies = [Key::W, Key::A, Key::S, Key::D, Key::Q, Key::E, Key::F, Key::Home].contains(&key);
+            assert!(!flies, "{name} moves the camera");
+        }
+        assert_eq!(press(Key::Questionmark, Modifiers::SHIFT), Some(Deed::ShowKeys));
+        assert_eq!(press(Key::R, Modifiers::NONE), None);
+        assert_eq!(press(Key::Num1, Modifiers::COMMAND), None);
+    }
+}

@@ -1,0 +1,144 @@
+//! The timeline below the view: every step of the solve, from the single self-link to the present, to scrub through and to play.
+
+use egui::{Align, Layout, Rect, Response, Sense, Ui, pos2, vec2};
+
+use super::{App, format, theme};
+use crate::solver::{MomentInfo, MomentKind};
+
+/// Height of the bar, points.
+const HEIGHT: f32 = 30.0;
+/// Room for the words at the right, points.
+const WORDS: f32 = 318.0;
+/// Share of a narrow bar that they get at most.
+const SHARE_OF_WORDS: f32 = 0.6;
+/// Half the height of a tick, points, by what ended with it.
+const TICKS: [(MomentKind, f32); 4] =
+    [(MomentKind::Start, 6.0), (MomentKind::Wave, 3.0), (MomentKind::Round, 6.0), (MomentKind::Pass, 6.0)];
+
+/// Draws it along the lower edge of the view; nothing before there is a step to be seen.
+pub(super) fn show(app: &mut App, ui: &mut Ui) {
+    let moments = app.shown.status.moments.clone();
+    if moments.len() < 2 || app.shown.snapshot.is_none() {
+        return;
+    }
+    let now = ui.input(|input| input.time);
+    if let Some(wait) = app.looking.play(now, app.shown.snapshot.as_deref(), moments.len()) {
+        ui.ctx().request_repaint_after(wait);
+    }
+    egui::Panel::bottom("timeline").exact_size(HEIGHT).show(ui, |ui| {
+        ui.horizontal_centered(|ui| {
+            let (label, hint) = match app.looking.is_playing() {
+                true => ("Stop", "Stop playing"),
+                false => ("Play", "Play the refinement from the root's self-link, step by step"),
+            };
+            let play = ui.button(label).on_hover_text(hint);
+            if play.clicked() {
+                app.looking.play_or_stop(now);
+            }
+            let is_live = app.looking.moment.is_none();
+            let hint = "Show the present state of the solution";
+            if ui.selectable_label(is_live, "Live").on_hover_text(hint).clicked() {
+                app.looking.show(None);
+            }
+            ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+                let at = app.looking.moment.unwrap_or(moments.len() - 1).min(moments.len() - 1);
+                let words = WORDS.min(SHARE_OF_WORDS * ui.available_width());
+                ui.allocate_ui_with_layout(vec2(words, 20.0), Layout::left_to_right(Align::Center), |ui| {
+                    ui.set_width(words);
+                    ui.add(egui::Label::new(theme::value(in_words(&moments, at))).truncate());
+                });
+                if let Some(moment) = track(ui, &moments, app.looking.moment) {
+                    app.looking.show(moment);
+                }
+            });
+        });
+    });
+}
+
+/// What a step was: its number, its kind, and what there was after it.
+fn in_words(moments: &[MomentInfo], at: usize) -> String {
+    let info = &moments[at];
+    let kind = match info.kind {
+        MomentKind::Start => "self-link".to_owned(),
+        MomentKind::Wave => format!("wave {}", info.stats.wave),
+        MomentKind::Round => format!("gathered {}×", info.stats.iterations),
+        MomentKind::Pass => "final gather".to_owned(),
+    };
+    let links = info.stats.links + info.stats.candidates_left;
+    format!("{}/{} {kind} · {}", at + 1, moments.len(), format::things(links, "link", "links"))
+}
+
+/// The ticks, with the present one marked; a click or drag chooses another: the last one is the present.
+fn track(ui: &mut Ui, moments: &[MomentInfo], shown: Option<usize>) -> Option<Option<usize>> {
+    let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), 20.0), Sense::click_and_drag());
+    let last = moments.len() - 1;
+    response.widget_info(|| {
+        let at = shown.unwrap_or(last) as f64 + 1.0;
+        egui::WidgetInfo::slider(true, at, "Step of the solve")
+    });
+    let inner = rect.shrink2(vec2(8.0, 0.0));
+    let x = |moment: usize| inner.left() + inner.width() * moment as f32 / last as f32;
+    let painter = ui.painter_at(rect);
+    let middle = inner.center().y;
+    painter.hline(inner.x_range(), middle, (1.0, theme::TEXT_WEAK));
+    for (moment, info) in moments.iter().enumerate() {
+        let half = TICKS.iter().find(|(kind, _)| *kind == info.kind).map_or(3.0, |(_, half)| *half);
+        painter.vline(x(moment), middle - half..=middle + half, (1.0, theme::TEXT_WEAK));
+    }
+    let at = pos2(x(shown.unwrap_or(last)), middle);
+    painter.circle_filled(at, 5.5, if shown.is_some() { theme::ACCENT } else { theme::DONE });
+    let response = response.on_hover_text_at_pointer(match hovered(ui, inner, last) {
+        Some(moment) => described(&moments[moment]),
+        None => "Every step of the solve: drag to look at a former one".to_owned(),
+    });
+    chosen(ui, &response, inner, last, shown)
+}
+
+fn hovered(ui: &Ui, inner: Rect, last: usize) -> Option<usize> {
+    let pointer = ui.input(|input| input.pointer.hover_pos()).filter(|at| inner.expand(8.0).contains(*at))?;
+    let along = ((pointer.x - inner.left()) / inner.width()).clamp(0.0, 1.0);
+    Some((along * last as f32).round() as usize)
+}
+
+fn chosen(ui: &Ui, response: &Response, inner: Rect, last: usize, shown: Option<usize>) -> Option<Option<usize>> {
+    if response.clicked() || response.drag_started() {
+        response.request_focus();
+    }
+    let by_key = response.has_focus().then(|| {
+        ui.input_mut(|input| {
+            let mut pressed = |key| input.consume_key(egui::Modifiers::NONE, key);
+            let back = pressed(egui::Key::ArrowLeft);
+            i32::from(pressed(egui::Key::ArrowRight)) - i32::from(back)
+        })
+    });
+    let moment = match by_key.filter(|step| *step != 0) {
+        Some(step) => (shown.unwrap_or(last) as i64 + i64::from(step)).clamp(0, last as i64) as usize,
+        None => {
+            let at = response.interact_pointer_pos().filter(|_| response.is_pointer_button_down_on())?;
+            let along = ((at.x - inner.left()) / inner.width()).clamp(0.0, 1.0);
+            (along * last as f32).round() as usize
+        }
+    };
+    Some((moment < last).then_some(moment))
+}
+
+fn described(info: &MomentInfo) -> String {
+    let kind = match info.kind {
+        MomentKind::Start => "The root's self-link, with which everything starts".to_owned(),
+        MomentKind::Wave => format!("Wave {} of refinement in round {}", info.stats.wave, info.stats.iterations + 1),
+        MomentKind::Round => format!("End of round {}: light was gathered to convergence", info.stats.iterations),
+        MomentKind::Pass => "A pass of the final gather".to_owned(),
+    };
+    let stats = &info.stats;
+    let waiting = match stats.candidates_left {
+        0 => String::new(),
+        waiting => format!(", {} to be judged", format::count(waiting as u64)),
+    };
+    format!(
+        "{kind}\n{} links{waiting}, {} patches, {} rays, after {}",
+        format::count(stats.links as u64),
+        format::count(stats.patches as u64),
+        format::count(stats.rays),
+        format::seconds(stats.seconds.total)
+    )
+}

@@ -1,0 +1,145 @@
+//! Options that read a quantity off the surfaces of a picture: false colours, their range, isolux lines.
+
+use anyhow::bail;
+use clap::builder::PossibleValuesParser;
+use clap::{Arg, ArgAction, ArgMatches, Command};
+use selflink::photometry::{CONVENTION, Unit};
+use selflink::render::{IsolinesWanted, MOST_ISOLINES, Ramp, ReadingSettings, Show, Spacing};
+
+use super::clusters::PREFIX;
+use super::options::numbers;
+
+/// Adds the options to a command.
+pub fn with_options(command: Command) -> Command {
+    let choice = |name: &'static str, values: &'static [&'static str], help: String| {
+        Arg::new(name)
+            .long(name)
+            .value_name("MODE")
+            .value_parser(PossibleValuesParser::new(values))
+            .default_value(values[0])
+            .help(help)
+    };
+    let options = [
+        Arg::new("show")
+            .long("show")
+            .value_name("lit|irradiance|radiosity|clusters:LEVEL")
+            .default_value("lit")
+            .help("The light, false colours of what arrives (E) or leaves (B), or a colour for each cluster of a level (0 is the root)"),
+        choice("unit", &["lux", "watts"], format!("Unit of false colours, --range and --isolux: lx (lm/m² of B), or W/m². {CONVENTION}")),
+        choice("scale", &["linear", "log"], "How false colours follow values".into()),
+        choice("ramp", &["viridis", "cividis"], "False colours; both can be read by the colour-blind".into()),
+        Arg::new("range")
+            .long("range")
+            .value_name("A:B")
+            .allow_hyphen_values(true)
+            .help("Values at the ends of the false colours [default: round numbers around 96 % of the area]"),
+        Arg::new("isolux")
+            .long("isolux")
+            .value_name("V,V,…")
+            .num_args(0..=1)
+            .default_missing_value("")
+            .help(format!("Draw lines of equal value, {MOST_ISOLINES} at most [default: at round values]; over the lit picture, those of E")),
+        Arg::new("no-legend").long("no-legend").action(ArgAction::SetTrue).help("Leave the legend out of the picture"),
+    ];
+    command.args(options.map(|option| option.help_heading("Readings")))
+}
+
+/// What the arguments ask for.
+pub fn settings(matches: &ArgMatches) -> anyhow::Result<ReadingSettings> {
+    let text = |name: &str| matches.get_one::<String>(name).map(String::as_str);
+    let unit = if text("unit") == Some("watts") { Unit::Watts } else { Unit::Lumens };
+    let spacing = if text("scale") == Some("log") { Spacing::Logarithmic } else { Spacing::Linear };
+    let show = match text("show") {
+        Some("irradiance") => Show::Irradiance,
+        Some("radiosity") => Show::Radiosity,
+        None | Some("lit") => Show::Lit,
+        // Colours of clusters stand in place of the light.
+        Some(text) if text.starts_with(PREFIX) => Show::Lit,
+        Some(text) => bail!("--show must be lit, irradiance, radiosity or clusters:LEVEL (it is `{text}`)"),
+    };
+    let ramp = if text("ramp") == Some("cividis") { Ramp::Cividis } else { Ramp::Viridis };
+    let range = text("range").map(|text| range(text, spacing, unit)).transpose()?;
+    let isolines = text("isolux").map_or(Ok(IsolinesWanted::None), |text| isolines(text, unit))?;
+    Ok(ReadingSettings { show, unit, spacing, ramp, range, isolines })
+}
+
+fn range(text: &str, spacing: Spacing, unit: Unit) -> anyhow::Result<[f32; 2]> {
+    match numbers::<2>(text, ':') {
+        Some([low, high]) if low < high && low >= 0.0 && (low > 0.0 || spacing == Spacing::Linear) => {
+            Ok([low, high].map(|value| value / unit.per_watt()))
+        }
+        Some([low, high]) if low < high && low >= 0.0 => {
+            bail!("--range must start above 0 where --scale is log (it is `{text}`)")
+        }
+        _ => bail!("--range must be LOW:HIGH, two numbers from 0 with the lower one first (it is `{text}`)"),
+    }
+}
+
+fn isolines(text: &str, unit: Unit) -> anyhow::Result<IsolinesWanted> {
+    if text.is_empty() {
+        return Ok(IsolinesWanted::Round);
+    }
+    let values: Vec<f32> = text.split(',').filter_map(|part| numbers::<1>(part, ',')).map(|[value]| value).collect();
+    let is_good = values.len() == text.split(',').count() && values.len() <= MOST_ISOLINES;
+    if !is_good || values.iter().any(|value| *value <= 0.0) {
+        bail!("--isolux must be 1 to {MOST_ISOLINES} numbers above 0, such as 100,200,500 (it is `{text}`)");
+    }
+    Ok(IsolinesWanted::At(values.into_iter().map(|value| value / unit.per_watt()).collect()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn parsed(args: &[&str]) -> anyhow::Result<ReadingSettings> {
+        let matches = with_options(Command::new("test")).try_get_matches_from([&["test"], args].concat())?;
+        settings(&matches)
+    }
+
+    #[test]
+    fn each_option_sets_its_field() {
+        assert_eq!(parsed(&[]).expect("defaults"), ReadingSettings::default());
+        let set = parsed(&[
+            "--show",
+            "radiosity",
+            "--unit",
+            "watts",
+            "--scale",
+            "log",
+            "--ramp",
+            "cividis",
+            "--range",
+            "0.1:10",
+            "--isolux",
+            "2,1",
+        ]);
+        let expected = ReadingSettings {
+            show: Show::Radiosity,
+            unit: Unit::Watts,
+            spacing: Spacing::Logarithmic,
+            ramp: Ramp::Cividis,
+            range: Some([0.1, 10.0]),
+            isolines: IsolinesWanted::At(vec![2.0, 1.0]),
+        };
+        assert_eq!(set.expect("good options"), expected);
+        // Lux are 179 to the watt.
+        assert_eq!(parsed(&["--range", "0:358"]).expect("good").range, Some([0.0, 2.0]));
+        assert_eq!(parsed(&["--isolux"]).expect("good").isolines, IsolinesWanted::Round);
+    }
+
+    #[test]
+    fn bad_ranges_and_lines_are_refused() {
+        for args in [
+            &["--range", "5"][..],
+            &["--range", "5:1"],
+            &["--range", "-1:1"],
+            &["--range", "0:1", "--scale", "log"],
+            &["--range", "a:b"],
+            &["--isolux", "0"],
+            &["--isolux", "1,x"],
+            &["--isolux", "1,2,3,4,5,6,7,8,9"],
+        ] {
+            assert!(parsed(args).is_err(), "{args:?}");
+        }
+    }
+}

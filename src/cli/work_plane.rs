@@ -1,0 +1,78 @@
+//! `selflink probe --work-plane`: illuminance on a level plane in the air.
+
+use anyhow::bail;
+use clap::{Arg, ArgMatches};
+use selflink::format::{count, number, short, things};
+use selflink::photometry::FORMULA;
+use selflink::survey::{LitMesh, PlaneReading, WorkPlane, measure, write_plane};
+
+use super::job::Order;
+use super::options::{number as parse, path};
+use super::output::{OutputFile, say};
+
+/// The options of a work plane.
+pub fn args() -> [Arg; 3] {
+    let length = |name: &'static str, help: &'static str| {
+        Arg::new(name).long(name).value_name("LENGTH").value_parser(parse).allow_hyphen_values(true).help(help)
+    };
+    [
+        length(
+            "work-plane",
+            "Instead of points on surfaces: a level plane at this height above the floor, E in the air",
+        ),
+        length("spacing", "Distance between the points of the plane [default: 0.5]").requires("work-plane"),
+        length("margin", "Strip along the rim of the floor that is left out [default: 0.5]").requires("work-plane"),
+    ]
+}
+
+/// The plane that the arguments ask for, if they do.
+pub fn plane(matches: &ArgMatches) -> Option<WorkPlane> {
+    let length = |name: &str| matches.get_one::<f64>(name).map(|length| *length as f32);
+    let usual = WorkPlane::default();
+    let [spacing, margin] = [("spacing", usual.spacing), ("margin", usual.margin)];
+    let or_usual = |(name, usual): (&str, f32)| length(name).unwrap_or(usual);
+    length("work-plane").map(|height| WorkPlane { height, spacing: or_usual(spacing), margin: or_usual(margin) })
+}
+
+/// Measures a plane.
+pub fn run(matches: &ArgMatches, plane: WorkPlane) -> anyhow::Result<()> {
+    let order = Order::from_matches(matches)?;
+    let file = OutputFile::new(&path(matches, "out").unwrap_or_default(), &order.inputs())?;
+    let job = order.load()?;
+    // Before the long work, so that a plane that cannot be measured is told soon.
+    plane.grid(&job.scene)?;
+    let solution = job.solve()?;
+    let lit = LitMesh::new(job.scene.clone(), solution.snapshot.into());
+    let measured = job.pool.install(|| measure(&lit, plane))?;
+    if measured.summary().points == 0 {
+        bail!("every point of the work plane lies inside of something or outside of the room: choose another height");
+    }
+    file.write(|writer| write_plane(writer, &measured))?;
+    say(&format!(
+        "{}\n{}: {}\n",
+        summary(&measured),
+        file.path().display(),
+        things(measured.values.len(), "point", "points")
+    ))
+}
+
+/// What planners ask, on a line each.
+fn summary(measured: &PlaneReading) -> String {
+    let summary = measured.summary();
+    let [columns, rows] = measured.grid.counts.map(count);
+    let [across, along] = measured.grid.steps.map(|step| number(step.into()));
+    let lux = |value: f32| number(value.into());
+    [
+        format!(
+            "plane      {} above the floor, {columns} × {rows} cells of {across} × {along}",
+            short(measured.plane.height.into())
+        ),
+        format!("left out   {} inside of things or outside of the room", things(summary.left_out, "point", "points")),
+        format!("average    {} lx", lux(summary.average)),
+        format!("minimum    {} lx", lux(summary.minimum)),
+        format!("maximum    {} lx", lux(summary.maximum)),
+        format!("uniformity {:.2} (minimum over average)", summary.uniformity),
+        format!("lux        {FORMULA}"),
+    ]
+    .join("\n")
+}

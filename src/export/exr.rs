@@ -1,0 +1,120 @@
+//! A view in physical units as OpenEXR: 32-bit floats, neither exposed nor bent.
+//!
+//! Written by the file format's definition (openexr.com, "OpenEXR File Layout"): one part, scan lines, no compression, which
+//! every reader takes.
+
+use std::io::{self, Write};
+
+/// A picture of floats, rows from above.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FloatPicture {
+    /// Width and height, pixels.
+    pub size: [u32; 2],
+    /// Radiosity B per colour, W/m², and the share of the pixel that a surface covers; where that is 0 nothing is to be seen.
+    pub pixels: Vec<[f32; 4]>,
+}
+
+const MAGIC: u32 = 20_000_630;
+/// Version 2, no flags: one part of scan lines.
+const VERSION: u32 = 2;
+/// A pixel type: 32-bit float.
+const FLOAT: u32 = 2;
+/// Channels in the order in which they must stand, by name, with the colour that each holds.
+const CHANNELS: [(&str, usize); 4] = [("A", 3), ("B", 2), ("G", 1), ("R", 0)];
+/// What the numbers are.
+const COMMENT: &str = "Selflink: R, G, B are the radiosity B in W/m2, linear, unexposed; the radiance of these diffuse surfaces is B/pi. \
+     A is the share of the pixel that surfaces cover.";
+
+/// Writes a picture; R, G and B are radiosities in W/m², multiplied by the coverage A as the format asks.
+///
+/// # Errors
+/// Whatever the writer says.
+pub fn write(writer: &mut impl Write, picture: &FloatPicture) -> io::Result<()> {
+    let [width, height] = picture.size;
+    let header = header(width, height);
+    writer.write_all(&header)?;
+    let row_bytes = u64::from(width) * (CHANNELS.len() * size_of::<f32>()) as u64;
+    let first = header.len() as u64 + u64::from(height) * size_of::<u64>() as u64;
+    for row in 0..u64::from(height) {
+        writer.write_all(&(first + row * (8 + row_bytes)).to_le_bytes())?;
+    }
+    let rows = picture.pixels.chunks_exact((width as usize).max(1));
+    for (number, row) in (0_u32..).zip(rows) {
+        writer.write_all(&number.to_le_bytes())?;
+        writer.write_all(&(row_bytes as u32).to_le_bytes())?;
+        for (_, colour) in CHANNELS {
+            for pixel in row {
+                writer.write_all(&pixel[colour].to_le_bytes())?;
+            }
+        }
+    }
+    Ok(())
+}
+
+fn header(width: u32, height: u32) -> Vec<u8> {
+    let words = |words: &[u32]| -> Vec<u8> { words.iter().flat_map(|word| word.to_le_bytes()).collect() };
+    let floats = |floats: &[f32]| -> Vec<u8> { floats.iter().flat_map(|float| float.to_le_bytes()).collect() };
+    let mut channels: Vec<u8> = Vec::new();
+    for (name, _) in CHANNELS {
+        channels.extend(name.bytes());
+        // The name's end; then type, no hint for lossy compression, and no subsampling.
+        channels.push(0);
+        channels.extend(words(&[FLOAT, 0, 1, 1]));
+    }
+    channels.push(0);
+    let window = words(&[0, 0, width.saturating_sub(1), height.saturating_sub(1)]);
+    let attributes: [(&str, &str, Vec<u8>); 9] = [
+        ("channels", "chlist", channels),
+        ("comments", "string", COMMENT.as_bytes().to_vec()),
+        ("compression", "compression", vec![0]),
+        ("dataWindow", "box2i", window.clone()),
+        ("displayWindow", "box2i", window),
+        ("lineOrder", "lineOrder", vec![0]),
+        ("pixelAspectRatio", "float", floats(&[1.0])),
+        ("screenWindowCenter", "v2f", floats(&[0.0, 0.0])),
+        ("screenWindowWidth", "float", floats(&[1.0])),
+    ];
+    let mut header = words(&[MAGIC, VERSION]);
+    for (name, kind, value) in attributes {
+        for text in [name, kind] {
+            header.extend(text.bytes());
+            header.push(0);
+        }
+        header.extend((value.len() as u32).to_le_bytes());
+        header.extend(value);
+    }
+    header.push(0);
+    header
+}
+
+#[cfg(test)]
+mod tests {
+    use exr::prelude::{ReadChannels, ReadLayers, read};
+
+    use super::*;
+
+    /// Truth: another program's reader gives back every bit.
+    #[test]
+    fn another_reader_gets_the_same_bits() {
+        let value = |index: u32| [1e-6 * index as f32, 1e5 + index as f32, 0.1 * index as f32, 1.0];
+        let picture = FloatPicture { size: [7, 3], pixels: (0..21).map(value).collect() };
+        let mut file = Vec::new();
+        write(&mut file, &picture).expect("a Vec takes any bytes");
+        let read = read()
+            .no_deep_data()
+            .largest_resolution_level()
+            .rgba_channels(
+                |size, _| vec![[0.0_f32; 4]; size.area()],
+                |pixels, at, (r, g, b, a): (f32, f32, f32, f32)| pixels[at.y() * 7 + at.x()] = [r, g, b, a],
+            )
+            .first_valid_layer()
+            .all_attributes()
+            .from_buffered(std::io::Cursor::new(&file))
+            .expect("a valid file");
+        let layer = read.layer_data;
+        assert_eq!((layer.size.0, layer.size.1), (7, 3));
+        assert_eq!(layer.channel_data.pixels, picture.pixels);
+        let comment = layer.attributes.comments.expect("a comment").to_string();
+        assert!(comment.contains("W/m2"), "{comment}");
+    }
+}

@@ -1,0 +1,181 @@
+//! What a solution was made with, as JSON that makes it again.
+//!
+//! A settings file holds `{"settings": {…}}`. Statistics carry the same key among theirs, so that either file can be run again;
+//! other keys are passed over. Every key below may be left out.
+
+use std::path::{Path, PathBuf};
+use std::{fs, io};
+
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+
+use crate::added_light::AddedLight;
+use crate::scene::builtin::BuiltinScene;
+use crate::scene::{CameraPose, Source};
+use crate::solver::params::ParamsError;
+use crate::solver::{SolverParams, USUAL_ERROR};
+
+/// Everything that decides a solution, and from where it was looked at.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Settings {
+    /// Path of the scene's file, or the name of one of our own scenes.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub scene: Option<String>,
+    /// Light added to the scene.
+    #[serde(skip_serializing_if = "AddedLight::is_empty")]
+    pub light: AddedLight,
+    /// The view.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub camera: Option<CameraPose>,
+    /// The solver's parameters.
+    pub solver: SolverParams,
+}
+
+/// The file around settings.
+#[derive(Serialize)]
+struct SettingsFile<'a> {
+    settings: &'a Settings,
+}
+
+/// Settings that cannot be read, used or written.
+#[derive(Debug, thiserror::Error)]
+pub enum SettingsError {
+    /// The file is not there or cannot be read.
+    #[error("{}: cannot be read ({source}); --settings takes a file of settings or statistics (JSON)", path.display())]
+    Unreadable {
+        /// The file.
+        path: PathBuf,
+        /// What the system says.
+        source: io::Error,
+    },
+    /// Not JSON, or a setting that there is not.
+    #[error("{}: not valid settings ({reason}); write them anew with `selflink solve --stats`", path.display())]
+    Syntax {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong.
+        reason: String,
+    },
+    /// JSON without settings.
+    #[error("{}: holds no `settings`; give a file that `selflink solve --stats` or the window wrote", path.display())]
+    Missing {
+        /// The file.
+        path: PathBuf,
+    },
+    /// A number out of its range.
+    #[error("{}: {source}", path.display())]
+    Value {
+        /// The file.
+        path: PathBuf,
+        /// Which, and what it may be.
+        source: ParamsError,
+    },
+}
+
+impl Settings {
+    /// What a scene's source is called in settings; a path is made absolute, since a file of settings may be used elsewhere.
+    pub fn name_of(source: &Source) -> String {
+        match source {
+            Source::Builtin(scene) => scene.name().to_owned(),
+            Source::File(path) => {
+                std::path::absolute(path).unwrap_or_else(|_| path.clone()).to_string_lossy().into_owned()
+            }
+        }
+    }
+
+    /// Where the scene comes from, if they name one.
+    pub fn source(&self) -> Option<Source> {
+        let name = self.scene.as_deref()?;
+        Some(BuiltinScene::from_name(name).map_or_else(|| Source::File(name.into()), Source::Builtin))
+    }
+
+    /// Reads and checks a file of settings or statistics.
+    ///
+    /// # Errors
+    /// Unreadable, not JSON, without settings, or a parameter out of its range.
+    pub fn read(path: &Path) -> Result<Self, SettingsError> {
+        let unreadable = |source| SettingsError::Unreadable { path: path.to_owned(), source };
+        let syntax =
+            |error: serde_json::Error| SettingsError::Syntax { path: path.to_owned(), reason: error.to_string() };
+        let bytes = fs::read(path).map_err(unreadable)?;
+        let mut file: Value = serde_json::from_slice(&bytes).map_err(syntax)?;
+        let settings = file.get_mut("settings").map(Value::take);
+        let settings = settings.ok_or_else(|| SettingsError::Missing { path: path.to_owned() })?;
+        let asks = |key: &str| settings.get("solver").is_some_and(|solver| solver.get(key).is_some());
+        let asks_nothing = !["error", "epsilon", "reconstruct"].into_iter().any(asks);
+        let mut settings: Self = serde_json::from_value(settings).map_err(syntax)?;
+        if asks_nothing {
+            // As on the command line.
+            settings.solver.error = Some(USUAL_ERROR);
+        }
+        let value = |source| SettingsError::Value { path: path.to_owned(), source };
+        settings.solver.validate().map_err(value)?;
+        Ok(settings)
+    }
+
+    /// The text of a settings file.
+    pub fn to_json(&self) -> serde_json::Result<String> {
+        Ok(serde_json::to_string_pretty(&SettingsFile { settings: self })? + "\n")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::Vec3;
+
+    use super::*;
+    use crate::added_light::CeilingLight;
+    use crate::solver::{ClusteringMode, Epsilon};
+
+    fn read(text: &str) -> Result<Settings, String> {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("settings.json");
+        fs::write(&path, text).expect("a writable folder");
+        Settings::read(&path).map_err(|error| error.to_string())
+    }
+
+    /// Truth: what was written, bit for bit.
+    #[test]
+    fn settings_come_back_as_they_were() {
+        let settings = Settings {
+            scene: Some("office".into()),
+            light: AddedLight {
+                emitting: vec![("lamp".into(), Vec3::new(0.1, 2.0, 3.3))],
+                ceiling: Some(CeilingLight { size: None, exitance: 0.7 }),
+            },
+            camera: Some(CameraPose { eye: Vec3::ONE, target: Vec3::ZERO, up: Vec3::Y, hfov_deg: 66.6 }),
+            solver: SolverParams {
+                epsilon: Epsilon::Watts(0.1 + 0.2),
+                clustering: ClusteringMode::Octree,
+                seed: u64::MAX,
+                ..SolverParams::default()
+            },
+        };
+        assert_eq!(read(&settings.to_json().expect("JSON")), Ok(settings));
+    }
+
+    #[test]
+    fn what_is_left_out_is_usual() {
+        let read = read(r#"{"rays": 5, "settings": {"solver": {"clustering": "groups"}}}"#).expect("settings");
+        assert_eq!(read.solver, SolverParams { clustering: ClusteringMode::Groups, ..SolverParams::usual() });
+        assert_eq!((read.scene, read.light), (None, AddedLight::default()));
+    }
+
+    #[test]
+    fn what_cannot_be_used_is_said() {
+        for (text, part) in [
+            ("", "not valid settings"),
+            ("[1]", "no `settings`"),
+            (r#"{"links": 5}"#, "no `settings`"),
+            (r#"{"settings": {"solver": {"epsilom": 1}}}"#, "epsilom"),
+            (r#"{"settings": {"solver": {"rays_min": 0}}}"#, "--rays-min"),
+            (r#"{"settings": {"solver": {"seed": -1}}}"#, "invalid value"),
+        ] {
+            let said = read(text).expect_err("bad settings");
+            assert!(said.contains(part) && !said.contains('\n'), "{text}: {said}");
+        }
+        let missing = Settings::read(Path::new("no/such.json")).expect_err("no file").to_string();
+        assert!(missing.contains("no/such.json") && missing.contains("--settings"), "{missing}");
+    }
+}

@@ -1,0 +1,43 @@
+//! What a link's constant hides, estimated as the error oracle does.
+
+use super::super::form_factor::{Exchange, exchange};
+use super::super::link_error::{Facing, LinkError, SourceLight, estimated_error, seen_by, spread_of};
+use super::{Anatomy, LinkView};
+
+impl Anatomy {
+    /// Power that a link is likely to misplace, make up or lose by each cause, W: what the error oracle holds against ε, whichever oracle
+    /// the solution is refined by. Nobody looked at an unjudged link: it counts as if no ray told of it. A self-link may be wrong by all
+    /// that it could carry.
+    pub fn error(&self, link: &LinkView) -> LinkError {
+        let source = link.source;
+        let brightness = self.radiosity(source).max_element();
+        if link.receiver == source {
+            let all = brightness * self.hierarchy.element(source).area;
+            return LinkError { sight: all, ..LinkError::default() };
+        }
+        if brightness <= 0.0 {
+            return LinkError::default();
+        }
+        match exchange(&self.hierarchy, link.receiver, source) {
+            Exchange::Facing { estimate, bound, overlapping } => {
+                let facing = Facing { estimate, bound, overlapping };
+                let light = SourceLight { brightness, spread: self.spread(source) };
+                let seen = seen_by(link.visibility, link.evidence).unwrap_or((link.visibility, Some(0)));
+                estimated_error(&self.hierarchy, (link.receiver, source), facing, light, seen)
+            }
+            // One end lies behind the other: all that it carries is wrong.
+            Exchange::FacingAway => LinkError { sight: link.power, ..LinkError::default() },
+        }
+    }
+
+    /// Standard deviation of brightness over an element's leaves, W/m².
+    fn spread(&self, id: crate::hierarchy::ElementId) -> f32 {
+        let spread = self.spread.get_or_init(|| {
+            let brightness: Vec<f32> = self.light.radiosity.iter().map(|radiosity| radiosity.max_element()).collect();
+            let mut spread = Vec::new();
+            spread_of(&self.hierarchy, &brightness, &mut spread);
+            spread
+        });
+        spread.get(id.index()).copied().unwrap_or(0.0)
+    }
+}

@@ -1,0 +1,129 @@
+//! The surveyor's thread: the pointer, probes and a work plane, each in the newest light.
+//!
+//! Truth: the snapshot itself, whose values at a point the probe module interpolates by other means; and a wall clock.
+
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use glam::Vec3;
+use selflink::cancel::CancelToken;
+use selflink::probe::Probe;
+use selflink::scene::builtin::BuiltinScene;
+use selflink::scene::{Scene, Sides};
+use selflink::solver::{Epsilon, Snapshot, Solver, SolverParams};
+use selflink::survey::{LitMesh, Ray, Report, Surveyor, WorkPlane};
+
+const PATIENCE: Duration = Duration::from_secs(60);
+
+fn cornell() -> (Arc<Scene>, Arc<Snapshot>) {
+    let (scene, occluders) = selflink::orient::apply(BuiltinScene::Cornell.build(), Sides::Front);
+    let scene = Arc::new(scene);
+    let params = SolverParams { epsilon: Epsilon::Relative(1e-2), ..SolverParams::default() };
+    let mut solver = Solver::new(scene.clone(), Arc::new(occluders), params, 1).expect("good parameters");
+    solver.run(&CancelToken::new());
+    (scene, Arc::new(solver.snapshot()))
+}
+
+fn until(surveyor: &Surveyor, what: &str, holds: impl Fn(&Report) -> bool) -> Report {
+    let begun = Instant::now();
+    loop {
+        let report = surveyor.report();
+        if holds(&report) {
+            return report;
+        }
+        assert!(begun.elapsed() < PATIENCE, "{what} did not happen");
+        std::thread::sleep(Duration::from_millis(2));
+    }
+}
+
+/// A ray from the middle of the box down to the floor in front of its boxes.
+fn down(scene: &Scene) -> Ray {
+    let (lower, upper) = scene.bounds();
+    let middle = 0.5 * (lower + upper);
+    let camera = scene.camera.expect("the box has a camera");
+    let origin = middle + 0.4 * (camera.eye - middle).normalize() * (upper - lower).x;
+    Ray { origin: Vec3::new(origin.x, middle.y, origin.z), direction: Vec3::new(0.01, -3.0, 0.02) }
+}
+
+#[test]
+fn what_is_read_is_what_the_snapshot_holds() {
+    let (scene, snapshot) = cornell();
+    let lit = LitMesh::new(scene.clone(), snapshot.clone());
+    let ray = down(&scene);
+    let reading = lit.under(ray.origin, ray.direction).expect("the floor");
+    let probe = Probe::new(&snapshot.mesh, &snapshot.vertex_irradiance, &snapshot.vertex_radiosity);
+    let truth = probe.at(reading.point, reading.normal).expect("the same place");
+    assert!((reading.irradiance - truth.irradiance).length() <= 1e-3 * truth.irradiance.length());
+    assert!((reading.radiosity - truth.radiosity).length() <= 1e-3 * truth.radiosity.length());
+    let again = lit.at(reading.point, reading.normal).expect("found by its place");
+    assert!((again.irradiance - reading.irradiance).length() <= 1e-3 * truth.irradiance.length());
+    assert!(lit.at(reading.point + 0.1 * Vec3::Y, Vec3::Y).is_none(), "in the air there is nothing to read");
+    assert!(lit.under(ray.origin, Vec3::ZERO).is_none() && lit.under(Vec3::splat(f32::NAN), Vec3::X).is_none());
+}
+
+/// What is sent equals emission plus what is reflected of what arrives, at every vertex.
+#[test]
+fn irradiance_and_radiosity_of_vertices_belong_together() {
+    let (scene, snapshot) = cornell();
+    let mesh = &snapshot.mesh;
+    assert_eq!(snapshot.vertex_irradiance.len(), mesh.positions.len());
+    for (triangle, leaf) in mesh.triangles.iter().zip(&mesh.triangle_leaf) {
+        let material = &scene.materials[mesh.leaves[*leaf as usize].material.0 as usize];
+        for &vertex in triangle {
+            let [e, b] =
+                [&snapshot.vertex_irradiance, &snapshot.vertex_radiosity].map(|of| Vec3::from(of[vertex as usize]));
+            let sum = material.emission + material.reflectance * e;
+            assert!((b - sum).length() <= 1e-3 * sum.length() + 1e-6, "{b} {sum}");
+        }
+    }
+}
+
+#[test]
+fn pointer_probes_and_plane_are_answered() {
+    let (scene, snapshot) = cornell();
+    let surveyor = Surveyor::spawn(Box::new(|| {})).expect("a thread");
+    let ray = down(&scene);
+    surveyor.show(scene.clone(), snapshot.clone());
+    surveyor.look(Some(ray));
+    let report = until(&surveyor, "a look", |report| report.looked.is_some_and(|looked| looked.reading.is_some()));
+    let floor = report.looked.and_then(|looked| looked.reading).expect("the floor");
+    surveyor.probe(vec![(floor.point, floor.normal)]);
+    let report = until(&surveyor, "a probe", |report| report.probes.iter().any(|probe| probe.reading.is_some()));
+    let first = report.probes[0].reading.expect("on the floor").radiosity;
+
+    // A probe follows the light.
+    let mut brighter = (*snapshot).clone();
+    brighter.vertex_radiosity.iter_mut().for_each(|light| *light = light.map(|channel| 2.0 * channel));
+    brighter.serial += 1;
+    surveyor.show(scene.clone(), Arc::new(brighter));
+    until(&surveyor, "twice the light", |report| {
+        let now = report.probes[0].reading.map_or(Vec3::ZERO, |reading| reading.radiosity);
+        (now - 2.0 * first).length() < 1e-3 * first.length()
+    });
+
+    surveyor.measure(WorkPlane::for_scene(&scene));
+    let report = until(&surveyor, "a plane", |report| report.plane.is_some());
+    let summary = report.plane.expect("measured").summary();
+    assert!(summary.points > 20 && summary.minimum > 0.0 && summary.uniformity <= 1.0, "{summary:?}");
+    surveyor.measure(WorkPlane { spacing: 0.0, ..WorkPlane::default() });
+    until(&surveyor, "a refusal", |report| report.failure.as_ref().is_some_and(|failure| failure.contains("spacing")));
+}
+
+/// Truth: a wall clock; 50 ms and what a loaded machine adds.
+#[test]
+fn a_large_plane_is_given_up_at_once_and_the_pointer_is_answered_meanwhile() {
+    let (scene, snapshot) = cornell();
+    let surveyor = Surveyor::spawn(Box::new(|| {})).expect("a thread");
+    surveyor.show(scene.clone(), snapshot);
+    let plane = WorkPlane { spacing: 0.004, margin: 0.0, ..WorkPlane::for_scene(&scene) };
+    surveyor.measure(plane);
+    until(&surveyor, "a beginning", |report| report.progress.is_some());
+    surveyor.look(Some(down(&scene)));
+    let report = until(&surveyor, "a look", |report| report.looked.is_some());
+    assert!(report.progress.is_some() && report.plane.is_none(), "the plane is still being measured");
+    let begun = Instant::now();
+    surveyor.forget_plane();
+    until(&surveyor, "the end", |report| report.progress.is_none());
+    assert!(begun.elapsed() < Duration::from_millis(500), "{:?}", begun.elapsed());
+    assert!(surveyor.report().plane.is_none());
+}

@@ -1,0 +1,131 @@
+//! The gallery: each feature of the window once, as pictures in `screenshots/`.
+//!
+//! `./dev shots` runs these. They are driven by accessible names like the tests beside them, so that a moved button moves in the pictures
+//! as well, and a feature that cannot be reached any longer makes no picture.
+
+use std::path::Path;
+
+use egui_kittest::Harness;
+use egui_kittest::kittest::Queryable;
+use selflink::app::App;
+use selflink::scene::Source;
+use selflink::scene::builtin::BuiltinScene;
+use selflink::solver::{Epsilon, SolverParams};
+
+use crate::support::{choose, click, finish, until, window_of_size};
+
+const SIZE: [f32; 2] = [1600.0, 1000.0];
+
+fn by_threshold(epsilon: f64) -> SolverParams {
+    SolverParams { epsilon: Epsilon::Relative(epsilon), ..SolverParams::default() }
+}
+
+/// A window with one of our own scenes, solved to the end.
+fn solved(scene: BuiltinScene, params: SolverParams) -> Harness<'static, App> {
+    let mut window = window_of_size(SIZE, Some(Source::Builtin(scene)), params);
+    until(&mut window, "the first picture", |window| window.state().snapshot().is_some());
+    finish(&mut window);
+    window
+}
+
+/// Clicks into the view, at shares of its width and height.
+fn click_view(window: &mut Harness<'static, App>, x: f32, y: f32) {
+    let rect = window.state().view_rect();
+    let at = rect.min + egui::vec2(x * rect.width(), y * rect.height());
+    window.drag_at(at);
+    window.drop_at(at);
+    window.run_steps(4);
+}
+
+/// Waits until what is in view carries elements and links.
+fn anatomy(window: &mut Harness<'static, App>) {
+    until(window, "its links", |window| window.state().snapshot().is_some_and(|shown| shown.anatomy.is_some()));
+    window.run_steps(4);
+}
+
+fn save(window: &mut Harness<'static, App>, name: &str) {
+    window.remove_cursor();
+    window.run_steps(4);
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("screenshots").join(name).with_extension("png");
+    window.render().expect("a frame can be drawn").save(&path).expect("the folder can be written");
+}
+
+#[test]
+#[ignore = "writes screenshots/, see ./dev shots"]
+fn office() {
+    let mut window = solved(BuiltinScene::Office, SolverParams::usual());
+    save(&mut window, "window");
+    // A step of the first waves, by the timeline.
+    let track = window.get_by_label("Step of the solve").rect();
+    let at = track.left_center() + egui::vec2(0.2 * track.width(), 0.0);
+    window.drag_at(at);
+    window.drop_at(at);
+    until(&mut window, "the step", |window| window.state().snapshot().is_some_and(|shown| shown.moment.is_some()));
+    save(&mut window, "window-timeline");
+    click(&mut window, "Live");
+    click_view(&mut window, 0.55, 0.8);
+    anatomy(&mut window);
+    save(&mut window, "window-links");
+}
+
+#[test]
+#[ignore = "writes screenshots/, see ./dev shots"]
+fn elements_and_clusters() {
+    let mut window = solved(BuiltinScene::Seminar { polygons: BuiltinScene::SEMINAR_POLYGONS }, by_threshold(1e-3));
+    click(&mut window, "Element outlines");
+    save(&mut window, "window-elements");
+    click(&mut window, "Element outlines");
+    click(&mut window, "Cluster boxes");
+    save(&mut window, "window-clusters");
+}
+
+#[test]
+#[ignore = "writes screenshots/, see ./dev shots"]
+fn readings() {
+    let mut window = solved(BuiltinScene::Office, by_threshold(1e-3));
+    choose(&mut window, "Surfaces show", "irradiance E");
+    click(&mut window, "Isolux lines");
+    save(&mut window, "window-illuminance");
+    click(&mut window, "Isolux lines");
+    choose(&mut window, "Surfaces show", "the light");
+    click(&mut window, "Measure");
+    click(&mut window, "Place probes");
+    click_view(&mut window, 0.35, 0.75);
+    click_view(&mut window, 0.75, 0.55);
+    click(&mut window, "Measure the work plane");
+    until(&mut window, "the plane", |window| window.query_by_label("Uniformity U₀").is_some());
+    save(&mut window, "window-measure");
+}
+
+#[test]
+#[ignore = "writes screenshots/, see ./dev shots"]
+fn inspector() {
+    let mut window = solved(BuiltinScene::Office, by_threshold(1e-3));
+    click(&mut window, "Inspector");
+    window.run_steps(4);
+    click_view(&mut window, 0.5, 0.8);
+    anatomy(&mut window);
+    save(&mut window, "window-inspector");
+    click(&mut window, "Links: level");
+    click(&mut window, "Close tool");
+    click(&mut window, "Link colour: visibility");
+    click(&mut window, "Outlines of both ends");
+    anatomy(&mut window);
+    save(&mut window, "window-level-links");
+}
+
+#[test]
+#[ignore = "writes screenshots/, see ./dev shots"]
+fn link_matrix() {
+    let mut window = solved(BuiltinScene::Office, by_threshold(1e-3));
+    click(&mut window, "Link matrix");
+    anatomy(&mut window);
+    until(&mut window, "its numbers", |window| window.query_by_label_contains("% empty").is_some());
+    let square = window.get_by_label("Matrix of links").rect();
+    window.hover_at(square.min + egui::vec2(0.2, 0.74) * square.size());
+    until(&mut window, "a link", |window| window.query_by_label("form factor F").is_some());
+    // Not saved by `save`, which takes the mouse away.
+    window.run_steps(4);
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("screenshots/window-matrix.png");
+    window.render().expect("a frame can be drawn").save(&path).expect("the folder can be written");
+}

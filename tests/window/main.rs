@@ -1,0 +1,18 @@
+//! The window, driven headless by accessible names as a person drives it.
+//!
+//! Truth: what the worker says that it took up, and pictures that differ where they must. Needs a wgpu adapter; software
+//! Vulkan serves.
+#![cfg(feature = "gui")]
+
+mod clusters;
+mod compare;
+mod craft;
+mod gallery;
+mod inspector;
+mod live;
+mod matrix;
+mod panels;
+mod readings;
+mod support;
+mod take_along;
+mod timeline;

@@ -1,0 +1,98 @@
+//! What the tests of the window share: opening one, waiting, clicking, looking.
+
+use std::time::{Duration, Instant};
+
+use egui::accesskit::Role;
+use egui_kittest::Harness;
+use egui_kittest::kittest::Queryable;
+use selflink::added_light::AddedLight;
+use selflink::app::App;
+use selflink::scene::Source;
+use selflink::scene::builtin::BuiltinScene;
+use selflink::solver::{Epsilon, SolverParams};
+use selflink::worker::RunState;
+
+const PATIENCE: Duration = Duration::from_secs(60);
+
+pub fn coarse() -> SolverParams {
+    SolverParams { epsilon: Epsilon::Relative(1e-2), ..SolverParams::default() }
+}
+
+pub fn window(source: Option<Source>, params: SolverParams) -> Harness<'static, App> {
+    window_with(source.map(|source| (source, AddedLight::default())), params)
+}
+
+pub fn window_with(opening: Option<(Source, AddedLight)>, params: SolverParams) -> Harness<'static, App> {
+    open([1280.0, 800.0], opening, params)
+}
+
+pub fn window_of_size(size: [f32; 2], source: Option<Source>, params: SolverParams) -> Harness<'static, App> {
+    open(size, source.map(|source| (source, AddedLight::default())), params)
+}
+
+fn open(size: [f32; 2], opening: Option<(Source, AddedLight)>, params: SolverParams) -> Harness<'static, App> {
+    Harness::builder()
+        .with_size(size)
+        .wgpu()
+        .build_eframe(|cc| App::new(cc, opening, params).expect("a wgpu device and a thread are there"))
+}
+
+pub fn cornell(params: SolverParams) -> Harness<'static, App> {
+    let mut window = window(Some(Source::Builtin(BuiltinScene::Cornell)), params);
+    until(&mut window, "the first picture", |window| window.state().snapshot().is_some());
+    window
+}
+
+/// Lets frames pass until the condition holds; the worker has its own pace.
+pub fn until(window: &mut Harness<'static, App>, what: &str, holds: impl Fn(&Harness<'static, App>) -> bool) {
+    let begun = Instant::now();
+    loop {
+        window.step();
+        if holds(window) {
+            // Whatever was clicked last has been laid out.
+            window.step();
+            return;
+        }
+        assert!(begun.elapsed() < PATIENCE, "{what} did not happen within {PATIENCE:?}");
+        std::thread::sleep(Duration::from_millis(5));
+    }
+}
+
+/// Scrolls a widget into sight and clicks it.
+pub fn click(window: &mut Harness<'static, App>, label: &str) {
+    window.get_by_label(label).scroll_to_me();
+    // Scrolling is animated.
+    window.run_steps(6);
+    window.get_by_label(label).click();
+    window.run_steps(2);
+}
+
+/// Chooses from a list by its label.
+pub fn choose(window: &mut Harness<'static, App>, list: &str, what: &str) {
+    window.get_by_role_and_label(Role::ComboBox, list).scroll_to_me();
+    window.run_steps(6);
+    window.get_by_role_and_label(Role::ComboBox, list).click();
+    window.run_steps(2);
+    window.get_by_label(what).click();
+    window.run_steps(3);
+}
+
+pub fn finish(window: &mut Harness<'static, App>) {
+    until(window, "finishing", |window| window.state().status().run == RunState::Finished);
+}
+
+/// The pixels of the view.
+pub fn picture(window: &mut Harness<'static, App>) -> image::RgbaImage {
+    window.remove_cursor();
+    window.step();
+    let rect = window.state().view_rect();
+    let whole = window.render().expect("a frame can be drawn");
+    let [x, y, width, height] = [rect.min.x, rect.min.y, rect.width(), rect.height()].map(|points| points as u32);
+    image::imageops::crop_imm(&whole, x, y, width, height).to_image()
+}
+
+pub fn share_of_different_pixels(one: &image::RgbaImage, other: &image::RgbaImage) -> f64 {
+    assert_eq!(one.dimensions(), other.dimensions());
+    let different = one.pixels().zip(other.pixels()).filter(|(one, other)| one != other).count();
+    different as f64 / f64::from(one.width() * one.height())
+}

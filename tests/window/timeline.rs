@@ -1,0 +1,72 @@
+//! The timeline below the view.
+
+use egui::Key;
+use egui_kittest::Harness;
+use egui_kittest::kittest::Queryable;
+use selflink::app::App;
+use selflink::solver::{Epsilon, SolverParams};
+
+use crate::support::{click, cornell, finish, picture, share_of_different_pixels, until};
+
+fn moment(window: &Harness<'static, App>) -> Option<usize> {
+    window.state().snapshot().and_then(|snapshot| snapshot.moment)
+}
+
+/// Truth: the first step is the root's self-link on unsplit patches, and the present comes back as it was, pixel for pixel.
+#[test]
+fn a_former_step_is_looked_at_and_the_present_comes_back() {
+    let mut window = cornell(SolverParams { epsilon: Epsilon::Relative(1e-3), ..SolverParams::default() });
+    finish(&mut window);
+    let present = picture(&mut window);
+    let steps = window.state().status().moments.len();
+    assert!(steps > 5, "{steps} steps");
+
+    // The left end of the track is the first step, and the right one the present.
+    let track = window.get_by_label("Step of the solve").rect();
+    for (share, expected) in [(0.0, Some(0)), (0.5, Some((steps - 1).div_ceil(2))), (1.0, None)] {
+        let at = track.shrink2(egui::vec2(8.0, 0.0)).left_center() + egui::vec2(share * (track.width() - 16.0), 0.0);
+        window.drag_at(at);
+        window.drop_at(at);
+        let near = |moment: Option<usize>| match (moment, expected) {
+            (Some(moment), Some(expected)) => moment.abs_diff(expected) <= 1,
+            (moment, expected) => moment == expected,
+        };
+        until(&mut window, "the step", |window| near(moment(window)));
+    }
+    assert_eq!(share_of_different_pixels(&present, &picture(&mut window)), 0.0, "the present comes back");
+
+    // By keys: one step back, to the last but one.
+    window.key_press(Key::ArrowLeft);
+    until(&mut window, "the last step but one", |window| moment(window) == Some(steps - 2));
+    click(&mut window, "Live");
+    until(&mut window, "the present", |window| moment(window).is_none());
+}
+
+/// Truth: playing goes through the steps in order, from one self-link to the present.
+#[test]
+fn steps_are_played_from_the_first_to_the_present() {
+    let mut window = cornell(SolverParams { epsilon: Epsilon::Relative(1e-2), ..SolverParams::default() });
+    finish(&mut window);
+    let steps = window.state().status().moments.len();
+    let links_at_the_end = window.state().snapshot().expect("a picture").stats.links;
+    click(&mut window, "Play");
+    let first = |window: &Harness<'static, App>| {
+        let stats = window.state().snapshot().filter(|snapshot| snapshot.moment == Some(0)).map(|first| &first.stats);
+        stats.map(|stats| (stats.links, stats.candidates_left))
+    };
+    // One self-link waits, and nothing else is there.
+    until(&mut window, "the first step", |window| first(window) == Some((0, 1)));
+    let mut seen = vec![0];
+    loop {
+        if let Some(now) = moment(&window).filter(|now| seen.last() != Some(now)) {
+            seen.push(now);
+        }
+        if moment(&window).is_none() {
+            break;
+        }
+        window.step();
+        std::thread::sleep(std::time::Duration::from_millis(1));
+    }
+    assert_eq!(seen, (0..steps).collect::<Vec<_>>());
+    assert_eq!(window.state().snapshot().expect("a picture").stats.links, links_at_the_end);
+}
