@@ -6,11 +6,10 @@
 use std::time::{Duration, Instant};
 
 use glam::Vec3;
-use selflink::hierarchy::ElementId;
 use selflink::scene::builtin::BuiltinScene;
 use selflink::scene::{MaterialId, Sides, Source};
 use selflink::solver::{ClusterModel, ClusteringMode, Epsilon, OracleKind, Push, Reconstruct, SolverParams};
-use selflink::worker::{Command, Event, RunState, SolverThread};
+use selflink::worker::{Command, Event, Look, RunState, SolverThread};
 
 /// Commands where nobody asks for more.
 const USUAL_COMMANDS: usize = 2_000;
@@ -56,13 +55,16 @@ impl Dice {
 
     fn command(&mut self) -> Command {
         let small = BuiltinScene::Seminar { polygons: 300 };
-        match self.roll(16) {
+        match self.roll(18) {
             0 => Command::load(Source::Builtin(self.pick(&[BuiltinScene::Cornell, small]))),
             1 => Command::load(Source::File("no/such/room.obj".into())),
             2 | 3 => Command::Pause,
             4 => Command::StepWave,
             5 => Command::Restart,
-            6 => Command::Inspect((self.roll(3) > 0).then_some(ElementId(self.roll(5_000) as u32))),
+            6 => Command::Look(Look {
+                anatomy: self.roll(2) == 0,
+                moment: (self.roll(3) == 0).then(|| self.roll(20) as usize),
+            }),
             7 => {
                 let strength = self.pick(&[0.0, 1.0, 1e4, -1.0, f32::NAN]);
                 Command::SetEmission { material: MaterialId(self.roll(9) as u32), emission: Vec3::splat(strength) }
@@ -73,6 +75,11 @@ impl Dice {
                 Command::AddCeilingLight { size, exitance: Vec3::ONE }
             }
             10..=12 => Command::SetParams(self.params()),
+            13 => {
+                let reflectance = Vec3::splat(self.pick(&[0.0, 0.5, 0.99, 1.0, -1.0, f32::NAN]));
+                Command::SetReflectance { material: MaterialId(self.roll(9) as u32), reflectance }
+            }
+            14 => Command::AnchorEpsilon,
             _ => Command::Resume,
         }
     }
