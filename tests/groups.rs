@@ -63,7 +63,7 @@ fn objects_that_were_grouped_become_a_cluster() {
     let after = hierarchy(&scene);
     assert_eq!(after.cluster_count(), before + 1);
     let polygons_of =
-        |name: &str| scene.polygons.iter().filter(|polygon| scene.group_path(polygon.group) == name).count() as usize;
+        |name: &str| scene.polygons.iter().filter(|polygon| scene.group_path(polygon.group) == name).count();
     let both = polygons_of("short_block") + polygons_of("tall_block");
     let sizes: Vec<usize> = after
         .elements()

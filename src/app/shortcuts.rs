@@ -57,8 +57,7 @@ pub(super) fn act(app: &mut App, ui: &Ui, outbox: &mut Outbox) {
     if ctx.text_edit_focused() {
         return;
     }
-    let pressed =
-        |input: &egui::InputState| -> Vec<Deed> { input.events.iter().filter_map(|event| deed_of(event)).collect() };
+    let pressed = |input: &egui::InputState| -> Vec<Deed> { input.events.iter().filter_map(deed_of).collect() };
     // Space presses the button that has the focus.
     let is_view_focused = ctx.memory(|memory| memory.focused()).is_none_or(|focused| app.view.id() == Some(focused));
     for deed in ctx.input(pressed) {

@@ -62,10 +62,10 @@ fn the_tree_unfolds_picks_and_follows_what_is_picked() {
     click(&mut window, "short_block");
     until(&mut window, "the card", |window| window.query_by_label("Close").is_some());
     // A click on the back wall unfolds the tree to one of its polygons.
-    let centre = window.state().view_rect().center();
+    let above_the_block = window.state().view_rect().center() - egui::vec2(0.0, 100.0);
     let before = window.query_all_by_label_contains("walls (").count();
-    window.drag_at(centre);
-    window.drop_at(centre);
+    window.drag_at(above_the_block);
+    window.drop_at(above_the_block);
     until(&mut window, "the wall's row", |window| window.query_all_by_label_contains("walls (").count() > before);
 }
 
@@ -107,7 +107,7 @@ fn groups_are_made_renamed_dissolved_and_taken_back() {
     click(&mut window, "small things");
     click(&mut window, "Dissolve");
     until(&mut window, "the file's groups", |window| regrouping(window).is_empty());
-    click(&mut window, "Undo");
+    click(&mut window, "Undo grouping");
     until(&mut window, "the group again", |window| regrouping(window) == both);
     click(&mut window, "As in the file");
     until(&mut window, "the file's groups", |window| regrouping(window).is_empty());

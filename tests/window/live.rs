@@ -144,6 +144,8 @@ fn settings_are_undone_and_redone() {
     until(&mut window, "push again", |window| window.state().status().params.push == Push::Deferred);
 
     // One drag over many values.
+    window.get_by_role_and_label(Role::Slider, "partial visibility factor").scroll_to_me();
+    window.run_steps(6);
     let rect = window.get_by_role_and_label(Role::Slider, "partial visibility factor").rect();
     window.drag_at(rect.left_center() + egui::vec2(8.0, 0.0));
     window.step();

@@ -55,6 +55,8 @@ const MOST_ROUNDS: u32 = 8;
 const MOST_ATTEMPTS: u32 = 6;
 /// An attempt that leaves more than this share of the estimated error was in vain, and so would be the next one.
 const LEAST_PROGRESS: f64 = 0.9;
+/// An error of so many times the goal is near enough to try on.
+const NEAR: f64 = 1.25;
 /// More vertices than this are not made for the sake of the goal.
 const MOST_VERTICES: usize = 1 << 21;
 /// The allowed error is shared out to what lies between vertices and to the noise of their values.
@@ -288,8 +290,9 @@ impl FinalGather {
         };
         // What a finer mesh does not help is smaller than leaves may be.
         let was_in_vain = self.last_error.is_some_and(|last| error > LEAST_PROGRESS * last);
+        let is_near = error <= NEAR * self.goal.error;
         self.last_error = Some(error);
-        if was_in_vain {
+        if was_in_vain && !is_near {
             return Stage::Done;
         }
         if self.attempt >= MOST_ATTEMPTS || self.vertices.len() > MOST_VERTICES || !self.rows.has_room() {

@@ -95,7 +95,7 @@ fn show_buttons(editor: &mut GroupEditor, tree: &GroupTree, ui: &mut Ui) -> Opti
         if let Some(into) = show_targets(tree, is_any, ui) {
             command = editor.edit(tree.moved(&selection, into));
         }
-        let undo = ui.add_enabled(editor.can_undo(), egui::Button::new("Undo"));
+        let undo = ui.add_enabled(editor.can_undo(), egui::Button::new("Undo grouping"));
         if undo.on_hover_text("Takes the last edit of the groups back").clicked() {
             command = editor.undo();
         }
