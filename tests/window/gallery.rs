@@ -5,6 +5,7 @@
 
 use std::path::Path;
 
+use egui::accesskit::Role;
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 use selflink::app::App;
@@ -62,21 +63,6 @@ fn office() {
     window.drop_at(at);
     until(&mut window, "the step", |window| window.state().snapshot().is_some_and(|shown| shown.moment.is_some()));
     save(&mut window, "window-timeline");
-    click(&mut window, "Live");
-    click_view(&mut window, 0.55, 0.8);
-    anatomy(&mut window);
-    save(&mut window, "window-links");
-}
-
-#[test]
-#[ignore = "writes screenshots/, see ./dev shots"]
-fn elements_and_clusters() {
-    let mut window = solved(BuiltinScene::Seminar { polygons: BuiltinScene::SEMINAR_POLYGONS }, by_threshold(1e-3));
-    click(&mut window, "Element outlines");
-    save(&mut window, "window-elements");
-    click(&mut window, "Element outlines");
-    click(&mut window, "Cluster boxes");
-    save(&mut window, "window-clusters");
 }
 
 #[test]
@@ -128,4 +114,57 @@ fn link_matrix() {
     window.run_steps(4);
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("screenshots/window-matrix.png");
     window.render().expect("a frame can be drawn").save(&path).expect("the folder can be written");
+}
+
+#[test]
+#[ignore = "writes screenshots/, see ./dev shots"]
+fn clusters() {
+    let mut window = solved(BuiltinScene::Office, by_threshold(1e-3));
+    click(&mut window, "Clusters");
+    anatomy(&mut window);
+    click(&mut window, "Colour by cluster");
+    window.get_by_role_and_label(Role::Slider, "Level").set_value_accesskit(5.0);
+    window.get_by_role_and_label(Role::Slider, "Explode").set_value_accesskit(35.0);
+    save(&mut window, "window-clusters");
+}
+
+#[test]
+#[ignore = "writes screenshots/, see ./dev shots"]
+fn compare() {
+    let mut window = solved(BuiltinScene::Office, by_threshold(1e-2));
+    click(&mut window, "Compare");
+    click(&mut window, "Freeze as A");
+    window.get_by_role_and_label(Role::Slider, "ε relative").set_value_accesskit(5e-4);
+    until(&mut window, "the finer threshold", |window| {
+        window.state().status().params.epsilon == Epsilon::Relative(5e-4)
+    });
+    finish(&mut window);
+    save(&mut window, "window-compare");
+}
+
+#[test]
+#[ignore = "writes screenshots/, see ./dev shots"]
+fn accuracy() {
+    let mut window = solved(BuiltinScene::Cornell, by_threshold(1e-2));
+    click(&mut window, "Accuracy");
+    click(&mut window, "Compare with a reference");
+    until(&mut window, "an error", |window| window.query_by_label("Error (RMS)").is_some());
+    let curves = |window: &Harness<'static, App>| window.query_all_by_label_contains("Φ, adaptive, immediate").count();
+    for (count, epsilon) in [(2, 2e-3), (3, 3e-4)] {
+        window.get_by_role_and_label(Role::Slider, "ε relative").set_value_accesskit(epsilon);
+        until(&mut window, "one more curve", |window| curves(window) == count);
+        finish(&mut window);
+    }
+    click(&mut window, "error");
+    save(&mut window, "window-error");
+}
+
+#[test]
+#[ignore = "writes screenshots/, see ./dev shots"]
+fn lamps_and_materials() {
+    let mut window = solved(BuiltinScene::Seminar { polygons: BuiltinScene::SEMINAR_POLYGONS }, by_threshold(1e-3));
+    click(&mut window, "Appearance");
+    click(&mut window, "bright");
+    click(&mut window, "Light");
+    save(&mut window, "window-light");
 }
