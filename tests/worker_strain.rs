@@ -16,9 +16,9 @@ const USUAL_COMMANDS: usize = 2_000;
 /// Asking for a status or a picture locks for a swap; half a second is a deadlock on any machine.
 const MOST_WAIT: Duration = Duration::from_millis(500);
 const PATIENCE: Duration = Duration::from_secs(120);
-/// Memory that may be held at the end beyond what was held after a fifth of the commands, bytes. Loaders that nobody waits for any more
-/// run on until they are done: at hundreds of commands a second hundreds of them are about at once.
-const MOST_GROWTH: usize = 1 << 30;
+/// Memory that may be held at the end beyond what was held after a fifth of the commands, bytes: four loaders that nobody waits for any more
+/// hold a scene and its occluders each.
+const MOST_GROWTH: usize = 256 << 20;
 
 /// A generator with a fixed seed, so that a failure comes again (xorshift).
 struct Dice(u64);

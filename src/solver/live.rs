@@ -11,8 +11,9 @@ use super::link::LinkTable;
 use super::params::{Reconstruct, SolverParams};
 use super::picture::Picture;
 use super::refine::Refinement;
+use super::rounds::judged_again;
 use super::stats::{Phase, Seconds};
-use super::{Solver, SolverError, judged_again, largest_power, surfaces_of, timed, watts};
+use super::{Solver, SolverError, largest_power, surfaces_of, timed, watts};
 use crate::hierarchy::{ElementId, Hierarchy, PatchSums, Shape};
 use crate::scene::{Material, MaterialId};
 

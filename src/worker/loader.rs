@@ -1,7 +1,8 @@
 //! The loader's thread: reads a file or remakes a scene, turns its faces and builds its occluders.
 //!
 //! A parser and a BVH build cannot be interrupted, so the thread is orphaned when nobody waits for it any more; its
-//! result then carries a number that the session no longer expects.
+//! result then carries a number that the session no longer expects. Few run at a time, orphans among them; the next one waits until
+//! one of these is done.
 
 use std::any::Any;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -63,8 +64,55 @@ pub(super) struct Awaited {
     pub lights: Vec<CeilingLight>,
 }
 
-/// Starts a loader; its result comes as [`Message::Prepared`] with `ticket`.
-pub(super) fn start(
+/// So many loaders run at a time at most.
+const MOST: usize = 4;
+
+/// The loaders that run, wanted or not, and what waits for one of them to end.
+#[derive(Default)]
+pub(super) struct Loaders {
+    running: usize,
+    waiting: Vec<(u64, Job, Option<Sides>)>,
+}
+
+impl Loaders {
+    /// Starts a loader as soon as few enough run; its result comes as [`Message::Prepared`] with `ticket`.
+    ///
+    /// # Errors
+    /// The system gives no further thread.
+    pub(super) fn start(
+        &mut self,
+        (ticket, job, sides): (u64, Job, Option<Sides>),
+        ends: (&Sender<Message>, &CancelToken),
+    ) -> std::io::Result<()> {
+        if self.running < MOST {
+            spawn(job, sides, ticket, ends.0.clone(), ends.1.clone())?;
+            self.running += 1;
+        } else {
+            self.waiting.push((ticket, job, sides));
+        }
+        Ok(())
+    }
+
+    /// Notes that one has answered, and starts those that waited and are still wanted.
+    ///
+    /// # Errors
+    /// The system gives no further thread.
+    pub(super) fn one_ended(
+        &mut self,
+        is_wanted: impl Fn(u64) -> bool,
+        ends: (&Sender<Message>, &CancelToken),
+    ) -> std::io::Result<()> {
+        self.running = self.running.saturating_sub(1);
+        for order in std::mem::take(&mut self.waiting) {
+            if is_wanted(order.0) {
+                self.start(order, ends)?;
+            }
+        }
+        Ok(())
+    }
+}
+
+fn spawn(
     job: Job,
     sides: Option<Sides>,
     ticket: u64,

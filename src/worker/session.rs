@@ -7,7 +7,7 @@ use std::time::Instant;
 use rayon::ThreadPool;
 
 use super::guard::{guarded, pool_of};
-use super::loader::{Awaited, Prepared};
+use super::loader::{Awaited, Loaders, Prepared};
 use super::merge::merge;
 use super::pacing::Pacing;
 use super::stage::MaterialEdit;
@@ -52,6 +52,7 @@ pub(super) struct Session {
     pub(super) loading: Option<Awaited>,
     pub(super) remaking: Option<Awaited>,
     pub(super) tickets: u64,
+    pub(super) loaders: Loaders,
     pacing: Pacing,
     /// A picture is owed whatever the pacing says.
     picture_owed: bool,
@@ -79,6 +80,7 @@ impl Session {
             loading: None,
             remaking: None,
             tickets: 0,
+            loaders: Loaders::default(),
             pacing: Pacing::default(),
             picture_owed: false,
             look: Look::default(),

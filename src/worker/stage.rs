@@ -5,7 +5,7 @@ use std::sync::Arc;
 use glam::Vec3;
 
 use super::guard::guarded;
-use super::loader::{self, Awaited, CeilingLight, Job, Prepared};
+use super::loader::{Awaited, CeilingLight, Job, Prepared};
 use super::session::{Drive, Session};
 use super::{Event, SceneInfo};
 use crate::added_light::AddedLight;
@@ -67,8 +67,8 @@ impl Session {
     fn start_loader(&mut self, job: Job, name: String, lights: Vec<CeilingLight>) -> Option<Awaited> {
         self.tickets += 1;
         let ticket = self.tickets;
-        let (loopback, cancel) = (self.ends.loopback.clone(), self.ends.cancel.clone());
-        match loader::start(job, self.params.sides, ticket, loopback, cancel) {
+        let ends = (&self.ends.loopback, &self.ends.cancel);
+        match self.loaders.start((ticket, job, self.params.sides), ends) {
             Ok(()) => Some(Awaited { ticket, name, lights }),
             Err(error) => {
                 self.emit(Event::LoadFailed(format!("{name} cannot be loaded, no thread is left ({error})")));
@@ -79,6 +79,11 @@ impl Session {
 
     /// Takes over what a loader made, if it is still wanted; a failure leaves everything as it is.
     pub(super) fn take_prepared(&mut self, ticket: u64, result: Result<Box<Prepared>, String>) {
+        let wanted = [&self.loading, &self.remaking].map(|awaited| awaited.as_ref().map(|awaited| awaited.ticket));
+        let ends = (&self.ends.loopback, &self.ends.cancel);
+        if let Err(error) = self.loaders.one_ended(|ticket| wanted.contains(&Some(ticket)), ends) {
+            self.emit(Event::LoadFailed(format!("the scene cannot be loaded, no thread is left ({error})")));
+        }
         let is_it = |awaited: &mut Awaited| awaited.ticket == ticket;
         let is_new = self.loading.take_if(is_it).is_some();
         if !is_new && self.remaking.take_if(is_it).is_none() {

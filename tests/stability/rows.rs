@@ -44,25 +44,25 @@ row_tests! {
     extinction "extinction"
     wall_in_a_cluster "wall-in-a-cluster"
     #[ignore = "slow: some 10 s in a test build; selflink doctor runs it"]
-    moved_scene "moved-scene"
+    slow_moved_scene "moved-scene"
     overlapping_boxes "overlapping-boxes"
     #[ignore = "slow: some 10 s in a test build; selflink doctor runs it"]
-    units "units"
+    slow_units "units"
     small_lamps "small-lamps"
     many_patches "many-patches"
     #[ignore = "slow: some 20 s in a test build; selflink doctor runs it"]
-    white_rooms "white-rooms"
+    slow_white_rooms "white-rooms"
     #[ignore = "slow: some 20 s in a test build; selflink doctor runs it"]
-    divergence "divergence"
+    slow_divergence "divergence"
     #[ignore = "slow: some 10 s in a test build; selflink doctor runs it"]
-    reciprocity "reciprocity"
+    slow_reciprocity "reciprocity"
     #[ignore = "slow: some 15 s in a test build; selflink doctor runs it"]
-    sibling_noise "sibling-noise"
+    slow_sibling_noise "sibling-noise"
     slits "slits"
     duplicates "duplicates"
     slivers "slivers"
     #[ignore = "slow: some 10 s in a test build; selflink doctor runs it"]
-    frozen_links "frozen-links"
+    slow_frozen_links "frozen-links"
     colours "colours"
 }
 

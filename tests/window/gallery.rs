@@ -68,7 +68,7 @@ fn office() {
 #[test]
 #[ignore = "writes screenshots/, see ./dev shots"]
 fn readings() {
-    let mut window = solved(BuiltinScene::Office, by_threshold(1e-3));
+    let mut window = solved(BuiltinScene::Office, SolverParams::usual());
     choose(&mut window, "Surfaces show", "irradiance E");
     click(&mut window, "Isolux lines");
     save(&mut window, "window-illuminance");
@@ -96,6 +96,8 @@ fn inspector() {
     click(&mut window, "Close tool");
     click(&mut window, "Link colour: visibility");
     click(&mut window, "Outlines of both ends");
+    window.get_by_role_and_label(Role::Slider, "Strongest links").set_value_accesskit(60.0);
+    click(&mut window, "Close");
     anatomy(&mut window);
     save(&mut window, "window-level-links");
 }

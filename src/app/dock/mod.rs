@@ -48,7 +48,7 @@ impl Tool {
 
     /// Width when it is opened for the first time, points; each tool remembers its own.
     fn first_width(self) -> f32 {
-        if matches!(self, Self::Inspector | Self::Clusters) { FIRST_WIDTH_OF_TABLE } else { FIRST_WIDTH }
+        if matches!(self, Self::Inspector | Self::Matrix | Self::Clusters) { FIRST_WIDTH_OF_TABLE } else { FIRST_WIDTH }
     }
 }
 

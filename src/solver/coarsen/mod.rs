@@ -11,13 +11,14 @@ mod recorded;
 
 use glam::Vec3;
 
+use super::Solver;
 use super::candidate::{Candidate, Directions};
 use super::display::Display;
 use super::gather::Light;
 use super::link::{Link, LinkTable};
 use super::picture::Picture;
+use super::rounds::oracle_over;
 use super::verdict::OccludedPair;
-use super::{Solver, oracle};
 use crate::cancel::CancelToken;
 use crate::hierarchy::{ElementId, Hierarchy, Renumbering};
 use pairs::{Pair, Pairs, Standing};
@@ -28,7 +29,7 @@ impl Solver {
         let accepted = std::mem::take(&mut self.refinement.accepted);
         self.links.append(self.hierarchy.elements().len(), &accepted);
         let emitted: Vec<f32> = self.light.emitted.iter().map(|emitted| emitted.max_element()).collect();
-        let oracle = oracle(
+        let oracle = oracle_over(
             &self.hierarchy,
             &self.brightness,
             &self.spread,

@@ -1,0 +1,215 @@
+//! Rounds: waves of refinement, a gather, and what must be judged again by the light that it found.
+
+use rayon::prelude::*;
+
+use super::candidate::{Candidate, Directions};
+use super::change::Doubts;
+use super::gather::Gatherer;
+use super::link::{Evidence, Link, LinkTable};
+use super::oracle::Oracle;
+use super::params::{OracleKind, SolverParams};
+use super::rays::RaySampler;
+use super::sight::Thresholds;
+use super::stats::Phase;
+use super::{Solver, Step, timed};
+use crate::cancel::CancelToken;
+use crate::hierarchy::{ElementId, Hierarchy, PatchSums};
+use crate::visibility::Occluders;
+
+/// Multiples of ε that a solve goes through. Verdicts look at radiosities, so a fine ε needs them nearly right: with the
+/// last ε alone, links judged while B was small are judged again and again as it grows, and are refined by wrong values.
+const SCHEDULE: [f64; 2] = [2.0, 1.0];
+
+/// Rounds end when no more than one in so many links fails its threshold: the last ones are refined, but what little that
+/// changes is not judged again.
+const FEW: usize = 100;
+
+/// A round's gather ends when less than this share of the power is still to come: thresholds do not ask for more.
+const ROUND_TOLERANCE: f64 = 1e-2;
+/// The last gather ends when less than this share of the power is still to come.
+const FINAL_TOLERANCE: f64 = 1e-5;
+/// A gather is given up after this many sweeps; at the largest reflectance that files may hold (0.99) light needs 1,400
+/// sweeps to fall to 10⁻⁶.
+const MOST_SWEEPS: u32 = 2000;
+
+impl Solver {
+    /// A bounded piece of work, timed.
+    pub(super) fn work(&mut self, cancel: &CancelToken) -> Step {
+        if cancel.is_cancelled() {
+            return Step::Interrupted;
+        }
+        match self.phase {
+            Phase::Hierarchy | Phase::Refine => {
+                let (step, seconds) = timed(|| self.refine(cancel));
+                self.seconds.refine += seconds;
+                self.seconds.total += seconds;
+                step
+            }
+            Phase::Gather if self.merges_back => {
+                let (is_done, seconds) = timed(|| self.merge_back(cancel));
+                self.seconds.refine += seconds;
+                self.seconds.total += seconds;
+                self.merges_back = !is_done;
+                if is_done { Step::Refined { wave_ended: true } } else { Step::Interrupted }
+            }
+            Phase::Gather => {
+                let (step, seconds) = timed(|| self.gather(cancel));
+                self.seconds.gather += seconds;
+                self.seconds.total += seconds;
+                step
+            }
+            Phase::Reconstruct => {
+                let (step, seconds) = timed(|| self.reconstruct(cancel));
+                self.seconds.reconstruct += seconds;
+                self.seconds.total += seconds;
+                step
+            }
+            Phase::Done => Step::Finished,
+        }
+    }
+
+    fn refine(&mut self, cancel: &CancelToken) -> Step {
+        let epsilon = self.stage_epsilon();
+        let oracle = oracle_over(
+            &self.hierarchy,
+            &self.brightness,
+            &self.spread,
+            &self.emission,
+            &self.occluders,
+            &self.params,
+            epsilon,
+        );
+        let Some(judged) = self.refinement.judge(&oracle, cancel) else { return Step::Interrupted };
+        let wave_ended = self.refinement.apply(&mut self.hierarchy, &judged);
+        self.grow_light();
+        if self.refinement.is_finished() {
+            self.phase = Phase::Gather;
+        }
+        Step::Refined { wave_ended }
+    }
+
+    fn gather(&mut self, cancel: &CancelToken) -> Step {
+        let accepted = std::mem::take(&mut self.refinement.accepted);
+        self.is_converged &= accepted.is_empty();
+        if !accepted.is_empty() || self.links.receivers() < self.hierarchy.elements().len() {
+            self.links.append(self.hierarchy.elements().len(), &accepted);
+        }
+        if self.is_converged && !self.gathers_finely {
+            self.judge_stored();
+            return Step::Gathered;
+        }
+        // The first rounds are coarse: light that is not judged yet has no place in what verdicts look at.
+        let tolerance = if self.gathers_finely { FINAL_TOLERANCE } else { ROUND_TOLERANCE };
+        let mut light = self.light.clone();
+        let gatherer = self.gatherer(&self.links);
+        let Some(clamped) = gatherer.limit_rows(&mut light, cancel) else { return Step::Interrupted };
+        if !gatherer.converge(&mut light, tolerance, MOST_SWEEPS, cancel) {
+            return Step::Interrupted;
+        }
+        self.bounded_leaves = self.keep_bounds(&mut light);
+        self.light = light;
+        self.clamped_leaves = clamped;
+        self.fix_brightness();
+        self.iterations += 1;
+        if self.gathers_finely {
+            self.is_converged = true;
+            self.end_links();
+        } else {
+            self.judge_stored();
+        }
+        Step::Gathered
+    }
+
+    /// Judges the stored links by the present radiosities; those that fail are candidates of the next round.
+    fn judge_stored(&mut self) {
+        let doubts = std::mem::take(&mut self.doubts);
+        let mut failing = self.take_failing(doubts);
+        let few_fail = failing.len() * FEW <= self.links.len();
+        if few_fail && self.stage + 1 < SCHEDULE.len() {
+            self.stage += 1;
+            failing.append(&mut self.take_failing(Doubts { finer_epsilon: true, ..Doubts::default() }));
+        } else {
+            self.gathers_finely = few_fail;
+        }
+        if !failing.is_empty() {
+            self.refinement.start(failing);
+            if doubts != Doubts::default() {
+                self.refinement.hurry();
+            }
+            self.phase = Phase::Refine;
+        }
+    }
+
+    /// ε of the present stage, W.
+    pub(super) fn stage_epsilon(&self) -> f64 {
+        self.epsilon_watts * SCHEDULE[self.stage]
+    }
+
+    /// Takes out what must be judged again as candidates. A link that fails by the present radiosities or is in doubt; and pairs
+    /// whose occlusion matters more than when it was found.
+    fn take_failing(&mut self, doubts: Doubts) -> Vec<Candidate> {
+        let oracle = oracle_over(
+            &self.hierarchy,
+            &self.brightness,
+            &self.spread,
+            &self.emission,
+            &self.occluders,
+            &self.params,
+            self.stage_epsilon(),
+        );
+        let failing = self.links.drain(|receiver, link| {
+            oracle.must_judge_again(receiver, link) || oracle.is_in_doubt(receiver, link, doubts)
+        });
+        let of_link = |(receiver, link): (ElementId, Link)| judged_again(receiver, &link, doubts);
+        let occluded = std::mem::take(&mut self.refinement.occluded);
+        let (doubtful, believed): (Vec<_>, _) =
+            occluded.into_par_iter().partition(|pair| oracle.is_doubtful(pair, doubts));
+        let doubtful: Vec<Candidate> = doubtful.into_iter().map(|occluded| occluded.pair).collect();
+        self.refinement.occluded = believed;
+        self.refinement.forget_rejections(&doubtful);
+        failing.into_iter().map(of_link).chain(doubtful).collect()
+    }
+
+    pub(super) fn gatherer<'a>(&'a self, links: &'a LinkTable) -> Gatherer<'a> {
+        Gatherer::new(&self.hierarchy, links, &self.surfaces, &self.params, false)
+    }
+}
+
+/// The candidate that a stored link becomes; by a finer ε or with more rays, visibility that it inherited must show itself.
+pub(super) fn judged_again(receiver: ElementId, link: &Link, doubts: Doubts) -> Candidate {
+    let directions = Directions { to_a: true, to_b: false };
+    let is_inherited = link.evidence() == Evidence::Inherited && receiver != link.source();
+    let must_show = doubts.finer_epsilon || doubts.more_rays;
+    Candidate::new(receiver, link.source(), directions, link.visibility(), is_inherited && !must_show)
+}
+
+/// The oracle over the present state; a function of the parts, so that refinement can be borrowed beside it.
+pub(super) fn oracle_over<'a>(
+    hierarchy: &'a Hierarchy,
+    brightness: &'a [f32],
+    spread: &'a [f32],
+    emission: &'a PatchSums,
+    occluders: &'a Occluders,
+    params: &SolverParams,
+    epsilon_watts: f64,
+) -> Oracle<'a> {
+    let thresholds = Thresholds {
+        epsilon: epsilon_watts as f32,
+        epsilon_partial: (params.partial_factor * epsilon_watts) as f32,
+        visibility_factor: params.visibility_factor as f32,
+        rays_min: params.rays_min,
+        rays_max: params.rays_max,
+        is_patient: params.oracle == OracleKind::Error || params.error.is_some(),
+    };
+    let model = params.cluster_model;
+    let kind = params.oracle;
+    Oracle {
+        hierarchy,
+        brightness,
+        spread,
+        thresholds,
+        model,
+        kind,
+        sampler: RaySampler { occluders, seed: params.seed, emission },
+    }
+}

@@ -1,0 +1,115 @@
+//! Bad input, help, and our own scenes as files.
+
+use selflink::scene::load_file;
+
+use crate::support::*;
+
+#[test]
+fn bad_input_is_one_sentence_and_exit_code_2() {
+    let folder = Folder::new();
+    let good = folder.write("good.obj", SQUARE);
+    let good = name(&good);
+    let named_ply = folder.write("good.ply", SQUARE);
+    let mesh_as_obj = folder.path("mesh.obj");
+    let points = folder.write("points.csv", "0.5,0.5,0,0,0,1\n");
+    let bad_points = folder.write("bad.csv", "x,y,z,nx,ny,nz\n0.5,0.5,0,0,0,1\n0.5,0.5,zero,0,0,1\n");
+    let empty = folder.write("empty.obj", "");
+    let image = folder.write("image.obj", b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR");
+    let nan = folder.write("nan.obj", "v 0 0 0\nv 1 0 0\nv 0 NaN 0\nf 1 2 3\n");
+    let past = folder.write("past.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n");
+    let gone = folder.path("gone.obj");
+    let nowhere = folder.path("no/such/folder/out.ply");
+    let cases: Vec<(Vec<&str>, &str)> = vec![
+        (vec!["solve", name(&gone)], "no such file"),
+        (vec!["solve", name(&empty)], "empty"),
+        (vec!["solve", name(&image)], "an image"),
+        (vec!["solve", name(&nan)], "not finite"),
+        (vec!["solve", name(&past)], "vertex 9"),
+        (vec!["solve", "ofice"], "cornell, seminar, office"),
+        (vec!["ofice"], "cornell, seminar, office"),
+        (vec!["solve"], "<SCENE>"),
+        (vec!["solve", good, "--epsilon", "0"], "--epsilon must be greater than 0"),
+        (vec!["solve", good, "--epsilon", "-1e-3"], "--epsilon must be greater than 0"),
+        (vec!["solve", good, "--epsilon-watts", "0"], "greater than 0"),
+        (
+            vec!["solve", good, "--epsilon", "few"],
+            "--epsilon <NUMBER>': it must be a number (see selflink solve --help)",
+        ),
+        (vec!["solve", good, "--rays-max", "1.5"], "it must be a whole number, 0 or more"),
+        (vec!["solve", good, "--rays-max", "99999999999"], "it is too large"),
+        (vec!["--epsilom", "1"], "(see selflink --help)"),
+        (vec!["solve", good, "--epsilon", "1e-3", "--epsilon-watts", "1"], "one of them"),
+        (vec!["solve", good, "--rays-min", "9", "--rays-max", "3"], "--rays-max (3)"),
+        (vec!["solve", good, "--clustering", "kmeans"], "none, octree, groups, adaptive"),
+        (vec!["solve", good, "--threads", "100000"], "--threads"),
+        (vec!["solve", good, "--epsilom", "1"], "(see selflink solve --help)"),
+        (vec!["solve", good, "--seconds", "-1"], "--seconds"),
+        (vec!["solve", good, "--out", name(&nowhere)], "cannot be written"),
+        (vec!["solve", good, "--stats", name(&nowhere)], "cannot be written"),
+        (vec!["solve", name(&named_ply), "--out", name(&named_ply)], "overwrite"),
+        (vec!["solve", good, "--out", name(&mesh_as_obj)], "mesh.obj: meshes are written as PLY"),
+        (vec!["solve", good, "--emit", "lamp=1,1,1"], "floor, roof"),
+        (vec!["solve", good, "--emit", "roof=1,1"], "r,g,b"),
+        (vec!["solve", good, "--emit", "roof=1,1,-1"], "emission"),
+        (vec!["solve", good, "--ceiling-light", "0:1"], "greater than 0"),
+        (vec!["solve", good, "--ceiling-light", "big"], "SIZE:W_PER_M2"),
+        (vec!["probe", good, "--points", name(&bad_points), "--out", name(&nowhere)], "line 3"),
+        (vec!["probe", good, "--points", name(&gone), "--out", name(&nowhere)], "cannot be read"),
+        (vec!["probe", good, "--points", name(&points), "--out", name(&nowhere)], "cannot be written"),
+        (vec!["probe", good, "--points", name(&points), "--out", name(&points)], "overwrite"),
+        (vec!["reference", "ofice"], "cornell, seminar, office"),
+        (vec!["reference", name(&gone)], "no such file"),
+        (vec!["reference", good, "--points", "0"], "--points must lie between"),
+        (vec!["reference", good, "--points", "-5"], "--points"),
+        (vec!["reference", good, "--noise", "0"], "--noise must lie between"),
+        (vec!["reference", good, "--noise", "NaN"], "--noise must lie between"),
+        (vec!["reference", good, "--seconds", "-1"], "--seconds"),
+        (vec!["reference", good, "--out", name(&nowhere)], "cannot be written"),
+        (vec!["reference", good, "--out", good], "overwrite"),
+        (vec!["reference", good, "--cache", "somewhere", "--no-cache"], "--no-cache"),
+        (vec!["chart", "cornell"], "--out"),
+        (vec!["chart", "ofice", "--out", name(&gone)], "cornell, seminar, office"),
+        (vec!["chart", "cornell", "--out", good], "cannot be made"),
+        (vec!["chart", "cornell", "--out", name(&gone), "--epsilons", "1e-2,few"], "--epsilons must be"),
+        (vec!["chart", "cornell", "--out", name(&gone), "--epsilons", "0"], "--epsilons must be"),
+        (vec!["chart", "cornell", "--out", name(&gone), "--settings", "kmeans"], "adaptive, immediate"),
+        (vec!["chart", "cornell", "--out", name(&gone), "--seconds", "0"], "--seconds must be greater than 0"),
+        (vec!["accuracy", "--out", good], "cannot be made"),
+        (vec!["scene", "attic", "--out", name(&nowhere)], "cornell, seminar, office"),
+        (vec!["scene", "seminar", "--polygons", "5", "--out", name(&nowhere)], "between 1000 and"),
+        (vec!["scene", "office", "--polygons", "5000", "--out", name(&nowhere)], "seminar"),
+        (vec!["scene", "office"], "--out"),
+        (vec!["scene", "cornell", "--out", good], "cannot write"),
+    ];
+    for (args, part) in cases {
+        let said = refused(&args);
+        assert!(said.contains(part), "{args:?}: `{part}` is not in: {said}");
+        assert!(!said.contains("os error") && !said.contains("literal"), "{args:?}: {said}");
+    }
+    assert!(!mesh_as_obj.exists());
+    assert_eq!(std::fs::read_to_string(good).expect("the scene is still there"), SQUARE, "nothing was overwritten");
+}
+
+#[test]
+fn our_own_scenes_are_written_and_load_again() {
+    let folder = Folder::new();
+    let dir = folder.path("made/for/this");
+    let (stdout, _) = succeed(&["scene", "seminar", "--polygons", "3000", "--out", name(&dir)]);
+    assert!(stdout.contains("seminar.obj") && stdout.contains("3,000 polygons"), "{stdout}");
+    let scene = load_file(&dir.join("seminar.obj")).expect("it loads again");
+    assert_eq!(scene.polygons.len(), 3000);
+    assert!(scene.has_light() && scene.camera.is_some());
+    assert!(dir.join("seminar.mtl").exists() && dir.join("seminar.selflink.json").exists());
+}
+
+#[test]
+fn help_states_every_default() {
+    let (help, _) = succeed(&["solve", "--help"]);
+    for parameter in &selflink::solver::PARAMETERS {
+        assert!(help.contains(&format!("--{}", parameter.flag)), "{}: {help}", parameter.flag);
+    }
+    assert!(help.matches("[default:").count() >= selflink::solver::PARAMETERS.len(), "{help}");
+    assert!(help.contains("[default: 1e-4]") && help.contains("[default: adaptive]"), "{help}");
+    let (version, _) = succeed(&["--version"]);
+    assert_eq!(version.trim(), concat!("selflink ", env!("CARGO_PKG_VERSION")));
+}

@@ -1,0 +1,9 @@
+//! The program as a person runs it: commands, files written, and one sentence for what cannot be done.
+
+mod doctor;
+mod input;
+mod pictures;
+mod readings;
+mod solving;
+mod support;
+mod truth;

@@ -1,0 +1,118 @@
+//! Pictures: sizes, overlays, the link matrix, and a machine without a display.
+
+use std::path::Path;
+use std::process::Command;
+
+use crate::support::*;
+
+#[cfg(feature = "gui")]
+#[test]
+fn bad_pictures_are_refused() {
+    let folder = Folder::new();
+    let (picture, nowhere, jpeg) = (folder.path("out.png"), folder.path("no/out.png"), folder.path("out.jpg"));
+    let picture = name(&picture);
+    let cases: Vec<(Vec<&str>, &str)> = vec![
+        (vec!["--out", name(&nowhere)], "cannot be written"),
+        (vec!["--out", name(&jpeg)], ".png"),
+        (vec!["--out", picture, "--size", "0x10"], "--size"),
+        (vec!["--out", picture, "--size", "big"], "--size"),
+        (vec!["--out", picture, "--size", "100000x100000"], "--size"),
+        (vec!["--out", picture, "--camera", "1,2,3"], "--camera"),
+        (vec!["--out", picture, "--camera", "1,2,3:1,2,3"], "--camera"),
+        (vec!["--out", picture, "--exposure", "bright"], "--exposure"),
+        (vec!["--out", picture, "--overlay", "boxes"], "--overlay"),
+        (vec!["--out", picture, "--overlay", "links:9999,1"], "outside the picture"),
+    ];
+    for (args, part) in cases {
+        let said = refused(&[&["render", "cornell"], &args[..]].concat());
+        assert!(said.contains(part), "{args:?}: `{part}` is not in: {said}");
+    }
+    assert!(!Path::new(picture).exists(), "no picture is left behind");
+}
+
+#[cfg(feature = "gui")]
+#[test]
+fn a_picture_has_the_size_asked_for_and_shows_the_overlays() {
+    if let Err(error) = selflink::render::Offscreen::new() {
+        return eprintln!("SKIPPED: pictures are not tested, {error}");
+    }
+    let folder = Folder::new();
+    let draw = |file: &str, args: &[&str]| {
+        let path = folder.path(file);
+        succeed(&[&["render", "cornell", "--size", "96x64", "--out", name(&path)], &COARSE[..], args].concat());
+        image::open(path).expect("a PNG").to_rgba8()
+    };
+    let plain = draw("plain.png", &[]);
+    assert_eq!(plain.dimensions(), (96, 64));
+    let colours: std::collections::HashSet<_> = plain.pixels().collect();
+    assert!(colours.len() > 50, "a lit room has many shades, not {}", colours.len());
+    for (file, overlay) in [
+        ("elements.png", "elements"),
+        ("clusters.png", "clusters:0"),
+        ("links.png", "links:48,50"),
+        ("level.png", "level-links:2"),
+    ] {
+        assert!(draw(file, &["--overlay", overlay]) != plain, "{overlay} is not to be seen");
+    }
+    let deep = folder.path("deep.png");
+    let (_, said) =
+        succeed(&["render", "cornell", "--out", name(&deep), "--overlay", "clusters:99", "--epsilon", "1e-2"]);
+    assert!(said.contains("note: there are no clusters of level 99"), "{said}");
+    assert!(draw("camera.png", &["--camera", "0.1,0.2,0.7:0.3,0.3,0"]) != plain, "the camera has not moved");
+    // Truth: the background, which no light reaches, is all that stays.
+    let brightest = |picture: &image::RgbaImage| picture.pixels().map(|pixel| pixel.0[0]).max();
+    assert!(brightest(&draw("dim.png", &["--exposure", "-20"])) < brightest(&plain), "by hand it is dark");
+}
+
+/// Truth: at first there is the root's self-link alone, one colour from corner to corner; later there are many, and what is no picture
+/// is refused.
+#[test]
+fn a_link_matrix_starts_as_one_square() {
+    let folder = Folder::new();
+    let colours = |file: &str, args: &[&str]| {
+        let path = folder.path(file);
+        succeed(&[&["matrix", "cornell", "--size", "200", "--out", name(&path)], &COARSE[..], args].concat());
+        let picture = image::open(path).expect("a PNG").to_rgb8();
+        // The square, which lies at the right and has the legend below.
+        let (left, top) = (picture.width() - 230, picture.height() - 296);
+        let square = image::imageops::crop_imm(&picture, left, top, 200, 200).to_image();
+        square.pixels().copied().collect::<std::collections::HashSet<_>>().len()
+    };
+    for colour in ["power", "visibility", "level", "rays"] {
+        assert_eq!(colours("first.png", &["--waves", "0", "--colour", colour]), 1, "{colour}");
+        assert!(colours("last.png", &["--room", "leaves", "--colour", colour]) > 3, "{colour}");
+    }
+    let (picture, jpeg) = (folder.path("out.png"), folder.path("out.jpg"));
+    for (args, part) in [
+        (["--out", name(&jpeg), "--size", "200"], ".png"),
+        (["--out", name(&picture), "--size", "9"], "--size"),
+        (["--out", name(&picture), "--room", "kitchen"], "--room"),
+        (["--out", name(&picture), "--waves", "-1"], "--waves"),
+    ] {
+        let said = refused(&[&["matrix", "cornell"], &args[..]].concat());
+        assert!(said.contains(part), "{args:?}: `{part}` is not in: {said}");
+    }
+}
+
+/// Without a display the main job is done all the same.
+#[test]
+fn without_a_display_the_scene_is_solved_into_a_picture() {
+    let folder = Folder::new();
+    let output = Command::new(env!("CARGO_BIN_EXE_selflink"))
+        .args([&["cornell"], &COARSE[..]].concat())
+        .env_remove("DISPLAY")
+        .env_remove("WAYLAND_DISPLAY")
+        .env_remove("WAYLAND_SOCKET")
+        .current_dir(folder.path(""))
+        .output()
+        .expect("the program runs");
+    let (stdout, stderr) = (text(&output.stdout), text(&output.stderr));
+    assert_eq!(output.status.code(), Some(0), "{stderr}");
+    assert!(stderr.contains("no window can be opened"), "{stderr}");
+    assert!(stdout.starts_with("cornell: 20 polygons"), "{stdout}");
+    let picture = folder.path("selflink-cornell.png");
+    assert!(
+        picture.exists() || stderr.contains("no picture was drawn") || cfg!(not(feature = "gui")),
+        "{stdout}{stderr}"
+    );
+}

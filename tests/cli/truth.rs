@@ -1,0 +1,152 @@
+//! Probes, references and charts.
+
+use selflink::scene::load_file;
+use serde_json::Value;
+
+use crate::support::*;
+
+/// Truth: a scene whose exact values are known. The floor's radiosity is that of its irradiance, B = ρE (grey ρ = 0.5 of
+/// faces without an MTL), at every point, since both are interpolated by the same weights.
+#[test]
+fn probed_points_come_back_with_irradiance_and_radiosity() {
+    let folder = Folder::new();
+    let scene = folder.write("box.obj", SQUARE);
+    let points = folder.write(
+        "points.csv",
+        "x,y,z,nx,ny,nz\n0.5,0.5,0,0,0,1\n0.5,0.5,0.5,0,0,1\n0.5,0.5,0,0,0,-1\n0.25,0.75,1,0,0,-3\n",
+    );
+    let out = folder.path("out.csv");
+    let args = ["probe", name(&scene), "--emit", "roof=10,20,40", "--points", name(&points), "--out", name(&out)];
+    let (_, stderr) = succeed(&[&args[..], &["--epsilon", "1e-3"]].concat());
+    assert!(stderr.contains("2 rows lie on no surface"), "{stderr}");
+    let written = std::fs::read_to_string(out).expect("the table was written");
+    let rows: Vec<Vec<&str>> = written.lines().map(|line| line.split(',').collect()).collect();
+    assert_eq!(rows[0].join(","), "x,y,z,nx,ny,nz,E_r,E_g,E_b,B_r,B_g,B_b");
+    assert_eq!(rows.len(), 5);
+    assert!(rows.iter().all(|row| row.len() == 12), "{written}");
+    assert_eq!(rows[1][..6], ["0.5", "0.5", "0", "0", "0", "1"]);
+    for row in [&rows[2], &rows[3]] {
+        assert!(row[6..].iter().all(|field| field.is_empty()), "{written}");
+    }
+    let number = |field: &str| field.parse::<f64>().expect("a number");
+    let reflectance = f64::from(load_file(&scene).expect("the scene loads").materials[0].reflectance.x);
+    for colour in 0..3 {
+        let (e, b) = (number(rows[1][6 + colour]), number(rows[1][9 + colour]));
+        assert!(e > 0.0 && (b / (reflectance * e) - 1.0).abs() < 1e-4, "{written}");
+        // The roof emits and reflects.
+        let (e, b) = (number(rows[4][6 + colour]), number(rows[4][9 + colour]));
+        let emission = [10.0, 20.0, 40.0][colour];
+        assert!((b / (emission + reflectance * e) - 1.0).abs() < 1e-4, "{written}");
+    }
+}
+
+/// Truth: a second run reads what the first one kept, and says so; rows hold their errors beside their values.
+#[test]
+fn a_reference_is_written_and_kept_for_the_next_time() {
+    let folder = Folder::new();
+    let (out, cache) = (folder.path("points.csv"), folder.path("cache"));
+    let args =
+        ["reference", "cornell", "--points", "50", "--noise", "0.1", "--out", name(&out), "--cache", name(&cache)];
+    let (first, _) = succeed(&args);
+    assert!(first.starts_with("cornell: 50 points, ") && !first.contains("cache"), "{first}");
+    let written = std::fs::read_to_string(&out).expect("the table was written");
+    let (second, _) = succeed(&args);
+    assert!(second.contains("all from the cache"), "{second}");
+    assert_eq!(std::fs::read_to_string(&out).expect("the table was written"), written);
+    let rows: Vec<Vec<f64>> = written
+        .lines()
+        .skip(1)
+        .map(|row| row.split(',').map(|cell| cell.parse().expect("a number")).collect())
+        .collect();
+    assert!(written.starts_with("x,y,z,nx,ny,nz,polygon,rho_r,"), "{written}");
+    assert!(rows.len() == 50 && rows.iter().all(|row| row.len() == 16), "{written}");
+    assert!(rows.iter().any(|row| row[10] > 0.0 && row[13] > 0.0 && row[13] < row[10]), "{written}");
+    let (finer, _) = succeed(&[&args[..4], &["--noise", "0.01"], &args[6..]].concat());
+    assert!(finer.contains(" % from the cache"), "{finer}");
+}
+
+#[test]
+fn a_reference_that_runs_out_of_time_says_so() {
+    let (stdout, stderr) = succeed(&["reference", "cornell", "--noise", "1e-6", "--seconds", "0.2", "--no-cache"]);
+    assert!(stderr.contains("the time was over") && stdout.contains("1,000 points"), "{stdout}{stderr}");
+}
+
+/// Truth: a row for each run with every parameter; pictures of the size asked for that show something.
+#[test]
+fn a_chart_is_tables_and_pictures() {
+    let folder = Folder::new();
+    let (out, cache) = (folder.path("made/charts"), folder.path("cache"));
+    let (table, _) = succeed(&[
+        "chart",
+        "cornell",
+        "--out",
+        name(&out),
+        "--epsilons",
+        "1e-3,1e-2",
+        "--settings",
+        "adaptive,none",
+        "--points",
+        "100",
+        "--noise",
+        "0.05",
+        "--seconds",
+        "2",
+        "--cache",
+        name(&cache),
+        "--rays-min",
+        "3",
+    ]);
+    assert!(table.contains("| adaptive, immediate |") && table.contains("| none |"), "{table}");
+    let read = |file: &str| std::fs::read_to_string(out.join(file)).expect("it was written");
+    let csv = read("cornell.csv");
+    let solved: Vec<&str> = csv.lines().filter(|row| !row.contains("path tracer")).collect();
+    assert_eq!(solved.len(), 1 + 3 * 2, "{csv}");
+    let columns = |row: &str| row.replace(", ", "; ").split(',').count();
+    assert!(csv.lines().all(|row| columns(row) == columns(solved[0])), "{csv}");
+    assert!(csv.contains("path tracer"), "{csv}");
+    let chart: Value = serde_json::from_str(&read("cornell.json")).expect("JSON");
+    let runs = chart["runs"].as_array().expect("runs");
+    assert!(runs.iter().all(|run| run["params"]["rays_min"] == 3 && run["converged"] == true), "{chart}");
+    let error = |index: usize| runs[index]["error"]["displayed"]["rms"].as_f64().expect("an error");
+    assert!(error(1) < error(0), "a finer threshold is more accurate: {chart}");
+    assert!(runs.iter().any(|run| run["pareto"] == true), "{chart}");
+    for name in ["seconds", "links", "rays", "median"] {
+        let picture = image::open(out.join(format!("cornell-{name}.png"))).expect("a PNG").to_rgb8();
+        let colours: std::collections::HashSet<_> = picture.pixels().collect();
+        assert!(picture.dimensions() == (1200, 800) && colours.len() > 50, "{name}: {} colours", colours.len());
+        let drawn = read(&format!("cornell-{name}.svg"));
+        assert!(drawn.contains("Pareto front") && drawn.contains("±1 standard error"));
+    }
+    assert!(read("cornell-median.svg").contains("median local error"));
+    assert!(table.contains(" ± "), "{table}");
+    for (file, error, noise) in
+        [("cornell-seconds.svg", "rms", "rms_noise"), ("cornell-median.svg", "local_median", "local_median_noise")]
+    {
+        let of = |name: &str, run: &Value| run["error"]["displayed"][name].as_f64().expect("a number");
+        let errors: Vec<_> = runs.iter().map(|run| (of(error, run), of(noise, run))).collect();
+        assert!(errors.iter().all(|(error, noise)| *noise > 0.0 && noise < error), "{errors:?}");
+        bars_are_standard_errors(&read(file), &errors);
+    }
+}
+
+/// Truth: on a logarithmic axis a bar from e − s to e + s is as long as the logarithm of their ratio, and the tops of two bars are
+/// as far apart as that of theirs, in the same number of pixels each; two pixels are rounding. Bars are the vertical lines of
+/// one pixel in a curve's colour.
+fn bars_are_standard_errors(svg: &str, errors: &[(f64, f64)]) {
+    let is_bar = |line: &&str| {
+        ["#0072B2", "#009E73"].iter().any(|colour| line.contains(&format!("stroke=\"{colour}\" stroke-width=\"1\"")))
+    };
+    let ends = |line: &str| {
+        let points = line.split("points=\"").nth(1)?.split('"').next()?;
+        let numbers: Vec<f64> = points.split([',', ' ']).filter_map(|number| number.parse().ok()).collect();
+        (numbers.len() == 4 && numbers[0] == numbers[2]).then(|| (numbers[1], numbers[3]))
+    };
+    let bars: Vec<(f64, f64)> = svg.lines().filter(is_bar).filter_map(ends).collect();
+    assert_eq!(bars.len(), errors.len(), "a bar for each run: {bars:?}");
+    // From the coarse run to the fine one.
+    let pixels = (bars[1].1 - bars[0].1) / ((errors[0].0 + errors[0].1) / (errors[1].0 + errors[1].1)).ln();
+    for ((low, high), (error, noise)) in bars.iter().zip(errors) {
+        let length = pixels * ((error + noise) / (error - noise)).ln();
+        assert!((low - high - length).abs() <= 2.0, "{length} pixels: {bars:?} for {errors:?}");
+    }
+}
