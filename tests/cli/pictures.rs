@@ -1,5 +1,6 @@
 //! Pictures: sizes, overlays, the link matrix, and a machine without a display.
 
+#[cfg(feature = "gui")]
 use std::path::Path;
 use std::process::Command;
 
