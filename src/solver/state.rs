@@ -55,7 +55,7 @@ impl Solver {
         self.refinement.rejected.as_deref().unwrap_or_default()
     }
 
-    /// Says whether snapshots carry the [`Anatomy`] of what they show.
+    /// Says whether snapshots carry the [`super::Anatomy`] of what they show.
     pub fn show_anatomy(&mut self, is_wanted: bool) {
         self.wants_anatomy = is_wanted;
         if !is_wanted {
