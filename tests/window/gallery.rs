@@ -56,12 +56,17 @@ fn save(window: &mut Harness<'static, App>, name: &str) {
 fn office() {
     let mut window = solved(BuiltinScene::Office, SolverParams::usual());
     save(&mut window, "window");
-    // A step of the first waves, by the timeline.
+    // A step of the first waves, by the timeline, with the links that there were.
+    click(&mut window, "Link matrix");
+    until(&mut window, "its numbers", |window| window.query_by_label_contains("% empty").is_some());
     let track = window.get_by_label("Step of the solve").rect();
     let at = track.left_center() + egui::vec2(0.2 * track.width(), 0.0);
     window.drag_at(at);
     window.drop_at(at);
     until(&mut window, "the step", |window| window.state().snapshot().is_some_and(|shown| shown.moment.is_some()));
+    anatomy(&mut window);
+    // The raster comes from a thread of its own.
+    std::thread::sleep(std::time::Duration::from_millis(500));
     save(&mut window, "window-timeline");
 }
 
