@@ -144,6 +144,7 @@ pub mod solver;
 pub mod stability;
 pub mod survey;
 pub mod tables;
+mod threads;
 pub mod tone;
 pub mod visibility;
 pub mod worker;

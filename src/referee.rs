@@ -4,8 +4,8 @@
 //! in between. Like the solver's thread it never waits for its owner, nor its owner for it.
 
 use std::sync::mpsc::{Receiver, Sender, channel};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
-use std::thread::{self, Builder};
+use std::sync::{Arc, Mutex};
+use std::thread::Builder;
 use std::time::{Duration, Instant};
 
 use rayon::ThreadPool;
@@ -15,6 +15,7 @@ use crate::cancel::CancelToken;
 use crate::reference::{Cache, ReferenceRun, random_points};
 use crate::scene::Scene;
 use crate::solver::{Mesh, Snapshot};
+use crate::threads::{half_pool, lock};
 use crate::visibility::Occluders;
 
 /// Noise at which a reference is good enough, relative RMS.
@@ -83,7 +84,7 @@ impl Referee {
             report: report.clone(),
             cancel: cancel.clone(),
             wake,
-            pool: pool(),
+            pool: half_pool("referee"),
             work: None,
             waiting: None,
             serial: 0,
@@ -126,16 +127,6 @@ impl Drop for Referee {
         self.ask(Ask::End);
         self.cancel.cancel();
     }
-}
-
-/// Half of the machine's threads: the solver has all of them, and the two share.
-fn pool() -> Option<ThreadPool> {
-    let threads = thread::available_parallelism().map_or(1, |count| count.get().div_ceil(2));
-    rayon::ThreadPoolBuilder::new().num_threads(threads).thread_name(|index| format!("referee-{index}")).build().ok()
-}
-
-fn lock(report: &Mutex<Report>) -> MutexGuard<'_, Report> {
-    report.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// A reference in the making.

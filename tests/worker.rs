@@ -3,6 +3,9 @@
 //! Truth: the protocol itself (what is sent is taken up, nothing is lost, generations never run backwards). Times are
 //! generous bounds on liveness, not measurements.
 
+#[path = "support/waiting.rs"]
+mod waiting;
+
 use std::time::{Duration, Instant};
 
 use selflink::scene::builtin::BuiltinScene;
@@ -21,15 +24,8 @@ fn spawn(params: SolverParams) -> SolverThread {
 }
 
 /// Waits until `found` gives something; panics with `what` when it never does.
-fn wait_for<T>(what: &str, mut found: impl FnMut() -> Option<T>) -> T {
-    let begun = Instant::now();
-    while begun.elapsed() < PATIENCE {
-        if let Some(value) = found() {
-            return value;
-        }
-        std::thread::sleep(Duration::from_millis(2));
-    }
-    panic!("{what} did not happen within {PATIENCE:?}");
+fn wait_for<T>(what: &str, found: impl FnMut() -> Option<T>) -> T {
+    waiting::wait_within(PATIENCE, what, found)
 }
 
 fn wait_for_event(worker: &SolverThread, what: &str, wanted: impl Fn(&Event) -> bool) -> Event {

@@ -3,6 +3,9 @@
 //! Truth: the protocol itself, and clocks. Times here are generous bounds for an unoptimised build on a busy machine; `cargo bench` and the
 //! README have the measured ones.
 
+#[path = "support/waiting.rs"]
+mod waiting;
+
 use std::time::{Duration, Instant};
 
 use glam::Vec3;
@@ -15,15 +18,8 @@ const PATIENCE: Duration = Duration::from_secs(60);
 /// Within this a changed picture must be there; 50 ms are asked for on an idle machine and an optimised build.
 const SOON: Duration = Duration::from_millis(1500);
 
-fn wait_for<T>(what: &str, mut found: impl FnMut() -> Option<T>) -> T {
-    let begun = Instant::now();
-    while begun.elapsed() < PATIENCE {
-        if let Some(value) = found() {
-            return value;
-        }
-        std::thread::sleep(Duration::from_millis(1));
-    }
-    panic!("{what} did not happen within {PATIENCE:?}");
+fn wait_for<T>(what: &str, found: impl FnMut() -> Option<T>) -> T {
+    waiting::wait_within(PATIENCE, what, found)
 }
 
 fn by(epsilon: f64) -> SolverParams {

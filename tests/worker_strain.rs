@@ -3,6 +3,9 @@
 //! Truth: the protocol. Nobody panics or waits for ever, pictures never run backwards and in the end show what was asked for last, and
 //! memory does not grow with the number of commands. `cargo test` sends some of them; `SELFLINK_COMMANDS=10000` all.
 
+#[path = "support/waiting.rs"]
+mod waiting;
+
 use std::time::{Duration, Instant};
 
 use glam::Vec3;
@@ -100,15 +103,8 @@ fn at_once<T>(what: &str, ask: impl FnOnce() -> T) -> T {
     answer
 }
 
-fn wait_for<T>(what: &str, mut found: impl FnMut() -> Option<T>) -> T {
-    let begun = Instant::now();
-    while begun.elapsed() < PATIENCE {
-        if let Some(value) = found() {
-            return value;
-        }
-        std::thread::sleep(Duration::from_millis(2));
-    }
-    panic!("{what} did not happen within {PATIENCE:?}");
+fn wait_for<T>(what: &str, found: impl FnMut() -> Option<T>) -> T {
+    waiting::wait_within(PATIENCE, what, found)
 }
 
 #[test]

@@ -6,6 +6,7 @@
 
 mod appearance;
 mod cluster_view;
+mod colour_bar;
 mod comparison;
 mod dialog;
 mod divider;

@@ -44,22 +44,27 @@ struct Stage<'a> {
     constants: &'a [(&'a str, f64)],
 }
 
+/// Layout of one uniform, which the stages read.
+pub(super) fn uniform_layout(device: &wgpu::Device, what: &str, stages: wgpu::ShaderStages) -> wgpu::BindGroupLayout {
+    device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+        label: Some(what),
+        entries: &[wgpu::BindGroupLayoutEntry {
+            binding: 0,
+            visibility: stages,
+            ty: wgpu::BindingType::Buffer {
+                ty: wgpu::BufferBindingType::Uniform,
+                has_dynamic_offset: false,
+                min_binding_size: None,
+            },
+            count: None,
+        }],
+    })
+}
+
 impl Pipelines {
     /// Compiles everything for a number of samples and a window's format.
     pub(super) fn new(device: &wgpu::Device, samples: u32, blit_format: wgpu::TextureFormat) -> Self {
-        let view_layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
-            label: Some("view"),
-            entries: &[wgpu::BindGroupLayoutEntry {
-                binding: 0,
-                visibility: wgpu::ShaderStages::VERTEX_FRAGMENT,
-                ty: wgpu::BindingType::Buffer {
-                    ty: wgpu::BufferBindingType::Uniform,
-                    has_dynamic_offset: false,
-                    min_binding_size: None,
-                },
-                count: None,
-            }],
-        });
+        let view_layout = uniform_layout(device, "view", wgpu::ShaderStages::VERTEX_FRAGMENT);
         let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
             label: Some("scene"),
             bind_group_layouts: &[Some(&view_layout)],

@@ -7,7 +7,7 @@ use bytemuck::cast_slice;
 use glam::{Mat4, Vec2, Vec3};
 
 use super::buffer::GrowingBuffer;
-use super::pipelines::DEPTH_FORMAT;
+use super::pipelines::{DEPTH_FORMAT, uniform_layout};
 use super::target::Target;
 use super::{Camera, RenderError};
 use crate::solver::snapshot::Snapshot;
@@ -108,19 +108,7 @@ impl RadiosityPass {
 }
 
 fn pipeline(device: &wgpu::Device) -> (wgpu::BindGroupLayout, wgpu::RenderPipeline) {
-    let bindings = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
-        label: Some("clip from world"),
-        entries: &[wgpu::BindGroupLayoutEntry {
-            binding: 0,
-            visibility: wgpu::ShaderStages::VERTEX,
-            ty: wgpu::BindingType::Buffer {
-                ty: wgpu::BufferBindingType::Uniform,
-                has_dynamic_offset: false,
-                min_binding_size: None,
-            },
-            count: None,
-        }],
-    });
+    let bindings = uniform_layout(device, "clip from world", wgpu::ShaderStages::VERTEX);
     let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
         label: Some("radiosities"),
         bind_group_layouts: &[Some(&bindings)],

@@ -7,14 +7,13 @@ use super::change::Doubts;
 use super::gather::Gatherer;
 use super::link::{Evidence, Link, LinkTable};
 use super::oracle::Oracle;
-use super::params::{OracleKind, SolverParams};
+use super::params::OracleKind;
 use super::rays::RaySampler;
 use super::sight::Thresholds;
 use super::stats::Phase;
 use super::{Solver, Step, timed};
 use crate::cancel::CancelToken;
-use crate::hierarchy::{ElementId, Hierarchy, PatchSums};
-use crate::visibility::Occluders;
+use crate::hierarchy::ElementId;
 
 /// Multiples of ε that a solve goes through. Verdicts look at radiosities, so a fine ε needs them nearly right: with the
 /// last ε alone, links judged while B was small are judged again and again as it grows, and are refined by wrong values.
@@ -69,17 +68,11 @@ impl Solver {
     }
 
     fn refine(&mut self, cancel: &CancelToken) -> Step {
-        let epsilon = self.stage_epsilon();
-        let oracle = oracle_over(
-            &self.hierarchy,
-            &self.brightness,
-            &self.spread,
-            &self.emission,
-            &self.occluders,
-            &self.params,
-            epsilon,
-        );
-        let Some(judged) = self.refinement.judge(&oracle, cancel) else { return Step::Interrupted };
+        // Out of the way of the oracle, which looks at all the rest.
+        let mut refinement = std::mem::take(&mut self.refinement);
+        let judged = refinement.judge(&self.oracle(), cancel);
+        self.refinement = refinement;
+        let Some(judged) = judged else { return Step::Interrupted };
         let wave_ended = self.refinement.apply(&mut self.hierarchy, &judged);
         self.grow_light();
         if self.refinement.is_finished() {
@@ -141,33 +134,49 @@ impl Solver {
     }
 
     /// ε of the present stage, W.
-    pub(super) fn stage_epsilon(&self) -> f64 {
+    fn stage_epsilon(&self) -> f64 {
         self.epsilon_watts * SCHEDULE[self.stage]
     }
 
     /// Takes out what must be judged again as candidates. A link that fails by the present radiosities or is in doubt; and pairs
     /// whose occlusion matters more than when it was found.
     fn take_failing(&mut self, doubts: Doubts) -> Vec<Candidate> {
-        let oracle = oracle_over(
-            &self.hierarchy,
-            &self.brightness,
-            &self.spread,
-            &self.emission,
-            &self.occluders,
-            &self.params,
-            self.stage_epsilon(),
-        );
-        let failing = self.links.drain(|receiver, link| {
+        let mut links = std::mem::take(&mut self.links);
+        let occluded = std::mem::take(&mut self.refinement.occluded);
+        let oracle = self.oracle();
+        let failing = links.drain(|receiver, link| {
             oracle.must_judge_again(receiver, link) || oracle.is_in_doubt(receiver, link, doubts)
         });
         let of_link = |(receiver, link): (ElementId, Link)| judged_again(receiver, &link, doubts);
-        let occluded = std::mem::take(&mut self.refinement.occluded);
         let (doubtful, believed): (Vec<_>, _) =
             occluded.into_par_iter().partition(|pair| oracle.is_doubtful(pair, doubts));
         let doubtful: Vec<Candidate> = doubtful.into_iter().map(|occluded| occluded.pair).collect();
+        self.links = links;
         self.refinement.occluded = believed;
         self.refinement.forget_rejections(&doubtful);
         failing.into_iter().map(of_link).chain(doubtful).collect()
+    }
+
+    /// The oracle over the present state.
+    pub(super) fn oracle(&self) -> Oracle<'_> {
+        let (params, epsilon) = (&self.params, self.stage_epsilon());
+        let thresholds = Thresholds {
+            epsilon: epsilon as f32,
+            epsilon_partial: (params.partial_factor * epsilon) as f32,
+            visibility_factor: params.visibility_factor as f32,
+            rays_min: params.rays_min,
+            rays_max: params.rays_max,
+            is_patient: params.oracle == OracleKind::Error || params.error.is_some(),
+        };
+        Oracle {
+            hierarchy: &self.hierarchy,
+            brightness: &self.brightness,
+            spread: &self.spread,
+            thresholds,
+            model: params.cluster_model,
+            kind: params.oracle,
+            sampler: RaySampler { occluders: &self.occluders, seed: params.seed, emission: &self.emission },
+        }
     }
 
     pub(super) fn gatherer<'a>(&'a self, links: &'a LinkTable) -> Gatherer<'a> {
@@ -181,35 +190,4 @@ pub(super) fn judged_again(receiver: ElementId, link: &Link, doubts: Doubts) -> 
     let is_inherited = link.evidence() == Evidence::Inherited && receiver != link.source();
     let must_show = doubts.finer_epsilon || doubts.more_rays;
     Candidate::new(receiver, link.source(), directions, link.visibility(), is_inherited && !must_show)
-}
-
-/// The oracle over the present state; a function of the parts, so that refinement can be borrowed beside it.
-pub(super) fn oracle_over<'a>(
-    hierarchy: &'a Hierarchy,
-    brightness: &'a [f32],
-    spread: &'a [f32],
-    emission: &'a PatchSums,
-    occluders: &'a Occluders,
-    params: &SolverParams,
-    epsilon_watts: f64,
-) -> Oracle<'a> {
-    let thresholds = Thresholds {
-        epsilon: epsilon_watts as f32,
-        epsilon_partial: (params.partial_factor * epsilon_watts) as f32,
-        visibility_factor: params.visibility_factor as f32,
-        rays_min: params.rays_min,
-        rays_max: params.rays_max,
-        is_patient: params.oracle == OracleKind::Error || params.error.is_some(),
-    };
-    let model = params.cluster_model;
-    let kind = params.oracle;
-    Oracle {
-        hierarchy,
-        brightness,
-        spread,
-        thresholds,
-        model,
-        kind,
-        sampler: RaySampler { occluders, seed: params.seed, emission },
-    }
 }

@@ -4,8 +4,8 @@
 //! and a small report comes out. It has half of the machine's threads.
 
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
-use std::thread::{self, Builder};
+use std::sync::{Arc, Mutex};
+use std::thread::Builder;
 use std::time::{Duration, Instant};
 
 use glam::Vec3;
@@ -17,6 +17,7 @@ use super::plane::{Measuring, PlaneReading};
 use crate::cancel::CancelToken;
 use crate::scene::Scene;
 use crate::solver::Snapshot;
+use crate::threads::{half_pool, lock};
 
 /// While meshes change, making them ready for rays takes this share of the time at most, as one part in so many.
 const BUILD_SHARE: u32 = 8;
@@ -98,7 +99,7 @@ impl Surveyor {
             report: report.clone(),
             cancel: cancel.clone(),
             wake,
-            pool: pool(),
+            pool: half_pool("surveyor"),
             light: None,
             lit: None,
             look: None,
@@ -155,16 +156,6 @@ impl Drop for Surveyor {
         self.ask(Ask::End);
         self.cancel.cancel();
     }
-}
-
-/// Half of the machine's threads: the solver has all of them, and the two share.
-fn pool() -> Option<ThreadPool> {
-    let threads = thread::available_parallelism().map_or(1, |count| count.get().div_ceil(2));
-    rayon::ThreadPoolBuilder::new().num_threads(threads).thread_name(|index| format!("surveyor-{index}")).build().ok()
-}
-
-fn lock(report: &Mutex<Report>) -> MutexGuard<'_, Report> {
-    report.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 struct Session {

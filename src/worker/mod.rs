@@ -17,7 +17,7 @@ mod stage;
 
 use std::path::PathBuf;
 use std::sync::mpsc::{Receiver, Sender, channel};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex};
 use std::thread::{Builder, JoinHandle};
 
 use glam::Vec3;
@@ -26,6 +26,7 @@ use crate::added_light::AddedLight;
 use crate::cancel::CancelToken;
 use crate::scene::{CameraPose, GroupMember, MaterialId, Scene, Source};
 use crate::solver::{MomentInfo, Snapshot, SolverParams};
+use crate::threads::lock;
 
 /// What a person asks of the solver.
 #[derive(Clone, Debug)]
@@ -164,11 +165,6 @@ pub struct Status {
 struct Shared {
     latest: Mutex<Option<Arc<Snapshot>>>,
     status: Mutex<Status>,
-}
-
-/// Locks; a thread that panicked while it held the lock left a whole value behind, since all of them only swap.
-fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
-    mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// What arrives at the thread.

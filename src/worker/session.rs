@@ -11,9 +11,10 @@ use super::loader::{Awaited, Loaders, Prepared};
 use super::merge::merge;
 use super::pacing::Pacing;
 use super::stage::MaterialEdit;
-use super::{Command, Event, Look, Message, RunState, Shared, Status, lock};
+use super::{Command, Event, Look, Message, RunState, Shared, Status};
 use crate::cancel::CancelToken;
 use crate::solver::{MomentInfo, Solver, SolverParams, Step};
+use crate::threads::lock;
 
 /// The thread's ends of its channels.
 pub(super) struct Ends {

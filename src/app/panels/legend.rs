@@ -1,16 +1,14 @@
 //! The legend over the view where colours stand for something: a ramp with marks below it.
 
-use egui::{Align2, Color32, FontId, Frame, Label, Mesh, Rect, RichText, Shape, Ui, UiBuilder, pos2, vec2};
+use egui::{Align2, Color32, FontId, Frame, Label, Rect, RichText, Ui, UiBuilder, pos2, vec2};
 
 use super::super::comparison::{FULL_SCALE, Shading};
-use super::super::theme;
+use super::super::{colour_bar, theme};
 use crate::photometry::{CONVENTION, Unit};
 use crate::render::{Mark, Reading};
 
 /// Size of the bar, points.
 const BAR: egui::Vec2 = vec2(264.0, 12.0);
-/// Steps of the bar's colours.
-const STEPS: usize = 88;
 /// Room between the card and the view's corner, points.
 const MARGIN: f32 = 12.0;
 /// Height of the row of labels, points.
@@ -87,29 +85,12 @@ fn show(ui: &mut Ui, view: Rect, legend: &Legend<'_>) {
             });
             let (bar, response) = ui.allocate_exact_size(BAR, egui::Sense::hover());
             response.on_hover_text(legend.hint);
-            draw_bar(ui, bar, legend);
+            ui.painter().add(colour_bar::shape(bar, legend.colour));
             let (row, _) = ui.allocate_exact_size(vec2(BAR.x, LABELS), egui::Sense::hover());
             draw_labels(ui, row, bar, &legend.marks);
         });
         card.response
     });
-}
-
-fn draw_bar(ui: &Ui, bar: Rect, legend: &Legend<'_>) {
-    let mut mesh = Mesh::default();
-    for step in 0..=STEPS {
-        let along = step as f32 / STEPS as f32;
-        let [r, g, b] = (legend.colour)(along);
-        let (x, colour) = (bar.left() + along * bar.width(), Color32::from_rgb(r, g, b));
-        mesh.colored_vertex(pos2(x, bar.top()), colour);
-        mesh.colored_vertex(pos2(x, bar.bottom()), colour);
-        if step > 0 {
-            let last = 2 * step as u32;
-            mesh.add_triangle(last - 2, last - 1, last);
-            mesh.add_triangle(last - 1, last, last + 1);
-        }
-    }
-    ui.painter().add(Shape::mesh(mesh));
 }
 
 /// Marks and their values; a value that has no room is left out, those at the ends and of lines last.

@@ -1,9 +1,9 @@
 //! Links over the view: whose, which and in what colours; and the legend that says in words what is not drawn.
 
-use egui::{Align2, Color32, FontId, Mesh, Rect, Shape, Slider, Ui, pos2, vec2};
+use egui::{Align2, Color32, FontId, Rect, Slider, Ui, pos2, vec2};
 
 use super::super::settings::{LinkOverlay, LinksOf};
-use super::super::{App, Shown, format, theme};
+use super::super::{App, Shown, colour_bar, format, theme};
 use crate::render::{ChosenLinks, LinkColour, LinkFilter, Seen, level_colour, power_colour};
 
 /// Numbers of links a slider offers.
@@ -111,7 +111,6 @@ fn choice<T: Copy + PartialEq>(ui: &mut Ui, name: &str, chosen: &mut T, choices:
 
 /// Size of the legend's bar, points.
 const BAR: egui::Vec2 = vec2(252.0, 10.0);
-const STEPS: usize = 48;
 /// Room around and inside of the card, points.
 const MARGIN: f32 = 12.0;
 /// Decades of power that the colours span.
@@ -168,7 +167,7 @@ pub(in super::super) fn show_legend(app: &App, ui: &Ui, view: Rect) {
         LinkColour::Level => level_colour((1000.0 * along) as u16, 1000),
         LinkColour::Power | LinkColour::Visibility => power_colour(10_f32.powf(DECADES * (along - 1.0))),
     };
-    painter.add(ramp(bar, colour));
+    painter.add(colour_bar::shape(bar, colour));
     text(pos2(bar.left(), bar.bottom() + 2.0), Align2::LEFT_TOP, &labels[0]);
     text(pos2(bar.right(), bar.bottom() + 2.0), Align2::RIGHT_TOP, &labels[1]);
 }
@@ -183,22 +182,4 @@ fn level_labels(app: &App) -> [String; 2] {
     let anatomy = app.shown.snapshot.as_ref().and_then(|snapshot| snapshot.anatomy.as_ref());
     let deepest = anatomy.map_or(0, |anatomy| anatomy.deepest());
     ["0, the root".into(), deepest.to_string()]
-}
-
-/// A bar of colours.
-fn ramp(bar: Rect, colour: impl Fn(f32) -> [u8; 3]) -> Shape {
-    let mut mesh = Mesh::default();
-    for step in 0..=STEPS {
-        let along = step as f32 / STEPS as f32;
-        let [r, g, b] = colour(along);
-        let (x, colour) = (bar.left() + along * bar.width(), Color32::from_rgb(r, g, b));
-        mesh.colored_vertex(pos2(x, bar.top()), colour);
-        mesh.colored_vertex(pos2(x, bar.bottom()), colour);
-        if step > 0 {
-            let last = 2 * step as u32;
-            mesh.add_triangle(last - 2, last - 1, last);
-            mesh.add_triangle(last - 1, last, last + 1);
-        }
-    }
-    Shape::mesh(mesh)
 }

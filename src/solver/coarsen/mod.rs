@@ -17,7 +17,6 @@ use super::display::Display;
 use super::gather::Light;
 use super::link::{Link, LinkTable};
 use super::picture::Picture;
-use super::rounds::oracle_over;
 use super::verdict::OccludedPair;
 use crate::cancel::CancelToken;
 use crate::hierarchy::{ElementId, Hierarchy, Renumbering};
@@ -29,15 +28,7 @@ impl Solver {
         let accepted = std::mem::take(&mut self.refinement.accepted);
         self.links.append(self.hierarchy.elements().len(), &accepted);
         let emitted: Vec<f32> = self.light.emitted.iter().map(|emitted| emitted.max_element()).collect();
-        let oracle = oracle_over(
-            &self.hierarchy,
-            &self.brightness,
-            &self.spread,
-            &self.emission,
-            &self.occluders,
-            &self.params,
-            self.stage_epsilon(),
-        );
+        let oracle = self.oracle();
         let pairs = Pairs::new(&oracle, &emitted, &self.links, &self.refinement.occluded);
         let Some(pairs) = pairs.merge(cancel) else { return false };
         self.adopt(&pairs);

@@ -1,15 +1,13 @@
 //! What the colours of the matrix mean, and its numbers.
 
-use egui::{Align2, Color32, FontId, Mesh, Sense, Shape, Stroke, StrokeKind, Ui, pos2, vec2};
+use egui::{Align2, Color32, FontId, Sense, Stroke, StrokeKind, Ui, pos2, vec2};
 
-use super::super::super::{format, theme};
+use super::super::super::{colour_bar, format, theme};
 use super::LinkMatrix;
 use crate::matrix::{EMPTY, Legend, Palette, View};
 
 /// Size of the ramp, points.
 const RAMP: egui::Vec2 = vec2(200.0, 11.0);
-/// Steps of its colours.
-const STEPS: usize = 40;
 /// Side of the square of a colour of its own, points.
 const SWATCH: f32 = 11.0;
 
@@ -50,20 +48,7 @@ impl LinkMatrix {
 fn ramp(ui: &mut Ui, palette: &Palette, legend: &Legend) {
     let (rect, _) = ui.allocate_exact_size(RAMP + vec2(0.0, 16.0), Sense::hover());
     let bar = egui::Rect::from_min_size(rect.min, RAMP);
-    let mut mesh = Mesh::default();
-    for step in 0..=STEPS {
-        let along = step as f32 / STEPS as f32;
-        let [r, g, b] = palette.along(along);
-        let (x, colour) = (bar.left() + along * bar.width(), Color32::from_rgb(r, g, b));
-        mesh.colored_vertex(pos2(x, bar.top()), colour);
-        mesh.colored_vertex(pos2(x, bar.bottom()), colour);
-        if step > 0 {
-            let last = 2 * step as u32;
-            mesh.add_triangle(last - 2, last - 1, last);
-            mesh.add_triangle(last - 1, last, last + 1);
-        }
-    }
-    ui.painter().add(Shape::mesh(mesh));
+    ui.painter().add(colour_bar::shape(bar, |along| palette.along(along)));
     let last = (legend.ticks.len() - 1).max(1);
     for (number, tick) in legend.ticks.iter().enumerate() {
         let align = match number {
@@ -72,7 +57,13 @@ fn ramp(ui: &mut Ui, palette: &Palette, legend: &Legend) {
             _ => Align2::CENTER_TOP,
         };
         let x = bar.left() + bar.width() * number as f32 / last as f32;
-        ui.painter().text(pos2(x, bar.bottom() + 2.0), align, tick, FontId::proportional(11.0), theme::TEXT);
+        ui.painter().text(
+            pos2(x, bar.bottom() + 2.0),
+            align,
+            tick,
+            FontId::proportional(11.0),
+            ui.visuals().text_color(),
+        );
     }
 }
 

@@ -22,7 +22,7 @@ pub(super) fn show(ui: &mut Ui, looked: Looked<'_>, pair: &Pair) {
     Grid::new("block").num_columns(2).spacing([10.0, 3.0]).show(ui, |ui| {
         for (what, id, [r, g, b, _]) in [("receiver", receiver, RECEIVER), ("source", source, SOURCE)] {
             ui.label(RichText::new(what).color(Color32::from_rgb(r, g, b)));
-            ui.label(RichText::new(name(id)).color(theme::TEXT_STRONG));
+            ui.label(RichText::new(name(id)).strong());
             ui.end_row();
         }
         if let Some(link) = &pair.link {
