@@ -131,6 +131,7 @@ pub mod hierarchy;
 pub mod matrix;
 pub mod names;
 pub mod orient;
+pub mod partition;
 pub mod photometry;
 pub mod probe;
 pub mod ramp;

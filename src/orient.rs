@@ -10,6 +10,7 @@ use glam::Vec3;
 use rayon::prelude::*;
 use rustc_hash::FxHashMap;
 
+use crate::partition;
 use crate::scene::{Polygon, Scene, Sides};
 use crate::visibility::{Hit, Occluders};
 
@@ -34,6 +35,22 @@ const SEED: u64 = 0x5e1f_1111;
 pub fn apply(mut scene: Scene, sides: Sides) -> (Scene, Occluders) {
     scene.sides = sides;
     scene.polygons.retain(|polygon| !polygon.is_back);
+    let (mut scene, occluders) = turned(scene, sides);
+    let cut = partition::cut(&mut scene, sides == Sides::Both);
+    scene.skipped.cut_faces = cut;
+    if sides == Sides::Both {
+        for index in 0..scene.polygons.len() {
+            let mut back = scene.polygons[index].flipped();
+            back.is_back = true;
+            scene.polygons.push(back);
+        }
+    }
+    let occluders = if cut > 0 { Occluders::new(&scene) } else { occluders };
+    (scene, occluders)
+}
+
+/// The scene with its faces turned the way that is asked for, each once.
+fn turned(mut scene: Scene, sides: Sides) -> (Scene, Occluders) {
     (scene.skipped.faces_seen_from_behind, scene.skipped.turned_faces) = (0, 0);
     let occluders = Occluders::new(&scene);
     match sides {
@@ -42,15 +59,7 @@ pub fn apply(mut scene: Scene, sides: Sides) -> (Scene, Occluders) {
             scene.skipped.faces_seen_from_behind = votes.iter().filter(|vote| **vote <= -LEAST_COUNTED).count();
             (scene, occluders)
         }
-        Sides::Both => {
-            let faces = scene.polygons.len();
-            for index in 0..faces {
-                let mut back = scene.polygons[index].flipped();
-                back.is_back = true;
-                scene.polygons.push(back);
-            }
-            (scene, occluders)
-        }
+        Sides::Both => (scene, occluders),
         Sides::Auto => {
             let votes = votes(&scene, &occluders, true);
             let surfaces = surface_votes(&scene, &votes);

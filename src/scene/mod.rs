@@ -179,6 +179,8 @@ pub struct Scene {
     pub camera: Option<CameraPose>,
     /// Which sides of its faces are bright; [`crate::orient::apply`] makes it so.
     pub sides: Sides,
+    /// Edges, by their ends, that part what is shown on their sides: a wall stands on them ([`crate::partition`]).
+    pub seams: Vec<[Vec3; 2]>,
     /// What loading skipped, clamped or ignored.
     pub skipped: Skipped,
 }
@@ -198,6 +200,7 @@ impl Scene {
             ceiling_panels: Vec::new(),
             camera: None,
             sides: Sides::Front,
+            seams: Vec::new(),
             skipped: Skipped::default(),
         }
     }
