@@ -29,6 +29,8 @@ const LEAST_SIDE: f64 = 0.05;
 const SEAM: f64 = 0.999;
 /// What is nearer than this share of the scene's diagonal touches: a millimetre in a room of ten metres.
 const TOUCHING: f64 = 1e-4;
+/// Corners nearer to a line than this share of the diagonal lie on it: no part is thinner, for its area must have a meaning in f32.
+const THINNEST: f64 = 1e-3;
 /// Faces that meet a surface under a smaller angle than this (its sine) lie on it.
 const LEAST_SINE: f64 = 0.2;
 /// Polygons of one plane have normals with at least this cosine.
@@ -64,13 +66,15 @@ pub fn cut(scene: &mut Scene, both_sides: bool) -> usize {
     let total: f64 = faces.iter().map(|face| face.area).sum();
     let (lower, upper) = scene.bounds();
     let diagonal = f64::from(lower.distance(upper));
-    let cutter = Cutter { faces: &faces, total, touching: TOUCHING * diagonal, both_sides };
+    let cutter =
+        Cutter { faces: &faces, total, touching: TOUCHING * diagonal, thinnest: THINNEST * diagonal, both_sides };
     let mut parts = Vec::new();
     let mut seams = Vec::new();
     for surface in cutter.surfaces(scene) {
-        let (of_surface, crossed) = cutter.divide_surface(&surface, &mut seams);
-        if of_surface.len() > surface.len() && !cutter.tears(scene, &surface, &crossed) {
-            parts.extend(of_surface);
+        let divided = cutter.divide(&surface);
+        if divided.parts.len() > surface.len() && !cutter.tears(scene, &surface, &divided.crossed) {
+            parts.extend(divided.parts);
+            seams.extend(divided.seams);
         }
     }
     replace(scene, parts, &seams)
@@ -105,6 +109,7 @@ struct Cutter<'a> {
     faces: &'a [Face],
     total: f64,
     touching: f64,
+    thinnest: f64,
     both_sides: bool,
 }
 
@@ -154,12 +159,12 @@ impl Cutter<'_> {
         face.corners.iter().all(|corner| height(corner) <= 0.1 * self.touching)
     }
 
-    /// The parts of a surface, with the edges of its polygons that cuts run through; edges that are covered wholly are added to `seams`.
-    fn divide_surface(&self, surface: &[usize], seams: &mut Vec<[DVec3; 2]>) -> (Vec<Part>, FxHashSet<(Bits, Bits)>) {
+    /// Cuts a surface as often as it is to be.
+    fn divide(&self, surface: &[usize]) -> Divided {
         let part = |&polygon: &usize| Part { polygon, corners: self.faces[polygon].corners.clone() };
         let whole: Vec<Part> = surface.iter().map(part).collect();
         let lines = self.lines_on(surface);
-        let mut crossed = FxHashSet::default();
+        let (mut crossed, mut seams) = (FxHashSet::default(), Vec::new());
         let mut done = Vec::new();
         let mut waiting = vec![whole];
         while let Some(parts) = waiting.pop() {
@@ -172,7 +177,7 @@ impl Cutter<'_> {
             };
             let (mut below, mut above) = (Vec::new(), Vec::new());
             for part in parts {
-                let sides = line.sides(&part, self.touching);
+                let sides = line.sides(&part, self.thinnest);
                 crossed.extend(sides.crossed);
                 let [(low, has_low), (high, has_high)] =
                     [(sides.below, sides.has_below), (sides.above, sides.has_above)];
@@ -188,7 +193,7 @@ impl Cutter<'_> {
             }
             waiting.extend([above, below]);
         }
-        (done, crossed)
+        Divided { parts: done, crossed, seams }
     }
 
     /// The lines in which tall faces meet a surface.
@@ -235,7 +240,7 @@ impl Cutter<'_> {
     /// The line along which these parts are covered most, if enough for a cut that leaves so much of them on either side.
     fn best<'a>(&self, lines: &'a [Line], parts: &[Part], least_side: f64) -> Option<&'a Line> {
         let of_line = |line: &'a Line| {
-            let sides: Vec<Sides> = parts.iter().map(|part| line.sides(part, self.touching)).collect();
+            let sides: Vec<Sides> = parts.iter().map(|part| line.sides(part, self.thinnest)).collect();
             let below: f64 = sides.iter().map(|sides| area(&sides.below)).sum();
             let above: f64 = sides.iter().map(|sides| area(&sides.above)).sum();
             if below.min(above) < least_side * (below + above) {
@@ -260,6 +265,15 @@ impl Cutter<'_> {
                 && edges(&face.corners).any(|(from, to)| crossed.contains(&(bits(to), bits(from))))
         })
     }
+}
+
+/// What became of a surface.
+struct Divided {
+    parts: Vec<Part>,
+    /// Edges of its polygons that cuts run through.
+    crossed: FxHashSet<(Bits, Bits)>,
+    /// Edges between parts that faces cover wholly.
+    seams: Vec<[DVec3; 2]>,
 }
 
 /// Where a cut leaves a part.
@@ -299,9 +313,9 @@ impl Line {
         sum / (last - first)
     }
 
-    /// What lies on either side of the line; corners that touch it lie on it.
-    fn sides(&self, part: &Part, touching: f64) -> Sides {
-        let distance = |corner: &DVec3| Some(self.distance(*corner)).filter(|off| off.abs() > touching).unwrap_or(0.0);
+    /// What lies on either side of the line; corners that are nearer lie on it.
+    fn sides(&self, part: &Part, thinnest: f64) -> Sides {
+        let distance = |corner: &DVec3| Some(self.distance(*corner)).filter(|off| off.abs() > thinnest).unwrap_or(0.0);
         let off: Vec<f64> = part.corners.iter().map(distance).collect();
         let (has_below, has_above) = (off.iter().any(|off| *off < 0.0), off.iter().any(|off| *off > 0.0));
         let mut sides = Sides { below: vec![], above: vec![], has_below, has_above, cut: None, crossed: vec![] };

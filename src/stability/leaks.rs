@@ -75,27 +75,31 @@ fn two_rooms(is_sheet: bool) -> Scene {
     orient::apply(scene, Sides::Front).0
 }
 
-/// Mean irradiance of the leaves wholly beyond `x` over that of all leaves, and the same of the shown vertices.
+/// Mean irradiance of the leaves wholly beyond `x` over that of all leaves, and the brightest of the shown vertices there over the same.
 fn beyond(solver: &mut Solver, x: f32) -> (f64, f64) {
     let snapshot = solver.snapshot();
-    let vertices = &snapshot.vertex_irradiance;
     let mesh = &snapshot.mesh;
-    let mut is_beyond = vec![true; mesh.leaves.len()];
+    // From where to where each leaf reaches; a leaf in the plane of a sheet lies beyond it no more than before it.
+    let mut reach = vec![[f32::INFINITY, f32::NEG_INFINITY]; mesh.leaves.len()];
+    let at = |vertex: u32| mesh.positions[vertex as usize][0];
     for (triangle, &leaf) in mesh.triangles.iter().zip(&mesh.triangle_leaf) {
-        is_beyond[leaf as usize] &= triangle.iter().all(|&vertex| mesh.positions[vertex as usize][0] >= x);
+        let [from, to] = &mut reach[leaf as usize];
+        triangle.iter().for_each(|&vertex| (*from, *to) = (from.min(at(vertex)), to.max(at(vertex))));
     }
     let (mut dark, mut all) = ((0.0, 0.0), (0.0, 0.0));
-    for (index, (leaf, irradiance)) in mesh.leaves.iter().zip(&snapshot.leaf_irradiance).enumerate() {
+    for ((leaf, irradiance), [from, to]) in mesh.leaves.iter().zip(&snapshot.leaf_irradiance).zip(&reach) {
         let (area, power) = (f64::from(leaf.exposed_area), f64::from(leaf.exposed_area * irradiance[0]));
         all = (all.0 + area, all.1 + power);
-        if is_beyond[index] {
+        if *from >= x && *to > x {
             dark = (dark.0 + area, dark.1 + power);
         }
     }
     let mean = |(area, power): (f64, f64)| if area > 0.0 { power / area } else { 0.0 };
-    // Up to where leaves of both rooms end: what a person sees on the floor of the dark room beside the partition.
-    let shown = mesh.positions.iter().zip(vertices).filter(|(position, _)| position[0] >= x);
-    let brightest = shown.map(|(_, irradiance)| f64::from(irradiance[0])).fold(0.0, f64::max);
+    // Of leaves that lie on both sides as well: what a person sees on the floor of the dark room beside the partition.
+    let shown = mesh.triangles.iter().zip(&mesh.triangle_leaf).filter(|(_, leaf)| reach[**leaf as usize][1] > x);
+    let vertices = shown.flat_map(|(triangle, _)| triangle).filter(|vertex| at(**vertex) >= x);
+    let brightest =
+        vertices.map(|&vertex| f64::from(snapshot.vertex_irradiance[vertex as usize][0])).fold(0.0, f64::max);
     (mean(dark) / mean(all), brightest / mean(all))
 }
 

@@ -256,31 +256,40 @@ const FINENESS: Fineness = Fineness { largest_part: 0.3, points: 4, looks: 4 };
 /// ε of the solver where it is compared with the matrix, as a share of Φ.
 const SMALL_EPSILON: f64 = 3e-5;
 
-/// The matrix itself is good to some per cent. What is absorbed or
+/// What is used where that one and the solver disagree: four points of a triangle that light grazes may tell a fifth too much.
+const FINER: Fineness = Fineness { largest_part: 0.03, points: 8, looks: 4 };
+
+/// The matrix itself is good to some per cent, and is made finer before it is believed against the solver. What is absorbed or
 /// reflected beyond that may be wrong by ε for each polygon, which matters where lamps light next to nothing.
 #[test]
 fn with_a_small_epsilon_the_solver_finds_what_the_matrix_does() {
     let worst = std::cell::Cell::new(0.0_f64);
     let agrees = |(scene, params): (Scene, SolverParams)| {
         let occluders = Arc::new(Occluders::new(&scene));
-        let truth = matrix::radiosities(&scene, &occluders, FINENESS);
         let scene = Arc::new(scene);
         let SolverParams { clustering, seed, .. } = params;
         let epsilon = Epsilon::Relative(SMALL_EPSILON);
         let solved = solve(&scene, &occluders, SolverParams { clustering, seed, epsilon, ..SolverParams::default() })?;
         // What polygons emit is the same in both: light that they reflect is compared, polygon by polygon.
-        let (mut differing, mut reflected) = (0.0, 0.0);
-        for (polygon, ((area, radiosity), truth)) in of_polygons(&solved).into_iter().zip(truth).enumerate() {
-            let emission = scene.materials[scene.polygons[polygon].material.0 as usize].emission.x;
-            differing += area * (radiosity.x - truth.x).abs();
-            reflected += area * (truth.x - f64::from(emission));
-        }
+        let compare = |fineness: Fineness| {
+            let truth = matrix::radiosities(&scene, &occluders, fineness);
+            let (mut differing, mut reflected) = (0.0, 0.0);
+            for (polygon, ((area, radiosity), truth)) in of_polygons(&solved).into_iter().zip(truth).enumerate() {
+                let emission = scene.materials[scene.polygons[polygon].material.0 as usize].emission.x;
+                differing += area * (radiosity.x - truth.x).abs();
+                reflected += area * (truth.x - f64::from(emission));
+            }
+            (differing, reflected)
+        };
         let allowed = scene.polygons.len() as f64 * SMALL_EPSILON * f64::from(scene.emitted_power().x);
+        let agree = |(differing, reflected): (f64, f64)| differing <= MATRIX_SHARE * reflected + allowed;
+        let found = compare(FINENESS);
+        let (differing, reflected) = if agree(found) { found } else { compare(FINER) };
         if reflected > 100.0 * allowed {
             worst.set(worst.get().max(differing / reflected));
         }
         prop_assert!(
-            differing <= MATRIX_SHARE * reflected + allowed,
+            agree((differing, reflected)),
             "{} polygons: of {reflected} W reflected {differing} W differ ({allowed} W may)",
             scene.polygons.len()
         );
