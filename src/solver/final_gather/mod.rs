@@ -10,6 +10,7 @@ mod bright;
 mod estimate;
 mod lamps;
 mod passes;
+mod places;
 mod rows;
 mod split;
 mod stance;
@@ -136,8 +137,8 @@ pub struct FinalGather {
     /// Indirect irradiance of each vertex, W/m².
     indirect: Vec<Vec3>,
     rows: Rows,
-    /// Squared errors of leaves that were looked at and kept.
-    kept: FxHashMap<ElementId, f64>,
+    /// Of leaves that were looked at and kept: sum of the squared errors of direct light that looks found, and number of looks.
+    looks: FxHashMap<ElementId, (f64, u32)>,
     /// Σ A·|B|², W²/m²: of what links say, later of what was found when the present pass began.
     known_energy: f64,
     /// Squared error between the vertices, measured last, W²/m².
@@ -207,7 +208,7 @@ impl FinalGather {
             direct: Vec::new(),
             indirect,
             rows: Rows::default(),
-            kept: FxHashMap::default(),
+            looks: FxHashMap::default(),
             known_energy,
             mesh_error: f64::INFINITY,
             grew: false,
@@ -305,7 +306,6 @@ impl FinalGather {
         let between = (error.powi(2) - self.noise.powi(2)).max(0.0).sqrt();
         if between > MESH_SHARE * self.goal.error {
             self.goal.mesh *= factor;
-            self.kept.clear();
         }
         if self.noise > 0.5 * self.goal.error {
             self.goal.noise *= factor;
@@ -408,20 +408,32 @@ impl FinalGather {
         let look = self.look_at_leaves(hierarchy, context, cancel)?;
         self.rays += look.rays;
         let allowed = self.goal.mesh * self.goal.mesh * self.energy();
-        let error = look.errors.iter().sum::<f64>();
+        let leaves = self.display.mesh.clone();
+        let leaves = &leaves.leaves;
+        let mut looks = std::mem::take(&mut self.looks);
+        let mean = |(leaf, direct): (&super::Leaf, &f64)| {
+            let (sum, count) = looks.remove(&leaf.element).unwrap_or_default();
+            (sum + direct, count + 1)
+        };
+        let means: Vec<(f64, u32)> = leaves.iter().zip(&look.direct).map(mean).collect();
+        let errors: Vec<f64> = means
+            .iter()
+            .zip(&look.indirect)
+            .map(|((sum, count), indirect)| sum / f64::from(*count) + indirect)
+            .collect();
+        let error = errors.iter().sum::<f64>();
         let is_vain = self.round > 0 && self.grew && error > LEAST_GAIN * self.mesh_error;
         self.mesh_error = error;
         if error <= allowed || is_vain || self.vertices.len() > MOST_VERTICES {
             return Some(false);
         }
-        let threshold = split::threshold(&look.errors, allowed);
-        self.kept.clear();
+        let threshold = split::threshold(&errors, allowed);
         let mesh = self.display.mesh.clone();
-        for (leaf, error) in mesh.leaves.iter().zip(&look.errors) {
+        for ((leaf, error), mean) in mesh.leaves.iter().zip(&errors).zip(means) {
             if *error >= threshold {
                 hierarchy.subdivide(leaf.element);
             } else {
-                self.kept.insert(leaf.element, *error);
+                self.looks.insert(leaf.element, mean);
             }
         }
         let new = self.display.rebuilt(context.scene, hierarchy, self.display.style());
