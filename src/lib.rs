@@ -58,6 +58,7 @@
 //! | [`scene`] | polygons, materials, groups; loading OBJ and glTF, sidecars, our own scenes |
 //! | [`visibility`] | the ray BVH: is a point seen from another, what does a ray meet |
 //! | [`exposure`] | which parts of faces light can reach at all |
+//! | [`partition`] | large surfaces cut where walls stand on them |
 //! | [`orient`], [`ceiling`], [`added_light`] | which sides are bright; where a lamp goes; light that a person adds |
 //! | [`mod@reference`] | a truth to measure by: path-traced irradiance, beside the solver and without its code |
 //! | [`hierarchy`] | the tree of elements and the ways to build its clusters |
