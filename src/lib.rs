@@ -129,6 +129,7 @@ pub mod font;
 pub mod format;
 pub mod hierarchy;
 pub mod matrix;
+pub mod memory;
 pub mod names;
 pub mod orient;
 pub mod photometry;

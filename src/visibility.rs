@@ -78,6 +78,14 @@ impl Occluders {
         Self { bvh, triangles, polygon_of_triangle, scale }
     }
 
+    /// Memory, bytes.
+    pub fn bytes(&self) -> usize {
+        size_of_val(&self.bvh.nodes[..])
+            + size_of_val(&self.bvh.primitive_indices[..])
+            + size_of_val(&self.triangles[..])
+            + size_of_val(&self.polygon_of_triangle[..])
+    }
+
     /// How far from a face a ray must start so as not to meet it, in the scene's length unit.
     pub fn least_distance(&self) -> f32 {
         LEAST_DISTANCE / self.scale

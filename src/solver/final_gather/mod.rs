@@ -24,6 +24,7 @@ use rustc_hash::FxHashMap;
 
 use super::display::{Display, Style, VertexKey};
 use super::gather::Surface;
+use super::memory::{GATHERED_LEAF, MemoryStop};
 use super::params::USUAL_ERROR;
 use crate::cancel::CancelToken;
 use crate::exposure::LampList;
@@ -64,6 +65,13 @@ const MESH_SHARE: f64 = 0.5;
 const NOISE_SHARE: f64 = 0.5;
 /// The next attempt aims below the goal by this factor.
 const AIM: f64 = 0.8;
+/// Values of a vertex that there are at a time: direct and indirect light, that of the sweep before, what is reflected, what a pass
+/// says alone, and those of two pictures.
+const VALUES: usize = 10;
+/// What is carried over from a vertex to the same one of a finer mesh, bytes.
+const CARRIED: usize = 120;
+/// What the allocator keeps beside a small allocation, bytes.
+const ALLOCATION: usize = 16;
 /// Standard deviation of the light along one random ray, as a share of all, as low-discrepancy directions make it.
 const SPREAD: f64 = 0.35;
 
@@ -77,6 +85,8 @@ pub struct Context<'a> {
     pub surfaces: &'a [Surface],
     /// Seed of all random choices.
     pub seed: u64,
+    /// Memory that the final gather may take, bytes.
+    pub memory: usize,
 }
 
 /// Allowed errors, as shares of the RMS radiosity.
@@ -151,6 +161,8 @@ pub struct FinalGather {
     estimate: Option<Estimate>,
     /// Rays cast, those of former attempts and of looks at the error included.
     rays: u64,
+    /// What memory did not allow.
+    memory_stop: Option<MemoryStop>,
     sent: Sent,
     lamp_list: Arc<LampList>,
     /// The initial patch of each polygon.
@@ -215,6 +227,7 @@ impl FinalGather {
             spread: (SPREAD * SPREAD) as f32,
             estimate: None,
             rays: 0,
+            memory_stop: None,
             sent,
             lamp_list: Arc::new(LampList::new(context.scene)),
             patches,
@@ -243,7 +256,7 @@ impl FinalGather {
                     self.round += 1;
                     self.stage = Stage::Direct(0);
                 } else {
-                    self.open_pass();
+                    self.open_pass(context);
                 }
                 Progress::Pass
             }
@@ -257,7 +270,7 @@ impl FinalGather {
                 }
                 self.end_pass(cancel)?;
                 if self.noise > self.goal.noise && self.rows.has_room() {
-                    self.open_pass();
+                    self.open_pass(context);
                 } else if self.is_promise {
                     self.stage = Stage::Estimate(0, Tally::default());
                 } else {
@@ -333,10 +346,18 @@ impl FinalGather {
         self.rays + self.rows.rays()
     }
 
-    /// Memory, bytes.
+    /// What memory did not allow, if anything.
+    pub fn memory_stop(&self) -> Option<MemoryStop> {
+        self.memory_stop
+    }
+
+    /// Memory with what is made of it while it works, bytes.
     pub fn bytes(&self) -> usize {
-        self.rows.bytes()
-            + self.vertices.len() * (size_of::<Vertex>() + size_of::<(Box<[Stance]>, Stance)>() + 2 * size_of::<Vec3>())
+        let stances = size_of_val(&self.stances[..]) + self.vertices.len() * (size_of::<Stance>() + ALLOCATION);
+        let vertices = self.vertices.len() * (size_of::<Vertex>() + VALUES * size_of::<Vec3>() + CARRIED);
+        let kept = 2 * self.kept.len() * size_of::<(ElementId, f64)>();
+        // A mesh that is split stands beside the one that it is made into.
+        2 * self.display.bytes() + self.rows.bytes() + stances + vertices + kept
     }
 
     fn surroundings<'a>(&'a self, hierarchy: &'a Hierarchy, context: &'a Context) -> Surroundings<'a> {
@@ -415,6 +436,11 @@ impl FinalGather {
             return Some(false);
         }
         let threshold = split::threshold(&look.errors, allowed);
+        let split = look.errors.iter().filter(|error| **error >= threshold).count();
+        if self.bytes() + 4 * split * GATHERED_LEAF > context.memory {
+            self.memory_stop = Some(MemoryStop::Vertices);
+            return Some(false);
+        }
         self.kept.clear();
         let mesh = self.display.mesh.clone();
         for (leaf, error) in mesh.leaves.iter().zip(&look.errors) {

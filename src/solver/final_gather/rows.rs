@@ -147,6 +147,11 @@ impl Rows {
         self.passes.iter().map(of_pass).sum::<usize>() + 2 * size_of_val(&self.counts[..])
     }
 
+    /// Rays of a pass that so many bytes hold, while they are taken over and after.
+    pub fn rays_in(bytes: usize) -> usize {
+        bytes / size_of::<Hit>()
+    }
+
     /// Number of passes.
     pub fn passes(&self) -> usize {
         self.passes.len()
