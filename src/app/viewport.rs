@@ -69,6 +69,12 @@ impl Viewport {
         self.camera = None;
     }
 
+    /// Goes on looking as before at a scene that was read anew.
+    pub(super) fn go_on_with(&mut self, scene: &Scene) {
+        self.bounds = scene.bounds();
+        self.start = scene.camera;
+    }
+
     /// Where the view lies in the window, points.
     pub(super) fn rect(&self) -> Rect {
         self.rect

@@ -19,8 +19,8 @@ const NEW_LINK: usize = size_of::<(ElementId, Link)>();
 /// A link in the table: itself, a copy of the table that a picture is made of, the table that either grows into, and how its light
 /// is handed down.
 const LINK: usize = 3 * size_of::<Link>() + 8;
-/// A pair that waits: itself, and what it comes to where it is not refined, a link in either direction.
-const WAITING: usize = size_of::<Waiting>() + 2 * (NEW_LINK + LINK);
+/// A pair that waits: itself, and what it comes to where it is not refined: a link in either direction, one of which is kept.
+const WAITING: usize = size_of::<Waiting>() + 2 * NEW_LINK + LINK;
 /// An element beside itself in the arena: its light (also that of a picture and of a sweep), what verdicts look at, what a sweep reads
 /// and writes, where its links start, and its part of the table of midpoints while that grows.
 const ELEMENT: usize = 3 * 40 + 8 + 36 + 16 + 24;
@@ -40,6 +40,8 @@ pub(super) const GATHERED_LEAF: usize = 1500;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum MemoryStop {
+    /// Anything: the scene alone takes as much.
+    Scene,
     /// Links and the elements that they join.
     Links,
     /// The mesh of the final gather.
@@ -52,6 +54,7 @@ impl MemoryStop {
     /// What it was, in one word.
     pub fn what(self) -> &'static str {
         match self {
+            Self::Scene => "scene",
             Self::Links => "links",
             Self::Vertices => "mesh",
             Self::Rays => "rays",
@@ -61,6 +64,7 @@ impl MemoryStop {
     /// What came of it, for a person.
     pub fn in_words(self) -> &'static str {
         match self {
+            Self::Scene => "the scene alone takes as much, and nothing was refined",
             Self::Links => "links are coarser than was asked for",
             Self::Vertices => "the mesh is coarser than the error asks for",
             Self::Rays => "vertices have fewer rays than the error asks for",

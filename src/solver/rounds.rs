@@ -96,7 +96,8 @@ impl Solver {
         let applied = self.refinement.apply(&mut self.hierarchy, judged, has_room);
         if !applied.is_whole {
             self.is_full = true;
-            self.memory_stop = Some(MemoryStop::Links);
+            let is_first = self.refinement.counts.pairs_judged == 0;
+            self.memory_stop = Some(if is_first { MemoryStop::Scene } else { MemoryStop::Links });
             self.has_cut_rows |= self.refinement.cut_rows(&self.hierarchy, LONGEST_ROW);
         }
         applied.wave_ended

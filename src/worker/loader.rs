@@ -14,7 +14,7 @@ use std::time::Instant;
 
 use glam::Vec3;
 
-use super::Message;
+use super::{FileStamp, Message};
 use crate::added_light::AddedLight;
 use crate::cancel::CancelToken;
 use crate::scene::{self, Scene, Sides, Source};
@@ -26,7 +26,7 @@ pub(super) enum Job {
     /// Read this and add light to it.
     Load(Source, AddedLight),
     /// Add lights to the present scene, or turn its faces, and build its occluders anew.
-    Remake { raw: Arc<Scene>, path: Option<PathBuf>, lights: Vec<CeilingLight> },
+    Remake { raw: Arc<Scene>, path: Option<PathBuf>, stamps: Vec<FileStamp>, lights: Vec<CeilingLight> },
 }
 
 /// A square light to be added below the ceiling.
@@ -48,6 +48,8 @@ pub(super) struct Prepared {
     pub occluders: Arc<Occluders>,
     /// The file it came from.
     pub path: Option<PathBuf>,
+    /// What its files looked like before they were read.
+    pub stamps: Vec<FileStamp>,
     /// The sides that were asked for; `None` as the scene says.
     pub sides: Option<Sides>,
     /// Seconds that all this took.
@@ -131,26 +133,27 @@ fn spawn(
 
 fn prepare(job: Job, sides: Option<Sides>) -> Result<Prepared, String> {
     let begun = Instant::now();
-    let (raw, path) = match job {
+    let (raw, path, stamps) = match job {
         Job::Load(source, light) => {
             let path = match &source {
                 Source::File(path) => Some(path.clone()),
                 Source::Builtin(_) => None,
             };
+            let stamps = path.iter().flat_map(|path| FileStamp::of_scene(path)).collect();
             let mut raw = scene::load(&source).map_err(|error| error.to_string())?;
             light.add_to(&mut raw).map_err(|error| error.to_string())?;
-            (Arc::new(raw), path)
+            (Arc::new(raw), path, stamps)
         }
-        Job::Remake { mut raw, path, lights } => {
+        Job::Remake { mut raw, path, stamps, lights } => {
             for CeilingLight { size, exitance } in lights {
                 ceiling::add_light(Arc::make_mut(&mut raw), size, exitance).map_err(|error| error.to_string())?;
             }
-            (raw, path)
+            (raw, path, stamps)
         }
     };
     let (scene, occluders) = orient::apply((*raw).clone(), sides.unwrap_or(raw.sides));
     let seconds = begun.elapsed().as_secs_f64();
-    Ok(Prepared { raw, scene: Arc::new(scene), occluders: Arc::new(occluders), path, sides, seconds })
+    Ok(Prepared { raw, scene: Arc::new(scene), occluders: Arc::new(occluders), path, stamps, sides, seconds })
 }
 
 /// What a panic said.

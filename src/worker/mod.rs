@@ -14,6 +14,7 @@ mod merge;
 mod pacing;
 mod session;
 mod stage;
+mod stamp;
 
 use std::path::PathBuf;
 use std::sync::mpsc::{Receiver, Sender, channel};
@@ -27,6 +28,7 @@ use crate::cancel::CancelToken;
 use crate::scene::{CameraPose, GroupMember, MaterialId, Scene, Source};
 use crate::solver::{MomentInfo, Snapshot, SolverParams};
 use crate::threads::lock;
+pub use stamp::FileStamp;
 
 /// What a person asks of the solver.
 #[derive(Clone, Debug)]
@@ -123,6 +125,8 @@ pub struct SceneInfo {
     pub scene: Arc<Scene>,
     /// The file it came from; `None` for our own scenes.
     pub path: Option<PathBuf>,
+    /// What its files looked like before they were read; empty for our own scenes.
+    pub stamps: Vec<FileStamp>,
     /// The first generation of snapshots that show this scene.
     pub generation: u64,
     /// Whether anything emits.

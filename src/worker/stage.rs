@@ -56,11 +56,11 @@ impl Session {
     /// if there is one. Lights that were under way come with it.
     pub(super) fn remake(&mut self, light: Option<CeilingLight>) {
         let Some(prepared) = &self.prepared else { return };
-        let (raw, path) = (prepared.raw.clone(), prepared.path.clone());
+        let (raw, path, stamps) = (prepared.raw.clone(), prepared.path.clone(), prepared.stamps.clone());
         let mut lights = self.remaking.take().map(|awaited| awaited.lights).unwrap_or_default();
         lights.extend(light);
         let name = if lights.is_empty() { "the turned faces" } else { "the ceiling light" };
-        let job = Job::Remake { raw, path, lights: lights.clone() };
+        let job = Job::Remake { raw, path, stamps, lights: lights.clone() };
         self.remaking = self.start_loader(job, name.into(), lights);
     }
 
@@ -141,6 +141,7 @@ impl Session {
         let info = Arc::new(SceneInfo {
             scene: prepared.scene.clone(),
             path: prepared.path.clone(),
+            stamps: prepared.stamps.clone(),
             generation: self.generation,
             has_light: prepared.scene.has_light(),
             skipped: prepared.scene.skipped.sentences(),

@@ -2,6 +2,7 @@
 
 mod doctor;
 mod input;
+mod memory;
 mod pictures;
 mod readings;
 mod solving;

@@ -16,3 +16,4 @@ mod readings;
 mod support;
 mod take_along;
 mod timeline;
+mod watching;

@@ -269,7 +269,7 @@ impl FinalGather {
                     return Some(Progress::Part);
                 }
                 self.end_pass(cancel)?;
-                if self.noise > self.goal.noise && self.rows.has_room() {
+                if self.noise > self.goal.noise && self.has_room() {
                     self.open_pass(context);
                 } else if self.is_promise {
                     self.stage = Stage::Estimate(0, Tally::default());
@@ -308,7 +308,7 @@ impl FinalGather {
         if was_in_vain && !is_near {
             return Stage::Done;
         }
-        if self.attempt >= MOST_ATTEMPTS || self.vertices.len() > MOST_VERTICES || !self.rows.has_room() {
+        if self.attempt >= MOST_ATTEMPTS || self.vertices.len() > MOST_VERTICES || !self.has_room() {
             return Stage::Done;
         }
         self.attempt += 1;
@@ -344,6 +344,11 @@ impl FinalGather {
     /// Rays cast.
     pub fn rays(&self) -> u64 {
         self.rays + self.rows.rays()
+    }
+
+    /// Whether more rays or vertices would fit.
+    fn has_room(&self) -> bool {
+        self.memory_stop.is_none() && self.rows.has_room()
     }
 
     /// What memory did not allow, if anything.

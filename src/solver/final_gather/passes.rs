@@ -33,12 +33,14 @@ impl FinalGather {
             // Two passes are needed to tell the noise.
             0.5 * (SPREAD / self.goal.noise).powi(2) * sum * sum / self.energy().max(f64::MIN_POSITIVE)
         };
-        let room = Rows::rays_in(context.memory.saturating_sub(self.bytes())) as f64;
+        let [least, most] = PASS_RAYS;
+        // Whatever fits, every vertex has a few.
+        let room =
+            Rows::room_in(context.memory.saturating_sub(self.bytes()), self.vertices.len(), least as usize) as f64;
         if wanted > room {
-            self.memory_stop = Some(MemoryStop::Rays);
+            self.memory_stop.get_or_insert(MemoryStop::Rays);
         }
         let wanted = wanted.min(room);
-        let [least, most] = PASS_RAYS;
         let rays = |weight: &f32| {
             let share = if sum > 0.0 { f64::from(*weight) / sum } else { 0.0 };
             ((wanted * share) as f32).clamp(least, most).ceil() as u32

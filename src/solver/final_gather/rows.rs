@@ -147,9 +147,10 @@ impl Rows {
         self.passes.iter().map(of_pass).sum::<usize>() + 2 * size_of_val(&self.counts[..])
     }
 
-    /// Rays of a pass that so many bytes hold, while they are taken over and after.
-    pub fn rays_in(bytes: usize) -> usize {
-        bytes / size_of::<Hit>()
+    /// Rays that so many bytes hold beside the least of each vertex, in a pass over so many vertices.
+    pub fn room_in(bytes: usize, vertices: usize, least: usize) -> usize {
+        let of_vertex = size_of::<u32>() + (least + 1) * size_of::<Hit>();
+        bytes.saturating_sub(vertices * of_vertex) / size_of::<Hit>()
     }
 
     /// Number of passes.
