@@ -8,6 +8,7 @@ mod appearance;
 mod cluster_view;
 mod colour_bar;
 mod comparison;
+mod device;
 mod dialog;
 mod divider;
 mod dock;
@@ -53,10 +54,12 @@ use crate::format;
 use crate::hierarchy::ElementId;
 use crate::scene::{CameraPose, Source};
 use crate::solver::{Snapshot, SolverParams};
+use crate::threads::lock;
 use crate::worker::{Command, Event, RunState, SceneInfo, SolverThread, Status};
 use appearance::Appearance;
 use cluster_view::ClusterScene;
 use comparison::Comparison;
+use device::{DeviceState, Legacy, Will};
 use exports::Exports;
 use files::Files;
 use freeze::Freeze;
@@ -143,6 +146,9 @@ pub struct App {
     wake: Wake,
     clock: Clock,
     drawing_failures: Receiver<String>,
+    device: DeviceState,
+    /// Where the window leaves what it shows when it loses its device.
+    will: Option<Will>,
 }
 
 struct Incoming {
@@ -165,6 +171,7 @@ impl App {
         let render_state = cc.wgpu_render_state.as_ref().ok_or(AppError::NoDevice)?;
         let (failures, drawing_failures) = channel();
         paint::install(render_state, failures, cc.egui_ctx.clone());
+        let device = DeviceState::watch(&render_state.device, cc.egui_ctx.clone());
         let on_cpu = render_state.adapter.get_info().device_type == wgpu::DeviceType::Cpu;
         let ctx = cc.egui_ctx.clone();
         let wake: Wake = Arc::new(move || {
@@ -220,6 +227,8 @@ impl App {
             wake,
             clock: Clock::default(),
             drawing_failures,
+            device,
+            will: None,
         })
     }
 
@@ -236,6 +245,11 @@ impl App {
     /// The eye, once there is a view.
     pub fn camera_pose(&self) -> Option<CameraPose> {
         self.view.pose()
+    }
+
+    /// Why the graphics device was lost, if it was: the window then closes, for another one to take its place.
+    pub fn lost_device(&self) -> Option<String> {
+        self.device.lost()
     }
 
     /// What the worker said it is about, as of the last frame.
@@ -422,10 +436,22 @@ impl App {
     }
 }
 
+/// Whether the toolkit closes a window that lost its device or breaks off with it, what it showed is kept.
+impl Drop for App {
+    fn drop(&mut self) {
+        if let (Some(will), Some(reason)) = (&self.will, self.device.lost()) {
+            *lock(will) = Some(Legacy { settings: self.settings(), tool: self.tool, reason });
+        }
+    }
+}
+
 impl eframe::App for App {
     fn logic(&mut self, ctx: &egui::Context, _frame: &mut eframe::Frame) {
         self.take_up_news(ctx);
         self.appearance.follow(ctx);
+        if self.device.lost().is_some() {
+            ctx.send_viewport_cmd(egui::ViewportCommand::Close);
+        }
     }
 
     fn ui(&mut self, ui: &mut egui::Ui, _frame: &mut eframe::Frame) {

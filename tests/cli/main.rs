@@ -3,6 +3,7 @@
 mod doctor;
 mod input;
 mod memory;
+mod no_graphics;
 mod pictures;
 mod readings;
 mod solving;

@@ -13,6 +13,7 @@ mod live;
 mod matrix;
 mod panels;
 mod readings;
+mod strain;
 mod support;
 mod take_along;
 mod timeline;
