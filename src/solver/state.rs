@@ -63,6 +63,11 @@ impl Solver {
         }
     }
 
+    /// Numbers the snapshots of this solve, before the first one is taken.
+    pub fn set_generation(&mut self, generation: u64) {
+        self.generation = generation;
+    }
+
     /// Books time that passed before the solver was made: reading the file and building the occluders.
     pub fn set_load_seconds(&mut self, seconds: f64) {
         self.seconds.load = seconds;
