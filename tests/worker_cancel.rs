@@ -18,7 +18,7 @@ use selflink::worker::{Command, Event, Look, RunState, SolverThread, Status};
 
 const PATIENCE: Duration = Duration::from_secs(120);
 /// Each phase is disturbed for so long at most.
-const PHASE: Duration = Duration::from_secs(5);
+const PHASE: Duration = Duration::from_secs(2);
 /// A person waits no longer than this for control to come back.
 const MOST_WAIT: Duration = Duration::from_millis(50);
 /// On a machine that others use as well a thread that is ready may wait for a core: the slowest answer may take so many times as long,
@@ -94,8 +94,8 @@ fn slow_control_comes_back_at_once() {
     let (mut waits, mut dice) = (Waits::default(), Dice(0x5e1f_2026));
     let load = Command::load(Source::File(path));
 
-    // While the file is read, its occluders and its clusters are built: three times given up, each by a loader of its own.
-    for _ in 0..3 {
+    // While the file is read, its occluders and its clusters are built: twice given up, each by a loader of its own.
+    for _ in 0..2 {
         waits.ask(&worker, "load", load.clone(), |status| status.loading.is_some());
         std::thread::sleep(Duration::from_millis(dice.below(1500)));
         waits.ask(&worker, "cancel a load", Command::CancelLoad, |status| status.loading.is_none());

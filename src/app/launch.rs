@@ -2,6 +2,7 @@
 
 use std::cell::Cell;
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
+use std::process::Command;
 use std::rc::Rc;
 
 use super::App;
@@ -30,9 +31,9 @@ pub enum AppError {
         "no window can be opened, no graphics adapter draws to this display: install a graphics driver or software rendering (Debian and Ubuntu: apt install mesa-vulkan-drivers), or use `selflink solve`"
     )]
     NoDevice,
-    /// The driver loses one device after the other.
+    /// The graphics device was lost, and no other window could take its place for long.
     #[error(
-        "the window is closed, the graphics device was lost again and again ({reason}): update the graphics driver, or use `selflink solve`, which needs none"
+        "the window is closed, the graphics device was lost ({reason}): update the graphics driver, or use `selflink solve`, which needs none"
     )]
     LostDevice {
         /// In the driver's words.
@@ -43,50 +44,28 @@ pub enum AppError {
     NoThread(#[from] std::io::Error),
 }
 
-/// Windows that may lose their device one after the other before it is given up.
-const MOST_LOSSES: usize = 3;
+/// Tells a program that was started anew how many devices were lost before it.
+const LOSSES: &str = "SELFLINK_LOST_DEVICES";
+/// Devices that may be lost one after the other before it is given up.
+const MOST_LOSSES: u32 = 3;
 
 /// Opens the window with these settings and returns when it is closed; one that `resumes` goes on as it was left, where it was
-/// open before. A window that loses its graphics device is replaced by another one.
+/// open before. Where it loses its graphics device, another window takes its place.
 ///
 /// # Errors
 /// There is no display, no adapter, or a library of the window system is missing; or devices are lost again and again; each with
 /// advice in one sentence.
 pub fn run(settings: Settings, resumes: bool) -> Result<(), AppError> {
-    let mut legacy: Option<Legacy> = None;
-    for _ in 0..=MOST_LOSSES {
-        let opening = match legacy {
-            Some(legacy) => Opening::Succeed(legacy),
-            None if resumes => Opening::Resume(settings.clone()),
-            None => Opening::Open(settings.clone()),
-        };
-        legacy = run_once(opening)?;
-        if legacy.is_none() {
-            return Ok(());
-        }
-    }
-    Err(AppError::LostDevice { reason: legacy.map(|legacy| legacy.reason).unwrap_or_default() })
-}
-
-/// How a window begins.
-enum Opening {
-    Open(Settings),
-    Resume(Settings),
-    Succeed(Legacy),
-}
-
-impl Opening {
-    fn app(&self, cc: &eframe::CreationContext<'_>) -> Result<App, AppError> {
-        match self {
-            Self::Open(settings) => App::open(cc, settings),
-            Self::Resume(settings) => App::resume(cc, settings),
-            Self::Succeed(legacy) => App::succeed(cc, legacy),
-        }
+    let losses = std::env::var(LOSSES).ok().and_then(|text| text.parse().ok()).unwrap_or(0);
+    match run_once(settings, resumes, losses > 0)? {
+        Some(legacy) if losses < MOST_LOSSES => start_anew(legacy, losses + 1),
+        Some(legacy) => Err(AppError::LostDevice { reason: legacy.reason }),
+        None => Ok(()),
     }
 }
 
 /// Opens one window and returns when it is closed, with what it hands over where it lost its device.
-fn run_once(opening: Opening) -> Result<Option<Legacy>, AppError> {
+fn run_once(settings: Settings, resumes: bool, was_lost: bool) -> Result<Option<Legacy>, AppError> {
     let options = eframe::NativeOptions {
         viewport: egui::ViewportBuilder::default()
             .with_title("Selflink")
@@ -106,8 +85,13 @@ fn run_once(opening: Opening) -> Result<Option<Legacy>, AppError> {
             "selflink",
             options,
             Box::new(move |cc| {
-                let mut app = opening.app(cc)?;
+                let mut app = if resumes { App::resume(cc, &settings)? } else { App::open(cc, &settings)? };
                 app.will = Some(of_window);
+                if was_lost {
+                    app.messages.note(
+                        "The graphics device was lost and is set up anew; the scene is being solved again.".into(),
+                    );
+                }
                 creator_is_open.set(true);
                 Ok(Box::new(app))
             }),
@@ -115,9 +99,9 @@ fn run_once(opening: Opening) -> Result<Option<Legacy>, AppError> {
     }));
     let legacy = lock(&will).take();
     match outcome {
-        Ok(Ok(())) => Ok(legacy),
-        // What the toolkit makes of a lost device is of no interest once another one is on its way.
+        // What the toolkit made of a lost device is of no interest.
         _ if legacy.is_some() => Ok(legacy),
+        Ok(Ok(())) => Ok(None),
         Ok(Err(error)) => Err(advice(error)),
         // winit panics where a library of the window system is missing; a panic of the open window is a fault of ours.
         Err(panic) if is_open.get() => resume_unwind(panic),
@@ -126,6 +110,23 @@ fn run_once(opening: Opening) -> Result<Option<Legacy>, AppError> {
             let text = text.or_else(|| panic.downcast_ref::<&str>().copied());
             Err(AppError::NoDisplay { reason: text.unwrap_or("the window system broke off").to_owned() })
         }
+    }
+}
+
+/// Starts the program anew with what the window showed, and waits until it ends.
+fn start_anew(legacy: Legacy, losses: u32) -> Result<(), AppError> {
+    let Legacy { settings, reason } = legacy;
+    let path = std::env::temp_dir().join(format!("selflink-{}.settings.json", std::process::id()));
+    let ended = settings.to_json().map_err(std::io::Error::other).and_then(|text| {
+        std::fs::write(&path, text)?;
+        let program = std::env::current_exe()?;
+        Command::new(program).arg("--settings").arg(&path).env(LOSSES, losses.to_string()).status()
+    });
+    // Where it cannot be removed it does no harm.
+    let _ = std::fs::remove_file(&path);
+    match ended {
+        Ok(status) if status.success() => Ok(()),
+        Ok(_) | Err(_) => Err(AppError::LostDevice { reason }),
     }
 }
 

@@ -54,12 +54,11 @@ use crate::format;
 use crate::hierarchy::ElementId;
 use crate::scene::{CameraPose, Source};
 use crate::solver::{Snapshot, SolverParams};
-use crate::threads::lock;
 use crate::worker::{Command, Event, RunState, SceneInfo, SolverThread, Status};
 use appearance::Appearance;
 use cluster_view::ClusterScene;
 use comparison::Comparison;
-use device::{DeviceState, Legacy, Will};
+use device::{DeviceState, Will};
 use exports::Exports;
 use files::Files;
 use freeze::Freeze;
@@ -432,15 +431,6 @@ impl App {
             if clicked.is_double {
                 self.view.look_at(picked.point + moved_by);
             }
-        }
-    }
-}
-
-/// Whether the toolkit closes a window that lost its device or breaks off with it, what it showed is kept.
-impl Drop for App {
-    fn drop(&mut self) {
-        if let (Some(will), Some(reason)) = (&self.will, self.device.lost()) {
-            *lock(will) = Some(Legacy { settings: self.settings(), tool: self.tool, reason });
         }
     }
 }

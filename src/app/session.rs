@@ -6,7 +6,6 @@
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
 
-use super::device::Legacy;
 use super::dock::Tool;
 use super::{App, AppError};
 use crate::added_light::{AddedLight, CeilingLight};
@@ -123,20 +122,6 @@ impl App {
             let path = path.display();
             app.messages.note(format!("The scene of the last time, {path}, is gone: this is {instead} in its place."));
         }
-        Ok(app)
-    }
-
-    /// The window in place of one that lost its graphics device.
-    ///
-    /// # Errors
-    /// No wgpu device is there, or no thread for the solver.
-    pub(super) fn succeed(cc: &CreationContext<'_>, legacy: &Legacy) -> Result<Self, AppError> {
-        let mut app = Self::open(cc, &legacy.settings)?;
-        app.tool = legacy.tool;
-        app.messages.note(format!(
-            "The graphics device was lost ({}) and set up anew; the scene is being solved again.",
-            legacy.reason
-        ));
         Ok(app)
     }
 

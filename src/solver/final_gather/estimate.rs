@@ -10,10 +10,11 @@ use glam::Vec3;
 use rayon::prelude::*;
 
 use super::lamps::Seen;
+use super::places::Places;
 use super::{Context, FinalGather};
 use crate::cancel::CancelToken;
 use crate::hierarchy::Hierarchy;
-use crate::random::{even_point, mix};
+use crate::random::mix;
 
 /// Points looked at.
 pub const POINTS: usize = 2048;
@@ -88,11 +89,11 @@ impl FinalGather {
     ) -> Option<Tally> {
         let start = mix(mix(context.seed, 0x6573_7469_6d61_7465), u64::from(round));
         let reflected = self.reflected();
-        let shares = self.shares(hierarchy, context, &reflected);
+        let places = self.places(hierarchy, context, &reflected);
         let rays = ((RAYS / self.goal.error) as u32).clamp(8, 64);
         let look = |cut: &mut Vec<Seen>, index: usize| {
             (!cancel.is_cancelled())
-                .then(|| self.look_at_point(hierarchy, context, (&reflected, &shares), rays, (start, index), cut))
+                .then(|| self.look_at_point(hierarchy, context, (&reflected, &places), rays, (start, index), cut))
         };
         // Summed in order, so that the result does not depend on the threads.
         let tallies: Vec<Tally> =
@@ -104,24 +105,21 @@ impl FinalGather {
         &self,
         hierarchy: &Hierarchy,
         context: &Context,
-        (reflected, shares): (&[Vec3], &[f64]),
+        (reflected, places): (&[Vec3], &Places),
         rays: u32,
         (start, index): (u64, usize),
         cut: &mut Vec<Seen>,
     ) -> Tally {
-        let [u, v] = even_point(start, index as u32);
-        let leaf = shares.partition_point(|share| *share <= f64::from(u)).min(shares.len() - 1);
-        let before = if leaf > 0 { shares[leaf - 1] } else { 0.0 };
-        let share = shares[leaf] - before;
-        let of = &self.display.mesh.leaves[leaf];
-        let u = ((f64::from(u) - before) / share).clamp(0.0, 1.0) as f32;
+        let Some(place) = places.at(index, start) else { return Tally::default() };
+        let of = &self.display.mesh.leaves[place.leaf];
+        let [u, v] = place.uv;
         let point = hierarchy.point_on(of.element, u, v);
         let surface = &context.surfaces[point.polygon as usize];
         let Some((triangle, weights)) = self.display.locate(hierarchy, of.element, point.position) else {
             return Tally::default();
         };
         // What the point stands for, m².
-        let area = f64::from(hierarchy.element(of.element).sampled_area) / share;
+        let area = f64::from(hierarchy.element(of.element).sampled_area) / place.density;
         let [a, b, c] = self.display.mesh.triangles[triangle as usize].map(|corner| reflected[corner as usize]);
         let shown = weights.x * a + weights.y * b + weights.z * c;
         let lamps = self.lamps(hierarchy, context);
@@ -149,8 +147,8 @@ impl FinalGather {
         Tally { error, squares: error * error, energy, points: 1.0, rays: cast }
     }
 
-    /// Running sums of the shares of points that the mesh's leaves get, up to 1; lamps get none.
-    fn shares(&self, hierarchy: &Hierarchy, context: &Context, reflected: &[Vec3]) -> Vec<f64> {
+    /// Half of the places lie by area, half by A·|B|²; lamps get none.
+    fn places(&self, hierarchy: &Hierarchy, context: &Context, reflected: &[Vec3]) -> Places {
         let mesh = &self.display.mesh;
         let of_leaf = |leaf: usize| {
             let of = &mesh.leaves[leaf];
@@ -166,15 +164,6 @@ impl FinalGather {
         let leaves: Vec<(f64, f64)> = (0..mesh.leaves.len()).map(of_leaf).collect();
         let all = leaves.iter().fold((0.0, 0.0), |sum, leaf| (sum.0 + leaf.0, sum.1 + leaf.1));
         let half = |part: f64, all: f64| if all > 0.0 { 0.5 * part / all } else { 0.0 };
-        let mut sum = 0.0;
-        let mut shares: Vec<f64> = leaves
-            .iter()
-            .map(|leaf| {
-                sum += half(leaf.0, all.0) + half(leaf.1, all.1);
-                sum
-            })
-            .collect();
-        shares.iter_mut().for_each(|share| *share /= sum.max(f64::MIN_POSITIVE));
-        shares
+        Places::new(leaves.iter().map(|leaf| half(leaf.0, all.0) + half(leaf.1, all.1)), POINTS)
     }
 }

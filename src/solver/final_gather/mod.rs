@@ -9,7 +9,9 @@
 mod bright;
 mod estimate;
 mod lamps;
+mod memory;
 mod passes;
+mod places;
 mod rows;
 mod split;
 mod stance;
@@ -65,13 +67,6 @@ const MESH_SHARE: f64 = 0.5;
 const NOISE_SHARE: f64 = 0.5;
 /// The next attempt aims below the goal by this factor.
 const AIM: f64 = 0.8;
-/// Values of a vertex that there are at a time: direct and indirect light, that of the sweep before, what is reflected, what a pass
-/// says alone, and those of two pictures.
-const VALUES: usize = 10;
-/// What is carried over from a vertex to the same one of a finer mesh, bytes.
-const CARRIED: usize = 120;
-/// What the allocator keeps beside a small allocation, bytes.
-const ALLOCATION: usize = 16;
 /// Standard deviation of the light along one random ray, as a share of all, as low-discrepancy directions make it.
 const SPREAD: f64 = 0.35;
 
@@ -146,8 +141,8 @@ pub struct FinalGather {
     /// Indirect irradiance of each vertex, W/m².
     indirect: Vec<Vec3>,
     rows: Rows,
-    /// Squared errors of leaves that were looked at and kept.
-    kept: FxHashMap<ElementId, f64>,
+    /// Of leaves that were looked at and kept: sum of the squared errors of direct light that looks found, and number of looks.
+    looks: FxHashMap<ElementId, (f64, u32)>,
     /// Σ A·|B|², W²/m²: of what links say, later of what was found when the present pass began.
     known_energy: f64,
     /// Squared error between the vertices, measured last, W²/m².
@@ -219,7 +214,7 @@ impl FinalGather {
             direct: Vec::new(),
             indirect,
             rows: Rows::default(),
-            kept: FxHashMap::default(),
+            looks: FxHashMap::default(),
             known_energy,
             mesh_error: f64::INFINITY,
             grew: false,
@@ -318,7 +313,6 @@ impl FinalGather {
         let between = (error.powi(2) - self.noise.powi(2)).max(0.0).sqrt();
         if between > MESH_SHARE * self.goal.error {
             self.goal.mesh *= factor;
-            self.kept.clear();
         }
         if self.noise > 0.5 * self.goal.error {
             self.goal.noise *= factor;
@@ -344,25 +338,6 @@ impl FinalGather {
     /// Rays cast.
     pub fn rays(&self) -> u64 {
         self.rays + self.rows.rays()
-    }
-
-    /// Whether more rays or vertices would fit.
-    fn has_room(&self) -> bool {
-        self.memory_stop.is_none() && self.rows.has_room()
-    }
-
-    /// What memory did not allow, if anything.
-    pub fn memory_stop(&self) -> Option<MemoryStop> {
-        self.memory_stop
-    }
-
-    /// Memory with what is made of it while it works, bytes.
-    pub fn bytes(&self) -> usize {
-        let stances = size_of_val(&self.stances[..]) + self.vertices.len() * (size_of::<Stance>() + ALLOCATION);
-        let vertices = self.vertices.len() * (size_of::<Vertex>() + VALUES * size_of::<Vec3>() + CARRIED);
-        let kept = 2 * self.kept.len() * size_of::<(ElementId, f64)>();
-        // A mesh that is split stands beside the one that it is made into.
-        2 * self.display.bytes() + self.rows.bytes() + stances + vertices + kept
     }
 
     fn surroundings<'a>(&'a self, hierarchy: &'a Hierarchy, context: &'a Context) -> Surroundings<'a> {
@@ -434,25 +409,37 @@ impl FinalGather {
         let look = self.look_at_leaves(hierarchy, context, cancel)?;
         self.rays += look.rays;
         let allowed = self.goal.mesh * self.goal.mesh * self.energy();
-        let error = look.errors.iter().sum::<f64>();
+        let leaves = self.display.mesh.clone();
+        let leaves = &leaves.leaves;
+        let mut looks = std::mem::take(&mut self.looks);
+        let mean = |(leaf, direct): (&super::Leaf, &f64)| {
+            let (sum, count) = looks.remove(&leaf.element).unwrap_or_default();
+            (sum + direct, count + 1)
+        };
+        let means: Vec<(f64, u32)> = leaves.iter().zip(&look.direct).map(mean).collect();
+        let errors: Vec<f64> = means
+            .iter()
+            .zip(&look.indirect)
+            .map(|((sum, count), indirect)| sum / f64::from(*count) + indirect)
+            .collect();
+        let error = errors.iter().sum::<f64>();
         let is_vain = self.round > 0 && self.grew && error > LEAST_GAIN * self.mesh_error;
         self.mesh_error = error;
         if error <= allowed || is_vain || self.vertices.len() > MOST_VERTICES {
             return Some(false);
         }
-        let threshold = split::threshold(&look.errors, allowed);
-        let split = look.errors.iter().filter(|error| **error >= threshold).count();
+        let threshold = split::threshold(&errors, allowed);
+        let split = errors.iter().filter(|error| **error >= threshold).count();
         if self.bytes() + 4 * split * GATHERED_LEAF > context.memory {
             self.memory_stop = Some(MemoryStop::Vertices);
             return Some(false);
         }
-        self.kept.clear();
         let mesh = self.display.mesh.clone();
-        for (leaf, error) in mesh.leaves.iter().zip(&look.errors) {
+        for ((leaf, error), mean) in mesh.leaves.iter().zip(&errors).zip(means) {
             if *error >= threshold {
                 hierarchy.subdivide(leaf.element);
             } else {
-                self.kept.insert(leaf.element, *error);
+                self.looks.insert(leaf.element, mean);
             }
         }
         let new = self.display.rebuilt(context.scene, hierarchy, self.display.style());

@@ -18,7 +18,7 @@ use crate::visibility::Occluders;
 /// Rays start this share of the scene's diagonal off their surface.
 const RELATIVE_OFFSET: f32 = 1e-5;
 /// A vertex from which so many of its rays meet backs is hidden inside of something.
-const HIDDEN: f32 = 0.9;
+const HIDDEN: f32 = 2.0;
 /// Memory that rows may take, bytes.
 const MOST_BYTES: usize = 1 << 29;
 
