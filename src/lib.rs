@@ -75,7 +75,7 @@
 #![cfg_attr(feature = "gui", doc = "| [`render`] | the wgpu picture of a snapshot, with and without a window |")]
 #![cfg_attr(feature = "gui", doc = "| [`app`] | the window |")]
 //!
-//! [`photometry`] counts lux, [`mod@format`] writes numbers for people, [`random`] makes reproducible random ones, and [`cancel`] stops long work. The feature `gui` (on by default) holds what needs a graphics adapter
+//! [`photometry`] counts lux, [`mod@format`] writes numbers for people, [`random`] makes reproducible random ones, [`memory`] tells what the machine has, and [`cancel`] stops long work. The feature `gui` (on by default) holds what needs a graphics adapter
 //! or a window; all else is a library that needs neither:
 //!
 //! ```
@@ -130,6 +130,7 @@ pub mod font;
 pub mod format;
 pub mod hierarchy;
 pub mod matrix;
+pub mod memory;
 pub mod names;
 pub mod orient;
 pub mod partition;

@@ -10,8 +10,8 @@ use std::time::{Duration, Instant};
 
 use x11rb::connection::Connection;
 use x11rb::protocol::xproto::{
-    BUTTON_PRESS_EVENT, BUTTON_RELEASE_EVENT, ConnectionExt as _, ImageFormat, InputFocus, KEY_PRESS_EVENT,
-    KEY_RELEASE_EVENT, MOTION_NOTIFY_EVENT,
+    BUTTON_PRESS_EVENT, BUTTON_RELEASE_EVENT, ConfigureWindowAux, ConnectionExt as _, ImageFormat, InputFocus,
+    KEY_PRESS_EVENT, KEY_RELEASE_EVENT, MOTION_NOTIFY_EVENT,
 };
 use x11rb::protocol::xtest::ConnectionExt as _;
 use x11rb::rust_connection::RustConnection;
@@ -106,6 +106,16 @@ impl Person {
         self.event(KEY_RELEASE_EVENT, key, [0, 0]);
     }
 
+    /// Resizes the window, as a window manager may to any size.
+    fn resize(&self, [width, height]: [u16; 2]) {
+        let windows = self.x.query_tree(self.root).expect("a request").reply().expect("windows").children;
+        let window = *windows.last().expect("a window is open");
+        let size = ConfigureWindowAux::new().width(u32::from(width)).height(u32::from(height));
+        self.x.configure_window(window, &size).expect("a request");
+        self.x.flush().expect("the display listens");
+        std::thread::sleep(Duration::from_millis(500));
+    }
+
     /// The pixels of the screen right of the panels, as blue, green, red and nothing.
     fn view(&self) -> Vec<u8> {
         let (left, top, width, height) = (400, 60, SIZE[0] - 420, SIZE[1] - 160);
@@ -168,6 +178,12 @@ fn a_window_is_opened_driven_and_closed() {
     // Pick: links are drawn from the surface at the pointer.
     person.click([800, 400]);
     person.until("links being drawn", |view| difference(&flown, view) > 0.002);
+
+    // As small as a window can be, and back.
+    person.resize([1, 1]);
+    person.until("the window being small", |view| lit(view) < 0.01);
+    person.resize(SIZE);
+    person.until("the picture being back", |view| lit(view) > 0.2);
 
     assert!(window.try_wait().expect("its state").is_none(), "it is still open");
     // A window manager's close would need one; the display's end is what a window gets when a session ends.

@@ -2,10 +2,13 @@
 
 use std::cell::Cell;
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
+use std::process::Command;
 use std::rc::Rc;
 
 use super::App;
+use super::device::{Legacy, Will};
 use crate::export::settings::Settings;
+use crate::threads::lock;
 
 /// Size of the window when it is opened for the first time, points.
 const FIRST_SIZE: [f32; 2] = [1280.0, 800.0];
@@ -28,17 +31,41 @@ pub enum AppError {
         "no window can be opened, no graphics adapter draws to this display: install a graphics driver or software rendering (Debian and Ubuntu: apt install mesa-vulkan-drivers), or use `selflink solve`"
     )]
     NoDevice,
+    /// The graphics device was lost, and no other window could take its place for long.
+    #[error(
+        "the window is closed, the graphics device was lost ({reason}): update the graphics driver, or use `selflink solve`, which needs none"
+    )]
+    LostDevice {
+        /// In the driver's words.
+        reason: String,
+    },
     /// The system gives no further thread.
     #[error("the solver's thread cannot be started ({0}): close other programs and try again")]
     NoThread(#[from] std::io::Error),
 }
 
+/// Tells a program that was started anew how many devices were lost before it.
+const LOSSES: &str = "SELFLINK_LOST_DEVICES";
+/// Devices that may be lost one after the other before it is given up.
+const MOST_LOSSES: u32 = 3;
+
 /// Opens the window with these settings and returns when it is closed; one that `resumes` goes on as it was left, where it was
-/// open before.
+/// open before. Where it loses its graphics device, another window takes its place.
 ///
 /// # Errors
-/// There is no display, no adapter, or a library of the window system is missing; each with advice in one sentence.
+/// There is no display, no adapter, or a library of the window system is missing; or devices are lost again and again; each with
+/// advice in one sentence.
 pub fn run(settings: Settings, resumes: bool) -> Result<(), AppError> {
+    let losses = std::env::var(LOSSES).ok().and_then(|text| text.parse().ok()).unwrap_or(0);
+    match run_once(settings, resumes, losses > 0)? {
+        Some(legacy) if losses < MOST_LOSSES => start_anew(legacy, losses + 1),
+        Some(legacy) => Err(AppError::LostDevice { reason: legacy.reason }),
+        None => Ok(()),
+    }
+}
+
+/// Opens one window and returns when it is closed, with what it hands over where it lost its device.
+fn run_once(settings: Settings, resumes: bool, was_lost: bool) -> Result<Option<Legacy>, AppError> {
     let options = eframe::NativeOptions {
         viewport: egui::ViewportBuilder::default()
             .with_title("Selflink")
@@ -51,19 +78,30 @@ pub fn run(settings: Settings, resumes: bool) -> Result<(), AppError> {
     };
     let is_open = Rc::new(Cell::new(false));
     let creator_is_open = is_open.clone();
+    let will = Will::default();
+    let of_window = will.clone();
     let outcome = catch_unwind(AssertUnwindSafe(|| {
         eframe::run_native(
             "selflink",
             options,
             Box::new(move |cc| {
-                let app = if resumes { App::resume(cc, &settings)? } else { App::open(cc, &settings)? };
+                let mut app = if resumes { App::resume(cc, &settings)? } else { App::open(cc, &settings)? };
+                app.will = Some(of_window);
+                if was_lost {
+                    app.messages.note(
+                        "The graphics device was lost and is set up anew; the scene is being solved again.".into(),
+                    );
+                }
                 creator_is_open.set(true);
                 Ok(Box::new(app))
             }),
         )
     }));
+    let legacy = lock(&will).take();
     match outcome {
-        Ok(Ok(())) => Ok(()),
+        // What the toolkit made of a lost device is of no interest.
+        _ if legacy.is_some() => Ok(legacy),
+        Ok(Ok(())) => Ok(None),
         Ok(Err(error)) => Err(advice(error)),
         // winit panics where a library of the window system is missing; a panic of the open window is a fault of ours.
         Err(panic) if is_open.get() => resume_unwind(panic),
@@ -72,6 +110,23 @@ pub fn run(settings: Settings, resumes: bool) -> Result<(), AppError> {
             let text = text.or_else(|| panic.downcast_ref::<&str>().copied());
             Err(AppError::NoDisplay { reason: text.unwrap_or("the window system broke off").to_owned() })
         }
+    }
+}
+
+/// Starts the program anew with what the window showed, and waits until it ends.
+fn start_anew(legacy: Legacy, losses: u32) -> Result<(), AppError> {
+    let Legacy { settings, reason } = legacy;
+    let path = std::env::temp_dir().join(format!("selflink-{}.settings.json", std::process::id()));
+    let ended = settings.to_json().map_err(std::io::Error::other).and_then(|text| {
+        std::fs::write(&path, text)?;
+        let program = std::env::current_exe()?;
+        Command::new(program).arg("--settings").arg(&path).env(LOSSES, losses.to_string()).status()
+    });
+    // Where it cannot be removed it does no harm.
+    let _ = std::fs::remove_file(&path);
+    match ended {
+        Ok(status) if status.success() => Ok(()),
+        Ok(_) | Err(_) => Err(AppError::LostDevice { reason }),
     }
 }
 

@@ -8,6 +8,7 @@ mod appearance;
 mod cluster_view;
 mod colour_bar;
 mod comparison;
+mod device;
 mod dialog;
 mod divider;
 mod dock;
@@ -37,6 +38,7 @@ mod time_left;
 mod timeline;
 mod undo;
 mod viewport;
+mod watch;
 
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, channel};
@@ -50,12 +52,13 @@ pub use launch::{AppError, run};
 use crate::added_light::AddedLight;
 use crate::format;
 use crate::hierarchy::ElementId;
-use crate::scene::Source;
+use crate::scene::{CameraPose, Source};
 use crate::solver::{Snapshot, SolverParams};
 use crate::worker::{Command, Event, RunState, SceneInfo, SolverThread, Status};
 use appearance::Appearance;
 use cluster_view::ClusterScene;
 use comparison::Comparison;
+use device::{DeviceState, Will};
 use exports::Exports;
 use files::Files;
 use freeze::Freeze;
@@ -73,6 +76,7 @@ use settings::DisplaySettings;
 use time_left::{Clock, TimeLeft};
 use undo::History;
 use viewport::Viewport;
+use watch::Watch;
 
 /// On software adapters drawing takes the solver's cores, so pictures wait this long for each other.
 const REPAINT_INTERVAL_ON_CPU: Duration = Duration::from_millis(100);
@@ -117,6 +121,7 @@ pub struct App {
     appearance: Appearance,
     /// Where the scene in view came from.
     opened: Opened,
+    watch: Watch,
     picked: Option<PickedElement>,
     inspection: Inspection,
     inspector: dock::Inspector,
@@ -140,6 +145,9 @@ pub struct App {
     wake: Wake,
     clock: Clock,
     drawing_failures: Receiver<String>,
+    device: DeviceState,
+    /// Where the window leaves what it shows when it loses its device.
+    will: Option<Will>,
 }
 
 struct Incoming {
@@ -162,6 +170,7 @@ impl App {
         let render_state = cc.wgpu_render_state.as_ref().ok_or(AppError::NoDevice)?;
         let (failures, drawing_failures) = channel();
         paint::install(render_state, failures, cc.egui_ctx.clone());
+        let device = DeviceState::watch(&render_state.device, cc.egui_ctx.clone());
         let on_cpu = render_state.adapter.get_info().device_type == wgpu::DeviceType::Cpu;
         let ctx = cc.egui_ctx.clone();
         let wake: Wake = Arc::new(move || {
@@ -197,6 +206,7 @@ impl App {
             view: Viewport::default(),
             appearance,
             opened,
+            watch: Watch::default(),
             picked: None,
             inspection: Inspection::default(),
             inspector: dock::Inspector::default(),
@@ -216,6 +226,8 @@ impl App {
             wake,
             clock: Clock::default(),
             drawing_failures,
+            device,
+            will: None,
         })
     }
 
@@ -227,6 +239,16 @@ impl App {
     /// The scene in view.
     pub fn scene_info(&self) -> Option<&Arc<SceneInfo>> {
         self.shown.info.as_ref()
+    }
+
+    /// The eye, once there is a view.
+    pub fn camera_pose(&self) -> Option<CameraPose> {
+        self.view.pose()
+    }
+
+    /// Why the graphics device was lost, if it was: the window then closes, for another one to take its place.
+    pub fn lost_device(&self) -> Option<String> {
+        self.device.lost()
     }
 
     /// What the worker said it is about, as of the last frame.
@@ -257,6 +279,9 @@ impl App {
         self.comparison.note(self.shown.snapshot.as_ref(), &self.shown.status.params);
         self.freeze.note(self.shown.snapshot.as_ref(), &self.wake);
         self.exports.poll();
+        if let Some(sentence) = self.watch.poll() {
+            self.messages.note(sentence);
+        }
         self.clock.note(self.shown.status.run, false);
         let Some(latest) = self.worker.latest() else { return };
         if let Some(incoming) = self.incoming.take_if(|incoming| incoming.info.generation <= latest.generation) {
@@ -331,14 +356,20 @@ impl App {
                 let is_new = self.incoming.as_ref().is_some_and(|incoming| incoming.is_new);
                 self.incoming = Some(Incoming { info, is_new });
             }
-            Event::LoadFailed(sentence) => self.messages.error(sentence),
+            Event::LoadFailed(sentence) => {
+                self.watch.forget_reload();
+                self.messages.error(sentence);
+            }
             Event::SolveFailed(sentence) => {
                 self.messages.error(sentence);
                 self.params = self.worker.status().params;
                 self.history.take_as_given(self.undoable());
             }
             Event::Finished => {}
-            Event::Saved(path) => self.messages.note(format!("Saved {}.", path.display())),
+            Event::Saved(path) => {
+                self.watch.accept(&path);
+                self.messages.note(format!("Saved {}.", path.display()));
+            }
             Event::SaveFailed(sentence) => self.messages.error(sentence),
         }
     }
@@ -350,16 +381,22 @@ impl App {
         if is_new {
             let title = format!("{} – Selflink", info.scene.name);
             ctx.send_viewport_cmd(egui::ViewportCommand::Title(title));
-            self.view.start_with(&info.scene, self.opened.camera.take());
+            let is_reload = self.watch.take_reloading();
+            self.watch.start_with(&info, &self.wake);
             self.picked = None;
             self.clusters = dock::Clusters::default();
             self.freeze.let_go();
             let former = self.shown.info.as_ref().map(|former| former.scene.name.as_str());
             self.exports.suggest(&info.scene.name, former);
-            self.measuring.start_with(&info.scene);
+            if is_reload {
+                self.view.go_on_with(&info.scene);
+            } else {
+                self.view.start_with(&info.scene, self.opened.camera.take());
+                self.measuring.start_with(&info.scene);
+                // A correction made for another scene's light would make this one black or white.
+                self.display.auto_stops = 0.0;
+            }
             self.light = LightEditor::for_scene(&info.scene);
-            // A correction made for another scene's light would make this one black or white.
-            self.display.auto_stops = 0.0;
             self.history = History::default();
             self.history.take_as_given(self.undoable());
         }
@@ -402,6 +439,9 @@ impl eframe::App for App {
     fn logic(&mut self, ctx: &egui::Context, _frame: &mut eframe::Frame) {
         self.take_up_news(ctx);
         self.appearance.follow(ctx);
+        if self.device.lost().is_some() {
+            ctx.send_viewport_cmd(egui::ViewportCommand::Close);
+        }
     }
 
     fn ui(&mut self, ui: &mut egui::Ui, _frame: &mut eframe::Frame) {
@@ -430,6 +470,7 @@ impl eframe::App for App {
         egui::CentralPanel::no_frame().show(ui, |ui| {
             ui.spacing_mut().item_spacing.y = 0.0;
             self.messages.show(ui);
+            watch::show(self, ui, &mut outbox);
             let clicked = viewport::show(self, ui, &mut outbox);
             if let Some(clicked) = clicked {
                 self.pick(clicked);
@@ -445,6 +486,7 @@ impl eframe::App for App {
         for command in outbox {
             if let Command::Load(source, light) = &command {
                 self.opened.ask(source, light);
+                self.watch.note_asked(source);
                 // What was kept for the first scene is none of another one's.
                 self.opened.camera = None;
             }

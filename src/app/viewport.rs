@@ -21,6 +21,9 @@ const FAST: f32 = 4.0;
 /// Longest time of flight in one frame, seconds: a frame that took long must not throw the eye through a wall.
 const LONGEST_FLIGHT: f32 = 0.1;
 
+/// Longest side of the picture, pixels: what every device draws.
+const LARGEST_PICTURE: f32 = 8192.0;
+
 /// Name of the view for assistive technology and tests.
 const VIEW_NAME: &str = "View";
 
@@ -67,6 +70,12 @@ impl Viewport {
         self.start = scene.camera;
         // Made when the view's aspect is known.
         self.camera = None;
+    }
+
+    /// Goes on looking as before at a scene that was read anew.
+    pub(super) fn go_on_with(&mut self, scene: &Scene) {
+        self.bounds = scene.bounds();
+        self.start = scene.camera;
     }
 
     /// Where the view lies in the window, points.
@@ -232,7 +241,6 @@ pub(super) fn show(app: &mut App, ui: &mut Ui, outbox: &mut Outbox) -> Option<Cl
 
     if let Some(camera) = app.view.camera {
         let scale = ui.ctx().pixels_per_point();
-        let pixels = |points: f32| (points * scale).round().max(1.0) as u32;
         let deepest = snapshot.clusters.iter().map(|cluster| cluster.level).max().unwrap_or(0);
         let is_dark = app.shown.info.as_ref().is_some_and(|info| !info.has_light);
         let picked = app.picked.as_ref().map(|picked| picked.element);
@@ -265,7 +273,7 @@ pub(super) fn show(app: &mut App, ui: &mut Ui, outbox: &mut Outbox) -> Option<Cl
             snapshot: other.or(by_clusters).unwrap_or(snapshot),
             beside,
             overlay: app.display.overlay(deepest, is_dark, marks),
-            size: [pixels(rect.width()), pixels(rect.height())],
+            size: picture_size(rect.size() * scale),
         };
         app.view.picture = Some(picture.clone());
         picture.add_to(&ui.painter_at(rect), rect);
@@ -280,6 +288,12 @@ pub(super) fn show(app: &mut App, ui: &mut Ui, outbox: &mut Outbox) -> Option<Cl
     panels::hint::show_first_lines(app, ui, rect);
     panels::empty::show_drop_hint(ui, rect);
     clicked
+}
+
+/// Pixels of a view of this size: at least one, and no more than every device draws; what is larger is drawn coarser.
+fn picture_size(pixels: egui::Vec2) -> [u32; 2] {
+    let shrink = (LARGEST_PICTURE / pixels.max_elem().max(1.0)).min(1.0);
+    [pixels.x, pixels.y].map(|side| if side.is_finite() { (shrink * side).round().max(1.0) as u32 } else { 1 })
 }
 
 /// What the colours of the surfaces mean, where they stand for something.

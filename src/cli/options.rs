@@ -11,6 +11,7 @@ use glam::Vec3;
 use selflink::added_light::{AddedLight, CeilingLight};
 use selflink::export::settings::Settings;
 use selflink::hierarchy::ClusteringMode;
+use selflink::memory::MemoryBudget;
 use selflink::scene::{Sides, Source, builtin::BuiltinScene};
 use selflink::solver::{
     ClusterModel, Epsilon, OracleKind, PARAMETERS, Parameter, ParameterId, Push, Reconstruct, SolverParams,
@@ -40,6 +41,9 @@ fn solver_arg(parameter: &'static Parameter) -> Arg {
         .allow_hyphen_values(true)
         .help_heading("Solver");
     match &parameter.kind {
+        ValueKind::Real { .. } if parameter.id == ParameterId::Memory => {
+            arg.value_name("SIZE").value_parser(|text: &str| text.parse::<MemoryBudget>())
+        }
         ValueKind::Real { .. } => arg.value_name("NUMBER").value_parser(number),
         ValueKind::Whole { .. } if parameter.id == ParameterId::Seed => arg.value_name("N").value_parser(whole::<u64>),
         ValueKind::Whole { .. } => arg.value_name("N").value_parser(whole::<u32>),
@@ -86,6 +90,7 @@ fn default_text(id: ParameterId) -> String {
         ParameterId::Sides => params.sides.map_or_else(|| "as the scene says".to_owned(), |sides| name_of(&sides)),
         ParameterId::Threads => format!("{}, every core", params.threads),
         ParameterId::Seed => params.seed.to_string(),
+        ParameterId::Memory => params.memory.to_string(),
     }
 }
 
@@ -164,6 +169,7 @@ fn set(params: &mut SolverParams, parameter: &Parameter, matches: &ArgMatches) -
         ParameterId::Sides => params.sides = choice::<Sides>(matches, flag)?.or(params.sides),
         ParameterId::Threads => params.threads = whole().unwrap_or(params.threads),
         ParameterId::Seed => params.seed = matches.get_one::<u64>(flag).copied().unwrap_or(params.seed),
+        ParameterId::Memory => params.memory = matches.get_one(flag).copied().unwrap_or(params.memory),
     }
     Ok(())
 }
@@ -343,7 +349,7 @@ mod tests {
     fn each_option_sets_its_field() {
         let (defaults, by_threshold) = (SolverParams::usual(), SolverParams::default());
         let constant = SolverParams { reconstruct: Reconstruct::Constant, ..by_threshold };
-        let cases: [(&[&str], SolverParams); 16] = [
+        let cases: [(&[&str], SolverParams); 17] = [
             (&["--error", "0.1"], SolverParams { error: Some(0.1), ..defaults }),
             (&["--reconstruct", "constant"], constant),
             (&["--epsilon", "0.01"], SolverParams { epsilon: Epsilon::Relative(0.01), ..by_threshold }),
@@ -360,6 +366,7 @@ mod tests {
             (&["--sides", "both"], SolverParams { sides: Some(Sides::Both), ..defaults }),
             (&["--threads", "2"], SolverParams { threads: 2, ..defaults }),
             (&["--seed", "77"], SolverParams { seed: 77, ..defaults }),
+            (&["--memory", "4GiB"], SolverParams { memory: MemoryBudget::Bytes(4 << 30), ..defaults }),
         ];
         for (args, expected) in cases {
             assert_eq!(params(args).expect("a good option"), expected, "{args:?}");
@@ -377,6 +384,9 @@ mod tests {
             ["--error", "NaN"],
             ["--threads", "4096"],
             ["--rays-min", "500"],
+            ["--memory", "0%"],
+            ["--memory", "200%"],
+            ["--memory", "lots"],
         ] {
             assert!(params(&args).is_err(), "{args:?}");
         }

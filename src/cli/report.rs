@@ -6,7 +6,9 @@ use std::time::Instant;
 use selflink::export::settings::Settings;
 use selflink::format::{bytes, count, number, quantity, seconds};
 use selflink::scene::{Scene, Sides, Skipped};
-use selflink::solver::{Bytes, ClusteringMode, OracleKind, PowerBalance, Push, Reconstruct, Seconds, power_balance};
+use selflink::solver::{
+    Bytes, ClusteringMode, MemoryStop, OracleKind, PowerBalance, Push, Reconstruct, Seconds, power_balance,
+};
 use serde::Serialize;
 
 use super::job::{Job, Solution};
@@ -46,6 +48,8 @@ pub struct Report<'a> {
     rays: u64,
     iterations: u32,
     converged: bool,
+    /// What could not be refined as far as was asked for within the memory budget.
+    memory_stop: Option<MemoryStop>,
     threads: usize,
     seconds: Times,
     bytes: Bytes,
@@ -105,6 +109,7 @@ impl<'a> Report<'a> {
             rays: stats.rays,
             iterations: stats.iterations,
             converged: stats.converged,
+            memory_stop: stats.memory_stop,
             threads: solution.threads,
             seconds: Times { solve: stats.seconds, since_process_start_first_snapshot: since_start.as_secs_f64() },
             bytes: stats.bytes,
@@ -123,7 +128,11 @@ impl<'a> Report<'a> {
     /// A few lines for people.
     pub fn summary(&self) -> String {
         let times = &self.seconds.solve;
-        let state = if self.converged { "converged" } else { "not finished" };
+        let state = match (self.converged, self.memory_stop) {
+            (true, _) => "converged",
+            (false, Some(_)) => "stopped",
+            (false, None) => "not finished",
+        };
         let depth = match self.clustering {
             ClusteringMode::Octree => format!(" of depth {}", self.octree_depth),
             ClusteringMode::None | ClusteringMode::Groups | ClusteringMode::Adaptive => String::new(),
@@ -163,6 +172,10 @@ impl<'a> Report<'a> {
                 seconds(times.load),
             ),
         ];
+        if let Some(stop) = self.memory_stop {
+            let more = if self.error_asked.is_some() { "a larger --error" } else { "a larger --epsilon" };
+            lines.insert(1, format!("stopped    {}", stopped_at(stop, self.bytes.budget, more)));
+        }
         if let Some(asked) = self.error_asked {
             lines.insert(1, format!("error      {}", promise(asked, self.error_estimate)));
         }
@@ -180,10 +193,23 @@ impl<'a> Report<'a> {
         }
         lines.push(power);
         if let Some(peak) = self.peak_rss_bytes {
-            lines.push(format!("memory     {} at most", bytes(peak as usize)));
+            let (peak, counted) = (bytes(peak as usize), bytes(self.bytes.counted));
+            lines.push(format!(
+                "memory     {peak} at most; {counted} counted, of a budget of {}",
+                bytes(self.bytes.budget)
+            ));
         }
         lines.join("\n") + "\n"
     }
+}
+
+/// Why a solve ended before it was finished, and what helps.
+fn stopped_at(stop: MemoryStop, budget: usize, ask_for: &str) -> String {
+    format!(
+        "at the memory budget of {}: {}; give more with --memory or ask for {ask_for}",
+        bytes(budget),
+        stop.in_words()
+    )
 }
 
 /// What was asked for and what came of it.

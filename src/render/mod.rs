@@ -49,7 +49,7 @@ pub const MAX_SIZE: u32 = 16_384;
 pub enum RenderError {
     /// No Vulkan, Metal, DirectX or GL adapter answers.
     #[error(
-        "no graphics adapter was found: install a graphics driver, or software rendering (Debian and Ubuntu: apt install mesa-vulkan-drivers)"
+        "no graphics adapter was found: install a graphics driver, or software rendering (Debian and Ubuntu: apt install mesa-vulkan-drivers); `selflink solve` needs none"
     )]
     NoAdapter,
     /// The adapter gives no device.

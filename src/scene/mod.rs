@@ -205,6 +205,12 @@ impl Scene {
         }
     }
 
+    /// Memory of vertices, polygons and groups, bytes.
+    pub fn bytes(&self) -> usize {
+        let names = self.groups.iter().map(|group| group.name.len()).sum::<usize>();
+        size_of_val(&self.vertices[..]) + size_of_val(&self.polygons[..]) + size_of_val(&self.groups[..]) + names
+    }
+
     /// Adds a material and returns its id.
     pub fn add_material(&mut self, name: &str, reflectance: Vec3, emission: Vec3) -> MaterialId {
         self.materials.push(Material { name: name.to_owned(), reflectance, emission });

@@ -75,6 +75,18 @@ pub enum Waiting {
     },
 }
 
+impl Waiting {
+    /// Number of pairs that it stands for.
+    pub fn pairs(&self, hierarchy: &Hierarchy) -> u32 {
+        match *self {
+            Self::Pair(_) => 1,
+            Self::Siblings { cluster, from, .. } => {
+                (hierarchy.element(cluster).children().len() as u32).saturating_sub(from)
+            }
+        }
+    }
+}
+
 /// Takes up to `limit` candidates from the front of a wave; what is left over of a row of siblings goes back.
 pub fn take_chunk(
     wave: &mut std::collections::VecDeque<Waiting>,

@@ -109,7 +109,7 @@ impl SolverParams {
             Invalidates::Links
         } else if merges_back {
             Invalidates::Refinement
-        } else if doubts != Doubts::default() {
+        } else if doubts != Doubts::default() || newer.memory.bytes() > self.memory.bytes() {
             Invalidates::Verdicts
         } else if self.push != newer.push || self.error != newer.error || shown != newly_shown && is_gathered {
             Invalidates::Radiosities
@@ -126,6 +126,7 @@ impl SolverParams {
 mod tests {
     use super::super::params::{ClusterModel, Epsilon, OracleKind, PARAMETERS, ParameterId, Push};
     use super::*;
+    use crate::memory::MemoryBudget;
     use crate::scene::Sides;
 
     /// ε in W where Φ is 100 W.
@@ -169,6 +170,7 @@ mod tests {
             ParameterId::Sides => [None, Some(Sides::Both)].map(|sides| SolverParams { sides, ..base }),
             ParameterId::Threads => [0, 2].map(|threads| SolverParams { threads, ..base }),
             ParameterId::Seed => [1, 2].map(|seed| SolverParams { seed, ..base }),
+            ParameterId::Memory => [0.2, 0.3].map(|share| SolverParams { memory: MemoryBudget::Share(share), ..base }),
         }
     }
 

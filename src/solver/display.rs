@@ -115,6 +115,21 @@ impl Display {
         }
     }
 
+    /// Memory of the mesh and of what belongs to it, bytes.
+    pub fn bytes(&self) -> usize {
+        let mesh = &self.mesh;
+        size_of_val(&mesh.positions[..])
+            + size_of_val(&mesh.triangles[..])
+            + size_of_val(&mesh.triangle_leaf[..])
+            + size_of_val(&mesh.outlines[..])
+            + size_of_val(&mesh.leaves[..])
+            + size_of_val(&self.starts[..])
+            + size_of_val(&self.shares[..])
+            + size_of_val(&self.keys[..])
+            + size_of_val(&self.first_triangles[..])
+            + size_of_val(&self.leaf_of[..])
+    }
+
     /// How it was made.
     pub fn style(&self) -> Style {
         self.style

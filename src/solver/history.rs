@@ -17,6 +17,8 @@ use crate::hierarchy::ElementId;
 
 /// Memory that moments may take, bytes. Beyond it every other one is forgotten, but the first and the last.
 const MOST_BYTES: usize = 192 << 20;
+/// And no more than this part of the memory budget.
+const PART_OF_BUDGET: usize = 8;
 
 /// What ended with a moment.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -77,11 +79,16 @@ pub struct History {
 }
 
 impl History {
-    fn push(&mut self, moment: Moment) {
+    /// Memory of the moments, bytes.
+    pub fn bytes(&self) -> usize {
+        self.bytes
+    }
+
+    fn push(&mut self, moment: Moment, most_bytes: usize) {
         self.changes += 1;
         self.bytes += moment.state.bytes();
         self.moments.push(moment);
-        while self.bytes > MOST_BYTES && self.moments.len() > 3 {
+        while self.bytes > most_bytes && self.moments.len() > 3 {
             let last = self.moments.len() - 1;
             let mut place = 0;
             self.moments.retain(|_| {
@@ -140,8 +147,9 @@ impl Solver {
             }
         };
         let info = MomentInfo { kind, stats: self.stats() };
+        let most_bytes = MOST_BYTES.min(self.budget_bytes() / PART_OF_BUDGET);
         if let Some(history) = &mut self.history {
-            history.push(Moment { info, state });
+            history.push(Moment { info, state }, most_bytes);
         }
     }
 

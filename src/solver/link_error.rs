@@ -81,7 +81,7 @@ impl Oracle<'_> {
             SightKind::Full | SightKind::Partial => Some(sight.asked),
         };
         let error = self.error_of(receiver, source, facing, sight.visibility, rays);
-        if error.total() <= self.thresholds.epsilon {
+        if error.total() <= self.thresholds.epsilon || !self.may_split {
             return Decision::Accept(link);
         }
         let Some(larger) = end_to_split(self.hierarchy, receiver, source) else { return Decision::AcceptAtGuard(link) };

@@ -27,7 +27,10 @@ impl Solver {
         params.validate()?;
         let is_anchored_anew = self.params.threshold() != params.threshold();
         let epsilon = if is_anchored_anew { watts(&params, &self.scene) } else { self.epsilon_watts };
-        let change = self.params.change_to(&params, [self.epsilon_watts, epsilon]);
+        // More memory is more only where it was missing.
+        let memory = if self.memory_stop.is_some() { self.params.memory } else { params.memory };
+        let present = SolverParams { memory, ..self.params };
+        let change = present.change_to(&params, [self.epsilon_watts, epsilon]);
         if change.cost >= Invalidates::Hierarchy {
             return Ok(false);
         }
@@ -41,6 +44,7 @@ impl Solver {
         self.merges_back |= change.merges_back;
         self.doubts = self.doubts.and(change.doubts);
         match change.cost {
+            Invalidates::Verdicts | Invalidates::Refinement if self.has_cut_rows => self.restart_from_root(),
             Invalidates::Nothing | Invalidates::Picture => {}
             // Links and their light stay; vertices look for theirs.
             Invalidates::Radiosities if self.phase == Phase::Done && !is_moved && self.is_to_reconstruct() => {
@@ -157,6 +161,9 @@ impl Solver {
     fn resume(&mut self) {
         self.gathers_finely = false;
         self.final_gather = None;
+        // There may be room now; but siblings that their cluster lights as a whole stay as they are.
+        self.is_full = self.has_cut_rows;
+        self.memory_stop = self.memory_stop.filter(|_| self.has_cut_rows);
         if !self.refinement.is_finished() {
             self.phase = Phase::Refine;
         } else if matches!(self.phase, Phase::Done | Phase::Reconstruct) {
@@ -195,5 +202,6 @@ impl Solver {
         self.restart_history();
         (self.gathers_finely, self.is_converged) = (false, false);
         (self.merges_back, self.doubts) = (false, Doubts::default());
+        (self.is_full, self.has_cut_rows, self.memory_stop) = (false, false, None);
     }
 }

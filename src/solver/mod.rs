@@ -58,6 +58,7 @@ pub use form_factor::{Exchange, exchange, point_to_polygon};
 pub use history::{MomentInfo, MomentKind};
 pub use link::{Evidence, Link, LinkTable};
 pub use link_error::LinkError;
+pub use memory::MemoryStop;
 pub use params::{
     ClusterModel, ClusteringMode, Epsilon, OracleKind, PARAMETERS, Parameter, ParameterId, ParamsError, Push,
     Reconstruct, SolverParams, USUAL_ERROR, ValueKind,
@@ -90,15 +91,15 @@ pub enum SolverError {
     Params(#[from] ParamsError),
     /// Plain HR would need more memory than there is.
     #[error(
-        "clustering none would judge {pairs} pairs and needs up to {needed_mib} MiB for their links, but only {available_mib} MiB are free: choose adaptive, groups or octree"
+        "clustering none would judge {pairs} pairs and needs up to {needed_mib} MiB for their links, more than half of the memory budget of {budget_mib} MiB: choose adaptive, groups or octree, or give more with --memory"
     )]
     TooManyPairs {
         /// Pairs of initial patches.
         pairs: u64,
         /// Memory their links may take, MiB.
         needed_mib: u64,
-        /// Memory that is free, MiB.
-        available_mib: u64,
+        /// The memory budget, MiB.
+        budget_mib: u64,
     },
 }
 
@@ -153,6 +154,12 @@ pub struct Solver {
     gathers_finely: bool,
     /// Whether the light is that of the last gather, and nothing has changed since but what is asked of links.
     is_converged: bool,
+    /// Whether nothing is split any more, because memory would not hold it.
+    is_full: bool,
+    /// Whether clusters light some of their children as a whole because memory was full: pairs of siblings would count twice beside that.
+    has_cut_rows: bool,
+    /// What was not refined as far as was asked for, for want of memory.
+    memory_stop: Option<MemoryStop>,
     iterations: u32,
     clamped_leaves: usize,
     bounded_leaves: usize,
@@ -195,7 +202,7 @@ impl Solver {
     ) -> Result<Self, SolverError> {
         params.validate()?;
         if params.clustering == ClusteringMode::None {
-            check_pairs_fit(scene.polygons.len() as u64)?;
+            check_pairs_fit(scene.polygons.len() as u64, params.memory.bytes())?;
         }
         let (hierarchy, seconds) =
             timed(|| Hierarchy::new(&scene, exposure(&scene, &occluders), params.clustering, params.octree_depth));
@@ -220,6 +227,9 @@ impl Solver {
             stage: 0,
             gathers_finely: false,
             is_converged: false,
+            is_full: false,
+            has_cut_rows: false,
+            memory_stop: None,
             iterations: 0,
             clamped_leaves: 0,
             bounded_leaves: 0,

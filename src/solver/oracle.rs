@@ -36,6 +36,8 @@ pub struct Oracle<'a> {
     pub spread: &'a [f32],
     /// What links are refined by.
     pub kind: OracleKind,
+    /// Whether anything may be split; pairs are kept as they are where memory holds no more.
+    pub may_split: bool,
     /// Thresholds.
     pub thresholds: Thresholds,
     /// What clusters are to light.
@@ -66,7 +68,7 @@ impl Oracle<'_> {
         let sight = if strongest > 0.0 {
             // Where both directions would be refined anyway, a mixture of seen and blocked rays says all.
             let stop_when_mixed = match self.kind {
-                OracleKind::Energy => weakest * bound > self.thresholds.epsilon_partial,
+                OracleKind::Energy => self.may_split && weakest * bound > self.thresholds.epsilon_partial,
                 // By this oracle, V decides what is refined.
                 OracleKind::Error => false,
             };
@@ -122,6 +124,11 @@ impl Oracle<'_> {
             is_negligible: strongest * bound <= self.thresholds.epsilon_partial,
             rays,
         }
+    }
+
+    /// Whether nobody has judged a stored link whose source shines by now; where nothing may be split, all else stays as it is.
+    pub fn is_unjudged(&self, link: &Link) -> bool {
+        link.evidence() == Evidence::None && self.brightness[link.source().index()] > 0.0
     }
 
     /// Whether a stored link fails by the present radiosities and must be judged again.
@@ -227,7 +234,7 @@ impl Oracle<'_> {
         let brightness = self.brightness[candidate.a.index()];
         let power = brightness * element.area;
         let mut rays = 0;
-        let decision = if power > self.allowed_of_self() {
+        let decision = if self.may_split && power > self.allowed_of_self() {
             Decision::Refine(candidate.a)
         } else if self.is_convex(&cluster) {
             Decision::Reject(Rejection::FacingAway)
@@ -316,7 +323,7 @@ impl Oracle<'_> {
             SightKind::Full => self.thresholds.epsilon,
             SightKind::Partial | SightKind::Unknown => self.thresholds.epsilon_partial,
         };
-        if brightness * bound <= allowed {
+        if brightness * bound <= allowed || !self.may_split {
             return Decision::Accept(link);
         }
         end_to_split(self.hierarchy, receiver, link.source()).map_or(Decision::AcceptAtGuard(link), Decision::Refine)
@@ -340,7 +347,7 @@ impl Oracle<'_> {
             OracleKind::Energy => bound > self.thresholds.epsilon,
             OracleKind::Error => self.is_refined_unseen(bound),
         };
-        if is_refined && bound > power {
+        if self.may_split && is_refined && bound > power {
             // Boxes that touch are refined in any case; what their members see is for their members to find out.
             return Sight::unseen(candidate);
         }

@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use super::change::Invalidates;
 pub use crate::hierarchy::ClusteringMode;
+use crate::memory::MemoryBudget;
 use crate::scene::Sides;
 
 /// When irradiance that a cluster received reaches the patches below it.
@@ -110,6 +111,8 @@ pub struct SolverParams {
     pub threads: u32,
     /// Seed of every random choice.
     pub seed: u64,
+    /// Memory that the solution may take; what does not fit is not refined.
+    pub memory: MemoryBudget,
 }
 
 impl Default for SolverParams {
@@ -130,6 +133,7 @@ impl Default for SolverParams {
             sides: None,
             threads: 0,
             seed: 1,
+            memory: MemoryBudget::default(),
         }
     }
 }
@@ -169,6 +173,8 @@ pub enum ParameterId {
     Threads,
     /// Random seed.
     Seed,
+    /// Memory budget.
+    Memory,
 }
 
 /// The kind of value and where it may lie.
@@ -212,7 +218,7 @@ pub struct Parameter {
 }
 
 /// Every parameter, in the order of the panel.
-pub const PARAMETERS: [Parameter; 16] = [
+pub const PARAMETERS: [Parameter; 17] = [
     Parameter {
         id: ParameterId::Error,
         flag: "error",
@@ -357,6 +363,15 @@ pub const PARAMETERS: [Parameter; 16] = [
         kind: ValueKind::Whole { range: 0..=1_000_000 },
         costs: [Invalidates::Links; 2],
     },
+    Parameter {
+        id: ParameterId::Memory,
+        flag: "memory",
+        label: "memory, at most",
+        unit: "",
+        hint: "Memory that scene and solution may take, as a share of the machine's or a size such as 4GiB; refinement stops before it takes more.",
+        kind: ValueKind::Real { range: 0.02..=0.9, logarithmic: false },
+        costs: [Invalidates::Nothing, Invalidates::Verdicts],
+    },
 ];
 
 /// A parameter that cannot be used, with what to do about it.
@@ -386,6 +401,9 @@ pub enum ParamsError {
         /// Upper bound.
         max: u32,
     },
+    /// A budget that nothing fits into, or of more than there is.
+    #[error("--memory must be at least 1MiB, or more than 0% and at most 100% of the machine's memory (it is {0})")]
+    Memory(MemoryBudget),
     /// Octree depth out of range.
     #[error("--octree-depth must lie between 1 and 16 (it is {0})")]
     OctreeDepth(u32),
@@ -431,6 +449,9 @@ impl SolverParams {
         }
         if !(1..=16).contains(&self.octree_depth) {
             return Err(ParamsError::OctreeDepth(self.octree_depth));
+        }
+        if !self.memory.is_usable() {
+            return Err(ParamsError::Memory(self.memory));
         }
         Ok(())
     }

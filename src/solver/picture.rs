@@ -133,17 +133,21 @@ fn links_of_waiting(hierarchy: &Hierarchy, waiting: &Waiting) -> [Option<(Elemen
             };
             [link(candidate.directions.to_a, a, b), link(candidate.directions.to_b, b, a)]
         }
-        // A row of siblings stands for the exchange of one child with the rest of its cluster: let the cluster light it.
-        Waiting::Siblings { cluster, child, from } => {
-            let element = hierarchy.element(cluster);
-            let Some(own) = element.children().nth(child as usize) else { return [None, None] };
-            let Some((_, link)) = self_link(hierarchy, cluster) else { return [None, None] };
-            let left = (element.children().len() as u32 - from) as f32 / element.children().len() as f32;
-            // Rows shrink as the wave goes on; both halves of the pairs of a row go to its child.
-            let form_factor = (link.form_factor * 2.0 * left).min(link.form_factor);
-            [Some((own, Link::new(cluster, form_factor, 1.0, Evidence::None))), None]
-        }
+        Waiting::Siblings { .. } => [link_of_row(hierarchy, waiting).map(|(own, link)| (own, link.unjudged())), None],
     }
+}
+
+/// A row of siblings stands for the exchange of one child with the rest of its cluster: lets the cluster light it. `None` for
+/// anything else.
+pub(super) fn link_of_row(hierarchy: &Hierarchy, waiting: &Waiting) -> Option<(ElementId, Link)> {
+    let Waiting::Siblings { cluster, child, from } = *waiting else { return None };
+    let element = hierarchy.element(cluster);
+    let own = element.children().nth(child as usize)?;
+    let (_, link) = self_link(hierarchy, cluster)?;
+    let left = (element.children().len() as u32 - from) as f32 / element.children().len() as f32;
+    // Rows shrink as the wave goes on; both halves of the pairs of a row go to its child.
+    let form_factor = (link.form_factor * 2.0 * left).min(link.form_factor);
+    Some((own, Link::new(cluster, form_factor, 1.0, Evidence::Inherited)))
 }
 
 fn self_link(hierarchy: &Hierarchy, id: ElementId) -> Option<(ElementId, Link)> {

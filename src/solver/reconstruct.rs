@@ -3,6 +3,7 @@
 use super::display::{Display, Style};
 use super::final_gather::{Context, FinalGather, Progress};
 use super::gather::pull;
+use super::memory::MemoryStop;
 use super::params::Reconstruct;
 use super::stats::Phase;
 use super::{Solver, Step};
@@ -38,18 +39,26 @@ impl Solver {
     pub(super) fn reconstruct(&mut self, cancel: &CancelToken) -> Step {
         let mut gather = match self.final_gather.take() {
             Some(gather) => gather,
+            None if !self.has_room_for_gather() => {
+                self.memory_stop.get_or_insert(MemoryStop::Vertices);
+                self.phase = Phase::Done;
+                return Step::Reconstructed { pass_ended: true };
+            }
             None => match self.new_final_gather(cancel) {
                 Some(gather) => gather,
                 None => return Step::Interrupted,
             },
         };
+        let memory = self.budget_of_gather();
         let context = Context {
             scene: &self.scene,
             occluders: &self.occluders,
             surfaces: &self.surfaces,
             seed: self.params.seed,
+            memory,
         };
         let progress = gather.step(&mut self.hierarchy, &context, cancel);
+        self.memory_stop = self.memory_stop.or(gather.memory_stop());
         self.final_gather = Some(gather);
         let elements = self.hierarchy.elements().len();
         if self.links.receivers() < elements {
@@ -86,11 +95,13 @@ impl Solver {
         let all = self.light.irradiance.iter().zip(&direct);
         let indirect: Vec<_> = all.map(|(all, direct)| (*all - *direct).max(glam::Vec3::ZERO)).collect();
         let display = Display::current(self.display.take(), &self.scene, &self.hierarchy, self.style());
+        let memory = self.budget_of_gather();
         let context = Context {
             scene: &self.scene,
             occluders: &self.occluders,
             surfaces: &self.surfaces,
             seed: self.params.seed,
+            memory,
         };
         let gather = FinalGather::new(
             &display,

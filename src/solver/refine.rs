@@ -7,6 +7,7 @@ use rayon::prelude::*;
 use super::candidate::{Candidate, Directions, Waiting, take_chunk};
 use super::link::Link;
 use super::oracle::Oracle;
+use super::picture::link_of_row;
 use super::verdict::{Decision, OccludedPair, Rejection, Verdict};
 use crate::cancel::CancelToken;
 use crate::hierarchy::{ElementId, Hierarchy};
@@ -25,6 +26,15 @@ pub struct Counts {
     pub rays: u64,
     /// Pairs accepted only because a patch is too deep to be split.
     pub depth_guard_struck: u64,
+}
+
+/// What became of a chunk of verdicts.
+#[derive(Clone, Copy, Debug)]
+pub struct Applied {
+    /// Whether the wave ended with them.
+    pub wave_ended: bool,
+    /// Whether there was room for all of them.
+    pub is_whole: bool,
 }
 
 /// A direction of a pair that carries nothing.
@@ -121,9 +131,19 @@ impl Refinement {
         judged
     }
 
-    /// Applies verdicts in order; true when the wave ended with them.
-    pub fn apply(&mut self, hierarchy: &mut Hierarchy, judged: &[(Candidate, Verdict)]) -> bool {
-        for (candidate, verdict) in judged {
+    /// Applies verdicts in order as long as there is room; what is left over waits to be judged again.
+    pub fn apply(
+        &mut self,
+        hierarchy: &mut Hierarchy,
+        judged: &[(Candidate, Verdict)],
+        has_room: impl Fn(&Self, &Hierarchy) -> bool,
+    ) -> Applied {
+        let mut applied = judged.len();
+        for (place, (candidate, verdict)) in judged.iter().enumerate() {
+            if !has_room(self, hierarchy) {
+                applied = place;
+                break;
+            }
             let (a, b) = (candidate.a, candidate.b);
             self.counts.rays += u64::from(verdict.rays);
             let to_a = self.settle(a, b, &verdict.to_a);
@@ -148,8 +168,11 @@ impl Refinement {
                 }
             }
         }
-        self.judged.0 += judged.len();
-        self.judged.1 += judged.len();
+        self.judged.0 += applied;
+        self.judged.1 += applied;
+        for (candidate, _) in judged[applied..].iter().rev() {
+            self.wave.push_front(Waiting::Pair(*candidate));
+        }
         let ended = self.wave.is_empty();
         if ended {
             self.last_growth = self.next_wave.len() as f32 / self.judged.1.max(1) as f32;
@@ -157,7 +180,23 @@ impl Refinement {
             self.wave = std::mem::take(&mut self.next_wave);
             self.waves += 1;
         }
-        ended
+        Applied { wave_ended: ended, is_whole: applied == judged.len() }
+    }
+
+    /// Lets a cluster light its child at once where more than `most` of the child's siblings wait to: to judge each of those pairs
+    /// would take the memory that there is not. Whether there were any.
+    pub fn cut_rows(&mut self, hierarchy: &Hierarchy, most: u32) -> bool {
+        let accepted = self.accepted.len();
+        for waves in [&mut self.wave, &mut self.next_wave] {
+            waves.retain(|waiting| {
+                let Some(link) = link_of_row(hierarchy, waiting).filter(|_| waiting.pairs(hierarchy) > most) else {
+                    return true;
+                };
+                self.accepted.push(link);
+                false
+            });
+        }
+        self.accepted.len() > accepted
     }
 
     /// Takes back what was recorded of pairs that are looked at again.

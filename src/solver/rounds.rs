@@ -6,14 +6,17 @@ use super::candidate::{Candidate, Directions};
 use super::change::Doubts;
 use super::gather::Gatherer;
 use super::link::{Evidence, Link, LinkTable};
+use super::memory::{MemoryStop, growing_bytes};
 use super::oracle::Oracle;
 use super::params::OracleKind;
 use super::rays::RaySampler;
+use super::refine::Refinement;
 use super::sight::Thresholds;
 use super::stats::Phase;
+use super::verdict::Verdict;
 use super::{Solver, Step, timed};
 use crate::cancel::CancelToken;
-use crate::hierarchy::ElementId;
+use crate::hierarchy::{ElementId, Hierarchy};
 
 /// Multiples of ε that a solve goes through. Verdicts look at radiosities, so a fine ε needs them nearly right: with the
 /// last ε alone, links judged while B was small are judged again and again as it grows, and are refined by wrong values.
@@ -27,6 +30,8 @@ const FEW: usize = 100;
 const ROUND_TOLERANCE: f64 = 1e-2;
 /// The last gather ends when less than this share of the power is still to come.
 const FINAL_TOLERANCE: f64 = 1e-5;
+/// Where memory is full, a child with more siblings to be judged than this is lit by its cluster as a whole.
+const LONGEST_ROW: u32 = 16;
 /// A gather is given up after this many sweeps; at the largest reflectance that files may hold (0.99) light needs 1,400
 /// sweeps to fall to 10⁻⁶.
 const MOST_SWEEPS: u32 = 2000;
@@ -73,12 +78,29 @@ impl Solver {
         let judged = refinement.judge(&self.oracle(), cancel);
         self.refinement = refinement;
         let Some(judged) = judged else { return Step::Interrupted };
-        let wave_ended = self.refinement.apply(&mut self.hierarchy, &judged);
+        let wave_ended = self.apply(&judged);
         self.grow_light();
         if self.refinement.is_finished() {
             self.phase = Phase::Gather;
         }
         Step::Refined { wave_ended }
+    }
+
+    /// Applies verdicts as far as memory holds what comes of them; from then on nothing is split.
+    fn apply(&mut self, judged: &[(Candidate, Verdict)]) -> bool {
+        let (is_full, is_watched) = (self.is_full, self.is_watched());
+        let room = self.budget_of_links().saturating_sub(self.lasting_bytes());
+        let has_room = |refinement: &Refinement, hierarchy: &Hierarchy| {
+            is_full || growing_bytes(refinement, hierarchy, is_watched) <= room
+        };
+        let applied = self.refinement.apply(&mut self.hierarchy, judged, has_room);
+        if !applied.is_whole {
+            self.is_full = true;
+            let is_first = self.refinement.counts.pairs_judged == 0;
+            self.memory_stop = Some(if is_first { MemoryStop::Scene } else { MemoryStop::Links });
+            self.has_cut_rows |= self.refinement.cut_rows(&self.hierarchy, LONGEST_ROW);
+        }
+        applied.wave_ended
     }
 
     fn gather(&mut self, cancel: &CancelToken) -> Step {
@@ -144,8 +166,9 @@ impl Solver {
         let mut links = std::mem::take(&mut self.links);
         let occluded = std::mem::take(&mut self.refinement.occluded);
         let oracle = self.oracle();
-        let failing = links.drain(|receiver, link| {
-            oracle.must_judge_again(receiver, link) || oracle.is_in_doubt(receiver, link, doubts)
+        let failing = links.drain(|receiver, link| match oracle.may_split {
+            true => oracle.must_judge_again(receiver, link) || oracle.is_in_doubt(receiver, link, doubts),
+            false => oracle.is_unjudged(link),
         });
         let of_link = |(receiver, link): (ElementId, Link)| judged_again(receiver, &link, doubts);
         let (doubtful, believed): (Vec<_>, _) =
@@ -175,6 +198,7 @@ impl Solver {
             thresholds,
             model: params.cluster_model,
             kind: params.oracle,
+            may_split: !self.is_full,
             sampler: RaySampler { occluders: &self.occluders, seed: params.seed, emission: &self.emission },
         }
     }

@@ -63,6 +63,11 @@ impl Solver {
         }
     }
 
+    /// Numbers the snapshots of this solve, before the first one is taken.
+    pub fn set_generation(&mut self, generation: u64) {
+        self.generation = generation;
+    }
+
     /// Books time that passed before the solver was made: reading the file and building the occluders.
     pub fn set_load_seconds(&mut self, seconds: f64) {
         self.seconds.load = seconds;
@@ -89,7 +94,7 @@ impl Solver {
             iterations: self.iterations,
             wave: self.refinement.waves,
             candidates_left: wave + next_wave,
-            converged: self.phase == Phase::Done,
+            converged: self.phase == Phase::Done && self.memory_stop.is_none(),
             depth_guard_struck: self.refinement.counts.depth_guard_struck,
             clamped_leaves: self.clamped_leaves,
             bounded_leaves: self.bounded_leaves,
@@ -100,7 +105,10 @@ impl Solver {
                 links: self.links.bytes(),
                 elements: self.hierarchy.bytes() + self.light.bytes(),
                 rows: self.final_gather.as_ref().map_or(0, FinalGather::bytes),
+                counted: self.counted_bytes(),
+                budget: self.budget_bytes(),
             },
+            memory_stop: self.memory_stop,
             emitted_watts: f64::from(emitted.element_sum()),
             absorbed_watts: balance::absorbed(self).element_sum(),
             progress: self.refinement.progress().filter(|_| self.phase == Phase::Refine),

@@ -2,6 +2,8 @@
 
 use serde::Serialize;
 
+use super::memory::MemoryStop;
+
 /// What the solver is doing.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
@@ -52,7 +54,7 @@ pub struct Stats {
     pub wave: u32,
     /// Candidates that wait in the present wave.
     pub candidates_left: usize,
-    /// Whether nothing was left to refine and the last gather converged.
+    /// Whether nothing was left to refine, for want of memory neither, and the last gather converged.
     pub converged: bool,
     /// Times that the depth guard kept a patch from being subdivided.
     pub depth_guard_struck: u64,
@@ -68,6 +70,8 @@ pub struct Stats {
     pub seconds: Seconds,
     /// Memory of the large tables.
     pub bytes: Bytes,
+    /// What could not be refined as far as was asked for within the memory budget.
+    pub memory_stop: Option<MemoryStop>,
     /// Emitted power Φ, W (all colours summed).
     pub emitted_watts: f64,
     /// Power absorbed by bright sides, W (all colours summed).
@@ -104,4 +108,8 @@ pub struct Bytes {
     pub elements: usize,
     /// Vertices of the final gather and the rows of what they see.
     pub rows: usize,
+    /// All that is counted against the budget: scene, solution, and what is made of them meanwhile.
+    pub counted: usize,
+    /// The memory budget.
+    pub budget: usize,
 }

@@ -1,6 +1,6 @@
-//! The loader's thread: reads a file or remakes a scene, turns its faces and builds its occluders.
+//! The loader's thread: reads a file or remakes a scene, turns its faces, builds its occluders and clusters.
 //!
-//! A parser and a BVH build cannot be interrupted, so the thread is orphaned when nobody waits for it any more; its
+//! A parser and the building of a BVH or of clusters cannot be interrupted, so the thread is orphaned when nobody waits for it any more; its
 //! result then carries a number that the session no longer expects. Few run at a time, orphans among them; the next one waits until
 //! one of these is done.
 
@@ -13,11 +13,13 @@ use std::thread::Builder;
 use std::time::Instant;
 
 use glam::Vec3;
+use rayon::ThreadPool;
 
-use super::Message;
+use super::guard::guarded;
+use super::{FileStamp, Message};
 use crate::added_light::AddedLight;
-use crate::cancel::CancelToken;
 use crate::scene::{self, Scene, Sides, Source};
+use crate::solver::{Solver, SolverError, SolverParams};
 use crate::visibility::Occluders;
 use crate::{ceiling, orient};
 
@@ -26,7 +28,7 @@ pub(super) enum Job {
     /// Read this and add light to it.
     Load(Source, AddedLight),
     /// Add lights to the present scene, or turn its faces, and build its occluders anew.
-    Remake { raw: Arc<Scene>, path: Option<PathBuf>, lights: Vec<CeilingLight> },
+    Remake { raw: Arc<Scene>, path: Option<PathBuf>, stamps: Vec<FileStamp>, lights: Vec<CeilingLight> },
 }
 
 /// A square light to be added below the ceiling.
@@ -48,10 +50,14 @@ pub(super) struct Prepared {
     pub occluders: Arc<Occluders>,
     /// The file it came from.
     pub path: Option<PathBuf>,
+    /// What its files looked like before they were read.
+    pub stamps: Vec<FileStamp>,
     /// The sides that were asked for; `None` as the scene says.
     pub sides: Option<Sides>,
     /// Seconds that all this took.
     pub seconds: f64,
+    /// Its solver at the root's self-link, until a session takes it.
+    pub solver: Option<Solver>,
 }
 
 /// A loader whose result is awaited.
@@ -67,28 +73,34 @@ pub(super) struct Awaited {
 /// So many loaders run at a time at most.
 const MOST: usize = 4;
 
+/// A scene that is to be made ready, and all that decides what it becomes.
+pub(super) struct Order {
+    /// The number that the result carries.
+    pub ticket: u64,
+    pub job: Job,
+    pub params: SolverParams,
+    /// Where clusters are built.
+    pub pool: Option<Arc<ThreadPool>>,
+}
+
 /// The loaders that run, wanted or not, and what waits for one of them to end.
 #[derive(Default)]
 pub(super) struct Loaders {
     running: usize,
-    waiting: Vec<(u64, Job, Option<Sides>)>,
+    waiting: Vec<Order>,
 }
 
 impl Loaders {
-    /// Starts a loader as soon as few enough run; its result comes as [`Message::Prepared`] with `ticket`.
+    /// Starts a loader as soon as few enough run; its result comes as [`Message::Prepared`] with the order's ticket.
     ///
     /// # Errors
     /// The system gives no further thread.
-    pub(super) fn start(
-        &mut self,
-        (ticket, job, sides): (u64, Job, Option<Sides>),
-        ends: (&Sender<Message>, &CancelToken),
-    ) -> std::io::Result<()> {
+    pub(super) fn start(&mut self, order: Order, inbox: &Sender<Message>) -> std::io::Result<()> {
         if self.running < MOST {
-            spawn(job, sides, ticket, ends.0.clone(), ends.1.clone())?;
+            spawn(order, inbox.clone())?;
             self.running += 1;
         } else {
-            self.waiting.push((ticket, job, sides));
+            self.waiting.push(order);
         }
         Ok(())
     }
@@ -100,57 +112,59 @@ impl Loaders {
     pub(super) fn one_ended(
         &mut self,
         is_wanted: impl Fn(u64) -> bool,
-        ends: (&Sender<Message>, &CancelToken),
+        inbox: &Sender<Message>,
     ) -> std::io::Result<()> {
         self.running = self.running.saturating_sub(1);
         for order in std::mem::take(&mut self.waiting) {
-            if is_wanted(order.0) {
-                self.start(order, ends)?;
+            if is_wanted(order.ticket) {
+                self.start(order, inbox)?;
             }
         }
         Ok(())
     }
 }
 
-fn spawn(
-    job: Job,
-    sides: Option<Sides>,
-    ticket: u64,
-    inbox: Sender<Message>,
-    cancel: CancelToken,
-) -> std::io::Result<()> {
+fn spawn(order: Order, inbox: Sender<Message>) -> std::io::Result<()> {
     let work = move || {
-        let result = catch_unwind(AssertUnwindSafe(|| prepare(job, sides)));
+        let Order { ticket, job, params, pool } = order;
+        let result = catch_unwind(AssertUnwindSafe(|| prepare(job, params, pool.as_deref())));
         let result = result.unwrap_or_else(|panic| Err(format!("The loader broke: {}.", panic_message(&*panic))));
         // The session may have ended meanwhile; then nobody wants the result.
         let _ = inbox.send(Message::Prepared(ticket, result.map(Box::new)));
-        cancel.cancel();
     };
     Builder::new().name("loader".into()).spawn(work).map(drop)
 }
 
-fn prepare(job: Job, sides: Option<Sides>) -> Result<Prepared, String> {
+fn prepare(job: Job, params: SolverParams, pool: Option<&ThreadPool>) -> Result<Prepared, String> {
     let begun = Instant::now();
-    let (raw, path) = match job {
+    let (raw, path, stamps) = match job {
         Job::Load(source, light) => {
             let path = match &source {
                 Source::File(path) => Some(path.clone()),
                 Source::Builtin(_) => None,
             };
+            let stamps = path.iter().flat_map(|path| FileStamp::of_scene(path)).collect();
             let mut raw = scene::load(&source).map_err(|error| error.to_string())?;
             light.add_to(&mut raw).map_err(|error| error.to_string())?;
-            (Arc::new(raw), path)
+            (Arc::new(raw), path, stamps)
         }
-        Job::Remake { mut raw, path, lights } => {
+        Job::Remake { mut raw, path, stamps, lights } => {
             for CeilingLight { size, exitance } in lights {
                 ceiling::add_light(Arc::make_mut(&mut raw), size, exitance).map_err(|error| error.to_string())?;
             }
-            (raw, path)
+            (raw, path, stamps)
         }
     };
+    let sides = params.sides;
     let (scene, occluders) = orient::apply((*raw).clone(), sides.unwrap_or(raw.sides));
     let seconds = begun.elapsed().as_secs_f64();
-    Ok(Prepared { raw, scene: Arc::new(scene), occluders: Arc::new(occluders), path, sides, seconds })
+    let (scene, occluders) = (Arc::new(scene), Arc::new(occluders));
+    let (of_scene, of_occluders) = (scene.clone(), occluders.clone());
+    let mut solver = guarded(pool, move || {
+        Solver::new(of_scene, of_occluders, params, 0).map_err(|error: SolverError| error.to_string())
+    })?;
+    solver.set_load_seconds(seconds);
+    Ok(Prepared { raw, scene, occluders, path, stamps, sides, seconds, solver: Some(solver) })
 }
 
 /// What a panic said.

@@ -1,8 +1,9 @@
 //! The solver's thread: commands go in, events and the latest snapshot come out.
 //!
 //! A window owns no solver state and never waits for the solver, nor the solver for the window. Bulk results lie in a
-//! slot that holds the newest `Arc<Snapshot>`; what must not be lost comes as an [`Event`] on a channel. A command
-//! cancels the step that runs, so that it is taken up at once; bursts of commands are merged, the newest settings win.
+//! slot that holds the newest `Arc<Snapshot>`; what must not be lost comes as an [`Event`] on a channel. The solver works on
+//! a pool (`task`), so commands are taken up at once whatever it is about; a command cancels the step that runs, and bursts of commands are
+//! merged: the newest settings win.
 //!
 //! Files are read and BVHs built on a further thread (`loader`), which is orphaned when its result is no longer wanted:
 //! the present scene stays and goes on being solved until the new one is ready. Imports `scene`, `orient`,
@@ -14,6 +15,8 @@ mod merge;
 mod pacing;
 mod session;
 mod stage;
+mod stamp;
+mod task;
 
 use std::path::PathBuf;
 use std::sync::mpsc::{Receiver, Sender, channel};
@@ -23,10 +26,10 @@ use std::thread::{Builder, JoinHandle};
 use glam::Vec3;
 
 use crate::added_light::AddedLight;
-use crate::cancel::CancelToken;
 use crate::scene::{CameraPose, GroupMember, MaterialId, Scene, Source};
 use crate::solver::{MomentInfo, Snapshot, SolverParams};
 use crate::threads::lock;
+pub use stamp::FileStamp;
 
 /// What a person asks of the solver.
 #[derive(Clone, Debug)]
@@ -123,6 +126,8 @@ pub struct SceneInfo {
     pub scene: Arc<Scene>,
     /// The file it came from; `None` for our own scenes.
     pub path: Option<PathBuf>,
+    /// What its files looked like before they were read; empty for our own scenes.
+    pub stamps: Vec<FileStamp>,
     /// The first generation of snapshots that show this scene.
     pub generation: u64,
     /// Whether anything emits.
@@ -172,6 +177,8 @@ enum Message {
     Command(Command),
     /// A loader is done; the number says which.
     Prepared(u64, Result<Box<loader::Prepared>, String>),
+    /// The solver comes home from an errand.
+    Home(Box<task::Home>),
 }
 
 /// The solver's thread and the ends of its channels; dropping it lets the thread end by itself.
@@ -179,7 +186,6 @@ pub struct SolverThread {
     inbox: Sender<Message>,
     events: Receiver<Event>,
     shared: Arc<Shared>,
-    cancel: CancelToken,
     handle: JoinHandle<()>,
 }
 
@@ -194,27 +200,18 @@ impl SolverThread {
         let (event_sender, events) = channel();
         let shared = Arc::new(Shared::default());
         lock(&shared.status).params = params;
-        let cancel = CancelToken::new();
         let session = session::Session::new(
-            session::Ends {
-                messages,
-                loopback: inbox.clone(),
-                events: event_sender,
-                shared: shared.clone(),
-                cancel: cancel.clone(),
-                wake,
-            },
+            session::Ends { messages, loopback: inbox.clone(), events: event_sender, shared: shared.clone(), wake },
             params,
         );
         let handle = Builder::new().name("solver".into()).spawn(move || session.run())?;
-        Ok(Self { inbox, events, shared, cancel, handle })
+        Ok(Self { inbox, events, shared, handle })
     }
 
     /// Hands a command over; returns at once.
     pub fn send(&self, command: Command) {
         // A thread that has ended takes no commands, and none is missed: only Shutdown ends it.
         let _ = self.inbox.send(Message::Command(command));
-        self.cancel.cancel();
     }
 
     /// The next event, if one is there.

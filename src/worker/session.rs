@@ -1,19 +1,21 @@
-//! The loop of the solver's thread: take up commands, do one step, show what is there.
+//! The loop of the session's thread: take up commands at once, and send the solver on one errand after the other.
+
+mod home;
 
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, Sender};
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use rayon::ThreadPool;
 
-use super::guard::{guarded, pool_of};
+use super::guard::pool_of;
 use super::loader::{Awaited, Loaders, Prepared};
 use super::merge::merge;
 use super::pacing::Pacing;
 use super::stage::MaterialEdit;
+use super::task::{Away, Change, Changed, Task};
 use super::{Command, Event, Look, Message, RunState, Shared, Status};
-use crate::cancel::CancelToken;
-use crate::solver::{MomentInfo, Solver, SolverParams, Step};
+use crate::solver::{MomentInfo, Solver, SolverParams};
 use crate::threads::lock;
 
 /// The thread's ends of its channels.
@@ -23,9 +25,11 @@ pub(super) struct Ends {
     pub loopback: Sender<Message>,
     pub events: Sender<Event>,
     pub shared: Arc<Shared>,
-    pub cancel: CancelToken,
     pub wake: Box<dyn Fn() + Send>,
 }
+
+/// A status waits so long for the picture that goes with it: a person who asked for something sees both at once, or soon one.
+const STATUS_PATIENCE: Duration = Duration::from_millis(25);
 
 /// Whether a person wants the solver to go on.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -41,14 +45,24 @@ pub(super) struct Session {
     pub(super) ends: Ends,
     /// As a person last set them; the solver's differ while faces are being turned.
     pub(super) params: SolverParams,
-    pub(super) pool: Option<ThreadPool>,
+    pub(super) pool: Option<Arc<ThreadPool>>,
     pub(super) prepared: Option<Box<Prepared>>,
+    /// The solver, while it is home.
     pub(super) solver: Option<Solver>,
+    away: Option<Away>,
+    /// Whether a scene without a solver is to get one: not again where that failed.
+    pub(super) wants_solver: bool,
+    /// Commands that wait for the solver.
+    pub(super) deferred: Vec<Command>,
     pub(super) generation: u64,
     pub(super) drive: Drive,
     /// Whether the scene that is being loaded starts running: it does, unless somebody paused after asking for it.
     pub(super) runs_when_loaded: bool,
     finished: bool,
+    /// Nothing is left to do but the last picture.
+    is_finishing: bool,
+    /// A status is to be told by then at the latest: better with the picture that goes with it.
+    status_due: Option<Instant>,
     /// Loaders whose result is awaited: of a new scene, and of the present one made anew.
     pub(super) loading: Option<Awaited>,
     pub(super) remaking: Option<Awaited>,
@@ -57,6 +71,12 @@ pub(super) struct Session {
     pacing: Pacing,
     /// A picture is owed whatever the pacing says.
     picture_owed: bool,
+    /// A picture is due.
+    picture_is_wanted: bool,
+    /// Whether the picture that is being taken was owed.
+    picture_was_owed: bool,
+    /// The generation that the last event of a scene told of.
+    pub(super) announced: u64,
     look: Look,
     /// Steps that were told of.
     moments: Arc<[MomentInfo]>,
@@ -71,19 +91,27 @@ impl Session {
         Self {
             ends,
             params,
-            pool: pool_of(params.threads),
+            pool: pool_of(params.threads).map(Arc::new),
             prepared: None,
             solver: None,
+            away: None,
+            wants_solver: false,
+            deferred: Vec::new(),
             generation: 0,
             drive: Drive::Run,
             runs_when_loaded: true,
             finished: false,
+            is_finishing: false,
+            status_due: None,
             loading: None,
             remaking: None,
             tickets: 0,
             loaders: Loaders::default(),
             pacing: Pacing::default(),
             picture_owed: false,
+            picture_is_wanted: false,
+            picture_was_owed: false,
+            announced: 0,
             look: Look::default(),
             moments: Arc::default(),
             told: (0, 0),
@@ -91,41 +119,33 @@ impl Session {
         }
     }
 
-    /// Takes up commands, does one step, shows what is there, until it is told to end.
+    /// Takes up commands and sends the solver on its errands, until it is told to end. It never waits for one of them.
     pub(super) fn run(mut self) {
         loop {
-            let messages = self.receive();
-            let any = !messages.is_empty();
-            for message in messages {
+            for message in self.receive() {
                 match message {
-                    Message::Command(Command::Shutdown) => return,
-                    Message::Command(command) => self.obey(command),
+                    Message::Command(Command::Shutdown) => {
+                        self.orphan();
+                        return;
+                    }
+                    Message::Command(command) => self.take_up(command),
                     Message::Prepared(ticket, result) => self.take_prepared(ticket, result),
+                    Message::Home(home) => self.welcome(*home),
                 }
             }
-            if self.picture_owed {
-                self.publish_picture();
-                self.hurries = true;
-            }
-            if any {
-                self.publish_status();
-            }
-            if self.has_work() {
-                self.advance();
+            self.go_on();
+            if self.away.is_none() || self.status_due.is_some_and(|due| Instant::now() >= due) {
+                self.publish_due_status();
             }
         }
     }
 
-    fn has_work(&self) -> bool {
-        self.solver.is_some() && !self.finished && self.drive != Drive::Pause
-    }
-
-    /// All messages that wait, bursts merged; sleeps where there is nothing to do but wait for one.
-    fn receive(&self) -> Vec<Message> {
-        // The session holds a sender itself, so the channel never closes before a Shutdown arrives.
-        let first = if self.has_work() { None } else { self.ends.messages.recv().ok() };
-        // Before the channel is emptied: whoever sends after that cancels after that.
-        self.ends.cancel.reset();
+    /// The messages that come next, bursts merged; sleeps until there is one, or a status is due.
+    fn receive(&mut self) -> Vec<Message> {
+        let first = match self.status_due {
+            None => self.ends.messages.recv().ok(),
+            Some(due) => self.ends.messages.recv_timeout(due.saturating_duration_since(Instant::now())).ok(),
+        };
         let mut commands = Vec::new();
         let mut others = Vec::new();
         for message in first.into_iter().chain(self.ends.messages.try_iter()) {
@@ -138,7 +158,16 @@ impl Session {
         others
     }
 
-    fn obey(&mut self, command: Command) {
+    fn has_work(&self) -> bool {
+        self.solver.is_some() && !self.finished && !self.is_finishing && self.drive != Drive::Pause
+    }
+
+    /// Obeys at once what needs no solver; the rest waits until it is home, which it is asked to hurry for.
+    fn take_up(&mut self, command: Command) {
+        if let Some(away) = &self.away {
+            away.call();
+        }
+        self.tell_status_soon();
         match command {
             Command::Load(..) => self.runs_when_loaded = true,
             Command::Pause | Command::StepWave => self.runs_when_loaded = false,
@@ -160,15 +189,29 @@ impl Session {
                     Drive::Run | Drive::Pause => Drive::Waves(1),
                 };
             }
-            Command::Restart => {
-                if let Err(sentence) = self.start_solver() {
-                    self.emit(Event::SolveFailed(sentence));
-                }
-            }
             Command::Look(look) => {
                 self.look = look;
                 self.picture_owed = true;
             }
+            Command::AddCeilingLight { size, exitance } => self.add_ceiling_light(size, exitance),
+            Command::SaveSidecar { camera } => self.save_sidecar(camera),
+            Command::Restart
+            | Command::SetEmission { .. }
+            | Command::SetReflectance { .. }
+            | Command::AnchorEpsilon
+            | Command::SetGroups(_) => {
+                self.deferred.push(command);
+                self.deferred = merge(std::mem::take(&mut self.deferred));
+            }
+            // Seen by `run`.
+            Command::Shutdown => {}
+        }
+    }
+
+    /// Obeys a command for which the solver must be home.
+    fn obey(&mut self, command: Command) {
+        match command {
+            Command::Restart => self.start_solver(),
             Command::SetEmission { material, emission } => {
                 self.edit_material(material, MaterialEdit::Emission(emission));
             }
@@ -176,15 +219,12 @@ impl Session {
                 self.edit_material(material, MaterialEdit::Reflectance(reflectance));
             }
             Command::AnchorEpsilon => self.anchor_epsilon(),
-            Command::AddCeilingLight { size, exitance } => self.add_ceiling_light(size, exitance),
             Command::SetGroups(members) => self.set_groups(members),
-            Command::SaveSidecar { camera } => self.save_sidecar(camera),
-            // Seen by `run`.
-            Command::Shutdown => {}
+            _ => {}
         }
     }
 
-    /// The least work that takes the present solution to new parameters; refused ones change nothing.
+    /// Takes over new parameters; refused ones change nothing.
     fn set_params(&mut self, params: SolverParams) {
         if params == self.params {
             return;
@@ -193,8 +233,10 @@ impl Session {
             return self.emit(Event::SolveFailed(error.to_string()));
         }
         let former = std::mem::replace(&mut self.params, params);
+        // Other parameters may do where the last ones did not.
+        self.wants_solver = true;
         if former.threads != params.threads {
-            self.pool = pool_of(params.threads);
+            self.pool = pool_of(params.threads).map(Arc::new);
         }
         let Some(prepared) = &self.prepared else { return };
         if prepared.sides != params.sides {
@@ -205,130 +247,97 @@ impl Session {
             // The sides were set back before the turned scene came.
             self.remaking = None;
         }
-        let in_place = match self.solver.as_mut() {
-            Some(solver) => {
-                guarded(self.pool.as_ref(), || solver.set_params(params).map_err(|error| error.to_string()))
-            }
-            None => Ok(false),
-        };
-        let outcome = match in_place {
-            Ok(true) => {
-                self.refine_again();
-                Ok(())
-            }
-            Ok(false) => self.rebuild_solver(),
-            Err(sentence) => Err(sentence),
-        };
-        if let Err(sentence) = outcome {
-            self.params = former;
-            if let Some(solver) = self.solver.as_mut() {
-                // The solver that stays goes by the parameters that stay, which it has had before.
-                let _ = guarded(self.pool.as_ref(), || solver.set_params(former).map_err(|error| error.to_string()));
-            }
-            self.emit(Event::SolveFailed(sentence));
+    }
+
+    /// Sends the solver, if it is home, to do what is wanted next: new parameters, other changes, a picture, a step.
+    fn go_on(&mut self) {
+        if self.away.is_none() {
+            self.follow_params();
+        }
+        while self.away.is_none() && !self.deferred.is_empty() {
+            let command = self.deferred.remove(0);
+            self.obey(command);
+        }
+        if self.away.is_some() || self.solver.is_none() {
+            return;
+        }
+        if self.picture_owed || self.picture_is_wanted {
+            // What is owed from here on is another one.
+            self.picture_was_owed = std::mem::take(&mut self.picture_owed);
+            self.picture_is_wanted = false;
+            self.send_solver(Task::Picture(self.look));
+        } else if self.has_work() {
+            self.send_solver(Task::Step);
         }
     }
 
-    /// A new solver takes over.
+    /// The least work that takes the present solution to the parameters that are wanted.
+    fn follow_params(&mut self) {
+        let Some(prepared) = &self.prepared else { return };
+        if prepared.sides != self.params.sides {
+            return;
+        }
+        let Some(solver) = &self.solver else {
+            if self.wants_solver {
+                self.start_solver();
+            }
+            return;
+        };
+        if *solver.params() == self.params {
+            return;
+        }
+        let (params, generation) = (self.params, self.generation + 1);
+        self.send_solver(Task::Change(Box::new(move |solver| {
+            let Some(mut solver) = solver else { return Changed { solver, outcome: Ok(Change::InPlace) } };
+            match solver.set_params(params) {
+                Ok(true) => Changed { solver: Some(solver), outcome: Ok(Change::InPlace) },
+                Ok(false) => match solver.rebuilt(params, generation) {
+                    Ok(rebuilt) => Changed { solver: Some(rebuilt), outcome: Ok(Change::Replaced) },
+                    Err(error) => Changed { solver: Some(solver), outcome: Err(error.to_string()) },
+                },
+                Err(error) => Changed { solver: Some(solver), outcome: Err(error.to_string()) },
+            }
+        })));
+    }
+
+    /// Sends the solver on an errand.
+    pub(super) fn send_solver(&mut self, task: Task) {
+        self.tickets += 1;
+        let (solver, inbox) = (self.solver.take(), self.ends.loopback.clone());
+        self.away = Some(Away::send(self.tickets, solver, task, self.pool.as_deref(), inbox));
+    }
+
+    /// Lets go of a solver that is away.
+    fn orphan(&mut self) {
+        if let Some(away) = self.away.take() {
+            away.orphan();
+        }
+    }
+
+    /// A solver takes over that has just been made.
     pub(super) fn install(&mut self, mut solver: Solver) {
+        self.orphan();
         self.generation += 1;
         self.look.moment = None;
+        solver.set_generation(self.generation);
         solver.keep_history();
-        self.solver = Some(solver);
-        self.finished = false;
-        self.picture_owed = true;
+        let former = self.solver.replace(solver);
+        self.discard(former);
+        self.refine_again();
+    }
+
+    /// Frees something large elsewhere: it takes its time.
+    pub(super) fn discard<T: Send + 'static>(&self, large: T) {
+        match self.pool.as_deref() {
+            Some(pool) => pool.spawn(move || drop(large)),
+            None => drop(large),
+        }
     }
 
     /// The present solver has something to do again.
-    pub(super) fn refine_again(&mut self) {
-        self.finished = false;
+    fn refine_again(&mut self) {
+        (self.finished, self.is_finishing) = (false, false);
         self.picture_owed = true;
-    }
-
-    fn advance(&mut self) {
-        let Some(solver) = self.solver.as_mut() else { return };
-        let cancel = &self.ends.cancel;
-        let step = match guarded(self.pool.as_ref(), || Ok(solver.step(cancel))) {
-            Ok(step) => step,
-            Err(sentence) => return self.give_up(&sentence),
-        };
-        self.tell_moments();
-        let hurries = std::mem::take(&mut self.hurries);
-        if hurries && step != Step::Gathered {
-            self.pacing.hurry();
-        }
-        match step {
-            Step::Interrupted => {}
-            Step::Finished => {
-                self.finished = true;
-                self.publish_picture();
-                self.publish_status();
-                self.emit(Event::Finished);
-            }
-            Step::Refined { wave_ended: false } | Step::Reconstructed { pass_ended: false } => {
-                self.publish_picture_when_due()
-            }
-            Step::Refined { wave_ended: true } | Step::Gathered | Step::Reconstructed { pass_ended: true } => {
-                match self.drive {
-                    Drive::Waves(count) if count > 1 => {
-                        self.drive = Drive::Waves(count - 1);
-                        self.publish_picture_when_due();
-                    }
-                    Drive::Waves(_) => {
-                        self.drive = Drive::Pause;
-                        self.publish_picture();
-                        self.publish_status();
-                    }
-                    Drive::Run | Drive::Pause => self.publish_picture_when_due(),
-                }
-            }
-        }
-        if hurries && step == Step::Gathered {
-            // Links were judged, which shows nothing yet; the step behind it will.
-            self.pacing.hurry();
-        }
-    }
-
-    fn publish_picture_when_due(&mut self) {
-        if self.pacing.is_due(Instant::now()) {
-            self.publish_picture();
-        }
-    }
-
-    fn publish_picture(&mut self) {
-        self.picture_owed = false;
-        let Some(solver) = self.solver.as_mut() else { return };
-        let begun = Instant::now();
-        let look = self.look;
-        solver.show_anatomy(look.anatomy);
-        let former = |solver: &mut Solver| look.moment.and_then(|moment| solver.snapshot_of(moment));
-        let taken = guarded(self.pool.as_ref(), || Ok(former(solver).unwrap_or_else(|| solver.snapshot())));
-        let snapshot = match taken {
-            Ok(snapshot) => Arc::new(snapshot),
-            Err(sentence) => return self.give_up(&sentence),
-        };
-        self.pacing.taken(begun, Instant::now());
-        let former = lock(&self.ends.shared.latest).replace(snapshot);
-        // Freed after the lock: a large mesh takes its time.
-        drop(former);
-        (self.ends.wake)();
-    }
-
-    /// Lets the status know of steps that it has not heard of.
-    fn tell_moments(&mut self) {
-        let Some(solver) = &self.solver else { return };
-        if solver.moments_told() != self.told {
-            self.told = solver.moments_told();
-            self.moments = solver.moments().cloned().collect();
-            lock(&self.ends.shared.status).moments = self.moments.clone();
-        }
-    }
-
-    /// Lets go of a solver that broke; its last picture stays.
-    fn give_up(&mut self, sentence: &str) {
-        self.solver = None;
-        self.publish_status();
-        self.emit(Event::SolveFailed(format!("The solver broke ({sentence}); the last picture stays, restart it.")));
     }
 
     pub(super) fn emit(&self, event: Event) {
@@ -337,10 +346,24 @@ impl Session {
         (self.ends.wake)();
     }
 
+    /// Tells the status with the next picture, or soon.
+    pub(super) fn tell_status_soon(&mut self) {
+        self.status_due.get_or_insert_with(|| Instant::now() + STATUS_PATIENCE);
+    }
+
+    /// Tells the status that was put off, if one was.
+    fn publish_due_status(&mut self) {
+        if self.status_due.take().is_some() {
+            self.publish_status();
+        }
+    }
+
     fn publish_status(&mut self) {
+        self.status_due = None;
         self.tell_moments();
-        let run = match (&self.solver, self.finished, self.drive) {
-            (None, ..) => RunState::Idle,
+        let has_solver = self.solver.is_some() || self.away.is_some();
+        let run = match (has_solver, self.finished, self.drive) {
+            (false, ..) => RunState::Idle,
             (_, true, _) => RunState::Finished,
             (_, _, Drive::Pause) => RunState::Paused,
             _ => RunState::Running,

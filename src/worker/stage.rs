@@ -4,15 +4,15 @@ use std::sync::Arc;
 
 use glam::Vec3;
 
-use super::guard::guarded;
-use super::loader::{Awaited, CeilingLight, Job, Prepared};
+use super::loader::{Awaited, CeilingLight, Job, Order, Prepared};
 use super::session::{Drive, Session};
+use super::task::{Change, Changed, Task};
 use super::{Event, SceneInfo};
 use crate::added_light::AddedLight;
 use crate::scene::{
     CameraPose, GroupMember, MAX_EMISSION, MAX_SIDECAR_REFLECTANCE, Material, MaterialId, Sidecar, SidecarError, Source,
 };
-use crate::solver::{ClusteringMode, Solver, SolverError};
+use crate::solver::{ClusteringMode, Solver};
 
 /// A change of one material.
 #[derive(Clone, Copy, Debug)]
@@ -56,19 +56,19 @@ impl Session {
     /// if there is one. Lights that were under way come with it.
     pub(super) fn remake(&mut self, light: Option<CeilingLight>) {
         let Some(prepared) = &self.prepared else { return };
-        let (raw, path) = (prepared.raw.clone(), prepared.path.clone());
+        let (raw, path, stamps) = (prepared.raw.clone(), prepared.path.clone(), prepared.stamps.clone());
         let mut lights = self.remaking.take().map(|awaited| awaited.lights).unwrap_or_default();
         lights.extend(light);
         let name = if lights.is_empty() { "the turned faces" } else { "the ceiling light" };
-        let job = Job::Remake { raw, path, lights: lights.clone() };
+        let job = Job::Remake { raw, path, stamps, lights: lights.clone() };
         self.remaking = self.start_loader(job, name.into(), lights);
     }
 
     fn start_loader(&mut self, job: Job, name: String, lights: Vec<CeilingLight>) -> Option<Awaited> {
         self.tickets += 1;
         let ticket = self.tickets;
-        let ends = (&self.ends.loopback, &self.ends.cancel);
-        match self.loaders.start((ticket, job, self.params.sides), ends) {
+        let order = Order { ticket, job, params: self.params, pool: self.pool.clone() };
+        match self.loaders.start(order, &self.ends.loopback) {
             Ok(()) => Some(Awaited { ticket, name, lights }),
             Err(error) => {
                 self.emit(Event::LoadFailed(format!("{name} cannot be loaded, no thread is left ({error})")));
@@ -80,22 +80,30 @@ impl Session {
     /// Takes over what a loader made, if it is still wanted; a failure leaves everything as it is.
     pub(super) fn take_prepared(&mut self, ticket: u64, result: Result<Box<Prepared>, String>) {
         let wanted = [&self.loading, &self.remaking].map(|awaited| awaited.as_ref().map(|awaited| awaited.ticket));
-        let ends = (&self.ends.loopback, &self.ends.cancel);
-        if let Err(error) = self.loaders.one_ended(|ticket| wanted.contains(&Some(ticket)), ends) {
+        let is_wanted = |ticket| wanted.contains(&Some(ticket));
+        if let Err(error) = self.loaders.one_ended(is_wanted, &self.ends.loopback) {
             self.emit(Event::LoadFailed(format!("the scene cannot be loaded, no thread is left ({error})")));
         }
         let is_it = |awaited: &mut Awaited| awaited.ticket == ticket;
         let is_new = self.loading.take_if(is_it).is_some();
         if !is_new && self.remaking.take_if(is_it).is_none() {
-            return;
+            return self.discard(result);
         }
-        let adopted = result.and_then(|prepared| Ok((self.build_solver(&prepared)?, prepared)));
-        match adopted {
-            Ok((solver, prepared)) => {
-                self.install(solver);
+        self.tell_status_soon();
+        match result {
+            Ok(mut prepared) => {
+                let solver = prepared.solver.take();
                 let are_sides_old = prepared.sides != self.params.sides;
-                self.prepared = Some(prepared);
-                self.announce_scene(is_new);
+                let former = self.prepared.replace(prepared);
+                self.discard(former);
+                if is_new {
+                    // They were meant for the scene that is gone.
+                    self.deferred.clear();
+                }
+                if let Some(solver) = solver {
+                    self.install(solver);
+                }
+                self.announce_scene(is_new, self.generation);
                 if is_new {
                     if self.runs_when_loaded {
                         self.drive = Drive::Run;
@@ -109,55 +117,43 @@ impl Session {
             }
             Err(sentence) if is_new => self.emit(Event::LoadFailed(sentence)),
             Err(sentence) => {
-                if let Some(solver) = &self.solver {
-                    self.params = *solver.params();
+                if let Some(prepared) = &self.prepared {
+                    self.params.sides = prepared.sides;
                 }
                 self.emit(Event::SolveFailed(sentence));
             }
         }
     }
 
-    /// A new solver of the present scene with a higher generation; the one that is there stays if that fails.
-    pub(super) fn start_solver(&mut self) -> Result<(), String> {
-        if let Some(prepared) = &self.prepared {
-            let solver = self.build_solver(prepared)?;
-            self.install(solver);
-        }
-        Ok(())
+    /// Makes a new solver of the present scene; the one that is there stays if that fails.
+    pub(super) fn start_solver(&mut self) {
+        let Some(prepared) = &self.prepared else { return };
+        let (scene, occluders, seconds) = (prepared.scene.clone(), prepared.occluders.clone(), prepared.seconds);
+        let params = self.params;
+        self.wants_solver = true;
+        self.send_solver(Task::Change(Box::new(move |former| match Solver::new(scene, occluders, params, 0) {
+            Ok(mut solver) => {
+                solver.set_load_seconds(seconds);
+                Changed { solver: Some(solver), outcome: Ok(Change::Replaced) }
+            }
+            Err(error) => Changed { solver: former, outcome: Err(error.to_string()) },
+        })));
     }
 
-    fn build_solver(&self, prepared: &Prepared) -> Result<Solver, String> {
-        let (scene, occluders) = (prepared.scene.clone(), prepared.occluders.clone());
-        let (params, generation) = (self.params, self.generation + 1);
-        let mut solver = guarded(self.pool.as_ref(), move || {
-            Solver::new(scene, occluders, params, generation).map_err(|error: SolverError| error.to_string())
-        })?;
-        solver.set_load_seconds(prepared.seconds);
-        Ok(solver)
-    }
-
-    fn announce_scene(&self, is_new: bool) {
+    /// Tells of the scene; its snapshots are those from this generation on.
+    pub(super) fn announce_scene(&mut self, is_new: bool, generation: u64) {
+        self.announced = generation;
         let Some(prepared) = &self.prepared else { return };
         let info = Arc::new(SceneInfo {
             scene: prepared.scene.clone(),
             path: prepared.path.clone(),
-            generation: self.generation,
+            stamps: prepared.stamps.clone(),
+            generation,
             has_light: prepared.scene.has_light(),
             skipped: prepared.scene.skipped.sentences(),
             load_seconds: prepared.seconds,
         });
         self.emit(if is_new { Event::SceneLoaded(info) } else { Event::SceneEdited(info) });
-    }
-
-    /// A solver with other clusters takes over, which starts with what the present one knows.
-    pub(super) fn rebuild_solver(&mut self) -> Result<(), String> {
-        let Some(solver) = &self.solver else { return self.start_solver() };
-        let (params, generation) = (self.params, self.generation + 1);
-        let rebuilt = guarded(self.pool.as_ref(), || {
-            solver.rebuilt(params, generation).map_err(|error: SolverError| error.to_string())
-        })?;
-        self.install(rebuilt);
-        Ok(())
     }
 
     /// Changes a material in place; links and ε in watts stay.
@@ -172,23 +168,14 @@ impl Session {
         }
         edit.apply(&mut Arc::make_mut(&mut prepared.scene).materials[index]);
         edit.apply(&mut Arc::make_mut(&mut prepared.raw).materials[index]);
-        let outcome = match self.solver.as_mut() {
-            Some(solver) => {
-                let edited = guarded(self.pool.as_ref(), || {
-                    match edit {
-                        MaterialEdit::Emission(emission) => solver.set_emission(material, emission),
-                        MaterialEdit::Reflectance(reflectance) => solver.set_reflectance(material, reflectance),
-                    }
-                    Ok(())
-                });
-                edited.map(|()| self.refine_again())
-            }
+        match self.solver {
+            Some(_) => self.change_in_place(move |solver| match edit {
+                MaterialEdit::Emission(emission) => solver.set_emission(material, emission),
+                MaterialEdit::Reflectance(reflectance) => solver.set_reflectance(material, reflectance),
+            }),
             None => self.start_solver(),
-        };
-        if let Err(sentence) = outcome {
-            self.emit(Event::SolveFailed(sentence));
         }
-        self.announce_scene(false);
+        self.announce_scene(false, self.generation);
         if self.remaking.is_some() {
             // What is under way knows nothing of the edit.
             self.remake(None);
@@ -203,12 +190,11 @@ impl Session {
         }
         Arc::make_mut(&mut prepared.scene).regrouping.clone_from(&members);
         Arc::make_mut(&mut prepared.raw).regrouping = members;
-        if (self.solver.is_none() || self.params.clustering == ClusteringMode::Groups)
-            && let Err(sentence) = self.start_solver()
-        {
-            self.emit(Event::SolveFailed(sentence));
+        let is_solved_anew = self.solver.is_none() || self.params.clustering == ClusteringMode::Groups;
+        if is_solved_anew {
+            self.start_solver();
         }
-        self.announce_scene(false);
+        self.announce_scene(false, self.generation + u64::from(is_solved_anew));
         if self.remaking.is_some() {
             // What is under way knows nothing of the new groups.
             self.remake(None);
@@ -217,10 +203,18 @@ impl Session {
 
     /// Measures a relative ε by the power that is emitted now.
     pub(super) fn anchor_epsilon(&mut self) {
-        if let Some(solver) = self.solver.as_mut() {
-            solver.anchor_epsilon();
-            self.refine_again();
+        if self.solver.is_some() {
+            self.change_in_place(Solver::anchor_epsilon);
         }
+    }
+
+    fn change_in_place(&mut self, change: impl FnOnce(&mut Solver) + Send + 'static) {
+        self.send_solver(Task::Change(Box::new(move |mut solver| {
+            if let Some(solver) = solver.as_mut() {
+                change(solver);
+            }
+            Changed { solver, outcome: Ok(Change::InPlace) }
+        })));
     }
 
     /// Adds a light; occluders and clusters are made anew.

@@ -2,6 +2,8 @@
 
 mod doctor;
 mod input;
+mod memory;
+mod no_graphics;
 mod pictures;
 mod readings;
 mod solving;

@@ -14,4 +14,5 @@ mod furnace;
 mod hierarchy;
 mod invariants;
 mod live_edits;
+mod memory;
 mod support;

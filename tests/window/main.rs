@@ -13,6 +13,8 @@ mod live;
 mod matrix;
 mod panels;
 mod readings;
+mod strain;
 mod support;
 mod take_along;
 mod timeline;
+mod watching;

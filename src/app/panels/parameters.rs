@@ -4,6 +4,7 @@ use egui::{ComboBox, Slider, Ui};
 
 use super::super::{format, theme};
 use super::costs;
+use crate::memory::MemoryBudget;
 use crate::scene::Sides;
 use crate::solver::{
     ClusterModel, ClusteringMode, Epsilon, OracleKind, PARAMETERS, Parameter, ParameterId, Push, Reconstruct,
@@ -165,6 +166,7 @@ const ALL_CORES: &str = "all cores";
 fn real_text(id: ParameterId, value: f64) -> String {
     match id {
         ParameterId::Error => format!("{} %", format::number(100.0 * value)),
+        ParameterId::Memory => format::bytes(MemoryBudget::Share(value).bytes() as usize),
         _ => format::number(value),
     }
 }
@@ -172,6 +174,7 @@ fn real_text(id: ParameterId, value: f64) -> String {
 fn real_value(id: ParameterId, text: &str) -> Option<f64> {
     match id {
         ParameterId::Error => text.replace('%', "").trim().parse::<f64>().ok().map(|percent| percent / 100.0),
+        ParameterId::Memory => text.parse::<MemoryBudget>().ok().map(MemoryBudget::share),
         _ => text.trim().parse().ok(),
     }
 }
@@ -197,6 +200,7 @@ fn real(params: &SolverParams, id: ParameterId, epsilon: EpsilonMeasures) -> f64
         ParameterId::EpsilonWatts => epsilon.watts,
         ParameterId::PartialFactor => params.partial_factor,
         ParameterId::VisibilityFactor => params.visibility_factor,
+        ParameterId::Memory => params.memory.share(),
         _ => 0.0,
     }
 }
@@ -208,6 +212,7 @@ fn set_real(params: &mut SolverParams, id: ParameterId, value: f64) {
         ParameterId::EpsilonWatts => params.epsilon = Epsilon::Watts(value),
         ParameterId::PartialFactor => params.partial_factor = value,
         ParameterId::VisibilityFactor => params.visibility_factor = value,
+        ParameterId::Memory => params.memory = MemoryBudget::Share(value),
         _ => {}
     }
 }

@@ -46,6 +46,11 @@ fn rows(stats: &Stats) -> Vec<(&'static str, String)> {
         ("emitted", format::quantity(stats.emitted_watts, "W")),
         ("absorbed", format::quantity(stats.absorbed_watts, "W")),
     ];
+    rows.push(("memory counted", format::bytes(stats.bytes.counted)));
+    rows.push(("memory budget", format::bytes(stats.bytes.budget)));
+    if let Some(stop) = stats.memory_stop {
+        rows.push(("stopped by memory", stop.what().to_owned()));
+    }
     if let Some(asked) = stats.error_asked {
         let percent = |share: f64| format!("{} %", format::number(100.0 * share));
         rows.push(("error asked", percent(asked)));

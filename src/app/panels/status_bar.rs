@@ -4,7 +4,7 @@ use egui::{ProgressBar, Ui};
 
 use super::super::time_left::{Clock, TICK, TimeLeft};
 use super::super::{Shown, format, theme};
-use crate::solver::{Phase, Stats};
+use crate::solver::{MemoryStop, Phase, Stats};
 use crate::worker::RunState;
 
 /// Draws the bar.
@@ -23,7 +23,12 @@ pub(super) fn show(ui: &mut Ui, shown: &Shown, time_left: &TimeLeft, clock: &Clo
         ui.painter().circle_filled(dot.center(), 4.0, colour);
         ui.scope(|ui| {
             ui.set_min_width(138.0);
-            ui.label(text);
+            let label = ui.label(text);
+            if let Some(stop) =
+                stats.filter(|_| shown.status.run == RunState::Finished).and_then(|stats| stats.memory_stop)
+            {
+                label.on_hover_text(memory_hint(stop));
+            }
         });
         let Some(stats) = stats else { return };
         show_progress(ui, shown.status.run, stats);
@@ -51,6 +56,9 @@ fn state(run: RunState, stats: Option<&Stats>, is_dark: bool) -> (String, egui::
         RunState::Paused => (format!("Paused: {}", phase.unwrap_or_default()), theme::TEXT_WEAK),
         RunState::Finished if is_dark => ("Nothing emits light".into(), theme::TEXT_WEAK),
         RunState::Finished => {
+            if stats.is_some_and(|stats| stats.memory_stop.is_some()) {
+                return ("Stopped: memory full".into(), theme::ACCENT);
+            }
             let converged = stats.is_none_or(|stats| stats.converged);
             let missed = stats.and_then(|stats| stats.error_estimate.filter(|error| Some(*error) > stats.error_asked));
             if let Some(error) = missed {
@@ -59,6 +67,14 @@ fn state(run: RunState, stats: Option<&Stats>, is_dark: bool) -> (String, egui::
             (if converged { "Converged" } else { "Finished" }.into(), theme::DONE)
         }
     }
+}
+
+/// Why a solve stopped, and what helps.
+fn memory_hint(stop: MemoryStop) -> String {
+    format!(
+        "The memory budget is used up, and so {}. Give more memory in the solver's parameters, or ask for a larger error.",
+        stop.in_words()
+    )
 }
 
 fn show_progress(ui: &mut Ui, run: RunState, stats: &Stats) {

@@ -16,8 +16,11 @@ use crate::cancel::CancelToken;
 use crate::hierarchy::Hierarchy;
 use crate::random::mix;
 
-/// Points looked at.
+/// Points looked at; as many again where what they say is near the goal, a few times.
 pub const POINTS: usize = 2048;
+const MOST_POINTS: usize = 4 * POINTS;
+/// An error above the goal that is less than so many times as large may be the error of the estimate.
+const NEAR: f64 = 1.25;
 /// Rays of a look, to lamps and into the half space each, times the error that is asked for.
 const RAYS: f64 = 0.8;
 /// Rays that must meet backs before a point is believed to be hidden.
@@ -67,6 +70,12 @@ impl Tally {
         }
     }
 
+    /// Whether so many points are enough to tell whether a goal is reached.
+    pub fn is_clear(&self, goal: f64, points: usize) -> bool {
+        let is_doubtful = |estimate: Estimate| estimate.cautious() > goal && estimate.rms <= NEAR * goal;
+        points >= MOST_POINTS || !self.estimate().is_some_and(is_doubtful)
+    }
+
     /// What all points say together; nothing without light.
     pub fn estimate(&self) -> Option<Estimate> {
         let (mean, energy) = (self.error / self.points, self.energy / self.points);
@@ -77,23 +86,30 @@ impl Tally {
 }
 
 impl FinalGather {
-    /// Looks at some of the points; `round` chooses which ones; `None` if cancelled. Half of them lie evenly by area, half by A·|B|²: a small bright place
-    /// may hold most of the error, and by area alone hardly a point would meet it.
+    /// Looks at some of the points, other ones in each attempt; `None` if cancelled. Half of them lie evenly by area, half by A·|B|²: a
+    /// small bright place may hold most of the error, and by area alone hardly a point would meet it.
     pub(super) fn look_at_points(
         &self,
         hierarchy: &Hierarchy,
         context: &Context,
-        round: u32,
         points: Range<usize>,
         cancel: &CancelToken,
     ) -> Option<Tally> {
-        let start = mix(mix(context.seed, 0x6573_7469_6d61_7465), u64::from(round));
+        let start = mix(mix(context.seed, 0x6573_7469_6d61_7465), u64::from(self.attempt));
         let reflected = self.reflected();
         let places = self.places(hierarchy, context, &reflected);
         let rays = ((RAYS / self.goal.error) as u32).clamp(8, 64);
         let look = |cut: &mut Vec<Seen>, index: usize| {
-            (!cancel.is_cancelled())
-                .then(|| self.look_at_point(hierarchy, context, (&reflected, &places), rays, (start, index), cut))
+            (!cancel.is_cancelled()).then(|| {
+                self.look_at_point(
+                    hierarchy,
+                    context,
+                    (&reflected, &places),
+                    rays,
+                    (mix(start, (index / POINTS) as u64), index % POINTS),
+                    cut,
+                )
+            })
         };
         // Summed in order, so that the result does not depend on the threads.
         let tallies: Vec<Tally> =

@@ -9,6 +9,7 @@
 mod bright;
 mod estimate;
 mod lamps;
+mod memory;
 mod passes;
 mod places;
 mod rows;
@@ -25,6 +26,7 @@ use rustc_hash::FxHashMap;
 
 use super::display::{Display, Style, VertexKey};
 use super::gather::Surface;
+use super::memory::{GATHERED_LEAF, MemoryStop};
 use super::params::USUAL_ERROR;
 use crate::cancel::CancelToken;
 use crate::exposure::LampList;
@@ -45,7 +47,7 @@ const CHUNK: usize = 512;
 /// Rays to lamps from a point, times the error that is allowed between vertices.
 const LAMP_RAYS: f64 = 0.9;
 /// Noise of direct light at vertices, as a share of the error that is allowed between them.
-const DIRECT_NOISE: f64 = 0.5;
+const DIRECT_NOISE: f64 = 0.7;
 /// Splitting ends when it made many leaves and left more than this share of the squared error: noise does not fall by it.
 const LEAST_GAIN: f64 = 0.95;
 /// Leaves of less than this share of the mean area have no vertex in their middle.
@@ -61,10 +63,12 @@ const NEAR: f64 = 1.25;
 /// More vertices than this are not made for the sake of the goal.
 const MOST_VERTICES: usize = 1 << 21;
 /// The allowed error is shared out to what lies between vertices and to the noise of their values.
-const MESH_SHARE: f64 = 0.5;
+const MESH_SHARE: f64 = 0.7;
 const NOISE_SHARE: f64 = 0.5;
 /// The next attempt aims below the goal by this factor.
-const AIM: f64 = 0.8;
+const AIM: f64 = 0.85;
+/// It allows for no less than this share of the error that was believed to lie between vertices.
+const LEAST_STEP: f64 = 0.5;
 /// Standard deviation of the light along one random ray, as a share of all, as low-discrepancy directions make it.
 const SPREAD: f64 = 0.35;
 
@@ -78,6 +82,8 @@ pub struct Context<'a> {
     pub surfaces: &'a [Surface],
     /// Seed of all random choices.
     pub seed: u64,
+    /// Memory that the final gather may take, bytes.
+    pub memory: usize,
 }
 
 /// Allowed errors, as shares of the RMS radiosity.
@@ -152,6 +158,8 @@ pub struct FinalGather {
     estimate: Option<Estimate>,
     /// Rays cast, those of former attempts and of looks at the error included.
     rays: u64,
+    /// What memory did not allow.
+    memory_stop: Option<MemoryStop>,
     sent: Sent,
     lamp_list: Arc<LampList>,
     /// The initial patch of each polygon.
@@ -216,6 +224,7 @@ impl FinalGather {
             spread: (SPREAD * SPREAD) as f32,
             estimate: None,
             rays: 0,
+            memory_stop: None,
             sent,
             lamp_list: Arc::new(LampList::new(context.scene)),
             patches,
@@ -244,21 +253,21 @@ impl FinalGather {
                     self.round += 1;
                     self.stage = Stage::Direct(0);
                 } else {
-                    self.open_pass();
+                    self.open_pass(context);
                 }
                 Progress::Pass
             }
             Stage::Cast(first) => {
                 let range = first..(first + CHUNK).min(self.vertices.len());
                 let chunk = self.rows.cast(&self.surroundings(hierarchy, context), range.clone(), cancel)?;
-                self.rows.take(range.start, chunk);
+                self.rows.take(range.clone(), chunk);
                 self.stage = Stage::Cast(range.end);
                 if range.end < self.vertices.len() {
                     return Some(Progress::Part);
                 }
                 self.end_pass(cancel)?;
-                if self.noise > self.goal.noise && self.rows.has_room() {
-                    self.open_pass();
+                if self.noise > self.goal.noise && self.has_room() {
+                    self.open_pass(context);
                 } else if self.is_promise {
                     self.stage = Stage::Estimate(0, Tally::default());
                 } else {
@@ -267,15 +276,14 @@ impl FinalGather {
                 Progress::Pass
             }
             Stage::Estimate(first, tally) => {
-                let range = first..(first + CHUNK).min(estimate::POINTS);
-                let tally = tally.add(self.look_at_points(hierarchy, context, self.attempt, range.clone(), cancel)?);
-                self.stage = Stage::Estimate(range.end, tally);
-                if range.end < estimate::POINTS {
-                    return Some(Progress::Part);
+                let tally = tally.add(self.look_at_points(hierarchy, context, first..first + CHUNK, cancel)?);
+                let points = first + CHUNK;
+                self.stage = Stage::Estimate(points, tally);
+                if points.is_multiple_of(estimate::POINTS) && tally.is_clear(self.goal.error, points) {
+                    self.rays += tally.rays;
+                    self.estimate = tally.estimate();
+                    self.stage = self.after_estimate();
                 }
-                self.rays += tally.rays;
-                self.estimate = tally.estimate();
-                self.stage = self.after_estimate();
                 Progress::Part
             }
             Stage::Done => Progress::Done,
@@ -296,19 +304,20 @@ impl FinalGather {
         if was_in_vain && !is_near {
             return Stage::Done;
         }
-        if self.attempt >= MOST_ATTEMPTS || self.vertices.len() > MOST_VERTICES || !self.rows.has_room() {
+        if self.attempt >= MOST_ATTEMPTS || self.vertices.len() > MOST_VERTICES || !self.has_room() {
             return Stage::Done;
         }
         self.attempt += 1;
         self.round = 0;
-        let factor = (AIM * self.goal.error / error).max(0.5);
         // What is not noise lies between the vertices.
-        let between = (error.powi(2) - self.noise.powi(2)).max(0.0).sqrt();
-        if between > MESH_SHARE * self.goal.error {
-            self.goal.mesh *= factor;
+        let between = |error: f64| (error.powi(2) - self.noise.powi(2)).max(0.0).sqrt();
+        let (found, wanted) = (between(error), between(AIM * self.goal.error));
+        if found > MESH_SHARE * self.goal.error {
+            let believed = (self.mesh_error.max(0.0) / self.energy()).sqrt();
+            self.goal.mesh = self.goal.mesh.min((wanted / found).max(LEAST_STEP) * believed);
         }
-        if self.noise > 0.5 * self.goal.error {
-            self.goal.noise *= factor;
+        if self.noise > NOISE_SHARE * self.goal.error {
+            self.goal.noise *= (AIM * self.goal.error / error).max(LEAST_STEP);
         }
         Stage::Direct(self.vertices.len())
     }
@@ -331,12 +340,6 @@ impl FinalGather {
     /// Rays cast.
     pub fn rays(&self) -> u64 {
         self.rays + self.rows.rays()
-    }
-
-    /// Memory, bytes.
-    pub fn bytes(&self) -> usize {
-        self.rows.bytes()
-            + self.vertices.len() * (size_of::<Vertex>() + size_of::<(Box<[Stance]>, Stance)>() + 2 * size_of::<Vec3>())
     }
 
     fn surroundings<'a>(&'a self, hierarchy: &'a Hierarchy, context: &'a Context) -> Surroundings<'a> {
@@ -428,6 +431,11 @@ impl FinalGather {
             return Some(false);
         }
         let threshold = split::threshold(&errors, allowed);
+        let split = errors.iter().filter(|error| **error >= threshold).count();
+        if self.bytes() + 4 * split * GATHERED_LEAF > context.memory {
+            self.memory_stop = Some(MemoryStop::Vertices);
+            return Some(false);
+        }
         let mesh = self.display.mesh.clone();
         for ((leaf, error), mean) in mesh.leaves.iter().zip(&errors).zip(means) {
             if *error >= threshold {

@@ -2,9 +2,11 @@
 
 use glam::Vec3;
 
+use super::rows::Rows;
 use super::vertices::Vertex;
-use super::{FinalGather, SPREAD, Stage};
+use super::{Context, FinalGather, SPREAD, Stage};
 use crate::cancel::CancelToken;
+use crate::solver::memory::MemoryStop;
 
 /// Rays of a vertex in a pass, at least and at most.
 const PASS_RAYS: [f32; 2] = [8.0, 1024.0];
@@ -16,7 +18,7 @@ const MOST_SWEEPS: u32 = 50;
 impl FinalGather {
     /// Rays go where they decide about most light: the variance of the mean over the area is least where each vertex has rays
     /// in proportion to √A·ρE. Their number is what the goal asks for, by what was measured or, before that, by [`SPREAD`].
-    pub(super) fn open_pass(&mut self) {
+    pub(super) fn open_pass(&mut self, context: &Context) {
         let weight = |(vertex, of): (usize, &Vertex)| match of.emission == Vec3::ZERO {
             true => of.area.sqrt() * (of.reflectance * self.irradiance(vertex)).max_element().max(0.0),
             false => 0.0,
@@ -32,6 +34,13 @@ impl FinalGather {
             0.5 * (SPREAD / self.goal.noise).powi(2) * sum * sum / self.energy().max(f64::MIN_POSITIVE)
         };
         let [least, most] = PASS_RAYS;
+        // Whatever fits, every vertex has a few.
+        let room =
+            Rows::room_in(context.memory.saturating_sub(self.bytes()), self.vertices.len(), least as usize) as f64;
+        if wanted > room {
+            self.memory_stop.get_or_insert(MemoryStop::Rays);
+        }
+        let wanted = wanted.min(room);
         let rays = |weight: &f32| {
             let share = if sum > 0.0 { f64::from(*weight) / sum } else { 0.0 };
             ((wanted * share) as f32).clamp(least, most).ceil() as u32

@@ -12,14 +12,14 @@ use crate::hierarchy::{ElementId, Hierarchy};
 use crate::random::mix;
 
 /// Points of a look per leaf, and how many they are at least and at most.
-const POINTS: f64 = 1.5;
+const POINTS: f64 = 0.75;
 const LEAST_POINTS: usize = 512;
 const MOST_POINTS: usize = 32_768;
 /// Light at random points of a leaf is expected to differ from what the leaf shows by this share of it, beside a share of what
 /// differs between its vertices: a shadow may lie in the midst of a leaf.
-const UNSEEN: f32 = 0.2;
+const UNSEEN: f32 = 0.4;
 /// Leaves whose errors add up to this share of what is allowed are kept as they are; those that are split keep a part of theirs.
-const KEPT: f64 = 0.7;
+const KEPT: f64 = 0.5;
 /// Leaves are not split where their width is below this share of the scene's diagonal: 1 mm in a room.
 const THINNEST: f32 = 1e-4;
 /// Rays that must meet backs before a point is believed to be hidden.

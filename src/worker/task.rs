@@ -1,0 +1,135 @@
+//! What the solver does, away from the thread that takes commands.
+//!
+//! A solver is sent to the pool for each piece of work and comes home with what came of it. Steps stop when they are cancelled; what
+//! cannot be interrupted (a picture of a million patches, clusters being built) does not keep the session from answering, and is
+//! orphaned when another solver has taken its place: its result is then dropped where it is.
+
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::Sender;
+use std::time::Instant;
+
+use rayon::ThreadPool;
+
+use super::loader::panic_message;
+use super::{Look, Message};
+use crate::cancel::CancelToken;
+use crate::solver::{Snapshot, Solver, Step};
+
+/// What a solver is sent to do.
+pub(super) enum Task {
+    /// One step.
+    Step,
+    /// A picture.
+    Picture(Look),
+    /// A change that leaves the solver as it is but for what is asked of it, or puts another one in its place.
+    Change(Box<dyn FnOnce(Option<Solver>) -> Changed + Send>),
+}
+
+/// A solver after a change.
+pub(super) struct Changed {
+    /// The same or another one.
+    pub solver: Option<Solver>,
+    /// What happened to it, or why nothing did.
+    pub outcome: Result<Change, String>,
+}
+
+/// What became of a solver.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Change {
+    /// It has something to do again.
+    InPlace,
+    /// Another one took over.
+    Replaced,
+}
+
+/// What a solver comes home with.
+pub(super) struct Home {
+    /// The number of the errand.
+    pub ticket: u64,
+    /// None where there was none, or where it broke.
+    pub solver: Option<Solver>,
+    /// What came of it.
+    pub outcome: Outcome,
+}
+
+/// What came of an errand.
+pub(super) enum Outcome {
+    /// A step was made, or not.
+    Step(Step),
+    /// A picture was taken, begun and ended at these times.
+    Picture(Arc<Snapshot>, Instant, Instant),
+    /// A change was made, or not, for this reason.
+    Change(Result<Change, String>),
+    /// The solver broke; the panic's sentence.
+    Broke(String),
+}
+
+/// A solver that is away.
+pub(super) struct Away {
+    pub ticket: u64,
+    cancel: CancelToken,
+    is_orphaned: Arc<AtomicBool>,
+}
+
+impl Away {
+    /// Sends a solver to the pool; it comes home as [`Message::Home`].
+    pub(super) fn send(
+        ticket: u64,
+        solver: Option<Solver>,
+        task: Task,
+        pool: Option<&ThreadPool>,
+        inbox: Sender<Message>,
+    ) -> Self {
+        let away = Self { ticket, cancel: CancelToken::new(), is_orphaned: Arc::default() };
+        let (cancel, is_orphaned) = (away.cancel.clone(), away.is_orphaned.clone());
+        let errand = move || {
+            let (solver, outcome) = catch_unwind(AssertUnwindSafe(|| task.work(solver, &cancel)))
+                .unwrap_or_else(|panic| (None, Outcome::Broke(panic_message(&*panic).to_owned())));
+            if !is_orphaned.load(Ordering::Relaxed) {
+                // The session may have ended meanwhile; then nobody waits.
+                let _ = inbox.send(Message::Home(Box::new(Home { ticket, solver, outcome })));
+            }
+        };
+        match pool {
+            Some(pool) => pool.spawn(errand),
+            None => rayon::spawn(errand),
+        }
+        away
+    }
+
+    /// Asks it to come home as soon as it can.
+    pub(super) fn call(&self) {
+        self.cancel.cancel();
+    }
+
+    /// Nobody waits for it any more.
+    pub(super) fn orphan(self) {
+        self.is_orphaned.store(true, Ordering::Relaxed);
+        self.cancel.cancel();
+    }
+}
+
+impl Task {
+    fn work(self, solver: Option<Solver>, cancel: &CancelToken) -> (Option<Solver>, Outcome) {
+        match (self, solver) {
+            (Self::Change(change), solver) => {
+                let Changed { solver, outcome } = change(solver);
+                (solver, Outcome::Change(outcome))
+            }
+            (Self::Step, Some(mut solver)) => {
+                let step = solver.step(cancel);
+                (Some(solver), Outcome::Step(step))
+            }
+            (Self::Picture(look), Some(mut solver)) => {
+                let begun = Instant::now();
+                solver.show_anatomy(look.anatomy);
+                let former = look.moment.and_then(|moment| solver.snapshot_of(moment));
+                let snapshot = former.unwrap_or_else(|| solver.snapshot());
+                (Some(solver), Outcome::Picture(Arc::new(snapshot), begun, Instant::now()))
+            }
+            (Self::Step | Self::Picture(_), None) => (None, Outcome::Step(Step::Finished)),
+        }
+    }
+}
