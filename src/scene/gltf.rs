@@ -19,7 +19,7 @@ use super::draft::{Draft, DraftMaterial, MOST_POLYGONS, is_usable};
 use super::files::SceneFiles;
 use super::gltf_buffers::{GltfData, Problem};
 use super::load_error::LoadError;
-use super::said::{quoted, sentence};
+use super::said::{self, quoted, sentence};
 use super::texture::mean_colours;
 
 /// Extensions that change nothing here, so that a file which requires them can be read all the same.
@@ -46,7 +46,7 @@ pub(super) fn read(path: &Path, bytes: &[u8], files: &dyn SceneFiles) -> Result<
         draft.skipped.note(format!("Lines and points have no area and are left out ({areas_missing})."));
     }
     if let Some((first, more)) = lights.split_first() {
-        let shown = more.iter().take(4).fold(quoted(first), |names, name| names + ", " + &quoted(name));
+        let shown = more.iter().take(4).fold(said::name(first), |names, name| names + ", " + &said::name(name));
         let and_more = if lights.len() > 5 { format!(" and {} more", lights.len() - 5) } else { String::new() };
         draft.skipped.ignored_lights = lights.len();
         draft.skipped.note(format!("Ignored because they are no surfaces: the lights {shown}{and_more}."));
