@@ -325,6 +325,9 @@ impl<'a> Darkness<'a> {
         let (corners, count) = self.scene.corner_positions(lamp);
         let on_lamp = point_in(corners, count, uniform(random));
         let span = on_lamp - point;
-        normal.dot(span) > 0.0 && self.scene.normal(lamp).dot(span) < 0.0 && !self.occluders.occluded(point, on_lamp)
+        let lamp_normal = self.scene.normal(lamp);
+        normal.dot(span) > 0.0
+            && lamp_normal.dot(span) < 0.0
+            && !self.occluders.occluded_above((point, normal), (on_lamp, lamp_normal))
     }
 }

@@ -100,6 +100,16 @@ impl Occluders {
         !self.bvh.ray_traverse_miss(ray, |ray, index| self.triangles[index].intersect(ray))
     }
 
+    /// Whether a face stops the light between two points of faces with these unit normals, each of which is bright on the side of the other.
+    ///
+    /// A point of a face lies on either side of it, by rounding, and the ray of a near point that lies behind would meet the face
+    /// under a small angle: the inside of a lamp's shade would be in its own shadow. So both ends are lifted off their faces.
+    #[inline]
+    pub fn occluded_above(&self, from: (Vec3, Vec3), to: (Vec3, Vec3)) -> bool {
+        let lift = self.least_distance();
+        self.occluded(from.0 + lift * from.1, to.0 + lift * to.1)
+    }
+
     /// The first face along a ray, at least `nearest` away; `direction` must be a unit vector.
     pub fn closest_hit(&self, origin: Vec3, direction: Vec3, nearest: f32) -> Option<Hit> {
         self.closest(origin, direction, nearest, |triangle, ray| triangle.intersect(ray))

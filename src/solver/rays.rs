@@ -201,7 +201,7 @@ impl RaySampler<'_> {
             }
             survey.rayed_kernel += kernel;
             survey.cast += 1;
-            if !self.occluders.occluded(from.position, to.position) {
+            if !self.occluders.occluded_above((from.position, from.normal), (to.position, to.normal)) {
                 survey.visible += 1;
                 survey.visible_kernel += kernel;
             }

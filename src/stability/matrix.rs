@@ -132,7 +132,8 @@ fn of_point(
         let heights = normal.dot(span).max(0.0) * (-from.normal.dot(span)).max(0.0);
         let kernel = f64::from(heights) / f64::from(span.length_squared()).powi(2).max(f64::MIN_POSITIVE);
         all += kernel;
-        seen += if kernel > 0.0 && !occluders.occluded(point, at) { kernel } else { 0.0 };
+        seen +=
+            if kernel > 0.0 && !occluders.occluded_above((point, normal), (at, from.normal)) { kernel } else { 0.0 };
     }
     if all > 0.0 { whole * seen / all } else { 0.0 }
 }

@@ -129,9 +129,9 @@ impl LitMesh {
         }
     }
 
-    /// Whether a face stops the light between two points.
-    pub(super) fn occluded(&self, from: Vec3, to: Vec3) -> bool {
-        self.faces.occluded(from, to)
+    /// Whether a face stops the light between two points, each with its normal.
+    pub(super) fn occluded(&self, from: (Vec3, Vec3), to: (Vec3, Vec3)) -> bool {
+        self.faces.occluded_above(from, to)
     }
 }
 

@@ -183,7 +183,7 @@ fn visible_share(lit: &LitMesh, lamp: &Polygon, (point, normal): (Vec3, Vec3), r
         let weight = normal.dot(span).max(0.0) * (-lamp_normal.dot(span)).max(0.0) / distance_squared.powi(2);
         if weight > 0.0 && weight.is_finite() {
             all += weight;
-            through += if lit.occluded(point, on_lamp) { 0.0 } else { weight };
+            through += if lit.occluded((point, normal), (on_lamp, lamp_normal)) { 0.0 } else { weight };
         }
     }
     if all > 0.0 { through / all } else { 0.0 }

@@ -10,13 +10,17 @@ use glam::Vec3;
 use rayon::prelude::*;
 
 use super::lamps::Seen;
+use super::places::Places;
 use super::{Context, FinalGather};
 use crate::cancel::CancelToken;
 use crate::hierarchy::Hierarchy;
-use crate::random::{even_point, mix};
+use crate::random::mix;
 
-/// Points looked at.
+/// Points looked at; as many again where what they say is near the goal, a few times.
 pub const POINTS: usize = 2048;
+const MOST_POINTS: usize = 4 * POINTS;
+/// An error above the goal that is less than so many times as large may be the error of the estimate.
+const NEAR: f64 = 1.25;
 /// Rays of a look, to lamps and into the half space each, times the error that is asked for.
 const RAYS: f64 = 0.8;
 /// Rays that must meet backs before a point is believed to be hidden.
@@ -66,6 +70,12 @@ impl Tally {
         }
     }
 
+    /// Whether so many points are enough to tell whether a goal is reached.
+    pub fn is_clear(&self, goal: f64, points: usize) -> bool {
+        let is_doubtful = |estimate: Estimate| estimate.cautious() > goal && estimate.rms <= NEAR * goal;
+        points >= MOST_POINTS || !self.estimate().is_some_and(is_doubtful)
+    }
+
     /// What all points say together; nothing without light.
     pub fn estimate(&self) -> Option<Estimate> {
         let (mean, energy) = (self.error / self.points, self.energy / self.points);
@@ -76,23 +86,30 @@ impl Tally {
 }
 
 impl FinalGather {
-    /// Looks at some of the points; `round` chooses which ones; `None` if cancelled. Half of them lie evenly by area, half by A·|B|²: a small bright place
-    /// may hold most of the error, and by area alone hardly a point would meet it.
+    /// Looks at some of the points, other ones in each attempt; `None` if cancelled. Half of them lie evenly by area, half by A·|B|²: a
+    /// small bright place may hold most of the error, and by area alone hardly a point would meet it.
     pub(super) fn look_at_points(
         &self,
         hierarchy: &Hierarchy,
         context: &Context,
-        round: u32,
         points: Range<usize>,
         cancel: &CancelToken,
     ) -> Option<Tally> {
-        let start = mix(mix(context.seed, 0x6573_7469_6d61_7465), u64::from(round));
+        let start = mix(mix(context.seed, 0x6573_7469_6d61_7465), u64::from(self.attempt));
         let reflected = self.reflected();
-        let shares = self.shares(hierarchy, context, &reflected);
+        let places = self.places(hierarchy, context, &reflected);
         let rays = ((RAYS / self.goal.error) as u32).clamp(8, 64);
         let look = |cut: &mut Vec<Seen>, index: usize| {
-            (!cancel.is_cancelled())
-                .then(|| self.look_at_point(hierarchy, context, (&reflected, &shares), rays, (start, index), cut))
+            (!cancel.is_cancelled()).then(|| {
+                self.look_at_point(
+                    hierarchy,
+                    context,
+                    (&reflected, &places),
+                    rays,
+                    (mix(start, (index / POINTS) as u64), index % POINTS),
+                    cut,
+                )
+            })
         };
         // Summed in order, so that the result does not depend on the threads.
         let tallies: Vec<Tally> =
@@ -104,24 +121,21 @@ impl FinalGather {
         &self,
         hierarchy: &Hierarchy,
         context: &Context,
-        (reflected, shares): (&[Vec3], &[f64]),
+        (reflected, places): (&[Vec3], &Places),
         rays: u32,
         (start, index): (u64, usize),
         cut: &mut Vec<Seen>,
     ) -> Tally {
-        let [u, v] = even_point(start, index as u32);
-        let leaf = shares.partition_point(|share| *share <= f64::from(u)).min(shares.len() - 1);
-        let before = if leaf > 0 { shares[leaf - 1] } else { 0.0 };
-        let share = shares[leaf] - before;
-        let of = &self.display.mesh.leaves[leaf];
-        let u = ((f64::from(u) - before) / share).clamp(0.0, 1.0) as f32;
+        let Some(place) = places.at(index, start) else { return Tally::default() };
+        let of = &self.display.mesh.leaves[place.leaf];
+        let [u, v] = place.uv;
         let point = hierarchy.point_on(of.element, u, v);
         let surface = &context.surfaces[point.polygon as usize];
         let Some((triangle, weights)) = self.display.locate(hierarchy, of.element, point.position) else {
             return Tally::default();
         };
         // What the point stands for, m².
-        let area = f64::from(hierarchy.element(of.element).sampled_area) / share;
+        let area = f64::from(hierarchy.element(of.element).sampled_area) / place.density;
         let [a, b, c] = self.display.mesh.triangles[triangle as usize].map(|corner| reflected[corner as usize]);
         let shown = weights.x * a + weights.y * b + weights.z * c;
         let lamps = self.lamps(hierarchy, context);
@@ -149,8 +163,8 @@ impl FinalGather {
         Tally { error, squares: error * error, energy, points: 1.0, rays: cast }
     }
 
-    /// Running sums of the shares of points that the mesh's leaves get, up to 1; lamps get none.
-    fn shares(&self, hierarchy: &Hierarchy, context: &Context, reflected: &[Vec3]) -> Vec<f64> {
+    /// Half of the places lie by area, half by A·|B|²; lamps get none.
+    fn places(&self, hierarchy: &Hierarchy, context: &Context, reflected: &[Vec3]) -> Places {
         let mesh = &self.display.mesh;
         let of_leaf = |leaf: usize| {
             let of = &mesh.leaves[leaf];
@@ -166,15 +180,6 @@ impl FinalGather {
         let leaves: Vec<(f64, f64)> = (0..mesh.leaves.len()).map(of_leaf).collect();
         let all = leaves.iter().fold((0.0, 0.0), |sum, leaf| (sum.0 + leaf.0, sum.1 + leaf.1));
         let half = |part: f64, all: f64| if all > 0.0 { 0.5 * part / all } else { 0.0 };
-        let mut sum = 0.0;
-        let mut shares: Vec<f64> = leaves
-            .iter()
-            .map(|leaf| {
-                sum += half(leaf.0, all.0) + half(leaf.1, all.1);
-                sum
-            })
-            .collect();
-        shares.iter_mut().for_each(|share| *share /= sum.max(f64::MIN_POSITIVE));
-        shares
+        Places::new(leaves.iter().map(|leaf| half(leaf.0, all.0) + half(leaf.1, all.1)), POINTS)
     }
 }

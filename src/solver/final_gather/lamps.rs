@@ -206,7 +206,7 @@ impl Lamps<'_> {
             }
             found.all += kernel;
             found.rays += 1;
-            if !self.occluders.occluded(point, target.position) {
+            if !self.occluders.occluded_above((point, normal), (target.position, target.normal)) {
                 found.visible += kernel;
                 if let Lamp::Cluster(id) = seen.lamp {
                     // Points lie by power: each stands for the same number of watts, in the colour of its lamp.

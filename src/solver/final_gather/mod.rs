@@ -10,6 +10,7 @@ mod bright;
 mod estimate;
 mod lamps;
 mod passes;
+mod places;
 mod rows;
 mod split;
 mod stance;
@@ -44,7 +45,7 @@ const CHUNK: usize = 512;
 /// Rays to lamps from a point, times the error that is allowed between vertices.
 const LAMP_RAYS: f64 = 0.9;
 /// Noise of direct light at vertices, as a share of the error that is allowed between them.
-const DIRECT_NOISE: f64 = 0.5;
+const DIRECT_NOISE: f64 = 0.7;
 /// Splitting ends when it made many leaves and left more than this share of the squared error: noise does not fall by it.
 const LEAST_GAIN: f64 = 0.95;
 /// Leaves of less than this share of the mean area have no vertex in their middle.
@@ -60,10 +61,12 @@ const NEAR: f64 = 1.25;
 /// More vertices than this are not made for the sake of the goal.
 const MOST_VERTICES: usize = 1 << 21;
 /// The allowed error is shared out to what lies between vertices and to the noise of their values.
-const MESH_SHARE: f64 = 0.5;
+const MESH_SHARE: f64 = 0.7;
 const NOISE_SHARE: f64 = 0.5;
 /// The next attempt aims below the goal by this factor.
-const AIM: f64 = 0.8;
+const AIM: f64 = 0.85;
+/// It allows for no less than this share of the error that was believed to lie between vertices.
+const LEAST_STEP: f64 = 0.5;
 /// Standard deviation of the light along one random ray, as a share of all, as low-discrepancy directions make it.
 const SPREAD: f64 = 0.35;
 
@@ -136,8 +139,8 @@ pub struct FinalGather {
     /// Indirect irradiance of each vertex, W/m².
     indirect: Vec<Vec3>,
     rows: Rows,
-    /// Squared errors of leaves that were looked at and kept.
-    kept: FxHashMap<ElementId, f64>,
+    /// Of leaves that were looked at and kept: sum of the squared errors of direct light that looks found, and number of looks.
+    looks: FxHashMap<ElementId, (f64, u32)>,
     /// Σ A·|B|², W²/m²: of what links say, later of what was found when the present pass began.
     known_energy: f64,
     /// Squared error between the vertices, measured last, W²/m².
@@ -207,7 +210,7 @@ impl FinalGather {
             direct: Vec::new(),
             indirect,
             rows: Rows::default(),
-            kept: FxHashMap::default(),
+            looks: FxHashMap::default(),
             known_energy,
             mesh_error: f64::INFINITY,
             grew: false,
@@ -250,7 +253,7 @@ impl FinalGather {
             Stage::Cast(first) => {
                 let range = first..(first + CHUNK).min(self.vertices.len());
                 let chunk = self.rows.cast(&self.surroundings(hierarchy, context), range.clone(), cancel)?;
-                self.rows.take(range.start, chunk);
+                self.rows.take(range.clone(), chunk);
                 self.stage = Stage::Cast(range.end);
                 if range.end < self.vertices.len() {
                     return Some(Progress::Part);
@@ -266,15 +269,14 @@ impl FinalGather {
                 Progress::Pass
             }
             Stage::Estimate(first, tally) => {
-                let range = first..(first + CHUNK).min(estimate::POINTS);
-                let tally = tally.add(self.look_at_points(hierarchy, context, self.attempt, range.clone(), cancel)?);
-                self.stage = Stage::Estimate(range.end, tally);
-                if range.end < estimate::POINTS {
-                    return Some(Progress::Part);
+                let tally = tally.add(self.look_at_points(hierarchy, context, first..first + CHUNK, cancel)?);
+                let points = first + CHUNK;
+                self.stage = Stage::Estimate(points, tally);
+                if points.is_multiple_of(estimate::POINTS) && tally.is_clear(self.goal.error, points) {
+                    self.rays += tally.rays;
+                    self.estimate = tally.estimate();
+                    self.stage = self.after_estimate();
                 }
-                self.rays += tally.rays;
-                self.estimate = tally.estimate();
-                self.stage = self.after_estimate();
                 Progress::Part
             }
             Stage::Done => Progress::Done,
@@ -300,15 +302,15 @@ impl FinalGather {
         }
         self.attempt += 1;
         self.round = 0;
-        let factor = (AIM * self.goal.error / error).max(0.5);
         // What is not noise lies between the vertices.
-        let between = (error.powi(2) - self.noise.powi(2)).max(0.0).sqrt();
-        if between > MESH_SHARE * self.goal.error {
-            self.goal.mesh *= factor;
-            self.kept.clear();
+        let between = |error: f64| (error.powi(2) - self.noise.powi(2)).max(0.0).sqrt();
+        let (found, wanted) = (between(error), between(AIM * self.goal.error));
+        if found > MESH_SHARE * self.goal.error {
+            let believed = (self.mesh_error.max(0.0) / self.energy()).sqrt();
+            self.goal.mesh = self.goal.mesh.min((wanted / found).max(LEAST_STEP) * believed);
         }
-        if self.noise > 0.5 * self.goal.error {
-            self.goal.noise *= factor;
+        if self.noise > NOISE_SHARE * self.goal.error {
+            self.goal.noise *= (AIM * self.goal.error / error).max(LEAST_STEP);
         }
         Stage::Direct(self.vertices.len())
     }
@@ -408,20 +410,32 @@ impl FinalGather {
         let look = self.look_at_leaves(hierarchy, context, cancel)?;
         self.rays += look.rays;
         let allowed = self.goal.mesh * self.goal.mesh * self.energy();
-        let error = look.errors.iter().sum::<f64>();
+        let leaves = self.display.mesh.clone();
+        let leaves = &leaves.leaves;
+        let mut looks = std::mem::take(&mut self.looks);
+        let mean = |(leaf, direct): (&super::Leaf, &f64)| {
+            let (sum, count) = looks.remove(&leaf.element).unwrap_or_default();
+            (sum + direct, count + 1)
+        };
+        let means: Vec<(f64, u32)> = leaves.iter().zip(&look.direct).map(mean).collect();
+        let errors: Vec<f64> = means
+            .iter()
+            .zip(&look.indirect)
+            .map(|((sum, count), indirect)| sum / f64::from(*count) + indirect)
+            .collect();
+        let error = errors.iter().sum::<f64>();
         let is_vain = self.round > 0 && self.grew && error > LEAST_GAIN * self.mesh_error;
         self.mesh_error = error;
         if error <= allowed || is_vain || self.vertices.len() > MOST_VERTICES {
             return Some(false);
         }
-        let threshold = split::threshold(&look.errors, allowed);
-        self.kept.clear();
+        let threshold = split::threshold(&errors, allowed);
         let mesh = self.display.mesh.clone();
-        for (leaf, error) in mesh.leaves.iter().zip(&look.errors) {
+        for ((leaf, error), mean) in mesh.leaves.iter().zip(&errors).zip(means) {
             if *error >= threshold {
                 hierarchy.subdivide(leaf.element);
             } else {
-                self.kept.insert(leaf.element, *error);
+                self.looks.insert(leaf.element, mean);
             }
         }
         let new = self.display.rebuilt(context.scene, hierarchy, self.display.style());

@@ -17,8 +17,6 @@ use crate::visibility::Occluders;
 
 /// Rays start this share of the scene's diagonal off their surface.
 const RELATIVE_OFFSET: f32 = 1e-5;
-/// A vertex from which so many of its rays meet backs is hidden inside of something.
-const HIDDEN: f32 = 0.9;
 /// Memory that rows may take, bytes.
 const MOST_BYTES: usize = 1 << 29;
 
@@ -46,8 +44,6 @@ pub struct Rows {
     passes: Vec<Pass>,
     /// Rays of each vertex so far.
     counts: Vec<u32>,
-    /// Rays of each vertex that met the back of a face.
-    backs: Vec<u32>,
 }
 
 /// What rays are cast against.
@@ -69,15 +65,12 @@ pub struct Surroundings<'a> {
 }
 
 /// The rays of some vertices in a row.
-pub struct Chunk {
-    hits: Vec<Hit>,
-    backs: Vec<u32>,
-}
+pub struct Chunk(Vec<Hit>);
 
 impl Rows {
     /// Starts anew for so many vertices.
     pub fn new(vertices: usize) -> Self {
-        Self { passes: Vec::new(), counts: vec![0; vertices], backs: vec![0; vertices] }
+        Self { passes: Vec::new(), counts: vec![0; vertices] }
     }
 
     /// Opens a pass with so many rays from each vertex.
@@ -94,7 +87,7 @@ impl Rows {
     /// Casts the rays of a range of vertices of the open pass; `None` if there is none, or if cancelled.
     pub fn cast(&self, around: &Surroundings, vertices: std::ops::Range<usize>, cancel: &CancelToken) -> Option<Chunk> {
         let pass = self.passes.last()?;
-        let looked: Vec<(Vec<Hit>, u32)> = vertices
+        let looked: Vec<Vec<Hit>> = vertices
             .into_par_iter()
             .with_min_len(16)
             .map(|vertex| {
@@ -102,23 +95,16 @@ impl Rows {
                 (!cancel.is_cancelled()).then(|| around.look(vertex, self.counts[vertex], count))
             })
             .collect::<Option<_>>()?;
-        let (hits, backs): (Vec<Vec<Hit>>, Vec<u32>) = looked.into_iter().unzip();
-        Some(Chunk { hits: hits.into_iter().flatten().collect(), backs })
+        Some(Chunk(looked.into_iter().flatten().collect()))
     }
 
-    /// Takes over what [`Self::cast`] found for the vertices from `first`.
-    pub fn take(&mut self, first: usize, chunk: Chunk) {
+    /// Takes over what [`Self::cast`] found for a range of vertices.
+    pub fn take(&mut self, vertices: std::ops::Range<usize>, chunk: Chunk) {
         let Some(pass) = self.passes.last_mut() else { return };
-        pass.hits.extend(chunk.hits);
-        for (index, backs) in chunk.backs.into_iter().enumerate() {
-            self.backs[first + index] += backs;
-            self.counts[first + index] += pass.starts[first + index + 1] - pass.starts[first + index];
+        pass.hits.extend(chunk.0);
+        for vertex in vertices {
+            self.counts[vertex] += pass.starts[vertex + 1] - pass.starts[vertex];
         }
-    }
-
-    /// Whether a vertex is hidden inside of something.
-    pub fn is_hidden(&self, vertex: usize) -> bool {
-        self.counts[vertex] > 0 && self.backs[vertex] as f32 >= HIDDEN * self.counts[vertex] as f32
     }
 
     /// Rays cast.
@@ -144,7 +130,7 @@ impl Rows {
     /// Memory, bytes.
     pub fn bytes(&self) -> usize {
         let of_pass = |pass: &Pass| size_of_val(&pass.hits[..]) + size_of_val(&pass.starts[..]);
-        self.passes.iter().map(of_pass).sum::<usize>() + 2 * size_of_val(&self.counts[..])
+        self.passes.iter().map(of_pass).sum::<usize>() + size_of_val(&self.counts[..])
     }
 
     /// Number of passes.
@@ -198,13 +184,12 @@ impl Hit {
 }
 
 impl Surroundings<'_> {
-    /// Rays number `done..done + count` of a vertex, and how many of them met backs.
-    fn look(&self, vertex: usize, done: u32, count: u32) -> (Vec<Hit>, u32) {
+    /// Rays number `done..done + count` of a vertex.
+    fn look(&self, vertex: usize, done: u32, count: u32) -> Vec<Hit> {
         let seed = mix(mix(self.seed, 0x6761_7468_6572), position_hash(self.display, vertex));
         let start = [seed as u32, (seed >> 32) as u32];
-        let mut backs = 0;
         let stances = &self.stances[vertex];
-        let hits = (done..done + count).map(|index| {
+        let hit = |index: u32| {
             let [u, v] = even_point(seed, index);
             // Every ray counts alike, so the stances take their turns by their weights.
             let pick = fraction((start[0] ^ start[1]).wrapping_add(2_654_435_769_u32.wrapping_mul(index)));
@@ -215,9 +200,9 @@ impl Surroundings<'_> {
             });
             let Some(stance) = stance.or(stances.last()) else { return Hit { triangle: NOWHERE, weights: [0; 2] } };
             let direction = cosine_direction(stance.normal, u, v);
-            self.follow(stance.position + RELATIVE_OFFSET * self.diagonal * stance.normal, direction, &mut backs)
-        });
-        (hits.collect(), backs)
+            self.follow(stance.position + RELATIVE_OFFSET * self.diagonal * stance.normal, direction)
+        };
+        (done..done + count).map(hit).collect()
     }
 
     /// Irradiance at a point of what the vertices reflect (W/m²), by so many rays.
@@ -225,18 +210,15 @@ impl Surroundings<'_> {
         let origin = point + RELATIVE_OFFSET * self.diagonal * normal;
         let light = |index: u32| {
             let [u, v] = even_point(seed, index);
-            self.follow(origin, cosine_direction(normal, u, v), &mut 0).light(self.display, reflected)
+            self.follow(origin, cosine_direction(normal, u, v)).light(self.display, reflected)
         };
         (0..rays).map(light).sum::<Vec3>() / rays.max(1) as f32
     }
 
-    fn follow(&self, origin: Vec3, direction: Vec3, backs: &mut u32) -> Hit {
+    fn follow(&self, origin: Vec3, direction: Vec3) -> Hit {
         let nowhere = Hit { triangle: NOWHERE, weights: [0; 2] };
         let Some(hit) = self.occluders.closest_hit(origin, direction, 0.0) else { return nowhere };
-        let Some(polygon) = bright_side(hit, self.back_of) else {
-            *backs += 1;
-            return nowhere;
-        };
+        let Some(polygon) = bright_side(hit, self.back_of) else { return nowhere };
         if self.lamps[polygon as usize] {
             return nowhere;
         }

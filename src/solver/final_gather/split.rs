@@ -4,21 +4,24 @@ use glam::Vec3;
 use rayon::prelude::*;
 
 use super::lamps::{Lamps, Seen};
+use super::places::Places;
 use super::{Context, FinalGather};
 use crate::cancel::CancelToken;
 use crate::exposure::Darkness;
 use crate::hierarchy::{ElementId, Hierarchy};
-use crate::random::{even_point, mix};
+use crate::random::mix;
 
-/// Random points per leaf: on average and at most. Large bright leaves get more.
-const POINTS: f64 = 1.5;
-const MOST_POINTS: f64 = 32.0;
-/// A leaf is not looked at where all its light would be less than this share of its part of the allowed error.
-const NEGLIGIBLE: f64 = 0.05;
+/// Points of a look per leaf, and how many they are at least and at most.
+const POINTS: f64 = 0.75;
+const LEAST_POINTS: usize = 512;
+const MOST_POINTS: usize = 32_768;
+/// Light at random points of a leaf is expected to differ from what the leaf shows by this share of it, beside a share of what
+/// differs between its vertices: a shadow may lie in the midst of a leaf.
+const UNSEEN: f32 = 0.4;
 /// Leaves whose errors add up to this share of what is allowed are kept as they are; those that are split keep a part of theirs.
-const KEPT: f64 = 0.7;
-/// Leaves are not split where their width is below this share of the scene's diagonal: 5 mm in a room.
-const THINNEST: f32 = 5e-4;
+const KEPT: f64 = 0.5;
+/// Leaves are not split where their width is below this share of the scene's diagonal: 1 mm in a room.
+const THINNEST: f32 = 1e-4;
 /// Rays that must meet backs before a point is believed to be hidden.
 const DARK_RAYS: u32 = 16;
 /// Share of (ρ·ΔE)² in the middle of a leaf that is its error, since the middle is a vertex itself.
@@ -26,14 +29,18 @@ const INDIRECT: f64 = 0.15;
 
 /// What became of a look at the mesh.
 pub struct Look {
-    /// Squared error of each leaf, A·(ρ·ΔE)², W²/m²; the mesh's leaves in order.
-    pub errors: Vec<f64>,
+    /// Squared error of direct light of each leaf, A·(ρ·ΔE)², W²/m²; the mesh's leaves in order. Right in the mean only: leaves that
+    /// no point met have none.
+    pub direct: Vec<f64>,
+    /// The same of indirect light.
+    pub indirect: Vec<f64>,
     /// Rays cast.
     pub rays: u64,
 }
 
 impl FinalGather {
-    /// Squared errors of all leaves; those that were kept before are not looked at again. `None` if cancelled.
+    /// Squared errors of all leaves: of direct light by random points, of which there are more where more may be wrong, so that some
+    /// leaves have none and others stand for them. Each look has points of its own. `None` if cancelled.
     pub(super) fn look_at_leaves(
         &self,
         hierarchy: &Hierarchy,
@@ -41,70 +48,76 @@ impl FinalGather {
         cancel: &CancelToken,
     ) -> Option<Look> {
         let leaves = &self.display.mesh.leaves;
-        let energies: Vec<f64> =
-            (0..leaves.len()).into_par_iter().with_min_len(512).map(|leaf| self.most(leaf)).collect();
-        let mean = energies.iter().sum::<f64>() / leaves.len().max(1) as f64;
+        let weights: Vec<f64> = (0..leaves.len())
+            .into_par_iter()
+            .with_min_len(512)
+            .map(|leaf| self.may_be_wrong(leaf, hierarchy, context))
+            .collect();
+        let count = ((POINTS * leaves.len() as f64) as usize).clamp(LEAST_POINTS, MOST_POINTS);
+        let places = Places::new(weights.iter().copied(), count);
+        let start = mix(mix(context.seed, 0x0073_706c_6974), u64::from(100 * self.attempt + self.round));
         let darkness = self.darkness(context);
         let lamps = self.lamps(hierarchy, context);
-        let negligible = NEGLIGIBLE * self.goal.mesh * self.goal.mesh * mean;
-        let look = |cut: &mut Vec<Seen>, leaf: usize| {
+        let look = |cut: &mut Vec<Seen>, index: usize| {
             if cancel.is_cancelled() {
                 return None;
             }
-            let of = &leaves[leaf];
-            if let Some(error) = self.kept.get(&of.element) {
-                return Some((*error, 0));
+            let nothing = (0, 0.0, 0);
+            let Some(place) = places.at(index, start) else { return Some(nothing) };
+            let id = leaves[place.leaf].element;
+            let [u, v] = place.uv;
+            let point = hierarchy.point_on(id, u, v);
+            let Some(shown) = self.direct_shown(hierarchy, id, point.position) else { return Some(nothing) };
+            let seed = mix(start, index as u64);
+            let mut rays = 0;
+            // Two looks that know nothing of each other: the product of their differences is right in the mean, whatever their
+            // noise.
+            let [first, second] = [1, 2].map(|look| {
+                let (wanted, seed) = (0.5 * self.lamp_rays(), mix(seed, look));
+                let lit = lamps.irradiance(point.position, point.normal, wanted, f32::INFINITY, seed, cut);
+                rays += u64::from(lit.rays);
+                lit.irradiance
+            });
+            let is_hidden = || {
+                let encloses = |dark: &Darkness| dark.encloses(point.position, point.normal, mix(seed, 3), DARK_RAYS);
+                darkness.as_ref().is_some_and(encloses)
+            };
+            if first == Vec3::ZERO && second == Vec3::ZERO && (shown == Vec3::ZERO || is_hidden()) {
+                return Some((place.leaf, 0.0, rays));
             }
-            if energies[leaf] <= negligible
-                || self.is_thin(leaf)
-                || context.surfaces[of.polygon as usize].emission != Vec3::ZERO
-            {
-                return Some((0.0, 0));
-            }
-            let count = (POINTS * energies[leaf] / mean).round().clamp(1.0, MOST_POINTS) as u32;
-            let reflectance = context.surfaces[of.polygon as usize].reflectance;
-            let key = hierarchy.element(of.element).key;
-            let start = mix(mix(context.seed, 0x0073_706c_6974), key);
-            let (mut sum, mut rays, mut found) = (0.0, 0, 0);
-            for index in 0..count {
-                let [u, v] = even_point(start, index);
-                let point = hierarchy.point_on(of.element, u, v);
-                let seed = mix(mix(key, context.seed), u64::from(index));
-                let Some(shown) = self.direct_shown(hierarchy, of.element, point.position) else { continue };
-                // Two looks that know nothing of each other: the product of their differences is right in the mean, whatever
-                // their noise.
-                let [first, second] = [1, 2].map(|look| {
-                    let lit = lamps.irradiance(
-                        point.position,
-                        point.normal,
-                        0.5 * self.lamp_rays(),
-                        f32::INFINITY,
-                        mix(seed, look),
-                        cut,
-                    );
-                    rays += u64::from(lit.rays);
-                    lit.irradiance
-                });
-                let is_hidden = || {
-                    darkness
-                        .as_ref()
-                        .is_some_and(|darkness| darkness.encloses(point.position, point.normal, seed, DARK_RAYS))
-                };
-                if first == Vec3::ZERO && second == Vec3::ZERO && is_hidden() {
-                    continue;
-                }
-                sum += f64::from((reflectance * (first - shown)).dot(reflectance * (second - shown)));
-                found += 1;
-            }
-            let mean = if found > 0 { sum / f64::from(found) } else { 0.0 };
-            Some((f64::from(of.exposed_area) * mean + self.indirect_error(leaf), rays))
+            let reflectance = context.surfaces[point.polygon as usize].reflectance;
+            let square = f64::from((reflectance * (first - shown)).dot(reflectance * (second - shown)));
+            let area = f64::from(hierarchy.element(id).sampled_area) / place.density;
+            Some((place.leaf, area * square, rays))
         };
-        let looked: Vec<(f64, u64)> =
-            (0..leaves.len()).into_par_iter().with_min_len(16).map_init(Vec::new, look).collect::<Option<_>>()?;
-        Some(Look {
-            errors: looked.iter().map(|looked| looked.0).collect(),
-            rays: looked.iter().map(|looked| looked.1).sum(),
-        })
+        let looked: Vec<(usize, f64, u64)> =
+            (0..count).into_par_iter().with_min_len(16).map_init(Vec::new, look).collect::<Option<_>>()?;
+        let indirect = |(leaf, weight): (usize, &f64)| if *weight > 0.0 { self.indirect_error(leaf) } else { 0.0 };
+        let errors = weights.iter().enumerate().map(indirect).collect();
+        let mut direct = vec![0.0; leaves.len()];
+        // Summed in order, so that the result does not depend on the threads.
+        looked.iter().for_each(|(leaf, error, _)| direct[*leaf] += error);
+        Some(Look { direct, indirect: errors, rays: looked.iter().map(|looked| looked.2).sum() })
+    }
+
+    /// What to expect of a leaf's squared error before a look at it, W²/m² up to a factor; 0 where nothing can be done about it.
+    fn may_be_wrong(&self, leaf: usize, hierarchy: &Hierarchy, context: &Context) -> f64 {
+        let mesh = &self.display.mesh;
+        let of = &mesh.leaves[leaf];
+        let surface = &context.surfaces[of.polygon as usize];
+        if surface.emission != Vec3::ZERO || self.is_thin(leaf) {
+            return 0.0;
+        }
+        let (mut least, mut most, mut indirect) = (Vec3::INFINITY, Vec3::ZERO, Vec3::ZERO);
+        for vertex in self.display.triangles_of(leaf as u32).flat_map(|triangle| mesh.triangles[triangle as usize]) {
+            let direct = self.direct[vertex as usize];
+            (least, most) = (least.min(direct), most.max(direct));
+            indirect = indirect.max(self.indirect[vertex as usize]);
+        }
+        let brightness = (surface.reflectance * (most + indirect)).length();
+        let range = (surface.reflectance * (most - least)).length();
+        let expected = range + UNSEEN * brightness;
+        f64::from(hierarchy.element(of.element).sampled_area * expected * expected)
     }
 
     /// A·(ρ·ΔE)² of indirect light, by what rows found in the middle of a leaf and at its corners; their noise is subtracted.
@@ -137,16 +150,6 @@ impl FinalGather {
         let corners: Vec<Vec3> = corners.map(|corner| Vec3::from(mesh.positions[corner as usize])).collect();
         let longest = corners.iter().map(|corner| corner.distance(corners[0])).fold(0.0, f32::max);
         mesh.leaves[leaf].area < THINNEST * self.diagonal * longest
-    }
-
-    /// A·|ρE|² of a leaf if all of it were as bright as its brightest vertex.
-    fn most(&self, leaf: usize) -> f64 {
-        let mesh = &self.display.mesh;
-        let vertices = self.display.triangles_of(leaf as u32).flat_map(|triangle| mesh.triangles[triangle as usize]);
-        let brightness = vertices.map(|vertex| {
-            (self.vertices[vertex as usize].reflectance * self.irradiance(vertex as usize)).length_squared()
-        });
-        f64::from(mesh.leaves[leaf].exposed_area * brightness.fold(0.0, f32::max))
     }
 
     /// Direct irradiance as the vertices around show it at a point of a leaf.

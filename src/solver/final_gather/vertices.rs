@@ -97,7 +97,7 @@ impl FinalGather {
 
     /// Whether no light can reach a vertex, because it lies inside of something.
     pub(super) fn is_hidden(&self, vertex: usize) -> bool {
-        (self.stances[vertex].is_empty() && !self.direct[vertex].is_nan()) || self.rows.is_hidden(vertex)
+        self.stances[vertex].is_empty() && !self.direct[vertex].is_nan()
     }
 
     /// Hidden vertices, and those that were not looked at yet, take the mean of what lies around them.
