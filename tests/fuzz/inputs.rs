@@ -1,8 +1,6 @@
 //! What the fuzzers make of their bytes, and what must hold of every scene that loads and of every error; `tests/bad_input` replays
 //! their finds through the same functions.
 
-#![allow(dead_code, reason = "each fuzzer uses one of three inputs")]
-
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 

@@ -1,6 +1,8 @@
-#![no_main]
-#![doc = "Fuzzes what `inputs::glb` makes of bytes."]
+//! Fuzzes what `inputs::glb` makes of bytes.
 
+#![no_main]
+
+#[expect(dead_code, reason = "each fuzzer uses one of three inputs")]
 #[path = "../inputs.rs"]
 mod inputs;
 
