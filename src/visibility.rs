@@ -151,3 +151,47 @@ impl Occluders {
 fn without_negative_zeros(direction: Vec3A) -> Vec3A {
     direction + Vec3A::ZERO
 }
+
+#[cfg(test)]
+mod tests {
+    use std::f32::consts::TAU;
+
+    use super::*;
+    use crate::random::{even_point, mix};
+
+    /// Truth: the inside of a convex shade sees all of itself. It is tilted and stands off the origin, so that rounding puts points on
+    /// either side of their faces.
+    #[test]
+    fn no_face_is_in_its_own_shadow() {
+        let centre = Vec3::new(-1.43, 1.13, -1.84);
+        let axis = Vec3::new(0.3, 0.8, -0.2).normalize();
+        let (across, along) = axis.any_orthonormal_pair();
+        let rim = |number: u32, radius: f32, height: f32| {
+            let (sine, cosine) = (TAU * number as f32 / 16.0).sin_cos();
+            centre + height * axis + radius * (cosine * across + sine * along)
+        };
+        let wall = |number: u32| {
+            let (low, high) = ([0, 1].map(|n| rim(number + n, 0.09, 0.0)), [0, 1].map(|n| rim(number + n, 0.03, 0.12)));
+            [[low[0], high[0], low[1]], [low[1], high[0], high[1]]]
+        };
+        let faces: Vec<([Vec3; 3], u32)> = (0..16).flat_map(|number| wall(number).map(|face| (face, number))).collect();
+        let occluders = Occluders::of_triangles(&faces);
+        let point = |seed: u64, index: u32| {
+            let ([a, b, c], _) = faces[mix(seed, index.into()) as usize % faces.len()];
+            let [u, v] = even_point(seed, index).map(|number| 0.5 * number);
+            let inward = (b - a).cross(c - a).normalize();
+            let towards_axis = inward.dot(centre + 0.06 * axis - a).signum();
+            (a + u * (b - a) + v * (c - a), towards_axis * inward)
+        };
+        let blocked = |is_blocked: &dyn Fn((Vec3, Vec3), (Vec3, Vec3)) -> bool| {
+            let pairs = (0..20_000).map(|index| (point(1, index), point(2, index)));
+            let facing = pairs.filter(|(from, to)| {
+                let span = to.0 - from.0;
+                from.1.dot(span) > 1e-4 && -to.1.dot(span) > 1e-4
+            });
+            facing.filter(|(from, to)| is_blocked(*from, *to)).count()
+        };
+        assert_eq!(blocked(&|from, to| occluders.occluded_above(from, to)), 0);
+        assert!(blocked(&|from, to| occluders.occluded(from.0, to.0)) > 0, "a test that rounding cannot fail");
+    }
+}

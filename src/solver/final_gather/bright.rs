@@ -11,8 +11,9 @@ use crate::random::mix;
 
 /// What reflects so many times more than the mean is a lamp to all others.
 const BRIGHT: f32 = 10.0;
-/// Points of a polygon by which that is decided.
+/// Points of a polygon by which that is decided, where the first of them found this share of what it takes.
 const BRIGHT_POINTS: u32 = 4;
+const MAY_BE: f32 = 0.2;
 
 /// Radiosity of all that shines: what lamps emit, and what surfaces reflect that are much brighter than the rest; `None` if cancelled.
 pub fn what_is_sent(
@@ -26,7 +27,8 @@ pub fn what_is_sent(
     let emitted = Sent::new(hierarchy, emission, Vec::new());
     let lamps = Lamps { hierarchy, sent: &emitted, occluders: context.occluders };
     let rays = (LAMP_RAYS / error).clamp(8.0, 64.0) as f32;
-    let reflected = |cut: &mut Vec<Seen>, &id: &ElementId| {
+    // What the patch of a polygon reflects, by so many points.
+    let look = |id: ElementId, points: u32, cut: &mut Vec<Seen>| {
         if cancel.is_cancelled() {
             return None;
         }
@@ -39,13 +41,22 @@ pub fn what_is_sent(
             let seed = mix(mix(context.seed, element.key), u64::from(index));
             lamps.irradiance(point.position, point.normal, rays, f32::INFINITY, seed, cut).irradiance
         };
-        let direct = (0..BRIGHT_POINTS).map(light).sum::<Vec3>() / BRIGHT_POINTS as f32;
+        let direct = (0..points).map(light).sum::<Vec3>() / points as f32;
         Some((patch.polygon, element.area, surface.reflectance * (direct + indirect[id.index()])))
     };
-    let reflected: Vec<(u32, f32, Vec3)> =
-        hierarchy.initial_patches().par_iter().with_min_len(64).map_init(Vec::new, reflected).collect::<Option<_>>()?;
-    let area: f32 = reflected.iter().map(|of| of.1).sum();
-    let mean = reflected.iter().map(|of| of.1 * of.2.max_element()).sum::<f32>() / area;
+    let patches = hierarchy.initial_patches().par_iter().with_min_len(64);
+    let glances: Vec<(u32, f32, Vec3)> =
+        patches.map_init(Vec::new, |cut, id| look(*id, 1, cut)).collect::<Option<_>>()?;
+    let area: f32 = glances.iter().map(|of| of.1).sum();
+    let mean = glances.iter().map(|of| of.1 * of.2.max_element()).sum::<f32>() / area;
+    let may_be_bright = |glance: &(u32, f32, Vec3)| glance.2.max_element() > MAY_BE * BRIGHT * mean;
+    let reflected: Vec<(u32, f32, Vec3)> = hierarchy
+        .initial_patches()
+        .par_iter()
+        .zip(&glances)
+        .filter(|(_, glance)| may_be_bright(glance))
+        .map_init(Vec::new, |cut, (id, _)| look(*id, BRIGHT_POINTS, cut))
+        .collect::<Option<_>>()?;
     let mut radiosity = emitted.radiosity;
     let mut is_bright = vec![false; radiosity.len()];
     for (polygon, _, reflected) in reflected {
