@@ -2,6 +2,11 @@
 
 use serde::Serialize;
 
+use super::said;
+
+/// So many remarks are kept, the rest is counted: a file can give cause for millions.
+const MOST_NOTES: usize = 50;
+
 /// Counts of everything that loading changed or left out; all zero for a flawless file.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Skipped {
@@ -29,9 +34,20 @@ pub struct Skipped {
     pub cut_faces: usize,
     /// Further remarks, each one sentence (a missing MTL file, an unreadable texture).
     pub notes: Vec<String>,
+    /// Remarks beyond those in [`notes`](Self::notes).
+    pub further_notes: usize,
 }
 
 impl Skipped {
+    /// Adds a remark, one sentence.
+    pub(super) fn note(&mut self, remark: impl AsRef<str>) {
+        if self.notes.len() < MOST_NOTES {
+            self.notes.push(said::sentence(remark.as_ref()));
+        } else {
+            self.further_notes += 1;
+        }
+    }
+
     /// One sentence for each thing that happened; empty when nothing did.
     pub fn sentences(&self) -> Vec<String> {
         let counted = [
@@ -51,6 +67,7 @@ impl Skipped {
             1 => format!("1 {one}."),
             _ => format!("{count} {many}."),
         });
-        sentences.chain(self.notes.iter().cloned()).collect()
+        let further = (self.further_notes > 0).then(|| format!("Further remarks left out: {}.", self.further_notes));
+        sentences.chain(self.notes.iter().cloned()).chain(further).collect()
     }
 }

@@ -1,17 +1,17 @@
 //! A scene as a reader found it, before anything is checked: what OBJ and glTF have in common.
 
+use std::collections::HashMap;
 use std::path::Path;
 
 use glam::Vec3;
-use rustc_hash::FxHashMap;
 
-use super::{Group, GroupId, Skipped};
+use super::{Group, GroupId, Skipped, said};
 
 /// More polygons than this are refused: they would take tens of gigabytes to light.
 pub(super) const MOST_POLYGONS: usize = 32_000_000;
 
 /// The largest coordinate, in the scene's length unit: the fourth power of a distance must stay a finite f32.
-const MAX_COORDINATE: f32 = 1e9;
+pub(super) const MAX_COORDINATE: f32 = 1e9;
 
 /// Whether a coordinate is finite and not too large to reckon with.
 pub(super) fn is_usable(coordinate: f32) -> bool {
@@ -22,6 +22,10 @@ pub(super) fn is_usable(coordinate: f32) -> bool {
 pub(super) fn scene_name(path: &Path) -> String {
     path.file_stem().map_or_else(|| "scene".to_owned(), |stem| stem.to_string_lossy().into_owned())
 }
+
+/// Groups nested deeper than this belong to the one at this depth. A sidecar that arranges them is then nested less deeply than its
+/// parser allows (128 brackets, two for each group).
+const MOST_LEVELS: u8 = 48;
 
 /// Reflectance of faces whose material nobody defines.
 pub(super) const GREY: Vec3 = Vec3::splat(0.5);
@@ -66,7 +70,11 @@ pub(super) struct Draft {
     pub unused_materials: Vec<String>,
     pub groups: Vec<Group>,
     pub skipped: Skipped,
-    children: FxHashMap<(GroupId, String), GroupId>,
+    /// How deep each group lies below the root.
+    levels: Vec<u8>,
+    /// Groups that are not, because they would lie deeper than [`MOST_LEVELS`].
+    pub too_deep: usize,
+    children: HashMap<(GroupId, String), GroupId>,
 }
 
 impl Draft {
@@ -78,15 +86,23 @@ impl Draft {
             faces: Vec::new(),
             materials: Vec::new(),
             unused_materials: Vec::new(),
-            groups: vec![Group { name: name.to_owned(), parent: None }],
+            groups: vec![Group { name: said::name(name), parent: None }],
             skipped: Skipped::default(),
-            children: FxHashMap::default(),
+            levels: vec![0],
+            too_deep: 0,
+            children: HashMap::new(),
         }
     }
 
-    /// A new group below `parent`, whether or not it has a sibling of the same name.
+    /// A new group below `parent`, whether or not it has a sibling of the same name; `parent` itself where that lies too deep.
     pub fn add_group(&mut self, name: &str, parent: GroupId) -> GroupId {
-        self.groups.push(Group { name: name.to_owned(), parent: Some(parent) });
+        let level = self.levels[parent.0 as usize];
+        if level >= MOST_LEVELS {
+            self.too_deep += 1;
+            return parent;
+        }
+        self.levels.push(level + 1);
+        self.groups.push(Group { name: said::name(name), parent: Some(parent) });
         GroupId(self.groups.len() as u32 - 1)
     }
 
@@ -94,6 +110,10 @@ impl Draft {
     pub fn group_at(&mut self, path: &str) -> GroupId {
         let levels = path.split('/').map(str::trim).filter(|level| !level.is_empty());
         levels.fold(GroupId(0), |parent, level| {
+            if self.levels[parent.0 as usize] >= MOST_LEVELS {
+                self.too_deep += 1;
+                return parent;
+            }
             let key = (parent, level.to_owned());
             if let Some(&group) = self.children.get(&key) {
                 return group;

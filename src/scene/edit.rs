@@ -1,5 +1,7 @@
 //! Changes that a person makes to a loaded scene: a material that emits, a light under the ceiling.
 
+use std::collections::HashSet;
+
 use glam::Vec3;
 
 use super::sidecar::MAX_EMISSION;
@@ -64,7 +66,9 @@ impl Scene {
         }
         let up = up.try_normalize().ok_or(EditError::Up)?;
         let (right, forward) = panel_axes(up);
-        self.skipped.notes.extend(self.misfit(centre, [right, forward], size));
+        if let Some(remark) = self.misfit(centre, [right, forward], size) {
+            self.skipped.note(remark);
+        }
         let (along, across) = (0.5 * size * right, 0.5 * size * forward);
         let name = self.free_name(CEILING_LIGHT);
         let material = self.add_material(&name, LIGHT_REFLECTANCE, exitance);
@@ -102,9 +106,10 @@ impl Scene {
 
     /// A name that no material has yet: this one, or with the first number that makes it new.
     fn free_name(&self, name: &str) -> String {
+        let taken: HashSet<&str> = self.materials.iter().map(|material| material.name.as_str()).collect();
         let numbered = (2..).map(|number| format!("{name} {number}"));
         let mut names = std::iter::once(name.to_owned()).chain(numbered);
-        names.find(|name| self.material_named(name).is_none()).unwrap_or_default()
+        names.find(|name| !taken.contains(name.as_str())).unwrap_or_default()
     }
 
     /// Whether any face emits.

@@ -2,6 +2,7 @@
 //!
 //! Base colour is reflectance (of metals too: there is no gloss here), emission a radiance (B_e = π·value).
 
+use std::collections::HashMap;
 use std::f32::consts::PI;
 use std::path::Path;
 
@@ -10,15 +11,16 @@ use gltf::json::mesh::{Mode, Primitive, Semantic};
 use gltf::json::scene::{Node, UnitQuaternion};
 use gltf::json::validation::Checked;
 use gltf::{Document, Gltf};
-use rayon::prelude::*;
 use rustc_hash::FxHashMap;
 
 use super::GroupId;
 use super::draft::scene_name;
 use super::draft::{Draft, DraftMaterial, MOST_POLYGONS, is_usable};
+use super::files::SceneFiles;
 use super::gltf_buffers::{GltfData, Problem};
 use super::load_error::LoadError;
-use super::texture::mean_colour;
+use super::said::{self, quoted, sentence};
+use super::texture::mean_colours;
 
 /// Extensions that change nothing here, so that a file which requires them can be read all the same.
 const HARMLESS: [&str; 3] = ["KHR_texture_transform", "KHR_mesh_quantization", "KHR_materials_"];
@@ -27,23 +29,27 @@ const HARMLESS: [&str; 3] = ["KHR_texture_transform", "KHR_mesh_quantization", "
 ///
 /// # Errors
 /// One sentence with the part of the file that cannot be used.
-pub(super) fn read(path: &Path, bytes: &[u8]) -> Result<Draft, LoadError> {
-    let parse_error = |problem: Problem| LoadError::Parse { path: path.to_owned(), place: "as glTF".into(), problem };
+pub(super) fn read(path: &Path, bytes: &[u8], files: &dyn SceneFiles) -> Result<Draft, LoadError> {
+    let parse_error = |problem: Problem| {
+        let (place, problem) = ("as glTF".to_owned(), sentence(&problem));
+        LoadError::Parse { path: path.to_owned(), place, problem }
+    };
     let (document, blob) = parse(bytes).map_err(parse_error)?;
-    let data = GltfData::read(path, document.as_json(), blob).map_err(parse_error)?;
+    let data = GltfData::read(files, document.as_json(), blob).map_err(parse_error)?;
     let mut draft = Draft::new(&scene_name(path));
     add_materials(&mut draft, &document, &data);
-    let mut walk = Walk { path, data: &data, draft, meshes: FxHashMap::default(), grey: None, areas_missing: 0 };
+    let mut walk =
+        Walk { path, data: &data, draft, meshes: FxHashMap::default(), grey: None, areas_missing: 0, decoded: 0 };
     let lights = walk.run()?;
     let Walk { mut draft, areas_missing, .. } = walk;
     if areas_missing > 0 {
-        draft.skipped.notes.push(format!("Lines and points have no area and are left out ({areas_missing})."));
+        draft.skipped.note(format!("Lines and points have no area and are left out ({areas_missing})."));
     }
     if let Some((first, more)) = lights.split_first() {
-        let shown = more.iter().take(4).fold(first.clone(), |names, name| names + ", " + name);
+        let shown = more.iter().take(4).fold(said::name(first), |names, name| names + ", " + &said::name(name));
         let and_more = if lights.len() > 5 { format!(" and {} more", lights.len() - 5) } else { String::new() };
         draft.skipped.ignored_lights = lights.len();
-        draft.skipped.notes.push(format!("Ignored because they are no surfaces: the lights {shown}{and_more}."));
+        draft.skipped.note(format!("Ignored because they are no surfaces: the lights {shown}{and_more}."));
     }
     Ok(draft)
 }
@@ -70,7 +76,8 @@ fn parse(bytes: &[u8]) -> Result<(Document, Option<Vec<u8>>), Problem> {
     root.extensions_required.retain(|name| !HARMLESS.iter().any(|harmless| name.starts_with(harmless)));
     if let Some(compressed) = root.extensions_required.iter().find(|name| name.contains("compression")) {
         return Err(format!(
-            "the geometry is compressed ({compressed}), which is not read; export without compression"
+            "the geometry is compressed ({}), which is not read; export without compression",
+            quoted(compressed)
         ));
     }
     prepare_for_validation(&mut root)?;
@@ -97,7 +104,7 @@ fn prepare_for_validation(root: &mut gltf::json::Root) -> Result<(), Problem> {
 
 /// Materials in the order of the file, so that its material numbers are the draft's.
 fn add_materials(draft: &mut Draft, document: &Document, data: &GltfData) {
-    let means = mean_colours(draft, document, data);
+    let means = image_means(draft, document, data);
     for (index, material) in document.materials().enumerate() {
         let name = material.name().map_or_else(|| format!("material_{index}"), str::to_owned);
         let mean = |info: Option<gltf::texture::Info>| {
@@ -119,30 +126,40 @@ fn add_materials(draft: &mut Draft, document: &Document, data: &GltfData) {
     }
     let unread = "KHR_materials_pbrSpecularGlossiness";
     if document.as_json().extensions_used.iter().any(|name| name == unread) {
-        draft.skipped.notes.push(format!("Colours given by the old extension {unread} are not read."));
+        draft.skipped.note(format!("Colours given by the old extension {unread} are not read."));
     }
 }
 
 /// Mean colours by image number, of the images that matter here.
-fn mean_colours(draft: &mut Draft, document: &Document, data: &GltfData) -> FxHashMap<usize, Vec4> {
+fn image_means(draft: &mut Draft, document: &Document, data: &GltfData) -> FxHashMap<usize, Vec4> {
     let used = document
         .materials()
         .flat_map(|material| [material.pbr_metallic_roughness().base_color_texture(), material.emissive_texture()]);
     let mut numbers: Vec<usize> = used.flatten().map(|info| info.texture().source().index()).collect();
     numbers.sort_unstable();
     numbers.dedup();
-    let read = |number: &usize| {
-        let image = data.root.images.get(*number).ok_or("there is no such image")?;
-        mean_colour(&data.image(image)?)
+    // Many images can be one picture.
+    let mut sources: Vec<usize> = Vec::new();
+    let mut source_of: HashMap<_, usize> = HashMap::new();
+    let place = |number: &usize| {
+        let source = data.root.images.get(*number).map(|image| (image.buffer_view, &image.uri));
+        *source_of.entry(source).or_insert_with(|| {
+            sources.push(*number);
+            sources.len() - 1
+        })
     };
-    let means: Vec<Result<Vec4, Problem>> = numbers.par_iter().map(read).collect();
+    let places: Vec<usize> = numbers.iter().map(place).collect();
+    let means = mean_colours(&sources, |number| {
+        let image = data.root.images.get(*number).ok_or("there is no such image")?;
+        data.image(image)
+    });
     let mut known = FxHashMap::default();
-    for (number, mean) in numbers.into_iter().zip(means) {
-        match mean {
+    for (number, place) in numbers.into_iter().zip(places) {
+        match &means[place] {
             Ok(mean) => {
-                known.insert(number, mean);
+                known.insert(number, *mean);
             }
-            Err(problem) => draft.skipped.notes.push(format!("The texture of image {number} is not used: {problem}.")),
+            Err(problem) => draft.skipped.note(format!("The texture of image {number} is not used: {problem}.")),
         }
     }
     known
@@ -165,6 +182,8 @@ struct Walk<'a> {
     grey: Option<u32>,
     /// Primitives of lines or points.
     areas_missing: usize,
+    /// Vertices and triangles of all meshes read so far: many primitives can share one accessor.
+    decoded: usize,
 }
 
 impl Walk<'_> {
@@ -262,13 +281,19 @@ impl Walk<'_> {
             }
             let (positions, indices) =
                 self.read_primitive(primitive).map_err(|problem| self.problem(place(number), problem))?;
+            let triangles = triangles(mode, &indices);
             let count = positions.len();
+            self.decoded = self.decoded.saturating_add(triangles.len().max(count / 3));
+            if self.decoded > MOST_POLYGONS {
+                let (path, count) = (self.path.to_owned(), self.decoded);
+                return Err(LoadError::TooLarge { path, count, most: MOST_POLYGONS });
+            }
             if let Some(&index) = indices.iter().find(|&&index| index as usize >= count) {
                 let (path, place) = (self.path.to_owned(), place(number));
                 return Err(LoadError::FaceIndex { path, place, index: i64::from(index), count });
             }
             let material = primitive.material.map(|material| material.value() as u32);
-            parts.push(Part { positions, triangles: triangles(mode, &indices), material });
+            parts.push(Part { positions, triangles, material });
         }
         Ok(parts)
     }

@@ -2,8 +2,9 @@
 //!
 //! The readers of the `gltf` crate trust offsets and counts; here they are compared with what is there first.
 
-use std::path::Path;
-use std::{array, fs};
+use std::array;
+use std::borrow::Cow;
+use std::collections::HashMap;
 
 use glam::{DVec3, Vec3};
 use gltf::json::accessor::{Accessor, ComponentType, Type};
@@ -11,7 +12,11 @@ use gltf::json::validation::Checked;
 use gltf::json::{Index, Root, buffer, image};
 
 use super::draft::MOST_POLYGONS;
-use super::texture::beside;
+use super::files::{FileError, MOST_BYTES, SceneFiles, name_of};
+use super::said::quoted;
+
+/// An accessor without data holds zeros, but for what is listed: more of them would only be one point again and again.
+const MOST_ZEROS: usize = 1 << 16;
 
 /// What is wrong, without the file and the place.
 pub(super) type Problem = String;
@@ -19,27 +24,45 @@ pub(super) type Problem = String;
 /// A glTF document's JSON and its binary data.
 pub(super) struct GltfData<'a> {
     pub root: &'a Root,
-    path: &'a Path,
-    buffers: Vec<Vec<u8>>,
+    files: &'a dyn SceneFiles,
+    /// What was read, each file once; buffers are numbers into it.
+    contents: Vec<Vec<u8>>,
+    buffers: Vec<usize>,
 }
 
 impl<'a> GltfData<'a> {
     /// Reads every buffer; `blob` is the binary chunk of a GLB file.
-    pub fn read(path: &'a Path, root: &'a Root, blob: Option<Vec<u8>>) -> Result<Self, Problem> {
+    pub fn read(files: &'a dyn SceneFiles, root: &'a Root, blob: Option<Vec<u8>>) -> Result<Self, Problem> {
         let mut blob = blob;
+        let mut bytes_left = MOST_BYTES;
+        let mut contents: Vec<Vec<u8>> = Vec::new();
         let mut buffers = Vec::with_capacity(root.buffers.len());
+        // Many buffers can name one file.
+        let mut known: HashMap<Option<&str>, usize> = HashMap::new();
         for (index, buffer) in root.buffers.iter().enumerate() {
-            let bytes = match &buffer.uri {
-                Some(uri) => read_uri(path, uri).map_err(|problem| format!("buffer {index}: {problem}"))?,
-                None => blob.take().ok_or_else(|| format!("buffer {index} has no data"))?,
+            let uri = buffer.uri.as_deref();
+            let content = match known.get(&uri) {
+                Some(&content) => content,
+                None => {
+                    let bytes = match uri {
+                        Some(uri) => read_uri(files, uri, bytes_left),
+                        None => blob.take().ok_or_else(|| "it has no data".to_owned()),
+                    };
+                    let bytes = bytes.map_err(|problem| format!("buffer {index}: {problem}"))?;
+                    bytes_left = bytes_left.saturating_sub(bytes.len() as u64);
+                    known.insert(uri, contents.len());
+                    contents.push(bytes);
+                    contents.len() - 1
+                }
             };
+            let bytes = &contents[content];
             if (bytes.len() as u64) < buffer.byte_length.0 {
                 let (needed, there) = (buffer.byte_length.0, bytes.len());
                 return Err(format!("buffer {index} should hold {needed} bytes but has {there}; the file is cut off"));
             }
-            buffers.push(bytes);
+            buffers.push(content);
         }
-        Ok(Self { root, path, buffers })
+        Ok(Self { root, files, contents, buffers })
     }
 
     /// Positions of a primitive; integer components are scaled as `normalized` says.
@@ -48,8 +71,7 @@ impl<'a> GltfData<'a> {
         if !matches!(accessor.type_, Checked::Valid(Type::Vec3)) {
             return Err(format!("accessor {} holds no positions (its type is not VEC3)", index.value()));
         }
-        let elements = self.elements::<3>(index, accessor)?;
-        Ok(elements.into_iter().map(|element| DVec3::from_array(element).as_vec3()).collect())
+        self.elements(index, accessor, |element| DVec3::from_array(element).as_vec3())
     }
 
     /// Vertex indices of a primitive.
@@ -60,14 +82,14 @@ impl<'a> GltfData<'a> {
         if !matches!(accessor.type_, Checked::Valid(Type::Scalar)) || !is_index || accessor.normalized {
             return Err(format!("accessor {} holds no vertex indices", index.value()));
         }
-        Ok(self.elements::<1>(index, accessor)?.into_iter().map(|[value]| value as u32).collect())
+        self.elements(index, accessor, |[value]| value as u32)
     }
 
     /// The encoded bytes of an image.
-    pub fn image(&self, image: &image::Image) -> Result<Vec<u8>, Problem> {
+    pub fn image(&self, image: &image::Image) -> Result<Cow<'_, [u8]>, Problem> {
         match (&image.buffer_view, &image.uri) {
-            (Some(view), _) => Ok(self.view(*view)?.0.to_vec()),
-            (None, Some(uri)) => read_uri(self.path, uri),
+            (Some(view), _) => Ok(Cow::Borrowed(self.view(*view)?.0)),
+            (None, Some(uri)) => read_uri(self.files, uri, MOST_BYTES).map(Cow::Owned),
             (None, None) => Err("the image has no data".to_owned()),
         }
     }
@@ -80,21 +102,30 @@ impl<'a> GltfData<'a> {
     fn view(&self, index: Index<buffer::View>) -> Result<(&[u8], Option<usize>), Problem> {
         let number = index.value();
         let view = self.root.buffer_views.get(number).ok_or_else(|| format!("there is no buffer view {number}"))?;
-        let bytes = self.buffers.get(view.buffer.value()).ok_or_else(|| format!("view {number} has no buffer"))?;
+        let content = self.buffers.get(view.buffer.value()).ok_or_else(|| format!("view {number} has no buffer"))?;
+        let bytes = &self.contents[*content];
         slice(bytes, view.byte_offset.map_or(0, |offset| offset.0), view.byte_length.0)
             .map(|bytes| (bytes, view.byte_stride.map(|stride| stride.0)))
             .ok_or_else(|| format!("buffer view {number} reaches past its buffer; the file is damaged or cut off"))
     }
 
     /// All elements of an accessor with `N` components, sparse replacements included.
-    fn elements<const N: usize>(&self, index: Index<Accessor>, accessor: &Accessor) -> Result<Vec<[f64; N]>, Problem> {
+    fn elements<const N: usize, T: Clone>(
+        &self,
+        index: Index<Accessor>,
+        accessor: &Accessor,
+        from: impl Fn([f64; N]) -> T,
+    ) -> Result<Vec<T>, Problem> {
         let number = index.value();
         let past = || format!("accessor {number} reaches past its data; the file is damaged or cut off");
         let component = component_type(accessor)?;
         let count = usize::try_from(accessor.count.0).map_err(|_| past())?;
-        let element = |bytes: &[u8]| -> [f64; N] {
+        if count > 3 * MOST_POLYGONS {
+            return Err(past());
+        }
+        let element = |bytes: &[u8]| -> T {
             let size = component.size();
-            array::from_fn(|at| decode(component, accessor.normalized, &bytes[at * size..(at + 1) * size]))
+            from(array::from_fn(|at| decode(component, accessor.normalized, &bytes[at * size..(at + 1) * size])))
         };
         let mut elements = match accessor.buffer_view {
             Some(view) => {
@@ -103,7 +134,7 @@ impl<'a> GltfData<'a> {
                 let items = Strided::new(bytes, offset, stride, N * component.size(), count).ok_or_else(past)?;
                 items.iter().map(element).collect()
             }
-            None if accessor.sparse.is_some() && count <= MOST_POLYGONS => vec![[0.0; N]; count],
+            None if accessor.sparse.is_some() && count <= MOST_ZEROS => vec![from([0.0; N]); count],
             None => return Err(format!("accessor {number} has no data")),
         };
         let Some(sparse) = &accessor.sparse else { return Ok(elements) };
@@ -178,14 +209,16 @@ fn decode(component: ComponentType, normalized: bool, bytes: &[u8]) -> f64 {
 }
 
 /// The bytes behind a URI: embedded, or a file in the scene's folder.
-fn read_uri(scene: &Path, uri: &str) -> Result<Vec<u8>, Problem> {
+fn read_uri(files: &dyn SceneFiles, uri: &str, most: u64) -> Result<Vec<u8>, Problem> {
     if uri.starts_with("data:") {
         let data = gltf::buffer::Data::from_source(gltf::buffer::Source::Uri(uri), None);
         return data.map(|data| data.0).map_err(|error| format!("the embedded data cannot be decoded ({error})"));
     }
-    let name = percent_decoded(uri).ok_or_else(|| format!("`{uri}` is not a file name"))?;
-    let path = beside(scene, &name).ok_or_else(|| format!("`{name}` lies outside the scene's folder"))?;
-    fs::read(path).map_err(|error| format!("`{name}` cannot be read ({error})"))
+    let reference = percent_decoded(uri).ok_or_else(|| format!("{} is not a file name", quoted(uri)))?;
+    name_of(&reference).and_then(|name| files.read(&name, most)).map_err(|error| match error {
+        FileError::Outside => format!("{} lies outside the scene's folder", quoted(&reference)),
+        error => format!("{} cannot be read ({error})", quoted(&reference)),
+    })
 }
 
 /// A URI's text with `%20` and the like resolved; `None` if that is no text.

@@ -1,14 +1,14 @@
 //! Loading: a scene comes from an OBJ, glTF or GLB file with its sidecar, by extension and content.
 
 use std::path::{Path, PathBuf};
-use std::{fs, io};
 
 use super::assemble::assemble;
 use super::builtin::BuiltinScene;
 use super::draft::scene_name;
+use super::files::{FileError, MOST_BYTES, MOST_TEXT_BYTES, SceneFiles, SceneFolder, read_plain_file};
 use super::load_error::LoadError;
 use super::sidecar::{Sidecar, SidecarError};
-use super::{EditError, Scene, gltf, obj};
+use super::{EditError, Scene, gltf, obj, said};
 
 /// So many objects of the sidecar that are not there are named, the rest is counted.
 const MOST_REMARKS: usize = 5;
@@ -35,17 +35,38 @@ pub fn load(source: &Source) -> Result<Scene, LoadError> {
 
 /// Loads a scene file with its sidecar; what was skipped, clamped or ignored stands in [`Scene::skipped`].
 ///
+/// Nothing is read but plain files of the scene's own folder.
+///
 /// # Errors
 /// One sentence with the file, the place in it and what to do.
 pub fn load_file(path: &Path) -> Result<Scene, LoadError> {
-    let bytes = read(path)?;
+    let bytes = read_plain_file(path, MOST_BYTES).map_err(|source| match source {
+        FileError::Missing => LoadError::Missing { path: path.to_owned() },
+        FileError::TooLong { most } => LoadError::TooLong { path: path.to_owned(), most_mib: most >> 20 },
+        source => LoadError::Unreadable { path: path.to_owned(), source },
+    })?;
+    load_bytes(path, bytes, &SceneFolder::of(path))
+}
+
+/// Loads a scene from the content of its file; `path` names it and is not read, what it refers to comes from `files`.
+///
+/// # Errors
+/// As [`load_file`].
+pub fn load_bytes(path: &Path, bytes: Vec<u8>, files: &dyn SceneFiles) -> Result<Scene, LoadError> {
+    if bytes.iter().all(u8::is_ascii_whitespace) {
+        return Err(LoadError::Empty { path: path.to_owned() });
+    }
     let draft = match format_of(path, &bytes)? {
-        Format::Obj => obj::read(path, &bytes)?,
-        Format::Gltf => gltf::read(path, &bytes)?,
+        Format::Obj => obj::read(path, &bytes, files)?,
+        Format::Gltf => gltf::read(path, &bytes, files)?,
     };
     drop(bytes);
     let sidecar_path = Sidecar::path_for(path);
-    let sidecar = if sidecar_path.exists() { Sidecar::read(&sidecar_path)? } else { Sidecar::default() };
+    let sidecar = match files.read(Path::new(sidecar_path.file_name().unwrap_or_default()), MOST_TEXT_BYTES) {
+        Ok(bytes) => Sidecar::from_bytes(&sidecar_path, &bytes)?,
+        Err(FileError::Missing) => Sidecar::default(),
+        Err(source) => return Err(SidecarError::Unreadable { path: sidecar_path, source }.into()),
+    };
     let mut scene = assemble(&scene_name(path), draft, &sidecar);
     if scene.polygons.is_empty() {
         let mut said = scene.skipped.sentences();
@@ -55,25 +76,15 @@ pub fn load_file(path: &Path) -> Result<Scene, LoadError> {
     }
     let unusable = |error: EditError| SidecarError::Value { path: sidecar_path.clone(), problem: error.to_string() };
     sidecar.add_lights_to(&mut scene).map_err(unusable)?;
-    let mut remarks = scene.regroup(sidecar.groups);
+    let remarks = scene.regroup(sidecar.groups);
     let more = remarks.len().saturating_sub(MOST_REMARKS);
+    for remark in remarks.iter().take(MOST_REMARKS) {
+        scene.skipped.note(remark);
+    }
     if more > 0 {
-        remarks.truncate(MOST_REMARKS);
-        remarks.push(format!("{more} more objects of the sidecar's groups could not be placed either."));
+        scene.skipped.note(format!("{more} more objects of the sidecar's groups could not be placed either."));
     }
-    scene.skipped.notes.append(&mut remarks);
     Ok(scene)
-}
-
-fn read(path: &Path) -> Result<Vec<u8>, LoadError> {
-    let bytes = fs::read(path).map_err(|source| match source.kind() {
-        io::ErrorKind::NotFound => LoadError::Missing { path: path.to_owned() },
-        _ => LoadError::Unreadable { path: path.to_owned(), source },
-    })?;
-    if bytes.iter().all(u8::is_ascii_whitespace) {
-        return Err(LoadError::Empty { path: path.to_owned() });
-    }
-    Ok(bytes)
 }
 
 #[derive(Debug, PartialEq)]
@@ -120,7 +131,7 @@ fn format_of(path: &Path, bytes: &[u8]) -> Result<Format, LoadError> {
             Ok(Format::Obj)
         }
         "" => not_a_scene("a file without a known extension".to_owned()),
-        other => not_a_scene(format!("a .{other} file")),
+        other => not_a_scene(format!("a {} file", said::name(&format!(".{other}")))),
     }
 }
 

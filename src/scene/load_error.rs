@@ -1,8 +1,8 @@
 //! Why a scene cannot be loaded.
 
-use std::io;
 use std::path::PathBuf;
 
+use super::files::FileError;
 use super::sidecar::SidecarError;
 
 /// A scene that cannot be loaded: what, where, and what to do.
@@ -19,8 +19,16 @@ pub enum LoadError {
     Unreadable {
         /// The file.
         path: PathBuf,
-        /// What the system says.
-        source: io::Error,
+        /// Why.
+        source: FileError,
+    },
+    /// The file is longer than any scene that can be lit.
+    #[error("{}: the file is longer than {most_mib} MiB, the most that can be loaded; export less, or as GLB", path.display())]
+    TooLong {
+        /// The file.
+        path: PathBuf,
+        /// The limit, MiB.
+        most_mib: u64,
     },
     /// The file has no content.
     #[error("{}: the file is empty; Selflink reads OBJ, glTF and GLB scenes", path.display())]

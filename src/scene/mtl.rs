@@ -3,32 +3,41 @@
 //! tobj panics on a colour with fewer than three numbers and gives up a whole file for one bad number, so only sound
 //! lines that matter here reach it.
 
+use std::borrow::Cow;
+use std::collections::HashMap;
 use std::f32::consts::PI;
-use std::fs;
-use std::path::{Path, PathBuf};
 
 use glam::Vec3;
-use rayon::prelude::*;
-use rustc_hash::FxHashMap;
 
+use super::Skipped;
 use super::draft::{DraftMaterial, GREY};
-use super::texture::{beside, mean_colour};
+use super::files::{FileError, MOST_BYTES, MOST_TEXT_BYTES, SceneFiles, name_of};
+use super::said::quoted;
+use super::texture::mean_colours;
+
+/// More material files than this are no modeller's work; all of them together are no longer than a text file may be.
+const MOST_FILES: usize = 1000;
 
 /// Materials by name, and the mean colours of their textures.
 #[derive(Default)]
 pub(super) struct MaterialLibrary {
-    by_name: FxHashMap<String, tobj::Material>,
-    means: FxHashMap<String, Vec3>,
+    by_name: HashMap<String, tobj::Material>,
+    means: HashMap<String, Vec3>,
 }
 
 impl MaterialLibrary {
     /// Reads the material files and textures that a scene refers to.
-    pub fn read(scene: &Path, references: &[String], notes: &mut Vec<String>) -> Self {
+    pub fn read(files: &dyn SceneFiles, references: &[String], skipped: &mut Skipped) -> Self {
         let mut library = Self::default();
-        for reference in references {
-            library.read_file(scene, reference, notes);
+        let mut bytes_left = MOST_TEXT_BYTES;
+        for reference in references.iter().take(MOST_FILES) {
+            library.read_file(files, reference, &mut bytes_left, skipped);
         }
-        library.read_textures(scene, notes);
+        if references.len() > MOST_FILES {
+            let count = references.len();
+            skipped.note(format!("Of {count} material files the first {MOST_FILES} are read."));
+        }
+        library.read_textures(files, skipped);
         library
     }
 
@@ -59,46 +68,47 @@ impl MaterialLibrary {
         self.by_name.keys()
     }
 
-    fn read_file(&mut self, scene: &Path, reference: &str, notes: &mut Vec<String>) {
-        let Some(path) = beside(scene, reference) else {
-            notes.push(format!("The material file `{reference}` lies outside the scene's folder and is not read."));
-            return;
-        };
-        let bytes = match fs::read(&path) {
+    /// Reads a material file of at most `bytes_left` bytes, which become less by its length.
+    fn read_file(&mut self, files: &dyn SceneFiles, reference: &str, bytes_left: &mut u64, skipped: &mut Skipped) {
+        let file = quoted(reference);
+        let bytes = match name_of(reference).and_then(|name| files.read(&name, *bytes_left)) {
             Ok(bytes) => bytes,
+            Err(FileError::Outside) => {
+                skipped.note(format!("The material file {file} lies outside the scene's folder and is not read."));
+                return;
+            }
             Err(error) => {
-                notes.push(format!("The material file `{reference}` cannot be read ({error}): grey instead."));
+                skipped.note(format!("The material file {file} cannot be read ({error}): grey instead."));
                 return;
             }
         };
-        let text = sound_lines(&String::from_utf8_lossy(&bytes), reference, notes);
+        *bytes_left = bytes_left.saturating_sub(bytes.len() as u64);
+        let text = sound_lines(&String::from_utf8_lossy(&bytes), &file, skipped);
         match tobj::load_mtl_buf(&mut text.as_bytes()) {
             Ok((materials, _)) => {
                 self.by_name.extend(materials.into_iter().map(|material| (material.name.clone(), material)));
             }
             Err(error) => {
-                notes.push(format!("The material file `{reference}` cannot be understood ({error}): grey instead."));
+                skipped.note(format!("The material file {file} cannot be understood ({error}): grey instead."));
             }
         }
     }
 
-    fn read_textures(&mut self, scene: &Path, notes: &mut Vec<String>) {
+    fn read_textures(&mut self, files: &dyn SceneFiles, skipped: &mut Skipped) {
         let mut names: Vec<&String> = self.by_name.values().filter_map(|it| it.diffuse_texture.as_ref()).collect();
         names.sort_unstable();
         names.dedup();
-        let read = |name: &&String| {
-            let path: PathBuf = beside(scene, name).ok_or("it lies outside the scene's folder")?;
-            let bytes = fs::read(path).map_err(|error| error.to_string())?;
-            mean_colour(&bytes).map(glam::Vec4::truncate)
-        };
-        let means: Vec<Result<Vec3, String>> = names.par_iter().map(read).collect();
-        let mut known = FxHashMap::default();
+        let means = mean_colours(&names, |name| {
+            let read = name_of(name).and_then(|name| files.read(&name, MOST_BYTES));
+            read.map(Cow::Owned).map_err(|error| error.to_string())
+        });
+        let mut known = HashMap::new();
         for (name, mean) in names.into_iter().zip(means) {
             match mean {
                 Ok(mean) => {
-                    known.insert(name.clone(), mean);
+                    known.insert(name.clone(), mean.truncate());
                 }
-                Err(error) => notes.push(format!("The texture `{name}` is not used: {error}.")),
+                Err(error) => skipped.note(format!("The texture {} is not used: {error}.", quoted(name))),
             }
         }
         self.means = known;
@@ -106,7 +116,7 @@ impl MaterialLibrary {
 }
 
 /// The lines of an MTL file that matter here, in a form that tobj reads rightly.
-fn sound_lines(text: &str, file: &str, notes: &mut Vec<String>) -> String {
+fn sound_lines(text: &str, file: &str, skipped: &mut Skipped) -> String {
     let mut sound = String::with_capacity(text.len());
     let mut bad = Vec::new();
     for (index, line) in text.trim_start_matches('\u{feff}').lines().enumerate() {
@@ -134,7 +144,7 @@ fn sound_lines(text: &str, file: &str, notes: &mut Vec<String>) -> String {
     if let Some(first) = bad.first() {
         let count = bad.len();
         let lines = if count == 1 { "line is".to_owned() } else { format!("{count} lines are") };
-        notes.push(format!("In the material file `{file}` {lines} not understood and left out (first: line {first})."));
+        skipped.note(format!("In the material file {file} {lines} not understood and left out (first: line {first})."));
     }
     sound
 }
@@ -191,10 +201,13 @@ mod tests {
 
     #[test]
     fn bad_lines_are_left_out_and_said() {
-        let mut notes = Vec::new();
+        let mut skipped = Skipped::default();
         let text = "newmtl a\nKd 0.1 0.2\nKd\nKe nan 0 0\nKd 0.5\nillum x\nd -halo 0.25\n";
-        let sound = sound_lines(text, "a.mtl", &mut notes);
+        let sound = sound_lines(text, "`a.mtl`", &mut skipped);
         assert_eq!(sound, "newmtl a\nKd 0.5 0.5 0.5\nd 0.25\n");
-        assert_eq!(notes, ["In the material file `a.mtl` 3 lines are not understood and left out (first: line 2)."]);
+        assert_eq!(
+            skipped.notes,
+            ["In the material file `a.mtl` 3 lines are not understood and left out (first: line 2)."]
+        );
     }
 }

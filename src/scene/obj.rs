@@ -9,15 +9,17 @@ use glam::Vec3;
 
 use super::draft::scene_name;
 use super::draft::{Draft, DraftMaterial, MOST_POLYGONS};
+use super::files::SceneFiles;
 use super::load_error::LoadError;
 use super::mtl::MaterialLibrary;
 use super::obj_text::{ObjText, UNNAMED, material_key, plain_text};
+use super::said::{quoted, sentence};
 
 /// Reads an OBJ file and its material files.
 ///
 /// # Errors
 /// The first line that cannot be used.
-pub(super) fn read(path: &Path, bytes: &[u8]) -> Result<Draft, LoadError> {
+pub(super) fn read(path: &Path, bytes: &[u8], files: &dyn SceneFiles) -> Result<Draft, LoadError> {
     let text = plain_text(path, bytes)?;
     if text.faces > MOST_POLYGONS {
         return Err(LoadError::TooLarge { path: path.to_owned(), count: text.faces, most: MOST_POLYGONS });
@@ -25,9 +27,9 @@ pub(super) fn read(path: &Path, bytes: &[u8]) -> Result<Draft, LoadError> {
     let mut draft = Draft::new(&scene_name(path));
     if text.lines_and_points > 0 {
         let count = text.lines_and_points;
-        draft.skipped.notes.push(format!("Lines and points have no area and are left out ({count})."));
+        draft.skipped.note(format!("Lines and points have no area and are left out ({count})."));
     }
-    add_materials(&mut draft, path, &text);
+    add_materials(&mut draft, &text, files);
     let models = parse(path, &text)?;
     for model in &models {
         add_model(&mut draft, model);
@@ -36,17 +38,17 @@ pub(super) fn read(path: &Path, bytes: &[u8]) -> Result<Draft, LoadError> {
 }
 
 /// All materials that the file uses, in that order, so that tobj's material numbers are the draft's.
-fn add_materials(draft: &mut Draft, path: &Path, text: &ObjText) {
-    let notes = &mut draft.skipped.notes;
-    let library = MaterialLibrary::read(path, &text.material_files, notes);
+fn add_materials(draft: &mut Draft, text: &ObjText, files: &dyn SceneFiles) {
+    let skipped = &mut draft.skipped;
+    let library = MaterialLibrary::read(files, &text.material_files, skipped);
     if text.material_files.is_empty() && !text.material_names.is_empty() {
-        notes.push("The scene names no material file; its materials are grey.".to_owned());
+        skipped.note("The scene names no material file; its materials are grey.");
     }
     let mut unknown = Vec::new();
     for name in &text.material_names {
         let key = material_key(name);
         draft.materials.push(library.get(name).unwrap_or_else(|| {
-            unknown.push(format!("`{key}`"));
+            unknown.push(quoted(&key));
             DraftMaterial::undefined(&key)
         }));
     }
@@ -56,7 +58,7 @@ fn add_materials(draft: &mut Draft, path: &Path, text: &ObjText) {
         unknown.truncate(5);
         let more = if count > 5 { format!(" and {} more", count - 5) } else { String::new() };
         let names = unknown.join(", ");
-        notes.push(format!("No material file defines {names}{more}: grey instead."));
+        skipped.note(format!("No material file defines {names}{more}: grey instead."));
     }
 }
 
@@ -70,7 +72,7 @@ fn parse(path: &Path, text: &ObjText) -> Result<Vec<tobj::Model>, LoadError> {
     let options = tobj::LoadOptions { ignore_points: true, ignore_lines: true, ..Default::default() };
     let (models, _) =
         tobj::load_obj_buf(&mut text.plain.as_bytes(), &options, |_| material_of_name()).map_err(|error| {
-            let problem = format!("not understood ({error}); export the scene again");
+            let problem = sentence(&format!("not understood ({error}); export the scene again"));
             LoadError::Parse { path: path.to_owned(), place: "as OBJ".to_owned(), problem }
         })?;
     Ok(models)

@@ -4,13 +4,14 @@
 //! know indented keywords, line continuations, comments behind data or text in Latin-1. So each line is checked here,
 //! with its number, and what tobj gets is plain: vertices first, then faces by positive indices.
 
+use std::collections::HashSet;
 use std::fmt::Write as _;
-use std::path::Path;
-
-use rustc_hash::FxHashSet;
+use std::path::{Path, PathBuf};
 
 use super::draft::is_usable;
+use super::files::name_of;
 use super::load_error::LoadError;
+use super::said::quoted;
 
 /// A face with more corners than this is no modeller's work.
 const MOST_CORNERS: usize = 4096;
@@ -23,7 +24,7 @@ pub(super) const UNNAMED: &str = "unnamed_object";
 pub(super) struct ObjText {
     /// Text for tobj.
     pub plain: String,
-    /// Material files, in order and each once.
+    /// Material files as the scene names them, in order and each once.
     pub material_files: Vec<String>,
     /// Material names in the order of their first use.
     pub material_names: Vec<String>,
@@ -64,9 +65,12 @@ struct LineReader<'a> {
     vertices: String,
     vertex_count: usize,
     faces: String,
+    /// Group and material of the next face, as statements that are not written yet: most files have some that no face follows.
+    pending: [String; 2],
     /// The largest index so far, with its line: it may come before its vertex.
     largest_index: (i64, usize),
-    known_names: FxHashSet<String>,
+    known_names: HashSet<String>,
+    known_files: HashSet<PathBuf>,
     corners: Vec<i64>,
     found: ObjText,
 }
@@ -79,8 +83,10 @@ impl<'a> LineReader<'a> {
             vertices: String::new(),
             vertex_count: 0,
             faces: String::new(),
+            pending: [String::new(), String::new()],
             largest_index: (0, 0),
-            known_names: FxHashSet::default(),
+            known_names: HashSet::new(),
+            known_files: HashSet::new(),
             corners: Vec::new(),
             found: ObjText::default(),
         }
@@ -94,7 +100,7 @@ impl<'a> LineReader<'a> {
             "f" => self.face(rest),
             "o" | "g" => {
                 let name = rest.trim();
-                self.statement(keyword, if name.is_empty() { UNNAMED } else { name });
+                self.pending[0] = format!("{keyword} {}\n", if name.is_empty() { UNNAMED } else { name });
                 Ok(())
             }
             "usemtl" => {
@@ -113,12 +119,6 @@ impl<'a> LineReader<'a> {
         }
     }
 
-    fn statement(&mut self, keyword: &str, value: &str) {
-        for part in [keyword, " ", value, "\n"] {
-            self.faces.push_str(part);
-        }
-    }
-
     /// Position alone: neither weights nor colours matter for polygons.
     fn vertex(&mut self, rest: &str) -> Result<(), LoadError> {
         self.vertex_count += 1;
@@ -126,7 +126,7 @@ impl<'a> LineReader<'a> {
         let mut words = rest.split_whitespace();
         for _ in 0..3 {
             let word = words.next().ok_or_else(|| self.problem("a vertex needs three coordinates"))?;
-            let value: f32 = word.parse().map_err(|_| self.problem(format!("`{word}` is not a coordinate")))?;
+            let value: f32 = word.parse().map_err(|_| self.problem(format!("{} is not a coordinate", quoted(word))))?;
             if !is_usable(value) {
                 let vertex = format!("vertex {}", self.vertex_count);
                 return Err(LoadError::Coordinate { path: self.path.to_owned(), place: self.place(), vertex });
@@ -153,6 +153,10 @@ impl<'a> LineReader<'a> {
             }
             _ => {
                 self.found.faces += 1;
+                for statement in &mut self.pending {
+                    self.faces.push_str(statement);
+                    statement.clear();
+                }
                 self.faces.push('f');
                 for index in &corners {
                     // Writing to a string cannot fail.
@@ -168,7 +172,7 @@ impl<'a> LineReader<'a> {
     /// The vertex index of a corner `v/vt/vn`, counted from 1.
     fn corner(&mut self, word: &str) -> Result<i64, LoadError> {
         let vertex = word.split('/').next().unwrap_or_default();
-        let given: i64 = vertex.parse().map_err(|_| self.problem(format!("`{word}` is not a face corner")))?;
+        let given: i64 = vertex.parse().map_err(|_| self.problem(format!("{} is not a face corner", quoted(word))))?;
         let index = if given < 0 { (self.vertex_count as i64).saturating_add(given).saturating_add(1) } else { given };
         if index < 1 {
             return Err(self.index_error(given, self.line));
@@ -183,7 +187,7 @@ impl<'a> LineReader<'a> {
         if self.known_names.insert(name.to_owned()) {
             self.found.material_names.push(name.to_owned());
         }
-        self.statement("usemtl", &material_key(name));
+        self.pending[1] = format!("usemtl {}\n", material_key(name));
     }
 
     fn material_file(&mut self, names: &str) {
@@ -191,7 +195,8 @@ impl<'a> LineReader<'a> {
         let several = names.split_whitespace().all(|name| name.to_lowercase().ends_with(".mtl"));
         let files: Vec<&str> = if several { names.split_whitespace().collect() } else { vec![names] };
         for file in files {
-            if !file.is_empty() && !self.found.material_files.iter().any(|known| known == file) {
+            let name = name_of(file).unwrap_or_else(|_| file.into());
+            if !file.is_empty() && self.known_files.insert(name) {
                 self.found.material_files.push(file.to_owned());
             }
         }

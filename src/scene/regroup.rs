@@ -14,13 +14,14 @@
 //! With `/*` behind its path it brings what is in it, but not itself: the bookshelf above is the file's own with a plant in it, and the
 //! group of the carpet is dissolved. What the list does not name stays where the file has it.
 
+use std::collections::HashMap;
 use std::sync::Arc;
 
 use rustc_hash::FxHashMap;
 use serde::de::Error;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-use super::{Group, GroupId, Scene};
+use super::{Group, GroupId, Scene, said};
 
 /// Behind the path of an object: what is in it, without itself.
 pub(super) const CONTENTS: &str = "/*";
@@ -140,7 +141,7 @@ impl GroupTree {
         for member in members {
             match member {
                 GroupMember::Group(name, members) => {
-                    let group = self.add(name, into);
+                    let group = self.add(&said::name(name), into);
                     self.add_members(members, group, by_address, named, remarks);
                 }
                 GroupMember::Object(path) => {
@@ -149,10 +150,12 @@ impl GroupTree {
                     match by_address.get(address).map(|&index| &mut named[index]) {
                         Some(place @ None) => *place = Some(Named { into, with_itself }),
                         Some(Some(_)) => remarks.push(format!(
-                            "The sidecar's groups name the object `{address}` twice: its first place counts."
+                            "The sidecar's groups name the object {} twice: its first place counts.",
+                            said::quoted(address)
                         )),
                         None => remarks.push(format!(
-                            "The sidecar's groups name an object `{address}` that the scene does not have."
+                            "The sidecar's groups name an object {} that the scene does not have.",
+                            said::quoted(address)
                         )),
                     }
                 }
@@ -256,17 +259,20 @@ impl GroupTree {
     }
 }
 
-/// A path for each group that no other has. A slash in a name is none between levels.
+/// The longest address of a group, bytes: a file can hold a million groups below long names.
+const LONGEST_ADDRESS: usize = 1000;
+
+/// A path for each group that no other has. A slash in a name is none between levels; of a long path the last part is told.
 pub(super) fn addresses(groups: &[Group]) -> Vec<String> {
     // How often a path was asked for; numbered ones count as well.
-    let mut asked: FxHashMap<String, u32> = FxHashMap::default();
+    let mut asked: HashMap<String, u32> = HashMap::new();
     let mut addresses: Vec<String> = Vec::with_capacity(groups.len());
     for group in groups {
         let name = group.name.replace('/', "_");
         let path = match group.parent {
             None => String::new(),
-            Some(GroupId(0)) => name,
-            Some(parent) => format!("{}/{name}", addresses[parent.0 as usize]),
+            Some(GroupId(0)) => shortened(name),
+            Some(parent) => shortened(format!("{}/{name}", addresses[parent.0 as usize])),
         };
         let mut address = path.clone();
         while asked.contains_key(&address) {
@@ -278,6 +284,15 @@ pub(super) fn addresses(groups: &[Group]) -> Vec<String> {
         addresses.push(address);
     }
     addresses
+}
+
+/// The end of a path that is too long.
+fn shortened(path: String) -> String {
+    if path.len() <= LONGEST_ADDRESS {
+        return path;
+    }
+    let end = path.char_indices().map(|(at, _)| at).find(|at| path.len() - at <= LONGEST_ADDRESS / 2);
+    format!("…{}", &path[end.unwrap_or(0)..])
 }
 
 #[cfg(test)]

@@ -15,13 +15,18 @@ use std::{fs, io};
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
 
-use super::{CameraPose, CeilingPanel, EditError, GroupMember, Material, Scene, Sides};
+use super::draft::{self, MAX_COORDINATE};
+use super::files::{FileError, MOST_TEXT_BYTES, SceneFiles, SceneFolder};
+use super::{CameraPose, CeilingPanel, EditError, GroupMember, Material, Scene, Sides, said};
 
 /// The largest reflectance that a sidecar may set; a light path then loses at least a hundredth at each bounce.
 pub const MAX_SIDECAR_REFLECTANCE: f32 = 0.99;
 
 /// The largest emission B_e, W/m² (the sun's surface has 6e7): powers must stay finite in f32.
 pub const MAX_EMISSION: f32 = 1e9;
+
+/// The most lights that a sidecar may add; each is a material of its own.
+const MOST_LIGHTS: usize = 1000;
 
 /// What a sidecar says of a scene; every part may be missing.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -76,21 +81,21 @@ pub struct SidecarLight {
 /// A sidecar that cannot be read, used or written.
 #[derive(Debug, thiserror::Error)]
 pub enum SidecarError {
-    /// The file is there but cannot be read.
+    /// The file is there but is not read.
     #[error("{}: cannot be read ({source}); check its permissions or move it away", path.display())]
     Unreadable {
         /// The sidecar.
         path: PathBuf,
-        /// What the system says.
-        source: io::Error,
+        /// Why.
+        source: FileError,
     },
     /// Not JSON, or a field that a sidecar does not have.
-    #[error("{}: not a valid sidecar: {source}", path.display())]
+    #[error("{}: not a valid sidecar: {reason}", path.display())]
     Syntax {
         /// The sidecar.
         path: PathBuf,
         /// What is wrong, with line and column.
-        source: serde_json::Error,
+        reason: String,
     },
     /// A number out of its range.
     #[error("{}: {problem}", path.display())]
@@ -105,6 +110,14 @@ pub enum SidecarError {
     ReadOnly {
         /// The sidecar.
         path: PathBuf,
+    },
+    /// The file is a link to another place, a pipe or a device.
+    #[error("{}: is not written, for {source}; move it away and save again", path.display())]
+    Elsewhere {
+        /// The sidecar.
+        path: PathBuf,
+        /// Why.
+        source: FileError,
     },
     /// The file cannot be written.
     #[error("{}: cannot be written ({source}); choose another folder", path.display())]
@@ -177,10 +190,21 @@ impl Sidecar {
     /// # Errors
     /// Unreadable, not a sidecar, or a value out of its range.
     pub fn read(path: &Path) -> Result<Self, SidecarError> {
-        let bytes = fs::read(path).map_err(|source| SidecarError::Unreadable { path: path.to_owned(), source })?;
-        let text = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(&bytes);
-        let sidecar: Self =
-            serde_json::from_slice(text).map_err(|source| SidecarError::Syntax { path: path.to_owned(), source })?;
+        let bytes = SceneFolder::of(path).read(Path::new(path.file_name().unwrap_or_default()), MOST_TEXT_BYTES);
+        let bytes = bytes.map_err(|source| SidecarError::Unreadable { path: path.to_owned(), source })?;
+        Self::from_bytes(path, &bytes)
+    }
+
+    /// Checks the content of a sidecar; `path` names it and is not read.
+    ///
+    /// # Errors
+    /// Not a sidecar, or a value out of its range.
+    pub fn from_bytes(path: &Path, bytes: &[u8]) -> Result<Self, SidecarError> {
+        let text = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
+        let sidecar: Self = serde_json::from_slice(text).map_err(|error| SidecarError::Syntax {
+            path: path.to_owned(),
+            reason: said::sentence(&error.to_string()),
+        })?;
         match sidecar.problem() {
             Some(problem) => Err(SidecarError::Value { path: path.to_owned(), problem }),
             None => Ok(sidecar),
@@ -195,6 +219,13 @@ impl Sidecar {
         if fs::metadata(path).is_ok_and(|present| present.permissions().readonly()) {
             return Err(SidecarError::ReadOnly { path: path.to_owned() });
         }
+        let elsewhere = |source| SidecarError::Elsewhere { path: path.to_owned(), source };
+        if fs::symlink_metadata(path).is_ok() {
+            let real = SceneFolder::of(path).resolve(Path::new(path.file_name().unwrap_or_default()));
+            if !real.map_err(elsewhere)?.is_file() {
+                return Err(elsewhere(FileError::NotAFile));
+            }
+        }
         let unwritable = |source| SidecarError::Unwritable { path: path.to_owned(), source };
         let mut text = serde_json::to_string_pretty(self).map_err(|error| unwritable(error.into()))?;
         text.push('\n');
@@ -208,16 +239,23 @@ impl Sidecar {
             let emission = material.emission.filter(|value| !in_range(*value, MAX_EMISSION));
             match (reflectance, emission) {
                 (Some(value), _) => Some(format!(
-                    "the reflectance {value} of material `{name}` must lie between 0 and {MAX_SIDECAR_REFLECTANCE}"
+                    "the reflectance {value} of material {} must lie between 0 and {MAX_SIDECAR_REFLECTANCE}",
+                    said::quoted(name)
                 )),
                 (_, Some(value)) => {
-                    Some(format!("the emission {value} of material `{name}` must lie between 0 and 1e9 W/m²"))
+                    let name = said::quoted(name);
+                    Some(format!("the emission {value} of material {name} must lie between 0 and 1e9 W/m²"))
                 }
                 _ => None,
             }
         });
+        let lights = self.ceiling_lights.len();
+        let too_many = || {
+            (lights > MOST_LIGHTS)
+                .then(|| format!("{lights} ceiling lights are more than the {MOST_LIGHTS} there may be"))
+        };
         let of_lights = || self.ceiling_lights.iter().find_map(light_problem);
-        of_materials.or_else(of_lights).or_else(|| self.camera.as_ref().and_then(camera_problem))
+        of_materials.or_else(too_many).or_else(of_lights).or_else(|| self.camera.as_ref().and_then(camera_problem))
     }
 }
 
@@ -226,15 +264,20 @@ fn in_range(value: Vec3, most: f32) -> bool {
     value.is_finite() && value.min_element() >= 0.0 && value.max_element() <= most
 }
 
+/// Whether a place is finite and not too far off to reckon with.
+fn is_usable(place: Vec3) -> bool {
+    place.to_array().into_iter().all(draft::is_usable)
+}
+
 /// Why a light cannot be used.
 fn light_problem(light: &SidecarLight) -> Option<String> {
     let SidecarLight { centre, up, size, exitance } = *light;
-    let problem = if !(centre.is_finite() && up.is_finite()) {
-        "has a coordinate that is not finite".to_owned()
+    let problem = if !(is_usable(centre) && up.is_finite()) {
+        "has a coordinate that is not finite or beyond 1e9".to_owned()
     } else if up.try_normalize().is_none() {
         "has no up direction; [0, 1, 0] is usual".to_owned()
-    } else if !(size > 0.0 && size.is_finite()) {
-        format!("needs a size greater than 0 (it is {size})")
+    } else if !(size > 0.0 && size <= MAX_COORDINATE) {
+        format!("needs a size greater than 0 and at most 1e9 (it is {size})")
     } else if !in_range(exitance, MAX_EMISSION) {
         format!("needs an exitance between 0 and 1e9 W/m² (it is {exitance})")
     } else {
@@ -247,13 +290,14 @@ fn light_problem(light: &SidecarLight) -> Option<String> {
 fn camera_problem(camera: &CameraPose) -> Option<String> {
     let CameraPose { eye, target, up, hfov_deg } = *camera;
     let forward = target - eye;
-    let problem = if !(eye.is_finite() && target.is_finite() && up.is_finite()) {
-        "has a coordinate that is not finite"
-    } else if forward == Vec3::ZERO {
+    let angle = forward.try_normalize().zip(up.try_normalize()).map(|(forward, up)| forward.cross(up).length());
+    let problem = if !(is_usable(eye) && is_usable(target) && up.is_finite()) {
+        "has a coordinate that is not finite or beyond 1e9"
+    } else if forward.try_normalize().is_none() {
         "looks at the point where its eye is; give it another target"
-    } else if up == Vec3::ZERO {
+    } else if up.try_normalize().is_none() {
         "has no up direction; [0, 1, 0] is usual"
-    } else if forward.normalize().cross(up.normalize()).length() < 1e-5 {
+    } else if angle.is_none_or(|sine| sine < 1e-5) {
         "looks along its up direction; turn up away from it"
     } else if !(hfov_deg > 0.0 && hfov_deg < 180.0) {
         "needs an hfov_deg between 0 and 180"

@@ -43,9 +43,31 @@ pub(super) fn is_good_quad(corners: [Vec3; 4]) -> bool {
 /// Passes over all corners before any corner may be clipped; outlines that do not cross themselves need one or two.
 const MOST_PASSES: usize = 32;
 
+/// What cutting may cost, in comparisons of a corner with an ear: some seconds for a whole scene. A modeller's outline of n corners takes
+/// some n²; outlines that cross themselves everywhere, made to be slow, take more than anyone would wait for.
+pub(super) struct Effort(u64);
+
+impl Effort {
+    /// For all polygons of a scene together.
+    pub fn of_a_scene() -> Self {
+        Self(1 << 30)
+    }
+
+    /// Whether outlines are cut anyhow by now.
+    pub fn is_spent(&self) -> bool {
+        self.0 == 0
+    }
+
+    fn spend(&mut self, comparisons: usize) {
+        self.0 = self.0.saturating_sub(comparisons as u64);
+    }
+}
+
 /// Cuts a polygon into triangles of corner numbers, wound as the polygon is; triangles without area are left out.
-pub(super) fn ear_clip(positions: &[Vec3]) -> Vec<[usize; 3]> {
-    EarClipper::new(positions).run()
+///
+/// Once the effort is spent, the triangles are any that the corners allow.
+pub(super) fn ear_clip(positions: &[Vec3], effort: &mut Effort) -> Vec<[usize; 3]> {
+    EarClipper::new(positions).run(effort)
 }
 
 /// How strict the search for the next ear is; each level is tried when the one before finds none.
@@ -104,7 +126,7 @@ impl EarClipper {
     ///
     /// A corner is tried again when a neighbour has gone, and all of them in a further pass, so that the work stays
     /// near corners × reflex corners even for outlines made to be slow.
-    fn run(mut self) -> Vec<[usize; 3]> {
+    fn run(mut self, effort: &mut Effort) -> Vec<[usize; 3]> {
         let count = self.points.len();
         let mut triangles = Vec::with_capacity(count.saturating_sub(2));
         // Every second corner first, then every second of the rest: a round outline gives no fan of slivers.
@@ -129,9 +151,17 @@ impl EarClipper {
                 continue;
             };
             waiting[corner] = false;
-            if removed[corner] || !(remaining == 3 || self.is_ear(corner, strictness)) {
+            if effort.is_spent() {
+                strictness = Strictness::Any;
+                self.reflex.clear();
+            }
+            if removed[corner] {
                 continue;
             }
+            if !(remaining == 3 || self.is_ear(corner, strictness, effort)) {
+                continue;
+            }
+            effort.spend(1 + self.reflex.len());
             let (before, after) = (self.previous[corner], self.next[corner]);
             if self.turn(corner).abs() > 0.0 {
                 triangles.push([before, corner, after]);
@@ -155,7 +185,7 @@ impl EarClipper {
         (b - a).perp_dot(c - b)
     }
 
-    fn is_ear(&self, corner: usize, strictness: Strictness) -> bool {
+    fn is_ear(&self, corner: usize, strictness: Strictness, effort: &mut Effort) -> bool {
         if strictness == Strictness::Any {
             return true;
         }
@@ -173,7 +203,9 @@ impl EarClipper {
                 Strictness::Touching | Strictness::Any => inside > self.smallest_turn,
             }
         };
-        !self.reflex.iter().any(|&other| blocks(self.points[other]))
+        let blocker = self.reflex.iter().position(|&other| blocks(self.points[other]));
+        effort.spend(blocker.unwrap_or(self.reflex.len()));
+        blocker.is_none()
     }
 
     fn remove(&mut self, corner: usize) {
@@ -227,7 +259,7 @@ mod tests {
             for turned in 0..outline.len() {
                 let mut outline = outline.clone();
                 outline.rotate_left(turned);
-                let triangles = ear_clip(&outline);
+                let triangles = ear_clip(&outline, &mut Effort::of_a_scene());
                 assert_eq!(triangles.len(), outline.len() - 2);
                 let normal = newell(&outline);
                 let area = area_of(&triangles, &outline);
@@ -243,7 +275,7 @@ mod tests {
     #[test]
     fn straight_corners_are_used() {
         let outline = flat(&[[0.0, 0.0], [1.0, 0.0], [2.0, 0.0], [2.0, 2.0], [0.0, 2.0]]);
-        let triangles = ear_clip(&outline);
+        let triangles = ear_clip(&outline, &mut Effort::of_a_scene());
         assert_eq!(triangles.len(), 3);
         assert!(triangles.iter().all(|triangle| area_of(&[*triangle], &outline) > 0.1));
         assert!((0..5).all(|corner| triangles.iter().any(|triangle| triangle.contains(&corner))));
@@ -267,7 +299,7 @@ mod tests {
         .iter()
         .map(|&[x, y]| Vec3::new(x, y, 0.0))
         .collect();
-        assert!((area_of(&ear_clip(&outline), &outline) - 8.0).abs() < 1e-9);
+        assert!((area_of(&ear_clip(&outline, &mut Effort::of_a_scene()), &outline) - 8.0).abs() < 1e-9);
     }
 
     /// Truth: the area by the shoelace formula; two windings of a spiral corridor, and a star that crosses itself, both
@@ -283,21 +315,36 @@ mod tests {
         let there = (0..2000).map(|step| on_spiral(step, 1.0));
         let back = (0..2000).rev().map(|step| on_spiral(step, 2.0));
         let spiral: Vec<Vec3> = back.chain(there).collect();
-        let triangles = ear_clip(&spiral);
+        let triangles = ear_clip(&spiral, &mut Effort::of_a_scene());
         let (area, expected) = (area_of(&triangles, &spiral), 0.5 * newell(&spiral).length());
         assert!((area - expected).abs() < 1e-4 * expected, "{area} of {expected}");
         let star: Vec<Vec3> =
             (0..4001).map(|step| Vec3::new((step as f32 * 2.9).cos(), (step as f32 * 2.9).sin(), 0.0)).collect();
-        ear_clip(&star);
+        ear_clip(&star, &mut Effort::of_a_scene());
         assert!(start.elapsed().as_secs_f64() < 5.0, "{:?}", start.elapsed());
+    }
+
+    /// Truth: n − 2 triangles over all corners, right or wrong; and no more comparisons than were allowed, but for one ear.
+    #[test]
+    fn cutting_ends_when_the_effort_is_spent() {
+        let inward_arc = |step: usize| {
+            let angle = step as f32 / 1000.0 * 1.5;
+            if step == 0 { Vec3::ZERO } else { Vec3::new(10.0 - 9.0 * angle.cos(), 10.0 - 9.0 * angle.sin(), 0.0) }
+        };
+        let outline: Vec<Vec3> = (0..1000).map(inward_arc).collect();
+        for allowed in [0, 1, 10_000, 1 << 30] {
+            let mut effort = Effort(allowed);
+            assert_eq!(ear_clip(&outline, &mut effort).len(), 998, "with {allowed}");
+            assert_eq!(effort.is_spent(), allowed <= 10_000);
+        }
     }
 
     /// Truth: whatever it is, an outline that crosses itself ends and gives at most n − 2 triangles.
     #[test]
     fn crossing_outlines_end() {
         let bow = flat(&[[0.0, 0.0], [1.0, 1.0], [1.0, 0.0], [0.0, 1.0], [0.5, 3.0]]);
-        assert!(ear_clip(&bow).len() <= 3);
-        assert!(ear_clip(&[Vec3::ONE; 7]).is_empty());
+        assert!(ear_clip(&bow, &mut Effort::of_a_scene()).len() <= 3);
+        assert!(ear_clip(&[Vec3::ONE; 7], &mut Effort::of_a_scene()).is_empty());
     }
 
     /// Truth: the definition, at both sides of its bounds (2 % of a diagonal of √2 is 0.028).

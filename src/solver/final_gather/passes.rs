@@ -9,7 +9,7 @@ use crate::cancel::CancelToken;
 use crate::solver::memory::MemoryStop;
 
 /// Rays of a vertex in a pass, at least and at most.
-const PASS_RAYS: [f32; 2] = [8.0, 1024.0];
+const PASS_RAYS: [f32; 2] = [24.0, 1024.0];
 /// Sweeps end when they move less than this share of the light.
 const TOLERANCE: f64 = 2e-3;
 /// Sweeps at most.

@@ -1,19 +1,9 @@
-//! Bad input gives one clear sentence: what, where, what to do; never a panic.
-
-mod support;
-
-use std::path::Path;
+//! Tables of hand-made bad files: each gives one clear sentence: what, where, what to do; never a panic.
 
 use selflink::scene::{LoadError, Sidecar, load_file};
-use support::{Folder, glb, square_bytes, square_json};
 
-/// The sentence that a file gives.
-fn sentence(path: &Path) -> String {
-    let error = load_file(path).err().unwrap_or_else(|| panic!("{} should not load", path.display())).to_string();
-    assert!(!error.contains('\n'), "one sentence: {error}");
-    assert!(error.contains(&*path.parent().expect("a folder").to_string_lossy()), "names the file: {error}");
-    error
-}
+use crate::strict::sentence;
+use crate::support::{Folder, glb, square_bytes, square_json};
 
 #[test]
 fn bad_obj_files() {
@@ -43,6 +33,8 @@ fn bad_obj_files() {
         ("words in face.obj", format!("{corners}f a b c\n"), &["line 4", "`a` is not a face corner"]),
         ("no corners.obj", format!("{corners}f\n"), &["line 4", "three corners"]),
         ("many.obj", format!("{corners}f {}\n", "1 2 3 ".repeat(9000)), &["line 4", "27000 corners"]),
+        ("escape.obj", "v 0 0 \u{1b}[31m\u{7}\n".into(), &["line 1", "`\u{fffd}[31m\u{fffd}` is not a coordinate"]),
+        ("separator.obj", "v 0 0 a\u{0}b\n".into(), &["a binary file"]),
         ("pane.obj", format!("mtllib pane.mtl\n{corners}usemtl pane\nf 1 2 3\n"), &["no polygons", "transparent"]),
     ];
     let folder = Folder::new();
@@ -83,7 +75,7 @@ fn broken(from: &str, to: &str) -> Vec<u8> {
 
 #[test]
 fn bad_glb_files() {
-    let cases: [(&str, &str, &str); 23] = [
+    let cases: [(&str, &str, &str); 26] = [
         (r#""POSITION": 0"#, r#""POSITION": 9"#, "accessor 9, which is not there"),
         (r#""count": 4,"#, r#""count": 5,"#, "reaches past its data"),
         (r#""count": 4,"#, r#""count": 18446744073709551615,"#, "reaches past its data"),
@@ -100,6 +92,9 @@ fn bad_glb_files() {
         (r#""byteLength": 60"#, r#""byteLength": 60, "uri": "/etc/hostname""#, "outside the scene's folder"),
         (r#""byteLength": 60"#, r#""byteLength": 60, "uri": "file:///etc/hostname""#, "cannot be read"),
         (r#""byteLength": 60"#, r#""byteLength": 60, "uri": "%ff%fe""#, "not a file name"),
+        (r#""byteLength": 60"#, r#""byteLength": 60, "uri": "a\n\u001b[2J""#, "`a\u{fffd}\u{fffd}[2J` cannot be read"),
+        (r#""byteLength": 60"#, r#""byteLength": 60, "uri": ".""#, "`.` cannot be read (it is not a plain file)"),
+        (r#""asset": {"#, r#""extensionsRequired": ["a\nb"], "asset": {"#, "not valid"),
         (r#""byteLength": 60"#, r#""byteLength": 60, "uri": "data:;base64,!!""#, "cannot be decoded"),
         (r#""VEC3""#, r#""VEC2""#, "no positions"),
         (r#""componentType": 5123"#, r#""componentType": 5126"#, "no vertex indices"),
@@ -158,6 +153,9 @@ fn bad_sidecars() {
     let camera = |eye: &str, up: &str, hfov: &str| {
         format!(r#"{{"camera": {{"eye": {eye}, "target": [0, 0, 0], "up": {up}, "hfov_deg": {hfov}}}}}"#)
     };
+    let light = |centre: &str, up: &str, size: &str| {
+        format!(r#"{{"ceiling_lights": [{{"centre": {centre}, "up": {up}, "size": {size}, "exitance": [1, 1, 1]}}]}}"#)
+    };
     let cases: Vec<(String, &str)> = vec![
         ("{".into(), "line 1 column 1"),
         ("".into(), "line 1 column 0"),
@@ -170,6 +168,13 @@ fn bad_sidecars() {
         (r#"{"materials": {"a": {"emission": [0, 1e39, 0]}}}"#.into(), "must lie between 0 and 1e9 W/m²"),
         (r#"{"materials": {"a": {"emission": [NaN, 0, 0]}}}"#.into(), "not a valid sidecar"),
         (r#"{"sides": "inside"}"#.into(), "unknown variant `inside`"),
+        (r#"{"a\nb\u001b": 1}"#.into(), "unknown field `a\u{fffd}b\u{fffd}`"),
+        (light("[3e38, 0, 0]", "[0, 1, 0]", "1"), "not finite or beyond 1e9"),
+        (light("[0, 0, 0]", "[0, 1, 0]", "3e38"), "at most 1e9"),
+        (light("[0, 0, 0]", "[0, 3e38, 0]", "1"), "no up direction"),
+        (camera("[3e38, 0, 0]", "[0, 1, 0]", "50"), "not finite or beyond 1e9"),
+        (camera("[0, 0, 1e-40]", "[0, 1, 0]", "50"), "looks at the point where its eye is"),
+        (camera("[0, 0, 1]", "[0, 1e-40, 0]", "50"), "no up direction"),
         (camera("[0, 0, 0]", "[0, 1, 0]", "50"), "looks at the point where its eye is"),
         (camera("[0, 0, 1]", "[0, 0, 0]", "50"), "no up direction"),
         (camera("[0, 2, 0]", "[0, 1, 0]", "50"), "along its up direction"),

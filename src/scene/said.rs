@@ -1,0 +1,49 @@
+//! Text out of a file, made fit to stand in a sentence or as a name: on one line, without control characters, not too long.
+
+/// The longest quotation from a file, characters.
+const LONGEST_QUOTE: usize = 80;
+
+/// The longest name of a group or material, characters.
+const LONGEST_NAME: usize = 200;
+
+/// The longest sentence, characters.
+const LONGEST_SENTENCE: usize = 600;
+
+/// A word or name of the file, in backquotes.
+pub(super) fn quoted(text: &str) -> String {
+    format!("`{}`", tidied(text, LONGEST_QUOTE))
+}
+
+/// A name of a group or material as it is known from here on.
+pub(super) fn name(text: &str) -> String {
+    tidied(text, LONGEST_NAME)
+}
+
+/// A sentence that may quote a file in ways that we do not know (a parser's own words).
+pub(super) fn sentence(text: &str) -> String {
+    tidied(text, LONGEST_SENTENCE)
+}
+
+fn tidied(text: &str, most: usize) -> String {
+    let is_sound = |letter: char| !letter.is_control() && !matches!(letter, '\u{2028}' | '\u{2029}');
+    let mut letters = text.chars().map(|letter| if is_sound(letter) { letter } else { char::REPLACEMENT_CHARACTER });
+    let mut tidy: String = letters.by_ref().take(most).collect();
+    if letters.next().is_some() {
+        tidy.pop();
+        tidy.push('…');
+    }
+    tidy
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_said_is_short_and_on_one_line() {
+        assert_eq!(quoted("oak\n\u{1b}[31m"), "`oak\u{fffd}\u{fffd}[31m`");
+        assert_eq!(name("Wände \u{1f4a1}"), "Wände \u{1f4a1}");
+        assert_eq!(name(&"x".repeat(200)), "x".repeat(200));
+        assert_eq!(name(&"ö".repeat(1_000_000)), "ö".repeat(199) + "…");
+    }
+}
