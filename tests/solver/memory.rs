@@ -91,8 +91,9 @@ fn more_memory_goes_on_where_less_stopped() {
 
 #[test]
 fn a_final_gather_keeps_to_the_budget() {
-    let asked = |error, count| SolverParams { error: Some(error), memory: mebibytes(count), ..SolverParams::default() };
-    for (params, stop) in [(asked(0.01, 6), MemoryStop::Rays), (asked(0.01, 2), MemoryStop::Vertices)] {
+    let asked = |memory| SolverParams { error: Some(0.01), memory, ..SolverParams::default() };
+    let small = MemoryBudget::Bytes(3 << 19);
+    for (params, stop) in [(asked(mebibytes(6)), MemoryStop::Rays), (asked(small), MemoryStop::Vertices)] {
         let mut solver = solver(BuiltinScene::Cornell, params);
         solver.run(&CancelToken::new());
         let snapshot = solver.snapshot();
