@@ -3,11 +3,14 @@
 //! Truth: the protocol itself (what is sent is taken up, nothing is lost, generations never run backwards). Times are
 //! generous bounds on liveness, not measurements.
 
+#[path = "support/dice.rs"]
+mod dice;
 #[path = "support/waiting.rs"]
 mod waiting;
 
 use std::time::{Duration, Instant};
 
+use dice::Dice;
 use selflink::scene::builtin::BuiltinScene;
 use selflink::scene::{CameraPose, MaterialId, Sidecar, Sides, Source};
 use selflink::solver::{ClusteringMode, Epsilon, SolverParams};
@@ -199,17 +202,7 @@ fn a_saved_sidecar_brings_the_changes_back() {
     assert_eq!(again.scene.materials[floor.0 as usize].reflectance, glam::Vec3::new(0.2, 0.3, 0.4));
 }
 
-/// A small generator is enough to mix commands (xorshift); the seed is fixed so that a failure comes again.
-struct Dice(u64);
-
 impl Dice {
-    fn roll(&mut self, sides: u64) -> u64 {
-        self.0 ^= self.0 << 13;
-        self.0 ^= self.0 >> 7;
-        self.0 ^= self.0 << 17;
-        self.0 % sides
-    }
-
     fn command(&mut self) -> Command {
         let scenes = [BuiltinScene::ALL[0], BuiltinScene::ALL[1]];
         match self.roll(12) {

@@ -4,6 +4,8 @@
 //! moments somebody pauses, cancels, asks for another scene or for other settings; the time until the solver's thread has taken that up
 //! is what a person waits for. Needs the scene `classroom` below `SELFLINK_SCENES`; says so where it is missing.
 
+#[path = "support/dice.rs"]
+mod dice;
 #[path = "support/waiting.rs"]
 mod waiting;
 
@@ -11,6 +13,7 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
+use dice::Dice;
 use selflink::scene::Source;
 use selflink::scene::builtin::BuiltinScene;
 use selflink::solver::{ClusteringMode, Epsilon, Phase, Reconstruct, SolverParams};
@@ -32,18 +35,6 @@ fn wait_for<T>(what: &str, found: impl FnMut() -> Option<T>) -> T {
 fn classroom() -> Option<PathBuf> {
     let path = PathBuf::from(std::env::var_os("SELFLINK_SCENES")?).join("classroom/classroom.glb");
     path.exists().then_some(path)
-}
-
-/// A generator with a fixed seed, so that a failure comes again (xorshift).
-struct Dice(u64);
-
-impl Dice {
-    fn below(&mut self, most: u64) -> u64 {
-        self.0 ^= self.0 << 13;
-        self.0 ^= self.0 >> 7;
-        self.0 ^= self.0 << 17;
-        self.0 % most
-    }
 }
 
 /// Times until the thread had taken up a command, by what it was about.
@@ -73,7 +64,7 @@ fn disturb(
 ) {
     let begun = Instant::now();
     while !until(worker) && begun.elapsed() < PHASE {
-        std::thread::sleep(Duration::from_millis(dice.below(150)));
+        std::thread::sleep(Duration::from_millis(dice.roll(150)));
         let is_running = |worker: &SolverThread| worker.status().run == RunState::Running;
         if is_running(worker) {
             waits.ask(worker, about, Command::Pause, |status| status.run != RunState::Running);
@@ -97,7 +88,7 @@ fn slow_control_comes_back_at_once() {
     // While the file is read, its occluders and its clusters are built: twice given up, each by a loader of its own.
     for _ in 0..2 {
         waits.ask(&worker, "load", load.clone(), |status| status.loading.is_some());
-        std::thread::sleep(Duration::from_millis(dice.below(1500)));
+        std::thread::sleep(Duration::from_millis(dice.roll(1500)));
         waits.ask(&worker, "cancel a load", Command::CancelLoad, |status| status.loading.is_none());
     }
     worker.send(load.clone());
@@ -119,7 +110,7 @@ fn slow_control_comes_back_at_once() {
     for clustering in [ClusteringMode::Octree, ClusteringMode::Adaptive] {
         let params = SolverParams { clustering, ..params };
         waits.ask(&worker, "other clusters", Command::SetParams(params), |status| status.params == params);
-        std::thread::sleep(Duration::from_millis(dice.below(800)));
+        std::thread::sleep(Duration::from_millis(dice.roll(800)));
     }
     let small = Command::load(Source::Builtin(BuiltinScene::Cornell));
     waits.ask(&worker, "another scene", small, |status| status.loading.is_some());

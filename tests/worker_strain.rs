@@ -3,11 +3,14 @@
 //! Truth: the protocol. Nobody panics or waits for ever, pictures never run backwards and in the end show what was asked for last, and
 //! memory does not grow with the number of commands. `cargo test` sends some of them; `SELFLINK_COMMANDS=10000` all.
 
+#[path = "support/dice.rs"]
+mod dice;
 #[path = "support/waiting.rs"]
 mod waiting;
 
 use std::time::{Duration, Instant};
 
+use dice::Dice;
 use glam::Vec3;
 use selflink::scene::builtin::BuiltinScene;
 use selflink::scene::{MaterialId, Sides, Source};
@@ -23,17 +26,7 @@ const PATIENCE: Duration = Duration::from_secs(120);
 /// hold a scene and its occluders each.
 const MOST_GROWTH: usize = 256 << 20;
 
-/// A generator with a fixed seed, so that a failure comes again (xorshift).
-struct Dice(u64);
-
 impl Dice {
-    fn roll(&mut self, sides: u64) -> u64 {
-        self.0 ^= self.0 << 13;
-        self.0 ^= self.0 >> 7;
-        self.0 ^= self.0 << 17;
-        self.0 % sides
-    }
-
     fn pick<T: Copy>(&mut self, from: &[T]) -> T {
         from[self.roll(from.len() as u64) as usize]
     }

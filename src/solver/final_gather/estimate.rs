@@ -19,8 +19,8 @@ use crate::random::mix;
 /// Points looked at; as many again where what they say is near the goal, a few times.
 pub const POINTS: usize = 2048;
 const MOST_POINTS: usize = 4 * POINTS;
-/// An error above the goal that is less than so many times as large may be the error of the estimate.
-const NEAR: f64 = 1.25;
+/// An error of no more than so many times the goal may be the estimate's own, and is near enough to try on.
+pub const NEAR: f64 = 1.25;
 /// Rays of a look, to lamps and into the half space each, times the error that is asked for.
 const RAYS: f64 = 0.8;
 /// Rays that must meet backs before a point is believed to be hidden.
@@ -100,16 +100,9 @@ impl FinalGather {
         let places = self.places(hierarchy, context, &reflected);
         let rays = ((RAYS / self.goal.error) as u32).clamp(8, 64);
         let look = |cut: &mut Vec<Seen>, index: usize| {
-            (!cancel.is_cancelled()).then(|| {
-                self.look_at_point(
-                    hierarchy,
-                    context,
-                    (&reflected, &places),
-                    rays,
-                    (mix(start, (index / POINTS) as u64), index % POINTS),
-                    cut,
-                )
-            })
+            let number = (mix(start, (index / POINTS) as u64), index % POINTS);
+            (!cancel.is_cancelled())
+                .then(|| self.look_at_point(hierarchy, context, (&reflected, &places), rays, number, cut))
         };
         // Summed in order, so that the result does not depend on the threads.
         let tallies: Vec<Tally> =

@@ -58,8 +58,6 @@ const MOST_ROUNDS: u32 = 8;
 const MOST_ATTEMPTS: u32 = 6;
 /// An attempt that leaves more than this share of the estimated error was in vain, and so would be the next one.
 const LEAST_PROGRESS: f64 = 0.9;
-/// An error of so many times the goal is near enough to try on.
-const NEAR: f64 = 1.25;
 /// More vertices than this are not made for the sake of the goal.
 const MOST_VERTICES: usize = 1 << 21;
 /// The allowed error is shared out to what lies between vertices and to the noise of their values.
@@ -299,7 +297,7 @@ impl FinalGather {
         };
         // What a finer mesh does not help is smaller than leaves may be.
         let was_in_vain = self.last_error.is_some_and(|last| error > LEAST_PROGRESS * last);
-        let is_near = error <= NEAR * self.goal.error;
+        let is_near = error <= estimate::NEAR * self.goal.error;
         self.last_error = Some(error);
         if was_in_vain && !is_near {
             return Stage::Done;
@@ -411,14 +409,13 @@ impl FinalGather {
         let look = self.look_at_leaves(hierarchy, context, cancel)?;
         self.rays += look.rays;
         let allowed = self.goal.mesh * self.goal.mesh * self.energy();
-        let leaves = self.display.mesh.clone();
-        let leaves = &leaves.leaves;
+        let mesh = self.display.mesh.clone();
         let mut looks = std::mem::take(&mut self.looks);
         let mean = |(leaf, direct): (&super::Leaf, &f64)| {
             let (sum, count) = looks.remove(&leaf.element).unwrap_or_default();
             (sum + direct, count + 1)
         };
-        let means: Vec<(f64, u32)> = leaves.iter().zip(&look.direct).map(mean).collect();
+        let means: Vec<(f64, u32)> = mesh.leaves.iter().zip(&look.direct).map(mean).collect();
         let errors: Vec<f64> = means
             .iter()
             .zip(&look.indirect)
@@ -436,7 +433,6 @@ impl FinalGather {
             self.memory_stop = Some(MemoryStop::Vertices);
             return Some(false);
         }
-        let mesh = self.display.mesh.clone();
         for ((leaf, error), mean) in mesh.leaves.iter().zip(&errors).zip(means) {
             if *error >= threshold {
                 hierarchy.subdivide(leaf.element);

@@ -93,11 +93,11 @@ impl FinalGather {
         let looked: Vec<(usize, f64, u64)> =
             (0..count).into_par_iter().with_min_len(16).map_init(Vec::new, look).collect::<Option<_>>()?;
         let indirect = |(leaf, weight): (usize, &f64)| if *weight > 0.0 { self.indirect_error(leaf) } else { 0.0 };
-        let errors = weights.iter().enumerate().map(indirect).collect();
+        let indirect = weights.iter().enumerate().map(indirect).collect();
         let mut direct = vec![0.0; leaves.len()];
         // Summed in order, so that the result does not depend on the threads.
         looked.iter().for_each(|(leaf, error, _)| direct[*leaf] += error);
-        Some(Look { direct, indirect: errors, rays: looked.iter().map(|looked| looked.2).sum() })
+        Some(Look { direct, indirect, rays: looked.iter().map(|looked| looked.2).sum() })
     }
 
     /// What to expect of a leaf's squared error before a look at it, W²/m² up to a factor; 0 where nothing can be done about it.
