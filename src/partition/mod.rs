@@ -8,10 +8,13 @@
 //! way through it, so that legs of furniture and low things cut nothing; the parts are looked at again by themselves. Polygons stay
 //! triangles and quads, each in its material and group.
 
+mod line;
+
 use glam::DVec3;
 use rustc_hash::{FxHashMap, FxHashSet};
 
 use crate::scene::{Polygon, Scene};
+use line::{Bits, Line, Part, Sides, area, bits, edges, foot};
 
 /// Polygons of less than this share of the scene's area are not cut: leaves on them are small anyhow.
 const LEAST_POLYGON: f64 = 1.0 / 4_000.0;
@@ -39,25 +42,6 @@ const SAME_PLANE: f64 = 1.0 - 1e-6;
 const SMOOTH: f64 = 0.766;
 /// A surface is cut into no more parts than this.
 const MOST_PARTS: usize = 64;
-
-type Bits = [u32; 3];
-
-/// A convex part of a polygon.
-#[derive(Clone, Debug)]
-struct Part {
-    polygon: usize,
-    corners: Vec<DVec3>,
-}
-
-/// A plane through which cuts run, and where faces stand along its line on a surface.
-struct Line {
-    normal: DVec3,
-    offset: f64,
-    origin: DVec3,
-    direction: DVec3,
-    /// Covered stretches by their distances from the origin.
-    covered: Vec<[f64; 2]>,
-}
 
 /// Cuts the surfaces of a scene where walls stand on them; returns how many polygons were cut. The first part of a polygon takes its
 /// place, the others follow behind all polygons. `both_sides` tells whether walls behind a face part it as well.
@@ -99,10 +83,6 @@ impl Face {
         };
         Self { polygon, corners, normal: across.normalize_or_zero(), area: across.length() }
     }
-}
-
-fn bits(position: DVec3) -> Bits {
-    (position.as_vec3() + glam::Vec3::ZERO).to_array().map(f32::to_bits)
 }
 
 struct Cutter<'a> {
@@ -274,113 +254,6 @@ struct Divided {
     crossed: FxHashSet<(Bits, Bits)>,
     /// Edges between parts that faces cover wholly.
     seams: Vec<[DVec3; 2]>,
-}
-
-/// Where a cut leaves a part.
-struct Sides {
-    below: Vec<DVec3>,
-    above: Vec<DVec3>,
-    has_below: bool,
-    has_above: bool,
-    /// The new edge, where the line runs through the part.
-    cut: Option<[DVec3; 2]>,
-    /// The part's edges that it runs through.
-    crossed: Vec<(Bits, Bits)>,
-}
-
-impl Line {
-    fn distance(&self, position: DVec3) -> f64 {
-        self.normal.dot(position) - self.offset
-    }
-
-    fn cover(&mut self, from: DVec3, to: DVec3) {
-        let [a, b] = [from, to].map(|end| self.direction.dot(end - self.origin));
-        self.covered.push([a.min(b), a.max(b)]);
-    }
-
-    /// Share of an edge on this line that faces cover.
-    fn covers(&self, edge: &[DVec3; 2]) -> f64 {
-        let [a, b] = edge.map(|end| self.direction.dot(end - self.origin));
-        let (first, last) = (a.min(b), a.max(b));
-        let mut stretches: Vec<[f64; 2]> =
-            self.covered.iter().map(|[from, to]| [from.max(first), to.min(last)]).filter(|[a, b]| a < b).collect();
-        stretches.sort_unstable_by(|a, b| a[0].total_cmp(&b[0]));
-        let (mut sum, mut reached) = (0.0, first);
-        for [from, to] in stretches {
-            sum += (to - from.max(reached)).max(0.0);
-            reached = reached.max(to);
-        }
-        sum / (last - first)
-    }
-
-    /// What lies on either side of the line; corners that are nearer lie on it.
-    fn sides(&self, part: &Part, thinnest: f64) -> Sides {
-        let distance = |corner: &DVec3| Some(self.distance(*corner)).filter(|off| off.abs() > thinnest).unwrap_or(0.0);
-        let off: Vec<f64> = part.corners.iter().map(distance).collect();
-        let (has_below, has_above) = (off.iter().any(|off| *off < 0.0), off.iter().any(|off| *off > 0.0));
-        let mut sides = Sides { below: vec![], above: vec![], has_below, has_above, cut: None, crossed: vec![] };
-        let mut ends = Vec::new();
-        for (index, &corner) in part.corners.iter().enumerate() {
-            let next = (index + 1) % part.corners.len();
-            if off[index] <= 0.0 {
-                sides.below.push(corner);
-            }
-            if off[index] >= 0.0 {
-                sides.above.push(corner);
-            }
-            if off[index] == 0.0 {
-                ends.push(corner);
-            }
-            if off[index] * off[next] < 0.0 {
-                let between = between((corner, off[index]), (part.corners[next], off[next]));
-                sides.below.push(between);
-                sides.above.push(between);
-                ends.push(between);
-                sides.crossed.push((bits(corner), bits(part.corners[next])));
-            }
-        }
-        if let (true, true, [from, to]) = (has_below, has_above, ends.as_slice()) {
-            sides.cut = Some([*from, *to]);
-        }
-        sides
-    }
-}
-
-/// Where a line crosses an edge; the same bits from either side of the edge.
-fn between(a: (DVec3, f64), b: (DVec3, f64)) -> DVec3 {
-    let ((from, near), (to, far)) = if a.0.to_array() <= b.0.to_array() { (a, b) } else { (b, a) };
-    // As the scene will hold it.
-    (from + near / (near - far) * (to - from)).as_vec3().as_dvec3()
-}
-
-/// The stretch along which a face meets a plane, by the heights of its corners above it.
-fn foot(corners: &[DVec3], heights: &[f64], touching: f64) -> Option<[DVec3; 2]> {
-    let mut meeting = Vec::with_capacity(4);
-    for (index, &corner) in corners.iter().enumerate() {
-        let next = (index + 1) % corners.len();
-        let (here, there) = (heights[index], heights[next]);
-        if here.abs() <= touching {
-            meeting.push(corner);
-        } else if there.abs() > touching && here * there < 0.0 {
-            meeting.push(corner + here / (here - there) * (corners[next] - corner));
-        }
-    }
-    let first = *meeting.first()?;
-    let farthest = |from: DVec3| {
-        meeting.iter().copied().max_by(|a, b| a.distance_squared(from).total_cmp(&b.distance_squared(from)))
-    };
-    let from = farthest(first)?;
-    Some([from, farthest(from)?])
-}
-
-/// Area of a planar convex polygon.
-fn area(corners: &[DVec3]) -> f64 {
-    let fan = corners.windows(2).skip(1).map(|edge| (edge[0] - corners[0]).cross(edge[1] - corners[0]));
-    0.5 * fan.sum::<DVec3>().length()
-}
-
-fn edges(corners: &[DVec3]) -> impl Iterator<Item = (DVec3, DVec3)> + '_ {
-    (0..corners.len()).map(|index| (corners[index], corners[(index + 1) % corners.len()]))
 }
 
 /// Puts parts into the places of their polygons; returns how many polygons were cut.
