@@ -1,6 +1,6 @@
 //! The error of a solution against a reference.
 //!
-//! B is compared at the reference's points, which lie evenly by area and not on lamps, both as it is displayed (interpolated
+//! B is compared at the reference's points, which count by the area that they stand for and do not lie on lamps, both as it is displayed (interpolated
 //! between vertices) and as the solver has it (one constant per leaf). The squares of the reference's own standard errors are
 //! subtracted, so that its noise is not taken for an error of the solution. The points are a sample of the surfaces, so every
 //! error has a standard error of its own.
@@ -12,7 +12,7 @@ use serde::Serialize;
 
 use super::locate::{Place, locate};
 use super::spread;
-use crate::reference::Reference;
+use crate::reference::{Reference, SurfacePoint};
 use crate::solver::{Mesh, Snapshot};
 
 /// Points darker than this share of the RMS radiosity count as that bright in local errors: relative to nothing, all is wrong.
@@ -38,8 +38,8 @@ pub struct Measure {
     pub bias: f64,
     /// Local relative error |ΔB|/|B|, its median over the area.
     pub local_median: f64,
-    /// Standard error of `local_median`, in the same unit: half the distance between the local errors of rank n/2 ± √n/2. Infinite
-    /// where only one point was compared.
+    /// Standard error of `local_median`, in the same unit: half the distance between the local errors of rank n/2 ± √n/2, for as many
+    /// points as would say as much if all counted alike. Infinite where only one point was compared.
     pub local_median_noise: f64,
     /// The local error's 95th percentile.
     pub local_p95: f64,
@@ -97,7 +97,8 @@ impl ErrorMeter {
         let samples = |values: &[Option<DVec3>]| {
             let of = |(index, value): (usize, &Option<DVec3>)| {
                 let (truth, noise) = (reference.radiosity(index), reference.radiosity_error(index));
-                value.map(|value| Sample { truth, noise, difference: value - truth })
+                let weight = f64::from(reference.points[index].weight);
+                value.map(|value| Sample { truth, noise, difference: value - truth, weight })
             };
             values.iter().enumerate().filter_map(of).collect::<Vec<_>>()
         };
@@ -129,8 +130,9 @@ impl ErrorMeter {
         let displayed = self.radiosities(snapshot);
         let truths: Vec<f64> =
             (0..displayed.len()).map(|index| self.reference.radiosity(index).element_sum()).collect();
-        let darkest =
-            DARKEST * (truths.iter().map(|truth| truth * truth).sum::<f64>() / truths.len().max(1) as f64).sqrt();
+        let square = |(point, truth): (&SurfacePoint, &f64)| f64::from(point.weight) * truth * truth;
+        let squares: f64 = self.reference.points.iter().zip(&truths).map(square).sum();
+        let darkest = DARKEST * (squares / truths.len().max(1) as f64).sqrt();
         let relative = |(value, truth): (Option<DVec3>, &f64)| {
             value.map_or(f32::NAN, |value| {
                 ((value.element_sum() - truth) / truth.max(darkest.max(f64::MIN_POSITIVE))) as f32
@@ -162,6 +164,8 @@ struct Sample {
     truth: DVec3,
     noise: DVec3,
     difference: DVec3,
+    /// What it counts.
+    weight: f64,
 }
 
 /// The error of an estimate of which each point is off by its own standard error: the RMS error of an unbiased one, such as a path
@@ -171,12 +175,13 @@ pub fn of_standard_errors(estimate: &Reference) -> Measure {
         truth: estimate.radiosity(index),
         noise: DVec3::ZERO,
         difference: estimate.radiosity_error(index),
+        weight: f64::from(estimate.points[index].weight),
     };
     measure(&(0..estimate.points.len()).map(sample).collect::<Vec<_>>())
 }
 
 fn measure(samples: &[Sample]) -> Measure {
-    let sum = |of: &dyn Fn(&Sample) -> DVec3| samples.iter().map(of).sum::<DVec3>();
+    let sum = |of: &dyn Fn(&Sample) -> DVec3| samples.iter().map(|sample| sample.weight * of(sample)).sum::<DVec3>();
     let squares = sum(&|sample| sample.difference * sample.difference);
     let noise = sum(&|sample| sample.noise * sample.noise);
     let signal = sum(&|sample| sample.truth * sample.truth);
@@ -185,15 +190,16 @@ fn measure(samples: &[Sample]) -> Measure {
     };
     let (difference, mean) = (sum(&|sample| sample.difference), sum(&|sample| sample.truth));
     let share = |part: f64, whole: f64| if whole > 0.0 { part / whole } else { 0.0 };
-    let darkest = DARKEST * (signal.element_sum() / samples.len().max(1) as f64).sqrt();
-    let mut local: Vec<(f64, f64)> = samples.iter().map(|sample| sample.local(darkest)).collect();
-    local.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let (half, all) = (&local[..local.len().div_ceil(2)], &local[..]);
-    let [half, all] = [half, all].map(|part| sorted(part.iter().map(|local| local.1).collect()));
+    let weight: f64 = samples.iter().map(|sample| sample.weight).sum();
+    let darkest = DARKEST * if weight > 0.0 { (signal.element_sum() / weight).sqrt() } else { 0.0 };
+    let mut by_brightness: Vec<&Sample> = samples.iter().collect();
+    by_brightness.sort_by(|a, b| a.truth.length().total_cmp(&b.truth.length()));
+    let locals = |part: &[&Sample]| sorted(part.iter().map(|sample| (sample.local(darkest), sample.weight)).collect());
+    let (half, all) = (locals(darker_half(&by_brightness)), locals(&by_brightness));
     let (of_half, of_all) = (quantiles(&half), quantiles(&all));
     let excess = |sample: &Sample| sample.difference.length_squared() - sample.noise.length_squared();
-    let points: Vec<(f64, f64)> =
-        samples.iter().map(|sample| (excess(sample), sample.truth.length_squared())).collect();
+    let of_point = |sample: &Sample| (sample.weight * excess(sample), sample.weight * sample.truth.length_squared());
+    let points: Vec<(f64, f64)> = samples.iter().map(of_point).collect();
     Measure {
         rms: relative(squares.element_sum(), noise.element_sum(), signal.element_sum()),
         rms_noise: spread::of_root(&points),
@@ -210,35 +216,43 @@ fn measure(samples: &[Sample]) -> Measure {
 }
 
 impl Sample {
-    /// Brightness of the truth, and the relative error beyond the noise.
-    fn local(&self, darkest: f64) -> (f64, f64) {
-        let brightness = self.truth.length();
+    /// The relative error beyond the noise.
+    fn local(&self, darkest: f64) -> f64 {
         let beyond = (self.difference.length_squared() - self.noise.length_squared()).max(0.0).sqrt();
-        (brightness, if beyond > 0.0 { beyond / brightness.max(darkest) } else { 0.0 })
+        if beyond > 0.0 { beyond / self.truth.length().max(darkest) } else { 0.0 }
     }
 }
 
-/// Median of the reference's relative standard error over the darker half of the points that are lit at all.
-fn dark_noise(samples: &[Sample]) -> f64 {
-    let lit = samples.iter().filter(|sample| sample.truth.length() > 0.0);
-    let mut noises: Vec<(f64, f64)> =
-        lit.map(|sample| (sample.truth.length(), sample.noise.length() / sample.truth.length())).collect();
-    noises.sort_by(|a, b| a.0.total_cmp(&b.0));
-    quantiles(&sorted(noises[..noises.len().div_ceil(2)].iter().map(|noise| noise.1).collect())).0
+/// The first of these that hold half of the weight.
+fn darker_half<'a>(by_brightness: &'a [&'a Sample]) -> &'a [&'a Sample] {
+    let half = 0.5 * by_brightness.iter().map(|sample| sample.weight).sum::<f64>();
+    let mut sum = 0.0;
+    let is_within = |sample: &&Sample| {
+        let begins_below = sum < half;
+        sum += sample.weight;
+        begins_below
+    };
+    let count = by_brightness.iter().copied().take_while(is_within).count();
+    &by_brightness[..count]
 }
 
-fn sorted(mut values: Vec<f64>) -> Vec<f64> {
-    values.sort_by(f64::total_cmp);
+/// Median of the reference's relative standard error over the darker half of the area that is lit at all.
+fn dark_noise(samples: &[Sample]) -> f64 {
+    let mut lit: Vec<&Sample> = samples.iter().filter(|sample| sample.truth.length() > 0.0).collect();
+    lit.sort_by(|a, b| a.truth.length().total_cmp(&b.truth.length()));
+    let noise = |sample: &&Sample| (sample.noise.length() / sample.truth.length(), sample.weight);
+    quantiles(&sorted(darker_half(&lit).iter().map(noise).collect())).0
+}
+
+/// Values with their weights, in order.
+fn sorted(mut values: Vec<(f64, f64)>) -> Vec<(f64, f64)> {
+    values.sort_by(|a, b| a.0.total_cmp(&b.0));
     values
 }
 
-/// Median and 95th percentile of sorted values; 0 of nothing.
-fn quantiles(values: &[f64]) -> (f64, f64) {
-    let at = |share: f64| {
-        let index = (share * values.len() as f64) as usize;
-        values.get(index.min(values.len().saturating_sub(1))).copied().unwrap_or(0.0)
-    };
-    (at(0.5), at(0.95))
+/// Median and 95th percentile of sorted values with their weights; 0 of nothing.
+fn quantiles(values: &[(f64, f64)]) -> (f64, f64) {
+    (spread::quantile(values, 0.5), spread::quantile(values, 0.95))
 }
 
 #[cfg(test)]
@@ -247,7 +261,7 @@ mod tests {
 
     fn sample(truth: f64, difference: f64, noise: f64) -> Sample {
         let [truth, difference, noise] = [truth, difference, noise].map(|value| DVec3::new(value, 0.0, 0.0));
-        Sample { truth, noise, difference }
+        Sample { truth, noise, difference, weight: 1.0 }
     }
 
     /// Truth: worked out by hand. Nine points of B = 1 that are right and one of B = 4 that is 2 too bright, noise ½ there:
@@ -271,6 +285,25 @@ mod tests {
         assert_eq!(measure(&[]), Measure { below_noise: true, ..Measure::default() });
         let found = measure(&[sample(1.0, 0.1, 0.0)]);
         assert_eq!((found.rms_noise, found.local_median_noise), (f64::INFINITY, f64::INFINITY), "{found:?}");
+    }
+
+    /// Truth: the definition. A point of weight 3 is three points, in means, medians and the darker half alike.
+    #[test]
+    fn a_weight_is_so_many_points() {
+        let of = |weights: [usize; 3], counts: [usize; 3]| {
+            let kinds = [(1.0, 0.1), (2.0, 0.4), (7.0, 0.7)];
+            let samples =
+                kinds.into_iter().zip(weights).zip(counts).flat_map(|(((truth, difference), weight), count)| {
+                    (0..count).map(move |_| Sample { weight: weight as f64, ..sample(truth, difference, 0.0) })
+                });
+            let found = measure(&samples.collect::<Vec<_>>());
+            [found.rms, found.bias, found.local_median, found.local_p95, found.dark_median, found.dark_p95]
+        };
+        let [weighted, counted] = [of([5, 3, 1], [2, 2, 2]), of([1, 1, 1], [10, 6, 2])];
+        assert!(
+            weighted.iter().zip(&counted).all(|(one, other)| (one - other).abs() < 1e-12),
+            "{weighted:?} {counted:?}"
+        );
     }
 
     /// Truth: the definition. A dark room behind a bright one that is wholly wrong hardly shows in the RMS.

@@ -109,6 +109,7 @@ mod tests {
             normal: z * Vec3::Z,
             polygon: 0,
             reflectance: Vec3::ONE,
+            weight: 1.0,
         };
         let field = ScatteredField::new(&[point(1.0), point(-1.0)], &mesh);
         let values = field.at_vertices(&[3.0, -2.0]);

@@ -22,6 +22,7 @@ pub fn vertex_points(scene: &Scene, mesh: &Mesh) -> Vec<SurfacePoint> {
         }
     }
     // A vertex without a triangle is drawn nowhere; any point does.
-    let nowhere = SurfacePoint { position: Vec3::ZERO, normal: Vec3::Z, polygon: 0, reflectance: Vec3::ZERO };
+    let nowhere =
+        SurfacePoint { position: Vec3::ZERO, normal: Vec3::Z, polygon: 0, reflectance: Vec3::ZERO, weight: 1.0 };
     points.into_iter().map(|point| point.unwrap_or(nowhere)).collect()
 }

@@ -49,19 +49,31 @@ fn jackknife(without: &[f64]) -> f64 {
     ((count - 1.0) / count * squares).sqrt()
 }
 
-/// Standard error of the median of sorted values: half the distance between those of rank n/2 ± √n/2, since the number of values
-/// below the true median is binomial, n/2 on average with a standard deviation of √n/2. It needs no density and is
-/// moved by no outlier. Infinite for one value, 0 for none.
-pub(super) fn of_median(sorted: &[f64]) -> f64 {
-    let count = sorted.len();
-    match count {
+/// The value below which this share of the weight lies, of sorted values with their weights; 0 of nothing.
+pub(super) fn quantile(sorted: &[(f64, f64)], share: f64) -> f64 {
+    let wanted = share * sorted.iter().map(|value| value.1).sum::<f64>();
+    let mut sum = 0.0;
+    let is_reached = |value: &&(f64, f64)| {
+        sum += value.1;
+        sum > wanted
+    };
+    sorted.iter().find(is_reached).or(sorted.last()).map_or(0.0, |value| value.0)
+}
+
+/// Standard error of the median of sorted values with their weights: half the distance between those of rank n/2 ± √n/2, since the number
+/// of values below the true median is binomial, n/2 on average with a standard deviation of √n/2. It needs no density and is moved by
+/// no outlier. n is (Σw)²/Σw², the number of values that would say as much if all counted alike \[Kish 1965\]. Infinite for one value, 0 for
+/// none.
+pub(super) fn of_median(sorted: &[(f64, f64)]) -> f64 {
+    match sorted.len() {
         0 => 0.0,
         1 => f64::INFINITY,
         _ => {
-            let (middle, deviation) = (0.5 * count as f64, 0.5 * (count as f64).sqrt());
-            let low = (middle - deviation).floor().max(0.0) as usize;
-            let high = (middle + deviation).ceil() as usize;
-            0.5 * (sorted[high.min(count - 1)] - sorted[low])
+            let (sum, squares) =
+                sorted.iter().fold((0.0, 0.0), |sum, value| (sum.0 + value.1, sum.1 + value.1 * value.1));
+            let count = sum * sum / squares;
+            let rank = |deviations: f64| 0.5 + deviations * 0.5 / count.sqrt();
+            0.5 * (quantile(sorted, rank(1.0).min(1.0)) - quantile(sorted, rank(-1.0).max(0.0)))
         }
     }
 }
@@ -125,10 +137,11 @@ mod tests {
         points[7].0 = 1000.0;
         assert!((of_root(&points) - 1.0).abs() < 0.01, "100 % of the error: {}", of_root(&points));
         assert!(of_root(&[(1.0, 2.0), (0.0, 0.0)]).is_finite(), "the only lit point");
-        assert_eq!((of_median(&[]), of_median(&[1.0])), (0.0, f64::INFINITY));
-        assert_eq!(of_median(&[1.0, 2.0]), 0.5);
+        let alike = |values: &[f64]| values.iter().map(|value| (*value, 2.0)).collect::<Vec<_>>();
+        assert_eq!((of_median(&[]), of_median(&[(1.0, 1.0)])), (0.0, f64::INFINITY));
+        assert_eq!(of_median(&alike(&[1.0, 2.0])), 0.5);
         // Nine values: rank 4.5 ± 1.5, so those with 3 and 6 before them.
-        assert_eq!(of_median(&[0.0, 1.0, 2.0, 3.0, 5.0, 6.0, 10.0, 20.0, 30.0]), 0.5 * (10.0 - 3.0));
+        assert_eq!(of_median(&alike(&[0.0, 1.0, 2.0, 3.0, 5.0, 6.0, 10.0, 20.0, 30.0])), 0.5 * (10.0 - 3.0));
     }
 
     /// Truth: the spread of what is estimated over 1000 samples of 1000 points with log-normal errors, the largest some
@@ -149,7 +162,8 @@ mod tests {
             let points: Vec<(f64, f64)> = (0..1000).map(|_| point()).collect();
             roots.push((root(&points), of_root(&points)));
             locals.sort_by(f64::total_cmp);
-            medians.push((locals[500], of_median(&locals)));
+            let values: Vec<(f64, f64)> = locals.iter().map(|local| (*local, 1.0)).collect();
+            medians.push((quantile(&values, 0.5), of_median(&values)));
         }
         for (name, found) in [("root", roots), ("median", medians)] {
             let (deviation, claim) = deviation_and_claim(&found);

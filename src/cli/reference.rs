@@ -16,7 +16,7 @@ use super::output::{OutputFile, say};
 use super::progress;
 
 /// Columns of the table; E and its standard error in W/m².
-const COLUMNS: &str = "x,y,z,nx,ny,nz,polygon,rho_r,rho_g,rho_b,E_r,E_g,E_b,error_r,error_g,error_b";
+const COLUMNS: &str = "x,y,z,nx,ny,nz,weight,polygon,rho_r,rho_g,rho_b,E_r,E_g,E_b,error_r,error_g,error_b";
 /// Points when nothing is said.
 const POINTS: u32 = 1000;
 /// More points than anybody waits for.
@@ -54,7 +54,7 @@ pub fn wish_args(command: Command) -> Command {
                 .value_name("N")
                 .value_parser(options::whole::<u32>)
                 .allow_hyphen_values(true)
-                .help(format!("Random points of the reference, evenly by area, lamps left out [default: {POINTS}]")),
+                .help(format!("Random points of the reference, half of them by area and half by A·B², lamps left out [default: {POINTS}]")),
         )
         .arg(
             Arg::new("noise")
@@ -62,7 +62,7 @@ pub fn wish_args(command: Command) -> Command {
                 .value_name("SHARE")
                 .value_parser(options::number)
                 .allow_hyphen_values(true)
-                .help("Noise that suffices: RMS over the points, relative to the radiosity's [default: 0.01]"),
+                .help("Noise that suffices: RMS over the area, relative to the radiosity's [default: 0.01]"),
         )
         .arg(
             path_arg("cache", "DIR").help(
@@ -163,10 +163,10 @@ pub fn summary(scene: &str, outcome: &Outcome) -> String {
 }
 
 fn row(reference: &Reference, index: usize) -> String {
-    let SurfacePoint { position, normal, polygon, reflectance } = reference.points[index];
+    let SurfacePoint { position, normal, polygon, reflectance, weight } = reference.points[index];
     let three = |[a, b, c]: [f64; 3]| format!("{a},{b},{c}");
     let single = |[a, b, c]: [f32; 3]| format!("{a},{b},{c}");
     let (irradiance, error) = (reference.irradiance[index].to_array(), reference.standard_error[index].to_array());
     let [position, normal, reflectance] = [position, normal, reflectance].map(|vector| single(vector.to_array()));
-    format!("{position},{normal},{polygon},{reflectance},{},{}", three(irradiance), three(error))
+    format!("{position},{normal},{weight},{polygon},{reflectance},{},{}", three(irradiance), three(error))
 }

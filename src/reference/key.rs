@@ -8,7 +8,7 @@ use super::sums::{BATCH, PILOT};
 use crate::scene::Scene;
 
 /// Goes up with every change of what a path computes or of the file's layout.
-pub(super) const VERSION: u32 = 1;
+pub(super) const VERSION: u32 = 2;
 /// The first bytes of a file.
 pub(super) const MAGIC: &[u8; 8] = b"slnkref\n";
 /// Bytes of a hash.
@@ -39,6 +39,7 @@ impl Key {
         hash.update((points.len() as u64).to_le_bytes());
         for point in points {
             hash.update(point.polygon.to_le_bytes());
+            hash.update(point.weight.to_le_bytes());
             for vector in [point.position, point.normal, point.reflectance] {
                 update(&mut hash, vector);
             }

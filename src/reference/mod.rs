@@ -13,8 +13,9 @@
 //! use selflink::scene::{Sides, builtin::BuiltinScene};
 //!
 //! let (scene, occluders) = selflink::orient::apply(BuiltinScene::Cornell.build(), Sides::Front);
+//! let occluders = Arc::new(occluders);
 //! let points = random_points(&scene, &occluders, 20, 1);
-//! let mut run = ReferenceRun::new(&scene, Arc::new(occluders), points.into(), 1);
+//! let mut run = ReferenceRun::new(&scene, occluders, points.into(), 1);
 //! for _ in 0..4 {
 //!     run.pass(&CancelToken::new());
 //! }
@@ -25,6 +26,7 @@
 
 mod cache;
 mod compute;
+mod glow;
 mod key;
 mod lamps;
 mod path;

@@ -143,10 +143,13 @@ impl Reference {
         reflected(&self.points[index], self.standard_error[index])
     }
 
-    /// Relative RMS noise of the radiosities over the points, all colours together; for [`super::random_points`] this is
-    /// weighted by area. Where nothing is reflected, that of the irradiances.
+    /// Relative RMS noise of the radiosities over the points, by their weights, all colours together. Where nothing is reflected, that of
+    /// the irradiances.
     pub fn noise(&self) -> f64 {
-        let sum = |of: &dyn Fn(usize) -> DVec3| (0..self.points.len()).map(|i| of(i).length_squared()).sum::<f64>();
+        let sum = |of: &dyn Fn(usize) -> DVec3| {
+            let square = |(index, point): (usize, &SurfacePoint)| f64::from(point.weight) * of(index).length_squared();
+            self.points.iter().enumerate().map(square).sum::<f64>()
+        };
         let (noise, signal) = (sum(&|index| self.radiosity_error(index)), sum(&|index| self.radiosity(index)));
         if signal > 0.0 {
             return (noise / signal).sqrt();
@@ -159,14 +162,5 @@ impl Reference {
         } else {
             f64::INFINITY
         }
-    }
-
-    /// Mean irradiance over the points and its standard error, W/m²: the spread between points counts, so that random points
-    /// stand for the surfaces that they lie on.
-    pub fn mean(&self) -> (DVec3, DVec3) {
-        let count = self.points.len() as f64;
-        let mean = self.irradiance.iter().sum::<DVec3>() / count;
-        let spread: DVec3 = self.irradiance.iter().map(|value| (*value - mean) * (*value - mean)).sum();
-        (mean, (spread / (count * (count - 1.0))).map(f64::sqrt))
     }
 }

@@ -13,7 +13,7 @@ const MOST: f64 = 64.0;
 /// Batches of each point per pass, 1 on average.
 ///
 /// Most of what is to be shared goes by how far a point's batches scatter, which lowers the noise over all points the most
-/// \[Neyman 1934\]; the rest by how far they do relative to their mean, which counts for the local error of dark places.
+/// \[Neyman 1934\], and by the root of what it counts; the rest by how far they do relative to their mean, which counts for the local error of dark places.
 pub fn shares(points: &[SurfacePoint], pilot: &[Sums]) -> Vec<f64> {
     let scatter = |(point, sums): (&SurfacePoint, &Sums)| {
         let (error, mean) = (sums.standard_error(), sums.mean());
@@ -21,7 +21,7 @@ pub fn shares(points: &[SurfacePoint], pilot: &[Sums]) -> Vec<f64> {
         let of = |value| if reflects { reflected(point, value) } else { value };
         let (error, mean) = (of(error).length(), of(mean).length());
         // A pilot that met light in one batch of eight tells no more than that.
-        (error, if mean > 0.0 { (error / mean).min(1.0) } else { 0.0 })
+        (f64::from(point.weight).sqrt() * error, if mean > 0.0 { (error / mean).min(1.0) } else { 0.0 })
     };
     let scatters: Vec<(f64, f64)> = points.iter().zip(pilot).map(scatter).collect();
     let sums = scatters.iter().fold((0.0, 0.0), |sums, scatter| (sums.0 + scatter.0, sums.1 + scatter.1));

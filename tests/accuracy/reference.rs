@@ -3,18 +3,19 @@
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 use selflink::accuracy::cases;
 use selflink::cancel::CancelToken;
 use selflink::orient;
-use selflink::reference::{Cache, ReferenceRun, Target, compute, random_points};
+use selflink::reference::{Cache, ReferenceRun, SurfacePoint, Target, compute, random_points};
 use selflink::scene::builtin::BuiltinScene;
 use selflink::scene::{Scene, Sides};
 
 fn run_of(scene: Scene, sides: Sides, points: usize, seed: u64) -> ReferenceRun {
     let (scene, occluders) = orient::apply(scene, sides);
+    let occluders = Arc::new(occluders);
     let points = random_points(&scene, &occluders, points, seed);
-    ReferenceRun::new(&scene, Arc::new(occluders), points.into(), seed)
+    ReferenceRun::new(&scene, occluders, points.into(), seed)
 }
 
 fn run(points: usize, seed: u64) -> ReferenceRun {
@@ -53,7 +54,8 @@ fn the_same_for_any_number_of_threads() {
 #[test]
 fn standard_errors_tell_the_error() {
     let (scene, occluders) = orient::apply(BuiltinScene::Cornell.build(), Sides::Front);
-    let (points, occluders) = (random_points(&scene, &occluders, 100, 1), Arc::new(occluders));
+    let occluders = Arc::new(occluders);
+    let points = random_points(&scene, &occluders, 100, 1);
     let of = |seed| passes(ReferenceRun::new(&scene, occluders.clone(), points.clone().into(), seed), 32).reference();
     let (one, other) = (of(1), of(2));
     let mut squares = Vec::new();
@@ -79,8 +81,11 @@ fn backs_absorb_and_doubled_faces_do_not() {
         let reference = passes(run_of(scene.clone(), sides, 400, 1), 16).reference();
         let points = reference.points.iter().zip(&reference.irradiance);
         let seen = points.filter(|(point, _)| (Vec3::splat(0.5) - point.position).dot(point.normal) > 0.0);
-        let (count, sum) = seen.fold((0, 0.0), |(count, sum), (_, value)| (count + 1, sum + value.x));
-        (count, sum / f64::from(count.max(1)))
+        let add = |(count, weight, sum): (u32, f64, f64), (point, value): (&SurfacePoint, &DVec3)| {
+            (count + 1, weight + f64::from(point.weight), sum + f64::from(point.weight) * value.x)
+        };
+        let (count, weight, sum) = seen.fold((0, 0.0, 0.0), add);
+        (count, if count > 0 { sum / weight } else { 0.0 })
     };
     let (_, front) = mean_inside(&room, Sides::Front);
     assert_eq!(mean_inside(&inside_out, Sides::Front).0, 0, "every bright side looks outwards");
