@@ -1,11 +1,13 @@
 //! Direct light at a point: lamps by their exact form factors, seen by rays that are shared out by what each lamp could send.
 //!
 //! What shines like a lamp is one: the inside of a lamp's shade reflects more than all the room does, out of a corner that random
-//! rays hardly meet. Such surfaces count by all that they send, and rays that meet them find nothing more.
+//! rays hardly meet. From afar such surfaces count by all that they send, and random rays that meet them find nothing more; to what is near
+//! enough for random rays to meet them often they are surfaces like others.
 
 use std::f32::consts::PI;
 
 use glam::Vec3;
+use rustc_hash::FxHashMap;
 
 use super::super::form_factor::point_to_polygon;
 use crate::exposure::quarter;
@@ -29,19 +31,68 @@ pub struct Sent {
     /// Power of the initial patches, W (largest colour).
     powers: PatchSums,
     /// Polygons whose radiosity holds what they reflect as well.
-    pub with_reflected: Vec<bool>,
+    reflecting: FxHashMap<u32, Reflecting>,
+}
+
+/// A polygon that reflects so much that it is a lamp from afar.
+#[derive(Clone, Debug)]
+pub struct Reflecting {
+    /// Its middle.
+    pub centre: Vec3,
+    /// What is nearer than this receives its reflected light by random rays, in the scene's length unit.
+    pub reach: f32,
+    /// What it emits, W/m².
+    pub emission: Vec3,
+    /// What it reflects at places on it, W/m².
+    pub places: Vec<(Vec3, Vec3)>,
+}
+
+impl Reflecting {
+    /// What it reflects at a point of it, W/m²: between the places, by inverse distances \[D. Shepard, *A two-dimensional interpolation
+    /// function for irregularly-spaced data*, ACM 1968\].
+    fn at(&self, point: Vec3) -> Vec3 {
+        let (mut sum, mut weights) = (Vec3::ZERO, 0.0);
+        for (place, reflected) in &self.places {
+            let square = place.distance_squared(point).max(f32::MIN_POSITIVE);
+            let weight = 1.0 / (square * square);
+            (sum, weights) = (sum + weight * *reflected, weights + weight);
+        }
+        sum / weights
+    }
 }
 
 impl Sent {
-    /// By the radiosity that each polygon sends as a lamp, and whether it holds what the polygon reflects.
-    pub fn new(hierarchy: &Hierarchy, radiosity: Vec<Vec3>, with_reflected: Vec<bool>) -> Self {
+    /// By the radiosity that each polygon sends as a lamp, and by those that reflect some of it.
+    pub fn new(hierarchy: &Hierarchy, radiosity: Vec<Vec3>, reflecting: FxHashMap<u32, Reflecting>) -> Self {
         let power = |&id: &ElementId| {
             let element = hierarchy.element(id);
             let Shape::Patch(patch) = element.shape else { return 0.0 };
             f64::from(element.sampled_area * radiosity[patch.polygon as usize].max_element())
         };
         let powers = PatchSums::new(hierarchy.initial_patches().iter().map(power));
-        Self { radiosity, powers, with_reflected }
+        Self { radiosity, powers, reflecting }
+    }
+
+    /// Whether a point receives by rays to lamps what this polygon reflects, and not by random rays.
+    pub fn is_reflected_to(&self, polygon: u32, point: Vec3) -> bool {
+        self.reflecting.get(&polygon).is_some_and(|of| of.centre.distance_squared(point) >= of.reach * of.reach)
+    }
+
+    /// Mean radiosity of a polygon that a point receives by rays to lamps, W/m².
+    fn towards(&self, polygon: u32, point: Vec3) -> Vec3 {
+        match self.reflecting.get(&polygon) {
+            Some(of) if !self.is_reflected_to(polygon, point) => of.emission,
+            _ => self.radiosity[polygon as usize],
+        }
+    }
+
+    /// The radiosity that leaves a place of a polygon for a point, W/m².
+    fn from(&self, polygon: u32, place: Vec3, point: Vec3) -> Vec3 {
+        match self.reflecting.get(&polygon) {
+            Some(of) if self.is_reflected_to(polygon, point) => of.emission + of.at(place),
+            Some(of) => of.emission,
+            None => self.radiosity[polygon as usize],
+        }
     }
 
     /// Power of a cluster's lamps, W (largest colour).
@@ -100,7 +151,7 @@ struct Found {
     /// Sums of kernels: of all rays, and of those that came through.
     all: f32,
     visible: f32,
-    /// Of a cluster: sum of kernel and emission, by its power.
+    /// Sum of kernel and radiosity where they came through; of a cluster, over the density of the points on it.
     light: Vec3,
 }
 
@@ -180,9 +231,7 @@ impl Lamps<'_> {
     fn light(&self, seen: &Seen, found: &Found) -> Vec3 {
         match seen.lamp {
             Lamp::Part { .. } if found.all <= 0.0 => Vec3::ZERO,
-            Lamp::Part { polygon, form_factor, .. } => {
-                form_factor * (found.visible / found.all) * self.sent.radiosity[polygon as usize]
-            }
+            Lamp::Part { form_factor, .. } => form_factor / found.all * found.light,
             Lamp::Cluster(_) => found.light / found.points as f32,
         }
     }
@@ -208,11 +257,16 @@ impl Lamps<'_> {
             found.rays += 1;
             if !self.occluders.occluded_above((point, normal), (target.position, target.normal)) {
                 found.visible += kernel;
-                if let Lamp::Cluster(id) = seen.lamp {
-                    // Points lie by power: each stands for the same number of watts, in the colour of its lamp.
-                    let radiosity = self.sent.radiosity[target.polygon as usize];
-                    found.light += kernel * self.sent.power(self.hierarchy, id) * radiosity / radiosity.max_element();
-                }
+                let radiosity = self.sent.from(target.polygon, target.position, point);
+                found.light += kernel
+                    * match seen.lamp {
+                        Lamp::Part { .. } => radiosity,
+                        Lamp::Cluster(id) => {
+                            // Points lie by power.
+                            let mean = self.sent.radiosity[target.polygon as usize].max_element();
+                            self.sent.power(self.hierarchy, id) / mean * radiosity
+                        }
+                    };
             }
         }
         found
@@ -237,8 +291,11 @@ impl Lamps<'_> {
                 }
             }
             Shape::Patch(patch) => {
-                let radiosity = self.sent.radiosity[patch.polygon as usize].max_element();
-                if radiosity > 0.0 && patch.normal.dot(point - element.centre) > 0.0 {
+                if self.sent.radiosity[patch.polygon as usize] == Vec3::ZERO {
+                    return;
+                }
+                let radiosity = self.sent.towards(patch.polygon, point);
+                if radiosity != Vec3::ZERO && patch.normal.dot(point - element.centre) > 0.0 {
                     let (corners, count) = self.hierarchy.corner_positions(patch);
                     let part = Part { polygon: patch.polygon, radiosity, normal: patch.normal, count };
                     part.collect(corners, (point, normal), MOST_CUTS, cut);
@@ -252,7 +309,7 @@ impl Lamps<'_> {
 #[derive(Clone, Copy)]
 struct Part {
     polygon: u32,
-    radiosity: f32,
+    radiosity: Vec3,
     normal: Vec3,
     count: usize,
 }
@@ -277,7 +334,8 @@ impl Part {
         let form_factor = point_to_polygon(point, normal, used);
         if form_factor > 0.0 {
             let Self { polygon, radiosity, normal, count } = *self;
-            cut.push(Seen::new(Lamp::Part { polygon, corners, count, normal, form_factor }, form_factor * radiosity));
+            let most = form_factor * radiosity.max_element();
+            cut.push(Seen::new(Lamp::Part { polygon, corners, count, normal, form_factor }, most));
         }
     }
 }

@@ -348,7 +348,7 @@ impl FinalGather {
             stances: &self.stances,
             patches: &self.patches,
             back_of: &self.back_of,
-            lamps: &self.sent.with_reflected,
+            sent: &self.sent,
             diagonal: self.diagonal,
             seed: context.seed,
         }

@@ -8,6 +8,7 @@ use glam::Vec3;
 use rayon::prelude::*;
 
 use super::super::display::Display;
+use super::lamps::Sent;
 use super::stance::Stance;
 use crate::cancel::CancelToken;
 use crate::hierarchy::{ElementId, Hierarchy};
@@ -57,8 +58,8 @@ pub struct Surroundings<'a> {
     pub patches: &'a [ElementId],
     /// The polygon on the other side of each doubled face; empty where none is doubled.
     pub back_of: &'a [Option<u32>],
-    /// Polygons whose reflected light comes by other rays, as that of lamps.
-    pub lamps: &'a [bool],
+    /// What shines; some of it comes by other rays.
+    pub sent: &'a Sent,
     /// Diagonal of the scene.
     pub diagonal: f32,
     pub seed: u64,
@@ -206,26 +207,26 @@ impl Surroundings<'_> {
             });
             let Some(stance) = stance.or(stances.last()) else { return Hit { triangle: NOWHERE, weights: [0; 2] } };
             let direction = cosine_direction(stance.normal, u, v);
-            self.follow(stance.position + RELATIVE_OFFSET * self.diagonal * stance.normal, direction)
+            self.follow((stance.position, stance.normal), direction)
         };
         (done..done + count).map(hit).collect()
     }
 
     /// Irradiance at a point of what the vertices reflect (W/m²), by so many rays.
     pub fn light_at(&self, point: Vec3, normal: Vec3, seed: u64, rays: u32, reflected: &[Vec3]) -> Vec3 {
-        let origin = point + RELATIVE_OFFSET * self.diagonal * normal;
         let light = |index: u32| {
             let [u, v] = even_point(seed, index);
-            self.follow(origin, cosine_direction(normal, u, v)).light(self.display, reflected)
+            self.follow((point, normal), cosine_direction(normal, u, v)).light(self.display, reflected)
         };
         (0..rays).map(light).sum::<Vec3>() / rays.max(1) as f32
     }
 
-    fn follow(&self, origin: Vec3, direction: Vec3) -> Hit {
+    fn follow(&self, (point, normal): (Vec3, Vec3), direction: Vec3) -> Hit {
+        let origin = point + RELATIVE_OFFSET * self.diagonal * normal;
         let nowhere = Hit { triangle: NOWHERE, weights: [0; 2] };
         let Some(hit) = self.occluders.closest_hit(origin, direction, 0.0) else { return nowhere };
         let Some(polygon) = bright_side(hit, self.back_of) else { return nowhere };
-        if self.lamps[polygon as usize] {
+        if self.sent.is_reflected_to(polygon, point) {
             return nowhere;
         }
         let place = origin + hit.distance * direction;
