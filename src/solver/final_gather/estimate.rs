@@ -44,7 +44,8 @@ pub struct Tally {
 pub struct Estimate {
     /// RMS error.
     pub rms: f64,
-    /// One standard error more than `rms`.
+    /// One standard error less than `rms`, and one more.
+    pub low: f64,
     pub high: f64,
 }
 
@@ -72,7 +73,7 @@ impl Tally {
 
     /// Whether so many points are enough to tell whether a goal is reached.
     pub fn is_clear(&self, goal: f64, points: usize) -> bool {
-        let is_doubtful = |estimate: Estimate| estimate.cautious() > goal && estimate.rms <= NEAR * goal;
+        let is_doubtful = |estimate: Estimate| estimate.cautious() > goal && estimate.low <= NEAR * goal;
         points >= MOST_POINTS || !self.estimate().is_some_and(is_doubtful)
     }
 
@@ -81,7 +82,8 @@ impl Tally {
         let (mean, energy) = (self.error / self.points, self.energy / self.points);
         let variance = (self.squares / self.points - mean * mean).max(0.0) / self.points;
         let rms = |square: f64| (square.max(0.0) / energy).sqrt();
-        (energy > 0.0).then(|| Estimate { rms: rms(mean), high: rms(mean.max(0.0) + variance.sqrt()) })
+        let error = variance.sqrt();
+        (energy > 0.0).then(|| Estimate { rms: rms(mean), low: rms(mean - error), high: rms(mean.max(0.0) + error) })
     }
 }
 
