@@ -10,11 +10,11 @@ use glam::Vec3;
 use rayon::prelude::*;
 
 use super::lamps::Seen;
-use super::places::Places;
+use super::places::{Place, Places};
 use super::{Context, FinalGather};
 use crate::cancel::CancelToken;
 use crate::hierarchy::Hierarchy;
-use crate::random::mix;
+use crate::random::{even_point, mix};
 
 /// Points looked at; as many again where what they say is near the goal, a few times.
 pub const POINTS: usize = 2048;
@@ -26,12 +26,20 @@ const RAYS: f64 = 0.8;
 /// Rays that must meet backs before a point is believed to be hidden.
 const DARK_RAYS: u32 = 32;
 
+/// A point that holds more than this share of the squared error is not believed without others of its leaf: a small bright spot on a
+/// large leaf is met hardly ever, and would then stand for all of it.
+const RULES: f64 = 0.5;
+/// So many others.
+const OTHERS: usize = 64;
+
 /// What points found so far.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Tally {
     /// Σ of products of differences, and of their squares.
     error: f64,
     squares: f64,
+    /// The largest of the products, and the number of its point.
+    largest: (f64, usize),
     /// Σ of products of what the looks found.
     energy: f64,
     points: f64,
@@ -65,10 +73,16 @@ impl Tally {
         Self {
             error: self.error + other.error,
             squares: self.squares + other.squares,
+            largest: if other.largest.0 > self.largest.0 { other.largest } else { self.largest },
             energy: self.energy + other.energy,
             points: self.points + other.points,
             rays: self.rays + other.rays,
         }
+    }
+
+    /// The point that rules all others, if one does.
+    pub fn ruler(&self) -> Option<usize> {
+        (self.largest.0 > RULES * self.error).then_some(self.largest.1)
     }
 
     /// Whether so many points are enough to tell whether a goal is reached.
@@ -97,31 +111,67 @@ impl FinalGather {
         points: Range<usize>,
         cancel: &CancelToken,
     ) -> Option<Tally> {
-        let start = mix(mix(context.seed, 0x6573_7469_6d61_7465), u64::from(self.attempt));
         let reflected = self.reflected();
         let places = self.places(hierarchy, context, &reflected);
-        let rays = ((RAYS / self.goal.error) as u32).clamp(8, 64);
         let look = |cut: &mut Vec<Seen>, index: usize| {
-            let number = (mix(start, (index / POINTS) as u64), index % POINTS);
-            (!cancel.is_cancelled())
-                .then(|| self.look_at_point(hierarchy, context, (&reflected, &places), rays, number, cut))
+            let (start, index) = self.point(context, index);
+            let Some(place) = places.at(index, start) else { return Some(Tally::default()) };
+            let seed = mix(start, index as u64);
+            (!cancel.is_cancelled()).then(|| self.look_at_place(hierarchy, context, &reflected, (place, seed), cut))
         };
         // Summed in order, so that the result does not depend on the threads.
+        let numbers = points.clone();
         let tallies: Vec<Tally> =
             points.into_par_iter().with_min_len(16).map_init(Vec::new, look).collect::<Option<_>>()?;
-        Some(tallies.into_iter().fold(Tally::default(), Tally::add))
+        let number = |(index, tally): (usize, Tally)| Tally { largest: (tally.error, index), ..tally };
+        Some(numbers.zip(tallies).map(number).fold(Tally::default(), Tally::add))
     }
 
-    fn look_at_point(
+    /// Replaces what one point said by the mean of others of its leaf; `None` if cancelled.
+    pub(super) fn doubt_point(
         &self,
         hierarchy: &Hierarchy,
         context: &Context,
-        (reflected, places): (&[Vec3], &Places),
-        rays: u32,
-        (start, index): (u64, usize),
+        tally: Tally,
+        index: usize,
+        cancel: &CancelToken,
+    ) -> Option<Tally> {
+        let reflected = self.reflected();
+        let (start, within) = self.point(context, index);
+        let Some(place) = self.places(hierarchy, context, &reflected).at(within, start) else { return Some(tally) };
+        let seed = mix(mix(start, within as u64), 3);
+        let look = |cut: &mut Vec<Seen>, other: usize| {
+            let place = Place { uv: even_point(seed, other as u32), ..place };
+            let seed = mix(seed, other as u64);
+            (!cancel.is_cancelled()).then(|| self.look_at_place(hierarchy, context, &reflected, (place, seed), cut))
+        };
+        let others: Vec<Tally> = (0..OTHERS).into_par_iter().map_init(Vec::new, look).collect::<Option<_>>()?;
+        let others = others.into_iter().fold(Tally::default(), Tally::add);
+        let (mean, former) = (others.error / OTHERS as f64, tally.largest.0);
+        Some(Tally {
+            error: tally.error - former + mean,
+            squares: tally.squares - former * former + mean * mean,
+            largest: (0.0, 0),
+            rays: tally.rays + others.rays,
+            ..tally
+        })
+    }
+
+    /// Seed and number of a point of the present attempt; every [`POINTS`] lie as those before, elsewhere.
+    fn point(&self, context: &Context, index: usize) -> (u64, usize) {
+        let start = mix(mix(context.seed, 0x6573_7469_6d61_7465), u64::from(self.attempt));
+        (mix(start, (index / POINTS) as u64), index % POINTS)
+    }
+
+    fn look_at_place(
+        &self,
+        hierarchy: &Hierarchy,
+        context: &Context,
+        reflected: &[Vec3],
+        (place, seed): (Place, u64),
         cut: &mut Vec<Seen>,
     ) -> Tally {
-        let Some(place) = places.at(index, start) else { return Tally::default() };
+        let rays = ((RAYS / self.goal.error) as u32).clamp(8, 64);
         let of = &self.display.mesh.leaves[place.leaf];
         let [u, v] = place.uv;
         let point = hierarchy.point_on(of.element, u, v);
@@ -137,7 +187,7 @@ impl FinalGather {
         let surroundings = self.surroundings(hierarchy, context);
         let (mut cast, mut is_lit) = (0, false);
         let [first, second] = [1, 2].map(|number| {
-            let seed = mix(mix(start, index as u64), number);
+            let seed = mix(seed, number);
             let lit = lamps.irradiance(point.position, point.normal, rays as f32, f32::INFINITY, seed, cut);
             cast += u64::from(lit.rays) + u64::from(rays);
             is_lit |= lit.irradiance != Vec3::ZERO;
@@ -145,7 +195,6 @@ impl FinalGather {
                 * (lit.irradiance + surroundings.light_at(point.position, point.normal, seed, rays, reflected))
         });
         let is_hidden = || {
-            let seed = mix(start, index as u64);
             self.darkness(context)
                 .is_some_and(|darkness| darkness.encloses(point.position, point.normal, seed, DARK_RAYS))
         };
@@ -155,7 +204,7 @@ impl FinalGather {
         }
         let error = area * f64::from((first - shown).dot(second - shown));
         let energy = area * f64::from(first.dot(second));
-        Tally { error, squares: error * error, energy, points: 1.0, rays: cast }
+        Tally { error, squares: error * error, energy, points: 1.0, rays: cast, ..Tally::default() }
     }
 
     /// Half of the places lie by area, half by A·|B|²; lamps get none.
@@ -176,5 +225,36 @@ impl FinalGather {
         let all = leaves.iter().fold((0.0, 0.0), |sum, leaf| (sum.0 + leaf.0, sum.1 + leaf.1));
         let half = |part: f64, all: f64| if all > 0.0 { 0.5 * part / all } else { 0.0 };
         Places::new(leaves.iter().map(|leaf| half(leaf.0, all.0) + half(leaf.1, all.1)), POINTS)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Truth: by hand. A point that holds 99 of 100 parts of the squared error rules; among two of 49 none does.
+    #[test]
+    fn a_point_that_rules_is_named() {
+        let tally = |errors: &[f64]| {
+            let point = |(index, error): (usize, &f64)| Tally {
+                error: *error,
+                squares: error * error,
+                energy: 1.0,
+                points: 1.0,
+                largest: (*error, index),
+                ..Tally::default()
+            };
+            errors.iter().enumerate().map(point).fold(Tally::default(), Tally::add)
+        };
+        assert_eq!(tally(&[0.5, 99.0, 0.5]).ruler(), Some(1));
+        assert_eq!(tally(&[1.0, 49.0, 49.0, 1.0]).ruler(), None);
+        assert_eq!(tally(&[]).ruler(), None);
+        let estimate = tally(&[0.0, 4.0]).estimate().expect("there is light");
+        assert!(
+            (estimate.rms - 2.0_f64.sqrt()).abs() < 1e-12
+                && estimate.low < estimate.rms
+                && estimate.rms < estimate.high
+        );
+        assert!(!tally(&[0.0, 4.0]).is_clear(1.3, POINTS) && tally(&[0.0, 4.0]).is_clear(0.5, POINTS));
     }
 }

@@ -274,8 +274,13 @@ impl FinalGather {
                 Progress::Pass
             }
             Stage::Estimate(first, tally) => {
-                let tally = tally.add(self.look_at_points(hierarchy, context, first..first + CHUNK, cancel)?);
+                let mut tally = tally.add(self.look_at_points(hierarchy, context, first..first + CHUNK, cancel)?);
                 let points = first + CHUNK;
+                if points.is_multiple_of(estimate::POINTS)
+                    && let Some(ruler) = tally.ruler()
+                {
+                    tally = self.doubt_point(hierarchy, context, tally, ruler, cancel)?;
+                }
                 self.stage = Stage::Estimate(points, tally);
                 if points.is_multiple_of(estimate::POINTS) && tally.is_clear(self.goal.error, points) {
                     self.rays += tally.rays;

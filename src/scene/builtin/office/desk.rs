@@ -150,7 +150,8 @@ fn lamp(d: &mut Draft, p: &Paints) {
     d.group("arm", |d| {
         d.lathe(&[(0.075, 0.0), (0.075, 0.012), (0.05, 0.025), (0.0, 0.025)], 10, p.enamel);
         d.bar([vec3(0.0, 0.02, 0.0), elbow], [0.014, 0.014], Faces::NONE, p.steel);
-        d.bar([elbow, head], [0.014, 0.014], Faces::NONE, p.steel);
+        // It ends between the two skins of the shade's top, and is not to be seen inside.
+        d.bar([elbow, head + vec3(0.0, 0.01, 0.0)], [0.014, 0.014], Faces::NONE, p.steel);
     });
     let tilt = Quat::from_euler(EulerRot::XYZ, -0.15, 0.0, 0.35);
     d.placed(Affine3::from_rotation_translation(tilt, head - vec3(0.0, 0.085, 0.0)), |d| {
