@@ -9,6 +9,7 @@
 mod bright;
 mod estimate;
 mod lamps;
+mod local;
 mod memory;
 mod passes;
 mod places;
@@ -38,6 +39,7 @@ use crate::visibility::Occluders;
 pub use estimate::Estimate;
 use estimate::Tally;
 use lamps::{Seen, Sent};
+use local::Local;
 use rows::{Rows, Surroundings, position_hash};
 use stance::{Finder, Stance};
 use vertices::Vertex;
@@ -65,6 +67,8 @@ const MESH_SHARE: f64 = 0.7;
 const NOISE_SHARE: f64 = 0.5;
 /// The next attempt aims below the goal by this factor.
 const AIM: f64 = 0.85;
+/// What leaves do to the little light of others may be wrong by so many times the goal.
+const LOCAL: f64 = 2.0;
 /// It allows for no less than this share of the error that was believed to lie between vertices.
 const LEAST_STEP: f64 = 0.5;
 /// Standard deviation of the light along one random ray, as a share of all, as low-discrepancy directions make it.
@@ -131,6 +135,9 @@ pub struct FinalGather {
     round: u32,
     attempt: u32,
     last_error: Option<f64>,
+    /// What was in doubt of local errors when the last attempt ended, and its error; as long as it is too large.
+    local: Option<Local>,
+    last_local: Option<f64>,
     /// The mesh, with middles.
     display: Display,
     vertices: Vec<Vertex>,
@@ -209,6 +216,8 @@ impl FinalGather {
             round: 0,
             attempt: 0,
             last_error: None,
+            local: None,
+            last_local: None,
             vertices: Vec::new(),
             stances: Vec::new(),
             direct: Vec::new(),
@@ -296,15 +305,17 @@ impl FinalGather {
 
     /// Whether the goal is reached; if not, what comes next with a stricter aim.
     fn after_estimate(&mut self) -> Stage {
-        let Some(error) = self.estimate.map(|estimate| estimate.cautious()).filter(|error| *error > self.goal.error)
-        else {
-            return Stage::Done;
-        };
+        let error = self.estimate.map_or(0.0, |estimate| estimate.cautious());
+        let is_kept = error <= self.goal.error;
+        let local = Some(self.local()).filter(|local| local.error > LOCAL * self.goal.error);
         // What a finer mesh does not help is smaller than leaves may be.
-        let was_in_vain = self.last_error.is_some_and(|last| error > LEAST_PROGRESS * last);
-        let is_near = error <= estimate::NEAR * self.goal.error;
+        let is_vain = |last: Option<f64>, error: f64| last.is_some_and(|last| error > LEAST_PROGRESS * last);
+        let was_in_vain = is_vain(self.last_error, error) && error > estimate::NEAR * self.goal.error;
+        let local = local.filter(|local| !is_vain(self.last_local, local.error));
         self.last_error = Some(error);
-        if was_in_vain && !is_near {
+        self.last_local = local.as_ref().map(|local| local.error).or(self.last_local);
+        self.local = local;
+        if was_in_vain || is_kept && self.local.is_none() {
             return Stage::Done;
         }
         if self.attempt >= MOST_ATTEMPTS || self.vertices.len() > MOST_VERTICES || !self.has_room() {
@@ -315,11 +326,11 @@ impl FinalGather {
         // What is not noise lies between the vertices.
         let between = |error: f64| (error.powi(2) - self.noise.powi(2)).max(0.0).sqrt();
         let (found, wanted) = (between(error), between(AIM * self.goal.error));
-        if found > MESH_SHARE * self.goal.error {
+        if !is_kept && found > MESH_SHARE * self.goal.error {
             let believed = (self.mesh_error.max(0.0) / self.energy()).sqrt();
             self.goal.mesh = self.goal.mesh.min((wanted / found).max(LEAST_STEP) * believed);
         }
-        if self.noise > NOISE_SHARE * self.goal.error {
+        if !is_kept && self.noise > NOISE_SHARE * self.goal.error {
             self.goal.noise *= (AIM * self.goal.error / error).max(LEAST_STEP);
         }
         Stage::Direct(self.vertices.len())
@@ -415,35 +426,29 @@ impl FinalGather {
         self.rays += look.rays;
         let allowed = self.goal.mesh * self.goal.mesh * self.energy();
         let mesh = self.display.mesh.clone();
-        let mut looks = std::mem::take(&mut self.looks);
-        let mean = |(leaf, direct): (&super::Leaf, &f64)| {
-            let (sum, count) = looks.remove(&leaf.element).unwrap_or_default();
-            (sum + direct, count + 1)
-        };
-        let means: Vec<(f64, u32)> = mesh.leaves.iter().zip(&look.direct).map(mean).collect();
-        let errors: Vec<f64> = means
-            .iter()
-            .zip(&look.indirect)
-            .map(|((sum, count), indirect)| sum / f64::from(*count) + indirect)
-            .collect();
+        let known = std::mem::take(&mut self.looks);
+        for (leaf, direct) in mesh.leaves.iter().zip(&look.direct) {
+            let (sum, count) = known.get(&leaf.element).copied().unwrap_or_default();
+            self.looks.insert(leaf.element, (sum + direct, count + 1));
+        }
+        let errors = self.errors_of_leaves();
         let error = errors.iter().sum::<f64>();
         let is_vain = self.round > 0 && self.grew && error > LEAST_GAIN * self.mesh_error;
         self.mesh_error = error;
-        if error <= allowed || is_vain || self.vertices.len() > MOST_VERTICES {
+        let local = self.doubtful_leaves();
+        if (error <= allowed || is_vain) && local.is_empty() || self.vertices.len() > MOST_VERTICES {
             return Some(false);
         }
-        let threshold = split::threshold(&errors, allowed);
-        let split = errors.iter().filter(|error| **error >= threshold).count();
+        let threshold = if error <= allowed { f64::INFINITY } else { split::threshold(&errors, allowed) };
+        let is_split = |leaf: usize| errors[leaf] >= threshold || local.binary_search(&leaf).is_ok();
+        let split = (0..errors.len()).filter(|leaf| is_split(*leaf)).count();
         if self.bytes() + 4 * split * GATHERED_LEAF > context.memory {
             self.memory_stop = Some(MemoryStop::Vertices);
             return Some(false);
         }
-        for ((leaf, error), mean) in mesh.leaves.iter().zip(&errors).zip(means) {
-            if *error >= threshold {
-                hierarchy.subdivide(leaf.element);
-            } else {
-                self.looks.insert(leaf.element, mean);
-            }
+        for (_, leaf) in mesh.leaves.iter().enumerate().filter(|(index, _)| is_split(*index)) {
+            hierarchy.subdivide(leaf.element);
+            self.looks.remove(&leaf.element);
         }
         let new = self.display.rebuilt(context.scene, hierarchy, self.display.style());
         self.grew = 10 * new.mesh.leaves.len() > 11 * mesh.leaves.len();
@@ -455,6 +460,15 @@ impl FinalGather {
         self.indirect = self.interpolated(&indirect);
         self.take_mesh(context, known);
         Some(true)
+    }
+
+    /// Squared error of each leaf, A·(ρ·ΔE)², as far as looks and rows tell.
+    fn errors_of_leaves(&self) -> Vec<f64> {
+        let of = |(index, leaf): (usize, &super::Leaf)| {
+            let direct = self.looks.get(&leaf.element).map_or(0.0, |(sum, count)| sum / f64::from(*count));
+            direct + self.indirect_error(index)
+        };
+        self.display.mesh.leaves.iter().enumerate().map(of).collect()
     }
 
     /// Tables of the present mesh; `known` is what was found before.

@@ -118,6 +118,21 @@ impl Rows {
         self.counts[vertex]
     }
 
+    /// The triangles that the rays of a vertex ended on.
+    pub fn seen_by(&self, vertex: usize) -> impl Iterator<Item = u32> {
+        let hits = self.passes.iter().flat_map(move |pass| pass.hits_of(vertex));
+        hits.map(|hit| hit.triangle).filter(|triangle| *triangle != NOWHERE)
+    }
+
+    /// Variance of the light along one ray of a vertex, of all colours, (W/m²)².
+    pub fn variance(&self, vertex: usize, display: &Display, reflected: &[Vec3]) -> f32 {
+        let light = |hit: &Hit| hit.light(display, reflected).element_sum();
+        let hits = self.passes.iter().flat_map(|pass| pass.hits_of(vertex)).map(light);
+        let (sum, squares) = hits.fold((0.0, 0.0), |(sum, squares), light| (sum + light, squares + light * light));
+        let mean = sum / self.counts[vertex] as f32;
+        (squares / self.counts[vertex] as f32 - mean * mean).max(0.0)
+    }
+
     /// A pass's share of all rays.
     pub fn share_of(&self, pass: usize) -> f64 {
         self.passes[pass].hits.len() as f64 / self.rays().max(1) as f64
@@ -172,9 +187,12 @@ impl Rows {
 }
 
 impl Pass {
+    fn hits_of(&self, vertex: usize) -> &[Hit] {
+        &self.hits[self.starts[vertex] as usize..self.starts[vertex + 1] as usize]
+    }
+
     fn sum(&self, vertex: usize, display: &Display, reflected: &[Vec3]) -> Vec3 {
-        let hits = &self.hits[self.starts[vertex] as usize..self.starts[vertex + 1] as usize];
-        hits.iter().map(|hit| hit.light(display, reflected)).sum()
+        self.hits_of(vertex).iter().map(|hit| hit.light(display, reflected)).sum()
     }
 }
 

@@ -32,8 +32,6 @@ pub struct Look {
     /// Squared error of direct light of each leaf, A·(ρ·ΔE)², W²/m²; the mesh's leaves in order. Right in the mean only: leaves that
     /// no point met have none.
     pub direct: Vec<f64>,
-    /// The same of indirect light.
-    pub indirect: Vec<f64>,
     /// Rays cast.
     pub rays: u64,
 }
@@ -92,12 +90,10 @@ impl FinalGather {
         };
         let looked: Vec<(usize, f64, u64)> =
             (0..count).into_par_iter().with_min_len(16).map_init(Vec::new, look).collect::<Option<_>>()?;
-        let indirect = |(leaf, weight): (usize, &f64)| if *weight > 0.0 { self.indirect_error(leaf) } else { 0.0 };
-        let indirect = weights.iter().enumerate().map(indirect).collect();
         let mut direct = vec![0.0; leaves.len()];
         // Summed in order, so that the result does not depend on the threads.
         looked.iter().for_each(|(leaf, error, _)| direct[*leaf] += error);
-        Some(Look { direct, indirect, rays: looked.iter().map(|looked| looked.2).sum() })
+        Some(Look { direct, rays: looked.iter().map(|looked| looked.2).sum() })
     }
 
     /// What to expect of a leaf's squared error before a look at it, W²/m² up to a factor; 0 where nothing can be done about it.
@@ -121,10 +117,10 @@ impl FinalGather {
     }
 
     /// A·(ρ·ΔE)² of indirect light, by what rows found in the middle of a leaf and at its corners; their noise is subtracted.
-    fn indirect_error(&self, leaf: usize) -> f64 {
+    pub(super) fn indirect_error(&self, leaf: usize) -> f64 {
         let (mesh, display) = (&self.display.mesh, &self.display);
         let Some(middle) = display.centre_of(leaf as u32).map(|middle| middle as usize) else { return 0.0 };
-        if !self.noise.is_finite() {
+        if !self.noise.is_finite() || self.vertices[middle].emission != Vec3::ZERO || self.is_thin(leaf) {
             return 0.0;
         }
         let rim = display.triangles_of(leaf as u32).map(|triangle| mesh.triangles[triangle as usize][1] as usize);
@@ -144,7 +140,7 @@ impl FinalGather {
     }
 
     /// Whether a leaf is too thin to be split.
-    fn is_thin(&self, leaf: usize) -> bool {
+    pub(super) fn is_thin(&self, leaf: usize) -> bool {
         let mesh = &self.display.mesh;
         let corners = self.display.triangles_of(leaf as u32).flat_map(|triangle| mesh.triangles[triangle as usize]);
         let corners: Vec<Vec3> = corners.map(|corner| Vec3::from(mesh.positions[corner as usize])).collect();
