@@ -8,31 +8,51 @@
 use glam::Vec3;
 
 use super::split::threshold;
-use super::{FinalGather, LOCAL};
+use super::{FinalGather, USUAL_ERROR};
 
 /// Light below this share of the RMS radiosity counts as that much: relative to nothing, all is wrong.
 const DARKEST: f32 = 1e-4;
+/// The part of the area whose errors are at most the local error: the rest is crevices, of which there are always some.
+const QUANTILE: f64 = 0.75;
+/// Local errors may be so many times the error that is asked for, and that of values that rays are few for.
+const ALLOWED: f64 = 1.5;
+const NOISE: f64 = 2.0;
 
 /// What doubtful leaves do to the light of all vertices that see them.
 #[derive(Clone, Debug, Default)]
 pub struct Local {
-    /// RMS over the area of the relative error that comes from elsewhere, at most 1 at each vertex.
+    /// Relative error that comes from elsewhere: three quarters of the area have less.
     pub error: f64,
-    /// What each leaf of the mesh adds to it, in the mean over the area.
-    pub parts: Vec<f64>,
+    /// What each leaf of the mesh adds to the mean square of such errors, each at most 1.
+    parts: Vec<f64>,
 }
 
 impl FinalGather {
     /// Leaves of the present mesh that are to be split for what they do to others, in order; once for each attempt.
     pub(super) fn doubtful_leaves(&mut self) -> Vec<usize> {
         let Some(local) = self.local.take() else { return Vec::new() };
-        let allowed = LOCAL * self.goal.error;
-        let threshold = threshold(&local.parts, allowed * allowed);
+        let threshold = threshold(&local.parts, self.local_allowed().powi(2));
         let is_doubtful = |leaf: &usize| local.parts[*leaf] >= threshold && !self.is_thin(*leaf);
         (0..local.parts.len()).filter(is_doubtful).collect()
     }
 
-    /// Finds it, as far as rows tell.
+    /// The local error that is allowed. It is no stricter than with the usual goal: crevices would take all the work.
+    pub(super) fn local_allowed(&self) -> f64 {
+        ALLOWED * self.goal.error.max(USUAL_ERROR)
+    }
+
+    /// Rays that a vertex lacks for its own light to be no noisier than local errors may be, whatever it weighs: where next to all light comes
+    /// out of one corner, few rays meet that.
+    pub(super) fn local_rays(&self, vertex: usize, reflected: &[Vec3]) -> f32 {
+        let rays = self.rows.rays_of(vertex) as f32;
+        let allowed = (NOISE * self.goal.error.max(USUAL_ERROR)) as f32 * self.irradiance(vertex).element_sum();
+        if rays < 2.0 || allowed <= 0.0 || self.vertices[vertex].emission != Vec3::ZERO {
+            return 0.0;
+        }
+        self.rows.variance(vertex, &self.display, reflected) / (allowed * allowed) - rays
+    }
+
+    /// Finds local errors, as far as rows tell.
     pub(super) fn local(&self) -> Local {
         let mesh = &self.display.mesh;
         let reflected = self.reflected();
@@ -40,6 +60,7 @@ impl FinalGather {
         let doubts: Vec<f32> = (0..mesh.leaves.len()).map(doubt).collect();
         let area: f64 = self.vertices.iter().map(|of| f64::from(of.area)).sum();
         let darkest = DARKEST * (self.energy() / area).sqrt() as f32;
+        let mut errors: Vec<(f32, f64)> = Vec::new();
         let mut local = Local { error: 0.0, parts: vec![0.0; doubts.len()] };
         for (vertex, of) in self.vertices.iter().enumerate() {
             if of.emission != Vec3::ZERO || self.is_hidden(vertex) {
@@ -49,12 +70,19 @@ impl FinalGather {
             let of_one = 1.0 / (self.rows.rays_of(vertex) as f32 * self.irradiance(vertex).element_sum().max(darkest));
             let relative = (of_one * leaves().map(|leaf| doubts[leaf]).sum::<f32>()).abs().min(1.0);
             let weight = f64::from(of.area) / area;
-            local.error += weight * f64::from(relative * relative);
+            errors.push((relative, weight));
             for leaf in leaves() {
                 local.parts[leaf] += weight * f64::from(relative * of_one * doubts[leaf].abs());
             }
         }
-        local.error = local.error.sqrt();
+        errors.sort_by(|one, other| one.0.total_cmp(&other.0));
+        let all: f64 = errors.iter().map(|error| error.1).sum();
+        let mut below = 0.0;
+        let is_within = |error: &&(f32, f64)| {
+            below += error.1;
+            below <= QUANTILE * all
+        };
+        local.error = errors.iter().take_while(is_within).last().map_or(0.0, |error| f64::from(error.0));
         local
     }
 

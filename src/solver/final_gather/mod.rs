@@ -67,8 +67,6 @@ const MESH_SHARE: f64 = 0.7;
 const NOISE_SHARE: f64 = 0.5;
 /// The next attempt aims below the goal by this factor.
 const AIM: f64 = 0.85;
-/// What leaves do to the little light of others may be wrong by so many times the goal.
-const LOCAL: f64 = 2.0;
 /// It allows for no less than this share of the error that was believed to lie between vertices.
 const LEAST_STEP: f64 = 0.5;
 /// Standard deviation of the light along one random ray, as a share of all, as low-discrepancy directions make it.
@@ -307,7 +305,7 @@ impl FinalGather {
     fn after_estimate(&mut self) -> Stage {
         let error = self.estimate.map_or(0.0, |estimate| estimate.cautious());
         let is_kept = error <= self.goal.error;
-        let local = Some(self.local()).filter(|local| local.error > LOCAL * self.goal.error);
+        let local = Some(self.local()).filter(|local| local.error > self.local_allowed());
         // What a finer mesh does not help is smaller than leaves may be.
         let is_vain = |last: Option<f64>, error: f64| last.is_some_and(|last| error > LEAST_PROGRESS * last);
         let was_in_vain = is_vain(self.last_error, error) && error > estimate::NEAR * self.goal.error;

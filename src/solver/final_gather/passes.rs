@@ -5,7 +5,7 @@ use rayon::prelude::*;
 
 use super::rows::Rows;
 use super::vertices::Vertex;
-use super::{Context, FinalGather, LOCAL, SPREAD, Stage};
+use super::{Context, FinalGather, SPREAD, Stage};
 use crate::cancel::CancelToken;
 use crate::solver::memory::MemoryStop;
 
@@ -50,17 +50,6 @@ impl FinalGather {
         };
         self.rows.open(&(0..weights.len()).into_par_iter().map(rays).collect::<Vec<u32>>());
         self.stage = Stage::Cast(0);
-    }
-
-    /// Rays that a vertex lacks for its own light to be no noisier than local errors may be, whatever it weighs: where next to all light comes
-    /// out of one corner, few rays meet that.
-    fn local_rays(&self, vertex: usize, reflected: &[Vec3]) -> f32 {
-        let rays = self.rows.rays_of(vertex) as f32;
-        let allowed = (LOCAL * self.goal.error) as f32 * self.irradiance(vertex).element_sum();
-        if rays < 2.0 || allowed <= 0.0 || self.vertices[vertex].emission != Vec3::ZERO {
-            return 0.0;
-        }
-        self.rows.variance(vertex, &self.display, reflected) / (allowed * allowed) - rays
     }
 
     /// Gathers over the rows after a pass, and tells the noise by how the passes differ; `None` if cancelled, which leaves all as it was.
