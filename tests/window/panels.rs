@@ -217,7 +217,7 @@ fn another_scene_is_shown_as_it_is() {
     assert!(share_of_different_pixels(&plain, &picture(&mut window)) > 0.3);
     window.get_all_by_label("cornell").find(is_button).expect("our own scenes are offered").click();
     until(&mut window, "the scene again", |window| {
-        window.state().snapshot().is_some_and(|snapshot| snapshot.generation > 1)
+        window.state().snapshot().is_some_and(|snapshot| snapshot.generation > 1 && snapshot.stats.converged)
     });
     assert_eq!(exposure(&window), 0.0);
     finish(&mut window);

@@ -14,9 +14,11 @@ use super::{FinalGather, USUAL_ERROR};
 const DARKEST: f32 = 1e-4;
 /// The part of the area whose errors are at most the local error: the rest is crevices, of which there are always some.
 const QUANTILE: f64 = 0.75;
-/// Local errors may be so many times the error that is asked for, and that of values that rays are few for.
-const ALLOWED: f64 = 1.5;
-const NOISE: f64 = 2.0;
+/// Local errors may be so many times the error that is asked for.
+const ALLOWED: f64 = 1.2;
+/// Variance along a ray of a vertex, as a multiple of the square of all its light, above which it gets rays for its own sake: next to all
+/// its light comes out of one corner.
+const SPIKY: f32 = 2.5;
 
 /// What doubtful leaves do to the light of all vertices that see them.
 #[derive(Clone, Debug, Default)]
@@ -41,15 +43,16 @@ impl FinalGather {
         ALLOWED * self.goal.error.max(USUAL_ERROR)
     }
 
-    /// Rays that a vertex lacks for its own light to be no noisier than local errors may be, whatever it weighs: where next to all light comes
-    /// out of one corner, few rays meet that.
+    /// Rays that a vertex lacks for its own light to be no noisier than was asked for, whatever it weighs; none where light comes
+    /// from everywhere.
     pub(super) fn local_rays(&self, vertex: usize, reflected: &[Vec3]) -> f32 {
         let rays = self.rows.rays_of(vertex) as f32;
-        let allowed = (NOISE * self.goal.error.max(USUAL_ERROR)) as f32 * self.irradiance(vertex).element_sum();
-        if rays < 2.0 || allowed <= 0.0 || self.vertices[vertex].emission != Vec3::ZERO {
+        let light = self.irradiance(vertex).element_sum();
+        if rays < 2.0 || light <= 0.0 || self.vertices[vertex].emission != Vec3::ZERO {
             return 0.0;
         }
-        self.rows.variance(vertex, &self.display, reflected) / (allowed * allowed) - rays
+        let variance = self.rows.variance(vertex, &self.display, reflected) / (light * light);
+        if variance > SPIKY { variance / self.goal.error.max(USUAL_ERROR).powi(2) as f32 - rays } else { 0.0 }
     }
 
     /// Finds local errors, as far as rows tell.
