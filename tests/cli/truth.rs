@@ -58,9 +58,13 @@ fn a_reference_is_written_and_kept_for_the_next_time() {
         .skip(1)
         .map(|row| row.split(',').map(|cell| cell.parse().expect("a number")).collect())
         .collect();
-    assert!(written.starts_with("x,y,z,nx,ny,nz,polygon,rho_r,"), "{written}");
-    assert!(rows.len() == 50 && rows.iter().all(|row| row.len() == 16), "{written}");
-    assert!(rows.iter().any(|row| row[10] > 0.0 && row[13] > 0.0 && row[13] < row[10]), "{written}");
+    assert!(written.starts_with("x,y,z,nx,ny,nz,weight,polygon,rho_r,"), "{written}");
+    assert!(rows.len() == 50 && rows.iter().all(|row| row.len() == 17), "{written}");
+    assert!(rows.iter().any(|row| row[11] > 0.0 && row[14] > 0.0 && row[14] < row[11]), "{written}");
+    // Points by A·B² count less, those by area more; together they stand for as many as there are.
+    let weights: Vec<f64> = rows.iter().map(|row| row[6]).collect();
+    let mean = weights.iter().sum::<f64>() / 50.0;
+    assert!((mean - 1.0).abs() < 0.15 && weights.iter().any(|weight| (weight / mean - 1.0).abs() > 0.1), "{weights:?}");
     let (finer, _) = succeed(&[&args[..4], &["--noise", "0.01"], &args[6..]].concat());
     assert!(finer.contains(" % from the cache"), "{finer}");
 }
