@@ -16,8 +16,7 @@ use selflink::solver::{ClusteringMode, Epsilon, Push, Solver, SolverParams};
 enum By {
     /// The RMS over the area.
     Rms,
-    /// The median of the local error. In the office one point of 300 lies in the shade of a desk lamp and outweighs all others
-    /// in the RMS.
+    /// The median of the local error. Most of the RMS of the office is in the shades of its desk lamps, where few links tell little.
     Median,
 }
 
