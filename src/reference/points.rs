@@ -52,7 +52,7 @@ impl SurfacePoint {
 /// So many random points on all bright sides but the lamps' and what is hidden inside of things, which light cannot reach
 /// ([`Darkness`]).
 ///
-/// Half of them lie evenly by area, half by A·|B|² as far as a few paths tell it ([`glow`]): a small bright place may hold most of what
+/// Half of them lie evenly by area, half by A·|B|² as far as a few paths tell it: a small bright place may hold most of what
 /// an RMS is about, and by area alone hardly a point would meet it. [`SurfacePoint::weight`] makes up for that.
 ///
 /// All polygons, one after the other, are cut into as many parts of equal chance, and each part holds one point; points of one
