@@ -15,7 +15,7 @@ use obvhs::triangle::Triangle;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use selflink::cancel::CancelToken;
 use selflink::random::mix;
-use selflink::reference::random_points;
+use selflink::reference::random_points_on;
 use selflink::scene::{Scene, builtin::BuiltinScene};
 use selflink::solver::{Epsilon, Solver, SolverParams};
 use selflink::visibility::Occluders;
@@ -184,7 +184,8 @@ impl Room {
 
     /// Segments between random points on faces. Random points come in the order of the faces: ends are drawn among them.
     fn segments(&self) -> Vec<[Vec3; 2]> {
-        let points = random_points(&self.scene, &self.occluders, SEGMENTS, 1);
+        let all: Vec<u32> = (0..self.scene.polygons.len() as u32).collect();
+        let points = random_points_on(&self.scene, &all, SEGMENTS, 1);
         let draw = |index| points[mix(2, index) as usize % points.len()].position;
         let pairs = (0..).map(|index| [draw(2 * index), draw(2 * index + 1)]);
         pairs.filter(|[from, to]| from != to).take(SEGMENTS).collect()

@@ -12,7 +12,7 @@ use super::lab::{Lab, LeftOut, Room, Run, median, with_epsilon};
 use super::report::Report;
 use super::table1;
 use crate::format::number;
-use crate::reference::random_points;
+use crate::reference::random_points_on;
 use crate::solver::{ClusteringMode, SolverParams};
 
 const COLUMNS: [Column; 6] = [Column::Time, Column::Patches, Column::Links, Column::Rays, Column::Rms, Column::Median];
@@ -146,8 +146,8 @@ fn share_of_visibility(room: &Room, runs: &[Result<Run, LeftOut>], hr: &Result<R
 
 /// What a ray between two random points costs one thread while all are at work, s.
 fn seconds_of_a_ray(room: &Room) -> f64 {
-    let points: Vec<Vec3> =
-        random_points(&room.scene, &room.occluders, POINTS, 1).iter().map(|point| point.position).collect();
+    let all: Vec<u32> = (0..room.scene.polygons.len() as u32).collect();
+    let points: Vec<Vec3> = random_points_on(&room.scene, &all, POINTS, 1).iter().map(|point| point.position).collect();
     if points.is_empty() {
         return 0.0;
     }
