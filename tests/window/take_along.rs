@@ -170,7 +170,9 @@ fn the_next_start_goes_on_where_the_last_ended() {
     window.state_mut().save(&mut storage);
 
     let mut again = resumed(storage);
-    until(&mut again, "the first picture", |window| window.state().snapshot().is_some());
+    let is_whole =
+        |window: &Harness<'static, App>| window.state().snapshot().is_some_and(|snapshot| snapshot.stats.converged);
+    until(&mut again, "the whole picture", is_whole);
     finish(&mut again);
     assert_eq!(again.state().status().params.epsilon, Epsilon::Relative(5e-3));
     assert!(again.query_by_label("Freeze as A").is_some(), "the tool is open");
