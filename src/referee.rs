@@ -12,11 +12,11 @@ use rayon::ThreadPool;
 
 use crate::accuracy::{ErrorMeter, ScatteredField, SolutionError};
 use crate::cancel::CancelToken;
+use crate::geometry::Occluders;
 use crate::reference::{Cache, ReferenceRun, random_points};
 use crate::scene::Scene;
 use crate::solver::{Mesh, Snapshot};
 use crate::threads::{half_pool, lock};
-use crate::visibility::Occluders;
 
 /// Noise at which a reference is good enough, relative RMS.
 pub const GOAL: f64 = 0.01;

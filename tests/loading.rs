@@ -384,9 +384,9 @@ fn well_wound_real_scenes_have_no_face_seen_from_behind() {
     };
     for file in ["CornellBox-Original.obj", "CornellBox-Sphere.obj", "CornellBox-bevy.glb"] {
         let scene = load_file(&folder.join("cornell-box").join(file)).expect("a sound scene");
-        let (front, _) = selflink::orient::apply(scene.clone(), Sides::Front);
+        let (front, _) = selflink::geometry::orient::apply(scene.clone(), Sides::Front);
         assert_eq!(front.skipped.faces_seen_from_behind, 0, "{file}");
-        let (turned, _) = selflink::orient::apply(scene, Sides::Auto);
+        let (turned, _) = selflink::geometry::orient::apply(scene, Sides::Auto);
         assert_eq!(turned.polygons, front.polygons, "{file}");
     }
 }

@@ -5,17 +5,17 @@ use std::time::{Duration, Instant};
 
 use selflink::accuracy::ErrorMeter;
 use selflink::cancel::CancelToken;
+use selflink::geometry::Occluders;
 use selflink::referee::{Measurement, Referee};
 use selflink::reference::{Cache, ReferenceRun, random_points};
 use selflink::scene::builtin::BuiltinScene;
 use selflink::scene::{Scene, Sides};
 use selflink::solver::{Epsilon, Snapshot, Solver, SolverParams};
-use selflink::visibility::Occluders;
 
 const PATIENCE: Duration = Duration::from_secs(60);
 
 fn solved(scene: BuiltinScene, epsilon: f64) -> (Arc<Scene>, Arc<Occluders>, Arc<Snapshot>) {
-    let (scene, occluders) = selflink::orient::apply(scene.build(), Sides::Front);
+    let (scene, occluders) = selflink::geometry::orient::apply(scene.build(), Sides::Front);
     let (scene, occluders) = (Arc::new(scene), Arc::new(occluders));
     let params = SolverParams { epsilon: Epsilon::Relative(epsilon), ..SolverParams::default() };
     let mut solver = Solver::new(scene.clone(), occluders.clone(), params, 1).expect("usable parameters");

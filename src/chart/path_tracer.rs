@@ -6,9 +6,9 @@ use std::time::{Duration, Instant};
 use super::record::PathTracerRecord;
 use crate::accuracy::of_standard_errors;
 use crate::cancel::CancelToken;
+use crate::geometry::Occluders;
 use crate::reference::{ReferenceRun, random_points};
 use crate::scene::Scene;
-use crate::visibility::Occluders;
 
 /// Keeps its points and paths apart from those of the reference.
 const SALT: u64 = 0x0063_7572_7665;

@@ -7,8 +7,8 @@ use rayon::prelude::*;
 use super::path::Tracer;
 use super::points::{halves, points_by};
 use super::sequence::mix;
+use crate::geometry::Occluders;
 use crate::scene::Scene;
-use crate::visibility::Occluders;
 
 /// Keeps these paths apart from those that count.
 const SALT: u64 = 0x67_6c6f_7721;

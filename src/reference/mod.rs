@@ -12,7 +12,7 @@
 //! use selflink::reference::{ReferenceRun, random_points};
 //! use selflink::scene::{Sides, builtin::BuiltinScene};
 //!
-//! let (scene, occluders) = selflink::orient::apply(BuiltinScene::Cornell.build(), Sides::Front);
+//! let (scene, occluders) = selflink::geometry::orient::apply(BuiltinScene::Cornell.build(), Sides::Front);
 //! let occluders = Arc::new(occluders);
 //! let points = random_points(&scene, &occluders, 20, 1);
 //! let mut run = ReferenceRun::new(&scene, occluders, points.into(), 1);

@@ -13,9 +13,8 @@ use glam::{DVec3, Vec3};
 use super::lamps::{LampPoint, Lamps};
 use super::points::SurfacePoint;
 use super::sequence::Sequence;
-use crate::orient;
+use crate::geometry::Occluders;
 use crate::scene::Scene;
-use crate::visibility::Occluders;
 
 /// Rays start this share of the scene's diagonal off the surface that they leave.
 const RELATIVE_OFFSET: f32 = 1e-5;
@@ -34,8 +33,6 @@ pub struct Tracer {
     occluders: Arc<Occluders>,
     /// One for each polygon.
     faces: Vec<Face>,
-    /// The polygon on the other side of each doubled face; empty where no face is doubled.
-    back_of: Vec<Option<u32>>,
     lamps: Option<Lamps>,
     /// How far off a surface a ray starts, in the scene's length unit.
     offset: f32,
@@ -61,7 +58,6 @@ impl Tracer {
         Self {
             occluders,
             faces: scene.polygons.iter().map(face).collect(),
-            back_of: orient::backs(scene),
             lamps: Lamps::new(scene),
             offset: RELATIVE_OFFSET * lower.distance(upper),
         }
@@ -88,13 +84,13 @@ impl Tracer {
             irradiance += throughput * self.lamp_light(&lamps.point(&choice, pick, u, v), position, normal);
 
             let direction = cosine_direction(normal, pair(DIRECTION));
-            let Some(hit) = self.occluders.closest_hit(origin, direction, 0.0) else { break };
-            let Some(polygon) = orient::bright_side(hit, &self.back_of) else { break };
-            let face = self.faces[polygon as usize];
+            let hit = self.occluders.ray_from(position, normal, direction);
+            let Some(hit) = hit.filter(|hit| hit.front) else { break };
+            let face = self.faces[hit.polygon as usize];
             if face.emission != Vec3::ZERO {
                 let kernel = kernel(direction.dot(normal), -direction.dot(face.normal), hit.distance * hit.distance);
                 irradiance +=
-                    throughput * face.emission * share(kernel, lamps.density(&choice, polygon, face.emission));
+                    throughput * face.emission * share(kernel, lamps.density(&choice, hit.polygon, face.emission));
             }
             throughput *= face.reflectance;
             let survival = throughput.max_element();
@@ -102,7 +98,7 @@ impl Tracer {
                 break;
             }
             throughput /= survival;
-            (position, normal) = (origin + hit.distance * direction, face.normal);
+            (position, normal) = (hit.point, face.normal);
         }
         irradiance
     }
@@ -114,8 +110,7 @@ impl Tracer {
         let distance_squared = span.length_squared();
         let direction = span / distance_squared.sqrt();
         let kernel = kernel(direction.dot(normal), -direction.dot(lamp.normal), distance_squared);
-        let (from, to) = (position + self.offset * normal, lamp.position + self.offset * lamp.normal);
-        if kernel > 0.0 && !self.occluders.occluded(from, to) {
+        if kernel > 0.0 && self.occluders.sees((position, normal), (lamp.position, lamp.normal)) {
             // B_e · kernel / density, times the weight density / (density + kernel).
             lamp.emission * share(kernel, lamp.density)
         } else {
@@ -168,7 +163,7 @@ mod tests {
             let points = random_points_on(&case.scene, &all, rays, 7);
             let lost = points.iter().enumerate().filter(|(index, point)| {
                 let direction = cosine_direction(point.normal, Sequence::new(7, *index as u32, 1 << 17).plain(0));
-                let hit = tracer.occluders.closest_hit(point.position + tracer.offset * point.normal, direction, 0.0);
+                let hit = tracer.occluders.ray_from(point.position, point.normal, direction);
                 hit.is_none_or(|hit| !hit.front)
             });
             let lost = lost.count();

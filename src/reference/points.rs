@@ -8,9 +8,9 @@ use rayon::prelude::*;
 use super::glow::glow;
 use super::lamps::point_on_polygon;
 use super::sequence::mix;
-use crate::exposure::Darkness;
+use crate::geometry::EnclosureTest;
+use crate::geometry::Occluders;
 use crate::scene::Scene;
-use crate::visibility::Occluders;
 
 /// Keeps the places of points apart from the paths of the same seed.
 const SALT: u64 = 0x706f_696e_7473;
@@ -50,7 +50,7 @@ impl SurfacePoint {
 }
 
 /// So many random points on all bright sides but the lamps' and what is hidden inside of things, which light cannot reach
-/// ([`Darkness`]).
+/// ([`EnclosureTest`]).
 ///
 /// Half of them lie evenly by area, half by A·|B|² as far as a few paths tell it: a small bright place may hold most of what
 /// an RMS is about, and by area alone hardly a point would meet it. [`SurfacePoint::weight`] makes up for that.
@@ -70,7 +70,7 @@ pub fn random_points(scene: &Scene, occluders: &Arc<Occluders>, count: usize, se
         // Both sides of faces are bright: nothing lies behind a back.
         return draw(count, seed);
     }
-    let darkness = Darkness::new(scene, occluders);
+    let darkness = EnclosureTest::new(scene, occluders);
     let mut points = Vec::with_capacity(count);
     for round in 0..MOST_ROUNDS {
         let drawn = draw(count - points.len(), mix(seed, round));

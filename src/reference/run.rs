@@ -16,8 +16,8 @@ use super::sequence::mix;
 use super::share::shares;
 use super::sums::{BATCH, PILOT, State, Sums, reflected};
 use crate::cancel::CancelToken;
+use crate::geometry::Occluders;
 use crate::scene::Scene;
-use crate::visibility::Occluders;
 
 /// Irradiances at points, as well as they are known.
 #[derive(Clone, Debug)]
@@ -44,7 +44,7 @@ pub struct ReferenceRun {
 }
 
 impl ReferenceRun {
-    /// A run that has made no pass; `occluders` must be the scene's own ([`crate::orient::apply`]).
+    /// A run that has made no pass; `occluders` must be the scene's own ([`crate::geometry::orient::apply`]).
     pub fn new(scene: &Scene, occluders: Arc<Occluders>, points: Arc<[SurfacePoint]>, seed: u64) -> Self {
         let none = vec![Sums::default(); points.len()];
         Self {

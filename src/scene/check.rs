@@ -30,7 +30,7 @@ pub struct Skipped {
     pub faces_seen_from_behind: usize,
     /// Faces that `Sides::Auto` turned round.
     pub turned_faces: usize,
-    /// Faces cut where a wall stands on them ([`crate::partition`]).
+    /// Faces cut where a wall stands on them ([`crate::geometry::cuts`]).
     pub cut_faces: usize,
     /// Further remarks, each one sentence (a missing MTL file, an unreadable texture).
     pub notes: Vec<String>,

@@ -180,9 +180,9 @@ pub struct Scene {
     pub ceiling_panels: Vec<CeilingPanel>,
     /// The view to open with, where the scene names one.
     pub camera: Option<CameraPose>,
-    /// Which sides of its faces are bright; [`crate::orient::apply`] makes it so.
+    /// Which sides of its faces are bright; [`crate::geometry::orient::apply`] makes it so.
     pub sides: Sides,
-    /// Edges, by their ends, that part what is shown on their sides: a wall stands on them ([`crate::partition`]).
+    /// Edges, by their ends, that part what is shown on their sides: a wall stands on them ([`crate::geometry::cuts`]).
     pub seams: Vec<[Vec3; 2]>,
     /// What loading skipped, clamped or ignored.
     pub skipped: Skipped,

@@ -4,7 +4,7 @@ use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
 use super::Solver;
-use crate::exposure::Darkness;
+use crate::geometry::EnclosureTest;
 use crate::hierarchy::ElementId;
 use crate::random::{cosine_direction, mix};
 
@@ -64,9 +64,7 @@ pub fn power_balance(solver: &Solver, rays: u32, seed: u64) -> PowerBalance {
     if total <= 0.0 || rays == 0 {
         return balance;
     }
-    let lower_upper = solver.scene.bounds();
-    let nearest = 1e-5 * (lower_upper.1 - lower_upper.0).length();
-    let darkness = Darkness::new(&solver.scene, &solver.occluders);
+    let darkness = EnclosureTest::new(&solver.scene, &solver.occluders);
     let can_hide = |leaf: ElementId| hierarchy.element(leaf).exposed_share() < 1.0;
     let fates: Vec<(DVec3, DVec3)> = (0..rays)
         .into_par_iter()
@@ -86,9 +84,9 @@ pub fn power_balance(solver: &Solver, rays: u32, seed: u64) -> PowerBalance {
             let direction = cosine_direction(point.normal, random(3), random(4));
             let radiosity = solver.light.radiosity[leaf.index()];
             let carried = (radiosity / radiosity.element_sum()).as_dvec3() * (total / f64::from(rays));
-            match solver.occluders.closest_hit(point.position + nearest * point.normal, direction, 0.0) {
+            match solver.occluders.ray_from(point.position, point.normal, direction) {
                 None => (DVec3::ZERO, carried),
-                Some(hit) if !hit.front && !solver.is_double(hit.polygon) => (carried, DVec3::ZERO),
+                Some(hit) if !hit.front => (carried, DVec3::ZERO),
                 Some(_) => (DVec3::ZERO, DVec3::ZERO),
             }
         })
@@ -102,13 +100,4 @@ pub fn power_balance(solver: &Solver, rays: u32, seed: u64) -> PowerBalance {
         balance.escaped += escaped;
     }
     balance
-}
-
-impl Solver {
-    /// Whether the face of this polygon is bright on both sides.
-    fn is_double(&self, polygon: u32) -> bool {
-        // The backs of doubled faces follow all fronts, in the same order.
-        let fronts = self.scene.polygons.iter().position(|polygon| polygon.is_back).unwrap_or(usize::MAX);
-        (polygon as usize) < fronts && fronts != usize::MAX
-    }
 }

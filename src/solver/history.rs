@@ -214,9 +214,9 @@ impl Solver {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geometry::Occluders;
     use crate::scene::builtin::BuiltinScene;
     use crate::solver::{Epsilon, SolverParams, Step};
-    use crate::visibility::Occluders;
 
     fn solver(epsilon: f64) -> Solver {
         let scene = Arc::new(BuiltinScene::Cornell.build());

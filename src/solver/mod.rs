@@ -69,10 +69,10 @@ pub use stats::{Bytes, Phase, Seconds, Stats};
 pub use verdict::Rejection;
 
 use crate::cancel::CancelToken;
-use crate::exposure::Exposure;
+use crate::geometry::Occluders;
+use crate::geometry::Reachability;
 use crate::hierarchy::{ElementId, Hierarchy, PatchSums, Shape};
 use crate::scene::Scene;
-use crate::visibility::Occluders;
 use candidate::Candidate;
 use change::Doubts;
 use display::Display;
@@ -187,25 +187,25 @@ impl Solver {
         params: SolverParams,
         generation: u64,
     ) -> Result<Self, SolverError> {
-        Self::with_exposure(scene, occluders, params, generation, |scene, occluders| {
-            Arc::new(Exposure::new(scene, occluders))
+        Self::with_reachability(scene, occluders, params, generation, |scene, occluders| {
+            Arc::new(Reachability::new(scene, occluders))
         })
     }
 
     /// The same where somebody may know already what is hidden.
-    fn with_exposure(
+    fn with_reachability(
         scene: Arc<Scene>,
         occluders: Arc<Occluders>,
         params: SolverParams,
         generation: u64,
-        exposure: impl FnOnce(&Scene, &Occluders) -> Arc<Exposure>,
+        reachability: impl FnOnce(&Scene, &Occluders) -> Arc<Reachability>,
     ) -> Result<Self, SolverError> {
         params.validate()?;
         if params.clustering == ClusteringMode::None {
             check_pairs_fit(scene.polygons.len() as u64, params.memory.bytes())?;
         }
         let (hierarchy, seconds) =
-            timed(|| Hierarchy::new(&scene, exposure(&scene, &occluders), params.clustering, params.octree_depth));
+            timed(|| Hierarchy::new(&scene, reachability(&scene, &occluders), params.clustering, params.octree_depth));
         let seconds = Seconds { hierarchy: seconds, total: seconds, ..Seconds::default() };
         let mut solver = Self {
             surfaces: surfaces_of(&scene),

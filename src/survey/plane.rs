@@ -183,7 +183,7 @@ fn visible_share(lit: &LitMesh, lamp: &Polygon, (point, normal): (Vec3, Vec3), r
         let weight = normal.dot(span).max(0.0) * (-lamp_normal.dot(span)).max(0.0) / distance_squared.powi(2);
         if weight > 0.0 && weight.is_finite() {
             all += weight;
-            through += if lit.occluded((point, normal), (on_lamp, lamp_normal)) { 0.0 } else { weight };
+            through += if lit.sees((point, normal), (on_lamp, lamp_normal)) { weight } else { 0.0 };
         }
     }
     if all > 0.0 { through / all } else { 0.0 }
@@ -196,9 +196,9 @@ mod tests {
     use super::*;
     use crate::accuracy::closed_forms::{self, closed_room};
     use crate::cancel::CancelToken;
+    use crate::geometry::Occluders;
     use crate::scene::GroupId;
     use crate::solver::{Solver, SolverParams};
-    use crate::visibility::Occluders;
 
     fn lit(scene: Scene) -> LitMesh {
         let (scene, occluders) = (Arc::new(scene.clone()), Occluders::new(&scene));

@@ -6,11 +6,11 @@ use std::time::{Duration, Instant};
 use glam::Vec3;
 use selflink::accuracy::{ErrorMeter, Measure};
 use selflink::cancel::CancelToken;
-use selflink::orient;
+use selflink::geometry::Occluders;
+use selflink::geometry::orient;
 use selflink::reference::{ReferenceRun, Target, compute, random_points};
 use selflink::scene::{GroupId, MaterialId, Scene, Sides, builtin::BuiltinScene};
 use selflink::solver::{Epsilon, OracleKind, Reconstruct, Snapshot, SolverParams, Step};
-use selflink::visibility::Occluders;
 
 use super::support::{add_box, empty_room, furnished_room, lamp_room, solve, solver, with_threads};
 

@@ -12,14 +12,14 @@ use glam::Vec3;
 use proptest::prelude::*;
 use proptest::test_runner::{Config, RngAlgorithm, TestCaseError, TestRng, TestRunner};
 use selflink::cancel::CancelToken;
+use selflink::geometry::Occluders;
+use selflink::geometry::cuts;
 use selflink::hierarchy::ClusteringMode;
-use selflink::partition;
 use selflink::scene::{GroupId, MaterialId, Scene};
 use selflink::solver::{ClusterModel, Epsilon, OracleKind, Push, Solver, SolverParams, Step, power_balance};
 use selflink::stability::matrix::{self, Fineness};
 use selflink::stability::measure::{is_sound, of_polygons};
 use selflink::stability::scenes::add_box;
-use selflink::visibility::Occluders;
 
 use super::coverage::check_coverage;
 
@@ -183,7 +183,7 @@ fn holds((recipe, params): (Recipe, SolverParams)) -> Result<(), TestCaseError> 
     let mut scene = recipe.scene();
     let area = |scene: &Scene| scene.polygons.iter().map(|polygon| f64::from(scene.area(polygon))).sum::<f64>();
     let whole = area(&scene);
-    partition::cut(&mut scene, false);
+    cuts::cut(&mut scene, false);
     // Corners are rounded to f32, in scenes that may lie fifty times their size away.
     let rounding = 1e-3 * whole;
     prop_assert!((area(&scene) - whole).abs() <= rounding, "{} m² of {whole} m² are left by cuts", area(&scene));
