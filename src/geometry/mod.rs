@@ -9,6 +9,8 @@ mod enclosure;
 mod occluders;
 mod offset;
 pub mod orient;
+pub mod overlaps;
+mod parts;
 mod reachability;
 
 pub use enclosure::{EnclosureTest, LampList};

@@ -10,7 +10,7 @@ use glam::Vec3;
 use rayon::prelude::*;
 use rustc_hash::FxHashMap;
 
-use super::{Hit, Occluders, cuts};
+use super::{Hit, Occluders, cuts, overlaps};
 use crate::scene::{Polygon, Scene, Sides};
 
 /// Rays for each polygon; more would not be seen, fewer leave many faces without a vote.
@@ -30,21 +30,26 @@ const SEED: u64 = 0x5e1f_1111;
 /// Makes the scene's faces bright on the sides asked for, and the occluders that go with them.
 ///
 /// `Front` leaves the faces and counts those seen from behind, `Auto` turns these, and `Both` appends each face once
-/// more as an opposite patch ([`Polygon::is_back`]); opposite patches that are there already go first. Occluders stop light from either side in every case.
+/// more as an opposite patch ([`Polygon::is_back`]); opposite patches that are there already go first. Faces that lie on others of
+/// the same side are counted once ([`overlaps`]). Occluders stop light from either side in every case.
 pub fn apply(mut scene: Scene, sides: Sides) -> (Scene, Occluders) {
     scene.sides = sides;
     scene.polygons.retain(|polygon| !polygon.is_back);
     let (mut scene, occluders) = turned(scene, sides);
+    let covered = overlaps::remove(&mut scene);
     let cut = cuts::cut(&mut scene, sides == Sides::Both);
-    scene.skipped.cut_faces = cut;
+    (scene.skipped.covered_faces, scene.skipped.cut_faces) = (covered, cut);
     if sides == Sides::Both {
         for index in 0..scene.polygons.len() {
             let mut back = scene.polygons[index].flipped();
             back.is_back = true;
             scene.polygons.push(back);
         }
+        // Where the file has a face for either side, no other is needed.
+        overlaps::remove(&mut scene);
     }
-    let occluders = if cut > 0 { Occluders::new(&scene) } else { occluders };
+    let is_as_it_was = covered == 0 && cut == 0 && sides != Sides::Both;
+    let occluders = if is_as_it_was { occluders } else { Occluders::new(&scene) };
     (scene, occluders)
 }
 

@@ -1,16 +1,8 @@
-//! Lines on a surface, the faces that cover them, and the parts that they cut.
+//! Lines on a surface, and the faces that cover them.
 
 use glam::DVec3;
 
-/// A position in the f32 bits that the scene holds of it.
-pub(super) type Bits = [u32; 3];
-
-/// A convex part of a polygon.
-#[derive(Clone, Debug)]
-pub(super) struct Part {
-    pub(super) polygon: usize,
-    pub(super) corners: Vec<DVec3>,
-}
+use super::super::parts::{Halves, Part};
 
 /// A plane through which cuts run, and where faces stand along its line on a surface.
 pub(super) struct Line {
@@ -20,23 +12,6 @@ pub(super) struct Line {
     pub(super) direction: DVec3,
     /// Covered stretches by their distances from the origin.
     pub(super) covered: Vec<[f64; 2]>,
-}
-
-/// The bits of a position; −0 is 0.
-pub(super) fn bits(position: DVec3) -> Bits {
-    (position.as_vec3() + glam::Vec3::ZERO).to_array().map(f32::to_bits)
-}
-
-/// Where a cut leaves a part.
-pub(super) struct Sides {
-    pub(super) below: Vec<DVec3>,
-    pub(super) above: Vec<DVec3>,
-    pub(super) has_below: bool,
-    pub(super) has_above: bool,
-    /// The new edge, where the line runs through the part.
-    pub(super) cut: Option<[DVec3; 2]>,
-    /// The part's edges that it runs through.
-    pub(super) crossed: Vec<(Bits, Bits)>,
 }
 
 impl Line {
@@ -65,43 +40,9 @@ impl Line {
     }
 
     /// What lies on either side of the line; corners that are nearer lie on it.
-    pub(super) fn sides(&self, part: &Part, thinnest: f64) -> Sides {
-        let distance = |corner: &DVec3| Some(self.distance(*corner)).filter(|off| off.abs() > thinnest).unwrap_or(0.0);
-        let off: Vec<f64> = part.corners.iter().map(distance).collect();
-        let (has_below, has_above) = (off.iter().any(|off| *off < 0.0), off.iter().any(|off| *off > 0.0));
-        let mut sides = Sides { below: vec![], above: vec![], has_below, has_above, cut: None, crossed: vec![] };
-        let mut ends = Vec::new();
-        for (index, &corner) in part.corners.iter().enumerate() {
-            let next = (index + 1) % part.corners.len();
-            if off[index] <= 0.0 {
-                sides.below.push(corner);
-            }
-            if off[index] >= 0.0 {
-                sides.above.push(corner);
-            }
-            if off[index] == 0.0 {
-                ends.push(corner);
-            }
-            if off[index] * off[next] < 0.0 {
-                let between = between((corner, off[index]), (part.corners[next], off[next]));
-                sides.below.push(between);
-                sides.above.push(between);
-                ends.push(between);
-                sides.crossed.push((bits(corner), bits(part.corners[next])));
-            }
-        }
-        if let (true, true, [from, to]) = (has_below, has_above, ends.as_slice()) {
-            sides.cut = Some([*from, *to]);
-        }
-        sides
+    pub(super) fn halves(&self, part: &Part, thinnest: f64) -> Halves {
+        Halves::of(&part.corners, |corner| self.distance(corner), thinnest)
     }
-}
-
-/// Where a line crosses an edge; the same bits from either side of the edge.
-pub(super) fn between(a: (DVec3, f64), b: (DVec3, f64)) -> DVec3 {
-    let ((from, near), (to, far)) = if a.0.to_array() <= b.0.to_array() { (a, b) } else { (b, a) };
-    // As the scene will hold it.
-    (from + near / (near - far) * (to - from)).as_vec3().as_dvec3()
 }
 
 /// The stretch along which a face meets a plane, by the heights of its corners above it.
@@ -122,14 +63,4 @@ pub(super) fn foot(corners: &[DVec3], heights: &[f64], touching: f64) -> Option<
     };
     let from = farthest(first)?;
     Some([from, farthest(from)?])
-}
-
-/// Area of a planar convex polygon.
-pub(super) fn area(corners: &[DVec3]) -> f64 {
-    let fan = corners.windows(2).skip(1).map(|edge| (edge[0] - corners[0]).cross(edge[1] - corners[0]));
-    0.5 * fan.sum::<DVec3>().length()
-}
-
-pub(super) fn edges(corners: &[DVec3]) -> impl Iterator<Item = (DVec3, DVec3)> + '_ {
-    (0..corners.len()).map(|index| (corners[index], corners[(index + 1) % corners.len()]))
 }
