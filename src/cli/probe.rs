@@ -6,7 +6,7 @@ use std::path::Path;
 
 use anyhow::{anyhow, bail};
 use clap::{ArgMatches, Command};
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 use selflink::format::things;
 use selflink::probe::{Probe, Sample};
 
@@ -55,7 +55,8 @@ pub fn run(matches: &ArgMatches) -> anyhow::Result<()> {
     let solution = job.solve()?;
     let snapshot = &solution.snapshot;
     let probe = Probe::new(&snapshot.mesh, &snapshot.vertex_irradiance, &snapshot.vertex_radiosity);
-    let samples: Vec<Option<Sample>> = rows.iter().map(|row| probe.at(row.point, row.normal)).collect();
+    let samples: Vec<Option<Sample>> =
+        rows.iter().map(|row| probe.at(job.scene.from_file(row.point), row.normal)).collect();
     file.write(|writer| {
         writeln!(writer, "{COLUMNS},{ADDED}")?;
         for (row, sample) in rows.iter().zip(&samples) {
@@ -81,7 +82,8 @@ pub fn run(matches: &ArgMatches) -> anyhow::Result<()> {
 struct Row {
     /// The row as it was read.
     text: String,
-    point: Vec3,
+    /// In the coordinates of the scene's file.
+    point: DVec3,
     normal: Vec3,
 }
 
@@ -103,14 +105,14 @@ fn parse_rows(text: &str) -> anyhow::Result<Vec<Row>> {
     filled.next_if(|(_, line)| line.split(',').all(|word| word.trim().parse::<f32>().is_err()));
     for (index, line) in filled {
         let number = index + 1;
-        let Some([x, y, z, nx, ny, nz]) = options::numbers::<6>(line, ',') else {
+        let Some([x, y, z, nx, ny, nz]) = options::coordinates::<6>(line, ',') else {
             bail!("line {number}: a row must be six finite numbers, {COLUMNS}");
         };
-        let normal = Vec3::new(nx, ny, nz);
+        let normal = DVec3::new(nx, ny, nz).as_vec3();
         let Some(normal) = normal.try_normalize() else {
             bail!("line {number}: the normal nx,ny,nz has no length");
         };
-        rows.push(Row { text: line.to_owned(), point: Vec3::new(x, y, z), normal });
+        rows.push(Row { text: line.to_owned(), point: DVec3::new(x, y, z), normal });
     }
     Ok(rows)
 }
@@ -122,7 +124,7 @@ mod tests {
     #[test]
     fn rows_with_and_without_a_header() {
         let rows = parse_rows("\u{feff}x, y, z, nx, ny, nz\r\n\r\n1,2,3,0,0,2\r\n").expect("good rows");
-        assert_eq!(rows, [Row { text: "1,2,3,0,0,2".into(), point: Vec3::new(1.0, 2.0, 3.0), normal: Vec3::Z }]);
+        assert_eq!(rows, [Row { text: "1,2,3,0,0,2".into(), point: DVec3::new(1.0, 2.0, 3.0), normal: Vec3::Z }]);
         assert_eq!(parse_rows("1,2,3,0,1,0").expect("a good row").len(), 1);
     }
 

@@ -12,12 +12,12 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::{fs, io};
 
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 use serde::{Deserialize, Serialize};
 
-use super::draft::{self, MAX_COORDINATE};
 use super::files::{FileError, MOST_TEXT_BYTES, SceneFiles, SceneFolder};
-use super::{CameraPose, CeilingPanel, EditError, GroupMember, Material, Scene, Sides, said};
+use super::place::{FiledCamera, MAX_COORDINATE, is_usable as is_usable_coordinate};
+use super::{CeilingPanel, EditError, GroupMember, Material, Scene, Sides, said};
 
 /// The largest reflectance that a sidecar may set; a light path then loses at least a hundredth at each bounce.
 pub const MAX_SIDECAR_REFLECTANCE: f32 = 0.99;
@@ -46,7 +46,7 @@ pub struct Sidecar {
     pub groups: Vec<GroupMember>,
     /// The view to open with.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub camera: Option<CameraPose>,
+    pub camera: Option<FiledCamera>,
 }
 
 /// What a sidecar says of one material; what is missing stays as the scene file has it.
@@ -68,8 +68,8 @@ pub struct SidecarMaterial {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SidecarLight {
-    /// Middle of the panel.
-    pub centre: Vec3,
+    /// Middle of the panel, in the file's coordinates.
+    pub centre: DVec3,
     /// Up direction; need not be normalised.
     pub up: Vec3,
     /// Length of its sides, in the scene's length unit.
@@ -163,7 +163,7 @@ impl Sidecar {
             }
         }
         let light = |panel: &CeilingPanel| SidecarLight {
-            centre: panel.centre,
+            centre: scene.to_file(panel.centre),
             up: panel.up,
             size: panel.size,
             exitance: scene.materials[panel.material.0 as usize].emission,
@@ -173,7 +173,7 @@ impl Sidecar {
             self.sides = Some(scene.sides);
         }
         self.groups = scene.regrouping.clone();
-        self.camera = scene.camera.or(self.camera);
+        self.camera = scene.camera.map(|camera| camera.in_file(scene)).or(self.camera);
     }
 
     /// Adds the lights to a scene.
@@ -182,7 +182,9 @@ impl Sidecar {
     /// A light that cannot be used; none of a sidecar that was [read](Self::read).
     pub fn add_lights_to(&self, scene: &mut Scene) -> Result<(), EditError> {
         let mut lights = self.ceiling_lights.iter();
-        lights.try_for_each(|light| scene.add_ceiling_light(light.centre, light.up, light.size, light.exitance))
+        lights.try_for_each(|light| {
+            scene.add_ceiling_light(scene.from_file(light.centre), light.up, light.size, light.exitance)
+        })
     }
 
     /// Reads and checks a sidecar.
@@ -265,15 +267,15 @@ fn in_range(value: Vec3, most: f32) -> bool {
 }
 
 /// Whether a place is finite and not too far off to reckon with.
-fn is_usable(place: Vec3) -> bool {
-    place.to_array().into_iter().all(draft::is_usable)
+fn is_usable(place: DVec3) -> bool {
+    place.to_array().into_iter().all(is_usable_coordinate)
 }
 
 /// Why a light cannot be used.
 fn light_problem(light: &SidecarLight) -> Option<String> {
     let SidecarLight { centre, up, size, exitance } = *light;
     let problem = if !(is_usable(centre) && up.is_finite()) {
-        "has a coordinate that is not finite or beyond 1e9".to_owned()
+        "has a coordinate that is not finite or beyond 1e15".to_owned()
     } else if up.try_normalize().is_none() {
         "has no up direction; [0, 1, 0] is usual".to_owned()
     } else if !(size > 0.0 && size <= MAX_COORDINATE) {
@@ -287,12 +289,12 @@ fn light_problem(light: &SidecarLight) -> Option<String> {
 }
 
 /// Why a view cannot be used.
-fn camera_problem(camera: &CameraPose) -> Option<String> {
-    let CameraPose { eye, target, up, hfov_deg } = *camera;
+fn camera_problem(camera: &FiledCamera) -> Option<String> {
+    let FiledCamera { eye, target, up, hfov_deg } = *camera;
     let forward = target - eye;
     let angle = forward.try_normalize().zip(up.try_normalize()).map(|(forward, up)| forward.cross(up).length());
     let problem = if !(is_usable(eye) && is_usable(target) && up.is_finite()) {
-        "has a coordinate that is not finite or beyond 1e9"
+        "has a coordinate that is not finite or beyond 1e15"
     } else if forward.try_normalize().is_none() {
         "looks at the point where its eye is; give it another target"
     } else if up.try_normalize().is_none() {

@@ -5,7 +5,7 @@
 
 use std::sync::Arc;
 
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
 use super::grid::{Grid, GridError, WorkPlane};
@@ -38,6 +38,8 @@ pub struct PlaneReading {
     pub grid: Grid,
     /// Irradiance E of each point, W/m²; `None` inside of something and outside of the room.
     pub values: Vec<Option<Vec3>>,
+    /// Zero of the points' coordinates in those of the scene's file.
+    pub origin: DVec3,
     /// The light that was measured.
     pub snapshot: Arc<Snapshot>,
 }
@@ -115,7 +117,13 @@ impl<'a> Measuring<'a> {
     /// What was measured; points that were not count as left out.
     pub fn finish(mut self) -> PlaneReading {
         self.values.resize(self.grid.points.len(), None);
-        PlaneReading { plane: self.plane, grid: self.grid, values: self.values, snapshot: self.lit.snapshot().clone() }
+        PlaneReading {
+            plane: self.plane,
+            grid: self.grid,
+            values: self.values,
+            origin: self.lit.scene().origin,
+            snapshot: self.lit.snapshot().clone(),
+        }
     }
 }
 
@@ -191,8 +199,6 @@ fn visible_share(lit: &LitMesh, lamp: &Polygon, (point, normal): (Vec3, Vec3), r
 
 #[cfg(test)]
 mod tests {
-    use glam::DVec3;
-
     use super::*;
     use crate::accuracy::closed_forms::{self, closed_room};
     use crate::cancel::CancelToken;

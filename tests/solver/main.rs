@@ -4,6 +4,7 @@
 mod balance;
 mod closed_forms;
 mod coarsening;
+mod coincidence;
 #[path = "../support/coverage.rs"]
 mod coverage;
 mod display_mesh;

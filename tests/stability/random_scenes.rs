@@ -39,7 +39,12 @@ fn scenes() -> u32 {
 }
 
 /// Tries a property on so many scenes of a fixed seed; names the first that fails, made as small as it gets.
-fn try_on<S: Strategy>(seed: &[u8; 32], cases: u32, scenes: &S, holds: impl Fn(S::Value) -> Result<(), TestCaseError>) {
+pub fn try_on<S: Strategy>(
+    seed: &[u8; 32],
+    cases: u32,
+    scenes: &S,
+    holds: impl Fn(S::Value) -> Result<(), TestCaseError>,
+) {
     let config = Config { cases, failure_persistence: None, max_shrink_iters: 500, ..Config::default() };
     let mut runner = TestRunner::new_with_rng(config, TestRng::from_seed(RngAlgorithm::ChaCha, seed));
     if let Err(error) = runner.run(scenes, holds) {
@@ -161,7 +166,7 @@ fn settings() -> impl Strategy<Value = SolverParams> {
 }
 
 /// Solves within a number of steps that is far more than enough.
-fn solve(scene: &Arc<Scene>, occluders: &Arc<Occluders>, params: SolverParams) -> Result<Solver, TestCaseError> {
+pub fn solve(scene: &Arc<Scene>, occluders: &Arc<Occluders>, params: SolverParams) -> Result<Solver, TestCaseError> {
     let mut solver = Solver::new(scene.clone(), occluders.clone(), params, 0)
         .map_err(|error| TestCaseError::fail(format!("it does not start: {error}")))?;
     solver.record_rejected();
