@@ -6,9 +6,8 @@ use std::collections::HashMap;
 use std::f32::consts::PI;
 use std::path::Path;
 
-use glam::{DMat4, DQuat, DVec3, Vec3, Vec4};
+use glam::{DMat4, Vec3, Vec4};
 use gltf::json::mesh::{Mode, Primitive, Semantic};
-use gltf::json::scene::{Node, UnitQuaternion};
 use gltf::json::validation::Checked;
 use gltf::{Document, Gltf};
 use rustc_hash::FxHashMap;
@@ -18,6 +17,7 @@ use super::draft::scene_name;
 use super::draft::{Draft, DraftMaterial, MOST_POLYGONS};
 use super::files::SceneFiles;
 use super::gltf_buffers::{GltfData, Problem};
+use super::gltf_nodes::parents_from_nodes;
 use super::load_error::LoadError;
 use super::place::{Reach, is_usable};
 use super::said::{self, quoted, sentence};
@@ -45,6 +45,7 @@ pub(super) fn read(path: &Path, bytes: &[u8], files: &dyn SceneFiles) -> Result<
         draft,
         meshes: FxHashMap::default(),
         grey: None,
+        parents_from_nodes: parents_from_nodes(bytes).map_err(parse_error)?,
         areas_missing: 0,
         reach: Reach::new(),
         rounded: (0, 0.0),
@@ -220,6 +221,8 @@ struct Walk<'a> {
     data: &'a GltfData<'a>,
     draft: Draft,
     meshes: FxHashMap<usize, Vec<Part>>,
+    /// Of each node, into the space of its parent.
+    parents_from_nodes: Vec<DMat4>,
     /// The material of primitives without one, once there is such a primitive.
     grey: Option<u32>,
     /// Primitives of lines or points.
@@ -247,7 +250,7 @@ impl Walk<'_> {
                 return Err(self.problem(place(), "it has two parents or is its own ancestor".into()));
             }
             let name = node.name.clone().unwrap_or_else(|| format!("node_{index}"));
-            let world_from_node = world_from_parent * parent_from_node(node);
+            let world_from_node = world_from_parent * self.parents_from_nodes.get(index).copied().unwrap_or_default();
             let group = self.draft.add_group(&name, parent);
             if let Some(light) = node.extensions.as_ref().and_then(|it| it.khr_lights_punctual.as_ref()) {
                 let lights_of_root = root.extensions.as_ref().and_then(|it| it.khr_lights_punctual.as_ref());
@@ -381,19 +384,6 @@ fn triangles(mode: Mode, indices: &[u32]) -> Vec<[u32; 3]> {
             .collect(),
         _ => indices.chunks_exact(3).map(|corners| [corners[0], corners[1], corners[2]]).collect(),
     }
-}
-
-/// A node's own transform.
-fn parent_from_node(node: &Node) -> DMat4 {
-    if let Some(matrix) = node.matrix {
-        return DMat4::from_cols_array(&matrix.map(f64::from));
-    }
-    let vector = |value: Option<[f32; 3]>, unsaid| value.map_or(unsaid, |value| Vec3::from_array(value).as_dvec3());
-    let UnitQuaternion([x, y, z, w]) = node.rotation.unwrap_or_default();
-    let rotation = DQuat::from_xyzw(x.into(), y.into(), z.into(), w.into());
-    let rotation = if rotation.length_squared() > 0.0 { rotation.normalize() } else { DQuat::IDENTITY };
-    let (scale, translation) = (vector(node.scale, DVec3::ONE), vector(node.translation, DVec3::ZERO));
-    DMat4::from_scale_rotation_translation(scale, rotation, translation)
 }
 
 #[cfg(test)]

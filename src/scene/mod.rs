@@ -11,6 +11,7 @@ mod edit;
 mod files;
 mod gltf;
 mod gltf_buffers;
+mod gltf_nodes;
 mod load;
 mod load_error;
 mod mtl;

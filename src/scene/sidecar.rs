@@ -17,7 +17,7 @@ use serde::{Deserialize, Serialize};
 
 use super::files::{FileError, MOST_TEXT_BYTES, SceneFiles, SceneFolder};
 use super::place::{FiledCamera, MAX_COORDINATE, is_usable as is_usable_coordinate};
-use super::{CeilingPanel, EditError, GroupMember, Material, Scene, Sides, said};
+use super::{CameraPose, CeilingPanel, EditError, GroupMember, Material, Scene, Sides, said};
 
 /// The largest reflectance that a sidecar may set; a light path then loses at least a hundredth at each bounce.
 pub const MAX_SIDECAR_REFLECTANCE: f32 = 0.99;
@@ -187,6 +187,19 @@ impl Sidecar {
         })
     }
 
+    /// Why a light or the view cannot be used in this scene, if so.
+    pub(super) fn problem_in(&self, scene: &Scene) -> Option<String> {
+        let is_far = |place: DVec3| scene.from_file(place).abs().max_element() > MAX_COORDINATE;
+        let what = if self.ceiling_lights.iter().any(|light| is_far(light.centre)) {
+            "a ceiling light"
+        } else if self.camera.is_some_and(|camera| is_far(camera.eye) || is_far(camera.target)) {
+            "the camera"
+        } else {
+            return self.camera.and_then(|camera| view_problem(&camera.in_scene(scene)));
+        };
+        Some(format!("{what} lies beyond 1e9 from the middle of the scene"))
+    }
+
     /// Reads and checks a sidecar.
     ///
     /// # Errors
@@ -288,14 +301,21 @@ fn light_problem(light: &SidecarLight) -> Option<String> {
     Some(format!("a ceiling light {problem}"))
 }
 
-/// Why a view cannot be used.
+/// Why a view cannot be used, whatever the scene.
 fn camera_problem(camera: &FiledCamera) -> Option<String> {
-    let FiledCamera { eye, target, up, hfov_deg } = *camera;
+    if is_usable(camera.eye) && is_usable(camera.target) && camera.up.is_finite() {
+        let from_target = FiledCamera { eye: camera.eye - camera.target, target: DVec3::ZERO, ..*camera };
+        return view_problem(&from_target.in_scene(&Scene::new("")));
+    }
+    Some("the camera has a coordinate that is not finite or beyond 1e15".to_owned())
+}
+
+/// Why one cannot look so.
+fn view_problem(view: &CameraPose) -> Option<String> {
+    let CameraPose { eye, target, up, hfov_deg } = *view;
     let forward = target - eye;
     let angle = forward.try_normalize().zip(up.try_normalize()).map(|(forward, up)| forward.cross(up).length());
-    let problem = if !(is_usable(eye) && is_usable(target) && up.is_finite()) {
-        "has a coordinate that is not finite or beyond 1e15"
-    } else if forward.try_normalize().is_none() {
+    let problem = if forward.try_normalize().is_none() {
         "looks at the point where its eye is; give it another target"
     } else if up.try_normalize().is_none() {
         "has no up direction; [0, 1, 0] is usual"
