@@ -125,6 +125,7 @@ pub mod chart;
 pub mod export;
 pub mod font;
 pub mod format;
+pub mod gather;
 pub mod geometry;
 pub mod hierarchy;
 pub mod matrix;

@@ -200,6 +200,7 @@ impl Solver {
             mesh: display.mesh,
             clusters: display.clusters,
             moment: Some(moment),
+            field: None,
             anatomy: None,
             stats: info.stats,
         };

@@ -71,13 +71,15 @@ pub use verdict::Rejection;
 use crate::cancel::CancelToken;
 use crate::geometry::Occluders;
 use crate::geometry::Reachability;
+use crate::gather::Field;
 use crate::hierarchy::{ElementId, Hierarchy, PatchSums, Shape};
 use crate::scene::Scene;
 use candidate::Candidate;
 use change::Doubts;
 use display::Display;
 use final_gather::FinalGather;
-use gather::{Light, Surface, pull};
+pub use gather::Surface;
+use gather::{Light, pull};
 use history::History;
 use memory::check_pairs_fit;
 use picture::Picture;
@@ -170,6 +172,8 @@ pub struct Solver {
     picture: Picture,
     display: Option<Display>,
     final_gather: Option<FinalGather>,
+    /// What readings gather over; made when it is first asked for.
+    field: Option<Arc<Field>>,
     /// Whether snapshots carry the anatomy, and the hierarchy of the last one that did.
     wants_anatomy: bool,
     frozen: Option<Arc<Hierarchy>>,
@@ -239,6 +243,7 @@ impl Solver {
             picture: Picture::default(),
             display: None,
             final_gather: None,
+            field: None,
             wants_anatomy: false,
             frozen: None,
             history: None,

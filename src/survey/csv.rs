@@ -42,16 +42,20 @@ pub fn write_plane(writer: &mut impl Write, plane: &PlaneReading) -> io::Result<
 /// # Errors
 /// What the writer says.
 pub fn write_probes<'a>(writer: &mut impl Write, probes: impl IntoIterator<Item = NamedReading<'a>>) -> io::Result<()> {
-    writeln!(writer, "name,x,y,z,nx,ny,nz,E_r,E_g,E_b,B_r,B_g,B_b,E_lx")?;
+    writeln!(writer, "name,x,y,z,nx,ny,nz,E_r,E_g,E_b,B_r,B_g,B_b,E_lx,se_r,se_g,se_b")?;
     for NamedReading { name, point, normal, reading } in probes {
         // Names hold whatever a person typed.
         let name = name.replace('"', "\"\"");
         write!(writer, "\"{name}\",{},{},{},{},{},{}", point.x, point.y, point.z, normal.x, normal.y, normal.z)?;
         match reading {
-            Some(SurfaceReading { irradiance: e, radiosity: b, .. }) => {
-                writeln!(writer, ",{},{},{},{},{},{},{}", e.x, e.y, e.z, b.x, b.y, b.z, lux(e.to_array()))?;
+            Some(SurfaceReading { irradiance: e, radiosity: b, standard_error, .. }) => {
+                write!(writer, ",{},{},{},{},{},{},{}", e.x, e.y, e.z, b.x, b.y, b.z, lux(e.to_array()))?;
+                match standard_error {
+                    Some(se) => writeln!(writer, ",{},{},{}", se.x, se.y, se.z)?,
+                    None => writeln!(writer, ",,,")?,
+                }
             }
-            None => writeln!(writer, ",,,,,,,")?,
+            None => writeln!(writer, ",,,,,,,,,,")?,
         }
     }
     Ok(())

@@ -11,6 +11,9 @@ use crate::solver::{Leaf, Mesh, Snapshot, barycentric};
 /// A point farther than this share of the scene's size from every surface lies on none.
 const TOLERANCE: f32 = 1e-3;
 
+/// Standard error of a reading, as a share of the light there: some tenths of a millisecond.
+const READING_ERROR: f32 = 0.02;
+
 /// A snapshot and its mesh as rays meet it.
 #[derive(Clone)]
 pub struct LitMesh {
@@ -29,9 +32,11 @@ pub struct SurfaceReading {
     pub normal: Vec3,
     /// The leaf that holds it, as the snapshot has it.
     pub leaf: Leaf,
-    /// Irradiance E, W/m², interpolated as in the picture.
+    /// Irradiance E, W/m²: gathered at the point where there is a field, else interpolated as in the picture.
     pub irradiance: Vec3,
-    /// Radiosity B, W/m², likewise.
+    /// Standard error of E, W/m², where it was gathered.
+    pub standard_error: Option<Vec3>,
+    /// Radiosity B, W/m², by that E.
     pub radiosity: Vec3,
 }
 
@@ -89,13 +94,21 @@ impl LitMesh {
         let mesh = &self.snapshot.mesh;
         let triangle = triangle as usize;
         let corners = corners(mesh, triangle);
-        SurfaceReading {
-            point,
-            normal: (corners[1] - corners[0]).cross(corners[2] - corners[0]).normalize_or_zero(),
-            leaf: mesh.leaves[mesh.triangle_leaf[triangle] as usize],
-            irradiance: self.interpolated(triangle, point, &self.snapshot.vertex_irradiance),
-            radiosity: self.interpolated(triangle, point, &self.snapshot.vertex_radiosity),
-        }
+        let leaf = mesh.leaves[mesh.triangle_leaf[triangle] as usize];
+        let normal = (corners[1] - corners[0]).cross(corners[2] - corners[0]).normalize_or_zero();
+        let (irradiance, radiosity, standard_error) = match &self.snapshot.field {
+            Some(field) => {
+                let read = field.read(leaf.polygon, point, READING_ERROR);
+                let surface = field.surface(leaf.polygon);
+                (read.mean, surface.emission + surface.reflectance * read.mean, Some(read.standard_error))
+            }
+            None => (
+                self.interpolated(triangle, point, &self.snapshot.vertex_irradiance),
+                self.interpolated(triangle, point, &self.snapshot.vertex_radiosity),
+                None,
+            ),
+        };
+        SurfaceReading { point, normal, leaf, irradiance, standard_error, radiosity }
     }
 
     fn interpolated(&self, triangle: usize, point: Vec3, values: &[[f32; 3]]) -> Vec3 {
