@@ -10,6 +10,7 @@ use std::sync::Arc;
 use glam::{DVec3, Vec3};
 use serde::Serialize;
 
+use super::local_error::{Compared, LocalError};
 use super::locate::{Place, locate};
 use super::spread;
 use crate::reference::{Reference, SurfacePoint};
@@ -56,6 +57,8 @@ pub struct SolutionError {
     pub displayed: Measure,
     /// Of the leaves' constants.
     pub leaves: Measure,
+    /// The local error of E as displayed.
+    pub local: LocalError,
     /// Relative RMS noise of the reference itself.
     pub reference_noise: f64,
     /// Median of the reference's own local relative error over the darker half.
@@ -107,6 +110,7 @@ impl ErrorMeter {
             reference_noise: reference.noise(),
             reference_dark_median: dark_noise(&displayed),
             points: displayed.len(),
+            local: self.local_error(snapshot),
             displayed: measure(&displayed),
             leaves: measure(&leaves),
         }
@@ -114,14 +118,36 @@ impl ErrorMeter {
 
     /// B as displayed at each point, W/m²; `None` where the mesh does not have the point's polygon.
     pub fn radiosities(&mut self, snapshot: &Snapshot) -> Vec<Option<DVec3>> {
-        let mesh = snapshot.mesh.clone();
+        self.interpolated(&snapshot.mesh, &snapshot.vertex_radiosity)
+    }
+
+    /// E as displayed at each point, W/m², likewise.
+    pub fn irradiances(&mut self, snapshot: &Snapshot) -> Vec<Option<DVec3>> {
+        self.interpolated(&snapshot.mesh, &snapshot.vertex_irradiance)
+    }
+
+    /// The local error of E as displayed.
+    pub fn local_error(&mut self, snapshot: &Snapshot) -> LocalError {
+        let displayed = self.irradiances(snapshot);
+        let compared =
+            |(index, value): (usize, &Option<DVec3>)| value.map(|value| Compared::new(&self.reference, index, value));
+        LocalError::of(&displayed.iter().enumerate().filter_map(compared).collect::<Vec<_>>())
+    }
+
+    /// Values of the vertices at each point.
+    fn interpolated(&mut self, mesh: &Arc<Mesh>, values: &[[f32; 3]]) -> Vec<Option<DVec3>> {
+        let triangles = mesh.clone();
+        if values.len() != mesh.positions.len() {
+            // A snapshot without irradiances is no picture of any.
+            return vec![None; self.reference.points.len()];
+        }
         let at = |place: &Place| {
-            let corners = mesh.triangles[place.triangle as usize].map(|vertex| vertex as usize);
-            let [a, b, c] = corners.map(|vertex| Vec3::from(snapshot.vertex_radiosity[vertex]).as_dvec3());
+            let corners = triangles.triangles[place.triangle as usize].map(|vertex| vertex as usize);
+            let [a, b, c] = corners.map(|vertex| Vec3::from(values[vertex]).as_dvec3());
             let weights = place.weights.as_dvec3();
             weights.x * a + weights.y * b + weights.z * c
         };
-        self.places(&snapshot.mesh).iter().map(|place| place.as_ref().map(at)).collect()
+        self.places(mesh).iter().map(|place| place.as_ref().map(at)).collect()
     }
 
     /// Signed relative error of what is displayed at each point, colours together, (ΣB − ΣB*)/ΣB*; NaN where the mesh does

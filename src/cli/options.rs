@@ -234,6 +234,9 @@ pub fn seconds_arg(help: &'static str) -> Arg {
 
 /// The time limit given, if one was.
 pub fn seconds(matches: &ArgMatches) -> anyhow::Result<Option<Duration>> {
+    if !has(matches, "seconds") {
+        return Ok(None);
+    }
     let Some(&seconds) = matches.get_one::<f64>("seconds") else { return Ok(None) };
     let limit = Duration::try_from_secs_f64(seconds);
     Ok(Some(limit.map_err(|_| anyhow!("--seconds must be a number of seconds, not {seconds}"))?))

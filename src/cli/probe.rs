@@ -7,8 +7,8 @@ use std::path::Path;
 use anyhow::{anyhow, bail};
 use clap::{Arg, ArgMatches, Command};
 use glam::{DVec3, Vec3};
-use selflink::format::things;
 use rayon::prelude::*;
+use selflink::format::things;
 use selflink::probe::{Probe, Sample};
 use selflink::solver::USUAL_ERROR;
 

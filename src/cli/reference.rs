@@ -100,13 +100,13 @@ pub fn wish(matches: &ArgMatches, limit: Option<Duration>) -> anyhow::Result<Wis
 /// Makes the reference of a job's scene; shows progress on a terminal.
 pub fn make(job: &Job, wish: &Wish) -> anyhow::Result<Outcome> {
     let seed = job.settings.solver.seed;
-    let points = random_points(&job.scene, &job.occluders, wish.points, seed);
+    let points = random_points(&job.scene, wish.points, seed);
     if points.is_empty() {
         bail!("every surface of {} emits: there are no points for a reference", job.scene.name);
     }
     let begun = std::time::Instant::now();
     let outcome = job.pool.install(|| {
-        let mut run = ReferenceRun::new(&job.scene, job.occluders.clone(), points.into(), seed);
+        let mut run = ReferenceRun::new(&job.scene, points.into(), seed);
         let bar = std::io::stderr().is_terminal().then(progress::spinner);
         let outcome = compute(&mut run, wish.cache.as_ref(), wish.target, &CancelToken::new(), |run, noise| {
             if let Some(bar) = &bar {

@@ -71,13 +71,7 @@ const LONGEST: u32 = 8;
 impl Field {
     /// Irradiance at a point of a face with this unit normal. The seed alone tells the random numbers,
     /// so a reading does not depend on others.
-    pub fn irradiance_at(
-        &self,
-        place: (Vec3, Vec3),
-        budget: &Budget,
-        seed: u64,
-        depth: Depth,
-    ) -> Irradiance {
+    pub fn irradiance_at(&self, place: (Vec3, Vec3), budget: &Budget, seed: u64, depth: Depth) -> Irradiance {
         let mut aims = Vec::new();
         self.find_aims(place.0, place.1, &mut aims);
         let (mut sum, mut squares, mut grey, mut rays) = (Vec3::ZERO, Vec3::ZERO, 0.0, 0);

@@ -105,11 +105,7 @@ pub struct FacetSampler<'a> {
 impl FacetSampler<'_> {
     /// The sample at a point of the unit square; its kernel is 0 where it shows nothing.
     pub fn at(&self, [u, v]: [f32; 2]) -> FacetSample {
-        if self.total > 0.0 {
-            self.by_solid_angle(u, v)
-        } else {
-            self.by_area(u, v)
-        }
+        if self.total > 0.0 { self.by_solid_angle(u, v) } else { self.by_area(u, v) }
     }
 
     fn by_area(&self, u: f32, v: f32) -> FacetSample {
@@ -246,7 +242,9 @@ mod tests {
     /// angle or per area, whichever it samples.
     #[test]
     fn samples_add_up_to_the_form_factor() {
-        for (height, side, shift) in [(1.0, 0.1, 0.0), (0.5, 1.0, 0.2), (0.05, 1.0, 0.3), (2.0, 6.0, 2.5), (0.01, 0.1, 0.0)] {
+        for (height, side, shift) in
+            [(1.0, 0.1, 0.0), (0.5, 1.0, 0.2), (0.05, 1.0, 0.3), (2.0, 6.0, 2.5), (0.01, 0.1, 0.0)]
+        {
             let polygon = square(height, side, shift);
             for normal in [Vec3::Z, Vec3::new(0.6, 0.0, 0.8), Vec3::new(-0.9, 0.3, 0.1).normalize()] {
                 let Some(facet) = Facet::new(Vec3::ZERO, normal, &polygon) else { continue };
@@ -265,7 +263,8 @@ mod tests {
                 };
                 let found = mean * measure / PI;
                 assert!((found - exact).abs() < 0.01 * exact, "{height} {side} {shift} {normal}: {found} {exact}");
-                let on_plane = |index: u32| (sampler.at(even_point(9, index)).span.z - height).abs() < 1e-4 * (1.0 + side);
+                let on_plane =
+                    |index: u32| (sampler.at(even_point(9, index)).span.z - height).abs() < 1e-4 * (1.0 + side);
                 assert!((0..200).filter(|index| sampler.at(even_point(9, *index)).kernel > 0.0).all(on_plane));
             }
         }

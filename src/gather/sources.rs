@@ -65,8 +65,11 @@ impl Sources {
             }
         }
         let least = BRIGHT * (sent / f64::max(area, f64::MIN_POSITIVE)) as f32;
-        let secondary: Vec<f32> =
-            reflected.iter().map(|reflected| reflected.max_element()).map(|sent| if sent > least { sent } else { 0.0 }).collect();
+        let secondary: Vec<f32> = reflected
+            .iter()
+            .map(|reflected| reflected.max_element())
+            .map(|sent| if sent > least { sent } else { 0.0 })
+            .collect();
         let mut power = vec![0.0; hierarchy.elements().len()];
         for id in hierarchy.ids().rev() {
             let element = hierarchy.element(id);
@@ -118,7 +121,8 @@ impl Field {
             }
             Shape::Patch(patch) => {
                 let emission = self.surface(patch.polygon).emission.max_element();
-                if patch.level == 0 && emission > 0.0
+                if patch.level == 0
+                    && emission > 0.0
                     && let Some(facet) = self.facet(id, point, normal)
                 {
                     let most = facet.form_factor * emission;
@@ -196,11 +200,16 @@ impl Field {
             let seed = mix(seed >> 32, index as u64);
             let (emitted, rays) = match &aim.at {
                 Target::Cluster(id) => {
-                    self.aim_at_cluster((point, normal), *id, (seed, first, count), &mut |met, weight| reflected(met, weight / chance))
+                    self.aim_at_cluster((point, normal), *id, (seed, first, count), &mut |met, weight| {
+                        reflected(met, weight / chance)
+                    })
                 }
                 Target::Emitter(id, facet) => {
                     let mut share = 0.0;
-                    let cast = self.aim_at_facet((point, normal), *id, facet, (seed, first, count), &mut |_, weight| share += weight);
+                    let cast =
+                        self.aim_at_facet((point, normal), *id, facet, (seed, first, count), &mut |_, weight| {
+                            share += weight
+                        });
                     (share * self.surface(self.patch(*id).polygon).emission, cast)
                 }
                 Target::Secondary(id, facet) => {

@@ -69,9 +69,9 @@ pub use stats::{Bytes, Phase, Seconds, Stats};
 pub use verdict::Rejection;
 
 use crate::cancel::CancelToken;
+use crate::gather::Field;
 use crate::geometry::Occluders;
 use crate::geometry::Reachability;
-use crate::gather::Field;
 use crate::hierarchy::{ElementId, Hierarchy, PatchSums, Shape};
 use crate::scene::Scene;
 use candidate::Candidate;

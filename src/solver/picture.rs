@@ -56,8 +56,8 @@ pub(super) fn snapshot(solver: &mut Solver) -> Snapshot {
         solver.freeze();
     }
     let is_gathered = solver.final_gather.as_ref().is_some_and(FinalGather::is_ready);
-    let of_links = (!is_gathered)
-        .then(|| Display::current(solver.display.take(), &solver.scene, &solver.hierarchy, style));
+    let of_links =
+        (!is_gathered).then(|| Display::current(solver.display.take(), &solver.scene, &solver.hierarchy, style));
     let field = solver.field();
     let gathered = solver.final_gather.as_ref().filter(|gather| gather.is_ready());
     let (display, vertex_irradiance, vertex_radiosity) = match (&of_links, gathered) {

@@ -162,8 +162,8 @@ impl<'a> Lab<'a> {
             Some(reference) => reference.clone(),
             None => {
                 self.tell(&format!("reference of {}", room.title()));
-                let points = random_points(&room.scene, &room.occluders, self.truth.points, SEED).into();
-                let mut run = ReferenceRun::new(&room.scene, room.occluders.clone(), points, SEED);
+                let points = random_points(&room.scene, self.truth.points, SEED).into();
+                let mut run = ReferenceRun::new(&room.scene, points, SEED);
                 let cache = self.truth.cache.as_ref();
                 let outcome = compute(&mut run, cache, self.truth.target, &CancelToken::new(), |_, _| {});
                 if let Some(error) = &outcome.cache_error {

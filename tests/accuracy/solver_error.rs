@@ -26,8 +26,8 @@ enum By {
 fn falls(scene: BuiltinScene, modes: &[ClusteringMode], by: By) {
     let (scene, occluders) = orient::apply(scene.build(), Sides::Front);
     let (scene, occluders) = (Arc::new(scene), Arc::new(occluders));
-    let points = random_points(&scene, &occluders, 300, 1);
-    let mut run = ReferenceRun::new(&scene, occluders.clone(), points.into(), 1);
+    let points = random_points(&scene, 300, 1);
+    let mut run = ReferenceRun::new(&scene, points.into(), 1);
     for _ in 0..96 {
         run.pass(&CancelToken::new());
     }

@@ -19,9 +19,8 @@ fn asking(error: f64) -> SolverParams {
 }
 
 fn measured(scene: &Scene, snapshot: &Snapshot, points: usize, noise: f64) -> Measure {
-    let occluders = Arc::new(Occluders::new(scene));
-    let points = random_points(scene, &occluders, points, 7);
-    let mut run = ReferenceRun::new(scene, occluders, points.into(), 7);
+    let points = random_points(scene, points, 7);
+    let mut run = ReferenceRun::new(scene, points.into(), 7);
     let never = CancelToken::new();
     let target = Target { noise, limit: Some(Duration::from_secs(60)) };
     let outcome = compute(&mut run, None, target, &never, |_, _| {});
@@ -181,12 +180,11 @@ fn light_comes_through_a_slit() {
     let at = |x: f32, z: f32| Vec3::new(x, 1.99, z);
     scene.add_quad([at(0.5, 0.5), at(1.0, 0.5), at(1.0, 1.0), at(0.5, 1.0)], lamp, GroupId(0));
     // As whoever opens it does: the floor is cut where the wall stands.
-    let (scene, occluders) = orient::apply(scene, Sides::Front);
+    let (scene, _) = orient::apply(scene, Sides::Front);
     let snapshot = solve(&scene, asking(0.05)).snapshot();
-    let occluders = Arc::new(occluders);
-    let points = random_points(&scene, &occluders, 600, 3);
+    let points = random_points(&scene, 600, 3);
     let behind: Vec<_> = points.into_iter().filter(|point| point.position.x > 2.05).collect();
-    let mut run = ReferenceRun::new(&scene, occluders, behind.into(), 3);
+    let mut run = ReferenceRun::new(&scene, behind.into(), 3);
     let target = Target { noise: 0.05, limit: Some(Duration::from_secs(20)) };
     let outcome = compute(&mut run, None, target, &CancelToken::new(), |_, _| {});
     let error = ErrorMeter::new(Arc::new(outcome.reference)).measure(&snapshot).displayed;
