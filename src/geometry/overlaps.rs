@@ -164,7 +164,7 @@ impl<'a> Search<'a> {
             return false;
         }
         let cutter = Cutter { normal: below.normal, thinnest: self.near };
-        cutter.inside(&below.corners, top).is_some()
+        !cutter.are_apart(&below.corners, &top.corners) && cutter.inside(&below.corners, top).is_some()
     }
 }
 
@@ -190,10 +190,29 @@ impl Cutter {
         (area(&inside) > self.thinnest * rim).then_some(inside)
     }
 
+    /// Whether an edge of one face parts it from another in the same plane.
+    fn are_apart(&self, one: &[DVec3], other: &[DVec3]) -> bool {
+        let parts = |of: &[DVec3], from: &[DVec3]| {
+            edges(of).any(|edge| {
+                let off = self.off(edge);
+                from.iter().all(|corner| off(*corner) > -self.thinnest)
+            })
+        };
+        parts(one, other) || parts(other, one)
+    }
+
+    /// Whether a face covers the whole of convex corners.
+    fn covers_all(&self, corners: &[DVec3], cover: &Face) -> bool {
+        self.lines(cover).all(|off| corners.iter().all(|corner| off(*corner) <= self.thinnest))
+    }
+
     /// Adds what of a part lies outside of all these faces.
     fn uncovered(&self, part: Part, covers: &[&Face], halvings: u32, left: &mut Vec<Part>) {
         let covers: Vec<&Face> =
-            covers.iter().copied().filter(|cover| self.inside(&part.corners, cover).is_some()).collect();
+            covers.iter().copied().filter(|cover| !self.are_apart(&part.corners, &cover.corners)).collect();
+        if covers.iter().any(|cover| self.covers_all(&part.corners, cover)) {
+            return;
+        }
         if covers.len() > FEW && halvings > 0 {
             let halves = self.halved(&part.corners);
             for corners in [halves.below, halves.above].into_iter().filter(|corners| corners.len() > 2) {
@@ -245,11 +264,13 @@ impl Cutter {
     }
 
     /// Distances from the edges of a face, within the plane; positive outside.
-    fn lines<'a>(&self, cover: &'a Face) -> impl Iterator<Item = impl Fn(DVec3) -> f64 + 'a> + 'a {
-        let normal = self.normal;
-        edges(&cover.corners).map(move |(from, to)| {
-            let outward = (to - from).cross(normal).normalize_or_zero();
-            move |corner: DVec3| outward.dot(corner - from)
-        })
+    fn lines<'a>(&'a self, cover: &'a Face) -> impl Iterator<Item = impl Fn(DVec3) -> f64 + use<>> + 'a {
+        edges(&cover.corners).map(|edge| self.off(edge))
+    }
+
+    /// Distance from the line of an edge; positive outside.
+    fn off(&self, (from, to): (DVec3, DVec3)) -> impl Fn(DVec3) -> f64 + use<> {
+        let outward = (to - from).cross(self.normal).normalize_or_zero();
+        move |corner: DVec3| outward.dot(corner - from)
     }
 }
