@@ -57,20 +57,17 @@ impl Crossing {
         let inverse = -1.0 / descent;
         let (u, v) = (turned.dot(last) * inverse, turned.dot(first) * inverse);
         let beside = -u.min(v).min(1.0 - u - v);
-        if beside > 0.0 {
-            // Rounding must leave no crack between two triangles: each is wider by what it may have cost.
-            let rounding = gamma(ROUNDINGS) * absolute_cross(direction, to_corner).dot(first.abs() + last.abs());
-            if beside > WIDEST || beside > rounding * inverse.abs() {
-                return None;
-            }
-        }
-        // What is not a number fails here.
-        (beside <= WIDEST).then(|| Self {
-            distance: across.dot(to_corner) * inverse,
-            across: -across,
-            descent,
-            weights: [u, v],
-        })
+        // What is not a number is not less.
+        let is_met =
+            beside <= 0.0 || (beside <= WIDEST && beside <= Self::widening(triangle, origin, direction, inverse));
+        is_met.then(|| Self { distance: across.dot(to_corner) * inverse, across: -across, descent, weights: [u, v] })
+    }
+
+    /// By how much of its size a triangle is wider: rounding must leave no crack between two of them.
+    #[cold]
+    fn widening(triangle: &Triangle, origin: Vec3A, direction: Vec3A, inverse: f32) -> f32 {
+        let (first, last) = ((triangle.v0 - triangle.v1).abs(), (triangle.v2 - triangle.v0).abs());
+        gamma(ROUNDINGS) * absolute_cross(direction, triangle.v0 - origin).dot(first + last) * inverse.abs()
     }
 
     /// How far rounding may set the point met from where the planes of coincident faces are met, in lengths of the direction; `slack`

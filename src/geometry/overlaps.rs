@@ -24,6 +24,8 @@ const NEAR: f64 = 4e-6;
 const SAME_WAY: f64 = 0.99;
 /// A face is halved until no more than so many others cover a part of it.
 const FEW: usize = 8;
+/// Above so many the halves are looked at side by side.
+const MANY: usize = 1024;
 /// Halvings of one face.
 const MOST_HALVINGS: u32 = 48;
 /// Faces whose boxes touch that of one face; what has more is looked at from the others' side alone.
@@ -33,15 +35,18 @@ const MOST_TOUCHING: usize = 1 << 16;
 pub fn remove(scene: &mut Scene) -> usize {
     let (lower, upper) = scene.bounds();
     let near = NEAR * f64::from(lower.distance(upper));
-    let faces: Vec<Face> = scene.polygons.par_iter().map(|polygon| Face::new(scene, polygon)).collect();
+    let mut faces: Vec<Face> = scene.polygons.par_iter().map(|polygon| Face::new(scene, polygon)).collect();
     let covers = Search::new(&faces, near).covers();
+    if covers.is_empty() {
+        return 0;
+    }
+    covers.iter().for_each(|(covered, _)| faces[*covered].is_covered = true);
+    let faces = faces;
     let cut = |(polygon, covers): (usize, Vec<u32>)| {
         let whole = Part { polygon, corners: faces[polygon].corners.clone() };
         let covers: Vec<&Face> = covers.iter().map(|cover| &faces[*cover as usize]).collect();
         let cutter = Cutter { normal: faces[polygon].normal, thinnest: near };
-        let mut left = Vec::new();
-        cutter.uncovered(whole, &covers, MOST_HALVINGS, &mut left);
-        (polygon, left)
+        (polygon, cutter.uncovered(whole, &covers, MOST_HALVINGS))
     };
     let mut is_gone = vec![false; faces.len()];
     let (mut count, mut parts) = (0, Vec::new());
@@ -68,8 +73,13 @@ struct Face {
     corners: Vec<DVec3>,
     normal: DVec3,
     area: f64,
+    /// The box around it.
+    lower: DVec3,
+    upper: DVec3,
     /// How far corners lie off the face's mean plane.
     warp: f64,
+    /// Whether others cover a part of it.
+    is_covered: bool,
     is_back: bool,
 }
 
@@ -82,11 +92,15 @@ impl Face {
             [a, b, c] => 0.5 * (b - a).cross(c - a),
             _ => DVec3::ZERO,
         };
+        let (lower, upper) = bounds(&corners);
         let mut face = Self {
             corners,
+            lower,
+            upper,
             normal: across.normalize_or_zero(),
             area: across.length(),
             warp: 0.0,
+            is_covered: false,
             is_back: polygon.is_back,
         };
         face.warp = face.corners.iter().map(|corner| face.height(*corner).abs()).fold(0.0, f64::max);
@@ -100,11 +114,10 @@ impl Face {
     fn height(&self, point: DVec3) -> f64 {
         (point - self.middle()).dot(self.normal)
     }
+}
 
-    fn bounds(&self) -> (DVec3, DVec3) {
-        let all = self.corners.iter();
-        all.fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(lower, upper), at| (lower.min(*at), upper.max(*at)))
-    }
+fn bounds(corners: &[DVec3]) -> (DVec3, DVec3) {
+    corners.iter().fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(lower, upper), at| (lower.min(*at), upper.max(*at)))
 }
 
 /// The search for pairs of faces that overlap.
@@ -117,8 +130,7 @@ struct Search<'a> {
 impl<'a> Search<'a> {
     fn new(faces: &'a [Face], near: f64) -> Self {
         let around = |face: &Face| {
-            let (lower, upper) = face.bounds();
-            Aabb::new(Vec3A::from((lower - near).as_vec3()), Vec3A::from((upper + near).as_vec3()))
+            Aabb::new(Vec3A::from((face.lower - near).as_vec3()), Vec3A::from((face.upper + near).as_vec3()))
         };
         let boxes: Vec<Aabb> = faces.par_iter().map(around).collect();
         let bvh = build_bvh2(&boxes, BvhBuildParams::fast_build(), &mut Duration::default());
@@ -138,9 +150,8 @@ impl<'a> Search<'a> {
     /// The faces that one covers in part.
     fn under(&self, cover: u32) -> impl Iterator<Item = u32> + use<> {
         let face = &self.faces[cover as usize];
-        let (lower, upper) = face.bounds();
         let (mut under, mut touching) = (Vec::new(), 0);
-        self.bvh.aabb_traverse(Aabb::new(lower.as_vec3().into(), upper.as_vec3().into()), |bvh, node| {
+        self.bvh.aabb_traverse(Aabb::new(face.lower.as_vec3().into(), face.upper.as_vec3().into()), |bvh, node| {
             let node = &bvh.nodes[node as usize];
             let primitives = node.first_index as usize..(node.first_index + node.prim_count) as usize;
             let found = bvh.primitive_indices[primitives].iter();
@@ -164,7 +175,7 @@ impl<'a> Search<'a> {
             return false;
         }
         let cutter = Cutter { normal: below.normal, thinnest: self.near };
-        cutter.inside(&below.corners, top).is_some()
+        !cutter.are_apart(&below.corners, &top.corners) && cutter.inside(&below.corners, top).is_some()
     }
 }
 
@@ -190,22 +201,66 @@ impl Cutter {
         (area(&inside) > self.thinnest * rim).then_some(inside)
     }
 
-    /// Adds what of a part lies outside of all these faces.
-    fn uncovered(&self, part: Part, covers: &[&Face], halvings: u32, left: &mut Vec<Part>) {
-        let covers: Vec<&Face> =
-            covers.iter().copied().filter(|cover| self.inside(&part.corners, cover).is_some()).collect();
+    /// Whether an edge of one face parts it from another in the same plane.
+    fn are_apart(&self, one: &[DVec3], other: &[DVec3]) -> bool {
+        let parts = |of: &[DVec3], from: &[DVec3]| {
+            edges(of).any(|edge| {
+                let off = self.off(edge);
+                from.iter().all(|corner| off(*corner) > -self.thinnest)
+            })
+        };
+        parts(one, other) || parts(other, one)
+    }
+
+    /// Whether faces are known to cover the whole of convex corners: one does by itself, or they do not overlap and their areas add up.
+    fn cover_all(&self, corners: &[DVec3], covers: &[&Face]) -> bool {
+        let is_within = |inner: &[DVec3], outer: &[DVec3]| {
+            edges(outer).all(|edge| {
+                let off = self.off(edge);
+                inner.iter().all(|corner| off(*corner) <= self.thinnest)
+            })
+        };
+        if covers.iter().any(|cover| is_within(corners, &cover.corners)) {
+            return true;
+        }
+        if covers.iter().any(|cover| cover.is_covered) {
+            return false;
+        }
+        let shared = |cover: &&Face| match is_within(&cover.corners, corners) {
+            true => cover.area,
+            false => self.inside(corners, cover).map_or(0.0, |inside| area(&inside)),
+        };
+        let rim: f64 = edges(corners).map(|(from, to)| from.distance(to)).sum();
+        area(corners) - covers.iter().map(shared).sum::<f64>() <= self.thinnest * rim
+    }
+
+    /// What of a part lies outside of all these faces.
+    fn uncovered(&self, part: Part, covers: &[&Face], halvings: u32) -> Vec<Part> {
+        let (lower, upper) = bounds(&part.corners);
+        let (lower, upper) = (lower - self.thinnest, upper + self.thinnest);
+        let touches = |cover: &&Face| cover.lower.cmple(upper).all() && cover.upper.cmpge(lower).all();
+        let touching = covers.iter().copied().filter(touches);
+        let covers: Vec<&Face> = touching.filter(|cover| !self.are_apart(&part.corners, &cover.corners)).collect();
+        if self.cover_all(&part.corners, &covers) {
+            return Vec::new();
+        }
         if covers.len() > FEW && halvings > 0 {
             let halves = self.halved(&part.corners);
-            for corners in [halves.below, halves.above].into_iter().filter(|corners| corners.len() > 2) {
-                self.uncovered(Part { polygon: part.polygon, corners }, &covers, halvings - 1, left);
-            }
-            return;
+            let half = |corners: Vec<DVec3>| match corners.len() {
+                0..=2 => Vec::new(),
+                _ => self.uncovered(Part { polygon: part.polygon, corners }, &covers, halvings - 1),
+            };
+            let (mut below, above) = if covers.len() > MANY {
+                rayon::join(|| half(halves.below), || half(halves.above))
+            } else {
+                (half(halves.below), half(halves.above))
+            };
+            below.extend(above);
+            return below;
         }
-        let mut rest = vec![part];
-        for cover in covers {
-            rest = rest.into_iter().flat_map(|part| self.outside(part, cover)).collect();
-        }
-        left.extend(rest);
+        let outside =
+            |rest: Vec<Part>, cover: &Face| rest.into_iter().flat_map(|part| self.outside(part, cover)).collect();
+        covers.into_iter().fold(vec![part], outside)
     }
 
     /// What of a part lies outside of a face, as convex parts.
@@ -245,11 +300,13 @@ impl Cutter {
     }
 
     /// Distances from the edges of a face, within the plane; positive outside.
-    fn lines<'a>(&self, cover: &'a Face) -> impl Iterator<Item = impl Fn(DVec3) -> f64 + 'a> + 'a {
-        let normal = self.normal;
-        edges(&cover.corners).map(move |(from, to)| {
-            let outward = (to - from).cross(normal).normalize_or_zero();
-            move |corner: DVec3| outward.dot(corner - from)
-        })
+    fn lines<'a>(&'a self, cover: &'a Face) -> impl Iterator<Item = impl Fn(DVec3) -> f64 + use<>> + 'a {
+        edges(&cover.corners).map(|edge| self.off(edge))
+    }
+
+    /// Distance from the line of an edge; positive outside.
+    fn off(&self, (from, to): (DVec3, DVec3)) -> impl Fn(DVec3) -> f64 + use<> {
+        let outward = (to - from).cross(self.normal).normalize_or_zero();
+        move |corner: DVec3| outward.dot(corner - from)
     }
 }

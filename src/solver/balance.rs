@@ -4,8 +4,9 @@ use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
 use super::Solver;
-use crate::hierarchy::ElementId;
-use crate::random::{cosine_direction, mix};
+use crate::geometry::EnclosureTest;
+use crate::hierarchy::{ElementId, SurfacePoint};
+use crate::random::{cosine_direction, even_point, mix};
 
 /// The power of a solution, W per colour: Φ should equal the sum of the other three.
 #[derive(Clone, Copy, Debug)]
@@ -19,6 +20,11 @@ pub struct PowerBalance {
     /// Power that leaves the scene.
     pub escaped: DVec3,
 }
+
+/// Rays that tell whether a point is hidden.
+const HIDDEN_RAYS: u32 = 16;
+/// Points of a leaf hidden in part that are tried.
+const TRIES: u64 = 8;
 
 impl PowerBalance {
     /// What is missing (positive) or created (negative), as a share of the emitted power of all colours.
@@ -47,23 +53,21 @@ pub fn power_balance(solver: &Solver, rays: u32, seed: u64) -> PowerBalance {
     let hierarchy = &solver.hierarchy;
     let leaves: Vec<ElementId> =
         hierarchy.ids().filter(|id| hierarchy.element(*id).is_leaf() && !hierarchy.element(*id).is_cluster()).collect();
+    let mut power_before = vec![0.0_f64];
+    for leaf in &leaves {
+        let power = f64::from(hierarchy.element(*leaf).area * solver.light.radiosity[leaf.index()].element_sum());
+        power_before.push(power_before[power_before.len() - 1] + power);
+    }
+    let total = power_before[leaves.len()];
     let emitted = solver.scene.emitted_power().as_dvec3();
     let mut balance =
         PowerBalance { emitted, absorbed: absorbed(solver), stopped_by_backs: DVec3::ZERO, escaped: DVec3::ZERO };
-    // Points lie on hidden parts as well, whose rays meet the backs around them: these are known beforehand.
-    let mut power_before = vec![0.0_f64];
-    let (mut exposed_emission, mut hidden) = (DVec3::ZERO, DVec3::ZERO);
-    for leaf in &leaves {
-        let (element, radiosity) = (hierarchy.element(*leaf), solver.light.radiosity[leaf.index()]);
-        let power = f64::from(element.sampled_area * radiosity.element_sum());
-        power_before.push(power_before[power_before.len() - 1] + power);
-        exposed_emission += f64::from(element.area) * solver.light.emitted[leaf.index()].as_dvec3();
-        hidden += f64::from(element.sampled_area - element.area) * radiosity.as_dvec3();
-    }
-    let total = power_before[leaves.len()];
     if total <= 0.0 || rays == 0 {
         return balance;
     }
+    let test = EnclosureTest::new(&solver.scene, &solver.occluders);
+    let starts: Vec<Vec<SurfacePoint>> =
+        leaves.par_iter().map(|leaf| exposed_points(solver, &test, *leaf, seed)).collect();
     let fates: Vec<(DVec3, DVec3)> = (0..rays)
         .into_par_iter()
         .map(|index| {
@@ -71,7 +75,11 @@ pub fn power_balance(solver: &Solver, rays: u32, seed: u64) -> PowerBalance {
             let wanted = (f64::from(index) + f64::from(random(0))) / f64::from(rays) * total;
             let place = power_before[1..leaves.len()].partition_point(|&before| before <= wanted);
             let leaf = leaves[place];
-            let point = hierarchy.point_on(leaf, random(1), random(2));
+            // Of a leaf that is hidden in part, one of the points that are not.
+            let point = match starts[place].as_slice() {
+                [] => hierarchy.point_on(leaf, random(1), random(2)),
+                some => some[((random(1) * some.len() as f32) as usize).min(some.len() - 1)],
+            };
             let direction = cosine_direction(point.normal, random(3), random(4));
             let radiosity = solver.light.radiosity[leaf.index()];
             let carried = (radiosity / radiosity.element_sum()).as_dvec3() * (total / f64::from(rays));
@@ -82,9 +90,29 @@ pub fn power_balance(solver: &Solver, rays: u32, seed: u64) -> PowerBalance {
             }
         })
         .collect();
-    let (stopped, escaped) =
-        fates.into_iter().fold((DVec3::ZERO, DVec3::ZERO), |sums, fate| (sums.0 + fate.0, sums.1 + fate.1));
-    balance.stopped_by_backs = (emitted - exposed_emission).max(DVec3::ZERO) + (stopped - hidden).max(DVec3::ZERO);
-    balance.escaped = escaped;
+    let exposed_emission = leaves
+        .iter()
+        .map(|leaf| f64::from(hierarchy.element(*leaf).area) * solver.light.emitted[leaf.index()].as_dvec3());
+    balance.stopped_by_backs = (emitted - exposed_emission.sum::<DVec3>()).max(DVec3::ZERO);
+    for (stopped, escaped) in fates {
+        balance.stopped_by_backs += stopped;
+        balance.escaped += escaped;
+    }
     balance
+}
+
+/// Some random points of a leaf that is hidden in part that are not hidden themselves; few are tried, so that the work grows with the
+/// scene, not with the rays.
+fn exposed_points(solver: &Solver, test: &EnclosureTest, leaf: ElementId, seed: u64) -> Vec<SurfacePoint> {
+    let hierarchy = &solver.hierarchy;
+    if hierarchy.element(leaf).exposed_share() >= 1.0 || solver.light.radiosity[leaf.index()] == Vec3::ZERO {
+        return Vec::new();
+    }
+    let point = |number: u64| {
+        let seed = mix(mix(seed, u64::from(leaf.0)), number);
+        let [u, v] = even_point(seed, 0);
+        let point = hierarchy.point_on(leaf, u, v);
+        (!test.hides(point.position, point.normal, seed, HIDDEN_RAYS)).then_some(point)
+    };
+    (0..TRIES).filter_map(point).collect()
 }
