@@ -6,12 +6,12 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use selflink::cancel::CancelToken;
-use selflink::exposure::Exposure;
+use selflink::geometry::Occluders;
+use selflink::geometry::Reachability;
 use selflink::hierarchy::{ClusteringMode, Hierarchy, Shape};
 use selflink::scene::builtin::BuiltinScene;
 use selflink::scene::{GroupMember, GroupTree, Scene, Sidecar, SidecarError, Source, load_file, write_obj};
 use selflink::solver::{Epsilon, Snapshot, Solver, SolverParams};
-use selflink::visibility::Occluders;
 use selflink::worker::{Command, Event, RunState, SolverThread};
 
 const PATIENCE: Duration = Duration::from_secs(60);
@@ -28,8 +28,8 @@ fn solution(scene: &Scene) -> Snapshot {
 }
 
 fn hierarchy(scene: &Scene) -> Hierarchy {
-    let exposure = Arc::new(Exposure::new(scene, &Occluders::new(scene)));
-    Hierarchy::new(scene, exposure, ClusteringMode::Groups, 5)
+    let reachability = Arc::new(Reachability::new(scene, &Occluders::new(scene)));
+    Hierarchy::new(scene, reachability, ClusteringMode::Groups, 5)
 }
 
 fn members(json: &str) -> Vec<GroupMember> {

@@ -14,7 +14,7 @@ use selflink::solver::{Epsilon, Snapshot, Solver, SolverParams};
 const PATIENCE: Duration = Duration::from_secs(60);
 
 fn solved(scene: BuiltinScene, epsilon: f64) -> (Arc<Scene>, Arc<Snapshot>) {
-    let (scene, occluders) = selflink::orient::apply(scene.build(), Sides::Front);
+    let (scene, occluders) = selflink::geometry::orient::apply(scene.build(), Sides::Front);
     let scene = Arc::new(scene);
     let params = SolverParams { epsilon: Epsilon::Relative(epsilon), ..SolverParams::default() };
     let mut solver = Solver::new(scene.clone(), Arc::new(occluders), params, 1).expect("usable parameters");

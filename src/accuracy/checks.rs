@@ -5,9 +5,9 @@ use std::sync::Arc;
 use super::cases::{Case, Place};
 use super::locate::locate;
 use crate::cancel::CancelToken;
+use crate::geometry::Occluders;
 use crate::reference::{ReferenceRun, SurfacePoint, random_points_on};
 use crate::solver::{Solver, SolverError, SolverParams};
-use crate::visibility::Occluders;
 
 /// A value and how far it may be off.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -10,13 +10,13 @@ use super::path_tracer;
 use super::record::{Chart, ReferenceRecord, RunRecord, SkippedRun};
 use crate::accuracy::ErrorMeter;
 use crate::cancel::CancelToken;
+use crate::geometry::Occluders;
 use crate::reference::Reference;
 use crate::scene::Scene;
 use crate::solver::{
     ClusterModel, ClusteringMode, Epsilon, OracleKind, Push, Reconstruct, Solver, SolverError, SolverParams,
     USUAL_ERROR,
 };
-use crate::visibility::Occluders;
 
 /// The path tracer computes as many points as the display mesh of a solve with this ε has vertices.
 const EPSILON_OF_POINTS: f64 = 1e-3;

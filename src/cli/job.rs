@@ -10,10 +10,11 @@ use clap::ArgMatches;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use selflink::cancel::CancelToken;
 use selflink::export::settings::Settings;
+use selflink::geometry::Occluders;
+use selflink::geometry::orient;
+use selflink::scene;
 use selflink::scene::{Scene, Source};
 use selflink::solver::{Snapshot, Solver, Stats, Step};
-use selflink::visibility::Occluders;
-use selflink::{orient, scene};
 
 use super::options;
 use super::progress::Progress;

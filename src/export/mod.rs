@@ -14,7 +14,9 @@ pub mod settings;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
-use crate::scene::Material;
+use glam::DVec3;
+
+use crate::scene::{Material, Scene};
 use crate::solver::{Mesh, Snapshot};
 use crate::tone;
 
@@ -98,6 +100,8 @@ fn extension(path: &Path) -> String {
 pub struct LitMesh<'a> {
     /// Triangles.
     pub mesh: &'a Mesh,
+    /// Zero of the mesh's coordinates in those of the scene's file.
+    pub origin: DVec3,
     /// Radiosity B of each vertex, W/m², linear RGB.
     pub radiosity: &'a [[f32; 3]],
     /// Factor on radiosities for the tone-mapped colours, m²/W.
@@ -108,12 +112,13 @@ pub struct LitMesh<'a> {
 
 impl<'a> LitMesh<'a> {
     /// The mesh of a snapshot, exposed as the picture of it is without anybody's correction.
-    pub fn of(snapshot: &'a Snapshot, materials: &'a [Material]) -> Self {
+    pub fn of(snapshot: &'a Snapshot, scene: &'a Scene) -> Self {
         Self {
             mesh: &snapshot.mesh,
+            origin: scene.origin,
             radiosity: &snapshot.vertex_radiosity,
             exposure: tone::auto_exposure(snapshot),
-            materials,
+            materials: &scene.materials,
         }
     }
 }

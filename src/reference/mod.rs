@@ -11,7 +11,7 @@
 //! use selflink::reference::{ReferenceRun, random_points};
 //! use selflink::scene::{Sides, builtin::BuiltinScene};
 //!
-//! let (scene, _) = selflink::orient::apply(BuiltinScene::Cornell.build(), Sides::Front);
+//! let (scene, _) = selflink::geometry::orient::apply(BuiltinScene::Cornell.build(), Sides::Front);
 //! let points = random_points(&scene, 20, 1);
 //! let mut run = ReferenceRun::new(&scene, points.into(), 1);
 //! for _ in 0..4 {

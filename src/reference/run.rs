@@ -43,7 +43,7 @@ pub struct ReferenceRun {
 }
 
 impl ReferenceRun {
-    /// A run that has made no pass, of a scene whose faces are turned and doubled as it is solved ([`crate::orient::apply`]).
+    /// A run that has made no pass, of a scene whose faces are turned and doubled as it is solved ([`crate::geometry::orient::apply`]).
     pub fn new(scene: &Scene, points: Arc<[SurfacePoint]>, seed: u64) -> Self {
         let none = vec![Sums::default(); points.len()];
         Self {

@@ -2,12 +2,12 @@
 
 use std::collections::{HashMap, HashSet};
 
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 
 use super::draft::{Draft, DraftFace};
 use super::sidecar::{MAX_EMISSION, Sidecar, SidecarMaterial};
 use super::triangulate::{Effort, ear_clip, is_good_quad, longest_edge_squared, newell};
-use super::{Material, MaterialId, Polygon, Scene, Sides, Skipped, said};
+use super::{Material, MaterialId, Polygon, Scene, Sides, Skipped, place, said};
 
 /// The largest reflectance that a scene file may set; more makes light that hardly ever dies.
 const MAX_FILE_REFLECTANCE: f32 = 0.95;
@@ -56,7 +56,11 @@ pub(super) fn assemble(name: &str, draft: Draft, sidecar: &Sidecar) -> Scene {
         filed_materials.push(filed);
     }
 
-    let mut builder = PolygonBuilder::new(&vertices, skipped, faces.len());
+    let (lower, upper) = vertices.iter().fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(lower, upper), vertex| {
+        (lower.min(*vertex), upper.max(*vertex))
+    });
+    let origin = place::origin(lower, upper);
+    let mut builder = PolygonBuilder::new(&vertices, origin, skipped, faces.len());
     let mut rest = corners.as_slice();
     for face in &faces {
         let (face_corners, behind) = rest.split_at(face.count as usize);
@@ -68,13 +72,14 @@ pub(super) fn assemble(name: &str, draft: Draft, sidecar: &Sidecar) -> Scene {
         builder.skipped.note("Its outlines take too long to be cut properly: the last ones may be filled wrongly.");
     }
     let mut scene = Scene::new(said::name(name));
+    scene.origin = origin;
     scene.vertices = builder.vertices;
     scene.polygons = builder.polygons;
     scene.skipped = builder.skipped;
     scene.materials = final_materials;
     scene.filed_materials = filed_materials;
     scene.groups = groups;
-    scene.camera = sidecar.camera;
+    scene.camera = sidecar.camera.map(|camera| camera.in_scene(&scene));
     scene.sides = sidecar.sides.unwrap_or(Sides::Front);
     scene
 }
@@ -111,7 +116,10 @@ impl FaceRule {
 /// Its maps hash with secret keys, as std's do: with a known hash a file can hold positions that all fall into one slot, and each
 /// look-up would go through all of them.
 struct PolygonBuilder<'a> {
-    positions: &'a [Vec3],
+    /// In the file's coordinates.
+    positions: &'a [DVec3],
+    /// Zero of the scene's coordinates in the file's.
+    origin: DVec3,
     /// For each position of the file its vertex in the scene, or [`UNUSED`].
     vertex_of_position: Vec<u32>,
     vertex_at: HashMap<[u32; 3], u32>,
@@ -130,7 +138,7 @@ struct PolygonBuilder<'a> {
 const UNUSED: u32 = u32::MAX;
 
 impl<'a> PolygonBuilder<'a> {
-    fn new(positions: &'a [Vec3], skipped: Skipped, faces: usize) -> Self {
+    fn new(positions: &'a [DVec3], origin: DVec3, skipped: Skipped, faces: usize) -> Self {
         let mut seen = HashSet::new();
         seen.reserve(faces);
         Self {
@@ -139,6 +147,7 @@ impl<'a> PolygonBuilder<'a> {
             vertices: Vec::with_capacity(positions.len()),
             polygons: Vec::with_capacity(faces),
             positions,
+            origin,
             seen,
             seen_large: HashSet::new(),
             effort: Effort::of_a_scene(),
@@ -199,7 +208,7 @@ impl<'a> PolygonBuilder<'a> {
             return known;
         }
         // Adding zero makes −0 and 0 the same bits.
-        let position = self.positions[position_index as usize] + Vec3::ZERO;
+        let position = (self.positions[position_index as usize] - self.origin).as_vec3() + Vec3::ZERO;
         let key = position.to_array().map(f32::to_bits);
         let vertex = *self.vertex_at.entry(key).or_insert_with(|| {
             self.vertices.push(position);

@@ -3,20 +3,12 @@
 use std::collections::HashMap;
 use std::path::Path;
 
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 
 use super::{Group, GroupId, Skipped, said};
 
 /// More polygons than this are refused: they would take tens of gigabytes to light.
 pub(super) const MOST_POLYGONS: usize = 32_000_000;
-
-/// The largest coordinate, in the scene's length unit: the fourth power of a distance must stay a finite f32.
-pub(super) const MAX_COORDINATE: f32 = 1e9;
-
-/// Whether a coordinate is finite and not too large to reckon with.
-pub(super) fn is_usable(coordinate: f32) -> bool {
-    coordinate.abs() <= MAX_COORDINATE
-}
 
 /// The name shown to a person.
 pub(super) fn scene_name(path: &Path) -> String {
@@ -61,7 +53,8 @@ pub(super) struct DraftFace {
 
 /// What a reader hands on.
 pub(super) struct Draft {
-    pub vertices: Vec<Vec3>,
+    /// Positions in the file's coordinates.
+    pub vertices: Vec<DVec3>,
     /// Vertex indices (all valid) of one face after the other.
     pub corners: Vec<u32>,
     pub faces: Vec<DraftFace>,

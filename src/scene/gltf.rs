@@ -6,19 +6,20 @@ use std::collections::HashMap;
 use std::f32::consts::PI;
 use std::path::Path;
 
-use glam::{DMat4, DQuat, DVec3, Vec3, Vec4};
+use glam::{DMat4, Vec3, Vec4};
 use gltf::json::mesh::{Mode, Primitive, Semantic};
-use gltf::json::scene::{Node, UnitQuaternion};
 use gltf::json::validation::Checked;
 use gltf::{Document, Gltf};
 use rustc_hash::FxHashMap;
 
 use super::GroupId;
 use super::draft::scene_name;
-use super::draft::{Draft, DraftMaterial, MOST_POLYGONS, is_usable};
+use super::draft::{Draft, DraftMaterial, MOST_POLYGONS};
 use super::files::SceneFiles;
 use super::gltf_buffers::{GltfData, Problem};
+use super::gltf_nodes::parents_from_nodes;
 use super::load_error::LoadError;
+use super::place::{Reach, is_usable};
 use super::said::{self, quoted, sentence};
 use super::texture::mean_colours;
 
@@ -38,10 +39,28 @@ pub(super) fn read(path: &Path, bytes: &[u8], files: &dyn SceneFiles) -> Result<
     let data = GltfData::read(files, document.as_json(), blob).map_err(parse_error)?;
     let mut draft = Draft::new(&scene_name(path));
     add_materials(&mut draft, &document, &data);
-    let mut walk =
-        Walk { path, data: &data, draft, meshes: FxHashMap::default(), grey: None, areas_missing: 0, decoded: 0 };
+    let mut walk = Walk {
+        path,
+        data: &data,
+        draft,
+        meshes: FxHashMap::default(),
+        grey: None,
+        parents_from_nodes: parents_from_nodes(bytes).map_err(parse_error)?,
+        areas_missing: 0,
+        reach: Reach::new(),
+        rounded: (0, 0.0),
+        decoded: 0,
+    };
     let lights = walk.run()?;
-    let Walk { mut draft, areas_missing, .. } = walk;
+    let Walk { mut draft, areas_missing, reach, rounded, .. } = walk;
+    if let Some(place) = reach.too_far() {
+        return Err(coordinate_error(path, place));
+    }
+    if let (meshes @ 1.., unit) = rounded {
+        draft.skipped.note(format!(
+            "The file's own coordinates are too far from zero and have lost the shape of its meshes ({meshes}), to {unit}: export with the meshes near zero and let a node move them."
+        ));
+    }
     if areas_missing > 0 {
         draft.skipped.note(format!("Lines and points have no area and are left out ({areas_missing})."));
     }
@@ -165,6 +184,30 @@ fn image_means(draft: &mut Draft, document: &Document, data: &GltfData) -> FxHas
     known
 }
 
+/// A mesh has lost its shape where its coordinates are rounded to this share of its size: light is wrong by about half a percent.
+const LOST: f32 = 1e-3;
+
+/// What the coordinates of a mesh are rounded to, if that is more than [`LOST`] of its size: it lies far from its own zero. Coordinates
+/// that all have spare digits were exact and lost nothing.
+fn coarse_rounding(parts: &[Part]) -> Option<f32> {
+    let all = || parts.iter().flat_map(|part| &part.positions);
+    let (lower, upper) =
+        all().fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(lower, upper), at| (lower.min(*at), upper.max(*at)));
+    let size = (upper - lower).max_element();
+    let rounding = |axis: usize| {
+        let largest = lower[axis].abs().max(upper[axis].abs());
+        let unit = largest.next_up() - largest;
+        let is_exact = || all().all(|at| (at[axis] / (4.0 * unit)).fract() == 0.0);
+        (unit.is_finite() && unit > LOST * size && !is_exact()).then_some(unit)
+    };
+    (0..3).filter_map(rounding).reduce(f32::max)
+}
+
+fn coordinate_error(path: &Path, (node, mesh, number): (usize, usize, usize)) -> LoadError {
+    let (place, vertex) = (format!("node {node}, mesh {mesh}"), format!("vertex {number}"));
+    LoadError::Coordinate { path: path.to_path_buf(), place, vertex }
+}
+
 /// A primitive in the space of its mesh.
 struct Part {
     positions: Vec<Vec3>,
@@ -178,10 +221,16 @@ struct Walk<'a> {
     data: &'a GltfData<'a>,
     draft: Draft,
     meshes: FxHashMap<usize, Vec<Part>>,
+    /// Of each node, into the space of its parent.
+    parents_from_nodes: Vec<DMat4>,
     /// The material of primitives without one, once there is such a primitive.
     grey: Option<u32>,
     /// Primitives of lines or points.
     areas_missing: usize,
+    /// How far vertices reach, by their nodes, meshes and numbers.
+    reach: Reach<(usize, usize, usize)>,
+    /// Meshes whose coordinates are rounded to more than [`LOST`] of their size, and the coarsest rounding among them.
+    rounded: (usize, f32),
     /// Vertices and triangles of all meshes read so far: many primitives can share one accessor.
     decoded: usize,
 }
@@ -201,7 +250,7 @@ impl Walk<'_> {
                 return Err(self.problem(place(), "it has two parents or is its own ancestor".into()));
             }
             let name = node.name.clone().unwrap_or_else(|| format!("node_{index}"));
-            let world_from_node = world_from_parent * parent_from_node(node);
+            let world_from_node = world_from_parent * self.parents_from_nodes.get(index).copied().unwrap_or_default();
             let group = self.draft.add_group(&name, parent);
             if let Some(light) = node.extensions.as_ref().and_then(|it| it.khr_lights_punctual.as_ref()) {
                 let lights_of_root = root.extensions.as_ref().and_then(|it| it.khr_lights_punctual.as_ref());
@@ -236,9 +285,12 @@ impl Walk<'_> {
     fn add_instance(&mut self, mesh: usize, group: GroupId, world: DMat4, node: usize) -> Result<(), LoadError> {
         if !self.meshes.contains_key(&mesh) {
             let parts = self.read_mesh(mesh)?;
+            if let Some(rounding) = coarse_rounding(&parts) {
+                self.rounded = (self.rounded.0 + 1, self.rounded.1.max(rounding));
+            }
             self.meshes.insert(mesh, parts);
         }
-        let Self { path, draft, meshes, grey, .. } = self;
+        let Self { path, draft, meshes, grey, reach, .. } = self;
         let mirrored = world.determinant() < 0.0;
         for part in &meshes[&mesh] {
             let count = draft.faces.len().saturating_add(part.triangles.len());
@@ -254,11 +306,11 @@ impl Walk<'_> {
             });
             let first = draft.vertices.len() as u32;
             for (number, position) in part.positions.iter().enumerate() {
-                let position = world.transform_point3(position.as_dvec3()).as_vec3();
+                let position = world.transform_point3(position.as_dvec3());
                 if !position.to_array().into_iter().all(is_usable) {
-                    let (place, vertex) = (format!("node {node}, mesh {mesh}"), format!("vertex {number}"));
-                    return Err(LoadError::Coordinate { path: path.to_path_buf(), place, vertex });
+                    return Err(coordinate_error(path, (node, mesh, number)));
                 }
+                reach.add(position, (node, mesh, number));
                 draft.vertices.push(position);
             }
             for &[a, b, c] in &part.triangles {
@@ -332,19 +384,6 @@ fn triangles(mode: Mode, indices: &[u32]) -> Vec<[u32; 3]> {
             .collect(),
         _ => indices.chunks_exact(3).map(|corners| [corners[0], corners[1], corners[2]]).collect(),
     }
-}
-
-/// A node's own transform.
-fn parent_from_node(node: &Node) -> DMat4 {
-    if let Some(matrix) = node.matrix {
-        return DMat4::from_cols_array(&matrix.map(f64::from));
-    }
-    let vector = |value: Option<[f32; 3]>, unsaid| value.map_or(unsaid, |value| Vec3::from_array(value).as_dvec3());
-    let UnitQuaternion([x, y, z, w]) = node.rotation.unwrap_or_default();
-    let rotation = DQuat::from_xyzw(x.into(), y.into(), z.into(), w.into());
-    let rotation = if rotation.length_squared() > 0.0 { rotation.normalize() } else { DQuat::IDENTITY };
-    let (scale, translation) = (vector(node.scale, DVec3::ONE), vector(node.translation, DVec3::ZERO));
-    DMat4::from_scale_rotation_translation(scale, rotation, translation)
 }
 
 #[cfg(test)]

@@ -11,11 +11,13 @@ mod edit;
 mod files;
 mod gltf;
 mod gltf_buffers;
+mod gltf_nodes;
 mod load;
 mod load_error;
 mod mtl;
 mod obj;
 mod obj_text;
+mod place;
 mod regroup;
 mod regroup_edit;
 mod regroup_list;
@@ -25,7 +27,7 @@ mod texture;
 mod triangulate;
 mod write;
 
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 use serde::{Deserialize, Serialize};
 
 pub use check::Skipped;
@@ -33,6 +35,8 @@ pub use edit::EditError;
 pub use files::{FileError, SceneFiles, SceneFolder};
 pub use load::{Source, load, load_bytes, load_file};
 pub use load_error::LoadError;
+pub use place::FiledCamera;
+pub(crate) use place::to_file;
 pub use regroup::{GroupMember, GroupTree};
 pub use regroup_edit::{RegroupError, Regrouped};
 pub use sidecar::{MAX_EMISSION, MAX_SIDECAR_REFLECTANCE, Sidecar, SidecarError, SidecarLight, SidecarMaterial};
@@ -163,6 +167,8 @@ pub struct CeilingPanel {
 pub struct Scene {
     /// Name shown to a person (file stem or the name of our own scene).
     pub name: String,
+    /// Where the zero of the scene's coordinates lies in its file's: files of surveyed places lie far off.
+    pub origin: DVec3,
     /// Positions, in the scene's length unit (metres where areas and watts are to be read).
     pub vertices: Vec<Vec3>,
     /// Faces; order is the file's.
@@ -180,9 +186,9 @@ pub struct Scene {
     pub ceiling_panels: Vec<CeilingPanel>,
     /// The view to open with, where the scene names one.
     pub camera: Option<CameraPose>,
-    /// Which sides of its faces are bright; [`crate::orient::apply`] makes it so.
+    /// Which sides of its faces are bright; [`crate::geometry::orient::apply`] makes it so.
     pub sides: Sides,
-    /// Edges, by their ends, that part what is shown on their sides: a wall stands on them ([`crate::partition`]).
+    /// Edges, by their ends, that part what is shown on their sides: a wall stands on them ([`crate::geometry::cuts`]).
     pub seams: Vec<[Vec3; 2]>,
     /// What loading skipped, clamped or ignored.
     pub skipped: Skipped,
@@ -196,6 +202,7 @@ impl Scene {
             groups: vec![Group { name: name.clone(), parent: None }],
             regrouping: Vec::new(),
             name,
+            origin: DVec3::ZERO,
             vertices: Vec::new(),
             polygons: Vec::new(),
             materials: Vec::new(),

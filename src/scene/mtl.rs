@@ -7,7 +7,7 @@ use std::borrow::Cow;
 use std::collections::HashMap;
 use std::f32::consts::PI;
 
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 
 use super::Skipped;
 use super::draft::{DraftMaterial, GREY};
@@ -44,16 +44,17 @@ impl MaterialLibrary {
     /// The material of a name, if any file defines it.
     pub fn get(&self, name: &str) -> Option<DraftMaterial> {
         let material = self.by_name.get(name)?;
-        let emission = material.emissive.map_or(Vec3::ZERO, |radiance| PI * Vec3::from_array(radiance));
+        let emission = material.emissive.map_or(Vec3::ZERO, |radiance| PI * DVec3::from_array(radiance).as_vec3());
         let mean = material.diffuse_texture.as_ref().and_then(|texture| self.means.get(texture));
         let unsaid = match (mean, emission == Vec3::ZERO) {
             (Some(_), _) => Vec3::ONE,
             (None, true) => GREY,
             (None, false) => Vec3::ZERO,
         };
-        let diffuse = material.diffuse.map_or(unsaid, Vec3::from_array);
+        let diffuse = material.diffuse.map_or(unsaid, |diffuse| DVec3::from_array(diffuse).as_vec3());
         let transparency = material.unknown_param.get("Tr").and_then(|value| value.parse::<f32>().ok());
-        let dissolve = material.dissolve.or(transparency.map(|transparency| 1.0 - transparency));
+        let dissolve =
+            material.dissolve.map(|dissolve| dissolve as f32).or(transparency.map(|transparency| 1.0 - transparency));
         Some(DraftMaterial {
             name: name.to_owned(),
             reflectance: diffuse * mean.copied().unwrap_or(Vec3::ONE),

@@ -5,7 +5,7 @@
 
 use std::path::Path;
 
-use glam::Vec3;
+use glam::DVec3;
 
 use super::draft::scene_name;
 use super::draft::{Draft, DraftMaterial, MOST_POLYGONS};
@@ -89,7 +89,7 @@ fn add_model(draft: &mut Draft, model: &tobj::Model) {
         None => grey(draft),
     };
     let first = draft.vertices.len() as u32;
-    draft.vertices.extend(mesh.positions.chunks_exact(3).map(Vec3::from_slice));
+    draft.vertices.extend(mesh.positions.chunks_exact(3).map(DVec3::from_slice));
     let mut rest = mesh.indices.as_slice();
     let mut corners = Vec::new();
     let all_triangles = mesh.indices.len() / 3;

@@ -8,9 +8,11 @@ use std::collections::HashSet;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
-use super::draft::is_usable;
+use glam::DVec3;
+
 use super::files::name_of;
 use super::load_error::LoadError;
+use super::place::{Reach, is_usable};
 use super::said::quoted;
 
 /// A face with more corners than this is no modeller's work.
@@ -64,6 +66,8 @@ struct LineReader<'a> {
     line: usize,
     vertices: String,
     vertex_count: usize,
+    /// How far vertices reach, by their lines and numbers.
+    reach: Reach<(usize, usize)>,
     faces: String,
     /// Group and material of the next face, as statements that are not written yet: most files have some that no face follows.
     pending: [String; 2],
@@ -82,6 +86,7 @@ impl<'a> LineReader<'a> {
             line: 0,
             vertices: String::new(),
             vertex_count: 0,
+            reach: Reach::new(),
             faces: String::new(),
             pending: [String::new(), String::new()],
             largest_index: (0, 0),
@@ -124,17 +129,19 @@ impl<'a> LineReader<'a> {
         self.vertex_count += 1;
         self.vertices.push('v');
         let mut words = rest.split_whitespace();
-        for _ in 0..3 {
+        let mut position = DVec3::ZERO;
+        for axis in 0..3 {
             let word = words.next().ok_or_else(|| self.problem("a vertex needs three coordinates"))?;
-            let value: f32 = word.parse().map_err(|_| self.problem(format!("{} is not a coordinate", quoted(word))))?;
+            let value: f64 = word.parse().map_err(|_| self.problem(format!("{} is not a coordinate", quoted(word))))?;
             if !is_usable(value) {
-                let vertex = format!("vertex {}", self.vertex_count);
-                return Err(LoadError::Coordinate { path: self.path.to_owned(), place: self.place(), vertex });
+                return Err(self.coordinate_error((self.line, self.vertex_count)));
             }
+            position[axis] = value;
             self.vertices.push(' ');
             self.vertices.push_str(word);
         }
         self.vertices.push('\n');
+        self.reach.add(position, (self.line, self.vertex_count));
         Ok(())
     }
 
@@ -207,6 +214,9 @@ impl<'a> LineReader<'a> {
         if index > self.vertex_count as i64 {
             return Err(self.index_error(index, line));
         }
+        if let Some(place) = self.reach.too_far() {
+            return Err(self.coordinate_error(place));
+        }
         // tobj asks for the materials when it meets this line; the name is not looked at.
         let mut plain = String::from("mtllib materials\n");
         plain.push_str(&self.vertices);
@@ -221,6 +231,11 @@ impl<'a> LineReader<'a> {
 
     fn problem(&self, problem: impl Into<String>) -> LoadError {
         LoadError::Parse { path: self.path.to_owned(), place: self.place(), problem: problem.into() }
+    }
+
+    fn coordinate_error(&self, (line, vertex): (usize, usize)) -> LoadError {
+        let (place, vertex) = (format!("line {line}"), format!("vertex {vertex}"));
+        LoadError::Coordinate { path: self.path.to_owned(), place, vertex }
     }
 
     fn index_error(&self, index: i64, line: usize) -> LoadError {

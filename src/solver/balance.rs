@@ -4,7 +4,6 @@ use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
 use super::Solver;
-use crate::exposure::Darkness;
 use crate::hierarchy::ElementId;
 use crate::random::{cosine_direction, mix};
 
@@ -20,10 +19,6 @@ pub struct PowerBalance {
     /// Power that leaves the scene.
     pub escaped: DVec3,
 }
-
-/// Rays that tell whether a point is hidden, and points tried until one is not.
-const HIDDEN_RAYS: u32 = 16;
-const MOST_TRIES: u64 = 16;
 
 impl PowerBalance {
     /// What is missing (positive) or created (negative), as a share of the emitted power of all colours.
@@ -52,22 +47,23 @@ pub fn power_balance(solver: &Solver, rays: u32, seed: u64) -> PowerBalance {
     let hierarchy = &solver.hierarchy;
     let leaves: Vec<ElementId> =
         hierarchy.ids().filter(|id| hierarchy.element(*id).is_leaf() && !hierarchy.element(*id).is_cluster()).collect();
-    let mut power_before = vec![0.0_f64];
-    for leaf in &leaves {
-        let power = f64::from(hierarchy.element(*leaf).area * solver.light.radiosity[leaf.index()].element_sum());
-        power_before.push(power_before[power_before.len() - 1] + power);
-    }
-    let total = power_before[leaves.len()];
     let emitted = solver.scene.emitted_power().as_dvec3();
     let mut balance =
         PowerBalance { emitted, absorbed: absorbed(solver), stopped_by_backs: DVec3::ZERO, escaped: DVec3::ZERO };
+    // Points lie on hidden parts as well, whose rays meet the backs around them: these are known beforehand.
+    let mut power_before = vec![0.0_f64];
+    let (mut exposed_emission, mut hidden) = (DVec3::ZERO, DVec3::ZERO);
+    for leaf in &leaves {
+        let (element, radiosity) = (hierarchy.element(*leaf), solver.light.radiosity[leaf.index()]);
+        let power = f64::from(element.sampled_area * radiosity.element_sum());
+        power_before.push(power_before[power_before.len() - 1] + power);
+        exposed_emission += f64::from(element.area) * solver.light.emitted[leaf.index()].as_dvec3();
+        hidden += f64::from(element.sampled_area - element.area) * radiosity.as_dvec3();
+    }
+    let total = power_before[leaves.len()];
     if total <= 0.0 || rays == 0 {
         return balance;
     }
-    let lower_upper = solver.scene.bounds();
-    let nearest = 1e-5 * (lower_upper.1 - lower_upper.0).length();
-    let darkness = Darkness::new(&solver.scene, &solver.occluders);
-    let can_hide = |leaf: ElementId| hierarchy.element(leaf).exposed_share() < 1.0;
     let fates: Vec<(DVec3, DVec3)> = (0..rays)
         .into_par_iter()
         .map(|index| {
@@ -75,40 +71,20 @@ pub fn power_balance(solver: &Solver, rays: u32, seed: u64) -> PowerBalance {
             let wanted = (f64::from(index) + f64::from(random(0))) / f64::from(rays) * total;
             let place = power_before[1..leaves.len()].partition_point(|&before| before <= wanted);
             let leaf = leaves[place];
-            let exposed = |number: u64| {
-                let point = hierarchy.point_on(leaf, random(5 + 2 * number), random(6 + 2 * number));
-                let seed = mix(seed, u64::from(index));
-                let is_hidden = can_hide(leaf) && darkness.hides(point.position, point.normal, seed, HIDDEN_RAYS);
-                (!is_hidden).then_some(point)
-            };
-            let point = (0..MOST_TRIES).find_map(exposed);
-            let point = point.unwrap_or_else(|| hierarchy.point_on(leaf, random(1), random(2)));
+            let point = hierarchy.point_on(leaf, random(1), random(2));
             let direction = cosine_direction(point.normal, random(3), random(4));
             let radiosity = solver.light.radiosity[leaf.index()];
             let carried = (radiosity / radiosity.element_sum()).as_dvec3() * (total / f64::from(rays));
-            match solver.occluders.closest_hit(point.position + nearest * point.normal, direction, 0.0) {
+            match solver.occluders.ray_from(point.position, point.normal, direction) {
                 None => (DVec3::ZERO, carried),
-                Some(hit) if !hit.front && !solver.is_double(hit.polygon) => (carried, DVec3::ZERO),
+                Some(hit) if !hit.front => (carried, DVec3::ZERO),
                 Some(_) => (DVec3::ZERO, DVec3::ZERO),
             }
         })
         .collect();
-    let exposed_emission = leaves
-        .iter()
-        .map(|leaf| f64::from(hierarchy.element(*leaf).area) * solver.light.emitted[leaf.index()].as_dvec3());
-    balance.stopped_by_backs = (emitted - exposed_emission.sum::<DVec3>()).max(DVec3::ZERO);
-    for (stopped, escaped) in fates {
-        balance.stopped_by_backs += stopped;
-        balance.escaped += escaped;
-    }
+    let (stopped, escaped) =
+        fates.into_iter().fold((DVec3::ZERO, DVec3::ZERO), |sums, fate| (sums.0 + fate.0, sums.1 + fate.1));
+    balance.stopped_by_backs = (emitted - exposed_emission).max(DVec3::ZERO) + (stopped - hidden).max(DVec3::ZERO);
+    balance.escaped = escaped;
     balance
-}
-
-impl Solver {
-    /// Whether the face of this polygon is bright on both sides.
-    fn is_double(&self, polygon: u32) -> bool {
-        // The backs of doubled faces follow all fronts, in the same order.
-        let fronts = self.scene.polygons.iter().position(|polygon| polygon.is_back).unwrap_or(usize::MAX);
-        (polygon as usize) < fronts && fronts != usize::MAX
-    }
 }

@@ -9,11 +9,11 @@ use crate::accuracy::{ErrorMeter, SolutionError};
 use crate::cancel::CancelToken;
 use crate::chart::within;
 use crate::format::percent_with;
-use crate::orient;
+use crate::geometry::Occluders;
+use crate::geometry::orient;
 use crate::reference::{Cache, Reference, ReferenceRun, Target, compute, random_points};
 use crate::scene::{Scene, builtin::BuiltinScene};
 use crate::solver::{Epsilon, Evidence, Snapshot, Solver, SolverParams, Stats};
-use crate::visibility::Occluders;
 
 /// Seed of the reference's points and paths, the same as the solver's default.
 const SEED: u64 = 1;

@@ -18,10 +18,11 @@ use rayon::ThreadPool;
 use super::guard::guarded;
 use super::{FileStamp, Message};
 use crate::added_light::AddedLight;
+use crate::ceiling;
+use crate::geometry::Occluders;
+use crate::geometry::orient;
 use crate::scene::{self, Scene, Sides, Source};
 use crate::solver::{Solver, SolverError, SolverParams};
-use crate::visibility::Occluders;
-use crate::{ceiling, orient};
 
 /// What a loader is to do.
 pub(super) enum Job {

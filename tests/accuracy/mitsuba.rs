@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use selflink::cancel::CancelToken;
-use selflink::orient;
+use selflink::geometry::orient;
 use selflink::reference::{Reference, ReferenceRun, SurfacePoint};
 use selflink::scene::Sides;
 use selflink::scene::builtin::BuiltinScene;

@@ -3,11 +3,11 @@
 
 use glam::{DVec3, Vec3, vec3};
 use selflink::cancel::CancelToken;
+use selflink::geometry::Occluders;
 use selflink::reference::{Reference, ReferenceRun, SurfacePoint, random_points_on};
 use selflink::scene::{GroupId, MaterialId, Scene};
 use selflink::stability::matrix::{self, Fineness};
 use selflink::stability::scenes::add_box;
-use selflink::visibility::Occluders;
 
 const GROUP: GroupId = GroupId(0);
 

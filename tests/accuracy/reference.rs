@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 use glam::{DVec3, Vec3};
 use selflink::accuracy::cases;
 use selflink::cancel::CancelToken;
-use selflink::orient;
+use selflink::geometry::orient;
 use selflink::reference::{Cache, ReferenceRun, SurfacePoint, Target, compute, random_points};
 use selflink::scene::builtin::BuiltinScene;
 use selflink::scene::{Scene, Sides};

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use selflink::accuracy::{ErrorMeter, Measure};
 use selflink::cancel::CancelToken;
 use selflink::format::plus_minus;
-use selflink::orient;
+use selflink::geometry::orient;
 use selflink::reference::{ReferenceRun, random_points};
 use selflink::scene::Sides;
 use selflink::scene::builtin::BuiltinScene;

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use glam::Vec3;
-use selflink::orient;
+use selflink::geometry::orient;
 use selflink::scene::builtin::BuiltinScene;
 use selflink::scene::{Scene, Sides};
 
