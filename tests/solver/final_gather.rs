@@ -6,7 +6,6 @@ use std::time::{Duration, Instant};
 use glam::Vec3;
 use selflink::accuracy::{ErrorMeter, Measure};
 use selflink::cancel::CancelToken;
-use selflink::geometry::Occluders;
 use selflink::geometry::orient;
 use selflink::reference::{ReferenceRun, Target, compute, random_points};
 use selflink::scene::{GroupId, MaterialId, Scene, Sides, builtin::BuiltinScene};
