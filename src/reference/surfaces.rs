@@ -15,8 +15,8 @@ use super::triangle::{Ray, point_of};
 use crate::scene::{Polygon, Scene};
 
 /// How far a face may lie from its place in the file, as a share of its largest coordinate: each of the three numbers of a
-/// corner is off by 2⁻²⁴ of it, their length by √3 of that, and a transformation adds as much.
-const CORNER_ROUNDING: f64 = 4.0 / 16_777_216.0;
+/// corner is off by 2⁻²⁴ of it, and their length by √3 of that.
+const CORNER_ROUNDING: f64 = 2.0 / 16_777_216.0;
 /// Coincident faces are parallel up to 0.8°.
 const LEAST_COSINE: f64 = 0.9999;
 /// Points on the very edge of a triangle are moved inside by this share: there the next wall may begin.

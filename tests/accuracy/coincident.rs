@@ -174,6 +174,18 @@ fn scenes_of_any_size_are_lit_alike() {
     }
 }
 
+/// Truth: translation. Corners that single precision holds exactly are where they are, 16 and 262 km from the origin too.
+#[test]
+fn a_room_far_from_the_origin_is_lit_alike() {
+    let scene = room();
+    let truth = trace(&scene, points(&scene, |at| at), 16);
+    for far in [16_384.0, 262_144.0] {
+        let place = |at: Vec3| at + vec3(far, 0.0, far);
+        let found = trace(&moved(&scene, place), points(&moved(&scene, place), place), 16);
+        assert_alike(&found, &truth, 1e-3, &format!("{far} m away"));
+    }
+}
+
 /// Truth: a sheet 1 mm above the floor keeps all light from it and is lit like the floor; 1 mm below it changes nothing.
 #[test]
 fn faces_a_millimetre_apart_are_two() {

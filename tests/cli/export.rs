@@ -268,6 +268,27 @@ fn second_sides_lie_behind_the_first() {
     assert_eq!(places.len(), both.len(), "two faces at the same place");
 }
 
+/// Truth: the file's own coordinates, which hold more digits than single precision. Radiance computes in double precision; Mitsuba is given the
+/// scene about its middle, and the script that reads points of the file where that lies.
+#[test]
+fn a_scene_far_from_the_origin_keeps_its_shape() {
+    let folder = Folder::new();
+    let corners = ["500000.125 3 0.0625", "500001.25 3 0.0625", "500001.25 3 2.5", "500000.125 3 2.5"];
+    let text = format!("v {}\nf 1 2 3 4\n", corners.join("\nv "));
+    let (file, target) = (folder.write("far.obj", text), folder.path("out"));
+    succeed(&["export", name(&file), "--to", "radiance", name(&target), "--ceiling-light"]);
+    let rad = std::fs::read_to_string(target.join("scene.rad")).expect("it was written");
+    assert!(corners.iter().all(|corner| rad.contains(corner)), "{rad}");
+    succeed(&["export", name(&file), "--to", "mitsuba", name(&target)]);
+    let check = std::fs::read_to_string(target.join("check.py")).expect("it was written");
+    let origin = check.lines().find_map(|line| line.strip_prefix("ORIGIN = (")?.strip_suffix(')')).expect("a line");
+    let origin: Vec<f64> = origin.split(", ").map(|number| number.parse().expect("a number")).collect();
+    let mesh = std::fs::read_dir(target.join("meshes")).expect("a folder").next().expect("a mesh").expect("a file");
+    let triangles = read_ply(&mesh.path());
+    let places: Vec<f64> = triangles.iter().flatten().map(|corner| origin[0] + f64::from(corner.x)).collect();
+    assert!(places.iter().all(|x| *x == 500_000.125 || *x == 500_001.25), "{places:?}");
+}
+
 #[test]
 fn what_cannot_be_exported_is_said() {
     let folder = Folder::new();

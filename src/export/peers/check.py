@@ -12,6 +12,8 @@ import mitsuba as mi
 mi.set_variant("llvm_ad_rgb")
 import drjit as dr  # noqa: E402  (needs the variant)
 
+# Where the zero of scene.xml lies in the coordinates of the scene's file, and of points.csv.
+ORIGIN = (0.0, 0.0, 0.0)
 # Paths traced at once.
 BATCH = 1 << 21
 
@@ -19,7 +21,7 @@ points = np.genfromtxt(sys.argv[1], delimiter=",", names=True)
 paths = int(sys.argv[2]) if len(sys.argv) > 2 else 4096
 scene = mi.load_file(os.path.join(os.path.dirname(os.path.abspath(__file__)), "scene.xml"))
 integrator = scene.integrator()
-position = np.stack([points[axis] for axis in ("x", "y", "z")])
+position = np.stack([points[axis] for axis in ("x", "y", "z")]) - np.array([ORIGIN]).T
 normal = np.stack([points[axis] for axis in ("nx", "ny", "nz")])
 count = position.shape[1]
 # The spread of the passes tells the error, so there are many.
@@ -42,8 +44,8 @@ for number in range(passes):
 theirs = total / passes
 their_error = np.sqrt(np.maximum(squares / passes - theirs**2, 0) / (passes - 1))
 ours = np.stack([points["E_" + colour] for colour in "rgb"])
-has_error = "error_r" in points.dtype.names  # a probe's values have none
-our_error = np.stack([points["error_" + colour] for colour in "rgb"]) if has_error else 0 * ours
+named = "error_" if "error_r" in points.dtype.names else "se_"  # of a reference, of a probe
+our_error = np.stack([points[named + colour] for colour in "rgb"])
 error = np.sqrt(their_error**2 + our_error**2)
 known = error > 0
 z = (ours - theirs)[known] / error[known]

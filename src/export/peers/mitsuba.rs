@@ -1,6 +1,7 @@
 //! Mitsuba 3: a scene file in XML, a mesh in PLY for each material, and a script that asks Mitsuba about the points of a reference.
 //!
-//! `diffuse` is bright on one side and area emitters shine on one, as faces do here. They take the radiance B_e/π.
+//! `diffuse` is bright on one side and area emitters shine on one, as faces do here. They take the radiance B_e/π. Mitsuba computes in single
+//! precision: coordinates are the scene's own, whose zero may lie elsewhere in its file ([`Scene::origin`]).
 
 use std::f32::consts::PI;
 use std::fmt::Write as _;
@@ -17,8 +18,10 @@ const README: &str = "Written by Selflink for Mitsuba 3 (pip install mitsuba num
     A picture: mitsuba -m llvm_ad_rgb scene.xml\n\
     Irradiance at the points of a reference: selflink reference SCENE --out points.csv; python check.py points.csv\n";
 
-/// Asks Mitsuba about the points of a reference.
+/// Asks Mitsuba about the points of a reference, which are in the coordinates of the scene's file.
 const CHECK: &str = include_str!("check.py");
+/// The line of it that says where the scene's zero lies in these.
+const ORIGIN: &str = "ORIGIN = (0.0, 0.0, 0.0)";
 
 /// Writes the files; returns the XML.
 pub fn write(scene: &Scene, folder: &Path) -> Result<PathBuf, PeerError> {
@@ -28,7 +31,9 @@ pub fn write(scene: &Scene, folder: &Path) -> Result<PathBuf, PeerError> {
         write_file(folder, &mesh_name(surface), |writer| mesh(writer, surface))?;
     }
     write_file(folder, "README.txt", |writer| writer.write_all(README.as_bytes()))?;
-    write_file(folder, "check.py", |writer| writer.write_all(CHECK.as_bytes()))?;
+    let [x, y, z] = scene.origin.to_array();
+    let check = CHECK.replace(ORIGIN, &format!("ORIGIN = ({x:?}, {y:?}, {z:?})"));
+    write_file(folder, "check.py", |writer| writer.write_all(check.as_bytes()))?;
     write_file(folder, "scene.xml", |writer| writer.write_all(xml(scene, &surfaces).as_bytes()))
 }
 

@@ -9,7 +9,7 @@ use std::fmt::Write as _;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 
 use super::{PeerError, SIZE, Surface, camera, make_folder, spaced, surfaces, write_file};
 use crate::scene::{CameraPose, Scene};
@@ -25,19 +25,20 @@ pub fn write(scene: &Scene, folder: &Path) -> Result<PathBuf, PeerError> {
     make_folder(folder)?;
     write_file(folder, "README.txt", |writer| writer.write_all(README.as_bytes()))?;
     write_file(folder, "view.vf", |writer| writer.write_all(view(scene).as_bytes()))?;
-    write_file(folder, "scene.rad", |writer| writer.write_all(rad(&surfaces(scene)).as_bytes()))
+    write_file(folder, "scene.rad", |writer| writer.write_all(rad(scene, &surfaces(scene)).as_bytes()))
 }
 
 fn view(scene: &Scene) -> String {
-    let CameraPose { eye, target, up, hfov_deg } = camera(scene);
+    let camera = camera(scene);
+    let (CameraPose { eye, target, up, hfov_deg }, DVec3 { x, y, z }) = (camera, scene.to_file(camera.eye));
     let aspect = SIZE[1] as f32 / SIZE[0] as f32;
     let height = 2.0 * (aspect * (0.5 * hfov_deg.to_radians()).tan()).atan().to_degrees();
     let (direction, up) = (spaced((target - eye).normalize_or(Vec3::NEG_Z)), spaced(up));
-    format!("rvu -vtv -vp {} -vd {direction} -vu {up} -vh {hfov_deg} -vv {height}\n", spaced(eye))
+    format!("rvu -vtv -vp {x} {y} {z} -vd {direction} -vu {up} -vh {hfov_deg} -vv {height}\n")
 }
 
 /// The scene description.
-fn rad(surfaces: &[Surface<'_>]) -> String {
+fn rad(scene: &Scene, surfaces: &[Surface<'_>]) -> String {
     let mut text = "# Written by Selflink; lengths and axes as in the scene, RGB in W/m2 and W/(m2 sr)\n\
         void plastic black\n0\n0\n5 0 0 0 0 0\n"
         .to_owned();
@@ -68,7 +69,8 @@ fn rad(surfaces: &[Surface<'_>]) -> String {
         for (index, face) in surface.faces.iter().enumerate() {
             let _ = write!(text, "{modifier} polygon {name}.{index}\n0\n0\n{}", 3 * face.len());
             for corner in face {
-                let _ = write!(text, " {}", spaced(*corner));
+                let DVec3 { x, y, z } = scene.to_file(*corner);
+                let _ = write!(text, " {x} {y} {z}");
             }
             text.push('\n');
         }
