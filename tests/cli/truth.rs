@@ -21,9 +21,9 @@ fn probed_points_come_back_with_irradiance_and_radiosity() {
     assert!(stderr.contains("2 rows lie on no surface"), "{stderr}");
     let written = std::fs::read_to_string(out).expect("the table was written");
     let rows: Vec<Vec<&str>> = written.lines().map(|line| line.split(',').collect()).collect();
-    assert_eq!(rows[0].join(","), "x,y,z,nx,ny,nz,E_r,E_g,E_b,B_r,B_g,B_b");
+    assert_eq!(rows[0].join(","), "x,y,z,nx,ny,nz,E_r,E_g,E_b,B_r,B_g,B_b,se_r,se_g,se_b");
     assert_eq!(rows.len(), 5);
-    assert!(rows.iter().all(|row| row.len() == 12), "{written}");
+    assert!(rows.iter().all(|row| row.len() == 15), "{written}");
     assert_eq!(rows[1][..6], ["0.5", "0.5", "0", "0", "0", "1"]);
     for row in [&rows[2], &rows[3]] {
         assert!(row[6..].iter().all(|field| field.is_empty()), "{written}");
