@@ -9,6 +9,7 @@ use clap::{Arg, ArgMatches, Command};
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 use selflink::format::things;
+use selflink::gather::NOISE;
 use selflink::probe::{Probe, Sample};
 use selflink::solver::USUAL_ERROR;
 
@@ -47,7 +48,7 @@ pub fn command() -> Command {
             .value_name("SHARE")
             .value_parser(standard_error)
             .conflicts_with("work-plane")
-            .help("Standard error of each E, as a share of the light there (0.02 or 2%) [default: half of the target error]"),
+            .help("Standard error of each E, as a share of the light there (0.02 or 2%) [default: two fifths of the target error]"),
     )
     .args(work_plane::args().map(|arg| arg.help_heading("Work plane")))
 }
@@ -68,7 +69,7 @@ pub fn run(matches: &ArgMatches) -> anyhow::Result<()> {
     let snapshot = &solution.snapshot;
     let probe = Probe::new(&snapshot.mesh, &snapshot.vertex_irradiance, &snapshot.vertex_radiosity);
     let error = matches.get_one::<f64>("se").copied();
-    let error = error.unwrap_or_else(|| 0.5 * job.settings.solver.error.unwrap_or(USUAL_ERROR)) as f32;
+    let error = error.unwrap_or_else(|| NOISE * job.settings.solver.error.unwrap_or(USUAL_ERROR)) as f32;
     let read = |row: &Row| {
         let point = job.scene.from_file(row.point);
         let Some(field) = &snapshot.field else { return Some((probe.at(point, row.normal)?, None)) };

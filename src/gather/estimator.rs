@@ -6,8 +6,9 @@
 use glam::Vec3;
 
 use super::field::{Field, Met};
+use super::glance::GlanceRays;
 use super::sources::Aim;
-use crate::random::{cosine_direction, fraction, mix};
+use crate::random::{cosine_direction, mix};
 
 /// Rays of one look: aimed ones (about so many), and cosine-distributed ones.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -49,6 +50,8 @@ pub struct Irradiance {
     pub mean: Vec3,
     /// Its standard error, W/m².
     pub standard_error: Vec3,
+    /// Looks.
+    pub looks: u32,
     /// Rays cast.
     pub rays: u64,
 }
@@ -62,11 +65,10 @@ pub enum Depth {
     Further,
 }
 
-/// A ray that ends nearer than so many times the size of the leaf there (square root of its area) is
-/// followed by another one: along an edge or in a crevice light changes faster than leaves can tell.
-const NEAR: f32 = 0.5;
-/// Rays that follow one another at most.
-const LONGEST: u32 = 8;
+/// Ends of the rays of a look, at most as far as their numbers tell.
+const MOST_ENDS: u32 = 64;
+/// Rays of the look from where a ray ended.
+const FURTHER: GlanceRays = GlanceRays { aimed: 2, cosine: 2 };
 
 impl Field {
     /// Irradiance at a point of a face with this unit normal. The seed alone tells the random numbers,
@@ -99,7 +101,7 @@ impl Field {
         let count = looks as f32;
         let mean = sum / count;
         let variance = (squares / count - mean * mean).max(Vec3::ZERO) / (count - 1.0).max(1.0);
-        Irradiance { mean, standard_error: variance.map(f32::sqrt), rays }
+        Irradiance { mean, standard_error: variance.map(f32::sqrt), looks, rays }
     }
 
     /// Irradiance at a place of a polygon, to a standard error that is this share of the local light. It
@@ -122,8 +124,9 @@ impl Field {
         let mut cast = 0;
         let mut light = Vec3::ZERO;
         let of_look = mix(seed, u64::from(number) + 1);
-        let follow = |met: &Met, index: u64| self.reflected_by(met, point, depth, (mix(of_look, index), 0));
-        let mut told = 0x1_0000;
+        let follow =
+            |met: &Met, index: u32| self.reflected_by(met, point, depth, (mix(seed, 1), number * MOST_ENDS + index));
+        let mut told = rays.cosine;
         let reflect = &mut |met: Met, weight: f32| {
             told += 1;
             let (reflected, rays) = follow(&met, told);
@@ -143,7 +146,7 @@ impl Field {
             if self.is_aimed_at(met.leaf, point, normal) {
                 continue;
             }
-            let (reflected, rays_beyond) = follow(&met, u64::from(index));
+            let (reflected, rays_beyond) = follow(&met, index);
             cast += rays_beyond;
             light += reflected / rays.cosine as f32;
         }
@@ -151,41 +154,18 @@ impl Field {
     }
 
     /// What leaves a place that a ray from `from` met, but for its emission, W/m², and the rays cast for it.
-    fn reflected_by(&self, met: &Met, from: Vec3, depth: Depth, (seed, length): (u64, u32)) -> (Vec3, u32) {
-        let size = self.hierarchy.element(met.leaf).area.sqrt();
-        let is_near = met.position.distance_squared(from) < NEAR * NEAR * size * size;
-        let is_read = depth == Depth::Near && !is_near || length >= LONGEST;
-        if is_read {
-            return (self.reflected[met.leaf.index()], 0);
+    fn reflected_by(&self, met: &Met, from: Vec3, depth: Depth, (seed, number): (u64, u32)) -> (Vec3, u32) {
+        match depth {
+            Depth::Near => (self.sent_back(met, from, (mix(seed, number.into()), 0)), 0),
+            Depth::Further => {
+                let patch = self.patch(met.leaf);
+                let place = (met.position, patch.normal);
+                let glance = self.glance(place, FURTHER, (seed, number));
+                (
+                    self.surface(patch.polygon).reflectance * (glance.aimed + glance.scattered),
+                    FURTHER.aimed + FURTHER.cosine,
+                )
+            }
         }
-        let patch = self.patch(met.leaf);
-        let normal = patch.normal;
-        let mut aims = Vec::new();
-        self.find_aims(met.position, normal, &mut aims);
-        let (mut light, mut cast) = (Vec3::ZERO, 1);
-        let mut told = 0;
-        let (emitted, aimed) = self.aim((met.position, normal), &mut aims, 1.0, mix(seed, 1), &mut |next, weight| {
-            told += 1;
-            let (reflected, rays) =
-                self.reflected_by(&next, met.position, Depth::Near, (mix(seed, 2 + told), length + 1));
-            cast += rays;
-            light += weight * reflected;
-        });
-        light += emitted;
-        cast += aimed;
-        let [u, v] = uniform_pair(mix(seed, 2));
-        if let Some(next) = self.meet(met.position, normal, cosine_direction(normal, u, v))
-            && !self.is_aimed_at(next.leaf, met.position, normal)
-        {
-            let (reflected, rays) = self.reflected_by(&next, met.position, Depth::Near, (mix(seed, 3), length + 1));
-            cast += rays;
-            light += reflected;
-        }
-        (self.surface(patch.polygon).reflectance * light, cast)
     }
-}
-
-/// Two numbers in 0..1 of a hash.
-fn uniform_pair(hash: u64) -> [f32; 2] {
-    [(hash >> 32) as u32, hash as u32].map(fraction)
 }

@@ -1,11 +1,15 @@
 //! The light that surfaces send, as gathers read it: one irradiance for each leaf.
+//!
+//! The leaves are those of the links' hierarchy and what the gather splits further for its own sake; the
+//! links' hierarchy stays as it is. A value is the mean over what is exposed of a leaf, so that the
+//! power that gathers read is the power that was found, however coarse the leaves are.
 
 use std::sync::Arc;
 
 use glam::Vec3;
 
 use super::sources::Sources;
-use crate::geometry::Occluders;
+use crate::geometry::{EnclosureTest, Hit, LampList, Occluders};
 use crate::hierarchy::{ElementId, Hierarchy, Patch, Shape};
 use crate::scene::Scene;
 use crate::solver::Surface;
@@ -13,18 +17,32 @@ use crate::solver::Surface;
 /// Errors of places that are darker than this share of the median are relative to it.
 const DIM_SHARE: f32 = 0.1;
 
-/// A solved radiosity field; immutable.
-pub struct Field {
+/// What rays meet, the same for all states of a gather.
+struct Surroundings {
     scene: Arc<Scene>,
     occluders: Arc<Occluders>,
+    /// Reflectance and emission of each polygon.
     surfaces: Vec<Surface>,
-    pub(super) hierarchy: Hierarchy,
     /// The initial patch of each polygon.
     patches: Vec<ElementId>,
-    /// What each leaf reflects, ρE, W/m², parallel to the arena; 0 for what is no leaf.
-    pub(super) reflected: Vec<Vec3>,
+    lamps: Arc<LampList>,
+}
+
+/// A state of the light that surfaces send; cheap to clone.
+#[derive(Clone)]
+pub struct Field {
+    around: Arc<Surroundings>,
+    pub(super) hierarchy: Arc<Hierarchy>,
+    /// E of each leaf, W/m², parallel to the arena; 0 for what is no leaf.
+    pub(super) irradiance: Arc<Vec<Vec3>>,
+    /// Area of each leaf that light can reach, m², likewise: as gathers found it, which looked at more points than the hierarchy.
+    pub(super) areas: Arc<Vec<f32>>,
+    /// What each patch reflects in the mean, ρE, W/m², likewise: rays that met a leaf before it was split read all its parts.
+    pub(super) reflected: Arc<Vec<Vec3>>,
+    /// What readings see of each leaf, ρE, W/m²: the mean over what is seen from afar, for rays that end near are followed.
+    pub(super) sent: Arc<Vec<Vec3>>,
     /// What is aimed at.
-    pub(super) sources: Sources,
+    pub(super) sources: Arc<Sources>,
     /// E₀, a tenth of the area's median irradiance (mean of the colours), W/m².
     dim: f32,
 }
@@ -46,37 +64,108 @@ pub struct Met {
 
 impl Field {
     /// The field of a solution: `irradiance` is that of each leaf, W/m², parallel to the hierarchy's arena.
-    pub fn new(scene: &Arc<Scene>, occluders: &Arc<Occluders>, hierarchy: Hierarchy, irradiance: &[Vec3]) -> Self {
-        let surface = |polygon: &crate::scene::Polygon| {
-            let material = &scene.materials[polygon.material.0 as usize];
-            Surface { reflectance: material.reflectance, emission: material.emission }
-        };
-        let surfaces: Vec<Surface> = scene.polygons.iter().map(surface).collect();
+    pub fn new(
+        scene: &Arc<Scene>,
+        occluders: &Arc<Occluders>,
+        surfaces: &[Surface],
+        hierarchy: Hierarchy,
+        irradiance: Vec<Vec3>,
+    ) -> Self {
         let mut patches = vec![Hierarchy::ROOT; scene.polygons.len()];
         for &id in hierarchy.initial_patches() {
             if let Shape::Patch(patch) = hierarchy.element(id).shape {
                 patches[patch.polygon as usize] = id;
             }
         }
-        let reflect = |(element, irradiance): (&crate::hierarchy::Element, &Vec3)| match element.shape {
-            Shape::Patch(patch) if element.is_leaf() => {
-                surfaces[patch.polygon as usize].reflectance * irradiance.max(Vec3::ZERO)
-            }
-            _ => Vec3::ZERO,
-        };
-        let reflected: Vec<Vec3> = hierarchy.elements().iter().zip(irradiance).map(reflect).collect();
-        let sources = Sources::new(&hierarchy, &surfaces, &reflected);
-        let dim = DIM_SHARE * median(&hierarchy, &surfaces, irradiance);
-        Self {
+        let surfaces = surfaces.to_vec();
+        let sources = Sources::emitters(&hierarchy, &surfaces);
+        let around = Surroundings {
             scene: scene.clone(),
             occluders: occluders.clone(),
             surfaces,
-            hierarchy,
             patches,
-            reflected,
-            sources,
-            dim,
+            lamps: Arc::new(LampList::new(scene)),
+        };
+        let mut field = Self {
+            around: Arc::new(around),
+            hierarchy: Arc::new(hierarchy),
+            irradiance: Arc::default(),
+            areas: Arc::default(),
+            reflected: Arc::default(),
+            sent: Arc::default(),
+            sources: Arc::new(sources),
+            dim: 0.0,
+        };
+        field.set_areas(|_| None);
+        field.set_irradiance(irradiance);
+        field
+    }
+
+    /// Takes over the irradiances of the leaves, W/m², parallel to the arena; what they reflect follows.
+    pub(super) fn set_irradiance(&mut self, mut irradiance: Vec<Vec3>) {
+        irradiance.resize(self.hierarchy.elements().len(), Vec3::ZERO);
+        let hierarchy = &*self.hierarchy;
+        let mut reflected = vec![Vec3::ZERO; irradiance.len()];
+        for id in hierarchy.ids().rev() {
+            let element = hierarchy.element(id);
+            let Shape::Patch(patch) = element.shape else { continue };
+            reflected[id.index()] = if element.is_leaf() {
+                self.surface(patch.polygon).reflectance * irradiance[id.index()].max(Vec3::ZERO)
+            } else {
+                let area: f32 = element.children().map(|child| hierarchy.element(child).area).sum();
+                let sent = |child: ElementId| hierarchy.element(child).area * reflected[child.index()];
+                let sum: Vec3 = element.children().map(sent).sum();
+                if area > 0.0 { sum / area } else { Vec3::ZERO }
+            };
         }
+        self.reflected = Arc::new(reflected);
+        self.sent = self.reflected.clone();
+        self.dim = DIM_SHARE * self.median(&irradiance);
+        self.irradiance = Arc::new(irradiance);
+    }
+
+    /// Takes over the irradiances of what is seen from afar of each leaf, W/m².
+    pub(super) fn set_far(&mut self, irradiance: &[Vec3]) {
+        let mut sent = self.reflected.to_vec();
+        for leaf in self.leaves() {
+            sent[leaf.index()] = self.surface(self.patch(leaf).polygon).reflectance * irradiance[leaf.index()];
+        }
+        self.sent = Arc::new(sent);
+    }
+
+    /// Takes over how much of each leaf's sampled area is exposed, where that is known.
+    pub(super) fn set_areas(&mut self, seen_share: impl Fn(ElementId) -> Option<f32>) {
+        let of = |id: ElementId| {
+            let element = self.hierarchy.element(id);
+            seen_share(id).map_or(element.area, |share| share * element.sampled_area)
+        };
+        self.areas = Arc::new(self.hierarchy.ids().map(of).collect());
+    }
+
+    /// Area of a leaf that light can reach, m².
+    pub fn area(&self, leaf: ElementId) -> f32 {
+        self.areas[leaf.index()]
+    }
+
+    /// Aims at what reflects much more than the mean as well, from now on.
+    pub(super) fn find_secondary(&mut self) {
+        let sources = Sources::with_secondary(&self.hierarchy, &self.around.surfaces, &self.reflected);
+        self.sources = Arc::new(sources);
+    }
+
+    /// Splits leaves, whose parts start with their light.
+    pub(super) fn split(&mut self, leaves: &[ElementId]) {
+        let hierarchy = Arc::make_mut(&mut self.hierarchy);
+        leaves.iter().for_each(|leaf| hierarchy.subdivide(*leaf));
+        let mut irradiance = self.irradiance.to_vec();
+        irradiance.resize(self.hierarchy.elements().len(), Vec3::ZERO);
+        for leaf in leaves {
+            let light = irradiance[leaf.index()];
+            self.hierarchy.element(*leaf).children().for_each(|child| irradiance[child.index()] = light);
+        }
+        self.sources = Arc::new(Sources::emitters(&self.hierarchy, &self.around.surfaces));
+        self.set_areas(|_| None);
+        self.set_irradiance(irradiance);
     }
 
     /// E₀: local errors are relative to E + E₀ (mean of the colours), W/m².
@@ -84,38 +173,93 @@ impl Field {
         self.dim
     }
 
+    /// The leaves with all that holds them.
+    pub fn hierarchy(&self) -> &Hierarchy {
+        &self.hierarchy
+    }
+
+    /// E of each leaf, W/m², parallel to the hierarchy's arena.
+    pub fn irradiance(&self) -> &[Vec3] {
+        &self.irradiance
+    }
+
+    /// B of each leaf, W/m², parallel to the hierarchy's arena.
+    pub fn radiosity(&self) -> Vec<Vec3> {
+        let mut radiosity = self.reflected.to_vec();
+        for leaf in self.leaves() {
+            radiosity[leaf.index()] += self.surface(self.patch(leaf).polygon).emission;
+        }
+        radiosity
+    }
+
+    /// The scene that is lit.
+    pub fn scene(&self) -> &Arc<Scene> {
+        &self.around.scene
+    }
+
+    /// What stops light in it.
+    pub fn occluders(&self) -> &Arc<Occluders> {
+        &self.around.occluders
+    }
+
     /// Reflectance and emission of a polygon.
     pub fn surface(&self, polygon: u32) -> &Surface {
-        &self.surfaces[polygon as usize]
+        &self.around.surfaces[polygon as usize]
     }
 
     /// Unit normal of a polygon.
     pub fn normal(&self, polygon: u32) -> Vec3 {
-        self.scene.normal(&self.scene.polygons[polygon as usize])
+        self.around.scene.normal(&self.around.scene.polygons[polygon as usize])
+    }
+
+    /// The bright side that a ray through the air meets first, as a picture shows it: dark sides are looked through.
+    pub fn look_along(&self, origin: Vec3, direction: Vec3) -> Option<Hit> {
+        self.around.occluders.first_front(origin, direction)
+    }
+
+    /// The leaf of a polygon that holds a point of it.
+    pub fn leaf_at(&self, polygon: u32, position: Vec3) -> ElementId {
+        self.hierarchy.leaf_at(self.around.patches[polygon as usize], position)
+    }
+
+    /// The leaves, in the order of the arena.
+    pub fn leaves(&self) -> impl Iterator<Item = ElementId> + Clone {
+        let is_leaf = |id: &ElementId| {
+            let element = self.hierarchy.element(*id);
+            element.is_leaf() && !element.is_cluster()
+        };
+        self.hierarchy.ids().filter(is_leaf)
     }
 
     /// Memory, bytes.
     pub fn bytes(&self) -> usize {
         self.hierarchy.bytes()
             + self.sources.bytes()
-            + size_of_val(&self.surfaces[..])
-            + size_of_val(&self.patches[..])
+            + size_of_val(&self.around.surfaces[..])
+            + size_of_val(&self.around.patches[..])
+            + size_of_val(&self.irradiance[..])
             + size_of_val(&self.reflected[..])
     }
 
     /// The bright side that a ray from a face meets; `None` where no light comes from.
     pub(super) fn meet(&self, point: Vec3, normal: Vec3, direction: Vec3) -> Option<Met> {
-        let hit = self.occluders.ray_from(point, normal, direction)?;
+        let hit = self.around.occluders.ray_from(point, normal, direction)?;
         if !hit.front {
             return None;
         }
-        let position = point + hit.distance * direction;
-        Some(Met { leaf: self.hierarchy.leaf_at(self.patches[hit.polygon as usize], position), position })
+        Some(Met { leaf: self.leaf_at(hit.polygon, hit.point), position: hit.point })
     }
 
     /// Whether nothing stands between two points of faces with these normals.
     pub(super) fn sees(&self, from: (Vec3, Vec3), to: (Vec3, Vec3)) -> bool {
-        self.occluders.sees(from, to)
+        self.around.occluders.sees(from, to)
+    }
+
+    /// Whether a point lies inside of something, as so many rays tell.
+    pub(super) fn hides(&self, point: Vec3, normal: Vec3, seed: u64, rays: u32) -> bool {
+        let around = &*self.around;
+        EnclosureTest::with_lamps(&around.scene, &around.occluders, around.lamps.clone())
+            .hides(point, normal, seed, rays)
     }
 
     /// The patch that a leaf is.
@@ -125,24 +269,37 @@ impl Field {
             Shape::Cluster(_) => unreachable!("leaves are patches"),
         }
     }
+
+    /// The point of a leaf's plane that is nearest to a place which was found from afar: what a ray leaves must lie on its face as
+    /// nearly as rounding allows.
+    pub(super) fn on_plane(&self, leaf: ElementId, position: Vec3) -> Vec3 {
+        let patch = self.patch(leaf);
+        let corner = self.hierarchy.vertices()[patch.corners()[0] as usize];
+        position - patch.normal.dot(position - corner) * patch.normal
+    }
+
+    /// Whether a leaf emits.
+    pub(super) fn emits(&self, leaf: ElementId) -> bool {
+        self.surface(self.patch(leaf).polygon).emission != Vec3::ZERO
+    }
+
+    /// The area's median of an irradiance of leaves that do not emit (mean of the colours), W/m².
+    fn median(&self, irradiance: &[Vec3]) -> f32 {
+        let lit = |leaf: ElementId| (grey(irradiance[leaf.index()]), self.area(leaf));
+        let mut sorted: Vec<(f32, f32)> =
+            self.leaves().filter(|leaf| !self.emits(*leaf)).map(lit).filter(|(_, area)| *area > 0.0).collect();
+        sorted.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let half = 0.5 * sorted.iter().map(|(_, area)| f64::from(*area)).sum::<f64>();
+        let mut below = 0.0;
+        let middle = sorted.iter().find(|(_, area)| {
+            below += f64::from(*area);
+            below >= half
+        });
+        middle.map_or(0.0, |(value, _)| *value)
+    }
 }
 
-/// The area's median irradiance, mean of the colours, of leaves that do not emit, W/m².
-fn median(hierarchy: &Hierarchy, surfaces: &[Surface], irradiance: &[Vec3]) -> f32 {
-    let of_leaf = |(element, irradiance): (&crate::hierarchy::Element, &Vec3)| match element.shape {
-        Shape::Patch(patch) if element.is_leaf() && element.area > 0.0 => {
-            let emits = surfaces[patch.polygon as usize].emission != Vec3::ZERO;
-            (!emits).then_some((irradiance.element_sum() / 3.0, element.area))
-        }
-        _ => None,
-    };
-    let mut sorted: Vec<(f32, f32)> = hierarchy.elements().iter().zip(irradiance).filter_map(of_leaf).collect();
-    sorted.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let half = 0.5 * sorted.iter().map(|(_, area)| f64::from(*area)).sum::<f64>();
-    let mut below = 0.0;
-    let middle = sorted.iter().find(|(_, area)| {
-        below += f64::from(*area);
-        below >= half
-    });
-    middle.map_or(0.0, |(value, _)| *value)
+/// Mean of the colours.
+pub(super) fn grey(light: Vec3) -> f32 {
+    light.element_sum() / 3.0
 }

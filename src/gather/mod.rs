@@ -1,16 +1,353 @@
-//! Light at points: irradiance and its standard error, gathered over a solved radiosity field.
+//! The gather: light at points, over what the links know.
 //!
-//! What the mesh shows is interpolated between its vertices; light at a point is looked for from the
-//! point itself [a final gather over a coarse solution, Lischinski, Tampieri, Greenberg 93]: rays aimed at
-//! the emitters, and cosine-distributed rays whose ends are read from the field. What lies nearer than the
-//! field is fine is followed further, so that edges, crevices and contacts are right.
+//! Links know how much light the elements exchange, in the mean over each. A gather starts from that
+//! and looks around from each leaf: rays aimed at the emitters, and cosine-distributed rays that end on
+//! other leaves [a final gather over a coarse solution, Lischinski, Tampieri, Greenberg 93]. Leaves are
+//! split where emitters light them unevenly, and light is moved over the rays until nothing changes, so
+//! that the links' own errors die out. What comes of it is a [`Field`], and light anywhere is one look
+//! from there ([`Field::irradiance_at`]): probes, work planes, pictures and the [`certificate`] all ask
+//! that.
 //!
-//! This module reads a solution, and writes into none.
+//! The links' solution is read, never written.
 
+pub mod certificate;
 mod estimator;
 mod facet;
 mod field;
+mod glance;
+mod refine;
+mod samples;
 mod sources;
 
+use std::sync::Arc;
+
+use glam::Vec3;
+
+use certificate::Certifying;
+pub use certificate::{Certificate, NOISE};
 pub use estimator::{Budget, Depth, Irradiance, Rays};
-pub use field::Field;
+pub use field::{Field, Met};
+pub use glance::{Glance, GlanceRays};
+use samples::{GatherSamples, Queue};
+
+use crate::cancel::CancelToken;
+use crate::geometry::Occluders;
+use crate::hierarchy::{ElementId, Hierarchy};
+use crate::random::mix;
+use crate::scene::Scene;
+use crate::solver::Surface;
+
+/// The target error where nobody asks for one: 9 of 10 surfaces are read within it.
+pub const USUAL_ERROR: f64 = 0.05;
+
+/// Leaves looked at between two looks at commands.
+const CHUNK: usize = 2048;
+/// Rays of a look from a leaf that are aimed.
+const AIMED: u32 = 4;
+/// Looks from a leaf, at least: one from each quarter.
+const LOOKS: u32 = 4;
+/// Cosine-distributed rays of a look, times the target error.
+const COSINE: f64 = 0.4;
+/// Cosine-distributed rays that are shared out by the power that leaves send, times the square of the target error:
+/// the noise of what a leaf sends is shared by all who read it.
+const RAYS_BY_POWER: f64 = 500.0;
+/// Looks from a leaf for that, at most.
+const MOST_LOOKS: f64 = 2000.0;
+/// Variation of direct light over a leaf that is allowed, as a multiple of the target error: readings look for
+/// emitters themselves, so the field is to be right in the mean alone.
+const MESH_PER_TARGET: f64 = 2.0;
+/// Rounds of splitting leaves.
+const MOST_ROUNDS: u32 = 5;
+/// Sweeps end when they move less than this share of the light.
+const SWEEP_TOLERANCE: f64 = 2e-3;
+const MOST_SWEEPS: u32 = 60;
+/// Times that a field is made finer because its error was found above the target.
+const MOST_ATTEMPTS: u32 = 4;
+/// An attempt that leaves more than this share of the error was in vain, and so would be the next one.
+const LEAST_PROGRESS: f64 = 0.9;
+/// Bytes of a leaf with what is kept of it beside its samples.
+const LEAF_BYTES: usize = 600;
+
+/// The links' solution, as a gather reads it.
+pub struct LinkLight<'a> {
+    /// The scene as it is solved.
+    pub scene: &'a Arc<Scene>,
+    /// Its occluders.
+    pub occluders: &'a Arc<Occluders>,
+    /// Reflectance and emission of each polygon.
+    pub surfaces: &'a [Surface],
+    /// Elements.
+    pub hierarchy: &'a Hierarchy,
+    /// Irradiance of each element by what others reflect, W/m².
+    pub indirect: &'a [Vec3],
+}
+
+/// What is asked of a gather.
+#[derive(Clone, Copy, Debug)]
+pub struct Goal {
+    /// The target error, if one is asked for.
+    pub error: Option<f64>,
+    /// Memory that it may take, bytes.
+    pub memory: usize,
+    /// Seed of all random choices.
+    pub seed: u64,
+}
+
+/// What is done next.
+#[derive(Clone, Debug)]
+enum Stage {
+    /// Looks for emitters from the queued leaves, from this place on.
+    Direct(usize),
+    /// Casts the rays of a pass from the queued leaves, from this place on.
+    Cast(usize),
+    /// Compares with light that is looked for anew.
+    Certify(Box<Certifying>),
+    /// Nothing is left to do.
+    Done,
+}
+
+/// What a step did.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Progress {
+    /// A part of a pass.
+    Part,
+    /// A pass ended: there is something new to be seen.
+    Pass,
+    /// Nothing is left to do.
+    Done,
+}
+
+/// A gather at work.
+pub struct Gather {
+    field: Field,
+    samples: GatherSamples,
+    /// Indirect irradiance of each leaf by the links, W/m², parallel to the arena.
+    of_links: Vec<Vec3>,
+    goal: Goal,
+    stage: Stage,
+    queue: Queue,
+    round: u32,
+    attempt: u32,
+    /// The error that leaves and rays are made for; falls with each attempt.
+    aim: f64,
+    certificate: Option<Certificate>,
+    /// Rays that compared.
+    rays_compared: u64,
+    is_ready: bool,
+    /// Whether memory kept it from what it was asked for.
+    is_full: bool,
+}
+
+impl Gather {
+    /// Starts over a links' solution.
+    pub fn new(links: &LinkLight, goal: Goal) -> Self {
+        let of_links = links.indirect.to_vec();
+        let (hierarchy, indirect) = (links.hierarchy.clone(), links.indirect.to_vec());
+        let field = Field::new(links.scene, links.occluders, links.surfaces, hierarchy, indirect);
+        let queue = field.leaves().map(|leaf| (leaf, LOOKS)).collect();
+        Self {
+            samples: GatherSamples::default(),
+            of_links,
+            stage: Stage::Direct(0),
+            queue,
+            round: 0,
+            attempt: 0,
+            aim: goal.error.unwrap_or(USUAL_ERROR),
+            goal: Goal { seed: mix(goal.seed, 0x6761_7468_6572), ..goal },
+            certificate: None,
+            rays_compared: 0,
+            is_ready: false,
+            is_full: false,
+            field,
+        }
+    }
+
+    /// Does one bounded piece of work; what it was about is done whole or, if cancelled, not at all.
+    pub fn step(&mut self, cancel: &CancelToken) -> Option<Progress> {
+        if cancel.is_cancelled() {
+            return None;
+        }
+        match self.stage.clone() {
+            Stage::Direct(first) => {
+                if let Some(next) = self.draw(first, GlanceRays { aimed: AIMED, cosine: 0 }, cancel)? {
+                    self.stage = Stage::Direct(next);
+                    return Some(Progress::Part);
+                }
+                self.relight(cancel)?;
+                self.is_ready = true;
+                let split = self.leaves_to_split();
+                if split.is_empty() {
+                    self.open_pass();
+                } else {
+                    self.split(&split);
+                }
+                Some(Progress::Pass)
+            }
+            Stage::Cast(first) => {
+                if let Some(next) = self.draw(first, self.rays_of_look(), cancel)? {
+                    self.stage = Stage::Cast(next);
+                    return Some(Progress::Part);
+                }
+                self.relight(cancel)?;
+                let seed = mix(self.goal.seed, u64::from(self.attempt));
+                self.stage = Stage::Certify(Box::new(Certifying::new(&self.field, self.target(), self.attempt, seed)));
+                Some(Progress::Pass)
+            }
+            Stage::Certify(mut certifying) => {
+                certifying.advance(&self.field, cancel)?;
+                let Some(certificate) = certifying.certificate() else {
+                    self.stage = Stage::Certify(certifying);
+                    return Some(Progress::Part);
+                };
+                self.rays_compared += certifying.rays();
+                self.judge(certificate);
+                Some(if matches!(self.stage, Stage::Done) { Progress::Done } else { Progress::Part })
+            }
+            Stage::Done => Some(Progress::Done),
+        }
+    }
+
+    fn target(&self) -> f64 {
+        self.goal.error.unwrap_or(USUAL_ERROR)
+    }
+
+    /// What is cast in each look of a pass; the same in all passes, so that their samples count alike.
+    fn rays_of_look(&self) -> GlanceRays {
+        GlanceRays { aimed: AIMED, cosine: ((COSINE / self.target()) as u32).clamp(4, 64) }
+    }
+
+    /// Looks from the next chunk of the queue; where the next one starts, if there is one.
+    fn draw(&mut self, first: usize, rays: GlanceRays, cancel: &CancelToken) -> Option<Option<usize>> {
+        let end = (first + CHUNK).min(self.queue.len());
+        let is_done = self.samples.draw(&self.field, &self.queue[first..end], rays, self.goal.seed, cancel);
+        is_done.then(|| (end < self.queue.len()).then_some(end))
+    }
+
+    fn leaves_to_split(&mut self) -> Vec<ElementId> {
+        if self.round >= MOST_ROUNDS {
+            return Vec::new();
+        }
+        let split = refine::leaves_to_split(&self.field, &self.samples, MESH_PER_TARGET * self.aim);
+        let leaves = self.field.hierarchy.leaf_count() + 3 * split.len();
+        if leaves * LEAF_BYTES > self.goal.memory {
+            self.is_full = true;
+            return Vec::new();
+        }
+        split
+    }
+
+    fn split(&mut self, leaves: &[ElementId]) {
+        self.round += 1;
+        self.field.split(leaves);
+        self.of_links.resize(self.field.hierarchy.elements().len(), Vec3::ZERO);
+        let mut queue = Queue::new();
+        for leaf in leaves {
+            for child in self.field.hierarchy.element(*leaf).children() {
+                self.of_links[child.index()] = self.of_links[leaf.index()];
+                queue.push((child, LOOKS));
+            }
+        }
+        self.queue = queue;
+        self.stage = Stage::Direct(0);
+    }
+
+    /// Aims at what is bright from now on, and queues all leaves for cosine-distributed rays: some for each, and for those
+    /// that send much, more.
+    fn open_pass(&mut self) {
+        self.field.find_secondary();
+        let field = &self.field;
+        let sent = |leaf: ElementId| f64::from(field.area(leaf) * field.reflected[leaf.index()].max_element());
+        let total: f64 = field.leaves().map(sent).sum();
+        let cosine = self.rays_of_look().cosine;
+        let looks_of_each = LOOKS * (self.target() / self.aim).round() as u32;
+        let by_power = RAYS_BY_POWER / (self.aim * self.aim) / f64::from(cosine);
+        let looks = |leaf: ElementId| {
+            let more = (by_power * sent(leaf) / total.max(f64::MIN_POSITIVE)).min(MOST_LOOKS).round() as u32;
+            // Later passes add to what is there.
+            (looks_of_each + more).saturating_sub(self.samples.whole_looks(leaf))
+        };
+        let mut queue: Queue = field.leaves().map(|leaf| (leaf, looks(leaf))).filter(|(_, looks)| *looks > 0).collect();
+        // An end of a ray takes four bytes, and each look has some aimed ones.
+        let bytes: usize = queue.iter().map(|(_, looks)| *looks as usize * (4 * cosine as usize + 24)).sum();
+        if bytes > self.goal.memory.saturating_sub(self.bytes()) {
+            self.is_full = true;
+            queue.iter_mut().for_each(|(leaf, looks)| {
+                *looks = (*looks).min(if self.samples.whole_looks(*leaf) == 0 { LOOKS } else { 0 });
+            });
+            queue.retain(|(_, looks)| *looks > 0);
+        }
+        self.queue = queue;
+        self.stage = Stage::Cast(0);
+    }
+
+    /// Moves light over the samples until nothing changes.
+    fn relight(&mut self, cancel: &CancelToken) -> Option<()> {
+        let mut field = self.field.clone();
+        for _ in 0..MOST_SWEEPS {
+            let gathered = self.samples.irradiance(&field, &field.reflected, &self.of_links, cancel)?;
+            let before = field.reflected.clone();
+            field.set_areas(|leaf| self.samples.seen_share(leaf));
+            field.set_irradiance(gathered.mean);
+            let (mut moved, mut all) = (0.0, 0.0);
+            for leaf in field.leaves() {
+                let (area, new) = (field.area(leaf), field.reflected[leaf.index()]);
+                moved += f64::from(area * (new - before[leaf.index()]).abs().max_element());
+                all += f64::from(area * new.max_element());
+            }
+            if moved <= SWEEP_TOLERANCE * all {
+                field.set_far(&gathered.far);
+                break;
+            }
+        }
+        self.field = field;
+        Some(())
+    }
+
+    /// Ends, or makes the field finer.
+    fn judge(&mut self, certificate: Certificate) {
+        let before = self.certificate.as_ref().map(|certificate| certificate.p90);
+        let now = certificate.p90;
+        let is_kept = self.goal.error.is_none_or(|target| certificate.bound <= target);
+        let is_in_vain = before.is_some_and(|before| now > LEAST_PROGRESS * before);
+        self.certificate = Some(certificate);
+        if is_kept || is_in_vain || self.is_full || self.attempt >= MOST_ATTEMPTS {
+            self.stage = Stage::Done;
+            return;
+        }
+        self.attempt += 1;
+        self.aim *= 0.5;
+        self.round = MOST_ROUNDS - 1;
+        let split = self.leaves_to_split();
+        if split.is_empty() { self.open_pass() } else { self.split(&split) }
+    }
+
+    /// The state of the light.
+    pub fn field(&self) -> &Field {
+        &self.field
+    }
+
+    /// Whether there is something to be shown.
+    pub fn is_ready(&self) -> bool {
+        self.is_ready
+    }
+
+    /// Whether memory kept it from what it was asked for.
+    pub fn is_full(&self) -> bool {
+        self.is_full
+    }
+
+    /// Rays cast.
+    pub fn rays(&self) -> u64 {
+        self.samples.rays + self.rays_compared
+    }
+
+    /// What is known of the error, once it is.
+    pub fn certificate(&self) -> Option<&Certificate> {
+        self.certificate.as_ref()
+    }
+
+    /// Memory, bytes.
+    pub fn bytes(&self) -> usize {
+        self.field.bytes() + self.samples.bytes() + size_of_val(&self.of_links[..])
+    }
+}

@@ -25,6 +25,11 @@ pub struct Patch {
 }
 
 impl Patch {
+    /// Whether a part of it is hidden, as far as is known.
+    pub fn is_hidden_in_part(&self) -> bool {
+        !self.cells.are_all_exposed()
+    }
+
     /// A patch over three or four vertices; the normal is set by [`Hierarchy::patch_element`].
     pub(super) fn new(corners: &[u32], polygon: u32, level: u8, cells: Cells) -> Self {
         let mut padded = [NO_CORNER; 4];

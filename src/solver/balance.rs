@@ -3,9 +3,10 @@
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
-use super::Solver;
+use super::{Solver, Surface};
+use crate::gather::Field;
 use crate::geometry::EnclosureTest;
-use crate::hierarchy::{ElementId, SurfacePoint};
+use crate::hierarchy::{ElementId, Hierarchy, Shape, SurfacePoint};
 use crate::random::{cosine_direction, even_point, mix};
 
 /// The power of a solution, W per colour: Φ should equal the sum of the other three.
@@ -35,53 +36,94 @@ impl PowerBalance {
     }
 }
 
+/// A solution as it is measured: the leaves of the gather where there is one, else those of the links.
+struct Lit<'a> {
+    hierarchy: &'a Hierarchy,
+    surfaces: &'a [Surface],
+    irradiance: &'a [Vec3],
+    field: Option<&'a Field>,
+}
+
+impl<'a> Lit<'a> {
+    fn new(solver: &'a Solver) -> Self {
+        let surfaces = &solver.surfaces;
+        match solver.field() {
+            Some(field) => {
+                Self { hierarchy: field.hierarchy(), surfaces, irradiance: field.irradiance(), field: Some(field) }
+            }
+            None => Self { hierarchy: &solver.hierarchy, surfaces, irradiance: &solver.light.irradiance, field: None },
+        }
+    }
+
+    /// Leaves with their surfaces.
+    fn leaves(&self) -> impl Iterator<Item = (ElementId, &'a Surface)> {
+        let (hierarchy, surfaces) = (self.hierarchy, self.surfaces);
+        hierarchy.ids().filter_map(move |id| match hierarchy.element(id).shape {
+            Shape::Patch(patch) if hierarchy.element(id).is_leaf() => Some((id, &surfaces[patch.polygon as usize])),
+            _ => None,
+        })
+    }
+
+    fn area(&self, leaf: ElementId) -> f64 {
+        f64::from(self.field.map_or(self.hierarchy.element(leaf).area, |field| field.area(leaf)))
+    }
+
+    fn absorbed(&self) -> DVec3 {
+        let of_leaf = |(leaf, surface): (ElementId, &Surface)| {
+            self.area(leaf) * (self.irradiance[leaf.index()] * (Vec3::ONE - surface.reflectance)).as_dvec3()
+        };
+        self.leaves().map(of_leaf).sum()
+    }
+}
+
 /// Power absorbed by bright sides, W per colour.
 pub(super) fn absorbed(solver: &Solver) -> DVec3 {
-    let leaf = |(element, irradiance): (&crate::hierarchy::Element, &Vec3)| match element.shape {
-        crate::hierarchy::Shape::Patch(patch) if element.is_leaf() => {
-            let surface = &solver.surfaces[patch.polygon as usize];
-            f64::from(element.area) * (*irradiance * (Vec3::ONE - surface.reflectance)).as_dvec3()
-        }
-        _ => DVec3::ZERO,
-    };
-    solver.hierarchy.elements().iter().zip(&solver.light.irradiance).map(leaf).sum()
+    Lit::new(solver).absorbed()
 }
 
 /// Measures the balance of a solution: absorption from its irradiances, what backs stop and what escapes by `rays` random
-/// rays that leave its leaves in proportion to their radiosity and that know nothing of its links.
+/// rays that leave its leaves in proportion to their radiosity and that know nothing of how light was found.
 pub fn power_balance(solver: &Solver, rays: u32, seed: u64) -> PowerBalance {
-    let hierarchy = &solver.hierarchy;
-    let leaves: Vec<ElementId> =
-        hierarchy.ids().filter(|id| hierarchy.element(*id).is_leaf() && !hierarchy.element(*id).is_cluster()).collect();
+    let lit = Lit::new(solver);
+    let hierarchy = lit.hierarchy;
+    let leaves: Vec<(ElementId, Vec3)> = lit
+        .leaves()
+        .map(|(leaf, surface)| (leaf, surface.emission + surface.reflectance * lit.irradiance[leaf.index()]))
+        .collect();
     let mut power_before = vec![0.0_f64];
-    for leaf in &leaves {
-        let power = f64::from(hierarchy.element(*leaf).area * solver.light.radiosity[leaf.index()].element_sum());
+    for (leaf, radiosity) in &leaves {
+        let power = lit.area(*leaf) * f64::from(radiosity.element_sum());
         power_before.push(power_before[power_before.len() - 1] + power);
     }
     let total = power_before[leaves.len()];
     let emitted = solver.scene.emitted_power().as_dvec3();
     let mut balance =
-        PowerBalance { emitted, absorbed: absorbed(solver), stopped_by_backs: DVec3::ZERO, escaped: DVec3::ZERO };
+        PowerBalance { emitted, absorbed: lit.absorbed(), stopped_by_backs: DVec3::ZERO, escaped: DVec3::ZERO };
     if total <= 0.0 || rays == 0 {
         return balance;
     }
     let test = EnclosureTest::new(&solver.scene, &solver.occluders);
-    let starts: Vec<Vec<SurfacePoint>> =
-        leaves.par_iter().map(|leaf| exposed_points(solver, &test, *leaf, seed)).collect();
+    let starts: Vec<Vec<SurfacePoint>> = leaves
+        .par_iter()
+        .map(
+            |(leaf, radiosity)| {
+                if *radiosity == Vec3::ZERO { Vec::new() } else { exposed_points(hierarchy, &test, *leaf, seed) }
+            },
+        )
+        .collect();
     let fates: Vec<(DVec3, DVec3)> = (0..rays)
         .into_par_iter()
         .map(|index| {
             let random = |axis: u64| (mix(mix(seed, u64::from(index)), axis) >> 40) as f32 / 16_777_216.0;
             let wanted = (f64::from(index) + f64::from(random(0))) / f64::from(rays) * total;
             let place = power_before[1..leaves.len()].partition_point(|&before| before <= wanted);
-            let leaf = leaves[place];
+            let (leaf, radiosity) = leaves[place];
             // Of a leaf that is hidden in part, one of the points that are not.
             let point = match starts[place].as_slice() {
                 [] => hierarchy.point_on(leaf, random(1), random(2)),
                 some => some[((random(1) * some.len() as f32) as usize).min(some.len() - 1)],
             };
             let direction = cosine_direction(point.normal, random(3), random(4));
-            let radiosity = solver.light.radiosity[leaf.index()];
             let carried = (radiosity / radiosity.element_sum()).as_dvec3() * (total / f64::from(rays));
             match solver.occluders.ray_from(point.position, point.normal, direction) {
                 None => (DVec3::ZERO, carried),
@@ -90,9 +132,7 @@ pub fn power_balance(solver: &Solver, rays: u32, seed: u64) -> PowerBalance {
             }
         })
         .collect();
-    let exposed_emission = leaves
-        .iter()
-        .map(|leaf| f64::from(hierarchy.element(*leaf).area) * solver.light.emitted[leaf.index()].as_dvec3());
+    let exposed_emission = lit.leaves().map(|(leaf, surface)| lit.area(leaf) * surface.emission.as_dvec3());
     balance.stopped_by_backs = (emitted - exposed_emission.sum::<DVec3>()).max(DVec3::ZERO);
     for (stopped, escaped) in fates {
         balance.stopped_by_backs += stopped;
@@ -103,9 +143,8 @@ pub fn power_balance(solver: &Solver, rays: u32, seed: u64) -> PowerBalance {
 
 /// Some random points of a leaf that is hidden in part that are not hidden themselves; few are tried, so that the work grows with the
 /// scene, not with the rays.
-fn exposed_points(solver: &Solver, test: &EnclosureTest, leaf: ElementId, seed: u64) -> Vec<SurfacePoint> {
-    let hierarchy = &solver.hierarchy;
-    if hierarchy.element(leaf).exposed_share() >= 1.0 || solver.light.radiosity[leaf.index()] == Vec3::ZERO {
+fn exposed_points(hierarchy: &Hierarchy, test: &EnclosureTest, leaf: ElementId, seed: u64) -> Vec<SurfacePoint> {
+    if hierarchy.element(leaf).exposed_share() >= 1.0 {
         return Vec::new();
     }
     let point = |number: u64| {

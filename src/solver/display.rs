@@ -20,22 +20,10 @@ pub enum Style {
     Shared,
     /// Each leaf has vertices of its own, all of one value.
     Flat,
-    /// As shared, and leaves of at least this area (m²) have a vertex in their middle as well.
-    WithCentres(f32),
 }
-
-/// What a vertex is, whatever its index: a vertex of the hierarchy or, with [`CENTRE`] set, the middle of an element; and its
-/// smooth surface.
-pub type VertexKey = (u32, u32);
-
-/// Marks the middle of an element in a [`VertexKey`].
-const CENTRE: u32 = 1 << 31;
 
 /// Stands for the number of elements of a mesh that is to be made anew.
 const OUTDATED: usize = usize::MAX;
-
-/// Stands for "no leaf".
-const NO_LEAF: u32 = u32::MAX;
 
 /// The mesh of one state of the hierarchy, and how leaves' radiosities make its vertices'.
 pub struct Display {
@@ -51,24 +39,27 @@ pub struct Display {
     /// Leaf (index into the mesh's leaves) and weight; a vertex's weights sum to 1.
     shares: Vec<(u32, f32)>,
     surfaces: Arc<Vec<u32>>,
-    /// Of each vertex.
-    keys: Vec<VertexKey>,
-    /// Where each leaf's triangles start; one longer than the number of leaves.
-    first_triangles: Vec<u32>,
-    /// Of each element, its place among the mesh's leaves.
-    leaf_of: Vec<u32>,
+    /// The element of the hierarchy that each leaf of the mesh is.
+    own: Vec<ElementId>,
 }
 
 impl Display {
-    /// The mesh of the hierarchy as it is, the old one where nothing was split since.
-    pub fn current(old: Option<Self>, scene: &Scene, hierarchy: &Hierarchy, style: Style) -> Self {
+    /// The mesh of the hierarchy as it is, the old one where nothing was split since. Elements beyond the first
+    /// `link_elements` are parts of those that links know, and the mesh names these.
+    pub fn current(
+        old: Option<Self>,
+        scene: &Scene,
+        hierarchy: &Hierarchy,
+        link_elements: usize,
+        style: Style,
+    ) -> Self {
         let elements = hierarchy.elements().len();
         match old {
             Some(display) if display.elements == elements && display.style == style => display,
-            Some(display) => Self::build(hierarchy, scene, display.surfaces, display.clusters, style),
+            Some(display) => Self::build(hierarchy, link_elements, scene, (display.surfaces, display.clusters), style),
             None => {
                 let surfaces = Arc::new(smooth_surfaces(scene, hierarchy));
-                Self::build(hierarchy, scene, surfaces, Arc::new(cluster_boxes(hierarchy)), style)
+                Self::build(hierarchy, link_elements, scene, (surfaces, Arc::new(cluster_boxes(hierarchy))), style)
             }
         }
     }
@@ -79,27 +70,29 @@ impl Display {
     }
 
     /// The same hierarchy, or what it has grown to, in another style.
-    pub fn rebuilt(&self, scene: &Scene, hierarchy: &Hierarchy, style: Style) -> Self {
-        Self::build(hierarchy, scene, self.surfaces.clone(), self.clusters.clone(), style)
+    pub fn rebuilt(&self, scene: &Scene, hierarchy: &Hierarchy, link_elements: usize, style: Style) -> Self {
+        Self::build(hierarchy, link_elements, scene, (self.surfaces.clone(), self.clusters.clone()), style)
     }
 
     fn build(
         hierarchy: &Hierarchy,
+        link_elements: usize,
         scene: &Scene,
-        surfaces: Arc<Vec<u32>>,
-        clusters: Arc<Vec<ClusterBox>>,
+        (surfaces, clusters): (Arc<Vec<u32>>, Arc<Vec<ClusterBox>>),
         style: Style,
     ) -> Self {
         let mut builder = MeshBuilder::new(hierarchy, scene, &surfaces, style);
         for &patch in hierarchy.initial_patches() {
             hierarchy.leaves_below(patch, &mut |leaf| builder.add_leaf(leaf));
         }
-        let keys = std::mem::take(&mut builder.keys);
-        let first_triangles = std::mem::take(&mut builder.first_triangles);
-        let (mesh, starts, shares) = builder.finish();
-        let mut leaf_of = vec![NO_LEAF; hierarchy.elements().len()];
-        for (index, leaf) in mesh.leaves.iter().enumerate() {
-            leaf_of[leaf.element.index()] = index as u32;
+        let (mut mesh, starts, shares) = builder.finish();
+        let own: Vec<ElementId> = mesh.leaves.iter().map(|leaf| leaf.element).collect();
+        for leaf in &mut mesh.leaves {
+            while leaf.element.index() >= link_elements
+                && let Some(parent) = hierarchy.element(leaf.element).parent()
+            {
+                leaf.element = parent;
+            }
         }
         Self {
             elements: hierarchy.elements().len(),
@@ -109,73 +102,13 @@ impl Display {
             starts,
             shares,
             surfaces,
-            keys,
-            first_triangles,
-            leaf_of,
+            own,
         }
-    }
-
-    /// Memory of the mesh and of what belongs to it, bytes.
-    pub fn bytes(&self) -> usize {
-        let mesh = &self.mesh;
-        size_of_val(&mesh.positions[..])
-            + size_of_val(&mesh.triangles[..])
-            + size_of_val(&mesh.triangle_leaf[..])
-            + size_of_val(&mesh.outlines[..])
-            + size_of_val(&mesh.leaves[..])
-            + size_of_val(&self.starts[..])
-            + size_of_val(&self.shares[..])
-            + size_of_val(&self.keys[..])
-            + size_of_val(&self.first_triangles[..])
-            + size_of_val(&self.leaf_of[..])
-    }
-
-    /// How it was made.
-    pub fn style(&self) -> Style {
-        self.style
-    }
-
-    /// Of each vertex, what it is.
-    pub fn keys(&self) -> &[VertexKey] {
-        &self.keys
-    }
-
-    /// The leaves around a vertex (indices into the mesh's) and their weights, which sum to 1.
-    pub fn around(&self, vertex: usize) -> &[(u32, f32)] {
-        &self.shares[self.starts[vertex] as usize..self.starts[vertex + 1] as usize]
-    }
-
-    /// The triangles of a leaf.
-    pub fn triangles_of(&self, leaf: u32) -> std::ops::Range<u32> {
-        self.first_triangles[leaf as usize]..self.first_triangles[leaf as usize + 1]
-    }
-
-    /// The vertex in the middle of a leaf, if it has one.
-    pub fn centre_of(&self, leaf: u32) -> Option<u32> {
-        // Triangles around a middle begin with it.
-        let first = self.mesh.triangles[self.triangles_of(leaf).start as usize][0];
-        (self.keys[first as usize].0 & CENTRE != 0).then_some(first)
-    }
-
-    /// The triangle below (or at) an initial patch that holds a point, and the weights of its corners.
-    pub fn locate(&self, hierarchy: &Hierarchy, patch: ElementId, point: Vec3) -> Option<(u32, Vec3)> {
-        let leaf = self.leaf_of[hierarchy.leaf_at(patch, point).index()];
-        if leaf == NO_LEAF {
-            return None;
-        }
-        let weigh = |triangle: u32| {
-            let corners = self.mesh.triangles[triangle as usize].map(|at| Vec3::from(self.mesh.positions[at as usize]));
-            (triangle, barycentric(corners, point))
-        };
-        let found = self.triangles_of(leaf).map(weigh).filter(|(_, weights)| weights.is_finite());
-        let (triangle, weights) = found.max_by(|a, b| a.1.min_element().total_cmp(&b.1.min_element()))?;
-        let weights = weights.max(Vec3::ZERO);
-        Some((triangle, weights / weights.element_sum()))
     }
 
     /// Values of each mesh vertex, averaged over the leaves around it; `table` is parallel to the hierarchy's arena.
     pub fn of_vertices(&self, table: &[Vec3]) -> Vec<[f32; 3]> {
-        let of_leaf = |leaf: u32| table[self.mesh.leaves[leaf as usize].element.index()];
+        let of_leaf = |leaf: u32| table[self.own[leaf as usize].index()];
         let vertex = |range: &[u32]| {
             let shares = &self.shares[range[0] as usize..range[1] as usize];
             shares.iter().map(|&(leaf, weight)| weight * of_leaf(leaf)).sum::<Vec3>().to_array()
@@ -185,7 +118,7 @@ impl Display {
 
     /// A value of each leaf in the mesh's order.
     pub fn of_leaves(&self, table: &[Vec3]) -> Vec<[f32; 3]> {
-        self.mesh.leaves.iter().map(|leaf| table[leaf.element.index()].to_array()).collect()
+        self.own.iter().map(|leaf| table[leaf.index()].to_array()).collect()
     }
 }
 
@@ -207,8 +140,6 @@ struct MeshBuilder<'a> {
     surfaces: &'a [u32],
     style: Style,
     mesh: Mesh,
-    keys: Vec<VertexKey>,
-    first_triangles: Vec<u32>,
     /// Mesh vertex by (hierarchy vertex, smooth surface).
     vertex_of: FxHashMap<(u32, u32), u32>,
     /// (mesh vertex, leaf, weight) in the order found.
@@ -236,8 +167,6 @@ impl<'a> MeshBuilder<'a> {
             surfaces,
             style,
             mesh,
-            keys: Vec::new(),
-            first_triangles: vec![0],
             vertex_of,
             contributions: Vec::with_capacity(4 * leaves),
             rim: Vec::new(),
@@ -278,17 +207,15 @@ impl<'a> MeshBuilder<'a> {
             self.contribute(&rim, index, leaf, element.centre);
             self.mesh.outlines.push([rim[index], rim[(index + 1) % rim.len()]]);
         }
-        let has_centre = matches!(self.style, Style::WithCentres(least) if whole_area >= least);
         match *rim.as_slice() {
-            [a, b, c] if !has_centre => self.triangle([a, b, c], leaf),
-            [a, b, c, d] if corners.len() == 4 && !has_centre => {
+            [a, b, c] => self.triangle([a, b, c], leaf),
+            [a, b, c, d] if corners.len() == 4 => {
                 self.triangle([a, b, c], leaf);
                 self.triangle([a, c, d], leaf);
             }
             _ => {
                 let centre = self.mesh.positions.len() as u32;
                 self.mesh.positions.push(element.centre.to_array());
-                self.keys.push((CENTRE | id.0, surface));
                 self.contributions.push((centre, leaf, 1.0));
                 for index in 0..rim.len() {
                     self.triangle([centre, rim[index], rim[(index + 1) % rim.len()]], leaf);
@@ -296,7 +223,6 @@ impl<'a> MeshBuilder<'a> {
             }
         }
         self.rim = rim;
-        self.first_triangles.push(self.mesh.triangles.len() as u32);
     }
 
     /// Adds the vertices that neighbours put on an edge, in order, its ends left out.
@@ -310,9 +236,8 @@ impl<'a> MeshBuilder<'a> {
     }
 
     fn vertex(&mut self, vertex: u32, surface: u32) -> u32 {
-        let (positions, keys, hierarchy) = (&mut self.mesh.positions, &mut self.keys, self.hierarchy);
+        let (positions, hierarchy) = (&mut self.mesh.positions, self.hierarchy);
         *self.vertex_of.entry((vertex, surface)).or_insert_with(|| {
-            keys.push((vertex, surface));
             positions.push(hierarchy.vertices()[vertex as usize].to_array());
             positions.len() as u32 - 1
         })

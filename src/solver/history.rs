@@ -186,8 +186,8 @@ impl Solver {
         gatherer.converge(&mut light, PICTURE_TOLERANCE, FIRST_SWEEPS, &never);
         drop(gatherer);
         let display = match &self.display {
-            Some(present) => present.rebuilt(&self.scene, &hierarchy, self.style()),
-            None => Display::current(None, &self.scene, &hierarchy, self.style()),
+            Some(present) => present.rebuilt(&self.scene, &hierarchy, elements, self.style()),
+            None => Display::current(None, &self.scene, &hierarchy, elements, self.style()),
         };
         self.serial += 1;
         let snapshot = Snapshot {

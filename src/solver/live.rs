@@ -160,7 +160,7 @@ impl Solver {
     /// Goes on with what is there after a change that leaves candidates and links valid.
     fn resume(&mut self) {
         self.gathers_finely = false;
-        self.final_gather = None;
+        self.gather = None;
         // There may be room now; but siblings that their cluster lights as a whole stay as they are.
         self.is_full = self.has_cut_rows;
         self.memory_stop = self.memory_stop.filter(|_| self.has_cut_rows);
@@ -195,7 +195,7 @@ impl Solver {
         self.fix_brightness();
         self.picture = Picture::default();
         self.display = None;
-        self.final_gather = None;
+        self.gather = None;
         self.phase = Phase::Refine;
         self.stage = 0;
         self.frozen = None;

@@ -7,11 +7,11 @@
 use serde::Serialize;
 
 use super::candidate::Waiting;
-use super::final_gather::FinalGather;
 use super::history::History;
 use super::link::Link;
 use super::refine::Refinement;
 use super::{Solver, SolverError};
+use crate::gather::Gather;
 use crate::hierarchy::{ElementId, Hierarchy};
 
 /// A link while it waits to be taken into the table.
@@ -86,7 +86,7 @@ pub fn check_pairs_fit(patches: u64, budget: u64) -> Result<(), SolverError> {
 impl Solver {
     /// Bytes that scene and solution take, by count.
     pub(super) fn counted_bytes(&self) -> usize {
-        self.bytes_of_links() + self.final_gather.as_ref().map_or(0, FinalGather::bytes)
+        self.bytes_of_links() + self.gather.as_ref().map_or(0, Gather::bytes)
     }
 
     /// Bytes that the solution may take in all.

@@ -7,7 +7,7 @@
 //! 2. Judge the candidates of a wave (`Oracle`), apply the verdicts (`Refinement`); repeat until none is left.
 //! 3. Gather to convergence (`Gatherer`).
 //! 4. Judge the stored links again, for B has grown; those that fail are candidates of the next round, until none fails.
-//! 5. Where an error is asked for, look for light anew at the vertices (a final gather) until its own estimate keeps the promise.
+//! 5. Where an error is asked for, gather light anew over it ([`crate::gather`]) until the certificate keeps the target error.
 //!
 //! Settings, lamps and materials may change meanwhile (`live`): what that costs is told by `change`, and a coarser threshold merges
 //! links and patches back (`coarsen`).
@@ -22,7 +22,6 @@ mod candidate;
 mod change;
 mod coarsen;
 mod display;
-mod final_gather;
 mod form_factor;
 mod gather;
 mod history;
@@ -69,7 +68,7 @@ pub use stats::{Bytes, Phase, Seconds, Stats};
 pub use verdict::Rejection;
 
 use crate::cancel::CancelToken;
-use crate::gather::Field;
+use crate::gather::Gather;
 use crate::geometry::Occluders;
 use crate::geometry::Reachability;
 use crate::hierarchy::{ElementId, Hierarchy, PatchSums, Shape};
@@ -77,7 +76,6 @@ use crate::scene::Scene;
 use candidate::Candidate;
 use change::Doubts;
 use display::Display;
-use final_gather::FinalGather;
 pub use gather::Surface;
 use gather::{Light, pull};
 use history::History;
@@ -171,9 +169,7 @@ pub struct Solver {
     serial: u64,
     picture: Picture,
     display: Option<Display>,
-    final_gather: Option<FinalGather>,
-    /// What readings gather over; made when it is first asked for.
-    field: Option<Arc<Field>>,
+    gather: Option<Gather>,
     /// Whether snapshots carry the anatomy, and the hierarchy of the last one that did.
     wants_anatomy: bool,
     frozen: Option<Arc<Hierarchy>>,
@@ -242,8 +238,7 @@ impl Solver {
             serial: 0,
             picture: Picture::default(),
             display: None,
-            final_gather: None,
-            field: None,
+            gather: None,
             wants_anatomy: false,
             frozen: None,
             history: None,

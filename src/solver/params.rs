@@ -71,7 +71,7 @@ pub enum Reconstruct {
 }
 
 /// The error that is asked for where nobody says anything, as a share of the RMS radiosity.
-pub const USUAL_ERROR: f64 = 0.05;
+pub use crate::gather::USUAL_ERROR;
 
 /// Where an error is asked for, links are refined to this share of it as ε/Φ: a final gather needs no more of them.
 const EPSILON_PER_ERROR: f64 = 0.2;

@@ -5,13 +5,13 @@
 
 use std::sync::Arc;
 
+use glam::Vec3;
 use rayon::prelude::*;
 
 use super::Solver;
 use super::anatomy::Anatomy;
 use super::candidate::Waiting;
 use super::display::Display;
-use super::final_gather::FinalGather;
 use super::form_factor::{Exchange, exchange, self_exchange};
 use super::gather::{Gatherer, Light};
 use super::link::{Evidence, Link, LinkTable};
@@ -55,39 +55,30 @@ pub(super) fn snapshot(solver: &mut Solver) -> Snapshot {
     if solver.wants_anatomy {
         solver.freeze();
     }
-    let is_gathered = solver.final_gather.as_ref().is_some_and(FinalGather::is_ready);
-    let of_links =
-        (!is_gathered).then(|| Display::current(solver.display.take(), &solver.scene, &solver.hierarchy, style));
-    let field = solver.field();
-    let gathered = solver.final_gather.as_ref().filter(|gather| gather.is_ready());
-    let (display, vertex_irradiance, vertex_radiosity) = match (&of_links, gathered) {
-        (None, Some(gather)) => {
-            let irradiance = gather.vertex_irradiance();
-            let radiosity = gather.radiosity_of(&irradiance);
-            (gather.display(), irradiance, radiosity)
-        }
-        (Some(display), _) => (display, display.of_vertices(&light.irradiance), display.of_vertices(&light.radiosity)),
-        (None, None) => unreachable!("what is not gathered comes from links"),
-    };
+    let field = solver.shared_field();
+    let hierarchy = field.as_ref().map_or(&solver.hierarchy, |field| field.hierarchy());
+    let link_elements = solver.hierarchy.elements().len();
+    let display = Display::current(solver.display.take(), &solver.scene, hierarchy, link_elements, style);
+    let radiosity_of_field = field.as_ref().map(|field| field.radiosity());
+    let irradiance: &[Vec3] = field.as_ref().map_or(&light.irradiance, |field| field.irradiance());
+    let radiosity: &[Vec3] = radiosity_of_field.as_deref().unwrap_or(&light.radiosity);
     let anatomy =
         solver.wants_anatomy.then(|| solver.anatomy(table.as_ref().unwrap_or(&solver.links), &light, finished));
     let snapshot = Snapshot {
         generation: solver.generation,
         serial: solver.serial,
         mesh: display.mesh.clone(),
-        vertex_radiosity,
-        vertex_irradiance,
-        leaf_irradiance: display.of_leaves(&light.irradiance),
-        leaf_radiosity: display.of_leaves(&light.radiosity),
+        vertex_radiosity: display.of_vertices(radiosity),
+        vertex_irradiance: display.of_vertices(irradiance),
+        leaf_irradiance: display.of_leaves(irradiance),
+        leaf_radiosity: display.of_leaves(radiosity),
         clusters: display.clusters.clone(),
         moment: None,
         field,
         anatomy,
         stats: solver.stats(),
     };
-    if of_links.is_some() {
-        solver.display = of_links;
-    }
+    solver.display = Some(display);
     solver.picture.light = Some(light);
     snapshot
 }

@@ -4,13 +4,13 @@ use std::sync::Arc;
 
 use glam::Vec3;
 
-use super::final_gather::FinalGather;
 use super::link::LinkTable;
 use super::params::SolverParams;
 use super::refine::RejectedPair;
 use super::snapshot::Snapshot;
 use super::stats::{Bytes, Phase, Stats};
 use super::{Solver, balance, picture, timed};
+use crate::gather::{Field, Gather};
 use crate::hierarchy::Hierarchy;
 use crate::scene::Scene;
 
@@ -86,11 +86,11 @@ impl Solver {
             anchor_watts: self.anchor_watts,
             initial_patches: self.hierarchy.initial_patches().len(),
             clusters: self.hierarchy.cluster_count(),
-            patches: self.hierarchy.leaf_count(),
+            patches: self.field().map_or(&self.hierarchy, Field::hierarchy).leaf_count(),
             elements: self.hierarchy.elements().len(),
             links: self.links.len() + self.refinement.accepted.len(),
             pairs_judged: self.refinement.counts.pairs_judged,
-            rays: self.refinement.counts.rays + self.final_gather.as_ref().map_or(0, FinalGather::rays),
+            rays: self.refinement.counts.rays + self.gather.as_ref().map_or(0, Gather::rays),
             iterations: self.iterations,
             wave: self.refinement.waves,
             candidates_left: wave + next_wave,
@@ -99,12 +99,12 @@ impl Solver {
             clamped_leaves: self.clamped_leaves,
             bounded_leaves: self.bounded_leaves,
             error_asked: self.params.error,
-            error_estimate: self.error_estimate(),
+            error_estimate: self.certificate().map(|certificate| certificate.bound),
             seconds: self.seconds,
             bytes: Bytes {
                 links: self.links.bytes(),
                 elements: self.hierarchy.bytes() + self.light.bytes(),
-                rows: self.final_gather.as_ref().map_or(0, FinalGather::bytes),
+                rows: self.gather.as_ref().map_or(0, Gather::bytes),
                 counted: self.counted_bytes(),
                 budget: self.budget_bytes(),
             },

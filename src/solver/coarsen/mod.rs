@@ -63,7 +63,7 @@ impl Solver {
         // A picture starts from what is known now; its mesh is made anew.
         self.picture = Picture::of(self.light.clone());
         self.display = self.display.take().map(Display::outdated);
-        self.final_gather = None;
+        self.gather = None;
     }
 }
 

@@ -1,0 +1,277 @@
+//! Gather samples: what looks from each leaf found, kept so that light can be moved over them as often as
+//! it takes to converge, without another ray.
+
+use glam::Vec3;
+use rayon::prelude::*;
+
+use super::field::{Field, grey};
+use super::glance::{GlanceRays, Lit, is_near};
+use crate::cancel::CancelToken;
+use crate::hierarchy::ElementId;
+use crate::random::{cosine_direction, mix};
+
+/// Rays that tell whether a point is hidden, where a part of a leaf is.
+const HIDDEN_RAYS: u32 = 16;
+/// Points of a leaf's sequence before it begins anew; `sobol_burley` has so many.
+const SEQUENCE: u32 = 0xffff;
+/// Stands for a ray that brings nothing: it left the scene, met a back, or met what is aimed at.
+const NOTHING: ElementId = ElementId(u32::MAX);
+
+/// Leaves to look from, and how many looks from each.
+pub type Queue = Vec<(ElementId, u32)>;
+
+/// A look from a point of a leaf.
+#[derive(Clone, Copy)]
+struct Look {
+    /// Irradiance that emission brings, W/m².
+    emitted: Vec3,
+    /// Squared standard error of that (mean of the colours), as its few rays tell.
+    noise: f32,
+    /// Share of the rays that end where the leaf is read as a whole, not followed.
+    far: f32,
+}
+
+/// What looks from one leaf found.
+#[derive(Default)]
+struct Drawn {
+    looks: Vec<Look>,
+    /// Leaves that the cosine-distributed rays of each look met.
+    met: Vec<ElementId>,
+    /// Secondary emitters that are seen: the look, the emitter, and the share of what it reflects that arrives.
+    aimed: Vec<(u32, ElementId, f32)>,
+    hidden: u32,
+    rays: u32,
+}
+
+/// The looks of one pass over some leaves; those of a leaf lie side by side.
+#[derive(Default)]
+struct Pass {
+    cosine: usize,
+    leaves: Vec<ElementId>,
+    /// Where the looks of each leaf start; one longer than `leaves`.
+    starts: Vec<u32>,
+    looks: Vec<Look>,
+    met: Vec<ElementId>,
+    /// Where the aimed rays of each leaf start.
+    aimed_starts: Vec<u32>,
+    aimed: Vec<(u32, ElementId, f32)>,
+}
+
+/// Sums over the looks from a leaf.
+#[derive(Clone, Copy, Default)]
+struct Sums {
+    /// Looks drawn, and of these those from points that are not hidden.
+    drawn: u32,
+    seen: u32,
+    /// Σ of the irradiance that emission brings, W/m², and of its squares less their noise (mean of the colours).
+    emitted: Vec3,
+    squares: f32,
+    /// Looks with cosine-distributed rays, from points that are not hidden.
+    whole: u32,
+}
+
+/// All that was found.
+#[derive(Default)]
+pub struct GatherSamples {
+    /// Parallel to the arena.
+    sums: Vec<Sums>,
+    passes: Vec<Pass>,
+    /// Rays cast.
+    pub rays: u64,
+}
+
+/// Irradiances of each leaf, W/m², parallel to the arena.
+pub struct Gathered {
+    /// Mean over the leaf.
+    pub mean: Vec<Vec3>,
+    /// Mean over what far points see of it.
+    pub far: Vec<Vec3>,
+}
+
+impl GatherSamples {
+    /// Looks so many times from each of these leaves, which must be different ones; false if cancelled,
+    /// which leaves all as it was. Without cosine-distributed rays, emission alone is looked for.
+    pub fn draw(
+        &mut self,
+        field: &Field,
+        queue: &[(ElementId, u32)],
+        rays: GlanceRays,
+        seed: u64,
+        cancel: &CancelToken,
+    ) -> bool {
+        self.sums.resize(field.hierarchy.elements().len(), Sums::default());
+        let draw = |(leaf, looks): &(ElementId, u32)| {
+            let done = self.sums[leaf.index()].drawn;
+            (!cancel.is_cancelled()).then(|| draw(field, *leaf, rays, done..done + looks, seed))
+        };
+        let drawn: Option<Vec<Drawn>> = queue.par_iter().with_min_len(8).map(draw).collect();
+        let Some(drawn) = drawn else { return false };
+        let mut pass = Pass { cosine: rays.cosine as usize, starts: vec![0], aimed_starts: vec![0], ..Pass::default() };
+        for ((leaf, _), drawn) in queue.iter().zip(drawn) {
+            let sums = &mut self.sums[leaf.index()];
+            let seen = drawn.looks.len() as u32;
+            sums.drawn += seen + drawn.hidden;
+            sums.seen += seen;
+            for look in &drawn.looks {
+                sums.emitted += look.emitted;
+                sums.squares += grey(look.emitted) * grey(look.emitted) - look.noise;
+            }
+            self.rays += u64::from(drawn.rays);
+            if rays.cosine > 0 {
+                sums.whole += seen;
+                pass.push(*leaf, &drawn);
+            }
+        }
+        if rays.cosine > 0 {
+            self.passes.push(pass);
+        }
+        true
+    }
+
+    fn of(&self, leaf: ElementId) -> Sums {
+        self.sums.get(leaf.index()).copied().unwrap_or_default()
+    }
+
+    /// Irradiance that emission brings to a leaf, W/m², and its variance over the leaf (mean of the colours); zero where it was
+    /// not looked for.
+    pub fn direct(&self, leaf: ElementId) -> (Vec3, f32) {
+        let sums = self.of(leaf);
+        let looks = sums.seen.max(1) as f32;
+        let mean = sums.emitted / looks;
+        (mean, (sums.squares / looks - grey(mean) * grey(mean)).max(0.0))
+    }
+
+    /// Share of a leaf's random points that are not hidden, where it was looked at.
+    pub fn seen_share(&self, leaf: ElementId) -> Option<f32> {
+        let sums = self.of(leaf);
+        (sums.drawn > 0).then(|| sums.seen as f32 / sums.drawn as f32)
+    }
+
+    /// Looks from a leaf with cosine-distributed rays.
+    pub fn whole_looks(&self, leaf: ElementId) -> u32 {
+        self.of(leaf).whole
+    }
+
+    /// Irradiances over the samples where leaves reflect this much, W/m²; `None` if cancelled. What was not looked at by
+    /// cosine-distributed rays keeps this indirect light.
+    pub fn irradiance(
+        &self,
+        field: &Field,
+        reflected: &[Vec3],
+        indirect: &[Vec3],
+        cancel: &CancelToken,
+    ) -> Option<Gathered> {
+        let elements = field.hierarchy.elements().len();
+        // Σ of indirect light; of all light by the share of far rays; and of these shares.
+        let mut sums = vec![(Vec3::ZERO, Vec3::ZERO, 0.0_f32); elements];
+        for pass in &self.passes {
+            let of_leaf = |place: usize| (!cancel.is_cancelled()).then(|| pass.sum(place, reflected));
+            let found: Option<Vec<_>> = (0..pass.leaves.len()).into_par_iter().with_min_len(256).map(of_leaf).collect();
+            for (leaf, found) in pass.leaves.iter().zip(found?) {
+                let sum = &mut sums[leaf.index()];
+                *sum = (sum.0 + found.0, sum.1 + found.1, sum.2 + found.2);
+            }
+        }
+        let mut gathered = Gathered { mean: vec![Vec3::ZERO; elements], far: vec![Vec3::ZERO; elements] };
+        for leaf in field.leaves() {
+            let index = leaf.index();
+            let (own, far, weight) = sums[index];
+            let whole = self.of(leaf).whole;
+            let found = if whole == 0 { indirect[index] } else { own / whole as f32 };
+            gathered.mean[index] = self.direct(leaf).0 + found;
+            gathered.far[index] = if weight > 0.0 { far / weight } else { gathered.mean[index] };
+        }
+        Some(gathered)
+    }
+
+    /// Memory, bytes.
+    pub fn bytes(&self) -> usize {
+        self.passes.iter().map(Pass::bytes).sum::<usize>() + size_of_val(&self.sums[..])
+    }
+}
+
+impl Pass {
+    fn push(&mut self, leaf: ElementId, drawn: &Drawn) {
+        self.leaves.push(leaf);
+        self.looks.extend_from_slice(&drawn.looks);
+        self.met.extend_from_slice(&drawn.met);
+        self.aimed.extend_from_slice(&drawn.aimed);
+        self.starts.push(self.looks.len() as u32);
+        self.aimed_starts.push(self.aimed.len() as u32);
+    }
+
+    /// Σ over the looks from a leaf: indirect irradiance (W/m²), all of it by the share of far rays, and these shares.
+    fn sum(&self, place: usize, reflected: &[Vec3]) -> (Vec3, Vec3, f32) {
+        let range = self.starts[place] as usize..self.starts[place + 1] as usize;
+        let aimed = &self.aimed[self.aimed_starts[place] as usize..self.aimed_starts[place + 1] as usize];
+        let mut aimed = aimed.iter().peekable();
+        let mut sums = (Vec3::ZERO, Vec3::ZERO, 0.0);
+        for (number, look) in range.clone().zip(&self.looks[range.clone()]) {
+            let met = &self.met[number * self.cosine..(number + 1) * self.cosine];
+            let met = met.iter().filter(|leaf| **leaf != NOTHING);
+            let mut light = met.map(|leaf| reflected[leaf.index()]).sum::<Vec3>() / self.cosine as f32;
+            while let Some((_, leaf, share)) = aimed.next_if(|(look, ..)| *look as usize == number - range.start) {
+                light += *share * reflected[leaf.index()];
+            }
+            sums.0 += light;
+            sums.1 += look.far * (light + look.emitted);
+            sums.2 += look.far;
+        }
+        sums
+    }
+
+    fn bytes(&self) -> usize {
+        size_of_val(&self.leaves[..])
+            + size_of_val(&self.starts[..])
+            + size_of_val(&self.looks[..])
+            + size_of_val(&self.met[..])
+            + size_of_val(&self.aimed_starts[..])
+            + size_of_val(&self.aimed[..])
+    }
+}
+
+fn draw(field: &Field, leaf: ElementId, rays: GlanceRays, looks: std::ops::Range<u32>, seed: u64) -> Drawn {
+    let hierarchy = &field.hierarchy;
+    let element = hierarchy.element(leaf);
+    let seed = mix(seed, element.key);
+    let scramble = (seed ^ (seed >> 32)) as u32;
+    // Points that hide under something see nothing; a leaf's light is the mean over the others.
+    let is_hidden_in_part = field.patch(leaf).is_hidden_in_part();
+    let mut drawn = Drawn::default();
+    for look in looks {
+        let [u, v, ..] = sobol_burley::sample_4d(look & SEQUENCE, 1, scramble);
+        let point = hierarchy.point_on(leaf, u, v);
+        let place = (point.position, point.normal);
+        if is_hidden_in_part && field.hides(place.0, place.1, mix(seed, look.into()), HIDDEN_RAYS) {
+            drawn.hidden += 1;
+            continue;
+        }
+        let (mut emitted, mut squares) = (Vec3::ZERO, 0.0);
+        for ray in look * rays.aimed..(look + 1) * rays.aimed {
+            let [choice, u, v, _] = sobol_burley::sample_4d(ray & SEQUENCE, 2, scramble);
+            match field.aim_by_chance(place, [choice, u, v]) {
+                Some((Lit::Emitter(emission), weight)) => {
+                    emitted += weight / rays.aimed as f32 * emission;
+                    squares += weight * weight * grey(emission) * grey(emission);
+                }
+                Some((Lit::Secondary(met), weight)) => {
+                    drawn.aimed.push((drawn.looks.len() as u32, met.leaf, weight / rays.aimed as f32));
+                }
+                None => {}
+            }
+        }
+        let mut far = 0;
+        for index in look * rays.cosine..(look + 1) * rays.cosine {
+            let [u, v, ..] = sobol_burley::sample_4d(index & SEQUENCE, 0, scramble);
+            let met = field.meet(place.0, place.1, cosine_direction(place.1, u, v));
+            far += u32::from(met.as_ref().is_none_or(|met| !is_near(element.area, met.position, place.0)));
+            let met = met.filter(|met| !field.is_aimed_at(met.leaf, place.0, place.1));
+            drawn.met.push(met.map_or(NOTHING, |met| met.leaf));
+        }
+        let count = rays.aimed as f32;
+        let noise = (squares / count - grey(emitted) * grey(emitted)).max(0.0) / (count - 1.0).max(1.0);
+        drawn.looks.push(Look { emitted, noise, far: far as f32 / rays.cosine.max(1) as f32 });
+        drawn.rays += rays.aimed + rays.cosine;
+    }
+    drawn
+}
