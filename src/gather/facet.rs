@@ -108,6 +108,11 @@ impl FacetSampler<'_> {
         if self.total > 0.0 { self.by_solid_angle(u, v) } else { self.by_area(u, v) }
     }
 
+    /// What samples are spread over, evenly: solid angle, sr, or area; the form factor is the mean kernel times this, over π.
+    pub fn measure(&self) -> f32 {
+        if self.total > 0.0 { self.total } else { fan_area(self.facet.corners()) }
+    }
+
     fn by_area(&self, u: f32, v: f32) -> FacetSample {
         let corners = self.facet.corners();
         let span = match *corners {
@@ -157,6 +162,11 @@ fn lambert(normal: Vec3, corners: &[Vec3]) -> f32 {
         }
     }
     sum / TAU
+}
+
+fn fan_area(corners: &[Vec3]) -> f32 {
+    let area = |pair: &[Vec3]| 0.5 * (pair[0] - corners[0]).cross(pair[1] - corners[0]).length();
+    corners[1..].windows(2).map(area).sum()
 }
 
 fn point_on_fan(corners: &[Vec3], u: f32, v: f32) -> Vec3 {
@@ -253,15 +263,7 @@ mod tests {
                 let sampler = facet.samples(normal, Vec3::NEG_Z);
                 let count = 20_000;
                 let mean = (0..count).map(|index| sampler.at(even_point(7, index)).kernel).sum::<f32>() / count as f32;
-                let measure = if sampler.total > 0.0 {
-                    sampler.total
-                } else {
-                    let corners = facet.corners();
-                    (1..corners.len() - 1)
-                        .map(|i| 0.5 * (corners[i] - corners[0]).cross(corners[i + 1] - corners[0]).length())
-                        .sum()
-                };
-                let found = mean * measure / PI;
+                let found = mean * sampler.measure() / PI;
                 assert!((found - exact).abs() < 0.01 * exact, "{height} {side} {shift} {normal}: {found} {exact}");
                 let on_plane =
                     |index: u32| (sampler.at(even_point(9, index)).span.z - height).abs() < 1e-4 * (1.0 + side);

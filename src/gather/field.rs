@@ -5,7 +5,7 @@ use std::sync::Arc;
 use glam::Vec3;
 
 use super::sources::Sources;
-use crate::geometry::Occluders;
+use crate::geometry::{Hit, Occluders};
 use crate::hierarchy::{ElementId, Hierarchy, Patch, Shape};
 use crate::scene::Scene;
 use crate::solver::Surface;
@@ -92,6 +92,21 @@ impl Field {
     /// Unit normal of a polygon.
     pub fn normal(&self, polygon: u32) -> Vec3 {
         self.scene.normal(&self.scene.polygons[polygon as usize])
+    }
+
+    /// The bright side that a ray through the air meets first, as a picture shows it: dark sides are looked through.
+    pub fn look_along(&self, origin: Vec3, direction: Vec3) -> Option<Hit> {
+        self.occluders.first_front(origin, direction)
+    }
+
+    /// The leaf of a polygon at a place.
+    pub fn leaf_at(&self, polygon: u32, position: Vec3) -> ElementId {
+        self.hierarchy.leaf_at(self.patches[polygon as usize], position)
+    }
+
+    /// The scene.
+    pub fn scene(&self) -> &Scene {
+        &self.scene
     }
 
     /// Memory, bytes.

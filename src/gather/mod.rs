@@ -10,7 +10,9 @@
 mod estimator;
 mod facet;
 mod field;
+mod glance;
 mod sources;
 
 pub use estimator::{Budget, Depth, Irradiance, Rays};
 pub use field::Field;
+pub use glance::{Glance, GlanceRays};

@@ -12,7 +12,7 @@ use glam::Vec3;
 
 use super::facet::Facet;
 use super::field::{Field, Met};
-use crate::hierarchy::{ElementId, Hierarchy, Shape};
+use crate::hierarchy::{Element, ElementId, Hierarchy, Shape};
 use crate::random::{even_point, fraction, mix};
 use crate::solver::Surface;
 
@@ -21,14 +21,14 @@ const SMALL: f32 = 0.1;
 /// A secondary emitter is aimed at from where its form factor is below this; from nearer, random rays
 /// meet it often enough and find where on it there is how much light. Above π·SMALL²/3, so that what
 /// lies in a small cluster is always aimed at.
-const AIMED_FORM_FACTOR: f32 = 0.02;
+pub(super) const AIMED_FORM_FACTOR: f32 = 0.02;
 /// A leaf that reflects so many times the area's mean is a secondary emitter.
 const BRIGHT: f32 = 6.0;
 
 /// Emitters and secondary emitters of a field.
 pub struct Sources {
     /// Power of each element, W (largest colour); emission and what secondary emitters reflect.
-    power: Vec<f32>,
+    pub(super) power: Vec<f32>,
     /// Mean reflected radiosity of each leaf that is a secondary emitter, W/m² (largest colour); 0
     /// for all others.
     secondary: Vec<f32>,
@@ -82,6 +82,11 @@ impl Sources {
             };
         }
         Self { power, secondary }
+    }
+
+    /// Power that an initial patch emits, W (largest colour).
+    pub(super) fn emitted_power(&self, element: &Element, surface: &Surface) -> f32 {
+        element.sampled_area * surface.emission.max_element()
     }
 
     /// Memory, bytes.
@@ -144,7 +149,7 @@ impl Field {
         let sent = self.sources.secondary[id.index()];
         if sent > 0.0
             && let Some(facet) = self.facet(id, point, normal)
-            && facet.form_factor < AIMED_FORM_FACTOR
+            && (self.is_small(id, point) || facet.form_factor < AIMED_FORM_FACTOR)
         {
             aims.push(Aim { at: Target::Secondary(id, facet), most: facet.form_factor * sent, drawn: 0 });
         }
@@ -154,7 +159,18 @@ impl Field {
     /// not count.
     pub fn is_aimed_at(&self, leaf: ElementId, point: Vec3, normal: Vec3) -> bool {
         self.sources.secondary[leaf.index()] > 0.0
-            && self.facet(leaf, point, normal).is_none_or(|facet| facet.form_factor < AIMED_FORM_FACTOR)
+            && (self.is_small(leaf, point) || self.has_small_facet(leaf, point, normal))
+    }
+
+    /// Whether a leaf is so far away that its form factor must be small.
+    fn is_small(&self, leaf: ElementId, point: Vec3) -> bool {
+        let element = self.hierarchy.element(leaf);
+        // Within a radius of twice the root of its area it has all of it, unless it is a sliver.
+        element.area < 0.25 * AIMED_FORM_FACTOR * PI * element.centre.distance_squared(point)
+    }
+
+    fn has_small_facet(&self, leaf: ElementId, point: Vec3, normal: Vec3) -> bool {
+        self.facet(leaf, point, normal).is_none_or(|facet| facet.form_factor < AIMED_FORM_FACTOR)
     }
 
     fn facet(&self, id: ElementId, point: Vec3, normal: Vec3) -> Option<Facet> {

@@ -1,0 +1,240 @@
+//! A look of very few rays, for pictures: millions of them, each at another point.
+//!
+//! A look at a reading shares rays out to everything that could shine at the point. Here so much is never
+//! found out: each aimed ray goes down the tree of sources by chance, at each node to a child by what it
+//! could send at most [stochastic lightcuts, Yuksel 2020], and so costs no more than the tree is deep. The
+//! random numbers are one low-discrepancy sequence for a block of neighbouring points, so that these share
+//! out the sources and directions among themselves.
+
+use std::f32::consts::PI;
+
+use glam::Vec3;
+
+use super::facet::Facet;
+use super::field::{Field, Met};
+use crate::hierarchy::{Element, ElementId, Hierarchy, Shape, point_on_polygon};
+use crate::random::{cosine_direction, fraction, mix};
+
+/// Sequences are this long before another one begins.
+const SEQUENCE: u32 = 1 << 16;
+/// A ray that ends nearer than so many times the size of the leaf there is followed by another one.
+const NEAR: f32 = 0.5;
+/// Rays that follow one another at most.
+const LONGEST: u32 = 4;
+
+/// Rays of a glance.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct GlanceRays {
+    /// Aimed at emitters and secondary emitters.
+    pub aimed: u32,
+    /// Cosine-distributed.
+    pub cosine: u32,
+}
+
+/// What a glance finds.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Glance {
+    /// Irradiance, W/m².
+    pub irradiance: Vec3,
+    /// Mean of 1 / distance over where the cosine-distributed rays end; 0 for those that meet nothing.
+    pub nearness: f32,
+}
+
+/// A source that was chosen.
+struct Choice {
+    id: ElementId,
+    /// Whether its emission is meant; otherwise what it reflects.
+    emits: bool,
+    probability: f32,
+}
+
+impl Field {
+    /// A glance from a point of a face with this unit normal: number `index` of the sequence that the seed tells.
+    pub fn glance(&self, (point, normal): (Vec3, Vec3), rays: GlanceRays, (seed, index): (u64, u32)) -> Glance {
+        let mut glance = Glance::default();
+        let scramble = |what: u32, number: u32| mix(mix(seed, what.into()), (number / SEQUENCE).into());
+        for ray in 0..rays.aimed {
+            let number = index.wrapping_mul(rays.aimed).wrapping_add(ray);
+            let hash = scramble(1, number);
+            let place = sobol_burley::sample_4d(number % SEQUENCE, 0, hash as u32);
+            let beyond = mix(hash, number.into());
+            glance.irradiance += self.aimed_light((point, normal), place, (beyond, 0)) / rays.aimed as f32;
+        }
+        for ray in 0..rays.cosine {
+            let number = index.wrapping_mul(rays.cosine).wrapping_add(ray);
+            let hash = scramble(2, number);
+            let [u, v, ..] = sobol_burley::sample_4d(number % SEQUENCE, 0, hash as u32);
+            let beyond = mix(hash, number.into());
+            let share = 1.0 / rays.cosine as f32;
+            if let Some(met) = self.meet(point, normal, cosine_direction(normal, u, v)) {
+                glance.nearness += share / met.position.distance(point).max(f32::MIN_POSITIVE);
+                if !self.is_aimed_at(met.leaf, point, normal) {
+                    glance.irradiance += share * self.sent_back(&met, point, (beyond, 0));
+                }
+            }
+        }
+        glance
+    }
+
+    /// Irradiance by one aimed ray, W/m².
+    fn aimed_light(&self, (point, normal): (Vec3, Vec3), [choice, u, v, _]: [f32; 4], beyond: (u64, u32)) -> Vec3 {
+        let Some(choice) = self.choose(point, normal, choice) else { return Vec3::ZERO };
+        let element = self.hierarchy.element(choice.id);
+        let Shape::Patch(patch) = &element.shape else { return Vec3::ZERO };
+        if !choice.emits && !self.is_aimed_at(choice.id, point, normal) {
+            return Vec3::ZERO;
+        }
+        let (corners, count) = self.hierarchy.corner_positions(patch);
+        let Some((span, weight)) = sample_polygon((point, normal), &corners[..count], (element, patch.normal), [u, v])
+        else {
+            return Vec3::ZERO;
+        };
+        let position = point + span;
+        if !self.sees((point, normal), (position, patch.normal)) {
+            return Vec3::ZERO;
+        }
+        let sent = if choice.emits {
+            self.surface(patch.polygon).emission
+        } else {
+            self.sent_back(&Met { leaf: choice.id, position }, point, beyond)
+        };
+        weight / choice.probability * sent
+    }
+
+    /// Irradiance by one cosine-distributed ray, without what is aimed for, W/m².
+    fn scattered_light(&self, (point, normal): (Vec3, Vec3), [u, v]: [f32; 2], beyond: (u64, u32)) -> Vec3 {
+        match self.meet(point, normal, cosine_direction(normal, u, v)) {
+            Some(met) if !self.is_aimed_at(met.leaf, point, normal) => self.sent_back(&met, point, beyond),
+            _ => Vec3::ZERO,
+        }
+    }
+
+    /// What a place reflects, W/m²: as the field says, unless it is so near that the field is too coarse.
+    fn sent_back(&self, met: &Met, from: Vec3, (seed, length): (u64, u32)) -> Vec3 {
+        let area = self.hierarchy.element(met.leaf).area;
+        if length >= LONGEST || met.position.distance_squared(from) >= NEAR * NEAR * area {
+            return self.reflected[met.leaf.index()];
+        }
+        let patch = self.patch(met.leaf);
+        let reflectance = self.surface(patch.polygon).reflectance;
+        let hash = [1, 2, 3].map(|what| mix(seed, what));
+        let [choice, u, v, w] = [hash[0], hash[0] << 32, hash[1], hash[1] << 32].map(|bits| fraction((bits >> 32) as u32));
+        let x = fraction(hash[2] as u32);
+        let place = (met.position, patch.normal);
+        let aimed = self.aimed_light(place, [choice, u, v, 0.0], (mix(hash[2], 1), length + 1));
+        reflectance * (aimed + self.scattered_light(place, [w, x], (mix(hash[2], 2), length + 1)))
+    }
+
+    /// Goes down to a source: at each node to a child by what it could send at most.
+    fn choose(&self, point: Vec3, normal: Vec3, mut u: f32) -> Option<Choice> {
+        let (hierarchy, power) = (&self.hierarchy, &self.sources.power);
+        let mut id = Hierarchy::ROOT;
+        let mut probability = 1.0;
+        if power[id.index()] <= 0.0 {
+            return None;
+        }
+        loop {
+            let element = hierarchy.element(id);
+            if let Shape::Patch(patch) = &element.shape {
+                let emitted = match patch.level {
+                    0 => self.sources.emitted_power(element, self.surface(patch.polygon)),
+                    _ => 0.0,
+                };
+                if emitted > 0.0 {
+                    let share = (emitted / power[id.index()]).min(1.0);
+                    if u < share || share > 0.999 {
+                        return Some(Choice { id, emits: true, probability: probability * if share > 0.999 { 1.0 } else { share } });
+                    }
+                    u = (u - share) / (1.0 - share);
+                    probability *= 1.0 - share;
+                }
+                if element.is_leaf() {
+                    return Some(Choice { id, emits: false, probability });
+                }
+            }
+            // A child takes over from those before it with its share of their sum; the random number is used on.
+            let (mut total, mut chosen) = (0.0, None);
+            for child in element.children() {
+                let power = power[child.index()];
+                if power <= 0.0 {
+                    continue;
+                }
+                let most = power * most_per_power(hierarchy.element(child), point, normal);
+                if most <= 0.0 {
+                    continue;
+                }
+                total += most;
+                let share = most / total;
+                if u < share {
+                    chosen = Some((child, most));
+                    u /= share;
+                } else {
+                    u = (u - share) / (1.0 - share);
+                }
+            }
+            let (child, most) = chosen?;
+            probability *= most / total;
+            id = child;
+        }
+    }
+}
+
+/// A bound, up to a factor common to all, on the irradiance that an element of this place and size brings for each watt it sends.
+fn most_per_power(element: &Element, point: Vec3, normal: Vec3) -> f32 {
+    let span = element.centre - point;
+    let square = span.length_squared();
+    match &element.shape {
+        Shape::Cluster(cluster) => {
+            let height = normal.dot(span) + normal.abs().dot(cluster.half_extent);
+            let radius = cluster.half_extent.length_squared();
+            let reach = square + radius;
+            if height <= 0.0 { 0.0 } else { (height / reach.sqrt()).min(1.0) / square.max(radius) }
+        }
+        Shape::Patch(patch) => {
+            let descent = -patch.normal.dot(span);
+            if descent <= 0.0 {
+                return 0.0;
+            }
+            let radius_squared = element.area;
+            let radius = radius_squared.sqrt();
+            let height = normal.dot(span) + radius * (1.0 - normal.dot(patch.normal).powi(2)).max(0.0).sqrt();
+            if height <= 0.0 {
+                return 0.0;
+            }
+            let reach = square + radius_squared;
+            height * (descent + 0.1 * radius) / (reach * reach)
+        }
+    }
+}
+
+/// A point of a polygon as a point with a normal sees it: the way there, and what of the polygon's radiosity comes from it to the point.
+fn sample_polygon(
+    (point, normal): (Vec3, Vec3),
+    polygon: &[Vec3],
+    (element, polygon_normal): (&Element, Vec3),
+    [u, v]: [f32; 2],
+) -> Option<(Vec3, f32)> {
+    let square = (element.centre - point).length_squared();
+    if FAR * element.area < square {
+        let span = point_on_polygon(polygon, u, v) - point;
+        let square = span.length_squared();
+        let cosines = normal.dot(span) * -polygon_normal.dot(span);
+        let is_seen = normal.dot(span) > 0.0 && cosines > 0.0;
+        return is_seen.then(|| (span, polygon_area(polygon) * cosines / (PI * square * square)));
+    }
+    let facet = Facet::new(point, normal, polygon)?;
+    let sampler = facet.samples(normal, polygon_normal);
+    let sample = sampler.at([u, v]);
+    (sample.kernel > 0.0).then(|| (sample.span, sample.kernel * sampler.measure() / PI))
+}
+
+/// A polygon is far where so many times its area is below the square of its distance.
+const FAR: f32 = 6.0;
+
+fn polygon_area(polygon: &[Vec3]) -> f32 {
+    match *polygon {
+        [a, b, c] => 0.5 * (b - a).cross(c - a).length(),
+        [a, b, c, d] => 0.5 * ((b - a).cross(c - a).length() + (c - a).cross(d - a).length()),
+        _ => 0.0,
+    }
+}
