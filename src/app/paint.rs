@@ -87,6 +87,7 @@ impl Picture {
 impl Stage {
     fn draw(&mut self, encoder: &mut wgpu::CommandEncoder, picture: &Picture) -> Result<(), RenderError> {
         let frame = Frame {
+            gathered: None,
             snapshot: &picture.snapshot,
             camera: &picture.camera,
             display: &picture.display,
