@@ -10,8 +10,8 @@ use image::{ImageFormat, RgbaImage};
 use selflink::export::{PictureFormat, exr};
 use selflink::picture::GatheredPicture;
 use selflink::render::{
-    Camera, ChosenLinks, ClusterView, Display, Exposure, Frame, IsolinesWanted, LinkFilter, LinkStyle, MAX_SIZE, Marks, Offscreen, Overlay,
-    ReadingSettings, auto_exposure, by_clusters, developed, pick, picked_marks,
+    Camera, ChosenLinks, ClusterView, Display, Exposure, Frame, IsolinesWanted, LinkFilter, LinkStyle, MAX_SIZE, Marks,
+    Offscreen, Overlay, ReadingSettings, auto_exposure, by_clusters, developed, pick, picked_marks,
 };
 use selflink::scene::{CameraPose, FiledCamera, Scene};
 use selflink::solver::{Anatomy, LinkView};
@@ -152,7 +152,8 @@ pub fn run(matches: &ArgMatches) -> anyhow::Result<()> {
     if gathered.is_none() && matches.get_one::<String>("picture").is_some_and(|of| of == "gathered") {
         eprintln!("warning: {NO_FIELD}, so the picture is of the mesh.");
     }
-    let mut offscreen = if gathered.is_some() && !wants_lines { None } else { Some(early.map_or_else(Offscreen::new, Ok)?) };
+    let mut offscreen =
+        if gathered.is_some() && !wants_lines { None } else { Some(early.map_or_else(Offscreen::new, Ok)?) };
     match (format, &gathered, &mut offscreen) {
         (PictureFormat::Png, Some(picture), None) => save(&show(picture, &solution, &view)?, &file)?,
         (PictureFormat::Png, picture, Some(offscreen)) => {

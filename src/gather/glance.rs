@@ -118,7 +118,8 @@ impl Field {
         let patch = self.patch(met.leaf);
         let reflectance = self.surface(patch.polygon).reflectance;
         let hash = [1, 2, 3].map(|what| mix(seed, what));
-        let [choice, u, v, w] = [hash[0], hash[0] << 32, hash[1], hash[1] << 32].map(|bits| fraction((bits >> 32) as u32));
+        let [choice, u, v, w] =
+            [hash[0], hash[0] << 32, hash[1], hash[1] << 32].map(|bits| fraction((bits >> 32) as u32));
         let x = fraction(hash[2] as u32);
         let place = (met.position, patch.normal);
         let aimed = self.aimed_light(place, [choice, u, v, 0.0], (mix(hash[2], 1), length + 1));
@@ -143,7 +144,11 @@ impl Field {
                 if emitted > 0.0 {
                     let share = (emitted / power[id.index()]).min(1.0);
                     if u < share || share > 0.999 {
-                        return Some(Choice { id, emits: true, probability: probability * if share > 0.999 { 1.0 } else { share } });
+                        return Some(Choice {
+                            id,
+                            emits: true,
+                            probability: probability * if share > 0.999 { 1.0 } else { share },
+                        });
                     }
                     u = (u - share) / (1.0 - share);
                     probability *= 1.0 - share;

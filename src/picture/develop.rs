@@ -59,9 +59,8 @@ pub(super) fn develop(
     let side = sights.per_side as usize;
     let [width, height] = sights.size.map(|samples| samples as usize / side);
     let mut pixels = vec![[0, 0, 0, 255]; width * height];
-    let samples_in = |x: usize, y: usize| {
-        (0..side * side).map(move |k| (y * side + k / side) * width * side + x * side + k % side)
-    };
+    let samples_in =
+        |x: usize, y: usize| (0..side * side).map(move |k| (y * side + k / side) * width * side + x * side + k % side);
     pixels.par_chunks_exact_mut(width.max(1)).enumerate().for_each(|(y, row)| {
         let up = 1.0 - (y as f32 + 0.5) / height as f32;
         let ground = decode(GROUND[0].lerp(GROUND[1], up));
@@ -139,7 +138,5 @@ fn with_lines(mut colour: Vec3, lines: &[(f32, Vec3)], (value, slope): (f32, f32
 
 /// Linear light of a gamma-encoded colour (IEC 61966-2-1).
 fn decode(encoded: Vec3) -> Vec3 {
-    encoded.map(|channel| {
-        if channel <= 0.040_45 { channel / 12.92 } else { ((channel + 0.055) / 1.055).powf(2.4) }
-    })
+    encoded.map(|channel| if channel <= 0.040_45 { channel / 12.92 } else { ((channel + 0.055) / 1.055).powf(2.4) })
 }

@@ -126,14 +126,7 @@ impl Filter {
     }
 }
 
-fn share_row(
-    sights: &Sights,
-    shares: &[Share],
-    around: &[Surroundings],
-    step: i32,
-    row: usize,
-    next: &mut [Share],
-) {
+fn share_row(sights: &Sights, shares: &[Share], around: &[Surroundings], step: i32, row: usize, next: &mut [Share]) {
     let [width, height] = sights.size.map(|side| side as i32);
     let y = row as i32;
     for (x, next) in (0..width).zip(next) {

@@ -23,12 +23,7 @@ impl Lens {
         let forward = (pose.target - pose.eye).normalize();
         let side = forward.cross(pose.up).normalize();
         let half_width = (0.5 * pose.hfov_deg.to_radians()).tan();
-        Self {
-            eye: pose.eye,
-            forward,
-            right: half_width * side,
-            above: half_width / aspect * side.cross(forward),
-        }
+        Self { eye: pose.eye, forward, right: half_width * side, above: half_width / aspect * side.cross(forward) }
     }
 
     /// Unit direction through a point of the picture, −1..1 to the right and upwards.

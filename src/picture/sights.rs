@@ -84,7 +84,12 @@ impl Sights {
                 }
             }
         });
-        (!cancel.is_cancelled()).then_some(Self { size, per_side, spacing: 2.0 * lens.right.length() / size[0] as f32, all })
+        (!cancel.is_cancelled()).then_some(Self {
+            size,
+            per_side,
+            spacing: 2.0 * lens.right.length() / size[0] as f32,
+            all,
+        })
     }
 
     /// The samples in the middle of squares of so many in each direction.

@@ -5,9 +5,9 @@ use std::sync::Arc;
 use bytemuck::cast_slice;
 
 use super::buffer::GrowingBuffer;
+use super::gathered::Pixels;
 use super::overlay::{self, Line};
 use super::pipelines::{COLOUR_FORMAT, DEPTH_FORMAT, Pipelines};
-use super::gathered::Pixels;
 use super::reading::{MOST_ISOLINES, Reading, Spacing, at_vertices, line_colour};
 use super::target::Target;
 use super::underlay::Underlay;
