@@ -19,6 +19,8 @@ const PLANE: f32 = 0.01;
 /// Surfaces that are turned further than this (cosine) from each other share nothing; the exponent on the cosine of others.
 const TURNED: f32 = 0.5;
 const SMOOTHNESS: i32 = 32;
+/// Deviation of the weights at least, in distances between samples, after one look: less would leave noise in corners.
+const LEAST_REACH: f32 = 1.5;
 /// Squared deviations at which the fall-off of a weight has come to nothing.
 const FAR: f32 = 8.0;
 
@@ -34,7 +36,7 @@ pub struct Filter {
 impl Filter {
     /// The filter of a picture after so many looks from each sample: as noise falls, less is shared.
     pub fn after(looks: u32) -> Self {
-        Self { passes: 4, reach: 0.07 / (looks.max(1) as f32).sqrt() }
+        Self { passes: 4, reach: 0.1 / (looks.max(1) as f32).sqrt() }
     }
 
     /// A wide one, for lines of equal value, which noise would fray.
@@ -115,7 +117,9 @@ impl Filter {
                     }
                 }
                 let mean = sum / total;
-                let reach = self.reach * total * light.looks as f32 / nearness;
+                let looks = light.looks as f32;
+                let least = LEAST_REACH / looks.sqrt() * sights.spacing * here.distance;
+                let reach = (self.reach * total * looks / nearness).max(least);
                 *around = Surroundings {
                     per_reach_squared: 1.0 / (reach * reach).max(f32::MIN_POSITIVE),
                     variance: (squares / total - mean * mean).max(0.0),

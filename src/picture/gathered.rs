@@ -135,22 +135,31 @@ impl GatheredPicture {
             true => Some(Filter::for_lines().share(sights, light, cancel)?),
             false => None,
         };
-        let noise = self.noise_of(sights, &shares);
+        let noise = match self.shown.as_ref().filter(|before| Arc::ptr_eq(&before.sights, sights)) {
+            // The mean of k looks is off from that of k − 1 by the deviation of one look, over √(k(k − 1)).
+            Some(before) => {
+                let factor = (light.looks as f32 - 1.0).sqrt();
+                let off = |(share, before): (&Share, &Share)| factor * grey(share.irradiance - before.irradiance).abs();
+                self.noise_of(sights, &shares, shares.par_iter().zip(&before.shares).map(off))
+            }
+            None => self.noise_of(sights, &shares, shares.par_iter().map(|share| share.variance.sqrt())),
+        };
         Some(Shown { sights: sights.clone(), shares, smooth, noise })
     }
 
     /// Noise below which nine tenths of the samples lie, as a share of the local light.
-    fn noise_of(&self, sights: &Sights, shares: &[Share]) -> f32 {
+    fn noise_of(&self, sights: &Sights, shares: &[Share], noises: impl IndexedParallelIterator<Item = f32>) -> f32 {
         let dim = self.field.dim();
-        let is_lit = |(sight, _): &(&super::Sight, &Share)| {
+        let is_lit = |((sight, _), _): &((&super::Sight, &Share), f32)| {
             surface_at(&self.field, sight).is_some_and(|(reflectance, _)| reflectance != Vec3::ZERO)
         };
         let mut noises: Vec<f32> = sights
             .all
             .par_iter()
             .zip(shares)
+            .zip(noises)
             .filter(is_lit)
-            .map(|(_, share)| share.variance.sqrt() / (share.irradiance.element_sum() / 3.0 + dim))
+            .map(|((_, share), noise)| noise / (grey(share.irradiance) + dim))
             .filter(|noise| noise.is_finite())
             .collect();
         if noises.is_empty() {
@@ -233,6 +242,10 @@ impl GatheredPicture {
         };
         Some(Layers { size: self.size, pixels: (0..width * height).into_par_iter().map(pixel).collect() })
     }
+}
+
+fn grey(light: Vec3) -> f32 {
+    light.element_sum() / 3.0
 }
 
 /// A picture in physical units, rows from above.

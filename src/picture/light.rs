@@ -9,7 +9,7 @@ use crate::gather::{Field, GlanceRays};
 use crate::random::mix;
 
 /// Rays of each look: a few, for many samples share what they find.
-const RAYS: GlanceRays = GlanceRays { aimed: 2, cosine: 4 };
+const RAYS: GlanceRays = GlanceRays { aimed: 1, cosine: 2 };
 /// Sides of the blocks whose samples share a sequence of random numbers; a power of two.
 const BLOCK: u32 = 64;
 
