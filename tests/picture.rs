@@ -13,7 +13,7 @@ use selflink::scene::{CameraPose, GroupId, Scene, Sides};
 use selflink::solver::{Solver, SolverParams};
 use selflink::tone::{encode_gamma, tone_curve};
 
-const SIZE: [u32; 2] = [64, 48];
+const SIZE: [u32; 2] = [32, 24];
 
 fn solved(scene: Scene) -> (Arc<Scene>, Arc<Field>) {
     let (scene, occluders) = orient::apply(scene, Sides::Front);
@@ -70,7 +70,7 @@ fn a_furnace_is_even() {
     }
     let (_, field) = solved(scene);
     let pose = CameraPose { eye: Vec3::splat(0.4), target: Vec3::new(1.0, 0.7, 0.6), up: Vec3::Y, hfov_deg: 90.0 };
-    let mut picture = picture(&field, Lens::of_pose(&pose, 4.0 / 3.0), 0.02, Start::Fine);
+    let mut picture = picture(&field, Lens::of_pose(&pose, 4.0 / 3.0), 0.05, Start::Fine);
     finish(&mut picture);
     let layers = picture.layers().expect("a picture");
     let exact = Vec3::new(2.0, 4.0, 6.0);
@@ -78,7 +78,7 @@ fn a_furnace_is_even() {
     let mut off: Vec<f32> = off.collect();
     off.sort_by(f32::total_cmp);
     // Nine tenths within the noise asked for, and as much again for the field's own error of walls near corners.
-    assert!(off[off.len() * 9 / 10] < 0.04, "{}", off[off.len() * 9 / 10]);
+    assert!(off[off.len() * 9 / 10] < 0.1, "{}", off[off.len() * 9 / 10]);
     assert!(layers.pixels.iter().all(|pixel| (pixel.coverage - 1.0).abs() < 1e-6), "a closed room covers all");
 }
 
@@ -92,23 +92,26 @@ fn a_picture_cannot_be_told_from_the_reference() {
         (0..SIZE[1]).flat_map(|y| (0..SIZE[0]).map(move |x| [x, y])).map(|at| picture.at(at)).collect();
     let point = |light: &selflink::picture::PixelLight| SurfacePoint::on(&scene, light.polygon, light.position);
     let points: Arc<[SurfacePoint]> = pixels.iter().flatten().map(point).collect();
-    assert!(points.len() > 2500, "the view is into the box: {} pixels", points.len());
+    assert!(points.len() > 600, "the view is into the box: {} pixels", points.len());
     let mut run = ReferenceRun::new(&scene, points, 1);
     (0..192).for_each(|_| assert!(run.pass(&CancelToken::new())));
     let reference = run.reference();
     let mut truth = reference.irradiance.iter();
-    let [mut seen, mut expected] = [(); 2].map(|()| nv_flip::FlipImageRgb8::new(SIZE[0], SIZE[1]));
-    for (index, light) in (0_u32..).zip(&pixels) {
-        let Some(light) = light else { continue };
-        let surface = field.surface(light.polygon);
-        let colour = |irradiance: Vec3| {
-            let radiosity = surface.emission + surface.reflectance * irradiance;
-            radiosity.to_array().map(|b| (255.0 * encode_gamma(tone_curve(20.0 * b))).round() as u8)
+    let (mut seen, mut expected) = (Vec::new(), Vec::new());
+    for light in &pixels {
+        let colour = |irradiance: Vec3| match light {
+            None => [0; 3],
+            Some(light) => {
+                let surface = field.surface(light.polygon);
+                let radiosity = surface.emission + surface.reflectance * irradiance;
+                radiosity.to_array().map(|b| (255.0 * encode_gamma(tone_curve(20.0 * b))).round() as u8)
+            }
         };
-        let [x, y] = [index % SIZE[0], index / SIZE[0]];
-        seen.set_pixel(x, y, colour(light.irradiance));
-        expected.set_pixel(x, y, colour(*truth.next().expect("one of each pixel")));
+        seen.extend(colour(light.map_or(Vec3::ZERO, |light| light.irradiance)));
+        let truth = light.and_then(|_| truth.next()).copied().unwrap_or_default();
+        expected.extend(colour(truth.as_vec3()));
     }
+    let [seen, expected] = [seen, expected].map(|rgb| nv_flip::FlipImageRgb8::with_data(SIZE[0], SIZE[1], &rgb));
     let map = nv_flip::flip(expected, seen, nv_flip::DEFAULT_PIXELS_PER_DEGREE);
     let mean = nv_flip::FlipPool::from_image(&map).mean();
     // The reference's own noise of 192 paths a pixel shows as some 0.03; the mesh alone stands at more than twice as much.
@@ -121,7 +124,7 @@ fn pictures_are_the_same_for_any_number_of_threads() {
     let with = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
         pool.install(|| {
-            let mut picture = picture(&field, lens, 0.05, Start::Coarse);
+            let mut picture = picture(&field, lens, 0.1, Start::Coarse);
             finish(&mut picture);
             picture.layers().expect("a picture")
         })
@@ -132,13 +135,13 @@ fn pictures_are_the_same_for_any_number_of_threads() {
 #[test]
 fn a_picture_is_coarse_first_and_gets_better() {
     let (_, field, lens) = cornell();
-    let mut picture = picture(&field, lens, 0.02, Start::Coarse);
+    let mut picture = picture(&field, lens, 0.05, Start::Coarse);
     assert!(shown(&picture).is_none());
     picture.advance(&CancelToken::new()).expect("nobody cancels");
     let coarse = (picture.noise().expect("a picture"), shown(&picture).expect("a picture"));
     assert_eq!(coarse.1.len(), (SIZE[0] * SIZE[1]) as usize);
     finish(&mut picture);
-    assert!(picture.noise().expect("a picture") <= 0.02 && coarse.0 > 0.02);
+    assert!(picture.noise().expect("a picture") <= 0.05 && coarse.0 > 0.05);
     let fine = shown(&picture).expect("a picture");
     let apart = |a: &[u8; 4], b: &[u8; 4]| (0..3).map(|k| f32::from(a[k].abs_diff(b[k]))).sum::<f32>() / 3.0;
     let mean = coarse.1.iter().zip(&fine).map(|(a, b)| apart(a, b)).sum::<f32>() / fine.len() as f32;

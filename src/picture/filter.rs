@@ -34,9 +34,10 @@ pub struct Filter {
 }
 
 impl Filter {
-    /// The filter of a picture after so many looks from each sample: as noise falls, less is shared.
+    /// The filter of a picture after n looks from each sample: as noise falls, less is shared. A reach that falls as n^(−1/6)
+    /// lets bias and noise fall alike, as kernels over a plane do [Silverman 1986].
     pub fn after(looks: u32) -> Self {
-        Self { passes: 4, reach: 0.1 / (looks.max(1) as f32).sqrt() }
+        Self { passes: 4, reach: 0.1 * fewer(looks) }
     }
 
     /// A wide one, for lines of equal value, which noise would fray.
@@ -118,7 +119,7 @@ impl Filter {
                 }
                 let mean = sum / total;
                 let looks = light.looks as f32;
-                let least = LEAST_REACH / looks.sqrt() * sights.spacing * here.distance;
+                let least = LEAST_REACH * fewer(light.looks) * sights.spacing * here.distance;
                 let reach = (self.reach * total * looks / nearness).max(least);
                 *around = Surroundings {
                     per_reach_squared: 1.0 / (reach * reach).max(f32::MIN_POSITIVE),
@@ -191,6 +192,11 @@ pub(super) fn likeness_of(here: &Sight, there: &Sight) -> f32 {
         return 0.0;
     }
     likeness(here, there, 1.0 / (PLANE * here.distance))
+}
+
+/// How far light is shared after so many looks, as a share of how far it is after one.
+fn fewer(looks: u32) -> f32 {
+    (looks.max(1) as f32).powf(-1.0 / 6.0)
 }
 
 /// Nearly exp(−x): 1 at 0, nothing from [`FAR`] on.

@@ -17,7 +17,7 @@ const COARSE: u32 = 3;
 /// Samples in each direction of a pixel.
 const FINE: u32 = 2;
 /// Looks from each sample, at most.
-const MOST_LOOKS: u32 = 256;
+const MOST_LOOKS: u32 = 64;
 /// The noise of a picture is that below which this share of its samples lies.
 const NOISE_SHARE: f32 = 0.9;
 
