@@ -106,7 +106,8 @@ impl Filter {
                 let per_plane = 1.0 / (PLANE * here.distance);
                 let (mut total, mut nearness, mut sum, mut squares) = (0.0, 0.0, 0.0, 0.0);
                 for y in y.saturating_sub(2)..(y + 3).min(height) {
-                    for index in y * width + x.saturating_sub(2)..y * width + (x + 3).min(width) {
+                    for x in x.saturating_sub(2)..(x + 3).min(width) {
+                        let index = y * width + x;
                         let weight = likeness(here, &sights.all[index], per_plane);
                         if weight > 0.0 {
                             let grey = shares[index].irradiance.element_sum() / 3.0;
