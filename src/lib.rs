@@ -132,6 +132,7 @@ pub mod matrix;
 pub mod memory;
 pub mod names;
 pub mod photometry;
+pub mod picture;
 pub mod probe;
 pub mod ramp;
 pub mod random;

@@ -13,11 +13,13 @@ use std::time::Instant;
 use image::{ImageFormat, RgbaImage};
 
 use super::dialog::Dialog;
+use super::gathering::gather_for_file;
 use super::paint::Picture;
 use super::{Wake, format};
 use crate::cancel::CancelToken;
 use crate::export::{LitMesh, MeshFormat, exr, links};
-use crate::render::{Offscreen, Overlay, RenderError};
+use crate::picture::GatheredPicture;
+use crate::render::{Frame, Offscreen, Overlay, Pixels, RenderError, auto_exposure, developed};
 use crate::scene::Scene;
 use crate::solver::Snapshot;
 
@@ -170,7 +172,8 @@ fn suggested(scene: &str) -> String {
 
 /// Writes a picture as it is shown.
 pub(super) fn write_png(target: &Target, picture: &Picture) -> Result<String, String> {
-    let drawn = draw(picture).map_err(|error| error.to_string())?;
+    let gathered = gathered(target, picture)?;
+    let drawn = draw(picture, gathered.as_ref()).map_err(|error| error.to_string())?;
     let mut encoded = io::Cursor::new(Vec::new());
     drawn.write_to(&mut encoded, ImageFormat::Png).map_err(|error| error.to_string())?;
     target.write(|writer| writer.write_all(encoded.get_ref()))?;
@@ -178,15 +181,28 @@ pub(super) fn write_png(target: &Target, picture: &Picture) -> Result<String, St
     Ok(target.saved(&format!("{width} × {height} pixels")))
 }
 
+/// The picture gathered in the size of the file, where the view shows such.
+fn gathered(target: &Target, picture: &Picture) -> Result<Option<GatheredPicture>, String> {
+    let Some((error, field)) = picture.noise.zip(picture.snapshot.field.as_ref()) else { return Ok(None) };
+    let has_lines = picture.display.reading.is_some_and(|reading| !reading.isolines.values().is_empty());
+    let gathered = gather_for_file(field, &picture.camera, picture.size, error, has_lines, &target.cancel);
+    // Whoever cancelled it waits for no sentence.
+    gathered.map(Some).ok_or_else(String::new)
+}
+
 /// Draws what the window shows, both sides of a split view included.
-fn draw(picture: &Picture) -> Result<RgbaImage, RenderError> {
+fn draw(picture: &Picture, gathered: Option<&GatheredPicture>) -> Result<RgbaImage, RenderError> {
+    let exposure = picture.display.exposure.factor(auto_exposure(&picture.snapshot));
+    let gathered =
+        gathered.and_then(|gathered| developed(gathered, exposure, picture.display.reading.as_ref())).map(Arc::new);
     let mut offscreen = Offscreen::new()?;
-    let mut draw = |snapshot: &Snapshot, overlay: &Overlay| {
-        offscreen.picture(snapshot, &picture.camera, &picture.display, overlay, picture.size)
+    let mut draw = |snapshot: &Snapshot, overlay: &Overlay, gathered: Option<&Arc<Pixels>>| {
+        let Picture { camera, display, size, .. } = picture;
+        offscreen.picture_over(&Frame { snapshot, camera, display, gathered, overlay, size: *size })
     };
-    let mut drawn = draw(&picture.snapshot, &picture.overlay)?;
+    let mut drawn = draw(&picture.snapshot, &picture.overlay, gathered.as_ref())?;
     if let Some(beside) = &picture.beside {
-        let left = draw(&beside.snapshot, &beside.overlay(picture))?;
+        let left = draw(&beside.snapshot, &beside.overlay(picture), None)?;
         let [width, height] = picture.size;
         let covered = (beside.share * width as f32).round() as u32;
         let left = image::imageops::crop_imm(&left, 0, 0, covered, height).to_image();
@@ -197,10 +213,16 @@ fn draw(picture: &Picture) -> Result<RgbaImage, RenderError> {
 
 /// Writes what the view shows as radiosities in W/m².
 pub(super) fn write_exr(target: &Target, picture: &Picture, lit: &Snapshot) -> Result<String, String> {
-    let drawn = Offscreen::new()
-        .and_then(|mut offscreen| offscreen.radiosities(lit, &picture.camera, picture.size))
-        .map_err(|error| error.to_string())?;
-    target.write(|writer| exr::write(writer, &drawn))?;
+    let layers = gathered(target, picture)?.and_then(|gathered| gathered.layers());
+    match layers {
+        Some(layers) => target.write(|writer| exr::write_layers(writer, &layers))?,
+        None => {
+            let drawn = Offscreen::new()
+                .and_then(|mut offscreen| offscreen.radiosities(lit, &picture.camera, picture.size))
+                .map_err(|error| error.to_string())?;
+            target.write(|writer| exr::write(writer, &drawn))?;
+        }
+    }
     let [width, height] = picture.size;
     Ok(target.saved(&format!("{width} × {height} pixels, W/m²")))
 }

@@ -16,6 +16,7 @@ mod exports;
 mod facts;
 mod files;
 mod freeze;
+mod gathering;
 mod highlight;
 mod inspection;
 mod launch;
@@ -62,6 +63,7 @@ use device::{DeviceState, Will};
 use exports::Exports;
 use files::Files;
 use freeze::Freeze;
+use gathering::Gathering;
 use highlight::Pointing;
 use inspection::Inspection;
 use looking::Looking;
@@ -117,6 +119,9 @@ pub struct App {
     display: DisplaySettings,
     reading: ReadingInView,
     measuring: Measuring,
+    gathering: Gathering,
+    /// The gathered picture in view.
+    painted: Option<gathering::Painted>,
     view: Viewport,
     appearance: Appearance,
     /// Where the scene in view came from.
@@ -203,6 +208,8 @@ impl App {
             display,
             reading: ReadingInView::default(),
             measuring: Measuring::default(),
+            gathering: Gathering::start(&wake),
+            painted: None,
             view: Viewport::default(),
             appearance,
             opened,
@@ -254,6 +261,11 @@ impl App {
     /// What the worker said it is about, as of the last frame.
     pub fn status(&self) -> &Status {
         &self.shown.status
+    }
+
+    /// Whether the view shows a picture that was gathered at its pixels, and whether that is as good as was asked for.
+    pub fn is_gathered(&self) -> (bool, bool) {
+        (self.painted.is_some(), self.painted.as_ref().is_some_and(|painted| painted.is_done))
     }
 
     /// The picked element, in the snapshot in view.

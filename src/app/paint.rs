@@ -7,7 +7,7 @@ use std::sync::mpsc::Sender;
 
 use egui_wgpu::{CallbackResources, CallbackTrait, RenderState, ScreenDescriptor};
 
-use crate::render::{self, Camera, Display, Frame, Marks, Overlay, RenderError, SceneRenderer};
+use crate::render::{self, Camera, Display, Frame, Marks, Overlay, Pixels, RenderError, SceneRenderer};
 use crate::solver::Snapshot;
 
 /// What one picture shows.
@@ -19,6 +19,10 @@ pub(super) struct Picture {
     pub overlay: Overlay,
     /// Width and height, pixels.
     pub size: [u32; 2],
+    /// A gathered picture of the same view and its number, in place of the mesh.
+    pub gathered: Option<(u64, Arc<Pixels>)>,
+    /// Noise that suffices for a gathered picture, as a share of the local light; `None` where the mesh is asked for.
+    pub noise: Option<f32>,
     /// Another solution at the left.
     pub beside: Option<Beside>,
 }
@@ -51,6 +55,7 @@ struct Key {
     display: Display,
     overlay: Overlay,
     size: [u32; 2],
+    gathered: Option<u64>,
     /// Generation and serial of the solution at the left.
     beside: Option<(u64, u64)>,
 }
@@ -79,6 +84,7 @@ impl Picture {
             display: self.display,
             overlay: self.overlay.clone(),
             size: self.size,
+            gathered: self.gathered.as_ref().map(|(serial, _)| *serial),
             beside: self.beside.as_ref().map(|beside| (beside.snapshot.generation, beside.snapshot.serial)),
         }
     }
@@ -90,6 +96,7 @@ impl Stage {
             snapshot: &picture.snapshot,
             camera: &picture.camera,
             display: &picture.display,
+            gathered: picture.gathered.as_ref().map(|(_, pixels)| pixels),
             overlay: &picture.overlay,
             size: picture.size,
         };
@@ -98,7 +105,7 @@ impl Stage {
             Some(beside) => {
                 let left = self.beside.get_or_insert_with(&self.make);
                 let overlay = beside.overlay(picture);
-                left.draw(encoder, &Frame { snapshot: &beside.snapshot, overlay: &overlay, ..frame })
+                left.draw(encoder, &Frame { snapshot: &beside.snapshot, overlay: &overlay, gathered: None, ..frame })
             }
             None => {
                 // What it holds on the device is wanted no more.

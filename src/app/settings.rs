@@ -14,6 +14,8 @@ pub(super) struct DisplaySettings {
     pub auto_stops: f32,
     /// Exposure by hand, stops; 0 shows 1 W/m² as 1.
     pub manual_stops: f32,
+    /// Whether light is gathered at every pixel once the camera stands still; otherwise the mesh is shown.
+    pub is_gathered: bool,
     /// Outlines of the leaf elements.
     pub show_elements: bool,
     /// Boxes of one level of clusters.
@@ -64,6 +66,7 @@ impl Default for DisplaySettings {
             auto_exposure: true,
             auto_stops: 0.0,
             manual_stops: 0.0,
+            is_gathered: true,
             show_elements: false,
             show_clusters: false,
             cluster_level: 2,

@@ -10,6 +10,7 @@ use super::paint::Picture;
 use super::{App, Outbox, divider, measure_marks, panels, theme};
 use crate::render::{Camera, Display};
 use crate::scene::{CameraPose, Scene};
+use crate::solver::USUAL_ERROR;
 use crate::survey::Ray;
 
 /// A drag across the view's height turns the camera by this, radians.
@@ -263,17 +264,31 @@ pub(super) fn show(app: &mut App, ui: &mut Ui, outbox: &mut Outbox) -> Option<Cl
             }
         };
         let reading = app.reading.follow(&snapshot, &app.display.reading);
+        let display = Display {
+            exposure: app.freeze.exposure(chosen.exposure),
+            as_colours: has_errors || (by_clusters.is_some() && app.cluster_view.coloured),
+            reading,
+        };
+        let size = picture_size(rect.size() * scale);
+        // What stands beside, or for something else than light, is the mesh's.
+        let is_plain = beside.is_none() && other.is_none() && by_clusters.is_none();
+        let can_gather = app.display.is_gathered && is_plain && snapshot.field.is_some();
+        app.painted = match can_gather {
+            true => app.gathering.follow(&snapshot, &camera, &display, size, ui.ctx()),
+            false => {
+                app.gathering.rest();
+                None
+            }
+        };
         let picture = Picture {
             camera,
-            display: Display {
-                exposure: app.freeze.exposure(chosen.exposure),
-                as_colours: has_errors || (by_clusters.is_some() && app.cluster_view.coloured),
-                reading,
-            },
+            display,
+            gathered: app.painted.as_ref().map(|painted| (painted.serial, painted.pixels.clone())),
+            noise: can_gather.then(|| snapshot.stats.error_asked.unwrap_or(USUAL_ERROR) as f32),
             snapshot: other.or(by_clusters).unwrap_or(snapshot),
             beside,
             overlay: app.display.overlay(deepest, is_dark, marks),
-            size: picture_size(rect.size() * scale),
+            size,
         };
         app.view.picture = Some(picture.clone());
         picture.add_to(&ui.painter_at(rect), rect);

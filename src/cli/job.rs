@@ -102,7 +102,8 @@ pub struct Job {
     pub occluders: Arc<Occluders>,
     /// What it is solved with.
     pub settings: Settings,
-    limit: Option<Duration>,
+    /// How long it may take.
+    pub limit: Option<Duration>,
     load_seconds: f64,
     /// The threads that work on it.
     pub pool: ThreadPool,
@@ -156,7 +157,7 @@ impl Job {
 }
 
 /// Cancels when the time is over; ends with the process.
-fn start_timer(limit: Duration, cancel: CancelToken) -> anyhow::Result<()> {
+pub fn start_timer(limit: Duration, cancel: CancelToken) -> anyhow::Result<()> {
     if limit.is_zero() {
         cancel.cancel();
         return Ok(());

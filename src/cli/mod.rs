@@ -10,6 +10,8 @@ mod chart;
 mod clusters;
 mod doctor;
 mod export;
+#[cfg(feature = "gui")]
+mod gathered;
 mod job;
 #[cfg(feature = "gui")]
 mod legend;

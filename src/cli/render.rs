@@ -1,19 +1,22 @@
 //! `selflink render`: a picture of the solution, drawn without a window, as PNG or, in W/m², as EXR.
 
 use std::sync::Arc;
+use std::time::Instant;
 
-use anyhow::{anyhow, bail};
+use anyhow::{Context, anyhow, bail};
 use clap::{Arg, ArgAction, ArgMatches, Command};
 use glam::{DVec3, Vec2, Vec3};
 use image::{ImageFormat, RgbaImage};
 use selflink::export::{PictureFormat, exr};
+use selflink::picture::GatheredPicture;
 use selflink::render::{
-    Camera, ChosenLinks, ClusterView, Display, Exposure, LinkFilter, LinkStyle, MAX_SIZE, Marks, Offscreen, Overlay,
-    ReadingSettings, by_clusters, pick, picked_marks,
+    Camera, ChosenLinks, ClusterView, Display, Exposure, Frame, IsolinesWanted, LinkFilter, LinkStyle, MAX_SIZE, Marks,
+    Offscreen, Overlay, ReadingSettings, auto_exposure, by_clusters, developed, pick, picked_marks,
 };
 use selflink::scene::{CameraPose, FiledCamera, Scene};
 use selflink::solver::{Anatomy, LinkView};
 
+use super::gathered::{PictureOf, gather};
 use super::job::{Order, Solution};
 use super::options::{self, coordinates, numbers, path, path_arg};
 use super::output::{OutputFile, say};
@@ -62,6 +65,13 @@ pub fn command() -> Command {
                 .allow_hyphen_values(true)
                 .help("Pull the clusters apart of the level that --show or else --overlay names; at 1 they lie twice as far from the middle [default: 0]"),
         )
+        .arg(
+            Arg::new("picture")
+                .long("picture")
+                .value_name("mesh|gathered")
+                .value_parser(["mesh", "gathered"])
+                .help("Light interpolated between the mesh's vertices, or gathered at every pixel until its noise is below --error; clusters are drawn of the mesh [default: gathered]"),
+        )
 }
 
 /// How a picture is to be drawn.
@@ -82,6 +92,8 @@ pub struct View {
     pub reading: ReadingSettings,
     /// Whether a legend tells what false colours mean.
     pub has_legend: bool,
+    /// Of what.
+    pub picture: PictureOf,
     /// The links over it.
     pub links: Option<LinksOf>,
 }
@@ -106,6 +118,7 @@ impl Default for View {
             clusters: None,
             reading: ReadingSettings::default(),
             has_legend: true,
+            picture: PictureOf::default(),
             links: None,
         }
     }
@@ -124,18 +137,61 @@ pub fn run(matches: &ArgMatches) -> anyhow::Result<()> {
     }
     let file = OutputFile::new(&path, &order.inputs())?;
     let job = order.load()?;
+    let wants_lines = view.overlay != Overlay::default() || view.links.is_some();
     // Before the long work, so that a missing adapter is told soon.
-    let mut offscreen = Offscreen::new()?;
+    let early = (view.picture == PictureOf::Mesh || wants_lines).then(Offscreen::new).transpose()?;
+    let deadline = job.limit.map(|limit| Instant::now() + limit);
     let mut solution = job.solve()?;
-    match format {
-        PictureFormat::Png => save(&draw(&mut offscreen, &job.scene, &mut solution, &view)?, &file)?,
-        PictureFormat::Exr => {
+    let gathered = match view.picture {
+        PictureOf::Mesh => None,
+        PictureOf::Gathered => {
+            let has_lines = view.reading.isolines != IsolinesWanted::None;
+            gather(&job, &solution, &camera(&job.scene, &view), view.size, has_lines, deadline)?
+        }
+    };
+    if gathered.is_none() && matches.get_one::<String>("picture").is_some_and(|of| of == "gathered") {
+        eprintln!("warning: {NO_FIELD}, so the picture is of the mesh.");
+    }
+    let mut offscreen =
+        if gathered.is_some() && !wants_lines { None } else { Some(early.map_or_else(Offscreen::new, Ok)?) };
+    match (format, &gathered, &mut offscreen) {
+        (PictureFormat::Png, Some(picture), None) => save(&show(picture, &solution, &view)?, &file)?,
+        (PictureFormat::Png, picture, Some(offscreen)) => {
+            save(&draw(offscreen, &job.scene, &mut solution, &view, picture.as_ref())?, &file)?;
+        }
+        (PictureFormat::Exr, Some(picture), _) => {
+            let layers = picture.layers().context("the picture has no pixels")?;
+            file.write(|writer| exr::write_layers(writer, &layers))?;
+        }
+        (PictureFormat::Exr, None, Some(offscreen)) => {
             let picture = offscreen.radiosities(&solution.snapshot, &camera(&job.scene, &view), view.size)?;
             file.write(|writer| exr::write(writer, &picture))?;
         }
+        (_, None, None) => unreachable!("what is not gathered is drawn"),
     }
     let [width, height] = view.size;
-    say(&format!("{}: {width} × {height} pixels, drawn by {}\n", file.path().display(), offscreen.adapter()))
+    let mut how = Vec::new();
+    if let Some(noise) = gathered.as_ref().and_then(GatheredPicture::noise) {
+        how.push(format!("gathered, noise {:.1} %", 100.0 * noise));
+    }
+    how.extend(offscreen.map(|offscreen| format!("drawn by {}", offscreen.adapter())));
+    say(&format!("{}: {width} × {height} pixels, {}\n", file.path().display(), how.join(", ")))
+}
+
+/// Why there is no field.
+const NO_FIELD: &str = "light can be gathered at pixels only over a solve to an error (--error) that has ended";
+
+/// A gathered picture as it is shown, without lines over it.
+fn show(picture: &GatheredPicture, solution: &Solution, view: &View) -> anyhow::Result<RgbaImage> {
+    let exposure = view.display.exposure.factor(auto_exposure(&solution.snapshot));
+    let reading = view.reading.reading(&solution.snapshot);
+    let pixels = developed(picture, exposure, reading.as_ref()).context("the picture has no pixels")?;
+    let [width, height] = pixels.size;
+    let mut picture = RgbaImage::from_raw(width, height, pixels.pixels.into_flattened()).context("too few pixels")?;
+    if let Some(reading) = reading.filter(|_| view.has_legend) {
+        legend::draw(&mut picture, &reading, view.reading.unit)?;
+    }
+    Ok(picture)
 }
 
 /// Writes a picture as PNG.
@@ -145,12 +201,13 @@ pub fn save(picture: &RgbaImage, file: &OutputFile) -> anyhow::Result<()> {
     file.write(|writer| std::io::Write::write_all(writer, encoded.get_ref()))
 }
 
-/// Draws a solution.
+/// Draws a solution, or lines over a gathered picture of it.
 pub fn draw(
     offscreen: &mut Offscreen,
     scene: &Scene,
     solution: &mut Solution,
     view: &View,
+    gathered: Option<&GatheredPicture>,
 ) -> anyhow::Result<RgbaImage> {
     let camera = camera(scene, view);
     let deepest = solution.snapshot.clusters.iter().map(|cluster| cluster.level).max().unwrap_or(0);
@@ -172,7 +229,17 @@ pub fn draw(
     let reading = view.reading.reading(&solution.snapshot);
     let as_colours = view.clusters.is_some_and(|clusters| clusters.coloured);
     let display = Display { reading, as_colours, ..view.display };
-    let mut picture = offscreen.picture(snapshot, &camera, &display, &overlay, view.size)?;
+    let exposure = view.display.exposure.factor(auto_exposure(&solution.snapshot));
+    let gathered = gathered.and_then(|picture| developed(picture, exposure, reading.as_ref())).map(Arc::new);
+    let frame = Frame {
+        snapshot,
+        camera: &camera,
+        display: &display,
+        gathered: gathered.as_ref(),
+        overlay: &overlay,
+        size: view.size,
+    };
+    let mut picture = offscreen.picture_over(&frame)?;
     if let Some(reading) = reading.filter(|_| view.has_legend && !as_colours) {
         legend::draw(&mut picture, &reading, view.reading.unit)?;
     }
@@ -252,10 +319,22 @@ fn view(matches: &ArgMatches) -> anyhow::Result<View> {
         add_overlay(&mut view, overlay)?;
     }
     view.clusters = clusters::view(text("show"), text("explode"), view.overlay.clusters)?;
+    view.picture = picture_of(text("picture"), view.clusters.is_some())?;
     if view.links.is_some() && view.clusters.is_some_and(|clusters| clusters.explode > 0.0) {
         bail!("--explode moves surfaces away from their links: leave out --overlay links or --explode");
     }
     Ok(view)
+}
+
+/// Clusters are drawn as parts of the mesh.
+fn picture_of(asked: Option<&str>, shows_clusters: bool) -> anyhow::Result<PictureOf> {
+    match (asked, shows_clusters) {
+        (Some("gathered"), true) => {
+            bail!("clusters are drawn of the mesh: leave out --picture gathered, or --show clusters and --explode")
+        }
+        (Some("mesh"), _) | (None, true) => Ok(PictureOf::Mesh),
+        _ => Ok(PictureOf::Gathered),
+    }
 }
 
 fn size(text: &str) -> anyhow::Result<[u32; 2]> {

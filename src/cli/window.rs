@@ -88,7 +88,7 @@ fn draw(job: &Job, mut solution: Solution, file: &OutputFile) -> anyhow::Result<
             return Ok(());
         }
     };
-    let picture = render::draw(&mut offscreen, &job.scene, &mut solution, &View::default())?;
+    let picture = render::draw(&mut offscreen, &job.scene, &mut solution, &View::default(), None)?;
     render::save(&picture, file)?;
     say(&format!("picture    {}, drawn by {}\n", file.path().display(), offscreen.adapter()))
 }

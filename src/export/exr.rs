@@ -5,6 +5,10 @@
 
 use std::io::{self, Write};
 
+use exr::prelude::{AnyChannel, AnyChannels, Encoding, FlatSamples, Image, Layer, LayerAttributes, WritableImage};
+
+use crate::picture::{Layers, LayersAt};
+
 /// A picture of floats, rows from above.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FloatPicture {
@@ -24,6 +28,11 @@ const CHANNELS: [(&str, usize); 4] = [("A", 3), ("B", 2), ("G", 1), ("R", 0)];
 /// What the numbers are.
 const COMMENT: &str = "Selflink: R, G, B are the radiosity B in W/m2, linear, unexposed; the radiance of these diffuse surfaces is B/pi. \
      A is the share of the pixel that surfaces cover.";
+
+/// What the numbers of a gathered picture are.
+const LAYERS_COMMENT: &str = "Selflink: R, G, B are the radiosity B in W/m2, linear, unexposed; the radiance of these diffuse surfaces is B/pi. \
+     irradiance is E in W/m2, normal the mean unit normal, albedo the reflectance; all are multiplied by A, the share of the pixel that \
+     surfaces cover. Z is the distance along the line of sight to the nearest surface, element.id the leaf there, 4294967295 for none.";
 
 /// Writes a picture; R, G and B are radiosities in W/m², multiplied by the coverage A as the format asks.
 ///
@@ -49,6 +58,43 @@ pub fn write(writer: &mut impl Write, picture: &FloatPicture) -> io::Result<()> 
         }
     }
     Ok(())
+}
+
+/// Writes a gathered picture: R, G, B, A as [`write`] does, and layers of E, normal, albedo, depth and element.
+///
+/// # Errors
+/// Whatever the writer says.
+pub fn write_layers(writer: &mut impl Write, layers: &Layers) -> io::Result<()> {
+    let channel = |name: &str, value: &dyn Fn(&LayersAt) -> f32| {
+        AnyChannel::new(name, FlatSamples::F32(layers.pixels.iter().map(value).collect()))
+    };
+    let mut channels = vec![
+        channel("A", &|pixel| pixel.coverage),
+        channel("Z", &|pixel| pixel.depth),
+        AnyChannel::new(
+            "element.id",
+            FlatSamples::U32(layers.pixels.iter().map(|pixel| pixel.element.map_or(u32::MAX, |id| id.0)).collect()),
+        ),
+    ];
+    type Of = fn(&LayersAt) -> glam::Vec3;
+    let triples: [(&str, [&str; 3], Of); 4] = [
+        ("", ["R", "G", "B"], |pixel| pixel.radiosity),
+        ("irradiance.", ["R", "G", "B"], |pixel| pixel.irradiance),
+        ("normal.", ["X", "Y", "Z"], |pixel| pixel.normal),
+        ("albedo.", ["R", "G", "B"], |pixel| pixel.albedo),
+    ];
+    for (layer, names, of) in triples {
+        for (axis, name) in names.into_iter().enumerate() {
+            channels.push(channel(&format!("{layer}{name}"), &|pixel| of(pixel)[axis]));
+        }
+    }
+    let [width, height] = layers.size.map(|side| side as usize);
+    let attributes = LayerAttributes { comments: Some(LAYERS_COMMENT.into()), ..LayerAttributes::default() };
+    let channels = AnyChannels::sort(channels.into());
+    let layer = Layer::new((width, height), attributes, Encoding::FAST_LOSSLESS, channels);
+    let mut file = io::Cursor::new(Vec::new());
+    Image::from_layer(layer).write().to_buffered(&mut file).map_err(io::Error::other)?;
+    writer.write_all(file.get_ref())
 }
 
 fn header(width: u32, height: u32) -> Vec<u8> {

@@ -162,7 +162,7 @@ impl Field {
                 let place = (met.position, patch.normal);
                 let glance = self.glance(place, FURTHER, (seed, number));
                 (
-                    self.surface(patch.polygon).reflectance * (glance.aimed + glance.scattered),
+                    self.surface(patch.polygon).reflectance * glance.irradiance,
                     FURTHER.aimed + FURTHER.cosine,
                 )
             }

@@ -12,7 +12,6 @@ use glam::Vec3;
 
 use super::facet::Facet;
 use super::field::{Field, Met};
-use super::sources::AIMED_FORM_FACTOR;
 use crate::hierarchy::{Element, ElementId, Hierarchy, Shape, point_on_polygon};
 use crate::random::{cosine_direction, fraction, mix};
 
@@ -32,13 +31,13 @@ pub struct GlanceRays {
     pub cosine: u32,
 }
 
-/// What a glance finds, W/m².
+/// What a glance finds.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Glance {
-    /// Irradiance that was aimed for: emission, and what secondary emitters reflect.
-    pub aimed: Vec3,
-    /// Irradiance by cosine-distributed rays.
-    pub scattered: Vec3,
+    /// Irradiance, W/m².
+    pub irradiance: Vec3,
+    /// Mean of 1 / distance over where the cosine-distributed rays end; 0 for those that meet nothing.
+    pub nearness: f32,
 }
 
 /// What an aimed ray found.
@@ -67,14 +66,20 @@ impl Field {
             let hash = scramble(1, number);
             let place = sobol_burley::sample_4d(number % SEQUENCE, 0, hash as u32);
             let beyond = mix(hash, number.into());
-            glance.aimed += self.aimed_light((point, normal), place, (beyond, 0)) / rays.aimed as f32;
+            glance.irradiance += self.aimed_light((point, normal), place, (beyond, 0)) / rays.aimed as f32;
         }
         for ray in 0..rays.cosine {
             let number = index.wrapping_mul(rays.cosine).wrapping_add(ray);
             let hash = scramble(2, number);
             let [u, v, ..] = sobol_burley::sample_4d(number % SEQUENCE, 0, hash as u32);
             let beyond = mix(hash, number.into());
-            glance.scattered += self.scattered_light((point, normal), [u, v], (beyond, 0)) / rays.cosine as f32;
+            let share = 1.0 / rays.cosine as f32;
+            if let Some(met) = self.meet(point, normal, cosine_direction(normal, u, v)) {
+                glance.nearness += share / met.position.distance(point).max(f32::MIN_POSITIVE);
+                if !self.is_aimed_at(met.leaf, point, normal) {
+                    glance.irradiance += share * self.sent_back(&met, point, (beyond, 0));
+                }
+            }
         }
         glance
     }

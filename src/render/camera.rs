@@ -2,6 +2,7 @@
 
 use glam::{BVec3, Mat4, Quat, Vec2, Vec3};
 
+use crate::picture::Lens;
 use crate::scene::{CameraPose, Scene};
 
 /// Vertical field of view when nothing else is asked for, radians (36° is a 50 mm lens turned upright).
@@ -206,6 +207,13 @@ impl Camera {
         (self.eye, direction.normalize())
     }
 
+    /// The lens of gathered pictures of an aspect: the same rays as [`Self::ray`].
+    pub fn lens(&self, aspect: f32) -> Lens {
+        let (side, above) = self.screen_axes();
+        let reach = (0.5 * self.vfov).tan();
+        Lens { eye: self.eye, forward: self.forward(), right: reach * sane_aspect(aspect) * side, above: reach * above }
+    }
+
     /// Diagonal of the scene's box; 1 for an empty scene.
     pub fn scene_size(&self) -> f32 {
         let diagonal = (self.upper - self.lower).length();
@@ -337,6 +345,7 @@ mod tests {
             assert!((direction.length() - 1.0).abs() < 1e-6);
             let projected = ndc(&camera, origin + 7.0 * direction, 1.6);
             assert!(projected.truncate().distance(place) < 1e-5, "{place} {projected}");
+            assert!(camera.lens(1.6).direction(place).distance(direction) < 1e-6);
         }
     }
 

@@ -4,6 +4,8 @@
 //! and gamma-encoded ([`Display`]). The module knows nothing of windows or panels. It imports `scene` (camera pose),
 //! `solver::snapshot` and, for clusters and links, the elements of `hierarchy`.
 //!
+//! A picture that was gathered at its pixels ([`crate::picture`]) is drawn in place of the mesh, which then only hides lines.
+//!
 //! The window and a picture on disk go the same way: [`SceneRenderer::draw`] renders into its own multisampled target and resolves
 //! it to one `Rgba8Unorm` texture, which a window blits into its pass and [`Offscreen`] reads back.
 
@@ -11,6 +13,7 @@ mod buffer;
 mod camera;
 mod clusters;
 mod display;
+mod gathered;
 mod links;
 mod offscreen;
 mod outline;
@@ -22,10 +25,12 @@ mod reading;
 mod reading_settings;
 mod renderer;
 mod target;
+mod underlay;
 
 pub use camera::Camera;
 pub use clusters::{ApartMesh, ClusterParts, ClusterView, by_clusters, cluster_colours};
 pub use display::Display;
+pub use gathered::{Pixels, developed};
 pub use links::{ChosenLinks, LinkColour, LinkFilter, LinkStyle, Seen, USUAL_LINKS, level_colour};
 pub use offscreen::Offscreen;
 pub use outline::{box_edges, element_outline};

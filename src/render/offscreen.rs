@@ -74,7 +74,15 @@ impl Offscreen {
         overlay: &Overlay,
         size: [u32; 2],
     ) -> Result<RgbaImage, RenderError> {
-        self.guarded(|offscreen| offscreen.draw_and_read(&Frame { snapshot, camera, display, overlay, size }))
+        self.picture_over(&Frame { snapshot, camera, display, overlay, size, gathered: None })
+    }
+
+    /// Draws one picture, over one that was gathered where the frame has such.
+    ///
+    /// # Errors
+    /// As [`Self::picture`].
+    pub fn picture_over(&mut self, frame: &Frame<'_>) -> Result<RgbaImage, RenderError> {
+        self.guarded(|offscreen| offscreen.draw_and_read(frame))
     }
 
     /// Draws what each pixel sees as radiosity in W/m², linear and without overlays; four samples a pixel.

@@ -20,6 +20,11 @@ pub(super) struct Pipelines {
     pub(super) mesh: wgpu::RenderPipeline,
     /// The same, pushed back where it is slanted, so that it does not cut the outlines drawn in it.
     pub(super) mesh_behind_outlines: wgpu::RenderPipeline,
+    /// The same two without colour: what hides lines over a gathered picture.
+    pub(super) depth: wgpu::RenderPipeline,
+    pub(super) depth_behind_outlines: wgpu::RenderPipeline,
+    /// A gathered picture, in place of background and mesh.
+    pub(super) underlay: wgpu::RenderPipeline,
     /// Lines where nothing hides them.
     pub(super) lines: wgpu::RenderPipeline,
     /// Lines seen faintly through everything.
@@ -31,6 +36,7 @@ pub(super) struct Pipelines {
 }
 
 /// What the pipelines of the scene differ in.
+#[derive(Clone, Copy)]
 struct Stage<'a> {
     name: &'a str,
     entry_points: [&'a str; 2],
@@ -40,6 +46,7 @@ struct Stage<'a> {
     writes_depth: bool,
     depth_compare: wgpu::CompareFunction,
     blend: Option<wgpu::BlendState>,
+    colours: wgpu::ColorWrites,
     bias: wgpu::DepthBiasState,
     constants: &'a [(&'a str, f64)],
 }
@@ -103,7 +110,7 @@ impl Pipelines {
                     targets: &[Some(wgpu::ColorTargetState {
                         format: COLOUR_FORMAT,
                         blend: stage.blend,
-                        write_mask: wgpu::ColorWrites::ALL,
+                        write_mask: stage.colours,
                     })],
                 }),
                 multiview_mask: None,
@@ -120,6 +127,7 @@ impl Pipelines {
             writes_depth: false,
             depth_compare: wgpu::CompareFunction::Always,
             blend: None,
+            colours: wgpu::ColorWrites::ALL,
             bias: wgpu::DepthBiasState::default(),
             constants: &[],
         });
@@ -146,17 +154,20 @@ impl Pipelines {
             writes_depth: true,
             depth_compare: wgpu::CompareFunction::Greater,
             blend: None,
+            colours: wgpu::ColorWrites::ALL,
             bias: wgpu::DepthBiasState::default(),
             constants: &[],
         };
-        let mesh_behind_outlines = scene_pipeline(&Stage {
+        let behind_outlines = Stage {
             name: "mesh behind outlines",
             // Away from the eye by the depth that changes across a pixel. Not without outlines: a face seen edge-on would fall
             // behind the wall at its back.
             bias: wgpu::DepthBiasState { slope_scale: -1.0, ..Default::default() },
             ..mesh
-        });
-        let mesh = scene_pipeline(&mesh);
+        };
+        let without_colour = |stage| scene_pipeline(&Stage { colours: wgpu::ColorWrites::empty(), ..stage });
+        let (depth, depth_behind_outlines) = (without_colour(mesh), without_colour(behind_outlines));
+        let (mesh, mesh_behind_outlines) = (scene_pipeline(&mesh), scene_pipeline(&behind_outlines));
         let line_attributes = wgpu::vertex_attr_array![0 => Float32x3, 1 => Float32x3, 2 => Float32, 3 => Unorm8x4];
         let line_buffers = [Some(wgpu::VertexBufferLayout {
             array_stride: size_of::<Line>() as u64,
@@ -172,6 +183,7 @@ impl Pipelines {
             writes_depth: false,
             depth_compare: wgpu::CompareFunction::GreaterEqual,
             blend: Some(wgpu::BlendState::ALPHA_BLENDING),
+            colours: wgpu::ColorWrites::ALL,
             bias: wgpu::DepthBiasState::default(),
             constants: &[],
         };
@@ -182,15 +194,30 @@ impl Pipelines {
             ..lines
         });
         let lines = scene_pipeline(&lines);
-        let (picture_layout, blit) = blit_pipeline(device, blit_format);
-        Self { view_layout, background, mesh, mesh_behind_outlines, lines, lines_through, picture_layout, blit }
+        let picture_layout = picture_layout(device);
+        let blit = blit_pipeline(device, &picture_layout, blit_format, None);
+        let underlay = blit_pipeline(device, &picture_layout, COLOUR_FORMAT, Some(samples));
+        Self {
+            view_layout,
+            background,
+            mesh,
+            mesh_behind_outlines,
+            depth,
+            depth_behind_outlines,
+            underlay,
+            lines,
+            lines_through,
+            picture_layout,
+            blit,
+        }
     }
 }
 
-fn blit_pipeline(device: &wgpu::Device, format: wgpu::TextureFormat) -> (wgpu::BindGroupLayout, wgpu::RenderPipeline) {
+/// Layout of a finished picture and its sampler.
+fn picture_layout(device: &wgpu::Device) -> wgpu::BindGroupLayout {
     let entry =
         |binding, ty| wgpu::BindGroupLayoutEntry { binding, visibility: wgpu::ShaderStages::FRAGMENT, ty, count: None };
-    let picture_layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+    device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
         label: Some("picture"),
         entries: &[
             entry(
@@ -203,15 +230,24 @@ fn blit_pipeline(device: &wgpu::Device, format: wgpu::TextureFormat) -> (wgpu::B
             ),
             entry(1, wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Filtering)),
         ],
-    });
+    })
+}
+
+/// Copies a picture into a pass: a window's, or the scene's of so many samples, whose depth stays.
+fn blit_pipeline(
+    device: &wgpu::Device,
+    picture_layout: &wgpu::BindGroupLayout,
+    format: wgpu::TextureFormat,
+    scene_samples: Option<u32>,
+) -> wgpu::RenderPipeline {
     let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
         label: Some("blit"),
-        bind_group_layouts: &[Some(&picture_layout)],
+        bind_group_layouts: &[Some(picture_layout)],
         immediate_size: 0,
     });
     let module = device.create_shader_module(wgpu::include_wgsl!("blit.wgsl"));
     let encodes = f64::from(u8::from(format.is_srgb()));
-    let pipeline = device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+    device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
         label: Some("blit"),
         layout: Some(&layout),
         vertex: wgpu::VertexState {
@@ -221,8 +257,14 @@ fn blit_pipeline(device: &wgpu::Device, format: wgpu::TextureFormat) -> (wgpu::B
             buffers: &[],
         },
         primitive: wgpu::PrimitiveState::default(),
-        depth_stencil: None,
-        multisample: wgpu::MultisampleState::default(),
+        depth_stencil: scene_samples.map(|_| wgpu::DepthStencilState {
+            format: DEPTH_FORMAT,
+            depth_write_enabled: Some(false),
+            depth_compare: Some(wgpu::CompareFunction::Always),
+            stencil: wgpu::StencilState::default(),
+            bias: wgpu::DepthBiasState::default(),
+        }),
+        multisample: wgpu::MultisampleState { count: scene_samples.unwrap_or(1), ..Default::default() },
         fragment: Some(wgpu::FragmentState {
             module: &module,
             entry_point: Some("blit_fragment"),
@@ -234,6 +276,5 @@ fn blit_pipeline(device: &wgpu::Device, format: wgpu::TextureFormat) -> (wgpu::B
         }),
         multiview_mask: None,
         cache: None,
-    });
-    (picture_layout, pipeline)
+    })
 }

@@ -172,6 +172,23 @@ impl Isolines {
     }
 }
 
+/// The colour of a line of equal value; gamma-encoded.
+pub(super) fn line_colour(reading: &Reading, value: f32) -> [u8; 3] {
+    let colour = reading.scale.colour(value);
+    if reading.fills { contrast(colour) } else { paler(colour) }
+}
+
+/// A colour that can be seen on lit surfaces, dark ones too.
+fn paler(colour: [u8; 3]) -> [u8; 3] {
+    colour.map(|channel| channel + (255 - channel) / 3)
+}
+
+/// What can be seen on a colour.
+fn contrast([r, g, b]: [u8; 3]) -> [u8; 3] {
+    let brightness = 2 * u32::from(r) + 7 * u32::from(g) + u32::from(b);
+    if brightness > 1100 { [16, 16, 20] } else { [250, 250, 250] }
+}
+
 /// The quantity at each vertex, W/m², weighted as the eye does.
 pub(super) fn at_vertices(snapshot: &Snapshot, quantity: Quantity) -> Vec<f32> {
     let light = match quantity {

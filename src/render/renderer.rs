@@ -5,10 +5,12 @@ use std::sync::Arc;
 use bytemuck::cast_slice;
 
 use super::buffer::GrowingBuffer;
+use super::gathered::Pixels;
 use super::overlay::{self, Line};
 use super::pipelines::{COLOUR_FORMAT, DEPTH_FORMAT, Pipelines};
-use super::reading::{MOST_ISOLINES, Reading, Spacing, at_vertices};
+use super::reading::{MOST_ISOLINES, Reading, Spacing, at_vertices, line_colour};
 use super::target::Target;
+use super::underlay::Underlay;
 use super::{Camera, Display, MAX_SIZE, Marks, Overlay, RenderError, auto_exposure};
 use crate::photometry::Quantity;
 use crate::solver::snapshot::{ClusterBox, Mesh, Snapshot};
@@ -28,6 +30,8 @@ pub struct Frame<'a> {
     pub camera: &'a Camera,
     /// How bright.
     pub display: &'a Display,
+    /// A picture of this view and size that was gathered, in place of the mesh.
+    pub gathered: Option<&'a Arc<Pixels>>,
     /// With what drawn over it.
     pub overlay: &'a Overlay,
     /// Width and height, pixels.
@@ -68,8 +72,7 @@ impl ReadingUniform {
         let with = |[r, g, b]: [f32; 3], value: f32| [r, g, b, value];
         let mut lines = [[0.0; 4]; MOST_ISOLINES];
         for (line, &value) in lines.iter_mut().zip(isolines.values()) {
-            let colour = scale.colour(value);
-            *line = with(encoded(if *fills { contrast(colour) } else { paler(colour) }), value);
+            *line = with(encoded(line_colour(reading, value)), value);
         }
         Self {
             ends: scale.ends(),
@@ -81,17 +84,6 @@ impl ReadingUniform {
             stops: scale.ramp.stops().map(|stop| with(encoded(stop), 1.0)),
         }
     }
-}
-
-/// A colour that can be seen on lit surfaces, dark ones too.
-fn paler(colour: [u8; 3]) -> [u8; 3] {
-    colour.map(|channel| channel + (255 - channel) / 3)
-}
-
-/// What can be seen on a colour.
-fn contrast([r, g, b]: [u8; 3]) -> [u8; 3] {
-    let brightness = 2 * u32::from(r) + 7 * u32::from(g) + u32::from(b);
-    if brightness > 1100 { [16, 16, 20] } else { [250, 250, 250] }
 }
 
 /// The uniform `View` of scene.wgsl.
@@ -185,6 +177,7 @@ pub struct SceneRenderer {
     measured: GrowingBuffer,
     measured_as: Option<Quantity>,
     auto_exposure: f32,
+    underlay: Option<Underlay>,
 
     outlines: LineSet<Same<Mesh>>,
     boxes: LineSet<(Same<Vec<ClusterBox>>, u16)>,
@@ -225,6 +218,7 @@ impl SceneRenderer {
             measured: GrowingBuffer::new("vertex readings", wgpu::BufferUsages::VERTEX),
             measured_as: None,
             auto_exposure: 1.0,
+            underlay: None,
             outlines: LineSet::new("element outlines"),
             boxes: LineSet::new("cluster boxes"),
             marks: LineSet::new("marks"),
@@ -241,6 +235,7 @@ impl SceneRenderer {
         let reading = frame.display.reading.filter(|_| !frame.display.as_colours);
         self.upload_reading(frame.snapshot, reading.map(|reading| reading.quantity))?;
         self.upload_lines(frame.snapshot, frame.overlay)?;
+        self.upload_gathered(frame.gathered.filter(|pixels| pixels.size == frame.size));
         let [width, height] = frame.size.map(|side| side as f32);
         let view = ViewUniform {
             clip_from_world: frame.camera.clip_from_world(width / height).to_cols_array_2d(),
@@ -330,6 +325,15 @@ impl SceneRenderer {
         Ok(())
     }
 
+    /// Uploads a gathered picture, or forgets the one before.
+    fn upload_gathered(&mut self, pixels: Option<&Arc<Pixels>>) {
+        let is_there = |underlay: &Underlay| pixels.is_some_and(|pixels| underlay.is_of(pixels));
+        if !self.underlay.as_ref().is_some_and(is_there) {
+            let looks = (&self.pipelines.picture_layout, &self.sampler);
+            self.underlay = pixels.map(|pixels| Underlay::new(&self.device, &self.queue, looks, pixels));
+        }
+    }
+
     fn upload_lines(&mut self, snapshot: &Snapshot, overlay: &Overlay) -> Result<(), RenderError> {
         let (device, queue) = (&self.device, &self.queue);
         if overlay.elements {
@@ -366,7 +370,7 @@ impl SceneRenderer {
         (target, binding)
     }
 
-    /// Background, mesh, then lines: those in surfaces where they are seen, links faintly through everything as well.
+    /// Background and mesh, or a gathered picture and the depth of the mesh, then lines: those in surfaces where they are seen, links faintly through everything as well.
     fn record(&self, encoder: &mut wgpu::CommandEncoder, target: &Target) {
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("scene"),
@@ -386,14 +390,24 @@ impl SceneRenderer {
             }),
             ..Default::default()
         });
-        pass.set_bind_group(0, &self.view_binding, &[]);
-        pass.set_pipeline(&self.pipelines.background);
-        pass.draw(0..3, 0..1);
+        if let Some(underlay) = &self.underlay {
+            underlay.draw(&mut pass, &self.pipelines.underlay);
+            pass.set_bind_group(0, &self.view_binding, &[]);
+        } else {
+            pass.set_bind_group(0, &self.view_binding, &[]);
+            pass.set_pipeline(&self.pipelines.background);
+            pass.draw(0..3, 0..1);
+        }
         if let (Some(positions), Some(radiosities), Some(indices)) =
             (self.positions.contents(), self.radiosities.contents(), self.indices.contents())
         {
             let outlined = self.outlines.count > 0;
-            pass.set_pipeline(if outlined { &self.pipelines.mesh_behind_outlines } else { &self.pipelines.mesh });
+            pass.set_pipeline(match (&self.underlay, outlined) {
+                (Some(_), true) => &self.pipelines.depth_behind_outlines,
+                (Some(_), false) => &self.pipelines.depth,
+                (None, true) => &self.pipelines.mesh_behind_outlines,
+                (None, false) => &self.pipelines.mesh,
+            });
             pass.set_vertex_buffer(0, positions);
             pass.set_vertex_buffer(1, radiosities);
             // Where nothing is read, anything of that size will do.

@@ -65,6 +65,50 @@ fn a_picture_has_the_size_asked_for_and_shows_the_overlays() {
     assert!(brightest(&draw("dim.png", &["--exposure", "-20"])) < brightest(&plain), "by hand it is dark");
 }
 
+/// Truth: a picture of the mesh and one that is gathered show the same room, as bright, and are not the same; a file in physical
+/// units has the layers that another reader finds by name.
+#[cfg(feature = "gui")]
+#[test]
+fn pictures_are_gathered_unless_the_mesh_is_asked_for() {
+    let folder = Folder::new();
+    let draw = |file: &str, args: &[&str]| {
+        let path = folder.path(file);
+        let asked = ["render", "cornell", "--size", "96x64", "--error", "0.1", "--out", name(&path)];
+        let (said, remarks) = succeed(&[&asked[..], args].concat());
+        (path, said, remarks)
+    };
+    let (gathered, said, _) = draw("gathered.png", &[]);
+    assert!(said.contains("gathered, noise") && !said.contains("drawn by"), "no adapter is needed: {said}");
+    let (layers, ..) = draw("layers.exr", &[]);
+    let file = exr::prelude::read_first_flat_layer_from_file(layers).expect("a valid file");
+    let names: Vec<String> = file.layer_data.channel_data.list.iter().map(|channel| channel.name.to_string()).collect();
+    for name in ["R", "G", "B", "A", "Z", "irradiance.R", "normal.X", "albedo.B", "element.id"] {
+        assert!(names.iter().any(|other| other == name), "{name} is not among {names:?}");
+    }
+    let path = folder.path("threshold.png");
+    let by_threshold = ["render", "cornell", "--epsilon", "1e-2", "--picture", "gathered", "--out", name(&path)];
+    let refused =
+        refused(&["render", "cornell", "--show", "clusters:2", "--picture", "gathered", "--out", name(&path)]);
+    assert!(refused.contains("clusters are drawn of the mesh"), "{refused}");
+    if let Err(error) = selflink::render::Offscreen::new() {
+        return eprintln!("SKIPPED: pictures of the mesh are not tested, {error}");
+    }
+    let (_, remarks) = succeed(&by_threshold);
+    assert!(remarks.contains("warning: light can be gathered at pixels only"), "{remarks}");
+    let (mesh, said, _) = draw("mesh.png", &["--picture", "mesh"]);
+    assert!(said.contains("drawn by") && !said.contains("gathered"), "{said}");
+    let [gathered, mesh] = [gathered, mesh].map(|path| image::open(path).expect("a PNG").to_rgb8());
+    let mean = |picture: &image::RgbImage| {
+        picture.as_raw().iter().map(|channel| f64::from(*channel)).sum::<f64>() / picture.as_raw().len() as f64
+    };
+    assert!(gathered != mesh);
+    // The same exposure: nothing jumps when the one takes the other's place.
+    assert!((mean(&gathered) - mean(&mesh)).abs() < 3.0, "{} {}", mean(&gathered), mean(&mesh));
+    let (outlined, said, _) = draw("outlined.png", &["--overlay", "elements"]);
+    assert!(said.contains("gathered") && said.contains("drawn by"), "{said}");
+    assert!(image::open(outlined).expect("a PNG").to_rgb8() != gathered, "outlines lie over it");
+}
+
 /// Truth: at first there is the root's self-link alone, one colour from corner to corner; later there are many, and what is no picture
 /// is refused.
 #[test]

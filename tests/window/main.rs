@@ -8,6 +8,7 @@ mod clusters;
 mod compare;
 mod craft;
 mod gallery;
+mod gathered;
 mod inspector;
 mod live;
 mod matrix;

@@ -12,6 +12,7 @@ const STOPS: std::ops::RangeInclusive<f32> = -10.0..=10.0;
 
 /// Draws the section.
 pub(super) fn show(ui: &mut Ui, shown: &Shown, display: &mut DisplaySettings, reading: Option<&Reading>) {
+    show_picture(ui, display);
     readings::show(ui, display, reading);
     ui.add_space(4.0);
     show_exposure(ui, display);
@@ -20,6 +21,24 @@ pub(super) fn show(ui: &mut Ui, shown: &Shown, display: &mut DisplaySettings, re
     show_clusters(ui, shown, display);
     ui.add_space(4.0);
     super::links::show(ui, shown, &mut display.links);
+}
+
+/// What the view is a picture of.
+fn show_picture(ui: &mut Ui, display: &mut DisplaySettings) {
+    theme::row(ui, "Picture", |ui| {
+        let name = |is_gathered| if is_gathered { "gathered" } else { "mesh" };
+        let list = egui::ComboBox::from_id_salt("Picture").selected_text(name(display.is_gathered));
+        let choices = |ui: &mut Ui| {
+            for choice in [true, false] {
+                ui.selectable_value(&mut display.is_gathered, choice, name(choice));
+            }
+        };
+        list.show_ui(ui, choices).response
+    })
+    .on_hover_text(
+        "Gathered: light is looked for at every pixel while the camera stands still and the solution is finished, coarse \
+         first. Mesh: light between the vertices, as while the camera moves",
+    );
 }
 
 fn show_exposure(ui: &mut Ui, display: &mut DisplaySettings) {

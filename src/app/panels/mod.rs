@@ -25,7 +25,9 @@ use super::{App, Outbox, theme};
 
 /// The left panel with its sections and the bar below.
 pub(super) fn show_sides(app: &mut App, ui: &mut Ui, outbox: &mut Outbox) {
-    egui::Panel::bottom("status").show(ui, |ui| status_bar::show(ui, &app.shown, &app.time_left, &app.clock));
+    egui::Panel::bottom("status").show(ui, |ui| {
+        status_bar::show(ui, &app.shown, app.painted.as_ref(), &app.time_left, &app.clock);
+    });
     egui::Panel::left("sections").default_size(theme::PANEL_WIDTH).size_range(300.0..=480.0).show(ui, |ui| {
         ScrollArea::vertical().auto_shrink([false, false]).show(ui, |ui| {
             // Beside the scroll bar, which floats.

@@ -2,13 +2,14 @@
 
 use egui::{ProgressBar, Ui};
 
+use super::super::gathering::Painted;
 use super::super::time_left::{Clock, TICK, TimeLeft};
 use super::super::{Shown, format, theme};
 use crate::solver::{MemoryStop, Phase, Stats};
 use crate::worker::RunState;
 
 /// Draws the bar.
-pub(super) fn show(ui: &mut Ui, shown: &Shown, time_left: &TimeLeft, clock: &Clock) {
+pub(super) fn show(ui: &mut Ui, shown: &Shown, painted: Option<&Painted>, time_left: &TimeLeft, clock: &Clock) {
     let more = clock.seconds();
     if more.is_some() {
         ui.ctx().request_repaint_after(TICK);
@@ -33,6 +34,9 @@ pub(super) fn show(ui: &mut Ui, shown: &Shown, time_left: &TimeLeft, clock: &Clo
         let Some(stats) = stats else { return };
         show_progress(ui, shown.status.run, stats);
         let time_left = time_left.seconds().filter(|_| shown.status.run == RunState::Running);
+        if let Some(painted) = painted {
+            show_cell(ui, "picture", &picture(painted));
+        }
         for (name, value) in cells(stats, more.unwrap_or(0.0), time_left) {
             show_cell(ui, name, &value);
         }
@@ -86,6 +90,12 @@ fn show_progress(ui: &mut Ui, run: RunState, stats: &Stats) {
     let response = ui.add(bar);
     let name = share.map_or("Progress not known".to_owned(), |share| format!("Progress {:.0} %", 100.0 * share));
     let _ = response.on_hover_text(name);
+}
+
+/// How far the gathered picture is.
+fn picture(Painted { noise, is_done, .. }: &Painted) -> String {
+    let noise = format::number(100.0 * f64::from(*noise));
+    if *is_done { format!("noise {noise} %") } else { format!("noise {noise} % …") }
 }
 
 fn cells(stats: &Stats, more_seconds: f64, time_left: Option<f64>) -> Vec<(&'static str, String)> {
