@@ -7,7 +7,7 @@ use selflink::export::settings::Settings;
 use selflink::format::{bytes, count, number, quantity, seconds};
 use selflink::scene::{Scene, Sides, Skipped};
 use selflink::solver::{
-    Bytes, ClusteringMode, MemoryStop, OracleKind, PowerBalance, Push, Reconstruct, Seconds, power_balance,
+    Bytes, ClusteringMode, ErrorFound, MemoryStop, OracleKind, PowerBalance, Push, Reconstruct, Seconds, power_balance,
 };
 use serde::Serialize;
 
@@ -25,9 +25,11 @@ pub struct Report<'a> {
     octree_depth: u32,
     epsilon_relative: f64,
     epsilon_watts: f64,
-    /// RMS error asked for and the solver's cautious estimate of it, as shares of the RMS radiosity.
+    /// Local error within which nine tenths of the area are to be read, and the bound that the certificate found.
     error_asked: Option<f64>,
     error_estimate: Option<f64>,
+    /// Quantiles of what is read and of the bare mesh.
+    error: Option<ErrorFound>,
     reconstruct: Reconstruct,
     vertices: usize,
     partial_factor: f64,
@@ -90,6 +92,7 @@ impl<'a> Report<'a> {
             epsilon_watts: stats.epsilon_watts,
             error_asked: stats.error_asked,
             error_estimate: stats.error_estimate,
+            error: stats.error,
             reconstruct: params.shown_by(),
             vertices: solution.snapshot.mesh.positions.len(),
             partial_factor: params.partial_factor,
@@ -115,7 +118,7 @@ impl<'a> Report<'a> {
             bytes: stats.bytes,
             peak_rss_bytes: peak_memory(),
             emitted_watts: stats.emitted_watts,
-            absorbed_watts: absorbed(scene, solution),
+            absorbed_watts: balance.map_or_else(|| absorbed(scene, solution), |balance| balance.absorbed.element_sum()),
             stopped_by_backs_watts: balance.map(|balance| balance.stopped_by_backs.element_sum()),
             escaped_watts: balance.map(|balance| balance.escaped.element_sum()),
             balance_gap: balance.map(|balance| balance.relative_gap()),
@@ -177,7 +180,7 @@ impl<'a> Report<'a> {
             lines.insert(1, format!("stopped    {}", stopped_at(stop, self.bytes.budget, more)));
         }
         if let Some(asked) = self.error_asked {
-            lines.insert(1, format!("error      {}", promise(asked, self.error_estimate)));
+            lines.insert(1, format!("error      {}", promise(asked, self.error.as_ref())));
         }
         let mut power = format!(
             "power      {} emitted, {} absorbed",
@@ -213,19 +216,19 @@ fn stopped_at(stop: MemoryStop, budget: usize, ask_for: &str) -> String {
 }
 
 /// What was asked for and what came of it.
-fn promise(asked: f64, estimate: Option<f64>) -> String {
+fn promise(asked: f64, found: Option<&ErrorFound>) -> String {
     let percent = |share: f64| format!("{} %", number(100.0 * share));
-    match estimate {
-        Some(estimate) if estimate <= asked => {
-            format!("{} asked, at most {} by the solver's own estimate", percent(asked), percent(estimate))
-        }
-        Some(estimate) => format!(
-            "{} asked, only {} reached by the solver's own estimate: the scene would need more vertices or rays than fit",
-            percent(asked),
-            percent(estimate)
-        ),
-        None => format!("{} asked, not estimated yet", percent(asked)),
-    }
+    let Some(found) = found else { return format!("{} asked, not certified yet", percent(asked)) };
+    let only = if found.bound <= asked { "" } else { "only " };
+    format!(
+        "{} asked: 9 of 10 surfaces are read within {only}{} ({:.0} % sure); median {}, RMS of B {}; bare mesh: 9 of 10 within {}",
+        percent(asked),
+        percent(found.bound),
+        100.0 * found.confidence,
+        percent(found.read.p50),
+        percent(found.radiosity_rms),
+        percent(found.mesh.p90),
+    )
 }
 
 /// Power absorbed by bright sides in what is there to be seen, W (all colours summed): a solution that is not finished has

@@ -7,6 +7,7 @@
 //! binomial distribution, which asks nothing of the errors.
 
 use rayon::prelude::*;
+use serde::Serialize;
 
 use super::estimator::{Budget, Depth};
 use super::field::{Field, grey};
@@ -30,19 +31,41 @@ const CHUNK: usize = 32;
 /// Standard error of readings, as a share of the target error.
 pub const NOISE: f64 = 0.4;
 
-/// What is known of the error of readings: local errors |ΔE|/(E + E₀).
+/// Quantiles over the area of the local error |ΔE|/(E + E₀).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Quantiles {
+    /// Median.
+    pub p50: f64,
+    /// Nine tenths of the area are within this.
+    pub p90: f64,
+    /// 95 % of the area are within this.
+    pub p95: f64,
+    /// Root of the mean square.
+    pub rms: f64,
+}
+
+impl Quantiles {
+    /// Of the errors at some points that stand for equal areas, which are sorted.
+    pub fn of(errors: &mut [f64]) -> Self {
+        errors.sort_by(f64::total_cmp);
+        let count = errors.len();
+        if count == 0 {
+            return Self::default();
+        }
+        let quantile = |share: f64| errors[((share * count as f64).ceil() as usize).clamp(1, count) - 1];
+        let squares: f64 = errors.iter().map(|error| error * error).sum();
+        let rms = (squares / count as f64).sqrt();
+        Self { p50: quantile(0.5), p90: quantile(SHARE), p95: quantile(0.95), rms }
+    }
+}
+
+/// What is known of the error of readings.
 #[derive(Clone, Debug, Default)]
 pub struct Certificate {
     /// Nine tenths of the area are within this, with a probability of 1 − [`RISK`].
     pub bound: f64,
-    /// Median.
-    pub p50: f64,
-    /// Within this are nine tenths of the points.
-    pub p90: f64,
-    /// Within this are 95 % of the points.
-    pub p95: f64,
-    /// Root of the mean square.
-    pub rms: f64,
+    /// What was found at the points.
+    pub read: Quantiles,
     /// RMS error of B over the area, as a share of its RMS.
     pub radiosity_rms: f64,
     /// The points with their irradiance (mean of the colours, W/m²).
@@ -179,20 +202,15 @@ impl Certifying {
         let difference = |compared: &Compared| f64::from(compared.change + compared.noise) + beyond * scale(compared);
         let error = |compared: &Compared| difference(compared).abs() / scale(compared).max(f64::MIN_POSITIVE);
         let mut errors: Vec<f64> = self.compared.iter().map(error).collect();
-        errors.sort_by(f64::total_cmp);
-        let quantile = |share: f64| errors[((share * count as f64).ceil() as usize).clamp(1, count) - 1];
+        let read = Quantiles::of(&mut errors);
         let bound = errors[rank_of_bound(count, SHARE, self.risk) - 1];
-        let squares: f64 = errors.iter().map(|error| error * error).sum();
         let radiosity = |compared: &Compared| f64::from(compared.emission + compared.reflectance * compared.truth);
         let wrong = |compared: &Compared| f64::from(compared.reflectance) * difference(compared);
         let sum = |of: &dyn Fn(&Compared) -> f64| self.compared.iter().map(|point| of(point) * of(point)).sum::<f64>();
         let (wrong, all) = (sum(&wrong), sum(&radiosity));
         Some(Certificate {
             bound,
-            p50: quantile(0.5),
-            p90: quantile(SHARE),
-            p95: quantile(0.95),
-            rms: (squares / count as f64).sqrt(),
+            read,
             radiosity_rms: if all > 0.0 { (wrong / all).sqrt() } else { 0.0 },
             points: self.compared.iter().map(|compared| (compared.point, compared.truth)).collect(),
         })

@@ -161,10 +161,7 @@ impl Field {
                 let patch = self.patch(met.leaf);
                 let place = (met.position, patch.normal);
                 let glance = self.glance(place, FURTHER, (seed, number));
-                (
-                    self.surface(patch.polygon).reflectance * glance.irradiance,
-                    FURTHER.aimed + FURTHER.cosine,
-                )
+                (self.surface(patch.polygon).reflectance * glance.irradiance, FURTHER.aimed + FURTHER.cosine)
             }
         }
     }

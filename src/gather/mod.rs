@@ -24,7 +24,7 @@ use std::sync::Arc;
 use glam::Vec3;
 
 use certificate::Certifying;
-pub use certificate::{Certificate, NOISE};
+pub use certificate::{Certificate, NOISE, Quantiles, RISK};
 pub use estimator::{Budget, Depth, Irradiance, Rays};
 pub use field::{Field, Met};
 pub use glance::{Glance, GlanceRays};
@@ -305,8 +305,8 @@ impl Gather {
 
     /// Ends, or makes the field finer.
     fn judge(&mut self, certificate: Certificate) {
-        let before = self.certificate.as_ref().map(|certificate| certificate.p90);
-        let now = certificate.p90;
+        let before = self.certificate.as_ref().map(|certificate| certificate.read.p90);
+        let now = certificate.read.p90;
         let is_kept = self.goal.error.is_none_or(|target| certificate.bound <= target);
         let is_in_vain = before.is_some_and(|before| now > LEAST_PROGRESS * before);
         self.certificate = Some(certificate);

@@ -41,6 +41,10 @@ pub struct Display {
     surfaces: Arc<Vec<u32>>,
     /// The element of the hierarchy that each leaf of the mesh is.
     own: Vec<ElementId>,
+    /// Of each element, its place among the mesh's leaves.
+    place_of: Vec<u32>,
+    /// Where each leaf's triangles start; one longer than the number of leaves.
+    first_triangles: Vec<u32>,
 }
 
 impl Display {
@@ -87,6 +91,11 @@ impl Display {
         }
         let (mut mesh, starts, shares) = builder.finish();
         let own: Vec<ElementId> = mesh.leaves.iter().map(|leaf| leaf.element).collect();
+        let mut place_of = vec![u32::MAX; hierarchy.elements().len()];
+        own.iter().enumerate().for_each(|(place, leaf)| place_of[leaf.index()] = place as u32);
+        let mut first_triangles = vec![0; own.len() + 1];
+        mesh.triangle_leaf.iter().for_each(|leaf| first_triangles[*leaf as usize + 1] += 1);
+        (0..own.len()).for_each(|leaf| first_triangles[leaf + 1] += first_triangles[leaf]);
         for leaf in &mut mesh.leaves {
             while leaf.element.index() >= link_elements
                 && let Some(parent) = hierarchy.element(leaf.element).parent()
@@ -103,7 +112,25 @@ impl Display {
             shares,
             surfaces,
             own,
+            place_of,
+            first_triangles,
         }
+    }
+
+    /// The corners of the triangle of a leaf that holds a point, and their weights.
+    pub fn locate(&self, leaf: ElementId, point: Vec3) -> Option<([u32; 3], Vec3)> {
+        // Leaves lie in the order of their patches, not of the arena.
+        let place = self.place_of[leaf.index()] as usize;
+        let (first, last) = (*self.first_triangles.get(place)?, *self.first_triangles.get(place + 1)?);
+        let weigh = |triangle: &[u32; 3]| {
+            let corners = triangle.map(|at| Vec3::from(self.mesh.positions[at as usize]));
+            (*triangle, barycentric(corners, point))
+        };
+        let found = self.mesh.triangles[first as usize..last as usize].iter().map(weigh);
+        let found = found.filter(|(_, weights)| weights.is_finite());
+        let (triangle, weights) = found.max_by(|a, b| a.1.min_element().total_cmp(&b.1.min_element()))?;
+        let weights = weights.max(Vec3::ZERO);
+        Some((triangle, weights / weights.element_sum()))
     }
 
     /// Values of each mesh vertex, averaged over the leaves around it; `table` is parallel to the hierarchy's arena.

@@ -64,7 +64,7 @@ pub use params::{
 };
 pub use refine::RejectedPair;
 pub use snapshot::{ClusterBox, Leaf, Mesh, Snapshot};
-pub use stats::{Bytes, Phase, Seconds, Stats};
+pub use stats::{Bytes, ErrorFound, Phase, Seconds, Stats};
 pub use verdict::Rejection;
 
 use crate::cancel::CancelToken;
@@ -170,6 +170,8 @@ pub struct Solver {
     picture: Picture,
     display: Option<Display>,
     gather: Option<Gather>,
+    /// What its certificate found, once it ended.
+    error_found: Option<ErrorFound>,
     /// Whether snapshots carry the anatomy, and the hierarchy of the last one that did.
     wants_anatomy: bool,
     frozen: Option<Arc<Hierarchy>>,
@@ -239,6 +241,7 @@ impl Solver {
             picture: Picture::default(),
             display: None,
             gather: None,
+            error_found: None,
             wants_anatomy: false,
             frozen: None,
             history: None,

@@ -2,13 +2,16 @@
 
 use std::sync::Arc;
 
-use super::display::Style;
+use glam::Vec3;
+
+use super::display::{Display, Style};
 use super::memory::MemoryStop;
 use super::params::Reconstruct;
-use super::stats::Phase;
+use super::stats::{ErrorFound, Phase};
 use super::{Solver, Step};
 use crate::cancel::CancelToken;
-use crate::gather::{Certificate, Field, Gather, Goal, LinkLight, Progress};
+use crate::gather::{Certificate, Field, Gather, Goal, LinkLight, Progress, Quantiles, RISK};
+use crate::hierarchy::SurfacePoint;
 
 impl Solver {
     /// What comes after the last gather over links.
@@ -70,15 +73,44 @@ impl Solver {
             Some(Progress::Pass) => Step::Reconstructed { pass_ended: true },
             Some(Progress::Done) => {
                 self.phase = Phase::Done;
+                self.error_found = self.find_error();
                 Step::Reconstructed { pass_ended: true }
             }
         }
     }
 
+    /// What the certificate says, and what the bare mesh shows at its points.
+    fn find_error(&mut self) -> Option<ErrorFound> {
+        let field = self.field()?.clone();
+        let certificate = self.certificate()?.clone();
+        let elements = self.hierarchy.elements().len();
+        let display = Display::current(self.display.take(), &self.scene, field.hierarchy(), elements, self.style());
+        let shown = display.of_vertices(field.irradiance());
+        let grey = |light: Vec3| f64::from(light.element_sum()) / 3.0;
+        let error = |(point, truth): &(SurfacePoint, f32)| {
+            let (corners, weights) = display.locate(field.leaf_at(point.polygon, point.position), point.position)?;
+            let light = |corner: usize| Vec3::from(shown[corners[corner] as usize]);
+            let shown = weights.x * light(0) + weights.y * light(1) + weights.z * light(2);
+            let truth = f64::from(*truth);
+            Some((grey(shown) - truth).abs() / (truth + f64::from(field.dim())).max(f64::MIN_POSITIVE))
+        };
+        let mut errors: Vec<f64> = certificate.points.iter().filter_map(error).collect();
+        let found = ErrorFound {
+            bound: certificate.bound,
+            confidence: 1.0 - RISK,
+            points: certificate.points.len(),
+            read: certificate.read,
+            radiosity_rms: certificate.radiosity_rms,
+            mesh: Quantiles::of(&mut errors),
+        };
+        self.display = Some(display);
+        Some(found)
+    }
+
     fn new_gather(&mut self, cancel: &CancelToken) -> Option<Gather> {
         let direct = self.gatherer(&self.links).direct(&self.light, cancel)?;
         let all = self.light.irradiance.iter().zip(&direct);
-        let indirect: Vec<_> = all.map(|(all, direct)| (*all - *direct).max(glam::Vec3::ZERO)).collect();
+        let indirect: Vec<_> = all.map(|(all, direct)| (*all - *direct).max(Vec3::ZERO)).collect();
         let links = LinkLight {
             scene: &self.scene,
             occluders: &self.occluders,

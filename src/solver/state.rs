@@ -100,6 +100,7 @@ impl Solver {
             bounded_leaves: self.bounded_leaves,
             error_asked: self.params.error,
             error_estimate: self.certificate().map(|certificate| certificate.bound),
+            error: self.error_found.filter(|_| self.gather.is_some()),
             seconds: self.seconds,
             bytes: Bytes {
                 links: self.links.bytes(),

@@ -3,6 +3,7 @@
 use serde::Serialize;
 
 use super::memory::MemoryStop;
+use crate::gather::Quantiles;
 
 /// What the solver is doing.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
@@ -62,10 +63,12 @@ pub struct Stats {
     pub clamped_leaves: usize,
     /// Leaves that were brighter than anything in the scene can be, max B_e/(1−ρ_max), and were brought back to that.
     pub bounded_leaves: usize,
-    /// RMS error that was asked for, as a share of the RMS radiosity.
+    /// Target error: the local error |ΔE|/(E + E₀) within which nine tenths of the area are to be read.
     pub error_asked: Option<f64>,
-    /// The solver's own cautious estimate of it, once there is one.
+    /// Upper bound on it that the certificate found, once there is one.
     pub error_estimate: Option<f64>,
+    /// What else is known of the error, once it is.
+    pub error: Option<ErrorFound>,
     /// Time spent so far.
     pub seconds: Seconds,
     /// Memory of the large tables.
@@ -78,6 +81,23 @@ pub struct Stats {
     pub absorbed_watts: f64,
     /// Share of the present round's refinement that is done, where it can be told, 0..1.
     pub progress: Option<f32>,
+}
+
+/// What the certificate of a gather found.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct ErrorFound {
+    /// Nine tenths of the area are read within this local error,
+    pub bound: f64,
+    /// with this probability.
+    pub confidence: f64,
+    /// Points that were compared.
+    pub points: usize,
+    /// Local error of what is read.
+    pub read: Quantiles,
+    /// RMS error of B as it is read, as a share of the RMS radiosity.
+    pub radiosity_rms: f64,
+    /// Local error of the bare mesh, which is exported and shown while the camera moves.
+    pub mesh: Quantiles,
 }
 
 /// Seconds of work by phase; pauses between steps do not count.
