@@ -11,7 +11,7 @@ use serde_json::Value;
 
 use crate::added_light::AddedLight;
 use crate::scene::builtin::BuiltinScene;
-use crate::scene::{CameraPose, Source};
+use crate::scene::{CameraPose, Reading, Source};
 use crate::solver::params::ParamsError;
 use crate::solver::{SolverParams, USUAL_ERROR};
 
@@ -22,6 +22,9 @@ pub struct Settings {
     /// Path of the scene's file, or the name of one of our own scenes.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub scene: Option<String>,
+    /// How the scene's file is to be read.
+    #[serde(skip_serializing_if = "Reading::is_empty")]
+    pub reading: Reading,
     /// Light added to the scene.
     #[serde(skip_serializing_if = "AddedLight::is_empty")]
     pub light: AddedLight,

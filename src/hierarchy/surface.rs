@@ -42,9 +42,9 @@ pub fn smooth_surfaces(scene: &Scene, hierarchy: &Hierarchy) -> Vec<u32> {
             while let Some((neighbour, after)) = next.map(|place| edges[place]) {
                 next = after;
                 let Shape::Patch(other) = hierarchy.element(super::ElementId(neighbour)).shape else { continue };
-                let material = |polygon: u32| scene.polygons[polygon as usize].material;
-                if material(patch.polygon) == material(other.polygon) && patch.normal.dot(other.normal) > SMOOTH_COSINE
-                {
+                let polygon = |index: u32| &scene.polygons[index as usize];
+                let is_alike = scene.has_same_finish(polygon(patch.polygon), polygon(other.polygon));
+                if is_alike && patch.normal.dot(other.normal) > SMOOTH_COSINE {
                     join(&mut surface, patch.polygon, other.polygon);
                 }
             }

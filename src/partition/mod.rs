@@ -97,8 +97,8 @@ impl Cutter<'_> {
     /// Large coplanar polygons that share edges, by their places among the faces.
     fn surfaces(&self, scene: &Scene) -> Vec<Vec<usize>> {
         let can_be_cut = |face: &&Face| {
-            let material = &scene.materials[scene.polygons[face.polygon].material.0 as usize];
-            face.area >= LEAST_POLYGON * self.total && material.emission == glam::Vec3::ZERO && self.is_flat(face)
+            let emits = scene.emits(&scene.polygons[face.polygon]);
+            face.area >= LEAST_POLYGON * self.total && !emits && self.is_flat(face)
         };
         let large: Vec<&Face> = self.faces.iter().filter(can_be_cut).collect();
         let mut with_edge: FxHashMap<(Bits, Bits), usize> = FxHashMap::default();
@@ -285,11 +285,7 @@ fn replace(scene: &mut Scene, parts: Vec<Part>, seams: &[[DVec3; 2]]) -> usize {
     cut.sort_unstable_by_key(|(polygon, _)| *polygon);
     for (polygon, pieces) in &cut {
         let of = scene.polygons[*polygon];
-        let mut made = pieces.iter().map(|corners| match *corners.as_slice() {
-            [a, b, c, d] => Polygon::quad([a, b, c, d], of.material, of.group),
-            [a, b, c] => Polygon::triangle([a, b, c], of.material, of.group),
-            _ => of,
-        });
+        let mut made = pieces.iter().map(|corners| of.part(corners));
         if let Some(first) = made.next() {
             scene.polygons[*polygon] = first;
         }

@@ -69,7 +69,7 @@ impl Lamps {
     /// The lamps; `None` where nothing emits.
     pub fn new(scene: &Scene) -> Option<Self> {
         let lamp = |(index, polygon): (usize, &Polygon)| {
-            let emission = scene.materials[polygon.material.0 as usize].emission;
+            let emission = scene.surface(polygon).emission;
             let power = f64::from(scene.area(polygon)) * f64::from(emission.max_element());
             let (corners, count) = scene.corner_positions(polygon);
             let centre = corners[..count].iter().sum::<Vec3>() / count as f32;

@@ -53,9 +53,9 @@ impl Tracer {
     /// Prepares a scene; `occluders` must be its own.
     pub fn new(scene: &Scene, occluders: Arc<Occluders>) -> Self {
         let face = |polygon: &crate::scene::Polygon| {
-            let material = &scene.materials[polygon.material.0 as usize];
+            let surface = scene.surface(polygon);
             let normal = scene.normal(polygon);
-            Face { normal, reflectance: material.reflectance, emission: material.emission }
+            Face { normal, reflectance: surface.reflectance, emission: surface.emission }
         };
         let (lower, upper) = scene.bounds();
         Self {

@@ -107,8 +107,6 @@ pub fn power_balance(solver: &Solver, rays: u32, seed: u64) -> PowerBalance {
 impl Solver {
     /// Whether the face of this polygon is bright on both sides.
     fn is_double(&self, polygon: u32) -> bool {
-        // The backs of doubled faces follow all fronts, in the same order.
-        let fronts = self.scene.polygons.iter().position(|polygon| polygon.is_back).unwrap_or(usize::MAX);
-        (polygon as usize) < fronts && fronts != usize::MAX
+        self.scene.polygons[polygon as usize].has_back
     }
 }

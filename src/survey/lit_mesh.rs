@@ -17,8 +17,6 @@ pub struct LitMesh {
     scene: Arc<Scene>,
     snapshot: Arc<Snapshot>,
     faces: Arc<Occluders>,
-    /// Whether each face has a twin that is bright on the other side, so that a ray meets no backs.
-    is_doubled: bool,
     tolerance: f32,
 }
 
@@ -53,15 +51,22 @@ impl LitMesh {
         let mesh = &snapshot.mesh;
         let faces: Vec<_> = (0..mesh.triangles.len()).map(|index| (corners(mesh, index), index as u32)).collect();
         let faces = Arc::new(Occluders::of_triangles(&faces));
-        let is_doubled = scene.polygons.iter().any(|polygon| polygon.is_back);
         let (lower, upper) = scene.bounds();
-        Self { scene, snapshot, faces, is_doubled, tolerance: TOLERANCE * (upper - lower).length() }
+        Self { scene, snapshot, faces, tolerance: TOLERANCE * (upper - lower).length() }
     }
 
     /// The same mesh in another light, at no cost; `None` where the mesh is another.
     pub fn relit(&self, scene: &Arc<Scene>, snapshot: &Arc<Snapshot>) -> Option<Self> {
         let is_same = Arc::ptr_eq(&self.snapshot.mesh, &snapshot.mesh);
         is_same.then(|| Self { scene: scene.clone(), snapshot: snapshot.clone(), ..self.clone() })
+    }
+
+    /// Whether a triangle belongs to a face that is bright on both sides.
+    fn is_doubled(&self, triangle: u32) -> bool {
+        let mesh = &self.snapshot.mesh;
+        let leaf = &mesh.leaves[mesh.triangle_leaf[triangle as usize] as usize];
+        let polygon = &self.scene.polygons[leaf.polygon as usize];
+        polygon.is_back || polygon.has_back
     }
 
     /// The light that is read.
@@ -112,10 +117,12 @@ impl LitMesh {
 
     /// What light that comes from a direction left last; `direction` must be a unit vector.
     pub(super) fn met(&self, point: Vec3, direction: Vec3) -> Met {
-        let hit = match self.is_doubled {
-            true => self.faces.closest_front(point, direction, 0.0),
-            false => self.faces.closest_hit(point, direction, 0.0),
-        };
+        let mut hit = self.faces.closest_hit(point, direction, 0.0);
+        if let Some(back) = hit.filter(|hit| !hit.front && self.is_doubled(hit.polygon)) {
+            // The other side of the face lies at the same place, cut otherwise.
+            let other = self.faces.closest_front(point, direction, 0.0);
+            hit = other.filter(|other| (other.distance - back.distance).abs() <= self.tolerance).or(hit);
+        }
         match hit {
             None => Met::Nothing,
             Some(hit) if !hit.front => Met::Back,
@@ -124,7 +131,9 @@ impl LitMesh {
                 let leaf = &mesh.leaves[mesh.triangle_leaf[hit.polygon as usize] as usize];
                 let at = point + hit.distance * direction;
                 let sent = self.interpolated(hit.polygon as usize, at, &self.snapshot.vertex_radiosity);
-                Met::Front((sent - self.scene.materials[leaf.material.0 as usize].emission).max(Vec3::ZERO))
+                Met::Front(
+                    (sent - self.scene.surface(&self.scene.polygons[leaf.polygon as usize]).emission).max(Vec3::ZERO),
+                )
             }
         }
     }

@@ -24,10 +24,10 @@ pub fn of_mesh(display: &Display, scene: &Scene) -> Vec<Vertex> {
     let mesh = &display.mesh;
     let vertex = |vertex: usize| {
         let leaf = display.around(vertex).first().map(|&(leaf, _)| &mesh.leaves[leaf as usize]);
-        let material = leaf.map(|leaf| &scene.materials[leaf.material.0 as usize]);
+        let surface = leaf.map(|leaf| scene.surface(&scene.polygons[leaf.polygon as usize]));
         Vertex {
-            reflectance: material.map_or(Vec3::ZERO, |material| material.reflectance),
-            emission: material.map_or(Vec3::ZERO, |material| material.emission),
+            reflectance: surface.map_or(Vec3::ZERO, |surface| surface.reflectance),
+            emission: surface.map_or(Vec3::ZERO, |surface| surface.emission),
             area: 0.0,
         }
     };
