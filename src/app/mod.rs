@@ -52,7 +52,7 @@ pub use launch::{AppError, run};
 use crate::added_light::AddedLight;
 use crate::format;
 use crate::hierarchy::ElementId;
-use crate::scene::{CameraPose, Source};
+use crate::scene::{CameraPose, Reading, Source};
 use crate::solver::{Snapshot, SolverParams};
 use crate::worker::{Command, Event, RunState, SceneInfo, SolverThread, Status};
 use appearance::Appearance;

@@ -129,6 +129,7 @@ mod tests {
 
     use super::*;
     use crate::added_light::CeilingLight;
+    use crate::scene::{Unit, UpAxis};
     use crate::solver::{ClusteringMode, Epsilon};
 
     fn read(text: &str) -> Result<Settings, String> {
@@ -143,6 +144,7 @@ mod tests {
     fn settings_come_back_as_they_were() {
         let settings = Settings {
             scene: Some("office".into()),
+            reading: Reading { up: Some(UpAxis::Z), unit: Some(Unit::Inch), opaque: vec!["pane".into()] },
             light: AddedLight {
                 emitting: vec![("lamp".into(), Vec3::new(0.1, 2.0, 3.3))],
                 ceiling: Some(CeilingLight { size: None, exitance: 0.7 }),

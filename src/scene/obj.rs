@@ -35,7 +35,9 @@ pub(super) fn read(path: &Path, bytes: &[u8], files: &dyn SceneFiles) -> Result<
         if let Some(comment) = line.trim_start().strip_prefix('#') {
             reader.unit = reader.unit.or_else(|| Unit::of_comment(comment));
         }
-        let line = if joined.is_empty() { data_of(line) } else { line.trim_end() };
+        // What goes on is no name.
+        let line =
+            if joined.is_empty() { data_of(line) } else { line.split('#').next().unwrap_or_default().trim_end() };
         match line.strip_suffix('\\').filter(|_| !joined.is_empty() || goes_on(line)) {
             Some(begun) => {
                 joined.push_str(begun);

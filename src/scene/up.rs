@@ -126,7 +126,8 @@ pub(super) fn guessed(draft: &Draft) -> UpAxis {
     let share = |difference: f64, of: f64| if of > 0.0 { difference / of } else { 0.0 };
     let for_z = 1.5 * share(z.inner - y.inner, inner)
         + 6.0 * share(y.level - z.level, corners)
-        + (y.extent / z.extent).ln().clamp(-1.5, 1.5)
+        // By itself not enough: a flat thing stands or lies.
+        + (y.extent / z.extent).ln().clamp(-0.9 * FOR_Y, 0.9 * FOR_Y)
         + 3.0 * share(z.named - y.named, named)
         - FOR_Y;
     if for_z > 0.0 { UpAxis::Z } else { UpAxis::Y }

@@ -11,10 +11,9 @@ mod walk;
 
 use std::path::Path;
 
-use gltf::Document;
 use gltf::json::Root;
 use gltf::json::mesh::Semantic;
-use gltf::json::validation::Checked;
+use gltf::json::validation::{Checked, Error, Validate};
 use serde_json::Value;
 
 use super::draft::{Draft, scene_name};
@@ -56,8 +55,8 @@ pub(super) fn read(path: &Path, bytes: &[u8], files: &dyn SceneFiles) -> Result<
         LoadError::Parse { path: path.to_owned(), place, problem }
     };
     let mut draft = Draft::new(&scene_name(path));
-    let (document, blob) = parse(bytes, &mut draft).map_err(parse_error)?;
-    let root = document.as_json();
+    let (root, blob) = parse(bytes, &mut draft).map_err(parse_error)?;
+    let root = &root;
     let data = GltfData::read(files, root, blob).map_err(parse_error)?;
     draft.up = Some(UpAxis::Y);
     draft.skipped.animations = root.animations.len();
@@ -67,14 +66,8 @@ pub(super) fn read(path: &Path, bytes: &[u8], files: &dyn SceneFiles) -> Result<
 }
 
 /// The document, checked by the crate, and the binary chunk.
-fn parse(bytes: &[u8], draft: &mut Draft) -> Result<(Document, Option<Vec<u8>>), Problem> {
-    let damaged = |error: gltf::Error| match error {
-        gltf::Error::Validation(errors) => {
-            let first = errors.first().map(|(place, error)| format!("{place}: {error}")).unwrap_or_default();
-            format!("not valid ({first}); export the scene again")
-        }
-        other => format!("not understood ({other}); the file is damaged or cut off"),
-    };
+fn parse(bytes: &[u8], draft: &mut Draft) -> Result<(Root, Option<Vec<u8>>), Problem> {
+    let damaged = |error: gltf::Error| format!("not understood ({error}); the file is damaged or cut off");
     let (text, blob) = if bytes.starts_with(b"glTF") {
         let length = bytes.get(8..12).map_or(0, |word| u32::from_le_bytes([word[0], word[1], word[2], word[3]]));
         // The crate subtracts the header's size from this length without looking.
@@ -99,7 +92,18 @@ fn parse(bytes: &[u8], draft: &mut Draft) -> Result<(Document, Option<Vec<u8>>),
         draft.skipped.note(format!("The file needs {}, which is not read: parts may be missing.", quoted(&name)));
     }
     prepare_for_validation(&mut root)?;
-    Ok((Document::from_json(root).map_err(damaged)?, blob))
+    let mut first = None;
+    root.validate(&root, gltf::json::Path::new, &mut |place, error| {
+        // Draco keeps the data of such accessors; one that has none is told when it is read.
+        let is_elsewhere = error == Error::Missing && place().0.ends_with(".bufferView");
+        if first.is_none() && !is_elsewhere {
+            first = Some(format!("not valid ({}: {error}); export the scene again", place()));
+        }
+    });
+    match first {
+        Some(problem) => Err(problem),
+        None => Ok((root, blob)),
+    }
 }
 
 /// Gives each texture the picture that can be read best: its own, or one of an extension.

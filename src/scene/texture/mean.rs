@@ -79,7 +79,7 @@ impl RowSums {
     pub fn over(&self, corners: impl Iterator<Item = DVec2> + Clone) -> Vec4 {
         let size = DVec2::new(f64::from(self.width), f64::from(self.height));
         let corners = corners.map(|corner| corner * size);
-        if !corners.clone().all(|corner| corner.abs().max_element() <= FARTHEST) {
+        if !corners.clone().all(|corner| corner.is_finite() && corner.abs().max_element() <= FARTHEST) {
             return self.of_all();
         }
         let Some(first) = corners.clone().next() else { return self.of_all() };
