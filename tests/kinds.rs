@@ -9,6 +9,8 @@ use std::io::Cursor;
 
 use glam::Vec3;
 use image::{ImageFormat, Rgba, RgbaImage};
+use meshoptimizer_rs::Workspace;
+use meshoptimizer_rs::codec::{VertexEncoding, encode_vertex_buffer};
 use selflink::added_light::AddedLight;
 use selflink::prepare::prepare;
 use selflink::scene::{Reading, Scene, Sidecar, Sides, Source, Unit, UpAxis, load_file, load_with};
@@ -507,4 +509,66 @@ fn free_form_surfaces_are_said_once() {
     let scene = load_obj(&obj, "");
     assert_eq!(scene.skipped.curves_and_surfaces, 1);
     assert!(notes(&scene).contains("1 curve or curved surface left out"), "{}", notes(&scene));
+}
+
+/// The square of [`square_bytes`] with its positions compressed by meshopt, or all of it by Draco.
+fn compressed(by_draco: bool) -> Vec<u8> {
+    let square = square_bytes();
+    let (data, view, primitive) = if by_draco {
+        let mut mesh = draco_core::Mesh::new();
+        mesh.set_num_points(4);
+        let mut positions = draco_core::PointAttribute::new();
+        let kind = draco_core::GeometryAttributeType::Position;
+        positions.init(kind, 3, draco_core::DataType::Float32, false, 4);
+        positions.buffer_mut().write(0, &square[..48]);
+        mesh.add_attribute(positions);
+        mesh.set_faces_from_flat_indices(&[0, 1, 2, 0, 2, 3]);
+        let mut encoder = draco_core::MeshEncoder::new();
+        encoder.set_mesh(mesh);
+        let mut buffer = draco_core::EncoderBuffer::new();
+        encoder.encode(&draco_core::EncoderOptions::new(), &mut buffer).expect("a square can be encoded");
+        let primitive =
+            r#", "extensions": {"KHR_draco_mesh_compression": {"bufferView": 2, "attributes": {"POSITION": 0}}}"#;
+        (buffer.data().to_vec(), String::new(), primitive)
+    } else {
+        let data = encode_vertex_buffer(
+            &square[..48],
+            4,
+            12,
+            VertexEncoding::new(0, 0).expect("version 0"),
+            &mut Workspace::default(),
+        );
+        let data = data.expect("a square can be encoded");
+        let view = format!(
+            r#", "extensions": {{"EXT_meshopt_compression": {{"buffer": 0, "byteOffset": 60, "byteLength": {}, "byteStride": 12, "count": 4, "mode": "ATTRIBUTES"}}}}"#,
+            data.len()
+        );
+        (data, view, "")
+    };
+    let rest = format!(
+        r#""scenes": [{{"nodes": [0]}}], "nodes": [{{"mesh": 0}}],
+        "meshes": [{{"primitives": [{{"attributes": {{"POSITION": 0}}, "indices": 1{primitive}}}]}}]"#
+    );
+    // Nothing but what is compressed is there.
+    let mut binary = square;
+    binary[..48].fill(255);
+    binary.extend(&data);
+    let json = square_json(&rest).replace(r#""byteLength": 60"#, &format!(r#""byteLength": {}"#, binary.len()));
+    let json = json.replace(r#""byteLength": 48}"#, &format!(r#""byteLength": 48{view}}}"#));
+    let last = format!(
+        r#""byteOffset": 48, "byteLength": 12}}, {{"buffer": 0, "byteOffset": 60, "byteLength": {}}}"#,
+        data.len()
+    );
+    glb(&json.replace(r#""byteOffset": 48, "byteLength": 12}"#, &last), &binary)
+}
+
+/// Truth: what was encoded, a unit square; Draco keeps 11 bits of a coordinate by default.
+#[test]
+fn compressed_geometry_is_read() {
+    for by_draco in [false, true] {
+        let scene = load(&[("a.glb", &compressed(by_draco))], "a.glb");
+        let area: f32 = scene.polygons.iter().map(|polygon| scene.area(polygon)).sum();
+        assert!((area - 1.0).abs() < 2e-3 && scene.polygons.len() == 2, "Draco {by_draco}: {area}");
+        assert!(scene.polygons.iter().all(|polygon| scene.normal(polygon).z > 0.999), "Draco {by_draco}");
+    }
 }

@@ -180,20 +180,25 @@ fn choice<T: serde::de::DeserializeOwned>(matches: &ArgMatches, flag: &str) -> a
     Ok(Some(value.with_context(|| format!("--{flag} does not know {name}"))?))
 }
 
+/// The unit of a file's lengths.
+pub fn unit_arg() -> Arg {
+    Arg::new("unit")
+        .long("unit")
+        .value_name("m|cm|mm|in|ft")
+        .value_parser(Unit::ALL.map(Unit::symbol))
+        .action(ArgAction::Append)
+        .help("The unit of the file's lengths; all that is read off the scene is in metres [default: as the file says, or guessed by the size of a room]")
+}
+
 /// How the scene's file is read, and light that is added to it.
 pub fn scene_args() -> [Arg; 5] {
-    let units = Unit::ALL.map(Unit::symbol);
     [
         Arg::new("up")
             .long("up")
             .value_name("y|z")
             .value_parser(["y", "z"])
             .help("The axis of the file that points up [default: as the file says, or as the scene looks]"),
-        Arg::new("unit")
-            .long("unit")
-            .value_name("m|cm|mm|in|ft")
-            .value_parser(units)
-            .help("The unit of the file's lengths; all that is read off the scene is in metres [default: as the file says, or guessed by the size of a room]"),
+        unit_arg(),
         Arg::new("opaque")
             .long("opaque")
             .value_name("MATERIAL")
@@ -297,10 +302,10 @@ const USUAL_EXITANCE: f32 = 100.0;
 
 /// How the arguments want the scene's file to be read.
 pub fn reading(matches: &ArgMatches) -> Reading {
-    let word = |name: &str| matches.get_one::<String>(name).map(String::as_str);
+    let words = |name: &str| matches.get_many::<String>(name).unwrap_or_default();
     Reading {
-        up: word("up").and_then(UpAxis::from_letter),
-        unit: word("unit").and_then(Unit::from_symbol),
+        up: words("up").find_map(|letter| UpAxis::from_letter(letter)),
+        unit: words("unit").find_map(|symbol| Unit::from_symbol(symbol)),
         opaque: matches.get_many::<String>("opaque").unwrap_or_default().cloned().collect(),
     }
 }

@@ -1,9 +1,10 @@
 //! What each face of a draft reflects, emits and hides by itself: textures averaged over its part of their plane, times the colours
 //! of its corners, times its material's factors.
 
+use std::collections::HashMap;
 use std::sync::Arc;
 
-use glam::{DVec2, Vec3, Vec4};
+use glam::{DVec2, Vec2, Vec3, Vec4};
 use rayon::prelude::*;
 
 use super::draft::{Draft, DraftFace, DraftMaterial};
@@ -29,37 +30,28 @@ enum Use {
 
 /// The faces of a draft, in their order.
 pub(super) fn paint(draft: &Draft) -> Vec<Painted> {
-    let mut painted: Vec<Painted> =
-        draft.faces.iter().map(|face| plain(&draft.materials[face.material as usize])).collect();
+    let of_material: Vec<Painted> = draft.materials.iter().map(plain).collect();
+    let mut painted: Vec<Painted> = draft.faces.iter().map(|face| of_material[face.material as usize]).collect();
     let firsts = first_corners(draft);
-    let mut waiting = sums_wanted(&draft.materials);
-    while let Some((texture, weight, wrap)) = waiting.pop() {
+    for Sheet { texture, weight, wrap, faces } in sheets(draft) {
         let sums = RowSums::new(&texture, weight, wrap);
-        for part in [Use::Reflectance, Use::Emission] {
-            let wanted = |material: &DraftMaterial| {
-                let map =
-                    map_of(material, part).filter(|map| key_of(material, map, part) == key(&texture, weight, wrap));
-                map.cloned()
-            };
-            let maps: Vec<Option<TextureMap>> = draft.materials.iter().map(wanted).collect();
-            if maps.iter().all(Option::is_none) {
-                continue;
+        let of_all = sums.of_all();
+        let mean = |&(index, part): &(u32, Use)| {
+            let face = &draft.faces[index as usize];
+            let first = firsts[index as usize];
+            let uvs = draft.uvs.get(first..first + face.count as usize);
+            match (uvs, map_of(&draft.materials[face.material as usize], part)) {
+                (Some(uvs), Some(map)) if uvs.iter().all(|uv| uv.is_finite()) => {
+                    let transform = map.transform.as_daffine2();
+                    let corner = move |uv: &Vec2| -> DVec2 { transform.transform_point2(uv.as_dvec2()) };
+                    sums.over(uvs.iter().map(corner))
+                }
+                _ => of_all,
             }
-            let of_all = sums.of_all();
-            painted.par_iter_mut().enumerate().for_each(|(index, painted)| {
-                let face = &draft.faces[index];
-                let Some(map) = &maps[face.material as usize] else { return };
-                let corners = firsts[index]..firsts[index] + face.count as usize;
-                let mean = match draft.uvs.get(corners) {
-                    Some(uvs) if uvs.iter().all(|uv| uv.is_finite()) => {
-                        let transform = map.transform.as_daffine2();
-                        let corner = move |uv: &glam::Vec2| -> DVec2 { transform.transform_point2(uv.as_dvec2()) };
-                        sums.over(uvs.iter().map(corner))
-                    }
-                    _ => of_all,
-                };
-                painted.multiply(mean, part);
-            });
+        };
+        let means: Vec<Vec4> = faces.par_iter().map(mean).collect();
+        for ((index, part), mean) in faces.into_iter().zip(means) {
+            painted[index as usize].multiply(mean, part);
         }
     }
     if !draft.colours.is_empty() {
@@ -120,29 +112,37 @@ fn weight_of(material: &DraftMaterial, part: Use) -> Weight {
     }
 }
 
-type Key = (*const Texture, Weight, [Wrap; 2]);
-
-fn key(texture: &Arc<Texture>, weight: Weight, wrap: [Wrap; 2]) -> Key {
-    (Arc::as_ptr(texture), weight, wrap)
+/// A texture in one use, and all faces that it is laid on.
+struct Sheet {
+    texture: Arc<Texture>,
+    weight: Weight,
+    wrap: [Wrap; 2],
+    faces: Vec<(u32, Use)>,
 }
 
-fn key_of(material: &DraftMaterial, map: &TextureMap, part: Use) -> Key {
-    key(&map.texture, weight_of(material, part), map.wrap)
-}
-
-/// The sums that materials need, each once.
-fn sums_wanted(materials: &[DraftMaterial]) -> Vec<(Arc<Texture>, Weight, [Wrap; 2])> {
-    let mut known = Vec::new();
-    let mut wanted = Vec::new();
-    for (material, part) in materials.iter().flat_map(|it| [(it, Use::Reflectance), (it, Use::Emission)]) {
-        let Some(map) = map_of(material, part) else { continue };
-        let key = key_of(material, map, part);
-        if !known.contains(&key) {
-            known.push(key);
-            wanted.push((map.texture.clone(), key.1, key.2));
+/// All textures that materials lay on faces; each that is used in one way comes once.
+fn sheets(draft: &Draft) -> Vec<Sheet> {
+    let mut sheets: Vec<Sheet> = Vec::new();
+    let mut known = HashMap::new();
+    let mut sheet_of = |material: &DraftMaterial, part: Use| {
+        let map = map_of(material, part)?;
+        let (weight, wrap) = (weight_of(material, part), map.wrap);
+        Some(*known.entry((Arc::as_ptr(&map.texture), weight, wrap)).or_insert_with(|| {
+            sheets.push(Sheet { texture: map.texture.clone(), weight, wrap, faces: Vec::new() });
+            sheets.len() - 1
+        }))
+    };
+    let both = [Use::Reflectance, Use::Emission];
+    let of_material: Vec<[Option<usize>; 2]> =
+        draft.materials.iter().map(|material| both.map(|part| sheet_of(material, part))).collect();
+    for (index, face) in draft.faces.iter().enumerate() {
+        for (sheet, part) in of_material[face.material as usize].into_iter().zip(both) {
+            if let Some(sheet) = sheet {
+                sheets[sheet].faces.push((index as u32, part));
+            }
         }
     }
-    wanted
+    sheets
 }
 
 /// The first corner of each face.

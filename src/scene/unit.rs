@@ -99,7 +99,7 @@ impl Unit {
         let unlikeness = |unit: &Self| {
             let [height, width] = [height, width].map(|length| length * unit.metres());
             // A house is higher than a room, but no room is lower than a person.
-            let too_low = 8.0 * (LOWEST / height).ln().max(0.0);
+            let too_low = 20.0 * (LOWEST / height).ln().max(0.0);
             too_low + (height / USUAL[0]).ln().max(0.0) + (width / USUAL[1]).ln().abs()
         };
         // Feet and metres cannot be told apart by a size.
@@ -120,6 +120,7 @@ mod tests {
             (Unit::Metre, 0.8, 1.0),
             (Unit::Metre, 15.0, 40.0),
             (Unit::Metre, 45.0, 120.0),
+            (Unit::Metre, 67.0, 78.0),
             (Unit::Centimetre, 300.0, 500.0),
             (Unit::Centimetre, 1500.0, 3700.0),
             (Unit::Centimetre, 550.0, 560.0),

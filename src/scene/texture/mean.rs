@@ -19,7 +19,7 @@ const NO_AREA: f64 = 1e-9;
 const FARTHEST: f64 = 1e9;
 
 /// How much a texel counts.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(in super::super) enum Weight {
     /// One.
     Plain,

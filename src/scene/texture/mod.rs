@@ -83,7 +83,7 @@ fn srgb_step(linear: f32) -> u8 {
 }
 
 /// What lies beyond the rim of a texture.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Wrap {
     /// The texture again.
     #[default]
