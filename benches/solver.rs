@@ -14,14 +14,17 @@ use obvhs::ray::Ray;
 use obvhs::triangle::Triangle;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use selflink::cancel::CancelToken;
+use selflink::geometry::Occluders;
 use selflink::random::mix;
 use selflink::reference::random_points_on;
 use selflink::scene::{Scene, builtin::BuiltinScene};
 use selflink::solver::{Epsilon, Solver, SolverParams};
-use selflink::visibility::Occluders;
 
 /// Segments that are traced in one go.
 const SEGMENTS: usize = 100_000;
+
+/// Segments end at this share of their length before the faces that they join.
+const BEFORE: f32 = 1e-4;
 
 /// Share of obvhs' own rate that rays through [`Occluders`] shall reach.
 const LEAST_OF_OBVHS: f64 = 0.8;
@@ -168,7 +171,7 @@ impl Room {
     fn new(scene: BuiltinScene) -> Self {
         let scene = scene.build();
         let sides = scene.sides;
-        let (scene, occluders) = selflink::orient::apply(scene, sides);
+        let (scene, occluders) = selflink::geometry::orient::apply(scene, sides);
         Self { scene: scene.into(), occluders: occluders.into() }
     }
 
@@ -182,13 +185,14 @@ impl Room {
         })
     }
 
-    /// Segments between random points on faces. Random points come in the order of the faces: ends are drawn among them.
+    /// Segments from just before random points on faces to just before others. Random points come in the order of the faces: ends are drawn among them.
     fn segments(&self) -> Vec<[Vec3; 2]> {
         let all: Vec<u32> = (0..self.scene.polygons.len() as u32).collect();
         let points = random_points_on(&self.scene, &all, SEGMENTS, 1);
         let draw = |index| points[mix(2, index) as usize % points.len()].position;
         let pairs = (0..).map(|index| [draw(2 * index), draw(2 * index + 1)]);
-        pairs.filter(|[from, to]| from != to).take(SEGMENTS).collect()
+        let between = pairs.filter(|[from, to]| from != to).take(SEGMENTS);
+        between.map(|[from, to]| [from.lerp(to, BEFORE), to.lerp(from, BEFORE)]).collect()
     }
 }
 
@@ -228,9 +232,8 @@ impl Alone {
             let from = in_bvh(*from);
             let span = in_bvh(*to) - from;
             let length = span.length();
-            let offset = 1e-5 * length;
             // Adding zero makes +0 of −0, at which obvhs errs.
-            Ray::new(from, span / length + Vec3A::ZERO, offset, length - offset)
+            Ray::new(from, span / length + Vec3A::ZERO, 0.0, length)
         };
         Self { bvh, triangles, rays: segments.iter().map(ray).collect() }
     }

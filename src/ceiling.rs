@@ -4,8 +4,8 @@
 
 use glam::Vec3;
 
+use crate::geometry::Occluders;
 use crate::scene::{EditError, Scene};
-use crate::visibility::Occluders;
 
 /// A free space below a ceiling is at least this share of the scene's height; less is a drawer or a gap in a roof.
 const LEAST_SPACE: f32 = 0.1;
@@ -60,7 +60,9 @@ pub fn place(scene: &Scene, occluders: &Occluders, size: f32) -> CeilingPlace {
     let mut ceilings: Vec<f32> = lines
         .iter()
         .map(|(x, z)| middle + reach * (x * right + z * forward))
-        .map(|point| ceiling_above(occluders, point, up, floor, height, level).unwrap_or(f32::INFINITY))
+        .map(|point| {
+            ceiling_above((scene, occluders), point, up, floor..floor + height, level).unwrap_or(f32::INFINITY)
+        })
         .collect();
     ceilings.sort_unstable_by(f32::total_cmp);
     // The median passes over a beam or a pipe and a single gap.
@@ -105,21 +107,25 @@ fn reference_level(scene: &Scene, up: Vec3) -> f32 {
 }
 
 /// Height of the first face, from `level` upwards, that closes a free space on the vertical line through `point`.
-fn ceiling_above(occluders: &Occluders, point: Vec3, up: Vec3, floor: f32, height: f32, level: f32) -> Option<f32> {
+fn ceiling_above(
+    (scene, occluders): (&Scene, &Occluders),
+    point: Vec3,
+    up: Vec3,
+    heights: std::ops::Range<f32>,
+    level: f32,
+) -> Option<f32> {
     let at = |level: f32| point + (level - point.dot(up)) * up;
-    let step = 1e-5 * height;
-    // Not `-up`: its negative zeros make rays miss every face.
-    let down = Vec3::ZERO - up;
-    let below = occluders.closest_hit(at(level), down, 0.0).map_or(floor, |hit| level - hit.distance);
-    let mut space_from = below;
-    let mut from = level;
+    let mut space_from = occluders.first_hit(at(level), -up).map_or(heights.start, |hit| level - hit.distance);
+    let mut met = occluders.first_hit(at(level), up);
     for _ in 0..MOST_CROSSINGS {
-        let face = from + occluders.closest_hit(at(from), up, step)?.distance;
-        if face - space_from >= LEAST_SPACE * height {
+        let hit = met?;
+        let face = hit.point.dot(up);
+        if face - space_from >= LEAST_SPACE * (heights.end - heights.start) {
             return Some(face);
         }
         space_from = face;
-        from = face;
+        let polygon = &scene.polygons[hit.polygon as usize];
+        met = occluders.ray_from(hit.point, scene.normal(polygon), up);
     }
     None
 }

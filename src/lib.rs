@@ -25,7 +25,7 @@
 //!
 //! A cluster has no normal: to the oracle it is a volume of randomly turned faces, whose cosine is ¼ on average, so a form factor
 //! between two clusters carries 1/16 (\[2\]). What a link then carries is found by pairs of points on its ends, or by that
-//! same model ([`solver::ClusterModel`]). Parts of faces that lie hidden inside of things are no area ([`exposure`]). At any time there is a picture: links that still wait to be judged count as they are, so
+//! same model ([`solver::ClusterModel`]). Parts of faces that lie hidden inside of things are no area ([`geometry::Reachability`]). At any time there is a picture: links that still wait to be judged count as they are, so
 //! the first picture, which the root's self-link alone makes, is there at once, and later ones sharpen.
 //!
 //! # Symbols and units
@@ -47,7 +47,7 @@
 //! | f_vis | `visibility_factor` | rays | a link gets f_vis · BFA/ε rays, within bounds |
 //!
 //! A face has one bright side, the one from which its corners run anticlockwise; its back reflects nothing but stops
-//! light all the same ([`orient`] turns or doubles faces of scenes that are wound otherwise).
+//! light all the same ([`geometry::orient`] turns or doubles faces of scenes that are wound otherwise).
 //!
 //! # Modules
 //!
@@ -56,10 +56,8 @@
 //! | module | what it is |
 //! | --- | --- |
 //! | [`scene`] | polygons, materials, groups; loading OBJ and glTF, sidecars, our own scenes |
-//! | [`visibility`] | the ray BVH: is a point seen from another, what does a ray meet |
-//! | [`exposure`] | which parts of faces light can reach at all |
-//! | [`partition`] | large surfaces cut where walls stand on them |
-//! | [`orient`], [`ceiling`], [`added_light`] | which sides are bright; where a lamp goes; light that a person adds |
+//! | [`geometry`] | rays and the faces that they leave and meet; which sides are bright, which parts light can reach, where walls part surfaces |
+//! | [`ceiling`], [`added_light`] | where a lamp goes; light that a person adds |
 //! | [`mod@reference`] | a truth to measure by: path-traced irradiance, beside the solver and without its code |
 //! | [`hierarchy`] | the tree of elements and the ways to build its clusters |
 //! | [`solver`] | oracle, refinement, gather, snapshots, statistics; every parameter ([`solver::PARAMETERS`]) |
@@ -86,7 +84,7 @@
 //! use selflink::solver::{Epsilon, Solver, SolverParams};
 //!
 //! let scene = BuiltinScene::Cornell.build();
-//! let (scene, occluders) = selflink::orient::apply(scene, Sides::Front);
+//! let (scene, occluders) = selflink::geometry::orient::apply(scene, Sides::Front);
 //! let params = SolverParams { epsilon: Epsilon::Relative(1e-2), ..SolverParams::default() };
 //! let mut solver = Solver::new(Arc::new(scene), Arc::new(occluders), params, 1)?;
 //! solver.run(&CancelToken::new());
@@ -125,15 +123,14 @@ pub mod cancel;
 pub mod ceiling;
 pub mod chart;
 pub mod export;
-pub mod exposure;
 pub mod font;
 pub mod format;
+pub mod gather;
+pub mod geometry;
 pub mod hierarchy;
 pub mod matrix;
 pub mod memory;
 pub mod names;
-pub mod orient;
-pub mod partition;
 pub mod photometry;
 pub mod prepare;
 pub mod probe;
@@ -151,5 +148,4 @@ pub mod survey;
 pub mod tables;
 mod threads;
 pub mod tone;
-pub mod visibility;
 pub mod worker;

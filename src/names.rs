@@ -182,7 +182,7 @@ mod tests {
     use glam::Vec3;
 
     use super::*;
-    use crate::exposure::Exposure;
+    use crate::geometry::Reachability;
     use crate::hierarchy::ClusteringMode;
 
     /// A ceiling of two triangles and a floor of one, in a room; beside it a post.
@@ -202,7 +202,7 @@ mod tests {
     #[test]
     fn elements_are_named_by_groups_and_materials() {
         let scene = room();
-        let hierarchy = Hierarchy::new(&scene, Exposure::default().into(), ClusteringMode::Groups, 3);
+        let hierarchy = Hierarchy::new(&scene, Reachability::default().into(), ClusteringMode::Groups, 3);
         let names = Names::new(1, &hierarchy, &scene);
         let full: Vec<String> = hierarchy.ids().map(|id| names.full(&hierarchy, &scene, id)).collect();
         for name in ["the whole scene", "room", "room/ceiling", "post", "room/floor (white)", "room/ceiling (white)"] {

@@ -1,9 +1,9 @@
 //! A scene made ready to be lit: read, with what light a person adds, its faces turned, and a place to look from.
 
 use crate::added_light::AddedLight;
+use crate::geometry::{Occluders, orient};
 use crate::scene::{self, EditError, LoadError, Reading, Scene, Sides, Source};
-use crate::visibility::Occluders;
-use crate::{orient, start_view};
+use crate::start_view;
 
 /// Why a scene cannot be made ready.
 #[derive(Debug, thiserror::Error)]

@@ -73,6 +73,16 @@ impl<'a> Probe<'a> {
         Some(Sample { irradiance: interpolated(self.irradiance), radiosity: interpolated(self.radiosity) })
     }
 
+    /// The nearest place on a surface that is bright towards `normal` (of any length), and the polygon of the
+    /// scene that it lies on.
+    pub fn place(&self, point: Vec3, normal: Vec3) -> Option<(Vec3, u32)> {
+        let (triangle, nearest) = self.nearest(point, normal)?;
+        let [a, b, c] = corners(self.mesh, triangle);
+        let weights = nearest.weights;
+        let leaf = self.mesh.triangle_leaf[triangle] as usize;
+        Some((weights.x * a + weights.y * b + weights.z * c, self.mesh.leaves[leaf].polygon))
+    }
+
     fn nearest(&self, point: Vec3, normal: Vec3) -> Option<(usize, Nearest)> {
         let around = Aabb::new((point - self.tolerance).into(), (point + self.tolerance).into());
         let mut best: Option<(usize, Nearest)> = None;

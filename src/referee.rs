@@ -16,7 +16,6 @@ use crate::reference::{Cache, ReferenceRun, random_points};
 use crate::scene::Scene;
 use crate::solver::{Mesh, Snapshot};
 use crate::threads::{half_pool, lock};
-use crate::visibility::Occluders;
 
 /// Noise at which a reference is good enough, relative RMS.
 pub const GOAL: f64 = 0.01;
@@ -180,9 +179,8 @@ impl Session {
 
     fn begin(&mut self, scene: Arc<Scene>, points: usize, cache: Option<Cache>) {
         self.forget();
-        let occluders = Arc::new(Occluders::new(&scene));
-        let points: Arc<[_]> = random_points(&scene, &occluders, points, SEED).into();
-        let mut run = ReferenceRun::new(&scene, occluders, points, SEED);
+        let points: Arc<[_]> = random_points(&scene, points, SEED).into();
+        let mut run = ReferenceRun::new(&scene, points, SEED);
         if let Some(cache) = &cache {
             cache.load(&mut run);
         }

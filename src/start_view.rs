@@ -9,9 +9,8 @@ use glam::Vec3;
 use rayon::prelude::*;
 
 use crate::ceiling::up_axis;
-use crate::orient;
+use crate::geometry::Occluders;
 use crate::scene::{CameraPose, Scene};
-use crate::visibility::Occluders;
 
 /// Places that are tried.
 const PLACES: usize = 768;
@@ -32,7 +31,7 @@ const HFOV: f32 = 75.0;
 
 /// A view from inside; `None` for a scene that has no inside, such as a single chair.
 pub fn find(scene: &Scene, occluders: &Occluders) -> Option<CameraPose> {
-    let rooms = Rooms { scene, occluders, up: up_axis(scene), back_of: orient::backs(scene) };
+    let rooms = Rooms { scene, occluders, up: up_axis(scene) };
     let places = rooms.places();
     let stands: Vec<Stand> = places.par_iter().filter_map(|place| rooms.stand(*place)).collect();
     // Of equals the first.
@@ -53,7 +52,6 @@ struct Rooms<'a> {
     scene: &'a Scene,
     occluders: &'a Occluders,
     up: Vec3,
-    back_of: Vec<Option<u32>>,
 }
 
 impl Rooms<'_> {
@@ -73,7 +71,7 @@ impl Rooms<'_> {
             let polygon = &self.scene.polygons[((u * count as f32) as usize).min(count.checked_sub(1)?)];
             let ([a, b, c, _], _) = self.scene.corner_positions(polygon);
             let (middle, normal) = ((a + b + c) / 3.0, self.scene.normal(polygon));
-            let reach = self.occluders.closest_hit(middle + 1e-3 * normal, normal, 1e-3)?.distance;
+            let reach = self.occluders.ray_from(middle, normal, normal)?.distance;
             Some(middle + (0.1 + 0.8 * v) * reach * normal)
         });
         in_box.chain(at_face).collect()
@@ -81,8 +79,8 @@ impl Rooms<'_> {
 
     /// How far it is to the next face, and whether that is bright.
     fn look(&self, from: Vec3, direction: Vec3) -> Option<(f32, bool)> {
-        let hit = self.occluders.closest_hit(from, direction, 1e-4)?;
-        Some((hit.distance, orient::bright_side(hit, &self.back_of).is_some()))
+        let hit = self.occluders.first_hit(from, direction)?;
+        Some((hit.distance, hit.front))
     }
 
     fn around(&self, step: usize) -> Vec3 {
@@ -93,8 +91,7 @@ impl Rooms<'_> {
 
     /// The place above the floor below a point, if a person can stand there.
     fn stand(&self, place: Vec3) -> Option<Stand> {
-        // Not `-up`: negative zeros make rays miss every face.
-        let (below, is_floor) = self.look(place, Vec3::ZERO - self.up)?;
+        let (below, is_floor) = self.look(place, -self.up)?;
         let above = self.look(place, self.up);
         let (to_ceiling, has_ceiling) = above.map_or((EYE, false), |(distance, bright)| (distance, bright));
         let height = below + to_ceiling;
@@ -133,7 +130,7 @@ impl Rooms<'_> {
             let directions = (0..12).map(|step| self.around(4 * step));
             let slopes = directions.flat_map(|flat| [-0.5, 0.0, 0.5].map(|slope| (flat + slope * self.up).normalize()));
             slopes
-                .chain([self.up, Vec3::ZERO - self.up])
+                .chain([self.up, -self.up])
                 .all(|direction| self.look(eye, direction).is_none_or(|(distance, bright)| bright && distance >= clear))
         };
         // As far back as there is room to stand.
@@ -149,6 +146,7 @@ impl Rooms<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geometry::orient;
     use crate::scene::{GroupId, MaterialId, Sides};
 
     /// Adds the faces of a box, bright inside.
@@ -186,7 +184,7 @@ mod tests {
         assert!((view.eye.y - 1.8).abs() < 1e-3, "{view:?}");
         assert!(view.eye.x > 4.2 && view.eye.x < 11.8 && view.eye.z > 0.2 && view.eye.z < 5.8, "{view:?}");
         let ahead = (view.target - view.eye).with_y(0.0).normalize();
-        let free = occluders.closest_hit(view.eye, ahead, 0.0).expect("a wall").distance;
+        let free = occluders.first_hit(view.eye, ahead).expect("a wall").distance;
         assert!(free > 7.0, "{free} m ahead of {view:?}");
         assert_eq!(view.up, Vec3::Y);
     }

@@ -149,6 +149,7 @@ mod tests {
             leaf_radiosity: leaves.iter().map(|leaf| [leaf.1; 3]).collect(),
             clusters: Arc::default(),
             moment: None,
+            field: None,
             anatomy: None,
             stats: Stats::default(),
         }

@@ -7,9 +7,9 @@ use std::collections::{HashMap, HashSet};
 use std::path::Path;
 
 use glam::{Vec3, vec3};
+use selflink::geometry::Occluders;
 use selflink::scene::builtin::BuiltinScene;
 use selflink::scene::{GroupId, Polygon, Scene, Sides, write_obj};
-use selflink::visibility::Occluders;
 
 const SEMINAR: BuiltinScene = BuiltinScene::Seminar { polygons: BuiltinScene::SEMINAR_POLYGONS };
 
@@ -139,7 +139,12 @@ fn rooms_leak_no_light_and_show_no_backs() {
                 let around = direction(7 * path + bounce);
                 let towards = (around + normal * 1.001).normalize();
                 rays += 1;
-                let Some(hit) = occluders.closest_hit(origin, towards, 0.0) else {
+                let met = if bounce == 0 {
+                    occluders.first_hit(origin, towards)
+                } else {
+                    occluders.ray_from(origin, normal, towards)
+                };
+                let Some(hit) = met else {
                     assert!(bounce > 0, "{}: a ray from the eye leaves along {towards}", scene.name);
                     escaped += 1;
                     break;
@@ -150,11 +155,10 @@ fn rooms_leak_no_light_and_show_no_backs() {
                     break;
                 }
                 normal = scene.normal(&scene.polygons[hit.polygon as usize]);
-                origin += towards * hit.distance + normal * 2e-5;
+                origin = hit.point;
             }
         }
-        // Not quite zero: the offset of 20 µm may set a ray inside the neighbour of the face that it leaves.
-        assert!(escaped <= 2 && backs <= 2, "{}: of {rays} rays {escaped} escaped, {backs} met a back", scene.name);
+        assert!(escaped == 0 && backs == 0, "{}: of {rays} rays {escaped} escaped, {backs} met a back", scene.name);
     }
 }
 
@@ -162,7 +166,7 @@ fn rooms_leak_no_light_and_show_no_backs() {
 #[test]
 fn loading_has_no_remark_on_our_own_scenes() {
     for scene in scenes() {
-        let (scene, _) = selflink::orient::apply(scene, Sides::Front);
+        let (scene, _) = selflink::geometry::orient::apply(scene, Sides::Front);
         assert_eq!(scene.skipped.faces_seen_from_behind, 0, "{}", scene.name);
     }
 }
@@ -225,7 +229,7 @@ fn open_solids_rest_wholly_on_a_surface() {
                 let rim = from.lerp(to, share);
                 let along = (rim - middle).reject_from((to - from).normalize()).normalize();
                 let start = rim - 1e-3 * along - 1e-4 * scene.normal(polygon);
-                if occluders.closest_hit(start, along, 0.0).is_none_or(|hit| hit.distance > 4e-3) {
+                if occluders.first_hit(start, along).is_none_or(|hit| hit.distance > 4e-3) {
                     loose.insert(format!("{path} at {rim}"));
                 }
             }
@@ -257,7 +261,7 @@ fn the_camera_overlooks_the_room() {
             .map(|index| {
                 let (x, y) = (2.0 * sample(index, 0) - 1.0, 1.25 * sample(index, 1) - 0.625);
                 let towards = (forward + half * (x * right + y * right.cross(forward))).normalize();
-                occluders.closest_hit(camera.eye, towards, 0.0).map_or(0.0, |hit| hit.distance)
+                occluders.first_hit(camera.eye, towards).map_or(0.0, |hit| hit.distance)
             })
             .collect();
         let mean = distances.iter().sum::<f32>() / distances.len() as f32;
@@ -288,8 +292,9 @@ fn a_written_scene_reads_back_bit_for_bit() {
         assert_eq!(materials.len(), scene.materials.len());
         for (read, written) in materials.iter().zip(&scene.materials) {
             assert_eq!(read.name, written.name);
-            assert_eq!(read.diffuse, Some(written.reflectance.to_array()));
-            let exitance = Vec3::from(read.emissive.unwrap_or_default()) * std::f32::consts::PI;
+            let diffuse = read.diffuse.map(|value| value.map(|part| part as f32));
+            assert_eq!(diffuse, Some(written.reflectance.to_array()));
+            let exitance = Vec3::from(read.emissive.unwrap_or_default().map(|part| part as f32)) * std::f32::consts::PI;
             assert_eq!(exitance, written.emission, "{}", written.name);
         }
         let mut read: HashMap<Face, usize> = HashMap::new();
@@ -302,7 +307,7 @@ fn a_written_scene_reads_back_bit_for_bit() {
             for count in counts {
                 let corners = mesh.indices[start..start + count as usize]
                     .iter()
-                    .map(|&index| [0, 1, 2].map(|axis| mesh.positions[3 * index as usize + axis].to_bits()))
+                    .map(|&index| [0, 1, 2].map(|axis| (mesh.positions[3 * index as usize + axis] as f32).to_bits()))
                     .collect();
                 start += count as usize;
                 *read.entry((corners, material.clone(), model.name.clone())).or_default() += 1;

@@ -6,12 +6,12 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use selflink::cancel::CancelToken;
-use selflink::exposure::Exposure;
+use selflink::geometry::Occluders;
+use selflink::geometry::Reachability;
 use selflink::hierarchy::{ClusteringMode, Hierarchy, Shape};
 use selflink::scene::builtin::BuiltinScene;
 use selflink::scene::{GroupMember, GroupTree, Scene, Sidecar, SidecarError, Source, load_file, write_obj};
 use selflink::solver::{Epsilon, Snapshot, Solver, SolverParams};
-use selflink::visibility::Occluders;
 use selflink::worker::{Command, Event, RunState, SolverThread};
 
 const PATIENCE: Duration = Duration::from_secs(60);
@@ -28,8 +28,8 @@ fn solution(scene: &Scene) -> Snapshot {
 }
 
 fn hierarchy(scene: &Scene) -> Hierarchy {
-    let exposure = Arc::new(Exposure::new(scene, &Occluders::new(scene)));
-    Hierarchy::new(scene, exposure, ClusteringMode::Groups, 5)
+    let reachability = Arc::new(Reachability::new(scene, &Occluders::new(scene)));
+    Hierarchy::new(scene, reachability, ClusteringMode::Groups, 5)
 }
 
 fn members(json: &str) -> Vec<GroupMember> {
@@ -148,20 +148,22 @@ fn the_worker_builds_clusters_anew_only_where_they_go_by_groups() {
         }
     };
     let finished = || worker.status().run == RunState::Finished;
+    // For a moment the status is still that of the solve before.
+    let is_done = |latest: &Snapshot, generation| latest.generation == generation && latest.stats.converged;
     worker.send(Command::load(Source::Builtin(BuiltinScene::Cornell)));
     until("the solution", &|| finished() && worker.latest().is_some());
     let blocks = members(r#"[{"blocks": ["short_block", "tall_block"]}]"#);
     worker.send(Command::SetGroups(blocks.clone()));
     let info = edited();
     assert_eq!((info.scene.regrouping.clone(), info.generation), (blocks.clone(), 2));
-    until("another solution", &|| finished() && worker.latest().is_some_and(|latest| latest.generation == 2));
+    until("another solution", &|| finished() && worker.latest().is_some_and(|latest| is_done(&latest, 2)));
     let mut expected = BuiltinScene::Cornell.build();
     expected.regroup(blocks);
     let expected = solution(&expected);
     assert_eq!(worker.latest().map(|latest| latest.stats.links), Some(expected.stats.links));
 
     worker.send(Command::SetParams(SolverParams { clustering: ClusteringMode::Adaptive, ..params() }));
-    until("adaptive clusters", &|| finished() && worker.latest().is_some_and(|latest| latest.generation == 3));
+    until("adaptive clusters", &|| finished() && worker.latest().is_some_and(|latest| is_done(&latest, 3)));
     worker.send(Command::SetGroups(Vec::new()));
     let info = edited();
     assert_eq!((info.scene.regrouping.len(), info.generation), (0, 3));

@@ -299,7 +299,7 @@ fn punctual_lights_keep_their_candelas_and_cones() {
         );
         load(&[("a.glb", &glb(&square_json(&rest), &square_bytes()))], "a.glb")
     };
-    let irradiance = |scene: &Scene, occluders: &selflink::visibility::Occluders, point: Vec3| -> Vec3 {
+    let irradiance = |scene: &Scene, occluders: &selflink::geometry::Occluders, point: Vec3| -> Vec3 {
         let lamps = scene.polygons.iter().filter(|polygon| scene.emits(polygon));
         let of_lamp = |polygon: &selflink::scene::Polygon| {
             let (corners, count) = scene.corner_positions(polygon);
@@ -321,7 +321,7 @@ fn punctual_lights_keep_their_candelas_and_cones() {
     for (scene, widest) in [(&point, 1.2_f32), (&spot, 0.48)] {
         assert_eq!((scene.lights[0].name.as_str(), scene.lights[0].range), ("Bulb", Some(7.0)));
         assert_eq!(scene.materials[scene.lights[0].material.0 as usize].name, "Bulb");
-        let occluders = selflink::visibility::Occluders::new(scene);
+        let occluders = selflink::geometry::Occluders::new(scene);
         for h in [1.0, 3.0, 10.0] {
             for (angle, turn) in [(0.0, 0.0), (0.2, 1.0), (0.5 * widest, 2.0), (widest, 4.0_f32)] {
                 let aside = h * angle.tan();
@@ -335,7 +335,7 @@ fn punctual_lights_keep_their_candelas_and_cones() {
             }
         }
     }
-    let occluders = selflink::visibility::Occluders::new(&spot);
+    let occluders = selflink::geometry::Occluders::new(&spot);
     for angle in [0.72_f32, 0.9, 1.3] {
         assert_eq!(irradiance(&spot, &occluders, Vec3::new(2.0 * angle.tan(), -2.0, 0.0)), Vec3::ZERO, "{angle}");
     }
@@ -522,6 +522,7 @@ fn compressed(by_draco: bool) -> Vec<u8> {
         positions.init(kind, 3, draco_core::DataType::Float32, false, 4);
         positions.buffer_mut().write(0, &square[..48]);
         mesh.add_attribute(positions);
+        mesh.set_num_faces(2);
         mesh.set_faces_from_flat_indices(&[0, 1, 2, 0, 2, 3]);
         let mut encoder = draco_core::MeshEncoder::new();
         encoder.set_mesh(mesh);

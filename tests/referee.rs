@@ -10,18 +10,17 @@ use selflink::reference::{Cache, ReferenceRun, random_points};
 use selflink::scene::builtin::BuiltinScene;
 use selflink::scene::{Scene, Sides};
 use selflink::solver::{Epsilon, Snapshot, Solver, SolverParams};
-use selflink::visibility::Occluders;
 
 const PATIENCE: Duration = Duration::from_secs(60);
 
-fn solved(scene: BuiltinScene, epsilon: f64) -> (Arc<Scene>, Arc<Occluders>, Arc<Snapshot>) {
-    let (scene, occluders) = selflink::orient::apply(scene.build(), Sides::Front);
-    let (scene, occluders) = (Arc::new(scene), Arc::new(occluders));
+fn solved(scene: BuiltinScene, epsilon: f64) -> (Arc<Scene>, Arc<Snapshot>) {
+    let (scene, occluders) = selflink::geometry::orient::apply(scene.build(), Sides::Front);
+    let scene = Arc::new(scene);
     let params = SolverParams { epsilon: Epsilon::Relative(epsilon), ..SolverParams::default() };
-    let mut solver = Solver::new(scene.clone(), occluders.clone(), params, 1).expect("usable parameters");
+    let mut solver = Solver::new(scene.clone(), Arc::new(occluders), params, 1).expect("usable parameters");
     solver.run(&CancelToken::new());
     let snapshot = Arc::new(solver.snapshot());
-    (scene, occluders, snapshot)
+    (scene, snapshot)
 }
 
 fn until<T>(what: &str, mut found: impl FnMut() -> Option<T>) -> T {
@@ -42,7 +41,7 @@ fn referee() -> Referee {
 /// Truth: the meter itself with the reference that the cache holds in the end. Lamps are known, so nothing is said about them.
 #[test]
 fn it_measures_what_the_meter_finds() {
-    let (scene, occluders, snapshot) = solved(BuiltinScene::Cornell, 1e-2);
+    let (scene, snapshot) = solved(BuiltinScene::Cornell, 1e-2);
     let folder = tempfile::tempdir().expect("a folder");
     let referee = referee();
     referee.begin(scene.clone(), 250, Some(Cache::new(folder.path())));
@@ -56,8 +55,8 @@ fn it_measures_what_the_meter_finds() {
     referee.forget();
     until("forgetting", || (!referee.report().is_active).then_some(()));
 
-    let points: Arc<[_]> = random_points(&scene, &occluders, 250, 1).into();
-    let mut run = ReferenceRun::new(&scene, occluders, points, 1);
+    let points: Arc<[_]> = random_points(&scene, 250, 1).into();
+    let mut run = ReferenceRun::new(&scene, points, 1);
     assert!(Cache::new(folder.path()).load(&mut run), "the reference is kept on disk");
     let expected = ErrorMeter::new(Arc::new(run.reference())).measure(&snapshot);
     assert_eq!(measured.error, expected);
@@ -70,7 +69,7 @@ fn it_measures_what_the_meter_finds() {
 /// A pass over many points takes long; a person who stops it, or opens another scene, does not wait for it.
 #[test]
 fn it_stops_within_50_ms() {
-    let (scene, _, snapshot) = solved(BuiltinScene::Seminar { polygons: 2008 }, 1e-1);
+    let (scene, snapshot) = solved(BuiltinScene::Seminar { polygons: 2008 }, 1e-1);
     let referee = referee();
     referee.begin(scene, 16_000, None);
     referee.measure(snapshot);

@@ -89,6 +89,7 @@ fn snapshot(quads: &[([Vec3; 4], [f32; 3])]) -> Snapshot {
         leaf_radiosity,
         clusters: Arc::new(Vec::new()),
         moment: None,
+        field: None,
         anatomy: None,
         stats: Stats::default(),
     }

@@ -36,6 +36,7 @@ fn upper_left(radiosity: [f32; 3], serial: u64, mesh: &Arc<Mesh>) -> Snapshot {
         leaf_radiosity: Vec::new(),
         clusters: Arc::default(),
         moment: None,
+        field: None,
         anatomy: None,
         stats: Stats::default(),
     }

@@ -39,6 +39,7 @@ fn slope() -> Snapshot {
         leaf_radiosity: vec![[0.2; 3]],
         clusters: Arc::default(),
         moment: None,
+        field: None,
         anatomy: None,
         stats: Stats::default(),
     }

@@ -16,7 +16,7 @@ use selflink::survey::{LitMesh, Ray, Report, Surveyor, WorkPlane};
 const PATIENCE: Duration = Duration::from_secs(60);
 
 fn cornell() -> (Arc<Scene>, Arc<Snapshot>) {
-    let (scene, occluders) = selflink::orient::apply(BuiltinScene::Cornell.build(), Sides::Front);
+    let (scene, occluders) = selflink::geometry::orient::apply(BuiltinScene::Cornell.build(), Sides::Front);
     let scene = Arc::new(scene);
     let params = SolverParams { epsilon: Epsilon::Relative(1e-2), ..SolverParams::default() };
     let mut solver = Solver::new(scene.clone(), Arc::new(occluders), params, 1).expect("good parameters");

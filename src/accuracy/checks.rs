@@ -5,9 +5,9 @@ use std::sync::Arc;
 use super::cases::{Case, Place};
 use super::locate::locate;
 use crate::cancel::CancelToken;
+use crate::geometry::Occluders;
 use crate::reference::{ReferenceRun, SurfacePoint, random_points_on};
 use crate::solver::{Solver, SolverError, SolverParams};
-use crate::visibility::Occluders;
 
 /// A value and how far it may be off.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -26,9 +26,8 @@ const POINTS_OF_SET: usize = 64;
 /// What the reference finds for each reading: `passes` passes at points, and a share of them at the many points
 /// that stand for an area.
 pub fn by_reference(case: &Case, passes: u32, seed: u64) -> Vec<Measured> {
-    let occluders = Arc::new(Occluders::new(&case.scene));
     let trace = |points: Vec<SurfacePoint>, passes: u32| {
-        let mut run = ReferenceRun::new(&case.scene, occluders.clone(), points.into(), seed);
+        let mut run = ReferenceRun::new(&case.scene, points.into(), seed);
         (0..passes).for_each(|_| {
             run.pass(&CancelToken::new());
         });

@@ -118,6 +118,7 @@ mod tests {
             leaf_radiosity: vec![[1.0; 3]],
             clusters: Arc::default(),
             moment: None,
+            field: None,
             anatomy: None,
             stats: Stats::default(),
         }

@@ -1,22 +1,28 @@
 //! The error of a solution against a reference.
 //!
-//! B is compared at the reference's points, which count by the area that they stand for and do not lie on lamps, both as it is displayed (interpolated
-//! between vertices) and as the solver has it (one constant per leaf). The squares of the reference's own standard errors are
+//! B is compared at the reference's points, which count by the area that they stand for and do not lie on lamps, both as it is read (gathered
+//! there, or interpolated between vertices) and as the solver has it (one constant per leaf). The squares of the reference's own standard errors are
 //! subtracted, so that its noise is not taken for an error of the solution. The points are a sample of the surfaces, so every
 //! error has a standard error of its own.
 
 use std::sync::Arc;
 
 use glam::{DVec3, Vec3};
+use rayon::prelude::*;
 use serde::Serialize;
 
+use super::local_error::{Compared, LocalError};
 use super::locate::{Place, locate};
 use super::spread;
+use crate::gather::Field;
 use crate::reference::{Reference, SurfacePoint};
 use crate::solver::{Mesh, Snapshot};
 
 /// Points darker than this share of the RMS radiosity count as that bright in local errors: relative to nothing, all is wrong.
 const DARKEST: f64 = 1e-4;
+
+/// Standard error of what is read at a point, as a share of the light there.
+const READING_ERROR: f32 = 0.02;
 
 /// The error of one way to read a solution.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
@@ -52,10 +58,12 @@ pub struct Measure {
 /// The error of a solution.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct SolutionError {
-    /// Of what is displayed: vertex values, interpolated.
+    /// Of what is read: gathered at the point, or interpolated between vertices where there is no gather.
     pub displayed: Measure,
     /// Of the leaves' constants.
     pub leaves: Measure,
+    /// The local error of E as it is read.
+    pub local: LocalError,
     /// Relative RMS noise of the reference itself.
     pub reference_noise: f64,
     /// Median of the reference's own local relative error over the darker half.
@@ -107,21 +115,61 @@ impl ErrorMeter {
             reference_noise: reference.noise(),
             reference_dark_median: dark_noise(&displayed),
             points: displayed.len(),
+            local: self.local_error(snapshot),
             displayed: measure(&displayed),
             leaves: measure(&leaves),
         }
     }
 
-    /// B as displayed at each point, W/m²; `None` where the mesh does not have the point's polygon.
+    /// B as it is read at each point, W/m²: gathered there, or interpolated where there is no field to gather over;
+    /// `None` where the mesh does not have the point's polygon.
     pub fn radiosities(&mut self, snapshot: &Snapshot) -> Vec<Option<DVec3>> {
-        let mesh = snapshot.mesh.clone();
+        if let Some(field) = &snapshot.field {
+            let reflect = |(irradiance, point): (Vec3, &SurfacePoint)| {
+                let surface = field.surface(point.polygon);
+                Some((surface.emission + surface.reflectance * irradiance).as_dvec3())
+            };
+            return self.read(field).into_iter().zip(&self.reference.points[..]).map(reflect).collect();
+        }
+        self.interpolated(&snapshot.mesh, &snapshot.vertex_radiosity)
+    }
+
+    /// E as it is read at each point, W/m², likewise.
+    pub fn irradiances(&mut self, snapshot: &Snapshot) -> Vec<Option<DVec3>> {
+        if let Some(field) = &snapshot.field {
+            return self.read(field).iter().map(|irradiance| Some(irradiance.as_dvec3())).collect();
+        }
+        self.interpolated(&snapshot.mesh, &snapshot.vertex_irradiance)
+    }
+
+    /// The local error of E as it is read.
+    pub fn local_error(&mut self, snapshot: &Snapshot) -> LocalError {
+        let displayed = self.irradiances(snapshot);
+        let compared =
+            |(index, value): (usize, &Option<DVec3>)| value.map(|value| Compared::new(&self.reference, index, value));
+        LocalError::of(&displayed.iter().enumerate().filter_map(compared).collect::<Vec<_>>())
+    }
+
+    /// What a field says of each point.
+    fn read(&self, field: &Field) -> Vec<Vec3> {
+        let read = |point: &SurfacePoint| field.read(point.polygon, point.position, READING_ERROR).mean;
+        self.reference.points.par_iter().map(read).collect()
+    }
+
+    /// Values of the vertices at each point.
+    fn interpolated(&mut self, mesh: &Arc<Mesh>, values: &[[f32; 3]]) -> Vec<Option<DVec3>> {
+        let triangles = mesh.clone();
+        if values.len() != mesh.positions.len() {
+            // A snapshot without irradiances is no picture of any.
+            return vec![None; self.reference.points.len()];
+        }
         let at = |place: &Place| {
-            let corners = mesh.triangles[place.triangle as usize].map(|vertex| vertex as usize);
-            let [a, b, c] = corners.map(|vertex| Vec3::from(snapshot.vertex_radiosity[vertex]).as_dvec3());
+            let corners = triangles.triangles[place.triangle as usize].map(|vertex| vertex as usize);
+            let [a, b, c] = corners.map(|vertex| Vec3::from(values[vertex]).as_dvec3());
             let weights = place.weights.as_dvec3();
             weights.x * a + weights.y * b + weights.z * c
         };
-        self.places(&snapshot.mesh).iter().map(|place| place.as_ref().map(at)).collect()
+        self.places(mesh).iter().map(|place| place.as_ref().map(at)).collect()
     }
 
     /// Signed relative error of what is displayed at each point, colours together, (ΣB − ΣB*)/ΣB*; NaN where the mesh does

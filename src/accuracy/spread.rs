@@ -60,11 +60,16 @@ pub(super) fn quantile(sorted: &[(f64, f64)], share: f64) -> f64 {
     sorted.iter().find(is_reached).or(sorted.last()).map_or(0.0, |value| value.0)
 }
 
-/// Standard error of the median of sorted values with their weights: half the distance between those of rank n/2 ± √n/2, since the number
-/// of values below the true median is binomial, n/2 on average with a standard deviation of √n/2. It needs no density and is moved by
-/// no outlier. n is (Σw)²/Σw², the number of values that would say as much if all counted alike \[Kish 1965\]. Infinite for one value, 0 for
-/// none.
+/// Standard error of the median of sorted values with their weights, by [`of_quantile`].
 pub(super) fn of_median(sorted: &[(f64, f64)]) -> f64 {
+    of_quantile(sorted, 0.5)
+}
+
+/// Standard error of a quantile q of sorted values with their weights: half the distance between those of rank n·q ± √(n·q·(1−q)), since the
+/// number of values below the true quantile is binomial, n·q on average with a standard deviation of √(n·q·(1−q)). It needs no density and
+/// is moved by no outlier. n is (Σw)²/Σw², the number of values that would say as much if all counted alike \[Kish 1965\]. Infinite for
+/// one value, 0 for none.
+pub(super) fn of_quantile(sorted: &[(f64, f64)], share: f64) -> f64 {
     match sorted.len() {
         0 => 0.0,
         1 => f64::INFINITY,
@@ -72,7 +77,7 @@ pub(super) fn of_median(sorted: &[(f64, f64)]) -> f64 {
             let (sum, squares) =
                 sorted.iter().fold((0.0, 0.0), |sum, value| (sum.0 + value.1, sum.1 + value.1 * value.1));
             let count = sum * sum / squares;
-            let rank = |deviations: f64| 0.5 + deviations * 0.5 / count.sqrt();
+            let rank = |deviations: f64| share + deviations * (share * (1.0 - share)).sqrt() / count.sqrt();
             0.5 * (quantile(sorted, rank(1.0).min(1.0)) - quantile(sorted, rank(-1.0).max(0.0)))
         }
     }

@@ -133,9 +133,9 @@ const JUST_BEFORE: f32 = 1e-4;
 mod tests {
     use super::*;
     use crate::cancel::CancelToken;
+    use crate::geometry::Occluders;
     use crate::scene::builtin::BuiltinScene;
     use crate::solver::{Epsilon, Solver, SolverParams};
-    use crate::visibility::Occluders;
 
     fn snapshot() -> Arc<Snapshot> {
         let scene = Arc::new(BuiltinScene::Cornell.build());

@@ -212,7 +212,7 @@ pub(super) fn write_mesh(
     snapshot: &Snapshot,
     scene: &Scene,
 ) -> Result<String, String> {
-    let lit = LitMesh::of(snapshot, &scene.materials);
+    let lit = LitMesh::of(snapshot, scene);
     target.write(|writer| form.write(writer, &lit))?;
     Ok(target.saved(&format::things(snapshot.mesh.triangles.len(), "triangle", "triangles")))
 }

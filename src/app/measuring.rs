@@ -222,7 +222,7 @@ impl Measuring {
     }
 
     /// The rows of a table as CSV.
-    pub(super) fn csv(&self, table: Table) -> std::io::Result<Vec<u8>> {
+    pub(super) fn csv(&self, table: Table, scene: &Scene) -> std::io::Result<Vec<u8>> {
         let mut text = Vec::new();
         match table {
             Table::Plane => {
@@ -233,7 +233,7 @@ impl Measuring {
             Table::Probes => {
                 let named = self.probes().map(|(probe, found)| NamedReading {
                     name: &probe.name,
-                    point: probe.point,
+                    point: scene.to_file(probe.point),
                     normal: probe.normal,
                     reading: found.and_then(|found| found.reading),
                 });

@@ -391,7 +391,8 @@ impl App {
             if is_reload {
                 self.view.go_on_with(&info.scene);
             } else {
-                self.view.start_with(&info.scene, self.opened.camera.take());
+                let first = self.opened.camera.take().map(|camera| camera.in_scene(&info.scene));
+                self.view.start_with(&info.scene, first);
                 self.measuring.start_with(&info.scene);
                 // A correction made for another scene's light would make this one black or white.
                 self.display.auto_stops = 0.0;

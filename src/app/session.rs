@@ -11,7 +11,7 @@ use super::{App, AppError};
 use crate::added_light::{AddedLight, CeilingLight};
 use crate::export::settings::Settings;
 use crate::scene::builtin::BuiltinScene;
-use crate::scene::{CameraPose, Scene, Source};
+use crate::scene::{FiledCamera, Scene, Source};
 use crate::worker::SceneInfo;
 use eframe::CreationContext;
 
@@ -32,7 +32,7 @@ pub(super) struct Opened {
     /// What was last asked for.
     asked: Option<(Source, AddedLight)>,
     /// The view to start with, where the first scene is to have another than its own.
-    pub camera: Option<CameraPose>,
+    pub camera: Option<FiledCamera>,
     source: Option<Source>,
     light: AddedLight,
     /// Emission of each material, W/m², and number of ceiling lights, before anybody changed them here.
@@ -130,7 +130,9 @@ impl App {
         let light = self.shown.info.as_ref().map(|info| self.opened.light(&info.scene)).unwrap_or_default();
         let scene = self.opened.source.as_ref().map(Settings::name_of);
         let reading = self.shown.info.as_ref().map(|info| info.scene.reading.clone()).unwrap_or_default();
-        Settings { scene, reading, light, camera: self.view.pose(), solver: self.params }
+        let camera = self.view.pose().zip(self.shown.info.as_ref());
+        let camera = camera.map(|(pose, info)| pose.in_file(&info.scene));
+        Settings { scene, reading, light, camera, solver: self.params }
     }
 
     /// Keeps what the next start goes on with.

@@ -7,7 +7,7 @@ use plotters::series::DashedLineSeries;
 use super::axis::LogAxis;
 use super::pareto::front;
 use super::record::{Chart, PathTracerRecord, RunRecord};
-use crate::accuracy::Measure;
+use crate::accuracy::SolutionError;
 use crate::font::family;
 use crate::solver::Push;
 
@@ -45,24 +45,32 @@ pub enum Against {
 /// Which error is drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Shown {
-    /// RMS over the area: what an eye that looks at the whole picture sees, and what few bright places can rule.
+    /// The local error of E that 9 of 10 surfaces keep: the main figure.
+    Local,
+    /// RMS of B over the area, which few bright places can rule.
     Rms,
-    /// Median of the local relative error, which no few places rule.
-    Median,
 }
 
 impl Shown {
-    fn of_run(self, error: &Measure) -> Uncertain {
+    /// What it is called in a heading, and what it is.
+    pub fn names(self) -> (&'static str, &'static str) {
         match self {
-            Self::Rms => Uncertain { error: error.rms, noise: error.rms_noise },
-            Self::Median => Uncertain { error: error.local_median, noise: error.local_median_noise },
+            Self::Local => ("local error", "local error of E, 90th percentile of |ΔE|/(E + E0), %"),
+            Self::Rms => ("RMS error", "RMS of ΔB over the RMS of B, %"),
+        }
+    }
+
+    fn of_run(self, error: &SolutionError) -> Uncertain {
+        match self {
+            Self::Local => Uncertain { error: error.local.p90, noise: error.local.p90_noise },
+            Self::Rms => Uncertain { error: error.displayed.rms, noise: error.displayed.rms_noise },
         }
     }
 
     fn of_path_tracer(self, record: &PathTracerRecord) -> Uncertain {
         match self {
+            Self::Local => Uncertain { error: record.local.p90, noise: record.local.p90_noise },
             Self::Rms => Uncertain { error: record.error, noise: record.error_noise },
-            Self::Median => Uncertain { error: record.local_median, noise: record.local_median_noise },
         }
     }
 }
@@ -184,10 +192,7 @@ fn plot<B: DrawingBackend>(
     let chart = drawing.chart;
     let text = |size: f64, colour: RGBColor| (family(), size).into_font().color(&colour);
     root.fill(&WHITE)?;
-    let (measure, of_measure) = match drawing.shown {
-        Shown::Rms => ("error", "RMS error of B as displayed, %"),
-        Shown::Median => ("median error", "median local error of B as displayed, %"),
-    };
+    let (measure, of_measure) = drawing.shown.names();
     let (title, unit) = match drawing.against {
         Against::Seconds => ("time", "seconds of solving"),
         Against::Links => ("links", "links"),
@@ -312,7 +317,7 @@ fn curves(drawing: Drawing<'_>) -> Vec<Curve<'_>> {
             Against::Links => run.links as f64,
             Against::Rays => run.rays as f64,
         };
-        let error = drawing.shown.of_run(&run.error.displayed);
+        let error = drawing.shown.of_run(&run.error);
         if !(cost > 0.0 && error.error > 0.0) {
             continue;
         }
@@ -348,7 +353,7 @@ fn best_of(curves: &[Curve]) -> Vec<(f64, f64)> {
 fn subtitle(chart: &Chart) -> String {
     let reference = &chart.reference;
     format!(
-        "{} polygons, {} threads; reference: {} points, noise {:.1} %, subtracted; bars: ±1 standard error over the points",
+        "{} polygons, {} threads; reference: {} points weighted by area, noise {:.1} %, subtracted; E0: a tenth of the median E",
         crate::format::count(chart.polygons),
         chart.threads,
         crate::format::count(reference.points),

@@ -1,14 +1,12 @@
 //! The path tracer as a curve: its error over time on one fixed set of points.
 
-use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use super::record::PathTracerRecord;
-use crate::accuracy::of_standard_errors;
+use crate::accuracy::{LocalError, of_standard_errors};
 use crate::cancel::CancelToken;
 use crate::reference::{ReferenceRun, random_points};
 use crate::scene::Scene;
-use crate::visibility::Occluders;
 
 /// Keeps its points and paths apart from those of the reference.
 const SALT: u64 = 0x0063_7572_7665;
@@ -16,21 +14,14 @@ const SALT: u64 = 0x0063_7572_7665;
 const MEDIAN_OF_NORMAL: f64 = 0.6745;
 
 /// Lets it compute `points` random points for `limit`, and writes down how far it is after 2, 4, 8, … passes.
-pub fn curve(
-    scene: &Scene,
-    occluders: &Arc<Occluders>,
-    points: usize,
-    seed: u64,
-    limit: Duration,
-    cancel: &CancelToken,
-) -> Vec<PathTracerRecord> {
+pub fn curve(scene: &Scene, points: usize, seed: u64, limit: Duration, cancel: &CancelToken) -> Vec<PathTracerRecord> {
     let seed = seed ^ SALT;
-    let points = random_points(scene, occluders, points, seed);
+    let points = random_points(scene, points, seed);
     let mut records = Vec::new();
     if points.is_empty() {
         return records;
     }
-    let mut run = ReferenceRun::new(scene, occluders.clone(), points.into(), seed);
+    let mut run = ReferenceRun::new(scene, points.into(), seed);
     // The clock stands while the error is counted up.
     let mut spent = Duration::ZERO;
     while spent < limit {
@@ -50,6 +41,7 @@ pub fn curve(
                 error_noise: of_sigma.rms_noise,
                 local_median: MEDIAN_OF_NORMAL * of_sigma.local_median,
                 local_median_noise: MEDIAN_OF_NORMAL * of_sigma.local_median_noise,
+                local: LocalError::of_standard_errors(&reference),
             });
         }
     }

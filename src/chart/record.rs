@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use crate::accuracy::SolutionError;
+use crate::accuracy::{LocalError, SolutionError};
 use crate::solver::{Bytes, Seconds, SolverParams};
 
 /// One scene's runs.
@@ -106,4 +106,6 @@ pub struct PathTracerRecord {
     pub local_median: f64,
     /// Standard error of `local_median`.
     pub local_median_noise: f64,
+    /// The local error of E that normal errors of its standard errors have.
+    pub local: LocalError,
 }

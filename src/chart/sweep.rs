@@ -10,13 +10,13 @@ use super::path_tracer;
 use super::record::{Chart, ReferenceRecord, RunRecord, SkippedRun};
 use crate::accuracy::ErrorMeter;
 use crate::cancel::CancelToken;
+use crate::geometry::Occluders;
 use crate::reference::Reference;
 use crate::scene::Scene;
 use crate::solver::{
     ClusterModel, ClusteringMode, Epsilon, OracleKind, Push, Reconstruct, Solver, SolverError, SolverParams,
     USUAL_ERROR,
 };
-use crate::visibility::Occluders;
 
 /// The path tracer computes as many points as the display mesh of a solve with this ε has vertices.
 const EPSILON_OF_POINTS: f64 = 1e-3;
@@ -151,7 +151,7 @@ impl Sweep {
             .iter()
             .find(|run| run.error_asked.is_none() && run.epsilon_relative <= 1.001 * EPSILON_OF_POINTS);
         let points = vertices.or(chart.runs.last()).map_or(1000, |run| run.vertices);
-        chart.path_tracer = path_tracer::curve(scene, occluders, points, seed, self.limit, cancel);
+        chart.path_tracer = path_tracer::curve(scene, points, seed, self.limit, cancel);
         chart.mark_front();
         chart
     }
@@ -194,10 +194,10 @@ impl Sweep {
 }
 
 impl Chart {
-    /// Marks the finished runs that no other one beats in both time and displayed error.
+    /// Marks the finished runs that no other one beats in both time and local error.
     fn mark_front(&mut self) {
         let finished: Vec<usize> = (0..self.runs.len()).filter(|index| self.runs[*index].converged).collect();
-        let of = |index: &usize| (self.runs[*index].seconds.total, self.runs[*index].error.displayed.rms);
+        let of = |index: &usize| (self.runs[*index].seconds.total, self.runs[*index].error.local.p90);
         let marks = front(&finished.iter().map(of).collect::<Vec<_>>());
         for (index, mark) in finished.into_iter().zip(marks) {
             self.runs[index].pareto = mark;

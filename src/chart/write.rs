@@ -22,6 +22,11 @@ pub fn csv(chart: &Chart) -> String {
             "rms_noise" => record.error_noise.to_string(),
             "local_median" => record.local_median.to_string(),
             "local_median_noise" => record.local_median_noise.to_string(),
+            "local_e_p50" => record.local.p50.to_string(),
+            "local_e_p90" => record.local.p90.to_string(),
+            "local_e_p90_noise" => record.local.p90_noise.to_string(),
+            "local_e_p95" => record.local.p95.to_string(),
+            "local_e_rms" => record.local.rms.to_string(),
             "vertices" => record.points.to_string(),
             "threads" => chart.threads.to_string(),
             "paths" => record.paths.to_string(),
@@ -68,6 +73,11 @@ fn columns(run: Option<&RunRecord>, chart: &Chart) -> Vec<(&'static str, String)
         ("bias_r", of(&|run| run.error.displayed.bias_rgb[0].to_string())),
         ("bias_g", of(&|run| run.error.displayed.bias_rgb[1].to_string())),
         ("bias_b", of(&|run| run.error.displayed.bias_rgb[2].to_string())),
+        ("local_e_p50", of(&|run| run.error.local.p50.to_string())),
+        ("local_e_p90", of(&|run| run.error.local.p90.to_string())),
+        ("local_e_p90_noise", of(&|run| run.error.local.p90_noise.to_string())),
+        ("local_e_p95", of(&|run| run.error.local.p95.to_string())),
+        ("local_e_rms", of(&|run| run.error.local.rms.to_string())),
         ("local_median", of(&|run| run.error.displayed.local_median.to_string())),
         ("local_median_noise", of(&|run| run.error.displayed.local_median_noise.to_string())),
         ("local_p95", of(&|run| run.error.displayed.local_p95.to_string())),
@@ -102,31 +112,33 @@ fn name(value: serde_json::Result<serde_json::Value>) -> String {
     value.ok().and_then(|value| value.as_str().map(str::to_owned)).unwrap_or_default()
 }
 
-/// A Markdown table of what was asked for, what the solver promised and what was measured; nothing where no run was asked for an error. The
-/// path tracer's time is that of as many points as the run has vertices, to the measured error.
+/// A Markdown table of what was asked for, what the solver promised and what was measured, its metrics named in the line above; nothing where
+/// no run was asked for an error. The path tracer's time is that of as many points as the run has vertices, to the same 90th percentile.
 pub fn promise_table(chart: &Chart) -> String {
     let asked: Vec<&RunRecord> = chart.runs.iter().filter(|run| run.error_asked.is_some() && run.converged).collect();
     if asked.is_empty() {
         return String::new();
     }
-    let mut text = String::from(
-        "| asked | estimated | measured | median | time | links | vertices | path tracer | ratio |\n| ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: |\n",
+    let mut text = format!(
+        "{LOCAL_ERROR}\n\n| asked | estimated | p50 | p90 | p95 | RMS of B | time | links | vertices | path tracer | ratio |\n|{}\n",
+        " ---: |".repeat(11)
     );
-    let percent = |share: f64| format!("{:.1} %", 100.0 * share);
     for run in asked {
-        let shown = &run.error.displayed;
+        let (shown, local) = (&run.error.displayed, &run.error.local);
         // Its error falls with the root of its paths, which take time in proportion to the points.
         let tracer = chart
             .path_tracer
             .last()
-            .map(|last| last.seconds * (last.error / shown.rms).powi(2) * run.vertices as f64 / last.points as f64);
+            .map(|last| last.seconds * (last.local.p90 / local.p90).powi(2) * run.vertices as f64 / last.points as f64);
         let _ = writeln!(
             text,
-            "| {} | {} | {} % | {} | {} | {} | {} | {} | {} |",
+            "| {} | {} | {} | {} % | {} | {} % | {} | {} | {} | {} | {} |",
             percent(run.error_asked.unwrap_or_default()),
             run.error_estimate.map_or("–".into(), percent),
+            percent(local.p50),
+            crate::format::plus_minus(100.0 * local.p90, 100.0 * local.p90_noise),
+            percent(local.p95),
             crate::format::plus_minus(100.0 * shown.rms, 100.0 * shown.rms_noise),
-            percent(shown.local_median),
             crate::format::seconds(run.seconds.total),
             crate::format::count(run.links),
             crate::format::count(run.vertices),
@@ -137,7 +149,15 @@ pub fn promise_table(chart: &Chart) -> String {
     text
 }
 
-/// A Markdown table of the displayed error, a row for each setting and a column for each ε: RMS ± its standard error, and time.
+/// What the tables' figures are.
+const LOCAL_ERROR: &str = "p50, p90, p95: quantiles over the area of the local error |ΔE|/(E + E0), E0 a tenth of the median of E; ± one standard error.";
+
+fn percent(share: f64) -> String {
+    format!("{:.1} %", 100.0 * share)
+}
+
+/// A Markdown table of the displayed error, a row for each setting and a column for each ε: p90 of the local error ± its standard error, RMS of B,
+/// and time.
 pub fn error_table(chart: &Chart) -> String {
     let by_threshold = || chart.runs.iter().filter(|run| run.error_asked.is_none());
     let mut epsilons: Vec<f64> = by_threshold().map(|run| run.epsilon_relative).collect();
@@ -145,7 +165,7 @@ pub fn error_table(chart: &Chart) -> String {
     epsilons.dedup_by(|a, b| (*a / *b - 1.0).abs() < 1e-6);
     let mut settings: Vec<&str> = by_threshold().map(|run| run.setting.as_str()).collect();
     settings.dedup();
-    let mut text = String::from("| ε/Φ |");
+    let mut text = format!("{LOCAL_ERROR} Each cell: p90, RMS of B, time.\n\n| ε/Φ |");
     // A String takes any text.
     for epsilon in &epsilons {
         let _ = write!(text, " {epsilon:.0e} |");
@@ -157,9 +177,10 @@ pub fn error_table(chart: &Chart) -> String {
             let at = |run: &&RunRecord| run.setting == setting && (run.epsilon_relative / epsilon - 1.0).abs() < 1e-6;
             match chart.runs.iter().find(at) {
                 Some(run) if run.converged => {
-                    let shown = &run.error.displayed;
-                    let error = crate::format::plus_minus(100.0 * shown.rms, 100.0 * shown.rms_noise);
-                    let _ = write!(text, " {error} %, {} |", crate::format::seconds(run.seconds.total));
+                    let (local, rms) = (&run.error.local, run.error.displayed.rms);
+                    let error = crate::format::plus_minus(100.0 * local.p90, 100.0 * local.p90_noise);
+                    let time = crate::format::seconds(run.seconds.total);
+                    let _ = write!(text, " {error} %, {}, {time} |", percent(rms));
                 }
                 Some(_) => text += " not finished |",
                 None => text += " |",

@@ -137,10 +137,10 @@ fn write(chart: &Chart, folder: &Path) -> anyhow::Result<()> {
     text(".csv", csv(chart))?;
     text(".json", json(chart)?)?;
     let pictures = [
-        (Shown::Rms, Against::Seconds, "seconds"),
-        (Shown::Rms, Against::Links, "links"),
-        (Shown::Rms, Against::Rays, "rays"),
-        (Shown::Median, Against::Seconds, "median"),
+        (Shown::Local, Against::Seconds, "seconds"),
+        (Shown::Local, Against::Links, "links"),
+        (Shown::Local, Against::Rays, "rays"),
+        (Shown::Rms, Against::Seconds, "rms"),
     ];
     for (shown, against, name) in pictures {
         let drawing = Drawing { chart, against, shown };

@@ -10,10 +10,10 @@ use clap::ArgMatches;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use selflink::cancel::CancelToken;
 use selflink::export::settings::Settings;
+use selflink::geometry::Occluders;
 use selflink::prepare;
 use selflink::scene::{Scene, Source};
 use selflink::solver::{Snapshot, Solver, Stats, Step};
-use selflink::visibility::Occluders;
 
 use super::options;
 use super::progress::Progress;

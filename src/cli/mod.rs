@@ -1,5 +1,5 @@
 //! The command line: the window, or `solve`, `render`, `matrix`, `probe`, `reference`, `chart`, `tables`,
-//! `accuracy`, `doctor` and `scene` without one.
+//! `accuracy`, `doctor`, `scene` and `export` without one.
 //!
 //! Whatever cannot be done gives one sentence on stderr and exit code 2. Results go to stdout, remarks about the scene and
 //! progress to stderr.
@@ -9,6 +9,7 @@ mod chart;
 #[cfg(feature = "gui")]
 mod clusters;
 mod doctor;
+mod export;
 mod job;
 #[cfg(feature = "gui")]
 mod legend;
@@ -69,6 +70,7 @@ fn dispatch(matches: &ArgMatches, started: Instant) -> anyhow::Result<ExitCode> 
         Some(("tables", matches)) => tables::run(matches),
         Some(("accuracy", matches)) => accuracy::run(matches),
         Some(("reference", matches)) => reference::run(matches),
+        Some(("export", matches)) => export::run(matches),
         Some(("scene", matches)) => scene::run(matches),
         _ => window::run(matches, started),
     };
@@ -86,6 +88,7 @@ fn command() -> Command {
         .subcommand(accuracy::command())
         .subcommand(doctor::command())
         .subcommand(scene::command())
+        .subcommand(export::command())
 }
 
 /// Says why, in one line.

@@ -255,6 +255,9 @@ pub fn seconds_arg(help: &'static str) -> Arg {
 
 /// The time limit given, if one was.
 pub fn seconds(matches: &ArgMatches) -> anyhow::Result<Option<Duration>> {
+    if !has(matches, "seconds") {
+        return Ok(None);
+    }
     let Some(&seconds) = matches.get_one::<f64>("seconds") else { return Ok(None) };
     let limit = Duration::try_from_secs_f64(seconds);
     Ok(Some(limit.map_err(|_| anyhow!("--seconds must be a number of seconds, not {seconds}"))?))
@@ -355,8 +358,14 @@ fn ceiling_light(text: &str) -> anyhow::Result<CeilingLight> {
 
 /// So many finite numbers between separators.
 pub fn numbers<const N: usize>(text: &str, separator: char) -> Option<[f32; N]> {
-    let parsed: Option<Vec<f32>> =
-        text.split(separator).map(|part| f32::from_str(part.trim()).ok().filter(|number| number.is_finite())).collect();
+    let numbers = coordinates::<N>(text, separator)?.map(|number| number as f32);
+    numbers.iter().all(|number| number.is_finite()).then_some(numbers)
+}
+
+/// So many finite numbers with all the digits that the coordinates of a file may need.
+pub fn coordinates<const N: usize>(text: &str, separator: char) -> Option<[f64; N]> {
+    let parsed: Option<Vec<f64>> =
+        text.split(separator).map(|part| f64::from_str(part.trim()).ok().filter(|number| number.is_finite())).collect();
     parsed?.try_into().ok()
 }
 

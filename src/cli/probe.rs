@@ -5,10 +5,12 @@ use std::io::Write as _;
 use std::path::Path;
 
 use anyhow::{anyhow, bail};
-use clap::{ArgMatches, Command};
-use glam::Vec3;
+use clap::{Arg, ArgMatches, Command};
+use glam::{DVec3, Vec3};
+use rayon::prelude::*;
 use selflink::format::things;
 use selflink::probe::{Probe, Sample};
+use selflink::solver::USUAL_ERROR;
 
 use super::job::Order;
 use super::options::{self, path, path_arg};
@@ -18,7 +20,7 @@ use super::work_plane;
 /// Columns read.
 const COLUMNS: &str = "x,y,z,nx,ny,nz";
 /// Columns added, W/m².
-const ADDED: &str = "E_r,E_g,E_b,B_r,B_g,B_b";
+const ADDED: &str = "E_r,E_g,E_b,B_r,B_g,B_b,se_r,se_g,se_b";
 
 /// The command's arguments.
 pub fn command() -> Command {
@@ -35,7 +37,17 @@ pub fn command() -> Command {
     .arg(
         path_arg("out", "FILE.csv")
             .required(true)
-            .help(format!("The same rows with {ADDED}; these stay empty where a point lies on no surface")),
+            .help(format!(
+                "The same rows with {ADDED}: irradiance, radiosity and the standard error of E. They stay empty where a point lies on no surface, the error where light is interpolated (--epsilon without --reconstruct gather)"
+            )),
+    )
+    .arg(
+        Arg::new("se")
+            .long("se")
+            .value_name("SHARE")
+            .value_parser(standard_error)
+            .conflicts_with("work-plane")
+            .help("Standard error of each E, as a share of the light there (0.02 or 2%) [default: half of the target error]"),
     )
     .args(work_plane::args().map(|arg| arg.help_heading("Work plane")))
 }
@@ -55,15 +67,31 @@ pub fn run(matches: &ArgMatches) -> anyhow::Result<()> {
     let solution = job.solve()?;
     let snapshot = &solution.snapshot;
     let probe = Probe::new(&snapshot.mesh, &snapshot.vertex_irradiance, &snapshot.vertex_radiosity);
-    let samples: Vec<Option<Sample>> = rows.iter().map(|row| probe.at(row.point, row.normal)).collect();
+    let error = matches.get_one::<f64>("se").copied();
+    let error = error.unwrap_or_else(|| 0.5 * job.settings.solver.error.unwrap_or(USUAL_ERROR)) as f32;
+    let read = |row: &Row| {
+        let point = job.scene.from_file(row.point);
+        let Some(field) = &snapshot.field else { return Some((probe.at(point, row.normal)?, None)) };
+        let (position, polygon) = probe.place(point, row.normal)?;
+        let read = field.read(polygon, position, error);
+        let surface = field.surface(polygon);
+        let radiosity = surface.emission + surface.reflectance * read.mean;
+        Some((Sample { irradiance: read.mean, radiosity }, Some(read.standard_error)))
+    };
+    let samples: Vec<Option<(Sample, Option<Vec3>)>> = job.pool.install(|| rows.par_iter().map(read).collect());
     file.write(|writer| {
         writeln!(writer, "{COLUMNS},{ADDED}")?;
         for (row, sample) in rows.iter().zip(&samples) {
+            write!(writer, "{}", row.text)?;
             match sample {
-                Some(Sample { irradiance: e, radiosity: b }) => {
-                    writeln!(writer, "{},{},{},{},{},{},{}", row.text, e.x, e.y, e.z, b.x, b.y, b.z)?;
+                Some((Sample { irradiance: e, radiosity: b }, _)) => {
+                    write!(writer, ",{},{},{},{},{},{}", e.x, e.y, e.z, b.x, b.y, b.z)?;
                 }
-                None => writeln!(writer, "{},,,,,,", row.text)?,
+                None => write!(writer, ",,,,,,")?,
+            }
+            match sample {
+                Some((_, Some(error))) => writeln!(writer, ",{},{},{}", error.x, error.y, error.z)?,
+                _ => writeln!(writer, ",,,")?,
             }
         }
         Ok(())
@@ -76,12 +104,22 @@ pub fn run(matches: &ArgMatches) -> anyhow::Result<()> {
     say(&format!("{}: {}\n", file.path().display(), things(rows.len(), "point", "points")))
 }
 
+/// A standard error: a share, or a percentage.
+fn standard_error(text: &str) -> Result<f64, String> {
+    let (number, unit) = text.strip_suffix('%').map_or((text, 1.0), |number| (number, 0.01));
+    match number.trim().parse::<f64>() {
+        Ok(share) if (1e-4..=1.0).contains(&(unit * share)) => Ok(unit * share),
+        _ => Err("a standard error must be a share from 0.0001 to 1, or a percentage such as 2%".into()),
+    }
+}
+
 /// A point to be probed.
 #[derive(Debug, PartialEq)]
 struct Row {
     /// The row as it was read.
     text: String,
-    point: Vec3,
+    /// In the coordinates of the scene's file.
+    point: DVec3,
     normal: Vec3,
 }
 
@@ -103,14 +141,14 @@ fn parse_rows(text: &str) -> anyhow::Result<Vec<Row>> {
     filled.next_if(|(_, line)| line.split(',').all(|word| word.trim().parse::<f32>().is_err()));
     for (index, line) in filled {
         let number = index + 1;
-        let Some([x, y, z, nx, ny, nz]) = options::numbers::<6>(line, ',') else {
+        let Some([x, y, z, nx, ny, nz]) = options::coordinates::<6>(line, ',') else {
             bail!("line {number}: a row must be six finite numbers, {COLUMNS}");
         };
-        let normal = Vec3::new(nx, ny, nz);
+        let normal = DVec3::new(nx, ny, nz).as_vec3();
         let Some(normal) = normal.try_normalize() else {
             bail!("line {number}: the normal nx,ny,nz has no length");
         };
-        rows.push(Row { text: line.to_owned(), point: Vec3::new(x, y, z), normal });
+        rows.push(Row { text: line.to_owned(), point: DVec3::new(x, y, z), normal });
     }
     Ok(rows)
 }
@@ -122,7 +160,7 @@ mod tests {
     #[test]
     fn rows_with_and_without_a_header() {
         let rows = parse_rows("\u{feff}x, y, z, nx, ny, nz\r\n\r\n1,2,3,0,0,2\r\n").expect("good rows");
-        assert_eq!(rows, [Row { text: "1,2,3,0,0,2".into(), point: Vec3::new(1.0, 2.0, 3.0), normal: Vec3::Z }]);
+        assert_eq!(rows, [Row { text: "1,2,3,0,0,2".into(), point: DVec3::new(1.0, 2.0, 3.0), normal: Vec3::Z }]);
         assert_eq!(parse_rows("1,2,3,0,1,0").expect("a good row").len(), 1);
     }
 

@@ -8,6 +8,7 @@ use clap::{Arg, ArgAction, ArgMatches, Command};
 use selflink::cancel::CancelToken;
 use selflink::format::{count, seconds, things};
 use selflink::reference::{Cache, Outcome, Reference, ReferenceRun, SurfacePoint, Target, compute, random_points};
+use selflink::scene::Scene;
 use selflink::solver::ParameterId;
 
 use super::job::{Job, Order};
@@ -99,13 +100,13 @@ pub fn wish(matches: &ArgMatches, limit: Option<Duration>) -> anyhow::Result<Wis
 /// Makes the reference of a job's scene; shows progress on a terminal.
 pub fn make(job: &Job, wish: &Wish) -> anyhow::Result<Outcome> {
     let seed = job.settings.solver.seed;
-    let points = random_points(&job.scene, &job.occluders, wish.points, seed);
+    let points = random_points(&job.scene, wish.points, seed);
     if points.is_empty() {
         bail!("every surface of {} emits: there are no points for a reference", job.scene.name);
     }
     let begun = std::time::Instant::now();
     let outcome = job.pool.install(|| {
-        let mut run = ReferenceRun::new(&job.scene, job.occluders.clone(), points.into(), seed);
+        let mut run = ReferenceRun::new(&job.scene, points.into(), seed);
         let bar = std::io::stderr().is_terminal().then(progress::spinner);
         let outcome = compute(&mut run, wish.cache.as_ref(), wish.target, &CancelToken::new(), |run, noise| {
             if let Some(bar) = &bar {
@@ -136,7 +137,7 @@ pub fn run(matches: &ArgMatches) -> anyhow::Result<()> {
     if let Some(file) = &file {
         file.write(|writer| {
             writeln!(writer, "{COLUMNS}")?;
-            (0..reference.points.len()).try_for_each(|index| writeln!(writer, "{}", row(reference, index)))
+            (0..reference.points.len()).try_for_each(|index| writeln!(writer, "{}", row(&job.scene, reference, index)))
         })?;
     }
     if !outcome.reached {
@@ -162,11 +163,12 @@ pub fn summary(scene: &str, outcome: &Outcome) -> String {
     )
 }
 
-fn row(reference: &Reference, index: usize) -> String {
+fn row(scene: &Scene, reference: &Reference, index: usize) -> String {
     let SurfacePoint { position, normal, polygon, reflectance, weight } = reference.points[index];
     let three = |[a, b, c]: [f64; 3]| format!("{a},{b},{c}");
     let single = |[a, b, c]: [f32; 3]| format!("{a},{b},{c}");
     let (irradiance, error) = (reference.irradiance[index].to_array(), reference.standard_error[index].to_array());
-    let [position, normal, reflectance] = [position, normal, reflectance].map(|vector| single(vector.to_array()));
+    let position = three(scene.to_file(position).to_array());
+    let [normal, reflectance] = [normal, reflectance].map(|vector| single(vector.to_array()));
     format!("{position},{normal},{weight},{polygon},{reflectance},{},{}", three(irradiance), three(error))
 }

@@ -4,18 +4,18 @@ use std::sync::Arc;
 
 use anyhow::{anyhow, bail};
 use clap::{Arg, ArgAction, ArgMatches, Command};
-use glam::{Vec2, Vec3};
+use glam::{DVec3, Vec2, Vec3};
 use image::{ImageFormat, RgbaImage};
 use selflink::export::{PictureFormat, exr};
 use selflink::render::{
     Camera, ChosenLinks, ClusterView, Display, Exposure, LinkFilter, LinkStyle, MAX_SIZE, Marks, Offscreen, Overlay,
     ReadingSettings, by_clusters, pick, picked_marks,
 };
-use selflink::scene::{CameraPose, Scene};
+use selflink::scene::{CameraPose, FiledCamera, Scene};
 use selflink::solver::{Anatomy, LinkView};
 
 use super::job::{Order, Solution};
-use super::options::{self, numbers, path, path_arg};
+use super::options::{self, coordinates, numbers, path, path_arg};
 use super::output::{OutputFile, say};
 use super::{clusters, legend, reading};
 
@@ -68,10 +68,10 @@ pub fn command() -> Command {
 pub struct View {
     /// Width and height, pixels.
     pub size: [u32; 2],
-    /// Eye and target.
-    pub camera: Option<[Vec3; 2]>,
+    /// Eye and target, in the coordinates of the scene's file.
+    pub camera: Option<[DVec3; 2]>,
     /// The whole view, where neither of these is given.
-    pub pose: Option<CameraPose>,
+    pub pose: Option<FiledCamera>,
     /// How radiosities become colours.
     pub display: Display,
     /// What is drawn over the picture.
@@ -183,13 +183,13 @@ fn camera(scene: &Scene, view: &View) -> Camera {
     let [width, height] = view.size.map(|pixels| pixels as f32);
     let aspect = width / height;
     let given = view.camera.map(|[eye, target]| CameraPose {
-        eye,
-        target,
+        eye: scene.from_file(eye),
+        target: scene.from_file(target),
         up: scene.camera.map_or(Vec3::Y, |camera| camera.up),
         hfov_deg: scene.camera.map_or(USUAL_HFOV, |camera| camera.hfov_deg),
     });
     given
-        .or(view.pose)
+        .or_else(|| view.pose.map(|pose| pose.in_scene(scene)))
         .map_or_else(|| Camera::of_scene(scene, aspect), |pose| Camera::from_pose(&pose, aspect, scene.bounds()))
 }
 
@@ -269,10 +269,11 @@ fn size(text: &str) -> anyhow::Result<[u32; 2]> {
     }
 }
 
-fn eye_and_target(text: &str) -> anyhow::Result<[Vec3; 2]> {
-    let parsed =
-        text.split_once(':').and_then(|(eye, target)| Some([numbers::<3>(eye, ',')?, numbers::<3>(target, ',')?]));
-    match parsed.map(|pair| pair.map(Vec3::from)) {
+fn eye_and_target(text: &str) -> anyhow::Result<[DVec3; 2]> {
+    let parsed = text
+        .split_once(':')
+        .and_then(|(eye, target)| Some([coordinates::<3>(eye, ',')?, coordinates::<3>(target, ',')?]));
+    match parsed.map(|pair| pair.map(DVec3::from)) {
         Some([eye, target]) if eye != target => Ok([eye, target]),
         Some(_) => bail!("--camera must have its target away from the eye (it is `{text}`)"),
         None => bail!("--camera must be ex,ey,ez:tx,ty,tz, eye and target (it is `{text}`)"),
@@ -321,7 +322,7 @@ mod tests {
             assert!(size(text).is_err(), "{text}");
         }
         let camera = eye_and_target("-1,2,3:0,0,0.5").expect("good");
-        assert_eq!(camera, [Vec3::new(-1.0, 2.0, 3.0), Vec3::new(0.0, 0.0, 0.5)]);
+        assert_eq!(camera, [DVec3::new(-1.0, 2.0, 3.0), DVec3::new(0.0, 0.0, 0.5)]);
         for text in ["", "1,2,3", "1,2:3,4", "1,2,3:1,2,3", "1,2,NaN:0,0,0"] {
             assert!(eye_and_target(text).is_err(), "{text}");
         }

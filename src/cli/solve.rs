@@ -43,7 +43,7 @@ pub fn run(matches: &ArgMatches, started: Instant) -> anyhow::Result<()> {
     let job = order.load()?;
     let mut solution = job.solve()?;
     if let (Some(file), Some(format)) = (&mesh_file, mesh_format) {
-        let lit = LitMesh::of(&solution.snapshot, &job.scene.materials);
+        let lit = LitMesh::of(&solution.snapshot, &job.scene);
         file.write(|writer| format.write(writer, &lit))?;
     }
     if let Some(file) = &links_file {

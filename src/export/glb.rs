@@ -7,6 +7,7 @@
 use std::collections::BTreeMap;
 use std::io::{self, Write};
 
+use glam::DVec3;
 use serde_json::{Value, json};
 
 use super::LitMesh;
@@ -118,12 +119,16 @@ fn document(lit: &LitMesh<'_>, by_material: &BTreeMap<u32, Vec<u32>>, lengths: L
         view(lengths.radiosities, ARRAY_BUFFER),
         view(lengths.indices, ELEMENT_ARRAY_BUFFER),
     ];
+    let mut node = json!({"name": "lit mesh", "mesh": 0});
+    if lit.origin != DVec3::ZERO {
+        node["translation"] = json!(lit.origin);
+    }
     json!({
         "asset": {"version": "2.0", "generator": concat!("Selflink ", env!("CARGO_PKG_VERSION"))},
         "extensionsUsed": ["KHR_materials_unlit"],
         "scene": 0,
         "scenes": [{"nodes": [0]}],
-        "nodes": [{"name": "lit mesh", "mesh": 0}],
+        "nodes": [node],
         "meshes": [{"name": "lit mesh", "primitives": primitives, "extras": {
             "_RADIOSITY": "radiosity B, W/m², linear RGB",
             "COLOR_0": "B exposed and bent by the tone curve, linear, 0..1",
@@ -213,7 +218,8 @@ mod tests {
     fn another_reader_gets_positions_colours_and_watts() {
         let (mesh, materials) = (square(), materials());
         let radiosity = [[0.0, 1.0, 2.0], [3.0, 4.0, 5.0], [600.0, 7.0, 8.0], [9.0, 10.0, 0.25]];
-        let lit = LitMesh { mesh: &mesh, radiosity: &radiosity, exposure: 0.1, materials: &materials };
+        let lit =
+            LitMesh { mesh: &mesh, origin: DVec3::ZERO, radiosity: &radiosity, exposure: 0.1, materials: &materials };
         let mut file = Vec::new();
         write(&mut file, &lit).expect("a Vec takes any bytes");
         let (document, buffers, _) = gltf::import_slice(&file).expect("a valid file");
@@ -250,7 +256,13 @@ mod tests {
     #[test]
     fn our_own_loader_opens_it() {
         let (mesh, materials) = (square(), materials());
-        let lit = LitMesh { mesh: &mesh, radiosity: &[[1.0; 3]; 4], exposure: 1.0, materials: &materials };
+        let lit = LitMesh {
+            mesh: &mesh,
+            origin: DVec3::ZERO,
+            radiosity: &[[1.0; 3]; 4],
+            exposure: 1.0,
+            materials: &materials,
+        };
         let folder = tempfile::tempdir().expect("a folder");
         let path = folder.path().join("lit.glb");
         let mut file = Vec::new();
@@ -271,7 +283,8 @@ mod tests {
 
     #[test]
     fn nothing_is_no_file() {
-        let lit = LitMesh { mesh: &Mesh::default(), radiosity: &[], exposure: 1.0, materials: &[] };
+        let lit =
+            LitMesh { mesh: &Mesh::default(), origin: DVec3::ZERO, radiosity: &[], exposure: 1.0, materials: &[] };
         assert!(write(&mut Vec::new(), &lit).is_err());
     }
 }

@@ -1,18 +1,22 @@
 //! Results as files for other programs, one module a format.
 //!
-//! Lit meshes as [`ply`] and [`glb`], a view in W/m² as [`exr`], links as CSV ([`links`]), settings as JSON ([`settings`]).
+//! Lit meshes as [`ply`] and [`glb`], a view in W/m² as [`exr`], links as CSV ([`links`]), settings as JSON ([`settings`]),
+//! scenes for other programs that light them ([`peers`]).
 //! Writers take what they write as plain data; they know neither files' names nor windows. Imports `scene`, `solver`, `tone`.
 
 pub mod exr;
 pub mod glb;
 pub mod links;
+pub mod peers;
 pub mod ply;
 pub mod settings;
 
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
-use crate::scene::Material;
+use glam::DVec3;
+
+use crate::scene::{Material, Scene};
 use crate::solver::{Mesh, Snapshot};
 use crate::tone;
 
@@ -96,6 +100,8 @@ fn extension(path: &Path) -> String {
 pub struct LitMesh<'a> {
     /// Triangles.
     pub mesh: &'a Mesh,
+    /// Zero of the mesh's coordinates in those of the scene's file.
+    pub origin: DVec3,
     /// Radiosity B of each vertex, W/m², linear RGB.
     pub radiosity: &'a [[f32; 3]],
     /// Factor on radiosities for the tone-mapped colours, m²/W.
@@ -106,12 +112,13 @@ pub struct LitMesh<'a> {
 
 impl<'a> LitMesh<'a> {
     /// The mesh of a snapshot, exposed as the picture of it is without anybody's correction.
-    pub fn of(snapshot: &'a Snapshot, materials: &'a [Material]) -> Self {
+    pub fn of(snapshot: &'a Snapshot, scene: &'a Scene) -> Self {
         Self {
             mesh: &snapshot.mesh,
+            origin: scene.origin,
             radiosity: &snapshot.vertex_radiosity,
             exposure: tone::auto_exposure(snapshot),
-            materials,
+            materials: &scene.materials,
         }
     }
 }

@@ -2,6 +2,8 @@
 
 use std::io::{self, Write};
 
+use glam::{DVec3, Vec3};
+
 use super::LitMesh;
 use crate::tone::shown_colour;
 
@@ -13,12 +15,15 @@ use crate::tone::shown_colour;
 /// Whatever the writer says.
 pub fn write(writer: &mut impl Write, lit: &LitMesh<'_>) -> io::Result<()> {
     let mesh = lit.mesh;
+    // What lies far off in its file needs more digits than f32 has.
+    let is_far = lit.origin != DVec3::ZERO;
+    let coordinate = if is_far { "double" } else { "float" };
     write!(
         writer,
         "ply\nformat binary_little_endian 1.0\n\
          comment Selflink: radiosity B in W/m2, linear RGB; red, green, blue as shown with an exposure of {} m2/W\n\
          element vertex {}\n\
-         property float x\nproperty float y\nproperty float z\n\
+         property {coordinate} x\nproperty {coordinate} y\nproperty {coordinate} z\n\
          property float radiosity_r\nproperty float radiosity_g\nproperty float radiosity_b\n\
          property uchar red\nproperty uchar green\nproperty uchar blue\n\
          element face {}\n\
@@ -29,9 +34,14 @@ pub fn write(writer: &mut impl Write, lit: &LitMesh<'_>) -> io::Result<()> {
         mesh.triangles.len()
     )?;
     for (position, radiosity) in mesh.positions.iter().zip(lit.radiosity) {
-        for value in position.iter().chain(radiosity) {
-            writer.write_all(&value.to_le_bytes())?;
+        if is_far {
+            for value in (lit.origin + Vec3::from(*position).as_dvec3()).to_array() {
+                writer.write_all(&value.to_le_bytes())?;
+            }
+        } else {
+            position.iter().try_for_each(|value| writer.write_all(&value.to_le_bytes()))?;
         }
+        radiosity.iter().try_for_each(|value| writer.write_all(&value.to_le_bytes()))?;
         writer.write_all(&shown_colour(*radiosity, lit.exposure))?;
     }
     for triangle in &mesh.triangles {
@@ -57,7 +67,13 @@ mod tests {
             triangles: vec![[0, 1, 2]],
             ..Mesh::default()
         };
-        let lit = LitMesh { mesh: &mesh, radiosity: &[[2.0, 3.0, 4.0]; 3], exposure: 0.1, materials: &[] };
+        let lit = LitMesh {
+            mesh: &mesh,
+            origin: DVec3::ZERO,
+            radiosity: &[[2.0, 3.0, 4.0]; 3],
+            exposure: 0.1,
+            materials: &[],
+        };
         let mut file = Vec::new();
         write(&mut file, &lit).expect("a Vec takes any bytes");
         let marker = b"end_header\n";

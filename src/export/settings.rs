@@ -11,7 +11,7 @@ use serde_json::Value;
 
 use crate::added_light::AddedLight;
 use crate::scene::builtin::BuiltinScene;
-use crate::scene::{CameraPose, Reading, Source};
+use crate::scene::{FiledCamera, Reading, Source};
 use crate::solver::params::ParamsError;
 use crate::solver::{SolverParams, USUAL_ERROR};
 
@@ -30,7 +30,7 @@ pub struct Settings {
     pub light: AddedLight,
     /// The view.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub camera: Option<CameraPose>,
+    pub camera: Option<FiledCamera>,
     /// The solver's parameters.
     pub solver: SolverParams,
 }
@@ -125,7 +125,7 @@ impl Settings {
 
 #[cfg(test)]
 mod tests {
-    use glam::Vec3;
+    use glam::{DVec3, Vec3};
 
     use super::*;
     use crate::added_light::CeilingLight;
@@ -149,7 +149,7 @@ mod tests {
                 emitting: vec![("lamp".into(), Vec3::new(0.1, 2.0, 3.3))],
                 ceiling: Some(CeilingLight { size: None, exitance: 0.7 }),
             },
-            camera: Some(CameraPose { eye: Vec3::ONE, target: Vec3::ZERO, up: Vec3::Y, hfov_deg: 66.6 }),
+            camera: Some(FiledCamera { eye: DVec3::ONE, target: DVec3::ZERO, up: DVec3::Y, hfov_deg: 66.6 }),
             solver: SolverParams {
                 epsilon: Epsilon::Watts(0.1 + 0.2),
                 clustering: ClusteringMode::Octree,

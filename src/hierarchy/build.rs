@@ -11,12 +11,17 @@ use super::{
     Cluster, ClusteringMode, Element, ElementId, Hierarchy, NO_PARENT, Patch, PatchSums, Shape, adaptive, groups,
     octree,
 };
-use crate::exposure::Exposure;
+use crate::geometry::Reachability;
 use crate::random::mix;
 use crate::scene::Scene;
 
 /// Builds the hierarchy of a scene.
-pub(super) fn build(scene: &Scene, exposure: Arc<Exposure>, mode: ClusteringMode, octree_depth: u32) -> Hierarchy {
+pub(super) fn build(
+    scene: &Scene,
+    reachability: Arc<Reachability>,
+    mode: ClusteringMode,
+    octree_depth: u32,
+) -> Hierarchy {
     let bounds = PolygonBounds::new(scene);
     let all: Vec<u32> = (0..scene.polygons.len() as u32).collect();
     let grouping = match mode {
@@ -33,7 +38,7 @@ pub(super) fn build(scene: &Scene, exposure: Arc<Exposure>, mode: ClusteringMode
         midpoints: FxHashMap::default(),
         initial_patches: Vec::with_capacity(scene.polygons.len()),
         area_sums: PatchSums::default(),
-        exposure,
+        reachability,
         cluster_count: 0,
         leaf_count: scene.polygons.len(),
         initial_vertices,
@@ -89,7 +94,7 @@ impl Hierarchy {
                 for (corner, &old) in corners.iter_mut().zip(polygon.corners()) {
                     *corner = welded[old as usize];
                 }
-                let cells = self.exposure.of_polygon(index);
+                let cells = self.reachability.of_polygon(index);
                 let patch = Patch::new(&corners[..count], index, 0, cells);
                 let element = Element { parent, ..self.patch_element(patch, mix(1, u64::from(index))) };
                 self.elements.push(element);

@@ -38,7 +38,7 @@ impl Hierarchy {
             midpoints: FxHashMap::default(),
             initial_patches: self.initial_patches.clone(),
             area_sums: self.area_sums.clone(),
-            exposure: self.exposure.clone(),
+            reachability: self.reachability.clone(),
             cluster_count: self.cluster_count,
             leaf_count: self.initial_patches.len(),
             initial_vertices: self.initial_vertices,

@@ -2,7 +2,7 @@
 //!
 //! Sillion's unified hierarchy (paper, sections 1.2 and 2.1): a cluster holds clusters and initial patches, a patch holds only
 //! the four patches it was split into. The part above the initial patches is built once ([`ClusteringMode`]); the part
-//! below grows while links are refined ([`Hierarchy::subdivide`]). This module imports `scene` and `exposure`.
+//! below grows while links are refined ([`Hierarchy::subdivide`]). This module imports `scene` and `reachability`.
 
 mod adaptive;
 mod build;
@@ -21,7 +21,7 @@ use serde::{Deserialize, Serialize};
 
 use std::sync::Arc;
 
-use crate::exposure::Exposure;
+use crate::geometry::Reachability;
 use crate::random::mix;
 use crate::scene::Scene;
 
@@ -93,7 +93,7 @@ pub struct Element {
     parent: u32,
     first_child: u32,
     child_count: u32,
-    /// Area that light can reach ([`Exposure`]), m²; a cluster's is the sum of its polygons' (the "equivalent area" of section 2.1).
+    /// Area that light can reach ([`Reachability`]), m²; a cluster's is the sum of its polygons' (the "equivalent area" of section 2.1).
     pub area: f32,
     /// Area over which its random points are spread, m²: `area` and, where an edge of what hides it runs, some of the hidden area
     /// beside it.
@@ -147,7 +147,7 @@ pub struct Hierarchy {
     initial_patches: Vec<ElementId>,
     /// Sampled areas of the initial patches, m².
     area_sums: PatchSums,
-    exposure: Arc<Exposure>,
+    reachability: Arc<Reachability>,
     cluster_count: usize,
     leaf_count: usize,
     /// Vertices of the initial patches, which come first.
@@ -158,15 +158,15 @@ impl Hierarchy {
     /// The root cluster.
     pub const ROOT: ElementId = ElementId(0);
 
-    /// Builds the clusters over a scene's polygons, which become the initial patches; what `exposure` says is hidden counts as
+    /// Builds the clusters over a scene's polygons, which become the initial patches; what `reachability` says is hidden counts as
     /// no area.
-    pub fn new(scene: &Scene, exposure: Arc<Exposure>, mode: ClusteringMode, octree_depth: u32) -> Self {
-        build::build(scene, exposure, mode, octree_depth)
+    pub fn new(scene: &Scene, reachability: Arc<Reachability>, mode: ClusteringMode, octree_depth: u32) -> Self {
+        build::build(scene, reachability, mode, octree_depth)
     }
 
     /// Which parts of the polygons are hidden.
-    pub fn exposure(&self) -> &Arc<Exposure> {
-        &self.exposure
+    pub fn reachability(&self) -> &Arc<Reachability> {
+        &self.reachability
     }
 
     /// The element with this id.
@@ -227,7 +227,7 @@ impl Hierarchy {
             + size_of_val(&self.vertices[..])
             + size_of_val(&self.initial_patches[..])
             + self.area_sums.bytes()
-            + self.exposure.bytes()
+            + self.reachability.bytes()
             + self.midpoints.len() * size_of::<((u32, u32), u32)>()
     }
 
@@ -252,7 +252,7 @@ impl Hierarchy {
                 .collect(),
             initial_patches: self.initial_patches.clone(),
             area_sums: self.area_sums.clone(),
-            exposure: self.exposure.clone(),
+            reachability: self.reachability.clone(),
             cluster_count: self.cluster_count,
             initial_vertices: self.initial_vertices,
         }
@@ -268,7 +268,7 @@ impl Hierarchy {
         let first_child = self.elements.len() as u32;
         let quarters = self.quarters(&patch);
         for (index, mut quarter) in quarters.into_iter().enumerate() {
-            quarter.cells = self.exposure.of_quarter(patch.cells, index as u32);
+            quarter.cells = self.reachability.of_quarter(patch.cells, index as u32);
             let mut child = self.patch_element(quarter, mix(parent.key, index as u64 + 1));
             child.parent = id.0;
             self.elements.push(child);

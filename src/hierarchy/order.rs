@@ -107,13 +107,13 @@ mod tests {
     use std::sync::Arc;
 
     use super::*;
-    use crate::exposure::Exposure;
+    use crate::geometry::Reachability;
     use crate::hierarchy::ClusteringMode;
     use crate::scene::builtin::BuiltinScene;
 
     fn hierarchy() -> Hierarchy {
         let scene = BuiltinScene::from_name("office").expect("ours").build();
-        let mut hierarchy = Hierarchy::new(&scene, Arc::new(Exposure::default()), ClusteringMode::Adaptive, 4);
+        let mut hierarchy = Hierarchy::new(&scene, Arc::new(Reachability::default()), ClusteringMode::Adaptive, 4);
         for id in [hierarchy.initial_patches()[7], hierarchy.initial_patches()[1000]] {
             hierarchy.subdivide(id);
         }

@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use crate::exposure::Cells;
+use crate::geometry::Cells;
 
 use super::{Element, ElementId, Hierarchy, NO_PARENT, Shape};
 
@@ -79,7 +79,7 @@ impl Hierarchy {
         let (positions, count) = self.corner_positions(&patch);
         let area_vector = area_vector(&positions[..count]);
         patch.normal = area_vector.normalize_or_zero();
-        let shares = self.exposure.shares(patch.cells);
+        let shares = self.reachability.shares(patch.cells);
         Element {
             parent: NO_PARENT,
             first_child: 0,
@@ -103,7 +103,7 @@ impl Hierarchy {
 
     /// How much of a patch is exposed near one of its corners, 0..=1.
     pub fn exposed_at_corner(&self, patch: &Patch, corner: usize) -> f32 {
-        self.exposure.share_at_corner(patch.cells, corner as u32)
+        self.reachability.share_at_corner(patch.cells, corner as u32)
     }
 
     /// The four quarters of a patch, as if nothing of them were hidden; new vertices in the middle of edges are shared with the neighbours.

@@ -3,7 +3,7 @@
 use glam::Vec3;
 
 use super::{Cluster, Element, ElementId, Hierarchy, Shape};
-use crate::exposure::quarter;
+use crate::geometry::quarter;
 
 /// Running sums over the initial patches, in the order of [`Hierarchy::initial_patches`]: what points are spread by.
 #[derive(Clone, Debug)]
@@ -98,7 +98,7 @@ impl Hierarchy {
             if element.is_leaf() {
                 let (mut corners, count) = self.corner_positions(patch);
                 if !patch.cells.are_all_exposed()
-                    && let Some((quarters, rest)) = self.exposure.sampled_cell(patch.cells, u)
+                    && let Some((quarters, rest)) = self.reachability.sampled_cell(patch.cells, u)
                 {
                     corners = quarters.fold(corners, |corners, number| quarter(corners, count, number));
                     u = rest;

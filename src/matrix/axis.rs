@@ -87,7 +87,7 @@ pub fn fitting_name(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::exposure::Exposure;
+    use crate::geometry::Reachability;
     use crate::hierarchy::{ClusteringMode, Room};
     use crate::scene::builtin::BuiltinScene;
 
@@ -95,7 +95,7 @@ mod tests {
     #[test]
     fn brackets_follow_what_is_in_view() {
         let scene = BuiltinScene::from_name("office").expect("ours").build();
-        let hierarchy = Hierarchy::new(&scene, Exposure::default().into(), ClusteringMode::Adaptive, 4);
+        let hierarchy = Hierarchy::new(&scene, Reachability::default().into(), ClusteringMode::Adaptive, 4);
         let order = Order::new(&hierarchy, Room::Polygons);
         for view in [[0.0, 1.0], [0.25, 0.375], [0.5, 0.5001]] {
             let all = brackets(&hierarchy, &order, view, 400.0, 2);

@@ -195,11 +195,11 @@ mod tests {
     use glam::Vec3;
 
     use super::*;
+    use crate::geometry::Occluders;
     use crate::hierarchy::Hierarchy;
     use crate::matrix::{Colouring, pair_at};
     use crate::scene::{GroupId, Scene};
     use crate::solver::{Epsilon, Solver, SolverParams, Step};
-    use crate::visibility::Occluders;
 
     /// A closed cube that nothing stands in; its ceiling shines.
     fn cube() -> Scene {

@@ -1,14 +1,11 @@
 //! Where most of A·|B|² is, as far as a few paths tell.
 
-use std::sync::Arc;
-
 use rayon::prelude::*;
 
 use super::path::Tracer;
 use super::points::{halves, points_by};
 use super::sequence::mix;
 use crate::scene::Scene;
-use crate::visibility::Occluders;
 
 /// Keeps these paths apart from those that count.
 const SALT: u64 = 0x67_6c6f_7721;
@@ -22,12 +19,12 @@ const MOST: usize = 1 << 16;
 
 /// A·|B|² of each of these polygons, in m²·(W/m²)², lamps' own light left out. Rough, and good for nothing but to decide where to look:
 /// half of the places lie by area, half evenly over the polygons, so that small things are met too.
-pub fn glow(scene: &Scene, occluders: &Arc<Occluders>, polygons: &[u32], areas: &[f64], seed: u64) -> Vec<f64> {
+pub fn glow(scene: &Scene, polygons: &[u32], areas: &[f64], seed: u64) -> Vec<f64> {
     let seed = seed ^ SALT;
     let chances = halves(areas, &vec![1.0; polygons.len()]);
     let count = (OF_EACH * polygons.len() + OF_ALL).min(MOST);
     let places = points_by(scene, polygons, (areas, &chances), count, seed);
-    let tracer = Tracer::new(scene, occluders.clone());
+    let tracer = Tracer::new(scene);
     let brightness = |(index, point): (usize, &super::SurfacePoint)| {
         let irradiance = tracer.irradiance(point, mix(seed, index as u64), PATHS);
         (point.reflectance.as_dvec3() * irradiance).length_squared()

@@ -8,7 +8,7 @@ use super::sums::{BATCH, PILOT};
 use crate::scene::Scene;
 
 /// Goes up with every change of what a path computes or of the file's layout.
-pub(super) const VERSION: u32 = 2;
+pub(super) const VERSION: u32 = 3;
 /// The first bytes of a file.
 pub(super) const MAGIC: &[u8; 8] = b"slnkref\n";
 /// Bytes of a hash.

@@ -4,8 +4,9 @@
 //! into a few bundles of neighbours, each of which is weighed by its distance and by its slope to that place. Without this a small bulb
 //! would hardly ever be picked by what stands beside it.
 
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 
+use super::surfaces::corners_of;
 use crate::scene::{Polygon, Scene};
 
 /// Bundles at most: each costs some nanoseconds at every vertex of a path.
@@ -15,9 +16,10 @@ const BY_POWER: f32 = 0.1;
 
 /// A point on a lamp.
 pub struct LampPoint {
-    pub position: Vec3,
+    pub polygon: u32,
+    pub position: DVec3,
     /// Unit normal of the bright side.
-    pub normal: Vec3,
+    pub normal: DVec3,
     /// Emission B_e, W/m².
     pub emission: Vec3,
     /// Probability density, per area.
@@ -37,9 +39,9 @@ pub struct Lamps {
 
 struct Lamp {
     polygon: u32,
-    corners: [Vec3; 4],
+    corners: [DVec3; 4],
     count: usize,
-    normal: Vec3,
+    normal: DVec3,
     emission: Vec3,
     centre: Vec3,
     /// W, largest colour.
@@ -71,9 +73,9 @@ impl Lamps {
         let lamp = |(index, polygon): (usize, &Polygon)| {
             let emission = scene.surface(polygon).emission;
             let power = f64::from(scene.area(polygon)) * f64::from(emission.max_element());
-            let (corners, count) = scene.corner_positions(polygon);
-            let centre = corners[..count].iter().sum::<Vec3>() / count as f32;
-            let normal = scene.normal(polygon);
+            let (corners, count) = corners_of(scene, polygon);
+            let centre = (corners[..count].iter().sum::<DVec3>() / count as f64).as_vec3();
+            let normal = scene.normal(polygon).as_dvec3();
             (power > 0.0).then_some(Lamp { polygon: index as u32, corners, count, normal, emission, centre, power })
         };
         let mut lamps: Vec<Lamp> = scene.polygons.iter().enumerate().filter_map(lamp).collect();
@@ -139,7 +141,7 @@ impl Lamps {
         let lamp = &self.lamps[bundle.first + place];
         let position = point_on(&lamp.corners[..lamp.count], u, v);
         let density = self.density_in(choice, index, lamp.emission);
-        LampPoint { position, normal: lamp.normal, emission: lamp.emission, density }
+        LampPoint { polygon: lamp.polygon, position, normal: lamp.normal, emission: lamp.emission, density }
     }
 
     /// Probability density of a point on a polygon with this emission, per area.
@@ -158,14 +160,15 @@ impl Lamps {
 impl Bundle {
     fn new(lamps: &[Lamp], first: usize, end: usize, total: f64) -> Self {
         let bundled = &lamps[first..end];
-        let corners = || bundled.iter().flat_map(|lamp| &lamp.corners[..lamp.count]);
+        let corners =
+            || bundled.iter().flat_map(|lamp| lamp.corners[..lamp.count].iter().map(|corner| corner.as_vec3()));
         let box_around = corners().fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(lower, upper), corner| {
-            (lower.min(*corner), upper.max(*corner))
+            (lower.min(corner), upper.max(corner))
         });
         let centre = 0.5 * (box_around.0 + box_around.1);
         let radius = corners().map(|corner| corner.distance(centre)).fold(0.0, f32::max);
-        let normal = bundled.first().map(|lamp| lamp.normal);
-        let normal = normal.filter(|normal| bundled.iter().all(|lamp| lamp.normal.dot(*normal) > 0.999));
+        let normal = bundled.first().map(|lamp| lamp.normal.as_vec3());
+        let normal = normal.filter(|normal| bundled.iter().all(|lamp| lamp.normal.as_vec3().dot(*normal) > 0.999));
         let power = (bundled.iter().map(|lamp| lamp.power).sum::<f64>() / total) as f32;
         Self { first, end, centre, radius, normal, power }
     }
@@ -199,11 +202,12 @@ fn halve(lamps: &mut [Lamp]) -> usize {
 
 /// A point on a polygon, uniform by area; a quad is the two triangles that rays meet.
 pub fn point_on_polygon(scene: &Scene, polygon: &Polygon, u: f32, v: f32) -> Vec3 {
-    let (corners, count) = scene.corner_positions(polygon);
-    point_on(&corners[..count], u, v)
+    let (corners, count) = corners_of(scene, polygon);
+    point_on(&corners[..count], u, v).as_vec3()
 }
 
-fn point_on(corners: &[Vec3], u: f32, v: f32) -> Vec3 {
+fn point_on(corners: &[DVec3], u: f32, v: f32) -> DVec3 {
+    let (u, v) = (f64::from(u), f64::from(v));
     match *corners {
         [a, b, c, d] if is_parallelogram([a, b, c, d]) => a + u * (b - a) + v * (d - a),
         [a, b, c, d] => {
@@ -220,12 +224,13 @@ fn point_on(corners: &[Vec3], u: f32, v: f32) -> Vec3 {
     }
 }
 
-/// Such a quad keeps the evenness of the unit square.
-fn is_parallelogram([a, b, c, d]: [Vec3; 4]) -> bool {
-    ((b - a) - (c - d)).length_squared() < 1e-10 * (c - a).length_squared()
+/// Such a quad keeps the evenness of the unit square. Its corners are rounded to single precision.
+fn is_parallelogram([a, b, c, d]: [DVec3; 4]) -> bool {
+    let largest = [a, b, c, d].map(|corner| corner.abs().max_element()).into_iter().fold(0.0, f64::max);
+    ((b - a) - (c - d)).abs().max_element() <= 2.0 * f64::from(f32::EPSILON) * largest
 }
 
-fn point_on_triangle([a, b, c]: [Vec3; 3], u: f32, v: f32) -> Vec3 {
+fn point_on_triangle([a, b, c]: [DVec3; 3], u: f64, v: f64) -> DVec3 {
     let root = u.sqrt();
     a + root * ((1.0 - v) * (b - a) + v * (c - a))
 }

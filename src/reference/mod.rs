@@ -1,21 +1,19 @@
 //! A truth to measure by: path-traced irradiance at points on surfaces, with a standard error for each.
 //!
-//! The paper measured no error "due to the lack of a good reference solution"; this is one. It shares the scene, its
-//! occluders, materials and bright sides with the solver and none of the solver's code: its estimates are unbiased,
-//! of any number of bounces, and say how far they may be off. [`ReferenceRun`] makes them better pass by pass and keeps what it knows
-//! in a [`Cache`]. Imports `scene` and `visibility`, never `solver`.
+//! The paper measured no error "due to the lack of a good reference solution"; this is one. It shares the scene with the
+//! solver and nothing else: its own tree of boxes and its own test of rays against faces, its own idea of faces at the same place and
+//! its own list of emitters, so that what blinds the one does not blind the other. Its estimates are unbiased, of any number of
+//! bounces, and say how far they may be off. [`ReferenceRun`] makes them better pass by pass and keeps what it knows in a [`Cache`].
+//! Imports `scene` alone.
 //!
 //! ```
-//! use std::sync::Arc;
-//!
 //! use selflink::cancel::CancelToken;
 //! use selflink::reference::{ReferenceRun, random_points};
 //! use selflink::scene::{Sides, builtin::BuiltinScene};
 //!
-//! let (scene, occluders) = selflink::orient::apply(BuiltinScene::Cornell.build(), Sides::Front);
-//! let occluders = Arc::new(occluders);
-//! let points = random_points(&scene, &occluders, 20, 1);
-//! let mut run = ReferenceRun::new(&scene, occluders, points.into(), 1);
+//! let (scene, _) = selflink::geometry::orient::apply(BuiltinScene::Cornell.build(), Sides::Front);
+//! let points = random_points(&scene, 20, 1);
+//! let mut run = ReferenceRun::new(&scene, points.into(), 1);
 //! for _ in 0..4 {
 //!     run.pass(&CancelToken::new());
 //! }
@@ -24,6 +22,7 @@
 //! println!("E = {} ± {} W/m²", reference.irradiance[0], reference.standard_error[0]);
 //! ```
 
+mod bvh;
 mod cache;
 mod compute;
 mod glow;
@@ -35,6 +34,8 @@ mod run;
 mod sequence;
 mod share;
 mod sums;
+mod surfaces;
+mod triangle;
 
 pub use cache::Cache;
 pub use compute::{Outcome, Target, compute};

@@ -5,20 +5,15 @@
 //! that touches a wall has no spike. A path goes on with the probability of its throughput (Russian roulette) and so has no
 //! longest length.
 
-use std::f32::consts::{PI, TAU};
-use std::sync::Arc;
+use std::f64::consts::{PI, TAU};
 
 use glam::{DVec3, Vec3};
 
 use super::lamps::{LampPoint, Lamps};
 use super::points::SurfacePoint;
 use super::sequence::Sequence;
-use crate::orient;
+use super::surfaces::{Surfaces, Vertex};
 use crate::scene::Scene;
-use crate::visibility::Occluders;
-
-/// Rays start this share of the scene's diagonal off the surface that they leave.
-const RELATIVE_OFFSET: f32 = 1e-5;
 
 /// Vertices of a path whose numbers are stratified over a batch; farther ones differ too much from path to path to gain.
 const EVEN_VERTICES: u32 = 3;
@@ -31,109 +26,98 @@ const CHOICES: u32 = 2;
 
 /// A scene made ready for paths.
 pub struct Tracer {
-    occluders: Arc<Occluders>,
+    surfaces: Surfaces,
     /// One for each polygon.
-    faces: Vec<Face>,
-    /// The polygon on the other side of each doubled face; empty where no face is doubled.
-    back_of: Vec<Option<u32>>,
+    materials: Vec<Material>,
     lamps: Option<Lamps>,
-    /// How far off a surface a ray starts, in the scene's length unit.
-    offset: f32,
 }
 
 /// The bright side of a polygon.
 #[derive(Clone, Copy)]
-struct Face {
-    normal: Vec3,
+struct Material {
     reflectance: Vec3,
     emission: Vec3,
 }
 
 impl Tracer {
-    /// Prepares a scene; `occluders` must be its own.
-    pub fn new(scene: &Scene, occluders: Arc<Occluders>) -> Self {
-        let face = |polygon: &crate::scene::Polygon| {
+    /// Prepares a scene.
+    pub fn new(scene: &Scene) -> Self {
+        let material = |polygon: &crate::scene::Polygon| {
             let surface = scene.surface(polygon);
-            let normal = scene.normal(polygon);
-            Face { normal, reflectance: surface.reflectance, emission: surface.emission }
+            Material { reflectance: surface.reflectance, emission: surface.emission }
         };
-        let (lower, upper) = scene.bounds();
         Self {
-            occluders,
-            faces: scene.polygons.iter().map(face).collect(),
-            back_of: orient::backs(scene),
+            surfaces: Surfaces::new(scene),
+            materials: scene.polygons.iter().map(material).collect(),
             lamps: Lamps::new(scene),
-            offset: RELATIVE_OFFSET * lower.distance(upper),
         }
     }
 
     /// The mean of so many paths from a point, a power of two, that share one scrambled sequence, W/m².
     pub fn irradiance(&self, point: &SurfacePoint, seed: u64, paths: u32) -> DVec3 {
         let Some(lamps) = &self.lamps else { return DVec3::ZERO };
-        let path = |index: u32| self.path(point, lamps, &Sequence::new(seed, index, paths)).as_dvec3();
+        let begin = self.surfaces.vertex(point);
+        let path = |index: u32| self.path(begin, lamps, &Sequence::new(seed, index, paths));
         (0..paths).map(path).sum::<DVec3>() / f64::from(paths)
     }
 
-    fn path(&self, point: &SurfacePoint, lamps: &Lamps, random: &Sequence) -> Vec3 {
-        let (mut position, mut normal) = (point.position, point.normal);
-        let (mut irradiance, mut throughput) = (Vec3::ZERO, Vec3::ONE);
+    fn path(&self, begin: Vertex, lamps: &Lamps, random: &Sequence) -> DVec3 {
+        let mut from = begin;
+        let (mut irradiance, mut throughput) = (DVec3::ZERO, DVec3::ONE);
         for vertex in 0.. {
             let pair = |purpose: u32| {
                 let dimension = PAIRS * vertex + purpose;
                 if vertex < EVEN_VERTICES { random.even(dimension) } else { random.plain(dimension) }
             };
-            let origin = position + self.offset * normal;
             let ([pick, stay], [u, v]) = (pair(CHOICES), pair(LAMP_POINT));
-            let choice = lamps.choice(origin, normal);
-            irradiance += throughput * self.lamp_light(&lamps.point(&choice, pick, u, v), position, normal);
+            let choice = lamps.choice(from.position.as_vec3(), from.normal.as_vec3());
+            irradiance += throughput * self.lamp_light(&lamps.point(&choice, pick, u, v), &from);
 
-            let direction = cosine_direction(normal, pair(DIRECTION));
-            let Some(hit) = self.occluders.closest_hit(origin, direction, 0.0) else { break };
-            let Some(polygon) = orient::bright_side(hit, &self.back_of) else { break };
-            let face = self.faces[polygon as usize];
-            if face.emission != Vec3::ZERO {
-                let kernel = kernel(direction.dot(normal), -direction.dot(face.normal), hit.distance * hit.distance);
-                irradiance +=
-                    throughput * face.emission * share(kernel, lamps.density(&choice, polygon, face.emission));
+            let direction = cosine_direction(from.normal, pair(DIRECTION));
+            let Some((distance, met)) = self.surfaces.meet(&from, direction) else { break };
+            let material = &self.materials[met.polygon as usize];
+            if material.emission != Vec3::ZERO {
+                let kernel = kernel(direction.dot(from.normal), -direction.dot(met.normal), distance * distance);
+                let density = lamps.density(&choice, met.polygon, material.emission);
+                irradiance += throughput * material.emission.as_dvec3() * share(kernel, density);
             }
-            throughput *= face.reflectance;
+            throughput *= material.reflectance.as_dvec3();
             let survival = throughput.max_element();
-            if stay >= survival {
+            if f64::from(stay) >= survival {
                 break;
             }
             throughput /= survival;
-            (position, normal) = (origin + hit.distance * direction, face.normal);
+            from = met;
         }
         irradiance
     }
 
     /// Light that a point of a lamp sends here, with its weight against the direction that the path takes by chance.
     #[inline]
-    fn lamp_light(&self, lamp: &LampPoint, position: Vec3, normal: Vec3) -> Vec3 {
-        let span = lamp.position - position;
+    fn lamp_light(&self, lamp: &LampPoint, from: &Vertex) -> DVec3 {
+        let span = lamp.position - from.position;
         let distance_squared = span.length_squared();
         let direction = span / distance_squared.sqrt();
-        let kernel = kernel(direction.dot(normal), -direction.dot(lamp.normal), distance_squared);
-        let (from, to) = (position + self.offset * normal, lamp.position + self.offset * lamp.normal);
-        if kernel > 0.0 && !self.occluders.occluded(from, to) {
+        let kernel = kernel(direction.dot(from.normal), -direction.dot(lamp.normal), distance_squared);
+        if kernel > 0.0 && self.surfaces.sees(from, &self.surfaces.at(lamp.polygon, lamp.position, lamp.normal)) {
             // B_e · kernel / density, times the weight density / (density + kernel).
-            lamp.emission * share(kernel, lamp.density)
+            lamp.emission.as_dvec3() * share(kernel, lamp.density)
         } else {
-            Vec3::ZERO
+            DVec3::ZERO
         }
     }
 }
 
 /// kernel / (kernel + density): the balance heuristic's weight of a direction, and what a lamp's point counts per emission.
 #[inline]
-fn share(kernel: f32, density: f32) -> f32 {
-    if kernel > 0.0 { kernel / (kernel + density) } else { 0.0 }
+fn share(kernel: f64, density: f32) -> f64 {
+    if kernel > 0.0 { kernel / (kernel + f64::from(density)) } else { 0.0 }
 }
 
 /// cosθ·cosθ′/(π·d²), per area: what a point receives of a lamp per radiosity and area, and the density, per area of the lamp,
 /// of a cosine-weighted direction; 0 where either end faces away.
 #[inline]
-fn kernel(cosine: f32, lamp_cosine: f32, distance_squared: f32) -> f32 {
+fn kernel(cosine: f64, lamp_cosine: f64, distance_squared: f64) -> f64 {
     if cosine > 0.0 && lamp_cosine > 0.0 && distance_squared > 0.0 {
         cosine * lamp_cosine / (PI * distance_squared)
     } else {
@@ -143,11 +127,11 @@ fn kernel(cosine: f32, lamp_cosine: f32, distance_squared: f32) -> f32 {
 
 /// A direction about a normal with density cosθ/π.
 #[inline]
-fn cosine_direction(normal: Vec3, [u, v]: [f32; 2]) -> Vec3 {
+fn cosine_direction(normal: DVec3, [u, v]: [f32; 2]) -> DVec3 {
     let (tangent, bitangent) = normal.any_orthonormal_pair();
-    let (sine, cosine) = (TAU * v).sin_cos();
-    let radius = u.sqrt();
-    (radius * (cosine * tangent + sine * bitangent) + (1.0 - u).max(0.0).sqrt() * normal).normalize()
+    let (sine, cosine) = (TAU * f64::from(v)).sin_cos();
+    let (squared, radius) = (f64::from(u), f64::from(u).sqrt());
+    (radius * (cosine * tangent + sine * bitangent) + (1.0 - squared).sqrt() * normal).normalize()
 }
 
 #[cfg(test)]
@@ -162,14 +146,14 @@ mod tests {
     fn closed_rooms_keep_their_light() {
         let is_closed = |name: &str| name.contains("furnace") || name.contains("sphere");
         for case in cases::all().into_iter().filter(|case| is_closed(case.name)) {
-            let tracer = Tracer::new(&case.scene, Arc::new(Occluders::new(&case.scene)));
+            let surfaces = Surfaces::new(&case.scene);
             let all: Vec<u32> = (0..case.scene.polygons.len() as u32).collect();
             let rays = 1 << 17;
             let points = random_points_on(&case.scene, &all, rays, 7);
             let lost = points.iter().enumerate().filter(|(index, point)| {
-                let direction = cosine_direction(point.normal, Sequence::new(7, *index as u32, 1 << 17).plain(0));
-                let hit = tracer.occluders.closest_hit(point.position + tracer.offset * point.normal, direction, 0.0);
-                hit.is_none_or(|hit| !hit.front)
+                let from = surfaces.vertex(point);
+                let direction = cosine_direction(from.normal, Sequence::new(7, *index as u32, 1 << 17).plain(0));
+                surfaces.meet(&from, direction).is_none()
             });
             let lost = lost.count();
             assert!(lost * 50_000 <= rays, "{}: {lost} of {rays} rays got out", case.name);

@@ -1,24 +1,14 @@
 //! Where irradiance is wanted: points on the bright sides of a scene.
 
-use std::sync::Arc;
-
 use glam::Vec3;
-use rayon::prelude::*;
 
 use super::glow::glow;
 use super::lamps::point_on_polygon;
 use super::sequence::mix;
-use crate::exposure::Darkness;
 use crate::scene::Scene;
-use crate::visibility::Occluders;
 
 /// Keeps the places of points apart from the paths of the same seed.
 const SALT: u64 = 0x706f_696e_7473;
-
-/// Rays that must all meet backs before a point is left out: one that sees a tenth of the room is so once in a thousand times.
-const RAYS: u32 = 64;
-/// A scene of which next to everything is hidden gets fewer points.
-const MOST_ROUNDS: u64 = 16;
 
 /// Steps of the points that follow one another on a polygon: the two-dimensional sequence of the plastic number, 1.3247
 /// \[M. Roberts, *The unreasonable effectiveness of quasirandom sequences*, 2018\].
@@ -49,38 +39,19 @@ impl SurfacePoint {
     }
 }
 
-/// So many random points on all bright sides but the lamps' and what is hidden inside of things, which light cannot reach
-/// ([`Darkness`]).
+/// So many random points on all bright sides but the lamps', those that no light reaches included.
 ///
 /// Half of them lie evenly by area, half by A·|B|² as far as a few paths tell it: a small bright place may hold most of what
 /// an RMS is about, and by area alone hardly a point would meet it. [`SurfacePoint::weight`] makes up for that.
 ///
 /// All polygons, one after the other, are cut into as many parts of equal chance, and each part holds one point; points of one
-/// polygon are spread evenly over it. Where hidden points are left out, others come from another such round.
-pub fn random_points(scene: &Scene, occluders: &Arc<Occluders>, count: usize, seed: u64) -> Vec<SurfacePoint> {
+/// polygon are spread evenly over it.
+pub fn random_points(scene: &Scene, count: usize, seed: u64) -> Vec<SurfacePoint> {
     let is_lamp = |index: usize| scene.emits(&scene.polygons[index]);
     let polygons: Vec<u32> = (0..scene.polygons.len()).filter(|index| !is_lamp(*index)).map(|i| i as u32).collect();
     let areas = areas(scene, &polygons);
-    let chances = halves(&areas, &glow(scene, occluders, &polygons, &areas, seed));
-    let draw = |count: usize, seed: u64| points_by(scene, &polygons, (&areas, &chances), count, seed);
-    if scene.polygons.iter().any(|polygon| polygon.is_back) {
-        // Both sides of faces are bright: nothing lies behind a back.
-        return draw(count, seed);
-    }
-    let darkness = Darkness::new(scene, occluders);
-    let mut points = Vec::with_capacity(count);
-    for round in 0..MOST_ROUNDS {
-        let drawn = draw(count - points.len(), mix(seed, round));
-        let is_exposed = |(index, point): (usize, &SurfacePoint)| {
-            !darkness.encloses(point.position, point.normal, mix(seed ^ SALT, index as u64), RAYS)
-        };
-        let exposed: Vec<bool> = drawn.par_iter().enumerate().map(is_exposed).collect();
-        points.extend(drawn.into_iter().zip(exposed).filter_map(|(point, is_exposed)| is_exposed.then_some(point)));
-        if points.len() == count {
-            break;
-        }
-    }
-    points
+    let chances = halves(&areas, &glow(scene, &polygons, &areas, seed));
+    points_by(scene, &polygons, (&areas, &chances), count, seed)
 }
 
 /// So many random points on these polygons, evenly by area.
@@ -155,15 +126,14 @@ mod tests {
         for (size, aside, material) in [(1.0, 20.0, wall), (5.0, 10.0, lamp), (3.0, 0.0, wall)] {
             square(&mut scene, Vec3::new(aside, 0.0, 2.0), (size * Vec3::X, size * Vec3::Y), material);
         }
-        let occluders = Arc::new(Occluders::new(&scene));
-        let points = random_points(&scene, &occluders, 1000, 1);
+        let points = random_points(&scene, 1000, 1);
         let on = |polygon: u32| points.iter().filter(|point| point.polygon == polygon).count();
         assert_eq!((on(0), on(1), on(2)), (100, 0, 900));
         let is_plain = |point: &SurfacePoint| (point.normal, point.reflectance) == (Vec3::Z, Vec3::splat(0.5));
         assert!(points.iter().all(|point| is_plain(point) && (point.weight - 1.0).abs() < 1e-6));
         let mean = points[100..].iter().map(|point| point.position).sum::<Vec3>() / 900.0;
         assert!(mean.distance(Vec3::new(1.5, 1.5, 2.0)) < 0.02, "{mean}");
-        assert_ne!(points, random_points(&scene, &occluders, 1000, 2));
+        assert_ne!(points, random_points(&scene, 1000, 2));
     }
 
     /// Truth: two floors far apart, of 1 and 99 m², each below a lamp as large; the small one's shines ten times as brightly, and holds half of A·|B|²
@@ -180,8 +150,7 @@ mod tests {
             square(&mut scene, corner, (size * Vec3::X, size * Vec3::Y), floor);
             square(&mut scene, corner + 0.01 * size * Vec3::Z, (size * Vec3::Y, size * Vec3::X), lamp);
         }
-        let occluders = Arc::new(Occluders::new(&scene));
-        let points = random_points(&scene, &occluders, 1000, 1);
+        let points = random_points(&scene, 1000, 1);
         let small: Vec<&SurfacePoint> = points.iter().filter(|point| point.polygon == 0).collect();
         assert!((220..300).contains(&small.len()), "{}", small.len());
         let sum = |points: &[&SurfacePoint]| points.iter().map(|point| point.weight).sum::<f32>();

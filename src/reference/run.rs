@@ -17,7 +17,6 @@ use super::share::shares;
 use super::sums::{BATCH, PILOT, State, Sums, reflected};
 use crate::cancel::CancelToken;
 use crate::scene::Scene;
-use crate::visibility::Occluders;
 
 /// Irradiances at points, as well as they are known.
 #[derive(Clone, Debug)]
@@ -44,11 +43,11 @@ pub struct ReferenceRun {
 }
 
 impl ReferenceRun {
-    /// A run that has made no pass; `occluders` must be the scene's own ([`crate::orient::apply`]).
-    pub fn new(scene: &Scene, occluders: Arc<Occluders>, points: Arc<[SurfacePoint]>, seed: u64) -> Self {
+    /// A run that has made no pass, of a scene whose faces are turned and doubled as it is solved ([`crate::geometry::orient::apply`]).
+    pub fn new(scene: &Scene, points: Arc<[SurfacePoint]>, seed: u64) -> Self {
         let none = vec![Sums::default(); points.len()];
         Self {
-            tracer: Tracer::new(scene, occluders),
+            tracer: Tracer::new(scene),
             key: Key::of(scene, &points, seed),
             state: State { passes: 0, pilot: none.clone(), counted: none },
             shares: Vec::new(),

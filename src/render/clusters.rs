@@ -297,11 +297,11 @@ pub fn by_clusters(snapshot: &Snapshot, view: ClusterView) -> Option<Snapshot> {
 mod tests {
     use super::*;
     use crate::cancel::CancelToken;
+    use crate::geometry::Occluders;
     use crate::render::{Camera, Display, Offscreen, Overlay};
     use crate::scene::Scene;
     use crate::scene::builtin::BuiltinScene;
     use crate::solver::{ClusteringMode, Epsilon, Solver, SolverParams};
-    use crate::visibility::Occluders;
 
     fn solved(name: &str, clustering: ClusteringMode) -> (Arc<Scene>, Snapshot) {
         let scene = Arc::new(BuiltinScene::from_name(name).expect("ours").build());

@@ -32,7 +32,7 @@ pub fn box_edges(lower: Vec3, upper: Vec3) -> [[Vec3; 2]; 12] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::exposure::Exposure;
+    use crate::geometry::Reachability;
     use crate::hierarchy::ClusteringMode;
     use crate::scene::builtin::BuiltinScene;
 
@@ -40,7 +40,7 @@ mod tests {
     #[test]
     fn a_cluster_has_the_edges_of_its_box_and_a_patch_its_own() {
         let scene = BuiltinScene::Cornell.build();
-        let exposure = Exposure::default();
+        let exposure = Reachability::default();
         let hierarchy = Hierarchy::new(&scene, exposure.into(), ClusteringMode::Adaptive, 3);
         let edges = element_outline(&hierarchy, Hierarchy::ROOT);
         assert_eq!(edges.len(), 12);

@@ -14,7 +14,7 @@ use super::reading::{Reading, settle};
 use super::sidecar::{MAX_EMISSION, Sidecar, SidecarMaterial};
 use super::texture::MaterialTextures;
 use super::triangulate::{Effort, ear_clip, is_good_quad, longest_edge_squared, newell};
-use super::{Material, MaterialId, Polygon, Scene, Sides, Skipped, said};
+use super::{Material, MaterialId, NamedCamera, Polygon, Scene, Sides, Skipped, place, said};
 
 /// The largest reflectance that a scene file may set; more makes light that hardly ever dies.
 const MAX_FILE_REFLECTANCE: f32 = 0.95;
@@ -44,7 +44,9 @@ pub(super) fn assemble(name: &str, mut draft: Draft, sidecar: &Sidecar, reading:
         .map(|material| FaceRule::new(&said(&material.name), reading.opaque.contains(&material.name), material.defined))
         .collect();
     let painted = paint(&draft);
-    let mut builder = PolygonBuilder::new(&draft, draft.skipped.clone());
+    let (lower, upper) = draft.bounds();
+    let origin = place::origin(lower, upper);
+    let mut builder = PolygonBuilder::new(&draft, origin, draft.skipped.clone());
     let mut first = 0;
     for (index, face) in draft.faces.iter().enumerate() {
         let corners = first..first + face.count as usize;
@@ -57,6 +59,7 @@ pub(super) fn assemble(name: &str, mut draft: Draft, sidecar: &Sidecar, reading:
     let PolygonBuilder { vertices, polygons, mut details, sources, left_out, mut skipped, .. } = builder;
     details.finish();
     let mut scene = Scene::new(said::name(name));
+    scene.origin = origin;
     scene.vertices = vertices;
     scene.polygons = polygons;
     let mut finishes = Finishes::new(&draft);
@@ -90,8 +93,12 @@ pub(super) fn assemble(name: &str, mut draft: Draft, sidecar: &Sidecar, reading:
     scene.details = Arc::new(details);
     scene.skipped = skipped;
     scene.groups = draft.groups;
-    scene.cameras = draft.cameras;
-    scene.camera = sidecar.camera.or_else(|| scene.cameras.first().map(|camera| camera.pose));
+    scene.cameras =
+        draft.cameras.into_iter().map(|(name, camera)| NamedCamera { name, pose: camera.in_scene(&scene) }).collect();
+    scene.camera = sidecar
+        .camera
+        .map(|camera| camera.in_scene(&scene))
+        .or_else(|| scene.cameras.first().map(|camera| camera.pose));
     scene.lights = lights;
     scene.frame = frame;
     scene.reading = reading.clone();
@@ -259,6 +266,8 @@ struct PolygonBuilder<'a> {
     draft: &'a Draft,
     /// Whether faces may have details of their own.
     has_details: bool,
+    /// Zero of the scene's coordinates in the file's.
+    origin: DVec3,
     /// For each position of the file its vertex in the scene, or [`UNUSED`].
     vertex_of_position: Vec<u32>,
     vertex_at: HashMap<[u32; 3], u32>,
@@ -284,7 +293,7 @@ struct PolygonBuilder<'a> {
 const UNUSED: u32 = u32::MAX;
 
 impl<'a> PolygonBuilder<'a> {
-    fn new(draft: &'a Draft, skipped: Skipped) -> Self {
+    fn new(draft: &'a Draft, origin: DVec3, skipped: Skipped) -> Self {
         let mut seen = HashSet::new();
         seen.reserve(draft.faces.len());
         Self {
@@ -297,6 +306,7 @@ impl<'a> PolygonBuilder<'a> {
             left_out: vec![0; draft.materials.len()],
             has_details: !(draft.uvs.is_empty() && draft.normals.is_empty() && draft.colours.is_empty()),
             draft,
+            origin,
             seen,
             seen_large: HashSet::new(),
             effort: Effort::of_a_scene(),
@@ -362,7 +372,7 @@ impl<'a> PolygonBuilder<'a> {
             return known;
         }
         // Adding zero makes −0 and 0 the same bits.
-        let position = self.draft.vertices[position_index as usize] + Vec3::ZERO;
+        let position = (self.draft.vertices[position_index as usize] - self.origin).as_vec3() + Vec3::ZERO;
         let key = position.to_array().map(f32::to_bits);
         let vertex = *self.vertex_at.entry(key).or_insert_with(|| {
             self.vertices.push(position);

@@ -40,7 +40,9 @@ pub struct Skipped {
     pub faces_seen_from_behind: usize,
     /// Faces that `Sides::Auto` turned round.
     pub turned_faces: usize,
-    /// Faces cut where a wall stands on them ([`crate::partition`]).
+    /// Faces that lie under others, wholly or in part, and count once ([`crate::geometry::overlaps`]).
+    pub covered_faces: usize,
+    /// Faces cut where a wall stands on them ([`crate::geometry::cuts`]).
     pub cut_faces: usize,
     /// Further remarks, each one sentence (a missing MTL file, an unreadable texture).
     pub notes: Vec<String>,
@@ -83,6 +85,7 @@ impl Skipped {
             (self.triangulated_polygons, "polygon cut into triangles", "polygons cut into triangles"),
             (self.faces_seen_from_behind, "face seen from behind", "faces seen from behind (try sides: auto or both)"),
             (self.turned_faces, "face turned round", "faces turned round"),
+            (self.covered_faces, "face under another counted once", "faces under others counted once"),
             (self.cut_faces, "face cut where a wall stands on it", "faces cut where walls stand on them"),
         ];
         let clear = (!self.transparent_materials.is_empty()).then(|| {

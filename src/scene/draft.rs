@@ -3,25 +3,18 @@
 use std::collections::HashMap;
 use std::path::Path;
 
-use glam::{Vec2, Vec3};
+use glam::{DVec3, Vec2, Vec3};
 
 use super::face::CornerDetail;
+use super::place::FiledCamera;
 use super::punctual::PunctualLight;
 use super::texture::{Opacity, TextureMap};
 use super::unit::Unit;
 use super::up::UpAxis;
-use super::{Group, GroupId, NamedCamera, Skipped, said};
+use super::{Group, GroupId, Skipped, said};
 
 /// More polygons than this are refused: they would take tens of gigabytes to light.
 pub(super) const MOST_POLYGONS: usize = 32_000_000;
-
-/// The largest coordinate, in the scene's length unit: the fourth power of a distance must stay a finite f32.
-pub(super) const MAX_COORDINATE: f32 = 1e9;
-
-/// Whether a coordinate is finite and not too large to reckon with.
-pub(super) fn is_usable(coordinate: f32) -> bool {
-    coordinate.abs() <= MAX_COORDINATE
-}
 
 /// The name shown to a person.
 pub(super) fn scene_name(path: &Path) -> String {
@@ -90,7 +83,8 @@ pub(super) struct DraftFace {
 
 /// What a reader hands on.
 pub(super) struct Draft {
-    pub vertices: Vec<Vec3>,
+    /// Positions in the file's coordinates.
+    pub vertices: Vec<DVec3>,
     /// Vertex indices (all valid) of one face after the other.
     pub corners: Vec<u32>,
     /// Texture coordinates of each corner, NaN where a face has none; shorter where the last faces have none.
@@ -104,8 +98,8 @@ pub(super) struct Draft {
     /// Names that the file defines but no face uses; a sidecar may speak of them.
     pub unused_materials: Vec<String>,
     pub groups: Vec<Group>,
-    /// Views that the file holds.
-    pub cameras: Vec<NamedCamera>,
+    /// Views that the file holds, with their names.
+    pub cameras: Vec<(String, FiledCamera)>,
     /// Lights that are no surfaces.
     pub lights: Vec<PunctualLight>,
     /// The length unit, where the file tells it.
@@ -199,6 +193,13 @@ impl Draft {
     /// Colours of the face that was added last, one for each corner.
     pub fn add_colours(&mut self, colours: impl IntoIterator<Item = Option<[u16; 4]>>) {
         add_to(&mut self.colours, self.faces.last(), self.corners.len(), colours, None);
+    }
+
+    /// Lower and upper end of what faces use; infinite where there are none.
+    pub fn bounds(&self) -> (DVec3, DVec3) {
+        let used = self.corners.iter().map(|&corner| self.vertices[corner as usize]);
+        let none = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+        used.fold(none, |(lower, upper), vertex| (lower.min(vertex), upper.max(vertex)))
     }
 
     /// What is known of a corner beside its vertex.

@@ -90,6 +90,9 @@ fn load_bytes_with(path: &Path, bytes: Vec<u8>, files: &dyn SceneFiles, reading:
         let why = if said.is_empty() { String::new() } else { format!(" ({})", said.join(" ")) };
         return Err(LoadError::NoPolygons { path: path.to_owned(), why });
     }
+    if let Some(problem) = sidecar.problem_in(&scene) {
+        return Err(SidecarError::Value { path: sidecar_path, problem }.into());
+    }
     let unusable = |error: EditError| SidecarError::Value { path: sidecar_path.clone(), problem: error.to_string() };
     sidecar.add_lights_to(&mut scene).map_err(unusable)?;
     let remarks = scene.regroup(sidecar.groups);

@@ -55,7 +55,7 @@ pub enum LoadError {
         problem: String,
     },
     /// A coordinate is NaN, infinite or too large.
-    #[error("{}, {place}: {vertex} has a coordinate that is not finite or beyond 1e9; export the scene again", path.display())]
+    #[error("{}, {place}: {vertex} has a coordinate that is not finite, or beyond 1e9 from the middle of the scene; export the scene again", path.display())]
     Coordinate {
         /// The file.
         path: PathBuf,

@@ -16,6 +16,7 @@ mod load_error;
 mod mtl;
 mod obj;
 mod paint;
+mod place;
 mod punctual;
 mod reading;
 mod regroup;
@@ -31,7 +32,7 @@ mod write;
 
 use std::sync::Arc;
 
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 use serde::{Deserialize, Serialize};
 use texture::MaterialTextures;
 
@@ -41,6 +42,8 @@ pub use face::{FaceDetails, Surface};
 pub use files::{FileError, SceneFiles, SceneFolder};
 pub use load::{Source, load, load_bytes, load_file, load_with};
 pub use load_error::LoadError;
+pub use place::FiledCamera;
+pub(crate) use place::to_file;
 pub use reading::{Frame, Reading};
 pub use regroup::{GroupMember, GroupTree};
 pub use regroup_edit::{RegroupError, Regrouped};
@@ -224,6 +227,8 @@ pub struct CeilingPanel {
 pub struct Scene {
     /// Name shown to a person (file stem or the name of our own scene).
     pub name: String,
+    /// Where the zero of the scene's coordinates lies in its file's: files of surveyed places lie far off.
+    pub origin: DVec3,
     /// Positions, in the scene's length unit (metres where areas and watts are to be read).
     pub vertices: Vec<Vec3>,
     /// Faces; order is the file's.
@@ -251,9 +256,9 @@ pub struct Scene {
     pub frame: Frame,
     /// What a person said of how it is to be read.
     pub reading: Reading,
-    /// Which sides of its faces are bright; [`crate::orient::apply`] makes it so.
+    /// Which sides of its faces are bright; [`crate::geometry::orient::apply`] makes it so.
     pub sides: Sides,
-    /// Edges, by their ends, that part what is shown on their sides: a wall stands on them ([`crate::partition`]).
+    /// Edges, by their ends, that part what is shown on their sides: a wall stands on them ([`crate::geometry::cuts`]).
     pub seams: Vec<[Vec3; 2]>,
     /// What loading skipped, clamped or ignored.
     pub skipped: Skipped,
@@ -267,6 +272,7 @@ impl Scene {
             groups: vec![Group { name: name.clone(), parent: None }],
             regrouping: Vec::new(),
             name,
+            origin: DVec3::ZERO,
             vertices: Vec::new(),
             polygons: Vec::new(),
             details: Arc::default(),
@@ -340,6 +346,11 @@ impl Scene {
         let ([a, b, c, d], count) = self.corner_positions(polygon);
         let twice_area = if count == 4 { (c - a).cross(d - b) } else { (b - a).cross(c - a) };
         twice_area.normalize_or_zero()
+    }
+
+    /// Whether any face is bright on one side alone, so that something can lie inside of things.
+    pub fn has_dark_sides(&self) -> bool {
+        self.polygons.iter().any(|polygon| !polygon.is_back && !polygon.has_back)
     }
 
     /// Lower and upper corner of the box around all polygons; both zero for an empty scene.

@@ -8,11 +8,12 @@ use std::path::{Path, PathBuf};
 use glam::{Vec2, Vec3};
 
 use super::GroupId;
-use super::draft::{Draft, DraftMaterial, MOST_POLYGONS, is_usable, scene_name};
+use super::draft::{Draft, DraftMaterial, MOST_POLYGONS, scene_name};
 use super::face::{packed_colour, packed_normal};
 use super::files::{SceneFiles, name_of};
 use super::load_error::LoadError;
 use super::mtl::{MaterialLibrary, text_of};
+use super::place::{Reach, is_usable};
 use super::said::quoted;
 use super::unit::Unit;
 
@@ -89,8 +90,8 @@ struct LineReader<'a> {
     normals: Vec<Option<[i16; 2]>>,
     /// As long as the vertices where any has a colour.
     colours: Vec<Vec3>,
-    /// Lines of the vertices that no face may use.
-    unusable: HashMap<usize, usize>,
+    /// The line of each vertex.
+    vertex_lines: Vec<u32>,
     /// The largest vertex index that a face refers to, counted from 1, and its line.
     largest_index: (i64, usize),
     group: Option<GroupId>,
@@ -114,7 +115,7 @@ impl<'a> LineReader<'a> {
             uvs: Vec::new(),
             normals: Vec::new(),
             colours: Vec::new(),
-            unusable: HashMap::new(),
+            vertex_lines: Vec::new(),
             largest_index: (0, 0),
             group: None,
             material: None,
@@ -155,16 +156,13 @@ impl<'a> LineReader<'a> {
 
     /// A position, with a colour where three numbers more stand behind it.
     fn vertex(&mut self, rest: &str) -> Result<(), LoadError> {
-        let mut position = [0.0_f32; 3];
+        let mut position = [0.0_f64; 3];
         let mut words = rest.split_whitespace();
         for value in &mut position {
             let word = words.next().ok_or_else(|| self.problem("a vertex needs three coordinates"))?;
             *value = word.parse().map_err(|_| self.problem(format!("{} is not a coordinate", quoted(word))))?;
         }
         let number = self.draft.vertices.len();
-        if !position.into_iter().all(is_usable) {
-            self.unusable.insert(number, self.line);
-        }
         let rest: Vec<f32> = words.map_while(|word| word.parse().ok()).take(5).collect();
         let colour = match rest[..] {
             [r, g, b] | [_, r, g, b] => Some(Vec3::new(r, g, b)).filter(|colour| colour.is_finite()),
@@ -175,6 +173,7 @@ impl<'a> LineReader<'a> {
             self.colours.push(colour);
         }
         self.draft.vertices.push(position.into());
+        self.vertex_lines.push(self.line as u32);
         Ok(())
     }
 
@@ -282,14 +281,7 @@ impl<'a> LineReader<'a> {
         if index > self.draft.vertices.len() as i64 {
             return Err(self.index_error(index, line));
         }
-        if !self.unusable.is_empty()
-            && let Some(&vertex) =
-                self.draft.corners.iter().find(|&&corner| self.unusable.contains_key(&(corner as usize)))
-        {
-            let place = format!("line {}", self.unusable[&(vertex as usize)]);
-            let vertex = format!("vertex {}", vertex + 1);
-            return Err(LoadError::Coordinate { path: self.path.to_owned(), place, vertex });
-        }
+        self.check_places()?;
         self.colour_corners();
         let skipped = &mut self.draft.skipped;
         skipped.lines_and_points = self.lines_and_points;
@@ -297,6 +289,25 @@ impl<'a> LineReader<'a> {
         self.draft.unit = self.unit;
         self.add_materials(files);
         Ok(self.draft)
+    }
+
+    /// Looks at the vertices that faces use: all must be finite and not too far from each other.
+    fn check_places(&self) -> Result<(), LoadError> {
+        let mut reach = Reach::new();
+        for &corner in &self.draft.corners {
+            let vertex = self.draft.vertices[corner as usize];
+            if !vertex.to_array().into_iter().all(is_usable) {
+                return Err(self.coordinate_error(corner));
+            }
+            reach.add(vertex, corner);
+        }
+        reach.too_far().map_or(Ok(()), |corner| Err(self.coordinate_error(corner)))
+    }
+
+    fn coordinate_error(&self, vertex: u32) -> LoadError {
+        let place = format!("line {}", self.vertex_lines[vertex as usize]);
+        let vertex = format!("vertex {}", u64::from(vertex) + 1);
+        LoadError::Coordinate { path: self.path.to_owned(), place, vertex }
     }
 
     /// Gives each corner its vertex's colour.

@@ -6,7 +6,8 @@
 
 use glam::{DMat4, DVec3, Vec3};
 
-use super::draft::{Draft, DraftMaterial, is_usable};
+use super::draft::{Draft, DraftMaterial};
+use super::place::is_usable;
 use super::{FileLight, GroupId, MaterialId, Scene};
 use crate::photometry::LUMENS_PER_WATT;
 
@@ -46,7 +47,7 @@ pub(super) fn add_emitters(draft: &mut Draft) -> Vec<FileLight> {
     for light in lights {
         let radius = if light.cone.is_some() { SPOT_RADIUS } else { RADIUS };
         let centre = light.world.transform_point3(DVec3::ZERO);
-        if !centre.as_vec3().to_array().into_iter().all(is_usable) {
+        if !centre.to_array().into_iter().all(is_usable) {
             draft
                 .skipped
                 .note(format!("The light {} lies too far off and is left out.", super::said::quoted(&light.name)));
@@ -80,7 +81,7 @@ pub(super) fn add_emitters(draft: &mut Draft) -> Vec<FileLight> {
 
 fn add<const N: usize>(draft: &mut Draft, corners: [DVec3; N], material: u32, group: GroupId) {
     let first = draft.vertices.len() as u32;
-    draft.vertices.extend(corners.map(|corner| corner.as_vec3()));
+    draft.vertices.extend(corners);
     draft.add_face(&std::array::from_fn::<u32, N, _>(|corner| first + corner as u32), material, group);
 }
 

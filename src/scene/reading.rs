@@ -1,9 +1,9 @@
 //! How a scene file is to be read where it does not say so itself, and what came of that.
 
-use glam::{DMat4, DVec3, Vec3};
+use glam::{DMat4, DVec3};
 use serde::{Deserialize, Serialize};
 
-use super::draft::{Draft, MAX_COORDINATE};
+use super::draft::Draft;
 use super::sidecar::Sidecar;
 use super::unit::Unit;
 use super::up::{self, UpAxis};
@@ -88,15 +88,15 @@ pub(super) fn settle(draft: &mut Draft, reading: &Reading, sidecar: &Sidecar) ->
 fn extents(draft: &Draft, up: UpAxis) -> [f64; 2] {
     let extent = |axis: usize| {
         let level = |&corner: &u32| draft.vertices[corner as usize][axis];
-        let mut levels: Vec<f32> = draft.corners.iter().map(level).filter(|level| level.is_finite()).collect();
+        let mut levels: Vec<f64> = draft.corners.iter().map(level).filter(|level| level.is_finite()).collect();
         if levels.is_empty() {
             return 0.0;
         }
         let rim = if levels.len() <= FEW { 0 } else { (OUTLIERS * levels.len() as f64) as usize };
         let last = levels.len() - 1 - rim;
-        let low = *levels.select_nth_unstable_by(rim, f32::total_cmp).1;
-        let high = *levels.select_nth_unstable_by(last, f32::total_cmp).1;
-        f64::from(high) - f64::from(low)
+        let low = *levels.select_nth_unstable_by(rim, f64::total_cmp).1;
+        let high = *levels.select_nth_unstable_by(last, f64::total_cmp).1;
+        high - low
     };
     let [x, y, z] = [0, 1, 2].map(extent);
     match up {
@@ -106,14 +106,11 @@ fn extents(draft: &Draft, up: UpAxis) -> [f64; 2] {
 }
 
 fn scale(draft: &mut Draft, factor: f64) {
-    let scaled = |place: Vec3| {
-        (factor * place.as_dvec3()).as_vec3().clamp(-Vec3::splat(MAX_COORDINATE), Vec3::splat(MAX_COORDINATE))
-    };
-    draft.vertices.iter_mut().for_each(|vertex| *vertex = scaled(*vertex));
-    for camera in &mut draft.cameras {
-        let ahead = camera.pose.target - camera.pose.eye;
-        camera.pose.eye = scaled(camera.pose.eye);
-        camera.pose.target = camera.pose.eye + ahead;
+    draft.vertices.iter_mut().for_each(|vertex| *vertex *= factor);
+    for (_, camera) in &mut draft.cameras {
+        let ahead = camera.target - camera.eye;
+        camera.eye *= factor;
+        camera.target = camera.eye + ahead;
     }
     let by_factor = DMat4::from_scale(DVec3::splat(factor));
     draft.lights.iter_mut().for_each(|light| light.world = by_factor * light.world);

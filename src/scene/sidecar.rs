@@ -12,11 +12,11 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::{fs, io};
 
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 use serde::{Deserialize, Serialize};
 
-use super::draft::{self, MAX_COORDINATE};
 use super::files::{FileError, MOST_TEXT_BYTES, SceneFiles, SceneFolder};
+use super::place::{FiledCamera, MAX_COORDINATE, is_usable as is_usable_coordinate};
 use super::unit::Unit;
 use super::up::UpAxis;
 use super::{CameraPose, CeilingPanel, EditError, GroupMember, Material, Scene, Sides, said};
@@ -54,7 +54,7 @@ pub struct Sidecar {
     pub groups: Vec<GroupMember>,
     /// The view to open with.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub camera: Option<CameraPose>,
+    pub camera: Option<FiledCamera>,
 }
 
 /// What a sidecar says of one material; what is missing stays as the scene file has it.
@@ -79,8 +79,8 @@ pub struct SidecarMaterial {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SidecarLight {
-    /// Middle of the panel.
-    pub centre: Vec3,
+    /// Middle of the panel, in the file's coordinates.
+    pub centre: DVec3,
     /// Up direction; need not be normalised.
     pub up: Vec3,
     /// Length of its sides, in the scene's length unit.
@@ -174,7 +174,7 @@ impl Sidecar {
             }
         }
         let light = |panel: &CeilingPanel| SidecarLight {
-            centre: panel.centre,
+            centre: scene.to_file(panel.centre),
             up: panel.up,
             size: panel.size,
             exitance: scene.materials[panel.material.0 as usize].emission,
@@ -191,7 +191,7 @@ impl Sidecar {
             self.sides = Some(scene.sides);
         }
         self.groups = scene.regrouping.clone();
-        self.camera = scene.camera.or(self.camera);
+        self.camera = scene.camera.map(|camera| camera.in_file(scene)).or(self.camera);
     }
 
     /// Adds the lights to a scene.
@@ -200,7 +200,22 @@ impl Sidecar {
     /// A light that cannot be used; none of a sidecar that was [read](Self::read).
     pub fn add_lights_to(&self, scene: &mut Scene) -> Result<(), EditError> {
         let mut lights = self.ceiling_lights.iter();
-        lights.try_for_each(|light| scene.add_ceiling_light(light.centre, light.up, light.size, light.exitance))
+        lights.try_for_each(|light| {
+            scene.add_ceiling_light(scene.from_file(light.centre), light.up, light.size, light.exitance)
+        })
+    }
+
+    /// Why a light or the view cannot be used in this scene, if so.
+    pub(super) fn problem_in(&self, scene: &Scene) -> Option<String> {
+        let is_far = |place: DVec3| scene.from_file(place).abs().max_element() > MAX_COORDINATE;
+        let what = if self.ceiling_lights.iter().any(|light| is_far(light.centre)) {
+            "a ceiling light"
+        } else if self.camera.is_some_and(|camera| is_far(camera.eye) || is_far(camera.target)) {
+            "the camera"
+        } else {
+            return self.camera.and_then(|camera| view_problem(&camera.in_scene(scene)));
+        };
+        Some(format!("{what} lies beyond 1e9 from the middle of the scene"))
     }
 
     /// Reads and checks a sidecar.
@@ -283,15 +298,15 @@ fn in_range(value: Vec3, most: f32) -> bool {
 }
 
 /// Whether a place is finite and not too far off to reckon with.
-fn is_usable(place: Vec3) -> bool {
-    place.to_array().into_iter().all(draft::is_usable)
+fn is_usable(place: DVec3) -> bool {
+    place.to_array().into_iter().all(is_usable_coordinate)
 }
 
 /// Why a light cannot be used.
 fn light_problem(light: &SidecarLight) -> Option<String> {
     let SidecarLight { centre, up, size, exitance } = *light;
     let problem = if !(is_usable(centre) && up.is_finite()) {
-        "has a coordinate that is not finite or beyond 1e9".to_owned()
+        "has a coordinate that is not finite or beyond 1e15".to_owned()
     } else if up.try_normalize().is_none() {
         "has no up direction; [0, 1, 0] is usual".to_owned()
     } else if !(size > 0.0 && size <= MAX_COORDINATE) {
@@ -304,14 +319,21 @@ fn light_problem(light: &SidecarLight) -> Option<String> {
     Some(format!("a ceiling light {problem}"))
 }
 
-/// Why a view cannot be used.
-fn camera_problem(camera: &CameraPose) -> Option<String> {
-    let CameraPose { eye, target, up, hfov_deg } = *camera;
+/// Why a view cannot be used, whatever the scene.
+fn camera_problem(camera: &FiledCamera) -> Option<String> {
+    if is_usable(camera.eye) && is_usable(camera.target) && camera.up.is_finite() {
+        let from_target = FiledCamera { eye: camera.eye - camera.target, target: DVec3::ZERO, ..*camera };
+        return view_problem(&from_target.in_scene(&Scene::new("")));
+    }
+    Some("the camera has a coordinate that is not finite or beyond 1e15".to_owned())
+}
+
+/// Why one cannot look so.
+fn view_problem(view: &CameraPose) -> Option<String> {
+    let CameraPose { eye, target, up, hfov_deg } = *view;
     let forward = target - eye;
     let angle = forward.try_normalize().zip(up.try_normalize()).map(|(forward, up)| forward.cross(up).length());
-    let problem = if !(is_usable(eye) && is_usable(target) && up.is_finite()) {
-        "has a coordinate that is not finite or beyond 1e9"
-    } else if forward.try_normalize().is_none() {
+    let problem = if forward.try_normalize().is_none() {
         "looks at the point where its eye is; give it another target"
     } else if up.try_normalize().is_none() {
         "has no up direction; [0, 1, 0] is usual"

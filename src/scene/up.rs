@@ -80,7 +80,7 @@ struct Axis {
 /// The axis that looks most like up. Things stand on floors, so corners lie low; there are more flat faces inside of a room, of tables and
 /// shelves, than walls one way; rooms are wider than high; and names may tell.
 pub(super) fn guessed(draft: &Draft) -> UpAxis {
-    let used = || draft.corners.iter().map(|&corner| draft.vertices[corner as usize].as_dvec3());
+    let used = || draft.corners.iter().map(|&corner| draft.vertices[corner as usize]);
     let sound = || used().filter(|corner| corner.is_finite());
     let none = (DVec3::INFINITY, DVec3::NEG_INFINITY);
     let (lower, upper) = sound().fold(none, |(lower, upper), corner| (lower.min(corner), upper.max(corner)));
@@ -107,11 +107,11 @@ pub(super) fn guessed(draft: &Draft) -> UpAxis {
         let (of_face, behind) = rest.split_at(face.count as usize);
         rest = behind;
         positions.clear();
-        positions.extend(of_face.iter().map(|&corner| draft.vertices[corner as usize]));
+        positions.extend(of_face.iter().map(|&corner| (draft.vertices[corner as usize] - lower).as_vec3()));
         let normal = newell(&positions);
         let area = normal.length();
         let Some(axis) = (0..3).find(|&axis| normal[axis].abs() >= ACROSS * area && area > 0.0) else { continue };
-        let level = (f64::from(positions[0][axis]) - lower[axis]) / extent[axis];
+        let level = f64::from(positions[0][axis]) / extent[axis];
         if (RIM..=1.0 - RIM).contains(&level) {
             axes[axis].inner += area;
         }

@@ -9,6 +9,7 @@ use std::path::{Path, PathBuf};
 use glam::Vec3;
 use serde_json::json;
 
+use super::place::shortest;
 use super::{GroupId, Material, Polygon, Scene, Sides};
 
 /// Why a scene could not be written.
@@ -50,6 +51,7 @@ fn obj_text(scene: &Scene, materials: &[String], stem: &str) -> String {
     let mut text = format!("# {}: {} polygons, lengths in metres, y up\n", scene.name, scene.polygons.len());
     line(&mut text, format_args!("mtllib {stem}.mtl"));
     for vertex in &scene.vertices {
+        let vertex = scene.to_file(*vertex);
         line(&mut text, format_args!("v {} {} {}", vertex.x, vertex.y, vertex.z));
     }
     // Faces of the root have no `g`, so they have to come before the first one.
@@ -102,10 +104,7 @@ fn sidecar_text(scene: &Scene, names: &[String]) -> String {
         sidecar["materials"] = bright.into();
     }
     if let Some(camera) = scene.camera {
-        sidecar["camera"] = json!({
-            "eye": decimal(camera.eye), "target": decimal(camera.target), "up": decimal(camera.up),
-            "hfov_deg": shortest(camera.hfov_deg),
-        });
+        sidecar["camera"] = json!(camera.in_file(scene));
     }
     format!("{sidecar:#}\n")
 }
@@ -124,11 +123,6 @@ fn radiance(exitance: f32) -> f32 {
         .filter(|candidate| candidate * std::f32::consts::PI == exitance)
         .min_by_key(|candidate| candidate.to_string().len())
         .unwrap_or(nearest)
-}
-
-/// An f32 as the f64 with the same few digits, so that JSON says 39.3 and not 39.29999923706055.
-fn shortest(value: f32) -> f64 {
-    value.to_string().parse().unwrap_or_else(|_| f64::from(value))
 }
 
 fn decimal(vector: Vec3) -> [f64; 3] {

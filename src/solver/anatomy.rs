@@ -286,9 +286,9 @@ mod tests {
 
     use super::*;
     use crate::cancel::CancelToken;
+    use crate::geometry::Occluders;
     use crate::scene::builtin::BuiltinScene;
     use crate::solver::{Epsilon, Solver};
-    use crate::visibility::Occluders;
 
     fn anatomy() -> Arc<Anatomy> {
         let scene = Arc::new(BuiltinScene::Cornell.build());

@@ -4,9 +4,9 @@ use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
 use super::Solver;
-use crate::exposure::Darkness;
-use crate::hierarchy::ElementId;
-use crate::random::{cosine_direction, mix};
+use crate::geometry::EnclosureTest;
+use crate::hierarchy::{ElementId, SurfacePoint};
+use crate::random::{cosine_direction, even_point, mix};
 
 /// The power of a solution, W per colour: Φ should equal the sum of the other three.
 #[derive(Clone, Copy, Debug)]
@@ -21,9 +21,10 @@ pub struct PowerBalance {
     pub escaped: DVec3,
 }
 
-/// Rays that tell whether a point is hidden, and points tried until one is not.
+/// Rays that tell whether a point is hidden.
 const HIDDEN_RAYS: u32 = 16;
-const MOST_TRIES: u64 = 16;
+/// Points of a leaf hidden in part that are tried.
+const TRIES: u64 = 8;
 
 impl PowerBalance {
     /// What is missing (positive) or created (negative), as a share of the emitted power of all colours.
@@ -64,10 +65,9 @@ pub fn power_balance(solver: &Solver, rays: u32, seed: u64) -> PowerBalance {
     if total <= 0.0 || rays == 0 {
         return balance;
     }
-    let lower_upper = solver.scene.bounds();
-    let nearest = 1e-5 * (lower_upper.1 - lower_upper.0).length();
-    let darkness = Darkness::new(&solver.scene, &solver.occluders);
-    let can_hide = |leaf: ElementId| hierarchy.element(leaf).exposed_share() < 1.0;
+    let test = EnclosureTest::new(&solver.scene, &solver.occluders);
+    let starts: Vec<Vec<SurfacePoint>> =
+        leaves.par_iter().map(|leaf| exposed_points(solver, &test, *leaf, seed)).collect();
     let fates: Vec<(DVec3, DVec3)> = (0..rays)
         .into_par_iter()
         .map(|index| {
@@ -75,20 +75,17 @@ pub fn power_balance(solver: &Solver, rays: u32, seed: u64) -> PowerBalance {
             let wanted = (f64::from(index) + f64::from(random(0))) / f64::from(rays) * total;
             let place = power_before[1..leaves.len()].partition_point(|&before| before <= wanted);
             let leaf = leaves[place];
-            let exposed = |number: u64| {
-                let point = hierarchy.point_on(leaf, random(5 + 2 * number), random(6 + 2 * number));
-                let seed = mix(seed, u64::from(index));
-                let is_hidden = can_hide(leaf) && darkness.hides(point.position, point.normal, seed, HIDDEN_RAYS);
-                (!is_hidden).then_some(point)
+            // Of a leaf that is hidden in part, one of the points that are not.
+            let point = match starts[place].as_slice() {
+                [] => hierarchy.point_on(leaf, random(1), random(2)),
+                some => some[((random(1) * some.len() as f32) as usize).min(some.len() - 1)],
             };
-            let point = (0..MOST_TRIES).find_map(exposed);
-            let point = point.unwrap_or_else(|| hierarchy.point_on(leaf, random(1), random(2)));
             let direction = cosine_direction(point.normal, random(3), random(4));
             let radiosity = solver.light.radiosity[leaf.index()];
             let carried = (radiosity / radiosity.element_sum()).as_dvec3() * (total / f64::from(rays));
-            match solver.occluders.closest_hit(point.position + nearest * point.normal, direction, 0.0) {
+            match solver.occluders.ray_from(point.position, point.normal, direction) {
                 None => (DVec3::ZERO, carried),
-                Some(hit) if !hit.front && !solver.is_double(hit.polygon) => (carried, DVec3::ZERO),
+                Some(hit) if !hit.front => (carried, DVec3::ZERO),
                 Some(_) => (DVec3::ZERO, DVec3::ZERO),
             }
         })
@@ -104,9 +101,18 @@ pub fn power_balance(solver: &Solver, rays: u32, seed: u64) -> PowerBalance {
     balance
 }
 
-impl Solver {
-    /// Whether the face of this polygon is bright on both sides.
-    fn is_double(&self, polygon: u32) -> bool {
-        self.scene.polygons[polygon as usize].has_back
+/// Some random points of a leaf that is hidden in part that are not hidden themselves; few are tried, so that the work grows with the
+/// scene, not with the rays.
+fn exposed_points(solver: &Solver, test: &EnclosureTest, leaf: ElementId, seed: u64) -> Vec<SurfacePoint> {
+    let hierarchy = &solver.hierarchy;
+    if hierarchy.element(leaf).exposed_share() >= 1.0 || solver.light.radiosity[leaf.index()] == Vec3::ZERO {
+        return Vec::new();
     }
+    let point = |number: u64| {
+        let seed = mix(mix(seed, u64::from(leaf.0)), number);
+        let [u, v] = even_point(seed, 0);
+        let point = hierarchy.point_on(leaf, u, v);
+        (!test.hides(point.position, point.normal, seed, HIDDEN_RAYS)).then_some(point)
+    };
+    (0..TRIES).filter_map(point).collect()
 }

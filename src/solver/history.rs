@@ -200,6 +200,7 @@ impl Solver {
             mesh: display.mesh,
             clusters: display.clusters,
             moment: Some(moment),
+            field: None,
             anatomy: None,
             stats: info.stats,
         };
@@ -214,9 +215,9 @@ impl Solver {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geometry::Occluders;
     use crate::scene::builtin::BuiltinScene;
     use crate::solver::{Epsilon, SolverParams, Step};
-    use crate::visibility::Occluders;
 
     fn solver(epsilon: f64) -> Solver {
         let scene = Arc::new(BuiltinScene::Cornell.build());

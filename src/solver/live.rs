@@ -67,8 +67,8 @@ impl Solver {
     /// Parameters out of range, or a `none` solve that cannot fit into memory.
     pub fn rebuilt(&self, params: SolverParams, generation: u64) -> Result<Self, SolverError> {
         let (scene, occluders) = (self.scene.clone(), self.occluders.clone());
-        let exposure = self.hierarchy.exposure().clone();
-        let mut new = Self::with_exposure(scene, occluders, params, generation, |_, _| exposure)?;
+        let reachability = self.hierarchy.reachability().clone();
+        let mut new = Self::with_reachability(scene, occluders, params, generation, |_, _| reachability)?;
         if params.threshold() == self.params.threshold() {
             (new.epsilon_watts, new.anchor_watts) = (self.epsilon_watts, self.anchor_watts);
         }
@@ -175,9 +175,9 @@ impl Solver {
     fn restart_from_root(&mut self) {
         let known = self.light.radiosity[..].to_vec();
         let scene = self.scene.clone();
-        let exposure = self.hierarchy.exposure().clone();
+        let reachability = self.hierarchy.reachability().clone();
         let (hierarchy, seconds) =
-            timed(|| Hierarchy::new(&scene, exposure, self.params.clustering, self.params.octree_depth));
+            timed(|| Hierarchy::new(&scene, reachability, self.params.clustering, self.params.octree_depth));
         self.hierarchy = hierarchy;
         // Another solve begins, so it counts from zero.
         self.seconds = Seconds { load: self.seconds.load, hierarchy: seconds, total: seconds, ..Seconds::default() };

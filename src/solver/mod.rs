@@ -69,15 +69,17 @@ pub use stats::{Bytes, Phase, Seconds, Stats};
 pub use verdict::Rejection;
 
 use crate::cancel::CancelToken;
-use crate::exposure::Exposure;
+use crate::gather::Field;
+use crate::geometry::Occluders;
+use crate::geometry::Reachability;
 use crate::hierarchy::{ElementId, Hierarchy, PatchSums, Shape};
 use crate::scene::Scene;
-use crate::visibility::Occluders;
 use candidate::Candidate;
 use change::Doubts;
 use display::Display;
 use final_gather::FinalGather;
-use gather::{Light, Surface, pull};
+pub use gather::Surface;
+use gather::{Light, pull};
 use history::History;
 use memory::check_pairs_fit;
 use picture::Picture;
@@ -170,6 +172,8 @@ pub struct Solver {
     picture: Picture,
     display: Option<Display>,
     final_gather: Option<FinalGather>,
+    /// What readings gather over; made when it is first asked for.
+    field: Option<Arc<Field>>,
     /// Whether snapshots carry the anatomy, and the hierarchy of the last one that did.
     wants_anatomy: bool,
     frozen: Option<Arc<Hierarchy>>,
@@ -187,25 +191,25 @@ impl Solver {
         params: SolverParams,
         generation: u64,
     ) -> Result<Self, SolverError> {
-        Self::with_exposure(scene, occluders, params, generation, |scene, occluders| {
-            Arc::new(Exposure::new(scene, occluders))
+        Self::with_reachability(scene, occluders, params, generation, |scene, occluders| {
+            Arc::new(Reachability::new(scene, occluders))
         })
     }
 
     /// The same where somebody may know already what is hidden.
-    fn with_exposure(
+    fn with_reachability(
         scene: Arc<Scene>,
         occluders: Arc<Occluders>,
         params: SolverParams,
         generation: u64,
-        exposure: impl FnOnce(&Scene, &Occluders) -> Arc<Exposure>,
+        reachability: impl FnOnce(&Scene, &Occluders) -> Arc<Reachability>,
     ) -> Result<Self, SolverError> {
         params.validate()?;
         if params.clustering == ClusteringMode::None {
             check_pairs_fit(scene.polygons.len() as u64, params.memory.bytes())?;
         }
         let (hierarchy, seconds) =
-            timed(|| Hierarchy::new(&scene, exposure(&scene, &occluders), params.clustering, params.octree_depth));
+            timed(|| Hierarchy::new(&scene, reachability(&scene, &occluders), params.clustering, params.octree_depth));
         let seconds = Seconds { hierarchy: seconds, total: seconds, ..Seconds::default() };
         let mut solver = Self {
             surfaces: surfaces_of(&scene),
@@ -239,6 +243,7 @@ impl Solver {
             picture: Picture::default(),
             display: None,
             final_gather: None,
+            field: None,
             wants_anatomy: false,
             frozen: None,
             history: None,

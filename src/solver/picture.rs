@@ -11,6 +11,7 @@ use super::Solver;
 use super::anatomy::Anatomy;
 use super::candidate::Waiting;
 use super::display::Display;
+use super::final_gather::FinalGather;
 use super::form_factor::{Exchange, exchange, self_exchange};
 use super::gather::{Gatherer, Light};
 use super::link::{Evidence, Link, LinkTable};
@@ -54,11 +55,11 @@ pub(super) fn snapshot(solver: &mut Solver) -> Snapshot {
     if solver.wants_anatomy {
         solver.freeze();
     }
+    let is_gathered = solver.final_gather.as_ref().is_some_and(FinalGather::is_ready);
+    let of_links =
+        (!is_gathered).then(|| Display::current(solver.display.take(), &solver.scene, &solver.hierarchy, style));
+    let field = solver.field();
     let gathered = solver.final_gather.as_ref().filter(|gather| gather.is_ready());
-    let of_links = match gathered {
-        Some(_) => None,
-        None => Some(Display::current(solver.display.take(), &solver.scene, &solver.hierarchy, style)),
-    };
     let (display, vertex_irradiance, vertex_radiosity) = match (&of_links, gathered) {
         (None, Some(gather)) => {
             let irradiance = gather.vertex_irradiance();
@@ -80,6 +81,7 @@ pub(super) fn snapshot(solver: &mut Solver) -> Snapshot {
         leaf_radiosity: display.of_leaves(&light.radiosity),
         clusters: display.clusters.clone(),
         moment: None,
+        field,
         anatomy,
         stats: solver.stats(),
     };

@@ -9,9 +9,9 @@ use std::f32::consts::PI;
 use glam::Vec3;
 
 use super::form_factor::point_to_polygon;
+use crate::geometry::Occluders;
 use crate::hierarchy::{ElementId, Hierarchy, PatchSums, Shape, SurfacePoint};
 use crate::random::{fraction, mix};
-use crate::visibility::Occluders;
 
 /// How many rays a pair gets.
 #[derive(Clone, Copy, Debug)]
@@ -201,7 +201,7 @@ impl RaySampler<'_> {
             }
             survey.rayed_kernel += kernel;
             survey.cast += 1;
-            if !self.occluders.occluded_above((from.position, from.normal), (to.position, to.normal)) {
+            if self.occluders.sees((from.position, from.normal), (to.position, to.normal)) {
                 survey.visible += 1;
                 survey.visible_kernel += kernel;
             }

@@ -1,5 +1,7 @@
 //! From the links' solution to what is shown: nothing more to do, or a final gather over it.
 
+use std::sync::Arc;
+
 use super::display::{Display, Style};
 use super::final_gather::{Context, FinalGather, Progress};
 use super::gather::pull;
@@ -8,6 +10,7 @@ use super::params::Reconstruct;
 use super::stats::Phase;
 use super::{Solver, Step};
 use crate::cancel::CancelToken;
+use crate::gather::Field;
 use crate::hierarchy::Shape;
 
 impl Solver {
@@ -28,6 +31,16 @@ impl Solver {
             Reconstruct::Constant => Style::Flat,
             Reconstruct::Vertex | Reconstruct::Gather => Style::Shared,
         }
+    }
+
+    /// The field that readings gather over, once a final gather has ended.
+    pub(super) fn field(&mut self) -> Option<Arc<Field>> {
+        if self.phase != Phase::Done || self.final_gather.is_none() {
+            self.field = None;
+            return None;
+        }
+        let make = || Field::new(&self.scene, &self.occluders, self.hierarchy.clone(), &self.light.irradiance);
+        Some(self.field.get_or_insert_with(|| Arc::new(make())).clone())
     }
 
     /// The error that can be promised, as a share of the RMS radiosity, once it was estimated.

@@ -8,6 +8,7 @@ use glam::Vec3;
 
 use super::anatomy::Anatomy;
 use super::stats::Stats;
+use crate::gather::Field;
 use crate::hierarchy::ElementId;
 use crate::scene::MaterialId;
 
@@ -32,6 +33,8 @@ pub struct Snapshot {
     pub clusters: Arc<Vec<ClusterBox>>,
     /// The former moment that it shows ([`super::Solver::snapshot_of`]); `None` for the present.
     pub moment: Option<usize>,
+    /// The field that readings gather over; `None` until a final gather has ended.
+    pub field: Option<Arc<Field>>,
     /// Elements and links of this state, where somebody asked for them.
     pub anatomy: Option<Arc<Anatomy>>,
     /// Counts and times.

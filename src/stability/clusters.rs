@@ -9,11 +9,11 @@ use super::{Check, Row};
 use crate::accuracy::by_reference;
 use crate::accuracy::cases::{Case, lamp_and_black, level, mean};
 use crate::accuracy::closed_forms::{Span, parallel_exchange, perpendicular_exchange};
+use crate::geometry::Occluders;
 use crate::hierarchy::ClusteringMode;
 use crate::random::{even_point, mix};
 use crate::scene::{GroupId, Scene};
 use crate::solver::{ClusterModel, Push, SolverError, SolverParams};
-use crate::visibility::Occluders;
 
 pub(super) fn rows() -> Vec<Row> {
     vec![

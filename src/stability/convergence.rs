@@ -11,10 +11,10 @@ use super::{Check, Row};
 use crate::accuracy::by_reference;
 use crate::accuracy::cases::{Case, level, mean};
 use crate::cancel::CancelToken;
+use crate::geometry::Occluders;
 use crate::hierarchy::{ClusteringMode, ElementId};
 use crate::scene::{GroupId, Scene};
 use crate::solver::{ClusterModel, Epsilon, Solver, SolverError, SolverParams, audit, power_balance};
-use crate::visibility::Occluders;
 
 pub(super) fn rows() -> Vec<Row> {
     vec![

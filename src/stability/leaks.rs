@@ -8,7 +8,7 @@ use super::{Check, Row};
 use crate::accuracy::by_solver;
 use crate::accuracy::cases::{Case, lamp_and_black, level, point};
 use crate::accuracy::closed_forms::{Span, parallel_exchange, point_to_polygon};
-use crate::orient;
+use crate::geometry::orient;
 use crate::scene::{GroupId, MaterialId, Scene, Sides};
 use crate::solver::{ClusteringMode, Solver, SolverError, SolverParams};
 

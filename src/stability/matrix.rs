@@ -6,10 +6,10 @@
 use glam::{DVec3, Vec3};
 
 use crate::accuracy::closed_forms::point_to_polygon;
-use crate::exposure::quarter;
+use crate::geometry::Occluders;
+use crate::geometry::quarter;
 use crate::random::{even_point, mix};
 use crate::scene::Scene;
-use crate::visibility::Occluders;
 
 /// How finely a scene is looked at.
 #[derive(Clone, Copy, Debug)]
@@ -132,8 +132,7 @@ fn of_point(
         let heights = normal.dot(span).max(0.0) * (-from.normal.dot(span)).max(0.0);
         let kernel = f64::from(heights) / f64::from(span.length_squared()).powi(2).max(f64::MIN_POSITIVE);
         all += kernel;
-        seen +=
-            if kernel > 0.0 && !occluders.occluded_above((point, normal), (at, from.normal)) { kernel } else { 0.0 };
+        seen += if kernel > 0.0 && occluders.sees((point, normal), (at, from.normal)) { kernel } else { 0.0 };
     }
     if all > 0.0 { whole * seen / all } else { 0.0 }
 }

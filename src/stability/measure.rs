@@ -5,10 +5,10 @@ use std::sync::Arc;
 use glam::DVec3;
 
 use crate::cancel::CancelToken;
+use crate::geometry::Occluders;
 use crate::hierarchy::{ElementId, Hierarchy, Shape};
 use crate::scene::Scene;
 use crate::solver::{ClusteringMode, Epsilon, Solver, SolverError, SolverParams};
-use crate::visibility::Occluders;
 
 /// Every way to build clusters.
 pub const MODES: [ClusteringMode; 4] =

@@ -1,19 +1,20 @@
-//! Readings as CSV: a row for each point; lengths in the scene's unit, light in W/m² per colour and in lx.
+//! Readings as CSV: a row for each point; lengths in the scene's unit and its file's coordinates, light in W/m² per colour and in lx.
 
 use std::io::{self, Write};
 
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 
 use super::lit_mesh::SurfaceReading;
 use super::plane::PlaneReading;
 use crate::photometry::lux;
+use crate::scene::to_file;
 
 /// A probe's name, place and what is there, if anything.
 pub struct NamedReading<'a> {
     /// Its name.
     pub name: &'a str,
-    /// Where it was placed.
-    pub point: Vec3,
+    /// Where it was placed, in the coordinates of the scene's file.
+    pub point: DVec3,
     /// Normal of the surface there.
     pub normal: Vec3,
     /// What is read.
@@ -27,7 +28,7 @@ pub struct NamedReading<'a> {
 pub fn write_plane(writer: &mut impl Write, plane: &PlaneReading) -> io::Result<()> {
     writeln!(writer, "x,y,z,E_r,E_g,E_b,E_lx")?;
     for (point, value) in plane.grid.points.iter().zip(&plane.values) {
-        let Vec3 { x, y, z } = *point;
+        let DVec3 { x, y, z } = to_file(plane.origin, *point);
         match value {
             Some(e) => writeln!(writer, "{x},{y},{z},{},{},{},{}", e.x, e.y, e.z, lux(e.to_array()))?,
             None => writeln!(writer, "{x},{y},{z},,,,")?,
@@ -41,16 +42,20 @@ pub fn write_plane(writer: &mut impl Write, plane: &PlaneReading) -> io::Result<
 /// # Errors
 /// What the writer says.
 pub fn write_probes<'a>(writer: &mut impl Write, probes: impl IntoIterator<Item = NamedReading<'a>>) -> io::Result<()> {
-    writeln!(writer, "name,x,y,z,nx,ny,nz,E_r,E_g,E_b,B_r,B_g,B_b,E_lx")?;
+    writeln!(writer, "name,x,y,z,nx,ny,nz,E_r,E_g,E_b,B_r,B_g,B_b,E_lx,se_r,se_g,se_b")?;
     for NamedReading { name, point, normal, reading } in probes {
         // Names hold whatever a person typed.
         let name = name.replace('"', "\"\"");
         write!(writer, "\"{name}\",{},{},{},{},{},{}", point.x, point.y, point.z, normal.x, normal.y, normal.z)?;
         match reading {
-            Some(SurfaceReading { irradiance: e, radiosity: b, .. }) => {
-                writeln!(writer, ",{},{},{},{},{},{},{}", e.x, e.y, e.z, b.x, b.y, b.z, lux(e.to_array()))?;
+            Some(SurfaceReading { irradiance: e, radiosity: b, standard_error, .. }) => {
+                write!(writer, ",{},{},{},{},{},{},{}", e.x, e.y, e.z, b.x, b.y, b.z, lux(e.to_array()))?;
+                match standard_error {
+                    Some(se) => writeln!(writer, ",{},{},{}", se.x, se.y, se.z)?,
+                    None => writeln!(writer, ",,,")?,
+                }
             }
-            None => writeln!(writer, ",,,,,,,")?,
+            None => writeln!(writer, ",,,,,,,,,,")?,
         }
     }
     Ok(())

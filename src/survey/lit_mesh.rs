@@ -4,12 +4,15 @@ use std::sync::Arc;
 
 use glam::Vec3;
 
+use crate::geometry::Occluders;
 use crate::scene::Scene;
 use crate::solver::{Leaf, Mesh, Snapshot, barycentric};
-use crate::visibility::Occluders;
 
 /// A point farther than this share of the scene's size from every surface lies on none.
 const TOLERANCE: f32 = 1e-3;
+
+/// Standard error of a reading, as a share of the light there: some tenths of a millisecond.
+const READING_ERROR: f32 = 0.02;
 
 /// A snapshot and its mesh as rays meet it.
 #[derive(Clone)]
@@ -29,9 +32,11 @@ pub struct SurfaceReading {
     pub normal: Vec3,
     /// The leaf that holds it, as the snapshot has it.
     pub leaf: Leaf,
-    /// Irradiance E, W/m², interpolated as in the picture.
+    /// Irradiance E, W/m²: gathered at the point where there is a field, else interpolated as in the picture.
     pub irradiance: Vec3,
-    /// Radiosity B, W/m², likewise.
+    /// Standard error of E, W/m², where it was gathered.
+    pub standard_error: Option<Vec3>,
+    /// Radiosity B, W/m², by that E.
     pub radiosity: Vec3,
 }
 
@@ -61,14 +66,6 @@ impl LitMesh {
         is_same.then(|| Self { scene: scene.clone(), snapshot: snapshot.clone(), ..self.clone() })
     }
 
-    /// Whether a triangle belongs to a face that is bright on both sides.
-    fn is_doubled(&self, triangle: u32) -> bool {
-        let mesh = &self.snapshot.mesh;
-        let leaf = &mesh.leaves[mesh.triangle_leaf[triangle as usize] as usize];
-        let polygon = &self.scene.polygons[leaf.polygon as usize];
-        polygon.is_back || polygon.has_back
-    }
-
     /// The light that is read.
     pub fn snapshot(&self) -> &Arc<Snapshot> {
         &self.snapshot
@@ -82,15 +79,14 @@ impl LitMesh {
     /// The first bright side along a ray, as the picture shows it; `direction` of any length.
     pub fn under(&self, origin: Vec3, direction: Vec3) -> Option<SurfaceReading> {
         let direction = direction.try_normalize().filter(|_| origin.is_finite())?;
-        let hit = self.faces.closest_front(origin, direction, 0.0)?;
-        Some(self.reading(hit.polygon, origin + hit.distance * direction))
+        let hit = self.faces.first_front(origin, direction)?;
+        Some(self.reading(hit.polygon, hit.point))
     }
 
     /// What there is at a point of a surface that is bright towards `normal`; `None` where the mesh has no such surface.
     pub fn at(&self, point: Vec3, normal: Vec3) -> Option<SurfaceReading> {
         let origin = point + self.tolerance * normal;
-        // Not `-normal`: negative zeros make rays miss.
-        let found = self.under(origin, Vec3::ZERO - normal)?;
+        let found = self.under(origin, -normal)?;
         (found.point.distance(point) <= self.tolerance).then_some(found)
     }
 
@@ -98,13 +94,21 @@ impl LitMesh {
         let mesh = &self.snapshot.mesh;
         let triangle = triangle as usize;
         let corners = corners(mesh, triangle);
-        SurfaceReading {
-            point,
-            normal: (corners[1] - corners[0]).cross(corners[2] - corners[0]).normalize_or_zero(),
-            leaf: mesh.leaves[mesh.triangle_leaf[triangle] as usize],
-            irradiance: self.interpolated(triangle, point, &self.snapshot.vertex_irradiance),
-            radiosity: self.interpolated(triangle, point, &self.snapshot.vertex_radiosity),
-        }
+        let leaf = mesh.leaves[mesh.triangle_leaf[triangle] as usize];
+        let normal = (corners[1] - corners[0]).cross(corners[2] - corners[0]).normalize_or_zero();
+        let (irradiance, radiosity, standard_error) = match &self.snapshot.field {
+            Some(field) => {
+                let read = field.read(leaf.polygon, point, READING_ERROR);
+                let surface = field.surface(leaf.polygon);
+                (read.mean, surface.emission + surface.reflectance * read.mean, Some(read.standard_error))
+            }
+            None => (
+                self.interpolated(triangle, point, &self.snapshot.vertex_irradiance),
+                self.interpolated(triangle, point, &self.snapshot.vertex_radiosity),
+                None,
+            ),
+        };
+        SurfaceReading { point, normal, leaf, irradiance, standard_error, radiosity }
     }
 
     fn interpolated(&self, triangle: usize, point: Vec3, values: &[[f32; 3]]) -> Vec3 {
@@ -117,20 +121,13 @@ impl LitMesh {
 
     /// What light that comes from a direction left last; `direction` must be a unit vector.
     pub(super) fn met(&self, point: Vec3, direction: Vec3) -> Met {
-        let mut hit = self.faces.closest_hit(point, direction, 0.0);
-        if let Some(back) = hit.filter(|hit| !hit.front && self.is_doubled(hit.polygon)) {
-            // The other side of the face lies at the same place, cut otherwise.
-            let other = self.faces.closest_front(point, direction, 0.0);
-            hit = other.filter(|other| (other.distance - back.distance).abs() <= self.tolerance).or(hit);
-        }
-        match hit {
+        match self.faces.first_hit(point, direction) {
             None => Met::Nothing,
             Some(hit) if !hit.front => Met::Back,
             Some(hit) => {
                 let mesh = &self.snapshot.mesh;
                 let leaf = &mesh.leaves[mesh.triangle_leaf[hit.polygon as usize] as usize];
-                let at = point + hit.distance * direction;
-                let sent = self.interpolated(hit.polygon as usize, at, &self.snapshot.vertex_radiosity);
+                let sent = self.interpolated(hit.polygon as usize, hit.point, &self.snapshot.vertex_radiosity);
                 Met::Front(
                     (sent - self.scene.surface(&self.scene.polygons[leaf.polygon as usize]).emission).max(Vec3::ZERO),
                 )
@@ -138,9 +135,9 @@ impl LitMesh {
         }
     }
 
-    /// Whether a face stops the light between two points, each with its normal.
-    pub(super) fn occluded(&self, from: (Vec3, Vec3), to: (Vec3, Vec3)) -> bool {
-        self.faces.occluded_above(from, to)
+    /// Whether two points, each with its normal, see each other.
+    pub(super) fn sees(&self, from: (Vec3, Vec3), to: (Vec3, Vec3)) -> bool {
+        self.faces.sees(from, to)
     }
 }
 

@@ -5,7 +5,7 @@
 
 use std::sync::Arc;
 
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
 use super::grid::{Grid, GridError, WorkPlane};
@@ -38,6 +38,8 @@ pub struct PlaneReading {
     pub grid: Grid,
     /// Irradiance E of each point, W/m²; `None` inside of something and outside of the room.
     pub values: Vec<Option<Vec3>>,
+    /// Zero of the points' coordinates in those of the scene's file.
+    pub origin: DVec3,
     /// The light that was measured.
     pub snapshot: Arc<Snapshot>,
 }
@@ -115,7 +117,13 @@ impl<'a> Measuring<'a> {
     /// What was measured; points that were not count as left out.
     pub fn finish(mut self) -> PlaneReading {
         self.values.resize(self.grid.points.len(), None);
-        PlaneReading { plane: self.plane, grid: self.grid, values: self.values, snapshot: self.lit.snapshot().clone() }
+        PlaneReading {
+            plane: self.plane,
+            grid: self.grid,
+            values: self.values,
+            origin: self.lit.scene().origin,
+            snapshot: self.lit.snapshot().clone(),
+        }
     }
 }
 
@@ -183,7 +191,7 @@ fn visible_share(lit: &LitMesh, lamp: &Polygon, (point, normal): (Vec3, Vec3), r
         let weight = normal.dot(span).max(0.0) * (-lamp_normal.dot(span)).max(0.0) / distance_squared.powi(2);
         if weight > 0.0 && weight.is_finite() {
             all += weight;
-            through += if lit.occluded((point, normal), (on_lamp, lamp_normal)) { 0.0 } else { weight };
+            through += if lit.sees((point, normal), (on_lamp, lamp_normal)) { weight } else { 0.0 };
         }
     }
     if all > 0.0 { through / all } else { 0.0 }
@@ -191,14 +199,12 @@ fn visible_share(lit: &LitMesh, lamp: &Polygon, (point, normal): (Vec3, Vec3), r
 
 #[cfg(test)]
 mod tests {
-    use glam::DVec3;
-
     use super::*;
     use crate::accuracy::closed_forms::{self, closed_room};
     use crate::cancel::CancelToken;
+    use crate::geometry::Occluders;
     use crate::scene::GroupId;
     use crate::solver::{Solver, SolverParams};
-    use crate::visibility::Occluders;
 
     fn lit(scene: Scene) -> LitMesh {
         let (scene, occluders) = (Arc::new(scene.clone()), Occluders::new(&scene));

@@ -9,11 +9,11 @@ use crate::accuracy::{ErrorMeter, SolutionError};
 use crate::cancel::CancelToken;
 use crate::chart::within;
 use crate::format::percent_with;
-use crate::orient;
+use crate::geometry::Occluders;
+use crate::geometry::orient;
 use crate::reference::{Cache, Reference, ReferenceRun, Target, compute, random_points};
 use crate::scene::{Scene, builtin::BuiltinScene};
 use crate::solver::{Epsilon, Evidence, Snapshot, Solver, SolverParams, Stats};
-use crate::visibility::Occluders;
 
 /// Seed of the reference's points and paths, the same as the solver's default.
 const SEED: u64 = 1;
@@ -162,8 +162,8 @@ impl<'a> Lab<'a> {
             Some(reference) => reference.clone(),
             None => {
                 self.tell(&format!("reference of {}", room.title()));
-                let points = random_points(&room.scene, &room.occluders, self.truth.points, SEED).into();
-                let mut run = ReferenceRun::new(&room.scene, room.occluders.clone(), points, SEED);
+                let points = random_points(&room.scene, self.truth.points, SEED).into();
+                let mut run = ReferenceRun::new(&room.scene, points, SEED);
                 let cache = self.truth.cache.as_ref();
                 let outcome = compute(&mut run, cache, self.truth.target, &CancelToken::new(), |_, _| {});
                 if let Some(error) = &outcome.cache_error {

@@ -18,10 +18,10 @@ use rayon::ThreadPool;
 use super::guard::guarded;
 use super::{FileStamp, Message};
 use crate::added_light::AddedLight;
+use crate::geometry::{Occluders, orient};
 use crate::scene::{Reading, Scene, Sides, Source};
 use crate::solver::{Solver, SolverError, SolverParams};
-use crate::visibility::Occluders;
-use crate::{ceiling, orient, prepare};
+use crate::{ceiling, prepare};
 
 /// What a loader is to do.
 pub(super) enum Job {

@@ -2,5 +2,10 @@
 //! for any number of threads, never stale, stopped at once. One program, so that it is linked once.
 
 mod closed_forms;
+mod coincident;
+mod mitsuba;
+#[path = "../support/mitsuba.rs"]
+mod mitsuba_figures;
+mod random_rooms;
 mod reference;
 mod solver_error;

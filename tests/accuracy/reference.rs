@@ -1,21 +1,19 @@
 //! What the reference promises beside its values.
 
-use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use glam::{DVec3, Vec3};
 use selflink::accuracy::cases;
 use selflink::cancel::CancelToken;
-use selflink::orient;
+use selflink::geometry::orient;
 use selflink::reference::{Cache, ReferenceRun, SurfacePoint, Target, compute, random_points};
 use selflink::scene::builtin::BuiltinScene;
 use selflink::scene::{Scene, Sides};
 
 fn run_of(scene: Scene, sides: Sides, points: usize, seed: u64) -> ReferenceRun {
-    let (scene, occluders) = orient::apply(scene, sides);
-    let occluders = Arc::new(occluders);
-    let points = random_points(&scene, &occluders, points, seed);
-    ReferenceRun::new(&scene, occluders, points.into(), seed)
+    let (scene, _) = orient::apply(scene, sides);
+    let points = random_points(&scene, points, seed);
+    ReferenceRun::new(&scene, points.into(), seed)
 }
 
 fn run(points: usize, seed: u64) -> ReferenceRun {
@@ -53,10 +51,9 @@ fn the_same_for_any_number_of_threads() {
 /// two to four of them in all but few cases, and their squares sum to about one each.
 #[test]
 fn standard_errors_tell_the_error() {
-    let (scene, occluders) = orient::apply(BuiltinScene::Cornell.build(), Sides::Front);
-    let occluders = Arc::new(occluders);
-    let points = random_points(&scene, &occluders, 100, 1);
-    let of = |seed| passes(ReferenceRun::new(&scene, occluders.clone(), points.clone().into(), seed), 32).reference();
+    let (scene, _) = orient::apply(BuiltinScene::Cornell.build(), Sides::Front);
+    let points = random_points(&scene, 100, 1);
+    let of = |seed| passes(ReferenceRun::new(&scene, points.clone().into(), seed), 32).reference();
     let (one, other) = (of(1), of(2));
     let mut squares = Vec::new();
     for index in 0..points.len() {

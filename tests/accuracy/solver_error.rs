@@ -5,7 +5,7 @@ use std::sync::Arc;
 use selflink::accuracy::{ErrorMeter, Measure};
 use selflink::cancel::CancelToken;
 use selflink::format::plus_minus;
-use selflink::orient;
+use selflink::geometry::orient;
 use selflink::reference::{ReferenceRun, random_points};
 use selflink::scene::Sides;
 use selflink::scene::builtin::BuiltinScene;
@@ -26,8 +26,8 @@ enum By {
 fn falls(scene: BuiltinScene, modes: &[ClusteringMode], by: By) {
     let (scene, occluders) = orient::apply(scene.build(), Sides::Front);
     let (scene, occluders) = (Arc::new(scene), Arc::new(occluders));
-    let points = random_points(&scene, &occluders, 300, 1);
-    let mut run = ReferenceRun::new(&scene, occluders.clone(), points.into(), 1);
+    let points = random_points(&scene, 300, 1);
+    let mut run = ReferenceRun::new(&scene, points.into(), 1);
     for _ in 0..96 {
         run.pass(&CancelToken::new());
     }

@@ -1,6 +1,7 @@
 //! The program as a person runs it: commands, files written, and one sentence for what cannot be done.
 
 mod doctor;
+mod export;
 mod input;
 mod memory;
 mod no_graphics;

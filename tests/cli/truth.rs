@@ -21,9 +21,9 @@ fn probed_points_come_back_with_irradiance_and_radiosity() {
     assert!(stderr.contains("2 rows lie on no surface"), "{stderr}");
     let written = std::fs::read_to_string(out).expect("the table was written");
     let rows: Vec<Vec<&str>> = written.lines().map(|line| line.split(',').collect()).collect();
-    assert_eq!(rows[0].join(","), "x,y,z,nx,ny,nz,E_r,E_g,E_b,B_r,B_g,B_b");
+    assert_eq!(rows[0].join(","), "x,y,z,nx,ny,nz,E_r,E_g,E_b,B_r,B_g,B_b,se_r,se_g,se_b");
     assert_eq!(rows.len(), 5);
-    assert!(rows.iter().all(|row| row.len() == 12), "{written}");
+    assert!(rows.iter().all(|row| row.len() == 15), "{written}");
     assert_eq!(rows[1][..6], ["0.5", "0.5", "0", "0", "0", "1"]);
     for row in [&rows[2], &rows[3]] {
         assert!(row[6..].iter().all(|field| field.is_empty()), "{written}");
@@ -90,7 +90,7 @@ fn a_chart_is_tables_and_pictures() {
         "--settings",
         "adaptive,none",
         "--points",
-        "100",
+        "400",
         "--noise",
         "0.05",
         "--seconds",
@@ -114,19 +114,21 @@ fn a_chart_is_tables_and_pictures() {
     let error = |index: usize| runs[index]["error"]["displayed"]["rms"].as_f64().expect("an error");
     assert!(error(1) < error(0), "a finer threshold is more accurate: {chart}");
     assert!(runs.iter().any(|run| run["pareto"] == true), "{chart}");
-    for name in ["seconds", "links", "rays", "median"] {
+    for name in ["seconds", "links", "rays", "rms"] {
         let picture = image::open(out.join(format!("cornell-{name}.png"))).expect("a PNG").to_rgb8();
         let colours: std::collections::HashSet<_> = picture.pixels().collect();
         assert!(picture.dimensions() == (1200, 800) && colours.len() > 50, "{name}: {} colours", colours.len());
         let drawn = read(&format!("cornell-{name}.svg"));
         assert!(drawn.contains("Pareto front") && drawn.contains("±1 standard error"));
     }
-    assert!(read("cornell-median.svg").contains("median local error"));
+    assert!(read("cornell-seconds.svg").contains("|ΔE|/(E + E0)") && read("cornell-rms.svg").contains("RMS of ΔB"));
+    assert!(table.contains("|ΔE|/(E + E0)") && table.contains("RMS of B"), "{table}");
     assert!(table.contains(" ± "), "{table}");
-    for (file, error, noise) in
-        [("cornell-seconds.svg", "rms", "rms_noise"), ("cornell-median.svg", "local_median", "local_median_noise")]
-    {
-        let of = |name: &str, run: &Value| run["error"]["displayed"][name].as_f64().expect("a number");
+    for (file, error, noise) in [
+        ("cornell-seconds.svg", "/local/p90", "/local/p90_noise"),
+        ("cornell-rms.svg", "/displayed/rms", "/displayed/rms_noise"),
+    ] {
+        let of = |name: &str, run: &Value| run["error"].pointer(name).and_then(Value::as_f64).expect("a number");
         let errors: Vec<_> = runs.iter().map(|run| (of(error, run), of(noise, run))).collect();
         assert!(errors.iter().all(|(error, noise)| *noise > 0.0 && noise < error), "{errors:?}");
         bars_are_standard_errors(&read(file), &errors);

@@ -7,11 +7,11 @@ use std::f64::consts::PI;
 
 use glam::Vec3;
 use selflink::accuracy::closed_forms::{Span, parallel_exchange as parallel, perpendicular_exchange as perpendicular};
+use selflink::geometry::Occluders;
 use selflink::hierarchy::{ClusteringMode, ElementId, Hierarchy, Shape};
 use selflink::random::mix;
 use selflink::scene::{GroupId, Scene};
 use selflink::solver::{ClusterModel, Exchange, Solver, SolverParams, exchange, point_to_polygon};
-use selflink::visibility::Occluders;
 
 use super::support::{MODES, add_box, empty_room, furnished_room, leaves, links, params, received, solve};
 
@@ -289,7 +289,7 @@ fn a_self_link_of_an_oriented_cluster_carries_what_its_polygons_send_each_other(
             let to = hierarchy.point_on(Hierarchy::ROOT, random(2), random(3));
             let span = to.position - from.position;
             let heights = (from.normal.dot(span), -to.normal.dot(span));
-            if heights.0 > 0.0 && heights.1 > 0.0 && !occluders.occluded(from.position, to.position) {
+            if occluders.sees((from.position, from.normal), (to.position, to.normal)) {
                 sum += f64::from(heights.0 * heights.1 / span.length_squared().powi(2)) / PI;
             }
         }

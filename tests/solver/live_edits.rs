@@ -62,7 +62,7 @@ fn time_and_counts_are_those_of_the_present_solve() {
     let rest = std::time::Duration::from_millis(300);
     let mut solver = Solver::new(
         lamp_room().into(),
-        selflink::visibility::Occluders::new(&lamp_room()).into(),
+        selflink::geometry::Occluders::new(&lamp_room()).into(),
         params(ClusteringMode::Adaptive, FINE),
         1,
     )
@@ -94,7 +94,7 @@ fn time_and_counts_are_those_of_the_present_solve() {
 fn the_shares_of_an_elements_links_add_up_to_its_irradiance() {
     for push in [Push::Immediate, Push::Deferred] {
         let params = SolverParams { push, ..params(ClusteringMode::Adaptive, FINE) };
-        let occluders = selflink::visibility::Occluders::new(&lamp_room());
+        let occluders = selflink::geometry::Occluders::new(&lamp_room());
         let mut solver = Solver::new(lamp_room().into(), occluders.into(), params, 1).expect("usable parameters");
         for (finish, tolerance) in [(false, 0.05), (true, 1e-3)] {
             if finish {

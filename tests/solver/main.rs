@@ -4,15 +4,16 @@
 mod balance;
 mod closed_forms;
 mod coarsening;
+mod coincidence;
 #[path = "../support/coverage.rs"]
 mod coverage;
 mod display_mesh;
 mod error_oracle;
-mod exposure;
 mod final_gather;
 mod furnace;
 mod hierarchy;
 mod invariants;
 mod live_edits;
 mod memory;
+mod reachability;
 mod support;

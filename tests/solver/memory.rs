@@ -6,10 +6,10 @@ use std::sync::Arc;
 
 use rayon::ThreadPoolBuilder;
 use selflink::cancel::CancelToken;
+use selflink::geometry::Occluders;
 use selflink::memory::MemoryBudget;
 use selflink::scene::builtin::BuiltinScene;
 use selflink::solver::{ClusteringMode, Epsilon, MemoryStop, Snapshot, Solver, SolverParams};
-use selflink::visibility::Occluders;
 
 fn solver(scene: BuiltinScene, params: SolverParams) -> Solver {
     let scene = Arc::new(scene.build());

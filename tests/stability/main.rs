@@ -1,6 +1,7 @@
 //! Where methods of this family fail: every row of `selflink doctor` as a test of its own, random scenes against invariants, and
 //! that the list of limits says what is known.
 
+mod closed_rooms;
 #[path = "../support/coverage.rs"]
 mod coverage;
 mod random_scenes;

@@ -12,14 +12,14 @@ use glam::Vec3;
 use proptest::prelude::*;
 use proptest::test_runner::{Config, RngAlgorithm, TestCaseError, TestRng, TestRunner};
 use selflink::cancel::CancelToken;
+use selflink::geometry::Occluders;
+use selflink::geometry::cuts;
 use selflink::hierarchy::ClusteringMode;
-use selflink::partition;
 use selflink::scene::{GroupId, MaterialId, Scene};
 use selflink::solver::{ClusterModel, Epsilon, OracleKind, Push, Solver, SolverParams, Step, power_balance};
 use selflink::stability::matrix::{self, Fineness};
 use selflink::stability::measure::{is_sound, of_polygons};
 use selflink::stability::scenes::add_box;
-use selflink::visibility::Occluders;
 
 use super::coverage::check_coverage;
 
@@ -39,7 +39,12 @@ fn scenes() -> u32 {
 }
 
 /// Tries a property on so many scenes of a fixed seed; names the first that fails, made as small as it gets.
-fn try_on<S: Strategy>(seed: &[u8; 32], cases: u32, scenes: &S, holds: impl Fn(S::Value) -> Result<(), TestCaseError>) {
+pub fn try_on<S: Strategy>(
+    seed: &[u8; 32],
+    cases: u32,
+    scenes: &S,
+    holds: impl Fn(S::Value) -> Result<(), TestCaseError>,
+) {
     let config = Config { cases, failure_persistence: None, max_shrink_iters: 500, ..Config::default() };
     let mut runner = TestRunner::new_with_rng(config, TestRng::from_seed(RngAlgorithm::ChaCha, seed));
     if let Err(error) = runner.run(scenes, holds) {
@@ -161,7 +166,7 @@ fn settings() -> impl Strategy<Value = SolverParams> {
 }
 
 /// Solves within a number of steps that is far more than enough.
-fn solve(scene: &Arc<Scene>, occluders: &Arc<Occluders>, params: SolverParams) -> Result<Solver, TestCaseError> {
+pub fn solve(scene: &Arc<Scene>, occluders: &Arc<Occluders>, params: SolverParams) -> Result<Solver, TestCaseError> {
     let mut solver = Solver::new(scene.clone(), occluders.clone(), params, 0)
         .map_err(|error| TestCaseError::fail(format!("it does not start: {error}")))?;
     solver.record_rejected();
@@ -183,7 +188,7 @@ fn holds((recipe, params): (Recipe, SolverParams)) -> Result<(), TestCaseError> 
     let mut scene = recipe.scene();
     let area = |scene: &Scene| scene.polygons.iter().map(|polygon| f64::from(scene.area(polygon))).sum::<f64>();
     let whole = area(&scene);
-    partition::cut(&mut scene, false);
+    cuts::cut(&mut scene, false);
     // Corners are rounded to f32, in scenes that may lie fifty times their size away.
     let rounding = 1e-3 * whole;
     prop_assert!((area(&scene) - whole).abs() <= rounding, "{} m² of {whole} m² are left by cuts", area(&scene));

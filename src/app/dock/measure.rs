@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use egui::{Button, DragValue, Grid, ProgressBar, RichText, TextEdit, Ui};
+use glam::{DVec3, Vec3};
 
 use super::super::dialog::DialogAnswer;
 use super::super::measuring::{Measuring, Table};
@@ -19,7 +20,7 @@ const NO_DIALOG: &str = "No file dialog answers on this system: type a path into
 /// Draws the tool.
 pub(super) fn show(ui: &mut Ui, shown: &Shown, measuring: &mut Measuring, messages: &mut Messages, wake: &Wake) {
     heading(ui, "Probes");
-    show_probes(ui, measuring);
+    show_probes(ui, shown, measuring);
     ui.separator();
     heading(ui, "Work plane");
     show_plane_setup(ui, shown, measuring, wake);
@@ -29,7 +30,7 @@ pub(super) fn show(ui: &mut Ui, shown: &Shown, measuring: &mut Measuring, messag
         ui.add_enabled_ui(measuring.shows_points, |ui| ui.checkbox(&mut measuring.writes_values, "Their values in lx"));
     }
     ui.separator();
-    show_files(ui, measuring, messages);
+    show_files(ui, shown, measuring, messages);
     ui.add_space(4.0);
     ui.add(egui::Label::new(theme::weak(CONVENTION).small()).wrap());
 }
@@ -38,7 +39,7 @@ fn heading(ui: &mut Ui, text: &str) {
     ui.label(RichText::new(text).strong());
 }
 
-fn show_probes(ui: &mut Ui, measuring: &mut Measuring) {
+fn show_probes(ui: &mut Ui, shown: &Shown, measuring: &mut Measuring) {
     ui.horizontal(|ui| {
         let toggle = ui.add(Button::new("Place probes").selected(measuring.places_probes));
         if toggle.on_hover_text("While this is on, a click into the view places a probe on the surface there").clicked()
@@ -50,8 +51,9 @@ fn show_probes(ui: &mut Ui, measuring: &mut Measuring) {
             measuring.remove_all();
         }
     });
+    let in_file = |point: Vec3| shown.info.as_ref().map_or(point.as_dvec3(), |info| info.scene.to_file(point));
     let rows: Vec<(String, Option<Probed>)> =
-        measuring.probes().map(|(probe, found)| (place(probe.point), found.copied())).collect();
+        measuring.probes().map(|(probe, found)| (place(in_file(probe.point)), found.copied())).collect();
     if rows.is_empty() {
         let hint = if measuring.places_probes { "Click a surface in the view." } else { "None yet." };
         ui.label(theme::weak(hint));
@@ -93,7 +95,7 @@ fn show_probes(ui: &mut Ui, measuring: &mut Measuring) {
     }
 }
 
-fn place(point: glam::Vec3) -> String {
+fn place(point: DVec3) -> String {
     let [x, y, z] = point.to_array().map(|value| format!("{value:.3}"));
     format!("at {x}, {y}, {z}")
 }
@@ -174,7 +176,7 @@ fn show_summary(ui: &mut Ui, shown: &Shown, plane: &PlaneReading) {
     }
 }
 
-fn show_files(ui: &mut Ui, measuring: &mut Measuring, messages: &mut Messages) {
+fn show_files(ui: &mut Ui, shown: &Shown, measuring: &mut Measuring, messages: &mut Messages) {
     let tables = [
         (Table::Probes, "Probes as CSV…", "probes.csv", measuring.probes().next().is_some()),
         (Table::Plane, "Work plane as CSV…", "work-plane.csv", measuring.plane_reading().is_some()),
@@ -199,17 +201,18 @@ fn show_files(ui: &mut Ui, measuring: &mut Measuring, messages: &mut Messages) {
         field.on_hover_text("Path for systems without a file dialog; Write stores the table that was chosen last")
     });
     if let Some(path) = measuring.save.typed_path().filter(|_| is_clicked) {
-        write(measuring, &path, messages);
+        write(shown, measuring, &path, messages);
     }
     match measuring.save.poll() {
-        Some(DialogAnswer::Chosen(path)) => write(measuring, &path, messages),
+        Some(DialogAnswer::Chosen(path)) => write(shown, measuring, &path, messages),
         Some(DialogAnswer::NoDialog) => messages.note(NO_DIALOG.into()),
         None => {}
     }
 }
 
-fn write(measuring: &Measuring, path: &Path, messages: &mut Messages) {
-    let written = measuring.csv(measuring.saves).and_then(|text| std::fs::write(path, text));
+fn write(shown: &Shown, measuring: &Measuring, path: &Path, messages: &mut Messages) {
+    let Some(info) = &shown.info else { return };
+    let written = measuring.csv(measuring.saves, &info.scene).and_then(|text| std::fs::write(path, text));
     match written {
         Ok(()) => messages.note(format!("Wrote {}.", path.display())),
         Err(error) => messages.error(format!("{}: cannot be written ({error}); choose another place", path.display())),

@@ -8,12 +8,13 @@ use gltf::json::scene::Node;
 use gltf::json::validation::Checked;
 
 use super::buffers::{GltfData, Problem};
-use crate::scene::draft::{Draft, is_usable};
+use crate::scene::draft::Draft;
+use crate::scene::place::{FiledCamera, is_usable};
 use crate::scene::punctual::PunctualLight;
-use crate::scene::{CameraPose, GroupId, NamedCamera, said};
+use crate::scene::{GroupId, said};
 
 /// Width by height that a camera without one is made for.
-const USUAL_ASPECT: f32 = 1.6;
+const USUAL_ASPECT: f64 = 1.6;
 
 /// The light of a node.
 pub(super) fn light_of<'a>(data: &GltfData<'a>, node: &Node) -> Option<&'a Light> {
@@ -47,11 +48,12 @@ pub(super) fn add_camera(draft: &mut Draft, camera: &Camera, name: &str, world: 
         draft.skipped.ignored_cameras += 1;
         return;
     };
-    let aspect = lens.aspect_ratio.filter(|aspect| aspect.is_finite() && *aspect > 0.0).unwrap_or(USUAL_ASPECT);
-    let hfov_deg = (2.0 * (aspect * (0.5 * lens.yfov).tan()).atan()).to_degrees();
+    let aspect =
+        lens.aspect_ratio.map(f64::from).filter(|aspect| aspect.is_finite() && *aspect > 0.0).unwrap_or(USUAL_ASPECT);
+    let hfov_deg = (2.0 * (aspect * (0.5 * f64::from(lens.yfov)).tan()).atan()).to_degrees();
     let target = eye + reach.max(1e-3) * ahead;
-    let is_sound = [eye, target].iter().all(|it| it.as_vec3().to_array().into_iter().all(is_usable))
-        && eye.as_vec3() != target.as_vec3()
+    let is_sound = [eye, target].iter().all(|it| it.to_array().into_iter().all(is_usable))
+        && eye != target
         && hfov_deg > 0.0
         && hfov_deg < 180.0;
     if !is_sound {
@@ -59,8 +61,7 @@ pub(super) fn add_camera(draft: &mut Draft, camera: &Camera, name: &str, world: 
         return;
     }
     let name = camera.name.clone().unwrap_or_else(|| name.to_owned());
-    let pose = CameraPose { eye: eye.as_vec3(), target: target.as_vec3(), up: up.as_vec3(), hfov_deg };
-    draft.cameras.push(NamedCamera { name: said::name(&name), pose });
+    draft.cameras.push((said::name(&name), FiledCamera { eye, target, up, hfov_deg }));
 }
 
 /// Where a node's mesh lies in the node's space: once where it is, or wherever EXT_mesh_gpu_instancing says.

@@ -1,14 +1,12 @@
 //! Meshes: primitives in the space of their mesh, with what pictures need of their vertices.
 
-use glam::{DMat4, Vec2, Vec3, Vec4};
+use glam::{DMat4, DVec3, Vec2, Vec3, Vec4};
 use gltf::json::mesh::{Mesh, Mode, Primitive, Semantic};
 use gltf::json::validation::Checked;
 use gltf::json::{Index, accessor::Accessor};
-use rustc_hash::FxHashSet;
 
 use super::buffers::{GltfData, Problem};
 use super::compression::DracoMesh;
-use crate::scene::draft::is_usable;
 use crate::scene::face::{packed_colour, packed_normal};
 
 /// A primitive in the space of its mesh.
@@ -21,6 +19,25 @@ pub(super) struct Part {
     pub joints: Option<(Vec<[f64; 4]>, Vec<[f64; 4]>)>,
     pub triangles: Vec<[u32; 3]>,
     pub material: Option<u32>,
+}
+
+/// A mesh has lost its shape where its coordinates are rounded to this share of its size: light is wrong by about half a percent.
+const LOST: f32 = 1e-3;
+
+/// What the coordinates of a mesh are rounded to, if that is more than [`LOST`] of its size: it lies far from its own zero. Coordinates
+/// that all have spare digits were exact and lost nothing.
+pub(super) fn coarse_rounding(parts: &[Part]) -> Option<f32> {
+    let all = || parts.iter().flat_map(|part| &part.positions);
+    let (lower, upper) =
+        all().fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(lower, upper), at| (lower.min(*at), upper.max(*at)));
+    let size = (upper - lower).max_element();
+    let rounding = |axis: usize| {
+        let largest = lower[axis].abs().max(upper[axis].abs());
+        let unit = largest.next_up() - largest;
+        let is_exact = || all().all(|at| (at[axis] / (4.0 * unit)).fract() == 0.0);
+        (unit.is_finite() && unit > LOST * size && !is_exact()).then_some(unit)
+    };
+    (0..3).filter_map(rounding).reduce(f32::max)
 }
 
 /// Where the attributes of a primitive come from.
@@ -165,8 +182,8 @@ pub(super) fn joint_matrices(
 }
 
 impl Part {
-    /// Where its vertices are in the scene, and the transform of its normals; `None` for a vertex that no number can hold.
-    pub fn placed(&self, world: DMat4, skin: Option<&[DMat4]>) -> (Vec<Vec3>, FxHashSet<u32>) {
+    /// Where its vertices are in the file's coordinates.
+    pub fn placed(&self, world: DMat4, skin: Option<&[DMat4]>) -> Vec<DVec3> {
         let matrix = |vertex: usize| match (skin, &self.joints) {
             (Some(matrices), Some((joints, shares))) => {
                 let (joints, shares) = (joints[vertex], shares[vertex]);
@@ -179,15 +196,8 @@ impl Part {
             }
             _ => world,
         };
-        let place = |(vertex, position): (usize, &Vec3)| {
-            let place = matrix(vertex) * position.as_dvec3().extend(1.0);
-            place.truncate().as_vec3()
-        };
-        let positions: Vec<Vec3> = self.positions.iter().enumerate().map(place).collect();
-        let is_bad = |position: &Vec3| !position.to_array().into_iter().all(is_usable);
-        let bad = positions.iter().enumerate().filter(|(_, position)| is_bad(position)).map(|(index, _)| index as u32);
-        let bad = bad.collect();
-        (positions, bad)
+        let place = |(vertex, position): (usize, &Vec3)| (matrix(vertex) * position.as_dvec3().extend(1.0)).truncate();
+        self.positions.iter().enumerate().map(place).collect()
     }
 
     /// Packed normals in the scene, turned as a transform turns planes.

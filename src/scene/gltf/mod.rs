@@ -7,10 +7,12 @@ mod compression;
 mod extras;
 mod materials;
 mod mesh;
+mod nodes;
 mod walk;
 
 use std::path::Path;
 
+use glam::DMat4;
 use gltf::json::Root;
 use gltf::json::mesh::Semantic;
 use gltf::json::validation::{Checked, Error, Validate};
@@ -55,18 +57,26 @@ pub(super) fn read(path: &Path, bytes: &[u8], files: &dyn SceneFiles) -> Result<
         LoadError::Parse { path: path.to_owned(), place, problem }
     };
     let mut draft = Draft::new(&scene_name(path));
-    let (root, blob) = parse(bytes, &mut draft).map_err(parse_error)?;
+    let Document { root, blob, parents_from_nodes } = parse(bytes, &mut draft).map_err(parse_error)?;
     let root = &root;
     let data = GltfData::read(files, root, blob).map_err(parse_error)?;
     draft.up = Some(UpAxis::Y);
     draft.skipped.animations = root.animations.len();
     note_extensions(&mut draft, root);
     let uv_sets = materials::add_materials(&mut draft, &data);
-    walk::run(path, &data, draft, &uv_sets)
+    walk::run(path, &data, parents_from_nodes, draft, &uv_sets)
 }
 
-/// The document, checked by the crate, and the binary chunk.
-fn parse(bytes: &[u8], draft: &mut Draft) -> Result<(Root, Option<Vec<u8>>), Problem> {
+/// A file's content, checked by the crate.
+struct Document {
+    root: Root,
+    /// The binary chunk.
+    blob: Option<Vec<u8>>,
+    /// Of each node, into the space of its parent.
+    parents_from_nodes: Vec<DMat4>,
+}
+
+fn parse(bytes: &[u8], draft: &mut Draft) -> Result<Document, Problem> {
     let damaged = |error: gltf::Error| format!("not understood ({error}); the file is damaged or cut off");
     let (text, blob) = if bytes.starts_with(b"glTF") {
         let length = bytes.get(8..12).map_or(0, |word| u32::from_le_bytes([word[0], word[1], word[2], word[3]]));
@@ -86,6 +96,7 @@ fn parse(bytes: &[u8], draft: &mut Draft) -> Result<(Root, Option<Vec<u8>>), Pro
     };
     let mut json: Value = serde_json::from_slice(text).map_err(not_json)?;
     choose_pictures(&mut json);
+    let parents_from_nodes = nodes::parents_from_nodes(&json)?;
     let mut root: Root = serde_json::from_value(json).map_err(not_json)?;
     let is_known = |name: &String| KNOWN.iter().any(|known| name.starts_with(known));
     for name in root.extensions_required.drain(..).filter(|name| !is_known(name)) {
@@ -102,7 +113,7 @@ fn parse(bytes: &[u8], draft: &mut Draft) -> Result<(Root, Option<Vec<u8>>), Pro
     });
     match first {
         Some(problem) => Err(problem),
-        None => Ok((root, blob)),
+        None => Ok(Document { root, blob, parents_from_nodes }),
     }
 }
 

@@ -2,31 +2,59 @@
 
 use std::path::Path;
 
-use glam::{DMat4, DQuat, DVec3, Vec3};
-use gltf::json::scene::{Node, UnitQuaternion};
+use glam::{DMat4, DVec3};
 use rustc_hash::FxHashMap;
 
 use super::buffers::{GltfData, Problem};
 use super::extras::{add_camera, add_light, instances, light_of};
-use super::mesh::{Part, joint_matrices, read_primitive};
+use super::mesh::{Part, coarse_rounding, joint_matrices, read_primitive};
 use crate::scene::draft::{Draft, DraftMaterial, MOST_POLYGONS};
 use crate::scene::load_error::LoadError;
+use crate::scene::place::{Reach, is_usable};
 use crate::scene::{GroupId, said};
 
 /// Visits every node of the scene that is shown and fills the draft.
 ///
 /// # Errors
 /// The first part of the file that cannot be used.
-pub(super) fn run(path: &Path, data: &GltfData, draft: Draft, uv_sets: &[u32]) -> Result<Draft, LoadError> {
-    let mut walk =
-        Walk { path, data, draft, uv_sets, meshes: FxHashMap::default(), worlds: Vec::new(), grey: None, decoded: 0 };
+pub(super) fn run(
+    path: &Path,
+    data: &GltfData,
+    parents_from_nodes: Vec<DMat4>,
+    draft: Draft,
+    uv_sets: &[u32],
+) -> Result<Draft, LoadError> {
+    let mut walk = Walk {
+        path,
+        data,
+        parents_from_nodes,
+        draft,
+        uv_sets,
+        meshes: FxHashMap::default(),
+        worlds: Vec::new(),
+        grey: None,
+        reach: Reach::new(),
+        rounded: (0, 0.0),
+        decoded: 0,
+    };
     walk.nodes()?;
-    Ok(walk.draft)
+    let Walk { mut draft, reach, rounded, .. } = walk;
+    if let Some(place) = reach.too_far() {
+        return Err(coordinate_error(path, place));
+    }
+    if let (meshes @ 1.., unit) = rounded {
+        draft.skipped.note(format!(
+            "The file's own coordinates are too far from zero and have lost the shape of its meshes ({meshes}), to {unit}: export with the meshes near zero and let a node move them."
+        ));
+    }
+    Ok(draft)
 }
 
 struct Walk<'a> {
     path: &'a Path,
     data: &'a GltfData<'a>,
+    /// Of each node, into the space of its parent.
+    parents_from_nodes: Vec<DMat4>,
     draft: Draft,
     /// The set of texture coordinates of each material.
     uv_sets: &'a [u32],
@@ -36,6 +64,10 @@ struct Walk<'a> {
     worlds: Vec<DMat4>,
     /// The material of primitives without one, once there is such a primitive.
     grey: Option<u32>,
+    /// How far vertices reach, by their nodes, meshes and numbers.
+    reach: Reach<(usize, usize, u32)>,
+    /// Meshes whose coordinates have lost their shape, and the coarsest rounding among them.
+    rounded: (usize, f32),
     /// Vertices and triangles of all meshes read so far: many primitives can share one accessor.
     decoded: usize,
 }
@@ -90,7 +122,7 @@ impl Walk<'_> {
                 return Err(self.problem(place(), "it has two parents or is its own ancestor".into()));
             }
             let name = node.name.clone().unwrap_or_else(|| format!("node_{index}"));
-            let world = world_from_parent * parent_from_node(node);
+            let world = world_from_parent * self.parents_from_nodes.get(index).copied().unwrap_or_default();
             let group = self.draft.add_group(&name, parent);
             let children = node.children.iter().flatten().rev();
             waiting.extend(children.map(|child| (child.value(), group, world)));
@@ -127,6 +159,9 @@ impl Walk<'_> {
         let key = (mesh, said.weights.as_ref().map(|_| node));
         if !self.meshes.contains_key(&key) {
             let parts = self.read_mesh(mesh, said.weights.as_deref().unwrap_or_default())?;
+            if let Some(rounding) = coarse_rounding(&parts) {
+                self.rounded = (self.rounded.0 + 1, self.rounded.1.max(rounding));
+            }
             self.meshes.insert(key, parts);
         }
         let problem = |problem| self.problem(format!("node {node}"), problem);
@@ -153,7 +188,7 @@ impl Walk<'_> {
         world: DMat4,
         skin: Option<&[DMat4]>,
     ) -> Result<(), LoadError> {
-        let Self { path, draft, meshes, grey, .. } = self;
+        let Self { path, draft, meshes, grey, reach, .. } = self;
         let mirrored = world.determinant() < 0.0 && skin.is_none();
         for part in &meshes[&key] {
             let count = draft.faces.len().saturating_add(part.triangles.len());
@@ -168,16 +203,16 @@ impl Walk<'_> {
                 })
             });
             let first = draft.vertices.len() as u32;
-            let (positions, bad) = part.placed(world, skin);
+            let positions = part.placed(world, skin);
             let normals = if skin.is_some() { None } else { part.placed_normals(world) };
-            draft.vertices.extend(positions);
             for &[a, b, c] in &part.triangles {
                 let corners = if mirrored { [a, c, b] } else { [a, b, c] };
-                if !bad.is_empty()
-                    && let Some(number) = corners.iter().find(|corner| bad.contains(corner))
-                {
-                    let (place, vertex) = (format!("node {node}, mesh {}", key.0), format!("vertex {number}"));
-                    return Err(LoadError::Coordinate { path: path.to_path_buf(), place, vertex });
+                for corner in corners {
+                    let position = positions[corner as usize];
+                    if !position.to_array().into_iter().all(is_usable) {
+                        return Err(coordinate_error(path, (node, key.0, corner)));
+                    }
+                    reach.add(position, (node, key.0, corner));
                 }
                 draft.add_face(&corners.map(|corner| first + corner), material, group);
                 if let Some(uvs) = &part.uvs {
@@ -190,6 +225,7 @@ impl Walk<'_> {
                     draft.add_colours(corners.map(|corner| Some(colours[corner as usize])));
                 }
             }
+            draft.vertices.extend(positions);
         }
         Ok(())
     }
@@ -222,14 +258,8 @@ impl Walk<'_> {
 
     /// Adds the views; they look at the middle of the scene as far as they can.
     fn add_cameras(&mut self, placed: &[Placed]) {
-        let none = (Vec3::INFINITY, Vec3::NEG_INFINITY);
-        let (lower, upper) = self
-            .draft
-            .vertices
-            .iter()
-            .filter(|it| it.is_finite())
-            .fold(none, |(lower, upper), it| (lower.min(*it), upper.max(*it)));
-        let (middle, size) = (0.5 * (lower + upper).as_dvec3(), (upper - lower).as_dvec3().length());
+        let (lower, upper) = self.draft.bounds();
+        let (middle, size) = (0.5 * (lower + upper), (upper - lower).length());
         for Placed { node, name, world, .. } in placed {
             let said = self.data.root.nodes[*node].camera;
             let Some(camera) = said.and_then(|camera| self.data.root.cameras.get(camera.value())) else { continue };
@@ -246,15 +276,7 @@ impl Walk<'_> {
     }
 }
 
-/// A node's own transform.
-fn parent_from_node(node: &Node) -> DMat4 {
-    if let Some(matrix) = node.matrix {
-        return DMat4::from_cols_array(&matrix.map(f64::from));
-    }
-    let vector = |value: Option<[f32; 3]>, unsaid| value.map_or(unsaid, |value| Vec3::from_array(value).as_dvec3());
-    let UnitQuaternion([x, y, z, w]) = node.rotation.unwrap_or_default();
-    let rotation = DQuat::from_xyzw(x.into(), y.into(), z.into(), w.into());
-    let rotation = if rotation.length_squared() > 0.0 { rotation.normalize() } else { DQuat::IDENTITY };
-    let (scale, translation) = (vector(node.scale, DVec3::ONE), vector(node.translation, DVec3::ZERO));
-    DMat4::from_scale_rotation_translation(scale, rotation, translation)
+fn coordinate_error(path: &Path, (node, mesh, number): (usize, usize, u32)) -> LoadError {
+    let (place, vertex) = (format!("node {node}, mesh {mesh}"), format!("vertex {number}"));
+    LoadError::Coordinate { path: path.to_path_buf(), place, vertex }
 }

@@ -137,9 +137,9 @@ mod tests {
     use super::super::super::{ClusteringMode, Epsilon, Solver, SolverParams};
     use super::*;
     use crate::cancel::CancelToken;
+    use crate::geometry::Occluders;
     use crate::hierarchy::Hierarchy;
     use crate::scene::builtin::BuiltinScene;
-    use crate::visibility::Occluders;
 
     fn anatomy(params: SolverParams) -> Arc<Anatomy> {
         let scene = Arc::new(BuiltinScene::Cornell.build());

@@ -10,10 +10,10 @@ use glam::Vec3;
 use rustc_hash::FxHashMap;
 
 use super::super::form_factor::point_to_polygon;
-use crate::exposure::quarter;
+use crate::geometry::Occluders;
+use crate::geometry::quarter;
 use crate::hierarchy::{ElementId, Hierarchy, PatchSums, Shape, SurfacePoint, point_on_polygon};
 use crate::random::{even_point, fraction, mix};
-use crate::visibility::Occluders;
 
 /// A cluster of lamps this small, as a share of its distance, is one lamp: a ray to a random point of it tells as much as a ray to one
 /// of its members.
@@ -255,7 +255,7 @@ impl Lamps<'_> {
             }
             found.all += kernel;
             found.rays += 1;
-            if !self.occluders.occluded_above((point, normal), (target.position, target.normal)) {
+            if self.occluders.sees((point, normal), (target.position, target.normal)) {
                 found.visible += kernel;
                 let radiosity = self.sent.from(target.polygon, target.position, point);
                 found.light += kernel

@@ -30,12 +30,11 @@ use super::gather::Surface;
 use super::memory::{GATHERED_LEAF, MemoryStop};
 use super::params::USUAL_ERROR;
 use crate::cancel::CancelToken;
-use crate::exposure::LampList;
+use crate::geometry::LampList;
+use crate::geometry::Occluders;
 use crate::hierarchy::{ElementId, Hierarchy, Shape};
-use crate::orient;
 use crate::random::mix;
 use crate::scene::Scene;
-use crate::visibility::Occluders;
 pub use estimate::Estimate;
 use estimate::Tally;
 use lamps::{Seen, Sent};
@@ -167,7 +166,8 @@ pub struct FinalGather {
     lamp_list: Arc<LampList>,
     /// The initial patch of each polygon.
     patches: Vec<ElementId>,
-    back_of: Vec<Option<u32>>,
+    /// Whether faces have dark sides, behind which points may lie.
+    has_dark_sides: bool,
     diagonal: f32,
 }
 
@@ -233,7 +233,7 @@ impl FinalGather {
             sent,
             lamp_list: Arc::new(LampList::new(context.scene)),
             patches,
-            back_of: orient::backs(context.scene),
+            has_dark_sides: context.scene.has_dark_sides(),
             diagonal: lower.distance(upper),
             display,
         };
@@ -361,9 +361,7 @@ impl FinalGather {
             occluders: context.occluders,
             stances: &self.stances,
             patches: &self.patches,
-            back_of: &self.back_of,
             sent: &self.sent,
-            diagonal: self.diagonal,
             seed: context.seed,
         }
     }

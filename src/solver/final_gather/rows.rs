@@ -11,13 +11,10 @@ use super::super::display::Display;
 use super::lamps::Sent;
 use super::stance::Stance;
 use crate::cancel::CancelToken;
+use crate::geometry::Occluders;
 use crate::hierarchy::{ElementId, Hierarchy};
-use crate::orient::bright_side;
 use crate::random::{cosine_direction, even_point, fraction, mix};
-use crate::visibility::Occluders;
 
-/// Rays start this share of the scene's diagonal off their surface.
-const RELATIVE_OFFSET: f32 = 1e-5;
 /// Memory that rows may take, bytes.
 const MOST_BYTES: usize = 1 << 29;
 
@@ -56,12 +53,8 @@ pub struct Surroundings<'a> {
     pub stances: &'a [Box<[Stance]>],
     /// The initial patch of each polygon.
     pub patches: &'a [ElementId],
-    /// The polygon on the other side of each doubled face; empty where none is doubled.
-    pub back_of: &'a [Option<u32>],
     /// What shines; some of it comes by other rays.
     pub sent: &'a Sent,
-    /// Diagonal of the scene.
-    pub diagonal: f32,
     pub seed: u64,
 }
 
@@ -240,16 +233,11 @@ impl Surroundings<'_> {
     }
 
     fn follow(&self, (point, normal): (Vec3, Vec3), direction: Vec3) -> Hit {
-        let origin = point + RELATIVE_OFFSET * self.diagonal * normal;
         let nowhere = Hit { triangle: NOWHERE, weights: [0; 2] };
-        let Some(hit) = self.occluders.closest_hit(origin, direction, 0.0) else { return nowhere };
-        let Some(polygon) = bright_side(hit, self.back_of) else { return nowhere };
-        if self.sent.is_reflected_to(polygon, point) {
-            return nowhere;
-        }
-        let place = origin + hit.distance * direction;
-        let Some((triangle, weights)) = self.display.locate(self.hierarchy, self.patches[polygon as usize], place)
-        else {
+        let met = self.occluders.ray_from(point, normal, direction).filter(|hit| hit.front);
+        let Some(met) = met.filter(|hit| !self.sent.is_reflected_to(hit.polygon, point)) else { return nowhere };
+        let patch = self.patches[met.polygon as usize];
+        let Some((triangle, weights)) = self.display.locate(self.hierarchy, patch, met.point) else {
             return nowhere;
         };
         let quantised = |weight: f32| (weight.clamp(0.0, 1.0) * f32::from(u16::MAX)) as u16;

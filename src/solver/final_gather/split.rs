@@ -7,7 +7,7 @@ use super::lamps::{Lamps, Seen};
 use super::places::Places;
 use super::{Context, FinalGather};
 use crate::cancel::CancelToken;
-use crate::exposure::Darkness;
+use crate::geometry::EnclosureTest;
 use crate::hierarchy::{ElementId, Hierarchy};
 use crate::random::mix;
 
@@ -77,7 +77,8 @@ impl FinalGather {
                 lit.irradiance
             });
             let is_hidden = || {
-                let encloses = |dark: &Darkness| dark.encloses(point.position, point.normal, mix(seed, 3), DARK_RAYS);
+                let encloses =
+                    |dark: &EnclosureTest| dark.encloses(point.position, point.normal, mix(seed, 3), DARK_RAYS);
                 darkness.as_ref().is_some_and(encloses)
             };
             if first == Vec3::ZERO && second == Vec3::ZERO && (shown == Vec3::ZERO || is_hidden()) {
@@ -159,10 +160,10 @@ impl FinalGather {
         Lamps { hierarchy, sent: &self.sent, occluders: context.occluders }
     }
 
-    /// Tells hidden points; where both sides of faces are bright there are no backs, and nothing is hidden.
-    pub(super) fn darkness<'a>(&self, context: &'a Context) -> Option<Darkness<'a>> {
+    /// Tells hidden points; where both sides of all faces are bright nothing is hidden.
+    pub(super) fn darkness<'a>(&self, context: &'a Context) -> Option<EnclosureTest<'a>> {
         let lamps = || self.lamp_list.clone();
-        self.back_of.is_empty().then(|| Darkness::with_lamps(context.scene, context.occluders, lamps()))
+        self.has_dark_sides.then(|| EnclosureTest::with_lamps(context.scene, context.occluders, lamps()))
     }
 }
 

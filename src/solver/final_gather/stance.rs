@@ -7,7 +7,7 @@
 use glam::Vec3;
 
 use super::super::display::Display;
-use crate::exposure::Darkness;
+use crate::geometry::EnclosureTest;
 use crate::hierarchy::{ElementId, Hierarchy, Shape};
 use crate::random::mix;
 
@@ -38,7 +38,7 @@ pub struct Finder<'a> {
     pub display: &'a Display,
     pub hierarchy: &'a Hierarchy,
     /// Tells what is hidden inside of things.
-    pub darkness: Option<&'a Darkness<'a>>,
+    pub darkness: Option<&'a EnclosureTest<'a>>,
     pub seed: u64,
 }
 

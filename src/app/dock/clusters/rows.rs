@@ -99,9 +99,9 @@ mod tests {
 
     use super::*;
     use crate::cancel::CancelToken;
+    use crate::geometry::Occluders;
     use crate::scene::builtin::BuiltinScene;
     use crate::solver::{Epsilon, Solver, SolverParams};
-    use crate::visibility::Occluders;
 
     fn anatomy() -> Arc<Anatomy> {
         let scene = Arc::new(BuiltinScene::from_name("seminar").expect("ours").build());

@@ -5,10 +5,10 @@
 use std::sync::Arc;
 
 use glam::Vec3;
-use selflink::exposure::{Exposure, quarter};
+use selflink::geometry::Occluders;
+use selflink::geometry::{Reachability, quarter};
 use selflink::hierarchy::{ClusteringMode, Hierarchy, Shape};
 use selflink::scene::{GroupId, Scene};
-use selflink::visibility::Occluders;
 
 use super::support::{MODES, add_box, empty_room, links, params, solve};
 
@@ -35,14 +35,14 @@ fn floor_of(scene: &Scene) -> u32 {
 #[test]
 fn the_floor_under_a_box_is_no_area() {
     let scene = room_with_a_box();
-    let exposure = Exposure::new(&scene, &Occluders::new(&scene));
+    let reachability = Reachability::new(&scene, &Occluders::new(&scene));
     for polygon in 0..scene.polygons.len() as u32 {
-        let shares = exposure.shares(exposure.of_polygon(polygon));
+        let shares = reachability.shares(reachability.of_polygon(polygon));
         let truth = if polygon == floor_of(&scene) { 0.88 } else { 1.0 };
         assert!((shares.exposed - truth).abs() < 0.012, "polygon {polygon}: {shares:?}");
         assert!(shares.sampled >= shares.exposed);
     }
-    let mut hierarchy = Hierarchy::new(&scene, Arc::new(exposure), ClusteringMode::None, 1);
+    let mut hierarchy = Hierarchy::new(&scene, Arc::new(reachability), ClusteringMode::None, 1);
     let of_floor = |hierarchy: &Hierarchy| {
         let leaves = hierarchy.ids().filter(|id| match hierarchy.element(*id).shape {
             Shape::Patch(patch) => hierarchy.element(*id).is_leaf() && patch.polygon == floor_of(&scene),
@@ -134,10 +134,10 @@ fn what_a_small_lamp_lights_among_backs_is_not_hidden() {
     let mut down = square(0.95, 0.01);
     down.reverse();
     scene.add_quad(down, lamp, GroupId(0));
-    let exposure = Exposure::new(&scene, &Occluders::new(&scene));
+    let reachability = Reachability::new(&scene, &Occluders::new(&scene));
     let floor = scene.polygons.len() as u32 - 2;
     assert!(scene.normal(&scene.polygons[floor as usize]).y > 0.99);
-    assert_eq!(exposure.shares(exposure.of_polygon(floor)).exposed, 1.0);
+    assert_eq!(reachability.shares(reachability.of_polygon(floor)).exposed, 1.0);
     let solved = solve(&scene, params(ClusteringMode::Adaptive, 1e-2));
     assert!(super::support::received(&solved, floor) > 0.0);
 }

@@ -10,9 +10,8 @@ use glam::Vec3;
 use rayon::prelude::*;
 use rustc_hash::FxHashMap;
 
-use crate::partition;
+use super::{Hit, Occluders, cuts, overlaps};
 use crate::scene::{Polygon, Scene, Sides};
-use crate::visibility::{Hit, Occluders};
 
 /// Rays for each polygon; more would not be seen, fewer leave many faces without a vote.
 const RAYS_PER_POLYGON: usize = 4;
@@ -39,22 +38,31 @@ const RAYS_FOR_BACKS: u64 = 4096;
 ///
 /// `Front` leaves the faces and counts those seen from behind, `Auto` turns these, and `Both` appends each face once
 /// more as an opposite patch ([`Polygon::is_back`]); opposite patches that are there already go first. Faces of two-sided materials
-/// are turned to the side that is seen, and doubled where both are. Occluders stop light from either side in every case.
+/// are turned to the side that is seen, and doubled where both are. Faces that lie on others of the same side are counted
+/// once ([`overlaps`]). Occluders stop light from either side in every case.
 pub fn apply(mut scene: Scene, sides: Sides) -> (Scene, Occluders) {
     scene.sides = sides;
     scene.polygons.retain(|polygon| !polygon.is_back);
     scene.polygons.iter_mut().for_each(|polygon| polygon.has_back = sides == Sides::Both);
     let (mut scene, occluders) = turned(scene, sides);
-    let cut = partition::cut(&mut scene, sides == Sides::Both);
-    scene.skipped.cut_faces = cut;
-    for index in 0..scene.polygons.len() {
+    let covered = overlaps::remove(&mut scene);
+    let cut = cuts::cut(&mut scene, sides == Sides::Both);
+    (scene.skipped.covered_faces, scene.skipped.cut_faces) = (covered, cut);
+    let fronts = scene.polygons.len();
+    for index in 0..fronts {
         if scene.polygons[index].has_back {
             let mut back = scene.polygons[index].flipped();
             (back.is_back, back.has_back) = (true, false);
             scene.polygons.push(back);
         }
     }
-    let occluders = if cut > 0 { Occluders::new(&scene) } else { occluders };
+    let has_backs = scene.polygons.len() > fronts;
+    if has_backs {
+        // Where the file has a face for either side, no other is needed.
+        overlaps::remove(&mut scene);
+    }
+    let is_as_it_was = covered == 0 && cut == 0 && !has_backs;
+    let occluders = if is_as_it_was { occluders } else { Occluders::new(&scene) };
     (scene, occluders)
 }
 
@@ -98,42 +106,18 @@ fn turned(mut scene: Scene, sides: Sides) -> (Scene, Occluders) {
 
 /// Whether the inside of a scene shows backs, nearly everywhere: its faces are wound the other way round.
 pub fn shows_backs(scene: &Scene, occluders: &Occluders) -> bool {
-    let walks = Walks::new(scene, occluders);
-    let back_of = backs(scene);
+    let (lower, upper) = scene.bounds();
     let look = |ray: u64| {
         let mut random = Random::new(SEED ^ (3 << 48) ^ ray);
-        let (origin, direction) = walks.start_in_box(&mut random)?;
+        let (origin, direction) = (random.point(lower, upper), random.direction());
         // What is seen one way alone is no inside.
-        walks.occluders.closest_hit(origin, -direction, 0.0)?;
-        let hit = walks.occluders.closest_hit(origin, direction, 0.0)?;
-        Some(bright_side(hit, &back_of).is_none())
+        occluders.first_hit(origin, -direction)?;
+        Some(!occluders.first_hit(origin, direction)?.front)
     };
     let seen: Vec<bool> = (0..RAYS_FOR_BACKS).into_par_iter().filter_map(look).collect();
     let backs = seen.iter().filter(|is_back| **is_back).count();
     // Insides of furniture are backs too; a room has more of its own air.
     4 * backs > 3 * seen.len() && 8 * seen.len() > RAYS_FOR_BACKS as usize
-}
-
-/// The second side of each doubled face; empty where none is doubled. Fronts and backs come in the same order ([`apply`]).
-pub fn backs(scene: &Scene) -> Vec<Option<u32>> {
-    let index_of = |is_wanted: fn(&Polygon) -> bool| {
-        let all = scene.polygons.iter().enumerate();
-        all.filter(move |(_, polygon)| is_wanted(polygon)).map(|(index, _)| index as u32)
-    };
-    let mut backs = index_of(|polygon| polygon.is_back).peekable();
-    if backs.peek().is_none() {
-        return Vec::new();
-    }
-    let mut back_of = vec![None; scene.polygons.len()];
-    for (front, back) in index_of(|polygon| polygon.has_back).zip(backs) {
-        back_of[front as usize] = Some(back);
-    }
-    back_of
-}
-
-/// The polygon whose bright side a ray meets, by what [`backs`] told; `None` for a dark back.
-pub fn bright_side(hit: Hit, back_of: &[Option<u32>]) -> Option<u32> {
-    if hit.front { Some(hit.polygon) } else { *back_of.get(hit.polygon as usize)? }
 }
 
 /// How faces are seen, by the weights of the particles that met them.
@@ -180,9 +164,6 @@ fn votes(scene: &Scene, occluders: &Occluders, lamp_backs: bool) -> Seen {
     Seen { decisive, all }
 }
 
-/// Where a particle begins: a point and a unit direction.
-type Start = (Vec3, Vec3);
-
 /// Diffuse walks through a scene.
 struct Walks<'a> {
     scene: &'a Scene,
@@ -199,10 +180,11 @@ impl<'a> Walks<'a> {
         Self { scene, occluders, lower, upper, diagonal }
     }
 
-    /// Sends particles and sums their votes for fronts and for backs; `stream` tells apart the random numbers of several runs.
+    /// Sends particles and sums their votes for fronts and for backs; `start` tells what each meets first, and `stream` tells apart
+    /// the random numbers of several runs.
     fn run<S>(&self, particles: usize, stream: u64, start: S) -> Vec<[i64; 2]>
     where
-        S: Fn(&mut Random) -> Option<Start> + Sync,
+        S: Fn(&mut Random) -> Option<Hit> + Sync,
     {
         let hits: Vec<(u32, i32)> = (0..particles as u64)
             .into_par_iter()
@@ -210,9 +192,7 @@ impl<'a> Walks<'a> {
                 let mut random = Random::new(SEED ^ (stream << 48) ^ particle);
                 let first = start(&mut random);
                 let mut hits = Vec::new();
-                if let Some((origin, direction)) = first {
-                    self.walk(origin, direction, &mut random, &mut hits);
-                }
+                self.walk(first, &mut random, &mut hits);
                 hits
             })
             .collect();
@@ -223,10 +203,9 @@ impl<'a> Walks<'a> {
         votes
     }
 
-    fn walk(&self, mut origin: Vec3, mut direction: Vec3, random: &mut Random, hits: &mut Vec<(u32, i32)>) {
-        let offset = 1e-5 * self.diagonal;
+    fn walk(&self, mut met: Option<Hit>, random: &mut Random, hits: &mut Vec<(u32, i32)>) {
         for _ in 0..BOUNCES {
-            let Some(hit) = self.occluders.closest_hit(origin, direction, offset) else { return };
+            let Some(hit) = met else { return };
             let weight = (FULL_WEIGHT * (hit.distance / self.diagonal).min(1.0).powi(2)) as i32 + 1;
             hits.push((hit.polygon, if hit.front { weight } else { -weight }));
             let normal = self.scene.normal(&self.scene.polygons[hit.polygon as usize]);
@@ -234,20 +213,19 @@ impl<'a> Walks<'a> {
             if facing == Vec3::ZERO {
                 return;
             }
-            origin += hit.distance * direction + offset * facing;
-            direction = random.around(facing);
+            met = self.occluders.ray_from(hit.point, facing, random.around(facing));
         }
     }
 
     /// From the eye towards a point in the scene's box, so that an eye outside it meets something.
-    fn start_at_eye(&self, random: &mut Random) -> Option<Start> {
+    fn start_at_eye(&self, random: &mut Random) -> Option<Hit> {
         let eye = self.scene.camera?.eye;
         let direction = (random.point(self.lower, self.upper) - eye).try_normalize()?;
-        Some((eye, direction))
+        self.occluders.first_hit(eye, direction)
     }
 
     /// From a lamp, on its bright side or on either.
-    fn start_at_lamp(&self, lamps: &Lamps, lamp_backs: bool, random: &mut Random) -> Option<Start> {
+    fn start_at_lamp(&self, lamps: &Lamps, lamp_backs: bool, random: &mut Random) -> Option<Hit> {
         let polygon = &self.scene.polygons[lamps.pick(random.unit()) as usize];
         let ([a, b, c, d], count) = self.scene.corner_positions(polygon);
         let [b, c] = if count == 4 && random.unit() < 0.5 { [c, d] } else { [b, c] };
@@ -257,11 +235,12 @@ impl<'a> Walks<'a> {
         }
         let normal = self.scene.normal(polygon);
         let side = if random.unit() < 0.5 && lamp_backs { -normal } else { normal };
-        (side != Vec3::ZERO).then(|| (a + u * (b - a) + v * (c - a), random.around(side)))
+        let point = a + u * (b - a) + v * (c - a);
+        if side == Vec3::ZERO { None } else { self.occluders.ray_from(point, side, random.around(side)) }
     }
 
-    fn start_in_box(&self, random: &mut Random) -> Option<Start> {
-        Some((random.point(self.lower, self.upper), random.direction()))
+    fn start_in_box(&self, random: &mut Random) -> Option<Hit> {
+        self.occluders.first_hit(random.point(self.lower, self.upper), random.direction())
     }
 }
 
@@ -435,7 +414,7 @@ mod tests {
             assert_eq!(turned.skipped.turned_faces, 1);
             assert_eq!(turned.polygons[wrong].corners(), room().polygons[wrong].corners());
             let ray = (turned.corner_positions(&turned.polygons[wrong]).0[0] * 0.9 + MIDDLE * 0.1 - MIDDLE).normalize();
-            assert!(occluders.closest_hit(MIDDLE, ray, 0.0).is_some_and(|hit| hit.front));
+            assert!(occluders.first_hit(MIDDLE, ray).is_some_and(|hit| hit.front));
         }
     }
 
@@ -518,14 +497,13 @@ mod tests {
             let doubled: Vec<usize> =
                 (0..scene.polygons.len()).filter(|&index| scene.polygons[index].has_back).collect();
             assert_eq!((scene.polygons.len(), doubled), (9, vec![7]));
-            assert_eq!(backs(&scene)[7], Some(8));
             assert!(scene.normal(&scene.polygons[7]).distance(-scene.normal(&scene.polygons[8])) < 1e-6);
             assert!((0..6).all(|wall| bright_towards(&scene, wall, MIDDLE)), "{outwards}");
-            let ray = MIDDLE + Vec3::new(1.5, -1.0, 0.5);
-            assert!(
-                bright_side(occluders.closest_hit(ray, -Vec3::Z, 0.0).expect("the screen or a wall"), &backs(&scene))
-                    .is_some()
-            );
+            for (from, to) in [(1.0, Vec3::Z), (3.0, Vec3::NEG_Z)] {
+                let hit = occluders.first_hit(Vec3::new(1.5, 1.0, from), to).expect("the screen");
+                let normal = scene.normal(&scene.polygons[hit.polygon as usize]);
+                assert!(hit.front && normal.dot(to) < 0.0 && (7..=8).contains(&hit.polygon), "{hit:?}");
+            }
         }
     }
 

@@ -1,4 +1,4 @@
-//! Exposure: which parts of a face light can reach at all.
+//! Reachability: which parts of a face light can reach at all.
 //!
 //! Things stand on tables, lamps are screwed to ceilings, frames run behind panes: much of a room's surface lies inside of something
 //! and sees nothing but the backs of faces, which send no light. Such parts must not count as area. A patch that
@@ -9,14 +9,12 @@
 //! four points tell how much of each is hidden. A patch then has the area that is exposed. Random points of it lie
 //! on all cells that are exposed at all, so that none of the light that goes to them is missed.
 
-use std::sync::Arc;
-
 use glam::Vec3;
 use rayon::prelude::*;
 
-use crate::random::{cosine_direction, mix};
+use super::{EnclosureTest, Occluders};
+use crate::random::mix;
 use crate::scene::{Polygon, Scene};
-use crate::visibility::{Hit, Occluders};
 
 /// Cells have about this share of a scene's area: a square of 30 cm in a seminar room.
 const CELL_SHARE: f32 = 1.0 / 4_096.0;
@@ -28,12 +26,9 @@ const POINTS: u8 = 4;
 /// mistaken for hidden.
 const RAYS: u32 = 16;
 
-/// Reflections after which light that was not found is not looked for any further.
-const MOST_BOUNCES: u64 = 6;
-
 /// The hidden parts of each polygon of a scene.
 #[derive(Clone, Debug, Default)]
-pub struct Exposure {
+pub struct Reachability {
     /// Cells of each polygon; empty where nothing is hidden in the whole scene.
     polygons: Vec<Cells>,
     /// How many points of each cell are exposed, for the polygons that are hidden in part.
@@ -69,27 +64,27 @@ impl Cells {
     }
 }
 
-impl Exposure {
+impl Reachability {
     /// Looks at a scene whose occluders these are.
     pub fn new(scene: &Scene, occluders: &Occluders) -> Self {
-        // Where both sides of faces are bright there are no backs.
-        if scene.polygons.iter().any(|polygon| polygon.is_back) {
+        if !scene.has_dark_sides() {
             return Self::default();
         }
         let total: f32 = scene.polygons.iter().map(|polygon| scene.area(polygon)).sum();
-        let darkness = Darkness::new(scene, occluders);
-        let look =
-            |(index, polygon): (usize, &Polygon)| exposed_points(&darkness, index as u32, polygon, CELL_SHARE * total);
+        let test = EnclosureTest::new(scene, occluders);
+        let look = |(index, polygon): (usize, &Polygon)| {
+            exposed_points(scene, &test, index as u32, polygon, CELL_SHARE * total)
+        };
         let looked: Vec<Vec<u8>> = scene.polygons.par_iter().enumerate().map(look).collect();
-        let mut exposure = Self::default();
+        let mut reachability = Self::default();
         if looked.iter().all(Vec::is_empty) {
-            return exposure;
+            return reachability;
         }
         for exposed in looked {
-            exposure.polygons.push(Cells { first: exposure.exposed.len() as u32, count: exposed.len() as u32 });
-            exposure.exposed.extend(exposed);
+            reachability.polygons.push(Cells { first: reachability.exposed.len() as u32, count: exposed.len() as u32 });
+            reachability.exposed.extend(exposed);
         }
-        exposure
+        reachability
     }
 
     /// The cells of a polygon.
@@ -152,8 +147,7 @@ impl Exposure {
 }
 
 /// How many points of each cell of a polygon are exposed; nothing where all are.
-fn exposed_points(darkness: &Darkness, index: u32, polygon: &Polygon, cell: f32) -> Vec<u8> {
-    let scene = darkness.scene;
+fn exposed_points(scene: &Scene, test: &EnclosureTest, index: u32, polygon: &Polygon, cell: f32) -> Vec<u8> {
     let area = scene.area(polygon);
     if area < 0.25 * cell {
         return Vec::new();
@@ -168,7 +162,7 @@ fn exposed_points(darkness: &Darkness, index: u32, polygon: &Polygon, cell: f32)
             let seed = mix(u64::from(index), u64::from(u32::from(POINTS) * cell + part));
             // Anywhere in the quarter: what is as regular as the cells must not meet all their middles.
             let point = point_in(quarter(corners, corner_count, *part), corner_count, uniform(mix(seed, 1)));
-            !darkness.hides(point, normal, seed, RAYS)
+            !test.hides(point, normal, seed, RAYS)
         };
         (0..u32::from(POINTS)).filter(is_exposed).count() as u8
     };
@@ -199,7 +193,7 @@ pub fn quarter([a, b, c, d]: [Vec3; 4], corner_count: usize, number: u32) -> [Ve
 }
 
 /// The point of a triangle or quad at `(u, v)`.
-fn point_in([a, b, c, d]: [Vec3; 4], corner_count: usize, [u, v]: [f32; 2]) -> Vec3 {
+pub(super) fn point_in([a, b, c, d]: [Vec3; 4], corner_count: usize, [u, v]: [f32; 2]) -> Vec3 {
     if corner_count == 3 {
         let (u, v) = if u + v > 1.0 { (1.0 - u, 1.0 - v) } else { (u, v) };
         return a + u * (b - a) + v * (c - a);
@@ -208,124 +202,6 @@ fn point_in([a, b, c, d]: [Vec3; 4], corner_count: usize, [u, v]: [f32; 2]) -> V
 }
 
 /// Two numbers in 0..1 of a hash.
-fn uniform(number: u64) -> [f32; 2] {
+pub(super) fn uniform(number: u64) -> [f32; 2] {
     [number >> 40, (number >> 8) & 0xff_ffff].map(|bits| bits as f32 / 16_777_216.0)
-}
-
-/// The polygons that emit, as targets of rays.
-#[derive(Debug)]
-pub struct LampList {
-    /// Polygons that emit, and the sums of their powers, W.
-    lamps: Vec<u32>,
-    powers: Vec<f32>,
-}
-
-impl LampList {
-    /// Those of a scene.
-    pub fn new(scene: &Scene) -> Self {
-        let emitted = |polygon: &Polygon| scene.surface(polygon).emission.max_element() * scene.area(polygon);
-        let is_lamp = |index: &u32| emitted(&scene.polygons[*index as usize]) > 0.0;
-        let lamps: Vec<u32> = (0..scene.polygons.len() as u32).filter(is_lamp).collect();
-        let mut sum = 0.0;
-        let power = |lamp: &u32| {
-            sum += emitted(&scene.polygons[*lamp as usize]);
-            sum
-        };
-        let powers = lamps.iter().map(power).collect();
-        Self { lamps, powers }
-    }
-}
-
-/// Tells points that no light can reach.
-pub struct Darkness<'a> {
-    scene: &'a Scene,
-    occluders: &'a Occluders,
-    lamps: Arc<LampList>,
-}
-
-impl<'a> Darkness<'a> {
-    /// For a scene whose faces are bright on one side.
-    pub fn new(scene: &'a Scene, occluders: &'a Occluders) -> Self {
-        Self::with_lamps(scene, occluders, Arc::new(LampList::new(scene)))
-    }
-
-    /// The same with the scene's lamps, which take a look at all polygons to find.
-    pub fn with_lamps(scene: &'a Scene, occluders: &'a Occluders, lamps: Arc<LampList>) -> Self {
-        Self { scene, occluders, lamps }
-    }
-
-    /// Whether a point lies inside of something: of so many random rays none meets a bright side, at least half meet the backs of faces
-    /// (the others leave the scene), and as many rays to the lamps are blocked.
-    pub fn hides(&self, point: Vec3, normal: Vec3, seed: u64, rays: u32) -> bool {
-        let mut backs = 0;
-        for ray in 0..rays {
-            match self.look(point, normal, mix(seed, 2 * u64::from(ray) + 2)) {
-                Some((_, hit)) if hit.front => return false,
-                Some(_) => backs += 1,
-                None => {}
-            }
-        }
-        2 * backs >= rays && !(0..rays).any(|ray| self.shows_lamp(point, normal, mix(seed, 2 * u64::from(ray) + 3)))
-    }
-
-    /// The same where things run through each other or stand face on face, so that bright sides may be hidden as well: at least half
-    /// of the rays meet backs, and no light is found along the others, however they are reflected.
-    pub fn encloses(&self, point: Vec3, normal: Vec3, seed: u64, rays: u32) -> bool {
-        let seed_of = |ray: u32, bounce: u64| mix(mix(seed, u64::from(ray)), bounce);
-        // Most points see fronts enough to be believed at once.
-        let (mut fronts, mut others) = (Vec::new(), 0);
-        for ray in 0..rays {
-            match self.look(point, normal, mix(seed_of(ray, 0), 2)) {
-                Some((_, hit)) if !hit.front => continue,
-                Some((place, hit)) => fronts.push((ray, place, hit)),
-                None => {}
-            }
-            others += 1;
-            if 2 * others > rays {
-                return false;
-            }
-        }
-        !(0..rays).any(|ray| self.shows_lamp(point, normal, mix(seed_of(ray, 0), 1)))
-            && !fronts.into_iter().any(|(ray, place, hit)| self.finds_light(place, hit, |bounce| seed_of(ray, bounce)))
-    }
-
-    /// Whether a path that has met a bright side finds light.
-    fn finds_light(&self, mut place: Vec3, mut hit: Hit, seed: impl Fn(u64) -> u64) -> bool {
-        for bounce in 1..=MOST_BOUNCES {
-            let polygon = &self.scene.polygons[hit.polygon as usize];
-            let normal = self.scene.normal(polygon);
-            let shines = self.scene.emits(polygon);
-            if shines || self.shows_lamp(place, normal, mix(seed(bounce), 1)) {
-                return true;
-            }
-            match self.look(place, normal, mix(seed(bounce), 2)) {
-                Some((next, met)) if met.front => (place, hit) = (next, met),
-                _ => return false,
-            }
-        }
-        false
-    }
-
-    /// What a random ray meets, and where.
-    fn look(&self, point: Vec3, normal: Vec3, random: u64) -> Option<(Vec3, Hit)> {
-        let lifted = point + self.occluders.least_distance() * normal;
-        let [u, v] = uniform(random);
-        let direction = cosine_direction(normal, u, v);
-        let hit = self.occluders.closest_hit(lifted, direction, 0.0)?;
-        Some((lifted + hit.distance * direction, hit))
-    }
-
-    fn shows_lamp(&self, point: Vec3, normal: Vec3, random: u64) -> bool {
-        let Some(&power) = self.lamps.powers.last() else { return false };
-        let wanted = uniform(mix(random, 1))[0] * power;
-        let place = self.lamps.powers.partition_point(|&sum| sum <= wanted).min(self.lamps.lamps.len() - 1);
-        let lamp = &self.scene.polygons[self.lamps.lamps[place] as usize];
-        let (corners, count) = self.scene.corner_positions(lamp);
-        let on_lamp = point_in(corners, count, uniform(random));
-        let span = on_lamp - point;
-        let lamp_normal = self.scene.normal(lamp);
-        normal.dot(span) > 0.0
-            && lamp_normal.dot(span) < 0.0
-            && !self.occluders.occluded_above((point, normal), (on_lamp, lamp_normal))
-    }
 }

@@ -1,0 +1,131 @@
+//! Mitsuba 3: a scene file in XML, a mesh in PLY for each material (and each of its colours), and a script that asks Mitsuba about the points of a reference.
+//!
+//! `diffuse` is bright on one side and area emitters shine on one, as faces do here. They take the radiance B_e/π. Mitsuba computes in single
+//! precision: coordinates are the scene's own, whose zero may lie elsewhere in its file ([`Scene::origin`]).
+
+use std::f32::consts::PI;
+use std::fmt::Write as _;
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+
+use glam::Vec3;
+use rustc_hash::FxHashMap;
+
+use super::{PeerError, SIZE, Surface, camera, make_folder, spaced, surfaces, write_file};
+use crate::scene::{CameraPose, Scene};
+
+const README: &str = "Written by Selflink for Mitsuba 3 (pip install mitsuba numpy).\n\
+    A picture: mitsuba -m llvm_ad_rgb scene.xml\n\
+    Irradiance at the points of a reference: selflink reference SCENE --out points.csv; python check.py points.csv\n";
+
+/// Asks Mitsuba about the points of a reference, which are in the coordinates of the scene's file.
+const CHECK: &str = include_str!("check.py");
+/// The line of it that says where the scene's zero lies in these.
+const ORIGIN: &str = "ORIGIN = (0.0, 0.0, 0.0)";
+
+/// Writes the files; returns the XML.
+pub fn write(scene: &Scene, folder: &Path) -> Result<PathBuf, PeerError> {
+    make_folder(&folder.join("meshes"))?;
+    let surfaces = surfaces(scene);
+    for surface in &surfaces {
+        write_file(folder, &mesh_name(surface), |writer| mesh(writer, surface))?;
+    }
+    write_file(folder, "README.txt", |writer| writer.write_all(README.as_bytes()))?;
+    let [x, y, z] = scene.origin.to_array();
+    let check = CHECK.replace(ORIGIN, &format!("ORIGIN = ({x:?}, {y:?}, {z:?})"));
+    write_file(folder, "check.py", |writer| writer.write_all(check.as_bytes()))?;
+    write_file(folder, "scene.xml", |writer| writer.write_all(xml(scene, &surfaces).as_bytes()))
+}
+
+fn mesh_name(surface: &Surface) -> String {
+    format!("meshes/{}.ply", surface.name)
+}
+
+/// The scene file.
+fn xml(scene: &Scene, surfaces: &[Surface]) -> String {
+    let CameraPose { eye, target, up, hfov_deg } = camera(scene);
+    let commas = |vector: Vec3| format!("{}, {}, {}", vector.x, vector.y, vector.z);
+    let mut text = format!(
+        r#"<scene version="3.0.0">
+    <integrator type="path">
+        <integer name="max_depth" value="-1"/>
+    </integrator>
+    <sensor type="perspective">
+        <string name="fov_axis" value="x"/>
+        <float name="fov" value="{hfov_deg}"/>
+        <transform name="to_world">
+            <lookat origin="{}" target="{}" up="{}"/>
+        </transform>
+        <sampler type="independent">
+            <integer name="sample_count" value="256"/>
+        </sampler>
+        <film type="hdrfilm">
+            <integer name="width" value="{}"/>
+            <integer name="height" value="{}"/>
+        </film>
+    </sensor>
+"#,
+        commas(eye),
+        commas(target),
+        commas(up),
+        SIZE[0],
+        SIZE[1],
+    );
+    for surface in surfaces {
+        let finish = surface.finish;
+        let _ = write!(
+            text,
+            r#"    <shape type="ply">
+        <string name="filename" value="{}"/>
+        <boolean name="face_normals" value="true"/>
+        <bsdf type="diffuse">
+            <rgb name="reflectance" value="{}"/>
+        </bsdf>
+"#,
+            mesh_name(surface),
+            spaced(finish.reflectance),
+        );
+        if finish.emission != Vec3::ZERO {
+            let _ = write!(
+                text,
+                r#"        <emitter type="area">
+            <rgb name="radiance" value="{}"/>
+        </emitter>
+"#,
+                spaced(finish.emission / PI),
+            );
+        }
+        text += "    </shape>\n";
+    }
+    text + "</scene>\n"
+}
+
+/// A mesh of triangles whose corners are shared.
+fn mesh(writer: &mut impl Write, surface: &Surface) -> io::Result<()> {
+    let (mut corners, mut triangles, mut numbers) = (Vec::new(), Vec::new(), FxHashMap::default());
+    for face in &surface.faces {
+        let mut number = |corner: &Vec3| {
+            *numbers.entry(corner.to_array().map(f32::to_bits)).or_insert_with(|| {
+                corners.push(*corner);
+                corners.len() as i32 - 1
+            })
+        };
+        let face: Vec<i32> = face.iter().map(&mut number).collect();
+        triangles.extend((1..face.len() - 1).map(|index| [face[0], face[index], face[index + 1]]));
+    }
+    write!(
+        writer,
+        "ply\nformat binary_little_endian 1.0\nelement vertex {}\nproperty float x\nproperty float y\nproperty float z\n\
+         element face {}\nproperty list uchar int vertex_indices\nend_header\n",
+        corners.len(),
+        triangles.len()
+    )?;
+    for corner in corners {
+        corner.to_array().iter().try_for_each(|value| writer.write_all(&value.to_le_bytes()))?;
+    }
+    for triangle in triangles {
+        writer.write_all(&[3])?;
+        triangle.iter().try_for_each(|corner| writer.write_all(&corner.to_le_bytes()))?;
+    }
+    Ok(())
+}

@@ -1,0 +1,124 @@
+//! Enclosure: points inside of things, which see nothing but the backs of faces.
+
+use std::sync::Arc;
+
+use glam::Vec3;
+
+use super::reachability::{point_in, uniform};
+use super::{Hit, Occluders};
+use crate::random::{cosine_direction, mix};
+use crate::scene::{Polygon, Scene};
+
+/// Reflections after which light that was not found is not looked for any further.
+const MOST_BOUNCES: u64 = 6;
+
+/// The polygons that emit, as targets of rays.
+#[derive(Debug)]
+pub struct LampList {
+    /// Polygons that emit, and the sums of their powers, W.
+    lamps: Vec<u32>,
+    powers: Vec<f32>,
+}
+
+impl LampList {
+    /// Those of a scene.
+    pub fn new(scene: &Scene) -> Self {
+        let emitted = |polygon: &Polygon| scene.surface(polygon).emission.max_element() * scene.area(polygon);
+        let is_lamp = |index: &u32| emitted(&scene.polygons[*index as usize]) > 0.0;
+        let lamps: Vec<u32> = (0..scene.polygons.len() as u32).filter(is_lamp).collect();
+        let mut sum = 0.0;
+        let power = |lamp: &u32| {
+            sum += emitted(&scene.polygons[*lamp as usize]);
+            sum
+        };
+        let powers = lamps.iter().map(power).collect();
+        Self { lamps, powers }
+    }
+}
+
+/// Tells points that no light can reach.
+pub struct EnclosureTest<'a> {
+    scene: &'a Scene,
+    occluders: &'a Occluders,
+    lamps: Arc<LampList>,
+}
+
+impl<'a> EnclosureTest<'a> {
+    /// For a scene whose faces are bright on one side.
+    pub fn new(scene: &'a Scene, occluders: &'a Occluders) -> Self {
+        Self::with_lamps(scene, occluders, Arc::new(LampList::new(scene)))
+    }
+
+    /// The same with the scene's lamps, which take a look at all polygons to find.
+    pub fn with_lamps(scene: &'a Scene, occluders: &'a Occluders, lamps: Arc<LampList>) -> Self {
+        Self { scene, occluders, lamps }
+    }
+
+    /// Whether a point lies inside of something: of so many random rays none meets a bright side, at least half meet the backs of faces
+    /// (the others leave the scene), and as many rays to the lamps are blocked.
+    pub fn hides(&self, point: Vec3, normal: Vec3, seed: u64, rays: u32) -> bool {
+        let mut backs = 0;
+        for ray in 0..rays {
+            match self.look(point, normal, mix(seed, 2 * u64::from(ray) + 2)) {
+                Some(hit) if hit.front => return false,
+                Some(_) => backs += 1,
+                None => {}
+            }
+        }
+        2 * backs >= rays && !(0..rays).any(|ray| self.shows_lamp(point, normal, mix(seed, 2 * u64::from(ray) + 3)))
+    }
+
+    /// The same where things run through each other or stand face on face, so that bright sides may be hidden as well: at least half
+    /// of the rays meet backs, and no light is found along the others, however they are reflected.
+    pub fn encloses(&self, point: Vec3, normal: Vec3, seed: u64, rays: u32) -> bool {
+        let seed_of = |ray: u32, bounce: u64| mix(mix(seed, u64::from(ray)), bounce);
+        // Most points see fronts enough to be believed at once.
+        let (mut fronts, mut others) = (Vec::new(), 0);
+        for ray in 0..rays {
+            match self.look(point, normal, mix(seed_of(ray, 0), 2)) {
+                Some(hit) if !hit.front => continue,
+                Some(hit) => fronts.push((ray, hit)),
+                None => {}
+            }
+            others += 1;
+            if 2 * others > rays {
+                return false;
+            }
+        }
+        !(0..rays).any(|ray| self.shows_lamp(point, normal, mix(seed_of(ray, 0), 1)))
+            && !fronts.into_iter().any(|(ray, hit)| self.finds_light(hit, |bounce| seed_of(ray, bounce)))
+    }
+
+    /// Whether a path that has met a bright side finds light.
+    fn finds_light(&self, mut hit: Hit, seed: impl Fn(u64) -> u64) -> bool {
+        for bounce in 1..=MOST_BOUNCES {
+            let polygon = &self.scene.polygons[hit.polygon as usize];
+            let normal = self.scene.normal(polygon);
+            let shines = self.scene.emits(polygon);
+            if shines || self.shows_lamp(hit.point, normal, mix(seed(bounce), 1)) {
+                return true;
+            }
+            match self.look(hit.point, normal, mix(seed(bounce), 2)) {
+                Some(met) if met.front => hit = met,
+                _ => return false,
+            }
+        }
+        false
+    }
+
+    /// What a random ray meets.
+    fn look(&self, point: Vec3, normal: Vec3, random: u64) -> Option<Hit> {
+        let [u, v] = uniform(random);
+        self.occluders.ray_from(point, normal, cosine_direction(normal, u, v))
+    }
+
+    fn shows_lamp(&self, point: Vec3, normal: Vec3, random: u64) -> bool {
+        let Some(&power) = self.lamps.powers.last() else { return false };
+        let wanted = uniform(mix(random, 1))[0] * power;
+        let place = self.lamps.powers.partition_point(|&sum| sum <= wanted).min(self.lamps.lamps.len() - 1);
+        let lamp = &self.scene.polygons[self.lamps.lamps[place] as usize];
+        let (corners, count) = self.scene.corner_positions(lamp);
+        let on_lamp = point_in(corners, count, uniform(random));
+        self.occluders.sees((point, normal), (on_lamp, self.scene.normal(lamp)))
+    }
+}

@@ -1,0 +1,18 @@
+//! Geometry: rays and the faces that they leave and meet.
+//!
+//! [`Occluders`] tell which face a ray meets (`offset` tells how it leaves one), [`orient`] which sides of faces are bright,
+//! [`overlaps`] removes faces that lie on each other, [`cuts`] parts large surfaces where walls stand on them, and [`Reachability`]
+//! tells which parts of faces light can reach. This module imports `scene` and `random` alone.
+
+pub mod cuts;
+mod enclosure;
+mod occluders;
+mod offset;
+pub mod orient;
+pub mod overlaps;
+mod parts;
+mod reachability;
+
+pub use enclosure::{EnclosureTest, LampList};
+pub use occluders::{Hit, Occluders};
+pub use reachability::{Cells, Reachability, Shares, quarter};
