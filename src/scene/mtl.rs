@@ -2,6 +2,7 @@
 
 use std::borrow::Cow;
 use std::collections::HashMap;
+use std::collections::hash_map::Entry;
 use std::f32::consts::PI;
 use std::path::Path;
 use std::sync::Arc;
@@ -157,11 +158,14 @@ impl MaterialLibrary {
             ));
         }
         for (name, statement) in read.materials {
-            if self.by_name.contains_key(&name) {
-                let name = quoted(&name);
-                skipped.note(format!("The material {name} is defined twice; its first definition counts."));
-            } else {
-                self.by_name.insert(name, statement);
+            match self.by_name.entry(name) {
+                Entry::Occupied(known) => {
+                    let name = quoted(known.key());
+                    skipped.note(format!("The material {name} is defined twice; its first definition counts."));
+                }
+                Entry::Vacant(free) => {
+                    free.insert(statement);
+                }
             }
         }
     }

@@ -84,7 +84,7 @@ pub(super) fn guessed(draft: &Draft) -> UpAxis {
     let sound = || used().filter(|corner| corner.is_finite());
     let none = (DVec3::INFINITY, DVec3::NEG_INFINITY);
     let (lower, upper) = sound().fold(none, |(lower, upper), corner| (lower.min(corner), upper.max(corner)));
-    if !(lower.x <= upper.x) {
+    if lower.x > upper.x {
         return UpAxis::Y;
     }
     let extent = (upper - lower).max(DVec3::splat(1e-9));

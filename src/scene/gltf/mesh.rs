@@ -16,7 +16,7 @@ pub(super) struct Part {
     pub normals: Option<Vec<Vec3>>,
     pub colours: Option<Vec<[u16; 4]>>,
     /// Numbers of a skin's joints and how much each moves a vertex.
-    pub joints: Option<(Vec<[f64; 4]>, Vec<[f64; 4]>)>,
+    pub joints: Option<[Vec<[f64; 4]>; 2]>,
     pub triangles: Vec<[u32; 3]>,
     pub material: Option<u32>,
 }
@@ -123,7 +123,7 @@ pub(super) fn read_primitive(
         uvs: uvs.map(|uvs| uvs.into_iter().map(|[u, v]| Vec2::new(u as f32, v as f32)).collect()),
         normals: normals.map(|normals| normals.into_iter().map(vec3).collect()),
         colours,
-        joints: joints.zip(shares),
+        joints: joints.zip(shares).map(Into::into),
         triangles: triangles(if compressed.is_some() { Mode::Triangles } else { mode }, &indices),
         material: primitive.material.map(|material| material.value() as u32),
     }))
@@ -185,7 +185,7 @@ impl Part {
     /// Where its vertices are in the file's coordinates.
     pub fn placed(&self, world: DMat4, skin: Option<&[DMat4]>) -> Vec<DVec3> {
         let matrix = |vertex: usize| match (skin, &self.joints) {
-            (Some(matrices), Some((joints, shares))) => {
+            (Some(matrices), Some([joints, shares])) => {
                 let (joints, shares) = (joints[vertex], shares[vertex]);
                 let total: f64 = shares.iter().sum();
                 let of_joint = |place: usize| {
