@@ -71,8 +71,9 @@ impl Rooms<'_> {
             let polygon = &self.scene.polygons[((u * count as f32) as usize).min(count.checked_sub(1)?)];
             let ([a, b, c, _], _) = self.scene.corner_positions(polygon);
             let (middle, normal) = ((a + b + c) / 3.0, self.scene.normal(polygon));
-            let reach = self.occluders.ray_from(middle, normal, normal)?.distance;
-            Some(middle + (0.1 + 0.8 * v) * reach * normal)
+            // Slivers have no normal.
+            let hit = if normal == Vec3::ZERO { None } else { self.occluders.ray_from(middle, normal, normal) };
+            Some(middle + (0.1 + 0.8 * v) * hit?.distance * normal).filter(|place| place.is_finite())
         });
         in_box.chain(at_face).collect()
     }
