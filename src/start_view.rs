@@ -14,7 +14,10 @@ use crate::scene::{CameraPose, Scene};
 
 /// Places that are tried.
 const PLACES: usize = 768;
-/// Directions around a place.
+/// Places looked at closely at a time, the best first.
+const CLOSER: usize = 64;
+/// Directions around a place, at a glance and closely.
+const GLANCE: usize = 12;
 const AROUND: usize = 48;
 /// Eyes above the floor, m, and at most this share of a room's height.
 const EYE: f32 = 1.6;
@@ -33,9 +36,14 @@ const HFOV: f32 = 75.0;
 pub fn find(scene: &Scene, occluders: &Occluders) -> Option<CameraPose> {
     let rooms = Rooms { scene, occluders, up: up_axis(scene) };
     let places = rooms.places();
-    let stands: Vec<Stand> = places.par_iter().filter_map(|place| rooms.stand(*place)).collect();
+    let mut glances: Vec<(f32, Vec3)> =
+        places.par_iter().filter_map(|place| Some((rooms.stand(*place, GLANCE)?.score, *place))).collect();
     // Of equals the first.
-    let best = stands.into_iter().reduce(|best, other| if other.score > best.score { other } else { best })?;
+    glances.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let best = glances.chunks(CLOSER).find_map(|chunk| {
+        let stands: Vec<Stand> = chunk.par_iter().filter_map(|(_, place)| rooms.stand(*place, AROUND)).collect();
+        stands.into_iter().reduce(|best, other| if other.score > best.score { other } else { best })
+    })?;
     Some(rooms.view(&best))
 }
 
@@ -73,7 +81,7 @@ impl Rooms<'_> {
             let (middle, normal) = ((a + b + c) / 3.0, self.scene.normal(polygon));
             // Slivers have no normal.
             let hit = if normal == Vec3::ZERO { None } else { self.occluders.ray_from(middle, normal, normal) };
-            Some(middle + (0.1 + 0.8 * v) * hit?.distance * normal).filter(|place| place.is_finite())
+            Some(middle + (0.1 + 0.8 * v) * hit?.distance * normal)
         });
         in_box.chain(at_face).collect()
     }
@@ -84,14 +92,14 @@ impl Rooms<'_> {
         Some((hit.distance, hit.front))
     }
 
-    fn around(&self, step: usize) -> Vec3 {
+    fn around(&self, step: usize, steps: usize) -> Vec3 {
         let (right, forward) = self.up.any_orthonormal_pair();
-        let angle = TAU * step as f32 / AROUND as f32;
+        let angle = TAU * step as f32 / steps as f32;
         angle.cos() * right + angle.sin() * forward
     }
 
-    /// The place above the floor below a point, if a person can stand there.
-    fn stand(&self, place: Vec3) -> Option<Stand> {
+    /// The place above the floor below a point, if a person can stand there; looks into `steps` directions around it.
+    fn stand(&self, place: Vec3, steps: usize) -> Option<Stand> {
         let (below, is_floor) = self.look(place, -self.up)?;
         let above = self.look(place, self.up);
         let (to_ceiling, has_ceiling) = above.map_or((EYE, false), |(distance, bright)| (distance, bright));
@@ -99,16 +107,16 @@ impl Rooms<'_> {
         let eye = place + (EYE.min(HIGHEST_EYE * height) - below) * self.up;
         let clear = CLEAR.min(CLEAR_SHARE * height);
         let (mut floor, mut bright, mut rays) = (0.0, 0.0, 0.0);
-        for step in 0..AROUND {
-            let flat = self.around(step);
-            let seen = self.look(eye, flat);
-            let distance = seen.map_or(0.0, |(distance, _)| distance.min(FARTHEST));
-            if seen.is_some() && distance < clear {
+        for step in 0..steps {
+            let flat = self.around(step, steps);
+            let ahead = self.look(eye, flat);
+            let distance = ahead.map_or(0.0, |(distance, _)| distance.min(FARTHEST));
+            if ahead.is_some() && distance < clear {
                 return None;
             }
-            floor += 0.5 * distance * distance * TAU / AROUND as f32;
-            for slope in [-0.6, 0.0, 0.6] {
-                let met = self.look(eye, (flat + slope * self.up).normalize());
+            floor += 0.5 * distance * distance * TAU / steps as f32;
+            let slanted = [-0.6, 0.6].map(|slope| self.look(eye, (flat + slope * self.up).normalize()));
+            for met in slanted.into_iter().chain([ahead]) {
                 bright += f32::from(met.is_some_and(|(_, bright)| bright));
                 rays += 1.0;
             }
@@ -122,13 +130,13 @@ impl Rooms<'_> {
     fn view(&self, stand: &Stand) -> CameraPose {
         let clear = CLEAR.min(CLEAR_SHARE * stand.height);
         let reach = |direction: Vec3| self.look(stand.eye, direction).map_or(FARTHEST, |(distance, _)| distance);
-        let free: Vec<f32> = (0..AROUND).map(|step| reach(self.around(step))).collect();
+        let free: Vec<f32> = (0..AROUND).map(|step| reach(self.around(step, AROUND))).collect();
         let length = |step: usize| free[step] + free[(step + AROUND / 2) % AROUND];
         let longest = (0..AROUND).max_by(|a, b| length(*a).total_cmp(&length(*b)).then(b.cmp(a))).unwrap_or_default();
-        let ahead = self.around(longest);
+        let ahead = self.around(longest, AROUND);
         let back = free[(longest + AROUND / 2) % AROUND].min(FARTHEST);
         let is_clear = |eye: Vec3| {
-            let directions = (0..12).map(|step| self.around(4 * step));
+            let directions = (0..12).map(|step| self.around(step, 12));
             let slopes = directions.flat_map(|flat| [-0.5, 0.0, 0.5].map(|slope| (flat + slope * self.up).normalize()));
             slopes
                 .chain([self.up, -self.up])

@@ -78,7 +78,7 @@ fn turned(mut scene: Scene, sides: Sides) -> (Scene, Occluders) {
     let is_two_sided = |polygon: &Polygon| two_sided.get(polygon.material.0 as usize) == Some(&true);
     let needs_surfaces = sides == Sides::Auto || scene.polygons.iter().any(is_two_sided);
     let surfaces = if needs_surfaces { surface_votes(&scene, &seen.all) } else { Vec::new() };
-    let mut turned = 0;
+    let (mut turned, mut is_changed) = (0, false);
     for (index, polygon) in scene.polygons.iter_mut().enumerate() {
         let net = seen.decisive[index];
         let is_turned = if is_two_sided(polygon) {
@@ -95,12 +95,14 @@ fn turned(mut scene: Scene, sides: Sides) -> (Scene, Occluders) {
         };
         if is_turned {
             *polygon = polygon.flipped();
-            turned += 1;
+            is_changed = true;
+            // The file means both sides of a two-sided face: its winding says nothing.
+            turned += usize::from(!is_two_sided(polygon));
         }
     }
     scene.skipped.turned_faces = turned;
     // A hit tells the bright side by the winding, which has changed.
-    let occluders = if turned > 0 { Occluders::new(&scene) } else { occluders };
+    let occluders = if is_changed { Occluders::new(&scene) } else { occluders };
     (scene, occluders)
 }
 
@@ -499,6 +501,7 @@ mod tests {
             assert_eq!((scene.polygons.len(), doubled), (9, vec![7]));
             assert!(scene.normal(&scene.polygons[7]).distance(-scene.normal(&scene.polygons[8])) < 1e-6);
             assert!((0..6).all(|wall| bright_towards(&scene, wall, MIDDLE)), "{outwards}");
+            assert_eq!(scene.skipped.turned_faces, 0, "no winding is wrong where both sides count");
             for (from, to) in [(1.0, Vec3::Z), (3.0, Vec3::NEG_Z)] {
                 let hit = occluders.first_hit(Vec3::new(1.5, 1.0, from), to).expect("the screen");
                 let normal = scene.normal(&scene.polygons[hit.polygon as usize]);

@@ -106,8 +106,17 @@ fn add_cup(draft: &mut Draft, centre: DVec3, axis: DVec3, [inner, outer]: [f64; 
     for step in 0..RIM {
         let [low, next_low] = [step, step + 1].map(|step| ring(back, rear, step));
         let [high, next_high] = [step, step + 1].map(|step| ring(along, width, step));
-        add(draft, [low, next_low, next_high, high], material, group);
-        add(draft, [centre + back * axis, next_low, low], material, group);
+        // Black on both sides: light from the room comes in too.
+        for is_inner in [false, true] {
+            let mut wall = [low, next_low, next_high, high];
+            let mut floor = [centre + back * axis, next_low, low];
+            if is_inner {
+                wall.reverse();
+                floor.reverse();
+            }
+            add(draft, wall, material, group);
+            add(draft, floor, material, group);
+        }
     }
 }
 
