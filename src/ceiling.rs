@@ -71,8 +71,11 @@ pub fn place(scene: &Scene, occluders: &Occluders, size: f32) -> CeilingPlace {
     CeilingPlace { centre: middle + (panel - middle.dot(up)) * up, up }
 }
 
-/// The axis nearest to the camera's up, y without a camera.
+/// The axis that the scene's file or a person names; else the one nearest to the camera's up, y without a camera.
 pub fn up_axis(scene: &Scene) -> Vec3 {
+    if let Some(up) = scene.frame.up {
+        return up.vector();
+    }
     let up = scene.camera.map_or(Vec3::Y, |camera| camera.up);
     let axis = up.abs().max_position();
     let mut nearest = Vec3::ZERO;

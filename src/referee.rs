@@ -276,8 +276,7 @@ impl Session {
 /// Nothing is known of lamps: their own light is given, not found.
 fn forget_lamps(scene: &Scene, mesh: &Mesh, differences: &mut [f32]) {
     for (triangle, &leaf) in mesh.triangles.iter().zip(&mesh.triangle_leaf) {
-        let material = mesh.leaves[leaf as usize].material;
-        if scene.materials[material.0 as usize].emission.max_element() > 0.0 {
+        if scene.emits(&scene.polygons[mesh.leaves[leaf as usize].polygon as usize]) {
             triangle.iter().for_each(|&vertex| differences[vertex as usize] = f32::NAN);
         }
     }

@@ -146,7 +146,8 @@ mod tests {
     use super::*;
 
     fn lighting() -> Lighting {
-        let material = |reflectance, emission| Material { name: "m".into(), reflectance, emission };
+        let material =
+            |reflectance, emission| Material { name: "m".into(), reflectance, emission, ..Material::default() };
         let mut lighting = Lighting::default();
         lighting.extend_to(&[
             material(Vec3::new(0.7, 0.1, 0.3), Vec3::ZERO),

@@ -53,7 +53,7 @@ pub use launch::{AppError, run};
 use crate::added_light::AddedLight;
 use crate::format;
 use crate::hierarchy::ElementId;
-use crate::scene::{CameraPose, Source};
+use crate::scene::{CameraPose, Reading, Source};
 use crate::solver::{Snapshot, SolverParams};
 use crate::worker::{Command, Event, RunState, SceneInfo, SolverThread, Status};
 use appearance::Appearance;
@@ -168,7 +168,7 @@ impl App {
     /// No wgpu device is there, or no thread for the solver.
     pub fn new(
         cc: &CreationContext<'_>,
-        opening: Option<(Source, AddedLight)>,
+        opening: Option<(Source, Reading, AddedLight)>,
         params: SolverParams,
     ) -> Result<Self, AppError> {
         let appearance = Appearance::restore(&cc.egui_ctx, cc.storage);
@@ -188,9 +188,9 @@ impl App {
         let of_worker = wake.clone();
         let worker = SolverThread::spawn(params, Box::new(move || of_worker()))?;
         let mut opened = Opened::default();
-        if let Some((source, light)) = opening {
+        if let Some((source, reading, light)) = opening {
             opened.ask(&source, &light);
-            worker.send(Command::Load(source, light));
+            worker.send(Command::Load(source, reading, light));
         }
         let stored = |key| cc.storage.map(|storage| (storage, key));
         let recent = stored(RECENT_KEY).and_then(|(storage, key)| eframe::get_value(storage, key)).unwrap_or_default();
@@ -497,7 +497,7 @@ impl eframe::App for App {
         self.pointing.end_frame(ui.ctx());
         undo::note(self, ui.ctx());
         for command in outbox {
-            if let Command::Load(source, light) = &command {
+            if let Command::Load(source, _, light) = &command {
                 self.opened.ask(source, light);
                 self.watch.note_asked(source);
                 // What was kept for the first scene is none of another one's.

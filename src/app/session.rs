@@ -84,7 +84,7 @@ impl App {
     /// # Errors
     /// No wgpu device is there, or no thread for the solver.
     pub fn open(cc: &CreationContext<'_>, settings: &Settings) -> Result<Self, AppError> {
-        let opening = settings.source().map(|source| (source, settings.light.clone()));
+        let opening = settings.source().map(|source| (source, settings.reading.clone(), settings.light.clone()));
         let mut app = Self::new(cc, opening, settings.solver)?;
         app.opened.camera = settings.camera;
         Ok(app)
@@ -129,9 +129,10 @@ impl App {
     pub(super) fn settings(&self) -> Settings {
         let light = self.shown.info.as_ref().map(|info| self.opened.light(&info.scene)).unwrap_or_default();
         let scene = self.opened.source.as_ref().map(Settings::name_of);
+        let reading = self.shown.info.as_ref().map(|info| info.scene.reading.clone()).unwrap_or_default();
         let camera = self.view.pose().zip(self.shown.info.as_ref());
         let camera = camera.map(|(pose, info)| pose.in_file(&info.scene));
-        Settings { scene, light, camera, solver: self.params }
+        Settings { scene, reading, light, camera, solver: self.params }
     }
 
     /// Keeps what the next start goes on with.

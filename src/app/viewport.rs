@@ -104,6 +104,11 @@ impl Viewport {
         self.camera.map(|camera| camera.pose(self.aspect()))
     }
 
+    /// Looks from elsewhere.
+    pub(super) fn go_to(&mut self, pose: &CameraPose) {
+        self.camera = Some(Camera::from_pose(pose, self.aspect(), self.bounds));
+    }
+
     /// Turns the eye towards a point.
     pub(super) fn look_at(&mut self, point: Vec3) {
         if let Some(camera) = self.camera.as_mut() {

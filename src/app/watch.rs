@@ -178,7 +178,7 @@ pub(super) fn show(app: &mut App, ui: &mut Ui, outbox: &mut Outbox) {
     if reload {
         let settings = app.settings();
         if let Some(source) = settings.source() {
-            outbox.push(Command::Load(source.clone(), settings.light));
+            outbox.push(Command::Load(source.clone(), settings.reading, settings.light));
             app.watch.reloading = Some(source);
         }
     }

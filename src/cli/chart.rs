@@ -54,7 +54,7 @@ pub fn command() -> Command {
         ParameterId::ClusterModel,
         ParameterId::Push,
     ];
-    let command = reference::wish_args(command).args(options::light_args());
+    let command = reference::wish_args(command).args(options::scene_args());
     command.args(options::solver_args_where(move |id| !swept.contains(&id)))
 }
 

@@ -31,7 +31,7 @@ pub fn command() -> Command {
                 .required(true)
                 .help("Folder to write to; it is made where it is missing"),
         )
-        .args(options::light_args())
+        .args(options::scene_args())
         .args(options::solver_args_where(of_scene))
 }
 

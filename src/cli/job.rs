@@ -11,8 +11,7 @@ use rayon::{ThreadPool, ThreadPoolBuilder};
 use selflink::cancel::CancelToken;
 use selflink::export::settings::Settings;
 use selflink::geometry::Occluders;
-use selflink::geometry::orient;
-use selflink::scene;
+use selflink::prepare;
 use selflink::scene::{Scene, Source};
 use selflink::solver::{Snapshot, Solver, Stats, Step};
 
@@ -82,10 +81,9 @@ impl Order {
 }
 
 fn prepare(order: &Order) -> anyhow::Result<(Scene, Occluders)> {
-    let mut scene = scene::load(&order.source)?;
-    order.settings.light.add_to(&mut scene)?;
-    let sides = order.settings.solver.sides.unwrap_or(scene.sides);
-    Ok(orient::apply(scene, sides))
+    let Settings { reading, light, solver, .. } = &order.settings;
+    let ready = prepare::prepare(&order.source, reading, light, solver.sides)?;
+    Ok((ready.scene, ready.occluders))
 }
 
 /// Threads for the solver; 0 takes every core.

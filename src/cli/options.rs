@@ -12,7 +12,7 @@ use selflink::added_light::{AddedLight, CeilingLight};
 use selflink::export::settings::Settings;
 use selflink::hierarchy::ClusteringMode;
 use selflink::memory::MemoryBudget;
-use selflink::scene::{Sides, Source, builtin::BuiltinScene};
+use selflink::scene::{Reading, Sides, Source, Unit, UpAxis, builtin::BuiltinScene};
 use selflink::solver::{
     ClusterModel, Epsilon, OracleKind, PARAMETERS, Parameter, ParameterId, Push, Reconstruct, SolverParams,
     USUAL_ERROR, ValueKind,
@@ -180,9 +180,30 @@ fn choice<T: serde::de::DeserializeOwned>(matches: &ArgMatches, flag: &str) -> a
     Ok(Some(value.with_context(|| format!("--{flag} does not know {name}"))?))
 }
 
-/// Light that is added to the scene.
-pub fn light_args() -> [Arg; 2] {
+/// The unit of a file's lengths.
+pub fn unit_arg() -> Arg {
+    Arg::new("unit")
+        .long("unit")
+        .value_name("m|cm|mm|in|ft")
+        .value_parser(Unit::ALL.map(Unit::symbol))
+        .action(ArgAction::Append)
+        .help("The unit of the file's lengths; all that is read off the scene is in metres [default: as the file says, or guessed by the size of a room]")
+}
+
+/// How the scene's file is read, and light that is added to it.
+pub fn scene_args() -> [Arg; 5] {
     [
+        Arg::new("up")
+            .long("up")
+            .value_name("y|z")
+            .value_parser(["y", "z"])
+            .help("The axis of the file that points up [default: as the file says, or as the scene looks]"),
+        unit_arg(),
+        Arg::new("opaque")
+            .long("opaque")
+            .value_name("MATERIAL")
+            .action(ArgAction::Append)
+            .help("Keep the faces of a material that is transparent by the file. May be given several times"),
         Arg::new("emit")
             .long("emit")
             .value_name("MATERIAL=R,G,B")
@@ -202,7 +223,7 @@ pub fn solving(command: Command) -> Command {
     command
         .arg(scene_arg().required_unless_present(SETTINGS))
         .arg(settings_arg())
-        .args(light_args())
+        .args(scene_args())
         .arg(seconds_arg("Stop after so many seconds of solving and use the solution that is there"))
         .args(solver_args())
 }
@@ -282,6 +303,16 @@ pub fn path_arg(name: &'static str, value_name: &'static str) -> Arg {
 /// Exitance of a lamp that nothing is said about, W/m²: a bright office ceiling panel.
 const USUAL_EXITANCE: f32 = 100.0;
 
+/// How the arguments want the scene's file to be read.
+pub fn reading(matches: &ArgMatches) -> Reading {
+    let words = |name: &str| matches.get_many::<String>(name).unwrap_or_default();
+    Reading {
+        up: words("up").find_map(|letter| UpAxis::from_letter(letter)),
+        unit: words("unit").find_map(|symbol| Unit::from_symbol(symbol)),
+        opaque: matches.get_many::<String>("opaque").unwrap_or_default().cloned().collect(),
+    }
+}
+
 /// The light that the arguments add.
 pub fn added_light(matches: &ArgMatches) -> anyhow::Result<AddedLight> {
     let emitting = matches.get_many::<String>("emit").unwrap_or_default();
@@ -301,7 +332,9 @@ pub fn settings(scene: Option<&str>, matches: &ArgMatches) -> anyhow::Result<Set
     let same_scene = given.is_none() || given == filed_name;
     let light = added_light(matches)?;
     let light = if light.is_empty() && same_scene { filed.light } else { light };
-    Ok(Settings { scene: given.or(filed_name), light, camera: filed.camera.filter(|_| same_scene), solver })
+    let reading = reading(matches);
+    let reading = if reading.is_empty() && same_scene { filed.reading } else { reading };
+    Ok(Settings { scene: given.or(filed_name), reading, light, camera: filed.camera.filter(|_| same_scene), solver })
 }
 
 fn emission(text: &str) -> anyhow::Result<(String, Vec3)> {

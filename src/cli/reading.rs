@@ -25,7 +25,6 @@ pub fn with_options(command: Command) -> Command {
             .value_name("lit|irradiance|radiosity|clusters:LEVEL")
             .default_value("lit")
             .help("The light, false colours of what arrives (E) or leaves (B), or a colour for each cluster of a level (0 is the root)"),
-        choice("unit", &["lux", "watts"], format!("Unit of false colours, --range and --isolux: lx (lm/m² of B), or W/m². {CONVENTION}")),
         choice("scale", &["linear", "log"], "How false colours follow values".into()),
         choice("ramp", &["viridis", "cividis"], "False colours; both can be read by the colour-blind".into()),
         Arg::new("range")
@@ -41,13 +40,24 @@ pub fn with_options(command: Command) -> Command {
             .help(format!("Draw lines of equal value, {MOST_ISOLINES} at most [default: at round values]; over the lit picture, those of E")),
         Arg::new("no-legend").long("no-legend").action(ArgAction::SetTrue).help("Leave the legend out of the picture"),
     ];
-    command.args(options.map(|option| option.help_heading("Readings")))
+    let command = command.args(options.map(|option| option.help_heading("Readings")));
+    // The scene's own unit has the same name; each is known by its values.
+    let of_length = super::options::unit_arg();
+    let units = ["lux", "watts"].into_iter().chain(selflink::scene::Unit::ALL.map(selflink::scene::Unit::symbol));
+    let unit = of_length.value_parser(PossibleValuesParser::new(units)).value_name("lux|watts|m|cm|mm|in|ft");
+    let unit = unit.help(format!("Unit of false colours, --range and --isolux: lx (lm/m² of B), or W/m² [default: lux]. {CONVENTION} Also the unit of the file's lengths [default: as the file says, or guessed by the size of a room]. May be given once for each"));
+    if command.get_arguments().any(|arg| arg.get_id() == "unit") {
+        command.mut_arg("unit", move |_| unit)
+    } else {
+        command.arg(unit)
+    }
 }
 
 /// What the arguments ask for.
 pub fn settings(matches: &ArgMatches) -> anyhow::Result<ReadingSettings> {
     let text = |name: &str| matches.get_one::<String>(name).map(String::as_str);
-    let unit = if text("unit") == Some("watts") { Unit::Watts } else { Unit::Lumens };
+    let mut units = matches.get_many::<String>("unit").into_iter().flatten();
+    let unit = if units.any(|unit| unit == "watts") { Unit::Watts } else { Unit::Lumens };
     let spacing = if text("scale") == Some("log") { Spacing::Logarithmic } else { Spacing::Linear };
     let show = match text("show") {
         Some("irradiance") => Show::Irradiance,

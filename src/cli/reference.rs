@@ -43,7 +43,7 @@ pub fn command() -> Command {
         .arg(path_arg("out", "FILE.csv").help(format!("Write the points: {COLUMNS}")))
         .arg(options::seconds_arg("Stop after so many seconds with what is known by then"));
     let of_scene = |id| matches!(id, ParameterId::Sides | ParameterId::Threads | ParameterId::Seed);
-    wish_args(command).args(options::light_args()).args(options::solver_args_where(of_scene))
+    wish_args(command).args(options::scene_args()).args(options::solver_args_where(of_scene))
 }
 
 /// The arguments of [`Wish`].

@@ -237,7 +237,7 @@ fn absorbed(scene: &Scene, solution: &Solution) -> f64 {
     let snapshot = &solution.snapshot;
     let leaves = snapshot.mesh.leaves.iter().zip(&snapshot.leaf_irradiance);
     let power = leaves.map(|(leaf, irradiance)| {
-        let reflectance = scene.materials[leaf.material.0 as usize].reflectance.to_array();
+        let reflectance = scene.surface(&scene.polygons[leaf.polygon as usize]).reflectance.to_array();
         let absorbed = irradiance.iter().zip(reflectance).map(|(received, rho)| f64::from(received * (1.0 - rho)));
         f64::from(leaf.exposed_area) * absorbed.sum::<f64>()
     });

@@ -33,7 +33,7 @@ pub fn command() -> Command {
         .arg(Arg::new("fresh").long("fresh").action(ArgAction::SetTrue).help(
             "Start afresh, without the scene, settings and view of the last time",
         ))
-        .args(options::light_args())
+        .args(options::scene_args())
         .args(options::solver_args())
 }
 

@@ -209,6 +209,7 @@ mod tests {
             name: name.into(),
             reflectance: Vec3::splat(0.25),
             emission: Vec3::ZERO,
+            ..Material::default()
         })
     }
 

@@ -11,7 +11,7 @@ use serde_json::Value;
 
 use crate::added_light::AddedLight;
 use crate::scene::builtin::BuiltinScene;
-use crate::scene::{FiledCamera, Source};
+use crate::scene::{FiledCamera, Reading, Source};
 use crate::solver::params::ParamsError;
 use crate::solver::{SolverParams, USUAL_ERROR};
 
@@ -22,6 +22,9 @@ pub struct Settings {
     /// Path of the scene's file, or the name of one of our own scenes.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub scene: Option<String>,
+    /// How the scene's file is to be read.
+    #[serde(skip_serializing_if = "Reading::is_empty")]
+    pub reading: Reading,
     /// Light added to the scene.
     #[serde(skip_serializing_if = "AddedLight::is_empty")]
     pub light: AddedLight,
@@ -126,6 +129,7 @@ mod tests {
 
     use super::*;
     use crate::added_light::CeilingLight;
+    use crate::scene::{Unit, UpAxis};
     use crate::solver::{ClusteringMode, Epsilon};
 
     fn read(text: &str) -> Result<Settings, String> {
@@ -140,6 +144,7 @@ mod tests {
     fn settings_come_back_as_they_were() {
         let settings = Settings {
             scene: Some("office".into()),
+            reading: Reading { up: Some(UpAxis::Z), unit: Some(Unit::Inch), opaque: vec!["pane".into()] },
             light: AddedLight {
                 emitting: vec![("lamp".into(), Vec3::new(0.1, 2.0, 3.3))],
                 ceiling: Some(CeilingLight { size: None, exitance: 0.7 }),

@@ -23,9 +23,7 @@ pub struct LampList {
 impl LampList {
     /// Those of a scene.
     pub fn new(scene: &Scene) -> Self {
-        let emitted = |polygon: &Polygon| {
-            scene.materials[polygon.material.0 as usize].emission.max_element() * scene.area(polygon)
-        };
+        let emitted = |polygon: &Polygon| scene.surface(polygon).emission.max_element() * scene.area(polygon);
         let is_lamp = |index: &u32| emitted(&scene.polygons[*index as usize]) > 0.0;
         let lamps: Vec<u32> = (0..scene.polygons.len() as u32).filter(is_lamp).collect();
         let mut sum = 0.0;
@@ -96,7 +94,7 @@ impl<'a> EnclosureTest<'a> {
         for bounce in 1..=MOST_BOUNCES {
             let polygon = &self.scene.polygons[hit.polygon as usize];
             let normal = self.scene.normal(polygon);
-            let shines = self.scene.materials[polygon.material.0 as usize].emission != Vec3::ZERO;
+            let shines = self.scene.emits(polygon);
             if shines || self.shows_lamp(hit.point, normal, mix(seed(bounce), 1)) {
                 return true;
             }

@@ -27,28 +27,41 @@ const LEAST_COUNTED: i64 = 105;
 /// Seed of the walks; nothing else in the program shares it.
 const SEED: u64 = 0x5e1f_1111;
 
+/// A face whose material is two-sided is doubled if this share of what is seen of it, the lesser side's, is no chance.
+const LEAST_SHARE: i64 = 20;
+/// A face is judged by its own sides where as much as eight long ways saw them, else by those of its surface.
+const ENOUGH_SEEN: i64 = 8 * LEAST_COUNTED;
+/// Rays that tell whether a scene shows its backs.
+const RAYS_FOR_BACKS: u64 = 4096;
+
 /// Makes the scene's faces bright on the sides asked for, and the occluders that go with them.
 ///
 /// `Front` leaves the faces and counts those seen from behind, `Auto` turns these, and `Both` appends each face once
-/// more as an opposite patch ([`Polygon::is_back`]); opposite patches that are there already go first. Faces that lie on others of
-/// the same side are counted once ([`overlaps`]). Occluders stop light from either side in every case.
+/// more as an opposite patch ([`Polygon::is_back`]); opposite patches that are there already go first. Faces of two-sided materials
+/// are turned to the side that is seen, and doubled where both are. Faces that lie on others of the same side are counted
+/// once ([`overlaps`]). Occluders stop light from either side in every case.
 pub fn apply(mut scene: Scene, sides: Sides) -> (Scene, Occluders) {
     scene.sides = sides;
     scene.polygons.retain(|polygon| !polygon.is_back);
+    scene.polygons.iter_mut().for_each(|polygon| polygon.has_back = sides == Sides::Both);
     let (mut scene, occluders) = turned(scene, sides);
     let covered = overlaps::remove(&mut scene);
     let cut = cuts::cut(&mut scene, sides == Sides::Both);
     (scene.skipped.covered_faces, scene.skipped.cut_faces) = (covered, cut);
-    if sides == Sides::Both {
-        for index in 0..scene.polygons.len() {
+    let fronts = scene.polygons.len();
+    for index in 0..fronts {
+        if scene.polygons[index].has_back {
             let mut back = scene.polygons[index].flipped();
-            back.is_back = true;
+            (back.is_back, back.has_back) = (true, false);
             scene.polygons.push(back);
         }
+    }
+    let has_backs = scene.polygons.len() > fronts;
+    if has_backs {
         // Where the file has a face for either side, no other is needed.
         overlaps::remove(&mut scene);
     }
-    let is_as_it_was = covered == 0 && cut == 0 && sides != Sides::Both;
+    let is_as_it_was = covered == 0 && cut == 0 && !has_backs;
     let occluders = if is_as_it_was { occluders } else { Occluders::new(&scene) };
     (scene, occluders)
 }
@@ -57,60 +70,100 @@ pub fn apply(mut scene: Scene, sides: Sides) -> (Scene, Occluders) {
 fn turned(mut scene: Scene, sides: Sides) -> (Scene, Occluders) {
     (scene.skipped.faces_seen_from_behind, scene.skipped.turned_faces) = (0, 0);
     let occluders = Occluders::new(&scene);
-    match sides {
-        Sides::Front => {
-            let votes = votes(&scene, &occluders, false);
-            scene.skipped.faces_seen_from_behind = votes.iter().filter(|vote| **vote <= -LEAST_COUNTED).count();
-            (scene, occluders)
-        }
-        Sides::Both => (scene, occluders),
-        Sides::Auto => {
-            let votes = votes(&scene, &occluders, true);
-            let surfaces = surface_votes(&scene, &votes);
-            let mut turned = 0;
-            for (index, polygon) in scene.polygons.iter_mut().enumerate() {
-                let vote = if votes[index] != 0 { votes[index] } else { surfaces[index] };
-                if vote < 0 {
-                    *polygon = polygon.flipped();
-                    turned += 1;
-                }
-            }
-            scene.skipped.turned_faces = turned;
-            // A hit tells the bright side by the winding, which has changed.
-            let occluders = if turned > 0 { Occluders::new(&scene) } else { occluders };
-            (scene, occluders)
+    if sides == Sides::Both {
+        return (scene, occluders);
+    }
+    let seen = votes(&scene, &occluders, sides == Sides::Auto);
+    let two_sided: Vec<bool> = scene.materials.iter().map(|material| material.is_two_sided).collect();
+    let is_two_sided = |polygon: &Polygon| two_sided.get(polygon.material.0 as usize) == Some(&true);
+    let needs_surfaces = sides == Sides::Auto || scene.polygons.iter().any(is_two_sided);
+    let surfaces = if needs_surfaces { surface_votes(&scene, &seen.all) } else { Vec::new() };
+    let (mut turned, mut is_changed) = (0, false);
+    for (index, polygon) in scene.polygons.iter_mut().enumerate() {
+        let net = seen.decisive[index];
+        let is_turned = if is_two_sided(polygon) {
+            let own = seen.all[index];
+            let [front, back] = if own[0] + own[1] >= ENOUGH_SEEN { own } else { surfaces[index] };
+            polygon.has_back = LEAST_SHARE * front.min(back) > front + back;
+            back > front
+        } else if sides == Sides::Auto {
+            let [front, back] = surfaces[index];
+            if net != 0 { net < 0 } else { back > front }
+        } else {
+            scene.skipped.faces_seen_from_behind += usize::from(net <= -LEAST_COUNTED);
+            false
+        };
+        if is_turned {
+            *polygon = polygon.flipped();
+            is_changed = true;
+            // The file means both sides of a two-sided face: its winding says nothing.
+            turned += usize::from(!is_two_sided(polygon));
         }
     }
+    scene.skipped.turned_faces = turned;
+    // A hit tells the bright side by the winding, which has changed.
+    let occluders = if is_changed { Occluders::new(&scene) } else { occluders };
+    (scene, occluders)
 }
 
-/// For each polygon, how much more it is seen from its bright side than from behind; 0 where nothing tells.
+/// Whether the inside of a scene shows backs, nearly everywhere: its faces are wound the other way round.
+pub fn shows_backs(scene: &Scene, occluders: &Occluders) -> bool {
+    let (lower, upper) = scene.bounds();
+    let look = |ray: u64| {
+        let mut random = Random::new(SEED ^ (3 << 48) ^ ray);
+        let (origin, direction) = (random.point(lower, upper), random.direction());
+        // What is seen one way alone is no inside.
+        occluders.first_hit(origin, -direction)?;
+        Some(!occluders.first_hit(origin, direction)?.front)
+    };
+    let seen: Vec<bool> = (0..RAYS_FOR_BACKS).into_par_iter().filter_map(look).collect();
+    let backs = seen.iter().filter(|is_back| **is_back).count();
+    // Insides of furniture are backs too; a room has more of its own air.
+    4 * backs > 3 * seen.len() && 8 * seen.len() > RAYS_FOR_BACKS as usize
+}
+
+/// How faces are seen, by the weights of the particles that met them.
+struct Seen {
+    /// For each polygon, how much more it is seen from its bright side than from behind; 0 where nothing tells.
+    decisive: Vec<i64>,
+    /// For each polygon, how much it is seen from its bright side and from behind, by all particles.
+    all: Vec<[i64; 2]>,
+}
+
+/// Looks at all faces.
 ///
 /// What the eye's particles see is decided by them alone: a lamp may lie in a housing, the eye lies in the space that
 /// the picture shows. `lamp_backs` says whether particles leave the dark sides of lamps too, which matters where lamps may be
 /// turned the wrong way; where they are right, it would show the inside of their housings.
-fn votes(scene: &Scene, occluders: &Occluders, lamp_backs: bool) -> Vec<i64> {
+fn votes(scene: &Scene, occluders: &Occluders, lamp_backs: bool) -> Seen {
     let rays = (RAYS_PER_POLYGON * scene.polygons.len()).clamp(*RAYS.start(), *RAYS.end());
     let walks = Walks::new(scene, occluders);
     let particles = rays / BOUNCES;
-    let mut votes = vec![0; scene.polygons.len()];
+    let net = |seen: &[[i64; 2]]| seen.iter().map(|[front, back]| front - back).collect::<Vec<i64>>();
+    let mut all = vec![[0; 2]; scene.polygons.len()];
+    let mut add = |seen: Vec<[i64; 2]>| {
+        let votes = net(&seen);
+        all.iter_mut().zip(seen).for_each(|(all, [front, back])| *all = [all[0] + front, all[1] + back]);
+        votes
+    };
+    let mut decisive = vec![0; scene.polygons.len()];
     let lamps = Lamps::new(scene);
     if scene.camera.is_some() {
-        let mut from_eye = walks.run(particles, 0, |random| walks.start_at_eye(random));
+        decisive = add(walks.run(particles, 0, |random| walks.start_at_eye(random)));
         if let Some(lamps) = &lamps {
-            let from_lamps = walks.run(particles / 2, 1, |random| walks.start_at_lamp(lamps, lamp_backs, random));
-            for (vote, other) in from_eye.iter_mut().zip(from_lamps) {
+            let from_lamps = add(walks.run(particles / 2, 1, |random| walks.start_at_lamp(lamps, lamp_backs, random)));
+            for (vote, other) in decisive.iter_mut().zip(from_lamps) {
                 *vote = if *vote == 0 { other } else { *vote };
             }
         }
-        votes = from_eye;
     }
-    if votes.iter().any(|vote| *vote != 0) {
-        return votes;
+    if decisive.iter().all(|vote| *vote == 0) {
+        decisive = add(match &lamps {
+            Some(lamps) => walks.run(particles, 1, |random| walks.start_at_lamp(lamps, lamp_backs, random)),
+            None => walks.run(particles, 2, |random| walks.start_in_box(random)),
+        });
     }
-    match &lamps {
-        Some(lamps) => walks.run(particles, 1, |random| walks.start_at_lamp(lamps, lamp_backs, random)),
-        None => walks.run(particles, 2, |random| walks.start_in_box(random)),
-    }
+    Seen { decisive, all }
 }
 
 /// Diffuse walks through a scene.
@@ -129,8 +182,9 @@ impl<'a> Walks<'a> {
         Self { scene, occluders, lower, upper, diagonal }
     }
 
-    /// Sends particles and sums their votes; `start` tells what each meets first, and `stream` tells apart the random numbers of several runs.
-    fn run<S>(&self, particles: usize, stream: u64, start: S) -> Vec<i64>
+    /// Sends particles and sums their votes for fronts and for backs; `start` tells what each meets first, and `stream` tells apart
+    /// the random numbers of several runs.
+    fn run<S>(&self, particles: usize, stream: u64, start: S) -> Vec<[i64; 2]>
     where
         S: Fn(&mut Random) -> Option<Hit> + Sync,
     {
@@ -144,9 +198,9 @@ impl<'a> Walks<'a> {
                 hits
             })
             .collect();
-        let mut votes = vec![0; self.scene.polygons.len()];
+        let mut votes = vec![[0; 2]; self.scene.polygons.len()];
         for (polygon, vote) in hits {
-            votes[polygon as usize] += i64::from(vote);
+            votes[polygon as usize][usize::from(vote < 0)] += i64::from(vote.abs());
         }
         votes
     }
@@ -204,7 +258,7 @@ impl Lamps {
         let mut lamps = Self { polygons: Vec::new(), cumulative: Vec::new() };
         let mut sum = 0.0;
         for (index, polygon) in scene.polygons.iter().enumerate() {
-            let emission = scene.materials[polygon.material.0 as usize].emission.max_element();
+            let emission = scene.surface(polygon).emission.max_element();
             if emission > 0.0 {
                 sum += f64::from(scene.area(polygon)) * f64::from(emission);
                 lamps.polygons.push(index as u32);
@@ -223,7 +277,7 @@ impl Lamps {
 
 /// For each polygon the votes of all polygons of its surface: those that meet in edges which they run through in
 /// opposite directions, and so are wound alike. A face that no particle met follows its surface.
-fn surface_votes(scene: &Scene, votes: &[i64]) -> Vec<i64> {
+fn surface_votes(scene: &Scene, votes: &[[i64; 2]]) -> Vec<[i64; 2]> {
     let mut surface_of: Vec<u32> = (0..scene.polygons.len() as u32).collect();
     let mut polygon_at_edge = FxHashMap::default();
     polygon_at_edge.reserve(4 * scene.polygons.len());
@@ -240,9 +294,10 @@ fn surface_votes(scene: &Scene, votes: &[i64]) -> Vec<i64> {
             }
         }
     }
-    let mut sums = vec![0; votes.len()];
-    for (index, vote) in votes.iter().enumerate() {
-        sums[surface(&mut surface_of, index as u32) as usize] += vote;
+    let mut sums = vec![[0; 2]; votes.len()];
+    for (index, [front, back]) in votes.iter().enumerate() {
+        let sum: &mut [i64; 2] = &mut sums[surface(&mut surface_of, index as u32) as usize];
+        *sum = [sum[0] + front, sum[1] + back];
     }
     (0..votes.len()).map(|index| sums[surface(&mut surface_of, index as u32) as usize]).collect()
 }
@@ -413,6 +468,48 @@ mod tests {
         assert_eq!(apply(scene, Sides::Front).0.polygons, room().polygons);
     }
 
+    /// Truth: from inside of a closed room wound outwards nothing but backs are seen, and of one wound inwards nothing but fronts.
+    #[test]
+    fn a_room_wound_outwards_shows_its_backs() {
+        let (right, occluders) = apply(room(), Sides::Front);
+        assert!(!shows_backs(&right, &occluders));
+        let mut scene = room();
+        scene.polygons[..6].iter_mut().for_each(|polygon| *polygon = polygon.flipped());
+        let (wrong, occluders) = apply(scene, Sides::Front);
+        assert!(shows_backs(&wrong, &occluders));
+    }
+
+    /// Truth: a screen in the middle of a room is seen from both sides, its walls from inside alone; so of all faces that may be bright on
+    /// both sides the screen alone is doubled, and walls wound outwards are turned.
+    #[test]
+    fn two_sided_faces_are_doubled_where_both_sides_are_seen() {
+        for outwards in [false, true] {
+            let mut scene = room();
+            scene.materials[0].is_two_sided = true;
+            if outwards {
+                scene.polygons[..6].iter_mut().for_each(|polygon| *polygon = polygon.flipped());
+            }
+            let corner = |x: f32, y: f32| Vec3::new(x, y, 2.0);
+            scene.add_quad(
+                [corner(1.0, 0.5), corner(3.0, 0.5), corner(3.0, 2.0), corner(1.0, 2.0)],
+                MaterialId(0),
+                GroupId(0),
+            );
+            let (scene, occluders) = apply(scene, Sides::Front);
+            let doubled: Vec<usize> =
+                (0..scene.polygons.len()).filter(|&index| scene.polygons[index].has_back).collect();
+            assert_eq!((scene.polygons.len(), doubled), (9, vec![7]));
+            assert!(scene.normal(&scene.polygons[7]).distance(-scene.normal(&scene.polygons[8])) < 1e-6);
+            assert!((0..6).all(|wall| bright_towards(&scene, wall, MIDDLE)), "{outwards}");
+            assert_eq!(scene.skipped.turned_faces, 0, "no winding is wrong where both sides count");
+            for (from, to) in [(1.0, Vec3::Z), (3.0, Vec3::NEG_Z)] {
+                let hit = occluders.first_hit(Vec3::new(1.5, 1.0, from), to).expect("the screen");
+                let normal = scene.normal(&scene.polygons[hit.polygon as usize]);
+                assert!(hit.front && normal.dot(to) < 0.0 && (7..=8).contains(&hit.polygon), "{hit:?}");
+            }
+        }
+    }
+
     #[test]
     fn votes_do_not_depend_on_the_threads() {
         let mut scene = room();
@@ -420,7 +517,7 @@ mod tests {
         let occluders = Occluders::new(&scene);
         let with = |threads| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool of few threads");
-            pool.install(|| votes(&scene, &occluders, true))
+            pool.install(|| votes(&scene, &occluders, true).all)
         };
         assert_eq!(with(1), with(3));
     }
@@ -440,9 +537,9 @@ mod tests {
             scene.polygons.push(Polygon::triangle([a, b, c], material, GroupId(0)));
             scene.polygons.push(Polygon::triangle([a, c, d], material, GroupId(0)));
         }
-        let mut votes = vec![0; scene.polygons.len()];
-        votes[7] = -5;
-        votes[100] = 2;
-        assert!(surface_votes(&scene, &votes).iter().all(|vote| *vote == -3));
+        let mut votes = vec![[0; 2]; scene.polygons.len()];
+        votes[7] = [1, 6];
+        votes[100] = [2, 0];
+        assert!(surface_votes(&scene, &votes).iter().all(|vote| *vote == [3, 6]));
     }
 }

@@ -3,7 +3,7 @@
 use glam::DVec3;
 use rustc_hash::FxHashMap;
 
-use crate::scene::{Polygon, Scene};
+use crate::scene::Scene;
 
 /// A position in the f32 bits that the scene holds of it.
 pub(super) type Bits = [u32; 3];
@@ -107,12 +107,8 @@ pub(super) fn replace(scene: &mut Scene, mut parts: Vec<Part>) -> usize {
         let of = scene.polygons[part.polygon];
         // Quads and triangles around the first corner.
         for start in (1..corners.len().saturating_sub(1)).step_by(2) {
-            let mut made = match corners[start..] {
-                [b, c, d, ..] => Polygon::quad([corners[0], b, c, d], of.material, of.group),
-                [b, c] => Polygon::triangle([corners[0], b, c], of.material, of.group),
-                _ => of,
-            };
-            made.is_back = of.is_back;
+            let last = (start + 2).min(corners.len() - 1);
+            let made = of.part(&[&corners[..1], &corners[start..=last]].concat());
             let count = pieces.entry(part.polygon).or_default();
             *count += 1;
             match *count {

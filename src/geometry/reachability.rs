@@ -67,8 +67,7 @@ impl Cells {
 impl Reachability {
     /// Looks at a scene whose occluders these are.
     pub fn new(scene: &Scene, occluders: &Occluders) -> Self {
-        // Where both sides of faces are bright there are no backs.
-        if scene.polygons.iter().any(|polygon| polygon.is_back) {
+        if !scene.has_dark_sides() {
             return Self::default();
         }
         let total: f32 = scene.polygons.iter().map(|polygon| scene.area(polygon)).sum();

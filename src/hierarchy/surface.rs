@@ -46,14 +46,14 @@ pub fn smooth_surfaces(scene: &Scene, hierarchy: &Hierarchy) -> Vec<u32> {
         let first = last_with.get(&edge).map(|place| edges[*place]);
         std::iter::successors(first, |(_, before)| before.map(|place| edges[place])).filter_map(|(id, _)| patch_of(id))
     };
-    let material = |patch: &Patch| scene.polygons[patch.polygon as usize].material;
+    let polygon = |patch: &Patch| &scene.polygons[patch.polygon as usize];
     for (_, patch) in patches() {
         for (from, to) in edges_of(&patch) {
             let others = all_with((to, from));
             // Each pair once.
             let joined = others.filter(|other| {
                 patch.polygon < other.polygon
-                    && material(&patch) == material(other)
+                    && scene.has_same_finish(polygon(&patch), polygon(other))
                     && patch.normal.dot(other.normal) > SMOOTH_COSINE
             });
             for other in joined {

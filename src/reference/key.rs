@@ -30,9 +30,9 @@ impl Key {
         hash.update((scene.polygons.len() as u64).to_le_bytes());
         for polygon in &scene.polygons {
             let (corners, count) = scene.corner_positions(polygon);
-            let material = &scene.materials[polygon.material.0 as usize];
+            let surface = scene.surface(polygon);
             hash.update([count as u8, u8::from(polygon.is_back)]);
-            for vector in corners[..count].iter().chain([&material.reflectance, &material.emission]) {
+            for vector in corners[..count].iter().chain([&surface.reflectance, &surface.emission]) {
                 update(&mut hash, *vector);
             }
         }

@@ -71,7 +71,7 @@ impl Lamps {
     /// The lamps; `None` where nothing emits.
     pub fn new(scene: &Scene) -> Option<Self> {
         let lamp = |(index, polygon): (usize, &Polygon)| {
-            let emission = scene.materials[polygon.material.0 as usize].emission;
+            let emission = scene.surface(polygon).emission;
             let power = f64::from(scene.area(polygon)) * f64::from(emission.max_element());
             let (corners, count) = corners_of(scene, polygon);
             let centre = (corners[..count].iter().sum::<DVec3>() / count as f64).as_vec3();

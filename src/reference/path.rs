@@ -43,8 +43,8 @@ impl Tracer {
     /// Prepares a scene.
     pub fn new(scene: &Scene) -> Self {
         let material = |polygon: &crate::scene::Polygon| {
-            let material = &scene.materials[polygon.material.0 as usize];
-            Material { reflectance: material.reflectance, emission: material.emission }
+            let surface = scene.surface(polygon);
+            Material { reflectance: surface.reflectance, emission: surface.emission }
         };
         Self {
             surfaces: Surfaces::new(scene),

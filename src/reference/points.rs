@@ -34,7 +34,7 @@ impl SurfacePoint {
     /// A point of a polygon, given by its position; normal and reflectance are the polygon's, and it counts once.
     pub fn on(scene: &Scene, polygon: u32, position: Vec3) -> Self {
         let of = &scene.polygons[polygon as usize];
-        let reflectance = scene.materials[of.material.0 as usize].reflectance;
+        let reflectance = scene.surface(of).reflectance;
         Self { position, normal: scene.normal(of), polygon, reflectance, weight: 1.0 }
     }
 }
@@ -47,10 +47,7 @@ impl SurfacePoint {
 /// All polygons, one after the other, are cut into as many parts of equal chance, and each part holds one point; points of one
 /// polygon are spread evenly over it.
 pub fn random_points(scene: &Scene, count: usize, seed: u64) -> Vec<SurfacePoint> {
-    let is_lamp = |index: usize| {
-        let material = scene.polygons[index].material;
-        scene.materials[material.0 as usize].emission.max_element() > 0.0
-    };
+    let is_lamp = |index: usize| scene.emits(&scene.polygons[index]);
     let polygons: Vec<u32> = (0..scene.polygons.len()).filter(|index| !is_lamp(*index)).map(|i| i as u32).collect();
     let areas = areas(scene, &polygons);
     let chances = halves(&areas, &glow(scene, &polygons, &areas, seed));

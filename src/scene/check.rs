@@ -16,14 +16,24 @@ pub struct Skipped {
     pub duplicate_faces: usize,
     /// Faces of materials that are panes (dissolve under ½, transmission, alpha BLEND).
     pub transparent_faces: usize,
+    /// Materials of these faces.
+    pub transparent_materials: Vec<String>,
     /// Faces whose material the sidecar tells to ignore.
     pub ignored_faces: usize,
     /// Materials whose reflectance was clamped.
     pub clamped_materials: usize,
     /// Faces without a (known) material, shown grey.
     pub faces_without_material: usize,
-    /// Lights that are no surfaces (KHR_lights_punctual).
+    /// Lights that are left out (suns of KHR_lights_punctual).
     pub ignored_lights: usize,
+    /// Lines and points, which have no area.
+    pub lines_and_points: usize,
+    /// Free-form curves and surfaces of OBJ.
+    pub curves_and_surfaces: usize,
+    /// Cameras without perspective.
+    pub ignored_cameras: usize,
+    /// Animations; the scene is shown at rest.
+    pub animations: usize,
     /// Polygons that were cut into triangles (more than four corners, concave or not planar).
     pub triangulated_polygons: usize,
     /// Faces that the inside of the scene sees from behind.
@@ -42,7 +52,7 @@ pub struct Skipped {
 
 impl Skipped {
     /// Adds a remark, one sentence.
-    pub(super) fn note(&mut self, remark: impl AsRef<str>) {
+    pub(crate) fn note(&mut self, remark: impl AsRef<str>) {
         if self.notes.len() < MOST_NOTES {
             self.notes.push(said::sentence(remark.as_ref()));
         } else {
@@ -59,18 +69,37 @@ impl Skipped {
             (self.ignored_faces, "face ignored by the sidecar", "faces ignored by the sidecar"),
             (self.clamped_materials, "material's reflectance clamped", "materials' reflectances clamped"),
             (self.faces_without_material, "face without a material shown grey", "faces without a material shown grey"),
-            (self.ignored_lights, "light that is no surface ignored", "lights that are no surfaces ignored"),
+            (self.ignored_lights, "sun left out", "suns left out"),
+            (
+                self.lines_and_points,
+                "line or point left out, which has no area",
+                "lines and points left out, which have no area",
+            ),
+            (
+                self.curves_and_surfaces,
+                "curve or curved surface left out (make polygons of it before exporting)",
+                "curves and curved surfaces left out (make polygons of them before exporting)",
+            ),
+            (self.ignored_cameras, "camera without perspective left out", "cameras without perspective left out"),
+            (self.animations, "animation left out: shown at rest", "animations left out: shown at rest"),
             (self.triangulated_polygons, "polygon cut into triangles", "polygons cut into triangles"),
             (self.faces_seen_from_behind, "face seen from behind", "faces seen from behind (try sides: auto or both)"),
             (self.turned_faces, "face turned round", "faces turned round"),
             (self.covered_faces, "face under another counted once", "faces under others counted once"),
             (self.cut_faces, "face cut where a wall stands on it", "faces cut where walls stand on them"),
         ];
+        let clear = (!self.transparent_materials.is_empty()).then(|| {
+            let shown: Vec<String> = self.transparent_materials.iter().take(5).map(|name| said::quoted(name)).collect();
+            let more = self.transparent_materials.len() - shown.len();
+            let more = if more > 0 { format!(" and {more} more") } else { String::new() };
+            let names = shown.join(", ");
+            format!("Transparent: {names}{more}; a click in the material panel or `\"opaque\": true` in the sidecar brings them back.")
+        });
         let sentences = counted.iter().filter(|(count, ..)| *count > 0).map(|(count, one, many)| match count {
             1 => format!("1 {one}."),
             _ => format!("{count} {many}."),
         });
         let further = (self.further_notes > 0).then(|| format!("Further remarks left out: {}.", self.further_notes));
-        sentences.chain(self.notes.iter().cloned()).chain(further).collect()
+        sentences.chain(clear).chain(self.notes.iter().cloned()).chain(further).collect()
     }
 }

@@ -3,8 +3,14 @@
 use std::collections::HashMap;
 use std::path::Path;
 
-use glam::{DVec3, Vec3};
+use glam::{DVec3, Vec2, Vec3};
 
+use super::face::CornerDetail;
+use super::place::FiledCamera;
+use super::punctual::PunctualLight;
+use super::texture::{Opacity, TextureMap};
+use super::unit::Unit;
+use super::up::UpAxis;
 use super::{Group, GroupId, Skipped, said};
 
 /// More polygons than this are refused: they would take tens of gigabytes to light.
@@ -23,22 +29,46 @@ const MOST_LEVELS: u8 = 48;
 pub(super) const GREY: Vec3 = Vec3::splat(0.5);
 
 /// A material as the file has it; nothing is clamped yet.
+#[derive(Clone, Debug, PartialEq)]
 pub(super) struct DraftMaterial {
     pub name: String,
+    /// Reflectance, or what its texture is multiplied with.
     pub reflectance: Vec3,
-    /// Exitance, W/m².
+    /// Alpha, or what its texture's is multiplied with.
+    pub alpha: f32,
+    /// Exitance, W/m², or what its texture is multiplied with.
     pub emission: Vec3,
-    /// A pane: dissolve under a half, transmission or alpha BLEND.
-    pub transparent: bool,
+    pub reflectance_map: Option<TextureMap>,
+    pub emission_map: Option<TextureMap>,
+    pub opacity: Opacity,
+    /// It lets light through whatever its alpha is (transmission).
+    pub transmits: bool,
+    /// Its faces are bright on both sides.
+    pub is_two_sided: bool,
     /// False for the grey that stands in for a material that the file does not define.
     pub defined: bool,
 }
 
 impl DraftMaterial {
+    /// Black, opaque, bright in front.
+    pub fn new(name: &str) -> Self {
+        Self {
+            name: name.to_owned(),
+            reflectance: Vec3::ZERO,
+            alpha: 1.0,
+            emission: Vec3::ZERO,
+            reflectance_map: None,
+            emission_map: None,
+            opacity: Opacity::Opaque,
+            transmits: false,
+            is_two_sided: false,
+            defined: true,
+        }
+    }
+
     /// The grey that stands in for a material that the file does not define.
     pub fn undefined(name: &str) -> Self {
-        let name = name.to_owned();
-        Self { name, reflectance: GREY, emission: Vec3::ZERO, transparent: false, defined: false }
+        Self { reflectance: GREY, defined: false, ..Self::new(name) }
     }
 }
 
@@ -57,11 +87,25 @@ pub(super) struct Draft {
     pub vertices: Vec<DVec3>,
     /// Vertex indices (all valid) of one face after the other.
     pub corners: Vec<u32>,
+    /// Texture coordinates of each corner, NaN where a face has none; shorter where the last faces have none.
+    pub uvs: Vec<Vec2>,
+    /// Normals of each corner, likewise.
+    pub normals: Vec<Option<[i16; 2]>>,
+    /// Colours of each corner, likewise.
+    pub colours: Vec<Option<[u16; 4]>>,
     pub faces: Vec<DraftFace>,
     pub materials: Vec<DraftMaterial>,
     /// Names that the file defines but no face uses; a sidecar may speak of them.
     pub unused_materials: Vec<String>,
     pub groups: Vec<Group>,
+    /// Views that the file holds, with their names.
+    pub cameras: Vec<(String, FiledCamera)>,
+    /// Lights that are no surfaces.
+    pub lights: Vec<PunctualLight>,
+    /// The length unit, where the file tells it.
+    pub unit: Option<Unit>,
+    /// The up direction, where the format tells it.
+    pub up: Option<UpAxis>,
     pub skipped: Skipped,
     /// How deep each group lies below the root.
     levels: Vec<u8>,
@@ -76,10 +120,17 @@ impl Draft {
         Self {
             vertices: Vec::new(),
             corners: Vec::new(),
+            uvs: Vec::new(),
+            normals: Vec::new(),
+            colours: Vec::new(),
             faces: Vec::new(),
             materials: Vec::new(),
             unused_materials: Vec::new(),
             groups: vec![Group { name: said::name(name), parent: None }],
+            cameras: Vec::new(),
+            lights: Vec::new(),
+            unit: None,
+            up: None,
             skipped: Skipped::default(),
             levels: vec![0],
             too_deep: 0,
@@ -117,9 +168,59 @@ impl Draft {
         })
     }
 
-    /// Adds a face over valid vertex indices.
+    /// Adds a face over vertex indices.
     pub fn add_face(&mut self, corners: &[u32], material: u32, group: GroupId) {
-        self.corners.extend_from_slice(corners);
-        self.faces.push(DraftFace { count: corners.len() as u32, material, group });
+        self.add_face_of(corners.iter().copied(), material, group);
     }
+
+    /// Adds a face over vertex indices.
+    pub fn add_face_of(&mut self, corners: impl Iterator<Item = u32>, material: u32, group: GroupId) {
+        let before = self.corners.len();
+        self.corners.extend(corners);
+        self.faces.push(DraftFace { count: (self.corners.len() - before) as u32, material, group });
+    }
+
+    /// Texture coordinates of the face that was added last, one for each corner.
+    pub fn add_uvs(&mut self, uvs: impl IntoIterator<Item = Vec2>) {
+        add_to(&mut self.uvs, self.faces.last(), self.corners.len(), uvs, Vec2::NAN);
+    }
+
+    /// Normals of the face that was added last, one for each corner.
+    pub fn add_normals(&mut self, normals: impl IntoIterator<Item = Option<[i16; 2]>>) {
+        add_to(&mut self.normals, self.faces.last(), self.corners.len(), normals, None);
+    }
+
+    /// Colours of the face that was added last, one for each corner.
+    pub fn add_colours(&mut self, colours: impl IntoIterator<Item = Option<[u16; 4]>>) {
+        add_to(&mut self.colours, self.faces.last(), self.corners.len(), colours, None);
+    }
+
+    /// Lower and upper end of what faces use; infinite where there are none.
+    pub fn bounds(&self) -> (DVec3, DVec3) {
+        let used = self.corners.iter().map(|&corner| self.vertices[corner as usize]);
+        let none = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+        used.fold(none, |(lower, upper), vertex| (lower.min(vertex), upper.max(vertex)))
+    }
+
+    /// What is known of a corner beside its vertex.
+    pub fn detail(&self, corner: usize) -> CornerDetail {
+        CornerDetail {
+            uv: self.uvs.get(corner).copied().filter(|uv| !uv.is_nan()),
+            normal: self.normals.get(corner).copied().flatten(),
+            colour: self.colours.get(corner).copied().flatten(),
+        }
+    }
+}
+
+/// Appends what the last face has at its corners; faces before it without are made up for.
+fn add_to<T: Clone>(
+    list: &mut Vec<T>,
+    face: Option<&DraftFace>,
+    corners: usize,
+    values: impl IntoIterator<Item = T>,
+    absent: T,
+) {
+    list.resize(corners - face.map_or(0, |face| face.count as usize), absent.clone());
+    list.extend(values);
+    list.resize(corners, absent);
 }

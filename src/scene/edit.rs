@@ -114,7 +114,7 @@ impl Scene {
 
     /// Whether any face emits.
     pub fn has_light(&self) -> bool {
-        self.polygons.iter().any(|polygon| self.materials[polygon.material.0 as usize].emission.max_element() > 0.0)
+        self.polygons.iter().any(|polygon| self.emits(polygon))
     }
 
     /// One sentence for a scene that is black because nothing in it emits.

@@ -7,6 +7,7 @@ use std::collections::BTreeMap;
 use std::fs::{self, File};
 use std::io::{self, Read};
 use std::path::{Component, Path, PathBuf};
+use std::sync::OnceLock;
 
 /// The longest scene file, buffer or texture, bytes. The largest scene that can be lit needs less.
 pub(super) const MOST_BYTES: u64 = 2 << 30;
@@ -53,6 +54,27 @@ pub trait SceneFiles: Sync {
     /// # Errors
     /// Why it is not read; [`FileError::TooLong`] beyond `most` bytes.
     fn read(&self, name: &Path, most: u64) -> Result<Vec<u8>, FileError>;
+
+    /// The names of all files, as far as they are few enough to be listed.
+    fn names(&self) -> Vec<PathBuf>;
+}
+
+/// The content of a file that a scene refers to. One that is not there may lie elsewhere in the folder, under a name that differs in
+/// case: exporters write the paths of their own machines.
+///
+/// # Errors
+/// Why it is not read.
+pub(super) fn find(files: &dyn SceneFiles, reference: &str, most: u64) -> Result<Vec<u8>, FileError> {
+    let first = name_of(reference).and_then(|name| files.read(&name, most));
+    let Err(FileError::Missing | FileError::Outside) = first else { return first };
+    let base = |name: &str| name.rsplit('/').next().unwrap_or_default().to_lowercase();
+    let wanted = base(&reference.replace('\\', "/"));
+    let mut alike = files.names();
+    alike.retain(|name| base(&name.to_string_lossy()) == wanted);
+    match &alike[..] {
+        [only] if !wanted.is_empty() => files.read(only, most),
+        _ => first,
+    }
 }
 
 /// Files in memory, by name.
@@ -64,18 +86,57 @@ impl SceneFiles for BTreeMap<PathBuf, Vec<u8>> {
             None => Err(FileError::Missing),
         }
     }
+
+    fn names(&self) -> Vec<PathBuf> {
+        self.keys().cloned().collect()
+    }
 }
 
+/// So many files and folders of a scene's folder are listed at most, and so deep.
+const MOST_NAMES: usize = 10_000;
+const MOST_LEVELS: usize = 4;
+
 /// A folder on disk.
-pub struct SceneFolder(PathBuf);
+pub struct SceneFolder {
+    path: PathBuf,
+    /// Filled when they are asked for.
+    names: OnceLock<Vec<PathBuf>>,
+}
 
 impl SceneFolder {
     /// The folder that a scene file lies in.
     pub fn of(scene: &Path) -> Self {
         match scene.parent() {
-            Some(folder) if !folder.as_os_str().is_empty() => Self(folder.to_owned()),
-            _ => Self(PathBuf::from(".")),
+            Some(folder) if !folder.as_os_str().is_empty() => Self::at(folder.to_owned()),
+            _ => Self::at(PathBuf::from(".")),
         }
+    }
+
+    fn at(path: PathBuf) -> Self {
+        Self { path, names: OnceLock::new() }
+    }
+
+    /// Plain files of the folder and of those in it, links left out.
+    fn listed(&self) -> Vec<PathBuf> {
+        let mut names = Vec::new();
+        let mut waiting = vec![(PathBuf::new(), 0)];
+        let mut seen = 0;
+        while let Some((folder, level)) = waiting.pop() {
+            let Ok(entries) = fs::read_dir(self.path.join(&folder)) else { continue };
+            for entry in entries.flatten() {
+                seen += 1;
+                if seen > MOST_NAMES {
+                    return names;
+                }
+                let name = folder.join(entry.file_name());
+                match entry.file_type() {
+                    Ok(kind) if kind.is_file() => names.push(name),
+                    Ok(kind) if kind.is_dir() && level < MOST_LEVELS => waiting.push((name, level + 1)),
+                    _ => {}
+                }
+            }
+        }
+        names
     }
 
     /// Where a file of this folder really lies.
@@ -83,7 +144,7 @@ impl SceneFolder {
     /// # Errors
     /// It is not there, or a link on the way to it leads out of the folder.
     pub(super) fn resolve(&self, name: &Path) -> Result<PathBuf, FileError> {
-        let folder = fs::canonicalize(&self.0)?;
+        let folder = fs::canonicalize(&self.path)?;
         let path = fs::canonicalize(folder.join(name))?;
         if path.starts_with(&folder) { Ok(path) } else { Err(FileError::Outside) }
     }
@@ -92,6 +153,10 @@ impl SceneFolder {
 impl SceneFiles for SceneFolder {
     fn read(&self, name: &Path, most: u64) -> Result<Vec<u8>, FileError> {
         read_plain_file(&self.resolve(name)?, most)
+    }
+
+    fn names(&self) -> Vec<PathBuf> {
+        self.names.get_or_init(|| self.listed()).clone()
     }
 }
 
@@ -153,7 +218,7 @@ mod tests {
 
     #[test]
     fn a_scene_without_a_folder_lies_in_the_present_one() {
-        assert_eq!(SceneFolder::of(Path::new("room.obj")).0, Path::new("."));
-        assert_eq!(SceneFolder::of(Path::new("a/room.obj")).0, Path::new("a"));
+        assert_eq!(SceneFolder::of(Path::new("room.obj")).path, Path::new("."));
+        assert_eq!(SceneFolder::of(Path::new("a/room.obj")).path, Path::new("a"));
     }
 }

@@ -8,7 +8,7 @@ use super::draft::scene_name;
 use super::files::{FileError, MOST_BYTES, MOST_TEXT_BYTES, SceneFiles, SceneFolder, read_plain_file};
 use super::load_error::LoadError;
 use super::sidecar::{Sidecar, SidecarError};
-use super::{EditError, Scene, gltf, obj, said};
+use super::{EditError, Reading, Scene, gltf, obj, said};
 
 /// So many objects of the sidecar that are not there are named, the rest is counted.
 const MOST_REMARKS: usize = 5;
@@ -27,8 +27,16 @@ pub enum Source {
 /// # Errors
 /// As [`load_file`].
 pub fn load(source: &Source) -> Result<Scene, LoadError> {
+    load_with(source, &Reading::default())
+}
+
+/// Loads a scene from wherever it comes, a file read as a person says; one of our own scenes is as it is.
+///
+/// # Errors
+/// As [`load_file`].
+pub fn load_with(source: &Source, reading: &Reading) -> Result<Scene, LoadError> {
     match source {
-        Source::File(path) => load_file(path),
+        Source::File(path) => load_file_with(path, reading),
         Source::Builtin(scene) => Ok(scene.build()),
     }
 }
@@ -40,12 +48,16 @@ pub fn load(source: &Source) -> Result<Scene, LoadError> {
 /// # Errors
 /// One sentence with the file, the place in it and what to do.
 pub fn load_file(path: &Path) -> Result<Scene, LoadError> {
+    load_file_with(path, &Reading::default())
+}
+
+fn load_file_with(path: &Path, reading: &Reading) -> Result<Scene, LoadError> {
     let bytes = read_plain_file(path, MOST_BYTES).map_err(|source| match source {
         FileError::Missing => LoadError::Missing { path: path.to_owned() },
         FileError::TooLong { most } => LoadError::TooLong { path: path.to_owned(), most_mib: most >> 20 },
         source => LoadError::Unreadable { path: path.to_owned(), source },
     })?;
-    load_bytes(path, bytes, &SceneFolder::of(path))
+    load_bytes_with(path, bytes, &SceneFolder::of(path), reading)
 }
 
 /// Loads a scene from the content of its file; `path` names it and is not read, what it refers to comes from `files`.
@@ -53,6 +65,10 @@ pub fn load_file(path: &Path) -> Result<Scene, LoadError> {
 /// # Errors
 /// As [`load_file`].
 pub fn load_bytes(path: &Path, bytes: Vec<u8>, files: &dyn SceneFiles) -> Result<Scene, LoadError> {
+    load_bytes_with(path, bytes, files, &Reading::default())
+}
+
+fn load_bytes_with(path: &Path, bytes: Vec<u8>, files: &dyn SceneFiles, reading: &Reading) -> Result<Scene, LoadError> {
     if bytes.iter().all(u8::is_ascii_whitespace) {
         return Err(LoadError::Empty { path: path.to_owned() });
     }
@@ -67,7 +83,7 @@ pub fn load_bytes(path: &Path, bytes: Vec<u8>, files: &dyn SceneFiles) -> Result
         Err(FileError::Missing) => Sidecar::default(),
         Err(source) => return Err(SidecarError::Unreadable { path: sidecar_path, source }.into()),
     };
-    let mut scene = assemble(&scene_name(path), draft, &sidecar);
+    let mut scene = assemble(&scene_name(path), draft, &sidecar, reading);
     if scene.polygons.is_empty() {
         let mut said = scene.skipped.sentences();
         said.truncate(4);

@@ -8,38 +8,48 @@ pub mod builtin;
 mod check;
 mod draft;
 mod edit;
+mod face;
 mod files;
 mod gltf;
-mod gltf_buffers;
-mod gltf_nodes;
 mod load;
 mod load_error;
 mod mtl;
 mod obj;
-mod obj_text;
+mod paint;
 mod place;
+mod punctual;
+mod reading;
 mod regroup;
 mod regroup_edit;
 mod regroup_list;
 mod said;
 mod sidecar;
-mod texture;
+pub mod texture;
 mod triangulate;
+mod unit;
+mod up;
 mod write;
+
+use std::sync::Arc;
 
 use glam::{DVec3, Vec3};
 use serde::{Deserialize, Serialize};
+use texture::MaterialTextures;
 
 pub use check::Skipped;
 pub use edit::EditError;
+pub use face::{FaceDetails, Surface};
 pub use files::{FileError, SceneFiles, SceneFolder};
-pub use load::{Source, load, load_bytes, load_file};
+pub use load::{Source, load, load_bytes, load_file, load_with};
 pub use load_error::LoadError;
 pub use place::FiledCamera;
 pub(crate) use place::to_file;
+pub use reading::{Frame, Reading};
 pub use regroup::{GroupMember, GroupTree};
 pub use regroup_edit::{RegroupError, Regrouped};
 pub use sidecar::{MAX_EMISSION, MAX_SIDECAR_REFLECTANCE, Sidecar, SidecarError, SidecarLight, SidecarMaterial};
+pub use unit::Unit;
+pub use up::UpAxis;
 pub use write::{WriteError, write_obj};
 
 /// Index into [`Scene::materials`].
@@ -51,14 +61,20 @@ pub struct MaterialId(pub u32);
 pub struct GroupId(pub u32);
 
 /// A diffuse material.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Material {
     /// Name as the file gives it.
     pub name: String,
-    /// Reflectance ρ per colour, 0 ≤ ρ < 1.
+    /// Reflectance ρ per colour, 0 ≤ ρ < 1: the mean by area where faces differ ([`Scene::surface`]).
     pub reflectance: Vec3,
-    /// Emission B_e per colour, W/m² (exitance, π times the radiance of OBJ `Ke`).
+    /// Emission B_e per colour, W/m² (exitance, π times the radiance of OBJ `Ke`): the mean by area where faces differ.
     pub emission: Vec3,
+    /// Textures, where there are any.
+    pub textures: Option<Arc<MaterialTextures>>,
+    /// Whether its faces are bright on both sides (glTF's `doubleSided`).
+    pub is_two_sided: bool,
+    /// Faces that were left out because they are transparent.
+    pub left_out: usize,
 }
 
 /// A node of the scene's own hierarchy: an OBJ path such as `office/desk_2`, or a glTF node.
@@ -80,7 +96,14 @@ pub struct Polygon {
     pub group: GroupId,
     /// True for the second of two opposite patches made of one face ([`Sides::Both`]); it casts no shadow of its own.
     pub is_back: bool,
+    /// True for a face that is bright on both sides: a further polygon is its back.
+    pub has_back: bool,
+    /// Its entry in [`Scene::details`], or [`NO_DETAIL`].
+    detail: u32,
 }
+
+/// Marks a polygon of which a file says nothing beside its material.
+const NO_DETAIL: u32 = u32::MAX;
 
 /// Marks the absent fourth corner of a triangle.
 const NO_CORNER: u32 = u32::MAX;
@@ -89,12 +112,25 @@ impl Polygon {
     /// A triangle over vertex indices.
     pub fn triangle(corners: [u32; 3], material: MaterialId, group: GroupId) -> Self {
         let [a, b, c] = corners;
-        Self { corners: [a, b, c, NO_CORNER], material, group, is_back: false }
+        Self { corners: [a, b, c, NO_CORNER], material, group, is_back: false, has_back: false, detail: NO_DETAIL }
     }
 
     /// A quad over vertex indices, in order around its rim.
     pub fn quad(corners: [u32; 4], material: MaterialId, group: GroupId) -> Self {
-        Self { corners, material, group, is_back: false }
+        Self { corners, material, group, is_back: false, has_back: false, detail: NO_DETAIL }
+    }
+
+    /// A part of this face over other vertex indices, three or four; it is what the whole face is in all else.
+    ///
+    /// # Panics
+    /// There must be three or four corners.
+    pub fn part(&self, corners: &[u32]) -> Self {
+        let corners = match *corners {
+            [a, b, c] => [a, b, c, NO_CORNER],
+            [a, b, c, d] => [a, b, c, d],
+            _ => panic!("a polygon has three or four corners, not {}", corners.len()),
+        };
+        Self { corners, ..*self }
     }
 
     /// The three or four vertex indices, anticlockwise as seen from the bright side.
@@ -127,7 +163,7 @@ impl Polygon {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Sides {
-    /// The side that the winding shows.
+    /// The side that the winding shows; both where a file's material says so and both are seen.
     #[default]
     Front,
     /// Both: each face becomes two opposite patches.
@@ -147,6 +183,30 @@ pub struct CameraPose {
     pub up: Vec3,
     /// Horizontal field of view, degrees.
     pub hfov_deg: f32,
+}
+
+/// A view with a name.
+#[derive(Clone, Debug, PartialEq)]
+pub struct NamedCamera {
+    /// Name as the file gives it.
+    pub name: String,
+    /// The view.
+    pub pose: CameraPose,
+}
+
+/// A light of a file that is no surface there (KHR_lights_punctual).
+#[derive(Clone, Debug, PartialEq)]
+pub struct FileLight {
+    /// Name as the file gives it.
+    pub name: String,
+    /// Material of its emitter.
+    pub material: MaterialId,
+    /// Luminous intensity per colour, cd.
+    pub candelas: Vec3,
+    /// Where its light may end, m; kept for whoever asks, light itself goes on.
+    pub range: Option<f32>,
+    /// Half angles of a spot light's cone, inner and outer, radians.
+    pub cone: Option<[f32; 2]>,
 }
 
 /// A square light that was added below the ceiling; its exitance is its material's emission.
@@ -173,6 +233,8 @@ pub struct Scene {
     pub vertices: Vec<Vec3>,
     /// Faces; order is the file's.
     pub polygons: Vec<Polygon>,
+    /// What the file says of single faces.
+    pub details: Arc<FaceDetails>,
     /// Materials; every polygon's index is valid.
     pub materials: Vec<Material>,
     /// Reflectance and emission of the first materials as the scene's file alone has them, without its sidecar; empty where no
@@ -186,6 +248,14 @@ pub struct Scene {
     pub ceiling_panels: Vec<CeilingPanel>,
     /// The view to open with, where the scene names one.
     pub camera: Option<CameraPose>,
+    /// Views that the scene's file holds.
+    pub cameras: Vec<NamedCamera>,
+    /// Lights of the file that are no surfaces there; each is a small emitter here, of a material of its own.
+    pub lights: Vec<FileLight>,
+    /// How the scene's file was read.
+    pub frame: Frame,
+    /// What a person said of how it is to be read.
+    pub reading: Reading,
     /// Which sides of its faces are bright; [`crate::geometry::orient::apply`] makes it so.
     pub sides: Sides,
     /// Edges, by their ends, that part what is shown on their sides: a wall stands on them ([`crate::geometry::cuts`]).
@@ -205,10 +275,15 @@ impl Scene {
             origin: DVec3::ZERO,
             vertices: Vec::new(),
             polygons: Vec::new(),
+            details: Arc::default(),
             materials: Vec::new(),
             filed_materials: Vec::new(),
             ceiling_panels: Vec::new(),
             camera: None,
+            cameras: Vec::new(),
+            lights: Vec::new(),
+            frame: Frame::default(),
+            reading: Reading::default(),
             sides: Sides::Front,
             seams: Vec::new(),
             skipped: Skipped::default(),
@@ -218,12 +293,13 @@ impl Scene {
     /// Memory of vertices, polygons and groups, bytes.
     pub fn bytes(&self) -> usize {
         let names = self.groups.iter().map(|group| group.name.len()).sum::<usize>();
-        size_of_val(&self.vertices[..]) + size_of_val(&self.polygons[..]) + size_of_val(&self.groups[..]) + names
+        let lists = size_of_val(&self.vertices[..]) + size_of_val(&self.polygons[..]) + size_of_val(&self.groups[..]);
+        lists + self.details.bytes() + names
     }
 
     /// Adds a material and returns its id.
     pub fn add_material(&mut self, name: &str, reflectance: Vec3, emission: Vec3) -> MaterialId {
-        self.materials.push(Material { name: name.to_owned(), reflectance, emission });
+        self.materials.push(Material { name: name.to_owned(), reflectance, emission, ..Material::default() });
         MaterialId(self.materials.len() as u32 - 1)
     }
 
@@ -272,6 +348,11 @@ impl Scene {
         twice_area.normalize_or_zero()
     }
 
+    /// Whether any face is bright on one side alone, so that something can lie inside of things.
+    pub fn has_dark_sides(&self) -> bool {
+        self.polygons.iter().any(|polygon| !polygon.is_back && !polygon.has_back)
+    }
+
     /// Lower and upper corner of the box around all polygons; both zero for an empty scene.
     pub fn bounds(&self) -> (Vec3, Vec3) {
         let used = self.polygons.iter().flat_map(|polygon| polygon.corners());
@@ -284,10 +365,7 @@ impl Scene {
 
     /// Total emitted power Φ = Σ A·B_e per colour, W (for lengths in metres).
     pub fn emitted_power(&self) -> Vec3 {
-        self.polygons
-            .iter()
-            .map(|polygon| self.area(polygon) * self.materials[polygon.material.0 as usize].emission)
-            .sum()
+        self.polygons.iter().map(|polygon| self.area(polygon) * self.surface(polygon).emission).sum()
     }
 
     /// The group's path from the root, levels joined by `/`, without the root's own name.

@@ -1,33 +1,57 @@
-//! MTL files by tobj: `Kd` is reflectance, `Ke` a radiance (B_e = π·Ke), a low dissolve a pane.
-//!
-//! tobj panics on a colour with fewer than three numbers and gives up a whole file for one bad number, so only sound
-//! lines that matter here reach it.
+//! MTL files: `Kd` is reflectance, `Ke` a radiance (B_e = π·Ke), `d` and `Tr` opacity, `map_Kd`, `map_Ke` and `map_d` textures.
 
 use std::borrow::Cow;
 use std::collections::HashMap;
+use std::collections::hash_map::Entry;
 use std::f32::consts::PI;
+use std::path::Path;
+use std::sync::Arc;
 
-use glam::{DVec3, Vec3};
+use glam::{Affine2, Vec2, Vec3};
 
 use super::Skipped;
 use super::draft::{DraftMaterial, GREY};
-use super::files::{FileError, MOST_BYTES, MOST_TEXT_BYTES, SceneFiles, name_of};
+use super::files::{FileError, MOST_BYTES, MOST_TEXT_BYTES, SceneFiles, find};
 use super::said::quoted;
-use super::texture::mean_colours;
+use super::texture::decode::{Encoded, decode_all};
+use super::texture::{Opacity, Texture, TextureMap, Wrap};
 
 /// More material files than this are no modeller's work; all of them together are no longer than a text file may be.
 const MOST_FILES: usize = 1000;
 
-/// Materials by name, and the mean colours of their textures.
+/// A material as its lines say; what no line says is absent.
+#[derive(Clone, Debug, Default, PartialEq)]
+struct Statement {
+    diffuse: Option<Vec3>,
+    radiance: Option<Vec3>,
+    dissolve: Option<f32>,
+    transparency: Option<f32>,
+    diffuse_map: Option<MapStatement>,
+    radiance_map: Option<MapStatement>,
+    dissolve_map: Option<MapStatement>,
+}
+
+/// A texture line.
+#[derive(Clone, Debug, PartialEq)]
+struct MapStatement {
+    file: String,
+    /// `-s` and `-o`.
+    transform: Affine2,
+    is_clamped: bool,
+}
+
+/// Materials by name.
 #[derive(Default)]
 pub(super) struct MaterialLibrary {
-    by_name: HashMap<String, tobj::Material>,
-    means: HashMap<String, Vec3>,
+    by_name: HashMap<String, Statement>,
+    textures: HashMap<String, Arc<Texture>>,
+    /// Whether opaque is what `Tr 1` means here.
+    tr_means_opaque: bool,
 }
 
 impl MaterialLibrary {
-    /// Reads the material files and textures that a scene refers to.
-    pub fn read(files: &dyn SceneFiles, references: &[String], skipped: &mut Skipped) -> Self {
+    /// Reads the material files and textures that a scene refers to; textures only of materials that it uses.
+    pub fn read(files: &dyn SceneFiles, references: &[String], used: &[String], skipped: &mut Skipped) -> Self {
         let mut library = Self::default();
         let mut bytes_left = MOST_TEXT_BYTES;
         for reference in references.iter().take(MOST_FILES) {
@@ -37,30 +61,45 @@ impl MaterialLibrary {
             let count = references.len();
             skipped.note(format!("Of {count} material files the first {MOST_FILES} are read."));
         }
-        library.read_textures(files, skipped);
+        library.settle_transparency(skipped);
+        library.read_textures(files, used, skipped);
         library
     }
 
     /// The material of a name, if any file defines it.
     pub fn get(&self, name: &str) -> Option<DraftMaterial> {
-        let material = self.by_name.get(name)?;
-        let emission = material.emissive.map_or(Vec3::ZERO, |radiance| PI * DVec3::from_array(radiance).as_vec3());
-        let mean = material.diffuse_texture.as_ref().and_then(|texture| self.means.get(texture));
-        let unsaid = match (mean, emission == Vec3::ZERO) {
+        let said = self.by_name.get(name)?;
+        let map = |said: &Option<MapStatement>| {
+            let said = said.as_ref()?;
+            let texture = self.textures.get(&said.file)?.clone();
+            let wrap = if said.is_clamped { Wrap::Clamp } else { Wrap::Repeat };
+            Some(TextureMap { texture, transform: said.transform, wrap: [wrap; 2] })
+        };
+        let (reflectance_map, emission_map) = (map(&said.diffuse_map), map(&said.radiance_map));
+        let unsaid = match (&said.diffuse_map, said.radiance.unwrap_or_default() == Vec3::ZERO) {
             (Some(_), _) => Vec3::ONE,
             (None, true) => GREY,
             (None, false) => Vec3::ZERO,
         };
-        let diffuse = material.diffuse.map_or(unsaid, |diffuse| DVec3::from_array(diffuse).as_vec3());
-        let transparency = material.unknown_param.get("Tr").and_then(|value| value.parse::<f32>().ok());
-        let dissolve =
-            material.dissolve.map(|dissolve| dissolve as f32).or(transparency.map(|transparency| 1.0 - transparency));
+        let unread = said.diffuse_map.is_some() && reflectance_map.is_none();
+        let reflectance = said.diffuse.unwrap_or(unsaid) * if unread { GREY } else { Vec3::ONE };
+        let radiance = match (&said.radiance_map, said.radiance) {
+            // Exporters write `Ke 0 0 0` beside a texture that stands for it.
+            (Some(_), None | Some(Vec3::ZERO)) => Vec3::ONE,
+            (_, radiance) => radiance.unwrap_or_default(),
+        };
+        let is_dark = said.radiance_map.is_some() && emission_map.is_none();
+        let dissolve_in_colour = said.dissolve_map.is_some() && same_file(&said.dissolve_map, &said.diffuse_map);
         Some(DraftMaterial {
-            name: name.to_owned(),
-            reflectance: diffuse * mean.copied().unwrap_or(Vec3::ONE),
-            emission,
-            transparent: dissolve.is_some_and(|dissolve| dissolve < 0.5),
-            defined: true,
+            reflectance,
+            emission: if is_dark { Vec3::ZERO } else { PI * radiance },
+            alpha: self.opacity(said),
+            // Alpha of a colour's texture counts where the file says that it is one: exporters leave all kinds of things there.
+            opacity: if dissolve_in_colour || reflectance_map.is_none() { Opacity::Blend } else { Opacity::Opaque },
+            transmits: self.opacity(said) < 0.5,
+            reflectance_map,
+            emission_map,
+            ..DraftMaterial::new(name)
         })
     }
 
@@ -69,10 +108,36 @@ impl MaterialLibrary {
         self.by_name.keys()
     }
 
+    /// How much of what lies behind a material hides. `d` counts where it disagrees with `Tr`.
+    fn opacity(&self, said: &Statement) -> f32 {
+        let by_transparency = said.transparency.map(|tr| if self.tr_means_opaque { tr } else { 1.0 - tr });
+        said.dissolve.or(by_transparency).unwrap_or(1.0)
+    }
+
+    /// Decides what `Tr` means: how transparent a material is, or, for some exporters, how opaque.
+    fn settle_transparency(&mut self, skipped: &mut Skipped) {
+        let all = self.by_name.values();
+        let alone = all.clone().filter(|said| said.dissolve.is_none()).filter_map(|said| said.transparency);
+        let opaque = alone.filter(|tr| *tr >= 0.5).count();
+        let both = all.clone().filter_map(|said| said.dissolve.zip(said.transparency));
+        let (agree, disagree): (Vec<_>, Vec<_>) = both.partition(|(d, tr)| (d + tr - 1.0).abs() < 0.01);
+        let equal = disagree.iter().filter(|(d, tr)| (d - tr).abs() < 0.01).count();
+        // Where most materials are at 1, nothing would be left to be seen; a few among many are panes.
+        self.tr_means_opaque = agree.is_empty() && (equal > 0 || 2 * opaque > self.by_name.len());
+        if self.tr_means_opaque {
+            skipped.note("`Tr` is taken for opacity, as its exporter means it: else nearly everything would be clear.");
+            return;
+        }
+        let conflicts = disagree.iter().filter(|(d, tr)| (*d < 0.5) != (*tr > 0.5)).count();
+        if conflicts > 0 {
+            skipped.note(format!("`d` counts where `Tr` says something else ({conflicts} materials)."));
+        }
+    }
+
     /// Reads a material file of at most `bytes_left` bytes, which become less by its length.
     fn read_file(&mut self, files: &dyn SceneFiles, reference: &str, bytes_left: &mut u64, skipped: &mut Skipped) {
         let file = quoted(reference);
-        let bytes = match name_of(reference).and_then(|name| files.read(&name, *bytes_left)) {
+        let bytes = match find(files, reference, *bytes_left) {
             Ok(bytes) => bytes,
             Err(FileError::Outside) => {
                 skipped.note(format!("The material file {file} lies outside the scene's folder and is not read."));
@@ -84,109 +149,166 @@ impl MaterialLibrary {
             }
         };
         *bytes_left = bytes_left.saturating_sub(bytes.len() as u64);
-        let text = sound_lines(&String::from_utf8_lossy(&bytes), &file, skipped);
-        match tobj::load_mtl_buf(&mut text.as_bytes()) {
-            Ok((materials, _)) => {
-                self.by_name.extend(materials.into_iter().map(|material| (material.name.clone(), material)));
-            }
-            Err(error) => {
-                skipped.note(format!("The material file {file} cannot be understood ({error}): grey instead."));
+        let read = statements(&text_of(&bytes));
+        if let Some(first) = read.bad.first() {
+            let count = read.bad.len();
+            let lines = if count == 1 { "line is".to_owned() } else { format!("{count} lines are") };
+            skipped.note(format!(
+                "In the material file {file} {lines} not understood and left out (first: line {first})."
+            ));
+        }
+        for (name, statement) in read.materials {
+            match self.by_name.entry(name) {
+                Entry::Occupied(known) => {
+                    let name = quoted(known.key());
+                    skipped.note(format!("The material {name} is defined twice; its first definition counts."));
+                }
+                Entry::Vacant(free) => {
+                    free.insert(statement);
+                }
             }
         }
     }
 
-    fn read_textures(&mut self, files: &dyn SceneFiles, skipped: &mut Skipped) {
-        let mut names: Vec<&String> = self.by_name.values().filter_map(|it| it.diffuse_texture.as_ref()).collect();
+    fn read_textures(&mut self, files: &dyn SceneFiles, used: &[String], skipped: &mut Skipped) {
+        let used = used.iter().filter_map(|name| self.by_name.get(name));
+        let maps = used.flat_map(|said| [&said.diffuse_map, &said.radiance_map]).flatten();
+        let mut names: Vec<String> = maps.map(|map| map.file.clone()).collect();
         names.sort_unstable();
         names.dedup();
-        let means = mean_colours(&names, |name| {
-            let read = name_of(name).and_then(|name| files.read(&name, MOST_BYTES));
-            read.map(Cow::Owned).map_err(|error| error.to_string())
+        let decoded = decode_all(&names, |name| {
+            let bytes = find(files, name, MOST_BYTES).map_err(|error| error.to_string())?;
+            let extension =
+                Path::new(&name.replace('\\', "/")).extension().unwrap_or_default().to_string_lossy().into();
+            Ok(Encoded { bytes: Cow::Owned(bytes), extension })
         });
-        let mut known = HashMap::new();
-        for (name, mean) in names.into_iter().zip(means) {
-            match mean {
-                Ok(mean) => {
-                    known.insert(name.clone(), mean.truncate());
+        for (name, texture) in names.into_iter().zip(decoded) {
+            match texture {
+                Ok(texture) => {
+                    self.textures.insert(name, texture);
                 }
-                Err(error) => skipped.note(format!("The texture {} is not used: {error}.", quoted(name))),
+                Err(error) => {
+                    let name = quoted(&name);
+                    skipped.note(format!("The texture {name} is not used: {error}. A grey of one half stands for it."));
+                }
             }
         }
-        self.means = known;
     }
 }
 
-/// The lines of an MTL file that matter here, in a form that tobj reads rightly.
-fn sound_lines(text: &str, file: &str, skipped: &mut Skipped) -> String {
-    let mut sound = String::with_capacity(text.len());
-    let mut bad = Vec::new();
+fn same_file(a: &Option<MapStatement>, b: &Option<MapStatement>) -> bool {
+    a.as_ref().zip(b.as_ref()).is_some_and(|(a, b)| a.file == b.file)
+}
+
+/// Text as UTF-8, or else as Latin-1, so that names that differ in one byte stay different.
+pub(super) fn text_of(bytes: &[u8]) -> Cow<'_, str> {
+    match str::from_utf8(bytes) {
+        Ok(text) => Cow::Borrowed(text),
+        Err(_) => Cow::Owned(bytes.iter().map(|&byte| char::from(byte)).collect()),
+    }
+}
+
+/// What a material file says.
+#[derive(Default)]
+struct Statements {
+    /// In order; names may come twice.
+    materials: Vec<(String, Statement)>,
+    /// Numbers of lines that matter and are not understood.
+    bad: Vec<usize>,
+}
+
+fn statements(text: &str) -> Statements {
+    let mut read = Statements::default();
     for (index, line) in text.trim_start_matches('\u{feff}').lines().enumerate() {
         let line = line.trim();
         let (keyword, rest) = line.split_once(char::is_whitespace).unwrap_or((line, ""));
         let rest = rest.trim();
-        let kept = match keyword {
-            "newmtl" if !rest.is_empty() => Some(rest.to_owned()),
-            "Kd" | "Ke" => colour(rest),
-            "d" | "Tr" => number(rest.trim_start_matches("-halo").trim()),
-            "map_Kd" => Some(texture_name(rest)).filter(|name| !name.is_empty()),
-            "newmtl" => None,
-            _ => continue,
-        };
-        match kept {
-            Some(value) => {
-                sound.push_str(keyword);
-                sound.push(' ');
-                sound.push_str(&value);
-                sound.push('\n');
+        if keyword.eq_ignore_ascii_case("newmtl") {
+            match rest {
+                "" => read.bad.push(index + 1),
+                name => read.materials.push((name.to_owned(), Statement::default())),
             }
-            None => bad.push(index + 1),
+            continue;
+        }
+        let mut nobody = Statement::default();
+        let material = read.materials.last_mut().map_or(&mut nobody, |(_, material)| material);
+        let is_good = match keyword.to_ascii_lowercase().as_str() {
+            "kd" => set(&mut material.diffuse, colour(rest)),
+            "ke" => set(&mut material.radiance, colour(rest)),
+            "d" => set(&mut material.dissolve, number(rest.trim_start_matches("-halo").trim())),
+            "tr" => set(&mut material.transparency, number(rest)),
+            "map_kd" => set(&mut material.diffuse_map, texture(rest)),
+            "map_ke" | "map_emissive" => set(&mut material.radiance_map, texture(rest)),
+            "map_d" => set(&mut material.dissolve_map, texture(rest)),
+            _ => true,
+        };
+        if !is_good {
+            read.bad.push(index + 1);
         }
     }
-    if let Some(first) = bad.first() {
-        let count = bad.len();
-        let lines = if count == 1 { "line is".to_owned() } else { format!("{count} lines are") };
-        skipped.note(format!("In the material file {file} {lines} not understood and left out (first: line {first})."));
+    read
+}
+
+fn set<T>(slot: &mut Option<T>, value: Option<T>) -> bool {
+    let is_good = value.is_some();
+    if is_good {
+        *slot = value;
     }
-    sound
+    is_good
 }
 
 /// Three finite numbers; one alone stands for all three.
-fn colour(text: &str) -> Option<String> {
+fn colour(text: &str) -> Option<Vec3> {
     let values: Vec<f32> = text.split_whitespace().map_while(|word| word.parse().ok()).take(3).collect();
-    let [red, green, blue] = match values[..] {
-        [red, green, blue] => [red, green, blue],
-        [grey] => [grey; 3],
+    let colour = match values[..] {
+        [red, green, blue] => Vec3::new(red, green, blue),
+        [grey] => Vec3::splat(grey),
         _ => return None,
     };
-    (red.is_finite() && green.is_finite() && blue.is_finite()).then(|| format!("{red} {green} {blue}"))
+    colour.is_finite().then_some(colour)
 }
 
-fn number(text: &str) -> Option<String> {
-    let value: f32 = text.split_whitespace().next()?.parse().ok()?;
-    value.is_finite().then(|| value.to_string())
+fn number(text: &str) -> Option<f32> {
+    text.split_whitespace().next()?.parse().ok().filter(|value: &f32| value.is_finite())
 }
 
-/// The file name behind the options of a texture line (`-s 1 1 1 wood.png`); names may hold spaces.
-fn texture_name(text: &str) -> String {
+/// A texture's file name with its options, which stand before it or, as some exporters have it, behind; names may hold spaces.
+fn texture(text: &str) -> Option<MapStatement> {
     let mut words = text.split_whitespace().peekable();
-    if !text.starts_with('-') {
-        return text.to_owned();
-    }
-    while let Some(option) = words.next_if(|word| word.starts_with('-')) {
-        let numbers = match option {
+    let mut name: Vec<&str> = Vec::new();
+    let (mut scale, mut offset, mut is_clamped) = (Vec2::ONE, Vec2::ZERO, false);
+    while let Some(word) = words.next() {
+        let numbers = match word {
             "-o" | "-s" | "-t" => 3,
             "-mm" => 2,
-            _ => 1,
+            "-blendu" | "-blendv" | "-boost" | "-cc" | "-clamp" | "-imfchan" | "-texres" | "-bm" | "-type" => 1,
+            _ => {
+                name.push(word);
+                continue;
+            }
         };
+        let mut values = Vec::new();
         for taken in 0..numbers {
             // Vectors may be cut short; a mode such as `on` is a word, not a number.
             let belongs = |word: &&str| (numbers == 1 && taken == 0) || word.parse::<f32>().is_ok();
-            if words.next_if(belongs).is_none() {
-                break;
+            match words.next_if(belongs) {
+                Some(value) => values.push(value),
+                None => break,
             }
         }
+        let number = |index: usize, unsaid: f32| values.get(index).and_then(|word| word.parse().ok()).unwrap_or(unsaid);
+        match word {
+            "-s" => scale = Vec2::new(number(0, 1.0), number(1, 1.0)),
+            "-o" => offset = Vec2::new(number(0, 0.0), number(1, 0.0)),
+            "-clamp" => is_clamped = values.first() == Some(&"on"),
+            _ => {}
+        }
     }
-    words.collect::<Vec<_>>().join(" ")
+    let is_sound = scale.is_finite() && offset.is_finite();
+    // Coordinates were turned round in v: 1 − (s(1 − v) + o) = s·v + (1 − s − o).
+    let moved = Vec2::new(offset.x, 1.0 - scale.y - offset.y);
+    let transform = Affine2::from_scale_angle_translation(scale, 0.0, moved);
+    (!name.is_empty() && is_sound).then(|| MapStatement { file: name.join(" "), transform, is_clamped })
 }
 
 #[cfg(test)]
@@ -195,20 +317,45 @@ mod tests {
 
     #[test]
     fn texture_options_are_not_part_of_the_name() {
-        assert_eq!(texture_name("wood grain.png"), "wood grain.png");
-        assert_eq!(texture_name("-s 2 2 2 wood.png"), "wood.png");
-        assert_eq!(texture_name("-blendu off -o 0.5 -mm 0 1 dark wood.png"), "dark wood.png");
+        let name = |text: &str| texture(text).map(|map| map.file);
+        assert_eq!(name("wood grain.png").as_deref(), Some("wood grain.png"));
+        assert_eq!(name("-s 2 2 2 wood.png").as_deref(), Some("wood.png"));
+        assert_eq!(name("wood.png -s 2 2 2").as_deref(), Some("wood.png"));
+        assert_eq!(name("-blendu off -o 0.5 -mm 0 1 dark wood.png").as_deref(), Some("dark wood.png"));
+        assert_eq!(name("my -new wood.png").as_deref(), Some("my -new wood.png"));
+        assert_eq!((name(""), name("-s 1 1")), (None, None));
+    }
+
+    /// Truth: the definition, with v upwards: 2·0.25 + 0.1 = 0.6, seen from the top 0.4.
+    #[test]
+    fn options_scale_and_move_the_texture() {
+        let map = texture("-s 2 2 1 -o 0.3 0.1 a.png").expect("a texture");
+        let at = map.transform.transform_point2(Vec2::new(0.25, 1.0 - 0.25));
+        assert!(at.distance(Vec2::new(0.8, 0.4)) < 1e-6, "{at}");
     }
 
     #[test]
     fn bad_lines_are_left_out_and_said() {
-        let mut skipped = Skipped::default();
-        let text = "newmtl a\nKd 0.1 0.2\nKd\nKe nan 0 0\nKd 0.5\nillum x\nd -halo 0.25\n";
-        let sound = sound_lines(text, "`a.mtl`", &mut skipped);
-        assert_eq!(sound, "newmtl a\nKd 0.5 0.5 0.5\nd 0.25\n");
-        assert_eq!(
-            skipped.notes,
-            ["In the material file `a.mtl` 3 lines are not understood and left out (first: line 2)."]
-        );
+        let read = statements("newmtl a\nKd 0.1 0.2\nKd\nKe nan 0 0\nKd 0.5\nillum x\nd -halo 0.25\n");
+        assert_eq!(read.bad, [2, 3, 4]);
+        let (name, material) = &read.materials[0];
+        assert_eq!((name.as_str(), material.diffuse, material.dissolve), ("a", Some(Vec3::splat(0.5)), Some(0.25)));
+    }
+
+    /// Truth: how exporters mean it: `Tr` is 1 − `d` unless nearly everything would be clear.
+    #[test]
+    fn tr_is_opacity_where_else_all_would_be_clear() {
+        let opacities = |text: &str| -> Vec<f32> {
+            let read = statements(text);
+            let mut library = MaterialLibrary { by_name: read.materials.into_iter().collect(), ..Default::default() };
+            library.settle_transparency(&mut Skipped::default());
+            let mut names: Vec<&String> = library.names().collect();
+            names.sort();
+            names.iter().map(|name| library.opacity(&library.by_name[*name])).collect()
+        };
+        assert_eq!(opacities("newmtl a\nTr 1\n"), [1.0]);
+        assert_eq!(opacities("newmtl a\nTr 0\nnewmtl b\nTr 0\nnewmtl c\nTr 1"), [1.0, 1.0, 0.0]);
+        assert_eq!(opacities("newmtl a\nTr 1\nd 1\nnewmtl b\nTr 0.9"), [1.0, 0.9]);
+        assert_eq!(opacities("newmtl a\nTr 0.75\nd 0.25\nnewmtl b\nTr 1"), [0.25, 0.0]);
     }
 }

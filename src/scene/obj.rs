@@ -1,114 +1,373 @@
-//! OBJ by tobj: polygons as they are, regrouped by object and group name.
+//! OBJ, line by line: every line is checked, with its number, and faces of one object or group name belong together.
 //!
-//! tobj treats `o` and `g` alike (the last one names the faces) and begins a new model at each `usemtl`; here faces of
-//! one name come together again, and `/` in a name separates the levels of the scene's hierarchy.
+//! `o` and `g` count alike, the last one names the faces; `/` in a name separates the levels of the scene's hierarchy.
 
-use std::path::Path;
+use std::collections::{HashMap, HashSet};
+use std::path::{Path, PathBuf};
 
-use glam::DVec3;
+use glam::{Vec2, Vec3};
 
-use super::draft::scene_name;
-use super::draft::{Draft, DraftMaterial, MOST_POLYGONS};
-use super::files::SceneFiles;
+use super::GroupId;
+use super::draft::{Draft, DraftMaterial, MOST_POLYGONS, scene_name};
+use super::face::{packed_colour, packed_normal};
+use super::files::{SceneFiles, name_of};
 use super::load_error::LoadError;
-use super::mtl::MaterialLibrary;
-use super::obj_text::{ObjText, UNNAMED, material_key, plain_text};
-use super::said::{quoted, sentence};
+use super::mtl::{MaterialLibrary, text_of};
+use super::place::{Reach, is_usable};
+use super::said::quoted;
+use super::unit::Unit;
+
+/// A face with more corners than this is no modeller's work.
+const MOST_CORNERS: usize = 1 << 16;
+
+/// The material of faces that come before any `usemtl`.
+const NO_MATERIAL: &str = "(no material)";
 
 /// Reads an OBJ file and its material files.
 ///
 /// # Errors
 /// The first line that cannot be used.
 pub(super) fn read(path: &Path, bytes: &[u8], files: &dyn SceneFiles) -> Result<Draft, LoadError> {
-    let text = plain_text(path, bytes)?;
-    if text.faces > MOST_POLYGONS {
-        return Err(LoadError::TooLarge { path: path.to_owned(), count: text.faces, most: MOST_POLYGONS });
+    let text = text_of(bytes);
+    let mut reader = LineReader::new(path);
+    let mut joined = String::new();
+    for (index, line) in text.trim_start_matches('\u{feff}').lines().enumerate() {
+        reader.line = index + 1;
+        if let Some(comment) = line.trim_start().strip_prefix('#') {
+            reader.unit = reader.unit.or_else(|| Unit::of_comment(comment));
+        }
+        // What goes on is no name.
+        let line =
+            if joined.is_empty() { data_of(line) } else { line.split('#').next().unwrap_or_default().trim_end() };
+        match line.strip_suffix('\\').filter(|_| !joined.is_empty() || goes_on(line)) {
+            Some(begun) => {
+                joined.push_str(begun);
+                joined.push(' ');
+            }
+            None if joined.is_empty() => reader.read(line)?,
+            None => {
+                joined.push_str(line);
+                reader.read(data_of(&std::mem::take(&mut joined)))?;
+            }
+        }
     }
-    let mut draft = Draft::new(&scene_name(path));
-    if text.lines_and_points > 0 {
-        let count = text.lines_and_points;
-        draft.skipped.note(format!("Lines and points have no area and are left out ({count})."));
-    }
-    add_materials(&mut draft, &text, files);
-    let models = parse(path, &text)?;
-    for model in &models {
-        add_model(&mut draft, model);
-    }
-    Ok(draft)
+    reader.read(data_of(&joined))?;
+    reader.finish(files)
 }
 
-/// All materials that the file uses, in that order, so that tobj's material numbers are the draft's.
-fn add_materials(draft: &mut Draft, text: &ObjText, files: &dyn SceneFiles) {
-    let skipped = &mut draft.skipped;
-    let library = MaterialLibrary::read(files, &text.material_files, skipped);
-    if text.material_files.is_empty() && !text.material_names.is_empty() {
-        skipped.note("The scene names no material file; its materials are grey.");
-    }
-    let mut unknown = Vec::new();
-    for name in &text.material_names {
-        let key = material_key(name);
-        draft.materials.push(library.get(name).unwrap_or_else(|| {
-            unknown.push(quoted(&key));
-            DraftMaterial::undefined(&key)
-        }));
-    }
-    draft.unused_materials = library.names().cloned().collect();
-    if !unknown.is_empty() && !text.material_files.is_empty() {
-        let count = unknown.len();
-        unknown.truncate(5);
-        let more = if count > 5 { format!(" and {} more", count - 5) } else { String::new() };
-        let names = unknown.join(", ");
-        skipped.note(format!("No material file defines {names}{more}: grey instead."));
-    }
+fn keyword_of(line: &str) -> &str {
+    line.trim_start().split(char::is_whitespace).next().unwrap_or_default()
 }
 
-fn parse(path: &Path, text: &ObjText) -> Result<Vec<tobj::Model>, LoadError> {
-    let material_of_name = || {
-        let named = |name: &String| tobj::Material { name: material_key(name), ..Default::default() };
-        let materials: Vec<tobj::Material> = text.material_names.iter().map(named).collect();
-        let numbers = materials.iter().enumerate().map(|(number, material)| (material.name.clone(), number)).collect();
-        Ok((materials, numbers))
+/// A line without a comment behind its data; `#` may be part of a name.
+fn data_of(line: &str) -> &str {
+    let data = match keyword_of(line) {
+        "o" | "g" | "usemtl" | "mtllib" => line,
+        _ => line.split_once('#').map_or(line, |(data, _)| data),
     };
-    let options = tobj::LoadOptions { ignore_points: true, ignore_lines: true, ..Default::default() };
-    let (models, _) =
-        tobj::load_obj_buf(&mut text.plain.as_bytes(), &options, |_| material_of_name()).map_err(|error| {
-            let problem = sentence(&format!("not understood ({error}); export the scene again"));
-            LoadError::Parse { path: path.to_owned(), place: "as OBJ".to_owned(), problem }
-        })?;
-    Ok(models)
+    data.trim_end()
 }
 
-fn add_model(draft: &mut Draft, model: &tobj::Model) {
-    let mesh = &model.mesh;
-    if mesh.indices.is_empty() {
-        return;
+/// Whether `\` at a line's end means that the next one belongs to it: in names it is a part of a path.
+fn goes_on(line: &str) -> bool {
+    !matches!(keyword_of(line), "" | "o" | "g" | "usemtl" | "mtllib")
+}
+
+/// Attribute numbers of a corner, counted from 0.
+#[derive(Clone, Copy)]
+struct Corner {
+    vertex: i64,
+    uv: Option<usize>,
+    normal: Option<usize>,
+}
+
+/// Goes through the lines.
+struct LineReader<'a> {
+    path: &'a Path,
+    line: usize,
+    draft: Draft,
+    uvs: Vec<Vec2>,
+    normals: Vec<Option<[i16; 2]>>,
+    /// As long as the vertices where any has a colour.
+    colours: Vec<Vec3>,
+    /// The line of each vertex.
+    vertex_lines: Vec<u32>,
+    /// The largest vertex index that a face refers to, counted from 1, and its line.
+    largest_index: (i64, usize),
+    group: Option<GroupId>,
+    material: Option<u32>,
+    material_names: Vec<String>,
+    material_numbers: HashMap<String, u32>,
+    material_files: Vec<String>,
+    known_files: HashSet<PathBuf>,
+    lines_and_points: usize,
+    curves_and_surfaces: usize,
+    unit: Option<Unit>,
+    corners: Vec<Corner>,
+}
+
+impl<'a> LineReader<'a> {
+    fn new(path: &'a Path) -> Self {
+        Self {
+            path,
+            line: 0,
+            draft: Draft::new(&scene_name(path)),
+            uvs: Vec::new(),
+            normals: Vec::new(),
+            colours: Vec::new(),
+            vertex_lines: Vec::new(),
+            largest_index: (0, 0),
+            group: None,
+            material: None,
+            material_names: Vec::new(),
+            material_numbers: HashMap::new(),
+            material_files: Vec::new(),
+            known_files: HashSet::new(),
+            lines_and_points: 0,
+            curves_and_surfaces: 0,
+            unit: None,
+            corners: Vec::new(),
+        }
     }
-    let group = draft.group_at(if model.name == UNNAMED { "" } else { &model.name });
-    let material = match mesh.material_id {
-        Some(number) => number as u32,
-        None => grey(draft),
-    };
-    let first = draft.vertices.len() as u32;
-    draft.vertices.extend(mesh.positions.chunks_exact(3).map(DVec3::from_slice));
-    let mut rest = mesh.indices.as_slice();
-    let mut corners = Vec::new();
-    let all_triangles = mesh.indices.len() / 3;
-    let triangles = std::iter::repeat_n(3, if mesh.face_arities.is_empty() { all_triangles } else { 0 });
-    for count in mesh.face_arities.iter().copied().chain(triangles) {
-        let (face, behind) = rest.split_at(count as usize);
-        rest = behind;
+
+    fn read(&mut self, line: &str) -> Result<(), LoadError> {
+        let line = line.trim();
+        let (keyword, rest) = line.split_once(char::is_whitespace).unwrap_or((line, ""));
+        match keyword {
+            "v" => self.vertex(rest)?,
+            "vt" => {
+                let [u, v] = numbers(rest);
+                self.uvs.push(Vec2::new(u, 1.0 - if v.is_nan() { 0.0 } else { v }));
+            }
+            "vn" => {
+                let normal = Vec3::from_array(numbers(rest));
+                self.normals.push(packed_normal(normal).filter(|_| normal.is_finite()));
+            }
+            "f" | "fo" => self.face(rest)?,
+            "o" | "g" => self.group = Some(self.draft.group_at(rest.trim())),
+            "usemtl" => self.use_material(rest.trim()),
+            "mtllib" => self.material_file(rest.trim()),
+            "l" | "p" => self.lines_and_points += 1,
+            "curv" | "curv2" | "surf" => self.curves_and_surfaces += 1,
+            _ => {}
+        }
+        Ok(())
+    }
+
+    /// A position, with a colour where three numbers more stand behind it.
+    fn vertex(&mut self, rest: &str) -> Result<(), LoadError> {
+        let mut position = [0.0_f64; 3];
+        let mut words = rest.split_whitespace();
+        for value in &mut position {
+            let word = words.next().ok_or_else(|| self.problem("a vertex needs three coordinates"))?;
+            *value = word.parse().map_err(|_| self.problem(format!("{} is not a coordinate", quoted(word))))?;
+        }
+        let number = self.draft.vertices.len();
+        let rest: Vec<f32> = words.map_while(|word| word.parse().ok()).take(5).collect();
+        let colour = match rest[..] {
+            [r, g, b] | [_, r, g, b] => Some(Vec3::new(r, g, b)).filter(|colour| colour.is_finite()),
+            _ => None,
+        };
+        if let Some(colour) = colour {
+            self.colours.resize(number, Vec3::ONE);
+            self.colours.push(colour);
+        }
+        self.draft.vertices.push(position.into());
+        self.vertex_lines.push(self.line as u32);
+        Ok(())
+    }
+
+    fn face(&mut self, rest: &str) -> Result<(), LoadError> {
+        let mut corners = std::mem::take(&mut self.corners);
         corners.clear();
-        corners.extend(face.iter().map(|index| first + index));
-        draft.add_face(&corners, material, group);
+        for word in rest.split_whitespace() {
+            corners.push(self.corner(word)?);
+        }
+        match corners.len() {
+            0 => return Err(self.problem("a face needs at least three corners")),
+            1 | 2 => self.lines_and_points += 1,
+            count if count > MOST_CORNERS => {
+                return Err(self.problem(format!("a face has {count} corners; cut it into smaller ones")));
+            }
+            _ => self.add_face(&corners)?,
+        }
+        self.corners = corners;
+        Ok(())
+    }
+
+    fn add_face(&mut self, corners: &[Corner]) -> Result<(), LoadError> {
+        if self.draft.faces.len() >= MOST_POLYGONS {
+            let count = self.draft.faces.len() + 1;
+            return Err(LoadError::TooLarge { path: self.path.to_owned(), count, most: MOST_POLYGONS });
+        }
+        let material = match self.material {
+            Some(material) => material,
+            None => self.material_number(NO_MATERIAL),
+        };
+        let vertices = corners.iter().map(|corner| corner.vertex as u32);
+        self.draft.add_face_of(vertices, material, self.group.unwrap_or(GroupId(0)));
+        if corners.iter().any(|corner| corner.uv.is_some()) {
+            let uv = |corner: &Corner| corner.uv.and_then(|uv| self.uvs.get(uv)).copied().unwrap_or(Vec2::NAN);
+            self.draft.add_uvs(corners.iter().map(uv));
+        }
+        if corners.iter().any(|corner| corner.normal.is_some()) {
+            let normal = |corner: &Corner| corner.normal.and_then(|normal| self.normals.get(normal)).copied().flatten();
+            self.draft.add_normals(corners.iter().map(normal));
+        }
+        Ok(())
+    }
+
+    /// A corner `v/vt/vn`; the numbers of what is not there yet, or not at all, are absent but for the vertex's.
+    fn corner(&mut self, word: &str) -> Result<Corner, LoadError> {
+        let mut parts = word.split('/');
+        let vertex = parts.next().unwrap_or_default();
+        let given: i64 = vertex.parse().map_err(|_| self.problem(format!("{} is not a face corner", quoted(word))))?;
+        let from_one = |given: i64, count: usize| {
+            if given < 0 { (count as i64).saturating_add(given).saturating_add(1) } else { given }
+        };
+        let index = from_one(given, self.draft.vertices.len());
+        if index < 1 {
+            return Err(self.index_error(given, self.line));
+        }
+        if index > self.largest_index.0 {
+            self.largest_index = (index, self.line);
+        }
+        let mut other = |count: usize| {
+            let given = parts.next()?.parse().ok()?;
+            usize::try_from(from_one(given, count) - 1).ok()
+        };
+        let (uv, normal) = (other(self.uvs.len()), other(self.normals.len()));
+        Ok(Corner { vertex: index - 1, uv, normal })
+    }
+
+    fn use_material(&mut self, name: &str) {
+        self.material = Some(self.material_number(if name.is_empty() { "(unnamed)" } else { name }));
+    }
+
+    fn material_number(&mut self, name: &str) -> u32 {
+        if let Some(&number) = self.material_numbers.get(name) {
+            return number;
+        }
+        let number = self.material_names.len() as u32;
+        self.material_names.push(name.to_owned());
+        self.material_numbers.insert(name.to_owned(), number);
+        number
+    }
+
+    fn material_file(&mut self, names: &str) {
+        // Names may hold spaces, and several may stand on a line.
+        let mut name = String::new();
+        for word in names.split_whitespace() {
+            if !name.is_empty() {
+                name.push(' ');
+            }
+            name.push_str(word);
+            if word.to_lowercase().ends_with(".mtl") {
+                self.note_material_file(std::mem::take(&mut name));
+            }
+        }
+        self.note_material_file(name);
+    }
+
+    fn note_material_file(&mut self, file: String) {
+        let name = name_of(&file).unwrap_or_else(|_| file.as_str().into());
+        if !file.is_empty() && self.known_files.insert(name) {
+            self.material_files.push(file);
+        }
+    }
+
+    fn finish(mut self, files: &dyn SceneFiles) -> Result<Draft, LoadError> {
+        let (index, line) = self.largest_index;
+        if index > self.draft.vertices.len() as i64 {
+            return Err(self.index_error(index, line));
+        }
+        self.check_places()?;
+        self.colour_corners();
+        let skipped = &mut self.draft.skipped;
+        skipped.lines_and_points = self.lines_and_points;
+        skipped.curves_and_surfaces = self.curves_and_surfaces;
+        self.draft.unit = self.unit;
+        self.add_materials(files);
+        Ok(self.draft)
+    }
+
+    /// Looks at the vertices that faces use: all must be finite and not too far from each other.
+    fn check_places(&self) -> Result<(), LoadError> {
+        let mut reach = Reach::new();
+        for &corner in &self.draft.corners {
+            let vertex = self.draft.vertices[corner as usize];
+            if !vertex.to_array().into_iter().all(is_usable) {
+                return Err(self.coordinate_error(corner));
+            }
+            reach.add(vertex, corner);
+        }
+        reach.too_far().map_or(Ok(()), |corner| Err(self.coordinate_error(corner)))
+    }
+
+    fn coordinate_error(&self, vertex: u32) -> LoadError {
+        let place = format!("line {}", self.vertex_lines[vertex as usize]);
+        let vertex = format!("vertex {}", u64::from(vertex) + 1);
+        LoadError::Coordinate { path: self.path.to_owned(), place, vertex }
+    }
+
+    /// Gives each corner its vertex's colour.
+    fn colour_corners(&mut self) {
+        if self.colours.is_empty() {
+            return;
+        }
+        self.colours.resize(self.draft.vertices.len(), Vec3::ONE);
+        // Some exporters count to 255.
+        let largest = self.colours.iter().map(|colour| colour.max_element()).fold(0.0, f32::max);
+        let scale = if largest > 1.001 { 1.0 / largest.max(255.0) } else { 1.0 };
+        let colour = |vertex: &u32| Some(packed_colour((scale * self.colours[*vertex as usize]).extend(1.0)));
+        self.draft.colours = self.draft.corners.iter().map(colour).collect();
+    }
+
+    /// All materials that faces use, in that order.
+    fn add_materials(&mut self, files: &dyn SceneFiles) {
+        let skipped = &mut self.draft.skipped;
+        let library = MaterialLibrary::read(files, &self.material_files, &self.material_names, skipped);
+        let is_named = |name: &&String| name.as_str() != NO_MATERIAL;
+        if self.material_files.is_empty() && self.material_names.iter().any(|name| is_named(&name)) {
+            skipped.note("The scene names no material file; its materials are grey.");
+        }
+        let mut unknown = Vec::new();
+        for name in &self.material_names {
+            self.draft.materials.push(library.get(name).unwrap_or_else(|| {
+                if is_named(&name) {
+                    unknown.push(quoted(name));
+                }
+                DraftMaterial::undefined(name)
+            }));
+        }
+        if !self.draft.colours.is_empty() {
+            // Colours of vertices alone are colours of what has no other.
+            for material in self.draft.materials.iter_mut().filter(|material| !material.defined) {
+                (material.reflectance, material.defined) = (Vec3::ONE, true);
+            }
+        }
+        self.draft.unused_materials = library.names().cloned().collect();
+        if !unknown.is_empty() && !self.material_files.is_empty() {
+            let count = unknown.len();
+            unknown.truncate(5);
+            let more = if count > 5 { format!(" and {} more", count - 5) } else { String::new() };
+            let names = unknown.join(", ");
+            self.draft.skipped.note(format!("No material file defines {names}{more}: grey instead."));
+        }
+    }
+
+    fn problem(&self, problem: impl Into<String>) -> LoadError {
+        LoadError::Parse { path: self.path.to_owned(), place: format!("line {}", self.line), problem: problem.into() }
+    }
+
+    fn index_error(&self, index: i64, line: usize) -> LoadError {
+        let place = format!("line {line}");
+        LoadError::FaceIndex { path: self.path.to_owned(), place, index, count: self.draft.vertices.len() }
     }
 }
 
-/// The material of faces that come before any `usemtl`.
-fn grey(draft: &mut Draft) -> u32 {
-    const NAME: &str = "(no material)";
-    let found = draft.materials.iter().position(|material| !material.defined && material.name == NAME);
-    found.unwrap_or_else(|| {
-        draft.materials.push(DraftMaterial::undefined(NAME));
-        draft.materials.len() - 1
-    }) as u32
+/// So many numbers at the start of a line; NaN for those that are not there.
+fn numbers<const N: usize>(text: &str) -> [f32; N] {
+    let mut words = text.split_whitespace();
+    std::array::from_fn(|_| words.next().and_then(|word| word.parse().ok()).unwrap_or(f32::NAN))
 }

@@ -1,9 +1,9 @@
 //! The sidecar `NAME.selflink.json` beside a scene: corrections that the scene's own format cannot hold.
 //!
 //! ```json
-//! { "materials": { "lamp": { "emission": [30, 30, 30] }, "pane": { "ignore": true } },
+//! { "materials": { "lamp": { "emission": [30, 30, 30] }, "poster": { "ignore": true }, "curtain": { "opaque": true } },
 //!   "ceiling_lights": [{ "centre": [1, 2.7, 1], "up": [0, 1, 0], "size": 0.5, "exitance": [100, 100, 100] }],
-//!   "sides": "auto",
+//!   "sides": "auto", "up": "z", "unit": "cm",
 //!   "groups": [{ "lamps": ["desk_1/lamp", "desk_2/lamp"] }],
 //!   "camera": { "eye": [0, 1, 3], "target": [0, 1, 0], "up": [0, 1, 0], "hfov_deg": 50 } }
 //! ```
@@ -17,6 +17,8 @@ use serde::{Deserialize, Serialize};
 
 use super::files::{FileError, MOST_TEXT_BYTES, SceneFiles, SceneFolder};
 use super::place::{FiledCamera, MAX_COORDINATE, is_usable as is_usable_coordinate};
+use super::unit::Unit;
+use super::up::UpAxis;
 use super::{CameraPose, CeilingPanel, EditError, GroupMember, Material, Scene, Sides, said};
 
 /// The largest reflectance that a sidecar may set; a light path then loses at least a hundredth at each bounce.
@@ -41,6 +43,12 @@ pub struct Sidecar {
     /// Which sides of faces are bright.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub sides: Option<Sides>,
+    /// The axis of the file that points up.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub up: Option<UpAxis>,
+    /// The unit of the file's lengths; those of the sidecar are metres.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub unit: Option<Unit>,
     /// Groups made by hand.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub groups: Vec<GroupMember>,
@@ -59,6 +67,9 @@ pub struct SidecarMaterial {
     /// Emission B_e per colour, W/m² (exitance).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub emission: Option<Vec3>,
+    /// Whether faces of this material are opaque whatever the file says.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub opaque: bool,
     /// Whether faces of this material are left out.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub ignore: bool,
@@ -169,6 +180,13 @@ impl Sidecar {
             exitance: scene.materials[panel.material.0 as usize].emission,
         };
         self.ceiling_lights = scene.ceiling_panels.iter().map(light).collect();
+        for name in &scene.reading.opaque {
+            self.materials.entry(name.clone()).or_default().opaque = true;
+        }
+        self.up = scene.reading.up.or(self.up);
+        // What lies beside the scene has lengths in metres, whatever would be guessed the next time.
+        let is_guessed = scene.frame.unit != Unit::Metre;
+        self.unit = scene.reading.unit.or(self.unit).or_else(|| is_guessed.then_some(scene.frame.unit));
         if self.sides.is_some() || scene.sides != Sides::default() {
             self.sides = Some(scene.sides);
         }

@@ -180,6 +180,9 @@ pub fn point_to_polygon(point: Vec3, normal: Vec3, corners: &[Vec3]) -> f32 {
             count += 1;
         }
     }
+    if let Some(far) = far_away(normal, &clipped[..count]) {
+        return far;
+    }
     let mut sum = 0.0;
     for index in 0..count {
         let (from, to) = (clipped[index], clipped[(index + 1) % count]);
@@ -192,6 +195,22 @@ pub fn point_to_polygon(point: Vec3, normal: Vec3, corners: &[Vec3]) -> f32 {
     }
     // The polygon runs clockwise as seen from a point that its bright side faces.
     (-sum / (2.0 * PI)).clamp(0.0, 1.0)
+}
+
+/// A polygon is far away if its corners are seen this close to its middle, as the square of a tangent: there its edges' angles cancel
+/// but for their last bits, and it is as good as a point with an area, both to 1e-4.
+const FAR_AWAY: f32 = 1e-4;
+
+/// Form factor to a small polygon far away, its corners seen from the receiving point; `None` where it is near.
+fn far_away(normal: Vec3, corners: &[Vec3]) -> Option<f32> {
+    let middle = corners.iter().sum::<Vec3>() / corners.len().max(1) as f32;
+    let squared = middle.length_squared();
+    if corners.is_empty() || !corners.iter().all(|corner| corner.distance_squared(middle) < FAR_AWAY * squared) {
+        return None;
+    }
+    let next = corners.iter().cycle().skip(1);
+    let area: Vec3 = corners.iter().zip(next).map(|(a, b)| 0.5 * (*a - middle).cross(*b - middle)).sum();
+    Some((-normal.dot(middle) * area.dot(middle) / (PI * squared * squared)).clamp(0.0, 1.0))
 }
 
 /// Whether points lie behind (or in) a patch's plane.

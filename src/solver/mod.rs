@@ -333,8 +333,8 @@ fn largest_power(scene: &Scene) -> f64 {
 
 fn surfaces_of(scene: &Scene) -> Vec<Surface> {
     let surface = |polygon: &crate::scene::Polygon| {
-        let material = &scene.materials[polygon.material.0 as usize];
-        Surface { reflectance: material.reflectance, emission: material.emission }
+        let surface = scene.surface(polygon);
+        Surface { reflectance: surface.reflectance, emission: surface.emission }
     };
     scene.polygons.iter().map(surface).collect()
 }

@@ -52,10 +52,10 @@ impl Part {
 /// Mean radiosity (all colours) of each polygon of a scene, W/m².
 pub fn radiosities(scene: &Scene, occluders: &Occluders, fineness: Fineness) -> Vec<DVec3> {
     let parts = parts(scene, fineness.largest_part);
-    let material = |part: &Part| &scene.materials[scene.polygons[part.polygon].material.0 as usize];
+    let surface = |part: &Part| scene.surface(&scene.polygons[part.polygon]);
     let rows: Vec<Vec<f64>> = parts.iter().map(|part| row(part, &parts, occluders, fineness)).collect();
-    let emitted: Vec<DVec3> = parts.iter().map(|part| material(part).emission.as_dvec3()).collect();
-    let reflectances: Vec<DVec3> = parts.iter().map(|part| material(part).reflectance.as_dvec3()).collect();
+    let emitted: Vec<DVec3> = parts.iter().map(|part| surface(part).emission.as_dvec3()).collect();
+    let reflectances: Vec<DVec3> = parts.iter().map(|part| surface(part).reflectance.as_dvec3()).collect();
     let mut radiosity = emitted.clone();
     loop {
         // Gauss and Seidel: each part takes what the others have by now.

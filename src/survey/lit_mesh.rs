@@ -128,7 +128,9 @@ impl LitMesh {
                 let mesh = &self.snapshot.mesh;
                 let leaf = &mesh.leaves[mesh.triangle_leaf[hit.polygon as usize] as usize];
                 let sent = self.interpolated(hit.polygon as usize, hit.point, &self.snapshot.vertex_radiosity);
-                Met::Front((sent - self.scene.materials[leaf.material.0 as usize].emission).max(Vec3::ZERO))
+                Met::Front(
+                    (sent - self.scene.surface(&self.scene.polygons[leaf.polygon as usize]).emission).max(Vec3::ZERO),
+                )
             }
         }
     }

@@ -139,7 +139,7 @@ pub fn measure(lit: &LitMesh, plane: WorkPlane) -> Result<PlaneReading, GridErro
 
 /// Polygons that emit.
 fn lamps(scene: &Scene) -> Vec<&Polygon> {
-    let emits = |polygon: &&Polygon| scene.materials[polygon.material.0 as usize].emission != Vec3::ZERO;
+    let emits = |polygon: &&Polygon| scene.emits(polygon);
     scene.polygons.iter().filter(emits).collect()
 }
 
@@ -167,7 +167,7 @@ fn from_lamps(lit: &LitMesh, lamps: &[&Polygon], point: Vec3, normal: Vec3, seed
     let scene = lit.scene();
     let unoccluded = |lamp: &&Polygon| {
         let (corners, count) = scene.corner_positions(lamp);
-        point_to_polygon(point, normal, &corners[..count]) * scene.materials[lamp.material.0 as usize].emission
+        point_to_polygon(point, normal, &corners[..count]) * scene.surface(lamp).emission
     };
     let bare: Vec<Vec3> = lamps.iter().map(unoccluded).collect();
     let total: f32 = bare.iter().map(|light| light.max_element()).sum();

@@ -18,16 +18,15 @@ use rayon::ThreadPool;
 use super::guard::guarded;
 use super::{FileStamp, Message};
 use crate::added_light::AddedLight;
-use crate::ceiling;
-use crate::geometry::Occluders;
-use crate::geometry::orient;
-use crate::scene::{self, Scene, Sides, Source};
+use crate::geometry::{Occluders, orient};
+use crate::scene::{Reading, Scene, Sides, Source};
 use crate::solver::{Solver, SolverError, SolverParams};
+use crate::{ceiling, prepare};
 
 /// What a loader is to do.
 pub(super) enum Job {
     /// Read this and add light to it.
-    Load(Source, AddedLight),
+    Load(Source, Reading, AddedLight),
     /// Add lights to the present scene, or turn its faces, and build its occluders anew.
     Remake { raw: Arc<Scene>, path: Option<PathBuf>, stamps: Vec<FileStamp>, lights: Vec<CeilingLight> },
 }
@@ -128,7 +127,7 @@ impl Loaders {
 fn spawn(order: Order, inbox: Sender<Message>) -> std::io::Result<()> {
     let work = move || {
         let Order { ticket, job, params, pool } = order;
-        let result = catch_unwind(AssertUnwindSafe(|| prepare(job, params, pool.as_deref())));
+        let result = catch_unwind(AssertUnwindSafe(|| make_ready(job, params, pool.as_deref())));
         let result = result.unwrap_or_else(|panic| Err(format!("The loader broke: {}.", panic_message(&*panic))));
         // The session may have ended meanwhile; then nobody wants the result.
         let _ = inbox.send(Message::Prepared(ticket, result.map(Box::new)));
@@ -136,28 +135,27 @@ fn spawn(order: Order, inbox: Sender<Message>) -> std::io::Result<()> {
     Builder::new().name("loader".into()).spawn(work).map(drop)
 }
 
-fn prepare(job: Job, params: SolverParams, pool: Option<&ThreadPool>) -> Result<Prepared, String> {
+fn make_ready(job: Job, params: SolverParams, pool: Option<&ThreadPool>) -> Result<Prepared, String> {
     let begun = Instant::now();
-    let (raw, path, stamps) = match job {
-        Job::Load(source, light) => {
+    let sides = params.sides;
+    let (raw, scene, occluders, path, stamps) = match job {
+        Job::Load(source, reading, light) => {
             let path = match &source {
                 Source::File(path) => Some(path.clone()),
                 Source::Builtin(_) => None,
             };
             let stamps = path.iter().flat_map(|path| FileStamp::of_scene(path)).collect();
-            let mut raw = scene::load(&source).map_err(|error| error.to_string())?;
-            light.add_to(&mut raw).map_err(|error| error.to_string())?;
-            (Arc::new(raw), path, stamps)
+            let ready = prepare::prepare(&source, &reading, &light, sides).map_err(|error| error.to_string())?;
+            (Arc::new(ready.raw), ready.scene, ready.occluders, path, stamps)
         }
         Job::Remake { mut raw, path, stamps, lights } => {
             for CeilingLight { size, exitance } in lights {
                 ceiling::add_light(Arc::make_mut(&mut raw), size, exitance).map_err(|error| error.to_string())?;
             }
-            (raw, path, stamps)
+            let (scene, occluders) = orient::apply((*raw).clone(), sides.unwrap_or(raw.sides));
+            (raw, scene, occluders, path, stamps)
         }
     };
-    let sides = params.sides;
-    let (scene, occluders) = orient::apply((*raw).clone(), sides.unwrap_or(raw.sides));
     let seconds = begun.elapsed().as_secs_f64();
     let (scene, occluders) = (Arc::new(scene), Arc::new(occluders));
     let (of_scene, of_occluders) = (scene.clone(), occluders.clone());

@@ -26,7 +26,7 @@ use std::thread::{Builder, JoinHandle};
 use glam::Vec3;
 
 use crate::added_light::AddedLight;
-use crate::scene::{CameraPose, GroupMember, MaterialId, Scene, Source};
+use crate::scene::{CameraPose, GroupMember, MaterialId, Reading, Scene, Source};
 use crate::solver::{MomentInfo, Snapshot, SolverParams};
 use crate::threads::lock;
 pub use stamp::FileStamp;
@@ -35,7 +35,7 @@ pub use stamp::FileStamp;
 #[derive(Clone, Debug)]
 pub enum Command {
     /// Reads a scene, adds light to it and, when that succeeds, solves it in place of the present one.
-    Load(Source, AddedLight),
+    Load(Source, Reading, AddedLight),
     /// Forgets a load that is under way.
     CancelLoad,
     /// Takes over new parameters with the least work that suffices.
@@ -87,7 +87,7 @@ pub enum Command {
 impl Command {
     /// Reads a scene as it is.
     pub fn load(source: Source) -> Self {
-        Self::Load(source, AddedLight::default())
+        Self::Load(source, Reading::default(), AddedLight::default())
     }
 }
 

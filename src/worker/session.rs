@@ -174,7 +174,7 @@ impl Session {
             _ => {}
         }
         match command {
-            Command::Load(source, light) => self.load(source, light),
+            Command::Load(source, reading, light) => self.load(source, reading, light),
             Command::CancelLoad => self.loading = None,
             Command::SetParams(params) => self.set_params(params),
             Command::Pause => {

@@ -10,7 +10,8 @@ use super::task::{Change, Changed, Task};
 use super::{Event, SceneInfo};
 use crate::added_light::AddedLight;
 use crate::scene::{
-    CameraPose, GroupMember, MAX_EMISSION, MAX_SIDECAR_REFLECTANCE, Material, MaterialId, Sidecar, SidecarError, Source,
+    CameraPose, GroupMember, MAX_EMISSION, MAX_SIDECAR_REFLECTANCE, Material, MaterialId, Reading, Sidecar,
+    SidecarError, Source,
 };
 use crate::solver::{ClusteringMode, Solver};
 
@@ -44,12 +45,12 @@ impl MaterialEdit {
 
 impl Session {
     /// Reads a scene on a thread of its own; one that is being read already is forgotten.
-    pub(super) fn load(&mut self, source: Source, light: AddedLight) {
+    pub(super) fn load(&mut self, source: Source, reading: Reading, light: AddedLight) {
         let name = match &source {
             Source::File(path) => path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned(),
             Source::Builtin(scene) => scene.name().to_owned(),
         };
-        self.loading = self.start_loader(Job::Load(source, light), name, Vec::new());
+        self.loading = self.start_loader(Job::Load(source, reading, light), name, Vec::new());
     }
 
     /// Makes the present scene anew on a thread of its own: with the sides of the present parameters, and one more light

@@ -64,7 +64,7 @@ fn pictures_that_claim_to_be_huge() {
         let room = scene(&folder.write("a.obj", "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0\nusemtl m\nf 1 2 3\n"));
         let notes = room.skipped.notes.join(" ");
         assert!(notes.contains(&format!("The texture `{name}` is not used")), "{name}: {notes}");
-        assert_eq!(room.materials[0].reflectance, glam::Vec3::splat(0.25), "{name}");
+        assert_eq!(room.materials[0].reflectance, glam::Vec3::splat(0.125), "{name}: a grey of one half for it");
     }
 }
 

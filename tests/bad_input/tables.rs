@@ -15,9 +15,9 @@ fn bad_obj_files() {
         ("notes.txt", "hello".into(), &["a .txt file, not a scene", "OBJ, glTF and GLB"]),
         ("words.obj", "hello\nworld\n".into(), &["no polygons"]),
         ("corners.obj", corners.into(), &["no polygons"]),
-        ("lines.obj", format!("{corners}l 1 2 3\n"), &["no polygons", "Lines and points"]),
+        ("lines.obj", format!("{corners}l 1 2 3\n"), &["no polygons", "1 line or point"]),
         ("thin.obj", format!("{corners}f 1 2 2\n"), &["no polygons", "1 degenerate face skipped"]),
-        ("nan.obj", format!("{corners}v 0 NaN 0\nf 1 2 3\n"), &["line 4", "vertex 4", "not finite"]),
+        ("nan.obj", format!("{corners}v 0 NaN 0\nf 1 2 4\n"), &["line 4", "vertex 4", "not finite"]),
         ("inf.obj", format!("v 0 0 -inf\n{corners}f 1 2 3\n"), &["line 1", "vertex 1"]),
         ("huge.obj", format!("v 1e39 0 0\n{corners}f 1 2 3\n"), &["line 1", "vertex 1"]),
         ("far.obj", format!("v 2e9 0 0\n{corners}f 1 2 3\n"), &["line 1", "vertex 1", "beyond 1e9"]),
@@ -32,7 +32,7 @@ fn bad_obj_files() {
         ("large.obj", format!("{corners}f 1 2 {}\n", i64::MAX), &["line 4", "there are 3"]),
         ("words in face.obj", format!("{corners}f a b c\n"), &["line 4", "`a` is not a face corner"]),
         ("no corners.obj", format!("{corners}f\n"), &["line 4", "three corners"]),
-        ("many.obj", format!("{corners}f {}\n", "1 2 3 ".repeat(9000)), &["line 4", "27000 corners"]),
+        ("many.obj", format!("{corners}f {}\n", "1 2 3 ".repeat(30_000)), &["line 4", "90000 corners"]),
         ("escape.obj", "v 0 0 \u{1b}[31m\u{7}\n".into(), &["line 1", "`\u{fffd}[31m\u{fffd}` is not a coordinate"]),
         ("separator.obj", "v 0 0 a\u{0}b\n".into(), &["a binary file"]),
         ("pane.obj", format!("mtllib pane.mtl\n{corners}usemtl pane\nf 1 2 3\n"), &["no polygons", "transparent"]),
@@ -75,7 +75,7 @@ fn broken(from: &str, to: &str) -> Vec<u8> {
 
 #[test]
 fn bad_glb_files() {
-    let cases: [(&str, &str, &str); 26] = [
+    let cases: [(&str, &str, &str); 27] = [
         (r#""POSITION": 0"#, r#""POSITION": 9"#, "accessor 9, which is not there"),
         (r#""count": 4,"#, r#""count": 5,"#, "reaches past its data"),
         (r#""count": 4,"#, r#""count": 18446744073709551615,"#, "reaches past its data"),
@@ -91,24 +91,40 @@ fn bad_glb_files() {
         (r#""byteLength": 60"#, r#""byteLength": 60, "uri": "../x.bin""#, "outside the scene's folder"),
         (r#""byteLength": 60"#, r#""byteLength": 60, "uri": "/etc/hostname""#, "outside the scene's folder"),
         (r#""byteLength": 60"#, r#""byteLength": 60, "uri": "file:///etc/hostname""#, "cannot be read"),
-        (r#""byteLength": 60"#, r#""byteLength": 60, "uri": "%ff%fe""#, "not a file name"),
+        (r#""byteLength": 60"#, r#""byteLength": 60, "uri": "%ff%fe""#, "no such file"),
         (r#""byteLength": 60"#, r#""byteLength": 60, "uri": "a\n\u001b[2J""#, "`a\u{fffd}\u{fffd}[2J` cannot be read"),
         (r#""byteLength": 60"#, r#""byteLength": 60, "uri": ".""#, "`.` cannot be read (it is not a plain file)"),
-        (r#""asset": {"#, r#""extensionsRequired": ["a\nb"], "asset": {"#, "not valid"),
         (r#""byteLength": 60"#, r#""byteLength": 60, "uri": "data:;base64,!!""#, "cannot be decoded"),
-        (r#""VEC3""#, r#""VEC2""#, "no positions"),
+        (r#""VEC3""#, r#""VEC2""#, "does not hold 3 numbers"),
         (r#""componentType": 5123"#, r#""componentType": 5126"#, "no vertex indices"),
         (r#""children": [1]"#, r#""children": [0]"#, "its own ancestor"),
         (r#""children": [1]"#, r#""children": [7]"#, "not valid"),
         (r#""mesh": 0"#, r#""mesh": 0, "translation": [3e38, 0, 0], "scale": [3e38, 1e38, 1]"#, "not finite"),
         (
-            r#""scene": 0,"#,
-            r#""extensionsRequired": ["KHR_draco_mesh_compression"], "extensionsUsed": ["KHR_draco_mesh_compression"],"#,
-            "geometry is compressed",
+            r#""indices": 1"#,
+            r#""indices": 1, "extensions": {"KHR_draco_mesh_compression": {"bufferView": 0, "attributes": {"POSITION": 0}}}"#,
+            "compressed data is damaged",
+        ),
+        (
+            r#""byteLength": 48"#,
+            r#""byteLength": 48, "extensions": {"EXT_meshopt_compression": {"buffer": 0, "byteLength": 48, "byteStride": 12, "count": 4, "mode": "ATTRIBUTES"}}"#,
+            "compressed data is damaged",
+        ),
+        (
+            r#""byteLength": 48"#,
+            r#""byteLength": 48, "extensions": {"EXT_meshopt_compression": {"buffer": 0, "byteLength": 48, "byteStride": 12, "count": 4000000000, "mode": "ATTRIBUTES"}}"#,
+            "more than 1024 MiB",
         ),
     ];
     let folder = Folder::new();
     assert!(load_file(&folder.write("sound.glb", broken("2.0", "2.0"))).is_ok());
+    let unknown = broken(r#""asset": {"#, r#""extensionsRequired": ["a\nb"], "asset": {"#);
+    let scene = load_file(&folder.write("unknown.glb", unknown)).expect("it is tried");
+    assert!(
+        scene.skipped.notes.join(" ").contains("needs `a\u{fffd}b`, which is not read"),
+        "{:?}",
+        scene.skipped.notes
+    );
     for (from, to, part) in cases {
         let said = sentence(&folder.write("broken.glb", broken(from, to)));
         assert!(said.contains(part), "{to}: `{part}` is not in: {said}");

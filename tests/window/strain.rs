@@ -6,8 +6,8 @@ use egui::Vec2;
 use egui_kittest::Harness;
 use selflink::added_light::AddedLight;
 use selflink::app::App;
-use selflink::scene::Source;
 use selflink::scene::builtin::BuiltinScene;
+use selflink::scene::{Reading, Source};
 
 use crate::support::{coarse, cornell, finish, picture, share_of_different_pixels, until};
 
@@ -36,7 +36,7 @@ fn a_window_of_any_size_goes_on() {
 #[test]
 fn a_lost_device_is_noticed() {
     let mut device = None;
-    let opening = Some((Source::Builtin(BuiltinScene::Cornell), AddedLight::default()));
+    let opening = Some((Source::Builtin(BuiltinScene::Cornell), Reading::default(), AddedLight::default()));
     let mut window: Harness<'static, App> = Harness::builder().with_size([1280.0, 800.0]).wgpu().build_eframe(|cc| {
         device = cc.wgpu_render_state.as_ref().map(|state| state.device.clone());
         App::new(cc, opening, coarse()).expect("a wgpu device and a thread are there")

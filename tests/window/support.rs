@@ -7,8 +7,8 @@ use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 use selflink::added_light::AddedLight;
 use selflink::app::App;
-use selflink::scene::Source;
 use selflink::scene::builtin::BuiltinScene;
+use selflink::scene::{Reading, Source};
 use selflink::solver::{Epsilon, SolverParams};
 use selflink::worker::RunState;
 
@@ -19,18 +19,18 @@ pub fn coarse() -> SolverParams {
 }
 
 pub fn window(source: Option<Source>, params: SolverParams) -> Harness<'static, App> {
-    window_with(source.map(|source| (source, AddedLight::default())), params)
+    window_with(source.map(|source| (source, Reading::default(), AddedLight::default())), params)
 }
 
-pub fn window_with(opening: Option<(Source, AddedLight)>, params: SolverParams) -> Harness<'static, App> {
+pub fn window_with(opening: Option<(Source, Reading, AddedLight)>, params: SolverParams) -> Harness<'static, App> {
     open([1280.0, 800.0], opening, params)
 }
 
 pub fn window_of_size(size: [f32; 2], source: Option<Source>, params: SolverParams) -> Harness<'static, App> {
-    open(size, source.map(|source| (source, AddedLight::default())), params)
+    open(size, source.map(|source| (source, Reading::default(), AddedLight::default())), params)
 }
 
-fn open(size: [f32; 2], opening: Option<(Source, AddedLight)>, params: SolverParams) -> Harness<'static, App> {
+fn open(size: [f32; 2], opening: Option<(Source, Reading, AddedLight)>, params: SolverParams) -> Harness<'static, App> {
     Harness::builder()
         .with_size(size)
         .wgpu()

@@ -22,6 +22,7 @@ pub(super) mod status_bar;
 use egui::{CollapsingHeader, RichText, ScrollArea, Ui};
 
 use super::{App, Outbox, theme};
+use crate::worker::Command;
 
 /// The left panel with its sections and the bar below.
 pub(super) fn show_sides(app: &mut App, ui: &mut Ui, outbox: &mut Outbox) {
@@ -40,7 +41,11 @@ pub(super) fn show_sides(app: &mut App, ui: &mut Ui, outbox: &mut Outbox) {
 
 fn show_sections(app: &mut App, ui: &mut Ui, outbox: &mut Outbox) {
     let camera = app.view.pose();
-    section(ui, "Scene", true, None, |ui| scene::show(ui, &app.shown, &mut app.files, camera, outbox));
+    let mut chosen = scene::Chosen::default();
+    section(ui, "Scene", true, None, |ui| chosen = scene::show(ui, &app.shown, &mut app.files, camera, outbox));
+    if let Some(pose) = chosen.view {
+        app.view.go_to(&pose);
+    }
     if let Some(info) = app.shown.info.clone() {
         // A dark scene opens the section that helps; with a lamp it is one of many.
         let dark = !info.has_light;
@@ -48,6 +53,17 @@ fn show_sections(app: &mut App, ui: &mut Ui, outbox: &mut Outbox) {
         section(ui, title, dark, Some("light"), |ui| {
             light::show(ui, &app.shown, &app.params, &mut app.light, outbox);
         });
+    }
+    let present = app.shown.info.as_ref().map(|info| &info.scene.reading);
+    let reading = chosen.reading.or_else(|| {
+        let material = app.light.take_opaque()?;
+        let mut reading = present?.clone();
+        reading.opaque.push(material);
+        Some(reading)
+    });
+    if let Some(reading) = reading {
+        let settings = app.settings();
+        outbox.extend(settings.source().map(|source| Command::Load(source, reading, settings.light)));
     }
     section(ui, "Solver", true, None, |ui| solver::show(ui, &app.shown, &mut app.params, outbox));
     section(ui, "Display", true, None, |ui| {

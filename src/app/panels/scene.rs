@@ -2,18 +2,39 @@
 
 use std::path::PathBuf;
 
-use egui::{RichText, Ui};
+use egui::{ComboBox, RichText, Ui};
 
 use super::super::files::Files;
 use super::super::{Outbox, Shown, format, theme};
 use crate::scene::builtin::BuiltinScene;
-use crate::scene::{CameraPose, Sidecar, Source};
+use crate::scene::{CameraPose, Reading, Sidecar, Source, Unit, UpAxis};
 use crate::worker::{Command, SceneInfo};
 
+/// What a person chose that the section itself cannot do.
+#[derive(Default)]
+pub(super) struct Chosen {
+    /// Another way to read the scene's file.
+    pub reading: Option<Reading>,
+    /// A view of the file.
+    pub view: Option<CameraPose>,
+}
+
 /// Draws the section.
-pub(super) fn show(ui: &mut Ui, shown: &Shown, files: &mut Files, camera: Option<CameraPose>, outbox: &mut Outbox) {
+pub(super) fn show(
+    ui: &mut Ui,
+    shown: &Shown,
+    files: &mut Files,
+    camera: Option<CameraPose>,
+    outbox: &mut Outbox,
+) -> Chosen {
+    let mut chosen = Chosen::default();
     match &shown.info {
-        Some(info) => show_present(ui, info),
+        Some(info) => {
+            show_present(ui, info);
+            if info.path.is_some() {
+                show_frame(ui, info, &mut chosen);
+            }
+        }
         None => {
             ui.label(theme::weak("No scene is open."));
         }
@@ -35,6 +56,52 @@ pub(super) fn show(ui: &mut Ui, shown: &Shown, files: &mut Files, camera: Option
         }
     });
     show_question(ui, sidecar_of(shown), files, camera, outbox);
+    chosen
+}
+
+/// Up axis, length unit and views of the file.
+fn show_frame(ui: &mut Ui, info: &SceneInfo, chosen: &mut Chosen) {
+    let scene = &info.scene;
+    let mut reading = scene.reading.clone();
+    ui.horizontal(|ui| {
+        ui.add_sized([theme::LABEL_WIDTH, 20.0], left_label("Up and unit"));
+        let mut up = scene.frame.up.unwrap_or_default();
+        let combo = ComboBox::from_id_salt("up axis").width(44.0).selected_text(up.letter());
+        let shown = combo.show_ui(ui, |ui| {
+            for axis in [UpAxis::Y, UpAxis::Z] {
+                ui.selectable_value(&mut up, axis, axis.letter());
+            }
+        });
+        shown.response.on_hover_text("The axis of the file that points up; another one reads the file again");
+        if up != scene.frame.up.unwrap_or_default() {
+            reading.up = Some(up);
+        }
+        let mut unit = scene.frame.unit;
+        let combo = ComboBox::from_id_salt("length unit").width(54.0).selected_text(unit.symbol());
+        let shown = combo.show_ui(ui, |ui| {
+            for each in Unit::ALL {
+                ui.selectable_value(&mut unit, each, format!("{} ({})", each.symbol(), each.name()));
+            }
+        });
+        let hint = "The unit of the file's lengths; another one reads the file again. Readings are in metres";
+        shown.response.on_hover_text(hint);
+        if unit != scene.frame.unit {
+            reading.unit = Some(unit);
+        }
+        if !scene.cameras.is_empty() {
+            ui.menu_button("Cameras", |ui| {
+                for camera in &scene.cameras {
+                    if ui.button(camera.name.as_str()).clicked() {
+                        chosen.view = Some(camera.pose);
+                        ui.close();
+                    }
+                }
+            });
+        }
+    });
+    if reading != scene.reading {
+        chosen.reading = Some(reading);
+    }
 }
 
 fn left_label(text: &str) -> impl egui::Widget {

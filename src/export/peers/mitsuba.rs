@@ -1,4 +1,4 @@
-//! Mitsuba 3: a scene file in XML, a mesh in PLY for each material, and a script that asks Mitsuba about the points of a reference.
+//! Mitsuba 3: a scene file in XML, a mesh in PLY for each material (and each of its colours), and a script that asks Mitsuba about the points of a reference.
 //!
 //! `diffuse` is bright on one side and area emitters shine on one, as faces do here. They take the radiance B_e/π. Mitsuba computes in single
 //! precision: coordinates are the scene's own, whose zero may lie elsewhere in its file ([`Scene::origin`]).
@@ -37,12 +37,12 @@ pub fn write(scene: &Scene, folder: &Path) -> Result<PathBuf, PeerError> {
     write_file(folder, "scene.xml", |writer| writer.write_all(xml(scene, &surfaces).as_bytes()))
 }
 
-fn mesh_name(surface: &Surface<'_>) -> String {
+fn mesh_name(surface: &Surface) -> String {
     format!("meshes/{}.ply", surface.name)
 }
 
 /// The scene file.
-fn xml(scene: &Scene, surfaces: &[Surface<'_>]) -> String {
+fn xml(scene: &Scene, surfaces: &[Surface]) -> String {
     let CameraPose { eye, target, up, hfov_deg } = camera(scene);
     let commas = |vector: Vec3| format!("{}, {}, {}", vector.x, vector.y, vector.z);
     let mut text = format!(
@@ -72,7 +72,7 @@ fn xml(scene: &Scene, surfaces: &[Surface<'_>]) -> String {
         SIZE[1],
     );
     for surface in surfaces {
-        let material = surface.material;
+        let finish = surface.finish;
         let _ = write!(
             text,
             r#"    <shape type="ply">
@@ -83,16 +83,16 @@ fn xml(scene: &Scene, surfaces: &[Surface<'_>]) -> String {
         </bsdf>
 "#,
             mesh_name(surface),
-            spaced(material.reflectance),
+            spaced(finish.reflectance),
         );
-        if material.emission != Vec3::ZERO {
+        if finish.emission != Vec3::ZERO {
             let _ = write!(
                 text,
                 r#"        <emitter type="area">
             <rgb name="radiance" value="{}"/>
         </emitter>
 "#,
-                spaced(material.emission / PI),
+                spaced(finish.emission / PI),
             );
         }
         text += "    </shape>\n";
@@ -101,7 +101,7 @@ fn xml(scene: &Scene, surfaces: &[Surface<'_>]) -> String {
 }
 
 /// A mesh of triangles whose corners are shared.
-fn mesh(writer: &mut impl Write, surface: &Surface<'_>) -> io::Result<()> {
+fn mesh(writer: &mut impl Write, surface: &Surface) -> io::Result<()> {
     let (mut corners, mut triangles, mut numbers) = (Vec::new(), Vec::new(), FxHashMap::default());
     for face in &surface.faces {
         let mut number = |corner: &Vec3| {

@@ -10,8 +10,9 @@ use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
 use glam::Vec3;
+use rustc_hash::FxHashMap;
 
-use crate::scene::{CameraPose, Material, Scene};
+use crate::scene::{CameraPose, Scene, Surface as Finish};
 
 /// Second sides of faces ([`crate::scene::Sides::Both`]) lie this share of the scene's diagonal behind the first ones: other
 /// programs meet one of two faces at the same place by chance.
@@ -65,36 +66,44 @@ impl Peer {
     }
 }
 
-/// The faces of one material.
-struct Surface<'a> {
-    /// Its number and a name without special characters, such as `3-white_paint`.
+/// The faces of one material that reflect and emit alike.
+struct Surface {
+    /// Its material's number and name without special characters, such as `3-white_paint`; others of the material are counted
+    /// behind it.
     name: String,
-    material: &'a Material,
+    /// What its faces reflect and emit.
+    finish: Finish,
     /// Corners, three or four each, anticlockwise as seen from the bright side.
     faces: Vec<Vec<Vec3>>,
 }
 
-/// The faces of a scene by material; materials without faces are left out.
-fn surfaces(scene: &Scene) -> Vec<Surface<'_>> {
+/// The faces of a scene by material, and by what they reflect and emit where faces of a material differ.
+fn surfaces(scene: &Scene) -> Vec<Surface> {
     let (lower, upper) = scene.bounds();
     let behind = BEHIND * lower.distance(upper);
-    let mut surfaces: Vec<Surface<'_>> = scene.materials.iter().enumerate().map(Surface::new).collect();
+    let mut surfaces: Vec<Vec<Surface>> = scene.materials.iter().map(|_| Vec::new()).collect();
+    let mut known = FxHashMap::default();
     for polygon in &scene.polygons {
         let (corners, count) = scene.corner_positions(polygon);
         let offset = if polygon.is_back { behind * scene.normal(polygon) } else { Vec3::ZERO };
         let corners = corners[..count].iter().map(|corner| corner + offset).collect();
-        surfaces[polygon.material.0 as usize].faces.push(corners);
+        let (material, finish) = (polygon.material.0 as usize, scene.surface(polygon));
+        let of_material = &mut surfaces[material];
+        let bits = [finish.reflectance, finish.emission].map(|value| value.to_array().map(f32::to_bits));
+        let place = *known.entry((material, bits)).or_insert_with(|| {
+            let name = name(material, &scene.materials[material].name, of_material.len());
+            of_material.push(Surface { name, finish, faces: Vec::new() });
+            of_material.len() - 1
+        });
+        of_material[place].faces.push(corners);
     }
-    surfaces.retain(|surface| !surface.faces.is_empty());
-    surfaces
+    surfaces.into_iter().flatten().collect()
 }
 
-impl<'a> Surface<'a> {
-    fn new((index, material): (usize, &'a Material)) -> Self {
-        let plain = |c: char| if c.is_ascii_alphanumeric() { c } else { '_' };
-        let name: String = material.name.chars().map(plain).collect();
-        Self { name: format!("{index}-{name}"), material, faces: Vec::new() }
-    }
+fn name(material: usize, name: &str, place: usize) -> String {
+    let plain = |c: char| if c.is_ascii_alphanumeric() { c } else { '_' };
+    let name: String = name.chars().map(plain).collect();
+    if place == 0 { format!("{material}-{name}") } else { format!("{material}-{name}-{}", place + 1) }
 }
 
 /// The scene's camera, or else one that sees the whole scene from above its corner.

@@ -38,31 +38,31 @@ fn view(scene: &Scene) -> String {
 }
 
 /// The scene description.
-fn rad(scene: &Scene, surfaces: &[Surface<'_>]) -> String {
+fn rad(scene: &Scene, surfaces: &[Surface]) -> String {
     let mut text = "# Written by Selflink; lengths and axes as in the scene, RGB in W/m2 and W/(m2 sr)\n\
         void plastic black\n0\n0\n5 0 0 0 0 0\n"
         .to_owned();
     for surface in surfaces {
-        let (name, material) = (&surface.name, surface.material);
-        let reflects = material.reflectance != Vec3::ZERO;
-        let emits = material.emission != Vec3::ZERO;
+        let (name, finish) = (&surface.name, surface.finish);
+        let reflects = finish.reflectance != Vec3::ZERO;
+        let emits = finish.emission != Vec3::ZERO;
         if reflects || !emits {
             let _ = write!(
                 text,
                 "\nvoid plastic {name}-front\n0\n0\n5 {} 0 0\n\
                  void mixfunc {name}-sided\n4 {name}-front black if(Rdot,1,0) .\n0\n0\n",
-                spaced(material.reflectance)
+                spaced(finish.reflectance)
             );
         }
         let modifier = match (emits, reflects) {
             (false, _) => format!("{name}-sided"),
             (true, true) => {
-                let radiance = spaced(material.emission / PI);
+                let radiance = spaced(finish.emission / PI);
                 let _ = write!(text, "void illum {name}-lamp\n1 {name}-sided\n0\n3 {radiance}\n");
                 format!("{name}-lamp")
             }
             (true, false) => {
-                let _ = write!(text, "\nvoid light {name}-lamp\n0\n0\n3 {}\n", spaced(material.emission / PI));
+                let _ = write!(text, "\nvoid light {name}-lamp\n0\n0\n3 {}\n", spaced(finish.emission / PI));
                 format!("{name}-lamp")
             }
         };

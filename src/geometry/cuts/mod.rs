@@ -99,8 +99,8 @@ impl Cutter<'_> {
     /// Large coplanar polygons that share edges, by their places among the faces.
     fn surfaces(&self, scene: &Scene) -> Vec<Vec<usize>> {
         let can_be_cut = |face: &&Face| {
-            let material = &scene.materials[scene.polygons[face.polygon].material.0 as usize];
-            face.area >= LEAST_POLYGON * self.total && material.emission == glam::Vec3::ZERO && self.is_flat(face)
+            let emits = scene.emits(&scene.polygons[face.polygon]);
+            face.area >= LEAST_POLYGON * self.total && !emits && self.is_flat(face)
         };
         let large: Vec<&Face> = self.faces.iter().filter(can_be_cut).collect();
         let mut with_edge: FxHashMap<(Bits, Bits), usize> = FxHashMap::default();

@@ -3,7 +3,7 @@
 use egui::{Button, ComboBox, Slider, Ui};
 use glam::Vec3;
 
-use super::super::super::theme;
+use super::super::super::{format, theme};
 use super::{LightEditor, exitance_slider};
 use crate::scene::{MAX_SIDECAR_REFLECTANCE, MaterialId, Scene};
 
@@ -11,6 +11,7 @@ use crate::scene::{MAX_SIDECAR_REFLECTANCE, MaterialId, Scene};
 pub(super) fn show(ui: &mut Ui, scene: &Scene, editor: &mut LightEditor) {
     ui.label(theme::weak("Material (click a surface in the view to choose it)"));
     show_choice(ui, scene, editor);
+    show_left_out(ui, scene, editor);
     let Some(light) = editor.lighting.of_mut(editor.material.0 as usize) else { return };
     let mut strength = light.reflectance.strength();
     theme::row(ui, "Reflectance", |ui| {
@@ -65,6 +66,19 @@ fn show_choice(ui: &mut Ui, scene: &Scene, editor: &mut LightEditor) {
         shown.response
     });
     let _ = response.on_hover_text(material.name.as_str());
+}
+
+/// Offers the faces of the material at hand that were left out.
+fn show_left_out(ui: &mut Ui, scene: &Scene, editor: &mut LightEditor) {
+    let Some(material) = scene.materials.get(editor.material.0 as usize).filter(|material| material.left_out > 0)
+    else {
+        return;
+    };
+    let faces = format::things(material.left_out, "transparent face", "transparent faces");
+    let hint = "The file says that they let light through, so they were left out. This reads the file again and takes them for opaque; `Save sidecar` keeps it.";
+    if ui.button(format!("Make its {faces} opaque")).on_hover_text(hint).clicked() {
+        editor.opaque = Some(material.name.clone());
+    }
 }
 
 /// A colour that can be edited; true when it was.

@@ -28,6 +28,8 @@ pub(in super::super) struct LightEditor {
     /// Area of the faces of each material, m².
     areas: Vec<f32>,
     ceiling: CeilingEditor,
+    /// A transparent material whose faces are asked for.
+    opaque: Option<String>,
 }
 
 impl LightEditor {
@@ -50,6 +52,11 @@ impl LightEditor {
         for polygon in &scene.polygons {
             self.areas[polygon.material.0 as usize] += scene.area(polygon);
         }
+    }
+
+    /// The transparent material whose faces were asked for since the last time.
+    pub(in super::super) fn take_opaque(&mut self) -> Option<String> {
+        self.opaque.take()
     }
 
     /// Takes a material in hand.

@@ -4,12 +4,7 @@
 
 use glam::{DMat4, DQuat, DVec3};
 use serde::Deserialize;
-
-#[derive(Deserialize)]
-struct Nodes {
-    #[serde(default)]
-    nodes: Vec<Place>,
-}
+use serde_json::Value;
 
 #[derive(Deserialize)]
 struct Place {
@@ -19,22 +14,17 @@ struct Place {
     scale: Option<[f64; 3]>,
 }
 
-/// The transform of each node into the space of its parent, by the content of a glTF or GLB file that has been parsed already.
+/// The transform of each node into the space of its parent, by the document of a file.
 ///
 /// # Errors
 /// What is not as the format says.
-pub(super) fn parents_from_nodes(bytes: &[u8]) -> Result<Vec<DMat4>, String> {
-    let json = match bytes.strip_prefix(b"glTF") {
-        // The first chunk: its length, its kind, and the JSON text.
-        Some(_) => {
-            let length = bytes.get(12..16).map_or(0, |word| u32::from_le_bytes([word[0], word[1], word[2], word[3]]));
-            bytes.get(20..).and_then(|rest| rest.get(..length as usize)).unwrap_or_default()
-        }
-        None => bytes,
+pub(super) fn parents_from_nodes(json: &Value) -> Result<Vec<DMat4>, String> {
+    let place = |node: &Value| {
+        let place = Place::deserialize(node);
+        place.map_err(|error| format!("not understood ({error}); export the scene again"))
     };
-    let nodes: Nodes =
-        serde_json::from_slice(json).map_err(|error| format!("not understood ({error}); export the scene again"))?;
-    Ok(nodes.nodes.iter().map(parent_from_node).collect())
+    let nodes = json.get("nodes").and_then(Value::as_array).into_iter().flatten();
+    nodes.map(|node| Ok(parent_from_node(&place(node)?))).collect()
 }
 
 fn parent_from_node(node: &Place) -> DMat4 {

@@ -6,14 +6,14 @@ use std::array;
 use std::borrow::Cow;
 use std::collections::HashMap;
 
-use glam::{DVec3, Vec3};
 use gltf::json::accessor::{Accessor, ComponentType, Type};
 use gltf::json::validation::Checked;
 use gltf::json::{Index, Root, buffer, image};
 
-use super::draft::MOST_POLYGONS;
-use super::files::{FileError, MOST_BYTES, SceneFiles, name_of};
-use super::said::quoted;
+use super::compression::{MOST_DECODED, Meshopt};
+use crate::scene::draft::MOST_POLYGONS;
+use crate::scene::files::{FileError, MOST_BYTES, SceneFiles, find, name_of};
+use crate::scene::said::quoted;
 
 /// An accessor without data holds zeros, but for what is listed: more of them would only be one point again and again.
 const MOST_ZEROS: usize = 1 << 16;
@@ -28,7 +28,12 @@ pub(super) struct GltfData<'a> {
     /// What was read, each file once; buffers are numbers into it.
     contents: Vec<Vec<u8>>,
     buffers: Vec<usize>,
+    /// Content of the views that are compressed, or why it cannot be used.
+    decoded: HashMap<usize, Result<Vec<u8>, Problem>>,
 }
+
+/// Marks a buffer without data, which may stand in for what is compressed.
+const NO_CONTENT: usize = usize::MAX;
 
 impl<'a> GltfData<'a> {
     /// Reads every buffer; `blob` is the binary chunk of a GLB file.
@@ -41,6 +46,10 @@ impl<'a> GltfData<'a> {
         let mut known: HashMap<Option<&str>, usize> = HashMap::new();
         for (index, buffer) in root.buffers.iter().enumerate() {
             let uri = buffer.uri.as_deref();
+            if uri.is_none() && (index > 0 || blob.is_none()) && is_stand_in(buffer) {
+                buffers.push(NO_CONTENT);
+                continue;
+            }
             let content = match known.get(&uri) {
                 Some(&content) => content,
                 None => {
@@ -62,16 +71,58 @@ impl<'a> GltfData<'a> {
             }
             buffers.push(content);
         }
-        Ok(Self { root, files, contents, buffers })
+        let mut data = Self { root, files, contents, buffers, decoded: HashMap::new() };
+        data.decode_views();
+        Ok(data)
     }
 
-    /// Positions of a primitive; integer components are scaled as `normalized` says.
-    pub fn positions(&self, index: Index<Accessor>) -> Result<Vec<Vec3>, Problem> {
-        let accessor = self.accessor(index)?;
-        if !matches!(accessor.type_, Checked::Valid(Type::Vec3)) {
-            return Err(format!("accessor {} holds no positions (its type is not VEC3)", index.value()));
+    /// Decodes the views that are compressed.
+    fn decode_views(&mut self) {
+        let mut bytes_left = MOST_DECODED;
+        for (number, view) in self.root.buffer_views.iter().enumerate() {
+            let Some(compressed) = Meshopt::of(view) else { continue };
+            let decoded = compressed.and_then(|compressed| {
+                bytes_left = bytes_left
+                    .checked_sub(compressed.decoded_bytes())
+                    .ok_or_else(|| format!("more than {} MiB are compressed", MOST_DECODED >> 20))?;
+                let content = self.content(compressed.buffer);
+                let bytes = content.and_then(|it| slice(it, compressed.byte_offset, compressed.byte_length));
+                compressed.decode(bytes.ok_or("it reaches past its buffer; the file is damaged or cut off")?)
+            });
+            self.decoded.insert(number, decoded.map_err(|problem| format!("buffer view {number}: {problem}")));
         }
-        self.elements(index, accessor, |element| DVec3::from_array(element).as_vec3())
+    }
+
+    /// The bytes of a buffer, if there are any.
+    fn content(&self, buffer: usize) -> Option<&[u8]> {
+        self.buffers.get(buffer).and_then(|content| self.contents.get(*content)).map(Vec::as_slice)
+    }
+
+    /// Elements of `N` components; integers are scaled as `normalized` says.
+    pub fn vectors<const N: usize>(&self, index: Index<Accessor>) -> Result<Vec<[f64; N]>, Problem> {
+        let accessor = self.accessor(index)?;
+        if self.components(index) != Some(N) {
+            return Err(format!("accessor {} does not hold {N} numbers for each element", index.value()));
+        }
+        self.elements(index, accessor, |element| element)
+    }
+
+    /// Number of components of an accessor's elements.
+    pub fn components(&self, index: Index<Accessor>) -> Option<usize> {
+        match self.root.accessors.get(index.value())?.type_ {
+            Checked::Valid(Type::Scalar) => Some(1),
+            Checked::Valid(Type::Vec2) => Some(2),
+            Checked::Valid(Type::Vec3) => Some(3),
+            Checked::Valid(Type::Vec4 | Type::Mat2) => Some(4),
+            Checked::Valid(Type::Mat3) => Some(9),
+            Checked::Valid(Type::Mat4) => Some(16),
+            Checked::Invalid => None,
+        }
+    }
+
+    /// The bytes of a buffer view.
+    pub fn view_bytes(&self, index: Index<buffer::View>) -> Result<&[u8], Problem> {
+        Ok(self.view(index)?.0)
     }
 
     /// Vertex indices of a primitive.
@@ -102,8 +153,11 @@ impl<'a> GltfData<'a> {
     fn view(&self, index: Index<buffer::View>) -> Result<(&[u8], Option<usize>), Problem> {
         let number = index.value();
         let view = self.root.buffer_views.get(number).ok_or_else(|| format!("there is no buffer view {number}"))?;
-        let content = self.buffers.get(view.buffer.value()).ok_or_else(|| format!("view {number} has no buffer"))?;
-        let bytes = &self.contents[*content];
+        if let Some(decoded) = self.decoded.get(&number) {
+            let stride = view.byte_stride.map(|stride| stride.0);
+            return decoded.as_ref().map(|bytes| (&bytes[..], stride)).map_err(Clone::clone);
+        }
+        let bytes = self.content(view.buffer.value()).ok_or_else(|| format!("view {number} has no buffer"))?;
         slice(bytes, view.byte_offset.map_or(0, |offset| offset.0), view.byte_length.0)
             .map(|bytes| (bytes, view.byte_stride.map(|stride| stride.0)))
             .ok_or_else(|| format!("buffer view {number} reaches past its buffer; the file is damaged or cut off"))
@@ -154,6 +208,12 @@ impl<'a> GltfData<'a> {
         }
         Ok(elements)
     }
+}
+
+/// Whether a buffer without data only stands in for one that is compressed.
+fn is_stand_in(buffer: &buffer::Buffer) -> bool {
+    let others = buffer.extensions.as_ref().map(|it| &it.others);
+    others.is_some_and(|it| it.keys().any(|name| name.ends_with("_meshopt_compression")))
 }
 
 /// Equally spaced items in a byte slice, all inside it.
@@ -214,8 +274,14 @@ fn read_uri(files: &dyn SceneFiles, uri: &str, most: u64) -> Result<Vec<u8>, Pro
         let data = gltf::buffer::Data::from_source(gltf::buffer::Source::Uri(uri), None);
         return data.map(|data| data.0).map_err(|error| format!("the embedded data cannot be decoded ({error})"));
     }
-    let reference = percent_decoded(uri).ok_or_else(|| format!("{} is not a file name", quoted(uri)))?;
-    name_of(&reference).and_then(|name| files.read(&name, most)).map_err(|error| match error {
+    // Some exporters write names as they are, percent signs included.
+    let reference = percent_decoded(uri).unwrap_or_else(|| uri.to_owned());
+    if reference != uri
+        && let Ok(bytes) = name_of(uri).and_then(|name| files.read(&name, most))
+    {
+        return Ok(bytes);
+    }
+    find(files, &reference, most).map_err(|error| match error {
         FileError::Outside => format!("{} lies outside the scene's folder", quoted(&reference)),
         error => format!("{} cannot be read ({error})", quoted(&reference)),
     })

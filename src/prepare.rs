@@ -1,0 +1,57 @@
+//! A scene made ready to be lit: read, with what light a person adds, its faces turned, and a place to look from.
+
+use crate::added_light::AddedLight;
+use crate::geometry::{Occluders, orient};
+use crate::scene::{self, EditError, LoadError, Reading, Scene, Sides, Source};
+use crate::start_view;
+
+/// Why a scene cannot be made ready.
+#[derive(Debug, thiserror::Error)]
+pub enum PrepareError {
+    /// It cannot be loaded.
+    #[error(transparent)]
+    Load(#[from] LoadError),
+    /// The light cannot be added.
+    #[error(transparent)]
+    Light(#[from] EditError),
+}
+
+/// A scene that is ready to be lit.
+pub struct Ready {
+    /// As its file says, before faces were turned or doubled.
+    pub raw: Scene,
+    /// As it is lit.
+    pub scene: Scene,
+    /// What stops its light.
+    pub occluders: Occluders,
+}
+
+/// Reads a scene and makes it ready; `sides` are those that a person asks for.
+///
+/// # Errors
+/// It cannot be loaded, or the light not be added.
+pub fn prepare(
+    source: &Source,
+    reading: &Reading,
+    light: &AddedLight,
+    sides: Option<Sides>,
+) -> Result<Ready, PrepareError> {
+    let mut raw = scene::load_with(source, reading)?;
+    light.add_to(&mut raw)?;
+    let (mut scene, mut occluders) = orient::apply(raw.clone(), sides.unwrap_or(raw.sides));
+    if matches!(source, Source::Builtin(_)) {
+        return Ok(Ready { raw, scene, occluders });
+    }
+    let is_free = sides.is_none() && !raw.frame.sides_are_told && scene.sides == Sides::Front;
+    if is_free && orient::shows_backs(&scene, &occluders) {
+        raw.sides = Sides::Auto;
+        raw.skipped
+            .note("Its faces turn their backs to the inside; they were turned round (--sides front leaves them).");
+        (scene, occluders) = orient::apply(raw.clone(), Sides::Auto);
+    }
+    if raw.camera.is_none() {
+        raw.camera = start_view::find(&scene, &occluders);
+        scene.camera = raw.camera;
+    }
+    Ok(Ready { raw, scene, occluders })
+}

@@ -1,0 +1,117 @@
+//! How a scene file is to be read where it does not say so itself, and what came of that.
+
+use glam::{DMat4, DVec3};
+use serde::{Deserialize, Serialize};
+
+use super::draft::Draft;
+use super::sidecar::Sidecar;
+use super::unit::Unit;
+use super::up::{self, UpAxis};
+
+/// What a person says of a file; a sidecar's word counts where nothing is said here.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Reading {
+    /// The axis that points up.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub up: Option<UpAxis>,
+    /// The length unit of its numbers.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub unit: Option<Unit>,
+    /// Materials whose faces are opaque whatever the file says.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub opaque: Vec<String>,
+}
+
+impl Reading {
+    /// Whether nothing is said.
+    pub fn is_empty(&self) -> bool {
+        *self == Self::default()
+    }
+}
+
+/// How a scene was read.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Frame {
+    /// The axis that points up; `None` where the camera tells.
+    pub up: Option<UpAxis>,
+    /// The unit of the file's numbers; the scene's own are metres.
+    pub unit: Unit,
+    /// Whether the sidecar says which sides of faces are bright.
+    pub sides_are_told: bool,
+}
+
+/// Shares of corners below and above which lie what stretches a scene without belonging to its rooms: skies, grounds.
+const OUTLIERS: f64 = 0.02;
+
+/// So few corners are all that matter.
+const FEW: usize = 400;
+
+/// Decides up axis and unit, and brings the draft to metres.
+pub(super) fn settle(draft: &mut Draft, reading: &Reading, sidecar: &Sidecar) -> Frame {
+    let told = reading.up.or(sidecar.up).or(draft.up);
+    // An older sidecar's view tells by its own up direction.
+    let up = if told.is_none() && sidecar.camera.is_some() {
+        None
+    } else {
+        Some(told.unwrap_or_else(|| up::guessed(draft)))
+    };
+    if told.is_none() && up == Some(UpAxis::Z) {
+        draft.skipped.note("z is taken for up, as the scene looks; --up y or the scene panel says otherwise.");
+    }
+    let told = reading.unit.or(sidecar.unit).or(draft.unit);
+    let has_lengths = sidecar.camera.is_some() || !sidecar.ceiling_lights.is_empty();
+    let unit = match told {
+        Some(unit) => unit,
+        // What was saved beside the scene without a unit is in the scene's own.
+        None if has_lengths => Unit::Metre,
+        None => {
+            let [height, width] = extents(draft, up.unwrap_or_default());
+            let unit = Unit::guessed(height, width);
+            if unit != Unit::Metre {
+                let [height, width] = [height, width].map(|length| (10.0 * length * unit.metres()).round() / 10.0);
+                draft.skipped.note(format!(
+                    "Lengths are taken for {}, so that the scene is {width} m wide and {height} m high; --unit or the scene panel says otherwise.",
+                    unit.name()
+                ));
+            }
+            unit
+        }
+    };
+    if unit != Unit::Metre {
+        scale(draft, unit.metres());
+    }
+    Frame { up, unit, sides_are_told: sidecar.sides.is_some() }
+}
+
+/// Height and largest width of the part of the scene that most corners lie in.
+fn extents(draft: &Draft, up: UpAxis) -> [f64; 2] {
+    let extent = |axis: usize| {
+        let level = |&corner: &u32| draft.vertices[corner as usize][axis];
+        let mut levels: Vec<f64> = draft.corners.iter().map(level).filter(|level| level.is_finite()).collect();
+        if levels.is_empty() {
+            return 0.0;
+        }
+        let rim = if levels.len() <= FEW { 0 } else { (OUTLIERS * levels.len() as f64) as usize };
+        let last = levels.len() - 1 - rim;
+        let low = *levels.select_nth_unstable_by(rim, f64::total_cmp).1;
+        let high = *levels.select_nth_unstable_by(last, f64::total_cmp).1;
+        high - low
+    };
+    let [x, y, z] = [0, 1, 2].map(extent);
+    match up {
+        UpAxis::Y => [y, x.max(z)],
+        UpAxis::Z => [z, x.max(y)],
+    }
+}
+
+fn scale(draft: &mut Draft, factor: f64) {
+    draft.vertices.iter_mut().for_each(|vertex| *vertex *= factor);
+    for (_, camera) in &mut draft.cameras {
+        let ahead = camera.target - camera.eye;
+        camera.eye *= factor;
+        camera.target = camera.eye + ahead;
+    }
+    let by_factor = DMat4::from_scale(DVec3::splat(factor));
+    draft.lights.iter_mut().for_each(|light| light.world = by_factor * light.world);
+}

@@ -1,0 +1,134 @@
+//! Which axis of a file points up: told by its format, by its sidecar or by a person, else guessed by the geometry.
+
+use glam::{DVec3, Vec3};
+use serde::{Deserialize, Serialize};
+
+use super::draft::Draft;
+use super::triangulate::newell;
+
+/// An axis that points up.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum UpAxis {
+    /// y, as in glTF and most OBJ files.
+    #[default]
+    Y,
+    /// z, as in building plans.
+    Z,
+}
+
+impl UpAxis {
+    /// The unit vector.
+    pub fn vector(self) -> Vec3 {
+        match self {
+            Self::Y => Vec3::Y,
+            Self::Z => Vec3::Z,
+        }
+    }
+
+    /// Its letter.
+    pub fn letter(self) -> &'static str {
+        match self {
+            Self::Y => "y",
+            Self::Z => "z",
+        }
+    }
+
+    /// The axis with this letter.
+    pub fn from_letter(letter: &str) -> Option<Self> {
+        [Self::Y, Self::Z].into_iter().find(|axis| axis.letter() == letter)
+    }
+}
+
+/// A face lies across an axis if its normal's cosine with it is at least this.
+const ACROSS: f64 = 0.95;
+
+/// Levels this share of the scene's extent from its ends are those of its outer walls.
+const RIM: f64 = 0.04;
+
+/// What is in favour of y before anything is looked at, in the evidence's measure.
+const FOR_Y: f64 = 0.7;
+
+/// Words for what lies flat.
+const FLAT: [&str; 12] = [
+    "floor",
+    "ceiling",
+    "carpet",
+    "parquet",
+    "boden",
+    "decke",
+    "plafond",
+    "pavimento",
+    "soffitto",
+    "suelo",
+    "techo",
+    "tabletop",
+];
+
+/// What was seen of one axis.
+#[derive(Clone, Copy, Default)]
+struct Axis {
+    /// Area of faces across it, away from the outer walls.
+    inner: f64,
+    /// Area of faces across it whose names say that they lie flat.
+    named: f64,
+    /// Sum over corners of where they lie between the lower (0) and the upper end (1).
+    level: f64,
+    extent: f64,
+}
+
+/// The axis that looks most like up. Things stand on floors, so corners lie low; there are more flat faces inside of a room, of tables and
+/// shelves, than walls one way; rooms are wider than high; and names may tell.
+pub(super) fn guessed(draft: &Draft) -> UpAxis {
+    let used = || draft.corners.iter().map(|&corner| draft.vertices[corner as usize]);
+    let sound = || used().filter(|corner| corner.is_finite());
+    let none = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+    let (lower, upper) = sound().fold(none, |(lower, upper), corner| (lower.min(corner), upper.max(corner)));
+    if lower.x > upper.x {
+        return UpAxis::Y;
+    }
+    let extent = (upper - lower).max(DVec3::splat(1e-9));
+    let mut axes: [Axis; 3] = std::array::from_fn(|axis| Axis { extent: extent[axis], ..Axis::default() });
+    let mut corners = 0.0;
+    for corner in sound() {
+        let level = (corner - lower) / extent;
+        axes.iter_mut().enumerate().for_each(|(axis, seen)| seen.level += level[axis]);
+        corners += 1.0;
+    }
+    let lies_flat = |name: &str| {
+        let name = name.to_lowercase();
+        FLAT.iter().any(|word| name.contains(word))
+    };
+    let materials: Vec<bool> = draft.materials.iter().map(|material| lies_flat(&material.name)).collect();
+    let groups: Vec<bool> = draft.groups.iter().map(|group| lies_flat(&group.name)).collect();
+    let mut rest = draft.corners.as_slice();
+    let mut positions = Vec::new();
+    for face in &draft.faces {
+        let (of_face, behind) = rest.split_at(face.count as usize);
+        rest = behind;
+        positions.clear();
+        positions.extend(of_face.iter().map(|&corner| (draft.vertices[corner as usize] - lower).as_vec3()));
+        let normal = newell(&positions);
+        let area = normal.length();
+        let Some(axis) = (0..3).find(|&axis| normal[axis].abs() >= ACROSS * area && area > 0.0) else { continue };
+        let level = f64::from(positions[0][axis]) / extent[axis];
+        if (RIM..=1.0 - RIM).contains(&level) {
+            axes[axis].inner += area;
+        }
+        let is_named = materials.get(face.material as usize).is_some_and(|flat| *flat);
+        if is_named || groups.get(face.group.0 as usize).is_some_and(|flat| *flat) {
+            axes[axis].named += area;
+        }
+    }
+    let [_, y, z] = axes;
+    let inner: f64 = axes.iter().map(|axis| axis.inner).sum();
+    let named = y.named + z.named;
+    let share = |difference: f64, of: f64| if of > 0.0 { difference / of } else { 0.0 };
+    let for_z = 1.5 * share(z.inner - y.inner, inner)
+        + 6.0 * share(y.level - z.level, corners)
+        // By itself not enough: a flat thing stands or lies.
+        + (y.extent / z.extent).ln().clamp(-0.9 * FOR_Y, 0.9 * FOR_Y)
+        + 3.0 * share(z.named - y.named, named)
+        - FOR_Y;
+    if for_z > 0.0 { UpAxis::Z } else { UpAxis::Y }
+}

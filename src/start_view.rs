@@ -1,0 +1,212 @@
+//! Where a person first stands in a scene that names no view: inside its largest room, eyes at 1.6 m, looking along its longest
+//! free diagonal.
+//!
+//! Inside is where nearly every ray meets a bright side; the largest room has the largest free floor.
+
+use std::f32::consts::TAU;
+
+use glam::Vec3;
+use rayon::prelude::*;
+
+use crate::ceiling::up_axis;
+use crate::geometry::Occluders;
+use crate::scene::{CameraPose, Scene};
+
+/// Places that are tried.
+const PLACES: usize = 768;
+/// Places looked at closely at a time, the best first.
+const CLOSER: usize = 64;
+/// Directions around a place, at a glance and closely.
+const GLANCE: usize = 12;
+const AROUND: usize = 48;
+/// Eyes above the floor, m, and at most this share of a room's height.
+const EYE: f32 = 1.6;
+const HIGHEST_EYE: f32 = 0.6;
+/// Nobody stands closer to a wall, m, or this share of the room's height where that is less.
+const CLEAR: f32 = 0.3;
+const CLEAR_SHARE: f32 = 0.12;
+/// Farther walls make a room no larger, m.
+const FARTHEST: f32 = 40.0;
+/// Least share of rays that meet bright sides.
+const INSIDE: f32 = 0.6;
+/// Horizontal field of view, degrees.
+const HFOV: f32 = 75.0;
+
+/// A view from inside; `None` for a scene that has no inside, such as a single chair.
+pub fn find(scene: &Scene, occluders: &Occluders) -> Option<CameraPose> {
+    let rooms = Rooms { scene, occluders, up: up_axis(scene) };
+    let places = rooms.places();
+    let mut glances: Vec<(f32, Vec3)> =
+        places.par_iter().filter_map(|place| Some((rooms.stand(*place, GLANCE)?.score, *place))).collect();
+    // Of equals the first.
+    glances.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let best = glances.chunks(CLOSER).find_map(|chunk| {
+        let stands: Vec<Stand> = chunk.par_iter().filter_map(|(_, place)| rooms.stand(*place, AROUND)).collect();
+        stands.into_iter().reduce(|best, other| if other.score > best.score { other } else { best })
+    })?;
+    Some(rooms.view(&best))
+}
+
+/// A place where a person may stand.
+#[derive(Clone, Copy)]
+struct Stand {
+    eye: Vec3,
+    /// Height of the room there, m.
+    height: f32,
+    score: f32,
+}
+
+struct Rooms<'a> {
+    scene: &'a Scene,
+    occluders: &'a Occluders,
+    up: Vec3,
+}
+
+impl Rooms<'_> {
+    /// Places in the scene's box, and in front of its faces: a large ground would leave few of the first in a house.
+    fn places(&self) -> Vec<Vec3> {
+        let (lower, upper) = self.scene.bounds();
+        let shares = |index: usize| {
+            // The sequence R3 of Roberts.
+            let at = index as f64 + 0.5;
+            [0.819_172_513_396_164_4, 0.671_043_606_703_789_3, 0.549_700_477_901_960_1]
+                .map(|step| (at * step).fract() as f32)
+        };
+        let in_box = (0..PLACES / 2).map(|index| lower + (upper - lower) * Vec3::from_array(shares(index)));
+        let count = self.scene.polygons.len();
+        let at_face = (0..PLACES / 2).filter_map(|index| {
+            let [u, v, _] = shares(index);
+            let polygon = &self.scene.polygons[((u * count as f32) as usize).min(count.checked_sub(1)?)];
+            let ([a, b, c, _], _) = self.scene.corner_positions(polygon);
+            let (middle, normal) = ((a + b + c) / 3.0, self.scene.normal(polygon));
+            // Slivers have no normal.
+            let hit = if normal == Vec3::ZERO { None } else { self.occluders.ray_from(middle, normal, normal) };
+            Some(middle + (0.1 + 0.8 * v) * hit?.distance * normal)
+        });
+        in_box.chain(at_face).collect()
+    }
+
+    /// How far it is to the next face, and whether that is bright.
+    fn look(&self, from: Vec3, direction: Vec3) -> Option<(f32, bool)> {
+        let hit = self.occluders.first_hit(from, direction)?;
+        Some((hit.distance, hit.front))
+    }
+
+    fn around(&self, step: usize, steps: usize) -> Vec3 {
+        let (right, forward) = self.up.any_orthonormal_pair();
+        let angle = TAU * step as f32 / steps as f32;
+        angle.cos() * right + angle.sin() * forward
+    }
+
+    /// The place above the floor below a point, if a person can stand there; looks into `steps` directions around it.
+    fn stand(&self, place: Vec3, steps: usize) -> Option<Stand> {
+        let (below, is_floor) = self.look(place, -self.up)?;
+        let above = self.look(place, self.up);
+        let (to_ceiling, has_ceiling) = above.map_or((EYE, false), |(distance, bright)| (distance, bright));
+        let height = below + to_ceiling;
+        let eye = place + (EYE.min(HIGHEST_EYE * height) - below) * self.up;
+        let clear = CLEAR.min(CLEAR_SHARE * height);
+        let (mut floor, mut bright, mut rays) = (0.0, 0.0, 0.0);
+        for step in 0..steps {
+            let flat = self.around(step, steps);
+            let ahead = self.look(eye, flat);
+            let distance = ahead.map_or(0.0, |(distance, _)| distance.min(FARTHEST));
+            if ahead.is_some() && distance < clear {
+                return None;
+            }
+            floor += 0.5 * distance * distance * TAU / steps as f32;
+            let slanted = [-0.6, 0.6].map(|slope| self.look(eye, (flat + slope * self.up).normalize()));
+            for met in slanted.into_iter().chain([ahead]) {
+                bright += f32::from(met.is_some_and(|(_, bright)| bright));
+                rays += 1.0;
+            }
+        }
+        let inside = bright / rays;
+        let shelter = if has_ceiling && is_floor { 1.0 } else { 0.1 };
+        (inside >= INSIDE).then_some(Stand { eye, height, score: floor * inside.powi(4) * shelter })
+    }
+
+    /// The view from a room's end along its longest free diagonal.
+    fn view(&self, stand: &Stand) -> CameraPose {
+        let clear = CLEAR.min(CLEAR_SHARE * stand.height);
+        let reach = |direction: Vec3| self.look(stand.eye, direction).map_or(FARTHEST, |(distance, _)| distance);
+        let free: Vec<f32> = (0..AROUND).map(|step| reach(self.around(step, AROUND))).collect();
+        let length = |step: usize| free[step] + free[(step + AROUND / 2) % AROUND];
+        let longest = (0..AROUND).max_by(|a, b| length(*a).total_cmp(&length(*b)).then(b.cmp(a))).unwrap_or_default();
+        let ahead = self.around(longest, AROUND);
+        let back = free[(longest + AROUND / 2) % AROUND].min(FARTHEST);
+        let is_clear = |eye: Vec3| {
+            let directions = (0..12).map(|step| self.around(step, 12));
+            let slopes = directions.flat_map(|flat| [-0.5, 0.0, 0.5].map(|slope| (flat + slope * self.up).normalize()));
+            slopes
+                .chain([self.up, -self.up])
+                .all(|direction| self.look(eye, direction).is_none_or(|(distance, bright)| bright && distance >= clear))
+        };
+        // As far back as there is room to stand.
+        let mut steps =
+            (0..=16).map(|step| stand.eye - (back - 2.0 * clear).max(0.0) * (1.0 - step as f32 / 16.0) * ahead);
+        let eye = steps.find(|eye| is_clear(*eye)).unwrap_or(stand.eye);
+        let down = 0.12 * (EYE.min(HIGHEST_EYE * stand.height));
+        let target = eye + (0.5 * length(longest)).max(clear) * ahead - down * self.up;
+        CameraPose { eye, target, up: self.up, hfov_deg: HFOV }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::orient;
+    use crate::scene::{GroupId, MaterialId, Sides};
+
+    /// Adds the faces of a box, bright inside.
+    fn add_room(scene: &mut Scene, lower: Vec3, upper: Vec3) {
+        for axis in 0..3 {
+            let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
+            for at_upper in [false, true] {
+                let corner = |along_u: bool, along_v: bool| {
+                    let mut corner = lower;
+                    corner[axis] = if at_upper { upper[axis] } else { lower[axis] };
+                    corner[u] = if along_u { upper[u] } else { lower[u] };
+                    corner[v] = if along_v { upper[v] } else { lower[v] };
+                    corner
+                };
+                let mut corners = [corner(false, false), corner(true, false), corner(true, true), corner(false, true)];
+                if at_upper {
+                    corners.reverse();
+                }
+                scene.add_quad(corners, MaterialId(0), GroupId(0));
+            }
+        }
+    }
+
+    /// Truth: of two rooms beside each other, on a ground of 200 m, the larger one; eyes at 1.6 m, and nearly its diagonal of 10 m ahead.
+    #[test]
+    fn one_stands_in_the_largest_room() {
+        let mut scene = Scene::new("house");
+        scene.add_material("wall", Vec3::splat(0.5), Vec3::ZERO);
+        add_room(&mut scene, Vec3::ZERO, Vec3::new(3.0, 2.5, 3.0));
+        add_room(&mut scene, Vec3::new(4.0, 0.2, 0.0), Vec3::new(12.0, 2.9, 6.0));
+        let ground = [[-100.0, -100.0], [-100.0, 100.0], [100.0, 100.0], [100.0, -100.0]];
+        scene.add_quad(ground.map(|[x, z]| Vec3::new(x, -0.3, z)), MaterialId(0), GroupId(0));
+        let (scene, occluders) = orient::apply(scene, Sides::Front);
+        let view = find(&scene, &occluders).expect("a room");
+        assert!((view.eye.y - 1.8).abs() < 1e-3, "{view:?}");
+        assert!(view.eye.x > 4.2 && view.eye.x < 11.8 && view.eye.z > 0.2 && view.eye.z < 5.8, "{view:?}");
+        let ahead = (view.target - view.eye).with_y(0.0).normalize();
+        let free = occluders.first_hit(view.eye, ahead).expect("a wall").distance;
+        assert!(free > 7.0, "{free} m ahead of {view:?}");
+        assert_eq!(view.up, Vec3::Y);
+    }
+
+    /// Truth: a table is seen from outside alone.
+    #[test]
+    fn a_single_thing_has_no_inside() {
+        let mut scene = Scene::new("table");
+        scene.add_material("wood", Vec3::splat(0.5), Vec3::ZERO);
+        let top = [[0.0, 0.0], [0.0, 1.0], [1.0, 1.0], [1.0, 0.0]];
+        scene.add_quad(top.map(|[x, z]| Vec3::new(x, 0.7, z)), MaterialId(0), GroupId(0));
+        let (scene, occluders) = orient::apply(scene, Sides::Front);
+        assert_eq!(find(&scene, &occluders), None);
+        assert_eq!(find(&Scene::new(""), &Occluders::new(&Scene::new(""))), None);
+    }
+}
