@@ -65,12 +65,10 @@ pub enum Reconstruct {
     /// Leaves' values averaged at the vertices and interpolated between them.
     #[default]
     Vertex,
-    /// Light looked for anew at each vertex, over the links' solution (a final gather), on leaves that are split where light asks
-    /// for it.
+    /// Light gathered anew over the links' solution (a final gather), on leaves of its own.
     Gather,
 }
 
-/// The error that is asked for where nobody says anything, as a share of the RMS radiosity.
 pub use crate::gather::USUAL_ERROR;
 
 /// Where an error is asked for, links are refined to this share of it as ε/Φ: a final gather needs no more of them.
@@ -80,8 +78,8 @@ const EPSILON_PER_ERROR: f64 = 0.2;
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct SolverParams {
-    /// RMS error of the shown radiosity that is asked for, as a share of its RMS; the solver then chooses ε and ends when its own
-    /// estimate says so. `None` to solve by ε.
+    /// Target error: nine tenths of the area are to be read within this local error, |ΔE|/(E + E₀). The solver then chooses ε, and
+    /// ends when a certificate says so. `None` to solve by ε.
     pub error: Option<f64>,
     /// Threshold ε on B_s·F·A_r, where no error is asked for.
     pub epsilon: Epsilon,
@@ -141,7 +139,7 @@ impl Default for SolverParams {
 /// Names the parameters; the order is that of the panel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum ParameterId {
-    /// RMS error that is asked for.
+    /// Target error.
     Error,
     /// ε relative to Φ.
     Epsilon,
@@ -224,7 +222,7 @@ pub const PARAMETERS: [Parameter; 17] = [
         flag: "error",
         label: "error at most",
         unit: "",
-        hint: "Largest RMS error of what is shown, as a share of the RMS radiosity: the solver chooses ε and ends when its own estimate says so.",
+        hint: "Target error: 9 of 10 surfaces are read within this share of their light. The solver chooses ε and ends when a certificate says so.",
         kind: ValueKind::Real { range: 0.01..=0.3, logarithmic: true },
         costs: [Invalidates::Verdicts, Invalidates::Refinement],
     },

@@ -56,36 +56,36 @@ fn furnaces_glow_evenly_at_every_vertex() {
     }
 }
 
-/// The promise: what is asked for is kept by what is read and by the mesh, to twice the error's own standard error, and by the mesh not by
-/// far: unless the coarsest solution was better already, its error is at least a third of what was asked for.
+/// The promise: nine tenths of what is read are within the target error by the independent reference, to twice the standard error of that
+/// quantile, and the certificate says so. Returns the quantile.
 fn promise_is_kept(scene: &Scene, asked: f64, points: usize, noise: f64) -> f64 {
     let mut solved = solve(scene, asking(asked));
-    let stats = solved.stats();
-    let [read, error] = measured(scene, &solved.snapshot(), points, noise);
-    let estimate = stats.error_estimate.expect("an estimate");
+    let found = solved.stats().error.expect("a certificate");
+    let points = random_points(scene, points, 7);
+    let mut run = ReferenceRun::new(scene, points.into(), 7);
+    let target = Target { noise, limit: Some(Duration::from_secs(60)) };
+    let reference = compute(&mut run, None, target, &CancelToken::new(), |_, _| {}).reference;
+    let local = ErrorMeter::new(Arc::new(reference)).local_error(&solved.snapshot());
     println!(
-        "{}: asked {:.0} %, estimated {:.1} %, measured {:.1} ± {:.1} %, read {:.1} ± {:.1} %",
+        "{}: asked {:.1} %, certified {:.1} %, measured {:.1} ± {:.1} %; mesh {:.1} %",
         scene.name,
         100.0 * asked,
-        100.0 * estimate,
-        100.0 * error.rms,
-        100.0 * error.rms_noise,
-        100.0 * read.rms,
-        100.0 * read.rms_noise
+        100.0 * found.bound,
+        100.0 * local.p90,
+        100.0 * local.p90_noise,
+        100.0 * found.mesh.p90
     );
-    assert!(read.rms - 2.0 * read.rms_noise <= asked, "{:.3} ± {:.3} read for {asked}", read.rms, read.rms_noise);
-    assert!(estimate <= asked, "{estimate} was reached, not {asked}");
-    assert!(error.rms - 2.0 * error.rms_noise <= asked, "{:.3} ± {:.3} for {asked}", error.rms, error.rms_noise);
-    assert!(error.rms + 2.0 * error.rms_noise >= asked / 3.0, "{:.3} is finer than {asked} needs", error.rms);
-    error.rms
+    assert!(found.bound <= asked, "{} was reached, not {asked}", found.bound);
+    assert!(found.read.p50 <= found.read.p90 && found.read.p90 <= found.bound && found.points >= 192, "{found:?}");
+    assert!(local.p90 - 2.0 * local.p90_noise <= found.bound, "{local:?} where {} is certified", found.bound);
+    local.p90
 }
 
 #[test]
 fn the_promise_is_kept_in_the_cornell_box() {
     let scene = BuiltinScene::Cornell.build();
     let errors = [0.1, 0.05, 0.02].map(|asked| promise_is_kept(&scene, asked, 500, 0.01));
-    assert!(errors[0] > errors[1] && errors[1] > errors[2], "{errors:?}");
-    assert!(errors[0] > 0.05 && errors[1] > 0.02, "the next coarser solution would break the next promise: {errors:?}");
+    assert!(errors[0] > errors[2], "{errors:?}");
 }
 
 #[test]
