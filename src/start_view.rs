@@ -129,12 +129,18 @@ impl Rooms<'_> {
     /// The view from a room's end along its longest free diagonal.
     fn view(&self, stand: &Stand) -> CameraPose {
         let clear = CLEAR.min(CLEAR_SHARE * stand.height);
-        let reach = |direction: Vec3| self.look(stand.eye, direction).map_or(FARTHEST, |(distance, _)| distance);
+        // The open is no room to look into or to step back into.
+        let reach =
+            |direction: Vec3| self.look(stand.eye, direction).map_or(0.0, |(distance, _)| distance.min(FARTHEST));
         let free: Vec<f32> = (0..AROUND).map(|step| reach(self.around(step, AROUND))).collect();
         let length = |step: usize| free[step] + free[(step + AROUND / 2) % AROUND];
-        let longest = (0..AROUND).max_by(|a, b| length(*a).total_cmp(&length(*b)).then(b.cmp(a))).unwrap_or_default();
+        let by_length = |a: &usize, b: &usize| {
+            let of_equals = || free[*a].total_cmp(&free[*b]).then(b.cmp(a));
+            length(*a).total_cmp(&length(*b)).then_with(of_equals)
+        };
+        let longest = (0..AROUND).max_by(by_length).unwrap_or_default();
         let ahead = self.around(longest, AROUND);
-        let back = free[(longest + AROUND / 2) % AROUND].min(FARTHEST);
+        let back = free[(longest + AROUND / 2) % AROUND];
         let is_clear = |eye: Vec3| {
             let directions = (0..12).map(|step| self.around(step, 12));
             let slopes = directions.flat_map(|flat| [-0.5, 0.0, 0.5].map(|slope| (flat + slope * self.up).normalize()));
@@ -196,6 +202,21 @@ mod tests {
         let free = occluders.first_hit(view.eye, ahead).expect("a wall").distance;
         assert!(free > 7.0, "{free} m ahead of {view:?}");
         assert_eq!(view.up, Vec3::Y);
+    }
+
+    /// Truth: in a room without a wall one stands inside and looks at the others, not from afar.
+    #[test]
+    fn a_room_may_be_open_to_a_side() {
+        let mut scene = Scene::new("stage");
+        scene.add_material("wall", Vec3::splat(0.5), Vec3::ZERO);
+        add_room(&mut scene, Vec3::ZERO, Vec3::new(5.0, 3.0, 4.0));
+        let is_open = |corners: &[u32]| corners.iter().all(|&corner| scene.vertices[corner as usize].z == 0.0);
+        scene.polygons = scene.polygons.iter().filter(|polygon| !is_open(polygon.corners())).copied().collect();
+        let (scene, occluders) = orient::apply(scene, Sides::Front);
+        let view = find(&scene, &occluders).expect("a room");
+        assert!(view.eye.x > 0.2 && view.eye.x < 4.8 && view.eye.z > 0.0 && view.eye.z < 3.8, "{view:?}");
+        let ahead = (view.target - view.eye).with_y(0.0).normalize();
+        assert!(occluders.first_hit(view.eye, ahead).is_some_and(|hit| hit.front), "{view:?}");
     }
 
     /// Truth: a table is seen from outside alone.

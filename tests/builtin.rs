@@ -292,9 +292,9 @@ fn a_written_scene_reads_back_bit_for_bit() {
         assert_eq!(materials.len(), scene.materials.len());
         for (read, written) in materials.iter().zip(&scene.materials) {
             assert_eq!(read.name, written.name);
-            let diffuse = read.diffuse.map(|value| value.map(|part| part as f32));
+            let diffuse = read.diffuse;
             assert_eq!(diffuse, Some(written.reflectance.to_array()));
-            let exitance = Vec3::from(read.emissive.unwrap_or_default().map(|part| part as f32)) * std::f32::consts::PI;
+            let exitance = Vec3::from(read.emissive.unwrap_or_default()) * std::f32::consts::PI;
             assert_eq!(exitance, written.emission, "{}", written.name);
         }
         let mut read: HashMap<Face, usize> = HashMap::new();
@@ -307,7 +307,7 @@ fn a_written_scene_reads_back_bit_for_bit() {
             for count in counts {
                 let corners = mesh.indices[start..start + count as usize]
                     .iter()
-                    .map(|&index| [0, 1, 2].map(|axis| (mesh.positions[3 * index as usize + axis] as f32).to_bits()))
+                    .map(|&index| [0, 1, 2].map(|axis| mesh.positions[3 * index as usize + axis].to_bits()))
                     .collect();
                 start += count as usize;
                 *read.entry((corners, material.clone(), model.name.clone())).or_default() += 1;
