@@ -40,8 +40,8 @@ use crate::solver::Surface;
 /// The target error where nobody asks for one: 9 of 10 surfaces are read within it.
 pub const USUAL_ERROR: f64 = 0.05;
 
-/// Leaves looked at between two looks at commands.
-const CHUNK: usize = 2048;
+/// Looks between two looks at commands, as far as leaves are not looked from more often.
+const CHUNK: u32 = 4096;
 /// Rays of a look from a leaf that are aimed.
 const AIMED: u32 = 4;
 /// Looks from a leaf, at least: one from each quarter.
@@ -59,8 +59,8 @@ const MESH_PER_TARGET: f64 = 2.0;
 /// Rounds of splitting leaves.
 const MOST_ROUNDS: u32 = 5;
 /// Sweeps end when they move less than this share of the light.
-const SWEEP_TOLERANCE: f64 = 2e-3;
-const MOST_SWEEPS: u32 = 60;
+const SWEEP_TOLERANCE: f64 = 2e-4;
+const MOST_SWEEPS: u32 = 200;
 /// Times that a field is made finer because its error was found above the target.
 const MOST_ATTEMPTS: u32 = 4;
 /// An attempt that leaves more than this share of the error was in vain, and so would be the next one.
@@ -134,8 +134,16 @@ pub struct Gather {
     /// Rays that compared.
     rays_compared: u64,
     is_ready: bool,
-    /// Whether memory kept it from what it was asked for.
-    is_full: bool,
+    full: Option<Full>,
+}
+
+/// What memory kept from being as fine as was asked for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Full {
+    /// The leaves.
+    Leaves,
+    /// The looks from them.
+    Looks,
 }
 
 impl Gather {
@@ -157,7 +165,7 @@ impl Gather {
             certificate: None,
             rays_compared: 0,
             is_ready: false,
-            is_full: false,
+            full: None,
             field,
         }
     }
@@ -218,7 +226,13 @@ impl Gather {
 
     /// Looks from the next chunk of the queue; where the next one starts, if there is one.
     fn draw(&mut self, first: usize, rays: GlanceRays, cancel: &CancelToken) -> Option<Option<usize>> {
-        let end = (first + CHUNK).min(self.queue.len());
+        let mut looks = 0;
+        let part = self.queue[first..].iter().take_while(|(_, of_leaf)| {
+            let has_room = looks < CHUNK;
+            looks += of_leaf;
+            has_room
+        });
+        let end = first + part.count();
         let is_done = self.samples.draw(&self.field, &self.queue[first..end], rays, self.goal.seed, cancel);
         is_done.then(|| (end < self.queue.len()).then_some(end))
     }
@@ -230,7 +244,7 @@ impl Gather {
         let split = refine::leaves_to_split(&self.field, &self.samples, MESH_PER_TARGET * self.aim);
         let leaves = self.field.hierarchy.leaf_count() + 3 * split.len();
         if leaves * LEAF_BYTES > self.goal.memory {
-            self.is_full = true;
+            self.full.get_or_insert(Full::Leaves);
             return Vec::new();
         }
         split
@@ -270,7 +284,7 @@ impl Gather {
         // An end of a ray takes four bytes, and each look has some aimed ones.
         let bytes: usize = queue.iter().map(|(_, looks)| *looks as usize * (4 * cosine as usize + 24)).sum();
         if bytes > self.goal.memory.saturating_sub(self.bytes()) {
-            self.is_full = true;
+            self.full.get_or_insert(Full::Looks);
             queue.iter_mut().for_each(|(leaf, looks)| {
                 *looks = (*looks).min(if self.samples.whole_looks(*leaf) == 0 { LOOKS } else { 0 });
             });
@@ -283,6 +297,11 @@ impl Gather {
     /// Moves light over the samples until nothing changes.
     fn relight(&mut self, cancel: &CancelToken) -> Option<()> {
         let mut field = self.field.clone();
+        if self.samples.has_cosine() {
+            // From emission alone: what links let through a wall would take long to die out.
+            let direct = self.field.hierarchy.ids().map(|leaf| self.samples.direct(leaf).0);
+            field.set_irradiance(direct.collect());
+        }
         for _ in 0..MOST_SWEEPS {
             let gathered = self.samples.irradiance(&field, &field.reflected, &self.of_links, cancel)?;
             let before = field.reflected.clone();
@@ -310,7 +329,7 @@ impl Gather {
         let is_kept = self.goal.error.is_none_or(|target| certificate.bound <= target);
         let is_in_vain = before.is_some_and(|before| now > LEAST_PROGRESS * before);
         self.certificate = Some(certificate);
-        if is_kept || is_in_vain || self.is_full || self.attempt >= MOST_ATTEMPTS {
+        if is_kept || is_in_vain || self.full.is_some() || self.attempt >= MOST_ATTEMPTS {
             self.stage = Stage::Done;
             return;
         }
@@ -331,9 +350,9 @@ impl Gather {
         self.is_ready
     }
 
-    /// Whether memory kept it from what it was asked for.
-    pub fn is_full(&self) -> bool {
-        self.is_full
+    /// What memory kept from being as fine as was asked for.
+    pub fn full(&self) -> Option<Full> {
+        self.full
     }
 
     /// Rays cast.

@@ -147,6 +147,11 @@ impl GatherSamples {
         (sums.drawn > 0).then(|| sums.seen as f32 / sums.drawn as f32)
     }
 
+    /// Whether any cosine-distributed rays were cast.
+    pub fn has_cosine(&self) -> bool {
+        !self.passes.is_empty()
+    }
+
     /// Looks from a leaf with cosine-distributed rays.
     pub fn whole_looks(&self, leaf: ElementId) -> u32 {
         self.of(leaf).whole

@@ -10,7 +10,7 @@ use super::params::Reconstruct;
 use super::stats::{ErrorFound, Phase};
 use super::{Solver, Step};
 use crate::cancel::CancelToken;
-use crate::gather::{Certificate, Field, Gather, Goal, LinkLight, Progress, Quantiles, RISK};
+use crate::gather::{Certificate, Field, Full, Gather, Goal, LinkLight, Progress, Quantiles, RISK};
 use crate::hierarchy::SurfacePoint;
 
 impl Solver {
@@ -63,9 +63,11 @@ impl Solver {
             },
         };
         let progress = gather.step(cancel);
-        if gather.is_full() {
-            self.memory_stop.get_or_insert(MemoryStop::Rays);
-        }
+        let stop = gather.full().map(|full| match full {
+            Full::Leaves => MemoryStop::Vertices,
+            Full::Looks => MemoryStop::Rays,
+        });
+        self.memory_stop = self.memory_stop.or(stop);
         self.gather = Some(gather);
         match progress {
             None => Step::Interrupted,
