@@ -18,6 +18,8 @@ pub struct Measured {
     pub standard_error: f64,
 }
 
+/// Standard error of readings, as a share of the light there.
+const READING_ERROR: f32 = 0.01;
 /// A mean over an area is that of so many independent sets of points, whose spread tells its error.
 const SETS: usize = 32;
 /// Points of a set.
@@ -69,6 +71,9 @@ pub fn by_solver(case: &Case, params: SolverParams) -> Result<Vec<f64>, SolverEr
     let mesh = &snapshot.mesh;
     let value = |place: &Place| match place {
         Place::Point { polygon, position } => {
+            if let Some(field) = &snapshot.field {
+                return f64::from(field.read(*polygon, *position, READING_ERROR).mean.x);
+            }
             let found = locate(&[SurfacePoint::on(&scene, *polygon, *position)], mesh);
             let place = found[0].expect("every polygon of the scene has leaves");
             let corners = mesh.triangles[place.triangle as usize].map(|vertex| vertices[vertex as usize][0]);

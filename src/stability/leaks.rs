@@ -150,7 +150,7 @@ fn shadow_leak() -> Result<Vec<Check>, SolverError> {
     let case = Case { name: "panel on a wall", source: "Lambert", scene, readings };
     let mut checks = Vec::new();
     for (what, params) in settings() {
-        let known = if params.error.is_some() { 0.11 } else { 0.075 };
+        let known = if params.error.is_some() { 0.05 } else { 0.075 };
         for (reading, found) in case.readings.iter().zip(by_solver(&case, params)?) {
             let check = Check::within(format!("{}, {what}", reading.label), reading.truth, found, 0.05);
             checks.push(check.known_within(known));
