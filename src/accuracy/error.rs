@@ -14,7 +14,7 @@ use serde::Serialize;
 use super::local_error::{Compared, LocalError};
 use super::locate::{Place, locate};
 use super::spread;
-use crate::gather::Field;
+use crate::gather::{Field, NOISE};
 use crate::reference::{Reference, SurfacePoint};
 use crate::solver::{Mesh, Snapshot};
 
@@ -129,7 +129,12 @@ impl ErrorMeter {
                 let surface = field.surface(point.polygon);
                 Some((surface.emission + surface.reflectance * irradiance).as_dvec3())
             };
-            return self.read(field).into_iter().zip(&self.reference.points[..]).map(reflect).collect();
+            return self
+                .read(field, snapshot.stats.error_asked)
+                .into_iter()
+                .zip(&self.reference.points[..])
+                .map(reflect)
+                .collect();
         }
         self.interpolated(&snapshot.mesh, &snapshot.vertex_radiosity)
     }
@@ -137,7 +142,11 @@ impl ErrorMeter {
     /// E as it is read at each point, W/m², likewise.
     pub fn irradiances(&mut self, snapshot: &Snapshot) -> Vec<Option<DVec3>> {
         if let Some(field) = &snapshot.field {
-            return self.read(field).iter().map(|irradiance| Some(irradiance.as_dvec3())).collect();
+            return self
+                .read(field, snapshot.stats.error_asked)
+                .iter()
+                .map(|irradiance| Some(irradiance.as_dvec3()))
+                .collect();
         }
         self.interpolated(&snapshot.mesh, &snapshot.vertex_irradiance)
     }
@@ -151,8 +160,9 @@ impl ErrorMeter {
     }
 
     /// What a field says of each point.
-    fn read(&self, field: &Field) -> Vec<Vec3> {
-        let read = |point: &SurfacePoint| field.read(point.polygon, point.position, READING_ERROR).mean;
+    fn read(&self, field: &Field, asked: Option<f64>) -> Vec<Vec3> {
+        let error = asked.map_or(READING_ERROR, |asked| READING_ERROR.min((NOISE * asked) as f32));
+        let read = |point: &SurfacePoint| field.read(point.polygon, point.position, error).mean;
         self.reference.points.par_iter().map(read).collect()
     }
 

@@ -27,7 +27,7 @@ const POINTS: usize = 192;
 const TRIES: u32 = 8;
 const HIDDEN_RAYS: u32 = 16;
 /// Points compared between two looks at commands.
-const CHUNK: usize = 16;
+const CHUNK: usize = 4;
 /// Standard error of readings, as a share of the target error.
 pub const NOISE: f64 = 0.4;
 

@@ -55,9 +55,9 @@ const RAYS_BY_POWER: f64 = 500.0;
 const MOST_LOOKS: f64 = 2000.0;
 /// Variation of direct light over a leaf that is allowed, as a multiple of the target error: readings look for
 /// emitters themselves, so the field is to be right in the mean alone.
-const MESH_PER_TARGET: f64 = 2.0;
+const MESH_PER_TARGET: f64 = 1.0;
 /// Rounds of splitting leaves.
-const MOST_ROUNDS: u32 = 5;
+const MOST_ROUNDS: u32 = 6;
 /// Sweeps end when they move less than this share of the light.
 const SWEEP_TOLERANCE: f64 = 2e-4;
 const MOST_SWEEPS: u32 = 200;
@@ -177,7 +177,8 @@ impl Gather {
         }
         match self.stage.clone() {
             Stage::Direct(first) => {
-                if let Some(next) = self.draw(first, GlanceRays { aimed: AIMED, cosine: 0 }, cancel)? {
+                if first < self.queue.len() {
+                    let next = self.draw(first, GlanceRays { aimed: AIMED, cosine: 0 }, cancel)?;
                     self.stage = Stage::Direct(next);
                     return Some(Progress::Part);
                 }
@@ -192,7 +193,8 @@ impl Gather {
                 Some(Progress::Pass)
             }
             Stage::Cast(first) => {
-                if let Some(next) = self.draw(first, self.rays_of_look(), cancel)? {
+                if first < self.queue.len() {
+                    let next = self.draw(first, self.rays_of_look(), cancel)?;
                     self.stage = Stage::Cast(next);
                     return Some(Progress::Part);
                 }
@@ -224,8 +226,8 @@ impl Gather {
         GlanceRays { aimed: AIMED, cosine: ((COSINE / self.target()) as u32).clamp(4, 64) }
     }
 
-    /// Looks from the next chunk of the queue; where the next one starts, if there is one.
-    fn draw(&mut self, first: usize, rays: GlanceRays, cancel: &CancelToken) -> Option<Option<usize>> {
+    /// Looks from the next chunk of the queue; where the one after it starts.
+    fn draw(&mut self, first: usize, rays: GlanceRays, cancel: &CancelToken) -> Option<usize> {
         let mut looks = 0;
         let part = self.queue[first..].iter().take_while(|(_, of_leaf)| {
             let has_room = looks < CHUNK;
@@ -234,7 +236,7 @@ impl Gather {
         });
         let end = first + part.count();
         let is_done = self.samples.draw(&self.field, &self.queue[first..end], rays, self.goal.seed, cancel);
-        is_done.then(|| (end < self.queue.len()).then_some(end))
+        is_done.then_some(end)
     }
 
     fn leaves_to_split(&mut self) -> Vec<ElementId> {

@@ -93,11 +93,17 @@ fn more_memory_goes_on_where_less_stopped() {
 fn a_final_gather_keeps_to_the_budget() {
     let asked = |memory| SolverParams { error: Some(0.01), memory, ..SolverParams::default() };
     let small = MemoryBudget::Bytes(3 << 19);
-    for (params, stop) in [(asked(mebibytes(6)), MemoryStop::Rays), (asked(small), MemoryStop::Vertices)] {
+    // With the least, whichever of leaves and rays comes first.
+    let either = [MemoryStop::Rays, MemoryStop::Vertices];
+    for (params, stops) in [(asked(mebibytes(6)), &either[..1]), (asked(small), &either[..])] {
         let mut solver = solver(BuiltinScene::Cornell, params);
         solver.run(&CancelToken::new());
         let snapshot = solver.snapshot();
-        assert_eq!(snapshot.stats.memory_stop, Some(stop));
+        assert!(
+            snapshot.stats.memory_stop.is_some_and(|stop| stops.contains(&stop)),
+            "{:?}",
+            snapshot.stats.memory_stop
+        );
         assert!(snapshot.stats.bytes.counted <= snapshot.stats.bytes.budget, "{:?}", snapshot.stats.bytes);
         assert_bounded(&solver, &snapshot);
     }
