@@ -68,6 +68,9 @@ const LEAST_PROGRESS: f64 = 0.9;
 /// Bytes of a leaf with what is kept of it beside its samples.
 const LEAF_BYTES: usize = 600;
 
+/// Bytes of a look beside those of its cosine-distributed rays, four each.
+const LOOK_BYTES: usize = 60;
+
 /// The links' solution, as a gather reads it.
 pub struct LinkLight<'a> {
     /// The scene as it is solved.
@@ -245,7 +248,8 @@ impl Gather {
         }
         let split = refine::leaves_to_split(&self.field, &self.samples, MESH_PER_TARGET * self.aim);
         let leaves = self.field.hierarchy.leaf_count() + 3 * split.len();
-        if leaves * LEAF_BYTES > self.goal.memory {
+        let of_looks = LOOKS as usize * (4 * self.rays_of_look().cosine as usize + LOOK_BYTES);
+        if leaves * (LEAF_BYTES + of_looks) > self.goal.memory {
             self.full.get_or_insert(Full::Leaves);
             return Vec::new();
         }
@@ -284,7 +288,7 @@ impl Gather {
         };
         let mut queue: Queue = field.leaves().map(|leaf| (leaf, looks(leaf))).filter(|(_, looks)| *looks > 0).collect();
         // An end of a ray takes four bytes, and each look has some aimed ones.
-        let bytes: usize = queue.iter().map(|(_, looks)| *looks as usize * (4 * cosine as usize + 24)).sum();
+        let bytes: usize = queue.iter().map(|(_, looks)| *looks as usize * (4 * cosine as usize + LOOK_BYTES)).sum();
         if bytes > self.goal.memory.saturating_sub(self.bytes()) {
             self.full.get_or_insert(Full::Looks);
             queue.iter_mut().for_each(|(leaf, looks)| {

@@ -34,7 +34,7 @@ const LINK_IN_WINDOW: usize = 3 * size_of::<Link>() + 12 + NEW_LINK;
 /// Likewise the light of each, and two copies of the arena.
 const ELEMENT_IN_WINDOW: usize = 3 * 40 + 2 * 140;
 /// A leaf that a final gather starts with or makes, with its vertices, the elements above it, and one pass of the fewest rays.
-pub(super) const GATHERED_LEAF: usize = 1500;
+pub(super) const GATHERED_LEAF: usize = 2000;
 
 /// What could not be refined further within the memory budget.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]

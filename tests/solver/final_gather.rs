@@ -41,8 +41,8 @@ fn measured(scene: &Scene, snapshot: &Snapshot, points: usize, noise: f64) -> [M
     [of(reference, snapshot), of(where_lit, &mesh)]
 }
 
-/// Truth: B = B_e/(1−ρ) everywhere in a furnace. Readings have the standard error that they are asked for, 1 % of E, of which B has
-/// the share ρ, and the field's own noise; vertices of the mesh have the noise of the few looks from the leaves around them.
+/// Truth: B = B_e/(1−ρ) everywhere in a furnace. Nine tenths of E are to be within the target error of 10 %, of which B has the share ρ;
+/// vertices of the mesh have the noise of the looks from the leaves around them, half of that in the RMS.
 #[test]
 fn furnaces_glow_evenly_wherever_they_are_read() {
     for (scene, reflectance) in
@@ -62,12 +62,13 @@ fn furnaces_glow_evenly_wherever_they_are_read() {
             (surface.emission + surface.reflectance * light).x / truth - 1.0
         };
         // Points that hide between things see nothing.
-        let read: Vec<f32> = (0..200).map(read).filter(|error| *error > -0.4).collect();
+        let mut read: Vec<f32> = (0..200).map(read).filter(|error| *error > -0.4).map(f32::abs).collect();
         assert!(read.len() > 150, "{} points", read.len());
-        let shown = snapshot.vertex_radiosity.iter().map(|[red, ..]| red / truth - 1.0).collect();
-        let (read, shown) = (rms(read), rms(shown));
-        println!("ρ = {reflectance}: RMS of readings {:.2} %, of vertices {:.2} %", 100.0 * read, 100.0 * shown);
-        assert!(read < 0.02 && shown < 0.05, "ρ = {reflectance}: {read} {shown}");
+        read.sort_by(f32::total_cmp);
+        let shown = rms(snapshot.vertex_radiosity.iter().map(|[red, ..]| red / truth - 1.0).collect());
+        let (half, most) = (read[read.len() / 2], read[9 * read.len() / 10]);
+        println!("ρ = {reflectance}: readings within {half} (half), {most} (9 of 10), RMS of vertices {shown}");
+        assert!(most < 0.1 * reflectance && shown < 0.05, "ρ = {reflectance}: {half} {most} {shown}");
     }
 }
 
