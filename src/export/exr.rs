@@ -60,7 +60,7 @@ pub fn write(writer: &mut impl Write, picture: &FloatPicture) -> io::Result<()> 
     Ok(())
 }
 
-/// Writes a gathered picture: R, G, B, A as [`write`] does, and layers of E, normal, albedo, depth and element.
+/// Writes a gathered picture: R, G, B, A as [`write()`] does, and layers of E, normal, albedo, depth and element.
 ///
 /// # Errors
 /// Whatever the writer says.
