@@ -60,7 +60,8 @@
 //! | [`ceiling`], [`added_light`] | where a lamp goes; light that a person adds |
 //! | [`mod@reference`] | a truth to measure by: path-traced irradiance, beside the solver and without its code |
 //! | [`hierarchy`] | the tree of elements and the ways to build its clusters |
-//! | [`solver`] | oracle, refinement, gather, snapshots, statistics; every parameter ([`solver::PARAMETERS`]) |
+//! | [`gather`] | light at any point over what the links know, with its standard error; the certificate |
+//! | [`solver`] | oracle, refinement, gather over links, snapshots, statistics; every parameter ([`solver::PARAMETERS`]) |
 //! | [`tone`] | from W/m² to colours: exposure, tone curve, gamma |
 //! | [`probe`], [`survey`], [`export`] | values at points on surfaces; at probes and on a work plane; the lit mesh as PLY or GLB, links as CSV, pictures in W/m² as EXR, settings as JSON |
 //! | [`accuracy`] | how far a solution is from the truth: closed forms, error against a reference |

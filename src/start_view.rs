@@ -163,35 +163,15 @@ mod tests {
     use super::*;
     use crate::geometry::orient;
     use crate::scene::{GroupId, MaterialId, Sides};
-
-    /// Adds the faces of a box, bright inside.
-    fn add_room(scene: &mut Scene, lower: Vec3, upper: Vec3) {
-        for axis in 0..3 {
-            let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
-            for at_upper in [false, true] {
-                let corner = |along_u: bool, along_v: bool| {
-                    let mut corner = lower;
-                    corner[axis] = if at_upper { upper[axis] } else { lower[axis] };
-                    corner[u] = if along_u { upper[u] } else { lower[u] };
-                    corner[v] = if along_v { upper[v] } else { lower[v] };
-                    corner
-                };
-                let mut corners = [corner(false, false), corner(true, false), corner(true, true), corner(false, true)];
-                if at_upper {
-                    corners.reverse();
-                }
-                scene.add_quad(corners, MaterialId(0), GroupId(0));
-            }
-        }
-    }
+    use crate::stability::scenes::add_box;
 
     /// Truth: of two rooms beside each other, on a ground of 200 m, the larger one; eyes at 1.6 m, and nearly its diagonal of 10 m ahead.
     #[test]
     fn one_stands_in_the_largest_room() {
         let mut scene = Scene::new("house");
         scene.add_material("wall", Vec3::splat(0.5), Vec3::ZERO);
-        add_room(&mut scene, Vec3::ZERO, Vec3::new(3.0, 2.5, 3.0));
-        add_room(&mut scene, Vec3::new(4.0, 0.2, 0.0), Vec3::new(12.0, 2.9, 6.0));
+        add_box(&mut scene, (Vec3::ZERO, Vec3::new(3.0, 2.5, 3.0)), true, (MaterialId(0), GroupId(0)));
+        add_box(&mut scene, (Vec3::new(4.0, 0.2, 0.0), Vec3::new(12.0, 2.9, 6.0)), true, (MaterialId(0), GroupId(0)));
         let ground = [[-100.0, -100.0], [-100.0, 100.0], [100.0, 100.0], [100.0, -100.0]];
         scene.add_quad(ground.map(|[x, z]| Vec3::new(x, -0.3, z)), MaterialId(0), GroupId(0));
         let (scene, occluders) = orient::apply(scene, Sides::Front);
@@ -209,7 +189,7 @@ mod tests {
     fn a_room_may_be_open_to_a_side() {
         let mut scene = Scene::new("stage");
         scene.add_material("wall", Vec3::splat(0.5), Vec3::ZERO);
-        add_room(&mut scene, Vec3::ZERO, Vec3::new(5.0, 3.0, 4.0));
+        add_box(&mut scene, (Vec3::ZERO, Vec3::new(5.0, 3.0, 4.0)), true, (MaterialId(0), GroupId(0)));
         let is_open = |corners: &[u32]| corners.iter().all(|&corner| scene.vertices[corner as usize].z == 0.0);
         scene.polygons = scene.polygons.iter().filter(|polygon| !is_open(polygon.corners())).copied().collect();
         let (scene, occluders) = orient::apply(scene, Sides::Front);

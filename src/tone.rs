@@ -114,6 +114,11 @@ pub fn encode_gamma(linear: f32) -> f32 {
     if linear <= 0.003_130_8 { 12.92 * linear } else { 1.055 * linear.powf(1.0 / 2.4) - 0.055 }
 }
 
+/// Linear value of one sRGB-encoded channel, 0..1 (IEC 61966-2-1).
+pub fn decode_gamma(encoded: f32) -> f32 {
+    if encoded <= 0.040_45 { encoded / 12.92 } else { ((encoded + 0.055) / 1.055).powf(2.4) }
+}
+
 /// What a picture shows of a radiosity, W/m²: exposed by a factor in m²/W, bent and gamma-encoded to 8 bits a channel.
 pub fn shown_colour(radiosity: [f32; 3], exposure: f32) -> [u8; 3] {
     radiosity.map(|channel| (255.0 * encode_gamma(tone_curve(exposure * channel))).round() as u8)

@@ -5,7 +5,7 @@
 
 use glam::Vec3;
 
-use super::field::{Field, Met};
+use super::field::{Field, Met, grey};
 use super::glance::GlanceRays;
 use super::sources::Aim;
 use crate::random::{cosine_direction, mix};
@@ -76,23 +76,22 @@ impl Field {
     pub fn irradiance_at(&self, place: (Vec3, Vec3), budget: &Budget, seed: u64, depth: Depth) -> Irradiance {
         let mut aims = Vec::new();
         self.find_aims(place.0, place.1, &mut aims);
-        let (mut sum, mut squares, mut grey, mut rays) = (Vec3::ZERO, Vec3::ZERO, 0.0, 0);
+        let (mut sum, mut squares, mut grey_squares, mut rays) = (Vec3::ZERO, Vec3::ZERO, 0.0, 0);
         let mut looks = 0;
         loop {
             let (light, cast) = self.look(place, budget.rays, (seed, looks), &mut aims, depth);
             looks += 1;
             sum += light;
             squares += light * light;
-            let mean_of_colours = light.element_sum() / 3.0;
-            grey += mean_of_colours * mean_of_colours;
+            grey_squares += grey(light) * grey(light);
             rays += u64::from(cast);
             // Whoever asks after every look stops where little was found by chance, and reads too low.
             if looks < budget.least || !(looks / budget.least).is_power_of_two() || looks % budget.least != 0 {
                 continue;
             }
             let count = looks as f32;
-            let mean = sum.element_sum() / 3.0 / count;
-            let variance = (grey / count - mean * mean).max(0.0) / (count - 1.0);
+            let mean = grey(sum) / count;
+            let variance = (grey_squares / count - mean * mean).max(0.0) / (count - 1.0);
             let allowed = budget.error * (mean + self.dim());
             if looks >= budget.most || variance <= allowed * allowed {
                 break;

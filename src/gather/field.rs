@@ -11,8 +11,7 @@ use glam::Vec3;
 use super::sources::Sources;
 use crate::geometry::{EnclosureTest, Hit, LampList, Occluders};
 use crate::hierarchy::{ElementId, Hierarchy, Patch, Shape};
-use crate::scene::Scene;
-use crate::solver::Surface;
+use crate::scene::{Scene, Surface};
 
 /// Errors of places that are darker than this share of the median are relative to it.
 const DIM_SHARE: f32 = 0.1;
@@ -300,6 +299,6 @@ impl Field {
 }
 
 /// Mean of the colours.
-pub(super) fn grey(light: Vec3) -> f32 {
+pub fn grey(light: Vec3) -> f32 {
     light.element_sum() / 3.0
 }

@@ -152,7 +152,7 @@ impl Field {
             let element = hierarchy.element(id);
             if let Shape::Patch(patch) = &element.shape {
                 let emitted = match patch.level {
-                    0 => self.sources.emitted_power(element, self.surface(patch.polygon)),
+                    0 => element.sampled_area * self.surface(patch.polygon).emission.max_element(),
                     _ => 0.0,
                 };
                 if emitted > 0.0 {

@@ -26,7 +26,7 @@ use glam::Vec3;
 use certificate::Certifying;
 pub use certificate::{Certificate, NOISE, Quantiles, RISK};
 pub use estimator::{Budget, Depth, Irradiance, Rays};
-pub use field::{Field, Met};
+pub use field::{Field, Met, grey};
 pub use glance::{Glance, GlanceRays};
 use samples::{GatherSamples, Queue};
 
@@ -34,8 +34,7 @@ use crate::cancel::CancelToken;
 use crate::geometry::Occluders;
 use crate::hierarchy::{ElementId, Hierarchy};
 use crate::random::mix;
-use crate::scene::Scene;
-use crate::solver::Surface;
+use crate::scene::{Scene, Surface};
 
 /// The target error where nobody asks for one: 9 of 10 surfaces are read within it.
 pub const USUAL_ERROR: f64 = 0.05;
@@ -67,7 +66,6 @@ const MOST_ATTEMPTS: u32 = 4;
 const LEAST_PROGRESS: f64 = 0.9;
 /// Bytes of a leaf with what is kept of it beside its samples.
 const LEAF_BYTES: usize = 600;
-
 /// Bytes of a look beside those of its cosine-distributed rays, four each.
 const LOOK_BYTES: usize = 60;
 
@@ -287,7 +285,7 @@ impl Gather {
             (looks_of_each + more).saturating_sub(self.samples.whole_looks(leaf))
         };
         let mut queue: Queue = field.leaves().map(|leaf| (leaf, looks(leaf))).filter(|(_, looks)| *looks > 0).collect();
-        // An end of a ray takes four bytes, and each look has some aimed ones.
+        // An end of a ray takes four bytes.
         let bytes: usize = queue.iter().map(|(_, looks)| *looks as usize * (4 * cosine as usize + LOOK_BYTES)).sum();
         if bytes > self.goal.memory.saturating_sub(self.bytes()) {
             self.full.get_or_insert(Full::Looks);

@@ -12,16 +12,16 @@ use glam::Vec3;
 
 use super::facet::Facet;
 use super::field::{Field, Met};
-use crate::hierarchy::{Element, ElementId, Hierarchy, Shape};
+use crate::hierarchy::{ElementId, Hierarchy, Shape};
 use crate::random::{even_point, fraction, mix};
-use crate::solver::Surface;
+use crate::scene::Surface;
 
 /// A cluster whose half diagonal is below this share of its distance is one source.
 const SMALL: f32 = 0.1;
 /// A secondary emitter is aimed at from where its form factor is below this; from nearer, random rays
 /// meet it often enough and find where on it there is how much light. Above π·SMALL²/3, so that what
 /// lies in a small cluster is always aimed at.
-pub(super) const AIMED_FORM_FACTOR: f32 = 0.02;
+const AIMED_FORM_FACTOR: f32 = 0.02;
 /// A leaf that reflects so many times the area's mean is a secondary emitter.
 const BRIGHT: f32 = 6.0;
 
@@ -87,11 +87,6 @@ impl Sources {
             };
         }
         Self { power, secondary }
-    }
-
-    /// Power that an initial patch emits, W (largest colour).
-    pub(super) fn emitted_power(&self, element: &Element, surface: &Surface) -> f32 {
-        element.sampled_area * surface.emission.max_element()
     }
 
     /// Memory, bytes.

@@ -7,7 +7,7 @@ use super::filter::{Share, likeness_of};
 use super::{Sight, Sights};
 use crate::gather::Field;
 use crate::photometry::{Quantity, weighted};
-use crate::tone::{encode_gamma, tone_curve};
+use crate::tone::{decode_gamma, encode_gamma, tone_curve};
 
 /// Colours of the ground behind a scene, gamma-encoded: at the lower and at the upper rim.
 const GROUND: [Vec3; 2] = [Vec3::new(0.15, 0.15, 0.16), Vec3::new(0.24, 0.25, 0.27)];
@@ -63,7 +63,7 @@ pub(super) fn develop(
         |x: usize, y: usize| (0..side * side).map(move |k| (y * side + k / side) * width * side + x * side + k % side);
     pixels.par_chunks_exact_mut(width.max(1)).enumerate().for_each(|(y, row)| {
         let up = 1.0 - (y as f32 + 0.5) / height as f32;
-        let ground = decode(GROUND[0].lerp(GROUND[1], up));
+        let ground = GROUND[0].lerp(GROUND[1], up).map(decode_gamma);
         for (x, pixel) in row.iter_mut().enumerate() {
             let colour_of = |index: usize| {
                 let sight = &sights.all[index];
@@ -81,7 +81,7 @@ pub(super) fn develop(
                         with_lines(base, lines, (value, slope), filled.is_none())
                     }
                 };
-                decode(drawn)
+                drawn.map(decode_gamma)
             };
             // Samples are clamped by the tone curve before they are averaged, so that the rims of lamps are smooth.
             let mean = samples_in(x, y).map(colour_of).sum::<Vec3>() / (side * side) as f32;
@@ -134,9 +134,4 @@ fn with_lines(mut colour: Vec3, lines: &[(f32, Vec3)], (value, slope): (f32, f32
         colour = colour.lerp(line, (LINE_HALF_WIDTH + 0.5 - distance).clamp(0.0, 1.0));
     }
     colour
-}
-
-/// Linear light of a gamma-encoded colour (IEC 61966-2-1).
-fn decode(encoded: Vec3) -> Vec3 {
-    encoded.map(|channel| if channel <= 0.040_45 { channel / 12.92 } else { ((channel + 0.055) / 1.055).powf(2.4) })
 }

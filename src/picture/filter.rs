@@ -11,6 +11,7 @@ use rayon::prelude::*;
 use super::light::Light;
 use super::{Sight, Sights};
 use crate::cancel::CancelToken;
+use crate::gather::grey;
 
 /// Weights of the samples of a pass, by how many steps away they lie (a cubic B-spline).
 const KERNEL: [f32; 3] = [0.375, 0.25, 0.0625];
@@ -110,7 +111,7 @@ impl Filter {
                         let index = y * width + x;
                         let weight = likeness(here, &sights.all[index], per_plane);
                         if weight > 0.0 {
-                            let grey = shares[index].irradiance.element_sum() / 3.0;
+                            let grey = grey(shares[index].irradiance);
                             total += weight;
                             nearness += weight * light.found[index].nearness;
                             sum += weight * grey;

@@ -9,7 +9,7 @@ use super::develop::{develop, radiosity, surface_at};
 use super::filter::Share;
 use super::{Filter, Lens, Light, Shading, Sights};
 use crate::cancel::CancelToken;
-use crate::gather::Field;
+use crate::gather::{Field, grey};
 use crate::hierarchy::ElementId;
 
 /// A coarse picture looks from one pixel in so many, in each direction.
@@ -242,10 +242,6 @@ impl GatheredPicture {
         };
         Some(Layers { size: self.size, pixels: (0..width * height).into_par_iter().map(pixel).collect() })
     }
-}
-
-fn grey(light: Vec3) -> f32 {
-    light.element_sum() / 3.0
 }
 
 /// A picture in physical units, rows from above.

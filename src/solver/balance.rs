@@ -3,11 +3,12 @@
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
-use super::{Solver, Surface};
+use super::Solver;
 use crate::gather::Field;
 use crate::geometry::EnclosureTest;
 use crate::hierarchy::{ElementId, Hierarchy, Shape, SurfacePoint};
 use crate::random::{cosine_direction, even_point, mix};
+use crate::scene::Surface;
 
 /// The power of a solution, W per colour: Φ should equal the sum of the other three.
 #[derive(Clone, Copy, Debug)]

@@ -8,6 +8,7 @@ use super::params::{Push, SolverParams};
 use super::push::Pusher;
 use crate::cancel::CancelToken;
 use crate::hierarchy::{Element, ElementId, Hierarchy, Shape};
+use crate::scene::Surface;
 
 /// Radiosities and irradiances of all elements, parallel to the arena.
 #[derive(Clone, Debug, Default)]
@@ -50,15 +51,6 @@ impl Light {
             + size_of_val(&self.emitted[..])
             + size_of_val(&self.row_scale[..])
     }
-}
-
-/// Reflectance and emission of a polygon.
-#[derive(Clone, Copy, Debug)]
-pub struct Surface {
-    /// ρ.
-    pub reflectance: Vec3,
-    /// B_e, W/m².
-    pub emission: Vec3,
 }
 
 /// Moves light over a table of links.

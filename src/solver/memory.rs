@@ -33,7 +33,7 @@ const LEAF_IN_WINDOW: usize = 106 + 53;
 const LINK_IN_WINDOW: usize = 3 * size_of::<Link>() + 12 + NEW_LINK;
 /// Likewise the light of each, and two copies of the arena.
 const ELEMENT_IN_WINDOW: usize = 3 * 40 + 2 * 140;
-/// A leaf that a final gather starts with or makes, with its vertices, the elements above it, and one pass of the fewest rays.
+/// A leaf that a final gather starts with, with its share of the elements above it, and one pass of the fewest looks.
 pub(super) const GATHERED_LEAF: usize = 2000;
 
 /// What could not be refined further within the memory budget.
@@ -44,9 +44,9 @@ pub enum MemoryStop {
     Scene,
     /// Links and the elements that they join.
     Links,
-    /// The mesh of the final gather.
+    /// The leaves of the final gather.
     Vertices,
-    /// The rows of rays from its vertices.
+    /// The looks from its leaves.
     Rays,
 }
 
@@ -67,7 +67,7 @@ impl MemoryStop {
             Self::Scene => "the scene alone takes as much, and nothing was refined",
             Self::Links => "links are coarser than was asked for",
             Self::Vertices => "the mesh is coarser than the error asks for",
-            Self::Rays => "vertices have fewer rays than the error asks for",
+            Self::Rays => "the final gather has fewer rays than the error asks for",
         }
     }
 }

@@ -72,11 +72,10 @@ use crate::gather::Gather;
 use crate::geometry::Occluders;
 use crate::geometry::Reachability;
 use crate::hierarchy::{ElementId, Hierarchy, PatchSums, Shape};
-use crate::scene::Scene;
+use crate::scene::{Scene, Surface};
 use candidate::Candidate;
 use change::Doubts;
 use display::Display;
-pub use gather::Surface;
 use gather::{Light, pull};
 use history::History;
 use memory::check_pairs_fit;
@@ -332,9 +331,5 @@ fn largest_power(scene: &Scene) -> f64 {
 }
 
 fn surfaces_of(scene: &Scene) -> Vec<Surface> {
-    let surface = |polygon: &crate::scene::Polygon| {
-        let surface = scene.surface(polygon);
-        Surface { reflectance: surface.reflectance, emission: surface.emission }
-    };
-    scene.polygons.iter().map(surface).collect()
+    scene.polygons.iter().map(|polygon| scene.surface(polygon)).collect()
 }

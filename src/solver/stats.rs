@@ -16,7 +16,7 @@ pub enum Phase {
     Refine,
     /// Gathering to convergence.
     Gather,
-    /// Looking for light at the vertices (final gather).
+    /// Gathering light anew over the links' solution (final gather).
     Reconstruct,
     /// Nothing is left to do.
     Done,
@@ -111,7 +111,7 @@ pub struct Seconds {
     pub refine: f64,
     /// Gathering.
     pub gather: f64,
-    /// Looking for light at the vertices.
+    /// The final gather.
     pub reconstruct: f64,
     /// Of `total`, until the first snapshot was there.
     pub first_snapshot: f64,
@@ -126,7 +126,7 @@ pub struct Bytes {
     pub links: usize,
     /// Elements with their radiosities, and vertices.
     pub elements: usize,
-    /// Vertices of the final gather and the rows of what they see.
+    /// The gather: its own leaves, and what its looks found.
     pub rows: usize,
     /// All that is counted against the budget: scene, solution, and what is made of them meanwhile.
     pub counted: usize,

@@ -205,6 +205,7 @@ mod tests {
     use crate::geometry::Occluders;
     use crate::scene::GroupId;
     use crate::solver::{Solver, SolverParams};
+    use crate::stability::scenes::add_box;
 
     fn lit(scene: Scene) -> LitMesh {
         let (scene, occluders) = (Arc::new(scene.clone()), Occluders::new(&scene));
@@ -217,32 +218,8 @@ mod tests {
     fn room(reflectance: f32, emission: f32) -> Scene {
         let mut scene = Scene::new("room");
         let wall = scene.add_material("wall", Vec3::splat(reflectance), Vec3::splat(emission));
-        add_box(&mut scene, Vec3::ZERO, Vec3::new(4.0, 3.0, 4.0), wall, true);
+        add_box(&mut scene, (Vec3::ZERO, Vec3::new(4.0, 3.0, 4.0)), true, (wall, GroupId(0)));
         scene
-    }
-
-    fn add_box(scene: &mut Scene, lower: Vec3, upper: Vec3, material: crate::scene::MaterialId, inside: bool) {
-        for axis in 0..3 {
-            let (next, last) = ((axis + 1) % 3, (axis + 2) % 3);
-            for (at, faces_up) in [(lower[axis], inside), (upper[axis], !inside)] {
-                let corner = |a: f32, b: f32| {
-                    let mut corner = Vec3::ZERO;
-                    (corner[axis], corner[next], corner[last]) = (at, a, b);
-                    corner
-                };
-                let (low, high) = ([lower[next], lower[last]], [upper[next], upper[last]]);
-                let mut corners = [
-                    corner(low[0], low[1]),
-                    corner(high[0], low[1]),
-                    corner(high[0], high[1]),
-                    corner(low[0], high[1]),
-                ];
-                if !faces_up {
-                    corners.reverse();
-                }
-                scene.add_quad(corners, material, GroupId(0));
-            }
-        }
     }
 
     /// Truth: Lambert's formula. A small lamp below the ceiling of a black room gives points of a plane below it E = B_e·F; one
@@ -274,7 +251,7 @@ mod tests {
         let mut scene = room(0.5, 1.0);
         let wall = scene.material_named("wall").expect("there");
         let (lower, upper) = (Vec3::new(0.9, 0.0, 0.9), Vec3::new(2.1, 1.0, 2.1));
-        add_box(&mut scene, lower, upper, wall, false);
+        add_box(&mut scene, (lower, upper), false, (wall, GroupId(0)));
         let truth = closed_room(1.0, 1.0, 0.5) as f32;
         let found = measure(&lit(scene), WorkPlane { height: 0.8, spacing: 0.4, margin: 0.0 }).expect("a floor");
         let (mut inside, mut worst, mut sum) = (0, 0.0_f32, 0.0);

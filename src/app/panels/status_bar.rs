@@ -51,7 +51,7 @@ fn state(run: RunState, stats: Option<&Stats>, is_dark: bool) -> (String, egui::
         Phase::Refine if stats.wave == 0 => format!("Judging, round {}", stats.iterations + 1),
         Phase::Refine => format!("Refining, wave {}", stats.wave),
         Phase::Gather => "Gathering".to_owned(),
-        Phase::Reconstruct => "Looking from vertices".to_owned(),
+        Phase::Reconstruct => "Final gather".to_owned(),
         Phase::Done => "Done".to_owned(),
     });
     match run {

@@ -1,0 +1,103 @@
+//! How a room is found to stand: up, unit and sides.
+
+use glam::Vec3;
+use selflink::added_light::AddedLight;
+use selflink::prepare::prepare;
+use selflink::scene::{Reading, Sidecar, Sides, Source, Unit, UpAxis, load_with};
+
+use crate::support::Folder;
+use crate::{load, notes};
+
+/// A room of 5 × 4 m and 3 m height with a table and a lamp, the axes given by `order`, scaled.
+fn room(order: fn(f32, f32, f32) -> [f32; 3], scale: f32, outwards: bool) -> String {
+    let mut text = String::from("mtllib a.mtl\n");
+    let mut corners = Vec::new();
+    for (x, up, z) in
+        [(0., 0., 0.), (5., 0., 0.), (5., 3., 0.), (0., 3., 0.), (0., 0., 4.), (5., 0., 4.), (5., 3., 4.), (0., 3., 4.)]
+    {
+        corners.push((x, up, z));
+    }
+    corners.extend([(2.0, 0.75, 1.6), (3.2, 0.75, 1.6), (3.2, 0.75, 2.4), (2.0, 0.75, 2.4)]);
+    corners.extend([(2.0, 2.9, 1.5), (3.0, 2.9, 1.5), (3.0, 2.9, 2.5), (2.0, 2.9, 2.5)]);
+    for (x, up, z) in corners {
+        let [x, y, z] = order(x, up, z).map(|value| scale * value);
+        text += &format!("v {x} {y} {z}\n");
+    }
+    text += "usemtl wall\n";
+    for [a, b, c, d] in [[1, 2, 3, 4], [6, 5, 8, 7], [5, 1, 4, 8], [2, 6, 7, 3], [5, 6, 2, 1], [4, 3, 7, 8]] {
+        text += &if outwards { format!("f {d} {c} {b} {a}\n") } else { format!("f {a} {b} {c} {d}\n") };
+    }
+    text + "usemtl table\nf 12 11 10 9\nf 9 10 11 12\nusemtl lamp\nf 13 14 15 16\n"
+}
+
+const ROOM: &str = "newmtl wall\nKd .7 .7 .7\nnewmtl table\nKd .4 .25 .1\nnewmtl lamp\nKd 0 0 0\nKe 30 30 30\n";
+
+fn y_up(x: f32, up: f32, z: f32) -> [f32; 3] {
+    [x, up, z]
+}
+
+fn z_up(x: f32, up: f32, z: f32) -> [f32; 3] {
+    [x, -z, up]
+}
+
+#[test]
+fn up_is_seen_by_how_a_room_looks() {
+    for (order, up) in [(y_up as fn(f32, f32, f32) -> [f32; 3], UpAxis::Y), (z_up, UpAxis::Z)] {
+        let folder = Folder::new();
+        folder.write("a.mtl", ROOM);
+        let path = folder.write("a.obj", room(order, 1.0, false));
+        let ready =
+            prepare(&Source::File(path.clone()), &Reading::default(), &AddedLight::default(), None).expect("a room");
+        let scene = &ready.scene;
+        assert_eq!(scene.frame.up, Some(up));
+        assert_eq!(notes(scene).contains("z is taken for up"), up == UpAxis::Z);
+        let view = scene.camera.expect("a place to stand");
+        assert_eq!((view.up, selflink::ceiling::up_axis(scene)), (up.vector(), up.vector()));
+        assert!((view.eye.dot(up.vector()) - 1.6).abs() < 1e-3, "{view:?}");
+        let other = if up == UpAxis::Y { UpAxis::Z } else { UpAxis::Y };
+        let reading = Reading { up: Some(other), ..Reading::default() };
+        assert_eq!(load_with(&Source::File(path), &reading).expect("a room").frame.up, Some(other));
+    }
+}
+
+/// Truth: a room of 5 × 3 × 4 m in other units is as large.
+#[test]
+fn lengths_become_metres() {
+    for (unit, told) in [(Unit::Centimetre, false), (Unit::Millimetre, false), (Unit::Inch, false), (Unit::Foot, true)]
+    {
+        let folder = Folder::new();
+        folder.write("a.mtl", ROOM);
+        let path = folder.write("a.obj", room(y_up, (1.0 / unit.metres()) as f32, false));
+        let reading = Reading { unit: told.then_some(unit), ..Reading::default() };
+        let scene = load_with(&Source::File(path), &reading).expect("a room");
+        assert_eq!(scene.frame.unit, unit);
+        assert!(scene.bounds().1.distance(Vec3::new(5.0, 3.0, 4.0)) < 1e-4, "{unit:?}: {}", scene.bounds().1);
+        assert_eq!(notes(&scene).contains(unit.name()), !told, "{}", notes(&scene));
+        let saved = Sidecar::of(&scene);
+        assert_eq!(saved.unit, Some(unit), "what is saved in metres stays in metres");
+    }
+    let scene = load(
+        &[("a.obj", room(y_up, 1000.0, false).replace("mtllib", "# File units = meters\nmtllib").as_bytes())],
+        "a.obj",
+    );
+    assert_eq!((scene.frame.unit, scene.bounds().1.x), (Unit::Metre, 5000.0));
+}
+
+#[test]
+fn a_room_wound_outwards_opens_lit() {
+    let folder = Folder::new();
+    folder.write("a.mtl", ROOM);
+    let source = Source::File(folder.write("a.obj", room(y_up, 1.0, true)));
+    let sides = |asked: Option<Sides>| {
+        let ready = prepare(&source, &Reading::default(), &AddedLight::default(), asked).expect("a room");
+        (ready.scene.sides, ready.scene.skipped.turned_faces, notes(&ready.scene))
+    };
+    let (auto, turned, said) = sides(None);
+    assert_eq!((auto, turned), (Sides::Auto, 6));
+    assert!(said.contains("turn their backs to the inside"), "{said}");
+    assert_eq!(
+        (sides(Some(Sides::Front)).0, sides(Some(Sides::Front)).1),
+        (Sides::Front, 0),
+        "unless somebody asks for it"
+    );
+}
