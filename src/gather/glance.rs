@@ -103,14 +103,14 @@ impl Field {
         }
         let (corners, count) = self.hierarchy.corner_positions(patch);
         let (span, weight) = sample_polygon((point, normal), &corners[..count], (element, patch.normal), [u, v])?;
-        let position = point + span;
+        let position = self.on_plane(choice.id, point + span);
         if !self.sees((point, normal), (position, patch.normal)) {
             return None;
         }
         let lit = if choice.emits {
             Lit::Emitter(self.surface(patch.polygon).emission)
         } else {
-            Lit::Secondary(Met { leaf: choice.id, position: self.on_plane(choice.id, position) })
+            Lit::Secondary(Met { leaf: choice.id, position })
         };
         Some((lit, weight / choice.probability))
     }

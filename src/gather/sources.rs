@@ -230,7 +230,7 @@ impl Field {
                 }
                 Target::Secondary(id, facet) => {
                     let tell = &mut |position: Vec3, weight: f32| {
-                        reflected(Met { leaf: *id, position: self.on_plane(*id, position) }, weight / chance);
+                        reflected(Met { leaf: *id, position }, weight / chance);
                     };
                     (Vec3::ZERO, self.aim_at_facet((point, normal), *id, facet, (seed, first, count), tell))
                 }
@@ -266,7 +266,7 @@ impl Field {
                 continue;
             }
             cast += 1;
-            let position = point + sample.span;
+            let position = self.on_plane(id, point + sample.span);
             if self.sees((point, normal), (position, patch.normal)) {
                 tell(position, facet.form_factor * sample.kernel / all);
             }
