@@ -21,7 +21,7 @@ const PLANE: f32 = 0.01;
 const TURNED: f32 = 0.5;
 const SMOOTHNESS: i32 = 32;
 /// Deviation of the weights at least, in distances between samples, after one look: less would leave noise in corners.
-const LEAST_REACH: f32 = 6.0;
+const LEAST_REACH: f32 = 1.5;
 /// Squared deviations at which the fall-off of a weight has come to nothing.
 const FAR: f32 = 8.0;
 
