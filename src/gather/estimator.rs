@@ -6,7 +6,7 @@
 use glam::Vec3;
 
 use super::field::{Field, Met, grey};
-use super::glance::GlanceRays;
+use super::glance::{GlanceRays, is_near};
 use super::sources::Aim;
 use crate::random::{cosine_direction, mix};
 
@@ -56,13 +56,48 @@ pub struct Irradiance {
     pub rays: u64,
 }
 
-/// How far light is followed before the field is read.
+/// A reading beside light that was looked for anew.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Checked {
+    /// The reading.
+    pub read: Irradiance,
+    /// Its standard error (mean of the colours), W/m².
+    pub noise: f32,
+    /// What E changes by (mean of the colours) where one reflection more is followed from the ends of its rays, W/m².
+    pub change: f32,
+    /// Standard error of that, W/m².
+    pub change_noise: f32,
+}
+
+/// Whether light is followed by one reflection more from wherever the field was read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Depth {
-    /// The field is read where a ray ends, unless that is nearer than the field is fine.
-    Near,
-    /// One reflection more is followed from wherever a ray ends.
-    Further,
+enum Check {
+    No,
+    Yes,
+}
+
+/// What a look finds.
+#[derive(Clone, Copy, Debug, Default)]
+struct Seen {
+    /// Irradiance, W/m².
+    light: Vec3,
+    /// What it changes by in a check, W/m².
+    change: Vec3,
+    /// Rays cast.
+    rays: u32,
+}
+
+/// Sums over looks.
+#[derive(Clone, Copy, Debug, Default)]
+struct Sums {
+    looks: u32,
+    light: Vec3,
+    squares: Vec3,
+    grey_squares: f32,
+    /// Σ of changes and of their squares (mean of the colours).
+    change: f32,
+    change_squares: f32,
+    rays: u64,
 }
 
 /// Ends of the rays of a look, at most as far as their numbers tell.
@@ -73,95 +108,116 @@ const FURTHER: GlanceRays = GlanceRays { aimed: 2, cosine: 2 };
 impl Field {
     /// Irradiance at a point of a face with this unit normal. The seed alone tells the random numbers,
     /// so a reading does not depend on others.
-    pub fn irradiance_at(&self, place: (Vec3, Vec3), budget: &Budget, seed: u64, depth: Depth) -> Irradiance {
+    pub fn irradiance_at(&self, place: (Vec3, Vec3), budget: &Budget, seed: u64) -> Irradiance {
+        self.sums(place, budget, seed, Check::No).irradiance()
+    }
+
+    /// The same reading, with what its error looks like.
+    pub fn checked_at(&self, place: (Vec3, Vec3), budget: &Budget, seed: u64) -> Checked {
+        let sums = self.sums(place, budget, seed, Check::Yes);
+        let (_, variance) = mean_and_variance(sums.looks, grey(sums.light), sums.grey_squares);
+        let (change, change_variance) = mean_and_variance(sums.looks, sums.change, sums.change_squares);
+        Checked { read: sums.irradiance(), noise: variance.sqrt(), change, change_noise: change_variance.sqrt() }
+    }
+
+    fn sums(&self, place: (Vec3, Vec3), budget: &Budget, seed: u64, check: Check) -> Sums {
         let mut aims = Vec::new();
         self.find_aims(place.0, place.1, &mut aims);
-        let (mut sum, mut squares, mut grey_squares, mut rays) = (Vec3::ZERO, Vec3::ZERO, 0.0, 0);
-        let mut looks = 0;
+        let mut sums = Sums::default();
         loop {
-            let (light, cast) = self.look(place, budget.rays, (seed, looks), &mut aims, depth);
-            looks += 1;
-            sum += light;
-            squares += light * light;
-            grey_squares += grey(light) * grey(light);
-            rays += u64::from(cast);
+            let seen = self.look(place, budget.rays, (seed, sums.looks), &mut aims, check);
+            sums.add(&seen);
             // Whoever asks after every look stops where little was found by chance, and reads too low.
+            let looks = sums.looks;
             if looks < budget.least || !(looks / budget.least).is_power_of_two() || looks % budget.least != 0 {
                 continue;
             }
-            let count = looks as f32;
-            let mean = grey(sum) / count;
-            let variance = (grey_squares / count - mean * mean).max(0.0) / (count - 1.0);
+            let (mean, variance) = mean_and_variance(looks, grey(sums.light), sums.grey_squares);
             let allowed = budget.error * (mean + self.dim());
             if looks >= budget.most || variance <= allowed * allowed {
-                break;
+                return sums;
             }
         }
-        let count = looks as f32;
-        let mean = sum / count;
-        let variance = (squares / count - mean * mean).max(Vec3::ZERO) / (count - 1.0).max(1.0);
-        Irradiance { mean, standard_error: variance.map(f32::sqrt), looks, rays }
     }
 
     /// Irradiance at a place of a polygon, to a standard error that is this share of the local light. It
     /// depends on the place alone.
     pub fn read(&self, polygon: u32, position: Vec3, error: f32) -> Irradiance {
+        // Off its plane by rounding, a place would lie behind its face.
+        let position = self.on_plane(self.leaf_at(polygon, position), position);
         let normal = self.normal(polygon);
         let seed = position.to_array().iter().fold(u64::from(polygon), |seed, x| mix(seed, u64::from(x.to_bits())));
-        self.irradiance_at((position, normal), &Budget::to_error(error), seed, Depth::Near)
+        self.irradiance_at((position, normal), &Budget::to_error(error), seed)
     }
 
-    /// One look: the irradiance that its rays find, W/m², and how many they were.
-    pub fn look(
+    fn look(
         &self,
         (point, normal): (Vec3, Vec3),
         rays: Rays,
         (seed, number): (u64, u32),
         aims: &mut [Aim],
-        depth: Depth,
-    ) -> (Vec3, u32) {
-        let mut cast = 0;
-        let mut light = Vec3::ZERO;
+        check: Check,
+    ) -> Seen {
+        let mut seen = Seen::default();
         let of_look = mix(seed, u64::from(number) + 1);
-        let follow =
-            |met: &Met, index: u32| self.reflected_by(met, point, depth, (mix(seed, 1), number * MOST_ENDS + index));
-        let mut told = rays.cosine;
+        let of_ends = mix(seed, 1);
+        let read = |seen: &mut Seen, met: &Met, weight: f32, index: u32| {
+            let number = number * MOST_ENDS + index;
+            let sent = self.sent_back(met, point, (mix(of_ends, number.into()), 0));
+            seen.light += weight * sent;
+            // Where the path went on, the field was not read here.
+            if check == Check::Yes && !is_near(self.hierarchy.element(met.leaf).area, met.position, point) {
+                let patch = self.patch(met.leaf);
+                let further = self.glance((met.position, patch.normal), FURTHER, (of_ends, number)).irradiance;
+                seen.change += weight * (self.surface(patch.polygon).reflectance * further - sent);
+                seen.rays += FURTHER.aimed + FURTHER.cosine;
+            }
+        };
+        let mut index = rays.cosine;
         let reflect = &mut |met: Met, weight: f32| {
-            told += 1;
-            let (reflected, rays) = follow(&met, told);
-            cast += rays;
-            light += weight * reflected;
+            index += 1;
+            read(&mut seen, &met, weight, index);
         };
         // The upper half of the seed keeps the samples of a source in one sequence over all looks.
         let seed_of_aims = (seed << 32) | (of_look & 0xffff_ffff);
         let (emitted, aimed) = self.aim((point, normal), aims, rays.aimed, seed_of_aims, reflect);
-        light += emitted;
-        cast += aimed + rays.cosine;
+        seen.light += emitted;
+        seen.rays += aimed + rays.cosine;
         let scramble = (seed ^ (seed >> 32)) as u32;
         for index in 0..rays.cosine {
             let [u, v, ..] = sobol_burley::sample_4d(number * rays.cosine + index, 0, scramble);
-            let direction = cosine_direction(normal, u, v);
-            let Some(met) = self.meet(point, normal, direction) else { continue };
-            if self.is_aimed_at(met.leaf, point, normal) {
-                continue;
+            let met = self.meet(point, normal, cosine_direction(normal, u, v));
+            if let Some(met) = met.filter(|met| !self.is_aimed_at(met.leaf, point, normal)) {
+                read(&mut seen, &met, 1.0 / rays.cosine as f32, index);
             }
-            let (reflected, rays_beyond) = follow(&met, index);
-            cast += rays_beyond;
-            light += reflected / rays.cosine as f32;
         }
-        (light, cast)
+        seen
+    }
+}
+
+impl Sums {
+    fn add(&mut self, seen: &Seen) {
+        let change = grey(seen.change);
+        self.looks += 1;
+        self.light += seen.light;
+        self.squares += seen.light * seen.light;
+        self.grey_squares += grey(seen.light) * grey(seen.light);
+        self.change += change;
+        self.change_squares += change * change;
+        self.rays += u64::from(seen.rays);
     }
 
-    /// What leaves a place that a ray from `from` met, but for its emission, W/m², and the rays cast for it.
-    fn reflected_by(&self, met: &Met, from: Vec3, depth: Depth, (seed, number): (u64, u32)) -> (Vec3, u32) {
-        match depth {
-            Depth::Near => (self.sent_back(met, from, (mix(seed, number.into()), 0)), 0),
-            Depth::Further => {
-                let patch = self.patch(met.leaf);
-                let place = (met.position, patch.normal);
-                let glance = self.glance(place, FURTHER, (seed, number));
-                (self.surface(patch.polygon).reflectance * glance.irradiance, FURTHER.aimed + FURTHER.cosine)
-            }
-        }
+    fn irradiance(&self) -> Irradiance {
+        let count = self.looks as f32;
+        let mean = self.light / count;
+        let variance = (self.squares / count - mean * mean).max(Vec3::ZERO) / (count - 1.0).max(1.0);
+        Irradiance { mean, standard_error: variance.map(f32::sqrt), looks: self.looks, rays: self.rays }
     }
+}
+
+/// Mean of values and the variance of that, from their number, sum and sum of squares.
+fn mean_and_variance(count: u32, sum: f32, squares: f32) -> (f32, f32) {
+    let count = count as f32;
+    let mean = sum / count;
+    (mean, (squares / count - mean * mean).max(0.0) / (count - 1.0).max(1.0))
 }

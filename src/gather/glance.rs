@@ -20,7 +20,7 @@ const SEQUENCE: u32 = 1 << 16;
 /// A ray that ends nearer than so many times the size of the leaf there is followed by another one.
 const NEAR: f32 = 1.0;
 /// Rays that follow one another at most.
-const LONGEST: u32 = 8;
+const LONGEST: u32 = 64;
 
 /// Rays of a glance.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -130,14 +130,19 @@ impl Field {
             return self.sent[met.leaf.index()];
         }
         let patch = self.patch(met.leaf);
-        let reflectance = self.surface(patch.polygon).reflectance;
         let hash = [1, 2, 3].map(|what| mix(seed, what));
         let [choice, u, v, w] =
             [hash[0], hash[0] << 32, hash[1], hash[1] << 32].map(|bits| fraction((bits >> 32) as u32));
-        let x = fraction(hash[2] as u32);
+        let [x, chance] = [hash[2], hash[2] >> 32].map(|bits| fraction(bits as u32));
+        // Russian roulette: in a crevice light is followed as far as it goes, and that is as rare as it is dim.
+        let reflectance = self.surface(patch.polygon).reflectance;
+        let survival = if length == 0 { 1.0 } else { reflectance.max_element() };
+        if chance >= survival {
+            return Vec3::ZERO;
+        }
         let place = (met.position, patch.normal);
         let aimed = self.aimed_light(place, [choice, u, v, 0.0], (mix(hash[2], 1), length + 1));
-        reflectance * (aimed + self.scattered_light(place, [w, x], (mix(hash[2], 2), length + 1)))
+        reflectance / survival * (aimed + self.scattered_light(place, [w, x], (mix(hash[2], 2), length + 1)))
     }
 
     /// Goes down to a source: at each node to a child by what it could send at most.
@@ -178,7 +183,7 @@ impl Field {
                 if power <= 0.0 {
                     continue;
                 }
-                let most = power * most_per_power(hierarchy.element(child), point, normal);
+                let most = power * most_per_power(hierarchy, hierarchy.element(child), point, normal);
                 if most <= 0.0 {
                     continue;
                 }
@@ -204,7 +209,7 @@ pub(super) fn is_near(area: f32, met: Vec3, from: Vec3) -> bool {
 }
 
 /// A bound, up to a factor common to all, on the irradiance that an element of this place and size brings for each watt it sends.
-fn most_per_power(element: &Element, point: Vec3, normal: Vec3) -> f32 {
+fn most_per_power(hierarchy: &Hierarchy, element: &Element, point: Vec3, normal: Vec3) -> f32 {
     let span = element.centre - point;
     let square = span.length_squared();
     match &element.shape {
@@ -221,10 +226,12 @@ fn most_per_power(element: &Element, point: Vec3, normal: Vec3) -> f32 {
             }
             let radius_squared = element.area;
             let radius = radius_squared.sqrt();
-            let height = normal.dot(span) + radius * (1.0 - normal.dot(patch.normal).powi(2)).max(0.0).sqrt();
-            if height <= 0.0 {
+            let (corners, count) = hierarchy.corner_positions(patch);
+            let top = corners[..count].iter().map(|corner| normal.dot(*corner - point)).fold(f32::MIN, f32::max);
+            if top <= 0.0 {
                 return 0.0;
             }
+            let height = top.min(normal.dot(span) + radius).max(0.1 * top);
             let reach = square + radius_squared;
             height * (descent + 0.1 * radius) / (reach * reach)
         }

@@ -25,7 +25,7 @@ use glam::Vec3;
 
 use certificate::Certifying;
 pub use certificate::{Certificate, NOISE, Quantiles, RISK};
-pub use estimator::{Budget, Depth, Irradiance, Rays};
+pub use estimator::{Budget, Checked, Irradiance, Rays};
 pub use field::{Field, Met, grey};
 pub use glance::{Glance, GlanceRays};
 use samples::{GatherSamples, Queue};

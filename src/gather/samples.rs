@@ -27,7 +27,8 @@ struct Look {
     emitted: Vec3,
     /// Squared standard error of that (mean of the colours), as its few rays tell.
     noise: f32,
-    /// Share of the rays that end where the leaf is read as a whole, not followed.
+    /// Share of the rays that end on a bright side from where the leaf is read as a whole, not followed: those who read it look
+    /// along these. What ends on a back has no reader.
     far: f32,
 }
 
@@ -269,7 +270,7 @@ fn draw(field: &Field, leaf: ElementId, rays: GlanceRays, looks: std::ops::Range
         for index in look * rays.cosine..(look + 1) * rays.cosine {
             let [u, v, ..] = sobol_burley::sample_4d(index & SEQUENCE, 0, scramble);
             let met = field.meet(place.0, place.1, cosine_direction(place.1, u, v));
-            far += u32::from(met.as_ref().is_none_or(|met| !is_near(element.area, met.position, place.0)));
+            far += u32::from(met.as_ref().is_some_and(|met| !is_near(element.area, met.position, place.0)));
             let met = met.filter(|met| !field.is_aimed_at(met.leaf, place.0, place.1));
             drawn.met.push(met.map_or(NOTHING, |met| met.leaf));
         }

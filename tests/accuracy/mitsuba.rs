@@ -1,12 +1,14 @@
-//! The reference against another program's: Mitsuba 3.9, which shares nothing with it but the scenes.
+//! The reference, and what is read, against another program's: Mitsuba 3.9, which shares nothing with it but the scenes.
 
 use std::sync::Arc;
 
 use selflink::cancel::CancelToken;
+use selflink::gather::grey;
 use selflink::geometry::orient;
 use selflink::reference::{Reference, ReferenceRun, SurfacePoint};
 use selflink::scene::Sides;
 use selflink::scene::builtin::BuiltinScene;
+use selflink::solver::{Solver, SolverParams};
 
 use super::mitsuba_figures::{Known, known, on_scene};
 
@@ -103,5 +105,47 @@ fn slow_all_points_agree_with_mitsuba() {
         let all = [Agreement::of(&known, &reference)];
         Agreement::check_deviations(&all, name);
         all[0].check_ratio(name);
+    }
+}
+
+/// Local errors of what is read where Mitsuba knows the light well: their mean, and what nine tenths are within.
+fn readings(name: &str, every: usize, asked: f64) -> (f64, f64) {
+    let scene = BuiltinScene::from_name(name).expect("one of our scenes").build();
+    let (scene, occluders) = orient::apply(scene, Sides::Front);
+    let params = SolverParams { error: Some(asked), ..SolverParams::default() };
+    let mut solver = Solver::new(Arc::new(scene), Arc::new(occluders), params, 0).expect("usable parameters");
+    assert!(solver.run(&CancelToken::new()), "nobody cancels");
+    let bound = solver.stats().error.expect("a certificate").bound;
+    assert!(bound <= asked, "{name}: {bound} is certified where {asked} was asked");
+    let field = solver.field().expect("a gather").clone();
+    let dim = f64::from(field.dim());
+    let mut errors = Vec::new();
+    for known in known(name).into_iter().step_by(every) {
+        let truth = known.irradiance.element_sum() / 3.0;
+        if known.standard_error.element_sum() / 3.0 > 0.02 * (truth + dim) {
+            continue;
+        }
+        let polygon = on_scene(field.scene(), &known).polygon;
+        let read = f64::from(grey(field.read(polygon, known.position, (0.4 * asked) as f32).mean));
+        errors.push((read - truth) / (truth + dim));
+    }
+    let mean = errors.iter().sum::<f64>() / errors.len() as f64;
+    errors.iter_mut().for_each(|error| *error = error.abs());
+    errors.sort_by(f64::total_cmp);
+    let within = errors[9 * errors.len() / 10];
+    println!("{name}: {} points, mean error {mean:.4}, nine tenths within {within:.4}", errors.len());
+    (mean, within)
+}
+
+/// Truth: Mitsuba's figures, where their standard error is below 2 % of the local light. Nine tenths are read within the target error of
+/// 5 %, and light is lost nowhere: the mean error, known to 0.15 %, is below 0.75 %. Points that lie hidden in things, if they count
+/// as dark parts of their leaves, take 0.95 % in the seminar room. In the office, gaps behind
+/// drawers are read too bright.
+#[test]
+fn what_is_read_agrees_with_mitsuba() {
+    for (name, every, most) in [("cornell", 3, 0.0075), ("seminar", 3, 0.0075), ("office", 2, 0.0125)] {
+        let (mean, within) = readings(name, every, 0.05);
+        assert!(mean.abs() < most, "{name}: {mean}");
+        assert!(within <= 0.05, "{name}: {within}");
     }
 }

@@ -6,10 +6,11 @@ use std::time::{Duration, Instant};
 use glam::Vec3;
 use selflink::accuracy::{ErrorMeter, Measure};
 use selflink::cancel::CancelToken;
+use selflink::gather::grey;
 use selflink::geometry::orient;
 use selflink::hierarchy::Hierarchy;
 use selflink::random::even_point;
-use selflink::reference::{Reference, ReferenceRun, Target, compute, random_points};
+use selflink::reference::{Reference, ReferenceRun, SurfacePoint, Target, compute, random_points};
 use selflink::scene::{GroupId, MaterialId, Scene, Sides, builtin::BuiltinScene};
 use selflink::solver::{Epsilon, OracleKind, Reconstruct, Snapshot, SolverParams, Step};
 
@@ -310,4 +311,43 @@ fn steps_are_short_and_the_goal_can_change() {
     assert!(fine.stats.error_estimate <= Some(0.05), "{:?}", fine.stats.error_estimate);
     // Tests share two cores with others; a step that is not bounded takes seconds.
     assert!(longest < Duration::from_millis(500), "a step took {longest:?}");
+}
+
+/// Truth: the independent reference, in the gap between a cupboard and a wall whose leaves reach far beyond it. Light gets there by many
+/// reflections, which readings follow: without that, the wall would be read as bright as outside.
+#[test]
+fn a_crevice_is_as_dark_as_it_is() {
+    let mut scene = empty_room(0.7, 0.0);
+    let lamp = scene.add_material("lamp", Vec3::splat(0.3), Vec3::splat(20.0));
+    scene.add_quad(
+        [[0.4, 0.6], [0.6, 0.6], [0.6, 0.8], [0.4, 0.8]].map(|[x, z]| Vec3::new(x, 0.98, z)),
+        lamp,
+        GroupId(0),
+    );
+    let furniture = scene.add_material("furniture", Vec3::splat(0.7), Vec3::ZERO);
+    add_box(&mut scene, (Vec3::new(0.2, 0.0, 0.04), Vec3::new(0.8, 0.5, 0.4)), false, (furniture, GroupId(0)));
+    let solved = solve(&scene, asking(0.05));
+    let field = solved.field().expect("a gather");
+    let behind: Vec<SurfacePoint> = (0..24)
+        .map(|index| {
+            let [u, v] = even_point(3, index);
+            let position = Vec3::new(0.25 + 0.5 * u, 0.05 + 0.35 * v, 0.0);
+            let is_wall = |polygon: &u32| {
+                let of = &scene.polygons[*polygon as usize];
+                let (corners, count) = scene.corner_positions(of);
+                scene.normal(of).z > 0.9 && corners[..count].iter().all(|corner| corner.z == 0.0)
+            };
+            let wall = (0..scene.polygons.len() as u32).find(is_wall);
+            SurfacePoint::on(&scene, wall.expect("the back wall"), position)
+        })
+        .collect();
+    let mut run = ReferenceRun::new(&scene, behind.clone().into(), 7);
+    let target = Target { noise: 0.02, limit: Some(Duration::from_secs(60)) };
+    let reference = compute(&mut run, None, target, &CancelToken::new(), |_, _| {}).reference;
+    let read = |point: &SurfacePoint| f64::from(grey(field.read(point.polygon, point.position, 0.02).mean));
+    let read: f64 = behind.iter().map(read).sum();
+    let truth: f64 = reference.irradiance.iter().map(|light| light.element_sum() / 3.0).sum();
+    let dim = 24.0 * f64::from(field.dim());
+    // The target error.
+    assert!((read - truth).abs() < 0.05 * (truth + dim), "{read} where {truth} is");
 }
