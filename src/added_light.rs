@@ -5,6 +5,7 @@ use glam::Vec3;
 use serde::{Deserialize, Serialize};
 
 use crate::ceiling;
+use crate::geometry::Occluders;
 use crate::scene::{EditError, Scene};
 
 /// What is added; by default nothing.
@@ -33,18 +34,22 @@ impl AddedLight {
         self.emitting.is_empty() && self.ceiling.is_none()
     }
 
-    /// Adds it all to a scene whose faces have not been turned or doubled.
+    /// Makes materials of a scene emit.
     ///
     /// # Errors
-    /// A material that the scene does not have, or a size or an exitance that cannot be used.
-    pub fn add_to(&self, scene: &mut Scene) -> Result<(), EditError> {
-        for (material, emission) in &self.emitting {
-            scene.set_emission(material, *emission)?;
-        }
-        if let Some(CeilingLight { size, exitance }) = self.ceiling {
-            let size = size.unwrap_or_else(|| ceiling::suggested_size(scene));
-            ceiling::add_light(scene, size, Vec3::splat(exitance))?;
-        }
-        Ok(())
+    /// A material that the scene does not have.
+    pub fn add_emission_to(&self, scene: &mut Scene) -> Result<(), EditError> {
+        self.emitting.iter().try_for_each(|(material, emission)| scene.set_emission(material, *emission))
+    }
+
+    /// Adds the lamp under the ceiling to a scene whose faces have not been turned or doubled; `occluders` are the scene's.
+    ///
+    /// # Errors
+    /// A size or an exitance that cannot be used.
+    pub fn add_ceiling_to(&self, scene: &mut Scene, occluders: &Occluders) -> Result<(), EditError> {
+        let Some(CeilingLight { size, exitance }) = self.ceiling else { return Ok(()) };
+        let size = size.unwrap_or_else(|| ceiling::suggested_size(scene, occluders));
+        let ceiling::CeilingPlace { centre, up } = ceiling::place(scene, occluders, size);
+        scene.add_ceiling_light(centre, up, size, Vec3::splat(exitance))
     }
 }

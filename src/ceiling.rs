@@ -11,6 +11,8 @@ use crate::scene::{EditError, Scene};
 const LEAST_SPACE: f32 = 0.1;
 /// The panel hangs this share of the scene's height below the ceiling.
 const CLEARANCE: f32 = 0.005;
+/// Walls are looked for this share of the way from the eye to the ceiling, where little furniture is.
+const ABOVE_FURNITURE: f32 = 0.8;
 /// Where nothing is above, the panel hangs at this share of the scene's height.
 const OPEN_HEIGHT: f32 = 0.95;
 /// Faces that one vertical line may cross.
@@ -34,26 +36,57 @@ pub fn add_light(scene: &mut Scene, size: f32, exitance: Vec3) -> Result<(), Edi
     scene.add_ceiling_light(centre, up, size, exitance)
 }
 
-/// A side that suits the scene: a quarter of its smaller horizontal extent.
-pub fn suggested_size(scene: &Scene) -> f32 {
+/// A side that suits the scene: a quarter of the smaller width of the room that the camera is in, or of the whole scene.
+pub fn suggested_size(scene: &Scene, occluders: &Occluders) -> f32 {
     let (lower, upper) = scene.bounds();
-    let up = up_axis(scene);
     let extent = upper - lower;
-    let horizontal = (0..3).filter(|&axis| up[axis] == 0.0).map(|axis| extent[axis]);
-    0.25 * horizontal.fold(f32::INFINITY, f32::min).max(1e-3 * extent.max_element())
+    let up = up_axis(scene);
+    let whole = horizontal(up).map(|axis| extent.dot(axis.abs()));
+    let width = room(scene, occluders, up).map_or(whole[0].min(whole[1]), |room| room.width);
+    0.25 * width.max(1e-3 * extent.max_element())
 }
 
-/// The place for a panel of side `size`: at the middle of the scene, under the ceiling of the space that the camera
-/// (or, without one, most of the faces) is in, below any roof.
+/// Two unit vectors along axes across an axis.
+fn horizontal(up: Vec3) -> [Vec3; 2] {
+    let right = if up.x == 0.0 { Vec3::X } else { Vec3::Y };
+    [right, up.cross(right)]
+}
+
+/// A free space between walls, under a ceiling.
+struct Room {
+    /// A point halfway between its walls.
+    middle: Vec3,
+    /// Smaller distance of opposite walls.
+    width: f32,
+}
+
+/// The room that the scene's camera is in, above its furniture; `None` where no ceiling is above it, or no wall to a side.
+fn room(scene: &Scene, occluders: &Occluders, up: Vec3) -> Option<Room> {
+    let eye = scene.camera?.eye;
+    let reach = |from: Vec3, direction: Vec3| occluders.first_hit(from, direction).map(|hit| hit.distance);
+    reach(eye, -up)?;
+    let mut middle = eye + ABOVE_FURNITURE * reach(eye, up)? * up;
+    let [right, forward] = horizontal(up);
+    let mut widths = [0.0; 2];
+    // Across and along, and across once more from the middle of its length.
+    for (axis, width) in [(right, 0), (forward, 1), (right, 0)] {
+        let (ahead, behind) = (reach(middle, axis)?, reach(middle, -axis)?);
+        middle += 0.5 * (ahead - behind) * axis;
+        widths[width] = ahead + behind;
+    }
+    Some(Room { middle, width: widths[0].min(widths[1]) })
+}
+
+/// The place for a panel of side `size`: at the middle of the room that the camera is in, or else of the scene, under the ceiling of the
+/// space that the camera (or, without one, most of the faces) is in, below any roof.
 pub fn place(scene: &Scene, occluders: &Occluders, size: f32) -> CeilingPlace {
     let up = up_axis(scene);
     let (lower, upper) = scene.bounds();
-    let middle = 0.5 * (lower + upper);
+    let middle = room(scene, occluders, up).map_or(0.5 * (lower + upper), |room| room.middle);
     let height = (upper - lower).dot(up.abs());
     let floor = lower.dot(up).min(upper.dot(up));
     let level = reference_level(scene, up).clamp(floor, floor + height);
-    let right = if up.x == 0.0 { Vec3::X } else { Vec3::Y };
-    let forward = up.cross(right);
+    let [right, forward] = horizontal(up);
     let reach = if size.is_finite() { 0.4 * size } else { 0.0 };
     // Off the diagonals, along which quads are cut and a ray may slip through.
     let lines = [(0.07, 0.03), (0.9, 0.7), (-0.8, 1.0), (-1.0, -0.75), (0.7, -0.95)];
@@ -134,6 +167,7 @@ fn ceiling_above(
 mod tests {
     use super::*;
     use crate::scene::{CameraPose, GroupId, MaterialId};
+    use crate::stability::scenes::add_box;
 
     fn add_slab(scene: &mut Scene, material: MaterialId, level: f32, half: f32) {
         let corner = |x: f32, z: f32| Vec3::new(x, level, z);
@@ -177,10 +211,26 @@ mod tests {
         assert_eq!(place(&Scene::new(""), &Occluders::new(&Scene::new("")), 1.0).centre, Vec3::ZERO);
     }
 
+    /// Truth: of two rooms the one that the camera is in, 2 by 3 m, has the light at its middle, with a quarter of its width.
+    #[test]
+    fn the_panel_hangs_in_the_room_of_the_camera() {
+        let mut scene = Scene::new("house");
+        scene.add_material("wall", Vec3::splat(0.5), Vec3::ZERO);
+        let of = (MaterialId(0), GroupId(0));
+        add_box(&mut scene, (Vec3::ZERO, Vec3::new(6.0, 2.5, 5.0)), true, of);
+        add_box(&mut scene, (Vec3::new(7.0, 0.0, 0.0), Vec3::new(9.0, 2.5, 3.0)), true, of);
+        let eye = Vec3::new(8.5, 1.6, 0.5);
+        scene.camera = Some(CameraPose { eye, target: Vec3::ZERO, up: Vec3::Y, hfov_deg: 50.0 });
+        let occluders = Occluders::new(&scene);
+        let centre = place(&scene, &occluders, 0.5).centre;
+        assert!(centre.distance(Vec3::new(8.0, 2.5, 1.5)) < 0.02, "{centre}");
+        assert!((suggested_size(&scene, &occluders) - 0.5).abs() < 1e-3);
+    }
+
     #[test]
     fn the_light_shines_and_keeps_to_the_up_axis() {
         let mut scene = house(&[(0.0, 3.0), (2.8, 3.0)]);
-        let size = suggested_size(&scene);
+        let size = suggested_size(&scene, &Occluders::new(&scene));
         add_light(&mut scene, size, Vec3::splat(20.0)).expect("a good light");
         assert!(scene.has_light());
         let panel = scene.polygons.last().expect("the panel");

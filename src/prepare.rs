@@ -37,21 +37,25 @@ pub fn prepare(
     sides: Option<Sides>,
 ) -> Result<Ready, PrepareError> {
     let mut raw = scene::load_with(source, reading)?;
-    light.add_to(&mut raw)?;
+    light.add_emission_to(&mut raw)?;
     let (mut scene, mut occluders) = orient::apply(raw.clone(), sides.unwrap_or(raw.sides));
-    if matches!(source, Source::Builtin(_)) {
-        return Ok(Ready { raw, scene, occluders });
-    }
+    let is_filed = matches!(source, Source::File(_));
     let is_free = sides.is_none() && !raw.frame.sides_are_told && scene.sides == Sides::Front;
-    if is_free && orient::shows_backs(&scene, &occluders) {
+    if is_filed && is_free && orient::shows_backs(&scene, &occluders) {
         raw.sides = Sides::Auto;
         raw.skipped
             .note("Its faces turn their backs to the inside; they were turned round (--sides front leaves them).");
         (scene, occluders) = orient::apply(raw.clone(), Sides::Auto);
     }
-    if raw.camera.is_none() {
+    if is_filed && raw.camera.is_none() {
         raw.camera = start_view::find(&scene, &occluders);
         scene.camera = raw.camera;
+    }
+    if light.ceiling.is_some() {
+        // In the room that one stands in.
+        let of_raw = Occluders::new(&raw);
+        light.add_ceiling_to(&mut raw, &of_raw)?;
+        (scene, occluders) = orient::apply(raw.clone(), sides.unwrap_or(raw.sides));
     }
     Ok(Ready { raw, scene, occluders })
 }

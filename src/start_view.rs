@@ -21,7 +21,14 @@ const GLANCE: usize = 12;
 const AROUND: usize = 48;
 /// Eyes above the floor, m, and at most this share of a room's height.
 const EYE: f32 = 1.6;
-const HIGHEST_EYE: f32 = 0.6;
+const HIGHEST_EYE: f32 = 2.0 / 3.0;
+/// Room above the floor that people have, m, or this share of the scene's height where that is less: a table is no ceiling.
+const STANDING: f32 = 1.9;
+const STANDING_SHARE: f32 = 0.6;
+/// Nobody stands where less than this share of it is.
+const LEAST_HEADROOM: f32 = 0.75;
+/// What lies lower than this share of the eye's height below one's feet is another floor.
+const STEP: f32 = 0.2;
 /// Nobody stands closer to a wall, m, or this share of the room's height where that is less.
 const CLEAR: f32 = 0.3;
 const CLEAR_SHARE: f32 = 0.12;
@@ -29,12 +36,16 @@ const CLEAR_SHARE: f32 = 0.12;
 const FARTHEST: f32 = 40.0;
 /// Least share of rays that meet bright sides.
 const INSIDE: f32 = 0.6;
+/// What a place without a ceiling counts beside one with.
+const UNDER_THE_SKY: f32 = 0.3;
 /// Horizontal field of view, degrees.
 const HFOV: f32 = 75.0;
 
 /// A view from inside; `None` for a scene that has no inside, such as a single chair.
 pub fn find(scene: &Scene, occluders: &Occluders) -> Option<CameraPose> {
-    let rooms = Rooms { scene, occluders, up: up_axis(scene) };
+    let (up, (lower, upper)) = (up_axis(scene), scene.bounds());
+    let tall = (upper - lower).dot(up.abs());
+    let rooms = Rooms { scene, occluders, up, lowest: lower.dot(up).min(upper.dot(up)), tall };
     let places = rooms.places();
     let mut glances: Vec<(f32, Vec3)> =
         places.par_iter().filter_map(|place| Some((rooms.stand(*place, GLANCE)?.score, *place))).collect();
@@ -60,6 +71,10 @@ struct Rooms<'a> {
     scene: &'a Scene,
     occluders: &'a Occluders,
     up: Vec3,
+    /// The scene's lowest level, m.
+    lowest: f32,
+    /// Height of the scene, m.
+    tall: f32,
 }
 
 impl Rooms<'_> {
@@ -100,11 +115,20 @@ impl Rooms<'_> {
 
     /// The place above the floor below a point, if a person can stand there; looks into `steps` directions around it.
     fn stand(&self, place: Vec3, steps: usize) -> Option<Stand> {
-        let (below, is_floor) = self.look(place, -self.up)?;
+        // Some rooms have no floor: one stands where they end.
+        let open = || (place.dot(self.up) - self.lowest, false);
+        let (below, is_floor) = self.look(place, -self.up).unwrap_or_else(open);
         let above = self.look(place, self.up);
-        let (to_ceiling, has_ceiling) = above.map_or((EYE, false), |(distance, bright)| (distance, bright));
-        let height = below + to_ceiling;
-        let eye = place + (EYE.min(HIGHEST_EYE * height) - below) * self.up;
+        let height = above.map_or(self.tall, |(to_ceiling, _)| below + to_ceiling);
+        let headroom = (height / STANDING.min(STANDING_SHARE * self.tall)).min(1.0);
+        if headroom < LEAST_HEADROOM {
+            return None;
+        }
+        let has_ceiling = above.is_some_and(|(_, bright)| bright);
+        let level = EYE.min(HIGHEST_EYE * height);
+        let eye = place + (level - below) * self.up;
+        // A ray to another floor is one into the open: people do not stand on tables.
+        let lowest = (1.0 + STEP) * level;
         let clear = CLEAR.min(CLEAR_SHARE * height);
         let (mut floor, mut bright, mut rays) = (0.0, 0.0, 0.0);
         for step in 0..steps {
@@ -115,15 +139,18 @@ impl Rooms<'_> {
                 return None;
             }
             floor += 0.5 * distance * distance * TAU / steps as f32;
-            let slanted = [-0.6, 0.6].map(|slope| self.look(eye, (flat + slope * self.up).normalize()));
-            for met in slanted.into_iter().chain([ahead]) {
-                bright += f32::from(met.is_some_and(|(_, bright)| bright));
+            for slope in [-0.6, 0.0, 0.6] {
+                let direction = (flat + slope * self.up).normalize();
+                let met = if slope == 0.0 { ahead } else { self.look(eye, direction) };
+                let is_here = |distance: f32| -distance * direction.dot(self.up) <= lowest;
+                bright += f32::from(met.is_some_and(|(distance, bright)| bright && is_here(distance)));
                 rays += 1.0;
             }
         }
         let inside = bright / rays;
-        let shelter = if has_ceiling && is_floor { 1.0 } else { 0.1 };
-        (inside >= INSIDE).then_some(Stand { eye, height, score: floor * inside.powi(4) * shelter })
+        let shelter = if has_ceiling && is_floor { 1.0 } else { UNDER_THE_SKY };
+        let score = floor * inside.powi(4) * shelter * headroom.powi(2);
+        (inside >= INSIDE).then_some(Stand { eye, height, score })
     }
 
     /// The view from a room's end along its longest free diagonal.
@@ -197,6 +224,34 @@ mod tests {
         assert!(view.eye.x > 0.2 && view.eye.x < 4.8 && view.eye.z > 0.0 && view.eye.z < 3.8, "{view:?}");
         let ahead = (view.target - view.eye).with_y(0.0).normalize();
         assert!(occluders.first_hit(view.eye, ahead).is_some_and(|hit| hit.front), "{view:?}");
+    }
+
+    /// Truth: under a table, however much of the room one sees from there, nobody stands, also where the room has no ceiling.
+    #[test]
+    fn one_stands_beside_a_table_and_not_under_it() {
+        let mut scene = Scene::new("stage");
+        scene.add_material("wall", Vec3::splat(0.5), Vec3::ZERO);
+        let of = (MaterialId(0), GroupId(0));
+        add_box(&mut scene, (Vec3::ZERO, Vec3::new(5.0, 3.0, 4.0)), true, of);
+        let is_open = |corners: &[u32]| corners.iter().all(|&corner| scene.vertices[corner as usize].y == 3.0);
+        scene.polygons = scene.polygons.iter().filter(|polygon| !is_open(polygon.corners())).copied().collect();
+        add_box(&mut scene, (Vec3::new(1.0, 0.7, 0.8), Vec3::new(4.0, 0.75, 3.2)), false, of);
+        let (scene, occluders) = orient::apply(scene, Sides::Front);
+        let view = find(&scene, &occluders).expect("a room");
+        assert!((view.eye.y - 1.6).abs() < 1e-3, "{view:?}");
+    }
+
+    /// Truth: a room without a floor is stood in as if it had one where its walls end.
+    #[test]
+    fn a_room_may_have_no_floor() {
+        let mut scene = Scene::new("walls");
+        scene.add_material("wall", Vec3::splat(0.5), Vec3::ZERO);
+        add_box(&mut scene, (Vec3::ZERO, Vec3::new(4.0, 2.6, 4.0)), true, (MaterialId(0), GroupId(0)));
+        let is_floor = |corners: &[u32]| corners.iter().all(|&corner| scene.vertices[corner as usize].y == 0.0);
+        scene.polygons = scene.polygons.iter().filter(|polygon| !is_floor(polygon.corners())).copied().collect();
+        let (scene, occluders) = orient::apply(scene, Sides::Front);
+        let view = find(&scene, &occluders).expect("a room");
+        assert!((view.eye.y - 1.6).abs() < 1e-3 && view.eye.cmpgt(Vec3::ZERO).all(), "{view:?}");
     }
 
     /// Truth: a table is seen from outside alone.

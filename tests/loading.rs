@@ -1,4 +1,4 @@
-//! Loading OBJ, glTF and GLB scenes with their sidecars: what comes in, what is left out, and that both are said.
+//! Loading OBJ, glTF, GLB, PLY and STL scenes with their sidecars: what comes in, what is left out, and that both are said.
 
 mod support;
 
@@ -319,7 +319,11 @@ fn gltf_materials_and_lights() {
     assert_eq!(scene.materials[0].name, "material_0");
     assert!(close(scene.materials[0].emission, 20.0 * PI * Vec3::new(1.0, 0.5, 0.0)));
     assert_eq!((scene.skipped.transparent_faces, scene.skipped.ignored_lights), (4, 1));
-    assert!(scene.skipped.notes.join(" ").contains("no sun here yet, so left out: Moon"), "{:?}", scene.skipped.notes);
+    assert!(
+        scene.skipped.notes.join(" ").contains("Suns are left out, as there are none here yet: Moon"),
+        "{:?}",
+        scene.skipped.notes
+    );
     assert_eq!(scene.lights.iter().map(|light| light.name.as_str()).collect::<Vec<_>>(), ["Lamp"]);
 }
 

@@ -161,7 +161,7 @@ fn the_nearer_face_hides_the_farther_one_at_any_distance() {
 #[test]
 fn the_same_picture_twice_has_the_same_bytes() {
     let room = room(1.0);
-    let camera = Camera::frame(BOUNDS, 1.5);
+    let camera = Camera::frame(BOUNDS, Vec3::Y, 1.5);
     let overlay = Overlay { elements: true, clusters: Some(0), marks: Marks::default() };
     let Some(first) = draw(&room, &camera, &overlay, [150, 100]) else { return };
     assert_eq!(draw(&room, &camera, &overlay, [150, 100]), Some(first));
@@ -173,7 +173,7 @@ fn a_thousandfold_light_gives_the_same_picture_by_automatic_exposure() {
     let (dim, bright) = (room(1.0), room(1000.0));
     let ratio = auto_exposure(&dim) / auto_exposure(&bright);
     assert!((ratio / 1000.0 - 1.0).abs() < 1e-4, "{ratio}");
-    let camera = Camera::frame(BOUNDS, 1.0);
+    let camera = Camera::frame(BOUNDS, Vec3::Y, 1.0);
     let draw = |room| draw_exposed(room, &camera, Exposure::default(), &Overlay::default(), [80, 80]);
     let (Some(dim), Some(bright)) = (draw(&dim), draw(&bright)) else { return };
     let differ = dim.as_raw().iter().zip(bright.as_raw()).map(|(a, b)| a.abs_diff(*b)).max();

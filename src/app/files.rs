@@ -8,6 +8,9 @@ pub(super) use super::dialog::DialogAnswer;
 /// So many recent files are remembered.
 const MOST_RECENT: usize = 6;
 
+/// Extensions of scene files; some systems' dialogs tell capitals apart.
+const EXTENSIONS: [&str; 10] = ["obj", "gltf", "glb", "ply", "stl", "OBJ", "GLTF", "GLB", "PLY", "STL"];
+
 /// What to do without a dialog.
 pub(super) const NO_DIALOG: &str = "No file dialog answers on this system: type the path into the field beside Browse…, or drop the file on the window.";
 
@@ -57,7 +60,7 @@ impl Files {
         self.dialog.open(ctx, || {
             rfd::FileDialog::new()
                 .set_title("Open a scene")
-                .add_filter("Scenes (OBJ, glTF, GLB)", &["obj", "gltf", "glb", "OBJ", "GLTF", "GLB"])
+                .add_filter("Scenes (OBJ, glTF, GLB, PLY, STL)", &EXTENSIONS)
                 .add_filter("All files", &["*"])
                 .pick_file()
         });

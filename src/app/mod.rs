@@ -409,7 +409,7 @@ impl App {
                 // A correction made for another scene's light would make this one black or white.
                 self.display.auto_stops = 0.0;
             }
-            self.light = LightEditor::for_scene(&info.scene);
+            self.light = LightEditor::for_scene(&info.scene, info.ceiling_side);
             self.history = History::default();
             self.history.take_as_given(self.undoable());
         }

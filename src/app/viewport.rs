@@ -8,6 +8,7 @@ use super::dock::Tool;
 use super::highlight::Highlight;
 use super::paint::Picture;
 use super::{App, Outbox, divider, measure_marks, panels, theme};
+use crate::ceiling::up_axis;
 use crate::render::{Camera, Display};
 use crate::scene::{CameraPose, Scene};
 use crate::solver::USUAL_ERROR;
@@ -32,6 +33,8 @@ const VIEW_NAME: &str = "View";
 pub(super) struct Viewport {
     camera: Option<Camera>,
     bounds: (Vec3, Vec3),
+    /// Upwards in a view of everything.
+    up: Vec3,
     start: Option<CameraPose>,
     /// The first view, where it is not that of the start.
     first: Option<CameraPose>,
@@ -47,6 +50,7 @@ impl Default for Viewport {
         Self {
             camera: None,
             bounds: (Vec3::ZERO, Vec3::ZERO),
+            up: Vec3::Y,
             start: None,
             first: None,
             rect: Rect::ZERO,
@@ -68,6 +72,7 @@ impl Viewport {
     pub(super) fn start_with(&mut self, scene: &Scene, first: Option<CameraPose>) {
         self.first = first;
         self.bounds = scene.bounds();
+        self.up = up_axis(scene);
         self.start = scene.camera;
         // Made when the view's aspect is known.
         self.camera = None;
@@ -76,6 +81,7 @@ impl Viewport {
     /// Goes on looking as before at a scene that was read anew.
     pub(super) fn go_on_with(&mut self, scene: &Scene) {
         self.bounds = scene.bounds();
+        self.up = up_axis(scene);
         self.start = scene.camera;
     }
 
@@ -135,7 +141,7 @@ impl Viewport {
     fn start_camera(&self) -> Camera {
         match &self.start {
             Some(pose) => Camera::from_pose(pose, self.aspect(), self.bounds),
-            None => Camera::frame(self.bounds, self.aspect()),
+            None => Camera::frame(self.bounds, self.up, self.aspect()),
         }
     }
 

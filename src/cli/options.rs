@@ -270,7 +270,7 @@ pub fn scene_arg() -> Arg {
 
 /// What a scene may be.
 pub fn scene_help() -> String {
-    format!("An OBJ, glTF or GLB file, or one of our own scenes: {}", names())
+    format!("An OBJ, glTF, GLB, PLY or STL file, or one of our own scenes: {}", names())
 }
 
 /// The names of our own scenes.

@@ -7,6 +7,7 @@ use anyhow::{Context, anyhow, bail};
 use clap::{Arg, ArgAction, ArgMatches, Command};
 use glam::{DVec3, Vec2, Vec3};
 use image::{ImageFormat, RgbaImage};
+use selflink::ceiling::up_axis;
 use selflink::export::{PictureFormat, exr};
 use selflink::picture::GatheredPicture;
 use selflink::render::{
@@ -40,9 +41,9 @@ pub fn command() -> Command {
         .arg(
             Arg::new("camera")
                 .long("camera")
-                .value_name("EX,EY,EZ:TX,TY,TZ")
+                .value_name("EX,EY,EZ:TX,TY,TZ|NAME")
                 .allow_hyphen_values(true)
-                .help("Where the eye is and the point it looks at [default: as the scene says, or all of it]"),
+                .help("Where the eye is and the point it looks at, or the name of one of the file's cameras [default: as the scene says, from inside its largest room, or all of it]"),
         )
         .arg(
             Arg::new("exposure")
@@ -80,6 +81,8 @@ pub struct View {
     pub size: [u32; 2],
     /// Eye and target, in the coordinates of the scene's file.
     pub camera: Option<[DVec3; 2]>,
+    /// What may be the name of one of the file's cameras, where no points are given.
+    pub named_camera: Option<String>,
     /// The whole view, where neither of these is given.
     pub pose: Option<FiledCamera>,
     /// How radiosities become colours.
@@ -112,6 +115,7 @@ impl Default for View {
         Self {
             size: USUAL_SIZE,
             camera: None,
+            named_camera: None,
             pose: None,
             display: Display::default(),
             overlay: Overlay::default(),
@@ -127,7 +131,7 @@ impl Default for View {
 /// Runs it.
 pub fn run(matches: &ArgMatches) -> anyhow::Result<()> {
     let order = Order::from_matches(matches)?;
-    let view = View { pose: order.settings.camera, ..view(matches)? };
+    let mut view = View { pose: order.settings.camera, ..view(matches)? };
     let path = path(matches, "out").unwrap_or_default();
     let format = PictureFormat::of(&path)?;
     if format == PictureFormat::Exr && (view.overlay != Overlay::default() || view.links.is_some()) {
@@ -137,6 +141,9 @@ pub fn run(matches: &ArgMatches) -> anyhow::Result<()> {
     }
     let file = OutputFile::new(&path, &order.inputs())?;
     let job = order.load()?;
+    if let Some(name) = &view.named_camera {
+        view.pose = Some(camera_named(&job.scene, name)?);
+    }
     let wants_lines = view.overlay != Overlay::default() || view.links.is_some();
     // Before the long work, so that a missing adapter is told soon.
     let early = (view.picture == PictureOf::Mesh || wants_lines).then(Offscreen::new).transpose()?;
@@ -252,12 +259,24 @@ fn camera(scene: &Scene, view: &View) -> Camera {
     let given = view.camera.map(|[eye, target]| CameraPose {
         eye: scene.from_file(eye),
         target: scene.from_file(target),
-        up: scene.camera.map_or(Vec3::Y, |camera| camera.up),
+        up: scene.camera.map_or_else(|| up_axis(scene), |camera| camera.up),
         hfov_deg: scene.camera.map_or(USUAL_HFOV, |camera| camera.hfov_deg),
     });
     given
         .or_else(|| view.pose.map(|pose| pose.in_scene(scene)))
         .map_or_else(|| Camera::of_scene(scene, aspect), |pose| Camera::from_pose(&pose, aspect, scene.bounds()))
+}
+
+/// The view of one of the file's cameras.
+fn camera_named(scene: &Scene, name: &str) -> anyhow::Result<FiledCamera> {
+    if let Some(camera) = scene.cameras.iter().find(|camera| camera.name == name) {
+        return Ok(camera.pose.in_file(scene));
+    }
+    let names: Vec<String> = scene.cameras.iter().map(|camera| format!("`{}`", camera.name)).collect();
+    let there = if names.is_empty() { "it has none".to_owned() } else { names.join(", ") };
+    bail!(
+        "--camera must be ex,ey,ez:tx,ty,tz, eye and target away from each other, or one of the file's cameras: {there} (it is `{name}`)"
+    )
 }
 
 /// The links of the surface at a pixel.
@@ -310,11 +329,12 @@ fn anatomy(solution: &mut Solution) -> Option<Arc<Anatomy>> {
 fn view(matches: &ArgMatches) -> anyhow::Result<View> {
     let text = |name: &str| matches.get_one::<String>(name).map(String::as_str);
     let size = text("size").map_or(Ok(USUAL_SIZE), size)?;
-    let camera = text("camera").map(eye_and_target).transpose()?;
+    let camera = text("camera").and_then(eye_and_target);
+    let named_camera = text("camera").filter(|_| camera.is_none()).map(str::to_owned);
     let display =
         Display { exposure: text("exposure").map_or(Ok(Exposure::default()), exposure)?, ..Display::default() };
     let (reading, has_legend) = (reading::settings(matches)?, !matches.get_flag("no-legend"));
-    let mut view = View { size, camera, display, reading, has_legend, ..View::default() };
+    let mut view = View { size, camera, named_camera, display, reading, has_legend, ..View::default() };
     for overlay in matches.get_many::<String>("overlay").unwrap_or_default() {
         add_overlay(&mut view, overlay)?;
     }
@@ -348,15 +368,10 @@ fn size(text: &str) -> anyhow::Result<[u32; 2]> {
     }
 }
 
-fn eye_and_target(text: &str) -> anyhow::Result<[DVec3; 2]> {
-    let parsed = text
-        .split_once(':')
-        .and_then(|(eye, target)| Some([coordinates::<3>(eye, ',')?, coordinates::<3>(target, ',')?]));
-    match parsed.map(|pair| pair.map(DVec3::from)) {
-        Some([eye, target]) if eye != target => Ok([eye, target]),
-        Some(_) => bail!("--camera must have its target away from the eye (it is `{text}`)"),
-        None => bail!("--camera must be ex,ey,ez:tx,ty,tz, eye and target (it is `{text}`)"),
-    }
+fn eye_and_target(text: &str) -> Option<[DVec3; 2]> {
+    let (eye, target) = text.split_once(':')?;
+    let [eye, target] = [coordinates::<3>(eye, ',')?, coordinates::<3>(target, ',')?].map(DVec3::from);
+    (eye != target).then_some([eye, target])
 }
 
 fn exposure(text: &str) -> anyhow::Result<Exposure> {
@@ -403,8 +418,18 @@ mod tests {
         let camera = eye_and_target("-1,2,3:0,0,0.5").expect("good");
         assert_eq!(camera, [DVec3::new(-1.0, 2.0, 3.0), DVec3::new(0.0, 0.0, 0.5)]);
         for text in ["", "1,2,3", "1,2:3,4", "1,2,3:1,2,3", "1,2,NaN:0,0,0"] {
-            assert!(eye_and_target(text).is_err(), "{text}");
+            assert!(eye_and_target(text).is_none(), "{text}");
         }
+    }
+
+    #[test]
+    fn cameras_of_the_file_go_by_their_names() {
+        let mut scene = Scene::new("house");
+        let pose = CameraPose { eye: Vec3::new(1.0, 1.6, 2.0), target: Vec3::ZERO, up: Vec3::Y, hfov_deg: 60.0 };
+        scene.cameras.push(selflink::scene::NamedCamera { name: "door: left".to_owned(), pose });
+        assert_eq!(camera_named(&scene, "door: left").expect("it is there").in_scene(&scene), pose);
+        let said = camera_named(&scene, "window").expect_err("it is not there").to_string();
+        assert!(said.contains("`door: left` (it is `window`)"), "{said}");
     }
 
     #[test]

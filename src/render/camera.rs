@@ -2,6 +2,7 @@
 
 use glam::{BVec3, Mat4, Quat, Vec2, Vec3};
 
+use crate::ceiling::up_axis;
 use crate::picture::Lens;
 use crate::scene::{CameraPose, Scene};
 
@@ -38,16 +39,16 @@ impl Camera {
     /// A pose seen with an aspect (width / height), in a scene with these bounds; a pose without a view (eye on target, not finite)
     /// frames the scene instead.
     pub fn from_pose(pose: &CameraPose, aspect: f32, bounds: (Vec3, Vec3)) -> Self {
-        let framed = Self::frame(bounds, aspect);
+        let up = pose.up.try_normalize().unwrap_or(Vec3::Y);
+        let framed = Self::frame(bounds, up, aspect);
         let sight = pose.target - pose.eye;
         if !(pose.eye.is_finite() && sight.length_squared() > 0.0 && sight.is_finite() && pose.hfov_deg.is_finite()) {
             return framed;
         }
         let hfov = pose.hfov_deg.to_radians().clamp(VFOV_RANGE.0, VFOV_RANGE.1);
         let vfov = 2.0 * ((hfov / 2.0).tan() / sane_aspect(aspect)).atan();
-        let up = pose.up.try_normalize().unwrap_or(Vec3::Y);
-        let mut camera =
-            Self { eye: pose.eye, target: pose.target, up, vfov: vfov.clamp(VFOV_RANGE.0, VFOV_RANGE.1), ..framed };
+        let vfov = vfov.clamp(VFOV_RANGE.0, VFOV_RANGE.1);
+        let mut camera = Self { eye: pose.eye, target: pose.target, up, vfov, ..framed };
         camera.set_sight(sight);
         camera.target = camera.eye + camera.sight();
         camera
@@ -56,15 +57,17 @@ impl Camera {
     /// The scene's own view, or one of everything, with an aspect (width / height).
     pub fn of_scene(scene: &Scene, aspect: f32) -> Self {
         let bounds = scene.bounds();
-        scene.camera.map_or_else(|| Self::frame(bounds, aspect), |pose| Self::from_pose(&pose, aspect, bounds))
+        let framed = || Self::frame(bounds, up_axis(scene), aspect);
+        scene.camera.map_or_else(framed, |pose| Self::from_pose(&pose, aspect, bounds))
     }
 
-    /// A view of everything from the front, the right and above, with `y` up.
-    pub fn frame(bounds: (Vec3, Vec3), aspect: f32) -> Self {
+    /// A view of everything from the front, the right and above; `up` is a unit vector.
+    pub fn frame(bounds: (Vec3, Vec3), up: Vec3, aspect: f32) -> Self {
+        let back = if up.z.abs() > 0.5 { -Vec3::Y } else { Vec3::Z };
         let mut camera = Self {
-            eye: Vec3::new(0.45, 0.4, 1.0),
+            eye: 0.45 * Vec3::X + 0.4 * up + back,
             target: Vec3::ZERO,
-            up: Vec3::Y,
+            up,
             vfov: DEFAULT_VFOV,
             lower: bounds.0,
             upper: bounds.1,
@@ -299,10 +302,20 @@ mod tests {
         assert!(back.target.distance(pose.target) < 1e-5, "{back:?}");
     }
 
+    /// Truth: what is seen as a whole stands upright whichever axis points up, seen from its front and from above.
+    #[test]
+    fn everything_is_seen_upright() {
+        for (up, front) in [(Vec3::Y, Vec3::Z), (Vec3::Z, -Vec3::Y)] {
+            let camera = Camera::frame(BOUNDS, up, 1.6);
+            let from_middle = camera.eye - 0.5 * (BOUNDS.0 + BOUNDS.1);
+            assert!(camera.up == up && from_middle.dot(up) > 0.0 && from_middle.dot(front) > 0.0, "{camera:?}");
+        }
+    }
+
     #[test]
     fn a_pose_that_is_no_view_frames_the_scene() {
         let good = camera().pose(1.6);
-        let framed = Camera::frame(BOUNDS, 1.6);
+        let framed = Camera::frame(BOUNDS, Vec3::Y, 1.6);
         for bad in [
             CameraPose { eye: good.target, ..good },
             CameraPose { eye: Vec3::NAN, ..good },
@@ -352,7 +365,7 @@ mod tests {
     #[test]
     fn framing_puts_every_corner_into_the_picture_and_fills_it() {
         for aspect in [0.4, 1.0, 2.5] {
-            let camera = Camera::frame(BOUNDS, aspect);
+            let camera = Camera::frame(BOUNDS, Vec3::Y, aspect);
             let corners = (0..8).map(|bits| {
                 let upper = BVec3::new(bits & 1 != 0, bits & 2 != 0, bits & 4 != 0);
                 ndc(&camera, Vec3::select(upper, BOUNDS.1, BOUNDS.0), aspect)
@@ -362,7 +375,7 @@ mod tests {
         }
         // Neither an empty scene nor a folded window leads to what is not a number.
         for (bounds, aspect) in [((Vec3::ZERO, Vec3::ZERO), 1.0), ((Vec3::NAN, Vec3::INFINITY), 1.0), (BOUNDS, 0.0)] {
-            assert!(Camera::frame(bounds, aspect).clip_from_world(aspect).is_finite());
+            assert!(Camera::frame(bounds, Vec3::Y, aspect).clip_from_world(aspect).is_finite());
         }
     }
 

@@ -69,7 +69,6 @@ impl Skipped {
             (self.ignored_faces, "face ignored by the sidecar", "faces ignored by the sidecar"),
             (self.clamped_materials, "material's reflectance clamped", "materials' reflectances clamped"),
             (self.faces_without_material, "face without a material shown grey", "faces without a material shown grey"),
-            (self.ignored_lights, "sun left out", "suns left out"),
             (
                 self.lines_and_points,
                 "line or point left out, which has no area",

@@ -6,7 +6,7 @@ use std::path::Path;
 use glam::{DVec3, Vec2, Vec3};
 
 use super::face::CornerDetail;
-use super::place::FiledCamera;
+use super::place::{FiledCamera, Reach, is_usable};
 use super::punctual::PunctualLight;
 use super::texture::{Opacity, TextureMap};
 use super::unit::Unit;
@@ -24,6 +24,9 @@ pub(super) fn scene_name(path: &Path) -> String {
 /// Groups nested deeper than this belong to the one at this depth. A sidecar that arranges them is then nested less deeply than its
 /// parser allows (128 brackets, two for each group).
 const MOST_LEVELS: u8 = 48;
+
+/// The material of faces that name none.
+pub(super) const NO_MATERIAL: &str = "(no material)";
 
 /// Reflectance of faces whose material nobody defines.
 pub(super) const GREY: Vec3 = Vec3::splat(0.5);
@@ -200,6 +203,19 @@ impl Draft {
         let used = self.corners.iter().map(|&corner| self.vertices[corner as usize]);
         let none = (DVec3::INFINITY, DVec3::NEG_INFINITY);
         used.fold(none, |(lower, upper), vertex| (lower.min(vertex), upper.max(vertex)))
+    }
+
+    /// A vertex that faces use and that is not finite, or lies too far from the others.
+    pub fn unusable_vertex(&self) -> Option<u32> {
+        let mut reach = Reach::new();
+        for &corner in &self.corners {
+            let vertex = self.vertices[corner as usize];
+            if !vertex.to_array().into_iter().all(is_usable) {
+                return Some(corner);
+            }
+            reach.add(vertex, corner);
+        }
+        reach.too_far()
     }
 
     /// What is known of a corner beside its vertex.

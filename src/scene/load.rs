@@ -1,4 +1,4 @@
-//! Loading: a scene comes from an OBJ, glTF or GLB file with its sidecar, by extension and content.
+//! Loading: a scene comes from an OBJ, glTF, GLB, PLY or STL file with its sidecar, by extension and content.
 
 use std::path::{Path, PathBuf};
 
@@ -8,7 +8,7 @@ use super::draft::scene_name;
 use super::files::{FileError, MOST_BYTES, MOST_TEXT_BYTES, SceneFiles, SceneFolder, read_plain_file};
 use super::load_error::LoadError;
 use super::sidecar::{Sidecar, SidecarError};
-use super::{EditError, Reading, Scene, gltf, obj, said};
+use super::{EditError, Reading, Scene, gltf, obj, ply, said, stl};
 
 /// So many objects of the sidecar that are not there are named, the rest is counted.
 const MOST_REMARKS: usize = 5;
@@ -16,7 +16,7 @@ const MOST_REMARKS: usize = 5;
 /// Where a scene comes from.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Source {
-    /// A file: OBJ, glTF or GLB.
+    /// A file: OBJ, glTF, GLB, PLY or STL.
     File(PathBuf),
     /// One of our own scenes, drawn by code.
     Builtin(BuiltinScene),
@@ -75,6 +75,8 @@ fn load_bytes_with(path: &Path, bytes: Vec<u8>, files: &dyn SceneFiles, reading:
     let draft = match format_of(path, &bytes)? {
         Format::Obj => obj::read(path, &bytes, files)?,
         Format::Gltf => gltf::read(path, &bytes, files)?,
+        Format::Ply => ply::read(path, &bytes)?,
+        Format::Stl => stl::read(path, &bytes)?,
     };
     drop(bytes);
     let sidecar_path = Sidecar::path_for(path);
@@ -110,10 +112,16 @@ fn load_bytes_with(path: &Path, bytes: Vec<u8>, files: &dyn SceneFiles, reading:
 enum Format {
     Obj,
     Gltf,
+    Ply,
+    Stl,
 }
 
 /// Decides by content where that is clear, else by extension.
 fn format_of(path: &Path, bytes: &[u8]) -> Result<Format, LoadError> {
+    // What a binary STL begins with may be anything.
+    if stl::is_binary(bytes) {
+        return Ok(Format::Stl);
+    }
     let not_a_scene = |what: String| Err(LoadError::NotAScene { path: path.to_owned(), what });
     if let Ok(image) = image::guess_format(bytes)
         && !bytes.starts_with(b"P")
@@ -121,14 +129,13 @@ fn format_of(path: &Path, bytes: &[u8]) -> Result<Format, LoadError> {
         let extension = image.extensions_str().first().copied().unwrap_or_default();
         return not_a_scene(format!("an image ({})", extension.to_uppercase()));
     }
-    let known: [(&[u8], &str); 8] = [
+    let known: [(&[u8], &str); 7] = [
         (b"%PDF", "a PDF document"),
         (b"PK\x03\x04", "a ZIP archive (unpack it first)"),
         (b"\x1f\x8b", "a compressed file (unpack it first)"),
         (b"BLENDER", "a Blender file (export it as glTF)"),
         (b"\x28\xb5\x2f\xfd", "a compressed file (unpack it first)"),
         (b"Kaydara FBX", "an FBX file (convert it to glTF)"),
-        (b"ply", "a PLY file (convert it to OBJ)"),
         (b"\x7fELF", "a program"),
     ];
     if let Some((_, what)) = known.iter().find(|(magic, _)| bytes.starts_with(magic)) {
@@ -138,6 +145,12 @@ fn format_of(path: &Path, bytes: &[u8]) -> Result<Format, LoadError> {
     if bytes.starts_with(b"glTF") {
         return Ok(Format::Gltf);
     }
+    if ply::is_ply(bytes) {
+        return Ok(Format::Ply);
+    }
+    if extension == "stl" || stl::is_text(bytes) {
+        return Ok(Format::Stl);
+    }
     if bytes.iter().take(8192).any(|&byte| byte == 0) {
         return not_a_scene("a binary file of an unknown kind".to_owned());
     }
@@ -145,6 +158,7 @@ fn format_of(path: &Path, bytes: &[u8]) -> Result<Format, LoadError> {
         "obj" => Ok(Format::Obj),
         "gltf" => Ok(Format::Gltf),
         "glb" => not_a_scene("a file without the header of a GLB file".to_owned()),
+        "ply" => not_a_scene("a file without the header of a PLY file".to_owned()),
         _ if bytes.trim_ascii_start().starts_with(b"{") => Ok(Format::Gltf),
         _ if bytes.split(|&byte| byte == b'\n').any(|line| line.trim_ascii_start().starts_with(b"v ")) => {
             Ok(Format::Obj)
@@ -167,5 +181,8 @@ mod tests {
         assert_eq!(of("a", b" {\"asset\": {}}"), Some(Format::Gltf));
         assert_eq!(of("a.obj", b"\x89PNG\r\n\x1a\n"), None);
         assert_eq!(of("a.txt", b"hello"), None);
+        assert_eq!(of("a.obj", b"ply\nformat ascii 1.0\n"), Some(Format::Ply));
+        assert_eq!(of("a", b"solid\nfacet normal 0 0 1\n"), Some(Format::Stl));
+        assert_eq!(of("a.ply", b"v 0 0 0\n"), None);
     }
 }

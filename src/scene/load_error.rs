@@ -31,13 +31,13 @@ pub enum LoadError {
         most_mib: u64,
     },
     /// The file has no content.
-    #[error("{}: the file is empty; Selflink reads OBJ, glTF and GLB scenes", path.display())]
+    #[error("{}: the file is empty; Selflink reads OBJ, glTF, GLB, PLY and STL scenes", path.display())]
     Empty {
         /// The file.
         path: PathBuf,
     },
     /// The file is something else.
-    #[error("{}: this is {what}, not a scene; Selflink reads OBJ, glTF and GLB scenes", path.display())]
+    #[error("{}: this is {what}, not a scene; Selflink reads OBJ, glTF, GLB, PLY and STL scenes", path.display())]
     NotAScene {
         /// The file.
         path: PathBuf,

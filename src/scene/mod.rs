@@ -1,6 +1,6 @@
 //! The scene: polygons, materials, groups and a camera, as every later layer reads them.
 //!
-//! A scene comes from a file ([`load`]: OBJ, glTF/GLB and their sidecar) or from code ([`builtin`]).
+//! A scene comes from a file ([`load`]: OBJ, glTF/GLB, PLY or STL, and its sidecar) or from code ([`builtin`]).
 //! Nothing here knows about clusters, links or windows; this module imports no other of the crate.
 
 mod assemble;
@@ -17,6 +17,7 @@ mod mtl;
 mod obj;
 mod paint;
 mod place;
+mod ply;
 mod punctual;
 mod reading;
 mod regroup;
@@ -24,6 +25,7 @@ mod regroup_edit;
 mod regroup_list;
 mod said;
 mod sidecar;
+mod stl;
 pub mod texture;
 mod triangulate;
 mod unit;

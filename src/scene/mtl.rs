@@ -45,6 +45,8 @@ struct MapStatement {
 pub(super) struct MaterialLibrary {
     by_name: HashMap<String, Statement>,
     textures: HashMap<String, Arc<Texture>>,
+    /// Whether opaque is what `d 0` means here.
+    d_means_clear: bool,
     /// Whether opaque is what `Tr 1` means here.
     tr_means_opaque: bool,
 }
@@ -111,7 +113,8 @@ impl MaterialLibrary {
     /// How much of what lies behind a material hides. `d` counts where it disagrees with `Tr`.
     fn opacity(&self, said: &Statement) -> f32 {
         let by_transparency = said.transparency.map(|tr| if self.tr_means_opaque { tr } else { 1.0 - tr });
-        said.dissolve.or(by_transparency).unwrap_or(1.0)
+        let by_dissolve = said.dissolve.map(|d| if self.d_means_clear { 1.0 - d } else { d });
+        by_dissolve.or(by_transparency).unwrap_or(1.0)
     }
 
     /// Decides what `Tr` means: how transparent a material is, or, for some exporters, how opaque.
@@ -122,6 +125,13 @@ impl MaterialLibrary {
         let both = all.clone().filter_map(|said| said.dissolve.zip(said.transparency));
         let (agree, disagree): (Vec<_>, Vec<_>) = both.partition(|(d, tr)| (d + tr - 1.0).abs() < 0.01);
         let equal = disagree.iter().filter(|(d, tr)| (d - tr).abs() < 0.01).count();
+        // Exporters that write one number twice mean transparency where it is 0 nearly everywhere.
+        let zeros = disagree.iter().filter(|(d, tr)| d.abs().max(tr.abs()) < 0.01).count();
+        self.d_means_clear = agree.is_empty() && 2 * zeros > self.by_name.len();
+        if self.d_means_clear {
+            skipped.note("`d` and `Tr` are taken for transparency: else nearly everything would be clear.");
+            return;
+        }
         // Where most materials are at 1, nothing would be left to be seen; a few among many are panes.
         self.tr_means_opaque = agree.is_empty() && (equal > 0 || 2 * opaque > self.by_name.len());
         if self.tr_means_opaque {
@@ -154,7 +164,7 @@ impl MaterialLibrary {
             let count = read.bad.len();
             let lines = if count == 1 { "line is".to_owned() } else { format!("{count} lines are") };
             skipped.note(format!(
-                "In the material file {file} {lines} not understood and left out (first: line {first})."
+                "In the material file {file}, {lines} not understood and left out (first: line {first})."
             ));
         }
         for (name, statement) in read.materials {
@@ -356,6 +366,7 @@ mod tests {
         assert_eq!(opacities("newmtl a\nTr 1\n"), [1.0]);
         assert_eq!(opacities("newmtl a\nTr 0\nnewmtl b\nTr 0\nnewmtl c\nTr 1"), [1.0, 1.0, 0.0]);
         assert_eq!(opacities("newmtl a\nTr 1\nd 1\nnewmtl b\nTr 0.9"), [1.0, 0.9]);
+        assert_eq!(opacities("newmtl a\nTr 0\nd 0\nnewmtl b\nTr 0.75\nd 0.75\nnewmtl c\nd 0\nTr 0"), [1.0, 0.25, 1.0]);
         assert_eq!(opacities("newmtl a\nTr 0.75\nd 0.25\nnewmtl b\nTr 1"), [0.25, 0.0]);
     }
 }

@@ -8,20 +8,16 @@ use std::path::{Path, PathBuf};
 use glam::{Vec2, Vec3};
 
 use super::GroupId;
-use super::draft::{Draft, DraftMaterial, MOST_POLYGONS, scene_name};
+use super::draft::{Draft, DraftMaterial, MOST_POLYGONS, NO_MATERIAL, scene_name};
 use super::face::{packed_colour, packed_normal};
 use super::files::{SceneFiles, name_of};
 use super::load_error::LoadError;
 use super::mtl::{MaterialLibrary, text_of};
-use super::place::{Reach, is_usable};
 use super::said::quoted;
 use super::unit::Unit;
 
 /// A face with more corners than this is no modeller's work.
 const MOST_CORNERS: usize = 1 << 16;
-
-/// The material of faces that come before any `usemtl`.
-const NO_MATERIAL: &str = "(no material)";
 
 /// Reads an OBJ file and its material files.
 ///
@@ -281,7 +277,9 @@ impl<'a> LineReader<'a> {
         if index > self.draft.vertices.len() as i64 {
             return Err(self.index_error(index, line));
         }
-        self.check_places()?;
+        if let Some(vertex) = self.draft.unusable_vertex() {
+            return Err(self.coordinate_error(vertex));
+        }
         self.colour_corners();
         let skipped = &mut self.draft.skipped;
         skipped.lines_and_points = self.lines_and_points;
@@ -289,19 +287,6 @@ impl<'a> LineReader<'a> {
         self.draft.unit = self.unit;
         self.add_materials(files);
         Ok(self.draft)
-    }
-
-    /// Looks at the vertices that faces use: all must be finite and not too far from each other.
-    fn check_places(&self) -> Result<(), LoadError> {
-        let mut reach = Reach::new();
-        for &corner in &self.draft.corners {
-            let vertex = self.draft.vertices[corner as usize];
-            if !vertex.to_array().into_iter().all(is_usable) {
-                return Err(self.coordinate_error(corner));
-            }
-            reach.add(vertex, corner);
-        }
-        reach.too_far().map_or(Ok(()), |corner| Err(self.coordinate_error(corner)))
     }
 
     fn coordinate_error(&self, vertex: u32) -> LoadError {

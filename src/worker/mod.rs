@@ -132,6 +132,8 @@ pub struct SceneInfo {
     pub generation: u64,
     /// Whether anything emits.
     pub has_light: bool,
+    /// A side that suits a light under the ceiling, in the scene's length unit.
+    pub ceiling_side: f32,
     /// What loading skipped, clamped or ignored, a sentence each.
     pub skipped: Vec<String>,
     /// Seconds spent reading, turning faces and building the occluders.

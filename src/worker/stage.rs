@@ -9,6 +9,7 @@ use super::session::{Drive, Session};
 use super::task::{Change, Changed, Task};
 use super::{Event, SceneInfo};
 use crate::added_light::AddedLight;
+use crate::ceiling;
 use crate::scene::{
     CameraPose, GroupMember, MAX_EMISSION, MAX_SIDECAR_REFLECTANCE, Material, MaterialId, Reading, Sidecar,
     SidecarError, Source,
@@ -151,6 +152,7 @@ impl Session {
             stamps: prepared.stamps.clone(),
             generation,
             has_light: prepared.scene.has_light(),
+            ceiling_side: ceiling::suggested_size(&prepared.scene, &prepared.occluders),
             skipped: prepared.scene.skipped.sentences(),
             load_seconds: prepared.seconds,
         });

@@ -11,8 +11,8 @@ fn bad_obj_files() {
     let cases: Vec<(&str, String, &[&str])> = vec![
         ("empty.obj", String::new(), &["the file is empty"]),
         ("blank.obj", " \n\t\n".into(), &["the file is empty"]),
-        ("image.obj", "\u{0}".into(), &["a binary file", "OBJ, glTF and GLB"]),
-        ("notes.txt", "hello".into(), &["a .txt file, not a scene", "OBJ, glTF and GLB"]),
+        ("image.obj", "\u{0}".into(), &["a binary file", "OBJ, glTF, GLB, PLY and STL"]),
+        ("notes.txt", "hello".into(), &["a .txt file, not a scene", "OBJ, glTF, GLB, PLY and STL"]),
         ("words.obj", "hello\nworld\n".into(), &["no polygons"]),
         ("corners.obj", corners.into(), &["no polygons"]),
         ("lines.obj", format!("{corners}l 1 2 3\n"), &["no polygons", "1 line or point"]),
@@ -56,11 +56,11 @@ fn files_that_are_no_scenes() {
     let png = b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR";
     for name in ["picture.png", "renamed.obj", "renamed.glb", "no_extension"] {
         let said = sentence(&folder.write(name, png));
-        assert!(said.contains("an image (PNG), not a scene; Selflink reads OBJ, glTF and GLB"), "{said}");
+        assert!(said.contains("an image (PNG), not a scene; Selflink reads OBJ, glTF, GLB, PLY and STL"), "{said}");
     }
     assert!(sentence(&folder.write("photo.jpg", b"\xff\xd8\xff\xe0\0\x10JFIF")).contains("an image (JPG)"));
     assert!(sentence(&folder.write("a.blend", b"BLENDER-v300")).contains("a Blender file"));
-    assert!(sentence(&folder.write("a.ply", b"ply\nformat ascii 1.0\n")).contains("a PLY file"));
+    assert!(sentence(&folder.write("a.ply", b"ply\nformat ascii 1.0\n")).contains("missing 'end_header'"));
     assert!(sentence(&folder.write("a.glb", b"not at all")).contains("without the header"));
 }
 

@@ -20,6 +20,7 @@ fn bad_pictures_are_refused() {
         (vec!["--out", picture, "--size", "100000x100000"], "--size"),
         (vec!["--out", picture, "--camera", "1,2,3"], "--camera"),
         (vec!["--out", picture, "--camera", "1,2,3:1,2,3"], "--camera"),
+        (vec!["--out", picture, "--camera", "door"], "it has none (it is `door`)"),
         (vec!["--out", picture, "--exposure", "bright"], "--exposure"),
         (vec!["--out", picture, "--overlay", "boxes"], "--overlay"),
         (vec!["--out", picture, "--overlay", "links:9999,1"], "outside the picture"),

@@ -33,16 +33,80 @@ pub fn glb(data: &[u8]) {
         return;
     }
     let (json, binary) = halves(data);
+    check("a.glb", container(json, binary), files(&[("a.bin", binary), ("a.png", PNG)]));
+}
+
+fn container(json: &[u8], binary: &[u8]) -> Vec<u8> {
     let chunk = |kind: &[u8; 4], content: &[u8]| [&(content.len() as u32).to_le_bytes()[..], kind, content].concat();
     let chunks = [chunk(b"JSON", json), chunk(b"BIN\0", binary)].concat();
     let length = 12 + chunks.len() as u32;
-    let glb = [b"glTF", &2_u32.to_le_bytes()[..], &length.to_le_bytes()[..], &chunks].concat();
-    check("a.glb", glb, files(&[("a.bin", binary), ("a.png", PNG)]));
+    [b"glTF", &2_u32.to_le_bytes()[..], &length.to_le_bytes()[..], &chunks].concat()
 }
 
 /// A sidecar of a small room.
 pub fn sidecar(data: &[u8]) {
     check("a.obj", ROOM.to_vec(), files(&[("a.mtl", MATERIALS), ("a.png", PNG), ("a.selflink.json", data)]));
+}
+
+/// A PLY file.
+pub fn ply(data: &[u8]) {
+    check("a.ply", data.to_vec(), files(&[]));
+}
+
+/// An STL file.
+pub fn stl(data: &[u8]) {
+    check("a.stl", data.to_vec(), files(&[]));
+}
+
+/// A picture, laid on a room under names of formats with and without a mark of their own.
+pub fn texture(data: &[u8]) {
+    let materials =
+        b"newmtl wall\nKd 0.5 0.5 0.5\nmap_Kd a.png\nmap_d a.tga\nnewmtl lamp\nmap_Kd a.tga\nmap_Ke a.dds\n";
+    let room = String::from_utf8_lossy(ROOM).replace("usemtl wall", "vt 0 0\nvt 1 0\nvt 0 1\nusemtl wall");
+    let room = room.replace("f 1 2 5", "f 1/1 2/2 5/3").replace("f 1 2 3 4", "f 1/1 2/2 3/3 4/1");
+    let named = [("a.mtl", &materials[..]), ("a.png", data), ("a.tga", data), ("a.dds", data)];
+    check("a.obj", room.into_bytes(), files(&named));
+}
+
+/// Compressed geometry: a byte each for what is compressed and how (see below), two for a count, and behind them the compressed bytes.
+pub fn compressed(data: &[u8]) {
+    let &[what, filter, stride, low, high, ref payload @ ..] = data else { return };
+    let count = usize::from(u16::from_le_bytes([low, high]));
+    let (stride, length) = (usize::from(stride), payload.len());
+    let mode = ["ATTRIBUTES", "TRIANGLES", "INDICES"][usize::from(what % 3)];
+    let filter = ["NONE", "OCTAHEDRAL", "QUATERNION", "EXPONENTIAL", "COLOR"][usize::from(filter % 5)];
+    let by_draco = what >= 128;
+    let (positions, indices) = match (by_draco, what % 3) {
+        (true, _) => (String::new(), String::new()),
+        (_, 0) => (r#""bufferView": 2,"#.to_owned(), r#""bufferView": 1,"#.to_owned()),
+        _ => (r#""bufferView": 0,"#.to_owned(), r#""bufferView": 2,"#.to_owned()),
+    };
+    let [corners, indices_there] = if what % 3 == 0 && !by_draco { [count, 6] } else { [4, count] };
+    let of_indices = if stride == 2 || what % 3 == 0 { 5123 } else { 5125 };
+    let decoded = count * stride;
+    let view = if by_draco {
+        format!(r#"{{"buffer": 0, "byteOffset": 60, "byteLength": {length}}}"#)
+    } else {
+        format!(
+            r#"{{"buffer": 1, "byteLength": {decoded}, "byteStride": {stride}, "extensions": {{"EXT_meshopt_compression":
+            {{"buffer": 0, "byteOffset": 60, "byteLength": {length}, "byteStride": {stride}, "count": {count}, "mode": "{mode}", "filter": "{filter}"}}}}}}"#
+        )
+    };
+    let draco = r#", "extensions": {"KHR_draco_mesh_compression": {"bufferView": 2, "attributes": {"POSITION": 0, "NORMAL": 1, "TEXCOORD_0": 2, "COLOR_0": 3}}}"#;
+    let json = format!(
+        r#"{{"asset": {{"version": "2.0"}}, "buffers": [{{"byteLength": {}}}, {{"byteLength": {decoded}}}],
+        "bufferViews": [{{"buffer": 0, "byteLength": 48}}, {{"buffer": 0, "byteOffset": 48, "byteLength": 12}}, {view}],
+        "accessors": [{{{positions} "componentType": 5126, "count": {corners}, "type": "VEC3"}},
+            {{{indices} "componentType": {of_indices}, "count": {indices_there}, "type": "SCALAR"}}],
+        "meshes": [{{"primitives": [{{"attributes": {{"POSITION": 0}}, "indices": 1{}}}]}}],
+        "nodes": [{{"mesh": 0}}], "scenes": [{{"nodes": [0]}}]}}"#,
+        60 + length,
+        if by_draco { draco } else { "" }
+    );
+    let corners = [0.0_f32, 0.0, 0.0, 1.0, 0.0, 0.0, 1.0, 1.0, 0.0, 0.0, 1.0, 0.0].map(f32::to_le_bytes);
+    let indices = [0_u16, 1, 2, 0, 2, 3].map(u16::to_le_bytes);
+    let binary = [corners.as_flattened(), indices.as_flattened(), payload].concat();
+    check("a.glb", container(json.as_bytes(), &binary), files(&[]));
 }
 
 fn halves(data: &[u8]) -> (&[u8], &[u8]) {

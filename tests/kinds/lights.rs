@@ -84,6 +84,12 @@ fn cameras_of_the_file_are_kept() {
         "a.glb",
     );
     assert_eq!((scene.cameras.len(), scene.cameras[0].name.as_str(), scene.skipped.ignored_cameras), (1, "door", 1));
+    let twice = r#""cameras": [{"name": "a", "type": "perspective", "perspective": {"yfov": 1.0, "znear": 0.01}}],
+        "nodes": [{"mesh": 0}, {"name": "b", "camera": 0}, {"name": "c", "camera": 0}, {"name": "c", "camera": 0}],
+        "scenes": [{"nodes": [0, 1, 2, 3]}], "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1}]}]"#;
+    let shared = load(&[("a.glb", &glb(&square_json(twice), &square_bytes()))], "a.glb");
+    let names: Vec<&str> = shared.cameras.iter().map(|camera| camera.name.as_str()).collect();
+    assert_eq!(names, ["a", "c", "c 2"], "each can be chosen by its name");
     let pose = scene.camera.expect("the file's own");
     assert_eq!(pose.eye, Vec3::new(0.3, 1.6, 3.7));
     assert!((pose.target - pose.eye).normalize().distance(-Vec3::Z) < 1e-6);

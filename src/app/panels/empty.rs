@@ -25,7 +25,9 @@ pub(in super::super) fn show(app: &mut App, ui: &mut Ui, rect: Rect, outbox: &mu
                 }
                 None => {
                     ui.label(RichText::new("Open a room to light").size(20.0).strong());
-                    ui.label(theme::weak("Drop an OBJ, glTF or GLB file here, or start with one of our own:"));
+                    ui.label(theme::weak(
+                        "Drop an OBJ, glTF, GLB, PLY or STL file here, or start with one of our own:",
+                    ));
                     ui.add_space(8.0);
                     ui.columns(BuiltinScene::ALL.len(), |columns| {
                         for (column, scene) in columns.iter_mut().zip(BuiltinScene::ALL) {

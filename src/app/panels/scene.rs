@@ -136,7 +136,11 @@ fn show_present(ui: &mut Ui, info: &SceneInfo) {
 fn show_path_field(ui: &mut Ui, files: &mut Files, outbox: &mut Outbox) {
     ui.horizontal(|ui| {
         let browse = egui::Button::new("Browse…");
-        if ui.add_enabled(!files.dialog_is_open(), browse).on_hover_text("Choose a file (OBJ, glTF, GLB)").clicked() {
+        if ui
+            .add_enabled(!files.dialog_is_open(), browse)
+            .on_hover_text("Choose a file (OBJ, glTF, GLB, PLY, STL)")
+            .clicked()
+        {
             files.open_dialog(ui.ctx());
         }
         let width = ui.available_width() - 64.0;
@@ -147,7 +151,7 @@ fn show_path_field(ui: &mut Ui, files: &mut Files, outbox: &mut Outbox) {
         let is_cut = end.is_some();
         let field = egui::TextEdit::singleline(end.as_mut().unwrap_or(&mut files.path_text))
             .id(id)
-            .hint_text("path of an OBJ, glTF or GLB file")
+            .hint_text("path of an OBJ, glTF, GLB, PLY or STL file")
             .desired_width(width);
         let mut response = ui.add(field);
         if is_cut {

@@ -60,8 +60,12 @@ pub(super) fn add_camera(draft: &mut Draft, camera: &Camera, name: &str, world: 
         draft.skipped.ignored_cameras += 1;
         return;
     }
-    let name = camera.name.clone().unwrap_or_else(|| name.to_owned());
-    draft.cameras.push((said::name(&name), FiledCamera { eye, target, up, hfov_deg }));
+    // Nodes may share a camera: the first goes by its name, others by their nodes', so that each can be chosen.
+    let is_free = |name: &String| draft.cameras.iter().all(|(other, _)| other != name);
+    let names = camera.name.as_deref().into_iter().chain([name]).map(said::name);
+    let numbered = (2..).map(|number| format!("{} {number}", said::name(name)));
+    let name = names.chain(numbered).find(is_free).unwrap_or_default();
+    draft.cameras.push((name, FiledCamera { eye, target, up, hfov_deg }));
 }
 
 /// Where a node's mesh lies in the node's space: once where it is, or wherever EXT_mesh_gpu_instancing says.

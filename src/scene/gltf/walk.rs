@@ -103,7 +103,7 @@ impl Walk<'_> {
             let shown = more.iter().take(4).fold(said::name(first), |names, name| names + ", " + &said::name(name));
             let and_more = if suns.len() > 5 { format!(" and {} more", suns.len() - 5) } else { String::new() };
             self.draft.skipped.ignored_lights = suns.len();
-            self.draft.skipped.note(format!("There is no sun here yet, so left out: {shown}{and_more}."));
+            self.draft.skipped.note(format!("Suns are left out, as there are none here yet: {shown}{and_more}."));
         }
         Ok(())
     }

@@ -17,6 +17,11 @@ static LINEAR: LazyLock<[f32; 256]> = LazyLock::new(|| {
     })
 });
 
+/// The linear value of a step of sRGB.
+pub(super) fn linear_step(step: u8) -> f32 {
+    LINEAR[usize::from(step)]
+}
+
 /// A decoded picture: sRGB colours and linear alpha, as most files hold them.
 #[derive(Clone, PartialEq)]
 pub struct Texture {

@@ -2,7 +2,7 @@
 
 #![no_main]
 
-#[expect(dead_code, reason = "each fuzzer uses one of three inputs")]
+#[expect(dead_code, reason = "each fuzzer uses one of several inputs")]
 #[path = "../inputs.rs"]
 mod inputs;
 

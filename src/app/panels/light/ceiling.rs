@@ -5,8 +5,6 @@ use glam::Vec3;
 
 use super::super::super::{Outbox, theme};
 use super::exitance_slider;
-use crate::ceiling;
-use crate::scene::Scene;
 use crate::worker::Command;
 
 /// Exitance offered at first, W/m²: a bright office ceiling panel.
@@ -25,9 +23,9 @@ impl Default for CeilingEditor {
 }
 
 impl CeilingEditor {
-    /// A size that suits a scene.
-    pub(super) fn for_scene(scene: &Scene) -> Self {
-        Self { size: ceiling::suggested_size(scene), ..Self::default() }
+    /// Offers a side length.
+    pub(super) fn of_size(size: f32) -> Self {
+        Self { size, ..Self::default() }
     }
 }
 

@@ -34,11 +34,11 @@ pub(in super::super) struct LightEditor {
 
 impl LightEditor {
     /// For a scene that was just opened; its first lamp, if it has one, is the material at hand.
-    pub(in super::super) fn for_scene(scene: &Scene) -> Self {
+    pub(in super::super) fn for_scene(scene: &Scene, ceiling_side: f32) -> Self {
         let lamp = scene.materials.iter().position(|material| material.emission.max_element() > 0.0);
         let mut editor = Self {
             material: MaterialId(lamp.unwrap_or(0) as u32),
-            ceiling: CeilingEditor::for_scene(scene),
+            ceiling: CeilingEditor::of_size(ceiling_side),
             ..Self::default()
         };
         editor.follow(scene);
