@@ -28,6 +28,29 @@ fn an_error_is_what_one_asks_for() {
     assert!(by_threshold["error_asked"].is_null() && by_threshold["reconstruct"] == "vertex");
 }
 
+/// Truth: the statistics file of the same solve.
+#[test]
+fn the_summary_has_quantiles_of_the_local_error() {
+    let file = tempfile::NamedTempFile::new().expect("a file");
+    let path = file.path().to_str().expect("a plain path");
+    let output = selflink(&["solve", "cornell", "--error", "0.2", "--stats", path]);
+    let (said, stats) = (String::from_utf8_lossy(&output.stdout), std::fs::read(path).expect("statistics"));
+    let stats: serde_json::Value = serde_json::from_slice(&stats).expect("JSON");
+    let line = said.lines().find_map(|line| line.strip_prefix("local      ")).expect("a row of local errors");
+    let of = |what: &str, key: &str| 100.0 * stats["error"][what][key].as_f64().expect("a number");
+    let (read, mesh) = line.split_once("; ").expect("readings and mesh");
+    for (text, what, name) in [(read, "read", "readings: "), (mesh, "mesh", "bare mesh: ")] {
+        let values = text.strip_prefix(name).expect("its name").split(", ");
+        for (value, key) in values.zip(["p50", "p90", "p95"]) {
+            let value =
+                value.strip_prefix(key).and_then(|value| value.trim().strip_suffix(" %")).expect("a percentage");
+            let value: f64 = value.parse().expect("a number");
+            // Three digits are written.
+            assert!((value - of(what, key)).abs() <= 0.01 * of(what, key), "{what} {key}: {value} of {line}");
+        }
+    }
+}
+
 #[test]
 fn what_contradicts_itself_is_refused_in_a_sentence() {
     for (args, said) in [

@@ -1,7 +1,8 @@
-//! Scenes whose irradiance is known exactly at some places: what the reference and the solver must find.
+//! Scenes whose irradiance is known exactly at some places: what the reference and the solver must
+//! find.
 //!
-//! Figures are those of the closed forms; CIE 171:2006 is *Test cases to assess the accuracy of lighting computer programs*, its
-//! analytical cases for diffuse surfaces. The z axis points up.
+//! Figures are those of the closed forms; CIE 171:2006 is *Test cases to assess the accuracy of
+//! lighting computer programs*, its analytical cases for diffuse surfaces. The z axis points up.
 
 use std::f64::consts::PI;
 
@@ -12,29 +13,31 @@ use crate::scene::{GroupId, MaterialId, Scene};
 
 /// A scene and what is known of it.
 pub struct Case {
-    /// What it is.
+    /// Description of the case.
     pub name: &'static str,
     /// Where its truth comes from.
     pub source: &'static str,
     /// The scene; nothing is to be turned or doubled.
     pub scene: Scene,
-    /// What is known.
+    /// Known values.
     pub readings: Vec<Reading>,
 }
 
 /// An irradiance that is known.
 pub struct Reading {
-    /// What it is called in a table.
+    /// Name of the reading in a table.
     pub label: String,
     /// Where it is read.
     pub place: Place,
     /// The truth, in `unit`.
     pub truth: f64,
-    /// Share by which the scene itself may miss the truth: curved surfaces are drawn with flat faces.
+    /// Share by which the scene itself may miss the truth: curved surfaces are drawn with flat
+    /// faces.
     pub allowance: f64,
-    /// By how much an error in a row of form factors grows: 1/(1−ρ) in a closed room of one reflectance, else 1.
+    /// By how much an error in a row of form factors grows: 1/(1−ρ) in a closed room of one
+    /// reflectance, else 1.
     pub gain: f64,
-    /// What an irradiance of 1 W/m² counts in `unit`.
+    /// Value of an irradiance of 1 W/m² in `unit`.
     pub factor: f64,
     /// `lx`, `%`, or empty for a form factor or an irradiance per exitance of 1.
     pub unit: &'static str,
@@ -128,8 +131,8 @@ fn furnace(reflectance: f64) -> Case {
     Case { name, source: "E = B_e/(1−ρ)", readings, scene }
 }
 
-/// The ceiling of a unit cube shines; means of B as found by solves with exact form factors, extrapolated to N → ∞ (good to
-/// 2·10⁻⁵), here as E = (B − B_e)/ρ.
+/// The ceiling of a unit cube shines; means of B as found by solves with exact form factors,
+/// extrapolated to N → ∞ (good to 2·10⁻⁵), here as E = (B − B_e)/ρ.
 fn cubes() -> [Case; 3] {
     let cube = |name, reflectance: f64, ceiling_reflectance: f64, floor: f64, ceiling: Option<f64>, wall: f64| {
         let mut scene = Scene::new(name);
@@ -154,8 +157,9 @@ fn cubes() -> [Case; 3] {
     ]
 }
 
-/// A sphere of 320 triangles of ρ = 0.5 whose top shines. The mean over all faces is exact by conservation; between flat faces
-/// F = A/4πR² holds to 0.5 % for the far half (measured with the reference).
+/// A sphere of 320 triangles of ρ = 0.5 whose top shines. The mean over all faces is exact by
+/// conservation; between flat faces F = A/4πR² holds to 0.5 % for the far half (measured with the
+/// reference).
 fn sphere() -> Case {
     let mut scene = Scene::new("sphere");
     let wall = scene.add_material("wall", Vec3::splat(0.5), Vec3::ZERO);
@@ -176,7 +180,8 @@ fn sphere() -> Case {
     Case { name: "sphere, ρ = 0.5", source: "F = A/4πR²", readings, scene }
 }
 
-/// CIE 171:2006, 5.2: a point lamp of 1,000 cd, 3 m above a plane; here a Lambertian square of 1 cm, which differs by 10⁻⁵.
+/// CIE 171:2006, 5.2: a point lamp of 1,000 cd, 3 m above a plane; here a Lambertian square of 1
+/// cm, which differs by 10⁻⁵.
 fn cie_5_2() -> Case {
     let mut scene = Scene::new("CIE 171 5.2");
     let side = 0.01;
@@ -192,8 +197,8 @@ fn cie_5_2() -> Case {
     Case { name: "CIE 171 5.2, point lamp", source: "I₀h²/d⁴", readings: places.map(reading).into(), scene }
 }
 
-/// CIE 171:2006, 5.3: a Lambertian square of 1 m and 1,000 cd in the ceiling of a black room of 4 × 4 × 3 m. The ceiling, which
-/// neither shines nor reflects, is left out.
+/// CIE 171:2006, 5.3: a Lambertian square of 1 m and 1,000 cd in the ceiling of a black room of 4 ×
+/// 4 × 3 m. The ceiling, which neither shines nor reflects, is left out.
 fn cie_5_3() -> Case {
     let mut scene = Scene::new("CIE 171 5.3");
     let (shining, black) = lamp_and_black(&mut scene, PI * 1000.0);
@@ -212,7 +217,8 @@ fn cie_5_3() -> Case {
     Case { name: "CIE 171 5.3, area lamp", source: "Lambert", readings, scene }
 }
 
-/// CIE 171:2006, 5.6: light that a floor of 4 × 4 m reflects, as shares of what leaves it; here the floor itself shines.
+/// CIE 171:2006, 5.6: light that a floor of 4 × 4 m reflects, as shares of what leaves it; here the
+/// floor itself shines.
 fn cie_5_6() -> Case {
     let mut scene = Scene::new("CIE 171 5.6");
     let (shining, black) = lamp_and_black(&mut scene, 1.0);
@@ -230,8 +236,9 @@ fn cie_5_6() -> Case {
     Case { name: "CIE 171 5.6, reflecting floor", source: "Lambert", readings, scene }
 }
 
-/// CIE 171:2006, 5.7: light that the wall y = 4 reflects, behind a black box of 4 × 0.2 × 1 m (y from 2.5 to 2.7), as shares of
-/// what leaves it; here the wall itself shines. The standard's own Table 19 is wrong; truth is the part of the wall that is seen.
+/// CIE 171:2006, 5.7: light that the wall y = 4 reflects, behind a black box of 4 × 0.2 × 1 m (y
+/// from 2.5 to 2.7), as shares of what leaves it; here the wall itself shines. The standard's own
+/// Table 19 is wrong; truth is the part of the wall that is seen.
 fn cie_5_7() -> Case {
     let mut scene = Scene::new("CIE 171 5.7");
     let (shining, black) = lamp_and_black(&mut scene, 1.0);
@@ -244,7 +251,8 @@ fn cie_5_7() -> Case {
     let on_wall = [2.75, 2.25, 1.75, 1.25, 0.75, 0.25].map(|z| (format!("wall, z = {z}"), 1, [2.0, 0.0, z], DVec3::Y));
     let on_floor = [0.25, 0.75, 1.25, 1.75, 2.25].map(|y| (format!("floor, y = {y}"), 2, [2.0, y, 0.0], DVec3::Z));
     let reading = |(label, polygon, at, normal): (String, u32, [f64; 3], DVec3)| {
-        // The line over the box's top edge meets the wall there: over the far edge from above it, the near one from below.
+        // The line over the box's top edge meets the wall there: over the far edge from above it,
+        // the near one from below.
         let [_, y, z] = at;
         let edge = if z > 1.0 { 2.7 } else { 2.5 };
         let from = (z + (1.0 - z) * (4.0 - y) / (edge - y)).clamp(0.0, 3.0);
@@ -256,8 +264,9 @@ fn cie_5_7() -> Case {
     Case { name: "CIE 171 5.7, box before a wall", source: "Lambert, part seen", readings, scene }
 }
 
-/// CIE 171:2006, 5.8: a cube of 4 m with a lamp of 10,000 lm; the mean illuminance of its six faces, direct light included.
-/// One case of one cube for each reflectance would differ in a number only: the cubes stand side by side and cannot see each other.
+/// CIE 171:2006, 5.8: a cube of 4 m with a lamp of 10,000 lm; the mean illuminance of its six
+/// faces, direct light included. One case of one cube for each reflectance would differ in a number
+/// only: the cubes stand side by side and cannot see each other.
 fn cie_5_8() -> Case {
     let mut scene = Scene::new("CIE 171 5.8");
     let side = 0.01;
@@ -312,7 +321,8 @@ fn share(label: &str, polygon: u32, at: DVec3, truth: f64) -> Reading {
     Reading { factor: 100.0, unit: "%", ..point(label, polygon, at.as_vec3(), 100.0 * truth) }
 }
 
-/// A lamp of this exitance, W/m², that reflects nothing, and a material that neither shines nor reflects.
+/// A lamp of this exitance, W/m², that reflects nothing, and a material that neither shines nor
+/// reflects.
 pub(crate) fn lamp_and_black(scene: &mut Scene, exitance: f64) -> (MaterialId, MaterialId) {
     let lamp = scene.add_material("lamp", Vec3::ZERO, Vec3::splat(exitance as f32));
     (lamp, scene.add_material("black", Vec3::ZERO, Vec3::ZERO))
@@ -360,7 +370,8 @@ fn add_room(scene: &mut Scene, size: Vec3, of: [MaterialId; 6]) {
     }
 }
 
-/// The triangles of a unit sphere, bright inside: an icosahedron, each face cut into four so many times.
+/// The triangles of a unit sphere, bright inside: an icosahedron, each face cut into four so many
+/// times.
 fn icosphere(cuts: u32) -> Vec<[Vec3; 3]> {
     let golden = 0.5 * (1.0 + 5.0_f32.sqrt());
     let axes = [(0, 1, 2), (1, 2, 0), (2, 0, 1)];
@@ -403,7 +414,8 @@ fn icosphere(cuts: u32) -> Vec<[Vec3; 3]> {
 mod tests {
     use super::*;
 
-    /// Truth: the values of CIE 171:2006 as recomputed and published, to their last digit; those of 5.7 are good to 0.3 %.
+    /// Truth: the values of CIE 171:2006 as recomputed and published, to their last digit; those of
+    /// 5.7 are good to 0.3 %.
     #[test]
     fn the_cases_have_the_published_values() {
         let known: [(Case, &[f64], f64); 4] = [

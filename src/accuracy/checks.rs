@@ -1,4 +1,4 @@
-//! What the reference and the solver find in a [`Case`].
+//! Values of the reference and the solver for a [`Case`].
 
 use std::sync::Arc;
 
@@ -25,8 +25,8 @@ const SETS: usize = 32;
 /// Points of a set.
 const POINTS_OF_SET: usize = 64;
 
-/// What the reference finds for each reading: `passes` passes at points, and a share of them at the many points
-/// that stand for an area.
+/// What the reference finds for each reading: `passes` passes at points, and a share of them at the
+/// many points that stand for an area.
 pub fn by_reference(case: &Case, passes: u32, seed: u64) -> Vec<Measured> {
     let trace = |points: Vec<SurfacePoint>, passes: u32| {
         let mut run = ReferenceRun::new(&case.scene, points.into(), seed);
@@ -58,7 +58,7 @@ pub fn by_reference(case: &Case, passes: u32, seed: u64) -> Vec<Measured> {
     case.readings.iter().map(measured).collect()
 }
 
-/// What the solver finds for each reading: at points as displayed, over areas as its leaves have it.
+/// The solver's value of each reading: at points as displayed, over areas as its leaves have it.
 ///
 /// # Errors
 /// Parameters that cannot be used.

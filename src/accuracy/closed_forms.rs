@@ -1,7 +1,8 @@
 //! Form factors and irradiances that are known exactly; all lengths in one unit, all values in f64.
 //!
-//! Sources: J. R. Howell, *A catalogue of radiation heat transfer configuration factors* (C-11, C-14 and the 16-term sums);
-//! J. H. Lambert's formula for a point and a polygon; conservation of power for closed rooms.
+//! Sources: J. R. Howell, *A catalogue of radiation heat transfer configuration factors* (C-11,
+//! C-14 and the 16-term sums); J. H. Lambert's formula for a point and a polygon; conservation of
+//! power for closed rooms.
 
 use std::f64::consts::PI;
 
@@ -19,7 +20,8 @@ pub fn facing_rectangles(a: f64, b: f64, c: f64) -> f64 {
     2.0 / (PI * x * y) * (log + arcs)
 }
 
-/// F from a rectangle l × w to one of l × h that stands at right angles on their common edge l (Howell C-14).
+/// F from a rectangle l × w to one of l × h that stands at right angles on their common edge l
+/// (Howell C-14).
 pub fn adjoining_rectangles(l: f64, w: f64, h: f64) -> f64 {
     let (w, h) = (w / l, h / l);
     let (w2, h2) = (w * w, h * h);
@@ -41,7 +43,8 @@ pub fn parallel_exchange(x: Span, y: Span, xi: Span, eta: Span, z: f64) -> f64 {
     })
 }
 
-/// Exchange A·F of two perpendicular rectangles: one spans x and y at z = 0, the other z = ξ and y = η at x = 0.
+/// Exchange A·F of two perpendicular rectangles: one spans x and y at z = 0, the other z = ξ and y
+/// = η at x = 0.
 pub fn perpendicular_exchange(x: Span, y: Span, xi: Span, eta: Span) -> f64 {
     corners([x, y, xi, eta], |[x, y, xi, eta]| {
         let (c, d) = (x.hypot(xi), y - eta);
@@ -61,8 +64,8 @@ fn corners(spans: [Span; 4], term: impl Fn([f64; 4]) -> f64) -> f64 {
     (0..16).map(corner).sum()
 }
 
-/// F from a small area to a polygon: Lambert's formula over the part above the area's horizon. A polygon of uniform radiosity
-/// B gives it the irradiance B·F. Corners in either sense of rotation.
+/// F from a small area to a polygon: Lambert's formula over the part above the area's horizon. A
+/// polygon of uniform radiosity B gives it the irradiance B·F. Corners in either sense of rotation.
 pub fn point_to_polygon(point: DVec3, normal: DVec3, polygon: &[DVec3]) -> f64 {
     let height = |corner: DVec3| (corner - point).dot(normal);
     let mut above = Vec::with_capacity(polygon.len() + 1);
@@ -85,20 +88,23 @@ pub fn point_to_polygon(point: DVec3, normal: DVec3, polygon: &[DVec3]) -> f64 {
     ((0..above.len()).map(edge).sum::<f64>() / (2.0 * PI)).abs()
 }
 
-/// F from a small area to a parallel rectangle a × b at distance c that has a corner on the area's normal.
+/// F from a small area to a parallel rectangle a × b at distance c that has a corner on the area's
+/// normal.
 pub fn point_to_corner_rectangle(a: f64, b: f64, c: f64) -> f64 {
     let (a, b) = (a / c, b / c);
     let (ra, rb) = ((1.0 + a * a).sqrt(), (1.0 + b * b).sqrt());
     (a / ra * (b / ra).atan() + b / rb * (a / rb).atan()) / (2.0 * PI)
 }
 
-/// Irradiance in a closed sphere or, as the mean over all faces, in any closed room of one reflectance ρ: what is emitted in
-/// all, over A·(1−ρ). In a sphere every point sees every area alike, F = A/4πR², so there it holds at every point whatever emits.
+/// Irradiance in a closed sphere or, as the mean over all faces, in any closed room of one
+/// reflectance ρ: what is emitted in all, over A·(1−ρ). In a sphere every point sees every area
+/// alike, F = A/4πR², so there it holds at every point whatever emits.
 pub fn closed_room(power: f64, area: f64, reflectance: f64) -> f64 {
     power / (area * (1.0 - reflectance))
 }
 
-/// Illuminance of a plane under a small Lambertian lamp that faces it at height h: I₀·cos²θ/d² = I₀·h²/d⁴.
+/// Illuminance of a plane under a small Lambertian lamp that faces it at height h: I₀·cos²θ/d² =
+/// I₀·h²/d⁴.
 pub fn small_lamp(intensity: f64, height: f64, aside: f64) -> f64 {
     let distance_squared = height * height + aside * aside;
     intensity * height * height / (distance_squared * distance_squared)
@@ -114,7 +120,8 @@ mod tests {
         assert!((value - truth).abs() < tolerance, "{value} instead of {truth}");
     }
 
-    /// Truth: values computed elsewhere by quadrature and by Monte Carlo, and the sum of a cube's form factors.
+    /// Truth: values computed elsewhere by quadrature and by Monte Carlo, and the sum of a cube's
+    /// form factors.
     #[test]
     fn rectangles() {
         near(facing_rectangles(1.0, 1.0, 1.0), 0.199_824_895_7, 1e-10);
@@ -130,7 +137,8 @@ mod tests {
         near(perpendicular_exchange([0.5, 1.5], UNIT, [0.25, 1.25], [2.0, 3.0]), 0.008_179_128_8, 1e-10);
     }
 
-    /// Truth: the corner formula; by symmetry a wall that stands half below the horizon counts with its upper half.
+    /// Truth: the corner formula; by symmetry a wall that stands half below the horizon counts with
+    /// its upper half.
     #[test]
     fn points_and_polygons() {
         let at = |x: f64, y: f64, z: f64| DVec3::new(x, y, z);

@@ -7,11 +7,11 @@ use crate::photometry::weighted;
 use crate::probe::Probe;
 use crate::solver::{Mesh, Snapshot};
 
-/// Differences are relative to the former's luminance, but to no less than this share of its mean: where next to no light is, any is
-/// many times as much.
+/// Differences are relative to the former's luminance, but to no less than this share of its mean:
+/// where next to no light is, any is many times as much.
 const LEAST_SHARE: f32 = 0.01;
-/// Vertices are looked up this far towards the middle of a triangle, as a share of the way: on an edge between two materials
-/// either could answer.
+/// Vertices are looked up this far towards the middle of a triangle, as a share of the way: on an
+/// edge between two materials either could answer.
 const INWARDS: f32 = 0.02;
 
 /// The difference between two solutions.
@@ -57,7 +57,8 @@ fn triangle_of_vertices(mesh: &Mesh) -> Vec<u32> {
     triangles
 }
 
-/// Root of the mean square difference over the triangles, each by its corners, over that of A; 0 where A is dark.
+/// Root of the mean square difference over the triangles, each by its corners, over that of A; 0
+/// where A is dark.
 fn rms(mesh: &Mesh, pairs: &[Option<[Vec3; 2]>]) -> f64 {
     let (mut squares, mut reference) = (0.0, 0.0);
     for corners in &mesh.triangles {

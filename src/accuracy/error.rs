@@ -1,9 +1,10 @@
 //! The error of a solution against a reference.
 //!
-//! B is compared at the reference's points, which count by the area that they stand for and do not lie on lamps, both as it is read (gathered
-//! there, or interpolated between vertices) and as the solver has it (one constant per leaf). The squares of the reference's own standard errors are
-//! subtracted, so that its noise is not taken for an error of the solution. The points are a sample of the surfaces, so every
-//! error has a standard error of its own.
+//! B is compared at the reference's points, which count by the area that they stand for and do not
+//! lie on lamps, both as it is read (gathered there, or interpolated between vertices) and as the
+//! solver has it (one constant per leaf). The squares of the reference's own standard errors are
+//! subtracted, so that its noise is not taken for an error of the solution. The points are a sample
+//! of the surfaces, so every error has a standard error of its own.
 
 use std::sync::Arc;
 
@@ -18,7 +19,8 @@ use crate::gather::{Field, NOISE};
 use crate::reference::{Reference, SurfacePoint};
 use crate::solver::{Mesh, Snapshot};
 
-/// Points darker than this share of the RMS radiosity count as that bright in local errors: relative to nothing, all is wrong.
+/// Points darker than this share of the RMS radiosity count as that bright in local errors:
+/// relative to nothing, all is wrong.
 const DARKEST: f64 = 1e-4;
 
 /// Standard error of what is read at a point, as a share of the light there.
@@ -27,38 +29,43 @@ const READING_ERROR: f32 = 0.02;
 /// The error of one way to read a solution.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Measure {
-    /// RMS of the difference in B over the area, all colours together, over the RMS of B; the reference's noise is subtracted.
+    /// RMS of the difference in B over the area, all colours together, over the RMS of B; the
+    /// reference's noise is subtracted.
     pub rms: f64,
-    /// Standard error of `rms`, in the same unit: what other random points, and another reference of the same noise, would
-    /// change in it. By the jackknife over the points \[Efron, Stein 1981\]: where few points hold most of the squared error it is about as
-    /// large as `rms`, and what no point has met it does not know. Where `below_noise`, the error that may hide there.
+    /// Standard error of `rms`, in the same unit: what other random points, and another reference
+    /// of the same noise, would change in it. By the jackknife over the points \[Efron, Stein
+    /// 1981\]: where few points hold most of the squared error it is about as large as `rms`, and
+    /// what no point has met it does not know. Where `below_noise`, the error that may hide there.
     /// Infinite where only one point was compared.
     pub rms_noise: f64,
     /// `rms` per colour.
     pub rms_rgb: [f64; 3],
-    /// Whether the difference is within the reference's noise, so that `rms` is 0 for want of a better reference.
+    /// Whether the difference is within the reference's noise, so that `rms` is 0 for want of a
+    /// better reference.
     pub below_noise: bool,
     /// Mean difference over the mean of B per colour; positive where the solution is too bright.
     pub bias_rgb: [f64; 3],
-    /// The same over all colours.
+    /// Mean difference over the mean of B, over all colours.
     pub bias: f64,
     /// Local relative error |ΔB|/|B|, its median over the area.
     pub local_median: f64,
-    /// Standard error of `local_median`, in the same unit: half the distance between the local errors of rank n/2 ± √n/2, for as many
-    /// points as would say as much if all counted alike. Infinite where only one point was compared.
+    /// Standard error of `local_median`, in the same unit: half the distance between the local
+    /// errors of rank n/2 ± √n/2, for as many points as would say as much if all counted alike.
+    /// Infinite where only one point was compared.
     pub local_median_noise: f64,
     /// The local error's 95th percentile.
     pub local_p95: f64,
-    /// Its median over the darker half of the area.
+    /// Median of the local error over the darker half of the area.
     pub dark_median: f64,
-    /// Its 95th percentile there.
+    /// 95th percentile of the local error over the darker half of the area.
     pub dark_p95: f64,
 }
 
 /// The error of a solution.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct SolutionError {
-    /// Of what is read: gathered at the point, or interpolated between vertices where there is no gather.
+    /// Of what is read: gathered at the point, or interpolated between vertices where there is no
+    /// gather.
     pub displayed: Measure,
     /// Of the leaves' constants.
     pub leaves: Measure,
@@ -72,7 +79,8 @@ pub struct SolutionError {
     pub points: usize,
 }
 
-/// Measures snapshots against one reference; remembers where its points lie as long as the mesh stays.
+/// Measures snapshots against one reference; remembers where its points lie as long as the mesh
+/// stays.
 pub struct ErrorMeter {
     reference: Arc<Reference>,
     located: Option<(Arc<Mesh>, Vec<Option<Place>>)>,
@@ -121,8 +129,8 @@ impl ErrorMeter {
         }
     }
 
-    /// B as it is read at each point, W/m²: gathered there, or interpolated where there is no field to gather over;
-    /// `None` where the mesh does not have the point's polygon.
+    /// B as it is read at each point, W/m²: gathered there, or interpolated where there is no field
+    /// to gather over; `None` where the mesh does not have the point's polygon.
     pub fn radiosities(&mut self, snapshot: &Snapshot) -> Vec<Option<DVec3>> {
         if let Some(field) = &snapshot.field {
             let reflect = |(irradiance, point): (Vec3, &SurfacePoint)| {
@@ -159,7 +167,7 @@ impl ErrorMeter {
         LocalError::of(&displayed.iter().enumerate().filter_map(compared).collect::<Vec<_>>())
     }
 
-    /// What a field says of each point.
+    /// Readings of a field at each point.
     fn read(&self, field: &Field, asked: Option<f64>) -> Vec<Vec3> {
         let error = asked.map_or(READING_ERROR, |asked| READING_ERROR.min((NOISE * asked) as f32));
         let read = |point: &SurfacePoint| field.read(point.polygon, point.position, error).mean;
@@ -182,8 +190,8 @@ impl ErrorMeter {
         self.places(mesh).iter().map(|place| place.as_ref().map(at)).collect()
     }
 
-    /// Signed relative error of what is displayed at each point, colours together, (ΣB − ΣB*)/ΣB*; NaN where the mesh does
-    /// not have the point's polygon.
+    /// Signed relative error of what is displayed at each point, colours together, (ΣB − ΣB*)/ΣB*;
+    /// NaN where the mesh does not have the point's polygon.
     pub fn relative_differences(&mut self, snapshot: &Snapshot) -> Vec<f32> {
         let displayed = self.radiosities(snapshot);
         let truths: Vec<f64> =
@@ -222,12 +230,12 @@ struct Sample {
     truth: DVec3,
     noise: DVec3,
     difference: DVec3,
-    /// What it counts.
+    /// Weight of the point.
     weight: f64,
 }
 
-/// The error of an estimate of which each point is off by its own standard error: the RMS error of an unbiased one, such as a path
-/// tracer's.
+/// The error of an estimate of which each point is off by its own standard error: the RMS error of
+/// an unbiased one, such as a path tracer's.
 pub fn of_standard_errors(estimate: &Reference) -> Measure {
     let sample = |index: usize| Sample {
         truth: estimate.radiosity(index),
@@ -294,7 +302,8 @@ fn darker_half<'a>(by_brightness: &'a [&'a Sample]) -> &'a [&'a Sample] {
     &by_brightness[..count]
 }
 
-/// Median of the reference's relative standard error over the darker half of the area that is lit at all.
+/// Median of the reference's relative standard error over the darker half of the area that is lit
+/// at all.
 fn dark_noise(samples: &[Sample]) -> f64 {
     let mut lit: Vec<&Sample> = samples.iter().filter(|sample| sample.truth.length() > 0.0).collect();
     lit.sort_by(|a, b| a.truth.length().total_cmp(&b.truth.length()));
@@ -322,8 +331,8 @@ mod tests {
         Sample { truth, noise, difference, weight: 1.0 }
     }
 
-    /// Truth: worked out by hand. Nine points of B = 1 that are right and one of B = 4 that is 2 too bright, noise ½ there:
-    /// RMS √((4 − ¼)/25), bias 2/13.
+    /// Truth: worked out by hand. Nine points of B = 1 that are right and one of B = 4 that is 2
+    /// too bright, noise ½ there: RMS √((4 − ¼)/25), bias 2/13.
     #[test]
     fn the_noise_is_subtracted_and_the_bias_has_a_sign() {
         let mut samples: Vec<Sample> = (0..9).map(|_| sample(1.0, 0.0, 0.0)).collect();
@@ -334,7 +343,8 @@ mod tests {
         assert_eq!((found.local_median, found.dark_p95), (0.0, 0.0));
         assert!((found.local_p95 - 3.75_f64.sqrt() / 4.0).abs() < 1e-12, "{found:?}");
         assert!(!found.below_noise);
-        // One point holds the whole error: without it there is none, and without another it grows by next to nothing.
+        // One point holds the whole error: without it there is none, and without another it grows
+        // by next to nothing.
         assert!((0.9..1.1).contains(&(found.rms_noise / found.rms)), "{found:?}");
         let found = measure(&[sample(1.0, 0.1, 0.2), sample(1.0, -0.1, 0.2)]);
         assert_eq!((found.rms, found.below_noise), (0.0, true));
@@ -345,7 +355,8 @@ mod tests {
         assert_eq!((found.rms_noise, found.local_median_noise), (f64::INFINITY, f64::INFINITY), "{found:?}");
     }
 
-    /// Truth: the definition. A point of weight 3 is three points, in means, medians and the darker half alike.
+    /// Truth: the definition. A point of weight 3 is three points, in means, medians and the darker
+    /// half alike.
     #[test]
     fn a_weight_is_so_many_points() {
         let of = |weights: [usize; 3], counts: [usize; 3]| {
@@ -364,7 +375,8 @@ mod tests {
         );
     }
 
-    /// Truth: the definition. A dark room behind a bright one that is wholly wrong hardly shows in the RMS.
+    /// Truth: the definition. A dark room behind a bright one that is wholly wrong hardly shows in
+    /// the RMS.
     #[test]
     fn a_dark_room_that_is_wrong_shows_in_the_darker_half() {
         let bright = (0..60).map(|_| sample(1.0, 0.001, 0.0));

@@ -85,7 +85,8 @@ mod tests {
     use super::*;
     use crate::solver::Leaf;
 
-    /// Two squares back to back: each takes the values of its own points only, and one without points knows nothing.
+    /// Two squares back to back: each takes the values of its own points only, and one without
+    /// points knows nothing.
     #[test]
     fn values_stay_on_their_own_side() {
         let leaf = |polygon| Leaf {

@@ -1,8 +1,8 @@
 //! The local error of irradiances: |ΔE|/(E + E₀) at each point, and its quantiles over the area.
 //!
-//! An RMS over radiosities is ruled by the brightest places; relative errors alone by the darkest. E₀ is a tenth of the median
-//! of E over the area: an error counts relative to the light of its own place, and where there is next to none, relative to a dim place
-//! of the scene.
+//! An RMS over radiosities is ruled by the brightest places; relative errors alone by the darkest.
+//! E₀ is a tenth of the median of E over the area: an error counts relative to the light of its own
+//! place, and where there is next to none, relative to a dim place of the scene.
 
 use glam::DVec3;
 use serde::Serialize;
@@ -14,7 +14,8 @@ use crate::reference::Reference;
 const FLOOR: f64 = 0.1;
 /// The quantile that is the main figure: *9 of 10 surfaces within …*.
 pub const MAIN_SHARE: f64 = 0.9;
-/// Half of all normal errors are below 0.6745 of their standard deviation, 90 % below 1.6449, 95 % below 1.96.
+/// Half of all normal errors are below 0.6745 of their standard deviation, 90 % below 1.6449, 95 %
+/// below 1.96.
 const OF_NORMAL: [(f64, f64); 3] = [(0.5, 0.674_489_750), (0.9, 1.644_853_627), (0.95, 1.959_963_985)];
 
 /// Quantiles of the local error over the area, shares.
@@ -22,16 +23,17 @@ const OF_NORMAL: [(f64, f64); 3] = [(0.5, 0.674_489_750), (0.9, 1.644_853_627), 
 pub struct LocalError {
     /// Median: half of the area is off by no more.
     pub p50: f64,
-    /// What 9 of 10 surfaces are off by at most.
+    /// 9 of 10 surfaces are off by at most this.
     pub p90: f64,
-    /// Standard error of `p90`: half the distance between the quantiles one standard deviation of the rank below and above.
-    /// Infinite where only one point was compared.
+    /// Standard error of `p90`: half the distance between the quantiles one standard deviation of
+    /// the rank below and above. Infinite where only one point was compared.
     pub p90_noise: f64,
     /// 95th percentile.
     pub p95: f64,
     /// Root of the mean square.
     pub rms: f64,
-    /// Median of the reference's own local standard errors, colours together: `p50` cannot tell less apart.
+    /// Median of the reference's own local standard errors, colours together: `p50` cannot tell
+    /// less apart.
     pub reference_noise: f64,
     /// E₀, W/m², mean of the colours.
     pub floor: f64,
@@ -66,7 +68,8 @@ impl Compared {
 }
 
 impl LocalError {
-    /// Of points that are compared; the truth's noise is subtracted from each difference as far as it is larger.
+    /// Of points that are compared; the truth's noise is subtracted from each difference as far as
+    /// it is larger.
     pub fn of(points: &[Compared]) -> Self {
         let floor = FLOOR * median_of(points);
         let relative = |value: f64, point: &Compared| {
@@ -126,8 +129,8 @@ fn sorted(values: impl Iterator<Item = (f64, f64)>) -> Vec<(f64, f64)> {
     values
 }
 
-/// The value below which this share of the magnitudes of normal errors lies, of given standard deviations and weights: a mixture,
-/// by bisection.
+/// The value below which this share of the magnitudes of normal errors lies, of given standard
+/// deviations and weights: a mixture, by bisection.
 fn quantile_of_normals(deviations: &[(f64, f64)], share: f64) -> f64 {
     let weight: f64 = deviations.iter().map(|point| point.1).sum();
     let largest = deviations.iter().map(|point| point.0).fold(0.0, f64::max);
@@ -147,7 +150,8 @@ fn quantile_of_normals(deviations: &[(f64, f64)], share: f64) -> f64 {
     high
 }
 
-/// Share of normal errors within so many standard deviations, erf(x/√2), good to 2·10⁻⁷ \[Abramowitz, Stegun 1964, 7.1.26\].
+/// Share of normal errors within so many standard deviations, erf(x/√2), good to 2·10⁻⁷
+/// \[Abramowitz, Stegun 1964, 7.1.26\].
 fn within(deviations: f64) -> f64 {
     let x = deviations / std::f64::consts::SQRT_2;
     let t = 1.0 / (1.0 + 0.327_591_1 * x);
@@ -164,7 +168,8 @@ mod tests {
         Compared { truth, difference, noise: 0.0, weight }
     }
 
-    /// Truth: worked out by hand. Nine points of E = 2 that are 0.11 off, and a dark one of E = 0 shown as 0.4: E₀ = 0.2, so 5 % and 200 %.
+    /// Truth: worked out by hand. Nine points of E = 2 that are 0.11 off, and a dark one of E = 0
+    /// shown as 0.4: E₀ = 0.2, so 5 % and 200 %.
     #[test]
     fn dark_places_count_relative_to_a_dim_one() {
         let mut points = vec![point(2.0, 0.11, 1.0); 19];
@@ -204,8 +209,8 @@ mod tests {
         assert_eq!(LocalError::of(&[within; 4]).p90, 0.0);
     }
 
-    /// Truth: quantiles of the normal distribution, and a mixture by hand: half of the points without an error, so that the median of the others is
-    /// the 75th percentile of all.
+    /// Truth: quantiles of the normal distribution, and a mixture by hand: half of the points
+    /// without an error, so that the median of the others is the 75th percentile of all.
     #[test]
     fn quantiles_of_normal_errors() {
         for (share, deviations) in OF_NORMAL {

@@ -16,7 +16,8 @@ pub struct Place {
     pub weights: Vec3,
 }
 
-/// The place of each point among the triangles of its own polygon; `None` where the mesh has none of these.
+/// The place of each point among the triangles of its own polygon; `None` where the mesh has none
+/// of these.
 pub fn locate(points: &[SurfacePoint], mesh: &Mesh) -> Vec<Option<Place>> {
     let polygon_of = |triangle: usize| mesh.leaves[mesh.triangle_leaf[triangle] as usize].polygon as usize;
     let polygons = mesh.leaves.iter().map(|leaf| leaf.polygon as usize + 1).max().unwrap_or(0);

@@ -1,7 +1,9 @@
-//! How far a solution is from the truth: closed forms, and the error against a path-traced [`Reference`](crate::reference::Reference).
+//! How far a solution is from the truth: closed forms, and the error against a path-traced
+//! [`Reference`](crate::reference::Reference).
 //!
-//! [`closed_forms`] holds the formulas, [`cases`] makes scenes of them that the reference and the solver are put to, and
-//! [`ErrorMeter`] measures a snapshot against a reference. Imports `reference` and `solver`.
+//! [`closed_forms`] holds the formulas, [`cases`] makes scenes of them that the reference and the
+//! solver are put to, and [`ErrorMeter`] measures a snapshot against a reference. Imports
+//! `reference` and `solver`.
 
 pub mod cases;
 mod checks;

@@ -6,10 +6,12 @@ use crate::reference::SurfacePoint;
 use crate::scene::Scene;
 use crate::solver::Mesh;
 
-/// How far from its vertex towards the middle of a triangle a point lies: at the vertex itself the next wall may begin.
+/// How far from its vertex towards the middle of a triangle a point lies: at the vertex itself the
+/// next wall may begin.
 const INSET: f32 = 0.02;
 
-/// One point for each mesh vertex, in the order of [`Mesh::positions`], a little inside one of its triangles.
+/// One point for each mesh vertex, in the order of [`Mesh::positions`], a little inside one of its
+/// triangles.
 pub fn vertex_points(scene: &Scene, mesh: &Mesh) -> Vec<SurfacePoint> {
     let mut points: Vec<Option<SurfacePoint>> = vec![None; mesh.positions.len()];
     let position = |vertex: u32| Vec3::from(mesh.positions[vertex as usize]);

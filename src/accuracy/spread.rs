@@ -1,25 +1,29 @@
-//! How uncertain an error is that was measured at some points only: standard errors from the spread between the points.
+//! How uncertain an error is that was measured at some points only: standard errors from the spread
+//! between the points.
 //!
-//! Both functions take the points for independent draws. Each carries the reference's noise of its own, so that this noise is
-//! within the spread and is not added a second time. The points of [`crate::reference::random_points`] are spread more evenly
-//! than independent ones, which makes the standard errors somewhat too large rather than too small.
+//! Both functions take the points for independent draws. Each carries the reference's noise of its
+//! own, so that this noise is within the spread and is not added a second time. The points of
+//! [`crate::reference::random_points`] are spread more evenly than independent ones, which makes
+//! the standard errors somewhat too large rather than too small.
 //!
-//! What no point has met, no spread can tell: where the error sits in a place that holds less than one point on
-//! average, a set of points that misses it finds both the error and its standard error too small.
+//! What no point has met, no spread can tell: where the error sits in a place that holds less than
+//! one point on average, a set of points that misses it finds both the error and its standard error
+//! too small.
 
 /// Shares of the signal below this are rounding.
 const ROUNDING: f64 = 1e-12;
 
-/// Standard error of √(Σexcess/Σsignal) over points (excess, signal), where a point's excess is its squared error less its
-/// squared noise.
+/// Standard error of √(Σexcess/Σsignal) over points (excess, signal), where a point's excess is its
+/// squared error less its squared noise.
 ///
-/// This is the delete-one jackknife, √((n−1)/n · Σ(q₋ᵢ − mean)²) with q₋ᵢ the value without point i, which is too large rather than too
-/// small on average \[B. Efron, C. Stein, *The jackknife estimate of variance*, Annals of Statistics 9 (3), 1981\]. A root has no
-/// tangent at 0: there the bound √s counts, with s the jackknife's standard error of the square, since |√a − √b| ≤ √|a − b|. So
-/// where the excess is not above 0, this is the error that may hide within the noise.
+/// This is the delete-one jackknife, √((n−1)/n · Σ(q₋ᵢ − mean)²) with q₋ᵢ the value without point
+/// i, which is too large rather than too small on average \[B. Efron, C. Stein, *The jackknife
+/// estimate of variance*, Annals of Statistics 9 (3), 1981\]. A root has no tangent at 0: there the
+/// bound √s counts, with s the jackknife's standard error of the square, since |√a − √b| ≤ √|a −
+/// b|. So where the excess is not above 0, this is the error that may hide within the noise.
 ///
-/// 0 where there is no signal, for then the error is 0 by definition; infinite where one point has no other to differ from, or
-/// where the noise is not known.
+/// 0 where there is no signal, for then the error is 0 by definition; infinite where one point has
+/// no other to differ from, or where the noise is not known.
 pub(super) fn of_root(points: &[(f64, f64)]) -> f64 {
     let (excess, signal) = points.iter().fold((0.0, 0.0), |sum, point| (sum.0 + point.0, sum.1 + point.1));
     if signal <= 0.0 {
@@ -49,7 +53,8 @@ fn jackknife(without: &[f64]) -> f64 {
     ((count - 1.0) / count * squares).sqrt()
 }
 
-/// The value below which this share of the weight lies, of sorted values with their weights; 0 of nothing.
+/// The value below which this share of the weight lies, of sorted values with their weights; 0 of
+/// nothing.
 pub(super) fn quantile(sorted: &[(f64, f64)], share: f64) -> f64 {
     let wanted = share * sorted.iter().map(|value| value.1).sum::<f64>();
     let mut sum = 0.0;
@@ -65,10 +70,11 @@ pub(super) fn of_median(sorted: &[(f64, f64)]) -> f64 {
     of_quantile(sorted, 0.5)
 }
 
-/// Standard error of a quantile q of sorted values with their weights: half the distance between those of rank n·q ± √(n·q·(1−q)), since the
-/// number of values below the true quantile is binomial, n·q on average with a standard deviation of √(n·q·(1−q)). It needs no density and
-/// is moved by no outlier. n is (Σw)²/Σw², the number of values that would say as much if all counted alike \[Kish 1965\]. Infinite for
-/// one value, 0 for none.
+/// Standard error of a quantile q of sorted values with their weights: half the distance between
+/// those of rank n·q ± √(n·q·(1−q)), since the number of values below the true quantile is
+/// binomial, n·q on average with a standard deviation of √(n·q·(1−q)). It needs no density and is
+/// moved by no outlier. n is (Σw)²/Σw², the number of values that would say as much if all counted
+/// alike \[Kish 1965\]. Infinite for one value, 0 for none.
 pub(super) fn of_quantile(sorted: &[(f64, f64)], share: f64) -> f64 {
     match sorted.len() {
         0 => 0.0,
@@ -106,7 +112,8 @@ mod tests {
         }
     }
 
-    /// Means over many samples: the standard deviation of what is estimated, and the RMS of its standard error.
+    /// Means over many samples: the standard deviation of what is estimated, and the RMS of its
+    /// standard error.
     fn deviation_and_claim(found: &[(f64, f64)]) -> (f64, f64) {
         let count = found.len() as f64;
         let mean = found.iter().map(|(value, _)| value).sum::<f64>() / count;
@@ -120,7 +127,8 @@ mod tests {
         (sum(|point| point.0).max(0.0) / sum(|point| point.1)).sqrt()
     }
 
-    /// Truth: worked out by hand. Squared errors 1, 4 and 9 of signals 4: without each, the value is √(13/8), √(10/8), √(5/8).
+    /// Truth: worked out by hand. Squared errors 1, 4 and 9 of signals 4: without each, the value
+    /// is √(13/8), √(10/8), √(5/8).
     #[test]
     fn three_points_by_hand() {
         let without = [13.0_f64, 10.0, 5.0].map(|square| (square / 8.0).sqrt());
@@ -130,7 +138,8 @@ mod tests {
         assert!((found - expected).abs() < 1e-12 && (0.2..0.4).contains(&found), "{found}, {expected}");
     }
 
-    /// Truth: the definitions. All points alike are certain; one alone, or one that holds the whole error, is not.
+    /// Truth: the definitions. All points alike are certain; one alone, or one that holds the whole
+    /// error, is not.
     #[test]
     fn few_points_are_uncertain() {
         assert_eq!(of_root(&[]), 0.0);
@@ -149,9 +158,10 @@ mod tests {
         assert_eq!(of_median(&alike(&[0.0, 1.0, 2.0, 3.0, 5.0, 6.0, 10.0, 20.0, 30.0])), 0.5 * (10.0 - 3.0));
     }
 
-    /// Truth: the spread of what is estimated over 1000 samples of 1000 points with log-normal errors, the largest some
-    /// thirteen times the median, and a reference whose noise at each point is half its error. 10 %: a standard deviation of 1000
-    /// values is known to 2 %, and the standard errors are means over tails.
+    /// Truth: the spread of what is estimated over 1000 samples of 1000 points with log-normal
+    /// errors, the largest some thirteen times the median, and a reference whose noise at each
+    /// point is half its error. 10 %: a standard deviation of 1000 values is known to 2 %, and the
+    /// standard errors are means over tails.
     #[test]
     fn the_standard_errors_are_those_of_many_samples() {
         let mut random = Random(1);
@@ -177,8 +187,9 @@ mod tests {
         }
     }
 
-    /// Truth: the same spread where it is hard: one point in 500 holds next to all of the error, and a solution without any error,
-    /// of which a noisy reference is all there is. The standard errors err upwards, by no more than their bounds do.
+    /// Truth: the same spread where it is hard: one point in 500 holds next to all of the error,
+    /// and a solution without any error, of which a noisy reference is all there is. The standard
+    /// errors err upwards, by no more than their bounds do.
     #[test]
     fn where_few_points_rule_or_nothing_is_left_they_are_not_too_small() {
         let mut random = Random(2);

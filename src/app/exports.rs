@@ -17,6 +17,7 @@ use super::gathering::gather_for_file;
 use super::paint::Picture;
 use super::{Wake, format};
 use crate::cancel::CancelToken;
+use crate::export::peers::Peer;
 use crate::export::{LitMesh, MeshFormat, exr, links};
 use crate::picture::GatheredPicture;
 use crate::render::{Frame, Offscreen, Overlay, Pixels, RenderError, auto_exposure, developed};
@@ -44,10 +45,12 @@ pub(super) enum Item {
     Links,
     Settings,
     Statistics,
+    /// The scene for another program: a folder of files.
+    Peer(Peer),
 }
 
 impl Item {
-    /// What the file's name ends with, behind the name that a person chose.
+    /// Ending of the file or folder, behind the name that a person chose.
     pub(super) fn ending(self) -> &'static str {
         match self {
             Self::Png => ".png",
@@ -57,6 +60,8 @@ impl Item {
             Self::Links => ".links.csv",
             Self::Settings => ".settings.json",
             Self::Statistics => ".statistics.json",
+            Self::Peer(Peer::Mitsuba) => ".mitsuba",
+            Self::Peer(Peer::Radiance) => ".radiance",
         }
     }
 }
@@ -251,6 +256,15 @@ pub(super) fn write_links(target: &Target, snapshot: &Arc<Snapshot>) -> Result<S
 pub(super) fn write_text(target: &Target, text: &str) -> Result<String, String> {
     target.write(|writer| writer.write_all(text.as_bytes()))?;
     Ok(target.saved(&format::bytes(text.len())))
+}
+
+/// Writes the scene into a folder as another program reads it.
+pub(super) fn write_peer(target: &Target, peer: Peer, scene: &Scene) -> Result<String, String> {
+    if target.cancel.is_cancelled() {
+        return Err(String::new());
+    }
+    peer.write(scene, &target.path).map_err(|error| format!("{error}."))?;
+    Ok(target.saved(&format::things(scene.polygons.len(), "polygon", "polygons")))
 }
 
 /// Where a thread writes, unless somebody gave up on it.

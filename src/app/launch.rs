@@ -70,6 +70,7 @@ fn run_once(settings: Settings, resumes: bool, was_lost: bool) -> Result<Option<
         viewport: egui::ViewportBuilder::default()
             .with_title("Selflink")
             .with_app_id("selflink")
+            .with_icon(super::icon::pixels())
             .with_inner_size(FIRST_SIZE)
             .with_min_inner_size(LEAST_SIZE)
             .with_drag_and_drop(true),

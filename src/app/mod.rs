@@ -18,6 +18,7 @@ mod files;
 mod freeze;
 mod gathering;
 mod highlight;
+mod icon;
 mod inspection;
 mod launch;
 mod lighting;

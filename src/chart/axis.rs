@@ -12,7 +12,8 @@ pub struct LogAxis {
 }
 
 impl LogAxis {
-    /// An axis that holds all these values with some room to spare; those that are not positive are left out.
+    /// An axis that holds all these values with some room to spare; those that are not positive are
+    /// left out.
     pub fn around(values: impl IntoIterator<Item = f64>) -> Option<Self> {
         let usable = values.into_iter().filter(|value| *value > 0.0 && value.is_finite());
         let (low, high) = usable.fold((f64::INFINITY, 0.0_f64), |(low, high), v| (low.min(v), high.max(v)));

@@ -1,4 +1,5 @@
-//! Charts as pictures: error over time, links or rays with bars of its standard error, both axes logarithmic.
+//! Charts as pictures: error over time, links or rays with bars of its standard error, both axes
+//! logarithmic.
 
 use plotters::coord::Shift;
 use plotters::prelude::*;
@@ -31,7 +32,7 @@ const INK: RGBColor = RGBColor(40, 40, 40);
 const FAINT: RGBColor = RGBColor(225, 225, 225);
 const FRONT: RGBColor = RGBColor(255, 236, 170);
 
-/// What the error is drawn against.
+/// Horizontal axis of a chart.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Against {
     /// Seconds, the path tracer beside.
@@ -52,7 +53,7 @@ pub enum Shown {
 }
 
 impl Shown {
-    /// What it is called in a heading, and what it is.
+    /// Name of the error in a heading, and its definition for the axis.
     pub fn names(self) -> (&'static str, &'static str) {
         match self {
             Self::Local => ("local error", "local error of E, 90th percentile of |ΔE|/(E + E0), %"),
@@ -101,7 +102,7 @@ impl Point {
     }
 }
 
-/// What is drawn and how.
+/// A chart with its two axes.
 #[derive(Clone, Copy, Debug)]
 pub struct Drawing<'a> {
     /// The runs.
@@ -322,7 +323,8 @@ fn curves(drawing: Drawing<'_>) -> Vec<Curve<'_>> {
             continue;
         }
         if curves.last().is_none_or(|curve| curve.name != run.setting) {
-            // A clustering keeps its colour for either push; a setting that differs in something else gets its own.
+            // A clustering keeps its colour for either push; a setting that differs in something
+            // else gets its own.
             let open = run.params.push == Push::Deferred;
             let taken = curves.iter().any(|curve| {
                 let other = &curve.runs[0].params;

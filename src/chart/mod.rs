@@ -1,8 +1,9 @@
-//! Speed against accuracy: the same scene solved with many settings, each run's error beside its time, links and rays.
+//! Speed against accuracy: the same scene solved with many settings, each run's error beside its
+//! time, links and rays.
 //!
-//! A [`Sweep`] is a list of named settings and thresholds; [`Sweep::run`] makes a [`Chart`] of it, which is written as CSV and
-//! JSON and drawn as pictures. The path tracer stands in the same chart with the same clock. Imports `accuracy`,
-//! `reference` and `solver`.
+//! A [`Sweep`] is a list of named settings and thresholds; [`Sweep::run`] makes a [`Chart`] of it,
+//! which is written as CSV and JSON and drawn as pictures. The path tracer stands in the same chart
+//! with the same clock. Imports `accuracy`, `reference` and `solver`.
 
 mod axis;
 mod draw;
@@ -17,4 +18,4 @@ pub use record::{Chart, PathTracerRecord, ReferenceRecord, RunRecord, SkippedRun
 pub(crate) use sweep::within;
 pub use sweep::{Setting, Sweep, usual_epsilons, usual_settings};
 pub(crate) use write::parameter_columns;
-pub use write::{csv, error_table, promise_table};
+pub use write::{csv, error_table, target_table};

@@ -13,7 +13,8 @@ const SALT: u64 = 0x0063_7572_7665;
 /// Half of all normal errors are below this share of their standard deviation.
 const MEDIAN_OF_NORMAL: f64 = 0.6745;
 
-/// Lets it compute `points` random points for `limit`, and writes down how far it is after 2, 4, 8, … passes.
+/// Lets it compute `points` random points for `limit`, and writes down how far it is after 2, 4, 8,
+/// … passes.
 pub fn curve(scene: &Scene, points: usize, seed: u64, limit: Duration, cancel: &CancelToken) -> Vec<PathTracerRecord> {
     let seed = seed ^ SALT;
     let points = random_points(scene, points, seed);

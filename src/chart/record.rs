@@ -1,4 +1,4 @@
-//! What a chart is made of, with every parameter of every run.
+//! Records of a chart's runs, with every parameter of each.
 
 use serde::Serialize;
 
@@ -10,11 +10,11 @@ use crate::solver::{Bytes, Seconds, SolverParams};
 pub struct Chart {
     /// The scene's name.
     pub scene: String,
-    /// Its polygons, doubled ones counted twice.
+    /// Polygons of the scene, doubled ones counted twice.
     pub polygons: usize,
     /// Worker threads of every run.
     pub threads: usize,
-    /// What the errors are measured by.
+    /// The reference that errors are measured by.
     pub reference: ReferenceRecord,
     /// The runs, setting by setting, from coarse to fine.
     pub runs: Vec<RunRecord>,
@@ -72,7 +72,7 @@ pub struct RunRecord {
     pub error_estimate: Option<f64>,
     /// Memory of the large tables.
     pub bytes: Bytes,
-    /// Its error.
+    /// Error of the run.
     pub error: SolutionError,
     /// Whether no other run is both faster and more accurate.
     pub pareto: bool,
@@ -102,7 +102,8 @@ pub struct PathTracerRecord {
     pub error: f64,
     /// Standard error of `error`, from the spread over the points.
     pub error_noise: f64,
-    /// Median of its local relative error, which it would have with normal errors of its standard errors.
+    /// Median of its local relative error, which it would have with normal errors of its standard
+    /// errors.
     pub local_median: f64,
     /// Standard error of `local_median`.
     pub local_median_noise: f64,

@@ -24,13 +24,13 @@ const EPSILON_OF_POINTS: f64 = 1e-3;
 /// A way to solve; its ε comes from the sweep.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Setting {
-    /// What the chart calls it.
+    /// Name of the setting in the chart.
     pub name: String,
     /// Every parameter.
     pub params: SolverParams,
 }
 
-/// What is to be run.
+/// Settings and thresholds to run.
 #[derive(Clone, Debug)]
 pub struct Sweep {
     /// The settings. An option that the solver learns joins here, with a name.
@@ -41,8 +41,9 @@ pub struct Sweep {
     pub limit: Duration,
 }
 
-/// Every clustering with either push, on top of `base`, the paper's isotropic clusters, the oracle that goes by errors, and the final
-/// gather that is asked for an error. Without clusters there is nothing to push.
+/// Every clustering with either push, on top of `base`, the paper's isotropic clusters, the oracle
+/// that goes by errors, and the final gather that is asked for an error. Without clusters there is
+/// nothing to push.
 pub fn usual_settings(base: SolverParams) -> Vec<Setting> {
     let base = SolverParams { error: None, reconstruct: Reconstruct::Vertex, oracle: OracleKind::Energy, ..base };
     let modes = [
@@ -95,8 +96,8 @@ impl Setting {
 }
 
 impl Sweep {
-    /// Makes every run, one after the other on the present threads, and the path tracer's; `progress` hears of each before
-    /// it starts. Cancelled, it returns what is there.
+    /// Makes every run, one after the other on the present threads, and the path tracer's;
+    /// `progress` hears of each before it starts. Cancelled, it returns what is there.
     pub fn run(
         &self,
         scene: &Arc<Scene>,

@@ -5,7 +5,8 @@ use std::fmt::Write as _;
 use super::record::{Chart, RunRecord};
 use crate::solver::SolverParams;
 
-/// The chart as CSV: a row for each run, with every parameter, then one for each state of the path tracer.
+/// The chart as CSV: a row for each run, with every parameter, then one for each state of the path
+/// tracer.
 pub fn csv(chart: &Chart) -> String {
     let columns = columns(None, chart);
     let mut text = columns.iter().map(|(name, _)| *name).collect::<Vec<_>>().join(",") + "\n";
@@ -90,7 +91,8 @@ fn columns(run: Option<&RunRecord>, chart: &Chart) -> Vec<(&'static str, String)
     columns
 }
 
-/// Names and values of the solver's parameters, ε, sides and threads aside, which their tables tell in their own way.
+/// Names and values of the solver's parameters, ε, sides and threads aside, which their tables tell
+/// in their own way.
 pub(crate) fn parameter_columns(params: &SolverParams) -> [(&'static str, String); 11] {
     [
         ("clustering", name(serde_json::to_value(params.clustering))),
@@ -112,15 +114,16 @@ fn name(value: serde_json::Result<serde_json::Value>) -> String {
     value.ok().and_then(|value| value.as_str().map(str::to_owned)).unwrap_or_default()
 }
 
-/// A Markdown table of what was asked for, what the solver promised and what was measured, its metrics named in the line above; nothing where
-/// no run was asked for an error. The path tracer's time is that of as many points as the run has vertices, to the same 90th percentile.
-pub fn promise_table(chart: &Chart) -> String {
+/// A Markdown table of the target error, the certificate, and the measured error, its
+/// metrics named in the line above; nothing where no run was asked for an error. The path tracer's
+/// time is that of as many points as the run has vertices, to the same 90th percentile.
+pub fn target_table(chart: &Chart) -> String {
     let asked: Vec<&RunRecord> = chart.runs.iter().filter(|run| run.error_asked.is_some() && run.converged).collect();
     if asked.is_empty() {
         return String::new();
     }
     let mut text = format!(
-        "{LOCAL_ERROR}\n\n| asked | estimated | p50 | p90 | p95 | RMS of B | time | links | vertices | path tracer | ratio |\n|{}\n",
+        "{LOCAL_ERROR}\n\n| target | certificate | p50 | p90 | p95 | RMS of B | time | links | vertices | path tracer | ratio |\n|{}\n",
         " ---: |".repeat(11)
     );
     for run in asked {
@@ -149,15 +152,15 @@ pub fn promise_table(chart: &Chart) -> String {
     text
 }
 
-/// What the tables' figures are.
+/// Caption of the tables: the metrics of their figures.
 const LOCAL_ERROR: &str = "p50, p90, p95: quantiles over the area of the local error |ΔE|/(E + E0), E0 a tenth of the median of E; ± one standard error.";
 
 fn percent(share: f64) -> String {
     format!("{:.1} %", 100.0 * share)
 }
 
-/// A Markdown table of the displayed error, a row for each setting and a column for each ε: p90 of the local error ± its standard error, RMS of B,
-/// and time.
+/// A Markdown table of the displayed error, a row for each setting and a column for each ε: p90 of
+/// the local error ± its standard error, RMS of B, and time.
 pub fn error_table(chart: &Chart) -> String {
     let by_threshold = || chart.runs.iter().filter(|run| run.error_asked.is_none());
     let mut epsilons: Vec<f64> = by_threshold().map(|run| run.epsilon_relative).collect();

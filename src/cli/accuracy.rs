@@ -1,4 +1,5 @@
-//! `selflink accuracy`: every closed form beside what the reference and the solver find, as a table.
+//! `selflink accuracy`: every closed form beside what the reference and the solver find, as a
+//! table.
 
 use std::fmt::Write as _;
 use std::io::Write as _;
@@ -26,7 +27,7 @@ pub fn command() -> Command {
         .arg(path_arg("out", "DIR").help("Write closed-forms.md and closed-forms.csv there; it is made where it is missing"))
 }
 
-/// What was found for one reading.
+/// Values of the reference and the solver for one reading.
 struct Row {
     case: &'static str,
     source: &'static str,

@@ -1,4 +1,5 @@
-//! `selflink chart`: error with its standard error over time, links and rays for many settings, as tables and pictures.
+//! `selflink chart`: error with its standard error over time, links and rays for many settings, as
+//! tables and pictures.
 
 use std::io::{IsTerminal as _, Write as _};
 use std::path::Path;
@@ -9,7 +10,7 @@ use anyhow::bail;
 use clap::{Arg, ArgMatches, Command};
 use selflink::cancel::CancelToken;
 use selflink::chart::{
-    Against, Chart, Drawing, Shown, Sweep, csv, draw_png, draw_svg, error_table, promise_table, usual_epsilons,
+    Against, Chart, Drawing, Shown, Sweep, csv, draw_png, draw_svg, error_table, target_table, usual_epsilons,
     usual_settings,
 };
 use selflink::solver::ParameterId;
@@ -45,7 +46,7 @@ pub fn command() -> Command {
             "Settings to run: names, or the first words of names, between commas, such as adaptive,none [default: all]",
         ))
         .arg(options::seconds_arg(
-            "Time of one run; what is finer than one that took longer is left out [default: 20]",
+            "Time of one run; thresholds finer than one that took longer are left out [default: 20]",
         ));
     let swept = [
         ParameterId::Epsilon,
@@ -87,7 +88,7 @@ pub fn run(matches: &ArgMatches) -> anyhow::Result<()> {
         let sweep = Sweep { settings: settings.collect(), epsilons: epsilons.clone(), limit };
         let chart = chart(&job, &wish, &sweep)?;
         write(&chart, &folder)?;
-        let named = format!("{}\n\n{}\n{}\n", chart.scene, error_table(&chart), promise_table(&chart));
+        let named = format!("{}\n\n{}\n{}\n", chart.scene, error_table(&chart), target_table(&chart));
         say(&named)?;
         for skipped in &chart.skipped {
             eprintln!("note: {}, ε = {:.0e} Φ left out: {}.", skipped.setting, skipped.epsilon_relative, skipped.why);

@@ -1,12 +1,14 @@
-//! Options that show clusters in a picture: each of a level in a colour of its own, or pulled apart.
+//! Options that show clusters in a picture: each of a level in a colour of its own, or pulled
+//! apart.
 
 use anyhow::{anyhow, bail};
 use selflink::render::ClusterView;
 
-/// What begins a value of `--show` that asks for clusters.
+/// Beginning of a value of `--show` that asks for clusters.
 pub const PREFIX: &str = "clusters:";
 
-/// Clusters as colours or pulled apart, where `--show` or `--explode` asks for it; `boxes` is the level whose boxes are drawn.
+/// Clusters as colours or pulled apart, where `--show` or `--explode` asks for it; `boxes` is the
+/// level whose boxes are drawn.
 pub fn view(show: Option<&str>, explode: Option<&str>, boxes: Option<u16>) -> anyhow::Result<Option<ClusterView>> {
     let unknown =
         |text: &str| anyhow!("--show clusters:LEVEL needs the level as a number, 0 being the root (it is `{text}`)");

@@ -10,7 +10,7 @@ use selflink::solver::USUAL_ERROR;
 
 use super::job::{Job, Solution, start_timer};
 
-/// What pictures show.
+/// Kinds of pictures.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum PictureOf {
     /// Light interpolated between the vertices of the mesh.
@@ -20,8 +20,8 @@ pub enum PictureOf {
     Gathered,
 }
 
-/// A picture whose noise is below the error asked for, or as good as the time allows; `None` where the solution has no
-/// field to gather over.
+/// A picture whose noise is below the error asked for, or as good as the time allows; `None` where
+/// the solution has no field to gather over.
 pub fn gather(
     job: &Job,
     solution: &Solution,

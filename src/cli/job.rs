@@ -36,7 +36,7 @@ impl Order {
         Self::new(matches.get_one::<String>("scene").map(String::as_str), matches)
     }
 
-    /// The same for one of several scenes.
+    /// An order for one of several scenes.
     pub fn of_scene(scene: &str, matches: &ArgMatches) -> anyhow::Result<Self> {
         Self::new(Some(scene), matches)
     }
@@ -96,9 +96,9 @@ pub fn pool(threads: u32) -> anyhow::Result<ThreadPool> {
 pub struct Job {
     /// The scene, faces turned or doubled as its sides ask.
     pub scene: Arc<Scene>,
-    /// What stops its light.
+    /// Occluders of the scene.
     pub occluders: Arc<Occluders>,
-    /// What it is solved with.
+    /// Settings of the solve.
     pub settings: Settings,
     /// How long it may take.
     pub limit: Option<Duration>,
@@ -113,7 +113,7 @@ pub struct Solution {
     pub solver: Solver,
     /// Counts and times when the solve ended.
     pub stats: Stats,
-    /// What is there to be seen.
+    /// Snapshot of the solution.
     pub snapshot: Snapshot,
     /// When the first snapshot was there.
     pub first_snapshot_at: Instant,
@@ -122,7 +122,8 @@ pub struct Solution {
 }
 
 impl Job {
-    /// Refines and gathers until nothing is left to do or the time is over; shows progress on a terminal.
+    /// Refines and gathers until nothing is left to do or the time is over; shows progress on a
+    /// terminal.
     pub fn solve(&self) -> anyhow::Result<Solution> {
         self.pool.install(|| self.solve_here())
     }

@@ -29,7 +29,7 @@ pub fn command() -> Command {
                 .value_name("COLOUR")
                 .default_value("power")
                 .value_parser(Colouring::ALL.map(Colouring::name))
-                .help("What colours stand for: power for each area of both ends, visibility V, level of refinement, or rays"),
+                .help("Quantity that colours stand for: power for each area of both ends, visibility V, level of refinement, or rays"),
         )
         .arg(
             Arg::new("room")
@@ -37,7 +37,7 @@ pub fn command() -> Command {
                 .value_name("ROOM")
                 .default_value("area")
                 .value_parser(ROOMS.map(|(name, _)| name))
-                .help("What elements get room for: their area, the polygons in them, or the leaves in them"),
+                .help("Measure by which elements get room: their area, the polygons in them, or the leaves in them"),
         )
         .arg(
             Arg::new("size")

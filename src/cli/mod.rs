@@ -1,20 +1,20 @@
-//! The command line: the window, or `solve`, `render`, `matrix`, `probe`, `reference`, `chart`, `tables`,
-//! `accuracy`, `doctor`, `scene` and `export` without one.
+//! The command line: the window, or `solve`, `render`, `matrix`, `probe`, `reference`, `chart`,
+//! `tables`, `accuracy`, `selftest`, `scene`, `export` and `man` without one.
 //!
-//! Whatever cannot be done gives one sentence on stderr and exit code 2. Results go to stdout, remarks about the scene and
-//! progress to stderr.
+//! Whatever cannot be done gives one sentence on stderr and exit code 2. Results go to stdout,
+//! remarks about the scene and progress to stderr.
 
 mod accuracy;
 mod chart;
 #[cfg(feature = "gui")]
 mod clusters;
-mod doctor;
 mod export;
 #[cfg(feature = "gui")]
 mod gathered;
 mod job;
 #[cfg(feature = "gui")]
 mod legend;
+mod man;
 mod matrix;
 mod options;
 mod output;
@@ -27,6 +27,7 @@ mod reference;
 mod render;
 mod report;
 mod scene;
+mod selftest;
 mod solve;
 mod tables;
 mod window;
@@ -62,7 +63,7 @@ pub fn main(started: Instant) -> ExitCode {
 
 fn dispatch(matches: &ArgMatches, started: Instant) -> anyhow::Result<ExitCode> {
     let done = match matches.subcommand() {
-        Some(("doctor", matches)) => return doctor::run(matches),
+        Some(("selftest", matches)) => return selftest::run(matches),
         Some(("solve", matches)) => solve::run(matches, started),
         #[cfg(feature = "gui")]
         Some(("render", matches)) => render::run(matches),
@@ -74,6 +75,7 @@ fn dispatch(matches: &ArgMatches, started: Instant) -> anyhow::Result<ExitCode> 
         Some(("reference", matches)) => reference::run(matches),
         Some(("export", matches)) => export::run(matches),
         Some(("scene", matches)) => scene::run(matches),
+        Some(("man", matches)) => man::run(matches, command()),
         _ => window::run(matches, started),
     };
     done.map(|()| ExitCode::SUCCESS)
@@ -88,9 +90,10 @@ fn command() -> Command {
     command
         .subcommand(tables::command())
         .subcommand(accuracy::command())
-        .subcommand(doctor::command())
+        .subcommand(selftest::command())
         .subcommand(scene::command())
         .subcommand(export::command())
+        .subcommand(man::command())
 }
 
 /// Says why, in one line.
@@ -100,7 +103,7 @@ fn refuse(sentence: &str) -> ExitCode {
     ExitCode::from(CANNOT)
 }
 
-/// What clap says in several paragraphs, without its usage lines.
+/// Clap's message of several paragraphs as one sentence, without its usage lines.
 fn sentence_of(error: &clap::Error) -> String {
     let text = error.render().to_string();
     let is_said = |paragraph: &&str| !paragraph.starts_with("Usage:") && !paragraph.starts_with("For more information");
@@ -113,7 +116,9 @@ fn sentence_of(error: &clap::Error) -> String {
 fn named_command() -> String {
     let first = std::env::args_os().nth(1).unwrap_or_default();
     let command = command();
-    let named = command.get_subcommands().find(|command| command.get_name() == first);
+    let named = command
+        .get_subcommands()
+        .find(|command| command.get_name() == first || command.get_all_aliases().any(|name| first == *name));
     named.map_or(String::new(), |command| format!(" {}", command.get_name()))
 }
 

@@ -1,4 +1,5 @@
-//! Options that several commands share: the solver's parameters, made from [`PARAMETERS`], the scene, and added light.
+//! Options that several commands share: the solver's parameters, made from [`PARAMETERS`], the
+//! scene, and added light.
 
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
@@ -21,7 +22,8 @@ use selflink::solver::{
 /// More threads than any machine has cores for.
 const MOST_THREADS: u32 = 1024;
 
-/// One argument for each of the solver's parameters: help, unit and default from the one place that states them.
+/// One argument for each of the solver's parameters: help, unit and default from the one place that
+/// states them.
 pub fn solver_args() -> impl Iterator<Item = Arg> {
     solver_args_where(|_| true)
 }
@@ -107,7 +109,7 @@ pub fn solver_params(matches: &ArgMatches) -> anyhow::Result<SolverParams> {
     solver_params_over(None, matches)
 }
 
-/// The same, where a file of settings says what the arguments do not.
+/// Parameters of the arguments, completed by a file of settings, checked.
 pub fn solver_params_over(filed: Option<SolverParams>, matches: &ArgMatches) -> anyhow::Result<SolverParams> {
     let given = |flag| has(matches, flag) && matches.value_source(flag) == Some(ValueSource::CommandLine);
     let by_threshold = ["epsilon", "epsilon-watts", "reconstruct"].into_iter().find(|flag| given(flag));
@@ -187,7 +189,7 @@ pub fn unit_arg() -> Arg {
         .value_name("m|cm|mm|in|ft")
         .value_parser(Unit::ALL.map(Unit::symbol))
         .action(ArgAction::Append)
-        .help("The unit of the file's lengths; all that is read off the scene is in metres [default: as the file says, or guessed by the size of a room]")
+        .help("The unit of the file's lengths; all readings are in metres [default: as the file says, or guessed by the size of a room]")
 }
 
 /// How the scene's file is read, and light that is added to it.
@@ -218,7 +220,8 @@ pub fn scene_args() -> [Arg; 5] {
     ]
 }
 
-/// The scene, light added to it, the solver's parameters and the time it may take: what every command that solves takes.
+/// The scene, light added to it, the solver's parameters and the time it may take: what every
+/// command that solves takes.
 pub fn solving(command: Command) -> Command {
     command
         .arg(scene_arg().required_unless_present(SETTINGS))
@@ -234,7 +237,7 @@ const SETTINGS: &str = "settings-file";
 /// A file of settings.
 pub fn settings_arg() -> Arg {
     path_arg(SETTINGS, "FILE.json").long("settings").help(
-        "Solve as a file of settings or statistics says, which `solve --stats` and the window write: scene, added light and parameters; what is given beside it counts more",
+        "Solve as a file of settings or statistics says, which `solve --stats` and the window write: scene, added light and parameters; options given beside it count more",
     )
 }
 
@@ -268,7 +271,7 @@ pub fn scene_arg() -> Arg {
     Arg::new("scene").value_name("SCENE").help(scene_help())
 }
 
-/// What a scene may be.
+/// Help for the argument that names a scene.
 pub fn scene_help() -> String {
     format!("An OBJ, glTF, GLB, PLY or STL file, or one of our own scenes: {}", names())
 }
@@ -321,8 +324,8 @@ pub fn added_light(matches: &ArgMatches) -> anyhow::Result<AddedLight> {
     Ok(AddedLight { emitting, ceiling })
 }
 
-/// All that decides a solution: the arguments, and where they say nothing the file of settings that they name. Another scene
-/// than the file's has neither its light nor its camera.
+/// All that decides a solution: the arguments, and where they say nothing the file of settings that
+/// they name. Another scene than the file's has neither its light nor its camera.
 pub fn settings(scene: Option<&str>, matches: &ArgMatches) -> anyhow::Result<Settings> {
     let filed = filed_settings(matches)?;
     let solver = solver_params_over(filed.as_ref().map(|filed| filed.solver), matches)?;

@@ -25,8 +25,8 @@ pub fn make_folder(folder: &Path) -> anyhow::Result<()> {
 pub struct OutputFile(PathBuf);
 
 impl OutputFile {
-    /// Makes sure that the file can be written, and that it is none of the files read; a file that is there keeps its
-    /// content until then.
+    /// Makes sure that the file can be written, and that it is none of the files read; a file that
+    /// is there keeps its content until then.
     pub fn new(path: &Path, inputs: &[&Path]) -> anyhow::Result<Self> {
         let same = |input: &&&Path| matches!((input.canonicalize(), path.canonicalize()), (Ok(a), Ok(b)) if a == b);
         if let Some(input) = inputs.iter().find(same) {
@@ -40,7 +40,7 @@ impl OutputFile {
         Ok(Self(path.to_owned()))
     }
 
-    /// Its path.
+    /// Path of the file.
     pub fn path(&self) -> &Path {
         &self.0
     }

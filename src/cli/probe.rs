@@ -1,4 +1,5 @@
-//! `selflink probe`: irradiance and radiosity at points of a CSV file; a work plane is measured next door.
+//! `selflink probe`: irradiance and radiosity at points of a CSV file; a work plane is measured
+//! next door.
 
 use std::fs;
 use std::io::Write as _;
@@ -33,13 +34,13 @@ pub fn command() -> Command {
         path_arg("points", "FILE.csv")
             .required_unless_present("work-plane")
             .conflicts_with("work-plane")
-            .help(format!("Points on surfaces, a row each: {COLUMNS}; a header line may come first")),
+            .help(format!("Points on surfaces, a row each: {COLUMNS}; a header line may come first, and further columns (as `selflink reference` writes them) are passed over")),
     )
     .arg(
         path_arg("out", "FILE.csv")
             .required(true)
             .help(format!(
-                "The same rows with {ADDED}: irradiance, radiosity and the standard error of E. They stay empty where a point lies on no surface, the error where light is interpolated (--epsilon without --reconstruct gather)"
+                "The points with {ADDED}: irradiance, radiosity and the standard error of E. They stay empty where a point lies on no surface, the error where light is interpolated (--epsilon without --reconstruct gather)"
             )),
     )
     .arg(
@@ -117,7 +118,7 @@ fn standard_error(text: &str) -> Result<f64, String> {
 /// A point to be probed.
 #[derive(Debug, PartialEq)]
 struct Row {
-    /// The row as it was read.
+    /// The six columns as they were read.
     text: String,
     /// In the coordinates of the scene's file.
     point: DVec3,
@@ -142,14 +143,16 @@ fn parse_rows(text: &str) -> anyhow::Result<Vec<Row>> {
     filled.next_if(|(_, line)| line.split(',').all(|word| word.trim().parse::<f32>().is_err()));
     for (index, line) in filled {
         let number = index + 1;
-        let Some([x, y, z, nx, ny, nz]) = options::coordinates::<6>(line, ',') else {
-            bail!("line {number}: a row must be six finite numbers, {COLUMNS}");
+        // Further columns, as a reference has them, are passed over.
+        let end = line.match_indices(',').nth(5).map_or(line.len(), |(end, _)| end);
+        let Some([x, y, z, nx, ny, nz]) = options::coordinates::<6>(&line[..end], ',') else {
+            bail!("line {number}: a row must begin with six finite numbers, {COLUMNS}");
         };
         let normal = DVec3::new(nx, ny, nz).as_vec3();
         let Some(normal) = normal.try_normalize() else {
             bail!("line {number}: the normal nx,ny,nz has no length");
         };
-        rows.push(Row { text: line.to_owned(), point: DVec3::new(x, y, z), normal });
+        rows.push(Row { text: line[..end].to_owned(), point: DVec3::new(x, y, z), normal });
     }
     Ok(rows)
 }
@@ -163,6 +166,12 @@ mod tests {
         let rows = parse_rows("\u{feff}x, y, z, nx, ny, nz\r\n\r\n1,2,3,0,0,2\r\n").expect("good rows");
         assert_eq!(rows, [Row { text: "1,2,3,0,0,2".into(), point: DVec3::new(1.0, 2.0, 3.0), normal: Vec3::Z }]);
         assert_eq!(parse_rows("1,2,3,0,1,0").expect("a good row").len(), 1);
+        // A reference's file: what stands behind the normal is passed over.
+        let of_reference = parse_rows("x,y,z,nx,ny,nz,weight\n1,2,3,0,0,1,0.5,7,0.5").expect("a reference's rows");
+        assert_eq!(
+            of_reference,
+            [Row { text: "1,2,3,0,0,1".into(), point: DVec3::new(1.0, 2.0, 3.0), normal: Vec3::Z }]
+        );
     }
 
     #[test]

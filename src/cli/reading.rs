@@ -1,4 +1,5 @@
-//! Options that read a quantity off the surfaces of a picture: false colours, their range, isolux lines.
+//! Options that read a quantity off the surfaces of a picture: false colours, their range, isolux
+//! lines.
 
 use anyhow::bail;
 use clap::builder::PossibleValuesParser;
@@ -24,7 +25,7 @@ pub fn with_options(command: Command) -> Command {
             .long("show")
             .value_name("lit|irradiance|radiosity|clusters:LEVEL")
             .default_value("lit")
-            .help("The light, false colours of what arrives (E) or leaves (B), or a colour for each cluster of a level (0 is the root)"),
+            .help("The light, false colours of irradiance E or radiosity B, or a colour for each cluster of a level (0 is the root)"),
         choice("scale", &["linear", "log"], "How false colours follow values".into()),
         choice("ramp", &["viridis", "cividis"], "False colours; both can be read by the colour-blind".into()),
         Arg::new("range")
@@ -53,7 +54,7 @@ pub fn with_options(command: Command) -> Command {
     }
 }
 
-/// What the arguments ask for.
+/// The reading that the arguments ask for.
 pub fn settings(matches: &ArgMatches) -> anyhow::Result<ReadingSettings> {
     let text = |name: &str| matches.get_one::<String>(name).map(String::as_str);
     let mut units = matches.get_many::<String>("unit").into_iter().flatten();

@@ -1,4 +1,5 @@
-//! `selflink reference`: path-traced irradiance at random points, with standard errors, as a CSV file.
+//! `selflink reference`: path-traced irradiance at random points, with standard errors, as a CSV
+//! file.
 
 use std::io::{IsTerminal as _, Write as _};
 use std::time::Duration;
@@ -23,7 +24,7 @@ const POINTS: u32 = 1000;
 /// More points than anybody waits for.
 const MOST_POINTS: u32 = 10_000_000;
 
-/// What a reference is made of and how good it has to be.
+/// Points of a reference, its target and its cache.
 pub struct Wish {
     /// Random points.
     pub points: usize,
@@ -41,7 +42,7 @@ pub fn command() -> Command {
         )
         .arg(options::scene_arg().required(true))
         .arg(path_arg("out", "FILE.csv").help(format!("Write the points: {COLUMNS}")))
-        .arg(options::seconds_arg("Stop after so many seconds with what is known by then"));
+        .arg(options::seconds_arg("Stop after so many seconds with the reference so far"));
     let of_scene = |id| matches!(id, ParameterId::Sides | ParameterId::Threads | ParameterId::Seed);
     wish_args(command).args(options::scene_args()).args(options::solver_args_where(of_scene))
 }
@@ -79,7 +80,7 @@ pub fn wish_args(command: Command) -> Command {
         )
 }
 
-/// What the arguments wish for, checked.
+/// The wish that the arguments state, checked.
 pub fn wish(matches: &ArgMatches, limit: Option<Duration>) -> anyhow::Result<Wish> {
     let points = matches.get_one::<u32>("points").copied().unwrap_or(POINTS);
     if !(2..=MOST_POINTS).contains(&points) {

@@ -1,4 +1,5 @@
-//! `selflink render`: a picture of the solution, drawn without a window, as PNG or, in W/m², as EXR.
+//! `selflink render`: a picture of the solution, drawn without a window, as PNG or, in W/m², as
+//! EXR.
 
 use std::sync::Arc;
 use std::time::Instant;
@@ -50,7 +51,7 @@ pub fn command() -> Command {
                 .long("exposure")
                 .value_name("auto|STOPS")
                 .allow_hyphen_values(true)
-                .help("Brightness: automatic, or in stops, 0 showing 1 W/m² as 1 [default: auto]"),
+                .help("Exposure: automatic, or in stops, 0 showing 1 W/m² as 1 [default: auto]"),
         )
         .arg(
             Arg::new("overlay")
@@ -71,7 +72,7 @@ pub fn command() -> Command {
                 .long("picture")
                 .value_name("mesh|gathered")
                 .value_parser(["mesh", "gathered"])
-                .help("Light interpolated between the mesh's vertices, or gathered at every pixel until its noise is below --error; clusters are drawn of the mesh [default: gathered]"),
+                .help("Light interpolated between the mesh's vertices, or gathered at every pixel until its noise is below --error; clusters show the mesh [default: gathered]"),
         )
 }
 
@@ -87,11 +88,11 @@ pub struct View {
     pub pose: Option<FiledCamera>,
     /// How radiosities become colours.
     pub display: Display,
-    /// What is drawn over the picture.
+    /// Lines drawn over the picture.
     pub overlay: Overlay,
     /// Clusters as colours, or pulled apart.
     pub clusters: Option<ClusterView>,
-    /// What is read off the surfaces.
+    /// Quantity read off the surfaces.
     pub reading: ReadingSettings,
     /// Whether a legend tells what false colours mean.
     pub has_legend: bool,
@@ -104,9 +105,9 @@ pub struct View {
 /// Whose links are drawn.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum LinksOf {
-    /// Those of the surface at a pixel.
+    /// Links of the surface at a pixel.
     Pixel([f32; 2]),
-    /// Those of all receivers at a level below the root.
+    /// Links of all receivers at a level below the root.
     Level(u16),
 }
 
@@ -350,7 +351,7 @@ fn view(matches: &ArgMatches) -> anyhow::Result<View> {
 fn picture_of(asked: Option<&str>, shows_clusters: bool) -> anyhow::Result<PictureOf> {
     match (asked, shows_clusters) {
         (Some("gathered"), true) => {
-            bail!("clusters are drawn of the mesh: leave out --picture gathered, or --show clusters and --explode")
+            bail!("clusters show the mesh: leave out --picture gathered, or --show clusters and --explode")
         }
         (Some("mesh"), _) | (None, true) => Ok(PictureOf::Mesh),
         _ => Ok(PictureOf::Gathered),

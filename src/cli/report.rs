@@ -5,6 +5,7 @@ use std::time::Instant;
 
 use selflink::export::settings::Settings;
 use selflink::format::{bytes, count, number, quantity, seconds};
+use selflink::gather::Quantiles;
 use selflink::scene::{Scene, Sides, Skipped};
 use selflink::solver::{
     Bytes, ClusteringMode, ErrorFound, MemoryStop, OracleKind, PowerBalance, Push, Reconstruct, Seconds, power_balance,
@@ -17,7 +18,7 @@ use super::options::name_of;
 /// Rays that measure what escapes and what backs stop: about 0.3 % of the power either way.
 const BALANCE_RAYS: u32 = 100_000;
 
-/// Everything that is told about a solve; the keys of the statistics file.
+/// Everything that is reported about a solve; the keys of the statistics file.
 #[derive(Serialize)]
 pub struct Report<'a> {
     scene: &'a str,
@@ -25,7 +26,8 @@ pub struct Report<'a> {
     octree_depth: u32,
     epsilon_relative: f64,
     epsilon_watts: f64,
-    /// Local error within which nine tenths of the area are to be read, and the bound that the certificate found.
+    /// Local error within which nine tenths of the area are to be read, and the bound that the
+    /// certificate found.
     error_asked: Option<f64>,
     error_estimate: Option<f64>,
     /// Quantiles of what is read and of the bare mesh.
@@ -50,7 +52,7 @@ pub struct Report<'a> {
     rays: u64,
     iterations: u32,
     converged: bool,
-    /// What could not be refined as far as was asked for within the memory budget.
+    /// The part that the memory limit kept coarser than was asked for.
     memory_stop: Option<MemoryStop>,
     threads: usize,
     seconds: Times,
@@ -165,7 +167,7 @@ impl<'a> Report<'a> {
                 self.threads
             ),
             format!(
-                "time       {} in all: clusters {}, refining {}, gathering {}, vertices {}; first picture after {}; loading took {}",
+                "time       {} in all: clusters {}, refining {}, gathering {}, final gather {}; first picture after {}; loading took {}",
                 seconds(times.total),
                 seconds(times.hierarchy),
                 seconds(times.refine),
@@ -180,7 +182,10 @@ impl<'a> Report<'a> {
             lines.insert(1, format!("stopped    {}", stopped_at(stop, self.bytes.budget, more)));
         }
         if let Some(asked) = self.error_asked {
-            lines.insert(1, format!("error      {}", promise(asked, self.error.as_ref())));
+            lines.insert(1, format!("error      {}", reached(asked, self.error.as_ref())));
+            if let Some(found) = &self.error {
+                lines.insert(2, format!("local      {}", quantiles(found)));
+            }
         }
         let mut power = format!(
             "power      {} emitted, {} absorbed",
@@ -215,24 +220,31 @@ fn stopped_at(stop: MemoryStop, budget: usize, ask_for: &str) -> String {
     )
 }
 
-/// What was asked for and what came of it.
-fn promise(asked: f64, found: Option<&ErrorFound>) -> String {
-    let percent = |share: f64| format!("{} %", number(100.0 * share));
-    let Some(found) = found else { return format!("{} asked, not certified yet", percent(asked)) };
-    let only = if found.bound <= asked { "" } else { "only " };
+/// The target error beside what the certificate found.
+fn reached(target: f64, found: Option<&ErrorFound>) -> String {
+    let Some(found) = found else { return format!("target {}, not certified yet", percent(target)) };
+    let only = if found.bound <= target { "" } else { "only " };
     format!(
-        "{} asked: 9 of 10 surfaces are read within {only}{} ({:.0} % sure); median {}, RMS of B {}; bare mesh: 9 of 10 within {}",
-        percent(asked),
+        "target {}: 9 of 10 surfaces are read within {only}{} ({:.0} % sure); RMS of B {}",
+        percent(target),
         percent(found.bound),
         100.0 * found.confidence,
-        percent(found.read.p50),
         percent(found.radiosity_rms),
-        percent(found.mesh.p90),
     )
 }
 
-/// Power absorbed by bright sides in what is there to be seen, W (all colours summed): a solution that is not finished has
-/// it in its picture alone.
+/// Quantiles over the area of the local error, of readings and of the bare mesh.
+fn quantiles(found: &ErrorFound) -> String {
+    let of = |of: &Quantiles| format!("p50 {}, p90 {}, p95 {}", percent(of.p50), percent(of.p90), percent(of.p95));
+    format!("readings: {}; bare mesh: {}", of(&found.read), of(&found.mesh))
+}
+
+fn percent(share: f64) -> String {
+    format!("{} %", number(100.0 * share))
+}
+
+/// Power absorbed by bright sides in what is there to be seen, W (all colours summed): a solution
+/// that is not finished has it in its picture alone.
 fn absorbed(scene: &Scene, solution: &Solution) -> f64 {
     let snapshot = &solution.snapshot;
     let leaves = snapshot.mesh.leaves.iter().zip(&snapshot.leaf_irradiance);

@@ -1,4 +1,5 @@
-//! `selflink solve`: a solution without a window; statistics, the lit mesh as PLY or GLB, and links as CSV.
+//! `selflink solve`: a solution without a window; statistics, the lit mesh as PLY or GLB, and links
+//! as CSV.
 
 use std::path::{Path, PathBuf};
 use std::time::Instant;

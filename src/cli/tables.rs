@@ -1,4 +1,5 @@
-//! `selflink tables`: the paper's tables, statements and figures run again, as text, Markdown, CSV and pictures.
+//! `selflink tables`: the paper's tables, statements and figures run again, as text, Markdown, CSV
+//! and pictures.
 
 use std::fmt::Write as _;
 use std::io::Write as _;
@@ -33,9 +34,9 @@ pub fn command() -> Command {
             Arg::new("quick")
                 .long("quick")
                 .action(ArgAction::SetTrue)
-                .help("Small rooms and coarse thresholds: a trial of the command, no answer to the paper"),
+                .help("Small rooms and coarse thresholds: for trying out the command, not for answering the paper"),
         )
-        .arg(options::seconds_arg("Time of one run; what takes longer is left out and said [default: 30]"));
+        .arg(options::seconds_arg("Time of one run; runs that take longer are left out and reported [default: 30]"));
     let of_machine = |id| matches!(id, ParameterId::Threads);
     reference::wish_args(command).args(options::solver_args_where(of_machine))
 }

@@ -1,4 +1,5 @@
-//! `selflink [SCENE]`: the window; without a display the main job is done all the same, into a picture and statistics.
+//! `selflink [SCENE]`: the window; without a display the main job is done all the same, into a
+//! picture and statistics.
 
 #[cfg(feature = "gui")]
 use std::path::PathBuf;

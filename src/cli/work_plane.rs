@@ -56,7 +56,7 @@ pub fn run(matches: &ArgMatches, plane: WorkPlane) -> anyhow::Result<()> {
     ))
 }
 
-/// What planners ask, on a line each.
+/// Average, minimum, maximum and uniformity, on a line each.
 fn summary(measured: &PlaneReading) -> String {
     let summary = measured.summary();
     let [columns, rows] = measured.grid.counts.map(count);

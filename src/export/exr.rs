@@ -1,7 +1,7 @@
 //! A view in physical units as OpenEXR: 32-bit floats, neither exposed nor bent.
 //!
-//! Written by the file format's definition (openexr.com, "OpenEXR File Layout"): one part, scan lines, no compression, which
-//! every reader takes.
+//! Written by the file format's definition (openexr.com, "OpenEXR File Layout"): one part, scan
+//! lines, no compression, which every reader takes.
 
 use std::io::{self, Write};
 
@@ -14,7 +14,8 @@ use crate::picture::{Layers, LayersAt};
 pub struct FloatPicture {
     /// Width and height, pixels.
     pub size: [u32; 2],
-    /// Radiosity B per colour, W/m², and the share of the pixel that a surface covers; where that is 0 nothing is to be seen.
+    /// Radiosity B per colour, W/m², and the share of the pixel that a surface covers; where that
+    /// is 0 nothing is to be seen.
     pub pixels: Vec<[f32; 4]>,
 }
 
@@ -25,16 +26,17 @@ const VERSION: u32 = 2;
 const FLOAT: u32 = 2;
 /// Channels in the order in which they must stand, by name, with the colour that each holds.
 const CHANNELS: [(&str, usize); 4] = [("A", 3), ("B", 2), ("G", 1), ("R", 0)];
-/// What the numbers are.
+/// Comment of the file: unit and meaning of its numbers.
 const COMMENT: &str = "Selflink: R, G, B are the radiosity B in W/m2, linear, unexposed; the radiance of these diffuse surfaces is B/pi. \
      A is the share of the pixel that surfaces cover.";
 
-/// What the numbers of a gathered picture are.
+/// Comment of a gathered picture's file: unit and meaning of its numbers.
 const LAYERS_COMMENT: &str = "Selflink: R, G, B are the radiosity B in W/m2, linear, unexposed; the radiance of these diffuse surfaces is B/pi. \
      irradiance is E in W/m2, normal the mean unit normal, albedo the reflectance; all are multiplied by A, the share of the pixel that \
      surfaces cover. Z is the distance along the line of sight to the nearest surface, element.id the leaf there, 4294967295 for none.";
 
-/// Writes a picture; R, G and B are radiosities in W/m², multiplied by the coverage A as the format asks.
+/// Writes a picture; R, G and B are radiosities in W/m², multiplied by the coverage A as the format
+/// asks.
 ///
 /// # Errors
 /// Whatever the writer says.
@@ -60,7 +62,8 @@ pub fn write(writer: &mut impl Write, picture: &FloatPicture) -> io::Result<()> 
     Ok(())
 }
 
-/// Writes a gathered picture: R, G, B, A as [`write()`] does, and layers of E, normal, albedo, depth and element.
+/// Writes a gathered picture: R, G, B, A as [`write()`] does, and layers of E, normal, albedo,
+/// depth and element.
 ///
 /// # Errors
 /// Whatever the writer says.

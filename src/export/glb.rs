@@ -1,8 +1,9 @@
 //! The lit mesh as binary glTF 2.0.
 //!
-//! `COLOR_0` is defined as linear and within 0..1, so it holds what a picture shows: exposed and bent by the tone curve, without
-//! gamma, which every viewer adds. With KHR_materials_unlit other programs show just that. The light itself lies beside it in the
-//! attribute `_RADIOSITY`, W/m², and `extras` say so. One primitive a material; all share their vertices.
+//! `COLOR_0` is defined as linear and within 0..1, so it holds what a picture shows: exposed and
+//! bent by the tone curve, without gamma, which every viewer adds. With KHR_materials_unlit other
+//! programs show just that. The light itself lies beside it in the attribute `_RADIOSITY`, W/m²,
+//! and `extras` say so. One primitive a material; all share their vertices.
 
 use std::collections::BTreeMap;
 use std::io::{self, Write};
@@ -22,7 +23,8 @@ const ELEMENT_ARRAY_BUFFER: u32 = 34_963;
 /// Writes the mesh as GLB.
 ///
 /// # Errors
-/// Whatever the writer says; a mesh without triangles, or one beyond the 4 GiB that the format holds.
+/// Whatever the writer says; a mesh without triangles, or one beyond the 4 GiB that the format
+/// holds.
 pub fn write(writer: &mut impl Write, lit: &LitMesh<'_>) -> io::Result<()> {
     let by_material = triangles_by_material(lit);
     if by_material.is_empty() {
@@ -141,7 +143,8 @@ fn document(lit: &LitMesh<'_>, by_material: &BTreeMap<u32, Vec<u32>>, lengths: L
     })
 }
 
-/// White, so that nothing is multiplied with what the vertices say; what the surface is stands beside it.
+/// White, so that nothing is multiplied with what the vertices say; what the surface is stands
+/// beside it.
 fn material_of(lit: &LitMesh<'_>, material: u32) -> Value {
     let white = json!({"baseColorFactor": [1, 1, 1, 1], "metallicFactor": 0, "roughnessFactor": 1});
     let mut written = json!({"pbrMetallicRoughness": white, "extensions": {"KHR_materials_unlit": {}}});

@@ -39,7 +39,8 @@ pub struct LinkEnd {
     pub area: f32,
 }
 
-/// The links of a state of a solution, by receiver; those that wait to be judged, with neither rays nor a verdict, lie among them.
+/// The links of a state of a solution, by receiver; those that wait to be judged, with neither rays
+/// nor a verdict, lie among them.
 pub fn rows(anatomy: &Anatomy) -> Vec<LinkRow> {
     let hierarchy = anatomy.hierarchy();
     let row = |receiver: ElementId, link: &Link| {

@@ -7,9 +7,10 @@ use glam::{DVec3, Vec3};
 use super::LitMesh;
 use crate::tone::shown_colour;
 
-/// Writes the mesh as binary little-endian PLY. Its vertices carry the radiosity B per colour, W/m², linear RGB, as
-/// `radiosity_r`, `radiosity_g` and `radiosity_b`, and the colour that a picture shows of it (exposed, tone-mapped,
-/// gamma-encoded) as `red`, `green` and `blue`, which is what viewers look for; its faces run anticlockwise around the bright side.
+/// Writes the mesh as binary little-endian PLY. Its vertices carry the radiosity B per colour,
+/// W/m², linear RGB, as `radiosity_r`, `radiosity_g` and `radiosity_b`, and the colour that a
+/// picture shows of it (exposed, tone-mapped, gamma-encoded) as `red`, `green` and `blue`, which is
+/// what viewers look for; its faces run anticlockwise around the bright side.
 ///
 /// # Errors
 /// Whatever the writer says.

@@ -1,7 +1,7 @@
-//! What a solution was made with, as JSON that makes it again.
+//! Settings of a solution, as JSON that makes it again.
 //!
-//! A settings file holds `{"settings": {…}}`. Statistics carry the same key among theirs, so that either file can be run again;
-//! other keys are passed over. Every key below may be left out.
+//! A settings file holds `{"settings": {…}}`. Statistics carry the same key among theirs, so that
+//! either file can be run again; other keys are passed over. Every key below may be left out.
 
 use std::path::{Path, PathBuf};
 use std::{fs, io};
@@ -49,7 +49,7 @@ pub enum SettingsError {
     Unreadable {
         /// The file.
         path: PathBuf,
-        /// What the system says.
+        /// Error of the system.
         source: io::Error,
     },
     /// Not JSON, or a setting that there is not.
@@ -57,7 +57,7 @@ pub enum SettingsError {
     Syntax {
         /// The file.
         path: PathBuf,
-        /// What is wrong.
+        /// Description of the problem.
         reason: String,
     },
     /// JSON without settings.
@@ -77,7 +77,8 @@ pub enum SettingsError {
 }
 
 impl Settings {
-    /// What a scene's source is called in settings; a path is made absolute, since a file of settings may be used elsewhere.
+    /// What a scene's source is called in settings; a path is made absolute, since a file of
+    /// settings may be used elsewhere.
     pub fn name_of(source: &Source) -> String {
         match source {
             Source::Builtin(scene) => scene.name().to_owned(),

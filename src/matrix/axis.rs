@@ -1,7 +1,8 @@
 //! Brackets along the edges of the matrix: the elements worth naming, in tiers from large to small.
 //!
-//! Each tier holds the largest elements that are no larger than its share of what is in view, so that they lie inside of those of the tier
-//! before; as one zooms in, smaller ones take their place.
+//! Each tier holds the largest elements that are no larger than its share of what is in view, so
+//! that they lie inside of those of the tier before; as one zooms in, smaller ones take their
+//! place.
 
 use rustc_hash::FxHashMap;
 
@@ -23,7 +24,7 @@ pub struct Bracket {
     pub tier: usize,
     /// The last one: what is small enough for the next tier too takes the room of both.
     pub last_tier: usize,
-    /// Its beginning and end, 0..=1.
+    /// Beginning and end of the element on the axis, 0..=1.
     pub span: [f64; 2],
 }
 
@@ -64,8 +65,8 @@ pub fn brackets(
 /// Fewer letters of a name than these say nothing.
 const FEWEST_LETTERS: usize = 3;
 
-/// The longest name of an element that `fits`, its label shortened if need be; `None` where nothing does, or where an inner bracket would
-/// only repeat what the one around it says.
+/// The longest name of an element that `fits`, its label shortened if need be; `None` where nothing
+/// does, or where an inner bracket would only repeat what the one around it says.
 pub fn fitting_name(
     (names, scene): (&Names, &Scene),
     hierarchy: &Hierarchy,
@@ -91,7 +92,8 @@ mod tests {
     use crate::hierarchy::{ClusteringMode, Room};
     use crate::scene::builtin::BuiltinScene;
 
-    /// Truth: brackets of one tier lie side by side, none larger than its share, and nothing that is large enough is left out.
+    /// Truth: brackets of one tier lie side by side, none larger than its share, and nothing that
+    /// is large enough is left out.
     #[test]
     fn brackets_follow_what_is_in_view() {
         let scene = BuiltinScene::from_name("office").expect("ours").build();

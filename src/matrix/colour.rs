@@ -1,13 +1,15 @@
-//! Colours of blocks: by the power that a link carries, by what is seen along it, by how far it was refined, by its rays.
+//! Colours of blocks: by the power that a link carries, by what is seen along it, by how far it was
+//! refined, by its rays.
 
 use crate::hierarchy::{ElementId, Hierarchy};
 use crate::ramp::{VIRIDIS, along_ramp};
 use crate::solver::{Anatomy, Evidence, LinkView};
 
-/// What the colour of a block stands for.
+/// Quantity that the colour of a block stands for.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Colouring {
-    /// Power for each area of receiver and of source, so that blocks of any size compare; logarithmic.
+    /// Power for each area of receiver and of source, so that blocks of any size compare;
+    /// logarithmic.
     #[default]
     Power,
     /// Visibility V: seen fully, in part or not at all.
@@ -22,7 +24,7 @@ impl Colouring {
     /// All of them, in the order in which they are offered.
     pub const ALL: [Self; 4] = [Self::Power, Self::Visibility, Self::Level, Self::Rays];
 
-    /// Its name for a person.
+    /// Name of the quantity for a person.
     pub fn name(self) -> &'static str {
         match self {
             Self::Power => "power",
@@ -46,13 +48,14 @@ pub const UNJUDGED: [u8; 3] = [72, 76, 86];
 /// A pair that holds this one was seen fully: no ray of its own was needed to accept it.
 const INHERITED: [u8; 3] = [104, 182, 226];
 
-/// Power density at either end of the ramp, as a multiple of what all emitted power spread evenly over all pairs would be.
+/// Power density at either end of the ramp, as a multiple of what all emitted power spread evenly
+/// over all pairs would be.
 const POWER_RANGE: [f32; 2] = [1e-2, 1e2];
 /// Rays at the end of the ramp.
 const MOST_RAYS: f32 = 1000.0;
 
-/// What a block adds to a pixel, for each unit of its share: a colour as squares of gamma-encoded values, which stand for light, or a
-/// density in the first place.
+/// What a block adds to a pixel, for each unit of its share: a colour as squares of gamma-encoded
+/// values, which stand for light, or a density in the first place.
 pub(super) type Tone = [f32; 3];
 
 /// How links become colours in one state of a solution.
@@ -64,10 +67,10 @@ pub struct Palette {
     deepest: u16,
 }
 
-/// What the colours mean, from one end of a ramp to the other or one by one.
+/// Legend of the colours, from one end of a ramp to the other or one by one.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Legend {
-    /// What is shown, with its unit.
+    /// Quantity shown, with its unit.
     pub title: String,
     /// The ramp's values at even places from 0 to 1; empty where there is no ramp.
     pub ticks: Vec<String>,
@@ -80,7 +83,7 @@ pub struct Legend {
 pub struct LegendEntry {
     /// Gamma-encoded colour.
     pub colour: [u8; 3],
-    /// What it stands for.
+    /// Meaning of the colour.
     pub name: &'static str,
 }
 
@@ -99,7 +102,7 @@ impl Palette {
         Self { colouring, even, deepest: deepest.max(1) }
     }
 
-    /// What a link adds to the pixels that its block covers.
+    /// Contribution of a link to the pixels that its block covers.
     pub(super) fn tone(&self, anatomy: &Anatomy, link: &LinkView) -> Tone {
         match self.colouring {
             Colouring::Power => [self.density(anatomy, link), 0.0, 0.0],
@@ -107,7 +110,8 @@ impl Palette {
         }
     }
 
-    /// The gamma-encoded colour of what was added to a pixel, for each unit of the share that was covered.
+    /// The gamma-encoded colour of what was added to a pixel, for each unit of the share that was
+    /// covered.
     pub(super) fn resolve(&self, tone: Tone) -> [u8; 3] {
         match self.colouring {
             Colouring::Power => self.of_density(tone[0]),
@@ -160,7 +164,7 @@ impl Palette {
         }
     }
 
-    /// What the colours mean.
+    /// Legend of the colours.
     pub fn legend(&self) -> Legend {
         let entry = |colour, name| LegendEntry { colour, name };
         let no_link = entry(EMPTY, "no link");

@@ -1,12 +1,14 @@
 //! The link matrix: the block structure of the transport operator as a picture.
 //!
-//! Rows are receivers, from top to bottom, columns are sources, both in the order of the hierarchy ([`crate::hierarchy::Order`]). Each
-//! link is a rectangle as large as its ends: the root's self-link is the whole square, with which a solve begins, and its refinements tile
-//! it. Pairs that exchange no light have no link and stay dark.
+//! Rows are receivers, from top to bottom, columns are sources, both in the order of the hierarchy
+//! ([`crate::hierarchy::Order`]). Each link is a rectangle as large as its ends: the root's
+//! self-link is the whole square, with which a solve begins, and its refinements tile it. Pairs
+//! that exchange no light have no link and stay dark.
 //!
-//! [`raster`] draws the blocks of any part of the square, [`pair_at`] says what lies at a place, [`brackets`] which elements to name
-//! along its edges, and [`draw`] makes a whole picture with axes and legend. Window and command line share all of them. Nothing
-//! here knows a window; the module imports `solver`, `hierarchy`, `scene`, `names` and `ramp`.
+//! [`raster`] draws the blocks of any part of the square, [`pair_at`] says what lies at a place,
+//! [`brackets`] which elements to name along its edges, and [`draw`] makes a whole picture with
+//! axes and legend. Window and command line share all of them. Nothing here knows a window; the
+//! module imports `solver`, `hierarchy`, `scene`, `names` and `ramp`.
 
 mod axis;
 mod colour;

@@ -1,4 +1,4 @@
-//! What lies at a place of the matrix.
+//! Elements and link at a place of the matrix.
 
 use crate::hierarchy::{ElementId, Room};
 use crate::solver::{Anatomy, LinkView};
@@ -14,12 +14,13 @@ pub struct Pair {
     pub link: Option<LinkView>,
 }
 
-/// What lies at a place, column and row from 0 to 1.
+/// Elements and link at a place, column and row from 0 to 1.
 pub fn pair_at(anatomy: &Anatomy, room: Room, [column, row]: [f64; 2]) -> Pair {
     let (order, hierarchy) = (anatomy.order(room), anatomy.hierarchy());
     let receivers = order.path_at(hierarchy, row);
     let sources = order.path_at(hierarchy, column);
-    // Sources of the links of one receiver do not hold each other, but where rows of siblings wait: the smallest is found.
+    // Sources of the links of one receiver do not hold each other, but where rows of siblings wait:
+    // the smallest is found.
     let link = receivers.iter().rev().find_map(|&receiver| {
         let here = anatomy.links_of(receiver).filter(|link| sources.contains(&link.source));
         here.max_by_key(|link| sources.iter().position(|&id| id == link.source))

@@ -1,4 +1,5 @@
-//! A whole picture of a link matrix: the square, brackets with names along its edges, a legend and the numbers.
+//! A whole picture of a link matrix: the square, brackets with names along its edges, a legend and
+//! the numbers.
 
 use image::RgbImage;
 use plotters::coord::Shift;
@@ -18,7 +19,8 @@ use crate::names::Names;
 use crate::scene::Scene;
 use crate::solver::Anatomy;
 
-/// Room around the square, pixels: title and names above, names at the left, air at the right, legend below.
+/// Room around the square, pixels: title and names above, names at the left, air at the right,
+/// legend below.
 const MARGINS: [u32; 4] = [150, 86, 30, 96];
 /// Width of a tier of brackets, pixels, and the gap behind it.
 const TIER: i32 = 26;
@@ -32,18 +34,18 @@ const INK: RGBColor = RGBColor(230, 231, 235);
 const FAINT: RGBColor = RGBColor(150, 155, 165);
 const BRACKETS: [RGBColor; 2] = [RGBColor(52, 56, 63), RGBColor(42, 45, 51)];
 
-/// What is drawn.
+/// Request for a picture of the matrix.
 #[derive(Clone, Copy)]
 pub struct Drawing<'a> {
     /// The state of the solution.
     pub anatomy: &'a Anatomy,
     /// Names of its elements.
     pub names: &'a Names,
-    /// Its scene.
+    /// Scene of the solution.
     pub scene: &'a Scene,
-    /// What elements get room for.
+    /// Measure by which elements get room.
     pub room: Room,
-    /// What colours stand for.
+    /// Quantity that colours stand for.
     pub colouring: Colouring,
     /// Pixels along the sides of the square.
     pub pixels: u32,

@@ -1,7 +1,8 @@
-//! The raster of a link matrix: each pixel has the mean of the blocks that it covers, weighted by the room that they take of it.
+//! The raster of a link matrix: each pixel has the mean of the blocks that it covers, weighted by
+//! the room that they take of it.
 //!
-//! By power that mean is a density, so that what flows through a pixel is right at any magnification; all other colours are mixed as
-//! light. What no link covers is [`EMPTY`].
+//! By power that mean is a density, so that what flows through a pixel is right at any
+//! magnification; all other colours are mixed as light. What no link covers is [`EMPTY`].
 
 use super::colour::{EMPTY, Palette, Tone, light};
 use crate::cancel::CancelToken;
@@ -53,10 +54,10 @@ impl View {
     }
 }
 
-/// What is to be drawn.
+/// Request for a raster.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Request {
-    /// What elements get room for.
+    /// Measure by which elements get room.
     pub room: Room,
     /// The part in view.
     pub view: View,
@@ -110,7 +111,7 @@ fn gap(rows: [f32; 2], columns: [f32; 2]) -> f32 {
     GAP * ((shorter - GAP_FROM) / (GAP_FULL - GAP_FROM)).clamp(0.0, 1.0)
 }
 
-/// What has been added to each pixel: its tone, and the share that was covered.
+/// Sum of each pixel: tone, and the share that was covered.
 struct Canvas {
     size: usize,
     sums: Vec<[f32; 4]>,
@@ -275,8 +276,9 @@ mod tests {
         }
     }
 
-    /// Truth: in an empty cube each face sees the five others and not itself, so that after each wave, as at the end, five sixths of the
-    /// square are covered, none of it twice; pictures cover what the blocks do.
+    /// Truth: in an empty cube each face sees the five others and not itself, so that after each
+    /// wave, as at the end, five sixths of the square are covered, none of it twice; pictures cover
+    /// what the blocks do.
     #[test]
     fn blocks_tile_the_square() {
         let mut solver = solver();
@@ -331,7 +333,8 @@ mod tests {
         assert_eq!(pair_at(&anatomy, Room::Area, [0.0, 1.0]).receivers[0], Hierarchy::ROOT);
     }
 
-    /// Truth: what is under the mouse stays there, and nothing outside of the square comes into view.
+    /// Truth: what is under the mouse stays there, and nothing outside of the square comes into
+    /// view.
     #[test]
     fn views_stay_inside() {
         let zoomed = View::WHOLE.zoomed(4.0, [0.9, 0.1]);

@@ -1,7 +1,9 @@
-//! The reference's own tree of boxes over triangles: binary, cut by the surface-area heuristic over bins \[Wald, *On fast
-//! construction of SAH-based bounding volume hierarchies*, 2007\], then collapsed into nodes of four children.
+//! The reference's own tree of boxes over triangles: binary, cut by the surface-area heuristic over
+//! bins \[Wald, *On fast construction of SAH-based bounding volume hierarchies*, 2007\], then
+//! collapsed into nodes of four children.
 //!
-//! Boxes are single-precision numbers and so much larger than what they hold that no rounding loses a triangle.
+//! Boxes are single-precision numbers and so much larger than what they hold that no rounding loses
+//! a triangle.
 
 use glam::Vec3;
 
@@ -17,10 +19,12 @@ const LEAF: usize = 4;
 const TRIANGLE_COST: f32 = 1.5;
 /// Below this depth ranges are halved by number, which bounds the depth.
 const DEEPEST_CUT: usize = 32;
-/// Nodes that can wait: three of each level, of which there are at most [`DEEPEST_CUT`] and the 32 of halving.
+/// Nodes that can wait: three of each level, of which there are at most [`DEEPEST_CUT`] and the 32
+/// of halving.
 const STACK: usize = 3 * (DEEPEST_CUT + 32);
-/// Boxes are larger than what they hold by this share of the scene's largest coordinate M. Rounding the origin of a ray moves it by
-/// 2⁻²⁴ M; three roundings of a distance of at most 2 M amount to 6·2⁻²⁴ M.
+/// Boxes are larger than what they hold by this share of the scene's largest coordinate M. Rounding
+/// the origin of a ray moves it by 2⁻²⁴ M; three roundings of a distance of at most 2 M amount to
+/// 6·2⁻²⁴ M.
 const PADDING: f32 = 8.0 / 16_777_216.0;
 
 /// The tree; triangles are those that it was built of, in [`Bvh::order`].
@@ -41,7 +45,8 @@ struct Node {
     child: [Child; WIDTH],
 }
 
-/// What a box holds: the first triangle of a leaf and how many there are, or a node and 0. Packed, for what waits is much of a ray's work.
+/// What a box holds: the first triangle of a leaf and how many there are, or a node and 0. Packed,
+/// for what waits is much of a ray's work.
 #[derive(Clone, Copy, Debug, Default)]
 struct Child(u32);
 
@@ -159,8 +164,9 @@ impl Bvh {
         index as u32
     }
 
-    /// Goes through the leaves that a ray may meet no farther than `limit`, near ones first. `look` is given ranges of
-    /// [`Bvh::order`] and says how far to look from then on; a negative number ends it. The ray begins within the scene's box.
+    /// Goes through the leaves that a ray may meet no farther than `limit`, near ones first. `look`
+    /// is given ranges of [`Bvh::order`] and says how far to look from then on; a negative number
+    /// ends it. The ray begins within the scene's box.
     #[inline]
     pub fn visit(&self, ray: &Ray, limit: f64, mut look: impl FnMut(std::ops::Range<usize>) -> f64) {
         if self.nodes.is_empty() {
@@ -255,7 +261,8 @@ fn branch(bounds: &[Bounds], order: &mut [u32], offset: u32, depth: usize) -> Br
     Branch::Fork { bounds: all, halves: Box::new(halves) }
 }
 
-/// Sorts triangles to either side of the best cut and says how many are on the first; `None` where none is worth it.
+/// Sorts triangles to either side of the best cut and says how many are on the first; `None` where
+/// none is worth it.
 fn cut(bounds: &[Bounds], order: &mut [u32], surface: f32) -> Option<usize> {
     let centres = order.iter().fold(Bounds::NONE, |all, triangle| {
         let centre = bounds[*triangle as usize].centre();
@@ -346,8 +353,9 @@ mod tests {
         all_met(triangles, looked_at.into_iter(), ray)
     }
 
-    /// Truth: a plain loop over all triangles. Random ones, needles and flat ones among them, in scenes of 10⁻⁴ to 10⁴ m about the origin and beside
-    /// it; rays at random, along the axes, along edges and through corners.
+    /// Truth: a plain loop over all triangles. Random ones, needles and flat ones among them, in
+    /// scenes of 10⁻⁴ to 10⁴ m about the origin and beside it; rays at random, along the axes,
+    /// along edges and through corners.
     #[test]
     fn every_meeting_of_a_plain_loop_is_found() {
         let mut random = Random(0);
@@ -391,8 +399,8 @@ mod tests {
         assert!(count > 5_000, "{count} meetings");
     }
 
-    /// Truth: topology. A closed surface lets no ray out, through edges and corners neither: rays from inside a ball of 320 triangles at
-    /// its corners and at the middles of its edges.
+    /// Truth: topology. A closed surface lets no ray out, through edges and corners neither: rays
+    /// from inside a ball of 320 triangles at its corners and at the middles of its edges.
     #[test]
     fn a_closed_surface_has_no_cracks() {
         let mut triangles: Vec<[Vec3; 3]> = Vec::new();

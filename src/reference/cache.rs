@@ -1,7 +1,8 @@
 //! References on disk, so that a scene's truth is computed once.
 //!
-//! A file is named by a hash of everything that its values depend on, and says so inside as well; what has changed has
-//! another name, so nothing can be stale. A file ends with a hash of itself; one that is damaged or cut off is as good as none.
+//! A file is named by a hash of everything that its values depend on, and says so inside as well;
+//! what has changed has another name, so nothing can be stale. A file ends with a hash of itself;
+//! one that is damaged or cut off is as good as none.
 
 use std::fs::{self, File};
 use std::io::{self, Write as _};
@@ -28,7 +29,8 @@ impl Cache {
         Self(folder.to_owned())
     }
 
-    /// The person's own cache: `selflink` in `$XDG_CACHE_HOME` or else in `~/.cache`; `None` where there is neither.
+    /// The person's own cache: `selflink` in `$XDG_CACHE_HOME` or else in `~/.cache`; `None` where
+    /// there is neither.
     pub fn of_user() -> Option<Self> {
         let folder = |name: &str| std::env::var_os(name).map(PathBuf::from).filter(|path| path.is_absolute());
         let base = folder("XDG_CACHE_HOME").or_else(|| Some(folder("HOME")?.join(".cache")))?;
@@ -52,7 +54,8 @@ impl Cache {
         }
     }
 
-    /// Stores what a run knows, unless more is there already. The file changes at once or not at all.
+    /// Stores what a run knows, unless more is there already. The file changes at once or not at
+    /// all.
     ///
     /// # Errors
     /// The folder cannot be made or written.

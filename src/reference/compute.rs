@@ -26,7 +26,7 @@ pub struct Target {
 pub struct Outcome {
     /// The reference.
     pub reference: Reference,
-    /// Its noise, relative RMS.
+    /// Noise of the reference, relative RMS.
     pub noise: f64,
     /// Whether that is as little as was asked for.
     pub reached: bool,
@@ -40,7 +40,8 @@ pub struct Outcome {
     pub cache_error: Option<io::Error>,
 }
 
-/// Makes passes until the noise is low enough, the time over or `cancel` cancelled; `progress` hears of each pass.
+/// Makes passes until the noise is low enough, the time over or `cancel` cancelled; `progress`
+/// hears of each pass.
 pub fn compute(
     run: &mut ReferenceRun,
     cache: Option<&Cache>,

@@ -14,11 +14,13 @@ const PATHS: u32 = 8;
 /// Places for each polygon, and for all of them so that large ones get several.
 const OF_EACH: usize = 2;
 const OF_ALL: usize = 2048;
-/// No more places than these in scenes of many polygons: neighbours in the scene's order then share theirs.
+/// No more places than these in scenes of many polygons: neighbours in the scene's order then share
+/// theirs.
 const MOST: usize = 1 << 16;
 
-/// A·|B|² of each of these polygons, in m²·(W/m²)², lamps' own light left out. Rough, and good for nothing but to decide where to look:
-/// half of the places lie by area, half evenly over the polygons, so that small things are met too.
+/// A·|B|² of each of these polygons, in m²·(W/m²)², lamps' own light left out. Rough, and good for
+/// nothing but to decide where to look: half of the places lie by area, half evenly over the
+/// polygons, so that small things are met too.
 pub fn glow(scene: &Scene, polygons: &[u32], areas: &[f64], seed: u64) -> Vec<f64> {
     let seed = seed ^ SALT;
     let chances = halves(areas, &vec![1.0; polygons.len()]);
@@ -33,7 +35,8 @@ pub fn glow(scene: &Scene, polygons: &[u32], areas: &[f64], seed: u64) -> Vec<f6
     let per_place = places.len() as f64 / chances.iter().sum::<f64>();
     let mut begun = 0.0;
     let of = |(chance, area): (&f64, &f64)| {
-        // Places are dealt out along the polygons: these are the ones on this polygon, or the one that it shares.
+        // Places are dealt out along the polygons: these are the ones on this polygon, or the one
+        // that it shares.
         let range = begun..begun + chance * per_place;
         begun = range.end;
         let last = (range.end.ceil() as usize).clamp(1, squares.len().max(1));

@@ -1,4 +1,4 @@
-//! What a reference is known by: a hash of all that its values depend on.
+//! Key of a reference: a hash of all that its values depend on.
 
 use glam::Vec3;
 use sha2::{Digest, Sha256};
@@ -13,8 +13,8 @@ pub(super) const VERSION: u32 = 3;
 pub(super) const MAGIC: &[u8; 8] = b"slnkref\n";
 /// Bytes of a hash.
 pub(super) const HASH: usize = 32;
-/// A hash of all that a reference's values depend on: the polygons as they are turned and doubled, reflectances, emissions,
-/// points, seed, and the version of the method.
+/// A hash of all that a reference's values depend on: the polygons as they are turned and doubled,
+/// reflectances, emissions, points, seed, and the version of the method.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Key(pub(super) [u8; HASH]);
 

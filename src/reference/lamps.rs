@@ -1,8 +1,9 @@
 //! The faces that emit, as targets of next-event estimation.
 //!
-//! A point is picked on them by power, and power counts by what it could send to the place that is lit: lamps are bundled
-//! into a few bundles of neighbours, each of which is weighed by its distance and by its slope to that place. Without this a small bulb
-//! would hardly ever be picked by what stands beside it.
+//! A point is picked on them by power, and power counts by what it could send to the place that is
+//! lit: lamps are bundled into a few bundles of neighbours, each of which is weighed by its
+//! distance and by its slope to that place. Without this a small bulb would hardly ever be picked
+//! by what stands beside it.
 
 use glam::{DVec3, Vec3};
 
@@ -50,7 +51,7 @@ struct Lamp {
 
 /// Neighbouring lamps.
 struct Bundle {
-    /// Its lamps, `first..end`.
+    /// Lamps of the bundle, `first..end`.
     first: usize,
     end: usize,
     centre: Vec3,
@@ -188,7 +189,8 @@ impl Bundle {
     }
 }
 
-/// Sorts lamps along the longest side of their box and returns how many lie in its first half, at least one on either side.
+/// Sorts lamps along the longest side of their box and returns how many lie in its first half, at
+/// least one on either side.
 fn halve(lamps: &mut [Lamp]) -> usize {
     let bounds = lamps.iter().fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(lower, upper), lamp| {
         (lower.min(lamp.centre), upper.max(lamp.centre))

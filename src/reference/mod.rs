@@ -1,10 +1,12 @@
-//! A truth to measure by: path-traced irradiance at points on surfaces, with a standard error for each.
+//! A truth to measure by: path-traced irradiance at points on surfaces, with a standard error for
+//! each.
 //!
-//! The paper measured no error "due to the lack of a good reference solution"; this is one. It shares the scene with the
-//! solver and nothing else: its own tree of boxes and its own test of rays against faces, its own idea of faces at the same place and
-//! its own list of emitters, so that what blinds the one does not blind the other. Its estimates are unbiased, of any number of
-//! bounces, and say how far they may be off. [`ReferenceRun`] makes them better pass by pass and keeps what it knows in a [`Cache`].
-//! Imports `scene` alone.
+//! The paper measured no error "due to the lack of a good reference solution"; this is one. It
+//! shares the scene with the solver and nothing else: its own tree of boxes and its own test of
+//! rays against faces, its own idea of faces at the same place and its own list of emitters, so
+//! that what blinds the one does not blind the other. Its estimates are unbiased, of any number of
+//! bounces, and say how far they may be off. [`ReferenceRun`] makes them better pass by pass and
+//! keeps what it knows in a [`Cache`]. Imports `scene` alone.
 //!
 //! ```
 //! use selflink::cancel::CancelToken;

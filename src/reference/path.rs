@@ -1,9 +1,9 @@
 //! One path: an unbiased estimate of the irradiance at a point.
 //!
-//! At each vertex light is looked for twice, on a point of a lamp (next-event estimation) and along the direction in
-//! which the path goes on (cosine-weighted); the balance heuristic \[Veach, Guibas, SIGGRAPH 1995\] weighs the two, so that a lamp
-//! that touches a wall has no spike. A path goes on with the probability of its throughput (Russian roulette) and so has no
-//! longest length.
+//! At each vertex light is looked for twice, on a point of a lamp (next-event estimation) and along
+//! the direction in which the path goes on (cosine-weighted); the balance heuristic \[Veach,
+//! Guibas, SIGGRAPH 1995\] weighs the two, so that a lamp that touches a wall has no spike. A path
+//! goes on with the probability of its throughput (Russian roulette) and so has no longest length.
 
 use std::f64::consts::{PI, TAU};
 
@@ -15,7 +15,8 @@ use super::sequence::Sequence;
 use super::surfaces::{Surfaces, Vertex};
 use crate::scene::Scene;
 
-/// Vertices of a path whose numbers are stratified over a batch; farther ones differ too much from path to path to gain.
+/// Vertices of a path whose numbers are stratified over a batch; farther ones differ too much from
+/// path to path to gain.
 const EVEN_VERTICES: u32 = 3;
 
 /// Pairs of random numbers of a vertex, and what each is for.
@@ -53,7 +54,8 @@ impl Tracer {
         }
     }
 
-    /// The mean of so many paths from a point, a power of two, that share one scrambled sequence, W/m².
+    /// The mean of so many paths from a point, a power of two, that share one scrambled sequence,
+    /// W/m².
     pub fn irradiance(&self, point: &SurfacePoint, seed: u64, paths: u32) -> DVec3 {
         let Some(lamps) = &self.lamps else { return DVec3::ZERO };
         let begin = self.surfaces.vertex(point);
@@ -92,7 +94,8 @@ impl Tracer {
         irradiance
     }
 
-    /// Light that a point of a lamp sends here, with its weight against the direction that the path takes by chance.
+    /// Light that a point of a lamp sends here, with its weight against the direction that the path
+    /// takes by chance.
     #[inline]
     fn lamp_light(&self, lamp: &LampPoint, from: &Vertex) -> DVec3 {
         let span = lamp.position - from.position;
@@ -108,14 +111,15 @@ impl Tracer {
     }
 }
 
-/// kernel / (kernel + density): the balance heuristic's weight of a direction, and what a lamp's point counts per emission.
+/// kernel / (kernel + density): the balance heuristic's weight of a direction, and what a lamp's
+/// point counts per emission.
 #[inline]
 fn share(kernel: f64, density: f32) -> f64 {
     if kernel > 0.0 { kernel / (kernel + f64::from(density)) } else { 0.0 }
 }
 
-/// cosθ·cosθ′/(π·d²), per area: what a point receives of a lamp per radiosity and area, and the density, per area of the lamp,
-/// of a cosine-weighted direction; 0 where either end faces away.
+/// cosθ·cosθ′/(π·d²), per area: what a point receives of a lamp per radiosity and area, and the
+/// density, per area of the lamp, of a cosine-weighted direction; 0 where either end faces away.
 #[inline]
 fn kernel(cosine: f64, lamp_cosine: f64, distance_squared: f64) -> f64 {
     if cosine > 0.0 && lamp_cosine > 0.0 && distance_squared > 0.0 {
@@ -140,8 +144,9 @@ mod tests {
     use crate::accuracy::cases;
     use crate::reference::random_points_on;
 
-    /// Truth: nothing gets out of a closed room. What slips between two faces is lost again with every bounce: one ray in 10,000
-    /// made a furnace of ρ = 0.95 darker by 0.2 %. At most one in 50,000 here.
+    /// Truth: nothing gets out of a closed room. What slips between two faces is lost again with
+    /// every bounce: one ray in 10,000 made a furnace of ρ = 0.95 darker by 0.2 %. At most one in
+    /// 50,000 here.
     #[test]
     fn closed_rooms_keep_their_light() {
         let is_closed = |name: &str| name.contains("furnace") || name.contains("sphere");

@@ -10,8 +10,9 @@ use crate::scene::Scene;
 /// Keeps the places of points apart from the paths of the same seed.
 const SALT: u64 = 0x706f_696e_7473;
 
-/// Steps of the points that follow one another on a polygon: the two-dimensional sequence of the plastic number, 1.3247
-/// \[M. Roberts, *The unreasonable effectiveness of quasirandom sequences*, 2018\].
+/// Steps of the points that follow one another on a polygon: the two-dimensional sequence of the
+/// plastic number, 1.3247 \[M. Roberts, *The unreasonable effectiveness of quasirandom sequences*,
+/// 2018\].
 const STEPS: [f64; 2] = [0.754_877_666_246_692_7, 0.569_840_290_998_053_2];
 
 /// A point on the bright side of a polygon.
@@ -25,13 +26,14 @@ pub struct SurfacePoint {
     pub polygon: u32,
     /// Reflectance ρ there, which makes a radiosity of an irradiance.
     pub reflectance: Vec3,
-    /// What it counts where points are summed up: the area that it stands for, as a share of what it would be among as many points spread
-    /// evenly by area.
+    /// What it counts where points are summed up: the area that it stands for, as a share of what
+    /// it would be among as many points spread evenly by area.
     pub weight: f32,
 }
 
 impl SurfacePoint {
-    /// A point of a polygon, given by its position; normal and reflectance are the polygon's, and it counts once.
+    /// A point of a polygon, given by its position; normal and reflectance are the polygon's, and
+    /// it counts once.
     pub fn on(scene: &Scene, polygon: u32, position: Vec3) -> Self {
         let of = &scene.polygons[polygon as usize];
         let reflectance = scene.surface(of).reflectance;
@@ -41,11 +43,12 @@ impl SurfacePoint {
 
 /// So many random points on all bright sides but the lamps', those that no light reaches included.
 ///
-/// Half of them lie evenly by area, half by A·|B|² as far as a few paths tell it: a small bright place may hold most of what
-/// an RMS is about, and by area alone hardly a point would meet it. [`SurfacePoint::weight`] makes up for that.
+/// Half of them lie evenly by area, half by A·|B|² as far as a few paths tell it: a small bright
+/// place may hold most of what an RMS is about, and by area alone hardly a point would meet it.
+/// [`SurfacePoint::weight`] makes up for that.
 ///
-/// All polygons, one after the other, are cut into as many parts of equal chance, and each part holds one point; points of one
-/// polygon are spread evenly over it.
+/// All polygons, one after the other, are cut into as many parts of equal chance, and each part
+/// holds one point; points of one polygon are spread evenly over it.
 pub fn random_points(scene: &Scene, count: usize, seed: u64) -> Vec<SurfacePoint> {
     let is_lamp = |index: usize| scene.emits(&scene.polygons[index]);
     let polygons: Vec<u32> = (0..scene.polygons.len()).filter(|index| !is_lamp(*index)).map(|i| i as u32).collect();
@@ -136,9 +139,10 @@ mod tests {
         assert_ne!(points, random_points(&scene, 1000, 2));
     }
 
-    /// Truth: two floors far apart, of 1 and 99 m², each below a lamp as large; the small one's shines ten times as brightly, and holds half of A·|B|²
-    /// and more, for near all of what a lamp sends to a floor much wider than the room is high arrives there. So it gets a good quarter of all
-    /// points, which count as much as a hundredth of them.
+    /// Truth: two floors far apart, of 1 and 99 m², each below a lamp as large; the small one's
+    /// shines ten times as brightly, and holds half of A·|B|² and more, for near all of what a lamp
+    /// sends to a floor much wider than the room is high arrives there. So it gets a good quarter
+    /// of all points, which count as much as a hundredth of them.
     #[test]
     fn small_bright_places_are_met_and_do_not_count_more() {
         let mut scene = Scene::new("two floors");

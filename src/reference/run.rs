@@ -1,8 +1,8 @@
 //! Passes of paths over all points, and what they add up to.
 //!
-//! The first passes, the pilot, send the same number of paths from every point. How far these scatter decides how many each
-//! point gets of all later ones, and the pilot counts no more: a mean whose number of samples depended on the samples themselves
-//! would be biased.
+//! The first passes, the pilot, send the same number of paths from every point. How far these
+//! scatter decides how many each point gets of all later ones, and the pilot counts no more: a mean
+//! whose number of samples depended on the samples themselves would be biased.
 
 use std::sync::Arc;
 
@@ -43,7 +43,8 @@ pub struct ReferenceRun {
 }
 
 impl ReferenceRun {
-    /// A run that has made no pass, of a scene whose faces are turned and doubled as it is solved ([`crate::geometry::orient::apply`]).
+    /// A run that has made no pass, of a scene whose faces are turned and doubled as it is solved
+    /// ([`crate::geometry::orient::apply`]).
     pub fn new(scene: &Scene, points: Arc<[SurfacePoint]>, seed: u64) -> Self {
         let none = vec![Sums::default(); points.len()];
         Self {
@@ -56,7 +57,8 @@ impl ReferenceRun {
         }
     }
 
-    /// Sends a batch of paths from every point, on average; false if cancelled, which leaves the run as it was.
+    /// Sends a batch of paths from every point, on average; false if cancelled, which leaves the
+    /// run as it was.
     ///
     /// The result is the same bit for bit for any number of threads.
     pub fn pass(&mut self, cancel: &CancelToken) -> bool {
@@ -102,12 +104,12 @@ impl ReferenceRun {
         &self.points
     }
 
-    /// What decides its values: scene, points and seed.
+    /// Key of the values: scene, points and seed.
     pub fn key(&self) -> &Key {
         &self.key
     }
 
-    /// What is known now.
+    /// Present state of the reference.
     pub fn reference(&self) -> Reference {
         // Until then the pilot is the better one.
         let counts = self.state.passes >= 2 * PILOT;
@@ -142,8 +144,8 @@ impl Reference {
         reflected(&self.points[index], self.standard_error[index])
     }
 
-    /// Relative RMS noise of the radiosities over the points, by their weights, all colours together. Where nothing is reflected, that of
-    /// the irradiances.
+    /// Relative RMS noise of the radiosities over the points, by their weights, all colours
+    /// together. Where nothing is reflected, that of the irradiances.
     pub fn noise(&self) -> f64 {
         let sum = |of: &dyn Fn(usize) -> DVec3| {
             let square = |(index, point): (usize, &SurfacePoint)| f64::from(point.weight) * of(index).length_squared();

@@ -1,8 +1,10 @@
-//! Random numbers that cover the unit square evenly: Owen-scrambled (0,2)-sequences, a fresh one for each batch of paths.
+//! Random numbers that cover the unit square evenly: Owen-scrambled (0,2)-sequences, a fresh one
+//! for each batch of paths.
 //!
-//! Every pair of dimensions is the two-dimensional Sobol sequence with its order and its digits scrambled by a hash \[Burley,
-//! *Practical hash-based Owen scrambling*, JCGT 9(4), 2020\], with the hash of pbrt-v4's `FastOwenScrambler`. Each number
-//! alone is uniform, so a batch is unbiased; batches are independent, so their spread tells the error.
+//! Every pair of dimensions is the two-dimensional Sobol sequence with its order and its digits
+//! scrambled by a hash \[Burley, *Practical hash-based Owen scrambling*, JCGT 9(4), 2020\], with
+//! the hash of pbrt-v4's `FastOwenScrambler`. Each number alone is uniform, so a batch is unbiased;
+//! batches are independent, so their spread tells the error.
 
 /// The numbers of one path.
 #[derive(Clone, Copy)]
@@ -85,7 +87,8 @@ pub fn mix(a: u64, b: u64) -> u64 {
 mod tests {
     use super::*;
 
-    /// Truth: the definition of a (0,2)-sequence; 64 points have one in every elementary interval of area 1/64.
+    /// Truth: the definition of a (0,2)-sequence; 64 points have one in every elementary interval
+    /// of area 1/64.
     #[test]
     fn points_are_stratified_in_every_elementary_interval() {
         for seed in 0..20 {
@@ -101,8 +104,8 @@ mod tests {
         }
     }
 
-    /// Truth: the moments of uniform numbers, ½ and ⅓, and no correlation between two pairs: over 4,096 batches within four
-    /// standard errors of plain sampling.
+    /// Truth: the moments of uniform numbers, ½ and ⅓, and no correlation between two pairs: over
+    /// 4,096 batches within four standard errors of plain sampling.
     #[test]
     fn numbers_are_uniform_over_batches() {
         let batches = 4096_u32;

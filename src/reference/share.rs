@@ -3,7 +3,8 @@
 use super::points::SurfacePoint;
 use super::sums::{Sums, reflected};
 
-/// The least share of a point, in batches per pass, whatever the pilot found there: it may have missed what is rare.
+/// The least share of a point, in batches per pass, whatever the pilot found there: it may have
+/// missed what is rare.
 const LEAST: f64 = 0.25;
 /// What goes by the scatter itself; the rest goes by the scatter relative to the mean.
 const BY_SCATTER: f64 = 0.65;
@@ -12,8 +13,9 @@ const MOST: f64 = 64.0;
 
 /// Batches of each point per pass, 1 on average.
 ///
-/// Most of what is to be shared goes by how far a point's batches scatter, which lowers the noise over all points the most
-/// \[Neyman 1934\], and by the root of what it counts; the rest by how far they do relative to their mean, which counts for the local error of dark places.
+/// Most of what is to be shared goes by how far a point's batches scatter, which lowers the noise
+/// over all points the most \[Neyman 1934\], and by the root of what it counts; the rest by how far
+/// they do relative to their mean, which counts for the local error of dark places.
 pub fn shares(points: &[SurfacePoint], pilot: &[Sums]) -> Vec<f64> {
     let scatter = |(point, sums): (&SurfacePoint, &Sums)| {
         let (error, mean) = (sums.standard_error(), sums.mean());

@@ -1,13 +1,14 @@
-//! What is added up at each point, in batches and passes of fixed size.
+//! Sums of each point, in batches and passes of fixed size.
 
 use glam::DVec3;
 
 use super::points::SurfacePoint;
 
-/// Paths of a batch, a power of two. They share one scrambled sequence: more paths in it lower the noise faster, fewer leave more
-/// batches from which the error is known.
+/// Paths of a batch, a power of two. They share one scrambled sequence: more paths in it lower the
+/// noise faster, fewer leave more batches from which the error is known.
 pub const BATCH: u32 = 64;
-/// Passes of the pilot: enough to meet what is rare, such as the bright inside of a lamp shade, at most points that it lights.
+/// Passes of the pilot: enough to meet what is rare, such as the bright inside of a lamp shade, at
+/// most points that it lights.
 pub const PILOT: u32 = 32;
 
 /// Sums over the batches at one point, per colour.
@@ -27,7 +28,7 @@ pub(super) struct State {
     pub passes: u32,
     /// One for each point.
     pub pilot: Vec<Sums>,
-    /// What counts once it is worth more than the pilot.
+    /// The estimate that counts once it is worth more than the pilot.
     pub counted: Vec<Sums>,
 }
 
@@ -48,7 +49,8 @@ impl Sums {
     }
 }
 
-/// What a point reflects of an irradiance; nothing, even of an infinite one, where it is black.
+/// Light that a point reflects of an irradiance; nothing, even of an infinite one, where it is
+/// black.
 pub(super) fn reflected(point: &SurfacePoint, irradiance: DVec3) -> DVec3 {
     let of = |rho: f32, irradiance: f64| if rho > 0.0 { f64::from(rho) * irradiance } else { 0.0 };
     let reflectance = point.reflectance;

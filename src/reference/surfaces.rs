@@ -1,11 +1,14 @@
-//! What a path meets: the faces of a scene as one-sided triangles, with rays of the reference's own.
+//! Surfaces of a path: the faces of a scene as one-sided triangles, with rays of the reference's
+//! own.
 //!
-//! Points of paths lie on their triangles to double precision, and a ray passes over the polygon that it leaves; so there is no
-//! distance by which it must start off a surface. What a file rounds is another matter: faces that are meant to be at
-//! the same place are so up to the rounding of their corners. Parallel faces no farther apart than that **coincide**. Of coincident
-//! faces a ray meets the one whose bright side it sees, the smallest if there are several, and it leaves all of them at once.
-//! So a wall made of two faces back to back is a wall, also where rooms share it, and the two sides of a doubled face
-//! ([`crate::scene::Sides::Both`]) need no thought; a face that is there twice is met once, and a label on a box is seen.
+//! Points of paths lie on their triangles to double precision, and a ray passes over the polygon
+//! that it leaves; so there is no distance by which it must start off a surface. What a file rounds
+//! is another matter: faces that are meant to be at the same place are so up to the rounding of
+//! their corners. Parallel faces no farther apart than that **coincide**. Of coincident faces a ray
+//! meets the one whose bright side it sees, the smallest if there are several, and it leaves all of
+//! them at once. So a wall made of two faces back to back is a wall, also where rooms share it, and
+//! the two sides of a doubled face ([`crate::scene::Sides::Both`]) need no thought; a face that is
+//! there twice is met once, and a label on a box is seen.
 
 use glam::{DVec3, Vec3};
 
@@ -14,12 +17,13 @@ use super::points::SurfacePoint;
 use super::triangle::{Ray, point_of};
 use crate::scene::{Polygon, Scene};
 
-/// How far a face may lie from its place in the file, as a share of its largest coordinate: each of the three numbers of a
-/// corner is off by 2⁻²⁴ of it, and their length by √3 of that.
+/// How far a face may lie from its place in the file, as a share of its largest coordinate: each of
+/// the three numbers of a corner is off by 2⁻²⁴ of it, and their length by √3 of that.
 const CORNER_ROUNDING: f64 = 2.0 / 16_777_216.0;
 /// Coincident faces are parallel up to 0.8°.
 const LEAST_COSINE: f64 = 0.9999;
-/// Points on the very edge of a triangle are moved inside by this share: there the next wall may begin.
+/// Points on the very edge of a triangle are moved inside by this share: there the next wall may
+/// begin.
 const INSET: f64 = 1e-6;
 
 /// The faces of a scene.
@@ -35,7 +39,7 @@ pub struct Surfaces {
     ranks: Vec<u32>,
 }
 
-/// What a hit needs of a triangle.
+/// Data of a triangle that a hit needs.
 #[derive(Clone, Copy, Debug)]
 struct Plane {
     normal: DVec3,
@@ -57,7 +61,7 @@ pub struct Vertex {
     tolerance: f64,
 }
 
-/// What a ray met.
+/// Hit of a ray.
 #[derive(Clone, Copy, Debug)]
 struct Hit {
     distance: f64,
@@ -67,7 +71,7 @@ struct Hit {
 }
 
 impl Surfaces {
-    /// Those of a scene.
+    /// Surfaces of a scene.
     pub fn new(scene: &Scene) -> Self {
         let polygons: Vec<_> = scene.polygons.iter().map(|polygon| scene.corner_positions(polygon)).collect();
         let mut corners = Vec::with_capacity(2 * polygons.len());
@@ -107,12 +111,14 @@ impl Surfaces {
         Vertex { position, normal, polygon, tolerance: tolerance(&corners[..*count]) }
     }
 
-    /// The bright side that a ray from a vertex meets, and how far away; `None` where it meets a dark back or leaves the scene.
+    /// The bright side that a ray from a vertex meets, and how far away; `None` where it meets a
+    /// dark back or leaves the scene.
     #[inline]
     pub fn meet(&self, from: &Vertex, direction: DVec3) -> Option<(f64, Vertex)> {
         let ray = Ray::new(from.position, direction);
         let cosine = direction.dot(from.normal);
-        // The nearest of all, how far behind it another may coincide with it, and the nearest bright side.
+        // The nearest of all, how far behind it another may coincide with it, and the nearest
+        // bright side.
         let (mut nearest, mut limit, mut bright): (Option<Hit>, f64, Option<Hit>) = (None, f64::INFINITY, None);
         self.bvh.visit(&ray, limit, |range| {
             for triangle in range {
@@ -145,7 +151,8 @@ impl Surfaces {
         Some((bright.distance, Vertex { position, normal, polygon, tolerance }))
     }
 
-    /// Whether a vertex sees a point on the bright side of a polygon, towards which it looks, and not another face at the same place.
+    /// Whether a vertex sees a point on the bright side of a polygon, towards which it looks, and
+    /// not another face at the same place.
     #[inline]
     pub fn sees(&self, from: &Vertex, to: &Vertex) -> bool {
         let span = to.position - from.position;
@@ -195,15 +202,16 @@ impl Surfaces {
         Vertex { position, normal, polygon, tolerance: tolerance(&corners[..*count]) }
     }
 
-    /// Whether a ray has left this face when it starts at `from`: its own polygon, or one at the same place. `height` is that of
-    /// the hit above the vertex.
+    /// Whether a ray has left this face when it starts at `from`: its own polygon, or one at the
+    /// same place. `height` is that of the hit above the vertex.
     #[inline]
     fn is_left(&self, from: &Vertex, plane: &Plane, height: f64) -> bool {
         plane.polygon == from.polygon
             || (height <= from.tolerance + plane.tolerance && is_parallel(plane.normal, from.normal))
     }
 
-    /// Which of two bright sides a ray meets: the nearer one, or, where they coincide, the one on top.
+    /// Which of two bright sides a ray meets: the nearer one, or, where they coincide, the one on
+    /// top.
     #[inline]
     fn is_met_before(&self, hit: &Hit, other: &Hit, direction: DVec3) -> bool {
         let [one, two] = [hit, other].map(|hit| &self.planes[hit.triangle as usize]);
@@ -224,8 +232,8 @@ impl Surfaces {
     }
 }
 
-/// The order of polygons that lie on each other: the smaller is on top, of equal ones the first, and the second sides of faces
-/// come after those that the file has.
+/// The order of polygons that lie on each other: the smaller is on top, of equal ones the first,
+/// and the second sides of faces come after those that the file has.
 fn ranks(scene: &Scene) -> Vec<u32> {
     let polygons = &scene.polygons;
     let mut order: Vec<u32> = (0..polygons.len() as u32).collect();
@@ -265,7 +273,8 @@ fn plane_normal(triangle: &[Vec3; 3]) -> DVec3 {
     (b - a).cross(c - a).normalize_or_zero()
 }
 
-/// Barycentric weights of the point of a triangle's plane that is nearest to this one; `None` where the triangle has no area.
+/// Barycentric weights of the point of a triangle's plane that is nearest to this one; `None` where
+/// the triangle has no area.
 fn weights_at(triangle: &[Vec3; 3], point: DVec3) -> Option<[f64; 3]> {
     let [a, b, c] = triangle.map(|corner| corner.as_dvec3());
     let normal = (b - a).cross(c - a);

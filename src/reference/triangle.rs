@@ -1,7 +1,9 @@
-//! Rays against triangles in double precision, watertight: a ray meets one of two triangles that share an edge, or both, never
-//! neither \[Woop, Benthin, Wald, *Watertight Ray/Triangle Intersection*, JCGT 2(1), 2013\].
+//! Rays against triangles in double precision, watertight: a ray meets one of two triangles that
+//! share an edge, or both, never neither \[Woop, Benthin, Wald, *Watertight Ray/Triangle
+//! Intersection*, JCGT 2(1), 2013\].
 //!
-//! Corners are single-precision numbers and so are exact here; what is computed of them is off by some 10⁻¹⁵ of the scene.
+//! Corners are single-precision numbers and so are exact here; what is computed of them is off by
+//! some 10⁻¹⁵ of the scene.
 
 use glam::{DVec3, Vec3};
 
@@ -14,7 +16,7 @@ pub struct Ray {
     pub direction: DVec3,
     /// The axes of the sheared space, the longest component of the direction last.
     axes: [usize; 3],
-    /// What shears the direction onto the last axis and makes it one unit long.
+    /// Factors that shear the direction onto the last axis and make it one unit long.
     shear: [f64; 3],
 }
 
@@ -61,7 +63,8 @@ impl Ray {
             (x, y, height)
         };
         let [a, b, c] = [sheared(&corners[0]), sheared(&corners[1]), sheared(&corners[2])];
-        // Twice the areas opposite the corners: an edge gives both of its triangles the same number with another sign.
+        // Twice the areas opposite the corners: an edge gives both of its triangles the same number
+        // with another sign.
         let u = c.0 * b.1 - c.1 * b.0;
         let v = a.0 * c.1 - a.1 * c.0;
         let w = b.0 * a.1 - b.1 * a.0;

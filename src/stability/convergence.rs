@@ -1,4 +1,5 @@
-//! Rows 18, 19 and 24: light that grows, light that drifts away, and links that were judged in the dark.
+//! Rows 18, 19 and 24: light that grows, light that drifts away, and links that were judged in the
+//! dark.
 
 use std::sync::Arc;
 
@@ -111,7 +112,8 @@ fn reciprocity() -> Result<Vec<Check>, SolverError> {
     Ok(checks)
 }
 
-/// Of all links between patches that are stored in both directions, the ratio of their exchanges that is farthest from 1.
+/// Of all links between patches that are stored in both directions, the ratio of their exchanges
+/// that is farthest from 1.
 fn worst_ratio(solved: &Solver) -> f64 {
     let hierarchy = solved.hierarchy();
     let mut exchanges = FxHashMap::<(ElementId, ElementId), f64>::default();

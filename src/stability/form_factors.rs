@@ -1,4 +1,5 @@
-//! Rows 1–3, 15 and 17: form factors near and far, what they sum to, and light that is reflected often.
+//! Rows 1–3, 15 and 17: form factors near and far, what they sum to, and light that is reflected
+//! often.
 
 use glam::Vec3;
 
@@ -111,7 +112,8 @@ fn row_sums() -> Result<Vec<Check>, SolverError> {
     Ok(checks)
 }
 
-/// F between facing unit squares at distance 1 past a square of 0.5 half-way between them, by quadrature of the point form.
+/// F between facing unit squares at distance 1 past a square of 0.5 half-way between them, by
+/// quadrature of the point form.
 const BEHIND_BLOCKER: f64 = 0.099_506_3;
 
 fn weighted_visibility() -> Result<Vec<Check>, SolverError> {
@@ -141,7 +143,8 @@ fn small_lamps() -> Result<Vec<Check>, SolverError> {
         let truth = parallel_exchange(half, half, aside, aside, 3.0) / (side * side);
         for mode in MODES {
             let found = received(&solve(&scene, params(mode, 1e-4))?, 1);
-            // The closed form's sixteen terms cancel below a centimetre: the smaller lamps have the truth of that one.
+            // The closed form's sixteen terms cancel below a centimetre: the smaller lamps have the
+            // truth of that one.
             let truth = if side < 0.01 { checks.last().map_or(truth, |last: &Check| last.truth) } else { truth };
             checks.push(Check::within(format!("{side} m, {mode:?}"), truth, found, 0.01));
         }

@@ -1,4 +1,5 @@
-//! Rows 4–6, 11 and 21: light where there should be none, shadow where there should be none, and small things between.
+//! Rows 4–6, 11 and 21: light where there should be none, shadow where there should be none, and
+//! small things between.
 
 use glam::{DVec3, Vec3, vec3};
 
@@ -56,8 +57,9 @@ pub(super) fn rows() -> Vec<Row> {
     ]
 }
 
-/// Two closed rooms of 1 m side by side, the left one lit, with one floor, one ceiling and long walls for both; the partition
-/// stands where no split of the floor runs, 2 cm thick or a sheet without any. As the program takes scenes: [`orient::apply`].
+/// Two closed rooms of 1 m side by side, the left one lit, with one floor, one ceiling and long
+/// walls for both; the partition stands where no split of the floor runs, 2 cm thick or a sheet
+/// without any. As the program takes scenes: [`orient::apply`].
 fn two_rooms(is_sheet: bool) -> Scene {
     let mut scene = Scene::new("two rooms");
     let grey = scene.add_material("grey", Vec3::splat(0.5), Vec3::ZERO);
@@ -75,11 +77,13 @@ fn two_rooms(is_sheet: bool) -> Scene {
     orient::apply(scene, Sides::Front).0
 }
 
-/// Mean irradiance of the leaves wholly beyond `x` over that of all leaves, and the brightest of the shown vertices there over the same.
+/// Mean irradiance of the leaves wholly beyond `x` over that of all leaves, and the brightest of
+/// the shown vertices there over the same.
 fn beyond(solver: &mut Solver, x: f32) -> (f64, f64) {
     let snapshot = solver.snapshot();
     let mesh = &snapshot.mesh;
-    // From where to where each leaf reaches; a leaf in the plane of a sheet lies beyond it no more than before it.
+    // From where to where each leaf reaches; a leaf in the plane of a sheet lies beyond it no more
+    // than before it.
     let mut reach = vec![[f32::INFINITY, f32::NEG_INFINITY]; mesh.leaves.len()];
     let at = |vertex: u32| mesh.positions[vertex as usize][0];
     for (triangle, &leaf) in mesh.triangles.iter().zip(&mesh.triangle_leaf) {
@@ -95,7 +99,8 @@ fn beyond(solver: &mut Solver, x: f32) -> (f64, f64) {
         }
     }
     let mean = |(area, power): (f64, f64)| if area > 0.0 { power / area } else { 0.0 };
-    // Of leaves that lie on both sides as well: what a person sees on the floor of the dark room beside the partition.
+    // Of leaves that lie on both sides as well: what a person sees on the floor of the dark room
+    // beside the partition.
     let shown = mesh.triangles.iter().zip(&mesh.triangle_leaf).filter(|(_, leaf)| reach[**leaf as usize][1] > x);
     let vertices = shown.flat_map(|(triangle, _)| triangle).filter(|vertex| at(**vertex) >= x);
     let brightest =
@@ -162,7 +167,8 @@ fn shadow_leak() -> Result<Vec<Check>, SolverError> {
 /// Height of the lamp's middle, and where it is above the floor.
 const LAMP: Vec3 = vec3(1.2, 2.0, 2.5);
 
-/// A floor of 4 m, a lamp of 20 cm and, where wanted, a leg of 5 × 5 × 70 cm on the floor, whose shadow stays on it.
+/// A floor of 4 m, a lamp of 20 cm and, where wanted, a leg of 5 × 5 × 70 cm on the floor, whose
+/// shadow stays on it.
 fn floor_with_leg(with_leg: bool) -> Scene {
     let mut scene = Scene::new("leg");
     let (shining, black) = lamp_and_black(&mut scene, 25.0);
@@ -178,7 +184,8 @@ fn floor_with_leg(with_leg: bool) -> Scene {
 
 fn small_blocker() -> Result<Vec<Check>, SolverError> {
     let (with_leg, without) = (floor_with_leg(true), floor_with_leg(false));
-    // All light that meets the convex leg would have met the floor: power from 16 × 16 points of the lamp to its faces.
+    // All light that meets the convex leg would have met the floor: power from 16 × 16 points of
+    // the lamp to its faces.
     let steps = 16;
     let at = |step: usize, middle: f32| f64::from(middle) - 0.1 + 0.2 * (step as f64 + 0.5) / steps as f64;
     let faces = || with_leg.polygons[2..].iter().map(|face| (with_leg.corner_positions(face).0, with_leg.normal(face)));
@@ -204,7 +211,8 @@ fn small_blocker() -> Result<Vec<Check>, SolverError> {
     Ok(checks)
 }
 
-/// A room of 4 × 8 × 3 m, each half with its own faces, cut by a wall that stands in a cluster with small things around it.
+/// A room of 4 × 8 × 3 m, each half with its own faces, cut by a wall that stands in a cluster with
+/// small things around it.
 fn wall_in_a_cluster() -> Result<Vec<Check>, SolverError> {
     let mut scene = Scene::new("wall");
     let grey = scene.add_material("grey", Vec3::splat(0.7), Vec3::ZERO);
@@ -255,7 +263,8 @@ fn wall_in_a_cluster() -> Result<Vec<Check>, SolverError> {
     Ok(checks)
 }
 
-/// A wall of 4 × 4 m with a hole, a lamp of 1 m above it and a floor just below that takes all that comes through the hole and nothing that passes the wall's rim.
+/// A wall of 4 × 4 m with a hole, a lamp of 1 m above it and a floor just below that takes all that
+/// comes through the hole and nothing that passes the wall's rim.
 fn wall_with_hole(x: Span, y: Span) -> (Scene, f64) {
     let mut scene = Scene::new("hole");
     let (shining, black) = lamp_and_black(&mut scene, 1.0);

@@ -1,7 +1,9 @@
-//! A brute-force solution to compare with: every polygon cut into equal parts, all form factors in one matrix, all light by iteration.
+//! A brute-force solution to compare with: every polygon cut into equal parts, all form factors in
+//! one matrix, all light by iteration.
 //!
-//! Form factors are means over points of the receiver of the exact form factor to the source times the share of it that is seen,
-//! weighted by the kernel. Nothing of the solver is used but its occluders' rays.
+//! Form factors are means over points of the receiver of the exact form factor to the source times
+//! the share of it that is seen, weighted by the kernel. Nothing of the solver is used but its
+//! occluders' rays.
 
 use glam::{DVec3, Vec3};
 

@@ -49,7 +49,8 @@ pub fn received(solver: &Solver, polygon: u32) -> f64 {
     leaves(hierarchy).iter().filter(|leaf| leaf.1 == polygon).map(|leaf| power(leaf.0)).sum()
 }
 
-/// Area-weighted mean of the red radiosity over the leaves, its relative RMS deviation from `truth`, and the worst one.
+/// Area-weighted mean of the red radiosity over the leaves, its relative RMS deviation from
+/// `truth`, and the worst one.
 pub fn deviation(solver: &Solver, truth: f64) -> (f64, f64, f64) {
     let hierarchy = solver.hierarchy();
     let (mut area_sum, mut sum, mut squares, mut worst) = (0.0, 0.0, 0.0, 0.0_f64);
@@ -65,7 +66,8 @@ pub fn deviation(solver: &Solver, truth: f64) -> (f64, f64, f64) {
     (sum / area_sum, (squares / area_sum).sqrt(), worst)
 }
 
-/// Relative RMS difference of two solutions' radiosities over the polygons, weighted by area; the scenes must have as many.
+/// Relative RMS difference of two solutions' radiosities over the polygons, weighted by area; the
+/// scenes must have as many.
 pub fn difference(one: &Solver, other: &Solver) -> f64 {
     let (one, other) = (of_polygons(one), of_polygons(other));
     let mut sums = (0.0, 0.0);

@@ -1,4 +1,5 @@
-//! Rows 7, 12, 16, 20, 22 and 23: meshes, and scenes that are the same but for how they are cut or turned.
+//! Rows 7, 12, 16, 20, 22 and 23: meshes, and scenes that are the same but for how they are cut or
+//! turned.
 
 use glam::{Mat3, Vec3, vec3};
 use rustc_hash::FxHashMap;

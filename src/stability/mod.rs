@@ -1,10 +1,12 @@
-//! Where methods of this family fail, row by row: each known failure as a small scene with a truth that does not come from the
-//! solver.
+//! Where methods of this family fail, row by row: each known failure as a small scene with a truth
+//! that does not come from the solver.
 //!
-//! `selflink doctor` runs the rows and prints a line for each; `tests/stability` runs the same rows as tests. A truth is a closed
-//! form, an invariant, a brute-force solution ([`matrix`]) or the path-traced reference. What a row asks for is never loosened: where the
-//! method cannot meet it, the row's check carries, beside what is allowed, what is known to be reached ([`Check::known_to`]), and
-//! `docs/limits.md` says why, how much and how a person notices. This module imports `scene`, `hierarchy`, `solver`, `reference` and `accuracy`.
+//! `selflink selftest` runs the rows and prints a line for each; `tests/stability` runs the same
+//! rows as tests. A truth is a closed form, an invariant, a brute-force solution ([`matrix`]) or
+//! the path-traced reference. What a row asks for is never loosened: where the method cannot meet
+//! it, the row's check carries, beside what is allowed, what is known to be reached
+//! ([`Check::known_to`]), and `docs/limits.md` says why, how much and how a person notices. This
+//! module imports `scene`, `hierarchy`, `solver`, `reference` and `accuracy`.
 
 mod clusters;
 mod convergence;
@@ -26,9 +28,10 @@ pub struct Row {
     pub number: u32,
     /// Short name, as `--only` takes it.
     pub name: &'static str,
-    /// What is asked, in one line.
+    /// Requirement, in one line.
     pub asked: &'static str,
-    /// Why it cannot be met in full, in one sentence, where that is known; `docs/limits.md` has more.
+    /// Why it cannot be met in full, in one sentence, where that is known; `docs/limits.md` has
+    /// more.
     pub limit: Option<&'static str>,
     measure: fn() -> Result<Vec<Check>, SolverError>,
 }
@@ -48,11 +51,11 @@ pub enum Relation {
 /// One value of a row beside its truth.
 #[derive(Clone, Debug, Serialize)]
 pub struct Check {
-    /// What was measured, in which mode.
+    /// Measured quantity, and the mode of the solve.
     pub what: String,
-    /// What it should be.
+    /// True value.
     pub truth: f64,
-    /// What was found.
+    /// Value that was found.
     pub ours: f64,
     /// How the two must lie.
     pub relation: Relation,
@@ -62,7 +65,7 @@ pub struct Check {
     pub known: Option<f64>,
 }
 
-/// What becomes of a check or a row.
+/// Outcome of a check or a row.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Verdict {
@@ -96,23 +99,26 @@ impl Check {
         Self { relation: Relation::AtLeast, ..Self::at_most(what, bound, ours) }
     }
 
-    /// The same where the value is known to be off by as much as this, in its own unit.
+    /// The check with a known limit: the value is known to be off by as much as this, in its own
+    /// unit.
     pub fn known_to(self, known: f64) -> Self {
         Self { known: Some(known), ..self }
     }
 
-    /// The same where the value is known to be off by as much as this share of the truth.
+    /// The check with a known limit: the value is known to be off by as much as this share of the
+    /// truth.
     pub fn known_within(self, share: f64) -> Self {
         let known = share * self.truth.abs();
         self.known_to(known)
     }
 
-    /// The same with a known limit where there is one, in the value's own unit.
+    /// The check with a known limit where there is one, in the value's own unit.
     pub fn known_where(self, is_known: bool, known: f64) -> Self {
         if is_known { self.known_to(known) } else { self }
     }
 
-    /// How far the value is off on the side that matters, in its own unit; infinite where it is no number.
+    /// How far the value is off on the side that matters, in its own unit; infinite where it is no
+    /// number.
     pub fn off(&self) -> f64 {
         let above = self.ours - self.truth;
         let off = match self.relation {
@@ -133,23 +139,24 @@ impl Check {
         }
     }
 
-    /// By how much it is off, as a multiple of what is allowed: of several checks the largest says most.
+    /// By how much it is off, as a multiple of what is allowed: of several checks the largest says
+    /// most.
     fn excess(&self) -> f64 {
         let off = self.off();
         if off > 0.0 { off / self.allowed.max(1e-6 * self.truth.abs()).max(f64::MIN_POSITIVE) } else { 0.0 }
     }
 }
 
-/// What a row found.
+/// Result of a row.
 #[derive(Clone, Debug, Serialize)]
 pub struct Finding {
     /// Number of the row.
     pub number: u32,
-    /// Its name.
+    /// Name of the row.
     pub name: &'static str,
-    /// What was asked.
+    /// Requirement of the row.
     pub asked: &'static str,
-    /// Its limit, where one is known.
+    /// Limit of the row, where one is known.
     pub limit: Option<&'static str>,
     /// The worst verdict of all checks.
     pub verdict: Verdict,

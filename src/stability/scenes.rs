@@ -1,4 +1,5 @@
-//! Rooms, boxes and rectangles of which the rows of the suite are made; some are used by the solver's own tests.
+//! Rooms, boxes and rectangles of which the rows of the suite are made; some are used by the
+//! solver's own tests.
 
 use glam::Vec3;
 
@@ -28,8 +29,8 @@ pub fn empty_room(reflectance: f32, emission: f32) -> Scene {
     scene
 }
 
-/// Boxes of the furniture of [`furnished_room`], by group. They stand a little above the floor and off each other, so that
-/// every bright side sees something.
+/// Boxes of the furniture of [`furnished_room`], by group. They stand a little above the floor and
+/// off each other, so that every bright side sees something.
 const FURNITURE: [(&str, &[[f32; 6]]); 3] = [
     (
         "table",
@@ -59,7 +60,8 @@ pub fn furnished_room(reflectance: f32, emission: f32) -> Scene {
     scene
 }
 
-/// The furnished room, black but for grey walls, red furniture and a white lamp under the ceiling: 61 polygons.
+/// The furnished room, black but for grey walls, red furniture and a white lamp under the ceiling:
+/// 61 polygons.
 pub fn lamp_room() -> Scene {
     let mut scene = empty_room(0.6, 0.0);
     scene.materials[0].reflectance = Vec3::new(0.7, 0.6, 0.5);

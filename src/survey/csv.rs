@@ -1,4 +1,5 @@
-//! Readings as CSV: a row for each point; lengths in the scene's unit and its file's coordinates, light in W/m² per colour and in lx.
+//! Readings as CSV: a row for each point; lengths in the scene's unit and its file's coordinates,
+//! light in W/m² per colour and in lx.
 
 use std::io::{self, Write};
 
@@ -11,20 +12,20 @@ use crate::scene::to_file;
 
 /// A probe's name, place and what is there, if anything.
 pub struct NamedReading<'a> {
-    /// Its name.
+    /// Name of the probe.
     pub name: &'a str,
     /// Where it was placed, in the coordinates of the scene's file.
     pub point: DVec3,
     /// Normal of the surface there.
     pub normal: Vec3,
-    /// What is read.
+    /// Reading of the probe, where it lies on a surface.
     pub reading: Option<SurfaceReading>,
 }
 
 /// Writes the points of a work plane; values of points that were left out stay empty.
 ///
 /// # Errors
-/// What the writer says.
+/// Error of the writer.
 pub fn write_plane(writer: &mut impl Write, plane: &PlaneReading) -> io::Result<()> {
     writeln!(writer, "x,y,z,E_r,E_g,E_b,E_lx")?;
     for (point, value) in plane.grid.points.iter().zip(&plane.values) {
@@ -40,7 +41,7 @@ pub fn write_plane(writer: &mut impl Write, plane: &PlaneReading) -> io::Result<
 /// Writes probes on surfaces; values of those that are on none any more stay empty.
 ///
 /// # Errors
-/// What the writer says.
+/// Error of the writer.
 pub fn write_probes<'a>(writer: &mut impl Write, probes: impl IntoIterator<Item = NamedReading<'a>>) -> io::Result<()> {
     writeln!(writer, "name,x,y,z,nx,ny,nz,E_r,E_g,E_b,B_r,B_g,B_b,E_lx,se_r,se_g,se_b")?;
     for NamedReading { name, point, normal, reading } in probes {

@@ -7,7 +7,8 @@ use crate::scene::{Polygon, Scene};
 
 /// Faces turned up more than this cosine are level.
 const LEVEL: f32 = 0.98;
-/// Level faces whose heights differ by no more than this share of the scene's height are one surface.
+/// Level faces whose heights differ by no more than this share of the scene's height are one
+/// surface.
 const SLAB: f32 = 0.01;
 /// A floor has at least this share of the area of all level faces that look up.
 const LEAST_SHARE: f32 = 0.15;
@@ -24,7 +25,7 @@ pub struct Floor {
 }
 
 impl Floor {
-    /// Its height, along [`Self::up`].
+    /// Height of the floor, along [`Self::up`].
     pub fn height(&self) -> f32 {
         self.upper.dot(self.up).max(self.lower.dot(self.up))
     }
@@ -69,7 +70,8 @@ mod tests {
     use crate::scene::GroupId;
     use crate::scene::builtin::BuiltinScene;
 
-    /// Truth: how the scenes were built. A small step below the floor, and tables above it, are none.
+    /// Truth: how the scenes were built. A small step below the floor, and tables above it, are
+    /// none.
     #[test]
     fn the_lowest_large_level_surface_is_the_floor() {
         let mut scene = Scene::new("step");

@@ -15,7 +15,8 @@ pub const MOST_POINTS: usize = 40_000;
 pub struct WorkPlane {
     /// Height above the floor, in the scene's length unit.
     pub height: f32,
-    /// Wanted distance between points, in the same unit; cells fill the plane evenly, so it is met within rounding to whole cells.
+    /// Wanted distance between points, in the same unit; cells fill the plane evenly, so it is met
+    /// within rounding to whole cells.
     pub spacing: f32,
     /// Strip along the rim of the floor that is left out.
     pub margin: f32,
@@ -87,7 +88,7 @@ impl WorkPlane {
         Self { height: rounded(room / 4.0), spacing: step, margin: step }
     }
 
-    /// Its points.
+    /// Points of the grid.
     ///
     /// # Errors
     /// A scene without a floor, or numbers that cannot be used.

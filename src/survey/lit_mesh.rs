@@ -23,7 +23,7 @@ pub struct LitMesh {
     tolerance: f32,
 }
 
-/// What there is to be read at a point of a surface.
+/// Light and surface at a point.
 #[derive(Clone, Copy, Debug)]
 pub struct SurfaceReading {
     /// The point, in the scene's unit.
@@ -32,7 +32,8 @@ pub struct SurfaceReading {
     pub normal: Vec3,
     /// The leaf that holds it, as the snapshot has it.
     pub leaf: Leaf,
-    /// Irradiance E, W/m²: gathered at the point where there is a field, else interpolated as in the picture.
+    /// Irradiance E, W/m²: gathered at the point where there is a field, else interpolated as in
+    /// the picture.
     pub irradiance: Vec3,
     /// Standard error of E, W/m², where it was gathered.
     pub standard_error: Option<Vec3>,
@@ -40,7 +41,7 @@ pub struct SurfaceReading {
     pub radiosity: Vec3,
 }
 
-/// What light meets first.
+/// The surface that a ray meets first.
 pub(super) enum Met {
     /// Nothing: it leaves the scene.
     Nothing,
@@ -60,7 +61,7 @@ impl LitMesh {
         Self { scene, snapshot, faces, tolerance: TOLERANCE * (upper - lower).length() }
     }
 
-    /// The same mesh in another light, at no cost; `None` where the mesh is another.
+    /// The mesh in another light, at no cost; `None` where the mesh is another.
     pub fn relit(&self, scene: &Arc<Scene>, snapshot: &Arc<Snapshot>) -> Option<Self> {
         let is_same = Arc::ptr_eq(&self.snapshot.mesh, &snapshot.mesh);
         is_same.then(|| Self { scene: scene.clone(), snapshot: snapshot.clone(), ..self.clone() })
@@ -83,7 +84,8 @@ impl LitMesh {
         Some(self.reading(hit.polygon, hit.point))
     }
 
-    /// What there is at a point of a surface that is bright towards `normal`; `None` where the mesh has no such surface.
+    /// Reading at a point of a surface that is bright towards `normal`; `None` where the mesh has
+    /// no such surface.
     pub fn at(&self, point: Vec3, normal: Vec3) -> Option<SurfaceReading> {
         let origin = point + self.tolerance * normal;
         let found = self.under(origin, -normal)?;
@@ -119,7 +121,7 @@ impl LitMesh {
         if sum > 0.0 { (weights.x * a + weights.y * b + weights.z * c) / sum } else { a }
     }
 
-    /// What light that comes from a direction left last; `direction` must be a unit vector.
+    /// The surface that light from a direction left last; `direction` must be a unit vector.
     pub(super) fn met(&self, point: Vec3, direction: Vec3) -> Met {
         match self.faces.first_hit(point, direction) {
             None => Met::Nothing,

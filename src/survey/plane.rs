@@ -1,7 +1,8 @@
 //! Irradiance of a work plane: each point looks around itself for what its surroundings send.
 //!
-//! What lamps emit is found by their exact form factors, times the share of rays to them that come through; what everything
-//! reflects, by rays of density cosθ/π, whose mean radiosity is the irradiance. Both are the same on every run.
+//! What lamps emit is found by their exact form factors, times the share of rays to them that come
+//! through; what everything reflects, by rays of density cosθ/π, whose mean radiosity is the
+//! irradiance. Both are the same on every run.
 
 use std::sync::Arc;
 
@@ -22,7 +23,8 @@ const RAYS: u32 = 512;
 const LAMP_RAYS: f32 = 256.0;
 /// Each lamp gets so many at most.
 const MOST_LAMP_RAYS: u32 = 128;
-/// A ray to the floor is slanted by this, for one straight down may slip through along the diagonals of quads.
+/// A ray to the floor is slanted by this, for one straight down may slip through along the
+/// diagonals of quads.
 const SLANT: [f32; 2] = [0.0113, 0.0171];
 /// Points that are measured at once.
 const CHUNK: usize = 32;
@@ -34,7 +36,7 @@ const SEED: u64 = 0x5e1f_11ae;
 pub struct PlaneReading {
     /// The plane.
     pub plane: WorkPlane,
-    /// Its points.
+    /// Points of the plane.
     pub grid: Grid,
     /// Irradiance E of each point, W/m²; `None` inside of something and outside of the room.
     pub values: Vec<Option<Vec3>>,
@@ -44,7 +46,7 @@ pub struct PlaneReading {
     pub snapshot: Arc<Snapshot>,
 }
 
-/// What planners ask of a work plane; illuminances in lx.
+/// Figures that planners ask of a work plane; illuminances in lx.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Summary {
     /// Points measured.
@@ -62,7 +64,7 @@ pub struct Summary {
 }
 
 impl PlaneReading {
-    /// What planners ask.
+    /// Average, minimum, maximum and uniformity.
     pub fn summary(&self) -> Summary {
         let measured: Vec<f32> = self.values.iter().flatten().map(|value| lux(value.to_array())).collect();
         let left_out = self.values.len() - measured.len();
@@ -114,7 +116,7 @@ impl<'a> Measuring<'a> {
         self.values.len() as f32 / self.grid.points.len().max(1) as f32
     }
 
-    /// What was measured; points that were not count as left out.
+    /// The reading of the measured points; the others count as left out.
     pub fn finish(mut self) -> PlaneReading {
         self.values.resize(self.grid.points.len(), None);
         PlaneReading {
@@ -162,7 +164,7 @@ fn irradiance(lit: &LitMesh, lamps: &[&Polygon], point: Vec3, normal: Vec3, seed
     (2 * backs < RAYS).then(|| sent / RAYS as f32 + from_lamps(lit, lamps, point, normal, seed))
 }
 
-/// What lamps send by themselves.
+/// Irradiance by what lamps emit themselves.
 fn from_lamps(lit: &LitMesh, lamps: &[&Polygon], point: Vec3, normal: Vec3, seed: u64) -> Vec3 {
     let scene = lit.scene();
     let unoccluded = |lamp: &&Polygon| {
@@ -222,8 +224,8 @@ mod tests {
         scene
     }
 
-    /// Truth: Lambert's formula. A small lamp below the ceiling of a black room gives points of a plane below it E = B_e·F; one
-    /// of them lies in the shade of nothing.
+    /// Truth: Lambert's formula. A small lamp below the ceiling of a black room gives points of a
+    /// plane below it E = B_e·F; one of them lies in the shade of nothing.
     #[test]
     fn a_lamp_in_a_black_room_lights_the_plane_as_its_form_factor_says() {
         let mut scene = room(0.0, 0.0);
@@ -244,8 +246,9 @@ mod tests {
         assert!((summary.uniformity - least / mean).abs() < 1e-6 && summary.maximum > mean && least > 0.0);
     }
 
-    /// Truth: a closed room that glows evenly has E = B_e/(1 − ρ) everywhere, in the air as on its walls. A box in it is
-    /// left out where the plane runs through it, and takes no light from the rest: it glows like the walls.
+    /// Truth: a closed room that glows evenly has E = B_e/(1 − ρ) everywhere, in the air as on its
+    /// walls. A box in it is left out where the plane runs through it, and takes no light from the
+    /// rest: it glows like the walls.
     #[test]
     fn a_furnace_is_as_bright_in_the_air_and_the_inside_of_things_is_left_out() {
         let mut scene = room(0.5, 1.0);
@@ -263,7 +266,8 @@ mod tests {
             (worst, sum) = (worst.max(difference.abs()), sum + difference);
         }
         assert_eq!((inside, found.summary().left_out), (9, 9));
-        // Beside the box, lamps are hidden in part: the share that is seen is known by a few dozen rays each.
+        // Beside the box, lamps are hidden in part: the share that is seen is known by a few dozen
+        // rays each.
         let mean = sum / (found.values.len() - inside) as f32;
         assert!(worst < 0.03 && mean.abs() < 0.005, "{worst} {mean}");
     }

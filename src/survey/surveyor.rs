@@ -1,7 +1,8 @@
 //! A thread that reads solutions for a window: what lies under the pointer, probes, a work plane.
 //!
-//! Like the solver's thread it never waits for its owner, nor its owner for it: questions go in, of which the newest of a kind counts,
-//! and a small report comes out. It has half of the machine's threads.
+//! Like the solver's thread it never waits for its owner, nor its owner for it: questions go in, of
+//! which the newest of a kind counts, and a small report comes out. It has half of the machine's
+//! threads.
 
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
 use std::sync::{Arc, Mutex};
@@ -19,9 +20,11 @@ use crate::scene::Scene;
 use crate::solver::Snapshot;
 use crate::threads::{half_pool, lock};
 
-/// While meshes change, making them ready for rays takes this share of the time at most, as one part in so many.
+/// While meshes change, making them ready for rays takes this share of the time at most, as one
+/// part in so many.
 const BUILD_SHARE: u32 = 8;
-/// For the pointer alone, meshes of more triangles than this are not made ready: that would take seconds and much memory.
+/// For the pointer alone, meshes of more triangles than this are not made ready: that would take
+/// seconds and much memory.
 const MOST_POINTED: usize = 1 << 20;
 /// The share of a plane that is measured is told this often.
 const TELL_EVERY: Duration = Duration::from_millis(50);
@@ -35,12 +38,12 @@ pub struct Ray {
     pub direction: Vec3,
 }
 
-/// What a ray found.
+/// Readings along a ray.
 #[derive(Clone, Copy, Debug)]
 pub struct Looked {
     /// The ray.
     pub ray: Ray,
-    /// What it met first.
+    /// The surface that the ray met first.
     pub reading: Option<SurfaceReading>,
 }
 
@@ -51,14 +54,14 @@ pub struct Probed {
     pub point: Vec3,
     /// Unit normal of the surface.
     pub normal: Vec3,
-    /// What is there now; `None` where no surface is any more.
+    /// The present reading; `None` where there is no surface any more.
     pub reading: Option<SurfaceReading>,
 }
 
-/// What the thread found.
+/// Results of the thread.
 #[derive(Clone, Default)]
 pub struct Report {
-    /// What lies under the pointer.
+    /// Reading under the pointer.
     pub looked: Option<Looked>,
     /// The probes, in the order given.
     pub probes: Arc<Vec<Probed>>,
@@ -87,7 +90,8 @@ pub struct Surveyor {
 }
 
 impl Surveyor {
-    /// Starts the thread. `wake` is called on it whenever there is something new; it must not block.
+    /// Starts the thread. `wake` is called on it whenever there is something new; it must not
+    /// block.
     ///
     /// # Errors
     /// The system gives no further thread.
@@ -140,7 +144,7 @@ impl Surveyor {
         self.cancel.cancel();
     }
 
-    /// What the thread found.
+    /// Results of the thread.
     pub fn report(&self) -> Report {
         lock(&self.report).clone()
     }
@@ -174,7 +178,7 @@ struct Session {
     build: Option<(Instant, Duration)>,
     /// Whether the probes have yet to be read in the newest light.
     has_new_light: bool,
-    /// What was asked while a plane was measured, and has to wait until that ends.
+    /// Questions that came while a plane was measured, and wait until that ends.
     deferred: Vec<Ask>,
 }
 
@@ -206,7 +210,8 @@ impl Session {
         }
     }
 
-    /// What was asked since; waits for something while there is nothing to do. `None` when nobody is there any more.
+    /// What was asked since; waits for something while there is nothing to do. `None` when nobody
+    /// is there any more.
     fn await_asks(&mut self, patience: Option<Duration>) -> Option<Vec<Ask>> {
         let deferred = std::mem::take(&mut self.deferred);
         let first = match patience {
@@ -222,7 +227,8 @@ impl Session {
         Some(deferred.into_iter().chain(first).chain(self.asks.try_iter()).collect())
     }
 
-    /// Answers what can be answered; how long to wait before the rest is tried again, if there is a rest.
+    /// Answers what can be answered; how long to wait before the rest is tried again, if there is a
+    /// rest.
     fn work(&mut self) -> Option<Duration> {
         let (scene, snapshot) = self.light.clone()?;
         let can_look = self.look.is_some() && snapshot.mesh.triangles.len() <= MOST_POINTED;
@@ -246,7 +252,8 @@ impl Session {
         None
     }
 
-    /// Takes over the newest light; makes its mesh ready unless that was done a moment ago. How long to wait until then.
+    /// Takes over the newest light; makes its mesh ready unless that was done a moment ago. How
+    /// long to wait until then.
     fn follow(&mut self, scene: &Arc<Scene>, snapshot: &Arc<Snapshot>) -> Option<Duration> {
         if let Some(relit) = self.lit.as_ref().and_then(|lit| lit.relit(scene, snapshot)) {
             self.lit = Some(relit);

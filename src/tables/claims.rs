@@ -1,4 +1,5 @@
-//! What the paper says, what was found here, and whether that agrees. Verdicts come from numbers, by a rule that is stated.
+//! What the paper says, what was found here, and whether that agrees. Verdicts come from numbers,
+//! by a rule that is stated.
 
 use std::fmt;
 
@@ -53,9 +54,9 @@ impl fmt::Display for Verdict {
 pub struct Claim {
     /// Section, table or figure.
     pub place: &'static str,
-    /// What the paper says.
+    /// Statement of the paper.
     pub says: String,
-    /// What was found, with its numbers.
+    /// Finding, with its numbers.
     pub found: String,
     /// When the verdict is *confirmed* or *better*.
     pub rule: &'static str,

@@ -1,10 +1,12 @@
-//! What the runs are made with: thresholds, sizes, repetitions. Pinned here and written into every CSV.
+//! What the runs are made with: thresholds, sizes, repetitions. Pinned here and written into every
+//! CSV.
 
 use std::time::Duration;
 
 use crate::scene::builtin::BuiltinScene;
 
-/// ε/Φ of Table 1: adaptive clusters then have 2,929 leaf patches in the seminar room, beside the paper's 2,926.
+/// ε/Φ of Table 1: adaptive clusters then have 2,929 leaf patches in the seminar room, beside the
+/// paper's 2,926.
 const SEMINAR_EPSILON: f64 = 2.8e-3;
 /// ε/Φ of Table 2: the leaf patches of the office are then about the paper's 6,850.
 const OFFICE_EPSILON: f64 = 1.35e-3;
@@ -26,7 +28,7 @@ pub struct Effort {
     pub coarse_and_fine: [f64; 2],
     /// Polygons of the rooms whose growth is looked at.
     pub sizes: Vec<usize>,
-    /// The same for HR, which does not get as far.
+    /// Sizes for HR, which does not get as far.
     pub hr_sizes: Vec<usize>,
     /// ε/Φ of all of them.
     pub scale_epsilon: f64,

@@ -34,7 +34,7 @@ pub struct Picture {
 struct Pair {
     /// Of the files.
     name: &'static str,
-    /// What the paper's figures show, and ours.
+    /// Subjects of the paper's figures and of ours.
     caption: String,
     scene: BuiltinScene,
     sides: [(String, SolverParams); 2],
@@ -94,7 +94,8 @@ struct Sides {
     solutions: [(Run, Snapshot); 2],
 }
 
-/// Solves all pairs, on whatever threads; [`draw`] is for the main thread alone ([`Offscreen::new`]).
+/// Solves all pairs, on whatever threads; [`draw`] is for the main thread alone
+/// ([`Offscreen::new`]).
 pub fn solve(lab: &mut Lab<'_>) -> Vec<SolvedPair> {
     pairs(lab).into_iter().map(|pair| SolvedPair { sides: solve_pair(lab, &pair), pair }).collect()
 }
@@ -193,7 +194,8 @@ fn opaque(picture: &RgbaImage) -> RgbImage {
     image::DynamicImage::ImageRgba8(picture.clone()).to_rgb8()
 }
 
-/// Right less left as colours, and the means of its absolute value and of itself as shares of white.
+/// Right less left as colours, and the means of its absolute value and of itself as shares of
+/// white.
 fn difference(left: &RgbaImage, right: &RgbaImage) -> (RgbImage, f32, f32) {
     let (width, height) = left.dimensions();
     let (mut sum, mut signed) = (0.0, 0.0);

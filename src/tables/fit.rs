@@ -16,7 +16,8 @@ impl PowerLaw {
     }
 }
 
-/// The law through points (n, y); those that are not positive are left out. `None` of fewer than two different n.
+/// The law through points (n, y); those that are not positive are left out. `None` of fewer than
+/// two different n.
 pub fn fit(points: &[(f64, f64)]) -> Option<PowerLaw> {
     let usable = points.iter().filter(|(n, y)| *n > 0.0 && *y > 0.0 && n.is_finite() && y.is_finite());
     let logs: Vec<(f64, f64)> = usable.map(|(n, y)| (n.ln(), y.ln())).collect();

@@ -5,7 +5,7 @@ use super::lab::{LeftOut, Run};
 
 /// One mode's runs and laws.
 pub struct Growth {
-    /// What the tables call the mode.
+    /// Name of the mode in the tables.
     pub name: &'static str,
     /// The runs, small rooms first.
     pub runs: Vec<Result<Run, LeftOut>>,
@@ -37,8 +37,8 @@ impl Growth {
         }
     }
 
-    /// The exponent that the time of the first room that took too long has at least over the largest one solved, with that room's
-    /// polygons.
+    /// The exponent that the time of the first room that took too long has at least over the
+    /// largest one solved, with that room's polygons.
     pub fn least_exponent(&self) -> Option<(usize, f64)> {
         let largest = self.largest()?;
         let left_out = self.runs.iter().filter_map(|run| run.as_ref().err()).find(|run| run.longer_than.is_some())?;

@@ -18,7 +18,7 @@ use crate::solver::{Epsilon, Evidence, Snapshot, Solver, SolverParams, Stats};
 /// Seed of the reference's points and paths, the same as the solver's default.
 const SEED: u64 = 1;
 
-/// What errors are measured by.
+/// References that errors are measured by.
 pub struct Truth {
     /// Random points.
     pub points: usize,
@@ -28,13 +28,14 @@ pub struct Truth {
     pub cache: Option<Cache>,
 }
 
-/// A scene that is ready to be solved. Its occluders are built already: no time of a run holds them.
+/// A scene that is ready to be solved. Its occluders are built already: no time of a run holds
+/// them.
 pub struct Room {
-    /// Its name on the command line.
+    /// Name of the room on the command line.
     pub name: &'static str,
     /// The scene.
     pub scene: Arc<Scene>,
-    /// What stops its light.
+    /// Occluders of the room.
     pub occluders: Arc<Occluders>,
     meter: Option<ErrorMeter>,
 }
@@ -45,7 +46,7 @@ impl Room {
         Self::of_scene(builtin.name(), builtin.build())
     }
 
-    /// The same of any scene.
+    /// The room of any scene.
     pub fn of_scene(name: &'static str, scene: Scene) -> Self {
         let sides = scene.sides;
         let (scene, occluders) = orient::apply(scene, sides);
@@ -57,7 +58,7 @@ impl Room {
         self.scene.polygons.len()
     }
 
-    /// What a person reads: seminar, 2,008 polygons.
+    /// Name and size for a person: seminar, 2,008 polygons.
     pub fn title(&self) -> String {
         format!("{}, {}", self.name, crate::format::things(self.polygons(), "polygon", "polygons"))
     }
@@ -66,7 +67,7 @@ impl Room {
 /// One setting, measured.
 #[derive(Clone, Debug)]
 pub struct Run {
-    /// What the tables call it.
+    /// Name of the run in the tables.
     pub setting: String,
     /// The scene's name.
     pub scene: &'static str,
@@ -82,7 +83,7 @@ pub struct Run {
     pub stats: Stats,
     /// Links whose visibility comes from rays of their own.
     pub links_with_rays: usize,
-    /// Those of them that had no more rays than the lower bound.
+    /// Links among them that had no more rays than the lower bound.
     pub links_at_bound: usize,
     /// The error, where there is a reference.
     pub error: Option<SolutionError>,
@@ -104,7 +105,7 @@ impl Run {
         self.error.map_or("–".into(), |error| percent_with(error.displayed.rms, error.displayed.rms_noise))
     }
 
-    /// The same of the median.
+    /// Standard error of the median.
     pub fn local_median_text(&self) -> String {
         let text =
             |error: SolutionError| percent_with(error.displayed.local_median, error.displayed.local_median_noise);
@@ -137,7 +138,7 @@ pub struct LeftOut {
 
 /// Makes the runs.
 pub struct Lab<'a> {
-    /// What is run.
+    /// Parameters of the run.
     pub effort: Effort,
     truth: Truth,
     references: FxHashMap<BuiltinScene, Arc<Reference>>,
@@ -179,13 +180,14 @@ impl<'a> Lab<'a> {
     /// A setting, repeated where it is short.
     ///
     /// # Errors
-    /// It does not fit into memory or takes longer than it may.
+    /// The solve does not fit into memory or takes longer than it may.
     pub fn run(&mut self, room: &mut Room, setting: &str, params: SolverParams) -> Result<Run, LeftOut> {
         let runs = self.by_turns(room, &[(setting.to_owned(), params)], self.effort.repeats);
         runs.into_iter().next().expect("one setting, one run")
     }
 
-    /// Settings by turns, so that what else the machine does meets all of them alike; those that are not short have one turn.
+    /// Settings by turns, so that what else the machine does meets all of them alike; those that
+    /// are not short have one turn.
     pub fn by_turns(
         &mut self,
         room: &mut Room,

@@ -1,8 +1,10 @@
-//! The paper's tables and statements, run again: its rows above ours, and a verdict on each of its claims.
+//! The paper's tables and statements, run again: its rows above ours, and a verdict on each of its
+//! claims.
 //!
-//! A [`Lab`] makes measured runs at pinned settings ([`Effort`]); each [`Part`] makes a [`Report`] of them, which holds tables for
-//! people, a record of every run with all its parameters for programs, and [`Claim`]s whose verdicts are computed from the numbers.
-//! Imports `accuracy`, `chart`, `reference`, `scene` and `solver`; the figures import `render` as well.
+//! A [`Lab`] makes measured runs at pinned settings ([`Effort`]); each [`Part`] makes a [`Report`]
+//! of them, which holds tables for people, a record of every run with all its parameters for
+//! programs, and [`Claim`]s whose verdicts are computed from the numbers. Imports `accuracy`,
+//! `chart`, `reference`, `scene` and `solver`; the figures import `render` as well.
 
 mod claims;
 mod columns;
@@ -52,7 +54,7 @@ impl Part {
     pub const ALL: [Self; 7] =
         [Self::Table1, Self::Table2, Self::Push, Self::Partial, Self::Rays, Self::Scale, Self::Figures];
 
-    /// Its name on the command line and of its files.
+    /// Name of the part on the command line and of its files.
     pub fn name(self) -> &'static str {
         match self {
             Self::Table1 => "table1",
@@ -70,7 +72,8 @@ impl Part {
         Self::ALL.into_iter().find(|part| part.name() == name)
     }
 
-    /// Runs the part; nothing for the figures, which need a graphics adapter (`figures::draw`, with the feature `gui`).
+    /// Runs the part; nothing for the figures, which need a graphics adapter (`figures::draw`, with
+    /// the feature `gui`).
     pub fn run(self, lab: &mut Lab<'_>) -> Option<Report> {
         Some(match self {
             Self::Table1 => table1::run(lab),

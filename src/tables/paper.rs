@@ -3,7 +3,7 @@
 /// A row of Table 1 or 2.
 #[derive(Clone, Copy, Debug)]
 pub struct Row {
-    /// What the paper calls the method.
+    /// The paper's name of the method.
     pub name: &'static str,
     /// Time, s, on the machine of 1996.
     pub seconds: f64,
@@ -23,7 +23,8 @@ pub const TABLE_1: [Row; 2] = [
     Row { name: "IC", seconds: 17.0, initial_patches: 2008, patches: 2926, clusters: None, links: 39_593 },
 ];
 
-/// Table 2, office: octrees by their depth, and the scene's own hierarchy (USER). Depth 2 was given up.
+/// Table 2, office: octrees by their depth, and the scene's own hierarchy (USER). Depth 2 was given
+/// up.
 pub const TABLE_2: [Row; 5] = [
     octree("OCTREE3", 119.2, 6858, 52, 679_400),
     octree("OCTREE4", 90.9, 6855, 214, 374_934),

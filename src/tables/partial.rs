@@ -1,4 +1,5 @@
-//! Section 2.3: the threshold of partly visible links, what ε means when a scene grows, and whether a least area is missed.
+//! Section 2.3: the threshold of partly visible links, what ε means when a scene grows, and whether
+//! a least area is missed.
 
 use super::Part;
 use super::claims::{Claim, Verdict};
@@ -16,7 +17,8 @@ const FACTORS: [(f64, &str); 5] =
 const COLUMNS: [Column; 6] = [Column::Time, Column::Patches, Column::Links, Column::Rays, Column::Rms, Column::Median];
 const SAYS: &str = "ε_partial = ε/10 produces good results";
 const RULE: &str = "no other factor has less than 0.9× the median error that 1/10 has with as many rays";
-/// Multiples of ε at which 1/10 is run as well, so that every other factor meets it with as many rays.
+/// Multiples of ε at which 1/10 is run as well, so that every other factor meets it with as many
+/// rays.
 const MULTIPLES: [f64; 8] = [16.0, 8.0, 4.0, 2.0, 0.5, 0.25, 0.125, 0.0625];
 
 /// Runs it.
@@ -55,7 +57,8 @@ pub fn run(lab: &mut Lab<'_>) -> Report {
     report
 }
 
-/// Each factor beside 1/10 with another ε that casts as many rays. Rays stand for time: their number is the same in every run.
+/// Each factor beside 1/10 with another ε that casts as many rays. Rays stand for time: their
+/// number is the same in every run.
 fn good_choice(room: &Room, runs: &[Result<Run, LeftOut>], curve: &[Result<Run, LeftOut>]) -> (Option<Table>, Claim) {
     let is_tenth = |run: &&Run| (run.params.partial_factor - 0.1).abs() < 1e-9;
     let point = |run: &Run| (run.stats.rays as f64, run.local_median());
@@ -98,7 +101,8 @@ fn good_choice(room: &Room, runs: &[Result<Run, LeftOut>], curve: &[Result<Run, 
     (Some(table), claim)
 }
 
-/// The value at a place of a curve of sorted points, by straight lines between logarithms; `None` beyond its ends.
+/// The value at a place of a curve of sorted points, by straight lines between logarithms; `None`
+/// beyond its ends.
 fn between(points: &[(f64, f64)], x: f64) -> Option<f64> {
     let pair = points.windows(2).find(|pair| pair[0].0 <= x && x <= pair[1].0 && pair[0].0 < pair[1].0)?;
     let along = (x / pair[0].0).ln() / (pair[1].0 / pair[0].0).ln();

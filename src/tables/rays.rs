@@ -146,7 +146,7 @@ fn share_of_visibility(room: &Room, runs: &[Result<Run, LeftOut>], hr: &Result<R
     ic.into_iter().chain([("HR", hr)]).map(of).collect()
 }
 
-/// What a ray between two random points costs one thread while all are at work, s.
+/// Time of a ray between two random points on one thread while all are at work, s.
 fn seconds_of_a_ray(room: &Room) -> f64 {
     let all: Vec<u32> = (0..room.scene.polygons.len() as u32).collect();
     let points: Vec<Vec3> = random_points_on(&room.scene, &all, POINTS, 1).iter().map(|point| point.position).collect();

@@ -1,4 +1,5 @@
-//! What a part of the paper comes to: tables for people, records for programs, claims, and the files that hold them.
+//! What a part of the paper comes to: tables for people, records for programs, claims, and the
+//! files that hold them.
 
 use std::fmt::Write as _;
 
@@ -50,13 +51,13 @@ pub type Record = Vec<(&'static str, String)>;
 pub struct Report {
     /// Which one.
     pub part: Part,
-    /// Its title.
+    /// Title of the part.
     pub title: String,
-    /// What was run, in Markdown.
+    /// Description of the runs, in Markdown.
     pub introduction: String,
     /// The tables.
     pub tables: Vec<Table>,
-    /// What is to be said of them, a sentence or two each, in Markdown.
+    /// Remarks on them, a sentence or two each, in Markdown.
     pub remarks: Vec<String>,
     /// Pictures, in Markdown; nothing for a terminal.
     pub pictures: Vec<String>,
@@ -98,7 +99,7 @@ impl Report {
         text + "\n"
     }
 
-    /// The same for a terminal.
+    /// The part as text for a terminal.
     pub fn text(&self) -> String {
         let tables: String = self.tables.iter().map(|table| format!("{}\n", table.text())).collect();
         let remarks: String = self.remarks.iter().map(|remark| format!("{remark}\n\n")).collect();

@@ -1,4 +1,5 @@
-//! Sections 1.1 and 1.2: growth with the number of polygons, O(k²) without clusters and O(n) with them, as far as it is measured.
+//! Sections 1.1 and 1.2: growth with the number of polygons, O(k²) without clusters and O(n) with
+//! them, as far as it is measured.
 
 use super::Part;
 use super::claims::{Claim, Verdict};

@@ -1,4 +1,5 @@
-//! Beyond what can be measured: what the fitted laws say of 10⁷ to 10⁹ polygons, and where today's design stops.
+//! Beyond what can be measured: what the fitted laws say of 10⁷ to 10⁹ polygons, and where today's
+//! design stops.
 
 use super::columns::percent;
 use super::fit::PowerLaw;
@@ -14,11 +15,11 @@ use crate::solver::Link;
 const SIZES: [(f64, &str); 3] = [(1e7, "10⁷"), (1e8, "10⁸"), (1e9, "10⁹")];
 /// More polygons than anybody has.
 const MOST: f64 = 1e12;
-/// What a u32 can tell apart.
+/// Numbers that a u32 can tell apart.
 const U32: f64 = 4_294_967_296.0;
 
-/// A law, and what grows from the largest room measured with no less than its number of polygons: small rooms have costs that
-/// do not grow, so a law through them all promises too little.
+/// A law, and what grows from the largest room measured with no less than its number of polygons:
+/// small rooms have costs that do not grow, so a law through them all promises too little.
 struct Forecast {
     law: PowerLaw,
     largest: (f64, f64),
@@ -45,7 +46,7 @@ fn elements_of(growth: &Growth) -> Option<Forecast> {
     Forecast::new(growth, growth.elements, |run| run.stats.bytes.elements as f64)
 }
 
-/// What each mode would take, a table.
+/// Table of the memory and time that each mode would take.
 pub fn forecast(growths: &[Growth]) -> Option<Table> {
     let row = |growth: &Growth| {
         let (time, links, elements) = (time_of(growth)?, growth.links?, elements_of(growth)?);
@@ -83,7 +84,8 @@ fn duration(seconds: f64) -> String {
     }
 }
 
-/// Where the design stops, and what would have to change: numbers from the laws and from the sizes of the types.
+/// Where the design stops, and what would have to change: numbers from the laws and from the sizes
+/// of the types.
 pub fn limits(growths: &[Growth], epsilon: f64) -> Vec<String> {
     let Some(adaptive) = growths.iter().find(|growth| growth.name == "adaptive") else { return Vec::new() };
     let (Some(run), Some(time), Some(links), Some(elements)) =

@@ -1,4 +1,5 @@
-//! Table 1 and section 3.1: hierarchical radiosity (HR) against isotropic clustering (IC), seminar room, equal ε.
+//! Table 1 and section 3.1: hierarchical radiosity (HR) against isotropic clustering (IC), seminar
+//! room, equal ε.
 
 use super::claims::{Claim, Verdict};
 use super::columns::{Column, left_out_remarks, percent, records, table, times};
@@ -20,7 +21,8 @@ const COLUMNS: [Column; 8] = [
     Column::Median,
 ];
 
-/// HR with this ε/Φ subdivides next to nothing (6 of 2,008 patches of the seminar room): its links are those of initial linking.
+/// HR with this ε/Φ subdivides next to nothing (6 of 2,008 patches of the seminar room): its links
+/// are those of initial linking.
 const EPSILON_OF_INITIAL_LINKS: f64 = 0.3;
 /// IC's ε is halved so often at most, until its error is HR's.
 const MOST_HALVINGS: u32 = 8;

@@ -1,4 +1,5 @@
-//! Table 2 and sections 3.1 and 3.2: ways to cluster the office, and how soon there is a picture of it.
+//! Table 2 and sections 3.1 and 3.2: ways to cluster the office, and how soon there is a picture of
+//! it.
 
 use super::claims::{Claim, Verdict};
 use super::columns::{Column, left_out_remarks, records, table, times};
@@ -85,7 +86,7 @@ fn most(runs: &[&Run], of: impl Fn(&Run) -> f64) -> f64 {
     runs.iter().map(|run| of(run)).fold(0.0, f64::max)
 }
 
-/// What octree depth 2 costs.
+/// Cost of octree depth 2.
 fn depth_2(runs: &[Result<Run, LeftOut>]) -> String {
     match (find(runs, "octree 2"), find(runs, "octree 5")) {
         (Some(two), Some(five)) => format!(

@@ -1,11 +1,15 @@
 //! The reference in random closed rooms: sizes, reflectances up to 0.9, a box that stands on the floor flush with it, walls of two faces,
 //! a neighbour that shares a wall.
 
+use std::sync::Arc;
+
 use glam::{DVec3, Vec3, vec3};
+use selflink::accuracy::ErrorMeter;
 use selflink::cancel::CancelToken;
-use selflink::geometry::Occluders;
-use selflink::reference::{Reference, ReferenceRun, SurfacePoint, random_points_on};
-use selflink::scene::{GroupId, MaterialId, Scene};
+use selflink::geometry::{Occluders, orient};
+use selflink::reference::{Reference, ReferenceRun, SurfacePoint, random_points, random_points_on};
+use selflink::scene::{GroupId, MaterialId, Scene, Sides};
+use selflink::solver::{Solver, SolverParams};
 use selflink::stability::matrix::{self, Fineness};
 use selflink::stability::scenes::add_box;
 
@@ -199,4 +203,45 @@ fn random_rooms_agree_with_the_matrix_of_all_pairs() {
             );
         }
     }
+}
+
+/// Truth: the path tracer, which shares the scene with the solver and nothing else. Nine tenths of the area are read within the target
+/// error; what the walls are doubled with, and a dark neighbour, count as well. Allowed beside it: two standard errors of the percentile
+/// by these points, and the reference's own noise.
+#[test]
+fn random_rooms_keep_the_target_error() {
+    const TARGET: f64 = 0.1;
+    let mut random = Random(4);
+    let mut in_the_dark = 0;
+    for _ in 0..4 {
+        let mut room = room(&mut random, 0.1);
+        let reflectances = [random.within(0.2, 0.9), random.within(0.1, 0.9)];
+        for (material, rho) in room.scene.materials.iter_mut().zip(reflectances) {
+            material.reflectance = Vec3::splat(rho);
+        }
+        let lamp = room.scene.add_material("lamp", Vec3::splat(0.5), Vec3::ONE);
+        room.scene.polygons[2 + (random.number() * 4.0) as usize].material = lamp;
+        let (scene, occluders) = orient::apply(room.with_others(&mut random), Sides::Front);
+        let found = trace(&scene, random_points(&scene, 200, 13), 24);
+        let params = SolverParams { error: Some(TARGET), ..SolverParams::usual() };
+        let mut solver = Solver::new(Arc::new(scene), Arc::new(occluders), params, 5).expect("usable parameters");
+        assert!(solver.run(&CancelToken::new()), "nobody cancels");
+        let snapshot = solver.snapshot();
+        let mut meter = ErrorMeter::new(Arc::new(found));
+        let local = meter.local_error(&snapshot);
+        println!("{:.4} ± {:.4} by {:?}", local.p90, local.p90_noise, snapshot.stats.error_estimate);
+        assert!(snapshot.stats.error_estimate.is_some_and(|bound| bound <= TARGET), "the certificate");
+        let allowed = TARGET + 2.0 * local.p90_noise + local.reference_noise;
+        assert!(local.p90 <= allowed && local.p90_noise < TARGET, "{local:?}");
+        // No light gets through a wall.
+        let reference = meter.reference().clone();
+        for (truth, read) in reference.irradiance.iter().zip(meter.irradiances(&snapshot)) {
+            if *truth == DVec3::ZERO {
+                let read = read.expect("a point of the scene").max_element();
+                assert!(read < 1e-4, "{read} W/m² where no light comes");
+                in_the_dark += 1;
+            }
+        }
+    }
+    assert!(in_the_dark > 20, "{in_the_dark} points where no light comes");
 }

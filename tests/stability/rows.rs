@@ -1,4 +1,4 @@
-//! The rows of `selflink doctor`, each with its own truth (`src/stability`).
+//! The rows of `selflink selftest`, each with its own truth (`src/stability`).
 
 use selflink::stability::{Verdict, rows};
 
@@ -43,25 +43,25 @@ row_tests! {
     dense_cluster "dense-cluster"
     extinction "extinction"
     wall_in_a_cluster "wall-in-a-cluster"
-    #[ignore = "slow: some 10 s in a test build; selflink doctor runs it"]
+    #[ignore = "slow: some 10 s in a test build; selflink selftest runs it"]
     slow_moved_scene "moved-scene"
     overlapping_boxes "overlapping-boxes"
-    #[ignore = "slow: some 10 s in a test build; selflink doctor runs it"]
+    #[ignore = "slow: some 10 s in a test build; selflink selftest runs it"]
     slow_units "units"
     small_lamps "small-lamps"
     many_patches "many-patches"
-    #[ignore = "slow: some 20 s in a test build; selflink doctor runs it"]
+    #[ignore = "slow: some 20 s in a test build; selflink selftest runs it"]
     slow_white_rooms "white-rooms"
-    #[ignore = "slow: some 20 s in a test build; selflink doctor runs it"]
+    #[ignore = "slow: some 20 s in a test build; selflink selftest runs it"]
     slow_divergence "divergence"
-    #[ignore = "slow: some 10 s in a test build; selflink doctor runs it"]
+    #[ignore = "slow: some 10 s in a test build; selflink selftest runs it"]
     slow_reciprocity "reciprocity"
-    #[ignore = "slow: some 15 s in a test build; selflink doctor runs it"]
+    #[ignore = "slow: some 15 s in a test build; selflink selftest runs it"]
     slow_sibling_noise "sibling-noise"
     slits "slits"
     duplicates "duplicates"
     slivers "slivers"
-    #[ignore = "slow: some 10 s in a test build; selflink doctor runs it"]
+    #[ignore = "slow: some 10 s in a test build; selflink selftest runs it"]
     slow_frozen_links "frozen-links"
     colours "colours"
 }

@@ -309,6 +309,10 @@ fn an_error_is_asked_for_with_a_slider() {
     let usual = vertices(&window);
     let estimate = |window: &Harness<'static, App>| window.state().snapshot().and_then(|lit| lit.stats.error_estimate);
     assert!(estimate(&window).is_some_and(|error| error <= 0.05), "{:?}", estimate(&window));
+    click(&mut window, "Statistics");
+    for row in ["9 of 10 surfaces within", "local error p50, p90, p95", "…of the bare mesh"] {
+        assert!(window.query_by_label(row).is_some(), "{row}");
+    }
     window.get_by_role_and_label(Role::Slider, "error at most").set_value_accesskit(0.02);
     until(&mut window, "a finer solution", |window| {
         window.state().status().run == RunState::Finished && estimate(window).is_some_and(|error| error <= 0.02)
@@ -328,6 +332,9 @@ fn the_picture_is_compared_with_a_reference() {
     click(&mut window, "Accuracy");
     click(&mut window, "Compare with a reference");
     until(&mut window, "an error", |window| window.query_by_label("Error (RMS)").is_some());
+    for row in ["Local error, 9 of 10", "…p50, p95"] {
+        assert!(window.query_by_label(row).is_some(), "{row}");
+    }
     assert!(window.query_all_by_label_contains("noise").next().is_some());
     click(&mut window, "difference");
     let differences = picture(&mut window);

@@ -8,6 +8,7 @@ use egui::accesskit::Role;
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 use selflink::app::App;
+use selflink::export::peers::Peer;
 use selflink::export::settings::Settings;
 use selflink::scene::load_file;
 use selflink::solver::{Epsilon, SolverParams};
@@ -48,6 +49,23 @@ fn files_hold_what_the_window_shows() {
         ("Statistics (JSON)", "statistics.json"),
     ] {
         save(&mut window, button, &format!("{name}.{ending}"));
+    }
+    // The scene for other programs: a folder each, asked for by the names that a screen reader says.
+    for (button, ending) in [("Scene (Mitsuba 3)", "mitsuba"), ("Scene (Radiance)", "radiance")] {
+        window.get_by_role_and_label(Role::Button, button).scroll_to_me();
+        window.run_steps(2);
+        save(&mut window, button, &format!("{name}.{ending}"));
+    }
+    let written = |file: &str| std::fs::read_to_string(format!("{name}.{file}")).expect(file);
+    // Both as the command line writes them, which tests/cli/export.rs reads face by face.
+    for (peer, files) in [(Peer::Mitsuba, ["scene.xml", "check.py"]), (Peer::Radiance, ["scene.rad", "view.vf"])] {
+        let other = folder.path().join("command-line");
+        let scene = window.state().scene_info().expect("a scene").scene.clone();
+        peer.write(&scene, &other).expect("a writable folder");
+        for file in files {
+            let truth = std::fs::read_to_string(other.join(file)).expect(file);
+            assert!(written(&format!("{}/{file}", peer.name())) == truth && !truth.is_empty(), "{file}");
+        }
     }
     // The sentence of the last file has made room for itself by now.
     let shown = picture(&mut window);

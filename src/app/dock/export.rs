@@ -1,4 +1,4 @@
-//! The export tool: pictures, meshes, links and numbers to take along.
+//! The export tool: pictures, meshes, links, numbers, and the scene for programs that check its light.
 
 use std::path::{Path, PathBuf};
 
@@ -8,6 +8,7 @@ use super::super::dialog::DialogAnswer;
 use super::super::exports::{self, Exports, Item, PictureSize};
 use super::super::{App, format, theme};
 use crate::export::MeshFormat;
+use crate::export::peers::Peer;
 use crate::render::MAX_SIZE;
 
 /// What stands on a button, what it writes and what a person should know about it.
@@ -30,6 +31,18 @@ const NUMBERS: [Offer; 3] = [
     ),
     (Item::Statistics, "Statistics (JSON)", "Counts and times, with the settings that they belong to"),
 ];
+const PEERS: [Offer; 2] = [
+    (
+        Item::Peer(Peer::Mitsuba),
+        "Scene (Mitsuba 3)",
+        "A folder with geometry, reflectances, emission and camera, and a script that traces the light again (docs/accuracy/check.md)",
+    ),
+    (
+        Item::Peer(Peer::Radiance),
+        "Scene (Radiance)",
+        "A folder with geometry, reflectances, emission and view for oconv and rtrace (docs/accuracy/check.md)",
+    ),
+];
 
 /// Draws the tool.
 pub(super) fn show(app: &mut App, ui: &mut Ui) {
@@ -48,6 +61,8 @@ pub(super) fn show(app: &mut App, ui: &mut Ui) {
     buttons(ui, is_idle, &MESHES, &mut wanted);
     heading(ui, "Numbers");
     buttons(ui, is_idle, &NUMBERS, &mut wanted);
+    heading(ui, "For other programs");
+    buttons(ui, is_idle, &PEERS, &mut wanted);
     ui.add_space(6.0);
     if let Some(item) = wanted {
         ask(app, item);
@@ -209,6 +224,7 @@ fn begin(app: &mut App, item: Item) {
             exports.begin(path, wake, move |to| exports::write_mesh(to, MeshFormat::Glb, &snapshot, &scene));
         }
         (Item::Links, _) => exports.begin(path, wake, move |to| exports::write_links(to, &snapshot)),
+        (Item::Peer(peer), _) => exports.begin(path, wake, move |to| exports::write_peer(to, peer, &scene)),
         (Item::Settings, _) => exports.begin(path, wake, move |to| {
             exports::write_text(to, &settings.to_json().map_err(|error| error.to_string())?)
         }),

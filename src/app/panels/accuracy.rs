@@ -99,9 +99,18 @@ fn show_error(ui: &mut Ui, error: &SolutionError) {
         "The same with one value for each element, not interpolated",
     );
     row("Bias", format!("{:+.1} %", 100.0 * shown.bias), "Mean difference: too bright is positive");
+    let of_light = &error.local;
+    let [p50, p95] = [of_light.p50, of_light.p95].map(percent);
+    row(
+        "Local error, 9 of 10",
+        percent_with(of_light.p90, of_light.p90_noise),
+        "9 of 10 surfaces are read within this: the 90th percentile over the area of |ΔE|/(E + E₀), E₀ a tenth of the median \
+         of E; ± its standard error",
+    );
+    row("…p50, p95", format!("{p50}, {p95}"), "Median and 95th percentile of the same local error");
     let local = format!("{}, {}", percent_with(shown.local_median, shown.local_median_noise), percent(shown.local_p95));
     row(
-        "Local error",
+        "…of B alone",
         local,
         "Relative to each point's own radiosity: median ± its standard error, and 95th percentile over the area",
     );

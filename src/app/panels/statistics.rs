@@ -3,6 +3,7 @@
 use egui::Ui;
 
 use super::super::{Shown, format, theme};
+use crate::gather::Quantiles;
 use crate::solver::Stats;
 
 /// Draws the section.
@@ -37,12 +38,12 @@ fn rows(stats: &Stats) -> Vec<(&'static str, String)> {
         ("time: clusters", format::seconds(stats.seconds.hierarchy)),
         ("time: refining", format::seconds(stats.seconds.refine)),
         ("time: gathering", format::seconds(stats.seconds.gather)),
-        ("time: vertices", format::seconds(stats.seconds.reconstruct)),
+        ("time: final gather", format::seconds(stats.seconds.reconstruct)),
         ("first snapshot after", format::seconds(stats.seconds.first_snapshot)),
         ("total", format::seconds(stats.seconds.total)),
         ("links in memory", format::bytes(stats.bytes.links)),
         ("elements in memory", format::bytes(stats.bytes.elements)),
-        ("rows in memory", format::bytes(stats.bytes.rows)),
+        ("gather samples in memory", format::bytes(stats.bytes.rows)),
         ("emitted", format::quantity(stats.emitted_watts, "W")),
         ("absorbed", format::quantity(stats.absorbed_watts, "W")),
     ];
@@ -52,9 +53,13 @@ fn rows(stats: &Stats) -> Vec<(&'static str, String)> {
         rows.push(("stopped by memory", stop.what().to_owned()));
     }
     if let Some(asked) = stats.error_asked {
-        let percent = |share: f64| format!("{} %", format::number(100.0 * share));
-        rows.push(("error asked", percent(asked)));
-        rows.push(("error estimated", stats.error_estimate.map_or("not yet".to_owned(), percent)));
+        rows.push(("target error", percent(asked)));
+        rows.push(("9 of 10 surfaces within", stats.error_estimate.map_or("not yet".to_owned(), percent)));
+    }
+    if let Some(found) = &stats.error {
+        rows.push(("local error p50, p90, p95", quantiles(&found.read)));
+        rows.push(("…of the bare mesh", quantiles(&found.mesh)));
+        rows.push(("RMS error of B", percent(found.radiosity_rms)));
     }
     if stats.depth_guard_struck > 0 {
         rows.push(("depth guard struck", format::count(stats.depth_guard_struck)));
@@ -63,4 +68,13 @@ fn rows(stats: &Stats) -> Vec<(&'static str, String)> {
         rows.push(("leaves scaled back", format::count(stats.clamped_leaves)));
     }
     rows
+}
+
+/// Quantiles over the area of the local error |ΔE|/(E + E₀), in per cent.
+fn quantiles(of: &Quantiles) -> String {
+    format!("{}, {}, {}", percent(of.p50), percent(of.p90), percent(of.p95))
+}
+
+fn percent(share: f64) -> String {
+    format!("{} %", format::number(100.0 * share))
 }

@@ -1,7 +1,9 @@
-//! Mitsuba 3: a scene file in XML, a mesh in PLY for each material (and each of its colours), and a script that asks Mitsuba about the points of a reference.
+//! Mitsuba 3: a scene file in XML, a mesh in PLY for each material (and each of its colours), and a
+//! script that asks Mitsuba about the points of a reference.
 //!
-//! `diffuse` is bright on one side and area emitters shine on one, as faces do here. They take the radiance B_e/π. Mitsuba computes in single
-//! precision: coordinates are the scene's own, whose zero may lie elsewhere in its file ([`Scene::origin`]).
+//! `diffuse` is bright on one side and area emitters shine on one, as faces do here. They take the
+//! radiance B_e/π. Mitsuba computes in single precision: coordinates are the scene's own, whose
+//! zero may lie elsewhere in its file ([`Scene::origin`]).
 
 use std::f32::consts::PI;
 use std::fmt::Write as _;

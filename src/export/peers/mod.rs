@@ -1,6 +1,7 @@
 //! A scene as other programs read it, so that anyone can check its light: Mitsuba 3 and Radiance.
 //!
-//! Geometry, reflectances, emissions and the camera are written; faces are bright on one side, as they are here. Imports `scene` alone.
+//! Geometry, reflectances, emissions and the camera are written; faces are bright on one side, as
+//! they are here. Imports `scene` alone.
 
 mod mitsuba;
 mod radiance;
@@ -14,8 +15,8 @@ use rustc_hash::FxHashMap;
 
 use crate::scene::{CameraPose, Scene, Surface as Finish};
 
-/// Second sides of faces ([`crate::scene::Sides::Both`]) lie this share of the scene's diagonal behind the first ones: other
-/// programs meet one of two faces at the same place by chance.
+/// Second sides of faces ([`crate::scene::Sides::Both`]) lie this share of the scene's diagonal
+/// behind the first ones: other programs meet one of two faces at the same place by chance.
 const BEHIND: f32 = 1e-5;
 /// Picture of the view, pixels.
 const SIZE: [u32; 2] = [640, 400];
@@ -41,7 +42,7 @@ impl Peer {
     /// All of them.
     pub const ALL: [Self; 2] = [Self::Mitsuba, Self::Radiance];
 
-    /// Its name on the command line.
+    /// Name of the program on the command line.
     pub fn name(self) -> &'static str {
         match self {
             Self::Mitsuba => "mitsuba",
@@ -54,7 +55,8 @@ impl Peer {
         Self::ALL.into_iter().find(|peer| peer.name() == name)
     }
 
-    /// Writes the files of a scene into a folder, which is made where it is missing; returns the one to open.
+    /// Writes the files of a scene into a folder, which is made where it is missing; returns the
+    /// one to open.
     ///
     /// # Errors
     /// The folder or a file cannot be written.
@@ -68,16 +70,17 @@ impl Peer {
 
 /// The faces of one material that reflect and emit alike.
 struct Surface {
-    /// Its material's number and name without special characters, such as `3-white_paint`; others of the material are counted
-    /// behind it.
+    /// Its material's number and name without special characters, such as `3-white_paint`; others
+    /// of the material are counted behind it.
     name: String,
-    /// What its faces reflect and emit.
+    /// Reflectance and emission of the faces.
     finish: Finish,
     /// Corners, three or four each, anticlockwise as seen from the bright side.
     faces: Vec<Vec<Vec3>>,
 }
 
-/// The faces of a scene by material, and by what they reflect and emit where faces of a material differ.
+/// The faces of a scene by material, and by what they reflect and emit where faces of a material
+/// differ.
 fn surfaces(scene: &Scene) -> Vec<Surface> {
     let (lower, upper) = scene.bounds();
     let behind = BEHIND * lower.distance(upper);

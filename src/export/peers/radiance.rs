@@ -1,8 +1,10 @@
 //! Radiance: a scene description and a view.
 //!
-//! `plastic` reflects on both sides, so each material is a `mixfunc` of itself in front and of black behind. `light` shines in front,
-//! is black behind and reflects nothing; an emitter that also reflects is an `illum`, which its alternate material makes reflect (and
-//! which a picture shows without its own light). Sources take the radiance B_e/π. Triangles that emit are sampled as rectangles of their area.
+//! `plastic` reflects on both sides, so each material is a `mixfunc` of itself in front and of
+//! black behind. `light` shines in front, is black behind and reflects nothing; an emitter that
+//! also reflects is an `illum`, which its alternate material makes reflect (and which a picture
+//! shows without its own light). Sources take the radiance B_e/π. Triangles that emit are sampled
+//! as rectangles of their area.
 
 use std::f32::consts::PI;
 use std::fmt::Write as _;

@@ -1,11 +1,11 @@
-//! `selflink doctor` as a person runs it; what its rows find is the business of `tests/stability`.
+//! `selflink selftest` as a person runs it; what its rows find is the business of `tests/stability`.
 
 use std::process::{Command, Output};
 
 use serde_json::Value;
 
-fn doctor(args: &[&str]) -> (Output, String, String) {
-    let output = Command::new(env!("CARGO_BIN_EXE_selflink")).arg("doctor").args(args).output();
+fn selftest(args: &[&str]) -> (Output, String, String) {
+    let output = Command::new(env!("CARGO_BIN_EXE_selflink")).arg("selftest").args(args).output();
     let output = output.expect("the program runs");
     let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
     let (stdout, stderr) = (text(&output.stdout), text(&output.stderr));
@@ -16,8 +16,8 @@ fn doctor(args: &[&str]) -> (Output, String, String) {
 #[test]
 fn rows_are_told_and_written() {
     let folder = tempfile::tempdir().expect("a temporary folder");
-    let file = folder.path().join("doctor.json");
-    let (output, stdout, stderr) = doctor(&["--only", "small-lamps,6", "--json", &file.to_string_lossy()]);
+    let file = folder.path().join("selftest.json");
+    let (output, stdout, stderr) = selftest(&["--only", "small-lamps,6", "--json", &file.to_string_lossy()]);
     assert_eq!(output.status.code(), Some(0), "a known limit is no failure: {stderr}");
     for words in ["small-lamps         pass", "small-blocker       known limit", "worst of", "truth", "ours", "why:"] {
         assert!(stdout.contains(words), "{words}: {stdout}");
@@ -33,7 +33,7 @@ fn rows_are_told_and_written() {
 
 #[test]
 fn an_unknown_row_is_refused_in_one_sentence() {
-    let (output, stdout, stderr) = doctor(&["--only", "everything"]);
+    let (output, stdout, stderr) = selftest(&["--only", "everything"]);
     assert_eq!((output.status.code(), stdout.as_str()), (Some(2), ""));
     assert!(stderr.lines().count() == 1 && stderr.contains("choose from touching, row-sums"), "{stderr}");
 }

@@ -1,4 +1,4 @@
-//! `selflink doctor`: every known way to fail, tried on this machine, a line for each.
+//! `selflink selftest`: every known way to fail, tried on this machine, a line for each.
 
 use std::io::Write as _;
 use std::process::ExitCode;
@@ -16,7 +16,9 @@ const FAILED: u8 = 1;
 
 /// The command's arguments.
 pub fn command() -> Command {
-    Command::new("doctor")
+    Command::new("selftest")
+        // Its name until 0.1.
+        .alias("doctor")
         .about("Try the places where methods of this kind fail, each against a known truth, and print a line for each")
         .arg(
             Arg::new("only")
@@ -28,7 +30,7 @@ pub fn command() -> Command {
         .arg(path_arg("json", "FILE").help("Write every check of every row there"))
 }
 
-/// What `--json` writes.
+/// Content of the file that `--json` names.
 #[derive(Serialize)]
 struct Report<'a> {
     version: &'static str,
