@@ -6,7 +6,7 @@
 use glam::Vec3;
 
 use super::field::{Field, Met, grey};
-use super::glance::GlanceRays;
+use super::glance::{GatherPoint, GlanceRays};
 use super::sources::Aim;
 use crate::random::{cosine_direction, mix};
 
@@ -159,8 +159,8 @@ impl Field {
             Depth::Further => {
                 let patch = self.patch(met.leaf);
                 let place = (met.position, patch.normal);
-                let glance = self.glance(place, FURTHER, (seed, number));
-                (self.surface(patch.polygon).reflectance * glance.irradiance, FURTHER.aimed + FURTHER.cosine)
+                let glance = self.glance(&GatherPoint::on_face(place), FURTHER, (seed, number));
+                (self.surface(patch.polygon).reflectance * glance.irradiance(), FURTHER.aimed + FURTHER.cosine)
             }
         }
     }
