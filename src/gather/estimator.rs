@@ -6,7 +6,7 @@
 use glam::Vec3;
 
 use super::field::{Field, Met, grey};
-use super::glance::{GlanceRays, is_near};
+use super::glance::{GatherPoint, GlanceRays, is_near};
 use super::sources::Aim;
 use crate::random::{cosine_direction, mix};
 
@@ -168,7 +168,8 @@ impl Field {
             // Where the path went on, the field was not read here.
             if check == Check::Yes && !is_near(self.hierarchy.element(met.leaf).area, met.position, point) {
                 let patch = self.patch(met.leaf);
-                let further = self.glance((met.position, patch.normal), FURTHER, (of_ends, number)).irradiance;
+                let further = GatherPoint::on_face((met.position, patch.normal));
+                let further = self.glance(&further, FURTHER, (of_ends, number)).irradiance();
                 seen.change += weight * (self.surface(patch.polygon).reflectance * further - sent);
                 seen.rays += FURTHER.aimed + FURTHER.cosine;
             }

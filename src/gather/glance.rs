@@ -34,10 +34,42 @@ pub struct GlanceRays {
 /// What a glance finds.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Glance {
-    /// Irradiance, W/m².
-    pub irradiance: Vec3,
+    /// Irradiance by emitters, W/m².
+    pub direct: Vec3,
+    /// Irradiance by what others reflect, W/m².
+    pub indirect: Vec3,
     /// Mean of 1 / distance over where the cosine-distributed rays end; 0 for those that meet nothing.
     pub nearness: f32,
+}
+
+impl Glance {
+    /// Irradiance, W/m².
+    pub fn irradiance(&self) -> Vec3 {
+        self.direct + self.indirect
+    }
+}
+
+/// Where light is looked for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct GatherPoint {
+    /// A point of a face.
+    pub position: Vec3,
+    /// Unit normal that cosines are taken to: the face's own, or an interpolated one.
+    pub normal: Vec3,
+    /// Unit normal of the face, behind which nothing is seen.
+    pub face: Vec3,
+}
+
+impl GatherPoint {
+    /// A point of a flat face.
+    pub fn on_face((position, normal): (Vec3, Vec3)) -> Self {
+        Self { position, normal, face: normal }
+    }
+
+    /// A direction, mirrored at the face where it would lead behind it: what is curved would be seen there.
+    fn in_front(&self, direction: Vec3) -> Vec3 {
+        direction - 2.0 * self.face.dot(direction).min(0.0) * self.face
+    }
 }
 
 /// What an aimed ray found.
@@ -57,16 +89,23 @@ struct Choice {
 }
 
 impl Field {
-    /// A glance from a point of a face with this unit normal: number `index` of the sequence that the seed tells.
-    pub fn glance(&self, (point, normal): (Vec3, Vec3), rays: GlanceRays, (seed, index): (u64, u32)) -> Glance {
+    /// A glance from a point: number `index` of the sequence that the seed tells.
+    pub fn glance(&self, place: &GatherPoint, rays: GlanceRays, (seed, index): (u64, u32)) -> Glance {
+        let GatherPoint { position: point, normal, face } = *place;
         let mut glance = Glance::default();
         let scramble = |what: u32, number: u32| mix(mix(seed, what.into()), (number / SEQUENCE).into());
         for ray in 0..rays.aimed {
             let number = index.wrapping_mul(rays.aimed).wrapping_add(ray);
             let hash = scramble(1, number);
-            let place = sobol_burley::sample_4d(number % SEQUENCE, 0, hash as u32);
+            let [choice, u, v, _] = sobol_burley::sample_4d(number % SEQUENCE, 0, hash as u32);
             let beyond = mix(hash, number.into());
-            glance.irradiance += self.aimed_light((point, normal), place, (beyond, 0)) / rays.aimed as f32;
+            match self.aim_from(place, [choice, u, v]) {
+                Some((Lit::Emitter(emission), weight)) => glance.direct += weight / rays.aimed as f32 * emission,
+                Some((Lit::Secondary(met), weight)) => {
+                    glance.indirect += weight / rays.aimed as f32 * self.sent_back(&met, point, (beyond, 0));
+                }
+                None => {}
+            }
         }
         for ray in 0..rays.cosine {
             let number = index.wrapping_mul(rays.cosine).wrapping_add(ray);
@@ -74,10 +113,10 @@ impl Field {
             let [u, v, ..] = sobol_burley::sample_4d(number % SEQUENCE, 0, hash as u32);
             let beyond = mix(hash, number.into());
             let share = 1.0 / rays.cosine as f32;
-            if let Some(met) = self.meet(point, normal, cosine_direction(normal, u, v)) {
+            if let Some(met) = self.meet(point, face, place.in_front(cosine_direction(normal, u, v))) {
                 glance.nearness += share / met.position.distance(point).max(f32::MIN_POSITIVE);
                 if !self.is_aimed_at(met.leaf, point, normal) {
-                    glance.irradiance += share * self.sent_back(&met, point, (beyond, 0));
+                    glance.indirect += share * self.sent_back(&met, point, (beyond, 0));
                 }
             }
         }
@@ -94,7 +133,12 @@ impl Field {
     }
 
     /// A source that a point sees, chosen by chance, and the share of its radiosity that it stands for.
-    pub(super) fn aim_by_chance(&self, (point, normal): (Vec3, Vec3), [choice, u, v]: [f32; 3]) -> Option<(Lit, f32)> {
+    pub(super) fn aim_by_chance(&self, place: (Vec3, Vec3), numbers: [f32; 3]) -> Option<(Lit, f32)> {
+        self.aim_from(&GatherPoint::on_face(place), numbers)
+    }
+
+    fn aim_from(&self, place: &GatherPoint, [choice, u, v]: [f32; 3]) -> Option<(Lit, f32)> {
+        let GatherPoint { position: point, normal, face } = *place;
         let choice = self.choose(point, normal, choice)?;
         let element = self.hierarchy.element(choice.id);
         let Shape::Patch(patch) = &element.shape else { return None };
@@ -104,7 +148,7 @@ impl Field {
         let (corners, count) = self.hierarchy.corner_positions(patch);
         let (span, weight) = sample_polygon((point, normal), &corners[..count], (element, patch.normal), [u, v])?;
         let position = self.on_plane(choice.id, point + span);
-        if !self.sees((point, normal), (position, patch.normal)) {
+        if face.dot(span) <= 0.0 || !self.sees((point, face), (position, patch.normal)) {
             return None;
         }
         let lit = if choice.emits {

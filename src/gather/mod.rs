@@ -27,7 +27,7 @@ use certificate::Certifying;
 pub use certificate::{Certificate, NOISE, Quantiles, RISK};
 pub use estimator::{Budget, Checked, Irradiance, Rays};
 pub use field::{Field, Met, grey};
-pub use glance::{Glance, GlanceRays};
+pub use glance::{GatherPoint, Glance, GlanceRays};
 use samples::{GatherSamples, Queue};
 
 use crate::cancel::CancelToken;

@@ -3,9 +3,8 @@
 use glam::Vec3;
 use rayon::prelude::*;
 
-use super::filter::{Share, likeness_of};
+use super::filter::{Share, is_alike};
 use super::{Sight, Sights};
-use crate::gather::Field;
 use crate::photometry::{Quantity, weighted};
 use crate::tone::{decode_gamma, encode_gamma, tone_curve};
 
@@ -14,8 +13,6 @@ const GROUND: [Vec3; 2] = [Vec3::new(0.15, 0.15, 0.16), Vec3::new(0.24, 0.25, 0.
 /// Half the width of a line of equal value, and of the shade beside it, pixels.
 const LINE_HALF_WIDTH: f32 = 0.75;
 const LINE_SHADE: f32 = 1.0;
-/// Samples that are less alike are of different surfaces, between which a slope says nothing.
-const ALIKE: f32 = 0.5;
 
 /// What a picture shows of the light.
 #[derive(Clone, Copy)]
@@ -37,25 +34,13 @@ pub struct FalseColours<'a> {
     pub lines: &'a [(f32, Vec3)],
 }
 
-/// Reflectance and emission (W/m²) at a place of a surface.
-pub(super) fn surface_at(field: &Field, sight: &Sight) -> Option<(Vec3, Vec3)> {
-    let surface = field.surface(sight.polygon()?);
-    Some((surface.reflectance, surface.emission))
-}
-
 /// Radiosity of a sample, W/m²; `None` where nothing is seen.
-pub(super) fn radiosity(field: &Field, sight: &Sight, irradiance: Vec3) -> Option<Vec3> {
-    surface_at(field, sight).map(|(reflectance, emission)| emission + reflectance * irradiance)
+pub(super) fn radiosity(sight: &Sight, irradiance: Vec3) -> Option<Vec3> {
+    sight.polygon().map(|_| sight.emission + sight.reflectance * irradiance)
 }
 
 /// The pixels of a picture, gamma-encoded, rows from above; `smooth` are irradiances for lines.
-pub(super) fn develop(
-    field: &Field,
-    sights: &Sights,
-    shares: &[Share],
-    smooth: &[Share],
-    shading: &Shading,
-) -> Vec<[u8; 4]> {
+pub(super) fn develop(sights: &Sights, shares: &[Share], smooth: &[Share], shading: &Shading) -> Vec<[u8; 4]> {
     let side = sights.per_side as usize;
     let [width, height] = sights.size.map(|samples| samples as usize / side);
     let mut pixels = vec![[0, 0, 0, 255]; width * height];
@@ -67,17 +52,17 @@ pub(super) fn develop(
         for (x, pixel) in row.iter_mut().enumerate() {
             let colour_of = |index: usize| {
                 let sight = &sights.all[index];
-                let Some(radiosity) = radiosity(field, sight, shares[index].irradiance) else { return ground };
+                let Some(radiosity) = radiosity(sight, shares[index].irradiance) else { return ground };
                 let lit = (shading.exposure * radiosity).map(tone_curve);
                 let Some(read) = &shading.read else { return lit };
-                let value = |share: &Share| value(field, sight, share, read.quantity);
+                let value = |share: &Share| value(sight, share, read.quantity);
                 let filled = read.colour.map(|colour| colour(value(&shares[index])));
                 let base = filled.unwrap_or_else(|| lit.map(encode_gamma));
                 let drawn = match read.lines {
                     [] => base,
                     lines => {
                         let value = value(&smooth[index]);
-                        let slope = slope(field, sights, smooth, index, read.quantity) * side as f32;
+                        let slope = slope(sights, smooth, index, read.quantity) * side as f32;
                         with_lines(base, lines, (value, slope), filled.is_none())
                     }
                 };
@@ -93,21 +78,21 @@ pub(super) fn develop(
 }
 
 /// What is read off a sample, W/m².
-fn value(field: &Field, sight: &Sight, share: &Share, quantity: Quantity) -> f32 {
+fn value(sight: &Sight, share: &Share, quantity: Quantity) -> f32 {
     match quantity {
         Quantity::Irradiance => weighted(share.irradiance.into()),
-        Quantity::Radiosity => weighted(radiosity(field, sight, share.irradiance).unwrap_or_default().into()),
+        Quantity::Radiosity => weighted(radiosity(sight, share.irradiance).unwrap_or_default().into()),
     }
 }
 
 /// How fast a value changes from one sample to the next.
-fn slope(field: &Field, sights: &Sights, shares: &[Share], index: usize, quantity: Quantity) -> f32 {
+fn slope(sights: &Sights, shares: &[Share], index: usize, quantity: Quantity) -> f32 {
     let [width, height] = sights.size.map(|side| side as usize);
     let (x, y) = (index % width, index / width);
     let here = &sights.all[index];
-    let at = |index: usize| value(field, &sights.all[index], &shares[index], quantity);
+    let at = |index: usize| value(&sights.all[index], &shares[index], quantity);
     let beside = |before: Option<usize>, after: Option<usize>| {
-        let like = |other: &usize| likeness_of(here, &sights.all[*other]) > ALIKE;
+        let like = |other: &usize| is_alike(here, &sights.all[*other]);
         match (before.filter(like), after.filter(like)) {
             (Some(before), Some(after)) => 0.5 * (at(after) - at(before)),
             (Some(other), None) | (None, Some(other)) => at(other) - at(index),

@@ -5,9 +5,10 @@ use std::sync::Arc;
 use glam::Vec3;
 use rayon::prelude::*;
 
-use super::develop::{develop, radiosity, surface_at};
+use super::develop::{develop, radiosity};
 use super::filter::Share;
-use super::{Filter, Lens, Light, Shading, Sights};
+use super::light::{TILE, Tiles};
+use super::{Filter, Lens, Light, Shading, Sight, Sights};
 use crate::cancel::CancelToken;
 use crate::gather::{Field, grey};
 use crate::hierarchy::ElementId;
@@ -16,8 +17,11 @@ use crate::hierarchy::ElementId;
 const COARSE: u32 = 3;
 /// Samples in each direction of a pixel.
 const FINE: u32 = 2;
-/// Looks from each sample, at most.
-const MOST_LOOKS: u32 = 64;
+/// Passes, at most.
+const MOST_PASSES: u32 = 256;
+/// Tiles are looked from again until this many times the root mean square of their noise is below what was asked for: nine tenths of
+/// normal errors are below that.
+const NINE_TENTHS: f32 = 1.645;
 /// The noise of a picture is that below which this share of its samples lies.
 const NOISE_SHARE: f32 = 0.9;
 
@@ -53,6 +57,8 @@ struct Shown {
     /// For lines of equal value.
     smooth: Option<Vec<Share>>,
     noise: f32,
+    /// What is still too noisy.
+    noisy: Tiles,
 }
 
 /// What is known of a pixel.
@@ -99,14 +105,14 @@ impl GatheredPicture {
                 let sights = look(1)?;
                 let coarse = Arc::new(sights.thinned(COARSE));
                 let mut light = Light::new(&coarse);
-                light.look(&self.field, &coarse, cancel)?;
+                light.look(&self.field, &coarse, &Tiles::all(coarse.size), cancel)?;
                 let shown = self.share(&coarse, &light, cancel)?;
                 self.shown = Some(shown.spread_to(&sights, COARSE));
                 Stage::Pixels(sights)
             }
             Stage::Pixels(sights) => {
                 let mut light = Light::new(&sights);
-                light.look(&self.field, &sights, cancel)?;
+                light.look(&self.field, &sights, &Tiles::all(self.size), cancel)?;
                 self.shown = Some(self.share(&sights, &light, cancel)?);
                 Stage::Samples
             }
@@ -122,51 +128,58 @@ impl GatheredPicture {
     }
 
     fn refine(&mut self, mut level: Level, cancel: &CancelToken) -> Option<Stage> {
-        level.light.look(&self.field, &level.sights, cancel)?;
+        // Light is shared anew when there is half as much again of it: the filter takes time as well.
+        let passes = (level.light.passes / 2).max(1);
+        let all = Tiles::all(self.size);
+        for _ in 0..passes {
+            let noisy = match &self.shown {
+                Some(shown) if level.light.passes >= FINE * FINE => &shown.noisy,
+                _ => &all,
+            };
+            level.light.look(&self.field, &level.sights, noisy, cancel)?;
+        }
         let shown = self.share(&level.sights, &level.light, cancel)?;
-        let is_done = shown.noise <= self.error || level.light.looks >= MOST_LOOKS;
+        let is_done = shown.noise <= self.error || level.light.passes >= MOST_PASSES;
         self.shown = Some(shown);
         Some(if is_done { Stage::Done } else { Stage::Refine(level) })
     }
 
     fn share(&self, sights: &Arc<Sights>, light: &Light, cancel: &CancelToken) -> Option<Shown> {
-        let shares = Filter::after(light.looks).share(sights, light, cancel)?;
+        let shares = Filter::PICTURE.share(sights, light, cancel)?;
         let smooth = match self.has_lines {
-            true => Some(Filter::for_lines().share(sights, light, cancel)?),
+            true => Some(Filter::LINES.share(sights, light, cancel)?),
             false => None,
         };
-        let noise = match self.shown.as_ref().filter(|before| Arc::ptr_eq(&before.sights, sights)) {
-            // The mean of k looks is off from that of k − 1 by the deviation of one look, over √(k(k − 1)).
-            Some(before) => {
-                let factor = (light.looks as f32 - 1.0).sqrt();
-                let off = |(share, before): (&Share, &Share)| factor * grey(share.irradiance - before.irradiance).abs();
-                self.noise_of(sights, &shares, shares.par_iter().zip(&before.shares).map(off))
-            }
-            None => self.noise_of(sights, &shares, shares.par_iter().map(|share| share.variance.sqrt())),
-        };
-        Some(Shown { sights: sights.clone(), shares, smooth, noise })
+        let (noise, noisy) = self.noise_of(sights, &shares);
+        Some(Shown { sights: sights.clone(), shares, smooth, noise, noisy })
     }
 
-    /// Noise below which nine tenths of the samples lie, as a share of the local light.
-    fn noise_of(&self, sights: &Sights, shares: &[Share], noises: impl IndexedParallelIterator<Item = f32>) -> f32 {
+    /// Noise below which nine tenths of the samples lie, as a share of the local light, and where it is above what was asked for.
+    fn noise_of(&self, sights: &Sights, shares: &[Share]) -> (f32, Tiles) {
         let dim = self.field.dim();
-        let is_lit = |((sight, _), _): &((&super::Sight, &Share), f32)| {
-            surface_at(&self.field, sight).is_some_and(|(reflectance, _)| reflectance != Vec3::ZERO)
+        let of = |(sight, share): (&Sight, &Share)| {
+            let noise = share.noise.abs() / (grey(share.irradiance) + dim);
+            (sight.reflectance != Vec3::ZERO && noise.is_finite()).then_some(noise)
         };
-        let mut noises: Vec<f32> = sights
-            .all
-            .par_iter()
-            .zip(shares)
-            .zip(noises)
-            .filter(is_lit)
-            .map(|((_, share), noise)| noise / (grey(share.irradiance) + dim))
-            .filter(|noise| noise.is_finite())
-            .collect();
+        let [width, height] = sights.size;
+        let side = sights.per_side;
+        let noisy = Tiles::chosen([width / side, height / side], |[x, y]| {
+            let (mut count, mut squares) = (0.0, 0.0);
+            for row in side * y..(side * (y + TILE)).min(height) {
+                let range = (row * width + side * x) as usize..(row * width + (side * (x + TILE)).min(width)) as usize;
+                for noise in sights.all[range.clone()].iter().zip(&shares[range]).filter_map(of) {
+                    count += 1.0;
+                    squares += noise * noise;
+                }
+            }
+            NINE_TENTHS * NINE_TENTHS * squares > count * self.error * self.error
+        });
+        let mut noises: Vec<f32> = sights.all.par_iter().zip(shares).filter_map(of).collect();
         if noises.is_empty() {
-            return 0.0;
+            return (0.0, noisy);
         }
         let place = ((noises.len() - 1) as f32 * NOISE_SHARE) as usize;
-        *noises.select_nth_unstable_by(place, f32::total_cmp).1
+        (*noises.select_nth_unstable_by(place, f32::total_cmp).1, noisy)
     }
 
     /// Whether nothing is left to do.
@@ -193,7 +206,7 @@ impl GatheredPicture {
     pub fn develop(&self, shading: &Shading) -> Option<Vec<[u8; 4]>> {
         let shown = self.shown.as_ref()?;
         let smooth = shown.smooth.as_ref().unwrap_or(&shown.shares);
-        Some(develop(&self.field, &shown.sights, &shown.shares, smooth, shading))
+        Some(develop(&shown.sights, &shown.shares, smooth, shading))
     }
 
     /// What is known of a pixel; `None` where nothing is seen.
@@ -224,15 +237,14 @@ impl GatheredPicture {
             for k in 0..side * side {
                 let sample = (y * side + k / side) * width * side + x * side + k % side;
                 let (sight, irradiance) = (&sights.all[sample], shown.shares[sample].irradiance);
-                let (Some(polygon), Some(radiosity)) = (sight.polygon(), radiosity(&self.field, sight, irradiance))
-                else {
+                let (Some(polygon), Some(radiosity)) = (sight.polygon(), radiosity(sight, irradiance)) else {
                     continue;
                 };
                 pixel.coverage += share;
                 pixel.radiosity += share * radiosity;
                 pixel.irradiance += share * irradiance;
                 pixel.normal += share * sight.normal;
-                pixel.albedo += share * self.field.surface(polygon).reflectance;
+                pixel.albedo += share * sight.reflectance;
                 let depth = self.lens.forward.dot(sight.position - self.lens.eye);
                 if depth < pixel.depth {
                     (pixel.depth, pixel.element) = (depth, Some(self.field.leaf_at(polygon, sight.position)));
@@ -299,18 +311,24 @@ impl Shown {
                         let tent = (1.0 - (u - column as f32).abs()) * (1.0 - (v - row as f32).abs());
                         let weight = tent.max(1e-3) * super::filter::likeness_of(here, sight);
                         sum.irradiance += weight * share.irradiance;
-                        sum.variance += weight * share.variance;
+                        sum.noise += weight * share.noise;
                         total += weight;
                     }
                 }
                 match total > 0.0 {
-                    true => Share { irradiance: sum.irradiance / total, variance: sum.variance / total },
+                    true => Share { irradiance: sum.irradiance / total, noise: sum.noise / total },
                     false => nearest.1,
                 }
             };
             (0..sights.all.len()).into_par_iter().map(at).collect()
         };
         let smooth = self.smooth.as_deref().map(spread);
-        Self { sights: sights.clone(), shares: spread(&self.shares), smooth, noise: self.noise }
+        Self {
+            sights: sights.clone(),
+            shares: spread(&self.shares),
+            smooth,
+            noise: self.noise,
+            noisy: self.noisy.clone(),
+        }
     }
 }

@@ -10,6 +10,11 @@ use crate::gather::Field;
 /// Marks a sample that sees nothing.
 const NOTHING: u32 = u32::MAX;
 
+/// Holes that a ray passes, at most.
+const MOST_HOLES: u32 = 64;
+/// A ray goes on behind a hole by this share of its length: rounding is far below it.
+const BEYOND_HOLE: f32 = 1e-5;
+
 /// Where the samples of a pixel lie, in pixels from its upper left corner: one in each quarter, no two of which share a row or a column.
 const PLACES: [[Vec2; 2]; 2] =
     [[Vec2::new(0.375, 0.125), Vec2::new(0.875, 0.375)], [Vec2::new(0.125, 0.625), Vec2::new(0.625, 0.875)]];
@@ -21,14 +26,54 @@ pub struct Sight {
     pub position: Vec3,
     /// Distance from the eye.
     pub distance: f32,
-    /// Unit normal, for shading.
+    /// Unit normal for shading, as the file says; faces between its vertices are flat.
     pub normal: Vec3,
+    /// Unit normal of the face.
+    pub face: Vec3,
+    /// Reflectance there, textures included.
+    pub reflectance: Vec3,
+    /// Emission there, W/m².
+    pub emission: Vec3,
     /// Index of the scene's polygon, or none.
     polygon: u32,
 }
 
 impl Sight {
-    const NOTHING: Self = Self { position: Vec3::ZERO, distance: f32::INFINITY, normal: Vec3::ZERO, polygon: NOTHING };
+    const NOTHING: Self = Self {
+        position: Vec3::ZERO,
+        distance: f32::INFINITY,
+        normal: Vec3::ZERO,
+        face: Vec3::ZERO,
+        reflectance: Vec3::ZERO,
+        emission: Vec3::ZERO,
+        polygon: NOTHING,
+    };
+
+    /// What is seen along a ray, holes of textures looked through; `spacing` is the distance between samples as a share of that
+    /// from the eye.
+    fn along(field: &Field, eye: Vec3, direction: Vec3, spacing: f32) -> Self {
+        let scene = field.scene();
+        let mut from = eye;
+        for _ in 0..MOST_HOLES {
+            let Some(hit) = field.look_along(from, direction) else { break };
+            let polygon = &scene.polygons[hit.polygon as usize];
+            let distance = hit.point.distance(eye);
+            let mean = *field.surface(hit.polygon);
+            if let Some(surface) = scene.surface_at(polygon, hit.point, mean, spacing * distance) {
+                return Self {
+                    position: hit.point,
+                    distance,
+                    normal: scene.smooth_normal(polygon, hit.point),
+                    face: field.normal(hit.polygon),
+                    reflectance: surface.reflectance,
+                    emission: surface.emission,
+                    polygon: hit.polygon,
+                };
+            }
+            from = hit.point + direction * (distance * BEYOND_HOLE);
+        }
+        Self::NOTHING
+    }
 
     /// The polygon seen.
     pub fn polygon(&self) -> Option<u32> {
@@ -68,6 +113,7 @@ impl Sights {
                 (sample / 2) as f32 + within[axis]
             }
         };
+        let spacing = 2.0 * lens.right.length() / size[0] as f32;
         let rows = all.par_chunks_exact_mut(size[0].max(1) as usize).enumerate();
         rows.for_each(|(row, sights)| {
             if cancel.is_cancelled() {
@@ -78,18 +124,10 @@ impl Sights {
                 let column = column as u32;
                 let [x, y] = [place(column, row, 0) / pixels[0] as f32, place(row, column, 1) / pixels[1] as f32];
                 let direction = lens.direction(Vec2::new(2.0 * x - 1.0, 1.0 - 2.0 * y));
-                if let Some(hit) = field.look_along(lens.eye, direction) {
-                    let (polygon, normal) = (hit.polygon, field.normal(hit.polygon));
-                    *sight = Sight { position: hit.point, distance: hit.distance, normal, polygon };
-                }
+                *sight = Sight::along(field, lens.eye, direction, spacing);
             }
         });
-        (!cancel.is_cancelled()).then_some(Self {
-            size,
-            per_side,
-            spacing: 2.0 * lens.right.length() / size[0] as f32,
-            all,
-        })
+        (!cancel.is_cancelled()).then_some(Self { size, per_side, spacing, all })
     }
 
     /// The samples in the middle of squares of so many in each direction.

@@ -43,5 +43,6 @@ pub use cache::Cache;
 pub use compute::{Outcome, Target, compute};
 pub use key::Key;
 pub use lamps::point_on_polygon;
+pub use path::Tracer;
 pub use points::{SurfacePoint, random_points, random_points_on};
 pub use run::{Reference, ReferenceRun};

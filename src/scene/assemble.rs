@@ -130,6 +130,7 @@ fn textures_of(material: &DraftMaterial) -> Option<Arc<MaterialTextures>> {
         reflectance_factor: material.reflectance,
         emission: material.emission_map.clone(),
         emission_factor: material.emission,
+        alpha_factor: material.alpha,
         opacity: material.opacity,
     }))
 }

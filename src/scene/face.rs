@@ -3,14 +3,15 @@
 //!
 //! Light transport takes one reflectance and one emission for each face ([`Scene::surface`]): its material's mean times the face's
 //! own tint, so that a change of the material changes all of its faces alike. Pictures read textures, colours and normals at points
-//! ([`Scene::texture_coordinates`], [`Scene::smooth_normal`], [`Scene::vertex_colour`]); parts that a face was cut into find their places on the whole face.
+//! ([`Scene::surface_at`], [`Scene::smooth_normal`]); parts that a face was cut into find their places on the whole face.
 
 use std::collections::HashMap;
 
 use glam::{Vec2, Vec3, Vec4};
 
 use super::sidecar::MAX_SIDECAR_REFLECTANCE;
-use super::{Polygon, Scene};
+use super::texture::TextureMap;
+use super::{Material, Polygon, Scene};
 
 /// What a face reflects and emits.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -190,6 +191,71 @@ impl Scene {
         }
     }
 
+    /// What a face reflects and emits at a point, where its mean is `mean`: as its textures and the colours of its corners say, and changed
+    /// as the mean was changed since the file was read. Texels are as large as `footprint`, in the scene's length unit. `None` in a hole.
+    pub fn surface_at(&self, polygon: &Polygon, point: Vec3, mean: Surface, footprint: f32) -> Option<Surface> {
+        let textures = self.materials[polygon.material.0 as usize].textures.as_deref();
+        if textures.is_none() && self.details.colours.is_empty() {
+            return Some(mean);
+        }
+        let colour = self.vertex_colour(polygon, point);
+        let maps = textures.zip(self.texture_coordinates(polygon, point));
+        let Some((textures, uv)) = maps else {
+            let of_corners = self.mean_corner_colour(polygon);
+            return Some(Surface { reflectance: changed(mean.reflectance, colour, of_corners), ..mean });
+        };
+        let texel = |map: &TextureMap| map.sample(uv, footprint * self.texels_per_length(polygon, map));
+        let mut surface = mean;
+        let filed = self.filed_surface(polygon);
+        if let Some(map) = &textures.reflectance {
+            let texel = texel(map);
+            if texel.w * textures.alpha_factor < textures.opacity.least() {
+                return None;
+            }
+            let said = textures.reflectance_factor * texel.truncate() * colour;
+            surface.reflectance = changed(mean.reflectance, said, filed.reflectance);
+        }
+        if let Some(map) = &textures.emission {
+            let said = textures.emission_factor * texel(map).truncate();
+            surface.emission = changed(mean.emission, said, filed.emission).max(Vec3::ZERO);
+        }
+        surface.reflectance = surface.reflectance.clamp(Vec3::ZERO, Vec3::splat(MAX_SIDECAR_REFLECTANCE));
+        Some(surface)
+    }
+
+    /// What a face reflects and emits in the mean as its file alone says.
+    fn filed_surface(&self, polygon: &Polygon) -> Surface {
+        let material = polygon.material.0 as usize;
+        let Material { reflectance, emission, .. } =
+            *self.filed_materials.get(material).unwrap_or(&self.materials[material]);
+        let face = self.details.faces.get(polygon.detail as usize);
+        let tint = face.and_then(|face| self.details.tints.get(face.tint as usize)).unwrap_or(&Tint::NONE);
+        Surface { reflectance: reflectance * tint.reflectance, emission: emission * tint.emission }
+    }
+
+    /// Mean of the colours of a face's corners; white where its file has none.
+    fn mean_corner_colour(&self, polygon: &Polygon) -> Vec3 {
+        let face = self.details.faces.get(polygon.detail as usize).filter(|face| face.corners > 0);
+        let range = face.map(|face| face.first as usize..face.first as usize + usize::from(face.corners));
+        let Some(colours) = range.and_then(|range| self.details.colours.get(range)) else { return Vec3::ONE };
+        let colour = |[r, g, b, _]: &[u16; 4]| Vec3::from_array([*r, *g, *b].map(|value| f32::from(value) / 65535.0));
+        colours.iter().map(colour).sum::<Vec3>() / colours.len() as f32
+    }
+
+    /// Texels of a texture along a length of a face, in the mean of all directions.
+    fn texels_per_length(&self, polygon: &Polygon, map: &TextureMap) -> f32 {
+        let face = self.details.faces.get(polygon.detail as usize).filter(|face| face.corners > 0);
+        let Some(first) = face.map(|face| face.first as usize) else { return 0.0 };
+        let Some(&[a, b, c]) = self.details.uvs.get(first..first + 3).and_then(|uvs| uvs.first_chunk()) else {
+            return 0.0;
+        };
+        let corner = |index: usize| self.vertices[self.details.vertices[first + index] as usize];
+        let area = (corner(1) - corner(0)).cross(corner(2) - corner(0)).length();
+        let texels = (b - a).perp_dot(c - a).abs() * map.texels();
+        let density = (texels / area).sqrt();
+        if density.is_finite() { density } else { 0.0 }
+    }
+
     /// Whether two faces have one material and do not differ from its mean, or differ alike.
     pub fn has_same_finish(&self, a: &Polygon, b: &Polygon) -> bool {
         let tint = |polygon: &Polygon| self.details.faces.get(polygon.detail as usize).map_or(NONE, |face| face.tint);
@@ -248,6 +314,15 @@ impl Scene {
         let second = in_triangle([0, 2, 3]);
         Some(if second.0 >= first.0 { second.1 } else { first.1 })
     }
+}
+
+/// What is said of a point, changed as the mean of its face was changed from what had been said of that.
+fn changed(mean: Vec3, said: Vec3, said_mean: Vec3) -> Vec3 {
+    let of_channel = |channel: usize| match said_mean[channel] > 0.0 {
+        true => said[channel] * (mean[channel] / said_mean[channel]),
+        false => mean[channel],
+    };
+    Vec3::from_array(std::array::from_fn(of_channel))
 }
 
 /// Weights of a triangle's corners at a point in its plane.

@@ -62,10 +62,13 @@ fn colours_of_vertices_count() {
 
 /// A GLB of two squares, the second one metre above the first, with texture coordinates that all lie at one point each.
 fn palette(points: [[f32; 2]; 2], png: &[u8], material: &str) -> Vec<u8> {
+    squares(points.map(|point| [point; 4]), png, material)
+}
+
+/// A GLB of two squares, the second one metre above the first, with texture coordinates at the corners of each.
+fn squares(corners: [[[f32; 2]; 4]; 2], png: &[u8], material: &str) -> Vec<u8> {
     let mut binary = square_bytes();
-    for point in points {
-        binary.extend((0..4).flat_map(|_| point).flat_map(f32::to_le_bytes));
-    }
+    binary.extend(corners.into_iter().flatten().flatten().flat_map(f32::to_le_bytes));
     let picture_at = binary.len();
     binary.extend(png);
     let json = format!(
@@ -112,7 +115,47 @@ fn faces_have_the_colour_of_their_own_part_of_a_texture() {
     assert!(red(&edited, 0).distance(0.5 * red(&scene, 0)) < 1e-6);
     let uv = scene.texture_coordinates(&scene.polygons[0], Vec3::new(0.3, 0.2, 0.0)).expect("coordinates");
     let map = scene.materials[0].textures.as_ref().and_then(|it| it.reflectance.as_ref()).expect("a texture");
-    assert!(map.sample(uv).truncate().distance(Vec3::X) < 1e-3, "{uv}");
+    assert!(map.sample(uv, 1.0).truncate().distance(Vec3::X) < 1e-3, "{uv}");
+}
+
+/// Truth: the texels themselves. Faces count as their mean, points show what lies there, what is clear is a hole, and a change of
+/// the material changes both alike.
+#[test]
+fn points_of_faces_show_their_own_texels() {
+    let texels = [[255, 0, 0, 255], [0, 255, 0, 255], [0, 0, 255, 255], [255, 255, 255, 0]];
+    let png = picture([2, 2], ImageFormat::Png, |x, y| texels[(2 * y + x) as usize]);
+    let material = r#""alphaMode": "MASK", "alphaCutoff": 0.6, "pbrMetallicRoughness": {"baseColorTexture": {"index": 0},
+        "baseColorFactor": [0.5, 0.25, 0.5, 1]}"#;
+    let whole = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
+    let mut scene = load(&[("a.glb", &squares([whole; 2], &png, material))], "a.glb");
+    let at = |scene: &Scene, x: f32, y: f32| {
+        // The triangle below the diagonal, or that above.
+        let polygon = &scene.polygons[usize::from(y > x)];
+        scene.surface_at(polygon, Vec3::new(x, y, 0.0), scene.surface(polygon), 1e-3).map(|it| it.reflectance)
+    };
+    let is_near = |found: Option<Vec3>, truth: Vec3| found.is_some_and(|found| found.distance(truth) < 1e-4);
+    assert!(is_near(at(&scene, 0.26, 0.25), Vec3::new(0.5, 0.0, 0.0)), "{:?}", at(&scene, 0.26, 0.25));
+    assert!(is_near(at(&scene, 0.75, 0.25), Vec3::new(0.0, 0.25, 0.0)), "{:?}", at(&scene, 0.75, 0.25));
+    assert!(is_near(at(&scene, 0.25, 0.75), Vec3::new(0.0, 0.0, 0.5)), "{:?}", at(&scene, 0.25, 0.75));
+    assert_eq!(at(&scene, 0.76, 0.75), None, "a hole");
+    scene.materials[0].reflectance *= 0.5;
+    assert!(is_near(at(&scene, 0.26, 0.25), Vec3::new(0.25, 0.0, 0.0)), "{:?}", at(&scene, 0.26, 0.25));
+}
+
+/// Truth: from far away a chequerboard of many fields is as grey as its mean.
+#[test]
+fn textures_are_as_coarse_as_they_are_seen() {
+    let png = picture([64, 64], ImageFormat::Png, |x, y| if (x + y) % 2 == 0 { [255; 4] } else { [0, 0, 0, 255] });
+    let whole = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
+    let material = r#""pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}"#;
+    let scene = load(&[("a.glb", &squares([whole; 2], &png, material))], "a.glb");
+    let polygon = &scene.polygons[0];
+    let red = |footprint: f32| {
+        let point = Vec3::new(32.5 / 64.0, 32.5 / 64.0, 0.0);
+        scene.surface_at(polygon, point, scene.surface(polygon), footprint).expect("no hole").reflectance.x
+    };
+    // White is below 1 by the largest reflectance allowed; a mean of white and black is within a step of sRGB.
+    assert!(red(1e-3) > 0.9 && (red(0.1) - 0.5).abs() < 0.01, "{} {}", red(1e-3), red(0.1));
 }
 
 /// Truth: of two faces of one material the one that looks at the bright texel is a lamp, the other is none.

@@ -5,7 +5,7 @@
 pub(super) mod decode;
 pub(super) mod mean;
 
-use std::sync::{Arc, LazyLock};
+use std::sync::{Arc, LazyLock, OnceLock};
 
 use glam::{Affine2, Vec2, Vec3, Vec4};
 
@@ -23,11 +23,19 @@ pub(super) fn linear_step(step: u8) -> f32 {
 }
 
 /// A decoded picture: sRGB colours and linear alpha, as most files hold them.
-#[derive(Clone, PartialEq)]
+#[derive(Clone)]
 pub struct Texture {
     width: u32,
     height: u32,
     texels: Vec<[u8; 4]>,
+    /// Half as large, for what lies far away; made when it is asked for.
+    half: OnceLock<Box<Texture>>,
+}
+
+impl PartialEq for Texture {
+    fn eq(&self, other: &Self) -> bool {
+        (self.width, self.height, &self.texels) == (other.width, other.height, &other.texels)
+    }
 }
 
 impl std::fmt::Debug for Texture {
@@ -43,7 +51,7 @@ impl Texture {
     /// The number of texels must be width × height, and not 0.
     pub fn new(width: u32, height: u32, texels: Vec<[u8; 4]>) -> Self {
         assert!(width as usize * height as usize == texels.len() && !texels.is_empty(), "texels fill the picture");
-        Self { width, height, texels }
+        Self { width, height, texels, half: OnceLock::new() }
     }
 
     /// Width and height, texels.
@@ -63,6 +71,14 @@ impl Texture {
         Vec3::from_array(colour).extend(f32::from(a) / 255.0)
     }
 
+    /// The texture in a size whose texels are about as large as so many of its own.
+    fn shrunk(&self, texels: f32) -> &Self {
+        if texels < 1.5 || self.texels.len() == 1 {
+            return self;
+        }
+        self.half.get_or_init(|| Box::new(self.halved())).shrunk(0.5 * texels)
+    }
+
     /// Half as large, means taken in linear light and weighted by alpha; a side of one texel stays.
     fn halved(&self) -> Self {
         let (width, height) = (self.width.div_ceil(2), self.height.div_ceil(2));
@@ -76,7 +92,7 @@ impl Texture {
             let [r, g, b] = colour.to_array().map(srgb_step);
             [r, g, b, (0.25 * alpha * 255.0).round() as u8]
         };
-        Self { width, height, texels: (0..width * height).map(texel).collect() }
+        Self::new(width, height, (0..width * height).map(texel).collect())
     }
 }
 
@@ -127,19 +143,27 @@ pub struct TextureMap {
 }
 
 impl TextureMap {
-    /// Linear colour and alpha at a face's texture coordinates, interpolated between four texels.
-    pub fn sample(&self, uv: Vec2) -> Vec4 {
-        let [width, height] = self.texture.size();
+    /// Linear colour and alpha at a face's texture coordinates, interpolated between four texels that are as large as so many of the
+    /// picture's.
+    pub fn sample(&self, uv: Vec2, size: f32) -> Vec4 {
+        let texture = self.texture.shrunk(size);
+        let [width, height] = texture.size();
         let at = self.transform.transform_point2(uv) * Vec2::new(width as f32, height as f32) - 0.5;
         let at = if at.is_finite() { at } else { Vec2::ZERO };
         let (low, part) = (at.floor(), at - at.floor());
         let texel = |right: i64, below: i64| {
             let x = self.wrap[0].texel(low.x as i64 + right, width);
             let y = self.wrap[1].texel(low.y as i64 + below, height);
-            self.texture.linear(x, y)
+            texture.linear(x, y)
         };
         let (top, bottom) = (texel(0, 0).lerp(texel(1, 0), part.x), texel(0, 1).lerp(texel(1, 1), part.x));
         top.lerp(bottom, part.y)
+    }
+
+    /// Texels that a unit square of texture coordinates covers.
+    pub(super) fn texels(&self) -> f32 {
+        let [width, height] = self.texture.size().map(|side| side as f32);
+        width * height * self.transform.matrix2.determinant().abs()
     }
 }
 
@@ -155,6 +179,18 @@ pub enum Opacity {
     Blend,
 }
 
+impl Opacity {
+    /// Alpha below which a picture shows a hole.
+    pub(super) fn least(self) -> f32 {
+        match self {
+            Self::Opaque => 0.0,
+            Self::Mask(least) => least,
+            // Faces count as opaque or not at all, and so do their parts.
+            Self::Blend => 0.5,
+        }
+    }
+}
+
 /// What a picture needs of a material beside its means: textures, and what their alpha means.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct MaterialTextures {
@@ -166,6 +202,8 @@ pub struct MaterialTextures {
     pub emission: Option<TextureMap>,
     /// Of the file, W/m² per colour.
     pub emission_factor: Vec3,
+    /// Alpha is the first texture's times this.
+    pub alpha_factor: f32,
     /// What alpha means.
     pub opacity: Opacity,
 }
@@ -196,7 +234,7 @@ mod tests {
     fn samples_lie_between_texels() {
         let texture = Arc::new(Texture::new(2, 1, vec![[255, 255, 255, 255], [0, 0, 0, 255]]));
         let map = TextureMap { texture, transform: Affine2::IDENTITY, wrap: [Wrap::Clamp; 2] };
-        let red = |u: f32| map.sample(Vec2::new(u, 0.3)).x;
+        let red = |u: f32| map.sample(Vec2::new(u, 0.3), 1.0).x;
         assert_eq!([red(0.25), red(0.5), red(0.75), red(f32::NAN)], [1.0, 0.5, 0.0, 1.0]);
     }
 }
