@@ -6,7 +6,7 @@ use std::time::Instant;
 
 use anyhow::{Context, anyhow, bail};
 use clap::{Arg, ArgAction, ArgMatches, Command};
-use glam::{DVec3, Vec2, Vec3};
+use glam::{DVec3, Vec2};
 use image::{ImageFormat, RgbaImage};
 use selflink::ceiling::up_axis;
 use selflink::export::{PictureFormat, exr};

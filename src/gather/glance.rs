@@ -271,6 +271,11 @@ fn most_per_power(hierarchy: &Hierarchy, element: &Element, point: Vec3, normal:
             let radius_squared = element.area;
             let radius = radius_squared.sqrt();
             let (corners, count) = hierarchy.corner_positions(patch);
+            if FAR * element.area >= square {
+                // Where one corner is near and the centre is not, an estimate would be wrong many times over.
+                let facet = Facet::new(point, normal, &corners[..count]);
+                return facet.map_or(0.0, |facet| PI * facet.form_factor / element.area.max(f32::MIN_POSITIVE));
+            }
             let top = corners[..count].iter().map(|corner| normal.dot(*corner - point)).fold(f32::MIN, f32::max);
             if top <= 0.0 {
                 return 0.0;

@@ -22,7 +22,7 @@ const TURNED: f32 = 0.5;
 const SMOOTHNESS: i32 = 32;
 /// Deviation of the weights at least, in distances between samples, after one look: less would leave noise in corners. Direct light
 /// has shadows whose edges are to stay, indirect light is smoother than that.
-const LEAST_REACH: [f32; 2] = [2.0, 6.0];
+const LEAST_REACH: [f32; 2] = [4.0, 12.0];
 /// Samples that are less alike are of different surfaces.
 const ALIKE: f32 = 0.5;
 /// Squared deviations at which the fall-off of a weight has come to nothing.

@@ -107,7 +107,10 @@ impl Dice {
     }
 }
 
-const ALL: [(&str, fn(&[u8])); 7] = [
+/// What a fuzzer does with bytes.
+type Try = fn(&[u8]);
+
+const ALL: [(&str, Try); 7] = [
     ("obj", inputs::obj),
     ("glb", inputs::glb),
     ("sidecar", inputs::sidecar),
