@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use anyhow::{Context, anyhow, bail};
 use clap::{Arg, ArgAction, ArgMatches, Command};
-use glam::{DVec3, Vec2, Vec3};
+use glam::{DVec3, Vec2};
 use image::{ImageFormat, RgbaImage};
 use selflink::ceiling::up_axis;
 use selflink::export::{PictureFormat, exr};
@@ -407,6 +407,8 @@ fn add_overlay(view: &mut View, text: &str) -> anyhow::Result<()> {
 
 #[cfg(test)]
 mod tests {
+    use glam::Vec3;
+
     use super::*;
 
     #[test]
