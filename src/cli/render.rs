@@ -408,6 +408,8 @@ fn add_overlay(view: &mut View, text: &str) -> anyhow::Result<()> {
 
 #[cfg(test)]
 mod tests {
+    use glam::Vec3;
+
     use super::*;
 
     #[test]
