@@ -39,12 +39,12 @@ fn write(folder: &Path, mut program: Command) -> io::Result<usize> {
     let [pages, completions] = ["man", "completions"].map(|name| folder.join(name));
     std::fs::create_dir_all(&pages)?;
     std::fs::create_dir_all(&completions)?;
+    // Before completions build the command, which adds pages for `help` and for each of its words.
+    let of_pages = program.clone().disable_help_subcommand(true);
     for shell in SHELLS {
         clap_complete::generate_to(shell, &mut program, "selflink", &completions)?;
     }
-    // A page for `help` alone says nothing.
-    let program = program.disable_help_subcommand(true);
-    let commands = 1 + program.get_subcommands().count();
-    clap_mangen::generate_to(program, &pages)?;
+    let commands = 1 + of_pages.get_subcommands().count();
+    clap_mangen::generate_to(of_pages, &pages)?;
     Ok(commands + SHELLS.len())
 }

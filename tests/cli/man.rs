@@ -38,6 +38,7 @@ fn pages_and_completions_have_every_command_and_option() {
         }
     }
     assert!(plain(&read("man/selflink.1")).contains("selflink-solve(1)"));
+    assert!(!written.join("man/selflink-help.1").exists(), "a page without an option");
     let taken = folder.write("taken", "");
     assert!(refused(&["man", name(&taken)]).contains("cannot be written"));
 }
