@@ -96,7 +96,10 @@ fn materials_follow_the_mtl_file() {
     assert_eq!(scene.skipped.transparent_faces, 2);
     assert_eq!(scene.skipped.faces_without_material, 1);
     let said = scene.skipped.sentences().join(" ");
-    assert!(said.contains("`ghost`") && said.contains("`scene.mtl` line is not understood"), "{said}");
+    assert!(
+        said.contains("`ghost`") && said.contains("Line 16 of the material file `scene.mtl` is not understood"),
+        "{said}"
+    );
 }
 
 #[test]

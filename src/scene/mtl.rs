@@ -161,11 +161,12 @@ impl MaterialLibrary {
         *bytes_left = bytes_left.saturating_sub(bytes.len() as u64);
         let read = statements(&text_of(&bytes));
         if let Some(first) = read.bad.first() {
-            let count = read.bad.len();
-            let lines = if count == 1 { "line is".to_owned() } else { format!("{count} lines are") };
-            skipped.note(format!(
-                "In the material file {file}, {lines} not understood and left out (first: line {first})."
-            ));
+            skipped.note(match read.bad.len() {
+                1 => format!("Line {first} of the material file {file} is not understood and left out."),
+                count => format!(
+                    "In the material file {file}, {count} lines are not understood and left out; the first is line {first}."
+                ),
+            });
         }
         for (name, statement) in read.materials {
             match self.by_name.entry(name) {

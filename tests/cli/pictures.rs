@@ -90,7 +90,7 @@ fn pictures_are_gathered_unless_the_mesh_is_asked_for() {
     let by_threshold = ["render", "cornell", "--epsilon", "1e-2", "--picture", "gathered", "--out", name(&path)];
     let refused =
         refused(&["render", "cornell", "--show", "clusters:2", "--picture", "gathered", "--out", name(&path)]);
-    assert!(refused.contains("clusters are drawn of the mesh"), "{refused}");
+    assert!(refused.contains("clusters show the mesh"), "{refused}");
     if let Err(error) = selflink::render::Offscreen::new() {
         return eprintln!("SKIPPED: pictures of the mesh are not tested, {error}");
     }
