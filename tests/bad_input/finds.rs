@@ -107,7 +107,10 @@ impl Dice {
     }
 }
 
-const ALL: [(&str, fn(&[u8])); 7] = [
+/// A fuzzer by name, and what it tries.
+type Fuzzer = (&'static str, fn(&[u8]));
+
+const ALL: [Fuzzer; 7] = [
     ("obj", inputs::obj),
     ("glb", inputs::glb),
     ("sidecar", inputs::sidecar),
