@@ -13,6 +13,8 @@ const LEAST_SPACE: f32 = 0.1;
 const CLEARANCE: f32 = 0.005;
 /// Walls are looked for this share of the way from the eye to the ceiling, where little furniture is.
 const ABOVE_FURNITURE: f32 = 0.8;
+/// Width of a room without walls, in its height.
+const USUAL_WIDTH: f32 = 1.5;
 /// Where nothing is above, the panel hangs at this share of the scene's height.
 const OPEN_HEIGHT: f32 = 0.95;
 /// Faces that one vertical line may cross.
@@ -54,27 +56,29 @@ fn horizontal(up: Vec3) -> [Vec3; 2] {
 
 /// A free space between walls, under a ceiling.
 struct Room {
-    /// A point halfway between its walls.
+    /// A point halfway between opposite walls, or where one stands where a wall is missing.
     middle: Vec3,
-    /// Smaller distance of opposite walls.
+    /// Smaller distance of opposite walls; without any, as wide as rooms of its height are.
     width: f32,
 }
 
-/// The room that the scene's camera is in, above its furniture; `None` where no ceiling is above it, or no wall to a side.
+/// The room that the scene's camera is in, above its furniture; `None` where no ceiling is above it or no floor below.
 fn room(scene: &Scene, occluders: &Occluders, up: Vec3) -> Option<Room> {
     let eye = scene.camera?.eye;
     let reach = |from: Vec3, direction: Vec3| occluders.first_hit(from, direction).map(|hit| hit.distance);
-    reach(eye, -up)?;
-    let mut middle = eye + ABOVE_FURNITURE * reach(eye, up)? * up;
+    let (below, above) = (reach(eye, -up)?, reach(eye, up)?);
+    let mut middle = eye + ABOVE_FURNITURE * above * up;
     let [right, forward] = horizontal(up);
-    let mut widths = [0.0; 2];
+    let mut widths = [f32::INFINITY; 2];
     // Across and along, and across once more from the middle of its length.
     for (axis, width) in [(right, 0), (forward, 1), (right, 0)] {
-        let (ahead, behind) = (reach(middle, axis)?, reach(middle, -axis)?);
-        middle += 0.5 * (ahead - behind) * axis;
-        widths[width] = ahead + behind;
+        if let (Some(ahead), Some(behind)) = (reach(middle, axis), reach(middle, -axis)) {
+            middle += 0.5 * (ahead - behind) * axis;
+            widths[width] = ahead + behind;
+        }
     }
-    Some(Room { middle, width: widths[0].min(widths[1]) })
+    let width = widths[0].min(widths[1]);
+    Some(Room { middle, width: if width.is_finite() { width } else { USUAL_WIDTH * (below + above) } })
 }
 
 /// The place for a panel of side `size`: at the middle of the room that the camera is in, or else of the scene, under the ceiling of the
