@@ -10,6 +10,7 @@ use serde::Deserialize;
 
 use super::buffers::Problem;
 use crate::scene::draft::MOST_POLYGONS;
+use crate::scene::said;
 
 /// The most bytes that a view or a primitive may become.
 pub(super) const MOST_DECODED: usize = 1 << 30;
@@ -68,7 +69,10 @@ impl DracoMesh {
         let mut mesh = draco_core::Mesh::new();
         let mut buffer = DecoderBuffer::new(bytes).with_limits(limits);
         let decoded = MeshDecoder::new().decode(&mut buffer, &mut mesh);
-        decoded.map_err(|error| format!("its compressed data is damaged or of an unknown kind ({error})"))?;
+        decoded.map_err(|error| {
+            // The decoder's own words may run over several lines.
+            said::sentence(&format!("its compressed data is damaged or of an unknown kind ({error})"))
+        })?;
         Ok(Self { mesh })
     }
 

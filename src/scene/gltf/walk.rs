@@ -88,6 +88,7 @@ impl Walk<'_> {
         for it in &placed {
             self.worlds[it.node] = it.world;
         }
+        self.check_count(&placed)?;
         let mut suns = Vec::new();
         for Placed { node: index, name, group, world } in &placed {
             let node = &root.nodes[*index];
@@ -152,18 +153,39 @@ impl Walk<'_> {
         (0..root.nodes.len()).filter(|&node| !is_child[node]).collect()
     }
 
-    /// Copies a node's mesh to wherever the node puts it.
-    fn add_mesh(&mut self, mesh: usize, node: usize, group: GroupId, world: DMat4) -> Result<(), LoadError> {
-        let root = self.data.root;
-        let said = &root.nodes[node];
-        let key = (mesh, said.weights.as_ref().map(|_| node));
+    /// Says that it is too much before any of it is made.
+    fn check_count(&mut self, placed: &[Placed]) -> Result<(), LoadError> {
+        let mut count = 0_usize;
+        for Placed { node, .. } in placed {
+            let Some(mesh) = self.data.root.nodes[*node].mesh else { continue };
+            let key = self.known_mesh(mesh.value(), *node)?;
+            count = count.saturating_add(self.meshes[&key].iter().map(|part| part.triangles.len()).sum());
+            if count > MOST_POLYGONS {
+                return Err(LoadError::TooLarge { path: self.path.to_path_buf(), count, most: MOST_POLYGONS });
+            }
+        }
+        Ok(())
+    }
+
+    /// Reads a node's mesh unless it is known already.
+    fn known_mesh(&mut self, mesh: usize, node: usize) -> Result<(usize, Option<usize>), LoadError> {
+        let weights = self.data.root.nodes[node].weights.as_deref();
+        let key = (mesh, weights.map(|_| node));
         if !self.meshes.contains_key(&key) {
-            let parts = self.read_mesh(mesh, said.weights.as_deref().unwrap_or_default())?;
+            let parts = self.read_mesh(mesh, weights.unwrap_or_default())?;
             if let Some(rounding) = coarse_rounding(&parts) {
                 self.rounded = (self.rounded.0 + 1, self.rounded.1.max(rounding));
             }
             self.meshes.insert(key, parts);
         }
+        Ok(key)
+    }
+
+    /// Copies a node's mesh to wherever the node puts it.
+    fn add_mesh(&mut self, mesh: usize, node: usize, group: GroupId, world: DMat4) -> Result<(), LoadError> {
+        let root = self.data.root;
+        let said = &root.nodes[node];
+        let key = self.known_mesh(mesh, node)?;
         let problem = |problem| self.problem(format!("node {node}"), problem);
         let skin = said.skin.and_then(|skin| root.skins.get(skin.value()));
         let skin = skin.map(|skin| {
