@@ -73,8 +73,9 @@ fn mutate(fuzzer: &str, ways: u64, try_it: fn(&[u8])) {
             let begun = Instant::now();
             let outcome = std::panic::catch_unwind(|| try_it(&changed));
             assert!(outcome.is_ok(), "{} changed in way {way} breaks it", path.display());
+            // Pictures of 16 megapixels take seconds without optimisation; this is for what hangs.
             let took = begun.elapsed();
-            assert!(took < Duration::from_secs(10), "{} changed in way {way} takes {took:?}", path.display());
+            assert!(took < Duration::from_secs(60), "{} changed in way {way} takes {took:?}", path.display());
         }
     }
 }

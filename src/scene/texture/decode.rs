@@ -12,6 +12,12 @@ use super::Texture;
 /// The most pixels of one texture: 16384 × 8192.
 const MOST_PIXELS: u64 = 1 << 27;
 
+/// So many pixels, 4096 × 4096, may be of one colour and so in a file of any length.
+const PIXELS_OF_ONE_COLOUR: u64 = 1 << 24;
+
+/// The most pixels that a byte holds beyond that: twice what PNG can of two colours. A file of a few bytes would else take seconds.
+const PIXELS_PER_BYTE: u64 = 1 << 14;
+
 /// The longest side, pixels: sums along a row must fit.
 const LONGEST_SIDE: u32 = 1 << 16;
 
@@ -142,6 +148,10 @@ fn pixels_of(bytes: &[u8], format: ImageFormat) -> Result<u64, String> {
             MOST_PIXELS >> 20
         ));
     }
+    if pixels > PIXELS_OF_ONE_COLOUR.max(PIXELS_PER_BYTE * bytes.len() as u64) {
+        let bytes = bytes.len();
+        return Err(format!("it promises {width} × {height} pixels in {bytes} bytes; export it again"));
+    }
     Ok(pixels)
 }
 
@@ -158,6 +168,22 @@ mod tests {
         let image = image::RgbImage::from_pixel(width, height, image::Rgb([255; 3]));
         image.write_to(&mut Cursor::new(&mut encoded), ImageFormat::Png).expect("it can be encoded");
         encoded
+    }
+
+    /// Truth: a GIF of 35 bytes tells of a canvas of 120 megapixels; as many of 4096 × 4096 may be of one colour.
+    #[test]
+    fn a_few_bytes_hold_no_large_picture() {
+        let gif = |width: u16, height: u16| {
+            let [[a, b], [c, d]] = [width, height].map(u16::to_le_bytes);
+            let mut bytes = b"GIF89a".to_vec();
+            bytes.extend([
+                a, b, c, d, 0x80, 0, 0, 0, 0, 0, 255, 255, 255, 0x2c, 0, 0, 0, 0, 1, 0, 1, 0, 0, 2, 2, 0x44, 1, 0, 0x3b,
+            ]);
+            bytes
+        };
+        assert_eq!(pixels_of(&gif(4096, 4096), ImageFormat::Gif), Ok(1 << 24));
+        let said = pixels_of(&gif(15_000, 8000), ImageFormat::Gif).expect_err("too many");
+        assert!(said.contains("promises 15000 × 8000 pixels"), "{said}");
     }
 
     /// Truth: counted by hand; each picture has two pixels.
