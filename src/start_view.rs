@@ -25,6 +25,9 @@ const HIGHEST_EYE: f32 = 2.0 / 3.0;
 /// Room above the floor that people have, m, or this share of the scene's height where that is less: a table is no ceiling.
 const STANDING: f32 = 1.9;
 const STANDING_SHARE: f32 = 0.6;
+/// A lower one is a room of a small scene, such as a box for tests, where its floor is this share of the scene's ground at least, and
+/// not the inside of a sofa.
+const LOW_ROOM_SHARE: f32 = 0.25;
 /// Nobody stands where less than this share of it is.
 const LEAST_HEADROOM: f32 = 0.75;
 /// What lies lower than this share of the eye's height below one's feet is another floor.
@@ -45,7 +48,9 @@ const HFOV: f32 = 75.0;
 pub fn find(scene: &Scene, occluders: &Occluders) -> Option<CameraPose> {
     let (up, (lower, upper)) = (up_axis(scene), scene.bounds());
     let tall = (upper - lower).dot(up.abs());
-    let rooms = Rooms { scene, occluders, up, lowest: lower.dot(up).min(upper.dot(up)), tall };
+    let flat = (upper - lower) * (Vec3::ONE - up.abs()) + up.abs();
+    let ground = flat.element_product();
+    let rooms = Rooms { scene, occluders, up, lowest: lower.dot(up).min(upper.dot(up)), tall, ground };
     let places = rooms.places();
     let mut glances: Vec<(f32, Vec3)> =
         places.par_iter().filter_map(|place| Some((rooms.stand(*place, GLANCE)?.score, *place))).collect();
@@ -75,6 +80,8 @@ struct Rooms<'a> {
     lowest: f32,
     /// Height of the scene, m.
     tall: f32,
+    /// Area of its box seen from above, m².
+    ground: f32,
 }
 
 impl Rooms<'_> {
@@ -146,6 +153,9 @@ impl Rooms<'_> {
                 bright += f32::from(met.is_some_and(|(distance, bright)| bright && is_here(distance)));
                 rays += 1.0;
             }
+        }
+        if height < LEAST_HEADROOM * STANDING && floor < LOW_ROOM_SHARE * self.ground {
+            return None;
         }
         let inside = bright / rays;
         let shelter = if has_ceiling && is_floor { 1.0 } else { UNDER_THE_SKY };
@@ -252,6 +262,25 @@ mod tests {
         let (scene, occluders) = orient::apply(scene, Sides::Front);
         let view = find(&scene, &occluders).expect("a room");
         assert!((view.eye.y - 1.6).abs() < 1e-3 && view.eye.cmpgt(Vec3::ZERO).all(), "{view:?}");
+    }
+
+    /// Truth: nobody stands in a sofa, which is closed and bright inside where its faces have two sides; a box of that size alone is a room.
+    #[test]
+    fn a_sofa_is_no_room() {
+        let of = (MaterialId(0), GroupId(0));
+        let scene = |with_table: bool| {
+            let mut scene = Scene::new("suite");
+            scene.add_material("cloth", Vec3::splat(0.5), Vec3::ZERO);
+            add_box(&mut scene, (Vec3::ZERO, Vec3::new(2.0, 0.8, 0.9)), true, of);
+            if with_table {
+                add_box(&mut scene, (Vec3::new(0.0, 0.0, 2.5), Vec3::new(3.0, 0.5, 3.5)), false, of);
+            }
+            orient::apply(scene, Sides::Front)
+        };
+        let (suite, occluders) = scene(true);
+        assert_eq!(find(&suite, &occluders), None);
+        let (alone, occluders) = scene(false);
+        assert!(find(&alone, &occluders).is_some());
     }
 
     /// Truth: a table is seen from outside alone.

@@ -18,8 +18,9 @@ const AIMED: f32 = 8.0;
 const COSINE: u32 = 16;
 /// Looks of each part, at least: fewer do not tell their spread.
 const LEAST_LOOKS: u32 = 8;
-/// Rays of a reading, about at most.
-const MOST_RAYS: u64 = 1 << 14;
+/// Rays of a reading, about at most, times the square of the standard error that is asked for: as many as would do if a look's
+/// rays differed by twice the local light.
+const MOST_RAYS: f32 = 4.0;
 /// Looks of a part are made more by this factor at least, and by so many times what should do.
 const LEAST_GROWTH: f32 = 1.25;
 const GROWTH: f32 = 1.1;
@@ -134,7 +135,7 @@ impl Field {
             let variance = sums.map(|sums| sums.variance().max(sums.change_variance() / CHANGE_NOISE));
             let allowed = error * (grey(sums[0].mean() + sums[1].mean()) + self.dim());
             let excess = (variance[0] + variance[1]) / (allowed * allowed).max(f32::MIN_POSITIVE);
-            if excess <= 1.0 || sums[0].rays + sums[1].rays >= MOST_RAYS {
+            if excess <= 1.0 || (sums[0].rays + sums[1].rays) as f32 * error * error >= MOST_RAYS {
                 return sums;
             }
             // More of the part whose variance falls the most for each ray: as many as should do, at most twice as many as there

@@ -41,7 +41,7 @@ pub const USUAL_ERROR: f64 = 0.05;
 
 /// Looks between two looks at commands, as far as leaves are not looked from more often.
 const CHUNK: u32 = 4096;
-/// Rays of a look from a leaf that are aimed.
+/// Rays of a look from a leaf that are aimed, an even number.
 const AIMED: u32 = 4;
 /// Looks from a leaf, at least: one from each quarter.
 const LOOKS: u32 = 4;
@@ -54,7 +54,7 @@ const RAYS_BY_POWER: f64 = 500.0;
 const MOST_LOOKS: f64 = 2000.0;
 /// Variation of direct light over a leaf that is allowed, as a multiple of the target error: readings look for
 /// emitters themselves, so the field is to be right in the mean alone.
-const MESH_PER_TARGET: f64 = 1.0;
+const MESH_PER_TARGET: f64 = 1.5;
 /// Rounds of splitting leaves.
 const MOST_ROUNDS: u32 = 6;
 /// Sweeps end when they move less than this share of the light.
@@ -191,6 +191,12 @@ impl Gather {
                 }
                 self.relight(cancel)?;
                 self.is_ready = true;
+                let looks = refine::leaves_to_look_from(&self.field, &self.samples, MESH_PER_TARGET * self.aim);
+                if self.round < MOST_ROUNDS && !looks.is_empty() {
+                    self.queue = looks;
+                    self.stage = Stage::Direct(0);
+                    return Some(Progress::Part);
+                }
                 let split = self.leaves_to_split();
                 if split.is_empty() {
                     self.open_pass();
@@ -240,7 +246,7 @@ impl Gather {
 
     /// What is cast in each look of a pass; the same in all passes, so that their samples count alike.
     fn rays_of_look(&self) -> GlanceRays {
-        GlanceRays { aimed: AIMED, cosine: ((COSINE / self.target()) as u32).clamp(4, 64) }
+        GlanceRays { aimed: AIMED, cosine: ((COSINE / self.target()) as u32).clamp(4, 64) & !1 }
     }
 
     /// Looks from the next chunk of the queue; where the one after it starts.

@@ -25,7 +25,7 @@ pub type Queue = Vec<(ElementId, u32)>;
 struct Look {
     /// Irradiance that emission brings, W/m².
     emitted: Vec3,
-    /// Squared standard error of that (mean of the colours), as its few rays tell.
+    /// What its noise adds to the square of that (mean of the colours) in the mean.
     noise: f32,
     /// Share of the rays that end on a bright side from where the leaf is read as a whole, not followed: those who read it look
     /// along these. What ends on a back has no reader.
@@ -167,6 +167,11 @@ impl GatherSamples {
         (mean, (sums.squares / looks - grey(mean) * grey(mean)).max(0.0))
     }
 
+    /// Looks from a leaf so far.
+    pub fn looks(&self, leaf: ElementId) -> u32 {
+        self.of(leaf).drawn
+    }
+
     /// Share of a leaf's random points that are not hidden, where it was looked at.
     pub fn seen_share(&self, leaf: ElementId) -> Option<f32> {
         let sums = self.of(leaf);
@@ -240,16 +245,15 @@ impl Pass {
         let mut sums = LightSums::default();
         let count = self.cosine as f32;
         for (number, look) in range.clone().zip(&self.looks[range.clone()]) {
-            let (mut light, mut squares) = (Vec3::ZERO, 0.0);
-            for leaf in &self.met[number * self.cosine..(number + 1) * self.cosine] {
-                if *leaf != NOTHING {
-                    let sent = reflected[leaf.index()];
-                    light += sent;
-                    squares += grey(sent) * grey(sent);
-                }
-            }
-            light /= count;
-            let noise = (squares / count - grey(light) * grey(light)).max(0.0) / (count - 1.0).max(1.0);
+            let met = &self.met[number * self.cosine..(number + 1) * self.cosine];
+            let halves = met.split_at(self.cosine / 2);
+            let light = |half: &[ElementId]| {
+                let met = half.iter().filter(|leaf| **leaf != NOTHING);
+                met.map(|leaf| reflected[leaf.index()]).sum::<Vec3>() / count
+            };
+            let halves = [light(halves.0), light(halves.1)];
+            let noise = noise_of_halves(halves.map(grey));
+            let mut light = halves[0] + halves[1];
             while let Some((_, leaf, share)) = aimed.next_if(|(look, ..)| *look as usize == number - range.start) {
                 light += *share * reflected[leaf.index()];
             }
@@ -275,6 +279,11 @@ impl Pass {
     }
 }
 
+/// What the noise of a sum of two parts adds to its square in the mean, where the parts are independent estimates of one half each.
+fn noise_of_halves([a, b]: [f32; 2]) -> f32 {
+    (a - b) * (a - b)
+}
+
 fn draw(field: &Field, leaf: ElementId, rays: GlanceRays, looks: std::ops::Range<u32>, seed: u64) -> Drawn {
     let hierarchy = &field.hierarchy;
     let element = hierarchy.element(leaf);
@@ -291,14 +300,15 @@ fn draw(field: &Field, leaf: ElementId, rays: GlanceRays, looks: std::ops::Range
             drawn.hidden += 1;
             continue;
         }
-        let (mut emitted, mut squares) = (Vec3::ZERO, 0.0);
-        for ray in look * rays.aimed..(look + 1) * rays.aimed {
-            let [choice, u, v, _] = sobol_burley::sample_4d(ray & SEQUENCE, 2, scramble);
+        // Each half of the rays has a sequence of its own, so that what they find differs by noise alone and independently.
+        let mut emitted = [Vec3::ZERO; 2];
+        let halves = |count: u32| {
+            (0..count).map(move |ray| ((ray / (count / 2)) as usize, look * (count / 2) + ray % (count / 2)))
+        };
+        for (half, ray) in halves(rays.aimed) {
+            let [choice, u, v, _] = sobol_burley::sample_4d(ray & SEQUENCE, 2, scramble ^ half as u32);
             match field.aim_by_chance(place, [choice, u, v]) {
-                Some((Lit::Emitter(emission), weight)) => {
-                    emitted += weight / rays.aimed as f32 * emission;
-                    squares += weight * weight * grey(emission) * grey(emission);
-                }
+                Some((Lit::Emitter(emission), weight)) => emitted[half] += weight / rays.aimed as f32 * emission,
                 Some((Lit::Secondary(met), weight)) => {
                     drawn.aimed.push((drawn.looks.len() as u32, met.leaf, weight / rays.aimed as f32));
                 }
@@ -306,15 +316,15 @@ fn draw(field: &Field, leaf: ElementId, rays: GlanceRays, looks: std::ops::Range
             }
         }
         let mut far = 0;
-        for index in look * rays.cosine..(look + 1) * rays.cosine {
-            let [u, v, ..] = sobol_burley::sample_4d(index & SEQUENCE, 0, scramble);
+        for (half, index) in halves(rays.cosine) {
+            let [u, v, ..] = sobol_burley::sample_4d(index & SEQUENCE, 0, scramble ^ half as u32);
             let met = field.meet(place.0, place.1, cosine_direction(place.1, u, v));
             far += u32::from(met.as_ref().is_some_and(|met| !field.is_near(leaf, met.position, place.0)));
             let met = met.filter(|met| !field.is_aimed_at(met.leaf, place.0, place.1));
             drawn.met.push(met.map_or(NOTHING, |met| met.leaf));
         }
-        let count = rays.aimed as f32;
-        let noise = (squares / count - grey(emitted) * grey(emitted)).max(0.0) / (count - 1.0).max(1.0);
+        let noise = noise_of_halves(emitted.map(grey));
+        let emitted = emitted[0] + emitted[1];
         drawn.looks.push(Look { emitted, noise, far: far as f32 / rays.cosine.max(1) as f32 });
         drawn.rays += rays.aimed + rays.cosine;
     }

@@ -3,6 +3,9 @@
 
 mod closed_forms;
 mod coincident;
+mod coverage;
+#[path = "../support/dice.rs"]
+mod dice;
 mod mitsuba;
 #[path = "../support/mitsuba.rs"]
 mod mitsuba_figures;
