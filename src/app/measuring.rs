@@ -40,6 +40,8 @@ pub(super) struct Measuring {
     /// Whether a click places a probe.
     pub places_probes: bool,
     probes: Vec<Probe>,
+    /// Point and normal of what is selected, which is read like a probe.
+    selection: Option<(Vec3, Vec3)>,
     /// Probes placed so far, for their names.
     placed: usize,
     /// The plane that is set up; measured when asked.
@@ -65,6 +67,7 @@ impl Default for Measuring {
             shown: None,
             places_probes: false,
             probes: Vec::new(),
+            selection: None,
             placed: 0,
             plane: WorkPlane::default(),
             asked: None,
@@ -89,7 +92,8 @@ impl Measuring {
     /// Shows the surveyor the light in view where it is asked for, and takes up what it found.
     pub(super) fn note(&mut self, scene: &Arc<Scene>, snapshot: &Arc<Snapshot>, is_settled: bool) {
         let Some(surveyor) = &self.surveyor else { return };
-        let is_wanted = self.pointer.is_some() || !self.probes.is_empty() || self.asked.is_some();
+        let is_probed = !self.probes.is_empty() || self.selection.is_some();
+        let is_wanted = self.pointer.is_some() || is_probed || self.asked.is_some();
         if is_wanted && self.shown.as_ref().is_none_or(|shown| !Arc::ptr_eq(shown, snapshot)) {
             surveyor.show(scene.clone(), snapshot.clone());
             self.shown = Some(snapshot.clone());
@@ -144,9 +148,30 @@ impl Measuring {
         self.send_probes();
     }
 
+    /// Reads a place on a surface that is selected, or none.
+    pub(super) fn select(&mut self, place: Option<(Vec3, Vec3)>, wake: &Wake) {
+        if place == self.selection {
+            return;
+        }
+        self.selection = place;
+        if place.is_some() {
+            self.with_surveyor(wake, |_| {});
+        }
+        self.send_probes();
+        wake();
+    }
+
+    /// Irradiance of the selection and, where it was gathered, its standard error, W/m².
+    pub(super) fn at_selection(&self) -> Option<(Vec3, Option<Vec3>)> {
+        let (point, _) = self.selection?;
+        let reading = self.report.probes.iter().find(|found| found.point == point)?.reading?;
+        Some((reading.irradiance, reading.standard_error))
+    }
+
     fn send_probes(&self) {
         if let Some(surveyor) = &self.surveyor {
-            surveyor.probe(self.probes.iter().map(|probe| (probe.point, probe.normal)).collect());
+            let probes = self.probes.iter().map(|probe| (probe.point, probe.normal));
+            surveyor.probe(probes.chain(self.selection).collect());
         }
     }
 

@@ -78,7 +78,7 @@ pub(super) fn develop(sights: &Sights, shares: &[Share], smooth: &[Share], shadi
 }
 
 /// What is read off a sample, W/m².
-fn value(sight: &Sight, share: &Share, quantity: Quantity) -> f32 {
+pub(super) fn value(sight: &Sight, share: &Share, quantity: Quantity) -> f32 {
     match quantity {
         Quantity::Irradiance => weighted(share.irradiance.into()),
         Quantity::Radiosity => weighted(radiosity(sight, share.irradiance).unwrap_or_default().into()),

@@ -110,8 +110,8 @@ fn show_heading(ui: &mut Ui, subject: &Subject<'_>, inspection: &Inspection, dir
     let total = format::quantity(bars.total.max_element().into(), unit(direction));
     ui.horizontal(|ui| {
         let (text, hint) = match direction {
-            Direction::In => (format!("{links} bring {total}"), "Over all links this is E; the brightest colour"),
-            Direction::Out => (format!("{links} carry {total}"), "Of the light that leaves it; the brightest colour"),
+            Direction::In => (format!("{links} bring {total}"), "Over all links this is E of the links; strongest channel"),
+            Direction::Out => (format!("{links} carry {total}"), "Of the light that leaves it; strongest channel"),
         };
         ui.label(RichText::new(text).strong()).on_hover_text(hint);
         if let Some(irradiance) = gathered(inspection, direction, bars.total) {

@@ -20,7 +20,7 @@ const DIGITS: f32 = 11.0;
 
 /// Columns of numbers with their width, points, what they are headed in either direction, their name and what they mean.
 const COLUMNS: [(Column, f32, [&str; 2], &str, &str); 8] = [
-    (Column::Level, 20.0, ["lv"; 2], "level", "Level of the far end below the root"),
+    (Column::Level, 34.0, ["Level"; 2], "level", "Level of the far end below the root"),
     (
         Column::Brought,
         42.0,
@@ -30,21 +30,15 @@ const COLUMNS: [(Column, f32, [&str; 2], &str, &str); 8] = [
     ),
     (Column::FormFactor, 42.0, ["F"; 2], "form factor", "Form factor F without occlusion"),
     (Column::Visibility, 32.0, ["V"; 2], "visibility", "Visibility V, 0 to 1"),
-    (
-        Column::Rays,
-        30.0,
-        ["rays"; 2],
-        "rays",
-        "Rays by which V was judged; inh.: a pair that holds this one looked clear, –: nobody looked",
-    ),
-    (Column::Power, 44.0, ["W"; 2], "power", "Power B·F·V·A that the link carries to its whole receiver, W"),
-    (Column::OverEpsilon, 42.0, ["/ε"; 2], "share of ε", "Power over the threshold ε"),
+    (Column::Rays, 30.0, ["Rays"; 2], "rays", "Rays that tested V; inherited: the pair that holds this one was clear"),
+    (Column::Power, 50.0, ["Power (W)"; 2], "power", "Power B·F·V·A that the link carries to its whole receiver, W"),
+    (Column::OverEpsilon, 48.0, ["Power/ε"; 2], "share of ε", "Power over the threshold ε"),
     (
         Column::Error,
         42.0,
-        ["err W"; 2],
+        ["Error (W)"; 2],
         "error estimate",
-        "Power that the link is likely to misplace, as the error oracle estimates it, W",
+        "Power that the link is likely to misplace, as the criterion link error estimates it, W",
     ),
 ];
 
@@ -122,8 +116,8 @@ fn title(ui: &mut Ui, column: Column, text: &str, name: &str, hint: &str, order:
     response.widget_info(|| WidgetInfo::selected(Role::Button, true, is_chosen, format!("Sort by {name}")));
     let turn = match (is_chosen, order.is_ascending) {
         (false, _) => "click to sort by it",
-        (true, false) => "largest first; click to turn round",
-        (true, true) => "smallest first; click to turn round",
+        (true, false) => "largest first; click to reverse",
+        (true, true) => "smallest first; click to reverse",
     };
     if response.on_hover_text(format!("{hint}\n({turn})")).clicked() {
         order.choose(column);
@@ -179,8 +173,8 @@ fn cell(subject: &Subject<'_>, link: &LinkView, direction: Direction, column: Co
         Column::Visibility => format!("{:.2}", link.visibility),
         Column::Rays => match (rays(link), link.evidence) {
             (Some(rays), _) => rays.to_string(),
-            (None, Evidence::Inherited) => "inh.".into(),
-            (None, _) => "–".into(),
+            (None, Evidence::Inherited) => "inherited".into(),
+            (None, _) => "not tested".into(),
         },
         Column::Brought | Column::FormFactor | Column::Power | Column::OverEpsilon | Column::Error => {
             compact(number(column))

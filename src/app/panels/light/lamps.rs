@@ -25,7 +25,7 @@ pub(super) fn show(ui: &mut Ui, scene: &Scene, editor: &mut LightEditor) {
     let (count, watts) =
         (format::things(lamps.len(), "lamp", "lamps"), format::quantity(all.max_element().into(), "W"));
     ui.label(theme::weak(format!("{count}, {watts}")))
-        .on_hover_text("Materials that emit, with the power of all of their faces in the brightest colour");
+        .on_hover_text("Materials that emit, with the power of all of their faces in the strongest channel");
     ScrollArea::vertical().id_salt("lamps").max_height(MOST_HEIGHT).auto_shrink([false, true]).show(ui, |ui| {
         for lamp in lamps {
             let Some(material) = scene.materials.get(lamp) else { continue };
