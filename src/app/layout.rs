@@ -3,7 +3,7 @@
 //! Where settings and an open tool do not both fit beside it, the one that was asked for last takes the place of the other.
 
 use super::App;
-use super::dock::Tool;
+use super::dock::{Tool, WIDTHS};
 
 /// The view's share of the window's width.
 const VIEW_SHARE: f32 = 0.5;
@@ -27,7 +27,7 @@ impl Sides {
 
     fn new(width: f32, tool: Option<Tool>, wants_settings: bool) -> Self {
         let all = (1.0 - VIEW_SHARE) * width;
-        let left = tool.map_or(all, |tool| all - tool.least_width());
+        let left = if tool.is_some() { all - WIDTHS.start() } else { all };
         let fits = tool.is_none() || left >= LEAST_SETTINGS;
         Self { settings: (wants_settings && fits).then_some(left), all }
     }
@@ -58,7 +58,7 @@ mod tests {
     fn the_view_keeps_half_of_the_window() {
         let sides = |width, tool| Sides::new(width, tool, true);
         assert_eq!(sides(1280.0, None), Sides { settings: Some(640.0), all: 640.0 });
-        assert_eq!(sides(1280.0, Some(Tool::Measure)).settings, Some(340.0));
+        assert_eq!(sides(1280.0, Some(Tool::Measure)).settings, Some(300.0));
         assert_eq!(sides(1024.0, Some(Tool::Measure)), Sides { settings: None, all: 512.0 });
         assert_eq!(Sides::new(2000.0, None, false).settings, None);
     }

@@ -6,13 +6,16 @@ use glam::Vec3;
 
 use super::Wake;
 use super::save_dialog::SaveDialog;
-use crate::photometry::Quantity;
+use crate::photometry::{Quantity, weighted};
 use crate::render::{ColourScale, Isolines, Ramp, Reading, Spacing};
 use crate::scene::Scene;
 use crate::solver::Snapshot;
-use crate::survey::{
-    NamedReading, PlaneReading, Probed, Ray, Report, Summary, Surveyor, WorkPlane, write_plane, write_probes,
-};
+use crate::survey::{NamedReading, PlaneReading, Probed, Ray, Report, Surveyor, WorkPlane, write_plane, write_probes};
+
+/// Maintained illuminance of a task area for writing and reading (EN 12464-1), lx.
+const USUAL_TARGET: f32 = 500.0;
+/// Share of the points that the scale of a work plane spans, from the darkest.
+const SCALED_SHARE: f32 = 0.98;
 
 /// A place on a surface that a person reads.
 pub(super) struct Probe {
@@ -48,6 +51,8 @@ pub(super) struct Measuring {
     pub plane: WorkPlane,
     /// The light and the plane that were asked for.
     asked: Option<(Arc<Snapshot>, WorkPlane)>,
+    /// Average illuminance that the plane is to have, lx.
+    pub target: f32,
     /// Whether the points are drawn over the view.
     pub shows_points: bool,
     /// Whether their values are written there.
@@ -71,6 +76,7 @@ impl Default for Measuring {
             placed: 0,
             plane: WorkPlane::default(),
             asked: None,
+            target: USUAL_TARGET,
             shows_points: true,
             writes_values: true,
             save: SaveDialog::default(),
@@ -224,14 +230,16 @@ impl Measuring {
         self.report.plane.as_ref().filter(|_| self.asked.is_some())
     }
 
-    /// How its values are coloured: as the irradiance in view where there is a legend of it, otherwise from nothing to the brightest point.
+    /// How its values are coloured: as the irradiance in view where there is a legend of it, otherwise from nothing to nearly the brightest point.
     pub(super) fn plane_scale(&self, reading: Option<&Reading>) -> Option<Reading> {
         let plane = self.plane_reading()?;
         if let Some(reading) = reading.filter(|reading| reading.quantity == Quantity::Irradiance) {
             return Some(*reading);
         }
-        let Summary { maximum, .. } = plane.summary();
-        let high = (maximum / crate::photometry::LUMENS_PER_WATT).max(1e-6);
+        // One point right under a lamp does not rule the scale.
+        let mut values: Vec<f32> = plane.values.iter().flatten().map(|value| weighted(value.to_array())).collect();
+        values.sort_unstable_by(f32::total_cmp);
+        let high = values.get((SCALED_SHARE * values.len() as f32) as usize).copied().unwrap_or(0.0).max(1e-6);
         let scale = ColourScale {
             low: 0.0,
             high,

@@ -9,8 +9,9 @@ use super::dock::Tool;
 use super::highlight::Highlight;
 use super::paint::Picture;
 use super::walk::Ground;
-use super::{App, Outbox, divider, line_labels, measure_marks, panels, theme};
+use super::{App, Outbox, divider, line_labels, measure_marks, panels, theme, words};
 use crate::ceiling::up_axis;
+use crate::geometry::Occluders;
 use crate::render::{Camera, Display, Exposure};
 use crate::scene::{CameraPose, Scene};
 use crate::solver::USUAL_ERROR;
@@ -382,7 +383,14 @@ pub(super) fn show(app: &mut App, ui: &mut Ui, outbox: &mut Outbox) -> Option<Cl
         if let Some(painted) = &app.painted {
             line_labels::show(ui, rect, &painted.pixels, app.display.reading.unit);
         }
-        measure_marks::show(&ui.painter_at(rect), rect, &camera, &app.measuring, reading.as_ref());
+        if let Some(info) = &app.shown.info {
+            let painter = ui.painter_at(rect);
+            measure_marks::show(&painter, rect, &camera, &app.measuring, reading.as_ref(), &info.occluders);
+            if !app.is_full_picture && looks_through_walls(&camera, &info.occluders) {
+                let at = rect.center_bottom() - egui::vec2(0.0, 12.0);
+                panels::readout::show_note(ui, at, words::THROUGH_WALLS);
+            }
+        }
     }
     divider::show(ui, rect, &mut app.freeze);
     panels::empty::show_loading(app, ui, rect, outbox);
@@ -402,6 +410,11 @@ pub(super) fn show(app: &mut App, ui: &mut Ui, outbox: &mut Outbox) -> Option<Cl
 fn picture_size(pixels: egui::Vec2) -> [u32; 2] {
     let shrink = (LARGEST_PICTURE / pixels.max_elem().max(1.0)).min(1.0);
     [pixels.x, pixels.y].map(|side| if side.is_finite() { (shrink * side).round().max(1.0) as u32 } else { 1 })
+}
+
+/// Whether what lies in the middle of the view is seen through the back of something nearer.
+fn looks_through_walls(camera: &Camera, occluders: &Occluders) -> bool {
+    occluders.first_hit(camera.eye(), camera.forward()).is_some_and(|hit| !hit.front)
 }
 
 /// What the colours of the surfaces mean, where they stand for something.

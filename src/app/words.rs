@@ -205,6 +205,8 @@ words! {
     ADD_BOOKMARK = "Add bookmark";
     /// Camera: a view that was kept; its number follows.
     BOOKMARK = "Bookmark";
+    /// Over the view where the eye is outside of a room.
+    THROUGH_WALLS = "Nearer walls are looked through";
     /// Closes the open tool.
     CLOSE_TOOL = "Close tool";
     /// Hides all panels.
@@ -310,6 +312,8 @@ words! {
     UNIFORMITY = "Uniformity U₀";
     /// Measure: average illuminance.
     AVERAGE = "Average Ē";
+    /// Measure: average that is to be reached.
+    TARGET_AVERAGE = "Target Ē";
     /// Measure: gives the plane up.
     CLEAR = "Clear";
     /// Export: a size that is typed.

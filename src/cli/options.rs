@@ -405,7 +405,7 @@ mod tests {
     fn each_option_sets_its_field() {
         let (defaults, by_threshold) = (SolverParams::usual(), SolverParams::default());
         let constant = SolverParams { reconstruct: Reconstruct::Constant, ..by_threshold };
-        let cases: [(&[&str], SolverParams); 17] = [
+        let cases: [(&[&str], SolverParams); 19] = [
             (&["--error", "0.1"], SolverParams { error: Some(0.1), ..defaults }),
             (&["--reconstruct", "constant"], constant),
             (&["--epsilon", "0.01"], SolverParams { epsilon: Epsilon::Relative(0.01), ..by_threshold }),

@@ -1,6 +1,6 @@
 //! Places where the values of lines of equal value can be written along them.
 
-use glam::Vec2;
+use glam::{Vec2, Vec3};
 use rayon::prelude::*;
 
 use super::Sights;
@@ -105,6 +105,9 @@ fn distance((x, y): (usize, usize), from: Vec2) -> f32 {
 fn crosses(values: &Values<'_>, x: usize, y: usize, line: f32) -> bool {
     let [width, height] = values.sights.size.map(|samples| samples as usize);
     let here = y * width + x;
+    if values.sights.all[here].emission != Vec3::ZERO {
+        return false;
+    }
     let value = values.at(here);
     let passes = |there: usize| {
         let other = values.at(there);

@@ -81,16 +81,26 @@ fn f11_takes_the_whole_screen_and_escape_gives_it_back() {
         let mut commands = viewports.flat_map(|viewport| viewport.commands.iter());
         commands.any(|command| *command == egui::ViewportCommand::Fullscreen(is_full))
     };
-    window.key_press(Key::F11);
+    // Alone, so that the frame behind it is the last one.
+    let key = |key, pressed| egui::Event::Key {
+        key,
+        physical_key: None,
+        pressed,
+        repeat: false,
+        modifiers: egui::Modifiers::NONE,
+    };
+    window.event(key(Key::F11, true));
     window.step();
     assert!(asked(&window, true));
+    window.event(key(Key::F11, false));
     window.step();
     for hidden in [words::DETAILS, words::SETTINGS, words::STEP_OF_THE_SOLVE] {
         assert!(window.query_by_label(hidden).is_none(), "{hidden}");
     }
-    window.key_press(Key::Escape);
+    window.event(key(Key::Escape, true));
     window.step();
     assert!(asked(&window, false));
+    window.event(key(Key::Escape, false));
     window.step();
     assert!(window.query_by_label(words::DETAILS).is_some(), "the selection is as it was");
     press(&mut window, Key::Escape);

@@ -10,7 +10,7 @@ use selflink::scene::Material;
 use selflink::solver::{Epsilon, ParameterId, Push};
 use selflink::worker::RunState;
 
-use crate::support::{coarse, finish, until};
+use crate::support::{choose, coarse, finish, until};
 
 fn cornell() -> Harness<'static, App> {
     let mut window = crate::support::cornell(coarse());
@@ -129,9 +129,7 @@ fn settings_are_undone_and_redone() {
 
     window.get_by_role_and_label(Role::Slider, words::parameter(ParameterId::Epsilon)).set_value_accesskit(5e-3);
     until(&mut window, "a finer ε", |window| epsilon(window) == Epsilon::Relative(5e-3));
-    window.get_by_role_and_label(Role::ComboBox, words::parameter(ParameterId::Push)).click();
-    window.run_steps(2);
-    click(&mut window, Role::Button, "deferred");
+    choose(&mut window, words::parameter(ParameterId::Push), "deferred");
     until(&mut window, "another push", |window| window.state().status().params.push == Push::Deferred);
     click(&mut window, Role::CheckBox, words::ELEMENT_OUTLINES);
 
@@ -168,8 +166,10 @@ fn settings_are_undone_and_redone() {
 #[test]
 fn a_tooltip_says_what_a_change_costs() {
     let mut window = cornell();
+    window.get_by_role_and_label(Role::Slider, words::parameter(ParameterId::Epsilon)).scroll_to_me();
+    window.run_steps(6);
     window.get_by_role_and_label(Role::Slider, words::parameter(ParameterId::Epsilon)).hover();
     until(&mut window, "the tooltip", |window| {
-        window.query_by_label_contains("Lower judges links anew; higher merges links back.").is_some()
+        window.query_by_label_contains("Lower tests links again; higher merges links back.").is_some()
     });
 }

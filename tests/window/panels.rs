@@ -11,7 +11,9 @@ use selflink::scene::{Reading, Source};
 use selflink::solver::{ClusteringMode, Epsilon, ParameterId, SolverParams};
 use selflink::worker::RunState;
 
-use crate::support::{click, coarse, cornell, finish, picture, share_of_different_pixels, until, window, window_with};
+use crate::support::{
+    choose, click, coarse, cornell, finish, picture, share_of_different_pixels, until, window, window_with,
+};
 
 #[test]
 fn a_scene_is_opened_by_its_panel_and_lit() {
@@ -40,10 +42,7 @@ fn changed_parameters_reach_the_solver() {
     });
 
     let generation = window.state().snapshot().expect("a picture").generation;
-    window.get_by_role_and_label(Role::ComboBox, words::parameter(ParameterId::Clustering)).click();
-    window.step();
-    window.step();
-    click(&mut window, "octree");
+    choose(&mut window, words::parameter(ParameterId::Clustering), "octree");
     until(&mut window, "octree", |window| window.state().status().params.clustering == ClusteringMode::Octree);
     window.get_by_role_and_label(Role::Slider, words::parameter(ParameterId::OctreeDepth)).set_value_accesskit(3.0);
     until(&mut window, "depth 3", |window| window.state().status().params.octree_depth == 3);

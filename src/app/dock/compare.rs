@@ -10,6 +10,8 @@ use super::super::freeze::{Freeze, Frozen, Sides};
 use super::super::{App, format, theme, words};
 use crate::solver::{PARAMETERS, Snapshot, SolverParams, Stats};
 
+/// Width of the names in a table, points.
+const NAME_WIDTH: f32 = 112.0;
 /// Numbers that differ by less than this share are alike.
 const WORTH_TELLING: f64 = 0.01;
 
@@ -99,13 +101,16 @@ fn heading(ui: &mut Ui, text: &str) {
 }
 
 fn table(ui: &mut Ui, id: &str, rows: &[Row]) {
-    Grid::new(id).num_columns(4).striped(true).spacing([12.0, 4.0]).show(ui, |ui| {
+    Grid::new(id).num_columns(4).striped(true).spacing([9.0, 4.0]).show(ui, |ui| {
         for title in ["", "A", "B", ""] {
             ui.label(theme::weak(title));
         }
         ui.end_row();
         for row in rows {
-            ui.label(row.name.as_str());
+            ui.scope(|ui| {
+                ui.set_max_width(NAME_WIDTH);
+                ui.add(egui::Label::new(row.name.as_str()).wrap());
+            });
             ui.label(theme::value(row.a.as_str()));
             ui.label(theme::value(row.b.as_str()));
             let ratio = row.ratio.map_or(String::new(), |ratio| format!("× {}", format::number(ratio)));
@@ -177,7 +182,7 @@ fn results(frozen: &Frozen, b: &Snapshot, measured: Option<(f64, f64)>, differen
         row("Clusters", count, |stats| stats.clusters as f64),
         row("Rays", count, |stats| stats.rays as f64),
         row("Link memory", |bytes| format::bytes(bytes as usize), |stats| stats.bytes.links as f64),
-        row("Absorbed, sum of channels", |watts| format::quantity(watts, "W"), |stats| stats.absorbed_watts),
+        row("Absorbed (sum of channels)", |watts| format::quantity(watts, "W"), |stats| stats.absorbed_watts),
     ];
     let percent =
         |share: Option<f64>| share.map_or("–".to_owned(), |share| format!("{} %", format::number(100.0 * share)));

@@ -114,8 +114,7 @@ fn show_size(exports: &mut Exports, ui: &mut Ui, view: [u32; 2]) {
         }
     };
     theme::row(ui, "Size in pixels", |ui| {
-        let combo =
-            ComboBox::from_id_salt("picture size").width(180.0).selected_text(text(exports.size, exports.own_size));
+        let combo = ComboBox::from_id_salt("picture size").selected_text(text(exports.size, exports.own_size));
         let inner = combo.show_ui(ui, |ui| {
             for size in [PictureSize::AsShown, PictureSize::FullHd, PictureSize::FourK, PictureSize::Own] {
                 let text = text(size, exports.own_size);

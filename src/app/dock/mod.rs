@@ -46,14 +46,6 @@ impl Tool {
         self == Self::Matrix
     }
 
-    /// Width that its contents need, points.
-    pub(super) fn least_width(self) -> f32 {
-        match self {
-            Self::Inspector => LEAST_WIDTH_OF_TABLE,
-            _ => *WIDTHS.start(),
-        }
-    }
-
     /// Width when it is opened for the first time, points; each tool remembers its own.
     fn first_width(self) -> f32 {
         if matches!(self, Self::Inspector | Self::Matrix | Self::Clusters) { FIRST_WIDTH_OF_TABLE } else { FIRST_WIDTH }
@@ -71,11 +63,10 @@ const TOOLS: [(Tool, &str, &str); 6] = [
 ];
 
 /// Widths that the dock may be given, points.
-const WIDTHS: std::ops::RangeInclusive<f32> = 300.0..=900.0;
+pub(super) const WIDTHS: std::ops::RangeInclusive<f32> = 340.0..=900.0;
 const FIRST_WIDTH: f32 = 380.0;
 /// For a table.
 const FIRST_WIDTH_OF_TABLE: f32 = 540.0;
-const LEAST_WIDTH_OF_TABLE: f32 = 340.0;
 /// A narrower bar has the tools in a menu, points.
 const ROOM_FOR_TOOLS: f32 = 840.0;
 
@@ -124,8 +115,8 @@ fn show_switch(app: &mut App, ui: &mut Ui, tool: Tool, name: &str, hint: &str) -
 pub(super) fn show(app: &mut App, ui: &mut Ui, outbox: &mut Outbox) {
     let Some(open) = app.tool else { return };
     let Some((_, name, hint)) = TOOLS.iter().find(|(tool, ..)| *tool == open) else { return };
-    let most = (layout::Sides::of(app, ui.ctx()).all - app.settings_width).max(open.least_width()).min(*WIDTHS.end());
-    let widths = open.least_width()..=most;
+    let most = (layout::Sides::of(app, ui.ctx()).all - app.settings_width).max(*WIDTHS.start()).min(*WIDTHS.end());
+    let widths = *WIDTHS.start()..=most;
     egui::Panel::right(*name).default_size(open.first_width().min(most)).size_range(widths).show(ui, |ui| {
         ui.horizontal(|ui| {
             ui.label(RichText::new(*name).strong().size(14.0)).on_hover_text(*hint);

@@ -68,7 +68,7 @@ fn show_reference(ui: &mut Ui, comparison: &mut Comparison) {
             "Path-traced at {points} points; the noise is subtracted from the errors below. Kept on disk for the next time."
         ))
     });
-    ui.horizontal(|ui| {
+    ui.horizontal_wrapped(|ui| {
         ui.add(ProgressBar::new(share as f32).desired_width(200.0).desired_height(6.0).fill(theme::ACCENT));
         if ui.button(words::STOP_COMPARING).clicked() {
             comparison.stop();

@@ -96,7 +96,7 @@ fn show_kinds(ui: &mut Ui, filter: &mut LinkFilter) {
 
 /// A row of alternatives.
 fn choice<T: Copy + PartialEq>(ui: &mut Ui, name: &str, chosen: &mut T, choices: &[(T, &str, &str)]) {
-    ui.horizontal(|ui| {
+    ui.horizontal_wrapped(|ui| {
         theme::row_label(ui, name);
         ui.spacing_mut().item_spacing.x = 2.0;
         for (value, text, hint) in choices {

@@ -85,7 +85,7 @@ fn reason_of_no_effect(id: ParameterId, params: &SolverParams, stats: Option<&St
 /// The choice what ends a solve: the certified error, for which the solver chooses ε, or ε itself.
 fn show_what_ends_a_solve(ui: &mut Ui, params: &mut SolverParams) {
     theme::row(ui, words::STOP_AT, |ui| {
-        let response = ui.horizontal(|ui| {
+        let response = ui.horizontal_wrapped(|ui| {
             let by_error = ui.selectable_label(params.error.is_some(), words::STOP_AT_ERROR);
             if by_error.clicked() && params.error.is_none() {
                 params.error = Some(USUAL_ERROR);
@@ -202,7 +202,7 @@ const ALL_CORES: &str = "all cores";
 /// An error is shown in percent.
 fn real_text(id: ParameterId, value: f64) -> String {
     match id {
-        ParameterId::Error => format!("{} %", format::number(100.0 * value)),
+        ParameterId::Error => format!("{} %", format::short(100.0 * value)),
         ParameterId::Memory => format::bytes(MemoryBudget::Share(value).bytes() as usize),
         _ => format::number(value),
     }

@@ -44,7 +44,7 @@ fn show_qualities(ui: &mut Ui, params: &mut SolverParams) {
         let choices = ui.horizontal(|ui| {
             for (name, error) in QUALITIES {
                 let is_chosen = params.error == Some(error);
-                let hint = format!("Target error {} %", format::number(100.0 * error));
+                let hint = format!("Target error {} %", format::short(100.0 * error));
                 if ui.selectable_label(is_chosen, name).on_hover_text(hint).clicked() {
                     params.error = Some(error);
                 }

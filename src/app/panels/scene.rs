@@ -41,8 +41,8 @@ pub(super) fn show(
     }
     ui.add_space(4.0);
     show_path_field(ui, files, outbox);
-    ui.horizontal(|ui| {
-        ui.add_sized([theme::LABEL_WIDTH, 20.0], left_label(words::SAMPLE_SCENES));
+    ui.horizontal_wrapped(|ui| {
+        theme::row_label(ui, words::SAMPLE_SCENES);
         for scene in BuiltinScene::ALL {
             if ui.button(scene.name()).clicked() {
                 outbox.push(Command::load(Source::Builtin(scene)));
@@ -63,8 +63,8 @@ pub(super) fn show(
 fn show_frame(ui: &mut Ui, info: &SceneInfo, chosen: &mut Chosen) {
     let scene = &info.scene;
     let mut reading = scene.reading.clone();
-    ui.horizontal(|ui| {
-        ui.add_sized([theme::LABEL_WIDTH, 20.0], left_label("Up and unit"));
+    ui.horizontal_wrapped(|ui| {
+        theme::row_label(ui, "Up and unit");
         let mut up = scene.frame.up.unwrap_or_default();
         let combo = ComboBox::from_id_salt("up axis").width(44.0).selected_text(up.letter());
         let shown = combo.show_ui(ui, |ui| {
@@ -102,11 +102,6 @@ fn show_frame(ui: &mut Ui, info: &SceneInfo, chosen: &mut Chosen) {
     if reading != scene.reading {
         chosen.reading = Some(reading);
     }
-}
-
-fn left_label(text: &str) -> impl egui::Widget {
-    let text = theme::weak(text);
-    move |ui: &mut Ui| ui.with_layout(egui::Layout::left_to_right(egui::Align::Center), |ui| ui.label(text)).inner
 }
 
 fn show_present(ui: &mut Ui, info: &SceneInfo) {

@@ -87,7 +87,7 @@ fn phase(stats: &Stats, share: f32) -> String {
 /// What is known of a finished solution.
 fn result(status: &Status, stats: &Stats, neutral: Color32) -> Said {
     let within = |figure: String| format!("{} {figure} %", words::SURFACES_WITHIN);
-    let percent = |share: f64| format::number(100.0 * share);
+    let percent = |share: f64| format::short(100.0 * share);
     let known = stats.error_estimate.map(|error| within(percent(error)));
     if let Some(stop) = stats.memory_stop {
         let error = known.unwrap_or_else(|| words::ERROR_NOT_MEASURED.into());
@@ -152,11 +152,13 @@ fn cells(stats: &Stats, run: RunState, more_seconds: f64, time_left: Option<f64>
     {
         cells.push(("error so far", format!("{} %", format::number(100.0 * error))));
     }
+    if stats.candidates_left > 0 {
+        cells.push(("links to test", format::count(stats.candidates_left)));
+    }
     cells.extend([
         ("time", format::seconds(stats.seconds.total + more_seconds)),
         ("patches", format::count(stats.patches)),
         ("links", format::count(stats.links)),
-        ("links to test", format::count(stats.candidates_left)),
         ("rays", format::count(stats.rays)),
         ("clusters", format::count(stats.clusters)),
     ]);

@@ -50,7 +50,7 @@ pub(super) fn show(app: &mut App, ui: &mut Ui, outbox: &mut Outbox) {
 
 /// Whether the solver clusters by these groups, and a way to have it do so.
 fn show_use(app: &mut App, ui: &mut Ui, outbox: &mut Outbox) {
-    ui.horizontal(|ui| {
+    ui.horizontal_wrapped(|ui| {
         if app.params.clustering == ClusteringMode::Groups {
             ui.label(theme::weak("The solver takes these groups as its clusters."));
             return;
@@ -230,7 +230,7 @@ fn show_dragged(dragged: &Dragged, tree: &GroupTree, ui: &Ui) {
 fn show_foot(app: &mut App, ui: &mut Ui, outbox: &mut Outbox) {
     let path = app.shown.info.as_ref().and_then(|info| info.path.as_deref()).map(Sidecar::path_for);
     let editor = &mut app.clusters.editor;
-    ui.horizontal(|ui| {
+    ui.horizontal_wrapped(|ui| {
         let as_in_file = ui.add_enabled(editor.is_arranged(), egui::Button::new(words::REVERT_TO_FILE));
         if as_in_file.on_hover_text("Arranges all groups as the scene's file has them; can be undone").clicked() {
             outbox.extend(editor.as_in_file());

@@ -41,10 +41,13 @@ fn show_one(ui: &mut Ui, name: &str, id: MaterialId, editor: &mut LightEditor) {
     let exitance = editor.lighting.of(index).map_or(0.0, |light| light.emission().max_element());
     let Some(light) = editor.lighting.of_mut(index) else { return };
     ui.horizontal(|ui| {
+        let name_width = theme::LABEL_WIDTH.min(0.4 * ui.available_width());
+        let beside = name_width + PERCENT_WIDTH + COLOUR_WIDTH + 4.0 * ui.spacing().item_spacing.x;
+        ui.spacing_mut().slider_width = (ui.available_width() - beside).clamp(40.0, 240.0);
         let switch = ui
             .scope(|ui| {
-                ui.set_min_width(theme::LABEL_WIDTH);
-                ui.set_max_width(theme::LABEL_WIDTH);
+                ui.set_min_width(name_width);
+                ui.set_max_width(name_width);
                 ui.style_mut().wrap_mode = Some(egui::TextWrapMode::Truncate);
                 ui.checkbox(&mut light.is_on, name)
             })
