@@ -1,47 +1,34 @@
 //! Irradiance at a point, with its standard error: the one estimator that every reading asks.
 //!
-//! A look is a few rays aimed at emitters and a few cosine-distributed ones whose ends are read from
-//! the field. Looks are repeated until their spread says that the mean is as exact as was asked for.
+//! Light comes in two parts: what rays find that are aimed at emitters and secondary emitters, and what
+//! cosine-distributed rays find, whose ends are read from the field. Each part is sampled by looks of a
+//! few rays, and looks are repeated where they lower the variance most for each ray, until their spread
+//! says that the sum is as exact as was asked for.
 
 use glam::Vec3;
 
 use super::field::{Field, Met, grey};
-use super::glance::{GatherPoint, GlanceRays, is_near};
+use super::glance::{Followed, GatherPoint, GlanceRays, Path};
 use super::sources::Aim;
 use crate::random::{cosine_direction, mix};
 
-/// Rays of one look: aimed ones (about so many), and cosine-distributed ones.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Rays {
-    /// Aimed at emitters and secondary emitters.
-    pub aimed: f32,
-    /// Cosine-distributed.
-    pub cosine: u32,
-}
-
-/// How exact an irradiance is to be.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Budget {
-    /// Rays of each look.
-    pub rays: Rays,
-    /// Looks, at least.
-    pub least: u32,
-    /// Looks, at most.
-    pub most: u32,
-    /// Looks end when the standard error is below this share of E + E₀ (mean of the colours).
-    pub error: f32,
-}
-
-impl Budget {
-    /// Rays of a look: enough for the balance of direct and indirect light, few enough to tell a spread
-    /// from several.
-    const LOOK: Rays = Rays { aimed: 8.0, cosine: 32 };
-
-    /// Until the standard error is this share of the local light.
-    pub fn to_error(error: f32) -> Self {
-        Self { rays: Self::LOOK, least: 8, most: 256, error }
-    }
-}
+/// Aimed rays of a look (about so many).
+const AIMED: f32 = 8.0;
+/// Cosine-distributed rays of a look.
+const COSINE: u32 = 16;
+/// Looks of each part, at least: fewer do not tell their spread.
+const LEAST_LOOKS: u32 = 8;
+/// Rays of a reading, about at most.
+const MOST_RAYS: u64 = 1 << 14;
+/// Looks of a part are made more by this factor at least, and by so many times what should do.
+const LEAST_GROWTH: f32 = 1.25;
+const GROWTH: f32 = 1.1;
+/// Variance that a change may have, as a multiple of the reading's.
+const CHANGE_NOISE: f32 = 1.0;
+/// Ends of the rays of a look, at most as far as their numbers tell.
+const MOST_ENDS: u32 = 64;
+/// Rays of the look from where a ray ended.
+const FURTHER: GlanceRays = GlanceRays { aimed: 2, cosine: 2 };
 
 /// An irradiance and how sure it is.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -50,8 +37,6 @@ pub struct Irradiance {
     pub mean: Vec3,
     /// Its standard error, W/m².
     pub standard_error: Vec3,
-    /// Looks.
-    pub looks: u32,
     /// Rays cast.
     pub rays: u64,
 }
@@ -76,6 +61,15 @@ enum Check {
     Yes,
 }
 
+/// A part of the light at a point.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Part {
+    /// By emitters and secondary emitters that the point aims at.
+    Aimed,
+    /// By all that others reflect.
+    Cosine,
+}
+
 /// What a look finds.
 #[derive(Clone, Copy, Debug, Default)]
 struct Seen {
@@ -87,7 +81,7 @@ struct Seen {
     rays: u32,
 }
 
-/// Sums over looks.
+/// Sums over the looks of a part.
 #[derive(Clone, Copy, Debug, Default)]
 struct Sums {
     looks: u32,
@@ -100,43 +94,55 @@ struct Sums {
     rays: u64,
 }
 
-/// Ends of the rays of a look, at most as far as their numbers tell.
-const MOST_ENDS: u32 = 64;
-/// Rays of the look from where a ray ended.
-const FURTHER: GlanceRays = GlanceRays { aimed: 2, cosine: 2 };
+/// A point that is looked from.
+struct Place {
+    point: Vec3,
+    normal: Vec3,
+    seed: u64,
+    check: Check,
+}
 
 impl Field {
-    /// Irradiance at a point of a face with this unit normal. The seed alone tells the random numbers,
-    /// so a reading does not depend on others.
-    pub fn irradiance_at(&self, place: (Vec3, Vec3), budget: &Budget, seed: u64) -> Irradiance {
-        self.sums(place, budget, seed, Check::No).irradiance()
+    /// Irradiance at a point of a face with this unit normal, until its standard error is this share of E + E₀ (mean of the
+    /// colours). The seed alone tells the random numbers, so a reading does not depend on others.
+    pub fn irradiance_at(&self, (point, normal): (Vec3, Vec3), error: f32, seed: u64) -> Irradiance {
+        irradiance(&self.sums(&Place { point, normal, seed, check: Check::No }, error))
     }
 
     /// The same reading, with what its error looks like.
-    pub fn checked_at(&self, place: (Vec3, Vec3), budget: &Budget, seed: u64) -> Checked {
-        let sums = self.sums(place, budget, seed, Check::Yes);
-        let (_, variance) = mean_and_variance(sums.looks, grey(sums.light), sums.grey_squares);
-        let (change, change_variance) = mean_and_variance(sums.looks, sums.change, sums.change_squares);
-        Checked { read: sums.irradiance(), noise: variance.sqrt(), change, change_noise: change_variance.sqrt() }
+    pub fn checked_at(&self, (point, normal): (Vec3, Vec3), error: f32, seed: u64) -> Checked {
+        let sums = self.sums(&Place { point, normal, seed, check: Check::Yes }, error);
+        let [noise, change_noise] =
+            [Sums::variance, Sums::change_variance].map(|variance| sums.iter().map(variance).sum::<f32>().sqrt());
+        let change = sums.iter().map(Sums::mean_change).sum();
+        Checked { read: irradiance(&sums), noise, change, change_noise }
     }
 
-    fn sums(&self, place: (Vec3, Vec3), budget: &Budget, seed: u64, check: Check) -> Sums {
+    /// Looks for both parts until their sum is exact enough.
+    fn sums(&self, place: &Place, error: f32) -> [Sums; 2] {
         let mut aims = Vec::new();
-        self.find_aims(place.0, place.1, &mut aims);
-        let mut sums = Sums::default();
+        self.find_aims(place.point, place.normal, &mut aims);
+        let mut sums = [Sums::default(); 2];
+        let mut wanted = [LEAST_LOOKS; 2];
         loop {
-            let seen = self.look(place, budget.rays, (seed, sums.looks), &mut aims, check);
-            sums.add(&seen);
-            // Whoever asks after every look stops where little was found by chance, and reads too low.
-            let looks = sums.looks;
-            if looks < budget.least || !(looks / budget.least).is_power_of_two() || looks % budget.least != 0 {
-                continue;
+            for part in [Part::Aimed, Part::Cosine] {
+                let sums = &mut sums[part as usize];
+                while sums.looks < wanted[part as usize] {
+                    sums.add(&self.look(part, place, sums.looks, &mut aims));
+                }
             }
-            let (mean, variance) = mean_and_variance(looks, grey(sums.light), sums.grey_squares);
-            let allowed = budget.error * (mean + self.dim());
-            if looks >= budget.most || variance <= allowed * allowed {
+            let variance = sums.map(|sums| sums.variance().max(sums.change_variance() / CHANGE_NOISE));
+            let allowed = error * (grey(sums[0].mean() + sums[1].mean()) + self.dim());
+            let excess = (variance[0] + variance[1]) / (allowed * allowed).max(f32::MIN_POSITIVE);
+            if excess <= 1.0 || sums[0].rays + sums[1].rays >= MOST_RAYS {
                 return sums;
             }
+            // More of the part whose variance falls the most for each ray: as many as should do, at most twice as many as there
+            // are. Whoever asks after every look stops where little was found by chance, and reads too low.
+            let part = usize::from(variance[0] * sums[1].rays as f32 <= variance[1] * sums[0].rays as f32);
+            let other = variance[1 - part] / (allowed * allowed).max(f32::MIN_POSITIVE);
+            let growth = if other < 1.0 { (excess - other) / (1.0 - other) } else { f32::INFINITY };
+            wanted[part] = (sums[part].looks as f32 * (GROWTH * growth).clamp(LEAST_GROWTH, 2.0)).ceil() as u32;
         }
     }
 
@@ -147,49 +153,56 @@ impl Field {
         let position = self.on_plane(self.leaf_at(polygon, position), position);
         let normal = self.normal(polygon);
         let seed = position.to_array().iter().fold(u64::from(polygon), |seed, x| mix(seed, u64::from(x.to_bits())));
-        self.irradiance_at((position, normal), &Budget::to_error(error), seed)
+        self.irradiance_at((position, normal), error, seed)
     }
 
-    fn look(
-        &self,
-        (point, normal): (Vec3, Vec3),
-        rays: Rays,
-        (seed, number): (u64, u32),
-        aims: &mut [Aim],
-        check: Check,
-    ) -> Seen {
+    fn look(&self, part: Part, place: &Place, number: u32, aims: &mut [Aim]) -> Seen {
         let mut seen = Seen::default();
-        let of_look = mix(seed, u64::from(number) + 1);
-        let of_ends = mix(seed, 1);
+        let of_ends = mix(place.seed, 1 + part as u64);
         let read = |seen: &mut Seen, met: &Met, weight: f32, index: u32| {
             let number = number * MOST_ENDS + index;
-            let sent = self.sent_back(met, point, (mix(of_ends, number.into()), 0));
+            let path = Path { seed: mix(of_ends, number.into()), length: 0, throughput: Vec3::splat(weight) };
+            let (mut change, mut rays) = (Vec3::ZERO, 0);
+            let sent = self.follow(met, place.point, path, &mut |followed| match followed {
+                Followed::Cast(more) => rays += more,
+                Followed::Read(met, path) if place.check == Check::Yes => {
+                    let patch = self.patch(met.leaf);
+                    let further = GatherPoint::on_face((met.position, patch.normal));
+                    let seed = if path.length == 0 { (of_ends, number) } else { (path.seed, 0) };
+                    let further = self.glance(&further, FURTHER, seed).irradiance();
+                    let reflected = self.surface(patch.polygon).reflectance * further;
+                    change += path.throughput * (reflected - self.sent[met.leaf.index()]);
+                    rays += FURTHER.aimed + FURTHER.cosine;
+                }
+                Followed::Read(..) => {}
+            });
             seen.light += weight * sent;
-            // Where the path went on, the field was not read here.
-            if check == Check::Yes && !is_near(self.hierarchy.element(met.leaf).area, met.position, point) {
-                let patch = self.patch(met.leaf);
-                let further = GatherPoint::on_face((met.position, patch.normal));
-                let further = self.glance(&further, FURTHER, (of_ends, number)).irradiance();
-                seen.change += weight * (self.surface(patch.polygon).reflectance * further - sent);
-                seen.rays += FURTHER.aimed + FURTHER.cosine;
+            seen.change += change;
+            seen.rays += rays;
+        };
+        match part {
+            Part::Aimed => {
+                let mut index = 0;
+                let reflect = &mut |met: Met, weight: f32| {
+                    read(&mut seen, &met, weight, index);
+                    index += 1;
+                };
+                // The upper half of the seed keeps the samples of a source in one sequence over all looks.
+                let seed = (place.seed << 32) | (mix(place.seed, 3 + u64::from(number)) & 0xffff_ffff);
+                let (emitted, rays) = self.aim((place.point, place.normal), aims, AIMED, seed, reflect);
+                seen.light += emitted;
+                seen.rays += rays;
             }
-        };
-        let mut index = rays.cosine;
-        let reflect = &mut |met: Met, weight: f32| {
-            index += 1;
-            read(&mut seen, &met, weight, index);
-        };
-        // The upper half of the seed keeps the samples of a source in one sequence over all looks.
-        let seed_of_aims = (seed << 32) | (of_look & 0xffff_ffff);
-        let (emitted, aimed) = self.aim((point, normal), aims, rays.aimed, seed_of_aims, reflect);
-        seen.light += emitted;
-        seen.rays += aimed + rays.cosine;
-        let scramble = (seed ^ (seed >> 32)) as u32;
-        for index in 0..rays.cosine {
-            let [u, v, ..] = sobol_burley::sample_4d(number * rays.cosine + index, 0, scramble);
-            let met = self.meet(point, normal, cosine_direction(normal, u, v));
-            if let Some(met) = met.filter(|met| !self.is_aimed_at(met.leaf, point, normal)) {
-                read(&mut seen, &met, 1.0 / rays.cosine as f32, index);
+            Part::Cosine => {
+                let scramble = (place.seed ^ (place.seed >> 32)) as u32;
+                for index in 0..COSINE {
+                    let [u, v, ..] = sobol_burley::sample_4d(number * COSINE + index, 0, scramble);
+                    let met = self.meet(place.point, place.normal, cosine_direction(place.normal, u, v));
+                    if let Some(met) = met.filter(|met| !self.is_aimed_at(met.leaf, place.point, place.normal)) {
+                        read(&mut seen, &met, 1.0 / COSINE as f32, index);
+                    }
+                }
+                seen.rays += COSINE;
             }
         }
         seen
@@ -208,17 +221,36 @@ impl Sums {
         self.rays += u64::from(seen.rays);
     }
 
-    fn irradiance(&self) -> Irradiance {
+    fn mean(&self) -> Vec3 {
+        self.light / self.looks as f32
+    }
+
+    fn mean_change(&self) -> f32 {
+        self.change / self.looks as f32
+    }
+
+    /// Variance of the mean's grey.
+    fn variance(&self) -> f32 {
+        self.of_mean(Vec3::splat(self.grey_squares), Vec3::splat(grey(self.light))).x
+    }
+
+    fn change_variance(&self) -> f32 {
+        self.of_mean(Vec3::splat(self.change_squares), Vec3::splat(self.change)).x
+    }
+
+    /// Variance of a mean, from the sums of squares and of values.
+    fn of_mean(&self, squares: Vec3, sum: Vec3) -> Vec3 {
         let count = self.looks as f32;
-        let mean = self.light / count;
-        let variance = (self.squares / count - mean * mean).max(Vec3::ZERO) / (count - 1.0).max(1.0);
-        Irradiance { mean, standard_error: variance.map(f32::sqrt), looks: self.looks, rays: self.rays }
+        let mean = sum / count;
+        (squares / count - mean * mean).max(Vec3::ZERO) / (count - 1.0).max(1.0)
     }
 }
 
-/// Mean of values and the variance of that, from their number, sum and sum of squares.
-fn mean_and_variance(count: u32, sum: f32, squares: f32) -> (f32, f32) {
-    let count = count as f32;
-    let mean = sum / count;
-    (mean, (squares / count - mean * mean).max(0.0) / (count - 1.0).max(1.0))
+fn irradiance([aimed, cosine]: &[Sums; 2]) -> Irradiance {
+    let variance = |sums: &Sums| sums.of_mean(sums.squares, sums.light);
+    Irradiance {
+        mean: aimed.mean() + cosine.mean(),
+        standard_error: (variance(aimed) + variance(cosine)).map(f32::sqrt),
+        rays: aimed.rays + cosine.rays,
+    }
 }

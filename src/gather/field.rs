@@ -16,6 +16,9 @@ use crate::scene::{Scene, Surface};
 /// Errors of places that are darker than this share of the median are relative to it.
 const DIM_SHARE: f32 = 0.1;
 
+/// A leaf is uneven where the standard deviation of E over it is above this share of E + E₀.
+const UNEVEN: f32 = 0.4;
+
 /// What rays meet, the same for all states of a gather.
 struct Surroundings {
     scene: Arc<Scene>,
@@ -36,10 +39,14 @@ pub struct Field {
     pub(super) irradiance: Arc<Vec<Vec3>>,
     /// Area of each leaf that light can reach, m², likewise: as gathers found it, which looked at more points than the hierarchy.
     pub(super) areas: Arc<Vec<f32>>,
+    /// Square of the distance from which a leaf is read as a whole, m², likewise.
+    pub(super) reaches: Arc<Vec<f32>>,
     /// What each patch reflects in the mean, ρE, W/m², likewise: rays that met a leaf before it was split read all its parts.
     pub(super) reflected: Arc<Vec<Vec3>>,
     /// What readings see of each leaf, ρE, W/m²: the mean over what is seen from afar, for rays that end near are followed.
     pub(super) sent: Arc<Vec<Vec3>>,
+    /// Variance of E over each leaf (mean of the colours), W²/m⁴, likewise; 0 where it is not known.
+    pub(super) variance: Arc<Vec<f32>>,
     /// What is aimed at.
     pub(super) sources: Arc<Sources>,
     /// E₀, a tenth of the area's median irradiance (mean of the colours), W/m².
@@ -90,8 +97,10 @@ impl Field {
             hierarchy: Arc::new(hierarchy),
             irradiance: Arc::default(),
             areas: Arc::default(),
+            reaches: Arc::default(),
             reflected: Arc::default(),
             sent: Arc::default(),
+            variance: Arc::default(),
             sources: Arc::new(sources),
             dim: 0.0,
         };
@@ -119,17 +128,26 @@ impl Field {
         }
         self.reflected = Arc::new(reflected);
         self.sent = self.reflected.clone();
+        self.variance = Arc::new(vec![0.0; irradiance.len()]);
         self.dim = DIM_SHARE * self.median(&irradiance);
         self.irradiance = Arc::new(irradiance);
     }
 
-    /// Takes over the irradiances of what is seen from afar of each leaf, W/m².
-    pub(super) fn set_far(&mut self, irradiance: &[Vec3]) {
+    /// Takes over the irradiances of what is seen from afar of each leaf, W/m², and the variance of irradiance over each (mean of
+    /// the colours).
+    pub(super) fn set_far(&mut self, irradiance: &[Vec3], variance: Vec<f32>) {
         let mut sent = self.reflected.to_vec();
         for leaf in self.leaves() {
             sent[leaf.index()] = self.surface(self.patch(leaf).polygon).reflectance * irradiance[leaf.index()];
         }
         self.sent = Arc::new(sent);
+        self.variance = Arc::new(variance);
+    }
+
+    /// Whether a leaf's light differs so much over it that one value does not stand for it.
+    pub(super) fn is_uneven(&self, leaf: ElementId) -> bool {
+        let uneven = UNEVEN * (grey(self.irradiance[leaf.index()]) + self.dim);
+        self.variance[leaf.index()] > uneven * uneven
     }
 
     /// Takes over how much of each leaf's sampled area is exposed, where that is known.
@@ -139,6 +157,23 @@ impl Field {
             seen_share(id).map_or(element.area, |share| share * element.sampled_area)
         };
         self.areas = Arc::new(self.hierarchy.ids().map(of).collect());
+        if self.reaches.len() != self.areas.len() {
+            self.reaches = Arc::new(self.hierarchy.ids().map(|id| self.reach(id)).collect());
+        }
+    }
+
+    /// Half of the square of a patch's longest diagonal: its area, where it is a square.
+    fn reach(&self, id: ElementId) -> f32 {
+        let Shape::Patch(patch) = &self.hierarchy.element(id).shape else { return 0.0 };
+        let (corners, count) = self.hierarchy.corner_positions(patch);
+        let corners = &corners[..count];
+        let squares = corners.iter().flat_map(|a| corners.iter().map(move |b| a.distance_squared(*b)));
+        0.5 * squares.fold(0.0, f32::max)
+    }
+
+    /// Whether a leaf is too large to stand for what a ray meets there that starts here.
+    pub(super) fn is_near(&self, leaf: ElementId, met: Vec3, from: Vec3) -> bool {
+        met.distance_squared(from) < self.reaches[leaf.index()]
     }
 
     /// Area of a leaf that light can reach, m².

@@ -17,8 +17,6 @@ use crate::random::{cosine_direction, fraction, mix};
 
 /// Sequences are this long before another one begins.
 const SEQUENCE: u32 = 1 << 16;
-/// A ray that ends nearer than so many times the size of the leaf there is followed by another one.
-const NEAR: f32 = 1.0;
 /// Rays that follow one another at most.
 const LONGEST: u32 = 64;
 
@@ -80,6 +78,24 @@ pub(super) enum Lit {
     Secondary(Met),
 }
 
+/// How light came to where it is followed further.
+pub(super) struct Path {
+    /// Of its random numbers.
+    pub seed: u64,
+    /// Reflections after that where the first ray ended.
+    pub length: u32,
+    /// Share of what is sent there that arrives where the first ray ended.
+    pub throughput: Vec3,
+}
+
+/// What is told of light that is followed.
+pub(super) enum Followed<'a> {
+    /// So many rays were cast.
+    Cast(u32),
+    /// The field was read at a place, with the path to it.
+    Read(&'a Met, &'a Path),
+}
+
 /// A source that was chosen.
 struct Choice {
     id: ElementId,
@@ -102,7 +118,7 @@ impl Field {
             match self.aim_from(place, [choice, u, v]) {
                 Some((Lit::Emitter(emission), weight)) => glance.direct += weight / rays.aimed as f32 * emission,
                 Some((Lit::Secondary(met), weight)) => {
-                    glance.indirect += weight / rays.aimed as f32 * self.sent_back(&met, point, (beyond, 0));
+                    glance.indirect += weight / rays.aimed as f32 * self.sent_back(&met, point, beyond);
                 }
                 None => {}
             }
@@ -116,20 +132,11 @@ impl Field {
             if let Some(met) = self.meet(point, face, place.in_front(cosine_direction(normal, u, v))) {
                 glance.nearness += share / met.position.distance(point).max(f32::MIN_POSITIVE);
                 if !self.is_aimed_at(met.leaf, point, normal) {
-                    glance.indirect += share * self.sent_back(&met, point, (beyond, 0));
+                    glance.indirect += share * self.sent_back(&met, point, beyond);
                 }
             }
         }
         glance
-    }
-
-    /// Irradiance by one aimed ray, W/m².
-    fn aimed_light(&self, (point, normal): (Vec3, Vec3), [choice, u, v, _]: [f32; 4], beyond: (u64, u32)) -> Vec3 {
-        match self.aim_by_chance((point, normal), [choice, u, v]) {
-            Some((Lit::Emitter(emission), weight)) => weight * emission,
-            Some((Lit::Secondary(met), weight)) => weight * self.sent_back(&met, point, beyond),
-            None => Vec3::ZERO,
-        }
     }
 
     /// A source that a point sees, chosen by chance, and the share of its radiosity that it stands for.
@@ -159,34 +166,48 @@ impl Field {
         Some((lit, weight / choice.probability))
     }
 
-    /// Irradiance by one cosine-distributed ray, without what is aimed for, W/m².
-    fn scattered_light(&self, (point, normal): (Vec3, Vec3), [u, v]: [f32; 2], beyond: (u64, u32)) -> Vec3 {
-        match self.meet(point, normal, cosine_direction(normal, u, v)) {
-            Some(met) if !self.is_aimed_at(met.leaf, point, normal) => self.sent_back(&met, point, beyond),
-            _ => Vec3::ZERO,
-        }
+    /// What a place reflects towards a point, W/m².
+    fn sent_back(&self, met: &Met, from: Vec3, seed: u64) -> Vec3 {
+        self.follow(met, from, Path { seed, length: 0, throughput: Vec3::ONE }, &mut |_| {})
     }
 
-    /// What a place reflects, W/m²: as the field says, unless it is so near that the field is too coarse.
-    pub(super) fn sent_back(&self, met: &Met, from: Vec3, (seed, length): (u64, u32)) -> Vec3 {
-        let area = self.hierarchy.element(met.leaf).area;
-        if length >= LONGEST || !is_near(area, met.position, from) {
+    /// What a place reflects towards a point, W/m²: as the field says, unless it is too coarse for that; then light is followed
+    /// by one reflection more. `tell`
+    /// learns of it.
+    pub(super) fn follow(&self, met: &Met, from: Vec3, path: Path, tell: &mut dyn FnMut(Followed)) -> Vec3 {
+        if path.length >= LONGEST || !self.is_near(met.leaf, met.position, from) {
+            tell(Followed::Read(met, &path));
             return self.sent[met.leaf.index()];
         }
         let patch = self.patch(met.leaf);
-        let hash = [1, 2, 3].map(|what| mix(seed, what));
+        let hash = [1, 2, 3].map(|what| mix(path.seed, what));
         let [choice, u, v, w] =
             [hash[0], hash[0] << 32, hash[1], hash[1] << 32].map(|bits| fraction((bits >> 32) as u32));
         let [x, chance] = [hash[2], hash[2] >> 32].map(|bits| fraction(bits as u32));
         // Russian roulette: in a crevice light is followed as far as it goes, and that is as rare as it is dim.
         let reflectance = self.surface(patch.polygon).reflectance;
-        let survival = if length == 0 { 1.0 } else { reflectance.max_element() };
+        let survival = if path.length == 0 { 1.0 } else { reflectance.max_element() };
         if chance >= survival {
             return Vec3::ZERO;
         }
-        let place = (met.position, patch.normal);
-        let aimed = self.aimed_light(place, [choice, u, v, 0.0], (mix(hash[2], 1), length + 1));
-        reflectance / survival * (aimed + self.scattered_light(place, [w, x], (mix(hash[2], 2), length + 1)))
+        let (point, normal) = (met.position, patch.normal);
+        tell(Followed::Cast(2));
+        let mut further = |what: u64, met: &Met, weight: f32| {
+            let weight = weight / survival * reflectance;
+            let throughput = weight * path.throughput;
+            let path = Path { seed: mix(hash[2], what), length: path.length + 1, throughput };
+            weight * self.follow(met, point, path, tell)
+        };
+        let aimed = match self.aim_by_chance((point, normal), [choice, u, v]) {
+            Some((Lit::Emitter(emission), weight)) => weight / survival * reflectance * emission,
+            Some((Lit::Secondary(met), weight)) => further(1, &met, weight),
+            None => Vec3::ZERO,
+        };
+        let scattered = match self.meet(point, normal, cosine_direction(normal, w, x)) {
+            Some(met) if !self.is_aimed_at(met.leaf, point, normal) => further(2, &met, 1.0),
+            _ => Vec3::ZERO,
+        };
+        aimed + scattered
     }
 
     /// Goes down to a source: at each node to a child by what it could send at most.
@@ -245,11 +266,6 @@ impl Field {
             id = child;
         }
     }
-}
-
-/// Whether a leaf of this area (m²) is too large to stand for what a ray meets there that starts here.
-pub(super) fn is_near(area: f32, met: Vec3, from: Vec3) -> bool {
-    met.distance_squared(from) < NEAR * NEAR * area
 }
 
 /// A bound, up to a factor common to all, on the irradiance that an element of this place and size brings for each watt it sends.

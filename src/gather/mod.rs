@@ -24,7 +24,7 @@ use std::sync::Arc;
 use glam::Vec3;
 
 pub use certificate::{Certificate, Certifying, NOISE, Quantiles, RISK};
-pub use estimator::{Budget, Checked, Irradiance, Rays};
+pub use estimator::{Checked, Irradiance};
 pub use field::{Field, Met, grey};
 pub use glance::{GatherPoint, Glance, GlanceRays};
 use samples::{GatherSamples, Queue};
@@ -130,10 +130,14 @@ pub struct Gather {
     stage: Stage,
     queue: Queue,
     round: u32,
+    /// Whether uneven leaves were split in this attempt.
+    is_evened: bool,
     attempt: u32,
     /// The error that leaves and rays are made for; falls with each attempt.
     aim: f64,
     certificate: Option<Certificate>,
+    /// What the attempt before found nine tenths of the area to be within.
+    before: Option<f64>,
     /// Rays that compared.
     rays_compared: u64,
     is_ready: bool,
@@ -162,10 +166,12 @@ impl Gather {
             stage: Stage::Direct(0),
             queue,
             round: 0,
+            is_evened: false,
             attempt: 0,
             aim: goal.error.unwrap_or(USUAL_ERROR),
             goal: Goal { seed: mix(goal.seed, 0x6761_7468_6572), ..goal },
             certificate: None,
+            before: None,
             rays_compared: 0,
             is_ready: false,
             full: None,
@@ -202,8 +208,19 @@ impl Gather {
                     return Some(Progress::Part);
                 }
                 self.relight(cancel)?;
+                if !std::mem::replace(&mut self.is_evened, true) {
+                    let split = self.within_memory(refine::uneven_leaves(&self.field));
+                    if !split.is_empty() {
+                        self.split(&split);
+                        return Some(Progress::Pass);
+                    }
+                }
                 let seed = mix(self.goal.seed, u64::from(self.attempt));
-                self.stage = Stage::Certify(Box::new(Certifying::new(&self.field, self.target(), self.attempt, seed)));
+                let mut certifying = Certifying::new(&self.field, self.target(), self.attempt, seed);
+                if self.goal.error.is_none() {
+                    certifying.be_thorough();
+                }
+                self.stage = Stage::Certify(Box::new(certifying));
                 Some(Progress::Pass)
             }
             Stage::Certify(mut certifying) => {
@@ -212,8 +229,7 @@ impl Gather {
                     self.stage = Stage::Certify(certifying);
                     return Some(Progress::Part);
                 };
-                self.rays_compared += certifying.rays();
-                self.judge(certificate);
+                self.judge(certificate, certifying);
                 Some(if matches!(self.stage, Stage::Done) { Progress::Done } else { Progress::Part })
             }
             Stage::Done => Some(Progress::Done),
@@ -246,7 +262,11 @@ impl Gather {
         if self.round >= MOST_ROUNDS {
             return Vec::new();
         }
-        let split = refine::leaves_to_split(&self.field, &self.samples, MESH_PER_TARGET * self.aim);
+        self.within_memory(refine::leaves_to_split(&self.field, &self.samples, MESH_PER_TARGET * self.aim))
+    }
+
+    /// The leaves to split, or none where there is no room for their parts.
+    fn within_memory(&mut self, split: Vec<ElementId>) -> Vec<ElementId> {
         let leaves = self.field.hierarchy.leaf_count() + 3 * split.len();
         let of_looks = LOOKS as usize * (4 * self.rays_of_look().cosine as usize + LOOK_BYTES);
         if leaves * (LEAF_BYTES + of_looks) > self.goal.memory {
@@ -320,7 +340,7 @@ impl Gather {
                 all += f64::from(area * new.max_element());
             }
             if moved <= SWEEP_TOLERANCE * all {
-                field.set_far(&gathered.far);
+                field.set_far(&gathered.far, gathered.variance);
                 break;
             }
         }
@@ -329,21 +349,33 @@ impl Gather {
     }
 
     /// Ends, or makes the field finer.
-    fn judge(&mut self, certificate: Certificate) {
-        let before = self.certificate.as_ref().map(|certificate| certificate.read.p90);
+    fn judge(&mut self, certificate: Certificate, mut certifying: Box<Certifying>) {
         let now = certificate.read.p90;
         let is_kept = self.goal.error.is_none_or(|target| certificate.bound <= target);
-        let is_in_vain = before.is_some_and(|before| now > LEAST_PROGRESS * before);
+        let is_in_vain = self.before.is_some_and(|before| now > LEAST_PROGRESS * before);
         self.certificate = Some(certificate);
         if is_kept || is_in_vain || self.full.is_some() || self.attempt >= MOST_ATTEMPTS {
-            self.stage = Stage::Done;
+            if is_kept || !certifying.has_more() {
+                self.finish_comparing(&certifying);
+                self.stage = Stage::Done;
+            } else {
+                certifying.be_thorough();
+                self.stage = Stage::Certify(certifying);
+            }
             return;
         }
+        self.finish_comparing(&certifying);
+        self.before = Some(now);
         self.attempt += 1;
         self.aim *= 0.5;
         self.round = MOST_ROUNDS - 1;
+        self.is_evened = false;
         let split = self.leaves_to_split();
         if split.is_empty() { self.open_pass() } else { self.split(&split) }
+    }
+
+    fn finish_comparing(&mut self, certifying: &Certifying) {
+        self.rays_compared += certifying.rays();
     }
 
     /// The state of the light.

@@ -1,4 +1,4 @@
-//! Which leaves a gather splits: those over which emitters shine unevenly.
+//! Which leaves a gather splits: those over which emitters shine unevenly, and then those over which all light is very uneven.
 //!
 //! Readings look for emitters themselves, so the field is to be right in what leaves send in the mean, and what
 //! counts is how much a leaf's light differs over it.
@@ -16,8 +16,7 @@ const LEAST_AREA: f32 = 1e-7;
 /// The leaves to split next, so that direct light varies over a leaf by no more than this share of the local light, in the
 /// RMS over the area.
 pub fn leaves_to_split(field: &Field, samples: &GatherSamples, allowed: f64) -> Vec<ElementId> {
-    let (lower, upper) = field.scene().bounds();
-    let least = LEAST_AREA * lower.distance_squared(upper);
+    let least = least_area(field);
     let mut all = 0.0;
     let mut errors = Vec::new();
     for leaf in field.leaves() {
@@ -44,4 +43,16 @@ pub fn leaves_to_split(field: &Field, samples: &GatherSamples, allowed: f64) -> 
     });
     let kept = kept.count();
     errors[kept..].iter().map(|(_, leaf)| *leaf).collect()
+}
+
+/// The leaves over which light differs so much that one value does not stand for it.
+pub fn uneven_leaves(field: &Field) -> Vec<ElementId> {
+    let least = least_area(field);
+    let is_split = |leaf: &ElementId| field.is_uneven(*leaf) && !field.emits(*leaf) && field.area(*leaf) >= least;
+    field.leaves().filter(is_split).collect()
+}
+
+fn least_area(field: &Field) -> f32 {
+    let (lower, upper) = field.scene().bounds();
+    LEAST_AREA * lower.distance_squared(upper)
 }

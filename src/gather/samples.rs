@@ -5,7 +5,7 @@ use glam::Vec3;
 use rayon::prelude::*;
 
 use super::field::{Field, grey};
-use super::glance::{GlanceRays, Lit, is_near};
+use super::glance::{GlanceRays, Lit};
 use crate::cancel::CancelToken;
 use crate::hierarchy::ElementId;
 use crate::random::{cosine_direction, mix};
@@ -71,6 +71,29 @@ struct Sums {
     whole: u32,
 }
 
+/// Sums over the looks with cosine-distributed rays from a leaf.
+#[derive(Clone, Copy, Default)]
+struct LightSums {
+    /// Σ of irradiance that others reflect, W/m².
+    indirect: Vec3,
+    /// Σ of all irradiance times the share of far rays, and of these shares.
+    far: Vec3,
+    far_share: f32,
+    /// Σ of all irradiance (mean of the colours), and of its squares less their noise.
+    all: f32,
+    squares: f32,
+}
+
+impl LightSums {
+    fn add(&mut self, other: &Self) {
+        self.indirect += other.indirect;
+        self.far += other.far;
+        self.far_share += other.far_share;
+        self.all += other.all;
+        self.squares += other.squares;
+    }
+}
+
 /// All that was found.
 #[derive(Default)]
 pub struct GatherSamples {
@@ -87,6 +110,8 @@ pub struct Gathered {
     pub mean: Vec<Vec3>,
     /// Mean over what far points see of it.
     pub far: Vec<Vec3>,
+    /// Variance over the leaf (mean of the colours), W²/m⁴.
+    pub variance: Vec<f32>,
 }
 
 impl GatherSamples {
@@ -168,24 +193,25 @@ impl GatherSamples {
         cancel: &CancelToken,
     ) -> Option<Gathered> {
         let elements = field.hierarchy.elements().len();
-        // Σ of indirect light; of all light by the share of far rays; and of these shares.
-        let mut sums = vec![(Vec3::ZERO, Vec3::ZERO, 0.0_f32); elements];
+        let mut sums = vec![LightSums::default(); elements];
         for pass in &self.passes {
             let of_leaf = |place: usize| (!cancel.is_cancelled()).then(|| pass.sum(place, reflected));
             let found: Option<Vec<_>> = (0..pass.leaves.len()).into_par_iter().with_min_len(256).map(of_leaf).collect();
             for (leaf, found) in pass.leaves.iter().zip(found?) {
-                let sum = &mut sums[leaf.index()];
-                *sum = (sum.0 + found.0, sum.1 + found.1, sum.2 + found.2);
+                sums[leaf.index()].add(&found);
             }
         }
-        let mut gathered = Gathered { mean: vec![Vec3::ZERO; elements], far: vec![Vec3::ZERO; elements] };
+        let nothing = || vec![Vec3::ZERO; elements];
+        let mut gathered = Gathered { mean: nothing(), far: nothing(), variance: vec![0.0; elements] };
         for leaf in field.leaves() {
             let index = leaf.index();
-            let (own, far, weight) = sums[index];
+            let LightSums { indirect: own, far, far_share, all, squares } = sums[index];
             let whole = self.of(leaf).whole;
-            let found = if whole == 0 { indirect[index] } else { own / whole as f32 };
+            let count = whole.max(1) as f32;
+            let found = if whole == 0 { indirect[index] } else { own / count };
             gathered.mean[index] = self.direct(leaf).0 + found;
-            gathered.far[index] = if weight > 0.0 { far / weight } else { gathered.mean[index] };
+            gathered.far[index] = if far_share > 0.0 { far / far_share } else { gathered.mean[index] };
+            gathered.variance[index] = (squares / count - (all / count).powi(2)).max(0.0);
         }
         Some(gathered)
     }
@@ -206,22 +232,35 @@ impl Pass {
         self.aimed_starts.push(self.aimed.len() as u32);
     }
 
-    /// Σ over the looks from a leaf: indirect irradiance (W/m²), all of it by the share of far rays, and these shares.
-    fn sum(&self, place: usize, reflected: &[Vec3]) -> (Vec3, Vec3, f32) {
+    /// Sums over the looks from a leaf.
+    fn sum(&self, place: usize, reflected: &[Vec3]) -> LightSums {
         let range = self.starts[place] as usize..self.starts[place + 1] as usize;
         let aimed = &self.aimed[self.aimed_starts[place] as usize..self.aimed_starts[place + 1] as usize];
         let mut aimed = aimed.iter().peekable();
-        let mut sums = (Vec3::ZERO, Vec3::ZERO, 0.0);
+        let mut sums = LightSums::default();
+        let count = self.cosine as f32;
         for (number, look) in range.clone().zip(&self.looks[range.clone()]) {
-            let met = &self.met[number * self.cosine..(number + 1) * self.cosine];
-            let met = met.iter().filter(|leaf| **leaf != NOTHING);
-            let mut light = met.map(|leaf| reflected[leaf.index()]).sum::<Vec3>() / self.cosine as f32;
+            let (mut light, mut squares) = (Vec3::ZERO, 0.0);
+            for leaf in &self.met[number * self.cosine..(number + 1) * self.cosine] {
+                if *leaf != NOTHING {
+                    let sent = reflected[leaf.index()];
+                    light += sent;
+                    squares += grey(sent) * grey(sent);
+                }
+            }
+            light /= count;
+            let noise = (squares / count - grey(light) * grey(light)).max(0.0) / (count - 1.0).max(1.0);
             while let Some((_, leaf, share)) = aimed.next_if(|(look, ..)| *look as usize == number - range.start) {
                 light += *share * reflected[leaf.index()];
             }
-            sums.0 += light;
-            sums.1 += look.far * (light + look.emitted);
-            sums.2 += look.far;
+            let all = grey(light + look.emitted);
+            sums.add(&LightSums {
+                indirect: light,
+                far: look.far * (light + look.emitted),
+                far_share: look.far,
+                all,
+                squares: all * all - noise - look.noise,
+            });
         }
         sums
     }
@@ -270,7 +309,7 @@ fn draw(field: &Field, leaf: ElementId, rays: GlanceRays, looks: std::ops::Range
         for index in look * rays.cosine..(look + 1) * rays.cosine {
             let [u, v, ..] = sobol_burley::sample_4d(index & SEQUENCE, 0, scramble);
             let met = field.meet(place.0, place.1, cosine_direction(place.1, u, v));
-            far += u32::from(met.as_ref().is_some_and(|met| !is_near(element.area, met.position, place.0)));
+            far += u32::from(met.as_ref().is_some_and(|met| !field.is_near(leaf, met.position, place.0)));
             let met = met.filter(|met| !field.is_aimed_at(met.leaf, place.0, place.1));
             drawn.met.push(met.map_or(NOTHING, |met| met.leaf));
         }
