@@ -30,6 +30,8 @@ const POINTS: [usize; 4] = [64, 96, 192, 384];
 const ADDED_MISSES: f64 = 2.0;
 /// Standard errors beyond which a field is seen to be too coarse.
 const HOPELESS: f64 = 2.0;
+/// Points after which a running error is told.
+const LEAST_TOLD: usize = 32;
 /// Points of a leaf hidden in part that are tried, and the rays that tell whether one is hidden.
 const TRIES: u32 = 8;
 const HIDDEN_RAYS: u32 = 16;
@@ -348,7 +350,7 @@ impl Certifying {
 
     /// The local error within which nine tenths of the points are, once there are enough of them to tell.
     pub fn error_so_far(&self) -> Option<f64> {
-        (self.compared.len() >= LEAST_POINTS).then(|| Quantiles::of_points(&self.errors()).p90)
+        (self.compared.len() >= LEAST_TOLD).then(|| Quantiles::of_points(&self.errors()).p90)
     }
 
     /// Rays cast.
