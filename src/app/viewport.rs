@@ -12,7 +12,7 @@ use super::walk::Ground;
 use super::{App, Outbox, divider, line_labels, measure_marks, panels, theme, words};
 use crate::ceiling::up_axis;
 use crate::geometry::Occluders;
-use crate::render::{Camera, Display, Exposure};
+use crate::render::{Camera, Display, Exposure, Marks};
 use crate::scene::{CameraPose, Scene};
 use crate::solver::USUAL_ERROR;
 use crate::survey::Ray;
@@ -375,7 +375,7 @@ pub(super) fn show(app: &mut App, ui: &mut Ui, outbox: &mut Outbox) -> Option<Cl
             noise: can_gather.then(|| snapshot.stats.error_asked.unwrap_or(USUAL_ERROR) as f32),
             snapshot: other.or(by_clusters).unwrap_or(snapshot),
             beside,
-            overlay: app.display.overlay(deepest, is_dark, marks),
+            overlay: app.display.overlay(deepest, is_dark, if app.is_full_picture { Marks::default() } else { marks }),
             size,
         };
         app.view.picture = Some(picture.clone());

@@ -13,6 +13,8 @@ use crate::support::{click, coarse, cornell, finish, link_choice, picture, share
 fn inspected() -> Harness<'static, App> {
     let mut window = cornell(coarse());
     finish(&mut window);
+    // All columns of its table have room then.
+    click(&mut window, words::SETTINGS);
     click(&mut window, words::INSPECTOR);
     pick_the_middle(&mut window);
     window

@@ -173,3 +173,42 @@ fn a_tooltip_says_what_a_change_costs() {
         window.query_by_label_contains("Lower tests links again; higher merges links back.").is_some()
     });
 }
+
+/// Truth: pixels. While a dimmer is dragged the exposure holds, so that less light is seen as less.
+#[test]
+fn a_lamp_is_seen_dimmer_while_it_is_dragged() {
+    let mut window = cornell();
+    open_light(&mut window);
+    let lamp = lamp_name(&window);
+    let name = format!("Dimmer of {lamp}");
+    let dimmer = window.get_by_role_and_label(Role::Slider, &name).rect();
+    let power = window.state().snapshot().expect("a picture").stats.power_watts;
+    let brightness = |window: &mut Harness<'static, App>| {
+        let view = window.state().view_rect();
+        let frame = window.render().expect("a frame can be drawn");
+        let [left, top, right, bottom] = [view.left(), view.top() + 60.0, view.right(), view.bottom() - 60.0];
+        let mut sum = 0.0;
+        for y in (top as u32..bottom as u32).step_by(4) {
+            for x in (left as u32..right as u32).step_by(4) {
+                sum += f64::from(frame.get_pixel(x, y)[1]);
+            }
+        }
+        sum
+    };
+    let before = brightness(&mut window);
+    window.drag_at(dimmer.left_center() + egui::vec2(40.0, 0.0));
+    window.step();
+    window.hover_at(dimmer.left_center() + egui::vec2(12.0, 0.0));
+    until(&mut window, "a dim lamp", |window| {
+        let stats = window.state().snapshot().map(|shown| (shown.stats.power_watts, shown.stats.converged));
+        stats.is_some_and(|(now, is_done)| is_done && now > 0.0 && now < 0.4 * power)
+    });
+    window.run_steps(3);
+    let held = brightness(&mut window);
+    assert!(held < 0.8 * before, "{held} of {before}");
+    window.drop_at(dimmer.left_center() + egui::vec2(12.0, 0.0));
+    finish(&mut window);
+    window.run_steps(4);
+    let metered = brightness(&mut window);
+    assert!(metered > held, "the exposure follows again: {metered} after {held}");
+}

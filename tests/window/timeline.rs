@@ -4,7 +4,7 @@ use egui::Key;
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 use selflink::app::{App, words};
-use selflink::solver::{Epsilon, SolverParams};
+use selflink::solver::{Epsilon, ParameterId, SolverParams};
 
 use crate::support::{click, cornell, finish, picture, share_of_different_pixels, until};
 
@@ -69,4 +69,21 @@ fn steps_are_played_from_the_first_to_the_present() {
     }
     assert_eq!(seen, (0..steps).collect::<Vec<_>>());
     assert_eq!(window.state().snapshot().expect("a picture").stats.links, links_at_the_end);
+}
+
+/// Truth: the solve's own first step, and what can then be read by name.
+#[test]
+fn a_study_opens_the_method_and_replays_the_solve() {
+    let mut window = cornell(SolverParams::usual());
+    finish(&mut window);
+    let threshold = words::parameter(ParameterId::Epsilon);
+    assert!(window.query_by_label(threshold).is_none(), "the method is folded away");
+    click(&mut window, words::STUDY);
+    until(&mut window, "the first step", |window| moment(window) == Some(0));
+    assert!(window.query_all_by_label(threshold).next().is_some());
+    let why = window.query_all_by_label_contains("used with the choice Stop at").next();
+    assert!(why.is_some(), "what has no effect says why");
+    until(&mut window, "its links", |window| window.query_by_label_contains("drawn").is_some());
+    click(&mut window, words::LATEST);
+    until(&mut window, "the present", |window| moment(window).is_none());
 }

@@ -36,12 +36,16 @@ pub(super) fn show_sides(app: &mut App, ui: &mut Ui, outbox: &mut Outbox) {
         return;
     };
     let widths = layout::LEAST_SETTINGS.min(most)..=most;
-    let panel = egui::Panel::left("sections").default_size(theme::PANEL_WIDTH.min(most)).size_range(widths);
+    // Where they have little room, beside a tool or in a small window, they keep the width that they have otherwise for later.
+    let id = if most < theme::PANEL_WIDTH { "narrow sections" } else { "sections" };
+    let panel = egui::Panel::left(id).default_size(theme::PANEL_WIDTH.min(most)).size_range(widths);
     let shown = panel.show(ui, |ui| {
         ScrollArea::vertical().auto_shrink([false, false]).show(ui, |ui| {
             // Beside the scroll bar, which floats.
             egui::Frame::new().inner_margin(egui::Margin { right: 8, top: 4, bottom: 8, left: 0 }).show(ui, |ui| {
-                show_sections(app, ui, outbox);
+                // What is folded away is so in either.
+                let same = egui::UiBuilder::new().scope_id(egui::Id::unique("settings"));
+                ui.scope_builder(same, |ui| show_sections(app, ui, outbox));
             });
         });
     });
