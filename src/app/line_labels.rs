@@ -24,7 +24,7 @@ pub(super) fn show(ui: &Ui, view: Rect, pixels: &Pixels, unit: Unit) {
     let painter = ui.painter_at(view);
     let scale = view.size() / egui::Vec2::from(pixels.size.map(|side| side as f32));
     for (index, label) in pixels.labels.iter().enumerate() {
-        let text = format::number((unit.per_watt() * label.value).into());
+        let text = format::short((unit.per_watt() * label.value).into());
         let at = view.min + scale * vec2(label.at.x, label.at.y);
         let write = |at, colour| {
             let galley = painter.layout_no_wrap(text.clone(), FontId::proportional(12.0), colour);

@@ -137,7 +137,8 @@ fn lines_of_a_gathered_picture_carry_their_values() {
     let places: Vec<egui::Pos2> =
         window.query_all_by_label_contains("Line at ").map(|label| label.rect().center()).collect();
     for label in window.query_all_by_label_contains("Line at ") {
-        let name = label.accesskit_node().label().expect("a name");
+        let node = label.accesskit_node();
+        let name = node.label().or_else(|| node.value()).expect("a name");
         let value = name.trim_start_matches("Line at ");
         assert!(window.query_all_by_label(value).next().is_some(), "the legend has {value}");
     }
