@@ -68,7 +68,7 @@ impl Names {
                     Some((path, _)) => format!("{path}: {polygons} of it"),
                     None => match self.contents(hierarchy, scene, cluster) {
                         contents if contents.is_empty() => format!("cluster of {polygons}"),
-                        contents => format!("{contents} ({polygons})"),
+                        contents => contents,
                     },
                 }
             }
@@ -95,7 +95,7 @@ impl Names {
             Shape::Patch(_) => {
                 let first = element.parent().and_then(|parent| hierarchy.element(parent).children().next());
                 let number = first.map_or(0, |first| id.0 - first.0) + 1;
-                format!("quarter {number}")
+                format!("child {number}")
             }
         }
     }
@@ -116,23 +116,29 @@ impl Names {
         }
     }
 
-    /// The topmost groups that a cluster has polygons of, those with most of them first; two by name, the others in number.
+    /// The topmost groups that a cluster has polygons of: how many, and two by name, those that emit most first, then those with
+    /// most polygons.
     fn contents(&self, hierarchy: &Hierarchy, scene: &Scene, cluster: &Cluster) -> String {
-        let mut counts: FxHashMap<GroupId, usize> = FxHashMap::default();
+        let mut weights: FxHashMap<GroupId, (f32, usize)> = FxHashMap::default();
         for &id in hierarchy.patches_below(cluster) {
             if let Shape::Patch(patch) = &hierarchy.element(id).shape
                 && let Some(polygon) = scene.polygons.get(patch.polygon as usize)
             {
-                *counts.entry(topmost_group(scene, polygon.group)).or_default() += 1;
+                let (power, polygons) = weights.entry(topmost_group(scene, polygon.group)).or_default();
+                *power += scene.area(polygon) * scene.surface(polygon).emission.max_element();
+                *polygons += 1;
             }
         }
-        counts.remove(&GroupId(0));
-        let mut counts: Vec<(GroupId, usize)> = counts.into_iter().collect();
-        counts.sort_by(|(a, one), (b, other)| other.cmp(one).then(a.cmp(b)));
-        let named: Vec<String> = counts.iter().take(NAMED).map(|(group, _)| scene.group_path(*group)).collect();
-        match counts.len().saturating_sub(NAMED) {
-            0 => named.join(", "),
-            others => format!("{} and {others} more", named.join(", ")),
+        weights.remove(&GroupId(0));
+        let mut weights: Vec<(GroupId, (f32, usize))> = weights.into_iter().collect();
+        weights.sort_by(|(a, one), (b, other)| other.0.total_cmp(&one.0).then(other.1.cmp(&one.1)).then(a.cmp(b)));
+        let named: Vec<String> = weights.iter().take(NAMED).map(|(group, _)| scene.group_path(*group)).collect();
+        let named = named.join(", ");
+        match weights.len() {
+            0 => String::new(),
+            1 => named,
+            count if count > NAMED => format!("{count} objects: {named}, …"),
+            count => format!("{count} objects: {named}"),
         }
     }
 
@@ -217,7 +223,7 @@ mod tests {
         let Shape::Cluster(root) = &hierarchy.element(Hierarchy::ROOT).shape else {
             unreachable!("the root is a cluster")
         };
-        assert_eq!(names.contents(&hierarchy, &scene, root), "room, post");
+        assert_eq!(names.contents(&hierarchy, &scene, root), "2 objects: room, post");
     }
 
     /// Truth: the nearest group above both, by hand.

@@ -83,6 +83,46 @@ impl Unit {
     }
 }
 
+/// Colour temperatures for which [`tint_of_temperature`] is defined, K.
+pub const TEMPERATURES: std::ops::RangeInclusive<f32> = 1667.0..=25_000.0;
+
+/// The linear RGB colour of a black body, its largest channel 1: the cubic approximation of Planck's locus by Kim et al., US patent
+/// 7024034 (2002), in sRGB primaries; a channel outside of these is 0.
+pub fn tint_of_temperature(kelvin: f32) -> [f32; 3] {
+    let t = f64::from(kelvin.clamp(*TEMPERATURES.start(), *TEMPERATURES.end()));
+    let cubic = |[a, b, c, d]: [f64; 4], x: f64| ((a * x + b) * x + c) * x + d;
+    let x = match t {
+        ..4000.0 => cubic([-0.266_123_9e9, -0.234_358_9e6, 0.877_695_6e3, 0.179_910], 1.0 / t),
+        _ => cubic([-3.025_846_9e9, 2.107_037_9e6, 0.222_634_7e3, 0.240_390], 1.0 / t),
+    };
+    let y = match t {
+        ..2222.0 => cubic([-1.106_381_4, -1.348_110_2, 2.185_558_32, -0.202_196_83], x),
+        ..4000.0 => cubic([-0.954_947_6, -1.374_185_93, 2.091_370_15, -0.167_488_67], x),
+        _ => cubic([3.081_758, -5.873_386_7, 3.751_129_97, -0.370_014_83], x),
+    };
+    let (big_x, big_z) = (x / y, (1.0 - x - y) / y);
+    let rgb = [
+        3.240_454_2 * big_x - 1.537_138_5 - 0.498_531_4 * big_z,
+        -0.969_266 * big_x + 1.876_010_8 + 0.041_556 * big_z,
+        0.055_643_4 * big_x - 0.204_025_9 + 1.057_225_2 * big_z,
+    ];
+    let most = rgb.into_iter().fold(f64::MIN_POSITIVE, f64::max);
+    rgb.map(|channel| (channel.max(0.0) / most) as f32)
+}
+
+/// The temperature whose colour is nearest to a tint, K, and how far that is off, as the largest difference of a channel.
+pub fn temperature_of_tint(tint: [f32; 3]) -> (f32, f32) {
+    let off = |kelvin: f32| {
+        let of = tint_of_temperature(kelvin);
+        of.into_iter().zip(tint).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max)
+    };
+    // In steps of equal reciprocals, which look alike.
+    let (low, high) = (1.0 / TEMPERATURES.end(), 1.0 / TEMPERATURES.start());
+    let steps = (0..=800).map(|step| 1.0 / (low + (high - low) * step as f32 / 800.0));
+    let nearest = steps.min_by(|a, b| off(*a).total_cmp(&off(*b))).unwrap_or(6500.0);
+    (nearest, off(nearest))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -95,5 +135,24 @@ mod tests {
         assert!(green > red && red > blue && (red + green + blue - 179.0).abs() < 1e-3);
         assert!(CONVENTION.contains(FORMULA));
         assert_eq!(Unit::Lumens.per_watt() * weighted([2.0; 3]), lux([2.0; 3]));
+    }
+
+    /// Truth: the chromaticity of CIE illuminant A, 2856 K, and of daylight-like white; a temperature comes back from its colour.
+    #[test]
+    fn colour_temperatures() {
+        let chromaticity = |[r, g, b]: [f32; 3]| {
+            let x = 0.412_456_4 * r + 0.357_576_1 * g + 0.180_437_5 * b;
+            let y = 0.212_672_9 * r + 0.715_152_2 * g + 0.072_175 * b;
+            let z = 0.019_333_9 * r + 0.119_192 * g + 0.950_304_1 * b;
+            [x / (x + y + z), y / (x + y + z)]
+        };
+        let [x, y] = chromaticity(tint_of_temperature(2856.0));
+        assert!((x - 0.447_58).abs() < 1e-3 && (y - 0.407_45).abs() < 1e-3, "{x} {y}");
+        assert!(tint_of_temperature(6500.0).into_iter().all(|channel| channel > 0.93));
+        for kelvin in [2000.0, 2700.0, 4000.0, 6500.0, 10_000.0] {
+            let (found, off) = temperature_of_tint(tint_of_temperature(kelvin));
+            assert!((found / kelvin - 1.0).abs() < 0.02 && off < 0.02, "{kelvin} K: {found} K");
+        }
+        assert!(temperature_of_tint([0.0, 1.0, 0.0]).1 > 0.2, "green is no temperature");
     }
 }

@@ -97,6 +97,17 @@ pub fn auto_exposure(snapshot: &Snapshot) -> f32 {
     if exposure.is_finite() && exposure > 0.0 { exposure.clamp(1e-30, 1e30) as f32 } else { 1.0 }
 }
 
+/// The factor on radiosities, m²/W, that exposes what is seen well: its median is brought to the key, unless a share of it would
+/// then be blown out. `None` where nothing lit is seen. Radiosities are weighted as the eye does, W/m², and those of equal parts
+/// of the view, lamps aside.
+pub fn exposure_of_seen(radiosities: &mut [f32]) -> Option<f32> {
+    radiosities.sort_unstable_by(f32::total_cmp);
+    let at = |share: f64| radiosities.get((share * radiosities.len() as f64) as usize).copied();
+    let (median, highlight) = (at(0.5)?, at(1.0 - HIGHLIGHT_AREA)?);
+    let exposure = (KEY / median).min(HIGHLIGHT / highlight);
+    (median > 0.0 && exposure.is_finite() && exposure > 0.0).then(|| exposure.clamp(1e-30, 1e30))
+}
+
 /// Luminance of a linear RGB radiosity, W/m².
 fn luminance(radiosity: [f32; 3]) -> f64 {
     weighted(radiosity).into()
@@ -205,6 +216,18 @@ mod tests {
         let many: Vec<_> = (0..300_210).map(leaf).collect();
         let ratio = auto_exposure(&snapshot(&few)) / auto_exposure(&snapshot(&many));
         assert!((ratio - 1.0).abs() < 0.01, "{ratio}");
+    }
+
+    /// Truth: the definition, by hand.
+    #[test]
+    fn the_median_of_what_is_seen_is_brought_to_the_key() {
+        let mut even: Vec<f32> = (0..101).map(|index| 0.5 + 0.01 * index as f32).collect();
+        assert!((exposure_of_seen(&mut even).expect("lit") - KEY).abs() < 1e-6);
+        let mut window = vec![0.001; 90];
+        window.extend([50.0; 10]);
+        assert_eq!(exposure_of_seen(&mut window), Some(HIGHLIGHT / 50.0));
+        assert_eq!(exposure_of_seen(&mut [0.0, 0.0, 1.0]), None);
+        assert_eq!(exposure_of_seen(&mut []), None);
     }
 
     #[test]

@@ -175,9 +175,9 @@ fn a_window_is_opened_driven_and_closed() {
     person.focus();
     person.hold('w', Duration::from_millis(400));
     let flown = person.until("the view flying", |view| difference(&turned, view) > 0.05);
-    // Pick: links are drawn from the surface at the pointer.
+    // Select: a tag comes beside the surface at the pointer.
     person.click([800, 400]);
-    person.until("links being drawn", |view| difference(&flown, view) > 0.002);
+    person.until("the tag", |view| difference(&flown, view) > 0.002);
 
     // As small as a window can be, and back.
     person.resize([1, 1]);

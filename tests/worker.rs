@@ -14,7 +14,7 @@ use dice::Dice;
 use selflink::scene::builtin::BuiltinScene;
 use selflink::scene::{CameraPose, MaterialId, Sidecar, Sides, Source};
 use selflink::solver::{ClusteringMode, Epsilon, SolverParams};
-use selflink::worker::{Command, Event, Look, RunState, SolverThread};
+use selflink::worker::{Command, ErrorOfMesh, Event, Look, RunState, SolverThread};
 
 const PATIENCE: Duration = Duration::from_secs(60);
 
@@ -112,6 +112,50 @@ fn a_failing_load_keeps_the_scene_that_is_there() {
     let after = wait_for_event(&worker, "the edit", |event| matches!(event, Event::SceneEdited(_)));
     let Event::SceneEdited(info) = after else { panic!("{after:?}") };
     assert_eq!(info.scene.materials[0].emission, glam::Vec3::splat(3.0));
+}
+
+/// Truth: counts of tested links. A scene that another one is about to replace leaves it the cores, and goes on where that fails.
+#[test]
+fn the_old_scene_rests_while_another_is_opened() {
+    let worker = spawn(SolverParams { epsilon: Epsilon::Relative(1e-5), ..SolverParams::default() });
+    load(&worker, BuiltinScene::Seminar { polygons: BuiltinScene::SEMINAR_POLYGONS });
+    wait_for("some links", || worker.latest().filter(|snapshot| snapshot.stats.pairs_judged > 1000));
+    worker.send(Command::load(Source::Builtin(BuiltinScene::Office)));
+    wait_for("the load", || worker.status().loading.is_some().then_some(()));
+    // The picture that is owed at the command comes still.
+    std::thread::sleep(Duration::from_millis(100));
+    let judged = || worker.latest().map(|snapshot| (snapshot.generation, snapshot.stats.pairs_judged));
+    let resting = judged();
+    let first = resting.map_or(0, |(generation, _)| generation);
+    wait_for("the other scene", || {
+        let now = judged();
+        let is_other = now.is_some_and(|(generation, _)| generation > first);
+        assert!(is_other || now == resting, "{now:?} after {resting:?}");
+        is_other.then_some(())
+    });
+
+    worker.send(Command::load(Source::File("no/such/room.obj".into())));
+    wait_for_event(&worker, "the failure", |event| matches!(event, Event::LoadFailed(_)));
+    let before = judged();
+    wait_for("going on", || (judged() > before || worker.status().run == RunState::Finished).then_some(()));
+}
+
+/// Truth: the solution at hand. A solve by ε tells its error after its links have settled; a change takes that back.
+#[test]
+fn a_solve_by_threshold_tells_its_error() {
+    let worker = spawn(coarse());
+    load(&worker, BuiltinScene::Cornell);
+    wait_until_finished(&worker);
+    let measured = |worker: &SolverThread| match worker.status().mesh_error {
+        ErrorOfMesh::Measured(found) => Some(found),
+        ErrorOfMesh::Unknown | ErrorOfMesh::Measuring => None,
+    };
+    let found = wait_for("its error", || measured(&worker));
+    assert!(found.p90 > 0.05 && found.standard_error > 0.0 && found.points >= 60, "{found:?}");
+    worker.send(Command::SetParams(SolverParams { epsilon: Epsilon::Relative(1e-4), ..coarse() }));
+    wait_for("the change", || measured(&worker).is_none().then_some(()));
+    let finer = wait_for("its error", || measured(&worker));
+    assert!(finer.p90 < found.p90, "{finer:?} {found:?}");
 }
 
 #[test]

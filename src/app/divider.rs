@@ -22,7 +22,7 @@ pub(super) fn show(ui: &mut Ui, view: Rect, freeze: &mut Freeze) {
     let painter = ui.painter_at(view);
     match freeze.sides {
         Sides::Split => show_divider(ui, &painter, view, &mut freeze.divider),
-        Sides::A => label(&painter, pos2(view.center().x, view.top() + 12.0), Align2::CENTER_TOP, "A, frozen"),
+        Sides::A => label(&painter, pos2(view.center().x, view.top() + 12.0), Align2::CENTER_TOP, "A, kept"),
         Sides::B => label(&painter, pos2(view.center().x, view.top() + 12.0), Align2::CENTER_TOP, "B, running"),
         // Its legend says what it is.
         Sides::Difference => {}
@@ -53,7 +53,7 @@ fn show_divider(ui: &Ui, painter: &Painter, view: Rect, share: &mut f32) {
         painter.line_segment([tip, tip + vec2(-side * 3.0, -3.0)], Stroke::new(1.5, colour));
         painter.line_segment([tip, tip + vec2(-side * 3.0, 3.0)], Stroke::new(1.5, colour));
     }
-    label(painter, pos2(x - 12.0, view.top() + 12.0), Align2::RIGHT_TOP, "A, frozen");
+    label(painter, pos2(x - 12.0, view.top() + 12.0), Align2::RIGHT_TOP, "A, kept");
     label(painter, pos2(x + 12.0, view.top() + 12.0), Align2::LEFT_TOP, "B, running");
     if is_held {
         ui.ctx().set_cursor_icon(CursorIcon::ResizeHorizontal);

@@ -81,6 +81,15 @@ impl Facts {
         Some(lit.with_polygon(scene, leaf.polygon))
     }
 
+    /// What the element is called in a word or two.
+    pub(super) fn name(&self) -> String {
+        match (&self.material, self.group.as_str()) {
+            (Some(material), "") => material.clone(),
+            (Some(material), group) => format!("{} ({material})", group.rsplit('/').next().unwrap_or(group)),
+            (None, _) => format!("cluster of {}", crate::format::things(self.polygons, "polygon", "polygons")),
+        }
+    }
+
     fn unlit() -> Self {
         Self {
             material: None,

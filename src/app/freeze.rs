@@ -8,7 +8,6 @@ use super::Wake;
 use super::comparison::Shading;
 use super::paint::Beside;
 use crate::accuracy::{Contrast, contrast};
-use crate::render::{Exposure, auto_exposure};
 use crate::solver::{Snapshot, SolverParams};
 
 /// What the view shows while a solution is kept.
@@ -29,8 +28,8 @@ pub(super) struct Frozen {
     pub params: SolverParams,
     /// RMS error by the reference and its standard error, where it was measured.
     pub measured: Option<(f64, f64)>,
-    /// Its automatic exposure, m²/W.
-    auto_exposure: f32,
+    /// The exposure of the view when it was kept, without its correction, m²/W.
+    exposure: f32,
 }
 
 /// State of the comparison.
@@ -60,10 +59,15 @@ impl Default for Freeze {
 
 impl Freeze {
     /// Keeps a solution as A.
-    pub(super) fn keep(&mut self, snapshot: Arc<Snapshot>, params: SolverParams, measured: Option<(f64, f64)>) {
+    pub(super) fn keep(
+        &mut self,
+        snapshot: Arc<Snapshot>,
+        params: SolverParams,
+        measured: Option<(f64, f64)>,
+        exposure: f32,
+    ) {
         self.let_go();
-        let auto_exposure = auto_exposure(&snapshot);
-        self.frozen = Some(Frozen { snapshot, params, measured, auto_exposure });
+        self.frozen = Some(Frozen { snapshot, params, measured, exposure });
     }
 
     /// Lets A go.
@@ -77,12 +81,9 @@ impl Freeze {
         self.frozen.as_ref()
     }
 
-    /// The exposure of both, which is A's while one is kept: whoever compares wants no other difference.
-    pub(super) fn exposure(&self, chosen: Exposure) -> Exposure {
-        match &self.frozen {
-            Some(frozen) => Exposure::Manual { stops: chosen.factor(frozen.auto_exposure).log2() },
-            None => chosen,
-        }
+    /// The metered exposure of both, m²/W, which is A's while one is kept: whoever compares wants no other difference.
+    pub(super) fn exposure(&self, metered: f32) -> f32 {
+        self.frozen.as_ref().map_or(metered, |frozen| frozen.exposure)
     }
 
     /// RMS difference of B to A as a share of A's RMS radiosity, of the newest B for which it was found.

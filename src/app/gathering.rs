@@ -13,7 +13,7 @@ use super::Wake;
 use crate::cancel::CancelToken;
 use crate::gather::Field;
 use crate::picture::{GatheredPicture, Start};
-use crate::render::{Camera, Display, Pixels, Reading, auto_exposure, developed};
+use crate::render::{Camera, Display, Pixels, Reading, developed};
 use crate::solver::{Snapshot, USUAL_ERROR};
 use crate::threads::lock;
 
@@ -77,8 +77,6 @@ pub(super) struct Gathering {
     /// What the frame before showed, and whether it was asked for.
     last: Option<(Sitting, Look)>,
     is_asked: bool,
-    /// Automatic exposure of the snapshot of this generation and serial, m²/W.
-    exposure: Option<((u64, u64), f32)>,
 }
 
 impl Gathering {
@@ -88,14 +86,7 @@ impl Gathering {
         let slot = Slot::default();
         let easel = Easel { inbox, slot: slot.clone(), wake: wake.clone(), pool: pool(), serial: 0 };
         let started = Builder::new().name("picture".into()).spawn(move || easel.run());
-        Self {
-            asks: started.is_ok().then_some(asks),
-            slot,
-            cancel: CancelToken::new(),
-            last: None,
-            is_asked: false,
-            exposure: None,
-        }
+        Self { asks: started.is_ok().then_some(asks), slot, cancel: CancelToken::new(), last: None, is_asked: false }
     }
 
     /// The picture of what the view shows, as far as it is; `None` while it shows the mesh. Asks for one once the view has
@@ -109,11 +100,10 @@ impl Gathering {
         ctx: &egui::Context,
     ) -> Option<Painted> {
         let field = snapshot.field.clone()?;
-        let auto = self.auto_exposure(snapshot);
         let error = snapshot.stats.error_asked.unwrap_or(USUAL_ERROR) as f32;
         let has_lines = display.reading.is_some_and(|reading| !reading.isolines.values().is_empty());
         let sitting = Sitting { field, camera: *camera, size, error, has_lines };
-        let look = Look { exposure: display.exposure.factor(auto), reading: display.reading };
+        let look = Look { exposure: display.exposure.factor(1.0), reading: display.reading };
         let is_same = self.last.as_ref().is_some_and(|(last, _)| *last == sitting);
         let looks_same = self.last.as_ref().is_some_and(|(_, last)| *last == look);
         if !is_same {
@@ -140,18 +130,6 @@ impl Gathering {
             (self.cancel, self.is_asked) = (CancelToken::new(), false);
             if let Some(asks) = &self.asks {
                 let _ = asks.send(None);
-            }
-        }
-    }
-
-    fn auto_exposure(&mut self, snapshot: &Snapshot) -> f32 {
-        let key = (snapshot.generation, snapshot.serial);
-        match self.exposure {
-            Some((known, exposure)) if known == key => exposure,
-            _ => {
-                let exposure = auto_exposure(snapshot);
-                self.exposure = Some((key, exposure));
-                exposure
             }
         }
     }

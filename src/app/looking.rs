@@ -7,6 +7,8 @@ use crate::worker::{Command, Look};
 
 /// Each step stays in view for this long while they are played, unless its picture takes longer.
 const STEP_TIME: Duration = Duration::from_millis(450);
+/// The same for somebody who studies them.
+const STUDY_TIME: Duration = Duration::from_millis(1500);
 
 /// The moment in view, and what was last asked for.
 #[derive(Default)]
@@ -16,6 +18,8 @@ pub(super) struct Looking {
     pub moment: Option<usize>,
     /// When the present step came into view while steps are being played, by the window's clock, seconds.
     playing_since: Option<f64>,
+    /// Whether steps are played slowly.
+    is_slow: bool,
     generation: u64,
 }
 
@@ -28,9 +32,18 @@ impl Looking {
     /// Plays the steps, from the first one where the present is in view, or stops playing.
     pub(super) fn play_or_stop(&mut self, now: f64) {
         if self.playing_since.take().is_none() {
-            self.playing_since = Some(now);
+            (self.playing_since, self.is_slow) = (Some(now), false);
             self.moment = Some(self.moment.unwrap_or(0));
         }
+    }
+
+    /// Plays the steps slowly, from the first one.
+    pub(super) fn study(&mut self, now: f64) {
+        (self.playing_since, self.is_slow, self.moment) = (Some(now), true, Some(0));
+    }
+
+    fn step_time(&self) -> Duration {
+        if self.is_slow { STUDY_TIME } else { STEP_TIME }
     }
 
     /// Shows a moment, or the present; nothing is played any longer.
@@ -45,16 +58,16 @@ impl Looking {
         if shown.is_none_or(|snapshot| snapshot.moment != self.moment) {
             // Its picture is still being made.
             self.playing_since = Some(now);
-            return Some(STEP_TIME);
+            return Some(self.step_time());
         }
-        let left = STEP_TIME.as_secs_f64() - (now - since);
+        let left = self.step_time().as_secs_f64() - (now - since);
         if left > 0.0 {
             return Some(Duration::from_secs_f64(left));
         }
         let next = self.moment.map_or(0, |moment| moment + 1);
         if next < moments {
             (self.moment, self.playing_since) = (Some(next), Some(now));
-            return Some(STEP_TIME);
+            return Some(self.step_time());
         }
         self.show(None);
         None

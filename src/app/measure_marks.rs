@@ -5,6 +5,7 @@ use glam::{Mat4, Vec3};
 
 use super::measuring::Measuring;
 use super::{format, theme};
+use crate::geometry::Occluders;
 use crate::photometry::{lux, weighted};
 use crate::render::{Camera, Reading};
 
@@ -19,10 +20,19 @@ const LEAST_LABELLED: f32 = 5.0;
 /// More values than this are not written: nobody could read them.
 const MOST_VALUES: usize = 400;
 const PROBE_RADIUS: f32 = 5.0;
+/// What stands nearer than this share of the distance hides a point.
+const NEARLY: f32 = 0.995;
 
 /// Draws what was measured over the view.
-pub(super) fn show(painter: &Painter, view: Rect, camera: &Camera, measuring: &Measuring, reading: Option<&Reading>) {
-    let eye = Eye::new(view, camera);
+pub(super) fn show(
+    painter: &Painter,
+    view: Rect,
+    camera: &Camera,
+    measuring: &Measuring,
+    reading: Option<&Reading>,
+    occluders: &Occluders,
+) {
+    let eye = Eye::new(view, camera, occluders);
     if measuring.shows_points
         && let Some(scale) = measuring.plane_scale(reading)
     {
@@ -39,13 +49,15 @@ pub(super) fn show(painter: &Painter, view: Rect, camera: &Camera, measuring: &M
     }
 }
 
-fn show_plane(painter: &Painter, eye: &Eye, measuring: &Measuring, scale: &Reading) {
+fn show_plane(painter: &Painter, eye: &Eye<'_>, measuring: &Measuring, scale: &Reading) {
     let Some(plane) = measuring.plane_reading() else { return };
     let grid = &plane.grid;
     let (across, along) = grid.up.any_orthonormal_pair();
     let mut seen: Vec<(Pos2, f32, Vec3, Vec3)> = Vec::new();
     for (point, value) in grid.points.iter().zip(&plane.values) {
-        if let (Some(value), Some((at, points_per_length))) = (value, eye.project(*point)) {
+        if let (Some(value), Some((at, points_per_length))) = (value, eye.project(*point))
+            && eye.sees(*point)
+        {
             seen.push((at, points_per_length, *point, *value));
         }
     }
@@ -93,7 +105,9 @@ fn label(painter: &Painter, at: Pos2, align: Align2, text: &str, size: f32) {
 }
 
 /// Where points of the room lie in the view.
-struct Eye {
+struct Eye<'a> {
+    place: Vec3,
+    occluders: &'a Occluders,
     clip_from_world: Mat4,
     near: f32,
     view: Rect,
@@ -101,11 +115,20 @@ struct Eye {
     focal: f32,
 }
 
-impl Eye {
-    fn new(view: Rect, camera: &Camera) -> Self {
+impl<'a> Eye<'a> {
+    fn new(view: Rect, camera: &Camera, occluders: &'a Occluders) -> Self {
         let aspect = view.width() / view.height().max(1.0);
         let focal = 0.5 * view.height() / (0.5 * camera.vfov()).tan();
-        Self { clip_from_world: camera.clip_from_world(aspect), near: camera.near(), view, focal }
+        let place = camera.eye();
+        Self { place, occluders, clip_from_world: camera.clip_from_world(aspect), near: camera.near(), view, focal }
+    }
+
+    /// Whether nothing that is drawn stands before a point.
+    fn sees(&self, point: Vec3) -> bool {
+        let away = point - self.place;
+        let Some(direction) = away.try_normalize() else { return true };
+        let first = self.occluders.first_front(self.place, direction);
+        first.is_none_or(|hit| hit.distance > NEARLY * away.length())
     }
 
     /// Where a point lies, and how many points of the view a length of 1 takes there; `None` outside.

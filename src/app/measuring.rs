@@ -6,13 +6,16 @@ use glam::Vec3;
 
 use super::Wake;
 use super::save_dialog::SaveDialog;
-use crate::photometry::Quantity;
+use crate::photometry::{Quantity, weighted};
 use crate::render::{ColourScale, Isolines, Ramp, Reading, Spacing};
 use crate::scene::Scene;
 use crate::solver::Snapshot;
-use crate::survey::{
-    NamedReading, PlaneReading, Probed, Ray, Report, Summary, Surveyor, WorkPlane, write_plane, write_probes,
-};
+use crate::survey::{NamedReading, PlaneReading, Probed, Ray, Report, Surveyor, WorkPlane, write_plane, write_probes};
+
+/// Maintained illuminance of a task area for writing and reading (EN 12464-1), lx.
+const USUAL_TARGET: f32 = 500.0;
+/// Share of the points that the scale of a work plane spans, from the darkest.
+const SCALED_SHARE: f32 = 0.98;
 
 /// A place on a surface that a person reads.
 pub(super) struct Probe {
@@ -40,12 +43,16 @@ pub(super) struct Measuring {
     /// Whether a click places a probe.
     pub places_probes: bool,
     probes: Vec<Probe>,
+    /// Point and normal of what is selected, which is read like a probe.
+    selection: Option<(Vec3, Vec3)>,
     /// Probes placed so far, for their names.
     placed: usize,
     /// The plane that is set up; measured when asked.
     pub plane: WorkPlane,
     /// The light and the plane that were asked for.
     asked: Option<(Arc<Snapshot>, WorkPlane)>,
+    /// Average illuminance that the plane is to have, lx.
+    pub target: f32,
     /// Whether the points are drawn over the view.
     pub shows_points: bool,
     /// Whether their values are written there.
@@ -65,9 +72,11 @@ impl Default for Measuring {
             shown: None,
             places_probes: false,
             probes: Vec::new(),
+            selection: None,
             placed: 0,
             plane: WorkPlane::default(),
             asked: None,
+            target: USUAL_TARGET,
             shows_points: true,
             writes_values: true,
             save: SaveDialog::default(),
@@ -89,7 +98,8 @@ impl Measuring {
     /// Shows the surveyor the light in view where it is asked for, and takes up what it found.
     pub(super) fn note(&mut self, scene: &Arc<Scene>, snapshot: &Arc<Snapshot>, is_settled: bool) {
         let Some(surveyor) = &self.surveyor else { return };
-        let is_wanted = self.pointer.is_some() || !self.probes.is_empty() || self.asked.is_some();
+        let is_probed = !self.probes.is_empty() || self.selection.is_some();
+        let is_wanted = self.pointer.is_some() || is_probed || self.asked.is_some();
         if is_wanted && self.shown.as_ref().is_none_or(|shown| !Arc::ptr_eq(shown, snapshot)) {
             surveyor.show(scene.clone(), snapshot.clone());
             self.shown = Some(snapshot.clone());
@@ -144,9 +154,30 @@ impl Measuring {
         self.send_probes();
     }
 
+    /// Reads a place on a surface that is selected, or none.
+    pub(super) fn select(&mut self, place: Option<(Vec3, Vec3)>, wake: &Wake) {
+        if place == self.selection {
+            return;
+        }
+        self.selection = place;
+        if place.is_some() {
+            self.with_surveyor(wake, |_| {});
+        }
+        self.send_probes();
+        wake();
+    }
+
+    /// Irradiance of the selection and, where it was gathered, its standard error, W/m².
+    pub(super) fn at_selection(&self) -> Option<(Vec3, Option<Vec3>)> {
+        let (point, _) = self.selection?;
+        let reading = self.report.probes.iter().find(|found| found.point == point)?.reading?;
+        Some((reading.irradiance, reading.standard_error))
+    }
+
     fn send_probes(&self) {
         if let Some(surveyor) = &self.surveyor {
-            surveyor.probe(self.probes.iter().map(|probe| (probe.point, probe.normal)).collect());
+            let probes = self.probes.iter().map(|probe| (probe.point, probe.normal));
+            surveyor.probe(probes.chain(self.selection).collect());
         }
     }
 
@@ -199,14 +230,16 @@ impl Measuring {
         self.report.plane.as_ref().filter(|_| self.asked.is_some())
     }
 
-    /// How its values are coloured: as the irradiance in view where there is a legend of it, otherwise from nothing to the brightest point.
+    /// How its values are coloured: as the irradiance in view where there is a legend of it, otherwise from nothing to nearly the brightest point.
     pub(super) fn plane_scale(&self, reading: Option<&Reading>) -> Option<Reading> {
         let plane = self.plane_reading()?;
         if let Some(reading) = reading.filter(|reading| reading.quantity == Quantity::Irradiance) {
             return Some(*reading);
         }
-        let Summary { maximum, .. } = plane.summary();
-        let high = (maximum / crate::photometry::LUMENS_PER_WATT).max(1e-6);
+        // One point right under a lamp does not rule the scale.
+        let mut values: Vec<f32> = plane.values.iter().flatten().map(|value| weighted(value.to_array())).collect();
+        values.sort_unstable_by(f32::total_cmp);
+        let high = values.get((SCALED_SHARE * values.len() as f32) as usize).copied().unwrap_or(0.0).max(1e-6);
         let scale = ColourScale {
             low: 0.0,
             high,

@@ -5,6 +5,8 @@
 //! Imports everything below it; only `main` knows this module.
 
 mod appearance;
+mod best;
+mod camera_menu;
 mod cluster_view;
 mod colour_bar;
 mod comparison;
@@ -21,12 +23,15 @@ mod highlight;
 mod icon;
 mod inspection;
 mod launch;
+mod layout;
 mod lighting;
+mod line_labels;
 mod looking;
 mod marks;
 mod measure_marks;
 mod measuring;
 mod messages;
+mod metering;
 mod paint;
 mod panels;
 mod picked;
@@ -40,7 +45,9 @@ mod time_left;
 mod timeline;
 mod undo;
 mod viewport;
+mod walk;
 mod watch;
+pub mod words;
 
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, channel};
@@ -58,6 +65,7 @@ use crate::scene::{CameraPose, Reading, Source};
 use crate::solver::{Snapshot, SolverParams};
 use crate::worker::{Command, Event, RunState, SceneInfo, SolverThread, Status};
 use appearance::Appearance;
+use best::BestPicture;
 use cluster_view::ClusterScene;
 use comparison::Comparison;
 use device::{DeviceState, Will};
@@ -71,12 +79,13 @@ use looking::Looking;
 use marks::MarksOverView;
 use measuring::Measuring;
 use messages::Messages;
+use metering::Metering;
 use panels::light::LightEditor;
 use picked::PickedElement;
 use readings::ReadingInView;
 use session::Opened;
 use settings::DisplaySettings;
-use time_left::{Clock, TimeLeft};
+use time_left::{Clock, Course};
 use undo::History;
 use viewport::Viewport;
 use watch::Watch;
@@ -121,9 +130,13 @@ pub struct App {
     reading: ReadingInView,
     measuring: Measuring,
     gathering: Gathering,
+    metering: Metering,
+    /// The metered exposure of the view, m²/W.
+    exposure: f32,
     /// The gathered picture in view.
     painted: Option<gathering::Painted>,
     view: Viewport,
+    best: BestPicture,
     appearance: Appearance,
     /// Where the scene in view came from.
     opened: Opened,
@@ -135,7 +148,7 @@ pub struct App {
     /// What the mouse is over, in a panel or in the view.
     pointing: Pointing,
     matrix: dock::LinkMatrix,
-    time_left: TimeLeft,
+    course: Course,
     comparison: Comparison,
     cluster_view: ClusterScene,
     clusters: dock::Clusters,
@@ -147,6 +160,14 @@ pub struct App {
     are_keys_shown: bool,
     /// Whether panels, bars and dock are hidden.
     is_full_picture: bool,
+    /// Whether the settings at the left are wanted.
+    shows_settings: bool,
+    /// Width that they take, points; 0 where they are hidden.
+    settings_width: f32,
+    /// Whether the card of the selected element is open.
+    is_card_open: bool,
+    /// Whether the fold of the method's parameters is to be opened.
+    opens_method: bool,
     looking: Looking,
     wake: Wake,
     clock: Clock,
@@ -210,8 +231,11 @@ impl App {
             reading: ReadingInView::default(),
             measuring: Measuring::default(),
             gathering: Gathering::start(&wake),
+            metering: Metering::default(),
+            exposure: 1.0,
             painted: None,
             view: Viewport::default(),
+            best: BestPicture::default(),
             appearance,
             opened,
             watch: Watch::default(),
@@ -221,7 +245,7 @@ impl App {
             marks: MarksOverView::default(),
             pointing: Pointing::default(),
             matrix: dock::LinkMatrix::default(),
-            time_left: TimeLeft::default(),
+            course: Course::default(),
             comparison: Comparison::default(),
             cluster_view: ClusterScene::default(),
             clusters: dock::Clusters::default(),
@@ -230,6 +254,10 @@ impl App {
             tool: None,
             are_keys_shown: false,
             is_full_picture: false,
+            shows_settings: true,
+            settings_width: 0.0,
+            is_card_open: false,
+            opens_method: false,
             looking: Looking::default(),
             wake,
             clock: Clock::default(),
@@ -304,7 +332,7 @@ impl App {
         }
         let is_newer = self.shown.snapshot.as_ref().is_none_or(|shown| !Arc::ptr_eq(shown, &latest));
         if is_newer {
-            self.time_left.note(&latest.stats);
+            self.course.note(&latest, &self.shown.status.params);
             self.clock.note(self.shown.status.run, true);
             self.looking.follow(&latest);
             self.follow_picked(&latest);
@@ -320,11 +348,31 @@ impl App {
         }
     }
 
+    /// Nothing is selected any longer.
+    fn deselect(&mut self) {
+        (self.picked, self.is_card_open) = (None, false);
+        self.measuring.select(None, &self.wake);
+    }
+
+    /// Shows the picture alone over all of the screen, or the window as it was.
+    fn set_full_screen(&mut self, ctx: &egui::Context, is_full: bool) {
+        self.is_full_picture = is_full;
+        ctx.send_viewport_cmd(egui::ViewportCommand::Fullscreen(is_full));
+    }
+
+    /// Shows how the method works: its parameters, links of a level, and the solve played slowly from the root's self-link.
+    fn study(&mut self, ctx: &egui::Context) {
+        self.opens_method = true;
+        self.display.links.of = settings::LinksOf::Level;
+        self.looking.study(ctx.input(|input| input.time));
+    }
+
     /// Picks any element, patch or cluster, by its id; nothing where the snapshot in view does not know it.
     fn pick_element(&mut self, id: ElementId) {
         let picked = self.shown.snapshot.as_ref().and_then(|snapshot| PickedElement::by_id(snapshot, id));
         if picked.is_some() {
             self.picked = picked;
+            self.measuring.select(None, &self.wake);
         }
     }
 
@@ -396,7 +444,7 @@ impl App {
             ctx.send_viewport_cmd(egui::ViewportCommand::Title(title));
             let is_reload = self.watch.take_reloading();
             self.watch.start_with(&info, &self.wake);
-            self.picked = None;
+            self.deselect();
             self.clusters = dock::Clusters::default();
             self.freeze.let_go();
             let former = self.shown.info.as_ref().map(|former| former.scene.name.as_str());
@@ -438,14 +486,19 @@ impl App {
             return;
         }
         self.picked = PickedElement::at(snapshot, origin, clicked.direction);
+        let mut place = None;
         if let Some(picked) = &self.picked {
             if let Some(leaf) = snapshot.mesh.leaves.iter().find(|leaf| leaf.element == picked.element) {
                 self.light.choose(leaf.material);
+                let polygon = info.scene.polygons.get(leaf.polygon as usize);
+                place = polygon.map(|polygon| (picked.point, info.scene.normal(polygon)));
             }
             if clicked.is_double {
                 self.view.look_at(picked.point + moved_by);
             }
         }
+        self.is_card_open &= self.picked.is_some();
+        self.measuring.select(place, &self.wake);
     }
 }
 
@@ -474,6 +527,12 @@ impl eframe::App for App {
             panels::show_sides(self, ui, &mut outbox);
             egui::Panel::top("tools").show(ui, |ui| {
                 ui.horizontal(|ui| {
+                    let are_shown = layout::Sides::of(self, ui.ctx()).settings.is_some();
+                    let settings = ui.selectable_label(are_shown, words::SETTINGS);
+                    if settings.on_hover_text("Show or hide the panels at the left").clicked() {
+                        self.toggle_settings(ui.ctx());
+                    }
+                    camera_menu::show(self, ui);
                     undo::show_buttons(self, ui, &mut outbox);
                     dock::show_bar(self, ui);
                 });
@@ -491,7 +550,11 @@ impl eframe::App for App {
             }
         });
         shortcuts::show_list(self, ui.ctx());
-        let links_wanted = self.picked.is_some() || self.display.links.of == settings::LinksOf::Level;
+        let links_wanted = match self.display.links.of {
+            settings::LinksOf::Level => true,
+            settings::LinksOf::Picked => self.picked.is_some(),
+            settings::LinksOf::Nothing => self.is_card_open && self.picked.is_some(),
+        };
         let wants_anatomy =
             links_wanted || self.cluster_view.is_active() || self.tool.is_some_and(dock::Tool::reads_anatomy);
         outbox.extend(self.looking.command(wants_anatomy));

@@ -45,9 +45,9 @@ pub(super) struct LinkOverlay {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub(super) enum LinksOf {
     /// Nobody's.
+    #[default]
     Nothing,
     /// Those of the picked element.
-    #[default]
     Picked,
     /// Those whose receiver lies at a level of the hierarchy.
     Level,

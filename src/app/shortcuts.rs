@@ -5,7 +5,7 @@
 use egui::{Event, Grid, Key, Modifiers, RichText, Ui};
 
 use super::dock::{self, Tool};
-use super::{App, Outbox, panels, theme};
+use super::{App, Outbox, panels, theme, words};
 use crate::worker::{Command, RunState};
 
 /// What a key does.
@@ -29,7 +29,7 @@ type Shortcut = (Key, Modifiers, &'static str, &'static str, Deed);
 const SHORTCUTS: [Shortcut; 15] = [
     (Key::Space, Modifiers::NONE, "Space", "pause, run", Deed::PauseOrRun),
     (Key::Period, Modifiers::NONE, ".", "step one wave", Deed::Step),
-    (Key::R, Modifiers::COMMAND, "Ctrl R", "solve afresh", Deed::Restart),
+    (Key::R, Modifiers::COMMAND, "Ctrl R", "solve again from scratch", Deed::Restart),
     (Key::O, Modifiers::COMMAND, "Ctrl O", "open a scene", Deed::Open),
     (Key::Num1, Modifiers::NONE, "1", "inspector", Deed::Tool(Tool::Inspector)),
     (Key::Num2, Modifiers::NONE, "2", "link matrix", Deed::Tool(Tool::Matrix)),
@@ -37,11 +37,11 @@ const SHORTCUTS: [Shortcut; 15] = [
     (Key::Num4, Modifiers::NONE, "4", "measure", Deed::Tool(Tool::Measure)),
     (Key::Num5, Modifiers::NONE, "5", "compare", Deed::Tool(Tool::Compare)),
     (Key::Num6, Modifiers::NONE, "6", "export", Deed::Tool(Tool::Export)),
-    (Key::X, Modifiers::NONE, "X", "freeze the solution as A", Deed::Freeze),
+    (Key::X, Modifiers::NONE, "X", "keep the solution as A", Deed::Freeze),
     (Key::O, Modifiers::NONE, "O", "element outlines", Deed::Outlines),
-    (Key::F11, Modifiers::NONE, "F11", "full picture, without panels", Deed::FullPicture),
+    (Key::F11, Modifiers::NONE, "F11", "full screen, the picture alone", Deed::FullPicture),
     (Key::Questionmark, Modifiers::NONE, "?", "this list", Deed::ShowKeys),
-    (Key::Escape, Modifiers::NONE, "Esc", "close this list, leave the full picture", Deed::Leave),
+    (Key::Escape, Modifiers::NONE, "Esc", "deselect, close this list, leave full screen", Deed::Leave),
 ];
 
 /// Size of the list, points: egui would find it only after some frames.
@@ -49,7 +49,7 @@ const LIST_WIDTH: f32 = 670.0;
 const LIST_HEIGHT: f32 = 430.0;
 
 /// What egui does by itself.
-const SCALING: (&str, &str) = ("Ctrl + − 0", "everything larger, smaller, as it was");
+const SCALING: (&str, &str) = ("Ctrl + − 0", "interface larger, smaller, as it was");
 
 /// Acts upon the keys of this frame; not while a text is being typed.
 pub(super) fn act(app: &mut App, ui: &Ui, outbox: &mut Outbox) {
@@ -78,8 +78,9 @@ fn perform(app: &mut App, deed: Deed, ctx: &egui::Context, outbox: &mut Outbox) 
     match deed {
         Deed::ShowKeys => app.are_keys_shown = !app.are_keys_shown,
         Deed::Leave if app.are_keys_shown => app.are_keys_shown = false,
-        Deed::Leave => app.is_full_picture = false,
-        Deed::FullPicture => app.is_full_picture = !app.is_full_picture,
+        Deed::Leave if app.is_full_picture => app.set_full_screen(ctx, false),
+        Deed::Leave => app.deselect(),
+        Deed::FullPicture => app.set_full_screen(ctx, !app.is_full_picture),
         Deed::PauseOrRun => match run {
             RunState::Paused => outbox.push(Command::Resume),
             RunState::Running => outbox.push(Command::Pause),
@@ -90,7 +91,7 @@ fn perform(app: &mut App, deed: Deed, ctx: &egui::Context, outbox: &mut Outbox) 
         Deed::Step | Deed::Restart => {}
         Deed::Open if !app.files.dialog_is_open() => app.files.open_dialog(ctx),
         Deed::Open => {}
-        Deed::Tool(tool) => app.tool = (app.tool != Some(tool)).then_some(tool),
+        Deed::Tool(tool) => app.toggle_tool(tool),
         Deed::Freeze => {
             if let Some(snapshot) = app.shown.snapshot.clone() {
                 dock::compare::keep(app, snapshot);
@@ -104,7 +105,7 @@ fn perform(app: &mut App, deed: Deed, ctx: &egui::Context, outbox: &mut Outbox) 
 /// The list of all keys, over everything, while it is asked for.
 pub(super) fn show_list(app: &mut App, ctx: &egui::Context) {
     let mut is_open = app.are_keys_shown;
-    egui::Window::new("Mouse and keys")
+    egui::Window::new(words::MOUSE_AND_KEYS)
         .id(egui::Id::unique("keys"))
         .open(&mut is_open)
         .collapsible(false)

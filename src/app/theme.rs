@@ -85,6 +85,11 @@ pub(super) const PANEL_WIDTH: f32 = 374.0;
 /// Width of the labels in the left panel, points.
 pub(super) const LABEL_WIDTH: f32 = 132.0;
 const SLIDER_WIDTH: f32 = 96.0;
+/// Widths between which a slider follows its panel, points.
+const LEAST_SLIDER: f32 = 40.0;
+const MOST_SLIDER: f32 = 240.0;
+/// Room at the right end of a row for the mark of a cost, points.
+const MARK_WIDTH: f32 = 18.0;
 /// Least width of the value beside a slider, points, so that values stand in a column.
 const VALUE_WIDTH: f32 = 84.0;
 
@@ -168,25 +173,37 @@ pub(super) fn notice(ui: &Ui, text: impl Into<String>) -> egui::RichText {
     egui::RichText::new(text).color(palette(ui.visuals()).accent)
 }
 
-/// A labelled row of the left panel; the label names the widget for assistive technology too.
+/// A labelled row of a panel; the label names the widget for assistive technology too. Sliders and lists take the width that
+/// there is.
 pub(super) fn row(
     ui: &mut egui::Ui,
     label: &str,
     widget: impl FnOnce(&mut egui::Ui) -> egui::Response,
 ) -> egui::Response {
     let row = ui.horizontal(|ui| {
-        let label = ui
-            .scope(|ui| {
-                ui.set_min_width(LABEL_WIDTH);
-                ui.set_max_width(LABEL_WIDTH);
-                ui.add(egui::Label::new(label).truncate())
-            })
-            .inner;
-        ui.spacing_mut().interact_size.x = VALUE_WIDTH;
+        let label = row_label(ui, label);
+        let spacing = ui.spacing_mut();
+        spacing.interact_size.x = VALUE_WIDTH;
+        let between = spacing.item_spacing.x;
+        let room = ui.available_width() - MARK_WIDTH;
+        let spacing = ui.spacing_mut();
+        spacing.slider_width = (room - VALUE_WIDTH - between).clamp(LEAST_SLIDER, MOST_SLIDER);
+        spacing.combo_width = room.clamp(LEAST_SLIDER, SLIDER_WIDTH + VALUE_WIDTH + between);
         let widget = widget(ui).labelled_by(label.id);
         (label, widget)
     });
     row.inner.0 | row.inner.1
+}
+
+/// The label at the left of a row, on several lines where it is long.
+pub(super) fn row_label(ui: &mut egui::Ui, label: &str) -> egui::Response {
+    let width = LABEL_WIDTH.min(0.45 * ui.available_width());
+    let scope = ui.scope(|ui| {
+        ui.set_min_width(width);
+        ui.set_max_width(width);
+        ui.add(egui::Label::new(label).wrap())
+    });
+    scope.inner
 }
 
 #[cfg(test)]

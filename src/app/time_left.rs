@@ -1,61 +1,68 @@
-//! Times between snapshots: how long the present round may still refine, from how its progress went so far, and how long
-//! the solver has been working since it last told.
+//! How far a solve is, as a bar shows it, how long it may still take, and how long the solver has been working since it last told.
 
 use std::time::{Duration, Instant};
 
-use crate::solver::{Phase, Stats};
+use crate::solver::{Phase, Snapshot, SolverParams, Stats};
 use crate::worker::RunState;
 
 /// Progress must have gone so far before it is extrapolated.
 const LEAST_PROGRESS: f32 = 0.03;
 
-/// Remembers where the present round began to tell.
+/// The course of a solve: a share that never goes back while the same is asked for.
 #[derive(Default)]
-pub(super) struct TimeLeft {
-    begun: Option<Begun>,
+pub(super) struct Course {
+    of: Option<Solve>,
+    share: f32,
     seconds: Option<f64>,
 }
 
-struct Begun {
-    phase: Phase,
-    iterations: u32,
-    at: Instant,
-    progress: f32,
+/// What is solved, and where the bar began.
+struct Solve {
+    generation: u64,
+    params: SolverParams,
+    /// Emitted power Φ, W.
+    power: f64,
+    is_done: bool,
+    /// Time of the solve, s, and share done.
+    begun: (f64, f32),
 }
 
-impl TimeLeft {
-    /// Seconds to the end of the present round's refinement, where that can be told.
+impl Course {
+    /// The share of the solve that is done, 0..1.
+    pub(super) fn share(&self) -> f32 {
+        self.share
+    }
+
+    /// Seconds that the solve may still take, where that can be told.
     pub(super) fn seconds(&self) -> Option<f64> {
         self.seconds
     }
 
-    /// Takes up new statistics.
-    pub(super) fn note(&mut self, stats: &Stats) {
-        self.note_at(stats, Instant::now());
+    /// Takes up a new picture of a solve with these parameters; one of an earlier step tells nothing of it.
+    pub(super) fn note(&mut self, snapshot: &Snapshot, params: &SolverParams) {
+        if snapshot.moment.is_none() {
+            self.note_stats(snapshot.generation, &snapshot.stats, params);
+        }
     }
 
-    fn note_at(&mut self, stats: &Stats, now: Instant) {
-        self.seconds = None;
-        let Some(progress) = stats.progress.filter(|_| stats.phase != Phase::Done) else {
-            self.begun = None;
-            return;
+    fn note_stats(&mut self, generation: u64, stats: &Stats, params: &SolverParams) {
+        let is_done = stats.phase == Phase::Done;
+        let goes_on = |of: &&Solve| {
+            let same = of.generation == generation && of.params == *params && of.power == stats.power_watts;
+            same && (is_done || !of.is_done)
         };
-        let same = |begun: &Begun| {
-            (begun.phase, begun.iterations) == (stats.phase, stats.iterations) && progress >= begun.progress
-        };
-        match self.begun.as_ref().filter(|begun| same(begun)) {
-            Some(begun) => {
-                let gone = progress - begun.progress;
-                if gone >= LEAST_PROGRESS {
-                    let speed = f64::from(gone) / now.saturating_duration_since(begun.at).as_secs_f64().max(1e-6);
-                    self.seconds = Some(f64::from(1.0 - progress) / speed);
-                }
-            }
-            None => {
-                let (phase, iterations) = (stats.phase, stats.iterations);
-                self.begun = Some(Begun { phase, iterations, at: now, progress });
-            }
+        if self.of.as_ref().filter(goes_on).is_none() {
+            let begun = (stats.seconds.total, stats.progress);
+            self.of = Some(Solve { generation, params: *params, power: stats.power_watts, is_done, begun });
+            self.share = 0.0;
         }
+        let Some(of) = &mut self.of else { return };
+        of.is_done = is_done;
+        self.share = self.share.max(stats.progress);
+        let (since, from) = of.begun;
+        let (gone, took) = (self.share - from, stats.seconds.total - since);
+        let is_known = gone >= LEAST_PROGRESS && took > 0.0 && !is_done;
+        self.seconds = is_known.then(|| f64::from(1.0 - self.share) * took / f64::from(gone));
     }
 }
 
@@ -115,22 +122,28 @@ mod tests {
         assert_eq!(clock.seconds_at(at(12)), None);
     }
 
-    /// A quarter in two seconds leaves six seconds for the other three; a new round starts anew.
+    /// Truth: a quarter in two seconds leaves six seconds for the other three; the bar does not go back within a solve, and begins
+    /// again with another one.
     #[test]
-    fn progress_is_extrapolated_within_a_round() {
-        let now = Instant::now();
-        let stats = |iterations, progress| Stats {
-            phase: Phase::Refine,
-            iterations,
-            progress: Some(progress),
-            ..Stats::default()
+    fn the_bar_never_goes_back_and_tells_what_is_left() {
+        let params = SolverParams::usual();
+        let stats = |progress, total| {
+            let seconds = crate::solver::Seconds { total, ..Default::default() };
+            Stats { phase: Phase::Refine, progress, seconds, ..Stats::default() }
         };
-        let mut left = TimeLeft::default();
-        left.note_at(&stats(1, 0.0), now);
-        assert_eq!(left.seconds(), None);
-        left.note_at(&stats(1, 0.25), now + Duration::from_secs(2));
-        assert!((left.seconds().expect("a quarter is enough") - 6.0).abs() < 1e-6);
-        left.note_at(&stats(2, 0.5), now + Duration::from_secs(3));
-        assert_eq!(left.seconds(), None);
+        let mut course = Course::default();
+        course.note_stats(1, &stats(0.0, 0.0), &params);
+        assert_eq!((course.share(), course.seconds()), (0.0, None));
+        course.note_stats(1, &stats(0.25, 2.0), &params);
+        assert!((course.seconds().expect("a quarter is enough") - 6.0).abs() < 1e-6);
+        course.note_stats(1, &stats(0.1, 3.0), &params);
+        assert_eq!(course.share(), 0.25);
+        let finer = SolverParams { error: Some(0.02), ..params };
+        course.note_stats(1, &stats(0.1, 4.0), &finer);
+        assert_eq!((course.share(), course.seconds()), (0.1, None));
+        course.note_stats(1, &Stats { phase: Phase::Done, ..stats(1.0, 9.0) }, &finer);
+        assert_eq!((course.share(), course.seconds()), (1.0, None));
+        course.note_stats(1, &stats(0.0, 9.0), &finer);
+        assert_eq!(course.share(), 0.0, "a lamp was changed");
     }
 }

@@ -2,7 +2,7 @@
 
 use egui::{Align, Layout, Rect, Response, Sense, Ui, pos2, vec2};
 
-use super::{App, format, theme};
+use super::{App, format, theme, words};
 use crate::solver::{MomentInfo, MomentKind};
 
 /// Height of the bar, points.
@@ -29,15 +29,14 @@ pub(super) fn show(app: &mut App, ui: &mut Ui) {
         ui.horizontal_centered(|ui| {
             let (label, hint) = match app.looking.is_playing() {
                 true => ("Stop", "Stop playing"),
-                false => ("Play", "Play the refinement from the root's self-link, step by step"),
+                false => (words::PLAY, "Play the refinement from the root's self-link, step by step"),
             };
             let play = ui.button(label).on_hover_text(hint);
             if play.clicked() {
                 app.looking.play_or_stop(now);
             }
             let is_live = app.looking.moment.is_none();
-            let hint = "Show the present state of the solution";
-            if ui.selectable_label(is_live, "Live").on_hover_text(hint).clicked() {
+            if ui.selectable_label(is_live, words::LATEST).on_hover_text(words::JUMP_TO_LATEST).clicked() {
                 app.looking.show(None);
             }
             ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
@@ -61,7 +60,7 @@ fn in_words(moments: &[MomentInfo], at: usize) -> String {
     let kind = match info.kind {
         MomentKind::Start => "self-link".to_owned(),
         MomentKind::Wave => format!("wave {}", info.stats.wave),
-        MomentKind::Round => format!("gathered {}×", info.stats.iterations),
+        MomentKind::Round => format!("iteration {}", info.stats.iterations),
         MomentKind::Pass => "final gather".to_owned(),
     };
     let links = info.stats.links + info.stats.candidates_left;
@@ -74,7 +73,7 @@ fn track(ui: &mut Ui, moments: &[MomentInfo], shown: Option<usize>) -> Option<Op
     let last = moments.len() - 1;
     response.widget_info(|| {
         let at = shown.unwrap_or(last) as f64 + 1.0;
-        egui::WidgetInfo::slider(true, at, "Step of the solve")
+        egui::WidgetInfo::slider(true, at, words::STEP_OF_THE_SOLVE)
     });
     let inner = rect.shrink2(vec2(8.0, 0.0));
     let x = |moment: usize| inner.left() + inner.width() * moment as f32 / last as f32;
@@ -89,7 +88,7 @@ fn track(ui: &mut Ui, moments: &[MomentInfo], shown: Option<usize>) -> Option<Op
     painter.circle_filled(at, 5.5, if shown.is_some() { theme::ACCENT } else { theme::DONE });
     let response = response.on_hover_text_at_pointer(match hovered(ui, inner, last) {
         Some(moment) => described(&moments[moment]),
-        None => "Every step of the solve: drag to look at a former one".to_owned(),
+        None => "Every step of the solve: drag to see an earlier one".to_owned(),
     });
     chosen(ui, &response, inner, last, shown)
 }
@@ -125,14 +124,14 @@ fn chosen(ui: &Ui, response: &Response, inner: Rect, last: usize, shown: Option<
 fn described(info: &MomentInfo) -> String {
     let kind = match info.kind {
         MomentKind::Start => "The root's self-link, with which everything starts".to_owned(),
-        MomentKind::Wave => format!("Wave {} of refinement in round {}", info.stats.wave, info.stats.iterations + 1),
-        MomentKind::Round => format!("End of round {}: light was gathered to convergence", info.stats.iterations),
+        MomentKind::Wave => format!("Wave {} of refinement, pass {}", info.stats.wave, info.stats.iterations + 1),
+        MomentKind::Round => format!("End of iteration {}: light was gathered to convergence", info.stats.iterations),
         MomentKind::Pass => "A pass of the final gather".to_owned(),
     };
     let stats = &info.stats;
     let waiting = match stats.candidates_left {
         0 => String::new(),
-        waiting => format!(", {} to be judged", format::count(waiting as u64)),
+        waiting => format!(", {} links to test", format::count(waiting as u64)),
     };
     format!(
         "{kind}\n{} links{waiting}, {} patches, {} rays, after {}",

@@ -7,7 +7,7 @@ use egui::{Button, Context, Key, KeyboardShortcut, Modifiers, Ui};
 
 use super::lighting::Lighting;
 use super::settings::DisplaySettings;
-use super::{App, Outbox};
+use super::{App, Outbox, words};
 use crate::scene::Scene;
 use crate::solver::SolverParams;
 use crate::worker::Command;
@@ -139,19 +139,19 @@ pub(super) fn show_buttons(app: &mut App, ui: &mut Ui, outbox: &mut Outbox) {
     let settings = app.undoable();
     let past = app.history.past.last().map(|former| former.difference(&settings));
     let future = app.history.future.last().map(|later| later.difference(&settings));
-    let button = |ui: &mut Ui, name: &str, what: Option<&str>, verb: &str, shortcut: &KeyboardShortcut| {
+    let button = |ui: &mut Ui, [name, nothing]: [&str; 2], what: Option<&str>, shortcut: &KeyboardShortcut| {
         let keys = ui.ctx().format_shortcut(shortcut);
         let response = ui.add_enabled(what.is_some(), Button::new(name));
         let response = match what {
-            Some(what) => response.on_hover_text(format!("{verb} the last change of {what} ({keys})")),
-            None => response.on_disabled_hover_text(format!("No change of a setting to be {name}ne ({keys})")),
+            Some(what) => response.on_hover_text(format!("{name} the last change of {what} ({keys})")),
+            None => response.on_disabled_hover_text(format!("{nothing} ({keys})")),
         };
         response.clicked()
     };
-    if button(ui, "Undo", past, "Take back", &UNDO) {
+    if button(ui, [words::UNDO, words::NOTHING_TO_UNDO], past, &UNDO) {
         app.undo(outbox);
     }
-    if button(ui, "Redo", future, "Make again", &REDO) {
+    if button(ui, [words::REDO, words::NOTHING_TO_REDO], future, &REDO) {
         app.redo(outbox);
     }
 }

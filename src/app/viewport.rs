@@ -3,16 +3,20 @@
 use egui::{Key, PointerButton, Rect, Response, Sense, Ui};
 use glam::{Vec2, Vec3};
 
+use super::camera_menu::Whole;
 use super::comparison::Shading;
 use super::dock::Tool;
 use super::highlight::Highlight;
 use super::paint::Picture;
-use super::{App, Outbox, divider, measure_marks, panels, theme};
+use super::walk::Ground;
+use super::{App, Outbox, divider, line_labels, measure_marks, panels, theme, words};
 use crate::ceiling::up_axis;
-use crate::render::{Camera, Display};
+use crate::geometry::Occluders;
+use crate::render::{Camera, Display, Exposure, Marks};
 use crate::scene::{CameraPose, Scene};
 use crate::solver::USUAL_ERROR;
 use crate::survey::Ray;
+use crate::worker::SceneInfo;
 
 /// A drag across the view's height turns the camera by this, radians.
 const TURN_PER_HEIGHT: f32 = std::f32::consts::PI;
@@ -39,6 +43,10 @@ pub(super) struct Viewport {
     /// The first view, where it is not that of the start.
     first: Option<CameraPose>,
     rect: Rect,
+    /// Whether keys walk instead of flying.
+    pub walks: bool,
+    /// Views of the scene that a person kept.
+    bookmarks: Vec<CameraPose>,
     /// The widget that takes mouse and keys.
     id: Option<egui::Id>,
     /// What was drawn last.
@@ -54,6 +62,8 @@ impl Default for Viewport {
             start: None,
             first: None,
             rect: Rect::ZERO,
+            walks: false,
+            bookmarks: Vec::new(),
             id: None,
             picture: None,
         }
@@ -76,6 +86,47 @@ impl Viewport {
         self.start = scene.camera;
         // Made when the view's aspect is known.
         self.camera = None;
+        self.bookmarks.clear();
+    }
+
+    /// Goes back to the scene's own view.
+    pub(super) fn reset(&mut self) {
+        self.camera = Some(self.start_camera());
+    }
+
+    /// Looks at all of the scene from outside.
+    pub(super) fn show_whole(&mut self, whole: Whole) {
+        let (bounds, up, aspect) = (self.bounds, self.up, self.aspect());
+        if let Some(camera) = self.camera.as_mut() {
+            camera.look_along(whole.sight(up), bounds, aspect);
+        }
+    }
+
+    /// Horizontal field of view, degrees.
+    pub(super) fn field_of_view(&self) -> Option<f32> {
+        self.camera.map(|camera| camera.hfov(self.aspect()).to_degrees())
+    }
+
+    /// Sets the horizontal field of view, degrees; the eye stays.
+    pub(super) fn set_field_of_view(&mut self, degrees: f32) {
+        if let Some(pose) = self.pose() {
+            self.go_to(&CameraPose { hfov_deg: degrees, ..pose });
+        }
+    }
+
+    /// Keeps the present view.
+    pub(super) fn add_bookmark(&mut self) {
+        self.bookmarks.extend(self.pose());
+    }
+
+    /// Views that were kept.
+    pub(super) fn bookmarks(&self) -> &[CameraPose] {
+        &self.bookmarks
+    }
+
+    /// Forgets a view that was kept.
+    pub(super) fn remove_bookmark(&mut self, index: usize) {
+        self.bookmarks.remove(index);
     }
 
     /// Goes on looking as before at a scene that was read anew.
@@ -172,7 +223,7 @@ impl Viewport {
     }
 
     /// Keys; only while the view has the person's attention and no text is being typed.
-    fn fly(&mut self, ui: &Ui, response: &Response) {
+    fn fly(&mut self, ui: &Ui, response: &Response, info: Option<&SceneInfo>) {
         let attends = response.has_focus() || response.contains_pointer();
         if !attends || ui.ctx().text_edit_focused() {
             return;
@@ -189,17 +240,32 @@ impl Viewport {
         });
         let aspect = self.aspect();
         if home {
-            self.camera = Some(self.start_camera());
+            self.reset();
         }
-        let bounds = self.bounds;
+        let (bounds, up, walks) = (self.bounds, self.up, self.walks);
         let Some(camera) = self.camera.as_mut() else { return };
         if frame_all {
             camera.frame_all(bounds, aspect);
         }
         if local != Vec3::ZERO {
-            camera.fly(seconds * local);
+            match info.filter(|_| walks) {
+                Some(info) => {
+                    let height = (bounds.1 - bounds.0).dot(up).abs();
+                    let ground = Ground { scene: &info.scene, occluders: &info.occluders, up, height };
+                    ground.step(camera, seconds * Vec2::new(local.x, local.z));
+                }
+                None => camera.fly(seconds * local),
+            }
             ui.ctx().request_repaint();
         }
+    }
+
+    /// Where a point of the scene lies in the window; `None` behind the eye.
+    pub(super) fn project(&self, point: Vec3) -> Option<egui::Pos2> {
+        let camera = self.camera?;
+        let clip = camera.clip_from_world(self.aspect()) * point.extend(1.0);
+        let share = egui::vec2(0.5 + 0.5 * clip.x / clip.w, 0.5 - 0.5 * clip.y / clip.w);
+        (clip.w > camera.near()).then(|| self.rect.min + share * self.rect.size())
     }
 
     /// The ray under a place in the window.
@@ -228,10 +294,11 @@ pub(super) fn show(app: &mut App, ui: &mut Ui, outbox: &mut Outbox) -> Option<Cl
     (app.view.rect, app.view.id) = (rect, Some(response.id));
     panels::hint::show_way_back(app, ui, rect);
     ui.painter().rect_filled(rect, 0.0, theme::WELL);
-    let Some(snapshot) = app.shown.snapshot.clone() else {
+    let Some(latest) = app.shown.snapshot.clone() else {
         panels::empty::show(app, ui, rect, outbox);
         return None;
     };
+    let snapshot = app.best.follow(&latest, app.shown.info.as_ref());
     if app.view.camera.is_none() {
         app.view.camera = Some(app.view.first_camera());
     }
@@ -239,7 +306,7 @@ pub(super) fn show(app: &mut App, ui: &mut Ui, outbox: &mut Outbox) -> Option<Cl
         response.request_focus();
     }
     app.view.steer(ui, &response);
-    app.view.fly(ui, &response);
+    app.view.fly(ui, &response, app.shown.info.as_deref());
     let clicked = app.view.clicked(&response);
     // While the view turns nothing can be read, nor off surfaces that lie elsewhere than in the scene.
     let can_read = !response.dragged() && !app.cluster_view.is_exploded();
@@ -275,8 +342,18 @@ pub(super) fn show(app: &mut App, ui: &mut Ui, outbox: &mut Outbox) -> Option<Cl
             }
         };
         let reading = app.reading.follow(&snapshot, &app.display.reading);
+        if let Some(info) = &app.shown.info {
+            // A lamp that is dimmed is to be seen dimmer.
+            let is_held = ui.ctx().egui_is_using_pointer() && !response.dragged();
+            let aspect = app.view.aspect();
+            app.exposure = app.metering.follow(&snapshot, info, &camera, aspect, is_held);
+            if app.metering.is_behind() {
+                ui.ctx().request_repaint_after(super::REPAINT_INTERVAL_ON_CPU);
+            }
+        }
+        let metered = app.freeze.exposure(app.exposure);
         let display = Display {
-            exposure: app.freeze.exposure(chosen.exposure),
+            exposure: Exposure::Manual { stops: chosen.exposure.factor(metered).log2() },
             as_colours: has_errors || (by_clusters.is_some() && app.cluster_view.coloured),
             reading,
         };
@@ -298,20 +375,33 @@ pub(super) fn show(app: &mut App, ui: &mut Ui, outbox: &mut Outbox) -> Option<Cl
             noise: can_gather.then(|| snapshot.stats.error_asked.unwrap_or(USUAL_ERROR) as f32),
             snapshot: other.or(by_clusters).unwrap_or(snapshot),
             beside,
-            overlay: app.display.overlay(deepest, is_dark, marks),
+            overlay: app.display.overlay(deepest, is_dark, if app.is_full_picture { Marks::default() } else { marks }),
             size,
         };
         app.view.picture = Some(picture.clone());
         picture.add_to(&ui.painter_at(rect), rect);
-        measure_marks::show(&ui.painter_at(rect), rect, &camera, &app.measuring, reading.as_ref());
+        if let Some(painted) = &app.painted {
+            line_labels::show(ui, rect, &painted.pixels, app.display.reading.unit);
+        }
+        if let Some(info) = &app.shown.info {
+            let painter = ui.painter_at(rect);
+            measure_marks::show(&painter, rect, &camera, &app.measuring, reading.as_ref(), &info.occluders);
+            if !app.is_full_picture && looks_through_walls(&camera, &info.occluders) {
+                let at = rect.center_bottom() - egui::vec2(0.0, 12.0);
+                panels::readout::show_note(ui, at, words::THROUGH_WALLS);
+            }
+        }
     }
-    show_legend(app, ui, rect);
     divider::show(ui, rect, &mut app.freeze);
-    panels::links::show_legend(app, ui, rect);
-    panels::readout::show(app, ui, rect);
-    panels::picked::show(app, ui, rect);
     panels::empty::show_loading(app, ui, rect, outbox);
-    panels::hint::show_first_lines(app, ui, rect);
+    if !app.is_full_picture {
+        show_legend(app, ui, rect);
+        panels::links::show_legend(app, ui, rect);
+        panels::readout::show(app, ui, rect);
+        panels::tag::show(app, ui, rect);
+        panels::picked::show(app, ui, rect);
+        panels::hint::show_first_lines(app, ui, rect);
+    }
     panels::empty::show_drop_hint(ui, rect);
     clicked
 }
@@ -320,6 +410,11 @@ pub(super) fn show(app: &mut App, ui: &mut Ui, outbox: &mut Outbox) -> Option<Cl
 fn picture_size(pixels: egui::Vec2) -> [u32; 2] {
     let shrink = (LARGEST_PICTURE / pixels.max_elem().max(1.0)).min(1.0);
     [pixels.x, pixels.y].map(|side| if side.is_finite() { (shrink * side).round().max(1.0) as u32 } else { 1 })
+}
+
+/// Whether what lies in the middle of the view is seen through the back of something nearer.
+fn looks_through_walls(camera: &Camera, occluders: &Occluders) -> bool {
+    occluders.first_hit(camera.eye(), camera.forward()).is_some_and(|hit| !hit.front)
 }
 
 /// What the colours of the surfaces mean, where they stand for something.

@@ -6,6 +6,7 @@ use std::str::FromStr;
 use std::time::Duration;
 
 use anyhow::{Context, anyhow, bail};
+use clap::builder::PossibleValue;
 use clap::parser::ValueSource;
 use clap::{Arg, ArgAction, ArgMatches, Command, value_parser};
 use glam::Vec3;
@@ -49,8 +50,18 @@ fn solver_arg(parameter: &'static Parameter) -> Arg {
         ValueKind::Real { .. } => arg.value_name("NUMBER").value_parser(number),
         ValueKind::Whole { .. } if parameter.id == ParameterId::Seed => arg.value_name("N").value_parser(whole::<u64>),
         ValueKind::Whole { .. } => arg.value_name("N").value_parser(whole::<u32>),
-        ValueKind::Choice { names } => {
-            arg.value_name("MODE").value_parser(clap::builder::PossibleValuesParser::new(*names))
+        ValueKind::Choice { names, shown } => {
+            let value = |(name, shown): (&&'static str, &&'static str)| match name == shown {
+                true => PossibleValue::new(*name),
+                false => PossibleValue::new(*name).alias(*shown),
+            };
+            let values: Vec<PossibleValue> = names.iter().zip(*shown).map(value).collect();
+            let arg = arg.value_name("MODE").value_parser(clap::builder::PossibleValuesParser::new(values));
+            match parameter.id {
+                ParameterId::Oracle => arg.visible_alias("refine-by"),
+                ParameterId::Reconstruct => arg.visible_alias("shading"),
+                _ => arg,
+            }
         }
     }
 }
@@ -273,7 +284,7 @@ pub fn scene_arg() -> Arg {
 
 /// Help for the argument that names a scene.
 pub fn scene_help() -> String {
-    format!("An OBJ, glTF, GLB, PLY or STL file, or one of our own scenes: {}", names())
+    format!("An OBJ, glTF, GLB, PLY or STL file, or a sample scene: {}", names())
 }
 
 /// The names of our own scenes.
@@ -288,7 +299,7 @@ pub fn source(text: &str) -> anyhow::Result<Source> {
     }
     let path = Path::new(text);
     if path.extension().is_none() && path.components().count() <= 1 && !path.exists() {
-        bail!("`{text}` is neither a file nor one of our own scenes ({})", names());
+        bail!("`{text}` is neither a file nor a sample scene ({})", names());
     }
     Ok(Source::File(path.to_owned()))
 }
@@ -394,12 +405,14 @@ mod tests {
     fn each_option_sets_its_field() {
         let (defaults, by_threshold) = (SolverParams::usual(), SolverParams::default());
         let constant = SolverParams { reconstruct: Reconstruct::Constant, ..by_threshold };
-        let cases: [(&[&str], SolverParams); 17] = [
+        let cases: [(&[&str], SolverParams); 19] = [
             (&["--error", "0.1"], SolverParams { error: Some(0.1), ..defaults }),
             (&["--reconstruct", "constant"], constant),
             (&["--epsilon", "0.01"], SolverParams { epsilon: Epsilon::Relative(0.01), ..by_threshold }),
             (&["--epsilon-watts", "3"], SolverParams { epsilon: Epsilon::Watts(3.0), ..by_threshold }),
             (&["--oracle", "error"], SolverParams { oracle: OracleKind::Error, ..defaults }),
+            (&["--refine-by", "link-error"], SolverParams { oracle: OracleKind::Error, ..defaults }),
+            (&["--shading", "flat"], SolverParams { reconstruct: Reconstruct::Constant, ..defaults }),
             (&["--partial-factor", "0.5"], SolverParams { partial_factor: 0.5, ..defaults }),
             (&["--visibility-factor", "2"], SolverParams { visibility_factor: 2.0, ..defaults }),
             (&["--rays-min", "2"], SolverParams { rays_min: 2, ..defaults }),

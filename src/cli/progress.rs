@@ -37,13 +37,13 @@ impl Progress {
         }
         self.shown = Instant::now();
         let stats = solver.stats();
-        let progress = stats.progress.unwrap_or(if stats.phase == Phase::Refine { 0.0 } else { 1.0 });
-        bar.set_position((f64::from(progress) * STEPS as f64) as u64);
+        // Another pass or attempt than was reckoned with does not take the bar back.
+        bar.set_position(bar.position().max((f64::from(stats.progress) * STEPS as f64) as u64));
         let phase = match stats.phase {
             Phase::Hierarchy => "building clusters".to_owned(),
-            Phase::Refine => format!("round {}, wave {}", stats.iterations + 1, stats.wave),
-            Phase::Reconstruct => "looking from vertices".to_owned(),
-            Phase::Gather | Phase::Done => format!("round {}, gathering", stats.iterations + 1),
+            Phase::Refine => format!("pass {}, wave {}", stats.iterations + 1, stats.wave),
+            Phase::Reconstruct => "final gather".to_owned(),
+            Phase::Gather | Phase::Done => format!("pass {}, gathering", stats.iterations + 1),
         };
         let [links, patches, rays] = [stats.links as u64, stats.patches as u64, stats.rays].map(format::count);
         bar.set_message(format!("{phase}: {links} links, {patches} patches, {rays} rays"));

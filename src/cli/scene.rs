@@ -11,7 +11,7 @@ use super::output::say;
 /// The command's arguments.
 pub fn command() -> Command {
     Command::new("scene")
-        .about("Write one of our own scenes as OBJ, MTL and sidecar")
+        .about("Write a sample scene as OBJ, MTL and settings file")
         .arg(Arg::new("name").value_name("NAME").required(true).help(format!("One of {}", options::names())))
         .arg(
             Arg::new("polygons")
@@ -27,7 +27,7 @@ pub fn command() -> Command {
 pub fn run(matches: &ArgMatches) -> anyhow::Result<()> {
     let name = matches.get_one::<String>("name").map_or("", String::as_str);
     let Some(mut builtin) = BuiltinScene::from_name(name) else {
-        bail!("`{name}` is none of our own scenes ({})", options::names());
+        bail!("`{name}` is none of the sample scenes ({})", options::names());
     };
     if let Some(&wanted) = matches.get_one::<usize>("polygons") {
         let range = BuiltinScene::SEMINAR_RANGE;

@@ -30,6 +30,8 @@ const POINTS: [usize; 4] = [64, 96, 192, 384];
 const ADDED_MISSES: f64 = 2.0;
 /// Standard errors beyond which a field is seen to be too coarse.
 const HOPELESS: f64 = 2.0;
+/// Points after which a running error is told.
+const LEAST_TOLD: usize = 32;
 /// Points of a leaf hidden in part that are tried, and the rays that tell whether one is hidden.
 const TRIES: u32 = 8;
 const HIDDEN_RAYS: u32 = 16;
@@ -327,6 +329,28 @@ impl Certifying {
             }
         };
         self.compared.iter().map(error).collect()
+    }
+
+    /// The points compared so far, with their irradiance and its standard error (means of the colours, W/m²).
+    pub fn compared(&self) -> impl ExactSizeIterator<Item = (SurfacePoint, f32, f32)> {
+        self.compared
+            .iter()
+            .map(|compared| (compared.point, compared.truth, compared.noise.hypot(compared.change_noise)))
+    }
+
+    /// Whether there is nothing to compare at.
+    pub fn is_empty(&self) -> bool {
+        self.total() <= 0.0
+    }
+
+    /// Share of the points that usually suffice.
+    pub fn progress(&self) -> f32 {
+        (self.compared.len() as f32 / POINTS[0] as f32).min(1.0)
+    }
+
+    /// The local error within which nine tenths of the points are, once there are enough of them to tell.
+    pub fn error_so_far(&self) -> Option<f64> {
+        (self.compared.len() >= LEAST_TOLD).then(|| Quantiles::of_points(&self.errors()).p90)
     }
 
     /// Rays cast.

@@ -23,8 +23,7 @@ use std::sync::Arc;
 
 use glam::Vec3;
 
-use certificate::Certifying;
-pub use certificate::{Certificate, NOISE, Quantiles, RISK};
+pub use certificate::{Certificate, Certifying, NOISE, Quantiles, RISK};
 pub use estimator::{Checked, Irradiance};
 pub use field::{Field, Met, grey};
 pub use glance::{GatherPoint, Glance, GlanceRays};
@@ -64,6 +63,9 @@ const MOST_SWEEPS: u32 = 200;
 const MOST_ATTEMPTS: u32 = 4;
 /// An attempt that leaves more than this share of the error was in vain, and so would be the next one.
 const LEAST_PROGRESS: f64 = 0.9;
+/// Shares of an attempt's time that go into direct light and into cosine-distributed rays; the certificate takes the rest.
+const DIRECT_SHARE: f32 = 0.2;
+const CAST_SHARE: f32 = 0.5;
 /// Bytes of a leaf with what is kept of it beside its samples.
 const LEAF_BYTES: usize = 600;
 /// Bytes of a look beside those of its cosine-distributed rays, four each.
@@ -385,6 +387,33 @@ impl Gather {
     /// The state of the light.
     pub fn field(&self) -> &Field {
         &self.field
+    }
+
+    /// The number of the attempt, and the share of it that is done, as far as can be told.
+    pub fn progress(&self) -> (u32, f32) {
+        let share_of_queue = |first: usize| first as f32 / self.queue.len().max(1) as f32;
+        let share = match &self.stage {
+            // Rounds of splitting have fewer leaves each.
+            Stage::Direct(first) => {
+                DIRECT_SHARE * (1.0 - 0.5_f32.powi(self.round as i32) * (1.0 - 0.5 * share_of_queue(*first)))
+            }
+            Stage::Cast(first) => DIRECT_SHARE + CAST_SHARE * share_of_queue(*first),
+            Stage::Certify(certifying) => {
+                DIRECT_SHARE + CAST_SHARE + (1.0 - DIRECT_SHARE - CAST_SHARE) * certifying.progress()
+            }
+            Stage::Done => 1.0,
+        };
+        (self.attempt, share)
+    }
+
+    /// The local error within which nine tenths of the area are, by the points compared so far: of this attempt once there are
+    /// some, else of the one before.
+    pub fn error_so_far(&self) -> Option<f64> {
+        let now = match &self.stage {
+            Stage::Certify(certifying) => certifying.error_so_far(),
+            _ => None,
+        };
+        now.or(self.certificate.as_ref().map(|certificate| certificate.read.p90))
     }
 
     /// Whether there is something to be shown.

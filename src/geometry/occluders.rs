@@ -67,6 +67,12 @@ struct Met {
     index: usize,
 }
 
+impl std::fmt::Debug for Occluders {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Occluders").finish_non_exhaustive()
+    }
+}
+
 impl Occluders {
     /// Builds the BVH over every face of the scene.
     pub fn new(scene: &Scene) -> Self {

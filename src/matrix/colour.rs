@@ -183,7 +183,7 @@ impl Palette {
                     entry(SEEN_PARTLY[0], "most"),
                     entry(SEEN_PARTLY[1], "little"),
                     entry(UNSEEN, "none"),
-                    entry(UNJUDGED, "not judged"),
+                    entry(UNJUDGED, "not tested"),
                     no_link,
                 ],
             },
@@ -195,7 +195,7 @@ impl Palette {
             Colouring::Rays => Legend {
                 title: "rays that the visibility is known by".into(),
                 ticks: texts(&["1", "10", "100", "1000"]),
-                entries: vec![entry(INHERITED, "known clear"), entry(UNJUDGED, "not judged"), no_link],
+                entries: vec![entry(INHERITED, "inherited"), entry(UNJUDGED, "not tested"), no_link],
             },
         }
     }

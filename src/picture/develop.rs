@@ -60,6 +60,8 @@ pub(super) fn develop(sights: &Sights, shares: &[Share], smooth: &[Share], shadi
                 let base = filled.unwrap_or_else(|| lit.map(encode_gamma));
                 let drawn = match read.lines {
                     [] => base,
+                    // What a lamp receives is of no use to anybody.
+                    _ if sight.emission != Vec3::ZERO => base,
                     lines => {
                         let value = value(&smooth[index]);
                         let slope = slope(sights, smooth, index, read.quantity) * side as f32;
@@ -78,7 +80,7 @@ pub(super) fn develop(sights: &Sights, shares: &[Share], smooth: &[Share], shadi
 }
 
 /// What is read off a sample, W/m².
-fn value(sight: &Sight, share: &Share, quantity: Quantity) -> f32 {
+pub(super) fn value(sight: &Sight, share: &Share, quantity: Quantity) -> f32 {
     match quantity {
         Quantity::Irradiance => weighted(share.irradiance.into()),
         Quantity::Radiosity => weighted(radiosity(sight, share.irradiance).unwrap_or_default().into()),

@@ -8,10 +8,11 @@ use rayon::prelude::*;
 use super::develop::{develop, radiosity};
 use super::filter::Share;
 use super::light::{TILE, Tiles};
-use super::{Filter, Lens, Light, Shading, Sight, Sights};
+use super::{Filter, Lens, Light, LineLabel, Shading, Sight, Sights, labels};
 use crate::cancel::CancelToken;
 use crate::gather::{Field, grey};
 use crate::hierarchy::ElementId;
+use crate::photometry::Quantity;
 
 /// A coarse picture looks from one pixel in so many, in each direction.
 const COARSE: u32 = 3;
@@ -207,6 +208,12 @@ impl GatheredPicture {
         let shown = self.shown.as_ref()?;
         let smooth = shown.smooth.as_ref().unwrap_or(&shown.shares);
         Some(develop(&shown.sights, &shown.shares, smooth, shading))
+    }
+
+    /// Where the values of lines of equal value (W/m²) can be written along them; none before the first pass has ended.
+    pub fn line_labels(&self, quantity: Quantity, lines: &[f32]) -> Vec<LineLabel> {
+        let Some(shown) = self.shown.as_ref().filter(|_| !lines.is_empty()) else { return Vec::new() };
+        labels::places(&shown.sights, shown.smooth.as_ref().unwrap_or(&shown.shares), quantity, lines)
     }
 
     /// What is known of a pixel; `None` where nothing is seen.

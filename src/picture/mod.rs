@@ -13,6 +13,7 @@
 mod develop;
 mod filter;
 mod gathered;
+mod labels;
 mod lens;
 mod light;
 mod sights;
@@ -20,6 +21,7 @@ mod sights;
 pub use develop::{FalseColours, Shading};
 pub use filter::{Filter, Share};
 pub use gathered::{GatheredPicture, Layers, LayersAt, PixelLight, Start};
+pub use labels::LineLabel;
 pub use lens::Lens;
 pub use light::{Light, Tiles};
 pub use sights::{Sight, Sights};

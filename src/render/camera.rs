@@ -20,7 +20,7 @@ const FLY_SPEED: f32 = 0.15;
 /// A framed scene stays a little away from the picture's rim.
 const FRAME_MARGIN: f32 = 1.05;
 /// Nearest and farthest distance from eye to target, scene diagonals.
-const DISTANCE_SHARES: (f32, f32) = (1e-4, 100.0);
+const DISTANCE_SHARES: (f32, f32) = (1e-4, 4.0);
 
 /// Where the eye is and what it sees; right-handed, looking from `eye` to `target`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -232,6 +232,19 @@ impl Camera {
         let forward = self.forward();
         let side = forward.cross(self.up).normalize();
         (side, side.cross(forward))
+    }
+
+    /// Moves eye and target alike.
+    pub fn move_by(&mut self, by: Vec3) {
+        self.shift(by);
+    }
+
+    /// Looks along a direction at all of the scene.
+    pub fn look_along(&mut self, sight: Vec3, bounds: (Vec3, Vec3), aspect: f32) {
+        if sight.is_finite() && sight != Vec3::ZERO {
+            self.set_sight(sight);
+        }
+        self.frame_all(bounds, aspect);
     }
 
     fn shift(&mut self, by: Vec3) {

@@ -3,15 +3,17 @@
 use glam::Vec3;
 
 use super::{Reading, reading};
-use crate::picture::{FalseColours, GatheredPicture, Shading};
+use crate::picture::{FalseColours, GatheredPicture, LineLabel, Shading};
 
 /// A finished picture, gamma-encoded, rows from above.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Pixels {
     /// Width and height.
     pub size: [u32; 2],
     /// Red, green, blue and opacity.
     pub pixels: Vec<[u8; 4]>,
+    /// Where the values of its lines can be written along them.
+    pub labels: Vec<LineLabel>,
 }
 
 /// The picture with an exposure (m²/W) and what is read off the surfaces; `None` before its first pass has ended.
@@ -27,5 +29,6 @@ pub fn developed(picture: &GatheredPicture, exposure: f32, reading: Option<&Read
         lines: &lines,
     });
     let pixels = picture.develop(&Shading { exposure, read })?;
-    Some(Pixels { size: picture.size(), pixels })
+    let labels = reading.map_or(Vec::new(), |reading| picture.line_labels(reading.quantity, reading.isolines.values()));
+    Some(Pixels { size: picture.size(), pixels, labels })
 }

@@ -41,7 +41,7 @@ pub use reading_settings::{IsolinesWanted, Mark, ReadingSettings, Show};
 pub use renderer::{Frame, SceneRenderer, sample_count};
 
 pub use crate::ramp::{BLUE_WHITE_RED, CIVIDIS, Ramp, VIRIDIS, along_ramp};
-pub use crate::tone::{Exposure, auto_exposure, encode_gamma, tone_curve};
+pub use crate::tone::{Exposure, auto_exposure, encode_gamma, exposure_of_seen, tone_curve};
 
 #[cfg(doc)]
 use crate::solver::snapshot::Snapshot;

@@ -113,7 +113,7 @@ fn note_unknown(draft: &mut Draft, sidecar: &Sidecar, reading: &Reading) {
         draft.materials.iter().map(|material| &material.name).chain(&unused).map(String::as_str).collect();
     let unknown = sidecar.materials.keys().filter(|name| !known.contains(name.as_str()));
     let mut notes: Vec<String> = unknown
-        .map(|name| format!("The sidecar names a material {} that the scene does not have.", said::quoted(name)))
+        .map(|name| format!("The settings file names a material {} that the scene does not have.", said::quoted(name)))
         .collect();
     let unknown = reading.opaque.iter().filter(|name| !known.contains(name.as_str()));
     notes.extend(unknown.map(|name| format!("There is no material {} to be made opaque.", said::quoted(name))));

@@ -66,7 +66,7 @@ impl Skipped {
             (self.degenerate_faces, "degenerate face skipped", "degenerate faces skipped"),
             (self.duplicate_faces, "face listed twice skipped", "faces listed twice skipped"),
             (self.transparent_faces, "transparent face left out", "transparent faces left out"),
-            (self.ignored_faces, "face ignored by the sidecar", "faces ignored by the sidecar"),
+            (self.ignored_faces, "face excluded by settings file", "faces excluded by settings file"),
             (self.clamped_materials, "material's reflectance clamped", "materials' reflectances clamped"),
             (self.faces_without_material, "face without a material shown grey", "faces without a material shown grey"),
             (
@@ -92,7 +92,7 @@ impl Skipped {
             let more = self.transparent_materials.len() - shown.len();
             let more = if more > 0 { format!(" and {more} more") } else { String::new() };
             let names = shown.join(", ");
-            format!("Transparent: {names}{more}; a click in the material panel or `\"opaque\": true` in the sidecar brings them back.")
+            format!("Transparent: {names}{more}; a click in the material panel or `\"opaque\": true` in the settings file brings them back.")
         });
         let sentences = counted.iter().filter(|(count, ..)| *count > 0).map(|(count, one, many)| match count {
             1 => format!("1 {one}."),

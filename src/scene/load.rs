@@ -103,7 +103,7 @@ fn load_bytes_with(path: &Path, bytes: Vec<u8>, files: &dyn SceneFiles, reading:
         scene.skipped.note(remark);
     }
     if more > 0 {
-        scene.skipped.note(format!("{more} more objects of the sidecar's groups could not be placed either."));
+        scene.skipped.note(format!("{more} more objects of the settings file's groups could not be placed either."));
     }
     Ok(scene)
 }

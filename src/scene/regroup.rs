@@ -150,11 +150,11 @@ impl GroupTree {
                     match by_address.get(address).map(|&index| &mut named[index]) {
                         Some(place @ None) => *place = Some(Named { into, with_itself }),
                         Some(Some(_)) => remarks.push(format!(
-                            "The sidecar's groups name the object {} twice: its first place counts.",
+                            "The settings file's groups name the object {} twice: its first place counts.",
                             said::quoted(address)
                         )),
                         None => remarks.push(format!(
-                            "The sidecar's groups name an object {} that the scene does not have.",
+                            "The settings file's groups name an object {} that the scene does not have.",
                             said::quoted(address)
                         )),
                     }

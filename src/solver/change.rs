@@ -40,13 +40,13 @@ impl Invalidates {
     pub fn in_words(self) -> &'static str {
         match self {
             Self::Nothing => "keeps everything",
-            Self::Picture => "draws anew",
+            Self::Picture => "draws again",
             Self::Radiosities => "keeps links, gathers again",
-            Self::Verdicts => "judges links anew",
+            Self::Verdicts => "tests links again",
             Self::Refinement => "merges links back",
-            Self::Links => "relinks, keeps clusters",
+            Self::Links => "links again, keeps clusters",
             Self::Hierarchy => "rebuilds clusters",
-            Self::Scene => "remakes the scene",
+            Self::Scene => "prepares the scene again",
         }
     }
 }

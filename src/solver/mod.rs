@@ -29,9 +29,11 @@ mod link;
 mod link_error;
 mod live;
 mod memory;
+mod mesh_error;
 mod oracle;
 pub mod params;
 mod picture;
+mod progress;
 mod push;
 mod rays;
 mod reconstruct;
@@ -58,6 +60,7 @@ pub use history::{MomentInfo, MomentKind};
 pub use link::{Evidence, Link, LinkTable};
 pub use link_error::LinkError;
 pub use memory::MemoryStop;
+pub use mesh_error::MeshError;
 pub use params::{
     ClusterModel, ClusteringMode, Epsilon, OracleKind, PARAMETERS, Parameter, ParameterId, ParamsError, Push,
     Reconstruct, SolverParams, USUAL_ERROR, ValueKind,

@@ -41,8 +41,10 @@ pub enum ClusterModel {
 pub enum OracleKind {
     /// The power that it could carry (section 2.3).
     #[default]
+    #[serde(alias = "power")]
     Energy,
     /// The power that it is likely to put in the wrong place, or to make up or lose.
+    #[serde(alias = "link-error")]
     Error,
 }
 
@@ -61,11 +63,14 @@ pub enum Epsilon {
 #[serde(rename_all = "lowercase")]
 pub enum Reconstruct {
     /// One value for each leaf, as the method has it.
+    #[serde(alias = "flat")]
     Constant,
     /// Leaves' values averaged at the vertices and interpolated between them.
     #[default]
+    #[serde(alias = "smooth")]
     Vertex,
     /// Light gathered anew over the links' solution (a final gather), on leaves of its own.
+    #[serde(alias = "final-gather")]
     Gather,
 }
 
@@ -103,7 +108,7 @@ pub struct SolverParams {
     pub cluster_model: ClusterModel,
     /// When clusters hand irradiance down.
     pub push: Push,
-    /// Which sides of faces are bright; `None` as the scene says.
+    /// Which sides of faces reflect; `None` as the scene says.
     pub sides: Option<Sides>,
     /// Worker threads; 0 takes every core.
     pub threads: u32,
@@ -165,7 +170,7 @@ pub enum ParameterId {
     ClusterModel,
     /// Push mode.
     Push,
-    /// Bright sides.
+    /// Reflecting sides.
     Sides,
     /// Worker threads.
     Threads,
@@ -192,8 +197,10 @@ pub enum ValueKind {
     },
     /// One of a few names.
     Choice {
-        /// The names, as the command line spells them.
+        /// The names, as files and the command line spell them.
         names: &'static [&'static str],
+        /// The names in the window, where hyphens are spaces, in the same order; files and the command line take them too.
+        shown: &'static [&'static str],
     },
 }
 
@@ -220,7 +227,7 @@ pub const PARAMETERS: [Parameter; 17] = [
     Parameter {
         id: ParameterId::Error,
         flag: "error",
-        label: "error at most",
+        label: "Target error",
         unit: "",
         hint: "Target error: 9 of 10 surfaces are read within this share of their light. The solver chooses ε and ends when a certificate says so.",
         kind: ValueKind::Real { range: 0.01..=0.3, logarithmic: true },
@@ -229,7 +236,7 @@ pub const PARAMETERS: [Parameter; 17] = [
     Parameter {
         id: ParameterId::Epsilon,
         flag: "epsilon",
-        label: "ε relative",
+        label: "Link threshold ε",
         unit: "Φ",
         hint: "A link is refined while its unoccluded power B·F·A exceeds this share of the scene's emitted power (section 2.3).",
         kind: ValueKind::Real { range: 1e-7..=1e-1, logarithmic: true },
@@ -238,34 +245,37 @@ pub const PARAMETERS: [Parameter; 17] = [
     Parameter {
         id: ParameterId::EpsilonWatts,
         flag: "epsilon-watts",
-        label: "ε in watts",
+        label: "Link threshold ε in watts",
         unit: "W",
-        hint: "The same threshold in watts, as the solver uses it; it does not follow a dimmed lamp.",
+        hint: "The same threshold in watts, as the solver uses it; it does not follow a dimmed lamp (section 2.3).",
         kind: ValueKind::Real { range: 1e-9..=1e6, logarithmic: true },
         costs: [Invalidates::Verdicts, Invalidates::Refinement],
     },
     Parameter {
         id: ParameterId::Oracle,
         flag: "oracle",
-        label: "oracle",
+        label: "Refinement criterion",
         unit: "",
-        hint: "What ε bounds: the power that a link could carry (energy, the paper's, section 2.3) or the power that it is likely to put in the wrong place (error).",
-        kind: ValueKind::Choice { names: &["energy", "error"] },
+        hint: "What ε bounds: the power that a link could carry (energy, the paper's, section 2.3) or the error that the link is likely to make (error).",
+        kind: ValueKind::Choice { names: &["energy", "error"], shown: &["power", "link-error"] },
         costs: [Invalidates::Refinement; 2],
     },
     Parameter {
         id: ParameterId::Reconstruct,
         flag: "reconstruct",
-        label: "reconstruct",
+        label: "Shading",
         unit: "",
-        hint: "What is shown: one value for each leaf (constant), values averaged at vertices (vertex), or light looked for anew at each vertex (gather).",
-        kind: ValueKind::Choice { names: &["constant", "vertex", "gather"] },
+        hint: "How light is shown: flat, one value for each leaf (constant); smooth, interpolated between vertices (vertex); or by a final gather (gather).",
+        kind: ValueKind::Choice {
+            names: &["constant", "vertex", "gather"],
+            shown: &["flat", "smooth", "final-gather"],
+        },
         costs: [Invalidates::Radiosities; 2],
     },
     Parameter {
         id: ParameterId::PartialFactor,
         flag: "partial-factor",
-        label: "partial visibility factor",
+        label: "Threshold factor for partly occluded links",
         unit: "",
         hint: "Partly visible links are judged with ε times this factor; the paper found 1/10 good (section 2.3).",
         kind: ValueKind::Real { range: 0.01..=1.0, logarithmic: true },
@@ -274,7 +284,7 @@ pub const PARAMETERS: [Parameter; 17] = [
     Parameter {
         id: ParameterId::VisibilityFactor,
         flag: "visibility-factor",
-        label: "visibility factor f_vis",
+        label: "Rays per power f_vis",
         unit: "rays",
         hint: "Visibility rays of a link per B·F·A/ε, so that every ray decides about the same power (section 2.4).",
         kind: ValueKind::Real { range: 0.1..=64.0, logarithmic: true },
@@ -283,7 +293,7 @@ pub const PARAMETERS: [Parameter; 17] = [
     Parameter {
         id: ParameterId::RaysMin,
         flag: "rays-min",
-        label: "rays, at least",
+        label: "Min rays per link",
         unit: "",
         hint: "Fewest visibility rays of a tested link; most links need no more, so this bound costs the most time (section 2.4).",
         kind: ValueKind::Whole { range: 1..=64 },
@@ -292,7 +302,7 @@ pub const PARAMETERS: [Parameter; 17] = [
     Parameter {
         id: ParameterId::RaysMax,
         flag: "rays-max",
-        label: "rays, at most",
+        label: "Max rays per link",
         unit: "",
         hint: "Most visibility rays of a link (section 2.4).",
         kind: ValueKind::Whole { range: 1..=1024 },
@@ -301,16 +311,19 @@ pub const PARAMETERS: [Parameter; 17] = [
     Parameter {
         id: ParameterId::Clustering,
         flag: "clustering",
-        label: "clustering",
+        label: "Clustering",
         unit: "",
         hint: "How polygons are grouped: not at all (plain hierarchical radiosity), octree, the scene's own groups, or adaptive (section 2.2).",
-        kind: ValueKind::Choice { names: &["none", "octree", "groups", "adaptive"] },
+        kind: ValueKind::Choice {
+            names: &["none", "octree", "groups", "adaptive"],
+            shown: &["none", "octree", "groups", "adaptive"],
+        },
         costs: [Invalidates::Hierarchy; 2],
     },
     Parameter {
         id: ParameterId::OctreeDepth,
         flag: "octree-depth",
-        label: "octree depth",
+        label: "Octree depth",
         unit: "levels",
         hint: "Deepest level of the octree, the root being level 1 (Table 2).",
         kind: ValueKind::Whole { range: 1..=10 },
@@ -319,34 +332,34 @@ pub const PARAMETERS: [Parameter; 17] = [
     Parameter {
         id: ParameterId::ClusterModel,
         flag: "cluster-model",
-        label: "cluster model",
+        label: "Cluster model",
         unit: "",
         hint: "Light of a cluster: alike into all directions (isotropic, the paper's, section 1.2) or as its polygons are turned (oriented, by samples).",
-        kind: ValueKind::Choice { names: &["isotropic", "oriented"] },
+        kind: ValueKind::Choice { names: &["isotropic", "oriented"], shown: &["isotropic", "oriented"] },
         costs: [Invalidates::Verdicts; 2],
     },
     Parameter {
         id: ParameterId::Push,
         flag: "push",
-        label: "push",
+        label: "Irradiance push-down",
         unit: "",
         hint: "Hand irradiance that a cluster receives to its patches link by link with their cosine (immediate) or evenly afterwards (deferred, section 3.3).",
-        kind: ValueKind::Choice { names: &["immediate", "deferred"] },
+        kind: ValueKind::Choice { names: &["immediate", "deferred"], shown: &["immediate", "deferred"] },
         costs: [Invalidates::Radiosities; 2],
     },
     Parameter {
         id: ParameterId::Sides,
         flag: "sides",
-        label: "bright sides",
+        label: "Reflecting sides",
         unit: "",
         hint: "Which sides of a face reflect: the one its winding shows, both, or the one that the room sees (auto); as the scene says if not given.",
-        kind: ValueKind::Choice { names: &["front", "both", "auto"] },
+        kind: ValueKind::Choice { names: &["front", "both", "auto"], shown: &["front", "both", "auto"] },
         costs: [Invalidates::Scene; 2],
     },
     Parameter {
         id: ParameterId::Threads,
         flag: "threads",
-        label: "threads",
+        label: "Threads",
         unit: "",
         hint: "Worker threads, 0 for every core; the result is the same for any number.",
         kind: ValueKind::Whole { range: 0..=64 },
@@ -355,7 +368,7 @@ pub const PARAMETERS: [Parameter; 17] = [
     Parameter {
         id: ParameterId::Seed,
         flag: "seed",
-        label: "seed",
+        label: "Seed",
         unit: "",
         hint: "Seed of the visibility rays; the same seed gives the same solution, bit for bit.",
         kind: ValueKind::Whole { range: 0..=1_000_000 },
@@ -364,7 +377,7 @@ pub const PARAMETERS: [Parameter; 17] = [
     Parameter {
         id: ParameterId::Memory,
         flag: "memory",
-        label: "memory, at most",
+        label: "Memory limit",
         unit: "",
         hint: "Memory that scene and solution may take, as a share of the machine's or a size such as 4GiB; refinement stops before it takes more.",
         kind: ValueKind::Real { range: 0.02..=0.9, logarithmic: false },

@@ -4,14 +4,13 @@ use std::sync::Arc;
 
 use glam::Vec3;
 
-use super::display::{Display, Style};
+use super::display::Style;
 use super::memory::MemoryStop;
 use super::params::Reconstruct;
 use super::stats::{ErrorFound, Phase};
 use super::{Solver, Step};
 use crate::cancel::CancelToken;
 use crate::gather::{Certificate, Field, Full, Gather, Goal, LinkLight, Progress, Quantiles, RISK};
-use crate::hierarchy::SurfacePoint;
 
 impl Solver {
     /// What comes after the last gather over links.
@@ -85,18 +84,8 @@ impl Solver {
     fn find_error(&mut self) -> Option<ErrorFound> {
         let field = self.field()?.clone();
         let certificate = self.certificate()?.clone();
-        let elements = self.hierarchy.elements().len();
-        let display = Display::current(self.display.take(), &self.scene, field.hierarchy(), elements, self.style());
-        let shown = display.of_vertices(field.irradiance());
-        let grey = |light: Vec3| f64::from(light.element_sum()) / 3.0;
-        let error = |(point, truth): &(SurfacePoint, f32)| {
-            let (corners, weights) = display.locate(field.leaf_at(point.polygon, point.position), point.position)?;
-            let light = |corner: usize| Vec3::from(shown[corners[corner] as usize]);
-            let shown = weights.x * light(0) + weights.y * light(1) + weights.z * light(2);
-            let truth = f64::from(*truth);
-            Some((grey(shown) - truth).abs() / (truth + f64::from(field.dim())).max(f64::MIN_POSITIVE))
-        };
-        let mut errors: Vec<f64> = certificate.points.iter().filter_map(error).collect();
+        let points = certificate.points.iter().map(|(point, truth)| (*point, *truth, 0.0));
+        let mut errors = self.errors_of_mesh(&field, points);
         let found = ErrorFound {
             bound: certificate.bound,
             confidence: 1.0 - RISK,
@@ -105,7 +94,6 @@ impl Solver {
             radiosity_rms: certificate.radiosity_rms,
             mesh: Quantiles::of(&mut errors),
         };
-        self.display = Some(display);
         Some(found)
     }
 

@@ -73,6 +73,11 @@ impl Solver {
         self.seconds.load = seconds;
     }
 
+    /// Whether nothing is left to do.
+    pub fn is_done(&self) -> bool {
+        self.phase == Phase::Done
+    }
+
     /// Counts and times so far.
     pub fn stats(&self) -> Stats {
         let (wave, next_wave) = self.refinement.waiting_len();
@@ -112,7 +117,8 @@ impl Solver {
             memory_stop: self.memory_stop,
             emitted_watts: f64::from(emitted.element_sum()),
             absorbed_watts: balance::absorbed(self).element_sum(),
-            progress: self.refinement.progress().filter(|_| self.phase == Phase::Refine),
+            progress: self.progress(),
+            error_so_far: self.gather.as_ref().and_then(Gather::error_so_far),
         }
     }
 

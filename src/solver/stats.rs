@@ -79,8 +79,11 @@ pub struct Stats {
     pub emitted_watts: f64,
     /// Power absorbed by bright sides, W (all colours summed).
     pub absorbed_watts: f64,
-    /// Share of the present round's refinement that is done, where it can be told, 0..1.
-    pub progress: Option<f32>,
+    /// Share of the whole solve that is done, as far as can be told, 0..1.
+    pub progress: f32,
+    /// Local error within which nine tenths of the area are, by the points that the certificate has compared so far.
+    #[serde(skip)]
+    pub error_so_far: Option<f64>,
 }
 
 /// What the certificate of a gather found.

@@ -71,6 +71,14 @@ pub enum GridError {
     },
 }
 
+/// Spacing of measuring points on an area of these extents, m, as EN 12464-1 asks: p = 0.2·5^log₁₀ d of the longer extent d, or of the
+/// shorter one where that is less than half of it; 10 m at most. Rounded down to centimetres.
+pub fn spacing_of(longer: f32, shorter: f32) -> f32 {
+    let decisive = if longer >= 2.0 * shorter { shorter } else { longer };
+    let spacing = 0.2 * 5_f32.powf(decisive.max(0.1).log10());
+    ((100.0 * spacing).floor() / 100.0).clamp(0.01, 10.0)
+}
+
 impl WorkPlane {
     /// One that suits a scene: as usual in rooms, smaller in models of other sizes.
     pub fn for_scene(scene: &Scene) -> Self {
@@ -82,7 +90,9 @@ impl WorkPlane {
         let smaller =
             (0..3).filter(|&axis| floor.up[axis] == 0.0).map(|axis| extent[axis]).fold(f32::INFINITY, f32::min);
         if room > 1.5 && smaller > 2.5 {
-            return usual;
+            let larger = (0..3).filter(|&axis| floor.up[axis] == 0.0).map(|axis| extent[axis]).fold(0.0, f32::max);
+            let spacing = spacing_of(larger - 2.0 * usual.margin, smaller - 2.0 * usual.margin);
+            return Self { spacing, ..usual };
         }
         let step = rounded(smaller / 12.0);
         Self { height: rounded(room / 4.0), spacing: step, margin: step }
@@ -165,5 +175,12 @@ mod tests {
         for bad in [0.0, -1.0, f32::NAN, f32::INFINITY] {
             assert_eq!(WorkPlane { spacing: bad, ..plane }.grid(&hall()), Err(GridError::BadNumber));
         }
+    }
+
+    /// Truth: the standard's formula, by hand: 5^0 = 1, 5^1 = 5, and a long corridor is judged by its width.
+    #[test]
+    fn spacing_follows_the_standard() {
+        assert_eq!([spacing_of(1.0, 1.0), spacing_of(10.0, 6.0), spacing_of(40.0, 1.0)], [0.2, 1.0, 0.2]);
+        assert!(spacing_of(1e6, 1e6) == 10.0 && spacing_of(-1.0, -1.0) >= 0.01);
     }
 }

@@ -6,7 +6,7 @@
 //! merged: the newest settings win.
 //!
 //! Files are read and BVHs built on a further thread (`loader`), which is orphaned when its result is no longer wanted:
-//! the present scene stays and goes on being solved until the new one is ready. Imports `scene`, `orient`,
+//! the present scene stays in view, and rests, until the new one is ready. Imports `scene`, `orient`,
 //! `visibility` and `solver`; knows no window.
 
 mod guard;
@@ -26,8 +26,9 @@ use std::thread::{Builder, JoinHandle};
 use glam::Vec3;
 
 use crate::added_light::AddedLight;
+use crate::geometry::Occluders;
 use crate::scene::{CameraPose, GroupMember, MaterialId, Reading, Scene, Source};
-use crate::solver::{MomentInfo, Snapshot, SolverParams};
+use crate::solver::{MeshError, MomentInfo, Snapshot, SolverParams};
 use crate::threads::lock;
 pub use stamp::FileStamp;
 
@@ -124,6 +125,8 @@ pub enum Event {
 pub struct SceneInfo {
     /// The scene, faces turned or doubled as its sides ask.
     pub scene: Arc<Scene>,
+    /// The faces that stop light in it.
+    pub occluders: Arc<Occluders>,
     /// The file it came from; `None` for our own scenes.
     pub path: Option<PathBuf>,
     /// What its files looked like before they were read; empty for our own scenes.
@@ -154,6 +157,18 @@ pub enum RunState {
     Finished,
 }
 
+/// What is known of the error of a finished solve that no certificate tells of.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum ErrorOfMesh {
+    /// Nothing.
+    #[default]
+    Unknown,
+    /// It is being measured.
+    Measuring,
+    /// It was measured.
+    Measured(MeshError),
+}
+
 /// A small summary that a window may read in every frame.
 #[derive(Clone, Debug, Default)]
 pub struct Status {
@@ -161,8 +176,10 @@ pub struct Status {
     pub run: RunState,
     /// The parameters that are in force.
     pub params: SolverParams,
-    /// What is being loaded, if anything is.
+    /// What is being loaded, if anything is; the present scene rests meanwhile.
     pub loading: Option<String>,
+    /// What is known of the error of a finished solve by ε.
+    pub mesh_error: ErrorOfMesh,
     /// The steps of the solve so far, which [`Look::moment`] counts; oldest first.
     pub moments: Arc<[MomentInfo]>,
 }

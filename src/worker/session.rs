@@ -14,7 +14,7 @@ use super::merge::merge;
 use super::pacing::Pacing;
 use super::stage::MaterialEdit;
 use super::task::{Away, Change, Changed, Task};
-use super::{Command, Event, Look, Message, RunState, Shared, Status};
+use super::{Command, ErrorOfMesh, Event, Look, Message, RunState, Shared, Status};
 use crate::solver::{MomentInfo, Solver, SolverParams};
 use crate::threads::lock;
 
@@ -61,6 +61,9 @@ pub(super) struct Session {
     finished: bool,
     /// Nothing is left to do but the last picture.
     is_finishing: bool,
+    /// What is known of the error of the present solution, and whether that was tried to find out.
+    mesh_error: ErrorOfMesh,
+    was_measured: bool,
     /// A status is to be told by then at the latest: better with the picture that goes with it.
     status_due: Option<Instant>,
     /// Loaders whose result is awaited: of a new scene, and of the present one made anew.
@@ -102,6 +105,8 @@ impl Session {
             runs_when_loaded: true,
             finished: false,
             is_finishing: false,
+            mesh_error: ErrorOfMesh::default(),
+            was_measured: false,
             status_due: None,
             loading: None,
             remaking: None,
@@ -159,7 +164,15 @@ impl Session {
     }
 
     fn has_work(&self) -> bool {
-        self.solver.is_some() && !self.finished && !self.is_finishing && self.drive != Drive::Pause
+        // A scene that another one is about to replace leaves the cores to that one.
+        let is_wanted = self.loading.is_none() && self.drive != Drive::Pause;
+        self.solver.is_some() && !self.finished && !self.is_finishing && is_wanted
+    }
+
+    /// Whether the error of a finished solution is to be found out.
+    fn can_measure(&self) -> bool {
+        let is_idle = self.finished && !self.was_measured && self.loading.is_none();
+        is_idle && self.solver.as_ref().is_some_and(Solver::has_unknown_error)
     }
 
     /// Obeys at once what needs no solver; the rest waits until it is home, which it is asked to hurry for.
@@ -268,6 +281,10 @@ impl Session {
             self.send_solver(Task::Picture(self.look));
         } else if self.has_work() {
             self.send_solver(Task::Step);
+        } else if self.can_measure() {
+            self.mesh_error = ErrorOfMesh::Measuring;
+            self.send_solver(Task::Measure);
+            self.publish_status();
         }
     }
 
@@ -337,6 +354,7 @@ impl Session {
     /// The present solver has something to do again.
     fn refine_again(&mut self) {
         (self.finished, self.is_finishing) = (false, false);
+        (self.mesh_error, self.was_measured) = (ErrorOfMesh::Unknown, false);
         self.picture_owed = true;
     }
 
@@ -370,7 +388,8 @@ impl Session {
         };
         let awaited = self.loading.as_ref().or(self.remaking.as_ref());
         let loading = awaited.map(|awaited| awaited.name.clone());
-        *lock(&self.ends.shared.status) = Status { run, params: self.params, loading, moments: self.moments.clone() };
+        *lock(&self.ends.shared.status) =
+            Status { run, params: self.params, loading, mesh_error: self.mesh_error, moments: self.moments.clone() };
         (self.ends.wake)();
     }
 }

@@ -148,6 +148,7 @@ impl Session {
         let Some(prepared) = &self.prepared else { return };
         let info = Arc::new(SceneInfo {
             scene: prepared.scene.clone(),
+            occluders: prepared.occluders.clone(),
             path: prepared.path.clone(),
             stamps: prepared.stamps.clone(),
             generation,
@@ -226,7 +227,7 @@ impl Session {
         if is_usable {
             self.remake(Some(CeilingLight { size, exitance }));
         } else {
-            let sentence = "a ceiling light needs a side greater than 0 and a strength that is not negative";
+            let sentence = "a ceiling light needs a side greater than 0 and an exitance that is not negative";
             self.emit(Event::SolveFailed(sentence.into()));
         }
     }
@@ -235,7 +236,7 @@ impl Session {
     pub(super) fn save_sidecar(&mut self, camera: Option<CameraPose>) {
         let Some(prepared) = &self.prepared else { return };
         let Some(path) = prepared.path.as_deref().map(Sidecar::path_for) else {
-            let sentence = "one of our own scenes has no file beside which a sidecar could lie";
+            let sentence = "a sample scene has no file beside which a settings file could lie";
             return self.emit(Event::SaveFailed(sentence.into()));
         };
         let write = || {

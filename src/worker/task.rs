@@ -15,7 +15,7 @@ use rayon::ThreadPool;
 use super::loader::panic_message;
 use super::{Look, Message};
 use crate::cancel::CancelToken;
-use crate::solver::{Snapshot, Solver, Step};
+use crate::solver::{MeshError, Snapshot, Solver, Step};
 
 /// What a solver is sent to do.
 pub(super) enum Task {
@@ -23,6 +23,8 @@ pub(super) enum Task {
     Step,
     /// A picture.
     Picture(Look),
+    /// The error of what is shown.
+    Measure,
     /// A change that leaves the solver as it is but for what is asked of it, or puts another one in its place.
     Change(Box<dyn FnOnce(Option<Solver>) -> Changed + Send>),
 }
@@ -60,6 +62,10 @@ pub(super) enum Outcome {
     Step(Step),
     /// A picture was taken, begun and ended at these times.
     Picture(Arc<Snapshot>, Instant, Instant),
+    /// The error was measured, or cannot be.
+    Measured(Option<MeshError>),
+    /// Measuring the error was cancelled.
+    NotMeasured,
     /// A change was made, or not, for this reason.
     Change(Result<Change, String>),
     /// The solver broke; the panic's sentence.
@@ -129,7 +135,12 @@ impl Task {
                 let snapshot = former.unwrap_or_else(|| solver.snapshot());
                 (Some(solver), Outcome::Picture(Arc::new(snapshot), begun, Instant::now()))
             }
-            (Self::Step | Self::Picture(_), None) => (None, Outcome::Step(Step::Finished)),
+            (Self::Measure, Some(mut solver)) => {
+                let measured = solver.measure_mesh(cancel);
+                let is_cancelled = measured.is_none() && cancel.is_cancelled();
+                (Some(solver), if is_cancelled { Outcome::NotMeasured } else { Outcome::Measured(measured) })
+            }
+            (Self::Step | Self::Picture(_) | Self::Measure, None) => (None, Outcome::Step(Step::Finished)),
         }
     }
 }

@@ -3,7 +3,7 @@
 use egui::accesskit::Role;
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
-use selflink::app::App;
+use selflink::app::{App, words};
 use selflink::scene::GroupMember;
 use selflink::solver::{ClusteringMode, SolverParams};
 
@@ -16,7 +16,7 @@ fn by_groups() -> SolverParams {
 fn open_tool(params: SolverParams) -> Harness<'static, App> {
     let mut window = cornell(params);
     finish(&mut window);
-    window.get_by_label("Clusters").click();
+    window.get_by_label(words::CLUSTERS).click();
     until(&mut window, "the anatomy", |window| {
         window.state().snapshot().is_some_and(|snapshot| snapshot.anatomy.is_some())
     });
@@ -60,7 +60,7 @@ fn the_tree_unfolds_picks_and_follows_what_is_picked() {
     click(&mut window, "Fold short_block");
     assert!(window.query_by_label("short_block (white)").is_none());
     click(&mut window, "short_block");
-    until(&mut window, "the card", |window| window.query_by_label("Close").is_some());
+    until(&mut window, "the tag", |window| window.query_by_label(words::DETAILS).is_some());
     // A click on the back wall unfolds the tree to one of its polygons.
     let above_the_block = window.state().view_rect().center() - egui::vec2(0.0, 100.0);
     let before = window.query_all_by_label_contains("walls (").count();
@@ -73,7 +73,7 @@ fn the_tree_unfolds_picks_and_follows_what_is_picked() {
 fn groups_are_made_renamed_dissolved_and_taken_back() {
     let mut window = open_tool(by_groups());
     let generation = window.state().snapshot().expect("a picture").generation;
-    click(&mut window, "Groups by hand");
+    click(&mut window, words::MANUAL_GROUPS);
     assert!(window.query_by_label_contains("takes these groups").is_some());
     click(&mut window, "short_block");
     click(&mut window, "New group");
@@ -109,14 +109,14 @@ fn groups_are_made_renamed_dissolved_and_taken_back() {
     until(&mut window, "the file's groups", |window| regrouping(window).is_empty());
     click(&mut window, "Undo grouping");
     until(&mut window, "the group again", |window| regrouping(window) == both);
-    click(&mut window, "As in the file");
+    click(&mut window, words::REVERT_TO_FILE);
     until(&mut window, "the file's groups", |window| regrouping(window).is_empty());
 }
 
 #[test]
 fn clustering_by_groups_is_one_click_away() {
     let mut window = open_tool(coarse());
-    click(&mut window, "Groups by hand");
+    click(&mut window, words::MANUAL_GROUPS);
     assert!(window.query_by_label_contains("Clustering is adaptive").is_some());
     click(&mut window, "Cluster by groups");
     until(&mut window, "groups", |window| window.state().status().params.clustering == ClusteringMode::Groups);

@@ -4,9 +4,9 @@ use egui::accesskit::Role;
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
 use image::RgbaImage;
-use selflink::app::App;
+use selflink::app::{App, words};
 use selflink::scene::builtin::BuiltinScene;
-use selflink::solver::Epsilon;
+use selflink::solver::{Epsilon, ParameterId};
 
 use crate::support::{click, coarse, cornell, finish, picture, share_of_different_pixels, until};
 
@@ -26,7 +26,7 @@ fn are_alike(one: &RgbaImage, other: &RgbaImage) -> bool {
 }
 
 fn finer(window: &mut Harness<'static, App>) {
-    window.get_by_role_and_label(Role::Slider, "ε relative").set_value_accesskit(1e-3);
+    window.get_by_role_and_label(Role::Slider, words::parameter(ParameterId::Epsilon)).set_value_accesskit(1e-3);
     until(window, "a finer ε", |window| window.state().status().params.epsilon == Epsilon::Relative(1e-3));
     finish(window);
 }
@@ -36,9 +36,9 @@ fn finer(window: &mut Harness<'static, App>) {
 fn a_is_at_the_left_of_the_divider_and_b_at_its_right() {
     let mut window = cornell(coarse());
     finish(&mut window);
-    click(&mut window, "Compare");
+    click(&mut window, words::COMPARE);
     let a = picture(&mut window);
-    click(&mut window, "Freeze as A");
+    click(&mut window, words::KEEP_AS_A);
     finer(&mut window);
     let split = picture(&mut window);
     click(&mut window, "B alone");
@@ -72,8 +72,8 @@ fn a_is_at_the_left_of_the_divider_and_b_at_its_right() {
 fn the_table_tells_what_differs_and_the_view_shows_where() {
     let mut window = cornell(coarse());
     finish(&mut window);
-    click(&mut window, "Compare");
-    click(&mut window, "Freeze as A");
+    click(&mut window, words::COMPARE);
+    click(&mut window, words::KEEP_AS_A);
     assert!(window.query_by_label_contains("None yet").is_some());
     let links = |window: &Harness<'static, App>| window.state().snapshot().expect("a picture").stats.links;
     let of_a = links(&window);
@@ -90,11 +90,11 @@ fn the_table_tells_what_differs_and_the_view_shows_where() {
     let differences = picture(&mut window);
     assert!(share_of_different_pixels(&lit, &differences) > 0.2);
 
-    click(&mut window, "Let A go");
-    assert!(window.query_by_label("Freeze as A").is_some());
+    click(&mut window, words::DISCARD_A);
+    assert!(window.query_by_label(words::KEEP_AS_A).is_some());
     // Another scene has no A.
-    click(&mut window, "Freeze as A");
+    click(&mut window, words::KEEP_AS_A);
     let ours = BuiltinScene::from_name("seminar").expect("ours").name();
     window.get_all_by_label(ours).find(|node| node.accesskit_node().role() == Role::Button).expect("offered").click();
-    until(&mut window, "another scene", |window| window.query_by_label("Freeze as A").is_some());
+    until(&mut window, "another scene", |window| window.query_by_label(words::KEEP_AS_A).is_some());
 }

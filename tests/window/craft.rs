@@ -3,7 +3,7 @@
 use egui::Key;
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
-use selflink::app::App;
+use selflink::app::{App, words};
 use selflink::scene::Source;
 use selflink::scene::builtin::BuiltinScene;
 use selflink::solver::{Epsilon, SolverParams};
@@ -20,12 +20,12 @@ fn press(window: &mut Harness<'static, App>, key: Key) {
 fn the_list_of_keys_opens_and_closes() {
     let mut window = cornell(coarse());
     press(&mut window, Key::Questionmark);
-    assert!(window.query_by_label("freeze the solution as A").is_some());
+    assert!(window.query_by_label("keep the solution as A").is_some());
     press(&mut window, Key::Escape);
-    assert!(window.query_by_label("freeze the solution as A").is_none());
-    window.get_by_label("Keys").click();
+    assert!(window.query_by_label("keep the solution as A").is_none());
+    window.get_by_label(words::KEYS).click();
     window.run_steps(2);
-    assert!(window.query_by_label("freeze the solution as A").is_some());
+    assert!(window.query_by_label("keep the solution as A").is_some());
 }
 
 #[test]
@@ -44,11 +44,11 @@ fn keys_drive_the_solver_and_the_tools() {
     press(&mut window, Key::Num6);
     assert!(window.query_by_label("Mesh (GLB)").is_some());
     press(&mut window, Key::X);
-    assert!(window.query_by_label("Let A go").is_some());
+    assert!(window.query_by_label(words::DISCARD_A).is_some());
     press(&mut window, Key::Num5);
-    assert!(window.query_by_label("Let A go").is_none(), "the same key closes the tool");
+    assert!(window.query_by_label(words::DISCARD_A).is_none(), "the same key closes the tool");
     // Keys that are typed into a field are text.
-    window.get_by_label("Scene path").focus();
+    window.get_by_label(words::SCENE_PATH).focus();
     window.run_steps(1);
     press(&mut window, Key::Num6);
     assert!(window.query_by_label("Mesh (GLB)").is_none());
@@ -60,8 +60,51 @@ fn the_full_picture_hides_all_panels_and_gives_them_back() {
     let narrow = window.state().view_rect();
     press(&mut window, Key::F11);
     assert_eq!(window.state().view_rect().size(), egui::vec2(1280.0, 800.0));
-    click(&mut window, "Show panels");
+    assert!(window.query_by_label(words::SHOW_PANELS).is_none(), "the picture is alone");
+    window.hover_at(egui::pos2(300.0, 20.0));
+    window.run_steps(2);
+    click(&mut window, words::SHOW_PANELS);
     assert_eq!(window.state().view_rect(), narrow);
+}
+
+/// Truth: the window's own commands to the system, and the pixels of the view: nothing lies over them.
+#[test]
+fn f11_takes_the_whole_screen_and_escape_gives_it_back() {
+    let mut window = cornell(coarse());
+    finish(&mut window);
+    let centre = window.state().view_rect().center();
+    window.drag_at(centre);
+    window.drop_at(centre);
+    until(&mut window, "the tag", |window| window.query_by_label(words::DETAILS).is_some());
+    let asked = |window: &Harness<'static, App>, is_full: bool| {
+        let viewports = window.output().viewport_output.values();
+        let mut commands = viewports.flat_map(|viewport| viewport.commands.iter());
+        commands.any(|command| *command == egui::ViewportCommand::Fullscreen(is_full))
+    };
+    // Alone, so that the frame behind it is the last one.
+    let key = |key, pressed| egui::Event::Key {
+        key,
+        physical_key: None,
+        pressed,
+        repeat: false,
+        modifiers: egui::Modifiers::NONE,
+    };
+    window.event(key(Key::F11, true));
+    window.step();
+    assert!(asked(&window, true));
+    window.event(key(Key::F11, false));
+    window.step();
+    for hidden in [words::DETAILS, words::SETTINGS, words::STEP_OF_THE_SOLVE] {
+        assert!(window.query_by_label(hidden).is_none(), "{hidden}");
+    }
+    window.event(key(Key::Escape, true));
+    window.step();
+    assert!(asked(&window, false));
+    window.event(key(Key::Escape, false));
+    window.step();
+    assert!(window.query_by_label(words::DETAILS).is_some(), "the selection is as it was");
+    press(&mut window, Key::Escape);
+    assert!(window.query_by_label(words::DETAILS).is_none() && window.state().picked_element().is_none());
 }
 
 /// Truth: the pixels of the left panel.
@@ -75,15 +118,15 @@ fn the_theme_and_the_size_are_a_persons_choice() {
         frame.get_pixel(3, frame.height() / 2).0[..3].iter().map(|channel| u32::from(*channel)).sum::<u32>()
     };
     let dark = corner(&mut window);
-    click(&mut window, "Appearance");
-    click(&mut window, "bright");
+    click(&mut window, words::APPEARANCE);
+    click(&mut window, words::LIGHT_THEME);
     assert!(dark < 150 && corner(&mut window) > 600, "{dark}");
-    click(&mut window, "dark");
+    click(&mut window, words::DARK_THEME);
     assert_eq!(corner(&mut window), dark);
     let before = window.state().view_rect().width();
-    window.get_by_label("Size of everything").scroll_to_me();
+    window.get_by_label(words::INTERFACE_SCALE).scroll_to_me();
     window.run_steps(6);
-    window.get_by_role_and_label(egui::accesskit::Role::ComboBox, "Size of everything").click();
+    window.get_by_role_and_label(egui::accesskit::Role::ComboBox, words::INTERFACE_SCALE).click();
     window.run_steps(2);
     click(&mut window, "125 %");
     window.run_steps(2);

@@ -8,12 +8,12 @@ use std::path::Path;
 use egui::accesskit::Role;
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
-use selflink::app::App;
+use selflink::app::{App, words};
 use selflink::scene::Source;
 use selflink::scene::builtin::BuiltinScene;
-use selflink::solver::{Epsilon, SolverParams};
+use selflink::solver::{Epsilon, ParameterId, SolverParams};
 
-use crate::support::{choose, click, finish, until, window_of_size};
+use crate::support::{choose, click, finish, link_choice, until, window_of_size};
 
 const SIZE: [f32; 2] = [1600.0, 1000.0];
 
@@ -57,9 +57,9 @@ fn office() {
     let mut window = solved(BuiltinScene::Office, SolverParams::usual());
     save(&mut window, "window");
     // A step of the first waves, by the timeline, with the links that there were.
-    click(&mut window, "Link matrix");
+    click(&mut window, words::LINK_MATRIX);
     until(&mut window, "its numbers", |window| window.query_by_label_contains("% empty").is_some());
-    let track = window.get_by_label("Step of the solve").rect();
+    let track = window.get_by_label(words::STEP_OF_THE_SOLVE).rect();
     let at = track.left_center() + egui::vec2(0.2 * track.width(), 0.0);
     window.drag_at(at);
     window.drop_at(at);
@@ -74,17 +74,17 @@ fn office() {
 #[ignore = "writes screenshots/, see ./dev shots"]
 fn readings() {
     let mut window = solved(BuiltinScene::Office, SolverParams::usual());
-    choose(&mut window, "Surfaces show", "irradiance E");
-    click(&mut window, "Isolux lines");
+    choose(&mut window, words::DISPLAY, words::IRRADIANCE);
+    click(&mut window, words::ISOLUX_LINES);
     save(&mut window, "window-illuminance");
-    click(&mut window, "Isolux lines");
-    choose(&mut window, "Surfaces show", "the light");
-    click(&mut window, "Measure");
-    click(&mut window, "Place probes");
+    click(&mut window, words::ISOLUX_LINES);
+    choose(&mut window, words::DISPLAY, words::LIT);
+    click(&mut window, words::MEASURE);
+    click(&mut window, words::PLACE_PROBES);
     click_view(&mut window, 0.35, 0.75);
     click_view(&mut window, 0.75, 0.55);
-    click(&mut window, "Measure the work plane");
-    until(&mut window, "the plane", |window| window.query_by_label("Uniformity U₀").is_some());
+    click(&mut window, words::MEASURE_PLANE);
+    until(&mut window, "the plane", |window| window.query_by_label(words::UNIFORMITY).is_some());
     save(&mut window, "window-measure");
 }
 
@@ -92,17 +92,18 @@ fn readings() {
 #[ignore = "writes screenshots/, see ./dev shots"]
 fn inspector() {
     let mut window = solved(BuiltinScene::Office, by_threshold(1e-3));
-    click(&mut window, "Inspector");
+    click(&mut window, words::INSPECTOR);
     window.run_steps(4);
     click_view(&mut window, 0.5, 0.8);
     anatomy(&mut window);
     save(&mut window, "window-inspector");
-    click(&mut window, "Links: level");
-    click(&mut window, "Close tool");
+    click(&mut window, &link_choice(words::LINKS_AT_LEVEL));
+    click(&mut window, words::CLOSE_TOOL);
     click(&mut window, "Link colour: visibility");
-    click(&mut window, "Outlines of both ends");
-    window.get_by_role_and_label(Role::Slider, "Strongest links").set_value_accesskit(60.0);
-    click(&mut window, "Close");
+    click(&mut window, words::OUTLINES_OF_ENDS);
+    window.get_by_role_and_label(Role::Slider, words::STRONGEST_LINKS).set_value_accesskit(60.0);
+    window.key_press(egui::Key::Escape);
+    window.run_steps(2);
     anatomy(&mut window);
     save(&mut window, "window-level-links");
 }
@@ -111,7 +112,7 @@ fn inspector() {
 #[ignore = "writes screenshots/, see ./dev shots"]
 fn link_matrix() {
     let mut window = solved(BuiltinScene::Office, by_threshold(1e-3));
-    click(&mut window, "Link matrix");
+    click(&mut window, words::LINK_MATRIX);
     anatomy(&mut window);
     until(&mut window, "its numbers", |window| window.query_by_label_contains("% empty").is_some());
     let square = window.get_by_label("Matrix of links").rect();
@@ -127,7 +128,7 @@ fn link_matrix() {
 #[ignore = "writes screenshots/, see ./dev shots"]
 fn clusters() {
     let mut window = solved(BuiltinScene::Office, by_threshold(1e-3));
-    click(&mut window, "Clusters");
+    click(&mut window, words::CLUSTERS);
     anatomy(&mut window);
     click(&mut window, "Colour by cluster");
     window.get_by_role_and_label(Role::Slider, "Level").set_value_accesskit(5.0);
@@ -139,9 +140,9 @@ fn clusters() {
 #[ignore = "writes screenshots/, see ./dev shots"]
 fn compare() {
     let mut window = solved(BuiltinScene::Office, by_threshold(1e-2));
-    click(&mut window, "Compare");
-    click(&mut window, "Freeze as A");
-    window.get_by_role_and_label(Role::Slider, "ε relative").set_value_accesskit(5e-4);
+    click(&mut window, words::COMPARE);
+    click(&mut window, words::KEEP_AS_A);
+    window.get_by_role_and_label(Role::Slider, words::parameter(ParameterId::Epsilon)).set_value_accesskit(5e-4);
     until(&mut window, "the finer threshold", |window| {
         window.state().status().params.epsilon == Epsilon::Relative(5e-4)
     });
@@ -153,12 +154,12 @@ fn compare() {
 #[ignore = "writes screenshots/, see ./dev shots"]
 fn accuracy() {
     let mut window = solved(BuiltinScene::Cornell, by_threshold(1e-2));
-    click(&mut window, "Accuracy");
-    click(&mut window, "Compare with a reference");
+    click(&mut window, words::ACCURACY);
+    click(&mut window, words::COMPARE_WITH_REFERENCE);
     until(&mut window, "an error", |window| window.query_by_label("Error (RMS)").is_some());
     let curves = |window: &Harness<'static, App>| window.query_all_by_label_contains("Φ, adaptive, immediate").count();
     for (count, epsilon) in [(2, 2e-3), (3, 3e-4)] {
-        window.get_by_role_and_label(Role::Slider, "ε relative").set_value_accesskit(epsilon);
+        window.get_by_role_and_label(Role::Slider, words::parameter(ParameterId::Epsilon)).set_value_accesskit(epsilon);
         until(&mut window, "one more curve", |window| curves(window) == count);
         finish(&mut window);
     }
@@ -170,8 +171,8 @@ fn accuracy() {
 #[ignore = "writes screenshots/, see ./dev shots"]
 fn lamps_and_materials() {
     let mut window = solved(BuiltinScene::Seminar { polygons: BuiltinScene::SEMINAR_POLYGONS }, by_threshold(1e-3));
-    click(&mut window, "Appearance");
-    click(&mut window, "bright");
-    click(&mut window, "Light");
+    click(&mut window, words::APPEARANCE);
+    click(&mut window, words::LIGHT_THEME);
+    click(&mut window, words::LIGHT);
     save(&mut window, "window-light");
 }

@@ -3,17 +3,19 @@
 use egui::accesskit::Role;
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
-use selflink::app::App;
+use selflink::app::{App, words};
 use selflink::hierarchy::ElementId;
 use selflink::solver::Anatomy;
 
-use crate::support::{click, coarse, cornell, finish, picture, share_of_different_pixels, until};
+use crate::support::{click, coarse, cornell, finish, link_choice, picture, share_of_different_pixels, until};
 
 /// A finished Cornell box with the inspector open on what lies in the middle of the view.
 fn inspected() -> Harness<'static, App> {
     let mut window = cornell(coarse());
     finish(&mut window);
-    click(&mut window, "Inspector");
+    // All columns of its table have room then.
+    click(&mut window, words::SETTINGS);
+    click(&mut window, words::INSPECTOR);
     pick_the_middle(&mut window);
     window
 }
@@ -64,7 +66,7 @@ fn what_links_bring_adds_up_to_the_irradiance() {
         let said = number_before(&text(&window, "links bring"), " W/m²");
         let irradiance = anatomy(&window).irradiance(element(&window)).max_element();
         assert!((said / irradiance - 1.0).abs() < 0.02, "{climb} levels up: {said} of {irradiance} W/m²");
-        click(&mut window, "Up");
+        click(&mut window, words::UP);
     }
 }
 
@@ -72,23 +74,24 @@ fn what_links_bring_adds_up_to_the_irradiance() {
 #[test]
 fn the_breadcrumb_climbs_to_the_root_and_back() {
     let mut window = inspected();
-    assert!(window.query_by_label("Picked element").is_none(), "the inspector tells more than the card");
+    assert!(window.query_by_label(words::SELECTED_ELEMENT).is_none(), "the inspector tells more than the card");
     let first = element(&window);
     let path = anatomy(&window).path(first);
     assert!(path.len() >= 3, "{path:?}");
-    click(&mut window, "Up");
+    click(&mut window, words::UP);
     assert_eq!(element(&window), path[path.len() - 2]);
     click(&mut window, "scene");
     assert_eq!(element(&window), path[0]);
     assert!(window.query_by_label("the whole scene").is_some());
-    assert!(window.get_by_label("Up").accesskit_node().is_disabled());
-    click(&mut window, "Back");
-    click(&mut window, "Back");
+    assert!(window.get_by_label(words::UP).accesskit_node().is_disabled());
+    click(&mut window, words::BACK);
+    click(&mut window, words::BACK);
     assert_eq!(element(&window), first);
-    click(&mut window, "Close tool");
-    assert!(window.query_by_label("Picked element").is_some(), "the card is back");
-    click(&mut window, "Inspect");
-    assert!(window.query_by_label("Back").is_some());
+    click(&mut window, words::CLOSE_TOOL);
+    click(&mut window, words::DETAILS);
+    assert!(window.query_by_label(words::SELECTED_ELEMENT).is_some(), "the card is there on request");
+    click(&mut window, words::INSPECT);
+    assert!(window.query_by_label(words::BACK).is_some());
 }
 
 /// Truth: the order of the names, and the strongest source.
@@ -134,7 +137,7 @@ fn a_row_marks_its_link_and_leads_to_its_source() {
     window.drop_at(rect.center());
     window.run_steps(3);
     assert_eq!(Some(element(&window)), strongest.map(|link| link.source));
-    click(&mut window, "Back");
+    click(&mut window, words::BACK);
     assert_eq!(element(&window), before);
 }
 
@@ -143,7 +146,7 @@ fn a_row_marks_its_link_and_leads_to_its_source() {
 fn both_directions_are_told() {
     let mut window = inspected();
     let brought = text(&window, "links bring");
-    click(&mut window, "What this lights");
+    click(&mut window, words::WHAT_THIS_LIGHTS);
     assert!(window.query_by_label_contains("links bring").is_none());
     let carried = number_before(&text(&window, "links carry"), " W");
     let (anatomy, id) = (anatomy(&window), element(&window));
@@ -154,7 +157,7 @@ fn both_directions_are_told() {
         .sum();
     assert!((carried / sum.max_element() - 1.0).abs() < 0.02, "{carried} of {sum} W");
     assert!(window.query_all_by_label_contains("Link to: ").next().is_some());
-    click(&mut window, "What lights this");
+    click(&mut window, words::WHAT_LIGHTS_THIS);
     assert_eq!(text(&window, "links bring"), brought);
 }
 
@@ -164,15 +167,15 @@ fn links_over_the_view_are_filtered_and_the_rest_is_said() {
     let mut window = cornell(coarse());
     finish(&mut window);
     let plain = picture(&mut window);
-    click(&mut window, "Links: level");
+    click(&mut window, &link_choice(words::LINKS_AT_LEVEL));
     until(&mut window, "links of a level", |window| window.query_by_label_contains("drawn").is_some());
-    window.get_by_role_and_label(Role::Slider, "Receivers at level").set_value_accesskit(3.0);
+    window.get_by_role_and_label(Role::Slider, words::RECEIVERS_AT_LEVEL).set_value_accesskit(3.0);
     window.run_steps(3);
     let count = anatomy(&window).links_at_depth(3).count();
     assert!(count > 20, "{count} links");
     let all = picture(&mut window);
     assert!(share_of_different_pixels(&plain, &all) > 0.01);
-    window.get_by_role_and_label(Role::Slider, "Strongest links").set_value_accesskit(10.0);
+    window.get_by_role_and_label(Role::Slider, words::STRONGEST_LINKS).set_value_accesskit(10.0);
     window.run_steps(3);
     let said = text(&window, " drawn");
     assert!(said.starts_with(&format!("10 of {count} links drawn, ")) && said.contains("% of the power"), "{said}");
@@ -181,7 +184,7 @@ fn links_over_the_view_are_filtered_and_the_rest_is_said() {
     assert!(text(&window, " drawn").contains("filtered out"));
     click(&mut window, "Link colour: visibility");
     assert!(window.query_by_label_contains("drawn").is_some());
-    click(&mut window, "Links: none");
+    click(&mut window, &link_choice(words::LINKS_NONE));
     assert!(window.query_by_label_contains("drawn").is_none());
     assert_eq!(share_of_different_pixels(&plain, &picture(&mut window)), 0.0, "without links it is as before");
 }

@@ -5,12 +5,12 @@
 use egui::accesskit::Role;
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
-use selflink::app::App;
+use selflink::app::{App, words};
 use selflink::scene::Material;
-use selflink::solver::{Epsilon, Push};
+use selflink::solver::{Epsilon, ParameterId, Push};
 use selflink::worker::RunState;
 
-use crate::support::{coarse, finish, until};
+use crate::support::{choose, coarse, finish, until};
 
 fn cornell() -> Harness<'static, App> {
     let mut window = crate::support::cornell(coarse());
@@ -28,7 +28,7 @@ fn click(window: &mut Harness<'static, App>, role: Role, label: &str) {
 }
 
 fn open_light(window: &mut Harness<'static, App>) {
-    window.get_by_label("Light").click();
+    window.get_by_label(words::LIGHT).click();
     window.run_steps(4);
 }
 
@@ -70,19 +70,19 @@ fn a_lamp_is_dimmed_switched_and_brought_back() {
     }
     window.drop_at(dimmer.left_center() + egui::vec2(80.0, 0.0));
     window.run_steps(2);
-    click(&mut window, Role::Button, "Undo");
+    click(&mut window, Role::Button, words::UNDO);
     until(&mut window, "the light before the drag", |window| is(window, full));
 
     window.get_by_role_and_label(Role::Slider, &format!("Dimmer of {lamp}")).set_value_accesskit(50.0);
     until(&mut window, "half the light", |window| is(window, 0.5 * full));
     let is_offered = |window: &Harness<'static, App>| {
-        let button = window.get_by_role_and_label(Role::Button, "Re-anchor ε");
+        let button = window.get_by_role_and_label(Role::Button, words::RESCALE_EPSILON);
         !button.accesskit_node().is_disabled()
     };
     until(&mut window, "the offer", is_offered);
     let stats = |window: &Harness<'static, App>| window.state().snapshot().expect("a picture").stats.clone();
     let watts = stats(&window).epsilon_watts;
-    click(&mut window, Role::Button, "Re-anchor ε");
+    click(&mut window, Role::Button, words::RESCALE_EPSILON);
     until(&mut window, "half the ε", |window| (stats(window).epsilon_watts / watts - 0.5).abs() < 1e-6);
     assert!(!is_offered(&window));
 
@@ -91,7 +91,7 @@ fn a_lamp_is_dimmed_switched_and_brought_back() {
     click(&mut window, Role::CheckBox, &lamp);
     until(&mut window, "light again", |window| is(window, 0.5 * full));
     for expected in [glam::Vec3::ZERO, 0.5 * full, full] {
-        click(&mut window, Role::Button, "Undo");
+        click(&mut window, Role::Button, words::UNDO);
         until(&mut window, "the former light", |window| is(window, expected));
     }
 }
@@ -104,10 +104,14 @@ fn a_wall_takes_another_reflectance() {
     let lamp = lamp_name(&window);
     let before = material(&window, &lamp).reflectance;
     let slider = |window: &Harness<'static, App>| {
-        window.get_by_role_and_label(Role::Slider, "Reflectance").accesskit_node().numeric_value().expect("a number")
+        window
+            .get_by_role_and_label(Role::Slider, words::REFLECTANCE)
+            .accesskit_node()
+            .numeric_value()
+            .expect("a number")
     };
     assert!((slider(&window) - f64::from(before.max_element())).abs() < 1e-6);
-    window.get_by_role_and_label(Role::Slider, "Reflectance").set_value_accesskit(1.5);
+    window.get_by_role_and_label(Role::Slider, words::REFLECTANCE).set_value_accesskit(1.5);
     until(&mut window, "a bright surface", |window| material(window, &lamp).reflectance.max_element() > 0.9);
     assert!(material(&window, &lamp).reflectance.max_element() <= 0.99, "a mirror of all light would never settle");
     until(&mut window, "finishing", |window| window.state().status().run == RunState::Finished);
@@ -121,32 +125,30 @@ fn settings_are_undone_and_redone() {
     let disabled = |window: &Harness<'static, App>, name: &str| {
         window.get_by_role_and_label(Role::Button, name).accesskit_node().is_disabled()
     };
-    assert!(disabled(&window, "Undo") && disabled(&window, "Redo"), "nothing was set yet");
+    assert!(disabled(&window, words::UNDO) && disabled(&window, words::REDO), "nothing was set yet");
 
-    window.get_by_role_and_label(Role::Slider, "ε relative").set_value_accesskit(5e-3);
+    window.get_by_role_and_label(Role::Slider, words::parameter(ParameterId::Epsilon)).set_value_accesskit(5e-3);
     until(&mut window, "a finer ε", |window| epsilon(window) == Epsilon::Relative(5e-3));
-    window.get_by_role_and_label(Role::ComboBox, "push").click();
-    window.run_steps(2);
-    click(&mut window, Role::Button, "deferred");
+    choose(&mut window, words::parameter(ParameterId::Push), "deferred");
     until(&mut window, "another push", |window| window.state().status().params.push == Push::Deferred);
-    click(&mut window, Role::CheckBox, "Element outlines");
+    click(&mut window, Role::CheckBox, words::ELEMENT_OUTLINES);
 
     press(&mut window, egui::Modifiers::COMMAND, egui::Key::Z);
     assert_eq!(window.state().status().params.push, Push::Deferred, "the outlines came last");
     press(&mut window, egui::Modifiers::COMMAND, egui::Key::Z);
     until(&mut window, "the former push", |window| window.state().status().params.push == Push::Immediate);
-    click(&mut window, Role::Button, "Undo");
+    click(&mut window, Role::Button, words::UNDO);
     until(&mut window, "the former ε", |window| epsilon(window) == Epsilon::Relative(1e-2));
-    assert!(disabled(&window, "Undo"));
+    assert!(disabled(&window, words::UNDO));
     press(&mut window, egui::Modifiers::COMMAND | egui::Modifiers::SHIFT, egui::Key::Z);
     until(&mut window, "ε again", |window| epsilon(window) == Epsilon::Relative(5e-3));
-    click(&mut window, Role::Button, "Redo");
+    click(&mut window, Role::Button, words::REDO);
     until(&mut window, "push again", |window| window.state().status().params.push == Push::Deferred);
 
     // One drag over many values.
-    window.get_by_role_and_label(Role::Slider, "partial visibility factor").scroll_to_me();
+    window.get_by_role_and_label(Role::Slider, words::parameter(ParameterId::PartialFactor)).scroll_to_me();
     window.run_steps(6);
-    let rect = window.get_by_role_and_label(Role::Slider, "partial visibility factor").rect();
+    let rect = window.get_by_role_and_label(Role::Slider, words::parameter(ParameterId::PartialFactor)).rect();
     window.drag_at(rect.left_center() + egui::vec2(8.0, 0.0));
     window.step();
     for step in 0..10 {
@@ -156,7 +158,7 @@ fn settings_are_undone_and_redone() {
     window.drop_at(rect.left_center() + egui::vec2(58.0, 0.0));
     window.run_steps(2);
     until(&mut window, "a dragged factor", |window| window.state().status().params.partial_factor != 0.1);
-    click(&mut window, Role::Button, "Undo");
+    click(&mut window, Role::Button, words::UNDO);
     until(&mut window, "the whole drag", |window| window.state().status().params.partial_factor == 0.1);
 }
 
@@ -164,8 +166,49 @@ fn settings_are_undone_and_redone() {
 #[test]
 fn a_tooltip_says_what_a_change_costs() {
     let mut window = cornell();
-    window.get_by_role_and_label(Role::Slider, "ε relative").hover();
+    window.get_by_role_and_label(Role::Slider, words::parameter(ParameterId::Epsilon)).scroll_to_me();
+    window.run_steps(6);
+    window.get_by_role_and_label(Role::Slider, words::parameter(ParameterId::Epsilon)).hover();
     until(&mut window, "the tooltip", |window| {
-        window.query_by_label_contains("Lower judges links anew; higher merges links back.").is_some()
+        window.query_by_label_contains("Lower tests links again; higher merges links back.").is_some()
     });
+}
+
+/// Truth: pixels. While a dimmer is dragged the exposure holds, so that less light is seen as less.
+#[test]
+fn a_lamp_is_seen_dimmer_while_it_is_dragged() {
+    let mut window = cornell();
+    open_light(&mut window);
+    let lamp = lamp_name(&window);
+    let name = format!("Dimmer of {lamp}");
+    let dimmer = window.get_by_role_and_label(Role::Slider, &name).rect();
+    let power = window.state().snapshot().expect("a picture").stats.power_watts;
+    let brightness = |window: &mut Harness<'static, App>| {
+        let view = window.state().view_rect();
+        let frame = window.render().expect("a frame can be drawn");
+        let [left, top, right, bottom] = [view.left(), view.top() + 60.0, view.right(), view.bottom() - 60.0];
+        let mut sum = 0.0;
+        for y in (top as u32..bottom as u32).step_by(4) {
+            for x in (left as u32..right as u32).step_by(4) {
+                sum += f64::from(frame.get_pixel(x, y)[1]);
+            }
+        }
+        sum
+    };
+    let before = brightness(&mut window);
+    window.drag_at(dimmer.left_center() + egui::vec2(40.0, 0.0));
+    window.step();
+    window.hover_at(dimmer.left_center() + egui::vec2(12.0, 0.0));
+    until(&mut window, "a dim lamp", |window| {
+        let stats = window.state().snapshot().map(|shown| (shown.stats.power_watts, shown.stats.converged));
+        stats.is_some_and(|(now, is_done)| is_done && now > 0.0 && now < 0.4 * power)
+    });
+    window.run_steps(3);
+    let held = brightness(&mut window);
+    assert!(held < 0.8 * before, "{held} of {before}");
+    window.drop_at(dimmer.left_center() + egui::vec2(12.0, 0.0));
+    finish(&mut window);
+    window.run_steps(4);
+    let metered = brightness(&mut window);
+    assert!(metered > held, "the exposure follows again: {metered} after {held}");
 }

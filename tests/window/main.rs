@@ -14,6 +14,7 @@ mod live;
 mod matrix;
 mod panels;
 mod readings;
+mod sizes;
 mod strain;
 mod support;
 mod take_along;

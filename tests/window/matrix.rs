@@ -3,7 +3,7 @@
 use egui::Key;
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
-use selflink::app::App;
+use selflink::app::{App, words};
 use selflink::solver::{Epsilon, SolverParams};
 
 use crate::support::{click, cornell, finish, until};
@@ -12,7 +12,7 @@ use crate::support::{click, cornell, finish, until};
 fn opened() -> Harness<'static, App> {
     let mut window = cornell(SolverParams { epsilon: Epsilon::Relative(1e-2), ..SolverParams::default() });
     finish(&mut window);
-    click(&mut window, "Link matrix");
+    click(&mut window, words::LINK_MATRIX);
     let links = window.state().snapshot().expect("a picture").stats.links;
     until(&mut window, "its numbers", |window| says(window, &format!("{links} links")));
     window
@@ -32,7 +32,7 @@ fn place(window: &Harness<'static, App>, column: f32, row: f32) -> egui::Pos2 {
 #[test]
 fn the_first_step_is_one_full_square() {
     let mut window = opened();
-    let track = window.get_by_label("Step of the solve").rect();
+    let track = window.get_by_label(words::STEP_OF_THE_SOLVE).rect();
     let first = track.left_center() + egui::vec2(8.0, 0.0);
     window.drag_at(first);
     window.drop_at(first);
@@ -41,7 +41,7 @@ fn the_first_step_is_one_full_square() {
     window.hover_at(at);
     until(&mut window, "what it is", |window| says(window, "Light that it exchanges within itself."));
     assert_eq!(window.query_all_by_label("the whole scene").count(), 2, "it is its own source");
-    click(&mut window, "Live");
+    click(&mut window, words::LATEST);
     until(&mut window, "more links", |window| !says(window, "1 link"));
 }
 
@@ -66,7 +66,7 @@ fn blocks_are_hovered_and_clicked() {
     until(&mut window, "a link", |window| says(window, "form factor F") && says(window, "share of ε"));
     window.drag_at(at);
     window.drop_at(at);
-    until(&mut window, "its receiver", |window| says(window, "Picked element"));
+    until(&mut window, "its receiver", |window| says(window, words::DETAILS));
 }
 
 /// Truth: the wheel magnifies, and all is in view again where that was asked for; every colouring has a legend of its own.

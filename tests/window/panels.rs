@@ -5,23 +5,25 @@ use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
 use glam::Vec3;
 use selflink::added_light::{AddedLight, CeilingLight};
-use selflink::app::App;
+use selflink::app::{App, words};
 use selflink::scene::builtin::BuiltinScene;
 use selflink::scene::{Reading, Source};
-use selflink::solver::{ClusteringMode, Epsilon, SolverParams};
+use selflink::solver::{ClusteringMode, Epsilon, ParameterId, SolverParams};
 use selflink::worker::RunState;
 
-use crate::support::{click, coarse, cornell, finish, picture, share_of_different_pixels, until, window, window_with};
+use crate::support::{
+    choose, click, coarse, cornell, finish, picture, share_of_different_pixels, until, window, window_with,
+};
 
 #[test]
 fn a_scene_is_opened_by_its_panel_and_lit() {
     let mut window = window(None, coarse());
     window.step();
-    assert!(window.query_by_label("Open a room to light").is_some(), "the empty window says what to do");
-    window.get_all_by_label("cornell").next().expect("our own scenes are offered").click();
+    assert!(window.query_by_label(words::OPEN_A_ROOM).is_some(), "the empty window says what to do");
+    window.get_all_by_label("cornell").next().expect("sample scenes are offered").click();
     finish(&mut window);
     assert_eq!(window.state().scene_info().expect("a scene").scene.name, "cornell");
-    assert!(window.query_by_label("Open a room to light").is_none());
+    assert!(window.query_by_label(words::OPEN_A_ROOM).is_none());
     let lit = picture(&mut window);
     let red = lit.pixels().filter(|pixel| pixel[0] > 120 && pixel[1] < pixel[0] / 2 && pixel[2] < pixel[0] / 2).count();
     assert!(red > 1000, "the left wall is red: {red} pixels");
@@ -33,19 +35,16 @@ fn changed_parameters_reach_the_solver() {
     finish(&mut window);
     let patches = window.state().snapshot().expect("a picture").stats.patches;
 
-    window.get_by_role_and_label(Role::Slider, "ε relative").set_value_accesskit(2e-3);
+    window.get_by_role_and_label(Role::Slider, words::parameter(ParameterId::Epsilon)).set_value_accesskit(2e-3);
     until(&mut window, "a finer ε", |window| window.state().status().params.epsilon == Epsilon::Relative(2e-3));
     until(&mut window, "more patches", |window| {
         window.state().snapshot().is_some_and(|snapshot| snapshot.stats.patches > patches)
     });
 
     let generation = window.state().snapshot().expect("a picture").generation;
-    window.get_by_role_and_label(Role::ComboBox, "clustering").click();
-    window.step();
-    window.step();
-    click(&mut window, "octree");
+    choose(&mut window, words::parameter(ParameterId::Clustering), "octree");
     until(&mut window, "octree", |window| window.state().status().params.clustering == ClusteringMode::Octree);
-    window.get_by_role_and_label(Role::Slider, "octree depth").set_value_accesskit(3.0);
+    window.get_by_role_and_label(Role::Slider, words::parameter(ParameterId::OctreeDepth)).set_value_accesskit(3.0);
     until(&mut window, "depth 3", |window| window.state().status().params.octree_depth == 3);
     until(&mut window, "a new hierarchy", |window| {
         window.state().snapshot().is_some_and(|snapshot| snapshot.generation > generation)
@@ -58,7 +57,7 @@ fn a_solve_is_paused_stepped_and_resumed() {
     let params = SolverParams { epsilon: Epsilon::Relative(1e-4), ..SolverParams::default() };
     let mut window = window(Some(Source::Builtin(BuiltinScene::from_name("seminar").expect("ours"))), params);
     until(&mut window, "the first picture", |window| window.state().snapshot().is_some());
-    click(&mut window, "Pause");
+    click(&mut window, words::PAUSE);
     until(&mut window, "the pause", |window| window.state().status().run == RunState::Paused);
     let now = |window: &Harness<'static, App>| {
         let snapshot = window.state().snapshot().expect("a picture");
@@ -68,13 +67,13 @@ fn a_solve_is_paused_stepped_and_resumed() {
     // The step after a round's last wave gathers and judges nothing; the one behind it does.
     for _ in 0..2 {
         let serial = now(&window).0;
-        click(&mut window, "Step one wave");
+        click(&mut window, words::STEP_ONE_WAVE);
         until(&mut window, "one more step", |window| {
             now(window).0 > serial && window.state().status().run == RunState::Paused
         });
     }
     assert!(now(&window).1 > before, "no wave was judged");
-    click(&mut window, "Run");
+    click(&mut window, words::RUN);
     until(&mut window, "going on", |window| window.state().status().run != RunState::Paused);
 }
 
@@ -83,26 +82,27 @@ fn overlays_and_a_picked_element_are_shown() {
     let mut window = cornell(coarse());
     finish(&mut window);
     let plain = picture(&mut window);
-    click(&mut window, "Element outlines");
+    click(&mut window, words::ELEMENT_OUTLINES);
     let outlined = picture(&mut window);
     let share = share_of_different_pixels(&plain, &outlined);
     assert!((0.001..0.5).contains(&share), "outlines cover {share} of the view");
-    click(&mut window, "Element outlines");
+    click(&mut window, words::ELEMENT_OUTLINES);
     assert_eq!(share_of_different_pixels(&plain, &picture(&mut window)), 0.0, "without overlays it is as before");
-    click(&mut window, "Cluster boxes");
+    click(&mut window, words::CLUSTER_BOXES);
     assert!(share_of_different_pixels(&plain, &picture(&mut window)) > 0.0005);
-    click(&mut window, "Cluster boxes");
+    click(&mut window, words::CLUSTER_BOXES);
 
     let centre = window.state().view_rect().center();
     window.drag_at(centre);
     window.drop_at(centre);
-    until(&mut window, "its links", |window| {
-        window.state().snapshot().is_some_and(|snapshot| snapshot.anatomy.is_some())
-    });
-    assert!(window.query_by_label("Picked element").is_some());
-    assert!(window.query_by_label_contains("of it and of all that holds it").is_some());
-    click(&mut window, "Close");
-    until(&mut window, "letting go", |window| window.query_by_label("Picked element").is_none());
+    until(&mut window, "the tag", |window| window.query_by_label(words::DETAILS).is_some());
+    assert!(window.query_by_label(words::SELECTED_ELEMENT).is_none(), "the card is there on request");
+    click(&mut window, words::DETAILS);
+    until(&mut window, "its links", |window| window.query_by_label_contains(words::TOP_SOURCES).is_some());
+    assert!(window.query_by_label(words::SELECTED_ELEMENT).is_some());
+    assert!(window.query_by_label_contains(words::TOP_SOURCES).is_some());
+    click(&mut window, words::CLOSE);
+    until(&mut window, "letting go", |window| window.query_by_label(words::SELECTED_ELEMENT).is_none());
 }
 
 #[test]
@@ -130,16 +130,16 @@ fn a_bad_path_is_said_and_the_scene_stays() {
     let mut window = cornell(coarse());
     finish(&mut window);
     let before = picture(&mut window);
-    let field = window.get_by_label("Scene path");
+    let field = window.get_by_label(words::SCENE_PATH);
     field.focus();
     field.type_text("no/such/room.obj");
     window.step();
-    click(&mut window, "Open");
+    click(&mut window, words::OPEN);
     until(&mut window, "the message", |window| window.query_by_label_contains("room.obj: no such file").is_some());
     assert_eq!(window.state().scene_info().expect("the scene stays").scene.name, "cornell");
     assert!(window.state().view_rect().height() > 650.0, "the message must leave room for the picture");
-    click(&mut window, "Dismiss");
-    until(&mut window, "its end", |window| window.query_by_label("Dismiss").is_none());
+    click(&mut window, words::DISMISS);
+    until(&mut window, "its end", |window| window.query_by_label(words::DISMISS).is_none());
     assert_eq!(share_of_different_pixels(&before, &picture(&mut window)), 0.0);
 }
 
@@ -148,19 +148,19 @@ fn a_bad_path_is_said_and_the_scene_stays() {
 fn a_long_path_shows_its_end() {
     let mut window = window(None, coarse());
     window.step();
-    let field = window.get_by_label("Scene path");
+    let field = window.get_by_label(words::SCENE_PATH);
     field.focus();
     let path = format!("{}/room.obj", "no/such/folder".repeat(9));
     field.type_text(&path);
     window.run_steps(2);
     window.key_press(egui::Key::Tab);
     window.run_steps(2);
-    let shown = window.get_by_label("Scene path").accesskit_node().value().expect("a text");
+    let shown = window.get_by_label(words::SCENE_PATH).accesskit_node().value().expect("a text");
     assert!(
         shown.starts_with('…') && shown.ends_with("/room.obj") && path.ends_with(&shown['…'.len_utf8()..]),
         "{shown}"
     );
-    click(&mut window, "Open");
+    click(&mut window, words::OPEN);
     until(&mut window, "the message", |window| window.query_by_label_contains("room.obj: no such file").is_some());
 }
 
@@ -168,9 +168,9 @@ fn a_long_path_shows_its_end() {
 fn a_scene_that_opens_takes_old_errors_away() {
     let mut window = window(Some(Source::File("no/such/room.obj".into())), coarse());
     until(&mut window, "the message", |window| window.query_by_label_contains("room.obj: no such file").is_some());
-    window.get_all_by_label("cornell").next().expect("our own scenes are offered").click();
+    window.get_all_by_label("cornell").next().expect("sample scenes are offered").click();
     finish(&mut window);
-    assert!(window.query_by_label("Dismiss").is_none(), "the scene is there, the error of another one is not");
+    assert!(window.query_by_label(words::DISMISS).is_none(), "the scene is there, the error of another one is not");
 }
 
 /// Three walls without a lamp.
@@ -191,15 +191,18 @@ fn a_scene_without_a_lamp_says_so_and_can_be_given_one() {
     assert!(!window.state().scene_info().expect("a scene").has_light);
     assert!(window.query_by_label_contains("Nothing in this scene emits light").is_some());
     finish(&mut window);
-    assert!(window.query_by_label("Nothing emits light").is_some() && window.query_by_label("Converged").is_none());
-    window.get_by_role_and_label(Role::SpinButton, "Side length").set_value_accesskit(8.0);
-    click(&mut window, "Add a ceiling light");
+    assert!(
+        window.query_by_label(words::NOTHING_EMITS).is_some()
+            && window.query_by_label_contains(words::LINKS_SETTLED).is_none()
+    );
+    window.get_by_role_and_label(Role::SpinButton, words::SIDE_LENGTH).set_value_accesskit(8.0);
+    click(&mut window, words::ADD_CEILING_LIGHT);
     until(&mut window, "light", |window| window.state().scene_info().is_some_and(|info| info.has_light));
     finish(&mut window);
     let snapshot = window.state().snapshot().expect("a picture");
     let lit = snapshot.leaf_irradiance.iter().filter(|rgb| rgb[0] > 0.0).count();
     assert!(lit > 0, "the lamp lights the walls");
-    assert!(window.query_by_label("Converged").is_some());
+    assert!(window.query_by_label_contains(words::LINKS_SETTLED).is_some());
     // Over the view, and among the scene's remarks.
     let said = window.query_all_by_role_and_label(Role::Label, TOO_LARGE).count();
     assert_eq!(said, 2);
@@ -212,10 +215,10 @@ fn another_scene_is_shown_as_it_is() {
     let mut window = cornell(coarse());
     finish(&mut window);
     let plain = picture(&mut window);
-    window.get_by_role_and_label(Role::Slider, "Exposure").set_value_accesskit(-6.0);
+    window.get_by_role_and_label(Role::Slider, words::EXPOSURE).set_value_accesskit(-6.0);
     until(&mut window, "a darker picture", |window| exposure(window) == -6.0);
     assert!(share_of_different_pixels(&plain, &picture(&mut window)) > 0.3);
-    window.get_all_by_label("cornell").find(is_button).expect("our own scenes are offered").click();
+    window.get_all_by_label("cornell").find(is_button).expect("sample scenes are offered").click();
     until(&mut window, "the scene again", |window| {
         window.state().snapshot().is_some_and(|snapshot| snapshot.generation > 1 && snapshot.stats.converged)
     });
@@ -225,7 +228,7 @@ fn another_scene_is_shown_as_it_is() {
 }
 
 fn exposure(window: &Harness<'static, App>) -> f64 {
-    window.get_by_role_and_label(Role::Slider, "Exposure").accesskit_node().numeric_value().expect("a number")
+    window.get_by_role_and_label(Role::Slider, words::EXPOSURE).accesskit_node().numeric_value().expect("a number")
 }
 
 fn is_button(node: &egui_kittest::Node<'_>) -> bool {
@@ -237,22 +240,22 @@ fn is_button(node: &egui_kittest::Node<'_>) -> bool {
 fn a_lamp_follows_its_slider_at_once() {
     let mut window = cornell(coarse());
     finish(&mut window);
-    click(&mut window, "Light");
+    click(&mut window, words::LIGHT);
     let strongest = |window: &Harness<'static, App>| {
         let info = window.state().scene_info().expect("a scene");
         info.scene.materials.iter().map(|material| material.emission.max_element()).fold(0.0, f32::max)
     };
     let before = strongest(&window);
     let strength = 2.0 * f64::from(before).round();
-    window.get_by_role_and_label(Role::Slider, "Strength").set_value_accesskit(strength);
+    window.get_by_role_and_label(Role::Slider, words::EXITANCE).set_value_accesskit(strength);
     until(&mut window, "a brighter lamp", |window| (f64::from(strongest(window)) - strength).abs() < 0.1);
-    click(&mut window, "Switch it off");
+    click(&mut window, words::SWITCH_OFF);
     until(&mut window, "darkness", |window| strongest(window) == 0.0);
-    window.get_by_role_and_label(Role::Slider, "Strength").set_value_accesskit(7.0);
+    window.get_by_role_and_label(Role::Slider, words::EXITANCE).set_value_accesskit(7.0);
     window.run_steps(10);
     finish(&mut window);
     assert_eq!(strongest(&window), 0.0, "what does not emit waits for the button");
-    click(&mut window, "Switch it on");
+    click(&mut window, words::SWITCH_ON);
     until(&mut window, "light", |window| (strongest(window) - 7.0).abs() < 0.1);
 }
 
@@ -265,18 +268,18 @@ fn an_existing_sidecar_is_overwritten_only_when_confirmed() {
     let sidecar = folder.path().join("dark.selflink.json");
     let mut window = window(Some(Source::File(path)), coarse());
     until(&mut window, "the room", |window| window.state().scene_info().is_some());
-    click(&mut window, "Save sidecar");
+    click(&mut window, words::SAVE_SCENE_SETTINGS);
     until(&mut window, "the file", |window| window.query_by_label_contains("Saved").is_some());
-    assert!(sidecar.exists() && window.query_by_label_contains("Overwrite").is_none());
+    assert!(sidecar.exists() && window.query_by_label_contains(words::OVERWRITE).is_none());
 
     let by_hand = "{\n  \"sides\": \"front\"}";
     std::fs::write(&sidecar, by_hand).expect("the sidecar is written");
-    for answer in ["Cancel", "Overwrite"] {
-        click(&mut window, "Save sidecar");
+    for answer in [words::CANCEL, words::OVERWRITE] {
+        click(&mut window, words::SAVE_SCENE_SETTINGS);
         until(&mut window, "the question", |window| window.query_by_label("Overwrite dark.selflink.json?").is_some());
         assert_eq!(std::fs::read_to_string(&sidecar).expect("the sidecar"), by_hand);
         click(&mut window, answer);
-        until(&mut window, "the end of the question", |window| window.query_by_label("Cancel").is_none());
+        until(&mut window, "the end of the question", |window| window.query_by_label(words::CANCEL).is_none());
     }
     until(&mut window, "the new file", |_| std::fs::read_to_string(&sidecar).is_ok_and(|text| text.contains("camera")));
 }
@@ -309,18 +312,29 @@ fn an_error_is_asked_for_with_a_slider() {
     let usual = vertices(&window);
     let estimate = |window: &Harness<'static, App>| window.state().snapshot().and_then(|lit| lit.stats.error_estimate);
     assert!(estimate(&window).is_some_and(|error| error <= 0.05), "{:?}", estimate(&window));
-    click(&mut window, "Statistics");
-    for row in ["9 of 10 surfaces within", "local error p50, p90, p95", "…of the bare mesh"] {
+    click(&mut window, words::STATISTICS);
+    for row in ["9 of 10 surfaces within", "Local error p50, p90, p95", "…of the bare mesh"] {
         assert!(window.query_by_label(row).is_some(), "{row}");
     }
-    window.get_by_role_and_label(Role::Slider, "error at most").set_value_accesskit(0.02);
+    window.get_by_role_and_label(Role::Slider, words::parameter(ParameterId::Error)).set_value_accesskit(0.02);
     until(&mut window, "a finer solution", |window| {
         window.state().status().run == RunState::Finished && estimate(window).is_some_and(|error| error <= 0.02)
     });
     assert!(vertices(&window) > usual);
-    click(&mut window, "a threshold ε");
+    assert!(window.query_by_label_contains(words::TARGET_REACHED).is_some());
+    click(&mut window, words::METHOD);
+    click(&mut window, words::STOP_AT_THRESHOLD);
     until(&mut window, "a solution by ε", |window| {
         window.state().status().run == RunState::Finished && estimate(window).is_none()
+    });
+    // The links are there; what they are worth is measured, and told with its standard error.
+    until(&mut window, "its error", |window| {
+        let said = window.query_by_label_contains(words::LINKS_SETTLED).map(|node| format!("{node:?}"));
+        said.is_some_and(|said| said.contains(words::SURFACES_WITHIN) && said.contains('±'))
+    });
+    click(&mut window, words::DRAFT);
+    until(&mut window, "a draft", |window| {
+        window.state().status().params.error == Some(0.2) && window.state().status().run == RunState::Finished
     });
 }
 
@@ -329,8 +343,8 @@ fn the_picture_is_compared_with_a_reference() {
     let mut window = cornell(coarse());
     finish(&mut window);
     let lit = picture(&mut window);
-    click(&mut window, "Accuracy");
-    click(&mut window, "Compare with a reference");
+    click(&mut window, words::ACCURACY);
+    click(&mut window, words::COMPARE_WITH_REFERENCE);
     until(&mut window, "an error", |window| window.query_by_label("Error (RMS)").is_some());
     for row in ["Local error, 9 of 10", "…p50, p95"] {
         assert!(window.query_by_label(row).is_some(), "{row}");
@@ -345,12 +359,12 @@ fn the_picture_is_compared_with_a_reference() {
     // A finer ε is a run of its own.
     let curves = |window: &Harness<'static, App>| window.query_all_by_label_contains("Φ, adaptive, immediate").count();
     assert_eq!(curves(&window), 1);
-    window.get_by_role_and_label(Role::Slider, "ε relative").set_value_accesskit(2e-3);
+    window.get_by_role_and_label(Role::Slider, words::parameter(ParameterId::Epsilon)).set_value_accesskit(2e-3);
     until(&mut window, "a second curve", |window| curves(window) == 2);
     click(&mut window, "light");
     assert_eq!(window.query_all_by_label_contains("grey: unknown").count(), 0);
-    click(&mut window, "Stop comparing");
-    until(&mut window, "the offer", |window| window.query_by_label("Compare with a reference").is_some());
+    click(&mut window, words::STOP_COMPARING);
+    until(&mut window, "the offer", |window| window.query_by_label(words::COMPARE_WITH_REFERENCE).is_some());
     assert!(share_of_different_pixels(&picture(&mut window), &lit) < 0.5, "the light is back");
     if let Some(folder) = std::env::var_os("SELFLINK_KEEP_PICTURES") {
         errors.save(std::path::Path::new(&folder).join("errors.png")).expect("a picture is kept");

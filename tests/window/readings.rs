@@ -4,7 +4,7 @@
 
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
-use selflink::app::App;
+use selflink::app::{App, words};
 
 use crate::support::{choose, click, coarse, finish, picture, until};
 
@@ -32,7 +32,7 @@ fn difference(one: &image::RgbaImage, other: &image::RgbaImage) -> f64 {
 fn false_colours_have_a_legend_and_a_range_that_can_be_locked() {
     let mut window = cornell();
     let lit = picture(&mut window);
-    choose(&mut window, "Surfaces show", "irradiance E");
+    choose(&mut window, words::DISPLAY, words::IRRADIANCE);
     assert!(window.query_by_label("illuminance E, lx").is_some(), "a legend says what is shown");
     let coloured = picture(&mut window);
     assert!(difference(&lit, &coloured) > 0.3);
@@ -40,16 +40,16 @@ fn false_colours_have_a_legend_and_a_range_that_can_be_locked() {
     assert_eq!(coloured.pixels().filter(is_red).count(), 0, "the red wall is coloured by what it receives");
 
     // Locked, the range is the same light in whichever unit.
-    click(&mut window, "Lock the range");
+    click(&mut window, words::LOCK_RANGE);
     let locked = picture(&mut window);
     assert_eq!(difference(&coloured, &locked), 0.0, "locking keeps what is shown");
-    choose(&mut window, "Unit", "W/m²");
+    choose(&mut window, words::UNIT, "W/m²");
     assert!(window.query_by_label("irradiance E, W/m²").is_some());
     assert_eq!(difference(&locked, &picture(&mut window)), 0.0);
-    choose(&mut window, "Scale", "logarithmic");
+    choose(&mut window, words::SCALE, "logarithmic");
     assert!(difference(&locked, &picture(&mut window)) > 0.3);
 
-    choose(&mut window, "Surfaces show", "the light");
+    choose(&mut window, words::DISPLAY, words::LIT);
     assert!(window.query_by_label("irradiance E, W/m²").is_none());
     assert_eq!(difference(&lit, &picture(&mut window)), 0.0, "without readings it is as before");
 }
@@ -58,16 +58,16 @@ fn false_colours_have_a_legend_and_a_range_that_can_be_locked() {
 fn isolux_lines_lie_where_a_person_asks_for_them() {
     let mut window = cornell();
     let lit = picture(&mut window);
-    click(&mut window, "Isolux lines");
+    click(&mut window, words::ISOLUX_LINES);
     let lined = picture(&mut window);
     assert!((0.001..0.2).contains(&difference(&lit, &lined)), "{}", difference(&lit, &lined));
-    let field = window.get_by_label("Lines at");
+    let field = window.get_by_label(words::LINES_AT);
     field.focus();
     field.type_text("60, 123");
     window.run_steps(3);
     assert!(window.query_by_label("60").is_some() && window.query_by_label("123").is_some(), "the legend has both");
     assert!(difference(&lined, &picture(&mut window)) > 0.001);
-    click(&mut window, "Isolux lines");
+    click(&mut window, words::ISOLUX_LINES);
     assert_eq!(difference(&lit, &picture(&mut window)), 0.0);
 }
 
@@ -85,13 +85,13 @@ fn a_line_tells_what_lies_under_the_pointer() {
 #[test]
 fn probes_are_placed_by_click_and_read() {
     let mut window = cornell();
-    click(&mut window, "Measure");
-    click(&mut window, "Place probes");
+    click(&mut window, words::MEASURE);
+    click(&mut window, words::PLACE_PROBES);
     let centre = window.state().view_rect().center();
     window.drag_at(centre);
     window.drop_at(centre);
     until(&mut window, "a probe", |window| window.query_by_label("Name of probe 1").is_some());
-    assert!(window.query_by_label("Picked element").is_none(), "a click that places a probe picks nothing");
+    assert!(window.query_by_label(words::SELECTED_ELEMENT).is_none(), "a click that places a probe picks nothing");
     // The name and the value beside the mark are painted; the table has both.
     assert_eq!(window.get_by_label("Name of probe 1").accesskit_node().value().as_deref(), Some("P1"));
     let folder = tempfile::tempdir().expect("a temporary folder");
@@ -118,9 +118,9 @@ fn probes_are_placed_by_click_and_read() {
 fn a_work_plane_is_measured_shown_and_written() {
     let mut window = cornell();
     let before = picture(&mut window);
-    click(&mut window, "Measure");
-    click(&mut window, "Measure the work plane");
-    until(&mut window, "the plane", |window| window.query_by_label("Uniformity U₀").is_some());
+    click(&mut window, words::MEASURE);
+    click(&mut window, words::MEASURE_PLANE);
+    until(&mut window, "the plane", |window| window.query_by_label(words::UNIFORMITY).is_some());
     assert!(window.query_by_label("illuminance E, lx").is_some(), "the legend tells its colours");
     let folder = tempfile::tempdir().expect("a temporary folder");
     let path = folder.path().join("plane.csv");
@@ -128,13 +128,13 @@ fn a_work_plane_is_measured_shown_and_written() {
     save_as(&mut window, &path);
     let text = std::fs::read_to_string(&path).expect("it was written");
     assert!(text.starts_with("x,y,z,E_r,E_g,E_b,E_lx\n") && text.lines().count() > 20, "{text}");
-    click(&mut window, "Clear");
-    until(&mut window, "its end", |window| window.query_by_label("Uniformity U₀").is_none());
-    window.get_by_label("Close tool").click();
+    click(&mut window, words::CLEAR);
+    until(&mut window, "its end", |window| window.query_by_label(words::UNIFORMITY).is_none());
+    window.get_by_label(words::CLOSE_TOOL).click();
     window.run_steps(3);
     // Notes take room from the view.
-    while window.query_all_by_label("Dismiss").next().is_some() {
-        window.get_all_by_label("Dismiss").next().expect("just seen").click();
+    while window.query_all_by_label(words::DISMISS).next().is_some() {
+        window.get_all_by_label(words::DISMISS).next().expect("just seen").click();
         window.run_steps(2);
     }
     assert_eq!(difference(&before, &picture(&mut window)), 0.0);

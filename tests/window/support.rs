@@ -6,7 +6,7 @@ use egui::accesskit::Role;
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 use selflink::added_light::AddedLight;
-use selflink::app::App;
+use selflink::app::{App, words};
 use selflink::scene::builtin::BuiltinScene;
 use selflink::scene::{Reading, Source};
 use selflink::solver::{Epsilon, SolverParams};
@@ -75,6 +75,11 @@ pub fn choose(window: &mut Harness<'static, App>, list: &str, what: &str) {
     window.run_steps(2);
     window.get_by_label(what).click();
     window.run_steps(3);
+}
+
+/// The accessible name of a choice whose links are drawn.
+pub fn link_choice(name: &str) -> String {
+    format!("{}: {name}", words::SHOW_LINKS)
 }
 
 pub fn finish(window: &mut Harness<'static, App>) {

@@ -7,17 +7,17 @@ use eframe::App as _;
 use egui::accesskit::Role;
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
-use selflink::app::App;
+use selflink::app::{App, words};
 use selflink::export::peers::Peer;
 use selflink::export::settings::Settings;
 use selflink::scene::load_file;
-use selflink::solver::{Epsilon, SolverParams};
+use selflink::solver::{Epsilon, ParameterId, SolverParams};
 
 use crate::support::{click, coarse, cornell, finish, picture, share_of_different_pixels, until};
 
 /// Types a name for all files and returns it without an ending.
 fn name_files(window: &mut Harness<'static, App>, folder: &Path) -> String {
-    click(window, "Export");
+    click(window, words::EXPORT);
     let name = folder.join("lit").to_string_lossy().into_owned();
     let field = window.get_by_label("Name of the files");
     field.focus();
@@ -115,7 +115,7 @@ fn files_are_not_lost_by_accident() {
     let path = format!("{name}.settings.json");
     std::fs::write(&path, "mine").expect("a writable folder");
     click(&mut window, "Settings (JSON)");
-    assert!(window.query_by_label("lit.settings.json is there already.").is_some());
+    assert!(window.query_by_label("lit.settings.json already exists.").is_some());
     click(&mut window, "Keep it");
     assert_eq!(std::fs::read_to_string(&path).expect("the file"), "mine");
     save_over(&mut window, &path);
@@ -166,8 +166,8 @@ fn resumed(storage: MemoryStorage) -> Harness<'static, App> {
 fn the_next_start_goes_on_where_the_last_ended() {
     let mut window = cornell(coarse());
     finish(&mut window);
-    click(&mut window, "Compare");
-    window.get_by_role_and_label(Role::Slider, "ε relative").set_value_accesskit(5e-3);
+    click(&mut window, words::COMPARE);
+    window.get_by_role_and_label(Role::Slider, words::parameter(ParameterId::Epsilon)).set_value_accesskit(5e-3);
     until(&mut window, "a finer ε", |window| window.state().status().params.epsilon == Epsilon::Relative(5e-3));
     // A solution that was refined on its way differs from one that starts with this ε.
     let generation = window.state().snapshot().expect("a picture").generation;
@@ -193,7 +193,7 @@ fn the_next_start_goes_on_where_the_last_ended() {
     until(&mut again, "the whole picture", is_whole);
     finish(&mut again);
     assert_eq!(again.state().status().params.epsilon, Epsilon::Relative(5e-3));
-    assert!(again.query_by_label("Freeze as A").is_some(), "the tool is open");
+    assert!(again.query_by_label(words::KEEP_AS_A).is_some(), "the tool is open");
     assert!(again.query_by_label("Got it").is_none(), "it is not the first start");
     assert!(share_of_different_pixels(&before, &picture(&mut again)) < 1e-3);
 }

@@ -3,8 +3,8 @@
 use egui::Key;
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
-use selflink::app::App;
-use selflink::solver::{Epsilon, SolverParams};
+use selflink::app::{App, words};
+use selflink::solver::{Epsilon, ParameterId, SolverParams};
 
 use crate::support::{click, cornell, finish, picture, share_of_different_pixels, until};
 
@@ -22,7 +22,7 @@ fn a_former_step_is_looked_at_and_the_present_comes_back() {
     assert!(steps > 5, "{steps} steps");
 
     // The left end of the track is the first step, and the right one the present.
-    let track = window.get_by_label("Step of the solve").rect();
+    let track = window.get_by_label(words::STEP_OF_THE_SOLVE).rect();
     for (share, expected) in [(0.0, Some(0)), (0.5, Some((steps - 1).div_ceil(2))), (1.0, None)] {
         let at = track.shrink2(egui::vec2(8.0, 0.0)).left_center() + egui::vec2(share * (track.width() - 16.0), 0.0);
         window.drag_at(at);
@@ -38,7 +38,7 @@ fn a_former_step_is_looked_at_and_the_present_comes_back() {
     // By keys: one step back, to the last but one.
     window.key_press(Key::ArrowLeft);
     until(&mut window, "the last step but one", |window| moment(window) == Some(steps - 2));
-    click(&mut window, "Live");
+    click(&mut window, words::LATEST);
     until(&mut window, "the present", |window| moment(window).is_none());
 }
 
@@ -49,7 +49,7 @@ fn steps_are_played_from_the_first_to_the_present() {
     finish(&mut window);
     let steps = window.state().status().moments.len();
     let links_at_the_end = window.state().snapshot().expect("a picture").stats.links;
-    click(&mut window, "Play");
+    click(&mut window, words::PLAY);
     let first = |window: &Harness<'static, App>| {
         let stats = window.state().snapshot().filter(|snapshot| snapshot.moment == Some(0)).map(|first| &first.stats);
         stats.map(|stats| (stats.links, stats.candidates_left))
@@ -69,4 +69,21 @@ fn steps_are_played_from_the_first_to_the_present() {
     }
     assert_eq!(seen, (0..steps).collect::<Vec<_>>());
     assert_eq!(window.state().snapshot().expect("a picture").stats.links, links_at_the_end);
+}
+
+/// Truth: the solve's own first step, and what can then be read by name.
+#[test]
+fn a_study_opens_the_method_and_replays_the_solve() {
+    let mut window = cornell(SolverParams::usual());
+    finish(&mut window);
+    let threshold = words::parameter(ParameterId::Epsilon);
+    assert!(window.query_by_label(threshold).is_none(), "the method is folded away");
+    click(&mut window, words::STUDY);
+    until(&mut window, "the first step", |window| moment(window) == Some(0));
+    assert!(window.query_all_by_label(threshold).next().is_some());
+    let why = window.query_all_by_label_contains("used with the choice Stop at").next();
+    assert!(why.is_some(), "what has no effect says why");
+    until(&mut window, "its links", |window| window.query_by_label_contains("drawn").is_some());
+    click(&mut window, words::LATEST);
+    until(&mut window, "the present", |window| moment(window).is_none());
 }

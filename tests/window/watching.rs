@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
-use selflink::app::App;
+use selflink::app::{App, words};
 use selflink::scene::Source;
 
 use crate::support::{click, coarse, until, window};
@@ -64,7 +64,7 @@ fn a_changed_file_is_offered_and_a_vanished_one_is_said_once() {
     until(&mut window, "the offer of the materials", |window| says(window, "room.mtl has changed on disk."));
     write(&path, "v 0 0 0\nv 1 0");
     click(&mut window, "Reload");
-    until(&mut window, "the loader's sentence", |window| says(window, "room.obj") && says(window, "Dismiss"));
+    until(&mut window, "the loader's sentence", |window| says(window, "room.obj") && says(window, words::DISMISS));
     assert_eq!(polygons(&window), 4, "the scene in view stays");
 
     // Written whole it is offered again.

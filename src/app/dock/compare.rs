@@ -7,9 +7,11 @@ use serde_json::Value;
 
 use super::super::comparison::Comparison;
 use super::super::freeze::{Freeze, Frozen, Sides};
-use super::super::{App, format, theme};
+use super::super::{App, format, theme, words};
 use crate::solver::{PARAMETERS, Snapshot, SolverParams, Stats};
 
+/// Width of the names in a table, points.
+const NAME_WIDTH: f32 = 112.0;
 /// Numbers that differ by less than this share are alike.
 const WORTH_TELLING: f64 = 0.01;
 
@@ -24,21 +26,21 @@ struct Row {
 /// Draws the tool.
 pub(super) fn show(app: &mut App, ui: &mut Ui) {
     let Some(snapshot) = app.shown.snapshot.clone() else {
-        ui.label(theme::weak("There is nothing to compare yet: open a scene."));
+        ui.label(theme::weak("Nothing to compare yet: open a scene."));
         return;
     };
     if app.freeze.frozen().is_none() {
-        let text = "Keep the solution in view as A. Then change what you like: what runs is B, and the view shows both side by side.";
+        let text = "Keep the solution in view as A, then change settings: the solver goes on with B, and the view shows both side by side.";
         ui.add(egui::Label::new(theme::weak(text)).wrap());
         ui.add_space(4.0);
     }
     ui.horizontal(|ui| {
         let is_kept = app.freeze.frozen().is_some();
-        let name = if is_kept { "Freeze anew as A" } else { "Freeze as A" };
+        let name = if is_kept { words::REPLACE_A } else { words::KEEP_AS_A };
         if ui.button(name).on_hover_text("Keep the solution in view, with its settings and statistics").clicked() {
             keep(app, snapshot.clone());
         }
-        if ui.add_enabled(is_kept, Button::new("Let A go")).clicked() {
+        if ui.add_enabled(is_kept, Button::new(words::DISCARD_A)).clicked() {
             app.freeze.let_go();
         }
     });
@@ -58,7 +60,7 @@ pub(super) fn show(app: &mut App, ui: &mut Ui) {
             }
             false => table(ui, "settings", &settings),
         }
-        heading(ui, "What came of them");
+        heading(ui, words::RESULTS);
         table(ui, "results", &results(frozen, &snapshot, measured, app.freeze.rms()));
     }
 }
@@ -66,7 +68,7 @@ pub(super) fn show(app: &mut App, ui: &mut Ui) {
 /// Keeps what is in view.
 pub(in super::super) fn keep(app: &mut App, snapshot: Arc<Snapshot>) {
     let measured = measured(&app.comparison, &snapshot);
-    app.freeze.keep(snapshot, app.params, measured);
+    app.freeze.keep(snapshot, app.params, measured, app.exposure);
 }
 
 /// The error of a snapshot by the reference of the Accuracy section, if it was measured.
@@ -84,7 +86,7 @@ fn show_sides(freeze: &mut Freeze, ui: &mut Ui) {
                 "A | B",
                 "A at the left of a divider that can be dragged, B at its right; same view, same exposure",
             ),
-            (Sides::A, "A alone", "The solution that was frozen"),
+            (Sides::A, "A alone", "The solution that was kept"),
             (Sides::B, "B alone", "The solution that runs, exposed as A"),
             (Sides::Difference, "B − A", "Where B is darker or brighter than A, relative to A"),
         ] {
@@ -99,13 +101,16 @@ fn heading(ui: &mut Ui, text: &str) {
 }
 
 fn table(ui: &mut Ui, id: &str, rows: &[Row]) {
-    Grid::new(id).num_columns(4).striped(true).spacing([12.0, 4.0]).show(ui, |ui| {
+    Grid::new(id).num_columns(4).striped(true).spacing([9.0, 4.0]).show(ui, |ui| {
         for title in ["", "A", "B", ""] {
             ui.label(theme::weak(title));
         }
         ui.end_row();
         for row in rows {
-            ui.label(row.name.as_str());
+            ui.scope(|ui| {
+                ui.set_max_width(NAME_WIDTH);
+                ui.add(egui::Label::new(row.name.as_str()).wrap());
+            });
             ui.label(theme::value(row.a.as_str()));
             ui.label(theme::value(row.b.as_str()));
             let ratio = row.ratio.map_or(String::new(), |ratio| format!("× {}", format::number(ratio)));
@@ -171,25 +176,25 @@ fn results(frozen: &Frozen, b: &Snapshot, measured: Option<(f64, f64)>, differen
     };
     let count = |value: f64| format::count(value as u64);
     let mut rows = vec![
-        row("time", format::seconds, |stats| stats.seconds.total),
-        row("links", count, |stats| stats.links as f64),
-        row("patches", count, |stats| stats.patches as f64),
-        row("clusters", count, |stats| stats.clusters as f64),
-        row("rays", count, |stats| stats.rays as f64),
-        row("link memory", |bytes| format::bytes(bytes as usize), |stats| stats.bytes.links as f64),
-        row("absorbed", |watts| format::quantity(watts, "W"), |stats| stats.absorbed_watts),
+        row("Time", format::seconds, |stats| stats.seconds.total),
+        row("Links", count, |stats| stats.links as f64),
+        row("Patches", count, |stats| stats.patches as f64),
+        row("Clusters", count, |stats| stats.clusters as f64),
+        row("Rays", count, |stats| stats.rays as f64),
+        row("Link memory", |bytes| format::bytes(bytes as usize), |stats| stats.bytes.links as f64),
+        row("Absorbed (sum of channels)", |watts| format::quantity(watts, "W"), |stats| stats.absorbed_watts),
     ];
     let percent =
         |share: Option<f64>| share.map_or("–".to_owned(), |share| format!("{} %", format::number(100.0 * share)));
     let text_row = |name: &str, a: String, b: String| Row { name: name.into(), a, b, ratio: None };
     if of_a.error_estimate.is_some() || of_b.error_estimate.is_some() {
-        rows.push(text_row("error, estimated", percent(of_a.error_estimate), percent(of_b.error_estimate)));
+        rows.push(text_row("Error, certified", percent(of_a.error_estimate), percent(of_b.error_estimate)));
     }
     if frozen.measured.is_some() || measured.is_some() {
         let text = |measured: Option<(f64, f64)>| {
             measured.map_or("–".to_owned(), |(rms, noise)| format::percent_with(rms, noise))
         };
-        rows.push(text_row("error, measured", text(frozen.measured), text(measured)));
+        rows.push(text_row("Error, measured", text(frozen.measured), text(measured)));
     }
     rows.push(text_row("RMS of B − A", String::new(), percent(difference)));
     rows
@@ -209,7 +214,7 @@ mod tests {
         let mut rows: Vec<_> = differing_settings(&a, &b).into_iter().map(|row| [row.name, row.a, row.b]).collect();
         rows.sort();
         let expected =
-            [["clustering", "adaptive", "octree"], ["rays, at least", "4", "8"], ["ε", "1.00e-4 Φ", "0.250 W"]];
+            [["Clustering", "adaptive", "octree"], ["Min rays per link", "4", "8"], ["ε", "1.00e-4 Φ", "0.250 W"]];
         assert_eq!(rows, expected);
     }
 }

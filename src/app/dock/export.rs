@@ -6,7 +6,7 @@ use egui::{Button, ComboBox, DragValue, RichText, Ui};
 
 use super::super::dialog::DialogAnswer;
 use super::super::exports::{self, Exports, Item, PictureSize};
-use super::super::{App, format, theme};
+use super::super::{App, format, theme, words};
 use crate::export::MeshFormat;
 use crate::export::peers::Peer;
 use crate::render::MAX_SIZE;
@@ -47,7 +47,7 @@ const PEERS: [Offer; 2] = [
 /// Draws the tool.
 pub(super) fn show(app: &mut App, ui: &mut Ui) {
     if app.shown.info.is_none() || app.shown.snapshot.is_none() {
-        ui.label(theme::weak("There is nothing to take along yet: open a scene."));
+        ui.label(theme::weak("Nothing to export yet: open a scene."));
         return;
     }
     show_name(&mut app.exports, ui);
@@ -108,14 +108,13 @@ fn show_size(exports: &mut Exports, ui: &mut Ui, view: [u32; 2]) {
     let text = |size: PictureSize, own: [u32; 2]| {
         let named = |name: &str, [width, height]: [u32; 2]| format!("{name}{width} × {height}");
         match size {
-            PictureSize::AsShown => named("as shown: ", view),
+            PictureSize::AsShown => named("As shown: ", view),
             PictureSize::FullHd | PictureSize::FourK => named("", pixels(size, own, view)),
-            PictureSize::Own => "own size".to_owned(),
+            PictureSize::Own => words::CUSTOM_SIZE.to_owned(),
         }
     };
     theme::row(ui, "Size in pixels", |ui| {
-        let combo =
-            ComboBox::from_id_salt("picture size").width(180.0).selected_text(text(exports.size, exports.own_size));
+        let combo = ComboBox::from_id_salt("picture size").selected_text(text(exports.size, exports.own_size));
         let inner = combo.show_ui(ui, |ui| {
             for size in [PictureSize::AsShown, PictureSize::FullHd, PictureSize::FourK, PictureSize::Own] {
                 let text = text(size, exports.own_size);
@@ -165,7 +164,7 @@ fn show_question(app: &mut App, ui: &mut Ui) {
     let Some(item) = app.exports.in_question else { return };
     let Some(path) = app.exports.path(item) else { return };
     let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned();
-    ui.label(format!("{name} is there already."));
+    ui.label(format!("{name} already exists."));
     ui.horizontal(|ui| {
         if ui.button("Overwrite it").clicked() {
             app.exports.in_question = None;

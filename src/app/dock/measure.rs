@@ -8,7 +8,7 @@ use glam::{DVec3, Vec3};
 use super::super::dialog::DialogAnswer;
 use super::super::measuring::{Measuring, Table};
 use super::super::messages::Messages;
-use super::super::{Shown, Wake, format, theme};
+use super::super::{Shown, Wake, format, theme, words};
 use crate::photometry::{CONVENTION, lux};
 use crate::survey::{PlaneReading, Probed};
 
@@ -26,6 +26,7 @@ pub(super) fn show(ui: &mut Ui, shown: &Shown, measuring: &mut Measuring, messag
     show_plane_setup(ui, shown, measuring, wake);
     if let Some(plane) = measuring.plane_reading().cloned() {
         show_summary(ui, shown, &plane);
+        show_target(ui, &plane, &mut measuring.target);
         ui.checkbox(&mut measuring.shows_points, "Points in the view");
         ui.add_enabled_ui(measuring.shows_points, |ui| ui.checkbox(&mut measuring.writes_values, "Their values in lx"));
     }
@@ -41,7 +42,7 @@ fn heading(ui: &mut Ui, text: &str) {
 
 fn show_probes(ui: &mut Ui, shown: &Shown, measuring: &mut Measuring) {
     ui.horizontal(|ui| {
-        let toggle = ui.add(Button::new("Place probes").selected(measuring.places_probes));
+        let toggle = ui.add(Button::new(words::PLACE_PROBES).selected(measuring.places_probes));
         if toggle.on_hover_text("While this is on, a click into the view places a probe on the surface there").clicked()
         {
             measuring.places_probes = !measuring.places_probes;
@@ -108,7 +109,11 @@ fn show_plane_setup(ui: &mut Ui, shown: &Shown, measuring: &mut Measuring, wake:
             &mut plane.height,
             "Above the floor, the lowest large level surface, in the scene's length unit (metres)",
         ),
-        ("Spacing", &mut plane.spacing, "Distance between the points; cells fill the plane evenly"),
+        (
+            "Spacing",
+            &mut plane.spacing,
+            "Distance between the points, at first that of EN 12464-1: 0.2·5^log₁₀ d of the extent d; cells fill the plane evenly",
+        ),
         ("Margin to walls", &mut plane.margin, "Strip along the rim of the floor that is left out (EN 12464-1: 0.5 m)"),
     ];
     for (label, length, hint) in fields {
@@ -119,7 +124,7 @@ fn show_plane_setup(ui: &mut Ui, shown: &Shown, measuring: &mut Measuring, wake:
     }
     let lit = shown.info.as_ref().zip(shown.snapshot.as_ref());
     ui.horizontal(|ui| {
-        let button = ui.add_enabled(lit.is_some(), Button::new("Measure the work plane"));
+        let button = ui.add_enabled(lit.is_some(), Button::new(words::MEASURE_PLANE));
         let hint =
             "Light that reaches a level area at each point: rays look from it for lamps and for what surfaces send";
         if button.on_hover_text(hint).clicked()
@@ -128,7 +133,7 @@ fn show_plane_setup(ui: &mut Ui, shown: &Shown, measuring: &mut Measuring, wake:
             measuring.measure_plane(&info.scene, snapshot, wake);
         }
         let is_there = measuring.plane_reading().is_some() || measuring.progress().is_some();
-        if ui.add_enabled(is_there, Button::new("Clear")).clicked() {
+        if ui.add_enabled(is_there, Button::new(words::CLEAR)).clicked() {
             measuring.forget_plane();
         }
     });
@@ -150,10 +155,10 @@ fn show_summary(ui: &mut Ui, shown: &Shown, plane: &PlaneReading) {
     }
     let lux = |value: f32| format!("{:>7} lx", format::number(value.into()));
     let rows = [
-        ("Average Ē", lux(summary.average), "Mean illuminance of the points"),
+        (words::AVERAGE, lux(summary.average), "Mean illuminance of the points"),
         ("Minimum", lux(summary.minimum), "Smallest illuminance"),
         ("Maximum", lux(summary.maximum), "Largest illuminance"),
-        ("Uniformity U₀", format!("{:>7.2}   ", summary.uniformity), "Minimum over average (EN 12464-1)"),
+        (words::UNIFORMITY, format!("{:>7.2}   ", summary.uniformity), "Minimum over average (EN 12464-1)"),
     ];
     Grid::new("work plane").num_columns(2).spacing([12.0, 3.0]).show(ui, |ui| {
         for (name, value, hint) in rows {
@@ -176,12 +181,28 @@ fn show_summary(ui: &mut Ui, shown: &Shown, plane: &PlaneReading) {
     }
 }
 
+/// The average that the plane is to have, and whether it has.
+fn show_target(ui: &mut Ui, plane: &PlaneReading, target: &mut f32) {
+    theme::row(ui, words::TARGET_AVERAGE, |ui| {
+        let field = DragValue::new(target).speed(5.0).range(1.0..=1e5).max_decimals(0).suffix(" lx");
+        ui.add(field)
+            .on_hover_text("Illuminance that the task asks for, such as 500 lx for writing and reading (EN 12464-1)")
+    });
+    let average = plane.summary().average;
+    let share = average / *target;
+    let text = match share {
+        1.0.. => format!("Reached: {:.0} % of the target", 100.0 * share),
+        _ => format!("Not reached: {:.0} % of the target", 100.0 * share),
+    };
+    ui.label(if share >= 1.0 { RichText::new(text) } else { theme::notice(ui, text) });
+}
+
 fn show_files(ui: &mut Ui, shown: &Shown, measuring: &mut Measuring, messages: &mut Messages) {
     let tables = [
         (Table::Probes, "Probes as CSV…", "probes.csv", measuring.probes().next().is_some()),
         (Table::Plane, "Work plane as CSV…", "work-plane.csv", measuring.plane_reading().is_some()),
     ];
-    ui.horizontal(|ui| {
+    ui.horizontal_wrapped(|ui| {
         for (table, label, name, is_there) in tables {
             let button = ui.add_enabled(is_there && !measuring.save.is_open(), Button::new(label));
             if button.on_hover_text("Choose where this table is written").clicked() {
@@ -194,7 +215,9 @@ fn show_files(ui: &mut Ui, shown: &Shown, measuring: &mut Measuring, messages: &
     let is_there = tables.iter().any(|(table, .., is_there)| *is_there && *table == measuring.saves);
     let mut is_clicked = false;
     theme::row(ui, "CSV file", |ui| {
-        let field = TextEdit::singleline(&mut measuring.save.path_text).hint_text("path.csv").desired_width(150.0);
+        let field = TextEdit::singleline(&mut measuring.save.path_text)
+            .hint_text("path.csv")
+            .desired_width((ui.available_width() - 72.0).max(60.0));
         let field = ui.add(field);
         let can_write = is_there && measuring.save.typed_path().is_some();
         is_clicked = ui.add_enabled(can_write, Button::new("Write")).clicked();

@@ -16,7 +16,7 @@ pub(super) use clusters::Clusters;
 pub(super) use inspector::Inspector;
 pub(super) use matrix::LinkMatrix;
 
-use super::{App, Outbox};
+use super::{App, Outbox, layout, words};
 
 /// A tool of the dock.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -31,7 +31,7 @@ pub(in crate::app) enum Tool {
     Measure,
     /// Two solutions side by side.
     Compare,
-    /// What can be taken along.
+    /// Images, meshes and data as files.
     Export,
 }
 
@@ -54,51 +54,74 @@ impl Tool {
 
 /// Every tool with its name on the bar and what it is for, in the bar's order.
 const TOOLS: [(Tool, &str, &str); 6] = [
-    (Tool::Inspector, "Inspector", "What an element is, what lights it and what it lights"),
-    (Tool::Matrix, "Link matrix", "All links as blocks: receivers by sources"),
-    (Tool::Clusters, "Clusters", "The tree of clusters, and groups made by hand"),
-    (Tool::Measure, "Measure", "Irradiance and illuminance at points and on a work plane"),
-    (Tool::Compare, "Compare", "Two solutions side by side"),
-    (Tool::Export, "Export", "Pictures, meshes, links and numbers to take along"),
+    (Tool::Inspector, words::INSPECTOR, "One element: its place in the hierarchy, its light and its links"),
+    (Tool::Matrix, words::LINK_MATRIX, "All links as blocks: receivers by sources"),
+    (Tool::Clusters, words::CLUSTERS, "The tree of clusters, and manual groups"),
+    (Tool::Measure, words::MEASURE, "Irradiance and illuminance at points and on a work plane"),
+    (Tool::Compare, words::COMPARE, "Two solutions side by side"),
+    (Tool::Export, words::EXPORT, words::EXPORT_HINT),
 ];
 
 /// Widths that the dock may be given, points.
-const WIDTHS: std::ops::RangeInclusive<f32> = 300.0..=900.0;
+pub(super) const WIDTHS: std::ops::RangeInclusive<f32> = 340.0..=900.0;
 const FIRST_WIDTH: f32 = 380.0;
 /// For a table.
-const FIRST_WIDTH_OF_TABLE: f32 = 500.0;
+const FIRST_WIDTH_OF_TABLE: f32 = 540.0;
+/// A narrower bar has the tools in a menu, points.
+const ROOM_FOR_TOOLS: f32 = 840.0;
 
-/// The bar above the view: a switch for each tool.
+/// The bar above the view: a switch for each tool, in a menu where there is no room for all of them.
 pub(super) fn show_bar(app: &mut App, ui: &mut Ui) {
+    let has_room = ui.max_rect().width() >= ROOM_FOR_TOOLS;
     ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-        let keys =
-            ui.selectable_label(app.are_keys_shown, " ? ").on_hover_text("Mouse and keys").accessible_name("Keys");
+        let keys = ui
+            .selectable_label(app.are_keys_shown, " ? ")
+            .on_hover_text(words::MOUSE_AND_KEYS)
+            .accessible_name(words::KEYS);
         if keys.clicked() {
             app.are_keys_shown = !app.are_keys_shown;
         }
-        let full = ui.selectable_label(app.is_full_picture, "Full picture");
-        if full.on_hover_text("Hide all panels; F11 or Esc brings them back").clicked() {
-            app.is_full_picture = true;
+        let full = ui.selectable_label(app.is_full_picture, words::FULL_SCREEN);
+        if full.on_hover_text("The picture alone; F11 or Esc brings the panels back").clicked() {
+            app.set_full_screen(ui.ctx(), true);
         }
         ui.separator();
-        for (tool, name, hint) in TOOLS.iter().rev() {
-            let is_open = app.tool == Some(*tool);
-            if ui.selectable_label(is_open, *name).on_hover_text(*hint).clicked() {
-                app.tool = (!is_open).then_some(*tool);
+        if has_room {
+            for (tool, name, hint) in TOOLS.iter().rev() {
+                show_switch(app, ui, *tool, name, hint);
             }
+        } else {
+            ui.menu_button(words::TOOLS, |ui| {
+                for (tool, name, hint) in &TOOLS {
+                    if show_switch(app, ui, *tool, name, hint) {
+                        ui.close();
+                    }
+                }
+            });
         }
     });
+}
+
+/// The switch of a tool; whether it was clicked.
+fn show_switch(app: &mut App, ui: &mut Ui, tool: Tool, name: &str, hint: &str) -> bool {
+    let is_clicked = ui.selectable_label(app.tool == Some(tool), name).on_hover_text(hint).clicked();
+    if is_clicked {
+        app.toggle_tool(tool);
+    }
+    is_clicked
 }
 
 /// The open tool, if one is.
 pub(super) fn show(app: &mut App, ui: &mut Ui, outbox: &mut Outbox) {
     let Some(open) = app.tool else { return };
     let Some((_, name, hint)) = TOOLS.iter().find(|(tool, ..)| *tool == open) else { return };
-    egui::Panel::right(*name).default_size(open.first_width()).size_range(WIDTHS).show(ui, |ui| {
+    let most = (layout::Sides::of(app, ui.ctx()).all - app.settings_width).max(*WIDTHS.start()).min(*WIDTHS.end());
+    let widths = *WIDTHS.start()..=most;
+    egui::Panel::right(*name).default_size(open.first_width().min(most)).size_range(widths).show(ui, |ui| {
         ui.horizontal(|ui| {
             ui.label(RichText::new(*name).strong().size(14.0)).on_hover_text(*hint);
             ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-                if ui.button("Close tool").clicked() {
+                if ui.button(words::CLOSE_TOOL).clicked() {
                     app.tool = None;
                 }
             });

@@ -6,7 +6,7 @@ use egui::{Color32, ProgressBar, Slider, Ui};
 use egui_plot::{FilledArea, Line, Plot, PlotPoints, Points};
 
 use super::super::comparison::{Comparison, POINTS, Run, RunPoint, Shading};
-use super::super::{Wake, format, theme};
+use super::super::{Wake, format, theme, words};
 use crate::accuracy::SolutionError;
 use crate::referee::GOAL;
 use crate::worker::SceneInfo;
@@ -42,10 +42,11 @@ fn show_offer(ui: &mut Ui, info: &Arc<SceneInfo>, comparison: &mut Comparison, w
     ui.label(theme::weak("How far is this picture from the truth? A path tracer finds out in the background."));
     theme::row(ui, "Points", |ui| {
         let slider = Slider::new(&mut comparison.points, POINTS).logarithmic(true);
-        ui.add(slider).on_hover_text("So many points on the surfaces are compared; more show errors in finer detail")
+        ui.add(slider)
+            .on_hover_text("Points on the surfaces that are compared; more of them show errors in finer detail")
     });
     let can_compare = info.has_light;
-    let button = ui.add_enabled(can_compare, egui::Button::new("Compare with a reference"));
+    let button = ui.add_enabled(can_compare, egui::Button::new(words::COMPARE_WITH_REFERENCE));
     if button.on_disabled_hover_text("Nothing in this scene emits light").clicked() {
         let begun = comparison.begin(&info.scene, wake);
         return begun.map_err(|error| format!("No reference can be made, no thread is left ({error})."));
@@ -67,9 +68,9 @@ fn show_reference(ui: &mut Ui, comparison: &mut Comparison) {
             "Path-traced at {points} points; the noise is subtracted from the errors below. Kept on disk for the next time."
         ))
     });
-    ui.horizontal(|ui| {
+    ui.horizontal_wrapped(|ui| {
         ui.add(ProgressBar::new(share as f32).desired_width(200.0).desired_height(6.0).fill(theme::ACCENT));
-        if ui.button("Stop comparing").clicked() {
+        if ui.button(words::STOP_COMPARING).clicked() {
             comparison.stop();
         }
     });
@@ -96,7 +97,7 @@ fn show_error(ui: &mut Ui, error: &SolutionError) {
     row(
         "…of the elements",
         percent_with(error.leaves.rms, error.leaves.rms_noise),
-        "The same with one value for each element, not interpolated",
+        "Error with one value for each element, not interpolated",
     );
     row("Bias", format!("{:+.1} %", 100.0 * shown.bias), "Mean difference: too bright is positive");
     let of_light = &error.local;
@@ -115,7 +116,7 @@ fn show_error(ui: &mut Ui, error: &SolutionError) {
         "Relative to each point's own radiosity: median ± its standard error, and 95th percentile over the area",
     );
     let dark = format!("{}, {}", percent(shown.dark_median), percent(shown.dark_p95));
-    row("…where it is dark", dark, "The same over the darker half of the area");
+    row("…where it is dark", dark, "Local error of B over the darker half of the area");
 }
 
 fn show_shading(ui: &mut Ui, shading: &mut Shading) {

@@ -1,21 +1,21 @@
-//! The appearance section: theme, and the size of everything.
+//! The appearance section: theme and interface scale.
 
 use egui::{ComboBox, ThemePreference, Ui};
 
 use super::super::appearance::Appearance;
-use super::super::theme;
+use super::super::{theme, words};
 
-/// Sizes offered, as factors.
+/// Scales offered, as factors.
 const SCALES: [f32; 7] = [0.75, 0.9, 1.0, 1.25, 1.5, 2.0, 2.5];
 
 /// Draws the section.
 pub(super) fn show(ui: &mut Ui, appearance: &mut Appearance) {
-    theme::row(ui, "Theme", |ui| {
-        let themes = ui.horizontal(|ui| {
+    theme::row(ui, words::THEME, |ui| {
+        let themes = ui.horizontal_wrapped(|ui| {
             for (theme, name) in [
-                (ThemePreference::Dark, "dark"),
-                (ThemePreference::Light, "bright"),
-                (ThemePreference::System, "system"),
+                (ThemePreference::Dark, words::DARK_THEME),
+                (ThemePreference::Light, words::LIGHT_THEME),
+                (ThemePreference::System, words::SYSTEM_THEME),
             ] {
                 if ui.selectable_value(&mut appearance.theme, theme, name).changed() {
                     ui.ctx().set_theme(theme);
@@ -24,10 +24,10 @@ pub(super) fn show(ui: &mut Ui, appearance: &mut Appearance) {
         });
         themes.response
     });
-    theme::row(ui, "Size of everything", |ui| {
+    theme::row(ui, words::INTERFACE_SCALE, |ui| {
         let percent = |scale: f32| format!("{:.0} %", 100.0 * scale);
         let present = ui.ctx().zoom_factor();
-        let combo = ComboBox::from_id_salt("size of everything").selected_text(percent(present));
+        let combo = ComboBox::from_id_salt("interface scale").selected_text(percent(present));
         let inner = combo.show_ui(ui, |ui| {
             for scale in SCALES {
                 if ui.selectable_label(scale == present, percent(scale)).clicked() {

@@ -11,10 +11,10 @@ pub(in super::super) const CONTROLS: [(&str, &str); 10] = [
     ("wheel or pinch", "zoom"),
     ("W A S D, Q E", "fly, down and up"),
     ("shift with these", "fly faster"),
-    ("click", "pick the element"),
+    ("click", "select the element"),
     ("double-click", "look at the point"),
     ("F", "frame all"),
-    ("Home", "back to the start"),
+    ("Home", "reset camera"),
     ("Ctrl+Z, Ctrl+Shift+Z", "undo, redo a setting"),
 ];
 
@@ -27,7 +27,7 @@ pub(super) fn show(ui: &mut Ui, are_keys_shown: &mut bool) {
             ui.end_row();
         }
     });
-    if ui.button("All keys").on_hover_text("The same, and the keys that work anywhere (?)").clicked() {
+    if ui.button("All keys").on_hover_text("All keys, those that work anywhere among them (?)").clicked() {
         *are_keys_shown = true;
     }
 }

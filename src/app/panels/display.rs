@@ -3,21 +3,21 @@
 use egui::{Slider, Ui};
 
 use super::super::settings::DisplaySettings;
-use super::super::{Shown, theme};
+use super::super::{Shown, theme, words};
 use super::readings;
 use crate::render::Reading;
 
 /// Exposures a slider offers, stops.
-const STOPS: std::ops::RangeInclusive<f32> = -10.0..=10.0;
+const STOPS: std::ops::RangeInclusive<f32> = -12.0..=12.0;
 
 /// Draws the section.
-pub(super) fn show(ui: &mut Ui, shown: &Shown, display: &mut DisplaySettings, reading: Option<&Reading>) {
+pub(super) fn show(ui: &mut Ui, shown: &Shown, display: &mut DisplaySettings, reading: Option<&Reading>, metered: f32) {
     show_picture(ui, display);
     readings::show(ui, display, reading);
     ui.add_space(4.0);
-    show_exposure(ui, display);
+    show_exposure(ui, display, metered);
     ui.add_space(4.0);
-    ui.checkbox(&mut display.show_elements, "Element outlines");
+    ui.checkbox(&mut display.show_elements, words::ELEMENT_OUTLINES);
     show_clusters(ui, shown, display);
     ui.add_space(4.0);
     super::links::show(ui, shown, &mut display.links);
@@ -25,8 +25,8 @@ pub(super) fn show(ui: &mut Ui, shown: &Shown, display: &mut DisplaySettings, re
 
 /// What the view is a picture of.
 fn show_picture(ui: &mut Ui, display: &mut DisplaySettings) {
-    theme::row(ui, "Picture", |ui| {
-        let name = |is_gathered| if is_gathered { "gathered" } else { "mesh" };
+    theme::row(ui, words::PICTURE, |ui| {
+        let name = |is_gathered| if is_gathered { words::GATHERED } else { words::MESH };
         let list = egui::ComboBox::from_id_salt("Picture").selected_text(name(display.is_gathered));
         let choices = |ui: &mut Ui| {
             for choice in [true, false] {
@@ -41,20 +41,32 @@ fn show_picture(ui: &mut Ui, display: &mut DisplaySettings) {
     );
 }
 
-fn show_exposure(ui: &mut Ui, display: &mut DisplaySettings) {
-    ui.checkbox(&mut display.auto_exposure, "Automatic exposure");
+fn show_exposure(ui: &mut Ui, display: &mut DisplaySettings, metered: f32) {
+    let mut is_locked = !display.auto_exposure;
+    let hint =
+        "Keeps the exposure while light and view change; otherwise the median of what is seen, lamps aside, is metered";
+    if ui.checkbox(&mut is_locked, words::LOCK_EXPOSURE).on_hover_text(hint).changed() {
+        if is_locked {
+            display.manual_stops = metered.log2() + display.auto_stops;
+        }
+        display.auto_exposure = !is_locked;
+    }
     let (stops, hint) = match display.auto_exposure {
         true => (&mut display.auto_stops, "Correction of the automatic exposure; one stop is a factor of 2"),
         false => (&mut display.manual_stops, "0 stops shows 1 W/m² as white before the tone curve"),
     };
-    theme::row(ui, "Exposure", |ui| {
-        let slider = Slider::new(stops, STOPS).fixed_decimals(1).suffix(" stops").trailing_fill(false);
+    theme::row(ui, words::EXPOSURE, |ui| {
+        let slider = Slider::new(stops, STOPS)
+            .clamping(egui::SliderClamping::Edits)
+            .fixed_decimals(1)
+            .suffix(" stops")
+            .trailing_fill(false);
         ui.add(slider).on_hover_text(hint)
     });
 }
 
 fn show_clusters(ui: &mut Ui, shown: &Shown, display: &mut DisplaySettings) {
-    ui.checkbox(&mut display.show_clusters, "Cluster boxes");
+    ui.checkbox(&mut display.show_clusters, words::CLUSTER_BOXES);
     let Some(snapshot) = &shown.snapshot else { return };
     let Some(deepest) = snapshot.clusters.iter().map(|cluster| cluster.level).max() else {
         ui.label(theme::weak("There are no clusters."));

@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use egui::{Align2, Rect, RichText, Ui};
 
-use super::super::{App, Outbox, theme};
+use super::super::{App, Outbox, theme, words};
 use crate::scene::Source;
 use crate::scene::builtin::BuiltinScene;
 use crate::worker::Command;
@@ -24,9 +24,9 @@ pub(in super::super) fn show(app: &mut App, ui: &mut Ui, rect: Rect, outbox: &mu
                     loading_label(ui, name, 15.0);
                 }
                 None => {
-                    ui.label(RichText::new("Open a room to light").size(20.0).strong());
+                    ui.label(RichText::new(words::OPEN_A_ROOM).size(20.0).strong());
                     ui.label(theme::weak(
-                        "Drop an OBJ, glTF, GLB, PLY or STL file here, or start with one of our own:",
+                        "Drop an OBJ, glTF, GLB, PLY or STL file here, or start with a sample scene:",
                     ));
                     ui.add_space(8.0);
                     ui.columns(BuiltinScene::ALL.len(), |columns| {
@@ -52,7 +52,7 @@ pub(in super::super) fn show_loading(app: &App, ui: &mut Ui, rect: Rect, outbox:
         egui::Frame::popup(ui.style()).show(ui, |ui| {
             ui.horizontal(|ui| {
                 loading_label(ui, name, 13.0);
-                if ui.button("Cancel").on_hover_text("Keep the scene that is in view").clicked() {
+                if ui.button(words::CANCEL).on_hover_text("Keep the scene that is in view").clicked() {
                     outbox.push(Command::CancelLoad);
                 }
             });

@@ -2,12 +2,12 @@
 
 use egui::{Align2, Area, Frame, Rect, Ui};
 
-use super::super::{App, theme};
+use super::super::{App, theme, words};
 
 const LINES: [&str; 3] = [
-    "Drag to turn the room, roll the wheel to come nearer, fly with W A S D.",
-    "Click a surface to see what lights it; the tools above the view look further inside.",
-    "Ask for another error at the left and watch the light refine. Press ? for all keys.",
+    "Drag to turn the view, roll the wheel to come nearer, fly with W A S D.",
+    "Click a surface to read its light; the tools above the view look further inside.",
+    "Choose a quality at the left and watch the light refine. Press ? for all keys.",
 ];
 
 /// Draws the lines until somebody has read them.
@@ -31,16 +31,20 @@ pub(in super::super) fn show_first_lines(app: &mut App, ui: &Ui, view: Rect) {
     });
 }
 
-/// A button in the corner of the full picture.
+/// So near to the upper edge of the full screen the pointer calls the way back, points.
+const NEAR_TOP: f32 = 60.0;
+
+/// A button in the corner of the full screen, where the pointer comes near to it; otherwise the picture is alone.
 pub(in super::super) fn show_way_back(app: &mut App, ui: &Ui, view: Rect) {
-    if !app.is_full_picture {
+    let is_near = ui.input(|input| input.pointer.hover_pos().is_some_and(|at| at.y < view.top() + NEAR_TOP));
+    if !app.is_full_picture || !is_near {
         return;
     }
     let at = view.left_top() + egui::vec2(10.0, 10.0);
     Area::new(egui::Id::unique("way back")).fixed_pos(at).show(ui.ctx(), |ui| {
         theme::over_the_view(ui);
-        if ui.button("Show panels").on_hover_text("F11 or Esc does so too").clicked() {
-            app.is_full_picture = false;
+        if ui.button(words::SHOW_PANELS).on_hover_text("F11 or Esc does so too").clicked() {
+            app.set_full_screen(ui.ctx(), false);
         }
     });
 }

@@ -3,7 +3,7 @@
 use egui::{Align2, Color32, FontId, Rect, Slider, Ui, pos2, vec2};
 
 use super::super::settings::{LinkOverlay, LinksOf};
-use super::super::{App, Shown, colour_bar, format, theme};
+use super::super::{App, Shown, colour_bar, format, theme, words};
 use crate::render::{ChosenLinks, LinkColour, LinkFilter, Seen, level_colour, power_colour};
 
 /// Numbers of links a slider offers.
@@ -16,12 +16,12 @@ const LEAST_POWER_ABOVE_0: f64 = 1e-4;
 pub(super) fn show(ui: &mut Ui, shown: &Shown, links: &mut LinkOverlay) {
     choice(
         ui,
-        "Links",
+        words::SHOW_LINKS,
         &mut links.of,
         &[
-            (LinksOf::Nothing, "none", "No links over the view"),
-            (LinksOf::Picked, "picked", "Links of the picked element: click a surface to pick it"),
-            (LinksOf::Level, "level", "Links of all receivers at one level of the hierarchy"),
+            (LinksOf::Nothing, words::LINKS_NONE, "No links over the view"),
+            (LinksOf::Picked, words::LINKS_OF_SELECTION, "Links of the selected element: click a surface to select it"),
+            (LinksOf::Level, words::LINKS_AT_LEVEL, "Links of all receivers at one level of the hierarchy"),
         ],
     );
     if links.of == LinksOf::Nothing {
@@ -32,20 +32,24 @@ pub(super) fn show(ui: &mut Ui, shown: &Shown, links: &mut LinkOverlay) {
     }
     choice(
         ui,
-        "Link colour",
+        words::LINK_COLOUR,
         &mut links.style.colour,
         &[
             (LinkColour::Power, "power", "Power B·F·V·A over that of the strongest link"),
-            (LinkColour::Visibility, "visibility", "Whether the ends see each other in full, in part, or nobody knows"),
+            (
+                LinkColour::Visibility,
+                "visibility",
+                "Whether the ends see each other fully, partly or not, or were not tested",
+            ),
             (LinkColour::Level, "level of source", "The level of the source below the root"),
         ],
     );
     let filter = &mut links.filter;
-    theme::row(ui, "Strongest links", |ui| {
+    theme::row(ui, words::STRONGEST_LINKS, |ui| {
         let slider = Slider::new(&mut filter.strongest, STRONGEST).logarithmic(true);
-        ui.add(slider).on_hover_text("So many are drawn at most, the strongest first")
+        ui.add(slider).on_hover_text("The most that are drawn, the strongest first")
     });
-    theme::row(ui, "Least power", |ui| {
+    theme::row(ui, words::MINIMUM_POWER, |ui| {
         let slider = Slider::new(&mut filter.least_power, LEAST_POWER)
             .logarithmic(true)
             .smallest_positive(LEAST_POWER_ABOVE_0)
@@ -53,14 +57,14 @@ pub(super) fn show(ui: &mut Ui, shown: &Shown, links: &mut LinkOverlay) {
         ui.add(slider).on_hover_text("Weaker links are left out; as a share of the threshold ε")
     });
     show_kinds(ui, filter);
-    ui.checkbox(&mut links.style.ends, "Outlines of both ends")
+    ui.checkbox(&mut links.style.ends, words::OUTLINES_OF_ENDS)
         .on_hover_text("Rims of patches and boxes of clusters at both ends of each link");
 }
 
 fn show_level(ui: &mut Ui, shown: &Shown, links: &mut LinkOverlay) {
     let anatomy = shown.snapshot.as_ref().and_then(|snapshot| snapshot.anatomy.as_ref());
     let Some(deepest) = anatomy.map(|anatomy| anatomy.deepest()) else { return };
-    theme::row(ui, "Receivers at level", |ui| {
+    theme::row(ui, words::RECEIVERS_AT_LEVEL, |ui| {
         // What was chosen for a deeper hierarchy comes back with it.
         let mut level = links.level.min(deepest);
         let slider = Slider::new(&mut level, 0..=deepest).suffix(format!(" of {deepest}"));
@@ -83,21 +87,17 @@ fn show_kinds(ui: &mut Ui, filter: &mut LinkFilter) {
     });
     ui.horizontal_wrapped(|ui| {
         ui.spacing_mut().item_spacing.x = 10.0;
-        ui.checkbox(&mut filter.full, "seen in full").on_hover_text("All rays of the link came through");
-        ui.checkbox(&mut filter.partial, "in part").on_hover_text("Some rays of the link came through");
-        let hint = "No ray of the link came through, or nobody looked yet";
-        ui.checkbox(&mut filter.unseen, "unknown").on_hover_text(hint);
+        ui.checkbox(&mut filter.full, words::FULLY_VISIBLE).on_hover_text("All rays of the link came through");
+        ui.checkbox(&mut filter.partial, words::PARTLY_VISIBLE).on_hover_text("Some rays of the link came through");
+        let hint = "No ray of the link came through, or none was cast yet";
+        ui.checkbox(&mut filter.unseen, words::NOT_TESTED).on_hover_text(hint);
     });
 }
 
 /// A row of alternatives.
 fn choice<T: Copy + PartialEq>(ui: &mut Ui, name: &str, chosen: &mut T, choices: &[(T, &str, &str)]) {
-    ui.horizontal(|ui| {
-        ui.scope(|ui| {
-            ui.set_min_width(theme::LABEL_WIDTH);
-            ui.set_max_width(theme::LABEL_WIDTH);
-            ui.add(egui::Label::new(name).truncate());
-        });
+    ui.horizontal_wrapped(|ui| {
+        theme::row_label(ui, name);
         ui.spacing_mut().item_spacing.x = 2.0;
         for (value, text, hint) in choices {
             let response = ui.selectable_value(chosen, *value, *text).on_hover_text(*hint);
@@ -144,13 +144,13 @@ pub(in super::super) fn show_legend(app: &App, ui: &Ui, view: Rect) {
     let top = card.top() + text_height + 14.0;
     let bar = Rect::from_min_size(pos2(card.left() + MARGIN, top + 15.0), BAR);
     let (title, labels) = match app.display.links.style.colour {
-        LinkColour::Power => ("colour: power of the link", power_labels(chosen)),
-        LinkColour::Visibility => ("colour: visibility V of the link", [String::new(), String::new()]),
-        LinkColour::Level => ("colour: level of the source", level_labels(app)),
+        LinkColour::Power => ("Colour: power of the link", power_labels(chosen)),
+        LinkColour::Visibility => ("Colour: visibility V of the link", [String::new(), String::new()]),
+        LinkColour::Level => ("Colour: level of the source", level_labels(app)),
     };
     painter.text(pos2(bar.left(), top - 3.0), Align2::LEFT_TOP, title, font.clone(), theme::TEXT_WEAK);
     if app.display.links.style.colour == LinkColour::Visibility {
-        let names = [(Seen::Full, "full"), (Seen::Partial, "partial"), (Seen::Not, "none or unknown")];
+        let names = [(Seen::Full, "full"), (Seen::Partial, "partial"), (Seen::Not, "none or not tested")];
         let mut x = bar.left();
         for (seen, name) in names {
             let [r, g, b] = seen.colour();

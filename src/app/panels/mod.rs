@@ -12,44 +12,57 @@ pub(super) mod light;
 pub(super) mod links;
 pub(super) mod parameters;
 pub(super) mod picked;
+pub(super) mod quality;
 mod readings;
 pub(super) mod readout;
 pub(super) mod scene;
-pub(super) mod solver;
 pub(super) mod statistics;
 pub(super) mod status_bar;
+pub(super) mod tag;
 
 use egui::{CollapsingHeader, RichText, ScrollArea, Ui};
 
-use super::{App, Outbox, theme};
+use super::{App, Outbox, layout, theme, words};
 use crate::worker::Command;
 
 /// The left panel with its sections and the bar below.
 pub(super) fn show_sides(app: &mut App, ui: &mut Ui, outbox: &mut Outbox) {
     egui::Panel::bottom("status").show(ui, |ui| {
-        status_bar::show(ui, &app.shown, app.painted.as_ref(), &app.time_left, &app.clock);
+        status_bar::show(ui, &app.shown, app.painted.as_ref(), &app.course, &app.clock);
     });
-    egui::Panel::left("sections").default_size(theme::PANEL_WIDTH).size_range(300.0..=480.0).show(ui, |ui| {
+    let sides = layout::Sides::of(app, ui.ctx());
+    let Some(most) = sides.settings else {
+        app.settings_width = 0.0;
+        return;
+    };
+    let widths = layout::LEAST_SETTINGS.min(most)..=most;
+    // Where they have little room, beside a tool or in a small window, they keep the width that they have otherwise for later.
+    let id = if most < theme::PANEL_WIDTH { "narrow sections" } else { "sections" };
+    let panel = egui::Panel::left(id).default_size(theme::PANEL_WIDTH.min(most)).size_range(widths);
+    let shown = panel.show(ui, |ui| {
         ScrollArea::vertical().auto_shrink([false, false]).show(ui, |ui| {
             // Beside the scroll bar, which floats.
             egui::Frame::new().inner_margin(egui::Margin { right: 8, top: 4, bottom: 8, left: 0 }).show(ui, |ui| {
-                show_sections(app, ui, outbox);
+                // What is folded away is so in either.
+                let same = egui::UiBuilder::new().scope_id(egui::Id::unique("settings"));
+                ui.scope_builder(same, |ui| show_sections(app, ui, outbox));
             });
         });
     });
+    app.settings_width = shown.response.rect.width();
 }
 
 fn show_sections(app: &mut App, ui: &mut Ui, outbox: &mut Outbox) {
     let camera = app.view.pose();
     let mut chosen = scene::Chosen::default();
-    section(ui, "Scene", true, None, |ui| chosen = scene::show(ui, &app.shown, &mut app.files, camera, outbox));
+    section(ui, words::SCENE, true, None, |ui| chosen = scene::show(ui, &app.shown, &mut app.files, camera, outbox));
     if let Some(pose) = chosen.view {
         app.view.go_to(&pose);
     }
     if let Some(info) = app.shown.info.clone() {
         // A dark scene opens the section that helps; with a lamp it is one of many.
         let dark = !info.has_light;
-        let title = if dark { "Light: none yet" } else { "Light" };
+        let title = if dark { words::LIGHT_NONE_YET } else { words::LIGHT };
         section(ui, title, dark, Some("light"), |ui| {
             light::show(ui, &app.shown, &app.params, &mut app.light, outbox);
         });
@@ -65,33 +78,60 @@ fn show_sections(app: &mut App, ui: &mut Ui, outbox: &mut Outbox) {
         let settings = app.settings();
         outbox.extend(settings.source().map(|source| Command::Load(source, reading, settings.light)));
     }
-    section(ui, "Solver", true, None, |ui| solver::show(ui, &app.shown, &mut app.params, outbox));
-    section(ui, "Display", true, None, |ui| {
-        display::show(ui, &app.shown, &mut app.display, app.reading.last().as_ref())
+    let mut asked = quality::Asked::default();
+    section(ui, words::QUALITY, true, None, |ui| asked = quality::show(ui, &app.shown, &mut app.params, outbox));
+    if asked.study {
+        app.study(ui.ctx());
+    }
+    // Who solves by ε wants to see the parameters.
+    let (is_open, is_opened) = (app.params.error.is_none(), std::mem::take(&mut app.opens_method));
+    let method = Fold { title: words::METHOD, is_open, id: Some("method"), is_opened };
+    let stats = app.shown.snapshot.as_ref().map(|snapshot| &snapshot.stats);
+    method.show(ui, |ui| quality::show_method(ui, stats, &mut app.params, outbox));
+    section(ui, words::DISPLAY, true, None, |ui| {
+        display::show(ui, &app.shown, &mut app.display, app.reading.last().as_ref(), app.exposure)
     });
     if let Some(info) = app.shown.info.clone() {
         let (comparison, wake) = (&mut app.comparison, &app.wake);
         let mut outcome = Ok(());
-        section(ui, "Accuracy", false, None, |ui| outcome = accuracy::show(ui, &info, comparison, wake));
+        section(ui, words::ACCURACY, false, None, |ui| outcome = accuracy::show(ui, &info, comparison, wake));
         if let Err(sentence) = outcome {
             app.messages.error(sentence);
         }
     }
-    section(ui, "Statistics", false, None, |ui| statistics::show(ui, &app.shown));
-    section(ui, "Appearance", false, None, |ui| appearance::show(ui, &mut app.appearance));
-    section(ui, "Mouse and keys", false, None, |ui| controls::show(ui, &mut app.are_keys_shown));
+    section(ui, words::STATISTICS, false, None, |ui| statistics::show(ui, &app.shown));
+    section(ui, words::APPEARANCE, false, None, |ui| appearance::show(ui, &mut app.appearance));
+    section(ui, words::MOUSE_AND_KEYS, false, None, |ui| controls::show(ui, &mut app.are_keys_shown));
 }
 
-/// A section that can be folded away; `id` tells sections apart whose title changes.
+/// A section that can be folded away.
+struct Fold<'a> {
+    title: &'a str,
+    /// Whether it is open at first.
+    is_open: bool,
+    /// Tells sections apart whose title changes.
+    id: Option<&'a str>,
+    /// Whether it is to be opened now.
+    is_opened: bool,
+}
+
+impl Fold<'_> {
+    fn show(self, ui: &mut Ui, contents: impl FnOnce(&mut Ui)) {
+        let heading = RichText::new(self.title).strong().size(14.0);
+        CollapsingHeader::new(heading)
+            .id_salt((self.id.unwrap_or(self.title), self.is_open && self.id.is_some()))
+            .default_open(self.is_open)
+            .open(self.is_opened.then_some(true))
+            .show_unindented(ui, |ui| {
+                ui.add_space(2.0);
+                contents(ui);
+                ui.add_space(4.0);
+            });
+        ui.separator();
+    }
+}
+
+/// A section as it was left.
 fn section(ui: &mut Ui, title: &str, is_open: bool, id: Option<&str>, contents: impl FnOnce(&mut Ui)) {
-    let heading = RichText::new(title).strong().size(14.0);
-    CollapsingHeader::new(heading)
-        .id_salt((id.unwrap_or(title), is_open && id.is_some()))
-        .default_open(is_open)
-        .show_unindented(ui, |ui| {
-            ui.add_space(2.0);
-            contents(ui);
-            ui.add_space(4.0);
-        });
-    ui.separator();
+    Fold { title, is_open, id, is_opened: false }.show(ui, contents);
 }

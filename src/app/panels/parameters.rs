@@ -2,7 +2,7 @@
 
 use egui::{ComboBox, Slider, Ui};
 
-use super::super::{format, theme};
+use super::super::{format, theme, words};
 use super::costs;
 use crate::memory::MemoryBudget;
 use crate::scene::Sides;
@@ -36,54 +36,90 @@ impl EpsilonMeasures {
     }
 }
 
-/// Draws all parameters; true when one was changed.
-pub(super) fn show(ui: &mut Ui, params: &mut SolverParams, stats: Option<&Stats>) -> bool {
-    let before = *params;
-    show_what_is_asked(ui, params);
-    for parameter in &PARAMETERS {
-        let is_used = match parameter.id {
-            ParameterId::OctreeDepth => params.clustering == ClusteringMode::Octree,
-            ParameterId::Error => params.error.is_some(),
-            ParameterId::Epsilon | ParameterId::Reconstruct => params.error.is_none(),
-            _ if parameter.id == ParameterId::EpsilonWatts && params.error.is_some() => false,
-            // Without light there are no watts to measure by.
-            ParameterId::EpsilonWatts => EpsilonMeasures::new(params.threshold(), stats).watts > 0.0,
-            _ => true,
-        };
-        ui.add_enabled_ui(is_used, |ui| show_one(ui, parameter, params, stats));
+/// Draws one parameter that is set outside of the method's fold.
+pub(super) fn show_one(ui: &mut Ui, id: ParameterId, params: &mut SolverParams, stats: Option<&Stats>) {
+    if let Some(parameter) = PARAMETERS.iter().find(|parameter| parameter.id == id) {
+        show_row(ui, parameter, params, stats);
     }
-    if ui.button("Reset to defaults").clicked() {
+}
+
+/// Draws the method's parameters, each with its sentence; true when one was changed.
+pub(super) fn show_method(ui: &mut Ui, params: &mut SolverParams, stats: Option<&Stats>) -> bool {
+    let before = *params;
+    show_what_ends_a_solve(ui, params);
+    let of_method = |parameter: &&Parameter| !matches!(parameter.id, ParameterId::Error | ParameterId::Memory);
+    for parameter in PARAMETERS.iter().filter(of_method) {
+        let reason = show_row(ui, parameter, params, stats);
+        let sentence = reason.unwrap_or(parameter.hint);
+        ui.add(egui::Label::new(theme::weak(sentence).small()).wrap());
+        ui.add_space(3.0);
+    }
+    if ui.button(words::RESET_TO_DEFAULTS).clicked() {
         *params = SolverParams::usual();
     }
     *params != before
 }
 
-/// Either an error is asked for, and the solver chooses ε, or ε itself.
-fn show_what_is_asked(ui: &mut Ui, params: &mut SolverParams) {
-    theme::row(ui, "ask for", |ui| {
-        let response = ui.horizontal(|ui| {
-            if ui.selectable_label(params.error.is_some(), "an error").clicked() && params.error.is_none() {
+/// Why a parameter changes nothing at present.
+fn reason_of_no_effect(id: ParameterId, params: &SolverParams, stats: Option<&Stats>) -> Option<&'static str> {
+    let by_error = params.error.is_some();
+    match id {
+        ParameterId::Error if !by_error => Some("Used with the choice Stop at: target error."),
+        ParameterId::Epsilon | ParameterId::EpsilonWatts if by_error => {
+            Some("Chosen by the solver for the target error; used with the choice Stop at: link threshold ε.")
+        }
+        ParameterId::Reconstruct if by_error => {
+            Some("A target error needs the final gather; used with the choice Stop at: link threshold ε.")
+        }
+        // Without light there are no watts to measure by.
+        ParameterId::EpsilonWatts if EpsilonMeasures::new(params.threshold(), stats).watts <= 0.0 => {
+            Some("Nothing in the scene emits light, so there are no watts to measure by.")
+        }
+        ParameterId::OctreeDepth if params.clustering != ClusteringMode::Octree => {
+            Some("Used with the choice Clustering: octree.")
+        }
+        _ => None,
+    }
+}
+
+/// The choice what ends a solve: the certified error, for which the solver chooses ε, or ε itself.
+fn show_what_ends_a_solve(ui: &mut Ui, params: &mut SolverParams) {
+    theme::row(ui, words::STOP_AT, |ui| {
+        let response = ui.horizontal_wrapped(|ui| {
+            let by_error = ui.selectable_label(params.error.is_some(), words::STOP_AT_ERROR);
+            if by_error.clicked() && params.error.is_none() {
                 params.error = Some(USUAL_ERROR);
             }
-            if ui.selectable_label(params.error.is_none(), "a threshold ε").clicked() {
+            if ui.selectable_label(params.error.is_none(), words::STOP_AT_THRESHOLD).clicked() {
                 params.error = None;
             }
         });
         response.response
     })
     .on_hover_text(
-        "Ask for an error, and the solver refines no further than it needs; or set the paper's threshold yourself.",
+        "At a target error the solver refines no further than it must; at a threshold ε it refines as the paper does",
     );
 }
 
-fn show_one(ui: &mut Ui, parameter: &Parameter, params: &mut SolverParams, stats: Option<&Stats>) {
-    let row = theme::row(ui, parameter.label, |ui| show_widget(ui, parameter, params, stats));
-    costs::show_mark(ui, row.rect, parameter);
-    row.on_hover_ui(|ui| {
-        ui.set_max_width(ui.spacing().tooltip_width);
-        ui.label(parameter.hint);
-        ui.label(theme::weak(costs::sentence(parameter)));
+/// The row of a parameter; why it has no effect, where it has none.
+fn show_row(
+    ui: &mut Ui,
+    parameter: &Parameter,
+    params: &mut SolverParams,
+    stats: Option<&Stats>,
+) -> Option<&'static str> {
+    let reason = reason_of_no_effect(parameter.id, params, stats);
+    ui.add_enabled_ui(reason.is_none(), |ui| {
+        let row = theme::row(ui, parameter.label, |ui| show_widget(ui, parameter, params, stats));
+        costs::show_mark(ui, row.rect, parameter);
+        let row = row.on_hover_ui(|ui| {
+            ui.set_max_width(ui.spacing().tooltip_width);
+            ui.label(parameter.hint);
+            ui.label(theme::weak(costs::sentence(parameter)));
+        });
+        row.on_disabled_hover_text(reason.unwrap_or_default());
     });
+    reason
 }
 
 fn show_widget(ui: &mut Ui, parameter: &Parameter, params: &mut SolverParams, stats: Option<&Stats>) -> egui::Response {
@@ -122,13 +158,14 @@ fn show_widget(ui: &mut Ui, parameter: &Parameter, params: &mut SolverParams, st
             }
             response
         }
-        ValueKind::Choice { names } => show_choice(ui, parameter.id, names, params),
+        ValueKind::Choice { shown, .. } => show_choice(ui, parameter.id, shown, params),
     }
 }
 
-fn show_choice(ui: &mut Ui, id: ParameterId, names: &[&'static str], params: &mut SolverParams) -> egui::Response {
+fn show_choice(ui: &mut Ui, id: ParameterId, shown: &[&'static str], params: &mut SolverParams) -> egui::Response {
+    let names: Vec<String> = shown.iter().map(|name| name.replace('-', " ")).collect();
     let chosen = choice(params, id);
-    let text = chosen.map_or(AS_THE_SCENE_SAYS, |index| names[index]);
+    let text = chosen.map_or(AS_THE_SCENE_SAYS, |index| names[index].as_str());
     let mut newly = None;
     let combo = ComboBox::from_id_salt(("choice", text.len(), id as usize)).selected_text(text);
     let inner = combo.show_ui(ui, |ui| {
@@ -136,7 +173,7 @@ fn show_choice(ui: &mut Ui, id: ParameterId, names: &[&'static str], params: &mu
             newly = Some(None);
         }
         for (index, name) in names.iter().enumerate() {
-            if ui.selectable_label(chosen == Some(index), *name).clicked() {
+            if ui.selectable_label(chosen == Some(index), name.as_str()).clicked() {
                 newly = Some(Some(index));
             }
         }
@@ -165,7 +202,7 @@ const ALL_CORES: &str = "all cores";
 /// An error is shown in percent.
 fn real_text(id: ParameterId, value: f64) -> String {
     match id {
-        ParameterId::Error => format!("{} %", format::number(100.0 * value)),
+        ParameterId::Error => format!("{} %", format::short(100.0 * value)),
         ParameterId::Memory => format::bytes(MemoryBudget::Share(value).bytes() as usize),
         _ => format::number(value),
     }
@@ -308,7 +345,7 @@ mod tests {
                     set_whole(&mut after, parameter.id, *range.end());
                     assert_eq!(whole(&after, parameter.id), *range.end(), "{}", parameter.flag);
                 }
-                ValueKind::Choice { names } => {
+                ValueKind::Choice { names, .. } => {
                     for index in 0..names.len() {
                         set_choice(&mut after, parameter.id, Some(index));
                         assert_eq!(choice(&after, parameter.id), Some(index), "{}", parameter.flag);
@@ -351,7 +388,7 @@ mod tests {
     fn choices_are_named_as_serde_names_them() {
         let spelled = |value: serde_json::Value| value.as_str().map(str::to_owned).expect("an enumeration is a string");
         for parameter in &PARAMETERS {
-            let ValueKind::Choice { names } = &parameter.kind else { continue };
+            let ValueKind::Choice { names, .. } = &parameter.kind else { continue };
             let expected: Vec<String> = match parameter.id {
                 ParameterId::Clustering => CLUSTERINGS.map(|mode| spelled(serde_json::json!(mode))).into(),
                 ParameterId::ClusterModel => MODELS.map(|model| spelled(serde_json::json!(model))).into(),

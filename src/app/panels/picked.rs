@@ -1,5 +1,5 @@
-//! The card of the picked element, over the view's corner: what it is, how it is lit and by what. The inspector, which tells more, takes
-//! its place.
+//! The card of the selected element, over the view's corner, on request: what it is, how it is lit and by what. The inspector, which
+//! tells more, takes its place.
 
 use egui::{Align2, Grid, Rect, RichText, Ui};
 use glam::Vec3;
@@ -7,7 +7,7 @@ use glam::Vec3;
 use super::super::dock::Tool;
 use super::super::facts::Facts;
 use super::super::inspection::Inspection;
-use super::super::{App, format, theme};
+use super::super::{App, format, theme, words};
 use crate::hierarchy::ElementId;
 use crate::scene::Scene;
 use crate::solver::{Anatomy, LinkView, Snapshot};
@@ -21,7 +21,7 @@ const MOST: usize = 5;
 
 /// Draws the card; nothing when nothing is picked.
 pub(in super::super) fn show(app: &mut App, ui: &mut Ui, rect: Rect) {
-    if app.tool == Some(Tool::Inspector) {
+    if app.tool == Some(Tool::Inspector) || !app.is_card_open {
         return;
     }
     let (Some(picked), Some(snapshot), Some(info)) = (&app.picked, &app.shown.snapshot, &app.shown.info) else {
@@ -36,11 +36,11 @@ pub(in super::super) fn show(app: &mut App, ui: &mut Ui, rect: Rect) {
         frame.show(ui, |ui| {
             ui.set_width(WIDTH);
             ui.horizontal(|ui| {
-                ui.label(RichText::new("Picked element").strong().size(14.0));
+                ui.label(RichText::new(words::SELECTED_ELEMENT).strong().size(14.0));
                 ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-                    close = ui.button("Close").on_hover_text("Let go of the element").clicked();
+                    close = ui.button(words::CLOSE).on_hover_text("Deselect (Esc)").clicked();
                     let hint = "Open the inspector: all its links, and what holds it";
-                    inspect = ui.button("Inspect").on_hover_text(hint).clicked();
+                    inspect = ui.button(words::INSPECT).on_hover_text(hint).clicked();
                 });
             });
             if let Some(facts) = &app.inspection.facts {
@@ -52,7 +52,7 @@ pub(in super::super) fn show(app: &mut App, ui: &mut Ui, rect: Rect) {
         });
     });
     if close {
-        app.picked = None;
+        app.deselect();
     }
     if inspect {
         app.tool = Some(Tool::Inspector);
@@ -69,16 +69,16 @@ fn show_facts(ui: &mut Ui, facts: &Facts) {
         };
         match (&facts.material, facts.polygon) {
             (Some(material), Some(polygon)) => {
-                row("material", RichText::new(material).strong());
-                row("group", RichText::new(or_dash(&facts.group)).strong());
-                row("polygon", theme::value(format::count(polygon)));
+                row("Material", RichText::new(material).strong());
+                row("Group", RichText::new(or_dash(&facts.group)).strong());
+                row("Polygon", theme::value(format::count(polygon)));
             }
-            _ => row("cluster of", theme::value(format::things(facts.polygons, "polygon", "polygons"))),
+            _ => row("Cluster of", theme::value(format::things(facts.polygons, "polygon", "polygons"))),
         }
-        row("area", theme::value(format::quantity(facts.area.into(), "m²")));
+        row("Area", theme::value(format::quantity(facts.area.into(), "m²")));
         match (facts.level, facts.depth) {
-            (Some(level), _) => row("level", theme::value(level.to_string())),
-            (None, Some(depth)) => row("level", theme::value(depth.to_string())),
+            (Some(level), _) => row("Level", theme::value(level.to_string())),
+            (None, Some(depth)) => row("Level", theme::value(depth.to_string())),
             (None, None) => {}
         }
         row("E  W/m²", theme::value(colours(facts.irradiance)));
@@ -102,7 +102,7 @@ fn show_sources(ui: &mut Ui, inspection: &mut Inspection, snapshot: &Snapshot, s
         return;
     }
     let links = format::things(count, "link", "links");
-    let heading = format!("E by source, W/m² ({links} of it and of all that holds it; the strongest):");
+    let heading = format!("{}, E in W/m² ({links}):", words::TOP_SOURCES);
     ui.add(egui::Label::new(heading).wrap());
     let strongest: Vec<LinkView> = inspection.links.iter().take(MOST).copied().collect();
     Grid::new("sources").num_columns(2).spacing([12.0, 2.0]).show(ui, |ui| {

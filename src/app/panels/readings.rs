@@ -3,7 +3,7 @@
 use egui::{ComboBox, DragValue, TextEdit, Ui};
 
 use super::super::settings::DisplaySettings;
-use super::super::theme;
+use super::super::{theme, words};
 use crate::photometry::{CONVENTION, Unit};
 use crate::render::{IsolinesWanted, MOST_ISOLINES, Ramp, Reading, Show, Spacing};
 
@@ -13,20 +13,26 @@ const END_WIDTH: f32 = 112.0;
 /// Draws the controls; `reading` is what the view shows.
 pub(super) fn show(ui: &mut Ui, display: &mut DisplaySettings, reading: Option<&Reading>) {
     let settings = &mut display.reading;
-    choose(ui, "Surfaces show", &mut settings.show, &Show::ALL, name_of_show)
-        .on_hover_text("The light, or false colours of what arrives at (E) or leaves (B) each point");
+    choose(ui, words::DISPLAY, &mut settings.show, &Show::ALL, name_of_show)
+        .on_hover_text("The lit picture, or false colours of the light that arrives at (E) or leaves (B) each point");
     show_isolines(ui, display);
     let Some(reading) = reading else { return };
     let settings = &mut display.reading;
-    let unit = choose(ui, "Unit", &mut settings.unit, &[Unit::Lumens, Unit::Watts], |unit| match unit {
+    let unit = choose(ui, words::UNIT, &mut settings.unit, &[Unit::Lumens, Unit::Watts], |unit| match unit {
         Unit::Lumens => "lux (lm/m²)",
         Unit::Watts => "W/m²",
     });
     unit.on_hover_text(format!("{CONVENTION}; W/m² is the mean of the three colours by the same weights"));
-    choose(ui, "Scale", &mut settings.spacing, &[Spacing::Linear, Spacing::Logarithmic], |spacing| match spacing {
-        Spacing::Linear => "linear",
-        Spacing::Logarithmic => "logarithmic",
-    })
+    choose(
+        ui,
+        words::SCALE,
+        &mut settings.spacing,
+        &[Spacing::Linear, Spacing::Logarithmic],
+        |spacing| match spacing {
+            Spacing::Linear => "linear",
+            Spacing::Logarithmic => "logarithmic",
+        },
+    )
     .on_hover_text("Whether equal differences or equal ratios look alike");
     let ramps = Ramp::ALL.map(|(ramp, _)| ramp);
     choose(ui, "Colours", &mut settings.ramp, &ramps, |ramp| {
@@ -38,9 +44,9 @@ pub(super) fn show(ui: &mut Ui, display: &mut DisplaySettings, reading: Option<&
 
 fn name_of_show(show: Show) -> &'static str {
     match show {
-        Show::Lit => "the light",
-        Show::Irradiance => "irradiance E",
-        Show::Radiosity => "radiosity B",
+        Show::Lit => words::LIT,
+        Show::Irradiance => words::IRRADIANCE,
+        Show::Radiosity => words::RADIOSITY,
     }
 }
 
@@ -61,7 +67,7 @@ fn choose<T: Copy + PartialEq>(
 fn show_isolines(ui: &mut Ui, display: &mut DisplaySettings) {
     let mut are_on = display.reading.isolines != IsolinesWanted::None;
     let hint = "Lines of equal value over the surfaces: of E over the lit picture, else of what is shown";
-    if ui.checkbox(&mut are_on, "Isolux lines").on_hover_text(hint).changed() {
+    if ui.checkbox(&mut are_on, words::ISOLUX_LINES).on_hover_text(hint).changed() {
         display.reading.isolines = if are_on { wanted(display) } else { IsolinesWanted::None };
     }
     if !are_on {
@@ -69,7 +75,7 @@ fn show_isolines(ui: &mut Ui, display: &mut DisplaySettings) {
     }
     let is_good = values_of(&display.isolux_text).is_some();
     let sign = display.reading.unit.sign(display.reading.show.quantity());
-    theme::row(ui, "Lines at", |ui| {
+    theme::row(ui, words::LINES_AT, |ui| {
         let field = TextEdit::singleline(&mut display.isolux_text)
             .desired_width(ui.available_width() - 8.0)
             .hint_text("round values")
@@ -110,7 +116,7 @@ fn show_range(ui: &mut Ui, display: &mut DisplaySettings, reading: &Reading) {
     let mut is_locked = settings.range.is_some();
     let hint = "Keeps the range while the light or the scene changes, so that pictures can be compared; otherwise round numbers around \
                 96 % of the area";
-    if ui.checkbox(&mut is_locked, "Lock the range").on_hover_text(hint).changed() {
+    if ui.checkbox(&mut is_locked, words::LOCK_RANGE).on_hover_text(hint).changed() {
         settings.range = is_locked.then_some([reading.scale.low, reading.scale.high]);
     }
     let (per_watt, sign) = (settings.unit.per_watt(), settings.unit.sign(settings.show.quantity()));

@@ -24,3 +24,15 @@ pub(in super::super) fn show(app: &App, ui: &Ui, view: Rect) {
         });
     });
 }
+
+/// A few words over the lower edge of the view.
+pub(in super::super) fn show_note(ui: &Ui, at: egui::Pos2, text: &str) {
+    let area = egui::Area::new(Id::unique("view note")).interactable(false);
+    area.pivot(Align2::CENTER_BOTTOM).fixed_pos(at).show(ui.ctx(), |ui| {
+        theme::over_the_view(ui);
+        let fill = theme::PANEL.gamma_multiply(0.7);
+        Frame::new().fill(fill).corner_radius(4).inner_margin(egui::Margin::symmetric(8, 3)).show(ui, |ui| {
+            ui.label(theme::weak(text).small());
+        });
+    });
+}

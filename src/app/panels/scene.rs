@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use egui::{ComboBox, RichText, Ui};
 
 use super::super::files::Files;
-use super::super::{Outbox, Shown, format, theme};
+use super::super::{Outbox, Shown, format, theme, words};
 use crate::scene::builtin::BuiltinScene;
 use crate::scene::{CameraPose, Reading, Sidecar, Source, Unit, UpAxis};
 use crate::worker::{Command, SceneInfo};
@@ -41,8 +41,8 @@ pub(super) fn show(
     }
     ui.add_space(4.0);
     show_path_field(ui, files, outbox);
-    ui.horizontal(|ui| {
-        ui.add_sized([theme::LABEL_WIDTH, 20.0], left_label("Our own scenes"));
+    ui.horizontal_wrapped(|ui| {
+        theme::row_label(ui, words::SAMPLE_SCENES);
         for scene in BuiltinScene::ALL {
             if ui.button(scene.name()).clicked() {
                 outbox.push(Command::load(Source::Builtin(scene)));
@@ -63,8 +63,8 @@ pub(super) fn show(
 fn show_frame(ui: &mut Ui, info: &SceneInfo, chosen: &mut Chosen) {
     let scene = &info.scene;
     let mut reading = scene.reading.clone();
-    ui.horizontal(|ui| {
-        ui.add_sized([theme::LABEL_WIDTH, 20.0], left_label("Up and unit"));
+    ui.horizontal_wrapped(|ui| {
+        theme::row_label(ui, "Up and unit");
         let mut up = scene.frame.up.unwrap_or_default();
         let combo = ComboBox::from_id_salt("up axis").width(44.0).selected_text(up.letter());
         let shown = combo.show_ui(ui, |ui| {
@@ -102,11 +102,6 @@ fn show_frame(ui: &mut Ui, info: &SceneInfo, chosen: &mut Chosen) {
     if reading != scene.reading {
         chosen.reading = Some(reading);
     }
-}
-
-fn left_label(text: &str) -> impl egui::Widget {
-    let text = theme::weak(text);
-    move |ui: &mut Ui| ui.with_layout(egui::Layout::left_to_right(egui::Align::Center), |ui| ui.label(text)).inner
 }
 
 fn show_present(ui: &mut Ui, info: &SceneInfo) {
@@ -157,10 +152,10 @@ fn show_path_field(ui: &mut Ui, files: &mut Files, outbox: &mut Outbox) {
         if is_cut {
             response = response.on_hover_text(files.path_text.as_str());
         }
-        let response = response.accessible_name("Scene path");
+        let response = response.accessible_name(words::SCENE_PATH);
         let entered = response.lost_focus() && ui.input(|input| input.key_pressed(egui::Key::Enter));
         let can_open = files.typed_path().is_some();
-        let open = ui.add_enabled(can_open, egui::Button::new("Open")).clicked();
+        let open = ui.add_enabled(can_open, egui::Button::new(words::OPEN)).clicked();
         if (entered || open)
             && let Some(path) = files.typed_path()
         {
@@ -211,7 +206,7 @@ fn sidecar_of(shown: &Shown) -> Option<PathBuf> {
 
 fn show_save(ui: &mut Ui, path: PathBuf, files: &mut Files, camera: Option<CameraPose>, outbox: &mut Outbox) {
     let hint = "Writes NAME.selflink.json beside the scene: what was changed of materials, added lights, sides and the present camera. What it says already stays.";
-    if ui.button("Save sidecar").on_hover_text(hint).clicked() {
+    if ui.button(words::SAVE_SCENE_SETTINGS).on_hover_text(hint).clicked() {
         if path.exists() {
             files.sidecar_in_question = Some(path);
         } else {
@@ -233,7 +228,7 @@ fn show_question(
     let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
     ui.add(egui::Label::new(theme::notice(ui, format!("Overwrite {name}?"))).wrap());
     let (overwrite, cancel) =
-        ui.horizontal(|ui| (ui.button("Overwrite").clicked(), ui.button("Cancel").clicked())).inner;
+        ui.horizontal(|ui| (ui.button(words::OVERWRITE).clicked(), ui.button(words::CANCEL).clicked())).inner;
     if overwrite {
         outbox.push(Command::SaveSidecar { camera });
     } else if !cancel {

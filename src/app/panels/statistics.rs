@@ -25,47 +25,47 @@ pub(super) fn show(ui: &mut Ui, shown: &Shown) {
 
 fn rows(stats: &Stats) -> Vec<(&'static str, String)> {
     let mut rows = vec![
-        ("ε", format::quantity(stats.epsilon_watts, "W")),
-        ("ε relative", format::quantity(stats.epsilon_relative, "Φ")),
-        ("initial patches", format::count(stats.initial_patches)),
-        ("clusters", format::count(stats.clusters)),
-        ("patches", format::count(stats.patches)),
-        ("elements", format::count(stats.elements)),
-        ("links", format::count(stats.links)),
-        ("pairs judged", format::count(stats.pairs_judged)),
-        ("rays", format::count(stats.rays)),
-        ("rounds", format::count(stats.iterations)),
-        ("time: clusters", format::seconds(stats.seconds.hierarchy)),
-        ("time: refining", format::seconds(stats.seconds.refine)),
-        ("time: gathering", format::seconds(stats.seconds.gather)),
-        ("time: final gather", format::seconds(stats.seconds.reconstruct)),
-        ("first snapshot after", format::seconds(stats.seconds.first_snapshot)),
-        ("total", format::seconds(stats.seconds.total)),
-        ("links in memory", format::bytes(stats.bytes.links)),
-        ("elements in memory", format::bytes(stats.bytes.elements)),
-        ("gather samples in memory", format::bytes(stats.bytes.rows)),
-        ("emitted", format::quantity(stats.emitted_watts, "W")),
-        ("absorbed", format::quantity(stats.absorbed_watts, "W")),
+        ("Threshold ε", format::quantity(stats.epsilon_watts, "W")),
+        ("Threshold ε over Φ", format::quantity(stats.epsilon_relative, "Φ")),
+        ("Initial patches", format::count(stats.initial_patches)),
+        ("Clusters", format::count(stats.clusters)),
+        ("Patches", format::count(stats.patches)),
+        ("Elements", format::count(stats.elements)),
+        ("Links", format::count(stats.links)),
+        ("Links tested", format::count(stats.pairs_judged)),
+        ("Rays", format::count(stats.rays)),
+        ("Iterations", format::count(stats.iterations)),
+        ("Time: clusters", format::seconds(stats.seconds.hierarchy)),
+        ("Time: refining", format::seconds(stats.seconds.refine)),
+        ("Time: gathering", format::seconds(stats.seconds.gather)),
+        ("Time: final gather", format::seconds(stats.seconds.reconstruct)),
+        ("First picture after", format::seconds(stats.seconds.first_snapshot)),
+        ("Time: total", format::seconds(stats.seconds.total)),
+        ("Memory: links", format::bytes(stats.bytes.links)),
+        ("Memory: elements", format::bytes(stats.bytes.elements)),
+        ("Memory: gather samples", format::bytes(stats.bytes.rows)),
+        ("Emitted, sum of channels", format::quantity(stats.emitted_watts, "W")),
+        ("Absorbed, sum of channels", format::quantity(stats.absorbed_watts, "W")),
     ];
-    rows.push(("memory counted", format::bytes(stats.bytes.counted)));
-    rows.push(("memory budget", format::bytes(stats.bytes.budget)));
+    rows.push(("Memory: all counted", format::bytes(stats.bytes.counted)));
+    rows.push(("Memory limit", format::bytes(stats.bytes.budget)));
     if let Some(stop) = stats.memory_stop {
-        rows.push(("stopped by memory", stop.what().to_owned()));
+        rows.push(("Stopped by memory", stop.what().to_owned()));
     }
     if let Some(asked) = stats.error_asked {
-        rows.push(("target error", percent(asked)));
-        rows.push(("9 of 10 surfaces within", stats.error_estimate.map_or("not yet".to_owned(), percent)));
+        rows.push(("Target error", percent(asked)));
+        rows.push(("9 of 10 surfaces within", stats.error_estimate.map_or("not certified yet".to_owned(), percent)));
     }
     if let Some(found) = &stats.error {
-        rows.push(("local error p50, p90, p95", quantiles(&found.read)));
+        rows.push(("Local error p50, p90, p95", quantiles(&found.read)));
         rows.push(("…of the bare mesh", quantiles(&found.mesh)));
         rows.push(("RMS error of B", percent(found.radiosity_rms)));
     }
     if stats.depth_guard_struck > 0 {
-        rows.push(("depth guard struck", format::count(stats.depth_guard_struck)));
+        rows.push(("Depth limit reached", format::count(stats.depth_guard_struck)));
     }
     if stats.clamped_leaves > 0 {
-        rows.push(("leaves scaled back", format::count(stats.clamped_leaves)));
+        rows.push(("Leaves scaled back", format::count(stats.clamped_leaves)));
     }
     rows
 }

@@ -1,15 +1,25 @@
-//! The bar below: what the solver is doing, how far it is, and the counts that grow meanwhile.
+//! The bar below: what the solver is doing or what is known of its solution, how far it is, and the counts that grow meanwhile.
 
-use egui::{ProgressBar, Ui};
+use egui::{Color32, ProgressBar, Ui};
 
 use super::super::gathering::Painted;
-use super::super::time_left::{Clock, TICK, TimeLeft};
-use super::super::{Shown, format, theme};
+use super::super::time_left::{Clock, Course, TICK};
+use super::super::{Shown, format, theme, words};
 use crate::solver::{MemoryStop, Phase, Stats};
-use crate::worker::RunState;
+use crate::worker::{ErrorOfMesh, RunState, Status};
+
+/// Least width of the sentence, points: what stands beside it keeps its place while it works.
+const SENTENCE_WIDTH: f32 = 138.0;
+
+/// A sentence with its colour, and what helps.
+struct Said {
+    text: String,
+    colour: Color32,
+    hint: Option<String>,
+}
 
 /// Draws the bar.
-pub(super) fn show(ui: &mut Ui, shown: &Shown, painted: Option<&Painted>, time_left: &TimeLeft, clock: &Clock) {
+pub(super) fn show(ui: &mut Ui, shown: &Shown, painted: Option<&Painted>, course: &Course, clock: &Clock) {
     let more = clock.seconds();
     if more.is_some() {
         ui.ctx().request_repaint_after(TICK);
@@ -19,56 +29,94 @@ pub(super) fn show(ui: &mut Ui, shown: &Shown, painted: Option<&Painted>, time_l
         ui.set_min_height(22.0);
         let stats = shown.snapshot.as_ref().map(|snapshot| &snapshot.stats);
         let is_dark = shown.info.as_ref().is_some_and(|info| !info.has_light);
-        let (text, colour) = state(shown.status.run, stats, is_dark);
+        let said = said(&shown.status, stats, is_dark, course.share(), ui.visuals().text_color());
         let (dot, _) = ui.allocate_exact_size(egui::vec2(10.0, 10.0), egui::Sense::hover());
-        ui.painter().circle_filled(dot.center(), 4.0, colour);
+        ui.painter().circle_filled(dot.center(), 4.0, said.colour);
         ui.scope(|ui| {
-            ui.set_min_width(138.0);
-            let label = ui.label(text);
-            if let Some(stop) =
-                stats.filter(|_| shown.status.run == RunState::Finished).and_then(|stats| stats.memory_stop)
-            {
-                label.on_hover_text(memory_hint(stop));
+            ui.set_min_width(SENTENCE_WIDTH);
+            let label = ui.add(egui::Label::new(said.text).truncate());
+            if let Some(hint) = said.hint {
+                label.on_hover_text(hint);
             }
         });
         let Some(stats) = stats else { return };
-        show_progress(ui, shown.status.run, stats);
-        let time_left = time_left.seconds().filter(|_| shown.status.run == RunState::Running);
+        let run = shown.status.run;
+        if matches!(run, RunState::Running | RunState::Paused) {
+            show_progress(ui, course.share());
+        }
+        let time_left = course.seconds().filter(|_| run == RunState::Running);
         if let Some(painted) = painted {
             show_cell(ui, "picture", &picture(painted));
         }
-        for (name, value) in cells(stats, more.unwrap_or(0.0), time_left) {
+        for (name, value) in cells(stats, run, more.unwrap_or(0.0), time_left) {
             show_cell(ui, name, &value);
         }
     });
     ui.add_space(2.0);
 }
 
-fn state(run: RunState, stats: Option<&Stats>, is_dark: bool) -> (String, egui::Color32) {
-    let phase = stats.map(|stats| match stats.phase {
+/// What the solver does, or what is known of its solution, and no more than that.
+fn said(status: &Status, stats: Option<&Stats>, is_dark: bool, share: f32, neutral: Color32) -> Said {
+    let said = |text: String, colour| Said { text, colour, hint: None };
+    if let Some(name) = &status.loading {
+        return said(format!("Loading {name}"), theme::ACCENT);
+    }
+    let phase = || stats.map_or("Starting".to_owned(), |stats| phase(stats, share));
+    match (status.run, stats) {
+        (RunState::Idle, _) => said("Nothing to solve".into(), theme::TEXT_WEAK),
+        (RunState::Running, _) => said(phase(), theme::ACCENT),
+        (RunState::Paused, _) => said(format!("Paused: {}", phase()), theme::TEXT_WEAK),
+        (RunState::Finished, _) if is_dark => said(words::NOTHING_EMITS.into(), theme::TEXT_WEAK),
+        (RunState::Finished, Some(stats)) => result(status, stats, neutral),
+        (RunState::Finished, None) => said("Finished".into(), neutral),
+    }
+}
+
+fn phase(stats: &Stats, share: f32) -> String {
+    match stats.phase {
         Phase::Hierarchy => "Building clusters".to_owned(),
-        // Between rounds the stored links are judged again, since B has grown.
-        Phase::Refine if stats.wave == 0 => format!("Judging, round {}", stats.iterations + 1),
+        // Between waves the stored links are tested again, since B has grown.
+        Phase::Refine if stats.wave == 0 => format!("{}, pass {}", words::TESTING_LINKS, stats.iterations + 1),
         Phase::Refine => format!("Refining, wave {}", stats.wave),
-        Phase::Gather => "Gathering".to_owned(),
-        Phase::Reconstruct => "Final gather".to_owned(),
+        Phase::Gather => format!("Gathering, iteration {}", stats.iterations + 1),
+        Phase::Reconstruct => format!("{}: {:.0} %", words::FINAL_GATHER, 100.0 * share),
         Phase::Done => "Done".to_owned(),
-    });
-    match run {
-        RunState::Idle => ("Nothing to solve".into(), theme::TEXT_WEAK),
-        RunState::Running => (phase.unwrap_or_else(|| "Starting".into()), theme::ACCENT),
-        RunState::Paused => (format!("Paused: {}", phase.unwrap_or_default()), theme::TEXT_WEAK),
-        RunState::Finished if is_dark => ("Nothing emits light".into(), theme::TEXT_WEAK),
-        RunState::Finished => {
-            if stats.is_some_and(|stats| stats.memory_stop.is_some()) {
-                return ("Stopped: memory full".into(), theme::ACCENT);
-            }
-            let converged = stats.is_none_or(|stats| stats.converged);
-            let missed = stats.and_then(|stats| stats.error_estimate.filter(|error| Some(*error) > stats.error_asked));
-            if let Some(error) = missed {
-                return (format!("Reached {} % only", format::number(100.0 * error)), theme::ACCENT);
-            }
-            (if converged { "Converged" } else { "Finished" }.into(), theme::DONE)
+    }
+}
+
+/// What is known of a finished solution.
+fn result(status: &Status, stats: &Stats, neutral: Color32) -> Said {
+    let within = |figure: String| format!("{} {figure} %", words::SURFACES_WITHIN);
+    let percent = |share: f64| format::short(100.0 * share);
+    let known = stats.error_estimate.map(|error| within(percent(error)));
+    if let Some(stop) = stats.memory_stop {
+        let error = known.unwrap_or_else(|| words::ERROR_NOT_MEASURED.into());
+        let text = format!("{}: memory limit reached; {error}", words::STOPPED);
+        return Said { text, colour: theme::ACCENT, hint: Some(memory_hint(stop)) };
+    }
+    match (stats.error_asked, stats.error_estimate) {
+        (Some(asked), Some(found)) if found <= asked => Said {
+            text: format!("{}: {}", words::TARGET_REACHED, within(percent(asked))),
+            colour: theme::DONE,
+            hint: Some(format!("Certified at random points with 95 % confidence: {}", within(percent(found)))),
+        },
+        (Some(asked), Some(found)) => Said {
+            text: format!("{}: {}, target {} %", words::STOPPED, within(percent(found)), percent(asked)),
+            colour: theme::ACCENT,
+            hint: Some("A finer final gather lowers this error no further in this scene.".into()),
+        },
+        _ => {
+            let error = match (known, status.mesh_error) {
+                (Some(known), _) => format!(": {known}"),
+                (None, ErrorOfMesh::Measured(found)) => {
+                    format!(": {}", within(format::plus_minus(100.0 * found.p90, 100.0 * found.standard_error)))
+                }
+                (None, ErrorOfMesh::Measuring) => "; measuring the error".to_owned(),
+                (None, ErrorOfMesh::Unknown) => format!("; {}", words::ERROR_NOT_MEASURED),
+            };
+            let hint = "No link exceeds the threshold ε any more. The error is that of the light shown, found at random points by a \
+                        gather there; ± one standard error";
+            Said { text: format!("{}{error}", words::LINKS_SETTLED), colour: neutral, hint: Some(hint.into()) }
         }
     }
 }
@@ -76,20 +124,16 @@ fn state(run: RunState, stats: Option<&Stats>, is_dark: bool) -> (String, egui::
 /// Why a solve stopped, and what helps.
 fn memory_hint(stop: MemoryStop) -> String {
     format!(
-        "The memory budget is used up, and so {}. Give more memory in the solver's parameters, or ask for a larger error.",
+        "The memory limit is reached, and so {}. Raise the memory limit or the target error in the section Quality.",
         stop.in_words()
     )
 }
 
-fn show_progress(ui: &mut Ui, run: RunState, stats: &Stats) {
-    let share = match run {
-        RunState::Finished => Some(1.0),
-        _ => stats.progress,
-    };
-    let bar = ProgressBar::new(share.unwrap_or(0.0)).desired_width(110.0).desired_height(6.0).fill(theme::ACCENT);
-    let response = ui.add(bar);
-    let name = share.map_or("Progress not known".to_owned(), |share| format!("Progress {:.0} %", 100.0 * share));
-    let _ = response.on_hover_text(name);
+fn show_progress(ui: &mut Ui, share: f32) {
+    let name = format!("{} {:.0} %", words::PROGRESS, 100.0 * share);
+    let response = ui.add(ProgressBar::new(share).desired_width(110.0).desired_height(6.0).fill(theme::ACCENT));
+    response.widget_info(|| egui::WidgetInfo::labeled(egui::accesskit::Role::ProgressIndicator, true, &name));
+    response.on_hover_text(&name);
 }
 
 /// How far the gathered picture is.
@@ -98,21 +142,26 @@ fn picture(Painted { noise, is_done, .. }: &Painted) -> String {
     if *is_done { format!("noise {noise} %") } else { format!("noise {noise} % …") }
 }
 
-fn cells(stats: &Stats, more_seconds: f64, time_left: Option<f64>) -> Vec<(&'static str, String)> {
-    let mut cells = vec![
+fn cells(stats: &Stats, run: RunState, more_seconds: f64, time_left: Option<f64>) -> Vec<(&'static str, String)> {
+    let mut cells = Vec::new();
+    if let Some(seconds) = time_left {
+        cells.push(("left", format!("about {}", format::seconds(seconds))));
+    }
+    if run != RunState::Finished
+        && let Some(error) = stats.error_so_far
+    {
+        cells.push(("error so far", format!("{} %", format::number(100.0 * error))));
+    }
+    if stats.candidates_left > 0 {
+        cells.push(("links to test", format::count(stats.candidates_left)));
+    }
+    cells.extend([
         ("time", format::seconds(stats.seconds.total + more_seconds)),
         ("patches", format::count(stats.patches)),
         ("links", format::count(stats.links)),
-        ("candidates", format::count(stats.candidates_left)),
         ("rays", format::count(stats.rays)),
         ("clusters", format::count(stats.clusters)),
-    ];
-    if let Some(error) = stats.error_estimate {
-        cells.insert(1, ("error", format!("{} %", format::number(100.0 * error))));
-    }
-    if let Some(seconds) = time_left {
-        cells.insert(1, ("left in round", format!("about {}", format::seconds(seconds))));
-    }
+    ]);
     cells
 }
 

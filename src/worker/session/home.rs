@@ -3,8 +3,8 @@
 use std::sync::Arc;
 use std::time::Instant;
 
-use super::super::Event;
 use super::super::task::{Change, Home, Outcome};
+use super::super::{ErrorOfMesh, Event};
 use super::{Drive, Session};
 use crate::solver::{Snapshot, Step};
 use crate::threads::lock;
@@ -22,6 +22,15 @@ impl Session {
             Outcome::Picture(snapshot, begun, ended) => {
                 self.pacing.taken(begun, ended);
                 self.publish_picture(snapshot);
+            }
+            Outcome::Measured(found) => {
+                self.was_measured = true;
+                self.mesh_error = found.map_or(ErrorOfMesh::Unknown, ErrorOfMesh::Measured);
+                self.publish_status();
+            }
+            Outcome::NotMeasured => {
+                self.mesh_error = ErrorOfMesh::Unknown;
+                self.tell_status_soon();
             }
             Outcome::Change(Ok(Change::InPlace)) => self.refine_again(),
             Outcome::Change(Ok(Change::Replaced)) => {

@@ -2,7 +2,7 @@
 
 use egui::{Align2, Color32, ComboBox, LayerId, Order, ScrollArea, Sense, TextStyle, Ui};
 
-use super::super::super::{App, Outbox, format, theme};
+use super::super::super::{App, Outbox, format, theme, words};
 use super::editor::GroupEditor;
 use super::outline::{Fold, ROW_HEIGHT, RowLook, show_head, show_row};
 use crate::scene::{GroupId, GroupTree, RegroupError, Regrouped, Sidecar};
@@ -50,7 +50,7 @@ pub(super) fn show(app: &mut App, ui: &mut Ui, outbox: &mut Outbox) {
 
 /// Whether the solver clusters by these groups, and a way to have it do so.
 fn show_use(app: &mut App, ui: &mut Ui, outbox: &mut Outbox) {
-    ui.horizontal(|ui| {
+    ui.horizontal_wrapped(|ui| {
         if app.params.clustering == ClusteringMode::Groups {
             ui.label(theme::weak("The solver takes these groups as its clusters."));
             return;
@@ -230,20 +230,20 @@ fn show_dragged(dragged: &Dragged, tree: &GroupTree, ui: &Ui) {
 fn show_foot(app: &mut App, ui: &mut Ui, outbox: &mut Outbox) {
     let path = app.shown.info.as_ref().and_then(|info| info.path.as_deref()).map(Sidecar::path_for);
     let editor = &mut app.clusters.editor;
-    ui.horizontal(|ui| {
-        let as_in_file = ui.add_enabled(editor.is_arranged(), egui::Button::new("As in the file"));
+    ui.horizontal_wrapped(|ui| {
+        let as_in_file = ui.add_enabled(editor.is_arranged(), egui::Button::new(words::REVERT_TO_FILE));
         if as_in_file.on_hover_text("Arranges all groups as the scene's file has them; can be undone").clicked() {
             outbox.extend(editor.as_in_file());
         }
         let save = ui.add_enabled(path.is_some(), egui::Button::new("Save groups"));
         let save = save
             .on_hover_text("Writes the groups into NAME.selflink.json beside the scene, with whatever else was changed")
-            .on_disabled_hover_text("One of our own scenes has no file: write it to one with selflink scene");
+            .on_disabled_hover_text("A sample scene has no file: write it to one with selflink scene");
         if let Some(path) = path.filter(|_| save.clicked()) {
             if path.exists() {
                 app.files.sidecar_in_question = Some(path);
                 app.messages
-                    .note("Whether the sidecar is overwritten is asked in the section Scene at the left.".into());
+                    .note("The section Scene at the left asks whether the settings file is overwritten.".into());
             } else {
                 outbox.push(Command::SaveSidecar { camera: app.view.pose() });
             }

@@ -1,4 +1,4 @@
-//! The clusters: how the view shows them, their tree with numbers, and groups made by hand.
+//! The clusters: how the view shows them, their tree with numbers, and manual groups.
 
 mod editor;
 mod groups;
@@ -9,7 +9,7 @@ mod tree;
 use egui::{Slider, Ui};
 use glam::Vec3;
 
-use super::super::{App, Outbox, theme};
+use super::super::{App, Outbox, theme, words};
 use crate::render::{Line, Marks};
 use editor::GroupEditor;
 use tree::ClusterTree;
@@ -69,7 +69,7 @@ pub(super) fn show(app: &mut App, ui: &mut Ui, outbox: &mut Outbox) {
         let page = &mut app.clusters.page;
         ui.selectable_value(page, Page::Tree, "Tree of clusters")
             .on_hover_text("The clusters that the solver links, from the whole scene down to polygons");
-        ui.selectable_value(page, Page::Groups, "Groups by hand")
+        ui.selectable_value(page, Page::Groups, words::MANUAL_GROUPS)
             .on_hover_text("Arrange the scene's objects in groups, which clustering by groups takes as its clusters");
     });
     match app.clusters.page {

@@ -108,10 +108,10 @@ fn gathered(inspection: &Inspection, direction: Direction, total: Vec3) -> Optio
 fn show_heading(ui: &mut Ui, subject: &Subject<'_>, inspection: &Inspection, direction: Direction, bars: &mut Bars) {
     let links = format::things(inspection.links.len(), "link", "links");
     let total = format::quantity(bars.total.max_element().into(), unit(direction));
-    ui.horizontal(|ui| {
+    ui.horizontal_wrapped(|ui| {
         let (text, hint) = match direction {
-            Direction::In => (format!("{links} bring {total}"), "Over all links this is E; the brightest colour"),
-            Direction::Out => (format!("{links} carry {total}"), "Of the light that leaves it; the brightest colour"),
+            Direction::In => (format!("{links} bring {total}"), "Over all links this is E of the links; strongest channel"),
+            Direction::Out => (format!("{links} carry {total}"), "Of the light that leaves it; strongest channel"),
         };
         ui.label(RichText::new(text).strong()).on_hover_text(hint);
         if let Some(irradiance) = gathered(inspection, direction, bars.total) {
@@ -119,18 +119,16 @@ fn show_heading(ui: &mut Ui, subject: &Subject<'_>, inspection: &Inspection, dir
             let hint = "E of the final gather, which looks past the links once they are there: the difference is what links hide";
             ui.label(theme::weak(text)).on_hover_text(hint);
         }
-        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-            let deepest = subject.anatomy.deepest();
-            let mut level = bars.level.min(deepest);
-            let hint = "Far ends are summed up by what holds them at this level below the root";
-            ui.spacing_mut().slider_width = 60.0;
-            ui.spacing_mut().interact_size.x = 40.0;
-            let slider = ui.add(Slider::new(&mut level, 0..=deepest)).on_hover_text(hint);
-            let label = ui.label(theme::weak("by level")).on_hover_text(hint);
-            if slider.labelled_by(label.id).changed() {
-                bars.level = level;
-            }
-        });
+        let deepest = subject.anatomy.deepest();
+        let mut level = bars.level.min(deepest);
+        let hint = "Far ends are summed up by what holds them at this level below the root";
+        let label = ui.label(theme::weak("by level")).on_hover_text(hint);
+        ui.spacing_mut().slider_width = 60.0;
+        ui.spacing_mut().interact_size.x = 40.0;
+        let slider = ui.add(Slider::new(&mut level, 0..=deepest)).on_hover_text(hint);
+        if slider.labelled_by(label.id).changed() {
+            bars.level = level;
+        }
     });
 }
 

@@ -12,7 +12,7 @@ mod table;
 use egui::{RichText, Ui};
 
 use super::super::inspection::{Direction, Inspection};
-use super::super::{App, format, theme};
+use super::super::{App, format, theme, words};
 use crate::hierarchy::{ElementId, Hierarchy};
 use crate::scene::Scene;
 use crate::solver::Anatomy;
@@ -118,12 +118,12 @@ fn show_head(ui: &mut Ui, subject: &Subject<'_>, inspection: &mut Inspection, vi
     ui.horizontal(|ui| {
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
             let parent = anatomy.hierarchy().element(id).parent();
-            let up = ui.add_enabled(parent.is_some(), egui::Button::new("Up"));
-            if let Some(parent) = parent.filter(|_| up.on_hover_text("Climb to what holds it").clicked()) {
+            let up = ui.add_enabled(parent.is_some(), egui::Button::new(words::UP));
+            if let Some(parent) = parent.filter(|_| up.on_hover_text("Climb to the element that holds it").clicked()) {
                 walk = Some(Walk::To(parent));
             }
             let last = visited.last().copied().filter(|&last| anatomy.holds(last));
-            let back = ui.add_enabled(last.is_some(), egui::Button::new("Back"));
+            let back = ui.add_enabled(last.is_some(), egui::Button::new(words::BACK));
             if back.on_hover_text("Return to the element that you came from").clicked() {
                 walk = Some(Walk::Back);
             }
@@ -143,10 +143,10 @@ fn show_direction(ui: &mut Ui, direction: &mut Direction) {
         let choices = [
             (
                 Direction::In,
-                "What lights this",
+                words::WHAT_LIGHTS_THIS,
                 "Links that bring it light: its own, those of its parts and of all that holds it",
             ),
-            (Direction::Out, "What this lights", "Links that take its light elsewhere, likewise"),
+            (Direction::Out, words::WHAT_THIS_LIGHTS, "Links that take its light elsewhere, likewise"),
         ];
         for (choice, name, hint) in choices {
             ui.selectable_value(direction, choice, name).on_hover_text(hint);

@@ -19,8 +19,8 @@ const LEAST_NAME: f32 = 84.0;
 const DIGITS: f32 = 11.0;
 
 /// Columns of numbers with their width, points, what they are headed in either direction, their name and what they mean.
-const COLUMNS: [(Column, f32, [&str; 2], &str, &str); 8] = [
-    (Column::Level, 20.0, ["lv"; 2], "level", "Level of the far end below the root"),
+const COLUMNS: [Heading; 8] = [
+    (Column::Level, 34.0, ["Level"; 2], "level", "Level of the far end below the root"),
     (
         Column::Brought,
         42.0,
@@ -30,23 +30,36 @@ const COLUMNS: [(Column, f32, [&str; 2], &str, &str); 8] = [
     ),
     (Column::FormFactor, 42.0, ["F"; 2], "form factor", "Form factor F without occlusion"),
     (Column::Visibility, 32.0, ["V"; 2], "visibility", "Visibility V, 0 to 1"),
-    (
-        Column::Rays,
-        30.0,
-        ["rays"; 2],
-        "rays",
-        "Rays by which V was judged; inh.: a pair that holds this one looked clear, –: nobody looked",
-    ),
-    (Column::Power, 44.0, ["W"; 2], "power", "Power B·F·V·A that the link carries to its whole receiver, W"),
-    (Column::OverEpsilon, 42.0, ["/ε"; 2], "share of ε", "Power over the threshold ε"),
+    (Column::Rays, 58.0, ["Rays"; 2], "rays", "Rays that tested V; inherited: the pair that holds this one was clear"),
+    (Column::Power, 50.0, ["Power (W)"; 2], "power", "Power B·F·V·A that the link carries to its whole receiver, W"),
+    (Column::OverEpsilon, 48.0, ["Power/ε"; 2], "share of ε", "Power over the threshold ε"),
     (
         Column::Error,
-        42.0,
-        ["err W"; 2],
+        52.0,
+        ["Error (W)"; 2],
         "error estimate",
-        "Power that the link is likely to misplace, as the error oracle estimates it, W",
+        "Power that the link is likely to misplace, as the criterion link error estimates it, W",
     ),
 ];
+
+/// Columns that give way where the inspector is narrow, the first one first; the details of a row have what they would tell.
+const GIVE_WAY: [Column; 5] = [Column::Level, Column::FormFactor, Column::Error, Column::OverEpsilon, Column::Rays];
+/// Between columns, points.
+const GAP: f32 = 5.0;
+
+type Heading = (Column, f32, [&'static str; 2], &'static str, &'static str);
+
+/// The columns that have room.
+fn columns_in(width: f32) -> Vec<&'static Heading> {
+    let mut columns: Vec<&Heading> = COLUMNS.iter().collect();
+    for column in GIVE_WAY {
+        let needed: f32 = columns.iter().map(|(_, width, ..)| width + GAP).sum();
+        if LEAST_NAME + needed > width {
+            columns.retain(|(other, ..)| *other != column);
+        }
+    }
+    columns
+}
 
 /// Draws it; where a person goes.
 pub(super) fn show(
@@ -66,7 +79,8 @@ pub(super) fn show(
     }
     let mut walk = None;
     let count = inspection.links.len();
-    ui.spacing_mut().item_spacing = egui::vec2(5.0, 0.0);
+    ui.spacing_mut().item_spacing = egui::vec2(GAP, 0.0);
+    let columns = columns_in(ui.available_width());
     let mut builder = TableBuilder::new(ui)
         .id_salt("links")
         .striped(true)
@@ -75,17 +89,17 @@ pub(super) fn show(
         .min_scrolled_height(60.0)
         .cell_layout(Layout::right_to_left(Align::Center))
         .column(Width::remainder().at_least(LEAST_NAME).clip(true));
-    for (_, width, ..) in COLUMNS {
-        builder = builder.column(Width::exact(width));
+    for (_, width, ..) in &columns {
+        builder = builder.column(Width::exact(*width));
     }
-    let table = builder.header(HEADER_HEIGHT, |mut header| show_header(&mut header, direction, order));
+    let table = builder.header(HEADER_HEIGHT, |mut header| show_header(&mut header, &columns, direction, order));
     table.body(|body| {
         let rows = order.rows(subject, inspection, direction).to_vec();
         body.rows(ROW_HEIGHT, count, |mut row| {
             let Some(&link) = rows.get(row.index()).and_then(|&at| inspection.links.get(at as usize)) else { return };
             let highlight = Highlight::Link { receiver: link.receiver, source: link.source };
             row.set_hovered(pointing.shown() == highlight);
-            show_link(&mut row, subject, inspection, direction, &link);
+            show_link(&mut row, subject, inspection, &columns, direction, &link);
             let response = row.response();
             if response.hovered() {
                 pointing.at(highlight);
@@ -98,7 +112,7 @@ pub(super) fn show(
     walk
 }
 
-fn show_header(header: &mut TableRow<'_, '_>, direction: Direction, order: &mut Order) {
+fn show_header(header: &mut TableRow<'_, '_>, columns: &[&Heading], direction: Direction, order: &mut Order) {
     let (name, hint) = match direction {
         Direction::In => ("source", "What sends the light"),
         Direction::Out => ("receiver", "What gets the light"),
@@ -106,9 +120,9 @@ fn show_header(header: &mut TableRow<'_, '_>, direction: Direction, order: &mut 
     header.col(|ui| {
         ui.with_layout(Layout::left_to_right(Align::Center), |ui| title(ui, Column::Name, name, "name", hint, order));
     });
-    for (column, _, titles, name, hint) in COLUMNS {
+    for (column, _, titles, name, hint) in columns {
         let text = titles[usize::from(direction == Direction::Out)];
-        header.col(|ui| title(ui, column, text, name, hint, order));
+        header.col(|ui| title(ui, *column, text, name, hint, order));
     }
 }
 
@@ -122,8 +136,8 @@ fn title(ui: &mut Ui, column: Column, text: &str, name: &str, hint: &str, order:
     response.widget_info(|| WidgetInfo::selected(Role::Button, true, is_chosen, format!("Sort by {name}")));
     let turn = match (is_chosen, order.is_ascending) {
         (false, _) => "click to sort by it",
-        (true, false) => "largest first; click to turn round",
-        (true, true) => "smallest first; click to turn round",
+        (true, false) => "largest first; click to reverse",
+        (true, true) => "smallest first; click to reverse",
     };
     if response.on_hover_text(format!("{hint}\n({turn})")).clicked() {
         order.choose(column);
@@ -134,6 +148,7 @@ fn show_link(
     row: &mut TableRow<'_, '_>,
     subject: &Subject<'_>,
     inspection: &mut Inspection,
+    columns: &[&Heading],
     direction: Direction,
     link: &LinkView,
 ) {
@@ -148,7 +163,7 @@ fn show_link(
             ui.add(Label::new(RichText::new(&name).size(12.0)).truncate().selectable(false));
         });
     });
-    for (column, ..) in COLUMNS {
+    for &&(column, ..) in columns {
         row.col(|ui| {
             let text = RichText::new(cell(subject, link, direction, column)).monospace().size(DIGITS);
             let text = if is_strong(column) { text.strong() } else { text };
@@ -179,8 +194,8 @@ fn cell(subject: &Subject<'_>, link: &LinkView, direction: Direction, column: Co
         Column::Visibility => format!("{:.2}", link.visibility),
         Column::Rays => match (rays(link), link.evidence) {
             (Some(rays), _) => rays.to_string(),
-            (None, Evidence::Inherited) => "inh.".into(),
-            (None, _) => "–".into(),
+            (None, Evidence::Inherited) => "inherited".into(),
+            (None, _) => "not tested".into(),
         },
         Column::Brought | Column::FormFactor | Column::Power | Column::OverEpsilon | Column::Error => {
             compact(number(column))

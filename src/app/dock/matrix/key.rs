@@ -29,8 +29,7 @@ impl LinkMatrix {
         let facts = shown.facts;
         ui.horizontal_wrapped(|ui| {
             let links = format::things(facts.links, "link", "links");
-            ui.label(theme::value(links))
-                .on_hover_text("Blocks of the matrix, those that wait to be judged among them");
+            ui.label(theme::value(links)).on_hover_text("Blocks of the matrix, links to test among them");
             ui.label(theme::weak("·"));
             let empty = format!("{:.0} % empty", 100.0 * (1.0 - facts.covered));
             let hint = "Share of the square where no link is: these pairs face away from each other or nothing is seen";

@@ -13,7 +13,7 @@ use std::sync::Arc;
 
 use egui::{ColorImage, Context, Rect, TextureHandle, TextureOptions, Ui, Vec2, vec2};
 
-use super::super::{App, Wake, theme};
+use super::super::{App, Wake, theme, words};
 use crate::hierarchy::Room;
 use crate::matrix::{Colouring, Facts, Legend, Palette, Raster, Request, View};
 use crate::names::Names;
@@ -30,9 +30,9 @@ const COLOURINGS: [(Colouring, &str, &str); 4] = [
 ];
 /// What elements get room for, likewise.
 const ROOMS: [(Room, &str, &str); 3] = [
-    (Room::Area, "area", "Elements take room by their area: shows where power can go"),
-    (Room::Polygons, "polygons", "Every polygon takes the same room: shows small things"),
-    (Room::Leaves, "leaves", "Every leaf patch takes the same room: shows what was refined most"),
+    (Room::Area, "area", "Rows and columns as large as their elements: shows where power can go"),
+    (Room::Polygons, "polygons", "Rows and columns of equal size for all polygons: shows small things"),
+    (Room::Leaves, "leaves", "Rows and columns of equal size for all leaf patches: shows what was refined most"),
 ];
 
 /// The square is no smaller than this, points.
@@ -123,7 +123,7 @@ impl LinkMatrix {
             }
         });
         ui.horizontal(|ui| {
-            ui.label(theme::weak("Room by"));
+            ui.label(theme::weak(words::ROW_HEIGHT_BY));
             for (room, name, hint) in ROOMS {
                 ui.selectable_value(&mut self.room, room, name).on_hover_text(hint);
             }

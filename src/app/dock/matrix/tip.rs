@@ -37,17 +37,17 @@ pub(super) fn show(ui: &mut Ui, looked: Looked<'_>, pair: &Pair) {
     match &pair.link {
         None => ui.label("No link: they face away from each other, or no ray came through."),
         Some(link) if link.receiver == link.source => ui.label("Light that it exchanges within itself."),
-        Some(_) => ui.label(theme::weak("Click: pick the receiver · Shift-click: the source")),
+        Some(_) => ui.label(theme::weak("Click: select the receiver · Shift-click: the source")),
     };
 }
 
 /// Names and values of what a link is.
 fn facts(link: &LinkView, epsilon: f64) -> [(&'static str, String); 4] {
     let visibility = match link.evidence {
-        Evidence::None => format!("{:.2}, not judged yet", link.visibility),
+        Evidence::None => format!("{:.2}, not tested yet", link.visibility),
         Evidence::Rays(rays) => format!("{:.2} by {}", link.visibility, format::things(rays.into(), "ray", "rays")),
         Evidence::Clear(rays) => format!("{:.2}, all of {rays} rays came through", link.visibility),
-        Evidence::Inherited => format!("{:.2}, clear with what holds it", link.visibility),
+        Evidence::Inherited => format!("{:.2}, inherited from the element that holds it", link.visibility),
     };
     let share = if epsilon > 0.0 { format::number(f64::from(link.power) / epsilon) } else { "–".into() };
     [

@@ -3,7 +3,7 @@
 use egui::{DragValue, Ui};
 use glam::Vec3;
 
-use super::super::super::{Outbox, theme};
+use super::super::super::{Outbox, theme, words};
 use super::exitance_slider;
 use crate::worker::Command;
 
@@ -34,10 +34,10 @@ pub(super) fn show(ui: &mut Ui, editor: &mut CeilingEditor, outbox: &mut Outbox)
     ui.label(theme::weak("Add a square light below the ceiling"));
     let speed = 0.01 * f64::from(editor.size);
     let side = DragValue::new(&mut editor.size).speed(speed).range(1e-6..=1e6).max_decimals(3);
-    theme::row(ui, "Side length", |ui| ui.add(side)).on_hover_text("In the scene's length unit");
-    theme::row(ui, "Ceiling strength", |ui| exitance_slider(ui, &mut editor.exitance))
+    theme::row(ui, words::SIDE_LENGTH, |ui| ui.add(side)).on_hover_text("In the scene's length unit");
+    theme::row(ui, words::CEILING_EXITANCE, |ui| exitance_slider(ui, &mut editor.exitance))
         .on_hover_text("Exitance B_e of the light");
-    if ui.button("Add a ceiling light").clicked() {
+    if ui.button(words::ADD_CEILING_LIGHT).clicked() {
         let exitance = Vec3::splat(editor.exitance);
         outbox.push(Command::AddCeilingLight { size: editor.size, exitance });
     }

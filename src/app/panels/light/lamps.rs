@@ -25,7 +25,7 @@ pub(super) fn show(ui: &mut Ui, scene: &Scene, editor: &mut LightEditor) {
     let (count, watts) =
         (format::things(lamps.len(), "lamp", "lamps"), format::quantity(all.max_element().into(), "W"));
     ui.label(theme::weak(format!("{count}, {watts}")))
-        .on_hover_text("Materials that emit, with the power of all of their faces in the brightest colour");
+        .on_hover_text("Materials that emit, with the power of all of their faces in the strongest channel");
     ScrollArea::vertical().id_salt("lamps").max_height(MOST_HEIGHT).auto_shrink([false, true]).show(ui, |ui| {
         for lamp in lamps {
             let Some(material) = scene.materials.get(lamp) else { continue };
@@ -41,10 +41,13 @@ fn show_one(ui: &mut Ui, name: &str, id: MaterialId, editor: &mut LightEditor) {
     let exitance = editor.lighting.of(index).map_or(0.0, |light| light.emission().max_element());
     let Some(light) = editor.lighting.of_mut(index) else { return };
     ui.horizontal(|ui| {
+        let name_width = theme::LABEL_WIDTH.min(0.4 * ui.available_width());
+        let beside = name_width + PERCENT_WIDTH + COLOUR_WIDTH + 4.0 * ui.spacing().item_spacing.x;
+        ui.spacing_mut().slider_width = (ui.available_width() - beside).clamp(40.0, 240.0);
         let switch = ui
             .scope(|ui| {
-                ui.set_min_width(theme::LABEL_WIDTH);
-                ui.set_max_width(theme::LABEL_WIDTH);
+                ui.set_min_width(name_width);
+                ui.set_max_width(name_width);
                 ui.style_mut().wrap_mode = Some(egui::TextWrapMode::Truncate);
                 ui.checkbox(&mut light.is_on, name)
             })

@@ -3,18 +3,26 @@
 use egui::{Button, ComboBox, Slider, Ui};
 use glam::Vec3;
 
-use super::super::super::{format, theme};
-use super::{LightEditor, exitance_slider};
+use super::super::super::lighting::MaterialLight;
+use super::super::super::{format, theme, words};
+use super::{LampUnit, LightEditor, strength_slider};
+use crate::photometry::{temperature_of_tint, tint_of_temperature};
 use crate::scene::{MAX_SIDECAR_REFLECTANCE, MaterialId, Scene};
+
+/// Colour temperatures offered, K.
+const TEMPERATURES: std::ops::RangeInclusive<f32> = 1700.0..=12_000.0;
+/// A tint that differs by less than this in each channel is that of a temperature.
+const SAME_TINT: f32 = 0.04;
 
 /// Draws the part.
 pub(super) fn show(ui: &mut Ui, scene: &Scene, editor: &mut LightEditor) {
     ui.label(theme::weak("Material (click a surface in the view to choose it)"));
     show_choice(ui, scene, editor);
     show_left_out(ui, scene, editor);
+    let area = editor.areas.get(editor.material.0 as usize).copied().unwrap_or(0.0);
     let Some(light) = editor.lighting.of_mut(editor.material.0 as usize) else { return };
     let mut strength = light.reflectance.strength();
-    theme::row(ui, "Reflectance", |ui| {
+    theme::row(ui, words::REFLECTANCE, |ui| {
         let slider = Slider::new(&mut strength, 0.0..=MAX_SIDECAR_REFLECTANCE).fixed_decimals(2);
         let response = ui.add(slider.clamping(egui::SliderClamping::Edits));
         if response.changed() {
@@ -22,34 +30,75 @@ pub(super) fn show(ui: &mut Ui, scene: &Scene, editor: &mut LightEditor) {
         }
         response
     })
-    .on_hover_text("Share ρ of the light that it reflects, of its brightest colour");
+    .on_hover_text("Share ρ of the light that it reflects, of the strongest channel");
     let mut colour = light.reflectance.value().to_array();
     if show_colour(ui, "Colour", "Share of each colour that it reflects", &mut colour) {
         light.reflectance.set(Vec3::from(colour).min(Vec3::splat(MAX_SIDECAR_REFLECTANCE)));
     }
-    let mut strength = light.emission.strength();
-    theme::row(ui, "Strength", |ui| {
-        let response = exitance_slider(ui, &mut strength);
-        if response.changed() {
-            light.emission.set_strength(strength);
-        }
-        response
-    })
-    .on_hover_text("Exitance B_e that it emits of its brightest colour, before its dimmer");
+    show_strength(ui, light, area, &mut editor.unit);
     let mut tint = light.emission.tint().to_array();
-    if show_colour(ui, "Colour of light", "Tint of the light that it emits; its strength stays", &mut tint) {
+    if show_colour(ui, "Colour of light", "Tint of the light that it emits; its exitance stays", &mut tint) {
         light.emission.set_tint(tint.into());
     }
+    show_temperature(ui, light);
     ui.horizontal(|ui| {
-        let name = if light.is_lamp { "Switch it on" } else { "Make it emit" };
+        let name = if light.is_lamp { words::SWITCH_ON } else { words::MAKE_IT_A_LIGHT };
         if ui.add_enabled(!light.is_on, Button::new(name)).clicked() {
             (light.is_lamp, light.is_on) = (true, true);
         }
-        let off = ui.add_enabled(light.is_on, Button::new("Switch it off"));
-        if off.on_hover_text("Its strength is remembered for when it goes on again").clicked() {
+        let off = ui.add_enabled(light.is_on, Button::new(words::SWITCH_OFF));
+        if off.on_hover_text("Its exitance is kept for when it is switched on again").clicked() {
             light.is_on = false;
         }
     });
+}
+
+/// The lamp's strength, in a unit to be chosen.
+fn show_strength(ui: &mut Ui, light: &mut MaterialLight, area: f32, unit: &mut LampUnit) {
+    theme::row(ui, words::LAMP_UNIT, |ui| {
+        let combo = ComboBox::from_id_salt("lamp unit").selected_text(unit.words().0);
+        let shown = combo.show_ui(ui, |ui| {
+            for each in LampUnit::ALL {
+                let (name, sign, hint) = each.words();
+                ui.selectable_value(unit, each, format!("{name}, {sign}")).on_hover_text(hint);
+            }
+        });
+        shown.response
+    });
+    let (label, sign, hint) = unit.words();
+    let per_exitance = unit.per_exitance(light.emission.tint(), area);
+    let mut strength = per_exitance * light.emission.strength();
+    theme::row(ui, label, |ui| {
+        ui.add_enabled_ui(per_exitance > 0.0, |ui| {
+            let response = strength_slider(ui, &mut strength, per_exitance, sign);
+            if response.changed() {
+                light.emission.set_strength(strength / per_exitance);
+            }
+            response
+        })
+        .inner
+    })
+    .on_hover_text(hint);
+}
+
+/// The colour of the light as a temperature, where it is one.
+fn show_temperature(ui: &mut Ui, light: &mut MaterialLight) {
+    let (mut kelvin, off) = temperature_of_tint(light.emission.tint().to_array());
+    theme::row(ui, words::COLOUR_TEMPERATURE, |ui| {
+        let slider = Slider::new(&mut kelvin, TEMPERATURES).logarithmic(true).clamping(egui::SliderClamping::Edits);
+        let is_one = off < SAME_TINT;
+        let slider = slider.custom_formatter(move |kelvin, _| match is_one {
+            true => format!("{} K", format::count((10.0 * (kelvin / 10.0).round()) as u64)),
+            false => "none".to_owned(),
+        });
+        let slider = slider.custom_parser(|text| text.replace([',', 'K'], "").trim().parse().ok());
+        let response = ui.add(slider);
+        if response.changed() {
+            light.emission.set_tint(tint_of_temperature(kelvin).into());
+        }
+        response
+    })
+    .on_hover_text("Colour of a black body at this temperature; the exitance of the strongest channel stays");
 }
 
 fn show_choice(ui: &mut Ui, scene: &Scene, editor: &mut LightEditor) {
@@ -75,7 +124,7 @@ fn show_left_out(ui: &mut Ui, scene: &Scene, editor: &mut LightEditor) {
         return;
     };
     let faces = format::things(material.left_out, "transparent face", "transparent faces");
-    let hint = "The file says that they let light through, so they were left out. This reads the file again and takes them for opaque; `Save sidecar` keeps it.";
+    let hint = "The file says that they let light through, so they were left out. This reads the file again and takes them for opaque; `Save scene settings` keeps it.";
     if ui.button(format!("Make its {faces} opaque")).on_hover_text(hint).clicked() {
         editor.opaque = Some(material.name.clone());
     }

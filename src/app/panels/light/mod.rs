@@ -7,7 +7,7 @@ mod material;
 use egui::{Slider, Ui};
 
 use super::super::lighting::Lighting;
-use super::super::{Outbox, Shown, format, theme};
+use super::super::{Outbox, Shown, format, theme, words};
 use crate::scene::{MaterialId, Scene};
 use crate::solver::{Epsilon, SolverParams};
 use crate::worker::Command;
@@ -30,6 +30,44 @@ pub(in super::super) struct LightEditor {
     ceiling: CeilingEditor,
     /// A transparent material whose faces are asked for.
     opaque: Option<String>,
+    /// In which unit a lamp's strength is shown.
+    unit: LampUnit,
+}
+
+/// Units of a lamp's strength.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+enum LampUnit {
+    /// Exitance of the strongest channel, W/m².
+    #[default]
+    Exitance,
+    /// Power of the strongest channel of all faces, W.
+    Watts,
+    /// Luminous flux of all faces, lm.
+    Lumens,
+}
+
+impl LampUnit {
+    const ALL: [Self; 3] = [Self::Exitance, Self::Watts, Self::Lumens];
+
+    /// Label of the slider, sign of the unit, and what is shown.
+    fn words(self) -> (&'static str, &'static str, &'static str) {
+        match self {
+            Self::Exitance => (words::EXITANCE, "W/m²", "Exitance B_e of the strongest channel, before the dimmer"),
+            Self::Watts => {
+                (words::POWER, "W", "Power of the strongest channel of all faces of the material, before the dimmer")
+            }
+            Self::Lumens => (words::FLUX, "lm", "Luminous flux of all faces of the material, before the dimmer"),
+        }
+    }
+
+    /// How much of the unit an exitance of 1 W/m² in the strongest channel is, for this tint and area (m²).
+    fn per_exitance(self, tint: glam::Vec3, area: f32) -> f32 {
+        match self {
+            Self::Exitance => 1.0,
+            Self::Watts => area,
+            Self::Lumens => area * crate::photometry::lux(tint.to_array()),
+        }
+    }
 }
 
 impl LightEditor {
@@ -70,7 +108,7 @@ pub(super) fn show(ui: &mut Ui, shown: &Shown, params: &SolverParams, editor: &m
     let Some(info) = &shown.info else { return };
     if !info.has_light {
         let sentence =
-            "Nothing in this scene emits light, so it is black: make a material emit, or add a ceiling light.";
+            "Nothing in this scene emits light, so it is black: make a material a light, or add a ceiling light.";
         ui.add(egui::Label::new(egui::RichText::new(sentence).color(theme::ACCENT)).wrap());
         ui.add_space(2.0);
     }
@@ -98,7 +136,7 @@ fn show_anchor(ui: &mut Ui, shown: &Shown, params: &SolverParams, outbox: &mut O
         (true, true) => format!("Φ = {now}; ε was set at {then}"),
     };
     ui.horizontal(|ui| {
-        let button = ui.add_enabled(is_relative && has_moved, egui::Button::new("Re-anchor ε"));
+        let button = ui.add_enabled(is_relative && has_moved, egui::Button::new(words::RESCALE_EPSILON));
         let hint =
             "ε stays in watts when lamps change; this sets it to the same share of the power Φ that they emit now";
         if button.on_hover_text(hint).on_disabled_hover_text(hint).clicked() {
@@ -109,9 +147,15 @@ fn show_anchor(ui: &mut Ui, shown: &Shown, params: &SolverParams, outbox: &mut O
 }
 
 fn exitance_slider(ui: &mut Ui, exitance: &mut f32) -> egui::Response {
+    strength_slider(ui, exitance, 1.0, "W/m²")
+}
+
+/// A slider of a strength in a unit, of which so much is 1 W/m².
+fn strength_slider(ui: &mut Ui, strength: &mut f32, per_exitance: f32, sign: &str) -> egui::Response {
+    let range = EXITANCES.start() * per_exitance..=EXITANCES.end() * per_exitance;
     // What a file says beyond the slider's range stays until a person moves it.
-    let slider = Slider::new(exitance, EXITANCES).clamping(egui::SliderClamping::Edits);
-    let slider = slider.logarithmic(true).suffix(" W/m²").max_decimals(1);
+    let slider = Slider::new(strength, range).clamping(egui::SliderClamping::Edits);
+    let slider = slider.logarithmic(true).suffix(format!(" {sign}")).max_decimals(1);
     let slider = slider.custom_formatter(|value, _| format::grouped(value));
     ui.add(slider.custom_parser(|text| text.replace(',', "").trim().parse().ok()))
 }

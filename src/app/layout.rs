@@ -1,0 +1,65 @@
+//! How wide the panels beside the view may be: the view keeps at least half of the window.
+//!
+//! Where settings and an open tool do not both fit beside it, the one that was asked for last takes the place of the other.
+
+use super::App;
+use super::dock::{Tool, WIDTHS};
+
+/// The view's share of the window's width.
+const VIEW_SHARE: f32 = 0.5;
+/// Width that the settings need, points.
+pub(super) const LEAST_SETTINGS: f32 = 300.0;
+
+/// Greatest widths of the panels that are shown, points.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Sides {
+    /// The settings at the left.
+    pub settings: Option<f32>,
+    /// The settings and the tool together.
+    pub all: f32,
+}
+
+impl Sides {
+    /// In the window as it is.
+    pub(super) fn of(app: &App, ctx: &egui::Context) -> Self {
+        Self::new(ctx.content_rect().width(), app.tool, app.shows_settings)
+    }
+
+    fn new(width: f32, tool: Option<Tool>, wants_settings: bool) -> Self {
+        let all = (1.0 - VIEW_SHARE) * width;
+        let left = if tool.is_some() { all - WIDTHS.start() } else { all };
+        let fits = tool.is_none() || left >= LEAST_SETTINGS;
+        Self { settings: (wants_settings && fits).then_some(left), all }
+    }
+}
+
+impl App {
+    /// Opens a tool, or closes it where it is open.
+    pub(super) fn toggle_tool(&mut self, tool: Tool) {
+        self.tool = (self.tool != Some(tool)).then_some(tool);
+    }
+
+    /// Shows the settings, in place of a tool where both have no room, or hides them.
+    pub(super) fn toggle_settings(&mut self, ctx: &egui::Context) {
+        let are_shown = Sides::of(self, ctx).settings.is_some();
+        self.shows_settings = !are_shown;
+        if self.shows_settings && Sides::of(self, ctx).settings.is_none() {
+            self.tool = None;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Truth: half of the window, by hand.
+    #[test]
+    fn the_view_keeps_half_of_the_window() {
+        let sides = |width, tool| Sides::new(width, tool, true);
+        assert_eq!(sides(1280.0, None), Sides { settings: Some(640.0), all: 640.0 });
+        assert_eq!(sides(1280.0, Some(Tool::Measure)).settings, Some(300.0));
+        assert_eq!(sides(1024.0, Some(Tool::Measure)), Sides { settings: None, all: 512.0 });
+        assert_eq!(Sides::new(2000.0, None, false).settings, None);
+    }
+}

@@ -1,0 +1,81 @@
+//! The quality section: how good the light is to be, and running, pausing and stepping. The fold *Method* below it has the rest.
+
+use egui::{Button, Ui};
+
+use super::super::{Outbox, Shown, format, theme, words};
+use super::parameters;
+use crate::solver::{ParameterId, SolverParams, Stats, USUAL_ERROR};
+use crate::worker::{Command, RunState};
+
+/// Qualities with the target errors that they stand for.
+const QUALITIES: [(&str, f64); 3] = [(words::DRAFT, 0.2), (words::GOOD, USUAL_ERROR), (words::FINAL, 0.02)];
+
+/// What a person asked for that the section itself cannot do.
+#[derive(Clone, Copy, Default)]
+pub(super) struct Asked {
+    /// To see how the method works.
+    pub study: bool,
+}
+
+/// Draws the section; a changed parameter goes out at once, the worker merges bursts.
+pub(super) fn show(ui: &mut Ui, shown: &Shown, params: &mut SolverParams, outbox: &mut Outbox) -> Asked {
+    let before = *params;
+    show_qualities(ui, params);
+    let stats = shown.snapshot.as_ref().map(|snapshot| &snapshot.stats);
+    for id in [ParameterId::Error, ParameterId::Memory] {
+        parameters::show_one(ui, id, params, stats);
+    }
+    if *params != before {
+        outbox.push(Command::SetParams(*params));
+    }
+    ui.add_space(4.0);
+    show_transport(ui, shown.status.run, shown.info.is_some(), outbox)
+}
+
+/// Draws the fold of the method's parameters.
+pub(super) fn show_method(ui: &mut Ui, stats: Option<&Stats>, params: &mut SolverParams, outbox: &mut Outbox) {
+    if parameters::show_method(ui, params, stats) {
+        outbox.push(Command::SetParams(*params));
+    }
+}
+
+fn show_qualities(ui: &mut Ui, params: &mut SolverParams) {
+    theme::row(ui, words::QUALITY_CHOICE, |ui| {
+        let choices = ui.horizontal(|ui| {
+            for (name, error) in QUALITIES {
+                let is_chosen = params.error == Some(error);
+                let hint = format!("Target error {} %", format::short(100.0 * error));
+                if ui.selectable_label(is_chosen, name).on_hover_text(hint).clicked() {
+                    params.error = Some(error);
+                }
+            }
+        });
+        choices.response
+    });
+}
+
+fn show_transport(ui: &mut Ui, run: RunState, has_scene: bool, outbox: &mut Outbox) -> Asked {
+    let mut asked = Asked::default();
+    ui.horizontal_wrapped(|ui| {
+        let (name, hint, command) = match run {
+            RunState::Paused => (words::RUN, "Go on refining", Command::Resume),
+            _ => (words::PAUSE, "Stop after the present step", Command::Pause),
+        };
+        let can_toggle = matches!(run, RunState::Running | RunState::Paused);
+        if ui.add_enabled(can_toggle, Button::new(name).min_size(egui::vec2(56.0, 0.0))).on_hover_text(hint).clicked() {
+            outbox.push(command);
+        }
+        let step = ui.add_enabled(can_toggle, Button::new(words::STEP_ONE_WAVE));
+        if step.on_hover_text("Refine until the present wave ends, then pause").clicked() {
+            outbox.push(Command::StepWave);
+        }
+        let restart = ui.add_enabled(has_scene, Button::new(words::RESTART));
+        if restart.on_hover_text(words::SOLVE_AGAIN).clicked() {
+            outbox.push(Command::Restart);
+        }
+        let study = ui.add_enabled(has_scene, Button::new(words::STUDY));
+        let hint = "Open the method's parameters, draw the links of a level, and replay the solve slowly from the root's self-link";
+        asked.study = study.on_hover_text(hint).clicked();
+    });
+    asked
+}

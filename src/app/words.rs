@@ -1,0 +1,335 @@
+//! The words on the window's widgets, each in one place: the panels draw them, tests and the gallery find widgets by them.
+//!
+//! Labels of the solver's parameters stand in [`crate::solver::PARAMETERS`] instead, which [`parameter`] reads.
+
+use crate::solver::{PARAMETERS, ParameterId};
+
+/// The label of a parameter of the solver.
+pub fn parameter(id: ParameterId) -> &'static str {
+    PARAMETERS.iter().find(|parameter| parameter.id == id).map_or("", |parameter| parameter.label)
+}
+
+/// Defines constants with their texts.
+macro_rules! words {
+    ($($(#[$doc:meta])* $name:ident = $text:literal;)*) => {
+        $($(#[$doc])* pub const $name: &str = $text;)*
+    };
+}
+
+words! {
+    /// Section of the scene's file.
+    SCENE = "Scene";
+    /// Section of lamps and materials.
+    LIGHT = "Light";
+    /// The same section of a scene without a lamp.
+    LIGHT_NONE_YET = "Light: none yet";
+    /// Section of the target error and of running, pausing and stepping.
+    QUALITY = "Quality";
+    /// Fold of the paper's parameters.
+    METHOD = "Method";
+    /// Section of exposure, readings and overlays; also the row that chooses what surfaces show.
+    DISPLAY = "Display";
+    /// Section of the comparison with a reference.
+    ACCURACY = "Accuracy";
+    /// Section of counts and times.
+    STATISTICS = "Statistics";
+    /// Section of theme and scale.
+    APPEARANCE = "Appearance";
+    /// Section and list of keys.
+    MOUSE_AND_KEYS = "Mouse and keys";
+
+    /// Empty window: heading.
+    OPEN_A_ROOM = "Open a room to light";
+    /// Row of the program's own scenes.
+    SAMPLE_SCENES = "Sample scenes";
+    /// Field of a scene's path.
+    SCENE_PATH = "Scene path";
+    /// Opens the path that was typed.
+    OPEN = "Open";
+    /// Writes the settings file beside the scene.
+    SAVE_SCENE_SETTINGS = "Save scene settings";
+    /// Answer to a question whether a file is replaced.
+    OVERWRITE = "Overwrite";
+    /// Answer that changes nothing.
+    CANCEL = "Cancel";
+    /// Takes a message away.
+    DISMISS = "Dismiss";
+
+    /// Row of the three qualities.
+    QUALITY_CHOICE = "Quality level";
+    /// The coarsest quality.
+    DRAFT = "Draft";
+    /// The usual quality.
+    GOOD = "Good";
+    /// The finest quality.
+    FINAL = "Final";
+    /// Pauses the solver.
+    PAUSE = "Pause";
+    /// Lets a paused solver go on.
+    RUN = "Run";
+    /// Lets the solver go on until a wave ends.
+    STEP_ONE_WAVE = "Step one wave";
+    /// Forgets the solution and solves the same scene again.
+    RESTART = "Restart";
+    /// Tooltip of [`RESTART`].
+    SOLVE_AGAIN = "Solve again from scratch";
+    /// Opens all that shows how the method works, and replays the solve.
+    STUDY = "Study the method";
+    /// Row: what ends a solve.
+    STOP_AT = "Stop at";
+    /// Choice of [`STOP_AT`]: the certified error.
+    STOP_AT_ERROR = "target error";
+    /// Choice of [`STOP_AT`]: the paper's ε.
+    STOP_AT_THRESHOLD = "link threshold ε";
+    /// Sets all parameters as they were at the first start.
+    RESET_TO_DEFAULTS = "Reset to defaults";
+
+    /// Status while stored and new links are tested.
+    TESTING_LINKS = "Testing links";
+    /// Status of the final gather.
+    FINAL_GATHER = "Final gather";
+    /// Status of a solve that kept the target error.
+    TARGET_REACHED = "Target reached";
+    /// Status of a solve by ε that has nothing left to refine.
+    LINKS_SETTLED = "Links settled";
+    /// Status of a solve that ended before its target.
+    STOPPED = "Stopped";
+    /// What follows [`LINKS_SETTLED`] while the error is not known.
+    ERROR_NOT_MEASURED = "error not measured";
+    /// What follows a status where the error is known, before the figure.
+    SURFACES_WITHIN = "9 of 10 surfaces within";
+    /// Status of a scene without a lamp.
+    NOTHING_EMITS = "Nothing emits light";
+    /// Name of the bar that tells how far a solve is.
+    PROGRESS = "Progress";
+
+    /// Row: gathered picture or mesh.
+    PICTURE = "Picture";
+    /// Choice of [`PICTURE`].
+    GATHERED = "gathered";
+    /// Choice of [`PICTURE`].
+    MESH = "mesh";
+    /// Choice of [`DISPLAY`]: the light.
+    LIT = "lit";
+    /// Choice of [`DISPLAY`]: E in false colours.
+    IRRADIANCE = "irradiance E";
+    /// Choice of [`DISPLAY`]: B in false colours.
+    RADIOSITY = "radiosity B";
+    /// Lines of equal value.
+    ISOLUX_LINES = "Isolux lines";
+    /// Field of their values.
+    LINES_AT = "Lines at";
+    /// Keeps the range of false colours.
+    LOCK_RANGE = "Lock the range";
+    /// Unit of readings.
+    UNIT = "Unit";
+    /// Spacing of false colours.
+    SCALE = "Scale";
+    /// Keeps the exposure as it is.
+    LOCK_EXPOSURE = "Lock exposure";
+    /// Slider of the exposure, stops.
+    EXPOSURE = "Exposure";
+    /// Outlines of leaf elements.
+    ELEMENT_OUTLINES = "Element outlines";
+    /// Boxes of clusters.
+    CLUSTER_BOXES = "Cluster boxes";
+    /// Row: whose links are drawn.
+    SHOW_LINKS = "Show links";
+    /// Choice of [`SHOW_LINKS`].
+    LINKS_NONE = "none";
+    /// Choice of [`SHOW_LINKS`].
+    LINKS_OF_SELECTION = "of selection";
+    /// Choice of [`SHOW_LINKS`].
+    LINKS_AT_LEVEL = "at level";
+    /// Row: what colours of links mean.
+    LINK_COLOUR = "Link colour";
+    /// Most links that are drawn.
+    STRONGEST_LINKS = "Strongest links";
+    /// Weaker links are left out.
+    MINIMUM_POWER = "Minimum power";
+    /// Level of the receivers whose links are drawn.
+    RECEIVERS_AT_LEVEL = "Receivers at level";
+    /// Links all of whose rays came through.
+    FULLY_VISIBLE = "fully visible";
+    /// Links some of whose rays came through.
+    PARTLY_VISIBLE = "partly visible";
+    /// Links that no ray tested, or none passed.
+    NOT_TESTED = "not tested";
+    /// Rims of both ends of links.
+    OUTLINES_OF_ENDS = "Outlines of both ends";
+
+    /// Heading of the card.
+    SELECTED_ELEMENT = "Selected element";
+    /// Heading of the strongest sources in the card.
+    TOP_SOURCES = "Top sources (incl. inherited)";
+    /// Opens the card from the tag.
+    DETAILS = "Details";
+    /// Draws the links of the selection, from the tag.
+    LINKS = "Links";
+    /// Closes the card.
+    CLOSE = "Close";
+    /// Opens the inspector from the card.
+    INSPECT = "Inspect";
+
+    /// Tool: one element and its links.
+    INSPECTOR = "Inspector";
+    /// Tool: all links as blocks.
+    LINK_MATRIX = "Link matrix";
+    /// Tool: the tree of clusters.
+    CLUSTERS = "Clusters";
+    /// Tool: probes and the work plane.
+    MEASURE = "Measure";
+    /// Tool: two solutions side by side.
+    COMPARE = "Compare";
+    /// Tool: files.
+    EXPORT = "Export";
+    /// Tooltip of [`EXPORT`].
+    EXPORT_HINT = "Export images, meshes, data";
+    /// Menu of the tools where the window is narrow.
+    TOOLS = "Tools";
+    /// Shows and hides the panels at the left.
+    SETTINGS = "Settings";
+    /// Menu of the camera.
+    CAMERA = "Camera";
+    /// Camera: all of the scene from above.
+    TOP = "Top view";
+    /// Camera: all of the scene from its front.
+    FRONT = "Front view";
+    /// Camera: all of the scene from its side.
+    SIDE = "Side view";
+    /// Camera: horizontal field of view.
+    FIELD_OF_VIEW = "Field of view";
+    /// Camera: keys walk instead of flying.
+    WALK = "Walk at eye height";
+    /// Camera: keeps the present view.
+    ADD_BOOKMARK = "Add bookmark";
+    /// Camera: a view that was kept; its number follows.
+    BOOKMARK = "Bookmark";
+    /// Over the view where the eye is outside of a room.
+    THROUGH_WALLS = "Nearer walls are looked through";
+    /// Closes the open tool.
+    CLOSE_TOOL = "Close tool";
+    /// Hides all panels.
+    FULL_SCREEN = "Full screen";
+    /// Brings the panels back.
+    SHOW_PANELS = "Show panels";
+    /// Opens the list of keys.
+    KEYS = "Keys";
+
+    /// Inspector, one direction.
+    WHAT_LIGHTS_THIS = "What lights this";
+    /// Inspector, the other direction.
+    WHAT_THIS_LIGHTS = "What this lights";
+    /// Inspector: the element that holds this one.
+    UP = "Up";
+    /// Inspector: the element that was left last.
+    BACK = "Back";
+
+    /// Matrix: what decides how tall rows are.
+    ROW_HEIGHT_BY = "Row height by";
+    /// Clusters: the page of groups arranged by hand.
+    MANUAL_GROUPS = "Manual groups";
+    /// Clusters: groups as the scene's file has them.
+    REVERT_TO_FILE = "Revert to file";
+
+    /// Compare: keeps the solution in view.
+    KEEP_AS_A = "Keep as A";
+    /// Compare: keeps the solution in view in place of the kept one.
+    REPLACE_A = "Replace A";
+    /// Compare: forgets the kept solution.
+    DISCARD_A = "Discard A";
+    /// Compare: heading of figures of both.
+    RESULTS = "Results";
+
+    /// Light: exitance of a material or lamp.
+    EXITANCE = "Exitance";
+    /// Light: power of a lamp, a unit of its strength.
+    POWER = "Power";
+    /// Light: luminous flux of a lamp, a unit of its strength.
+    FLUX = "Luminous flux";
+    /// Light: in which unit a lamp's strength is shown.
+    LAMP_UNIT = "Strength as";
+    /// Light: colour of a lamp as the temperature of a black body.
+    COLOUR_TEMPERATURE = "Colour temperature";
+    /// Light: lets a material emit.
+    MAKE_IT_A_LIGHT = "Make it a light";
+    /// Light: switches a lamp on.
+    SWITCH_ON = "Switch it on";
+    /// Light: switches a lamp off.
+    SWITCH_OFF = "Switch it off";
+    /// Light: measures a relative ε by the present lamps.
+    RESCALE_EPSILON = "Rescale ε to current lamps";
+    /// Light: adds a square light.
+    ADD_CEILING_LIGHT = "Add a ceiling light";
+    /// Light: side of that square.
+    SIDE_LENGTH = "Side length";
+    /// Light: exitance of that light.
+    CEILING_EXITANCE = "Ceiling exitance";
+    /// Light: reflectance of a material.
+    REFLECTANCE = "Reflectance";
+
+    /// Timeline: plays the steps.
+    PLAY = "Play";
+    /// Timeline: goes back to the newest step.
+    LATEST = "Latest";
+    /// Tooltip of [`LATEST`].
+    JUMP_TO_LATEST = "Jump to latest";
+    /// Timeline: the track.
+    STEP_OF_THE_SOLVE = "Step of the solve";
+
+    /// Undoes a setting.
+    UNDO = "Undo";
+    /// Does an undone setting again.
+    REDO = "Redo";
+    /// Tooltip of [`UNDO`] where nothing was set.
+    NOTHING_TO_UNDO = "Nothing to undo";
+    /// Tooltip of [`REDO`] where nothing was undone.
+    NOTHING_TO_REDO = "Nothing to redo";
+
+    /// Accuracy: starts the reference.
+    COMPARE_WITH_REFERENCE = "Compare with a reference";
+    /// Accuracy: stops the reference.
+    STOP_COMPARING = "Stop comparing";
+
+    /// Appearance: colours of the panels.
+    THEME = "Theme";
+    /// Choice of [`THEME`].
+    DARK_THEME = "Dark theme";
+    /// Choice of [`THEME`].
+    LIGHT_THEME = "Light theme";
+    /// Choice of [`THEME`].
+    SYSTEM_THEME = "As the system";
+    /// Appearance: size of text and widgets.
+    INTERFACE_SCALE = "Interface scale";
+    /// Keys: goes back to the scene's own view.
+    RESET_CAMERA = "Reset camera";
+
+    /// Measure: a click places a probe.
+    PLACE_PROBES = "Place probes";
+    /// Measure: starts the work plane.
+    MEASURE_PLANE = "Measure the work plane";
+    /// Measure: uniformity.
+    UNIFORMITY = "Uniformity U₀";
+    /// Measure: average illuminance.
+    AVERAGE = "Average Ē";
+    /// Measure: average that is to be reached.
+    TARGET_AVERAGE = "Target Ē";
+    /// Measure: gives the plane up.
+    CLEAR = "Clear";
+    /// Export: a size that is typed.
+    CUSTOM_SIZE = "Custom…";
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Truth: the list of parameters.
+    #[test]
+    fn every_parameter_has_a_label_in_sentence_case() {
+        for of in &PARAMETERS {
+            let label = parameter(of.id);
+            assert!(label.chars().next().is_some_and(|first| first.is_uppercase()), "{label}");
+        }
+    }
+}
