@@ -8,7 +8,6 @@ use std::f32::consts::TAU;
 use glam::Vec3;
 use rayon::prelude::*;
 
-use crate::ceiling::up_axis;
 use crate::geometry::Occluders;
 use crate::scene::{CameraPose, Scene};
 
@@ -43,7 +42,7 @@ const HFOV: f32 = 75.0;
 
 /// A view from inside; `None` for a scene that has no inside, such as a single chair.
 pub fn find(scene: &Scene, occluders: &Occluders) -> Option<CameraPose> {
-    let (up, (lower, upper)) = (up_axis(scene), scene.bounds());
+    let (up, (lower, upper)) = (scene.up_axis(), scene.bounds());
     let tall = (upper - lower).dot(up.abs());
     let rooms = Rooms { scene, occluders, up, lowest: lower.dot(up).min(upper.dot(up)), tall };
     let places = rooms.places();

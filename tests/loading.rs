@@ -323,7 +323,7 @@ fn gltf_materials_and_lights() {
     assert!(close(scene.materials[0].emission, 20.0 * PI * Vec3::new(1.0, 0.5, 0.0)));
     assert_eq!((scene.skipped.transparent_faces, scene.skipped.ignored_lights), (4, 1));
     assert!(
-        scene.skipped.notes.join(" ").contains("Suns are left out, as there are none here yet: Moon"),
+        scene.skipped.notes.join(" ").contains("Directional lights are left out, for they shine from below or not at all: Moon"),
         "{:?}",
         scene.skipped.notes
     );

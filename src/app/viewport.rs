@@ -8,7 +8,6 @@ use super::dock::Tool;
 use super::highlight::Highlight;
 use super::paint::Picture;
 use super::{App, Outbox, divider, measure_marks, panels, theme};
-use crate::ceiling::up_axis;
 use crate::render::{Camera, Display};
 use crate::scene::{CameraPose, Scene};
 use crate::solver::USUAL_ERROR;
@@ -72,7 +71,7 @@ impl Viewport {
     pub(super) fn start_with(&mut self, scene: &Scene, first: Option<CameraPose>) {
         self.first = first;
         self.bounds = scene.bounds();
-        self.up = up_axis(scene);
+        self.up = scene.up_axis();
         self.start = scene.camera;
         // Made when the view's aspect is known.
         self.camera = None;
@@ -81,7 +80,7 @@ impl Viewport {
     /// Goes on looking as before at a scene that was read anew.
     pub(super) fn go_on_with(&mut self, scene: &Scene) {
         self.bounds = scene.bounds();
-        self.up = up_axis(scene);
+        self.up = scene.up_axis();
         self.start = scene.camera;
     }
 

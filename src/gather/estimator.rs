@@ -5,7 +5,7 @@
 
 use glam::Vec3;
 
-use super::field::{Field, Met, grey};
+use super::field::{End, Field, Met, grey};
 use super::glance::{GatherPoint, GlanceRays, is_near};
 use super::sources::Aim;
 use crate::random::{cosine_direction, mix};
@@ -102,6 +102,8 @@ struct Sums {
 
 /// Ends of the rays of a look, at most as far as their numbers tell.
 const MOST_ENDS: u32 = 64;
+/// Rays of a look that are drawn by the radiance of an uneven sky.
+const DRAWN: u32 = 8;
 /// Rays of the look from where a ray ended.
 const FURTHER: GlanceRays = GlanceRays { aimed: 2, cosine: 2 };
 
@@ -185,12 +187,27 @@ impl Field {
         seen.light += emitted;
         seen.rays += aimed + rays.cosine;
         let scramble = (seed ^ (seed >> 32)) as u32;
+        let sky = self.sky_rays(rays.cosine, DRAWN);
         for index in 0..rays.cosine {
             let [u, v, ..] = sobol_burley::sample_4d(number * rays.cosine + index, 0, scramble);
-            let met = self.meet(point, normal, cosine_direction(normal, u, v));
-            if let Some(met) = met.filter(|met| !self.is_aimed_at(met.leaf, point, normal)) {
-                read(&mut seen, &met, 1.0 / rays.cosine as f32, index);
+            let direction = cosine_direction(normal, u, v);
+            match self.meet(point, normal, direction) {
+                End::Face(met) if !self.is_aimed_at(met.leaf, point, normal) => {
+                    read(&mut seen, &met, 1.0 / rays.cosine as f32, index);
+                }
+                End::Outside => seen.light += self.sky_along(direction, normal.dot(direction), sky),
+                End::Face(_) | End::Back => {}
             }
+        }
+        if self.outside().is_some() {
+            let place = GatherPoint::on_face((point, normal));
+            for ray in number * DRAWN..number * DRAWN + sky.drawn {
+                let [u, v, ..] = sobol_burley::sample_4d(ray, 1, scramble);
+                seen.light += self.sky_drawn(&place, [u, v], sky);
+            }
+            let [u, v, ..] = sobol_burley::sample_4d(number, 2, scramble);
+            seen.light += self.sun_light(&place, [u, v]);
+            seen.rays += sky.drawn + self.sun_rays();
         }
         seen
     }

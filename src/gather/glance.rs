@@ -11,7 +11,7 @@ use std::f32::consts::PI;
 use glam::Vec3;
 
 use super::facet::Facet;
-use super::field::{Field, Met};
+use super::field::{End, Field, Met};
 use crate::hierarchy::{Element, ElementId, Hierarchy, Shape, point_on_polygon};
 use crate::random::{cosine_direction, fraction, mix};
 
@@ -34,9 +34,9 @@ pub struct GlanceRays {
 /// What a glance finds.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Glance {
-    /// Irradiance by emitters, W/m².
+    /// Irradiance by what is aimed at for its own light, W/m².
     pub direct: Vec3,
-    /// Irradiance by what others reflect, W/m².
+    /// Irradiance by what others reflect, and by the sky that cosine-distributed rays find, W/m².
     pub indirect: Vec3,
     /// Mean of 1 / distance over where the cosine-distributed rays end; 0 for those that meet nothing.
     pub nearness: f32,
@@ -107,29 +107,56 @@ impl Field {
                 None => {}
             }
         }
+        let sky = self.sky_rays(rays.cosine, rays.aimed.div_ceil(2));
         for ray in 0..rays.cosine {
             let number = index.wrapping_mul(rays.cosine).wrapping_add(ray);
             let hash = scramble(2, number);
             let [u, v, ..] = sobol_burley::sample_4d(number % SEQUENCE, 0, hash as u32);
             let beyond = mix(hash, number.into());
             let share = 1.0 / rays.cosine as f32;
-            if let Some(met) = self.meet(point, face, place.in_front(cosine_direction(normal, u, v))) {
-                glance.nearness += share / met.position.distance(point).max(f32::MIN_POSITIVE);
-                if !self.is_aimed_at(met.leaf, point, normal) {
-                    glance.indirect += share * self.sent_back(&met, point, (beyond, 0));
+            let drawn = cosine_direction(normal, u, v);
+            let direction = place.in_front(drawn);
+            match self.meet(point, face, direction) {
+                End::Face(met) => {
+                    glance.nearness += share / met.position.distance(point).max(f32::MIN_POSITIVE);
+                    if !self.is_aimed_at(met.leaf, point, normal) {
+                        glance.indirect += share * self.sent_back(&met, point, (beyond, 0));
+                    }
+                }
+                End::Outside => glance.indirect += self.sky_along(direction, normal.dot(drawn), sky),
+                End::Back => {}
+            }
+        }
+        if self.outside().is_some() {
+            for ray in 0..sky.drawn.max(1) {
+                let number = index.wrapping_mul(sky.drawn.max(1)).wrapping_add(ray);
+                let [u, v, w, x] = sobol_burley::sample_4d(number % SEQUENCE, 0, scramble(3, number) as u32);
+                if ray < sky.drawn {
+                    glance.direct += self.sky_drawn(place, [u, v], sky);
+                }
+                if ray == 0 {
+                    glance.direct += self.sun_light(place, [w, x]);
                 }
             }
         }
         glance
     }
 
-    /// Irradiance by one aimed ray, W/m².
-    fn aimed_light(&self, (point, normal): (Vec3, Vec3), [choice, u, v, _]: [f32; 4], beyond: (u64, u32)) -> Vec3 {
-        match self.aim_by_chance((point, normal), [choice, u, v]) {
+    /// Irradiance by one ray aimed at a source, and by those that are aimed outside, W/m².
+    fn aimed_light(&self, (point, normal): (Vec3, Vec3), [choice, u, v]: [f32; 3], beyond: (u64, u32)) -> Vec3 {
+        let aimed = match self.aim_by_chance((point, normal), [choice, u, v]) {
             Some((Lit::Emitter(emission), weight)) => weight * emission,
             Some((Lit::Secondary(met), weight)) => weight * self.sent_back(&met, point, beyond),
             None => Vec3::ZERO,
+        };
+        if self.outside().is_none() {
+            return aimed;
         }
+        let place = GatherPoint::on_face((point, normal));
+        let [u, v, w, x] = [7, 8, 9, 10].map(|what| fraction(mix(beyond.0, what) as u32));
+        let sky = self.sky_rays(1, 1);
+        let drawn = if sky.drawn > 0 { self.sky_drawn(&place, [u, v], sky) } else { Vec3::ZERO };
+        aimed + drawn + self.sun_light(&place, [w, x])
     }
 
     /// A source that a point sees, chosen by chance, and the share of its radiosity that it stands for.
@@ -161,9 +188,11 @@ impl Field {
 
     /// Irradiance by one cosine-distributed ray, without what is aimed for, W/m².
     fn scattered_light(&self, (point, normal): (Vec3, Vec3), [u, v]: [f32; 2], beyond: (u64, u32)) -> Vec3 {
-        match self.meet(point, normal, cosine_direction(normal, u, v)) {
-            Some(met) if !self.is_aimed_at(met.leaf, point, normal) => self.sent_back(&met, point, beyond),
-            _ => Vec3::ZERO,
+        let direction = cosine_direction(normal, u, v);
+        match self.meet(point, normal, direction) {
+            End::Face(met) if !self.is_aimed_at(met.leaf, point, normal) => self.sent_back(&met, point, beyond),
+            End::Outside => self.sky_along(direction, normal.dot(direction), self.sky_rays(1, 1)),
+            End::Face(_) | End::Back => Vec3::ZERO,
         }
     }
 
@@ -185,7 +214,7 @@ impl Field {
             return Vec3::ZERO;
         }
         let place = (met.position, patch.normal);
-        let aimed = self.aimed_light(place, [choice, u, v, 0.0], (mix(hash[2], 1), length + 1));
+        let aimed = self.aimed_light(place, [choice, u, v], (mix(hash[2], 1), length + 1));
         reflectance / survival * (aimed + self.scattered_light(place, [w, x], (mix(hash[2], 2), length + 1)))
     }
 
@@ -284,6 +313,7 @@ fn most_per_power(hierarchy: &Hierarchy, element: &Element, point: Vec3, normal:
             let reach = square + radius_squared;
             height * (descent + 0.1 * radius) / (reach * reach)
         }
+        Shape::Sky(_) => 0.0,
     }
 }
 

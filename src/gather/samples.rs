@@ -4,8 +4,8 @@
 use glam::Vec3;
 use rayon::prelude::*;
 
-use super::field::{Field, grey};
-use super::glance::{GlanceRays, Lit, is_near};
+use super::field::{End, Field, grey};
+use super::glance::{GatherPoint, GlanceRays, Lit, is_near};
 use crate::cancel::CancelToken;
 use crate::hierarchy::ElementId;
 use crate::random::{cosine_direction, mix};
@@ -23,8 +23,10 @@ pub type Queue = Vec<(ElementId, u32)>;
 /// A look from a point of a leaf.
 #[derive(Clone, Copy)]
 struct Look {
-    /// Irradiance that emission brings, W/m².
+    /// Irradiance that emission and the sun bring, W/m².
     emitted: Vec3,
+    /// Irradiance that the sky brings, W/m²; nothing without cosine-distributed rays.
+    sky: Vec3,
     /// Squared standard error of that (mean of the colours), as its few rays tell.
     noise: f32,
     /// Share of the rays that end on a bright side from where the leaf is read as a whole, not followed: those who read it look
@@ -64,7 +66,7 @@ struct Sums {
     /// Looks drawn, and of these those from points that are not hidden.
     drawn: u32,
     seen: u32,
-    /// Σ of the irradiance that emission brings, W/m², and of its squares less their noise (mean of the colours).
+    /// Σ of the irradiance that emission and the sun bring, W/m², and of its squares less their noise (mean of the colours).
     emitted: Vec3,
     squares: f32,
     /// Looks with cosine-distributed rays, from points that are not hidden.
@@ -133,7 +135,7 @@ impl GatherSamples {
         self.sums.get(leaf.index()).copied().unwrap_or_default()
     }
 
-    /// Irradiance that emission brings to a leaf, W/m², and its variance over the leaf (mean of the colours); zero where it was
+    /// Irradiance that emission and the sun bring to a leaf, W/m², and its variance over the leaf (mean of the colours); zero where it was
     /// not looked for.
     pub fn direct(&self, leaf: ElementId) -> (Vec3, f32) {
         let sums = self.of(leaf);
@@ -206,7 +208,7 @@ impl Pass {
         self.aimed_starts.push(self.aimed.len() as u32);
     }
 
-    /// Σ over the looks from a leaf: indirect irradiance (W/m²), all of it by the share of far rays, and these shares.
+    /// Σ over the looks from a leaf: irradiance by others and the sky (W/m²), all of it by the share of far rays, and these shares.
     fn sum(&self, place: usize, reflected: &[Vec3]) -> (Vec3, Vec3, f32) {
         let range = self.starts[place] as usize..self.starts[place + 1] as usize;
         let aimed = &self.aimed[self.aimed_starts[place] as usize..self.aimed_starts[place + 1] as usize];
@@ -219,6 +221,7 @@ impl Pass {
             while let Some((_, leaf, share)) = aimed.next_if(|(look, ..)| *look as usize == number - range.start) {
                 light += *share * reflected[leaf.index()];
             }
+            light += look.sky;
             sums.0 += light;
             sums.1 += look.far * (light + look.emitted);
             sums.2 += look.far;
@@ -252,7 +255,7 @@ fn draw(field: &Field, leaf: ElementId, rays: GlanceRays, looks: std::ops::Range
             drawn.hidden += 1;
             continue;
         }
-        let (mut emitted, mut squares) = (Vec3::ZERO, 0.0);
+        let (mut emitted, mut squares, mut sun) = (Vec3::ZERO, 0.0, Vec3::ZERO);
         for ray in look * rays.aimed..(look + 1) * rays.aimed {
             let [choice, u, v, _] = sobol_burley::sample_4d(ray & SEQUENCE, 2, scramble);
             match field.aim_by_chance(place, [choice, u, v]) {
@@ -266,18 +269,35 @@ fn draw(field: &Field, leaf: ElementId, rays: GlanceRays, looks: std::ops::Range
                 None => {}
             }
         }
-        let mut far = 0;
+        let (mut far, mut sky) = (0, Vec3::ZERO);
+        let sky_rays = field.sky_rays(rays.cosine, rays.aimed);
         for index in look * rays.cosine..(look + 1) * rays.cosine {
             let [u, v, ..] = sobol_burley::sample_4d(index & SEQUENCE, 0, scramble);
-            let met = field.meet(place.0, place.1, cosine_direction(place.1, u, v));
-            far += u32::from(met.as_ref().is_some_and(|met| !is_near(element.area, met.position, place.0)));
+            let direction = cosine_direction(place.1, u, v);
+            let end = field.meet(place.0, place.1, direction);
+            if let End::Outside = end {
+                sky += field.sky_along(direction, place.1.dot(direction), sky_rays);
+            }
+            let met = end.face();
+            far += u32::from(met.is_some_and(|met| !is_near(element.area, met.position, place.0)));
             let met = met.filter(|met| !field.is_aimed_at(met.leaf, place.0, place.1));
             drawn.met.push(met.map_or(NOTHING, |met| met.leaf));
         }
+        let here = GatherPoint::on_face(place);
+        for ray in look * rays.aimed..look * rays.aimed + sky_rays.drawn {
+            let [u, v, ..] = sobol_burley::sample_4d(ray & SEQUENCE, 3, scramble);
+            sky += field.sky_drawn(&here, [u, v], sky_rays);
+        }
+        if field.sun_rays() > 0 {
+            let [u, v, ..] = sobol_burley::sample_4d(look & SEQUENCE, 4, scramble);
+            sun = field.sun_light(&here, [u, v]);
+        }
         let count = rays.aimed as f32;
         let noise = (squares / count - grey(emitted) * grey(emitted)).max(0.0) / (count - 1.0).max(1.0);
-        drawn.looks.push(Look { emitted, noise, far: far as f32 / rays.cosine.max(1) as f32 });
-        drawn.rays += rays.aimed + rays.cosine;
+        // One ray tells all of the sun that there is at a point, but for its penumbra.
+        let emitted = emitted + sun;
+        drawn.looks.push(Look { emitted, sky, noise, far: far as f32 / rays.cosine.max(1) as f32 });
+        drawn.rays += rays.aimed + rays.cosine + sky_rays.drawn + field.sun_rays();
     }
     drawn
 }

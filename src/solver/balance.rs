@@ -10,11 +10,13 @@ use crate::hierarchy::{ElementId, Hierarchy, Shape, SurfacePoint};
 use crate::random::{cosine_direction, even_point, mix};
 use crate::scene::Surface;
 
-/// The power of a solution, W per colour: Φ should equal the sum of the other three.
+/// The power of a solution, W per colour: what is emitted and what enters should equal the sum of the other three.
 #[derive(Clone, Copy, Debug)]
 pub struct PowerBalance {
     /// Φ = Σ A·B_e.
     pub emitted: DVec3,
+    /// Power from outside that meets bright sides, by rays of its own that leave the scene.
+    pub entered: DVec3,
     /// Σ A·E·(1−ρ) over the leaves of the solution.
     pub absorbed: DVec3,
     /// Power that meets the dark back of a face, that of hidden parts of lamps included.
@@ -29,11 +31,11 @@ const HIDDEN_RAYS: u32 = 16;
 const TRIES: u64 = 8;
 
 impl PowerBalance {
-    /// What is missing (positive) or created (negative), as a share of the emitted power of all colours.
+    /// What is missing (positive) or created (negative), as a share of the power of all colours that is emitted or enters.
     pub fn relative_gap(&self) -> f64 {
         let accounted = self.absorbed + self.stopped_by_backs + self.escaped;
-        let emitted = self.emitted.element_sum();
-        if emitted > 0.0 { (emitted - accounted.element_sum()) / emitted } else { 0.0 }
+        let given = (self.emitted + self.entered).element_sum();
+        if given > 0.0 { (given - accounted.element_sum()) / given } else { 0.0 }
     }
 }
 
@@ -98,8 +100,13 @@ pub fn power_balance(solver: &Solver, rays: u32, seed: u64) -> PowerBalance {
     }
     let total = power_before[leaves.len()];
     let emitted = solver.scene.emitted_power().as_dvec3();
-    let mut balance =
-        PowerBalance { emitted, absorbed: lit.absorbed(), stopped_by_backs: DVec3::ZERO, escaped: DVec3::ZERO };
+    let mut balance = PowerBalance {
+        emitted,
+        entered: entered(solver, &lit, rays, seed),
+        absorbed: lit.absorbed(),
+        stopped_by_backs: DVec3::ZERO,
+        escaped: DVec3::ZERO,
+    };
     if total <= 0.0 || rays == 0 {
         return balance;
     }
@@ -140,6 +147,36 @@ pub fn power_balance(solver: &Solver, rays: u32, seed: u64) -> PowerBalance {
         balance.escaped += escaped;
     }
     balance
+}
+
+/// Power that comes in from outside, W per colour: one ray to the sky and one to the sun from each of so many random points.
+fn entered(solver: &Solver, lit: &Lit, rays: u32, seed: u64) -> DVec3 {
+    let Some(outside) = solver.scene.outside().filter(|_| solver.hierarchy.outside().len() > 0) else {
+        return DVec3::ZERO;
+    };
+    let leaves: Vec<ElementId> = lit.leaves().map(|(leaf, _)| leaf).collect();
+    let mut area_before = vec![0.0_f64];
+    for leaf in &leaves {
+        area_before.push(area_before[area_before.len() - 1] + lit.area(*leaf));
+    }
+    let total = area_before[leaves.len()];
+    let light = |index: u32| {
+        let random = |axis: u64| (mix(mix(seed, u64::from(index)), 16 + axis) >> 40) as f32 / 16_777_216.0;
+        let wanted = (f64::from(index) + f64::from(random(0))) / f64::from(rays) * total;
+        let place = area_before[1..leaves.len()].partition_point(|&before| before <= wanted);
+        let point = lit.hierarchy.point_on(leaves[place], random(1), random(2));
+        let sees = |direction: Vec3| solver.occluders.is_open(point.position, point.normal, direction);
+        let along = cosine_direction(point.normal, random(3), random(4));
+        let sky = if sees(along) { std::f32::consts::PI * outside.radiance(along) } else { Vec3::ZERO };
+        let sun = outside.sun().map_or(Vec3::ZERO, |sun| {
+            let towards = sun.at([random(5), random(6)]);
+            let cosine = point.normal.dot(towards);
+            if cosine > 0.0 && sees(towards) { cosine * sun.irradiance } else { Vec3::ZERO }
+        });
+        (sky + sun).as_dvec3()
+    };
+    let found: Vec<DVec3> = (0..rays).into_par_iter().map(light).collect();
+    total / f64::from(rays) * found.into_iter().sum::<DVec3>()
 }
 
 /// Some random points of a leaf that is hidden in part that are not hidden themselves; few are tried, so that the work grows with the

@@ -30,6 +30,7 @@ mod link_error;
 mod live;
 mod memory;
 mod oracle;
+mod outside;
 pub mod params;
 mod picture;
 mod push;
@@ -58,6 +59,7 @@ pub use history::{MomentInfo, MomentKind};
 pub use link::{Evidence, Link, LinkTable};
 pub use link_error::LinkError;
 pub use memory::MemoryStop;
+pub use outside::lets_daylight_in;
 pub use params::{
     ClusterModel, ClusteringMode, Epsilon, OracleKind, PARAMETERS, Parameter, ParameterId, ParamsError, Push,
     Reconstruct, SolverParams, USUAL_ERROR, ValueKind,
@@ -132,6 +134,8 @@ pub struct Solver {
     epsilon_watts: f64,
     /// The Φ by which ε became watts, W.
     anchor_watts: f64,
+    /// Power from outside, W per colour.
+    entering: Vec3,
     /// Whether links may be finer than ε asks for, because it was raised.
     merges_back: bool,
     /// What the next look at the stored links must look for.
@@ -205,13 +209,15 @@ impl Solver {
         if params.clustering == ClusteringMode::None {
             check_pairs_fit(scene.polygons.len() as u64, params.memory.bytes())?;
         }
+        let entering = outside::entering_power(&scene, &occluders, params.seed);
         let (hierarchy, seconds) =
-            timed(|| Hierarchy::new(&scene, reachability(&scene, &occluders), params.clustering, params.octree_depth));
+            timed(|| Self::new_hierarchy(&scene, reachability(&scene, &occluders), &params, entering));
         let seconds = Seconds { hierarchy: seconds, total: seconds, ..Seconds::default() };
         let mut solver = Self {
             surfaces: surfaces_of(&scene),
-            epsilon_watts: watts(&params, &scene),
-            anchor_watts: largest_power(&scene),
+            epsilon_watts: watts(&params, largest_power(&scene, entering)),
+            anchor_watts: largest_power(&scene, entering),
+            entering,
             merges_back: false,
             doubts: Doubts::default(),
             scene,
@@ -248,7 +254,7 @@ impl Solver {
         solver.light = solver.emitted_light();
         solver.emission = solver.emission_sums();
         solver.fix_brightness();
-        solver.refinement.start([Candidate::root()]);
+        solver.refinement.start(Candidate::first(&solver.hierarchy));
         Ok(solver)
     }
 
@@ -280,6 +286,7 @@ impl Solver {
         let emission = |element: &crate::hierarchy::Element| match element.shape {
             Shape::Patch(patch) => self.surfaces[patch.polygon as usize].emission,
             Shape::Cluster(_) => Vec3::ZERO,
+            Shape::Sky(number) => self.hierarchy.sky_part(number).radiosity,
         };
         let mut radiosity: Vec<Vec3> = self.hierarchy.elements().iter().map(emission).collect();
         pull(&self.hierarchy, &mut radiosity);
@@ -318,16 +325,16 @@ fn timed<T>(work: impl FnOnce() -> T) -> (T, f64) {
 }
 
 /// ε in W.
-fn watts(params: &SolverParams, scene: &Scene) -> f64 {
+fn watts(params: &SolverParams, power: f64) -> f64 {
     match params.threshold() {
         Epsilon::Watts(watts) => watts,
-        Epsilon::Relative(share) => share * largest_power(scene),
+        Epsilon::Relative(share) => share * power,
     }
 }
 
-/// Emitted power Φ by the largest colour, W.
-fn largest_power(scene: &Scene) -> f64 {
-    f64::from(scene.emitted_power().max_element())
+/// Power Φ, emitted and from outside, by the largest colour, W.
+fn largest_power(scene: &Scene, entering: Vec3) -> f64 {
+    f64::from((scene.emitted_power() + entering).max_element())
 }
 
 fn surfaces_of(scene: &Scene) -> Vec<Surface> {

@@ -47,6 +47,9 @@ fn rows(stats: &Stats) -> Vec<(&'static str, String)> {
         ("emitted", format::quantity(stats.emitted_watts, "W")),
         ("absorbed", format::quantity(stats.absorbed_watts, "W")),
     ];
+    if stats.entering_watts > 0.0 {
+        rows.push(("entering from outside", format::quantity(stats.entering_watts, "W")));
+    }
     rows.push(("memory counted", format::bytes(stats.bytes.counted)));
     rows.push(("memory budget", format::bytes(stats.bytes.budget)));
     if let Some(stop) = stats.memory_stop {
