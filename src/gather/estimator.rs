@@ -104,6 +104,8 @@ struct Sums {
 const MOST_ENDS: u32 = 64;
 /// Rays of a look that are drawn by the radiance of an uneven sky.
 const DRAWN: u32 = 8;
+/// Rays of a look to the sun's disc: in a penumbra, the few looks of a reading must tell the part of it that is seen.
+const TO_SUN: u32 = 4;
 /// Rays of the look from where a ray ended.
 const FURTHER: GlanceRays = GlanceRays { aimed: 2, cosine: 2 };
 
@@ -205,9 +207,11 @@ impl Field {
                 let [u, v, ..] = sobol_burley::sample_4d(ray, 1, scramble);
                 seen.light += self.sky_drawn(&place, [u, v], sky);
             }
-            let [u, v, ..] = sobol_burley::sample_4d(number, 2, scramble);
-            seen.light += self.sun_light(&place, [u, v]);
-            seen.rays += sky.drawn + self.sun_rays();
+            for ray in number * TO_SUN..(number + 1) * TO_SUN * self.sun_rays() {
+                let [u, v, ..] = sobol_burley::sample_4d(ray, 2, scramble);
+                seen.light += self.sun_light(&place, [u, v]) / TO_SUN as f32;
+            }
+            seen.rays += sky.drawn + TO_SUN * self.sun_rays();
         }
         seen
     }

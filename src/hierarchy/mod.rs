@@ -30,8 +30,8 @@ use sky::Surroundings;
 pub use merge_back::Renumbering;
 pub use order::{Order, Room};
 pub use patch::Patch;
-pub use sky::{DEEPEST_SKY, SkyPart};
 pub use sample::{PatchSums, SurfacePoint, point_on_polygon};
+pub use sky::{DEEPEST_SKY, SkyPart};
 pub use surface::smooth_surfaces;
 
 /// How the part of the hierarchy above the initial patches is built.

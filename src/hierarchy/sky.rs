@@ -33,6 +33,9 @@ pub struct SkyPart {
     pub solid_angle: f32,
     /// π times the mean radiance, W/m².
     pub radiosity: Vec3,
+    /// ∫L·ω dω over the mean radiance, sr: its dot product with the normal of a face that sees all of the part is the projected solid
+    /// angle by which the mean radiance counts, however uneven the radiance is.
+    pub weighted: Vec3,
     /// Subdivision level.
     pub level: u8,
     /// Whether it is the sun's disc.
@@ -55,20 +58,30 @@ pub(super) struct Surroundings {
 
 impl SkyPart {
     fn triangle(corners: [Vec3; 3], level: u8, outside: &Outside) -> Self {
-        let (mut sum, mut light) = (0.0, Vec3::ZERO);
+        let (mut sum, mut light, mut weighted) = (0.0, Vec3::ZERO, Vec3::ZERO);
         add_up(corners, SAMPLED_LEVEL.saturating_sub(level), &mut |corners| {
             let solid_angle = solid_angle(corners);
             sum += solid_angle;
-            light += solid_angle * outside.radiance(middle(corners));
+            let (direction, radiance) = (middle(corners), outside.radiance(middle(corners)));
+            light += solid_angle * radiance;
+            weighted += solid_angle * radiance.element_sum() * direction;
         });
         let radiosity = if sum > 0.0 { PI / sum * light } else { Vec3::ZERO };
-        Self { corners, direction: middle(corners), solid_angle: sum, radiosity, level, is_sun: false }
+        let mean = light.element_sum() / sum;
+        let weighted = if mean > 0.0 { weighted / mean } else { Vec3::ZERO };
+        Self { corners, direction: middle(corners), solid_angle: sum, radiosity, weighted, level, is_sun: false }
     }
 
     fn sun(sun: &Sun) -> Self {
         let direction = sun.direction;
         let (solid_angle, radiosity) = (Sun::solid_angle(), PI * sun.radiance());
-        Self { corners: [direction; 3], direction, solid_angle, radiosity, level: DEEPEST_SKY, is_sun: true }
+        let (corners, weighted) = ([direction; 3], solid_angle * direction);
+        Self { corners, direction, solid_angle, radiosity, weighted, level: DEEPEST_SKY, is_sun: true }
+    }
+
+    /// Whether all of the part, or the sun's middle, is above the horizon of a face with this normal.
+    pub fn is_above(&self, normal: Vec3) -> bool {
+        self.is_sun || self.corners.iter().all(|corner| normal.dot(*corner) >= 0.0)
     }
 
     /// A direction of the part at `(u, v)` of the unit square, and the solid angle that it stands for among directions spread so, sr.
@@ -249,7 +262,9 @@ mod tests {
                     let angles: f32 = children.iter().map(|part| part.solid_angle).sum();
                     let power: f32 = children.iter().map(|part| part.solid_angle * part.radiosity.x).sum();
                     assert!((angles - own.solid_angle).abs() < 1e-4 * own.solid_angle);
-                    assert!((power - own.solid_angle * own.radiosity.x).abs() < 1e-3 * own.solid_angle * own.radiosity.x);
+                    assert!(
+                        (power - own.solid_angle * own.radiosity.x).abs() < 1e-3 * own.solid_angle * own.radiosity.x
+                    );
                     next.extend(hierarchy.element(id).children());
                 }
                 all = next;

@@ -83,9 +83,8 @@ impl Tracer {
             };
             let pair = |purpose: u32| numbers(PAIRS * vertex + purpose);
             let ([pick, stay], [u, v]) = (pair(CHOICES), pair(LAMP_POINT));
-            let lamps = self.lamps.as_ref().map(|lamps| {
-                (lamps, lamps.choice(from.position.as_vec3(), from.normal.as_vec3()))
-            });
+            let lamps =
+                self.lamps.as_ref().map(|lamps| (lamps, lamps.choice(from.position.as_vec3(), from.normal.as_vec3())));
             if let Some((lamps, choice)) = &lamps {
                 irradiance += throughput * self.lamp_light(&lamps.point(choice, pick, u, v), &from);
             }

@@ -100,7 +100,11 @@ fn load_bytes_with(path: &Path, bytes: Vec<u8>, files: &dyn SceneFiles, reading:
     sidecar.add_lights_to(&mut scene).map_err(unusable)?;
     let read = |name: &Path| {
         let outside = || format!("{}; it must lie in the scene's folder", FileError::Missing);
-        if name.is_absolute() { Err(outside()) } else { files.read(name, MOST_BYTES).map_err(|error| error.to_string()) }
+        if name.is_absolute() {
+            Err(outside())
+        } else {
+            files.read(name, MOST_BYTES).map_err(|error| error.to_string())
+        }
     };
     match scene.add_daylight_from(&sidecar.daylight(), read) {
         // As with a texture, the rest is worth seeing.

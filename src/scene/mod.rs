@@ -36,8 +36,8 @@ mod write;
 use std::sync::Arc;
 
 use glam::{DVec3, Vec3};
-use serde::{Deserialize, Serialize};
 use outside::Outside;
+use serde::{Deserialize, Serialize};
 use texture::MaterialTextures;
 
 pub use check::Skipped;

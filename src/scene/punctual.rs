@@ -7,8 +7,8 @@
 use glam::{DMat4, DVec3, Vec3};
 
 use super::draft::{Draft, DraftMaterial};
-use super::place::is_usable;
 use super::outside::{Amount, Axes, Daylight, SunTold};
+use super::place::is_usable;
 use super::{FileLight, GroupId, MaterialId, Scene, said};
 use crate::photometry::LUMENS_PER_WATT;
 
@@ -68,7 +68,8 @@ pub(super) fn add_sun(scene: &mut Scene, mut suns: Vec<DirectionalLight>) {
         }
     }
     if let Some((first, more)) = suns.split_first() {
-        let shown = more.iter().take(4).fold(said::name(&first.name), |names, sun| names + ", " + &said::name(&sun.name));
+        let shown =
+            more.iter().take(4).fold(said::name(&first.name), |names, sun| names + ", " + &said::name(&sun.name));
         let and_more = if suns.len() > 5 { format!(" and {} more", suns.len() - 5) } else { String::new() };
         scene.skipped.ignored_lights = suns.len();
         let why = if shining { "the brightest alone is the sun" } else { "they shine from below or not at all" };
@@ -85,9 +86,7 @@ pub(super) fn add_emitters(draft: &mut Draft) -> Vec<FileLight> {
         let radius = if light.cone.is_some() { SPOT_RADIUS } else { RADIUS };
         let centre = light.world.transform_point3(DVec3::ZERO);
         if !centre.to_array().into_iter().all(is_usable) {
-            draft
-                .skipped
-                .note(format!("The light {} lies too far off and is left out.", said::quoted(&light.name)));
+            draft.skipped.note(format!("The light {} lies too far off and is left out.", said::quoted(&light.name)));
             continue;
         }
         let material = draft.materials.len() as u32;

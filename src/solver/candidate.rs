@@ -148,7 +148,8 @@ pub fn end_to_split(hierarchy: &Hierarchy, a: ElementId, b: ElementId) -> Option
         // The receiver is what can still be split.
         Shape::Sky(number) if hierarchy.sky_part(number).level >= DEEPEST_SKY => {
             let other = if end == a { b } else { a };
-            let is_deepest = matches!(hierarchy.element(other).shape, Shape::Patch(patch) if patch.level >= DEEPEST_LEVEL);
+            let is_deepest =
+                matches!(hierarchy.element(other).shape, Shape::Patch(patch) if patch.level >= DEEPEST_LEVEL);
             (!is_deepest).then_some(other)
         }
         _ => Some(end),

@@ -55,10 +55,11 @@ pub fn exchange(hierarchy: &Hierarchy, a: ElementId, b: ElementId) -> Exchange {
     }
 }
 
-/// G from a part of what lies outside: the area times the projected solid angle over π, exact for a patch.
+/// G from a part of what lies outside: the area times the projected solid angle over π, exact for a patch that sees all of it or to which
+/// it is alike everywhere.
 fn from_outside(receiver: &Element, part: &SkyPart) -> Exchange {
     let form_factor = match &receiver.shape {
-        Shape::Patch(patch) if part.is_sun => patch.normal.dot(part.direction).max(0.0) * part.solid_angle / PI,
+        Shape::Patch(patch) if part.is_above(patch.normal) => patch.normal.dot(part.weighted).max(0.0) / PI,
         Shape::Patch(patch) => point_to_polygon(Vec3::ZERO, patch.normal, &part.corners),
         Shape::Cluster(_) => CLUSTER_COSINE * part.solid_angle / PI,
         // The parts of the outside send each other nothing.

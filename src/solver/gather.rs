@@ -91,7 +91,12 @@ impl Node {
             Shape::Patch(patch) if element.is_leaf() => patch.polygon,
             _ => NONE,
         };
-        Self { parent: element.parent().map_or(NONE, |parent| parent.0), polygon, area: element.area, is_sky: element.is_sky() }
+        Self {
+            parent: element.parent().map_or(NONE, |parent| parent.0),
+            polygon,
+            area: element.area,
+            is_sky: element.is_sky(),
+        }
     }
 }
 

@@ -176,8 +176,7 @@ impl Solver {
         let known = self.light.radiosity[..].to_vec();
         let scene = self.scene.clone();
         let reachability = self.hierarchy.reachability().clone();
-        let (hierarchy, seconds) =
-            timed(|| Self::new_hierarchy(&scene, reachability, &self.params, self.entering));
+        let (hierarchy, seconds) = timed(|| Self::new_hierarchy(&scene, reachability, &self.params, self.entering));
         self.hierarchy = hierarchy;
         // Another solve begins, so it counts from zero.
         self.seconds = Seconds { load: self.seconds.load, hierarchy: seconds, total: seconds, ..Seconds::default() };

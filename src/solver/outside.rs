@@ -33,7 +33,7 @@ fn power_from(outside: &Outside, (lower, upper): (Vec3, Vec3), occluders: &Occlu
     let from_sky = |index: u32| sky_ray(outside, &arrives, seed, index);
     let sky: Vec<Vec3> = (0..if outside.has_sky() { RAYS } else { 0 }).into_par_iter().map(from_sky).collect();
     let sun = outside.sun().map_or(0, |sun| {
-        let hits = |index: &u32| arrives(sun.direction, even_point(mix(seed, 12), *index));
+        let hits = |index: &u32| arrives(sun.direction, even_point(mix(seed, 1), *index));
         (0..RAYS).into_par_iter().filter(hits).count()
     });
     let of_sun = outside.sun().map_or(DVec3::ZERO, |of| sun as f64 * of.irradiance.as_dvec3());
@@ -43,8 +43,9 @@ fn power_from(outside: &Outside, (lower, upper): (Vec3, Vec3), occluders: &Occlu
 
 /// Radiance over density of a direction drawn by it, W/m², if it meets a bright side.
 fn sky_ray(outside: &Outside, arrives: &(impl Fn(Vec3, [f32; 2]) -> bool + Sync), seed: u64, index: u32) -> Vec3 {
-    let drawn = outside.draw(even_point(mix(seed, 10), index)).filter(|drawn| drawn.density > 0.0);
-    match drawn.filter(|drawn| arrives(drawn.direction, even_point(mix(seed, 11), index))) {
+    let [u, v, w, x] = sobol_burley::sample_4d(index, 0, mix(seed, 0) as u32);
+    let drawn = outside.draw([u, v]).filter(|drawn| drawn.density > 0.0);
+    match drawn.filter(|drawn| arrives(drawn.direction, [w, x])) {
         Some(drawn) => outside.radiance(drawn.direction) / drawn.density,
         None => Vec3::ZERO,
     }

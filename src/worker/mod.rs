@@ -26,8 +26,8 @@ use std::thread::{Builder, JoinHandle};
 use glam::Vec3;
 
 use crate::added_light::AddedLight;
-use crate::scene::{CameraPose, GroupMember, MaterialId, Reading, Scene, Source};
 use crate::scene::outside::Daylight;
+use crate::scene::{CameraPose, GroupMember, MaterialId, Reading, Scene, Source};
 use crate::solver::{MomentInfo, Snapshot, SolverParams};
 use crate::threads::lock;
 pub use stamp::FileStamp;

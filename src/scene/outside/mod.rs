@@ -243,7 +243,9 @@ impl Outside {
 
     /// Memory, bytes.
     pub fn bytes(&self) -> usize {
-        let of = |sky: &Sky| sky.table.bytes() + if let Source::Picture(picture, _) = &sky.source { picture.bytes() } else { 0 };
+        let of = |sky: &Sky| {
+            sky.table.bytes() + if let Source::Picture(picture, _) = &sky.source { picture.bytes() } else { 0 }
+        };
         self.sky.as_ref().map_or(0, of)
     }
 }
@@ -265,9 +267,7 @@ impl Scene {
     /// # Errors
     /// A picture that cannot be used, or a sky that needs a sun.
     pub fn add_daylight(&mut self, told: &Daylight) -> Result<(), DaylightError> {
-        self.add_daylight_from(told, |path| {
-            read_plain_file(path, files::MOST_BYTES).map_err(|error| error.to_string())
-        })
+        self.add_daylight_from(told, |path| read_plain_file(path, files::MOST_BYTES).map_err(|error| error.to_string()))
     }
 
     /// The same where pictures are read so.
@@ -311,9 +311,7 @@ impl Source {
     #[inline]
     fn at(&self, direction: DVec3, sun: DVec3) -> Vec3 {
         match self {
-            Self::Formula(spread, factor) => {
-                Vec3::splat(spread.at(direction.z, direction.dot(sun)) as f32 * factor)
-            }
+            Self::Formula(spread, factor) => Vec3::splat(spread.at(direction.z, direction.dot(sun)) as f32 * factor),
             Self::Picture(picture, factor) => *factor * picture.at(direction),
         }
     }
@@ -395,10 +393,7 @@ mod tests {
     use crate::random::{cosine_direction, even_point};
 
     fn outside(sky: &str, sun: Option<&str>) -> Outside {
-        let told = Daylight {
-            sky: Some(sky.parse().expect("a sky")),
-            sun: sun.map(|sun| sun.parse().expect("a sun")),
-        };
+        let told = Daylight { sky: Some(sky.parse().expect("a sky")), sun: sun.map(|sun| sun.parse().expect("a sun")) };
         Outside::new(&told, Vec3::Y, |_| Err("no file".to_owned())).expect("daylight")
     }
 
@@ -417,7 +412,12 @@ mod tests {
     #[test]
     fn open_faces_get_what_the_sky_is_told_to_bring() {
         let ratio = (0.25 * PI + 2.0 / 3.0) / (7.0 * PI / 6.0);
-        for (sky, vertical) in [("uniform:100W", Some(0.5)), ("overcast:100W", Some(ratio as f32)), ("clear:100W", None), ("cie1:100W", None)] {
+        for (sky, vertical) in [
+            ("uniform:100W", Some(0.5)),
+            ("overcast:100W", Some(ratio as f32)),
+            ("clear:100W", None),
+            ("cie1:100W", None),
+        ] {
             let outside = outside(sky, Some("az:200,el:40,500W"));
             let level = irradiance(&outside, Vec3::Y);
             assert!((level - 100.0).abs() < 0.3, "{sky}: {level}");

@@ -29,7 +29,8 @@ impl SkyPicture {
     pub fn new(width: usize, height: usize, texels: Vec<Vec3>) -> Option<Self> {
         let sound = |texel: Vec3| texel.map(|value| if value.is_nan() { 0.0 } else { value.clamp(0.0, MOST_RADIANCE) });
         let texels: Vec<Vec3> = texels.into_iter().map(sound).collect();
-        let mut picture = (width * height == texels.len() && !texels.is_empty()).then_some(Self { width, height, texels })?;
+        let mut picture =
+            (width * height == texels.len() && !texels.is_empty()).then_some(Self { width, height, texels })?;
         while picture.texels.len() > MOST_KEPT && picture.width > 1 && picture.height > 1 {
             picture = picture.halved();
         }

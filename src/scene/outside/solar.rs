@@ -45,8 +45,7 @@ pub fn position(moment: &Moment, latitude: f64, longitude: f64) -> [f64; 2] {
     let hour_angle = sidereal + longitude.to_radians() - right_ascension;
     let latitude = latitude.to_radians();
     let sine = latitude.sin() * declination.sin() + latitude.cos() * declination.cos() * hour_angle.cos();
-    let south_azimuth =
-        hour_angle.sin().atan2(hour_angle.cos() * latitude.sin() - declination.tan() * latitude.cos());
+    let south_azimuth = hour_angle.sin().atan2(hour_angle.cos() * latitude.sin() - declination.tan() * latitude.cos());
     let azimuth = (south_azimuth + 0.5 * TAU).rem_euclid(TAU);
     [azimuth.to_degrees(), sine.clamp(-1.0, 1.0).asin().to_degrees()]
 }

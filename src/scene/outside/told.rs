@@ -269,7 +269,8 @@ fn read_moment(text: &str) -> Option<Moment> {
         }
     };
     let hours = clock_hours(clock)?;
-    let is_sound = (1..=9999).contains(&year) && (1..=12).contains(&month) && (1..=31).contains(&day) && zone.abs() <= 14.0;
+    let is_sound =
+        (1..=9999).contains(&year) && (1..=12).contains(&month) && (1..=31).contains(&day) && zone.abs() <= 14.0;
     is_sound.then_some(Moment { date: [year, month, day], hours, zone })
 }
 
@@ -288,7 +289,12 @@ impl fmt::Display for SunTold {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self.place {
             SunPlace::Direction { azimuth, elevation } => write!(f, "az:{azimuth},el:{elevation}")?,
-            SunPlace::Almanac { moment: Moment { date: [year, month, day], hours, zone }, latitude, longitude, north } => {
+            SunPlace::Almanac {
+                moment: Moment { date: [year, month, day], hours, zone },
+                latitude,
+                longitude,
+                north,
+            } => {
                 let sign = if zone < 0.0 { '-' } else { '+' };
                 let (time, zone) = (clock(hours), clock(zone.abs()));
                 write!(f, "{year:04}-{month:02}-{day:02}T{time}{sign}{zone},lat:{latitude},lon:{longitude}")?;
@@ -332,7 +338,9 @@ mod tests {
 
     #[test]
     fn what_is_told_comes_back_as_it_was() {
-        for text in ["overcast:10000lx", "uniform:50W", "clear:8500lx", "cie7:100lx", "roof.hdr", "day:light.exr:2000lx"] {
+        for text in
+            ["overcast:10000lx", "uniform:50W", "clear:8500lx", "cie7:100lx", "roof.hdr", "day:light.exr:2000lx"]
+        {
             let told: SkyTold = text.parse().expect(text);
             assert_eq!(told.to_string(), text);
         }
@@ -355,9 +363,16 @@ mod tests {
         for text in ["", "cloudy", "cie0", "cie17", "overcast:-5lx", "overcast:5", "overcast:1e12lx", "sky.tiff"] {
             assert!(text.parse::<SkyTold>().is_err(), "{text}");
         }
-        for text in
-            ["", "az:1", "az:1,el:95", "el:30", "az:x,el:2", "az:1,el:2,5", "lat:1,lon:2", "2026-13-01T12:00Z,lat:1,lon:2"]
-        {
+        for text in [
+            "",
+            "az:1",
+            "az:1,el:95",
+            "el:30",
+            "az:x,el:2",
+            "az:1,el:2,5",
+            "lat:1,lon:2",
+            "2026-13-01T12:00Z,lat:1,lon:2",
+        ] {
             assert!(text.parse::<SunTold>().is_err(), "{text}");
         }
     }

@@ -129,7 +129,13 @@ fn show_head(ui: &mut Ui, subject: &Subject<'_>, inspection: &mut Inspection, vi
             }
             let name = inspection.name(anatomy, subject.scene, id).to_owned();
             let element = anatomy.hierarchy().element(id);
-            let kind = if element.is_cluster() { "cluster" } else if element.is_sky() { "outside" } else { "patch" };
+            let kind = if element.is_cluster() {
+                "cluster"
+            } else if element.is_sky() {
+                "outside"
+            } else {
+                "patch"
+            };
             ui.with_layout(egui::Layout::left_to_right(egui::Align::Center), |ui| {
                 ui.label(theme::weak(kind));
                 ui.add(egui::Label::new(RichText::new(name).strong()).truncate());

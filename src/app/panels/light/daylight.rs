@@ -167,7 +167,10 @@ mod tests {
             if let Some(sun) = made.sun.filter(|_| name == "Clear") {
                 assert_eq!(sun.angles(), [123.0, 21.0]);
             }
-            assert!(crate::scene::outside::Outside::new(&made, glam::Vec3::Y, |_| Err(String::new())).is_ok(), "{name}");
+            assert!(
+                crate::scene::outside::Outside::new(&made, glam::Vec3::Y, |_| Err(String::new())).is_ok(),
+                "{name}"
+            );
         }
     }
 }

@@ -74,7 +74,9 @@ pub(super) fn show(ui: &mut Ui, shown: &Shown, params: &SolverParams, editor: &m
     let Some(info) = &shown.info else { return };
     if !info.has_light {
         let sentence = match info.is_open {
-            true => "Nothing in this scene emits light, so it is black: let daylight in, make a material emit, or add a ceiling light.",
+            true => {
+                "Nothing in this scene emits light, so it is black: let daylight in, make a material emit, or add a ceiling light."
+            }
             false => "Nothing in this scene emits light, so it is black: make a material emit, or add a ceiling light.",
         };
         ui.add(egui::Label::new(egui::RichText::new(sentence).color(theme::ACCENT)).wrap());
