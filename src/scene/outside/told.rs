@@ -113,14 +113,10 @@ impl Amount {
     fn read(text: &str) -> Option<Self> {
         let text = text.trim();
         let number = |digits: &str| digits.trim().parse::<f32>().ok();
-        let units: [(&str, fn(f32) -> Self); 5] = [
-            ("klx", |value| Self::Lux(1000.0 * value)),
-            ("lx", Self::Lux),
-            ("W/m2", Self::Watts),
-            ("W/m²", Self::Watts),
-            ("W", Self::Watts),
-        ];
-        let amount = units.iter().find_map(|(unit, make)| Some(make(number(text.strip_suffix(unit)?)?)))?;
+        let of = |unit: &str| text.strip_suffix(unit).and_then(number);
+        let lux = of("klx").map(|value| 1000.0 * value).or_else(|| of("lx")).map(Self::Lux);
+        let watts = || of("W/m2").or_else(|| of("W/m²")).or_else(|| of("W")).map(Self::Watts);
+        let amount = lux.or_else(watts)?;
         (amount.lux() >= 0.0 && amount.lux() <= MOST_LUX).then_some(amount)
     }
 }
