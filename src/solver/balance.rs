@@ -4,6 +4,7 @@ use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
 use super::Solver;
+use super::outside::entering_power;
 use crate::gather::Field;
 use crate::geometry::EnclosureTest;
 use crate::hierarchy::{ElementId, Hierarchy, Shape, SurfacePoint};
@@ -15,7 +16,7 @@ use crate::scene::Surface;
 pub struct PowerBalance {
     /// Φ = Σ A·B_e.
     pub emitted: DVec3,
-    /// Power from outside that meets bright sides, by rays of its own that leave the scene.
+    /// Power from outside that meets bright sides, by rays of its own that come in.
     pub entered: DVec3,
     /// Σ A·E·(1−ρ) over the leaves of the solution.
     pub absorbed: DVec3,
@@ -25,6 +26,8 @@ pub struct PowerBalance {
     pub escaped: DVec3,
 }
 
+/// Rays that come in from outside for each that leaves a leaf: few of them find an opening.
+const RAYS_IN: u32 = 4;
 /// Rays that tell whether a point is hidden.
 const HIDDEN_RAYS: u32 = 16;
 /// Points of a leaf hidden in part that are tried.
@@ -100,9 +103,13 @@ pub fn power_balance(solver: &Solver, rays: u32, seed: u64) -> PowerBalance {
     }
     let total = power_before[leaves.len()];
     let emitted = solver.scene.emitted_power().as_dvec3();
+    let entered = match solver.hierarchy.outside().len() {
+        0 => DVec3::ZERO,
+        _ => entering_power(&solver.scene, &solver.occluders, RAYS_IN * rays, seed).as_dvec3(),
+    };
     let mut balance = PowerBalance {
         emitted,
-        entered: entered(solver, &lit, rays, seed),
+        entered,
         absorbed: lit.absorbed(),
         stopped_by_backs: DVec3::ZERO,
         escaped: DVec3::ZERO,
@@ -147,36 +154,6 @@ pub fn power_balance(solver: &Solver, rays: u32, seed: u64) -> PowerBalance {
         balance.escaped += escaped;
     }
     balance
-}
-
-/// Power that comes in from outside, W per colour: one ray to the sky and one to the sun from each of so many random points.
-fn entered(solver: &Solver, lit: &Lit, rays: u32, seed: u64) -> DVec3 {
-    let Some(outside) = solver.scene.outside().filter(|_| solver.hierarchy.outside().len() > 0) else {
-        return DVec3::ZERO;
-    };
-    let leaves: Vec<ElementId> = lit.leaves().map(|(leaf, _)| leaf).collect();
-    let mut area_before = vec![0.0_f64];
-    for leaf in &leaves {
-        area_before.push(area_before[area_before.len() - 1] + lit.area(*leaf));
-    }
-    let total = area_before[leaves.len()];
-    let light = |index: u32| {
-        let random = |axis: u64| (mix(mix(seed, u64::from(index)), 16 + axis) >> 40) as f32 / 16_777_216.0;
-        let wanted = (f64::from(index) + f64::from(random(0))) / f64::from(rays) * total;
-        let place = area_before[1..leaves.len()].partition_point(|&before| before <= wanted);
-        let point = lit.hierarchy.point_on(leaves[place], random(1), random(2));
-        let sees = |direction: Vec3| solver.occluders.is_open(point.position, point.normal, direction);
-        let along = cosine_direction(point.normal, random(3), random(4));
-        let sky = if sees(along) { std::f32::consts::PI * outside.radiance(along) } else { Vec3::ZERO };
-        let sun = outside.sun().map_or(Vec3::ZERO, |sun| {
-            let towards = sun.at([random(5), random(6)]);
-            let cosine = point.normal.dot(towards);
-            if cosine > 0.0 && sees(towards) { cosine * sun.irradiance } else { Vec3::ZERO }
-        });
-        (sky + sun).as_dvec3()
-    };
-    let found: Vec<DVec3> = (0..rays).into_par_iter().map(light).collect();
-    total / f64::from(rays) * found.into_iter().sum::<DVec3>()
 }
 
 /// Some random points of a leaf that is hidden in part that are not hidden themselves; few are tried, so that the work grows with the

@@ -209,7 +209,7 @@ impl Solver {
         if params.clustering == ClusteringMode::None {
             check_pairs_fit(scene.polygons.len() as u64, params.memory.bytes())?;
         }
-        let entering = outside::entering_power(&scene, &occluders, params.seed);
+        let entering = outside::entering_power(&scene, &occluders, outside::RAYS, params.seed);
         let (hierarchy, seconds) =
             timed(|| Self::new_hierarchy(&scene, reachability(&scene, &occluders), &params, entering));
         let seconds = Seconds { hierarchy: seconds, total: seconds, ..Seconds::default() };

@@ -12,15 +12,22 @@ use crate::scene::outside::{Amount, Daylight, Outside, SkyTold, Spread};
 
 /// Rays from the sky, and as many from the sun, by which the power is measured. Where none of them gets in, less than a thousandth of what
 /// falls on the scene's hull does: it counts as closed, and nothing outside is linked or looked for.
-const RAYS: u32 = 1 << 13;
+pub(super) const RAYS: u32 = 1 << 13;
+/// Numbers of a sequence before another one begins.
+const SEQUENCE: u32 = 0xffff;
 
 /// Power from outside that meets bright sides, W per colour, without what they reflect: by rays that come in through a disc as large as
 /// the scene.
-pub(super) fn entering_power(scene: &Scene, occluders: &Occluders, seed: u64) -> Vec3 {
-    scene.outside().map_or(Vec3::ZERO, |outside| power_from(outside, scene.bounds(), occluders, seed))
+pub(super) fn entering_power(scene: &Scene, occluders: &Occluders, rays: u32, seed: u64) -> Vec3 {
+    scene.outside().map_or(Vec3::ZERO, |outside| power_from(outside, scene.bounds(), occluders, (rays, seed)))
 }
 
-fn power_from(outside: &Outside, (lower, upper): (Vec3, Vec3), occluders: &Occluders, seed: u64) -> Vec3 {
+fn power_from(
+    outside: &Outside,
+    (lower, upper): (Vec3, Vec3),
+    occluders: &Occluders,
+    (rays, seed): (u32, u64),
+) -> Vec3 {
     let (centre, radius) = (0.5 * (lower + upper), 0.5 * lower.distance(upper));
     let disc = std::f32::consts::PI * radius * radius;
     let arrives = |direction: Vec3, [u, v]: [f32; 2]| {
@@ -31,19 +38,19 @@ fn power_from(outside: &Outside, (lower, upper): (Vec3, Vec3), occluders: &Occlu
         hit.is_some_and(|hit| hit.front)
     };
     let from_sky = |index: u32| sky_ray(outside, &arrives, seed, index);
-    let sky: Vec<Vec3> = (0..if outside.has_sky() { RAYS } else { 0 }).into_par_iter().map(from_sky).collect();
+    let sky: Vec<Vec3> = (0..if outside.has_sky() { rays } else { 0 }).into_par_iter().map(from_sky).collect();
     let sun = outside.sun().map_or(0, |sun| {
         let hits = |index: &u32| arrives(sun.direction, even_point(mix(seed, 1), *index));
-        (0..RAYS).into_par_iter().filter(hits).count()
+        (0..rays).into_par_iter().filter(hits).count()
     });
     let of_sun = outside.sun().map_or(DVec3::ZERO, |of| sun as f64 * of.irradiance.as_dvec3());
     let sum = sky.iter().map(|light| light.as_dvec3()).sum::<DVec3>() + of_sun;
-    (f64::from(disc) / f64::from(RAYS) * sum).as_vec3()
+    (f64::from(disc) / f64::from(rays) * sum).as_vec3()
 }
 
 /// Radiance over density of a direction drawn by it, W/m², if it meets a bright side.
 fn sky_ray(outside: &Outside, arrives: &(impl Fn(Vec3, [f32; 2]) -> bool + Sync), seed: u64, index: u32) -> Vec3 {
-    let [u, v, w, x] = sobol_burley::sample_4d(index, 0, mix(seed, 0) as u32);
+    let [u, v, w, x] = sobol_burley::sample_4d(index & SEQUENCE, index / (SEQUENCE + 1), mix(seed, 0) as u32);
     let drawn = outside.draw([u, v]).filter(|drawn| drawn.density > 0.0);
     match drawn.filter(|drawn| arrives(drawn.direction, [w, x])) {
         Some(drawn) => outside.radiance(drawn.direction) / drawn.density,
@@ -55,7 +62,7 @@ fn sky_ray(outside: &Outside, arrives: &(impl Fn(Vec3, [f32; 2]) -> bool + Sync)
 pub fn lets_daylight_in(scene: &Scene, occluders: &Occluders) -> bool {
     let sky = Daylight { sky: Some(SkyTold::of(Spread::Uniform, Amount::Lux(1.0))), sun: None };
     let outside = Outside::new(&sky, scene.up_axis(), |_| Err(String::new()));
-    outside.is_ok_and(|outside| power_from(&outside, scene.bounds(), occluders, 1) != Vec3::ZERO)
+    outside.is_ok_and(|outside| power_from(&outside, scene.bounds(), occluders, (RAYS, 1)) != Vec3::ZERO)
 }
 
 impl Solver {

@@ -154,7 +154,7 @@ fn room(is_in_ceiling: bool) -> (Scene, Vec3, [Vec3; 2]) {
 #[test]
 fn openings_in_black_rooms_light_points_as_their_sky_says() {
     for is_in_ceiling in [true, false] {
-        for sky in ["uniform:100W", "overcast:100W", "clear:100W"] {
+        for sky in ["uniform:100W", "clear:100W"] {
             let (mut scene, corner, edges) = room(is_in_ceiling);
             // The sun is where no opening shows it.
             let sun = (sky == "clear:100W").then_some("az:0,el:20,0W");
@@ -168,7 +168,7 @@ fn openings_in_black_rooms_light_points_as_their_sky_says() {
                 let exact = 100.0 * point_to_polygon(point.as_dvec3(), DVec3::Y, &corners.map(|at| at.as_dvec3()));
                 assert!((truth / exact - 1.0).abs() < 1e-3, "{truth} {exact}");
             }
-            let [gather, reference] = read(&scene, &solved, 0, point, 512);
+            let [gather, reference] = read(&scene, &solved, 0, point, 256);
             let what = format!("{sky}, ceiling {is_in_ceiling}, {point}");
             assert_within(gather, truth, 0.01, &format!("{what}, gather"));
             assert_within(reference, truth, 0.01, &format!("{what}, reference"));
@@ -219,11 +219,13 @@ fn the_penumbra_is_as_wide_as_the_sun() {
     }
 }
 
-/// Truth: conservation: what enters through the opening is absorbed or leaves by it, in the links and in the gather. 4 %, as for lamps at a
-/// coarse threshold; the opening is 6 % of the floor, so 65,536 points know it to 2 %.
+/// Truth: through 1.2 m² of open ceiling 120 W of a sky come in, or 1.2·sin 50° of the sun's 100 W/m²; what enters is absorbed or leaves by
+/// the opening, in the links and in the gather. 4 %, as for lamps at a coarse threshold; some thousand of all rays enter.
 #[test]
 fn what_enters_is_absorbed_or_leaves() {
-    for (sky, sun) in [(Some("overcast:100W"), None), (None, Some("az:180,el:50,100W"))] {
+    let cases =
+        [(Some("overcast:100W"), None, 120.0), (None, Some("az:180,el:50,100W"), 120.0 * 50.0_f64.to_radians().sin())];
+    for (sky, sun, truth) in cases {
         let (mut scene, ..) = room(true);
         scene.materials[0].reflectance = Vec3::splat(0.6);
         scene.add_daylight(&daylight(sky, sun)).expect("daylight");
@@ -232,9 +234,9 @@ fn what_enters_is_absorbed_or_leaves() {
             let balance = power_balance(&solved, 1 << 16, 7);
             let gap = balance.relative_gap();
             println!("{sky:?} {sun:?}: {:+.2} % of {} W", 100.0 * gap, balance.entered.x);
-            assert!(balance.entered.x > 0.0 && gap.abs() < 0.04, "{sky:?} {sun:?}: {gap}: {balance:?}");
-            let told = solved.stats().entering_watts / balance.entered.element_sum();
-            assert!((told - 1.0).abs() < 0.15, "by a few thousand rays: {told}");
+            assert_within(balance.entered.x, truth, 0.03, "entered");
+            assert!(gap.abs() < 0.04, "{sky:?} {sun:?}: {gap}: {balance:?}");
+            assert_within(solved.stats().entering_watts / 3.0, truth, 0.12, "by a few thousand rays");
         }
     }
 }
