@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::ceiling;
 use crate::geometry::Occluders;
+use crate::scene::outside::{Daylight, DaylightError};
 use crate::scene::{EditError, Scene};
 
 /// What is added; by default nothing.
@@ -16,6 +17,9 @@ pub struct AddedLight {
     pub emitting: Vec<(String, Vec3)>,
     /// A lamp under the ceiling.
     pub ceiling: Option<CeilingLight>,
+    /// Sky and sun.
+    #[serde(skip_serializing_if = "Daylight::is_empty")]
+    pub daylight: Daylight,
 }
 
 /// A square lamp under the ceiling, as far as it was described.
@@ -31,7 +35,7 @@ pub struct CeilingLight {
 impl AddedLight {
     /// Whether nothing is added.
     pub fn is_empty(&self) -> bool {
-        self.emitting.is_empty() && self.ceiling.is_none()
+        self.emitting.is_empty() && self.ceiling.is_none() && self.daylight.is_empty()
     }
 
     /// Makes materials of a scene emit.
@@ -40,6 +44,14 @@ impl AddedLight {
     /// A material that the scene does not have.
     pub fn add_emission_to(&self, scene: &mut Scene) -> Result<(), EditError> {
         self.emitting.iter().try_for_each(|(material, emission)| scene.set_emission(material, *emission))
+    }
+
+    /// Lets daylight into a scene; its own sky or sun stays where none is added.
+    ///
+    /// # Errors
+    /// A picture that cannot be used, or a sky that needs a sun.
+    pub fn add_daylight_to(&self, scene: &mut Scene) -> Result<(), DaylightError> {
+        scene.add_daylight(&self.daylight)
     }
 
     /// Adds the lamp under the ceiling to a scene whose faces have not been turned or doubled; `occluders` are the scene's.

@@ -42,7 +42,7 @@ pub fn add_light(scene: &mut Scene, size: f32, exitance: Vec3) -> Result<(), Edi
 pub fn suggested_size(scene: &Scene, occluders: &Occluders) -> f32 {
     let (lower, upper) = scene.bounds();
     let extent = upper - lower;
-    let up = up_axis(scene);
+    let up = scene.up_axis();
     let whole = horizontal(up).map(|axis| extent.dot(axis.abs()));
     let width = room(scene, occluders, up).map_or(whole[0].min(whole[1]), |room| room.width);
     0.25 * width.max(1e-3 * extent.max_element())
@@ -84,7 +84,7 @@ fn room(scene: &Scene, occluders: &Occluders, up: Vec3) -> Option<Room> {
 /// The place for a panel of side `size`: at the middle of the room that the camera is in, or else of the scene, under the ceiling of the
 /// space that the camera (or, without one, most of the faces) is in, below any roof.
 pub fn place(scene: &Scene, occluders: &Occluders, size: f32) -> CeilingPlace {
-    let up = up_axis(scene);
+    let up = scene.up_axis();
     let (lower, upper) = scene.bounds();
     let middle = room(scene, occluders, up).map_or(0.5 * (lower + upper), |room| room.middle);
     let height = (upper - lower).dot(up.abs());
@@ -106,18 +106,6 @@ pub fn place(scene: &Scene, occluders: &Occluders, size: f32) -> CeilingPlace {
     let ceiling = ceilings[ceilings.len() / 2];
     let panel = if ceiling.is_finite() { ceiling - CLEARANCE * height } else { floor + OPEN_HEIGHT * height };
     CeilingPlace { centre: middle + (panel - middle.dot(up)) * up, up }
-}
-
-/// The axis that the scene's file or a person names; else the one nearest to the camera's up, y without a camera.
-pub fn up_axis(scene: &Scene) -> Vec3 {
-    if let Some(up) = scene.frame.up {
-        return up.vector();
-    }
-    let up = scene.camera.map_or(Vec3::Y, |camera| camera.up);
-    let axis = up.abs().max_position();
-    let mut nearest = Vec3::ZERO;
-    nearest[axis] = if up[axis] < 0.0 { -1.0 } else { 1.0 };
-    nearest
 }
 
 /// A height inside the room: the eye's where it lies in the scene's box; else the middle of the box, or the median of

@@ -6,7 +6,8 @@
 use rustc_hash::FxHashMap;
 
 use crate::format;
-use crate::hierarchy::{Cluster, ElementId, Hierarchy, Shape};
+use crate::hierarchy::{Cluster, ElementId, Hierarchy, Shape, SkyPart};
+use crate::scene::outside::Axes;
 use crate::scene::{GroupId, Polygon, Scene};
 
 /// So many groups of a cluster that has several are named.
@@ -43,6 +44,7 @@ impl Names {
                 let groups = element.children().filter_map(|child| match &hierarchy.element(child).shape {
                     Shape::Cluster(_) => group_of.get(&child).copied(),
                     Shape::Patch(patch) => scene.polygons.get(patch.polygon as usize).map(|polygon| polygon.group),
+                    Shape::Sky(_) => None,
                 });
                 let common = groups.reduce(|one, other| common_group(scene, one, other));
                 group_of.insert(id, common.unwrap_or(GroupId(0)));
@@ -76,6 +78,7 @@ impl Names {
                 Some(polygon) => name_of_polygon(scene, polygon),
                 None => format!("polygon {}", format::count(patch.polygon)),
             },
+            Shape::Sky(number) => outside(scene, hierarchy.sky_part(*number)),
         }
     }
 
@@ -97,6 +100,11 @@ impl Names {
                 let number = first.map_or(0, |first| id.0 - first.0) + 1;
                 format!("child {number}")
             }
+            Shape::Sky(number) => match hierarchy.sky_part(*number) {
+                part if part.is_sun => "sun".into(),
+                part if part.level == 0 => "sky".into(),
+                _ => "part of the sky".into(),
+            },
         }
     }
 
@@ -113,6 +121,7 @@ impl Names {
                 let material = material.and_then(|material| scene.materials.get(material));
                 material.map_or_else(|| self.short(hierarchy, scene, id), |material| material.name.clone())
             }
+            Shape::Sky(_) => self.short(hierarchy, scene, id),
         }
     }
 
@@ -158,6 +167,15 @@ fn name_of_polygon(scene: &Scene, polygon: &Polygon) -> String {
         path if path.is_empty() => material.to_owned(),
         path => format!("{path} ({material})"),
     }
+}
+
+/// A part of what lies outside by where it stands: *sky, southeast, 45° up*.
+fn outside(scene: &Scene, part: &SkyPart) -> String {
+    const SIDES: [&str; 8] = ["north", "northeast", "east", "southeast", "south", "southwest", "west", "northwest"];
+    let [azimuth, elevation] = Axes::with_up(scene.up_axis()).angles(part.direction.as_dvec3());
+    let side = SIDES[(azimuth / 45.0).round() as usize % SIDES.len()];
+    let what = if part.is_sun { "sun" } else { "sky" };
+    format!("{what}, {side}, {elevation:.0}° up")
 }
 
 /// The group below the root that holds this one; the root for itself.

@@ -2,6 +2,7 @@
 
 use crate::added_light::AddedLight;
 use crate::geometry::{Occluders, orient};
+use crate::scene::outside::DaylightError;
 use crate::scene::{self, EditError, LoadError, Reading, Scene, Sides, Source};
 use crate::start_view;
 
@@ -14,6 +15,9 @@ pub enum PrepareError {
     /// The light cannot be added.
     #[error(transparent)]
     Light(#[from] EditError),
+    /// The daylight cannot be used.
+    #[error(transparent)]
+    Daylight(#[from] DaylightError),
 }
 
 /// A scene that is ready to be lit.
@@ -38,6 +42,7 @@ pub fn prepare(
 ) -> Result<Ready, PrepareError> {
     let mut raw = scene::load_with(source, reading)?;
     light.add_emission_to(&mut raw)?;
+    light.add_daylight_to(&mut raw)?;
     let (mut scene, mut occluders) = orient::apply(raw.clone(), sides.unwrap_or(raw.sides));
     let is_filed = matches!(source, Source::File(_));
     let is_free = sides.is_none() && !raw.frame.sides_are_told && scene.sides == Sides::Front;

@@ -8,7 +8,6 @@ use std::f32::consts::TAU;
 use glam::Vec3;
 use rayon::prelude::*;
 
-use crate::ceiling::up_axis;
 use crate::geometry::Occluders;
 use crate::scene::{CameraPose, Scene};
 
@@ -46,7 +45,7 @@ const HFOV: f32 = 75.0;
 
 /// A view from inside; `None` for a scene that has no inside, such as a single chair.
 pub fn find(scene: &Scene, occluders: &Occluders) -> Option<CameraPose> {
-    let (up, (lower, upper)) = (up_axis(scene), scene.bounds());
+    let (up, (lower, upper)) = (scene.up_axis(), scene.bounds());
     let tall = (upper - lower).dot(up.abs());
     let flat = (upper - lower) * (Vec3::ONE - up.abs()) + up.abs();
     let ground = flat.element_product();

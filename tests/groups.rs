@@ -70,7 +70,7 @@ fn objects_that_were_grouped_become_a_cluster() {
         .iter()
         .filter_map(|element| match &element.shape {
             Shape::Cluster(cluster) => Some(after.patches_below(cluster).len()),
-            Shape::Patch(_) => None,
+            Shape::Patch(_) | Shape::Sky(_) => None,
         })
         .collect();
     assert!(sizes.contains(&both), "{sizes:?}");

@@ -49,6 +49,7 @@ impl Facts {
         };
         match &element.shape {
             Shape::Patch(patch) => Self { level: Some(patch.level), ..lit.with_polygon(scene, patch.polygon) },
+            Shape::Sky(_) => lit,
             Shape::Cluster(cluster) => {
                 let below = hierarchy.patches_below(cluster);
                 let (mut sum, mut area) = (Vec3::ZERO, 0.0);

@@ -11,6 +11,7 @@ use super::{App, AppError};
 use crate::added_light::{AddedLight, CeilingLight};
 use crate::export::settings::Settings;
 use crate::scene::builtin::BuiltinScene;
+use crate::scene::outside::Daylight;
 use crate::scene::{FiledCamera, Scene, Source};
 use crate::worker::SceneInfo;
 use eframe::CreationContext;
@@ -38,6 +39,8 @@ pub(super) struct Opened {
     /// Emission of each material, W/m², and number of ceiling lights, before anybody changed them here.
     emission: Vec<Vec3>,
     ceiling_lights: usize,
+    /// What lay outside, likewise.
+    daylight: Daylight,
 }
 
 impl Opened {
@@ -57,6 +60,7 @@ impl Opened {
         self.source = source;
         self.emission = info.scene.materials.iter().map(|material| material.emission).collect();
         self.ceiling_lights = info.scene.ceiling_panels.len();
+        self.daylight = info.scene.daylight();
     }
 
     /// Light added to the scene's file: what was asked for, and what was changed in the window.
@@ -68,6 +72,9 @@ impl Opened {
                 light.emitting.retain(|(name, _)| *name != material.name);
                 light.emitting.push((material.name.clone(), material.emission));
             }
+        }
+        if scene.daylight() != self.daylight {
+            light.daylight = scene.daylight();
         }
         let is_new = scene.ceiling_panels.len() > self.ceiling_lights;
         if let Some(panel) = scene.ceiling_panels.last().filter(|_| is_new || light.ceiling.is_some()) {

@@ -10,7 +10,6 @@ use super::highlight::Highlight;
 use super::paint::Picture;
 use super::walk::Ground;
 use super::{App, Outbox, divider, line_labels, measure_marks, panels, theme, words};
-use crate::ceiling::up_axis;
 use crate::geometry::Occluders;
 use crate::render::{Camera, Display, Exposure, Marks};
 use crate::scene::{CameraPose, Scene};
@@ -82,7 +81,7 @@ impl Viewport {
     pub(super) fn start_with(&mut self, scene: &Scene, first: Option<CameraPose>) {
         self.first = first;
         self.bounds = scene.bounds();
-        self.up = up_axis(scene);
+        self.up = scene.up_axis();
         self.start = scene.camera;
         // Made when the view's aspect is known.
         self.camera = None;
@@ -132,7 +131,7 @@ impl Viewport {
     /// Goes on looking as before at a scene that was read anew.
     pub(super) fn go_on_with(&mut self, scene: &Scene) {
         self.bounds = scene.bounds();
-        self.up = up_axis(scene);
+        self.up = scene.up_axis();
         self.start = scene.camera;
     }
 

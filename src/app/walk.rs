@@ -73,7 +73,7 @@ mod tests {
         let occluders = Occluders::new(&scene);
         let (lower, upper) = scene.bounds();
         let start = scene.camera.expect("sample scenes have a camera");
-        let up = crate::ceiling::up_axis(&scene);
+        let up = scene.up_axis();
         let ground = Ground { scene: &scene, occluders: &occluders, up, height: (upper - lower).dot(up) };
         let side = up.any_orthonormal_vector();
         for turn in 0..8 {

@@ -14,6 +14,7 @@ use selflink::added_light::{AddedLight, CeilingLight};
 use selflink::export::settings::Settings;
 use selflink::hierarchy::ClusteringMode;
 use selflink::memory::MemoryBudget;
+use selflink::scene::outside::{Daylight, SkyKind, SkyTold, SunTold};
 use selflink::scene::{Reading, Sides, Source, Unit, UpAxis, builtin::BuiltinScene};
 use selflink::solver::{
     ClusterModel, Epsilon, OracleKind, PARAMETERS, Parameter, ParameterId, Push, Reconstruct, SolverParams,
@@ -204,7 +205,7 @@ pub fn unit_arg() -> Arg {
 }
 
 /// How the scene's file is read, and light that is added to it.
-pub fn scene_args() -> [Arg; 5] {
+pub fn scene_args() -> [Arg; 7] {
     [
         Arg::new("up")
             .long("up")
@@ -228,6 +229,16 @@ pub fn scene_args() -> [Arg; 5] {
             .num_args(0..=1)
             .default_missing_value("")
             .help("Add a square lamp under the ceiling: its side in the scene's unit and its exitance [default: a quarter of the room, 100 W/m²]"),
+        Arg::new("sky")
+            .long("sky")
+            .value_name("KIND:AMOUNT")
+            .value_parser(|text: &str| text.parse::<SkyTold>())
+            .help("Let a sky shine in: uniform, overcast, clear, cie1 to cie15, or a picture all around (.hdr, .exr, .png, .jpg; north in its middle), with its horizontal illuminance or irradiance, such as overcast:10000lx or uniform:50W"),
+        Arg::new("sun")
+            .long("sun")
+            .value_name("az:A,el:E,AMOUNT")
+            .value_parser(|text: &str| text.parse::<SunTold>())
+            .help("Let the sun shine in: degrees from north (-z, or y where z is up) over east and above the horizon, or date and place (2026-06-21T12:00+02:00,lat:48.1,lon:11.6,north:0); and what it brings to a face turned to it, such as 60000lx [default: as on a clear day]"),
     ]
 }
 
@@ -332,7 +343,18 @@ pub fn added_light(matches: &ArgMatches) -> anyhow::Result<AddedLight> {
     let emitting = matches.get_many::<String>("emit").unwrap_or_default();
     let emitting = emitting.map(|text| emission(text)).collect::<anyhow::Result<_>>()?;
     let ceiling = matches.get_one::<String>("ceiling-light").map(|text| ceiling_light(text)).transpose()?;
-    Ok(AddedLight { emitting, ceiling })
+    let sky = matches.get_one::<SkyTold>("sky").cloned().map(absolute);
+    Ok(AddedLight { emitting, ceiling, daylight: Daylight { sky, sun: matches.get_one::<SunTold>("sun").copied() } })
+}
+
+/// A sky whose picture is named in full: settings may be used elsewhere.
+fn absolute(mut sky: SkyTold) -> SkyTold {
+    if let SkyKind::Picture(name) = &mut sky.kind
+        && let Ok(path) = std::path::absolute(&*name)
+    {
+        *name = path.to_string_lossy().into_owned();
+    }
+    sky
 }
 
 /// All that decides a solution: the arguments, and where they say nothing the file of settings that

@@ -8,7 +8,6 @@ use anyhow::{Context, anyhow, bail};
 use clap::{Arg, ArgAction, ArgMatches, Command};
 use glam::{DVec3, Vec2};
 use image::{ImageFormat, RgbaImage};
-use selflink::ceiling::up_axis;
 use selflink::export::{PictureFormat, exr};
 use selflink::picture::GatheredPicture;
 use selflink::render::{
@@ -260,7 +259,7 @@ fn camera(scene: &Scene, view: &View) -> Camera {
     let given = view.camera.map(|[eye, target]| CameraPose {
         eye: scene.from_file(eye),
         target: scene.from_file(target),
-        up: scene.camera.map_or_else(|| up_axis(scene), |camera| camera.up),
+        up: scene.camera.map_or_else(|| scene.up_axis(), |camera| camera.up),
         hfov_deg: scene.camera.map_or(USUAL_HFOV, |camera| camera.hfov_deg),
     });
     given

@@ -60,11 +60,13 @@ pub struct Report<'a> {
     /// Highest resident memory of the process; `None` where the system does not tell.
     peak_rss_bytes: Option<u64>,
     emitted_watts: f64,
+    /// From outside, on bright sides: measured like the balance, or by a few thousand rays where that is not.
+    entered_watts: f64,
     absorbed_watts: f64,
     /// Measured by rays; `None` for a solution that is not finished.
     stopped_by_backs_watts: Option<f64>,
     escaped_watts: Option<f64>,
-    /// Share of the emitted power that is missing (positive) or too much.
+    /// Share of the emitted and entered power that is missing (positive) or too much.
     balance_gap: Option<f64>,
     depth_guard_struck: u64,
     clamped_leaves: usize,
@@ -120,6 +122,7 @@ impl<'a> Report<'a> {
             bytes: stats.bytes,
             peak_rss_bytes: peak_memory(),
             emitted_watts: stats.emitted_watts,
+            entered_watts: balance.map_or(stats.entering_watts, |balance| balance.entered.element_sum()),
             absorbed_watts: balance.map_or_else(|| absorbed(scene, solution), |balance| balance.absorbed.element_sum()),
             stopped_by_backs_watts: balance.map(|balance| balance.stopped_by_backs.element_sum()),
             escaped_watts: balance.map(|balance| balance.escaped.element_sum()),
@@ -187,8 +190,12 @@ impl<'a> Report<'a> {
                 lines.insert(2, format!("local      {}", quantiles(found)));
             }
         }
+        let entered = match self.entered_watts {
+            0.0 => String::new(),
+            watts => format!("{} entered, ", quantity(watts, "W")),
+        };
         let mut power = format!(
-            "power      {} emitted, {} absorbed",
+            "power      {} emitted, {entered}{} absorbed",
             quantity(self.emitted_watts, "W"),
             quantity(self.absorbed_watts, "W")
         );

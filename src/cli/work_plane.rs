@@ -72,7 +72,9 @@ fn summary(measured: &PlaneReading) -> String {
         format!("minimum    {} lx", lux(summary.minimum)),
         format!("maximum    {} lx", lux(summary.maximum)),
         format!("uniformity {:.2} (minimum over average)", summary.uniformity),
-        format!("lux        {FORMULA}"),
+        summary.daylight_factor.map_or(String::new(), |[mean, least]| {
+            format!("daylight   factor {:.2} % on average, {:.2} % at least\n", 100.0 * mean, 100.0 * least)
+        }) + &format!("lux        {FORMULA}"),
     ]
     .join("\n")
 }

@@ -33,8 +33,10 @@ pub struct LinkRow {
 pub struct LinkEnd {
     /// The element's number.
     pub element: ElementId,
-    /// The scene's polygon of which a patch is a part; `None` for a cluster.
+    /// The scene's polygon of which a patch is a part; `None` for a cluster and for the outside.
     pub polygon: Option<u32>,
+    /// Whether it is a part of the sky, or the sun.
+    pub is_outside: bool,
     /// Area, m²; of a cluster, the sum of its polygons'.
     pub area: f32,
 }
@@ -83,6 +85,7 @@ pub fn write(writer: &mut impl Write, rows: &[LinkRow]) -> io::Result<()> {
 
 fn write_end(writer: &mut impl Write, end: &LinkEnd) -> io::Result<()> {
     match end.polygon {
+        None if end.is_outside => write!(writer, "{},outside,,{},", end.element.0, end.area),
         Some(polygon) => write!(writer, "{},patch,{polygon},{},", end.element.0, end.area),
         None => write!(writer, "{},cluster,,{},", end.element.0, end.area),
     }
@@ -93,8 +96,8 @@ impl LinkEnd {
         let at = hierarchy.element(element);
         let polygon = match &at.shape {
             Shape::Patch(patch) => Some(patch.polygon),
-            Shape::Cluster(_) => None,
+            Shape::Cluster(_) | Shape::Sky(_) => None,
         };
-        Self { element, polygon, area: at.area }
+        Self { element, polygon, is_outside: at.is_sky(), area: at.area }
     }
 }

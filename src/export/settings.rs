@@ -130,6 +130,7 @@ mod tests {
 
     use super::*;
     use crate::added_light::CeilingLight;
+    use crate::scene::outside::Daylight;
     use crate::scene::{Unit, UpAxis};
     use crate::solver::{ClusteringMode, Epsilon};
 
@@ -149,6 +150,10 @@ mod tests {
             light: AddedLight {
                 emitting: vec![("lamp".into(), Vec3::new(0.1, 2.0, 3.3))],
                 ceiling: Some(CeilingLight { size: None, exitance: 0.7 }),
+                daylight: Daylight {
+                    sky: Some("clear:8500lx".parse().expect("a sky")),
+                    sun: Some("az:200,el:40,60000lx".parse().expect("a sun")),
+                },
             },
             camera: Some(FiledCamera { eye: DVec3::ONE, target: DVec3::ZERO, up: DVec3::Y, hfov_deg: 66.6 }),
             solver: SolverParams {

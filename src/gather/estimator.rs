@@ -7,7 +7,7 @@
 
 use glam::Vec3;
 
-use super::field::{Field, Met, grey};
+use super::field::{End, Field, Met, grey};
 use super::glance::{Followed, GatherPoint, GlanceRays, Path};
 use super::sources::Aim;
 use crate::random::{cosine_direction, mix};
@@ -28,6 +28,10 @@ const GROWTH: f32 = 1.1;
 const CHANGE_NOISE: f32 = 1.0;
 /// Ends of the rays of a look, at most as far as their numbers tell.
 const MOST_ENDS: u32 = 64;
+/// Rays of a look that are drawn by the radiance of an uneven sky.
+const DRAWN: u32 = 8;
+/// Rays of a look to the sun's disc: in a penumbra, the few looks of a reading must tell the part of it that is seen.
+const TO_SUN: u32 = 4;
 /// Rays of the look from where a ray ended.
 const FURTHER: GlanceRays = GlanceRays { aimed: 2, cosine: 2 };
 
@@ -193,17 +197,33 @@ impl Field {
                 let (emitted, rays) = self.aim((place.point, place.normal), aims, AIMED, seed, reflect);
                 seen.light += emitted;
                 seen.rays += rays;
+                let here = GatherPoint::on_face((place.point, place.normal));
+                for ray in number * TO_SUN..number * TO_SUN + TO_SUN * self.sun_rays() {
+                    let [u, v, ..] = sobol_burley::sample_4d(ray, 2, place.seed as u32);
+                    seen.light += self.sun_light(&here, [u, v]) / TO_SUN as f32;
+                }
+                seen.rays += TO_SUN * self.sun_rays();
             }
             Part::Cosine => {
                 let scramble = (place.seed ^ (place.seed >> 32)) as u32;
+                let sky = self.sky_rays(COSINE, DRAWN);
                 for index in 0..COSINE {
                     let [u, v, ..] = sobol_burley::sample_4d(number * COSINE + index, 0, scramble);
-                    let met = self.meet(place.point, place.normal, cosine_direction(place.normal, u, v));
-                    if let Some(met) = met.filter(|met| !self.is_aimed_at(met.leaf, place.point, place.normal)) {
-                        read(&mut seen, &met, 1.0 / COSINE as f32, index);
+                    let direction = cosine_direction(place.normal, u, v);
+                    match self.meet(place.point, place.normal, direction) {
+                        End::Face(met) if !self.is_aimed_at(met.leaf, place.point, place.normal) => {
+                            read(&mut seen, &met, 1.0 / COSINE as f32, index);
+                        }
+                        End::Outside => seen.light += self.sky_along(direction, place.normal.dot(direction), sky),
+                        End::Face(_) | End::Back => {}
                     }
                 }
-                seen.rays += COSINE;
+                let here = GatherPoint::on_face((place.point, place.normal));
+                for ray in number * DRAWN..number * DRAWN + sky.drawn {
+                    let [u, v, ..] = sobol_burley::sample_4d(ray, 1, scramble);
+                    seen.light += self.sky_drawn(&here, [u, v], sky);
+                }
+                seen.rays += COSINE + sky.drawn;
             }
         }
         seen

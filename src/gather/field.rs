@@ -11,6 +11,7 @@ use glam::Vec3;
 use super::sources::Sources;
 use crate::geometry::{EnclosureTest, Hit, LampList, Occluders};
 use crate::hierarchy::{ElementId, Hierarchy, Patch, Shape};
+use crate::scene::outside::Outside;
 use crate::scene::{Scene, Surface};
 
 /// Errors of places that are darker than this share of the median are relative to it.
@@ -20,20 +21,22 @@ const DIM_SHARE: f32 = 0.1;
 const UNEVEN: f32 = 0.4;
 
 /// What rays meet, the same for all states of a gather.
-struct Surroundings {
+pub(super) struct Surroundings {
     scene: Arc<Scene>,
-    occluders: Arc<Occluders>,
+    pub(super) occluders: Arc<Occluders>,
     /// Reflectance and emission of each polygon.
     surfaces: Vec<Surface>,
     /// The initial patch of each polygon.
     patches: Vec<ElementId>,
     lamps: Arc<LampList>,
+    /// What shines in from outside.
+    pub(super) outside: Option<Arc<Outside>>,
 }
 
 /// A state of the light that surfaces send; cheap to clone.
 #[derive(Clone)]
 pub struct Field {
-    around: Arc<Surroundings>,
+    pub(super) around: Arc<Surroundings>,
     pub(super) hierarchy: Arc<Hierarchy>,
     /// E of each leaf, W/m², parallel to the arena; 0 for what is no leaf.
     pub(super) irradiance: Arc<Vec<Vec3>>,
@@ -68,6 +71,27 @@ pub struct Met {
     pub position: Vec3,
 }
 
+/// How a ray ends.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum End {
+    /// On a bright side.
+    Face(Met),
+    /// On a dark one, where no light comes from.
+    Back,
+    /// Nowhere: it leaves the scene.
+    Outside,
+}
+
+impl End {
+    /// The place on a bright side, if it is one.
+    pub fn face(self) -> Option<Met> {
+        match self {
+            Self::Face(met) => Some(met),
+            Self::Back | Self::Outside => None,
+        }
+    }
+}
+
 impl Field {
     /// The field of a solution: `irradiance` is that of each leaf, W/m², parallel to the hierarchy's arena.
     pub fn new(
@@ -84,6 +108,8 @@ impl Field {
             }
         }
         let surfaces = surfaces.to_vec();
+        // Of a closed scene nothing is outside.
+        let outside = scene.outside().filter(|_| hierarchy.outside().len() > 0).cloned();
         let sources = Sources::emitters(&hierarchy, &surfaces);
         let around = Surroundings {
             scene: scene.clone(),
@@ -91,6 +117,7 @@ impl Field {
             surfaces,
             patches,
             lamps: Arc::new(LampList::new(scene)),
+            outside,
         };
         let mut field = Self {
             around: Arc::new(around),
@@ -260,7 +287,7 @@ impl Field {
     pub fn leaves(&self) -> impl Iterator<Item = ElementId> + Clone {
         let is_leaf = |id: &ElementId| {
             let element = self.hierarchy.element(*id);
-            element.is_leaf() && !element.is_cluster()
+            element.is_leaf() && element.is_patch()
         };
         self.hierarchy.ids().filter(is_leaf)
     }
@@ -275,13 +302,15 @@ impl Field {
             + size_of_val(&self.reflected[..])
     }
 
-    /// The bright side that a ray from a face meets; `None` where no light comes from.
-    pub(super) fn meet(&self, point: Vec3, normal: Vec3, direction: Vec3) -> Option<Met> {
-        let hit = self.around.occluders.ray_from(point, normal, direction)?;
-        if !hit.front {
-            return None;
+    /// What a ray from a face meets.
+    pub(super) fn meet(&self, point: Vec3, normal: Vec3, direction: Vec3) -> End {
+        match self.around.occluders.ray_from(point, normal, direction) {
+            None => End::Outside,
+            Some(hit) if hit.front => {
+                End::Face(Met { leaf: self.leaf_at(hit.polygon, hit.point), position: hit.point })
+            }
+            Some(_) => End::Back,
         }
-        Some(Met { leaf: self.leaf_at(hit.polygon, hit.point), position: hit.point })
     }
 
     /// Whether nothing stands between two points of faces with these normals.
@@ -300,7 +329,7 @@ impl Field {
     pub(super) fn patch(&self, leaf: ElementId) -> &Patch {
         match &self.hierarchy.element(leaf).shape {
             Shape::Patch(patch) => patch,
-            Shape::Cluster(_) => unreachable!("leaves are patches"),
+            Shape::Cluster(_) | Shape::Sky(_) => unreachable!("leaves are patches"),
         }
     }
 

@@ -11,7 +11,7 @@ use std::f32::consts::PI;
 use glam::Vec3;
 
 use super::facet::Facet;
-use super::field::{Field, Met};
+use super::field::{End, Field, Met};
 use crate::hierarchy::{Element, ElementId, Hierarchy, Shape, point_on_polygon};
 use crate::random::{cosine_direction, fraction, mix};
 
@@ -32,9 +32,9 @@ pub struct GlanceRays {
 /// What a glance finds.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Glance {
-    /// Irradiance by emitters, W/m².
+    /// Irradiance by what is aimed at for its own light, W/m².
     pub direct: Vec3,
-    /// Irradiance by what others reflect, W/m².
+    /// Irradiance by what others reflect, and by the sky that cosine-distributed rays find, W/m².
     pub indirect: Vec3,
     /// Mean of 1 / distance over where the cosine-distributed rays end; 0 for those that meet nothing.
     pub nearness: f32,
@@ -123,20 +123,48 @@ impl Field {
                 None => {}
             }
         }
+        let sky = self.sky_rays(rays.cosine, rays.aimed.div_ceil(2));
         for ray in 0..rays.cosine {
             let number = index.wrapping_mul(rays.cosine).wrapping_add(ray);
             let hash = scramble(2, number);
             let [u, v, ..] = sobol_burley::sample_4d(number % SEQUENCE, 0, hash as u32);
             let beyond = mix(hash, number.into());
             let share = 1.0 / rays.cosine as f32;
-            if let Some(met) = self.meet(point, face, place.in_front(cosine_direction(normal, u, v))) {
-                glance.nearness += share / met.position.distance(point).max(f32::MIN_POSITIVE);
-                if !self.is_aimed_at(met.leaf, point, normal) {
-                    glance.indirect += share * self.sent_back(&met, point, beyond);
+            let drawn = cosine_direction(normal, u, v);
+            let direction = place.in_front(drawn);
+            match self.meet(point, face, direction) {
+                End::Face(met) => {
+                    glance.nearness += share / met.position.distance(point).max(f32::MIN_POSITIVE);
+                    if !self.is_aimed_at(met.leaf, point, normal) {
+                        glance.indirect += share * self.sent_back(&met, point, beyond);
+                    }
+                }
+                End::Outside => glance.indirect += self.sky_along(direction, normal.dot(drawn), sky),
+                End::Back => {}
+            }
+        }
+        if self.outside().is_some() {
+            for ray in 0..sky.drawn.max(1) {
+                let number = index.wrapping_mul(sky.drawn.max(1)).wrapping_add(ray);
+                let [u, v, w, x] = sobol_burley::sample_4d(number % SEQUENCE, 0, scramble(3, number) as u32);
+                if ray < sky.drawn {
+                    glance.direct += self.sky_drawn(place, [u, v], sky);
+                }
+                if ray == 0 {
+                    glance.direct += self.sun_light(place, [w, x]);
                 }
             }
         }
         glance
+    }
+
+    /// Irradiance by rays that are aimed at the sky, if it is uneven, and at the sun, W/m².
+    fn light_from_outside(&self, point: (Vec3, Vec3), seed: u64) -> Vec3 {
+        let place = GatherPoint::on_face(point);
+        let [u, v, w, x] = [7, 8, 9, 10].map(|what| fraction(mix(seed, what) as u32));
+        let sky = self.sky_rays(1, 1);
+        let drawn = if sky.drawn > 0 { self.sky_drawn(&place, [u, v], sky) } else { Vec3::ZERO };
+        drawn + self.sun_light(&place, [w, x])
     }
 
     /// A source that a point sees, chosen by chance, and the share of its radiosity that it stands for.
@@ -192,22 +220,28 @@ impl Field {
         }
         let (point, normal) = (met.position, patch.normal);
         tell(Followed::Cast(2));
+        let share = reflectance / survival;
         let mut further = |what: u64, met: &Met, weight: f32| {
-            let weight = weight / survival * reflectance;
-            let throughput = weight * path.throughput;
+            let throughput = weight * share * path.throughput;
             let path = Path { seed: mix(hash[2], what), length: path.length + 1, throughput };
-            weight * self.follow(met, point, path, tell)
+            weight * share * self.follow(met, point, path, tell)
         };
         let aimed = match self.aim_by_chance((point, normal), [choice, u, v]) {
-            Some((Lit::Emitter(emission), weight)) => weight / survival * reflectance * emission,
+            Some((Lit::Emitter(emission), weight)) => weight * share * emission,
             Some((Lit::Secondary(met), weight)) => further(1, &met, weight),
             None => Vec3::ZERO,
         };
-        let scattered = match self.meet(point, normal, cosine_direction(normal, w, x)) {
-            Some(met) if !self.is_aimed_at(met.leaf, point, normal) => further(2, &met, 1.0),
-            _ => Vec3::ZERO,
+        let direction = cosine_direction(normal, w, x);
+        let scattered = match self.meet(point, normal, direction) {
+            End::Face(met) if !self.is_aimed_at(met.leaf, point, normal) => further(2, &met, 1.0),
+            End::Outside => share * self.sky_along(direction, normal.dot(direction), self.sky_rays(1, 1)),
+            End::Face(_) | End::Back => Vec3::ZERO,
         };
-        aimed + scattered
+        let outside = match self.outside() {
+            Some(_) => share * self.light_from_outside((point, normal), hash[2]),
+            None => Vec3::ZERO,
+        };
+        aimed + scattered + outside
     }
 
     /// Goes down to a source: at each node to a child by what it could send at most.
@@ -300,6 +334,7 @@ fn most_per_power(hierarchy: &Hierarchy, element: &Element, point: Vec3, normal:
             let reach = square + radius_squared;
             height * (descent + 0.1 * radius) / (reach * reach)
         }
+        Shape::Sky(_) => 0.0,
     }
 }
 

@@ -11,6 +11,7 @@
 //! The links' solution is read, never written.
 
 pub mod certificate;
+mod daylight;
 mod estimator;
 mod facet;
 mod field;
@@ -69,7 +70,7 @@ const CAST_SHARE: f32 = 0.5;
 /// Bytes of a leaf with what is kept of it beside its samples.
 const LEAF_BYTES: usize = 600;
 /// Bytes of a look beside those of its cosine-distributed rays, four each.
-const LOOK_BYTES: usize = 60;
+const LOOK_BYTES: usize = 72;
 
 /// The links' solution, as a gather reads it.
 pub struct LinkLight<'a> {
@@ -81,7 +82,7 @@ pub struct LinkLight<'a> {
     pub surfaces: &'a [Surface],
     /// Elements.
     pub hierarchy: &'a Hierarchy,
-    /// Irradiance of each element by what others reflect, W/m².
+    /// Irradiance of each element by what others reflect and by the sky, W/m².
     pub indirect: &'a [Vec3],
 }
 

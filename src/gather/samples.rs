@@ -4,8 +4,8 @@
 use glam::Vec3;
 use rayon::prelude::*;
 
-use super::field::{Field, grey};
-use super::glance::{GlanceRays, Lit};
+use super::field::{End, Field, grey};
+use super::glance::{GatherPoint, GlanceRays, Lit};
 use crate::cancel::CancelToken;
 use crate::hierarchy::ElementId;
 use crate::random::{cosine_direction, mix};
@@ -23,9 +23,11 @@ pub type Queue = Vec<(ElementId, u32)>;
 /// A look from a point of a leaf.
 #[derive(Clone, Copy)]
 struct Look {
-    /// Irradiance that emission brings, W/m².
+    /// Irradiance that emission and the sun bring, W/m².
     emitted: Vec3,
-    /// What its noise adds to the square of that (mean of the colours) in the mean.
+    /// Irradiance that the sky brings, W/m², by each half of the rays; nothing without cosine-distributed rays.
+    sky: [Vec3; 2],
+    /// What its noise adds to the square of what emission brings (mean of the colours) in the mean.
     noise: f32,
     /// Share of the rays that end on a bright side from where the leaf is read as a whole, not followed: those who read it look
     /// along these. What ends on a back has no reader.
@@ -64,7 +66,7 @@ struct Sums {
     /// Looks drawn, and of these those from points that are not hidden.
     drawn: u32,
     seen: u32,
-    /// Σ of the irradiance that emission brings, W/m², and of its squares less their noise (mean of the colours).
+    /// Σ of the irradiance that emission and the sun bring, W/m², and of its squares less their noise (mean of the colours).
     emitted: Vec3,
     squares: f32,
     /// Looks with cosine-distributed rays, from points that are not hidden.
@@ -158,7 +160,7 @@ impl GatherSamples {
         self.sums.get(leaf.index()).copied().unwrap_or_default()
     }
 
-    /// Irradiance that emission brings to a leaf, W/m², and its variance over the leaf (mean of the colours); zero where it was
+    /// Irradiance that emission and the sun bring to a leaf, W/m², and its variance over the leaf (mean of the colours); zero where it was
     /// not looked for.
     pub fn direct(&self, leaf: ElementId) -> (Vec3, f32) {
         let sums = self.of(leaf);
@@ -257,6 +259,8 @@ impl Pass {
             while let Some((_, leaf, share)) = aimed.next_if(|(look, ..)| *look as usize == number - range.start) {
                 light += *share * reflected[leaf.index()];
             }
+            let noise = noise + noise_of_halves(look.sky.map(grey));
+            light += look.sky[0] + look.sky[1];
             let all = grey(light + look.emitted);
             sums.add(&LightSums {
                 indirect: light,
@@ -315,18 +319,36 @@ fn draw(field: &Field, leaf: ElementId, rays: GlanceRays, looks: std::ops::Range
                 None => {}
             }
         }
-        let mut far = 0;
+        let (mut far, mut sky) = (0, [Vec3::ZERO; 2]);
+        let sky_rays = field.sky_rays(rays.cosine, rays.aimed);
         for (half, index) in halves(rays.cosine) {
             let [u, v, ..] = sobol_burley::sample_4d(index & SEQUENCE, 0, scramble ^ half as u32);
-            let met = field.meet(place.0, place.1, cosine_direction(place.1, u, v));
-            far += u32::from(met.as_ref().is_some_and(|met| !field.is_near(leaf, met.position, place.0)));
+            let direction = cosine_direction(place.1, u, v);
+            let end = field.meet(place.0, place.1, direction);
+            if let End::Outside = end {
+                sky[half] += field.sky_along(direction, place.1.dot(direction), sky_rays);
+            }
+            let met = end.face();
+            far += u32::from(met.is_some_and(|met| !field.is_near(leaf, met.position, place.0)));
             let met = met.filter(|met| !field.is_aimed_at(met.leaf, place.0, place.1));
             drawn.met.push(met.map_or(NOTHING, |met| met.leaf));
         }
+        let here = GatherPoint::on_face(place);
+        for (half, ray) in halves(sky_rays.drawn) {
+            let [u, v, ..] = sobol_burley::sample_4d(ray & SEQUENCE, 3, scramble ^ half as u32);
+            sky[half] += field.sky_drawn(&here, [u, v], sky_rays);
+        }
+        let sun = if field.sun_rays() > 0 {
+            let [u, v, ..] = sobol_burley::sample_4d(look & SEQUENCE, 4, scramble);
+            field.sun_light(&here, [u, v])
+        } else {
+            Vec3::ZERO
+        };
         let noise = noise_of_halves(emitted.map(grey));
-        let emitted = emitted[0] + emitted[1];
-        drawn.looks.push(Look { emitted, noise, far: far as f32 / rays.cosine.max(1) as f32 });
-        drawn.rays += rays.aimed + rays.cosine;
+        // One ray tells all of the sun that there is at a point, but for its penumbra.
+        let emitted = emitted[0] + emitted[1] + sun;
+        drawn.looks.push(Look { emitted, sky, noise, far: far as f32 / rays.cosine.max(1) as f32 });
+        drawn.rays += rays.aimed + rays.cosine + sky_rays.drawn + field.sun_rays();
     }
     drawn
 }

@@ -64,7 +64,7 @@ impl Sources {
     pub fn with_secondary(hierarchy: &Hierarchy, surfaces: &[Surface], reflected: &[Vec3]) -> Self {
         let (mut sent, mut area) = (0.0, 0.0);
         for (element, reflected) in hierarchy.elements().iter().zip(reflected) {
-            if element.is_leaf() && !element.is_cluster() {
+            if element.is_leaf() && element.is_patch() {
                 sent += f64::from(element.area * reflected.max_element());
                 area += f64::from(element.area);
             }
@@ -135,6 +135,8 @@ impl Field {
                 }
                 self.collect_secondary(id, point, normal, aims);
             }
+            // Aimed at by rays of its own.
+            Shape::Sky(_) => {}
         }
     }
 

@@ -7,6 +7,7 @@ use glam::Vec3;
 use super::reachability::{point_in, uniform};
 use super::{Hit, Occluders};
 use crate::random::{cosine_direction, mix};
+use crate::scene::outside::Outside;
 use crate::scene::{Polygon, Scene};
 
 /// Reflections after which light that was not found is not looked for any further.
@@ -62,6 +63,7 @@ impl<'a> EnclosureTest<'a> {
             match self.look(point, normal, mix(seed, 2 * u64::from(ray) + 2)) {
                 Some(hit) if hit.front => return false,
                 Some(_) => backs += 1,
+                None if self.shines_along(normal, mix(seed, 2 * u64::from(ray) + 2)) => return false,
                 None => {}
             }
         }
@@ -78,6 +80,7 @@ impl<'a> EnclosureTest<'a> {
             match self.look(point, normal, mix(seed_of(ray, 0), 2)) {
                 Some(hit) if !hit.front => continue,
                 Some(hit) => fronts.push((ray, hit)),
+                None if self.shines_along(normal, mix(seed_of(ray, 0), 2)) => return false,
                 None => {}
             }
             others += 1;
@@ -98,9 +101,11 @@ impl<'a> EnclosureTest<'a> {
             if shines || self.shows_lamp(hit.point, normal, mix(seed(bounce), 1)) {
                 return true;
             }
-            match self.look(hit.point, normal, mix(seed(bounce), 2)) {
+            let random = mix(seed(bounce), 2);
+            match self.look(hit.point, normal, random) {
                 Some(met) if met.front => hit = met,
-                _ => return false,
+                Some(_) => return false,
+                None => return self.shines_along(normal, random),
             }
         }
         false
@@ -110,6 +115,13 @@ impl<'a> EnclosureTest<'a> {
     fn look(&self, point: Vec3, normal: Vec3, random: u64) -> Option<Hit> {
         let [u, v] = uniform(random);
         self.occluders.ray_from(point, normal, cosine_direction(normal, u, v))
+    }
+
+    /// Whether a random ray that leaves the scene finds the sky bright.
+    fn shines_along(&self, normal: Vec3, random: u64) -> bool {
+        let [u, v] = uniform(random);
+        let radiance = |outside: &Arc<Outside>| outside.radiance(cosine_direction(normal, u, v));
+        self.scene.outside().is_some_and(|outside| radiance(outside) != Vec3::ZERO)
     }
 
     fn shows_lamp(&self, point: Vec3, normal: Vec3, random: u64) -> bool {

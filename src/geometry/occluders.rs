@@ -162,6 +162,17 @@ impl Occluders {
         length > 0.0 && self.is_blocked(start, without_negative_zeros((end - start) / length), length, |_, _| false)
     }
 
+    /// Whether a ray that leaves a face meets no other: by a point of it and its unit normal on the side that the ray leaves;
+    /// `direction` must be a unit vector.
+    #[inline]
+    pub fn is_open(&self, point: Vec3, normal: Vec3, direction: Vec3) -> bool {
+        let away = without_negative_zeros(direction.into());
+        let start = End { point: Vec3A::from(self.scale * point), normal: normal.into(), away };
+        // Farther than any face of the scene as it is in the BVH.
+        let length = 16.0 * SIZE_IN_BVH;
+        !self.is_blocked(start.point, away, length, |index, crossing| self.is_held(&start, index, crossing))
+    }
+
     #[inline]
     fn is_blocked(
         &self,

@@ -42,9 +42,11 @@ pub(super) fn build(
         cluster_count: 0,
         leaf_count: scene.polygons.len(),
         initial_vertices,
+        around: None,
     };
     hierarchy.lay_out(scene, &welded, grouping.tidied().unwrap_or_default());
     hierarchy.finish_clusters(Hierarchy::ROOT);
+    hierarchy.add_outside(scene);
     hierarchy
 }
 
@@ -116,6 +118,7 @@ impl Hierarchy {
                 return (around(Vec3::min), around(Vec3::max));
             }
             Shape::Cluster(cluster) => cluster,
+            Shape::Sky(_) => unreachable!("what lies outside is in no cluster"),
         };
         let first_patch = self.initial_patches.len();
         let (mut lower, mut upper) = (Vec3::INFINITY, Vec3::NEG_INFINITY);

@@ -2,6 +2,7 @@
 
 use rustc_hash::FxHashMap;
 
+use super::sky::Surroundings;
 use super::{ElementId, Hierarchy};
 
 /// Stands for an element that is gone.
@@ -31,7 +32,7 @@ impl Hierarchy {
     /// The same hierarchy with only those patches split that `stays_split` answers yes for; a patch below one that does not
     /// is not asked about. Elements keep their order, and what they are to the last bit.
     pub fn merged_back(&self, stays_split: impl Fn(ElementId) -> bool) -> (Self, Renumbering) {
-        let initial = self.cluster_count + self.initial_patches.len();
+        let initial = self.cluster_count + self.initial_patches.len() + self.outside().len();
         let mut merged = Self {
             elements: self.elements[..initial].to_vec(),
             vertices: self.vertices[..self.initial_vertices].to_vec(),
@@ -42,6 +43,7 @@ impl Hierarchy {
             cluster_count: self.cluster_count,
             leaf_count: self.initial_patches.len(),
             initial_vertices: self.initial_vertices,
+            around: self.around.as_ref().map(Surroundings::whole),
         };
         for patch in merged.elements.iter_mut().filter(|element| !element.is_cluster()) {
             (patch.first_child, patch.child_count) = (0, 0);

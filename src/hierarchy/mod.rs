@@ -13,6 +13,7 @@ mod octree;
 mod order;
 mod patch;
 mod sample;
+mod sky;
 mod surface;
 
 use glam::Vec3;
@@ -24,11 +25,13 @@ use std::sync::Arc;
 use crate::geometry::Reachability;
 use crate::random::mix;
 use crate::scene::Scene;
+use sky::Surroundings;
 
 pub use merge_back::Renumbering;
 pub use order::{Order, Room};
 pub use patch::Patch;
 pub use sample::{PatchSums, SurfacePoint, point_on_polygon};
+pub use sky::{DEEPEST_SKY, SkyPart};
 pub use surface::smooth_surfaces;
 
 /// How the part of the hierarchy above the initial patches is built.
@@ -85,6 +88,8 @@ pub enum Shape {
     Cluster(Cluster),
     /// A planar triangle or quad.
     Patch(Patch),
+    /// A part of what lies outside of the scene, by its number ([`Hierarchy::sky_part`]).
+    Sky(u32),
 }
 
 /// A node of the hierarchy.
@@ -98,7 +103,7 @@ pub struct Element {
     /// Area over which its random points are spread, m²: `area` and, where an edge of what hides it runs, some of the hidden area
     /// beside it.
     pub sampled_area: f32,
-    /// Centroid of a patch, centre of a cluster's box.
+    /// Centroid of a patch, centre of a cluster's box; of a part of the outside a point far away in its direction.
     pub centre: Vec3,
     /// Tells what the element is whatever its index: seeds the rays of its links.
     pub key: u64,
@@ -115,6 +120,16 @@ impl Element {
         matches!(self.shape, Shape::Cluster(_))
     }
 
+    /// Whether the element is a patch.
+    pub fn is_patch(&self) -> bool {
+        matches!(self.shape, Shape::Patch(_))
+    }
+
+    /// Whether the element is a part of what lies outside.
+    pub fn is_sky(&self) -> bool {
+        matches!(self.shape, Shape::Sky(_))
+    }
+
     /// Whether the element has no children.
     pub fn is_leaf(&self) -> bool {
         self.child_count == 0
@@ -125,7 +140,7 @@ impl Element {
         if self.sampled_area > 0.0 { self.area / self.sampled_area } else { 1.0 }
     }
 
-    /// The enclosing element; `None` for the root.
+    /// The enclosing element; `None` for the root and for what lies outside.
     pub fn parent(&self) -> Option<ElementId> {
         (self.parent != NO_PARENT).then_some(ElementId(self.parent))
     }
@@ -152,6 +167,8 @@ pub struct Hierarchy {
     leaf_count: usize,
     /// Vertices of the initial patches, which come first.
     initial_vertices: usize,
+    /// What lies outside.
+    around: Option<Surroundings>,
 }
 
 impl Hierarchy {
@@ -229,6 +246,7 @@ impl Hierarchy {
             + self.area_sums.bytes()
             + self.reachability.bytes()
             + self.midpoints.len() * size_of::<((u32, u32), u32)>()
+            + self.around.as_ref().map_or(0, Surroundings::bytes)
     }
 
     /// The hierarchy as it was when it had so many elements and vertices; both tables only grow.
@@ -239,7 +257,7 @@ impl Hierarchy {
                 (element.first_child, element.child_count) = (0, 0);
             }
         }
-        let is_leaf = |element: &&Element| element.is_leaf() && !element.is_cluster();
+        let is_leaf = |element: &&Element| element.is_leaf() && element.is_patch();
         Self {
             leaf_count: former.iter().filter(is_leaf).count(),
             elements: former,
@@ -255,13 +273,14 @@ impl Hierarchy {
             reachability: self.reachability.clone(),
             cluster_count: self.cluster_count,
             initial_vertices: self.initial_vertices,
+            around: self.around.clone(),
         }
     }
 
-    /// Splits a leaf patch into four, unless it has been split already; clusters are left as they are.
+    /// Splits a leaf patch or a part of the sky into four, unless it has been split already; clusters are left as they are.
     pub fn subdivide(&mut self, id: ElementId) {
         let parent = *self.element(id);
-        let Shape::Patch(patch) = parent.shape else { return };
+        let Shape::Patch(patch) = parent.shape else { return self.subdivide_sky(id) };
         if !parent.is_leaf() {
             return;
         }

@@ -21,6 +21,9 @@ impl Room {
     pub const ALL: [Self; 3] = [Self::Area, Self::Polygons, Self::Leaves];
 }
 
+/// What lies outside has this share of the line, at its end.
+const OUTSIDE: f64 = 0.08;
+
 /// Where each element lies on the line from 0 to 1.
 #[derive(Clone, Debug)]
 pub struct Order {
@@ -33,6 +36,12 @@ impl Order {
         let weights = weights(hierarchy, room);
         let elements = hierarchy.elements();
         let mut spans = vec![[0.0_f64, 1.0]; elements.len()];
+        let outside = hierarchy.outside();
+        let (count, begin) = (outside.len(), if outside.len() > 0 { 1.0 - OUTSIDE } else { 1.0 });
+        spans[Hierarchy::ROOT.index()] = [0.0, begin];
+        for (number, id) in outside.enumerate() {
+            spans[id.index()] = [number, number + 1].map(|place| begin + OUTSIDE * place as f64 / count as f64);
+        }
         // Parents precede their children in the arena.
         for (index, element) in elements.iter().enumerate() {
             let [start, end] = spans[index];
@@ -57,10 +66,11 @@ impl Order {
         self.spans[id.index()]
     }
 
-    /// The elements that lie at a place, from the root down to a leaf.
+    /// The elements that lie at a place, from the root (or what lies outside) down to a leaf.
     pub fn path_at(&self, hierarchy: &Hierarchy, place: f64) -> Vec<ElementId> {
-        let mut path = vec![Hierarchy::ROOT];
-        let mut at = Hierarchy::ROOT;
+        let mut outside = hierarchy.outside().filter(|id| (self.span(*id)[0]..self.span(*id)[1]).contains(&place));
+        let mut at = outside.next().unwrap_or(Hierarchy::ROOT);
+        let mut path = vec![at];
         loop {
             let children = hierarchy.element(at).children();
             // An element without room is passed over.

@@ -37,7 +37,7 @@ impl PatchSums {
     pub fn of(&self, hierarchy: &Hierarchy, id: ElementId) -> f64 {
         match &hierarchy.element(id).shape {
             Shape::Cluster(cluster) => self.over(cluster),
-            Shape::Patch(_) => 0.0,
+            Shape::Patch(_) | Shape::Sky(_) => 0.0,
         }
     }
 
@@ -83,6 +83,7 @@ impl Hierarchy {
     pub fn point_on_by(&self, sums: &PatchSums, id: ElementId, u: f32, v: f32) -> SurfacePoint {
         match &self.element(id).shape {
             Shape::Patch(_) => self.point_on_patch(id, u, v),
+            Shape::Sky(_) => unreachable!("what lies outside has no points"),
             Shape::Cluster(cluster) => {
                 let (index, rest) = sums.locate(cluster, u);
                 self.point_on_patch(self.initial_patches[index], rest, v)

@@ -33,7 +33,7 @@ pub fn smooth_surfaces(scene: &Scene, hierarchy: &Hierarchy) -> Vec<u32> {
     };
     let patch_of = |id: u32| match hierarchy.element(super::ElementId(id)).shape {
         Shape::Patch(patch) => Some(patch),
-        Shape::Cluster(_) => None,
+        Shape::Cluster(_) | Shape::Sky(_) => None,
     };
     let patches = || hierarchy.initial_patches().iter().filter_map(|id| Some((id.0, patch_of(id.0)?)));
     for (id, patch) in patches() {

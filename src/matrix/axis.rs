@@ -40,7 +40,7 @@ pub fn brackets(
     let least = LEAST / f64::from(length.max(1.0)) * size;
     let mut found: FxHashMap<ElementId, Bracket> = FxHashMap::default();
     for (tier, share) in TIERS.into_iter().take(tiers).enumerate() {
-        let mut open = vec![Hierarchy::ROOT];
+        let mut open: Vec<ElementId> = std::iter::once(Hierarchy::ROOT).chain(hierarchy.outside()).collect();
         while let Some(id) = open.pop() {
             let span = order.span(id);
             let width = span[1] - span[0];
@@ -74,7 +74,7 @@ pub fn fitting_name(
     fits: impl Fn(&str) -> bool,
 ) -> Option<String> {
     let id = bracket.element;
-    let is_patch = |id: ElementId| !hierarchy.element(id).is_cluster();
+    let is_patch = |id: ElementId| hierarchy.element(id).is_patch();
     if bracket.tier > 0 && is_patch(id) && hierarchy.element(id).parent().is_some_and(is_patch) {
         return None;
     }

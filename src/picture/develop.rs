@@ -52,7 +52,11 @@ pub(super) fn develop(sights: &Sights, shares: &[Share], smooth: &[Share], shadi
         for (x, pixel) in row.iter_mut().enumerate() {
             let colour_of = |index: usize| {
                 let sight = &sights.all[index];
-                let Some(radiosity) = radiosity(sight, shares[index].irradiance) else { return ground };
+                let Some(radiosity) = radiosity(sight, shares[index].irradiance) else {
+                    // Of the sky, emission is all there is.
+                    let is_sky = sight.emission != Vec3::ZERO;
+                    return if is_sky { (shading.exposure * sight.emission).map(tone_curve) } else { ground };
+                };
                 let lit = (shading.exposure * radiosity).map(tone_curve);
                 let Some(read) = &shading.read else { return lit };
                 let value = |share: &Share| value(sight, share, read.quantity);

@@ -1,5 +1,7 @@
 //! What each sample of a picture sees.
 
+use std::f32::consts::PI;
+
 use glam::{Vec2, Vec3};
 use rayon::prelude::*;
 
@@ -32,7 +34,7 @@ pub struct Sight {
     pub face: Vec3,
     /// Reflectance there, textures included.
     pub reflectance: Vec3,
-    /// Emission there, W/m².
+    /// Emission there, W/m²; where nothing is seen π times the radiance of the sky.
     pub emission: Vec3,
     /// Index of the scene's polygon, or none.
     polygon: u32,
@@ -72,7 +74,8 @@ impl Sight {
             }
             from = hit.point + direction * (distance * BEYOND_HOLE);
         }
-        Self::NOTHING
+        // A radiance as the radiosity of what would look so.
+        Self { emission: PI * field.sky_seen(direction), ..Self::NOTHING }
     }
 
     /// The polygon seen.

@@ -14,7 +14,7 @@ pub(super) const MAGIC: &[u8; 8] = b"slnkref\n";
 /// Bytes of a hash.
 pub(super) const HASH: usize = 32;
 /// A hash of all that a reference's values depend on: the polygons as they are turned and doubled,
-/// reflectances, emissions, points, seed, and the version of the method.
+/// reflectances, emissions, the outside, points, seed, and the version of the method.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Key(pub(super) [u8; HASH]);
 
@@ -36,6 +36,16 @@ impl Key {
                 update(&mut hash, *vector);
             }
         }
+        if let Some(outside) = scene.outside() {
+            // A scene that has none keeps its key.
+            hash.update(b"outside");
+            for direction in probes() {
+                update(&mut hash, outside.radiance(direction));
+            }
+            for vector in outside.sun().iter().flat_map(|sun| [sun.direction, sun.irradiance]) {
+                update(&mut hash, vector);
+            }
+        }
         hash.update((points.len() as u64).to_le_bytes());
         for point in points {
             hash.update(point.polygon.to_le_bytes());
@@ -50,6 +60,17 @@ impl Key {
     pub(super) fn name(&self) -> String {
         self.0[..16].iter().map(|byte| format!("{byte:02x}")).collect()
     }
+}
+
+/// Directions all around, by whose radiances skies are told apart.
+fn probes() -> impl Iterator<Item = Vec3> {
+    const COUNT: usize = 20_000;
+    (0..COUNT).map(|index| {
+        let height = 1.0 - (2 * index + 1) as f32 / COUNT as f32;
+        let (sine, cosine) = (2.399_963_2 * index as f32).sin_cos();
+        let radius = (1.0 - height * height).sqrt();
+        Vec3::new(radius * cosine, radius * sine, height)
+    })
 }
 
 fn update(hash: &mut Sha256, vector: Vec3) {

@@ -30,6 +30,7 @@ mod compute;
 mod glow;
 mod key;
 mod lamps;
+mod outside;
 mod path;
 mod points;
 mod run;

@@ -10,6 +10,7 @@ use std::f64::consts::{PI, TAU};
 use glam::{DVec3, Vec3};
 
 use super::lamps::{LampPoint, Lamps};
+use super::outside::Daylight;
 use super::points::SurfacePoint;
 use super::sequence::Sequence;
 use super::surfaces::{Surfaces, Vertex};
@@ -24,6 +25,12 @@ const PAIRS: u32 = 3;
 const DIRECTION: u32 = 0;
 const LAMP_POINT: u32 = 1;
 const CHOICES: u32 = 2;
+/// The same for what lies outside, far behind all others.
+const PAIRS_OUTSIDE: u32 = 3;
+const OUTSIDE: u32 = 1 << 20;
+const SKY_CELL: u32 = 0;
+const SKY_PLACE: u32 = 1;
+const SUN_PLACE: u32 = 2;
 
 /// A scene made ready for paths.
 pub struct Tracer {
@@ -31,6 +38,7 @@ pub struct Tracer {
     /// One for each polygon.
     materials: Vec<Material>,
     lamps: Option<Lamps>,
+    daylight: Option<Daylight>,
 }
 
 /// The bright side of a polygon.
@@ -51,36 +59,52 @@ impl Tracer {
             surfaces: Surfaces::new(scene),
             materials: scene.polygons.iter().map(material).collect(),
             lamps: Lamps::new(scene),
+            daylight: Daylight::new(scene),
         }
     }
 
     /// The mean of so many paths from a point, a power of two, that share one scrambled sequence,
     /// W/m².
     pub fn irradiance(&self, point: &SurfacePoint, seed: u64, paths: u32) -> DVec3 {
-        let Some(lamps) = &self.lamps else { return DVec3::ZERO };
+        if self.lamps.is_none() && self.daylight.is_none() {
+            return DVec3::ZERO;
+        }
         let begin = self.surfaces.vertex(point);
-        let path = |index: u32| self.path(begin, lamps, &Sequence::new(seed, index, paths));
+        let path = |index: u32| self.path(begin, &Sequence::new(seed, index, paths));
         (0..paths).map(path).sum::<DVec3>() / f64::from(paths)
     }
 
-    fn path(&self, begin: Vertex, lamps: &Lamps, random: &Sequence) -> DVec3 {
+    fn path(&self, begin: Vertex, random: &Sequence) -> DVec3 {
         let mut from = begin;
         let (mut irradiance, mut throughput) = (DVec3::ZERO, DVec3::ONE);
         for vertex in 0.. {
-            let pair = |purpose: u32| {
-                let dimension = PAIRS * vertex + purpose;
+            let numbers = |dimension: u32| {
                 if vertex < EVEN_VERTICES { random.even(dimension) } else { random.plain(dimension) }
             };
+            let pair = |purpose: u32| numbers(PAIRS * vertex + purpose);
             let ([pick, stay], [u, v]) = (pair(CHOICES), pair(LAMP_POINT));
-            let choice = lamps.choice(from.position.as_vec3(), from.normal.as_vec3());
-            irradiance += throughput * self.lamp_light(&lamps.point(&choice, pick, u, v), &from);
+            let lamps =
+                self.lamps.as_ref().map(|lamps| (lamps, lamps.choice(from.position.as_vec3(), from.normal.as_vec3())));
+            if let Some((lamps, choice)) = &lamps {
+                irradiance += throughput * self.lamp_light(&lamps.point(choice, pick, u, v), &from);
+            }
+            if let Some(daylight) = &self.daylight {
+                let outside = |purpose: u32| numbers(OUTSIDE + PAIRS_OUTSIDE * vertex + purpose);
+                let sky = [outside(SKY_CELL), outside(SKY_PLACE)];
+                irradiance += throughput * daylight.light(&self.surfaces, &from, sky, outside(SUN_PLACE));
+            }
 
             let direction = cosine_direction(from.normal, pair(DIRECTION));
-            let Some((distance, met)) = self.surfaces.meet(&from, direction) else { break };
+            let Some((distance, met)) = self.surfaces.meet(&from, direction) else {
+                if let Some(daylight) = self.daylight.as_ref().filter(|_| self.surfaces.is_open(&from, direction)) {
+                    irradiance += throughput * daylight.met(&from, direction);
+                }
+                break;
+            };
             let material = &self.materials[met.polygon as usize];
-            if material.emission != Vec3::ZERO {
+            if let Some((lamps, choice)) = lamps.as_ref().filter(|_| material.emission != Vec3::ZERO) {
                 let kernel = kernel(direction.dot(from.normal), -direction.dot(met.normal), distance * distance);
-                let density = lamps.density(&choice, met.polygon, material.emission);
+                let density = lamps.density(choice, met.polygon, material.emission);
                 irradiance += throughput * material.emission.as_dvec3() * share(kernel, density);
             }
             throughput *= material.reflectance.as_dvec3();

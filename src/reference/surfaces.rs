@@ -196,6 +196,25 @@ impl Surfaces {
         is_seen
     }
 
+    /// Whether a ray from a vertex leaves the scene and meets no face, bright or dark.
+    pub fn is_open(&self, from: &Vertex, direction: DVec3) -> bool {
+        let ray = Ray::new(from.position, direction);
+        let cosine = direction.dot(from.normal);
+        let mut is_open = true;
+        self.bvh.visit(&ray, f64::INFINITY, |range| {
+            for triangle in range {
+                let Some(meeting) = ray.meet(&self.triangles[triangle]) else { continue };
+                let is_left = self.is_left(from, &self.planes[triangle], meeting.distance * cosine);
+                if meeting.distance >= 0.0 && !is_left {
+                    is_open = false;
+                    return -1.0;
+                }
+            }
+            f64::INFINITY
+        });
+        is_open
+    }
+
     /// A vertex on a polygon at a position that is known to double precision.
     pub fn at(&self, polygon: u32, position: DVec3, normal: DVec3) -> Vertex {
         let (corners, count) = &self.polygons[polygon as usize];

@@ -2,7 +2,6 @@
 
 use glam::{BVec3, Mat4, Quat, Vec2, Vec3};
 
-use crate::ceiling::up_axis;
 use crate::picture::Lens;
 use crate::scene::{CameraPose, Scene};
 
@@ -57,7 +56,7 @@ impl Camera {
     /// The scene's own view, or one of everything, with an aspect (width / height).
     pub fn of_scene(scene: &Scene, aspect: f32) -> Self {
         let bounds = scene.bounds();
-        let framed = || Self::frame(bounds, up_axis(scene), aspect);
+        let framed = || Self::frame(bounds, scene.up_axis(), aspect);
         scene.camera.map_or_else(framed, |pose| Self::from_pose(&pose, aspect, bounds))
     }
 

@@ -121,6 +121,7 @@ impl ClusterParts {
     pub fn offset_of(&self, hierarchy: &Hierarchy, id: ElementId, explode: f32) -> Vec3 {
         match &hierarchy.element(id).shape {
             Shape::Patch(patch) => self.offset_of_polygon(patch.polygon, explode),
+            Shape::Sky(_) => Vec3::ZERO,
             Shape::Cluster(_) => {
                 let before = &hierarchy.elements()[..id.index()];
                 self.offset_of_cluster(before.iter().filter(|element| element.is_cluster()).count(), explode)
@@ -141,7 +142,7 @@ impl ClusterParts {
 fn level_of(element: &Element) -> u16 {
     match &element.shape {
         Shape::Cluster(cluster) => cluster.level,
-        Shape::Patch(_) => u16::MAX,
+        Shape::Patch(_) | Shape::Sky(_) => u16::MAX,
     }
 }
 
@@ -151,7 +152,7 @@ pub fn cluster_colours(hierarchy: &Hierarchy) -> Vec<[u8; 3]> {
     let root = hierarchy.element(Hierarchy::ROOT);
     let side = match &root.shape {
         Shape::Cluster(cluster) => 2.0 * cluster.half_extent.max_element(),
-        Shape::Patch(_) => 0.0,
+        Shape::Patch(_) | Shape::Sky(_) => 0.0,
     };
     let step = if side > 0.0 { STEPS / side } else { 0.0 };
     let (mut parent, mut taken) = (None, 0_u32);
@@ -382,7 +383,7 @@ mod tests {
             let Shape::Cluster(cluster) = &element.shape else { continue };
             let polygons = hierarchy.patches_below(cluster).iter().map(|id| match &hierarchy.element(*id).shape {
                 Shape::Patch(patch) => patch.polygon,
-                Shape::Cluster(_) => panic!("an initial patch is a patch"),
+                Shape::Cluster(_) | Shape::Sky(_) => panic!("an initial patch is a patch"),
             });
             let polygons: Vec<u32> = polygons.collect();
             assert!(polygons.iter().all(|polygon| parts.offset_of_polygon(*polygon, 0.5) == 0.5 * way));

@@ -15,6 +15,8 @@ pub fn element_outline(hierarchy: &Hierarchy, id: ElementId) -> Vec<[Vec3; 2]> {
         Shape::Cluster(cluster) => {
             box_edges(element.centre - cluster.half_extent, element.centre + cluster.half_extent).into()
         }
+        // Nowhere in the scene.
+        Shape::Sky(_) => Vec::new(),
     }
 }
 

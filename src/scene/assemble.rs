@@ -9,7 +9,7 @@ use glam::{DVec3, Vec3};
 use super::draft::{Draft, DraftFace, DraftMaterial};
 use super::face::{CornerDetail, FaceDetails, TintList, unpacked_normal};
 use super::paint::{Painted, paint};
-use super::punctual::add_emitters;
+use super::punctual::{add_emitters, add_sun};
 use super::reading::{Reading, settle};
 use super::sidecar::{MAX_EMISSION, Sidecar, SidecarMaterial};
 use super::texture::MaterialTextures;
@@ -101,6 +101,7 @@ pub(super) fn assemble(name: &str, mut draft: Draft, sidecar: &Sidecar, reading:
         .or_else(|| scene.cameras.first().map(|camera| camera.pose));
     scene.lights = lights;
     scene.frame = frame;
+    add_sun(&mut scene, draft.suns);
     scene.reading = reading.clone();
     scene.sides = sidecar.sides.unwrap_or(Sides::Front);
     scene

@@ -24,7 +24,7 @@ pub struct Skipped {
     pub clamped_materials: usize,
     /// Faces without a (known) material, shown grey.
     pub faces_without_material: usize,
-    /// Lights that are left out (suns of KHR_lights_punctual).
+    /// Lights that are left out (directional ones of KHR_lights_punctual beside the sun).
     pub ignored_lights: usize,
     /// Lines and points, which have no area.
     pub lines_and_points: usize,

@@ -7,7 +7,7 @@ use glam::{DVec3, Vec2, Vec3};
 
 use super::face::CornerDetail;
 use super::place::{FiledCamera, Reach, is_usable};
-use super::punctual::PunctualLight;
+use super::punctual::{DirectionalLight, PunctualLight};
 use super::texture::{Opacity, TextureMap};
 use super::unit::Unit;
 use super::up::UpAxis;
@@ -105,6 +105,8 @@ pub(super) struct Draft {
     pub cameras: Vec<(String, FiledCamera)>,
     /// Lights that are no surfaces.
     pub lights: Vec<PunctualLight>,
+    /// Directional lights, the first of the brightest ones first.
+    pub suns: Vec<DirectionalLight>,
     /// The length unit, where the file tells it.
     pub unit: Option<Unit>,
     /// The up direction, where the format tells it.
@@ -132,6 +134,7 @@ impl Draft {
             groups: vec![Group { name: said::name(name), parent: None }],
             cameras: Vec::new(),
             lights: Vec::new(),
+            suns: Vec::new(),
             unit: None,
             up: None,
             skipped: Skipped::default(),

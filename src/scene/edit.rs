@@ -112,14 +112,19 @@ impl Scene {
         names.find(|name| !taken.contains(name.as_str())).unwrap_or_default()
     }
 
-    /// Whether any face emits.
+    /// Whether any face emits, or anything outside.
     pub fn has_light(&self) -> bool {
+        self.has_lamp() || self.outside().is_some()
+    }
+
+    /// Whether any face emits.
+    pub fn has_lamp(&self) -> bool {
         self.polygons.iter().any(|polygon| self.emits(polygon))
     }
 
     /// One sentence for a scene that is black because nothing in it emits.
     pub fn no_light_sentence() -> &'static str {
-        "Nothing in this scene emits light, so it is black: make a material emit (--emit MATERIAL=r,g,b) or add a ceiling light (--ceiling-light)."
+        "Nothing in this scene emits light, so it is black: make a material emit (--emit MATERIAL=r,g,b), add a ceiling light (--ceiling-light) or let daylight in (--sky overcast)."
     }
 
     /// Up to eight material names, those most like `wanted` first.

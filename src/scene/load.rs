@@ -7,6 +7,7 @@ use super::builtin::BuiltinScene;
 use super::draft::scene_name;
 use super::files::{FileError, MOST_BYTES, MOST_TEXT_BYTES, SceneFiles, SceneFolder, read_plain_file};
 use super::load_error::LoadError;
+use super::outside::DaylightError;
 use super::sidecar::{Sidecar, SidecarError};
 use super::{EditError, Reading, Scene, gltf, obj, ply, said, stl};
 
@@ -97,6 +98,20 @@ fn load_bytes_with(path: &Path, bytes: Vec<u8>, files: &dyn SceneFiles, reading:
     }
     let unusable = |error: EditError| SidecarError::Value { path: sidecar_path.clone(), problem: error.to_string() };
     sidecar.add_lights_to(&mut scene).map_err(unusable)?;
+    let read = |name: &Path| {
+        let outside = || format!("{}; it must lie in the scene's folder", FileError::Missing);
+        if name.is_absolute() {
+            Err(outside())
+        } else {
+            files.read(name, MOST_BYTES).map_err(|error| error.to_string())
+        }
+    };
+    match scene.add_daylight_from(&sidecar.daylight(), read) {
+        // As with a texture, the rest is worth seeing.
+        Err(error @ DaylightError::Picture { .. }) => scene.skipped.note(format!("Without a sky: {error}.")),
+        Err(error) => return Err(SidecarError::Value { path: sidecar_path, problem: error.to_string() }.into()),
+        Ok(()) => {}
+    }
     let remarks = scene.regroup(sidecar.groups);
     let more = remarks.len().saturating_sub(MOST_REMARKS);
     for remark in remarks.iter().take(MOST_REMARKS) {

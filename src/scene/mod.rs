@@ -15,6 +15,7 @@ mod load;
 mod load_error;
 mod mtl;
 mod obj;
+pub mod outside;
 mod paint;
 mod place;
 mod ply;
@@ -35,6 +36,7 @@ mod write;
 use std::sync::Arc;
 
 use glam::{DVec3, Vec3};
+use outside::Outside;
 use serde::{Deserialize, Serialize};
 use texture::MaterialTextures;
 
@@ -254,6 +256,8 @@ pub struct Scene {
     pub cameras: Vec<NamedCamera>,
     /// Lights of the file that are no surfaces there; each is a small emitter here, of a material of its own.
     pub lights: Vec<FileLight>,
+    /// What lies outside and shines in, where anything does.
+    pub outside: Option<Arc<Outside>>,
     /// How the scene's file was read.
     pub frame: Frame,
     /// What a person said of how it is to be read.
@@ -284,6 +288,7 @@ impl Scene {
             camera: None,
             cameras: Vec::new(),
             lights: Vec::new(),
+            outside: None,
             frame: Frame::default(),
             reading: Reading::default(),
             sides: Sides::Front,

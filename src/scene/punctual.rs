@@ -7,8 +7,9 @@
 use glam::{DMat4, DVec3, Vec3};
 
 use super::draft::{Draft, DraftMaterial};
+use super::outside::{Amount, Axes, Daylight, SunTold};
 use super::place::is_usable;
-use super::{FileLight, GroupId, MaterialId, Scene};
+use super::{FileLight, GroupId, MaterialId, Scene, said};
 use crate::photometry::LUMENS_PER_WATT;
 
 /// Radius of a point light's sphere, m: at 1 m it is as good as a point.
@@ -39,6 +40,43 @@ pub(super) struct PunctualLight {
     pub cone: Option<[f32; 2]>,
 }
 
+/// A directional light of a file.
+pub(super) struct DirectionalLight {
+    pub name: String,
+    /// Unit vector towards where it comes from.
+    pub towards: DVec3,
+    /// Illuminance of a face turned to it per colour, lx.
+    pub lux: Vec3,
+}
+
+/// Makes the brightest directional light above the horizon the scene's sun; the others are left out.
+pub(super) fn add_sun(scene: &mut Scene, mut suns: Vec<DirectionalLight>) {
+    let axes = Axes::with_up(scene.up_axis());
+    let brightness = |sun: &DirectionalLight| {
+        if axes.angles(sun.towards)[1] > 0.0 { crate::photometry::weighted(sun.lux.into()) } else { 0.0 }
+    };
+    suns.sort_by(|a, b| brightness(b).total_cmp(&brightness(a)));
+    let shining = suns.first().is_some_and(|sun| brightness(sun) > 0.0);
+    if shining {
+        let sun = suns.remove(0);
+        let [azimuth, elevation] = axes.angles(sun.towards);
+        let amount = Some(Amount::Lux(brightness(&sun)));
+        let colour = sun.lux / sun.lux.max_element();
+        let told = SunTold { colour, ..SunTold::at(azimuth, elevation, amount) };
+        if let Err(error) = scene.add_daylight(&Daylight { sky: None, sun: Some(told) }) {
+            scene.skipped.note(error.to_string());
+        }
+    }
+    if let Some((first, more)) = suns.split_first() {
+        let shown =
+            more.iter().take(4).fold(said::name(&first.name), |names, sun| names + ", " + &said::name(&sun.name));
+        let and_more = if suns.len() > 5 { format!(" and {} more", suns.len() - 5) } else { String::new() };
+        scene.skipped.ignored_lights = suns.len();
+        let why = if shining { "the brightest alone is the sun" } else { "they shine from below or not at all" };
+        scene.skipped.note(format!("Directional lights are left out, for {why}: {shown}{and_more}."));
+    }
+}
+
 /// Makes emitters of a draft's lights; each has a material of its own.
 pub(super) fn add_emitters(draft: &mut Draft) -> Vec<FileLight> {
     let lights = std::mem::take(&mut draft.lights);
@@ -48,9 +86,7 @@ pub(super) fn add_emitters(draft: &mut Draft) -> Vec<FileLight> {
         let radius = if light.cone.is_some() { SPOT_RADIUS } else { RADIUS };
         let centre = light.world.transform_point3(DVec3::ZERO);
         if !centre.to_array().into_iter().all(is_usable) {
-            draft
-                .skipped
-                .note(format!("The light {} lies too far off and is left out.", super::said::quoted(&light.name)));
+            draft.skipped.note(format!("The light {} lies too far off and is left out.", said::quoted(&light.name)));
             continue;
         }
         let material = draft.materials.len() as u32;
@@ -69,7 +105,7 @@ pub(super) fn add_emitters(draft: &mut Draft) -> Vec<FileLight> {
             add_cup(draft, centre, axis, cone.map(f64::from), material, light.group);
         }
         made.push(FileLight {
-            name: super::said::name(&light.name),
+            name: said::name(&light.name),
             material: MaterialId(material),
             candelas: light.candelas,
             range: light.range,

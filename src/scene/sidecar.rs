@@ -3,6 +3,7 @@
 //! ```json
 //! { "materials": { "lamp": { "emission": [30, 30, 30] }, "poster": { "ignore": true }, "curtain": { "opaque": true } },
 //!   "ceiling_lights": [{ "centre": [1, 2.7, 1], "up": [0, 1, 0], "size": 0.5, "exitance": [100, 100, 100] }],
+//!   "sky": "overcast:10000lx", "sun": "az:200,el:40,60000lx",
 //!   "sides": "auto", "up": "z", "unit": "cm",
 //!   "groups": [{ "lamps": ["desk_1/lamp", "desk_2/lamp"] }],
 //!   "camera": { "eye": [0, 1, 3], "target": [0, 1, 0], "up": [0, 1, 0], "hfov_deg": 50 } }
@@ -16,6 +17,7 @@ use glam::{DVec3, Vec3};
 use serde::{Deserialize, Serialize};
 
 use super::files::{FileError, MOST_TEXT_BYTES, SceneFiles, SceneFolder};
+use super::outside::{Daylight, SkyTold, SunTold};
 use super::place::{FiledCamera, MAX_COORDINATE, is_usable as is_usable_coordinate};
 use super::unit::Unit;
 use super::up::UpAxis;
@@ -40,6 +42,12 @@ pub struct Sidecar {
     /// Lights to be added.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub ceiling_lights: Vec<SidecarLight>,
+    /// The sky outside; a picture lies in the scene's folder.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sky: Option<SkyTold>,
+    /// The sun outside.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sun: Option<SunTold>,
     /// Which sides of faces are bright.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub sides: Option<Sides>,
@@ -180,6 +188,7 @@ impl Sidecar {
             exitance: scene.materials[panel.material.0 as usize].emission,
         };
         self.ceiling_lights = scene.ceiling_panels.iter().map(light).collect();
+        Daylight { sky: self.sky, sun: self.sun } = scene.daylight();
         for name in &scene.reading.opaque {
             self.materials.entry(name.clone()).or_default().opaque = true;
         }
@@ -203,6 +212,11 @@ impl Sidecar {
         lights.try_for_each(|light| {
             scene.add_ceiling_light(scene.from_file(light.centre), light.up, light.size, light.exitance)
         })
+    }
+
+    /// The daylight that it tells of.
+    pub fn daylight(&self) -> Daylight {
+        Daylight { sky: self.sky.clone(), sun: self.sun }
     }
 
     /// Why a light or the view cannot be used in this scene, if so.

@@ -3,6 +3,7 @@
 use glam::{DVec3, Vec3};
 use serde::{Deserialize, Serialize};
 
+use super::Scene;
 use super::draft::Draft;
 use super::triangulate::newell;
 
@@ -37,6 +38,20 @@ impl UpAxis {
     /// The axis with this letter.
     pub fn from_letter(letter: &str) -> Option<Self> {
         [Self::Y, Self::Z].into_iter().find(|axis| axis.letter() == letter)
+    }
+}
+
+impl Scene {
+    /// The axis that the scene's file or a person names; else the one nearest to the camera's up, y without a camera.
+    pub fn up_axis(&self) -> Vec3 {
+        if let Some(up) = self.frame.up {
+            return up.vector();
+        }
+        let up = self.camera.map_or(Vec3::Y, |camera| camera.up);
+        let axis = up.abs().max_position();
+        let mut nearest = Vec3::ZERO;
+        nearest[axis] = if up[axis] < 0.0 { -1.0 } else { 1.0 };
+        nearest
     }
 }
 

@@ -247,9 +247,10 @@ impl Anatomy {
 
     /// Level of an element: a cluster's below the root, a patch's below its initial patch.
     pub fn level(&self, id: ElementId) -> u16 {
-        match &self.hierarchy.element(id).shape {
+        match self.hierarchy.element(id).shape {
             Shape::Cluster(cluster) => cluster.level,
             Shape::Patch(patch) => patch.level.into(),
+            Shape::Sky(number) => self.hierarchy.sky_part(number).level.into(),
         }
     }
 }

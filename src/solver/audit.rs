@@ -53,7 +53,7 @@ pub fn audit(solver: &Solver) -> Audit {
         let from_above = element.parent().map_or(0.0, |parent| columns[parent.index()]);
         columns[index] = from_above + if element.area > 0.0 { columns[index] / f64::from(element.area) } else { 0.0 };
     }
-    let is_leaf = |element: &Element| element.is_leaf() && !element.is_cluster() && element.area > 0.0;
+    let is_leaf = |element: &Element| element.is_leaf() && element.is_patch() && element.area > 0.0;
     let leaves: Vec<ElementId> = hierarchy.ids().filter(|id| is_leaf(hierarchy.element(*id))).collect();
     let of = |values: &[f64]| leaves.iter().map(|leaf| values[leaf.index()]).collect();
     let areas: Vec<f64> = leaves.iter().map(|leaf| f64::from(hierarchy.element(*leaf).area)).collect();

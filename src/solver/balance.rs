@@ -4,17 +4,20 @@ use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
 use super::Solver;
+use super::outside::entering_power;
 use crate::gather::Field;
 use crate::geometry::EnclosureTest;
 use crate::hierarchy::{ElementId, Hierarchy, Shape, SurfacePoint};
 use crate::random::{cosine_direction, even_point, mix};
 use crate::scene::Surface;
 
-/// The power of a solution, W per colour: Φ should equal the sum of the other three.
+/// The power of a solution, W per colour: what is emitted and what enters should equal the sum of the other three.
 #[derive(Clone, Copy, Debug)]
 pub struct PowerBalance {
     /// Φ = Σ A·B_e.
     pub emitted: DVec3,
+    /// Power from outside that meets bright sides, by rays of its own that come in.
+    pub entered: DVec3,
     /// Σ A·E·(1−ρ) over the leaves of the solution.
     pub absorbed: DVec3,
     /// Power that meets the dark back of a face, that of hidden parts of lamps included.
@@ -23,17 +26,19 @@ pub struct PowerBalance {
     pub escaped: DVec3,
 }
 
+/// Rays that come in from outside for each that leaves a leaf: few of them find an opening.
+const RAYS_IN: u32 = 4;
 /// Rays that tell whether a point is hidden.
 const HIDDEN_RAYS: u32 = 16;
 /// Points of a leaf hidden in part that are tried.
 const TRIES: u64 = 8;
 
 impl PowerBalance {
-    /// What is missing (positive) or created (negative), as a share of the emitted power of all colours.
+    /// What is missing (positive) or created (negative), as a share of the power of all colours that is emitted or enters.
     pub fn relative_gap(&self) -> f64 {
         let accounted = self.absorbed + self.stopped_by_backs + self.escaped;
-        let emitted = self.emitted.element_sum();
-        if emitted > 0.0 { (emitted - accounted.element_sum()) / emitted } else { 0.0 }
+        let given = (self.emitted + self.entered).element_sum();
+        if given > 0.0 { (given - accounted.element_sum()) / given } else { 0.0 }
     }
 }
 
@@ -98,8 +103,17 @@ pub fn power_balance(solver: &Solver, rays: u32, seed: u64) -> PowerBalance {
     }
     let total = power_before[leaves.len()];
     let emitted = solver.scene.emitted_power().as_dvec3();
-    let mut balance =
-        PowerBalance { emitted, absorbed: lit.absorbed(), stopped_by_backs: DVec3::ZERO, escaped: DVec3::ZERO };
+    let entered = match solver.hierarchy.outside().len() {
+        0 => DVec3::ZERO,
+        _ => entering_power(&solver.scene, &solver.occluders, RAYS_IN * rays, seed).as_dvec3(),
+    };
+    let mut balance = PowerBalance {
+        emitted,
+        entered,
+        absorbed: lit.absorbed(),
+        stopped_by_backs: DVec3::ZERO,
+        escaped: DVec3::ZERO,
+    };
     if total <= 0.0 || rays == 0 {
         return balance;
     }

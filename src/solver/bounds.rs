@@ -21,10 +21,21 @@ impl Solver {
         (Vec3::ONE - largest).recip()
     }
 
-    /// What no radiosity exceeds, max B_e/(1−ρ_max) per colour, W/m².
+    /// What no radiosity exceeds, (max B_e + E_sun)/(1−ρ_max) per colour, W/m²; B_e is that of a lamp or of the brightest part of the sky.
     pub fn radiosity_bound(&self) -> Vec3 {
         let brightest = self.surfaces.iter().fold(Vec3::ZERO, |most, surface| most.max(surface.emission));
-        brightest * self.largest_gain()
+        let (mut sky, mut sun) = (Vec3::ZERO, Vec3::ZERO);
+        for (element, radiosity) in self.hierarchy.elements().iter().zip(&self.light.emitted) {
+            if let Shape::Sky(number) = element.shape {
+                let part = self.hierarchy.sky_part(number);
+                if part.is_sun {
+                    sun = part.solid_angle / std::f32::consts::PI * part.radiosity;
+                } else {
+                    sky = sky.max(*radiosity);
+                }
+            }
+        }
+        (brightest.max(sky) + sun) * self.largest_gain()
     }
 
     /// Brings light that exceeds the bounds back to them, leaf by leaf and then all reflected light together; returns how many leaves
@@ -48,6 +59,8 @@ impl Solver {
             emitted += area * light.emitted[index].as_dvec3();
         }
         let most = emitted * (self.largest_gain().as_dvec3() - DVec3::ONE);
+        // What comes in from outside is known by few rays, which bound nothing.
+        let most = if hierarchy.outside().len() > 0 { DVec3::INFINITY } else { most };
         let kept = DVec3::select(reflected.cmpgt(most), most / reflected, DVec3::ONE).as_vec3();
         for (index, element) in hierarchy.elements().iter().enumerate() {
             let Some(polygon) = polygon_of(element) else { continue };

@@ -2,7 +2,7 @@
 
 use super::form_factor::{Exchange, exchange};
 use super::link::quantised;
-use crate::hierarchy::{ElementId, Hierarchy, Shape};
+use crate::hierarchy::{DEEPEST_SKY, ElementId, Hierarchy, Shape};
 
 /// Patches of this level are not split further; [`Counts::depth_guard_struck`] counts how often it mattered.
 pub const DEEPEST_LEVEL: u8 = 12;
@@ -45,6 +45,13 @@ impl Candidate {
     /// The root's self-link, with which everything starts.
     pub fn root() -> Self {
         Self::new(Hierarchy::ROOT, Hierarchy::ROOT, Directions { to_a: true, to_b: false }, 1.0, false)
+    }
+
+    /// All pairs with which everything starts: the root with itself, and with what lies outside, which receives nothing.
+    pub fn first(hierarchy: &Hierarchy) -> impl Iterator<Item = Self> + use<> {
+        let directions = Directions { to_a: true, to_b: false };
+        let from = move |outside: ElementId| Self::new(Hierarchy::ROOT, outside, directions, 1.0, false);
+        std::iter::once(Self::root()).chain(hierarchy.outside().map(from))
     }
 
     /// Visibility of the pair it came from, 0..=1.
@@ -126,7 +133,8 @@ pub fn take_chunk(
 pub fn end_to_split(hierarchy: &Hierarchy, a: ElementId, b: ElementId) -> Option<ElementId> {
     let (first, second) = (hierarchy.element(a), hierarchy.element(b));
     let larger = if first.area >= second.area { a } else { b };
-    let end = if first.is_cluster() == second.is_cluster() || hierarchy.element(larger).is_cluster() {
+    let has_sky = first.is_sky() || second.is_sky();
+    let end = if has_sky || first.is_cluster() == second.is_cluster() || hierarchy.element(larger).is_cluster() {
         larger
     } else {
         match exchange(hierarchy, a, b) {
@@ -137,6 +145,13 @@ pub fn end_to_split(hierarchy: &Hierarchy, a: ElementId, b: ElementId) -> Option
     };
     match hierarchy.element(end).shape {
         Shape::Patch(patch) if patch.level >= DEEPEST_LEVEL => None,
+        // The receiver is what can still be split.
+        Shape::Sky(number) if hierarchy.sky_part(number).level >= DEEPEST_SKY => {
+            let other = if end == a { b } else { a };
+            let is_deepest =
+                matches!(hierarchy.element(other).shape, Shape::Patch(patch) if patch.level >= DEEPEST_LEVEL);
+            (!is_deepest).then_some(other)
+        }
         _ => Some(end),
     }
 }

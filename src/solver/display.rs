@@ -321,7 +321,7 @@ fn cluster_boxes(hierarchy: &Hierarchy) -> Vec<ClusterBox> {
             level: cluster.level,
             polygons: hierarchy.patches_below(cluster).len() as u32,
         }),
-        Shape::Patch(_) => None,
+        Shape::Patch(_) | Shape::Sky(_) => None,
     });
     clusters.collect()
 }

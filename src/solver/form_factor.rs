@@ -7,7 +7,7 @@ use std::f32::consts::PI;
 
 use glam::Vec3;
 
-use crate::hierarchy::{Cluster, Element, ElementId, Hierarchy, Patch, Shape};
+use crate::hierarchy::{Cluster, Element, ElementId, Hierarchy, Patch, Shape, SkyPart};
 
 /// A cluster's mean cosine: projected over total area of randomly turned one-sided faces.
 pub const CLUSTER_COSINE: f32 = 0.25;
@@ -50,7 +50,26 @@ pub fn exchange(hierarchy: &Hierarchy, a: ElementId, b: ElementId) -> Exchange {
         (Shape::Patch(p), Shape::Cluster(c)) => patch_and_cluster(hierarchy, (first, p), (second, c)),
         (Shape::Cluster(c), Shape::Patch(p)) => patch_and_cluster(hierarchy, (second, p), (first, c)),
         (Shape::Cluster(c), Shape::Cluster(d)) => clusters((first, c), (second, d)),
+        (_, Shape::Sky(number)) => from_outside(first, hierarchy.sky_part(*number)),
+        (Shape::Sky(number), _) => from_outside(second, hierarchy.sky_part(*number)),
     }
+}
+
+/// G from a part of what lies outside: the area times the projected solid angle over π, exact for a patch that sees all of it or to which
+/// it is alike everywhere.
+fn from_outside(receiver: &Element, part: &SkyPart) -> Exchange {
+    let form_factor = match &receiver.shape {
+        Shape::Patch(patch) if part.is_above(patch.normal) => patch.normal.dot(part.weighted).max(0.0) / PI,
+        Shape::Patch(patch) => point_to_polygon(Vec3::ZERO, patch.normal, &part.corners),
+        Shape::Cluster(_) => CLUSTER_COSINE * part.solid_angle / PI,
+        // The parts of the outside send each other nothing.
+        Shape::Sky(_) => 0.0,
+    };
+    if form_factor <= 0.0 {
+        return Exchange::FacingAway;
+    }
+    let estimate = receiver.area * form_factor;
+    Exchange::Facing { estimate, bound: estimate, overlapping: false }
 }
 
 /// Self-exchange G = A·F of a cluster: what its polygons send to each other, estimated as in a homogeneous sphere of the same

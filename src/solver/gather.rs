@@ -3,6 +3,7 @@
 use glam::Vec3;
 use rayon::prelude::*;
 
+use super::Solver;
 use super::link::{Link, LinkTable};
 use super::params::{Push, SolverParams};
 use super::push::Pusher;
@@ -24,15 +25,21 @@ pub struct Light {
 }
 
 impl Light {
-    /// Extends the tables to new elements, which start with their parent's light.
+    /// Extends the tables to new elements, which start with their parent's light; what lies outside has its own.
     pub fn grow(&mut self, hierarchy: &Hierarchy) {
         for id in (self.radiosity.len()..hierarchy.elements().len()).map(|index| ElementId(index as u32)) {
             let parent = hierarchy.element(id).parent().map(ElementId::index);
             let inherited = |table: &[Vec3]| parent.map_or(Vec3::ZERO, |parent| table[parent]);
-            let (radiosity, irradiance) = (inherited(&self.radiosity), inherited(&self.irradiance));
+            let [radiosity, irradiance, emitted] = match hierarchy.element(id).shape {
+                Shape::Sky(number) => {
+                    let radiosity = hierarchy.sky_part(number).radiosity;
+                    [radiosity, Vec3::ZERO, radiosity]
+                }
+                _ => [&self.radiosity, &self.irradiance, &self.emitted].map(|table| inherited(table)),
+            };
             self.radiosity.push(radiosity);
             self.irradiance.push(irradiance);
-            self.emitted.push(inherited(&self.emitted));
+            self.emitted.push(emitted);
         }
     }
 
@@ -71,6 +78,8 @@ struct Node {
     /// Polygon of a leaf.
     polygon: u32,
     area: f32,
+    /// Whether it lies outside, where light is as it is.
+    is_sky: bool,
 }
 
 /// Stands for "no parent" and "no leaf".
@@ -82,7 +91,12 @@ impl Node {
             Shape::Patch(patch) if element.is_leaf() => patch.polygon,
             _ => NONE,
         };
-        Self { parent: element.parent().map_or(NONE, |parent| parent.0), polygon, area: element.area }
+        Self {
+            parent: element.parent().map_or(NONE, |parent| parent.0),
+            polygon,
+            area: element.area,
+            is_sky: element.is_sky(),
+        }
     }
 }
 
@@ -130,9 +144,13 @@ impl<'a> Gatherer<'a> {
         true
     }
 
-    /// Irradiance that emitted light alone brings over the links, parallel to the arena, W/m²; `None` if cancelled.
+    /// Irradiance that emitted light and the sun alone bring over the links, parallel to the arena, W/m²; `None` if cancelled.
     pub fn direct(&self, light: &Light, cancel: &CancelToken) -> Option<Vec<Vec3>> {
-        let mut direct = Light { radiosity: light.emitted.clone(), ..light.clone() };
+        let mut emitted = light.emitted.clone();
+        for id in self.hierarchy.ids().filter(|id| Solver::is_sky(self.hierarchy, *id)) {
+            emitted[id.index()] = Vec3::ZERO;
+        }
+        let mut direct = Light { radiosity: emitted.clone(), emitted, ..light.clone() };
         self.sweep(&mut direct, cancel)?;
         Some(direct.irradiance)
     }
@@ -148,6 +166,9 @@ impl<'a> Gatherer<'a> {
         // Σ A·B of the children, W.
         let mut power_below = vec![Vec3::ZERO; self.nodes.len()];
         for (index, node) in self.nodes.iter().enumerate().rev() {
+            if node.is_sky {
+                continue;
+            }
             let new = if node.polygon == NONE {
                 if node.area > 0.0 { power_below[index] / node.area } else { Vec3::ZERO }
             } else {
@@ -181,7 +202,7 @@ impl<'a> Gatherer<'a> {
         let elements = self.hierarchy.elements();
         let mut rows = self.rows(cancel)?;
         let mut exceeding = 0;
-        for (index, element) in elements.iter().enumerate().rev().filter(|(_, element)| !element.is_cluster()) {
+        for (index, element) in elements.iter().enumerate().rev().filter(|(_, element)| element.is_patch()) {
             if element.is_leaf() {
                 exceeding += usize::from(rows[index] > 1.0);
             } else {
@@ -195,7 +216,7 @@ impl<'a> Gatherer<'a> {
             wanted[id.index()] = rows[id.index()].min((LARGEST_RETURN / reflectance).clamp(1.0, LARGEST_ROW));
         }
         for (index, element) in elements.iter().enumerate() {
-            if !element.is_cluster() && !element.is_leaf() {
+            if element.is_patch() && !element.is_leaf() {
                 share_out(self.hierarchy, wanted[index], element.children(), &rows, &mut wanted);
             }
         }

@@ -13,7 +13,7 @@ use super::link::{Evidence, Link};
 use super::oracle::Oracle;
 use super::sight::{Sight, SightKind};
 use super::verdict::{Decision, Rejection};
-use crate::hierarchy::{ElementId, Hierarchy, Shape};
+use crate::hierarchy::{DEEPEST_SKY, ElementId, Hierarchy, Shape};
 
 /// Share of the kernel's deviation that counts: leaves are shown joined linearly, and 1 needs twice the patches for the same
 /// error in the Cornell box (2,306 at 7.2 % against 1,331 at 6.7 %).
@@ -27,6 +27,8 @@ const NOISE_WEIGHT: f32 = 0.5;
 const TOUCHING_WEIGHT: f32 = 0.5;
 /// Rays of which none came through are as good as this many half ones (Krichevsky & Trofimov's prior, half a ray of either kind).
 const PRIOR: f32 = 0.5;
+/// Variation of the cosine over a part of the sky.
+const OVER_SKY: f32 = 0.5;
 /// Patches nearer than this many times the larger one's size vary by their form factors from points, others by their centres.
 const NEAR: f32 = 2.5;
 
@@ -93,7 +95,11 @@ impl Oracle<'_> {
         } else {
             receiver
         };
-        let is_deepest = |id: ElementId| matches!(self.hierarchy.element(id).shape, Shape::Patch(patch) if patch.level >= DEEPEST_LEVEL);
+        let is_deepest = |id: ElementId| match self.hierarchy.element(id).shape {
+            Shape::Patch(patch) => patch.level >= DEEPEST_LEVEL,
+            Shape::Sky(number) => self.hierarchy.sky_part(number).level >= DEEPEST_SKY,
+            Shape::Cluster(_) => false,
+        };
         Decision::Refine(if is_deepest(end) { larger } else { end })
     }
 
@@ -189,6 +195,7 @@ pub fn estimated_error(
         // Its faces are turned all ways.
         Shape::Cluster(_) => 1.0,
         Shape::Patch(_) => kernel_variation(hierarchy, source, receiver),
+        Shape::Sky(_) => OVER_SKY,
     };
     let with_sight = (over_source.powi(2) + (1.0 - seen) / seen.max(1e-6)).sqrt().min(1.0);
     LinkError {
@@ -214,7 +221,7 @@ pub struct Facing {
 fn extent(hierarchy: &Hierarchy, id: ElementId) -> f32 {
     let element = hierarchy.element(id);
     match &element.shape {
-        Shape::Patch(_) => element.area.sqrt(),
+        Shape::Patch(_) | Shape::Sky(_) => element.area.sqrt(),
         Shape::Cluster(cluster) => (2.0 * cluster.half_extent.length_squared()).sqrt(),
     }
 }
@@ -225,11 +232,14 @@ pub fn kernel_variation(hierarchy: &Hierarchy, over: ElementId, other: ElementId
     let (to, from) = (hierarchy.element(over), hierarchy.element(other));
     let patch = match &to.shape {
         Shape::Patch(patch) => patch,
+        Shape::Sky(_) => return 0.0,
         Shape::Cluster(cluster) => {
             let variance = cluster.half_extent.length_squared() / 3.0;
             let of_other = match &from.shape {
                 Shape::Cluster(other) => other.half_extent.length_squared() / 3.0,
                 Shape::Patch(_) => from.area / 12.0,
+                // From infinity, all places are alike.
+                Shape::Sky(_) => return 0.0,
             };
             let square = (from.centre - to.centre).length_squared() + variance + of_other;
             return if square > 0.0 { 2.0 * (variance / square).sqrt() } else { 0.0 };
@@ -263,6 +273,7 @@ pub fn kernel_variation(hierarchy: &Hierarchy, over: ElementId, other: ElementId
                 *value = (patch.normal.dot(span) + 0.5 * variance.sqrt()).max(0.0) / (square * square.sqrt());
             }
         }
+        Shape::Sky(_) => return 0.0,
     }
     deviation(&values[..count]) / 3.0_f32.sqrt()
 }

@@ -13,8 +13,8 @@ use super::picture::Picture;
 use super::refine::Refinement;
 use super::rounds::judged_again;
 use super::stats::{Phase, Seconds};
-use super::{Solver, SolverError, largest_power, surfaces_of, timed, watts};
-use crate::hierarchy::{ElementId, Hierarchy, PatchSums, Shape};
+use super::{Solver, SolverError, surfaces_of, timed, watts};
+use crate::hierarchy::{ElementId, PatchSums, Shape};
 use crate::scene::{Material, MaterialId};
 
 impl Solver {
@@ -26,7 +26,7 @@ impl Solver {
     pub fn set_params(&mut self, params: SolverParams) -> Result<bool, SolverError> {
         params.validate()?;
         let is_anchored_anew = self.params.threshold() != params.threshold();
-        let epsilon = if is_anchored_anew { watts(&params, &self.scene) } else { self.epsilon_watts };
+        let epsilon = if is_anchored_anew { watts(&params, self.largest_power()) } else { self.epsilon_watts };
         // More memory is more only where it was missing.
         let memory = if self.memory_stop.is_some() { self.params.memory } else { params.memory };
         let present = SolverParams { memory, ..self.params };
@@ -39,7 +39,7 @@ impl Solver {
         self.params = params;
         self.epsilon_watts = epsilon;
         if is_anchored_anew {
-            self.anchor_watts = largest_power(&self.scene);
+            self.anchor_watts = self.largest_power();
         }
         self.merges_back |= change.merges_back;
         self.doubts = self.doubts.and(change.doubts);
@@ -101,8 +101,8 @@ impl Solver {
         self.refinement.add(redirected.into_iter().map(judged_again));
         if self.epsilon_watts <= 0.0 {
             // There was no light to measure ε by.
-            self.epsilon_watts = watts(&self.params, &self.scene);
-            self.anchor_watts = largest_power(&self.scene);
+            self.epsilon_watts = watts(&self.params, self.largest_power());
+            self.anchor_watts = self.largest_power();
         }
         self.resume();
     }
@@ -116,8 +116,8 @@ impl Solver {
 
     /// Measures a relative ε by the power that is emitted now; ε in watts stays as it is.
     pub fn anchor_epsilon(&mut self) {
-        let epsilon = watts(&self.params, &self.scene);
-        self.anchor_watts = largest_power(&self.scene);
+        let epsilon = watts(&self.params, self.largest_power());
+        self.anchor_watts = self.largest_power();
         if epsilon == self.epsilon_watts {
             return;
         }
@@ -176,8 +176,7 @@ impl Solver {
         let known = self.light.radiosity[..].to_vec();
         let scene = self.scene.clone();
         let reachability = self.hierarchy.reachability().clone();
-        let (hierarchy, seconds) =
-            timed(|| Hierarchy::new(&scene, reachability, self.params.clustering, self.params.octree_depth));
+        let (hierarchy, seconds) = timed(|| Self::new_hierarchy(&scene, reachability, &self.params, self.entering));
         self.hierarchy = hierarchy;
         // Another solve begins, so it counts from zero.
         self.seconds = Seconds { load: self.seconds.load, hierarchy: seconds, total: seconds, ..Seconds::default() };
@@ -191,7 +190,7 @@ impl Solver {
         }
         self.links = LinkTable::default();
         self.refinement = Refinement::default();
-        self.refinement.start([Candidate::root()]);
+        self.refinement.start(Candidate::first(&self.hierarchy));
         self.fix_brightness();
         self.picture = Picture::default();
         self.display = None;

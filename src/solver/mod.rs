@@ -31,6 +31,7 @@ mod live;
 mod memory;
 mod mesh_error;
 mod oracle;
+mod outside;
 pub mod params;
 mod picture;
 mod progress;
@@ -61,6 +62,7 @@ pub use link::{Evidence, Link, LinkTable};
 pub use link_error::LinkError;
 pub use memory::MemoryStop;
 pub use mesh_error::MeshError;
+pub use outside::lets_daylight_in;
 pub use params::{
     ClusterModel, ClusteringMode, Epsilon, OracleKind, PARAMETERS, Parameter, ParameterId, ParamsError, Push,
     Reconstruct, SolverParams, USUAL_ERROR, ValueKind,
@@ -135,6 +137,8 @@ pub struct Solver {
     epsilon_watts: f64,
     /// The Φ by which ε became watts, W.
     anchor_watts: f64,
+    /// Power from outside, W per colour.
+    entering: Vec3,
     /// Whether links may be finer than ε asks for, because it was raised.
     merges_back: bool,
     /// What the next look at the stored links must look for.
@@ -208,13 +212,15 @@ impl Solver {
         if params.clustering == ClusteringMode::None {
             check_pairs_fit(scene.polygons.len() as u64, params.memory.bytes())?;
         }
+        let entering = outside::entering_power(&scene, &occluders, outside::RAYS, params.seed);
         let (hierarchy, seconds) =
-            timed(|| Hierarchy::new(&scene, reachability(&scene, &occluders), params.clustering, params.octree_depth));
+            timed(|| Self::new_hierarchy(&scene, reachability(&scene, &occluders), &params, entering));
         let seconds = Seconds { hierarchy: seconds, total: seconds, ..Seconds::default() };
         let mut solver = Self {
             surfaces: surfaces_of(&scene),
-            epsilon_watts: watts(&params, &scene),
-            anchor_watts: largest_power(&scene),
+            epsilon_watts: watts(&params, largest_power(&scene, entering)),
+            anchor_watts: largest_power(&scene, entering),
+            entering,
             merges_back: false,
             doubts: Doubts::default(),
             scene,
@@ -251,7 +257,7 @@ impl Solver {
         solver.light = solver.emitted_light();
         solver.emission = solver.emission_sums();
         solver.fix_brightness();
-        solver.refinement.start([Candidate::root()]);
+        solver.refinement.start(Candidate::first(&solver.hierarchy));
         Ok(solver)
     }
 
@@ -283,6 +289,7 @@ impl Solver {
         let emission = |element: &crate::hierarchy::Element| match element.shape {
             Shape::Patch(patch) => self.surfaces[patch.polygon as usize].emission,
             Shape::Cluster(_) => Vec3::ZERO,
+            Shape::Sky(number) => self.hierarchy.sky_part(number).radiosity,
         };
         let mut radiosity: Vec<Vec3> = self.hierarchy.elements().iter().map(emission).collect();
         pull(&self.hierarchy, &mut radiosity);
@@ -321,16 +328,16 @@ fn timed<T>(work: impl FnOnce() -> T) -> (T, f64) {
 }
 
 /// ε in W.
-fn watts(params: &SolverParams, scene: &Scene) -> f64 {
+fn watts(params: &SolverParams, power: f64) -> f64 {
     match params.threshold() {
         Epsilon::Watts(watts) => watts,
-        Epsilon::Relative(share) => share * largest_power(scene),
+        Epsilon::Relative(share) => share * power,
     }
 }
 
-/// Emitted power Φ by the largest colour, W.
-fn largest_power(scene: &Scene) -> f64 {
-    f64::from(scene.emitted_power().max_element())
+/// Power Φ, emitted and from outside, by the largest colour, W.
+fn largest_power(scene: &Scene, entering: Vec3) -> f64 {
+    f64::from((scene.emitted_power() + entering).max_element())
 }
 
 fn surfaces_of(scene: &Scene) -> Vec<Surface> {

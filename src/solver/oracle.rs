@@ -148,7 +148,7 @@ impl Oracle<'_> {
         let area = hierarchy.element(receiver).area;
         let (power, bound) = if receiver == source {
             (brightness * area, brightness * area)
-        } else if !hierarchy.element(receiver).is_cluster() && !hierarchy.element(source).is_cluster() {
+        } else if hierarchy.element(receiver).is_patch() && hierarchy.element(source).is_patch() {
             // Patches have one estimate, and the link holds it.
             let sampled = hierarchy.element(receiver).exposed_share() * hierarchy.element(source).exposed_share();
             let power = brightness * link.form_factor * sampled * area;
@@ -330,7 +330,8 @@ impl Oracle<'_> {
     }
 
     fn are_patches(&self, pair: &Candidate) -> bool {
-        !self.hierarchy.element(pair.a).is_cluster() && !self.hierarchy.element(pair.b).is_cluster()
+        let is_flat = |id: ElementId| !self.hierarchy.element(id).is_cluster();
+        is_flat(pair.a) && is_flat(pair.b)
     }
 
     /// Finds out how well the ends of a pair see each other, with as many rays as its power deserves.

@@ -120,7 +120,7 @@ impl<'a> Pusher<'a> {
         let face = |&id: &ElementId| {
             let normal = match &hierarchy.element(id).shape {
                 Shape::Patch(patch) => patch.normal,
-                Shape::Cluster(_) => Vec3::ZERO,
+                Shape::Cluster(_) | Shape::Sky(_) => Vec3::ZERO,
             };
             Face { id, normal, sky: sky_of[id.index()], lit_around: lit_around[id.index()] }
         };
@@ -224,6 +224,7 @@ impl<'a> Inspector<'a> {
                 let mean = if element.area > 0.0 { seen / element.area } else { 0.0 };
                 flux * (handing.even + handing.beam * mean)
             }
+            Shape::Sky(_) => Vec3::ZERO,
         }
     }
 }
@@ -276,6 +277,7 @@ fn spread(hierarchy: &Hierarchy, facings: &[Facing], id: ElementId, from: Vec3, 
             }
             element.children().map(|child| spread(hierarchy, facings, child, from, targets)).sum()
         }
+        Shape::Sky(_) => 0.0,
     }
 }
 
@@ -330,7 +332,7 @@ fn skies(hierarchy: &Hierarchy) -> (Vec<u32>, Vec<ElementId>) {
 fn cosine_of(element: &Element, point: Vec3) -> f32 {
     match element.shape {
         Shape::Patch(patch) => cosine_towards(element.centre, patch.normal, point),
-        Shape::Cluster(_) => 0.0,
+        Shape::Cluster(_) | Shape::Sky(_) => 0.0,
     }
 }
 
@@ -421,6 +423,7 @@ fn facings(hierarchy: &Hierarchy) -> Vec<Facing> {
                 (Facing { normal: patch.normal, products: products(patch.normal) }, patch.level == 0)
             }
             Shape::Cluster(_) => (facings[index], true),
+            Shape::Sky(_) => continue,
         };
         let Some(parent) = element.parent().filter(|_| is_initial) else { continue };
         let parent_area = hierarchy.element(parent).area;

@@ -101,8 +101,8 @@ impl WholePatch {
     fn of(hierarchy: &Hierarchy, (a, b): (ElementId, ElementId)) -> Option<Self> {
         let (first, second) = (hierarchy.element(a), hierarchy.element(b));
         let (is_a, element) = match (first.is_cluster(), second.is_cluster()) {
-            (false, true) => (true, first),
-            (true, false) => (false, second),
+            (false, true) if first.is_patch() => (true, first),
+            (true, false) if second.is_patch() => (false, second),
             _ => return None,
         };
         let Shape::Patch(patch) = &element.shape else { return None };
@@ -168,6 +168,10 @@ impl RaySampler<'_> {
             true => hierarchy.point_on_by(self.emission, id, u, v),
             false => hierarchy.point_on(id, u, v),
         };
+        if hierarchy.element(a).is_sky() || hierarchy.element(b).is_sky() {
+            let limits = [pairs, pairs_if_blocked];
+            return self.survey_outside(hierarchy, (a, b), (start, a_is_first), (limits, clusters > 0), plan);
+        }
         let whole_patch = WholePatch::of(hierarchy, (a, b));
         let mut survey = Survey::default();
         for index in 0..pairs_if_blocked {
@@ -202,6 +206,56 @@ impl RaySampler<'_> {
             survey.rayed_kernel += kernel;
             survey.cast += 1;
             if self.occluders.sees((from.position, from.normal), (to.position, to.normal)) {
+                survey.visible += 1;
+                survey.visible_kernel += kernel;
+            }
+            if survey.is_mixed() && plan.stop_when_mixed {
+                break;
+            }
+        }
+        survey
+    }
+
+    /// Looks from points of an element along directions of a part of what lies outside, in likewise fixed order.
+    fn survey_outside(
+        &self,
+        hierarchy: &Hierarchy,
+        (a, b): (ElementId, ElementId),
+        (start, a_is_first): ([u32; 4], bool),
+        ([pairs, pairs_if_blocked], has_cluster): ([u32; 2], bool),
+        plan: RayPlan,
+    ) -> Survey {
+        let (receiver, source, is_first) =
+            if hierarchy.element(b).is_sky() { (a, b, a_is_first) } else { (b, a, !a_is_first) };
+        let mut survey = Survey::default();
+        let Shape::Sky(number) = hierarchy.element(source).shape else { return survey };
+        let (part, area) = (hierarchy.sky_part(number), hierarchy.element(source).area);
+        for index in 0..pairs_if_blocked {
+            let enough = if has_cluster { index >= pairs } else { survey.cast >= plan.rays };
+            let blocked = survey.visible == 0 && survey.cast < plan.rays_if_blocked;
+            if enough && !blocked {
+                break;
+            }
+            let coordinate = |axis: usize| fraction(start[axis].wrapping_add(STEPS[axis].wrapping_mul(index)));
+            let (u, v) = if is_first { (0, 2) } else { (2, 0) };
+            let from = hierarchy.point_on(receiver, coordinate(u), coordinate(u + 1));
+            let (direction, stands_for) = part.direction_at(coordinate(v), coordinate(v + 1));
+            let cosine = from.normal.dot(direction);
+            survey.pairs += 1;
+            // So that the part's area times the mean is the form factor.
+            let kernel = cosine.max(0.0) * stands_for / (PI * area);
+            survey.kernel += kernel;
+            if plan.rays == 0 {
+                survey.rayed_kernel += kernel;
+                survey.visible_kernel += kernel;
+                continue;
+            }
+            if cosine <= 0.0 {
+                continue;
+            }
+            survey.rayed_kernel += kernel;
+            survey.cast += 1;
+            if self.occluders.is_open(from.position, from.normal, direction) {
                 survey.visible += 1;
                 survey.visible_kernel += kernel;
             }

@@ -82,7 +82,7 @@ impl Solver {
     pub fn stats(&self) -> Stats {
         let (wave, next_wave) = self.refinement.waiting_len();
         let emitted = self.scene.emitted_power();
-        let largest = f64::from(emitted.max_element());
+        let largest = self.largest_power();
         Stats {
             phase: self.phase,
             epsilon_watts: self.epsilon_watts,
@@ -116,6 +116,7 @@ impl Solver {
             },
             memory_stop: self.memory_stop,
             emitted_watts: f64::from(emitted.element_sum()),
+            entering_watts: f64::from(self.entering.element_sum()),
             absorbed_watts: balance::absorbed(self).element_sum(),
             progress: self.progress(),
             error_so_far: self.gather.as_ref().and_then(Gather::error_so_far),

@@ -31,7 +31,7 @@ pub struct Stats {
     pub epsilon_watts: f64,
     /// Threshold ε as a share of Φ (0 where nothing emits).
     pub epsilon_relative: f64,
-    /// Emitted power Φ now, by the largest colour, W.
+    /// Power Φ now, emitted and from outside, by the largest colour, W.
     pub power_watts: f64,
     /// The Φ by which ε became watts, W; ε stays as it is when a lamp is dimmed.
     pub anchor_watts: f64,
@@ -77,6 +77,8 @@ pub struct Stats {
     pub memory_stop: Option<MemoryStop>,
     /// Emitted power Φ, W (all colours summed).
     pub emitted_watts: f64,
+    /// Power that comes in from outside and meets bright sides, all colours together, W.
+    pub entering_watts: f64,
     /// Power absorbed by bright sides, W (all colours summed).
     pub absorbed_watts: f64,
     /// Share of the whole solve that is done, as far as can be told, 0..1.

@@ -2,7 +2,6 @@
 
 use glam::Vec3;
 
-use crate::ceiling::up_axis;
 use crate::scene::{Polygon, Scene};
 
 /// Faces turned up more than this cosine are level.
@@ -33,7 +32,7 @@ impl Floor {
 
 /// The floor of a scene; `None` where nothing level looks up.
 pub fn floor(scene: &Scene) -> Option<Floor> {
-    let up = up_axis(scene);
+    let up = scene.up_axis();
     let mut level: Vec<(f32, f32, &Polygon)> = Vec::new();
     for polygon in &scene.polygons {
         if scene.normal(polygon).dot(up) > LEVEL {

@@ -4,6 +4,7 @@
 //! through; what everything reflects, by rays of density cosθ/π, whose mean radiosity is the
 //! irradiance. Both are the same on every run.
 
+use std::f32::consts::PI;
 use std::sync::Arc;
 
 use glam::{DVec3, Vec3};
@@ -21,6 +22,8 @@ use crate::solver::{Snapshot, point_to_polygon};
 const RAYS: u32 = 512;
 /// Rays from a point to all lamps together; the brighter a lamp, the more of them it gets.
 const LAMP_RAYS: f32 = 256.0;
+/// Rays from a point to the sun's disc.
+const SUN_RAYS: u32 = 64;
 /// Each lamp gets so many at most.
 const MOST_LAMP_RAYS: u32 = 128;
 /// A ray to the floor is slanted by this, for one straight down may slip through along the
@@ -44,6 +47,8 @@ pub struct PlaneReading {
     pub origin: DVec3,
     /// The light that was measured.
     pub snapshot: Arc<Snapshot>,
+    /// Irradiance of open horizontal ground, W/m², where the sky alone shines.
+    pub open_ground: Option<Vec3>,
 }
 
 /// Figures that planners ask of a work plane; illuminances in lx.
@@ -61,6 +66,9 @@ pub struct Summary {
     pub maximum: f32,
     /// U₀: the smallest over the mean (EN 12464-1); 0 where it is dark.
     pub uniformity: f32,
+    /// Mean and smallest daylight factor: illuminance over that of open ground (EN 17037). Only where the sky alone shines, neither lamps
+    /// nor the sun.
+    pub daylight_factor: Option<[f32; 2]>,
 }
 
 impl PlaneReading {
@@ -76,7 +84,8 @@ impl PlaneReading {
         let minimum = measured.iter().copied().fold(f32::INFINITY, f32::min);
         let maximum = measured.iter().copied().fold(0.0, f32::max);
         let uniformity = if average > 0.0 { minimum / average } else { 0.0 };
-        Summary { points: measured.len(), left_out, average, minimum, maximum, uniformity }
+        let daylight_factor = self.open_ground.map(|open| [average, minimum].map(|value| value / lux(open.to_array())));
+        Summary { points: measured.len(), left_out, average, minimum, maximum, uniformity, daylight_factor }
     }
 }
 
@@ -125,6 +134,7 @@ impl<'a> Measuring<'a> {
             values: self.values,
             origin: self.lit.scene().origin,
             snapshot: self.lit.snapshot().clone(),
+            open_ground: open_ground(self.lit.scene()),
         }
     }
 }
@@ -137,6 +147,13 @@ pub fn measure(lit: &LitMesh, plane: WorkPlane) -> Result<PlaneReading, GridErro
     let mut measuring = Measuring::new(lit, plane)?;
     while measuring.advance() {}
     Ok(measuring.finish())
+}
+
+/// Irradiance of open horizontal ground, W/m², where the sky shines and nothing else does.
+pub fn open_ground(scene: &Scene) -> Option<Vec3> {
+    let outside = scene.outside().filter(|outside| outside.sun().is_none() && !scene.has_lamp())?;
+    let [sky, _] = outside.horizontal_irradiance();
+    (crate::photometry::weighted(sky.into()) > 0.0).then_some(sky)
 }
 
 /// Polygons that emit.
@@ -161,7 +178,37 @@ fn irradiance(lit: &LitMesh, lamps: &[&Polygon], point: Vec3, normal: Vec3, seed
             Met::Nothing => {}
         }
     }
-    (2 * backs < RAYS).then(|| sent / RAYS as f32 + from_lamps(lit, lamps, point, normal, seed))
+    let others = || from_lamps(lit, lamps, point, normal, seed) + from_outside(lit, point, normal, seed);
+    (2 * backs < RAYS).then(|| sent / RAYS as f32 + others())
+}
+
+/// Irradiance by the sky and the sun: one half of the rays to the sky has density cosθ/π, the other is drawn by its radiance.
+fn from_outside(lit: &LitMesh, point: Vec3, normal: Vec3, seed: u64) -> Vec3 {
+    let Some(outside) = lit.scene().outside() else { return Vec3::ZERO };
+    let mut light = Vec3::ZERO;
+    for ray in 0..if outside.has_sky() { RAYS } else { 0 } {
+        let numbers = even_point(mix(seed, 1 << 40), ray / 2);
+        let direction = match ray % 2 {
+            0 => Some(cosine_direction(normal, numbers[0], numbers[1])),
+            _ => outside.draw(numbers).map(|drawn| drawn.direction),
+        };
+        let Some(direction) = direction else { continue };
+        let cosine = normal.dot(direction);
+        if cosine > 0.0 && matches!(lit.met(point, direction), Met::Nothing) {
+            let density = 0.5 * (cosine / PI + outside.density(direction));
+            light += cosine / density / RAYS as f32 * outside.radiance(direction);
+        }
+    }
+    if let Some(sun) = outside.sun() {
+        for ray in 0..SUN_RAYS {
+            let direction = sun.at(even_point(mix(seed, 2 << 40), ray));
+            let cosine = normal.dot(direction);
+            if cosine > 0.0 && matches!(lit.met(point, direction), Met::Nothing) {
+                light += cosine / SUN_RAYS as f32 * sun.irradiance;
+            }
+        }
+    }
+    light
 }
 
 /// Irradiance by what lamps emit themselves.

@@ -20,7 +20,7 @@ use super::{FileStamp, Message};
 use crate::added_light::AddedLight;
 use crate::geometry::{Occluders, orient};
 use crate::scene::{Reading, Scene, Sides, Source};
-use crate::solver::{Solver, SolverError, SolverParams};
+use crate::solver::{Solver, SolverError, SolverParams, lets_daylight_in};
 use crate::{ceiling, prepare};
 
 /// What a loader is to do.
@@ -56,6 +56,8 @@ pub(super) struct Prepared {
     pub sides: Option<Sides>,
     /// Seconds that all this took.
     pub seconds: f64,
+    /// Whether daylight would get in.
+    pub is_open: bool,
     /// Its solver at the root's self-link, until a session takes it.
     pub solver: Option<Solver>,
 }
@@ -163,7 +165,8 @@ fn make_ready(job: Job, params: SolverParams, pool: Option<&ThreadPool>) -> Resu
         Solver::new(of_scene, of_occluders, params, 0).map_err(|error: SolverError| error.to_string())
     })?;
     solver.set_load_seconds(seconds);
-    Ok(Prepared { raw, scene, occluders, path, stamps, sides, seconds, solver: Some(solver) })
+    let is_open = lets_daylight_in(&scene, &occluders);
+    Ok(Prepared { raw, scene, occluders, path, stamps, sides, seconds, is_open, solver: Some(solver) })
 }
 
 /// What a panic said.

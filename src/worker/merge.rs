@@ -17,7 +17,7 @@ pub(super) fn merge(commands: Vec<Command>) -> Vec<Command> {
 /// Whether `earlier` has no effect when `later` follows it.
 fn supersedes(later: &Command, earlier: &Command) -> bool {
     use Command::{
-        AnchorEpsilon, CancelLoad, Load, Look, Pause, Restart, Resume, SetEmission, SetGroups, SetParams,
+        AnchorEpsilon, CancelLoad, Load, Look, Pause, Restart, Resume, SetDaylight, SetEmission, SetGroups, SetParams,
         SetReflectance, Shutdown, StepWave,
     };
     match (later, earlier) {
@@ -27,6 +27,7 @@ fn supersedes(later: &Command, earlier: &Command) -> bool {
         | (SetParams(_), SetParams(_))
         | (Look(_), Look(_))
         | (SetGroups(_), SetGroups(_))
+        | (SetDaylight(_), SetDaylight(_))
         | (Restart, Restart)
         | (AnchorEpsilon, AnchorEpsilon)
         | (Pause | Resume, Pause | Resume | StepWave) => true,

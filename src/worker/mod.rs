@@ -27,6 +27,7 @@ use glam::Vec3;
 
 use crate::added_light::AddedLight;
 use crate::geometry::Occluders;
+use crate::scene::outside::Daylight;
 use crate::scene::{CameraPose, GroupMember, MaterialId, Reading, Scene, Source};
 use crate::solver::{MeshError, MomentInfo, Snapshot, SolverParams};
 use crate::threads::lock;
@@ -74,6 +75,8 @@ pub enum Command {
         /// Exitance B_e, W/m².
         exitance: Vec3,
     },
+    /// Lets another daylight in; the scene is solved anew.
+    SetDaylight(Daylight),
     /// Arranges the scene's groups by hand; an empty list has them as the file does. Clusters are built anew where they go by groups.
     SetGroups(Vec<GroupMember>),
     /// Writes the sidecar beside the scene's file.
@@ -133,8 +136,10 @@ pub struct SceneInfo {
     pub stamps: Vec<FileStamp>,
     /// The first generation of snapshots that show this scene.
     pub generation: u64,
-    /// Whether anything emits.
+    /// Whether anything emits, or shines in from outside.
     pub has_light: bool,
+    /// Whether daylight would get in.
+    pub is_open: bool,
     /// A side that suits a light under the ceiling, in the scene's length unit.
     pub ceiling_side: f32,
     /// What loading skipped, clamped or ignored, a sentence each.

@@ -212,6 +212,7 @@ impl Session {
             | Command::SetEmission { .. }
             | Command::SetReflectance { .. }
             | Command::AnchorEpsilon
+            | Command::SetDaylight(_)
             | Command::SetGroups(_) => {
                 self.deferred.push(command);
                 self.deferred = merge(std::mem::take(&mut self.deferred));
@@ -232,6 +233,7 @@ impl Session {
                 self.edit_material(material, MaterialEdit::Reflectance(reflectance));
             }
             Command::AnchorEpsilon => self.anchor_epsilon(),
+            Command::SetDaylight(told) => self.set_daylight(&told),
             Command::SetGroups(members) => self.set_groups(members),
             _ => {}
         }

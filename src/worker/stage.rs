@@ -10,6 +10,7 @@ use super::task::{Change, Changed, Task};
 use super::{Event, SceneInfo};
 use crate::added_light::AddedLight;
 use crate::ceiling;
+use crate::scene::outside::Daylight;
 use crate::scene::{
     CameraPose, GroupMember, MAX_EMISSION, MAX_SIDECAR_REFLECTANCE, Material, MaterialId, Reading, Sidecar,
     SidecarError, Source,
@@ -153,6 +154,7 @@ impl Session {
             stamps: prepared.stamps.clone(),
             generation,
             has_light: prepared.scene.has_light(),
+            is_open: prepared.is_open,
             ceiling_side: ceiling::suggested_size(&prepared.scene, &prepared.occluders),
             skipped: prepared.scene.skipped.sentences(),
             load_seconds: prepared.seconds,
@@ -182,6 +184,26 @@ impl Session {
         self.announce_scene(false, self.generation);
         if self.remaking.is_some() {
             // What is under way knows nothing of the edit.
+            self.remake(None);
+        }
+    }
+
+    /// Lets another daylight in, on the same clusters and with what is known of hidden parts; solved anew.
+    pub(super) fn set_daylight(&mut self, told: &Daylight) {
+        let Some(prepared) = self.prepared.as_mut() else { return };
+        if prepared.raw.daylight() == *told {
+            return;
+        }
+        let mut scene = (*prepared.scene).clone();
+        if let Err(error) = scene.replace_daylight(told) {
+            return self.emit(Event::SolveFailed(error.to_string()));
+        }
+        Arc::make_mut(&mut prepared.raw).outside.clone_from(&scene.outside);
+        prepared.scene = Arc::new(scene);
+        self.start_solver();
+        self.announce_scene(false, self.generation + 1);
+        if self.remaking.is_some() {
+            // What is under way knows nothing of it.
             self.remake(None);
         }
     }

@@ -7,6 +7,26 @@ use selflink::solver::point_to_polygon;
 use crate::load;
 use crate::support::{glb, square_bytes, square_json};
 
+/// Truth: a directional light shines along −z of its node; of two the brightest is the sun, with its lux (179 lm/W), and its colour.
+#[test]
+fn the_brightest_directional_light_is_the_sun() {
+    let rest = r#""extensionsUsed": ["KHR_lights_punctual"],
+        "extensions": {"KHR_lights_punctual": {"lights": [
+            {"name": "Moon", "type": "directional", "intensity": 1},
+            {"name": "Sun", "type": "directional", "intensity": 17900, "color": [1, 1, 0.5]}]}},
+        "scenes": [{"nodes": [0, 1, 2]}], "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1}]}],
+        "nodes": [{"mesh": 0},
+            {"rotation": [-0.70710678, 0, 0, 0.70710678], "extensions": {"KHR_lights_punctual": {"light": 0}}},
+            {"rotation": [-0.38268343, 0, 0, 0.92387953], "extensions": {"KHR_lights_punctual": {"light": 1}}}]"#;
+    let scene = load(&[("a.glb", &glb(&square_json(rest), &square_bytes()))], "a.glb");
+    let sun = scene.outside().and_then(|outside| outside.sun().copied()).expect("a sun");
+    let towards = Vec3::new(0.0, 1.0, 1.0).normalize();
+    assert!(sun.direction.distance(towards) < 1e-5, "{}", sun.direction);
+    assert!(sun.irradiance.distance(100.0 * Vec3::new(1.0, 1.0, 0.5)) < 0.1, "{}", sun.irradiance);
+    let notes = scene.skipped.notes.join(" ");
+    assert!(notes.contains("the brightest alone is the sun: Moon") && scene.skipped.ignored_lights == 1, "{notes}");
+}
+
 /// Truth: E = I cos³θ/h² at a floor, by 179 lm/W; within 1 % at 1 to 10 m, straight below and aslant, for a point and inside of a spot's
 /// inner cone; nothing outside of its outer cone.
 #[test]

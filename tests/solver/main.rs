@@ -7,6 +7,7 @@ mod coarsening;
 mod coincidence;
 #[path = "../support/coverage.rs"]
 mod coverage;
+mod daylight;
 mod display_mesh;
 mod error_oracle;
 mod final_gather;

@@ -46,7 +46,7 @@ fn the_floor_under_a_box_is_no_area() {
     let of_floor = |hierarchy: &Hierarchy| {
         let leaves = hierarchy.ids().filter(|id| match hierarchy.element(*id).shape {
             Shape::Patch(patch) => hierarchy.element(*id).is_leaf() && patch.polygon == floor_of(&scene),
-            Shape::Cluster(_) => false,
+            Shape::Cluster(_) | Shape::Sky(_) => false,
         });
         leaves.collect::<Vec<_>>()
     };
@@ -58,7 +58,7 @@ fn the_floor_under_a_box_is_no_area() {
     }
     let floor = hierarchy.initial_patches().iter().find(|id| match hierarchy.element(**id).shape {
         Shape::Patch(patch) => patch.polygon == floor_of(&scene),
-        Shape::Cluster(_) => false,
+        Shape::Cluster(_) | Shape::Sky(_) => false,
     });
     for index in 0..1000_u32 {
         let (u, v) =

@@ -28,6 +28,7 @@ fn covered(solver: &Solver) -> FxHashMap<(ElementId, ElementId), f64> {
     let below = |id: ElementId| match &hierarchy.element(id).shape {
         Shape::Cluster(cluster) => hierarchy.patches_below(cluster).iter().map(|&patch| (patch, 1.0)).collect(),
         Shape::Patch(_) => vec![initial_patch(hierarchy, id)],
+        Shape::Sky(_) => Vec::new(),
     };
     let mut covered = FxHashMap::default();
     for (receiver, source) in accounted(solver) {

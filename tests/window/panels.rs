@@ -289,13 +289,13 @@ fn light_asked_for_at_the_start_is_there_at_once() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("dark.obj");
     std::fs::write(&path, DARK_ROOM).expect("the room is written");
-    let light = AddedLight { emitting: Vec::new(), ceiling: Some(CeilingLight { size: None, exitance: 100.0 }) };
+    let light = AddedLight { ceiling: Some(CeilingLight { size: None, exitance: 100.0 }), ..AddedLight::default() };
     let mut window = window_with(Some((Source::File(path.clone()), Reading::default(), light)), coarse());
     until(&mut window, "the room", |window| window.state().scene_info().is_some());
     assert!(window.state().scene_info().expect("a scene").has_light);
     assert!(window.query_by_label_contains("Nothing in this scene emits light").is_none());
     // What cannot be added is said, and no scene is shown in its place.
-    let light = AddedLight { emitting: vec![("roof".into(), Vec3::ONE)], ceiling: None };
+    let light = AddedLight { emitting: vec![("roof".into(), Vec3::ONE)], ..AddedLight::default() };
     let mut window = window_with(Some((Source::File(path), Reading::default(), light)), coarse());
     until(&mut window, "the message", |window| window.query_by_label_contains("no material `roof`").is_some());
     assert!(window.state().scene_info().is_none());

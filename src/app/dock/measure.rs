@@ -154,12 +154,18 @@ fn show_summary(ui: &mut Ui, shown: &Shown, plane: &PlaneReading) {
         return;
     }
     let lux = |value: f32| format!("{:>7} lx", format::number(value.into()));
-    let rows = [
+    let mut rows = vec![
         (words::AVERAGE, lux(summary.average), "Mean illuminance of the points"),
         ("Minimum", lux(summary.minimum), "Smallest illuminance"),
         ("Maximum", lux(summary.maximum), "Largest illuminance"),
         (words::UNIFORMITY, format!("{:>7.2}   ", summary.uniformity), "Minimum over average (EN 12464-1)"),
     ];
+    if let Some([mean, least]) = summary.daylight_factor {
+        let percent = |share: f32| format!("{:>7} % ", format::number((100.0 * share).into()));
+        let hint = "Illuminance over that of open ground under the same sky (EN 17037)";
+        rows.push(("Daylight factor", percent(mean), hint));
+        rows.push(("…at least", percent(least), hint));
+    }
     Grid::new("work plane").num_columns(2).spacing([12.0, 3.0]).show(ui, |ui| {
         for (name, value, hint) in rows {
             ui.label(name);

@@ -47,6 +47,9 @@ fn rows(stats: &Stats) -> Vec<(&'static str, String)> {
         ("Emitted, sum of channels", format::quantity(stats.emitted_watts, "W")),
         ("Absorbed, sum of channels", format::quantity(stats.absorbed_watts, "W")),
     ];
+    if stats.entering_watts > 0.0 {
+        rows.push(("Entering from outside", format::quantity(stats.entering_watts, "W")));
+    }
     rows.push(("Memory: all counted", format::bytes(stats.bytes.counted)));
     rows.push(("Memory limit", format::bytes(stats.bytes.budget)));
     if let Some(stop) = stats.memory_stop {

@@ -13,7 +13,10 @@ use std::path::{Path, PathBuf};
 use glam::Vec3;
 use rustc_hash::FxHashMap;
 
+use super::outside::{SKY_SIZE, angles, sky_pixels, sun_disc};
 use super::{PeerError, SIZE, Surface, camera, make_folder, spaced, surfaces, write_file};
+use crate::export::exr::{self, FloatPicture};
+use crate::scene::outside::Outside;
 use crate::scene::{CameraPose, Scene};
 
 const README: &str = "Written by Selflink for Mitsuba 3 (pip install mitsuba numpy).\n\
@@ -32,11 +35,69 @@ pub fn write(scene: &Scene, folder: &Path) -> Result<PathBuf, PeerError> {
     for surface in &surfaces {
         write_file(folder, &mesh_name(surface), |writer| mesh(writer, surface))?;
     }
+    if let Some(outside) = scene.outside().filter(|outside| outside.has_sky()) {
+        write_file(folder, SKY, |writer| exr::write(writer, &sky(outside)))?;
+    }
     write_file(folder, "README.txt", |writer| writer.write_all(README.as_bytes()))?;
     let [x, y, z] = scene.origin.to_array();
     let check = CHECK.replace(ORIGIN, &format!("ORIGIN = ({x:?}, {y:?}, {z:?})"));
     write_file(folder, "check.py", |writer| writer.write_all(check.as_bytes()))?;
     write_file(folder, "scene.xml", |writer| writer.write_all(xml(scene, &surfaces).as_bytes()))
+}
+
+/// The picture of the sky.
+const SKY: &str = "sky.exr";
+
+/// The sky as Mitsuba's `envmap` reads it: y is up in it, −z at its left and right rim and x a quarter from the left.
+fn sky(outside: &Outside) -> FloatPicture {
+    let direction = |across: f32, down: f32| {
+        let [(sine, cosine), (height_sine, height)] = angles(across, down);
+        Vec3::new(height_sine * sine, height, -height_sine * cosine)
+    };
+    let pixels = sky_pixels(outside, direction).into_iter().map(|radiance| radiance.extend(1.0).to_array()).collect();
+    FloatPicture { size: SKY_SIZE.map(|side| side as u32), pixels }
+}
+
+/// Sky and sun as emitters.
+fn outside_xml(scene: &Scene) -> String {
+    let Some(outside) = scene.outside() else { return String::new() };
+    let mut text = String::new();
+    if outside.has_sky() {
+        let _ = write!(
+            text,
+            "    <emitter type=\"envmap\">\n        <string name=\"filename\" value=\"{SKY}\"/>\n    </emitter>\n"
+        );
+    }
+    if let Some((centre, radius, radiance)) = sun_disc(scene, outside) {
+        let commas = |vector: Vec3| format!("{}, {}, {}", vector.x, vector.y, vector.z);
+        let (lower, upper) = scene.bounds();
+        let (target, up) = (0.5 * (lower + upper), (target_to(centre)).any_orthonormal_vector());
+        let _ = write!(
+            text,
+            r#"    <shape type="disk">
+        <transform name="to_world">
+            <scale value="{radius}"/>
+            <lookat origin="{}" target="{}" up="{}"/>
+        </transform>
+        <bsdf type="diffuse">
+            <rgb name="reflectance" value="0 0 0"/>
+        </bsdf>
+        <emitter type="area">
+            <rgb name="radiance" value="{}"/>
+        </emitter>
+    </shape>
+"#,
+            commas(centre),
+            commas(target),
+            commas(up),
+            spaced(radiance),
+        );
+    }
+    text
+}
+
+fn target_to(centre: Vec3) -> Vec3 {
+    centre.normalize_or(Vec3::Y)
 }
 
 fn mesh_name(surface: &Surface) -> String {
@@ -99,7 +160,7 @@ fn xml(scene: &Scene, surfaces: &[Surface]) -> String {
         }
         text += "    </shape>\n";
     }
-    text + "</scene>\n"
+    text + &outside_xml(scene) + "</scene>\n"
 }
 
 /// A mesh of triangles whose corners are shared.

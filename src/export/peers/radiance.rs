@@ -8,12 +8,14 @@
 
 use std::f32::consts::PI;
 use std::fmt::Write as _;
-use std::io::Write as _;
+use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use glam::{DVec3, Vec3};
 
+use super::outside::{SKY_SIZE, angles, sky_pixels};
 use super::{PeerError, SIZE, Surface, camera, make_folder, spaced, surfaces, write_file};
+use crate::scene::outside::{Outside, SUN_RADIUS};
 use crate::scene::{CameraPose, Scene};
 
 const README: &str = "Written by Selflink for Radiance.\n\
@@ -26,6 +28,10 @@ const README: &str = "Written by Selflink for Radiance.\n\
 pub fn write(scene: &Scene, folder: &Path) -> Result<PathBuf, PeerError> {
     make_folder(folder)?;
     write_file(folder, "README.txt", |writer| writer.write_all(README.as_bytes()))?;
+    if let Some(outside) = scene.outside().filter(|outside| outside.has_sky()) {
+        write_file(folder, "sky.hdr", |writer| sky(writer, outside))?;
+        write_file(folder, "sky.cal", |writer| writer.write_all(SKY_CAL.as_bytes()))?;
+    }
     write_file(folder, "view.vf", |writer| writer.write_all(view(scene).as_bytes()))?;
     write_file(folder, "scene.rad", |writer| writer.write_all(rad(scene, &surfaces(scene)).as_bytes()))
 }
@@ -37,6 +43,43 @@ fn view(scene: &Scene) -> String {
     let height = 2.0 * (aspect * (0.5 * hfov_deg.to_radians()).tan()).atan().to_degrees();
     let (direction, up) = (spaced((target - eye).normalize_or(Vec3::NEG_Z)), spaced(up));
     format!("rvu -vtv -vp {x} {y} {z} -vd {direction} -vu {up} -vh {hfov_deg} -vv {height}\n")
+}
+
+/// Where a direction lies in the sky's picture, whose height is 1 and width 2: y is up in it, −z at its left and right rim.
+const SKY_CAL: &str = "{ Written by Selflink }\n\
+    skyu = if(Dx, atan2(Dx,-Dz), 2*PI + atan2(Dx,-Dz)) / PI;\n\
+    skyv = 1 - acos(Dy)/PI;\n";
+
+/// The sky as a picture of radiances.
+fn sky(writer: &mut impl Write, outside: &Outside) -> io::Result<()> {
+    let direction = |across: f32, down: f32| {
+        let [(sine, cosine), (height_sine, height)] = angles(across, down);
+        Vec3::new(height_sine * sine, height, -height_sine * cosine)
+    };
+    let [width, height] = SKY_SIZE;
+    let pixels: Vec<image::Rgb<f32>> =
+        sky_pixels(outside, direction).into_iter().map(|radiance| image::Rgb(radiance.to_array())).collect();
+    image::codecs::hdr::HdrEncoder::new(writer).encode(&pixels, width, height).map_err(io::Error::other)
+}
+
+/// Sky and sun.
+fn outside_rad(scene: &Scene) -> String {
+    let Some(outside) = scene.outside() else { return String::new() };
+    let mut text = String::new();
+    if outside.has_sky() {
+        text += "\nvoid colorpict sky-picture\n7 red green blue sky.hdr sky.cal skyu skyv\n0\n0\n\
+            sky-picture glow sky-glow\n0\n0\n4 1 1 1 0\n\
+            sky-glow source sky\n0\n0\n4 0 1 0 360\n";
+    }
+    if let Some(sun) = outside.sun() {
+        let (radiance, angle) = (spaced(sun.radiance()), 2.0 * SUN_RADIUS.to_degrees());
+        let direction = spaced(sun.direction);
+        let _ = write!(
+            text,
+            "\nvoid light sun-light\n0\n0\n3 {radiance}\nsun-light source sun\n0\n0\n4 {direction} {angle}\n"
+        );
+    }
+    text
 }
 
 /// The scene description.
@@ -77,5 +120,5 @@ fn rad(scene: &Scene, surfaces: &[Surface]) -> String {
             text.push('\n');
         }
     }
-    text
+    text + &outside_rad(scene)
 }

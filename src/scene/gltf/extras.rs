@@ -10,7 +10,7 @@ use gltf::json::validation::Checked;
 use super::buffers::{GltfData, Problem};
 use crate::scene::draft::Draft;
 use crate::scene::place::{FiledCamera, is_usable};
-use crate::scene::punctual::PunctualLight;
+use crate::scene::punctual::{DirectionalLight, PunctualLight};
 use crate::scene::{GroupId, said};
 
 /// Width by height that a camera without one is made for.
@@ -22,8 +22,8 @@ pub(super) fn light_of<'a>(data: &GltfData<'a>, node: &Node) -> Option<&'a Light
     data.root.extensions.as_ref()?.khr_lights_punctual.as_ref()?.lights.get(light.value())
 }
 
-/// Adds a point or spot light; gives the name of a sun, which is left out.
-pub(super) fn add_light(draft: &mut Draft, light: &Light, name: &str, group: GroupId, world: DMat4) -> Option<String> {
+/// Adds a light; one of a kind that there is not is passed over.
+pub(super) fn add_light(draft: &mut Draft, light: &Light, name: &str, group: GroupId, world: DMat4) {
     let name = light.name.clone().unwrap_or_else(|| name.to_owned());
     let candelas = light.intensity * Vec3::from_array(light.color);
     let candelas = if candelas.is_finite() { candelas.max(Vec3::ZERO) } else { Vec3::ZERO };
@@ -32,12 +32,16 @@ pub(super) fn add_light(draft: &mut Draft, light: &Light, name: &str, group: Gro
         Checked::Valid(Type::Spot) => {
             light.spot.as_ref().map(|spot| [spot.inner_cone_angle, spot.outer_cone_angle]).or(Some([0.0, 0.785]))
         }
-        _ => return Some(name),
+        Checked::Valid(Type::Directional) => {
+            let towards = world.transform_vector3(DVec3::Z).normalize_or(DVec3::Y);
+            draft.suns.push(DirectionalLight { name, towards, lux: candelas });
+            return;
+        }
+        Checked::Invalid => return,
     };
     let cone = cone.map(|cone| cone.map(|angle| if angle.is_finite() { angle } else { 0.785 }));
     let range = light.range.filter(|range| range.is_finite() && *range > 0.0);
     draft.lights.push(PunctualLight { name, group, world, candelas, range, cone });
-    None
 }
 
 /// Adds the view of a camera; one without perspective, or out of all bounds, is counted.

@@ -89,23 +89,16 @@ impl Walk<'_> {
             self.worlds[it.node] = it.world;
         }
         self.check_count(&placed)?;
-        let mut suns = Vec::new();
         for Placed { node: index, name, group, world } in &placed {
             let node = &root.nodes[*index];
             if let Some(light) = light_of(self.data, node) {
-                suns.extend(add_light(&mut self.draft, light, name, *group, *world));
+                add_light(&mut self.draft, light, name, *group, *world);
             }
             if let Some(mesh) = node.mesh {
                 self.add_mesh(mesh.value(), *index, *group, *world)?;
             }
         }
         self.add_cameras(&placed);
-        if let Some((first, more)) = suns.split_first() {
-            let shown = more.iter().take(4).fold(said::name(first), |names, name| names + ", " + &said::name(name));
-            let and_more = if suns.len() > 5 { format!(" and {} more", suns.len() - 5) } else { String::new() };
-            self.draft.skipped.ignored_lights = suns.len();
-            self.draft.skipped.note(format!("Suns are left out, as there are none here yet: {shown}{and_more}."));
-        }
         Ok(())
     }
 

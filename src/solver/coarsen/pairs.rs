@@ -186,6 +186,7 @@ impl<'a> Pairs<'a> {
                 (first..first + count).contains(&self.places[part.index()])
             }
             Shape::Patch(_) => self.places[whole.index()] == self.places[part.index()],
+            Shape::Sky(_) => false,
         }
     }
 
@@ -257,7 +258,7 @@ impl<'a> Pairs<'a> {
         if receiver == source {
             // A patch has no self-link, nor has a cluster that none of its polygons lights.
             return match &hierarchy.element(receiver).shape {
-                Shape::Patch(_) => true,
+                Shape::Patch(_) | Shape::Sky(_) => true,
                 Shape::Cluster(cluster) => self.oracle.is_convex(cluster),
             };
         }
@@ -301,6 +302,8 @@ fn places(hierarchy: &Hierarchy) -> Vec<u32> {
                 places[id.index()] = parent.map_or(0, |parent| places[parent.index()]);
             }
             Shape::Patch(_) => {}
+            // In nothing of the scene.
+            Shape::Sky(_) => places[id.index()] = u32::MAX,
         }
     }
     places

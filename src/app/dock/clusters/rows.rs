@@ -90,6 +90,7 @@ pub(super) fn polygons(hierarchy: &Hierarchy, id: ElementId) -> usize {
     match &hierarchy.element(id).shape {
         Shape::Cluster(cluster) => hierarchy.patches_below(cluster).len(),
         Shape::Patch(_) => 1,
+        Shape::Sky(_) => 0,
     }
 }
 

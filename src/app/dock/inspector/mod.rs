@@ -128,7 +128,14 @@ fn show_head(ui: &mut Ui, subject: &Subject<'_>, inspection: &mut Inspection, vi
                 walk = Some(Walk::Back);
             }
             let name = inspection.name(anatomy, subject.scene, id).to_owned();
-            let kind = if anatomy.hierarchy().element(id).is_cluster() { "cluster" } else { "patch" };
+            let element = anatomy.hierarchy().element(id);
+            let kind = if element.is_cluster() {
+                "cluster"
+            } else if element.is_sky() {
+                "outside"
+            } else {
+                "patch"
+            };
             ui.with_layout(egui::Layout::left_to_right(egui::Align::Center), |ui| {
                 ui.label(theme::weak(kind));
                 ui.add(egui::Label::new(RichText::new(name).strong()).truncate());

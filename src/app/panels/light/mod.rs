@@ -1,6 +1,7 @@
 //! The light section: every lamp with a switch and a dimmer, the material at hand, and a light under the ceiling.
 
 mod ceiling;
+mod daylight;
 mod lamps;
 mod material;
 
@@ -12,6 +13,7 @@ use crate::scene::{MaterialId, Scene};
 use crate::solver::{Epsilon, SolverParams};
 use crate::worker::Command;
 pub(in super::super) use ceiling::CeilingEditor;
+use daylight::DaylightEditor;
 
 /// Exitances a slider offers, W/m².
 const EXITANCES: std::ops::RangeInclusive<f32> = 0.1..=1e5;
@@ -28,6 +30,7 @@ pub(in super::super) struct LightEditor {
     /// Area of the faces of each material, m².
     areas: Vec<f32>,
     ceiling: CeilingEditor,
+    daylight: DaylightEditor,
     /// A transparent material whose faces are asked for.
     opaque: Option<String>,
     /// In which unit a lamp's strength is shown.
@@ -86,6 +89,7 @@ impl LightEditor {
     /// Takes up what an edited scene has more.
     pub(in super::super) fn follow(&mut self, scene: &Scene) {
         self.lighting.extend_to(&scene.materials);
+        self.daylight.follow(scene.daylight());
         self.areas = vec![0.0; scene.materials.len()];
         for polygon in &scene.polygons {
             self.areas[polygon.material.0 as usize] += scene.area(polygon);
@@ -107,9 +111,18 @@ impl LightEditor {
 pub(super) fn show(ui: &mut Ui, shown: &Shown, params: &SolverParams, editor: &mut LightEditor, outbox: &mut Outbox) {
     let Some(info) = &shown.info else { return };
     if !info.has_light {
-        let sentence =
-            "Nothing in this scene emits light, so it is black: make a material a light, or add a ceiling light.";
+        let sentence = match info.is_open {
+            true => {
+                "Nothing in this scene emits light, so it is black: let daylight in, make a material a light, or add a ceiling light."
+            }
+            false => {
+                "Nothing in this scene emits light, so it is black: make a material a light, or add a ceiling light."
+            }
+        };
         ui.add(egui::Label::new(egui::RichText::new(sentence).color(theme::ACCENT)).wrap());
+        if info.is_open && ui.button("Let daylight in").clicked() {
+            outbox.push(Command::SetDaylight(daylight::usual()));
+        }
         ui.add_space(2.0);
     }
     let before = editor.lighting.clone();
@@ -117,6 +130,8 @@ pub(super) fn show(ui: &mut Ui, shown: &Shown, params: &SolverParams, editor: &m
     material::show(ui, &info.scene, editor);
     outbox.extend(editor.lighting.commands_since(&before));
     show_anchor(ui, shown, params, outbox);
+    ui.add_space(6.0);
+    daylight::show(ui, &mut editor.daylight, outbox);
     ui.add_space(6.0);
     ceiling::show(ui, &mut editor.ceiling, outbox);
 }

@@ -1,0 +1,468 @@
+//! What lies outside of a scene and shines in: a sky around it and a sun, both so far away that direction alone counts.
+//!
+//! Skies are those of the CIE (`cie`) or pictures (`picture`); the sun is a disc of half a degree whose direction is told or follows from
+//! date and place (`solar`). People tell both in words (`told`); [`Outside`] is what they come to in a scene's own axes.
+
+mod cie;
+mod picture;
+mod solar;
+mod table;
+mod told;
+
+use std::f64::consts::PI;
+use std::path::Path;
+use std::sync::Arc;
+
+use glam::{DVec3, Vec3};
+
+use super::files::read_plain_file;
+use super::{Scene, files};
+
+pub use cie::{CLEAR, Spread};
+pub use picture::SkyPicture;
+pub use solar::{Moment, position};
+pub use table::{Drawn, SkyTable};
+pub use told::{Amount, Daylight, SkyKind, SkyTold, SunPlace, SunTold};
+
+/// Angular radius of the sun, radians: 16 arc minutes.
+pub const SUN_RADIUS: f32 = 0.004_65;
+/// Rows and columns of the table by which directions of a sky are drawn.
+const TABLE: [usize; 2] = [128, 256];
+/// A sky whose brightest place is no more than so many times its mean is even: cosine-distributed rays find its light as well as any.
+const EVEN: f32 = 4.0;
+
+/// Daylight that cannot be used.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum DaylightError {
+    /// No sky.
+    #[error(
+        "a sky is told as KIND:AMOUNT, such as overcast:10000lx; KIND is uniform, overcast, clear, cie1 to cie15 or a picture (.hdr, .exr, .png, .jpg), AMOUNT its horizontal illuminance in lx or irradiance in W (it is `{0}`)"
+    )]
+    Sky(String),
+    /// No sun.
+    #[error(
+        "a sun is told as az:DEGREES,el:DEGREES,AMOUNT, such as az:200,el:40,60000lx, or by date and place, such as 2026-06-21T12:00+02:00,lat:48.1,lon:11.6,80000lx (it is `{0}`)"
+    )]
+    Sun(String),
+    /// The sky's spread depends on a sun that nobody told.
+    #[error("the sky `{0}` is brightest about the sun: tell where that is with --sun")]
+    NeedsSun(String),
+    /// A picture that is not read.
+    #[error("the picture `{name}` of the sky cannot be used: {why}")]
+    Picture {
+        /// Its name.
+        name: String,
+        /// Why.
+        why: String,
+    },
+}
+
+/// The axes of the outside in a scene's coordinates.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Axes {
+    east: Vec3,
+    north: Vec3,
+    up: Vec3,
+}
+
+impl Axes {
+    /// Those of a scene whose up is this unit vector along an axis: east is x, north is −z, or y where z is up.
+    pub fn with_up(up: Vec3) -> Self {
+        let north = if up.y.abs() > 0.5 { -Vec3::Z } else { Vec3::Y };
+        Self { east: north.cross(up), north, up }
+    }
+
+    /// Azimuth from north towards east and elevation of a direction of the scene, degrees.
+    pub fn angles(&self, direction: DVec3) -> [f32; 2] {
+        let [east, north, up] = [self.east, self.north, self.up].map(|axis| axis.as_dvec3().dot(direction));
+        let azimuth = east.atan2(north).to_degrees().rem_euclid(360.0);
+        [azimuth as f32, up.atan2(east.hypot(north)).to_degrees() as f32]
+    }
+
+    /// A direction of the scene as (east, north, up).
+    fn of_sky(&self, direction: Vec3) -> Vec3 {
+        Vec3::new(self.east.dot(direction), self.north.dot(direction), self.up.dot(direction))
+    }
+
+    /// A direction of the sky in the scene.
+    fn of_scene(&self, direction: Vec3) -> Vec3 {
+        direction.x * self.east + direction.y * self.north + direction.z * self.up
+    }
+}
+
+/// The sun, a disc of even radiance.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sun {
+    /// Unit vector towards its middle.
+    pub direction: Vec3,
+    /// Irradiance of a face turned to it, W/m² per colour.
+    pub irradiance: Vec3,
+}
+
+impl Sun {
+    /// Radiance of its disc, W/(m²·sr): irradiance over π·sin²r.
+    pub fn radiance(&self) -> Vec3 {
+        self.irradiance / (std::f32::consts::PI * SUN_RADIUS.sin().powi(2))
+    }
+
+    /// Solid angle of its disc, sr.
+    pub fn solid_angle() -> f32 {
+        // 2π(1 − cos r) without cancellation.
+        4.0 * std::f32::consts::PI * (0.5 * SUN_RADIUS).sin().powi(2)
+    }
+
+    /// Whether a direction lies on its disc.
+    pub fn holds(&self, direction: Vec3) -> bool {
+        // The chord tells small angles that a cosine in single precision does not.
+        direction.distance_squared(self.direction) <= (2.0 * (0.5 * SUN_RADIUS).sin()).powi(2)
+    }
+
+    /// The direction that two numbers in 0..1 pick, evenly over the disc's solid angle.
+    pub fn at(&self, [u, v]: [f32; 2]) -> Vec3 {
+        let (east, north) = self.direction.any_orthonormal_pair();
+        let (sine, cosine) = (std::f32::consts::TAU * v).sin_cos();
+        let radius = u.sqrt() * SUN_RADIUS;
+        (self.direction + radius * (cosine * east + sine * north)).normalize()
+    }
+}
+
+/// How the radiance of a sky is found.
+#[derive(Clone, Debug)]
+enum Source {
+    /// A formula times this radiance, W/(m²·sr).
+    Formula(Spread, f32),
+    /// A picture times this.
+    Picture(SkyPicture, f32),
+}
+
+#[derive(Clone, Debug)]
+struct Sky {
+    source: Source,
+    /// Unit vector towards the sun, whether it is seen or not.
+    sun: DVec3,
+    table: SkyTable,
+    is_even: bool,
+    /// Irradiance of open horizontal ground, W/m².
+    horizontal: Vec3,
+}
+
+/// Sky and sun around a scene, in its axes.
+#[derive(Clone, Debug)]
+pub struct Outside {
+    told: Daylight,
+    axes: Axes,
+    sky: Option<Sky>,
+    sun: Option<Sun>,
+}
+
+impl Outside {
+    /// Makes what was told ready for a scene with this up direction (a unit vector along an axis); `read` gives the content of a picture's file.
+    ///
+    /// # Errors
+    /// A picture that cannot be used, or a sky that needs a sun.
+    pub fn new(
+        told: &Daylight,
+        up: Vec3,
+        read: impl FnOnce(&Path) -> Result<Vec<u8>, String>,
+    ) -> Result<Self, DaylightError> {
+        let axes = Axes::with_up(up);
+        let place = told.sun.as_ref().map(|sun| {
+            let [azimuth, elevation] = sun.angles().map(f64::to_radians);
+            DVec3::new(elevation.cos() * azimuth.sin(), elevation.cos() * azimuth.cos(), elevation.sin())
+        });
+        let sun = told.sun.zip(place).map(|(sun, place)| Sun {
+            direction: axes.of_scene(place.as_vec3()).normalize(),
+            irradiance: if place.z > 0.0 { sun.irradiance() } else { Vec3::ZERO },
+        });
+        let sky = told.sky.as_ref().map(|sky| Sky::new(sky, place, read)).transpose()?;
+        let sun = sun.filter(|sun| sun.irradiance.max_element() > 0.0);
+        Ok(Self { told: told.clone(), axes, sky: sky.flatten(), sun })
+    }
+
+    /// What was told of it.
+    pub fn told(&self) -> &Daylight {
+        &self.told
+    }
+
+    /// Unit vector of the scene that points up.
+    pub fn up(&self) -> Vec3 {
+        self.axes.up
+    }
+
+    /// Whether anything shines.
+    pub fn is_lit(&self) -> bool {
+        self.sky.is_some() || self.sun.is_some()
+    }
+
+    /// The sun, where it shines.
+    pub fn sun(&self) -> Option<&Sun> {
+        self.sun.as_ref()
+    }
+
+    /// Radiance of the sky without the sun in a direction of the scene (a unit vector), W/(m²·sr).
+    #[inline]
+    pub fn radiance(&self, direction: Vec3) -> Vec3 {
+        let Some(sky) = &self.sky else { return Vec3::ZERO };
+        let direction = self.axes.of_sky(direction);
+        sky.source.at(direction.as_dvec3(), sky.sun)
+    }
+
+    /// Radiance as the eye sees it, the sun's disc included, W/(m²·sr).
+    pub fn seen(&self, direction: Vec3) -> Vec3 {
+        let sun = self.sun.filter(|sun| sun.holds(direction)).map_or(Vec3::ZERO, |sun| sun.radiance());
+        self.radiance(direction) + sun
+    }
+
+    /// Whether a sky shines so evenly that cosine-distributed rays find its light as well as any.
+    pub fn is_even(&self) -> bool {
+        self.sky.as_ref().is_none_or(|sky| sky.is_even)
+    }
+
+    /// Whether there is a sky beside the sun.
+    pub fn has_sky(&self) -> bool {
+        self.sky.is_some()
+    }
+
+    /// A direction of the scene drawn by the sky's radiance.
+    pub fn draw(&self, numbers: [f32; 2]) -> Option<Drawn> {
+        let drawn = self.sky.as_ref()?.table.draw(numbers);
+        Some(Drawn { direction: self.axes.of_scene(drawn.direction), ..drawn })
+    }
+
+    /// Density with which [`Self::draw`] draws a direction, 1/sr.
+    pub fn density(&self, direction: Vec3) -> f32 {
+        self.sky.as_ref().map_or(0.0, |sky| sky.table.density(self.axes.of_sky(direction)))
+    }
+
+    /// Irradiance of open horizontal ground, W/m²: by the sky, and by the sun.
+    pub fn horizontal_irradiance(&self) -> [Vec3; 2] {
+        let sky = self.sky.as_ref().map_or(Vec3::ZERO, |sky| sky.horizontal);
+        let sun = self.sun.map_or(Vec3::ZERO, |sun| sun.direction.dot(self.axes.up).max(0.0) * sun.irradiance);
+        [sky, sun]
+    }
+
+    /// Memory, bytes.
+    pub fn bytes(&self) -> usize {
+        let of = |sky: &Sky| {
+            sky.table.bytes() + if let Source::Picture(picture, _) = &sky.source { picture.bytes() } else { 0 }
+        };
+        self.sky.as_ref().map_or(0, of)
+    }
+}
+
+impl Scene {
+    /// What shines in from outside, where anything does.
+    pub fn outside(&self) -> Option<&Arc<Outside>> {
+        self.outside.as_ref().filter(|outside| outside.is_lit())
+    }
+
+    /// What is told of the outside.
+    pub fn daylight(&self) -> Daylight {
+        self.outside.as_ref().map(|outside| outside.told().clone()).unwrap_or_default()
+    }
+
+    /// Lets daylight in: a sky or a sun that is told replaces the scene's own, what is not told stays. A picture comes from wherever its
+    /// path leads.
+    ///
+    /// # Errors
+    /// A picture that cannot be used, or a sky that needs a sun.
+    pub fn add_daylight(&mut self, told: &Daylight) -> Result<(), DaylightError> {
+        self.add_daylight_from(told, |path| read_plain_file(path, files::MOST_BYTES).map_err(|error| error.to_string()))
+    }
+
+    /// The same where pictures are read so.
+    pub(super) fn add_daylight_from(
+        &mut self,
+        told: &Daylight,
+        read: impl FnOnce(&Path) -> Result<Vec<u8>, String>,
+    ) -> Result<(), DaylightError> {
+        if told.is_empty() {
+            return Ok(());
+        }
+        let own = self.daylight();
+        let whole = Daylight { sky: told.sky.clone().or(own.sky), sun: told.sun.or(own.sun) };
+        self.set_daylight(&whole, read)
+    }
+
+    /// Makes this all that lies outside; pictures come from wherever their paths lead.
+    ///
+    /// # Errors
+    /// A picture that cannot be used, or a sky that needs a sun.
+    pub fn replace_daylight(&mut self, told: &Daylight) -> Result<(), DaylightError> {
+        self.set_daylight(told, |path| read_plain_file(path, files::MOST_BYTES).map_err(|error| error.to_string()))
+    }
+
+    /// The same where pictures are read so.
+    fn set_daylight(
+        &mut self,
+        told: &Daylight,
+        read: impl FnOnce(&Path) -> Result<Vec<u8>, String>,
+    ) -> Result<(), DaylightError> {
+        let outside = Outside::new(told, self.up_axis(), read)?;
+        if told.sun.is_some() && outside.sun().is_none() {
+            self.skipped.note("The sun is below the horizon or dark: it does not shine.");
+        }
+        self.outside = (!told.is_empty()).then(|| Arc::new(outside));
+        Ok(())
+    }
+}
+
+impl Source {
+    #[inline]
+    fn at(&self, direction: DVec3, sun: DVec3) -> Vec3 {
+        match self {
+            Self::Formula(spread, factor) => Vec3::splat(spread.at(direction.z, direction.dot(sun)) as f32 * factor),
+            Self::Picture(picture, factor) => *factor * picture.at(direction),
+        }
+    }
+}
+
+impl Sky {
+    /// A sky; `None` for a dark one.
+    fn new(
+        told: &SkyTold,
+        sun: Option<DVec3>,
+        read: impl FnOnce(&Path) -> Result<Vec<u8>, String>,
+    ) -> Result<Option<Self>, DaylightError> {
+        let place = sun.unwrap_or(DVec3::Z);
+        let (source, horizontal) = match &told.kind {
+            SkyKind::Formula(spread) => {
+                if spread.needs_sun() && sun.is_none() {
+                    return Err(DaylightError::NeedsSun(told.to_string()));
+                }
+                let watts = told.amount.map_or(0.0, Amount::watts);
+                let factor = f64::from(watts) / horizontal_of(*spread, place);
+                (Source::Formula(*spread, factor as f32), Vec3::splat(watts))
+            }
+            SkyKind::Picture(name) => {
+                let unusable = |why: String| DaylightError::Picture { name: name.clone(), why };
+                let bytes = read(Path::new(name)).map_err(unusable)?;
+                let picture = SkyPicture::read(&bytes, name).map_err(unusable)?;
+                let own = picture.horizontal_irradiance();
+                let eye = crate::photometry::weighted(own.into());
+                let factor = match told.amount {
+                    Some(amount) if eye > 0.0 => amount.watts() / eye,
+                    _ => 1.0,
+                };
+                (Source::Picture(picture, factor), factor * own)
+            }
+        };
+        let largest = |direction: DVec3| f64::from(source.at(direction, place).max_element());
+        let Some(table) = SkyTable::new(TABLE, largest) else { return Ok(None) };
+        let is_even = match &source {
+            Source::Formula(..) => {
+                let brightest = (0..4096).map(|index| largest(fibonacci(index, 4096))).fold(0.0, f64::max);
+                let around = f64::from(horizontal.max_element()) / PI;
+                brightest.max(largest(place)) <= f64::from(EVEN) * around
+            }
+            Source::Picture(..) => false,
+        };
+        Ok(Some(Self { source, sun: place, table, is_even, horizontal }))
+    }
+}
+
+/// Horizontal irradiance of a formula as it is, by the midpoints of many small cells.
+fn horizontal_of(spread: Spread, sun: DVec3) -> f64 {
+    const ROWS: usize = 360;
+    const COLUMNS: usize = 720;
+    let mut sum = 0.0;
+    for row in 0..ROWS {
+        // Even in the squared sine of the elevation, over which the cosine is alike.
+        let sine = ((row as f64 + 0.5) / ROWS as f64).sqrt();
+        let radius = (1.0 - sine * sine).sqrt();
+        for column in 0..COLUMNS {
+            let azimuth = 2.0 * PI * (column as f64 + 0.5) / COLUMNS as f64;
+            let direction = DVec3::new(radius * azimuth.sin(), radius * azimuth.cos(), sine);
+            sum += spread.at(sine, direction.dot(sun));
+        }
+    }
+    PI * sum / (ROWS * COLUMNS) as f64
+}
+
+/// One of so many directions that are spread evenly over the sphere.
+fn fibonacci(index: usize, count: usize) -> DVec3 {
+    let height = 1.0 - (2 * index + 1) as f64 / count as f64;
+    let (sine, cosine) = (2.399_963_229_728_653 * index as f64).sin_cos();
+    let radius = (1.0 - height * height).sqrt();
+    DVec3::new(radius * cosine, radius * sine, height)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::random::{cosine_direction, even_point};
+
+    fn outside(sky: &str, sun: Option<&str>) -> Outside {
+        let told = Daylight { sky: Some(sky.parse().expect("a sky")), sun: sun.map(|sun| sun.parse().expect("a sun")) };
+        Outside::new(&told, Vec3::Y, |_| Err("no file".to_owned())).expect("daylight")
+    }
+
+    /// Irradiance of an open face by plain cosine-distributed directions.
+    fn irradiance(outside: &Outside, normal: Vec3) -> f32 {
+        let count = 200_000;
+        let light = |index| {
+            let [u, v] = even_point(5, index);
+            outside.radiance(cosine_direction(normal, u, v)).x
+        };
+        std::f32::consts::PI * (0..count).map(light).sum::<f32>() / count as f32
+    }
+
+    /// Truth: what was asked for arrives on open ground; a vertical face gets half of a uniform sky and 0.396 of an overcast one,
+    /// (π/4 + 2/3) / (7π/6).
+    #[test]
+    fn open_faces_get_what_the_sky_is_told_to_bring() {
+        let ratio = (0.25 * PI + 2.0 / 3.0) / (7.0 * PI / 6.0);
+        for (sky, vertical) in [
+            ("uniform:100W", Some(0.5)),
+            ("overcast:100W", Some(ratio as f32)),
+            ("clear:100W", None),
+            ("cie1:100W", None),
+        ] {
+            let outside = outside(sky, Some("az:200,el:40,500W"));
+            let level = irradiance(&outside, Vec3::Y);
+            assert!((level - 100.0).abs() < 0.3, "{sky}: {level}");
+            if let Some(vertical) = vertical {
+                let found = irradiance(&outside, Vec3::X) / 100.0;
+                assert!((found - vertical).abs() < 2e-3, "{sky}: {found} {vertical}");
+            }
+            assert_eq!(irradiance(&outside, Vec3::NEG_Y), 0.0);
+        }
+        assert!((ratio - 0.396).abs() < 1e-3);
+    }
+
+    /// Truth: north is −z and east x where y is up; with z up, north is y and east x. Azimuths run from north over east.
+    #[test]
+    fn the_sun_stands_in_the_axes_of_the_scene() {
+        for (up, north) in [(Vec3::Y, -Vec3::Z), (Vec3::Z, Vec3::Y)] {
+            for (azimuth, side) in [(0.0, north), (90.0, Vec3::X), (180.0, -north)] {
+                let told = Daylight { sky: None, sun: Some(SunTold::at(azimuth, 30.0, Some(Amount::Watts(7.0)))) };
+                let outside = Outside::new(&told, up, |_| Err(String::new())).expect("a sun");
+                let sun = outside.sun().expect("it shines");
+                let wanted = 0.75_f32.sqrt() * side + 0.5 * up;
+                assert!(sun.direction.distance(wanted) < 1e-5, "{azimuth}: {} {wanted}", sun.direction);
+                assert!((outside.horizontal_irradiance()[1].x - 3.5).abs() < 1e-4);
+            }
+        }
+        let below = Daylight { sky: None, sun: Some(SunTold::at(0.0, -1.0, None)) };
+        assert!(!Outside::new(&below, Vec3::Y, |_| Err(String::new())).expect("night").is_lit());
+    }
+
+    /// Truth: radiance times solid angle is the irradiance of a face turned to it, and picked directions lie on the disc.
+    #[test]
+    fn the_disc_of_the_sun_brings_its_irradiance() {
+        let sun = Sun { direction: Vec3::new(0.36, 0.48, 0.8), irradiance: Vec3::splat(9.0) };
+        let through = sun.radiance().x * Sun::solid_angle();
+        assert!((through - 9.0).abs() < 1e-3, "{through}");
+        let inside = (0..1000).filter(|index| sun.holds(sun.at(even_point(1, *index)))).count();
+        assert!(inside > 990, "{inside}");
+        assert!(!sun.holds(Vec3::new(0.37, 0.47, 0.8).normalize()));
+    }
+
+    #[test]
+    fn even_skies_are_told_from_uneven_ones() {
+        assert!(outside("uniform", None).is_even() && outside("overcast", None).is_even());
+        assert!(!outside("clear", Some("az:0,el:30")).is_even());
+        let told = Daylight { sky: Some("clear".parse().expect("a sky")), sun: None };
+        assert!(matches!(Outside::new(&told, Vec3::Y, |_| Err(String::new())), Err(DaylightError::NeedsSun(_))));
+    }
+}
