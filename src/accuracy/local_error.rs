@@ -118,9 +118,12 @@ impl LocalError {
     }
 }
 
-/// Median of the truth over the area.
+/// Median of the truth over the area, or a tenth of its mean where more than half of the area is dark.
 fn median_of(points: &[Compared]) -> f64 {
-    quantile(&sorted(points.iter().map(|point| (point.truth, point.weight))), 0.5)
+    let weight: f64 = points.iter().map(|point| point.weight).sum();
+    let sum: f64 = points.iter().map(|point| point.weight * point.truth).sum();
+    let median = quantile(&sorted(points.iter().map(|point| (point.truth, point.weight))), 0.5);
+    median.max(0.1 * sum / weight.max(f64::MIN_POSITIVE))
 }
 
 fn sorted(values: impl Iterator<Item = (f64, f64)>) -> Vec<(f64, f64)> {

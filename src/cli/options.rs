@@ -434,7 +434,7 @@ mod tests {
             (&["--epsilon-watts", "3"], SolverParams { epsilon: Epsilon::Watts(3.0), ..by_threshold }),
             (&["--oracle", "error"], SolverParams { oracle: OracleKind::Error, ..defaults }),
             (&["--refine-by", "link-error"], SolverParams { oracle: OracleKind::Error, ..defaults }),
-            (&["--shading", "flat"], SolverParams { reconstruct: Reconstruct::Constant, ..defaults }),
+            (&["--shading", "flat"], SolverParams { reconstruct: Reconstruct::Constant, error: None, ..defaults }),
             (&["--partial-factor", "0.5"], SolverParams { partial_factor: 0.5, ..defaults }),
             (&["--visibility-factor", "2"], SolverParams { visibility_factor: 2.0, ..defaults }),
             (&["--rays-min", "2"], SolverParams { rays_min: 2, ..defaults }),

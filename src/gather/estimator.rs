@@ -16,8 +16,11 @@ use crate::random::{cosine_direction, mix};
 const AIMED: f32 = 8.0;
 /// Cosine-distributed rays of a look.
 const COSINE: u32 = 16;
-/// Looks of each part, at least: fewer do not tell their spread.
+/// Looks of each part, at least: fewer do not tell their spread. As many more, times the standard error that is asked for: what so
+/// many looks do not meet may still be that share of the light.
 const LEAST_LOOKS: u32 = 8;
+const LOOKS_FOR_ERROR: f32 = 0.1;
+const MOST_FIRST_LOOKS: u32 = 1 << 10;
 /// Rays of a reading, about at most, times the square of the standard error that is asked for: as many as would do if a look's
 /// rays differed by twice the local light.
 const MOST_RAYS: f32 = 4.0;
@@ -26,6 +29,8 @@ const LEAST_GROWTH: f32 = 1.25;
 const GROWTH: f32 = 1.1;
 /// Variance that a change may have, as a multiple of the reading's.
 const CHANGE_NOISE: f32 = 1.0;
+/// Samples of a low-discrepancy sequence.
+const SEQUENCE: u32 = 1 << 16;
 /// Ends of the rays of a look, at most as far as their numbers tell.
 const MOST_ENDS: u32 = 64;
 /// Rays of a look that are drawn by the radiance of an uneven sky.
@@ -128,7 +133,7 @@ impl Field {
         let mut aims = Vec::new();
         self.find_aims(place.point, place.normal, &mut aims);
         let mut sums = [Sums::default(); 2];
-        let mut wanted = [LEAST_LOOKS; 2];
+        let mut wanted = [((LOOKS_FOR_ERROR / error) as u32).clamp(LEAST_LOOKS, MOST_FIRST_LOOKS); 2];
         loop {
             for part in [Part::Aimed, Part::Cosine] {
                 let sums = &mut sums[part as usize];
@@ -199,16 +204,15 @@ impl Field {
                 seen.rays += rays;
                 let here = GatherPoint::on_face((place.point, place.normal));
                 for ray in number * TO_SUN..number * TO_SUN + TO_SUN * self.sun_rays() {
-                    let [u, v, ..] = sobol_burley::sample_4d(ray, 2, place.seed as u32);
+                    let [u, v, ..] = sequence(place.seed, 2, ray);
                     seen.light += self.sun_light(&here, [u, v]) / TO_SUN as f32;
                 }
                 seen.rays += TO_SUN * self.sun_rays();
             }
             Part::Cosine => {
-                let scramble = (place.seed ^ (place.seed >> 32)) as u32;
                 let sky = self.sky_rays(COSINE, DRAWN);
                 for index in 0..COSINE {
-                    let [u, v, ..] = sobol_burley::sample_4d(number * COSINE + index, 0, scramble);
+                    let [u, v, ..] = sequence(place.seed, 0, number * COSINE + index);
                     let direction = cosine_direction(place.normal, u, v);
                     match self.meet(place.point, place.normal, direction) {
                         End::Face(met) if !self.is_aimed_at(met.leaf, place.point, place.normal) => {
@@ -220,7 +224,7 @@ impl Field {
                 }
                 let here = GatherPoint::on_face((place.point, place.normal));
                 for ray in number * DRAWN..number * DRAWN + sky.drawn {
-                    let [u, v, ..] = sobol_burley::sample_4d(ray, 1, scramble);
+                    let [u, v, ..] = sequence(place.seed, 1, ray);
                     seen.light += self.sky_drawn(&here, [u, v], sky);
                 }
                 seen.rays += COSINE + sky.drawn;
@@ -265,6 +269,12 @@ impl Sums {
         let mean = sum / count;
         (squares / count - mean * mean).max(Vec3::ZERO) / (count - 1.0).max(1.0)
     }
+}
+
+/// A sample of a low-discrepancy sequence, which begins anew where the table of the crate ends.
+fn sequence(seed: u64, dimensions: u32, index: u32) -> [f32; 4] {
+    let scramble = mix(seed, (index / SEQUENCE).into());
+    sobol_burley::sample_4d(index % SEQUENCE, dimensions, (scramble ^ (scramble >> 32)) as u32)
 }
 
 fn irradiance([aimed, cosine]: &[Sums; 2]) -> Irradiance {

@@ -16,6 +16,8 @@ use crate::scene::{Scene, Surface};
 
 /// Errors of places that are darker than this share of the median are relative to it.
 const DIM_SHARE: f32 = 0.1;
+/// Where more than half of the area is dark, this share of the mean stands for the median.
+const LEAST_OF_MEAN: f32 = 0.1;
 
 /// A leaf is uneven where the standard deviation of E over it is above this share of E + E₀.
 const UNEVEN: f32 = 0.4;
@@ -346,19 +348,21 @@ impl Field {
         self.surface(self.patch(leaf).polygon).emission != Vec3::ZERO
     }
 
-    /// The area's median of an irradiance of leaves that do not emit (mean of the colours), W/m².
+    /// The area's median, or [`LEAST_OF_MEAN`] of its mean, of an irradiance of leaves that do not emit (mean of the colours), W/m².
     fn median(&self, irradiance: &[Vec3]) -> f32 {
         let lit = |leaf: ElementId| (grey(irradiance[leaf.index()]), self.area(leaf));
         let mut sorted: Vec<(f32, f32)> =
             self.leaves().filter(|leaf| !self.emits(*leaf)).map(lit).filter(|(_, area)| *area > 0.0).collect();
         sorted.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let half = 0.5 * sorted.iter().map(|(_, area)| f64::from(*area)).sum::<f64>();
+        let area = sorted.iter().map(|(_, area)| f64::from(*area)).sum::<f64>();
         let mut below = 0.0;
-        let middle = sorted.iter().find(|(_, area)| {
-            below += f64::from(*area);
-            below >= half
+        let middle = sorted.iter().find(|(_, of)| {
+            below += f64::from(*of);
+            below >= 0.5 * area
         });
-        middle.map_or(0.0, |(value, _)| *value)
+        let sum = sorted.iter().map(|(value, of)| f64::from(*value) * f64::from(*of)).sum::<f64>();
+        let least = LEAST_OF_MEAN * (sum / area.max(f64::MIN_POSITIVE)) as f32;
+        middle.map_or(0.0, |(value, _)| value.max(least))
     }
 }
 

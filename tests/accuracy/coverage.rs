@@ -100,8 +100,8 @@ fn reference(scene: &Scene, points: Vec<SurfacePoint>, passes: u32) -> Reference
 /// of the points are read within the certified bound, whether that is the target or not. Allowed beside it: one standard error of a share
 /// of these points, and at each two of the reference's own.
 #[test]
-#[ignore = "slow: twenty solves of six rooms, and a reference of each"]
-fn slow_runs_keep_what_they_report() {
+#[ignore = "by hand: six minutes, and the office misses its mark by a reference that is still too noisy there"]
+fn runs_keep_what_they_report() {
     let own = |scene: BuiltinScene| scene.build();
     let rooms = [
         ("cornell", own(BuiltinScene::Cornell), 30),
