@@ -166,7 +166,7 @@ fn openings_in_black_rooms_light_points_as_their_sky_says() {
                 let exact = 100.0 * point_to_polygon(point.as_dvec3(), DVec3::Y, &corners.map(|at| at.as_dvec3()));
                 assert!((truth / exact - 1.0).abs() < 1e-3, "{truth} {exact}");
             }
-            let [gather, reference] = read(&scene, &solved, 0, point, 1024);
+            let [gather, reference] = read(&scene, &solved, 0, point, 512);
             let what = format!("{sky}, ceiling {is_in_ceiling}, {point}");
             assert_within(gather, truth, 0.01, &format!("{what}, gather"));
             assert_within(reference, truth, 0.01, &format!("{what}, reference"));
