@@ -6,7 +6,6 @@ use std::f32::consts::PI;
 use std::time::Instant;
 
 use glam::{DVec3, Vec3};
-use selflink::scene::outside::Daylight;
 use selflink::scene::{CameraPose, MaterialId, Scene, Sidecar, Sides, load_file, write_obj};
 use support::{Folder, glb, square_bytes, square_json};
 
@@ -273,42 +272,6 @@ fn ceiling_lights_come_back_by_the_sidecar() {
         folder.write("room.selflink.json", format!(r#"{{"ceiling_lights": [{{{light}}}]}}"#));
         let sentence = load_file(&path).expect_err("a bad light").to_string();
         assert!(sentence.contains(part) && sentence.contains("room.selflink.json"), "{sentence}");
-    }
-}
-
-/// Truth: what a person lets in comes back by the sidecar; what cannot be used is told, and a picture that is gone costs the sky alone.
-#[test]
-fn daylight_comes_back_by_the_sidecar() {
-    let folder = Folder::new();
-    let path = folder.write("room.obj", format!("{SQUARE}usemtl a\nf 1 2 3\n"));
-    let mut scene = load_file(&path).expect("a sound scene");
-    let told = Daylight {
-        sky: Some("clear:9000lx".parse().expect("a sky")),
-        sun: Some("az:200,el:40,60000lx".parse().expect("a sun")),
-    };
-    scene.add_daylight(&told).expect("daylight");
-    Sidecar::of(&scene).write(&Sidecar::path_for(&path)).expect("a writable folder");
-    let again = load_file(&path).expect("a sound scene");
-    assert!(again.has_light() && !again.has_lamp());
-    assert_eq!((again.daylight(), &again.skipped), (told, &scene.skipped));
-
-    for (text, part) in [
-        (r#"{"sky": "cloudy"}"#, "KIND:AMOUNT"),
-        (r#"{"sky": "clear"}"#, "--sun"),
-        (r#"{"sun": "az:1"}"#, "az:DEGREES"),
-    ] {
-        folder.write("room.selflink.json", text);
-        let sentence = load_file(&path).expect_err("bad daylight").to_string();
-        assert!(sentence.contains(part) && sentence.contains("room.selflink.json"), "{sentence}");
-    }
-    for picture in ["gone.hdr", "/etc/passwd.png"] {
-        folder.write("room.selflink.json", format!(r#"{{"sky": "{picture}"}}"#));
-        let scene = load_file(&path).expect("the rest is sound");
-        assert!(
-            scene.outside().is_none() && scene.skipped.notes.join(" ").contains(picture),
-            "{:?}",
-            scene.skipped.notes
-        );
     }
 }
 

@@ -37,6 +37,7 @@ mod panels;
 mod picked;
 mod readings;
 mod save_dialog;
+mod selecting;
 mod session;
 mod settings;
 mod shortcuts;
@@ -341,19 +342,6 @@ impl App {
         self.follow_measuring();
     }
 
-    /// Finds the picked element in a newer snapshot.
-    fn follow_picked(&mut self, latest: &Snapshot) {
-        if self.picked.as_mut().is_some_and(|picked| !picked.follow(latest)) {
-            self.picked = None;
-        }
-    }
-
-    /// Nothing is selected any longer.
-    fn deselect(&mut self) {
-        (self.picked, self.is_card_open) = (None, false);
-        self.measuring.select(None, &self.wake);
-    }
-
     /// Shows the picture alone over all of the screen, or the window as it was.
     fn set_full_screen(&mut self, ctx: &egui::Context, is_full: bool) {
         self.is_full_picture = is_full;
@@ -365,30 +353,6 @@ impl App {
         self.opens_method = true;
         self.display.links.of = settings::LinksOf::Level;
         self.looking.study(ctx.input(|input| input.time));
-    }
-
-    /// Picks any element, patch or cluster, by its id; nothing where the snapshot in view does not know it.
-    fn pick_element(&mut self, id: ElementId) {
-        let picked = self.shown.snapshot.as_ref().and_then(|snapshot| PickedElement::by_id(snapshot, id));
-        if picked.is_some() {
-            self.picked = picked;
-            self.measuring.select(None, &self.wake);
-        }
-    }
-
-    /// Brings what panels show of the picked element up to date.
-    fn inspect_picked(&mut self, ctx: &egui::Context) {
-        let (Some(picked), Some(snapshot), Some(info)) = (&self.picked, &self.shown.snapshot, &self.shown.info) else {
-            return;
-        };
-        // The card tells what lights an element; only the inspector can be turned round.
-        let direction = match self.tool {
-            Some(dock::Tool::Inspector) => self.inspector.direction(),
-            _ => inspection::Direction::In,
-        };
-        if self.inspection.look(snapshot, &info.scene, picked.element, direction) {
-            ctx.request_repaint_after(LATER);
-        }
     }
 
     /// Shows the surveyor what is in view, and takes up what it found.
@@ -470,35 +434,6 @@ impl App {
     fn open_dropped_files(&self, ctx: &egui::Context, outbox: &mut Outbox) {
         let dropped = ctx.input(|input| input.raw.dropped_files.first().map(|file| file.path().to_owned()));
         outbox.extend(dropped.map(|path| Command::load(Source::File(path))));
-    }
-
-    fn pick(&mut self, clicked: viewport::Clicked) {
-        let (Some(snapshot), Some(info)) = (&self.shown.snapshot, &self.shown.info) else { return };
-        let (origin, moved_by) =
-            self.cluster_view.ray_in_scene(clicked.origin, clicked.direction).unwrap_or((clicked.origin, Vec3::ZERO));
-        if self.tool == Some(dock::Tool::Measure) && self.measuring.places_probes {
-            if let Some(found) = PickedElement::at(snapshot, origin, clicked.direction) {
-                let leaf = snapshot.mesh.leaves.iter().find(|leaf| leaf.element == found.element);
-                if let Some(polygon) = leaf.and_then(|leaf| info.scene.polygons.get(leaf.polygon as usize)) {
-                    self.measuring.place(found.point, info.scene.normal(polygon), &self.wake);
-                }
-            }
-            return;
-        }
-        self.picked = PickedElement::at(snapshot, origin, clicked.direction);
-        let mut place = None;
-        if let Some(picked) = &self.picked {
-            if let Some(leaf) = snapshot.mesh.leaves.iter().find(|leaf| leaf.element == picked.element) {
-                self.light.choose(leaf.material);
-                let polygon = info.scene.polygons.get(leaf.polygon as usize);
-                place = polygon.map(|polygon| (picked.point, info.scene.normal(polygon)));
-            }
-            if clicked.is_double {
-                self.view.look_at(picked.point + moved_by);
-            }
-        }
-        self.is_card_open &= self.picked.is_some();
-        self.measuring.select(place, &self.wake);
     }
 }
 

@@ -49,7 +49,7 @@ pub fn command() -> Command {
             .value_name("SHARE")
             .value_parser(standard_error)
             .conflicts_with("work-plane")
-            .help("Standard error of each E, as a share of the light there (0.02 or 2%) [default: two fifths of the target error]"),
+            .help("Standard error of each E, as a share of the light there (0.02 or 2%) [default: a third of the target error]"),
     )
     .args(work_plane::args().map(|arg| arg.help_heading("Work plane")))
 }

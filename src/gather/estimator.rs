@@ -27,8 +27,6 @@ const MOST_RAYS: f32 = 4.0;
 /// Looks of a part are made more by this factor at least, and by so many times what should do.
 const LEAST_GROWTH: f32 = 1.25;
 const GROWTH: f32 = 1.1;
-/// Variance that a change may have, as a multiple of the reading's.
-const CHANGE_NOISE: f32 = 1.0;
 /// Samples of a low-discrepancy sequence.
 const SEQUENCE: u32 = 1 << 16;
 /// Ends of the rays of a look, at most as far as their numbers tell.
@@ -141,7 +139,7 @@ impl Field {
                     sums.add(&self.look(part, place, sums.looks, &mut aims));
                 }
             }
-            let variance = sums.map(|sums| sums.variance().max(sums.change_variance() / CHANGE_NOISE));
+            let variance = sums.map(|sums| sums.variance().max(sums.change_variance()));
             let allowed = error * (grey(sums[0].mean() + sums[1].mean()) + self.dim());
             let excess = (variance[0] + variance[1]) / (allowed * allowed).max(f32::MIN_POSITIVE);
             if excess <= 1.0 || (sums[0].rays + sums[1].rays) as f32 * error * error >= MOST_RAYS {

@@ -194,11 +194,13 @@ impl Gather {
                 }
                 self.relight(cancel)?;
                 self.is_ready = true;
-                let looks = refine::leaves_to_look_from(&self.field, &self.samples, MESH_PER_TARGET * self.aim);
-                if self.round < MOST_ROUNDS && !looks.is_empty() {
-                    self.queue = looks;
-                    self.stage = Stage::Direct(0);
-                    return Some(Progress::Part);
+                if self.round < MOST_ROUNDS {
+                    let looks = refine::leaves_to_look_from(&self.field, &self.samples, MESH_PER_TARGET * self.aim);
+                    if !looks.is_empty() {
+                        self.queue = looks;
+                        self.stage = Stage::Direct(0);
+                        return Some(Progress::Part);
+                    }
                 }
                 let split = self.leaves_to_split();
                 if split.is_empty() {
@@ -361,17 +363,17 @@ impl Gather {
         let is_kept = self.goal.error.is_none_or(|target| certificate.bound <= target);
         let is_in_vain = self.before.is_some_and(|before| now > LEAST_PROGRESS * before);
         self.certificate = Some(certificate);
-        if is_kept || is_in_vain || self.full.is_some() || self.attempt >= MOST_ATTEMPTS {
-            if is_kept || !certifying.has_more() {
-                self.finish_comparing(&certifying);
-                self.stage = Stage::Done;
-            } else {
-                certifying.be_thorough();
-                self.stage = Stage::Certify(certifying);
-            }
+        let is_last = is_in_vain || self.full.is_some() || self.attempt >= MOST_ATTEMPTS;
+        if is_last && !is_kept && certifying.has_more() {
+            certifying.be_thorough();
+            self.stage = Stage::Certify(certifying);
             return;
         }
-        self.finish_comparing(&certifying);
+        self.rays_compared += certifying.rays();
+        if is_kept || is_last {
+            self.stage = Stage::Done;
+            return;
+        }
         self.before = Some(now);
         self.attempt += 1;
         self.aim *= 0.5;
@@ -379,10 +381,6 @@ impl Gather {
         self.is_evened = false;
         let split = self.leaves_to_split();
         if split.is_empty() { self.open_pass() } else { self.split(&split) }
-    }
-
-    fn finish_comparing(&mut self, certifying: &Certifying) {
-        self.rays_compared += certifying.rays();
     }
 
     /// The state of the light.

@@ -188,7 +188,7 @@ impl Session {
         }
     }
 
-    /// Lets another daylight in, on the same clusters and with what is known of hidden parts; solved anew.
+    /// Lets another daylight in; the scene is solved anew.
     pub(super) fn set_daylight(&mut self, told: &Daylight) {
         let Some(prepared) = self.prepared.as_mut() else { return };
         if prepared.raw.daylight() == *told {

@@ -1,11 +1,12 @@
 //! Lights and cameras that files bring.
 
 use glam::Vec3;
-use selflink::scene::Scene;
+use selflink::scene::outside::Daylight;
+use selflink::scene::{Scene, Sidecar, load_file};
 use selflink::solver::point_to_polygon;
 
 use crate::load;
-use crate::support::{glb, square_bytes, square_json};
+use crate::support::{Folder, glb, square_bytes, square_json};
 
 /// Truth: a directional light shines along −z of its node; of two the brightest is the sun, with its lux (179 lm/W), and its colour.
 #[test]
@@ -25,6 +26,42 @@ fn the_brightest_directional_light_is_the_sun() {
     assert!(sun.irradiance.distance(100.0 * Vec3::new(1.0, 1.0, 0.5)) < 0.1, "{}", sun.irradiance);
     let notes = scene.skipped.notes.join(" ");
     assert!(notes.contains("the brightest alone is the sun: Moon") && scene.skipped.ignored_lights == 1, "{notes}");
+}
+
+/// Truth: what a person lets in comes back by the sidecar; what cannot be used is told, and a picture that is gone costs the sky alone.
+#[test]
+fn daylight_comes_back_by_the_sidecar() {
+    let folder = Folder::new();
+    let path = folder.write("room.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nusemtl a\nf 1 2 3\n");
+    let mut scene = load_file(&path).expect("a sound scene");
+    let told = Daylight {
+        sky: Some("clear:9000lx".parse().expect("a sky")),
+        sun: Some("az:200,el:40,60000lx".parse().expect("a sun")),
+    };
+    scene.add_daylight(&told).expect("daylight");
+    Sidecar::of(&scene).write(&Sidecar::path_for(&path)).expect("a writable folder");
+    let again = load_file(&path).expect("a sound scene");
+    assert!(again.has_light() && !again.has_lamp());
+    assert_eq!((again.daylight(), &again.skipped), (told, &scene.skipped));
+
+    for (text, part) in [
+        (r#"{"sky": "cloudy"}"#, "KIND:AMOUNT"),
+        (r#"{"sky": "clear"}"#, "--sun"),
+        (r#"{"sun": "az:1"}"#, "az:DEGREES"),
+    ] {
+        folder.write("room.selflink.json", text);
+        let sentence = load_file(&path).expect_err("bad daylight").to_string();
+        assert!(sentence.contains(part) && sentence.contains("room.selflink.json"), "{sentence}");
+    }
+    for picture in ["gone.hdr", "/etc/passwd.png"] {
+        folder.write("room.selflink.json", format!(r#"{{"sky": "{picture}"}}"#));
+        let scene = load_file(&path).expect("the rest is sound");
+        assert!(
+            scene.outside().is_none() && scene.skipped.notes.join(" ").contains(picture),
+            "{:?}",
+            scene.skipped.notes
+        );
+    }
 }
 
 /// Truth: E = I cos³θ/h² at a floor, by 179 lm/W; within 1 % at 1 to 10 m, straight below and aslant, for a point and inside of a spot's

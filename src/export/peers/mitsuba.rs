@@ -69,9 +69,8 @@ fn outside_xml(scene: &Scene) -> String {
         );
     }
     if let Some((centre, radius, radiance)) = sun_disc(scene, outside) {
-        let commas = |vector: Vec3| format!("{}, {}, {}", vector.x, vector.y, vector.z);
         let (lower, upper) = scene.bounds();
-        let (target, up) = (0.5 * (lower + upper), (target_to(centre)).any_orthonormal_vector());
+        let (target, up) = (0.5 * (lower + upper), centre.normalize_or(Vec3::Y).any_orthonormal_vector());
         let _ = write!(
             text,
             r#"    <shape type="disk">
@@ -96,8 +95,8 @@ fn outside_xml(scene: &Scene) -> String {
     text
 }
 
-fn target_to(centre: Vec3) -> Vec3 {
-    centre.normalize_or(Vec3::Y)
+fn commas(vector: Vec3) -> String {
+    format!("{}, {}, {}", vector.x, vector.y, vector.z)
 }
 
 fn mesh_name(surface: &Surface) -> String {
@@ -107,7 +106,6 @@ fn mesh_name(surface: &Surface) -> String {
 /// The scene file.
 fn xml(scene: &Scene, surfaces: &[Surface]) -> String {
     let CameraPose { eye, target, up, hfov_deg } = camera(scene);
-    let commas = |vector: Vec3| format!("{}, {}, {}", vector.x, vector.y, vector.z);
     let mut text = format!(
         r#"<scene version="3.0.0">
     <integrator type="path">
