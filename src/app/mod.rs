@@ -55,7 +55,6 @@ use std::sync::mpsc::{Receiver, channel};
 use std::time::Duration;
 
 use eframe::CreationContext;
-use glam::Vec3;
 
 pub use launch::{AppError, run};
 
