@@ -92,6 +92,8 @@ words! {
     TARGET_REACHED = "Target reached";
     /// Status of a solve by ε that has nothing left to refine.
     LINKS_SETTLED = "Links settled";
+    /// Status while the timeline shows a step before the last.
+    FORMER_STEP = "Former step";
     /// Status of a solve that ended before its target.
     STOPPED = "Stopped";
     /// What follows [`LINKS_SETTLED`] while the error is not known.

@@ -32,6 +32,8 @@ fn a_former_step_is_looked_at_and_the_present_comes_back() {
             (moment, expected) => moment == expected,
         };
         until(&mut window, "the step", |window| near(moment(window)));
+        let says = |words: &str| window.query_by_label_contains(words).is_some();
+        assert_eq!((says(words::FORMER_STEP), says(words::LINKS_SETTLED)), (share < 1.0, share == 1.0));
     }
     assert_eq!(share_of_different_pixels(&present, &picture(&mut window)), 0.0, "the present comes back");
 

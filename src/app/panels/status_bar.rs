@@ -67,6 +67,10 @@ fn said(status: &Status, stats: Option<&Stats>, is_dark: bool, share: f32, neutr
         (RunState::Running, _) => said(phase(), theme::ACCENT),
         (RunState::Paused, _) => said(format!("Paused: {}", phase()), theme::TEXT_WEAK),
         (RunState::Finished, _) if is_dark => said(words::NOTHING_EMITS.into(), theme::TEXT_WEAK),
+        // The timeline shows a former step of a solve that has ended.
+        (RunState::Finished, Some(stats)) if stats.phase != Phase::Done && stats.memory_stop.is_none() => {
+            said(format!("{}: {}", words::FORMER_STEP, phase()), neutral)
+        }
         (RunState::Finished, Some(stats)) => result(status, stats, neutral),
         (RunState::Finished, None) => said("Finished".into(), neutral),
     }
