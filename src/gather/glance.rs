@@ -86,6 +86,8 @@ pub(super) struct Path {
     pub length: u32,
     /// Share of what is sent there that arrives where the first ray ended.
     pub throughput: Vec3,
+    /// Whether it left what is near.
+    pub is_beyond: bool,
 }
 
 /// What is told of light that is followed.
@@ -196,14 +198,15 @@ impl Field {
 
     /// What a place reflects towards a point, W/m².
     fn sent_back(&self, met: &Met, from: Vec3, seed: u64) -> Vec3 {
-        self.follow(met, from, Path { seed, length: 0, throughput: Vec3::ONE }, &mut |_| {})
+        self.follow(met, from, Path { seed, length: 0, throughput: Vec3::ONE, is_beyond: false }, &mut |_| {})
     }
 
     /// What a place reflects towards a point, W/m²: as the field says, unless it is too coarse for that; then light is followed
-    /// by one reflection more. `tell`
-    /// learns of it.
+    /// by one reflection more. What is near often sees but a strip of what is beyond, so there it is followed once more as well.
+    /// `tell` learns of it.
     pub(super) fn follow(&self, met: &Met, from: Vec3, path: Path, tell: &mut dyn FnMut(Followed)) -> Vec3 {
-        if path.length >= LONGEST || !self.is_near(met.leaf, met.position, from) {
+        let is_near = self.is_near(met.leaf, met.position, from);
+        if path.length >= LONGEST || !is_near && (path.length == 0 || path.is_beyond) {
             tell(Followed::Read(met, &path));
             return self.sent[met.leaf.index()];
         }
@@ -223,7 +226,8 @@ impl Field {
         let share = reflectance / survival;
         let mut further = |what: u64, met: &Met, weight: f32| {
             let throughput = weight * share * path.throughput;
-            let path = Path { seed: mix(hash[2], what), length: path.length + 1, throughput };
+            let is_beyond = path.is_beyond || !is_near;
+            let path = Path { seed: mix(hash[2], what), length: path.length + 1, throughput, is_beyond };
             weight * share * self.follow(met, point, path, tell)
         };
         let aimed = match self.aim_by_chance((point, normal), [choice, u, v]) {
