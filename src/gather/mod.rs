@@ -64,6 +64,8 @@ const MOST_SWEEPS: u32 = 200;
 const MOST_ATTEMPTS: u32 = 4;
 /// An attempt that leaves more than this share of the error was in vain, and so would be the next one.
 const LEAST_PROGRESS: f64 = 0.9;
+/// An attempt takes the rays of all before it, times this, at most; the certificate's come on top.
+const MOST_GROWTH: u64 = 2;
 /// Shares of an attempt's time that go into direct light and into cosine-distributed rays; the certificate takes the rest.
 const DIRECT_SHARE: f32 = 0.2;
 const CAST_SHARE: f32 = 0.5;
@@ -141,6 +143,8 @@ pub struct Gather {
     before: Option<f64>,
     /// Rays that compared.
     rays_compared: u64,
+    /// Rays that samples of this attempt may lead to.
+    most_rays: u64,
     is_ready: bool,
     full: Option<Full>,
 }
@@ -174,6 +178,7 @@ impl Gather {
             certificate: None,
             before: None,
             rays_compared: 0,
+            most_rays: u64::MAX,
             is_ready: false,
             full: None,
             field,
@@ -195,7 +200,8 @@ impl Gather {
                 self.relight(cancel)?;
                 self.is_ready = true;
                 if self.round < MOST_ROUNDS {
-                    let looks = refine::leaves_to_look_from(&self.field, &self.samples, MESH_PER_TARGET * self.aim);
+                    let mut looks = refine::leaves_to_look_from(&self.field, &self.samples, MESH_PER_TARGET * self.aim);
+                    self.afford(&mut looks, AIMED);
                     if !looks.is_empty() {
                         self.queue = looks;
                         self.stage = Stage::Direct(0);
@@ -316,6 +322,7 @@ impl Gather {
             (looks_of_each + more).saturating_sub(self.samples.whole_looks(leaf))
         };
         let mut queue: Queue = field.leaves().map(|leaf| (leaf, looks(leaf))).filter(|(_, looks)| *looks > 0).collect();
+        self.afford(&mut queue, AIMED + cosine);
         // An end of a ray takes four bytes.
         let bytes: usize = queue.iter().map(|(_, looks)| *looks as usize * (4 * cosine as usize + LOOK_BYTES)).sum();
         if bytes > self.goal.memory.saturating_sub(self.bytes()) {
@@ -327,6 +334,17 @@ impl Gather {
         }
         self.queue = queue;
         self.stage = Stage::Cast(0);
+    }
+
+    /// Takes from a queue what this attempt has no rays for.
+    fn afford(&self, queue: &mut Queue, rays_of_look: u32) {
+        let planned: u64 = queue.iter().map(|(_, looks)| u64::from(looks * rays_of_look)).sum();
+        let share = self.most_rays.saturating_sub(self.rays()) as f64 / planned.max(1) as f64;
+        if share < 1.0 {
+            queue
+                .iter_mut()
+                .for_each(|(_, looks)| *looks = ((share * f64::from(*looks)) as u32).max(LOOKS.min(*looks)));
+        }
     }
 
     /// Moves light over the samples until nothing changes.
@@ -375,6 +393,7 @@ impl Gather {
             return;
         }
         self.before = Some(now);
+        self.most_rays = (1 + MOST_GROWTH) * self.rays();
         self.attempt += 1;
         self.aim *= 0.5;
         self.round = MOST_ROUNDS - 1;

@@ -1,7 +1,7 @@
 //! The final gather: exact where closed forms are, no further than what was asked for, and nothing where there is no light.
 
 use std::sync::Arc;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use glam::Vec3;
 use selflink::accuracy::{ErrorMeter, Measure};
@@ -79,48 +79,51 @@ fn furnaces_glow_evenly_wherever_they_are_read() {
     }
 }
 
-/// The promise: nine tenths of what is read are within the target error by the independent reference, to twice the standard error of that
-/// quantile, and the certificate says so. Returns the quantile.
-fn promise_is_kept(scene: &Scene, asked: f64, points: usize, noise: f64) -> f64 {
-    let mut solved = solve(scene, asking(asked));
-    let found = solved.stats().error.expect("a certificate");
+/// The promise: nine tenths of what is read are within each target error by the independent reference, to twice the standard error of
+/// that quantile, and the certificate says so. Returns the quantiles.
+fn promise_is_kept<const N: usize>(scene: &Scene, asked: [f64; N], points: usize, noise: f64) -> [f64; N] {
     let points = random_points(scene, points, 7);
     let mut run = ReferenceRun::new(scene, points.into(), 7);
     let target = Target { noise, limit: Some(Duration::from_secs(60)) };
     let reference = compute(&mut run, None, target, &CancelToken::new(), |_, _| {}).reference;
-    let local = ErrorMeter::new(Arc::new(reference)).local_error(&solved.snapshot());
-    println!(
-        "{}: asked {:.1} %, certified {:.1} %, measured {:.1} ± {:.1} %; mesh {:.1} %",
-        scene.name,
-        100.0 * asked,
-        100.0 * found.bound,
-        100.0 * local.p90,
-        100.0 * local.p90_noise,
-        100.0 * found.mesh.p90
-    );
-    assert!(found.bound <= asked, "{} was reached, not {asked}", found.bound);
-    assert!(found.read.p50 <= found.read.p90 && found.read.p90 <= found.bound && found.points >= 64, "{found:?}");
-    assert!(local.p90 - 2.0 * local.p90_noise <= found.bound, "{local:?} where {} is certified", found.bound);
-    local.p90
+    let mut meter = ErrorMeter::new(Arc::new(reference));
+    asked.map(|asked| {
+        let mut solved = solve(scene, asking(asked));
+        let found = solved.stats().error.expect("a certificate");
+        let local = meter.local_error(&solved.snapshot());
+        println!(
+            "{}: asked {:.1} %, certified {:.1} %, measured {:.1} ± {:.1} %; mesh {:.1} %",
+            scene.name,
+            100.0 * asked,
+            100.0 * found.bound,
+            100.0 * local.p90,
+            100.0 * local.p90_noise,
+            100.0 * found.mesh.p90
+        );
+        assert!(found.bound <= asked, "{} was reached, not {asked}", found.bound);
+        assert!(found.read.p50 <= found.read.p90 && found.read.p90 <= found.bound && found.points >= 64, "{found:?}");
+        assert!(local.p90 - 2.0 * local.p90_noise <= found.bound, "{local:?} where {} is certified", found.bound);
+        local.p90
+    })
 }
 
 #[test]
 fn the_promise_is_kept_in_the_cornell_box() {
     let scene = BuiltinScene::Cornell.build();
-    let errors = [0.1, 0.05, 0.02].map(|asked| promise_is_kept(&scene, asked, 500, 0.01));
+    let errors = promise_is_kept(&scene, [0.1, 0.05, 0.02], 200, 0.007);
     assert!(errors[0] > errors[2], "{errors:?}");
 }
 
 #[test]
 fn the_promise_is_kept_in_a_furnished_room() {
-    promise_is_kept(&lamp_room(), 0.1, 500, 0.015);
+    promise_is_kept(&lamp_room(), [0.1], 500, 0.015);
 }
 
 #[test]
 #[ignore = "slow: half a minute for the reference"]
 fn the_promise_is_kept_in_the_seminar_room_slow() {
     let scene = BuiltinScene::from_name("seminar").expect("one of our own").build();
-    promise_is_kept(&scene, 0.05, 1000, 0.015);
+    promise_is_kept(&scene, [0.05], 1000, 0.015);
 }
 
 /// Most of the office's A·|B|² lies within two small shades, a few centimetres from their bulbs: what is asked for is kept only if no face is
@@ -128,7 +131,7 @@ fn the_promise_is_kept_in_the_seminar_room_slow() {
 #[test]
 fn the_promise_is_kept_in_the_office() {
     let scene = BuiltinScene::from_name("office").expect("one of our own").build();
-    promise_is_kept(&scene, 0.1, 300, 0.03);
+    promise_is_kept(&scene, [0.1], 300, 0.03);
 }
 
 /// Truth: at the same ε the gathered picture is nearer to the truth than vertices' averages, and those than one value for each
@@ -220,7 +223,7 @@ fn light_comes_through_a_slit() {
     // As whoever opens it does: the floor is cut where the wall stands.
     let (scene, _) = orient::apply(scene, Sides::Front);
     let snapshot = solve(&scene, asking(0.05)).snapshot();
-    let points = random_points(&scene, 600, 3);
+    let points = random_points(&scene, 240, 3);
     let behind: Vec<_> = points.into_iter().filter(|point| point.position.x > 2.05).collect();
     let mut run = ReferenceRun::new(&scene, behind.into(), 3);
     let target = Target { noise: 0.05, limit: Some(Duration::from_secs(20)) };
@@ -238,26 +241,16 @@ fn every_part_of_the_gather_can_be_cancelled() {
     let plain = solve(&scene, asking(0.1)).snapshot().vertex_radiosity;
     let mut solving = solver(&scene, asking(0.1));
     let mut interrupted = 0;
-    let mut patience = Duration::from_micros(20);
+    let mut look = 1;
     loop {
-        let cancel = CancelToken::new();
-        let step = std::thread::scope(|scope| {
-            scope.spawn(|| {
-                std::thread::sleep(patience);
-                cancel.cancel();
-            });
-            solving.step(&cancel)
-        });
-        match step {
+        match solving.step(&CancelToken::at_look(look)) {
             Step::Finished => break,
-            // Each piece of work gets more time until it is done.
+            // Each piece of work gets further until it is done.
             Step::Interrupted => {
                 interrupted += 1;
-                patience *= 2;
+                look *= 2;
             }
-            Step::Refined { .. } | Step::Gathered | Step::Reconstructed { .. } => {
-                patience = Duration::from_micros(20);
-            }
+            Step::Refined { .. } | Step::Gathered | Step::Reconstructed { .. } => look = 1,
         }
     }
     assert!(interrupted > 10, "{interrupted}");
@@ -293,11 +286,11 @@ fn lamps_can_change_after_the_gather() {
 fn steps_are_short_and_the_goal_can_change() {
     let mut solving = solver(&lamp_room(), asking(0.2));
     let never = CancelToken::new();
-    let mut longest = Duration::ZERO;
+    let mut most_rays = 0;
     let mut run = |solving: &mut selflink::solver::Solver| loop {
-        let begun = Instant::now();
+        let before = solving.stats().rays;
         let step = solving.step(&never);
-        longest = longest.max(begun.elapsed());
+        most_rays = most_rays.max(solving.stats().rays - before);
         if step == Step::Finished {
             break;
         }
@@ -309,8 +302,9 @@ fn steps_are_short_and_the_goal_can_change() {
     let fine = solving.snapshot();
     assert!(fine.mesh.positions.len() > coarse.mesh.positions.len());
     assert!(fine.stats.error_estimate <= Some(0.05), "{:?}", fine.stats.error_estimate);
-    // Tests share two cores with others; a step that is not bounded takes seconds.
-    assert!(longest < Duration::from_millis(500), "a step took {longest:?}");
+    // Less than a second on one core, and heard within (`every_part_of_the_gather_can_be_cancelled`); a gather that is not cut into
+    // steps casts millions.
+    assert!(most_rays < 250_000, "a step cast {most_rays} rays");
 }
 
 /// Truth: the independent reference, in the gap between a cupboard and a wall whose leaves reach far beyond it. Light gets there by many
