@@ -16,7 +16,7 @@ use crate::solver::Push;
 pub const SIZE: (u32, u32) = (1200, 800);
 
 /// Colours that people with any colour vision tell apart \[Okabe, Ito 2008\].
-const COLOURS: [RGBColor; 7] = [
+pub(super) const COLOURS: [RGBColor; 7] = [
     RGBColor(0, 114, 178),
     RGBColor(0, 158, 115),
     RGBColor(230, 159, 0),
@@ -26,10 +26,10 @@ const COLOURS: [RGBColor; 7] = [
     RGBColor(120, 100, 60),
 ];
 /// Pixels at the right that the legend takes.
-const LEGEND_WIDTH: u32 = 300;
+pub(super) const LEGEND_WIDTH: u32 = 300;
 
-const INK: RGBColor = RGBColor(40, 40, 40);
-const FAINT: RGBColor = RGBColor(225, 225, 225);
+pub(super) const INK: RGBColor = RGBColor(40, 40, 40);
+pub(super) const FAINT: RGBColor = RGBColor(225, 225, 225);
 const FRONT: RGBColor = RGBColor(255, 236, 170);
 
 /// Horizontal axis of a chart.
@@ -368,7 +368,7 @@ fn path_tracer_points(chart: &Chart) -> usize {
 }
 
 /// A number at an axis: 0.05, 20, 1 M.
-fn tick(value: f64) -> String {
+pub(super) fn tick(value: f64) -> String {
     let scaled = |value: f64, unit: &str| format!("{}{unit}", (1e3 * value).round() / 1e3);
     match value {
         value if value >= 0.9e6 => scaled(value / 1e6, " M"),

@@ -3,17 +3,23 @@
 //!
 //! A [`Sweep`] is a list of named settings and thresholds; [`Sweep::run`] makes a [`Chart`] of it,
 //! which is written as CSV and JSON and drawn as pictures. The path tracer stands in the same chart
-//! with the same clock. Imports `accuracy`, `reference` and `solver`.
+//! with the same clock. A [`PictureSweep`] does the same for pictures. Imports `accuracy`,
+//! `picture`, `reference` and `solver`.
 
 mod axis;
 mod draw;
 mod pareto;
 mod path_tracer;
+mod picture;
 mod record;
 mod sweep;
 mod write;
 
 pub use draw::{Against, DrawError, Drawing, Shown, draw_png, draw_svg};
+pub use picture::{
+    MeshPainter, PictureChart, PictureKind, PictureMetric, PictureRecord, PictureReference, PictureSweep,
+    draw_picture_png, draw_picture_svg, mean_flip, picture_csv, picture_table,
+};
 pub use record::{Chart, PathTracerRecord, ReferenceRecord, RunRecord, SkippedRun};
 pub(crate) use sweep::within;
 pub use sweep::{Setting, Sweep, usual_epsilons, usual_settings};

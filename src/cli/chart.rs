@@ -56,17 +56,20 @@ pub fn command() -> Command {
         ParameterId::Push,
     ];
     let command = reference::wish_args(command).args(options::scene_args());
+    #[cfg(feature = "gui")]
+    let command = super::picture_chart::with_args(command);
     command.args(options::solver_args_where(move |id| !swept.contains(&id)))
 }
 
 /// Runs it.
 pub fn run(matches: &ArgMatches) -> anyhow::Result<()> {
+    #[cfg(feature = "gui")]
+    if matches.get_flag("picture") {
+        return super::picture_chart::run(matches);
+    }
     let scenes: Vec<&String> = matches.get_many("scene").unwrap_or_default().collect();
     let orders = scenes.iter().map(|scene| Order::of_scene(scene, matches)).collect::<anyhow::Result<Vec<_>>>()?;
-    let limit = options::seconds(matches)?.unwrap_or(Duration::from_secs_f64(SECONDS));
-    if limit.is_zero() {
-        bail!("--seconds must be greater than 0: every run needs some time");
-    }
+    let limit = limit(matches)?;
     let epsilons = epsilons(matches)?;
     let wish = reference::wish(matches, None)?;
     let wanted: Option<Vec<&str>> =
@@ -95,6 +98,15 @@ pub fn run(matches: &ArgMatches) -> anyhow::Result<()> {
         }
     }
     Ok(())
+}
+
+/// The time of one run.
+pub fn limit(matches: &ArgMatches) -> anyhow::Result<Duration> {
+    let limit = options::seconds(matches)?.unwrap_or(Duration::from_secs_f64(SECONDS));
+    if limit.is_zero() {
+        bail!("--seconds must be greater than 0: every run needs some time");
+    }
+    Ok(limit)
 }
 
 /// Whether a setting has this name, or one that begins with this word.
@@ -133,10 +145,9 @@ fn chart(job: &Job, wish: &Wish, sweep: &Sweep) -> anyhow::Result<Chart> {
 }
 
 fn write(chart: &Chart, folder: &Path) -> anyhow::Result<()> {
-    let file = |ending: &str| OutputFile::new(&folder.join(format!("{}{ending}", file_name(&chart.scene))), &[]);
-    let text = |ending: &str, text: String| file(ending)?.write(|writer| writer.write_all(text.as_bytes()));
-    text(".csv", csv(chart))?;
-    text(".json", json(chart)?)?;
+    let files = ChartFiles { folder, scene: &chart.scene };
+    files.text(".csv", &csv(chart))?;
+    files.text(".json", &json(chart)?)?;
     let pictures = [
         (Shown::Local, Against::Seconds, "seconds"),
         (Shown::Local, Against::Links, "links"),
@@ -145,14 +156,37 @@ fn write(chart: &Chart, folder: &Path) -> anyhow::Result<()> {
     ];
     for (shown, against, name) in pictures {
         let drawing = Drawing { chart, against, shown };
-        text(&format!("-{name}.svg"), draw_svg(drawing)?)?;
-        let picture = draw_png(drawing)?;
-        file(&format!("-{name}.png"))?.write(|writer| {
-            let encoder = image::codecs::png::PngEncoder::new(writer);
-            picture.write_with_encoder(encoder).map_err(std::io::Error::other)
-        })?;
+        files.text(&format!("-{name}.svg"), &draw_svg(drawing)?)?;
+        files.picture(&format!("-{name}.png"), &draw_png(drawing)?)?;
     }
     Ok(())
+}
+
+/// The files of a scene's chart.
+pub struct ChartFiles<'a> {
+    /// Where they lie.
+    pub folder: &'a Path,
+    /// The scene's name.
+    pub scene: &'a str,
+}
+
+impl ChartFiles<'_> {
+    fn file(&self, ending: &str) -> anyhow::Result<OutputFile> {
+        OutputFile::new(&self.folder.join(format!("{}{ending}", file_name(self.scene))), &[])
+    }
+
+    /// Writes the one with this ending.
+    pub fn text(&self, ending: &str, text: &str) -> anyhow::Result<()> {
+        self.file(ending)?.write(|writer| writer.write_all(text.as_bytes()))
+    }
+
+    /// Likewise, as PNG.
+    pub fn picture(&self, ending: &str, picture: &image::RgbImage) -> anyhow::Result<()> {
+        self.file(ending)?.write(|writer| {
+            let encoder = image::codecs::png::PngEncoder::new(writer);
+            picture.write_with_encoder(encoder).map_err(std::io::Error::other)
+        })
+    }
 }
 
 /// A scene's name as a file can have it.

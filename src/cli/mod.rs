@@ -14,10 +14,14 @@ mod gathered;
 mod job;
 #[cfg(feature = "gui")]
 mod legend;
+#[cfg(feature = "gui")]
+mod line_labels;
 mod man;
 mod matrix;
 mod options;
 mod output;
+#[cfg(feature = "gui")]
+mod picture_chart;
 mod probe;
 mod progress;
 #[cfg(feature = "gui")]

@@ -21,7 +21,7 @@ use super::gathered::{PictureOf, gather};
 use super::job::{Order, Solution};
 use super::options::{self, coordinates, numbers, path, path_arg};
 use super::output::{OutputFile, say};
-use super::{clusters, legend, reading};
+use super::{clusters, legend, line_labels, reading};
 
 /// Pixels of a picture that nothing is said about.
 const USUAL_SIZE: [u32; 2] = [1280, 800];
@@ -195,6 +195,7 @@ fn show(picture: &GatheredPicture, solution: &Solution, view: &View) -> anyhow::
     let pixels = developed(picture, exposure, reading.as_ref()).context("the picture has no pixels")?;
     let [width, height] = pixels.size;
     let mut picture = RgbaImage::from_raw(width, height, pixels.pixels.into_flattened()).context("too few pixels")?;
+    line_labels::draw(&mut picture, &pixels.labels, view.reading.unit)?;
     if let Some(reading) = reading.filter(|_| view.has_legend) {
         legend::draw(&mut picture, &reading, view.reading.unit)?;
     }
@@ -247,6 +248,9 @@ pub fn draw(
         size: view.size,
     };
     let mut picture = offscreen.picture_over(&frame)?;
+    if let Some(pixels) = &gathered {
+        line_labels::draw(&mut picture, &pixels.labels, view.reading.unit)?;
+    }
     if let Some(reading) = reading.filter(|_| view.has_legend && !as_colours) {
         legend::draw(&mut picture, &reading, view.reading.unit)?;
     }
@@ -357,7 +361,8 @@ fn picture_of(asked: Option<&str>, shows_clusters: bool) -> anyhow::Result<Pictu
     }
 }
 
-fn size(text: &str) -> anyhow::Result<[u32; 2]> {
+/// Width and height, pixels.
+pub fn size(text: &str) -> anyhow::Result<[u32; 2]> {
     let parsed =
         text.split_once(['x', '×']).and_then(|(width, height)| Some([width.parse().ok()?, height.parse().ok()?]));
     match parsed {

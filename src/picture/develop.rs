@@ -34,6 +34,11 @@ pub struct FalseColours<'a> {
     pub lines: &'a [(f32, Vec3)],
 }
 
+/// The colour behind a scene, gamma-encoded, from 0 at the lower to 1 at the upper rim.
+pub fn ground(up: f32) -> Vec3 {
+    GROUND[0].lerp(GROUND[1], up)
+}
+
 /// Radiosity of a sample, W/m²; `None` where nothing is seen.
 pub(super) fn radiosity(sight: &Sight, irradiance: Vec3) -> Option<Vec3> {
     sight.polygon().map(|_| sight.emission + sight.reflectance * irradiance)
@@ -48,7 +53,7 @@ pub(super) fn develop(sights: &Sights, shares: &[Share], smooth: &[Share], shadi
         |x: usize, y: usize| (0..side * side).map(move |k| (y * side + k / side) * width * side + x * side + k % side);
     pixels.par_chunks_exact_mut(width.max(1)).enumerate().for_each(|(y, row)| {
         let up = 1.0 - (y as f32 + 0.5) / height as f32;
-        let ground = GROUND[0].lerp(GROUND[1], up).map(decode_gamma);
+        let ground = ground(up).map(decode_gamma);
         for (x, pixel) in row.iter_mut().enumerate() {
             let colour_of = |index: usize| {
                 let sight = &sights.all[index];

@@ -18,7 +18,7 @@ mod lens;
 mod light;
 mod sights;
 
-pub use develop::{FalseColours, Shading};
+pub use develop::{FalseColours, Shading, ground};
 pub use filter::{Filter, Share};
 pub use gathered::{GatheredPicture, Layers, LayersAt, PixelLight, Start};
 pub use labels::LineLabel;

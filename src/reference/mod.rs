@@ -39,6 +39,7 @@ mod share;
 mod sums;
 mod surfaces;
 mod triangle;
+mod view;
 
 pub use cache::Cache;
 pub use compute::{Outcome, Target, compute};
@@ -47,3 +48,4 @@ pub use lamps::point_on_polygon;
 pub use path::Tracer;
 pub use points::{SurfacePoint, random_points, random_points_on};
 pub use run::{Reference, ReferenceRun};
+pub use view::{View, ViewPixel, ViewRun};

@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
+use super::path::cosine_at;
 use super::surfaces::{Surfaces, Vertex};
 use crate::scene::Scene;
 use crate::scene::outside::{Outside, SUN_RADIUS};
@@ -59,7 +60,7 @@ impl Daylight {
         let radius = f64::from(u).sqrt() * f64::from(SUN_RADIUS);
         let (sine, cosine) = (TAU * f64::from(v)).sin_cos();
         let direction = (towards + radius * (cosine * east + sine * north)).normalize();
-        let height = direction.dot(from.normal);
+        let height = cosine_at(from, direction);
         if height > 0.0 && surfaces.is_open(from, direction) { height * irradiance } else { DVec3::ZERO }
     }
 
@@ -72,7 +73,7 @@ impl Daylight {
             self.up_to.partition_point(|up_to| *up_to <= f64::from(pick) * total)
         };
         let direction = direction_in(cell.min(count - 1), [u.into(), v.into()]);
-        let cosine = direction.dot(from.normal);
+        let cosine = cosine_at(from, direction);
         if cosine <= 0.0 || !surfaces.is_open(from, direction) {
             return DVec3::ZERO;
         }
@@ -83,7 +84,7 @@ impl Daylight {
 
     /// Irradiance by the direction that a path takes by chance, where it leaves the scene.
     pub fn met(&self, from: &Vertex, direction: DVec3) -> DVec3 {
-        let cosine = direction.dot(from.normal);
+        let cosine = cosine_at(from, direction);
         let radiance = self.outside.radiance(direction.as_vec3()).as_dvec3();
         if cosine > 0.0 { radiance * cosine / (self.density(direction) + cosine / PI) } else { DVec3::ZERO }
     }

@@ -34,7 +34,7 @@ const SUN_PLACE: u32 = 2;
 
 /// A scene made ready for paths.
 pub struct Tracer {
-    surfaces: Surfaces,
+    pub(super) surfaces: Surfaces,
     /// One for each polygon.
     materials: Vec<Material>,
     lamps: Option<Lamps>,
@@ -74,7 +74,8 @@ impl Tracer {
         (0..paths).map(path).sum::<DVec3>() / f64::from(paths)
     }
 
-    fn path(&self, begin: Vertex, random: &Sequence) -> DVec3 {
+    /// One path from a vertex.
+    pub(super) fn path(&self, begin: Vertex, random: &Sequence) -> DVec3 {
         let mut from = begin;
         let (mut irradiance, mut throughput) = (DVec3::ZERO, DVec3::ONE);
         for vertex in 0.. {
@@ -84,7 +85,7 @@ impl Tracer {
             let pair = |purpose: u32| numbers(PAIRS * vertex + purpose);
             let ([pick, stay], [u, v]) = (pair(CHOICES), pair(LAMP_POINT));
             let lamps =
-                self.lamps.as_ref().map(|lamps| (lamps, lamps.choice(from.position.as_vec3(), from.normal.as_vec3())));
+                self.lamps.as_ref().map(|lamps| (lamps, lamps.choice(from.position.as_vec3(), from.shading.as_vec3())));
             if let Some((lamps, choice)) = &lamps {
                 irradiance += throughput * self.lamp_light(&lamps.point(choice, pick, u, v), &from);
             }
@@ -94,7 +95,11 @@ impl Tracer {
                 irradiance += throughput * daylight.light(&self.surfaces, &from, sky, outside(SUN_PLACE));
             }
 
-            let direction = cosine_direction(from.normal, pair(DIRECTION));
+            let direction = cosine_direction(from.shading, pair(DIRECTION));
+            if direction.dot(from.normal) <= 0.0 {
+                // An interpolated normal leads behind its own face, where nothing is seen.
+                break;
+            }
             let Some((distance, met)) = self.surfaces.meet(&from, direction) else {
                 if let Some(daylight) = self.daylight.as_ref().filter(|_| self.surfaces.is_open(&from, direction)) {
                     irradiance += throughput * daylight.met(&from, direction);
@@ -103,7 +108,7 @@ impl Tracer {
             };
             let material = &self.materials[met.polygon as usize];
             if let Some((lamps, choice)) = lamps.as_ref().filter(|_| material.emission != Vec3::ZERO) {
-                let kernel = kernel(direction.dot(from.normal), -direction.dot(met.normal), distance * distance);
+                let kernel = kernel(cosine_at(&from, direction), -direction.dot(met.normal), distance * distance);
                 let density = lamps.density(choice, met.polygon, material.emission);
                 irradiance += throughput * material.emission.as_dvec3() * share(kernel, density);
             }
@@ -125,7 +130,7 @@ impl Tracer {
         let span = lamp.position - from.position;
         let distance_squared = span.length_squared();
         let direction = span / distance_squared.sqrt();
-        let kernel = kernel(direction.dot(from.normal), -direction.dot(lamp.normal), distance_squared);
+        let kernel = kernel(cosine_at(from, direction), -direction.dot(lamp.normal), distance_squared);
         if kernel > 0.0 && self.surfaces.sees(from, &self.surfaces.at(lamp.polygon, lamp.position, lamp.normal)) {
             // B_e · kernel / density, times the weight density / (density + kernel).
             lamp.emission.as_dvec3() * share(kernel, lamp.density)
@@ -133,6 +138,12 @@ impl Tracer {
             DVec3::ZERO
         }
     }
+}
+
+/// Cosine between a direction and the normal for shading; 0 behind the face.
+#[inline]
+pub(super) fn cosine_at(from: &Vertex, direction: DVec3) -> f64 {
+    if direction.dot(from.normal) > 0.0 { direction.dot(from.shading).max(0.0) } else { 0.0 }
 }
 
 /// kernel / (kernel + density): the balance heuristic's weight of a direction, and what a lamp's

@@ -55,10 +55,32 @@ pub struct Vertex {
     pub position: DVec3,
     /// Unit normal of the bright side.
     pub normal: DVec3,
+    /// Unit normal that cosines are taken to: the face's own, or an interpolated one.
+    pub shading: DVec3,
     /// Index into [`Scene::polygons`].
     pub polygon: u32,
     /// How far the face may lie from its place.
     tolerance: f64,
+}
+
+/// Stands for the polygon of a place that lies on none.
+const NO_POLYGON: u32 = u32::MAX;
+
+impl Vertex {
+    /// A place in the air, for rays along a direction.
+    pub fn in_the_air(position: DVec3, direction: DVec3) -> Self {
+        Self { position, normal: direction, shading: direction, polygon: NO_POLYGON, tolerance: 0.0 }
+    }
+
+    /// The same place with an interpolated normal for cosines.
+    pub fn shaded(self, shading: DVec3) -> Self {
+        Self { shading, ..self }
+    }
+
+    /// The same place, left through the back of its face.
+    pub fn behind(self) -> Self {
+        Self { normal: -self.normal, ..self }
+    }
 }
 
 /// Hit of a ray.
@@ -98,7 +120,7 @@ impl Surfaces {
         let (normal, polygon) = (point.normal.as_dvec3(), point.polygon);
         let given = point.position.as_dvec3();
         let Some((corners, count)) = self.polygons.get(polygon as usize) else {
-            return Vertex { position: given, normal, polygon, tolerance: 0.0 };
+            return Vertex { position: given, normal, shading: normal, polygon, tolerance: 0.0 };
         };
         let least = |weights: &[f64; 3]| weights.iter().copied().fold(f64::INFINITY, f64::min);
         let places = fan(corners, *count).filter_map(|triangle| Some((triangle, weights_at(&triangle, given)?)));
@@ -108,7 +130,7 @@ impl Surfaces {
             let sum: f64 = inside.iter().sum();
             point_of(&triangle, inside.map(|weight| weight / sum))
         });
-        Vertex { position, normal, polygon, tolerance: tolerance(&corners[..*count]) }
+        Vertex { position, normal, shading: normal, polygon, tolerance: tolerance(&corners[..*count]) }
     }
 
     /// The bright side that a ray from a vertex meets, and how far away; `None` where it meets a
@@ -146,9 +168,40 @@ impl Surfaces {
         if !nearest.is_front && !coincide(&self.planes[nearest.triangle as usize], plane, behind) {
             return None;
         }
-        let position = point_of(&self.triangles[bright.triangle as usize], bright.weights);
-        let Plane { normal, tolerance, polygon } = *plane;
-        Some((bright.distance, Vertex { position, normal, polygon, tolerance }))
+        Some((bright.distance, self.vertex_of(&bright)))
+    }
+
+    /// The bright side that a ray meets first, as a picture shows it: dark sides are looked
+    /// through.
+    pub fn look(&self, from: &Vertex, direction: DVec3) -> Option<Vertex> {
+        let ray = Ray::new(from.position, direction);
+        let cosine = direction.dot(from.normal);
+        let (mut limit, mut bright): (f64, Option<Hit>) = (f64::INFINITY, None);
+        self.bvh.visit(&ray, limit, |range| {
+            for triangle in range {
+                let Some(meeting) = ray.meet(&self.triangles[triangle]).filter(|meeting| meeting.is_front) else {
+                    continue;
+                };
+                let (distance, plane) = (meeting.distance, &self.planes[triangle]);
+                if distance > limit || distance < 0.0 || self.is_left(from, plane, distance * cosine) {
+                    continue;
+                }
+                let hit = Hit { distance, weights: meeting.weights, is_front: true, triangle: triangle as u32 };
+                if bright.is_none_or(|other| self.is_met_before(&hit, &other, direction)) {
+                    bright = Some(hit);
+                }
+                let slope = direction.dot(plane.normal).abs();
+                limit = limit.min(distance + 2.0 * self.tolerance() / slope.max(f64::MIN_POSITIVE));
+            }
+            limit
+        });
+        bright.map(|hit| self.vertex_of(&hit))
+    }
+
+    fn vertex_of(&self, hit: &Hit) -> Vertex {
+        let position = point_of(&self.triangles[hit.triangle as usize], hit.weights);
+        let Plane { normal, tolerance, polygon } = self.planes[hit.triangle as usize];
+        Vertex { position, normal, shading: normal, polygon, tolerance }
     }
 
     /// Whether a vertex sees a point on the bright side of a polygon, towards which it looks, and
@@ -218,7 +271,7 @@ impl Surfaces {
     /// A vertex on a polygon at a position that is known to double precision.
     pub fn at(&self, polygon: u32, position: DVec3, normal: DVec3) -> Vertex {
         let (corners, count) = &self.polygons[polygon as usize];
-        Vertex { position, normal, polygon, tolerance: tolerance(&corners[..*count]) }
+        Vertex { position, normal, shading: normal, polygon, tolerance: tolerance(&corners[..*count]) }
     }
 
     /// Whether a ray has left this face when it starts at `from`: its own polygon, or one at the

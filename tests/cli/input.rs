@@ -85,6 +85,18 @@ fn bad_input_is_one_sentence_and_exit_code_2() {
         (vec!["scene", "office"], "--out"),
         (vec!["scene", "cornell", "--out", good], "cannot write"),
     ];
+    #[cfg(feature = "gui")]
+    let cases = [
+        cases,
+        vec![
+            (vec!["chart", "cornell", "--out", name(&gone), "--picture", "--errors", "0.1,much"], "--errors must be"),
+            (vec!["chart", "cornell", "--out", name(&gone), "--picture", "--samples", "100"], "a power of two"),
+            (vec!["chart", "cornell", "--out", name(&gone), "--picture", "--size", "0x9"], "--size must be"),
+            (vec!["chart", "cornell", "--out", name(&gone), "--picture", "--epsilons", "1e-2"], "--epsilons"),
+            (vec!["chart", "cornell", "--out", name(&gone), "--errors", "0.1"], "--picture"),
+        ],
+    ]
+    .concat();
     for (args, part) in cases {
         let said = refused(&args);
         assert!(said.contains(part), "{args:?}: `{part}` is not in: {said}");

@@ -135,6 +135,45 @@ fn a_chart_is_tables_and_pictures() {
     }
 }
 
+/// Truth: two paths a pixel make a noisy picture, and many a better one; a solve to 10 % and a look from each pixel are nearer to
+/// the converged picture than two paths, and the local error of a gathered picture is as small as was asked for, with
+/// the noise of the few paths of this reference.
+#[cfg(feature = "gui")]
+#[test]
+fn a_chart_of_pictures_tells_how_near_they_are() {
+    let folder = Folder::new();
+    let out = folder.path("charts");
+    let chart = ["chart", "cornell", "--picture", "--size", "40x30", "--errors", "0.1", "--samples", "128"];
+    let (table, _) = succeed(&[&chart[..], &["--out", name(&out)]].concat());
+    assert!(table.contains("| gathered, 10.0 % |") && table.contains("| path tracer, 32 samples |"), "{table}");
+    let read = |file: &str| std::fs::read_to_string(out.join(file)).expect("it was written");
+    let csv = read("cornell-picture.csv");
+    let columns = |row: &str| row.split(',').count();
+    assert!(csv.lines().all(|row| columns(row) == 18) && csv.contains("reference_flip_of_halves"), "{csv}");
+    let chart: Value = serde_json::from_str(&read("cornell-picture.json")).expect("JSON");
+    let pictures = chart["pictures"].as_array().expect("pictures");
+    let find = |kind: &str, samples: Value| {
+        let found = pictures.iter().find(|picture| picture["kind"] == kind && picture["samples"] == samples);
+        let of = |picture: &Value, name: &str| picture.pointer(name).and_then(Value::as_f64).expect("a number");
+        found.map(|picture| ["/flip", "/local/p90", "/seconds"].map(|name| of(picture, name)))
+    };
+    let gathered = find("gathered", Value::Null).expect("it was made");
+    let [few, many] = [1, 32].map(|samples: u32| find("paths", samples.into()).expect("they were traced"));
+    assert!((0..2).all(|k| few[k] > 2.0 * many[k]) && many[2] > few[2], "{few:?} {many:?}");
+    let noise = chart["reference"]["noise_p90"].as_f64().expect("a number");
+    assert!(gathered[0] < 0.5 * few[0] && gathered[1] < 0.1 + noise, "{gathered:?} {few:?}, noise {noise}");
+    match find("mesh", Value::Null) {
+        // The same light, coarser.
+        Some(mesh) => assert!(mesh[0] < few[0] && mesh[1] < few[1], "{mesh:?} {few:?}"),
+        None => eprintln!("SKIPPED: no graphics adapter draws the mesh"),
+    }
+    for file in ["flip", "local"] {
+        let picture = image::open(out.join(format!("cornell-picture-{file}.png"))).expect("a PNG");
+        assert_eq!((picture.width(), picture.height()), (1200, 800));
+        assert!(read(&format!("cornell-picture-{file}.svg")).contains("path tracer, by samples a pixel"));
+    }
+}
+
 /// Truth: on a logarithmic axis a bar from e − s to e + s is as long as the logarithm of their ratio, and the tops of two bars are
 /// as far apart as that of theirs, in the same number of pixels each; two pixels are rounding. Bars are the vertical lines of
 /// one pixel in a curve's colour.
