@@ -9,7 +9,7 @@ use super::dock::Tool;
 use super::highlight::Highlight;
 use super::paint::Picture;
 use super::walk::Ground;
-use super::{App, Outbox, divider, line_labels, measure_marks, panels, theme, words};
+use super::{App, Outbox, divider, gizmo, line_labels, measure_marks, panels, theme, words};
 use crate::geometry::Occluders;
 use crate::render::{Camera, Display, Exposure, Marks};
 use crate::scene::{CameraPose, Scene};
@@ -267,8 +267,17 @@ impl Viewport {
         (clip.w > camera.near()).then(|| self.rect.min + share * self.rect.size())
     }
 
+    /// Length at a point of the scene that takes so many points of the window across the sight; `None` behind the eye.
+    pub(super) fn length_of(&self, point: Vec3, points: f32) -> Option<f32> {
+        let camera = self.camera?;
+        let across = camera.forward().any_orthonormal_vector();
+        let step = 1e-2 * (point - camera.eye()).length();
+        let along = (self.project(point + step * across)? - self.project(point)?).length() / step;
+        (along > 0.0 && along.is_finite()).then(|| points / along)
+    }
+
     /// The ray under a place in the window.
-    fn ray_at(&self, at: egui::Pos2) -> Option<Ray> {
+    pub(super) fn ray_at(&self, at: egui::Pos2) -> Option<Ray> {
         let share = (at - self.rect.min) / self.rect.size();
         let ndc = Vec2::new(2.0 * share.x - 1.0, 1.0 - 2.0 * share.y);
         let (origin, direction) = self.camera?.ray(ndc, self.aspect());
@@ -392,6 +401,7 @@ pub(super) fn show(app: &mut App, ui: &mut Ui, outbox: &mut Outbox) -> Option<Cl
         }
     }
     divider::show(ui, rect, &mut app.freeze);
+    gizmo::show(app, ui, rect);
     panels::empty::show_loading(app, ui, rect, outbox);
     if !app.is_full_picture {
         show_legend(app, ui, rect);

@@ -17,8 +17,8 @@ pub(super) fn merge(commands: Vec<Command>) -> Vec<Command> {
 /// Whether `earlier` has no effect when `later` follows it.
 fn supersedes(later: &Command, earlier: &Command) -> bool {
     use Command::{
-        AnchorEpsilon, CancelLoad, Load, Look, Pause, Restart, Resume, SetDaylight, SetEmission, SetGroups, SetParams,
-        SetReflectance, Shutdown, StepWave,
+        AnchorEpsilon, CancelLoad, Load, Look, Pause, Restart, Resume, SetDaylight, SetEmission, SetGroups,
+        SetLuminaires, SetParams, SetReflectance, Shutdown, StepWave,
     };
     match (later, earlier) {
         (Shutdown, Command::SaveSidecar { .. }) => false,
@@ -28,6 +28,7 @@ fn supersedes(later: &Command, earlier: &Command) -> bool {
         | (Look(_), Look(_))
         | (SetGroups(_), SetGroups(_))
         | (SetDaylight(_), SetDaylight(_))
+        | (SetLuminaires(_), SetLuminaires(_))
         | (Restart, Restart)
         | (AnchorEpsilon, AnchorEpsilon)
         | (Pause | Resume, Pause | Resume | StepWave) => true,

@@ -64,7 +64,8 @@ fn show_sections(app: &mut App, ui: &mut Ui, outbox: &mut Outbox) {
         let dark = !info.has_light;
         let title = if dark { words::LIGHT_NONE_YET } else { words::LIGHT };
         section(ui, title, dark, Some("light"), |ui| {
-            light::show(ui, &app.shown, &app.params, &mut app.light, outbox);
+            let eye = app.view.pose().map(|pose| pose.eye);
+            light::show(ui, (&app.shown, eye), &app.params, &mut app.light, outbox);
         });
     }
     let present = app.shown.info.as_ref().map(|info| &info.scene.reading);
