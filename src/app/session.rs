@@ -12,7 +12,7 @@ use crate::added_light::AddedLight;
 use crate::export::settings::Settings;
 use crate::scene::builtin::BuiltinScene;
 use crate::scene::outside::Daylight;
-use crate::scene::{FiledCamera, Luminaire, MaterialId, Scene, Source};
+use crate::scene::{FiledCamera, Kept, Luminaire, MaterialId, Scene, Source};
 use crate::worker::SceneInfo;
 use eframe::CreationContext;
 
@@ -141,6 +141,12 @@ impl App {
         let camera = self.view.pose().zip(self.shown.info.as_ref());
         let camera = camera.map(|(pose, info)| pose.in_file(&info.scene));
         Settings { scene, reading, light, camera, solver: self.params }
+    }
+
+    /// What is kept beside the scene's file.
+    pub(super) fn kept(&self) -> Kept {
+        let bookmarks = self.view.bookmarks().to_vec();
+        Kept { camera: self.view.pose(), bookmarks, task_area: self.measuring.task_area() }
     }
 
     /// Keeps what the next start goes on with.

@@ -282,11 +282,13 @@ words! {
     /// Light: length of the selected line.
     LENGTH = "Length";
     /// Light: where the selected luminaire is, along each axis of the file.
-    LUMINAIRE_X = "x";
+    LUMINAIRE_X = "Place along x";
     /// As [`LUMINAIRE_X`].
-    LUMINAIRE_Y = "y";
+    LUMINAIRE_Y = "Place along y";
     /// As [`LUMINAIRE_X`].
-    LUMINAIRE_Z = "z";
+    LUMINAIRE_Z = "Place along z";
+    /// Light: middle of the selected luminaire.
+    PLACE = "Place x, y, z";
     /// Light: where the selected luminaire shines to.
     SHINES = "Shines";
     /// Light: turn of the selected luminaire about where it shines to.
@@ -346,6 +348,14 @@ words! {
     AVERAGE = "Average Ē";
     /// Measure: average that is to be reached.
     TARGET_AVERAGE = "Target Ē";
+    /// Measure: uniformity that is to be reached.
+    TARGET_UNIFORMITY = "Target U₀";
+    /// Measure: height of the work plane.
+    PLANE_HEIGHT = "Height";
+    /// Measure: lets a drag in the view draw a task area.
+    DRAW_TASK_AREA = "Draw a task area";
+    /// Measure: measures all of the plane again.
+    WHOLE_PLANE = "Whole plane";
     /// Measure: gives the plane up.
     CLEAR = "Clear";
     /// Export: a size that is typed.

@@ -11,6 +11,7 @@ mod edit;
 mod face;
 mod files;
 mod gltf;
+mod kept;
 mod load;
 mod load_error;
 mod luminaire;
@@ -45,6 +46,7 @@ pub use check::Skipped;
 pub use edit::EditError;
 pub use face::{FaceDetails, Surface};
 pub use files::{FileError, SceneFiles, SceneFolder};
+pub use kept::{FiledTaskArea, Kept, TaskArea};
 pub use load::{Source, load, load_bytes, load_file, load_with};
 pub use load_error::LoadError;
 pub use luminaire::{
@@ -243,6 +245,10 @@ pub struct Scene {
     pub placed_luminaires: Vec<PlacedLuminaire>,
     /// The view to open with, where the scene names one.
     pub camera: Option<CameraPose>,
+    /// Further views that a person kept.
+    pub bookmarks: Vec<CameraPose>,
+    /// Where on the work plane a task is done, if a person said so.
+    pub task_area: Option<TaskArea>,
     /// Views that the scene's file holds.
     pub cameras: Vec<NamedCamera>,
     /// Lights of the file that are no surfaces there; each is a small emitter here, of a material of its own.
@@ -277,6 +283,8 @@ impl Scene {
             filed_materials: Vec::new(),
             placed_luminaires: Vec::new(),
             camera: None,
+            bookmarks: Vec::new(),
+            task_area: None,
             cameras: Vec::new(),
             lights: Vec::new(),
             outside: None,

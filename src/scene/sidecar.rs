@@ -7,7 +7,9 @@
 //!   "sky": "overcast:10000lx", "sun": "az:200,el:40,60000lx",
 //!   "sides": "auto", "up": "z", "unit": "cm",
 //!   "groups": [{ "lamps": ["desk_1/lamp", "desk_2/lamp"] }],
-//!   "camera": { "eye": [0, 1, 3], "target": [0, 1, 0], "up": [0, 1, 0], "hfov_deg": 50 } }
+//!   "camera": { "eye": [0, 1, 3], "target": [0, 1, 0], "up": [0, 1, 0], "hfov_deg": 50 },
+//!   "bookmarks": [{ "eye": [0, 1, 3], "target": [0, 1, 0], "up": [0, 1, 0], "hfov_deg": 50 }],
+//!   "task_area": { "corners": [[0.5, 0.75, 0.5], [2, 0.75, 1.3]], "height": 0.75, "average_lux": 500, "uniformity": 0.6 } }
 //! ```
 
 use std::collections::BTreeMap;
@@ -23,8 +25,8 @@ use super::place::{FiledCamera, MAX_COORDINATE, is_usable as is_usable_coordinat
 use super::unit::Unit;
 use super::up::UpAxis;
 use super::{
-    CEILING_LIGHT, CameraPose, EditError, FiledLuminaire, GroupMember, LuminaireShape, Material, MaterialId, Scene,
-    Sides, said,
+    CEILING_LIGHT, CameraPose, EditError, FiledLuminaire, FiledTaskArea, GroupMember, LuminaireShape, Material,
+    MaterialId, Scene, Sides, said,
 };
 
 /// The largest reflectance that a sidecar may set; a light path then loses at least a hundredth at each bounce.
@@ -70,6 +72,12 @@ pub struct Sidecar {
     /// The view to open with.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub camera: Option<FiledCamera>,
+    /// Further views.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub bookmarks: Vec<FiledCamera>,
+    /// Where on the work plane a task is done, and what light it asks for.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub task_area: Option<FiledTaskArea>,
 }
 
 /// What a sidecar says of one material; what is missing stays as the scene file has it.
@@ -205,6 +213,8 @@ impl Sidecar {
         }
         self.groups = scene.regrouping.clone();
         self.camera = scene.camera.map(|camera| camera.in_file(scene)).or(self.camera);
+        self.bookmarks = scene.bookmarks.iter().map(|camera| camera.in_file(scene)).collect();
+        self.task_area = scene.task_area.map(|area| area.in_file(scene));
     }
 
     /// Adds the luminaires to a scene.
@@ -225,10 +235,13 @@ impl Sidecar {
         let is_far = |place: DVec3| scene.from_file(place).abs().max_element() > MAX_COORDINATE;
         let what = if self.luminaires.iter().any(|light| is_far(light.centre)) {
             "a luminaire"
-        } else if self.camera.is_some_and(|camera| is_far(camera.eye) || is_far(camera.target)) {
+        } else if self.task_area.is_some_and(|area| area.corners.into_iter().any(is_far)) {
+            "the task area"
+        } else if self.camera.iter().chain(&self.bookmarks).any(|camera| is_far(camera.eye) || is_far(camera.target)) {
             "the camera"
         } else {
-            return self.camera.and_then(|camera| view_problem(&camera.in_scene(scene)));
+            let mut views = self.camera.iter().chain(&self.bookmarks);
+            return views.find_map(|camera| view_problem(&camera.in_scene(scene)));
         };
         Some(format!("{what} lies beyond 1e9 from the middle of the scene"))
     }
@@ -303,7 +316,9 @@ impl Sidecar {
             (lights > MOST_LIGHTS).then(|| format!("{lights} luminaires are more than the {MOST_LIGHTS} there may be"))
         };
         let of_lights = || self.luminaires.iter().find_map(light_problem);
-        of_materials.or_else(too_many).or_else(of_lights).or_else(|| self.camera.as_ref().and_then(camera_problem))
+        let of_views = || self.camera.iter().chain(&self.bookmarks).find_map(camera_problem);
+        let of_area = || self.task_area.as_ref().and_then(FiledTaskArea::problem);
+        of_materials.or_else(too_many).or_else(of_lights).or_else(of_views).or_else(of_area)
     }
 }
 

@@ -21,7 +21,7 @@ fn supersedes(later: &Command, earlier: &Command) -> bool {
         SetLuminaires, SetParams, SetReflectance, Shutdown, StepWave,
     };
     match (later, earlier) {
-        (Shutdown, Command::SaveSidecar { .. }) => false,
+        (Shutdown, Command::SaveSidecar(_)) => false,
         (Shutdown, _)
         | (Load(..) | CancelLoad, Load(..) | CancelLoad)
         | (SetParams(_), SetParams(_))
@@ -43,7 +43,7 @@ mod tests {
     use glam::Vec3;
 
     use super::*;
-    use crate::scene::MaterialId;
+    use crate::scene::{Kept, MaterialId};
     use crate::solver::{Epsilon, SolverParams};
 
     fn params(epsilon: f64) -> Command {
@@ -69,7 +69,7 @@ mod tests {
     fn steps_add_up_and_saving_survives_a_shutdown() {
         let steps = merge(vec![Command::StepWave, Command::StepWave]);
         assert_eq!(steps.len(), 2);
-        let last = merge(vec![Command::Resume, Command::SaveSidecar { camera: None }, Command::Shutdown]);
-        assert!(matches!(last[..], [Command::SaveSidecar { .. }, Command::Shutdown]), "{last:?}");
+        let last = merge(vec![Command::Resume, Command::SaveSidecar(Kept::default()), Command::Shutdown]);
+        assert!(matches!(last[..], [Command::SaveSidecar(_), Command::Shutdown]), "{last:?}");
     }
 }

@@ -28,7 +28,7 @@ use glam::Vec3;
 use crate::added_light::AddedLight;
 use crate::geometry::Occluders;
 use crate::scene::outside::Daylight;
-use crate::scene::{CameraPose, GroupMember, Luminaire, MaterialId, Reading, Scene, Source};
+use crate::scene::{GroupMember, Kept, Luminaire, MaterialId, Reading, Scene, Source};
 use crate::solver::{MeshError, MomentInfo, Snapshot, SolverParams};
 use crate::threads::lock;
 pub use stamp::FileStamp;
@@ -75,11 +75,8 @@ pub enum Command {
     SetDaylight(Daylight),
     /// Arranges the scene's groups by hand; an empty list has them as the file does. Clusters are built anew where they go by groups.
     SetGroups(Vec<GroupMember>),
-    /// Writes the sidecar beside the scene's file.
-    SaveSidecar {
-        /// The view to open with.
-        camera: Option<CameraPose>,
-    },
+    /// Writes the sidecar beside the scene's file, with what a person keeps there.
+    SaveSidecar(Kept),
     /// Ends the thread.
     Shutdown,
 }

@@ -206,7 +206,7 @@ impl Session {
                 self.look = look;
                 self.picture_owed = true;
             }
-            Command::SaveSidecar { camera } => self.save_sidecar(camera),
+            Command::SaveSidecar(kept) => self.save_sidecar(kept),
             Command::Restart
             | Command::SetEmission { .. }
             | Command::SetReflectance { .. }

@@ -12,7 +12,7 @@ use crate::added_light::AddedLight;
 use crate::ceiling;
 use crate::scene::outside::Daylight;
 use crate::scene::{
-    CameraPose, GroupMember, Luminaire, MAX_EMISSION, MAX_SIDECAR_REFLECTANCE, Material, MaterialId, Reading, Sidecar,
+    GroupMember, Kept, Luminaire, MAX_EMISSION, MAX_SIDECAR_REFLECTANCE, Material, MaterialId, Reading, Sidecar,
     SidecarError, Source,
 };
 use crate::solver::{ClusteringMode, Solver};
@@ -269,7 +269,7 @@ impl Session {
     }
 
     /// Writes what a person changed beside the scene's file, into what a sidecar that is there already says.
-    pub(super) fn save_sidecar(&mut self, camera: Option<CameraPose>) {
+    pub(super) fn save_sidecar(&mut self, kept: Kept) {
         let Some(prepared) = &self.prepared else { return };
         let Some(path) = prepared.path.as_deref().map(Sidecar::path_for) else {
             let sentence = "a sample scene has no file beside which a settings file could lie";
@@ -279,7 +279,7 @@ impl Session {
             let mut sidecar = if path.exists() { Sidecar::read(&path)? } else { Sidecar::default() };
             let mut scene = (*prepared.raw).clone();
             scene.sides = self.params.sides.unwrap_or(scene.sides);
-            scene.camera = camera.or(scene.camera);
+            scene.keep(kept);
             sidecar.update(&scene);
             sidecar.write(&path)
         };

@@ -1,20 +1,26 @@
 //! Luminaires that are added to the scene: the list, and the one at hand by numbers.
 
 use egui::{ComboBox, DragValue, TextEdit, Ui};
-use glam::{DVec3, Vec3};
+use glam::Vec3;
 
 use super::super::super::lighting::LuminaireLight;
 use super::super::super::{theme, words};
 use super::material::{show_colour, show_strength, show_temperature};
 use super::{LampUnit, LightEditor};
 use crate::ceiling::{CeilingPlace, place_beside};
+use crate::photometry::tint_of_temperature;
 use crate::scene::{LuminaireForm, LuminaireShape, Scene};
 use crate::worker::SceneInfo;
 
 /// Exitance of a square that was just added, W/m²: a bright office ceiling panel. Other shapes send the same power.
 const FIRST_EXITANCE: f32 = 100.0;
+/// Its colour temperature, K: neutral white.
+const FIRST_KELVIN: f32 = 4000.0;
 /// Sizes that a field offers, in the scene's length unit.
 const SIZES: std::ops::RangeInclusive<f32> = 1e-6..=1e6;
+
+/// Width of the field of one coordinate, points.
+const COORDINATE_WIDTH: f32 = 52.0;
 
 /// Draws the part; `eye` is where a person looks from.
 pub(super) fn show(ui: &mut Ui, info: &SceneInfo, eye: Option<Vec3>, editor: &mut LightEditor) {
@@ -48,6 +54,7 @@ pub(super) fn show(ui: &mut Ui, info: &SceneInfo, eye: Option<Vec3>, editor: &mu
     });
     if let Some(chosen) = chosen {
         editor.selected = chosen;
+        editor.to_be_seen = editor.selected_mut().map(|luminaire| luminaire.form.centre);
     }
     let unit = &mut editor.unit;
     let Some(luminaire) = editor.selected.and_then(|index| editor.lighting.luminaires.get_mut(index)) else { return };
@@ -63,14 +70,16 @@ fn add(info: &SceneInfo, eye: Option<Vec3>, shape: LuminaireShape, editor: &mut 
     let size = info.luminaire_size;
     let CeilingPlace { centre, up } = place_beside(&info.scene, &info.occluders, eye, size);
     let form = LuminaireForm { shape, centre, direction: -up, turn_deg: 0.0, size };
+    let tint = Vec3::from(tint_of_temperature(FIRST_KELVIN));
     let exitance = FIRST_EXITANCE * size * size / form.area();
     let is_taken = |name: &str| editor.lighting.luminaires.iter().any(|luminaire| luminaire.name == name);
     let base = shape.usual_name();
     let mut names = std::iter::once(base.to_owned()).chain((2..).map(|number| format!("{base} {number}")));
     let is_free = |name: &String| !is_taken(name) && info.scene.material_named(name).is_none();
     let name = names.find(is_free).unwrap_or_default();
-    editor.lighting.luminaires.push(LuminaireLight::new(name, form, Vec3::splat(exitance)));
+    editor.lighting.luminaires.push(LuminaireLight::new(name, form, exitance * tint));
     editor.selected = Some(editor.lighting.luminaires.len() - 1);
+    editor.to_be_seen = Some(centre);
 }
 
 /// Draws the numbers of a luminaire; true when it is to be removed.
@@ -96,16 +105,19 @@ fn show_one(ui: &mut Ui, scene: &Scene, luminaire: &mut LuminaireLight, unit: &m
     .on_hover_text("In the scene's length unit (metres)");
     let mut place = scene.to_file(form.centre);
     let before = place;
-    let fields =
-        [(words::LUMINAIRE_X, &mut place.x), (words::LUMINAIRE_Y, &mut place.y), (words::LUMINAIRE_Z, &mut place.z)];
-    for (label, coordinate) in fields {
-        theme::row(ui, label, |ui| ui.add(DragValue::new(coordinate).speed(0.01).max_decimals(3).suffix(" m")))
-            .on_hover_text("Its middle, in the coordinates of the scene's file");
-    }
-    if place != before && usable(place) {
+    theme::row(ui, words::PLACE, |ui| {
+        ui.spacing_mut().interact_size.x = COORDINATE_WIDTH;
+        let names = [words::LUMINAIRE_X, words::LUMINAIRE_Y, words::LUMINAIRE_Z];
+        let mut field = |coordinate: &mut f64, name: &str| {
+            ui.add(DragValue::new(coordinate).speed(0.01).max_decimals(3)).accessible_name(name)
+        };
+        field(&mut place.x, names[0]) | field(&mut place.y, names[1]) | field(&mut place.z, names[2])
+    })
+    .on_hover_text("Its middle: x, y and z in the coordinates of the scene's file, m");
+    if place != before && place.is_finite() {
         form.centre = scene.from_file(place);
     }
-    show_direction(ui, form);
+    show_direction(ui, scene.up_axis(), form);
     theme::row(ui, words::TURN, |ui| {
         ui.add(DragValue::new(&mut form.turn_deg).speed(1.0).range(-360.0..=360.0).max_decimals(1).suffix("°"))
     })
@@ -118,11 +130,6 @@ fn show_one(ui: &mut Ui, scene: &Scene, luminaire: &mut LuminaireLight, unit: &m
     }
     let remove = ui.button(words::REMOVE_LUMINAIRE).on_hover_text("Takes this luminaire away; it can be undone");
     remove.accessible_name(format!("{} {}", words::REMOVE_LUMINAIRE, luminaire.name)).clicked()
-}
-
-/// Whether a place can be reckoned with.
-fn usable(place: DVec3) -> bool {
-    place.is_finite()
 }
 
 fn show_shape(ui: &mut Ui, form: &mut LuminaireForm) {
@@ -143,7 +150,7 @@ fn show_shape(ui: &mut Ui, form: &mut LuminaireForm) {
 }
 
 /// Offers the axes as directions to shine to.
-fn show_direction(ui: &mut Ui, form: &mut LuminaireForm) {
+fn show_direction(ui: &mut Ui, up: Vec3, form: &mut LuminaireForm) {
     let axes = [
         ("along −y", Vec3::NEG_Y),
         ("along +y", Vec3::Y),
@@ -152,6 +159,11 @@ fn show_direction(ui: &mut Ui, form: &mut LuminaireForm) {
         ("along −z", Vec3::NEG_Z),
         ("along +z", Vec3::Z),
     ];
+    let axes = axes.map(|(name, axis)| match axis.dot(up) {
+        -1.0 => ("down", axis),
+        1.0 => ("up", axis),
+        _ => (name, axis),
+    });
     let name = axes.iter().find(|(_, axis)| axis.dot(form.direction) > 0.9999).map_or("aslant", |(name, _)| name);
     theme::row(ui, words::SHINES, |ui| {
         let combo = ComboBox::from_id_salt("luminaire direction").selected_text(name);

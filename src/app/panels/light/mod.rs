@@ -30,6 +30,8 @@ pub(in super::super) struct LightEditor {
     areas: Vec<f32>,
     /// The luminaire at hand.
     pub selected: Option<usize>,
+    /// A place that was asked for: the view turns there.
+    pub to_be_seen: Option<glam::Vec3>,
     /// Luminaires that the worker was last told of.
     told: Vec<Luminaire>,
     daylight: DaylightEditor,
