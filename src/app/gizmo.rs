@@ -57,7 +57,11 @@ pub(super) fn show(app: &mut App, ui: &Ui, rect: Rect) {
             continue;
         }
         let tip = middle + arrow;
-        let grip = ui.interact(Rect::from_center_size(tip, vec2(GRIP, GRIP)), ui.scope_id().with(name), Sense::drag());
+        let grip = ui.interact(
+            Rect::from_center_size(tip, vec2(GRIP, GRIP)),
+            ui.scope_id().with(name),
+            Sense::click_and_drag(),
+        );
         grip.widget_info(|| egui::WidgetInfo::labeled(egui::accesskit::Role::Slider, true, name));
         let is_held = grip.dragged() || grip.hovered();
         draw_arrow(&painter, middle, tip, letter, if is_held { Color32::WHITE } else { colour });
