@@ -350,6 +350,10 @@ words! {
     TARGET_AVERAGE = "Target Ē";
     /// Measure: uniformity that is to be reached.
     TARGET_UNIFORMITY = "Target U₀";
+    /// Measure: a target is reached.
+    PASSED = "Pass";
+    /// Measure: a target is not reached.
+    FAILED = "Fail";
     /// Measure: height of the work plane.
     PLANE_HEIGHT = "Height";
     /// Measure: lets a drag in the view draw a task area.

@@ -147,13 +147,13 @@ fn a_task_area_is_drawn_and_judged() {
     assert!(window.query_by_label("Task area x from").is_some() && window.query_by_label("Task area z to").is_some());
     set(&mut window, Role::SpinButton, words::TARGET_AVERAGE, 1.0);
     set(&mut window, Role::SpinButton, words::TARGET_UNIFORMITY, 1.0);
-    let says = |window: &Window, what: &str, verdict: &str| {
-        window.query_by_label_contains(&format!("{what} {verdict}")).is_some()
+    let says = |window: &Window, verdict: &str, what: &str| {
+        window.query_by_label_contains(&format!("{verdict}: {what}")).is_some()
     };
-    assert!(says(&window, words::AVERAGE, "reached") && says(&window, words::UNIFORMITY, "not reached"));
+    assert!(says(&window, words::PASSED, words::AVERAGE) && says(&window, words::FAILED, words::UNIFORMITY));
     set(&mut window, Role::SpinButton, words::TARGET_AVERAGE, 1e5);
     set(&mut window, Role::SpinButton, words::TARGET_UNIFORMITY, 0.01);
-    assert!(says(&window, words::AVERAGE, "not reached") && says(&window, words::UNIFORMITY, "reached"));
+    assert!(says(&window, words::FAILED, words::AVERAGE) && says(&window, words::PASSED, words::UNIFORMITY));
     click(&mut window, words::WHOLE_PLANE);
     assert!(window.query_by_label("Task area x from").is_none());
 }

@@ -246,11 +246,8 @@ fn show_target(ui: &mut Ui, plane: &PlaneReading, measuring: &mut Measuring) {
         ),
     ];
     for (what, is_met, figures) in verdicts {
-        let text = if is_met {
-            format!("✔ {what} reached: {figures}")
-        } else {
-            format!("✖ {what} not reached: {figures}")
-        };
+        let verdict = if is_met { words::PASSED } else { words::FAILED };
+        let text = format!("{verdict}: {what}, {figures}");
         ui.label(if is_met { RichText::new(text) } else { theme::notice(ui, text) });
     }
 }

@@ -58,7 +58,8 @@ pub(super) fn show(ui: &mut Ui, info: &SceneInfo, eye: Option<Vec3>, editor: &mu
     }
     let unit = &mut editor.unit;
     let Some(luminaire) = editor.selected.and_then(|index| editor.lighting.luminaires.get_mut(index)) else { return };
-    if show_one(ui, &info.scene, luminaire, unit)
+    // The rows of the material above have names of their own.
+    if ui.push_id("luminaire", |ui| show_one(ui, &info.scene, luminaire, unit)).inner
         && let Some(index) = editor.selected.take()
     {
         editor.lighting.luminaires.remove(index);
