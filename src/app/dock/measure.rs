@@ -211,12 +211,12 @@ fn show_area(ui: &mut Ui, shown: &Shown, measuring: &mut Measuring) {
     let mut filed = corners.map(|corner| info.scene.to_file(corner));
     let before = filed;
     for (axis, letter) in axes {
-        theme::row(ui, &format!("Task area, {letter}"), |ui| {
-            let mut field = |corner: usize, name: &str| {
+        ui.horizontal(|ui| {
+            theme::row_label(ui, &format!("Task area, {letter}"));
+            for (corner, name) in ["from", "to"].into_iter().enumerate() {
                 let field = DragValue::new(&mut filed[corner][axis]).speed(0.01).max_decimals(3).suffix(" m");
-                ui.add(field).accessible_name(format!("Task area {letter} {name}"))
-            };
-            field(0, "from") | field(1, "to")
+                let _ = ui.add(field).accessible_name(format!("Task area {letter} {name}"));
+            }
         });
     }
     if filed != before {

@@ -60,10 +60,10 @@ fn show_sections(app: &mut App, ui: &mut Ui, outbox: &mut Outbox) {
         app.view.go_to(&pose);
     }
     if let Some(info) = app.shown.info.clone() {
-        // A dark scene opens the section that helps; with a lamp it is one of many.
+        // A dark scene opens the section that helps, which stays open once there is light; with a lamp it is one of many.
         let dark = !info.has_light;
         let title = if dark { words::LIGHT_NONE_YET } else { words::LIGHT };
-        section(ui, title, dark, Some("light"), |ui| {
+        section(ui, title, app.light.was_dark, Some("light"), |ui| {
             let eye = app.view.pose().map(|pose| pose.eye);
             light::show(ui, (&app.shown, eye), &app.params, &mut app.light, outbox);
             if let Some(place) = app.light.to_be_seen.take() {

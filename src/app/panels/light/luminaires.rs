@@ -106,15 +106,19 @@ fn show_one(ui: &mut Ui, scene: &Scene, luminaire: &mut LuminaireLight, unit: &m
     .on_hover_text("In the scene's length unit (metres)");
     let mut place = scene.to_file(form.centre);
     let before = place;
-    theme::row(ui, words::PLACE, |ui| {
+    ui.horizontal(|ui| {
+        theme::row_label(ui, words::PLACE);
         ui.spacing_mut().interact_size.x = COORDINATE_WIDTH;
-        let names = [words::LUMINAIRE_X, words::LUMINAIRE_Y, words::LUMINAIRE_Z];
-        let mut field = |coordinate: &mut f64, name: &str| {
-            ui.add(DragValue::new(coordinate).speed(0.01).max_decimals(3)).accessible_name(name)
-        };
-        field(&mut place.x, names[0]) | field(&mut place.y, names[1]) | field(&mut place.z, names[2])
-    })
-    .on_hover_text("Its middle: x, y and z in the coordinates of the scene's file, m");
+        let fields = [
+            (words::LUMINAIRE_X, &mut place.x),
+            (words::LUMINAIRE_Y, &mut place.y),
+            (words::LUMINAIRE_Z, &mut place.z),
+        ];
+        for (name, coordinate) in fields {
+            let field = ui.add(DragValue::new(coordinate).speed(0.01).max_decimals(3));
+            let _ = field.on_hover_text("Its middle, in the coordinates of the scene's file, m").accessible_name(name);
+        }
+    });
     if place != before && place.is_finite() {
         form.centre = scene.from_file(place);
     }

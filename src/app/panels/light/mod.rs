@@ -30,6 +30,8 @@ pub(in super::super) struct LightEditor {
     areas: Vec<f32>,
     /// The luminaire at hand.
     pub selected: Option<usize>,
+    /// Whether nothing lit the scene when it was opened.
+    pub was_dark: bool,
     /// A place that was asked for: the view turns there.
     pub to_be_seen: Option<glam::Vec3>,
     /// Luminaires that the worker was last told of.
@@ -83,7 +85,8 @@ impl LightEditor {
         let lighting = Lighting::of_scene(scene);
         let lamp = lighting.lamps().next();
         let material = MaterialId(lamp.unwrap_or(0) as u32);
-        let mut editor = Self { lighting, material, told: scene.luminaires(), ..Self::default() };
+        let was_dark = !scene.has_light();
+        let mut editor = Self { lighting, material, was_dark, told: scene.luminaires(), ..Self::default() };
         editor.follow(scene);
         editor
     }
