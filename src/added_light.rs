@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use crate::ceiling;
 use crate::geometry::Occluders;
 use crate::scene::outside::{Daylight, DaylightError};
-use crate::scene::{EditError, Scene};
+use crate::scene::{EditError, FiledLuminaire, Luminaire, Scene};
 
 /// What is added; by default nothing.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -15,6 +15,9 @@ use crate::scene::{EditError, Scene};
 pub struct AddedLight {
     /// Materials that emit: name and exitance B_e, W/m².
     pub emitting: Vec<(String, Vec3)>,
+    /// Luminaires in place of those that the scene's sidecar adds.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub luminaires: Option<Vec<FiledLuminaire>>,
     /// A lamp under the ceiling.
     pub ceiling: Option<CeilingLight>,
     /// Sky and sun.
@@ -35,7 +38,7 @@ pub struct CeilingLight {
 impl AddedLight {
     /// Whether nothing is added.
     pub fn is_empty(&self) -> bool {
-        self.emitting.is_empty() && self.ceiling.is_none() && self.daylight.is_empty()
+        self.emitting.is_empty() && self.luminaires.is_none() && self.ceiling.is_none() && self.daylight.is_empty()
     }
 
     /// Makes materials of a scene emit.
@@ -44,6 +47,16 @@ impl AddedLight {
     /// A material that the scene does not have.
     pub fn add_emission_to(&self, scene: &mut Scene) -> Result<(), EditError> {
         self.emitting.iter().try_for_each(|(material, emission)| scene.set_emission(material, *emission))
+    }
+
+    /// Puts luminaires in place of those of a scene whose faces have not been turned or doubled, if there are any to be put.
+    ///
+    /// # Errors
+    /// One that cannot be used.
+    pub fn set_luminaires_of(&self, scene: &mut Scene) -> Result<(), EditError> {
+        let Some(luminaires) = &self.luminaires else { return Ok(()) };
+        let luminaires: Vec<Luminaire> = luminaires.iter().map(|luminaire| luminaire.in_scene(scene)).collect();
+        scene.set_luminaires(&luminaires)
     }
 
     /// Lets daylight into a scene; its own sky or sun stays where none is added.

@@ -5,7 +5,7 @@
 use glam::Vec3;
 
 use crate::geometry::Occluders;
-use crate::scene::{EditError, Scene};
+use crate::scene::{LuminaireForm, Scene};
 
 /// A free space below a ceiling is at least this share of the scene's height; less is a drawer or a gap in a roof.
 const LEAST_SPACE: f32 = 0.1;
@@ -17,6 +17,10 @@ const ABOVE_FURNITURE: f32 = 0.8;
 const USUAL_WIDTH: f32 = 1.5;
 /// Where nothing is above, the panel hangs at this share of the scene's height.
 const OPEN_HEIGHT: f32 = 0.95;
+/// Distance of luminaires that are added beside each other, in their size.
+const GAP: f32 = 1.5;
+/// Places looked at on each side of the middle, for one that is free.
+const NEIGHBOURS: i32 = 3;
 /// Faces that one vertical line may cross.
 const MOST_CROSSINGS: usize = 256;
 
@@ -29,22 +33,13 @@ pub struct CeilingPlace {
     pub up: Vec3,
 }
 
-/// Adds a square light of side `size` (in the scene's length unit) under the ceiling; `exitance` is B_e in W/m².
-///
-/// # Errors
-/// A size or an exitance that cannot be used.
-pub fn add_light(scene: &mut Scene, size: f32, exitance: Vec3) -> Result<(), EditError> {
-    let CeilingPlace { centre, up } = place(scene, &Occluders::new(scene), size);
-    scene.add_ceiling_light(centre, up, size, exitance)
-}
-
 /// A side that suits the scene: a quarter of the smaller width of the room that the camera is in, or of the whole scene.
 pub fn suggested_size(scene: &Scene, occluders: &Occluders) -> f32 {
     let (lower, upper) = scene.bounds();
     let extent = upper - lower;
     let up = scene.up_axis();
     let whole = horizontal(up).map(|axis| extent.dot(axis.abs()));
-    let width = room(scene, occluders, up).map_or(whole[0].min(whole[1]), |room| room.width);
+    let width = room(occluders, up, own_eye(scene)).map_or(whole[0].min(whole[1]), |room| room.width);
     0.25 * width.max(1e-3 * extent.max_element())
 }
 
@@ -62,9 +57,14 @@ struct Room {
     width: f32,
 }
 
-/// The room that the scene's camera is in, above its furniture; `None` where no ceiling is above it or no floor below.
-fn room(scene: &Scene, occluders: &Occluders, up: Vec3) -> Option<Room> {
-    let eye = scene.camera?.eye;
+/// Where the scene's own camera stands.
+fn own_eye(scene: &Scene) -> Option<Vec3> {
+    scene.camera.map(|camera| camera.eye)
+}
+
+/// The room that an eye is in, above its furniture; `None` where no ceiling is above it or no floor below.
+fn room(occluders: &Occluders, up: Vec3, eye: Option<Vec3>) -> Option<Room> {
+    let eye = eye?;
     let reach = |from: Vec3, direction: Vec3| occluders.first_hit(from, direction).map(|hit| hit.distance);
     let (below, above) = (reach(eye, -up)?, reach(eye, up)?);
     let mut middle = eye + ABOVE_FURNITURE * above * up;
@@ -84,12 +84,44 @@ fn room(scene: &Scene, occluders: &Occluders, up: Vec3) -> Option<Room> {
 /// The place for a panel of side `size`: at the middle of the room that the camera is in, or else of the scene, under the ceiling of the
 /// space that the camera (or, without one, most of the faces) is in, below any roof.
 pub fn place(scene: &Scene, occluders: &Occluders, size: f32) -> CeilingPlace {
+    place_beside(scene, occluders, own_eye(scene), size)
+}
+
+/// As [`place`], in the room of this eye, and beside the luminaires that are there where there is room beside them.
+pub fn place_beside(scene: &Scene, occluders: &Occluders, eye: Option<Vec3>, size: f32) -> CeilingPlace {
     let up = scene.up_axis();
     let (lower, upper) = scene.bounds();
-    let middle = room(scene, occluders, up).map_or(0.5 * (lower + upper), |room| room.middle);
+    let eye = eye.filter(|eye| eye.cmpge(lower).all() && eye.cmple(upper).all()).or(own_eye(scene));
+    let middle = room(occluders, up, eye).map_or(0.5 * (lower + upper), |room| room.middle);
+    let level = reference_level(scene, up, eye);
+    let at = |middle| CeilingPlace { centre: under_ceiling((scene, occluders), middle, up, level, size), up };
+    let is_free = |centre: Vec3| {
+        let touches = |form: &LuminaireForm| {
+            let away = form.centre - centre;
+            let across = away - up * away.dot(up);
+            across.length() < 0.5 * (size + form.size) && away.dot(up).abs() < size.max(form.size)
+        };
+        !scene.placed_luminaires.iter().any(|placed| touches(&placed.form))
+    };
+    let [right, forward] = horizontal(up);
+    let reach = 0.5 * size * (right.abs() + forward.abs());
+    let is_inside = |at: Vec3| (at - reach).cmpge(lower).all() && (at + reach).cmple(upper).all();
+    let mut steps: Vec<[i32; 2]> = (-NEIGHBOURS..=NEIGHBOURS)
+        .flat_map(|across| (-NEIGHBOURS..=NEIGHBOURS).map(move |along| [across, along]))
+        .collect();
+    steps.sort_by_key(|[across, along]| across * across + along * along);
+    let shifted =
+        steps.into_iter().map(|[across, along]| middle + GAP * size * (across as f32 * right + along as f32 * forward));
+    let beside = shifted.filter(|middle| is_inside(*middle)).find(|middle| is_free(at(*middle).centre));
+    at(beside.unwrap_or(middle))
+}
+
+/// Where a panel of this side hangs above or below a point, under the ceiling.
+fn under_ceiling((scene, occluders): (&Scene, &Occluders), middle: Vec3, up: Vec3, level: f32, size: f32) -> Vec3 {
+    let (lower, upper) = scene.bounds();
     let height = (upper - lower).dot(up.abs());
     let floor = lower.dot(up).min(upper.dot(up));
-    let level = reference_level(scene, up).clamp(floor, floor + height);
+    let level = level.clamp(floor, floor + height);
     let [right, forward] = horizontal(up);
     let reach = if size.is_finite() { 0.4 * size } else { 0.0 };
     // Off the diagonals, along which quads are cut and a ray may slip through.
@@ -105,18 +137,15 @@ pub fn place(scene: &Scene, occluders: &Occluders, size: f32) -> CeilingPlace {
     // The median passes over a beam or a pipe and a single gap.
     let ceiling = ceilings[ceilings.len() / 2];
     let panel = if ceiling.is_finite() { ceiling - CLEARANCE * height } else { floor + OPEN_HEIGHT * height };
-    CeilingPlace { centre: middle + (panel - middle.dot(up)) * up, up }
+    middle + (panel - middle.dot(up)) * up
 }
 
 /// A height inside the room: the eye's where it lies in the scene's box; else the middle of the box, or the median of
 /// the faces' heights where that is lower (a sky or a tall tree outside stretches the box).
-fn reference_level(scene: &Scene, up: Vec3) -> f32 {
+fn reference_level(scene: &Scene, up: Vec3, eye: Option<Vec3>) -> f32 {
     let (lower, upper) = scene.bounds();
-    if let Some(camera) = scene.camera
-        && camera.eye.cmpge(lower).all()
-        && camera.eye.cmple(upper).all()
-    {
-        return camera.eye.dot(up);
+    if let Some(eye) = eye.filter(|eye| eye.cmpge(lower).all() && eye.cmple(upper).all()) {
+        return eye.dot(up);
     }
     let height = |polygon| {
         let (corners, count) = scene.corner_positions(polygon);
@@ -223,13 +252,30 @@ mod tests {
     fn the_light_shines_and_keeps_to_the_up_axis() {
         let mut scene = house(&[(0.0, 3.0), (2.8, 3.0)]);
         let size = suggested_size(&scene, &Occluders::new(&scene));
-        add_light(&mut scene, size, Vec3::splat(20.0)).expect("a good light");
+        let CeilingPlace { centre, up } = place(&scene, &Occluders::new(&scene), size);
+        scene.add_ceiling_light(centre, up, size, Vec3::splat(20.0)).expect("a good light");
         assert!(scene.has_light());
         let panel = scene.polygons.last().expect("the panel");
         assert!(scene.normal(panel).y < -0.999);
         assert!((scene.area(panel) - 2.25).abs() < 1e-4);
         let power = scene.emitted_power().x;
         assert!((power - 45.0).abs() < 1e-3, "{power}");
-        assert!(add_light(&mut scene, f32::NAN, Vec3::ONE).is_err());
+    }
+
+    /// Truth: a room of 4 × 3 × 4 m has room for nine panels of 1 m under its ceiling: none of them touches another, all hang there.
+    #[test]
+    fn further_lights_hang_beside_those_that_are_there() {
+        let mut scene = Scene::new("room");
+        scene.add_material("wall", Vec3::splat(0.5), Vec3::ZERO);
+        add_box(&mut scene, (Vec3::ZERO, Vec3::new(4.0, 3.0, 4.0)), true, (MaterialId(0), GroupId(0)));
+        for count in 0..4 {
+            let place = place_beside(&scene, &Occluders::new(&scene), Some(Vec3::new(1.0, 1.6, 1.0)), 1.0);
+            for other in scene.luminaires() {
+                let away = (other.form.centre - place.centre).abs();
+                assert!(away.x.max(away.z) >= 1.0 && away.y < 1e-4, "{count}: {}", place.centre);
+            }
+            assert!((place.centre.y - 2.985).abs() < 1e-4);
+            scene.add_ceiling_light(place.centre, place.up, 1.0, Vec3::ONE).expect("a good light");
+        }
     }
 }

@@ -41,6 +41,7 @@ pub fn prepare(
     sides: Option<Sides>,
 ) -> Result<Ready, PrepareError> {
     let mut raw = scene::load_with(source, reading)?;
+    light.set_luminaires_of(&mut raw)?;
     light.add_emission_to(&mut raw)?;
     light.add_daylight_to(&mut raw)?;
     let (mut scene, mut occluders) = orient::apply(raw.clone(), sides.unwrap_or(raw.sides));

@@ -258,12 +258,21 @@ fn ceiling_lights_come_back_by_the_sidecar() {
     let again = load_file(&path).expect("a sound scene");
     assert!(again.has_light());
     assert_eq!(again.skipped, scene.skipped, "the sidecar speaks of nothing that is not there");
-    assert_eq!((&again.materials, &again.ceiling_panels), (&scene.materials, &scene.ceiling_panels));
+    assert_eq!((&again.materials, &again.placed_luminaires), (&scene.materials, &scene.placed_luminaires));
     assert_eq!(again.emitted_power(), scene.emitted_power());
     assert_eq!(Sidecar::of(&again), Sidecar::of(&scene), "saving again changes nothing");
 
+    // As it was written before there were other luminaires.
+    folder.write(
+        "room.selflink.json",
+        r#"{"ceiling_lights": [{"centre": [0.3, 0.9, 0.1], "up": [0, 1, 0], "size": 0.2, "exitance": [50, 50, 50]},
+            {"centre": [0.3, 0.8, 0.1], "up": [0, 1, 0], "size": 0.2, "exitance": [1, 2, 3]}]}"#,
+    );
+    let old = load_file(&path).expect("a sound scene");
+    assert_eq!((&old.materials, &old.placed_luminaires), (&scene.materials, &scene.placed_luminaires));
+
     let bad = [
-        (r#""centre": [0, 0, 0], "up": [0, 0, 0], "size": 1, "exitance": [1, 1, 1]"#, "up direction"),
+        (r#""centre": [0, 0, 0], "up": [0, 0, 0], "size": 1, "exitance": [1, 1, 1]"#, "no direction"),
         (r#""centre": [0, 0, 0], "up": [0, 1, 0], "size": -1, "exitance": [1, 1, 1]"#, "size greater than 0"),
         (r#""centre": [0, 0, 0], "up": [0, 1, 0], "size": 1, "exitance": [1, -1, 1]"#, "exitance"),
         (r#""centre": [0, 0, 0], "up": [0, 1, 0], "size": 1"#, "exitance"),
@@ -450,11 +459,11 @@ fn cameras_and_lights_speak_the_files_coordinates() {
     let scene = load_file(&path).expect("a sound scene");
     let camera = scene.camera.expect("a camera");
     assert!(close(camera.eye, Vec3::new(1.25, 1.5, 3.1)) && close(camera.target, Vec3::new(2.0, 1.0, 1.0)));
-    assert!(close(scene.ceiling_panels[0].centre, Vec3::new(2.8, 2.5, 2.1)), "{:?}", scene.ceiling_panels);
+    assert!(close(scene.placed_luminaires[0].form.centre, Vec3::new(2.8, 2.5, 2.1)), "{:?}", scene.placed_luminaires);
     let said = Sidecar::of(&scene);
     let eye = said.camera.expect("a camera").eye;
     assert!(eye.distance(DVec3::new(1_000_001.25, 1.5, 1_000_003.1)) < 1e-6, "{eye}");
-    assert!(said.ceiling_lights[0].centre.distance(DVec3::new(1_000_002.8, 2.5, 1_000_002.1)) < 1e-6);
+    assert!(said.luminaires[0].centre.distance(DVec3::new(1_000_002.8, 2.5, 1_000_002.1)) < 1e-6);
     let again = load_file(&write_obj(&scene, folder.path("again").as_path()).expect("a writable folder"));
     let again = again.expect("a sound scene");
     assert_eq!((again.origin, again.camera), (scene.origin, scene.camera));

@@ -12,7 +12,9 @@ use std::time::{Duration, Instant};
 
 use dice::Dice;
 use selflink::scene::builtin::BuiltinScene;
-use selflink::scene::{CameraPose, MaterialId, Sidecar, Sides, Source};
+use selflink::scene::{
+    CameraPose, Kept, Luminaire, LuminaireForm, LuminaireShape, MaterialId, Sidecar, Sides, Source, TaskArea,
+};
 use selflink::solver::{ClusteringMode, Epsilon, SolverParams};
 use selflink::worker::{Command, ErrorOfMesh, Event, Look, RunState, SolverThread};
 
@@ -173,13 +175,19 @@ fn parameters_are_taken_over_or_refused_with_a_sentence() {
     wait_until_finished(&worker);
 }
 
+fn square(size: f32, exitance: f32) -> Luminaire {
+    let centre = glam::Vec3::new(0.2, 0.3, 0.2);
+    let form = LuminaireForm { shape: LuminaireShape::Square, centre, direction: -glam::Vec3::Y, turn_deg: 0.0, size };
+    Luminaire { name: "square light".into(), form, exitance: glam::Vec3::splat(exitance) }
+}
+
 #[test]
 fn light_can_be_brought_into_a_scene() {
     let worker = spawn(coarse());
     load(&worker, BuiltinScene::Cornell);
     wait_until_finished(&worker);
     let before = worker.latest().expect("a picture").mesh.leaves.iter().map(|leaf| leaf.area).sum::<f32>();
-    worker.send(Command::AddCeilingLight { size: 0.2, exitance: glam::Vec3::splat(10.0) });
+    worker.send(Command::SetLuminaires(vec![square(0.2, 10.0)]));
     let event = wait_for_event(&worker, "the lamp", |event| matches!(event, Event::SceneEdited(_)));
     let Event::SceneEdited(info) = event else { panic!("{event:?}") };
     assert!(info.has_light);
@@ -187,6 +195,19 @@ fn light_can_be_brought_into_a_scene() {
         wait_for("its picture", || worker.latest().filter(|snapshot| snapshot.generation >= info.generation));
     let after = snapshot.mesh.leaves.iter().map(|leaf| leaf.area).sum::<f32>();
     assert!(after > before, "the lamp has an area: {before} m² before, {after} m² after");
+    // Another exitance alone keeps the solution; another place makes the scene anew, and none takes the lamp away.
+    worker.send(Command::SetLuminaires(vec![square(0.2, 20.0)]));
+    let dimmed = wait_for_event(&worker, "the brighter lamp", |event| matches!(event, Event::SceneEdited(_)));
+    let Event::SceneEdited(dimmed) = dimmed else { panic!("{dimmed:?}") };
+    assert_eq!(dimmed.generation, info.generation, "nothing is solved from scratch");
+    assert_eq!(dimmed.scene.luminaires(), [square(0.2, 20.0)]);
+    worker.send(Command::SetLuminaires(Vec::new()));
+    let bare = wait_for_event(&worker, "the scene without it", |event| matches!(event, Event::SceneEdited(_)));
+    let Event::SceneEdited(bare) = bare else { panic!("{bare:?}") };
+    assert!(bare.generation > info.generation && bare.scene.placed_luminaires.is_empty());
+    // What cannot be used is refused, and changes nothing.
+    worker.send(Command::SetLuminaires(vec![square(0.0, 1.0)]));
+    wait_for_event(&worker, "the refusal", |event| matches!(event, Event::SolveFailed(_)));
 }
 
 /// Truth: every face has a second side then, and the room's area doubles (f32 sums of some 20 faces: 1e-4).
@@ -227,10 +248,14 @@ fn a_saved_sidecar_brings_the_changes_back() {
     worker.send(Command::SetEmission { material: wall, emission: glam::Vec3::new(1.0, 2.0, 3.0) });
     let eye = glam::Vec3::new(0.5, 0.5, 3.0);
     let camera = CameraPose { eye, target: glam::Vec3::ZERO, up: glam::Vec3::Y, hfov_deg: 50.0 };
-    worker.send(Command::AddCeilingLight { size: 0.2, exitance: glam::Vec3::splat(10.0) });
-    let has_panel = |event: &Event| matches!(event, Event::SceneEdited(info) if !info.scene.ceiling_panels.is_empty());
+    worker.send(Command::SetLuminaires(vec![square(0.2, 10.0)]));
+    let has_panel =
+        |event: &Event| matches!(event, Event::SceneEdited(info) if !info.scene.placed_luminaires.is_empty());
     wait_for_event(&worker, "the lamp", has_panel);
-    worker.send(Command::SaveSidecar { camera: Some(camera) });
+    let corners = [glam::Vec3::new(0.2, 0.7, 0.1), glam::Vec3::new(0.8, 0.7, 0.6)];
+    let task_area = TaskArea { corners, height: 0.7, average_lux: 300.0, uniformity: 0.6 };
+    let kept = Kept { camera: Some(camera), bookmarks: vec![camera, camera], task_area: Some(task_area) };
+    worker.send(Command::SaveSidecar(kept));
     wait_for_event(&worker, "saving", |event| matches!(event, Event::Saved(_)));
     let written = Sidecar::read(&Sidecar::path_for(&path)).expect("what was saved");
     assert_eq!(written.materials.keys().collect::<Vec<_>>(), ["floor", "pane", "wall"], "{written:?}");
@@ -240,8 +265,9 @@ fn a_saved_sidecar_brings_the_changes_back() {
     let wall = again.scene.material_named("wall").expect("a wall");
     assert_eq!(again.scene.materials[wall.0 as usize].emission, glam::Vec3::new(1.0, 2.0, 3.0));
     assert_eq!(again.scene.camera, Some(camera));
+    assert_eq!((&again.scene.bookmarks, again.scene.task_area), (&vec![camera, camera], Some(task_area)));
     assert_eq!(again.scene.polygons.len(), 3, "the pane is still ignored, and the lamp is there");
-    assert_eq!((again.scene.ceiling_panels.len(), &again.skipped), (1, &info.skipped));
+    assert_eq!((again.scene.placed_luminaires.len(), &again.skipped), (1, &info.skipped));
     let floor = again.scene.material_named("floor").expect("a floor");
     assert_eq!(again.scene.materials[floor.0 as usize].reflectance, glam::Vec3::new(0.2, 0.3, 0.4));
 }
@@ -271,7 +297,7 @@ impl Dice {
                 let epsilon = Epsilon::Relative(0.1 / (1 + self.roll(99)) as f64);
                 Command::SetParams(SolverParams { epsilon, ..coarse() })
             }
-            10 => Command::AddCeilingLight { size: 0.1, exitance: glam::Vec3::ONE },
+            10 => Command::SetLuminaires(vec![square(0.1, 1.0)]),
             _ => Command::Resume,
         }
     }

@@ -10,7 +10,7 @@ use std::time::{Duration, Instant};
 
 use glam::Vec3;
 use selflink::scene::builtin::BuiltinScene;
-use selflink::scene::{Sidecar, Source};
+use selflink::scene::{Kept, Sidecar, Source};
 use selflink::solver::{ClusteringMode, Epsilon, Snapshot, SolverParams};
 use selflink::worker::{Command, Event, RunState, SolverThread};
 
@@ -115,7 +115,7 @@ fn reflectances_and_dimmed_lamps_are_saved() {
             _ => None,
         });
     }
-    worker.send(Command::SaveSidecar { camera: None });
+    worker.send(Command::SaveSidecar(Kept::default()));
     wait_for("saving", || worker.try_event().filter(|event| matches!(event, Event::Saved(_))));
     let written = Sidecar::read(&Sidecar::path_for(&path)).expect("what was saved");
     assert_eq!(written.materials["floor"].reflectance, Some(Vec3::new(0.2, 0.4, 0.97)));

@@ -13,7 +13,7 @@ use std::time::{Duration, Instant};
 use dice::Dice;
 use glam::Vec3;
 use selflink::scene::builtin::BuiltinScene;
-use selflink::scene::{MaterialId, Sides, Source};
+use selflink::scene::{Luminaire, LuminaireForm, LuminaireShape, MaterialId, Sides, Source};
 use selflink::solver::{ClusterModel, ClusteringMode, Epsilon, OracleKind, Push, Reconstruct, SolverParams};
 use selflink::worker::{Command, Event, Look, RunState, SolverThread};
 
@@ -69,7 +69,15 @@ impl Dice {
             8 => Command::CancelLoad,
             9 => {
                 let size = self.pick(&[0.1, 0.0, 1e6]);
-                Command::AddCeilingLight { size, exitance: Vec3::ONE }
+                let form = LuminaireForm {
+                    shape: LuminaireShape::Disc,
+                    centre: Vec3::splat(0.2),
+                    direction: Vec3::NEG_Y,
+                    turn_deg: 0.0,
+                    size,
+                };
+                let name = "disc light".to_owned();
+                Command::SetLuminaires(vec![Luminaire { name, form, exitance: Vec3::ONE }])
             }
             10..=12 => Command::SetParams(self.params()),
             13 => {

@@ -1,10 +1,10 @@
-//! What a person set of each material: reflectance, emission, and of lamps the switch and the dimmer.
+//! What a person set of each material and of each luminaire: reflectance, emission, and of lamps the switch and the dimmer.
 //!
 //! The scene knows a lamp by its emission alone; that it is one although it is off, and what it emits at 100 %, is known here.
 
 use glam::Vec3;
 
-use crate::scene::{MAX_EMISSION, Material, MaterialId};
+use crate::scene::{Luminaire, LuminaireForm, MAX_EMISSION, Material, MaterialId, Scene};
 use crate::worker::Command;
 
 /// Exitance offered to what never emitted, W/m²: a bright office ceiling panel.
@@ -93,42 +93,74 @@ impl MaterialLight {
     }
 }
 
-/// Every material, in the scene's order.
+/// A luminaire that was added to the scene's file.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct LuminaireLight {
+    /// Its name.
+    pub name: String,
+    /// Where it is and what it looks like.
+    pub form: LuminaireForm,
+    /// What it sends.
+    pub light: MaterialLight,
+}
+
+impl LuminaireLight {
+    /// A luminaire that is on.
+    pub fn new(name: String, form: LuminaireForm, exitance: Vec3) -> Self {
+        let light = MaterialLight::of(&Material { emission: exitance, ..Material::default() });
+        // One that was saved while it was off is a lamp all the same.
+        Self { name, form, light: MaterialLight { is_lamp: true, ..light } }
+    }
+
+    /// The luminaire as the scene is to have it.
+    pub fn wanted(&self) -> Luminaire {
+        Luminaire { name: self.name.clone(), form: self.form, exitance: self.light.emission() }
+    }
+}
+
+/// Every material of the scene's file, in its order, and every luminaire that was added.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(super) struct Lighting(Vec<MaterialLight>);
+pub(super) struct Lighting {
+    materials: Vec<MaterialLight>,
+    /// The luminaires.
+    pub luminaires: Vec<LuminaireLight>,
+}
 
 impl Lighting {
-    /// Takes up materials that were added; those that are known stay as they were set.
-    pub fn extend_to(&mut self, materials: &[Material]) {
-        self.0.extend(materials.iter().skip(self.0.len()).map(MaterialLight::of));
+    /// As a scene has it that was just opened.
+    pub fn of_scene(scene: &Scene) -> Self {
+        let of_file = scene.materials.len() - scene.placed_luminaires.len();
+        let luminaire = |of: Luminaire| LuminaireLight::new(of.name, of.form, of.exitance);
+        Self {
+            materials: scene.materials[..of_file].iter().map(MaterialLight::of).collect(),
+            luminaires: scene.luminaires().into_iter().map(luminaire).collect(),
+        }
     }
 
-    /// The lamps, whether on or off.
+    /// The lamps among the file's materials, whether on or off.
     pub fn lamps(&self) -> impl Iterator<Item = usize> + use<'_> {
-        self.0.iter().enumerate().filter(|(_, light)| light.is_lamp).map(|(index, _)| index)
+        self.materials.iter().enumerate().filter(|(_, light)| light.is_lamp).map(|(index, _)| index)
     }
 
-    /// A material.
+    /// A material of the file.
     pub fn of(&self, material: usize) -> Option<&MaterialLight> {
-        self.0.get(material)
+        self.materials.get(material)
     }
 
     /// The same, to be changed.
     pub fn of_mut(&mut self, material: usize) -> Option<&mut MaterialLight> {
-        self.0.get_mut(material)
+        self.materials.get_mut(material)
     }
 
-    /// Goes back to how materials were; those that came later stay.
-    pub fn restore(&mut self, former: &Self) {
-        for (light, former) in self.0.iter_mut().zip(&former.0) {
-            *light = *former;
-        }
+    /// The luminaires as the scene is to have them.
+    pub fn wanted_luminaires(&self) -> Vec<Luminaire> {
+        self.luminaires.iter().map(LuminaireLight::wanted).collect()
     }
 
-    /// What the worker must be told for this to be in force instead of `former`.
+    /// What the worker must be told of materials for this to be in force instead of `former`.
     pub fn commands_since(&self, former: &Self) -> Vec<Command> {
         let mut commands = Vec::new();
-        for (index, (now, former)) in self.0.iter().zip(&former.0).enumerate() {
+        for (index, (now, former)) in self.materials.iter().zip(&former.materials).enumerate() {
             let material = MaterialId(index as u32);
             if now.emission() != former.emission() {
                 commands.push(Command::SetEmission { material, emission: now.emission() });
@@ -148,12 +180,12 @@ mod tests {
     fn lighting() -> Lighting {
         let material =
             |reflectance, emission| Material { name: "m".into(), reflectance, emission, ..Material::default() };
-        let mut lighting = Lighting::default();
-        lighting.extend_to(&[
+        let mut scene = Scene::new("room");
+        scene.materials = vec![
             material(Vec3::new(0.7, 0.1, 0.3), Vec3::ZERO),
             material(Vec3::splat(0.3), Vec3::new(20.0, 18.0, 14.0)),
-        ]);
-        lighting
+        ];
+        Lighting::of_scene(&scene)
     }
 
     fn emission(command: &Command) -> Vec3 {

@@ -95,6 +95,16 @@ fn write_values(painter: &Painter, points: impl Iterator<Item = (Pos2, f32, Vec3
     }
 }
 
+/// Draws the rim of the task area.
+pub(super) fn show_area(painter: &Painter, corners: [Option<Pos2>; 4]) {
+    for (index, corner) in corners.iter().enumerate() {
+        if let (Some(from), Some(to)) = (corner, corners[(index + 1) % corners.len()]) {
+            painter.line_segment([*from, to], Stroke::new(3.5, Color32::from_black_alpha(170)));
+            painter.line_segment([*from, to], Stroke::new(2.0, theme::ACCENT));
+        }
+    }
+}
+
 /// Text that can be read on any picture.
 fn label(painter: &Painter, at: Pos2, align: Align2, text: &str, size: f32) {
     let font = FontId::proportional(size);

@@ -8,12 +8,14 @@ use super::Wake;
 use super::save_dialog::SaveDialog;
 use crate::photometry::{Quantity, weighted};
 use crate::render::{ColourScale, Isolines, Ramp, Reading, Spacing};
-use crate::scene::Scene;
+use crate::scene::{Scene, TaskArea};
 use crate::solver::Snapshot;
 use crate::survey::{NamedReading, PlaneReading, Probed, Ray, Report, Surveyor, WorkPlane, write_plane, write_probes};
 
 /// Maintained illuminance of a task area for writing and reading (EN 12464-1), lx.
 const USUAL_TARGET: f32 = 500.0;
+/// Uniformity of such an area.
+const USUAL_UNIFORMITY: f32 = 0.6;
 /// Share of the points that the scale of a work plane spans, from the darkest.
 const SCALED_SHARE: f32 = 0.98;
 
@@ -51,8 +53,16 @@ pub(super) struct Measuring {
     pub plane: WorkPlane,
     /// The light and the plane that were asked for.
     asked: Option<(Arc<Snapshot>, WorkPlane)>,
+    /// Whether a drag in the view draws a task area.
+    pub draws_area: bool,
+    /// Where the pointer was pressed to draw it.
+    pub pressed: Option<egui::Pos2>,
+    /// Corners of the area that is being drawn.
+    pub drawn: Option<[Vec3; 2]>,
     /// Average illuminance that the plane is to have, lx.
     pub target: f32,
+    /// Uniformity that it is to have.
+    pub least_uniformity: f32,
     /// Whether the points are drawn over the view.
     pub shows_points: bool,
     /// Whether their values are written there.
@@ -76,7 +86,11 @@ impl Default for Measuring {
             placed: 0,
             plane: WorkPlane::default(),
             asked: None,
+            draws_area: false,
+            pressed: None,
+            drawn: None,
             target: USUAL_TARGET,
+            least_uniformity: USUAL_UNIFORMITY,
             shows_points: true,
             writes_values: true,
             save: SaveDialog::default(),
@@ -93,6 +107,50 @@ impl Measuring {
         self.send_probes();
         (self.placed, self.places_probes) = (0, false);
         self.plane = WorkPlane::for_scene(scene);
+        (self.draws_area, self.drawn) = (false, None);
+        (self.target, self.least_uniformity) = (USUAL_TARGET, USUAL_UNIFORMITY);
+        if let Some(TaskArea { corners, height, average_lux, uniformity }) = scene.task_area {
+            self.plane.height = height;
+            self.plane.set_area(corners, scene.up_axis());
+            (self.target, self.least_uniformity) = (average_lux, uniformity);
+        }
+    }
+
+    /// The task area with what it asks for, if one was drawn.
+    pub(super) fn task_area(&self) -> Option<TaskArea> {
+        let (average_lux, uniformity) = (self.target, self.least_uniformity);
+        self.plane.area.map(|corners| TaskArea { corners, height: self.plane.height, average_lux, uniformity })
+    }
+
+    /// Follows a drag in the view that draws a task area: where the pointer took hold, where it is, and whether it let go.
+    pub(super) fn draw_area(&mut self, scene: &Scene, [from, to]: [Ray; 2], has_ended: bool) {
+        let Some((level, up)) = self.plane.level(scene) else { return };
+        let on_plane = |ray: Ray| {
+            let distance = (level - ray.origin.dot(up)) / ray.direction.dot(up);
+            (distance > 0.0 && distance.is_finite()).then(|| ray.origin + distance * ray.direction)
+        };
+        if let (Some(from), Some(to)) = (on_plane(from), on_plane(to)) {
+            let (lower, upper) = scene.bounds();
+            self.drawn = Some([from, to].map(|corner| corner.clamp(lower, upper)));
+        }
+        if has_ended && let Some(corners) = self.drawn.take() {
+            self.plane.set_area(corners, up);
+            self.draws_area = false;
+        }
+    }
+
+    /// Corners of the task area's rectangle as drawn or as set up, in turn.
+    pub(super) fn area_outline(&self, scene: &Scene) -> Option<[Vec3; 4]> {
+        let [a, b] = self.drawn.or(self.plane.area)?;
+        let (level, up) = self.plane.level(scene)?;
+        let mut axes = (0..3).filter(|&axis| up[axis] == 0.0);
+        let across = axes.next()?;
+        let corner = |first: Vec3, second: Vec3| {
+            let mut corner = second;
+            corner[across] = first[across];
+            corner + (level - corner.dot(up)) * up
+        };
+        Some([corner(a, a), corner(b, a), corner(b, b), corner(a, b)])
     }
 
     /// Shows the surveyor the light in view where it is asked for, and takes up what it found.

@@ -19,6 +19,7 @@ mod facts;
 mod files;
 mod freeze;
 mod gathering;
+mod gizmo;
 mod highlight;
 mod icon;
 mod inspection;
@@ -387,6 +388,9 @@ impl App {
             Event::SolveFailed(sentence) => {
                 self.messages.error(sentence);
                 self.params = self.worker.status().params;
+                if let Some(info) = &self.shown.info {
+                    self.light.take_back_luminaires(&info.scene);
+                }
                 self.history.take_as_given(self.undoable());
             }
             Event::Finished => {}
@@ -421,12 +425,11 @@ impl App {
                 // A correction made for another scene's light would make this one black or white.
                 self.display.auto_stops = 0.0;
             }
-            self.light = LightEditor::for_scene(&info.scene, info.ceiling_side);
+            self.light = LightEditor::for_scene(&info.scene);
             self.history = History::default();
             self.history.take_as_given(self.undoable());
         }
         self.light.follow(&info.scene);
-        self.history.follow(&info.scene);
         self.shown.info = Some(info);
     }
 
@@ -493,6 +496,7 @@ impl eframe::App for App {
             links_wanted || self.cluster_view.is_active() || self.tool.is_some_and(dock::Tool::reads_anatomy);
         outbox.extend(self.looking.command(wants_anatomy));
         self.pointing.end_frame(ui.ctx());
+        outbox.extend(self.light.luminaires_command(undo::is_busy(ui.ctx())));
         undo::note(self, ui.ctx());
         for command in outbox {
             if let Command::Load(source, _, light) = &command {

@@ -18,6 +18,7 @@ impl App {
     /// Nothing is selected any longer.
     pub(super) fn deselect(&mut self) {
         (self.picked, self.is_card_open) = (None, false);
+        self.light.selected = None;
         self.measuring.select(None, &self.wake);
     }
 
@@ -61,9 +62,10 @@ impl App {
         }
         self.picked = PickedElement::at(snapshot, origin, clicked.direction);
         let mut place = None;
+        self.light.selected = None;
         if let Some(picked) = &self.picked {
             if let Some(leaf) = snapshot.mesh.leaves.iter().find(|leaf| leaf.element == picked.element) {
-                self.light.choose(leaf.material);
+                self.light.choose(&info.scene, leaf.material);
                 let polygon = info.scene.polygons.get(leaf.polygon as usize);
                 place = polygon.map(|polygon| (picked.point, info.scene.normal(polygon)));
             }

@@ -8,11 +8,11 @@ use serde::{Deserialize, Serialize};
 
 use super::dock::Tool;
 use super::{App, AppError};
-use crate::added_light::{AddedLight, CeilingLight};
+use crate::added_light::AddedLight;
 use crate::export::settings::Settings;
 use crate::scene::builtin::BuiltinScene;
 use crate::scene::outside::Daylight;
-use crate::scene::{FiledCamera, Scene, Source};
+use crate::scene::{FiledCamera, Kept, Luminaire, MaterialId, Scene, Source};
 use crate::worker::SceneInfo;
 use eframe::CreationContext;
 
@@ -36,9 +36,9 @@ pub(super) struct Opened {
     pub camera: Option<FiledCamera>,
     source: Option<Source>,
     light: AddedLight,
-    /// Emission of each material, W/m², and number of ceiling lights, before anybody changed them here.
+    /// Emission of each material, W/m², and luminaires, before anybody changed them here.
     emission: Vec<Vec3>,
-    ceiling_lights: usize,
+    luminaires: Vec<Luminaire>,
     /// What lay outside, likewise.
     daylight: Daylight,
 }
@@ -59,16 +59,16 @@ impl Opened {
         self.light = asked.map(|(_, light)| light).unwrap_or_default();
         self.source = source;
         self.emission = info.scene.materials.iter().map(|material| material.emission).collect();
-        self.ceiling_lights = info.scene.ceiling_panels.len();
+        self.luminaires = info.scene.luminaires();
         self.daylight = info.scene.daylight();
     }
 
     /// Light added to the scene's file: what was asked for, and what was changed in the window.
     fn light(&self, scene: &Scene) -> AddedLight {
         let mut light = self.light.clone();
-        let is_panel = |index: usize| scene.ceiling_panels.iter().any(|panel| panel.material.0 as usize == index);
+        let is_luminaire = |index: usize| scene.luminaire_of(MaterialId(index as u32)).is_some();
         for (index, (material, before)) in scene.materials.iter().zip(&self.emission).enumerate() {
-            if !is_panel(index) && material.emission != *before {
+            if !is_luminaire(index) && material.emission != *before {
                 light.emitting.retain(|(name, _)| *name != material.name);
                 light.emitting.push((material.name.clone(), material.emission));
             }
@@ -76,10 +76,11 @@ impl Opened {
         if scene.daylight() != self.daylight {
             light.daylight = scene.daylight();
         }
-        let is_new = scene.ceiling_panels.len() > self.ceiling_lights;
-        if let Some(panel) = scene.ceiling_panels.last().filter(|_| is_new || light.ceiling.is_some()) {
-            let exitance = scene.materials[panel.material.0 as usize].emission.max_element();
-            light.ceiling = Some(CeilingLight { size: Some(panel.size), exitance });
+        let luminaires = scene.luminaires();
+        if luminaires != self.luminaires {
+            // With the one that was asked for under the ceiling.
+            light.ceiling = None;
+            light.luminaires = Some(luminaires.iter().map(|luminaire| luminaire.in_file(scene)).collect());
         }
         light
     }
@@ -140,6 +141,12 @@ impl App {
         let camera = self.view.pose().zip(self.shown.info.as_ref());
         let camera = camera.map(|(pose, info)| pose.in_file(&info.scene));
         Settings { scene, reading, light, camera, solver: self.params }
+    }
+
+    /// What is kept beside the scene's file.
+    pub(super) fn kept(&self) -> Kept {
+        let bookmarks = self.view.bookmarks().to_vec();
+        Kept { camera: self.view.pose(), bookmarks, task_area: self.measuring.task_area() }
     }
 
     /// Keeps what the next start goes on with.

@@ -8,7 +8,6 @@ use egui::{Button, Context, Key, KeyboardShortcut, Modifiers, Ui};
 use super::lighting::Lighting;
 use super::settings::DisplaySettings;
 use super::{App, Outbox, words};
-use crate::scene::Scene;
 use crate::solver::SolverParams;
 use crate::worker::Command;
 
@@ -31,6 +30,8 @@ impl Undoable {
     fn difference(&self, other: &Self) -> &'static str {
         if self.params != other.params {
             "the solver's parameters"
+        } else if self.lighting.luminaires != other.lighting.luminaires {
+            "luminaires"
         } else if self.lighting != other.lighting {
             "lamps and materials"
         } else {
@@ -64,13 +65,6 @@ impl History {
     /// Takes what is set now as no person's doing: there is nothing to take back.
     pub(super) fn take_as_given(&mut self, settings: Undoable) {
         self.now = Some(settings);
-    }
-
-    /// Takes up materials that an edited scene has more, which is no step; a drag that goes on stays one.
-    pub(super) fn follow(&mut self, scene: &Scene) {
-        if let Some(now) = self.now.as_mut() {
-            now.lighting.extend_to(&scene.materials);
-        }
     }
 
     fn undo(&mut self, settings: Undoable) -> Option<Undoable> {
@@ -112,12 +106,10 @@ impl App {
         if params != self.params {
             outbox.push(Command::SetParams(params));
         }
-        let present = self.light.lighting.clone();
-        self.light.lighting.restore(&lighting);
-        outbox.extend(self.light.lighting.commands_since(&present));
+        outbox.extend(lighting.commands_since(&self.light.lighting));
+        // The worker is told of luminaires at the end of the frame.
+        self.light.lighting = lighting;
         (self.params, self.display) = (params, display);
-        // With what came later, which stays.
-        self.history.take_as_given(self.undoable());
     }
 }
 
@@ -156,12 +148,16 @@ pub(super) fn show_buttons(app: &mut App, ui: &mut Ui, outbox: &mut Outbox) {
     }
 }
 
+/// Whether a person is in the middle of setting something.
+pub(super) fn is_busy(ctx: &Context) -> bool {
+    ctx.egui_is_using_pointer()
+        || ctx.text_edit_focused()
+        || ctx.input(|input| input.pointer.any_down() || !input.keys_down.is_empty())
+}
+
 /// Takes up what a person set in this frame, once everything is let go.
 pub(super) fn note(app: &mut App, ctx: &Context) {
-    let is_busy = ctx.egui_is_using_pointer()
-        || ctx.text_edit_focused()
-        || ctx.input(|input| input.pointer.any_down() || !input.keys_down.is_empty());
-    if !is_busy {
+    if !is_busy(ctx) {
         let settings = app.undoable();
         app.history.note(&settings);
     }

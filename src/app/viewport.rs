@@ -9,7 +9,7 @@ use super::dock::Tool;
 use super::highlight::Highlight;
 use super::paint::Picture;
 use super::walk::Ground;
-use super::{App, Outbox, divider, line_labels, measure_marks, panels, theme, words};
+use super::{App, Outbox, divider, gizmo, line_labels, measure_marks, panels, theme, words};
 use crate::geometry::Occluders;
 use crate::render::{Camera, Display, Exposure, Marks};
 use crate::scene::{CameraPose, Scene};
@@ -85,7 +85,7 @@ impl Viewport {
         self.start = scene.camera;
         // Made when the view's aspect is known.
         self.camera = None;
-        self.bookmarks.clear();
+        self.bookmarks.clone_from(&scene.bookmarks);
     }
 
     /// Goes back to the scene's own view.
@@ -267,8 +267,17 @@ impl Viewport {
         (clip.w > camera.near()).then(|| self.rect.min + share * self.rect.size())
     }
 
+    /// Length at a point of the scene that takes so many points of the window across the sight; `None` behind the eye.
+    pub(super) fn length_of(&self, point: Vec3, points: f32) -> Option<f32> {
+        let camera = self.camera?;
+        let across = camera.forward().any_orthonormal_vector();
+        let step = 1e-2 * (point - camera.eye()).length();
+        let along = (self.project(point + step * across)? - self.project(point)?).length() / step;
+        (along > 0.0 && along.is_finite()).then(|| points / along)
+    }
+
     /// The ray under a place in the window.
-    fn ray_at(&self, at: egui::Pos2) -> Option<Ray> {
+    pub(super) fn ray_at(&self, at: egui::Pos2) -> Option<Ray> {
         let share = (at - self.rect.min) / self.rect.size();
         let ndc = Vec2::new(2.0 * share.x - 1.0, 1.0 - 2.0 * share.y);
         let (origin, direction) = self.camera?.ray(ndc, self.aspect());
@@ -304,7 +313,11 @@ pub(super) fn show(app: &mut App, ui: &mut Ui, outbox: &mut Outbox) -> Option<Cl
     if response.clicked() || response.drag_started() {
         response.request_focus();
     }
-    app.view.steer(ui, &response);
+    if app.measuring.draws_area {
+        draw_area(app, &response);
+    } else {
+        app.view.steer(ui, &response);
+    }
     app.view.fly(ui, &response, app.shown.info.as_deref());
     let clicked = app.view.clicked(&response);
     // While the view turns nothing can be read, nor off surfaces that lie elsewhere than in the scene.
@@ -385,6 +398,12 @@ pub(super) fn show(app: &mut App, ui: &mut Ui, outbox: &mut Outbox) -> Option<Cl
         if let Some(info) = &app.shown.info {
             let painter = ui.painter_at(rect);
             measure_marks::show(&painter, rect, &camera, &app.measuring, reading.as_ref(), &info.occluders);
+            if app.tool == Some(Tool::Measure)
+                && let Some(outline) = app.measuring.area_outline(&info.scene)
+            {
+                let corners = outline.map(|corner| app.view.project(corner));
+                measure_marks::show_area(&painter, corners);
+            }
             if !app.is_full_picture && looks_through_walls(&camera, &info.occluders) {
                 let at = rect.center_bottom() - egui::vec2(0.0, 12.0);
                 panels::readout::show_note(ui, at, words::THROUGH_WALLS);
@@ -392,6 +411,7 @@ pub(super) fn show(app: &mut App, ui: &mut Ui, outbox: &mut Outbox) -> Option<Cl
         }
     }
     divider::show(ui, rect, &mut app.freeze);
+    gizmo::show(app, ui, rect);
     panels::empty::show_loading(app, ui, rect, outbox);
     if !app.is_full_picture {
         show_legend(app, ui, rect);
@@ -403,6 +423,26 @@ pub(super) fn show(app: &mut App, ui: &mut Ui, outbox: &mut Outbox) -> Option<Cl
     }
     panels::empty::show_drop_hint(ui, rect);
     clicked
+}
+
+/// Lets a drag draw a task area on the work plane.
+fn draw_area(app: &mut App, response: &Response) {
+    let Some(info) = app.shown.info.clone() else { return };
+    let ctx = &response.ctx;
+    let from = ctx.input(|input| input.pointer.press_origin()).or(app.measuring.pressed);
+    app.measuring.pressed = from;
+    let ends = from.zip(response.interact_pointer_pos());
+    let rays = ends.and_then(|(from, to)| app.view.ray_at(from).zip(app.view.ray_at(to)));
+    if let Some((from, to)) = rays.filter(|_| response.dragged() || response.drag_stopped()) {
+        app.measuring.draw_area(&info.scene, [from, to], response.drag_stopped());
+    }
+    if response.drag_stopped()
+        && app.measuring.plane.area.is_some()
+        && let Some(snapshot) = app.shown.snapshot.clone()
+    {
+        app.measuring.measure_plane(&info.scene, &snapshot, &app.wake);
+    }
+    ctx.set_cursor_icon(egui::CursorIcon::Crosshair);
 }
 
 /// Pixels of a view of this size: at least one, and no more than every device draws; what is larger is drawn coarser.

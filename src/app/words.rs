@@ -261,12 +261,44 @@ words! {
     SWITCH_OFF = "Switch it off";
     /// Light: measures a relative ε by the present lamps.
     RESCALE_EPSILON = "Rescale ε to current lamps";
-    /// Light: adds a square light.
-    ADD_CEILING_LIGHT = "Add a ceiling light";
-    /// Light: side of that square.
+    /// Light: heading of luminaires that were added.
+    LUMINAIRES = "Luminaires";
+    /// Light: adds a square luminaire.
+    ADD_SQUARE_LIGHT = "Add square light";
+    /// Light: adds a round luminaire.
+    ADD_DISC_LIGHT = "Add disc light";
+    /// Light: adds a long luminaire.
+    ADD_LINE_LIGHT = "Add line light";
+    /// Light: takes the selected luminaire away.
+    REMOVE_LUMINAIRE = "Remove";
+    /// Light: name of the selected luminaire.
+    LUMINAIRE_NAME = "Name";
+    /// Light: outline of the selected luminaire.
+    SHAPE = "Shape";
+    /// Light: side of the selected square.
     SIDE_LENGTH = "Side length";
-    /// Light: exitance of that light.
-    CEILING_EXITANCE = "Ceiling exitance";
+    /// Light: diameter of the selected disc.
+    DIAMETER = "Diameter";
+    /// Light: length of the selected line.
+    LENGTH = "Length";
+    /// Light: where the selected luminaire is, along each axis of the file.
+    LUMINAIRE_X = "Place along x";
+    /// As [`LUMINAIRE_X`].
+    LUMINAIRE_Y = "Place along y";
+    /// As [`LUMINAIRE_X`].
+    LUMINAIRE_Z = "Place along z";
+    /// Light: middle of the selected luminaire.
+    PLACE = "Place x, y, z";
+    /// Light: where the selected luminaire shines to.
+    SHINES = "Shines";
+    /// Light: turn of the selected luminaire about where it shines to.
+    TURN = "Turn";
+    /// View: handles of the selected luminaire.
+    MOVE_ALONG_X = "Move the luminaire along x";
+    /// As [`MOVE_ALONG_X`].
+    MOVE_ALONG_Y = "Move the luminaire along y";
+    /// As [`MOVE_ALONG_X`].
+    MOVE_ALONG_Z = "Move the luminaire along z";
     /// Light: reflectance of a material.
     REFLECTANCE = "Reflectance";
 
@@ -316,6 +348,18 @@ words! {
     AVERAGE = "Average Ē";
     /// Measure: average that is to be reached.
     TARGET_AVERAGE = "Target Ē";
+    /// Measure: uniformity that is to be reached.
+    TARGET_UNIFORMITY = "Target U₀";
+    /// Measure: a target is reached.
+    PASSED = "Pass";
+    /// Measure: a target is not reached.
+    FAILED = "Fail";
+    /// Measure: height of the work plane.
+    PLANE_HEIGHT = "Height";
+    /// Measure: lets a drag in the view draw a task area.
+    DRAW_TASK_AREA = "Draw a task area";
+    /// Measure: measures all of the plane again.
+    WHOLE_PLANE = "Whole plane";
     /// Measure: gives the plane up.
     CLEAR = "Clear";
     /// Export: a size that is typed.

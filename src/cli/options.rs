@@ -344,7 +344,12 @@ pub fn added_light(matches: &ArgMatches) -> anyhow::Result<AddedLight> {
     let emitting = emitting.map(|text| emission(text)).collect::<anyhow::Result<_>>()?;
     let ceiling = matches.get_one::<String>("ceiling-light").map(|text| ceiling_light(text)).transpose()?;
     let sky = matches.get_one::<SkyTold>("sky").cloned().map(absolute);
-    Ok(AddedLight { emitting, ceiling, daylight: Daylight { sky, sun: matches.get_one::<SunTold>("sun").copied() } })
+    Ok(AddedLight {
+        emitting,
+        luminaires: None,
+        ceiling,
+        daylight: Daylight { sky, sun: matches.get_one::<SunTold>("sun").copied() },
+    })
 }
 
 /// A sky whose picture is named in full: settings may be used elsewhere.

@@ -31,7 +31,12 @@ pub fn plane(matches: &ArgMatches) -> Option<WorkPlane> {
     let usual = WorkPlane::default();
     let [spacing, margin] = [("spacing", usual.spacing), ("margin", usual.margin)];
     let or_usual = |(name, usual): (&str, f32)| length(name).unwrap_or(usual);
-    length("work-plane").map(|height| WorkPlane { height, spacing: or_usual(spacing), margin: or_usual(margin) })
+    length("work-plane").map(|height| WorkPlane {
+        height,
+        spacing: or_usual(spacing),
+        margin: or_usual(margin),
+        area: None,
+    })
 }
 
 /// Measures a plane.

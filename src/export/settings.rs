@@ -131,7 +131,7 @@ mod tests {
     use super::*;
     use crate::added_light::CeilingLight;
     use crate::scene::outside::Daylight;
-    use crate::scene::{Unit, UpAxis};
+    use crate::scene::{FiledLuminaire, LuminaireShape, Unit, UpAxis};
     use crate::solver::{ClusteringMode, Epsilon};
 
     fn read(text: &str) -> Result<Settings, String> {
@@ -149,6 +149,15 @@ mod tests {
             reading: Reading { up: Some(UpAxis::Z), unit: Some(Unit::Inch), opaque: vec!["pane".into()] },
             light: AddedLight {
                 emitting: vec![("lamp".into(), Vec3::new(0.1, 2.0, 3.3))],
+                luminaires: Some(vec![FiledLuminaire {
+                    name: "strip".into(),
+                    shape: LuminaireShape::Line,
+                    centre: DVec3::new(1e6, 2.7, 0.1),
+                    direction: -Vec3::Y,
+                    turn_deg: 30.0,
+                    size: 1.2,
+                    exitance: Vec3::new(100.0, 90.0, 0.7),
+                }]),
                 ceiling: Some(CeilingLight { size: None, exitance: 0.7 }),
                 daylight: Daylight {
                     sky: Some("clear:8500lx".parse().expect("a sky")),

@@ -4,8 +4,9 @@ use std::collections::HashSet;
 
 use glam::Vec3;
 
+use super::Scene;
+use super::luminaire::{CEILING_LIGHT, Luminaire, LuminaireForm, LuminaireShape};
 use super::sidecar::MAX_EMISSION;
-use super::{CeilingPanel, GroupId, Scene};
 
 /// A change that cannot be made.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -21,19 +22,16 @@ pub enum EditError {
     /// Emission must be neither negative nor beyond all reason.
     #[error("an emission must be three numbers between 0 and 1e9, in W/m² (it is {0})")]
     Emission(Vec3),
-    /// The side of a light must be positive.
-    #[error("the side of a ceiling light must be greater than 0 (it is {0})")]
+    /// The size of a luminaire must be positive.
+    #[error("the size of a luminaire must be greater than 0 (it is {0})")]
     Size(f32),
-    /// The up direction must have a length.
-    #[error("the up direction of a ceiling light must have a length")]
-    Up,
+    /// A direction must have a length.
+    #[error("the direction of a luminaire must have a length")]
+    Direction,
+    /// Coordinates must be finite.
+    #[error("the place and the turn of a luminaire must be finite numbers")]
+    Place,
 }
-
-/// Name of the material of the first [`Scene::add_ceiling_light`]; further ones are numbered.
-const CEILING_LIGHT: &str = "ceiling light";
-
-/// Reflectance of an added light: it mostly shines.
-const LIGHT_REFLECTANCE: Vec3 = Vec3::splat(0.5);
 
 impl Scene {
     /// Makes every face of a material emit; `emission` is the exitance B_e, W/m² per colour.
@@ -53,59 +51,19 @@ impl Scene {
         Err(EditError::UnknownMaterial { name: material.to_owned(), hint: self.names_like(material) })
     }
 
-    /// Adds a square panel that shines down (against `up`), its middle at `centre`, its side `size` in the scene's
+    /// Adds a square luminaire that shines down (against `up`), its middle at `centre`, its side `size` in the scene's
     /// length unit; `exitance` is B_e, W/m² per colour. [`crate::ceiling::place`] finds the place for it.
-    /// Each light has a material of its own: "ceiling light", "ceiling light 2" and so on.
+    /// Each has a material of its own: "ceiling light", "ceiling light 2" and so on.
     ///
     /// # Errors
     /// A size, direction or exitance that cannot be used.
     pub fn add_ceiling_light(&mut self, centre: Vec3, up: Vec3, size: f32, exitance: Vec3) -> Result<(), EditError> {
-        check_emission(exitance)?;
-        if !(size > 0.0 && size.is_finite()) {
-            return Err(EditError::Size(size));
-        }
-        let up = up.try_normalize().ok_or(EditError::Up)?;
-        let (right, forward) = panel_axes(up);
-        if let Some(remark) = self.misfit(centre, [right, forward], size) {
-            self.skipped.note(remark);
-        }
-        let (along, across) = (0.5 * size * right, 0.5 * size * forward);
-        let name = self.free_name(CEILING_LIGHT);
-        let material = self.add_material(&name, LIGHT_REFLECTANCE, exitance);
-        let group = self.add_group(&name, GroupId(0));
-        self.ceiling_panels.push(CeilingPanel { material, centre, up, size });
-        // Anticlockwise as seen from below.
-        let corners =
-            [centre - along - across, centre - along + across, centre + along + across, centre + along - across];
-        self.add_quad(corners, material, group);
-        Ok(())
-    }
-
-    /// Why a light that was asked for will hardly light the room, if it is so: it is larger, or reaches out of it.
-    fn misfit(&self, centre: Vec3, edges: [Vec3; 2], size: f32) -> Option<String> {
-        if self.polygons.is_empty() {
-            return None;
-        }
-        let (lower, upper) = self.bounds();
-        let extent = upper - lower;
-        // Rounding must not matter: a light may fill the whole ceiling.
-        let slack = 1e-3 * extent.max_element();
-        let [a, b] = edges.map(|edge| extent.dot(edge.abs()));
-        if size > a + slack || size > b + slack {
-            let [a, b] = [a, b].map(|length| (1e3 * length).round() / 1e3);
-            return Some(format!(
-                "The ceiling light, with sides of {size}, is larger than the scene, which measures {a} by {b}: choose a smaller one."
-            ));
-        }
-        let reach = 0.5 * size * (edges[0].abs() + edges[1].abs());
-        let is_inside = (centre - reach).cmpge(lower - slack).all() && (centre + reach).cmple(upper + slack).all();
-        (!is_inside).then(|| {
-            "The ceiling light lies outside of the scene, in part at least: it may light little of it.".to_owned()
-        })
+        let form = LuminaireForm { shape: LuminaireShape::Square, centre, direction: -up, turn_deg: 0.0, size };
+        self.add_luminaire(&Luminaire { name: CEILING_LIGHT.into(), form, exitance })
     }
 
     /// A name that no material has yet: this one, or with the first number that makes it new.
-    fn free_name(&self, name: &str) -> String {
+    pub fn free_name(&self, name: &str) -> String {
         let taken: HashSet<&str> = self.materials.iter().map(|material| material.name.as_str()).collect();
         let numbered = (2..).map(|number| format!("{name} {number}"));
         let mut names = std::iter::once(name.to_owned()).chain(numbered);
@@ -149,7 +107,7 @@ pub(crate) fn panel_axes(up: Vec3) -> (Vec3, Vec3) {
     (right, up.cross(right))
 }
 
-fn check_emission(emission: Vec3) -> Result<(), EditError> {
+pub(super) fn check_emission(emission: Vec3) -> Result<(), EditError> {
     let in_range = emission.min_element() >= 0.0 && emission.max_element() <= MAX_EMISSION && emission.is_finite();
     if in_range { Ok(()) } else { Err(EditError::Emission(emission)) }
 }
@@ -176,6 +134,7 @@ fn unlikeness(name: &str, wanted: &str) -> usize {
 
 #[cfg(test)]
 mod tests {
+    use super::super::GroupId;
     use super::*;
 
     #[test]
@@ -227,6 +186,6 @@ mod tests {
         }
         let mut scene = Scene::new("room");
         assert_eq!(scene.add_ceiling_light(Vec3::ONE, Vec3::Y, 0.0, Vec3::ONE), Err(EditError::Size(0.0)));
-        assert_eq!(scene.add_ceiling_light(Vec3::ONE, Vec3::ZERO, 1.0, Vec3::ONE), Err(EditError::Up));
+        assert_eq!(scene.add_ceiling_light(Vec3::ONE, Vec3::ZERO, 1.0, Vec3::ONE), Err(EditError::Direction));
     }
 }

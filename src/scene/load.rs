@@ -98,6 +98,7 @@ fn load_bytes_with(path: &Path, bytes: Vec<u8>, files: &dyn SceneFiles, reading:
     }
     let unusable = |error: EditError| SidecarError::Value { path: sidecar_path.clone(), problem: error.to_string() };
     sidecar.add_lights_to(&mut scene).map_err(unusable)?;
+    scene.keep_filed(&sidecar.bookmarks, sidecar.task_area.as_ref());
     let read = |name: &Path| {
         let outside = || format!("{}; it must lie in the scene's folder", FileError::Missing);
         if name.is_absolute() {

@@ -11,8 +11,10 @@ mod edit;
 mod face;
 mod files;
 mod gltf;
+mod kept;
 mod load;
 mod load_error;
+mod luminaire;
 mod mtl;
 mod obj;
 pub mod outside;
@@ -44,14 +46,18 @@ pub use check::Skipped;
 pub use edit::EditError;
 pub use face::{FaceDetails, Surface};
 pub use files::{FileError, SceneFiles, SceneFolder};
+pub use kept::{FiledTaskArea, Kept, TaskArea};
 pub use load::{Source, load, load_bytes, load_file, load_with};
 pub use load_error::LoadError;
+pub use luminaire::{
+    CEILING_LIGHT, FiledLuminaire, LINE_WIDTH, Luminaire, LuminaireForm, LuminaireShape, PlacedLuminaire,
+};
 pub use place::FiledCamera;
 pub(crate) use place::to_file;
 pub use reading::{Frame, Reading};
 pub use regroup::{GroupMember, GroupTree};
 pub use regroup_edit::{RegroupError, Regrouped};
-pub use sidecar::{MAX_EMISSION, MAX_SIDECAR_REFLECTANCE, Sidecar, SidecarError, SidecarLight, SidecarMaterial};
+pub use sidecar::{MAX_EMISSION, MAX_SIDECAR_REFLECTANCE, Sidecar, SidecarError, SidecarMaterial};
 pub use unit::Unit;
 pub use up::UpAxis;
 pub use write::{WriteError, write_obj};
@@ -213,19 +219,6 @@ pub struct FileLight {
     pub cone: Option<[f32; 2]>,
 }
 
-/// A square light that was added below the ceiling; its exitance is its material's emission.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct CeilingPanel {
-    /// Its own material.
-    pub material: MaterialId,
-    /// Middle of the panel.
-    pub centre: Vec3,
-    /// Unit vector; the panel shines against it.
-    pub up: Vec3,
-    /// Length of its sides, in the scene's length unit.
-    pub size: f32,
-}
-
 /// Polygons with materials, groups and what loading had to say about them.
 #[derive(Clone, Debug)]
 pub struct Scene {
@@ -248,10 +241,14 @@ pub struct Scene {
     pub groups: Vec<Group>,
     /// How a person arranged the groups by hand; empty where they are as the file has them.
     pub regrouping: Vec<GroupMember>,
-    /// Lights among the polygons that no scene file holds: [`Scene::add_ceiling_light`] made them.
-    pub ceiling_panels: Vec<CeilingPanel>,
+    /// Luminaires among the polygons, which no scene file holds: [`Scene::set_luminaires`] makes them.
+    pub placed_luminaires: Vec<PlacedLuminaire>,
     /// The view to open with, where the scene names one.
     pub camera: Option<CameraPose>,
+    /// Further views that a person kept.
+    pub bookmarks: Vec<CameraPose>,
+    /// Where on the work plane a task is done, if a person said so.
+    pub task_area: Option<TaskArea>,
     /// Views that the scene's file holds.
     pub cameras: Vec<NamedCamera>,
     /// Lights of the file that are no surfaces there; each is a small emitter here, of a material of its own.
@@ -284,8 +281,10 @@ impl Scene {
             details: Arc::default(),
             materials: Vec::new(),
             filed_materials: Vec::new(),
-            ceiling_panels: Vec::new(),
+            placed_luminaires: Vec::new(),
             camera: None,
+            bookmarks: Vec::new(),
+            task_area: None,
             cameras: Vec::new(),
             lights: Vec::new(),
             outside: None,

@@ -60,7 +60,10 @@ pub(super) fn settle(draft: &mut Draft, reading: &Reading, sidecar: &Sidecar) ->
         draft.skipped.note("z is taken for up, as the scene looks; --up y or the scene panel says otherwise.");
     }
     let told = reading.unit.or(sidecar.unit).or(draft.unit);
-    let has_lengths = sidecar.camera.is_some() || !sidecar.ceiling_lights.is_empty();
+    let has_lengths = sidecar.camera.is_some()
+        || !sidecar.luminaires.is_empty()
+        || !sidecar.bookmarks.is_empty()
+        || sidecar.task_area.is_some();
     let unit = match told {
         Some(unit) => unit,
         // What was saved beside the scene without a unit is in the scene's own.

@@ -2,11 +2,14 @@
 //!
 //! ```json
 //! { "materials": { "lamp": { "emission": [30, 30, 30] }, "poster": { "ignore": true }, "curtain": { "opaque": true } },
-//!   "ceiling_lights": [{ "centre": [1, 2.7, 1], "up": [0, 1, 0], "size": 0.5, "exitance": [100, 100, 100] }],
+//!   "luminaires": [{ "name": "lamp", "shape": "disc", "centre": [1, 2.7, 1], "direction": [0, -1, 0], "size": 0.5,
+//!                    "exitance": [100, 100, 100] }],
 //!   "sky": "overcast:10000lx", "sun": "az:200,el:40,60000lx",
 //!   "sides": "auto", "up": "z", "unit": "cm",
 //!   "groups": [{ "lamps": ["desk_1/lamp", "desk_2/lamp"] }],
-//!   "camera": { "eye": [0, 1, 3], "target": [0, 1, 0], "up": [0, 1, 0], "hfov_deg": 50 } }
+//!   "camera": { "eye": [0, 1, 3], "target": [0, 1, 0], "up": [0, 1, 0], "hfov_deg": 50 },
+//!   "bookmarks": [{ "eye": [0, 1, 3], "target": [0, 1, 0], "up": [0, 1, 0], "hfov_deg": 50 }],
+//!   "task_area": { "corners": [[0.5, 0.75, 0.5], [2, 0.75, 1.3]], "height": 0.75, "average_lux": 500, "uniformity": 0.6 } }
 //! ```
 
 use std::collections::BTreeMap;
@@ -21,7 +24,10 @@ use super::outside::{Daylight, SkyTold, SunTold};
 use super::place::{FiledCamera, MAX_COORDINATE, is_usable as is_usable_coordinate};
 use super::unit::Unit;
 use super::up::UpAxis;
-use super::{CameraPose, CeilingPanel, EditError, GroupMember, Material, Scene, Sides, said};
+use super::{
+    CEILING_LIGHT, CameraPose, EditError, FiledLuminaire, FiledTaskArea, GroupMember, LuminaireShape, Material,
+    MaterialId, Scene, Sides, said,
+};
 
 /// The largest reflectance that a sidecar may set; a light path then loses at least a hundredth at each bounce.
 pub const MAX_SIDECAR_REFLECTANCE: f32 = 0.99;
@@ -39,9 +45,12 @@ pub struct Sidecar {
     /// Corrections by material name.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub materials: BTreeMap<String, SidecarMaterial>,
-    /// Lights to be added.
+    /// Luminaires to be added.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub ceiling_lights: Vec<SidecarLight>,
+    pub luminaires: Vec<FiledLuminaire>,
+    /// Square luminaires as they were written before there were others; empty once read.
+    #[serde(default, skip_serializing)]
+    ceiling_lights: Vec<CeilingLight>,
     /// The sky outside; a picture lies in the scene's folder.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub sky: Option<SkyTold>,
@@ -63,6 +72,12 @@ pub struct Sidecar {
     /// The view to open with.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub camera: Option<FiledCamera>,
+    /// Further views.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub bookmarks: Vec<FiledCamera>,
+    /// Where on the work plane a task is done, and what light it asks for.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub task_area: Option<FiledTaskArea>,
 }
 
 /// What a sidecar says of one material; what is missing stays as the scene file has it.
@@ -83,18 +98,21 @@ pub struct SidecarMaterial {
     pub ignore: bool,
 }
 
-/// A square light that a person added, shining against `up`.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+/// A square luminaire as older sidecars have it, shining against `up`.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct SidecarLight {
-    /// Middle of the panel, in the file's coordinates.
-    pub centre: DVec3,
-    /// Up direction; need not be normalised.
-    pub up: Vec3,
-    /// Length of its sides, in the scene's length unit.
-    pub size: f32,
-    /// Emission B_e per colour, W/m².
-    pub exitance: Vec3,
+struct CeilingLight {
+    centre: DVec3,
+    up: Vec3,
+    size: f32,
+    exitance: Vec3,
+}
+
+impl From<CeilingLight> for FiledLuminaire {
+    fn from(CeilingLight { centre, up, size, exitance }: CeilingLight) -> Self {
+        let (name, shape) = (CEILING_LIGHT.to_owned(), LuminaireShape::Square);
+        Self { name, shape, centre, direction: -up, turn_deg: 0.0, size, exitance }
+    }
 }
 
 /// A sidecar that cannot be read, used or written.
@@ -166,7 +184,7 @@ impl Sidecar {
 
     /// Takes over what [`Sidecar::of`] tells of a scene, brings what was said already up to date and keeps all the rest.
     pub fn update(&mut self, scene: &Scene) {
-        let is_added = |index: usize| scene.ceiling_panels.iter().any(|panel| panel.material.0 as usize == index);
+        let is_added = |index: usize| scene.luminaire_of(MaterialId(index as u32)).is_some();
         for (index, material) in scene.materials.iter().enumerate().filter(|(index, _)| !is_added(*index)) {
             let filed = scene.filed_materials.get(index);
             let is_new = |new: Vec3, old: fn(&Material) -> Vec3| filed.is_none_or(|filed| old(filed) != new);
@@ -181,13 +199,7 @@ impl Sidecar {
                 self.materials.entry(material.name.clone()).or_default().emission = Some(material.emission);
             }
         }
-        let light = |panel: &CeilingPanel| SidecarLight {
-            centre: scene.to_file(panel.centre),
-            up: panel.up,
-            size: panel.size,
-            exitance: scene.materials[panel.material.0 as usize].emission,
-        };
-        self.ceiling_lights = scene.ceiling_panels.iter().map(light).collect();
+        self.luminaires = scene.luminaires().iter().map(|luminaire| luminaire.in_file(scene)).collect();
         Daylight { sky: self.sky, sun: self.sun } = scene.daylight();
         for name in &scene.reading.opaque {
             self.materials.entry(name.clone()).or_default().opaque = true;
@@ -201,17 +213,16 @@ impl Sidecar {
         }
         self.groups = scene.regrouping.clone();
         self.camera = scene.camera.map(|camera| camera.in_file(scene)).or(self.camera);
+        self.bookmarks = scene.bookmarks.iter().map(|camera| camera.in_file(scene)).collect();
+        self.task_area = scene.task_area.map(|area| area.in_file(scene));
     }
 
-    /// Adds the lights to a scene.
+    /// Adds the luminaires to a scene.
     ///
     /// # Errors
-    /// A light that cannot be used; none of a sidecar that was [read](Self::read).
+    /// One that cannot be used; none of a sidecar that was [read](Self::read).
     pub fn add_lights_to(&self, scene: &mut Scene) -> Result<(), EditError> {
-        let mut lights = self.ceiling_lights.iter();
-        lights.try_for_each(|light| {
-            scene.add_ceiling_light(scene.from_file(light.centre), light.up, light.size, light.exitance)
-        })
+        self.luminaires.iter().try_for_each(|luminaire| scene.add_luminaire(&luminaire.in_scene(scene)))
     }
 
     /// The daylight that it tells of.
@@ -222,12 +233,15 @@ impl Sidecar {
     /// Why a light or the view cannot be used in this scene, if so.
     pub(super) fn problem_in(&self, scene: &Scene) -> Option<String> {
         let is_far = |place: DVec3| scene.from_file(place).abs().max_element() > MAX_COORDINATE;
-        let what = if self.ceiling_lights.iter().any(|light| is_far(light.centre)) {
-            "a ceiling light"
-        } else if self.camera.is_some_and(|camera| is_far(camera.eye) || is_far(camera.target)) {
+        let what = if self.luminaires.iter().any(|light| is_far(light.centre)) {
+            "a luminaire"
+        } else if self.task_area.is_some_and(|area| area.corners.into_iter().any(is_far)) {
+            "the task area"
+        } else if self.camera.iter().chain(&self.bookmarks).any(|camera| is_far(camera.eye) || is_far(camera.target)) {
             "the camera"
         } else {
-            return self.camera.and_then(|camera| view_problem(&camera.in_scene(scene)));
+            let mut views = self.camera.iter().chain(&self.bookmarks);
+            return views.find_map(|camera| view_problem(&camera.in_scene(scene)));
         };
         Some(format!("{what} lies beyond 1e9 from the middle of the scene"))
     }
@@ -248,10 +262,11 @@ impl Sidecar {
     /// Not a sidecar, or a value out of its range.
     pub fn from_bytes(path: &Path, bytes: &[u8]) -> Result<Self, SidecarError> {
         let text = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
-        let sidecar: Self = serde_json::from_slice(text).map_err(|error| SidecarError::Syntax {
+        let mut sidecar: Self = serde_json::from_slice(text).map_err(|error| SidecarError::Syntax {
             path: path.to_owned(),
             reason: said::sentence(&error.to_string()),
         })?;
+        sidecar.luminaires.splice(0..0, std::mem::take(&mut sidecar.ceiling_lights).into_iter().map(Into::into));
         match sidecar.problem() {
             Some(problem) => Err(SidecarError::Value { path: path.to_owned(), problem }),
             None => Ok(sidecar),
@@ -296,13 +311,14 @@ impl Sidecar {
                 _ => None,
             }
         });
-        let lights = self.ceiling_lights.len();
+        let lights = self.luminaires.len();
         let too_many = || {
-            (lights > MOST_LIGHTS)
-                .then(|| format!("{lights} ceiling lights are more than the {MOST_LIGHTS} there may be"))
+            (lights > MOST_LIGHTS).then(|| format!("{lights} luminaires are more than the {MOST_LIGHTS} there may be"))
         };
-        let of_lights = || self.ceiling_lights.iter().find_map(light_problem);
-        of_materials.or_else(too_many).or_else(of_lights).or_else(|| self.camera.as_ref().and_then(camera_problem))
+        let of_lights = || self.luminaires.iter().find_map(light_problem);
+        let of_views = || self.camera.iter().chain(&self.bookmarks).find_map(camera_problem);
+        let of_area = || self.task_area.as_ref().and_then(FiledTaskArea::problem);
+        of_materials.or_else(too_many).or_else(of_lights).or_else(of_views).or_else(of_area)
     }
 }
 
@@ -316,21 +332,23 @@ fn is_usable(place: DVec3) -> bool {
     place.to_array().into_iter().all(is_usable_coordinate)
 }
 
-/// Why a light cannot be used.
-fn light_problem(light: &SidecarLight) -> Option<String> {
-    let SidecarLight { centre, up, size, exitance } = *light;
-    let problem = if !(is_usable(centre) && up.is_finite()) {
+/// Why a luminaire cannot be used.
+fn light_problem(light: &FiledLuminaire) -> Option<String> {
+    let FiledLuminaire { ref name, centre, direction, turn_deg, size, exitance, .. } = *light;
+    let problem = if !(is_usable(centre) && direction.is_finite()) {
         "has a coordinate that is not finite or beyond 1e15".to_owned()
-    } else if up.try_normalize().is_none() {
-        "has no up direction; [0, 1, 0] is usual".to_owned()
+    } else if direction.try_normalize().is_none() {
+        "has no direction (`direction`, or `up` of a ceiling light); [0, -1, 0] shines down".to_owned()
     } else if !(size > 0.0 && size <= MAX_COORDINATE) {
         format!("needs a size greater than 0 and at most 1e9 (it is {size})")
+    } else if !turn_deg.is_finite() {
+        "needs a finite turn_deg".to_owned()
     } else if !in_range(exitance, MAX_EMISSION) {
         format!("needs an exitance between 0 and 1e9 W/m² (it is {exitance})")
     } else {
         return None;
     };
-    Some(format!("a ceiling light {problem}"))
+    Some(format!("the luminaire {} {problem}", said::quoted(name)))
 }
 
 /// Why a view cannot be used, whatever the scene.

@@ -20,12 +20,15 @@ pub struct WorkPlane {
     pub spacing: f32,
     /// Strip along the rim of the floor that is left out.
     pub margin: f32,
+    /// Two opposite corners of the part that is measured, at any height; otherwise all of the floor but the margin.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub area: Option<[Vec3; 2]>,
 }
 
 impl Default for WorkPlane {
     /// A desk, measured every half metre, without the half metre along the walls (EN 12464-1).
     fn default() -> Self {
-        Self { height: 0.75, spacing: 0.5, margin: 0.5 }
+        Self { height: 0.75, spacing: 0.5, margin: 0.5, area: None }
     }
 }
 
@@ -51,6 +54,9 @@ pub enum GridError {
     /// A number that cannot be used.
     #[error("the work plane needs a height, a spacing above 0 and a margin of 0 or more, all finite")]
     BadNumber,
+    /// The task area has no extent.
+    #[error("the task area needs a width and a depth: draw it anew")]
+    NoArea,
     /// The margin covers the floor.
     #[error("a margin of {margin} leaves nothing of a floor that is {width} × {depth}: choose a smaller one")]
     NoRoom {
@@ -80,6 +86,21 @@ pub fn spacing_of(longer: f32, shorter: f32) -> f32 {
 }
 
 impl WorkPlane {
+    /// Height of the plane along the up axis of a scene, and that axis; `None` where there is no floor.
+    pub fn level(&self, scene: &Scene) -> Option<(f32, Vec3)> {
+        floor(scene).map(|floor| (floor.height() + self.height, floor.up))
+    }
+
+    /// Measures this part alone, at the spacing of EN 12464-1 for it.
+    pub fn set_area(&mut self, corners: [Vec3; 2], up: Vec3) {
+        let span = (corners[0] - corners[1]).abs();
+        let sides = (0..3).filter(|&axis| up[axis] == 0.0).map(|axis| span[axis]);
+        let (shorter, longer) =
+            sides.fold((f32::INFINITY, 0.0_f32), |(low, high), side| (low.min(side), high.max(side)));
+        self.area = Some(corners);
+        self.spacing = spacing_of(longer, shorter);
+    }
+
     /// One that suits a scene: as usual in rooms, smaller in models of other sizes.
     pub fn for_scene(scene: &Scene) -> Self {
         let usual = Self::default();
@@ -95,7 +116,7 @@ impl WorkPlane {
             return Self { spacing, ..usual };
         }
         let step = rounded(smaller / 12.0);
-        Self { height: rounded(room / 4.0), spacing: step, margin: step }
+        Self { height: rounded(room / 4.0), spacing: step, margin: step, area: None }
     }
 
     /// Points of the grid.
@@ -111,7 +132,16 @@ impl WorkPlane {
         let axes: Vec<usize> = (0..3).filter(|&axis| floor.up[axis] == 0.0).collect();
         let [across, along] = [axes[0], axes[1]];
         let extent = |axis: usize| floor.upper[axis] - floor.lower[axis];
-        let rooms = [across, along].map(|axis| extent(axis) - 2.0 * self.margin);
+        let (first, rooms) = match self.area {
+            Some([a, b]) => {
+                let span = (a - b).abs();
+                if ![across, along].iter().all(|&axis| span[axis] > 0.0 && span[axis].is_finite()) {
+                    return Err(GridError::NoArea);
+                }
+                (a.min(b), [across, along].map(|axis| span[axis]))
+            }
+            None => (floor.lower + self.margin, [across, along].map(|axis| extent(axis) - 2.0 * self.margin)),
+        };
         if rooms.iter().any(|room| *room <= 0.0) {
             let [width, depth] = [across, along].map(extent);
             return Err(GridError::NoRoom { margin: self.margin, width, depth });
@@ -125,8 +155,8 @@ impl WorkPlane {
         let level = floor.height() + self.height;
         let point = |(row, column): (usize, usize)| {
             let mut point = level * floor.up;
-            point[across] = floor.lower[across] + self.margin + (column as f32 + 0.5) * steps[0];
-            point[along] = floor.lower[along] + self.margin + (row as f32 + 0.5) * steps[1];
+            point[across] = first[across] + (column as f32 + 0.5) * steps[0];
+            point[along] = first[along] + (row as f32 + 0.5) * steps[1];
             point
         };
         let places = (0..counts[1]).flat_map(|row| (0..counts[0]).map(move |column| (row, column)));
@@ -156,7 +186,7 @@ mod tests {
     /// Written out by hand: a floor of 10 × 6 at height 1 with a margin of 1, in cells of 2 × 2.
     #[test]
     fn cells_fill_the_plane() {
-        let plane = WorkPlane { height: 0.75, spacing: 2.0, margin: 1.0 };
+        let plane = WorkPlane { height: 0.75, spacing: 2.0, margin: 1.0, area: None };
         let grid = plane.grid(&hall()).expect("a floor");
         assert_eq!((grid.counts, grid.steps, grid.up), ([4, 2], [2.0, 2.0], Vec3::Y));
         assert_eq!(grid.points[0], Vec3::new(2.0, 1.75, 2.0));
@@ -164,6 +194,20 @@ mod tests {
         // A spacing that does not fit becomes one that does.
         let grid = WorkPlane { spacing: 3.0, ..plane }.grid(&hall()).expect("a floor");
         assert_eq!((grid.counts, grid.steps), ([3, 1], [8.0 / 3.0, 4.0]));
+    }
+
+    /// Written out by hand: a task area of 3 × 2 whose corners are given in either order, in cells of 1 × 1, without a margin.
+    #[test]
+    fn cells_fill_a_task_area() {
+        let [a, b] = [Vec3::new(5.0, 7.0, 1.0), Vec3::new(2.0, 0.0, 3.0)];
+        for area in [[a, b], [b, a]] {
+            let plane = WorkPlane { height: 0.75, spacing: 1.0, margin: 9.0, area: Some(area) };
+            let grid = plane.grid(&hall()).expect("a floor");
+            assert_eq!((grid.counts, grid.steps), ([3, 2], [1.0, 1.0]));
+            assert_eq!((grid.points[0], grid.points[5]), (Vec3::new(2.5, 1.75, 1.5), Vec3::new(4.5, 1.75, 2.5)));
+        }
+        let flat = WorkPlane { area: Some([a, a]), ..WorkPlane::default() };
+        assert_eq!(flat.grid(&hall()), Err(GridError::NoArea));
     }
 
     #[test]

@@ -12,32 +12,22 @@ use std::sync::mpsc::Sender;
 use std::thread::Builder;
 use std::time::Instant;
 
-use glam::Vec3;
 use rayon::ThreadPool;
 
 use super::guard::guarded;
 use super::{FileStamp, Message};
 use crate::added_light::AddedLight;
 use crate::geometry::{Occluders, orient};
-use crate::scene::{Reading, Scene, Sides, Source};
+use crate::prepare;
+use crate::scene::{Luminaire, Reading, Scene, Sides, Source};
 use crate::solver::{Solver, SolverError, SolverParams, lets_daylight_in};
-use crate::{ceiling, prepare};
 
 /// What a loader is to do.
 pub(super) enum Job {
     /// Read this and add light to it.
     Load(Source, Reading, AddedLight),
-    /// Add lights to the present scene, or turn its faces, and build its occluders anew.
-    Remake { raw: Arc<Scene>, path: Option<PathBuf>, stamps: Vec<FileStamp>, lights: Vec<CeilingLight> },
-}
-
-/// A square light to be added below the ceiling.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct CeilingLight {
-    /// Length of its sides, in the scene's length unit.
-    pub size: f32,
-    /// Exitance B_e, W/m².
-    pub exitance: Vec3,
+    /// Put luminaires in place of the present scene's, or turn its faces, and build its occluders anew.
+    Remake { raw: Arc<Scene>, path: Option<PathBuf>, stamps: Vec<FileStamp>, luminaires: Option<Vec<Luminaire>> },
 }
 
 /// A scene that is ready to be solved.
@@ -68,8 +58,8 @@ pub(super) struct Awaited {
     pub ticket: u64,
     /// What is being made, for a person.
     pub name: String,
-    /// Lights that it adds to the present scene.
-    pub lights: Vec<CeilingLight>,
+    /// Luminaires that it puts in place of the present scene's.
+    pub luminaires: Option<Vec<Luminaire>>,
 }
 
 /// So many loaders run at a time at most.
@@ -150,9 +140,9 @@ fn make_ready(job: Job, params: SolverParams, pool: Option<&ThreadPool>) -> Resu
             let ready = prepare::prepare(&source, &reading, &light, sides).map_err(|error| error.to_string())?;
             (Arc::new(ready.raw), ready.scene, ready.occluders, path, stamps)
         }
-        Job::Remake { mut raw, path, stamps, lights } => {
-            for CeilingLight { size, exitance } in lights {
-                ceiling::add_light(Arc::make_mut(&mut raw), size, exitance).map_err(|error| error.to_string())?;
+        Job::Remake { mut raw, path, stamps, luminaires } => {
+            if let Some(luminaires) = luminaires {
+                Arc::make_mut(&mut raw).set_luminaires(&luminaires).map_err(|error| error.to_string())?;
             }
             let (scene, occluders) = orient::apply((*raw).clone(), sides.unwrap_or(raw.sides));
             (raw, scene, occluders, path, stamps)

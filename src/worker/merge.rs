@@ -17,17 +17,18 @@ pub(super) fn merge(commands: Vec<Command>) -> Vec<Command> {
 /// Whether `earlier` has no effect when `later` follows it.
 fn supersedes(later: &Command, earlier: &Command) -> bool {
     use Command::{
-        AnchorEpsilon, CancelLoad, Load, Look, Pause, Restart, Resume, SetDaylight, SetEmission, SetGroups, SetParams,
-        SetReflectance, Shutdown, StepWave,
+        AnchorEpsilon, CancelLoad, Load, Look, Pause, Restart, Resume, SetDaylight, SetEmission, SetGroups,
+        SetLuminaires, SetParams, SetReflectance, Shutdown, StepWave,
     };
     match (later, earlier) {
-        (Shutdown, Command::SaveSidecar { .. }) => false,
+        (Shutdown, Command::SaveSidecar(_)) => false,
         (Shutdown, _)
         | (Load(..) | CancelLoad, Load(..) | CancelLoad)
         | (SetParams(_), SetParams(_))
         | (Look(_), Look(_))
         | (SetGroups(_), SetGroups(_))
         | (SetDaylight(_), SetDaylight(_))
+        | (SetLuminaires(_), SetLuminaires(_))
         | (Restart, Restart)
         | (AnchorEpsilon, AnchorEpsilon)
         | (Pause | Resume, Pause | Resume | StepWave) => true,
@@ -42,7 +43,7 @@ mod tests {
     use glam::Vec3;
 
     use super::*;
-    use crate::scene::MaterialId;
+    use crate::scene::{Kept, MaterialId};
     use crate::solver::{Epsilon, SolverParams};
 
     fn params(epsilon: f64) -> Command {
@@ -68,7 +69,7 @@ mod tests {
     fn steps_add_up_and_saving_survives_a_shutdown() {
         let steps = merge(vec![Command::StepWave, Command::StepWave]);
         assert_eq!(steps.len(), 2);
-        let last = merge(vec![Command::Resume, Command::SaveSidecar { camera: None }, Command::Shutdown]);
-        assert!(matches!(last[..], [Command::SaveSidecar { .. }, Command::Shutdown]), "{last:?}");
+        let last = merge(vec![Command::Resume, Command::SaveSidecar(Kept::default()), Command::Shutdown]);
+        assert!(matches!(last[..], [Command::SaveSidecar(_), Command::Shutdown]), "{last:?}");
     }
 }

@@ -28,7 +28,7 @@ use glam::Vec3;
 use crate::added_light::AddedLight;
 use crate::geometry::Occluders;
 use crate::scene::outside::Daylight;
-use crate::scene::{CameraPose, GroupMember, MaterialId, Reading, Scene, Source};
+use crate::scene::{GroupMember, Kept, Luminaire, MaterialId, Reading, Scene, Source};
 use crate::solver::{MeshError, MomentInfo, Snapshot, SolverParams};
 use crate::threads::lock;
 pub use stamp::FileStamp;
@@ -68,22 +68,15 @@ pub enum Command {
     },
     /// Measures a relative ε by the power that is emitted now.
     AnchorEpsilon,
-    /// Adds a square lamp below the ceiling.
-    AddCeilingLight {
-        /// Length of its sides, in the scene's length unit.
-        size: f32,
-        /// Exitance B_e, W/m².
-        exitance: Vec3,
-    },
+    /// Puts these luminaires in the place of those that were added to the scene's file. Another exitance alone changes materials in place;
+    /// otherwise the scene is solved anew.
+    SetLuminaires(Vec<Luminaire>),
     /// Lets another daylight in; the scene is solved anew.
     SetDaylight(Daylight),
     /// Arranges the scene's groups by hand; an empty list has them as the file does. Clusters are built anew where they go by groups.
     SetGroups(Vec<GroupMember>),
-    /// Writes the sidecar beside the scene's file.
-    SaveSidecar {
-        /// The view to open with.
-        camera: Option<CameraPose>,
-    },
+    /// Writes the sidecar beside the scene's file, with what a person keeps there.
+    SaveSidecar(Kept),
     /// Ends the thread.
     Shutdown,
 }
@@ -140,8 +133,8 @@ pub struct SceneInfo {
     pub has_light: bool,
     /// Whether daylight would get in.
     pub is_open: bool,
-    /// A side that suits a light under the ceiling, in the scene's length unit.
-    pub ceiling_side: f32,
+    /// A size that suits a luminaire, in the scene's length unit.
+    pub luminaire_size: f32,
     /// What loading skipped, clamped or ignored, a sentence each.
     pub skipped: Vec<String>,
     /// Seconds spent reading, turning faces and building the occluders.

@@ -206,13 +206,13 @@ impl Session {
                 self.look = look;
                 self.picture_owed = true;
             }
-            Command::AddCeilingLight { size, exitance } => self.add_ceiling_light(size, exitance),
-            Command::SaveSidecar { camera } => self.save_sidecar(camera),
+            Command::SaveSidecar(kept) => self.save_sidecar(kept),
             Command::Restart
             | Command::SetEmission { .. }
             | Command::SetReflectance { .. }
             | Command::AnchorEpsilon
             | Command::SetDaylight(_)
+            | Command::SetLuminaires(_)
             | Command::SetGroups(_) => {
                 self.deferred.push(command);
                 self.deferred = merge(std::mem::take(&mut self.deferred));
@@ -234,6 +234,7 @@ impl Session {
             }
             Command::AnchorEpsilon => self.anchor_epsilon(),
             Command::SetDaylight(told) => self.set_daylight(&told),
+            Command::SetLuminaires(luminaires) => self.set_luminaires(luminaires),
             Command::SetGroups(members) => self.set_groups(members),
             _ => {}
         }
@@ -258,7 +259,7 @@ impl Session {
             // The other parameters come into force with the turned scene.
             return self.remake(None);
         }
-        if self.remaking.as_ref().is_some_and(|awaited| awaited.lights.is_empty()) {
+        if self.remaking.as_ref().is_some_and(|awaited| awaited.luminaires.is_none()) {
             // The sides were set back before the turned scene came.
             self.remaking = None;
         }

@@ -4,15 +4,15 @@ use std::sync::Arc;
 
 use glam::Vec3;
 
-use super::loader::{Awaited, CeilingLight, Job, Order, Prepared};
+use super::loader::{Awaited, Job, Order, Prepared};
 use super::session::{Drive, Session};
 use super::task::{Change, Changed, Task};
-use super::{Event, SceneInfo};
+use super::{Command, Event, SceneInfo};
 use crate::added_light::AddedLight;
 use crate::ceiling;
 use crate::scene::outside::Daylight;
 use crate::scene::{
-    CameraPose, GroupMember, MAX_EMISSION, MAX_SIDECAR_REFLECTANCE, Material, MaterialId, Reading, Sidecar,
+    GroupMember, Kept, Luminaire, MAX_EMISSION, MAX_SIDECAR_REFLECTANCE, Material, MaterialId, Reading, Sidecar,
     SidecarError, Source,
 };
 use crate::solver::{ClusteringMode, Solver};
@@ -52,27 +52,27 @@ impl Session {
             Source::File(path) => path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned(),
             Source::Builtin(scene) => scene.name().to_owned(),
         };
-        self.loading = self.start_loader(Job::Load(source, reading, light), name, Vec::new());
+        self.loading = self.start_loader(Job::Load(source, reading, light), name, None);
     }
 
-    /// Makes the present scene anew on a thread of its own: with the sides of the present parameters, and one more light
-    /// if there is one. Lights that were under way come with it.
-    pub(super) fn remake(&mut self, light: Option<CeilingLight>) {
+    /// Makes the present scene anew on a thread of its own: with the sides of the present parameters, and with other
+    /// luminaires if there are any. Without, those that were under way come with it.
+    pub(super) fn remake(&mut self, luminaires: Option<Vec<Luminaire>>) {
         let Some(prepared) = &self.prepared else { return };
         let (raw, path, stamps) = (prepared.raw.clone(), prepared.path.clone(), prepared.stamps.clone());
-        let mut lights = self.remaking.take().map(|awaited| awaited.lights).unwrap_or_default();
-        lights.extend(light);
-        let name = if lights.is_empty() { "the turned faces" } else { "the ceiling light" };
-        let job = Job::Remake { raw, path, stamps, lights: lights.clone() };
-        self.remaking = self.start_loader(job, name.into(), lights);
+        let under_way = self.remaking.take().and_then(|awaited| awaited.luminaires);
+        let luminaires = luminaires.or(under_way);
+        let name = if luminaires.is_none() { "the turned faces" } else { "the luminaires" };
+        let job = Job::Remake { raw, path, stamps, luminaires: luminaires.clone() };
+        self.remaking = self.start_loader(job, name.into(), luminaires);
     }
 
-    fn start_loader(&mut self, job: Job, name: String, lights: Vec<CeilingLight>) -> Option<Awaited> {
+    fn start_loader(&mut self, job: Job, name: String, luminaires: Option<Vec<Luminaire>>) -> Option<Awaited> {
         self.tickets += 1;
         let ticket = self.tickets;
         let order = Order { ticket, job, params: self.params, pool: self.pool.clone() };
         match self.loaders.start(order, &self.ends.loopback) {
-            Ok(()) => Some(Awaited { ticket, name, lights }),
+            Ok(()) => Some(Awaited { ticket, name, luminaires }),
             Err(error) => {
                 self.emit(Event::LoadFailed(format!("{name} cannot be loaded, no thread is left ({error})")));
                 None
@@ -155,7 +155,7 @@ impl Session {
             generation,
             has_light: prepared.scene.has_light(),
             is_open: prepared.is_open,
-            ceiling_side: ceiling::suggested_size(&prepared.scene, &prepared.occluders),
+            luminaire_size: ceiling::suggested_size(&prepared.scene, &prepared.occluders),
             skipped: prepared.scene.skipped.sentences(),
             load_seconds: prepared.seconds,
         });
@@ -182,8 +182,12 @@ impl Session {
             None => self.start_solver(),
         }
         self.announce_scene(false, self.generation);
-        if self.remaking.is_some() {
+        if let Some(awaited) = &mut self.remaking {
             // What is under way knows nothing of the edit.
+            if let MaterialEdit::Emission(exitance) = edit {
+                let same = awaited.luminaires.iter_mut().flatten().filter(|luminaire| luminaire.name == name);
+                same.for_each(|luminaire| luminaire.exitance = exitance);
+            }
             self.remake(None);
         }
     }
@@ -243,19 +247,29 @@ impl Session {
         })));
     }
 
-    /// Adds a light; occluders and clusters are made anew.
-    pub(super) fn add_ceiling_light(&mut self, size: f32, exitance: Vec3) {
-        let is_usable = size.is_finite() && size > 0.0 && exitance.is_finite() && exitance.min_element() >= 0.0;
-        if is_usable {
-            self.remake(Some(CeilingLight { size, exitance }));
-        } else {
-            let sentence = "a ceiling light needs a side greater than 0 and an exitance that is not negative";
-            self.emit(Event::SolveFailed(sentence.into()));
+    /// Puts other luminaires in place of the present ones. Those that differ in exitance alone are changed in place; otherwise occluders
+    /// and clusters are made anew.
+    pub(super) fn set_luminaires(&mut self, luminaires: Vec<Luminaire>) {
+        let Some(prepared) = &self.prepared else { return };
+        let present = prepared.raw.luminaires();
+        let is_same = |(a, b): (&Luminaire, &Luminaire)| a.name == b.name && a.form == b.form;
+        let is_of_present = luminaires.len() == present.len() && luminaires.iter().zip(&present).all(is_same);
+        if !is_of_present || self.remaking.as_ref().is_some_and(|awaited| awaited.luminaires.is_some()) {
+            return self.remake(Some(luminaires));
         }
+        let materials = prepared.raw.placed_luminaires.iter().map(|placed| placed.material);
+        let changed: Vec<(MaterialId, Vec3)> = materials
+            .zip(luminaires.iter().zip(&present))
+            .filter(|(_, (wanted, present))| wanted.exitance != present.exitance)
+            .map(|(material, (wanted, _))| (material, wanted.exitance))
+            .collect();
+        // Each waits for the solver to come home from the one before.
+        self.deferred
+            .splice(0..0, changed.into_iter().map(|(material, emission)| Command::SetEmission { material, emission }));
     }
 
     /// Writes what a person changed beside the scene's file, into what a sidecar that is there already says.
-    pub(super) fn save_sidecar(&mut self, camera: Option<CameraPose>) {
+    pub(super) fn save_sidecar(&mut self, kept: Kept) {
         let Some(prepared) = &self.prepared else { return };
         let Some(path) = prepared.path.as_deref().map(Sidecar::path_for) else {
             let sentence = "a sample scene has no file beside which a settings file could lie";
@@ -265,7 +279,7 @@ impl Session {
             let mut sidecar = if path.exists() { Sidecar::read(&path)? } else { Sidecar::default() };
             let mut scene = (*prepared.raw).clone();
             scene.sides = self.params.sides.unwrap_or(scene.sides);
-            scene.camera = camera.or(scene.camera);
+            scene.keep(kept);
             sidecar.update(&scene);
             sidecar.write(&path)
         };

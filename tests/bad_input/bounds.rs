@@ -186,9 +186,9 @@ fn sidecars_without_end() {
     let room = folder.write("a.obj", SQUARE);
     let light = r#"{"centre": [0, 1, 0], "up": [0, 1, 0], "size": 0.5, "exitance": [1, 1, 1]}"#;
     folder.write("a.selflink.json", format!(r#"{{"ceiling_lights": [{}]}}"#, repeated(100_000, |_| light.into())));
-    assert!(sentence(&room).contains("100000 ceiling lights are more than the 1000 there may be"));
+    assert!(sentence(&room).contains("100000 luminaires are more than the 1000 there may be"));
     folder.write("a.selflink.json", format!(r#"{{"ceiling_lights": [{}]}}"#, repeated(1000, |_| light.into())));
-    assert_eq!(scene(&room).ceiling_panels.len(), 1000);
+    assert_eq!(scene(&room).placed_luminaires.len(), 1000);
     let long = "a".repeat(1 << 20);
     let members = repeated(40_000, |_| r#"{"b": []}"#.into());
     let materials = repeated(40_000, |number| format!(r#""{number}": {{}}"#));

@@ -189,7 +189,7 @@ fn bad_sidecars() {
         (light("[0, 2e9, 0]", "[0, 1, 0]", "1"), "beyond 1e9 from the middle of the scene"),
         (camera("[2e9, 0, 0]", "[0, 1, 0]", "50"), "beyond 1e9 from the middle of the scene"),
         (light("[0, 0, 0]", "[0, 1, 0]", "3e38"), "at most 1e9"),
-        (light("[0, 0, 0]", "[0, 3e38, 0]", "1"), "no up direction"),
+        (light("[0, 0, 0]", "[0, 3e38, 0]", "1"), "no direction"),
         (camera("[3e38, 0, 0]", "[0, 1, 0]", "50"), "not finite or beyond 1e15"),
         (camera("[0, 0, 1e-40]", "[0, 1, 0]", "50"), "looks at the point where its eye is"),
         (camera("[0, 0, 1]", "[0, 1e-40, 0]", "50"), "no up direction"),
@@ -197,6 +197,10 @@ fn bad_sidecars() {
         (camera("[0, 0, 1]", "[0, 0, 0]", "50"), "no up direction"),
         (camera("[0, 2, 0]", "[0, 1, 0]", "50"), "along its up direction"),
         (camera("[0, 0, 1]", "[0, 1, 0]", "180"), "between 0 and 180"),
+        (camera("[0, 0, 1]", "[0, 1, 0]", "180").replace("{\"camera\": {", "{\"bookmarks\": [{").replace("}}", "}]}"), "between 0 and 180"),
+        (r#"{"task_area": {"corners": [[0, 0, 0], [1, 0, 1e16]], "height": 1, "average_lux": 1, "uniformity": 1}}"#.into(), "the task area needs"),
+        (r#"{"task_area": {"corners": [[0, 0, 0], [1, 0, 1]], "height": 1, "average_lux": -1, "uniformity": 1}}"#.into(), "the task area needs"),
+        (r#"{"luminaires": [{"name": "l", "shape": "ring", "centre": [0, 0, 0], "direction": [0, -1, 0], "size": 1, "exitance": [1, 1, 1]}]}"#.into(), "unknown variant `ring`"),
     ];
     let folder = Folder::new();
     let scene = folder.write("room.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nf 1 2 3\n");

@@ -11,6 +11,7 @@ mod gallery;
 mod gathered;
 mod inspector;
 mod live;
+mod luminaires;
 mod matrix;
 mod panels;
 mod readings;

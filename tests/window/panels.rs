@@ -179,7 +179,7 @@ v 0 0 0\nv 2 0 0\nv 2 0 2\nv 0 0 2\nv 0 2 0\nv 2 2 0\nv 2 2 2\nv 0 2 2
 f 4 3 2 1\nf 1 2 6 5\nf 1 5 8 4\n";
 
 const TOO_LARGE: &str =
-    "The ceiling light, with sides of 8, is larger than the scene, which measures 2 by 2: choose a smaller one.";
+    "The square light, with sides of 8, is larger than the scene, which measures 2 by 2: choose a smaller one.";
 
 #[test]
 fn a_scene_without_a_lamp_says_so_and_can_be_given_one() {
@@ -195,9 +195,12 @@ fn a_scene_without_a_lamp_says_so_and_can_be_given_one() {
         window.query_by_label(words::NOTHING_EMITS).is_some()
             && window.query_by_label_contains(words::LINKS_SETTLED).is_none()
     );
-    window.get_by_role_and_label(Role::SpinButton, words::SIDE_LENGTH).set_value_accesskit(8.0);
-    click(&mut window, words::ADD_CEILING_LIGHT);
+    click(&mut window, words::ADD_SQUARE_LIGHT);
     until(&mut window, "light", |window| window.state().scene_info().is_some_and(|info| info.has_light));
+    window.get_by_role_and_label(Role::SpinButton, words::SIDE_LENGTH).set_value_accesskit(8.0);
+    until(&mut window, "the large one", |window| {
+        window.state().scene_info().is_some_and(|info| info.scene.luminaires()[0].form.size == 8.0)
+    });
     finish(&mut window);
     let snapshot = window.state().snapshot().expect("a picture");
     let lit = snapshot.leaf_irradiance.iter().filter(|rgb| rgb[0] > 0.0).count();

@@ -10,7 +10,7 @@ use super::super::measuring::{Measuring, Table};
 use super::super::messages::Messages;
 use super::super::{Shown, Wake, format, theme, words};
 use crate::photometry::{CONVENTION, lux};
-use crate::survey::{PlaneReading, Probed};
+use crate::survey::{PlaneReading, Probed, WorkPlane};
 
 /// Lengths that a field offers, in the scene's unit.
 const LENGTHS: std::ops::RangeInclusive<f32> = 0.0..=100.0;
@@ -26,7 +26,7 @@ pub(super) fn show(ui: &mut Ui, shown: &Shown, measuring: &mut Measuring, messag
     show_plane_setup(ui, shown, measuring, wake);
     if let Some(plane) = measuring.plane_reading().cloned() {
         show_summary(ui, shown, &plane);
-        show_target(ui, &plane, &mut measuring.target);
+        show_target(ui, &plane, measuring);
         ui.checkbox(&mut measuring.shows_points, "Points in the view");
         ui.add_enabled_ui(measuring.shows_points, |ui| ui.checkbox(&mut measuring.writes_values, "Their values in lx"));
     }
@@ -105,7 +105,7 @@ fn show_plane_setup(ui: &mut Ui, shown: &Shown, measuring: &mut Measuring, wake:
     let plane = &mut measuring.plane;
     let fields = [
         (
-            "Height",
+            words::PLANE_HEIGHT,
             &mut plane.height,
             "Above the floor, the lowest large level surface, in the scene's length unit (metres)",
         ),
@@ -122,6 +122,7 @@ fn show_plane_setup(ui: &mut Ui, shown: &Shown, measuring: &mut Measuring, wake:
             ui.add(field).on_hover_text(hint)
         });
     }
+    show_area(ui, shown, measuring);
     let lit = shown.info.as_ref().zip(shown.snapshot.as_ref());
     ui.horizontal(|ui| {
         let button = ui.add_enabled(lit.is_some(), Button::new(words::MEASURE_PLANE));
@@ -187,20 +188,68 @@ fn show_summary(ui: &mut Ui, shown: &Shown, plane: &PlaneReading) {
     }
 }
 
-/// The average that the plane is to have, and whether it has.
-fn show_target(ui: &mut Ui, plane: &PlaneReading, target: &mut f32) {
+/// The part of the plane that counts: all of it, or a task area.
+fn show_area(ui: &mut Ui, shown: &Shown, measuring: &mut Measuring) {
+    let Some(info) = &shown.info else { return };
+    ui.horizontal(|ui| {
+        let draw = ui.add(Button::new(words::DRAW_TASK_AREA).selected(measuring.draws_area));
+        let hint = "Then drag a rectangle over the work plane in the view: only that part is measured and judged";
+        if draw.on_hover_text(hint).clicked() {
+            measuring.draws_area = !measuring.draws_area;
+        }
+        if ui.add_enabled(measuring.plane.area.is_some(), Button::new(words::WHOLE_PLANE)).clicked() {
+            measuring.forget_plane();
+            measuring.plane = WorkPlane { height: measuring.plane.height, ..WorkPlane::for_scene(&info.scene) };
+        }
+    });
+    if measuring.draws_area {
+        ui.label(theme::weak("Drag a rectangle in the view."));
+    }
+    let up = info.scene.up_axis();
+    let axes = ["x", "y", "z"].into_iter().enumerate().filter(|(axis, _)| up[*axis] == 0.0);
+    let Some(corners) = measuring.plane.area else { return };
+    let mut filed = corners.map(|corner| info.scene.to_file(corner));
+    let before = filed;
+    for (axis, letter) in axes {
+        ui.horizontal(|ui| {
+            theme::row_label(ui, &format!("Task area, {letter}"));
+            for (corner, name) in ["from", "to"].into_iter().enumerate() {
+                let field = DragValue::new(&mut filed[corner][axis]).speed(0.01).max_decimals(3).suffix(" m");
+                let _ = ui.add(field).accessible_name(format!("Task area {letter} {name}"));
+            }
+        });
+    }
+    if filed != before {
+        measuring.plane.set_area(filed.map(|corner| info.scene.from_file(corner)), up);
+    }
+}
+
+/// The average and the uniformity that the plane is to have, and whether it has.
+fn show_target(ui: &mut Ui, plane: &PlaneReading, measuring: &mut Measuring) {
     theme::row(ui, words::TARGET_AVERAGE, |ui| {
-        let field = DragValue::new(target).speed(5.0).range(1.0..=1e5).max_decimals(0).suffix(" lx");
+        let field = DragValue::new(&mut measuring.target).speed(5.0).range(1.0..=1e5).max_decimals(0).suffix(" lx");
         ui.add(field)
             .on_hover_text("Illuminance that the task asks for, such as 500 lx for writing and reading (EN 12464-1)")
     });
-    let average = plane.summary().average;
-    let share = average / *target;
-    let text = match share {
-        1.0.. => format!("Reached: {:.0} % of the target", 100.0 * share),
-        _ => format!("Not reached: {:.0} % of the target", 100.0 * share),
-    };
-    ui.label(if share >= 1.0 { RichText::new(text) } else { theme::notice(ui, text) });
+    theme::row(ui, words::TARGET_UNIFORMITY, |ui| {
+        let field = DragValue::new(&mut measuring.least_uniformity).speed(0.01).range(0.0..=1.0).max_decimals(2);
+        ui.add(field).on_hover_text("Minimum over average that the task asks for, such as 0.6 (EN 12464-1)")
+    });
+    let summary = plane.summary();
+    let share = summary.average / measuring.target;
+    let verdicts = [
+        (words::AVERAGE, share >= 1.0, format!("{:.0} % of the target", 100.0 * share)),
+        (
+            words::UNIFORMITY,
+            summary.uniformity >= measuring.least_uniformity,
+            format!("{:.2} of {:.2}", summary.uniformity, measuring.least_uniformity),
+        ),
+    ];
+    for (what, is_met, figures) in verdicts {
+        let verdict = if is_met { words::PASSED } else { words::FAILED };
+        let text = format!("{verdict}: {what}, {figures}");
+        ui.label(if is_met { RichText::new(text) } else { theme::notice(ui, text) });
+    }
 }
 
 fn show_files(ui: &mut Ui, shown: &Shown, measuring: &mut Measuring, messages: &mut Messages) {

@@ -53,18 +53,22 @@ pub(super) fn show_sides(app: &mut App, ui: &mut Ui, outbox: &mut Outbox) {
 }
 
 fn show_sections(app: &mut App, ui: &mut Ui, outbox: &mut Outbox) {
-    let camera = app.view.pose();
+    let kept = app.kept();
     let mut chosen = scene::Chosen::default();
-    section(ui, words::SCENE, true, None, |ui| chosen = scene::show(ui, &app.shown, &mut app.files, camera, outbox));
+    section(ui, words::SCENE, true, None, |ui| chosen = scene::show(ui, &app.shown, &mut app.files, kept, outbox));
     if let Some(pose) = chosen.view {
         app.view.go_to(&pose);
     }
     if let Some(info) = app.shown.info.clone() {
-        // A dark scene opens the section that helps; with a lamp it is one of many.
+        // A dark scene opens the section that helps, which stays open once there is light; with a lamp it is one of many.
         let dark = !info.has_light;
         let title = if dark { words::LIGHT_NONE_YET } else { words::LIGHT };
-        section(ui, title, dark, Some("light"), |ui| {
-            light::show(ui, &app.shown, &app.params, &mut app.light, outbox);
+        section(ui, title, app.light.was_dark, Some("light"), |ui| {
+            let eye = app.view.pose().map(|pose| pose.eye);
+            light::show(ui, (&app.shown, eye), &app.params, &mut app.light, outbox);
+            if let Some(place) = app.light.to_be_seen.take() {
+                app.view.turn_towards_unseen(place);
+            }
         });
     }
     let present = app.shown.info.as_ref().map(|info| &info.scene.reading);

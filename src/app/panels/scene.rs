@@ -7,7 +7,7 @@ use egui::{ComboBox, RichText, Ui};
 use super::super::files::Files;
 use super::super::{Outbox, Shown, format, theme, words};
 use crate::scene::builtin::BuiltinScene;
-use crate::scene::{CameraPose, Reading, Sidecar, Source, Unit, UpAxis};
+use crate::scene::{CameraPose, Kept, Reading, Sidecar, Source, Unit, UpAxis};
 use crate::worker::{Command, SceneInfo};
 
 /// What a person chose that the section itself cannot do.
@@ -20,13 +20,7 @@ pub(super) struct Chosen {
 }
 
 /// Draws the section.
-pub(super) fn show(
-    ui: &mut Ui,
-    shown: &Shown,
-    files: &mut Files,
-    camera: Option<CameraPose>,
-    outbox: &mut Outbox,
-) -> Chosen {
+pub(super) fn show(ui: &mut Ui, shown: &Shown, files: &mut Files, kept: Kept, outbox: &mut Outbox) -> Chosen {
     let mut chosen = Chosen::default();
     match &shown.info {
         Some(info) => {
@@ -52,10 +46,10 @@ pub(super) fn show(
     ui.horizontal(|ui| {
         show_recent(ui, files, outbox);
         if let Some(path) = sidecar_of(shown) {
-            show_save(ui, path, files, camera, outbox);
+            show_save(ui, path, files, kept.clone(), outbox);
         }
     });
-    show_question(ui, sidecar_of(shown), files, camera, outbox);
+    show_question(ui, sidecar_of(shown), files, kept, outbox);
     chosen
 }
 
@@ -204,25 +198,19 @@ fn sidecar_of(shown: &Shown) -> Option<PathBuf> {
     shown.info.as_ref().and_then(|info| info.path.as_deref()).map(Sidecar::path_for)
 }
 
-fn show_save(ui: &mut Ui, path: PathBuf, files: &mut Files, camera: Option<CameraPose>, outbox: &mut Outbox) {
-    let hint = "Writes NAME.selflink.json beside the scene: what was changed of materials, added lights, sides and the present camera. What it says already stays.";
+fn show_save(ui: &mut Ui, path: PathBuf, files: &mut Files, kept: Kept, outbox: &mut Outbox) {
+    let hint = "Writes NAME.selflink.json beside the scene: what was changed of materials, luminaires, sides, the present camera, bookmarks and the task area. What it says already stays.";
     if ui.button(words::SAVE_SCENE_SETTINGS).on_hover_text(hint).clicked() {
         if path.exists() {
             files.sidecar_in_question = Some(path);
         } else {
-            outbox.push(Command::SaveSidecar { camera });
+            outbox.push(Command::SaveSidecar(kept));
         }
     }
 }
 
 /// Asks before a sidecar that is there already is overwritten.
-fn show_question(
-    ui: &mut Ui,
-    present: Option<PathBuf>,
-    files: &mut Files,
-    camera: Option<CameraPose>,
-    outbox: &mut Outbox,
-) {
+fn show_question(ui: &mut Ui, present: Option<PathBuf>, files: &mut Files, kept: Kept, outbox: &mut Outbox) {
     // Another scene makes the question pointless.
     let Some(path) = files.sidecar_in_question.take_if(|path| present.as_ref() == Some(path)) else { return };
     let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
@@ -230,7 +218,7 @@ fn show_question(
     let (overwrite, cancel) =
         ui.horizontal(|ui| (ui.button(words::OVERWRITE).clicked(), ui.button(words::CANCEL).clicked())).inner;
     if overwrite {
-        outbox.push(Command::SaveSidecar { camera });
+        outbox.push(Command::SaveSidecar(kept));
     } else if !cancel {
         files.sidecar_in_question = Some(path);
     }

@@ -229,6 +229,7 @@ fn show_dragged(dragged: &Dragged, tree: &GroupTree, ui: &Ui) {
 
 fn show_foot(app: &mut App, ui: &mut Ui, outbox: &mut Outbox) {
     let path = app.shown.info.as_ref().and_then(|info| info.path.as_deref()).map(Sidecar::path_for);
+    let kept = app.kept();
     let editor = &mut app.clusters.editor;
     ui.horizontal_wrapped(|ui| {
         let as_in_file = ui.add_enabled(editor.is_arranged(), egui::Button::new(words::REVERT_TO_FILE));
@@ -245,7 +246,7 @@ fn show_foot(app: &mut App, ui: &mut Ui, outbox: &mut Outbox) {
                 app.messages
                     .note("The section Scene at the left asks whether the settings file is overwritten.".into());
             } else {
-                outbox.push(Command::SaveSidecar { camera: app.view.pose() });
+                outbox.push(Command::SaveSidecar(kept));
             }
         }
         let count = editor.selected.len();

@@ -1,7 +1,8 @@
-//! The lamps of the scene: each material that emits, by name, with a switch, a dimmer and a colour.
+//! The lamps of the scene: each material that emits and each luminaire, by name, with a switch, a dimmer and a colour.
 
 use egui::{ScrollArea, Slider, Ui};
 
+use super::super::super::lighting::MaterialLight;
 use super::super::super::{format, theme};
 use super::LightEditor;
 use crate::scene::{MaterialId, Scene};
@@ -18,28 +19,42 @@ const COLOUR_WIDTH: f32 = 32.0;
 /// Draws the list.
 pub(super) fn show(ui: &mut Ui, scene: &Scene, editor: &mut LightEditor) {
     let lamps: Vec<usize> = editor.lighting.lamps().collect();
-    if lamps.is_empty() {
+    let count = lamps.len() + editor.lighting.luminaires.len();
+    if count == 0 {
         return;
     }
-    let all: glam::Vec3 = lamps.iter().map(|&lamp| power(editor, lamp)).sum();
-    let (count, watts) =
-        (format::things(lamps.len(), "lamp", "lamps"), format::quantity(all.max_element().into(), "W"));
+    let area = |areas: &[f32], lamp: usize| areas.get(lamp).copied().unwrap_or(0.0);
+    let of_file = lamps
+        .iter()
+        .filter_map(|&lamp| editor.lighting.of(lamp).map(|light| area(&editor.areas, lamp) * light.emission()));
+    let of_luminaires = editor.lighting.luminaires.iter().map(|of| of.form.area() * of.light.emission());
+    let all: glam::Vec3 = of_file.chain(of_luminaires).sum();
+    let (count, watts) = (format::things(count, "lamp", "lamps"), format::quantity(all.max_element().into(), "W"));
     ui.label(theme::weak(format!("{count}, {watts}")))
         .on_hover_text("Materials that emit, with the power of all of their faces in the strongest channel");
     ScrollArea::vertical().id_salt("lamps").max_height(MOST_HEIGHT).auto_shrink([false, true]).show(ui, |ui| {
         for lamp in lamps {
             let Some(material) = scene.materials.get(lamp) else { continue };
-            show_one(ui, &material.name, MaterialId(lamp as u32), editor);
+            let area = area(&editor.areas, lamp);
+            let Some(light) = editor.lighting.of_mut(lamp) else { continue };
+            if show_one(ui, &material.name, area, light) {
+                editor.material = MaterialId(lamp as u32);
+            }
+        }
+        for (index, luminaire) in editor.lighting.luminaires.iter_mut().enumerate() {
+            let area = luminaire.form.area();
+            if show_one(ui, &luminaire.name, area, &mut luminaire.light) {
+                editor.selected = Some(index);
+            }
         }
     });
     ui.add_space(6.0);
 }
 
-fn show_one(ui: &mut Ui, name: &str, id: MaterialId, editor: &mut LightEditor) {
-    let index = id.0 as usize;
-    let watts = power(editor, index).max_element();
-    let exitance = editor.lighting.of(index).map_or(0.0, |light| light.emission().max_element());
-    let Some(light) = editor.lighting.of_mut(index) else { return };
+/// Draws one lamp whose faces have this area; true when it was switched.
+fn show_one(ui: &mut Ui, name: &str, area: f32, light: &mut MaterialLight) -> bool {
+    let exitance = light.emission().max_element();
+    let watts = area * exitance;
     ui.horizontal(|ui| {
         let name_width = theme::LABEL_WIDTH.min(0.4 * ui.available_width());
         let beside = name_width + PERCENT_WIDTH + COLOUR_WIDTH + 4.0 * ui.spacing().item_spacing.x;
@@ -73,14 +88,7 @@ fn show_one(ui: &mut Ui, name: &str, id: MaterialId, editor: &mut LightEditor) {
         if button.accessible_name(format!("Colour of {name}")).changed() {
             light.emission.set_tint(colour.into());
         }
-        if switched {
-            editor.material = id;
-        }
-    });
-}
-
-/// Power that a material's faces emit, W per colour.
-fn power(editor: &LightEditor, material: usize) -> glam::Vec3 {
-    let area = editor.areas.get(material).copied().unwrap_or(0.0);
-    editor.lighting.of(material).map_or(glam::Vec3::ZERO, |light| area * light.emission())
+        switched
+    })
+    .inner
 }

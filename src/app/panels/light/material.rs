@@ -54,7 +54,7 @@ pub(super) fn show(ui: &mut Ui, scene: &Scene, editor: &mut LightEditor) {
 }
 
 /// The lamp's strength, in a unit to be chosen.
-fn show_strength(ui: &mut Ui, light: &mut MaterialLight, area: f32, unit: &mut LampUnit) {
+pub(super) fn show_strength(ui: &mut Ui, light: &mut MaterialLight, area: f32, unit: &mut LampUnit) {
     theme::row(ui, words::LAMP_UNIT, |ui| {
         let combo = ComboBox::from_id_salt("lamp unit").selected_text(unit.words().0);
         let shown = combo.show_ui(ui, |ui| {
@@ -82,7 +82,7 @@ fn show_strength(ui: &mut Ui, light: &mut MaterialLight, area: f32, unit: &mut L
 }
 
 /// The colour of the light as a temperature, where it is one.
-fn show_temperature(ui: &mut Ui, light: &mut MaterialLight) {
+pub(super) fn show_temperature(ui: &mut Ui, light: &mut MaterialLight) {
     let (mut kelvin, off) = temperature_of_tint(light.emission.tint().to_array());
     theme::row(ui, words::COLOUR_TEMPERATURE, |ui| {
         let slider = Slider::new(&mut kelvin, TEMPERATURES).logarithmic(true).clamping(egui::SliderClamping::Edits);
@@ -106,7 +106,9 @@ fn show_choice(ui: &mut Ui, scene: &Scene, editor: &mut LightEditor) {
     let response = theme::row(ui, "Material", |ui| {
         let combo = ComboBox::from_id_salt("material").truncate().selected_text(material.name.as_str());
         let shown = combo.show_ui(ui, |ui| {
-            for (index, other) in scene.materials.iter().enumerate() {
+            // A luminaire's is its own affair.
+            let of_file = scene.materials.len() - scene.placed_luminaires.len();
+            for (index, other) in scene.materials[..of_file].iter().enumerate() {
                 if ui.selectable_label(index as u32 == editor.material.0, other.name.as_str()).clicked() {
                     editor.material = MaterialId(index as u32);
                 }
@@ -131,6 +133,6 @@ fn show_left_out(ui: &mut Ui, scene: &Scene, editor: &mut LightEditor) {
 }
 
 /// A colour that can be edited; true when it was.
-fn show_colour(ui: &mut Ui, label: &str, hint: &str, colour: &mut [f32; 3]) -> bool {
+pub(super) fn show_colour(ui: &mut Ui, label: &str, hint: &str, colour: &mut [f32; 3]) -> bool {
     theme::row(ui, label, |ui| ui.color_edit_button_rgb(colour)).on_hover_text(hint).changed()
 }

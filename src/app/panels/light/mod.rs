@@ -1,18 +1,17 @@
-//! The light section: every lamp with a switch and a dimmer, the material at hand, and a light under the ceiling.
+//! The light section: every lamp with a switch and a dimmer, the material at hand, daylight, and luminaires that are added.
 
-mod ceiling;
 mod daylight;
 mod lamps;
+mod luminaires;
 mod material;
 
 use egui::{Slider, Ui};
 
-use super::super::lighting::Lighting;
+use super::super::lighting::{Lighting, LuminaireLight};
 use super::super::{Outbox, Shown, format, theme, words};
-use crate::scene::{MaterialId, Scene};
+use crate::scene::{Luminaire, MaterialId, Scene};
 use crate::solver::{Epsilon, SolverParams};
 use crate::worker::Command;
-pub(in super::super) use ceiling::CeilingEditor;
 use daylight::DaylightEditor;
 
 /// Exitances a slider offers, W/m².
@@ -29,7 +28,14 @@ pub(in super::super) struct LightEditor {
     material: MaterialId,
     /// Area of the faces of each material, m².
     areas: Vec<f32>,
-    ceiling: CeilingEditor,
+    /// The luminaire at hand.
+    pub selected: Option<usize>,
+    /// Whether nothing lit the scene when it was opened.
+    pub was_dark: bool,
+    /// A place that was asked for: the view turns there.
+    pub to_be_seen: Option<glam::Vec3>,
+    /// Luminaires that the worker was last told of.
+    told: Vec<Luminaire>,
     daylight: DaylightEditor,
     /// A transparent material whose faces are asked for.
     opaque: Option<String>,
@@ -75,20 +81,18 @@ impl LampUnit {
 
 impl LightEditor {
     /// For a scene that was just opened; its first lamp, if it has one, is the material at hand.
-    pub(in super::super) fn for_scene(scene: &Scene, ceiling_side: f32) -> Self {
-        let lamp = scene.materials.iter().position(|material| material.emission.max_element() > 0.0);
-        let mut editor = Self {
-            material: MaterialId(lamp.unwrap_or(0) as u32),
-            ceiling: CeilingEditor::of_size(ceiling_side),
-            ..Self::default()
-        };
+    pub(in super::super) fn for_scene(scene: &Scene) -> Self {
+        let lighting = Lighting::of_scene(scene);
+        let lamp = lighting.lamps().next();
+        let material = MaterialId(lamp.unwrap_or(0) as u32);
+        let was_dark = !scene.has_light();
+        let mut editor = Self { lighting, material, was_dark, told: scene.luminaires(), ..Self::default() };
         editor.follow(scene);
         editor
     }
 
     /// Takes up what an edited scene has more.
     pub(in super::super) fn follow(&mut self, scene: &Scene) {
-        self.lighting.extend_to(&scene.materials);
         self.daylight.follow(scene.daylight());
         self.areas = vec![0.0; scene.materials.len()];
         for polygon in &scene.polygons {
@@ -96,28 +100,68 @@ impl LightEditor {
         }
     }
 
+    /// The luminaires are those of the scene again: what was wanted cannot be had.
+    pub(in super::super) fn take_back_luminaires(&mut self, scene: &Scene) {
+        let present = scene.luminaires();
+        if present != self.told {
+            self.lighting.luminaires = Lighting::of_scene(scene).luminaires;
+            self.told = present;
+        }
+    }
+
+    /// What the worker must be told of luminaires. While a person moves one, only what is live goes out: another exitance.
+    pub(in super::super) fn luminaires_command(&mut self, is_busy: bool) -> Option<Command> {
+        let mut wanted = self.lighting.wanted_luminaires();
+        if is_busy {
+            if wanted.len() != self.told.len() {
+                return None;
+            }
+            for (wanted, told) in wanted.iter_mut().zip(&self.told) {
+                (wanted.form, wanted.name) = (told.form, told.name.clone());
+            }
+        }
+        if wanted == self.told {
+            return None;
+        }
+        self.told.clone_from(&wanted);
+        Some(Command::SetLuminaires(wanted))
+    }
+
     /// The transparent material whose faces were asked for since the last time.
     pub(in super::super) fn take_opaque(&mut self) -> Option<String> {
         self.opaque.take()
     }
 
-    /// Takes a material in hand.
-    pub(in super::super) fn choose(&mut self, material: MaterialId) {
-        self.material = material;
+    /// Takes a material of the scene in view in hand, or the luminaire that it is of.
+    pub(in super::super) fn choose(&mut self, scene: &Scene, material: MaterialId) {
+        if scene.luminaire_of(material).is_none() {
+            self.material = material;
+        } else if let Some(of) = scene.materials.get(material.0 as usize) {
+            self.selected = self.lighting.luminaires.iter().position(|luminaire| luminaire.name == of.name);
+        }
+    }
+
+    /// The luminaire at hand.
+    pub(in super::super) fn selected_mut(&mut self) -> Option<&mut LuminaireLight> {
+        self.lighting.luminaires.get_mut(self.selected?)
     }
 }
 
 /// Draws the section.
-pub(super) fn show(ui: &mut Ui, shown: &Shown, params: &SolverParams, editor: &mut LightEditor, outbox: &mut Outbox) {
+pub(super) fn show(
+    ui: &mut Ui,
+    (shown, eye): (&Shown, Option<glam::Vec3>),
+    params: &SolverParams,
+    editor: &mut LightEditor,
+    outbox: &mut Outbox,
+) {
     let Some(info) = &shown.info else { return };
     if !info.has_light {
         let sentence = match info.is_open {
             true => {
-                "Nothing in this scene emits light, so it is black: let daylight in, make a material a light, or add a ceiling light."
+                "Nothing in this scene emits light, so it is black: let daylight in, make a material a light, or add a luminaire."
             }
-            false => {
-                "Nothing in this scene emits light, so it is black: make a material a light, or add a ceiling light."
-            }
+            false => "Nothing in this scene emits light, so it is black: make a material a light, or add a luminaire.",
         };
         ui.add(egui::Label::new(egui::RichText::new(sentence).color(theme::ACCENT)).wrap());
         if info.is_open && ui.button("Let daylight in").clicked() {
@@ -133,7 +177,7 @@ pub(super) fn show(ui: &mut Ui, shown: &Shown, params: &SolverParams, editor: &m
     ui.add_space(6.0);
     daylight::show(ui, &mut editor.daylight, outbox);
     ui.add_space(6.0);
-    ceiling::show(ui, &mut editor.ceiling, outbox);
+    luminaires::show(ui, info, eye, editor);
 }
 
 /// Says by which power ε was set, and offers to set it anew where that has changed: ε stays in watts when a lamp is dimmed.
@@ -159,10 +203,6 @@ fn show_anchor(ui: &mut Ui, shown: &Shown, params: &SolverParams, outbox: &mut O
         }
         ui.add(egui::Label::new(theme::weak(text)).truncate()).on_hover_text(hint);
     });
-}
-
-fn exitance_slider(ui: &mut Ui, exitance: &mut f32) -> egui::Response {
-    strength_slider(ui, exitance, 1.0, "W/m²")
 }
 
 /// A slider of a strength in a unit, of which so much is 1 W/m².

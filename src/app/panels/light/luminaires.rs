@@ -1,0 +1,183 @@
+//! Luminaires that are added to the scene: the list, and the one at hand by numbers.
+
+use egui::{ComboBox, DragValue, TextEdit, Ui};
+use glam::Vec3;
+
+use super::super::super::lighting::LuminaireLight;
+use super::super::super::{theme, words};
+use super::material::{show_colour, show_strength, show_temperature};
+use super::{LampUnit, LightEditor};
+use crate::ceiling::{CeilingPlace, place_beside};
+use crate::photometry::tint_of_temperature;
+use crate::scene::{LuminaireForm, LuminaireShape, Scene};
+use crate::worker::SceneInfo;
+
+/// Exitance of a square that was just added, W/m²: a bright office ceiling panel. Other shapes send the same power.
+const FIRST_EXITANCE: f32 = 100.0;
+/// Its colour temperature, K: neutral white.
+const FIRST_KELVIN: f32 = 4000.0;
+/// Sizes that a field offers, in the scene's length unit.
+const SIZES: std::ops::RangeInclusive<f32> = 1e-6..=1e6;
+
+/// Width of the field of one coordinate, points.
+const COORDINATE_WIDTH: f32 = 52.0;
+
+/// Draws the part; `eye` is where a person looks from.
+pub(super) fn show(ui: &mut Ui, info: &SceneInfo, eye: Option<Vec3>, editor: &mut LightEditor) {
+    ui.label(theme::weak(words::LUMINAIRES));
+    ui.horizontal_wrapped(|ui| {
+        let buttons = [
+            (words::ADD_SQUARE_LIGHT, LuminaireShape::Square),
+            (words::ADD_DISC_LIGHT, LuminaireShape::Disc),
+            (words::ADD_LINE_LIGHT, LuminaireShape::Line),
+        ];
+        for (name, shape) in buttons {
+            if ui
+                .button(name)
+                .on_hover_text("Under the ceiling of the room that is looked at; it can be moved")
+                .clicked()
+            {
+                add(info, eye, shape, editor);
+            }
+        }
+    });
+    let mut chosen = None;
+    ui.horizontal_wrapped(|ui| {
+        for (index, luminaire) in editor.lighting.luminaires.iter().enumerate() {
+            let is_at_hand = editor.selected == Some(index);
+            let label = ui.selectable_label(is_at_hand, luminaire.name.as_str());
+            let label = label.on_hover_text("Shows its numbers here and its handles in the view");
+            if label.accessible_name(format!("Select {}", luminaire.name)).clicked() {
+                chosen = Some((!is_at_hand).then_some(index));
+            }
+        }
+    });
+    if let Some(chosen) = chosen {
+        editor.selected = chosen;
+        editor.to_be_seen = editor.selected_mut().map(|luminaire| luminaire.form.centre);
+    }
+    let unit = &mut editor.unit;
+    let Some(luminaire) = editor.selected.and_then(|index| editor.lighting.luminaires.get_mut(index)) else { return };
+    // The rows of the material above have names of their own.
+    if ui.push_id("luminaire", |ui| show_one(ui, &info.scene, luminaire, unit)).inner
+        && let Some(index) = editor.selected.take()
+    {
+        editor.lighting.luminaires.remove(index);
+    }
+}
+
+/// Adds a luminaire where there is room for it, and takes it in hand.
+fn add(info: &SceneInfo, eye: Option<Vec3>, shape: LuminaireShape, editor: &mut LightEditor) {
+    let size = info.luminaire_size;
+    let CeilingPlace { centre, up } = place_beside(&info.scene, &info.occluders, eye, size);
+    let form = LuminaireForm { shape, centre, direction: -up, turn_deg: 0.0, size };
+    let tint = Vec3::from(tint_of_temperature(FIRST_KELVIN));
+    let exitance = FIRST_EXITANCE * size * size / form.area();
+    let is_taken = |name: &str| editor.lighting.luminaires.iter().any(|luminaire| luminaire.name == name);
+    let base = shape.usual_name();
+    let mut names = std::iter::once(base.to_owned()).chain((2..).map(|number| format!("{base} {number}")));
+    let is_free = |name: &String| !is_taken(name) && info.scene.material_named(name).is_none();
+    let name = names.find(is_free).unwrap_or_default();
+    editor.lighting.luminaires.push(LuminaireLight::new(name, form, exitance * tint));
+    editor.selected = Some(editor.lighting.luminaires.len() - 1);
+    editor.to_be_seen = Some(centre);
+}
+
+/// Draws the numbers of a luminaire; true when it is to be removed.
+fn show_one(ui: &mut Ui, scene: &Scene, luminaire: &mut LuminaireLight, unit: &mut LampUnit) -> bool {
+    let mut name = luminaire.name.clone();
+    let field =
+        theme::row(ui, words::LUMINAIRE_NAME, |ui| ui.add(TextEdit::singleline(&mut name).desired_width(140.0)));
+    let is_free = name == luminaire.name || scene.material_named(&name).is_none();
+    if field.changed() && is_free && !name.trim().is_empty() {
+        luminaire.name = name;
+    }
+    let form = &mut luminaire.form;
+    show_shape(ui, form);
+    let label = match form.shape {
+        LuminaireShape::Square => words::SIDE_LENGTH,
+        LuminaireShape::Disc => words::DIAMETER,
+        LuminaireShape::Line => words::LENGTH,
+    };
+    let speed = (0.01 * f64::from(form.size)).max(1e-6);
+    theme::row(ui, label, |ui| {
+        ui.add(DragValue::new(&mut form.size).speed(speed).range(SIZES).max_decimals(3).suffix(" m"))
+    })
+    .on_hover_text("In the scene's length unit (metres)");
+    let mut place = scene.to_file(form.centre);
+    let before = place;
+    ui.horizontal(|ui| {
+        theme::row_label(ui, words::PLACE);
+        ui.spacing_mut().interact_size.x = COORDINATE_WIDTH;
+        let fields = [
+            (words::LUMINAIRE_X, &mut place.x),
+            (words::LUMINAIRE_Y, &mut place.y),
+            (words::LUMINAIRE_Z, &mut place.z),
+        ];
+        for (name, coordinate) in fields {
+            let field = ui.add(DragValue::new(coordinate).speed(0.01).max_decimals(3));
+            let _ = field.on_hover_text("Its middle, in the coordinates of the scene's file, m").accessible_name(name);
+        }
+    });
+    if place != before && place.is_finite() {
+        form.centre = scene.from_file(place);
+    }
+    show_direction(ui, scene.up_axis(), form);
+    theme::row(ui, words::TURN, |ui| {
+        ui.add(DragValue::new(&mut form.turn_deg).speed(1.0).range(-360.0..=360.0).max_decimals(1).suffix("°"))
+    })
+    .on_hover_text("About the direction that it shines to");
+    show_strength(ui, &mut luminaire.light, luminaire.form.area(), unit);
+    show_temperature(ui, &mut luminaire.light);
+    let mut tint = luminaire.light.emission.tint().to_array();
+    if show_colour(ui, "Colour of the luminaire", "Tint of the light that it emits; its exitance stays", &mut tint) {
+        luminaire.light.emission.set_tint(tint.into());
+    }
+    let remove = ui.button(words::REMOVE_LUMINAIRE).on_hover_text("Takes this luminaire away; it can be undone");
+    remove.accessible_name(format!("{} {}", words::REMOVE_LUMINAIRE, luminaire.name)).clicked()
+}
+
+fn show_shape(ui: &mut Ui, form: &mut LuminaireForm) {
+    theme::row(ui, words::SHAPE, |ui| {
+        let name = |shape| match shape {
+            LuminaireShape::Square => "square",
+            LuminaireShape::Disc => "disc",
+            LuminaireShape::Line => "line",
+        };
+        let combo = ComboBox::from_id_salt("luminaire shape").selected_text(name(form.shape));
+        let shown = combo.show_ui(ui, |ui| {
+            for shape in LuminaireShape::ALL {
+                ui.selectable_value(&mut form.shape, shape, name(shape));
+            }
+        });
+        shown.response
+    });
+}
+
+/// Offers the axes as directions to shine to.
+fn show_direction(ui: &mut Ui, up: Vec3, form: &mut LuminaireForm) {
+    let axes = [
+        ("along −y", Vec3::NEG_Y),
+        ("along +y", Vec3::Y),
+        ("along −x", Vec3::NEG_X),
+        ("along +x", Vec3::X),
+        ("along −z", Vec3::NEG_Z),
+        ("along +z", Vec3::Z),
+    ];
+    let axes = axes.map(|(name, axis)| match axis.dot(up) {
+        -1.0 => ("down", axis),
+        1.0 => ("up", axis),
+        _ => (name, axis),
+    });
+    let name = axes.iter().find(|(_, axis)| axis.dot(form.direction) > 0.9999).map_or("aslant", |(name, _)| name);
+    theme::row(ui, words::SHINES, |ui| {
+        let combo = ComboBox::from_id_salt("luminaire direction").selected_text(name);
+        let shown = combo.show_ui(ui, |ui| {
+            for (name, axis) in axes {
+                ui.selectable_value(&mut form.direction, axis, name);
+            }
+        });
+        shown.response
+    })
+    .on_hover_text("Where its light goes");
+}
