@@ -101,7 +101,9 @@ fn errors(matches: &ArgMatches) -> anyhow::Result<Vec<f64>> {
     let parsed: Option<Vec<f64>> = list.split(',').map(|part| part.trim().parse().ok()).collect();
     match parsed.filter(|errors| !errors.is_empty() && errors.iter().all(|error| *error > 0.0 && *error < 1.0)) {
         Some(errors) => Ok(errors),
-        None => bail!("--errors must be numbers between 0 and 1 with commas between them, such as 0.1,0.05 (it is `{list}`)"),
+        None => bail!(
+            "--errors must be numbers between 0 and 1 with commas between them, such as 0.1,0.05 (it is `{list}`)"
+        ),
     }
 }
 
@@ -121,8 +123,7 @@ fn chart(job: &Job, sweep: &PictureSweep, offscreen: Option<&mut Offscreen>) -> 
     let mut painter = offscreen.map(|offscreen| Painter { offscreen, camera: &camera, size: sweep.size });
     let mesh = painter.as_mut().map(|painter| painter as &mut (dyn MeshPainter + Send));
     let lens = camera.lens(aspect);
-    let chart =
-        job.pool.install(|| sweep.run(&job.scene, &job.occluders, &lens, mesh, &CancelToken::new(), told))?;
+    let chart = job.pool.install(|| sweep.run(&job.scene, &job.occluders, &lens, mesh, &CancelToken::new(), told))?;
     if let Some(bar) = &bar {
         bar.finish_and_clear();
     }

@@ -183,7 +183,9 @@ mod tests {
         let factor = 4.0 / (2.0 * PI) * 2.0 * (0.5 / root * (0.5 / root).atan());
         // The noise of 16,384 stratified paths is far below 1 %.
         assert!((seen.irradiance.x / factor - 1.0).abs() < 0.01, "{seen:?} {factor}");
-        assert!((seen.radiosity - 0.5 * seen.irradiance).length() < 1e-9 && (seen.coverage, seen.receiving) == (1.0, 1.0));
+        assert!(
+            (seen.radiosity - 0.5 * seen.irradiance).length() < 1e-9 && (seen.coverage, seen.receiving) == (1.0, 1.0)
+        );
         let lamp = look(Vec3::new(0.0, 0.0, 0.5), 1.0);
         assert_eq!((lamp.radiosity, lamp.receiving, lamp.coverage), (DVec3::new(1.0, 2.0, 3.0), 0.0, 1.0));
         assert_eq!(look(Vec3::new(0.0, 0.0, 2.0), 1.0), ViewPixel::default());
