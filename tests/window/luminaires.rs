@@ -54,8 +54,8 @@ fn luminaires_are_added_moved_removed_undone_and_saved() {
         luminaires(window).get(1).is_some_and(|line| (line.form.centre.y, line.form.size) == (1.5, 1.25))
     });
     let generation = window.state().scene_info().expect("a scene").generation;
-    set(&mut window, Role::Slider, "Dimmer of line light", 50.0);
     let line = luminaires(&window).remove(1);
+    set(&mut window, Role::Slider, "Dimmer of line light", 50.0);
     until(&mut window, "half its light", |window| {
         let now = luminaires(window).remove(1).exitance;
         (now / line.exitance - 0.5).abs().max_element() < 1e-4
