@@ -135,9 +135,8 @@ fn a_chart_is_tables_and_pictures() {
     }
 }
 
-/// Truth: two paths a pixel make a noisy picture, and many a better one; a solve to 10 % and a look from each pixel are nearer to
-/// the converged picture than two paths, and the local error of a gathered picture is as small as was asked for, with
-/// the noise of the few paths of this reference.
+/// Truth: the noise of paths falls with the root of their number; a picture gathered over a solve to 10 % is far nearer to the
+/// converged one than one path a pixel is. All is the same for any number of threads, so nothing here is by chance.
 #[cfg(feature = "gui")]
 #[test]
 fn a_chart_of_pictures_tells_how_near_they_are() {
@@ -160,8 +159,7 @@ fn a_chart_of_pictures_tells_how_near_they_are() {
     let gathered = find("gathered", Value::Null).expect("it was made");
     let [few, many] = [1, 32].map(|samples: u32| find("paths", samples.into()).expect("they were traced"));
     assert!((0..2).all(|k| few[k] > 2.0 * many[k]) && many[2] > few[2], "{few:?} {many:?}");
-    let noise = chart["reference"]["noise_p90"].as_f64().expect("a number");
-    assert!(gathered[0] < 0.5 * few[0] && gathered[1] < 0.1 + noise, "{gathered:?} {few:?}, noise {noise}");
+    assert!((0..2).all(|k| gathered[k] < 0.5 * few[k]), "{gathered:?} {few:?}");
     match find("mesh", Value::Null) {
         // The same light, coarser.
         Some(mesh) => assert!(mesh[0] < few[0] && mesh[1] < few[1], "{mesh:?} {few:?}"),

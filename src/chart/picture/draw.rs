@@ -174,8 +174,8 @@ fn plot<B: DrawingBackend>(
         let line = [(first, floor), (ends, floor)].into_iter().filter(|_| floor > 0.0);
         context.draw_series(DashedLineSeries::new(line, 3, 5, COLOURS[3].stroke_width(2)))?;
         let name = match metric {
-            PictureMetric::Flip => "between halves of the reference",
-            PictureMetric::Local => "standard error of the reference",
+            PictureMetric::Flip => "halves of the reference",
+            PictureMetric::Local => "error of the reference",
         };
         legend(name.to_owned(), COLOURS[3].stroke_width(2))?;
     }

@@ -31,7 +31,7 @@ use crate::solver::{Snapshot, Solver, SolverError, SolverParams};
 use crate::tone::{auto_exposure, decode_gamma, encode_gamma, tone_curve};
 
 /// Keep the paths of the reference's halves and those of the curve apart.
-const SALTS: [u64; 3] = [0x68_616c_6631, 0x68_616c_6632, 0x63_7572_7665];
+const SALTS: [u64; 3] = [0x0068_616c_6631, 0x0068_616c_6632, 0x0063_7572_7665];
 /// Samples of a pixel that one pass of a reference adds.
 const BATCH: u32 = 64;
 
