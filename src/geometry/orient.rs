@@ -39,11 +39,12 @@ const RAYS_FOR_BACKS: u64 = 4096;
 /// `Front` leaves the faces and counts those seen from behind, `Auto` turns these, and `Both` appends each face once
 /// more as an opposite patch ([`Polygon::is_back`]); opposite patches that are there already go first. Faces of two-sided materials
 /// are turned to the side that is seen, and doubled where both are. Faces that lie on others of the same side are counted
-/// once ([`overlaps`]). Occluders stop light from either side in every case.
+/// once ([`overlaps`]). A luminaire that was placed shines the way that it was placed, whoever sees its back. Occluders stop light from either side in every case.
 pub fn apply(mut scene: Scene, sides: Sides) -> (Scene, Occluders) {
     scene.sides = sides;
     scene.polygons.retain(|polygon| !polygon.is_back);
-    scene.polygons.iter_mut().for_each(|polygon| polygon.has_back = sides == Sides::Both);
+    let is_placed = placed(&scene);
+    scene.polygons.iter_mut().for_each(|polygon| polygon.has_back = sides == Sides::Both && !is_placed(polygon));
     let (mut scene, occluders) = turned(scene, sides);
     let covered = overlaps::remove(&mut scene);
     let cut = cuts::cut(&mut scene, sides == Sides::Both);
@@ -66,6 +67,12 @@ pub fn apply(mut scene: Scene, sides: Sides) -> (Scene, Occluders) {
     (scene, occluders)
 }
 
+/// Whether a polygon belongs to a luminaire that was placed.
+fn placed(scene: &Scene) -> impl Fn(&Polygon) -> bool + use<> {
+    let materials: Vec<_> = scene.placed_luminaires.iter().map(|luminaire| luminaire.material).collect();
+    move |polygon| materials.contains(&polygon.material)
+}
+
 /// The scene with its faces turned the way that is asked for, each once.
 fn turned(mut scene: Scene, sides: Sides) -> (Scene, Occluders) {
     (scene.skipped.faces_seen_from_behind, scene.skipped.turned_faces) = (0, 0);
@@ -78,8 +85,12 @@ fn turned(mut scene: Scene, sides: Sides) -> (Scene, Occluders) {
     let is_two_sided = |polygon: &Polygon| two_sided.get(polygon.material.0 as usize) == Some(&true);
     let needs_surfaces = sides == Sides::Auto || scene.polygons.iter().any(is_two_sided);
     let surfaces = if needs_surfaces { surface_votes(&scene, &seen.all) } else { Vec::new() };
+    let is_placed = placed(&scene);
     let (mut turned, mut is_changed) = (0, false);
     for (index, polygon) in scene.polygons.iter_mut().enumerate() {
+        if is_placed(polygon) {
+            continue;
+        }
         let net = seen.decisive[index];
         let is_turned = if is_two_sided(polygon) {
             let own = seen.all[index];

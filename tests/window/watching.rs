@@ -28,7 +28,7 @@ fn polygons(window: &Harness<'static, App>) -> usize {
 }
 
 fn says(window: &Harness<'static, App>, text: &str) -> bool {
-    window.query_by_label_contains(text).is_some()
+    window.query_all_by_label_contains(text).next().is_some()
 }
 
 #[test]
