@@ -9,7 +9,7 @@ use egui_kittest::kittest::{NodeT, Queryable};
 use selflink::app::{App, words};
 use selflink::scene::Source;
 use selflink::scene::builtin::BuiltinScene;
-use selflink::solver::SolverParams;
+use selflink::solver::{Phase, SolverParams};
 
 use crate::support::{choose, click, cornell, finish, picture, share_of_different_pixels, until, window_of_size};
 
@@ -68,7 +68,11 @@ fn small(size: [f32; 2]) -> Harness<'static, App> {
 }
 
 fn settled(window: &mut Harness<'static, App>) -> image::RgbaImage {
-    until(window, "a settled picture", |window| window.state().is_gathered() == (true, true));
+    // Of the last step of the solve: a slow machine may settle one before it.
+    until(window, "a settled picture", |window| {
+        let is_last = window.state().snapshot().is_some_and(|snapshot| snapshot.stats.phase == Phase::Done);
+        is_last && window.state().is_gathered() == (true, true)
+    });
     picture(window)
 }
 
