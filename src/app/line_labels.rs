@@ -5,19 +5,8 @@ use egui::{Align2, Color32, FontId, Rect, Sense, Ui, vec2};
 
 use super::format;
 use crate::photometry::Unit;
+use crate::picture::LABEL_RIM;
 use crate::render::Pixels;
-
-/// Where the dark rim of the letters lies, points.
-const RIM: [egui::Vec2; 8] = [
-    vec2(-1.3, 0.0),
-    vec2(1.3, 0.0),
-    vec2(0.0, -1.3),
-    vec2(0.0, 1.3),
-    vec2(-0.9, -0.9),
-    vec2(0.9, -0.9),
-    vec2(-0.9, 0.9),
-    vec2(0.9, 0.9),
-];
 
 /// Writes them; white with a dark rim, so that they can be read over bright and dark.
 pub(super) fn show(ui: &Ui, view: Rect, pixels: &Pixels, unit: Unit) {
@@ -31,7 +20,7 @@ pub(super) fn show(ui: &Ui, view: Rect, pixels: &Pixels, unit: Unit) {
             let place = at - 0.5 * galley.size();
             TextShape::new(place, galley, colour).with_angle_and_anchor(-label.angle, Align2::CENTER_CENTER)
         };
-        for aside in RIM {
+        for aside in LABEL_RIM.map(egui::Vec2::from) {
             painter.add(write(at + aside, Color32::from_black_alpha(200)));
         }
         painter.add(write(at, Color32::WHITE));

@@ -29,7 +29,7 @@ pub(super) const COLOURS: [RGBColor; 7] = [
 pub(super) const LEGEND_WIDTH: u32 = 300;
 
 pub(super) const INK: RGBColor = RGBColor(40, 40, 40);
-pub(super) const FAINT: RGBColor = RGBColor(225, 225, 225);
+const FAINT: RGBColor = RGBColor(225, 225, 225);
 const FRONT: RGBColor = RGBColor(255, 236, 170);
 
 /// Horizontal axis of a chart.
@@ -204,27 +204,7 @@ fn plot<B: DrawingBackend>(
     let (_, area) = root.split_vertically(92);
     // Beside the plot: no corner of it is free in every chart.
     let (area, beside) = area.split_horizontally(SIZE.0 - LEGEND_WIDTH);
-    let mut context = ChartBuilder::on(&area)
-        .margin_right(28)
-        .margin_left(26)
-        .margin_bottom(12)
-        .x_label_area_size(64)
-        .y_label_area_size(74)
-        .build_cartesian_2d(x, y)?;
-    context
-        .configure_mesh()
-        .x_desc(unit)
-        .y_desc(of_measure)
-        .x_labels(11)
-        .y_labels(9)
-        .x_label_formatter(&|value| tick(*value))
-        .y_label_formatter(&|value| tick(*value))
-        .bold_line_style(FAINT)
-        .light_line_style(TRANSPARENT)
-        .axis_style(RGBColor(150, 150, 150))
-        .label_style(text(20.0, INK))
-        .axis_desc_style(text(22.0, INK))
-        .draw()?;
+    let mut context = axes(&area, (x, y), (unit, of_measure))?;
 
     let mut best: Vec<(f64, f64)> = best_of(curves);
     best.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -367,8 +347,42 @@ fn path_tracer_points(chart: &Chart) -> usize {
     chart.path_tracer.first().map_or(0, |record| record.points)
 }
 
+/// A chart whose axes are both logarithmic.
+type LogContext<'a, B> = ChartContext<'a, B, Cartesian2d<LogAxis, LogAxis>>;
+
+/// Both axes with their names and numbers, and the lines across.
+pub(super) fn axes<'a, B: DrawingBackend>(
+    area: &DrawingArea<B, Shift>,
+    (x, y): (LogAxis, LogAxis),
+    (along, upwards): (&str, &str),
+) -> Result<LogContext<'a, B>, DrawingAreaErrorKind<B::ErrorType>> {
+    let text = |size: f64| (family(), size).into_font().color(&INK);
+    let mut context = ChartBuilder::on(area)
+        .margin_right(28)
+        .margin_left(26)
+        .margin_bottom(12)
+        .x_label_area_size(64)
+        .y_label_area_size(74)
+        .build_cartesian_2d(x, y)?;
+    context
+        .configure_mesh()
+        .x_desc(along)
+        .y_desc(upwards)
+        .x_labels(11)
+        .y_labels(9)
+        .x_label_formatter(&|value| tick(*value))
+        .y_label_formatter(&|value| tick(*value))
+        .bold_line_style(FAINT)
+        .light_line_style(TRANSPARENT)
+        .axis_style(RGBColor(150, 150, 150))
+        .label_style(text(20.0))
+        .axis_desc_style(text(22.0))
+        .draw()?;
+    Ok(context)
+}
+
 /// A number at an axis: 0.05, 20, 1 M.
-pub(super) fn tick(value: f64) -> String {
+fn tick(value: f64) -> String {
     let scaled = |value: f64, unit: &str| format!("{}{unit}", (1e3 * value).round() / 1e3);
     match value {
         value if value >= 0.9e6 => scaled(value / 1e6, " M"),

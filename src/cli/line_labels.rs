@@ -11,23 +11,13 @@ use plotters::style::{IntoFont, TextStyle, WHITE};
 use selflink::font::family;
 use selflink::format;
 use selflink::photometry::Unit;
-use selflink::picture::LineLabel;
+use selflink::picture::{LABEL_RIM, LineLabel};
 
 /// Height of the letters, pixels.
 const HEIGHT: f64 = 14.0;
 /// A value is written so many times as large and then averaged, so that it can be turned.
 const FINE: u32 = 3;
-/// Where the dark rim of the letters lies, pixels, and how dark it is.
-const RIM: [Vec2; 8] = [
-    vec2(-1.3, 0.0),
-    vec2(1.3, 0.0),
-    vec2(0.0, -1.3),
-    vec2(0.0, 1.3),
-    vec2(-0.9, -0.9),
-    vec2(0.9, -0.9),
-    vec2(-0.9, 0.9),
-    vec2(0.9, 0.9),
-];
+/// How dark the rim of the letters is.
 const RIM_OPACITY: f32 = 0.8;
 
 /// Writes them, white with a dark rim, so that they can be read over bright and dark.
@@ -44,7 +34,7 @@ pub fn draw(picture: &mut RgbaImage, labels: &[LineLabel], unit: Unit) -> anyhow
             for x in limit(label.at.x - reach, width)..limit(label.at.x + reach + 1.0, width) {
                 let aside = vec2(x as f32 + 0.5, y as f32 + 0.5) - label.at;
                 let place = vec2(aside.dot(along), aside.dot(down));
-                let rim = RIM.iter().map(|by| written.cover(place + *by)).fold(0.0, f32::max);
+                let rim = LABEL_RIM.iter().map(|by| written.cover(place + Vec2::from(*by))).fold(0.0, f32::max);
                 let letters = written.cover(place);
                 let Rgba([r, g, b, opacity]) = *picture.get_pixel(x, y);
                 let mixed = [r, g, b].map(|channel| {

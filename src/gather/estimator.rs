@@ -169,12 +169,7 @@ impl Field {
         let of_ends = mix(place.seed, 1 + part as u64);
         let read = |seen: &mut Seen, met: &Met, weight: f32, index: u32| {
             let number = number * MOST_ENDS + index;
-            let path = Path {
-                seed: mix(of_ends, number.into()),
-                length: 0,
-                throughput: Vec3::splat(weight),
-                is_beyond: false,
-            };
+            let path = Path::start(mix(of_ends, number.into()), Vec3::splat(weight));
             let (mut change, mut rays) = (Vec3::ZERO, 0);
             let sent = self.follow(met, place.point, path, &mut |followed| match followed {
                 Followed::Cast(more) => rays += more,

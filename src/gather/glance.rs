@@ -90,6 +90,13 @@ pub(super) struct Path {
     pub is_beyond: bool,
 }
 
+impl Path {
+    /// The path where the first ray ended, of which so much arrives.
+    pub fn start(seed: u64, throughput: Vec3) -> Self {
+        Self { seed, length: 0, throughput, is_beyond: false }
+    }
+}
+
 /// What is told of light that is followed.
 pub(super) enum Followed<'a> {
     /// So many rays were cast.
@@ -198,7 +205,7 @@ impl Field {
 
     /// What a place reflects towards a point, W/m².
     fn sent_back(&self, met: &Met, from: Vec3, seed: u64) -> Vec3 {
-        self.follow(met, from, Path { seed, length: 0, throughput: Vec3::ONE, is_beyond: false }, &mut |_| {})
+        self.follow(met, from, Path::start(seed, Vec3::ONE), &mut |_| {})
     }
 
     /// What a place reflects towards a point, W/m²: as the field says, unless it is too coarse for that; then light is followed

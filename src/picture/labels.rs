@@ -17,6 +17,10 @@ const CELL: f32 = 40.0;
 /// A line is straight enough where its value is met along the label within this many pixels.
 const STRAIGHT: f32 = 4.0;
 
+/// Where the dark rim of a written value lies, pixels from its letters: x to the right, y downwards.
+pub const LABEL_RIM: [[f32; 2]; 8] =
+    [[-1.3, 0.0], [1.3, 0.0], [0.0, -1.3], [0.0, 1.3], [-0.9, -0.9], [0.9, -0.9], [-0.9, 0.9], [0.9, 0.9]];
+
 /// A place for the value of a line.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LineLabel {

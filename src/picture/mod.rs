@@ -21,7 +21,7 @@ mod sights;
 pub use develop::{FalseColours, Shading, ground};
 pub use filter::{Filter, Share};
 pub use gathered::{GatheredPicture, Layers, LayersAt, PixelLight, Start};
-pub use labels::LineLabel;
+pub use labels::{LABEL_RIM, LineLabel};
 pub use lens::Lens;
 pub use light::{Light, Tiles};
 pub use sights::{Sight, Sights};

@@ -6,7 +6,7 @@ use plotters::prelude::*;
 use super::{PictureChart, PictureKind, PictureRecord};
 use crate::chart::DrawError;
 use crate::chart::axis::LogAxis;
-use crate::chart::draw::{COLOURS, FAINT, INK, LEGEND_WIDTH, SIZE, tick};
+use crate::chart::draw::{COLOURS, INK, LEGEND_WIDTH, SIZE, axes};
 use crate::font::family;
 
 /// What is drawn over the seconds.
@@ -112,27 +112,8 @@ fn plot<B: DrawingBackend>(
     root.draw(&Text::new(about, (90, 62), text(19.0, RGBColor(110, 110, 110))))?;
     let (_, area) = root.split_vertically(92);
     let (area, beside) = area.split_horizontally(SIZE.0 - LEGEND_WIDTH);
-    let mut context = ChartBuilder::on(&area)
-        .margin_right(28)
-        .margin_left(26)
-        .margin_bottom(12)
-        .x_label_area_size(64)
-        .y_label_area_size(74)
-        .build_cartesian_2d(x, y)?;
-    context
-        .configure_mesh()
-        .x_desc("seconds from the start to the finished picture")
-        .y_desc(metric.axis())
-        .x_labels(11)
-        .y_labels(9)
-        .x_label_formatter(&|value| tick(*value))
-        .y_label_formatter(&|value| tick(*value))
-        .bold_line_style(FAINT)
-        .light_line_style(TRANSPARENT)
-        .axis_style(RGBColor(150, 150, 150))
-        .label_style(text(20.0, INK))
-        .axis_desc_style(text(22.0, INK))
-        .draw()?;
+    let of_axes = ("seconds from the start to the finished picture", metric.axis());
+    let mut context = axes(&area, (x, y), of_axes)?;
     let mut legend_y = 30;
     let mut legend = |name: String, style: ShapeStyle| {
         beside.draw(&PathElement::new([(14, legend_y), (54, legend_y)], style))?;
