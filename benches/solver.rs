@@ -18,7 +18,7 @@ use selflink::geometry::Occluders;
 use selflink::random::mix;
 use selflink::reference::random_points_on;
 use selflink::scene::{Scene, builtin::BuiltinScene};
-use selflink::solver::{Epsilon, Solver, SolverParams};
+use selflink::solve::{Epsilon, Solver, SolverParams};
 
 /// Segments that are traced in one go.
 const SEGMENTS: usize = 100_000;

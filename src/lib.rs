@@ -25,7 +25,7 @@
 //!
 //! A cluster has no normal: to the oracle it is a volume of randomly turned faces, whose cosine is ¼ on average, so a form factor
 //! between two clusters carries 1/16 (\[2\]). What a link then carries is found by pairs of points on its ends, or by that
-//! same model ([`solver::ClusterModel`]). Parts of faces that lie hidden inside of things are no area ([`geometry::Reachability`]). At any time there is a picture: links that still wait to be judged count as they are, so
+//! same model ([`transport::ClusterModel`]). Parts of faces that lie hidden inside of things are no area ([`geometry::Reachability`]). At any time there is a picture: links that still wait to be judged count as they are, so
 //! the first picture, which the root's self-link alone makes, is there at once, and later ones sharpen.
 //!
 //! # Symbols and units
@@ -60,8 +60,9 @@
 //! | [`ceiling`], [`added_light`] | where a lamp goes; light that a person adds |
 //! | [`mod@reference`] | a truth to measure by: path-traced irradiance, beside the solver and without its code |
 //! | [`hierarchy`] | the tree of elements and the ways to build its clusters |
+//! | [`transport`] | links: oracle, refinement, push and pull, light moved over them; what a coarser threshold merges back |
 //! | [`gather`] | light at any point over what the links know, with its standard error; the certificate |
-//! | [`solver`] | oracle, refinement, gather over links, snapshots, statistics; every parameter ([`solver::PARAMETERS`]) |
+//! | [`solve`] | what a solve is at and what comes next, snapshots, timeline, statistics; every parameter ([`solve::PARAMETERS`]) |
 //! | [`tone`] | from W/m² to colours: exposure, tone curve, gamma |
 //! | [`probe`], [`survey`], [`export`] | values at points on surfaces; at probes and on a work plane; the lit mesh as PLY or GLB, links as CSV, pictures in W/m² as EXR, settings as JSON |
 //! | [`accuracy`] | how far a solution is from the truth: closed forms, error against a reference |
@@ -82,7 +83,7 @@
 //!
 //! use selflink::cancel::CancelToken;
 //! use selflink::scene::{Sides, builtin::BuiltinScene};
-//! use selflink::solver::{Epsilon, Solver, SolverParams};
+//! use selflink::solve::{Epsilon, Solver, SolverParams};
 //!
 //! let scene = BuiltinScene::Cornell.build();
 //! let (scene, occluders) = selflink::geometry::orient::apply(scene, Sides::Front);
@@ -92,7 +93,7 @@
 //! let snapshot = solver.snapshot();
 //! assert!(snapshot.stats.converged);
 //! println!("{} links light {} patches", snapshot.stats.links, snapshot.stats.patches);
-//! # Ok::<(), selflink::solver::SolverError>(())
+//! # Ok::<(), selflink::solve::SolverError>(())
 //! ```
 //!
 //! # Bibliography
@@ -143,11 +144,12 @@ pub mod reference;
 #[cfg(feature = "gui")]
 pub mod render;
 pub mod scene;
-pub mod solver;
+pub mod solve;
 pub mod stability;
 pub mod start_view;
 pub mod survey;
 pub mod tables;
 mod threads;
 pub mod tone;
+pub mod transport;
 pub mod worker;

@@ -1,7 +1,7 @@
 //! Probing: irradiance and radiosity at points on surfaces, interpolated as the picture shows them.
 //!
 //! Both come from vertex values (a vertex is the weighted mean of the leaves around it) by the barycentric weights of the
-//! triangle that holds the point. Imports `solver::snapshot`.
+//! triangle that holds the point. Imports `solve::snapshot`.
 
 use std::time::Duration;
 
@@ -12,7 +12,7 @@ use obvhs::bvh2::Bvh2;
 use obvhs::bvh2::builder::build_bvh2_from_tris;
 use obvhs::triangle::Triangle;
 
-use crate::solver::Mesh;
+use crate::solve::Mesh;
 
 /// A point farther than this share of the scene's size (the diagonal of its box) from every surface lies on none.
 const TOLERANCE: f32 = 1e-3;

@@ -14,7 +14,7 @@ use crate::accuracy::{ErrorMeter, ScatteredField, SolutionError};
 use crate::cancel::CancelToken;
 use crate::reference::{Cache, ReferenceRun, random_points};
 use crate::scene::Scene;
-use crate::solver::{Mesh, Snapshot};
+use crate::solve::{Mesh, Snapshot};
 use crate::threads::{half_pool, lock};
 
 /// Noise at which a reference is good enough, relative RMS.

@@ -1,10 +1,10 @@
-//! From radiosity in W/m² to a colour on the screen: exposure, filmic tone curve, gamma. Imports `solver::snapshot`.
+//! From radiosity in W/m² to a colour on the screen: exposure, filmic tone curve, gamma. Imports `solve::snapshot`.
 //!
 //! Exposure: the log-average key of Reinhard et al., "Photographic Tone Reproduction for Digital Images", SIGGRAPH 2002.
 //! Tone curve: the rational fit to the ACES filmic curve of K. Narkowicz, "ACES Filmic Tone Mapping Curve", 2015, per channel.
 
 use crate::photometry::weighted;
-use crate::solver::snapshot::Snapshot;
+use crate::solve::snapshot::Snapshot;
 
 /// Exposed log-average luminance of a well exposed picture, before the tone curve. Photography's 0.18 is the key of a landscape;
 /// rooms are mostly pale walls.
@@ -142,8 +142,8 @@ mod tests {
     use super::*;
     use crate::hierarchy::ElementId;
     use crate::scene::MaterialId;
-    use crate::solver::snapshot::{Leaf, Mesh};
-    use crate::solver::stats::Stats;
+    use crate::solve::snapshot::{Leaf, Mesh};
+    use crate::solve::stats::Stats;
 
     /// Leaves by area, radiosity and irradiance, grey.
     fn snapshot(leaves: &[(f32, f32, f32)]) -> Snapshot {

@@ -11,7 +11,7 @@ use selflink::random::mix;
 use selflink::reference::{SurfacePoint, Tracer};
 use selflink::scene::builtin::BuiltinScene;
 use selflink::scene::{CameraPose, GroupId, Scene, Sides};
-use selflink::solver::{Solver, SolverParams};
+use selflink::solve::{Solver, SolverParams};
 use selflink::tone::{encode_gamma, tone_curve};
 
 const SIZE: [u32; 2] = [32, 24];

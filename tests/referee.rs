@@ -9,7 +9,7 @@ use selflink::referee::{Measurement, Referee};
 use selflink::reference::{Cache, ReferenceRun, random_points};
 use selflink::scene::builtin::BuiltinScene;
 use selflink::scene::{Scene, Sides};
-use selflink::solver::{Epsilon, Snapshot, Solver, SolverParams};
+use selflink::solve::{Epsilon, Snapshot, Solver, SolverParams};
 
 const PATIENCE: Duration = Duration::from_secs(60);
 

@@ -13,7 +13,7 @@ use selflink::render::{
     power_colour, tone_curve,
 };
 use selflink::scene::{CameraPose, MaterialId};
-use selflink::solver::{ClusterBox, Leaf, Mesh, Snapshot, Stats};
+use selflink::solve::{ClusterBox, Leaf, Mesh, Snapshot, Stats};
 
 /// One device for all tests: software ones take all cores anyway.
 static DEVICE: Mutex<Option<Offscreen>> = Mutex::new(None);

@@ -8,7 +8,7 @@ use std::sync::Arc;
 use glam::Vec3;
 use selflink::render::{Camera, Display, Exposure, Frame, Overlay, SceneRenderer, sample_count};
 use selflink::scene::CameraPose;
-use selflink::solver::{Mesh, Snapshot, Stats};
+use selflink::solve::{Mesh, Snapshot, Stats};
 
 const SIDE: u32 = 64;
 

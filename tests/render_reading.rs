@@ -13,7 +13,7 @@ use selflink::render::{
     Camera, ColourScale, Display, Exposure, Isolines, Offscreen, Overlay, Ramp, Reading, RenderError, Spacing,
 };
 use selflink::scene::{CameraPose, MaterialId};
-use selflink::solver::{Leaf, Mesh, Snapshot, Stats};
+use selflink::solve::{Leaf, Mesh, Snapshot, Stats};
 
 const SIZE: u32 = 201;
 

@@ -10,7 +10,7 @@ use selflink::cancel::CancelToken;
 use selflink::probe::Probe;
 use selflink::scene::builtin::BuiltinScene;
 use selflink::scene::{Scene, Sides};
-use selflink::solver::{Epsilon, Snapshot, Solver, SolverParams};
+use selflink::solve::{Epsilon, Snapshot, Solver, SolverParams};
 use selflink::survey::{LitMesh, Ray, Report, Surveyor, WorkPlane};
 
 const PATIENCE: Duration = Duration::from_secs(60);

@@ -16,7 +16,7 @@ use std::time::{Duration, Instant};
 use dice::Dice;
 use selflink::scene::Source;
 use selflink::scene::builtin::BuiltinScene;
-use selflink::solver::{ClusteringMode, Epsilon, Phase, Reconstruct, SolverParams};
+use selflink::solve::{ClusteringMode, Epsilon, Phase, Reconstruct, SolverParams};
 use selflink::worker::{Command, Event, Look, RunState, SolverThread, Status};
 
 const PATIENCE: Duration = Duration::from_secs(120);

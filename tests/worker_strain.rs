@@ -14,7 +14,8 @@ use dice::Dice;
 use glam::Vec3;
 use selflink::scene::builtin::BuiltinScene;
 use selflink::scene::{Luminaire, LuminaireForm, LuminaireShape, MaterialId, Sides, Source};
-use selflink::solver::{ClusterModel, ClusteringMode, Epsilon, OracleKind, Push, Reconstruct, SolverParams};
+use selflink::solve::{ClusteringMode, Epsilon, Reconstruct, SolverParams};
+use selflink::transport::{ClusterModel, OracleKind, Push};
 use selflink::worker::{Command, Event, Look, RunState, SolverThread};
 
 /// Commands where nobody asks for more.

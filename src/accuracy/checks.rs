@@ -7,7 +7,7 @@ use super::locate::locate;
 use crate::cancel::CancelToken;
 use crate::geometry::Occluders;
 use crate::reference::{ReferenceRun, SurfacePoint, random_points_on};
-use crate::solver::{Solver, SolverError, SolverParams};
+use crate::solve::{Solver, SolverError, SolverParams};
 
 /// A value and how far it may be off.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -5,7 +5,7 @@ use rayon::prelude::*;
 
 use crate::photometry::weighted;
 use crate::probe::Probe;
-use crate::solver::{Mesh, Snapshot};
+use crate::solve::{Mesh, Snapshot};
 
 /// Differences are relative to the former's luminance, but to no less than this share of its mean:
 /// where next to no light is, any is many times as much.
@@ -93,7 +93,7 @@ mod tests {
     use super::*;
     use crate::hierarchy::ElementId;
     use crate::scene::MaterialId;
-    use crate::solver::{Leaf, Stats};
+    use crate::solve::{Leaf, Stats};
 
     /// A square of side 1 at z = 0 in n × n quads, lit by a function of x.
     fn lit(n: usize, light: impl Fn(f32) -> f32) -> Snapshot {

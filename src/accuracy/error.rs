@@ -17,7 +17,7 @@ use super::locate::{Place, locate};
 use super::spread;
 use crate::gather::{Field, NOISE};
 use crate::reference::{Reference, SurfacePoint};
-use crate::solver::{Mesh, Snapshot};
+use crate::solve::{Mesh, Snapshot};
 
 /// Points darker than this share of the RMS radiosity count as that bright in local errors:
 /// relative to nothing, all is wrong.

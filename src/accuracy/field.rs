@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use rustc_hash::FxHashMap;
 
 use crate::reference::SurfacePoint;
-use crate::solver::Mesh;
+use crate::solve::Mesh;
 
 /// A vertex takes the values of so many points at most, the nearest.
 const NEAREST: usize = 4;
@@ -83,7 +83,7 @@ fn vertex_normals(mesh: &Mesh) -> Vec<Vec3> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::solver::Leaf;
+    use crate::solve::Leaf;
 
     /// Two squares back to back: each takes the values of its own points only, and one without
     /// points knows nothing.

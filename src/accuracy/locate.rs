@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use glam::Vec3;
 
 use crate::reference::SurfacePoint;
-use crate::solver::{Mesh, barycentric};
+use crate::solve::{Mesh, barycentric};
 
 /// A point's triangle and its barycentric weights there.
 #[derive(Clone, Copy, Debug)]

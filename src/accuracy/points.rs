@@ -4,7 +4,7 @@ use glam::Vec3;
 
 use crate::reference::SurfacePoint;
 use crate::scene::Scene;
-use crate::solver::Mesh;
+use crate::solve::Mesh;
 
 /// How far from its vertex towards the middle of a triangle a point lies: at the vertex itself the
 /// next wall may begin.

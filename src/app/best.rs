@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use crate::solver::{Phase, Snapshot};
+use crate::solve::{Phase, Snapshot};
 use crate::worker::SceneInfo;
 
 /// The last finished picture, and the scene with its lamps and materials that it shows.

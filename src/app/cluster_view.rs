@@ -7,7 +7,8 @@ use glam::Vec3;
 use super::highlight::Highlight;
 use crate::hierarchy::ElementId;
 use crate::render::{ApartMesh, ClusterParts, ClusterView, Line, Marks};
-use crate::solver::{Anatomy, Mesh, Snapshot};
+use crate::solve::{Mesh, Snapshot};
+use crate::transport::Anatomy;
 
 /// Serials of what is painted here start with this; no solve comes near it.
 const FIRST_SERIAL: u64 = 1 << 62;
@@ -135,7 +136,7 @@ mod tests {
     use crate::cancel::CancelToken;
     use crate::geometry::Occluders;
     use crate::scene::builtin::BuiltinScene;
-    use crate::solver::{Epsilon, Solver, SolverParams};
+    use crate::solve::{Epsilon, Solver, SolverParams};
 
     fn snapshot() -> Arc<Snapshot> {
         let scene = Arc::new(BuiltinScene::Cornell.build());

@@ -10,7 +10,7 @@ use crate::referee::{Measurement, Referee, Report};
 use crate::reference::Cache;
 use crate::render::{BLUE_WHITE_RED, VIRIDIS, along_ramp};
 use crate::scene::Scene;
-use crate::solver::{Epsilon, Snapshot, SolverParams};
+use crate::solve::{Epsilon, Snapshot, SolverParams};
 
 /// Points of a reference that a person may choose.
 pub(super) const POINTS: std::ops::RangeInclusive<usize> = 250..=16_000;

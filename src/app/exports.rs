@@ -22,7 +22,7 @@ use crate::export::{LitMesh, MeshFormat, exr, links};
 use crate::picture::GatheredPicture;
 use crate::render::{Frame, Offscreen, Overlay, Pixels, RenderError, auto_exposure, developed};
 use crate::scene::Scene;
-use crate::solver::Snapshot;
+use crate::solve::Snapshot;
 
 /// Size of a picture that is to be written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

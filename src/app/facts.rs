@@ -5,7 +5,8 @@ use glam::Vec3;
 use crate::hierarchy::{ElementId, Shape};
 use crate::photometry;
 use crate::scene::{Material, Scene};
-use crate::solver::{Anatomy, Snapshot};
+use crate::solve::Snapshot;
+use crate::transport::Anatomy;
 
 /// An element in numbers.
 #[derive(Clone, Debug)]

@@ -8,7 +8,7 @@ use super::Wake;
 use super::comparison::Shading;
 use super::paint::Beside;
 use crate::accuracy::{Contrast, contrast};
-use crate::solver::{Snapshot, SolverParams};
+use crate::solve::{Snapshot, SolverParams};
 
 /// What the view shows while a solution is kept.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

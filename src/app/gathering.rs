@@ -14,7 +14,7 @@ use crate::cancel::CancelToken;
 use crate::gather::Field;
 use crate::picture::{GatheredPicture, Start};
 use crate::render::{Camera, Display, Pixels, Reading, developed};
-use crate::solver::{Snapshot, USUAL_ERROR};
+use crate::solve::{Snapshot, USUAL_ERROR};
 use crate::threads::lock;
 
 /// What is to be painted: another one of these is another picture.

@@ -10,6 +10,8 @@ use crate::survey::Ray;
 const ARROW: f32 = 64.0;
 /// Side of the square at the tip that takes the pointer, points.
 const GRIP: f32 = 24.0;
+/// Side of a square along the shaft that does, points.
+const SHAFT_GRIP: f32 = 14.0;
 /// An arrow that is shorter than this, points, points at the eye: it cannot be dragged.
 const SHORTEST: f32 = 14.0;
 /// Part of the unit of length by which an axis is projected.
@@ -57,11 +59,7 @@ pub(super) fn show(app: &mut App, ui: &Ui, rect: Rect) {
             continue;
         }
         let tip = middle + arrow;
-        let grip = ui.interact(
-            Rect::from_center_size(tip, vec2(GRIP, GRIP)),
-            ui.scope_id().with(name),
-            Sense::click_and_drag(),
-        );
+        let grip = take_hold(ui, name, middle, tip);
         grip.widget_info(|| egui::WidgetInfo::labeled(egui::accesskit::Role::Slider, true, name));
         let is_held = grip.dragged() || grip.hovered();
         draw_arrow(&painter, middle, tip, letter, if is_held { Color32::WHITE } else { colour });
@@ -83,6 +81,19 @@ pub(super) fn show(app: &mut App, ui: &Ui, rect: Rect) {
         let _ = grip.on_hover_cursor(egui::CursorIcon::Grab).on_hover_text(name);
     }
     painter.circle(middle, 4.0, Color32::WHITE, Stroke::new(1.0, Color32::BLACK));
+}
+
+/// What takes the pointer of an arrow: its tip, and squares along its shaft, away from the middle where the arrows meet.
+fn take_hold(ui: &Ui, name: &str, middle: Pos2, tip: Pos2) -> egui::Response {
+    let take = |at: Pos2, side: f32, number: usize| {
+        let id = ui.scope_id().with((name, number));
+        ui.interact(Rect::from_center_size(at, vec2(side, side)), id, Sense::click_and_drag())
+    };
+    let count = ((tip - middle).length() / SHAFT_GRIP) as usize;
+    let along = |number: usize| tip + (number as f32 / count as f32) * (middle - tip);
+    let shaft = (1..=count * 2 / 3).map(|number| take(along(number), SHAFT_GRIP, number));
+    // The tip lies above the shaft.
+    shaft.collect::<Vec<_>>().into_iter().fold(take(tip, GRIP, 0), |all, part| all | part)
 }
 
 fn show_outline(app: &App, painter: &Painter, outline: &[Vec3]) {

@@ -5,7 +5,7 @@
 
 use crate::hierarchy::{ElementId, Hierarchy};
 use crate::render::{Line, element_outline};
-use crate::solver::Anatomy;
+use crate::transport::Anatomy;
 
 /// An element or a link that is pointed at.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -8,7 +8,8 @@ use super::facts::Facts;
 use crate::hierarchy::ElementId;
 use crate::names::Names;
 use crate::scene::Scene;
-use crate::solver::{Anatomy, LinkView, Snapshot};
+use crate::solve::Snapshot;
+use crate::transport::{Anatomy, LinkView};
 
 /// While the solution moves on, an inspection may take this share of the time, so that a large one does not hold up the window.
 const BUSY_SHARE: u32 = 8;

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use crate::solver::Snapshot;
+use crate::solve::Snapshot;
 use crate::worker::{Command, Look};
 
 /// Each step stays in view for this long while they are played, unless its picture takes longer.

@@ -5,7 +5,8 @@ use super::inspection::Inspection;
 use super::settings::{LinkOverlay, LinksOf};
 use crate::hierarchy::ElementId;
 use crate::render::{ChosenLinks, Line, Marks, picked_marks};
-use crate::solver::{Anatomy, Snapshot};
+use crate::solve::Snapshot;
+use crate::transport::Anatomy;
 
 /// Marks, and what they were made of.
 #[derive(Default)]

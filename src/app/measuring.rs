@@ -9,7 +9,7 @@ use super::save_dialog::SaveDialog;
 use crate::photometry::{Quantity, weighted};
 use crate::render::{ColourScale, Isolines, Ramp, Reading, Spacing};
 use crate::scene::{Scene, TaskArea};
-use crate::solver::Snapshot;
+use crate::solve::Snapshot;
 use crate::survey::{NamedReading, PlaneReading, Probed, Ray, Report, Surveyor, WorkPlane, write_plane, write_probes};
 
 /// Maintained illuminance of a task area for writing and reading (EN 12464-1), lx.
@@ -109,11 +109,20 @@ impl Measuring {
         self.plane = WorkPlane::for_scene(scene);
         (self.draws_area, self.drawn) = (false, None);
         (self.target, self.least_uniformity) = (USUAL_TARGET, USUAL_UNIFORMITY);
-        if let Some(TaskArea { corners, height, average_lux, uniformity }) = scene.task_area {
-            self.plane.height = height;
-            self.plane.set_area(corners, scene.up_axis());
-            (self.target, self.least_uniformity) = (average_lux, uniformity);
+        if scene.task_area.is_some() {
+            self.set_task_area(scene.task_area, scene.up_axis());
         }
+    }
+
+    /// Sets the task area with what it asks for; without one the whole plane counts.
+    pub(super) fn set_task_area(&mut self, area: Option<TaskArea>, up: Vec3) {
+        let Some(TaskArea { corners, height, average_lux, uniformity }) = area else {
+            self.plane.area = None;
+            return;
+        };
+        self.plane.height = height;
+        self.plane.set_area(corners, up);
+        (self.target, self.least_uniformity) = (average_lux, uniformity);
     }
 
     /// The task area with what it asks for, if one was drawn.

@@ -9,7 +9,7 @@ use glam::Vec2;
 
 use crate::photometry::weighted;
 use crate::render::{Camera, auto_exposure, exposure_of_seen};
-use crate::solver::Snapshot;
+use crate::solve::Snapshot;
 use crate::worker::SceneInfo;
 
 /// Rays in each direction of the view.

@@ -63,7 +63,7 @@ use crate::added_light::AddedLight;
 use crate::format;
 use crate::hierarchy::ElementId;
 use crate::scene::{CameraPose, Reading, Source};
-use crate::solver::{Snapshot, SolverParams};
+use crate::solve::{Snapshot, SolverParams};
 use crate::worker::{Command, Event, RunState, SceneInfo, SolverThread, Status};
 use appearance::Appearance;
 use best::BestPicture;

@@ -8,7 +8,7 @@ use std::sync::mpsc::Sender;
 use egui_wgpu::{CallbackResources, CallbackTrait, RenderState, ScreenDescriptor};
 
 use crate::render::{self, Camera, Display, Frame, Marks, Overlay, Pixels, RenderError, SceneRenderer};
-use crate::solver::Snapshot;
+use crate::solve::Snapshot;
 
 /// What one picture shows.
 #[derive(Clone)]

@@ -8,7 +8,8 @@ use rustc_hash::FxHashMap;
 
 use crate::hierarchy::ElementId;
 use crate::render::pick;
-use crate::solver::{Anatomy, Snapshot};
+use crate::solve::Snapshot;
+use crate::transport::Anatomy;
 
 /// A patch or cluster, and how it was found.
 pub(super) struct PickedElement {

@@ -1,7 +1,7 @@
 //! What is read off the surfaces in view: kept while neither the snapshot nor the settings change, since a range looks at all leaves.
 
 use crate::render::{Reading, ReadingSettings};
-use crate::solver::Snapshot;
+use crate::solve::Snapshot;
 
 /// The reading of the snapshot in view.
 #[derive(Default)]

@@ -5,7 +5,7 @@ use glam::Vec3;
 use super::picked::PickedElement;
 use super::{App, LATER, dock, inspection, viewport};
 use crate::hierarchy::ElementId;
-use crate::solver::Snapshot;
+use crate::solve::Snapshot;
 
 impl App {
     /// Finds the picked element in a newer snapshot.

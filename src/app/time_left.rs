@@ -2,7 +2,7 @@
 
 use std::time::{Duration, Instant};
 
-use crate::solver::{Phase, Snapshot, SolverParams, Stats};
+use crate::solve::{Phase, Snapshot, SolverParams, Stats};
 use crate::worker::RunState;
 
 /// Progress must have gone so far before it is extrapolated.
@@ -128,7 +128,7 @@ mod tests {
     fn the_bar_never_goes_back_and_tells_what_is_left() {
         let params = SolverParams::usual();
         let stats = |progress, total| {
-            let seconds = crate::solver::Seconds { total, ..Default::default() };
+            let seconds = crate::solve::Seconds { total, ..Default::default() };
             Stats { phase: Phase::Refine, progress, seconds, ..Stats::default() }
         };
         let mut course = Course::default();

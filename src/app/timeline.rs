@@ -3,7 +3,7 @@
 use egui::{Align, Layout, Rect, Response, Sense, Ui, pos2, vec2};
 
 use super::{App, format, theme, words};
-use crate::solver::{MomentInfo, MomentKind};
+use crate::solve::{MomentInfo, MomentKind};
 
 /// Height of the bar, points.
 const HEIGHT: f32 = 30.0;

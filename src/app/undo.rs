@@ -1,4 +1,4 @@
-//! Undo and redo of settings: the solver's parameters, the display, lamps and materials.
+//! Undo and redo of settings: the solver's parameters, the display, lamps and materials, the task area.
 //!
 //! A drag of a slider is one step, however many values it passes: what is set is looked at when the pointer and all keys are
 //! let go. The camera and what is picked are no settings.
@@ -8,7 +8,8 @@ use egui::{Button, Context, Key, KeyboardShortcut, Modifiers, Ui};
 use super::lighting::Lighting;
 use super::settings::DisplaySettings;
 use super::{App, Outbox, words};
-use crate::solver::SolverParams;
+use crate::scene::TaskArea;
+use crate::solve::SolverParams;
 use crate::worker::Command;
 
 /// Steps that are remembered.
@@ -23,6 +24,7 @@ pub(super) struct Undoable {
     params: SolverParams,
     display: DisplaySettings,
     lighting: Lighting,
+    task_area: Option<TaskArea>,
 }
 
 impl Undoable {
@@ -34,6 +36,8 @@ impl Undoable {
             "luminaires"
         } else if self.lighting != other.lighting {
             "lamps and materials"
+        } else if self.task_area != other.task_area {
+            "the task area"
         } else {
             "the display"
         }
@@ -88,7 +92,12 @@ impl History {
 impl App {
     /// All that can be undone, as it stands.
     pub(super) fn undoable(&self) -> Undoable {
-        Undoable { params: self.params, display: self.display.clone(), lighting: self.light.lighting.clone() }
+        Undoable {
+            params: self.params,
+            display: self.display.clone(),
+            lighting: self.light.lighting.clone(),
+            task_area: self.measuring.task_area(),
+        }
     }
 
     fn undo(&mut self, outbox: &mut Outbox) {
@@ -102,7 +111,7 @@ impl App {
     }
 
     fn restore(&mut self, settings: Option<Undoable>, outbox: &mut Outbox) {
-        let Some(Undoable { params, display, lighting }) = settings else { return };
+        let Some(Undoable { params, display, lighting, task_area }) = settings else { return };
         if params != self.params {
             outbox.push(Command::SetParams(params));
         }
@@ -110,6 +119,11 @@ impl App {
         // The worker is told of luminaires at the end of the frame.
         self.light.lighting = lighting;
         (self.params, self.display) = (params, display);
+        if task_area != self.measuring.task_area()
+            && let Some(info) = &self.shown.info
+        {
+            self.measuring.set_task_area(task_area, info.scene.up_axis());
+        }
     }
 }
 
@@ -169,7 +183,7 @@ mod tests {
 
     fn with_level(cluster_level: u16) -> Undoable {
         let display = DisplaySettings { cluster_level, ..DisplaySettings::default() };
-        Undoable { params: SolverParams::default(), display, lighting: Lighting::default() }
+        Undoable { params: SolverParams::default(), display, lighting: Lighting::default(), task_area: None }
     }
 
     /// Truth: a list of what was set, walked back and forth; a new change ends what could be redone.

@@ -13,7 +13,7 @@ use super::{App, Outbox, divider, gizmo, line_labels, measure_marks, panels, the
 use crate::geometry::Occluders;
 use crate::render::{Camera, Display, Exposure, Marks};
 use crate::scene::{CameraPose, Scene};
-use crate::solver::USUAL_ERROR;
+use crate::solve::USUAL_ERROR;
 use crate::survey::Ray;
 use crate::worker::SceneInfo;
 

@@ -10,7 +10,7 @@ use super::pareto::front;
 use super::record::{Chart, PathTracerRecord, RunRecord};
 use crate::accuracy::SolutionError;
 use crate::font::family;
-use crate::solver::Push;
+use crate::transport::Push;
 
 /// Size of a picture, pixels.
 pub const SIZE: (u32, u32) = (1200, 800);

@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use crate::accuracy::{LocalError, SolutionError};
-use crate::solver::{Bytes, Seconds, SolverParams};
+use crate::solve::{Bytes, Seconds, SolverParams};
 
 /// One scene's runs.
 #[derive(Clone, Debug, Serialize)]

@@ -13,10 +13,8 @@ use crate::cancel::CancelToken;
 use crate::geometry::Occluders;
 use crate::reference::Reference;
 use crate::scene::Scene;
-use crate::solver::{
-    ClusterModel, ClusteringMode, Epsilon, OracleKind, Push, Reconstruct, Solver, SolverError, SolverParams,
-    USUAL_ERROR,
-};
+use crate::solve::{ClusteringMode, Epsilon, Reconstruct, Solver, SolverError, SolverParams, USUAL_ERROR};
+use crate::transport::{ClusterModel, OracleKind, Push};
 
 /// The path tracer computes as many points as the display mesh of a solve with this ε has vertices.
 const EPSILON_OF_POINTS: f64 = 1e-3;

@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use super::record::{Chart, RunRecord};
-use crate::solver::SolverParams;
+use crate::solve::SolverParams;
 
 /// The chart as CSV: a row for each run, with every parameter, then one for each state of the path
 /// tracer.

@@ -6,7 +6,7 @@ use anyhow::anyhow;
 use selflink::cancel::CancelToken;
 use selflink::picture::{GatheredPicture, Start};
 use selflink::render::Camera;
-use selflink::solver::USUAL_ERROR;
+use selflink::solve::USUAL_ERROR;
 
 use super::job::{Job, Solution, start_timer};
 

@@ -13,7 +13,7 @@ use selflink::export::settings::Settings;
 use selflink::geometry::Occluders;
 use selflink::prepare;
 use selflink::scene::{Scene, Source};
-use selflink::solver::{Snapshot, Solver, Stats, Step};
+use selflink::solve::{Snapshot, Solver, Stats, Step};
 
 use super::options;
 use super::progress::Progress;

@@ -6,7 +6,7 @@ use selflink::cancel::CancelToken;
 use selflink::hierarchy::Room;
 use selflink::matrix::{Colouring, Drawing, draw};
 use selflink::names::Names;
-use selflink::solver::{Snapshot, Solver, Step};
+use selflink::solve::{Snapshot, Solver, Step};
 
 use super::job::{Job, Order};
 use super::options::{self, path, path_arg};

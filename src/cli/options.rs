@@ -16,10 +16,8 @@ use selflink::hierarchy::ClusteringMode;
 use selflink::memory::MemoryBudget;
 use selflink::scene::outside::{Daylight, SkyKind, SkyTold, SunTold};
 use selflink::scene::{Reading, Sides, Source, Unit, UpAxis, builtin::BuiltinScene};
-use selflink::solver::{
-    ClusterModel, Epsilon, OracleKind, PARAMETERS, Parameter, ParameterId, Push, Reconstruct, SolverParams,
-    USUAL_ERROR, ValueKind,
-};
+use selflink::solve::{Epsilon, PARAMETERS, Parameter, ParameterId, Reconstruct, SolverParams, USUAL_ERROR, ValueKind};
+use selflink::transport::{ClusterModel, OracleKind, Push};
 
 /// More threads than any machine has cores for.
 const MOST_THREADS: u32 = 1024;

@@ -11,7 +11,7 @@ use selflink::chart::{
     picture_table,
 };
 use selflink::render::{Camera, Display, Exposure, Offscreen, Overlay};
-use selflink::solver::Snapshot;
+use selflink::solve::Snapshot;
 
 use super::chart::{ChartFiles, limit};
 use super::job::{Job, Order};

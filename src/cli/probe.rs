@@ -12,7 +12,7 @@ use rayon::prelude::*;
 use selflink::format::things;
 use selflink::gather::NOISE;
 use selflink::probe::{Probe, Sample};
-use selflink::solver::USUAL_ERROR;
+use selflink::solve::USUAL_ERROR;
 
 use super::job::Order;
 use super::options::{self, path, path_arg};

@@ -10,7 +10,7 @@ use selflink::cancel::CancelToken;
 use selflink::format::{count, seconds, things};
 use selflink::reference::{Cache, Outcome, Reference, ReferenceRun, SurfacePoint, Target, compute, random_points};
 use selflink::scene::Scene;
-use selflink::solver::ParameterId;
+use selflink::solve::ParameterId;
 
 use super::job::{Job, Order};
 use super::options::{self, path, path_arg};

@@ -15,7 +15,7 @@ use selflink::render::{
     Offscreen, Overlay, ReadingSettings, auto_exposure, by_clusters, developed, pick, picked_marks,
 };
 use selflink::scene::{CameraPose, FiledCamera, Scene};
-use selflink::solver::{Anatomy, LinkView};
+use selflink::transport::{Anatomy, LinkView};
 
 use super::gathered::{PictureOf, gather};
 use super::job::{Order, Solution};

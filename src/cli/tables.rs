@@ -10,7 +10,7 @@ use anyhow::{anyhow, bail};
 use clap::{Arg, ArgAction, ArgMatches, Command};
 use rayon::ThreadPool;
 use selflink::format::seconds;
-use selflink::solver::ParameterId;
+use selflink::solve::ParameterId;
 use selflink::tables::{Claim, Effort, Lab, Part, Report, Truth, Verdict, claims_markdown};
 
 use super::job::pool;

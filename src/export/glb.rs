@@ -187,7 +187,7 @@ mod tests {
     use super::*;
     use crate::hierarchy::ElementId;
     use crate::scene::{Material, MaterialId, load_file};
-    use crate::solver::{Leaf, Mesh};
+    use crate::solve::{Leaf, Mesh};
 
     fn square() -> Mesh {
         let leaf = |material| Leaf {

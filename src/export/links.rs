@@ -5,7 +5,7 @@ use std::io::{self, Write};
 use rayon::prelude::*;
 
 use crate::hierarchy::{ElementId, Hierarchy, Shape};
-use crate::solver::{Anatomy, Evidence, Link};
+use crate::transport::{Anatomy, Evidence, Link};
 
 /// The columns; [`LinkRow`] says what they hold.
 const COLUMNS: &str = "receiver,receiver_kind,receiver_polygon,receiver_area_m2,source,source_kind,source_polygon,source_area_m2,\

@@ -18,7 +18,7 @@ use std::path::{Path, PathBuf};
 use glam::DVec3;
 
 use crate::scene::{Material, Scene};
-use crate::solver::{Mesh, Snapshot};
+use crate::solve::{Mesh, Snapshot};
 use crate::tone;
 
 /// A file name whose extension says no format.

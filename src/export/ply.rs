@@ -57,7 +57,7 @@ pub fn write(writer: &mut impl Write, lit: &LitMesh<'_>) -> io::Result<()> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::solver::Mesh;
+    use crate::solve::Mesh;
     use crate::tone::{encode_gamma, tone_curve};
 
     /// Truth: the format's definition, byte for byte, for one triangle.

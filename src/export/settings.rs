@@ -12,8 +12,8 @@ use serde_json::Value;
 use crate::added_light::AddedLight;
 use crate::scene::builtin::BuiltinScene;
 use crate::scene::{FiledCamera, Reading, Source};
-use crate::solver::params::ParamsError;
-use crate::solver::{SolverParams, USUAL_ERROR};
+use crate::solve::params::ParamsError;
+use crate::solve::{SolverParams, USUAL_ERROR};
 
 /// Everything that decides a solution, and from where it was looked at.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -132,7 +132,7 @@ mod tests {
     use crate::added_light::CeilingLight;
     use crate::scene::outside::Daylight;
     use crate::scene::{FiledLuminaire, LuminaireShape, Unit, UpAxis};
-    use crate::solver::{ClusteringMode, Epsilon};
+    use crate::solve::{ClusteringMode, Epsilon};
 
     fn read(text: &str) -> Result<Settings, String> {
         let folder = tempfile::tempdir().expect("a folder");

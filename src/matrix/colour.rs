@@ -3,7 +3,7 @@
 
 use crate::hierarchy::{ElementId, Hierarchy};
 use crate::ramp::{VIRIDIS, along_ramp};
-use crate::solver::{Anatomy, Evidence, LinkView};
+use crate::transport::{Anatomy, Evidence, LinkView};
 
 /// Quantity that the colour of a block stands for.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]

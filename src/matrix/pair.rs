@@ -1,7 +1,7 @@
 //! Elements and link at a place of the matrix.
 
 use crate::hierarchy::{ElementId, Room};
-use crate::solver::{Anatomy, LinkView};
+use crate::transport::{Anatomy, LinkView};
 
 /// The pair at a place, and the link that serves it.
 #[derive(Clone, Debug)]

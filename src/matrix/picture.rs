@@ -17,7 +17,7 @@ use crate::format;
 use crate::hierarchy::Room;
 use crate::names::Names;
 use crate::scene::Scene;
-use crate::solver::Anatomy;
+use crate::transport::Anatomy;
 
 /// Room around the square, pixels: title and names above, names at the left, air at the right,
 /// legend below.

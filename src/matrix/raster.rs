@@ -7,7 +7,7 @@
 use super::colour::{EMPTY, Palette, Tone, light};
 use crate::cancel::CancelToken;
 use crate::hierarchy::Room;
-use crate::solver::Anatomy;
+use crate::transport::Anatomy;
 
 /// Blocks with shorter sides than this have no gap around them, pixels.
 const GAP_FROM: f32 = 7.0;
@@ -200,7 +200,7 @@ mod tests {
     use crate::hierarchy::Hierarchy;
     use crate::matrix::{Colouring, pair_at};
     use crate::scene::{GroupId, Scene};
-    use crate::solver::{Epsilon, Solver, SolverParams, Step};
+    use crate::solve::{Epsilon, Solver, SolverParams, Step};
 
     /// A closed cube that nothing stands in; its ceiling shines.
     fn cube() -> Scene {

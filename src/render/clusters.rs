@@ -9,7 +9,7 @@ use glam::Vec3;
 
 use crate::hierarchy::{Element, ElementId, Hierarchy, Shape};
 use crate::random::mix;
-use crate::solver::snapshot::{ClusterBox, Mesh, Snapshot};
+use crate::solve::snapshot::{ClusterBox, Mesh, Snapshot};
 
 /// How the clusters of a level are shown.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -302,7 +302,7 @@ mod tests {
     use crate::render::{Camera, Display, Offscreen, Overlay};
     use crate::scene::Scene;
     use crate::scene::builtin::BuiltinScene;
-    use crate::solver::{ClusteringMode, Epsilon, Solver, SolverParams};
+    use crate::solve::{ClusteringMode, Epsilon, Solver, SolverParams};
 
     fn solved(name: &str, clustering: ClusteringMode) -> (Arc<Scene>, Snapshot) {
         let scene = Arc::new(BuiltinScene::from_name(name).expect("ours").build());

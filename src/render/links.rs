@@ -11,7 +11,7 @@ use super::overlay::{Line, power_colour};
 use crate::format;
 use crate::hierarchy::ElementId;
 use crate::ramp::{VIRIDIS, along_ramp};
-use crate::solver::{Anatomy, Evidence, LinkView};
+use crate::transport::{Anatomy, Evidence, LinkView};
 
 /// As many links as can still be told apart.
 pub const USUAL_LINKS: usize = 200;

@@ -7,8 +7,8 @@ use glam::Vec3;
 use super::outline::{box_edges, element_outline};
 use crate::hierarchy::ElementId;
 use crate::ramp::{VIRIDIS, along_ramp};
-use crate::solver::Anatomy;
-use crate::solver::snapshot::{ClusterBox, Mesh};
+use crate::solve::snapshot::{ClusterBox, Mesh};
+use crate::transport::Anatomy;
 
 /// What to draw over the picture.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -115,7 +115,7 @@ pub fn picked_marks(anatomy: &Anatomy, element: ElementId) -> Vec<Line> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::solver::snapshot::Leaf;
+    use crate::solve::snapshot::Leaf;
 
     fn two_leaves() -> Mesh {
         let leaf = |element| Leaf {

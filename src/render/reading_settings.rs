@@ -6,7 +6,7 @@ use super::reading::{ColourScale, Isolines, Reading, Spacing};
 use crate::format;
 use crate::photometry::{Quantity, Unit};
 use crate::ramp::Ramp;
-use crate::solver::snapshot::Snapshot;
+use crate::solve::snapshot::Snapshot;
 
 /// What colours the surfaces.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]

@@ -13,7 +13,7 @@ use super::target::Target;
 use super::underlay::Underlay;
 use super::{Camera, Display, MAX_SIZE, Marks, Overlay, RenderError, auto_exposure};
 use crate::photometry::Quantity;
-use crate::solver::snapshot::{ClusterBox, Mesh, Snapshot};
+use crate::solve::snapshot::{ClusterBox, Mesh, Snapshot};
 
 /// Samples per pixel where drawing is cheap.
 pub(super) const SAMPLES: u32 = 4;

@@ -13,7 +13,8 @@ use crate::geometry::Occluders;
 use crate::hierarchy::ClusteringMode;
 use crate::random::{even_point, mix};
 use crate::scene::{GroupId, Scene};
-use crate::solver::{ClusterModel, Push, SolverError, SolverParams};
+use crate::solve::{SolverError, SolverParams};
+use crate::transport::{ClusterModel, Push};
 
 pub(super) fn rows() -> Vec<Row> {
     vec![

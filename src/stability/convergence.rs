@@ -15,7 +15,8 @@ use crate::cancel::CancelToken;
 use crate::geometry::Occluders;
 use crate::hierarchy::{ClusteringMode, ElementId};
 use crate::scene::{GroupId, Scene};
-use crate::solver::{ClusterModel, Epsilon, Solver, SolverError, SolverParams, audit, power_balance};
+use crate::solve::{Epsilon, Solver, SolverError, SolverParams, power_balance};
+use crate::transport::{ClusterModel, audit};
 
 pub(super) fn rows() -> Vec<Row> {
     vec![
@@ -74,7 +75,9 @@ fn divergence() -> Result<Vec<Check>, SolverError> {
                     if model == ClusterModel::Isotropic && !(is_clustered && epsilon == 1e-2) {
                         continue;
                     }
-                    let found = audit(&solve(&scene, SolverParams { cluster_model: model, ..params(mode, epsilon) })?);
+                    let found = audit(
+                        solve(&scene, SolverParams { cluster_model: model, ..params(mode, epsilon) })?.link_solution(),
+                    );
                     let what = format!("{name}, {mode:?}, {model:?}, ε = {epsilon:e}");
                     // f32 sums of many links.
                     let at_most_one =

@@ -10,7 +10,8 @@ use crate::accuracy::cases::{lamp_and_black, level, upright};
 use crate::accuracy::closed_forms::{Span, closed_room, parallel_exchange, perpendicular_exchange};
 use crate::hierarchy::{ClusteringMode, Hierarchy};
 use crate::scene::{GroupId, Scene};
-use crate::solver::{Exchange, SolverError, SolverParams, audit, exchange};
+use crate::solve::{SolverError, SolverParams};
+use crate::transport::{Exchange, audit, exchange};
 
 const UNIT: Span = [0.0, 1.0];
 
@@ -102,7 +103,7 @@ fn row_sums() -> Result<Vec<Check>, SolverError> {
     let mut checks = Vec::new();
     for mode in MODES {
         for epsilon in [1.0, 1e-3] {
-            let rows = audit(&solve(&empty_room(0.5, 1.0), params(mode, epsilon))?).rows;
+            let rows = audit(solve(&empty_room(0.5, 1.0), params(mode, epsilon))?.link_solution()).rows;
             let far = |row: &f64| (row - 1.0).abs();
             let worst = rows.iter().copied().max_by(|a, b| far(a).total_cmp(&far(b))).unwrap_or(f64::NAN);
             let check = Check::near(format!("{mode:?}, ε = {epsilon:e}"), 1.0, worst, 0.01);

@@ -7,7 +7,7 @@ use super::scenes::lamp_room;
 use super::{Check, Row};
 use crate::hierarchy::ClusteringMode;
 use crate::scene::Scene;
-use crate::solver::{Solver, SolverError};
+use crate::solve::{Solver, SolverError};
 
 pub(super) fn rows() -> Vec<Row> {
     vec![

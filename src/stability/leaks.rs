@@ -11,7 +11,7 @@ use crate::accuracy::cases::{Case, lamp_and_black, level, point};
 use crate::accuracy::closed_forms::{Span, parallel_exchange, point_to_polygon};
 use crate::geometry::orient;
 use crate::scene::{GroupId, MaterialId, Scene, Sides};
-use crate::solver::{ClusteringMode, Solver, SolverError, SolverParams};
+use crate::solve::{ClusteringMode, Solver, SolverError, SolverParams};
 
 pub(super) fn rows() -> Vec<Row> {
     vec![

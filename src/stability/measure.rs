@@ -8,7 +8,7 @@ use crate::cancel::CancelToken;
 use crate::geometry::Occluders;
 use crate::hierarchy::{ElementId, Hierarchy, Shape};
 use crate::scene::Scene;
-use crate::solver::{ClusteringMode, Epsilon, Solver, SolverError, SolverParams};
+use crate::solve::{ClusteringMode, Epsilon, Solver, SolverError, SolverParams};
 
 /// Every way to build clusters.
 pub const MODES: [ClusteringMode; 4] =

@@ -10,7 +10,7 @@ use super::{Check, Row};
 use crate::accuracy::cases::{self, level};
 use crate::hierarchy::{ClusteringMode, smooth_surfaces};
 use crate::scene::{GroupId, Polygon, Scene};
-use crate::solver::{Solver, SolverError};
+use crate::solve::{Solver, SolverError};
 
 pub(super) fn rows() -> Vec<Row> {
     vec![

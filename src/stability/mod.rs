@@ -20,7 +20,7 @@ pub mod scenes;
 
 use serde::Serialize;
 
-use crate::solver::SolverError;
+use crate::solve::SolverError;
 
 /// One way to fail.
 pub struct Row {

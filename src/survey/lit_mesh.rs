@@ -6,7 +6,7 @@ use glam::Vec3;
 
 use crate::geometry::Occluders;
 use crate::scene::Scene;
-use crate::solver::{Leaf, Mesh, Snapshot, barycentric};
+use crate::solve::{Leaf, Mesh, Snapshot, barycentric};
 
 /// A point farther than this share of the scene's size from every surface lies on none.
 const TOLERANCE: f32 = 1e-3;

@@ -16,7 +16,8 @@ use crate::photometry::lux;
 use crate::random::{cosine_direction, even_point, mix};
 use crate::reference::point_on_polygon;
 use crate::scene::{Polygon, Scene};
-use crate::solver::{Snapshot, point_to_polygon};
+use crate::solve::Snapshot;
+use crate::transport::point_to_polygon;
 
 /// Rays by which a point looks around itself: reflected light of a room comes out within a percent.
 const RAYS: u32 = 512;
@@ -253,7 +254,7 @@ mod tests {
     use crate::cancel::CancelToken;
     use crate::geometry::Occluders;
     use crate::scene::GroupId;
-    use crate::solver::{Solver, SolverParams};
+    use crate::solve::{Solver, SolverParams};
     use crate::stability::scenes::add_box;
 
     fn lit(scene: Scene) -> LitMesh {

@@ -17,7 +17,7 @@ use super::lit_mesh::{LitMesh, SurfaceReading};
 use super::plane::{Measuring, PlaneReading};
 use crate::cancel::CancelToken;
 use crate::scene::Scene;
-use crate::solver::Snapshot;
+use crate::solve::Snapshot;
 use crate::threads::{half_pool, lock};
 
 /// While meshes change, making them ready for rays takes this share of the time at most, as one

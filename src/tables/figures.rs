@@ -14,7 +14,8 @@ use crate::render::{
     BLUE_WHITE_RED, Camera, Display, Exposure, Offscreen, Overlay, RenderError, along_ramp, auto_exposure,
 };
 use crate::scene::{Scene, builtin::BuiltinScene};
-use crate::solver::{ClusteringMode, Push, Snapshot, SolverParams};
+use crate::solve::{ClusteringMode, Snapshot, SolverParams};
+use crate::transport::Push;
 
 const COLUMNS: [Column; 5] = [Column::Time, Column::Patches, Column::Links, Column::Rms, Column::Median];
 /// Pixels between the two pictures of a pair.

@@ -13,7 +13,8 @@ use crate::geometry::Occluders;
 use crate::geometry::orient;
 use crate::reference::{Cache, Reference, ReferenceRun, Target, compute, random_points};
 use crate::scene::{Scene, builtin::BuiltinScene};
-use crate::solver::{Epsilon, Evidence, Snapshot, Solver, SolverParams, Stats};
+use crate::solve::{Epsilon, Snapshot, Solver, SolverParams, Stats};
+use crate::transport::Evidence;
 
 /// Seed of the reference's points and paths, the same as the solver's default.
 const SEED: u64 = 1;
@@ -240,7 +241,7 @@ impl<'a> Lab<'a> {
             return Err(left_out(format!("not finished within {cap} s"), Some(cap)));
         }
         let stats = solver.stats();
-        let rays = |link: &crate::solver::Link| match link.evidence() {
+        let rays = |link: &crate::transport::Link| match link.evidence() {
             Evidence::Rays(rays) | Evidence::Clear(rays) => Some(u32::from(rays)),
             Evidence::None | Evidence::Inherited => None,
         };

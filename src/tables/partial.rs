@@ -9,7 +9,7 @@ use super::report::{Report, Table};
 use super::table1;
 use crate::format::{count, number};
 use crate::scene::builtin::BuiltinScene;
-use crate::solver::{Epsilon, SolverParams};
+use crate::solve::{Epsilon, SolverParams};
 
 /// ε_partial/ε, with what the tables call it.
 const FACTORS: [(f64, &str); 5] =

@@ -5,7 +5,8 @@ use super::columns::{Column, percent, records, table, times};
 use super::lab::{Lab, Run, with_epsilon};
 use super::report::{Report, Table};
 use super::{Part, paper};
-use crate::solver::{ClusteringMode, Push, SolverParams};
+use crate::solve::{ClusteringMode, SolverParams};
+use crate::transport::Push;
 
 const COLUMNS: [Column; 5] = [Column::Time, Column::Patches, Column::Links, Column::Rms, Column::Median];
 const RULE: &str = "cost: confirmed up to 7.5 %, better up to 2.5 %";

@@ -11,7 +11,7 @@ use super::report::{Report, Table};
 use super::{scale_text, table1};
 use crate::format::{count, number};
 use crate::scene::builtin::BuiltinScene;
-use crate::solver::{ClusteringMode, SolverParams};
+use crate::solve::{ClusteringMode, SolverParams};
 
 const COLUMNS: [Column; 7] =
     [Column::Polygons, Column::Time, Column::Patches, Column::Pairs, Column::Links, Column::Rays, Column::Memory];

@@ -9,7 +9,7 @@ use super::report::Table;
 use crate::format::{bytes, count, number, quantity};
 use crate::hierarchy::Element;
 use crate::scene::Polygon;
-use crate::solver::Link;
+use crate::transport::Link;
 
 /// Polygons of the forecast.
 const SIZES: [(f64, &str); 3] = [(1e7, "10⁷"), (1e8, "10⁸"), (1e9, "10⁹")];

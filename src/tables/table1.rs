@@ -8,7 +8,8 @@ use super::lab::{Lab, LeftOut, Room, Run, with_epsilon};
 use super::report::{Report, Table};
 use super::{Part, paper};
 use crate::format::{count, number, quantity};
-use crate::solver::{ClusterModel, ClusteringMode, SolverParams};
+use crate::solve::{ClusteringMode, SolverParams};
+use crate::transport::ClusterModel;
 
 const COLUMNS: [Column; 8] = [
     Column::Time,

@@ -7,7 +7,7 @@ use super::lab::{Lab, LeftOut, Room, Run, with_epsilon};
 use super::report::{Report, Table};
 use super::{Part, paper, table1};
 use crate::format::{bytes, count, number, quantity};
-use crate::solver::{ClusteringMode, SolverParams};
+use crate::solve::{ClusteringMode, SolverParams};
 
 const COLUMNS: [Column; 10] = [
     Column::Time,

@@ -29,7 +29,7 @@ use crate::added_light::AddedLight;
 use crate::geometry::Occluders;
 use crate::scene::outside::Daylight;
 use crate::scene::{GroupMember, Kept, Luminaire, MaterialId, Reading, Scene, Source};
-use crate::solver::{MeshError, MomentInfo, Snapshot, SolverParams};
+use crate::solve::{MeshError, MomentInfo, Snapshot, SolverParams};
 use crate::threads::lock;
 pub use stamp::FileStamp;
 

@@ -15,7 +15,7 @@ use super::pacing::Pacing;
 use super::stage::MaterialEdit;
 use super::task::{Away, Change, Changed, Task};
 use super::{Command, ErrorOfMesh, Event, Look, Message, RunState, Shared, Status};
-use crate::solver::{MomentInfo, Solver, SolverParams};
+use crate::solve::{MomentInfo, Solver, SolverParams};
 use crate::threads::lock;
 
 /// The thread's ends of its channels.
@@ -310,8 +310,8 @@ impl Session {
         self.send_solver(Task::Change(Box::new(move |solver| {
             let Some(mut solver) = solver else { return Changed { solver, outcome: Ok(Change::InPlace) } };
             match solver.set_params(params) {
-                Ok(true) => Changed { solver: Some(solver), outcome: Ok(Change::InPlace) },
-                Ok(false) => match solver.rebuilt(params, generation) {
+                Ok(cost) if !cost.is_rebuilt() => Changed { solver: Some(solver), outcome: Ok(Change::InPlace) },
+                Ok(_) => match solver.rebuilt(params, generation) {
                     Ok(rebuilt) => Changed { solver: Some(rebuilt), outcome: Ok(Change::Replaced) },
                     Err(error) => Changed { solver: Some(solver), outcome: Err(error.to_string()) },
                 },

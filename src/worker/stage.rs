@@ -15,7 +15,7 @@ use crate::scene::{
     GroupMember, Kept, Luminaire, MAX_EMISSION, MAX_SIDECAR_REFLECTANCE, Material, MaterialId, Reading, Sidecar,
     SidecarError, Source,
 };
-use crate::solver::{ClusteringMode, Solver};
+use crate::solve::{ClusteringMode, Solver};
 
 /// A change of one material.
 #[derive(Clone, Copy, Debug)]

@@ -15,7 +15,7 @@ use rayon::ThreadPool;
 use super::loader::panic_message;
 use super::{Look, Message};
 use crate::cancel::CancelToken;
-use crate::solver::{MeshError, Snapshot, Solver, Step};
+use crate::solve::{MeshError, Snapshot, Solver, Step};
 
 /// What a solver is sent to do.
 pub(super) enum Task {

@@ -9,7 +9,7 @@ use selflink::geometry::orient;
 use selflink::reference::{Reference, ReferenceRun, SurfacePoint, random_points_on};
 use selflink::scene::builtin::BuiltinScene;
 use selflink::scene::{GroupId, MaterialId, Scene, Sides};
-use selflink::solver::{Solver, SolverParams};
+use selflink::solve::{Solver, SolverParams};
 use selflink::stability::scenes::add_box;
 
 use super::dice::Dice;

@@ -8,7 +8,7 @@ use selflink::geometry::orient;
 use selflink::reference::{Reference, ReferenceRun, SurfacePoint};
 use selflink::scene::Sides;
 use selflink::scene::builtin::BuiltinScene;
-use selflink::solver::{Solver, SolverParams};
+use selflink::solve::{Solver, SolverParams};
 
 use super::mitsuba_figures::{Known, known, on_scene};
 

@@ -9,7 +9,7 @@ use selflink::cancel::CancelToken;
 use selflink::geometry::{Occluders, orient};
 use selflink::reference::{Reference, ReferenceRun, SurfacePoint, random_points, random_points_on};
 use selflink::scene::{GroupId, MaterialId, Scene, Sides};
-use selflink::solver::{Solver, SolverParams};
+use selflink::solve::{Solver, SolverParams};
 use selflink::stability::matrix::{self, Fineness};
 use selflink::stability::scenes::add_box;
 

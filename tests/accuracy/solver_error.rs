@@ -9,7 +9,8 @@ use selflink::geometry::orient;
 use selflink::reference::{ReferenceRun, random_points};
 use selflink::scene::Sides;
 use selflink::scene::builtin::BuiltinScene;
-use selflink::solver::{ClusteringMode, Epsilon, Push, Solver, SolverParams};
+use selflink::solve::{ClusteringMode, Epsilon, Solver, SolverParams};
+use selflink::transport::Push;
 
 /// What must fall.
 #[derive(Clone, Copy)]

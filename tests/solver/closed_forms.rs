@@ -11,7 +11,8 @@ use selflink::geometry::Occluders;
 use selflink::hierarchy::{ClusteringMode, ElementId, Hierarchy, Shape};
 use selflink::random::mix;
 use selflink::scene::{GroupId, Scene};
-use selflink::solver::{ClusterModel, Exchange, Solver, SolverParams, exchange, point_to_polygon};
+use selflink::solve::{Solver, SolverParams};
+use selflink::transport::{ClusterModel, Exchange, exchange, point_to_polygon};
 
 use super::support::{MODES, add_box, empty_room, furnished_room, leaves, links, params, received, solve};
 

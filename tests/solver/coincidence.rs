@@ -11,7 +11,7 @@ use selflink::geometry::orient;
 use selflink::hierarchy::ClusteringMode;
 use selflink::probe::Probe;
 use selflink::scene::{GroupId, MaterialId, Scene, Sides};
-use selflink::solver::{Epsilon, Reconstruct, Snapshot, Solver, SolverParams};
+use selflink::solve::{Epsilon, Reconstruct, Snapshot, Solver, SolverParams};
 
 use super::support::{MODES, add_box, empty_room, params};
 

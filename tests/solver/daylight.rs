@@ -10,7 +10,7 @@ use selflink::hierarchy::ClusteringMode;
 use selflink::reference::{SurfacePoint, Tracer};
 use selflink::scene::outside::{Daylight, Outside, SUN_RADIUS};
 use selflink::scene::{GroupId, MaterialId, Scene};
-use selflink::solver::{Solver, SolverParams, power_balance};
+use selflink::solve::{Solver, SolverParams, power_balance};
 
 use super::support::{leaves, params, solve, with_threads};
 

@@ -6,7 +6,8 @@ use selflink::cancel::CancelToken;
 use selflink::hierarchy::ClusteringMode;
 use selflink::scene::builtin::BuiltinScene;
 use selflink::scene::{GroupId, Scene};
-use selflink::solver::{Link, Push, Solver, SolverParams, Step};
+use selflink::solve::{Solver, SolverParams, Step};
+use selflink::transport::{Link, Push};
 
 use super::support::{
     LinkBits, MODES, difference, furnished_room, is_sound, lamp_room, links, params, radiosity_bits, solve, solver,

@@ -6,7 +6,8 @@ use selflink::cancel::CancelToken;
 use selflink::geometry::Occluders;
 use selflink::hierarchy::ElementId;
 use selflink::scene::Scene;
-use selflink::solver::{Link, Solver, SolverParams};
+use selflink::solve::{Solver, SolverParams};
+use selflink::transport::Link;
 
 pub use selflink::stability::measure::{MODES, deviation, difference, is_sound, leaves, params, received};
 pub use selflink::stability::scenes::{add_box, empty_room, furnished_room, lamp_room};

@@ -11,7 +11,7 @@ use proptest::test_runner::TestCaseError;
 use selflink::geometry::{Occluders, orient};
 use selflink::hierarchy::ClusteringMode;
 use selflink::scene::{GroupId, MaterialId, Scene, Sides};
-use selflink::solver::{Epsilon, SolverParams};
+use selflink::solve::{Epsilon, SolverParams};
 use selflink::stability::matrix::{self, Fineness};
 use selflink::stability::measure::of_polygons;
 use selflink::stability::scenes::add_box;

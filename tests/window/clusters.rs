@@ -5,7 +5,7 @@ use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
 use selflink::app::{App, words};
 use selflink::scene::GroupMember;
-use selflink::solver::{ClusteringMode, SolverParams};
+use selflink::solve::{ClusteringMode, SolverParams};
 
 use super::support::{click, coarse, cornell, finish, picture, share_of_different_pixels, until};
 

@@ -6,7 +6,7 @@ use egui_kittest::kittest::{NodeT, Queryable};
 use image::RgbaImage;
 use selflink::app::{App, words};
 use selflink::scene::builtin::BuiltinScene;
-use selflink::solver::{Epsilon, ParameterId};
+use selflink::solve::{Epsilon, ParameterId};
 
 use crate::support::{click, coarse, cornell, finish, picture, share_of_different_pixels, until};
 

@@ -11,7 +11,7 @@ use egui_kittest::kittest::Queryable;
 use selflink::app::{App, words};
 use selflink::scene::Source;
 use selflink::scene::builtin::BuiltinScene;
-use selflink::solver::{Epsilon, ParameterId, SolverParams};
+use selflink::solve::{Epsilon, ParameterId, SolverParams};
 
 use crate::support::{choose, click, finish, link_choice, until, window_of_size};
 

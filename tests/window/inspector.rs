@@ -5,7 +5,7 @@ use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
 use selflink::app::{App, words};
 use selflink::hierarchy::ElementId;
-use selflink::solver::Anatomy;
+use selflink::transport::Anatomy;
 
 use crate::support::{click, coarse, cornell, finish, link_choice, picture, share_of_different_pixels, until};
 

@@ -4,7 +4,7 @@ use egui::Key;
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
 use selflink::app::{App, words};
-use selflink::solver::{Epsilon, SolverParams};
+use selflink::solve::{Epsilon, SolverParams};
 
 use crate::support::{click, cornell, finish, until};
 
@@ -59,7 +59,7 @@ fn blocks_are_hovered_and_clicked() {
     window.hover_at(at);
     until(&mut window, "no link", |window| window.query_by_label_contains("No link:").is_some());
 
-    let room = |link: &selflink::solver::LinkView| width(link.receiver) * width(link.source);
+    let room = |link: &selflink::transport::LinkView| width(link.receiver) * width(link.source);
     let largest = anatomy.all_links().max_by(|one, other| room(one).total_cmp(&room(other))).expect("links");
     let at = place(&window, middle(largest.source), middle(largest.receiver));
     window.hover_at(at);

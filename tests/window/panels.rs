@@ -8,7 +8,7 @@ use selflink::added_light::{AddedLight, CeilingLight};
 use selflink::app::{App, words};
 use selflink::scene::builtin::BuiltinScene;
 use selflink::scene::{Reading, Source};
-use selflink::solver::{ClusteringMode, Epsilon, ParameterId, SolverParams};
+use selflink::solve::{ClusteringMode, Epsilon, ParameterId, SolverParams};
 use selflink::worker::RunState;
 
 use crate::support::{

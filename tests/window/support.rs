@@ -9,7 +9,7 @@ use selflink::added_light::AddedLight;
 use selflink::app::{App, words};
 use selflink::scene::builtin::BuiltinScene;
 use selflink::scene::{Reading, Source};
-use selflink::solver::{Epsilon, SolverParams};
+use selflink::solve::{Epsilon, SolverParams};
 use selflink::worker::RunState;
 
 const PATIENCE: Duration = Duration::from_secs(60);

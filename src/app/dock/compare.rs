@@ -8,7 +8,7 @@ use serde_json::Value;
 use super::super::comparison::Comparison;
 use super::super::freeze::{Freeze, Frozen, Sides};
 use super::super::{App, format, theme, words};
-use crate::solver::{PARAMETERS, Snapshot, SolverParams, Stats};
+use crate::solve::{PARAMETERS, Snapshot, SolverParams, Stats};
 
 /// Width of the names in a table, points.
 const NAME_WIDTH: f32 = 112.0;
@@ -203,7 +203,7 @@ fn results(frozen: &Frozen, b: &Snapshot, measured: Option<(f64, f64)>, differen
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::solver::{ClusteringMode, Epsilon};
+    use crate::solve::{ClusteringMode, Epsilon};
 
     /// Truth: what was changed, under the names of the panel.
     #[test]

@@ -3,7 +3,7 @@
 use egui::{Rect, Ui, pos2, vec2};
 
 use super::super::theme;
-use crate::solver::{Invalidates, Parameter, ValueKind};
+use crate::solve::{Invalidates, Parameter, ValueKind};
 
 /// Bars of the mark.
 const MOST_BARS: usize = 3;
@@ -50,7 +50,7 @@ pub(super) fn show_mark(ui: &Ui, row: Rect, parameter: &Parameter) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::solver::PARAMETERS;
+    use crate::solve::PARAMETERS;
 
     /// Truth: the parameter's row of costs, which a test of the solver holds to what it does.
     #[test]

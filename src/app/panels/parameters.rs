@@ -6,10 +6,11 @@ use super::super::{format, theme, words};
 use super::costs;
 use crate::memory::MemoryBudget;
 use crate::scene::Sides;
-use crate::solver::{
-    ClusterModel, ClusteringMode, Epsilon, OracleKind, PARAMETERS, Parameter, ParameterId, Push, Reconstruct,
-    SolverParams, Stats, USUAL_ERROR, ValueKind,
+use crate::solve::{
+    ClusteringMode, Epsilon, PARAMETERS, Parameter, ParameterId, Reconstruct, SolverParams, Stats, USUAL_ERROR,
+    ValueKind,
 };
+use crate::transport::{ClusterModel, OracleKind, Push};
 
 /// ε as it stands, in both measures.
 #[derive(Clone, Copy)]

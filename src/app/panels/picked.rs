@@ -10,7 +10,8 @@ use super::super::inspection::Inspection;
 use super::super::{App, format, theme, words};
 use crate::hierarchy::ElementId;
 use crate::scene::Scene;
-use crate::solver::{Anatomy, LinkView, Snapshot};
+use crate::solve::Snapshot;
+use crate::transport::{Anatomy, LinkView};
 
 /// Width of the card, points.
 const WIDTH: f32 = 288.0;

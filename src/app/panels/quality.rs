@@ -4,7 +4,7 @@ use egui::{Button, Ui};
 
 use super::super::{Outbox, Shown, format, theme, words};
 use super::parameters;
-use crate::solver::{ParameterId, SolverParams, Stats, USUAL_ERROR};
+use crate::solve::{ParameterId, SolverParams, Stats, USUAL_ERROR};
 use crate::worker::{Command, RunState};
 
 /// Qualities with the target errors that they stand for.

@@ -4,7 +4,7 @@ use egui::Ui;
 
 use super::super::{Shown, format, theme};
 use crate::gather::Quantiles;
-use crate::solver::Stats;
+use crate::solve::Stats;
 
 /// Draws the section.
 pub(super) fn show(ui: &mut Ui, shown: &Shown) {

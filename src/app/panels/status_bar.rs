@@ -5,7 +5,7 @@ use egui::{Color32, ProgressBar, Ui};
 use super::super::gathering::Painted;
 use super::super::time_left::{Clock, Course, TICK};
 use super::super::{Shown, format, theme, words};
-use crate::solver::{MemoryStop, Phase, Stats};
+use crate::solve::{MemoryStop, Phase, Stats};
 use crate::worker::{ErrorOfMesh, RunState, Status};
 
 /// Least width of the sentence, points: what stands beside it keeps its place while it works.

@@ -27,7 +27,7 @@ use crate::geometry::Occluders;
 use crate::picture::{GatheredPicture, Lens, Shading, Start, ground};
 use crate::reference::{View, ViewPixel, ViewRun};
 use crate::scene::Scene;
-use crate::solver::{Snapshot, Solver, SolverError, SolverParams};
+use crate::solve::{Snapshot, Solver, SolverError, SolverParams};
 use crate::tone::{auto_exposure, decode_gamma, encode_gamma, tone_curve};
 
 /// Keep the paths of the reference's halves and those of the curve apart.

@@ -6,7 +6,7 @@ use std::time::Instant;
 use super::super::task::{Change, Home, Outcome};
 use super::super::{ErrorOfMesh, Event};
 use super::{Drive, Session};
-use crate::solver::{Snapshot, Step};
+use crate::solve::{Snapshot, Step};
 use crate::threads::lock;
 
 impl Session {

@@ -6,7 +6,7 @@ use super::super::super::{App, Outbox, format, theme, words};
 use super::editor::GroupEditor;
 use super::outline::{Fold, ROW_HEIGHT, RowLook, show_head, show_row};
 use crate::scene::{GroupId, GroupTree, RegroupError, Regrouped, Sidecar};
-use crate::solver::ClusteringMode;
+use crate::solve::ClusteringMode;
 use crate::worker::Command;
 
 /// Widths of the columns, points.

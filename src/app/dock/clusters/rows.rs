@@ -3,7 +3,7 @@
 use rustc_hash::FxHashSet;
 
 use crate::hierarchy::{ElementId, Hierarchy, Shape};
-use crate::solver::Anatomy;
+use crate::transport::Anatomy;
 
 /// A row of the tree.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -102,7 +102,7 @@ mod tests {
     use crate::cancel::CancelToken;
     use crate::geometry::Occluders;
     use crate::scene::builtin::BuiltinScene;
-    use crate::solver::{Epsilon, Solver, SolverParams};
+    use crate::solve::{Epsilon, Solver, SolverParams};
 
     fn anatomy() -> Arc<Anatomy> {
         let scene = Arc::new(BuiltinScene::from_name("seminar").expect("ours").build());

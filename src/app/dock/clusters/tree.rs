@@ -13,7 +13,8 @@ use crate::hierarchy::{ElementId, Hierarchy};
 use crate::names::Names;
 use crate::render::cluster_colours;
 use crate::scene::{GroupMember, Scene};
-use crate::solver::{Anatomy, Snapshot};
+use crate::solve::Snapshot;
+use crate::transport::Anatomy;
 
 /// Which power the last column has.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

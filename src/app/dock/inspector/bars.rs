@@ -8,7 +8,7 @@ use super::super::super::inspection::{Direction, Inspection};
 use super::super::super::{format, theme};
 use super::{Subject, Walk, compact};
 use crate::hierarchy::ElementId;
-use crate::solver::LinkView;
+use crate::transport::LinkView;
 
 /// So many have a bar of their own; the others share one.
 const MOST: usize = 6;

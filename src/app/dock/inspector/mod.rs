@@ -15,7 +15,7 @@ use super::super::inspection::{Direction, Inspection};
 use super::super::{App, format, theme, words};
 use crate::hierarchy::{ElementId, Hierarchy};
 use crate::scene::Scene;
-use crate::solver::Anatomy;
+use crate::transport::Anatomy;
 
 /// How the inspector shows links, and where it has been.
 #[derive(Default)]

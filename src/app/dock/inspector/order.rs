@@ -5,7 +5,7 @@ use std::cmp::Ordering;
 use super::super::super::inspection::{Direction, Inspection};
 use super::Subject;
 use super::bars::brought;
-use crate::solver::{Evidence, LinkView};
+use crate::transport::{Evidence, LinkView};
 
 /// A column of the table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -9,7 +9,7 @@ use super::super::super::inspection::{Direction, Inspection};
 use super::super::super::{format, panels, theme};
 use super::order::{Column, Order, over_epsilon, rays, value};
 use super::{Subject, Walk, compact};
-use crate::solver::{Evidence, LinkView};
+use crate::transport::{Evidence, LinkView};
 
 const ROW_HEIGHT: f32 = 17.0;
 const HEADER_HEIGHT: f32 = 20.0;

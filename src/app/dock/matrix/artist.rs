@@ -11,7 +11,7 @@ use super::Look;
 use crate::app::Wake;
 use crate::cancel::CancelToken;
 use crate::matrix::{Facts, Palette, Raster, Request, View, facts, raster};
-use crate::solver::Anatomy;
+use crate::transport::Anatomy;
 
 /// Pixels of a picture of the whole square that fills in while a part of it is moved.
 const PIXELS_OF_WHOLE: usize = 512;

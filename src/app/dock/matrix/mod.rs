@@ -18,7 +18,8 @@ use crate::hierarchy::Room;
 use crate::matrix::{Colouring, Facts, Legend, Palette, Raster, Request, View};
 use crate::names::Names;
 use crate::scene::Scene;
-use crate::solver::{Anatomy, Snapshot};
+use crate::solve::Snapshot;
+use crate::transport::Anatomy;
 use artist::{Artist, Drawn, Order};
 
 /// Colourings with their names and hints, in the order of their switches.

@@ -7,7 +7,7 @@ use super::super::super::{format, theme};
 use super::Looked;
 use crate::hierarchy::ElementId;
 use crate::matrix::Pair;
-use crate::solver::{Evidence, LinkView};
+use crate::transport::{Evidence, LinkView};
 
 /// Draws it.
 pub(super) fn show(ui: &mut Ui, looked: Looked<'_>, pair: &Pair) {

@@ -10,7 +10,7 @@ use egui::{Slider, Ui};
 use super::super::lighting::{Lighting, LuminaireLight};
 use super::super::{Outbox, Shown, format, theme, words};
 use crate::scene::{Luminaire, MaterialId, Scene};
-use crate::solver::{Epsilon, SolverParams};
+use crate::solve::{Epsilon, SolverParams};
 use crate::worker::Command;
 use daylight::DaylightEditor;
 
