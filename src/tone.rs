@@ -166,7 +166,7 @@ mod tests {
             clusters: Arc::default(),
             moment: None,
             field: None,
-            anatomy: None,
+            solution_view: None,
             stats: Stats::default(),
         }
     }

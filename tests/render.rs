@@ -90,7 +90,7 @@ fn snapshot(quads: &[([Vec3; 4], [f32; 3])]) -> Snapshot {
         clusters: Arc::new(Vec::new()),
         moment: None,
         field: None,
-        anatomy: None,
+        solution_view: None,
         stats: Stats::default(),
     }
 }

@@ -37,7 +37,7 @@ fn upper_left(radiosity: [f32; 3], serial: u64, mesh: &Arc<Mesh>) -> Snapshot {
         clusters: Arc::default(),
         moment: None,
         field: None,
-        anatomy: None,
+        solution_view: None,
         stats: Stats::default(),
     }
 }

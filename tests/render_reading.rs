@@ -40,7 +40,7 @@ fn slope() -> Snapshot {
         clusters: Arc::default(),
         moment: None,
         field: None,
-        anatomy: None,
+        solution_view: None,
         stats: Stats::default(),
     }
 }

@@ -282,7 +282,7 @@ impl Dice {
             3 => Command::StepWave,
             4 => Command::Restart,
             5 => Command::Look(Look {
-                anatomy: self.roll(2) == 0,
+                solution_view: self.roll(2) == 0,
                 moment: (self.roll(3) == 0).then(|| self.roll(20) as usize),
             }),
             6 => Command::SetEmission { material: MaterialId(self.roll(9) as u32), emission: glam::Vec3::ONE },

@@ -99,7 +99,7 @@ fn slow_control_comes_back_at_once() {
     disturb(&worker, (&mut waits, &mut dice), "first picture", |worker| worker.latest().is_some());
     disturb(&worker, (&mut waits, &mut dice), "refine", is_phase(Phase::Gather));
     disturb(&worker, (&mut waits, &mut dice), "gather", is_phase(Phase::Done));
-    worker.send(Command::Look(Look { anatomy: true, moment: None }));
+    worker.send(Command::Look(Look { solution_view: true, moment: None }));
     worker.send(Command::SetParams(SolverParams { epsilon: Epsilon::Relative(5e-3), ..params }));
     disturb(&worker, (&mut waits, &mut dice), "anatomy", is_phase(Phase::Done));
     worker.send(Command::Look(Look::default()));

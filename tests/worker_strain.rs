@@ -60,7 +60,7 @@ impl Dice {
             4 => Command::StepWave,
             5 => Command::Restart,
             6 => Command::Look(Look {
-                anatomy: self.roll(2) == 0,
+                solution_view: self.roll(2) == 0,
                 moment: (self.roll(3) == 0).then(|| self.roll(20) as usize),
             }),
             7 => {

@@ -8,7 +8,7 @@ use super::highlight::Highlight;
 use crate::hierarchy::ElementId;
 use crate::render::{ApartMesh, ClusterParts, ClusterView, Line, Marks};
 use crate::solve::{Mesh, Snapshot};
-use crate::transport::Anatomy;
+use crate::transport::SolutionView;
 
 /// Serials of what is painted here start with this; no solve comes near it.
 const FIRST_SERIAL: u64 = 1 << 62;
@@ -42,7 +42,7 @@ struct Painted {
 }
 
 impl ClusterScene {
-    /// Whether anything but the plain picture is asked for; it takes the anatomy of the solution.
+    /// Whether anything but the plain picture is asked for; it takes the solution view of the solution.
     pub(super) fn is_active(&self) -> bool {
         self.coloured || self.explode > 0.0
     }
@@ -53,11 +53,11 @@ impl ClusterScene {
         (self.coloured || explode > 0.0).then_some(ClusterView { level, explode, coloured: self.coloured })
     }
 
-    /// The snapshot as the view shows a level; `None` for the plain picture, while the anatomy has not come, and where no level is to be
+    /// The snapshot as the view shows a level; `None` for the plain picture, while the solution view has not come, and where no level is to be
     /// shown.
     pub(super) fn painted(&mut self, snapshot: &Arc<Snapshot>, level: Option<u16>) -> Option<Arc<Snapshot>> {
         let wanted = level.and_then(|level| Some((level, self.view(level)?)));
-        let (Some((level, view)), Some(anatomy)) = (wanted, &snapshot.anatomy) else {
+        let (Some((level, view)), Some(solution_view)) = (wanted, &snapshot.solution_view) else {
             (self.cut, self.painted) = (None, None);
             return None;
         };
@@ -71,7 +71,7 @@ impl ClusterScene {
         let cut = match self.cut.take().filter(is_cut) {
             Some(cut) => cut,
             None => {
-                let parts = ClusterParts::new(anatomy.hierarchy(), level);
+                let parts = ClusterParts::new(solution_view.hierarchy(), level);
                 let apart = ApartMesh::new(&snapshot.mesh, &parts);
                 Cut { generation: snapshot.generation, level, parts, of_mesh: snapshot.mesh.clone(), apart }
             }
@@ -86,9 +86,9 @@ impl ClusterScene {
     }
 
     /// How far an element lies from its own place in the picture that was painted last.
-    fn offset(&self, anatomy: &Anatomy, id: ElementId) -> Vec3 {
+    fn offset(&self, solution_view: &SolutionView, id: ElementId) -> Vec3 {
         match (&self.cut, &self.painted) {
-            (Some(cut), Some(painted)) => cut.parts.offset_of(anatomy.hierarchy(), id, painted.view.explode),
+            (Some(cut), Some(painted)) => cut.parts.offset_of(solution_view.hierarchy(), id, painted.view.explode),
             _ => Vec3::ZERO,
         }
     }
@@ -100,7 +100,7 @@ impl ClusterScene {
 
     /// The picked element and what is pointed at, where surfaces lie elsewhere than in the scene; links are left out, for their ways would
     /// be none of light's.
-    pub(super) fn marks(&self, anatomy: &Anatomy, picked: Option<ElementId>, highlight: Highlight) -> Marks {
+    pub(super) fn marks(&self, solution_view: &SolutionView, picked: Option<ElementId>, highlight: Highlight) -> Marks {
         let mut lines: Vec<Line> = Vec::new();
         let ends = match highlight {
             Highlight::None => [None; 2],
@@ -108,9 +108,9 @@ impl ClusterScene {
             Highlight::Link { receiver, source } => [Some(receiver), Some(source)],
         };
         for id in picked.into_iter().chain(ends.into_iter().flatten()) {
-            let offset = if anatomy.holds(id) { self.offset(anatomy, id) } else { Vec3::ZERO };
+            let offset = if solution_view.holds(id) { self.offset(solution_view, id) } else { Vec3::ZERO };
             let moved = |point: [f32; 3]| (Vec3::from(point) + offset).to_array();
-            let of_element = Highlight::Element(id).lines(anatomy).into_iter();
+            let of_element = Highlight::Element(id).lines(solution_view).into_iter();
             lines.extend(of_element.map(|line| Line { from: moved(line.from), to: moved(line.to), ..line }));
         }
         lines.into()
@@ -144,7 +144,7 @@ mod tests {
         let params = SolverParams { epsilon: Epsilon::Relative(1e-2), ..SolverParams::default() };
         let mut solver = Solver::new(scene, occluders, params, 1).expect("the parameters are valid");
         assert!(solver.run(&CancelToken::new()));
-        solver.show_anatomy(true);
+        solver.show_solution_view(true);
         Arc::new(solver.snapshot())
     }
 

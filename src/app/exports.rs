@@ -244,10 +244,10 @@ pub(super) fn write_mesh(
     Ok(target.saved(&format::things(snapshot.mesh.triangles.len(), "triangle", "triangles")))
 }
 
-/// Writes the links of a snapshot that carries its anatomy.
+/// Writes the links of a snapshot that carries its solution view.
 pub(super) fn write_links(target: &Target, snapshot: &Arc<Snapshot>) -> Result<String, String> {
-    let anatomy = snapshot.anatomy.as_ref().ok_or("the links are not there yet: try again")?;
-    let rows = links::rows(anatomy);
+    let solution_view = snapshot.solution_view.as_ref().ok_or("the links are not there yet: try again")?;
+    let rows = links::rows(solution_view);
     target.write(|writer| links::write(writer, &rows))?;
     Ok(target.saved(&format::things(rows.len(), "link", "links")))
 }

@@ -6,7 +6,7 @@ use crate::hierarchy::{ElementId, Shape};
 use crate::photometry;
 use crate::scene::{Material, Scene};
 use crate::solve::Snapshot;
-use crate::transport::Anatomy;
+use crate::transport::SolutionView;
 
 /// An element in numbers.
 #[derive(Clone, Debug)]
@@ -19,7 +19,7 @@ pub(super) struct Facts {
     pub group: String,
     /// Area that light can reach, m².
     pub area: f32,
-    /// Levels below the root; `None` while no anatomy is there.
+    /// Levels below the root; `None` while no solution view is there.
     pub depth: Option<u16>,
     /// Subdivision level of a patch below its polygon.
     pub level: Option<u8>,
@@ -37,15 +37,15 @@ pub(super) struct Facts {
 
 impl Facts {
     /// All of any element.
-    pub(super) fn of(anatomy: &Anatomy, scene: &Scene, id: ElementId) -> Self {
-        let hierarchy = anatomy.hierarchy();
+    pub(super) fn of(solution_view: &SolutionView, scene: &Scene, id: ElementId) -> Self {
+        let hierarchy = solution_view.hierarchy();
         let element = hierarchy.element(id);
         let lit = Self {
             area: element.area,
-            depth: Some(anatomy.depth(id)),
-            irradiance: anatomy.irradiance(id),
-            radiosity: anatomy.radiosity(id),
-            emitted: anatomy.emitted(id),
+            depth: Some(solution_view.depth(id)),
+            irradiance: solution_view.irradiance(id),
+            radiosity: solution_view.radiosity(id),
+            emitted: solution_view.emitted(id),
             ..Self::unlit()
         };
         match &element.shape {

@@ -5,7 +5,7 @@
 
 use crate::hierarchy::{ElementId, Hierarchy};
 use crate::render::{Line, element_outline};
-use crate::transport::Anatomy;
+use crate::transport::SolutionView;
 
 /// An element or a link that is pointed at.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -61,11 +61,11 @@ impl Pointing {
 
 impl Highlight {
     /// Lines that mark it in the view; none for what is not there.
-    pub(super) fn lines(self, anatomy: &Anatomy) -> Vec<Line> {
-        let hierarchy = anatomy.hierarchy();
+    pub(super) fn lines(self, solution_view: &SolutionView) -> Vec<Line> {
+        let hierarchy = solution_view.hierarchy();
         match self {
-            Self::Element(id) if anatomy.holds(id) => outline(hierarchy, id, WAY),
-            Self::Link { receiver, source } if anatomy.holds(receiver) && anatomy.holds(source) => {
+            Self::Element(id) if solution_view.holds(id) => outline(hierarchy, id, WAY),
+            Self::Link { receiver, source } if solution_view.holds(receiver) && solution_view.holds(source) => {
                 let centre = |id: ElementId| hierarchy.element(id).centre;
                 let mut lines = outline(hierarchy, receiver, RECEIVER);
                 lines.extend(outline(hierarchy, source, SOURCE));

@@ -9,7 +9,7 @@ use crate::hierarchy::ElementId;
 use crate::names::Names;
 use crate::scene::Scene;
 use crate::solve::Snapshot;
-use crate::transport::{Anatomy, LinkView};
+use crate::transport::{LinkView, SolutionView};
 
 /// While the solution moves on, an inspection may take this share of the time, so that a large one does not hold up the window.
 const BUSY_SHARE: u32 = 8;
@@ -70,7 +70,7 @@ impl Inspection {
         direction: Direction,
     ) -> bool {
         let (generation, serial, moment) = (snapshot.generation, snapshot.serial, snapshot.moment);
-        let has_anatomy = snapshot.anatomy.is_some();
+        let has_anatomy = snapshot.solution_view.is_some();
         let now = MadeOf { generation, serial, moment, has_anatomy, element, direction };
         if self.made_of == Some(now) {
             return false;
@@ -81,11 +81,11 @@ impl Inspection {
         }
         let begun = Instant::now();
         self.links.clear();
-        match snapshot.anatomy.as_ref().filter(|anatomy| anatomy.holds(element)) {
-            Some(anatomy) => {
-                self.name_anew(generation, anatomy, scene);
-                self.facts = Some(Facts::of(anatomy, scene, element));
-                self.links = links(anatomy, element, direction);
+        match snapshot.solution_view.as_ref().filter(|solution_view| solution_view.holds(element)) {
+            Some(solution_view) => {
+                self.name_anew(generation, solution_view, scene);
+                self.facts = Some(Facts::of(solution_view, scene, element));
+                self.links = links(solution_view, element, direction);
             }
             None => self.facts = Facts::of_leaf(snapshot, scene, element),
         }
@@ -94,30 +94,30 @@ impl Inspection {
         false
     }
 
-    fn name_anew(&mut self, generation: u64, anatomy: &Anatomy, scene: &Scene) {
+    fn name_anew(&mut self, generation: u64, solution_view: &SolutionView, scene: &Scene) {
         if self.names.as_ref().is_none_or(|names| !names.are_of(generation)) {
-            self.names = Some(Names::new(generation, anatomy.hierarchy(), scene));
+            self.names = Some(Names::new(generation, solution_view.hierarchy(), scene));
             self.known_names.clear();
         }
     }
 
-    /// The full name of an element; empty before an anatomy was there.
-    pub(super) fn name(&mut self, anatomy: &Anatomy, scene: &Scene, id: ElementId) -> &str {
+    /// The full name of an element; empty before a solution view was there.
+    pub(super) fn name(&mut self, solution_view: &SolutionView, scene: &Scene, id: ElementId) -> &str {
         let Some(names) = &self.names else { return "" };
-        self.known_names.entry(id).or_insert_with(|| names.full(anatomy.hierarchy(), scene, id))
+        self.known_names.entry(id).or_insert_with(|| names.full(solution_view.hierarchy(), scene, id))
     }
 
     /// Its short name, among those that hold it.
-    pub(super) fn short_name(&self, anatomy: &Anatomy, scene: &Scene, id: ElementId) -> String {
-        self.names.as_ref().map(|names| names.short(anatomy.hierarchy(), scene, id)).unwrap_or_default()
+    pub(super) fn short_name(&self, solution_view: &SolutionView, scene: &Scene, id: ElementId) -> String {
+        self.names.as_ref().map(|names| names.short(solution_view.hierarchy(), scene, id)).unwrap_or_default()
     }
 }
 
 /// The links of an element, its parts and all that holds it, by what they bring; most first.
-fn links(anatomy: &Anatomy, element: ElementId, direction: Direction) -> Vec<LinkView> {
+fn links(solution_view: &SolutionView, element: ElementId, direction: Direction) -> Vec<LinkView> {
     let mut links = match direction {
-        Direction::In => anatomy.all_incoming(element),
-        Direction::Out => anatomy.all_outgoing(element),
+        Direction::In => solution_view.all_incoming(element),
+        Direction::Out => solution_view.all_outgoing(element),
     };
     let most = |link: &LinkView| match direction {
         Direction::In => link.irradiance.max_element(),

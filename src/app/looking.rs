@@ -83,8 +83,8 @@ impl Looking {
     }
 
     /// What to ask for, where it differs from what was asked for last.
-    pub(super) fn command(&mut self, wants_anatomy: bool) -> Option<Command> {
-        let look = Look { anatomy: wants_anatomy, moment: self.moment };
+    pub(super) fn command(&mut self, wants_solution_view: bool) -> Option<Command> {
+        let look = Look { solution_view: wants_solution_view, moment: self.moment };
         (look != self.asked).then(|| {
             self.asked = look;
             Command::Look(look)

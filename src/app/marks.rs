@@ -6,7 +6,7 @@ use super::settings::{LinkOverlay, LinksOf};
 use crate::hierarchy::ElementId;
 use crate::render::{ChosenLinks, Line, Marks, picked_marks};
 use crate::solve::Snapshot;
-use crate::transport::Anatomy;
+use crate::transport::SolutionView;
 
 /// Marks, and what they were made of.
 #[derive(Default)]
@@ -50,32 +50,38 @@ impl MarksOverView {
         }
         if !is_as_before {
             (self.chosen, self.lines) = (None, Vec::new());
-            if let Some(anatomy) = &snapshot.anatomy {
-                self.draw(anatomy, picked.filter(|&picked| anatomy.holds(picked)), inspection, links);
+            if let Some(solution_view) = &snapshot.solution_view {
+                self.draw(solution_view, picked.filter(|&picked| solution_view.holds(picked)), inspection, links);
             }
         }
         let mut lines = self.lines.clone();
-        lines.extend(snapshot.anatomy.iter().flat_map(|anatomy| highlight.lines(anatomy)));
+        lines.extend(snapshot.solution_view.iter().flat_map(|solution_view| highlight.lines(solution_view)));
         (self.made_of, self.highlight, self.all) = (Some(now), highlight, lines.into());
         self.all.clone()
     }
 
-    fn draw(&mut self, anatomy: &Anatomy, picked: Option<ElementId>, inspection: &Inspection, links: &LinkOverlay) {
-        let epsilon = anatomy.epsilon_watts();
+    fn draw(
+        &mut self,
+        solution_view: &SolutionView,
+        picked: Option<ElementId>,
+        inspection: &Inspection,
+        links: &LinkOverlay,
+    ) {
+        let epsilon = solution_view.epsilon_watts();
         self.chosen = match (links.of, picked) {
             (LinksOf::Nothing, _) | (LinksOf::Picked, None) => None,
             (LinksOf::Picked, Some(_)) => {
                 Some(ChosenLinks::new(inspection.links.iter().copied(), &links.filter, epsilon))
             }
             (LinksOf::Level, _) => {
-                let level = links.level.min(anatomy.deepest());
-                Some(ChosenLinks::new(anatomy.links_at_depth(level), &links.filter, epsilon))
+                let level = links.level.min(solution_view.deepest());
+                Some(ChosenLinks::new(solution_view.links_at_depth(level), &links.filter, epsilon))
             }
         };
         if let Some(chosen) = &self.chosen {
-            self.lines = chosen.lines(anatomy, links.style);
+            self.lines = chosen.lines(solution_view, links.style);
         }
-        self.lines.extend(picked.into_iter().flat_map(|picked| picked_marks(anatomy, picked)));
+        self.lines.extend(picked.into_iter().flat_map(|picked| picked_marks(solution_view, picked)));
     }
 
     /// The links that were last drawn; `None` where none are asked for.

@@ -492,9 +492,9 @@ impl eframe::App for App {
             settings::LinksOf::Picked => self.picked.is_some(),
             settings::LinksOf::Nothing => self.is_card_open && self.picked.is_some(),
         };
-        let wants_anatomy =
+        let wants_solution_view =
             links_wanted || self.cluster_view.is_active() || self.tool.is_some_and(dock::Tool::reads_anatomy);
-        outbox.extend(self.looking.command(wants_anatomy));
+        outbox.extend(self.looking.command(wants_solution_view));
         self.pointing.end_frame(ui.ctx());
         outbox.extend(self.light.luminaires_command(undo::is_busy(ui.ctx())));
         undo::note(self, ui.ctx());

@@ -9,7 +9,7 @@ use rustc_hash::FxHashMap;
 use crate::hierarchy::ElementId;
 use crate::render::pick;
 use crate::solve::Snapshot;
-use crate::transport::Anatomy;
+use crate::transport::SolutionView;
 
 /// A patch or cluster, and how it was found.
 pub(super) struct PickedElement {
@@ -18,7 +18,7 @@ pub(super) struct PickedElement {
     /// The point that was clicked, or the element's centre.
     pub point: Vec3,
     found: Found,
-    /// Ids and keys from the root down to what was chosen; empty while no anatomy was there.
+    /// Ids and keys from the root down to what was chosen; empty while no solution view was there.
     path: Vec<(ElementId, u64)>,
     /// Generation of the ids.
     generation: u64,
@@ -44,23 +44,23 @@ impl PickedElement {
 
     /// Any element; `None` where the snapshot does not know it.
     pub(super) fn by_id(snapshot: &Snapshot, element: ElementId) -> Option<Self> {
-        let anatomy = snapshot.anatomy.as_ref().filter(|anatomy| anatomy.holds(element))?;
-        let centre = anatomy.hierarchy().element(element).centre;
+        let solution_view = snapshot.solution_view.as_ref().filter(|solution_view| solution_view.holds(element))?;
+        let centre = solution_view.hierarchy().element(element).centre;
         Some(Self::new(snapshot, element, centre, Found::ById))
     }
 
     fn new(snapshot: &Snapshot, element: ElementId, point: Vec3, found: Found) -> Self {
         let mut picked = Self { element, point, found, path: Vec::new(), generation: snapshot.generation };
-        if let Some(anatomy) = &snapshot.anatomy {
-            picked.note_path(anatomy);
+        if let Some(solution_view) = &snapshot.solution_view {
+            picked.note_path(solution_view);
         }
         picked
     }
 
-    fn note_path(&mut self, anatomy: &Anatomy) {
-        if anatomy.holds(self.element) {
-            let key = |id: ElementId| anatomy.hierarchy().element(id).key;
-            self.path = anatomy.path(self.element).into_iter().map(|id| (id, key(id))).collect();
+    fn note_path(&mut self, solution_view: &SolutionView) {
+        if solution_view.holds(self.element) {
+            let key = |id: ElementId| solution_view.hierarchy().element(id).key;
+            self.path = solution_view.path(self.element).into_iter().map(|id| (id, key(id))).collect();
         }
     }
 
@@ -73,19 +73,19 @@ impl PickedElement {
             *self = other;
             return true;
         }
-        let Some(anatomy) = &snapshot.anatomy else {
+        let Some(solution_view) = &snapshot.solution_view else {
             // Nobody can tell elements of another hierarchy apart without it.
             return snapshot.generation == self.generation || !self.path.is_empty();
         };
         if self.path.is_empty() {
-            self.note_path(anatomy);
+            self.note_path(solution_view);
         }
-        match deepest_known(&self.path, anatomy) {
+        match deepest_known(&self.path, solution_view) {
             Some(element) => {
                 self.element = element;
                 if snapshot.generation != self.generation {
                     self.generation = snapshot.generation;
-                    self.note_path(anatomy);
+                    self.note_path(solution_view);
                 }
                 true
             }
@@ -100,10 +100,10 @@ impl PickedElement {
 }
 
 /// The deepest element of a path that is there: under its own id, or under another one where elements were numbered anew.
-fn deepest_known(path: &[(ElementId, u64)], anatomy: &Anatomy) -> Option<ElementId> {
-    let hierarchy = anatomy.hierarchy();
+fn deepest_known(path: &[(ElementId, u64)], solution_view: &SolutionView) -> Option<ElementId> {
+    let hierarchy = solution_view.hierarchy();
     let &(last, key) = path.last()?;
-    if anatomy.holds(last) && hierarchy.element(last).key == key {
+    if solution_view.holds(last) && hierarchy.element(last).key == key {
         return Some(last);
     }
     let depth_of: FxHashMap<u64, usize> = path.iter().enumerate().map(|(depth, &(_, key))| (key, depth)).collect();

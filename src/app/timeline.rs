@@ -3,7 +3,7 @@
 use egui::{Align, Layout, Rect, Response, Sense, Ui, pos2, vec2};
 
 use super::{App, format, theme, words};
-use crate::solve::{MomentInfo, MomentKind};
+use crate::solve::{TimelineStep, TimelineStepKind};
 
 /// Height of the bar, points.
 const HEIGHT: f32 = 30.0;
@@ -12,8 +12,12 @@ const WORDS: f32 = 318.0;
 /// Share of a narrow bar that they get at most.
 const SHARE_OF_WORDS: f32 = 0.6;
 /// Half the height of a tick, points, by what ended with it.
-const TICKS: [(MomentKind, f32); 4] =
-    [(MomentKind::Start, 6.0), (MomentKind::Wave, 3.0), (MomentKind::Round, 6.0), (MomentKind::Pass, 6.0)];
+const TICKS: [(TimelineStepKind, f32); 4] = [
+    (TimelineStepKind::Start, 6.0),
+    (TimelineStepKind::Wave, 3.0),
+    (TimelineStepKind::Round, 6.0),
+    (TimelineStepKind::Pass, 6.0),
+];
 
 /// Draws it along the lower edge of the view; nothing before there is a step to be seen.
 pub(super) fn show(app: &mut App, ui: &mut Ui) {
@@ -55,20 +59,20 @@ pub(super) fn show(app: &mut App, ui: &mut Ui) {
 }
 
 /// What a step was: its number, its kind, and what there was after it.
-fn in_words(moments: &[MomentInfo], at: usize) -> String {
+fn in_words(moments: &[TimelineStep], at: usize) -> String {
     let info = &moments[at];
     let kind = match info.kind {
-        MomentKind::Start => "self-link".to_owned(),
-        MomentKind::Wave => format!("wave {}", info.stats.wave),
-        MomentKind::Round => format!("iteration {}", info.stats.iterations),
-        MomentKind::Pass => "final gather".to_owned(),
+        TimelineStepKind::Start => "self-link".to_owned(),
+        TimelineStepKind::Wave => format!("wave {}", info.stats.wave),
+        TimelineStepKind::Round => format!("iteration {}", info.stats.iterations),
+        TimelineStepKind::Pass => "final gather".to_owned(),
     };
     let links = info.stats.links + info.stats.candidates_left;
     format!("{}/{} {kind} · {}", at + 1, moments.len(), format::things(links, "link", "links"))
 }
 
 /// The ticks, with the present one marked; a click or drag chooses another: the last one is the present.
-fn track(ui: &mut Ui, moments: &[MomentInfo], shown: Option<usize>) -> Option<Option<usize>> {
+fn track(ui: &mut Ui, moments: &[TimelineStep], shown: Option<usize>) -> Option<Option<usize>> {
     let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), 20.0), Sense::click_and_drag());
     let last = moments.len() - 1;
     response.widget_info(|| {
@@ -121,12 +125,14 @@ fn chosen(ui: &Ui, response: &Response, inner: Rect, last: usize, shown: Option<
     Some((moment < last).then_some(moment))
 }
 
-fn described(info: &MomentInfo) -> String {
+fn described(info: &TimelineStep) -> String {
     let kind = match info.kind {
-        MomentKind::Start => "The root's self-link, with which everything starts".to_owned(),
-        MomentKind::Wave => format!("Wave {} of refinement, pass {}", info.stats.wave, info.stats.iterations + 1),
-        MomentKind::Round => format!("End of iteration {}: light was gathered to convergence", info.stats.iterations),
-        MomentKind::Pass => "A pass of the final gather".to_owned(),
+        TimelineStepKind::Start => "The root's self-link, with which everything starts".to_owned(),
+        TimelineStepKind::Wave => format!("Wave {} of refinement, pass {}", info.stats.wave, info.stats.iterations + 1),
+        TimelineStepKind::Round => {
+            format!("End of iteration {}: light was gathered to convergence", info.stats.iterations)
+        }
+        TimelineStepKind::Pass => "A pass of the final gather".to_owned(),
     };
     let stats = &info.stats;
     let waiting = match stats.candidates_left {

@@ -344,9 +344,9 @@ pub(super) fn show(app: &mut App, ui: &mut Ui, outbox: &mut Outbox) -> Option<Cl
         // Clusters are shown of the present solution, where nothing else is asked for.
         let level = (beside.is_none() && other.is_none()).then(|| app.display.cluster_level.min(deepest));
         let by_clusters = app.cluster_view.painted(&snapshot, level);
-        let marks = match &snapshot.anatomy {
-            Some(anatomy) if app.cluster_view.is_exploded() => {
-                app.cluster_view.marks(anatomy, picked, app.pointing.now())
+        let marks = match &snapshot.solution_view {
+            Some(solution_view) if app.cluster_view.is_exploded() => {
+                app.cluster_view.marks(solution_view, picked, app.pointing.now())
             }
             _ => {
                 let links = &app.display.links;

@@ -3,7 +3,7 @@
 
 use crate::hierarchy::{ElementId, Hierarchy};
 use crate::ramp::{VIRIDIS, along_ramp};
-use crate::transport::{Anatomy, Evidence, LinkView};
+use crate::transport::{LinkView, SolutionView, VisibilitySource};
 
 /// Quantity that the colour of a block stands for.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -89,24 +89,24 @@ pub struct LegendEntry {
 
 impl Palette {
     /// The colours for one state of a solution.
-    pub fn new(anatomy: &Anatomy, colouring: Colouring) -> Self {
-        let hierarchy = anatomy.hierarchy();
+    pub fn new(solution_view: &SolutionView, colouring: Colouring) -> Self {
+        let hierarchy = solution_view.hierarchy();
         let area = hierarchy.element(Hierarchy::ROOT).area;
-        let even = anatomy.emitted(Hierarchy::ROOT).max_element() / area;
+        let even = solution_view.emitted(Hierarchy::ROOT).max_element() / area;
         // Of receivers and sources alone: what no link ends at was passed by.
-        let of_link = |link: LinkView| anatomy.depth(link.receiver) + anatomy.depth(link.source);
+        let of_link = |link: LinkView| solution_view.depth(link.receiver) + solution_view.depth(link.source);
         let deepest = match colouring {
-            Colouring::Level => anatomy.all_links().map(of_link).max().unwrap_or(0),
+            Colouring::Level => solution_view.all_links().map(of_link).max().unwrap_or(0),
             _ => 0,
         };
         Self { colouring, even, deepest: deepest.max(1) }
     }
 
     /// Contribution of a link to the pixels that its block covers.
-    pub(super) fn tone(&self, anatomy: &Anatomy, link: &LinkView) -> Tone {
+    pub(super) fn tone(&self, solution_view: &SolutionView, link: &LinkView) -> Tone {
         match self.colouring {
-            Colouring::Power => [self.density(anatomy, link), 0.0, 0.0],
-            _ => self.colour(anatomy, link).map(light),
+            Colouring::Power => [self.density(solution_view, link), 0.0, 0.0],
+            _ => self.colour(solution_view, link).map(light),
         }
     }
 
@@ -120,23 +120,23 @@ impl Palette {
     }
 
     /// The gamma-encoded colour of a link.
-    pub fn colour(&self, anatomy: &Anatomy, link: &LinkView) -> [u8; 3] {
+    pub fn colour(&self, solution_view: &SolutionView, link: &LinkView) -> [u8; 3] {
         match self.colouring {
-            Colouring::Power => self.of_density(self.density(anatomy, link)),
+            Colouring::Power => self.of_density(self.density(solution_view, link)),
             Colouring::Visibility => match link.visibility {
-                _ if link.evidence == Evidence::None => UNJUDGED,
+                _ if link.visibility_source == VisibilitySource::None => UNJUDGED,
                 seen if seen >= 1.0 => SEEN_FULLY,
                 seen if seen <= 0.0 => UNSEEN,
                 seen => along_ramp(&[SEEN_PARTLY[1], SEEN_PARTLY[0]], seen),
             },
             Colouring::Level => {
-                let depth = |id: ElementId| f32::from(anatomy.depth(id));
+                let depth = |id: ElementId| f32::from(solution_view.depth(id));
                 along_ramp(&VIRIDIS, (depth(link.receiver) + depth(link.source)) / f32::from(self.deepest))
             }
-            Colouring::Rays => match link.evidence {
-                Evidence::None => UNJUDGED,
-                Evidence::Inherited => INHERITED,
-                Evidence::Rays(rays) | Evidence::Clear(rays) => {
+            Colouring::Rays => match link.visibility_source {
+                VisibilitySource::None => UNJUDGED,
+                VisibilitySource::Inherited => INHERITED,
+                VisibilitySource::Rays(rays) | VisibilitySource::Clear(rays) => {
                     along_ramp(&ROSE, f32::from(rays.max(1)).log10() / MOST_RAYS.log10())
                 }
             },
@@ -144,8 +144,8 @@ impl Palette {
     }
 
     /// Power for each area of both ends, as a multiple of the even density.
-    fn density(&self, anatomy: &Anatomy, link: &LinkView) -> f32 {
-        let area = |id: ElementId| anatomy.hierarchy().element(id).area;
+    fn density(&self, solution_view: &SolutionView, link: &LinkView) -> f32 {
+        let area = |id: ElementId| solution_view.hierarchy().element(id).area;
         let areas = area(link.receiver) * area(link.source);
         let even = self.even * areas;
         if even > 0.0 { link.power / even } else { 0.0 }

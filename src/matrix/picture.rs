@@ -17,7 +17,7 @@ use crate::format;
 use crate::hierarchy::Room;
 use crate::names::Names;
 use crate::scene::Scene;
-use crate::transport::Anatomy;
+use crate::transport::SolutionView;
 
 /// Room around the square, pixels: title and names above, names at the left, air at the right,
 /// legend below.
@@ -38,7 +38,7 @@ const BRACKETS: [RGBColor; 2] = [RGBColor(52, 56, 63), RGBColor(42, 45, 51)];
 #[derive(Clone, Copy)]
 pub struct Drawing<'a> {
     /// The state of the solution.
-    pub anatomy: &'a Anatomy,
+    pub solution_view: &'a SolutionView,
     /// Names of its elements.
     pub names: &'a Names,
     /// Scene of the solution.
@@ -65,7 +65,7 @@ pub enum DrawError {
 /// The drawing library failed.
 pub fn draw(drawing: Drawing<'_>) -> Result<RgbImage, DrawError> {
     let [above, left, right, below] = MARGINS;
-    let palette = Palette::new(drawing.anatomy, drawing.colouring);
+    let palette = Palette::new(drawing.solution_view, drawing.colouring);
     let (width, height) = (left + drawing.pixels + right, above + drawing.pixels + below);
     let mut pixels = vec![0; 3 * (width * height) as usize];
     {
@@ -78,10 +78,10 @@ pub fn draw(drawing: Drawing<'_>) -> Result<RgbImage, DrawError> {
 
 /// Copies the square into the picture.
 fn blit(drawing: Drawing<'_>, palette: &Palette, pixels: &mut [u8], width: u32) {
-    let Drawing { anatomy, room, .. } = drawing;
+    let Drawing { solution_view, room, .. } = drawing;
     let size = drawing.pixels as usize;
     let request = Request { room, view: View::WHOLE, pixels: size, has_gaps: true };
-    let Some(raster) = raster(anatomy, palette, &request, &CancelToken::new()) else { return };
+    let Some(raster) = raster(solution_view, palette, &request, &CancelToken::new()) else { return };
     for (row, line) in raster.pixels.chunks(size).enumerate() {
         let start = 3 * ((MARGINS[0] as usize + row) * width as usize + MARGINS[1] as usize);
         pixels[start..start + 3 * size].copy_from_slice(line.as_flattened());
@@ -92,10 +92,10 @@ type Area<'a, 'b> = DrawingArea<BitMapBackend<'b>, Shift>;
 type Failure<'b> = DrawingAreaErrorKind<<BitMapBackend<'b> as DrawingBackend>::ErrorType>;
 
 fn paint<'b>(drawing: Drawing<'_>, palette: &Palette, root: &Area<'_, 'b>) -> Result<(), Failure<'b>> {
-    let Drawing { anatomy, room, colouring, .. } = drawing;
+    let Drawing { solution_view, room, colouring, .. } = drawing;
     root.fill(&PAPER)?;
     let (left, top, size) = (MARGINS[1] as i32, MARGINS[0] as i32, drawing.pixels as i32);
-    let facts = facts(anatomy, room);
+    let facts = facts(solution_view, room);
     let of_room = match room {
         Room::Area => "area",
         Room::Polygons => "polygons",
@@ -111,7 +111,7 @@ fn paint<'b>(drawing: Drawing<'_>, palette: &Palette, root: &Area<'_, 'b>) -> Re
     root.draw(&Text::new(subtitle, (left, 54), text(18.0, FAINT)))?;
     root.draw(&Rectangle::new([(left - 1, top - 1), (left + size, top + size)], FAINT.mix(0.6)))?;
 
-    let all = brackets(anatomy.hierarchy(), anatomy.order(room), [0.0, 1.0], size as f32, TIERS);
+    let all = brackets(solution_view.hierarchy(), solution_view.order(room), [0.0, 1.0], size as f32, TIERS);
     for (place, bracket) in all.iter().enumerate() {
         bracket_along_both_edges(drawing, root, bracket, place)?;
     }
@@ -139,7 +139,7 @@ fn bracket_along_both_edges<'b>(
     let centred = || text(15.0, INK).pos(Pos::new(HPos::Center, VPos::Center));
     let fits =
         |name: &str| root.estimate_text_size(name, &centred()).is_ok_and(|(width, _)| width as i32 + 8 <= end - start);
-    let named = fitting_name((drawing.names, drawing.scene), drawing.anatomy.hierarchy(), bracket, fits);
+    let named = fitting_name((drawing.names, drawing.scene), drawing.solution_view.hierarchy(), bracket, fits);
     if let Some(name) = named {
         let (along, across) = ((start + end) / 2, outer + thick / 2);
         root.draw(&Text::new(name.as_str(), (left + along, top + across), centred()))?;

@@ -7,7 +7,7 @@
 use super::colour::{EMPTY, Palette, Tone, light};
 use crate::cancel::CancelToken;
 use crate::hierarchy::Room;
-use crate::transport::Anatomy;
+use crate::transport::SolutionView;
 
 /// Blocks with shorter sides than this have no gap around them, pixels.
 const GAP_FROM: f32 = 7.0;
@@ -79,27 +79,32 @@ pub struct Raster {
 }
 
 /// Draws a part of the matrix; `None` where it was cancelled.
-pub fn raster(anatomy: &Anatomy, palette: &Palette, request: &Request, cancel: &CancelToken) -> Option<Raster> {
-    let order = anatomy.order(request.room);
+pub fn raster(
+    solution_view: &SolutionView,
+    palette: &Palette,
+    request: &Request,
+    cancel: &CancelToken,
+) -> Option<Raster> {
+    let order = solution_view.order(request.room);
     let View { left, top, size } = request.view;
     let scale = request.pixels as f64 / size;
     let pixels = |[start, end]: [f64; 2], from: f64| [(scale * (start - from)) as f32, (scale * (end - from)) as f32];
     let is_in = |[start, end]: [f64; 2], from: f64| start < from + size && end > from;
     let rim = request.pixels as f32;
     let mut canvas = Canvas::new(request.pixels);
-    for receiver in anatomy.hierarchy().ids().filter(|&id| is_in(order.span(id), top)) {
+    for receiver in solution_view.hierarchy().ids().filter(|&id| is_in(order.span(id), top)) {
         if receiver.0.is_multiple_of(RECEIVERS_PER_LOOK) && cancel.is_cancelled() {
             return None;
         }
         let rows = pixels(order.span(receiver), top);
-        for link in anatomy.links_of(receiver).filter(|link| is_in(order.span(link.source), left)) {
+        for link in solution_view.links_of(receiver).filter(|link| is_in(order.span(link.source), left)) {
             let columns = pixels(order.span(link.source), left);
             let gap = if request.has_gaps { gap(rows, columns) } else { 0.0 };
             // The rim of the square is nobody's common border.
             let inside = |[start, end]: [f32; 2]| {
                 [if start > 0.0 { start + gap } else { start }, if end < rim { end - gap } else { end }]
             };
-            canvas.add(inside(rows), inside(columns), palette.tone(anatomy, &link));
+            canvas.add(inside(rows), inside(columns), palette.tone(solution_view, &link));
         }
     }
     Some(canvas.resolve(palette))
@@ -178,13 +183,13 @@ pub struct Facts {
 }
 
 /// Counts the links and what they cover.
-pub fn facts(anatomy: &Anatomy, room: Room) -> Facts {
-    let order = anatomy.order(room);
+pub fn facts(solution_view: &SolutionView, room: Room) -> Facts {
+    let order = solution_view.order(room);
     let width = |id| {
         let [start, end] = order.span(id);
         end - start
     };
-    let links = anatomy.all_links().map(|link| width(link.receiver) * width(link.source));
+    let links = solution_view.all_links().map(|link| width(link.receiver) * width(link.source));
     let (links, covered) = links.fold((0, 0.0), |(count, sum), room| (count + 1, sum + room));
     Facts { links, covered: covered.min(1.0) }
 }
@@ -229,21 +234,21 @@ mod tests {
         let occluders = Arc::new(Occluders::new(&scene));
         let params = SolverParams { epsilon: Epsilon::Relative(3e-3), ..SolverParams::default() };
         let mut solver = Solver::new(scene, occluders, params, 1).expect("the parameters are valid");
-        solver.show_anatomy(true);
+        solver.show_solution_view(true);
         solver
     }
 
-    fn anatomy(solver: &mut Solver) -> Arc<Anatomy> {
-        solver.snapshot().anatomy.expect("it was asked for")
+    fn solution_view(solver: &mut Solver) -> Arc<SolutionView> {
+        solver.snapshot().solution_view.expect("it was asked for")
     }
 
     fn request(room: Room, pixels: usize) -> Request {
         Request { room, view: View::WHOLE, pixels, has_gaps: false }
     }
 
-    fn drawn(anatomy: &Anatomy, colouring: Colouring, request: &Request) -> Raster {
-        let palette = Palette::new(anatomy, colouring);
-        raster(anatomy, &palette, request, &CancelToken::new()).expect("nobody cancelled it")
+    fn drawn(solution_view: &SolutionView, colouring: Colouring, request: &Request) -> Raster {
+        let palette = Palette::new(solution_view, colouring);
+        raster(solution_view, &palette, request, &CancelToken::new()).expect("nobody cancelled it")
     }
 
     /// Truth: two blocks by hand, one of whole pixels and one that covers a quarter of its pixel.
@@ -267,10 +272,10 @@ mod tests {
     /// Truth: at first there is one link, as large as the square.
     #[test]
     fn the_first_square_is_full() {
-        let anatomy = anatomy(&mut solver());
-        assert_eq!(facts(&anatomy, Room::Area), Facts { links: 1, covered: 1.0 });
+        let solution_view = solution_view(&mut solver());
+        assert_eq!(facts(&solution_view, Room::Area), Facts { links: 1, covered: 1.0 });
         for colouring in Colouring::ALL {
-            let raster = drawn(&anatomy, colouring, &Request { has_gaps: true, ..request(Room::Area, 50) });
+            let raster = drawn(&solution_view, colouring, &Request { has_gaps: true, ..request(Room::Area, 50) });
             assert!(raster.covered.iter().all(|&covered| covered == 1.0));
             assert!(raster.pixels.iter().all(|&pixel| pixel == raster.pixels[0] && pixel != EMPTY), "{colouring:?}");
         }
@@ -288,22 +293,22 @@ mod tests {
             match solver.step(&never) {
                 Step::Refined { wave_ended: true } => {
                     waves += 1;
-                    let covered = facts(&anatomy(&mut solver), Room::Area).covered;
+                    let covered = facts(&solution_view(&mut solver), Room::Area).covered;
                     assert!(covered >= 5.0 / 6.0 - 1e-6, "wave {waves}: {covered}");
                 }
                 Step::Finished => break,
                 _ => {}
             }
         }
-        let anatomy = anatomy(&mut solver);
-        assert!(waves > 2 && anatomy.links().len() > 100);
+        let solution_view = solution_view(&mut solver);
+        assert!(waves > 2 && solution_view.links().len() > 100);
         for room in Room::ALL {
-            let order = anatomy.order(room);
+            let order = solution_view.order(room);
             let width = |id| order.span(id)[1] - order.span(id)[0];
-            let faces = anatomy.hierarchy().initial_patches();
+            let faces = solution_view.hierarchy().initial_patches();
             let expected = 1.0 - faces.iter().map(|&face| width(face) * width(face)).sum::<f64>();
-            assert!((facts(&anatomy, room).covered - expected).abs() < 1e-6, "{room:?}");
-            let raster = drawn(&anatomy, Colouring::Power, &request(room, 96));
+            assert!((facts(&solution_view, room).covered - expected).abs() < 1e-6, "{room:?}");
+            let raster = drawn(&solution_view, Colouring::Power, &request(room, 96));
             let mean = raster.covered.iter().map(|&covered| f64::from(covered)).sum::<f64>() / (96.0 * 96.0);
             assert!((mean - expected).abs() < 1e-4, "{room:?}: {mean} instead of {expected}");
         }
@@ -314,23 +319,23 @@ mod tests {
     fn a_part_shows_what_lies_there() {
         let mut solver = solver();
         assert!(solver.run(&CancelToken::new()));
-        let anatomy = anatomy(&mut solver);
+        let solution_view = solution_view(&mut solver);
         let view = View::new(0.25, 0.5, 0.25);
-        let part = drawn(&anatomy, Colouring::Level, &Request { view, ..request(Room::Area, 64) });
-        let all = drawn(&anatomy, Colouring::Level, &request(Room::Area, 256));
+        let part = drawn(&solution_view, Colouring::Level, &Request { view, ..request(Room::Area, 64) });
+        let all = drawn(&solution_view, Colouring::Level, &request(Room::Area, 256));
         for row in 0..64 {
             assert_eq!(part.pixels[64 * row..][..64], all.pixels[256 * (128 + row) + 64..][..64]);
         }
-        let order = anatomy.order(Room::Leaves);
+        let order = solution_view.order(Room::Leaves);
         let middle = |id| 0.5 * (order.span(id)[0] + order.span(id)[1]);
-        for link in anatomy.all_links().step_by(7) {
-            let pair = pair_at(&anatomy, Room::Leaves, [middle(link.source), middle(link.receiver)]);
+        for link in solution_view.all_links().step_by(7) {
+            let pair = pair_at(&solution_view, Room::Leaves, [middle(link.source), middle(link.receiver)]);
             let found = pair.link.map(|found| (found.receiver, found.source));
             assert_eq!(found, Some((link.receiver, link.source)));
         }
-        let face = anatomy.hierarchy().initial_patches()[0];
-        assert!(pair_at(&anatomy, Room::Leaves, [middle(face); 2]).link.is_none(), "a face does not see itself");
-        assert_eq!(pair_at(&anatomy, Room::Area, [0.0, 1.0]).receivers[0], Hierarchy::ROOT);
+        let face = solution_view.hierarchy().initial_patches()[0];
+        assert!(pair_at(&solution_view, Room::Leaves, [middle(face); 2]).link.is_none(), "a face does not see itself");
+        assert_eq!(pair_at(&solution_view, Room::Area, [0.0, 1.0]).receivers[0], Hierarchy::ROOT);
     }
 
     /// Truth: what is under the mouse stays there, and nothing outside of the square comes into

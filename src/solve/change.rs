@@ -1,11 +1,11 @@
 //! What a changed parameter asks for: the least work that takes a solution from one set of parameters to another.
 
 use super::params::{ClusteringMode, Reconstruct, SolverParams};
-use crate::transport::Doubts;
+use crate::transport::RecheckReasons;
 
 /// The most that a changed parameter asks for, from little to much.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Invalidates {
+pub enum ChangeCost {
     /// What is there stays valid.
     Nothing,
     /// Picture: the same radiosities are drawn in another way.
@@ -24,7 +24,7 @@ pub enum Invalidates {
     Scene,
 }
 
-impl Invalidates {
+impl ChangeCost {
     /// Every kind of work, from little to much.
     pub const ALL: [Self; 8] = [
         Self::Nothing,
@@ -61,11 +61,11 @@ impl Invalidates {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Change {
     /// The most that is to be done.
-    pub cost: Invalidates,
+    pub cost: ChangeCost,
     /// Whether links may be finer than they need be.
     pub merges_back: bool,
     /// What must be looked at again.
-    pub doubts: Doubts,
+    pub reasons: RecheckReasons,
 }
 
 impl SolverParams {
@@ -75,7 +75,7 @@ impl SolverParams {
         let merges_back = is_other_threshold && newer_epsilon > epsilon
             || newer.partial_factor > self.partial_factor
             || newer.oracle != self.oracle;
-        let doubts = Doubts {
+        let reasons = RecheckReasons {
             finer_epsilon: is_other_threshold && newer_epsilon <= epsilon || newer.partial_factor < self.partial_factor,
             more_rays: newer.visibility_factor > self.visibility_factor
                 || newer.rays_min > self.rays_min
@@ -86,23 +86,23 @@ impl SolverParams {
         let (shown, newly_shown) = (self.shown_by(), newer.shown_by());
         let is_gathered = shown == Reconstruct::Gather || newly_shown == Reconstruct::Gather;
         let cost = if self.sides != newer.sides {
-            Invalidates::Scene
+            ChangeCost::Scene
         } else if self.clustering != newer.clustering || octree {
-            Invalidates::Hierarchy
+            ChangeCost::Hierarchy
         } else if self.seed != newer.seed {
-            Invalidates::Links
+            ChangeCost::Links
         } else if merges_back {
-            Invalidates::Refinement
-        } else if doubts != Doubts::default() || newer.memory.bytes() > self.memory.bytes() {
-            Invalidates::Verdicts
+            ChangeCost::Refinement
+        } else if reasons != RecheckReasons::default() || newer.memory.bytes() > self.memory.bytes() {
+            ChangeCost::Verdicts
         } else if self.push != newer.push || self.error != newer.error || shown != newly_shown && is_gathered {
-            Invalidates::Radiosities
+            ChangeCost::Radiosities
         } else if shown != newly_shown {
-            Invalidates::Picture
+            ChangeCost::Picture
         } else {
-            Invalidates::Nothing
+            ChangeCost::Nothing
         };
-        Change { cost, merges_back, doubts }
+        Change { cost, merges_back, reasons }
     }
 }
 
@@ -167,16 +167,16 @@ mod tests {
             let cost = |from: &SolverParams, to: &SolverParams| from.change_to(to, [watts(from), watts(to)]).cost;
             let found = [cost(&higher, &lower), cost(&lower, &higher)];
             assert_eq!(found, parameter.costs, "{}", parameter.flag);
-            assert_eq!(cost(&lower, &lower), Invalidates::Nothing, "{}", parameter.flag);
+            assert_eq!(cost(&lower, &lower), ChangeCost::Nothing, "{}", parameter.flag);
         }
     }
 
     /// Truth: the words name the work, and no two kinds of work are called alike.
     #[test]
     fn each_kind_of_work_has_its_words() {
-        let words: std::collections::BTreeSet<_> = Invalidates::ALL.map(Invalidates::in_words).into();
-        assert_eq!(words.len(), Invalidates::ALL.len());
-        assert!(Invalidates::ALL.is_sorted());
+        let words: std::collections::BTreeSet<_> = ChangeCost::ALL.map(ChangeCost::in_words).into();
+        assert_eq!(words.len(), ChangeCost::ALL.len());
+        assert!(ChangeCost::ALL.is_sorted());
     }
 
     /// Constant and vertex show the same radiosities; ε in watts is compared with ε in shares by what both come to.
@@ -184,12 +184,12 @@ mod tests {
     fn what_is_the_same_costs_nothing() {
         let vertex = SolverParams::default();
         let constant = SolverParams { reconstruct: Reconstruct::Constant, ..vertex };
-        assert_eq!(vertex.change_to(&constant, [0.01; 2]).cost, Invalidates::Picture);
+        assert_eq!(vertex.change_to(&constant, [0.01; 2]).cost, ChangeCost::Picture);
         let in_watts = SolverParams { epsilon: Epsilon::Watts(0.1), ..vertex };
-        assert_eq!(vertex.change_to(&in_watts, [0.01, 0.1]).cost, Invalidates::Refinement);
-        assert_eq!(in_watts.change_to(&vertex, [0.1, 0.01]).cost, Invalidates::Verdicts);
+        assert_eq!(vertex.change_to(&in_watts, [0.01, 0.1]).cost, ChangeCost::Refinement);
+        assert_eq!(in_watts.change_to(&vertex, [0.1, 0.01]).cost, ChangeCost::Verdicts);
         let both = SolverParams { rays_min: 8, ..in_watts };
         let change = vertex.change_to(&both, [0.01, 0.1]);
-        assert!(change.merges_back && change.doubts.more_rays, "one change does not hide the other: {change:?}");
+        assert!(change.merges_back && change.reasons.more_rays, "one change does not hide the other: {change:?}");
     }
 }

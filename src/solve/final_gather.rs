@@ -3,10 +3,10 @@
 use std::sync::Arc;
 
 use super::Solver;
-use super::display::Style;
 use super::job::{Job, Step};
 use super::memory::MemoryStop;
 use super::params::Reconstruct;
+use super::reconstruction_mesh::MeshKind;
 use super::stats::ErrorFound;
 use crate::cancel::CancelToken;
 use crate::gather::{Certificate, Field, Full, Gather, Goal, Progress, Quantiles, RISK};
@@ -24,10 +24,10 @@ impl Solver {
     }
 
     /// How leaves become triangles.
-    pub(super) fn style(&self) -> Style {
+    pub(super) fn mesh_kind(&self) -> MeshKind {
         match self.params.shown_by() {
-            Reconstruct::Constant => Style::Flat,
-            Reconstruct::Vertex | Reconstruct::Gather => Style::Shared,
+            Reconstruct::Constant => MeshKind::Flat,
+            Reconstruct::Vertex | Reconstruct::Gather => MeshKind::Shared,
         }
     }
 

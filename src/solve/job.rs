@@ -1,12 +1,12 @@
 //! Jobs: what a solve is at, and what comes after it.
 
-use super::history::MomentKind;
 use super::memory::{MemoryStop, growing_bytes};
 use super::stats::Phase;
+use super::timeline::TimelineStepKind;
 use super::{Solver, timed};
 use crate::cancel::CancelToken;
 use crate::hierarchy::Hierarchy;
-use crate::transport::{Doubts, Refinement};
+use crate::transport::{RecheckReasons, Refinement};
 
 /// Light is moved until less than this share of the power is still to come, where links are judged by it again: thresholds do
 /// not ask for more.
@@ -54,7 +54,7 @@ pub(super) struct Pending {
     /// Links may be finer than they need be, because ε was raised.
     pub merges_back: bool,
     /// Why stored links are to be judged again.
-    pub doubts: Doubts,
+    pub reasons: RecheckReasons,
 }
 
 /// What one call of [`Solver::step`] did.
@@ -79,13 +79,13 @@ pub enum Step {
 }
 
 impl Solver {
-    /// Does one bounded piece of work, and keeps the moment where one ends with it and history is kept.
+    /// Does one bounded piece of work, and keeps the moment where one ends with it and timeline is kept.
     pub fn step(&mut self, cancel: &CancelToken) -> Step {
         let step = self.work(cancel);
         match step {
-            Step::Refined { wave_ended: true } => self.remember(MomentKind::Wave),
-            Step::Gathered => self.remember(MomentKind::Round),
-            Step::Reconstructed { pass_ended: true } => self.remember(MomentKind::Pass),
+            Step::Refined { wave_ended: true } => self.remember(TimelineStepKind::Wave),
+            Step::Gathered => self.remember(TimelineStepKind::Round),
+            Step::Reconstructed { pass_ended: true } => self.remember(TimelineStepKind::Pass),
             _ => {}
         }
         step
@@ -166,7 +166,7 @@ impl Solver {
     #[expect(clippy::unnecessary_wraps, reason = "one of several jobs, which can be cancelled")]
     fn recheck(&mut self) -> Option<Step> {
         self.links.store_accepted();
-        let found = self.links.recheck(std::mem::take(&mut self.pending.doubts));
+        let found = self.links.recheck(std::mem::take(&mut self.pending.reasons));
         self.job = match found.has_failing {
             true => Job::Refine { is_last: found.is_last },
             false => self.after_refinement(found.is_last),

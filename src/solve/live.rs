@@ -2,22 +2,22 @@
 
 use glam::Vec3;
 
-use super::change::Invalidates;
-use super::display::Display;
+use super::change::ChangeCost;
 use super::job::{Job, Pending};
 use super::params::{Reconstruct, SolverParams};
+use super::reconstruction_mesh::ReconstructionMesh;
 use super::stats::Seconds;
 use super::{Solver, SolverError, check, clusters, timed, watts};
 use crate::scene::MaterialId;
 use crate::transport::LinkRules;
 
 impl Solver {
-    /// Takes over new parameters with the least work that suffices, and tells which that is. From [`Invalidates::Hierarchy`] on
+    /// Takes over new parameters with the least work that suffices, and tells which that is. From [`ChangeCost::Hierarchy`] on
     /// hierarchy or scene must be rebuilt, by [`Self::rebuilt`] or a new solver, which then takes over: this one stays as it is.
     ///
     /// # Errors
     /// Parameters out of range; the present ones stay.
-    pub fn set_params(&mut self, params: SolverParams) -> Result<Invalidates, SolverError> {
+    pub fn set_params(&mut self, params: SolverParams) -> Result<ChangeCost, SolverError> {
         params.validate()?;
         let is_anchored_anew = self.params.threshold() != params.threshold();
         let present_epsilon = self.epsilon_watts();
@@ -37,20 +37,22 @@ impl Solver {
             self.anchor_watts = self.links.largest_power();
         }
         self.pending.merges_back |= change.merges_back;
-        self.pending.doubts = self.pending.doubts.and(change.doubts);
+        self.pending.reasons = self.pending.reasons.and(change.reasons);
         match change.cost {
-            Invalidates::Nothing | Invalidates::Picture => {}
-            Invalidates::Verdicts | Invalidates::Refinement if self.links.has_cut_rows() => self.restart_from_root(),
+            ChangeCost::Nothing | ChangeCost::Picture => {}
+            ChangeCost::Verdicts | ChangeCost::Refinement if self.links.has_coarsened_siblings() => {
+                self.restart_from_root()
+            }
             // Links and their light stay; leaves look for theirs.
-            Invalidates::Radiosities if self.job == Job::Done && !is_moved && self.is_to_gather() => self.end_links(),
-            Invalidates::Radiosities | Invalidates::Verdicts | Invalidates::Refinement => {
+            ChangeCost::Radiosities if self.job == Job::Done && !is_moved && self.is_to_gather() => self.end_links(),
+            ChangeCost::Radiosities | ChangeCost::Verdicts | ChangeCost::Refinement => {
                 if is_moved {
                     self.links.unsettle();
                 }
                 self.resume();
             }
-            Invalidates::Links => self.restart_from_root(),
-            Invalidates::Hierarchy | Invalidates::Scene => unreachable!("what is rebuilt was turned away above"),
+            ChangeCost::Links => self.restart_from_root(),
+            ChangeCost::Hierarchy | ChangeCost::Scene => unreachable!("what is rebuilt was turned away above"),
         }
         Ok(change.cost)
     }
@@ -105,7 +107,7 @@ impl Solver {
             return;
         }
         self.pending.merges_back |= epsilon > before;
-        self.pending.doubts.finer_epsilon |= epsilon < before;
+        self.pending.reasons.finer_epsilon |= epsilon < before;
         self.set_epsilon(epsilon);
         self.resume();
     }
@@ -146,7 +148,7 @@ impl Solver {
         self.gather = None;
         (self.job, self.pending, self.memory_stop) = (Job::Refine { is_last: false }, Pending::default(), None);
         self.view.clear();
-        self.restart_history();
+        self.restart_timeline();
     }
 
     /// Forgets what names elements that were numbered anew. A picture starts from what is known now; its mesh is made anew.
@@ -154,7 +156,7 @@ impl Solver {
         self.gather = None;
         self.view.frozen = None;
         self.view.light = Some(self.links.light().clone());
-        self.view.display = self.view.display.take().map(Display::outdated);
-        self.restart_history();
+        self.view.reconstruction = self.view.reconstruction.take().map(ReconstructionMesh::outdated);
+        self.restart_timeline();
     }
 }

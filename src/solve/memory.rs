@@ -6,7 +6,7 @@
 
 use serde::Serialize;
 
-use super::history::History;
+use super::timeline::Timeline;
 use super::{Solver, SolverError};
 use crate::gather::Gather;
 use crate::hierarchy::{ElementId, Hierarchy};
@@ -105,7 +105,7 @@ impl Solver {
 
     /// What a window keeps beside the solver's own.
     pub(super) fn is_watched(&self) -> bool {
-        self.history.is_some()
+        self.timeline.is_some()
     }
 
     fn scene_bytes(&self) -> usize {
@@ -117,8 +117,8 @@ impl Solver {
     /// What refinement does not change.
     pub(super) fn lasting_bytes(&self) -> usize {
         let of_link = if self.is_watched() { LINK + LINK_IN_WINDOW } else { LINK };
-        let history = self.history.as_ref().map_or(0, History::bytes);
-        self.scene_bytes() + history + self.links().len() * of_link
+        let timeline = self.timeline.as_ref().map_or(0, Timeline::bytes);
+        self.scene_bytes() + timeline + self.links().len() * of_link
     }
 
     fn bytes_of_links(&self) -> usize {

@@ -6,8 +6,8 @@
 use glam::Vec3;
 
 use super::Solver;
-use super::display::Display;
 use super::params::Reconstruct;
+use super::reconstruction_mesh::ReconstructionMesh;
 use crate::cancel::CancelToken;
 use crate::gather::{Certifying, Field, Quantiles, grey};
 use crate::hierarchy::SurfacePoint;
@@ -60,11 +60,13 @@ impl Solver {
         points: impl IntoIterator<Item = (SurfacePoint, f32, f32)>,
     ) -> Vec<f64> {
         let elements = self.hierarchy().elements().len();
-        let old = self.view.display.take();
-        let display = Display::current(old, self.scene(), field.hierarchy(), elements, self.style());
-        let shown = display.of_vertices(field.irradiance());
+        let old = self.view.reconstruction.take();
+        let reconstruction =
+            ReconstructionMesh::current(old, self.scene(), field.hierarchy(), elements, self.mesh_kind());
+        let shown = reconstruction.of_vertices(field.irradiance());
         let error = |(point, truth, noise): (SurfacePoint, f32, f32)| {
-            let (corners, weights) = display.locate(field.leaf_at(point.polygon, point.position), point.position)?;
+            let (corners, weights) =
+                reconstruction.locate(field.leaf_at(point.polygon, point.position), point.position)?;
             let light = |corner: usize| Vec3::from(shown[corners[corner] as usize]);
             let shown = weights.x * light(0) + weights.y * light(1) + weights.z * light(2);
             let off = f64::from(grey(shown) - truth);
@@ -72,7 +74,7 @@ impl Solver {
             Some(squared.sqrt() / f64::from(truth + field.dim()).max(f64::MIN_POSITIVE))
         };
         let errors = points.into_iter().filter_map(error).collect();
-        self.view.display = Some(display);
+        self.view.reconstruction = Some(reconstruction);
         errors
     }
 }

@@ -9,9 +9,7 @@
 
 mod balance;
 mod change;
-mod display;
 mod final_gather;
-mod history;
 mod job;
 mod live;
 mod memory;
@@ -19,9 +17,11 @@ mod mesh_error;
 pub mod params;
 mod picture;
 mod progress;
+mod reconstruction_mesh;
 pub mod snapshot;
 mod state;
 pub mod stats;
+mod timeline;
 
 use std::sync::Arc;
 use std::time::Instant;
@@ -29,9 +29,7 @@ use std::time::Instant;
 use glam::Vec3;
 
 pub use balance::{PowerBalance, power_balance};
-pub use change::Invalidates;
-pub use display::barycentric;
-pub use history::{MomentInfo, MomentKind};
+pub use change::ChangeCost;
 pub use job::Step;
 pub use memory::MemoryStop;
 pub use mesh_error::MeshError;
@@ -39,18 +37,20 @@ pub use params::{
     ClusteringMode, Epsilon, PARAMETERS, Parameter, ParameterId, ParamsError, Reconstruct, SolverParams, USUAL_ERROR,
     ValueKind,
 };
+pub use reconstruction_mesh::barycentric;
 pub use snapshot::{ClusterBox, Leaf, Mesh, Snapshot};
 pub use stats::{Bytes, ErrorFound, Phase, Seconds, Stats};
+pub use timeline::{TimelineStep, TimelineStepKind};
 
 use crate::gather::Gather;
 use crate::geometry::{Occluders, Reachability};
 use crate::hierarchy::Hierarchy;
 use crate::scene::Scene;
 use crate::transport::{LinkSolution, RAYS, entering_power, new_hierarchy};
-use history::History;
 use job::{Job, Pending};
 use memory::check_pairs_fit;
 use picture::View;
+use timeline::Timeline;
 
 /// Why a solve cannot start.
 #[derive(Debug, thiserror::Error)]
@@ -89,7 +89,7 @@ pub struct Solver {
     /// Time spent working; whoever drives the solver may let it rest in between.
     seconds: Seconds,
     view: View,
-    history: Option<History>,
+    timeline: Option<Timeline>,
 }
 
 impl Solver {
@@ -125,7 +125,7 @@ impl Solver {
             memory_stop: None,
             seconds: Seconds { hierarchy: seconds, total: seconds, ..Seconds::default() },
             view: View::new(generation),
-            history: None,
+            timeline: None,
         }
     }
 }

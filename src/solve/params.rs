@@ -6,7 +6,7 @@ use std::ops::RangeInclusive;
 
 use serde::{Deserialize, Serialize};
 
-use super::change::Invalidates;
+use super::change::ChangeCost;
 pub use crate::hierarchy::ClusteringMode;
 use crate::memory::MemoryBudget;
 use crate::scene::Sides;
@@ -183,7 +183,7 @@ pub struct Parameter {
     /// Kind and range.
     pub kind: ValueKind,
     /// The most that a change asks for: to a lower value, and to a higher one.
-    pub costs: [Invalidates; 2],
+    pub costs: [ChangeCost; 2],
 }
 
 /// Every parameter, in the order of the panel.
@@ -195,7 +195,7 @@ pub const PARAMETERS: [Parameter; 17] = [
         unit: "",
         hint: "Target error: 9 of 10 surfaces are read within this share of their light. The solver chooses ε and ends when a certificate says so.",
         kind: ValueKind::Real { range: 0.01..=0.3, logarithmic: true },
-        costs: [Invalidates::Verdicts, Invalidates::Refinement],
+        costs: [ChangeCost::Verdicts, ChangeCost::Refinement],
     },
     Parameter {
         id: ParameterId::Epsilon,
@@ -204,7 +204,7 @@ pub const PARAMETERS: [Parameter; 17] = [
         unit: "Φ",
         hint: "A link is refined while its unoccluded power B·F·A exceeds this share of the scene's emitted power (section 2.3).",
         kind: ValueKind::Real { range: 1e-7..=1e-1, logarithmic: true },
-        costs: [Invalidates::Verdicts, Invalidates::Refinement],
+        costs: [ChangeCost::Verdicts, ChangeCost::Refinement],
     },
     Parameter {
         id: ParameterId::EpsilonWatts,
@@ -213,7 +213,7 @@ pub const PARAMETERS: [Parameter; 17] = [
         unit: "W",
         hint: "The same threshold in watts, as the solver uses it; it does not follow a dimmed lamp (section 2.3).",
         kind: ValueKind::Real { range: 1e-9..=1e6, logarithmic: true },
-        costs: [Invalidates::Verdicts, Invalidates::Refinement],
+        costs: [ChangeCost::Verdicts, ChangeCost::Refinement],
     },
     Parameter {
         id: ParameterId::Oracle,
@@ -222,7 +222,7 @@ pub const PARAMETERS: [Parameter; 17] = [
         unit: "",
         hint: "What ε bounds: the power that a link could carry (energy, the paper's, section 2.3) or the error that the link is likely to make (error).",
         kind: ValueKind::Choice { names: &["energy", "error"], shown: &["power", "link-error"] },
-        costs: [Invalidates::Refinement; 2],
+        costs: [ChangeCost::Refinement; 2],
     },
     Parameter {
         id: ParameterId::Reconstruct,
@@ -234,7 +234,7 @@ pub const PARAMETERS: [Parameter; 17] = [
             names: &["constant", "vertex", "gather"],
             shown: &["flat", "smooth", "final-gather"],
         },
-        costs: [Invalidates::Radiosities; 2],
+        costs: [ChangeCost::Radiosities; 2],
     },
     Parameter {
         id: ParameterId::PartialFactor,
@@ -243,7 +243,7 @@ pub const PARAMETERS: [Parameter; 17] = [
         unit: "",
         hint: "Partly visible links are judged with ε times this factor; the paper found 1/10 good (section 2.3).",
         kind: ValueKind::Real { range: 0.01..=1.0, logarithmic: true },
-        costs: [Invalidates::Verdicts, Invalidates::Refinement],
+        costs: [ChangeCost::Verdicts, ChangeCost::Refinement],
     },
     Parameter {
         id: ParameterId::VisibilityFactor,
@@ -252,7 +252,7 @@ pub const PARAMETERS: [Parameter; 17] = [
         unit: "rays",
         hint: "Visibility rays of a link per B·F·A/ε, so that every ray decides about the same power (section 2.4).",
         kind: ValueKind::Real { range: 0.1..=64.0, logarithmic: true },
-        costs: [Invalidates::Nothing, Invalidates::Verdicts],
+        costs: [ChangeCost::Nothing, ChangeCost::Verdicts],
     },
     Parameter {
         id: ParameterId::RaysMin,
@@ -261,7 +261,7 @@ pub const PARAMETERS: [Parameter; 17] = [
         unit: "",
         hint: "Fewest visibility rays of a tested link; most links need no more, so this bound costs the most time (section 2.4).",
         kind: ValueKind::Whole { range: 1..=64 },
-        costs: [Invalidates::Nothing, Invalidates::Verdicts],
+        costs: [ChangeCost::Nothing, ChangeCost::Verdicts],
     },
     Parameter {
         id: ParameterId::RaysMax,
@@ -270,7 +270,7 @@ pub const PARAMETERS: [Parameter; 17] = [
         unit: "",
         hint: "Most visibility rays of a link (section 2.4).",
         kind: ValueKind::Whole { range: 1..=1024 },
-        costs: [Invalidates::Nothing, Invalidates::Verdicts],
+        costs: [ChangeCost::Nothing, ChangeCost::Verdicts],
     },
     Parameter {
         id: ParameterId::Clustering,
@@ -282,7 +282,7 @@ pub const PARAMETERS: [Parameter; 17] = [
             names: &["none", "octree", "groups", "adaptive"],
             shown: &["none", "octree", "groups", "adaptive"],
         },
-        costs: [Invalidates::Hierarchy; 2],
+        costs: [ChangeCost::Hierarchy; 2],
     },
     Parameter {
         id: ParameterId::OctreeDepth,
@@ -291,7 +291,7 @@ pub const PARAMETERS: [Parameter; 17] = [
         unit: "levels",
         hint: "Deepest level of the octree, the root being level 1 (Table 2).",
         kind: ValueKind::Whole { range: 1..=10 },
-        costs: [Invalidates::Hierarchy; 2],
+        costs: [ChangeCost::Hierarchy; 2],
     },
     Parameter {
         id: ParameterId::ClusterModel,
@@ -300,7 +300,7 @@ pub const PARAMETERS: [Parameter; 17] = [
         unit: "",
         hint: "Light of a cluster: alike into all directions (isotropic, the paper's, section 1.2) or as its polygons are turned (oriented, by samples).",
         kind: ValueKind::Choice { names: &["isotropic", "oriented"], shown: &["isotropic", "oriented"] },
-        costs: [Invalidates::Verdicts; 2],
+        costs: [ChangeCost::Verdicts; 2],
     },
     Parameter {
         id: ParameterId::Push,
@@ -309,7 +309,7 @@ pub const PARAMETERS: [Parameter; 17] = [
         unit: "",
         hint: "Hand irradiance that a cluster receives to its patches link by link with their cosine (immediate) or evenly afterwards (deferred, section 3.3).",
         kind: ValueKind::Choice { names: &["immediate", "deferred"], shown: &["immediate", "deferred"] },
-        costs: [Invalidates::Radiosities; 2],
+        costs: [ChangeCost::Radiosities; 2],
     },
     Parameter {
         id: ParameterId::Sides,
@@ -318,7 +318,7 @@ pub const PARAMETERS: [Parameter; 17] = [
         unit: "",
         hint: "Which sides of a face reflect: the one its winding shows, both, or the one that the room sees (auto); as the scene says if not given.",
         kind: ValueKind::Choice { names: &["front", "both", "auto"], shown: &["front", "both", "auto"] },
-        costs: [Invalidates::Scene; 2],
+        costs: [ChangeCost::Scene; 2],
     },
     Parameter {
         id: ParameterId::Threads,
@@ -327,7 +327,7 @@ pub const PARAMETERS: [Parameter; 17] = [
         unit: "",
         hint: "Worker threads, 0 for every core; the result is the same for any number.",
         kind: ValueKind::Whole { range: 0..=64 },
-        costs: [Invalidates::Nothing; 2],
+        costs: [ChangeCost::Nothing; 2],
     },
     Parameter {
         id: ParameterId::Seed,
@@ -336,7 +336,7 @@ pub const PARAMETERS: [Parameter; 17] = [
         unit: "",
         hint: "Seed of the visibility rays; the same seed gives the same solution, bit for bit.",
         kind: ValueKind::Whole { range: 0..=1_000_000 },
-        costs: [Invalidates::Links; 2],
+        costs: [ChangeCost::Links; 2],
     },
     Parameter {
         id: ParameterId::Memory,
@@ -345,7 +345,7 @@ pub const PARAMETERS: [Parameter; 17] = [
         unit: "",
         hint: "Memory that scene and solution may take, as a share of the machine's or a size such as 4GiB; refinement stops before it takes more.",
         kind: ValueKind::Real { range: 0.02..=0.9, logarithmic: false },
-        costs: [Invalidates::Nothing, Invalidates::Verdicts],
+        costs: [ChangeCost::Nothing, ChangeCost::Verdicts],
     },
 ];
 

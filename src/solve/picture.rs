@@ -8,11 +8,11 @@ use std::sync::Arc;
 use glam::Vec3;
 
 use super::Solver;
-use super::display::Display;
+use super::reconstruction_mesh::ReconstructionMesh;
 use super::snapshot::Snapshot;
 use crate::cancel::CancelToken;
 use crate::hierarchy::Hierarchy;
-use crate::transport::{Anatomy, Light, LinkTable};
+use crate::transport::{Light, LinkTable, SolutionView};
 
 /// What pictures keep from one to the next.
 #[derive(Default)]
@@ -24,9 +24,9 @@ pub(super) struct View {
     /// The light of the last picture, from which the next one starts.
     pub light: Option<Light>,
     /// Its mesh.
-    pub display: Option<Display>,
-    /// Whether snapshots carry the anatomy.
-    pub wants_anatomy: bool,
+    pub reconstruction: Option<ReconstructionMesh>,
+    /// Whether snapshots carry the solution view.
+    pub wants_solution_view: bool,
     /// The hierarchy of the last one that did.
     pub frozen: Option<Arc<Hierarchy>>,
 }
@@ -39,7 +39,7 @@ impl View {
 
     /// Forgets all that was seen; numbers go on.
     pub fn clear(&mut self) {
-        (self.light, self.display, self.frozen) = (None, None, None);
+        (self.light, self.reconstruction, self.frozen) = (None, None, None);
     }
 }
 
@@ -62,35 +62,35 @@ pub(super) fn snapshot(solver: &mut Solver) -> Snapshot {
         Some(table) => picture_light(solver, table),
         None => solver.links.light().clone(),
     };
-    let style = solver.style();
-    if solver.view.wants_anatomy {
+    let kind = solver.mesh_kind();
+    if solver.view.wants_solution_view {
         solver.freeze();
     }
     let field = solver.shared_field();
-    let old = solver.view.display.take();
+    let old = solver.view.reconstruction.take();
     let hierarchy = field.as_ref().map_or(solver.hierarchy(), |field| field.hierarchy());
     let link_elements = solver.hierarchy().elements().len();
-    let display = Display::current(old, solver.scene(), hierarchy, link_elements, style);
+    let reconstruction = ReconstructionMesh::current(old, solver.scene(), hierarchy, link_elements, kind);
     let radiosity_of_field = field.as_ref().map(|field| field.radiosity());
     let irradiance: &[Vec3] = field.as_ref().map_or(&light.irradiance, |field| field.irradiance());
     let radiosity: &[Vec3] = radiosity_of_field.as_deref().unwrap_or(&light.radiosity);
     let links = table.as_ref().unwrap_or(solver.links.links());
-    let anatomy = solver.view.wants_anatomy.then(|| solver.anatomy(links, &light, is_finished));
+    let solution_view = solver.view.wants_solution_view.then(|| solver.solution_view(links, &light, is_finished));
     let snapshot = Snapshot {
         generation: solver.view.generation,
         serial: solver.view.serial,
-        mesh: display.mesh.clone(),
-        vertex_radiosity: display.of_vertices(radiosity),
-        vertex_irradiance: display.of_vertices(irradiance),
-        leaf_irradiance: display.of_leaves(irradiance),
-        leaf_radiosity: display.of_leaves(radiosity),
-        clusters: display.clusters.clone(),
+        mesh: reconstruction.mesh.clone(),
+        vertex_radiosity: reconstruction.of_vertices(radiosity),
+        vertex_irradiance: reconstruction.of_vertices(irradiance),
+        leaf_irradiance: reconstruction.of_leaves(irradiance),
+        leaf_radiosity: reconstruction.of_leaves(radiosity),
+        clusters: reconstruction.clusters.clone(),
         moment: None,
         field,
-        anatomy,
+        solution_view,
         stats: solver.stats(),
     };
-    solver.view.display = Some(display);
+    solver.view.reconstruction = Some(reconstruction);
     solver.view.light = Some(light);
     snapshot
 }
@@ -101,7 +101,7 @@ fn picture_light(solver: &mut Solver, table: &LinkTable) -> Light {
     light.grow(solver.hierarchy());
     let gatherer = solver.links.gatherer(table, true);
     let never = CancelToken::new();
-    gatherer.limit_rows(&mut light, &never);
+    gatherer.enforce_closure(&mut light, &never);
     gatherer.converge(&mut light, PICTURE_TOLERANCE, if first { FIRST_SWEEPS } else { LATER_SWEEPS }, &never);
     solver.links.keep_bounds(&mut light);
     light
@@ -116,9 +116,9 @@ impl Solver {
         }
     }
 
-    /// The anatomy of a state with these links and this light, over the hierarchy that was last frozen.
-    pub(super) fn anatomy(&self, links: &LinkTable, light: &Light, is_final: bool) -> Arc<Anatomy> {
+    /// The solution view of a state with these links and this light, over the hierarchy that was last frozen.
+    pub(super) fn solution_view(&self, links: &LinkTable, light: &Light, is_final: bool) -> Arc<SolutionView> {
         let hierarchy = self.view.frozen.clone().unwrap_or_else(|| Arc::new(self.hierarchy().clone()));
-        Arc::new(self.links.anatomy(hierarchy, links, light, is_final))
+        Arc::new(self.links.solution_view(hierarchy, links, light, is_final))
     }
 }

@@ -10,7 +10,7 @@ use super::stats::Stats;
 use crate::gather::Field;
 use crate::hierarchy::ElementId;
 use crate::scene::MaterialId;
-use crate::transport::Anatomy;
+use crate::transport::SolutionView;
 
 /// One state of the solution, valid for what is there.
 #[derive(Clone, Debug)]
@@ -36,7 +36,7 @@ pub struct Snapshot {
     /// The field that readings gather over; `None` until a final gather has ended.
     pub field: Option<Arc<Field>>,
     /// Elements and links of this state, where somebody asked for them.
-    pub anatomy: Option<Arc<Anatomy>>,
+    pub solution_view: Option<Arc<SolutionView>>,
     /// Counts and times.
     pub stats: Stats,
 }

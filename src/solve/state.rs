@@ -60,9 +60,9 @@ impl Solver {
         self.links.refinement().rejected.as_deref().unwrap_or_default()
     }
 
-    /// Says whether snapshots carry the [`crate::transport::Anatomy`] of what they show.
-    pub fn show_anatomy(&mut self, is_wanted: bool) {
-        self.view.wants_anatomy = is_wanted;
+    /// Says whether snapshots carry the [`crate::transport::SolutionView`] of what they show.
+    pub fn show_solution_view(&mut self, is_wanted: bool) {
+        self.view.wants_solution_view = is_wanted;
         if !is_wanted {
             self.view.frozen = None;
         }

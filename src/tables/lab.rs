@@ -14,7 +14,7 @@ use crate::geometry::orient;
 use crate::reference::{Cache, Reference, ReferenceRun, Target, compute, random_points};
 use crate::scene::{Scene, builtin::BuiltinScene};
 use crate::solve::{Epsilon, Snapshot, Solver, SolverParams, Stats};
-use crate::transport::Evidence;
+use crate::transport::VisibilitySource;
 
 /// Seed of the reference's points and paths, the same as the solver's default.
 const SEED: u64 = 1;
@@ -241,9 +241,9 @@ impl<'a> Lab<'a> {
             return Err(left_out(format!("not finished within {cap} s"), Some(cap)));
         }
         let stats = solver.stats();
-        let rays = |link: &crate::transport::Link| match link.evidence() {
-            Evidence::Rays(rays) | Evidence::Clear(rays) => Some(u32::from(rays)),
-            Evidence::None | Evidence::Inherited => None,
+        let rays = |link: &crate::transport::Link| match link.visibility_source() {
+            VisibilitySource::Rays(rays) | VisibilitySource::Clear(rays) => Some(u32::from(rays)),
+            VisibilitySource::None | VisibilitySource::Inherited => None,
         };
         let counts = solver
             .links()

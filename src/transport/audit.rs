@@ -31,7 +31,7 @@ pub fn audit(solution: &LinkSolution) -> Audit {
     let mut light = solution.light.clone();
     let gatherer = solution.gatherer(&solution.links, false);
     // Nobody cancels.
-    gatherer.limit_rows(&mut light, &never);
+    gatherer.enforce_closure(&mut light, &never);
     let rows = gatherer.rows(&never).unwrap_or_default();
     let rows: Vec<f64> = rows.iter().zip(&light.row_scale).map(|(row, scale)| f64::from(row * scale)).collect();
     // What an element receives of a unit of irradiance, once its leaves' rows are limited, as a mean over its area.

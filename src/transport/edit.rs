@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use glam::Vec3;
 
-use super::recheck::{Doubts, judged_again};
+use super::recheck::{RecheckReasons, judged_again};
 use super::solution::{LinkSolution, surfaces_of};
 use crate::hierarchy::{ElementId, PatchSums, Shape};
 use crate::scene::{Material, MaterialId};
@@ -18,7 +18,7 @@ impl LinkSolution {
         self.light.emitted = self.emitted_light().emitted;
         self.emission = self.emission_sums();
         let redirected = self.links.drain(|_, link| changed[link.source().index()]);
-        let judged_again = |(receiver, link): (ElementId, _)| judged_again(receiver, &link, Doubts::default());
+        let judged_again = |(receiver, link): (ElementId, _)| judged_again(receiver, &link, RecheckReasons::default());
         self.refinement.add(redirected.into_iter().map(judged_again));
     }
 

@@ -7,7 +7,7 @@ use crate::hierarchy::ElementId;
 
 /// How a link's visibility V is known.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Evidence {
+pub enum VisibilitySource {
     /// Not yet judged: the source was dark. V is that of the pair it came from.
     None,
     /// From as many rays as its power deserved, this number.
@@ -30,7 +30,7 @@ pub struct Link {
     /// cluster of both does.
     pub direct: f32,
     visibility: u16,
-    evidence: u16,
+    visibility_source: u16,
 }
 
 const UNJUDGED: u16 = 0;
@@ -41,20 +41,21 @@ const MOST_RAYS: u16 = CLEAR - 2;
 
 impl Link {
     /// A link with visibility V in 0..=1.
-    pub fn new(source: ElementId, form_factor: f32, visibility: f32, evidence: Evidence) -> Self {
-        let evidence = match evidence {
-            Evidence::None => UNJUDGED,
-            Evidence::Rays(rays) => rays.clamp(1, MOST_RAYS),
-            Evidence::Clear(rays) => CLEAR | rays.min(MOST_RAYS),
-            Evidence::Inherited => INHERITED,
+    pub fn new(source: ElementId, form_factor: f32, visibility: f32, visibility_source: VisibilitySource) -> Self {
+        let visibility_source = match visibility_source {
+            VisibilitySource::None => UNJUDGED,
+            VisibilitySource::Rays(rays) => rays.clamp(1, MOST_RAYS),
+            VisibilitySource::Clear(rays) => CLEAR | rays.min(MOST_RAYS),
+            VisibilitySource::Inherited => INHERITED,
         };
-        let link = Self { source: source.0, form_factor, direct: 0.0, visibility: quantised(visibility), evidence };
+        let link =
+            Self { source: source.0, form_factor, direct: 0.0, visibility: quantised(visibility), visibility_source };
         Self { direct: link.transfer(), ..link }
     }
 
     /// The same with another visibility V in 0..=1.
     pub fn with_visibility(self, visibility: f32) -> Self {
-        Self::new(self.source(), self.form_factor, visibility, self.evidence())
+        Self::new(self.source(), self.form_factor, visibility, self.visibility_source())
     }
 
     /// The same from an element of another number.
@@ -64,7 +65,7 @@ impl Link {
 
     /// The same as if nobody had looked at the pair.
     pub fn unjudged(self) -> Self {
-        Self { evidence: UNJUDGED, ..self }
+        Self { visibility_source: UNJUDGED, ..self }
     }
 
     /// The element that sends.
@@ -80,12 +81,12 @@ impl Link {
     }
 
     /// How V is known.
-    pub fn evidence(&self) -> Evidence {
-        match self.evidence {
-            UNJUDGED => Evidence::None,
-            INHERITED => Evidence::Inherited,
-            rays if rays & CLEAR != 0 => Evidence::Clear(rays & !CLEAR),
-            rays => Evidence::Rays(rays),
+    pub fn visibility_source(&self) -> VisibilitySource {
+        match self.visibility_source {
+            UNJUDGED => VisibilitySource::None,
+            INHERITED => VisibilitySource::Inherited,
+            rays if rays & CLEAR != 0 => VisibilitySource::Clear(rays & !CLEAR),
+            rays => VisibilitySource::Rays(rays),
         }
     }
 
@@ -170,7 +171,7 @@ impl LinkTable {
             starts[receiver + 1] += starts[receiver];
         }
         let total = starts[receivers] as usize;
-        let mut links = vec![Link::new(ElementId(0), 0.0, 0.0, Evidence::None); total];
+        let mut links = vec![Link::new(ElementId(0), 0.0, 0.0, VisibilitySource::None); total];
         let mut next: Vec<u32> = starts[..receivers].to_vec();
         for (receiver, place) in next.iter_mut().enumerate().take(self.receivers()) {
             let old = self.of(ElementId(receiver as u32));

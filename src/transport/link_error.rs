@@ -9,10 +9,10 @@
 
 use super::candidate::{DEEPEST_LEVEL, end_to_split};
 use super::form_factor::{Exchange, exchange, point_to_polygon};
-use super::link::{Evidence, Link};
+use super::link::{Link, VisibilitySource};
 use super::oracle::Oracle;
-use super::sight::{Sight, SightKind};
 use super::verdict::{Decision, Rejection};
+use super::visibility::{VisibilityEstimate, VisibilityKind};
 use crate::hierarchy::{DEEPEST_SKY, ElementId, Hierarchy, Shape};
 
 /// Share of the kernel's deviation that counts: leaves are shown joined linearly, and 1 needs twice the patches for the same
@@ -52,35 +52,41 @@ impl LinkError {
     }
 }
 
-/// Standard deviation of brightness over the leaves of each element, W/m²; `brightness` is parallel to the arena.
-pub fn spread_of(hierarchy: &Hierarchy, brightness: &[f32], spread: &mut Vec<f32>) {
-    spread.clear();
-    spread.resize(brightness.len(), 0.0);
+/// Standard deviation of radiosity over the leaves of each element, W/m²; `max_radiosity` is parallel to the arena.
+pub fn radiosity_stddev_of(hierarchy: &Hierarchy, max_radiosity: &[f32], radiosity_stddev: &mut Vec<f32>) {
+    radiosity_stddev.clear();
+    radiosity_stddev.resize(max_radiosity.len(), 0.0);
     // Children come after their parent.
-    for (index, element) in hierarchy.elements().iter().enumerate().take(brightness.len()).rev() {
+    for (index, element) in hierarchy.elements().iter().enumerate().take(max_radiosity.len()).rev() {
         let of_child = |child: ElementId| {
-            let away = brightness[child.index()] - brightness[index];
-            hierarchy.element(child).area * (spread[child.index()].powi(2) + away * away)
+            let away = max_radiosity[child.index()] - max_radiosity[index];
+            hierarchy.element(child).area * (radiosity_stddev[child.index()].powi(2) + away * away)
         };
         let sum: f32 = element.children().map(of_child).sum();
         if element.area > 0.0 {
-            spread[index] = (sum / element.area).sqrt();
+            radiosity_stddev[index] = (sum / element.area).sqrt();
         }
     }
 }
 
 impl Oracle<'_> {
     /// Decides about a direction of a pair by the error of the link that it would get.
-    pub fn decide_by_error(&self, receiver: ElementId, link: Link, facing: Facing, sight: &Sight) -> Decision {
+    pub fn decide_by_error(
+        &self,
+        receiver: ElementId,
+        link: Link,
+        facing: Facing,
+        sight: &VisibilityEstimate,
+    ) -> Decision {
         let source = link.source();
-        if self.brightness[source.index()] <= 0.0 {
+        if self.max_radiosity[source.index()] <= 0.0 {
             return Decision::Accept(link.unjudged());
         }
         let rays = match sight.kind {
-            SightKind::None => return Decision::Reject(Rejection::Occluded),
-            SightKind::Unknown => Some(0),
-            SightKind::Full if sight.asked == 0 => None,
-            SightKind::Full | SightKind::Partial => Some(sight.asked),
+            VisibilityKind::None => return Decision::Reject(Rejection::Occluded),
+            VisibilityKind::Unknown => Some(0),
+            VisibilityKind::Full if sight.asked == 0 => None,
+            VisibilityKind::Full | VisibilityKind::Partial => Some(sight.asked),
         };
         let error = self.error_of(receiver, source, facing, sight.visibility, rays);
         if error.total() <= self.thresholds.epsilon || !self.may_split {
@@ -108,20 +114,20 @@ impl Oracle<'_> {
         let source = link.source();
         let allowed = margin * self.thresholds.epsilon;
         if receiver == source {
-            return self.brightness[source.index()] * self.hierarchy.element(source).area > allowed;
+            return self.max_radiosity[source.index()] * self.hierarchy.element(source).area > allowed;
         }
         let Exchange::Facing { estimate, bound, overlapping } = exchange(self.hierarchy, receiver, source) else {
             return true;
         };
         let facing = Facing { estimate, bound, overlapping };
-        link.evidence() == Evidence::None
+        link.visibility_source() == VisibilitySource::None
             || self.exceeds_error(receiver, link, facing, allowed)
                 && end_to_split(self.hierarchy, receiver, source).is_some()
     }
 
     /// Whether a link's error exceeds what is allowed, W; always where nobody looked.
     pub fn exceeds_error(&self, receiver: ElementId, link: &Link, facing: Facing, allowed: f32) -> bool {
-        let Some((visibility, rays)) = seen_by(link.visibility(), link.evidence()) else { return true };
+        let Some((visibility, rays)) = seen_by(link.visibility(), link.visibility_source()) else { return true };
         self.error_of(receiver, link.source(), facing, visibility, rays).total() > allowed
     }
 
@@ -138,18 +144,21 @@ impl Oracle<'_> {
         visibility: f32,
         rays: Option<u32>,
     ) -> LinkError {
-        let light = SourceLight { brightness: self.brightness[source.index()], spread: self.spread[source.index()] };
+        let light = SourceLight {
+            max_radiosity: self.max_radiosity[source.index()],
+            radiosity_stddev: self.radiosity_stddev[source.index()],
+        };
         estimated_error(self.hierarchy, (receiver, source), facing, light, (visibility, rays))
     }
 }
 
 /// The V and the rays by which a stored link is judged; `None` where nobody looked.
-pub fn seen_by(visibility: f32, evidence: Evidence) -> Option<(f32, Option<u32>)> {
-    match evidence {
-        Evidence::None => None,
-        Evidence::Inherited => Some((1.0, None)),
-        Evidence::Clear(rays) => Some((1.0, Some(rays.into()))),
-        Evidence::Rays(rays) => Some((visibility, Some(rays.into()))),
+pub fn seen_by(visibility: f32, visibility_source: VisibilitySource) -> Option<(f32, Option<u32>)> {
+    match visibility_source {
+        VisibilitySource::None => None,
+        VisibilitySource::Inherited => Some((1.0, None)),
+        VisibilitySource::Clear(rays) => Some((1.0, Some(rays.into()))),
+        VisibilitySource::Rays(rays) => Some((visibility, Some(rays.into()))),
     }
 }
 
@@ -157,9 +166,9 @@ pub fn seen_by(visibility: f32, evidence: Evidence) -> Option<(f32, Option<u32>)
 #[derive(Clone, Copy, Debug)]
 pub struct SourceLight {
     /// Radiosity B.
-    pub brightness: f32,
+    pub max_radiosity: f32,
     /// Its standard deviation over the source's leaves.
-    pub spread: f32,
+    pub radiosity_stddev: f32,
 }
 
 /// Estimated error of a link (receiver, source) with mean visibility V by so many rays; `None` where a pair that holds it was seen in
@@ -171,11 +180,11 @@ pub fn estimated_error(
     light: SourceLight,
     (visibility, rays): (f32, Option<u32>),
 ) -> LinkError {
-    let brightness = light.brightness;
+    let max_radiosity = light.max_radiosity;
     if facing.overlapping && facing.bound > facing.estimate {
-        return LinkError { sight: TOUCHING_WEIGHT * brightness * facing.bound, ..LinkError::default() };
+        return LinkError { sight: TOUCHING_WEIGHT * max_radiosity * facing.bound, ..LinkError::default() };
     }
-    let power = brightness * facing.estimate;
+    let power = max_radiosity * facing.estimate;
     let (seen, noise) = match rays {
         None => (1.0, 0.0),
         Some(rays) => {
@@ -189,7 +198,7 @@ pub fn estimated_error(
     let at_least = seen.max(0.5);
     let (own, other) = (extent(hierarchy, receiver), extent(hierarchy, source));
     let share = if own > 0.0 { own / (own + other) } else { 0.0 };
-    let uneven = light.spread / brightness;
+    let uneven = light.radiosity_stddev / max_radiosity;
     let over_source = match hierarchy.element(source).shape {
         _ if uneven <= 0.0 => 0.0,
         // Its faces are turned all ways.

@@ -11,7 +11,6 @@
 //!
 //! This module imports `scene`, `geometry` and `hierarchy`.
 
-pub mod anatomy;
 mod audit;
 mod bounds;
 mod candidate;
@@ -19,30 +18,32 @@ mod coarsen;
 mod edit;
 mod entering;
 mod form_factor;
+mod harmonics;
 mod link;
 mod link_error;
 mod oracle;
+mod pair_samples;
 mod push;
-mod rays;
 mod recheck;
 mod refine;
 mod rules;
-mod sight;
 mod solution;
+pub mod solution_view;
 mod sweep;
 mod verdict;
+mod visibility;
 mod waiting;
 
-pub use anatomy::{Anatomy, LinkView};
 pub use audit::{Audit, audit};
 pub use candidate::Waiting;
 pub use entering::{RAYS, entering_power, lets_daylight_in, new_hierarchy};
 pub use form_factor::{Exchange, exchange, point_to_polygon};
-pub use link::{Evidence, Link, LinkTable};
+pub use link::{Link, LinkTable, VisibilitySource};
 pub use link_error::LinkError;
-pub use recheck::{Doubts, Rechecked};
+pub use recheck::{RecheckReasons, Rechecked};
 pub use refine::{Applied, Counts, Refinement, RejectedPair};
 pub use rules::{ClusterModel, LinkRules, OracleKind, Push};
 pub use solution::LinkSolution;
+pub use solution_view::{LinkView, SolutionView};
 pub use sweep::{Gatherer, Light};
 pub use verdict::{OccludedPair, Rejection};

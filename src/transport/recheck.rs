@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use super::candidate::{Candidate, Directions};
-use super::link::{Evidence, Link};
+use super::link::{Link, VisibilitySource};
 use super::solution::LinkSolution;
 use crate::hierarchy::ElementId;
 
@@ -17,7 +17,7 @@ const FEW: usize = 100;
 
 /// Reasons to judge stored links again although their power is no greater than before.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Doubts {
+pub struct RecheckReasons {
     /// ε is finer: visibility that was inherited must show itself, and so must occlusion.
     pub finer_epsilon: bool,
     /// Links deserve more rays than they had.
@@ -26,7 +26,7 @@ pub struct Doubts {
     pub cluster_model: bool,
 }
 
-impl Doubts {
+impl RecheckReasons {
     /// Both.
     pub fn and(self, other: Self) -> Self {
         Self {
@@ -48,18 +48,18 @@ pub struct Rechecked {
 
 impl LinkSolution {
     /// Judges the stored links by the present radiosities; those that fail wait to be refined.
-    pub fn recheck(&mut self, doubts: Doubts) -> Rechecked {
-        let mut failing = self.take_failing(doubts);
+    pub fn recheck(&mut self, reasons: RecheckReasons) -> Rechecked {
+        let mut failing = self.take_failing(reasons);
         let few_fail = failing.len() * FEW <= self.links.len();
         let has_finer_stage = self.stage + 1 < SCHEDULE.len();
         if few_fail && has_finer_stage {
             self.stage += 1;
-            failing.append(&mut self.take_failing(Doubts { finer_epsilon: true, ..Doubts::default() }));
+            failing.append(&mut self.take_failing(RecheckReasons { finer_epsilon: true, ..RecheckReasons::default() }));
         }
         let found = Rechecked { has_failing: !failing.is_empty(), is_last: few_fail && !has_finer_stage };
         if found.has_failing {
             self.refinement.start(failing);
-            if doubts != Doubts::default() {
+            if reasons != RecheckReasons::default() {
                 self.refinement.hurry();
             }
         }
@@ -68,17 +68,17 @@ impl LinkSolution {
 
     /// Takes out what must be judged again as candidates: links that fail by the present radiosities or are in doubt, and
     /// pairs whose occlusion matters more than when it was found.
-    fn take_failing(&mut self, doubts: Doubts) -> Vec<Candidate> {
+    fn take_failing(&mut self, reasons: RecheckReasons) -> Vec<Candidate> {
         let mut links = std::mem::take(&mut self.links);
         let occluded = std::mem::take(&mut self.refinement.occluded);
         let oracle = self.oracle();
         let failing = links.drain(|receiver, link| match oracle.may_split {
-            true => oracle.must_judge_again(receiver, link) || oracle.is_in_doubt(receiver, link, doubts),
+            true => oracle.must_judge_again(receiver, link) || oracle.is_in_doubt(receiver, link, reasons),
             false => oracle.is_unjudged(link),
         });
-        let of_link = |(receiver, link): (ElementId, Link)| judged_again(receiver, &link, doubts);
+        let of_link = |(receiver, link): (ElementId, Link)| judged_again(receiver, &link, reasons);
         let (doubtful, believed): (Vec<_>, _) =
-            occluded.into_par_iter().partition(|pair| oracle.is_doubtful(pair, doubts));
+            occluded.into_par_iter().partition(|pair| oracle.is_doubtful(pair, reasons));
         let doubtful: Vec<Candidate> = doubtful.into_iter().map(|occluded| occluded.pair).collect();
         self.links = links;
         self.refinement.occluded = believed;
@@ -88,9 +88,9 @@ impl LinkSolution {
 }
 
 /// The candidate that a stored link becomes; by a finer ε or with more rays, visibility that it inherited must show itself.
-pub(super) fn judged_again(receiver: ElementId, link: &Link, doubts: Doubts) -> Candidate {
+pub(super) fn judged_again(receiver: ElementId, link: &Link, reasons: RecheckReasons) -> Candidate {
     let directions = Directions { to_a: true, to_b: false };
-    let is_inherited = link.evidence() == Evidence::Inherited && receiver != link.source();
-    let must_show = doubts.finer_epsilon || doubts.more_rays;
+    let is_inherited = link.visibility_source() == VisibilitySource::Inherited && receiver != link.source();
+    let must_show = reasons.finer_epsilon || reasons.more_rays;
     Candidate::new(receiver, link.source(), directions, link.visibility(), is_inherited && !must_show)
 }

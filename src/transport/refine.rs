@@ -185,7 +185,7 @@ impl Refinement {
 
     /// Lets a cluster light its child at once where more than `most` of the child's siblings wait to: to judge each of those pairs
     /// would take the memory that there is not. Whether there were any.
-    pub fn cut_rows(&mut self, hierarchy: &Hierarchy, most: u32) -> bool {
+    pub fn coarsen_sibling_batches(&mut self, hierarchy: &Hierarchy, most: u32) -> bool {
         let accepted = self.accepted.len();
         for waves in [&mut self.wave, &mut self.next_wave] {
             waves.retain(|waiting| {

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::sight::Thresholds;
+use super::visibility::Thresholds;
 
 /// When irradiance that a cluster received reaches the patches below it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]

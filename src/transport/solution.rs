@@ -7,12 +7,12 @@ use glam::Vec3;
 use super::candidate::Candidate;
 use super::link::LinkTable;
 use super::oracle::Oracle;
-use super::rays::RaySampler;
+use super::pair_samples::RaySampler;
 use super::recheck::SCHEDULE;
 use super::refine::{Applied, Refinement};
 use super::rules::LinkRules;
 use super::sweep::{Gatherer, Light, pull};
-use super::{Anatomy, link_error};
+use super::{SolutionView, link_error};
 use crate::cancel::CancelToken;
 use crate::geometry::Occluders;
 use crate::hierarchy::{Element, ElementId, Hierarchy, PatchSums, Shape};
@@ -38,9 +38,9 @@ pub struct LinkSolution {
     /// Emitted power of the initial patches, by the largest colour, W.
     pub(super) emission: PatchSums,
     /// Largest colour of each element's B at the last fixed point of the algorithm, which verdicts look at.
-    pub(super) brightness: Vec<f32>,
+    pub(super) max_radiosity: Vec<f32>,
     /// Standard deviation of that over each element's leaves, W/m².
-    pub(super) spread: Vec<f32>,
+    pub(super) radiosity_stddev: Vec<f32>,
     /// Place in [`SCHEDULE`].
     pub(super) stage: usize,
     /// Whether the light is that of the stored links to the last digit, emission and reflectances included.
@@ -49,7 +49,7 @@ pub struct LinkSolution {
     is_full: bool,
     /// Whether clusters light some of their children as a whole because memory was full: pairs of siblings would count
     /// twice beside that.
-    has_cut_rows: bool,
+    has_coarsened_siblings: bool,
     /// Times that light was moved until it converged.
     iterations: u32,
     clamped_leaves: usize,
@@ -77,19 +77,19 @@ impl LinkSolution {
             links: LinkTable::default(),
             refinement: Refinement::default(),
             emission: PatchSums::default(),
-            brightness: Vec::new(),
-            spread: Vec::new(),
+            max_radiosity: Vec::new(),
+            radiosity_stddev: Vec::new(),
             stage: 0,
             is_converged: false,
             is_full: false,
-            has_cut_rows: false,
+            has_coarsened_siblings: false,
             iterations: 0,
             clamped_leaves: 0,
             bounded_leaves: 0,
         };
         solution.light = solution.emitted_light();
         solution.emission = solution.emission_sums();
-        solution.fix_brightness();
+        solution.fix_max_radiosity();
         solution.refinement.start(Candidate::first(&solution.hierarchy));
         solution
     }
@@ -112,7 +112,7 @@ impl LinkSolution {
             }
         }
         pull(&new.hierarchy, &mut new.light.radiosity);
-        new.fix_brightness();
+        new.fix_max_radiosity();
         new
     }
 
@@ -133,7 +133,7 @@ impl LinkSolution {
         let applied = self.refinement.apply(&mut self.hierarchy, &judged, has_room);
         if !applied.is_whole {
             self.is_full = true;
-            self.has_cut_rows |= self.refinement.cut_rows(&self.hierarchy, LONGEST_ROW);
+            self.has_coarsened_siblings |= self.refinement.coarsen_sibling_batches(&self.hierarchy, LONGEST_ROW);
         }
         self.grow_light();
         Some(applied)
@@ -153,14 +153,14 @@ impl LinkSolution {
     pub fn converge(&mut self, tolerance: f64, cancel: &CancelToken) -> Option<()> {
         let mut light = self.light.clone();
         let gatherer = self.gatherer(&self.links, false);
-        let clamped = gatherer.limit_rows(&mut light, cancel)?;
+        let clamped = gatherer.enforce_closure(&mut light, cancel)?;
         if !gatherer.converge(&mut light, tolerance, MOST_SWEEPS, cancel) {
             return None;
         }
         self.bounded_leaves = self.keep_bounds(&mut light);
         self.light = light;
         self.clamped_leaves = clamped;
-        self.fix_brightness();
+        self.fix_max_radiosity();
         self.iterations += 1;
         Some(())
     }
@@ -182,7 +182,7 @@ impl LinkSolution {
 
     /// Lets elements be split again after memory was full; false where siblings that their cluster lights as a whole forbid it.
     pub fn split_again(&mut self) -> bool {
-        self.is_full = self.has_cut_rows;
+        self.is_full = self.has_coarsened_siblings;
         !self.is_full
     }
 
@@ -193,11 +193,17 @@ impl LinkSolution {
         Some(all.map(|(all, direct)| (*all - *direct).max(Vec3::ZERO)).collect())
     }
 
-    /// The anatomy of a state with these links and this light, over a copy of the hierarchy.
-    pub fn anatomy(&self, hierarchy: Arc<Hierarchy>, links: &LinkTable, light: &Light, is_final: bool) -> Anatomy {
+    /// The solution view of a state with these links and this light, over a copy of the hierarchy.
+    pub fn solution_view(
+        &self,
+        hierarchy: Arc<Hierarchy>,
+        links: &LinkTable,
+        light: &Light,
+        is_final: bool,
+    ) -> SolutionView {
         let mut light = light.clone();
         light.grow(&hierarchy);
-        Anatomy::new(hierarchy, links.clone(), light, self.rules, is_final)
+        SolutionView::new(hierarchy, links.clone(), light, self.rules, is_final)
     }
 
     /// Moves light over a table of links between the present elements.
@@ -209,8 +215,8 @@ impl LinkSolution {
     pub(super) fn oracle(&self) -> Oracle<'_> {
         Oracle {
             hierarchy: &self.hierarchy,
-            brightness: &self.brightness,
-            spread: &self.spread,
+            max_radiosity: &self.max_radiosity,
+            radiosity_stddev: &self.radiosity_stddev,
             thresholds: self.rules.thresholds(SCHEDULE[self.stage]),
             model: self.rules.cluster_model,
             kind: self.rules.oracle,
@@ -242,16 +248,16 @@ impl LinkSolution {
     /// Lets new elements start with their parents' light, in all that verdicts look at.
     fn grow_light(&mut self) {
         self.light.grow(&self.hierarchy);
-        let known = self.brightness.len();
-        self.brightness.extend(self.light.radiosity[known..].iter().map(|radiosity| radiosity.max_element()));
-        self.spread.resize(self.brightness.len(), 0.0);
+        let known = self.max_radiosity.len();
+        self.max_radiosity.extend(self.light.radiosity[known..].iter().map(|radiosity| radiosity.max_element()));
+        self.radiosity_stddev.resize(self.max_radiosity.len(), 0.0);
     }
 
     /// Makes the present radiosities those that verdicts look at.
-    fn fix_brightness(&mut self) {
-        self.brightness.clear();
-        self.brightness.extend(self.light.radiosity.iter().map(|radiosity| radiosity.max_element()));
-        link_error::spread_of(&self.hierarchy, &self.brightness, &mut self.spread);
+    fn fix_max_radiosity(&mut self) {
+        self.max_radiosity.clear();
+        self.max_radiosity.extend(self.light.radiosity.iter().map(|radiosity| radiosity.max_element()));
+        link_error::radiosity_stddev_of(&self.hierarchy, &self.max_radiosity, &mut self.radiosity_stddev);
     }
 }
 
@@ -318,8 +324,8 @@ impl LinkSolution {
     }
 
     /// Whether siblings are lit by their cluster as a whole, which only a new start undoes.
-    pub fn has_cut_rows(&self) -> bool {
-        self.has_cut_rows
+    pub fn has_coarsened_siblings(&self) -> bool {
+        self.has_coarsened_siblings
     }
 
     /// Times that light was moved until it converged.

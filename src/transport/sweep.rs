@@ -20,7 +20,7 @@ pub struct Light {
     pub irradiance: Vec<Vec3>,
     /// Emitted part of B, W/m².
     pub emitted: Vec<Vec3>,
-    /// What a leaf's irradiance is multiplied by; empty before the first [`Gatherer::limit_rows`].
+    /// What a leaf's irradiance is multiplied by; empty before the first [`Gatherer::enforce_closure`].
     pub row_scale: Vec<f32>,
 }
 
@@ -198,7 +198,7 @@ impl<'a> Gatherer<'a> {
     /// leaf in a corner adds its own large form factors to a mean that holds them already. What a leaf has too much is
     /// therefore what its siblings have too little, and goes to them; a whole initial patch is scaled back where it would get
     /// more than there is, and never up.
-    pub fn limit_rows(&self, light: &mut Light, cancel: &CancelToken) -> Option<usize> {
+    pub fn enforce_closure(&self, light: &mut Light, cancel: &CancelToken) -> Option<usize> {
         let elements = self.hierarchy.elements();
         let mut rows = self.rows(cancel)?;
         let mut exceeding = 0;
@@ -239,7 +239,7 @@ impl<'a> Gatherer<'a> {
     /// What arrives at each element by its own links; at initial patches also what clusters above push to them at once.
     fn incoming(&self, radiosity: &[Vec3], emitted: &[Vec3], cancel: &CancelToken) -> Option<Vec<Vec3>> {
         let flux = |link: &Link| {
-            let carries = self.with_unjudged || link.evidence() != super::link::Evidence::None;
+            let carries = self.with_unjudged || link.visibility_source() != super::link::VisibilitySource::None;
             let source = link.source().index();
             if carries { link.irradiance(radiosity[source], emitted[source]) } else { Vec3::ZERO }
         };

@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use super::candidate::Waiting;
 use super::form_factor::{Exchange, exchange, self_exchange};
-use super::link::{Evidence, Link, LinkTable};
+use super::link::{Link, LinkTable, VisibilitySource};
 use super::solution::LinkSolution;
 use crate::hierarchy::{ElementId, Hierarchy, Shape};
 
@@ -37,7 +37,8 @@ fn links_of_waiting(hierarchy: &Hierarchy, waiting: &Waiting) -> [Option<(Elemen
             let link = |asked: bool, receiver: ElementId, source: ElementId| {
                 let area = hierarchy.element(receiver).area;
                 let form_factor = if area > 0.0 { (estimate / area).min(1.0) } else { 0.0 };
-                asked.then(|| (receiver, Link::new(source, form_factor, candidate.visibility(), Evidence::None)))
+                asked
+                    .then(|| (receiver, Link::new(source, form_factor, candidate.visibility(), VisibilitySource::None)))
             };
             [link(candidate.directions.to_a, a, b), link(candidate.directions.to_b, b, a)]
         }
@@ -55,12 +56,12 @@ pub(super) fn link_of_row(hierarchy: &Hierarchy, waiting: &Waiting) -> Option<(E
     let left = (element.children().len() as u32 - from) as f32 / element.children().len() as f32;
     // Rows shrink as the wave goes on; both halves of the pairs of a row go to its child.
     let form_factor = (link.form_factor * 2.0 * left).min(link.form_factor);
-    Some((own, Link::new(cluster, form_factor, 1.0, Evidence::Inherited)))
+    Some((own, Link::new(cluster, form_factor, 1.0, VisibilitySource::Inherited)))
 }
 
 fn self_link(hierarchy: &Hierarchy, id: ElementId) -> Option<(ElementId, Link)> {
     let element = hierarchy.element(id);
     let Shape::Cluster(cluster) = &element.shape else { return None };
     let form_factor = if element.area > 0.0 { self_exchange(element, cluster) / element.area } else { 0.0 };
-    Some((id, Link::new(id, form_factor, 1.0, Evidence::None)))
+    Some((id, Link::new(id, form_factor, 1.0, VisibilitySource::None)))
 }

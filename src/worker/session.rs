@@ -15,7 +15,7 @@ use super::pacing::Pacing;
 use super::stage::MaterialEdit;
 use super::task::{Away, Change, Changed, Task};
 use super::{Command, ErrorOfMesh, Event, Look, Message, RunState, Shared, Status};
-use crate::solve::{MomentInfo, Solver, SolverParams};
+use crate::solve::{Solver, SolverParams, TimelineStep};
 use crate::threads::lock;
 
 /// The thread's ends of its channels.
@@ -82,7 +82,7 @@ pub(super) struct Session {
     pub(super) announced: u64,
     look: Look,
     /// Steps that were told of.
-    moments: Arc<[MomentInfo]>,
+    moments: Arc<[TimelineStep]>,
     /// Generation and number of changes that they stand for.
     told: (u64, u64),
     /// A person waits for what comes of the first step.
@@ -340,7 +340,7 @@ impl Session {
         self.generation += 1;
         self.look.moment = None;
         solver.set_generation(self.generation);
-        solver.keep_history();
+        solver.keep_timeline();
         let former = self.solver.replace(solver);
         self.discard(former);
         self.refine_again();

@@ -104,9 +104,9 @@ fn the_shares_of_an_elements_links_add_up_to_its_irradiance() {
             let leaves = solver.snapshot().mesh.leaves.len();
             for leaf in (0..leaves).step_by((leaves / 7).max(1)) {
                 let element = solver.snapshot().mesh.leaves[leaf].element;
-                solver.show_anatomy(true);
+                solver.show_solution_view(true);
                 let snapshot = solver.snapshot();
-                let links = snapshot.anatomy.as_ref().expect("its links").incoming(element);
+                let links = snapshot.solution_view.as_ref().expect("its links").incoming(element);
                 let sum: Vec3 = links.iter().map(|link| link.irradiance).sum();
                 let whole = Vec3::from(snapshot.leaf_irradiance[leaf]);
                 let off = (sum - whole).abs().max_element() / whole.max_element();

@@ -18,7 +18,7 @@ fn open_tool(params: SolverParams) -> Harness<'static, App> {
     finish(&mut window);
     window.get_by_label(words::CLUSTERS).click();
     until(&mut window, "the anatomy", |window| {
-        window.state().snapshot().is_some_and(|snapshot| snapshot.anatomy.is_some())
+        window.state().snapshot().is_some_and(|snapshot| snapshot.solution_view.is_some())
     });
     window
 }

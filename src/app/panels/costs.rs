@@ -3,7 +3,7 @@
 use egui::{Rect, Ui, pos2, vec2};
 
 use super::super::theme;
-use crate::solve::{Invalidates, Parameter, ValueKind};
+use crate::solve::{ChangeCost, Parameter, ValueKind};
 
 /// Bars of the mark.
 const MOST_BARS: usize = 3;
@@ -13,7 +13,7 @@ const WIDTH: f32 = 14.0;
 
 /// What a change to a lower and to a higher value asks of the solver, as one sentence or two.
 pub(super) fn sentence(parameter: &Parameter) -> String {
-    let [lower, higher] = parameter.costs.map(Invalidates::in_words);
+    let [lower, higher] = parameter.costs.map(ChangeCost::in_words);
     match parameter.kind {
         _ if lower == higher => format!("A change {lower}."),
         ValueKind::Choice { .. } => format!("A change {lower}, or {higher}."),
@@ -22,11 +22,11 @@ pub(super) fn sentence(parameter: &Parameter) -> String {
 }
 
 /// How many bars a cost has: light is gathered again at most, links are judged again, all begins anew.
-fn bars(cost: Invalidates) -> usize {
+fn bars(cost: ChangeCost) -> usize {
     match cost {
-        Invalidates::Nothing | Invalidates::Picture | Invalidates::Radiosities => 1,
-        Invalidates::Verdicts | Invalidates::Refinement => 2,
-        Invalidates::Links | Invalidates::Hierarchy | Invalidates::Scene => 3,
+        ChangeCost::Nothing | ChangeCost::Picture | ChangeCost::Radiosities => 1,
+        ChangeCost::Verdicts | ChangeCost::Refinement => 2,
+        ChangeCost::Links | ChangeCost::Hierarchy | ChangeCost::Scene => 3,
     }
 }
 
@@ -57,12 +57,12 @@ mod tests {
     fn tooltips_say_what_the_solver_will_do() {
         for parameter in &PARAMETERS {
             let sentence = sentence(parameter);
-            for cost in Invalidates::ALL {
+            for cost in ChangeCost::ALL {
                 let is_said = sentence.contains(cost.in_words());
                 assert_eq!(is_said, parameter.costs.contains(&cost), "{}: {sentence}", parameter.flag);
             }
         }
-        assert!(bars(Invalidates::Radiosities) < bars(Invalidates::Refinement));
-        assert!(Invalidates::ALL.map(bars).is_sorted());
+        assert!(bars(ChangeCost::Radiosities) < bars(ChangeCost::Refinement));
+        assert!(ChangeCost::ALL.map(bars).is_sorted());
     }
 }

@@ -62,8 +62,8 @@ pub(super) fn show(ui: &mut Ui, shown: &Shown, links: &mut LinkOverlay) {
 }
 
 fn show_level(ui: &mut Ui, shown: &Shown, links: &mut LinkOverlay) {
-    let anatomy = shown.snapshot.as_ref().and_then(|snapshot| snapshot.anatomy.as_ref());
-    let Some(deepest) = anatomy.map(|anatomy| anatomy.deepest()) else { return };
+    let solution_view = shown.snapshot.as_ref().and_then(|snapshot| snapshot.solution_view.as_ref());
+    let Some(deepest) = solution_view.map(|solution_view| solution_view.deepest()) else { return };
     theme::row(ui, words::RECEIVERS_AT_LEVEL, |ui| {
         // What was chosen for a deeper hierarchy comes back with it.
         let mut level = links.level.min(deepest);
@@ -179,7 +179,7 @@ fn power_labels(chosen: &ChosenLinks) -> [String; 2] {
 }
 
 fn level_labels(app: &App) -> [String; 2] {
-    let anatomy = app.shown.snapshot.as_ref().and_then(|snapshot| snapshot.anatomy.as_ref());
-    let deepest = anatomy.map_or(0, |anatomy| anatomy.deepest());
+    let solution_view = app.shown.snapshot.as_ref().and_then(|snapshot| snapshot.solution_view.as_ref());
+    let deepest = solution_view.map_or(0, |solution_view| solution_view.deepest());
     ["0, the root".into(), deepest.to_string()]
 }

@@ -11,7 +11,7 @@ use super::super::{App, format, theme, words};
 use crate::hierarchy::ElementId;
 use crate::scene::Scene;
 use crate::solve::Snapshot;
-use crate::transport::{Anatomy, LinkView};
+use crate::transport::{LinkView, SolutionView};
 
 /// Width of the card, points.
 const WIDTH: f32 = 288.0;
@@ -93,7 +93,8 @@ fn colours(rgb: Vec3) -> String {
 
 fn show_sources(ui: &mut Ui, inspection: &mut Inspection, snapshot: &Snapshot, scene: &Scene, element: ElementId) {
     ui.separator();
-    let Some(anatomy) = snapshot.anatomy.as_ref().filter(|anatomy| anatomy.holds(element)) else {
+    let Some(solution_view) = snapshot.solution_view.as_ref().filter(|solution_view| solution_view.holds(element))
+    else {
         ui.label(theme::weak("Asking for its links…"));
         return;
     };
@@ -109,7 +110,7 @@ fn show_sources(ui: &mut Ui, inspection: &mut Inspection, snapshot: &Snapshot, s
     Grid::new("sources").num_columns(2).spacing([12.0, 2.0]).show(ui, |ui| {
         for link in strongest {
             ui.label(theme::value(format!("{:>9}", format::number(link.irradiance.max_element().into()))));
-            let name = name_of_source(inspection, anatomy, scene, &link);
+            let name = name_of_source(inspection, solution_view, scene, &link);
             let details = format!(
                 "{name}: {}; E {}, F = {}, V = {:.2}, {} to the whole receiver",
                 whose(&link),
@@ -124,10 +125,10 @@ fn show_sources(ui: &mut Ui, inspection: &mut Inspection, snapshot: &Snapshot, s
     });
 }
 
-fn name_of_source(inspection: &mut Inspection, anatomy: &Anatomy, scene: &Scene, link: &LinkView) -> String {
+fn name_of_source(inspection: &mut Inspection, solution_view: &SolutionView, scene: &Scene, link: &LinkView) -> String {
     match link.source == link.receiver {
         true => "itself, among its parts".to_owned(),
-        false => inspection.name(anatomy, scene, link.source).to_owned(),
+        false => inspection.name(solution_view, scene, link.source).to_owned(),
     }
 }
 

@@ -2,7 +2,7 @@
 
 use crate::hierarchy::{ElementId, Hierarchy};
 use crate::transport::form_factor::{Exchange, exchange};
-use crate::transport::link::{Evidence, Link};
+use crate::transport::link::{Link, VisibilitySource};
 use crate::transport::link_error::Facing;
 use crate::transport::oracle::Oracle;
 use crate::transport::rules::OracleKind;
@@ -40,14 +40,14 @@ impl Combined {
         self.form_factor += weight * link.form_factor * exposed;
         self.direct += weight * link.direct * emission;
         self.links += 1;
-        let rays = match link.evidence() {
-            Evidence::None => return,
-            Evidence::Inherited => 0,
-            Evidence::Clear(rays) => {
+        let rays = match link.visibility_source() {
+            VisibilitySource::None => return,
+            VisibilitySource::Inherited => 0,
+            VisibilitySource::Clear(rays) => {
                 self.clear += 1;
                 rays
             }
-            Evidence::Rays(rays) => {
+            VisibilitySource::Rays(rays) => {
                 self.mixed += 1;
                 rays
             }
@@ -69,11 +69,17 @@ impl Combined {
     }
 
     /// As a link: the same power passes over it as over its parts, by F and V of their means.
-    fn as_link(&self, hierarchy: &Hierarchy, receiver: ElementId, source: ElementId, evidence: Evidence) -> Link {
+    fn as_link(
+        &self,
+        hierarchy: &Hierarchy,
+        receiver: ElementId,
+        source: ElementId,
+        visibility_source: VisibilitySource,
+    ) -> Link {
         let exposed = hierarchy.element(receiver).exposed_share() * hierarchy.element(source).exposed_share();
         let form_factor = (self.form_factor.min(1.0) / exposed).max(self.transfer);
         let visibility = if form_factor > 0.0 { self.transfer / form_factor } else { 0.0 };
-        let mut link = Link::new(source, form_factor, visibility, evidence);
+        let mut link = Link::new(source, form_factor, visibility, visibility_source);
         link.direct = self.direct;
         link
     }
@@ -85,16 +91,16 @@ impl Combined {
 
     /// How V is known where so many rays would have been cast at the whole. It counts as clear if it is so clear that more likely than
     /// not all of them would have come through, which is what a look at the whole would have made of it.
-    fn evidence(&self, asked: u32) -> Evidence {
+    fn visibility_source(&self, asked: u32) -> VisibilitySource {
         let rays = self.rays.clamp(1, u32::from(u16::MAX)) as u16;
         if self.judged == 0 && self.occluded == 0 {
-            Evidence::None
+            VisibilitySource::None
         } else if self.mixed == 0 && self.occluded == 0 && self.clear == 0 {
-            Evidence::Inherited
+            VisibilitySource::Inherited
         } else if self.visibility().powi(asked.min(1024) as i32) >= 0.5 {
-            Evidence::Clear(rays)
+            VisibilitySource::Clear(rays)
         } else {
-            Evidence::Rays(rays)
+            VisibilitySource::Rays(rays)
         }
     }
 }
@@ -102,32 +108,33 @@ impl Combined {
 impl Oracle<'_> {
     /// Whether a cluster's self-link is kept by the present radiosities.
     pub fn accepts_self(&self, cluster: ElementId) -> bool {
-        let power = self.brightness[cluster.index()] * self.hierarchy.element(cluster).area;
+        let power = self.max_radiosity[cluster.index()] * self.hierarchy.element(cluster).area;
         power <= self.allowed_of_self()
     }
 
     /// The link of a pair whose parts come to this, if it were not refined by the present radiosities.
     pub fn accept_merged(&self, receiver: ElementId, source: ElementId, combined: &Combined) -> Option<Link> {
         let hierarchy = self.hierarchy;
-        let brightness = self.brightness[source.index()];
+        let max_radiosity = self.max_radiosity[source.index()];
         if receiver == source {
-            let evidence = if brightness > 0.0 { Evidence::Inherited } else { Evidence::None };
-            return self.accepts_self(source).then(|| combined.as_link(hierarchy, receiver, source, evidence));
+            let visibility_source =
+                if max_radiosity > 0.0 { VisibilitySource::Inherited } else { VisibilitySource::None };
+            return self.accepts_self(source).then(|| combined.as_link(hierarchy, receiver, source, visibility_source));
         }
         let Exchange::Facing { estimate, bound, overlapping } = exchange(hierarchy, receiver, source) else {
             return None;
         };
-        let evidence = combined.evidence(self.thresholds.rays_for(brightness * estimate));
-        let link = combined.as_link(hierarchy, receiver, source, evidence);
-        if brightness <= 0.0 {
+        let visibility_source = combined.visibility_source(self.thresholds.rays_for(max_radiosity * estimate));
+        let link = combined.as_link(hierarchy, receiver, source, visibility_source);
+        if max_radiosity <= 0.0 {
             return Some(link.unjudged());
         }
-        if evidence == Evidence::None {
+        if visibility_source == VisibilitySource::None {
             // The whole is bright where those of its parts that were looked at are dark.
             return None;
         }
         let is_accepted = match self.kind {
-            OracleKind::Energy => brightness * bound <= self.allowed_by(evidence),
+            OracleKind::Energy => max_radiosity * bound <= self.allowed_by(visibility_source),
             OracleKind::Error => {
                 let facing = Facing { estimate, bound, overlapping };
                 !self.exceeds_error(receiver, &link, facing, self.thresholds.epsilon)

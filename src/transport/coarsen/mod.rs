@@ -53,8 +53,8 @@ impl LinkSolution {
             *recorded = recorded::after_merging(recorded, pairs, (&before, &self.hierarchy), &renumbering);
         }
         self.light = light_of(&self.light, &before, &renumbering);
-        self.brightness = renumbering.reorder(&self.brightness);
-        self.spread = renumbering.reorder(&self.spread);
+        self.max_radiosity = renumbering.reorder(&self.max_radiosity);
+        self.radiosity_stddev = renumbering.reorder(&self.radiosity_stddev);
     }
 }
 

@@ -3,7 +3,7 @@
 use rustc_hash::FxHashSet;
 
 use crate::hierarchy::{ElementId, Hierarchy, Shape};
-use crate::transport::Anatomy;
+use crate::transport::SolutionView;
 
 /// A row of the tree.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -54,16 +54,16 @@ pub(super) struct Powers {
 
 impl Powers {
     /// Adds up what leaves receive and send.
-    pub(super) fn new(anatomy: &Anatomy) -> Self {
-        let hierarchy = anatomy.hierarchy();
+    pub(super) fn new(solution_view: &SolutionView) -> Self {
+        let hierarchy = solution_view.hierarchy();
         let count = hierarchy.elements().len();
         let (mut received, mut sent) = (vec![0.0; count], vec![0.0; count]);
         // Parents precede their children.
         for (index, element) in hierarchy.elements().iter().enumerate().rev() {
             let id = ElementId(index as u32);
             if element.is_leaf() {
-                received[index] = f64::from(element.area) * f64::from(anatomy.irradiance(id).element_sum());
-                sent[index] = f64::from(element.area) * f64::from(anatomy.radiosity(id).element_sum());
+                received[index] = f64::from(element.area) * f64::from(solution_view.irradiance(id).element_sum());
+                sent[index] = f64::from(element.area) * f64::from(solution_view.radiosity(id).element_sum());
             }
             if let Some(parent) = element.parent() {
                 received[parent.index()] += received[index];
@@ -104,22 +104,22 @@ mod tests {
     use crate::scene::builtin::BuiltinScene;
     use crate::solve::{Epsilon, Solver, SolverParams};
 
-    fn anatomy() -> Arc<Anatomy> {
+    fn solution_view() -> Arc<SolutionView> {
         let scene = Arc::new(BuiltinScene::from_name("seminar").expect("ours").build());
         let occluders = Arc::new(Occluders::new(&scene));
         let params = SolverParams { epsilon: Epsilon::Relative(3e-2), ..SolverParams::default() };
         let mut solver = Solver::new(scene, occluders, params, 1).expect("the parameters are valid");
         assert!(solver.run(&CancelToken::new()));
-        solver.show_anatomy(true);
-        solver.snapshot().anatomy.expect("it was asked for")
+        solver.show_solution_view(true);
+        solver.snapshot().solution_view.expect("it was asked for")
     }
 
     /// Truth: what is in a cluster is what is in its children; the whole has each polygon once.
     #[test]
     fn numbers_of_children_add_up_to_their_cluster_s() {
-        let anatomy = anatomy();
-        let hierarchy = anatomy.hierarchy();
-        let powers = Powers::new(&anatomy);
+        let solution_view = solution_view();
+        let hierarchy = solution_view.hierarchy();
+        let powers = Powers::new(&solution_view);
         assert_eq!(polygons(hierarchy, Hierarchy::ROOT), hierarchy.initial_patches().len());
         let area = |id: ElementId| f64::from(hierarchy.element(id).area);
         let mut clusters = 0;
@@ -135,15 +135,15 @@ mod tests {
             clusters += 1;
         }
         assert!(clusters > 100);
-        let root = f64::from(anatomy.irradiance(Hierarchy::ROOT).element_sum()) * area(Hierarchy::ROOT);
+        let root = f64::from(solution_view.irradiance(Hierarchy::ROOT).element_sum()) * area(Hierarchy::ROOT);
         assert!((f64::from(powers.received(Hierarchy::ROOT)) / root - 1.0).abs() < 1e-3);
     }
 
     /// Truth: children stand below their parent in the arena's order; folded ones are not there.
     #[test]
     fn rows_are_those_of_unfolded_elements() {
-        let anatomy = anatomy();
-        let hierarchy = anatomy.hierarchy();
+        let solution_view = solution_view();
+        let hierarchy = solution_view.hierarchy();
         let mut unfolded = FxHashSet::default();
         assert_eq!(visible_rows(hierarchy, &unfolded), [Row { element: Hierarchy::ROOT, depth: 0 }]);
         unfolded.extend(hierarchy.ids());

@@ -14,7 +14,7 @@ use crate::names::Names;
 use crate::render::cluster_colours;
 use crate::scene::{GroupMember, Scene};
 use crate::solve::Snapshot;
-use crate::transport::Anatomy;
+use crate::transport::SolutionView;
 
 /// Which power the last column has.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -34,7 +34,7 @@ pub(super) struct ClusterTree {
     unfolded: FxHashSet<ElementId>,
     rows: Vec<Row>,
     /// What rows and numbers were made of.
-    of: Option<Arc<Anatomy>>,
+    of: Option<Arc<SolutionView>>,
     generation: u64,
     powers: Option<Powers>,
     /// Names, and the scene with the groups that they are taken from.
@@ -51,8 +51,8 @@ pub(super) struct ClusterTree {
 impl ClusterTree {
     /// Takes up a newer snapshot and another picked element.
     fn follow(&mut self, scene: &Arc<Scene>, snapshot: &Snapshot, picked: Option<ElementId>) {
-        let Some(anatomy) = &snapshot.anatomy else { return };
-        let hierarchy = anatomy.hierarchy();
+        let Some(solution_view) = &snapshot.solution_view else { return };
+        let hierarchy = solution_view.hierarchy();
         let mut is_old = false;
         if self.generation != snapshot.generation || self.names.is_none() || self.regrouping != scene.regrouping {
             // Other clusters, whose ids mean something else, or other names.
@@ -66,15 +66,15 @@ impl ClusterTree {
             self.followed = None;
             is_old = true;
         }
-        if self.of.as_ref().is_none_or(|of| !Arc::ptr_eq(of, anatomy)) {
-            self.of = Some(anatomy.clone());
-            self.powers = Some(Powers::new(anatomy));
+        if self.of.as_ref().is_none_or(|of| !Arc::ptr_eq(of, solution_view)) {
+            self.of = Some(solution_view.clone());
+            self.powers = Some(Powers::new(solution_view));
         }
-        let picked = picked.filter(|id| anatomy.holds(*id)).map(|id| with_row(hierarchy, id));
+        let picked = picked.filter(|id| solution_view.holds(*id)).map(|id| with_row(hierarchy, id));
         if picked != self.followed {
             self.followed = picked;
             if let Some(picked) = picked {
-                self.unfolded.extend(anatomy.path(picked).into_iter().filter(|above| *above != picked));
+                self.unfolded.extend(solution_view.path(picked).into_iter().filter(|above| *above != picked));
                 is_old = true;
             }
         }
@@ -113,11 +113,11 @@ pub(super) fn show(app: &mut App, ui: &mut Ui) {
     let picked = app.picked.as_ref().map(|picked| picked.element);
     let tree = &mut app.clusters.tree;
     tree.follow(&info.scene, &snapshot, picked);
-    let Some(anatomy) = &snapshot.anatomy else {
+    let Some(solution_view) = &snapshot.solution_view else {
         ui.label(theme::weak("Asking for the clusters…"));
         return;
     };
-    let hierarchy = anatomy.hierarchy();
+    let hierarchy = solution_view.hierarchy();
     ui.horizontal(|ui| {
         let clusters = format::things(hierarchy.cluster_count(), "cluster", "clusters");
         let polygons = format::things(hierarchy.initial_patches().len(), "polygon", "polygons");
@@ -164,7 +164,7 @@ pub(super) fn show(app: &mut App, ui: &mut Ui) {
             let values = [
                 format::number(hierarchy.element(id).area.into()),
                 format::count(polygons(hierarchy, id) as u64),
-                format::count(anatomy.links().of(id).len() as u64),
+                format::count(solution_view.links().of(id).len() as u64),
                 format::number(power.into()),
             ];
             let fold = match (has_rows_below(hierarchy, id), tree.unfolded.contains(&id)) {

@@ -42,7 +42,7 @@ impl Bars {
             return;
         }
         let value = |link: &LinkView| brought(subject, link, direction);
-        self.sums = subject.anatomy.folded(&inspection.links, self.level, |link| direction.far_end(link), value);
+        self.sums = subject.solution_view.folded(&inspection.links, self.level, |link| direction.far_end(link), value);
         self.total = self.sums.iter().map(|(_, sum)| *sum).sum();
         self.made_of = now;
     }
@@ -52,7 +52,7 @@ impl Bars {
 pub(super) fn brought(subject: &Subject<'_>, link: &LinkView, direction: Direction) -> Vec3 {
     match direction {
         Direction::In => link.irradiance,
-        Direction::Out => link.irradiance * subject.anatomy.hierarchy().element(link.receiver).area,
+        Direction::Out => link.irradiance * subject.solution_view.hierarchy().element(link.receiver).area,
     }
 }
 
@@ -74,7 +74,7 @@ pub(super) fn show(
     let total = bars.total.max_element();
     let mut walk = None;
     for &(id, sum) in shown {
-        let name = inspection.name(subject.anatomy, subject.scene, id);
+        let name = inspection.name(subject.solution_view, subject.scene, id);
         let bar = Bar { name, value: sum.max_element(), most, total, unit };
         let response = bar.show(ui, true);
         if response.hovered() {
@@ -119,7 +119,7 @@ fn show_heading(ui: &mut Ui, subject: &Subject<'_>, inspection: &Inspection, dir
             let hint = "E of the final gather, which looks past the links once they are there: the difference is what links hide";
             ui.label(theme::weak(text)).on_hover_text(hint);
         }
-        let deepest = subject.anatomy.deepest();
+        let deepest = subject.solution_view.deepest();
         let mut level = bars.level.min(deepest);
         let hint = "Far ends are summed up by what holds them at this level below the root";
         let label = ui.label(theme::weak("by level")).on_hover_text(hint);

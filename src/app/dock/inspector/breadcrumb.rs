@@ -15,7 +15,7 @@ pub(super) fn show(
     pointing: &mut Pointing,
 ) -> Option<Walk> {
     let mut walk = None;
-    let path = subject.anatomy.path(subject.element);
+    let path = subject.solution_view.path(subject.element);
     ui.horizontal_wrapped(|ui| {
         ui.spacing_mut().item_spacing = egui::vec2(3.0, 2.0);
         ui.spacing_mut().button_padding = egui::vec2(4.0, 1.0);
@@ -24,7 +24,7 @@ pub(super) fn show(
                 ui.label(theme::weak("›"));
             }
             let is_here = id == subject.element;
-            let name = inspection.short_name(subject.anatomy, subject.scene, id);
+            let name = inspection.short_name(subject.solution_view, subject.scene, id);
             let colour = if is_here { ui.visuals().strong_text_color() } else { ui.visuals().text_color() };
             let crumb = ui.selectable_label(is_here, RichText::new(name).size(12.0).color(colour));
             let crumb = crumb.on_hover_text(format!("Level {depth}: click to inspect it"));

@@ -15,7 +15,7 @@ use super::super::inspection::{Direction, Inspection};
 use super::super::{App, format, theme, words};
 use crate::hierarchy::{ElementId, Hierarchy};
 use crate::scene::Scene;
-use crate::transport::Anatomy;
+use crate::transport::SolutionView;
 
 /// How the inspector shows links, and where it has been.
 #[derive(Default)]
@@ -36,7 +36,7 @@ impl Inspector {
 
 /// The element that is looked at, and the state that it is part of.
 struct Subject<'a> {
-    anatomy: &'a Anatomy,
+    solution_view: &'a SolutionView,
     scene: &'a Scene,
     element: ElementId,
 }
@@ -60,11 +60,12 @@ pub(super) fn show(app: &mut App, ui: &mut Ui) {
         return;
     };
     let element = picked.element;
-    let Some(anatomy) = snapshot.anatomy.as_ref().filter(|anatomy| anatomy.holds(element)) else {
+    let Some(solution_view) = snapshot.solution_view.as_ref().filter(|solution_view| solution_view.holds(element))
+    else {
         ui.label(theme::weak("Asking for its links…"));
         return;
     };
-    let subject = Subject { anatomy, scene: &info.scene, element };
+    let subject = Subject { solution_view, scene: &info.scene, element };
     let mut inspector = std::mem::take(&mut app.inspector);
     let mut walk = show_head(ui, &subject, &mut app.inspection, &inspector.visited);
     walk = breadcrumb::show(ui, &subject, &app.inspection, &mut app.pointing).or(walk);
@@ -113,22 +114,22 @@ fn show_nothing_picked(ui: &mut Ui) -> bool {
 
 /// The element's name, and the way back.
 fn show_head(ui: &mut Ui, subject: &Subject<'_>, inspection: &mut Inspection, visited: &[ElementId]) -> Option<Walk> {
-    let (anatomy, id) = (subject.anatomy, subject.element);
+    let (solution_view, id) = (subject.solution_view, subject.element);
     let mut walk = None;
     ui.horizontal(|ui| {
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-            let parent = anatomy.hierarchy().element(id).parent();
+            let parent = solution_view.hierarchy().element(id).parent();
             let up = ui.add_enabled(parent.is_some(), egui::Button::new(words::UP));
             if let Some(parent) = parent.filter(|_| up.on_hover_text("Climb to the element that holds it").clicked()) {
                 walk = Some(Walk::To(parent));
             }
-            let last = visited.last().copied().filter(|&last| anatomy.holds(last));
+            let last = visited.last().copied().filter(|&last| solution_view.holds(last));
             let back = ui.add_enabled(last.is_some(), egui::Button::new(words::BACK));
             if back.on_hover_text("Return to the element that you came from").clicked() {
                 walk = Some(Walk::Back);
             }
-            let name = inspection.name(anatomy, subject.scene, id).to_owned();
-            let element = anatomy.hierarchy().element(id);
+            let name = inspection.name(solution_view, subject.scene, id).to_owned();
+            let element = solution_view.hierarchy().element(id);
             let kind = if element.is_cluster() {
                 "cluster"
             } else if element.is_sky() {

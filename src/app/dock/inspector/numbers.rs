@@ -16,7 +16,7 @@ pub(super) fn show(ui: &mut Ui, subject: &Subject<'_>, facts: &Facts) {
     ui.add_space(2.0);
     let a_line = if ui.available_width() >= ROOM_FOR_TWO { 2 } else { 1 };
     Grid::new(("inspected", a_line)).num_columns(2 * a_line).spacing([10.0, 2.0]).show(ui, |ui| {
-        for line in numbers(facts, subject.anatomy.deepest()).chunks(a_line) {
+        for line in numbers(facts, subject.solution_view.deepest()).chunks(a_line) {
             for (name, value, hint) in line {
                 ui.label(theme::weak(*name)).on_hover_text(hint);
                 ui.label(theme::value(value)).on_hover_text(hint);

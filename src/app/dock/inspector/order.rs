@@ -5,7 +5,7 @@ use std::cmp::Ordering;
 use super::super::super::inspection::{Direction, Inspection};
 use super::Subject;
 use super::bars::brought;
-use crate::transport::{Evidence, LinkView};
+use crate::transport::{LinkView, VisibilitySource};
 
 /// A column of the table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -66,7 +66,7 @@ fn sorted(
     if by == Column::Name {
         let far: Vec<_> = inspection.links.iter().map(|link| direction.far_end(link)).collect();
         let names: Vec<String> =
-            far.into_iter().map(|id| inspection.name(subject.anatomy, subject.scene, id).to_owned()).collect();
+            far.into_iter().map(|id| inspection.name(subject.solution_view, subject.scene, id).to_owned()).collect();
         // Equals stay as they are: what brings most first.
         rows.sort_by(|&a, &b| turned(names[a as usize].cmp(&names[b as usize])));
         return rows;
@@ -80,28 +80,28 @@ fn sorted(
 pub(super) fn value(subject: &Subject<'_>, link: &LinkView, direction: Direction, column: Column) -> f32 {
     match column {
         Column::Name => 0.0,
-        Column::Level => subject.anatomy.depth(direction.far_end(link)).into(),
+        Column::Level => subject.solution_view.depth(direction.far_end(link)).into(),
         Column::Brought => brought(subject, link, direction).max_element(),
         Column::FormFactor => link.form_factor,
         Column::Visibility => link.visibility,
         Column::Rays => rays(link).map_or(-1.0, f32::from),
         Column::Power => link.power,
         Column::OverEpsilon => over_epsilon(subject, link.power),
-        Column::Error => subject.anatomy.error(link).total(),
+        Column::Error => subject.solution_view.error(link).total(),
     }
 }
 
 /// Rays that tell of a link's visibility; `None` where it is inherited or nobody looked.
 pub(super) fn rays(link: &LinkView) -> Option<u16> {
-    match link.evidence {
-        Evidence::Rays(rays) | Evidence::Clear(rays) => Some(rays),
-        Evidence::Inherited | Evidence::None => None,
+    match link.visibility_source {
+        VisibilitySource::Rays(rays) | VisibilitySource::Clear(rays) => Some(rays),
+        VisibilitySource::Inherited | VisibilitySource::None => None,
     }
 }
 
 /// A power as a share of ε.
 pub(super) fn over_epsilon(subject: &Subject<'_>, power: f32) -> f32 {
-    match subject.anatomy.epsilon_watts() {
+    match subject.solution_view.epsilon_watts() {
         epsilon if epsilon > 0.0 => (f64::from(power) / epsilon) as f32,
         _ => 0.0,
     }

@@ -9,7 +9,7 @@ use super::super::super::inspection::{Direction, Inspection};
 use super::super::super::{format, panels, theme};
 use super::order::{Column, Order, over_epsilon, rays, value};
 use super::{Subject, Walk, compact};
-use crate::transport::{Evidence, LinkView};
+use crate::transport::{LinkView, VisibilitySource};
 
 const ROW_HEIGHT: f32 = 17.0;
 const HEADER_HEIGHT: f32 = 20.0;
@@ -156,7 +156,7 @@ fn show_link(
     let is_own = link.receiver == link.source;
     let name = match is_own {
         true => "itself, among its parts".to_owned(),
-        false => inspection.name(subject.anatomy, subject.scene, far).to_owned(),
+        false => inspection.name(subject.solution_view, subject.scene, far).to_owned(),
     };
     row.col(|ui| {
         ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
@@ -192,9 +192,9 @@ fn cell(subject: &Subject<'_>, link: &LinkView, direction: Direction, column: Co
         Column::Name => String::new(),
         Column::Level => format!("{:.0}", number(column)),
         Column::Visibility => format!("{:.2}", link.visibility),
-        Column::Rays => match (rays(link), link.evidence) {
+        Column::Rays => match (rays(link), link.visibility_source) {
             (Some(rays), _) => rays.to_string(),
-            (None, Evidence::Inherited) => "inherited".into(),
+            (None, VisibilitySource::Inherited) => "inherited".into(),
             (None, _) => "not tested".into(),
         },
         Column::Brought | Column::FormFactor | Column::Power | Column::OverEpsilon | Column::Error => {
@@ -205,7 +205,7 @@ fn cell(subject: &Subject<'_>, link: &LinkView, direction: Direction, column: Co
 
 /// What a row has no room for.
 fn show_details(ui: &mut Ui, subject: &Subject<'_>, direction: Direction, link: &LinkView, name: &str) {
-    let error = subject.anatomy.error(link);
+    let error = subject.solution_view.error(link);
     let watts = |power: f32| format::quantity(power.into(), "W");
     ui.label(RichText::new(name).strong());
     let whose = match direction {

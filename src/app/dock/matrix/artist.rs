@@ -11,7 +11,7 @@ use super::Look;
 use crate::app::Wake;
 use crate::cancel::CancelToken;
 use crate::matrix::{Facts, Palette, Raster, Request, View, facts, raster};
-use crate::transport::Anatomy;
+use crate::transport::SolutionView;
 
 /// Pixels of a picture of the whole square that fills in while a part of it is moved.
 const PIXELS_OF_WHOLE: usize = 512;
@@ -19,7 +19,7 @@ const PIXELS_OF_WHOLE: usize = 512;
 /// What is to be drawn.
 pub(super) struct Order {
     pub look: Look,
-    pub anatomy: Arc<Anatomy>,
+    pub solution_view: Arc<SolutionView>,
     pub request: Request,
     /// Whether the whole square is wanted as well.
     pub wants_whole: bool,
@@ -100,16 +100,16 @@ impl Drop for Artist {
 }
 
 fn draw(order: &Order, known: &mut Option<Known>, cancel: &CancelToken) -> Option<Drawn> {
-    let Order { look, anatomy, request, wants_whole } = order;
+    let Order { look, solution_view, request, wants_whole } = order;
     let former = known.take().filter(|known| known.look == *look);
     let Known { facts, palette, .. } = known.insert(former.unwrap_or_else(|| Known {
         look: *look,
-        facts: facts(anatomy, request.room),
-        palette: Arc::new(Palette::new(anatomy, look.colouring)),
+        facts: facts(solution_view, request.room),
+        palette: Arc::new(Palette::new(solution_view, look.colouring)),
     }));
-    let drawn = raster(anatomy, palette, request, cancel)?;
+    let drawn = raster(solution_view, palette, request, cancel)?;
     let of_whole = Request { view: View::WHOLE, pixels: PIXELS_OF_WHOLE, ..*request };
-    let whole = if *wants_whole { Some(raster(anatomy, palette, &of_whole, cancel)?) } else { None };
+    let whole = if *wants_whole { Some(raster(solution_view, palette, &of_whole, cancel)?) } else { None };
     let (facts, palette) = (*facts, palette.clone());
     Some(Drawn { look: *look, request: *request, raster: drawn, whole, facts, palette })
 }

@@ -45,8 +45,8 @@ pub(super) fn paint(
 }
 
 fn paint_edge(painter: &Painter, matrix: &LinkMatrix, looked: Looked<'_>, map: Map, edge: Edge, marks: &[Mark]) {
-    let hierarchy = looked.anatomy.hierarchy();
-    let order = looked.anatomy.order(matrix.room);
+    let hierarchy = looked.solution_view.hierarchy();
+    let order = looked.solution_view.order(matrix.room);
     let from = if edge == Edge::Sources { map.view.left } else { map.view.top };
     let side = map.rect.width();
     let all = brackets(hierarchy, order, [from, from + map.view.size], side, TIERS);
@@ -98,7 +98,7 @@ fn name(painter: &Painter, looked: Looked<'_>, edge: Edge, bracket: &Bracket, re
     }
     let font = FontId::proportional(11.0);
     let fits = |name: &str| painter.layout_no_wrap(name.into(), font.clone(), theme::TEXT).size().x <= room;
-    let named = fitting_name((looked.names, looked.scene), looked.anatomy.hierarchy(), bracket, fits);
+    let named = fitting_name((looked.names, looked.scene), looked.solution_view.hierarchy(), bracket, fits);
     let Some(name) = named else { return };
     let colour = if bracket.tier == 0 { theme::TEXT_STRONG } else { theme::TEXT };
     match edge {

@@ -19,7 +19,7 @@ use crate::matrix::{Colouring, Facts, Legend, Palette, Raster, Request, View};
 use crate::names::Names;
 use crate::scene::Scene;
 use crate::solve::Snapshot;
-use crate::transport::Anatomy;
+use crate::transport::SolutionView;
 use artist::{Artist, Drawn, Order};
 
 /// Colourings with their names and hints, in the order of their switches.
@@ -78,7 +78,7 @@ struct Shown {
 /// What the parts of the tool look at in a frame.
 #[derive(Clone, Copy)]
 struct Looked<'a> {
-    anatomy: &'a Arc<Anatomy>,
+    solution_view: &'a Arc<SolutionView>,
     scene: &'a Scene,
     names: &'a Names,
 }
@@ -106,8 +106,8 @@ pub(super) fn show(app: &mut App, ui: &mut Ui) {
     };
     let mut matrix = std::mem::take(&mut app.matrix);
     matrix.show_switches(ui);
-    match &snapshot.anatomy {
-        Some(anatomy) => matrix.show(app, ui, &snapshot, anatomy, &info.scene),
+    match &snapshot.solution_view {
+        Some(solution_view) => matrix.show(app, ui, &snapshot, solution_view, &info.scene),
         None => {
             ui.label(theme::weak("Asking for the links…"));
         }
@@ -131,16 +131,23 @@ impl LinkMatrix {
         });
     }
 
-    fn show(&mut self, app: &mut App, ui: &mut Ui, snapshot: &Snapshot, anatomy: &Arc<Anatomy>, scene: &Scene) {
+    fn show(
+        &mut self,
+        app: &mut App,
+        ui: &mut Ui,
+        snapshot: &Snapshot,
+        solution_view: &Arc<SolutionView>,
+        scene: &Scene,
+    ) {
         if self.generation != snapshot.generation {
             self.generation = snapshot.generation;
             self.view = View::WHOLE;
         }
         if self.names.as_ref().is_none_or(|names| !names.are_of(snapshot.generation)) {
-            self.names = Some(Names::new(snapshot.generation, anatomy.hierarchy(), scene));
+            self.names = Some(Names::new(snapshot.generation, solution_view.hierarchy(), scene));
         }
         let Some(names) = self.names.take() else { return };
-        let looked = Looked { anatomy, scene, names: &names };
+        let looked = Looked { solution_view, scene, names: &names };
         let room = ui.available_size();
         let side = |reserved: Vec2| (room - reserved - edges::WIDTH).min_elem();
         let (below, beside) = (side(vec2(0.0, ROOM_BELOW)), side(vec2(ROOM_BESIDE, 0.0)));
@@ -151,14 +158,14 @@ impl LinkMatrix {
         let layout = if is_wide { egui::Layout::left_to_right(egui::Align::Min) } else { *ui.layout() };
         ui.with_layout(layout, |ui| {
             let square = square::show(self, app, ui, looked, side);
-            self.keep_up(app, ui.ctx(), look, anatomy, square);
+            self.keep_up(app, ui.ctx(), look, solution_view, square);
             ui.vertical(|ui| self.show_key(ui));
         });
         self.names = Some(names);
     }
 
     /// Takes up a picture that is there, and orders the next one where something changed.
-    fn keep_up(&mut self, app: &mut App, ctx: &Context, look: Look, anatomy: &Arc<Anatomy>, square: Rect) {
+    fn keep_up(&mut self, app: &mut App, ctx: &Context, look: Look, solution_view: &Arc<SolutionView>, square: Rect) {
         if let Some(drawn) = self.artist.as_mut().and_then(Artist::take) {
             self.take_up(ctx, drawn);
         }
@@ -172,7 +179,7 @@ impl LinkMatrix {
         }
         let wants_whole = !self.view.is_whole() && self.whole.as_ref().is_none_or(|(whole, _)| *whole != look);
         if let Some(artist) = self.artist.as_mut().filter(|artist| artist.is_free()) {
-            artist.order(Order { look, anatomy: anatomy.clone(), request, wants_whole });
+            artist.order(Order { look, solution_view: solution_view.clone(), request, wants_whole });
         }
     }
 

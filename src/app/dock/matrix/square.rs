@@ -96,7 +96,7 @@ pub(super) fn show(matrix: &mut LinkMatrix, app: &mut App, ui: &mut Ui, looked: 
 /// The pair under the mouse.
 fn hovered(matrix: &LinkMatrix, looked: Looked<'_>, response: &Response, map: Map) -> Option<Pair> {
     let at = response.hover_pos().filter(|at| map.rect.contains(*at))?;
-    Some(pair_at(looked.anatomy, matrix.room, map.place(at)))
+    Some(pair_at(looked.solution_view, matrix.room, map.place(at)))
 }
 
 /// Receiver and source: those of the link, or the leaves where there is none.
@@ -129,7 +129,7 @@ fn marks(app: &App, looked: Looked<'_>, hovered: Option<&Pair>) -> (Vec<Mark>, V
         rows.push((receiver, colour(RECEIVER)));
         columns.push((source, colour(SOURCE)));
     }
-    let is_there = |(id, _): &Mark| looked.anatomy.holds(*id);
+    let is_there = |(id, _): &Mark| looked.solution_view.holds(*id);
     rows.retain(is_there);
     columns.retain(is_there);
     (rows, columns)
@@ -159,7 +159,7 @@ fn paint_marks(
     hovered: Option<&Pair>,
     (rows, columns): (&[Mark], &[Mark]),
 ) {
-    let order = looked.anatomy.order(matrix.room);
+    let order = looked.solution_view.order(matrix.room);
     let band = |painter: &Painter, rect: Rect, colour: Color32| {
         painter.rect_filled(rect, 0.0, colour.gamma_multiply(0.10));
         painter.rect_stroke(rect, 0.0, Stroke::new(1.0, colour.gamma_multiply(0.55)), StrokeKind::Middle);

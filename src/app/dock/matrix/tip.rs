@@ -7,12 +7,12 @@ use super::super::super::{format, theme};
 use super::Looked;
 use crate::hierarchy::ElementId;
 use crate::matrix::Pair;
-use crate::transport::{Evidence, LinkView};
+use crate::transport::{LinkView, VisibilitySource};
 
 /// Draws it.
 pub(super) fn show(ui: &mut Ui, looked: Looked<'_>, pair: &Pair) {
     let name = |id: Option<ElementId>| match id {
-        Some(id) => looked.names.full(looked.anatomy.hierarchy(), looked.scene, id),
+        Some(id) => looked.names.full(looked.solution_view.hierarchy(), looked.scene, id),
         None => String::new(),
     };
     let (receiver, source) = match &pair.link {
@@ -26,7 +26,7 @@ pub(super) fn show(ui: &mut Ui, looked: Looked<'_>, pair: &Pair) {
             ui.end_row();
         }
         if let Some(link) = &pair.link {
-            let epsilon = looked.anatomy.epsilon_watts();
+            let epsilon = looked.solution_view.epsilon_watts();
             for (what, value) in facts(link, epsilon) {
                 ui.label(theme::weak(what));
                 ui.label(theme::value(value));
@@ -43,11 +43,13 @@ pub(super) fn show(ui: &mut Ui, looked: Looked<'_>, pair: &Pair) {
 
 /// Names and values of what a link is.
 fn facts(link: &LinkView, epsilon: f64) -> [(&'static str, String); 4] {
-    let visibility = match link.evidence {
-        Evidence::None => format!("{:.2}, not tested yet", link.visibility),
-        Evidence::Rays(rays) => format!("{:.2} by {}", link.visibility, format::things(rays.into(), "ray", "rays")),
-        Evidence::Clear(rays) => format!("{:.2}, all of {rays} rays came through", link.visibility),
-        Evidence::Inherited => format!("{:.2}, inherited from the element that holds it", link.visibility),
+    let visibility = match link.visibility_source {
+        VisibilitySource::None => format!("{:.2}, not tested yet", link.visibility),
+        VisibilitySource::Rays(rays) => {
+            format!("{:.2} by {}", link.visibility, format::things(rays.into(), "ray", "rays"))
+        }
+        VisibilitySource::Clear(rays) => format!("{:.2}, all of {rays} rays came through", link.visibility),
+        VisibilitySource::Inherited => format!("{:.2}, inherited from the element that holds it", link.visibility),
     };
     let share = if epsilon > 0.0 { format::number(f64::from(link.power) / epsilon) } else { "–".into() };
     [

@@ -1,6 +1,6 @@
-//! The anatomy of a solution: elements, links and light of one state, frozen, for views that look inside.
+//! A view of a solution: elements, links and light of one state, frozen, for views that look inside.
 //!
-//! A snapshot carries it where somebody asked for it ([`crate::solve::Solver::show_anatomy`]): to copy elements and links costs
+//! A snapshot carries it where somebody asked for it ([`crate::solve::Solver::show_solution_view`]): to copy elements and links costs
 //! a few milliseconds in a room, and some tens with a million polygons. Whoever holds it can ask about any element without asking
 //! the solver.
 
@@ -11,14 +11,14 @@ use std::sync::{Arc, OnceLock};
 
 use glam::Vec3;
 
-use super::link::{Evidence, Link, LinkTable};
+use super::link::{Link, LinkTable, VisibilitySource};
 use super::push::Inspector;
 use super::rules::LinkRules;
 use super::sweep::Light;
 use crate::hierarchy::{ElementId, Hierarchy, Order, Room, Shape};
 
 /// Elements, links and light of one state of a solution.
-pub struct Anatomy {
+pub struct SolutionView {
     hierarchy: Arc<Hierarchy>,
     links: LinkTable,
     light: Light,
@@ -31,14 +31,14 @@ pub struct Anatomy {
     depths: OnceLock<Vec<u16>>,
     /// Mean over its leaves' area of what their irradiance is multiplied by, of each element.
     scales: OnceLock<Vec<f32>>,
-    /// Standard deviation of brightness over the leaves of each element, W/m².
-    spread: OnceLock<Vec<f32>>,
+    /// Standard deviation of radiosity over the leaves of each element, W/m².
+    radiosity_stddev: OnceLock<Vec<f32>>,
 }
 
-impl std::fmt::Debug for Anatomy {
+impl std::fmt::Debug for SolutionView {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let (elements, links) = (self.hierarchy.elements().len(), self.links.len());
-        f.debug_struct("Anatomy").field("elements", &elements).field("links", &links).finish_non_exhaustive()
+        f.debug_struct("SolutionView").field("elements", &elements).field("links", &links).finish_non_exhaustive()
     }
 }
 
@@ -70,7 +70,7 @@ pub struct LinkView {
     /// Visibility V, 0..=1.
     pub visibility: f32,
     /// How V is known.
-    pub evidence: Evidence,
+    pub visibility_source: VisibilitySource,
     /// Power carried to the whole receiver, B_s·F·V·A_r, W (largest colour).
     pub power: f32,
     /// How many levels above the element that was asked for this end of the link lies; 0 for the element itself, negative for its parts.
@@ -80,8 +80,8 @@ pub struct LinkView {
     pub irradiance: Vec3,
 }
 
-impl Anatomy {
-    /// Links and light of one state; `passes_over_unjudged` tells that links without evidence carry nothing in it.
+impl SolutionView {
+    /// Links and light of one state; `passes_over_unjudged` tells that links that no ray has judged carry nothing in it.
     pub fn new(
         hierarchy: Arc<Hierarchy>,
         links: LinkTable,
@@ -99,7 +99,7 @@ impl Anatomy {
             orders: Default::default(),
             depths: OnceLock::new(),
             scales: OnceLock::new(),
-            spread: OnceLock::new(),
+            radiosity_stddev: OnceLock::new(),
         }
     }
 
@@ -108,7 +108,7 @@ impl Anatomy {
         &self.hierarchy
     }
 
-    /// The links; those that wait to be judged lie among them, with their estimated form factor and no evidence.
+    /// The links; those that wait to be judged lie among them, with their estimated form factor and without visibility rays.
     pub fn links(&self) -> &LinkTable {
         &self.links
     }
@@ -228,7 +228,7 @@ impl Anatomy {
             source_is_cluster: from.is_cluster(),
             form_factor: link.form_factor,
             visibility: link.visibility(),
-            evidence: link.evidence(),
+            visibility_source: link.visibility_source(),
             power: flux.max_element() * to.area,
             levels_up,
             irradiance: flux,
@@ -236,7 +236,7 @@ impl Anatomy {
     }
 
     fn carries(&self, link: &Link) -> bool {
-        !self.passes_over_unjudged || link.evidence() != Evidence::None
+        !self.passes_over_unjudged || link.visibility_source() != VisibilitySource::None
     }
 
     fn flux(&self, link: &Link) -> Vec3 {
@@ -289,27 +289,27 @@ mod tests {
     use crate::scene::builtin::BuiltinScene;
     use crate::solve::{Epsilon, Solver, SolverParams};
 
-    fn anatomy() -> Arc<Anatomy> {
+    fn solution_view() -> Arc<SolutionView> {
         let scene = Arc::new(BuiltinScene::Cornell.build());
         let occluders = Arc::new(Occluders::new(&scene));
         let params = SolverParams { epsilon: Epsilon::Relative(3e-3), ..SolverParams::default() };
         let mut solver = Solver::new(scene, occluders, params, 1).expect("the parameters are valid");
         assert!(solver.run(&CancelToken::new()));
-        solver.show_anatomy(true);
-        solver.snapshot().anatomy.expect("it was asked for")
+        solver.show_solution_view(true);
+        solver.snapshot().solution_view.expect("it was asked for")
     }
 
     /// Truth: each link comes in at one end and goes out at the other, and carries the same power there.
     #[test]
     fn what_goes_out_comes_in() {
-        let anatomy = anatomy();
-        let hierarchy = anatomy.hierarchy();
+        let solution_view = solution_view();
+        let hierarchy = solution_view.hierarchy();
         let (mut incoming, mut outgoing) = (Vec::new(), Vec::new());
         for id in hierarchy.ids() {
             let own = |views: Vec<LinkView>| views.into_iter().filter(|view| view.levels_up == 0);
             let key = |view: LinkView| (view.receiver, view.source, view.power.to_bits());
-            incoming.extend(own(anatomy.incoming(id)).map(key));
-            outgoing.extend(own(anatomy.outgoing(id)).map(key));
+            incoming.extend(own(solution_view.incoming(id)).map(key));
+            outgoing.extend(own(solution_view.outgoing(id)).map(key));
         }
         incoming.sort_unstable();
         outgoing.sort_unstable();

@@ -1,28 +1,28 @@
 //! What a link's constant hides, estimated as the error oracle does.
 
 use super::super::form_factor::{Exchange, exchange};
-use super::super::link_error::{Facing, LinkError, SourceLight, estimated_error, seen_by, spread_of};
-use super::{Anatomy, LinkView};
+use super::super::link_error::{Facing, LinkError, SourceLight, estimated_error, radiosity_stddev_of, seen_by};
+use super::{LinkView, SolutionView};
 
-impl Anatomy {
+impl SolutionView {
     /// Power that a link is likely to misplace, make up or lose by each cause, W: what the error oracle holds against ε, whichever oracle
     /// the solution is refined by. Nobody looked at an unjudged link: it counts as if no ray told of it. A self-link may be wrong by all
     /// that it could carry.
     pub fn error(&self, link: &LinkView) -> LinkError {
         let source = link.source;
-        let brightness = self.radiosity(source).max_element();
+        let max_radiosity = self.radiosity(source).max_element();
         if link.receiver == source {
-            let all = brightness * self.hierarchy.element(source).area;
+            let all = max_radiosity * self.hierarchy.element(source).area;
             return LinkError { sight: all, ..LinkError::default() };
         }
-        if brightness <= 0.0 {
+        if max_radiosity <= 0.0 {
             return LinkError::default();
         }
         match exchange(&self.hierarchy, link.receiver, source) {
             Exchange::Facing { estimate, bound, overlapping } => {
                 let facing = Facing { estimate, bound, overlapping };
-                let light = SourceLight { brightness, spread: self.spread(source) };
-                let seen = seen_by(link.visibility, link.evidence).unwrap_or((link.visibility, Some(0)));
+                let light = SourceLight { max_radiosity, radiosity_stddev: self.radiosity_stddev(source) };
+                let seen = seen_by(link.visibility, link.visibility_source).unwrap_or((link.visibility, Some(0)));
                 estimated_error(&self.hierarchy, (link.receiver, source), facing, light, seen)
             }
             // One end lies behind the other: all that it carries is wrong.
@@ -30,14 +30,15 @@ impl Anatomy {
         }
     }
 
-    /// Standard deviation of brightness over an element's leaves, W/m².
-    fn spread(&self, id: crate::hierarchy::ElementId) -> f32 {
-        let spread = self.spread.get_or_init(|| {
-            let brightness: Vec<f32> = self.light.radiosity.iter().map(|radiosity| radiosity.max_element()).collect();
-            let mut spread = Vec::new();
-            spread_of(&self.hierarchy, &brightness, &mut spread);
-            spread
+    /// Standard deviation of radiosity over an element's leaves, W/m².
+    fn radiosity_stddev(&self, id: crate::hierarchy::ElementId) -> f32 {
+        let radiosity_stddev = self.radiosity_stddev.get_or_init(|| {
+            let max_radiosity: Vec<f32> =
+                self.light.radiosity.iter().map(|radiosity| radiosity.max_element()).collect();
+            let mut radiosity_stddev = Vec::new();
+            radiosity_stddev_of(&self.hierarchy, &max_radiosity, &mut radiosity_stddev);
+            radiosity_stddev
         });
-        spread.get(id.index()).copied().unwrap_or(0.0)
+        radiosity_stddev.get(id.index()).copied().unwrap_or(0.0)
     }
 }

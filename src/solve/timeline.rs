@@ -1,4 +1,4 @@
-//! The history of a solve: each wave as a light-weight step that can be looked at again.
+//! The timeline of a solve: each wave as a light-weight step that can be looked at again.
 //!
 //! A moment keeps the links as they were, those that waited among them, and how many elements there were: the arena only grows,
 //! so that a former hierarchy is a beginning of the present one. Its light is gathered anew when somebody asks for the picture.
@@ -6,13 +6,13 @@
 
 use std::sync::Arc;
 
-use super::display::Display;
 use super::picture::{self, FIRST_SWEEPS, PICTURE_TOLERANCE};
+use super::reconstruction_mesh::ReconstructionMesh;
 use super::snapshot::Snapshot;
 use super::{Solver, Stats};
 use crate::cancel::CancelToken;
 use crate::hierarchy::ElementId;
-use crate::transport::{Anatomy, Gatherer, Link, LinkRules, LinkTable};
+use crate::transport::{Gatherer, Link, LinkRules, LinkTable, SolutionView};
 
 /// Memory that moments may take, bytes. Beyond it every other one is forgotten, but the first and the last.
 const MOST_BYTES: usize = 192 << 20;
@@ -21,7 +21,7 @@ const PART_OF_BUDGET: usize = 8;
 
 /// What ended with a moment.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum MomentKind {
+pub enum TimelineStepKind {
     /// Nothing: the root's self-link waits.
     Start,
     /// A wave of refinement.
@@ -34,15 +34,15 @@ pub enum MomentKind {
 
 /// A moment in words and numbers.
 #[derive(Clone, Debug)]
-pub struct MomentInfo {
+pub struct TimelineStep {
     /// What ended with it.
-    pub kind: MomentKind,
+    pub kind: TimelineStepKind,
     /// Counts and times as they were.
     pub stats: Stats,
 }
 
-struct Moment {
-    info: MomentInfo,
+struct KeptStep {
+    info: TimelineStep,
     state: State,
 }
 
@@ -70,20 +70,20 @@ impl State {
 
 /// The moments of a solve, oldest first.
 #[derive(Default)]
-pub struct History {
-    moments: Vec<Moment>,
+pub struct Timeline {
+    moments: Vec<KeptStep>,
     bytes: usize,
     /// Grows with each change.
     changes: u64,
 }
 
-impl History {
+impl Timeline {
     /// Memory of the moments, bytes.
     pub fn bytes(&self) -> usize {
         self.bytes
     }
 
-    fn push(&mut self, moment: Moment, most_bytes: usize) {
+    fn push(&mut self, moment: KeptStep, most_bytes: usize) {
         self.changes += 1;
         self.bytes += moment.state.bytes();
         self.moments.push(moment);
@@ -101,42 +101,42 @@ impl History {
 
 impl Solver {
     /// Keeps each wave from now on, as a step that [`Self::snapshot_of`] shows again.
-    pub fn keep_history(&mut self) {
-        if self.history.is_none() {
-            self.begin_history();
+    pub fn keep_timeline(&mut self) {
+        if self.timeline.is_none() {
+            self.begin_timeline();
         }
     }
 
-    /// Forgets what was, and starts with the present state, where history is kept.
-    pub(super) fn restart_history(&mut self) {
-        if self.history.is_some() {
-            self.begin_history();
+    /// Forgets what was, and starts with the present state, where timeline is kept.
+    pub(super) fn restart_timeline(&mut self) {
+        if self.timeline.is_some() {
+            self.begin_timeline();
         }
     }
 
-    fn begin_history(&mut self) {
-        let changes = self.history.as_ref().map_or(0, |history| history.changes);
-        self.history = Some(History { changes: changes + 1, ..History::default() });
-        self.remember(MomentKind::Start);
+    fn begin_timeline(&mut self) {
+        let changes = self.timeline.as_ref().map_or(0, |timeline| timeline.changes);
+        self.timeline = Some(Timeline { changes: changes + 1, ..Timeline::default() });
+        self.remember(TimelineStepKind::Start);
     }
 
     /// What each moment was, oldest first.
-    pub fn moments(&self) -> impl ExactSizeIterator<Item = &MomentInfo> {
-        self.history.as_ref().map_or(&[][..], |history| &history.moments).iter().map(|moment| &moment.info)
+    pub fn moments(&self) -> impl ExactSizeIterator<Item = &TimelineStep> {
+        self.timeline.as_ref().map_or(&[][..], |timeline| &timeline.moments).iter().map(|moment| &moment.info)
     }
 
     /// Tells states of [`Self::moments`] apart: the generation, and a number that grows with each change.
     pub fn moments_told(&self) -> (u64, u64) {
-        (self.view.generation, self.history.as_ref().map_or(0, |history| history.changes))
+        (self.view.generation, self.timeline.as_ref().map_or(0, |timeline| timeline.changes))
     }
 
-    /// Keeps the present state as a moment, where history is kept.
-    pub(super) fn remember(&mut self, kind: MomentKind) {
-        if self.history.is_none() {
+    /// Keeps the present state as a moment, where timeline is kept.
+    pub(super) fn remember(&mut self, kind: TimelineStepKind) {
+        if self.timeline.is_none() {
             return;
         }
-        let state = if kind == MomentKind::Pass {
-            State::Picture(Box::new(Snapshot { anatomy: None, ..picture::snapshot(self) }))
+        let state = if kind == TimelineStepKind::Pass {
+            State::Picture(Box::new(Snapshot { solution_view: None, ..picture::snapshot(self) }))
         } else {
             State::Links {
                 elements: self.hierarchy().elements().len(),
@@ -145,10 +145,10 @@ impl Solver {
                 is_final: self.job.is_past_links(),
             }
         };
-        let info = MomentInfo { kind, stats: self.stats() };
+        let info = TimelineStep { kind, stats: self.stats() };
         let most_bytes = MOST_BYTES.min(self.budget_bytes() / PART_OF_BUDGET);
-        if let Some(history) = &mut self.history {
-            history.push(Moment { info, state }, most_bytes);
+        if let Some(timeline) = &mut self.timeline {
+            timeline.push(KeptStep { info, state }, most_bytes);
         }
     }
 
@@ -163,15 +163,16 @@ impl Solver {
 
     /// A former moment's picture, gathered over the links that there were; `None` where there is no such moment.
     pub fn snapshot_of(&mut self, moment: usize) -> Option<Snapshot> {
-        let wants_anatomy = self.view.wants_anatomy;
-        let (info, elements, vertices, links, is_final) = match self.history.as_ref()?.moments.get(moment)? {
-            Moment { state: State::Picture(snapshot), .. } => {
+        let wants_solution_view = self.view.wants_solution_view;
+        let (info, elements, vertices, links, is_final) = match self.timeline.as_ref()?.moments.get(moment)? {
+            KeptStep { state: State::Picture(snapshot), .. } => {
                 let snapshot = Snapshot { moment: Some(moment), ..(**snapshot).clone() };
                 self.view.serial += 1;
-                let anatomy = wants_anatomy.then(|| self.anatomy(self.links.links(), self.links.light(), true));
-                return Some(Snapshot { serial: self.view.serial, anatomy, ..snapshot });
+                let solution_view =
+                    wants_solution_view.then(|| self.solution_view(self.links.links(), self.links.light(), true));
+                return Some(Snapshot { serial: self.view.serial, solution_view, ..snapshot });
             }
-            Moment { info, state: State::Links { elements, vertices, links, is_final } } => {
+            KeptStep { info, state: State::Links { elements, vertices, links, is_final } } => {
                 (info.clone(), *elements, *vertices, links, *is_final)
             }
         };
@@ -182,33 +183,33 @@ impl Solver {
         light.truncate(elements);
         let never = CancelToken::new();
         let gatherer = Gatherer::new(&hierarchy, &table, self.links.surfaces(), self.links.rules(), !is_final);
-        gatherer.limit_rows(&mut light, &never);
+        gatherer.enforce_closure(&mut light, &never);
         gatherer.converge(&mut light, PICTURE_TOLERANCE, FIRST_SWEEPS, &never);
         drop(gatherer);
-        let display = match &self.view.display {
-            Some(present) => present.rebuilt(self.scene(), &hierarchy, elements, self.style()),
-            None => Display::current(None, self.scene(), &hierarchy, elements, self.style()),
+        let reconstruction = match &self.view.reconstruction {
+            Some(present) => present.rebuilt(self.scene(), &hierarchy, elements, self.mesh_kind()),
+            None => ReconstructionMesh::current(None, self.scene(), &hierarchy, elements, self.mesh_kind()),
         };
         self.view.serial += 1;
         let snapshot = Snapshot {
             generation: self.view.generation,
             serial: self.view.serial,
-            vertex_radiosity: display.of_vertices(&light.radiosity),
-            vertex_irradiance: display.of_vertices(&light.irradiance),
-            leaf_irradiance: display.of_leaves(&light.irradiance),
-            leaf_radiosity: display.of_leaves(&light.radiosity),
-            mesh: display.mesh,
-            clusters: display.clusters,
+            vertex_radiosity: reconstruction.of_vertices(&light.radiosity),
+            vertex_irradiance: reconstruction.of_vertices(&light.irradiance),
+            leaf_irradiance: reconstruction.of_leaves(&light.irradiance),
+            leaf_radiosity: reconstruction.of_leaves(&light.radiosity),
+            mesh: reconstruction.mesh,
+            clusters: reconstruction.clusters,
             moment: Some(moment),
             field: None,
-            anatomy: None,
+            solution_view: None,
             stats: info.stats,
         };
-        let anatomy = wants_anatomy.then(|| {
+        let solution_view = wants_solution_view.then(|| {
             let rules = LinkRules { epsilon_watts: snapshot.stats.epsilon_watts, ..*self.links.rules() };
-            Arc::new(Anatomy::new(Arc::new(hierarchy), table, light, rules, is_final))
+            Arc::new(SolutionView::new(Arc::new(hierarchy), table, light, rules, is_final))
         });
-        Some(Snapshot { anatomy, ..snapshot })
+        Some(Snapshot { solution_view, ..snapshot })
     }
 }
 
@@ -230,7 +231,7 @@ mod tests {
     #[test]
     fn a_moment_looks_as_it_did() {
         let mut solver = solver(1e-3);
-        solver.keep_history();
+        solver.keep_timeline();
         let never = CancelToken::new();
         let mut seen = vec![solver.snapshot()];
         loop {
@@ -241,7 +242,7 @@ mod tests {
             }
         }
         assert_eq!(solver.moments().len(), seen.len());
-        solver.show_anatomy(true);
+        solver.show_solution_view(true);
         for (moment, then) in seen.iter().enumerate() {
             let again = solver.snapshot_of(moment).expect("it was kept");
             assert_eq!(again.moment, Some(moment));
@@ -256,9 +257,9 @@ mod tests {
             };
             let (before, now) = (power(then), power(&again));
             assert!((now - before).abs() <= tolerance * before, "moment {moment}: {now} W, was {before} W");
-            let anatomy = again.anatomy.expect("it was asked for");
+            let solution_view = again.solution_view.expect("it was asked for");
             if moment == 0 {
-                assert_eq!(anatomy.links().len(), 1, "the root's self-link alone");
+                assert_eq!(solution_view.links().len(), 1, "the root's self-link alone");
             }
         }
         assert!(solver.snapshot_of(seen.len()).is_none());

@@ -1,8 +1,8 @@
 //! Inner elements: the light of their parts, and where they stand in the hierarchy.
 
-use super::{Anatomy, BySource, ElementId, LinkView, Vec3};
+use super::{BySource, ElementId, LinkView, SolutionView, Vec3};
 
-impl Anatomy {
+impl SolutionView {
     /// Levels below the root, which has 0: clusters and patches count alike.
     pub fn depth(&self, id: ElementId) -> u16 {
         self.depths().get(id.index()).copied().unwrap_or(0)
@@ -51,7 +51,7 @@ impl Anatomy {
     }
 
     /// Links that bring light to the parts of an element; empty for a leaf. What each brings is counted over the whole element, so that
-    /// together with [`Anatomy::incoming`] it adds up to the element's irradiance E. In no order.
+    /// together with [`SolutionView::incoming`] it adds up to the element's irradiance E. In no order.
     pub fn incoming_of_parts(&self, id: ElementId) -> Vec<LinkView> {
         let whole = self.hierarchy.element(id).area;
         let mut views = Vec::new();
@@ -141,13 +141,13 @@ mod tests {
     use crate::scene::builtin::BuiltinScene;
     use crate::solve::{ClusteringMode, Epsilon, Solver, SolverParams};
 
-    fn anatomy(params: SolverParams) -> Arc<Anatomy> {
+    fn solution_view(params: SolverParams) -> Arc<SolutionView> {
         let scene = Arc::new(BuiltinScene::Cornell.build());
         let occluders = Arc::new(Occluders::new(&scene));
         let mut solver = Solver::new(scene, occluders, params, 1).expect("the parameters are valid");
         assert!(solver.run(&CancelToken::new()));
-        solver.show_anatomy(true);
-        solver.snapshot().anatomy.expect("it was asked for")
+        solver.show_solution_view(true);
+        solver.snapshot().solution_view.expect("it was asked for")
     }
 
     /// Truth: E of an element is the mean over the area of its leaves' E, whatever lights them.
@@ -156,10 +156,10 @@ mod tests {
         let coarse = SolverParams { epsilon: Epsilon::Relative(1e-2), ..SolverParams::default() };
         let groups = SolverParams { clustering: ClusteringMode::Groups, ..coarse };
         for params in [coarse, groups] {
-            let anatomy = anatomy(params);
-            for id in anatomy.hierarchy().ids() {
-                let whole = anatomy.irradiance(id);
-                let sum: Vec3 = anatomy.all_incoming(id).iter().map(|link| link.irradiance).sum();
+            let solution_view = solution_view(params);
+            for id in solution_view.hierarchy().ids() {
+                let whole = solution_view.irradiance(id);
+                let sum: Vec3 = solution_view.all_incoming(id).iter().map(|link| link.irradiance).sum();
                 let off = (sum - whole).abs().max_element();
                 assert!(off <= 2e-3 * whole.max_element(), "{:?}, {id:?}: {sum} of {whole} W/m²", params.clustering);
             }
@@ -169,22 +169,22 @@ mod tests {
     /// Truth: the sum of all links, and the path upwards.
     #[test]
     fn folding_keeps_the_sum_and_stays_at_its_level() {
-        let anatomy = anatomy(SolverParams { epsilon: Epsilon::Relative(1e-2), ..SolverParams::default() });
-        let leaf = anatomy.hierarchy().ids().last().expect("there are elements");
-        let links = anatomy.all_incoming(leaf);
+        let solution_view = solution_view(SolverParams { epsilon: Epsilon::Relative(1e-2), ..SolverParams::default() });
+        let leaf = solution_view.hierarchy().ids().last().expect("there are elements");
+        let links = solution_view.all_incoming(leaf);
         let sum: Vec3 = links.iter().map(|link| link.irradiance).sum();
         let mut counts = Vec::new();
-        for level in 0..=anatomy.deepest() {
-            let folded = anatomy.folded(&links, level, |link| link.source, |link| link.irradiance);
+        for level in 0..=solution_view.deepest() {
+            let folded = solution_view.folded(&links, level, |link| link.source, |link| link.irradiance);
             let total: Vec3 = folded.iter().map(|(_, value)| *value).sum();
             assert!((total - sum).abs().max_element() <= 1e-5 * sum.max_element(), "level {level}: {total} of {sum}");
-            assert!(folded.iter().all(|(id, _)| anatomy.depth(*id) <= level));
+            assert!(folded.iter().all(|(id, _)| solution_view.depth(*id) <= level));
             assert!(folded.is_sorted_by(|a, b| a.1.max_element() >= b.1.max_element()));
             counts.push(folded.len());
         }
         assert_eq!(counts[0], 1, "the root holds all sources");
         assert!(counts.is_sorted() && counts.last() > counts.first(), "{counts:?}");
-        assert_eq!(anatomy.ancestor_at(leaf, 0), Hierarchy::ROOT);
-        assert_eq!(anatomy.ancestor_at(leaf, u16::MAX), leaf);
+        assert_eq!(solution_view.ancestor_at(leaf, 0), Hierarchy::ROOT);
+        assert_eq!(solution_view.ancestor_at(leaf, u16::MAX), leaf);
     }
 }

@@ -1,4 +1,4 @@
-//! The display mesh: leaves as triangles without cracks, and vertex radiosities averaged over the leaves around a vertex.
+//! The reconstruction mesh: leaves as triangles without cracks, and vertex radiosities averaged over the leaves around a vertex.
 //!
 //! A vertex belongs to one smooth, same-material surface. Where a neighbour was split and a leaf was not, the neighbour's
 //! vertices on the common edge (hanging vertices) become corners of the leaf's own triangles, so nothing jumps or gapes.
@@ -15,7 +15,7 @@ use crate::scene::Scene;
 
 /// How leaves become triangles.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Style {
+pub enum MeshKind {
     /// Leaves share the vertices between them.
     Shared,
     /// Each leaf has vertices of its own, all of one value.
@@ -26,10 +26,10 @@ pub enum Style {
 const OUTDATED: usize = usize::MAX;
 
 /// The mesh of one state of the hierarchy, and how leaves' radiosities make its vertices'.
-pub struct Display {
+pub struct ReconstructionMesh {
     /// Elements when the mesh was made; more elements ask for a new one.
     elements: usize,
-    style: Style,
+    kind: MeshKind,
     /// The mesh.
     pub mesh: Arc<Mesh>,
     /// Boxes of the clusters.
@@ -47,7 +47,7 @@ pub struct Display {
     first_triangles: Vec<u32>,
 }
 
-impl Display {
+impl ReconstructionMesh {
     /// The mesh of the hierarchy as it is, the old one where nothing was split since. Elements beyond the first
     /// `link_elements` are parts of those that links know, and the mesh names these.
     pub fn current(
@@ -55,15 +55,19 @@ impl Display {
         scene: &Scene,
         hierarchy: &Hierarchy,
         link_elements: usize,
-        style: Style,
+        kind: MeshKind,
     ) -> Self {
         let elements = hierarchy.elements().len();
         match old {
-            Some(display) if display.elements == elements && display.style == style => display,
-            Some(display) => Self::build(hierarchy, link_elements, scene, (display.surfaces, display.clusters), style),
+            Some(reconstruction) if reconstruction.elements == elements && reconstruction.kind == kind => {
+                reconstruction
+            }
+            Some(reconstruction) => {
+                Self::build(hierarchy, link_elements, scene, (reconstruction.surfaces, reconstruction.clusters), kind)
+            }
             None => {
                 let surfaces = Arc::new(smooth_surfaces(scene, hierarchy));
-                Self::build(hierarchy, link_elements, scene, (surfaces, Arc::new(cluster_boxes(hierarchy))), style)
+                Self::build(hierarchy, link_elements, scene, (surfaces, Arc::new(cluster_boxes(hierarchy))), kind)
             }
         }
     }
@@ -73,9 +77,9 @@ impl Display {
         Self { elements: OUTDATED, ..self }
     }
 
-    /// The same hierarchy, or what it has grown to, in another style.
-    pub fn rebuilt(&self, scene: &Scene, hierarchy: &Hierarchy, link_elements: usize, style: Style) -> Self {
-        Self::build(hierarchy, link_elements, scene, (self.surfaces.clone(), self.clusters.clone()), style)
+    /// The same hierarchy, or what it has grown to, in another kind.
+    pub fn rebuilt(&self, scene: &Scene, hierarchy: &Hierarchy, link_elements: usize, kind: MeshKind) -> Self {
+        Self::build(hierarchy, link_elements, scene, (self.surfaces.clone(), self.clusters.clone()), kind)
     }
 
     fn build(
@@ -83,9 +87,9 @@ impl Display {
         link_elements: usize,
         scene: &Scene,
         (surfaces, clusters): (Arc<Vec<u32>>, Arc<Vec<ClusterBox>>),
-        style: Style,
+        kind: MeshKind,
     ) -> Self {
-        let mut builder = MeshBuilder::new(hierarchy, scene, &surfaces, style);
+        let mut builder = MeshBuilder::new(hierarchy, scene, &surfaces, kind);
         for &patch in hierarchy.initial_patches() {
             hierarchy.leaves_below(patch, &mut |leaf| builder.add_leaf(leaf));
         }
@@ -105,7 +109,7 @@ impl Display {
         }
         Self {
             elements: hierarchy.elements().len(),
-            style,
+            kind,
             mesh: Arc::new(mesh),
             clusters,
             starts,
@@ -165,7 +169,7 @@ struct MeshBuilder<'a> {
     hierarchy: &'a Hierarchy,
     scene: &'a Scene,
     surfaces: &'a [u32],
-    style: Style,
+    kind: MeshKind,
     mesh: Mesh,
     /// Mesh vertex by (hierarchy vertex, smooth surface).
     vertex_of: FxHashMap<(u32, u32), u32>,
@@ -177,7 +181,7 @@ struct MeshBuilder<'a> {
 }
 
 impl<'a> MeshBuilder<'a> {
-    fn new(hierarchy: &'a Hierarchy, scene: &'a Scene, surfaces: &'a [u32], style: Style) -> Self {
+    fn new(hierarchy: &'a Hierarchy, scene: &'a Scene, surfaces: &'a [u32], kind: MeshKind) -> Self {
         let leaves = hierarchy.leaf_count();
         let mut vertex_of = FxHashMap::default();
         vertex_of.reserve(2 * leaves);
@@ -192,7 +196,7 @@ impl<'a> MeshBuilder<'a> {
             hierarchy,
             scene,
             surfaces,
-            style,
+            kind,
             mesh,
             vertex_of,
             contributions: Vec::with_capacity(4 * leaves),
@@ -216,7 +220,7 @@ impl<'a> MeshBuilder<'a> {
             level: patch.level,
         });
         let exposed = element.area / whole_area;
-        let surface = if self.style == Style::Flat { leaf } else { self.surfaces[patch.polygon as usize] };
+        let surface = if self.kind == MeshKind::Flat { leaf } else { self.surfaces[patch.polygon as usize] };
         let corners = patch.corners();
         self.rim.clear();
         self.rim_exposed.clear();

@@ -1,6 +1,6 @@
 //! Surveys: pairs of random points on two elements, and visibility rays between those that face each other (section 2.4).
 //!
-//! For patches a survey tells how much of the other end is seen. For clusters the same points also tell how their polygons
+//! For patches a samples tells how much of the other end is seen. For clusters the same points also tell how their polygons
 //! are turned: a box of furniture, a lamp or a wall made of pieces is not the cloud of randomly turned faces that the mean
 //! cosine of ¼ stands for, and the power of a link that was stored with that cosine is lost or made up.
 
@@ -15,7 +15,7 @@ use crate::random::{fraction, mix};
 
 /// How many rays a pair gets.
 #[derive(Clone, Copy, Debug)]
-pub struct RayPlan {
+pub struct RayBudget {
     /// Rays where any comes through; 0 to look at the points alone.
     pub rays: u32,
     /// Rays before a pair counts as occluded; at least `rays`.
@@ -24,9 +24,9 @@ pub struct RayPlan {
     pub stop_when_mixed: bool,
 }
 
-/// What a survey found.
+/// What a samples found.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Survey {
+pub struct PairSamples {
     /// Pairs of points looked at.
     pub pairs: u32,
     /// Rays cast between those that face each other.
@@ -41,7 +41,7 @@ pub struct Survey {
     visible_kernel: f32,
 }
 
-impl Survey {
+impl PairSamples {
     /// Mean visibility, each pair of points counted by the light it would carry.
     pub fn visibility(&self) -> f32 {
         if self.rayed_kernel > 0.0 { (self.visible_kernel / self.rayed_kernel).min(1.0) } else { 0.0 }
@@ -62,9 +62,9 @@ impl Survey {
     }
 }
 
-/// How the points of a survey are spread.
+/// How the points of a samples are density.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Spread {
+pub enum SampleDensity {
     /// Evenly over both ends.
     Even,
     /// The same with other points.
@@ -134,21 +134,21 @@ impl RaySampler<'_> {
     }
 
     /// Looks at pairs of points of two elements, with rays between those that face each other.
-    pub fn survey(
+    pub fn sample_pairs(
         &self,
         hierarchy: &Hierarchy,
         (a, b): (ElementId, ElementId),
-        spread: Spread,
-        plan: RayPlan,
-    ) -> Survey {
+        density: SampleDensity,
+        budget: RayBudget,
+    ) -> PairSamples {
         let (a_key, b_key) = (hierarchy.element(a).key, hierarchy.element(b).key);
         // The same points for both directions: order the ends by what they are.
         let a_is_first = a_key <= b_key;
-        let purpose = match spread {
-            Spread::Even => 0,
-            Spread::EmissionOfA => 1 + u64::from(a_is_first),
-            Spread::EmissionOfB => 1 + u64::from(!a_is_first),
-            Spread::EvenAgain => 3,
+        let purpose = match density {
+            SampleDensity::Even => 0,
+            SampleDensity::EmissionOfA => 1 + u64::from(a_is_first),
+            SampleDensity::EmissionOfB => 1 + u64::from(!a_is_first),
+            SampleDensity::EvenAgain => 3,
         };
         let pair = mix(mix(a_key.min(b_key), a_key.max(b_key)), self.seed);
         let (low, high) = (mix(pair, 1 + 2 * purpose), mix(pair, 2 + 2 * purpose));
@@ -156,12 +156,12 @@ impl RaySampler<'_> {
         let clusters = u32::from(hierarchy.element(a).is_cluster()) + u32::from(hierarchy.element(b).is_cluster());
         // Between clusters the number of pairs is fixed, about so many that the wanted number of them face each other: to
         // stop at a number of rays would make the mean kernel depend on it.
-        let pairs_for = |rays: u32| match (clusters, spread) {
+        let pairs_for = |rays: u32| match (clusters, density) {
             (0, _) => rays.saturating_mul(TRIES),
-            (_, Spread::Even | Spread::EvenAgain) => (rays << clusters).max(FEWEST_PAIRS),
+            (_, SampleDensity::Even | SampleDensity::EvenAgain) => (rays << clusters).max(FEWEST_PAIRS),
             _ => (rays << (clusters - 1)).max(FEWEST_PAIRS),
         };
-        let (pairs, pairs_if_blocked) = (pairs_for(plan.rays), pairs_for(plan.rays_if_blocked));
+        let (pairs, pairs_if_blocked) = (pairs_for(budget.rays), pairs_for(budget.rays_if_blocked));
         // Points stand for this area; nearer to each other than its size they say no more than that.
         let smallest = hierarchy.element(a).sampled_area.min(hierarchy.element(b).sampled_area) / pairs.max(1) as f32;
         let point = |id: ElementId, is_source: bool, u: f32, v: f32| match is_source {
@@ -170,50 +170,50 @@ impl RaySampler<'_> {
         };
         if hierarchy.element(a).is_sky() || hierarchy.element(b).is_sky() {
             let limits = [pairs, pairs_if_blocked];
-            return self.survey_outside(hierarchy, (a, b), (start, a_is_first), (limits, clusters > 0), plan);
+            return self.survey_outside(hierarchy, (a, b), (start, a_is_first), (limits, clusters > 0), budget);
         }
         let whole_patch = WholePatch::of(hierarchy, (a, b));
-        let mut survey = Survey::default();
+        let mut samples = PairSamples::default();
         for index in 0..pairs_if_blocked {
-            let enough = if clusters > 0 { index >= pairs } else { survey.cast >= plan.rays };
-            let blocked = survey.visible == 0 && survey.cast < plan.rays_if_blocked;
+            let enough = if clusters > 0 { index >= pairs } else { samples.cast >= budget.rays };
+            let blocked = samples.visible == 0 && samples.cast < budget.rays_if_blocked;
             if enough && !blocked {
                 break;
             }
             let coordinate = |axis: usize| fraction(start[axis].wrapping_add(STEPS[axis].wrapping_mul(index)));
             let (u, v) = if a_is_first { (0, 2) } else { (2, 0) };
-            let from = point(a, spread == Spread::EmissionOfA, coordinate(u), coordinate(u + 1));
-            let to = point(b, spread == Spread::EmissionOfB, coordinate(v), coordinate(v + 1));
+            let from = point(a, density == SampleDensity::EmissionOfA, coordinate(u), coordinate(u + 1));
+            let to = point(b, density == SampleDensity::EmissionOfB, coordinate(v), coordinate(v + 1));
             let span = to.position - from.position;
             let distance_squared = span.length_squared();
             let to_unit = distance_squared.sqrt().recip();
             let (cosine_a, cosine_b) = (from.normal.dot(span) * to_unit, -to.normal.dot(span) * to_unit);
-            survey.pairs += 1;
+            samples.pairs += 1;
             let faces = cosine_a > 0.0 && cosine_b > 0.0;
             let kernel = if faces { cosine_a * cosine_b / (PI * distance_squared + smallest) } else { 0.0 };
-            survey.kernel += match &whole_patch {
+            samples.kernel += match &whole_patch {
                 Some(patch) => patch.mean_kernel(if patch.is_a { &to } else { &from }),
                 None => kernel,
             };
-            if plan.rays == 0 {
-                survey.rayed_kernel += kernel;
-                survey.visible_kernel += kernel;
+            if budget.rays == 0 {
+                samples.rayed_kernel += kernel;
+                samples.visible_kernel += kernel;
                 continue;
             }
             if !faces {
                 continue;
             }
-            survey.rayed_kernel += kernel;
-            survey.cast += 1;
+            samples.rayed_kernel += kernel;
+            samples.cast += 1;
             if self.occluders.sees((from.position, from.normal), (to.position, to.normal)) {
-                survey.visible += 1;
-                survey.visible_kernel += kernel;
+                samples.visible += 1;
+                samples.visible_kernel += kernel;
             }
-            if survey.is_mixed() && plan.stop_when_mixed {
+            if samples.is_mixed() && budget.stop_when_mixed {
                 break;
             }
         }
-        survey
+        samples
     }
 
     /// Looks from points of an element along directions of a part of what lies outside, in likewise fixed order.
@@ -223,16 +223,16 @@ impl RaySampler<'_> {
         (a, b): (ElementId, ElementId),
         (start, a_is_first): ([u32; 4], bool),
         ([pairs, pairs_if_blocked], has_cluster): ([u32; 2], bool),
-        plan: RayPlan,
-    ) -> Survey {
+        budget: RayBudget,
+    ) -> PairSamples {
         let (receiver, source, is_first) =
             if hierarchy.element(b).is_sky() { (a, b, a_is_first) } else { (b, a, !a_is_first) };
-        let mut survey = Survey::default();
-        let Shape::Sky(number) = hierarchy.element(source).shape else { return survey };
+        let mut samples = PairSamples::default();
+        let Shape::Sky(number) = hierarchy.element(source).shape else { return samples };
         let (part, area) = (hierarchy.sky_part(number), hierarchy.element(source).area);
         for index in 0..pairs_if_blocked {
-            let enough = if has_cluster { index >= pairs } else { survey.cast >= plan.rays };
-            let blocked = survey.visible == 0 && survey.cast < plan.rays_if_blocked;
+            let enough = if has_cluster { index >= pairs } else { samples.cast >= budget.rays };
+            let blocked = samples.visible == 0 && samples.cast < budget.rays_if_blocked;
             if enough && !blocked {
                 break;
             }
@@ -241,28 +241,28 @@ impl RaySampler<'_> {
             let from = hierarchy.point_on(receiver, coordinate(u), coordinate(u + 1));
             let (direction, stands_for) = part.direction_at(coordinate(v), coordinate(v + 1));
             let cosine = from.normal.dot(direction);
-            survey.pairs += 1;
+            samples.pairs += 1;
             // So that the part's area times the mean is the form factor.
             let kernel = cosine.max(0.0) * stands_for / (PI * area);
-            survey.kernel += kernel;
-            if plan.rays == 0 {
-                survey.rayed_kernel += kernel;
-                survey.visible_kernel += kernel;
+            samples.kernel += kernel;
+            if budget.rays == 0 {
+                samples.rayed_kernel += kernel;
+                samples.visible_kernel += kernel;
                 continue;
             }
             if cosine <= 0.0 {
                 continue;
             }
-            survey.rayed_kernel += kernel;
-            survey.cast += 1;
+            samples.rayed_kernel += kernel;
+            samples.cast += 1;
             if self.occluders.is_open(from.position, from.normal, direction) {
-                survey.visible += 1;
-                survey.visible_kernel += kernel;
+                samples.visible += 1;
+                samples.visible_kernel += kernel;
             }
-            if survey.is_mixed() && plan.stop_when_mixed {
+            if samples.is_mixed() && budget.stop_when_mixed {
                 break;
             }
         }
-        survey
+        samples
     }
 }

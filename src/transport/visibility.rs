@@ -1,8 +1,8 @@
-//! Sight: how well the ends of a pair see each other, and how much looking a pair deserves.
+//! VisibilityEstimate: how well the ends of a pair see each other, and how much looking a pair deserves.
 
 use super::candidate::Candidate;
-use super::link::Evidence;
-use super::rays::{RayPlan, Survey};
+use super::link::VisibilitySource;
+use super::pair_samples::{PairSamples, RayBudget};
 
 /// Rays of a pair that seems occluded, as a multiple of the most rays of others, where there is patience.
 const MOST_BLOCKED: u32 = 16;
@@ -52,7 +52,7 @@ impl Thresholds {
 
 /// What rays found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum SightKind {
+pub enum VisibilityKind {
     /// All rays came through.
     Full,
     /// Some did, or too few were cast to say that none does.
@@ -64,9 +64,9 @@ pub enum SightKind {
 }
 
 /// How well the ends of a pair see each other.
-pub struct Sight {
+pub struct VisibilityEstimate {
     /// What it comes to.
-    pub kind: SightKind,
+    pub kind: VisibilityKind,
     /// Mean visibility V, 0..=1.
     pub visibility: f32,
     /// Rays cast.
@@ -74,26 +74,26 @@ pub struct Sight {
     /// Rays that the pair's power deserved; fewer are cast where few points face each other.
     pub asked: u32,
     /// The points looked at, where any were.
-    pub survey: Option<Survey>,
+    pub samples: Option<PairSamples>,
     /// How to look at what a lamp in a cluster lights, where somebody looked.
-    pub plan: Option<RayPlan>,
+    pub budget: Option<RayBudget>,
 }
 
-impl Sight {
+impl VisibilityEstimate {
     /// Nobody looked: both ends are dark.
     pub fn unseen(candidate: &Candidate) -> Self {
-        let kind = if candidate.inherits_visible { SightKind::Full } else { SightKind::Unknown };
-        Self { kind, visibility: candidate.visibility(), rays: 0, asked: 0, survey: None, plan: None }
+        let kind = if candidate.inherits_visible { VisibilityKind::Full } else { VisibilityKind::Unknown };
+        Self { kind, visibility: candidate.visibility(), rays: 0, asked: 0, samples: None, budget: None }
     }
 
     /// How V is known.
-    pub fn evidence(&self) -> Evidence {
+    pub fn visibility_source(&self) -> VisibilitySource {
         let asked = self.asked.min(u32::from(u16::MAX)) as u16;
         match self.kind {
-            SightKind::Full if asked == 0 => Evidence::Inherited,
-            SightKind::Unknown => Evidence::None,
-            SightKind::Full => Evidence::Clear(asked),
-            SightKind::Partial | SightKind::None => Evidence::Rays(asked),
+            VisibilityKind::Full if asked == 0 => VisibilitySource::Inherited,
+            VisibilityKind::Unknown => VisibilitySource::None,
+            VisibilityKind::Full => VisibilitySource::Clear(asked),
+            VisibilityKind::Partial | VisibilityKind::None => VisibilitySource::Rays(asked),
         }
     }
 }
