@@ -5,8 +5,8 @@ use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::process::Command;
 use std::rc::Rc;
 
-use super::App;
-use super::device::{Legacy, Will};
+use crate::app::App;
+use crate::app::state::device::{DeviceLossState, Legacy};
 use crate::export::settings::Settings;
 use crate::threads::lock;
 
@@ -70,7 +70,7 @@ fn run_once(settings: Settings, resumes: bool, was_lost: bool) -> Result<Option<
         viewport: egui::ViewportBuilder::default()
             .with_title("Selflink")
             .with_app_id("selflink")
-            .with_icon(super::icon::pixels())
+            .with_icon(crate::app::widgets::icon::pixels())
             .with_inner_size(FIRST_SIZE)
             .with_min_inner_size(LEAST_SIZE)
             .with_drag_and_drop(true),
@@ -79,7 +79,7 @@ fn run_once(settings: Settings, resumes: bool, was_lost: bool) -> Result<Option<
     };
     let is_open = Rc::new(Cell::new(false));
     let creator_is_open = is_open.clone();
-    let will = Will::default();
+    let will = DeviceLossState::default();
     let of_window = will.clone();
     let outcome = catch_unwind(AssertUnwindSafe(|| {
         eframe::run_native(

@@ -2,17 +2,17 @@
 //!
 //! Where settings and an open tool do not both fit beside it, the one that was asked for last takes the place of the other.
 
-use super::App;
-use super::dock::{Tool, WIDTHS};
+use crate::app::App;
+use crate::app::tools::{Tool, WIDTHS};
 
 /// The view's share of the window's width.
 const VIEW_SHARE: f32 = 0.5;
 /// Width that the settings need, points.
-pub(super) const LEAST_SETTINGS: f32 = 300.0;
+pub(in crate::app) const LEAST_SETTINGS: f32 = 300.0;
 
 /// Greatest widths of the panels that are shown, points.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Sides {
+pub(in crate::app) struct Sides {
     /// The settings at the left.
     pub settings: Option<f32>,
     /// The settings and the tool together.
@@ -21,7 +21,7 @@ pub(super) struct Sides {
 
 impl Sides {
     /// In the window as it is.
-    pub(super) fn of(app: &App, ctx: &egui::Context) -> Self {
+    pub(in crate::app) fn of(app: &App, ctx: &egui::Context) -> Self {
         Self::new(ctx.content_rect().width(), app.tool, app.shows_settings)
     }
 
@@ -35,12 +35,12 @@ impl Sides {
 
 impl App {
     /// Opens a tool, or closes it where it is open.
-    pub(super) fn toggle_tool(&mut self, tool: Tool) {
+    pub(in crate::app) fn toggle_tool(&mut self, tool: Tool) {
         self.tool = (self.tool != Some(tool)).then_some(tool);
     }
 
     /// Shows the settings, in place of a tool where both have no room, or hides them.
-    pub(super) fn toggle_settings(&mut self, ctx: &egui::Context) {
+    pub(in crate::app) fn toggle_settings(&mut self, ctx: &egui::Context) {
         let are_shown = Sides::of(self, ctx).settings.is_some();
         self.shows_settings = !are_shown;
         if self.shows_settings && Sides::of(self, ctx).settings.is_none() {

@@ -5,50 +5,15 @@
 //! Imports everything below it; only `main` knows this module.
 
 mod appearance;
-mod best;
-mod camera_menu;
-mod cluster_view;
-mod colour_bar;
-mod comparison;
-mod device;
-mod dialog;
-mod divider;
-mod dock;
-mod exports;
-mod facts;
-mod files;
-mod freeze;
-mod gathering;
-mod gizmo;
-mod highlight;
-mod icon;
-mod inspection;
 mod launch;
 mod layout;
-mod lighting;
-mod line_labels;
-mod looking;
-mod marks;
-mod measure_marks;
-mod measuring;
-mod messages;
-mod metering;
-mod paint;
 mod panels;
-mod picked;
-mod readings;
-mod save_dialog;
-mod selecting;
-mod session;
-mod settings;
 mod shortcuts;
-mod theme;
-mod time_left;
+mod state;
 mod timeline;
-mod undo;
-mod viewport;
-mod walk;
-mod watch;
+mod tools;
+mod view;
+mod widgets;
 pub mod words;
 
 use std::sync::Arc;
@@ -66,30 +31,30 @@ use crate::scene::{CameraPose, Reading, Source};
 use crate::solve::{Snapshot, SolverParams};
 use crate::worker::{Command, Event, RunState, SceneInfo, SolverThread, Status};
 use appearance::Appearance;
-use best::BestPicture;
-use cluster_view::ClusterScene;
-use comparison::Comparison;
-use device::{DeviceState, Will};
-use exports::Exports;
-use files::Files;
-use freeze::Freeze;
-use gathering::Gathering;
-use highlight::Pointing;
-use inspection::Inspection;
-use looking::Looking;
-use marks::MarksOverView;
-use measuring::Measuring;
-use messages::Messages;
-use metering::Metering;
 use panels::light::LightEditor;
-use picked::PickedElement;
-use readings::ReadingInView;
-use session::Opened;
-use settings::DisplaySettings;
-use time_left::{Clock, Course};
-use undo::History;
-use viewport::Viewport;
-use watch::Watch;
+use state::comparison::Comparison;
+use state::device::{DeviceLossState, DeviceState};
+use state::exports::Exports;
+use state::files::Files;
+use state::inspection::Inspection;
+use state::measuring::Measuring;
+use state::messages::Messages;
+use state::picked::PickedElement;
+use state::pinned::Pinned;
+use state::playback::Playback;
+use state::readings::ReadingInView;
+use state::session::Opened;
+use state::settings::DisplaySettings;
+use state::time_left::{Clock, Course};
+use state::undo::History;
+use state::watch::Watch;
+use view::best::BestPicture;
+use view::cluster_view::ClusterScene;
+use view::gathering::Gathering;
+use view::highlight::Pointing;
+use view::marks::MarksOverView;
+use view::metering::Metering;
+use view::viewport::Viewport;
 
 /// On software adapters drawing takes the solver's cores, so pictures wait this long for each other.
 const REPAINT_INTERVAL_ON_CPU: Duration = Duration::from_millis(100);
@@ -135,7 +100,7 @@ pub struct App {
     /// The metered exposure of the view, m²/W.
     exposure: f32,
     /// The gathered picture in view.
-    painted: Option<gathering::Painted>,
+    painted: Option<view::gathering::Painted>,
     view: Viewport,
     best: BestPicture,
     appearance: Appearance,
@@ -144,19 +109,19 @@ pub struct App {
     watch: Watch,
     picked: Option<PickedElement>,
     inspection: Inspection,
-    inspector: dock::Inspector,
+    inspector: tools::Inspector,
     marks: MarksOverView,
     /// What the mouse is over, in a panel or in the view.
     pointing: Pointing,
-    matrix: dock::LinkMatrix,
+    matrix: tools::LinkMatrix,
     course: Course,
     comparison: Comparison,
     cluster_view: ClusterScene,
-    clusters: dock::Clusters,
-    freeze: Freeze,
+    clusters: tools::Clusters,
+    pinned: Pinned,
     exports: Exports,
     /// The tool that the dock shows.
-    tool: Option<dock::Tool>,
+    tool: Option<tools::Tool>,
     /// Whether the list of keys is open.
     are_keys_shown: bool,
     /// Whether panels, bars and dock are hidden.
@@ -169,13 +134,13 @@ pub struct App {
     is_card_open: bool,
     /// Whether the fold of the method's parameters is to be opened.
     opens_method: bool,
-    looking: Looking,
+    playback: Playback,
     wake: Wake,
     clock: Clock,
     drawing_failures: Receiver<String>,
     device: DeviceState,
     /// Where the window leaves what it shows when it loses its device.
-    will: Option<Will>,
+    will: Option<DeviceLossState>,
 }
 
 struct Incoming {
@@ -197,7 +162,7 @@ impl App {
         let appearance = Appearance::restore(&cc.egui_ctx, cc.storage);
         let render_state = cc.wgpu_render_state.as_ref().ok_or(AppError::NoDevice)?;
         let (failures, drawing_failures) = channel();
-        paint::install(render_state, failures, cc.egui_ctx.clone());
+        view::paint::install(render_state, failures, cc.egui_ctx.clone());
         let device = DeviceState::watch(&render_state.device, cc.egui_ctx.clone());
         let on_cpu = render_state.adapter.get_info().device_type == wgpu::DeviceType::Cpu;
         let ctx = cc.egui_ctx.clone();
@@ -242,15 +207,15 @@ impl App {
             watch: Watch::default(),
             picked: None,
             inspection: Inspection::default(),
-            inspector: dock::Inspector::default(),
+            inspector: tools::Inspector::default(),
             marks: MarksOverView::default(),
             pointing: Pointing::default(),
-            matrix: dock::LinkMatrix::default(),
+            matrix: tools::LinkMatrix::default(),
             course: Course::default(),
             comparison: Comparison::default(),
             cluster_view: ClusterScene::default(),
-            clusters: dock::Clusters::default(),
-            freeze: Freeze::default(),
+            clusters: tools::Clusters::default(),
+            pinned: Pinned::default(),
             exports: Exports::default(),
             tool: None,
             are_keys_shown: false,
@@ -259,7 +224,7 @@ impl App {
             settings_width: 0.0,
             is_card_open: false,
             opens_method: false,
-            looking: Looking::default(),
+            playback: Playback::default(),
             wake,
             clock: Clock::default(),
             drawing_failures,
@@ -319,7 +284,7 @@ impl App {
         }
         self.shown.status = self.worker.status();
         self.comparison.note(self.shown.snapshot.as_ref(), &self.shown.status.params);
-        self.freeze.note(self.shown.snapshot.as_ref(), &self.wake);
+        self.pinned.note(self.shown.snapshot.as_ref(), &self.wake);
         self.exports.poll();
         if let Some(sentence) = self.watch.poll() {
             self.messages.note(sentence);
@@ -335,7 +300,7 @@ impl App {
         if is_newer {
             self.course.note(&latest, &self.shown.status.params);
             self.clock.note(self.shown.status.run, true);
-            self.looking.follow(&latest);
+            self.playback.follow(&latest);
             self.follow_picked(&latest);
             self.shown.snapshot = Some(latest);
         }
@@ -351,8 +316,8 @@ impl App {
     /// Shows how the method works: its parameters, links of a level, and the solve played slowly from the root's self-link.
     fn study(&mut self, ctx: &egui::Context) {
         self.opens_method = true;
-        self.display.links.of = settings::LinksOf::Level;
-        self.looking.study(ctx.input(|input| input.time));
+        self.display.links.of = state::settings::LinksOf::Level;
+        self.playback.study(ctx.input(|input| input.time));
     }
 
     /// Shows the surveyor what is in view, and takes up what it found.
@@ -412,8 +377,8 @@ impl App {
             let is_reload = self.watch.take_reloading();
             self.watch.start_with(&info, &self.wake);
             self.deselect();
-            self.clusters = dock::Clusters::default();
-            self.freeze.let_go();
+            self.clusters = tools::Clusters::default();
+            self.pinned.let_go();
             let former = self.shown.info.as_ref().map(|former| former.scene.name.as_str());
             self.exports.suggest(&info.scene.name, former);
             if is_reload {
@@ -453,12 +418,12 @@ impl eframe::App for App {
         self.open_dropped_files(ui.ctx(), &mut outbox);
         if let Some(answer) = self.files.poll_dialog() {
             match answer {
-                files::DialogAnswer::Chosen(path) => outbox.push(Command::load(Source::File(path))),
-                files::DialogAnswer::NoDialog => self.messages.note(files::NO_DIALOG.into()),
+                state::files::DialogAnswer::Chosen(path) => outbox.push(Command::load(Source::File(path))),
+                state::files::DialogAnswer::NoDialog => self.messages.note(state::files::NO_DIALOG.into()),
             }
         }
         shortcuts::act(self, ui, &mut outbox);
-        undo::take_keys(self, ui.ctx(), &mut outbox);
+        state::undo::take_keys(self, ui.ctx(), &mut outbox);
         self.inspect_picked(ui.ctx());
         if !self.is_full_picture {
             panels::show_sides(self, ui, &mut outbox);
@@ -469,35 +434,35 @@ impl eframe::App for App {
                     if settings.on_hover_text("Show or hide the panels at the left").clicked() {
                         self.toggle_settings(ui.ctx());
                     }
-                    camera_menu::show(self, ui);
-                    undo::show_buttons(self, ui, &mut outbox);
-                    dock::show_bar(self, ui);
+                    view::camera_menu::show(self, ui);
+                    state::undo::show_buttons(self, ui, &mut outbox);
+                    tools::show_bar(self, ui);
                 });
             });
-            dock::show(self, ui, &mut outbox);
+            tools::show(self, ui, &mut outbox);
             timeline::show(self, ui);
         }
         egui::CentralPanel::no_frame().show(ui, |ui| {
             ui.spacing_mut().item_spacing.y = 0.0;
             self.messages.show(ui);
-            watch::show(self, ui, &mut outbox);
-            let clicked = viewport::show(self, ui, &mut outbox);
+            state::watch::show(self, ui, &mut outbox);
+            let clicked = view::viewport::show(self, ui, &mut outbox);
             if let Some(clicked) = clicked {
                 self.pick(clicked);
             }
         });
         shortcuts::show_list(self, ui.ctx());
         let links_wanted = match self.display.links.of {
-            settings::LinksOf::Level => true,
-            settings::LinksOf::Picked => self.picked.is_some(),
-            settings::LinksOf::Nothing => self.is_card_open && self.picked.is_some(),
+            state::settings::LinksOf::Level => true,
+            state::settings::LinksOf::Picked => self.picked.is_some(),
+            state::settings::LinksOf::Nothing => self.is_card_open && self.picked.is_some(),
         };
         let wants_solution_view =
-            links_wanted || self.cluster_view.is_active() || self.tool.is_some_and(dock::Tool::reads_anatomy);
-        outbox.extend(self.looking.command(wants_solution_view));
+            links_wanted || self.cluster_view.is_active() || self.tool.is_some_and(tools::Tool::reads_anatomy);
+        outbox.extend(self.playback.command(wants_solution_view));
         self.pointing.end_frame(ui.ctx());
-        outbox.extend(self.light.luminaires_command(undo::is_busy(ui.ctx())));
-        undo::note(self, ui.ctx());
+        outbox.extend(self.light.luminaires_command(state::undo::is_busy(ui.ctx())));
+        state::undo::note(self, ui.ctx());
         for command in outbox {
             if let Command::Load(source, _, light) = &command {
                 self.opened.ask(source, light);

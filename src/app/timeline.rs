@@ -2,7 +2,8 @@
 
 use egui::{Align, Layout, Rect, Response, Sense, Ui, pos2, vec2};
 
-use super::{App, format, theme, words};
+use crate::app::widgets::theme;
+use crate::app::{App, format, words};
 use crate::solve::{TimelineStep, TimelineStepKind};
 
 /// Height of the bar, points.
@@ -20,38 +21,38 @@ const TICKS: [(TimelineStepKind, f32); 4] = [
 ];
 
 /// Draws it along the lower edge of the view; nothing before there is a step to be seen.
-pub(super) fn show(app: &mut App, ui: &mut Ui) {
+pub(in crate::app) fn show(app: &mut App, ui: &mut Ui) {
     let moments = app.shown.status.moments.clone();
     if moments.len() < 2 || app.shown.snapshot.is_none() {
         return;
     }
     let now = ui.input(|input| input.time);
-    if let Some(wait) = app.looking.play(now, app.shown.snapshot.as_deref(), moments.len()) {
+    if let Some(wait) = app.playback.play(now, app.shown.snapshot.as_deref(), moments.len()) {
         ui.ctx().request_repaint_after(wait);
     }
     egui::Panel::bottom("timeline").exact_size(HEIGHT).show(ui, |ui| {
         ui.horizontal_centered(|ui| {
-            let (label, hint) = match app.looking.is_playing() {
+            let (label, hint) = match app.playback.is_playing() {
                 true => ("Stop", "Stop playing"),
                 false => (words::PLAY, "Play the refinement from the root's self-link, step by step"),
             };
             let play = ui.button(label).on_hover_text(hint);
             if play.clicked() {
-                app.looking.play_or_stop(now);
+                app.playback.play_or_stop(now);
             }
-            let is_live = app.looking.moment.is_none();
+            let is_live = app.playback.moment.is_none();
             if ui.selectable_label(is_live, words::LATEST).on_hover_text(words::JUMP_TO_LATEST).clicked() {
-                app.looking.show(None);
+                app.playback.show(None);
             }
             ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-                let at = app.looking.moment.unwrap_or(moments.len() - 1).min(moments.len() - 1);
+                let at = app.playback.moment.unwrap_or(moments.len() - 1).min(moments.len() - 1);
                 let words = WORDS.min(SHARE_OF_WORDS * ui.available_width());
                 ui.allocate_ui_with_layout(vec2(words, 20.0), Layout::left_to_right(Align::Center), |ui| {
                     ui.set_width(words);
                     ui.add(egui::Label::new(theme::value(in_words(&moments, at))).truncate());
                 });
-                if let Some(moment) = track(ui, &moments, app.looking.moment) {
-                    app.looking.show(moment);
+                if let Some(moment) = track(ui, &moments, app.playback.moment) {
+                    app.playback.show(moment);
                 }
             });
         });

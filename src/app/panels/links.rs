@@ -2,8 +2,10 @@
 
 use egui::{Align2, Color32, FontId, Rect, Slider, Ui, pos2, vec2};
 
-use super::super::settings::{LinkOverlay, LinksOf};
-use super::super::{App, Shown, colour_bar, format, theme, words};
+use crate::app::state::settings::{LinkOverlay, LinksOf};
+use crate::app::view::colour_bar;
+use crate::app::widgets::theme;
+use crate::app::{App, Shown, format, words};
 use crate::render::{ChosenLinks, LinkColour, LinkFilter, Seen, level_colour, power_colour};
 
 /// Numbers of links a slider offers.
@@ -13,7 +15,7 @@ const LEAST_POWER: std::ops::RangeInclusive<f32> = 0.0..=10.0;
 const LEAST_POWER_ABOVE_0: f64 = 1e-4;
 
 /// Draws the rows of the display section.
-pub(super) fn show(ui: &mut Ui, shown: &Shown, links: &mut LinkOverlay) {
+pub(in crate::app) fn show(ui: &mut Ui, shown: &Shown, links: &mut LinkOverlay) {
     choice(
         ui,
         words::SHOW_LINKS,
@@ -117,7 +119,7 @@ const MARGIN: f32 = 12.0;
 const DECADES: f32 = 3.0;
 
 /// Draws what the colours say, and how much is not drawn, into the view's lower right corner; nothing where no links are drawn.
-pub(in super::super) fn show_legend(app: &App, ui: &Ui, view: Rect) {
+pub(in crate::app) fn show_legend(app: &App, ui: &Ui, view: Rect) {
     let Some(chosen) = app.marks.chosen_links() else { return };
     let words = chosen.to_string();
     let has_colours = !chosen.links.is_empty();

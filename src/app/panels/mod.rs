@@ -1,32 +1,33 @@
 //! The panels around the view: each takes what it shows and writes commands into the outbox.
 
-pub(super) mod accuracy;
-pub(super) mod appearance;
-pub(super) mod controls;
-pub(super) mod costs;
-pub(super) mod display;
-pub(super) mod empty;
-pub(super) mod hint;
-pub(super) mod legend;
-pub(super) mod light;
-pub(super) mod links;
-pub(super) mod parameters;
-pub(super) mod picked;
-pub(super) mod quality;
+pub(in crate::app) mod accuracy;
+pub(in crate::app) mod appearance;
+pub(in crate::app) mod controls;
+pub(in crate::app) mod costs;
+pub(in crate::app) mod display;
+pub(in crate::app) mod empty;
+pub(in crate::app) mod hint;
+pub(in crate::app) mod legend;
+pub(in crate::app) mod light;
+pub(in crate::app) mod links;
+pub(in crate::app) mod parameters;
+pub(in crate::app) mod picked;
+pub(in crate::app) mod quality;
 mod readings;
-pub(super) mod readout;
-pub(super) mod scene;
-pub(super) mod statistics;
-pub(super) mod status_bar;
-pub(super) mod tag;
+pub(in crate::app) mod readout;
+pub(in crate::app) mod scene;
+pub(in crate::app) mod statistics;
+pub(in crate::app) mod status_bar;
+pub(in crate::app) mod tag;
 
 use egui::{CollapsingHeader, RichText, ScrollArea, Ui};
 
-use super::{App, Outbox, layout, theme, words};
+use crate::app::widgets::theme;
+use crate::app::{App, Outbox, layout, words};
 use crate::worker::Command;
 
 /// The left panel with its sections and the bar below.
-pub(super) fn show_sides(app: &mut App, ui: &mut Ui, outbox: &mut Outbox) {
+pub(in crate::app) fn show_sides(app: &mut App, ui: &mut Ui, outbox: &mut Outbox) {
     egui::Panel::bottom("status").show(ui, |ui| {
         status_bar::show(ui, &app.shown, app.painted.as_ref(), &app.course, &app.clock);
     });

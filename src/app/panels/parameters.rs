@@ -2,8 +2,9 @@
 
 use egui::{ComboBox, Slider, Ui};
 
-use super::super::{format, theme, words};
-use super::costs;
+use crate::app::panels::costs;
+use crate::app::widgets::theme;
+use crate::app::{format, words};
 use crate::memory::MemoryBudget;
 use crate::scene::Sides;
 use crate::solve::{
@@ -38,14 +39,14 @@ impl EpsilonMeasures {
 }
 
 /// Draws one parameter that is set outside of the method's fold.
-pub(super) fn show_one(ui: &mut Ui, id: ParameterId, params: &mut SolverParams, stats: Option<&Stats>) {
+pub(in crate::app) fn show_one(ui: &mut Ui, id: ParameterId, params: &mut SolverParams, stats: Option<&Stats>) {
     if let Some(parameter) = PARAMETERS.iter().find(|parameter| parameter.id == id) {
         show_row(ui, parameter, params, stats);
     }
 }
 
 /// Draws the method's parameters, each with its sentence; true when one was changed.
-pub(super) fn show_method(ui: &mut Ui, params: &mut SolverParams, stats: Option<&Stats>) -> bool {
+pub(in crate::app) fn show_method(ui: &mut Ui, params: &mut SolverParams, stats: Option<&Stats>) -> bool {
     let before = *params;
     show_what_ends_a_solve(ui, params);
     let of_method = |parameter: &&Parameter| !matches!(parameter.id, ParameterId::Error | ParameterId::Memory);

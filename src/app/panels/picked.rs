@@ -4,10 +4,11 @@
 use egui::{Align2, Grid, Rect, RichText, Ui};
 use glam::Vec3;
 
-use super::super::dock::Tool;
-use super::super::facts::Facts;
-use super::super::inspection::Inspection;
-use super::super::{App, format, theme, words};
+use crate::app::state::facts::Facts;
+use crate::app::state::inspection::Inspection;
+use crate::app::tools::Tool;
+use crate::app::widgets::theme;
+use crate::app::{App, format, words};
 use crate::hierarchy::ElementId;
 use crate::scene::Scene;
 use crate::solve::Snapshot;
@@ -21,7 +22,7 @@ const WIDE_ENOUGH: f32 = 640.0;
 const MOST: usize = 5;
 
 /// Draws the card; nothing when nothing is picked.
-pub(in super::super) fn show(app: &mut App, ui: &mut Ui, rect: Rect) {
+pub(in crate::app) fn show(app: &mut App, ui: &mut Ui, rect: Rect) {
     if app.tool == Some(Tool::Inspector) || !app.is_card_open {
         return;
     }
@@ -133,12 +134,12 @@ fn name_of_source(inspection: &mut Inspection, solution_view: &SolutionView, sce
 }
 
 /// Whose link brings the light, seen from the inspected element.
-pub(in super::super) fn whose(link: &LinkView) -> String {
+pub(in crate::app) fn whose(link: &LinkView) -> String {
     whose_end(link.levels_up, link.receiver_is_cluster)
 }
 
 /// Whose link takes the light away, likewise.
-pub(in super::super) fn whose_light(link: &LinkView) -> String {
+pub(in crate::app) fn whose_light(link: &LinkView) -> String {
     whose_end(link.levels_up, link.source_is_cluster)
 }
 

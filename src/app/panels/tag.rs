@@ -2,9 +2,10 @@
 
 use egui::{Align2, Rect, RichText, Ui, vec2};
 
-use super::super::dock::Tool;
-use super::super::settings::LinksOf;
-use super::super::{App, format, theme, words};
+use crate::app::state::settings::LinksOf;
+use crate::app::tools::Tool;
+use crate::app::widgets::theme;
+use crate::app::{App, format, words};
 use crate::photometry::lux;
 
 /// Width of the tag at most, points.
@@ -13,7 +14,7 @@ const MOST_WIDTH: f32 = 230.0;
 const ASIDE: egui::Vec2 = vec2(14.0, 10.0);
 
 /// Draws it; nothing where nothing is selected, or more is told elsewhere.
-pub(in super::super) fn show(app: &mut App, ui: &Ui, view: Rect) {
+pub(in crate::app) fn show(app: &mut App, ui: &Ui, view: Rect) {
     let tells_more = app.is_card_open || app.tool == Some(Tool::Inspector);
     let (Some(picked), Some(facts), false) = (&app.picked, &app.inspection.facts, tells_more) else { return };
     let Some(at) = app.view.project(picked.point).filter(|at| view.contains(*at)) else { return };
