@@ -87,7 +87,7 @@ fn run_once(settings: Settings, resumes: bool, was_lost: bool) -> Result<Option<
             options,
             Box::new(move |cc| {
                 let mut app = if resumes { App::resume(cc, &settings)? } else { App::open(cc, &settings)? };
-                app.will = Some(of_window);
+                app.graphics.loss = Some(of_window);
                 if was_lost {
                     app.messages.note(
                         "The graphics device was lost and is set up anew; the scene is being solved again.".into(),

@@ -60,7 +60,8 @@ pub(in crate::app) fn act(app: &mut App, ui: &Ui, outbox: &mut Outbox) {
     }
     let pressed = |input: &egui::InputState| -> Vec<Action> { input.events.iter().filter_map(deed_of).collect() };
     // Space presses the button that has the focus.
-    let is_view_focused = ctx.memory(|memory| memory.focused()).is_none_or(|focused| app.view.id() == Some(focused));
+    let is_view_focused =
+        ctx.memory(|memory| memory.focused()).is_none_or(|focused| app.view.viewport.id() == Some(focused));
     for deed in ctx.input(pressed) {
         if deed != Action::PauseOrRun || is_view_focused {
             perform(app, deed, ctx, outbox);
@@ -77,11 +78,11 @@ fn deed_of(event: &Event) -> Option<Action> {
 fn perform(app: &mut App, deed: Action, ctx: &egui::Context, outbox: &mut Outbox) {
     let run = app.shown.status.run;
     match deed {
-        Action::ShowKeys => app.are_keys_shown = !app.are_keys_shown,
-        Action::Leave if app.are_keys_shown => app.are_keys_shown = false,
-        Action::Leave if app.is_full_picture => app.set_full_screen(ctx, false),
+        Action::ShowKeys => app.layout.are_keys_shown = !app.layout.are_keys_shown,
+        Action::Leave if app.layout.are_keys_shown => app.layout.are_keys_shown = false,
+        Action::Leave if app.layout.is_full_picture => app.set_full_screen(ctx, false),
         Action::Leave => app.deselect(),
-        Action::FullPicture => app.set_full_screen(ctx, !app.is_full_picture),
+        Action::FullPicture => app.set_full_screen(ctx, !app.layout.is_full_picture),
         Action::PauseOrRun => match run {
             RunState::Paused => outbox.push(Command::Resume),
             RunState::Running => outbox.push(Command::Pause),
@@ -90,22 +91,22 @@ fn perform(app: &mut App, deed: Action, ctx: &egui::Context, outbox: &mut Outbox
         Action::Step if matches!(run, RunState::Running | RunState::Paused) => outbox.push(Command::StepWave),
         Action::Restart if app.shown.info.is_some() => outbox.push(Command::Restart),
         Action::Step | Action::Restart => {}
-        Action::Open if !app.files.dialog_is_open() => app.files.open_dialog(ctx),
+        Action::Open if !app.documents.files.dialog_is_open() => app.documents.files.open_dialog(ctx),
         Action::Open => {}
         Action::Tool(tool) => app.toggle_tool(tool),
         Action::Pinned => {
             if let Some(snapshot) = app.shown.snapshot.clone() {
                 tools::compare::keep(app, snapshot);
-                app.tool = Some(Tool::Compare);
+                app.tools.open = Some(Tool::Compare);
             }
         }
-        Action::Outlines => app.display.show_elements = !app.display.show_elements,
+        Action::Outlines => app.edits.display.show_elements = !app.edits.display.show_elements,
     }
 }
 
 /// The list of all keys, over everything, while it is asked for.
 pub(in crate::app) fn show_list(app: &mut App, ctx: &egui::Context) {
-    let mut is_open = app.are_keys_shown;
+    let mut is_open = app.layout.are_keys_shown;
     egui::Window::new(words::MOUSE_AND_KEYS)
         .id(egui::Id::unique("keys"))
         .open(&mut is_open)
@@ -125,7 +126,7 @@ pub(in crate::app) fn show_list(app: &mut App, ctx: &egui::Context) {
                 });
             });
         });
-    app.are_keys_shown = is_open;
+    app.layout.are_keys_shown = is_open;
 }
 
 fn column(ui: &mut Ui, title: &str, rows: &[(&str, &str)]) {

@@ -27,32 +27,32 @@ pub(in crate::app) fn show(app: &mut App, ui: &mut Ui) {
         return;
     }
     let now = ui.input(|input| input.time);
-    if let Some(wait) = app.playback.play(now, app.shown.snapshot.as_deref(), moments.len()) {
+    if let Some(wait) = app.tools.playback.play(now, app.shown.snapshot.as_deref(), moments.len()) {
         ui.ctx().request_repaint_after(wait);
     }
     egui::Panel::bottom("timeline").exact_size(HEIGHT).show(ui, |ui| {
         ui.horizontal_centered(|ui| {
-            let (label, hint) = match app.playback.is_playing() {
+            let (label, hint) = match app.tools.playback.is_playing() {
                 true => ("Stop", "Stop playing"),
                 false => (words::PLAY, "Play the refinement from the root's self-link, step by step"),
             };
             let play = ui.button(label).on_hover_text(hint);
             if play.clicked() {
-                app.playback.play_or_stop(now);
+                app.tools.playback.play_or_stop(now);
             }
-            let is_live = app.playback.moment.is_none();
+            let is_live = app.tools.playback.moment.is_none();
             if ui.selectable_label(is_live, words::LATEST).on_hover_text(words::JUMP_TO_LATEST).clicked() {
-                app.playback.show(None);
+                app.tools.playback.show(None);
             }
             ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-                let at = app.playback.moment.unwrap_or(moments.len() - 1).min(moments.len() - 1);
+                let at = app.tools.playback.moment.unwrap_or(moments.len() - 1).min(moments.len() - 1);
                 let words = WORDS.min(SHARE_OF_WORDS * ui.available_width());
                 ui.allocate_ui_with_layout(vec2(words, 20.0), Layout::left_to_right(Align::Center), |ui| {
                     ui.set_width(words);
                     ui.add(egui::Label::new(theme::value(in_words(&moments, at))).truncate());
                 });
-                if let Some(moment) = track(ui, &moments, app.playback.moment) {
-                    app.playback.show(moment);
+                if let Some(moment) = track(ui, &moments, app.tools.playback.moment) {
+                    app.tools.playback.show(moment);
                 }
             });
         });

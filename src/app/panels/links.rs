@@ -120,13 +120,13 @@ const DECADES: f32 = 3.0;
 
 /// Draws what the colours say, and how much is not drawn, into the view's lower right corner; nothing where no links are drawn.
 pub(in crate::app) fn show_legend(app: &App, ui: &Ui, view: Rect) {
-    let Some(chosen) = app.marks.chosen_links() else { return };
+    let Some(chosen) = app.view.marks.chosen_links() else { return };
     let words = chosen.to_string();
     let has_colours = !chosen.links.is_empty();
     let font = FontId::proportional(12.0);
     let painter = ui.painter_at(view);
     let galley = painter.layout(words.clone(), font.clone(), theme::TEXT_STRONG, BAR.x);
-    let of_colours = match app.display.links.style.colour {
+    let of_colours = match app.edits.display.links.style.colour {
         _ if !has_colours => 0.0,
         LinkColour::Visibility => 37.0,
         LinkColour::Power | LinkColour::Level => 50.0,
@@ -145,13 +145,13 @@ pub(in crate::app) fn show_legend(app: &App, ui: &Ui, view: Rect) {
     let text = |at, align, text: &str| painter.text(at, align, text, font.clone(), theme::TEXT);
     let top = card.top() + text_height + 14.0;
     let bar = Rect::from_min_size(pos2(card.left() + MARGIN, top + 15.0), BAR);
-    let (title, labels) = match app.display.links.style.colour {
+    let (title, labels) = match app.edits.display.links.style.colour {
         LinkColour::Power => ("Colour: power of the link", power_labels(chosen)),
         LinkColour::Visibility => ("Colour: visibility V of the link", [String::new(), String::new()]),
         LinkColour::Level => ("Colour: level of the source", level_labels(app)),
     };
     painter.text(pos2(bar.left(), top - 3.0), Align2::LEFT_TOP, title, font.clone(), theme::TEXT_WEAK);
-    if app.display.links.style.colour == LinkColour::Visibility {
+    if app.edits.display.links.style.colour == LinkColour::Visibility {
         let names = [(Seen::Full, "full"), (Seen::Partial, "partial"), (Seen::Not, "none or not tested")];
         let mut x = bar.left();
         for (seen, name) in names {
@@ -165,7 +165,7 @@ pub(in crate::app) fn show_legend(app: &App, ui: &Ui, view: Rect) {
         }
         return;
     }
-    let colour = |along: f32| match app.display.links.style.colour {
+    let colour = |along: f32| match app.edits.display.links.style.colour {
         LinkColour::Level => level_colour((1000.0 * along) as u16, 1000),
         LinkColour::Power | LinkColour::Visibility => power_colour(10_f32.powf(DECADES * (along - 1.0))),
     };

@@ -23,7 +23,7 @@ const MOST: usize = 5;
 
 /// Draws the card; nothing when nothing is picked.
 pub(in crate::app) fn show(app: &mut App, ui: &mut Ui, rect: Rect) {
-    if app.tool == Some(Tool::Inspector) || !app.is_card_open {
+    if app.tools.open == Some(Tool::Inspector) || !app.layout.is_card_open {
         return;
     }
     let (Some(picked), Some(snapshot), Some(info)) = (&app.picked, &app.shown.snapshot, &app.shown.info) else {
@@ -45,11 +45,11 @@ pub(in crate::app) fn show(app: &mut App, ui: &mut Ui, rect: Rect) {
                     inspect = ui.button(words::INSPECT).on_hover_text(hint).clicked();
                 });
             });
-            if let Some(facts) = &app.inspection.facts {
+            if let Some(facts) = &app.tools.inspection.facts {
                 show_facts(ui, facts);
             }
             if rect.width() >= WIDE_ENOUGH {
-                show_sources(ui, &mut app.inspection, snapshot, scene, element);
+                show_sources(ui, &mut app.tools.inspection, snapshot, scene, element);
             }
         });
     });
@@ -57,7 +57,7 @@ pub(in crate::app) fn show(app: &mut App, ui: &mut Ui, rect: Rect) {
         app.deselect();
     }
     if inspect {
-        app.tool = Some(Tool::Inspector);
+        app.tools.open = Some(Tool::Inspector);
     }
 }
 

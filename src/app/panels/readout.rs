@@ -8,7 +8,7 @@ use crate::photometry::{lux, weighted};
 
 /// Draws it; nothing while the pointer is elsewhere.
 pub(in crate::app) fn show(app: &App, ui: &Ui, view: Rect) {
-    let (Some(reading), Some(info)) = (app.measuring.under_pointer(), &app.shown.info) else { return };
+    let (Some(reading), Some(info)) = (app.tools.measuring.under_pointer(), &app.shown.info) else { return };
     let (e, b) = (reading.irradiance.to_array(), reading.radiosity.to_array());
     let number = |value: f32| format::number(value.into());
     let material = info.scene.materials.get(reading.leaf.material.0 as usize).map_or("", |material| &material.name);

@@ -3,6 +3,7 @@
 //! Nothing can be drawn with a lost device, the toolkit makes no other one for an open window, and where it breaks off the event loop
 //! cannot be run again. So the program is started anew with the settings of the window ([`crate::app::launch`]).
 
+use std::sync::mpsc::Receiver;
 use std::sync::{Arc, Mutex};
 
 use crate::app::App;
@@ -20,6 +21,16 @@ pub(in crate::app) struct Legacy {
 
 /// Where a window leaves its legacy, for whoever opens the next one.
 pub(in crate::app) type DeviceLossState = Arc<Mutex<Option<Legacy>>>;
+
+/// The graphics device, and what becomes of the window without it.
+pub(in crate::app) struct Graphics {
+    /// Why the view could not be drawn.
+    pub drawing_failures: Receiver<String>,
+    /// Whether the device was lost.
+    pub state: DeviceState,
+    /// Where the window leaves what it shows when it loses its device.
+    pub loss: Option<DeviceLossState>,
+}
 
 /// Knows whether the device was lost.
 pub(in crate::app) struct DeviceState {
@@ -56,7 +67,7 @@ impl DeviceState {
 /// Whether the toolkit closes a window that lost its device or breaks off with it, what it showed is kept.
 impl Drop for App {
     fn drop(&mut self) {
-        if let (Some(will), Some(reason)) = (&self.will, self.device.is_it_lost()) {
+        if let (Some(will), Some(reason)) = (&self.graphics.loss, self.graphics.state.is_it_lost()) {
             *lock(will) = Some(Legacy { settings: self.settings(), reason });
         }
     }

@@ -2,6 +2,8 @@
 
 pub(in crate::app) mod comparison;
 pub(in crate::app) mod device;
+pub(in crate::app) mod documents;
+pub(in crate::app) mod edits;
 pub(in crate::app) mod exports;
 pub(in crate::app) mod facts;
 pub(in crate::app) mod files;

@@ -20,9 +20,9 @@ impl App {
 
     /// Nothing is selected any longer.
     pub(in crate::app) fn deselect(&mut self) {
-        (self.picked, self.is_card_open) = (None, false);
-        self.light.selected = None;
-        self.measuring.select(None, &self.wake);
+        (self.picked, self.layout.is_card_open) = (None, false);
+        self.edits.light.selected = None;
+        self.tools.measuring.select(None, &self.wake);
     }
 
     /// Picks any element, patch or cluster, by its id; nothing where the snapshot in view does not know it.
@@ -30,7 +30,7 @@ impl App {
         let picked = self.shown.snapshot.as_ref().and_then(|snapshot| PickedElement::by_id(snapshot, id));
         if picked.is_some() {
             self.picked = picked;
-            self.measuring.select(None, &self.wake);
+            self.tools.measuring.select(None, &self.wake);
         }
     }
 
@@ -40,11 +40,11 @@ impl App {
             return;
         };
         // The card tells what lights an element; only the inspector can be turned round.
-        let direction = match self.tool {
-            Some(tools::Tool::Inspector) => self.inspector.direction(),
+        let direction = match self.tools.open {
+            Some(tools::Tool::Inspector) => self.tools.inspector.direction(),
             _ => inspection::Direction::In,
         };
-        if self.inspection.look(snapshot, &info.scene, picked.element, direction) {
+        if self.tools.inspection.look(snapshot, &info.scene, picked.element, direction) {
             ctx.request_repaint_after(LATER);
         }
     }
@@ -53,30 +53,30 @@ impl App {
     pub(in crate::app) fn pick(&mut self, clicked: viewport::Clicked) {
         let (Some(snapshot), Some(info)) = (&self.shown.snapshot, &self.shown.info) else { return };
         let (origin, moved_by) =
-            self.cluster_view.ray_in_scene(clicked.origin, clicked.direction).unwrap_or((clicked.origin, Vec3::ZERO));
-        if self.tool == Some(tools::Tool::Measure) && self.measuring.places_probes {
+            self.view.clusters.ray_in_scene(clicked.origin, clicked.direction).unwrap_or((clicked.origin, Vec3::ZERO));
+        if self.tools.open == Some(tools::Tool::Measure) && self.tools.measuring.places_probes {
             if let Some(found) = PickedElement::at(snapshot, origin, clicked.direction) {
                 let leaf = snapshot.mesh.leaves.iter().find(|leaf| leaf.element == found.element);
                 if let Some(polygon) = leaf.and_then(|leaf| info.scene.polygons.get(leaf.polygon as usize)) {
-                    self.measuring.place(found.point, info.scene.normal(polygon), &self.wake);
+                    self.tools.measuring.place(found.point, info.scene.normal(polygon), &self.wake);
                 }
             }
             return;
         }
         self.picked = PickedElement::at(snapshot, origin, clicked.direction);
         let mut place = None;
-        self.light.selected = None;
+        self.edits.light.selected = None;
         if let Some(picked) = &self.picked {
             if let Some(leaf) = snapshot.mesh.leaves.iter().find(|leaf| leaf.element == picked.element) {
-                self.light.choose(&info.scene, leaf.material);
+                self.edits.light.choose(&info.scene, leaf.material);
                 let polygon = info.scene.polygons.get(leaf.polygon as usize);
                 place = polygon.map(|polygon| (picked.point, info.scene.normal(polygon)));
             }
             if clicked.is_double {
-                self.view.look_at(picked.point + moved_by);
+                self.view.viewport.look_at(picked.point + moved_by);
             }
         }
-        self.is_card_open &= self.picked.is_some();
-        self.measuring.select(place, &self.wake);
+        self.layout.is_card_open &= self.picked.is_some();
+        self.tools.measuring.select(place, &self.wake);
     }
 }

@@ -94,7 +94,7 @@ impl App {
     pub fn open(cc: &CreationContext<'_>, settings: &Settings) -> Result<Self, AppError> {
         let opening = settings.source().map(|source| (source, settings.reading.clone(), settings.light.clone()));
         let mut app = Self::new(cc, opening, settings.solver)?;
-        app.opened.camera = settings.camera;
+        app.documents.opened.camera = settings.camera;
         Ok(app)
     }
 
@@ -106,7 +106,7 @@ impl App {
         let kept: Option<Session> = cc.storage.and_then(|storage| eframe::get_value(storage, KEY));
         let Some(mut session) = kept else {
             let mut app = Self::open(cc, fallback)?;
-            app.appearance.is_hint_shown = true;
+            app.layout.appearance.is_hint_shown = true;
             return Ok(app);
         };
         if session.settings.solver.validate().is_err() {
@@ -124,7 +124,7 @@ impl App {
             session.settings = Settings { solver: session.settings.solver, ..fallback.clone() };
         }
         let mut app = Self::open(cc, &session.settings)?;
-        app.tool = session.tool;
+        app.tools.open = session.tool;
         if let Some(path) = vanished {
             let instead = fallback.scene.as_deref().unwrap_or("nothing");
             let path = path.display();
@@ -135,22 +135,22 @@ impl App {
 
     /// All that the solution in view is made with.
     pub(in crate::app) fn settings(&self) -> Settings {
-        let light = self.shown.info.as_ref().map(|info| self.opened.light(&info.scene)).unwrap_or_default();
-        let scene = self.opened.source.as_ref().map(Settings::name_of);
+        let light = self.shown.info.as_ref().map(|info| self.documents.opened.light(&info.scene)).unwrap_or_default();
+        let scene = self.documents.opened.source.as_ref().map(Settings::name_of);
         let reading = self.shown.info.as_ref().map(|info| info.scene.reading.clone()).unwrap_or_default();
-        let camera = self.view.pose().zip(self.shown.info.as_ref());
+        let camera = self.view.viewport.pose().zip(self.shown.info.as_ref());
         let camera = camera.map(|(pose, info)| pose.in_file(&info.scene));
-        Settings { scene, reading, light, camera, solver: self.params }
+        Settings { scene, reading, light, camera, solver: self.edits.params }
     }
 
     /// What is kept beside the scene's file.
     pub(in crate::app) fn kept(&self) -> Kept {
-        let bookmarks = self.view.bookmarks().to_vec();
-        Kept { camera: self.view.pose(), bookmarks, task_area: self.measuring.task_area() }
+        let bookmarks = self.view.viewport.bookmarks().to_vec();
+        Kept { camera: self.view.viewport.pose(), bookmarks, task_area: self.tools.measuring.task_area() }
     }
 
     /// Keeps what the next start goes on with.
     pub(in crate::app) fn keep_session(&self, storage: &mut dyn eframe::Storage) {
-        eframe::set_value(storage, KEY, &Session { settings: self.settings(), tool: self.tool });
+        eframe::set_value(storage, KEY, &Session { settings: self.settings(), tool: self.tools.open });
     }
 }

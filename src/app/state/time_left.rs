@@ -8,6 +8,15 @@ use crate::worker::RunState;
 /// Progress must have gone so far before it is extrapolated.
 const LEAST_PROGRESS: f32 = 0.03;
 
+/// How far the solve is, and how long it has been working.
+#[derive(Default)]
+pub(in crate::app) struct Progress {
+    /// The share that is done.
+    pub course: Course,
+    /// Time since the worker last told.
+    pub clock: Clock,
+}
+
 /// The course of a solve: a share that never goes back while the same is asked for.
 #[derive(Default)]
 pub(in crate::app) struct Course {

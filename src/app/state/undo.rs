@@ -93,36 +93,36 @@ impl App {
     /// All that can be undone, as it stands.
     pub(in crate::app) fn undoable(&self) -> Undoable {
         Undoable {
-            params: self.params,
-            display: self.display.clone(),
-            lighting: self.light.lighting.clone(),
-            task_area: self.measuring.task_area(),
+            params: self.edits.params,
+            display: self.edits.display.clone(),
+            lighting: self.edits.light.lighting.clone(),
+            task_area: self.tools.measuring.task_area(),
         }
     }
 
     fn undo(&mut self, outbox: &mut Outbox) {
-        let former = self.history.undo(self.undoable());
+        let former = self.edits.history.undo(self.undoable());
         self.restore(former, outbox);
     }
 
     fn redo(&mut self, outbox: &mut Outbox) {
-        let later = self.history.redo(self.undoable());
+        let later = self.edits.history.redo(self.undoable());
         self.restore(later, outbox);
     }
 
     fn restore(&mut self, settings: Option<Undoable>, outbox: &mut Outbox) {
         let Some(Undoable { params, display, lighting, task_area }) = settings else { return };
-        if params != self.params {
+        if params != self.edits.params {
             outbox.push(Command::SetParams(params));
         }
-        outbox.extend(lighting.commands_since(&self.light.lighting));
+        outbox.extend(lighting.commands_since(&self.edits.light.lighting));
         // The worker is told of luminaires at the end of the frame.
-        self.light.lighting = lighting;
-        (self.params, self.display) = (params, display);
-        if task_area != self.measuring.task_area()
+        self.edits.light.lighting = lighting;
+        (self.edits.params, self.edits.display) = (params, display);
+        if task_area != self.tools.measuring.task_area()
             && let Some(info) = &self.shown.info
         {
-            self.measuring.set_task_area(task_area, info.scene.up_axis());
+            self.tools.measuring.set_task_area(task_area, info.scene.up_axis());
         }
     }
 }
@@ -143,8 +143,8 @@ pub(in crate::app) fn take_keys(app: &mut App, ctx: &Context, outbox: &mut Outbo
 /// The two buttons.
 pub(in crate::app) fn show_buttons(app: &mut App, ui: &mut Ui, outbox: &mut Outbox) {
     let settings = app.undoable();
-    let past = app.history.past.last().map(|former| former.difference(&settings));
-    let future = app.history.future.last().map(|later| later.difference(&settings));
+    let past = app.edits.history.past.last().map(|former| former.difference(&settings));
+    let future = app.edits.history.future.last().map(|later| later.difference(&settings));
     let button = |ui: &mut Ui, [name, nothing]: [&str; 2], what: Option<&str>, shortcut: &KeyboardShortcut| {
         let keys = ui.ctx().format_shortcut(shortcut);
         let response = ui.add_enabled(what.is_some(), Button::new(name));
@@ -173,7 +173,7 @@ pub(in crate::app) fn is_busy(ctx: &Context) -> bool {
 pub(in crate::app) fn note(app: &mut App, ctx: &Context) {
     if !is_busy(ctx) {
         let settings = app.undoable();
-        app.history.note(&settings);
+        app.edits.history.note(&settings);
     }
 }
 

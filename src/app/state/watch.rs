@@ -156,7 +156,7 @@ impl Watched {
 
 /// Draws the bar over the view that offers to read a changed file again.
 pub(in crate::app) fn show(app: &mut App, ui: &mut Ui, outbox: &mut Outbox) {
-    let Some(path) = &app.watch.changed else { return };
+    let Some(path) = &app.documents.watch.changed else { return };
     let name = name_of(path);
     let fill = theme::palette(ui.visuals()).note_fill;
     let [mut reload, mut keep] = [false; 2];
@@ -174,13 +174,13 @@ pub(in crate::app) fn show(app: &mut App, ui: &mut Ui, outbox: &mut Outbox) {
         });
     });
     if keep || reload {
-        app.watch.changed = None;
+        app.documents.watch.changed = None;
     }
     if reload {
         let settings = app.settings();
         if let Some(source) = settings.source() {
             outbox.push(Command::Load(source.clone(), settings.reading, settings.light));
-            app.watch.reloading = Some(source);
+            app.documents.watch.reloading = Some(source);
         }
     }
 }

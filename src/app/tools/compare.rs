@@ -30,30 +30,30 @@ pub(in crate::app) fn show(app: &mut App, ui: &mut Ui) {
         ui.label(theme::weak("Nothing to compare yet: open a scene."));
         return;
     };
-    if app.pinned.frozen().is_none() {
+    if app.tools.pinned.frozen().is_none() {
         let text = "Keep the solution in view as A, then change settings: the solver goes on with B, and the view shows both side by side.";
         ui.add(egui::Label::new(theme::weak(text)).wrap());
         ui.add_space(4.0);
     }
     ui.horizontal(|ui| {
-        let is_kept = app.pinned.frozen().is_some();
+        let is_kept = app.tools.pinned.frozen().is_some();
         let name = if is_kept { words::REPLACE_A } else { words::KEEP_AS_A };
         if ui.button(name).on_hover_text("Keep the solution in view, with its settings and statistics").clicked() {
             keep(app, snapshot.clone());
         }
         if ui.add_enabled(is_kept, Button::new(words::DISCARD_A)).clicked() {
-            app.pinned.let_go();
+            app.tools.pinned.let_go();
         }
     });
-    if app.pinned.frozen().is_none() {
+    if app.tools.pinned.frozen().is_none() {
         return;
     }
     ui.add_space(6.0);
-    show_sides(&mut app.pinned, ui);
+    show_sides(&mut app.tools.pinned, ui);
     ui.add_space(8.0);
-    let measured = measured(&app.comparison, &snapshot);
-    if let Some(frozen) = app.pinned.frozen() {
-        let settings = differing_settings(&frozen.params, &app.params);
+    let measured = measured(&app.tools.comparison, &snapshot);
+    if let Some(frozen) = app.tools.pinned.frozen() {
+        let settings = differing_settings(&frozen.params, &app.edits.params);
         heading(ui, "Settings that differ");
         match settings.is_empty() {
             true => {
@@ -62,14 +62,14 @@ pub(in crate::app) fn show(app: &mut App, ui: &mut Ui) {
             false => table(ui, "settings", &settings),
         }
         heading(ui, words::RESULTS);
-        table(ui, "results", &results(frozen, &snapshot, measured, app.pinned.rms()));
+        table(ui, "results", &results(frozen, &snapshot, measured, app.tools.pinned.rms()));
     }
 }
 
 /// Keeps what is in view.
 pub(in crate::app) fn keep(app: &mut App, snapshot: Arc<Snapshot>) {
-    let measured = measured(&app.comparison, &snapshot);
-    app.pinned.keep(snapshot, app.params, measured, app.exposure);
+    let measured = measured(&app.tools.comparison, &snapshot);
+    app.tools.pinned.keep(snapshot, app.edits.params, measured, app.view.exposure);
 }
 
 /// The error of a snapshot by the reference of the Accuracy section, if it was measured.

@@ -51,12 +51,12 @@ pub(in crate::app) fn show(app: &mut App, ui: &mut Ui) {
         ui.label(theme::weak("Nothing to export yet: open a scene."));
         return;
     }
-    show_name(&mut app.exports, ui);
+    show_name(&mut app.documents.exports, ui);
     ui.add_space(6.0);
     let mut wanted = None;
-    let is_idle = app.exports.writing().is_none();
+    let is_idle = app.documents.exports.writing().is_none();
     heading(ui, "The view");
-    show_size(&mut app.exports, ui, app.view.pixels());
+    show_size(&mut app.documents.exports, ui, app.view.viewport.pixels());
     buttons(ui, is_idle, &PICTURES, &mut wanted);
     heading(ui, "The lit mesh");
     buttons(ui, is_idle, &MESHES, &mut wanted);
@@ -69,7 +69,7 @@ pub(in crate::app) fn show(app: &mut App, ui: &mut Ui) {
         ask(app, item);
     }
     show_question(app, ui);
-    show_state(&mut app.exports, ui);
+    show_state(&mut app.documents.exports, ui);
 }
 
 fn heading(ui: &mut Ui, text: &str) {
@@ -153,26 +153,26 @@ fn buttons(ui: &mut Ui, is_idle: bool, offers: &[Offer], wanted: &mut Option<Ite
 
 /// Writes a file, or asks first where one is there.
 fn ask(app: &mut App, item: Item) {
-    app.exports.in_question = None;
-    match app.exports.path(item) {
-        Some(path) if path.exists() => app.exports.in_question = Some(item),
+    app.documents.exports.in_question = None;
+    match app.documents.exports.path(item) {
+        Some(path) if path.exists() => app.documents.exports.in_question = Some(item),
         Some(_) => begin(app, item),
-        None => app.exports.outcome = Some(Err("Give the files a name first, such as /home/me/room.".into())),
+        None => app.documents.exports.outcome = Some(Err("Give the files a name first, such as /home/me/room.".into())),
     }
 }
 
 fn show_question(app: &mut App, ui: &mut Ui) {
-    let Some(item) = app.exports.in_question else { return };
-    let Some(path) = app.exports.path(item) else { return };
+    let Some(item) = app.documents.exports.in_question else { return };
+    let Some(path) = app.documents.exports.path(item) else { return };
     let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned();
     ui.label(format!("{name} already exists."));
     ui.horizontal(|ui| {
         if ui.button("Overwrite it").clicked() {
-            app.exports.in_question = None;
+            app.documents.exports.in_question = None;
             begin(app, item);
         }
         if ui.button("Keep it").clicked() {
-            app.exports.in_question = None;
+            app.documents.exports.in_question = None;
         }
     });
 }
@@ -204,15 +204,16 @@ fn show_state(exports: &mut Exports, ui: &mut Ui) {
 
 /// Hands a file to its thread.
 fn begin(app: &mut App, item: Item) {
-    let (Some(path), Some(info), Some(snapshot)) = (app.exports.path(item), &app.shown.info, &app.shown.snapshot)
+    let (Some(path), Some(info), Some(snapshot)) =
+        (app.documents.exports.path(item), &app.shown.info, &app.shown.snapshot)
     else {
         return;
     };
     let (scene, snapshot) = (info.scene.clone(), snapshot.clone());
-    let size = pixels(app.exports.size, app.exports.own_size, app.view.pixels());
-    let picture = app.view.picture(size);
+    let size = pixels(app.documents.exports.size, app.documents.exports.own_size, app.view.viewport.pixels());
+    let picture = app.view.viewport.picture(size);
     let settings = app.settings();
-    let (exports, wake) = (&mut app.exports, &app.wake);
+    let (exports, wake) = (&mut app.documents.exports, &app.wake);
     match (item, picture) {
         (Item::Png, Some(picture)) => exports.begin(path, wake, move |to| exports::write_png(to, &picture)),
         (Item::Exr, Some(picture)) => exports.begin(path, wake, move |to| exports::write_exr(to, &picture, &snapshot)),

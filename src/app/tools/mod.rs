@@ -16,7 +16,35 @@ pub(in crate::app) use clusters::Clusters;
 pub(in crate::app) use inspector::Inspector;
 pub(in crate::app) use matrix::LinkMatrix;
 
+use crate::app::state::comparison::Comparison;
+use crate::app::state::inspection::Inspection;
+use crate::app::state::measuring::Measuring;
+use crate::app::state::pinned::Pinned;
+use crate::app::state::playback::Playback;
 use crate::app::{App, Outbox, layout, words};
+
+/// What each tool remembers.
+#[derive(Default)]
+pub(in crate::app) struct Tools {
+    /// The tool that the dock shows.
+    pub open: Option<Tool>,
+    /// Links of the selected element.
+    pub inspection: Inspection,
+    /// How the inspector shows them.
+    pub inspector: Inspector,
+    /// The link matrix.
+    pub matrix: LinkMatrix,
+    /// The tree of clusters.
+    pub clusters: Clusters,
+    /// Probes and work plane.
+    pub measuring: Measuring,
+    /// The comparison with a reference.
+    pub comparison: Comparison,
+    /// The solution that is kept as A.
+    pub pinned: Pinned,
+    /// The step of the timeline in view.
+    pub playback: Playback,
+}
 
 /// A tool of the dock.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -37,7 +65,7 @@ pub(in crate::app) enum Tool {
 
 impl Tool {
     /// Whether the tool looks at elements and links, which snapshots carry only when they are asked to.
-    pub(in crate::app) fn reads_anatomy(self) -> bool {
+    pub(in crate::app) fn reads_solution_view(self) -> bool {
         matches!(self, Self::Inspector | Self::Matrix | Self::Clusters | Self::Export)
     }
 
@@ -75,13 +103,13 @@ pub(in crate::app) fn show_bar(app: &mut App, ui: &mut Ui) {
     let has_room = ui.max_rect().width() >= ROOM_FOR_TOOLS;
     ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
         let keys = ui
-            .selectable_label(app.are_keys_shown, " ? ")
+            .selectable_label(app.layout.are_keys_shown, " ? ")
             .on_hover_text(words::MOUSE_AND_KEYS)
             .accessible_name(words::KEYS);
         if keys.clicked() {
-            app.are_keys_shown = !app.are_keys_shown;
+            app.layout.are_keys_shown = !app.layout.are_keys_shown;
         }
-        let full = ui.selectable_label(app.is_full_picture, words::FULL_SCREEN);
+        let full = ui.selectable_label(app.layout.is_full_picture, words::FULL_SCREEN);
         if full.on_hover_text("The picture alone; F11 or Esc brings the panels back").clicked() {
             app.set_full_screen(ui.ctx(), true);
         }
@@ -104,7 +132,7 @@ pub(in crate::app) fn show_bar(app: &mut App, ui: &mut Ui) {
 
 /// The switch of a tool; whether it was clicked.
 fn show_switch(app: &mut App, ui: &mut Ui, tool: Tool, name: &str, hint: &str) -> bool {
-    let is_clicked = ui.selectable_label(app.tool == Some(tool), name).on_hover_text(hint).clicked();
+    let is_clicked = ui.selectable_label(app.tools.open == Some(tool), name).on_hover_text(hint).clicked();
     if is_clicked {
         app.toggle_tool(tool);
     }
@@ -113,16 +141,17 @@ fn show_switch(app: &mut App, ui: &mut Ui, tool: Tool, name: &str, hint: &str) -
 
 /// The open tool, if one is.
 pub(in crate::app) fn show(app: &mut App, ui: &mut Ui, outbox: &mut Outbox) {
-    let Some(open) = app.tool else { return };
+    let Some(open) = app.tools.open else { return };
     let Some((_, name, hint)) = TOOLS.iter().find(|(tool, ..)| *tool == open) else { return };
-    let most = (layout::Sides::of(app, ui.ctx()).all - app.settings_width).max(*WIDTHS.start()).min(*WIDTHS.end());
+    let most =
+        (layout::Sides::of(app, ui.ctx()).all - app.layout.settings_width).max(*WIDTHS.start()).min(*WIDTHS.end());
     let widths = *WIDTHS.start()..=most;
     egui::Panel::right(*name).default_size(open.first_width().min(most)).size_range(widths).show(ui, |ui| {
         ui.horizontal(|ui| {
             ui.label(RichText::new(*name).strong().size(14.0)).on_hover_text(*hint);
             ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
                 if ui.button(words::CLOSE_TOOL).clicked() {
-                    app.tool = None;
+                    app.tools.open = None;
                 }
             });
         });
@@ -134,7 +163,9 @@ pub(in crate::app) fn show(app: &mut App, ui: &mut Ui, outbox: &mut Outbox) {
             Tool::Clusters => clusters::show(app, ui, outbox),
             Tool::Measure | Tool::Compare | Tool::Export => {
                 ScrollArea::vertical().auto_shrink([false, false]).show(ui, |ui| match open {
-                    Tool::Measure => measure::show(ui, &app.shown, &mut app.measuring, &mut app.messages, &app.wake),
+                    Tool::Measure => {
+                        measure::show(ui, &app.shown, &mut app.tools.measuring, &mut app.messages, &app.wake)
+                    }
                     Tool::Compare => compare::show(app, ui),
                     Tool::Export => export::show(app, ui),
                     Tool::Inspector | Tool::Matrix | Tool::Clusters => {}

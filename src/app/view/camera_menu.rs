@@ -33,34 +33,34 @@ impl Whole {
 pub(in crate::app) fn show(app: &mut App, ui: &mut Ui) {
     ui.menu_button(words::CAMERA, |ui| {
         if ui.button(words::RESET_CAMERA).on_hover_text("Home").clicked() {
-            app.view.reset();
+            app.view.viewport.reset();
             ui.close();
         }
         for (whole, name) in [(Whole::Top, words::TOP), (Whole::Front, words::FRONT), (Whole::Side, words::SIDE)] {
             if ui.button(name).on_hover_text("All of the scene from there; nearer walls are looked through").clicked() {
-                app.view.show_whole(whole);
+                app.view.viewport.show_whole(whole);
                 ui.close();
             }
         }
         ui.separator();
-        if let Some(mut degrees) = app.view.field_of_view() {
+        if let Some(mut degrees) = app.view.viewport.field_of_view() {
             let slider = Slider::new(&mut degrees, FIELDS_OF_VIEW).suffix("°").fixed_decimals(0);
             let label = ui.label(words::FIELD_OF_VIEW);
             if ui.add(slider).labelled_by(label.id).on_hover_text("Horizontal field of view").changed() {
-                app.view.set_field_of_view(degrees);
+                app.view.viewport.set_field_of_view(degrees);
             }
         }
         let hint = "W A S D walk at eye height and not through walls, instead of flying";
-        ui.checkbox(&mut app.view.walks, words::WALK).on_hover_text(hint);
+        ui.checkbox(&mut app.view.viewport.walks, words::WALK).on_hover_text(hint);
         ui.separator();
         if ui.button(words::ADD_BOOKMARK).on_hover_text("Keep this view of the scene").clicked() {
-            app.view.add_bookmark();
+            app.view.viewport.add_bookmark();
         }
         let mut removed = None;
-        for (index, pose) in app.view.bookmarks().to_vec().iter().enumerate() {
+        for (index, pose) in app.view.viewport.bookmarks().to_vec().iter().enumerate() {
             ui.horizontal(|ui| {
                 if ui.button(format!("{} {}", words::BOOKMARK, index + 1)).clicked() {
-                    app.view.go_to(pose);
+                    app.view.viewport.go_to(pose);
                     ui.close();
                 }
                 let remove = ui.small_button("×").on_hover_text("Remove this bookmark");
@@ -70,7 +70,7 @@ pub(in crate::app) fn show(app: &mut App, ui: &mut Ui) {
             });
         }
         if let Some(index) = removed {
-            app.view.remove_bookmark(index);
+            app.view.viewport.remove_bookmark(index);
         }
     });
 }

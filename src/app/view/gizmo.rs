@@ -41,19 +41,19 @@ fn nearest_along(point: Vec3, axis: Vec3, ray: &Ray) -> Option<f32> {
 
 /// Draws the handles and follows them.
 pub(in crate::app) fn show(app: &mut App, ui: &Ui, rect: Rect) {
-    let Some(form) = app.light.selected_mut().map(|luminaire| luminaire.form) else { return };
-    if app.is_full_picture || app.cluster_view.is_exploded() {
+    let Some(form) = app.edits.light.selected_mut().map(|luminaire| luminaire.form) else { return };
+    if app.layout.is_full_picture || app.view.clusters.is_exploded() {
         return;
     }
     let painter = ui.painter_at(rect);
     show_outline(app, &painter, &form.outline());
-    let Some(middle) = app.view.project(form.centre) else { return };
+    let Some(middle) = app.view.viewport.project(form.centre) else { return };
     for (axis, letter, name, colour) in AXES {
         let step = STEP * form.size;
-        let Some(beside) = app.view.project(form.centre + step * axis) else { continue };
+        let Some(beside) = app.view.viewport.project(form.centre + step * axis) else { continue };
         let per_length = (beside - middle) / step;
         // As long for every axis as the longest could be: those that point at the eye are short.
-        let Some(length) = app.view.length_of(form.centre, ARROW) else { continue };
+        let Some(length) = app.view.viewport.length_of(form.centre, ARROW) else { continue };
         let arrow = length * per_length;
         if arrow.length() < SHORTEST {
             continue;
@@ -64,7 +64,7 @@ pub(in crate::app) fn show(app: &mut App, ui: &Ui, rect: Rect) {
         let is_held = grip.dragged() || grip.hovered();
         draw_arrow(&painter, middle, tip, letter, if is_held { Color32::WHITE } else { colour });
         let id = grip.id;
-        if let Some(ray) = grip.interact_pointer_pos().and_then(|at| app.view.ray_at(at)) {
+        if let Some(ray) = grip.interact_pointer_pos().and_then(|at| app.view.viewport.ray_at(at)) {
             if grip.drag_started()
                 && let Some(at) = nearest_along(form.centre, axis, &ray)
             {
@@ -73,7 +73,7 @@ pub(in crate::app) fn show(app: &mut App, ui: &Ui, rect: Rect) {
             let hold: Option<Hold> = ui.data(|data| data.get_temp(id));
             if let Some(hold) = hold.filter(|_| grip.dragged())
                 && let Some(now) = nearest_along(hold.centre, axis, &ray)
-                && let Some(luminaire) = app.light.selected_mut()
+                && let Some(luminaire) = app.edits.light.selected_mut()
             {
                 luminaire.form.centre = hold.centre + (now - hold.at) * axis;
             }
@@ -97,7 +97,7 @@ fn take_hold(ui: &Ui, name: &str, middle: Pos2, tip: Pos2) -> egui::Response {
 }
 
 fn show_outline(app: &App, painter: &Painter, outline: &[Vec3]) {
-    let corners: Vec<Option<Pos2>> = outline.iter().map(|corner| app.view.project(*corner)).collect();
+    let corners: Vec<Option<Pos2>> = outline.iter().map(|corner| app.view.viewport.project(*corner)).collect();
     for (index, corner) in corners.iter().enumerate() {
         if let (Some(from), Some(to)) = (corner, corners[(index + 1) % corners.len()]) {
             painter.line_segment([*from, to], Stroke::new(3.0, Color32::from_black_alpha(160)));

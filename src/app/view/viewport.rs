@@ -304,121 +304,131 @@ impl Viewport {
 pub(in crate::app) fn show(app: &mut App, ui: &mut Ui, outbox: &mut Outbox) -> Option<Clicked> {
     let (rect, response) = ui.allocate_exact_size(ui.available_size(), Sense::click_and_drag());
     response.widget_info(|| egui::WidgetInfo::labeled(egui::accesskit::Role::Canvas, true, VIEW_NAME));
-    (app.view.rect, app.view.id) = (rect, Some(response.id));
+    (app.view.viewport.rect, app.view.viewport.id) = (rect, Some(response.id));
     panels::hint::show_way_back(app, ui, rect);
     ui.painter().rect_filled(rect, 0.0, theme::WELL);
     let Some(latest) = app.shown.snapshot.clone() else {
         panels::empty::show(app, ui, rect, outbox);
         return None;
     };
-    let snapshot = app.best.follow(&latest, app.shown.info.as_ref());
-    if app.view.camera.is_none() {
-        app.view.camera = Some(app.view.first_camera());
+    let snapshot = app.view.best.follow(&latest, app.shown.info.as_ref());
+    if app.view.viewport.camera.is_none() {
+        app.view.viewport.camera = Some(app.view.viewport.first_camera());
     }
     if response.clicked() || response.drag_started() {
         response.request_focus();
     }
-    if app.measuring.draws_area {
+    if app.tools.measuring.draws_area {
         draw_area(app, &response);
     } else {
-        app.view.steer(ui, &response);
+        app.view.viewport.steer(ui, &response);
     }
-    app.view.fly(ui, &response, app.shown.info.as_deref());
-    let clicked = app.view.clicked(&response);
+    app.view.viewport.fly(ui, &response, app.shown.info.as_deref());
+    let clicked = app.view.viewport.clicked(&response);
     // While the view turns nothing can be read, nor off surfaces that lie elsewhere than in the scene.
-    let can_read = !response.dragged() && !app.cluster_view.is_exploded();
-    let pointer = response.hover_pos().filter(|_| can_read).and_then(|at| app.view.ray_at(at));
-    app.measuring.point_at(pointer, &app.wake);
-    if app.tool.is_some_and(Tool::marks_what_is_pointed_at)
-        && let Some(reading) = app.measuring.under_pointer()
+    let can_read = !response.dragged() && !app.view.clusters.is_exploded();
+    let pointer = response.hover_pos().filter(|_| can_read).and_then(|at| app.view.viewport.ray_at(at));
+    app.tools.measuring.point_at(pointer, &app.wake);
+    if app.tools.open.is_some_and(Tool::marks_what_is_pointed_at)
+        && let Some(reading) = app.tools.measuring.under_pointer()
     {
-        app.pointing.at(Highlight::Element(reading.leaf.element));
+        app.view.pointing.at(Highlight::Element(reading.leaf.element));
     }
 
-    if let Some(camera) = app.view.camera {
+    if let Some(camera) = app.view.viewport.camera {
         let scale = ui.ctx().pixels_per_point();
         let deepest = snapshot.clusters.iter().map(|cluster| cluster.level).max().unwrap_or(0);
         let is_dark = app.shown.info.as_ref().is_some_and(|info| !info.has_light);
         let picked = app.picked.as_ref().map(|picked| picked.element);
-        let (beside, chosen) = (app.pinned.beside(), app.display.display());
+        let (beside, chosen) = (app.tools.pinned.beside(), app.edits.display.display());
         // Colours that stand for errors would be none of the solution beside.
-        let errors = if beside.is_none() { app.comparison.painted() } else { None };
-        let other = app.pinned.painted().or(errors);
+        let errors = if beside.is_none() { app.tools.comparison.painted() } else { None };
+        let other = app.tools.pinned.painted().or(errors);
         let has_errors = other.is_some();
-        let other = other.or_else(|| app.pinned.alone());
+        let other = other.or_else(|| app.tools.pinned.alone());
         // Clusters are shown of the present solution, where nothing else is asked for.
-        let level = (beside.is_none() && other.is_none()).then(|| app.display.cluster_level.min(deepest));
-        let by_clusters = app.cluster_view.painted(&snapshot, level);
+        let level = (beside.is_none() && other.is_none()).then(|| app.edits.display.cluster_level.min(deepest));
+        let by_clusters = app.view.clusters.painted(&snapshot, level);
         let marks = match &snapshot.solution_view {
-            Some(solution_view) if app.cluster_view.is_exploded() => {
-                app.cluster_view.marks(solution_view, picked, app.pointing.now())
+            Some(solution_view) if app.view.clusters.is_exploded() => {
+                app.view.clusters.marks(solution_view, picked, app.view.pointing.now())
             }
             _ => {
-                let links = &app.display.links;
-                app.clusters.with_group(app.marks.over(&snapshot, picked, &app.inspection, links, app.pointing.now()))
+                let links = &app.edits.display.links;
+                app.tools.clusters.with_group(app.view.marks.over(
+                    &snapshot,
+                    picked,
+                    &app.tools.inspection,
+                    links,
+                    app.view.pointing.now(),
+                ))
             }
         };
-        let reading = app.reading.follow(&snapshot, &app.display.reading);
+        let reading = app.view.reading.follow(&snapshot, &app.edits.display.reading);
         if let Some(info) = &app.shown.info {
             // A lamp that is dimmed is to be seen dimmer.
             let is_held = ui.ctx().egui_is_using_pointer() && !response.dragged();
-            let aspect = app.view.aspect();
-            app.exposure = app.metering.follow(&snapshot, info, &camera, aspect, is_held);
-            if app.metering.is_behind() {
+            let aspect = app.view.viewport.aspect();
+            app.view.exposure = app.view.metering.follow(&snapshot, info, &camera, aspect, is_held);
+            if app.view.metering.is_behind() {
                 ui.ctx().request_repaint_after(crate::app::REPAINT_INTERVAL_ON_CPU);
             }
         }
-        let metered = app.pinned.exposure(app.exposure);
+        let metered = app.tools.pinned.exposure(app.view.exposure);
         let display = Display {
             exposure: Exposure::Manual { stops: chosen.exposure.factor(metered).log2() },
-            as_colours: has_errors || (by_clusters.is_some() && app.cluster_view.coloured),
+            as_colours: has_errors || (by_clusters.is_some() && app.view.clusters.coloured),
             reading,
         };
         let size = picture_size(rect.size() * scale);
         // What stands beside, or for something else than light, is the mesh's.
         let is_plain = beside.is_none() && other.is_none() && by_clusters.is_none();
-        let can_gather = app.display.is_gathered && is_plain && snapshot.field.is_some();
-        app.painted = match can_gather {
-            true => app.gathering.follow(&snapshot, &camera, &display, size, ui.ctx()),
+        let can_gather = app.edits.display.is_gathered && is_plain && snapshot.field.is_some();
+        app.view.painted = match can_gather {
+            true => app.view.gathering.follow(&snapshot, &camera, &display, size, ui.ctx()),
             false => {
-                app.gathering.rest();
+                app.view.gathering.rest();
                 None
             }
         };
         let picture = Picture {
             camera,
             display,
-            gathered: app.painted.as_ref().map(|painted| (painted.serial, painted.pixels.clone())),
+            gathered: app.view.painted.as_ref().map(|painted| (painted.serial, painted.pixels.clone())),
             noise: can_gather.then(|| snapshot.stats.error_asked.unwrap_or(USUAL_ERROR) as f32),
             snapshot: other.or(by_clusters).unwrap_or(snapshot),
             beside,
-            overlay: app.display.overlay(deepest, is_dark, if app.is_full_picture { Marks::default() } else { marks }),
+            overlay: app.edits.display.overlay(
+                deepest,
+                is_dark,
+                if app.layout.is_full_picture { Marks::default() } else { marks },
+            ),
             size,
         };
-        app.view.picture = Some(picture.clone());
+        app.view.viewport.picture = Some(picture.clone());
         picture.add_to(&ui.painter_at(rect), rect);
-        if let Some(painted) = &app.painted {
-            line_labels::show(ui, rect, &painted.pixels, app.display.reading.unit);
+        if let Some(painted) = &app.view.painted {
+            line_labels::show(ui, rect, &painted.pixels, app.edits.display.reading.unit);
         }
         if let Some(info) = &app.shown.info {
             let painter = ui.painter_at(rect);
-            measure_marks::show(&painter, rect, &camera, &app.measuring, reading.as_ref(), &info.occluders);
-            if app.tool == Some(Tool::Measure)
-                && let Some(outline) = app.measuring.area_outline(&info.scene)
+            measure_marks::show(&painter, rect, &camera, &app.tools.measuring, reading.as_ref(), &info.occluders);
+            if app.tools.open == Some(Tool::Measure)
+                && let Some(outline) = app.tools.measuring.area_outline(&info.scene)
             {
-                let corners = outline.map(|corner| app.view.project(corner));
+                let corners = outline.map(|corner| app.view.viewport.project(corner));
                 measure_marks::show_area(&painter, corners);
             }
-            if !app.is_full_picture && looks_through_walls(&camera, &info.occluders) {
+            if !app.layout.is_full_picture && looks_through_walls(&camera, &info.occluders) {
                 let at = rect.center_bottom() - egui::vec2(0.0, 12.0);
                 panels::readout::show_note(ui, at, words::THROUGH_WALLS);
             }
         }
     }
-    divider::show(ui, rect, &mut app.pinned);
+    divider::show(ui, rect, &mut app.tools.pinned);
     gizmo::show(app, ui, rect);
     panels::empty::show_loading(app, ui, rect, outbox);
-    if !app.is_full_picture {
+    if !app.layout.is_full_picture {
         show_legend(app, ui, rect);
         panels::links::show_legend(app, ui, rect);
         panels::readout::show(app, ui, rect);
@@ -434,18 +444,18 @@ pub(in crate::app) fn show(app: &mut App, ui: &mut Ui, outbox: &mut Outbox) -> O
 fn draw_area(app: &mut App, response: &Response) {
     let Some(info) = app.shown.info.clone() else { return };
     let ctx = &response.ctx;
-    let from = ctx.input(|input| input.pointer.press_origin()).or(app.measuring.pressed);
-    app.measuring.pressed = from;
+    let from = ctx.input(|input| input.pointer.press_origin()).or(app.tools.measuring.pressed);
+    app.tools.measuring.pressed = from;
     let ends = from.zip(response.interact_pointer_pos());
-    let rays = ends.and_then(|(from, to)| app.view.ray_at(from).zip(app.view.ray_at(to)));
+    let rays = ends.and_then(|(from, to)| app.view.viewport.ray_at(from).zip(app.view.viewport.ray_at(to)));
     if let Some((from, to)) = rays.filter(|_| response.dragged() || response.drag_stopped()) {
-        app.measuring.draw_area(&info.scene, [from, to], response.drag_stopped());
+        app.tools.measuring.draw_area(&info.scene, [from, to], response.drag_stopped());
     }
     if response.drag_stopped()
-        && app.measuring.plane.area.is_some()
+        && app.tools.measuring.plane.area.is_some()
         && let Some(snapshot) = app.shown.snapshot.clone()
     {
-        app.measuring.measure_plane(&info.scene, &snapshot, &app.wake);
+        app.tools.measuring.measure_plane(&info.scene, &snapshot, &app.wake);
     }
     ctx.set_cursor_icon(egui::CursorIcon::Crosshair);
 }
@@ -463,19 +473,19 @@ fn looks_through_walls(camera: &Camera, occluders: &Occluders) -> bool {
 
 /// What the colours of the surfaces mean, where they stand for something.
 fn show_legend(app: &App, ui: &mut Ui, rect: Rect) {
-    if app.pinned.painted().is_some() {
+    if app.tools.pinned.painted().is_some() {
         panels::legend::show_difference(ui, rect);
-    } else if app.comparison.error().is_some() && app.comparison.shading != Shading::Lit {
-        panels::legend::show_error(ui, rect, app.comparison.shading);
-    } else if let Some(reading) = app.reading.last() {
-        let settings = &app.display.reading;
+    } else if app.tools.comparison.error().is_some() && app.tools.comparison.shading != Shading::Lit {
+        panels::legend::show_error(ui, rect, app.tools.comparison.shading);
+    } else if let Some(reading) = app.view.reading.last() {
+        let settings = &app.edits.display.reading;
         let remark = match (reading.fills, settings.range) {
             (false, _) => "lines",
             (true, Some(_)) => "locked range",
             (true, None) => "",
         };
         panels::legend::show_reading(ui, rect, &reading, settings.unit, remark);
-    } else if let Some(reading) = app.measuring.plane_scale(None).filter(|_| app.measuring.shows_points) {
-        panels::legend::show_reading(ui, rect, &reading, app.display.reading.unit, "work plane");
+    } else if let Some(reading) = app.tools.measuring.plane_scale(None).filter(|_| app.tools.measuring.shows_points) {
+        panels::legend::show_reading(ui, rect, &reading, app.edits.display.reading.unit, "work plane");
     }
 }

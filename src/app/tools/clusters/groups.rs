@@ -19,9 +19,9 @@ struct Dragged(Vec<GroupId>);
 /// Draws the editor.
 pub(in crate::app) fn show(app: &mut App, ui: &mut Ui, outbox: &mut Outbox) {
     let Some(info) = app.shown.info.clone() else { return };
-    app.clusters.editor.follow(&info.scene);
+    app.tools.clusters.editor.follow(&info.scene);
     show_use(app, ui, outbox);
-    let editor = &mut app.clusters.editor;
+    let editor = &mut app.tools.clusters.editor;
     let Some(tree) = editor.tree() else { return };
     let mut command = show_buttons(editor, &tree, ui);
     // A button may have changed it.
@@ -52,16 +52,16 @@ pub(in crate::app) fn show(app: &mut App, ui: &mut Ui, outbox: &mut Outbox) {
 /// Whether the solver clusters by these groups, and a way to have it do so.
 fn show_use(app: &mut App, ui: &mut Ui, outbox: &mut Outbox) {
     ui.horizontal_wrapped(|ui| {
-        if app.params.clustering == ClusteringMode::Groups {
+        if app.edits.params.clustering == ClusteringMode::Groups {
             ui.label(theme::weak("The solver takes these groups as its clusters."));
             return;
         }
         let button = ui.button("Cluster by groups");
         if button.on_hover_text("Sets clustering to groups: these groups become the clusters of the solver").clicked() {
-            app.params.clustering = ClusteringMode::Groups;
-            outbox.push(Command::SetParams(app.params));
+            app.edits.params.clustering = ClusteringMode::Groups;
+            outbox.push(Command::SetParams(app.edits.params));
         }
-        let mode = format!("{:?}", app.params.clustering).to_lowercase();
+        let mode = format!("{:?}", app.edits.params.clustering).to_lowercase();
         ui.label(theme::weak(format!("Clustering is {mode} at present.")));
     });
 }
@@ -231,7 +231,7 @@ fn show_dragged(dragged: &Dragged, tree: &GroupTree, ui: &Ui) {
 fn show_foot(app: &mut App, ui: &mut Ui, outbox: &mut Outbox) {
     let path = app.shown.info.as_ref().and_then(|info| info.path.as_deref()).map(Sidecar::path_for);
     let kept = app.kept();
-    let editor = &mut app.clusters.editor;
+    let editor = &mut app.tools.clusters.editor;
     ui.horizontal_wrapped(|ui| {
         let as_in_file = ui.add_enabled(editor.is_arranged(), egui::Button::new(words::REVERT_TO_FILE));
         if as_in_file.on_hover_text("Arranges all groups as the scene's file has them; can be undone").clicked() {
@@ -243,7 +243,7 @@ fn show_foot(app: &mut App, ui: &mut Ui, outbox: &mut Outbox) {
             .on_disabled_hover_text("A sample scene has no file: write it to one with selflink scene");
         if let Some(path) = path.filter(|_| save.clicked()) {
             if path.exists() {
-                app.files.sidecar_in_question = Some(path);
+                app.documents.files.sidecar_in_question = Some(path);
                 app.messages
                     .note("The section Scene at the left asks whether the settings file is overwritten.".into());
             } else {

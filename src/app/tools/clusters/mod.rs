@@ -67,13 +67,13 @@ pub(in crate::app) fn show(app: &mut App, ui: &mut Ui, outbox: &mut Outbox) {
     show_view(app, ui);
     ui.separator();
     ui.horizontal(|ui| {
-        let page = &mut app.clusters.page;
+        let page = &mut app.tools.clusters.page;
         ui.selectable_value(page, Page::Tree, "Tree of clusters")
             .on_hover_text("The clusters that the solver links, from the whole scene down to polygons");
         ui.selectable_value(page, Page::Groups, words::MANUAL_GROUPS)
             .on_hover_text("Arrange the scene's objects in groups, which clustering by groups takes as its clusters");
     });
-    match app.clusters.page {
+    match app.tools.clusters.page {
         Page::Tree => tree::show(app, ui),
         Page::Groups => groups::show(app, ui, outbox),
     }
@@ -86,7 +86,7 @@ fn show_view(app: &mut App, ui: &mut Ui) {
         return;
     };
     let deepest = snapshot.clusters.iter().map(|cluster| cluster.level).max().unwrap_or(0);
-    let (view, display) = (&mut app.cluster_view, &mut app.display);
+    let (view, display) = (&mut app.view.clusters, &mut app.edits.display);
     ui.horizontal(|ui| {
         ui.checkbox(&mut view.coloured, "Colour by cluster")
             .on_hover_text("Each surface shows the colour of its cluster instead of its light; grey hangs at the root");

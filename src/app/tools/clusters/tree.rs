@@ -112,7 +112,7 @@ fn within<'a>(full_name: &'a str, holder: &str) -> &'a str {
 pub(in crate::app) fn show(app: &mut App, ui: &mut Ui) {
     let (Some(snapshot), Some(info)) = (app.shown.snapshot.clone(), app.shown.info.clone()) else { return };
     let picked = app.picked.as_ref().map(|picked| picked.element);
-    let tree = &mut app.clusters.tree;
+    let tree = &mut app.tools.clusters.tree;
     tree.follow(&info.scene, &snapshot, picked);
     let Some(solution_view) = &snapshot.solution_view else {
         ui.label(theme::weak("Asking for the clusters…"));
@@ -182,7 +182,7 @@ pub(in crate::app) fn show(app: &mut App, ui: &mut Ui) {
                 colour: tree.colour(id),
                 values: &values,
                 is_selected: tree.followed == Some(id),
-                is_marked: app.pointing.shown() == Highlight::Element(id),
+                is_marked: app.view.pointing.shown() == Highlight::Element(id),
                 sense: Sense::click(),
             };
             let done = show_row(ui, &look, &WIDTHS);
@@ -193,7 +193,7 @@ pub(in crate::app) fn show(app: &mut App, ui: &mut Ui) {
                 chosen = Some(id);
             }
             if done.response.hovered() || done.response.has_focus() {
-                app.pointing.at(Highlight::Element(id));
+                app.view.pointing.at(Highlight::Element(id));
             }
             done.response.on_hover_text(full_name);
         }

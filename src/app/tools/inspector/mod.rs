@@ -67,25 +67,25 @@ pub(in crate::app) fn show(app: &mut App, ui: &mut Ui) {
         return;
     };
     let subject = Subject { solution_view, scene: &info.scene, element };
-    let mut inspector = std::mem::take(&mut app.inspector);
-    let mut walk = show_head(ui, &subject, &mut app.inspection, &inspector.visited);
-    walk = breadcrumb::show(ui, &subject, &app.inspection, &mut app.pointing).or(walk);
-    if let Some(facts) = &app.inspection.facts {
+    let mut inspector = std::mem::take(&mut app.tools.inspector);
+    let mut walk = show_head(ui, &subject, &mut app.tools.inspection, &inspector.visited);
+    walk = breadcrumb::show(ui, &subject, &app.tools.inspection, &mut app.view.pointing).or(walk);
+    if let Some(facts) = &app.tools.inspection.facts {
         numbers::show(ui, &subject, facts);
     }
     ui.separator();
     // The links at hand are those of the direction until now; another one is looked at in the next frame.
     let direction = inspector.direction;
     show_direction(ui, &mut inspector.direction);
-    let pointing = &mut app.pointing;
-    walk = bars::show(ui, &subject, &mut app.inspection, direction, &mut inspector.bars, pointing).or(walk);
+    let pointing = &mut app.view.pointing;
+    walk = bars::show(ui, &subject, &mut app.tools.inspection, direction, &mut inspector.bars, pointing).or(walk);
     ui.separator();
-    walk = table::show(ui, &subject, &mut app.inspection, direction, &mut inspector.order, pointing).or(walk);
-    app.inspector = inspector;
+    walk = table::show(ui, &subject, &mut app.tools.inspection, direction, &mut inspector.order, pointing).or(walk);
+    app.tools.inspector = inspector;
     match walk {
         Some(Walk::To(id)) => go_to(app, element, id),
         Some(Walk::Back) => {
-            if let Some(last) = app.inspector.visited.pop() {
+            if let Some(last) = app.tools.inspector.visited.pop() {
                 app.pick_element(last);
             }
         }
@@ -100,8 +100,8 @@ fn go_to(app: &mut App, from: ElementId, to: ElementId) {
     }
     app.pick_element(to);
     if let Some(picked) = app.picked.as_ref().filter(|picked| picked.element == to) {
-        app.inspector.visited.push(from);
-        app.view.turn_towards_unseen(picked.point);
+        app.tools.inspector.visited.push(from);
+        app.view.viewport.turn_towards_unseen(picked.point);
     }
 }
 

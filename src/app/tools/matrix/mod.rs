@@ -105,7 +105,7 @@ pub(in crate::app) fn show(app: &mut App, ui: &mut Ui) {
         ui.label(theme::weak("Open a scene to see its links."));
         return;
     };
-    let mut matrix = std::mem::take(&mut app.matrix);
+    let mut matrix = std::mem::take(&mut app.tools.matrix);
     matrix.show_switches(ui);
     match &snapshot.solution_view {
         Some(solution_view) => matrix.show(app, ui, &snapshot, solution_view, &info.scene),
@@ -113,7 +113,7 @@ pub(in crate::app) fn show(app: &mut App, ui: &mut Ui) {
             ui.label(theme::weak("Asking for the links…"));
         }
     }
-    app.matrix = matrix;
+    app.tools.matrix = matrix;
 }
 
 impl LinkMatrix {

@@ -81,7 +81,7 @@ pub(in crate::app) fn show(matrix: &mut LinkMatrix, app: &mut App, ui: &mut Ui, 
     edges::paint(&ui.painter_at(outer), matrix, looked, map, (&marked_rows, &marked_columns));
     if let Some(pair) = hovered {
         let (receiver, source) = ends(&pair);
-        app.pointing.at(Highlight::Link { receiver, source });
+        app.view.pointing.at(Highlight::Link { receiver, source });
         if response.clicked() {
             let picks_source = ui.input(|input| input.modifiers.shift);
             app.pick_element(if picks_source { source } else { receiver });
@@ -120,7 +120,7 @@ fn marks(app: &App, looked: Looked<'_>, hovered: Option<&Pair>) -> (Vec<Mark>, V
         rows.push((picked.element, Color32::WHITE));
         columns.push((picked.element, Color32::WHITE));
     }
-    let pointed = match (hovered, app.pointing.shown()) {
+    let pointed = match (hovered, app.view.pointing.shown()) {
         (Some(pair), _) => Some(ends(pair)),
         (None, Highlight::Link { receiver, source }) => Some((receiver, source)),
         (None, Highlight::Element(id)) => Some((id, id)),
