@@ -13,10 +13,10 @@ use obvhs::cwbvh::{CwBvh, builder::build_cwbvh_from_tris};
 use obvhs::ray::Ray;
 use obvhs::triangle::Triangle;
 use rayon::{ThreadPool, ThreadPoolBuilder};
-use selflink::cancel::CancelToken;
+use selflink::base::cancel::CancelToken;
+use selflink::base::random::mix;
 use selflink::geometry::Occluders;
-use selflink::random::mix;
-use selflink::reference::random_points_on;
+use selflink::measure::reference::random_points_on;
 use selflink::scene::{Scene, builtin::BuiltinScene};
 use selflink::solve::{Epsilon, Solver, SolverParams};
 

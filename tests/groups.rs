@@ -5,7 +5,7 @@
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use selflink::cancel::CancelToken;
+use selflink::base::cancel::CancelToken;
 use selflink::geometry::Occluders;
 use selflink::geometry::Reachability;
 use selflink::hierarchy::{ClusteringMode, Hierarchy, Shape};

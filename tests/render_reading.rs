@@ -7,8 +7,8 @@ use std::sync::Arc;
 
 use glam::Vec3;
 use image::RgbaImage;
+use selflink::base::photometry::{Quantity, Unit};
 use selflink::hierarchy::ElementId;
-use selflink::photometry::{Quantity, Unit};
 use selflink::render::{
     Camera, ColourScale, Display, Exposure, Isolines, Offscreen, Overlay, Ramp, Reading, RenderError, Spacing,
 };

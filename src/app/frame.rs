@@ -66,8 +66,9 @@ impl eframe::App for App {
             settings::LinksOf::Picked => self.picked.is_some(),
             settings::LinksOf::Nothing => self.layout.is_card_open && self.picked.is_some(),
         };
-        let wants_solution_view =
-            links_wanted || self.view.clusters.is_active() || self.tools.open.is_some_and(tools::Tool::reads_solution_view);
+        let wants_solution_view = links_wanted
+            || self.view.clusters.is_active()
+            || self.tools.open.is_some_and(tools::Tool::reads_solution_view);
         outbox.extend(self.tools.playback.command(wants_solution_view));
         self.view.pointing.end_frame(ui.ctx());
         outbox.extend(self.edits.light.luminaires_command(undo::is_busy(ui.ctx())));

@@ -7,8 +7,8 @@ use std::rc::Rc;
 
 use crate::app::App;
 use crate::app::state::device::{DeviceLossState, Legacy};
+use crate::base::threads::lock;
 use crate::export::settings::Settings;
-use crate::threads::lock;
 
 /// Size of the window when it is opened for the first time, points.
 const FIRST_SIZE: [f32; 2] = [1280.0, 800.0];

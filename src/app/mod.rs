@@ -26,9 +26,9 @@ use eframe::CreationContext;
 
 pub use launch::{AppError, run};
 
-use crate::added_light::AddedLight;
-use crate::format;
+use crate::base::format;
 use crate::hierarchy::ElementId;
+use crate::prepare::added_light::AddedLight;
 use crate::scene::{CameraPose, Reading, Source};
 use crate::solve::{Snapshot, SolverParams};
 use crate::worker::{Command, SceneInfo, SolverThread, Status};

@@ -5,8 +5,8 @@ use std::fmt::Write as _;
 use std::io::Write as _;
 
 use clap::{ArgMatches, Command};
-use selflink::accuracy::cases::{self, Case, Reading};
-use selflink::accuracy::{Measured, by_reference, by_solver};
+use selflink::measure::accuracy::cases::{self, Case, Reading};
+use selflink::measure::accuracy::{Measured, by_reference, by_solver};
 use selflink::solve::{ClusteringMode, Epsilon, SolverParams};
 
 use super::options::{name_of, path, path_arg};

@@ -8,8 +8,8 @@ use std::time::Duration;
 
 use anyhow::bail;
 use clap::{Arg, ArgMatches, Command};
-use selflink::cancel::CancelToken;
-use selflink::chart::{
+use selflink::base::cancel::CancelToken;
+use selflink::measure::chart::{
     Against, Chart, Drawing, Shown, Sweep, csv, draw_png, draw_svg, error_table, target_table, usual_epsilons,
     usual_settings,
 };

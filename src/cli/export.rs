@@ -2,8 +2,8 @@
 
 use clap::builder::PossibleValuesParser;
 use clap::{Arg, ArgMatches, Command};
+use selflink::base::format::things;
 use selflink::export::peers::Peer;
-use selflink::format::things;
 use selflink::solve::ParameterId;
 
 use super::job::Order;

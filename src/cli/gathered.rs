@@ -3,8 +3,8 @@
 use std::time::{Duration, Instant};
 
 use anyhow::anyhow;
-use selflink::cancel::CancelToken;
-use selflink::picture::{GatheredPicture, Start};
+use selflink::base::cancel::CancelToken;
+use selflink::read::picture::{GatheredPicture, Start};
 use selflink::render::Camera;
 use selflink::solve::USUAL_ERROR;
 

@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 use anyhow::{anyhow, bail};
 use clap::ArgMatches;
 use rayon::{ThreadPool, ThreadPoolBuilder};
-use selflink::cancel::CancelToken;
+use selflink::base::cancel::CancelToken;
 use selflink::export::settings::Settings;
 use selflink::geometry::Occluders;
 use selflink::prepare;

@@ -2,10 +2,10 @@
 
 use anyhow::{anyhow, bail};
 use clap::{Arg, ArgMatches, Command, value_parser};
-use selflink::cancel::CancelToken;
+use selflink::base::cancel::CancelToken;
 use selflink::hierarchy::Room;
-use selflink::matrix::{Colouring, Drawing, draw};
-use selflink::names::Names;
+use selflink::read::matrix::{Colouring, Drawing, draw};
+use selflink::read::names::Names;
 use selflink::solve::{Snapshot, Solver, Step};
 
 use super::job::{Job, Order};

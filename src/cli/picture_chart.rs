@@ -5,8 +5,8 @@ use std::path::Path;
 
 use anyhow::bail;
 use clap::{Arg, ArgAction, ArgMatches, Command};
-use selflink::cancel::CancelToken;
-use selflink::chart::{
+use selflink::base::cancel::CancelToken;
+use selflink::measure::chart::{
     MeshPainter, PictureChart, PictureMetric, PictureSweep, draw_picture_png, draw_picture_svg, picture_csv,
     picture_table,
 };

@@ -9,9 +9,9 @@ use anyhow::{anyhow, bail};
 use clap::{Arg, ArgMatches, Command};
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
-use selflink::format::things;
+use selflink::base::format::things;
 use selflink::gather::NOISE;
-use selflink::probe::{Probe, Sample};
+use selflink::read::probe::{Probe, Sample};
 use selflink::solve::USUAL_ERROR;
 
 use super::job::Order;

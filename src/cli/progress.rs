@@ -4,7 +4,7 @@ use std::io::IsTerminal as _;
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressStyle};
-use selflink::format;
+use selflink::base::format;
 use selflink::solve::{Phase, Solver};
 
 /// Counting what is there looks at every element, so the bar moves only so often.

@@ -9,7 +9,7 @@ use clap::{Arg, ArgAction, ArgMatches, Command};
 use glam::{DVec3, Vec2};
 use image::{ImageFormat, RgbaImage};
 use selflink::export::{PictureFormat, exr};
-use selflink::picture::GatheredPicture;
+use selflink::read::picture::GatheredPicture;
 use selflink::render::{
     Camera, ChosenLinks, ClusterView, Display, Exposure, Frame, IsolinesWanted, LinkFilter, LinkStyle, MAX_SIZE, Marks,
     Offscreen, Overlay, ReadingSettings, auto_exposure, by_clusters, developed, pick, picked_marks,

@@ -3,8 +3,8 @@
 use std::fmt::Write as _;
 use std::time::Instant;
 
+use selflink::base::format::{bytes, count, number, quantity, seconds};
 use selflink::export::settings::Settings;
-use selflink::format::{bytes, count, number, quantity, seconds};
 use selflink::gather::Quantiles;
 use selflink::scene::{Scene, Sides, Skipped};
 use selflink::solve::{

@@ -17,9 +17,9 @@ use std::path::{Path, PathBuf};
 
 use glam::DVec3;
 
+use crate::read::tone;
 use crate::scene::{Material, Scene};
 use crate::solve::{Mesh, Snapshot};
-use crate::tone;
 
 /// A file name whose extension says no format.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]

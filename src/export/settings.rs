@@ -9,7 +9,7 @@ use std::{fs, io};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use crate::added_light::AddedLight;
+use crate::prepare::added_light::AddedLight;
 use crate::scene::builtin::BuiltinScene;
 use crate::scene::{FiledCamera, Reading, Source};
 use crate::solve::params::ParamsError;
@@ -129,7 +129,7 @@ mod tests {
     use glam::{DVec3, Vec3};
 
     use super::*;
-    use crate::added_light::CeilingLight;
+    use crate::prepare::added_light::CeilingLight;
     use crate::scene::outside::Daylight;
     use crate::scene::{FiledLuminaire, LuminaireShape, Unit, UpAxis};
     use crate::solve::{ClusteringMode, Epsilon};

@@ -127,7 +127,7 @@ fn deviations(probability: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::random::{fraction, mix};
+    use crate::base::random::{fraction, mix};
 
     /// Truth: tables of the normal distribution.
     #[test]

@@ -12,9 +12,9 @@ use rayon::prelude::*;
 use super::bound::{POINTS, PointError, Quantiles, bound, is_hopeless};
 use super::estimator::Checked;
 use super::field::{Field, grey};
-use crate::cancel::CancelToken;
+use crate::base::cancel::CancelToken;
+use crate::base::random::{even_point, mix};
 use crate::hierarchy::{ElementId, SurfacePoint};
-use crate::random::{even_point, mix};
 
 /// Probability that a run reports a bound that does not hold, over all its looks.
 pub const RISK: f64 = 0.05;

@@ -30,9 +30,9 @@ pub use field::{Field, Met, grey};
 pub use glance::{GatherPoint, Glance, GlanceRays};
 use samples::{GatherSamples, Queue};
 
-use crate::cancel::CancelToken;
+use crate::base::cancel::CancelToken;
+use crate::base::random::mix;
 use crate::hierarchy::ElementId;
-use crate::random::mix;
 use crate::transport::LinkSolution;
 
 /// The target error where nobody asks for one: 9 of 10 surfaces are read within it.

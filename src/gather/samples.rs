@@ -6,9 +6,9 @@ use rayon::prelude::*;
 
 use super::field::{End, Field, grey};
 use super::glance::{GatherPoint, GlanceRays, Lit};
-use crate::cancel::CancelToken;
+use crate::base::cancel::CancelToken;
+use crate::base::random::{cosine_direction, mix};
 use crate::hierarchy::ElementId;
-use crate::random::{cosine_direction, mix};
 
 /// Rays that tell whether a point is hidden, where a part of a leaf is.
 const HIDDEN_RAYS: u32 = 16;

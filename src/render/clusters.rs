@@ -7,8 +7,8 @@ use std::sync::Arc;
 
 use glam::Vec3;
 
+use crate::base::random::mix;
 use crate::hierarchy::{Element, ElementId, Hierarchy, Shape};
-use crate::random::mix;
 use crate::solve::snapshot::{ClusterBox, Mesh, Snapshot};
 
 /// How the clusters of a level are shown.
@@ -297,7 +297,7 @@ pub fn by_clusters(snapshot: &Snapshot, view: ClusterView) -> Option<Snapshot> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::cancel::CancelToken;
+    use crate::base::cancel::CancelToken;
     use crate::geometry::Occluders;
     use crate::render::{Camera, Display, Offscreen, Overlay};
     use crate::scene::Scene;

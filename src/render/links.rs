@@ -8,9 +8,9 @@ use serde::{Deserialize, Serialize};
 
 use super::outline::element_outline;
 use super::overlay::{Line, power_colour};
-use crate::format;
+use crate::base::format;
 use crate::hierarchy::ElementId;
-use crate::ramp::{VIRIDIS, along_ramp};
+use crate::read::ramp::{VIRIDIS, along_ramp};
 use crate::transport::{LinkView, SolutionView, VisibilitySource};
 
 /// As many links as can still be told apart.

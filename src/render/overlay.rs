@@ -6,7 +6,7 @@ use glam::Vec3;
 
 use super::outline::{box_edges, element_outline};
 use crate::hierarchy::ElementId;
-use crate::ramp::{VIRIDIS, along_ramp};
+use crate::read::ramp::{VIRIDIS, along_ramp};
 use crate::solve::snapshot::{ClusterBox, Mesh};
 use crate::transport::SolutionView;
 

@@ -2,8 +2,8 @@
 //!
 //! The shader colours each pixel by the value interpolated there; what is here tells it how, and tells a legend the same.
 
-use crate::photometry::{Quantity, Unit, weighted};
-use crate::ramp::Ramp;
+use crate::base::photometry::{Quantity, Unit, weighted};
+use crate::read::ramp::Ramp;
 use crate::solve::snapshot::Snapshot;
 
 /// So many lines of equal value at most.

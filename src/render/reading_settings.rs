@@ -3,9 +3,9 @@
 use serde::{Deserialize, Serialize};
 
 use super::reading::{ColourScale, Isolines, Reading, Spacing};
-use crate::format;
-use crate::photometry::{Quantity, Unit};
-use crate::ramp::Ramp;
+use crate::base::format;
+use crate::base::photometry::{Quantity, Unit};
+use crate::read::ramp::Ramp;
 use crate::solve::snapshot::Snapshot;
 
 /// What colours the surfaces.

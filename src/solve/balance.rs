@@ -4,10 +4,10 @@ use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
 use super::Solver;
+use crate::base::random::{cosine_direction, even_point, mix};
 use crate::gather::Field;
 use crate::geometry::EnclosureTest;
 use crate::hierarchy::{ElementId, Hierarchy, Shape, SurfacePoint};
-use crate::random::{cosine_direction, even_point, mix};
 use crate::scene::Surface;
 use crate::transport::entering_power;
 

@@ -110,7 +110,7 @@ impl SolverParams {
 mod tests {
     use super::super::params::{Epsilon, PARAMETERS, ParameterId};
     use super::*;
-    use crate::memory::MemoryBudget;
+    use crate::base::memory::MemoryBudget;
     use crate::scene::Sides;
     use crate::transport::{ClusterModel, OracleKind, Push};
 

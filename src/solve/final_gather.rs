@@ -8,7 +8,7 @@ use super::memory::MemoryStop;
 use super::params::Reconstruct;
 use super::reconstruction_mesh::MeshKind;
 use super::stats::ErrorFound;
-use crate::cancel::CancelToken;
+use crate::base::cancel::CancelToken;
 use crate::gather::{Certificate, Field, Full, Gather, Goal, Progress, Quantiles, RISK};
 
 impl Solver {

@@ -4,7 +4,7 @@ use super::memory::{MemoryStop, growing_bytes};
 use super::stats::Phase;
 use super::timeline::TimelineStepKind;
 use super::{Solver, timed};
-use crate::cancel::CancelToken;
+use crate::base::cancel::CancelToken;
 use crate::hierarchy::Hierarchy;
 use crate::transport::{RecheckReasons, Refinement};
 

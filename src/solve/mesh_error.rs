@@ -8,10 +8,10 @@ use glam::Vec3;
 use super::Solver;
 use super::params::Reconstruct;
 use super::reconstruction_mesh::ReconstructionMesh;
-use crate::cancel::CancelToken;
+use crate::base::cancel::CancelToken;
+use crate::base::random::mix;
 use crate::gather::{Certifying, Field, Quantiles, grey};
 use crate::hierarchy::SurfacePoint;
-use crate::random::mix;
 
 /// Points that are compared; the standard error of nine tenths of them is some 4 % of the points.
 const POINTS: usize = 64;

@@ -7,8 +7,8 @@ use std::ops::RangeInclusive;
 use serde::{Deserialize, Serialize};
 
 use super::change::ChangeCost;
+use crate::base::memory::MemoryBudget;
 pub use crate::hierarchy::ClusteringMode;
-use crate::memory::MemoryBudget;
 use crate::scene::Sides;
 use crate::transport::{ClusterModel, LinkRules, OracleKind, Push};
 

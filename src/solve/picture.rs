@@ -10,7 +10,7 @@ use glam::Vec3;
 use super::Solver;
 use super::reconstruction_mesh::ReconstructionMesh;
 use super::snapshot::Snapshot;
-use crate::cancel::CancelToken;
+use crate::base::cancel::CancelToken;
 use crate::hierarchy::Hierarchy;
 use crate::transport::{Light, LinkTable, SolutionView};
 

@@ -10,7 +10,7 @@ use super::picture::{self, FIRST_SWEEPS, PICTURE_TOLERANCE};
 use super::reconstruction_mesh::ReconstructionMesh;
 use super::snapshot::Snapshot;
 use super::{Solver, Stats};
-use crate::cancel::CancelToken;
+use crate::base::cancel::CancelToken;
 use crate::hierarchy::ElementId;
 use crate::transport::{Gatherer, Link, LinkRules, LinkTable, SolutionView};
 

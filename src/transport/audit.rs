@@ -3,7 +3,7 @@
 use glam::Vec3;
 
 use super::solution::LinkSolution;
-use crate::cancel::CancelToken;
+use crate::base::cancel::CancelToken;
 use crate::hierarchy::{Element, ElementId};
 
 /// Sums over the links of a solution, with what hangs on them.

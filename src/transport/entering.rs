@@ -5,9 +5,9 @@ use std::sync::Arc;
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
+use crate::base::random::{even_point, mix};
 use crate::geometry::{Occluders, Reachability};
 use crate::hierarchy::{ClusteringMode, ElementId, Hierarchy, Shape};
-use crate::random::{even_point, mix};
 use crate::scene::Scene;
 use crate::scene::outside::{Amount, Daylight, Outside, SkyTold, Spread};
 

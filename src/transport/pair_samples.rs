@@ -9,9 +9,9 @@ use std::f32::consts::PI;
 use glam::Vec3;
 
 use super::form_factor::point_to_polygon;
+use crate::base::random::{fraction, mix};
 use crate::geometry::Occluders;
 use crate::hierarchy::{ElementId, Hierarchy, PatchSums, Shape, SurfacePoint};
-use crate::random::{fraction, mix};
 
 /// How many rays a pair gets.
 #[derive(Clone, Copy, Debug)]

@@ -14,7 +14,7 @@ use super::form_factor::CLUSTER_COSINE;
 use super::harmonics::{IrradianceHarmonics, NormalMoments, normal_moments};
 use super::link::{Link, LinkTable};
 use super::rules::{ClusterModel, LinkRules, Push};
-use crate::cancel::CancelToken;
+use crate::base::cancel::CancelToken;
 use crate::hierarchy::{Cluster, Element, ElementId, Hierarchy, Shape};
 
 /// Links of clusters of up to this many patches meet each of these by itself.

@@ -9,7 +9,7 @@ use super::link::Link;
 use super::oracle::Oracle;
 use super::verdict::{Decision, OccludedPair, Rejection, Verdict};
 use super::waiting::link_of_row;
-use crate::cancel::CancelToken;
+use crate::base::cancel::CancelToken;
 use crate::hierarchy::{ElementId, Hierarchy};
 
 /// Candidates judged between two looks at commands.

@@ -13,7 +13,7 @@ use super::refine::{Applied, Refinement};
 use super::rules::LinkRules;
 use super::sweep::{Gatherer, Light, pull};
 use super::{SolutionView, link_error};
-use crate::cancel::CancelToken;
+use crate::base::cancel::CancelToken;
 use crate::geometry::Occluders;
 use crate::hierarchy::{Element, ElementId, Hierarchy, PatchSums, Shape};
 use crate::scene::{Scene, Surface};

@@ -284,7 +284,7 @@ mod tests {
     use std::sync::Arc;
 
     use super::*;
-    use crate::cancel::CancelToken;
+    use crate::base::cancel::CancelToken;
     use crate::geometry::Occluders;
     use crate::scene::builtin::BuiltinScene;
     use crate::solve::{Epsilon, Solver, SolverParams};

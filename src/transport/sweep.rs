@@ -7,7 +7,7 @@ use super::entering::is_sky;
 use super::link::{Link, LinkTable};
 use super::push::Pusher;
 use super::rules::{LinkRules, Push};
-use crate::cancel::CancelToken;
+use crate::base::cancel::CancelToken;
 use crate::hierarchy::{Element, ElementId, Hierarchy, Shape};
 use crate::scene::Surface;
 

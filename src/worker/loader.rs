@@ -16,9 +16,9 @@ use rayon::ThreadPool;
 
 use super::guard::guarded;
 use super::{FileStamp, Message};
-use crate::added_light::AddedLight;
 use crate::geometry::{Occluders, orient};
 use crate::prepare;
+use crate::prepare::added_light::AddedLight;
 use crate::scene::{Luminaire, Reading, Scene, Sides, Source};
 use crate::solve::{Solver, SolverError, SolverParams};
 use crate::transport::lets_daylight_in;

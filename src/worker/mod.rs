@@ -25,12 +25,12 @@ use std::thread::{Builder, JoinHandle};
 
 use glam::Vec3;
 
-use crate::added_light::AddedLight;
+use crate::base::threads::lock;
 use crate::geometry::Occluders;
+use crate::prepare::added_light::AddedLight;
 use crate::scene::outside::Daylight;
 use crate::scene::{GroupMember, Kept, Luminaire, MaterialId, Reading, Scene, Source};
 use crate::solve::{MeshError, Snapshot, SolverParams, TimelineStep};
-use crate::threads::lock;
 pub use stamp::FileStamp;
 
 /// What a person asks of the solver.

@@ -15,8 +15,8 @@ use super::pacing::Pacing;
 use super::stage::MaterialEdit;
 use super::task::{Away, Change, Changed, Task};
 use super::{Command, ErrorOfMesh, Event, Look, Message, RunState, Shared, Status};
+use crate::base::threads::lock;
 use crate::solve::{Solver, SolverParams, TimelineStep};
-use crate::threads::lock;
 
 /// The thread's ends of its channels.
 pub(super) struct Ends {

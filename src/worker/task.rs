@@ -14,7 +14,7 @@ use rayon::ThreadPool;
 
 use super::loader::panic_message;
 use super::{Look, Message};
-use crate::cancel::CancelToken;
+use crate::base::cancel::CancelToken;
 use crate::solve::{MeshError, Snapshot, Solver, Step};
 
 /// What a solver is sent to do.

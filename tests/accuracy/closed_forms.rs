@@ -1,7 +1,7 @@
 //! Scenes whose irradiance is known exactly.
 
-use selflink::accuracy::cases::{self, Case, Place, Reading};
-use selflink::accuracy::{by_reference, by_solver};
+use selflink::measure::accuracy::cases::{self, Case, Place, Reading};
+use selflink::measure::accuracy::{by_reference, by_solver};
 use selflink::solve::{ClusteringMode, Epsilon, SolverParams};
 
 /// Truth: the closed forms. Four standard errors, and what the drawn scene and f32 (10⁻⁶) may be off.

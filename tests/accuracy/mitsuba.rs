@@ -2,10 +2,10 @@
 
 use std::sync::Arc;
 
-use selflink::cancel::CancelToken;
+use selflink::base::cancel::CancelToken;
 use selflink::gather::grey;
 use selflink::geometry::orient;
-use selflink::reference::{Reference, ReferenceRun, SurfacePoint};
+use selflink::measure::reference::{Reference, ReferenceRun, SurfacePoint};
 use selflink::scene::Sides;
 use selflink::scene::builtin::BuiltinScene;
 use selflink::solve::{Solver, SolverParams};

@@ -4,13 +4,13 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use glam::Vec3;
-use selflink::accuracy::{ErrorMeter, Measure};
-use selflink::cancel::CancelToken;
+use selflink::base::cancel::CancelToken;
+use selflink::base::random::even_point;
 use selflink::gather::grey;
 use selflink::geometry::orient;
 use selflink::hierarchy::Hierarchy;
-use selflink::random::even_point;
-use selflink::reference::{Reference, ReferenceRun, SurfacePoint, Target, compute, random_points};
+use selflink::measure::accuracy::{ErrorMeter, Measure};
+use selflink::measure::reference::{Reference, ReferenceRun, SurfacePoint, Target, compute, random_points};
 use selflink::scene::{GroupId, MaterialId, Scene, Sides, builtin::BuiltinScene};
 use selflink::solve::{Epsilon, Reconstruct, Snapshot, SolverParams, Step};
 use selflink::transport::OracleKind;

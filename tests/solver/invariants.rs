@@ -2,7 +2,7 @@
 //! solve.
 
 use glam::Vec3;
-use selflink::cancel::CancelToken;
+use selflink::base::cancel::CancelToken;
 use selflink::hierarchy::ClusteringMode;
 use selflink::scene::builtin::BuiltinScene;
 use selflink::scene::{GroupId, Scene};

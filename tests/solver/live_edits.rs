@@ -3,7 +3,7 @@
 //! Truth: a fresh solve, within the error that ε allows either of them.
 
 use glam::Vec3;
-use selflink::cancel::CancelToken;
+use selflink::base::cancel::CancelToken;
 use selflink::hierarchy::ClusteringMode;
 use selflink::scene::{GroupId, MaterialId};
 use selflink::solve::{Epsilon, Solver, SolverParams};

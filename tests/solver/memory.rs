@@ -5,9 +5,9 @@
 use std::sync::Arc;
 
 use rayon::ThreadPoolBuilder;
-use selflink::cancel::CancelToken;
+use selflink::base::cancel::CancelToken;
+use selflink::base::memory::MemoryBudget;
 use selflink::geometry::Occluders;
-use selflink::memory::MemoryBudget;
 use selflink::scene::builtin::BuiltinScene;
 use selflink::solve::{ChangeCost, ClusteringMode, Epsilon, MemoryStop, Snapshot, Solver, SolverParams};
 

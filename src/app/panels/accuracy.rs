@@ -5,11 +5,11 @@ use std::sync::Arc;
 use egui::{Color32, ProgressBar, Slider, Ui};
 use egui_plot::{FilledArea, Line, Plot, PlotPoints, Points};
 
-use crate::accuracy::SolutionError;
 use crate::app::state::comparison::{Comparison, POINTS, Run, RunPoint, Shading};
 use crate::app::widgets::theme;
 use crate::app::{Wake, format, words};
-use crate::referee::GOAL;
+use crate::measure::accuracy::SolutionError;
+use crate::measure::referee::GOAL;
 use crate::worker::SceneInfo;
 
 /// Height of the chart, points.

@@ -5,7 +5,7 @@ use egui::{Align2, Color32, FontId, Frame, Label, Rect, RichText, Ui, UiBuilder,
 use crate::app::state::comparison::{FULL_SCALE, Shading};
 use crate::app::view::colour_bar;
 use crate::app::widgets::theme;
-use crate::photometry::{CONVENTION, Unit};
+use crate::base::photometry::{CONVENTION, Unit};
 use crate::render::{Mark, Reading};
 
 /// Size of the bar, points.

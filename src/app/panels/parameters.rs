@@ -5,7 +5,7 @@ use egui::{ComboBox, Slider, Ui};
 use crate::app::panels::costs;
 use crate::app::widgets::theme;
 use crate::app::{format, words};
-use crate::memory::MemoryBudget;
+use crate::base::memory::MemoryBudget;
 use crate::scene::Sides;
 use crate::solve::{
     ClusteringMode, Epsilon, PARAMETERS, Parameter, ParameterId, Reconstruct, SolverParams, Stats, USUAL_ERROR,

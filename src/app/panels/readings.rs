@@ -5,7 +5,7 @@ use egui::{ComboBox, DragValue, TextEdit, Ui};
 use crate::app::state::settings::DisplaySettings;
 use crate::app::widgets::theme;
 use crate::app::words;
-use crate::photometry::{CONVENTION, Unit};
+use crate::base::photometry::{CONVENTION, Unit};
 use crate::render::{IsolinesWanted, MOST_ISOLINES, Ramp, Reading, Show, Spacing};
 
 /// Width of the field of one end of a range, points.

@@ -4,7 +4,7 @@ use egui::{Align2, Frame, Id, Rect, RichText, Ui};
 
 use crate::app::widgets::theme;
 use crate::app::{App, format};
-use crate::photometry::{lux, weighted};
+use crate::base::photometry::{lux, weighted};
 
 /// Draws it; nothing while the pointer is elsewhere.
 pub(in crate::app) fn show(app: &App, ui: &Ui, view: Rect) {

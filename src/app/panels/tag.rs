@@ -6,7 +6,7 @@ use crate::app::state::settings::LinksOf;
 use crate::app::tools::Tool;
 use crate::app::widgets::theme;
 use crate::app::{App, format, words};
-use crate::photometry::lux;
+use crate::base::photometry::lux;
 
 /// Width of the tag at most, points.
 const MOST_WIDTH: f32 = 230.0;

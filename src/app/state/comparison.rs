@@ -4,10 +4,10 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
-use crate::accuracy::SolutionError;
 use crate::app::Wake;
-use crate::referee::{Measurement, Referee, Report};
-use crate::reference::Cache;
+use crate::measure::accuracy::SolutionError;
+use crate::measure::referee::{Measurement, Referee, Report};
+use crate::measure::reference::Cache;
 use crate::render::{BLUE_WHITE_RED, VIRIDIS, along_ramp};
 use crate::scene::Scene;
 use crate::solve::{Epsilon, Snapshot, SolverParams};
@@ -236,7 +236,7 @@ impl Comparison {
 /// Settings in a few words.
 fn name_of(params: &SolverParams) -> String {
     let asked = match (params.error, params.epsilon) {
-        (Some(error), _) => format!("{} % asked", crate::format::number(100.0 * error)),
+        (Some(error), _) => format!("{} % asked", crate::base::format::number(100.0 * error)),
         (None, Epsilon::Relative(share)) => format!("ε {share:.0e} Φ"),
         (None, Epsilon::Watts(watts)) => format!("ε {watts:.1e} W"),
     };

@@ -7,8 +7,8 @@ use std::sync::mpsc::Receiver;
 use std::sync::{Arc, Mutex};
 
 use crate::app::App;
+use crate::base::threads::lock;
 use crate::export::settings::Settings;
-use crate::threads::lock;
 
 /// What a window that lost its device hands over to the next one.
 #[derive(Clone, Debug)]

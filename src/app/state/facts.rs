@@ -2,8 +2,8 @@
 
 use glam::Vec3;
 
+use crate::base::photometry;
 use crate::hierarchy::{ElementId, Shape};
-use crate::photometry;
 use crate::scene::{Material, Scene};
 use crate::solve::Snapshot;
 use crate::transport::SolutionView;
@@ -88,7 +88,7 @@ impl Facts {
         match (&self.material, self.group.as_str()) {
             (Some(material), "") => material.clone(),
             (Some(material), group) => format!("{} ({material})", group.rsplit('/').next().unwrap_or(group)),
-            (None, _) => format!("cluster of {}", crate::format::things(self.polygons, "polygon", "polygons")),
+            (None, _) => format!("cluster of {}", crate::base::format::things(self.polygons, "polygon", "polygons")),
         }
     }
 

@@ -6,7 +6,7 @@ use rustc_hash::FxHashMap;
 
 use crate::app::state::facts::Facts;
 use crate::hierarchy::ElementId;
-use crate::names::Names;
+use crate::read::names::Names;
 use crate::scene::Scene;
 use crate::solve::Snapshot;
 use crate::transport::{LinkView, SolutionView};

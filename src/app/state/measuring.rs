@@ -6,11 +6,13 @@ use glam::Vec3;
 
 use crate::app::Wake;
 use crate::app::widgets::save_dialog::SaveDialog;
-use crate::photometry::{Quantity, weighted};
+use crate::base::photometry::{Quantity, weighted};
+use crate::read::survey::{
+    NamedReading, PlaneReading, Probed, Ray, Report, Surveyor, WorkPlane, write_plane, write_probes,
+};
 use crate::render::{ColourScale, Isolines, Ramp, Reading, Spacing};
 use crate::scene::{Scene, TaskArea};
 use crate::solve::Snapshot;
-use crate::survey::{NamedReading, PlaneReading, Probed, Ray, Report, Surveyor, WorkPlane, write_plane, write_probes};
 
 /// Maintained illuminance of a task area for writing and reading (EN 12464-1), lx.
 const USUAL_TARGET: f32 = 500.0;
@@ -195,7 +197,7 @@ impl Measuring {
     }
 
     /// What lies under the pointer, as far as is known.
-    pub(in crate::app) fn under_pointer(&self) -> Option<&crate::survey::SurfaceReading> {
+    pub(in crate::app) fn under_pointer(&self) -> Option<&crate::read::survey::SurfaceReading> {
         self.pointer?;
         self.report.looked.as_ref()?.reading.as_ref()
     }

@@ -4,10 +4,10 @@ use std::sync::Arc;
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
 use std::thread::Builder;
 
-use crate::accuracy::{Contrast, contrast};
 use crate::app::Wake;
 use crate::app::state::comparison::Shading;
 use crate::app::view::paint::Beside;
+use crate::measure::accuracy::{Contrast, contrast};
 use crate::solve::{Snapshot, SolverParams};
 
 /// What the view shows while a solution is kept.

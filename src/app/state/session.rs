@@ -6,10 +6,10 @@
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
 
-use crate::added_light::AddedLight;
 use crate::app::tools::Tool;
 use crate::app::{App, AppError};
 use crate::export::settings::Settings;
+use crate::prepare::added_light::AddedLight;
 use crate::scene::builtin::BuiltinScene;
 use crate::scene::outside::Daylight;
 use crate::scene::{FiledCamera, Kept, Luminaire, MaterialId, Scene, Source};

@@ -10,8 +10,8 @@ use crate::app::state::messages::Messages;
 use crate::app::widgets::dialog::DialogAnswer;
 use crate::app::widgets::theme;
 use crate::app::{Shown, Wake, format, words};
-use crate::photometry::{CONVENTION, lux};
-use crate::survey::{PlaneReading, Probed, WorkPlane};
+use crate::base::photometry::{CONVENTION, lux};
+use crate::read::survey::{PlaneReading, Probed, WorkPlane};
 
 /// Lengths that a field offers, in the scene's unit.
 const LENGTHS: std::ops::RangeInclusive<f32> = 0.0..=100.0;
@@ -85,7 +85,8 @@ fn show_probes(ui: &mut Ui, shown: &Shown, measuring: &mut Measuring) {
             ui.label(of(reading.map(|reading| lux(reading.irradiance.to_array())))).on_hover_text(CONVENTION);
             for colours in [reading.map(|reading| reading.irradiance), reading.map(|reading| reading.radiosity)] {
                 let by_colour = colours.map(|colours| colours.to_array().map(|value| format::number(value.into())));
-                let response = ui.label(of(colours.map(|colours| crate::photometry::weighted(colours.to_array()))));
+                let response =
+                    ui.label(of(colours.map(|colours| crate::base::photometry::weighted(colours.to_array()))));
                 if let Some([r, g, b]) = by_colour {
                     response
                         .on_hover_text(format!("R {r}, G {g}, B {b} W/m²; shown is their mean as the eye weighs them"));

@@ -138,7 +138,7 @@ const JUST_BEFORE: f32 = 1e-4;
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::cancel::CancelToken;
+    use crate::base::cancel::CancelToken;
     use crate::geometry::Occluders;
     use crate::scene::builtin::BuiltinScene;
     use crate::solve::{Epsilon, Solver, SolverParams};

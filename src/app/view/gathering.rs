@@ -10,12 +10,12 @@ use std::thread::Builder;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
 use crate::app::Wake;
-use crate::cancel::CancelToken;
+use crate::base::cancel::CancelToken;
+use crate::base::threads::lock;
 use crate::gather::Field;
-use crate::picture::{GatheredPicture, Start};
+use crate::read::picture::{GatheredPicture, Start};
 use crate::render::{Camera, Display, Pixels, Reading, developed};
 use crate::solve::{Snapshot, USUAL_ERROR};
-use crate::threads::lock;
 
 /// What is to be painted: another one of these is another picture.
 #[derive(Clone)]

@@ -4,7 +4,7 @@ use egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Sense, Stroke, Ui, vec2
 use glam::Vec3;
 
 use crate::app::{App, words};
-use crate::survey::Ray;
+use crate::read::survey::Ray;
 
 /// Length of an arrow, points.
 const ARROW: f32 = 64.0;

@@ -4,8 +4,8 @@ use egui::epaint::TextShape;
 use egui::{Align2, Color32, FontId, Rect, Sense, Ui, vec2};
 
 use crate::app::format;
-use crate::photometry::Unit;
-use crate::picture::LABEL_RIM;
+use crate::base::photometry::Unit;
+use crate::read::picture::LABEL_RIM;
 use crate::render::Pixels;
 
 /// Writes them; white with a dark rim, so that they can be read over bright and dark.

@@ -6,8 +6,8 @@ use glam::{Mat4, Vec3};
 use crate::app::format;
 use crate::app::state::measuring::Measuring;
 use crate::app::widgets::theme;
+use crate::base::photometry::{lux, weighted};
 use crate::geometry::Occluders;
-use crate::photometry::{lux, weighted};
 use crate::render::{Camera, Reading};
 
 /// Radii of a point of the plane where it is nearest to and farthest from the eye, points; its size in the room in between.

@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use glam::Vec2;
 
-use crate::photometry::weighted;
+use crate::base::photometry::weighted;
 use crate::render::{Camera, auto_exposure, exposure_of_seen};
 use crate::solve::Snapshot;
 use crate::worker::SceneInfo;

@@ -16,10 +16,10 @@ use crate::app::view::walk::Ground;
 use crate::app::widgets::theme;
 use crate::app::{App, Outbox, panels, words};
 use crate::geometry::Occluders;
+use crate::read::survey::Ray;
 use crate::render::{Camera, Display, Exposure, Marks};
 use crate::scene::{CameraPose, Scene};
 use crate::solve::USUAL_ERROR;
-use crate::survey::Ray;
 use crate::worker::SceneInfo;
 
 /// A drag across the view's height turns the camera by this, radians.

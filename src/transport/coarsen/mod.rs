@@ -16,7 +16,7 @@ use super::link::{Link, LinkTable};
 use super::solution::LinkSolution;
 use super::sweep::Light;
 use super::verdict::OccludedPair;
-use crate::cancel::CancelToken;
+use crate::base::cancel::CancelToken;
 use crate::hierarchy::{ElementId, Hierarchy, Renumbering};
 use pairs::{Pair, Pairs, Standing};
 

@@ -4,7 +4,7 @@ use rayon::prelude::*;
 use rustc_hash::FxHashMap;
 
 use super::combined::Combined;
-use crate::cancel::CancelToken;
+use crate::base::cancel::CancelToken;
 use crate::hierarchy::{ElementId, Hierarchy, Shape};
 use crate::transport::candidate::end_to_split;
 use crate::transport::form_factor::{Exchange, exchange};

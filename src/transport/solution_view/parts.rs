@@ -135,7 +135,7 @@ mod tests {
     use std::sync::Arc;
 
     use super::*;
-    use crate::cancel::CancelToken;
+    use crate::base::cancel::CancelToken;
     use crate::geometry::Occluders;
     use crate::hierarchy::Hierarchy;
     use crate::scene::builtin::BuiltinScene;

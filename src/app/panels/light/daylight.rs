@@ -84,7 +84,7 @@ pub(in crate::app) fn show(ui: &mut Ui, editor: &mut DaylightEditor, outbox: &mu
         }
     }
     if let Some(sun) = &mut editor.told.sun {
-        let mut lux = crate::photometry::lux(sun.irradiance().into());
+        let mut lux = crate::base::photometry::lux(sun.irradiance().into());
         if theme::row(ui, "Sun", |ui| lux_slider(ui, &mut lux))
             .on_hover_text("Illuminance of a face turned to the sun")
             .changed()

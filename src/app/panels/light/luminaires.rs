@@ -8,8 +8,8 @@ use crate::app::panels::light::{LampUnit, LightEditor};
 use crate::app::state::lighting::LuminaireLight;
 use crate::app::widgets::theme;
 use crate::app::words;
-use crate::ceiling::{CeilingPlace, place_beside};
-use crate::photometry::tint_of_temperature;
+use crate::base::photometry::tint_of_temperature;
+use crate::prepare::ceiling::{CeilingPlace, place_beside};
 use crate::scene::{LuminaireForm, LuminaireShape, Scene};
 use crate::worker::SceneInfo;
 

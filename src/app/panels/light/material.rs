@@ -7,7 +7,7 @@ use crate::app::panels::light::{LampUnit, LightEditor, strength_slider};
 use crate::app::state::lighting::MaterialLight;
 use crate::app::widgets::theme;
 use crate::app::{format, words};
-use crate::photometry::{temperature_of_tint, tint_of_temperature};
+use crate::base::photometry::{temperature_of_tint, tint_of_temperature};
 use crate::scene::{MAX_SIDECAR_REFLECTANCE, MaterialId, Scene};
 
 /// Colour temperatures offered, K.

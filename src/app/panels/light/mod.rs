@@ -75,7 +75,7 @@ impl LampUnit {
         match self {
             Self::Exitance => 1.0,
             Self::Watts => area,
-            Self::Lumens => area * crate::photometry::lux(tint.to_array()),
+            Self::Lumens => area * crate::base::photometry::lux(tint.to_array()),
         }
     }
 }

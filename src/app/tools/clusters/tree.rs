@@ -11,7 +11,7 @@ use crate::app::view::highlight::Highlight;
 use crate::app::widgets::theme;
 use crate::app::{App, format};
 use crate::hierarchy::{ElementId, Hierarchy};
-use crate::names::Names;
+use crate::read::names::Names;
 use crate::render::cluster_colours;
 use crate::scene::{GroupMember, Scene};
 use crate::solve::Snapshot;

@@ -7,7 +7,7 @@ use crate::app::format;
 use crate::app::state::facts::Facts;
 use crate::app::tools::inspector::{Subject, compact};
 use crate::app::widgets::theme;
-use crate::photometry;
+use crate::base::photometry;
 
 /// Room that two numbers beside each other take, points.
 const ROOM_FOR_TWO: f32 = 460.0;

@@ -9,8 +9,8 @@ use std::thread::Builder;
 
 use crate::app::Wake;
 use crate::app::tools::matrix::Look;
-use crate::cancel::CancelToken;
-use crate::matrix::{Facts, Palette, Raster, Request, View, facts, raster};
+use crate::base::cancel::CancelToken;
+use crate::read::matrix::{Facts, Palette, Raster, Request, View, facts, raster};
 use crate::transport::SolutionView;
 
 /// Pixels of a picture of the whole square that fills in while a part of it is moved.

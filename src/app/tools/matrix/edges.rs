@@ -5,7 +5,7 @@ use egui::{Align2, Color32, FontId, Painter, Rect, Vec2, pos2, vec2};
 use crate::app::tools::matrix::square::{Map, Mark, at_least};
 use crate::app::tools::matrix::{LinkMatrix, Looked};
 use crate::app::widgets::theme;
-use crate::matrix::{Bracket, brackets, fitting_name};
+use crate::read::matrix::{Bracket, brackets, fitting_name};
 
 /// Width of a tier of brackets, points, and the gap beside it.
 const TIER: f32 = 15.0;

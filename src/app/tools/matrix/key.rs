@@ -6,7 +6,7 @@ use crate::app::format;
 use crate::app::tools::matrix::LinkMatrix;
 use crate::app::view::colour_bar;
 use crate::app::widgets::theme;
-use crate::matrix::{EMPTY, Legend, Palette, View};
+use crate::read::matrix::{EMPTY, Legend, Palette, View};
 
 /// Size of the ramp, points.
 const RAMP: egui::Vec2 = vec2(200.0, 11.0);

@@ -16,8 +16,8 @@ use egui::{ColorImage, Context, Rect, TextureHandle, TextureOptions, Ui, Vec2, v
 use crate::app::widgets::theme;
 use crate::app::{App, Wake, words};
 use crate::hierarchy::Room;
-use crate::matrix::{Colouring, Facts, Legend, Palette, Raster, Request, View};
-use crate::names::Names;
+use crate::read::matrix::{Colouring, Facts, Legend, Palette, Raster, Request, View};
+use crate::read::names::Names;
 use crate::scene::Scene;
 use crate::solve::Snapshot;
 use crate::transport::SolutionView;

@@ -10,7 +10,7 @@ use crate::app::tools::matrix::{LinkMatrix, Looked, edges, tip};
 use crate::app::view::highlight::{Highlight, RECEIVER, SOURCE};
 use crate::app::widgets::theme;
 use crate::hierarchy::ElementId;
-use crate::matrix::{EMPTY, Pair, View, pair_at};
+use crate::read::matrix::{EMPTY, Pair, View, pair_at};
 
 /// Change of the magnification's logarithm for each point of scrolling.
 const ZOOM_PER_POINT: f64 = 0.004;

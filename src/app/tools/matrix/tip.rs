@@ -7,7 +7,7 @@ use crate::app::tools::matrix::Looked;
 use crate::app::view::highlight::{RECEIVER, SOURCE};
 use crate::app::widgets::theme;
 use crate::hierarchy::ElementId;
-use crate::matrix::Pair;
+use crate::read::matrix::Pair;
 use crate::transport::{LinkView, VisibilitySource};
 
 /// Draws it.
