@@ -70,7 +70,7 @@ pub fn run(lab: &mut Lab<'_>) -> Report {
         report.records.extend(records(room.name, &[], &runs));
     }
     report.remarks.push(
-        "The lower bound binds patches. Of a pair with a cluster at least 12 pairs of points are looked at whatever the bound (`FEWEST_PAIRS` in `src/transport/rays.rs`), for they also tell the \
+        "The lower bound binds patches. Of a pair with a cluster at least 12 pairs of points are looked at whatever the bound (`FEWEST_PAIRS` in `src/transport/pair_samples.rs`), for they also tell the \
          cluster's form factor, and those that face each other cast a ray; pairs that seem occluded cast up to 8 rays for each ε_partial before that is believed."
             .into(),
     );
