@@ -13,12 +13,12 @@ use obvhs::cwbvh::{CwBvh, builder::build_cwbvh_from_tris};
 use obvhs::ray::Ray;
 use obvhs::triangle::Triangle;
 use rayon::{ThreadPool, ThreadPoolBuilder};
-use selflink::cancel::CancelToken;
+use selflink::base::cancel::CancelToken;
+use selflink::base::random::mix;
 use selflink::geometry::Occluders;
-use selflink::random::mix;
-use selflink::reference::random_points_on;
+use selflink::measure::reference::random_points_on;
 use selflink::scene::{Scene, builtin::BuiltinScene};
-use selflink::solver::{Epsilon, Solver, SolverParams};
+use selflink::solve::{Epsilon, Solver, SolverParams};
 
 /// Segments that are traced in one go.
 const SEGMENTS: usize = 100_000;

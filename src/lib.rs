@@ -25,7 +25,7 @@
 //!
 //! A cluster has no normal: to the oracle it is a volume of randomly turned faces, whose cosine is ¼ on average, so a form factor
 //! between two clusters carries 1/16 (\[2\]). What a link then carries is found by pairs of points on its ends, or by that
-//! same model ([`solver::ClusterModel`]). Parts of faces that lie hidden inside of things are no area ([`geometry::Reachability`]). At any time there is a picture: links that still wait to be judged count as they are, so
+//! same model ([`transport::ClusterModel`]). Parts of faces that lie hidden inside of things are no area ([`geometry::Reachability`]). At any time there is a picture: links that still wait to be judged count as they are, so
 //! the first picture, which the root's self-link alone makes, is there at once, and later ones sharpen.
 //!
 //! # Symbols and units
@@ -55,34 +55,30 @@
 //!
 //! | module | what it is |
 //! | --- | --- |
+//! | [`base`] | long work that can be stopped, numbers for people, random ones, lux, memory |
 //! | [`scene`] | polygons, materials, groups; loading OBJ and glTF, sidecars, our own scenes |
 //! | [`geometry`] | rays and the faces that they leave and meet; which sides are bright, which parts light can reach, where walls part surfaces |
-//! | [`ceiling`], [`added_light`] | where a lamp goes; light that a person adds |
-//! | [`mod@reference`] | a truth to measure by: path-traced irradiance, beside the solver and without its code |
+//! | [`prepare`] | a scene made ready: light that a person adds, faces turned, a place to look from |
 //! | [`hierarchy`] | the tree of elements and the ways to build its clusters |
+//! | [`transport`] | links: oracle, refinement, push and pull, light moved over them; what a coarser threshold merges back |
 //! | [`gather`] | light at any point over what the links know, with its standard error; the certificate |
-//! | [`solver`] | oracle, refinement, gather over links, snapshots, statistics; every parameter ([`solver::PARAMETERS`]) |
-//! | [`tone`] | from W/m² to colours: exposure, tone curve, gamma |
-//! | [`probe`], [`survey`], [`export`] | values at points on surfaces; at probes and on a work plane; the lit mesh as PLY or GLB, links as CSV, pictures in W/m² as EXR, settings as JSON |
-//! | [`accuracy`] | how far a solution is from the truth: closed forms, error against a reference |
-//! | [`matrix`] | the link matrix: all links as blocks, receivers by sources |
-//! | [`names`], [`ramp`] | names for elements; colours for quantities |
-//! | [`chart`] | speed against accuracy: sweeps of settings, tables and pictures |
-//! | [`tables`] | the paper's tables and statements run again, its rows above ours, a verdict on each claim |
-//! | [`stability`] | the places where methods of this kind fail, each as a scene with a known truth |
-//! | [`worker`], [`referee`] | a thread that solves while somebody looks, and one that measures what it shows |
+//! | [`solve`] | what a solve is at and what comes next, snapshots, timeline, statistics; every parameter ([`solve::PARAMETERS`]) |
+//! | [`read`] | values at points, at probes and on a work plane; from W/m² to colours; the link matrix; pictures gathered at their pixels |
+//! | [`measure`] | how far a solution is from the truth: a reference without the solver's code, closed forms, charts, the paper's tables run again, the places where methods of this kind fail |
+//! | [`export`] | the lit mesh as PLY or GLB, links as CSV, pictures in W/m² as EXR, settings as JSON, scenes for other programs |
+//! | [`worker`] | a thread that solves while somebody looks |
 #![cfg_attr(feature = "gui", doc = "| [`render`] | the wgpu picture of a snapshot, with and without a window |")]
 #![cfg_attr(feature = "gui", doc = "| [`app`] | the window |")]
 //!
-//! [`photometry`] counts lux, [`mod@format`] writes numbers for people, [`random`] makes reproducible random ones, [`memory`] tells what the machine has, and [`cancel`] stops long work. The feature `gui` (on by default) holds what needs a graphics adapter
+//! The feature `gui` (on by default) holds what needs a graphics adapter
 //! or a window; all else is a library that needs neither:
 //!
 //! ```
 //! use std::sync::Arc;
 //!
-//! use selflink::cancel::CancelToken;
+//! use selflink::base::cancel::CancelToken;
 //! use selflink::scene::{Sides, builtin::BuiltinScene};
-//! use selflink::solver::{Epsilon, Solver, SolverParams};
+//! use selflink::solve::{Epsilon, Solver, SolverParams};
 //!
 //! let scene = BuiltinScene::Cornell.build();
 //! let (scene, occluders) = selflink::geometry::orient::apply(scene, Sides::Front);
@@ -92,7 +88,7 @@
 //! let snapshot = solver.snapshot();
 //! assert!(snapshot.stats.converged);
 //! println!("{} links light {} patches", snapshot.stats.links, snapshot.stats.patches);
-//! # Ok::<(), selflink::solver::SolverError>(())
+//! # Ok::<(), selflink::solve::SolverError>(())
 //! ```
 //!
 //! # Bibliography
@@ -116,38 +112,19 @@
 //! 10. D. Lischinski, F. Tampieri, D. P. Greenberg. *Combining hierarchical radiosity and discontinuity meshing.* SIGGRAPH 1993,
 //!     pp. 199–208.
 
-pub mod accuracy;
-pub mod added_light;
 #[cfg(feature = "gui")]
 pub mod app;
-pub mod cancel;
-pub mod ceiling;
-pub mod chart;
+pub mod base;
 pub mod export;
-pub mod font;
-pub mod format;
 pub mod gather;
 pub mod geometry;
 pub mod hierarchy;
-pub mod matrix;
-pub mod memory;
-pub mod names;
-pub mod photometry;
-pub mod picture;
+pub mod measure;
 pub mod prepare;
-pub mod probe;
-pub mod ramp;
-pub mod random;
-pub mod referee;
-pub mod reference;
+pub mod read;
 #[cfg(feature = "gui")]
 pub mod render;
 pub mod scene;
-pub mod solver;
-pub mod stability;
-pub mod start_view;
-pub mod survey;
-pub mod tables;
-mod threads;
-pub mod tone;
+pub mod solve;
+pub mod transport;
 pub mod worker;

@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use selflink::format::{plus_minus, seconds};
+use selflink::base::format::{plus_minus, seconds};
 
 /// Bytes of the README: short enough to be read whole.
 const MOST_OF_README: usize = 7000;

@@ -5,13 +5,13 @@
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use selflink::cancel::CancelToken;
+use selflink::base::cancel::CancelToken;
 use selflink::geometry::Occluders;
 use selflink::geometry::Reachability;
 use selflink::hierarchy::{ClusteringMode, Hierarchy, Shape};
 use selflink::scene::builtin::BuiltinScene;
 use selflink::scene::{GroupMember, GroupTree, Scene, Sidecar, SidecarError, Source, load_file, write_obj};
-use selflink::solver::{Epsilon, Snapshot, Solver, SolverParams};
+use selflink::solve::{Epsilon, Snapshot, Solver, SolverParams};
 use selflink::worker::{Command, Event, RunState, SolverThread};
 
 const PATIENCE: Duration = Duration::from_secs(60);

@@ -3,16 +3,16 @@
 use std::sync::{Arc, OnceLock};
 
 use glam::Vec3;
-use selflink::cancel::CancelToken;
+use selflink::base::cancel::CancelToken;
+use selflink::base::random::mix;
 use selflink::gather::Field;
 use selflink::geometry::orient;
-use selflink::picture::{GatheredPicture, Lens, PixelLight, Shading, Start};
-use selflink::random::mix;
-use selflink::reference::{SurfacePoint, Tracer};
+use selflink::measure::reference::{SurfacePoint, Tracer};
+use selflink::read::picture::{GatheredPicture, Lens, PixelLight, Shading, Start};
+use selflink::read::tone::{encode_gamma, tone_curve};
 use selflink::scene::builtin::BuiltinScene;
 use selflink::scene::{CameraPose, GroupId, Scene, Sides};
-use selflink::solver::{Solver, SolverParams};
-use selflink::tone::{encode_gamma, tone_curve};
+use selflink::solve::{Solver, SolverParams};
 
 const SIZE: [u32; 2] = [32, 24];
 

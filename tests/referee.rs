@@ -3,13 +3,13 @@
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use selflink::accuracy::ErrorMeter;
-use selflink::cancel::CancelToken;
-use selflink::referee::{Measurement, Referee};
-use selflink::reference::{Cache, ReferenceRun, random_points};
+use selflink::base::cancel::CancelToken;
+use selflink::measure::accuracy::ErrorMeter;
+use selflink::measure::referee::{Measurement, Referee};
+use selflink::measure::reference::{Cache, ReferenceRun, random_points};
 use selflink::scene::builtin::BuiltinScene;
 use selflink::scene::{Scene, Sides};
-use selflink::solver::{Epsilon, Snapshot, Solver, SolverParams};
+use selflink::solve::{Epsilon, Snapshot, Solver, SolverParams};
 
 const PATIENCE: Duration = Duration::from_secs(60);
 
@@ -46,7 +46,7 @@ fn it_measures_what_the_meter_finds() {
     let referee = referee();
     referee.begin(scene.clone(), 250, Some(Cache::new(folder.path())));
     referee.measure(snapshot.clone());
-    let is_last = |measured: &Arc<Measurement>| measured.error.reference_noise <= selflink::referee::GOAL;
+    let is_last = |measured: &Arc<Measurement>| measured.error.reference_noise <= selflink::measure::referee::GOAL;
     let measured = until("the last measurement", || referee.report().measured.filter(is_last));
     assert!(Arc::ptr_eq(&measured.snapshot, &snapshot));
     assert_eq!(measured.differences.len(), snapshot.mesh.positions.len());

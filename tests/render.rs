@@ -13,7 +13,7 @@ use selflink::render::{
     power_colour, tone_curve,
 };
 use selflink::scene::{CameraPose, MaterialId};
-use selflink::solver::{ClusterBox, Leaf, Mesh, Snapshot, Stats};
+use selflink::solve::{ClusterBox, Leaf, Mesh, Snapshot, Stats};
 
 /// One device for all tests: software ones take all cores anyway.
 static DEVICE: Mutex<Option<Offscreen>> = Mutex::new(None);
@@ -90,7 +90,7 @@ fn snapshot(quads: &[([Vec3; 4], [f32; 3])]) -> Snapshot {
         clusters: Arc::new(Vec::new()),
         moment: None,
         field: None,
-        anatomy: None,
+        solution_view: None,
         stats: Stats::default(),
     }
 }

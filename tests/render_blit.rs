@@ -8,7 +8,7 @@ use std::sync::Arc;
 use glam::Vec3;
 use selflink::render::{Camera, Display, Exposure, Frame, Overlay, SceneRenderer, sample_count};
 use selflink::scene::CameraPose;
-use selflink::solver::{Mesh, Snapshot, Stats};
+use selflink::solve::{Mesh, Snapshot, Stats};
 
 const SIDE: u32 = 64;
 
@@ -37,7 +37,7 @@ fn upper_left(radiosity: [f32; 3], serial: u64, mesh: &Arc<Mesh>) -> Snapshot {
         clusters: Arc::default(),
         moment: None,
         field: None,
-        anatomy: None,
+        solution_view: None,
         stats: Stats::default(),
     }
 }

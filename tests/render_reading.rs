@@ -7,13 +7,13 @@ use std::sync::Arc;
 
 use glam::Vec3;
 use image::RgbaImage;
+use selflink::base::photometry::{Quantity, Unit};
 use selflink::hierarchy::ElementId;
-use selflink::photometry::{Quantity, Unit};
 use selflink::render::{
     Camera, ColourScale, Display, Exposure, Isolines, Offscreen, Overlay, Ramp, Reading, RenderError, Spacing,
 };
 use selflink::scene::{CameraPose, MaterialId};
-use selflink::solver::{Leaf, Mesh, Snapshot, Stats};
+use selflink::solve::{Leaf, Mesh, Snapshot, Stats};
 
 const SIZE: u32 = 201;
 
@@ -40,7 +40,7 @@ fn slope() -> Snapshot {
         clusters: Arc::default(),
         moment: None,
         field: None,
-        anatomy: None,
+        solution_view: None,
         stats: Stats::default(),
     }
 }

@@ -6,12 +6,12 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use glam::Vec3;
-use selflink::cancel::CancelToken;
-use selflink::probe::Probe;
+use selflink::base::cancel::CancelToken;
+use selflink::read::probe::Probe;
+use selflink::read::survey::{LitMesh, Ray, Report, Surveyor, WorkPlane};
 use selflink::scene::builtin::BuiltinScene;
 use selflink::scene::{Scene, Sides};
-use selflink::solver::{Epsilon, Snapshot, Solver, SolverParams};
-use selflink::survey::{LitMesh, Ray, Report, Surveyor, WorkPlane};
+use selflink::solve::{Epsilon, Snapshot, Solver, SolverParams};
 
 const PATIENCE: Duration = Duration::from_secs(60);
 

@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::process::Command;
 
-use selflink::tables::{Part, paper};
+use selflink::measure::tables::{Part, paper};
 
 /// Rows of a CSV file with quotes, as cells by column name.
 fn records(csv: &str) -> Vec<Vec<(String, String)>> {

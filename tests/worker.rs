@@ -15,7 +15,7 @@ use selflink::scene::builtin::BuiltinScene;
 use selflink::scene::{
     CameraPose, Kept, Luminaire, LuminaireForm, LuminaireShape, MaterialId, Sidecar, Sides, Source, TaskArea,
 };
-use selflink::solver::{ClusteringMode, Epsilon, SolverParams};
+use selflink::solve::{ClusteringMode, Epsilon, SolverParams};
 use selflink::worker::{Command, ErrorOfMesh, Event, Look, RunState, SolverThread};
 
 const PATIENCE: Duration = Duration::from_secs(60);
@@ -215,7 +215,7 @@ fn light_can_be_brought_into_a_scene() {
 fn changed_sides_remake_the_scene() {
     let worker = spawn(coarse());
     load(&worker, BuiltinScene::Cornell);
-    let area = |snapshot: &selflink::solver::Snapshot| snapshot.mesh.leaves.iter().map(|leaf| leaf.area).sum::<f32>();
+    let area = |snapshot: &selflink::solve::Snapshot| snapshot.mesh.leaves.iter().map(|leaf| leaf.area).sum::<f32>();
     let once = area(&wait_for("the first picture", || worker.latest()));
     worker.send(Command::SetParams(SolverParams { sides: Some(Sides::Both), ..coarse() }));
     wait_for_event(&worker, "the doubled faces", |event| matches!(event, Event::SceneEdited(_)));
@@ -282,7 +282,7 @@ impl Dice {
             3 => Command::StepWave,
             4 => Command::Restart,
             5 => Command::Look(Look {
-                anatomy: self.roll(2) == 0,
+                solution_view: self.roll(2) == 0,
                 moment: (self.roll(3) == 0).then(|| self.roll(20) as usize),
             }),
             6 => Command::SetEmission { material: MaterialId(self.roll(9) as u32), emission: glam::Vec3::ONE },

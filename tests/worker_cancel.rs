@@ -16,7 +16,7 @@ use std::time::{Duration, Instant};
 use dice::Dice;
 use selflink::scene::Source;
 use selflink::scene::builtin::BuiltinScene;
-use selflink::solver::{ClusteringMode, Epsilon, Phase, Reconstruct, SolverParams};
+use selflink::solve::{ClusteringMode, Epsilon, Phase, Reconstruct, SolverParams};
 use selflink::worker::{Command, Event, Look, RunState, SolverThread, Status};
 
 const PATIENCE: Duration = Duration::from_secs(120);
@@ -99,7 +99,7 @@ fn slow_control_comes_back_at_once() {
     disturb(&worker, (&mut waits, &mut dice), "first picture", |worker| worker.latest().is_some());
     disturb(&worker, (&mut waits, &mut dice), "refine", is_phase(Phase::Gather));
     disturb(&worker, (&mut waits, &mut dice), "gather", is_phase(Phase::Done));
-    worker.send(Command::Look(Look { anatomy: true, moment: None }));
+    worker.send(Command::Look(Look { solution_view: true, moment: None }));
     worker.send(Command::SetParams(SolverParams { epsilon: Epsilon::Relative(5e-3), ..params }));
     disturb(&worker, (&mut waits, &mut dice), "anatomy", is_phase(Phase::Done));
     worker.send(Command::Look(Look::default()));

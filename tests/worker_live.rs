@@ -11,7 +11,7 @@ use std::time::{Duration, Instant};
 use glam::Vec3;
 use selflink::scene::builtin::BuiltinScene;
 use selflink::scene::{Kept, Sidecar, Source};
-use selflink::solver::{ClusteringMode, Epsilon, Snapshot, SolverParams};
+use selflink::solve::{ClusteringMode, Epsilon, Snapshot, SolverParams};
 use selflink::worker::{Command, Event, RunState, SolverThread};
 
 const PATIENCE: Duration = Duration::from_secs(60);

@@ -14,7 +14,8 @@ use dice::Dice;
 use glam::Vec3;
 use selflink::scene::builtin::BuiltinScene;
 use selflink::scene::{Luminaire, LuminaireForm, LuminaireShape, MaterialId, Sides, Source};
-use selflink::solver::{ClusterModel, ClusteringMode, Epsilon, OracleKind, Push, Reconstruct, SolverParams};
+use selflink::solve::{ClusteringMode, Epsilon, Reconstruct, SolverParams};
+use selflink::transport::{ClusterModel, OracleKind, Push};
 use selflink::worker::{Command, Event, Look, RunState, SolverThread};
 
 /// Commands where nobody asks for more.
@@ -59,7 +60,7 @@ impl Dice {
             4 => Command::StepWave,
             5 => Command::Restart,
             6 => Command::Look(Look {
-                anatomy: self.roll(2) == 0,
+                solution_view: self.roll(2) == 0,
                 moment: (self.roll(3) == 0).then(|| self.roll(20) as usize),
             }),
             7 => {

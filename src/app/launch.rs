@@ -5,10 +5,10 @@ use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::process::Command;
 use std::rc::Rc;
 
-use super::App;
-use super::device::{Legacy, Will};
+use crate::app::App;
+use crate::app::state::device::{DeviceLossState, Legacy};
+use crate::base::threads::lock;
 use crate::export::settings::Settings;
-use crate::threads::lock;
 
 /// Size of the window when it is opened for the first time, points.
 const FIRST_SIZE: [f32; 2] = [1280.0, 800.0];
@@ -70,7 +70,7 @@ fn run_once(settings: Settings, resumes: bool, was_lost: bool) -> Result<Option<
         viewport: egui::ViewportBuilder::default()
             .with_title("Selflink")
             .with_app_id("selflink")
-            .with_icon(super::icon::pixels())
+            .with_icon(crate::app::widgets::icon::pixels())
             .with_inner_size(FIRST_SIZE)
             .with_min_inner_size(LEAST_SIZE)
             .with_drag_and_drop(true),
@@ -79,7 +79,7 @@ fn run_once(settings: Settings, resumes: bool, was_lost: bool) -> Result<Option<
     };
     let is_open = Rc::new(Cell::new(false));
     let creator_is_open = is_open.clone();
-    let will = Will::default();
+    let will = DeviceLossState::default();
     let of_window = will.clone();
     let outcome = catch_unwind(AssertUnwindSafe(|| {
         eframe::run_native(
@@ -87,7 +87,7 @@ fn run_once(settings: Settings, resumes: bool, was_lost: bool) -> Result<Option<
             options,
             Box::new(move |cc| {
                 let mut app = if resumes { App::resume(cc, &settings)? } else { App::open(cc, &settings)? };
-                app.will = Some(of_window);
+                app.graphics.loss = Some(of_window);
                 if was_lost {
                     app.messages.note(
                         "The graphics device was lost and is set up anew; the scene is being solved again.".into(),

@@ -2,17 +2,51 @@
 //!
 //! Where settings and an open tool do not both fit beside it, the one that was asked for last takes the place of the other.
 
-use super::App;
-use super::dock::{Tool, WIDTHS};
+use crate::app::App;
+use crate::app::appearance::Appearance;
+use crate::app::tools::{Tool, WIDTHS};
 
 /// The view's share of the window's width.
 const VIEW_SHARE: f32 = 0.5;
 /// Width that the settings need, points.
-pub(super) const LEAST_SETTINGS: f32 = 300.0;
+pub(in crate::app) const LEAST_SETTINGS: f32 = 300.0;
+
+/// What of the window is shown, and how.
+pub(in crate::app) struct Layout {
+    /// Scale, theme.
+    pub appearance: Appearance,
+    /// Whether the list of keys is open.
+    pub are_keys_shown: bool,
+    /// Whether panels, bars and dock are hidden.
+    pub is_full_picture: bool,
+    /// Whether the settings at the left are wanted.
+    pub shows_settings: bool,
+    /// Width that they take, points; 0 where they are hidden.
+    pub settings_width: f32,
+    /// Whether the card of the selected element is open.
+    pub is_card_open: bool,
+    /// Whether the fold of the method's parameters is to be opened.
+    pub opens_method: bool,
+}
+
+impl Layout {
+    /// As it is at first.
+    pub(in crate::app) fn new(appearance: Appearance) -> Self {
+        Self {
+            appearance,
+            are_keys_shown: false,
+            is_full_picture: false,
+            shows_settings: true,
+            settings_width: 0.0,
+            is_card_open: false,
+            opens_method: false,
+        }
+    }
+}
 
 /// Greatest widths of the panels that are shown, points.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Sides {
+pub(in crate::app) struct Sides {
     /// The settings at the left.
     pub settings: Option<f32>,
     /// The settings and the tool together.
@@ -21,8 +55,8 @@ pub(super) struct Sides {
 
 impl Sides {
     /// In the window as it is.
-    pub(super) fn of(app: &App, ctx: &egui::Context) -> Self {
-        Self::new(ctx.content_rect().width(), app.tool, app.shows_settings)
+    pub(in crate::app) fn of(app: &App, ctx: &egui::Context) -> Self {
+        Self::new(ctx.content_rect().width(), app.tools.open, app.layout.shows_settings)
     }
 
     fn new(width: f32, tool: Option<Tool>, wants_settings: bool) -> Self {
@@ -35,16 +69,16 @@ impl Sides {
 
 impl App {
     /// Opens a tool, or closes it where it is open.
-    pub(super) fn toggle_tool(&mut self, tool: Tool) {
-        self.tool = (self.tool != Some(tool)).then_some(tool);
+    pub(in crate::app) fn toggle_tool(&mut self, tool: Tool) {
+        self.tools.open = (self.tools.open != Some(tool)).then_some(tool);
     }
 
     /// Shows the settings, in place of a tool where both have no room, or hides them.
-    pub(super) fn toggle_settings(&mut self, ctx: &egui::Context) {
+    pub(in crate::app) fn toggle_settings(&mut self, ctx: &egui::Context) {
         let are_shown = Sides::of(self, ctx).settings.is_some();
-        self.shows_settings = !are_shown;
-        if self.shows_settings && Sides::of(self, ctx).settings.is_none() {
-            self.tool = None;
+        self.layout.shows_settings = !are_shown;
+        if self.layout.shows_settings && Sides::of(self, ctx).settings.is_none() {
+            self.tools.open = None;
         }
     }
 }

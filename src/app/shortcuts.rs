@@ -1,16 +1,17 @@
 //! Keyboard shortcuts: one table that is acted upon and shown.
 //!
-//! Keys that move the camera belong to [`super::viewport`]; the list shows them too.
+//! Keys that move the camera belong to [`crate::app::view::viewport`]; the list shows them too.
 
 use egui::{Event, Grid, Key, Modifiers, RichText, Ui};
 
-use super::dock::{self, Tool};
-use super::{App, Outbox, panels, theme, words};
+use crate::app::tools::{self, Tool};
+use crate::app::widgets::theme;
+use crate::app::{App, Outbox, panels, words};
 use crate::worker::{Command, RunState};
 
 /// What a key does.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Deed {
+enum Action {
     ShowKeys,
     Leave,
     FullPicture,
@@ -19,29 +20,29 @@ enum Deed {
     Restart,
     Open,
     Tool(Tool),
-    Freeze,
+    Pinned,
     Outlines,
 }
 
 /// A key with its modifiers, how it is written, and what it does, in words and in deed.
-type Shortcut = (Key, Modifiers, &'static str, &'static str, Deed);
+type Shortcut = (Key, Modifiers, &'static str, &'static str, Action);
 
 const SHORTCUTS: [Shortcut; 15] = [
-    (Key::Space, Modifiers::NONE, "Space", "pause, run", Deed::PauseOrRun),
-    (Key::Period, Modifiers::NONE, ".", "step one wave", Deed::Step),
-    (Key::R, Modifiers::COMMAND, "Ctrl R", "solve again from scratch", Deed::Restart),
-    (Key::O, Modifiers::COMMAND, "Ctrl O", "open a scene", Deed::Open),
-    (Key::Num1, Modifiers::NONE, "1", "inspector", Deed::Tool(Tool::Inspector)),
-    (Key::Num2, Modifiers::NONE, "2", "link matrix", Deed::Tool(Tool::Matrix)),
-    (Key::Num3, Modifiers::NONE, "3", "clusters", Deed::Tool(Tool::Clusters)),
-    (Key::Num4, Modifiers::NONE, "4", "measure", Deed::Tool(Tool::Measure)),
-    (Key::Num5, Modifiers::NONE, "5", "compare", Deed::Tool(Tool::Compare)),
-    (Key::Num6, Modifiers::NONE, "6", "export", Deed::Tool(Tool::Export)),
-    (Key::X, Modifiers::NONE, "X", "keep the solution as A", Deed::Freeze),
-    (Key::O, Modifiers::NONE, "O", "element outlines", Deed::Outlines),
-    (Key::F11, Modifiers::NONE, "F11", "full screen, the picture alone", Deed::FullPicture),
-    (Key::Questionmark, Modifiers::NONE, "?", "this list", Deed::ShowKeys),
-    (Key::Escape, Modifiers::NONE, "Esc", "deselect, close this list, leave full screen", Deed::Leave),
+    (Key::Space, Modifiers::NONE, "Space", "pause, run", Action::PauseOrRun),
+    (Key::Period, Modifiers::NONE, ".", "step one wave", Action::Step),
+    (Key::R, Modifiers::COMMAND, "Ctrl R", "solve again from scratch", Action::Restart),
+    (Key::O, Modifiers::COMMAND, "Ctrl O", "open a scene", Action::Open),
+    (Key::Num1, Modifiers::NONE, "1", "inspector", Action::Tool(Tool::Inspector)),
+    (Key::Num2, Modifiers::NONE, "2", "link matrix", Action::Tool(Tool::Matrix)),
+    (Key::Num3, Modifiers::NONE, "3", "clusters", Action::Tool(Tool::Clusters)),
+    (Key::Num4, Modifiers::NONE, "4", "measure", Action::Tool(Tool::Measure)),
+    (Key::Num5, Modifiers::NONE, "5", "compare", Action::Tool(Tool::Compare)),
+    (Key::Num6, Modifiers::NONE, "6", "export", Action::Tool(Tool::Export)),
+    (Key::X, Modifiers::NONE, "X", "keep the solution as A", Action::Pinned),
+    (Key::O, Modifiers::NONE, "O", "element outlines", Action::Outlines),
+    (Key::F11, Modifiers::NONE, "F11", "full screen, the picture alone", Action::FullPicture),
+    (Key::Questionmark, Modifiers::NONE, "?", "this list", Action::ShowKeys),
+    (Key::Escape, Modifiers::NONE, "Esc", "deselect, close this list, leave full screen", Action::Leave),
 ];
 
 /// Size of the list, points: egui would find it only after some frames.
@@ -52,59 +53,60 @@ const LIST_HEIGHT: f32 = 430.0;
 const SCALING: (&str, &str) = ("Ctrl + − 0", "interface larger, smaller, as it was");
 
 /// Acts upon the keys of this frame; not while a text is being typed.
-pub(super) fn act(app: &mut App, ui: &Ui, outbox: &mut Outbox) {
+pub(in crate::app) fn act(app: &mut App, ui: &Ui, outbox: &mut Outbox) {
     let ctx = ui.ctx();
     if ctx.text_edit_focused() {
         return;
     }
-    let pressed = |input: &egui::InputState| -> Vec<Deed> { input.events.iter().filter_map(deed_of).collect() };
+    let pressed = |input: &egui::InputState| -> Vec<Action> { input.events.iter().filter_map(deed_of).collect() };
     // Space presses the button that has the focus.
-    let is_view_focused = ctx.memory(|memory| memory.focused()).is_none_or(|focused| app.view.id() == Some(focused));
+    let is_view_focused =
+        ctx.memory(|memory| memory.focused()).is_none_or(|focused| app.view.viewport.id() == Some(focused));
     for deed in ctx.input(pressed) {
-        if deed != Deed::PauseOrRun || is_view_focused {
+        if deed != Action::PauseOrRun || is_view_focused {
             perform(app, deed, ctx, outbox);
         }
     }
 }
 
-fn deed_of(event: &Event) -> Option<Deed> {
+fn deed_of(event: &Event) -> Option<Action> {
     let Event::Key { key, pressed: true, repeat: false, modifiers, .. } = event else { return None };
     let fits = |(of, with, ..): &&Shortcut| of == key && with.command == modifiers.command && !modifiers.alt;
     SHORTCUTS.iter().find(fits).map(|(.., deed)| *deed)
 }
 
-fn perform(app: &mut App, deed: Deed, ctx: &egui::Context, outbox: &mut Outbox) {
+fn perform(app: &mut App, deed: Action, ctx: &egui::Context, outbox: &mut Outbox) {
     let run = app.shown.status.run;
     match deed {
-        Deed::ShowKeys => app.are_keys_shown = !app.are_keys_shown,
-        Deed::Leave if app.are_keys_shown => app.are_keys_shown = false,
-        Deed::Leave if app.is_full_picture => app.set_full_screen(ctx, false),
-        Deed::Leave => app.deselect(),
-        Deed::FullPicture => app.set_full_screen(ctx, !app.is_full_picture),
-        Deed::PauseOrRun => match run {
+        Action::ShowKeys => app.layout.are_keys_shown = !app.layout.are_keys_shown,
+        Action::Leave if app.layout.are_keys_shown => app.layout.are_keys_shown = false,
+        Action::Leave if app.layout.is_full_picture => app.set_full_screen(ctx, false),
+        Action::Leave => app.deselect(),
+        Action::FullPicture => app.set_full_screen(ctx, !app.layout.is_full_picture),
+        Action::PauseOrRun => match run {
             RunState::Paused => outbox.push(Command::Resume),
             RunState::Running => outbox.push(Command::Pause),
             RunState::Idle | RunState::Finished => {}
         },
-        Deed::Step if matches!(run, RunState::Running | RunState::Paused) => outbox.push(Command::StepWave),
-        Deed::Restart if app.shown.info.is_some() => outbox.push(Command::Restart),
-        Deed::Step | Deed::Restart => {}
-        Deed::Open if !app.files.dialog_is_open() => app.files.open_dialog(ctx),
-        Deed::Open => {}
-        Deed::Tool(tool) => app.toggle_tool(tool),
-        Deed::Freeze => {
+        Action::Step if matches!(run, RunState::Running | RunState::Paused) => outbox.push(Command::StepWave),
+        Action::Restart if app.shown.info.is_some() => outbox.push(Command::Restart),
+        Action::Step | Action::Restart => {}
+        Action::Open if !app.documents.files.dialog_is_open() => app.documents.files.open_dialog(ctx),
+        Action::Open => {}
+        Action::Tool(tool) => app.toggle_tool(tool),
+        Action::Pinned => {
             if let Some(snapshot) = app.shown.snapshot.clone() {
-                dock::compare::keep(app, snapshot);
-                app.tool = Some(Tool::Compare);
+                tools::compare::keep(app, snapshot);
+                app.tools.open = Some(Tool::Compare);
             }
         }
-        Deed::Outlines => app.display.show_elements = !app.display.show_elements,
+        Action::Outlines => app.edits.display.show_elements = !app.edits.display.show_elements,
     }
 }
 
 /// The list of all keys, over everything, while it is asked for.
-pub(super) fn show_list(app: &mut App, ctx: &egui::Context) {
-    let mut is_open = app.are_keys_shown;
+pub(in crate::app) fn show_list(app: &mut App, ctx: &egui::Context) {
+    let mut is_open = app.layout.are_keys_shown;
     egui::Window::new(words::MOUSE_AND_KEYS)
         .id(egui::Id::unique("keys"))
         .open(&mut is_open)
@@ -124,7 +126,7 @@ pub(super) fn show_list(app: &mut App, ctx: &egui::Context) {
                 });
             });
         });
-    app.are_keys_shown = is_open;
+    app.layout.are_keys_shown = is_open;
 }
 
 fn column(ui: &mut Ui, title: &str, rows: &[(&str, &str)]) {
@@ -145,7 +147,7 @@ fn column(ui: &mut Ui, title: &str, rows: &[(&str, &str)]) {
 mod tests {
     use super::*;
 
-    fn press(key: Key, modifiers: Modifiers) -> Option<Deed> {
+    fn press(key: Key, modifiers: Modifiers) -> Option<Action> {
         deed_of(&Event::Key { key, physical_key: None, pressed: true, repeat: false, modifiers })
     }
 
@@ -157,7 +159,7 @@ mod tests {
             let flies = [Key::W, Key::A, Key::S, Key::D, Key::Q, Key::E, Key::F, Key::Home].contains(&key);
             assert!(!flies, "{name} moves the camera");
         }
-        assert_eq!(press(Key::Questionmark, Modifiers::SHIFT), Some(Deed::ShowKeys));
+        assert_eq!(press(Key::Questionmark, Modifiers::SHIFT), Some(Action::ShowKeys));
         assert_eq!(press(Key::R, Modifiers::NONE), None);
         assert_eq!(press(Key::Num1, Modifiers::COMMAND), None);
     }

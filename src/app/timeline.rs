@@ -2,8 +2,9 @@
 
 use egui::{Align, Layout, Rect, Response, Sense, Ui, pos2, vec2};
 
-use super::{App, format, theme, words};
-use crate::solver::{MomentInfo, MomentKind};
+use crate::app::widgets::theme;
+use crate::app::{App, format, words};
+use crate::solve::{TimelineStep, TimelineStepKind};
 
 /// Height of the bar, points.
 const HEIGHT: f32 = 30.0;
@@ -12,42 +13,46 @@ const WORDS: f32 = 318.0;
 /// Share of a narrow bar that they get at most.
 const SHARE_OF_WORDS: f32 = 0.6;
 /// Half the height of a tick, points, by what ended with it.
-const TICKS: [(MomentKind, f32); 4] =
-    [(MomentKind::Start, 6.0), (MomentKind::Wave, 3.0), (MomentKind::Round, 6.0), (MomentKind::Pass, 6.0)];
+const TICKS: [(TimelineStepKind, f32); 4] = [
+    (TimelineStepKind::Start, 6.0),
+    (TimelineStepKind::Wave, 3.0),
+    (TimelineStepKind::Round, 6.0),
+    (TimelineStepKind::Pass, 6.0),
+];
 
 /// Draws it along the lower edge of the view; nothing before there is a step to be seen.
-pub(super) fn show(app: &mut App, ui: &mut Ui) {
+pub(in crate::app) fn show(app: &mut App, ui: &mut Ui) {
     let moments = app.shown.status.moments.clone();
     if moments.len() < 2 || app.shown.snapshot.is_none() {
         return;
     }
     let now = ui.input(|input| input.time);
-    if let Some(wait) = app.looking.play(now, app.shown.snapshot.as_deref(), moments.len()) {
+    if let Some(wait) = app.tools.playback.play(now, app.shown.snapshot.as_deref(), moments.len()) {
         ui.ctx().request_repaint_after(wait);
     }
     egui::Panel::bottom("timeline").exact_size(HEIGHT).show(ui, |ui| {
         ui.horizontal_centered(|ui| {
-            let (label, hint) = match app.looking.is_playing() {
+            let (label, hint) = match app.tools.playback.is_playing() {
                 true => ("Stop", "Stop playing"),
                 false => (words::PLAY, "Play the refinement from the root's self-link, step by step"),
             };
             let play = ui.button(label).on_hover_text(hint);
             if play.clicked() {
-                app.looking.play_or_stop(now);
+                app.tools.playback.play_or_stop(now);
             }
-            let is_live = app.looking.moment.is_none();
+            let is_live = app.tools.playback.moment.is_none();
             if ui.selectable_label(is_live, words::LATEST).on_hover_text(words::JUMP_TO_LATEST).clicked() {
-                app.looking.show(None);
+                app.tools.playback.show(None);
             }
             ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-                let at = app.looking.moment.unwrap_or(moments.len() - 1).min(moments.len() - 1);
+                let at = app.tools.playback.moment.unwrap_or(moments.len() - 1).min(moments.len() - 1);
                 let words = WORDS.min(SHARE_OF_WORDS * ui.available_width());
                 ui.allocate_ui_with_layout(vec2(words, 20.0), Layout::left_to_right(Align::Center), |ui| {
                     ui.set_width(words);
                     ui.add(egui::Label::new(theme::value(in_words(&moments, at))).truncate());
                 });
-                if let Some(moment) = track(ui, &moments, app.looking.moment) {
-                    app.looking.show(moment);
+                if let Some(moment) = track(ui, &moments, app.tools.playback.moment) {
+                    app.tools.playback.show(moment);
                 }
             });
         });
@@ -55,20 +60,20 @@ pub(super) fn show(app: &mut App, ui: &mut Ui) {
 }
 
 /// What a step was: its number, its kind, and what there was after it.
-fn in_words(moments: &[MomentInfo], at: usize) -> String {
+fn in_words(moments: &[TimelineStep], at: usize) -> String {
     let info = &moments[at];
     let kind = match info.kind {
-        MomentKind::Start => "self-link".to_owned(),
-        MomentKind::Wave => format!("wave {}", info.stats.wave),
-        MomentKind::Round => format!("iteration {}", info.stats.iterations),
-        MomentKind::Pass => "final gather".to_owned(),
+        TimelineStepKind::Start => "self-link".to_owned(),
+        TimelineStepKind::Wave => format!("wave {}", info.stats.wave),
+        TimelineStepKind::Round => format!("iteration {}", info.stats.iterations),
+        TimelineStepKind::Pass => "final gather".to_owned(),
     };
     let links = info.stats.links + info.stats.candidates_left;
     format!("{}/{} {kind} · {}", at + 1, moments.len(), format::things(links, "link", "links"))
 }
 
 /// The ticks, with the present one marked; a click or drag chooses another: the last one is the present.
-fn track(ui: &mut Ui, moments: &[MomentInfo], shown: Option<usize>) -> Option<Option<usize>> {
+fn track(ui: &mut Ui, moments: &[TimelineStep], shown: Option<usize>) -> Option<Option<usize>> {
     let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), 20.0), Sense::click_and_drag());
     let last = moments.len() - 1;
     response.widget_info(|| {
@@ -121,12 +126,14 @@ fn chosen(ui: &Ui, response: &Response, inner: Rect, last: usize, shown: Option<
     Some((moment < last).then_some(moment))
 }
 
-fn described(info: &MomentInfo) -> String {
+fn described(info: &TimelineStep) -> String {
     let kind = match info.kind {
-        MomentKind::Start => "The root's self-link, with which everything starts".to_owned(),
-        MomentKind::Wave => format!("Wave {} of refinement, pass {}", info.stats.wave, info.stats.iterations + 1),
-        MomentKind::Round => format!("End of iteration {}: light was gathered to convergence", info.stats.iterations),
-        MomentKind::Pass => "A pass of the final gather".to_owned(),
+        TimelineStepKind::Start => "The root's self-link, with which everything starts".to_owned(),
+        TimelineStepKind::Wave => format!("Wave {} of refinement, pass {}", info.stats.wave, info.stats.iterations + 1),
+        TimelineStepKind::Round => {
+            format!("End of iteration {}: light was gathered to convergence", info.stats.iterations)
+        }
+        TimelineStepKind::Pass => "A pass of the final gather".to_owned(),
     };
     let stats = &info.stats;
     let waiting = match stats.candidates_left {

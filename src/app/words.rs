@@ -1,8 +1,8 @@
 //! The words on the window's widgets, each in one place: the panels draw them, tests and the gallery find widgets by them.
 //!
-//! Labels of the solver's parameters stand in [`crate::solver::PARAMETERS`] instead, which [`parameter`] reads.
+//! Labels of the solver's parameters stand in [`crate::solve::PARAMETERS`] instead, which [`parameter`] reads.
 
-use crate::solver::{PARAMETERS, ParameterId};
+use crate::solve::{PARAMETERS, ParameterId};
 
 /// The label of a parameter of the solver.
 pub fn parameter(id: ParameterId) -> &'static str {

@@ -5,9 +5,9 @@ use std::fmt::Write as _;
 use std::io::Write as _;
 
 use clap::{ArgMatches, Command};
-use selflink::accuracy::cases::{self, Case, Reading};
-use selflink::accuracy::{Measured, by_reference, by_solver};
-use selflink::solver::{ClusteringMode, Epsilon, SolverParams};
+use selflink::measure::accuracy::cases::{self, Case, Reading};
+use selflink::measure::accuracy::{Measured, by_reference, by_solver};
+use selflink::solve::{ClusteringMode, Epsilon, SolverParams};
 
 use super::options::{name_of, path, path_arg};
 use super::output::{OutputFile, make_folder, say};

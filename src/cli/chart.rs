@@ -8,12 +8,12 @@ use std::time::Duration;
 
 use anyhow::bail;
 use clap::{Arg, ArgMatches, Command};
-use selflink::cancel::CancelToken;
-use selflink::chart::{
+use selflink::base::cancel::CancelToken;
+use selflink::measure::chart::{
     Against, Chart, Drawing, Shown, Sweep, csv, draw_png, draw_svg, error_table, target_table, usual_epsilons,
     usual_settings,
 };
-use selflink::solver::ParameterId;
+use selflink::solve::ParameterId;
 
 use super::job::{Job, Order};
 use super::options::{self, path, path_arg};
@@ -75,7 +75,7 @@ pub fn run(matches: &ArgMatches) -> anyhow::Result<()> {
     let wanted: Option<Vec<&str>> =
         matches.get_one::<String>("settings").map(|list| list.split(',').map(str::trim).collect());
     if let Some(words) = &wanted {
-        let known = usual_settings(selflink::solver::SolverParams::default());
+        let known = usual_settings(selflink::solve::SolverParams::default());
         if let Some(word) = words.iter().find(|word| !known.iter().any(|setting| is_called(&setting.name, word))) {
             let names = known.iter().map(|setting| setting.name.as_str()).collect::<Vec<_>>().join("; ");
             bail!("--settings does not know `{word}`; the settings are: {names}");

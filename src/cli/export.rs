@@ -2,9 +2,9 @@
 
 use clap::builder::PossibleValuesParser;
 use clap::{Arg, ArgMatches, Command};
+use selflink::base::format::things;
 use selflink::export::peers::Peer;
-use selflink::format::things;
-use selflink::solver::ParameterId;
+use selflink::solve::ParameterId;
 
 use super::job::Order;
 use super::options::{self, path, path_arg};

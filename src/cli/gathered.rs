@@ -3,10 +3,10 @@
 use std::time::{Duration, Instant};
 
 use anyhow::anyhow;
-use selflink::cancel::CancelToken;
-use selflink::picture::{GatheredPicture, Start};
+use selflink::base::cancel::CancelToken;
+use selflink::read::picture::{GatheredPicture, Start};
 use selflink::render::Camera;
-use selflink::solver::USUAL_ERROR;
+use selflink::solve::USUAL_ERROR;
 
 use super::job::{Job, Solution, start_timer};
 

@@ -8,12 +8,12 @@ use std::time::{Duration, Instant};
 use anyhow::{anyhow, bail};
 use clap::ArgMatches;
 use rayon::{ThreadPool, ThreadPoolBuilder};
-use selflink::cancel::CancelToken;
+use selflink::base::cancel::CancelToken;
 use selflink::export::settings::Settings;
 use selflink::geometry::Occluders;
 use selflink::prepare;
 use selflink::scene::{Scene, Source};
-use selflink::solver::{Snapshot, Solver, Stats, Step};
+use selflink::solve::{Snapshot, Solver, Stats, Step};
 
 use super::options;
 use super::progress::Progress;

@@ -7,8 +7,8 @@ use plotters::drawing::IntoDrawingArea;
 use plotters::element::Text;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 use plotters::style::{IntoFont, RGBColor, TextStyle};
-use selflink::font::family;
-use selflink::photometry::{FORMULA, Unit};
+use selflink::base::font::family;
+use selflink::base::photometry::{FORMULA, Unit};
 use selflink::render::Reading;
 
 /// Sizes for a picture of 800 lines; larger ones have larger legends.

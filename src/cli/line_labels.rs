@@ -8,10 +8,10 @@ use plotters::drawing::IntoDrawingArea;
 use plotters::element::Text;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 use plotters::style::{IntoFont, TextStyle, WHITE};
-use selflink::font::family;
-use selflink::format;
-use selflink::photometry::Unit;
-use selflink::picture::{LABEL_RIM, LineLabel};
+use selflink::base::font::family;
+use selflink::base::format;
+use selflink::base::photometry::Unit;
+use selflink::read::picture::{LABEL_RIM, LineLabel};
 
 /// Height of the letters, pixels.
 const HEIGHT: f64 = 14.0;

@@ -6,7 +6,7 @@ use std::path::Path;
 use anyhow::anyhow;
 use clap::{ArgMatches, Command};
 use clap_complete::Shell;
-use selflink::format::things;
+use selflink::base::format::things;
 
 use super::options::{path, path_arg};
 use super::output::say;

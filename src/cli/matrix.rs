@@ -2,11 +2,11 @@
 
 use anyhow::{anyhow, bail};
 use clap::{Arg, ArgMatches, Command, value_parser};
-use selflink::cancel::CancelToken;
+use selflink::base::cancel::CancelToken;
 use selflink::hierarchy::Room;
-use selflink::matrix::{Colouring, Drawing, draw};
-use selflink::names::Names;
-use selflink::solver::{Snapshot, Solver, Step};
+use selflink::read::matrix::{Colouring, Drawing, draw};
+use selflink::read::names::Names;
+use selflink::solve::{Snapshot, Solver, Step};
 
 use super::job::{Job, Order};
 use super::options::{self, path, path_arg};
@@ -75,14 +75,14 @@ pub fn run(matches: &ArgMatches) -> anyhow::Result<()> {
         Some(&waves) => after_waves(&job, waves)?,
         None => {
             let mut solution = job.solve()?;
-            solution.solver.show_anatomy(true);
+            solution.solver.show_solution_view(true);
             solution.solver.snapshot()
         }
     };
-    let anatomy = snapshot.anatomy.ok_or_else(|| anyhow!("the solution tells nothing of its links"))?;
-    let names = Names::new(snapshot.generation, anatomy.hierarchy(), &job.scene);
+    let solution_view = snapshot.solution_view.ok_or_else(|| anyhow!("the solution tells nothing of its links"))?;
+    let names = Names::new(snapshot.generation, solution_view.hierarchy(), &job.scene);
     let (colouring, room) = (colouring.unwrap_or_default(), room.map(|(_, room)| room).unwrap_or_default());
-    let drawing = Drawing { anatomy: &anatomy, names: &names, scene: &job.scene, room, colouring, pixels };
+    let drawing = Drawing { solution_view: &solution_view, names: &names, scene: &job.scene, room, colouring, pixels };
     let picture = draw(drawing)?;
     file.write(|writer| {
         let encoder = image::codecs::png::PngEncoder::new(writer);
@@ -96,7 +96,7 @@ pub fn run(matches: &ArgMatches) -> anyhow::Result<()> {
 fn after_waves(job: &Job, waves: u32) -> anyhow::Result<Snapshot> {
     job.pool.install(|| {
         let mut solver = Solver::new(job.scene.clone(), job.occluders.clone(), job.settings.solver, 1)?;
-        solver.show_anatomy(true);
+        solver.show_solution_view(true);
         let never = CancelToken::new();
         let mut left = waves;
         while left > 0 {

@@ -42,7 +42,7 @@ use std::time::Instant;
 
 use clap::error::ErrorKind;
 use clap::{ArgMatches, Command};
-use selflink::format::without_os_codes;
+use selflink::base::format::without_os_codes;
 
 /// Exit code of everything that cannot be done.
 const CANNOT: u8 = 2;

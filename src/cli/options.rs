@@ -10,16 +10,14 @@ use clap::builder::PossibleValue;
 use clap::parser::ValueSource;
 use clap::{Arg, ArgAction, ArgMatches, Command, value_parser};
 use glam::Vec3;
-use selflink::added_light::{AddedLight, CeilingLight};
+use selflink::base::memory::MemoryBudget;
 use selflink::export::settings::Settings;
 use selflink::hierarchy::ClusteringMode;
-use selflink::memory::MemoryBudget;
+use selflink::prepare::added_light::{AddedLight, CeilingLight};
 use selflink::scene::outside::{Daylight, SkyKind, SkyTold, SunTold};
 use selflink::scene::{Reading, Sides, Source, Unit, UpAxis, builtin::BuiltinScene};
-use selflink::solver::{
-    ClusterModel, Epsilon, OracleKind, PARAMETERS, Parameter, ParameterId, Push, Reconstruct, SolverParams,
-    USUAL_ERROR, ValueKind,
-};
+use selflink::solve::{Epsilon, PARAMETERS, Parameter, ParameterId, Reconstruct, SolverParams, USUAL_ERROR, ValueKind};
+use selflink::transport::{ClusterModel, OracleKind, Push};
 
 /// More threads than any machine has cores for.
 const MOST_THREADS: u32 = 1024;

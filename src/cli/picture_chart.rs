@@ -5,13 +5,13 @@ use std::path::Path;
 
 use anyhow::bail;
 use clap::{Arg, ArgAction, ArgMatches, Command};
-use selflink::cancel::CancelToken;
-use selflink::chart::{
+use selflink::base::cancel::CancelToken;
+use selflink::measure::chart::{
     MeshPainter, PictureChart, PictureMetric, PictureSweep, draw_picture_png, draw_picture_svg, picture_csv,
     picture_table,
 };
 use selflink::render::{Camera, Display, Exposure, Offscreen, Overlay};
-use selflink::solver::Snapshot;
+use selflink::solve::Snapshot;
 
 use super::chart::{ChartFiles, limit};
 use super::job::{Job, Order};

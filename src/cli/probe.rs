@@ -9,10 +9,10 @@ use anyhow::{anyhow, bail};
 use clap::{Arg, ArgMatches, Command};
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
-use selflink::format::things;
+use selflink::base::format::things;
 use selflink::gather::NOISE;
-use selflink::probe::{Probe, Sample};
-use selflink::solver::USUAL_ERROR;
+use selflink::read::probe::{Probe, Sample};
+use selflink::solve::USUAL_ERROR;
 
 use super::job::Order;
 use super::options::{self, path, path_arg};

@@ -4,8 +4,8 @@ use std::io::IsTerminal as _;
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressStyle};
-use selflink::format;
-use selflink::solver::{Phase, Solver};
+use selflink::base::format;
+use selflink::solve::{Phase, Solver};
 
 /// Counting what is there looks at every element, so the bar moves only so often.
 const INTERVAL: Duration = Duration::from_millis(100);

@@ -4,7 +4,7 @@
 use anyhow::bail;
 use clap::builder::PossibleValuesParser;
 use clap::{Arg, ArgAction, ArgMatches, Command};
-use selflink::photometry::{CONVENTION, Unit};
+use selflink::base::photometry::{CONVENTION, Unit};
 use selflink::render::{IsolinesWanted, MOST_ISOLINES, Ramp, ReadingSettings, Show, Spacing};
 
 use super::clusters::PREFIX;

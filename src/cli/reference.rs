@@ -6,11 +6,13 @@ use std::time::Duration;
 
 use anyhow::bail;
 use clap::{Arg, ArgAction, ArgMatches, Command};
-use selflink::cancel::CancelToken;
-use selflink::format::{count, seconds, things};
-use selflink::reference::{Cache, Outcome, Reference, ReferenceRun, SurfacePoint, Target, compute, random_points};
+use selflink::base::cancel::CancelToken;
+use selflink::base::format::{count, seconds, things};
+use selflink::measure::reference::{
+    Cache, Outcome, Reference, ReferenceRun, SurfacePoint, Target, compute, random_points,
+};
 use selflink::scene::Scene;
-use selflink::solver::ParameterId;
+use selflink::solve::ParameterId;
 
 use super::job::{Job, Order};
 use super::options::{self, path, path_arg};

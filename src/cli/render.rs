@@ -9,13 +9,13 @@ use clap::{Arg, ArgAction, ArgMatches, Command};
 use glam::{DVec3, Vec2};
 use image::{ImageFormat, RgbaImage};
 use selflink::export::{PictureFormat, exr};
-use selflink::picture::GatheredPicture;
+use selflink::read::picture::GatheredPicture;
 use selflink::render::{
     Camera, ChosenLinks, ClusterView, Display, Exposure, Frame, IsolinesWanted, LinkFilter, LinkStyle, MAX_SIZE, Marks,
     Offscreen, Overlay, ReadingSettings, auto_exposure, by_clusters, developed, pick, picked_marks,
 };
 use selflink::scene::{CameraPose, FiledCamera, Scene};
-use selflink::solver::{Anatomy, LinkView};
+use selflink::transport::{LinkView, SolutionView};
 
 use super::gathered::{PictureOf, gather};
 use super::job::{Order, Solution};
@@ -230,7 +230,7 @@ pub fn draw(
         None => {}
     }
     let by_clusters = view.clusters.and_then(|clusters| {
-        anatomy(solution)?;
+        solution_view(solution)?;
         by_clusters(&solution.snapshot, ClusterView { level: clusters.level.min(deepest), ..clusters })
     });
     let snapshot = by_clusters.as_ref().unwrap_or(&solution.snapshot);
@@ -291,10 +291,10 @@ fn links_at(solution: &mut Solution, camera: &Camera, [x, y]: [f32; 2], [width, 
     match pick(&solution.snapshot.mesh, origin, direction) {
         Some(picked) => {
             let element = solution.snapshot.mesh.leaves[picked.leaf as usize].element;
-            let Some(anatomy) = anatomy(solution) else { return Marks::default() };
+            let Some(solution_view) = solution_view(solution) else { return Marks::default() };
             let style = LinkStyle { ends: false, ..LinkStyle::default() };
-            let mut lines = chosen(&anatomy, anatomy.incoming(element)).lines(&anatomy, style);
-            lines.extend(picked_marks(&anatomy, element));
+            let mut lines = chosen(&solution_view, solution_view.incoming(element)).lines(&solution_view, style);
+            lines.extend(picked_marks(&solution_view, element));
             lines.into()
         }
         None => {
@@ -306,28 +306,28 @@ fn links_at(solution: &mut Solution, camera: &Camera, [x, y]: [f32; 2], [width, 
 
 /// The links of all receivers at a level.
 fn links_of_level(solution: &mut Solution, level: u16) -> Marks {
-    let Some(anatomy) = anatomy(solution) else { return Marks::default() };
-    if level > anatomy.deepest() {
+    let Some(solution_view) = solution_view(solution) else { return Marks::default() };
+    if level > solution_view.deepest() {
         eprintln!(
             "note: there are no elements at level {level} to be linked, the deepest have level {}.",
-            anatomy.deepest()
+            solution_view.deepest()
         );
     }
-    chosen(&anatomy, anatomy.links_at_depth(level)).lines(&anatomy, LinkStyle::default()).into()
+    chosen(&solution_view, solution_view.links_at_depth(level)).lines(&solution_view, LinkStyle::default()).into()
 }
 
 /// The strongest links, and a word about the rest.
-fn chosen(anatomy: &Anatomy, links: impl IntoIterator<Item = LinkView>) -> ChosenLinks {
-    let chosen = ChosenLinks::new(links, &LinkFilter::default(), anatomy.epsilon_watts());
+fn chosen(solution_view: &SolutionView, links: impl IntoIterator<Item = LinkView>) -> ChosenLinks {
+    let chosen = ChosenLinks::new(links, &LinkFilter::default(), solution_view.epsilon_watts());
     eprintln!("note: {}.", chosen.to_string().to_lowercase());
     chosen
 }
 
 /// The solution's elements and links.
-fn anatomy(solution: &mut Solution) -> Option<Arc<Anatomy>> {
-    solution.solver.show_anatomy(true);
+fn solution_view(solution: &mut Solution) -> Option<Arc<SolutionView>> {
+    solution.solver.show_solution_view(true);
     solution.snapshot = solution.solver.snapshot();
-    solution.snapshot.anatomy.clone()
+    solution.snapshot.solution_view.clone()
 }
 
 fn view(matches: &ArgMatches) -> anyhow::Result<View> {

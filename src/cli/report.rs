@@ -3,13 +3,14 @@
 use std::fmt::Write as _;
 use std::time::Instant;
 
+use selflink::base::format::{bytes, count, number, quantity, seconds};
 use selflink::export::settings::Settings;
-use selflink::format::{bytes, count, number, quantity, seconds};
 use selflink::gather::Quantiles;
 use selflink::scene::{Scene, Sides, Skipped};
-use selflink::solver::{
-    Bytes, ClusteringMode, ErrorFound, MemoryStop, OracleKind, PowerBalance, Push, Reconstruct, Seconds, power_balance,
+use selflink::solve::{
+    Bytes, ClusteringMode, ErrorFound, MemoryStop, PowerBalance, Reconstruct, Seconds, power_balance,
 };
+use selflink::transport::{OracleKind, Push};
 use serde::Serialize;
 
 use super::job::{Job, Solution};

@@ -2,7 +2,7 @@
 
 use anyhow::bail;
 use clap::{Arg, ArgMatches, Command};
-use selflink::format::things;
+use selflink::base::format::things;
 use selflink::scene::{builtin::BuiltinScene, write_obj};
 
 use super::options::{self, path, path_arg};

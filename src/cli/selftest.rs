@@ -5,7 +5,7 @@ use std::process::ExitCode;
 
 use anyhow::bail;
 use clap::{Arg, ArgMatches, Command};
-use selflink::stability::{Check, Finding, Relation, Row, Verdict, rows};
+use selflink::measure::stability::{Check, Finding, Relation, Row, Verdict, rows};
 use serde::Serialize;
 
 use super::options::{path, path_arg};

@@ -48,9 +48,10 @@ pub fn run(matches: &ArgMatches, started: Instant) -> anyhow::Result<()> {
         file.write(|writer| format.write(writer, &lit))?;
     }
     if let Some(file) = &links_file {
-        solution.solver.show_anatomy(true);
-        let anatomy = job.pool.install(|| solution.solver.snapshot()).anatomy;
-        let rows = anatomy.map(|anatomy| job.pool.install(|| links::rows(&anatomy))).unwrap_or_default();
+        solution.solver.show_solution_view(true);
+        let solution_view = job.pool.install(|| solution.solver.snapshot()).solution_view;
+        let rows =
+            solution_view.map(|solution_view| job.pool.install(|| links::rows(&solution_view))).unwrap_or_default();
         file.write(|writer| links::write(writer, &rows))?;
     }
     let report = Report::new(&job, &solution, started);

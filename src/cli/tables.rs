@@ -9,9 +9,9 @@ use std::time::Instant;
 use anyhow::{anyhow, bail};
 use clap::{Arg, ArgAction, ArgMatches, Command};
 use rayon::ThreadPool;
-use selflink::format::seconds;
-use selflink::solver::ParameterId;
-use selflink::tables::{Claim, Effort, Lab, Part, Report, Truth, Verdict, claims_markdown};
+use selflink::base::format::seconds;
+use selflink::measure::tables::{Claim, Effort, Lab, Part, Report, Truth, Verdict, claims_markdown};
+use selflink::solve::ParameterId;
 
 use super::job::pool;
 use super::options::{self, path, path_arg};
@@ -105,8 +105,8 @@ fn report(lab: &mut Lab<'_>, part: Part, folder: &Path, pool: &ThreadPool) -> an
 
 #[cfg(feature = "gui")]
 fn figures(lab: &mut Lab<'_>, folder: &Path, pool: &ThreadPool) -> anyhow::Result<Option<Report>> {
+    use selflink::measure::tables::figures;
     use selflink::render::{Offscreen, RenderError};
-    use selflink::tables::figures;
     let drawn = match Offscreen::new() {
         Ok(mut offscreen) => {
             let solved = pool.install(|| figures::solve(lab));

@@ -2,9 +2,9 @@
 
 use anyhow::bail;
 use clap::{Arg, ArgMatches};
-use selflink::format::{count, number, short, things};
-use selflink::photometry::FORMULA;
-use selflink::survey::{LitMesh, PlaneReading, WorkPlane, measure, write_plane};
+use selflink::base::format::{count, number, short, things};
+use selflink::base::photometry::FORMULA;
+use selflink::read::survey::{LitMesh, PlaneReading, WorkPlane, measure, write_plane};
 
 use super::job::Order;
 use super::options::{number as parse, path};

@@ -7,7 +7,7 @@ use std::io::{self, Write};
 
 use exr::prelude::{AnyChannel, AnyChannels, Encoding, FlatSamples, Image, Layer, LayerAttributes, WritableImage};
 
-use crate::picture::{Layers, LayersAt};
+use crate::read::picture::{Layers, LayersAt};
 
 /// A picture of floats, rows from above.
 #[derive(Clone, Debug, PartialEq)]

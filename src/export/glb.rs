@@ -12,7 +12,7 @@ use glam::DVec3;
 use serde_json::{Value, json};
 
 use super::LitMesh;
-use crate::tone::tone_curve;
+use crate::read::tone::tone_curve;
 
 const FLOAT: u32 = 5126;
 const UNSIGNED_SHORT: u32 = 5123;
@@ -187,7 +187,7 @@ mod tests {
     use super::*;
     use crate::hierarchy::ElementId;
     use crate::scene::{Material, MaterialId, load_file};
-    use crate::solver::{Leaf, Mesh};
+    use crate::solve::{Leaf, Mesh};
 
     fn square() -> Mesh {
         let leaf = |material| Leaf {

@@ -5,7 +5,7 @@ use std::io::{self, Write};
 use rayon::prelude::*;
 
 use crate::hierarchy::{ElementId, Hierarchy, Shape};
-use crate::solver::{Anatomy, Evidence, Link};
+use crate::transport::{Link, SolutionView, VisibilitySource};
 
 /// The columns; [`LinkRow`] says what they hold.
 const COLUMNS: &str = "receiver,receiver_kind,receiver_polygon,receiver_area_m2,source,source_kind,source_polygon,source_area_m2,\
@@ -43,26 +43,26 @@ pub struct LinkEnd {
 
 /// The links of a state of a solution, by receiver; those that wait to be judged, with neither rays
 /// nor a verdict, lie among them.
-pub fn rows(anatomy: &Anatomy) -> Vec<LinkRow> {
-    let hierarchy = anatomy.hierarchy();
+pub fn rows(solution_view: &SolutionView) -> Vec<LinkRow> {
+    let hierarchy = solution_view.hierarchy();
     let row = |receiver: ElementId, link: &Link| {
         let source = link.source();
-        let irradiance = link.irradiance(anatomy.radiosity(source), anatomy.emitted(source));
+        let irradiance = link.irradiance(solution_view.radiosity(source), solution_view.emitted(source));
         LinkRow {
             receiver: LinkEnd::of(hierarchy, receiver),
             source: LinkEnd::of(hierarchy, source),
             form_factor: link.form_factor,
             visibility: link.visibility(),
-            rays: match link.evidence() {
-                Evidence::Rays(rays) | Evidence::Clear(rays) => Some(rays),
-                Evidence::None | Evidence::Inherited => None,
+            rays: match link.visibility_source() {
+                VisibilitySource::Rays(rays) | VisibilitySource::Clear(rays) => Some(rays),
+                VisibilitySource::None | VisibilitySource::Inherited => None,
             },
             power: irradiance.max_element() * hierarchy.element(receiver).area,
         }
     };
-    let receivers: Vec<ElementId> = hierarchy.ids().take(anatomy.links().receivers()).collect();
+    let receivers: Vec<ElementId> = hierarchy.ids().take(solution_view.links().receivers()).collect();
     let of = |receiver: &ElementId| {
-        let links = anatomy.links().of(*receiver);
+        let links = solution_view.links().of(*receiver);
         links.iter().map(|link| row(*receiver, link)).collect::<Vec<_>>()
     };
     receivers.par_iter().flat_map_iter(of).collect()

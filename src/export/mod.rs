@@ -17,9 +17,9 @@ use std::path::{Path, PathBuf};
 
 use glam::DVec3;
 
+use crate::read::tone;
 use crate::scene::{Material, Scene};
-use crate::solver::{Mesh, Snapshot};
-use crate::tone;
+use crate::solve::{Mesh, Snapshot};
 
 /// A file name whose extension says no format.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]

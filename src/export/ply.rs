@@ -5,7 +5,7 @@ use std::io::{self, Write};
 use glam::{DVec3, Vec3};
 
 use super::LitMesh;
-use crate::tone::shown_colour;
+use crate::read::tone::shown_colour;
 
 /// Writes the mesh as binary little-endian PLY. Its vertices carry the radiosity B per colour,
 /// W/m², linear RGB, as `radiosity_r`, `radiosity_g` and `radiosity_b`, and the colour that a
@@ -57,8 +57,8 @@ pub fn write(writer: &mut impl Write, lit: &LitMesh<'_>) -> io::Result<()> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::solver::Mesh;
-    use crate::tone::{encode_gamma, tone_curve};
+    use crate::read::tone::{encode_gamma, tone_curve};
+    use crate::solve::Mesh;
 
     /// Truth: the format's definition, byte for byte, for one triangle.
     #[test]

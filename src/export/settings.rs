@@ -9,11 +9,11 @@ use std::{fs, io};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use crate::added_light::AddedLight;
+use crate::prepare::added_light::AddedLight;
 use crate::scene::builtin::BuiltinScene;
 use crate::scene::{FiledCamera, Reading, Source};
-use crate::solver::params::ParamsError;
-use crate::solver::{SolverParams, USUAL_ERROR};
+use crate::solve::params::ParamsError;
+use crate::solve::{SolverParams, USUAL_ERROR};
 
 /// Everything that decides a solution, and from where it was looked at.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -129,10 +129,10 @@ mod tests {
     use glam::{DVec3, Vec3};
 
     use super::*;
-    use crate::added_light::CeilingLight;
+    use crate::prepare::added_light::CeilingLight;
     use crate::scene::outside::Daylight;
     use crate::scene::{FiledLuminaire, LuminaireShape, Unit, UpAxis};
-    use crate::solver::{ClusteringMode, Epsilon};
+    use crate::solve::{ClusteringMode, Epsilon};
 
     fn read(text: &str) -> Result<Settings, String> {
         let folder = tempfile::tempdir().expect("a folder");

@@ -10,7 +10,7 @@ use glam::Vec3;
 use super::field::{End, Field, Met, grey};
 use super::glance::{Followed, GatherPoint, GlanceRays, Path};
 use super::sources::Aim;
-use crate::random::{cosine_direction, mix};
+use crate::base::random::{cosine_direction, mix};
 
 /// Aimed rays of a look (about so many).
 const AIMED: f32 = 8.0;

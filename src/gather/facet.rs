@@ -239,8 +239,8 @@ fn perpendicular(of: Vec3, to: Vec3) -> Vec3 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::random::even_point;
-    use crate::solver::point_to_polygon;
+    use crate::base::random::even_point;
+    use crate::transport::point_to_polygon;
 
     fn square(height: f32, side: f32, shift: f32) -> [Vec3; 4] {
         // Bright side down.

@@ -13,6 +13,7 @@ use crate::geometry::{EnclosureTest, Hit, LampList, Occluders};
 use crate::hierarchy::{ElementId, Hierarchy, Patch, Shape};
 use crate::scene::outside::Outside;
 use crate::scene::{Scene, Surface};
+use crate::transport::LinkSolution;
 
 /// Errors of places that are darker than this share of the median are relative to it.
 const DIM_SHARE: f32 = 0.1;
@@ -96,26 +97,21 @@ impl End {
 
 impl Field {
     /// The field of a solution: `irradiance` is that of each leaf, W/m², parallel to the hierarchy's arena.
-    pub fn new(
-        scene: &Arc<Scene>,
-        occluders: &Arc<Occluders>,
-        surfaces: &[Surface],
-        hierarchy: Hierarchy,
-        irradiance: Vec<Vec3>,
-    ) -> Self {
+    pub fn new(links: &LinkSolution, irradiance: Vec<Vec3>) -> Self {
+        let (scene, hierarchy) = (links.scene(), links.hierarchy().clone());
         let mut patches = vec![Hierarchy::ROOT; scene.polygons.len()];
         for &id in hierarchy.initial_patches() {
             if let Shape::Patch(patch) = hierarchy.element(id).shape {
                 patches[patch.polygon as usize] = id;
             }
         }
-        let surfaces = surfaces.to_vec();
+        let surfaces = links.surfaces().to_vec();
         // Of a closed scene nothing is outside.
         let outside = scene.outside().filter(|_| hierarchy.outside().len() > 0).cloned();
         let sources = Sources::emitters(&hierarchy, &surfaces);
         let around = Surroundings {
             scene: scene.clone(),
-            occluders: occluders.clone(),
+            occluders: links.occluders().clone(),
             surfaces,
             patches,
             lamps: Arc::new(LampList::new(scene)),

@@ -12,8 +12,8 @@ use glam::Vec3;
 
 use super::facet::Facet;
 use super::field::{End, Field, Met};
+use crate::base::random::{cosine_direction, fraction, mix};
 use crate::hierarchy::{Element, ElementId, Hierarchy, Shape, point_on_polygon};
-use crate::random::{cosine_direction, fraction, mix};
 
 /// Sequences are this long before another one begins.
 const SEQUENCE: u32 = 1 << 16;

@@ -10,6 +10,7 @@
 //!
 //! The links' solution is read, never written.
 
+mod bound;
 pub mod certificate;
 mod daylight;
 mod estimator;
@@ -20,21 +21,19 @@ mod refine;
 mod samples;
 mod sources;
 
-use std::sync::Arc;
-
 use glam::Vec3;
 
-pub use certificate::{Certificate, Certifying, NOISE, Quantiles, RISK};
+pub use bound::Quantiles;
+pub use certificate::{Certificate, Certifying, NOISE, RISK};
 pub use estimator::{Checked, Irradiance};
 pub use field::{Field, Met, grey};
 pub use glance::{GatherPoint, Glance, GlanceRays};
 use samples::{GatherSamples, Queue};
 
-use crate::cancel::CancelToken;
-use crate::geometry::Occluders;
-use crate::hierarchy::{ElementId, Hierarchy};
-use crate::random::mix;
-use crate::scene::{Scene, Surface};
+use crate::base::cancel::CancelToken;
+use crate::base::random::mix;
+use crate::hierarchy::ElementId;
+use crate::transport::LinkSolution;
 
 /// The target error where nobody asks for one: 9 of 10 surfaces are read within it.
 pub const USUAL_ERROR: f64 = 0.05;
@@ -47,8 +46,8 @@ const AIMED: u32 = 4;
 const LOOKS: u32 = 4;
 /// Cosine-distributed rays of a look, times the target error.
 const COSINE: f64 = 0.4;
-/// Cosine-distributed rays that are shared out by the power that leaves send, times the square of the target error:
-/// the noise of what a leaf sends is shared by all who read it.
+/// Cosine-distributed rays that are shared out by what leaves count to those who read them, times the square of the target
+/// error: the noise of what a leaf sends is shared by all of these.
 const RAYS_BY_POWER: f64 = 500.0;
 /// Looks from a leaf for that, at most.
 const MOST_LOOKS: f64 = 2000.0;
@@ -73,20 +72,6 @@ const CAST_SHARE: f32 = 0.5;
 const LEAF_BYTES: usize = 600;
 /// Bytes of a look beside those of its cosine-distributed rays, four each.
 const LOOK_BYTES: usize = 72;
-
-/// The links' solution, as a gather reads it.
-pub struct LinkLight<'a> {
-    /// The scene as it is solved.
-    pub scene: &'a Arc<Scene>,
-    /// Its occluders.
-    pub occluders: &'a Arc<Occluders>,
-    /// Reflectance and emission of each polygon.
-    pub surfaces: &'a [Surface],
-    /// Elements.
-    pub hierarchy: &'a Hierarchy,
-    /// Irradiance of each element by what others reflect and by the sky, W/m².
-    pub indirect: &'a [Vec3],
-}
 
 /// What is asked of a gather.
 #[derive(Clone, Copy, Debug)]
@@ -135,6 +120,8 @@ pub struct Gather {
     round: u32,
     /// Whether uneven leaves were split in this attempt.
     is_evened: bool,
+    /// Whether leaves were looked from in this attempt by what they count to their readers.
+    is_weighted: bool,
     attempt: u32,
     /// The error that leaves and rays are made for; falls with each attempt.
     aim: f64,
@@ -159,19 +146,19 @@ pub enum Full {
 }
 
 impl Gather {
-    /// Starts over a links' solution.
-    pub fn new(links: &LinkLight, goal: Goal) -> Self {
-        let of_links = links.indirect.to_vec();
-        let (hierarchy, indirect) = (links.hierarchy.clone(), links.indirect.to_vec());
-        let field = Field::new(links.scene, links.occluders, links.surfaces, hierarchy, indirect);
+    /// Starts over a links' solution; `None` if cancelled.
+    pub fn new(links: &LinkSolution, goal: Goal, cancel: &CancelToken) -> Option<Self> {
+        let of_links = links.indirect(cancel)?;
+        let field = Field::new(links, of_links.clone());
         let queue = field.leaves().map(|leaf| (leaf, LOOKS)).collect();
-        Self {
+        Some(Self {
             samples: GatherSamples::default(),
             of_links,
             stage: Stage::Direct(0),
             queue,
             round: 0,
             is_evened: false,
+            is_weighted: false,
             attempt: 0,
             aim: goal.error.unwrap_or(USUAL_ERROR),
             goal: Goal { seed: mix(goal.seed, 0x6761_7468_6572), ..goal },
@@ -182,7 +169,7 @@ impl Gather {
             is_ready: false,
             full: None,
             field,
-        }
+        })
     }
 
     /// Does one bounded piece of work; what it was about is done whole or, if cancelled, not at all.
@@ -228,6 +215,12 @@ impl Gather {
                     if !split.is_empty() {
                         self.split(&split);
                         return Some(Progress::Pass);
+                    }
+                }
+                if !std::mem::replace(&mut self.is_weighted, true) {
+                    self.open_pass();
+                    if !self.queue.is_empty() {
+                        return Some(Progress::Part);
                     }
                 }
                 let seed = mix(self.goal.seed, u64::from(self.attempt));
@@ -306,18 +299,24 @@ impl Gather {
         self.stage = Stage::Direct(0);
     }
 
-    /// Aims at what is bright from now on, and queues all leaves for cosine-distributed rays: some for each, and for those
-    /// that send much, more.
+    /// Aims at what is bright from now on, and queues leaves for cosine-distributed rays: some for each, and once these have told
+    /// what a leaf counts, more for those that count much.
     fn open_pass(&mut self) {
-        self.field.find_secondary();
+        if !self.is_weighted {
+            self.field.find_secondary();
+        }
         let field = &self.field;
-        let sent = |leaf: ElementId| f64::from(field.area(leaf) * field.reflected[leaf.index()].max_element());
-        let total: f64 = field.leaves().map(sent).sum();
+        let importance = if self.is_weighted { self.samples.importance(field) } else { Vec::new() };
+        let counts = |leaf: ElementId| {
+            let sent = f64::from(field.area(leaf) * field.reflected[leaf.index()].max_element());
+            importance.get(leaf.index()).map_or(0.0, |importance| sent * f64::from(*importance))
+        };
+        let total: f64 = field.leaves().map(counts).sum();
         let cosine = self.rays_of_look().cosine;
         let looks_of_each = LOOKS * (self.target() / self.aim).round() as u32;
         let by_power = RAYS_BY_POWER / (self.aim * self.aim) / f64::from(cosine);
         let looks = |leaf: ElementId| {
-            let more = (by_power * sent(leaf) / total.max(f64::MIN_POSITIVE)).min(MOST_LOOKS).round() as u32;
+            let more = (by_power * counts(leaf) / total.max(f64::MIN_POSITIVE)).min(MOST_LOOKS).round() as u32;
             // Later passes add to what is there.
             (looks_of_each + more).saturating_sub(self.samples.whole_looks(leaf))
         };
@@ -397,7 +396,7 @@ impl Gather {
         self.attempt += 1;
         self.aim *= 0.5;
         self.round = MOST_ROUNDS - 1;
-        self.is_evened = false;
+        (self.is_evened, self.is_weighted) = (false, false);
         let split = self.leaves_to_split();
         if split.is_empty() { self.open_pass() } else { self.split(&split) }
     }

@@ -12,8 +12,8 @@ use glam::Vec3;
 
 use super::facet::Facet;
 use super::field::{Field, Met};
+use crate::base::random::{even_point, fraction, mix};
 use crate::hierarchy::{ElementId, Hierarchy, Shape};
-use crate::random::{even_point, fraction, mix};
 use crate::scene::Surface;
 
 /// A cluster whose half diagonal is below this share of its distance is one source.

@@ -6,7 +6,7 @@ use glam::Vec3;
 
 use super::reachability::{point_in, uniform};
 use super::{Hit, Occluders};
-use crate::random::{cosine_direction, mix};
+use crate::base::random::{cosine_direction, mix};
 use crate::scene::outside::Outside;
 use crate::scene::{Polygon, Scene};
 

@@ -320,7 +320,7 @@ mod tests {
     use std::f32::consts::TAU;
 
     use super::*;
-    use crate::random::{even_point, mix};
+    use crate::base::random::{even_point, mix};
 
     /// Truth: the inside of a convex shade sees all of itself. It is tilted and stands off the origin, so that rounding puts points on
     /// either side of their faces.

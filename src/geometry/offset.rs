@@ -120,8 +120,8 @@ mod tests {
     use glam::{Quat, Vec3};
 
     use super::*;
+    use crate::base::random::{cosine_direction, even_point, mix};
     use crate::geometry::Occluders;
-    use crate::random::{cosine_direction, even_point, mix};
 
     type Face = [Vec3; 3];
 

@@ -13,7 +13,7 @@ use glam::Vec3;
 use rayon::prelude::*;
 
 use super::{EnclosureTest, Occluders};
-use crate::random::mix;
+use crate::base::random::mix;
 use crate::scene::{Polygon, Scene};
 
 /// Cells have about this share of a scene's area: a square of 30 cm in a seminar room.

@@ -11,8 +11,8 @@ use super::{
     Cluster, ClusteringMode, Element, ElementId, Hierarchy, NO_PARENT, Patch, PatchSums, Shape, adaptive, groups,
     octree,
 };
+use crate::base::random::mix;
 use crate::geometry::Reachability;
-use crate::random::mix;
 use crate::scene::Scene;
 
 /// Builds the hierarchy of a scene.

@@ -22,8 +22,8 @@ use serde::{Deserialize, Serialize};
 
 use std::sync::Arc;
 
+use crate::base::random::mix;
 use crate::geometry::Reachability;
-use crate::random::mix;
 use crate::scene::Scene;
 use sky::Surroundings;
 

@@ -9,7 +9,7 @@ use std::sync::Arc;
 use glam::Vec3;
 
 use super::{Element, ElementId, Hierarchy, NO_PARENT, Shape};
-use crate::random::mix;
+use crate::base::random::mix;
 use crate::scene::Scene;
 use crate::scene::outside::{Outside, Sun};
 
@@ -291,7 +291,7 @@ mod tests {
         let count = 20_000;
         let mut sum = 0.0;
         for index in 0..count {
-            let [u, v] = crate::random::even_point(3, index);
+            let [u, v] = crate::base::random::even_point(3, index);
             let (direction, stands_for) = octant.direction_at(u, v);
             assert!(direction.is_normalized() && octant.direction.dot(direction) > 0.5);
             sum += stands_for / count as f32;

@@ -2,7 +2,7 @@
 
 use glam::{BVec3, Mat4, Quat, Vec2, Vec3};
 
-use crate::picture::Lens;
+use crate::read::picture::Lens;
 use crate::scene::{CameraPose, Scene};
 
 /// Vertical field of view when nothing else is asked for, radians (36° is a 50 mm lens turned upright).

@@ -1,15 +1,15 @@
 //! The clusters of one level as a picture: each in a colour of its own, or pulled apart from the middle of the scene.
 //!
-//! Both are made of a snapshot that carries its anatomy, and become a snapshot again, whose mesh has each cluster's vertices apart from
+//! Both are made of a snapshot that carries its solution view, and become a snapshot again, whose mesh has each cluster's vertices apart from
 //! all others: the renderer draws it, its outlines and its boxes like any other.
 
 use std::sync::Arc;
 
 use glam::Vec3;
 
+use crate::base::random::mix;
 use crate::hierarchy::{Element, ElementId, Hierarchy, Shape};
-use crate::random::mix;
-use crate::solver::snapshot::{ClusterBox, Mesh, Snapshot};
+use crate::solve::snapshot::{ClusterBox, Mesh, Snapshot};
 
 /// How the clusters of a level are shown.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -287,22 +287,22 @@ impl ApartMesh {
     }
 }
 
-/// A snapshot as a view of its clusters shows it; `None` where it carries no anatomy.
+/// A snapshot as a view of its clusters shows it; `None` where it carries no solution view.
 pub fn by_clusters(snapshot: &Snapshot, view: ClusterView) -> Option<Snapshot> {
-    let anatomy = snapshot.anatomy.as_ref()?;
-    let parts = ClusterParts::new(anatomy.hierarchy(), view.level);
+    let solution_view = snapshot.solution_view.as_ref()?;
+    let parts = ClusterParts::new(solution_view.hierarchy(), view.level);
     Some(ApartMesh::new(&snapshot.mesh, &parts).snapshot(snapshot, &parts, view))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::cancel::CancelToken;
+    use crate::base::cancel::CancelToken;
     use crate::geometry::Occluders;
     use crate::render::{Camera, Display, Offscreen, Overlay};
     use crate::scene::Scene;
     use crate::scene::builtin::BuiltinScene;
-    use crate::solver::{ClusteringMode, Epsilon, Solver, SolverParams};
+    use crate::solve::{ClusteringMode, Epsilon, Solver, SolverParams};
 
     fn solved(name: &str, clustering: ClusteringMode) -> (Arc<Scene>, Snapshot) {
         let scene = Arc::new(BuiltinScene::from_name(name).expect("ours").build());
@@ -310,7 +310,7 @@ mod tests {
         let params = SolverParams { epsilon: Epsilon::Relative(3e-2), clustering, ..SolverParams::default() };
         let mut solver = Solver::new(scene.clone(), occluders, params, 1).expect("the parameters are valid");
         assert!(solver.run(&CancelToken::new()));
-        solver.show_anatomy(true);
+        solver.show_solution_view(true);
         (scene, solver.snapshot())
     }
 
@@ -334,7 +334,7 @@ mod tests {
             let shown = by_clusters(&snapshot, other).expect("it carries its anatomy");
             assert!(picture(&scene, &shown, other.coloured) != plain, "{other:?} shows nothing");
         }
-        let dark = Snapshot { anatomy: None, ..snapshot };
+        let dark = Snapshot { solution_view: None, ..snapshot };
         assert!(by_clusters(&dark, view).is_none());
     }
 
@@ -372,8 +372,8 @@ mod tests {
     #[test]
     fn a_cluster_moves_as_one_and_has_one_colour() {
         let (_, snapshot) = solved("cornell", ClusteringMode::Groups);
-        let anatomy = snapshot.anatomy.as_ref().expect("it was asked for");
-        let hierarchy = anatomy.hierarchy();
+        let solution_view = snapshot.solution_view.as_ref().expect("it was asked for");
+        let hierarchy = solution_view.hierarchy();
         let parts = ClusterParts::new(hierarchy, 1);
         let mut colours = Vec::new();
         for child in hierarchy.element(Hierarchy::ROOT).children() {

@@ -1,7 +1,7 @@
-//! How a picture shows radiosities; exposure and tone curve are those of [`crate::tone`].
+//! How a picture shows radiosities; exposure and tone curve are those of [`crate::read::tone`].
 
 use super::reading::Reading;
-use crate::tone::Exposure;
+use crate::read::tone::Exposure;
 
 /// How radiosities become colours.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -3,7 +3,7 @@
 use glam::Vec3;
 
 use super::{Reading, reading};
-use crate::picture::{FalseColours, GatheredPicture, LineLabel, Shading};
+use crate::read::picture::{FalseColours, GatheredPicture, LineLabel, Shading};
 
 /// A finished picture, gamma-encoded, rows from above.
 #[derive(Clone, Debug, PartialEq)]

@@ -8,10 +8,10 @@ use serde::{Deserialize, Serialize};
 
 use super::outline::element_outline;
 use super::overlay::{Line, power_colour};
-use crate::format;
+use crate::base::format;
 use crate::hierarchy::ElementId;
-use crate::ramp::{VIRIDIS, along_ramp};
-use crate::solver::{Anatomy, Evidence, LinkView};
+use crate::read::ramp::{VIRIDIS, along_ramp};
+use crate::transport::{LinkView, SolutionView, VisibilitySource};
 
 /// As many links as can still be told apart.
 pub const USUAL_LINKS: usize = 200;
@@ -84,8 +84,8 @@ pub enum Seen {
 impl Seen {
     /// That of a link.
     pub fn of(link: &LinkView) -> Self {
-        match link.evidence {
-            Evidence::None => Self::Not,
+        match link.visibility_source {
+            VisibilitySource::None => Self::Not,
             _ if link.visibility >= 1.0 => Self::Full,
             _ if link.visibility > 0.0 => Self::Partial,
             _ => Self::Not,
@@ -186,11 +186,11 @@ impl ChosenLinks {
 
     /// Lines for them, weakest first so that strong ones end on top: outlines of the ends where they are wanted, then the links with dots
     /// at their ends.
-    pub fn lines(&self, anatomy: &Anatomy, style: LinkStyle) -> Vec<Line> {
-        let hierarchy = anatomy.hierarchy();
+    pub fn lines(&self, solution_view: &SolutionView, style: LinkStyle) -> Vec<Line> {
+        let hierarchy = solution_view.hierarchy();
         let opaque = |[r, g, b]: [u8; 3]| [r, g, b, 255];
         let colours: Vec<[u8; 4]> =
-            self.links.iter().map(|link| opaque(self.colour(anatomy, link, style.colour))).collect();
+            self.links.iter().map(|link| opaque(self.colour(solution_view, link, style.colour))).collect();
         let mut lines = Vec::new();
         let mut outlined: FxHashSet<ElementId> = FxHashSet::default();
         for (link, [r, g, b, _]) in self.links.iter().zip(&colours) {
@@ -217,14 +217,14 @@ impl ChosenLinks {
         lines
     }
 
-    fn colour(&self, anatomy: &Anatomy, link: &LinkView, by: LinkColour) -> [u8; 3] {
+    fn colour(&self, solution_view: &SolutionView, link: &LinkView, by: LinkColour) -> [u8; 3] {
         match by {
             LinkColour::Power => {
                 let most = self.links.first().map_or(0.0, |strongest| strongest.power);
                 power_colour(if most > 0.0 { link.power / most } else { 0.0 })
             }
             LinkColour::Visibility => Seen::of(link).colour(),
-            LinkColour::Level => level_colour(anatomy.depth(link.source), anatomy.deepest()),
+            LinkColour::Level => level_colour(solution_view.depth(link.source), solution_view.deepest()),
         }
     }
 }
@@ -275,7 +275,13 @@ mod tests {
 
     use super::*;
 
-    fn link(source: u32, power: f32, clusters: [bool; 2], visibility: f32, evidence: Evidence) -> LinkView {
+    fn link(
+        source: u32,
+        power: f32,
+        clusters: [bool; 2],
+        visibility: f32,
+        visibility_source: VisibilitySource,
+    ) -> LinkView {
         LinkView {
             receiver: ElementId(1),
             source: ElementId(source),
@@ -285,7 +291,7 @@ mod tests {
             source_is_cluster: clusters[1],
             form_factor: 0.1,
             visibility,
-            evidence,
+            visibility_source,
             power,
             levels_up: 0,
             irradiance: Vec3::splat(power),
@@ -294,10 +300,10 @@ mod tests {
 
     fn links() -> [LinkView; 4] {
         [
-            link(2, 1.0, [false, false], 1.0, Evidence::Rays(4)),
-            link(3, 8.0, [true, false], 0.5, Evidence::Rays(9)),
-            link(4, 2.0, [true, true], 1.0, Evidence::None),
-            link(5, 4.0, [false, true], 0.0, Evidence::Rays(4)),
+            link(2, 1.0, [false, false], 1.0, VisibilitySource::Rays(4)),
+            link(3, 8.0, [true, false], 0.5, VisibilitySource::Rays(9)),
+            link(4, 2.0, [true, true], 1.0, VisibilitySource::None),
+            link(5, 4.0, [false, true], 0.0, VisibilitySource::Rays(4)),
         ]
     }
 
@@ -324,8 +330,8 @@ mod tests {
     /// Truth: sorting all of them.
     #[test]
     fn many_links_leave_the_strongest() {
-        let many =
-            (0..5000_u32).map(|number| link(number, ((number * 7919) % 5003) as f32, [false; 2], 1.0, Evidence::None));
+        let many = (0..5000_u32)
+            .map(|number| link(number, ((number * 7919) % 5003) as f32, [false; 2], 1.0, VisibilitySource::None));
         let chosen = ChosenLinks::new(many.clone(), &LinkFilter { strongest: 3, ..LinkFilter::default() }, 1.0);
         let mut powers: Vec<f32> = many.map(|link| link.power).collect();
         powers.sort_by(|a, b| b.total_cmp(a));

@@ -2,9 +2,9 @@
 //!
 //! Physics stays out: a [`Snapshot`] brings linear radiosities in W/m², and only here are they exposed, bent by the tone curve
 //! and gamma-encoded ([`Display`]). The module knows nothing of windows or panels. It imports `scene` (camera pose),
-//! `solver::snapshot` and, for clusters and links, the elements of `hierarchy`.
+//! `solve::snapshot` and, for clusters and links, the elements of `hierarchy`.
 //!
-//! A picture that was gathered at its pixels ([`crate::picture`]) is drawn in place of the mesh, which then only hides lines.
+//! A picture that was gathered at its pixels ([`crate::read::picture`]) is drawn in place of the mesh, which then only hides lines.
 //!
 //! The window and a picture on disk go the same way: [`SceneRenderer::draw`] renders into its own multisampled target and resolves
 //! it to one `Rgba8Unorm` texture, which a window blits into its pass and [`Offscreen`] reads back.
@@ -40,11 +40,11 @@ pub use reading::{ColourScale, Isolines, MOST_ISOLINES, Reading, Spacing};
 pub use reading_settings::{IsolinesWanted, Mark, ReadingSettings, Show};
 pub use renderer::{Frame, SceneRenderer, sample_count};
 
-pub use crate::ramp::{BLUE_WHITE_RED, CIVIDIS, Ramp, VIRIDIS, along_ramp};
-pub use crate::tone::{Exposure, auto_exposure, encode_gamma, exposure_of_seen, tone_curve};
+pub use crate::read::ramp::{BLUE_WHITE_RED, CIVIDIS, Ramp, VIRIDIS, along_ramp};
+pub use crate::read::tone::{Exposure, auto_exposure, encode_gamma, exposure_of_seen, tone_curve};
 
 #[cfg(doc)]
-use crate::solver::snapshot::Snapshot;
+use crate::solve::snapshot::Snapshot;
 
 /// Widest and highest picture that can be asked for, pixels.
 pub const MAX_SIZE: u32 = 16_384;

@@ -11,7 +11,7 @@ use super::radiosities::{PLACES, RadiosityPass};
 use super::renderer::supported_samples;
 use super::{Camera, Display, Frame, Overlay, RenderError, SceneRenderer};
 use crate::export::exr::FloatPicture;
-use crate::solver::snapshot::Snapshot;
+use crate::solve::snapshot::Snapshot;
 
 /// Bytes of a pixel of the finished picture.
 const PIXEL_BYTES: u32 = 4;

@@ -6,9 +6,9 @@ use glam::Vec3;
 
 use super::outline::{box_edges, element_outline};
 use crate::hierarchy::ElementId;
-use crate::ramp::{VIRIDIS, along_ramp};
-use crate::solver::Anatomy;
-use crate::solver::snapshot::{ClusterBox, Mesh};
+use crate::read::ramp::{VIRIDIS, along_ramp};
+use crate::solve::snapshot::{ClusterBox, Mesh};
+use crate::transport::SolutionView;
 
 /// What to draw over the picture.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -104,18 +104,18 @@ pub(super) fn cluster_boxes(clusters: &[ClusterBox], level: u16) -> Vec<Line> {
 }
 
 /// The picked element: its rim or box, and its centre.
-pub fn picked_marks(anatomy: &Anatomy, element: ElementId) -> Vec<Line> {
+pub fn picked_marks(solution_view: &SolutionView, element: ElementId) -> Vec<Line> {
     let (colour, width) = PICKED;
-    let rim = element_outline(anatomy.hierarchy(), element).into_iter();
+    let rim = element_outline(solution_view.hierarchy(), element).into_iter();
     let mut lines: Vec<Line> = rim.map(|[from, to]| Line::new(from, to, width, colour)).collect();
-    lines.push(Line::dot(anatomy.hierarchy().element(element).centre, PICKED_DOT, colour));
+    lines.push(Line::dot(solution_view.hierarchy().element(element).centre, PICKED_DOT, colour));
     lines
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::solver::snapshot::Leaf;
+    use crate::solve::snapshot::Leaf;
 
     fn two_leaves() -> Mesh {
         let leaf = |element| Leaf {

@@ -3,7 +3,7 @@
 use glam::Vec3;
 use rayon::prelude::*;
 
-use crate::solver::snapshot::Mesh;
+use crate::solve::snapshot::Mesh;
 
 /// Triangles that one task looks at.
 const CHUNK: usize = 1 << 14;

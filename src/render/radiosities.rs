@@ -10,7 +10,7 @@ use super::buffer::GrowingBuffer;
 use super::pipelines::{DEPTH_FORMAT, uniform_layout};
 use super::target::Target;
 use super::{Camera, RenderError};
-use crate::solver::snapshot::Snapshot;
+use crate::solve::snapshot::Snapshot;
 
 /// Holds what is drawn: radiosity and coverage.
 const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba32Float;

@@ -2,9 +2,9 @@
 //!
 //! The shader colours each pixel by the value interpolated there; what is here tells it how, and tells a legend the same.
 
-use crate::photometry::{Quantity, Unit, weighted};
-use crate::ramp::Ramp;
-use crate::solver::snapshot::Snapshot;
+use crate::base::photometry::{Quantity, Unit, weighted};
+use crate::read::ramp::Ramp;
+use crate::solve::snapshot::Snapshot;
 
 /// So many lines of equal value at most.
 pub const MOST_ISOLINES: usize = 8;
@@ -204,7 +204,7 @@ pub(super) fn at_vertices(snapshot: &Snapshot, quantity: Quantity) -> Vec<f32> {
 fn counted_range(snapshot: &Snapshot, quantity: Quantity) -> Option<(f32, f32)> {
     let step = snapshot.leaf_radiosity.len().div_ceil(MOST_LEAVES).max(1);
     let leaves = snapshot.mesh.leaves.iter().zip(&snapshot.leaf_irradiance).zip(&snapshot.leaf_radiosity);
-    let read = |((leaf, &irradiance), &radiosity): ((&crate::solver::snapshot::Leaf, &[f32; 3]), &[f32; 3])| {
+    let read = |((leaf, &irradiance), &radiosity): ((&crate::solve::snapshot::Leaf, &[f32; 3]), &[f32; 3])| {
         let (received, sent) = (weighted(irradiance), weighted(radiosity));
         let value = if quantity == Quantity::Irradiance { received } else { sent };
         // What sends out more than it receives is a lamp.

@@ -3,10 +3,10 @@
 use serde::{Deserialize, Serialize};
 
 use super::reading::{ColourScale, Isolines, Reading, Spacing};
-use crate::format;
-use crate::photometry::{Quantity, Unit};
-use crate::ramp::Ramp;
-use crate::solver::snapshot::Snapshot;
+use crate::base::format;
+use crate::base::photometry::{Quantity, Unit};
+use crate::read::ramp::Ramp;
+use crate::solve::snapshot::Snapshot;
 
 /// What colours the surfaces.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]

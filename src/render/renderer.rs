@@ -12,8 +12,8 @@ use super::reading::{MOST_ISOLINES, Reading, Spacing, at_vertices, line_colour};
 use super::target::Target;
 use super::underlay::Underlay;
 use super::{Camera, Display, MAX_SIZE, Marks, Overlay, RenderError, auto_exposure};
-use crate::photometry::Quantity;
-use crate::solver::snapshot::{ClusterBox, Mesh, Snapshot};
+use crate::base::photometry::Quantity;
+use crate::solve::snapshot::{ClusterBox, Mesh, Snapshot};
 
 /// Samples per pixel where drawing is cheap.
 pub(super) const SAMPLES: u32 = 4;

@@ -52,7 +52,7 @@ impl Scene {
     }
 
     /// Adds a square luminaire that shines down (against `up`), its middle at `centre`, its side `size` in the scene's
-    /// length unit; `exitance` is B_e, W/m² per colour. [`crate::ceiling::place`] finds the place for it.
+    /// length unit; `exitance` is B_e, W/m² per colour. [`crate::prepare::ceiling::place`] finds the place for it.
     /// Each has a material of its own: "ceiling light", "ceiling light 2" and so on.
     ///
     /// # Errors

@@ -10,7 +10,7 @@ use super::draft::{Draft, DraftMaterial};
 use super::outside::{Amount, Axes, Daylight, SunTold};
 use super::place::is_usable;
 use super::{FileLight, GroupId, MaterialId, Scene, said};
-use crate::photometry::LUMENS_PER_WATT;
+use crate::base::photometry::LUMENS_PER_WATT;
 
 /// Radius of a point light's sphere, m: at 1 m it is as good as a point.
 const RADIUS: f64 = 0.01;
@@ -53,7 +53,7 @@ pub(super) struct DirectionalLight {
 pub(super) fn add_sun(scene: &mut Scene, mut suns: Vec<DirectionalLight>) {
     let axes = Axes::with_up(scene.up_axis());
     let brightness = |sun: &DirectionalLight| {
-        if axes.angles(sun.towards)[1] > 0.0 { crate::photometry::weighted(sun.lux.into()) } else { 0.0 }
+        if axes.angles(sun.towards)[1] > 0.0 { crate::base::photometry::weighted(sun.lux.into()) } else { 0.0 }
     };
     suns.sort_by(|a, b| brightness(b).total_cmp(&brightness(a)));
     let shining = suns.first().is_some_and(|sun| brightness(sun) > 0.0);

@@ -16,11 +16,12 @@ use rayon::ThreadPool;
 
 use super::guard::guarded;
 use super::{FileStamp, Message};
-use crate::added_light::AddedLight;
 use crate::geometry::{Occluders, orient};
 use crate::prepare;
+use crate::prepare::added_light::AddedLight;
 use crate::scene::{Luminaire, Reading, Scene, Sides, Source};
-use crate::solver::{Solver, SolverError, SolverParams, lets_daylight_in};
+use crate::solve::{Solver, SolverError, SolverParams};
+use crate::transport::lets_daylight_in;
 
 /// What a loader is to do.
 pub(super) enum Job {

@@ -44,7 +44,7 @@ mod tests {
 
     use super::*;
     use crate::scene::{Kept, MaterialId};
-    use crate::solver::{Epsilon, SolverParams};
+    use crate::solve::{Epsilon, SolverParams};
 
     fn params(epsilon: f64) -> Command {
         Command::SetParams(SolverParams { epsilon: Epsilon::Relative(epsilon), ..SolverParams::default() })

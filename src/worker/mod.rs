@@ -25,12 +25,12 @@ use std::thread::{Builder, JoinHandle};
 
 use glam::Vec3;
 
-use crate::added_light::AddedLight;
+use crate::base::threads::lock;
 use crate::geometry::Occluders;
+use crate::prepare::added_light::AddedLight;
 use crate::scene::outside::Daylight;
 use crate::scene::{GroupMember, Kept, Luminaire, MaterialId, Reading, Scene, Source};
-use crate::solver::{MeshError, MomentInfo, Snapshot, SolverParams};
-use crate::threads::lock;
+use crate::solve::{MeshError, Snapshot, SolverParams, TimelineStep};
 pub use stamp::FileStamp;
 
 /// What a person asks of the solver.
@@ -91,8 +91,8 @@ impl Command {
 /// What snapshots show.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Look {
-    /// Whether they carry the anatomy of the solution: its elements and links.
-    pub anatomy: bool,
+    /// Whether they carry the solution view of the solution: its elements and links.
+    pub solution_view: bool,
     /// A former moment in place of the present; the solver goes on meanwhile. Another solve forgets it.
     pub moment: Option<usize>,
 }
@@ -179,7 +179,7 @@ pub struct Status {
     /// What is known of the error of a finished solve by ε.
     pub mesh_error: ErrorOfMesh,
     /// The steps of the solve so far, which [`Look::moment`] counts; oldest first.
-    pub moments: Arc<[MomentInfo]>,
+    pub moments: Arc<[TimelineStep]>,
 }
 
 /// What the thread shares with its owner; both locks are held for a swap or a copy only.

@@ -15,8 +15,8 @@ use super::pacing::Pacing;
 use super::stage::MaterialEdit;
 use super::task::{Away, Change, Changed, Task};
 use super::{Command, ErrorOfMesh, Event, Look, Message, RunState, Shared, Status};
-use crate::solver::{MomentInfo, Solver, SolverParams};
-use crate::threads::lock;
+use crate::base::threads::lock;
+use crate::solve::{Solver, SolverParams, TimelineStep};
 
 /// The thread's ends of its channels.
 pub(super) struct Ends {
@@ -82,7 +82,7 @@ pub(super) struct Session {
     pub(super) announced: u64,
     look: Look,
     /// Steps that were told of.
-    moments: Arc<[MomentInfo]>,
+    moments: Arc<[TimelineStep]>,
     /// Generation and number of changes that they stand for.
     told: (u64, u64),
     /// A person waits for what comes of the first step.
@@ -310,8 +310,8 @@ impl Session {
         self.send_solver(Task::Change(Box::new(move |solver| {
             let Some(mut solver) = solver else { return Changed { solver, outcome: Ok(Change::InPlace) } };
             match solver.set_params(params) {
-                Ok(true) => Changed { solver: Some(solver), outcome: Ok(Change::InPlace) },
-                Ok(false) => match solver.rebuilt(params, generation) {
+                Ok(cost) if !cost.is_rebuilt() => Changed { solver: Some(solver), outcome: Ok(Change::InPlace) },
+                Ok(_) => match solver.rebuilt(params, generation) {
                     Ok(rebuilt) => Changed { solver: Some(rebuilt), outcome: Ok(Change::Replaced) },
                     Err(error) => Changed { solver: Some(solver), outcome: Err(error.to_string()) },
                 },
@@ -340,7 +340,7 @@ impl Session {
         self.generation += 1;
         self.look.moment = None;
         solver.set_generation(self.generation);
-        solver.keep_history();
+        solver.keep_timeline();
         let former = self.solver.replace(solver);
         self.discard(former);
         self.refine_again();

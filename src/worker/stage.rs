@@ -8,14 +8,14 @@ use super::loader::{Awaited, Job, Order, Prepared};
 use super::session::{Drive, Session};
 use super::task::{Change, Changed, Task};
 use super::{Command, Event, SceneInfo};
-use crate::added_light::AddedLight;
-use crate::ceiling;
+use crate::prepare::added_light::AddedLight;
+use crate::prepare::ceiling;
 use crate::scene::outside::Daylight;
 use crate::scene::{
     GroupMember, Kept, Luminaire, MAX_EMISSION, MAX_SIDECAR_REFLECTANCE, Material, MaterialId, Reading, Sidecar,
     SidecarError, Source,
 };
-use crate::solver::{ClusteringMode, Solver};
+use crate::solve::{ClusteringMode, Solver};
 
 /// A change of one material.
 #[derive(Clone, Copy, Debug)]

@@ -14,8 +14,8 @@ use rayon::ThreadPool;
 
 use super::loader::panic_message;
 use super::{Look, Message};
-use crate::cancel::CancelToken;
-use crate::solver::{MeshError, Snapshot, Solver, Step};
+use crate::base::cancel::CancelToken;
+use crate::solve::{MeshError, Snapshot, Solver, Step};
 
 /// What a solver is sent to do.
 pub(super) enum Task {
@@ -130,7 +130,7 @@ impl Task {
             }
             (Self::Picture(look), Some(mut solver)) => {
                 let begun = Instant::now();
-                solver.show_anatomy(look.anatomy);
+                solver.show_solution_view(look.solution_view);
                 let former = look.moment.and_then(|moment| solver.snapshot_of(moment));
                 let snapshot = former.unwrap_or_else(|| solver.snapshot());
                 (Some(solver), Outcome::Picture(Arc::new(snapshot), begun, Instant::now()))

@@ -1,8 +1,8 @@
 //! Scenes whose irradiance is known exactly.
 
-use selflink::accuracy::cases::{self, Case, Place, Reading};
-use selflink::accuracy::{by_reference, by_solver};
-use selflink::solver::{ClusteringMode, Epsilon, SolverParams};
+use selflink::measure::accuracy::cases::{self, Case, Place, Reading};
+use selflink::measure::accuracy::{by_reference, by_solver};
+use selflink::solve::{ClusteringMode, Epsilon, SolverParams};
 
 /// Truth: the closed forms. Four standard errors, and what the drawn scene and f32 (10⁻⁶) may be off.
 #[test]

@@ -2,10 +2,10 @@
 //! through the program's own turning and cutting of faces: the reference is right on its own.
 
 use glam::{DVec3, EulerRot, Quat, Vec3, vec3};
-use selflink::cancel::CancelToken;
-use selflink::reference::{Reference, ReferenceRun, SurfacePoint};
+use selflink::base::cancel::CancelToken;
+use selflink::measure::reference::{Reference, ReferenceRun, SurfacePoint};
+use selflink::measure::stability::scenes::add_box;
 use selflink::scene::{GroupId, MaterialId, Scene};
-use selflink::stability::scenes::add_box;
 
 const GROUP: GroupId = GroupId(0);
 const SIZE: Vec3 = vec3(5.0, 3.0, 4.0);
@@ -129,7 +129,7 @@ fn a_neighbour_that_shares_a_wall_stays_dark() {
 /// a floor and a smaller one that lies on it, all faces.
 #[test]
 fn a_face_that_is_there_twice_counts_once() {
-    let furnace = selflink::stability::scenes::empty_room(0.5, 1.0);
+    let furnace = selflink::measure::stability::scenes::empty_room(0.5, 1.0);
     let again = |polygons: std::ops::Range<usize>, cuts: usize, size: f32| {
         let mut scene = furnace.clone();
         for index in polygons {

@@ -3,14 +3,14 @@
 use std::sync::Arc;
 
 use glam::{Vec3, vec3};
-use selflink::cancel::CancelToken;
+use selflink::base::cancel::CancelToken;
 use selflink::gather::{NOISE, grey};
 use selflink::geometry::orient;
-use selflink::reference::{Reference, ReferenceRun, SurfacePoint, random_points_on};
+use selflink::measure::reference::{Reference, ReferenceRun, SurfacePoint, random_points_on};
+use selflink::measure::stability::scenes::add_box;
 use selflink::scene::builtin::BuiltinScene;
 use selflink::scene::{GroupId, MaterialId, Scene, Sides};
-use selflink::solver::{Solver, SolverParams};
-use selflink::stability::scenes::add_box;
+use selflink::solve::{Solver, SolverParams};
 
 use super::dice::Dice;
 

@@ -2,13 +2,13 @@
 
 use std::sync::Arc;
 
-use selflink::cancel::CancelToken;
+use selflink::base::cancel::CancelToken;
 use selflink::gather::grey;
 use selflink::geometry::orient;
-use selflink::reference::{Reference, ReferenceRun, SurfacePoint};
+use selflink::measure::reference::{Reference, ReferenceRun, SurfacePoint};
 use selflink::scene::Sides;
 use selflink::scene::builtin::BuiltinScene;
-use selflink::solver::{Solver, SolverParams};
+use selflink::solve::{Solver, SolverParams};
 
 use super::mitsuba_figures::{Known, known, on_scene};
 

@@ -4,14 +4,14 @@
 use std::sync::Arc;
 
 use glam::{DVec3, Vec3, vec3};
-use selflink::accuracy::ErrorMeter;
-use selflink::cancel::CancelToken;
+use selflink::base::cancel::CancelToken;
 use selflink::geometry::{Occluders, orient};
-use selflink::reference::{Reference, ReferenceRun, SurfacePoint, random_points, random_points_on};
+use selflink::measure::accuracy::ErrorMeter;
+use selflink::measure::reference::{Reference, ReferenceRun, SurfacePoint, random_points, random_points_on};
+use selflink::measure::stability::matrix::{self, Fineness};
+use selflink::measure::stability::scenes::add_box;
 use selflink::scene::{GroupId, MaterialId, Scene, Sides};
-use selflink::solver::{Solver, SolverParams};
-use selflink::stability::matrix::{self, Fineness};
-use selflink::stability::scenes::add_box;
+use selflink::solve::{Solver, SolverParams};
 
 const GROUP: GroupId = GroupId(0);
 

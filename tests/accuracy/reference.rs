@@ -1,10 +1,10 @@
 //! What the reference promises beside its values.
 
 use glam::{DVec3, Vec3};
-use selflink::accuracy::cases;
-use selflink::cancel::CancelToken;
+use selflink::base::cancel::CancelToken;
 use selflink::geometry::orient;
-use selflink::reference::{Cache, ReferenceRun, SurfacePoint, Target, compute, random_points};
+use selflink::measure::accuracy::cases;
+use selflink::measure::reference::{Cache, ReferenceRun, SurfacePoint, Target, compute, random_points};
 use selflink::scene::builtin::BuiltinScene;
 use selflink::scene::{Scene, Sides};
 

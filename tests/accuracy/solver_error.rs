@@ -2,14 +2,15 @@
 
 use std::sync::Arc;
 
-use selflink::accuracy::{ErrorMeter, Measure};
-use selflink::cancel::CancelToken;
-use selflink::format::plus_minus;
+use selflink::base::cancel::CancelToken;
+use selflink::base::format::plus_minus;
 use selflink::geometry::orient;
-use selflink::reference::{ReferenceRun, random_points};
+use selflink::measure::accuracy::{ErrorMeter, Measure};
+use selflink::measure::reference::{ReferenceRun, random_points};
 use selflink::scene::Sides;
 use selflink::scene::builtin::BuiltinScene;
-use selflink::solver::{ClusteringMode, Epsilon, Push, Solver, SolverParams};
+use selflink::solve::{ClusteringMode, Epsilon, Solver, SolverParams};
+use selflink::transport::Push;
 
 /// What must fall.
 #[derive(Clone, Copy)]

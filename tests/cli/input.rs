@@ -121,10 +121,10 @@ fn our_own_scenes_are_written_and_load_again() {
 #[test]
 fn help_states_every_default() {
     let (help, _) = succeed(&["solve", "--help"]);
-    for parameter in &selflink::solver::PARAMETERS {
+    for parameter in &selflink::solve::PARAMETERS {
         assert!(help.contains(&format!("--{}", parameter.flag)), "{}: {help}", parameter.flag);
     }
-    assert!(help.matches("[default:").count() >= selflink::solver::PARAMETERS.len(), "{help}");
+    assert!(help.matches("[default:").count() >= selflink::solve::PARAMETERS.len(), "{help}");
     assert!(help.contains("[default: 1e-4]") && help.contains("[default: adaptive]"), "{help}");
     let (version, _) = succeed(&["--version"]);
     assert_eq!(version.trim(), concat!("selflink ", env!("CARGO_PKG_VERSION")));

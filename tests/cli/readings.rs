@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
 use glam::DVec3;
-use selflink::accuracy::closed_forms::point_to_polygon;
+use selflink::measure::accuracy::closed_forms::point_to_polygon;
 #[cfg(feature = "gui")]
 use selflink::render::VIRIDIS;
 

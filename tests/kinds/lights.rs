@@ -3,7 +3,7 @@
 use glam::Vec3;
 use selflink::scene::outside::Daylight;
 use selflink::scene::{Scene, Sidecar, load_file};
-use selflink::solver::point_to_polygon;
+use selflink::transport::point_to_polygon;
 
 use crate::load;
 use crate::support::{Folder, glb, square_bytes, square_json};

@@ -6,8 +6,9 @@ use glam::Vec3;
 use image::ImageFormat;
 use selflink::scene::{Reading, Scene, Sidecar, Source, load_file, load_with};
 
+use crate::picture;
 use crate::support::{Folder, glb, square_bytes, square_json};
-use crate::{CUBE, GLOW, HALF, assert_furnace, load, load_obj, notes, picture};
+use crate::{CUBE, GLOW, HALF, assert_furnace, load, load_obj, notes};
 
 #[test]
 fn opaque_though_it_says_otherwise() {

@@ -1,7 +1,7 @@
 //! How a room is found to stand: up, unit and sides.
 
 use glam::Vec3;
-use selflink::added_light::AddedLight;
+use selflink::prepare::added_light::AddedLight;
 use selflink::prepare::prepare;
 use selflink::scene::{Reading, Sidecar, Sides, Source, Unit, UpAxis, load_with};
 

@@ -5,7 +5,7 @@
 
 use selflink::hierarchy::ClusteringMode;
 use selflink::scene::builtin::BuiltinScene;
-use selflink::solver::power_balance;
+use selflink::solve::power_balance;
 
 use super::support::{MODES, lamp_room, params, solve};
 

@@ -6,12 +6,15 @@
 use std::f64::consts::PI;
 
 use glam::Vec3;
-use selflink::accuracy::closed_forms::{Span, parallel_exchange as parallel, perpendicular_exchange as perpendicular};
+use selflink::base::random::mix;
 use selflink::geometry::Occluders;
 use selflink::hierarchy::{ClusteringMode, ElementId, Hierarchy, Shape};
-use selflink::random::mix;
+use selflink::measure::accuracy::closed_forms::{
+    Span, parallel_exchange as parallel, perpendicular_exchange as perpendicular,
+};
 use selflink::scene::{GroupId, Scene};
-use selflink::solver::{ClusterModel, Exchange, Solver, SolverParams, exchange, point_to_polygon};
+use selflink::solve::{Solver, SolverParams};
+use selflink::transport::{ClusterModel, Exchange, exchange, point_to_polygon};
 
 use super::support::{MODES, add_box, empty_room, furnished_room, leaves, links, params, received, solve};
 

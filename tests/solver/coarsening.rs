@@ -5,9 +5,10 @@
 
 use proptest::prelude::*;
 use proptest::test_runner::{Config, RngAlgorithm, TestRng, TestRunner};
-use selflink::cancel::CancelToken;
+use selflink::base::cancel::CancelToken;
 use selflink::hierarchy::ClusteringMode;
-use selflink::solver::{OracleKind, Solver, SolverParams, Step};
+use selflink::solve::{Solver, SolverParams, Step};
+use selflink::transport::OracleKind;
 
 use super::coverage::check_coverage;
 use super::hierarchy::{check_tree, soup};
@@ -24,7 +25,7 @@ const MOST_LINKS: f64 = 1.5;
 const SAME_POWER: f64 = 0.03;
 
 fn change(solver: &mut Solver, params: SolverParams) {
-    assert!(solver.set_params(params).expect("usable parameters"), "the hierarchy stays");
+    assert!(!solver.set_params(params).expect("usable parameters").is_rebuilt(), "the hierarchy stays");
     assert!(solver.run(&CancelToken::new()));
     assert!(is_sound(solver));
 }
@@ -111,7 +112,7 @@ fn every_pair_stays_covered_once_in_random_scenes() {
         for mode in [ClusteringMode::Groups, ClusteringMode::Adaptive] {
             let mut solver = solve(&scene, params(mode, FINE));
             for epsilon in [5e-3, 5e-2] {
-                prop_assert!(solver.set_params(params(mode, epsilon)).expect("usable parameters"));
+                prop_assert!(!solver.set_params(params(mode, epsilon)).expect("usable parameters").is_rebuilt());
                 prop_assert!(solver.run(&CancelToken::new()) && is_sound(&solver));
                 check_tree(&scene, solver.hierarchy());
                 check_coverage(&solver, &format!("{mode:?} at {epsilon}"));
@@ -128,7 +129,9 @@ fn merging_is_the_same_for_any_number_of_threads_and_interruptions() {
     let merged = |threads: usize, is_interrupted: bool| {
         with_threads(threads, || {
             let mut solver = solve(&lamp_room(), params(ClusteringMode::Adaptive, FINE));
-            assert!(solver.set_params(params(ClusteringMode::Adaptive, COARSE)).expect("usable parameters"));
+            assert!(
+                !solver.set_params(params(ClusteringMode::Adaptive, COARSE)).expect("usable parameters").is_rebuilt()
+            );
             if is_interrupted {
                 let cancelled = CancelToken::new();
                 cancelled.cancel();

@@ -6,12 +6,12 @@
 use std::sync::Arc;
 
 use glam::{Vec3, vec3};
-use selflink::cancel::CancelToken;
+use selflink::base::cancel::CancelToken;
 use selflink::geometry::orient;
 use selflink::hierarchy::ClusteringMode;
-use selflink::probe::Probe;
+use selflink::read::probe::Probe;
 use selflink::scene::{GroupId, MaterialId, Scene, Sides};
-use selflink::solver::{Epsilon, Reconstruct, Snapshot, Solver, SolverParams};
+use selflink::solve::{Epsilon, Reconstruct, Snapshot, Solver, SolverParams};
 
 use super::support::{MODES, add_box, empty_room, params};
 

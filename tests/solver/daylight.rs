@@ -5,12 +5,12 @@
 use std::f64::consts::PI;
 
 use glam::{DVec3, Vec3};
-use selflink::accuracy::closed_forms::point_to_polygon;
 use selflink::hierarchy::ClusteringMode;
-use selflink::reference::{SurfacePoint, Tracer};
+use selflink::measure::accuracy::closed_forms::point_to_polygon;
+use selflink::measure::reference::{SurfacePoint, Tracer};
 use selflink::scene::outside::{Daylight, Outside, SUN_RADIUS};
 use selflink::scene::{GroupId, MaterialId, Scene};
-use selflink::solver::{Solver, SolverParams, power_balance};
+use selflink::solve::{Solver, SolverParams, power_balance};
 
 use super::support::{leaves, params, solve, with_threads};
 

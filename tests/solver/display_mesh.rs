@@ -6,7 +6,7 @@ use glam::Vec3;
 use rustc_hash::{FxHashMap, FxHashSet};
 use selflink::hierarchy::{ClusteringMode, Shape, smooth_surfaces};
 use selflink::scene::{GroupId, Polygon, Scene};
-use selflink::solver::{Mesh, Snapshot, Solver};
+use selflink::solve::{Mesh, Snapshot, Solver};
 
 use super::support::{MODES, empty_room, furnished_room, lamp_room, params, solve};
 

@@ -2,7 +2,8 @@
 
 use glam::Vec3;
 use selflink::scene::{GroupId, Scene};
-use selflink::solver::{ClusteringMode, Epsilon, OracleKind, SolverParams};
+use selflink::solve::{ClusteringMode, Epsilon, SolverParams};
+use selflink::transport::OracleKind;
 
 use super::support::{add_box, lamp_room, links, params, radiosity_bits, solve, with_threads};
 

@@ -4,15 +4,16 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use glam::Vec3;
-use selflink::accuracy::{ErrorMeter, Measure};
-use selflink::cancel::CancelToken;
+use selflink::base::cancel::CancelToken;
+use selflink::base::random::even_point;
 use selflink::gather::grey;
 use selflink::geometry::orient;
 use selflink::hierarchy::Hierarchy;
-use selflink::random::even_point;
-use selflink::reference::{Reference, ReferenceRun, SurfacePoint, Target, compute, random_points};
+use selflink::measure::accuracy::{ErrorMeter, Measure};
+use selflink::measure::reference::{Reference, ReferenceRun, SurfacePoint, Target, compute, random_points};
 use selflink::scene::{GroupId, MaterialId, Scene, Sides, builtin::BuiltinScene};
-use selflink::solver::{Epsilon, OracleKind, Reconstruct, Snapshot, SolverParams, Step};
+use selflink::solve::{Epsilon, Reconstruct, Snapshot, SolverParams, Step};
+use selflink::transport::OracleKind;
 
 use super::support::{add_box, empty_room, furnished_room, lamp_room, solve, solver, with_threads};
 
@@ -287,7 +288,7 @@ fn steps_are_short_and_the_goal_can_change() {
     let mut solving = solver(&lamp_room(), asking(0.2));
     let never = CancelToken::new();
     let mut most_rays = 0;
-    let mut run = |solving: &mut selflink::solver::Solver| loop {
+    let mut run = |solving: &mut selflink::solve::Solver| loop {
         let before = solving.stats().rays;
         let step = solving.step(&never);
         most_rays = most_rays.max(solving.stats().rays - before);
@@ -297,7 +298,7 @@ fn steps_are_short_and_the_goal_can_change() {
     };
     run(&mut solving);
     let coarse = solving.snapshot();
-    assert!(solving.set_params(asking(0.05)).expect("usable"), "the hierarchy stays");
+    assert!(!solving.set_params(asking(0.05)).expect("usable").is_rebuilt(), "the hierarchy stays");
     run(&mut solving);
     let fine = solving.snapshot();
     assert!(fine.mesh.positions.len() > coarse.mesh.positions.len());

@@ -3,13 +3,14 @@
 //! Truth: conservation. Every row of form factors sums to 1, whatever stands in the room.
 
 use selflink::hierarchy::ClusteringMode;
-use selflink::solver::{Push, Solver, SolverParams, audit};
+use selflink::solve::{Solver, SolverParams};
+use selflink::transport::{Push, audit};
 
 use super::support::{MODES, deviation, empty_room, furnished_room, is_sound, params, solve};
 
 /// B is kept below B_e / (1 − ρ), so that form factors that are too large do not show in it: their own mean tells.
 fn rows_sum_to_one(solved: &Solver, tolerance: f64, what: &str) {
-    let found = audit(solved);
+    let found = audit(solved.link_solution());
     let (_, mean) = found.largest_and_mean(&found.rows);
     println!("{what}: rows sum to {mean:.4} in the mean");
     assert!((mean - 1.0).abs() < tolerance, "{what}: rows of F·V sum to {mean} in the mean");

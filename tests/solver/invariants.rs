@@ -2,11 +2,12 @@
 //! solve.
 
 use glam::Vec3;
-use selflink::cancel::CancelToken;
+use selflink::base::cancel::CancelToken;
 use selflink::hierarchy::ClusteringMode;
 use selflink::scene::builtin::BuiltinScene;
 use selflink::scene::{GroupId, Scene};
-use selflink::solver::{Link, Push, Solver, SolverParams, Step};
+use selflink::solve::{Solver, SolverParams, Step};
+use selflink::transport::{Link, Push};
 
 use super::support::{
     LinkBits, MODES, difference, furnished_room, is_sound, lamp_room, links, params, radiosity_bits, solve, solver,
@@ -79,12 +80,12 @@ fn onlookers_do_not_matter() {
         let never = CancelToken::new();
         let mut pictures = 0;
         let mut moment = 0;
-        watched.keep_history();
+        watched.keep_timeline();
         loop {
             let snapshot = watched.snapshot();
             pictures += 1;
             assert!(snapshot.vertex_radiosity.iter().flatten().all(|value| value.is_finite() && *value >= 0.0));
-            watched.show_anatomy(pictures % 3 == 0);
+            watched.show_solution_view(pictures % 3 == 0);
             moment = (moment + 7) % watched.moments().len();
             let former = watched.snapshot_of(moment).expect("a moment that was told of");
             assert_eq!(former.moment, Some(moment));

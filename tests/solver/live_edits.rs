@@ -3,10 +3,11 @@
 //! Truth: a fresh solve, within the error that ε allows either of them.
 
 use glam::Vec3;
-use selflink::cancel::CancelToken;
+use selflink::base::cancel::CancelToken;
 use selflink::hierarchy::ClusteringMode;
 use selflink::scene::{GroupId, MaterialId};
-use selflink::solver::{ClusterModel, Epsilon, Push, Solver, SolverParams};
+use selflink::solve::{Epsilon, Solver, SolverParams};
+use selflink::transport::{ClusterModel, Push};
 
 use super::support::{add_box, difference, empty_room, is_sound, lamp_room, links, params, received, solve};
 
@@ -17,7 +18,7 @@ const FINE: f64 = 1e-3;
 const SAME: f64 = 0.03;
 
 fn change(solver: &mut Solver, params: SolverParams) {
-    assert!(solver.set_params(params).expect("usable parameters"), "the hierarchy stays");
+    assert!(!solver.set_params(params).expect("usable parameters").is_rebuilt(), "the hierarchy stays");
     assert!(solver.run(&CancelToken::new()));
     assert!(is_sound(solver));
 }
@@ -103,9 +104,9 @@ fn the_shares_of_an_elements_links_add_up_to_its_irradiance() {
             let leaves = solver.snapshot().mesh.leaves.len();
             for leaf in (0..leaves).step_by((leaves / 7).max(1)) {
                 let element = solver.snapshot().mesh.leaves[leaf].element;
-                solver.show_anatomy(true);
+                solver.show_solution_view(true);
                 let snapshot = solver.snapshot();
-                let links = snapshot.anatomy.as_ref().expect("its links").incoming(element);
+                let links = snapshot.solution_view.as_ref().expect("its links").incoming(element);
                 let sum: Vec3 = links.iter().map(|link| link.irradiance).sum();
                 let whole = Vec3::from(snapshot.leaf_irradiance[leaf]);
                 let off = (sum - whole).abs().max_element() / whole.max_element();
@@ -144,7 +145,7 @@ fn a_change_of_threads_changes_nothing() {
 fn other_clusters_and_wrong_values_leave_the_solution_alone() {
     let mut solver = solve(&lamp_room(), params(ClusteringMode::Adaptive, COARSE));
     let before = solver.radiosity().to_vec();
-    assert!(!solver.set_params(params(ClusteringMode::Groups, COARSE)).expect("usable parameters"));
+    assert!(solver.set_params(params(ClusteringMode::Groups, COARSE)).expect("usable parameters").is_rebuilt());
     for wrong in [0.0, -1.0, f64::NAN, f64::INFINITY] {
         let refused = SolverParams { epsilon: Epsilon::Relative(wrong), ..*solver.params() };
         assert!(solver.set_params(refused).is_err(), "ε = {wrong}");

@@ -5,11 +5,11 @@
 use std::sync::Arc;
 
 use rayon::ThreadPoolBuilder;
-use selflink::cancel::CancelToken;
+use selflink::base::cancel::CancelToken;
+use selflink::base::memory::MemoryBudget;
 use selflink::geometry::Occluders;
-use selflink::memory::MemoryBudget;
 use selflink::scene::builtin::BuiltinScene;
-use selflink::solver::{ClusteringMode, Epsilon, MemoryStop, Snapshot, Solver, SolverParams};
+use selflink::solve::{ChangeCost, ClusteringMode, Epsilon, MemoryStop, Snapshot, Solver, SolverParams};
 
 fn solver(scene: BuiltinScene, params: SolverParams) -> Solver {
     let scene = Arc::new(scene.build());
@@ -75,7 +75,7 @@ fn more_memory_goes_on_where_less_stopped() {
     let stopped = solver.stats();
     assert_eq!(stopped.memory_stop, Some(MemoryStop::Links));
     let more = SolverParams { memory: mebibytes(500), ..params };
-    assert_eq!(solver.set_params(more).ok(), Some(true));
+    assert_eq!(solver.set_params(more).ok(), Some(ChangeCost::Verdicts));
     solver.run(&CancelToken::new());
     let finished = solver.stats();
     assert_eq!((finished.memory_stop, finished.converged), (None, true));
@@ -84,7 +84,7 @@ fn more_memory_goes_on_where_less_stopped() {
     assert!((ratio - 1.0).abs() < 0.1, "{ratio} of the absorbed power");
     // More than enough is no reason to judge anything again.
     let rays = solver.stats().rays;
-    assert_eq!(solver.set_params(SolverParams { memory: mebibytes(600), ..params }).ok(), Some(true));
+    assert_eq!(solver.set_params(SolverParams { memory: mebibytes(600), ..params }).ok(), Some(ChangeCost::Verdicts));
     solver.run(&CancelToken::new());
     assert_eq!(solver.stats().rays, rays);
 }

@@ -10,11 +10,11 @@ use proptest::prelude::*;
 use proptest::test_runner::TestCaseError;
 use selflink::geometry::{Occluders, orient};
 use selflink::hierarchy::ClusteringMode;
+use selflink::measure::stability::matrix::{self, Fineness};
+use selflink::measure::stability::measure::of_polygons;
+use selflink::measure::stability::scenes::add_box;
 use selflink::scene::{GroupId, MaterialId, Scene, Sides};
-use selflink::solver::{Epsilon, SolverParams};
-use selflink::stability::matrix::{self, Fineness};
-use selflink::stability::measure::of_polygons;
-use selflink::stability::scenes::add_box;
+use selflink::solve::{Epsilon, SolverParams};
 
 use super::random_scenes::{solve, try_on};
 

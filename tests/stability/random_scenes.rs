@@ -11,15 +11,16 @@ use std::sync::Arc;
 use glam::Vec3;
 use proptest::prelude::*;
 use proptest::test_runner::{Config, RngAlgorithm, TestCaseError, TestRng, TestRunner};
-use selflink::cancel::CancelToken;
+use selflink::base::cancel::CancelToken;
 use selflink::geometry::Occluders;
 use selflink::geometry::cuts;
 use selflink::hierarchy::ClusteringMode;
+use selflink::measure::stability::matrix::{self, Fineness};
+use selflink::measure::stability::measure::{is_sound, of_polygons};
+use selflink::measure::stability::scenes::add_box;
 use selflink::scene::{GroupId, MaterialId, Scene};
-use selflink::solver::{ClusterModel, Epsilon, OracleKind, Push, Solver, SolverParams, Step, power_balance};
-use selflink::stability::matrix::{self, Fineness};
-use selflink::stability::measure::{is_sound, of_polygons};
-use selflink::stability::scenes::add_box;
+use selflink::solve::{Epsilon, Solver, SolverParams, Step, power_balance};
+use selflink::transport::{ClusterModel, OracleKind, Push};
 
 use super::coverage::check_coverage;
 
@@ -197,13 +198,13 @@ fn holds((recipe, params): (Recipe, SolverParams)) -> Result<(), TestCaseError> 
     let mut solved = solve(&scene, &occluders, params)?;
     prop_assert!(is_sound(&solved), "a radiosity is negative or no number");
     // f32 rounds in the last place of a product and a sum; means over clusters sum up thousands.
-    let bound = solved.radiosity_bound();
+    let bound = solved.link_solution().radiosity_bound();
     for (element, radiosity) in solved.hierarchy().elements().iter().zip(solved.radiosity()) {
         let rounding = if element.is_cluster() { 1e-4 } else { 1e-6 };
         prop_assert!(radiosity.cmple((1.0 + rounding) * bound).all(), "B = {radiosity} exceeds {bound}");
     }
     let power: f64 = of_polygons(&solved).iter().map(|(area, radiosity)| area * radiosity.max_element()).sum();
-    let gain = solved.largest_gain().max_element();
+    let gain = solved.link_solution().largest_gain().max_element();
     let most = f64::from(scene.emitted_power().max_element() * gain);
     prop_assert!(power <= 3.0 * (1.0 + 1e-4) * most, "{power} W in all where {most} W a colour are the most");
     let snapshot = solved.snapshot();

@@ -1,6 +1,6 @@
-//! The rows of `selflink selftest`, each with its own truth (`src/stability`).
+//! The rows of `selflink selftest`, each with its own truth (`src/measure/stability`).
 
-use selflink::stability::{Verdict, rows};
+use selflink::measure::stability::{Verdict, rows};
 
 /// Runs a row; a limit that is known and listed is no failure, anything beyond it is.
 fn holds(name: &str) {

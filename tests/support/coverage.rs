@@ -4,7 +4,7 @@
 
 use rustc_hash::{FxHashMap, FxHashSet};
 use selflink::hierarchy::{ElementId, Hierarchy, Shape};
-use selflink::solver::Solver;
+use selflink::solve::Solver;
 
 /// The initial patch that a patch is a part of, and the share of its area: at each level by the areas of all parts, which add up to
 /// their whole only as far as f32 tells the corners of a needle apart.

@@ -1,7 +1,7 @@
 //! Irradiance in our own scenes as another program finds it: Mitsuba 3.9, a path tracer; `tests/accuracy/mitsuba/README.md` tells how.
 
 use glam::{DVec3, Vec3};
-use selflink::reference::SurfacePoint;
+use selflink::measure::reference::SurfacePoint;
 use selflink::scene::Scene;
 
 /// What Mitsuba says of one point.

@@ -5,7 +5,7 @@ use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
 use selflink::app::{App, words};
 use selflink::scene::GroupMember;
-use selflink::solver::{ClusteringMode, SolverParams};
+use selflink::solve::{ClusteringMode, SolverParams};
 
 use super::support::{click, coarse, cornell, finish, picture, share_of_different_pixels, until};
 
@@ -18,7 +18,7 @@ fn open_tool(params: SolverParams) -> Harness<'static, App> {
     finish(&mut window);
     window.get_by_label(words::CLUSTERS).click();
     until(&mut window, "the anatomy", |window| {
-        window.state().snapshot().is_some_and(|snapshot| snapshot.anatomy.is_some())
+        window.state().snapshot().is_some_and(|snapshot| snapshot.solution_view.is_some())
     });
     window
 }

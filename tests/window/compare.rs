@@ -6,7 +6,7 @@ use egui_kittest::kittest::{NodeT, Queryable};
 use image::RgbaImage;
 use selflink::app::{App, words};
 use selflink::scene::builtin::BuiltinScene;
-use selflink::solver::{Epsilon, ParameterId};
+use selflink::solve::{Epsilon, ParameterId};
 
 use crate::support::{click, coarse, cornell, finish, picture, share_of_different_pixels, until};
 
@@ -78,7 +78,7 @@ fn the_table_tells_what_differs_and_the_view_shows_where() {
     let links = |window: &Harness<'static, App>| window.state().snapshot().expect("a picture").stats.links;
     let of_a = links(&window);
     finer(&mut window);
-    let grouped = |count: usize| selflink::format::count(count as u64);
+    let grouped = |count: usize| selflink::base::format::count(count as u64);
     for text in ["0.00100 Φ".to_owned(), grouped(of_a), grouped(links(&window))] {
         assert!(window.query_all_by_label(&text).next().is_some(), "{text}");
     }

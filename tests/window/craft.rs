@@ -6,7 +6,7 @@ use egui_kittest::kittest::Queryable;
 use selflink::app::{App, words};
 use selflink::scene::Source;
 use selflink::scene::builtin::BuiltinScene;
-use selflink::solver::{Epsilon, SolverParams};
+use selflink::solve::{Epsilon, SolverParams};
 use selflink::worker::RunState;
 
 use crate::support::{click, coarse, cornell, finish, until, window};

@@ -11,7 +11,7 @@ use egui_kittest::kittest::Queryable;
 use selflink::app::{App, words};
 use selflink::scene::Source;
 use selflink::scene::builtin::BuiltinScene;
-use selflink::solver::{Epsilon, ParameterId, SolverParams};
+use selflink::solve::{Epsilon, ParameterId, SolverParams};
 
 use crate::support::{choose, click, finish, link_choice, until, window_of_size};
 
@@ -39,8 +39,8 @@ fn click_view(window: &mut Harness<'static, App>, x: f32, y: f32) {
 }
 
 /// Waits until what is in view carries elements and links.
-fn anatomy(window: &mut Harness<'static, App>) {
-    until(window, "its links", |window| window.state().snapshot().is_some_and(|shown| shown.anatomy.is_some()));
+fn solution_view(window: &mut Harness<'static, App>) {
+    until(window, "its links", |window| window.state().snapshot().is_some_and(|shown| shown.solution_view.is_some()));
     window.run_steps(4);
 }
 
@@ -64,7 +64,7 @@ fn office() {
     window.drag_at(at);
     window.drop_at(at);
     until(&mut window, "the step", |window| window.state().snapshot().is_some_and(|shown| shown.moment.is_some()));
-    anatomy(&mut window);
+    solution_view(&mut window);
     // The raster comes from a thread of its own.
     std::thread::sleep(std::time::Duration::from_millis(500));
     save(&mut window, "window-timeline");
@@ -95,7 +95,7 @@ fn inspector() {
     click(&mut window, words::INSPECTOR);
     window.run_steps(4);
     click_view(&mut window, 0.5, 0.8);
-    anatomy(&mut window);
+    solution_view(&mut window);
     save(&mut window, "window-inspector");
     click(&mut window, &link_choice(words::LINKS_AT_LEVEL));
     click(&mut window, words::CLOSE_TOOL);
@@ -104,7 +104,7 @@ fn inspector() {
     window.get_by_role_and_label(Role::Slider, words::STRONGEST_LINKS).set_value_accesskit(60.0);
     window.key_press(egui::Key::Escape);
     window.run_steps(2);
-    anatomy(&mut window);
+    solution_view(&mut window);
     save(&mut window, "window-level-links");
 }
 
@@ -113,7 +113,7 @@ fn inspector() {
 fn link_matrix() {
     let mut window = solved(BuiltinScene::Office, by_threshold(1e-3));
     click(&mut window, words::LINK_MATRIX);
-    anatomy(&mut window);
+    solution_view(&mut window);
     until(&mut window, "its numbers", |window| window.query_by_label_contains("% empty").is_some());
     let square = window.get_by_label("Matrix of links").rect();
     window.hover_at(square.min + egui::vec2(0.2, 0.74) * square.size());
@@ -129,7 +129,7 @@ fn link_matrix() {
 fn clusters() {
     let mut window = solved(BuiltinScene::Office, by_threshold(1e-3));
     click(&mut window, words::CLUSTERS);
-    anatomy(&mut window);
+    solution_view(&mut window);
     click(&mut window, "Colour by cluster");
     window.get_by_role_and_label(Role::Slider, "Level").set_value_accesskit(5.0);
     window.get_by_role_and_label(Role::Slider, "Explode").set_value_accesskit(35.0);

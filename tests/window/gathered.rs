@@ -9,7 +9,7 @@ use egui_kittest::kittest::{NodeT, Queryable};
 use selflink::app::{App, words};
 use selflink::scene::Source;
 use selflink::scene::builtin::BuiltinScene;
-use selflink::solver::{Phase, SolverParams};
+use selflink::solve::{Phase, SolverParams};
 
 use crate::support::{choose, click, cornell, finish, picture, share_of_different_pixels, until, window_of_size};
 

@@ -5,7 +5,7 @@ use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
 use selflink::app::{App, words};
 use selflink::hierarchy::ElementId;
-use selflink::solver::Anatomy;
+use selflink::transport::SolutionView;
 
 use crate::support::{click, coarse, cornell, finish, link_choice, picture, share_of_different_pixels, until};
 
@@ -28,8 +28,8 @@ fn pick_the_middle(window: &mut Harness<'static, App>) {
     until(window, "its links", |window| window.query_by_label_contains("links bring").is_some());
 }
 
-fn anatomy(window: &Harness<'static, App>) -> std::sync::Arc<Anatomy> {
-    window.state().snapshot().and_then(|snapshot| snapshot.anatomy.clone()).expect("the inspector asked for it")
+fn solution_view(window: &Harness<'static, App>) -> std::sync::Arc<SolutionView> {
+    window.state().snapshot().and_then(|snapshot| snapshot.solution_view.clone()).expect("the inspector asked for it")
 }
 
 fn element(window: &Harness<'static, App>) -> ElementId {
@@ -64,7 +64,7 @@ fn what_links_bring_adds_up_to_the_irradiance() {
     let mut window = inspected();
     for climb in 0..3 {
         let said = number_before(&text(&window, "links bring"), " W/m²");
-        let irradiance = anatomy(&window).irradiance(element(&window)).max_element();
+        let irradiance = solution_view(&window).irradiance(element(&window)).max_element();
         assert!((said / irradiance - 1.0).abs() < 0.02, "{climb} levels up: {said} of {irradiance} W/m²");
         click(&mut window, words::UP);
     }
@@ -76,7 +76,7 @@ fn the_breadcrumb_climbs_to_the_root_and_back() {
     let mut window = inspected();
     assert!(window.query_by_label(words::SELECTED_ELEMENT).is_none(), "the inspector tells more than the card");
     let first = element(&window);
-    let path = anatomy(&window).path(first);
+    let path = solution_view(&window).path(first);
     assert!(path.len() >= 3, "{path:?}");
     click(&mut window, words::UP);
     assert_eq!(element(&window), path[path.len() - 2]);
@@ -114,7 +114,7 @@ fn rows_are_sorted_by_what_is_clicked() {
     assert_eq!(rows(&window), by_light);
 }
 
-/// Truth: pixels, and the anatomy: a row's source is what a click walks to.
+/// Truth: pixels, and the solution_view: a row's source is what a click walks to.
 #[test]
 fn a_row_marks_its_link_and_leads_to_its_source() {
     let mut window = inspected();
@@ -131,7 +131,7 @@ fn a_row_marks_its_link_and_leads_to_its_source() {
     let share = share_of_different_pixels(&plain, &marked);
     assert!((0.0005..0.3).contains(&share), "{share} of the view is marked");
 
-    let links = anatomy(&window).all_incoming(before);
+    let links = solution_view(&window).all_incoming(before);
     let strongest = links.iter().max_by(|a, b| a.irradiance.max_element().total_cmp(&b.irradiance.max_element()));
     window.drag_at(rect.center());
     window.drop_at(rect.center());
@@ -149,11 +149,11 @@ fn both_directions_are_told() {
     click(&mut window, words::WHAT_THIS_LIGHTS);
     assert!(window.query_by_label_contains("links bring").is_none());
     let carried = number_before(&text(&window, "links carry"), " W");
-    let (anatomy, id) = (anatomy(&window), element(&window));
-    let sum: glam::Vec3 = anatomy
+    let (solution_view, id) = (solution_view(&window), element(&window));
+    let sum: glam::Vec3 = solution_view
         .all_outgoing(id)
         .iter()
-        .map(|link| link.irradiance * anatomy.hierarchy().element(link.receiver).area)
+        .map(|link| link.irradiance * solution_view.hierarchy().element(link.receiver).area)
         .sum();
     assert!((carried / sum.max_element() - 1.0).abs() < 0.02, "{carried} of {sum} W");
     assert!(window.query_all_by_label_contains("Link to: ").next().is_some());
@@ -161,7 +161,7 @@ fn both_directions_are_told() {
     assert_eq!(text(&window, "links bring"), brought);
 }
 
-/// Truth: the words against the anatomy's own counts, and pixels.
+/// Truth: the words against the solution_view's own counts, and pixels.
 #[test]
 fn links_over_the_view_are_filtered_and_the_rest_is_said() {
     let mut window = cornell(coarse());
@@ -171,7 +171,7 @@ fn links_over_the_view_are_filtered_and_the_rest_is_said() {
     until(&mut window, "links of a level", |window| window.query_by_label_contains("drawn").is_some());
     window.get_by_role_and_label(Role::Slider, words::RECEIVERS_AT_LEVEL).set_value_accesskit(3.0);
     window.run_steps(3);
-    let count = anatomy(&window).links_at_depth(3).count();
+    let count = solution_view(&window).links_at_depth(3).count();
     assert!(count > 20, "{count} links");
     let all = picture(&mut window);
     assert!(share_of_different_pixels(&plain, &all) > 0.01);

@@ -7,7 +7,8 @@ use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
 use selflink::app::{App, words};
 use selflink::scene::Material;
-use selflink::solver::{Epsilon, ParameterId, Push};
+use selflink::solve::{Epsilon, ParameterId};
+use selflink::transport::Push;
 use selflink::worker::RunState;
 
 use crate::support::{choose, coarse, finish, until};

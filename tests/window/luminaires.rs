@@ -102,7 +102,8 @@ fn a_handle_moves_a_luminaire_along_its_axis() {
     until(&mut window, "its place", |window| luminaires(window)[0].form.centre.y == 1.5);
     finish(&mut window);
     let before = luminaires(&window).remove(0).form.centre;
-    let grip = window.get_by_label(words::MOVE_ALONG_Y).rect().center();
+    // Below the tip, on the shaft.
+    let grip = window.get_by_label(words::MOVE_ALONG_Y).rect().center() + egui::vec2(0.0, 24.0);
     window.hover_at(grip);
     window.step();
     window.drag_at(grip);
@@ -121,6 +122,15 @@ fn a_handle_moves_a_luminaire_along_its_axis() {
     assert!(window.query_by_label(words::MOVE_ALONG_Y).is_none(), "Esc lets it go");
     click(&mut window, words::UNDO);
     until(&mut window, "its former place", |window| luminaires(window)[0].form.centre == before);
+    let tip = window.get_by_label(words::MOVE_ALONG_Y).rect().center();
+    window.hover_at(tip);
+    window.step();
+    window.drag_at(tip);
+    window.step();
+    window.hover_at(tip - egui::vec2(0.0, 20.0));
+    window.step();
+    window.drop_at(tip - egui::vec2(0.0, 20.0));
+    until(&mut window, "a place by its tip", |window| luminaires(window)[0].form.centre != before);
 }
 
 /// Truth: the target's numbers decide what is said; a drag in the view draws the area, and turns nothing meanwhile.
@@ -155,5 +165,9 @@ fn a_task_area_is_drawn_and_judged() {
     set(&mut window, Role::SpinButton, words::TARGET_UNIFORMITY, 0.01);
     assert!(says(&window, words::FAILED, words::AVERAGE) && says(&window, words::PASSED, words::UNIFORMITY));
     click(&mut window, words::WHOLE_PLANE);
+    assert!(window.query_by_label("Task area x from").is_none());
+    click(&mut window, words::UNDO);
+    assert!(window.query_by_label("Task area x from").is_some(), "the area is back");
+    click(&mut window, words::REDO);
     assert!(window.query_by_label("Task area x from").is_none());
 }

@@ -4,7 +4,7 @@ use egui::Key;
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
 use selflink::app::{App, words};
-use selflink::solver::{Epsilon, SolverParams};
+use selflink::solve::{Epsilon, SolverParams};
 
 use crate::support::{click, cornell, finish, until};
 
@@ -49,8 +49,9 @@ fn the_first_step_is_one_full_square() {
 #[test]
 fn blocks_are_hovered_and_clicked() {
     let mut window = opened();
-    let anatomy = window.state().snapshot().expect("a picture").anatomy.clone().expect("the tool asked for it");
-    let (order, hierarchy) = (anatomy.order(selflink::hierarchy::Room::Area), anatomy.hierarchy());
+    let solution_view =
+        window.state().snapshot().expect("a picture").solution_view.clone().expect("the tool asked for it");
+    let (order, hierarchy) = (solution_view.order(selflink::hierarchy::Room::Area), solution_view.hierarchy());
     let middle = |id| order.span(id).into_iter().sum::<f64>() as f32 * 0.5;
     let width = |id| order.span(id)[1] - order.span(id)[0];
     let patches = hierarchy.initial_patches().iter().copied();
@@ -59,8 +60,8 @@ fn blocks_are_hovered_and_clicked() {
     window.hover_at(at);
     until(&mut window, "no link", |window| window.query_by_label_contains("No link:").is_some());
 
-    let room = |link: &selflink::solver::LinkView| width(link.receiver) * width(link.source);
-    let largest = anatomy.all_links().max_by(|one, other| room(one).total_cmp(&room(other))).expect("links");
+    let room = |link: &selflink::transport::LinkView| width(link.receiver) * width(link.source);
+    let largest = solution_view.all_links().max_by(|one, other| room(one).total_cmp(&room(other))).expect("links");
     let at = place(&window, middle(largest.source), middle(largest.receiver));
     window.hover_at(at);
     until(&mut window, "a link", |window| says(window, "form factor F") && says(window, "share of ε"));

@@ -4,11 +4,11 @@ use egui::accesskit::Role;
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
 use glam::Vec3;
-use selflink::added_light::{AddedLight, CeilingLight};
 use selflink::app::{App, words};
+use selflink::prepare::added_light::{AddedLight, CeilingLight};
 use selflink::scene::builtin::BuiltinScene;
 use selflink::scene::{Reading, Source};
-use selflink::solver::{ClusteringMode, Epsilon, ParameterId, SolverParams};
+use selflink::solve::{ClusteringMode, Epsilon, ParameterId, SolverParams};
 use selflink::worker::RunState;
 
 use crate::support::{

@@ -4,8 +4,8 @@
 
 use egui::Vec2;
 use egui_kittest::Harness;
-use selflink::added_light::AddedLight;
 use selflink::app::App;
+use selflink::prepare::added_light::AddedLight;
 use selflink::scene::builtin::BuiltinScene;
 use selflink::scene::{Reading, Source};
 

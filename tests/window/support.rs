@@ -5,11 +5,11 @@ use std::time::{Duration, Instant};
 use egui::accesskit::Role;
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
-use selflink::added_light::AddedLight;
 use selflink::app::{App, words};
+use selflink::prepare::added_light::AddedLight;
 use selflink::scene::builtin::BuiltinScene;
 use selflink::scene::{Reading, Source};
-use selflink::solver::{Epsilon, SolverParams};
+use selflink::solve::{Epsilon, SolverParams};
 use selflink::worker::RunState;
 
 const PATIENCE: Duration = Duration::from_secs(60);

@@ -11,7 +11,7 @@ use selflink::app::{App, words};
 use selflink::export::peers::Peer;
 use selflink::export::settings::Settings;
 use selflink::scene::load_file;
-use selflink::solver::{Epsilon, ParameterId, SolverParams};
+use selflink::solve::{Epsilon, ParameterId, SolverParams};
 
 use crate::support::{click, coarse, cornell, finish, picture, share_of_different_pixels, until};
 

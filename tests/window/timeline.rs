@@ -4,7 +4,7 @@ use egui::Key;
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 use selflink::app::{App, words};
-use selflink::solver::{Epsilon, ParameterId, SolverParams};
+use selflink::solve::{Epsilon, ParameterId, SolverParams};
 
 use crate::support::{click, cornell, finish, picture, share_of_different_pixels, until};
 

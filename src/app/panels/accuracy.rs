@@ -5,10 +5,11 @@ use std::sync::Arc;
 use egui::{Color32, ProgressBar, Slider, Ui};
 use egui_plot::{FilledArea, Line, Plot, PlotPoints, Points};
 
-use super::super::comparison::{Comparison, POINTS, Run, RunPoint, Shading};
-use super::super::{Wake, format, theme, words};
-use crate::accuracy::SolutionError;
-use crate::referee::GOAL;
+use crate::app::state::comparison::{Comparison, POINTS, Run, RunPoint, Shading};
+use crate::app::widgets::theme;
+use crate::app::{Wake, format, words};
+use crate::measure::accuracy::SolutionError;
+use crate::measure::referee::GOAL;
 use crate::worker::SceneInfo;
 
 /// Height of the chart, points.
@@ -17,7 +18,12 @@ const CHART_HEIGHT: f32 = 170.0;
 const LEAST_ERROR: f64 = 1e-3;
 
 /// Draws the section; a sentence where a reference was asked for and cannot be made.
-pub(super) fn show(ui: &mut Ui, info: &Arc<SceneInfo>, comparison: &mut Comparison, wake: &Wake) -> Result<(), String> {
+pub(in crate::app) fn show(
+    ui: &mut Ui,
+    info: &Arc<SceneInfo>,
+    comparison: &mut Comparison,
+    wake: &Wake,
+) -> Result<(), String> {
     let outcome = match comparison.report().is_active {
         true => {
             show_reference(ui, comparison);

@@ -2,14 +2,15 @@
 
 use egui::{ComboBox, ThemePreference, Ui};
 
-use super::super::appearance::Appearance;
-use super::super::{theme, words};
+use crate::app::appearance::Appearance;
+use crate::app::widgets::theme;
+use crate::app::words;
 
 /// Scales offered, as factors.
 const SCALES: [f32; 7] = [0.75, 0.9, 1.0, 1.25, 1.5, 2.0, 2.5];
 
 /// Draws the section.
-pub(super) fn show(ui: &mut Ui, appearance: &mut Appearance) {
+pub(in crate::app) fn show(ui: &mut Ui, appearance: &mut Appearance) {
     theme::row(ui, words::THEME, |ui| {
         let themes = ui.horizontal_wrapped(|ui| {
             for (theme, name) in [

@@ -2,10 +2,10 @@
 
 use egui::{Grid, Ui};
 
-use super::super::theme;
+use crate::app::widgets::theme;
 
-/// What to do, and what it does; [`super::super::viewport`] acts so.
-pub(in super::super) const CONTROLS: [(&str, &str); 10] = [
+/// What to do, and what it does; [`crate::app::view::viewport`] acts so.
+pub(in crate::app) const CONTROLS: [(&str, &str); 10] = [
     ("left drag", "orbit"),
     ("right, middle or shift drag", "pan"),
     ("wheel or pinch", "zoom"),
@@ -19,7 +19,7 @@ pub(in super::super) const CONTROLS: [(&str, &str); 10] = [
 ];
 
 /// Draws the section.
-pub(super) fn show(ui: &mut Ui, are_keys_shown: &mut bool) {
+pub(in crate::app) fn show(ui: &mut Ui, are_keys_shown: &mut bool) {
     Grid::new("controls").num_columns(2).spacing([16.0, 3.0]).show(ui, |ui| {
         for (deed, effect) in CONTROLS {
             ui.label(deed);

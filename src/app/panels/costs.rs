@@ -2,8 +2,8 @@
 
 use egui::{Rect, Ui, pos2, vec2};
 
-use super::super::theme;
-use crate::solver::{Invalidates, Parameter, ValueKind};
+use crate::app::widgets::theme;
+use crate::solve::{ChangeCost, Parameter, ValueKind};
 
 /// Bars of the mark.
 const MOST_BARS: usize = 3;
@@ -12,8 +12,8 @@ const MOST_BARS: usize = 3;
 const WIDTH: f32 = 14.0;
 
 /// What a change to a lower and to a higher value asks of the solver, as one sentence or two.
-pub(super) fn sentence(parameter: &Parameter) -> String {
-    let [lower, higher] = parameter.costs.map(Invalidates::in_words);
+pub(in crate::app) fn sentence(parameter: &Parameter) -> String {
+    let [lower, higher] = parameter.costs.map(ChangeCost::in_words);
     match parameter.kind {
         _ if lower == higher => format!("A change {lower}."),
         ValueKind::Choice { .. } => format!("A change {lower}, or {higher}."),
@@ -22,16 +22,16 @@ pub(super) fn sentence(parameter: &Parameter) -> String {
 }
 
 /// How many bars a cost has: light is gathered again at most, links are judged again, all begins anew.
-fn bars(cost: Invalidates) -> usize {
+fn bars(cost: ChangeCost) -> usize {
     match cost {
-        Invalidates::Nothing | Invalidates::Picture | Invalidates::Radiosities => 1,
-        Invalidates::Verdicts | Invalidates::Refinement => 2,
-        Invalidates::Links | Invalidates::Hierarchy | Invalidates::Scene => 3,
+        ChangeCost::Nothing | ChangeCost::Picture | ChangeCost::Radiosities => 1,
+        ChangeCost::Verdicts | ChangeCost::Refinement => 2,
+        ChangeCost::Links | ChangeCost::Hierarchy | ChangeCost::Scene => 3,
     }
 }
 
 /// Draws a mark at the right end of the parameter's row: the more bars, the more work.
-pub(super) fn show_mark(ui: &Ui, row: Rect, parameter: &Parameter) {
+pub(in crate::app) fn show_mark(ui: &Ui, row: Rect, parameter: &Parameter) {
     let lit = parameter.costs.map(bars).into_iter().max().unwrap_or(0);
     let right = ui.max_rect().right() - 1.0;
     if right - WIDTH < row.right() {
@@ -50,19 +50,19 @@ pub(super) fn show_mark(ui: &Ui, row: Rect, parameter: &Parameter) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::solver::PARAMETERS;
+    use crate::solve::PARAMETERS;
 
     /// Truth: the parameter's row of costs, which a test of the solver holds to what it does.
     #[test]
     fn tooltips_say_what_the_solver_will_do() {
         for parameter in &PARAMETERS {
             let sentence = sentence(parameter);
-            for cost in Invalidates::ALL {
+            for cost in ChangeCost::ALL {
                 let is_said = sentence.contains(cost.in_words());
                 assert_eq!(is_said, parameter.costs.contains(&cost), "{}: {sentence}", parameter.flag);
             }
         }
-        assert!(bars(Invalidates::Radiosities) < bars(Invalidates::Refinement));
-        assert!(Invalidates::ALL.map(bars).is_sorted());
+        assert!(bars(ChangeCost::Radiosities) < bars(ChangeCost::Refinement));
+        assert!(ChangeCost::ALL.map(bars).is_sorted());
     }
 }

@@ -2,16 +2,23 @@
 
 use egui::{Slider, Ui};
 
-use super::super::settings::DisplaySettings;
-use super::super::{Shown, theme, words};
-use super::readings;
+use crate::app::panels::readings;
+use crate::app::state::settings::DisplaySettings;
+use crate::app::widgets::theme;
+use crate::app::{Shown, words};
 use crate::render::Reading;
 
 /// Exposures a slider offers, stops.
 const STOPS: std::ops::RangeInclusive<f32> = -12.0..=12.0;
 
 /// Draws the section.
-pub(super) fn show(ui: &mut Ui, shown: &Shown, display: &mut DisplaySettings, reading: Option<&Reading>, metered: f32) {
+pub(in crate::app) fn show(
+    ui: &mut Ui,
+    shown: &Shown,
+    display: &mut DisplaySettings,
+    reading: Option<&Reading>,
+    metered: f32,
+) {
     show_picture(ui, display);
     readings::show(ui, display, reading);
     ui.add_space(4.0);
@@ -20,7 +27,7 @@ pub(super) fn show(ui: &mut Ui, shown: &Shown, display: &mut DisplaySettings, re
     ui.checkbox(&mut display.show_elements, words::ELEMENT_OUTLINES);
     show_clusters(ui, shown, display);
     ui.add_space(4.0);
-    super::links::show(ui, shown, &mut display.links);
+    crate::app::panels::links::show(ui, shown, &mut display.links);
 }
 
 /// What the view is a picture of.

@@ -4,7 +4,8 @@ use std::time::Duration;
 
 use egui::{Align2, Rect, RichText, Ui};
 
-use super::super::{App, Outbox, theme, words};
+use crate::app::widgets::theme;
+use crate::app::{App, Outbox, words};
 use crate::scene::Source;
 use crate::scene::builtin::BuiltinScene;
 use crate::worker::Command;
@@ -13,7 +14,7 @@ use crate::worker::Command;
 const DOT_SECONDS: f64 = 0.4;
 
 /// In place of the first picture: how to get one.
-pub(in super::super) fn show(app: &mut App, ui: &mut Ui, rect: Rect, outbox: &mut Outbox) {
+pub(in crate::app) fn show(app: &mut App, ui: &mut Ui, rect: Rect, outbox: &mut Outbox) {
     egui::Area::new(egui::Id::unique("empty")).pivot(Align2::CENTER_CENTER).fixed_pos(rect.center()).show(
         ui.ctx(),
         |ui| {
@@ -44,7 +45,7 @@ pub(in super::super) fn show(app: &mut App, ui: &mut Ui, rect: Rect, outbox: &mu
 }
 
 /// Over the present picture: what is being loaded, and a way out.
-pub(in super::super) fn show_loading(app: &App, ui: &mut Ui, rect: Rect, outbox: &mut Outbox) {
+pub(in crate::app) fn show_loading(app: &App, ui: &mut Ui, rect: Rect, outbox: &mut Outbox) {
     let Some(name) = &app.shown.status.loading else { return };
     let at = rect.center_top() + egui::vec2(0.0, 12.0);
     egui::Area::new(egui::Id::unique("loading")).pivot(Align2::CENTER_TOP).fixed_pos(at).show(ui.ctx(), |ui| {
@@ -70,7 +71,7 @@ fn loading_label(ui: &mut Ui, name: &str, size: f32) {
 }
 
 /// While a file hovers over the window.
-pub(in super::super) fn show_drop_hint(ui: &Ui, rect: Rect) {
+pub(in crate::app) fn show_drop_hint(ui: &Ui, rect: Rect) {
     if ui.input(|input| input.raw.hovered_files.is_empty()) {
         return;
     }

@@ -2,7 +2,8 @@
 
 use egui::{Align2, Area, Frame, Rect, Ui};
 
-use super::super::{App, theme, words};
+use crate::app::widgets::theme;
+use crate::app::{App, words};
 
 const LINES: [&str; 3] = [
     "Drag to turn the view, roll the wheel to come nearer, fly with W A S D.",
@@ -11,8 +12,8 @@ const LINES: [&str; 3] = [
 ];
 
 /// Draws the lines until somebody has read them.
-pub(in super::super) fn show_first_lines(app: &mut App, ui: &Ui, view: Rect) {
-    if !app.appearance.is_hint_shown {
+pub(in crate::app) fn show_first_lines(app: &mut App, ui: &Ui, view: Rect) {
+    if !app.layout.appearance.is_hint_shown {
         return;
     }
     let at = view.center_bottom() - egui::vec2(0.0, 18.0);
@@ -25,7 +26,7 @@ pub(in super::super) fn show_first_lines(app: &mut App, ui: &Ui, view: Rect) {
             }
             ui.add_space(4.0);
             if ui.button("Got it").clicked() {
-                app.appearance.is_hint_shown = false;
+                app.layout.appearance.is_hint_shown = false;
             }
         });
     });
@@ -35,9 +36,9 @@ pub(in super::super) fn show_first_lines(app: &mut App, ui: &Ui, view: Rect) {
 const NEAR_TOP: f32 = 60.0;
 
 /// A button in the corner of the full screen, where the pointer comes near to it; otherwise the picture is alone.
-pub(in super::super) fn show_way_back(app: &mut App, ui: &Ui, view: Rect) {
+pub(in crate::app) fn show_way_back(app: &mut App, ui: &Ui, view: Rect) {
     let is_near = ui.input(|input| input.pointer.hover_pos().is_some_and(|at| at.y < view.top() + NEAR_TOP));
-    if !app.is_full_picture || !is_near {
+    if !app.layout.is_full_picture || !is_near {
         return;
     }
     let at = view.left_top() + egui::vec2(10.0, 10.0);

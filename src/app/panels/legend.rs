@@ -2,9 +2,10 @@
 
 use egui::{Align2, Color32, FontId, Frame, Label, Rect, RichText, Ui, UiBuilder, pos2, vec2};
 
-use super::super::comparison::{FULL_SCALE, Shading};
-use super::super::{colour_bar, theme};
-use crate::photometry::{CONVENTION, Unit};
+use crate::app::state::comparison::{FULL_SCALE, Shading};
+use crate::app::view::colour_bar;
+use crate::app::widgets::theme;
+use crate::base::photometry::{CONVENTION, Unit};
 use crate::render::{Mark, Reading};
 
 /// Size of the bar, points.
@@ -26,13 +27,13 @@ struct Legend<'a> {
 }
 
 /// The legend of the difference between two solutions.
-pub(in super::super) fn show_difference(ui: &mut Ui, view: Rect) {
+pub(in crate::app) fn show_difference(ui: &mut Ui, view: Rect) {
     let hint = "Difference of the radiosities, relative to that of A at the same point";
     show_shading(ui, view, Shading::Difference, ("B darker – brighter", hint));
 }
 
 /// The legend of errors; nothing for light.
-pub(in super::super) fn show_error(ui: &mut Ui, view: Rect, shading: Shading) {
+pub(in crate::app) fn show_error(ui: &mut Ui, view: Rect, shading: Shading) {
     let title = match shading {
         Shading::Lit => return,
         Shading::Error => "relative error",
@@ -55,7 +56,7 @@ fn show_shading(ui: &mut Ui, view: Rect, shading: Shading, (title, hint): (&str,
 }
 
 /// The legend of a quantity.
-pub(in super::super) fn show_reading(ui: &mut Ui, view: Rect, reading: &Reading, unit: Unit, remark: &str) {
+pub(in crate::app) fn show_reading(ui: &mut Ui, view: Rect, reading: &Reading, unit: Unit, remark: &str) {
     let colour = |along: f32| reading.scale.ramp.at(along);
     let hint = match unit {
         Unit::Lumens => CONVENTION,

@@ -2,8 +2,10 @@
 
 use egui::{Align2, Color32, FontId, Rect, Slider, Ui, pos2, vec2};
 
-use super::super::settings::{LinkOverlay, LinksOf};
-use super::super::{App, Shown, colour_bar, format, theme, words};
+use crate::app::state::settings::{LinkOverlay, LinksOf};
+use crate::app::view::colour_bar;
+use crate::app::widgets::theme;
+use crate::app::{App, Shown, format, words};
 use crate::render::{ChosenLinks, LinkColour, LinkFilter, Seen, level_colour, power_colour};
 
 /// Numbers of links a slider offers.
@@ -13,7 +15,7 @@ const LEAST_POWER: std::ops::RangeInclusive<f32> = 0.0..=10.0;
 const LEAST_POWER_ABOVE_0: f64 = 1e-4;
 
 /// Draws the rows of the display section.
-pub(super) fn show(ui: &mut Ui, shown: &Shown, links: &mut LinkOverlay) {
+pub(in crate::app) fn show(ui: &mut Ui, shown: &Shown, links: &mut LinkOverlay) {
     choice(
         ui,
         words::SHOW_LINKS,
@@ -62,8 +64,8 @@ pub(super) fn show(ui: &mut Ui, shown: &Shown, links: &mut LinkOverlay) {
 }
 
 fn show_level(ui: &mut Ui, shown: &Shown, links: &mut LinkOverlay) {
-    let anatomy = shown.snapshot.as_ref().and_then(|snapshot| snapshot.anatomy.as_ref());
-    let Some(deepest) = anatomy.map(|anatomy| anatomy.deepest()) else { return };
+    let solution_view = shown.snapshot.as_ref().and_then(|snapshot| snapshot.solution_view.as_ref());
+    let Some(deepest) = solution_view.map(|solution_view| solution_view.deepest()) else { return };
     theme::row(ui, words::RECEIVERS_AT_LEVEL, |ui| {
         // What was chosen for a deeper hierarchy comes back with it.
         let mut level = links.level.min(deepest);
@@ -117,14 +119,14 @@ const MARGIN: f32 = 12.0;
 const DECADES: f32 = 3.0;
 
 /// Draws what the colours say, and how much is not drawn, into the view's lower right corner; nothing where no links are drawn.
-pub(in super::super) fn show_legend(app: &App, ui: &Ui, view: Rect) {
-    let Some(chosen) = app.marks.chosen_links() else { return };
+pub(in crate::app) fn show_legend(app: &App, ui: &Ui, view: Rect) {
+    let Some(chosen) = app.view.marks.chosen_links() else { return };
     let words = chosen.to_string();
     let has_colours = !chosen.links.is_empty();
     let font = FontId::proportional(12.0);
     let painter = ui.painter_at(view);
     let galley = painter.layout(words.clone(), font.clone(), theme::TEXT_STRONG, BAR.x);
-    let of_colours = match app.display.links.style.colour {
+    let of_colours = match app.edits.display.links.style.colour {
         _ if !has_colours => 0.0,
         LinkColour::Visibility => 37.0,
         LinkColour::Power | LinkColour::Level => 50.0,
@@ -143,13 +145,13 @@ pub(in super::super) fn show_legend(app: &App, ui: &Ui, view: Rect) {
     let text = |at, align, text: &str| painter.text(at, align, text, font.clone(), theme::TEXT);
     let top = card.top() + text_height + 14.0;
     let bar = Rect::from_min_size(pos2(card.left() + MARGIN, top + 15.0), BAR);
-    let (title, labels) = match app.display.links.style.colour {
+    let (title, labels) = match app.edits.display.links.style.colour {
         LinkColour::Power => ("Colour: power of the link", power_labels(chosen)),
         LinkColour::Visibility => ("Colour: visibility V of the link", [String::new(), String::new()]),
         LinkColour::Level => ("Colour: level of the source", level_labels(app)),
     };
     painter.text(pos2(bar.left(), top - 3.0), Align2::LEFT_TOP, title, font.clone(), theme::TEXT_WEAK);
-    if app.display.links.style.colour == LinkColour::Visibility {
+    if app.edits.display.links.style.colour == LinkColour::Visibility {
         let names = [(Seen::Full, "full"), (Seen::Partial, "partial"), (Seen::Not, "none or not tested")];
         let mut x = bar.left();
         for (seen, name) in names {
@@ -163,7 +165,7 @@ pub(in super::super) fn show_legend(app: &App, ui: &Ui, view: Rect) {
         }
         return;
     }
-    let colour = |along: f32| match app.display.links.style.colour {
+    let colour = |along: f32| match app.edits.display.links.style.colour {
         LinkColour::Level => level_colour((1000.0 * along) as u16, 1000),
         LinkColour::Power | LinkColour::Visibility => power_colour(10_f32.powf(DECADES * (along - 1.0))),
     };
@@ -179,7 +181,7 @@ fn power_labels(chosen: &ChosenLinks) -> [String; 2] {
 }
 
 fn level_labels(app: &App) -> [String; 2] {
-    let anatomy = app.shown.snapshot.as_ref().and_then(|snapshot| snapshot.anatomy.as_ref());
-    let deepest = anatomy.map_or(0, |anatomy| anatomy.deepest());
+    let solution_view = app.shown.snapshot.as_ref().and_then(|snapshot| snapshot.solution_view.as_ref());
+    let deepest = solution_view.map_or(0, |solution_view| solution_view.deepest());
     ["0, the root".into(), deepest.to_string()]
 }

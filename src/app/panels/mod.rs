@@ -1,38 +1,39 @@
 //! The panels around the view: each takes what it shows and writes commands into the outbox.
 
-pub(super) mod accuracy;
-pub(super) mod appearance;
-pub(super) mod controls;
-pub(super) mod costs;
-pub(super) mod display;
-pub(super) mod empty;
-pub(super) mod hint;
-pub(super) mod legend;
-pub(super) mod light;
-pub(super) mod links;
-pub(super) mod parameters;
-pub(super) mod picked;
-pub(super) mod quality;
+pub(in crate::app) mod accuracy;
+pub(in crate::app) mod appearance;
+pub(in crate::app) mod controls;
+pub(in crate::app) mod costs;
+pub(in crate::app) mod display;
+pub(in crate::app) mod empty;
+pub(in crate::app) mod hint;
+pub(in crate::app) mod legend;
+pub(in crate::app) mod light;
+pub(in crate::app) mod links;
+pub(in crate::app) mod parameters;
+pub(in crate::app) mod picked;
+pub(in crate::app) mod quality;
 mod readings;
-pub(super) mod readout;
-pub(super) mod scene;
-pub(super) mod statistics;
-pub(super) mod status_bar;
-pub(super) mod tag;
+pub(in crate::app) mod readout;
+pub(in crate::app) mod scene;
+pub(in crate::app) mod statistics;
+pub(in crate::app) mod status_bar;
+pub(in crate::app) mod tag;
 
 use egui::{CollapsingHeader, RichText, ScrollArea, Ui};
 
-use super::{App, Outbox, layout, theme, words};
+use crate::app::widgets::theme;
+use crate::app::{App, Outbox, layout, words};
 use crate::worker::Command;
 
 /// The left panel with its sections and the bar below.
-pub(super) fn show_sides(app: &mut App, ui: &mut Ui, outbox: &mut Outbox) {
+pub(in crate::app) fn show_sides(app: &mut App, ui: &mut Ui, outbox: &mut Outbox) {
     egui::Panel::bottom("status").show(ui, |ui| {
-        status_bar::show(ui, &app.shown, app.painted.as_ref(), &app.course, &app.clock);
+        status_bar::show(ui, &app.shown, app.view.painted.as_ref(), &app.progress.course, &app.progress.clock);
     });
     let sides = layout::Sides::of(app, ui.ctx());
     let Some(most) = sides.settings else {
-        app.settings_width = 0.0;
+        app.layout.settings_width = 0.0;
         return;
     };
     let widths = layout::LEAST_SETTINGS.min(most)..=most;
@@ -49,31 +50,33 @@ pub(super) fn show_sides(app: &mut App, ui: &mut Ui, outbox: &mut Outbox) {
             });
         });
     });
-    app.settings_width = shown.response.rect.width();
+    app.layout.settings_width = shown.response.rect.width();
 }
 
 fn show_sections(app: &mut App, ui: &mut Ui, outbox: &mut Outbox) {
     let kept = app.kept();
     let mut chosen = scene::Chosen::default();
-    section(ui, words::SCENE, true, None, |ui| chosen = scene::show(ui, &app.shown, &mut app.files, kept, outbox));
+    section(ui, words::SCENE, true, None, |ui| {
+        chosen = scene::show(ui, &app.shown, &mut app.documents.files, kept, outbox)
+    });
     if let Some(pose) = chosen.view {
-        app.view.go_to(&pose);
+        app.view.viewport.go_to(&pose);
     }
     if let Some(info) = app.shown.info.clone() {
         // A dark scene opens the section that helps, which stays open once there is light; with a lamp it is one of many.
         let dark = !info.has_light;
         let title = if dark { words::LIGHT_NONE_YET } else { words::LIGHT };
-        section(ui, title, app.light.was_dark, Some("light"), |ui| {
-            let eye = app.view.pose().map(|pose| pose.eye);
-            light::show(ui, (&app.shown, eye), &app.params, &mut app.light, outbox);
-            if let Some(place) = app.light.to_be_seen.take() {
-                app.view.turn_towards_unseen(place);
+        section(ui, title, app.edits.light.was_dark, Some("light"), |ui| {
+            let eye = app.view.viewport.pose().map(|pose| pose.eye);
+            light::show(ui, (&app.shown, eye), &app.edits.params, &mut app.edits.light, outbox);
+            if let Some(place) = app.edits.light.to_be_seen.take() {
+                app.view.viewport.turn_towards_unseen(place);
             }
         });
     }
     let present = app.shown.info.as_ref().map(|info| &info.scene.reading);
     let reading = chosen.reading.or_else(|| {
-        let material = app.light.take_opaque()?;
+        let material = app.edits.light.take_opaque()?;
         let mut reading = present?.clone();
         reading.opaque.push(material);
         Some(reading)
@@ -83,20 +86,20 @@ fn show_sections(app: &mut App, ui: &mut Ui, outbox: &mut Outbox) {
         outbox.extend(settings.source().map(|source| Command::Load(source, reading, settings.light)));
     }
     let mut asked = quality::Asked::default();
-    section(ui, words::QUALITY, true, None, |ui| asked = quality::show(ui, &app.shown, &mut app.params, outbox));
+    section(ui, words::QUALITY, true, None, |ui| asked = quality::show(ui, &app.shown, &mut app.edits.params, outbox));
     if asked.study {
         app.study(ui.ctx());
     }
     // Who solves by ε wants to see the parameters.
-    let (is_open, is_opened) = (app.params.error.is_none(), std::mem::take(&mut app.opens_method));
+    let (is_open, is_opened) = (app.edits.params.error.is_none(), std::mem::take(&mut app.layout.opens_method));
     let method = Fold { title: words::METHOD, is_open, id: Some("method"), is_opened };
     let stats = app.shown.snapshot.as_ref().map(|snapshot| &snapshot.stats);
-    method.show(ui, |ui| quality::show_method(ui, stats, &mut app.params, outbox));
+    method.show(ui, |ui| quality::show_method(ui, stats, &mut app.edits.params, outbox));
     section(ui, words::DISPLAY, true, None, |ui| {
-        display::show(ui, &app.shown, &mut app.display, app.reading.last().as_ref(), app.exposure)
+        display::show(ui, &app.shown, &mut app.edits.display, app.view.reading.last().as_ref(), app.view.exposure)
     });
     if let Some(info) = app.shown.info.clone() {
-        let (comparison, wake) = (&mut app.comparison, &app.wake);
+        let (comparison, wake) = (&mut app.tools.comparison, &app.wake);
         let mut outcome = Ok(());
         section(ui, words::ACCURACY, false, None, |ui| outcome = accuracy::show(ui, &info, comparison, wake));
         if let Err(sentence) = outcome {
@@ -104,8 +107,8 @@ fn show_sections(app: &mut App, ui: &mut Ui, outbox: &mut Outbox) {
         }
     }
     section(ui, words::STATISTICS, false, None, |ui| statistics::show(ui, &app.shown));
-    section(ui, words::APPEARANCE, false, None, |ui| appearance::show(ui, &mut app.appearance));
-    section(ui, words::MOUSE_AND_KEYS, false, None, |ui| controls::show(ui, &mut app.are_keys_shown));
+    section(ui, words::APPEARANCE, false, None, |ui| appearance::show(ui, &mut app.layout.appearance));
+    section(ui, words::MOUSE_AND_KEYS, false, None, |ui| controls::show(ui, &mut app.layout.are_keys_shown));
 }
 
 /// A section that can be folded away.

@@ -2,14 +2,16 @@
 
 use egui::{ComboBox, Slider, Ui};
 
-use super::super::{format, theme, words};
-use super::costs;
-use crate::memory::MemoryBudget;
+use crate::app::panels::costs;
+use crate::app::widgets::theme;
+use crate::app::{format, words};
+use crate::base::memory::MemoryBudget;
 use crate::scene::Sides;
-use crate::solver::{
-    ClusterModel, ClusteringMode, Epsilon, OracleKind, PARAMETERS, Parameter, ParameterId, Push, Reconstruct,
-    SolverParams, Stats, USUAL_ERROR, ValueKind,
+use crate::solve::{
+    ClusteringMode, Epsilon, PARAMETERS, Parameter, ParameterId, Reconstruct, SolverParams, Stats, USUAL_ERROR,
+    ValueKind,
 };
+use crate::transport::{ClusterModel, OracleKind, Push};
 
 /// ε as it stands, in both measures.
 #[derive(Clone, Copy)]
@@ -37,14 +39,14 @@ impl EpsilonMeasures {
 }
 
 /// Draws one parameter that is set outside of the method's fold.
-pub(super) fn show_one(ui: &mut Ui, id: ParameterId, params: &mut SolverParams, stats: Option<&Stats>) {
+pub(in crate::app) fn show_one(ui: &mut Ui, id: ParameterId, params: &mut SolverParams, stats: Option<&Stats>) {
     if let Some(parameter) = PARAMETERS.iter().find(|parameter| parameter.id == id) {
         show_row(ui, parameter, params, stats);
     }
 }
 
 /// Draws the method's parameters, each with its sentence; true when one was changed.
-pub(super) fn show_method(ui: &mut Ui, params: &mut SolverParams, stats: Option<&Stats>) -> bool {
+pub(in crate::app) fn show_method(ui: &mut Ui, params: &mut SolverParams, stats: Option<&Stats>) -> bool {
     let before = *params;
     show_what_ends_a_solve(ui, params);
     let of_method = |parameter: &&Parameter| !matches!(parameter.id, ParameterId::Error | ParameterId::Memory);

@@ -4,13 +4,15 @@
 use egui::{Align2, Grid, Rect, RichText, Ui};
 use glam::Vec3;
 
-use super::super::dock::Tool;
-use super::super::facts::Facts;
-use super::super::inspection::Inspection;
-use super::super::{App, format, theme, words};
+use crate::app::state::facts::Facts;
+use crate::app::state::inspection::Inspection;
+use crate::app::tools::Tool;
+use crate::app::widgets::theme;
+use crate::app::{App, format, words};
 use crate::hierarchy::ElementId;
 use crate::scene::Scene;
-use crate::solver::{Anatomy, LinkView, Snapshot};
+use crate::solve::Snapshot;
+use crate::transport::{LinkView, SolutionView};
 
 /// Width of the card, points.
 const WIDTH: f32 = 288.0;
@@ -20,8 +22,8 @@ const WIDE_ENOUGH: f32 = 640.0;
 const MOST: usize = 5;
 
 /// Draws the card; nothing when nothing is picked.
-pub(in super::super) fn show(app: &mut App, ui: &mut Ui, rect: Rect) {
-    if app.tool == Some(Tool::Inspector) || !app.is_card_open {
+pub(in crate::app) fn show(app: &mut App, ui: &mut Ui, rect: Rect) {
+    if app.tools.open == Some(Tool::Inspector) || !app.layout.is_card_open {
         return;
     }
     let (Some(picked), Some(snapshot), Some(info)) = (&app.picked, &app.shown.snapshot, &app.shown.info) else {
@@ -43,11 +45,11 @@ pub(in super::super) fn show(app: &mut App, ui: &mut Ui, rect: Rect) {
                     inspect = ui.button(words::INSPECT).on_hover_text(hint).clicked();
                 });
             });
-            if let Some(facts) = &app.inspection.facts {
+            if let Some(facts) = &app.tools.inspection.facts {
                 show_facts(ui, facts);
             }
             if rect.width() >= WIDE_ENOUGH {
-                show_sources(ui, &mut app.inspection, snapshot, scene, element);
+                show_sources(ui, &mut app.tools.inspection, snapshot, scene, element);
             }
         });
     });
@@ -55,7 +57,7 @@ pub(in super::super) fn show(app: &mut App, ui: &mut Ui, rect: Rect) {
         app.deselect();
     }
     if inspect {
-        app.tool = Some(Tool::Inspector);
+        app.tools.open = Some(Tool::Inspector);
     }
 }
 
@@ -92,7 +94,8 @@ fn colours(rgb: Vec3) -> String {
 
 fn show_sources(ui: &mut Ui, inspection: &mut Inspection, snapshot: &Snapshot, scene: &Scene, element: ElementId) {
     ui.separator();
-    let Some(anatomy) = snapshot.anatomy.as_ref().filter(|anatomy| anatomy.holds(element)) else {
+    let Some(solution_view) = snapshot.solution_view.as_ref().filter(|solution_view| solution_view.holds(element))
+    else {
         ui.label(theme::weak("Asking for its links…"));
         return;
     };
@@ -108,7 +111,7 @@ fn show_sources(ui: &mut Ui, inspection: &mut Inspection, snapshot: &Snapshot, s
     Grid::new("sources").num_columns(2).spacing([12.0, 2.0]).show(ui, |ui| {
         for link in strongest {
             ui.label(theme::value(format!("{:>9}", format::number(link.irradiance.max_element().into()))));
-            let name = name_of_source(inspection, anatomy, scene, &link);
+            let name = name_of_source(inspection, solution_view, scene, &link);
             let details = format!(
                 "{name}: {}; E {}, F = {}, V = {:.2}, {} to the whole receiver",
                 whose(&link),
@@ -123,20 +126,20 @@ fn show_sources(ui: &mut Ui, inspection: &mut Inspection, snapshot: &Snapshot, s
     });
 }
 
-fn name_of_source(inspection: &mut Inspection, anatomy: &Anatomy, scene: &Scene, link: &LinkView) -> String {
+fn name_of_source(inspection: &mut Inspection, solution_view: &SolutionView, scene: &Scene, link: &LinkView) -> String {
     match link.source == link.receiver {
         true => "itself, among its parts".to_owned(),
-        false => inspection.name(anatomy, scene, link.source).to_owned(),
+        false => inspection.name(solution_view, scene, link.source).to_owned(),
     }
 }
 
 /// Whose link brings the light, seen from the inspected element.
-pub(in super::super) fn whose(link: &LinkView) -> String {
+pub(in crate::app) fn whose(link: &LinkView) -> String {
     whose_end(link.levels_up, link.receiver_is_cluster)
 }
 
 /// Whose link takes the light away, likewise.
-pub(in super::super) fn whose_light(link: &LinkView) -> String {
+pub(in crate::app) fn whose_light(link: &LinkView) -> String {
     whose_end(link.levels_up, link.source_is_cluster)
 }
 

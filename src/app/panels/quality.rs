@@ -2,9 +2,10 @@
 
 use egui::{Button, Ui};
 
-use super::super::{Outbox, Shown, format, theme, words};
-use super::parameters;
-use crate::solver::{ParameterId, SolverParams, Stats, USUAL_ERROR};
+use crate::app::panels::parameters;
+use crate::app::widgets::theme;
+use crate::app::{Outbox, Shown, format, words};
+use crate::solve::{ParameterId, SolverParams, Stats, USUAL_ERROR};
 use crate::worker::{Command, RunState};
 
 /// Qualities with the target errors that they stand for.
@@ -12,13 +13,13 @@ const QUALITIES: [(&str, f64); 3] = [(words::DRAFT, 0.2), (words::GOOD, USUAL_ER
 
 /// What a person asked for that the section itself cannot do.
 #[derive(Clone, Copy, Default)]
-pub(super) struct Asked {
+pub(in crate::app) struct Asked {
     /// To see how the method works.
     pub study: bool,
 }
 
 /// Draws the section; a changed parameter goes out at once, the worker merges bursts.
-pub(super) fn show(ui: &mut Ui, shown: &Shown, params: &mut SolverParams, outbox: &mut Outbox) -> Asked {
+pub(in crate::app) fn show(ui: &mut Ui, shown: &Shown, params: &mut SolverParams, outbox: &mut Outbox) -> Asked {
     let before = *params;
     show_qualities(ui, params);
     let stats = shown.snapshot.as_ref().map(|snapshot| &snapshot.stats);
@@ -33,7 +34,7 @@ pub(super) fn show(ui: &mut Ui, shown: &Shown, params: &mut SolverParams, outbox
 }
 
 /// Draws the fold of the method's parameters.
-pub(super) fn show_method(ui: &mut Ui, stats: Option<&Stats>, params: &mut SolverParams, outbox: &mut Outbox) {
+pub(in crate::app) fn show_method(ui: &mut Ui, stats: Option<&Stats>, params: &mut SolverParams, outbox: &mut Outbox) {
     if parameters::show_method(ui, params, stats) {
         outbox.push(Command::SetParams(*params));
     }

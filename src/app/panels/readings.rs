@@ -2,16 +2,17 @@
 
 use egui::{ComboBox, DragValue, TextEdit, Ui};
 
-use super::super::settings::DisplaySettings;
-use super::super::{theme, words};
-use crate::photometry::{CONVENTION, Unit};
+use crate::app::state::settings::DisplaySettings;
+use crate::app::widgets::theme;
+use crate::app::words;
+use crate::base::photometry::{CONVENTION, Unit};
 use crate::render::{IsolinesWanted, MOST_ISOLINES, Ramp, Reading, Show, Spacing};
 
 /// Width of the field of one end of a range, points.
 const END_WIDTH: f32 = 112.0;
 
 /// Draws the controls; `reading` is what the view shows.
-pub(super) fn show(ui: &mut Ui, display: &mut DisplaySettings, reading: Option<&Reading>) {
+pub(in crate::app) fn show(ui: &mut Ui, display: &mut DisplaySettings, reading: Option<&Reading>) {
     let settings = &mut display.reading;
     choose(ui, words::DISPLAY, &mut settings.show, &Show::ALL, name_of_show)
         .on_hover_text("The lit picture, or false colours of the light that arrives at (E) or leaves (B) each point");

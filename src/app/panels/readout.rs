@@ -2,12 +2,13 @@
 
 use egui::{Align2, Frame, Id, Rect, RichText, Ui};
 
-use super::super::{App, format, theme};
-use crate::photometry::{lux, weighted};
+use crate::app::widgets::theme;
+use crate::app::{App, format};
+use crate::base::photometry::{lux, weighted};
 
 /// Draws it; nothing while the pointer is elsewhere.
-pub(in super::super) fn show(app: &App, ui: &Ui, view: Rect) {
-    let (Some(reading), Some(info)) = (app.measuring.under_pointer(), &app.shown.info) else { return };
+pub(in crate::app) fn show(app: &App, ui: &Ui, view: Rect) {
+    let (Some(reading), Some(info)) = (app.tools.measuring.under_pointer(), &app.shown.info) else { return };
     let (e, b) = (reading.irradiance.to_array(), reading.radiosity.to_array());
     let number = |value: f32| format::number(value.into());
     let material = info.scene.materials.get(reading.leaf.material.0 as usize).map_or("", |material| &material.name);
@@ -26,7 +27,7 @@ pub(in super::super) fn show(app: &App, ui: &Ui, view: Rect) {
 }
 
 /// A few words over the lower edge of the view.
-pub(in super::super) fn show_note(ui: &Ui, at: egui::Pos2, text: &str) {
+pub(in crate::app) fn show_note(ui: &Ui, at: egui::Pos2, text: &str) {
     let area = egui::Area::new(Id::unique("view note")).interactable(false);
     area.pivot(Align2::CENTER_BOTTOM).fixed_pos(at).show(ui.ctx(), |ui| {
         theme::over_the_view(ui);

@@ -4,15 +4,16 @@ use std::path::PathBuf;
 
 use egui::{ComboBox, RichText, Ui};
 
-use super::super::files::Files;
-use super::super::{Outbox, Shown, format, theme, words};
+use crate::app::state::files::Files;
+use crate::app::widgets::theme;
+use crate::app::{Outbox, Shown, format, words};
 use crate::scene::builtin::BuiltinScene;
 use crate::scene::{CameraPose, Kept, Reading, Sidecar, Source, Unit, UpAxis};
 use crate::worker::{Command, SceneInfo};
 
 /// What a person chose that the section itself cannot do.
 #[derive(Default)]
-pub(super) struct Chosen {
+pub(in crate::app) struct Chosen {
     /// Another way to read the scene's file.
     pub reading: Option<Reading>,
     /// A view of the file.
@@ -20,7 +21,7 @@ pub(super) struct Chosen {
 }
 
 /// Draws the section.
-pub(super) fn show(ui: &mut Ui, shown: &Shown, files: &mut Files, kept: Kept, outbox: &mut Outbox) -> Chosen {
+pub(in crate::app) fn show(ui: &mut Ui, shown: &Shown, files: &mut Files, kept: Kept, outbox: &mut Outbox) -> Chosen {
     let mut chosen = Chosen::default();
     match &shown.info {
         Some(info) => {

@@ -2,12 +2,13 @@
 
 use egui::Ui;
 
-use super::super::{Shown, format, theme};
+use crate::app::widgets::theme;
+use crate::app::{Shown, format};
 use crate::gather::Quantiles;
-use crate::solver::Stats;
+use crate::solve::Stats;
 
 /// Draws the section.
-pub(super) fn show(ui: &mut Ui, shown: &Shown) {
+pub(in crate::app) fn show(ui: &mut Ui, shown: &Shown) {
     let Some(snapshot) = &shown.snapshot else {
         ui.label(theme::weak("No solution yet."));
         return;

@@ -2,10 +2,11 @@
 
 use egui::{Color32, ProgressBar, Ui};
 
-use super::super::gathering::Painted;
-use super::super::time_left::{Clock, Course, TICK};
-use super::super::{Shown, format, theme, words};
-use crate::solver::{MemoryStop, Phase, Stats};
+use crate::app::state::time_left::{Clock, Course, TICK};
+use crate::app::view::gathering::Painted;
+use crate::app::widgets::theme;
+use crate::app::{Shown, format, words};
+use crate::solve::{MemoryStop, Phase, Stats};
 use crate::worker::{ErrorOfMesh, RunState, Status};
 
 /// Least width of the sentence, points: what stands beside it keeps its place while it works.
@@ -19,7 +20,7 @@ struct Said {
 }
 
 /// Draws the bar.
-pub(super) fn show(ui: &mut Ui, shown: &Shown, painted: Option<&Painted>, course: &Course, clock: &Clock) {
+pub(in crate::app) fn show(ui: &mut Ui, shown: &Shown, painted: Option<&Painted>, course: &Course, clock: &Clock) {
     let more = clock.seconds();
     if more.is_some() {
         ui.ctx().request_repaint_after(TICK);

@@ -2,10 +2,11 @@
 
 use egui::{Align2, Rect, RichText, Ui, vec2};
 
-use super::super::dock::Tool;
-use super::super::settings::LinksOf;
-use super::super::{App, format, theme, words};
-use crate::photometry::lux;
+use crate::app::state::settings::LinksOf;
+use crate::app::tools::Tool;
+use crate::app::widgets::theme;
+use crate::app::{App, format, words};
+use crate::base::photometry::lux;
 
 /// Width of the tag at most, points.
 const MOST_WIDTH: f32 = 230.0;
@@ -13,12 +14,12 @@ const MOST_WIDTH: f32 = 230.0;
 const ASIDE: egui::Vec2 = vec2(14.0, 10.0);
 
 /// Draws it; nothing where nothing is selected, or more is told elsewhere.
-pub(in super::super) fn show(app: &mut App, ui: &Ui, view: Rect) {
-    let tells_more = app.is_card_open || app.tool == Some(Tool::Inspector);
-    let (Some(picked), Some(facts), false) = (&app.picked, &app.inspection.facts, tells_more) else { return };
-    let Some(at) = app.view.project(picked.point).filter(|at| view.contains(*at)) else { return };
+pub(in crate::app) fn show(app: &mut App, ui: &Ui, view: Rect) {
+    let tells_more = app.layout.is_card_open || app.tools.open == Some(Tool::Inspector);
+    let (Some(picked), Some(facts), false) = (&app.picked, &app.tools.inspection.facts, tells_more) else { return };
+    let Some(at) = app.view.viewport.project(picked.point).filter(|at| view.contains(*at)) else { return };
     let name = facts.name();
-    let light = match app.measuring.at_selection() {
+    let light = match app.tools.measuring.at_selection() {
         Some((irradiance, Some(standard_error))) => {
             format!("E {} lx", format::plus_minus(lux(irradiance.into()).into(), lux(standard_error.into()).into()))
         }
@@ -38,15 +39,15 @@ pub(in super::super) fn show(app: &mut App, ui: &Ui, view: Rect) {
                 .on_hover_text("Illuminance at the point that was clicked, ± its standard error");
             ui.horizontal(|ui| {
                 details = ui.small_button(words::DETAILS).on_hover_text("What it is and what lights it").clicked();
-                let are_shown = app.display.links.of == LinksOf::Picked;
+                let are_shown = app.edits.display.links.of == LinksOf::Picked;
                 let button = egui::Button::new(words::LINKS).small().selected(are_shown);
                 links = ui.add(button).on_hover_text("Draw the links that bring it light").clicked();
             });
         });
     });
-    app.is_card_open |= details;
+    app.layout.is_card_open |= details;
     if links {
-        let of = &mut app.display.links.of;
+        let of = &mut app.edits.display.links.of;
         *of = if *of == LinksOf::Picked { LinksOf::Nothing } else { LinksOf::Picked };
     }
 }

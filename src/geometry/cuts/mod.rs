@@ -262,8 +262,8 @@ struct Divided {
 mod tests {
     use super::*;
     use crate::geometry::orient;
+    use crate::measure::stability::scenes::add_box;
     use crate::scene::{GroupId, MaterialId, Sides};
-    use crate::stability::scenes::add_box;
     use glam::{Vec3, vec3};
 
     /// A closed room of 4 × 3 × 3 m, of one material.

@@ -1,6 +1,6 @@
 use super::*;
+use crate::measure::stability::scenes::add_box;
 use crate::scene::{CameraPose, GroupId, MaterialId};
-use crate::stability::scenes::add_box;
 
 /// A closed room of 4 × 3 × 4 m, bright inside, with a small lamp that shines down: faces 0 to 5 and 6.
 fn room() -> Scene {

@@ -339,7 +339,7 @@ impl Sky {
                 let bytes = read(Path::new(name)).map_err(unusable)?;
                 let picture = SkyPicture::read(&bytes, name).map_err(unusable)?;
                 let own = picture.horizontal_irradiance();
-                let eye = crate::photometry::weighted(own.into());
+                let eye = crate::base::photometry::weighted(own.into());
                 let factor = match told.amount {
                     Some(amount) if eye > 0.0 => amount.watts() / eye,
                     _ => 1.0,
@@ -390,7 +390,7 @@ fn fibonacci(index: usize, count: usize) -> DVec3 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::random::{cosine_direction, even_point};
+    use crate::base::random::{cosine_direction, even_point};
 
     fn outside(sky: &str, sun: Option<&str>) -> Outside {
         let told = Daylight { sky: Some(sky.parse().expect("a sky")), sun: sun.map(|sun| sun.parse().expect("a sun")) };

@@ -99,7 +99,7 @@ fn direction(height: f64, azimuth: f64) -> DVec3 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::random::even_point;
+    use crate::base::random::even_point;
 
     /// Truth: densities sum to 1 over the sphere, and drawn directions have the density that the table tells of them.
     #[test]

@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 use super::DaylightError;
 use super::cie::{CLEAR, Spread};
 use super::solar::{Moment, position};
-use crate::photometry::LUMENS_PER_WATT;
+use crate::base::photometry::LUMENS_PER_WATT;
 
 /// What lies outside of a scene: a sky, a sun, both or neither.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -199,7 +199,7 @@ impl SunTold {
     /// Irradiance of a face turned to it, W/m² per colour.
     pub fn irradiance(&self) -> Vec3 {
         let grey = self.amount.unwrap_or_else(|| clear_day(self.angles()[1])).watts();
-        let eye = crate::photometry::weighted(self.colour.into());
+        let eye = crate::base::photometry::weighted(self.colour.into());
         if eye > 0.0 { grey / eye * self.colour } else { Vec3::splat(grey) }
     }
 }
@@ -378,6 +378,6 @@ mod tests {
     fn lux_are_watts_of_white_light() {
         assert!((Amount::Lux(179.0).watts() - 1.0).abs() < 1e-6);
         let sun: SunTold = "az:0,el:90,17900lx,rgb:1/0.5/0.25".parse().expect("a sun");
-        assert!((crate::photometry::lux(sun.irradiance().into()) - 17_900.0).abs() < 1.0);
+        assert!((crate::base::photometry::lux(sun.irradiance().into()) - 17_900.0).abs() < 1.0);
     }
 }

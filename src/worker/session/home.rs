@@ -6,8 +6,8 @@ use std::time::Instant;
 use super::super::task::{Change, Home, Outcome};
 use super::super::{ErrorOfMesh, Event};
 use super::{Drive, Session};
-use crate::solver::{Snapshot, Step};
-use crate::threads::lock;
+use crate::base::threads::lock;
+use crate::solve::{Snapshot, Step};
 
 impl Session {
     /// Takes up what a solver comes home with.

@@ -2,7 +2,8 @@
 
 use egui::{Color32, Pos2, Rect, Sense, Slider, Stroke, Ui, Vec2};
 
-use super::super::super::{Outbox, format, theme};
+use crate::app::widgets::theme;
+use crate::app::{Outbox, format};
 use crate::scene::outside::{Amount, CLEAR, Daylight, SkyKind, SkyTold, Spread, SunPlace, SunTold};
 use crate::worker::Command;
 
@@ -28,13 +29,13 @@ struct Preset {
 
 /// What is about to lie outside.
 #[derive(Clone, Debug, Default)]
-pub(in super::super::super) struct DaylightEditor {
+pub(in crate::app) struct DaylightEditor {
     told: Daylight,
 }
 
 impl DaylightEditor {
     /// Takes over what a scene has.
-    pub(super) fn follow(&mut self, told: Daylight) {
+    pub(in crate::app) fn follow(&mut self, told: Daylight) {
         self.told = told;
     }
 
@@ -50,12 +51,12 @@ impl DaylightEditor {
 }
 
 /// Overcast daylight, as is offered to a scene that has openings and no lamp.
-pub(super) fn usual() -> Daylight {
+pub(in crate::app) fn usual() -> Daylight {
     Daylight { sky: Some(SkyTold::of(Spread::Overcast, Amount::Lux(10_000.0))), sun: None }
 }
 
 /// Draws the part.
-pub(super) fn show(ui: &mut Ui, editor: &mut DaylightEditor, outbox: &mut Outbox) {
+pub(in crate::app) fn show(ui: &mut Ui, editor: &mut DaylightEditor, outbox: &mut Outbox) {
     ui.label(theme::weak("Daylight from outside"));
     let before = editor.told.clone();
     ui.horizontal_wrapped(|ui| {
@@ -83,7 +84,7 @@ pub(super) fn show(ui: &mut Ui, editor: &mut DaylightEditor, outbox: &mut Outbox
         }
     }
     if let Some(sun) = &mut editor.told.sun {
-        let mut lux = crate::photometry::lux(sun.irradiance().into());
+        let mut lux = crate::base::photometry::lux(sun.irradiance().into());
         if theme::row(ui, "Sun", |ui| lux_slider(ui, &mut lux))
             .on_hover_text("Illuminance of a face turned to the sun")
             .changed()

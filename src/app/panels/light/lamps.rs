@@ -2,9 +2,10 @@
 
 use egui::{ScrollArea, Slider, Ui};
 
-use super::super::super::lighting::MaterialLight;
-use super::super::super::{format, theme};
-use super::LightEditor;
+use crate::app::format;
+use crate::app::panels::light::LightEditor;
+use crate::app::state::lighting::MaterialLight;
+use crate::app::widgets::theme;
 use crate::scene::{MaterialId, Scene};
 
 /// What a dimmer offers, in percent of what the lamp had.
@@ -17,7 +18,7 @@ const PERCENT_WIDTH: f32 = 52.0;
 const COLOUR_WIDTH: f32 = 32.0;
 
 /// Draws the list.
-pub(super) fn show(ui: &mut Ui, scene: &Scene, editor: &mut LightEditor) {
+pub(in crate::app) fn show(ui: &mut Ui, scene: &Scene, editor: &mut LightEditor) {
     let lamps: Vec<usize> = editor.lighting.lamps().collect();
     let count = lamps.len() + editor.lighting.luminaires.len();
     if count == 0 {

@@ -3,12 +3,13 @@
 use egui::{ComboBox, DragValue, TextEdit, Ui};
 use glam::Vec3;
 
-use super::super::super::lighting::LuminaireLight;
-use super::super::super::{theme, words};
-use super::material::{show_colour, show_strength, show_temperature};
-use super::{LampUnit, LightEditor};
-use crate::ceiling::{CeilingPlace, place_beside};
-use crate::photometry::tint_of_temperature;
+use crate::app::panels::light::material::{show_colour, show_strength, show_temperature};
+use crate::app::panels::light::{LampUnit, LightEditor};
+use crate::app::state::lighting::LuminaireLight;
+use crate::app::widgets::theme;
+use crate::app::words;
+use crate::base::photometry::tint_of_temperature;
+use crate::prepare::ceiling::{CeilingPlace, place_beside};
 use crate::scene::{LuminaireForm, LuminaireShape, Scene};
 use crate::worker::SceneInfo;
 
@@ -23,7 +24,7 @@ const SIZES: std::ops::RangeInclusive<f32> = 1e-6..=1e6;
 const COORDINATE_WIDTH: f32 = 52.0;
 
 /// Draws the part; `eye` is where a person looks from.
-pub(super) fn show(ui: &mut Ui, info: &SceneInfo, eye: Option<Vec3>, editor: &mut LightEditor) {
+pub(in crate::app) fn show(ui: &mut Ui, info: &SceneInfo, eye: Option<Vec3>, editor: &mut LightEditor) {
     ui.label(theme::weak(words::LUMINAIRES));
     ui.horizontal_wrapped(|ui| {
         let buttons = [

@@ -3,10 +3,11 @@
 use egui::{Button, ComboBox, Slider, Ui};
 use glam::Vec3;
 
-use super::super::super::lighting::MaterialLight;
-use super::super::super::{format, theme, words};
-use super::{LampUnit, LightEditor, strength_slider};
-use crate::photometry::{temperature_of_tint, tint_of_temperature};
+use crate::app::panels::light::{LampUnit, LightEditor, strength_slider};
+use crate::app::state::lighting::MaterialLight;
+use crate::app::widgets::theme;
+use crate::app::{format, words};
+use crate::base::photometry::{temperature_of_tint, tint_of_temperature};
 use crate::scene::{MAX_SIDECAR_REFLECTANCE, MaterialId, Scene};
 
 /// Colour temperatures offered, K.
@@ -15,7 +16,7 @@ const TEMPERATURES: std::ops::RangeInclusive<f32> = 1700.0..=12_000.0;
 const SAME_TINT: f32 = 0.04;
 
 /// Draws the part.
-pub(super) fn show(ui: &mut Ui, scene: &Scene, editor: &mut LightEditor) {
+pub(in crate::app) fn show(ui: &mut Ui, scene: &Scene, editor: &mut LightEditor) {
     ui.label(theme::weak("Material (click a surface in the view to choose it)"));
     show_choice(ui, scene, editor);
     show_left_out(ui, scene, editor);
@@ -54,7 +55,7 @@ pub(super) fn show(ui: &mut Ui, scene: &Scene, editor: &mut LightEditor) {
 }
 
 /// The lamp's strength, in a unit to be chosen.
-pub(super) fn show_strength(ui: &mut Ui, light: &mut MaterialLight, area: f32, unit: &mut LampUnit) {
+pub(in crate::app) fn show_strength(ui: &mut Ui, light: &mut MaterialLight, area: f32, unit: &mut LampUnit) {
     theme::row(ui, words::LAMP_UNIT, |ui| {
         let combo = ComboBox::from_id_salt("lamp unit").selected_text(unit.words().0);
         let shown = combo.show_ui(ui, |ui| {
@@ -82,7 +83,7 @@ pub(super) fn show_strength(ui: &mut Ui, light: &mut MaterialLight, area: f32, u
 }
 
 /// The colour of the light as a temperature, where it is one.
-pub(super) fn show_temperature(ui: &mut Ui, light: &mut MaterialLight) {
+pub(in crate::app) fn show_temperature(ui: &mut Ui, light: &mut MaterialLight) {
     let (mut kelvin, off) = temperature_of_tint(light.emission.tint().to_array());
     theme::row(ui, words::COLOUR_TEMPERATURE, |ui| {
         let slider = Slider::new(&mut kelvin, TEMPERATURES).logarithmic(true).clamping(egui::SliderClamping::Edits);
@@ -133,6 +134,6 @@ fn show_left_out(ui: &mut Ui, scene: &Scene, editor: &mut LightEditor) {
 }
 
 /// A colour that can be edited; true when it was.
-pub(super) fn show_colour(ui: &mut Ui, label: &str, hint: &str, colour: &mut [f32; 3]) -> bool {
+pub(in crate::app) fn show_colour(ui: &mut Ui, label: &str, hint: &str, colour: &mut [f32; 3]) -> bool {
     theme::row(ui, label, |ui| ui.color_edit_button_rgb(colour)).on_hover_text(hint).changed()
 }

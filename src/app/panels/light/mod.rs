@@ -7,10 +7,11 @@ mod material;
 
 use egui::{Slider, Ui};
 
-use super::super::lighting::{Lighting, LuminaireLight};
-use super::super::{Outbox, Shown, format, theme, words};
+use crate::app::state::lighting::{Lighting, LuminaireLight};
+use crate::app::widgets::theme;
+use crate::app::{Outbox, Shown, format, words};
 use crate::scene::{Luminaire, MaterialId, Scene};
-use crate::solver::{Epsilon, SolverParams};
+use crate::solve::{Epsilon, SolverParams};
 use crate::worker::Command;
 use daylight::DaylightEditor;
 
@@ -21,7 +22,7 @@ const SAME_POWER: f64 = 1e-4;
 
 /// What the section is about to change, and of what.
 #[derive(Default)]
-pub(in super::super) struct LightEditor {
+pub(in crate::app) struct LightEditor {
     /// Of each material, what was set.
     pub lighting: Lighting,
     /// The material at hand.
@@ -74,14 +75,14 @@ impl LampUnit {
         match self {
             Self::Exitance => 1.0,
             Self::Watts => area,
-            Self::Lumens => area * crate::photometry::lux(tint.to_array()),
+            Self::Lumens => area * crate::base::photometry::lux(tint.to_array()),
         }
     }
 }
 
 impl LightEditor {
     /// For a scene that was just opened; its first lamp, if it has one, is the material at hand.
-    pub(in super::super) fn for_scene(scene: &Scene) -> Self {
+    pub(in crate::app) fn for_scene(scene: &Scene) -> Self {
         let lighting = Lighting::of_scene(scene);
         let lamp = lighting.lamps().next();
         let material = MaterialId(lamp.unwrap_or(0) as u32);
@@ -92,7 +93,7 @@ impl LightEditor {
     }
 
     /// Takes up what an edited scene has more.
-    pub(in super::super) fn follow(&mut self, scene: &Scene) {
+    pub(in crate::app) fn follow(&mut self, scene: &Scene) {
         self.daylight.follow(scene.daylight());
         self.areas = vec![0.0; scene.materials.len()];
         for polygon in &scene.polygons {
@@ -101,7 +102,7 @@ impl LightEditor {
     }
 
     /// The luminaires are those of the scene again: what was wanted cannot be had.
-    pub(in super::super) fn take_back_luminaires(&mut self, scene: &Scene) {
+    pub(in crate::app) fn take_back_luminaires(&mut self, scene: &Scene) {
         let present = scene.luminaires();
         if present != self.told {
             self.lighting.luminaires = Lighting::of_scene(scene).luminaires;
@@ -110,7 +111,7 @@ impl LightEditor {
     }
 
     /// What the worker must be told of luminaires. While a person moves one, only what is live goes out: another exitance.
-    pub(in super::super) fn luminaires_command(&mut self, is_busy: bool) -> Option<Command> {
+    pub(in crate::app) fn luminaires_command(&mut self, is_busy: bool) -> Option<Command> {
         let mut wanted = self.lighting.wanted_luminaires();
         if is_busy {
             if wanted.len() != self.told.len() {
@@ -128,12 +129,12 @@ impl LightEditor {
     }
 
     /// The transparent material whose faces were asked for since the last time.
-    pub(in super::super) fn take_opaque(&mut self) -> Option<String> {
+    pub(in crate::app) fn take_opaque(&mut self) -> Option<String> {
         self.opaque.take()
     }
 
     /// Takes a material of the scene in view in hand, or the luminaire that it is of.
-    pub(in super::super) fn choose(&mut self, scene: &Scene, material: MaterialId) {
+    pub(in crate::app) fn choose(&mut self, scene: &Scene, material: MaterialId) {
         if scene.luminaire_of(material).is_none() {
             self.material = material;
         } else if let Some(of) = scene.materials.get(material.0 as usize) {
@@ -142,13 +143,13 @@ impl LightEditor {
     }
 
     /// The luminaire at hand.
-    pub(in super::super) fn selected_mut(&mut self) -> Option<&mut LuminaireLight> {
+    pub(in crate::app) fn selected_mut(&mut self) -> Option<&mut LuminaireLight> {
         self.lighting.luminaires.get_mut(self.selected?)
     }
 }
 
 /// Draws the section.
-pub(super) fn show(
+pub(in crate::app) fn show(
     ui: &mut Ui,
     (shown, eye): (&Shown, Option<glam::Vec3>),
     params: &SolverParams,

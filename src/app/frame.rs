@@ -1,0 +1,93 @@
+//! A frame: news, panels and view, and the commands that come of them.
+
+use crate::app::state::{files, settings, undo, watch};
+use crate::app::view::{camera_menu, viewport};
+use crate::app::{App, DISPLAY_KEY, Outbox, RECENT_KEY, layout, panels, shortcuts, timeline, tools, words};
+use crate::scene::Source;
+use crate::worker::Command;
+
+impl App {
+    fn open_dropped_files(&self, ctx: &egui::Context, outbox: &mut Outbox) {
+        let dropped = ctx.input(|input| input.raw.dropped_files.first().map(|file| file.path().to_owned()));
+        outbox.extend(dropped.map(|path| Command::load(Source::File(path))));
+    }
+}
+
+impl eframe::App for App {
+    fn logic(&mut self, ctx: &egui::Context, _frame: &mut eframe::Frame) {
+        self.take_up_news(ctx);
+        self.layout.appearance.follow(ctx);
+        if self.graphics.state.lost().is_some() {
+            ctx.send_viewport_cmd(egui::ViewportCommand::Close);
+        }
+    }
+
+    fn ui(&mut self, ui: &mut egui::Ui, _frame: &mut eframe::Frame) {
+        let mut outbox = Outbox::new();
+        self.open_dropped_files(ui.ctx(), &mut outbox);
+        if let Some(answer) = self.documents.files.poll_dialog() {
+            match answer {
+                files::DialogAnswer::Chosen(path) => outbox.push(Command::load(Source::File(path))),
+                files::DialogAnswer::NoDialog => self.messages.note(files::NO_DIALOG.into()),
+            }
+        }
+        shortcuts::act(self, ui, &mut outbox);
+        undo::take_keys(self, ui.ctx(), &mut outbox);
+        self.inspect_picked(ui.ctx());
+        if !self.layout.is_full_picture {
+            panels::show_sides(self, ui, &mut outbox);
+            egui::Panel::top("tools").show(ui, |ui| {
+                ui.horizontal(|ui| {
+                    let are_shown = layout::Sides::of(self, ui.ctx()).settings.is_some();
+                    let settings = ui.selectable_label(are_shown, words::SETTINGS);
+                    if settings.on_hover_text("Show or hide the panels at the left").clicked() {
+                        self.toggle_settings(ui.ctx());
+                    }
+                    camera_menu::show(self, ui);
+                    undo::show_buttons(self, ui, &mut outbox);
+                    tools::show_bar(self, ui);
+                });
+            });
+            tools::show(self, ui, &mut outbox);
+            timeline::show(self, ui);
+        }
+        egui::CentralPanel::no_frame().show(ui, |ui| {
+            ui.spacing_mut().item_spacing.y = 0.0;
+            self.messages.show(ui);
+            watch::show(self, ui, &mut outbox);
+            let clicked = viewport::show(self, ui, &mut outbox);
+            if let Some(clicked) = clicked {
+                self.pick(clicked);
+            }
+        });
+        shortcuts::show_list(self, ui.ctx());
+        let links_wanted = match self.edits.display.links.of {
+            settings::LinksOf::Level => true,
+            settings::LinksOf::Picked => self.picked.is_some(),
+            settings::LinksOf::Nothing => self.layout.is_card_open && self.picked.is_some(),
+        };
+        let wants_solution_view = links_wanted
+            || self.view.clusters.is_active()
+            || self.tools.open.is_some_and(tools::Tool::reads_solution_view);
+        outbox.extend(self.tools.playback.command(wants_solution_view));
+        self.view.pointing.end_frame(ui.ctx());
+        outbox.extend(self.edits.light.luminaires_command(undo::is_busy(ui.ctx())));
+        undo::note(self, ui.ctx());
+        for command in outbox {
+            if let Command::Load(source, _, light) = &command {
+                self.documents.opened.ask(source, light);
+                self.documents.watch.note_asked(source);
+                // What was kept for the first scene is none of another one's.
+                self.documents.opened.camera = None;
+            }
+            self.worker.send(command);
+        }
+    }
+
+    fn save(&mut self, storage: &mut dyn eframe::Storage) {
+        eframe::set_value(storage, RECENT_KEY, &self.documents.files.recent());
+        eframe::set_value(storage, DISPLAY_KEY, &self.edits.display);
+        self.layout.appearance.keep(storage);
+        self.keep_session(storage);
+    }
+}

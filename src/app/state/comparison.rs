@@ -1,0 +1,246 @@
+//! Comparison with a reference: what the referee found of each run, and what the view shows of it.
+
+use std::sync::Arc;
+
+use serde::{Deserialize, Serialize};
+
+use crate::app::Wake;
+use crate::measure::accuracy::SolutionError;
+use crate::measure::referee::{Measurement, Referee, Report};
+use crate::measure::reference::Cache;
+use crate::render::{BLUE_WHITE_RED, VIRIDIS, along_ramp};
+use crate::scene::Scene;
+use crate::solve::{Epsilon, Snapshot, SolverParams};
+
+/// Points of a reference that a person may choose.
+pub(in crate::app) const POINTS: std::ops::RangeInclusive<usize> = 250..=16_000;
+/// Runs whose curves are kept.
+const MOST_RUNS: usize = 12;
+/// Relative error at the end of the colour scales.
+pub(in crate::app) const FULL_SCALE: f32 = 0.5;
+
+/// What colours the surfaces.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub(in crate::app) enum Shading {
+    /// The light.
+    #[default]
+    Lit,
+    /// The size of the relative error.
+    Error,
+    /// The signed relative error: too dark, too bright.
+    Difference,
+}
+
+impl Shading {
+    /// The colour of a signed relative error; gamma-encoded.
+    pub(in crate::app) fn colour(self, difference: f32) -> [u8; 3] {
+        match self {
+            Self::Difference => along_ramp(&BLUE_WHITE_RED, 0.5 + 0.5 * difference / FULL_SCALE),
+            Self::Lit | Self::Error => along_ramp(&VIRIDIS, difference.abs() / FULL_SCALE),
+        }
+    }
+}
+
+/// The error of a solve at one moment.
+#[derive(Clone, Copy)]
+pub(in crate::app) struct RunPoint {
+    /// Since the solve's start, s.
+    pub seconds: f64,
+    /// Relative RMS error.
+    pub error: f64,
+    /// Its standard error.
+    pub noise: f64,
+}
+
+/// The error over time of one solve.
+pub(in crate::app) struct Run {
+    /// Its settings, short.
+    pub name: String,
+    params: SolverParams,
+    generation: u64,
+    /// From the first picture to the last.
+    pub points: Vec<RunPoint>,
+}
+
+/// A snapshot whose vertices carry colours, and what it was made of.
+struct Painted {
+    serial: u64,
+    shading: Shading,
+    snapshot: Arc<Snapshot>,
+}
+
+/// The window's side of the referee.
+pub(in crate::app) struct Comparison {
+    referee: Option<Referee>,
+    report: Report,
+    /// Points of the next reference.
+    pub points: usize,
+    pub shading: Shading,
+    runs: Vec<Run>,
+    /// The measurement that the runs hold already.
+    noted: u64,
+    asked: Option<Arc<Snapshot>>,
+    painted: Option<Painted>,
+}
+
+impl Default for Comparison {
+    fn default() -> Self {
+        Self {
+            referee: None,
+            report: Report::default(),
+            points: 2000,
+            shading: Shading::Lit,
+            runs: Vec::new(),
+            noted: 0,
+            asked: None,
+            painted: None,
+        }
+    }
+}
+
+impl Comparison {
+    /// Starts a reference of a scene.
+    ///
+    /// # Errors
+    /// The system gives no further thread.
+    pub(in crate::app) fn begin(&mut self, scene: &Arc<Scene>, wake: &Wake) -> std::io::Result<()> {
+        if self.referee.is_none() {
+            let wake = wake.clone();
+            self.referee = Some(Referee::spawn(Box::new(move || wake()))?);
+        }
+        self.forget_measurements();
+        self.report.is_active = true;
+        self.report.points = self.points;
+        if let Some(referee) = &self.referee {
+            referee.begin(scene.clone(), self.points, Cache::of_user());
+        }
+        Ok(())
+    }
+
+    /// Stops; the curves stay.
+    pub(in crate::app) fn stop(&mut self) {
+        if let Some(referee) = &self.referee {
+            referee.forget();
+        }
+        self.forget_measurements();
+        self.report = Report::default();
+        self.shading = Shading::Lit;
+    }
+
+    /// Another scene is in view, or the same one changed: a reference of the former is none of this one.
+    pub(in crate::app) fn follow_scene(&mut self, scene: &Arc<Scene>, is_new: bool) {
+        self.runs.clear();
+        if is_new {
+            self.stop();
+        } else if self.report.is_active {
+            self.forget_measurements();
+            if let Some(referee) = &self.referee {
+                referee.begin(scene.clone(), self.points, Cache::of_user());
+            }
+        }
+    }
+
+    fn forget_measurements(&mut self) {
+        self.report = Report::default();
+        (self.asked, self.painted) = (None, None);
+    }
+
+    /// Takes up what the referee found, and shows it the snapshot in view.
+    pub(in crate::app) fn note(&mut self, snapshot: Option<&Arc<Snapshot>>, params: &SolverParams) {
+        let Some(referee) = &self.referee else { return };
+        if !self.report.is_active {
+            return;
+        }
+        if let Some(snapshot) = snapshot
+            && self.asked.as_ref().is_none_or(|asked| !Arc::ptr_eq(asked, snapshot))
+        {
+            referee.measure(snapshot.clone());
+            self.asked = Some(snapshot.clone());
+        }
+        let report = referee.report();
+        // Before the referee has taken up its task the report is of none.
+        if report.is_active {
+            self.report = report;
+        }
+        if let Some(measured) = self.report.measured.clone()
+            && measured.serial != self.noted
+        {
+            self.noted = measured.serial;
+            self.add_to_run(&measured, params);
+        }
+    }
+
+    fn add_to_run(&mut self, measured: &Measurement, params: &SolverParams) {
+        let stats = &measured.snapshot.stats;
+        let shown = &measured.error.displayed;
+        let point = RunPoint { seconds: stats.seconds.total, error: shown.rms, noise: shown.rms_noise };
+        let generation = measured.snapshot.generation;
+        let goes_on = |run: &&mut Run| run.generation == generation && run.params == *params;
+        match self.runs.last_mut().filter(goes_on) {
+            Some(run) => {
+                // A better reference measures the last picture again.
+                if run.points.last().is_some_and(|last| last.seconds >= point.seconds) {
+                    run.points.pop();
+                }
+                run.points.push(point);
+            }
+            None => {
+                let run = Run { name: name_of(params), params: *params, generation, points: vec![point] };
+                self.runs.push(run);
+                let surplus = self.runs.len().saturating_sub(MOST_RUNS);
+                self.runs.drain(..surplus);
+            }
+        }
+    }
+
+    /// What the referee is about.
+    pub(in crate::app) fn report(&self) -> &Report {
+        &self.report
+    }
+
+    /// The newest error.
+    pub(in crate::app) fn error(&self) -> Option<&SolutionError> {
+        self.report.measured.as_ref().map(|measured| &measured.error)
+    }
+
+    /// Runs measured so far, the present one last.
+    pub(in crate::app) fn runs(&self) -> &[Run] {
+        &self.runs
+    }
+
+    /// Forgets all runs but the present one.
+    pub(in crate::app) fn forget_runs(&mut self) {
+        let earlier = self.runs.len().saturating_sub(1);
+        self.runs.drain(..earlier);
+    }
+
+    /// The measured snapshot with its errors as colours, where these are to be shown.
+    pub(in crate::app) fn painted(&mut self) -> Option<Arc<Snapshot>> {
+        let measured = self.report.measured.as_ref().filter(|_| self.shading != Shading::Lit)?;
+        let is_painted = |painted: &Painted| (painted.serial, painted.shading) == (measured.serial, self.shading);
+        if !self.painted.as_ref().is_some_and(is_painted) {
+            let colour = |&difference: &f32| self.shading.colour(difference).map(|channel| f32::from(channel) / 255.0);
+            let snapshot = Snapshot {
+                vertex_radiosity: measured.differences.iter().map(colour).collect(),
+                // Told apart from the lit picture, and from other colours.
+                serial: u64::MAX - 2 * measured.serial - u64::from(self.shading == Shading::Error),
+                ..(*measured.snapshot).clone()
+            };
+            self.painted =
+                Some(Painted { serial: measured.serial, shading: self.shading, snapshot: Arc::new(snapshot) });
+        }
+        self.painted.as_ref().map(|painted| painted.snapshot.clone())
+    }
+}
+
+/// Settings in a few words.
+fn name_of(params: &SolverParams) -> String {
+    let asked = match (params.error, params.epsilon) {
+        (Some(error), _) => format!("{} % asked", crate::base::format::number(100.0 * error)),
+        (None, Epsilon::Relative(share)) => format!("ε {share:.0e} Φ"),
+        (None, Epsilon::Watts(watts)) => format!("ε {watts:.1e} W"),
+    };
+    let mode = format!("{:?}", params.clustering).to_lowercase();
+    let push = format!("{:?}", params.push).to_lowercase();
+    format!("{asked}, {mode}, {push}")
+}

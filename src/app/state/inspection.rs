@@ -1,0 +1,128 @@
+//! What panels show of the picked element: facts, links and names, made once for each state of the solution.
+
+use std::time::{Duration, Instant};
+
+use rustc_hash::FxHashMap;
+
+use crate::app::state::facts::Facts;
+use crate::hierarchy::ElementId;
+use crate::read::names::Names;
+use crate::scene::Scene;
+use crate::solve::Snapshot;
+use crate::transport::{LinkView, SolutionView};
+
+/// While the solution moves on, an inspection may take this share of the time, so that a large one does not hold up the window.
+const BUSY_SHARE: u32 = 8;
+
+/// Which way light goes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(in crate::app) enum Direction {
+    /// To the element: what lights it.
+    #[default]
+    In,
+    /// From the element: what it lights.
+    Out,
+}
+
+impl Direction {
+    /// The end of a link away from the element that is inspected.
+    pub(in crate::app) fn far_end(self, link: &LinkView) -> ElementId {
+        match self {
+            Self::In => link.source,
+            Self::Out => link.receiver,
+        }
+    }
+}
+
+/// What the picked element's panels show.
+#[derive(Default)]
+pub(in crate::app) struct Inspection {
+    made_of: Option<MadeOf>,
+    made: Option<(Instant, Duration)>,
+    /// Counts up with each change of `links`.
+    pub stamp: u64,
+    pub facts: Option<Facts>,
+    /// Its links and those of its parts and of all that holds it, by what they bring; most first.
+    pub links: Vec<LinkView>,
+    names: Option<Names>,
+    known_names: FxHashMap<ElementId, String>,
+}
+
+/// What an inspection was made of.
+#[derive(Clone, Copy, PartialEq, Eq)]
+struct MadeOf {
+    generation: u64,
+    serial: u64,
+    moment: Option<usize>,
+    has_anatomy: bool,
+    element: ElementId,
+    direction: Direction,
+}
+
+impl Inspection {
+    /// Looks at an element, unless nothing has changed. While only the solution moves on and looking takes long, what was seen last stays
+    /// for a while; true then: another look is due.
+    pub(in crate::app) fn look(
+        &mut self,
+        snapshot: &Snapshot,
+        scene: &Scene,
+        element: ElementId,
+        direction: Direction,
+    ) -> bool {
+        let (generation, serial, moment) = (snapshot.generation, snapshot.serial, snapshot.moment);
+        let has_anatomy = snapshot.solution_view.is_some();
+        let now = MadeOf { generation, serial, moment, has_anatomy, element, direction };
+        if self.made_of == Some(now) {
+            return false;
+        }
+        let is_same = self.made_of.is_some_and(|then| MadeOf { serial, ..then } == now);
+        if is_same && self.made.is_some_and(|(when, took)| when.elapsed() < BUSY_SHARE * took) {
+            return true;
+        }
+        let begun = Instant::now();
+        self.links.clear();
+        match snapshot.solution_view.as_ref().filter(|solution_view| solution_view.holds(element)) {
+            Some(solution_view) => {
+                self.name_anew(generation, solution_view, scene);
+                self.facts = Some(Facts::of(solution_view, scene, element));
+                self.links = links(solution_view, element, direction);
+            }
+            None => self.facts = Facts::of_leaf(snapshot, scene, element),
+        }
+        self.stamp += 1;
+        (self.made_of, self.made) = (Some(now), Some((begun, begun.elapsed())));
+        false
+    }
+
+    fn name_anew(&mut self, generation: u64, solution_view: &SolutionView, scene: &Scene) {
+        if self.names.as_ref().is_none_or(|names| !names.are_of(generation)) {
+            self.names = Some(Names::new(generation, solution_view.hierarchy(), scene));
+            self.known_names.clear();
+        }
+    }
+
+    /// The full name of an element; empty before a solution view was there.
+    pub(in crate::app) fn name(&mut self, solution_view: &SolutionView, scene: &Scene, id: ElementId) -> &str {
+        let Some(names) = &self.names else { return "" };
+        self.known_names.entry(id).or_insert_with(|| names.full(solution_view.hierarchy(), scene, id))
+    }
+
+    /// Its short name, among those that hold it.
+    pub(in crate::app) fn short_name(&self, solution_view: &SolutionView, scene: &Scene, id: ElementId) -> String {
+        self.names.as_ref().map(|names| names.short(solution_view.hierarchy(), scene, id)).unwrap_or_default()
+    }
+}
+
+/// The links of an element, its parts and all that holds it, by what they bring; most first.
+fn links(solution_view: &SolutionView, element: ElementId, direction: Direction) -> Vec<LinkView> {
+    let mut links = match direction {
+        Direction::In => solution_view.all_incoming(element),
+        Direction::Out => solution_view.all_outgoing(element),
+    };
+    let most = |link: &LinkView| match direction {
+        Direction::In => link.irradiance.max_element(),
+        Direction::Out => link.power,
+    };
+    links.sort_by(|a, b| most(b).total_cmp(&most(a)));
+    links
+}

@@ -1,0 +1,93 @@
+//! What the window asks the worker's snapshots to show, and the walk through the steps of a solve.
+
+use std::time::Duration;
+
+use crate::solve::Snapshot;
+use crate::worker::{Command, Look};
+
+/// Each step stays in view for this long while they are played, unless its picture takes longer.
+const STEP_TIME: Duration = Duration::from_millis(450);
+/// The same for somebody who studies them.
+const STUDY_TIME: Duration = Duration::from_millis(1500);
+
+/// The moment in view, and what was last asked for.
+#[derive(Default)]
+pub(in crate::app) struct Playback {
+    asked: Look,
+    /// The moment that a person looks at; `None` for the present.
+    pub moment: Option<usize>,
+    /// When the present step came into view while steps are being played, by the window's clock, seconds.
+    playing_since: Option<f64>,
+    /// Whether steps are played slowly.
+    is_slow: bool,
+    generation: u64,
+}
+
+impl Playback {
+    /// Whether steps are being played.
+    pub(in crate::app) fn is_playing(&self) -> bool {
+        self.playing_since.is_some()
+    }
+
+    /// Plays the steps, from the first one where the present is in view, or stops playing.
+    pub(in crate::app) fn play_or_stop(&mut self, now: f64) {
+        if self.playing_since.take().is_none() {
+            (self.playing_since, self.is_slow) = (Some(now), false);
+            self.moment = Some(self.moment.unwrap_or(0));
+        }
+    }
+
+    /// Plays the steps slowly, from the first one.
+    pub(in crate::app) fn study(&mut self, now: f64) {
+        (self.playing_since, self.is_slow, self.moment) = (Some(now), true, Some(0));
+    }
+
+    fn step_time(&self) -> Duration {
+        if self.is_slow { STUDY_TIME } else { STEP_TIME }
+    }
+
+    /// Shows a moment, or the present; nothing is played any longer.
+    pub(in crate::app) fn show(&mut self, moment: Option<usize>) {
+        self.moment = moment;
+        self.playing_since = None;
+    }
+
+    /// Takes the next step when its time has come; how long until the one after, while steps are played.
+    pub(in crate::app) fn play(&mut self, now: f64, shown: Option<&Snapshot>, moments: usize) -> Option<Duration> {
+        let since = self.playing_since?;
+        if shown.is_none_or(|snapshot| snapshot.moment != self.moment) {
+            // Its picture is still being made.
+            self.playing_since = Some(now);
+            return Some(self.step_time());
+        }
+        let left = self.step_time().as_secs_f64() - (now - since);
+        if left > 0.0 {
+            return Some(Duration::from_secs_f64(left));
+        }
+        let next = self.moment.map_or(0, |moment| moment + 1);
+        if next < moments {
+            (self.moment, self.playing_since) = (Some(next), Some(now));
+            return Some(self.step_time());
+        }
+        self.show(None);
+        None
+    }
+
+    /// Another solve has other steps.
+    pub(in crate::app) fn follow(&mut self, snapshot: &Snapshot) {
+        if snapshot.generation != self.generation {
+            self.generation = snapshot.generation;
+            self.asked.moment = None;
+            self.show(None);
+        }
+    }
+
+    /// What to ask for, where it differs from what was asked for last.
+    pub(in crate::app) fn command(&mut self, wants_solution_view: bool) -> Option<Command> {
+        let look = Look { solution_view: wants_solution_view, moment: self.moment };
+        (look != self.asked).then(|| {
+            self.asked = look;
+            Command::Look(look)
+        })
+    }
+}

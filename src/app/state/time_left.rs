@@ -1,0 +1,158 @@
+//! How far a solve is, as a bar shows it, how long it may still take, and how long the solver has been working since it last told.
+
+use std::time::{Duration, Instant};
+
+use crate::solve::{Phase, Snapshot, SolverParams, Stats};
+use crate::worker::RunState;
+
+/// Progress must have gone so far before it is extrapolated.
+const LEAST_PROGRESS: f32 = 0.03;
+
+/// How far the solve is, and how long it has been working.
+#[derive(Default)]
+pub(in crate::app) struct Progress {
+    /// The share that is done.
+    pub course: Course,
+    /// Time since the worker last told.
+    pub clock: Clock,
+}
+
+/// The course of a solve: a share that never goes back while the same is asked for.
+#[derive(Default)]
+pub(in crate::app) struct Course {
+    of: Option<Solve>,
+    share: f32,
+    seconds: Option<f64>,
+}
+
+/// What is solved, and where the bar began.
+struct Solve {
+    generation: u64,
+    params: SolverParams,
+    /// Emitted power Φ, W.
+    power: f64,
+    is_done: bool,
+    /// Time of the solve, s, and share done.
+    begun: (f64, f32),
+}
+
+impl Course {
+    /// The share of the solve that is done, 0..1.
+    pub(in crate::app) fn share(&self) -> f32 {
+        self.share
+    }
+
+    /// Seconds that the solve may still take, where that can be told.
+    pub(in crate::app) fn seconds(&self) -> Option<f64> {
+        self.seconds
+    }
+
+    /// Takes up a new picture of a solve with these parameters; one of an earlier step tells nothing of it.
+    pub(in crate::app) fn note(&mut self, snapshot: &Snapshot, params: &SolverParams) {
+        if snapshot.moment.is_none() {
+            self.note_stats(snapshot.generation, &snapshot.stats, params);
+        }
+    }
+
+    fn note_stats(&mut self, generation: u64, stats: &Stats, params: &SolverParams) {
+        let is_done = stats.phase == Phase::Done;
+        let goes_on = |of: &&Solve| {
+            let same = of.generation == generation && of.params == *params && of.power == stats.power_watts;
+            same && (is_done || !of.is_done)
+        };
+        if self.of.as_ref().filter(goes_on).is_none() {
+            let begun = (stats.seconds.total, stats.progress);
+            self.of = Some(Solve { generation, params: *params, power: stats.power_watts, is_done, begun });
+            self.share = 0.0;
+        }
+        let Some(of) = &mut self.of else { return };
+        of.is_done = is_done;
+        self.share = self.share.max(stats.progress);
+        let (since, from) = of.begun;
+        let (gone, took) = (self.share - from, stats.seconds.total - since);
+        let is_known = gone >= LEAST_PROGRESS && took > 0.0 && !is_done;
+        self.seconds = is_known.then(|| f64::from(1.0 - self.share) * took / f64::from(gone));
+    }
+}
+
+/// Time between two looks at the clock; a step of a large scene may take seconds.
+pub(in crate::app) const TICK: Duration = Duration::from_millis(250);
+
+/// Lets the time that the statistics tell go on while the solver works.
+#[derive(Default)]
+pub(in crate::app) struct Clock {
+    working_since: Option<Instant>,
+}
+
+impl Clock {
+    /// Takes up what the solver is about, and whether its statistics are new.
+    pub(in crate::app) fn note(&mut self, run: RunState, is_newer: bool) {
+        self.note_at(run, is_newer, Instant::now());
+    }
+
+    fn note_at(&mut self, run: RunState, is_newer: bool, now: Instant) {
+        self.working_since = match self.working_since {
+            _ if run != RunState::Running => None,
+            Some(since) if !is_newer => Some(since),
+            _ => Some(now),
+        };
+    }
+
+    /// Seconds of work that the statistics do not hold yet; `None` while nothing is done.
+    pub(in crate::app) fn seconds(&self) -> Option<f64> {
+        self.seconds_at(Instant::now())
+    }
+
+    fn seconds_at(&self, now: Instant) -> Option<f64> {
+        self.working_since.map(|since| now.saturating_duration_since(since).as_secs_f64())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The clock goes on from the last statistics, and only while there is work.
+    #[test]
+    fn the_clock_runs_between_snapshots_and_stands_in_a_pause() {
+        let start = Instant::now();
+        let at = |seconds| start + Duration::from_secs(seconds);
+        let mut clock = Clock::default();
+        clock.note_at(RunState::Running, true, start);
+        clock.note_at(RunState::Running, false, at(2));
+        assert_eq!(clock.seconds_at(at(3)), Some(3.0));
+        clock.note_at(RunState::Running, true, at(4));
+        assert_eq!(clock.seconds_at(at(5)), Some(1.0));
+        clock.note_at(RunState::Paused, false, at(6));
+        assert_eq!(clock.seconds_at(at(7)), None);
+        clock.note_at(RunState::Running, false, at(9));
+        assert_eq!(clock.seconds_at(at(10)), Some(1.0), "the pause does not count");
+        clock.note_at(RunState::Finished, true, at(11));
+        assert_eq!(clock.seconds_at(at(12)), None);
+    }
+
+    /// Truth: a quarter in two seconds leaves six seconds for the other three; the bar does not go back within a solve, and begins
+    /// again with another one.
+    #[test]
+    fn the_bar_never_goes_back_and_tells_what_is_left() {
+        let params = SolverParams::usual();
+        let stats = |progress, total| {
+            let seconds = crate::solve::Seconds { total, ..Default::default() };
+            Stats { phase: Phase::Refine, progress, seconds, ..Stats::default() }
+        };
+        let mut course = Course::default();
+        course.note_stats(1, &stats(0.0, 0.0), &params);
+        assert_eq!((course.share(), course.seconds()), (0.0, None));
+        course.note_stats(1, &stats(0.25, 2.0), &params);
+        assert!((course.seconds().expect("a quarter is enough") - 6.0).abs() < 1e-6);
+        course.note_stats(1, &stats(0.1, 3.0), &params);
+        assert_eq!(course.share(), 0.25);
+        let finer = SolverParams { error: Some(0.02), ..params };
+        course.note_stats(1, &stats(0.1, 4.0), &finer);
+        assert_eq!((course.share(), course.seconds()), (0.1, None));
+        course.note_stats(1, &Stats { phase: Phase::Done, ..stats(1.0, 9.0) }, &finer);
+        assert_eq!((course.share(), course.seconds()), (1.0, None));
+        course.note_stats(1, &stats(0.0, 9.0), &finer);
+        assert_eq!(course.share(), 0.0, "a lamp was changed");
+    }
+}

@@ -1,0 +1,213 @@
+//! Undo and redo of settings: the solver's parameters, the display, lamps and materials, the task area.
+//!
+//! A drag of a slider is one step, however many values it passes: what is set is looked at when the pointer and all keys are
+//! let go. The camera and what is picked are no settings.
+
+use egui::{Button, Context, Key, KeyboardShortcut, Modifiers, Ui};
+
+use crate::app::state::lighting::Lighting;
+use crate::app::state::settings::DisplaySettings;
+use crate::app::{App, Outbox, words};
+use crate::scene::TaskArea;
+use crate::solve::SolverParams;
+use crate::worker::Command;
+
+/// Steps that are remembered.
+const MOST_STEPS: usize = 200;
+
+const UNDO: KeyboardShortcut = KeyboardShortcut::new(Modifiers::COMMAND, Key::Z);
+const REDO: KeyboardShortcut = KeyboardShortcut::new(Modifiers::COMMAND.plus(Modifiers::SHIFT), Key::Z);
+
+/// All that can be undone, as it stood at one time.
+#[derive(Clone, Debug, PartialEq)]
+pub(in crate::app) struct Undoable {
+    params: SolverParams,
+    display: DisplaySettings,
+    lighting: Lighting,
+    task_area: Option<TaskArea>,
+}
+
+impl Undoable {
+    /// What differs, for a person.
+    fn difference(&self, other: &Self) -> &'static str {
+        if self.params != other.params {
+            "the solver's parameters"
+        } else if self.lighting.luminaires != other.lighting.luminaires {
+            "luminaires"
+        } else if self.lighting != other.lighting {
+            "lamps and materials"
+        } else if self.task_area != other.task_area {
+            "the task area"
+        } else {
+            "the display"
+        }
+    }
+}
+
+/// What was set before, and what was undone.
+#[derive(Default)]
+pub(in crate::app) struct History {
+    /// As it stood when everything was last let go.
+    now: Option<Undoable>,
+    past: Vec<Undoable>,
+    future: Vec<Undoable>,
+}
+
+impl History {
+    /// Takes up what is set now as a new step, if it differs.
+    fn note(&mut self, settings: &Undoable) {
+        let is_new = self.now.as_ref() != Some(settings);
+        if is_new && let Some(former) = self.now.replace(settings.clone()) {
+            self.past.push(former);
+            self.future.clear();
+            if self.past.len() > MOST_STEPS {
+                self.past.remove(0);
+            }
+        }
+    }
+
+    /// Takes what is set now as no person's doing: there is nothing to take back.
+    pub(in crate::app) fn take_as_given(&mut self, settings: Undoable) {
+        self.now = Some(settings);
+    }
+
+    fn undo(&mut self, settings: Undoable) -> Option<Undoable> {
+        // A drag that is not over yet is a step too.
+        self.note(&settings);
+        let former = self.past.pop()?;
+        self.future.push(settings);
+        self.now = Some(former.clone());
+        Some(former)
+    }
+
+    fn redo(&mut self, settings: Undoable) -> Option<Undoable> {
+        self.note(&settings);
+        let later = self.future.pop()?;
+        self.past.push(settings);
+        self.now = Some(later.clone());
+        Some(later)
+    }
+}
+
+impl App {
+    /// All that can be undone, as it stands.
+    pub(in crate::app) fn undoable(&self) -> Undoable {
+        Undoable {
+            params: self.edits.params,
+            display: self.edits.display.clone(),
+            lighting: self.edits.light.lighting.clone(),
+            task_area: self.tools.measuring.task_area(),
+        }
+    }
+
+    fn undo(&mut self, outbox: &mut Outbox) {
+        let former = self.edits.history.undo(self.undoable());
+        self.restore(former, outbox);
+    }
+
+    fn redo(&mut self, outbox: &mut Outbox) {
+        let later = self.edits.history.redo(self.undoable());
+        self.restore(later, outbox);
+    }
+
+    fn restore(&mut self, settings: Option<Undoable>, outbox: &mut Outbox) {
+        let Some(Undoable { params, display, lighting, task_area }) = settings else { return };
+        if params != self.edits.params {
+            outbox.push(Command::SetParams(params));
+        }
+        outbox.extend(lighting.commands_since(&self.edits.light.lighting));
+        // The worker is told of luminaires at the end of the frame.
+        self.edits.light.lighting = lighting;
+        (self.edits.params, self.edits.display) = (params, display);
+        if task_area != self.tools.measuring.task_area()
+            && let Some(info) = &self.shown.info
+        {
+            self.tools.measuring.set_task_area(task_area, info.scene.up_axis());
+        }
+    }
+}
+
+/// Ctrl+Z and Ctrl+Shift+Z, unless text is being typed.
+pub(in crate::app) fn take_keys(app: &mut App, ctx: &Context, outbox: &mut Outbox) {
+    if ctx.text_edit_focused() {
+        return;
+    }
+    // The longer one first: a shortcut does not mind further modifiers.
+    if ctx.input_mut(|input| input.consume_shortcut(&REDO)) {
+        app.redo(outbox);
+    } else if ctx.input_mut(|input| input.consume_shortcut(&UNDO)) {
+        app.undo(outbox);
+    }
+}
+
+/// The two buttons.
+pub(in crate::app) fn show_buttons(app: &mut App, ui: &mut Ui, outbox: &mut Outbox) {
+    let settings = app.undoable();
+    let past = app.edits.history.past.last().map(|former| former.difference(&settings));
+    let future = app.edits.history.future.last().map(|later| later.difference(&settings));
+    let button = |ui: &mut Ui, [name, nothing]: [&str; 2], what: Option<&str>, shortcut: &KeyboardShortcut| {
+        let keys = ui.ctx().format_shortcut(shortcut);
+        let response = ui.add_enabled(what.is_some(), Button::new(name));
+        let response = match what {
+            Some(what) => response.on_hover_text(format!("{name} the last change of {what} ({keys})")),
+            None => response.on_disabled_hover_text(format!("{nothing} ({keys})")),
+        };
+        response.clicked()
+    };
+    if button(ui, [words::UNDO, words::NOTHING_TO_UNDO], past, &UNDO) {
+        app.undo(outbox);
+    }
+    if button(ui, [words::REDO, words::NOTHING_TO_REDO], future, &REDO) {
+        app.redo(outbox);
+    }
+}
+
+/// Whether a person is in the middle of setting something.
+pub(in crate::app) fn is_busy(ctx: &Context) -> bool {
+    ctx.egui_is_using_pointer()
+        || ctx.text_edit_focused()
+        || ctx.input(|input| input.pointer.any_down() || !input.keys_down.is_empty())
+}
+
+/// Takes up what a person set in this frame, once everything is let go.
+pub(in crate::app) fn note(app: &mut App, ctx: &Context) {
+    if !is_busy(ctx) {
+        let settings = app.undoable();
+        app.edits.history.note(&settings);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn with_level(cluster_level: u16) -> Undoable {
+        let display = DisplaySettings { cluster_level, ..DisplaySettings::default() };
+        Undoable { params: SolverParams::default(), display, lighting: Lighting::default(), task_area: None }
+    }
+
+    /// Truth: a list of what was set, walked back and forth; a new change ends what could be redone.
+    #[test]
+    fn steps_are_taken_back_and_made_again() {
+        let mut history = History::default();
+        for level in [1, 2, 2, 3] {
+            history.note(&with_level(level));
+        }
+        assert_eq!(history.undo(with_level(3)), Some(with_level(2)));
+        assert_eq!(history.undo(with_level(2)), Some(with_level(1)));
+        assert_eq!(history.undo(with_level(1)), None);
+        assert_eq!(history.redo(with_level(1)), Some(with_level(2)));
+        history.note(&with_level(7));
+        assert_eq!(history.redo(with_level(7)), None);
+        assert_eq!(history.undo(with_level(7)), Some(with_level(2)));
+    }
+
+    /// What the program sets by itself is neither a step nor undone.
+    #[test]
+    fn what_is_given_is_no_step() {
+        let mut history = History::default();
+        history.take_as_given(with_level(1));
+        history.take_as_given(with_level(2));
+        assert_eq!(history.undo(with_level(2)), None);
+    }
+}

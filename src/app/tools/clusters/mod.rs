@@ -1,0 +1,115 @@
+//! The clusters: how the view shows them, their tree with numbers, and manual groups.
+
+mod editor;
+mod groups;
+mod outline;
+mod rows;
+mod tree;
+
+use egui::{Slider, Ui};
+use glam::Vec3;
+
+use crate::app::widgets::theme;
+use crate::app::{App, Outbox, words};
+use crate::render::{Line, Marks};
+use editor::GroupEditor;
+use tree::ClusterTree;
+
+/// What the tool shows below its controls.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+enum Page {
+    /// The solver's clusters.
+    #[default]
+    Tree,
+    /// Groups, to be arranged by hand.
+    Groups,
+}
+
+/// The tool's own state; another scene starts it afresh.
+#[derive(Default)]
+pub(in crate::app) struct Clusters {
+    page: Page,
+    tree: ClusterTree,
+    editor: GroupEditor,
+    marked: Option<Marked>,
+}
+
+/// Marks with a group's box, and what they were made of.
+struct Marked {
+    over: Marks,
+    edges: [[Vec3; 2]; 12],
+    all: Marks,
+}
+
+/// The box of a group, gamma-encoded, and its width, pixels.
+const GROUP_BOX: ([u8; 4], f32) = ([255, 255, 255, 255], 2.5);
+
+impl Clusters {
+    /// Marks with the box of the group that the mouse is over added; the same ones as long as nothing changes.
+    pub(in crate::app) fn with_group(&mut self, marks: Marks) -> Marks {
+        let Some(edges) = self.editor.take_pointed_box() else { return marks };
+        match &self.marked {
+            Some(marked) if (&marked.over, &marked.edges) == (&marks, &edges) => marked.all.clone(),
+            _ => {
+                let (colour, width) = GROUP_BOX;
+                let mut lines = marks.0.as_ref().map_or_else(Vec::new, |lines| (**lines).clone());
+                lines.extend(edges.map(|[from, to]| Line::new(from, to, width, colour)));
+                let all = Marks::from(lines);
+                self.marked = Some(Marked { over: marks, edges, all: all.clone() });
+                all
+            }
+        }
+    }
+}
+
+/// Draws the tool.
+pub(in crate::app) fn show(app: &mut App, ui: &mut Ui, outbox: &mut Outbox) {
+    show_view(app, ui);
+    ui.separator();
+    ui.horizontal(|ui| {
+        let page = &mut app.tools.clusters.page;
+        ui.selectable_value(page, Page::Tree, "Tree of clusters")
+            .on_hover_text("The clusters that the solver links, from the whole scene down to polygons");
+        ui.selectable_value(page, Page::Groups, words::MANUAL_GROUPS)
+            .on_hover_text("Arrange the scene's objects in groups, which clustering by groups takes as its clusters");
+    });
+    match app.tools.clusters.page {
+        Page::Tree => tree::show(app, ui),
+        Page::Groups => groups::show(app, ui, outbox),
+    }
+}
+
+/// Colours, level, boxes and how far clusters are pulled apart.
+fn show_view(app: &mut App, ui: &mut Ui) {
+    let Some(snapshot) = &app.shown.snapshot else {
+        ui.label(theme::weak("Open a scene to see its clusters."));
+        return;
+    };
+    let deepest = snapshot.clusters.iter().map(|cluster| cluster.level).max().unwrap_or(0);
+    let (view, display) = (&mut app.view.clusters, &mut app.edits.display);
+    ui.horizontal(|ui| {
+        ui.checkbox(&mut view.coloured, "Colour by cluster")
+            .on_hover_text("Each surface shows the colour of its cluster instead of its light; grey hangs at the root");
+        ui.checkbox(&mut display.show_clusters, "Boxes").on_hover_text("The boxes of the clusters of this level");
+    });
+    theme::row(ui, "Level", |ui| {
+        let mut level = display.cluster_level.min(deepest);
+        let slider = Slider::new(&mut level, 0..=deepest).suffix(format!(" of {deepest}"));
+        let response = ui.add_enabled(deepest > 0, slider);
+        if response.changed() {
+            display.cluster_level = level;
+        }
+        response.on_hover_text("Level of the hierarchy, the whole scene being 0")
+    });
+    let can_explode = display.cluster_level.min(deepest) > 0;
+    theme::row(ui, "Explode", |ui| {
+        let mut percent = 100.0 * view.explode;
+        let slider = Slider::new(&mut percent, 0.0..=100.0).fixed_decimals(0).suffix(" %");
+        let response = ui.add_enabled(can_explode, slider);
+        if response.changed() {
+            view.explode = percent / 100.0;
+        }
+        let hint = "Pulls the clusters of the level apart; at 100 % they lie twice as far from the middle. Links are hidden meanwhile";
+        response.on_hover_text(hint).on_disabled_hover_text("The root is one piece: choose a deeper level")
+    });
+}

@@ -1,0 +1,226 @@
+//! The tree of clusters: names from the scene, area, polygons, links and power of each; rows answer to the view and the view to rows.
+
+use std::sync::Arc;
+
+use egui::{Color32, ScrollArea, Sense, Ui};
+use rustc_hash::FxHashSet;
+
+use crate::app::tools::clusters::outline::{Fold, ROW_HEIGHT, RowLook, show_head, show_row};
+use crate::app::tools::clusters::rows::{Powers, Row, has_rows_below, polygons, visible_rows, with_row};
+use crate::app::view::highlight::Highlight;
+use crate::app::widgets::theme;
+use crate::app::{App, format};
+use crate::hierarchy::{ElementId, Hierarchy};
+use crate::read::names::Names;
+use crate::render::cluster_colours;
+use crate::scene::{GroupMember, Scene};
+use crate::solve::Snapshot;
+use crate::transport::SolutionView;
+
+/// Which power the last column has.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+enum PowerShown {
+    #[default]
+    Received,
+    Sent,
+}
+
+/// Widths of the columns, points.
+const WIDTHS: [f32; 4] = [58.0, 58.0, 54.0, 64.0];
+
+/// State of the tree.
+#[derive(Default)]
+pub(in crate::app) struct ClusterTree {
+    power: PowerShown,
+    unfolded: FxHashSet<ElementId>,
+    rows: Vec<Row>,
+    /// What rows and numbers were made of.
+    of: Option<Arc<SolutionView>>,
+    generation: u64,
+    powers: Option<Powers>,
+    /// Names, and the scene with the groups that they are taken from.
+    names: Option<(Names, Arc<Scene>)>,
+    regrouping: Vec<GroupMember>,
+    /// Of each cluster, in the arena's order, and the places of clusters in it.
+    colours: Vec<(ElementId, [u8; 3])>,
+    /// The picked element that was last unfolded to.
+    followed: Option<ElementId>,
+    /// The row to be brought into sight.
+    scroll_to: Option<usize>,
+}
+
+impl ClusterTree {
+    /// Takes up a newer snapshot and another picked element.
+    fn follow(&mut self, scene: &Arc<Scene>, snapshot: &Snapshot, picked: Option<ElementId>) {
+        let Some(solution_view) = &snapshot.solution_view else { return };
+        let hierarchy = solution_view.hierarchy();
+        let mut is_old = false;
+        if self.generation != snapshot.generation || self.names.is_none() || self.regrouping != scene.regrouping {
+            // Other clusters, whose ids mean something else, or other names.
+            self.generation = snapshot.generation;
+            self.unfolded = [Hierarchy::ROOT].into_iter().collect();
+            self.regrouping.clone_from(&scene.regrouping);
+            let scene = scene.as_arranged();
+            self.names = Some((Names::new(snapshot.generation, hierarchy, &scene), scene));
+            let clusters = hierarchy.ids().filter(|id| hierarchy.element(*id).is_cluster());
+            self.colours = clusters.zip(cluster_colours(hierarchy)).collect();
+            self.followed = None;
+            is_old = true;
+        }
+        if self.of.as_ref().is_none_or(|of| !Arc::ptr_eq(of, solution_view)) {
+            self.of = Some(solution_view.clone());
+            self.powers = Some(Powers::new(solution_view));
+        }
+        let picked = picked.filter(|id| solution_view.holds(*id)).map(|id| with_row(hierarchy, id));
+        if picked != self.followed {
+            self.followed = picked;
+            if let Some(picked) = picked {
+                self.unfolded.extend(solution_view.path(picked).into_iter().filter(|above| *above != picked));
+                is_old = true;
+            }
+        }
+        if is_old {
+            self.rows = visible_rows(hierarchy, &self.unfolded);
+            self.scroll_to = picked.and_then(|picked| self.rows.iter().position(|row| row.element == picked));
+        }
+    }
+
+    fn toggle(&mut self, hierarchy: &Hierarchy, id: ElementId) {
+        if !self.unfolded.remove(&id) {
+            self.unfolded.insert(id);
+        }
+        self.rows = visible_rows(hierarchy, &self.unfolded);
+    }
+
+    fn colour(&self, id: ElementId) -> Option<Color32> {
+        let place = self.colours.binary_search_by_key(&id, |(cluster, _)| *cluster).ok()?;
+        let [r, g, b] = self.colours[place].1;
+        Some(Color32::from_rgb(r, g, b))
+    }
+}
+
+/// A name below the row of what holds it: without the path that both have.
+fn within<'a>(full_name: &'a str, holder: &str) -> &'a str {
+    let path = holder.split_once(": ").map_or(holder, |(path, _)| path);
+    let rest = if path.is_empty() { None } else { full_name.strip_prefix(path) };
+    let material = |rest: &'a str| rest.strip_prefix(" (")?.strip_suffix(')');
+    let shorter = rest.and_then(|rest| rest.strip_prefix('/').or(rest.strip_prefix(": ")).or(material(rest)));
+    shorter.unwrap_or(full_name)
+}
+
+/// Draws the tree.
+pub(in crate::app) fn show(app: &mut App, ui: &mut Ui) {
+    let (Some(snapshot), Some(info)) = (app.shown.snapshot.clone(), app.shown.info.clone()) else { return };
+    let picked = app.picked.as_ref().map(|picked| picked.element);
+    let tree = &mut app.tools.clusters.tree;
+    tree.follow(&info.scene, &snapshot, picked);
+    let Some(solution_view) = &snapshot.solution_view else {
+        ui.label(theme::weak("Asking for the clusters…"));
+        return;
+    };
+    let hierarchy = solution_view.hierarchy();
+    ui.horizontal(|ui| {
+        let clusters = format::things(hierarchy.cluster_count(), "cluster", "clusters");
+        let polygons = format::things(hierarchy.initial_patches().len(), "polygon", "polygons");
+        ui.label(theme::weak(format!("{clusters} over {polygons}")));
+        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+            ui.selectable_value(&mut tree.power, PowerShown::Sent, "Sent").on_hover_text("Power that leaves, B·A, W");
+            ui.selectable_value(&mut tree.power, PowerShown::Received, "Received")
+                .on_hover_text("Power that arrives, E·A, W");
+            ui.label(theme::weak("Power"));
+        });
+    });
+    let power = match tree.power {
+        PowerShown::Received => ("in W", WIDTHS[3], "Power that arrives, E·A, the sum over three colours, W"),
+        PowerShown::Sent => ("out W", WIDTHS[3], "Power that leaves, B·A, the sum over three colours, W"),
+    };
+    show_head(
+        ui,
+        "Cluster",
+        &[
+            ("m²", WIDTHS[0], "Area that light can reach, m²"),
+            ("polygons", WIDTHS[1], "Polygons in it"),
+            ("links", WIDTHS[2], "Links that end at it and at nothing smaller"),
+            power,
+        ],
+    );
+    let mut area = ScrollArea::vertical().auto_shrink([false, false]);
+    ui.spacing_mut().item_spacing.y = 0.0;
+    if let Some(row) = tree.scroll_to.take() {
+        area = area.vertical_scroll_offset((row as f32 * ROW_HEIGHT - 0.4 * ui.available_height()).max(0.0));
+    }
+    let (mut chosen, mut toggled) = (None, None);
+    area.show_rows(ui, ROW_HEIGHT, tree.rows.len(), |ui, range| {
+        for row in tree.rows.get(range).unwrap_or_default() {
+            let Some((names, scene)) = &tree.names else { continue };
+            let id = row.element;
+            let full_name = names.full(hierarchy, scene, id);
+            let holder = hierarchy.element(id).parent().map(|parent| names.full(hierarchy, scene, parent));
+            let name = within(&full_name, holder.as_deref().unwrap_or_default());
+            let powers = tree.powers.as_ref();
+            let power = powers.map_or(0.0, |powers| match tree.power {
+                PowerShown::Received => powers.received(id),
+                PowerShown::Sent => powers.sent(id),
+            });
+            let values = [
+                format::number(hierarchy.element(id).area.into()),
+                format::count(polygons(hierarchy, id) as u64),
+                format::count(solution_view.links().of(id).len() as u64),
+                format::number(power.into()),
+            ];
+            let fold = match (has_rows_below(hierarchy, id), tree.unfolded.contains(&id)) {
+                (false, _) => Fold::Leaf,
+                (true, false) => Fold::Folded,
+                (true, true) => Fold::Unfolded,
+            };
+            let look = RowLook {
+                id: egui::Id::unique(("cluster row", id.0)),
+                depth: row.depth,
+                fold,
+                name,
+                full_name: &full_name,
+                colour: tree.colour(id),
+                values: &values,
+                is_selected: tree.followed == Some(id),
+                is_marked: app.view.pointing.shown() == Highlight::Element(id),
+                sense: Sense::click(),
+            };
+            let done = show_row(ui, &look, &WIDTHS);
+            if done.toggled || done.response.double_clicked() {
+                toggled = Some(id);
+            }
+            if done.response.clicked() {
+                chosen = Some(id);
+            }
+            if done.response.hovered() || done.response.has_focus() {
+                app.view.pointing.at(Highlight::Element(id));
+            }
+            done.response.on_hover_text(full_name);
+        }
+    });
+    if let Some(id) = toggled.filter(|id| has_rows_below(hierarchy, *id)) {
+        tree.toggle(hierarchy, id);
+    }
+    if let Some(id) = chosen {
+        // Known already, so that the tree does not jump to it.
+        tree.followed = Some(id);
+        app.pick_element(id);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::within;
+
+    /// Written out by hand, in the forms that names have.
+    #[test]
+    fn names_leave_out_what_their_holder_says() {
+        assert_eq!(within("desk/lamp", "desk"), "lamp");
+        assert_eq!(within("desk/lamp (steel)", "desk/lamp: 9 polygons of it"), "steel");
+        assert_eq!(within("desk/lamp (steel)", "desk: 9 polygons of it"), "lamp (steel)");
+        assert_eq!(within("desk: 4 polygons of it", "desk: 9 polygons of it"), "4 polygons of it");
+        assert_eq!(within("desktop", "desk"), "desktop");
+        assert_eq!(within("cluster of 4 polygons", "cluster of 9 polygons"), "cluster of 4 polygons");
+        assert_eq!(within("walls (wall)", ""), "walls (wall)");
+    }
+}

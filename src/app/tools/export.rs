@@ -1,0 +1,240 @@
+//! The export tool: pictures, meshes, links, numbers, and the scene for programs that check its light.
+
+use std::path::{Path, PathBuf};
+
+use egui::{Button, ComboBox, DragValue, RichText, Ui};
+
+use crate::app::state::exports::{self, Exports, Item, PictureSize};
+use crate::app::widgets::dialog::DialogAnswer;
+use crate::app::widgets::theme;
+use crate::app::{App, format, words};
+use crate::export::MeshFormat;
+use crate::export::peers::Peer;
+use crate::render::MAX_SIZE;
+
+/// What stands on a button, what it writes and what a person should know about it.
+type Offer = (Item, &'static str, &'static str);
+
+const PICTURES: [Offer; 2] = [
+    (Item::Png, "Picture (PNG)", "What the view shows: exposed and tone-mapped, overlays and colours included"),
+    (Item::Exr, "Radiosities (EXR)", "What the view sees as radiosity B in W/m², 32-bit floats, linear and unexposed"),
+];
+const MESHES: [Offer; 2] = [
+    (Item::Glb, "Mesh (GLB)", "Vertices with tone-mapped colours, which other programs show, and radiosities in W/m²"),
+    (Item::Ply, "Mesh (PLY)", "Vertices with radiosities in W/m² and tone-mapped colours, binary"),
+];
+const NUMBERS: [Offer; 3] = [
+    (Item::Links, "Links (CSV)", "Every link: both ends, form factor F, visibility V, rays and power in W"),
+    (
+        Item::Settings,
+        "Settings (JSON)",
+        "Scene, added light, view and parameters; `selflink solve --settings` solves it again",
+    ),
+    (Item::Statistics, "Statistics (JSON)", "Counts and times, with the settings that they belong to"),
+];
+const PEERS: [Offer; 2] = [
+    (
+        Item::Peer(Peer::Mitsuba),
+        "Scene (Mitsuba 3)",
+        "A folder with geometry, reflectances, emission and camera, and a script that traces the light again (docs/accuracy/check.md)",
+    ),
+    (
+        Item::Peer(Peer::Radiance),
+        "Scene (Radiance)",
+        "A folder with geometry, reflectances, emission and view for oconv and rtrace (docs/accuracy/check.md)",
+    ),
+];
+
+/// Draws the tool.
+pub(in crate::app) fn show(app: &mut App, ui: &mut Ui) {
+    if app.shown.info.is_none() || app.shown.snapshot.is_none() {
+        ui.label(theme::weak("Nothing to export yet: open a scene."));
+        return;
+    }
+    show_name(&mut app.documents.exports, ui);
+    ui.add_space(6.0);
+    let mut wanted = None;
+    let is_idle = app.documents.exports.writing().is_none();
+    heading(ui, "The view");
+    show_size(&mut app.documents.exports, ui, app.view.viewport.pixels());
+    buttons(ui, is_idle, &PICTURES, &mut wanted);
+    heading(ui, "The lit mesh");
+    buttons(ui, is_idle, &MESHES, &mut wanted);
+    heading(ui, "Numbers");
+    buttons(ui, is_idle, &NUMBERS, &mut wanted);
+    heading(ui, "For other programs");
+    buttons(ui, is_idle, &PEERS, &mut wanted);
+    ui.add_space(6.0);
+    if let Some(item) = wanted {
+        ask(app, item);
+    }
+    show_question(app, ui);
+    show_state(&mut app.documents.exports, ui);
+}
+
+fn heading(ui: &mut Ui, text: &str) {
+    ui.add_space(6.0);
+    ui.label(RichText::new(text).strong());
+}
+
+fn show_name(exports: &mut Exports, ui: &mut Ui) {
+    if let Some(answer) = exports.dialog.poll() {
+        match answer {
+            DialogAnswer::Chosen(path) => exports.name = path.with_extension("").to_string_lossy().into_owned(),
+            DialogAnswer::NoDialog => {
+                let sentence = "No file dialog answers on this system: type folder and name into the field.";
+                exports.outcome = Some(Err(sentence.into()));
+            }
+        }
+    }
+    ui.label(theme::weak("Folder and name; each file adds its own ending"));
+    ui.horizontal(|ui| {
+        let choose = ui.add_enabled(!exports.dialog.is_open(), Button::new("Choose…"));
+        if choose.on_hover_text("Choose folder and name with the system's dialog").clicked() {
+            let present = PathBuf::from(&exports.name);
+            let folder = present.parent().map(Path::to_owned).unwrap_or_default();
+            let name = present.file_name().unwrap_or_default().to_string_lossy().into_owned();
+            exports.dialog.open(ui.ctx(), move || {
+                let dialog = rfd::FileDialog::new().set_title("Folder and name of the files");
+                dialog.set_directory(folder).set_file_name(name).save_file()
+            });
+        }
+        let field = egui::TextEdit::singleline(&mut exports.name).desired_width(ui.available_width() - 4.0);
+        let response = ui.add(field).accessible_name("Name of the files");
+        let _ = response.on_hover_text(exports.name.as_str());
+    });
+}
+
+fn show_size(exports: &mut Exports, ui: &mut Ui, view: [u32; 2]) {
+    let text = |size: PictureSize, own: [u32; 2]| {
+        let named = |name: &str, [width, height]: [u32; 2]| format!("{name}{width} × {height}");
+        match size {
+            PictureSize::AsShown => named("As shown: ", view),
+            PictureSize::FullHd | PictureSize::FourK => named("", pixels(size, own, view)),
+            PictureSize::Own => words::CUSTOM_SIZE.to_owned(),
+        }
+    };
+    theme::row(ui, "Size in pixels", |ui| {
+        let combo = ComboBox::from_id_salt("picture size").selected_text(text(exports.size, exports.own_size));
+        let inner = combo.show_ui(ui, |ui| {
+            for size in [PictureSize::AsShown, PictureSize::FullHd, PictureSize::FourK, PictureSize::Own] {
+                let text = text(size, exports.own_size);
+                ui.selectable_value(&mut exports.size, size, text);
+            }
+        });
+        inner.response
+    });
+    if exports.size == PictureSize::Own {
+        let [width, height] = &mut exports.own_size;
+        for (value, name) in [(width, "Width"), (height, "Height")] {
+            theme::row(ui, name, |ui| ui.add(DragValue::new(value).range(1..=MAX_SIZE).suffix(" pixels")));
+        }
+    }
+}
+
+fn pixels(size: PictureSize, own: [u32; 2], view: [u32; 2]) -> [u32; 2] {
+    match size {
+        PictureSize::AsShown => view,
+        PictureSize::FullHd => [1920, 1080],
+        PictureSize::FourK => [3840, 2160],
+        PictureSize::Own => own,
+    }
+}
+
+fn buttons(ui: &mut Ui, is_idle: bool, offers: &[Offer], wanted: &mut Option<Item>) {
+    ui.horizontal_wrapped(|ui| {
+        for (item, name, hint) in offers {
+            if ui.add_enabled(is_idle, Button::new(*name)).on_hover_text(*hint).clicked() {
+                *wanted = Some(*item);
+            }
+        }
+    });
+}
+
+/// Writes a file, or asks first where one is there.
+fn ask(app: &mut App, item: Item) {
+    app.documents.exports.in_question = None;
+    match app.documents.exports.path(item) {
+        Some(path) if path.exists() => app.documents.exports.in_question = Some(item),
+        Some(_) => begin(app, item),
+        None => app.documents.exports.outcome = Some(Err("Give the files a name first, such as /home/me/room.".into())),
+    }
+}
+
+fn show_question(app: &mut App, ui: &mut Ui) {
+    let Some(item) = app.documents.exports.in_question else { return };
+    let Some(path) = app.documents.exports.path(item) else { return };
+    let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned();
+    ui.label(format!("{name} already exists."));
+    ui.horizontal(|ui| {
+        if ui.button("Overwrite it").clicked() {
+            app.documents.exports.in_question = None;
+            begin(app, item);
+        }
+        if ui.button("Keep it").clicked() {
+            app.documents.exports.in_question = None;
+        }
+    });
+}
+
+fn show_state(exports: &mut Exports, ui: &mut Ui) {
+    if let Some((path, since)) = exports.writing() {
+        let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
+        let text = format!("Writing {name}, {}…", format::seconds(since.elapsed().as_secs_f64()));
+        let is_given_up = ui.horizontal(|ui| {
+            ui.label(text);
+            ui.button("Cancel").on_hover_text("Do not write this file").clicked()
+        });
+        if is_given_up.inner {
+            exports.cancel();
+        }
+        ui.ctx().request_repaint_after(std::time::Duration::from_millis(250));
+    }
+    match &exports.outcome {
+        Some(Ok(sentence)) => {
+            ui.add(egui::Label::new(sentence.as_str()).wrap());
+        }
+        Some(Err(sentence)) => {
+            let sentence = format::without_os_codes(sentence);
+            ui.add(egui::Label::new(RichText::new(sentence).color(ui.visuals().error_fg_color)).wrap());
+        }
+        None => {}
+    }
+}
+
+/// Hands a file to its thread.
+fn begin(app: &mut App, item: Item) {
+    let (Some(path), Some(info), Some(snapshot)) =
+        (app.documents.exports.path(item), &app.shown.info, &app.shown.snapshot)
+    else {
+        return;
+    };
+    let (scene, snapshot) = (info.scene.clone(), snapshot.clone());
+    let size = pixels(app.documents.exports.size, app.documents.exports.own_size, app.view.viewport.pixels());
+    let picture = app.view.viewport.picture(size);
+    let settings = app.settings();
+    let (exports, wake) = (&mut app.documents.exports, &app.wake);
+    match (item, picture) {
+        (Item::Png, Some(picture)) => exports.begin(path, wake, move |to| exports::write_png(to, &picture)),
+        (Item::Exr, Some(picture)) => exports.begin(path, wake, move |to| exports::write_exr(to, &picture, &snapshot)),
+        (Item::Png | Item::Exr, None) => exports.outcome = Some(Err("Nothing has been drawn yet.".into())),
+        (Item::Ply, _) => {
+            exports.begin(path, wake, move |to| exports::write_mesh(to, MeshFormat::Ply, &snapshot, &scene));
+        }
+        (Item::Glb, _) => {
+            exports.begin(path, wake, move |to| exports::write_mesh(to, MeshFormat::Glb, &snapshot, &scene));
+        }
+        (Item::Links, _) => exports.begin(path, wake, move |to| exports::write_links(to, &snapshot)),
+        (Item::Peer(peer), _) => exports.begin(path, wake, move |to| exports::write_peer(to, peer, &scene)),
+        (Item::Settings, _) => exports.begin(path, wake, move |to| {
+            exports::write_text(to, &settings.to_json().map_err(|error| error.to_string())?)
+        }),
+        (Item::Statistics, _) => exports.begin(path, wake, move |to| {
+            let report = serde_json::json!({
+                "scene": scene.name, "settings": settings, "statistics": snapshot.stats,
+            });
+            let text = serde_json::to_string_pretty(&report).map_err(|error| error.to_string())?;
+            exports::write_text(to, &(text + "\n"))
+        }),
+    }
+}

@@ -1,0 +1,211 @@
+//! The link matrix: all links as blocks, receivers by sources.
+//!
+//! The picture comes from a thread of its own ([`artist`]); here are the switches, the square with what is pointed at in it
+//! ([`square`]), the names along its edges ([`edges`]) and what its colours mean ([`key`]).
+
+mod artist;
+mod edges;
+mod key;
+mod square;
+mod tip;
+
+use std::sync::Arc;
+
+use egui::{ColorImage, Context, Rect, TextureHandle, TextureOptions, Ui, Vec2, vec2};
+
+use crate::app::widgets::theme;
+use crate::app::{App, Wake, words};
+use crate::hierarchy::Room;
+use crate::read::matrix::{Colouring, Facts, Legend, Palette, Raster, Request, View};
+use crate::read::names::Names;
+use crate::scene::Scene;
+use crate::solve::Snapshot;
+use crate::transport::SolutionView;
+use artist::{Artist, Drawn, Order};
+
+/// Colourings with their names and hints, in the order of their switches.
+const COLOURINGS: [(Colouring, &str, &str); 4] = [
+    (Colouring::Power, "power", "Power that a link carries for each area of both its ends"),
+    (Colouring::Visibility, "visibility", "Whether the ends of a link see each other fully, in part or not at all"),
+    (Colouring::Level, "level", "How often the root's self-link was refined until it became this link"),
+    (Colouring::Rays, "rays", "How many rays a link's visibility is known by"),
+];
+/// What elements get room for, likewise.
+const ROOMS: [(Room, &str, &str); 3] = [
+    (Room::Area, "area", "Rows and columns as large as their elements: shows where power can go"),
+    (Room::Polygons, "polygons", "Rows and columns of equal size for all polygons: shows small things"),
+    (Room::Leaves, "leaves", "Rows and columns of equal size for all leaf patches: shows what was refined most"),
+];
+
+/// The square is no smaller than this, points.
+const LEAST_SIDE: f32 = 140.0;
+/// Room below the square for what its colours mean, points.
+const ROOM_BELOW: f32 = 100.0;
+/// Room beside it, where the dock is wide, points.
+const ROOM_BESIDE: f32 = 214.0;
+
+/// The tool's state.
+pub(in crate::app) struct LinkMatrix {
+    room: Room,
+    colouring: Colouring,
+    view: View,
+    artist: Option<Artist>,
+    shown: Option<Shown>,
+    /// A coarse picture of the whole square.
+    whole: Option<(Look, TextureHandle)>,
+    names: Option<Names>,
+    generation: u64,
+}
+
+/// What a picture was made of but for the part of the square.
+#[derive(Clone, Copy, PartialEq)]
+struct Look {
+    /// Generation, serial and moment of the snapshot.
+    state: (u64, u64, Option<usize>),
+    room: Room,
+    colouring: Colouring,
+}
+
+/// The last picture.
+struct Shown {
+    look: Look,
+    request: Request,
+    texture: TextureHandle,
+    facts: Facts,
+    palette: Arc<Palette>,
+    legend: Legend,
+}
+
+/// What the parts of the tool look at in a frame.
+#[derive(Clone, Copy)]
+struct Looked<'a> {
+    solution_view: &'a Arc<SolutionView>,
+    scene: &'a Scene,
+    names: &'a Names,
+}
+
+impl Default for LinkMatrix {
+    fn default() -> Self {
+        Self {
+            room: Room::default(),
+            colouring: Colouring::default(),
+            view: View::WHOLE,
+            artist: None,
+            shown: None,
+            whole: None,
+            names: None,
+            generation: 0,
+        }
+    }
+}
+
+/// Draws the tool.
+pub(in crate::app) fn show(app: &mut App, ui: &mut Ui) {
+    let (Some(snapshot), Some(info)) = (app.shown.snapshot.clone(), app.shown.info.clone()) else {
+        ui.label(theme::weak("Open a scene to see its links."));
+        return;
+    };
+    let mut matrix = std::mem::take(&mut app.tools.matrix);
+    matrix.show_switches(ui);
+    match &snapshot.solution_view {
+        Some(solution_view) => matrix.show(app, ui, &snapshot, solution_view, &info.scene),
+        None => {
+            ui.label(theme::weak("Asking for the links…"));
+        }
+    }
+    app.tools.matrix = matrix;
+}
+
+impl LinkMatrix {
+    fn show_switches(&mut self, ui: &mut Ui) {
+        ui.horizontal(|ui| {
+            ui.label(theme::weak("Colour by"));
+            for (colouring, name, hint) in COLOURINGS {
+                ui.selectable_value(&mut self.colouring, colouring, name).on_hover_text(hint);
+            }
+        });
+        ui.horizontal(|ui| {
+            ui.label(theme::weak(words::ROW_HEIGHT_BY));
+            for (room, name, hint) in ROOMS {
+                ui.selectable_value(&mut self.room, room, name).on_hover_text(hint);
+            }
+        });
+    }
+
+    fn show(
+        &mut self,
+        app: &mut App,
+        ui: &mut Ui,
+        snapshot: &Snapshot,
+        solution_view: &Arc<SolutionView>,
+        scene: &Scene,
+    ) {
+        if self.generation != snapshot.generation {
+            self.generation = snapshot.generation;
+            self.view = View::WHOLE;
+        }
+        if self.names.as_ref().is_none_or(|names| !names.are_of(snapshot.generation)) {
+            self.names = Some(Names::new(snapshot.generation, solution_view.hierarchy(), scene));
+        }
+        let Some(names) = self.names.take() else { return };
+        let looked = Looked { solution_view, scene, names: &names };
+        let room = ui.available_size();
+        let side = |reserved: Vec2| (room - reserved - edges::WIDTH).min_elem();
+        let (below, beside) = (side(vec2(0.0, ROOM_BELOW)), side(vec2(ROOM_BESIDE, 0.0)));
+        let is_wide = beside > below;
+        let side = below.max(beside).max(LEAST_SIDE);
+        let state = (snapshot.generation, snapshot.serial, snapshot.moment);
+        let look = Look { state, room: self.room, colouring: self.colouring };
+        let layout = if is_wide { egui::Layout::left_to_right(egui::Align::Min) } else { *ui.layout() };
+        ui.with_layout(layout, |ui| {
+            let square = square::show(self, app, ui, looked, side);
+            self.keep_up(app, ui.ctx(), look, solution_view, square);
+            ui.vertical(|ui| self.show_key(ui));
+        });
+        self.names = Some(names);
+    }
+
+    /// Takes up a picture that is there, and orders the next one where something changed.
+    fn keep_up(&mut self, app: &mut App, ctx: &Context, look: Look, solution_view: &Arc<SolutionView>, square: Rect) {
+        if let Some(drawn) = self.artist.as_mut().and_then(Artist::take) {
+            self.take_up(ctx, drawn);
+        }
+        let pixels = (square.width() * ctx.pixels_per_point()).round().max(1.0) as usize;
+        let request = Request { room: self.room, view: self.view, pixels, has_gaps: true };
+        if self.shown.as_ref().is_some_and(|shown| shown.look == look && shown.request == request) {
+            return;
+        }
+        if self.artist.is_none() {
+            self.artist = self.start(app.wake.clone(), &mut app.messages);
+        }
+        let wants_whole = !self.view.is_whole() && self.whole.as_ref().is_none_or(|(whole, _)| *whole != look);
+        if let Some(artist) = self.artist.as_mut().filter(|artist| artist.is_free()) {
+            artist.order(Order { look, solution_view: solution_view.clone(), request, wants_whole });
+        }
+    }
+
+    fn start(&self, wake: Wake, messages: &mut crate::app::Messages) -> Option<Artist> {
+        let artist = Artist::spawn(wake);
+        if let Err(error) = &artist {
+            messages.error(format!("The link matrix cannot be drawn, no thread is left ({error})."));
+        }
+        artist.ok()
+    }
+
+    fn take_up(&mut self, ctx: &Context, drawn: Drawn) {
+        let Drawn { look, request, raster, whole, facts, palette } = drawn;
+        let legend = palette.legend();
+        let texture = texture(ctx, &raster);
+        if request.view.is_whole() {
+            self.whole = Some((look, texture.clone()));
+        } else if let Some(whole) = whole {
+            self.whole = Some((look, self::texture(ctx, &whole)));
+        }
+        self.shown = Some(Shown { look, request, texture, facts, palette, legend });
+    }
+}
+
+fn texture(ctx: &Context, raster: &Raster) -> TextureHandle {
+    let image = ColorImage::from_rgb([raster.size; 2], raster.pixels.as_flattened());
+    ctx.load_texture("link matrix", image, TextureOptions::LINEAR)
+}

@@ -1,0 +1,70 @@
+//! The picture, and what is drawn and dragged over it.
+
+pub(in crate::app) mod best;
+pub(in crate::app) mod camera_menu;
+pub(in crate::app) mod cluster_view;
+pub(in crate::app) mod colour_bar;
+pub(in crate::app) mod divider;
+pub(in crate::app) mod gathering;
+pub(in crate::app) mod gizmo;
+pub(in crate::app) mod highlight;
+pub(in crate::app) mod line_labels;
+pub(in crate::app) mod marks;
+pub(in crate::app) mod measure_marks;
+pub(in crate::app) mod metering;
+pub(in crate::app) mod paint;
+pub(in crate::app) mod viewport;
+pub(in crate::app) mod walk;
+
+use best::BestPicture;
+use cluster_view::ClusterScene;
+use gathering::{Gathering, Painted};
+use highlight::Pointing;
+use marks::MarksOverView;
+use metering::Metering;
+use viewport::Viewport;
+
+use crate::app::Wake;
+use crate::app::state::readings::ReadingInView;
+
+/// The picture, and what lies over it.
+pub(in crate::app) struct View {
+    /// The camera, and what the mouse does to it.
+    pub viewport: Viewport,
+    /// The best picture so far.
+    pub best: BestPicture,
+    /// Makes gathered pictures.
+    pub gathering: Gathering,
+    /// The gathered picture in view.
+    pub painted: Option<Painted>,
+    /// Meters the exposure.
+    pub metering: Metering,
+    /// The metered exposure, m²/W.
+    pub exposure: f32,
+    /// Clusters pulled apart.
+    pub clusters: ClusterScene,
+    /// Marks of elements and links.
+    pub marks: MarksOverView,
+    /// What the mouse is over, in a panel or in the view.
+    pub pointing: Pointing,
+    /// What is read under the mouse.
+    pub reading: ReadingInView,
+}
+
+impl View {
+    /// Nothing is in view yet.
+    pub(in crate::app) fn new(wake: &Wake) -> Self {
+        Self {
+            viewport: Viewport::default(),
+            best: BestPicture::default(),
+            gathering: Gathering::start(wake),
+            painted: None,
+            metering: Metering::default(),
+            exposure: 1.0,
+            clusters: ClusterScene::default(),
+            marks: MarksOverView::default(),
+            pointing: Pointing::default(),
+            reading: ReadingInView::default(),
+        }
+    }
+}

@@ -1,0 +1,164 @@
+//! A chart of pictures: ꟻLIP or the local error over seconds, both axes logarithmic.
+
+use plotters::coord::Shift;
+use plotters::prelude::*;
+
+use super::{PictureChart, PictureKind, PictureRecord};
+use crate::base::font::family;
+use crate::measure::chart::DrawError;
+use crate::measure::chart::axis::LogAxis;
+use crate::measure::chart::draw::{COLOURS, INK, LEGEND_WIDTH, SIZE, axes};
+
+/// What is drawn over the seconds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PictureMetric {
+    /// Mean ꟻLIP.
+    Flip,
+    /// The local error of E that 9 of 10 pixels keep.
+    Local,
+}
+
+impl PictureMetric {
+    /// Every metric.
+    pub const ALL: [Self; 2] = [Self::Flip, Self::Local];
+
+    /// Its name in file names.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Flip => "flip",
+            Self::Local => "local",
+        }
+    }
+
+    fn axis(self) -> &'static str {
+        match self {
+            // The bundled font has no ꟻ.
+            Self::Flip => "mean FLIP",
+            Self::Local => "local error of E, 90th percentile over the pixels, %",
+        }
+    }
+
+    fn of(self, record: &PictureRecord) -> f64 {
+        match self {
+            Self::Flip => record.flip,
+            Self::Local => 100.0 * record.local.p90,
+        }
+    }
+
+    /// What is no error of a picture but noise of the converged one.
+    fn floor(self, chart: &PictureChart) -> f64 {
+        match self {
+            Self::Flip => chart.reference.flip_of_halves,
+            Self::Local => 100.0 * chart.reference.noise_p90,
+        }
+    }
+}
+
+/// The chart as RGB pixels of 1200 × 800, row by row.
+///
+/// # Errors
+/// No picture was made.
+pub fn draw_picture_png(chart: &PictureChart, metric: PictureMetric) -> Result<image::RgbImage, DrawError> {
+    let mut pixels = vec![0; (3 * SIZE.0 * SIZE.1) as usize];
+    let root = BitMapBackend::with_buffer(&mut pixels, SIZE).into_drawing_area();
+    draw(chart, metric, &root)?;
+    drop(root);
+    Ok(image::RgbImage::from_raw(SIZE.0, SIZE.1, pixels).expect("three bytes for each pixel"))
+}
+
+/// The chart as SVG.
+///
+/// # Errors
+/// No picture was made.
+pub fn draw_picture_svg(chart: &PictureChart, metric: PictureMetric) -> Result<String, DrawError> {
+    let mut text = String::new();
+    let root = SVGBackend::with_string(&mut text, SIZE).into_drawing_area();
+    draw(chart, metric, &root)?;
+    drop(root);
+    Ok(text)
+}
+
+fn draw<B: DrawingBackend>(
+    chart: &PictureChart,
+    metric: PictureMetric,
+    root: &DrawingArea<B, Shift>,
+) -> Result<(), DrawError> {
+    let empty = || DrawError::Empty(chart.scene.clone());
+    let x = LogAxis::around(chart.pictures.iter().map(|picture| picture.seconds)).ok_or_else(empty)?;
+    let values = chart.pictures.iter().map(|picture| metric.of(picture));
+    let y = LogAxis::around(values.chain([metric.floor(chart)])).ok_or_else(empty)?;
+    plot(chart, metric, root, (x, y)).map_err(|error| DrawError::Plot(error.to_string()))
+}
+
+fn plot<B: DrawingBackend>(
+    chart: &PictureChart,
+    metric: PictureMetric,
+    root: &DrawingArea<B, Shift>,
+    (x, y): (LogAxis, LogAxis),
+) -> Result<(), DrawingAreaErrorKind<B::ErrorType>> {
+    let text = |size: f64, colour: RGBColor| (family(), size).into_font().color(&colour);
+    root.fill(&WHITE)?;
+    let title = match metric {
+        PictureMetric::Flip => "FLIP",
+        PictureMetric::Local => "local error",
+    };
+    root.draw(&Text::new(format!("{}: {title} of pictures over time", chart.scene), (90, 22), text(32.0, INK)))?;
+    let [width, height] = chart.size;
+    let about = format!(
+        "{width} × {height} pixels, {} threads; reference: {} samples a pixel",
+        chart.threads,
+        crate::base::format::count(chart.reference.samples),
+    );
+    root.draw(&Text::new(about, (90, 62), text(19.0, RGBColor(110, 110, 110))))?;
+    let (_, area) = root.split_vertically(92);
+    let (area, beside) = area.split_horizontally(SIZE.0 - LEGEND_WIDTH);
+    let of_axes = ("seconds from the start to the finished picture", metric.axis());
+    let mut context = axes(&area, (x, y), of_axes)?;
+    let mut legend_y = 30;
+    let mut legend = |name: String, style: ShapeStyle| {
+        beside.draw(&PathElement::new([(14, legend_y), (54, legend_y)], style))?;
+        beside.draw(&Text::new(name, (66, legend_y - 10), text(19.0, INK)))?;
+        legend_y += 32;
+        Ok(())
+    };
+    for kind in PictureKind::ALL {
+        let of_kind = || chart.pictures.iter().filter(move |picture| picture.kind == kind);
+        if of_kind().next().is_none() {
+            continue;
+        }
+        let (colour, stroke) = match kind {
+            PictureKind::Mesh => (COLOURS[2], 3),
+            PictureKind::Gathered => (COLOURS[0], 3),
+            PictureKind::Paths => (INK, 2),
+        };
+        let places: Vec<(f64, f64)> = of_kind().map(|picture| (picture.seconds, metric.of(picture))).collect();
+        context.draw_series(LineSeries::new(places.iter().copied(), colour.stroke_width(stroke)))?;
+        context.draw_series(places.iter().map(|place| Circle::new(*place, 5, colour.filled())))?;
+        let labels = of_kind().map(|picture| {
+            let name = match (picture.error_asked, picture.samples) {
+                (Some(error), _) => format!("{} %", crate::base::format::short(100.0 * error)),
+                (None, Some(samples)) => samples.to_string(),
+                (None, None) => String::new(),
+            };
+            EmptyElement::at((picture.seconds, metric.of(picture))) + Text::new(name, (8, -18), text(17.0, colour))
+        });
+        context.draw_series(labels)?;
+        let name = match kind {
+            PictureKind::Paths => "path tracer, by samples a pixel".to_owned(),
+            _ => format!("{}, by target error", kind.name()),
+        };
+        legend(name, colour.stroke_width(stroke))?;
+    }
+    let floor = metric.floor(chart);
+    if let Some(ends) = chart.pictures.iter().map(|picture| picture.seconds).reduce(f64::max) {
+        let first = chart.pictures.iter().map(|picture| picture.seconds).fold(f64::INFINITY, f64::min);
+        let line = [(first, floor), (ends, floor)].into_iter().filter(|_| floor > 0.0);
+        context.draw_series(DashedLineSeries::new(line, 3, 5, COLOURS[3].stroke_width(2)))?;
+        let name = match metric {
+            PictureMetric::Flip => "halves of the reference",
+            PictureMetric::Local => "error of the reference",
+        };
+        legend(name.to_owned(), COLOURS[3].stroke_width(2))?;
+    }
+    root.present()
+}

@@ -1,0 +1,8 @@
+//! How right, and how fast: a reference, errors against it, charts, the paper run again, places where methods fail.
+
+pub mod accuracy;
+pub mod chart;
+pub mod referee;
+pub mod reference;
+pub mod stability;
+pub mod tables;

@@ -1,0 +1,9 @@
+//! What is read of a solution: values at points and on planes, colours, names, the link matrix, gathered pictures.
+
+pub mod matrix;
+pub mod names;
+pub mod picture;
+pub mod probe;
+pub mod ramp;
+pub mod survey;
+pub mod tone;

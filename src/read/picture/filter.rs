@@ -1,0 +1,243 @@
+//! A filter that shares irradiance between samples of one smooth surface.
+//!
+//! An edge-avoiding à-trous filter [Dammertz et al., HPG 2010] at the resolution of the samples, before
+//! pixels mix surfaces. How far light is shared depends on how far away what surrounds a sample is, as
+//! irradiance caching does it [Ward, Rubinstein, Clear, SIGGRAPH 1988]: in a corner or beside a contact
+//! light changes within a hand's breadth, in the middle of a wall it does not.
+
+use glam::{Vec3, Vec4};
+use rayon::prelude::*;
+
+use super::light::Light;
+use super::{Sight, Sights};
+use crate::base::cancel::CancelToken;
+use crate::gather::grey;
+
+/// Weights of the samples of a pass, by how many steps away they lie (a cubic B-spline).
+const KERNEL: [f32; 3] = [0.375, 0.25, 0.0625];
+/// Samples off the tangent plane by so much of their distance from the eye share little.
+const PLANE: f32 = 0.01;
+/// Surfaces that are turned further than this (cosine) from each other share nothing; the exponent on the cosine of others.
+const TURNED: f32 = 0.5;
+const SMOOTHNESS: i32 = 32;
+/// Deviation of the weights at least, in distances between samples, after one look: less would leave noise in corners. Direct light
+/// has shadows whose edges are to stay, indirect light is smoother than that.
+const LEAST_REACH: [f32; 2] = [4.0, 12.0];
+/// Samples that are less alike are of different surfaces.
+const ALIKE: f32 = 0.5;
+/// Squared deviations at which the fall-off of a weight has come to nothing.
+const FAR: f32 = 8.0;
+
+/// How far light is shared.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Filter {
+    /// Passes; the last one reaches 2^passes samples.
+    pub passes: u32,
+    /// Deviation of the weights over a surface after one look, as a share of the harmonic mean distance to what surrounds a sample:
+    /// for direct and for indirect light.
+    pub reach: [f32; 2],
+}
+
+impl Filter {
+    /// The filter of pictures.
+    pub const PICTURE: Self = Self { passes: 4, reach: [0.1, 0.15] };
+    /// A wide one, for lines of equal value, which noise would fray.
+    pub const LINES: Self = Self { passes: 5, reach: [0.2, 0.3] };
+}
+
+/// Light that was shared, at a sample.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Share {
+    /// Irradiance, W/m².
+    pub irradiance: Vec3,
+    /// Its noise: a draw from the distribution of its error (mean of the colours), W/m².
+    pub noise: f32,
+}
+
+/// Direct and indirect light on its way through the filter: colours, and the noise as the fourth.
+#[derive(Clone, Copy, Debug, Default)]
+struct Mixed {
+    light: [Vec4; 2],
+    /// Looks that stand behind each.
+    weight: [f32; 2],
+}
+
+/// 1 / squared deviations of the weights of direct and of indirect light at a sample, 1/m².
+type Narrowness = [f32; 2];
+
+impl Filter {
+    /// Shares the light of all samples; `None` if cancelled.
+    ///
+    /// As noise falls with the looks n, less is shared: a reach that falls as n^(−1/6) lets bias and noise fall alike, as kernels
+    /// over a plane do [Silverman 1986]. What is shared depends on where samples lie and on what surrounds them, never on
+    /// their light, so noise goes through the filter as light does.
+    pub fn share(&self, sights: &Sights, light: &Light, cancel: &CancelToken) -> Option<Vec<Share>> {
+        let (mut mixed, narrowness) = self.start(sights, light, cancel)?;
+        let mut next = vec![Mixed::default(); mixed.len()];
+        for pass in 0..self.passes {
+            let width = sights.size[0] as usize;
+            next.par_chunks_exact_mut(width.max(1)).enumerate().for_each(|(row, next)| {
+                if !cancel.is_cancelled() {
+                    share_row(sights, &mixed, &narrowness, 1 << pass, row, next);
+                }
+            });
+            std::mem::swap(&mut mixed, &mut next);
+        }
+        let sum = |mixed: &Mixed| {
+            let sum = mixed.light[0] + mixed.light[1];
+            Share { irradiance: sum.truncate(), noise: sum.w }
+        };
+        (!cancel.is_cancelled()).then(|| mixed.par_iter().map(sum).collect())
+    }
+
+    /// Looks at the 5×5 samples around each.
+    fn start(&self, sights: &Sights, light: &Light, cancel: &CancelToken) -> Option<(Vec<Mixed>, Vec<Narrowness>)> {
+        let [width, height] = sights.size.map(|side| side as usize);
+        let mut mixed = vec![Mixed::default(); light.found.len()];
+        let mut narrowness = vec![[0.0; 2]; light.found.len()];
+        let rows = mixed.par_chunks_exact_mut(width.max(1)).zip(narrowness.par_chunks_exact_mut(width.max(1)));
+        rows.enumerate().for_each(|(y, (mixed, narrowness))| {
+            if cancel.is_cancelled() {
+                return;
+            }
+            for (x, (mixed, narrowness)) in mixed.iter_mut().zip(narrowness).enumerate() {
+                let index = y * width + x;
+                let here = &sights.all[index];
+                if here.polygon().is_none() {
+                    continue;
+                }
+                let per_plane = 1.0 / (PLANE * here.distance);
+                let (mut samples, mut looks, mut nearness, mut sums) = (0.0, 0.0, 0.0, [0.0; 2]);
+                for y in y.saturating_sub(2)..(y + 3).min(height) {
+                    for x in x.saturating_sub(2)..(x + 3).min(width) {
+                        let found = &light.found[y * width + x];
+                        let weight = likeness(here, &sights.all[y * width + x], per_plane);
+                        if weight > 0.0 {
+                            samples += weight;
+                            looks += weight * found.looks;
+                            nearness += weight * found.nearness;
+                            sums[0] += weight * grey(found.direct);
+                            sums[1] += weight * grey(found.indirect);
+                        }
+                    }
+                }
+                if looks <= 0.0 {
+                    continue;
+                }
+                let narrowing = fewer(looks / samples * (sights.per_side * sights.per_side) as f32);
+                let spacing = sights.spacing * here.distance;
+                let surroundings = looks / nearness.max(f32::MIN_POSITIVE);
+                for part in 0..2 {
+                    let reach = narrowing * (self.reach[part] * surroundings).max(LEAST_REACH[part] * spacing);
+                    narrowness[part] = 1.0 / (reach * reach).max(f32::MIN_POSITIVE);
+                }
+                let found = &light.found[index];
+                if found.looks > 0.0 {
+                    let of = |part: usize, sum: Vec3| {
+                        // What is left of one look without a partner is compared with the looks around.
+                        let noise = found.signed[part] - found.signs * sums[part] / looks;
+                        sum.extend(noise) / found.looks
+                    };
+                    *mixed = Mixed { light: [of(0, found.direct), of(1, found.indirect)], weight: [found.looks; 2] };
+                }
+            }
+        });
+        (!cancel.is_cancelled()).then_some((mixed, narrowness))
+    }
+}
+
+fn share_row(sights: &Sights, mixed: &[Mixed], narrowness: &[Narrowness], step: i32, row: usize, next: &mut [Mixed]) {
+    let [width, height] = sights.size.map(|side| side as i32);
+    let y = row as i32;
+    for (x, next) in (0..width).zip(next) {
+        let index = (y * width + x) as usize;
+        let here = &sights.all[index];
+        *next = mixed[index];
+        let narrowness = narrowness[index];
+        let widest = narrowness[0].min(narrowness[1]);
+        let nearest = step as f32 * sights.spacing * here.distance;
+        if here.polygon().is_none() || nearest * nearest * widest >= FAR {
+            continue;
+        }
+        let per_plane = 1.0 / (PLANE * here.distance);
+        let (mut light, mut weights, mut kernels) = ([Vec4::ZERO; 2], [0.0; 2], [0.0; 2]);
+        for down in -2_i32..=2 {
+            let y = y + down * step;
+            if !(0..height).contains(&y) {
+                continue;
+            }
+            for right in -2_i32..=2 {
+                let x = x + right * step;
+                if !(0..width).contains(&x) {
+                    continue;
+                }
+                let there = (y * width + x) as usize;
+                let sight = &sights.all[there];
+                let square = sight.position.distance_squared(here.position);
+                if square * widest >= FAR {
+                    continue;
+                }
+                let likeness = likeness(here, sight, per_plane);
+                if likeness <= 0.0 {
+                    continue;
+                }
+                let kernel = likeness * KERNEL[right.unsigned_abs() as usize] * KERNEL[down.unsigned_abs() as usize];
+                let there = &mixed[there];
+                for part in 0..2 {
+                    let kernel = kernel * fall_off(square * narrowness[part]);
+                    let weight = kernel * there.weight[part];
+                    light[part] += weight * there.light[part];
+                    weights[part] += weight;
+                    kernels[part] += kernel;
+                }
+            }
+        }
+        for part in 0..2 {
+            if weights[part] > 0.0 {
+                next.light[part] = light[part] / weights[part];
+                next.weight[part] = weights[part] / kernels[part];
+            }
+        }
+    }
+}
+
+/// How far two samples are of one smooth surface, 0..=1; 1 for a sample and itself.
+#[inline]
+fn likeness(here: &Sight, there: &Sight, per_plane: f32) -> f32 {
+    if here.is_beside(there) {
+        return 1.0;
+    }
+    let cosine = here.normal.dot(there.normal);
+    if cosine <= TURNED {
+        return 0.0;
+    }
+    let off = here.normal.dot(there.position - here.position) * per_plane;
+    cosine.powi(SMOOTHNESS) * fall_off(off * off)
+}
+
+/// How far two samples are of one smooth surface, 0..=1.
+pub(super) fn likeness_of(here: &Sight, there: &Sight) -> f32 {
+    if here.polygon().is_none() || there.polygon().is_none() {
+        return 0.0;
+    }
+    likeness(here, there, 1.0 / (PLANE * here.distance))
+}
+
+/// Whether two samples are of one smooth surface, so that they can share light.
+pub(super) fn is_alike(here: &Sight, there: &Sight) -> bool {
+    likeness_of(here, there) > ALIKE
+}
+
+/// How far light is shared after so many looks from a pixel, as a share of how far it is after one.
+fn fewer(looks: f32) -> f32 {
+    looks.max(1.0).powf(-1.0 / 6.0)
+}
+
+/// Nearly exp(−x): 1 at 0, nothing from [`FAR`] on.
+#[inline]
+fn fall_off(x: f32) -> f32 {
+    let base = (1.0 - x / FAR).max(0.0);
+    let squared = base * base;
+    let fourth = squared * squared;
+    fourth * fourth
+}

@@ -1,0 +1,348 @@
+//! A thread that reads solutions for a window: what lies under the pointer, probes, a work plane.
+//!
+//! Like the solver's thread it never waits for its owner, nor its owner for it: questions go in, of
+//! which the newest of a kind counts, and a small report comes out. It has half of the machine's
+//! threads.
+
+use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
+use std::sync::{Arc, Mutex};
+use std::thread::Builder;
+use std::time::{Duration, Instant};
+
+use glam::Vec3;
+use rayon::ThreadPool;
+
+use super::grid::WorkPlane;
+use super::lit_mesh::{LitMesh, SurfaceReading};
+use super::plane::{Measuring, PlaneReading};
+use crate::base::cancel::CancelToken;
+use crate::base::threads::{half_pool, lock};
+use crate::scene::Scene;
+use crate::solve::Snapshot;
+
+/// While meshes change, making them ready for rays takes this share of the time at most, as one
+/// part in so many.
+const BUILD_SHARE: u32 = 8;
+/// For the pointer alone, meshes of more triangles than this are not made ready: that would take
+/// seconds and much memory.
+const MOST_POINTED: usize = 1 << 20;
+/// The share of a plane that is measured is told this often.
+const TELL_EVERY: Duration = Duration::from_millis(50);
+
+/// A ray from the eye through the pointer.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Ray {
+    /// The eye.
+    pub origin: Vec3,
+    /// Where to; of any length.
+    pub direction: Vec3,
+}
+
+/// Readings along a ray.
+#[derive(Clone, Copy, Debug)]
+pub struct Looked {
+    /// The ray.
+    pub ray: Ray,
+    /// The surface that the ray met first.
+    pub reading: Option<SurfaceReading>,
+}
+
+/// A place on a surface, and what is read there.
+#[derive(Clone, Copy, Debug)]
+pub struct Probed {
+    /// The place.
+    pub point: Vec3,
+    /// Unit normal of the surface.
+    pub normal: Vec3,
+    /// The present reading; `None` where there is no surface any more.
+    pub reading: Option<SurfaceReading>,
+}
+
+/// Results of the thread.
+#[derive(Clone, Default)]
+pub struct Report {
+    /// Reading under the pointer.
+    pub looked: Option<Looked>,
+    /// The probes, in the order given.
+    pub probes: Arc<Vec<Probed>>,
+    /// The share of the work plane that is measured, while it is.
+    pub progress: Option<f32>,
+    /// The work plane as last measured.
+    pub plane: Option<Arc<PlaneReading>>,
+    /// Why a plane cannot be measured, one sentence.
+    pub failure: Option<String>,
+}
+
+enum Ask {
+    Light(Arc<Scene>, Arc<Snapshot>),
+    Look(Option<Ray>),
+    Probe(Vec<(Vec3, Vec3)>),
+    Measure(WorkPlane),
+    ForgetPlane,
+    End,
+}
+
+/// The thread and the ends of its channels; dropping it lets the thread end by itself.
+pub struct Surveyor {
+    inbox: Sender<Ask>,
+    report: Arc<Mutex<Report>>,
+    cancel: CancelToken,
+}
+
+impl Surveyor {
+    /// Starts the thread. `wake` is called on it whenever there is something new; it must not
+    /// block.
+    ///
+    /// # Errors
+    /// The system gives no further thread.
+    pub fn spawn(wake: Box<dyn Fn() + Send>) -> std::io::Result<Self> {
+        let (inbox, asks) = channel();
+        let (report, cancel) = (Arc::new(Mutex::new(Report::default())), CancelToken::new());
+        let session = Session {
+            asks,
+            report: report.clone(),
+            cancel: cancel.clone(),
+            wake,
+            pool: half_pool("surveyor"),
+            light: None,
+            lit: None,
+            look: None,
+            probes: Vec::new(),
+            plane: None,
+            build: None,
+            has_new_light: false,
+            deferred: Vec::new(),
+        };
+        Builder::new().name("surveyor".into()).spawn(move || session.run())?;
+        Ok(Self { inbox, report, cancel })
+    }
+
+    /// The newest light of a scene, whose faces are turned and doubled as it is solved.
+    pub fn show(&self, scene: Arc<Scene>, snapshot: Arc<Snapshot>) {
+        self.ask(Ask::Light(scene, snapshot));
+    }
+
+    /// Asks what a ray meets, now and in each new light until another is asked for.
+    pub fn look(&self, ray: Option<Ray>) {
+        self.ask(Ask::Look(ray));
+    }
+
+    /// Sets the probes, as points and normals of surfaces; they are read in each new light.
+    pub fn probe(&self, places: Vec<(Vec3, Vec3)>) {
+        self.ask(Ask::Probe(places));
+    }
+
+    /// Measures a work plane in the newest light; one that is being measured is given up.
+    pub fn measure(&self, plane: WorkPlane) {
+        self.ask(Ask::Measure(plane));
+        self.cancel.cancel();
+    }
+
+    /// Gives the work plane up and forgets it.
+    pub fn forget_plane(&self) {
+        self.ask(Ask::ForgetPlane);
+        self.cancel.cancel();
+    }
+
+    /// Results of the thread.
+    pub fn report(&self) -> Report {
+        lock(&self.report).clone()
+    }
+
+    fn ask(&self, ask: Ask) {
+        // A thread that has ended takes no questions; only `End` ends it.
+        let _ = self.inbox.send(ask);
+    }
+}
+
+impl Drop for Surveyor {
+    fn drop(&mut self) {
+        self.ask(Ask::End);
+        self.cancel.cancel();
+    }
+}
+
+struct Session {
+    asks: Receiver<Ask>,
+    report: Arc<Mutex<Report>>,
+    cancel: CancelToken,
+    wake: Box<dyn Fn() + Send>,
+    pool: Option<ThreadPool>,
+    light: Option<(Arc<Scene>, Arc<Snapshot>)>,
+    lit: Option<LitMesh>,
+    look: Option<Ray>,
+    probes: Vec<(Vec3, Vec3)>,
+    /// A plane that is to be measured.
+    plane: Option<WorkPlane>,
+    /// When a mesh was last made ready, and how long that took.
+    build: Option<(Instant, Duration)>,
+    /// Whether the probes have yet to be read in the newest light.
+    has_new_light: bool,
+    /// Questions that came while a plane was measured, and wait until that ends.
+    deferred: Vec<Ask>,
+}
+
+impl Session {
+    fn run(mut self) {
+        let mut patience = None;
+        loop {
+            let Some(asks) = self.await_asks(patience) else { return };
+            for ask in asks {
+                match ask {
+                    Ask::Light(scene, snapshot) => {
+                        self.light = Some((scene, snapshot));
+                        self.has_new_light = true;
+                    }
+                    Ask::Look(ray) => self.look = ray,
+                    Ask::Probe(places) => {
+                        self.probes = places;
+                        self.has_new_light = true;
+                    }
+                    Ask::Measure(plane) => self.plane = Some(plane),
+                    Ask::ForgetPlane => {
+                        self.plane = None;
+                        self.tell(|report| (report.plane, report.progress, report.failure) = (None, None, None));
+                    }
+                    Ask::End => return,
+                }
+            }
+            patience = self.work();
+        }
+    }
+
+    /// What was asked since; waits for something while there is nothing to do. `None` when nobody
+    /// is there any more.
+    fn await_asks(&mut self, patience: Option<Duration>) -> Option<Vec<Ask>> {
+        let deferred = std::mem::take(&mut self.deferred);
+        let first = match patience {
+            _ if !deferred.is_empty() => None,
+            Some(patience) => match self.asks.recv_timeout(patience) {
+                Ok(ask) => Some(ask),
+                Err(RecvTimeoutError::Timeout) => None,
+                Err(RecvTimeoutError::Disconnected) => return None,
+            },
+            None => Some(self.asks.recv().ok()?),
+        };
+        self.cancel.reset();
+        Some(deferred.into_iter().chain(first).chain(self.asks.try_iter()).collect())
+    }
+
+    /// Answers what can be answered; how long to wait before the rest is tried again, if there is a
+    /// rest.
+    fn work(&mut self) -> Option<Duration> {
+        let (scene, snapshot) = self.light.clone()?;
+        let can_look = self.look.is_some() && snapshot.mesh.triangles.len() <= MOST_POINTED;
+        let is_asked = can_look || !self.probes.is_empty() || self.plane.is_some();
+        if !is_asked {
+            // A light that nobody looks at is not held.
+            (self.lit, self.has_new_light) = (None, false);
+            self.tell(|report| report.looked = None);
+            return None;
+        }
+        let wait = self.follow(&scene, &snapshot);
+        let Some(lit) = self.lit.clone() else { return wait };
+        self.answer(&lit);
+        if wait.is_some() {
+            return wait;
+        }
+        self.has_new_light = false;
+        if let Some(plane) = self.plane.take() {
+            self.measure(&lit, plane);
+        }
+        None
+    }
+
+    /// Takes over the newest light; makes its mesh ready unless that was done a moment ago. How
+    /// long to wait until then.
+    fn follow(&mut self, scene: &Arc<Scene>, snapshot: &Arc<Snapshot>) -> Option<Duration> {
+        if let Some(relit) = self.lit.as_ref().and_then(|lit| lit.relit(scene, snapshot)) {
+            self.lit = Some(relit);
+            return None;
+        }
+        if let Some((at, took)) = self.build
+            && self.plane.is_none()
+            && self.lit.is_some()
+            && at.elapsed() < BUILD_SHARE * took
+        {
+            return Some(BUILD_SHARE * took - at.elapsed());
+        }
+        let begun = Instant::now();
+        let build = || LitMesh::new(scene.clone(), snapshot.clone());
+        self.lit = Some(match &self.pool {
+            Some(pool) => pool.install(build),
+            None => build(),
+        });
+        self.build = Some((Instant::now(), begun.elapsed()));
+        None
+    }
+
+    /// The pointer and the probes.
+    fn answer(&mut self, lit: &LitMesh) {
+        let looked = self.look.map(|ray| Looked { ray, reading: lit.under(ray.origin, ray.direction) });
+        let probed = |&(point, normal): &(Vec3, Vec3)| Probed { point, normal, reading: lit.at(point, normal) };
+        let probes = self.has_new_light.then(|| Arc::new(self.probes.iter().map(probed).collect::<Vec<_>>()));
+        self.tell(|report| {
+            report.looked = looked;
+            report.probes = probes.unwrap_or_else(|| report.probes.clone());
+        });
+    }
+
+    /// Measures a plane; goes on answering for the pointer meanwhile.
+    fn measure(&mut self, lit: &LitMesh, plane: WorkPlane) {
+        let mut measuring = match Measuring::new(lit, plane) {
+            Ok(measuring) => measuring,
+            Err(error) => {
+                self.tell(|report| (report.failure, report.progress) = (Some(error.to_string()), None));
+                return;
+            }
+        };
+        self.tell(|report| (report.failure, report.progress) = (None, Some(0.0)));
+        let mut told = Instant::now();
+        loop {
+            let is_left = match &self.pool {
+                Some(pool) => pool.install(|| measuring.advance()),
+                None => measuring.advance(),
+            };
+            if !is_left {
+                let measured = Arc::new(measuring.finish());
+                self.tell(|report| (report.plane, report.progress) = (Some(measured), None));
+                return;
+            }
+            if self.look_again() {
+                self.answer(lit);
+            }
+            if self.cancel.is_cancelled() {
+                let replaces = |ask: &Ask| matches!(ask, Ask::Measure(_) | Ask::ForgetPlane | Ask::End);
+                self.deferred.extend(self.asks.try_iter());
+                if self.deferred.iter().any(replaces) {
+                    self.tell(|report| report.progress = None);
+                    return;
+                }
+                // The token was meant for what was done before.
+                self.cancel.reset();
+            }
+            if told.elapsed() > TELL_EVERY {
+                let share = measuring.share();
+                self.tell(|report| report.progress = Some(share));
+                told = Instant::now();
+            }
+        }
+    }
+
+    /// Takes up where the pointer went; everything else that was asked has to wait.
+    fn look_again(&mut self) -> bool {
+        let mut has_moved = false;
+        for ask in self.asks.try_iter() {
+            match ask {
+                Ask::Look(ray) => (self.look, has_moved) = (ray, true),
+                other => self.deferred.push(other),
+            }
+        }
+        has_moved
+    }
+
+    fn tell(&self, change: impl FnOnce(&mut Report)) {
+        change(&mut lock(&self.report));
+        (self.wake)();
+    }
+}
