@@ -251,12 +251,15 @@ impl Certifying {
         for points in [&self.compared, &self.of_power] {
             for (compared, error) in points.iter().zip(self.errors(points)) {
                 let weight = 1.0 / (by_area + by_power * compared.by_power);
-                let scale = f64::from(compared.reflectance) * compared.scale(self.dim);
-                wrong += weight * scale * scale * (error.mean.powi(2) + error.deviation.powi(2));
+                let reflectance = f64::from(compared.reflectance);
+                let known = error.mean * compared.scale(self.dim);
+                // The change is noisy itself, which adds to its square; single points may come out below 0 for that.
+                let noise = f64::from(compared.noise).powi(2) - f64::from(compared.change_noise).powi(2);
+                wrong += weight * reflectance * reflectance * (known * known + noise);
                 all += weight * f64::from(compared.emission + compared.reflectance * compared.truth).powi(2);
             }
         }
-        if all > 0.0 { (wrong / all).sqrt() } else { 0.0 }
+        if all > 0.0 { (wrong.max(0.0) / all).sqrt() } else { 0.0 }
     }
 
     /// Local errors of points: the field's own, with what further reflections add in the mean over the area, and the noise of a

@@ -42,12 +42,15 @@ pub const USUAL_ERROR: f64 = 0.05;
 const CHUNK: u32 = 4096;
 /// Rays of a look from a leaf that are aimed, an even number.
 const AIMED: u32 = 4;
-/// Looks from a leaf, at least: one from each quarter.
+/// Looks from a leaf that tell how light differs over it: one from each quarter.
 const LOOKS: u32 = 4;
 /// Cosine-distributed rays of a look, times the target error.
 const COSINE: f64 = 0.4;
-/// Cosine-distributed rays that are shared out by what leaves count to those who read them, times the square of the target
-/// error: the noise of what a leaf sends is shared by all of these.
+/// Looks from all leaves together, by what they count, of which each gets one to [`LOOKS`]: where a hundred thousand small faces
+/// share the light, one look from each says as much of it.
+const LOOKS_FOR_ALL: f64 = 4e5;
+/// Cosine-distributed rays that are shared out by the power that leaves send, times the square of the target error:
+/// the noise of what a leaf sends is shared by all who read it.
 const RAYS_BY_POWER: f64 = 500.0;
 /// Looks from a leaf for that, at most.
 const MOST_LOOKS: f64 = 2000.0;
@@ -120,8 +123,6 @@ pub struct Gather {
     round: u32,
     /// Whether uneven leaves were split in this attempt.
     is_evened: bool,
-    /// Whether leaves were looked from in this attempt by what they count to their readers.
-    is_weighted: bool,
     attempt: u32,
     /// The error that leaves and rays are made for; falls with each attempt.
     aim: f64,
@@ -150,7 +151,9 @@ impl Gather {
     pub fn new(links: &LinkSolution, goal: Goal, cancel: &CancelToken) -> Option<Self> {
         let of_links = links.indirect(cancel)?;
         let field = Field::new(links, of_links.clone());
-        let queue = field.leaves().map(|leaf| (leaf, LOOKS)).collect();
+        let looks_of = looks_of_each(&field);
+        let queue = field.leaves().map(|leaf| (leaf, looks_of(leaf))).collect();
+        drop(looks_of);
         Some(Self {
             samples: GatherSamples::default(),
             of_links,
@@ -158,7 +161,6 @@ impl Gather {
             queue,
             round: 0,
             is_evened: false,
-            is_weighted: false,
             attempt: 0,
             aim: goal.error.unwrap_or(USUAL_ERROR),
             goal: Goal { seed: mix(goal.seed, 0x6761_7468_6572), ..goal },
@@ -215,12 +217,6 @@ impl Gather {
                     if !split.is_empty() {
                         self.split(&split);
                         return Some(Progress::Pass);
-                    }
-                }
-                if !std::mem::replace(&mut self.is_weighted, true) {
-                    self.open_pass();
-                    if !self.queue.is_empty() {
-                        return Some(Progress::Part);
                     }
                 }
                 let seed = mix(self.goal.seed, u64::from(self.attempt));
@@ -299,26 +295,20 @@ impl Gather {
         self.stage = Stage::Direct(0);
     }
 
-    /// Aims at what is bright from now on, and queues leaves for cosine-distributed rays: some for each, and once these have told
-    /// what a leaf counts, more for those that count much.
+    /// Aims at what is bright from now on, and queues all leaves for cosine-distributed rays: some for each, and for those
+    /// that send much, more.
     fn open_pass(&mut self) {
-        if !self.is_weighted {
-            self.field.find_secondary();
-        }
+        self.field.find_secondary();
         let field = &self.field;
-        let importance = if self.is_weighted { self.samples.importance(field) } else { Vec::new() };
-        let counts = |leaf: ElementId| {
-            let sent = f64::from(field.area(leaf) * field.reflected[leaf.index()].max_element());
-            importance.get(leaf.index()).map_or(0.0, |importance| sent * f64::from(*importance))
-        };
-        let total: f64 = field.leaves().map(counts).sum();
+        let sent = |leaf: ElementId| f64::from(field.area(leaf) * field.reflected[leaf.index()].max_element());
+        let total: f64 = field.leaves().map(sent).sum();
         let cosine = self.rays_of_look().cosine;
-        let looks_of_each = LOOKS * (self.target() / self.aim).round() as u32;
         let by_power = RAYS_BY_POWER / (self.aim * self.aim) / f64::from(cosine);
+        let (looks_of, finer) = (looks_of_each(field), (self.target() / self.aim).round() as u32);
         let looks = |leaf: ElementId| {
-            let more = (by_power * counts(leaf) / total.max(f64::MIN_POSITIVE)).min(MOST_LOOKS).round() as u32;
+            let more = (by_power * sent(leaf) / total.max(f64::MIN_POSITIVE)).min(MOST_LOOKS).round() as u32;
             // Later passes add to what is there.
-            (looks_of_each + more).saturating_sub(self.samples.whole_looks(leaf))
+            (finer * looks_of(leaf) + more).saturating_sub(self.samples.whole_looks(leaf))
         };
         let mut queue: Queue = field.leaves().map(|leaf| (leaf, looks(leaf))).filter(|(_, looks)| *looks > 0).collect();
         self.afford(&mut queue, AIMED + cosine);
@@ -327,7 +317,7 @@ impl Gather {
         if bytes > self.goal.memory.saturating_sub(self.bytes()) {
             self.full.get_or_insert(Full::Looks);
             queue.iter_mut().for_each(|(leaf, looks)| {
-                *looks = (*looks).min(if self.samples.whole_looks(*leaf) == 0 { LOOKS } else { 0 });
+                *looks = (*looks).min(u32::from(self.samples.whole_looks(*leaf) == 0));
             });
             queue.retain(|(_, looks)| *looks > 0);
         }
@@ -340,9 +330,7 @@ impl Gather {
         let planned: u64 = queue.iter().map(|(_, looks)| u64::from(looks * rays_of_look)).sum();
         let share = self.most_rays.saturating_sub(self.rays()) as f64 / planned.max(1) as f64;
         if share < 1.0 {
-            queue
-                .iter_mut()
-                .for_each(|(_, looks)| *looks = ((share * f64::from(*looks)) as u32).max(LOOKS.min(*looks)));
+            queue.iter_mut().for_each(|(_, looks)| *looks = ((share * f64::from(*looks)) as u32).max(1));
         }
     }
 
@@ -396,7 +384,7 @@ impl Gather {
         self.attempt += 1;
         self.aim *= 0.5;
         self.round = MOST_ROUNDS - 1;
-        (self.is_evened, self.is_weighted) = (false, false);
+        self.is_evened = false;
         let split = self.leaves_to_split();
         if split.is_empty() { self.open_pass() } else { self.split(&split) }
     }
@@ -457,4 +445,10 @@ impl Gather {
     pub fn bytes(&self) -> usize {
         self.field.bytes() + self.samples.bytes() + size_of_val(&self.of_links[..])
     }
+}
+
+/// Looks from a leaf that are made in any case.
+fn looks_of_each(field: &Field) -> impl Fn(ElementId) -> u32 {
+    let share = refine::share_of(field);
+    move |leaf| (LOOKS_FOR_ALL * share(leaf)).clamp(1.0, f64::from(LOOKS)).round() as u32
 }

@@ -60,7 +60,7 @@ pub fn leaves_to_look_from(field: &Field, samples: &GatherSamples, allowed: f64)
 
 /// What a leaf counts, of 1 for all: by its share of the area, and as much by its share of what is reflected, for its error is one of
 /// those who read it, too.
-fn share_of(field: &Field) -> impl Fn(ElementId) -> f64 {
+pub fn share_of(field: &Field) -> impl Fn(ElementId) -> f64 + use<'_> {
     let sent = |leaf: ElementId| f64::from(field.area(leaf) * grey(field.reflected[leaf.index()]));
     let (mut area, mut power) = (0.0, 0.0);
     for leaf in field.leaves() {

@@ -223,22 +223,6 @@ impl GatherSamples {
         Some(gathered)
     }
 
-    /// What light from each leaf counts to those who read it: the mean over its cosine-distributed rays of 1/(E + E₀) where they
-    /// end, by which readers' local errors are measured, m²/W; parallel to the arena.
-    pub fn importance(&self, field: &Field) -> Vec<f32> {
-        let counts: Vec<f32> = field.irradiance.iter().map(|light| (grey(*light) + field.dim()).recip()).collect();
-        let mut sums = vec![(0.0_f32, 0_u32); field.hierarchy.elements().len()];
-        for pass in &self.passes {
-            let of_leaf = |place: usize| pass.sum_of_ends(place, &counts);
-            let found: Vec<_> = (0..pass.leaves.len()).into_par_iter().with_min_len(256).map(of_leaf).collect();
-            for (leaf, (sum, rays)) in pass.leaves.iter().zip(found) {
-                let all = &mut sums[leaf.index()];
-                *all = (all.0 + sum, all.1 + rays);
-            }
-        }
-        sums.into_iter().map(|(sum, rays)| sum / rays.max(1) as f32).collect()
-    }
-
     /// Memory, bytes.
     pub fn bytes(&self) -> usize {
         self.passes.iter().map(Pass::bytes).sum::<usize>() + size_of_val(&self.sums[..])
@@ -287,13 +271,6 @@ impl Pass {
             });
         }
         sums
-    }
-
-    /// Sum of a value over the leaves that the rays from a leaf met, and the number of rays.
-    fn sum_of_ends(&self, place: usize, values: &[f32]) -> (f32, u32) {
-        let met = &self.met[self.starts[place] as usize * self.cosine..self.starts[place + 1] as usize * self.cosine];
-        let ends = met.iter().filter(|leaf| **leaf != NOTHING);
-        (ends.map(|leaf| values[leaf.index()]).sum(), met.len() as u32)
     }
 
     fn bytes(&self) -> usize {

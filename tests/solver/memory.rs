@@ -84,7 +84,7 @@ fn more_memory_goes_on_where_less_stopped() {
     assert!((ratio - 1.0).abs() < 0.1, "{ratio} of the absorbed power");
     // More than enough is no reason to judge anything again.
     let rays = solver.stats().rays;
-    assert_eq!(solver.set_params(SolverParams { memory: mebibytes(600), ..params }).ok(), Some(ChangeCost::Verdicts));
+    assert_eq!(solver.set_params(SolverParams { memory: mebibytes(600), ..params }).ok(), Some(ChangeCost::Nothing));
     solver.run(&CancelToken::new());
     assert_eq!(solver.stats().rays, rays);
 }
