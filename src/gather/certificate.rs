@@ -304,3 +304,47 @@ impl Certifying {
         self.compared.iter().chain(&self.of_power).map(|compared| compared.rays).sum()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use glam::Vec3;
+
+    use super::*;
+
+    /// Truth: the sum over the two kinds of places themselves. A tenth of the area is ten times as bright and off by half, the
+    /// rest by a tenth; points by area and by power meet each as often as they should.
+    #[test]
+    fn the_rms_of_radiosity_is_that_of_the_area() {
+        let point = SurfacePoint { position: Vec3::ZERO, normal: Vec3::Y, polygon: 0 };
+        let of_place = |truth: f32, change: f32, by_power: f64| Compared {
+            point,
+            truth,
+            change,
+            noise: 0.0,
+            change_noise: 0.0,
+            reflectance: 0.5,
+            emission: 0.0,
+            by_power,
+            rays: 0,
+        };
+        // Shares of A·B²: 0.9 to 0.1·100.
+        let (dim, bright) = (of_place(1.0, 0.1, 1.0 / 10.9), of_place(10.0, 5.0, 100.0 / 10.9));
+        let points = |of_dim: usize, of_bright: usize| [vec![dim; of_dim], vec![bright; of_bright]].concat();
+        let certifying = Certifying {
+            target: 0.05,
+            risk: RISK,
+            seed: 1,
+            leaves: Vec::new(),
+            areas: Vec::new(),
+            powers: Vec::new(),
+            further: 0.0,
+            dim: 0.1,
+            compared: points(90, 10),
+            of_power: points(9, 100),
+            is_thorough: false,
+        };
+        let wanted = ((0.9 * 0.01 + 0.1 * 25.0) / (0.9 + 0.1 * 100.0_f64)).sqrt();
+        let found = certifying.radiosity_rms();
+        assert!((found - wanted).abs() < 1e-3 * wanted, "{found}, should be {wanted}");
+    }
+}

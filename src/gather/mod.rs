@@ -17,6 +17,7 @@ mod estimator;
 mod facet;
 mod field;
 mod glance;
+mod passes;
 mod refine;
 mod samples;
 mod sources;
@@ -28,6 +29,7 @@ pub use certificate::{Certificate, Certifying, NOISE, RISK};
 pub use estimator::{Checked, Irradiance};
 pub use field::{Field, Met, grey};
 pub use glance::{GatherPoint, Glance, GlanceRays};
+use passes::{AIMED, MESH_PER_TARGET, MOST_ROUNDS, looks_of_each};
 use samples::{GatherSamples, Queue};
 
 use crate::base::cancel::CancelToken;
@@ -38,27 +40,6 @@ use crate::transport::LinkSolution;
 /// The target error where nobody asks for one: 9 of 10 surfaces are read within it.
 pub const USUAL_ERROR: f64 = 0.05;
 
-/// Looks between two looks at commands, as far as leaves are not looked from more often.
-const CHUNK: u32 = 4096;
-/// Rays of a look from a leaf that are aimed, an even number.
-const AIMED: u32 = 4;
-/// Looks from a leaf that tell how light differs over it: one from each quarter.
-const LOOKS: u32 = 4;
-/// Cosine-distributed rays of a look, times the target error.
-const COSINE: f64 = 0.4;
-/// Looks from all leaves together, by what they count, of which each gets one to [`LOOKS`]: where a hundred thousand small faces
-/// share the light, one look from each says as much of it.
-const LOOKS_FOR_ALL: f64 = 4e5;
-/// Cosine-distributed rays that are shared out by the power that leaves send, times the square of the target error:
-/// the noise of what a leaf sends is shared by all who read it.
-const RAYS_BY_POWER: f64 = 500.0;
-/// Looks from a leaf for that, at most.
-const MOST_LOOKS: f64 = 2000.0;
-/// Variation of direct light over a leaf that is allowed, as a multiple of the target error: readings look for
-/// emitters themselves, so the field is to be right in the mean alone.
-const MESH_PER_TARGET: f64 = 1.5;
-/// Rounds of splitting leaves.
-const MOST_ROUNDS: u32 = 6;
 /// Sweeps end when they move less than this share of the light.
 const SWEEP_TOLERANCE: f64 = 2e-4;
 const MOST_SWEEPS: u32 = 200;
@@ -71,10 +52,6 @@ const MOST_GROWTH: u64 = 2;
 /// Shares of an attempt's time that go into direct light and into cosine-distributed rays; the certificate takes the rest.
 const DIRECT_SHARE: f32 = 0.2;
 const CAST_SHARE: f32 = 0.5;
-/// Bytes of a leaf with what is kept of it beside its samples.
-const LEAF_BYTES: usize = 600;
-/// Bytes of a look beside those of its cosine-distributed rays, four each.
-const LOOK_BYTES: usize = 72;
 
 /// What is asked of a gather.
 #[derive(Clone, Copy, Debug)]
@@ -244,96 +221,6 @@ impl Gather {
         self.goal.error.unwrap_or(USUAL_ERROR)
     }
 
-    /// What is cast in each look of a pass; the same in all passes, so that their samples count alike.
-    fn rays_of_look(&self) -> GlanceRays {
-        GlanceRays { aimed: AIMED, cosine: ((COSINE / self.target()) as u32).clamp(4, 64) & !1 }
-    }
-
-    /// Looks from the next chunk of the queue; where the one after it starts.
-    fn draw(&mut self, first: usize, rays: GlanceRays, cancel: &CancelToken) -> Option<usize> {
-        let mut looks = 0;
-        let part = self.queue[first..].iter().take_while(|(_, of_leaf)| {
-            let has_room = looks < CHUNK;
-            looks += of_leaf;
-            has_room
-        });
-        let end = first + part.count();
-        let is_done = self.samples.draw(&self.field, &self.queue[first..end], rays, self.goal.seed, cancel);
-        is_done.then_some(end)
-    }
-
-    fn leaves_to_split(&mut self) -> Vec<ElementId> {
-        if self.round >= MOST_ROUNDS {
-            return Vec::new();
-        }
-        self.within_memory(refine::leaves_to_split(&self.field, &self.samples, MESH_PER_TARGET * self.aim))
-    }
-
-    /// The leaves to split, or none where there is no room for their parts.
-    fn within_memory(&mut self, split: Vec<ElementId>) -> Vec<ElementId> {
-        let leaves = self.field.hierarchy.leaf_count() + 3 * split.len();
-        let of_looks = LOOKS as usize * (4 * self.rays_of_look().cosine as usize + LOOK_BYTES);
-        if leaves * (LEAF_BYTES + of_looks) > self.goal.memory {
-            self.full.get_or_insert(Full::Leaves);
-            return Vec::new();
-        }
-        split
-    }
-
-    fn split(&mut self, leaves: &[ElementId]) {
-        self.round += 1;
-        self.field.split(leaves);
-        self.of_links.resize(self.field.hierarchy.elements().len(), Vec3::ZERO);
-        let mut queue = Queue::new();
-        for leaf in leaves {
-            for child in self.field.hierarchy.element(*leaf).children() {
-                self.of_links[child.index()] = self.of_links[leaf.index()];
-                queue.push((child, LOOKS));
-            }
-        }
-        self.queue = queue;
-        self.stage = Stage::Direct(0);
-    }
-
-    /// Aims at what is bright from now on, and queues all leaves for cosine-distributed rays: some for each, and for those
-    /// that send much, more.
-    fn open_pass(&mut self) {
-        self.field.find_secondary();
-        let field = &self.field;
-        let sent = |leaf: ElementId| f64::from(field.area(leaf) * field.reflected[leaf.index()].max_element());
-        let total: f64 = field.leaves().map(sent).sum();
-        let cosine = self.rays_of_look().cosine;
-        let by_power = RAYS_BY_POWER / (self.aim * self.aim) / f64::from(cosine);
-        let (looks_of, finer) = (looks_of_each(field), (self.target() / self.aim).round() as u32);
-        let looks = |leaf: ElementId| {
-            let more = (by_power * sent(leaf) / total.max(f64::MIN_POSITIVE)).min(MOST_LOOKS).round() as u32;
-            // Later passes add to what is there.
-            (finer * looks_of(leaf) + more).saturating_sub(self.samples.whole_looks(leaf))
-        };
-        let mut queue: Queue = field.leaves().map(|leaf| (leaf, looks(leaf))).filter(|(_, looks)| *looks > 0).collect();
-        self.afford(&mut queue, AIMED + cosine);
-        // An end of a ray takes four bytes.
-        let bytes: usize = queue.iter().map(|(_, looks)| *looks as usize * (4 * cosine as usize + LOOK_BYTES)).sum();
-        if bytes > self.goal.memory.saturating_sub(self.bytes()) {
-            self.full.get_or_insert(Full::Looks);
-            queue.iter_mut().for_each(|(leaf, looks)| {
-                *looks = (*looks).min(u32::from(self.samples.whole_looks(*leaf) == 0));
-            });
-            queue.retain(|(_, looks)| *looks > 0);
-        }
-        self.queue = queue;
-        self.stage = Stage::Cast(0);
-    }
-
-    /// Takes from a queue what this attempt has no rays for.
-    fn afford(&self, queue: &mut Queue, rays_of_look: u32) {
-        let planned: u64 = queue.iter().map(|(_, looks)| u64::from(looks * rays_of_look)).sum();
-        let share = self.most_rays.saturating_sub(self.rays()) as f64 / planned.max(1) as f64;
-        if share < 1.0 {
-            queue.iter_mut().for_each(|(_, looks)| *looks = ((share * f64::from(*looks)) as u32).max(1));
-        }
-    }
-
     /// Moves light over the samples until nothing changes.
     fn relight(&mut self, cancel: &CancelToken) -> Option<()> {
         let mut field = self.field.clone();
@@ -445,10 +332,4 @@ impl Gather {
     pub fn bytes(&self) -> usize {
         self.field.bytes() + self.samples.bytes() + size_of_val(&self.of_links[..])
     }
-}
-
-/// Looks from a leaf that are made in any case.
-fn looks_of_each(field: &Field) -> impl Fn(ElementId) -> u32 {
-    let share = refine::share_of(field);
-    move |leaf| (LOOKS_FOR_ALL * share(leaf)).clamp(1.0, f64::from(LOOKS)).round() as u32
 }

@@ -14,7 +14,7 @@ use super::grid::{Grid, GridError, WorkPlane};
 use super::lit_mesh::{LitMesh, Met};
 use crate::base::photometry::lux;
 use crate::base::random::{cosine_direction, even_point, mix};
-use crate::measure::reference::point_on_polygon;
+use crate::hierarchy::point_on_polygon;
 use crate::scene::{Polygon, Scene};
 use crate::solve::Snapshot;
 use crate::transport::point_to_polygon;
@@ -232,10 +232,11 @@ fn from_lamps(lit: &LitMesh, lamps: &[&Polygon], point: Vec3, normal: Vec3, seed
 /// How much of a lamp's light comes through, by so many rays.
 fn visible_share(lit: &LitMesh, lamp: &Polygon, (point, normal): (Vec3, Vec3), rays: u32, seed: u64) -> f32 {
     let lamp_normal = lit.scene().normal(lamp);
+    let (corners, count) = lit.scene().corner_positions(lamp);
     let (mut through, mut all) = (0.0, 0.0);
     for ray in 0..rays {
         let [u, v] = even_point(seed, ray);
-        let on_lamp = point_on_polygon(lit.scene(), lamp, u, v);
+        let on_lamp = point_on_polygon(&corners[..count], u, v);
         let span = on_lamp - point;
         let distance_squared = span.length_squared();
         let weight = normal.dot(span).max(0.0) * (-lamp_normal.dot(span)).max(0.0) / distance_squared.powi(2);
