@@ -14,7 +14,7 @@ use obvhs::ray::Ray;
 use obvhs::triangle::Triangle;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use selflink::base::cancel::CancelToken;
-use selflink::base::random::mix;
+use selflink::base::random::hash64;
 use selflink::geometry::Occluders;
 use selflink::measure::reference::random_points_on;
 use selflink::scene::{Scene, builtin::BuiltinScene};
@@ -189,7 +189,7 @@ impl Room {
     fn segments(&self) -> Vec<[Vec3; 2]> {
         let all: Vec<u32> = (0..self.scene.polygons.len() as u32).collect();
         let points = random_points_on(&self.scene, &all, SEGMENTS, 1);
-        let draw = |index| points[mix(2, index) as usize % points.len()].position;
+        let draw = |index| points[hash64(2, index) as usize % points.len()].position;
         let pairs = (0..).map(|index| [draw(2 * index), draw(2 * index + 1)]);
         let between = pairs.filter(|[from, to]| from != to).take(SEGMENTS);
         between.map(|[from, to]| [from.lerp(to, BEFORE), to.lerp(from, BEFORE)]).collect()

@@ -4,7 +4,7 @@ use std::sync::{Arc, OnceLock};
 
 use glam::Vec3;
 use selflink::base::cancel::CancelToken;
-use selflink::base::random::mix;
+use selflink::base::random::hash64;
 use selflink::gather::Field;
 use selflink::geometry::orient;
 use selflink::measure::reference::{SurfacePoint, Tracer};
@@ -128,7 +128,7 @@ fn a_picture_is_nearer_to_the_truth_than_paths_are() {
     assert!(points.len() > 600, "the view is into the box: {} pixels", points.len());
     let tracer = Tracer::new(&scene);
     let of_paths = |count: u32, seed: u64| {
-        let of = |(index, point)| tracer.irradiance(point, mix(seed, index), count).as_vec3();
+        let of = |(index, point)| tracer.irradiance(point, hash64(seed, index), count).as_vec3();
         (0..).zip(points.iter()).map(of).collect::<Vec<Vec3>>()
     };
     let shown = |irradiances: &[Vec3]| {

@@ -5,8 +5,8 @@ use std::time::{Duration, Instant};
 
 use selflink::base::cancel::CancelToken;
 use selflink::measure::accuracy::ErrorMeter;
-use selflink::measure::referee::{Measurement, Referee};
 use selflink::measure::reference::{Cache, ReferenceRun, random_points};
+use selflink::measure::reference_worker::{Measurement, ReferenceWorker};
 use selflink::scene::builtin::BuiltinScene;
 use selflink::scene::{Scene, Sides};
 use selflink::solve::{Epsilon, Snapshot, Solver, SolverParams};
@@ -34,8 +34,8 @@ fn until<T>(what: &str, mut found: impl FnMut() -> Option<T>) -> T {
     }
 }
 
-fn referee() -> Referee {
-    Referee::spawn(Box::new(|| {})).expect("a thread")
+fn reference_worker() -> ReferenceWorker {
+    ReferenceWorker::spawn(Box::new(|| {})).expect("a thread")
 }
 
 /// Truth: the meter itself with the reference that the cache holds in the end. Lamps are known, so nothing is said about them.
@@ -43,17 +43,18 @@ fn referee() -> Referee {
 fn it_measures_what_the_meter_finds() {
     let (scene, snapshot) = solved(BuiltinScene::Cornell, 1e-2);
     let folder = tempfile::tempdir().expect("a folder");
-    let referee = referee();
-    referee.begin(scene.clone(), 250, Some(Cache::new(folder.path())));
-    referee.measure(snapshot.clone());
-    let is_last = |measured: &Arc<Measurement>| measured.error.reference_noise <= selflink::measure::referee::GOAL;
-    let measured = until("the last measurement", || referee.report().measured.filter(is_last));
+    let reference_worker = reference_worker();
+    reference_worker.begin(scene.clone(), 250, Some(Cache::new(folder.path())));
+    reference_worker.measure(snapshot.clone());
+    let is_last =
+        |measured: &Arc<Measurement>| measured.error.reference_noise <= selflink::measure::reference_worker::GOAL;
+    let measured = until("the last measurement", || reference_worker.report().measured.filter(is_last));
     assert!(Arc::ptr_eq(&measured.snapshot, &snapshot));
     assert_eq!(measured.differences.len(), snapshot.mesh.positions.len());
     let known = measured.differences.iter().filter(|difference| difference.is_finite()).count();
     assert!(known > 0 && known < measured.differences.len(), "{known} vertices but the lamp's are known");
-    referee.forget();
-    until("forgetting", || (!referee.report().is_active).then_some(()));
+    reference_worker.forget();
+    until("forgetting", || (!reference_worker.report().is_active).then_some(()));
 
     let points: Arc<[_]> = random_points(&scene, 250, 1).into();
     let mut run = ReferenceRun::new(&scene, points, 1);
@@ -70,15 +71,15 @@ fn it_measures_what_the_meter_finds() {
 #[test]
 fn it_stops_within_50_ms() {
     let (scene, snapshot) = solved(BuiltinScene::Seminar { polygons: 2008 }, 1e-1);
-    let referee = referee();
-    referee.begin(scene, 16_000, None);
-    referee.measure(snapshot);
-    until("the first pass", || referee.report().is_active.then_some(()));
+    let reference_worker = reference_worker();
+    reference_worker.begin(scene, 16_000, None);
+    reference_worker.measure(snapshot);
+    until("the first pass", || reference_worker.report().is_active.then_some(()));
     std::thread::sleep(Duration::from_millis(100));
     let begun = Instant::now();
-    referee.forget();
-    until("stopping", || (!referee.report().is_active).then_some(()));
+    reference_worker.forget();
+    until("stopping", || (!reference_worker.report().is_active).then_some(()));
     // 50 ms, and as much again for a machine on which other tests run at the same time.
     assert!(begun.elapsed() < Duration::from_millis(100), "{:?}", begun.elapsed());
-    assert!(referee.report().measured.is_none());
+    assert!(reference_worker.report().measured.is_none());
 }

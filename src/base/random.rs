@@ -3,7 +3,7 @@
 use glam::Vec3;
 
 /// A well-mixed 64-bit hash of two numbers (the finaliser of splitmix64).
-pub fn mix(a: u64, b: u64) -> u64 {
+pub fn hash64(a: u64, b: u64) -> u64 {
     let mut z = a.wrapping_mul(0x9e37_79b9_7f4a_7c15).wrapping_add(b).wrapping_add(0x9e37_79b9_7f4a_7c15);
     z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
     z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
@@ -21,7 +21,7 @@ const STEPS: [u32; 2] = [3_242_174_889, 2_447_445_414];
 
 /// Point number `index` of a sequence that fills the unit square evenly, from a start that the seed tells.
 #[inline]
-pub fn even_point(seed: u64, index: u32) -> [f32; 2] {
+pub fn r2_sequence(seed: u64, index: u32) -> [f32; 2] {
     let start = [seed as u32, (seed >> 32) as u32];
     [0, 1].map(|axis: usize| fraction(start[axis].wrapping_add(STEPS[axis].wrapping_mul(index))))
 }

@@ -127,7 +127,7 @@ fn deviations(probability: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::base::random::{fraction, mix};
+    use crate::base::random::{fraction, hash64};
 
     /// Truth: tables of the normal distribution.
     #[test]
@@ -144,7 +144,7 @@ mod tests {
     fn bounds_hold_as_often_as_they_say() {
         const RUNS: u32 = 2000;
         const RISK: f64 = 0.025;
-        let number = |seed: u32, index: usize| f64::from(fraction(mix(mix(7, seed.into()), index as u64) as u32));
+        let number = |seed: u32, index: usize| f64::from(fraction(hash64(hash64(7, seed.into()), index as u64) as u32));
         let uniform = |seed, index| PointError { mean: number(seed, index) / 0.9, deviation: 0.0 };
         let outliers = |seed, index| {
             let mean = if number(seed, index) < 0.1 { 10.0 } else { 0.99 };

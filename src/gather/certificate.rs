@@ -13,7 +13,7 @@ use super::bound::{POINTS, PointError, Quantiles, bound, is_hopeless};
 use super::estimator::Checked;
 use super::field::{Field, grey};
 use crate::base::cancel::CancelToken;
-use crate::base::random::{even_point, mix};
+use crate::base::random::{hash64, r2_sequence};
 use crate::hierarchy::{ElementId, SurfacePoint};
 
 /// Probability that a run reports a bound that does not hold, over all its looks.
@@ -179,16 +179,16 @@ impl Certifying {
 
     /// A point of a leaf that is drawn by these sums; the salt tells sequences of points apart.
     fn compare(&self, field: &Field, ends: &[f64], index: usize, salt: u64) -> Compared {
-        let seed = mix(self.seed, salt << 32 | index as u64);
+        let seed = hash64(self.seed, salt << 32 | index as u64);
         // A low-discrepancy sequence over the leaves, so that any number of points is spread evenly.
-        let [along, _] = even_point(mix(self.seed, salt + 1), index as u32);
+        let [along, _] = r2_sequence(hash64(self.seed, salt + 1), index as u32);
         let wanted = f64::from(along) * ends[ends.len() - 1];
         let place = ends.partition_point(|end| *end <= wanted).min(ends.len() - 1);
-        let [u, v] = even_point(mix(self.seed, salt + 2), index as u32);
+        let [u, v] = r2_sequence(hash64(self.seed, salt + 2), index as u32);
         let point = self.exposed_point(field, self.leaves[place], [u, v], seed);
         let at = (point.position, point.normal);
         let error = (NOISE * self.target) as f32;
-        let Checked { read, noise, change, change_noise } = field.checked_at(at, error, mix(seed, 3));
+        let Checked { read, noise, change, change_noise } = field.checked_at(at, error, hash64(seed, 3));
         let surface = field.surface(point.polygon);
         Compared {
             point,
@@ -219,11 +219,11 @@ impl Certifying {
             return point;
         }
         let other = |number: u32| {
-            let [u, v] = even_point(mix(seed, 6), number);
+            let [u, v] = r2_sequence(hash64(seed, 6), number);
             field.hierarchy.point_on(leaf, u, v)
         };
         let mut points = std::iter::once(point).chain((0..TRIES).map(other));
-        points.find(|point| !field.hides(point.position, point.normal, mix(seed, 7), HIDDEN_RAYS)).unwrap_or(point)
+        points.find(|point| !field.hides(point.position, point.normal, hash64(seed, 7), HIDDEN_RAYS)).unwrap_or(point)
     }
 
     /// What was found, once enough points were compared to tell whether the target is kept, or that it is not.

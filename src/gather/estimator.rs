@@ -10,7 +10,7 @@ use glam::Vec3;
 use super::field::{End, Field, Met, grey};
 use super::glance::{Followed, GatherPoint, GlanceRays, Path};
 use super::sources::Aim;
-use crate::base::random::{cosine_direction, mix};
+use crate::base::random::{cosine_direction, hash64};
 
 /// Aimed rays of a look (about so many).
 const AIMED: f32 = 8.0;
@@ -160,16 +160,16 @@ impl Field {
         // Off its plane by rounding, a place would lie behind its face.
         let position = self.on_plane(self.leaf_at(polygon, position), position);
         let normal = self.normal(polygon);
-        let seed = position.to_array().iter().fold(u64::from(polygon), |seed, x| mix(seed, u64::from(x.to_bits())));
+        let seed = position.to_array().iter().fold(u64::from(polygon), |seed, x| hash64(seed, u64::from(x.to_bits())));
         self.irradiance_at((position, normal), error, seed)
     }
 
     fn look(&self, part: Part, place: &Place, number: u32, aims: &mut [Aim]) -> Seen {
         let mut seen = Seen::default();
-        let of_ends = mix(place.seed, 1 + part as u64);
+        let of_ends = hash64(place.seed, 1 + part as u64);
         let read = |seen: &mut Seen, met: &Met, weight: f32, index: u32| {
             let number = number * MOST_ENDS + index;
-            let path = Path::start(mix(of_ends, number.into()), Vec3::splat(weight));
+            let path = Path::start(hash64(of_ends, number.into()), Vec3::splat(weight));
             let (mut change, mut rays) = (Vec3::ZERO, 0);
             let sent = self.follow(met, place.point, path, &mut |followed| match followed {
                 Followed::Cast(more) => rays += more,
@@ -196,7 +196,7 @@ impl Field {
                     index += 1;
                 };
                 // The upper half of the seed keeps the samples of a source in one sequence over all looks.
-                let seed = (place.seed << 32) | (mix(place.seed, 3 + u64::from(number)) & 0xffff_ffff);
+                let seed = (place.seed << 32) | (hash64(place.seed, 3 + u64::from(number)) & 0xffff_ffff);
                 let (emitted, rays) = self.aim((place.point, place.normal), aims, AIMED, seed, reflect);
                 seen.light += emitted;
                 seen.rays += rays;
@@ -271,7 +271,7 @@ impl Sums {
 
 /// A sample of a low-discrepancy sequence, which begins anew where the table of the crate ends.
 fn sequence(seed: u64, dimensions: u32, index: u32) -> [f32; 4] {
-    let scramble = mix(seed, (index / SEQUENCE).into());
+    let scramble = hash64(seed, (index / SEQUENCE).into());
     sobol_burley::sample_4d(index % SEQUENCE, dimensions, (scramble ^ (scramble >> 32)) as u32)
 }
 

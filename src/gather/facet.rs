@@ -239,7 +239,7 @@ fn perpendicular(of: Vec3, to: Vec3) -> Vec3 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::base::random::even_point;
+    use crate::base::random::r2_sequence;
     use crate::transport::point_to_polygon;
 
     fn square(height: f32, side: f32, shift: f32) -> [Vec3; 4] {
@@ -262,12 +262,12 @@ mod tests {
                 assert!((facet.form_factor - exact).abs() < 1e-5, "{height} {side} {normal}");
                 let sampler = facet.samples(normal, Vec3::NEG_Z);
                 let count = 20_000;
-                let mean = (0..count).map(|index| sampler.at(even_point(7, index)).kernel).sum::<f32>() / count as f32;
+                let mean = (0..count).map(|index| sampler.at(r2_sequence(7, index)).kernel).sum::<f32>() / count as f32;
                 let found = mean * sampler.measure() / PI;
                 assert!((found - exact).abs() < 0.01 * exact, "{height} {side} {shift} {normal}: {found} {exact}");
                 let on_plane =
-                    |index: u32| (sampler.at(even_point(9, index)).span.z - height).abs() < 1e-4 * (1.0 + side);
-                assert!((0..200).filter(|index| sampler.at(even_point(9, *index)).kernel > 0.0).all(on_plane));
+                    |index: u32| (sampler.at(r2_sequence(9, index)).span.z - height).abs() < 1e-4 * (1.0 + side);
+                assert!((0..200).filter(|index| sampler.at(r2_sequence(9, *index)).kernel > 0.0).all(on_plane));
             }
         }
     }

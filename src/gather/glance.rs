@@ -12,7 +12,7 @@ use glam::Vec3;
 
 use super::facet::Facet;
 use super::field::{End, Field, Met};
-use crate::base::random::{cosine_direction, fraction, mix};
+use crate::base::random::{cosine_direction, fraction, hash64};
 use crate::hierarchy::{Element, ElementId, Hierarchy, Shape, point_on_polygon};
 
 /// Sequences are this long before another one begins.
@@ -118,12 +118,12 @@ impl Field {
     pub fn glance(&self, place: &GatherPoint, rays: GlanceRays, (seed, index): (u64, u32)) -> Glance {
         let GatherPoint { position: point, normal, face } = *place;
         let mut glance = Glance::default();
-        let scramble = |what: u32, number: u32| mix(mix(seed, what.into()), (number / SEQUENCE).into());
+        let scramble = |what: u32, number: u32| hash64(hash64(seed, what.into()), (number / SEQUENCE).into());
         for ray in 0..rays.aimed {
             let number = index.wrapping_mul(rays.aimed).wrapping_add(ray);
             let hash = scramble(1, number);
             let [choice, u, v, _] = sobol_burley::sample_4d(number % SEQUENCE, 0, hash as u32);
-            let beyond = mix(hash, number.into());
+            let beyond = hash64(hash, number.into());
             match self.aim_from(place, [choice, u, v]) {
                 Some((Lit::Emitter(emission), weight)) => glance.direct += weight / rays.aimed as f32 * emission,
                 Some((Lit::Secondary(met), weight)) => {
@@ -137,7 +137,7 @@ impl Field {
             let number = index.wrapping_mul(rays.cosine).wrapping_add(ray);
             let hash = scramble(2, number);
             let [u, v, ..] = sobol_burley::sample_4d(number % SEQUENCE, 0, hash as u32);
-            let beyond = mix(hash, number.into());
+            let beyond = hash64(hash, number.into());
             let share = 1.0 / rays.cosine as f32;
             let drawn = cosine_direction(normal, u, v);
             let direction = place.in_front(drawn);
@@ -170,7 +170,7 @@ impl Field {
     /// Irradiance by rays that are aimed at the sky, if it is uneven, and at the sun, W/m².
     fn light_from_outside(&self, point: (Vec3, Vec3), seed: u64) -> Vec3 {
         let place = GatherPoint::on_face(point);
-        let [u, v, w, x] = [7, 8, 9, 10].map(|what| fraction(mix(seed, what) as u32));
+        let [u, v, w, x] = [7, 8, 9, 10].map(|what| fraction(hash64(seed, what) as u32));
         let sky = self.sky_rays(1, 1);
         let drawn = if sky.drawn > 0 { self.sky_drawn(&place, [u, v], sky) } else { Vec3::ZERO };
         drawn + self.sun_light(&place, [w, x])
@@ -218,7 +218,7 @@ impl Field {
             return self.sent[met.leaf.index()];
         }
         let patch = self.patch(met.leaf);
-        let hash = [1, 2, 3].map(|what| mix(path.seed, what));
+        let hash = [1, 2, 3].map(|what| hash64(path.seed, what));
         let [choice, u, v, w] =
             [hash[0], hash[0] << 32, hash[1], hash[1] << 32].map(|bits| fraction((bits >> 32) as u32));
         let [x, chance] = [hash[2], hash[2] >> 32].map(|bits| fraction(bits as u32));
@@ -234,7 +234,7 @@ impl Field {
         let mut further = |what: u64, met: &Met, weight: f32| {
             let throughput = weight * share * path.throughput;
             let is_beyond = path.is_beyond || !is_near;
-            let path = Path { seed: mix(hash[2], what), length: path.length + 1, throughput, is_beyond };
+            let path = Path { seed: hash64(hash[2], what), length: path.length + 1, throughput, is_beyond };
             weight * share * self.follow(met, point, path, tell)
         };
         let aimed = match self.aim_by_chance((point, normal), [choice, u, v]) {

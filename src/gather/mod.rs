@@ -33,8 +33,7 @@ use passes::{AIMED, MESH_PER_TARGET, MOST_ROUNDS, looks_of_each};
 use samples::{GatherSamples, Queue};
 
 use crate::base::cancel::CancelToken;
-use crate::base::random::mix;
-use crate::hierarchy::ElementId;
+use crate::base::random::hash64;
 use crate::transport::LinkSolution;
 
 /// The target error where nobody asks for one: 9 of 10 surfaces are read within it.
@@ -140,7 +139,7 @@ impl Gather {
             is_evened: false,
             attempt: 0,
             aim: goal.error.unwrap_or(USUAL_ERROR),
-            goal: Goal { seed: mix(goal.seed, 0x6761_7468_6572), ..goal },
+            goal: Goal { seed: hash64(goal.seed, 0x6761_7468_6572), ..goal },
             certificate: None,
             before: None,
             rays_compared: 0,
@@ -196,7 +195,7 @@ impl Gather {
                         return Some(Progress::Pass);
                     }
                 }
-                let seed = mix(self.goal.seed, u64::from(self.attempt));
+                let seed = hash64(self.goal.seed, u64::from(self.attempt));
                 let mut certifying = Certifying::new(&self.field, self.target(), self.attempt, seed);
                 if self.goal.error.is_none() {
                     certifying.be_thorough();

@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use super::field::{End, Field, grey};
 use super::glance::{GatherPoint, GlanceRays, Lit};
 use crate::base::cancel::CancelToken;
-use crate::base::random::{cosine_direction, mix};
+use crate::base::random::{cosine_direction, hash64};
 use crate::hierarchy::ElementId;
 
 /// Rays that tell whether a point is hidden, where a part of a leaf is.
@@ -291,7 +291,7 @@ fn noise_of_halves([a, b]: [f32; 2]) -> f32 {
 fn draw(field: &Field, leaf: ElementId, rays: GlanceRays, looks: std::ops::Range<u32>, seed: u64) -> Drawn {
     let hierarchy = &field.hierarchy;
     let element = hierarchy.element(leaf);
-    let seed = mix(seed, element.key);
+    let seed = hash64(seed, element.key);
     let scramble = (seed ^ (seed >> 32)) as u32;
     // Points that hide under something see nothing; a leaf's light is the mean over the others.
     let is_hidden_in_part = field.patch(leaf).is_hidden_in_part();
@@ -300,7 +300,7 @@ fn draw(field: &Field, leaf: ElementId, rays: GlanceRays, looks: std::ops::Range
         let [u, v, ..] = sobol_burley::sample_4d(look & SEQUENCE, 1, scramble);
         let point = hierarchy.point_on(leaf, u, v);
         let place = (point.position, point.normal);
-        if is_hidden_in_part && field.hides(place.0, place.1, mix(seed, look.into()), HIDDEN_RAYS) {
+        if is_hidden_in_part && field.hides(place.0, place.1, hash64(seed, look.into()), HIDDEN_RAYS) {
             drawn.hidden += 1;
             continue;
         }

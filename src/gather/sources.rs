@@ -12,7 +12,7 @@ use glam::Vec3;
 
 use super::facet::Facet;
 use super::field::{Field, Met};
-use crate::base::random::{even_point, fraction, mix};
+use crate::base::random::{fraction, hash64, r2_sequence};
 use crate::hierarchy::{ElementId, Hierarchy, Shape};
 use crate::scene::Surface;
 
@@ -203,7 +203,7 @@ impl Field {
         }
         // What deserves less than a ray gets one by chance; the chances are dealt out in turn, so that
         // as many get one as there should.
-        let mut dealt = fraction(mix(seed, 1) as u32);
+        let mut dealt = fraction(hash64(seed, 1) as u32);
         for (index, aim) in aims.iter_mut().enumerate() {
             let wanted = rays * aim.most / total;
             let chance = wanted.min(1.0);
@@ -215,7 +215,7 @@ impl Field {
             let count = wanted.ceil().max(1.0) as u32;
             let first = aim.drawn;
             aim.drawn += count;
-            let seed = mix(seed >> 32, index as u64);
+            let seed = hash64(seed >> 32, index as u64);
             let (emitted, rays) = match &aim.at {
                 Target::Cluster(id) => {
                     self.aim_at_cluster((point, normal), *id, (seed, first, count), &mut |met, weight| {
@@ -256,7 +256,7 @@ impl Field {
     ) -> u32 {
         let Shape::Patch(patch) = &self.hierarchy.element(id).shape else { return 0 };
         let sampler = facet.samples(normal, patch.normal);
-        let sample = |index: u32| sampler.at(even_point(seed, first + index));
+        let sample = |index: u32| sampler.at(r2_sequence(seed, first + index));
         let all: f32 = (0..count).map(|index| sample(index).kernel).sum();
         if all <= 0.0 {
             return 0;
@@ -285,7 +285,7 @@ impl Field {
     ) -> (Vec3, u32) {
         let (mut light, mut cast) = (Vec3::ZERO, 0);
         for index in 0..count {
-            let [u, v] = even_point(seed, first + index);
+            let [u, v] = r2_sequence(seed, first + index);
             let (leaf, u) = self.pick_leaf(id, u);
             let target = self.hierarchy.point_on(leaf, u, v);
             let span = target.position - point;

@@ -6,7 +6,7 @@ use glam::Vec3;
 
 use super::reachability::{point_in, uniform};
 use super::{Hit, Occluders};
-use crate::base::random::{cosine_direction, mix};
+use crate::base::random::{cosine_direction, hash64};
 use crate::scene::outside::Outside;
 use crate::scene::{Polygon, Scene};
 
@@ -60,27 +60,27 @@ impl<'a> EnclosureTest<'a> {
     pub fn hides(&self, point: Vec3, normal: Vec3, seed: u64, rays: u32) -> bool {
         let mut backs = 0;
         for ray in 0..rays {
-            match self.look(point, normal, mix(seed, 2 * u64::from(ray) + 2)) {
+            match self.look(point, normal, hash64(seed, 2 * u64::from(ray) + 2)) {
                 Some(hit) if hit.front => return false,
                 Some(_) => backs += 1,
-                None if self.shines_along(normal, mix(seed, 2 * u64::from(ray) + 2)) => return false,
+                None if self.shines_along(normal, hash64(seed, 2 * u64::from(ray) + 2)) => return false,
                 None => {}
             }
         }
-        2 * backs >= rays && !(0..rays).any(|ray| self.shows_lamp(point, normal, mix(seed, 2 * u64::from(ray) + 3)))
+        2 * backs >= rays && !(0..rays).any(|ray| self.shows_lamp(point, normal, hash64(seed, 2 * u64::from(ray) + 3)))
     }
 
     /// The same where things run through each other or stand face on face, so that bright sides may be hidden as well: at least half
     /// of the rays meet backs, and no light is found along the others, however they are reflected.
     pub fn encloses(&self, point: Vec3, normal: Vec3, seed: u64, rays: u32) -> bool {
-        let seed_of = |ray: u32, bounce: u64| mix(mix(seed, u64::from(ray)), bounce);
+        let seed_of = |ray: u32, bounce: u64| hash64(hash64(seed, u64::from(ray)), bounce);
         // Most points see fronts enough to be believed at once.
         let (mut fronts, mut others) = (Vec::new(), 0);
         for ray in 0..rays {
-            match self.look(point, normal, mix(seed_of(ray, 0), 2)) {
+            match self.look(point, normal, hash64(seed_of(ray, 0), 2)) {
                 Some(hit) if !hit.front => continue,
                 Some(hit) => fronts.push((ray, hit)),
-                None if self.shines_along(normal, mix(seed_of(ray, 0), 2)) => return false,
+                None if self.shines_along(normal, hash64(seed_of(ray, 0), 2)) => return false,
                 None => {}
             }
             others += 1;
@@ -88,7 +88,7 @@ impl<'a> EnclosureTest<'a> {
                 return false;
             }
         }
-        !(0..rays).any(|ray| self.shows_lamp(point, normal, mix(seed_of(ray, 0), 1)))
+        !(0..rays).any(|ray| self.shows_lamp(point, normal, hash64(seed_of(ray, 0), 1)))
             && !fronts.into_iter().any(|(ray, hit)| self.finds_light(hit, |bounce| seed_of(ray, bounce)))
     }
 
@@ -98,10 +98,10 @@ impl<'a> EnclosureTest<'a> {
             let polygon = &self.scene.polygons[hit.polygon as usize];
             let normal = self.scene.normal(polygon);
             let shines = self.scene.emits(polygon);
-            if shines || self.shows_lamp(hit.point, normal, mix(seed(bounce), 1)) {
+            if shines || self.shows_lamp(hit.point, normal, hash64(seed(bounce), 1)) {
                 return true;
             }
-            let random = mix(seed(bounce), 2);
+            let random = hash64(seed(bounce), 2);
             match self.look(hit.point, normal, random) {
                 Some(met) if met.front => hit = met,
                 Some(_) => return false,
@@ -126,7 +126,7 @@ impl<'a> EnclosureTest<'a> {
 
     fn shows_lamp(&self, point: Vec3, normal: Vec3, random: u64) -> bool {
         let Some(&power) = self.lamps.powers.last() else { return false };
-        let wanted = uniform(mix(random, 1))[0] * power;
+        let wanted = uniform(hash64(random, 1))[0] * power;
         let place = self.lamps.powers.partition_point(|&sum| sum <= wanted).min(self.lamps.lamps.len() - 1);
         let lamp = &self.scene.polygons[self.lamps.lamps[place] as usize];
         let (corners, count) = self.scene.corner_positions(lamp);

@@ -320,7 +320,7 @@ mod tests {
     use std::f32::consts::TAU;
 
     use super::*;
-    use crate::base::random::{even_point, mix};
+    use crate::base::random::{hash64, r2_sequence};
 
     /// Truth: the inside of a convex shade sees all of itself. It is tilted and stands off the origin, so that rounding puts points on
     /// either side of their faces.
@@ -340,8 +340,8 @@ mod tests {
         let faces: Vec<([Vec3; 3], u32)> = (0..16).flat_map(|number| wall(number).map(|face| (face, number))).collect();
         let occluders = Occluders::of_triangles(&faces);
         let point = |seed: u64, index: u32| {
-            let ([a, b, c], _) = faces[mix(seed, index.into()) as usize % faces.len()];
-            let [u, v] = even_point(seed, index).map(|number| 0.5 * number);
+            let ([a, b, c], _) = faces[hash64(seed, index.into()) as usize % faces.len()];
+            let [u, v] = r2_sequence(seed, index).map(|number| 0.5 * number);
             let inward = (b - a).cross(c - a).normalize();
             let towards_axis = inward.dot(centre + 0.06 * axis - a).signum();
             (a + u * (b - a) + v * (c - a), towards_axis * inward)

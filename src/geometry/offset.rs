@@ -120,7 +120,7 @@ mod tests {
     use glam::{Quat, Vec3};
 
     use super::*;
-    use crate::base::random::{cosine_direction, even_point, mix};
+    use crate::base::random::{cosine_direction, hash64, r2_sequence};
     use crate::geometry::Occluders;
 
     type Face = [Vec3; 3];
@@ -152,7 +152,7 @@ mod tests {
     /// A random point of a face, with its normal.
     fn point_on(face: &Face, seed: u64, index: u32) -> (Vec3, Vec3) {
         let [a, b, c] = *face;
-        let [u, v] = even_point(mix(seed, 0), index);
+        let [u, v] = r2_sequence(hash64(seed, 0), index);
         let (u, v) = if u + v > 1.0 { (1.0 - u, 1.0 - v) } else { (u, v) };
         (a + u * (b - a) + v * (c - a), (b - a).cross(c - a).normalize())
     }
@@ -174,10 +174,10 @@ mod tests {
                     let faces = [&outer[..], &inner[..]].concat();
                     let occluders = Occluders::of_triangles(&numbered(&faces));
                     for ray in 0..4_000_u32 {
-                        let seed = mix(case as u64, ray.into());
+                        let seed = hash64(case as u64, ray.into());
                         let from = outer.len() + seed as usize % inner.len();
                         let (point, normal) = point_on(&faces[from], 3, ray);
-                        let [u, v] = even_point(mix(5, 0), ray);
+                        let [u, v] = r2_sequence(hash64(5, 0), ray);
                         let hit = occluders.ray_from(point, normal, cosine_direction(normal, u, v));
                         let what = || format!("size {size}, turned {turn}, twins {with_twins}: {hit:?} from {point}");
                         let hit = hit.unwrap_or_else(|| panic!("{}", what()));
@@ -229,7 +229,7 @@ mod tests {
                 let occluders = Occluders::of_triangles(&lower);
                 for ray in 0..2_000 {
                     let middle = faces[0].iter().sum::<Vec3>() / 3.0;
-                    let [u, v] = even_point(mix(5, 0), ray);
+                    let [u, v] = r2_sequence(hash64(5, 0), ray);
                     let start = middle + 0.5 * (point_on(&faces[0], 3, ray).0 - middle);
                     let direction = cosine_direction(normal, u, v);
                     let hit = occluders.ray_from(start, normal, direction);

@@ -13,7 +13,7 @@ use glam::Vec3;
 use rayon::prelude::*;
 
 use super::{EnclosureTest, Occluders};
-use crate::base::random::mix;
+use crate::base::random::hash64;
 use crate::scene::{Polygon, Scene};
 
 /// Cells have about this share of a scene's area: a square of 30 cm in a seminar room.
@@ -159,9 +159,9 @@ fn exposed_points(scene: &Scene, test: &EnclosureTest, index: u32, polygon: &Pol
         let quarters = (0..levels).rev().map(|level| (cell >> (2 * level)) & 3);
         let corners = quarters.fold(corners, |corners, number| quarter(corners, corner_count, number));
         let is_exposed = |part: &u32| {
-            let seed = mix(u64::from(index), u64::from(u32::from(POINTS) * cell + part));
+            let seed = hash64(u64::from(index), u64::from(u32::from(POINTS) * cell + part));
             // Anywhere in the quarter: what is as regular as the cells must not meet all their middles.
-            let point = point_in(quarter(corners, corner_count, *part), corner_count, uniform(mix(seed, 1)));
+            let point = point_in(quarter(corners, corner_count, *part), corner_count, uniform(hash64(seed, 1)));
             !test.hides(point, normal, seed, RAYS)
         };
         (0..u32::from(POINTS)).filter(is_exposed).count() as u8

@@ -11,7 +11,7 @@ use super::{
     Cluster, ClusteringMode, Element, ElementId, Hierarchy, NO_PARENT, Patch, PatchSums, Shape, adaptive, groups,
     octree,
 };
-use crate::base::random::mix;
+use crate::base::random::hash64;
 use crate::geometry::Reachability;
 use crate::scene::Scene;
 
@@ -98,7 +98,7 @@ impl Hierarchy {
                 }
                 let cells = self.reachability.of_polygon(index);
                 let patch = Patch::new(&corners[..count], index, 0, cells);
-                let element = Element { parent, ..self.patch_element(patch, mix(1, u64::from(index))) };
+                let element = Element { parent, ..self.patch_element(patch, hash64(1, u64::from(index))) };
                 self.elements.push(element);
             }
             let element = &mut self.elements[parent as usize];
@@ -143,7 +143,7 @@ impl Hierarchy {
         let finished = &mut self.elements[id.index()];
         (finished.area, finished.sampled_area) = (area as f32, sampled_area);
         finished.centre = 0.5 * (lower + upper);
-        finished.key = mix(first_key, mix(patch_count as u64, u64::from(cluster.level)));
+        finished.key = hash64(first_key, hash64(patch_count as u64, u64::from(cluster.level)));
         finished.shape = Shape::Cluster(cluster);
         (lower, upper)
     }

@@ -22,7 +22,7 @@ use serde::{Deserialize, Serialize};
 
 use std::sync::Arc;
 
-use crate::base::random::mix;
+use crate::base::random::hash64;
 use crate::geometry::Reachability;
 use crate::scene::Scene;
 use sky::Surroundings;
@@ -288,7 +288,7 @@ impl Hierarchy {
         let quarters = self.quarters(&patch);
         for (index, mut quarter) in quarters.into_iter().enumerate() {
             quarter.cells = self.reachability.of_quarter(patch.cells, index as u32);
-            let mut child = self.patch_element(quarter, mix(parent.key, index as u64 + 1));
+            let mut child = self.patch_element(quarter, hash64(parent.key, index as u64 + 1));
             child.parent = id.0;
             self.elements.push(child);
         }

@@ -9,7 +9,7 @@ use std::sync::Arc;
 use glam::Vec3;
 
 use super::{Element, ElementId, Hierarchy, NO_PARENT, Shape};
-use crate::base::random::mix;
+use crate::base::random::hash64;
 use crate::scene::Scene;
 use crate::scene::outside::{Outside, Sun};
 
@@ -146,7 +146,7 @@ impl Hierarchy {
         let roots = first..first + parts.len() as u32;
         let mut around = Surroundings { outside: outside.clone(), centre, radius, roots, parts: Vec::new() };
         for (number, part) in parts.into_iter().enumerate() {
-            let element = around.add(part, NO_PARENT, mix(KEY, number as u64));
+            let element = around.add(part, NO_PARENT, hash64(KEY, number as u64));
             self.elements.push(element);
         }
         self.around = Some(around);
@@ -180,7 +180,7 @@ impl Hierarchy {
         let first_child = self.elements.len() as u32;
         for (index, corners) in quarters(part.corners).into_iter().enumerate() {
             let quarter = SkyPart::triangle(corners, part.level + 1, &around.outside);
-            self.elements.push(around.add(quarter, id.0, mix(parent.key, index as u64 + 1)));
+            self.elements.push(around.add(quarter, id.0, hash64(parent.key, index as u64 + 1)));
         }
         let element = &mut self.elements[id.index()];
         (element.first_child, element.child_count) = (first_child, 4);
@@ -291,7 +291,7 @@ mod tests {
         let count = 20_000;
         let mut sum = 0.0;
         for index in 0..count {
-            let [u, v] = crate::base::random::even_point(3, index);
+            let [u, v] = crate::base::random::r2_sequence(3, index);
             let (direction, stands_for) = octant.direction_at(u, v);
             assert!(direction.is_normalized() && octant.direction.dot(direction) > 0.5);
             sum += stands_for / count as f32;

@@ -2,7 +2,7 @@
 
 pub mod accuracy;
 pub mod chart;
-pub mod referee;
 pub mod reference;
+pub mod reference_worker;
 pub mod stability;
 pub mod tables;

@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use glam::Vec3;
 
-use crate::base::random::mix;
+use crate::base::random::hash64;
 use crate::hierarchy::{Element, ElementId, Hierarchy, Shape};
 use crate::solve::snapshot::{ClusterBox, Mesh, Snapshot};
 
@@ -166,7 +166,7 @@ pub fn cluster_colours(hierarchy: &Hierarchy) -> Vec<[u8; 3]> {
         }
         let place = [element.centre - root.centre, cluster.half_extent];
         let steps = place.iter().flat_map(|vector| (step * *vector).round().to_array());
-        let hash = steps.fold(1, |hash, step| mix(hash, u64::from((step as i32).cast_unsigned())));
+        let hash = steps.fold(1, |hash, step| hash64(hash, u64::from((step as i32).cast_unsigned())));
         let mut index = hash as usize % PALETTE.len();
         let all = (1_u32 << PALETTE.len()) - 1;
         while taken != all && taken & (1 << index) != 0 {

@@ -4,7 +4,7 @@ use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
 use super::Solver;
-use crate::base::random::{cosine_direction, even_point, mix};
+use crate::base::random::{cosine_direction, hash64, r2_sequence};
 use crate::gather::Field;
 use crate::geometry::EnclosureTest;
 use crate::hierarchy::{ElementId, Hierarchy, Shape, SurfacePoint};
@@ -129,7 +129,7 @@ pub fn power_balance(solver: &Solver, rays: u32, seed: u64) -> PowerBalance {
     let fates: Vec<(DVec3, DVec3)> = (0..rays)
         .into_par_iter()
         .map(|index| {
-            let random = |axis: u64| (mix(mix(seed, u64::from(index)), axis) >> 40) as f32 / 16_777_216.0;
+            let random = |axis: u64| (hash64(hash64(seed, u64::from(index)), axis) >> 40) as f32 / 16_777_216.0;
             let wanted = (f64::from(index) + f64::from(random(0))) / f64::from(rays) * total;
             let place = power_before[1..leaves.len()].partition_point(|&before| before <= wanted);
             let (leaf, radiosity) = leaves[place];
@@ -163,8 +163,8 @@ fn exposed_points(hierarchy: &Hierarchy, test: &EnclosureTest, leaf: ElementId, 
         return Vec::new();
     }
     let point = |number: u64| {
-        let seed = mix(mix(seed, u64::from(leaf.0)), number);
-        let [u, v] = even_point(seed, 0);
+        let seed = hash64(hash64(seed, u64::from(leaf.0)), number);
+        let [u, v] = r2_sequence(seed, 0);
         let point = hierarchy.point_on(leaf, u, v);
         (!test.hides(point.position, point.normal, seed, HIDDEN_RAYS)).then_some(point)
     };

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
-use crate::base::random::{even_point, mix};
+use crate::base::random::{hash64, r2_sequence};
 use crate::geometry::{Occluders, Reachability};
 use crate::hierarchy::{ClusteringMode, ElementId, Hierarchy, Shape};
 use crate::scene::Scene;
@@ -41,7 +41,7 @@ fn power_from(
     let from_sky = |index: u32| sky_ray(outside, &arrives, seed, index);
     let sky: Vec<Vec3> = (0..if outside.has_sky() { rays } else { 0 }).into_par_iter().map(from_sky).collect();
     let sun = outside.sun().map_or(0, |sun| {
-        let hits = |index: &u32| arrives(sun.direction, even_point(mix(seed, 1), *index));
+        let hits = |index: &u32| arrives(sun.direction, r2_sequence(hash64(seed, 1), *index));
         (0..rays).into_par_iter().filter(hits).count()
     });
     let of_sun = outside.sun().map_or(DVec3::ZERO, |of| sun as f64 * of.irradiance.as_dvec3());
@@ -51,7 +51,7 @@ fn power_from(
 
 /// Radiance over density of a direction drawn by it, W/m², if it meets a bright side.
 fn sky_ray(outside: &Outside, arrives: &(impl Fn(Vec3, [f32; 2]) -> bool + Sync), seed: u64, index: u32) -> Vec3 {
-    let [u, v, w, x] = sobol_burley::sample_4d(index & SEQUENCE, index / (SEQUENCE + 1), mix(seed, 0) as u32);
+    let [u, v, w, x] = sobol_burley::sample_4d(index & SEQUENCE, index / (SEQUENCE + 1), hash64(seed, 0) as u32);
     let drawn = outside.draw([u, v]).filter(|drawn| drawn.density > 0.0);
     match drawn.filter(|drawn| arrives(drawn.direction, [w, x])) {
         Some(drawn) => outside.radiance(drawn.direction) / drawn.density,

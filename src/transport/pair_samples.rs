@@ -9,7 +9,7 @@ use std::f32::consts::PI;
 use glam::Vec3;
 
 use super::form_factor::point_to_polygon;
-use crate::base::random::{fraction, mix};
+use crate::base::random::{fraction, hash64};
 use crate::geometry::Occluders;
 use crate::hierarchy::{ElementId, Hierarchy, PatchSums, Shape, SurfacePoint};
 
@@ -150,8 +150,8 @@ impl RaySampler<'_> {
             SampleDensity::EmissionOfB => 1 + u64::from(!a_is_first),
             SampleDensity::EvenAgain => 3,
         };
-        let pair = mix(mix(a_key.min(b_key), a_key.max(b_key)), self.seed);
-        let (low, high) = (mix(pair, 1 + 2 * purpose), mix(pair, 2 + 2 * purpose));
+        let pair = hash64(hash64(a_key.min(b_key), a_key.max(b_key)), self.seed);
+        let (low, high) = (hash64(pair, 1 + 2 * purpose), hash64(pair, 2 + 2 * purpose));
         let start = [low as u32, (low >> 32) as u32, high as u32, (high >> 32) as u32];
         let clusters = u32::from(hierarchy.element(a).is_cluster()) + u32::from(hierarchy.element(b).is_cluster());
         // Between clusters the number of pairs is fixed, about so many that the wanted number of them face each other: to

@@ -194,8 +194,8 @@ enum Message {
     Command(Command),
     /// A loader is done; the number says which.
     Prepared(u64, Result<Box<loader::Prepared>, String>),
-    /// The solver comes home from an errand.
-    Home(Box<task::Home>),
+    /// The solver comes back from a task.
+    TaskResult(Box<task::TaskResult>),
 }
 
 /// The solver's thread and the ends of its channels; dropping it lets the thread end by itself.

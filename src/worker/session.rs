@@ -1,6 +1,6 @@
-//! The loop of the session's thread: take up commands at once, and send the solver on one errand after the other.
+//! The loop of the session's thread: take up commands at once, and send the solver on one task after the other.
 
-mod home;
+mod result;
 
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, Sender};
@@ -13,7 +13,7 @@ use super::loader::{Awaited, Loaders, Prepared};
 use super::merge::merge;
 use super::pacing::Pacing;
 use super::stage::MaterialEdit;
-use super::task::{Away, Change, Changed, Task};
+use super::task::{Change, Changed, InFlight, Task};
 use super::{Command, ErrorOfMesh, Event, Look, Message, RunState, Shared, Status};
 use crate::base::threads::lock;
 use crate::solve::{Solver, SolverParams, TimelineStep};
@@ -47,9 +47,9 @@ pub(super) struct Session {
     pub(super) params: SolverParams,
     pub(super) pool: Option<Arc<ThreadPool>>,
     pub(super) prepared: Option<Box<Prepared>>,
-    /// The solver, while it is home.
+    /// The solver, while it is result.
     pub(super) solver: Option<Solver>,
-    away: Option<Away>,
+    in_flight: Option<InFlight>,
     /// Whether a scene without a solver is to get one: not again where that failed.
     pub(super) wants_solver: bool,
     /// Commands that wait for the solver.
@@ -97,7 +97,7 @@ impl Session {
             pool: pool_of(params.threads).map(Arc::new),
             prepared: None,
             solver: None,
-            away: None,
+            in_flight: None,
             wants_solver: false,
             deferred: Vec::new(),
             generation: 0,
@@ -135,11 +135,11 @@ impl Session {
                     }
                     Message::Command(command) => self.take_up(command),
                     Message::Prepared(ticket, result) => self.take_prepared(ticket, result),
-                    Message::Home(home) => self.welcome(*home),
+                    Message::TaskResult(result) => self.take_result(*result),
                 }
             }
             self.go_on();
-            if self.away.is_none() || self.status_due.is_some_and(|due| Instant::now() >= due) {
+            if self.in_flight.is_none() || self.status_due.is_some_and(|due| Instant::now() >= due) {
                 self.publish_due_status();
             }
         }
@@ -175,10 +175,10 @@ impl Session {
         is_idle && self.solver.as_ref().is_some_and(Solver::has_unknown_error)
     }
 
-    /// Obeys at once what needs no solver; the rest waits until it is home, which it is asked to hurry for.
+    /// Obeys at once what needs no solver; the rest waits until it is result, which it is asked to hurry for.
     fn take_up(&mut self, command: Command) {
-        if let Some(away) = &self.away {
-            away.call();
+        if let Some(in_flight) = &self.in_flight {
+            in_flight.call();
         }
         self.tell_status_soon();
         match command {
@@ -222,7 +222,7 @@ impl Session {
         }
     }
 
-    /// Obeys a command for which the solver must be home.
+    /// Obeys a command for which the solver must be result.
     fn obey(&mut self, command: Command) {
         match command {
             Command::Restart => self.start_solver(),
@@ -265,16 +265,16 @@ impl Session {
         }
     }
 
-    /// Sends the solver, if it is home, to do what is wanted next: new parameters, other changes, a picture, a step.
+    /// Sends the solver, if it is result, to do what is wanted next: new parameters, other changes, a picture, a step.
     fn go_on(&mut self) {
-        if self.away.is_none() {
+        if self.in_flight.is_none() {
             self.follow_params();
         }
-        while self.away.is_none() && !self.deferred.is_empty() {
+        while self.in_flight.is_none() && !self.deferred.is_empty() {
             let command = self.deferred.remove(0);
             self.obey(command);
         }
-        if self.away.is_some() || self.solver.is_none() {
+        if self.in_flight.is_some() || self.solver.is_none() {
             return;
         }
         if self.picture_owed || self.picture_is_wanted {
@@ -320,17 +320,17 @@ impl Session {
         })));
     }
 
-    /// Sends the solver on an errand.
+    /// Sends the solver off with a task.
     pub(super) fn send_solver(&mut self, task: Task) {
         self.tickets += 1;
         let (solver, inbox) = (self.solver.take(), self.ends.loopback.clone());
-        self.away = Some(Away::send(self.tickets, solver, task, self.pool.as_deref(), inbox));
+        self.in_flight = Some(InFlight::send(self.tickets, solver, task, self.pool.as_deref(), inbox));
     }
 
-    /// Lets go of a solver that is away.
+    /// Lets go of a solver that works elsewhere.
     fn orphan(&mut self) {
-        if let Some(away) = self.away.take() {
-            away.orphan();
+        if let Some(in_flight) = self.in_flight.take() {
+            in_flight.orphan();
         }
     }
 
@@ -382,7 +382,7 @@ impl Session {
     fn publish_status(&mut self) {
         self.status_due = None;
         self.tell_moments();
-        let has_solver = self.solver.is_some() || self.away.is_some();
+        let has_solver = self.solver.is_some() || self.in_flight.is_some();
         let run = match (has_solver, self.finished, self.drive) {
             (false, ..) => RunState::Idle,
             (_, true, _) => RunState::Finished,

@@ -1,6 +1,6 @@
 //! What the solver does, away from the thread that takes commands.
 //!
-//! A solver is sent to the pool for each piece of work and comes home with what came of it. Steps stop when they are cancelled; what
+//! A solver is sent to the pool for each piece of work and comes back with what came of it. Steps stop when they are cancelled; what
 //! cannot be interrupted (a picture of a million patches, clusters being built) does not keep the session from answering, and is
 //! orphaned when another solver has taken its place: its result is then dropped where it is.
 
@@ -46,9 +46,9 @@ pub(super) enum Change {
     Replaced,
 }
 
-/// What a solver comes home with.
-pub(super) struct Home {
-    /// The number of the errand.
+/// What a solver comes back with.
+pub(super) struct TaskResult {
+    /// The number of the task.
     pub ticket: u64,
     /// None where there was none, or where it broke.
     pub solver: Option<Solver>,
@@ -56,7 +56,7 @@ pub(super) struct Home {
     pub outcome: Outcome,
 }
 
-/// What came of an errand.
+/// What came of a task.
 pub(super) enum Outcome {
     /// A step was made, or not.
     Step(Step),
@@ -72,15 +72,15 @@ pub(super) enum Outcome {
     Broke(String),
 }
 
-/// A solver that is away.
-pub(super) struct Away {
+/// A solver that works elsewhere.
+pub(super) struct InFlight {
     pub ticket: u64,
     cancel: CancelToken,
     is_orphaned: Arc<AtomicBool>,
 }
 
-impl Away {
-    /// Sends a solver to the pool; it comes home as [`Message::Home`].
+impl InFlight {
+    /// Sends a solver to the pool; it comes back as [`Message::TaskResult`].
     pub(super) fn send(
         ticket: u64,
         solver: Option<Solver>,
@@ -88,24 +88,24 @@ impl Away {
         pool: Option<&ThreadPool>,
         inbox: Sender<Message>,
     ) -> Self {
-        let away = Self { ticket, cancel: CancelToken::new(), is_orphaned: Arc::default() };
-        let (cancel, is_orphaned) = (away.cancel.clone(), away.is_orphaned.clone());
-        let errand = move || {
+        let in_flight = Self { ticket, cancel: CancelToken::new(), is_orphaned: Arc::default() };
+        let (cancel, is_orphaned) = (in_flight.cancel.clone(), in_flight.is_orphaned.clone());
+        let task = move || {
             let (solver, outcome) = catch_unwind(AssertUnwindSafe(|| task.work(solver, &cancel)))
                 .unwrap_or_else(|panic| (None, Outcome::Broke(panic_message(&*panic).to_owned())));
             if !is_orphaned.load(Ordering::Relaxed) {
                 // The session may have ended meanwhile; then nobody waits.
-                let _ = inbox.send(Message::Home(Box::new(Home { ticket, solver, outcome })));
+                let _ = inbox.send(Message::TaskResult(Box::new(TaskResult { ticket, solver, outcome })));
             }
         };
         match pool {
-            Some(pool) => pool.spawn(errand),
-            None => rayon::spawn(errand),
+            Some(pool) => pool.spawn(task),
+            None => rayon::spawn(task),
         }
-        away
+        in_flight
     }
 
-    /// Asks it to come home as soon as it can.
+    /// Asks it to come back as soon as it can.
     pub(super) fn call(&self) {
         self.cancel.cancel();
     }

@@ -6,7 +6,7 @@
 use std::f64::consts::PI;
 
 use glam::Vec3;
-use selflink::base::random::mix;
+use selflink::base::random::hash64;
 use selflink::geometry::Occluders;
 use selflink::hierarchy::{ClusteringMode, ElementId, Hierarchy, Shape};
 use selflink::measure::accuracy::closed_forms::{
@@ -287,7 +287,7 @@ fn a_self_link_of_an_oriented_cluster_carries_what_its_polygons_send_each_other(
         let pairs = 200_000;
         let mut sum = 0.0;
         for index in 0..pairs {
-            let random = |axis: u64| (mix(mix(99, index), axis) >> 40) as f32 / 16_777_216.0;
+            let random = |axis: u64| (hash64(hash64(99, index), axis) >> 40) as f32 / 16_777_216.0;
             let from = hierarchy.point_on(Hierarchy::ROOT, random(0), random(1));
             let to = hierarchy.point_on(Hierarchy::ROOT, random(2), random(3));
             let span = to.position - from.position;

@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use glam::Vec3;
 use selflink::base::cancel::CancelToken;
-use selflink::base::random::even_point;
+use selflink::base::random::r2_sequence;
 use selflink::gather::grey;
 use selflink::geometry::orient;
 use selflink::hierarchy::Hierarchy;
@@ -59,7 +59,7 @@ fn furnaces_glow_evenly_wherever_they_are_read() {
         let rms =
             |errors: Vec<f32>| (errors.iter().map(|error| error * error).sum::<f32>() / errors.len() as f32).sqrt();
         let read = |index: u32| {
-            let [u, v] = even_point(7, index);
+            let [u, v] = r2_sequence(7, index);
             let point = field.hierarchy().point_on(Hierarchy::ROOT, u, v);
             let surface = field.surface(point.polygon);
             let light = field.read(point.polygon, point.position, 0.01).mean;
@@ -325,7 +325,7 @@ fn a_crevice_is_as_dark_as_it_is() {
     let field = solved.field().expect("a gather");
     let behind: Vec<SurfacePoint> = (0..24)
         .map(|index| {
-            let [u, v] = even_point(3, index);
+            let [u, v] = r2_sequence(3, index);
             let position = Vec3::new(0.25 + 0.5 * u, 0.05 + 0.35 * v, 0.0);
             let is_wall = |polygon: &u32| {
                 let of = &scene.polygons[*polygon as usize];

@@ -9,7 +9,7 @@ use crate::app::state::comparison::{Comparison, POINTS, Run, RunPoint, Shading};
 use crate::app::widgets::theme;
 use crate::app::{Wake, format, words};
 use crate::measure::accuracy::SolutionError;
-use crate::measure::referee::GOAL;
+use crate::measure::reference_worker::GOAL;
 use crate::worker::SceneInfo;
 
 /// Height of the chart, points.

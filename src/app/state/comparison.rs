@@ -6,8 +6,8 @@ use serde::{Deserialize, Serialize};
 
 use crate::app::Wake;
 use crate::measure::accuracy::SolutionError;
-use crate::measure::referee::{Measurement, Referee, Report};
 use crate::measure::reference::Cache;
+use crate::measure::reference_worker::{Measurement, ReferenceWorker, Report};
 use crate::render::{BLUE_WHITE_RED, VIRIDIS, along_ramp};
 use crate::scene::Scene;
 use crate::solve::{Epsilon, Snapshot, SolverParams};
@@ -71,7 +71,7 @@ struct Painted {
 
 /// The window's side of the referee.
 pub(in crate::app) struct Comparison {
-    referee: Option<Referee>,
+    reference_worker: Option<ReferenceWorker>,
     report: Report,
     /// Points of the next reference.
     pub points: usize,
@@ -86,7 +86,7 @@ pub(in crate::app) struct Comparison {
 impl Default for Comparison {
     fn default() -> Self {
         Self {
-            referee: None,
+            reference_worker: None,
             report: Report::default(),
             points: 2000,
             shading: Shading::Lit,
@@ -104,23 +104,23 @@ impl Comparison {
     /// # Errors
     /// The system gives no further thread.
     pub(in crate::app) fn begin(&mut self, scene: &Arc<Scene>, wake: &Wake) -> std::io::Result<()> {
-        if self.referee.is_none() {
+        if self.reference_worker.is_none() {
             let wake = wake.clone();
-            self.referee = Some(Referee::spawn(Box::new(move || wake()))?);
+            self.reference_worker = Some(ReferenceWorker::spawn(Box::new(move || wake()))?);
         }
         self.forget_measurements();
         self.report.is_active = true;
         self.report.points = self.points;
-        if let Some(referee) = &self.referee {
-            referee.begin(scene.clone(), self.points, Cache::of_user());
+        if let Some(reference_worker) = &self.reference_worker {
+            reference_worker.begin(scene.clone(), self.points, Cache::of_user());
         }
         Ok(())
     }
 
     /// Stops; the curves stay.
     pub(in crate::app) fn stop(&mut self) {
-        if let Some(referee) = &self.referee {
-            referee.forget();
+        if let Some(reference_worker) = &self.reference_worker {
+            reference_worker.forget();
         }
         self.forget_measurements();
         self.report = Report::default();
@@ -134,8 +134,8 @@ impl Comparison {
             self.stop();
         } else if self.report.is_active {
             self.forget_measurements();
-            if let Some(referee) = &self.referee {
-                referee.begin(scene.clone(), self.points, Cache::of_user());
+            if let Some(reference_worker) = &self.reference_worker {
+                reference_worker.begin(scene.clone(), self.points, Cache::of_user());
             }
         }
     }
@@ -147,17 +147,17 @@ impl Comparison {
 
     /// Takes up what the referee found, and shows it the snapshot in view.
     pub(in crate::app) fn note(&mut self, snapshot: Option<&Arc<Snapshot>>, params: &SolverParams) {
-        let Some(referee) = &self.referee else { return };
+        let Some(reference_worker) = &self.reference_worker else { return };
         if !self.report.is_active {
             return;
         }
         if let Some(snapshot) = snapshot
             && self.asked.as_ref().is_none_or(|asked| !Arc::ptr_eq(asked, snapshot))
         {
-            referee.measure(snapshot.clone());
+            reference_worker.measure(snapshot.clone());
             self.asked = Some(snapshot.clone());
         }
-        let report = referee.report();
+        let report = reference_worker.report();
         // Before the referee has taken up its task the report is of none.
         if report.is_active {
             self.report = report;

@@ -317,7 +317,7 @@ mod tests {
     use glam::DVec3;
 
     use super::*;
-    use crate::measure::reference::sequence::mix;
+    use crate::measure::reference::sequence::hash64;
 
     /// Numbers in −1..1.
     struct Random(u64);
@@ -325,7 +325,7 @@ mod tests {
     impl Random {
         fn number(&mut self) -> f64 {
             self.0 += 1;
-            2.0 * (mix(17, self.0) >> 11) as f64 / (1_u64 << 53) as f64 - 1.0
+            2.0 * (hash64(17, self.0) >> 11) as f64 / (1_u64 << 53) as f64 - 1.0
         }
 
         fn vector(&mut self) -> DVec3 {

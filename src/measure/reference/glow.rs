@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use super::path::Tracer;
 use super::points::{halves, points_by};
-use super::sequence::mix;
+use super::sequence::hash64;
 use crate::scene::Scene;
 
 /// Keeps these paths apart from those that count.
@@ -28,7 +28,7 @@ pub fn glow(scene: &Scene, polygons: &[u32], areas: &[f64], seed: u64) -> Vec<f6
     let places = points_by(scene, polygons, (areas, &chances), count, seed);
     let tracer = Tracer::new(scene);
     let brightness = |(index, point): (usize, &super::SurfacePoint)| {
-        let irradiance = tracer.irradiance(point, mix(seed, index as u64), PATHS);
+        let irradiance = tracer.irradiance(point, hash64(seed, index as u64), PATHS);
         (point.reflectance.as_dvec3() * irradiance).length_squared()
     };
     let squares: Vec<f64> = places.par_iter().enumerate().map(brightness).collect();

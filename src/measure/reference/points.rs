@@ -4,7 +4,7 @@ use glam::Vec3;
 
 use super::glow::glow;
 use super::lamps::point_on_polygon;
-use super::sequence::mix;
+use super::sequence::hash64;
 use crate::scene::Scene;
 
 /// Keeps the places of points apart from the paths of the same seed.
@@ -95,7 +95,7 @@ pub(super) fn points_by(
     if sum <= 0.0 || area <= 0.0 {
         return Vec::new();
     }
-    let random = |number: u64| (mix(seed ^ SALT, number) >> 11) as f64 / (1_u64 << 53) as f64;
+    let random = |number: u64| (hash64(seed ^ SALT, number) >> 11) as f64 / (1_u64 << 53) as f64;
     // Two numbers shift the whole sequence, so that each point alone is uniform on its polygon.
     let shift = [random(0), random(1)];
     let point = |index: usize| {

@@ -12,7 +12,7 @@ use rayon::prelude::*;
 use super::key::Key;
 use super::path::Tracer;
 use super::points::SurfacePoint;
-use super::sequence::mix;
+use super::sequence::hash64;
 use super::share::shares;
 use super::sums::{BATCH, PILOT, State, Sums, reflected};
 use crate::base::cancel::CancelToken;
@@ -70,7 +70,7 @@ impl ReferenceRun {
             (0..self.points.len()).flat_map(|point| self.batches(point, pass).map(move |batch| (point, batch)));
         let batches: Vec<(usize, u32)> = batches.collect();
         let trace = |&(point, batch): &(usize, u32)| {
-            let seed = mix(mix(self.seed, point as u64), u64::from(batch));
+            let seed = hash64(hash64(self.seed, point as u64), u64::from(batch));
             (!cancel.is_cancelled()).then(|| (point, self.tracer.irradiance(&self.points[point], seed, BATCH)))
         };
         let Some(means) = batches.par_iter().map(trace).collect::<Option<Vec<_>>>() else { return false };

@@ -27,7 +27,7 @@ impl Sequence {
     /// The pair of numbers number `dimension`, in 0..1, stratified over the batch.
     #[inline]
     pub fn even(&self, dimension: u32) -> [f32; 2] {
-        let seed = mix(self.seed, u64::from(dimension));
+        let seed = hash64(self.seed, u64::from(dimension));
         let [order, other] = [seed as u32, (seed >> 32) as u32];
         let index = scramble(self.index, order) & self.mask;
         let first = scramble(index.reverse_bits(), other.wrapping_mul(0x9e37_79b9) ^ order);
@@ -38,7 +38,7 @@ impl Sequence {
     /// A pair of numbers, in 0..1, that takes no heed of the other paths.
     #[inline]
     pub fn plain(&self, dimension: u32) -> [f32; 2] {
-        let bits = mix(mix(self.seed, u64::from(dimension)), u64::from(self.index));
+        let bits = hash64(hash64(self.seed, u64::from(dimension)), u64::from(self.index));
         [unit(bits as u32), unit((bits >> 32) as u32)]
     }
 }
@@ -76,7 +76,7 @@ fn unit(bits: u32) -> f32 {
 
 /// Hashes two numbers (the finaliser of SplitMix64, Steele et al. 2014).
 #[inline]
-pub fn mix(a: u64, b: u64) -> u64 {
+pub fn hash64(a: u64, b: u64) -> u64 {
     let mut z = a ^ b.wrapping_add(1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
     z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
     z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
@@ -112,7 +112,7 @@ mod tests {
         for index in [0, 5] {
             let (mut sum, mut squares, mut product) = (0.0, 0.0, 0.0);
             for batch in 0..batches {
-                let sequence = Sequence::new(mix(99, u64::from(batch)), index, 16);
+                let sequence = Sequence::new(hash64(99, u64::from(batch)), index, 16);
                 let ([a, b], [c, _]) = (sequence.even(0), sequence.even(1));
                 sum += f64::from(a);
                 squares += f64::from(b * b);

@@ -7,7 +7,7 @@ use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
 use super::path::Tracer;
-use super::sequence::{Sequence, mix};
+use super::sequence::{Sequence, hash64};
 use super::surfaces::Vertex;
 use crate::base::cancel::CancelToken;
 use crate::scene::Scene;
@@ -76,12 +76,12 @@ impl<'a, F: Fn([f32; 2]) -> Vec3 + Sync> ViewRun<'a, F> {
     ///
     /// The result is the same bit for bit for any number of threads.
     pub fn pass(&mut self, samples: u32, cancel: &CancelToken) -> bool {
-        let seed = mix(self.seed, u64::from(self.passes));
+        let seed = hash64(self.seed, u64::from(self.passes));
         let Self { scene, tracer, view, sums, .. } = &mut *self;
         let (scene, tracer, view) = (*scene, &*tracer, &*view);
         sums.par_iter_mut().enumerate().for_each(|(pixel, sums)| {
             if !cancel.is_cancelled() {
-                let seed = mix(seed, pixel as u64);
+                let seed = hash64(seed, pixel as u64);
                 for index in 0..samples {
                     sample(scene, tracer, view, pixel, &Sequence::new(seed, index, samples), sums);
                 }

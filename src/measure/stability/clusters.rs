@@ -6,7 +6,7 @@ use super::matrix::{self, Fineness};
 use super::measure::{MODES, of_polygons, params, received, solve};
 use super::scenes::add_box;
 use super::{Check, Row};
-use crate::base::random::{even_point, mix};
+use crate::base::random::{hash64, r2_sequence};
 use crate::geometry::Occluders;
 use crate::hierarchy::ClusteringMode;
 use crate::measure::accuracy::by_reference;
@@ -136,9 +136,9 @@ fn extinction() -> Result<Vec<Check>, SolverError> {
     scene.add_quad(level(UNIT, UNIT, -0.3, true), black, GroupId(0));
     let cloud = scene.add_group("cloud", GroupId(0));
     for sheet in 0..150_u64 {
-        let [x, y] = even_point(mix(3, 0), sheet as u32);
-        let [z, around] = even_point(mix(3, 1), sheet as u32);
-        let [height, _] = even_point(mix(3, 2), sheet as u32);
+        let [x, y] = r2_sequence(hash64(3, 0), sheet as u32);
+        let [z, around] = r2_sequence(hash64(3, 1), sheet as u32);
+        let [height, _] = r2_sequence(hash64(3, 2), sheet as u32);
         let (sine, cosine) = (std::f32::consts::TAU * around).sin_cos();
         let flat = (1.0 - (2.0 * height - 1.0).powi(2)).sqrt();
         let (u, v) = vec3(flat * cosine, flat * sine, 2.0 * height - 1.0).any_orthonormal_pair();
@@ -166,8 +166,8 @@ fn overlapping_boxes() -> Result<Vec<Check>, SolverError> {
     let groups = [("bright", lamp), ("dark", grey)].map(|(name, of)| (scene.add_group(name, GroupId(0)), of));
     for index in 0..8_u32 {
         let (group, material) = groups[(index % 2) as usize];
-        let [x, y] = even_point(5, index);
-        let [z, size] = even_point(6, index);
+        let [x, y] = r2_sequence(5, index);
+        let [z, size] = r2_sequence(6, index);
         let corner = vec3(x, y, z);
         add_box(&mut scene, (corner, corner + 0.12 + 0.08 * size), false, (material, group));
     }

@@ -7,7 +7,7 @@
 
 use glam::{DVec3, Vec3};
 
-use crate::base::random::{even_point, mix};
+use crate::base::random::{hash64, r2_sequence};
 use crate::geometry::Occluders;
 use crate::geometry::quarter;
 use crate::measure::accuracy::closed_forms::point_to_polygon;
@@ -104,8 +104,8 @@ fn row(to: &Part, parts: &[Part], occluders: &Occluders, fineness: Fineness) -> 
             return 0.0;
         }
         let at = |index: u32| {
-            let point = to.point(even_point(mix(7, 1), index));
-            let places = (0..fineness.looks).map(|look| from.point(even_point(mix(11, u64::from(index)), look)));
+            let point = to.point(r2_sequence(hash64(7, 1), index));
+            let places = (0..fineness.looks).map(|look| from.point(r2_sequence(hash64(11, u64::from(index)), look)));
             of_point((point, to.normal), from, occluders, places)
         };
         (0..fineness.points).map(at).sum::<f64>() / f64::from(fineness.points)

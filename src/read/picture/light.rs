@@ -10,7 +10,7 @@ use rayon::prelude::*;
 use super::filter::is_alike;
 use super::{Sight, Sights};
 use crate::base::cancel::CancelToken;
-use crate::base::random::mix;
+use crate::base::random::hash64;
 use crate::gather::{Field, GatherPoint, GlanceRays, grey};
 
 /// Rays of each look: a few, for many samples share what they find.
@@ -75,9 +75,9 @@ impl Light {
                 let block = u64::from(y / BLOCK) << 32 | u64::from(x / BLOCK) << 3 | u64::from(quarter);
                 let index = interleave(x % BLOCK) | interleave(y % BLOCK) << 1;
                 let place = GatherPoint { position: sight.position, normal: sight.normal, face: sight.face };
-                let glance = field.glance(&place, RAYS, (mix(block, u64::from(pass)), index));
+                let glance = field.glance(&place, RAYS, (hash64(block, u64::from(pass)), index));
                 // Neighbours differ in sign, as do looks from one sample.
-                let sign = if (mix(u64::from(column) << 32 | u64::from(row), 1) as u32)
+                let sign = if (hash64(u64::from(column) << 32 | u64::from(row), 1) as u32)
                     .wrapping_add(found.looks as u32)
                     .is_multiple_of(2)
                 {

@@ -13,7 +13,7 @@ use rayon::prelude::*;
 use super::grid::{Grid, GridError, WorkPlane};
 use super::lit_mesh::{LitMesh, Met};
 use crate::base::photometry::lux;
-use crate::base::random::{cosine_direction, even_point, mix};
+use crate::base::random::{cosine_direction, hash64, r2_sequence};
 use crate::hierarchy::point_on_polygon;
 use crate::scene::{Polygon, Scene};
 use crate::solve::Snapshot;
@@ -116,7 +116,7 @@ impl<'a> Measuring<'a> {
         let chunk = &self.grid.points[from..self.grid.points.len().min(from + CHUNK)];
         let (lit, lamps, up) = (self.lit, &self.lamps, self.grid.up);
         let of_point =
-            |(index, point): (usize, &Vec3)| irradiance(lit, lamps, *point, up, mix(SEED, (from + index) as u64));
+            |(index, point): (usize, &Vec3)| irradiance(lit, lamps, *point, up, hash64(SEED, (from + index) as u64));
         self.values.par_extend(chunk.par_iter().enumerate().map(of_point));
         self.values.len() < self.grid.points.len()
     }
@@ -172,7 +172,7 @@ fn irradiance(lit: &LitMesh, lamps: &[&Polygon], point: Vec3, normal: Vec3, seed
     }
     let (mut sent, mut backs) = (Vec3::ZERO, 0);
     for ray in 0..RAYS {
-        let [u, v] = even_point(seed, ray);
+        let [u, v] = r2_sequence(seed, ray);
         match lit.met(point, cosine_direction(normal, u, v)) {
             Met::Front(radiosity) => sent += radiosity,
             Met::Back => backs += 1,
@@ -188,7 +188,7 @@ fn from_outside(lit: &LitMesh, point: Vec3, normal: Vec3, seed: u64) -> Vec3 {
     let Some(outside) = lit.scene().outside() else { return Vec3::ZERO };
     let mut light = Vec3::ZERO;
     for ray in 0..if outside.has_sky() { RAYS } else { 0 } {
-        let numbers = even_point(mix(seed, 1 << 40), ray / 2);
+        let numbers = r2_sequence(hash64(seed, 1 << 40), ray / 2);
         let direction = match ray % 2 {
             0 => Some(cosine_direction(normal, numbers[0], numbers[1])),
             _ => outside.draw(numbers).map(|drawn| drawn.direction),
@@ -202,7 +202,7 @@ fn from_outside(lit: &LitMesh, point: Vec3, normal: Vec3, seed: u64) -> Vec3 {
     }
     if let Some(sun) = outside.sun() {
         for ray in 0..SUN_RAYS {
-            let direction = sun.at(even_point(mix(seed, 2 << 40), ray));
+            let direction = sun.at(r2_sequence(hash64(seed, 2 << 40), ray));
             let cosine = normal.dot(direction);
             if cosine > 0.0 && matches!(lit.met(point, direction), Met::Nothing) {
                 light += cosine / SUN_RAYS as f32 * sun.irradiance;
@@ -224,7 +224,7 @@ fn from_lamps(lit: &LitMesh, lamps: &[&Polygon], point: Vec3, normal: Vec3, seed
     let mut light = Vec3::ZERO;
     for (index, (lamp, bare)) in lamps.iter().zip(bare).enumerate().filter(|(_, (_, bare))| *bare != Vec3::ZERO) {
         let rays = (LAMP_RAYS * bare.max_element() / total).ceil().clamp(1.0, MOST_LAMP_RAYS as f32) as u32;
-        light += visible_share(lit, lamp, (point, normal), rays, mix(seed, index as u64 + 1)) * bare;
+        light += visible_share(lit, lamp, (point, normal), rays, hash64(seed, index as u64 + 1)) * bare;
     }
     light
 }
@@ -235,7 +235,7 @@ fn visible_share(lit: &LitMesh, lamp: &Polygon, (point, normal): (Vec3, Vec3), r
     let (corners, count) = lit.scene().corner_positions(lamp);
     let (mut through, mut all) = (0.0, 0.0);
     for ray in 0..rays {
-        let [u, v] = even_point(seed, ray);
+        let [u, v] = r2_sequence(seed, ray);
         let on_lamp = point_on_polygon(&corners[..count], u, v);
         let span = on_lamp - point;
         let distance_squared = span.length_squared();

@@ -390,7 +390,7 @@ fn fibonacci(index: usize, count: usize) -> DVec3 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::base::random::{cosine_direction, even_point};
+    use crate::base::random::{cosine_direction, r2_sequence};
 
     fn outside(sky: &str, sun: Option<&str>) -> Outside {
         let told = Daylight { sky: Some(sky.parse().expect("a sky")), sun: sun.map(|sun| sun.parse().expect("a sun")) };
@@ -401,7 +401,7 @@ mod tests {
     fn irradiance(outside: &Outside, normal: Vec3) -> f32 {
         let count = 200_000;
         let light = |index| {
-            let [u, v] = even_point(5, index);
+            let [u, v] = r2_sequence(5, index);
             outside.radiance(cosine_direction(normal, u, v)).x
         };
         std::f32::consts::PI * (0..count).map(light).sum::<f32>() / count as f32
@@ -453,7 +453,7 @@ mod tests {
         let sun = Sun { direction: Vec3::new(0.36, 0.48, 0.8), irradiance: Vec3::splat(9.0) };
         let through = sun.radiance().x * Sun::solid_angle();
         assert!((through - 9.0).abs() < 1e-3, "{through}");
-        let inside = (0..1000).filter(|index| sun.holds(sun.at(even_point(1, *index)))).count();
+        let inside = (0..1000).filter(|index| sun.holds(sun.at(r2_sequence(1, *index)))).count();
         assert!(inside > 990, "{inside}");
         assert!(!sun.holds(Vec3::new(0.37, 0.47, 0.8).normalize()));
     }

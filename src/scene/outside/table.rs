@@ -99,7 +99,7 @@ fn direction(height: f64, azimuth: f64) -> DVec3 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::base::random::even_point;
+    use crate::base::random::r2_sequence;
 
     /// Truth: densities sum to 1 over the sphere, and drawn directions have the density that the table tells of them.
     #[test]
@@ -109,7 +109,7 @@ mod tests {
         let (mut whole, count) = (0.0, 20_000);
         let (mut mean, mut truth) = (Vec3::ZERO, Vec3::ZERO);
         for index in 0..count {
-            let [u, v] = even_point(3, index);
+            let [u, v] = r2_sequence(3, index);
             let even = direction(f64::from(1.0 - 2.0 * u), TAU * f64::from(v)).as_vec3();
             whole += table.density(even) * 4.0 * PI as f32 / count as f32;
             truth += table.density(even) * 4.0 * PI as f32 / count as f32 * even;

@@ -181,7 +181,7 @@ fn filtered(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::base::random::mix;
+    use crate::base::random::hash64;
 
     const SIZE: [u32; 2] = [24, 17];
 
@@ -223,7 +223,7 @@ mod tests {
     /// takes its filters from tables of such, hence 10⁻⁴.
     #[test]
     fn the_mean_is_that_of_the_authors_program() {
-        let noise = |seed: u64, x: u32, y: u32| mix(seed, u64::from(y) << 32 | u64::from(x));
+        let noise = |seed: u64, x: u32, y: u32| hash64(seed, u64::from(y) << 32 | u64::from(x));
         let random = |seed: u64| picture(move |x, y| noise(seed, x, y).to_le_bytes()[..3].try_into().expect("three"));
         let ramp = picture(|x, y| [(10 * x) as u8, (15 * y) as u8, 128]);
         let grain = picture(|x, y| [(10 * x + (noise(5, x, y) % 12) as u32) as u8, (15 * y) as u8, 120]);

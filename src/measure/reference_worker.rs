@@ -64,13 +64,13 @@ enum Ask {
 }
 
 /// The thread and the ends of its channels; dropping it lets the thread end by itself.
-pub struct Referee {
+pub struct ReferenceWorker {
     inbox: Sender<Ask>,
     report: Arc<Mutex<Report>>,
     cancel: CancelToken,
 }
 
-impl Referee {
+impl ReferenceWorker {
     /// Starts the thread. `wake` is called on it whenever there is something new; it must not block.
     ///
     /// # Errors
@@ -83,12 +83,12 @@ impl Referee {
             report: report.clone(),
             cancel: cancel.clone(),
             wake,
-            pool: half_pool("referee"),
+            pool: half_pool("reference_worker"),
             work: None,
             waiting: None,
             serial: 0,
         };
-        Builder::new().name("referee".into()).spawn(move || session.run())?;
+        Builder::new().name("reference_worker".into()).spawn(move || session.run())?;
         Ok(Self { inbox, report, cancel })
     }
 
@@ -121,7 +121,7 @@ impl Referee {
     }
 }
 
-impl Drop for Referee {
+impl Drop for ReferenceWorker {
     fn drop(&mut self) {
         self.ask(Ask::End);
         self.cancel.cancel();

@@ -1,23 +1,23 @@
-//! What a solver comes home with: steps, pictures, changes.
+//! What a solver comes back with: steps, pictures, changes.
 
 use std::sync::Arc;
 use std::time::Instant;
 
-use super::super::task::{Change, Home, Outcome};
+use super::super::task::{Change, Outcome, TaskResult};
 use super::super::{ErrorOfMesh, Event};
 use super::{Drive, Session};
 use crate::base::threads::lock;
 use crate::solve::{Snapshot, Step};
 
 impl Session {
-    /// Takes up what a solver comes home with.
-    pub(super) fn welcome(&mut self, home: Home) {
-        if self.away.as_ref().is_none_or(|away| away.ticket != home.ticket) {
-            return self.discard(home.solver);
+    /// Takes up what a solver comes back with.
+    pub(super) fn take_result(&mut self, result: TaskResult) {
+        if self.in_flight.as_ref().is_none_or(|in_flight| in_flight.ticket != result.ticket) {
+            return self.discard(result.solver);
         }
-        self.away = None;
-        self.solver = home.solver;
-        match home.outcome {
+        self.in_flight = None;
+        self.solver = result.solver;
+        match result.outcome {
             Outcome::Step(step) => self.note_step(step),
             Outcome::Picture(snapshot, begun, ended) => {
                 self.pacing.taken(begun, ended);
