@@ -71,6 +71,16 @@ struct Sums {
     squares: f32,
     /// Looks with cosine-distributed rays, from points that are not hidden.
     whole: u32,
+    /// Σ over these of the shares of what others reflect that arrives.
+    row: f32,
+}
+
+impl Sums {
+    /// What reflected light is scaled by, so that no more of it arrives than is sent: of few aimed rays some bring more by
+    /// chance, and leaves that light each other so would glow without end.
+    fn closure(&self) -> f32 {
+        (self.whole as f32 / self.row).min(1.0)
+    }
 }
 
 /// Sums over the looks with cosine-distributed rays from a leaf.
@@ -147,6 +157,8 @@ impl GatherSamples {
             self.rays += u64::from(drawn.rays);
             if rays.cosine > 0 {
                 sums.whole += seen;
+                let cosine = drawn.met.iter().filter(|leaf| **leaf != NOTHING).count() as f32 / rays.cosine as f32;
+                sums.row += cosine + drawn.aimed.iter().map(|(.., share)| share).sum::<f32>();
                 pass.push(*leaf, &drawn);
             }
         }
@@ -213,11 +225,12 @@ impl GatherSamples {
         for leaf in field.leaves() {
             let index = leaf.index();
             let LightSums { indirect: own, far, far_share, all, squares } = sums[index];
-            let whole = self.of(leaf).whole;
+            let known = self.of(leaf);
+            let (whole, closure) = (known.whole, known.closure());
             let count = whole.max(1) as f32;
-            let found = if whole == 0 { indirect[index] } else { own / count };
+            let found = if whole == 0 { indirect[index] } else { closure * own / count };
             gathered.mean[index] = self.direct(leaf).0 + found;
-            gathered.far[index] = if far_share > 0.0 { far / far_share } else { gathered.mean[index] };
+            gathered.far[index] = if far_share > 0.0 { closure * far / far_share } else { gathered.mean[index] };
             gathered.variance[index] = (squares / count - (all / count).powi(2)).max(0.0);
         }
         Some(gathered)
@@ -351,4 +364,16 @@ fn draw(field: &Field, leaf: ElementId, rays: GlanceRays, looks: std::ops::Range
         drawn.rays += rays.aimed + rays.cosine + sky_rays.drawn + field.sun_rays();
     }
     drawn
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Truth: no more arrives than is sent; what is less stays as it is.
+    #[test]
+    fn rows_never_exceed_one() {
+        let of = |whole: u32, row: f32| Sums { whole, row, ..Sums::default() }.closure();
+        assert_eq!((of(4, 8.0), of(4, 4.0), of(4, 1.0), of(0, 0.0)), (0.5, 1.0, 1.0, 1.0));
+    }
 }
