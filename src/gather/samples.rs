@@ -10,6 +10,8 @@ use crate::base::cancel::CancelToken;
 use crate::base::random::{cosine_direction, hash64};
 use crate::hierarchy::ElementId;
 
+/// Where ρ times a leaf's row stays below this, light dies out however often it is reflected.
+const LARGEST_RETURN: f32 = 0.98;
 /// Rays that tell whether a point is hidden, where a part of a leaf is.
 const HIDDEN_RAYS: u32 = 16;
 /// Points of a leaf's sequence before it begins anew; `sobol_burley` has so many.
@@ -76,10 +78,12 @@ struct Sums {
 }
 
 impl Sums {
-    /// What reflected light is scaled by, so that no more of it arrives than is sent: of few aimed rays some bring more by
-    /// chance, and leaves that light each other so would glow without end.
-    fn closure(&self) -> f32 {
-        (self.whole as f32 / self.row).min(1.0)
+    /// What reflected light is scaled by, so that it dies out: of few aimed rays some bring more than is sent, by chance, and leaves
+    /// that light each other so would glow without end. What this leaf's reflectance makes up for stays: rows that are too small
+    /// by chance stay as well.
+    fn closure(&self, reflectance: f32) -> f32 {
+        let most = (LARGEST_RETURN / reflectance).max(1.0);
+        (most * self.whole as f32 / self.row).min(1.0)
     }
 }
 
@@ -226,7 +230,8 @@ impl GatherSamples {
             let index = leaf.index();
             let LightSums { indirect: own, far, far_share, all, squares } = sums[index];
             let known = self.of(leaf);
-            let (whole, closure) = (known.whole, known.closure());
+            let reflectance = field.surface(field.patch(leaf).polygon).reflectance.max_element();
+            let (whole, closure) = (known.whole, known.closure(reflectance));
             let count = whole.max(1) as f32;
             let found = if whole == 0 { indirect[index] } else { closure * own / count };
             gathered.mean[index] = self.direct(leaf).0 + found;
@@ -370,10 +375,12 @@ fn draw(field: &Field, leaf: ElementId, rays: GlanceRays, looks: std::ops::Range
 mod tests {
     use super::*;
 
-    /// Truth: no more arrives than is sent; what is less stays as it is.
+    /// Truth: ρ times the row is no more than 0.98, where the row is more than 1; what is less stays as it is.
     #[test]
-    fn rows_never_exceed_one() {
-        let of = |whole: u32, row: f32| Sums { whole, row, ..Sums::default() }.closure();
-        assert_eq!((of(4, 8.0), of(4, 4.0), of(4, 1.0), of(0, 0.0)), (0.5, 1.0, 1.0, 1.0));
+    fn light_dies_out_in_every_row() {
+        let of = |row: f32, reflectance: f32| Sums { whole: 4, row, ..Sums::default() }.closure(reflectance);
+        assert_eq!((of(8.0, 0.98), of(4.0, 0.98), of(1.0, 0.98)), (0.5, 1.0, 1.0));
+        assert_eq!((of(7.0, 0.5), of(8.0, 0.0), of(16.0, 0.49)), (1.0, 1.0, 0.5));
+        assert_eq!(Sums::default().closure(0.5), 1.0);
     }
 }
