@@ -5,7 +5,7 @@
 //! reflectance, of it each (the Neumann series), but mix it over the scene: they add ρ̄/(1−ρ̄) times its mean. To that comes
 //! the noise that readings have, a normal one of their standard error; as far as the change is noisy itself, that stands for it.
 //! So each point, random by area and never replaced, has an error that is known up to a normal deviation, and the bound follows
-//! ([`super::bound`]). Where it is kept, some more points by A·|B|² tell the RMS error of B, which few bright leaves may rule.
+//! (`bound`). Where it is kept, some more points by A·|B|² tell the RMS error of B, which few bright leaves may rule.
 
 use rayon::prelude::*;
 
