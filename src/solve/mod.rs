@@ -46,7 +46,7 @@ use crate::gather::Gather;
 use crate::geometry::{Occluders, Reachability};
 use crate::hierarchy::Hierarchy;
 use crate::scene::Scene;
-use crate::transport::{LinkSolution, RAYS, entering_power, new_hierarchy};
+use crate::transport::{ENTERING_RAYS, LinkSolution, entering_power, new_hierarchy};
 use job::{Job, Pending};
 use memory::check_pairs_fit;
 use picture::View;
@@ -104,7 +104,7 @@ impl Solver {
         generation: u64,
     ) -> Result<Self, SolverError> {
         check(&scene, &params)?;
-        let entering = entering_power(&scene, &occluders, RAYS, params.seed);
+        let entering = entering_power(&scene, &occluders, ENTERING_RAYS, params.seed);
         let reachability = || Arc::new(Reachability::new(&scene, &occluders));
         let (hierarchy, seconds) = timed(|| clusters(&scene, reachability(), &params, entering));
         let power = f64::from((scene.emitted_power() + entering).max_element());

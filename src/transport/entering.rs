@@ -13,7 +13,7 @@ use crate::scene::outside::{Amount, Daylight, Outside, SkyTold, Spread};
 
 /// Rays from the sky, and as many from the sun, by which the power is measured. Where none of them gets in, less than a thousandth of what
 /// falls on the scene's hull does: it counts as closed, and nothing outside is linked or looked for.
-pub const RAYS: u32 = 1 << 13;
+pub const ENTERING_RAYS: u32 = 1 << 13;
 /// Numbers of a sequence before another one begins.
 const SEQUENCE: u32 = 0xffff;
 
@@ -63,7 +63,7 @@ fn sky_ray(outside: &Outside, arrives: &(impl Fn(Vec3, [f32; 2]) -> bool + Sync)
 pub fn lets_daylight_in(scene: &Scene, occluders: &Occluders) -> bool {
     let sky = Daylight { sky: Some(SkyTold::of(Spread::Uniform, Amount::Lux(1.0))), sun: None };
     let outside = Outside::new(&sky, scene.up_axis(), |_| Err(String::new()));
-    outside.is_ok_and(|outside| power_from(&outside, scene.bounds(), occluders, (RAYS, 1)) != Vec3::ZERO)
+    outside.is_ok_and(|outside| power_from(&outside, scene.bounds(), occluders, (ENTERING_RAYS, 1)) != Vec3::ZERO)
 }
 
 /// A hierarchy of the scene as its clusters are asked for; nothing is outside of a closed scene.

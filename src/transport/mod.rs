@@ -36,7 +36,7 @@ mod waiting;
 
 pub use audit::{Audit, audit};
 pub use candidate::Waiting;
-pub use entering::{RAYS, entering_power, lets_daylight_in, new_hierarchy};
+pub use entering::{ENTERING_RAYS, entering_power, lets_daylight_in, new_hierarchy};
 pub use form_factor::{Exchange, exchange, point_to_polygon};
 pub use link::{Link, LinkTable, VisibilitySource};
 pub use link_error::LinkError;
