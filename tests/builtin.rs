@@ -46,6 +46,25 @@ fn the_seminar_room_takes_any_size_exactly() {
     }
 }
 
+/// Truth: each office of the tower is the office, moved; whole ones come as near to the number asked for as they can.
+#[test]
+fn a_tower_is_made_of_offices() {
+    let office = BuiltinScene::Office.build();
+    let size = office.polygons.len();
+    for (asked, offices) in [(0, 2), (10_000, 2), (30_000, 7), (80_000, 20)] {
+        let tower = BuiltinScene::Tower { polygons: asked }.build();
+        assert_eq!(tower.polygons.len(), offices * size, "{asked} asked for");
+        assert_eq!(tower.materials, office.materials);
+        for (index, polygon) in tower.polygons.iter().enumerate() {
+            let own = &office.polygons[index % size];
+            assert!((tower.area(polygon) - office.area(own)).abs() <= 1e-3 * office.area(own) + 1e-6);
+            let path = tower.group_path(polygon.group);
+            let kept = office.group_path(own.group);
+            assert!(path.starts_with("storey_") && path.ends_with(&kept), "{path} is not {kept}");
+        }
+    }
+}
+
 #[test]
 fn drawing_twice_gives_the_same_scene() {
     for builtin in BuiltinScene::ALL {
@@ -58,7 +77,8 @@ fn drawing_twice_gives_the_same_scene() {
 
 fn scenes() -> Vec<Scene> {
     let large = BuiltinScene::Seminar { polygons: 20_001 };
-    BuiltinScene::ALL.into_iter().chain([large]).map(|scene| scene.build()).collect()
+    let tower = BuiltinScene::Tower { polygons: 36_000 };
+    BuiltinScene::ALL.into_iter().chain([large, tower]).map(|scene| scene.build()).collect()
 }
 
 #[test]

@@ -18,7 +18,7 @@ pub fn command() -> Command {
                 .long("polygons")
                 .value_name("N")
                 .value_parser(options::whole::<usize>)
-                .help("Draw the seminar room with so many polygons"),
+                .help("Draw the seminar room with so many polygons, or the tower with about so many"),
         )
         .arg(path_arg("out", "DIR").required(true).help("Folder to write to; it is made where it is missing"))
 }
@@ -30,16 +30,17 @@ pub fn run(matches: &ArgMatches) -> anyhow::Result<()> {
         bail!("`{name}` is none of the sample scenes ({})", options::names());
     };
     if let Some(&wanted) = matches.get_one::<usize>("polygons") {
-        let range = BuiltinScene::SEMINAR_RANGE;
-        match &mut builtin {
-            BuiltinScene::Seminar { polygons } if range.contains(&wanted) => *polygons = wanted,
-            BuiltinScene::Seminar { .. } => {
-                bail!("--polygons must lie between {} and {} (it is {wanted})", range.start(), range.end());
-            }
+        let (range, polygons) = match &mut builtin {
+            BuiltinScene::Seminar { polygons } => (BuiltinScene::SEMINAR_RANGE, polygons),
+            BuiltinScene::Tower { polygons } => (BuiltinScene::TOWER_RANGE, polygons),
             BuiltinScene::Cornell | BuiltinScene::Office => {
-                bail!("--polygons is for the seminar room only, not for {name}")
+                bail!("--polygons is for the seminar room and the tower, not for {name}")
             }
+        };
+        if !range.contains(&wanted) {
+            bail!("--polygons must lie between {} and {} (it is {wanted})", range.start(), range.end());
         }
+        *polygons = wanted;
     }
     let scene = builtin.build();
     let written = write_obj(&scene, &path(matches, "out").unwrap_or_default())?;

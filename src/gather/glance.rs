@@ -1,8 +1,7 @@
 //! A look of very few rays, for pictures: millions of them, each at another point.
 //!
 //! A look at a reading shares rays out to everything that could shine at the point. Here so much is never
-//! found out: each aimed ray goes down the tree of sources by chance, at each node to a child by what it
-//! could send at most [stochastic lightcuts, Yuksel 2020], and so costs no more than the tree is deep. The
+//! found out: each aimed ray goes down the tree of sources by chance, and so costs no more than the tree is deep. The
 //! random numbers are one low-discrepancy sequence for a block of neighbouring points, so that these share
 //! out the sources and directions among themselves.
 
@@ -12,8 +11,9 @@ use glam::Vec3;
 
 use super::facet::Facet;
 use super::field::{End, Field, Met};
+use super::source_tree::FAR;
 use crate::base::random::{cosine_direction, fraction, hash64};
-use crate::hierarchy::{Element, ElementId, Hierarchy, Shape, point_on_polygon};
+use crate::hierarchy::{Element, Shape, point_on_polygon};
 
 /// Sequences are this long before another one begins.
 const SEQUENCE: u32 = 1 << 16;
@@ -105,14 +105,6 @@ pub(super) enum Followed<'a> {
     Read(&'a Met, &'a Path),
 }
 
-/// A source that was chosen.
-struct Choice {
-    id: ElementId,
-    /// Whether its emission is meant; otherwise what it reflects.
-    emits: bool,
-    probability: f32,
-}
-
 impl Field {
     /// A glance from a point: number `index` of the sequence that the seed tells.
     pub fn glance(&self, place: &GatherPoint, rays: GlanceRays, (seed, index): (u64, u32)) -> Glance {
@@ -183,7 +175,7 @@ impl Field {
 
     fn aim_from(&self, place: &GatherPoint, [choice, u, v]: [f32; 3]) -> Option<(Lit, f32)> {
         let GatherPoint { position: point, normal, face } = *place;
-        let choice = self.choose(point, normal, choice)?;
+        let choice = self.sources.tree.choose(point, normal, choice)?;
         let element = self.hierarchy.element(choice.id);
         let Shape::Patch(patch) = &element.shape else { return None };
         if !choice.emits && !self.is_aimed_at(choice.id, point, normal) {
@@ -254,99 +246,6 @@ impl Field {
         };
         aimed + scattered + outside
     }
-
-    /// Goes down to a source: at each node to a child by what it could send at most.
-    fn choose(&self, point: Vec3, normal: Vec3, mut u: f32) -> Option<Choice> {
-        let (hierarchy, power) = (&self.hierarchy, &self.sources.power);
-        let mut id = Hierarchy::ROOT;
-        let mut probability = 1.0;
-        if power[id.index()] <= 0.0 {
-            return None;
-        }
-        loop {
-            let element = hierarchy.element(id);
-            if let Shape::Patch(patch) = &element.shape {
-                let emitted = match patch.level {
-                    0 => element.sampled_area * self.surface(patch.polygon).emission.max_element(),
-                    _ => 0.0,
-                };
-                if emitted > 0.0 {
-                    let share = (emitted / power[id.index()]).min(1.0);
-                    if u < share || share > 0.999 {
-                        return Some(Choice {
-                            id,
-                            emits: true,
-                            probability: probability * if share > 0.999 { 1.0 } else { share },
-                        });
-                    }
-                    u = (u - share) / (1.0 - share);
-                    probability *= 1.0 - share;
-                }
-                if element.is_leaf() {
-                    return Some(Choice { id, emits: false, probability });
-                }
-            }
-            // A child takes over from those before it with its share of their sum; the random number is used on.
-            let (mut total, mut chosen) = (0.0, None);
-            for child in element.children() {
-                let power = power[child.index()];
-                if power <= 0.0 {
-                    continue;
-                }
-                let most = power * most_per_power(hierarchy, hierarchy.element(child), point, normal);
-                if most <= 0.0 {
-                    continue;
-                }
-                total += most;
-                let share = most / total;
-                if u < share {
-                    chosen = Some((child, most));
-                    u /= share;
-                } else {
-                    u = (u - share) / (1.0 - share);
-                }
-            }
-            let (child, most) = chosen?;
-            probability *= most / total;
-            id = child;
-        }
-    }
-}
-
-/// A bound, up to a factor common to all, on the irradiance that an element of this place and size brings for each watt it sends.
-fn most_per_power(hierarchy: &Hierarchy, element: &Element, point: Vec3, normal: Vec3) -> f32 {
-    let span = element.centre - point;
-    let square = span.length_squared();
-    match &element.shape {
-        Shape::Cluster(cluster) => {
-            let height = normal.dot(span) + normal.abs().dot(cluster.half_extent);
-            let radius = cluster.half_extent.length_squared();
-            let reach = square + radius;
-            if height <= 0.0 { 0.0 } else { (height / reach.sqrt()).min(1.0) / square.max(radius) }
-        }
-        Shape::Patch(patch) => {
-            let descent = -patch.normal.dot(span);
-            if descent <= 0.0 {
-                return 0.0;
-            }
-            let radius_squared = element.area;
-            let radius = radius_squared.sqrt();
-            let (corners, count) = hierarchy.corner_positions(patch);
-            if FAR * element.area >= square {
-                // Where one corner is near and the centre is not, an estimate would be wrong many times over.
-                let facet = Facet::new(point, normal, &corners[..count]);
-                return facet.map_or(0.0, |facet| PI * facet.form_factor / element.area.max(f32::MIN_POSITIVE));
-            }
-            let top = corners[..count].iter().map(|corner| normal.dot(*corner - point)).fold(f32::MIN, f32::max);
-            if top <= 0.0 {
-                return 0.0;
-            }
-            let height = top.min(normal.dot(span) + radius).max(0.1 * top);
-            let reach = square + radius_squared;
-            height * (descent + 0.1 * radius) / (reach * reach)
-        }
-        Shape::Sky(_) => 0.0,
-    }
 }
 
 /// A point of a polygon as a point with a normal sees it: the way there, and what of the polygon's radiosity comes from it to the point.
@@ -369,9 +268,6 @@ fn sample_polygon(
     let sample = sampler.at([u, v]);
     (sample.kernel > 0.0).then(|| (sample.span, sample.kernel * sampler.measure() / PI))
 }
-
-/// A polygon is far where so many times its area is below the square of its distance.
-const FAR: f32 = 6.0;
 
 fn polygon_area(polygon: &[Vec3]) -> f32 {
     match *polygon {

@@ -20,6 +20,7 @@ mod glance;
 mod passes;
 mod refine;
 mod samples;
+mod source_tree;
 mod sources;
 
 use glam::Vec3;

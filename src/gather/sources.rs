@@ -12,6 +12,7 @@ use glam::Vec3;
 
 use super::facet::Facet;
 use super::field::{Field, Met};
+use super::source_tree::SourceTree;
 use crate::base::random::{fraction, hash64, r2_sequence};
 use crate::hierarchy::{ElementId, Hierarchy, Shape};
 use crate::scene::Surface;
@@ -32,6 +33,8 @@ pub struct Sources {
     /// Mean reflected radiosity of each leaf that is a secondary emitter, W/m² (largest colour); 0
     /// for all others.
     secondary: Vec<f32>,
+    /// The elements that send light: what a point chooses among.
+    pub(super) tree: SourceTree,
 }
 
 /// What a point aims at, with what it could send (W/m², largest colour).
@@ -86,12 +89,13 @@ impl Sources {
                 _ => element.children().map(|child| power[child.index()]).sum(),
             };
         }
-        Self { power, secondary }
+        let tree = SourceTree::new(hierarchy, surfaces, &power);
+        Self { power, secondary, tree }
     }
 
     /// Memory, bytes.
     pub fn bytes(&self) -> usize {
-        size_of_val(&self.power[..]) + size_of_val(&self.secondary[..])
+        size_of_val(&self.power[..]) + size_of_val(&self.secondary[..]) + self.tree.bytes()
     }
 }
 

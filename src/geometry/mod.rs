@@ -12,6 +12,7 @@ pub mod orient;
 pub mod overlaps;
 mod parts;
 mod reachability;
+mod wide_bvh;
 
 pub use enclosure::{EnclosureTest, LampList};
 pub use occluders::{Hit, Occluders};

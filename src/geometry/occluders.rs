@@ -1,26 +1,14 @@
-//! Occluders: the ray BVH over the scene's faces (obvhs), which stop light from either side.
+//! Occluders: a ray BVH over the scene's faces, which stop light from either side.
 //!
 //! Where faces coincide, a ray meets the one that faces it: the walls of two rooms that share a plane, or a face that a file lists once
 //! more, wound the other way.
 
-use std::time::Duration;
-
 use glam::{Vec3, Vec3A};
-use obvhs::BvhBuildParams;
-use obvhs::cwbvh::{CwBvh, builder::build_cwbvh_from_tris};
-use obvhs::ray::{Ray, RayHit};
-use obvhs::triangle::Triangle;
 use rustc_hash::FxHashMap;
 
-use super::offset::{Crossing, End};
+use super::offset::{Crossing, End, Triangle};
+use super::wide_bvh::WideBvh;
 use crate::scene::{Polygon, Scene};
-
-/// obvhs misses boxes that end nearer than 10⁻⁴ to a ray's origin, whatever the units. So it looks from this far behind the origin,
-/// ten times as much, while faces are met from the origin itself.
-const BEHIND: f32 = 1.0 / 1_024.0;
-
-/// Size of the scene in the BVH: its checks of its own boxes allow for 10⁻⁵, which is why it is no larger.
-const SIZE_IN_BVH: f32 = 32.0;
 
 /// Marks a triangle that is dark from behind.
 const DARK: u32 = u32::MAX;
@@ -40,16 +28,12 @@ pub struct Hit {
 
 /// The faces of a scene in a BVH; a face that is bright on both sides is there once.
 pub struct Occluders {
-    bvh: CwBvh,
-    triangles: Vec<Triangle>,
+    bvh: WideBvh,
     polygon_of_triangle: Vec<u32>,
     /// The polygon that is bright behind each triangle, or [`DARK`]; empty where all are.
     behind_triangle: Vec<u32>,
-    /// How far points of each triangle's polygon may lie off its plane, in the BVH's units; empty where all polygons are flat.
+    /// How far points of each triangle's polygon may lie off its plane, m; empty where all polygons are flat.
     slack: Vec<f32>,
-    /// Power of two that brings the scene to a size near [`SIZE_IN_BVH`], in which the BVH is built: the same scene in units that
-    /// differ by powers of two meets the same rays, bit for bit.
-    scale: f32,
 }
 
 /// A triangle of a scene.
@@ -62,6 +46,7 @@ struct Face {
 
 /// A face that a ray meets.
 struct Met {
+    triangle: Triangle,
     crossing: Crossing,
     tolerance: f32,
     index: usize,
@@ -101,37 +86,22 @@ impl Occluders {
     }
 
     fn build(faces: &[Face]) -> Self {
-        let corners = faces.iter().flat_map(|face| face.corners);
-        let extent = corners.fold(0.0_f32, |extent, corner| extent.max(corner.abs().max_element()));
-        let scale =
-            if extent > 0.0 && extent.is_finite() { SIZE_IN_BVH * (-extent.log2().floor()).exp2() } else { 1.0 };
-        let scaled = |face: &Face| {
-            let [v0, v1, v2] = face.corners.map(|corner| Vec3A::from(scale * corner));
-            Triangle { v0, v1, v2 }
-        };
-        let triangles: Vec<Triangle> = faces.iter().map(scaled).collect();
-        // The plain presets lose a factor of 5 in ray speed on large scenes.
-        let params = BvhBuildParams {
-            search_depth_threshold: 0,
-            reinsertion_batch_ratio: 0.5,
-            ..BvhBuildParams::medium_build()
-        };
-        let bvh = build_cwbvh_from_tris(&triangles, params, &mut Duration::default());
-        let order = || bvh.primitive_indices.iter().map(|index| *index as usize);
-        let triangles = order().map(|index| triangles[index]).collect();
-        let polygon_of_triangle = order().map(|index| faces[index].polygon).collect();
+        let corners: Vec<[Vec3A; 3]> = faces.iter().map(|face| face.corners.map(Vec3A::from)).collect();
+        let (bvh, order) = WideBvh::new(&corners);
+        let order = || order.iter().map(|index| &faces[*index as usize]);
         let are_double = faces.iter().any(|face| face.behind != DARK);
         let are_warped = faces.iter().any(|face| face.slack > 0.0);
-        let behind_triangle = if are_double { order().map(|index| faces[index].behind).collect() } else { Vec::new() };
-        let slack = if are_warped { order().map(|index| scale * faces[index].slack).collect() } else { Vec::new() };
-        Self { bvh, triangles, polygon_of_triangle, behind_triangle, slack, scale }
+        Self {
+            bvh,
+            polygon_of_triangle: order().map(|face| face.polygon).collect(),
+            behind_triangle: if are_double { order().map(|face| face.behind).collect() } else { Vec::new() },
+            slack: if are_warped { order().map(|face| face.slack).collect() } else { Vec::new() },
+        }
     }
 
     /// Memory, bytes.
     pub fn bytes(&self) -> usize {
-        size_of_val(&self.bvh.nodes[..])
-            + size_of_val(&self.bvh.primitive_indices[..])
-            + size_of_val(&self.triangles[..])
+        self.bvh.bytes()
             + size_of_val(&self.polygon_of_triangle[..])
             + size_of_val(&self.behind_triangle[..])
             + size_of_val(&self.slack[..])
@@ -144,22 +114,22 @@ impl Occluders {
         if !(from.1.dot(span) > 0.0 && to.1.dot(span) < 0.0) {
             return false;
         }
-        let [start, end] = [from.0, to.0].map(|point| Vec3A::from(self.scale * point));
+        let [start, end] = [from.0, to.0].map(Vec3A::from);
         let span = end - start;
         let length = span.length();
         let away = without_negative_zeros(span / length);
         let start = End { point: start, normal: from.1.into(), away };
         let end = End { point: end, normal: to.1.into(), away: -away };
-        !self.is_blocked(start.point, away, length, |index, crossing| {
-            self.is_held(&start, index, crossing) || self.is_held(&end, index, crossing)
+        !self.is_blocked(start.point, away, length, |triangle, index, crossing| {
+            self.is_held(&start, triangle, index, crossing) || self.is_held(&end, triangle, index, crossing)
         })
     }
 
     /// Whether a face lies between two points in the air.
     pub fn occluded(&self, from: Vec3, to: Vec3) -> bool {
-        let [start, end] = [from, to].map(|point| Vec3A::from(self.scale * point));
+        let [start, end] = [from, to].map(Vec3A::from);
         let length = start.distance(end);
-        length > 0.0 && self.is_blocked(start, without_negative_zeros((end - start) / length), length, |_, _| false)
+        length > 0.0 && self.is_blocked(start, without_negative_zeros((end - start) / length), length, |_, _, _| false)
     }
 
     /// Whether a ray that leaves a face meets no other: by a point of it and its unit normal on the side that the ray leaves;
@@ -167,10 +137,10 @@ impl Occluders {
     #[inline]
     pub fn is_open(&self, point: Vec3, normal: Vec3, direction: Vec3) -> bool {
         let away = without_negative_zeros(direction.into());
-        let start = End { point: Vec3A::from(self.scale * point), normal: normal.into(), away };
-        // Farther than any face of the scene as it is in the BVH.
-        let length = 16.0 * SIZE_IN_BVH;
-        !self.is_blocked(start.point, away, length, |index, crossing| self.is_held(&start, index, crossing))
+        let start = End { point: point.into(), normal: normal.into(), away };
+        !self.is_blocked(start.point, away, f32::INFINITY, |triangle, index, crossing| {
+            self.is_held(&start, triangle, index, crossing)
+        })
     }
 
     #[inline]
@@ -179,16 +149,12 @@ impl Occluders {
         start: Vec3A,
         direction: Vec3A,
         length: f32,
-        passes: impl Fn(usize, &Crossing) -> bool,
+        passes: impl Fn(&Triangle, usize, &Crossing) -> bool,
     ) -> bool {
-        if self.triangles.is_empty() || !length.is_finite() {
-            return false;
-        }
-        let ray = Ray::new(start - BEHIND * direction, direction, 0.0, length + BEHIND);
-        !self.bvh.ray_traverse_miss(ray, |_, index| {
-            let is_between = |met: &Crossing| met.distance >= 0.0 && met.distance <= length && !passes(index, met);
-            let met = Crossing::of(&self.triangles[index], start, direction).filter(is_between);
-            if met.is_some() { 0.0 } else { f32::INFINITY }
+        self.bvh.is_stopped(start, direction, length, |triangle, index| {
+            let is_between =
+                |met: &Crossing| met.distance >= 0.0 && met.distance <= length && !passes(triangle, index, met);
+            Crossing::of(triangle, start, direction).is_some_and(|met| is_between(&met))
         })
     }
 
@@ -197,45 +163,43 @@ impl Occluders {
     #[inline]
     pub fn ray_from(&self, point: Vec3, normal: Vec3, direction: Vec3) -> Option<Hit> {
         let away = without_negative_zeros(direction.into());
-        let end = End { point: Vec3A::from(self.scale * point), normal: normal.into(), away };
-        self.closest(end.point, away, |index, crossing| self.is_held(&end, index, crossing))
+        let end = End { point: point.into(), normal: normal.into(), away };
+        self.closest(end.point, away, |triangle, index, crossing| self.is_held(&end, triangle, index, crossing))
     }
 
     /// The first face along a ray from a point in the air; `direction` must be a unit vector.
     pub fn first_hit(&self, origin: Vec3, direction: Vec3) -> Option<Hit> {
         let direction = without_negative_zeros(direction.into());
-        self.closest(Vec3A::from(self.scale * origin), direction, |_, _| false)
+        self.closest(origin.into(), direction, |_, _, _| false)
     }
 
     /// The first bright side along a ray from a point in the air, as a picture shows it: dark sides are looked through.
     pub fn first_front(&self, origin: Vec3, direction: Vec3) -> Option<Hit> {
         let direction = without_negative_zeros(direction.into());
-        self.closest(Vec3A::from(self.scale * origin), direction, |index, crossing| !self.is_bright(index, crossing))
+        self.closest(origin.into(), direction, |_, index, crossing| !self.is_bright(index, crossing))
     }
 
     /// The nearest face that is not passed over; of faces that coincide, one that faces the ray.
     #[inline]
-    fn closest(&self, origin: Vec3A, direction: Vec3A, passes: impl Fn(usize, &Crossing) -> bool) -> Option<Hit> {
-        if self.triangles.is_empty() {
-            return None;
-        }
-        let ray = Ray::new(origin - BEHIND * direction, direction, 0.0, f32::INFINITY);
+    fn closest(
+        &self,
+        origin: Vec3A,
+        direction: Vec3A,
+        passes: impl Fn(&Triangle, usize, &Crossing) -> bool,
+    ) -> Option<Hit> {
         let (mut bright, mut dark): (Option<Met>, Option<Met>) = (None, None);
-        self.bvh.ray_traverse(ray, &mut RayHit::none(), |ray, index| {
-            let triangle = &self.triangles[index];
-            let Some(crossing) = Crossing::of(triangle, origin, direction) else { return f32::INFINITY };
-            if crossing.distance < 0.0 || crossing.distance + BEHIND > ray.tmax {
-                return f32::INFINITY;
-            }
+        self.bvh.walk(origin, direction, |triangle, index| {
+            let crossing = Crossing::of(triangle, origin, direction).filter(|crossing| crossing.distance >= 0.0);
+            let Some(crossing) = crossing else { return f32::INFINITY };
             let nearest = if self.is_bright(index, &crossing) { &mut bright } else { &mut dark };
             let is_nearer = nearest.as_ref().is_none_or(|met| crossing.distance < met.crossing.distance);
-            if !is_nearer || passes(index, &crossing) {
+            if !is_nearer || passes(triangle, index, &crossing) {
                 return f32::INFINITY;
             }
             let tolerance = crossing.tolerance(triangle, origin, self.slack_of(index));
-            *nearest = Some(Met { crossing, tolerance, index });
+            *nearest = Some(Met { triangle: *triangle, crossing, tolerance, index });
             // Its twin may seem to lie behind it.
-            crossing.distance + 2.0 * tolerance + BEHIND
+            crossing.distance + 2.0 * tolerance
         });
         let met = match (bright, dark) {
             (Some(bright), Some(dark)) => {
@@ -250,8 +214,7 @@ impl Occluders {
         Some(self.hit(&met))
     }
 
-    fn hit(&self, Met { crossing, index, .. }: &Met) -> Hit {
-        let Triangle { v0, v1, v2 } = self.triangles[*index];
+    fn hit(&self, Met { triangle, crossing, index, .. }: &Met) -> Hit {
         let [u, v] = crossing.weights;
         let is_behind = crossing.descent >= 0.0;
         let polygon = match self.behind_triangle.get(*index) {
@@ -259,16 +222,16 @@ impl Occluders {
             _ => self.polygon_of_triangle[*index],
         };
         Hit {
-            distance: crossing.distance / self.scale,
+            distance: crossing.distance,
             polygon,
             front: self.is_bright(*index, crossing),
-            point: Vec3::from((1.0 - u - v) * v0 + u * v1 + v * v2) / self.scale,
+            point: (triangle.corner - u * triangle.first + v * triangle.last).into(),
         }
     }
 
     #[inline]
-    fn is_held(&self, end: &End, index: usize, crossing: &Crossing) -> bool {
-        end.holds(&self.triangles[index], crossing, self.slack_of(index))
+    fn is_held(&self, end: &End, triangle: &Triangle, index: usize, crossing: &Crossing) -> bool {
+        end.holds(triangle, crossing, self.slack_of(index))
     }
 
     /// Whether a triangle is bright on the side met.
@@ -310,7 +273,7 @@ fn warp([a, b, c, d]: [Vec3; 4]) -> f32 {
     off([a, b, c], d).max(off([a, c, d], b)) as f32
 }
 
-/// A ray along an axis whose other components are −0 misses every face in obvhs: its octant does not fit its inverse.
+/// The inverse of −0 would put the far side of a box before the near one.
 fn without_negative_zeros(direction: Vec3A) -> Vec3A {
     direction + Vec3A::ZERO
 }

@@ -6,7 +6,6 @@
 //! told by a bound on the rounding of both, coordinate by coordinate \[Pharr, Jakob, Humphreys: PBRT 4, section 6.8\].
 
 use glam::Vec3A;
-use obvhs::triangle::Triangle;
 
 /// Roundings that a point of a face and the plane of a triangle may have gone through. A corner is rounded once, a point made of
 /// corners seven times (PBRT 4, equation 6.23), the height of a point above a plane three times; that they hardly ever add up leaves
@@ -14,7 +13,7 @@ use obvhs::triangle::Triangle;
 const ROUNDINGS: f32 = 8.0;
 
 /// A triangle is made wider by no more than this share of its size, however little a line tells of it.
-const WIDEST: f32 = 1e-3;
+pub(super) const WIDEST: f32 = 1e-3;
 
 /// Faces whose normals have at least this cosine (2.6°) run alike: over the distances at which planes meet here, they are one.
 const PARALLEL: f32 = 0.999;
@@ -30,6 +29,24 @@ fn gamma(roundings: f32) -> f32 {
 fn absolute_cross(a: Vec3A, b: Vec3A) -> Vec3A {
     let (a, b) = (a.abs(), b.abs());
     Vec3A::new(a.y * b.z + a.z * b.y, a.z * b.x + a.x * b.z, a.x * b.y + a.y * b.x)
+}
+
+/// A triangle by a corner and the sides that lines are tested against.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Triangle {
+    /// The first corner.
+    pub corner: Vec3A,
+    /// From the second corner to the first.
+    pub first: Vec3A,
+    /// From the first corner to the third.
+    pub last: Vec3A,
+}
+
+impl Triangle {
+    /// By its corners, anticlockwise from its bright side.
+    pub fn new([a, b, c]: [Vec3A; 3]) -> Self {
+        Self { corner: a, first: a - b, last: c - a }
+    }
 }
 
 /// Where a line meets a triangle (Möller and Trumbore, JGT 2(1), 1997).
@@ -49,9 +66,9 @@ impl Crossing {
     /// Where a line from `origin` along `direction` meets a triangle, edges included.
     #[inline]
     pub fn of(triangle: &Triangle, origin: Vec3A, direction: Vec3A) -> Option<Self> {
-        let (first, last) = (triangle.v0 - triangle.v1, triangle.v2 - triangle.v0);
+        let Triangle { corner, first, last } = *triangle;
         let across = first.cross(last);
-        let to_corner = triangle.v0 - origin;
+        let to_corner = corner - origin;
         let turned = direction.cross(to_corner);
         let descent = -across.dot(direction);
         let inverse = -1.0 / descent;
@@ -66,8 +83,8 @@ impl Crossing {
     /// By how much of its size a triangle is wider: rounding must leave no crack between two of them.
     #[cold]
     fn widening(triangle: &Triangle, origin: Vec3A, direction: Vec3A, inverse: f32) -> f32 {
-        let (first, last) = ((triangle.v0 - triangle.v1).abs(), (triangle.v2 - triangle.v0).abs());
-        gamma(ROUNDINGS) * absolute_cross(direction, triangle.v0 - origin).dot(first + last) * inverse.abs()
+        let sides = triangle.first.abs() + triangle.last.abs();
+        gamma(ROUNDINGS) * absolute_cross(direction, triangle.corner - origin).dot(sides) * inverse.abs()
     }
 
     /// How far rounding may set the point met from where the planes of coincident faces are met, in lengths of the direction; `slack`
@@ -84,8 +101,8 @@ impl Crossing {
     /// Bound on the error of a point's height above the triangle's plane, times the length of `across`.
     fn rounding(&self, triangle: &Triangle, point: Vec3A, slack: f32) -> f32 {
         // An axis along which the triangle has no extent adds nothing.
-        let most = absolute_cross(triangle.v0 - triangle.v1, triangle.v2 - triangle.v0);
-        gamma(ROUNDINGS) * most.dot(point.abs() + triangle.v0.abs()) + slack * self.across.length()
+        let most = absolute_cross(triangle.first, triangle.last);
+        gamma(ROUNDINGS) * most.dot(point.abs() + triangle.corner.abs()) + slack * self.across.length()
     }
 }
 
@@ -106,7 +123,7 @@ impl End {
     /// may lie off its plane, beyond rounding.
     #[inline]
     pub fn holds(&self, triangle: &Triangle, crossing: &Crossing, slack: f32) -> bool {
-        let height = crossing.across.dot(self.point - triangle.v0).abs();
+        let height = crossing.across.dot(self.point - triangle.corner).abs();
         if height > crossing.rounding(triangle, self.point, slack) {
             return false;
         }

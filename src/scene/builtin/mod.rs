@@ -1,4 +1,4 @@
-//! Our own scenes, drawn by code: the Cornell box, the paper's seminar room and the paper's office.
+//! Our own scenes, drawn by code: the Cornell box, the paper's seminar room, the paper's office, and a tower of such offices.
 //!
 //! Lengths are in metres, y points up, and every face shows its bright side to the inside of the room. A group holds
 //! a piece of furniture or a handful of like things (a board of books), in the spirit of the paper's USER clustering.
@@ -9,6 +9,7 @@ mod furniture;
 mod office;
 mod seminar;
 mod shapes;
+mod tower;
 
 use super::Scene;
 
@@ -26,6 +27,11 @@ pub enum BuiltinScene {
     /// An office for two.
     #[default]
     Office,
+    /// Storeys of offices, to see how cost grows.
+    Tower {
+        /// Polygons of the scene, about: whole offices. Clamped to [`BuiltinScene::TOWER_RANGE`].
+        polygons: usize,
+    },
 }
 
 impl BuiltinScene {
@@ -35,12 +41,18 @@ impl BuiltinScene {
     /// The seminar room can be drawn with any number of polygons in this range.
     pub const SEMINAR_RANGE: std::ops::RangeInclusive<usize> = 1_000..=262_144;
 
-    /// All of them, at their usual size.
+    /// The tower can be drawn with about so many polygons.
+    pub const TOWER_RANGE: std::ops::RangeInclusive<usize> = 10_000..=10_000_000;
+
+    /// The rooms, at their usual size: what the window offers.
     pub const ALL: [Self; 3] = [Self::Cornell, Self::Seminar { polygons: Self::SEMINAR_POLYGONS }, Self::Office];
+
+    /// The tower at its usual size: two storeys.
+    pub const TOWER: Self = Self::Tower { polygons: 64_000 };
 
     /// The scene with this name, at its usual size.
     pub fn from_name(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|scene| scene.name() == name)
+        Self::ALL.into_iter().chain([Self::TOWER]).find(|scene| scene.name() == name)
     }
 
     /// The name on the command line, of the scene and of its files.
@@ -49,6 +61,7 @@ impl BuiltinScene {
             Self::Cornell => "cornell",
             Self::Seminar { .. } => "seminar",
             Self::Office => "office",
+            Self::Tower { .. } => "tower",
         }
     }
 
@@ -60,6 +73,9 @@ impl BuiltinScene {
                 seminar::build(polygons.clamp(*Self::SEMINAR_RANGE.start(), *Self::SEMINAR_RANGE.end()))
             }
             Self::Office => office::build(),
+            Self::Tower { polygons } => {
+                tower::build(polygons.clamp(*Self::TOWER_RANGE.start(), *Self::TOWER_RANGE.end()))
+            }
         }
     }
 }

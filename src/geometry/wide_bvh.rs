@@ -1,0 +1,345 @@
+//! A BVH of four boxes a node and four triangles a leaf, so that each ray tests four at once.
+//!
+//! obvhs builds a binary tree by its surface area; nodes take over the children of their largest children until they have four
+//! \[Wald, Benthin, Boulos: *Getting rid of packets*, RT 2008\]. Boxes are a little too large, so that the rounding of rays
+//! leaves no crack between triangles of two leaves.
+
+use std::time::Duration;
+
+use glam::{Vec3A, Vec4};
+use obvhs::BvhBuildParams;
+use obvhs::bvh2::Bvh2;
+use obvhs::bvh2::builder::build_bvh2_from_tris;
+
+use super::offset::{Triangle, WIDEST};
+
+/// Boxes of a node, triangles of a leaf.
+const LANES: usize = 4;
+/// Marks a child that is a leaf.
+const LEAF: u32 = 1 << 31;
+/// Boxes are larger on each side by this share of the largest coordinate: 64 roundings of it.
+const WIDER: f32 = 32.0 * f32::EPSILON;
+/// Rounding may set the far side of a box nearer by this share of its distance: 1 + 2γ(3) \[Ize: *Robust BVH ray traversal*,
+/// JCGT 2(2), 2013\], and some more.
+const FARTHER: f32 = 1.0 + 4.0 * f32::EPSILON;
+/// Entries that wait in the traversal of all but very deep trees.
+const SHORT: usize = 96;
+/// Largest coordinate of the triangles that obvhs is shown: its checks of its own boxes allow for 10⁻⁵.
+const SIZE_IN_OBVHS: f32 = 32.0;
+
+/// Four boxes with what they hold.
+#[derive(Clone, Copy)]
+#[repr(align(16))]
+struct Node {
+    /// Least and largest coordinates of the boxes along each axis, m.
+    bounds: [[Vec4; 3]; 2],
+    /// A node, or a leaf with [`LEAF`].
+    children: [u32; LANES],
+}
+
+/// Up to four triangles, as `Triangle` has them.
+#[derive(Clone, Copy)]
+#[repr(align(16))]
+struct Leaf {
+    corner: [Vec4; 3],
+    first: [Vec4; 3],
+    last: [Vec4; 3],
+    /// Number of the first triangle in the order of the tree.
+    start: u32,
+}
+
+/// A ray, with each number four times.
+struct Lines {
+    origin: [Vec4; 3],
+    direction: [Vec4; 3],
+    inverse: [Vec4; 3],
+    /// Along each axis the bound that the ray meets first: 0 for the least.
+    nearer: [usize; 3],
+}
+
+/// The tree.
+pub(super) struct WideBvh {
+    nodes: Vec<Node>,
+    leaves: Vec<Leaf>,
+    /// Entries that may wait in a traversal.
+    depth: usize,
+}
+
+impl Node {
+    /// Boxes that hold nothing.
+    const EMPTY: Self = Self { bounds: [[Vec4::INFINITY; 3], [Vec4::NEG_INFINITY; 3]], children: [u32::MAX; LANES] };
+
+    /// Distances to the boxes, and a bit for each that the line meets before the limit.
+    #[inline]
+    fn meet(&self, lines: &Lines, limit: f32) -> ([f32; LANES], u32) {
+        let mut near = Vec4::ZERO;
+        let mut far = Vec4::splat(limit);
+        for axis in 0..3 {
+            let nearer = lines.nearer[axis] & 1;
+            let to = |bound: usize| (self.bounds[bound][axis] - lines.origin[axis]) * lines.inverse[axis];
+            // A line in the plane of a side is at no distance from it; both functions pass over what is no number.
+            near = to(nearer).max(near);
+            far = (to(1 - nearer) * FARTHER).min(far);
+        }
+        (near.to_array(), near.cmple(far).bitmask())
+    }
+}
+
+impl Leaf {
+    const EMPTY: Self = Self { corner: [Vec4::ZERO; 3], first: [Vec4::ZERO; 3], last: [Vec4::ZERO; 3], start: 0 };
+
+    fn set(&mut self, lane: usize, triangle: &Triangle) {
+        for axis in 0..3 {
+            self.corner[axis][lane] = triangle.corner[axis];
+            self.first[axis][lane] = triangle.first[axis];
+            self.last[axis][lane] = triangle.last[axis];
+        }
+    }
+
+    fn triangle(&self, lane: usize) -> Triangle {
+        let of = |sides: &[Vec4; 3]| Vec3A::from_array(sides.map(|side| side[lane]));
+        Triangle { corner: of(&self.corner), first: of(&self.first), last: of(&self.last) }
+    }
+
+    /// A bit for each triangle that `Crossing::of` may find the line to cross between 0 and the limit: the same sums in the same
+    /// order, with the widest rim that it may give a triangle.
+    #[inline]
+    fn meet(&self, lines: &Lines, limit: f32) -> u32 {
+        let across = cross(&self.first, &self.last);
+        let to_corner = [0, 1, 2].map(|axis| self.corner[axis] - lines.origin[axis]);
+        let turned = cross(&lines.direction, &to_corner);
+        let inverse = Vec4::ONE / dot(&across, &lines.direction);
+        let (u, v) = (dot(&turned, &self.last) * inverse, dot(&turned, &self.first) * inverse);
+        let inside = u.min(v).min(Vec4::ONE - u - v);
+        let distance = dot(&across, &to_corner) * inverse;
+        // None of these holds for what is no number, as in lanes without a triangle.
+        inside.cmpge(Vec4::splat(-WIDEST)).bitmask()
+            & distance.cmpge(Vec4::ZERO).bitmask()
+            & distance.cmple(Vec4::splat(limit)).bitmask()
+    }
+}
+
+#[inline]
+fn cross(a: &[Vec4; 3], b: &[Vec4; 3]) -> [Vec4; 3] {
+    [a[1] * b[2] - b[1] * a[2], a[2] * b[0] - b[2] * a[0], a[0] * b[1] - b[0] * a[1]]
+}
+
+#[inline]
+fn dot(a: &[Vec4; 3], b: &[Vec4; 3]) -> Vec4 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+impl Lines {
+    #[inline]
+    fn new(origin: Vec3A, direction: Vec3A) -> Self {
+        let splat = |of: Vec3A| of.to_array().map(Vec4::splat);
+        Self {
+            origin: splat(origin),
+            direction: splat(direction),
+            inverse: splat(direction.recip()),
+            nearer: direction.to_array().map(|along| usize::from(along < 0.0)),
+        }
+    }
+}
+
+/// The bits of a mask that are set, from the lowest.
+#[inline]
+fn lanes(mut mask: u32) -> impl Iterator<Item = usize> {
+    std::iter::from_fn(move || {
+        let lane = mask.trailing_zeros() as usize;
+        mask &= mask.wrapping_sub(1);
+        (lane < LANES).then_some(lane)
+    })
+}
+
+impl WideBvh {
+    /// Builds a tree over triangles, and tells in which order it numbers them.
+    pub fn new(corners: &[[Vec3A; 3]]) -> (Self, Vec<u32>) {
+        let extent = corners.iter().flatten().fold(0.0_f32, |extent, corner| extent.max(corner.abs().max_element()));
+        let is_usable = extent > 0.0 && extent.is_finite();
+        // A power of two changes no bit of what is built.
+        let scale = if is_usable { SIZE_IN_OBVHS * (-extent.log2().floor()).exp2() } else { 1.0 };
+        let scaled =
+            |[v0, v1, v2]: &[Vec3A; 3]| obvhs::triangle::Triangle { v0: scale * *v0, v1: scale * *v1, v2: scale * *v2 };
+        let triangles: Vec<_> = corners.iter().map(scaled).collect();
+        // The plain presets lose a factor of 5 in ray speed on large scenes.
+        let params = BvhBuildParams {
+            search_depth_threshold: 0,
+            reinsertion_batch_ratio: 0.5,
+            post_collapse_reinsertion_batch_ratio_multiplier: 0.0,
+            max_prims_per_leaf: 1,
+            ..BvhBuildParams::medium_build()
+        };
+        let binary = build_bvh2_from_tris(&triangles, params, &mut Duration::default());
+        let mut tree = Self { nodes: Vec::new(), leaves: Vec::new(), depth: 1 };
+        let mut order = Vec::with_capacity(corners.len());
+        if !binary.nodes.is_empty() {
+            tree.widen(&binary, corners, (scale.recip(), WIDER * extent), &mut order);
+        }
+        (tree, order)
+    }
+
+    /// Makes nodes of a binary tree that is `unscale` times too small for the triangles; boxes grow by `wider`.
+    fn widen(&mut self, binary: &Bvh2, corners: &[[Vec3A; 3]], (unscale, wider): (f32, f32), order: &mut Vec<u32>) {
+        let counts = counts(binary);
+        let is_leaf = |node: usize| counts[node] as usize <= LANES;
+        self.nodes.push(Node::EMPTY);
+        let mut waiting = vec![(0, 0, 1)];
+        while let Some((from, to, depth)) = waiting.pop() {
+            let mut children: Vec<usize> = Vec::with_capacity(LANES);
+            children.push(from);
+            loop {
+                let area = |child: &usize| binary.nodes[children[*child]].aabb.half_area();
+                let inner = (0..children.len()).filter(|child| !is_leaf(children[*child]));
+                let largest = inner.max_by(|a, b| area(a).total_cmp(&area(b)));
+                let Some(largest) = largest.filter(|_| children.len() < LANES) else { break };
+                let first = binary.nodes[children[largest]].first_index as usize;
+                children[largest] = first;
+                children.push(first + 1);
+            }
+            for (lane, child) in children.into_iter().enumerate() {
+                let bounds = &binary.nodes[child].aabb;
+                for axis in 0..3 {
+                    self.nodes[to].bounds[0][axis][lane] = unscale * bounds.min[axis] - wider;
+                    self.nodes[to].bounds[1][axis][lane] = unscale * bounds.max[axis] + wider;
+                }
+                self.nodes[to].children[lane] = if is_leaf(child) {
+                    self.add_leaf(binary, child, corners, order)
+                } else {
+                    waiting.push((child, self.nodes.len(), depth + 1));
+                    self.nodes.push(Node::EMPTY);
+                    (self.nodes.len() - 1) as u32
+                };
+            }
+            self.depth = self.depth.max((LANES - 1) * depth + 1);
+        }
+    }
+
+    fn add_leaf(&mut self, binary: &Bvh2, node: usize, corners: &[[Vec3A; 3]], order: &mut Vec<u32>) -> u32 {
+        let mut leaf = Leaf { start: order.len() as u32, ..Leaf::EMPTY };
+        let mut waiting = vec![node];
+        while let Some(node) = waiting.pop() {
+            let node = &binary.nodes[node];
+            let first = node.first_index as usize;
+            if node.prim_count == 0 {
+                waiting.extend([first + 1, first]);
+                continue;
+            }
+            for &number in &binary.primitive_indices[first..first + node.prim_count as usize] {
+                leaf.set(order.len() - leaf.start as usize, &Triangle::new(corners[number as usize]));
+                order.push(number);
+            }
+        }
+        self.leaves.push(leaf);
+        LEAF | (self.leaves.len() - 1) as u32
+    }
+
+    /// Memory, bytes.
+    pub fn bytes(&self) -> usize {
+        size_of_val(&self.nodes[..]) + size_of_val(&self.leaves[..])
+    }
+
+    /// Whether one of the triangles that the ray may cross before the limit stops it, which `stops` decides by their number.
+    #[inline]
+    pub fn is_stopped(
+        &self,
+        origin: Vec3A,
+        direction: Vec3A,
+        limit: f32,
+        mut stops: impl FnMut(&Triangle, usize) -> bool,
+    ) -> bool {
+        let lines = Lines::new(origin, direction);
+        let (mut short, mut long);
+        let waiting: &mut [u32] = if self.depth <= SHORT {
+            short = [0; SHORT];
+            &mut short
+        } else {
+            long = vec![0; self.depth];
+            &mut long
+        };
+        let mut count = usize::from(!self.nodes.is_empty());
+        while count > 0 {
+            count -= 1;
+            let next = waiting[count];
+            if next & LEAF != 0 {
+                let leaf = &self.leaves[(next & !LEAF) as usize];
+                if lanes(leaf.meet(&lines, limit)).any(|lane| stops(&leaf.triangle(lane), leaf.start as usize + lane)) {
+                    return true;
+                }
+                continue;
+            }
+            let node = &self.nodes[next as usize];
+            for lane in lanes(node.meet(&lines, limit).1) {
+                waiting[count] = node.children[lane];
+                count += 1;
+            }
+        }
+        false
+    }
+
+    /// Shows the triangles that the ray may cross, those of nearer boxes first; `meet` returns the distance beyond which nothing
+    /// matters any more.
+    #[inline]
+    pub fn walk(&self, origin: Vec3A, direction: Vec3A, mut meet: impl FnMut(&Triangle, usize) -> f32) {
+        let lines = Lines::new(origin, direction);
+        let (mut short, mut long);
+        let waiting: &mut [(f32, u32)] = if self.depth <= SHORT {
+            short = [(0.0, 0); SHORT];
+            &mut short
+        } else {
+            long = vec![(0.0, 0); self.depth];
+            &mut long
+        };
+        let mut count = usize::from(!self.nodes.is_empty());
+        let mut limit = f32::INFINITY;
+        while count > 0 {
+            count -= 1;
+            let (distance, next) = waiting[count];
+            if distance > limit {
+                continue;
+            }
+            if next & LEAF != 0 {
+                let leaf = &self.leaves[(next & !LEAF) as usize];
+                for lane in lanes(leaf.meet(&lines, limit)) {
+                    limit = limit.min(meet(&leaf.triangle(lane), leaf.start as usize + lane));
+                }
+                continue;
+            }
+            let node = &self.nodes[next as usize];
+            let (distances, met) = node.meet(&lines, limit);
+            let start = count;
+            for lane in lanes(met) {
+                let entry = (distances[lane], node.children[lane]);
+                // The nearest one comes last.
+                let mut place = count;
+                while place > start && waiting[place - 1].0 < entry.0 {
+                    waiting[place] = waiting[place - 1];
+                    place -= 1;
+                }
+                waiting[place] = entry;
+                count += 1;
+            }
+        }
+    }
+}
+
+/// Triangles below each node of a binary tree.
+fn counts(binary: &Bvh2) -> Vec<u32> {
+    let mut order = Vec::with_capacity(binary.nodes.len());
+    let mut waiting = vec![0];
+    while let Some(index) = waiting.pop() {
+        order.push(index);
+        let node = &binary.nodes[index];
+        if node.prim_count == 0 {
+            let first = node.first_index as usize;
+            waiting.extend([first, first + 1]);
+        }
+    }
+    let mut counts = vec![0; binary.nodes.len()];
+    for index in order.into_iter().rev() {
+        let node = &binary.nodes[index];
+        let first = node.first_index as usize;
+        counts[index] = if node.prim_count > 0 { node.prim_count } else { counts[first] + counts[first + 1] };
+    }
+    counts
+}
