@@ -137,6 +137,15 @@ impl Field {
     /// Takes over the irradiances of the leaves, W/m², parallel to the arena; what they reflect follows.
     pub(super) fn set_irradiance(&mut self, mut irradiance: Vec<Vec3>) {
         irradiance.resize(self.hierarchy.elements().len(), Vec3::ZERO);
+        self.reflected = Arc::new(self.reflect(&irradiance));
+        self.sent = self.reflected.clone();
+        self.variance = Arc::new(vec![0.0; irradiance.len()]);
+        self.dim = DIM_SHARE * self.median(&irradiance);
+        self.irradiance = Arc::new(irradiance);
+    }
+
+    /// What each patch reflects of these irradiances of leaves in the mean, ρE, W/m²; both are parallel to the arena.
+    pub(super) fn reflect(&self, irradiance: &[Vec3]) -> Vec<Vec3> {
         let hierarchy = &*self.hierarchy;
         let mut reflected = vec![Vec3::ZERO; irradiance.len()];
         for id in hierarchy.ids().rev() {
@@ -151,11 +160,7 @@ impl Field {
                 if area > 0.0 { sum / area } else { Vec3::ZERO }
             };
         }
-        self.reflected = Arc::new(reflected);
-        self.sent = self.reflected.clone();
-        self.variance = Arc::new(vec![0.0; irradiance.len()]);
-        self.dim = DIM_SHARE * self.median(&irradiance);
-        self.irradiance = Arc::new(irradiance);
+        reflected
     }
 
     /// Takes over the irradiances of what is seen from afar of each leaf, W/m², and the variance of irradiance over each (mean of
@@ -163,7 +168,7 @@ impl Field {
     pub(super) fn set_far(&mut self, irradiance: &[Vec3], variance: Vec<f32>) {
         let mut sent = self.reflected.to_vec();
         for leaf in self.leaves() {
-            sent[leaf.index()] = self.surface(self.patch(leaf).polygon).reflectance * irradiance[leaf.index()];
+            sent[leaf.index()] = self.reflectance(leaf) * irradiance[leaf.index()];
         }
         self.sent = Arc::new(sent);
         self.variance = Arc::new(variance);
@@ -337,6 +342,11 @@ impl Field {
         let patch = self.patch(leaf);
         let corner = self.hierarchy.vertices()[patch.corners()[0] as usize];
         position - patch.normal.dot(position - corner) * patch.normal
+    }
+
+    /// Reflectance of a leaf.
+    pub(super) fn reflectance(&self, leaf: ElementId) -> Vec3 {
+        self.surface(self.patch(leaf).polygon).reflectance
     }
 
     /// Whether a leaf emits.

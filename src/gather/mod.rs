@@ -19,6 +19,7 @@ mod field;
 mod glance;
 mod passes;
 mod refine;
+mod relight;
 mod samples;
 mod source_tree;
 mod sources;
@@ -40,9 +41,6 @@ use crate::transport::LinkSolution;
 /// The target error where nobody asks for one: 9 of 10 surfaces are read within it.
 pub const USUAL_ERROR: f64 = 0.05;
 
-/// Sweeps end when they move less than this share of the light.
-const SWEEP_TOLERANCE: f64 = 2e-4;
-const MOST_SWEEPS: u32 = 200;
 /// Times that a field is made finer because its error was found above the target.
 const MOST_ATTEMPTS: u32 = 4;
 /// An attempt that leaves more than this share of the error was in vain, and so would be the next one.
@@ -100,6 +98,8 @@ pub struct Gather {
     round: u32,
     /// Whether uneven leaves were split in this attempt.
     is_evened: bool,
+    /// Whether the field's light was moved over cosine-distributed rays, so that nothing is left of the links' own.
+    is_lit_by_samples: bool,
     attempt: u32,
     /// The error that leaves and rays are made for; falls with each attempt.
     aim: f64,
@@ -138,6 +138,7 @@ impl Gather {
             queue,
             round: 0,
             is_evened: false,
+            is_lit_by_samples: false,
             attempt: 0,
             aim: goal.error.unwrap_or(USUAL_ERROR),
             goal: Goal { seed: hash64(goal.seed, 0x6761_7468_6572), ..goal },
@@ -219,34 +220,6 @@ impl Gather {
 
     fn target(&self) -> f64 {
         self.goal.error.unwrap_or(USUAL_ERROR)
-    }
-
-    /// Moves light over the samples until nothing changes.
-    fn relight(&mut self, cancel: &CancelToken) -> Option<()> {
-        let mut field = self.field.clone();
-        if self.samples.has_cosine() {
-            // From emission alone: what links let through a wall would take long to die out.
-            let direct = self.field.hierarchy.ids().map(|leaf| self.samples.direct(leaf).0);
-            field.set_irradiance(direct.collect());
-        }
-        for _ in 0..MOST_SWEEPS {
-            let gathered = self.samples.irradiance(&field, &field.reflected, &self.of_links, cancel)?;
-            let before = field.reflected.clone();
-            field.set_areas(|leaf| self.samples.seen_share(leaf));
-            field.set_irradiance(gathered.mean);
-            let (mut moved, mut all) = (0.0, 0.0);
-            for leaf in field.leaves() {
-                let (area, new) = (field.area(leaf), field.reflected[leaf.index()]);
-                moved += f64::from(area * (new - before[leaf.index()]).abs().max_element());
-                all += f64::from(area * new.max_element());
-            }
-            if moved <= SWEEP_TOLERANCE * all {
-                field.set_far(&gathered.far, gathered.variance);
-                break;
-            }
-        }
-        self.field = field;
-        Some(())
     }
 
     /// Ends, or makes the field finer.

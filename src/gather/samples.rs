@@ -206,6 +206,33 @@ impl GatherSamples {
         self.of(leaf).whole
     }
 
+    /// Irradiance of each leaf by what others reflect and the sky, W/m², parallel to the arena, where they reflect this much; `None` if
+    /// cancelled. What was not looked at by cosine-distributed rays keeps this indirect light.
+    pub fn indirect(
+        &self,
+        field: &Field,
+        reflected: &[Vec3],
+        of_links: &[Vec3],
+        cancel: &CancelToken,
+    ) -> Option<Vec<Vec3>> {
+        let mut indirect = vec![Vec3::ZERO; field.hierarchy.elements().len()];
+        for pass in &self.passes {
+            let of_leaf = |place: usize| (!cancel.is_cancelled()).then(|| pass.indirect(place, reflected));
+            let found: Option<Vec<_>> = (0..pass.leaves.len()).into_par_iter().with_min_len(256).map(of_leaf).collect();
+            for (leaf, found) in pass.leaves.iter().zip(found?) {
+                indirect[leaf.index()] += found;
+            }
+        }
+        for leaf in field.leaves() {
+            let index = leaf.index();
+            indirect[index] = match self.of(leaf) {
+                Sums { whole: 0, .. } => of_links[index],
+                known => known.closure(field.reflectance(leaf).max_element()) * indirect[index] / known.whole as f32,
+            };
+        }
+        Some(indirect)
+    }
+
     /// Irradiances over the samples where leaves reflect this much, W/m²; `None` if cancelled. What was not looked at by
     /// cosine-distributed rays keeps this indirect light.
     pub fn irradiance(
@@ -230,8 +257,7 @@ impl GatherSamples {
             let index = leaf.index();
             let LightSums { indirect: own, far, far_share, all, squares } = sums[index];
             let known = self.of(leaf);
-            let reflectance = field.surface(field.patch(leaf).polygon).reflectance.max_element();
-            let (whole, closure) = (known.whole, known.closure(reflectance));
+            let (whole, closure) = (known.whole, known.closure(field.reflectance(leaf).max_element()));
             let count = whole.max(1) as f32;
             let found = if whole == 0 { indirect[index] } else { closure * own / count };
             gathered.mean[index] = self.direct(leaf).0 + found;
@@ -255,6 +281,17 @@ impl Pass {
         self.aimed.extend_from_slice(&drawn.aimed);
         self.starts.push(self.looks.len() as u32);
         self.aimed_starts.push(self.aimed.len() as u32);
+    }
+
+    /// Σ of irradiance that others reflect and the sky brings, over the looks from a leaf.
+    fn indirect(&self, place: usize, reflected: &[Vec3]) -> Vec3 {
+        let range = self.starts[place] as usize..self.starts[place + 1] as usize;
+        let met = &self.met[range.start * self.cosine..range.end * self.cosine];
+        let met = met.iter().filter(|leaf| **leaf != NOTHING);
+        let scattered = met.map(|leaf| reflected[leaf.index()]).sum::<Vec3>() / self.cosine as f32;
+        let aimed = &self.aimed[self.aimed_starts[place] as usize..self.aimed_starts[place + 1] as usize];
+        let aimed = aimed.iter().map(|(_, leaf, share)| *share * reflected[leaf.index()]).sum::<Vec3>();
+        scattered + aimed + self.looks[range].iter().map(|look| look.sky[0] + look.sky[1]).sum::<Vec3>()
     }
 
     /// Sums over the looks from a leaf.
