@@ -216,7 +216,7 @@ mod tests {
     fn lines_alongside_cross_nothing() {
         let [a, b, c, d] = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]].map(|[x, y]| Vec3A::new(x, y, 0.0));
         for [v0, v1, v2] in [[a, b, c], [a, c, d], [b, c, d], [a, b, d], [c, b, a], [d, c, a]] {
-            let triangle = Triangle { v0, v1, v2 };
+            let triangle = Triangle::new([v0, v1, v2]);
             for (from, to) in [(v0, v1), (v1, v2), (v2, v0), (v1, v0), (v2, v1), (v0, v2)] {
                 let direction = (to - from).normalize();
                 for beside in [-0.3, -0.1, 0.1, 0.3] {
