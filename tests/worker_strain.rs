@@ -5,6 +5,8 @@
 
 #[path = "support/dice.rs"]
 mod dice;
+#[path = "support/left_out.rs"]
+mod left_out;
 #[path = "support/waiting.rs"]
 mod waiting;
 
@@ -158,8 +160,11 @@ fn thousands_of_random_commands_leave_it_alive_current_and_small() {
     });
     assert_eq!(snapshot.stats.initial_patches, polygons);
     println!("{commands} commands, {pictures} pictures, {:?} → {:?} MiB", early.map(mib), resident().map(mib));
-    if let (Some(early), Some(late)) = (early, resident()) {
-        assert!(late < early + MOST_GROWTH, "memory grew from {} to {} MiB", mib(early), mib(late));
+    match (early, resident()) {
+        (Some(early), Some(late)) => {
+            assert!(late < early + MOST_GROWTH, "memory grew from {} to {} MiB", mib(early), mib(late));
+        }
+        _ => left_out::left_out("memory over time; this system does not tell it"),
     }
     worker.send(Command::Shutdown);
     wait_for("the end of the thread", || worker.has_ended().then_some(()));
