@@ -9,6 +9,7 @@ use anyhow::{anyhow, bail};
 use clap::ArgMatches;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use selflink::base::cancel::CancelToken;
+use selflink::base::{panic_report, threads};
 use selflink::export::settings::Settings;
 use selflink::geometry::Occluders;
 use selflink::prepare;
@@ -44,6 +45,7 @@ impl Order {
     fn new(scene: Option<&str>, matches: &ArgMatches) -> anyhow::Result<Self> {
         let limit = options::seconds(matches)?;
         let settings = options::settings(scene, matches)?;
+        panic_report::note_settings(settings.to_json()?);
         let source = match scene {
             // As it was given, so that errors name it so.
             Some(scene) => options::source(scene)?,

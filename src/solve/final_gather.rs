@@ -11,6 +11,13 @@ use super::stats::ErrorFound;
 use crate::base::cancel::CancelToken;
 use crate::gather::{Certificate, Field, Full, Gather, Goal, Progress, Quantiles, RISK};
 
+fn log_attempt(gather: &Gather, attempt: u32) {
+    let Some(certificate) = gather.certificate() else { return };
+    let Certificate { bound, read, points, .. } = certificate;
+    let (p90, points, rays) = (read.p90, points.len(), gather.rays());
+    tracing::info!(attempt, bound, p90, points, rays, "certificate");
+}
+
 impl Solver {
     /// What comes after light was moved over the links for the last time.
     pub(super) fn end_links(&mut self) {
@@ -58,7 +65,11 @@ impl Solver {
             self.gather = Some(Gather::new(&self.links, goal, cancel)?);
         }
         let gather = self.gather.as_mut()?;
+        let (attempt, _) = gather.progress();
         let progress = gather.step(cancel);
+        if gather.progress().0 != attempt || matches!(progress, Some(Progress::Done)) {
+            log_attempt(gather, attempt);
+        }
         let stop = gather.full().map(|full| match full {
             Full::Leaves => MemoryStop::Vertices,
             Full::Looks => MemoryStop::Rays,

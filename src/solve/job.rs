@@ -88,7 +88,34 @@ impl Solver {
             Step::Reconstructed { pass_ended: true } => self.remember(TimelineStepKind::Pass),
             _ => {}
         }
+        self.log(step);
         step
+    }
+
+    fn log(&self, step: Step) {
+        let (refinement, seconds) = (self.links.refinement(), self.seconds.total);
+        match step {
+            Step::Refined { wave_ended: true } => {
+                let counts = refinement.counts;
+                let (wave, links) = (refinement.waves, self.links.links().len() + refinement.accepted.len());
+                tracing::debug!(wave, links, judged = counts.pairs_judged, rays = counts.rays, seconds, "wave refined");
+            }
+            Step::Gathered if self.job.is_past_links() => {
+                tracing::info!(
+                    links = self.links.links().len(),
+                    rays = refinement.counts.rays,
+                    seconds,
+                    "links settled"
+                );
+            }
+            Step::Gathered => tracing::debug!(links = self.links.links().len(), seconds, "light moved over links"),
+            Step::Reconstructed { pass_ended: true } => {
+                let (attempt, rays) =
+                    self.gather.as_ref().map_or((0, 0), |gather| (gather.progress().0, gather.rays()));
+                tracing::debug!(attempt, rays, seconds, "gather pass ended");
+            }
+            Step::Refined { .. } | Step::Reconstructed { .. } | Step::Finished | Step::Interrupted => {}
+        }
     }
 
     /// Steps until nothing is left to do; false if cancelled.

@@ -110,6 +110,8 @@ impl Solver {
         let power = f64::from((scene.emitted_power() + entering).max_element());
         let rules = params.link_rules(watts(&params, power));
         let links = LinkSolution::new(scene, occluders, hierarchy, entering, rules);
+        let clusters = links.hierarchy().cluster_count();
+        tracing::info!(clusters, epsilon_watts = watts(&params, power), power_watts = power, seconds, "clusters built");
         Ok(Self::over(links, params, power, (generation, seconds)))
     }
 

@@ -180,6 +180,7 @@ impl Session {
         if let Some(in_flight) = &self.in_flight {
             in_flight.call();
         }
+        tracing::debug!("command {:.200}", format!("{command:?}"));
         self.tell_status_soon();
         match command {
             Command::Load(..) => self.runs_when_loaded = true,
@@ -362,6 +363,16 @@ impl Session {
     }
 
     pub(super) fn emit(&self, event: Event) {
+        match &event {
+            Event::LoadFailed(reason) | Event::SolveFailed(reason) | Event::SaveFailed(reason) => {
+                tracing::warn!("{reason}");
+            }
+            Event::SceneLoaded(info) | Event::SceneEdited(info) => {
+                tracing::info!(scene = info.scene.name, generation = info.generation, "scene in view");
+            }
+            Event::Finished => tracing::info!("solve finished"),
+            Event::Saved(path) => tracing::info!(file = %path.display(), "written"),
+        }
         // A window that is gone wants no events.
         let _ = self.ends.events.send(event);
         (self.ends.wake)();

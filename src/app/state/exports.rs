@@ -290,7 +290,9 @@ impl Target {
         write().map_err(|error| {
             let path = self.path.display();
             format!("{path}: cannot be written ({error}); choose a folder that you may write to.")
-        })
+        })?;
+        tracing::info!(file = %self.path.display(), "written");
+        Ok(())
     }
 }
 

@@ -141,6 +141,13 @@ impl GatheredPicture {
         }
         let shown = self.share(&level.sights, &level.light, cancel)?;
         let is_done = shown.noise <= self.error || level.light.passes >= MOST_PASSES;
+        tracing::debug!(
+            passes = level.light.passes,
+            noise = shown.noise,
+            asked = self.error,
+            is_done,
+            "picture pass ended"
+        );
         self.shown = Some(shown);
         Some(if is_done { Stage::Done } else { Stage::Refine(level) })
     }
