@@ -1,10 +1,11 @@
 //! The lowest layer: long work that can be stopped, numbers for people, random numbers, memory, reports of panics.
 
+pub mod actor;
 pub mod cancel;
 pub mod font;
 pub mod format;
 pub mod memory;
-pub mod photometry;
 pub mod panic_report;
+pub mod photometry;
 pub mod random;
 pub mod threads;

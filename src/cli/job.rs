@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 
 use anyhow::{anyhow, bail};
 use clap::ArgMatches;
-use rayon::{ThreadPool, ThreadPoolBuilder};
+use rayon::ThreadPool;
 use selflink::base::cancel::CancelToken;
 use selflink::base::{panic_report, threads};
 use selflink::export::settings::Settings;
@@ -89,9 +89,9 @@ fn prepare(order: &Order) -> anyhow::Result<(Scene, Occluders)> {
 }
 
 /// Threads for the solver; 0 takes every core.
-pub fn pool(threads: u32) -> anyhow::Result<ThreadPool> {
-    let builder = ThreadPoolBuilder::new().num_threads(threads as usize).thread_name(|index| format!("solver-{index}"));
-    builder.build().map_err(|error| anyhow!("the solver's threads cannot be started ({error}); try fewer --threads"))
+pub fn pool(count: u32) -> anyhow::Result<ThreadPool> {
+    threads::pool("solver", count as usize)
+        .map_err(|error| anyhow!("the solver's threads cannot be started ({error}); try fewer --threads"))
 }
 
 /// A scene that is ready to be solved.

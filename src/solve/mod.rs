@@ -37,7 +37,7 @@ pub use params::{
     ClusteringMode, Epsilon, PARAMETERS, Parameter, ParameterId, ParamsError, Reconstruct, SolverParams, USUAL_ERROR,
     ValueKind,
 };
-pub use reconstruction_mesh::barycentric;
+pub use reconstruction_mesh::{barycentric, place_among};
 pub use snapshot::{ClusterBox, Leaf, Mesh, Snapshot};
 pub use stats::{Bytes, ErrorFound, Phase, Seconds, Stats};
 pub use timeline::{TimelineStep, TimelineStepKind};

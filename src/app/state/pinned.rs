@@ -1,12 +1,12 @@
 //! A solution that is kept, A, beside the running one, B: what the view shows of both, and how they differ.
 
 use std::sync::Arc;
-use std::sync::mpsc::{Receiver, TryRecvError, channel};
-use std::thread::Builder;
+use std::task::Poll;
 
 use crate::app::Wake;
 use crate::app::state::comparison::Shading;
 use crate::app::view::paint::Beside;
+use crate::base::threads::Background;
 use crate::measure::accuracy::{Contrast, contrast};
 use crate::solve::{Snapshot, SolverParams};
 
@@ -40,7 +40,7 @@ pub(in crate::app) struct Pinned {
     pub divider: f32,
     difference: Option<Difference>,
     /// A difference that is being computed.
-    awaited: Option<Receiver<Difference>>,
+    awaited: Option<Background<Difference>>,
 }
 
 /// How the two differ, as found for one snapshot of B.
@@ -94,27 +94,17 @@ impl Pinned {
     /// Finds how B differs, on a thread of its own, where nobody looks for that already.
     pub(in crate::app) fn note(&mut self, b: Option<&Arc<Snapshot>>, wake: &Wake) {
         if let Some(awaited) = &self.awaited {
-            match awaited.try_recv() {
-                Ok(difference) => (self.difference, self.awaited) = (Some(difference), None),
-                Err(TryRecvError::Empty) => return,
-                Err(TryRecvError::Disconnected) => self.awaited = None,
-            }
+            let Poll::Ready(found) = awaited.poll() else { return };
+            self.difference = found.or(self.difference.take());
+            self.awaited = None;
         }
         let (Some(frozen), Some(b)) = (&self.frozen, b) else { return };
         if self.difference.as_ref().is_some_and(|difference| Arc::ptr_eq(&difference.of, b)) {
             return;
         }
-        let (answer, answers) = channel();
         let (a, b, wake) = (frozen.snapshot.clone(), b.clone(), wake.clone());
-        let find = move || {
-            let found = contrast(&a, &b);
-            // Nobody may wait any more.
-            let _ = answer.send(Difference::new(b, &found));
-            wake();
-        };
-        if Builder::new().name("difference".into()).spawn(find).is_ok() {
-            self.awaited = Some(answers);
-        }
+        let find = move || Difference::new(b.clone(), &contrast(&a, &b));
+        self.awaited = Background::start("difference", move || wake(), find).ok();
     }
 
     /// A beside what the view shows, where both are to be seen.
