@@ -126,11 +126,6 @@ impl Camera {
         self.vfov
     }
 
-    /// Sets the vertical field of view, radians.
-    pub fn set_vfov(&mut self, vfov: f32) {
-        self.vfov = vfov.clamp(VFOV_RANGE.0, VFOV_RANGE.1);
-    }
-
     /// Horizontal field of view at an aspect, radians.
     pub fn hfov(&self, aspect: f32) -> f32 {
         2.0 * ((0.5 * self.vfov).tan() * sane_aspect(aspect)).atan()
