@@ -1,4 +1,4 @@
-//! The referee's thread: what it measures is what the error meter finds, and it never keeps anybody waiting.
+//! The reference's thread: it measures what the error meter finds, and never keeps anybody waiting.
 
 use std::sync::Arc;
 use std::time::{Duration, Instant};

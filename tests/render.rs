@@ -91,7 +91,7 @@ fn snapshot(quads: &[([Vec3; 4], [f32; 3])]) -> Snapshot {
         leaf_irradiance: vec![[f32::INFINITY; 3]; leaf_radiosity.len()],
         leaf_radiosity,
         clusters: Arc::new(Vec::new()),
-        moment: None,
+        former_step: None,
         field: None,
         solution_view: None,
         stats: Stats::default(),

@@ -38,7 +38,7 @@ fn upper_left(radiosity: [f32; 3], serial: u64, mesh: &Arc<Mesh>) -> Snapshot {
         leaf_irradiance: Vec::new(),
         leaf_radiosity: Vec::new(),
         clusters: Arc::default(),
-        moment: None,
+        former_step: None,
         field: None,
         solution_view: None,
         stats: Stats::default(),

@@ -41,7 +41,7 @@ fn slope() -> Snapshot {
         leaf_irradiance: vec![[2.0; 3]],
         leaf_radiosity: vec![[0.2; 3]],
         clusters: Arc::default(),
-        moment: None,
+        former_step: None,
         field: None,
         solution_view: None,
         stats: Stats::default(),

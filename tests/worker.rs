@@ -16,7 +16,7 @@ use selflink::scene::{
     CameraPose, Kept, Luminaire, LuminaireForm, LuminaireShape, MaterialId, Sidecar, Sides, Source, TaskArea,
 };
 use selflink::solve::{ClusteringMode, Epsilon, SolverParams};
-use selflink::worker::{Command, ErrorOfMesh, Event, Look, RunState, SolverThread};
+use selflink::worker::{Command, ErrorOfMesh, Event, RunState, SnapshotRequest, SolverThread};
 
 const PATIENCE: Duration = Duration::from_secs(60);
 
@@ -281,9 +281,9 @@ impl Dice {
             2 => Command::Pause,
             3 => Command::StepWave,
             4 => Command::Restart,
-            5 => Command::Look(Look {
+            5 => Command::Show(SnapshotRequest {
                 solution_view: self.roll(2) == 0,
-                moment: (self.roll(3) == 0).then(|| self.roll(20) as usize),
+                former_step: (self.roll(3) == 0).then(|| self.roll(20) as usize),
             }),
             6 => Command::SetEmission { material: MaterialId(self.roll(9) as u32), emission: glam::Vec3::ONE },
             7 => Command::CancelLoad,

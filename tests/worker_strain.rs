@@ -18,7 +18,7 @@ use selflink::scene::builtin::BuiltinScene;
 use selflink::scene::{Luminaire, LuminaireForm, LuminaireShape, MaterialId, Sides, Source};
 use selflink::solve::{ClusteringMode, Epsilon, Reconstruct, SolverParams};
 use selflink::transport::{ClusterModel, OracleKind, Push};
-use selflink::worker::{Command, Event, Look, RunState, SolverThread};
+use selflink::worker::{Command, Event, RunState, SnapshotRequest, SolverThread};
 
 /// Commands where nobody asks for more.
 const USUAL_COMMANDS: usize = 2_000;
@@ -37,7 +37,7 @@ impl Dice {
     fn params(&mut self) -> SolverParams {
         let modes = [ClusteringMode::Adaptive, ClusteringMode::Octree, ClusteringMode::Groups, ClusteringMode::None];
         SolverParams {
-            // None of the usual ones, a promise of an error, and errors and thresholds that cannot be used.
+            // None of the usual ones, a target error, and errors and thresholds that cannot be used.
             error: self.pick(&[None, None, None, Some(0.2), Some(0.05), Some(7.0)]),
             epsilon: self.pick(&[1e-1, 1e-2, 3e-3, 0.0, f64::NAN].map(Epsilon::Relative)),
             reconstruct: self.pick(&[Reconstruct::Constant, Reconstruct::Vertex, Reconstruct::Gather]),
@@ -61,9 +61,9 @@ impl Dice {
             2 | 3 => Command::Pause,
             4 => Command::StepWave,
             5 => Command::Restart,
-            6 => Command::Look(Look {
+            6 => Command::Show(SnapshotRequest {
                 solution_view: self.roll(2) == 0,
-                moment: (self.roll(3) == 0).then(|| self.roll(20) as usize),
+                former_step: (self.roll(3) == 0).then(|| self.roll(20) as usize),
             }),
             7 => {
                 let strength = self.pick(&[0.0, 1.0, 1e4, -1.0, f32::NAN]);

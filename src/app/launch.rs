@@ -24,7 +24,7 @@ pub enum AppError {
         "no window can be opened, {reason}: start the program from a desktop session (Debian and Ubuntu may lack libxkbcommon-x11-0), or use `selflink solve` and `selflink render`"
     )]
     NoDisplay {
-        /// What is missing.
+        /// The part that is missing.
         reason: String,
     },
     /// No graphics adapter draws to the display.
@@ -135,7 +135,7 @@ fn start_anew(legacy: Legacy, losses: u32) -> Result<(), AppError> {
     }
 }
 
-/// What a person can do about it.
+/// Advice on an error that keeps the window from opening.
 fn advice(error: eframe::Error) -> AppError {
     match error {
         eframe::Error::AppCreation(error) => match error.downcast::<AppError>() {

@@ -19,7 +19,7 @@ use selflink::solve::{Snapshot, Solver, Stats, Step};
 use super::options;
 use super::progress::Progress;
 
-/// What is to be solved, and how; read from the arguments and checked, but nothing loaded yet.
+/// A scene to be solved, and how; read from the arguments and checked, but nothing loaded yet.
 pub struct Order {
     /// Where the scene comes from.
     pub source: Source,

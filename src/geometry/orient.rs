@@ -145,7 +145,7 @@ struct Seen {
 
 /// Looks at all faces.
 ///
-/// What the eye's particles see is decided by them alone: a lamp may lie in a housing, the eye lies in the space that
+/// Faces that the eye's particles see are decided by these alone: a lamp may lie in a housing, the eye lies in the space that
 /// the picture shows. `lamp_backs` says whether particles leave the dark sides of lamps too, which matters where lamps may be
 /// turned the wrong way; where they are right, it would show the inside of their housings.
 fn votes(scene: &Scene, occluders: &Occluders, lamp_backs: bool) -> Seen {

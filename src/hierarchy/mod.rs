@@ -81,7 +81,7 @@ impl Cluster {
     }
 }
 
-/// What an element is.
+/// Kind of an element.
 #[derive(Clone, Copy, Debug)]
 pub enum Shape {
     /// A group of elements.
@@ -167,7 +167,7 @@ pub struct Hierarchy {
     leaf_count: usize,
     /// Vertices of the initial patches, which come first.
     initial_vertices: usize,
-    /// What lies outside.
+    /// The sky and the sun as elements.
     around: Option<Surroundings>,
 }
 

@@ -16,7 +16,7 @@ use crate::solve::{Mesh, Snapshot};
 pub const GOAL: f64 = 0.01;
 /// Passes before anything is measured: fewer know no error of their own.
 const LEAST_PASSES: u32 = 8;
-/// The same snapshot is measured again by a better reference, and the reference kept on disk, this often at most.
+/// A snapshot is measured again by a better reference, and the reference kept on disk, this often at most.
 const MEASURE_EVERY: Duration = Duration::from_millis(400);
 const SAVE_EVERY: Duration = Duration::from_secs(5);
 /// Seed of points and paths.
@@ -26,7 +26,7 @@ const SEED: u64 = 1;
 pub struct Measurement {
     /// The snapshot.
     pub snapshot: Arc<Snapshot>,
-    /// Its error.
+    /// Error of the snapshot by the reference.
     pub error: SolutionError,
     /// Signed relative error of B at each vertex of its mesh, from the points nearby; NaN where none is near.
     pub differences: Vec<f32>,
@@ -34,7 +34,7 @@ pub struct Measurement {
     pub serial: u64,
 }
 
-/// What the thread is about.
+/// State and findings of the thread.
 #[derive(Clone, Default)]
 pub struct Report {
     /// Whether there is a scene to make a reference of.
@@ -86,7 +86,7 @@ impl ReferenceWorker {
         self.0.ask_instead(Ask::Forget);
     }
 
-    /// What the thread is about.
+    /// State and findings of the thread as they are now.
     pub fn report(&self) -> Report {
         self.0.report()
     }
@@ -101,7 +101,7 @@ struct Work {
     field: Option<(Arc<Mesh>, ScatteredField)>,
     /// The scene, which tells what is a lamp and is not compared.
     scene: Arc<Scene>,
-    /// What was measured last, and when.
+    /// Snapshot that was measured last, and when.
     last: Option<(Arc<Snapshot>, Instant)>,
     saved: Instant,
 }

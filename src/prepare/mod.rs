@@ -31,7 +31,7 @@ pub struct Ready {
     pub raw: Scene,
     /// As it is lit.
     pub scene: Scene,
-    /// What stops its light.
+    /// Occluders of the scene as it is lit.
     pub occluders: Occluders,
 }
 

@@ -28,7 +28,7 @@ pub struct Probe<'a> {
     tolerance: f32,
 }
 
-/// What a surface receives and sends at a point.
+/// Light that a surface receives and sends at a point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sample {
     /// Irradiance E, W/m².

@@ -21,7 +21,7 @@ pub(super) const SAMPLES: u32 = 4;
 /// Lines are cut this many near planes before the eye: nearer, they would be wider than the picture.
 const LINE_NEAR: f32 = 100.0;
 
-/// What one picture shows.
+/// Content of one picture.
 #[derive(Clone, Copy)]
 pub struct Frame<'a> {
     /// The solution; told from the one before by mesh, generation and serial, so that only what changed is uploaded.

@@ -43,7 +43,7 @@ pub(super) fn is_good_quad(corners: [Vec3; 4]) -> bool {
 /// Passes over all corners before any corner may be clipped; outlines that do not cross themselves need one or two.
 const MOST_PASSES: usize = 32;
 
-/// What cutting may cost, in comparisons of a corner with an ear: some seconds for a whole scene. A modeller's outline of n corners takes
+/// Most effort of cutting, in comparisons of a corner with an ear: some seconds for a whole scene. A modeller's outline of n corners takes
 /// some n²; outlines that cross themselves everywhere, made to be slow, take more than anyone would wait for.
 pub(super) struct Effort(u64);
 

@@ -19,7 +19,7 @@ fn log_attempt(gather: &Gather, attempt: u32) {
 }
 
 impl Solver {
-    /// What comes after light was moved over the links for the last time.
+    /// Ends the work on links, after light was moved over them for the last time.
     pub(super) fn end_links(&mut self) {
         self.gather = None;
         self.job = if self.is_to_gather() { Job::Gather } else { Job::Done };
@@ -48,7 +48,7 @@ impl Solver {
         self.field().cloned().map(Arc::new)
     }
 
-    /// What is known of the error of readings, once it is.
+    /// Certificate of the error of readings, once there is one.
     pub fn certificate(&self) -> Option<&Certificate> {
         self.gather.as_ref()?.certificate()
     }
@@ -83,7 +83,7 @@ impl Solver {
         Some(Step::Reconstructed { pass_ended: progress != Progress::Part })
     }
 
-    /// What the certificate says, and what the bare mesh shows at its points.
+    /// Errors by the certificate, and of the bare mesh at its points.
     fn find_error(&mut self) -> Option<ErrorFound> {
         let field = self.field()?.clone();
         let certificate = self.certificate()?.clone();

@@ -80,11 +80,11 @@ pub struct Solver {
     links: LinkSolution,
     /// The final gather over the links, once it has begun.
     gather: Option<Gather>,
-    /// What its certificate found, once it ended.
+    /// Errors that the gather's certificate found, once it ended.
     error_found: Option<ErrorFound>,
     job: Job,
     pending: Pending,
-    /// What was not refined as far as was asked for, for want of memory.
+    /// The part that was not refined as far as was asked for, for want of memory.
     memory_stop: Option<MemoryStop>,
     /// Time spent working; whoever drives the solver may let it rest in between.
     seconds: Seconds,

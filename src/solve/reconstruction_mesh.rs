@@ -77,7 +77,7 @@ impl ReconstructionMesh {
         Self { elements: OUTDATED, ..self }
     }
 
-    /// The same hierarchy, or what it has grown to, in another kind.
+    /// The mesh of the hierarchy, or of what it has grown to, in another kind.
     pub fn rebuilt(&self, scene: &Scene, hierarchy: &Hierarchy, link_elements: usize, kind: MeshKind) -> Self {
         Self::build(hierarchy, link_elements, scene, (self.surfaces.clone(), self.clusters.clone()), kind)
     }
@@ -146,7 +146,7 @@ impl ReconstructionMesh {
     }
 }
 
-/// What is hidden counts this little at a vertex: not beside what is exposed, but where there is nothing else.
+/// Weight of a hidden leaf at a vertex: not beside what is exposed, but where there is nothing else.
 const LEAST_EXPOSED: f32 = 1e-6;
 
 /// Barycentric weights of a point's projection; not finite for a triangle without area.

@@ -1,4 +1,4 @@
-//! A view of a solution: elements, links and light of one state, frozen, for views that look inside.
+//! A view of a solution: elements, links and light of one state, which stays as it is, for views that look inside.
 //!
 //! A snapshot carries it where somebody asked for it ([`crate::solve::Solver::show_solution_view`]): to copy elements and links costs
 //! a few milliseconds in a room, and some tens with a million polygons. Whoever holds it can ask about any element without asking

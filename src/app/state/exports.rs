@@ -1,4 +1,4 @@
-//! What the window writes to disk, each on a thread of its own: pictures, meshes, links, settings and statistics.
+//! Files that the window writes, each on a thread of its own: pictures, meshes, links, settings and statistics.
 //!
 //! One file is written at a time; the window goes on meanwhile and says what came of it. Whoever tires of waiting may cancel.
 
@@ -77,7 +77,7 @@ pub(in crate::app) struct Exports {
     /// A file that is there already and is to be overwritten only if a person says so.
     pub in_question: Option<Item>,
     writing: Option<Writing>,
-    /// What came of the last one.
+    /// Outcome of the last export.
     pub outcome: Option<Result<String, String>>,
 }
 

@@ -19,7 +19,7 @@ use crate::worker::{Command, FileStamp, SceneInfo};
 /// Time between two looks at the files.
 const INTERVAL: Duration = Duration::from_millis(500);
 
-/// What became of a scene's files.
+/// Change of a scene's files.
 #[derive(Clone, Debug, PartialEq, Eq)]
 enum News {
     /// This file is another one than was read, and has stayed so for a while: nobody is writing it.
@@ -52,7 +52,7 @@ impl Watch {
         self.watcher = spawn(info.stamps.clone(), wake.clone());
     }
 
-    /// What the window itself wrote is no change.
+    /// Takes a file that the window itself wrote for no change.
     pub(in crate::app) fn accept(&self, path: &Path) {
         if let Some(watcher) = &self.watcher {
             // A thread that has ended watches nothing.

@@ -17,7 +17,7 @@ use crate::read::picture::{GatheredPicture, Start};
 use crate::render::{Camera, Display, Pixels, Reading, developed};
 use crate::solve::{Snapshot, USUAL_ERROR};
 
-/// What is to be painted: another one of these is another picture.
+/// Everything that decides a picture: another sitting is another picture.
 #[derive(Clone)]
 struct Sitting {
     field: Arc<Field>,
@@ -58,7 +58,7 @@ pub(in crate::app) struct Painted {
     look: Look,
 }
 
-/// What the thread is asked for; cancelled once something else is in view.
+/// A picture that the thread is asked for; cancelled once something else is in view.
 #[derive(Clone)]
 struct Ask {
     sitting: Sitting,
@@ -74,7 +74,7 @@ pub(in crate::app) struct Gathering {
     slot: Slot,
     /// Stops the thread's work on what was asked for last.
     cancel: CancelToken,
-    /// What the frame before showed, and whether it was asked for.
+    /// Picture and look of the frame before, and whether it was asked for.
     last: Option<(Sitting, Look)>,
     is_asked: bool,
 }
@@ -142,7 +142,7 @@ impl Drop for Gathering {
     }
 }
 
-/// What the thread works on.
+/// State of the thread.
 struct Easel {
     inbox: Receiver<Option<Ask>>,
     slot: Slot,

@@ -9,7 +9,7 @@ use crate::base::threads::Background;
 /// Nobody cancels a dialog as fast as this: there was none.
 const TOO_FAST: Duration = Duration::from_millis(200);
 
-/// What came of the system's dialog.
+/// Answer of the system's dialog.
 pub(in crate::app) enum DialogAnswer {
     Chosen(PathBuf),
     NoDialog,
@@ -42,7 +42,7 @@ impl Dialog {
         }
     }
 
-    /// What came of it, once it is closed with something to say.
+    /// Answer of the dialog, once it is closed with something to say.
     pub(in crate::app) fn poll(&mut self) -> Option<DialogAnswer> {
         let Poll::Ready(closed) = self.0.as_ref()?.poll() else { return None };
         // Without an answer the dialog's thread broke.

@@ -6,7 +6,7 @@
 //! [`crate::measure::reference::random_points`] are spread more evenly than independent ones, which makes
 //! the standard errors somewhat too large rather than too small.
 //!
-//! What no point has met, no spread can tell: where the error sits in a place that holds less than
+//! No spread tells of what no point has met: where the error sits in a place that holds less than
 //! one point on average, a set of points that misses it finds both the error and its standard error
 //! too small.
 

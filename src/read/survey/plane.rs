@@ -1,6 +1,6 @@
 //! Irradiance of a work plane: each point looks around itself for what its surroundings send.
 //!
-//! What lamps emit is found by their exact form factors, times the share of rays to them that come
+//! Light of lamps is found by their exact form factors, times the share of rays to them that come
 //! through; what everything reflects, by rays of density cosθ/π, whose mean radiosity is the
 //! irradiance. Both are the same on every run.
 
