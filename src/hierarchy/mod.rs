@@ -74,12 +74,7 @@ pub struct Cluster {
     patch_count: u32,
 }
 
-impl Cluster {
-    /// Number of initial patches below.
-    pub fn patch_count(&self) -> u32 {
-        self.patch_count
-    }
-}
+impl Cluster {}
 
 /// Kind of an element.
 #[derive(Clone, Copy, Debug)]

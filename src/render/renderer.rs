@@ -271,11 +271,6 @@ impl SceneRenderer {
         self.target.as_ref().map(|(target, _)| &target.picture)
     }
 
-    /// The automatic exposure of the snapshot that was last drawn, m²/W.
-    pub fn auto_exposure(&self) -> f32 {
-        self.auto_exposure
-    }
-
     /// Forgets which snapshot is shown, so that the next one is uploaded whatever its generation and serial say.
     pub fn forget(&mut self) {
         self.shown = None;

@@ -200,11 +200,6 @@ impl GatheredPicture {
         self.shown.as_ref().map(|shown| shown.noise)
     }
 
-    /// Noise that suffices, as a share of the local light.
-    pub fn error(&self) -> f32 {
-        self.error
-    }
-
     /// Width and height, pixels.
     pub fn size(&self) -> [u32; 2] {
         self.size
