@@ -1,4 +1,4 @@
-//! The certificate: what is read, beside light that is looked for anew, at points that nothing else knows.
+//! The certificate: readings beside a second gather, at points that nothing else knows.
 //!
 //! A reading looks once from a point and reads the field where its rays end. The comparison looks from those ends once more:
 //! what that changes is the field's own error as one reflection hands it on. Further reflections hand on a share ρ̄, the mean

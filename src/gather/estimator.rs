@@ -49,7 +49,7 @@ pub struct Irradiance {
     pub rays: u64,
 }
 
-/// A reading beside light that was looked for anew.
+/// A reading beside a second gather at its point.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Checked {
     /// The reading.

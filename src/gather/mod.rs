@@ -70,7 +70,7 @@ enum Stage {
     Direct(usize),
     /// Casts the rays of a pass from the queued leaves, from this place on.
     Cast(usize),
-    /// Compares with light that is looked for anew.
+    /// Compares readings with a second gather.
     Certify(Box<Certifying>),
     /// Nothing is left to do.
     Done,

@@ -166,7 +166,7 @@ pub(in crate::app) fn show(app: &mut App, ui: &mut Ui, outbox: &mut Outbox) {
             ui.painter().circle_filled(dot.center(), 4.0, theme::ACCENT);
             ui.add(egui::Label::new(egui::RichText::new(format!("{name} has changed on disk.")).strong()).truncate());
             ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-                let hint = "Goes on with the scene as it is in view; what changes after this is told again.";
+                let hint = "Goes on with the scene as it is in view; what changes after this is reported again.";
                 keep = ui.button("Keep").on_hover_text(hint).clicked();
                 let hint = "Reads the file again. Camera, lamps and settings stay; materials and groups that were changed here and not saved do not.";
                 reload = ui.button("Reload").on_hover_text(hint).clicked();
