@@ -51,12 +51,14 @@ pub fn start(matches: &ArgMatches) -> anyhow::Result<()> {
 }
 
 fn filter(text: &str) -> Result<Targets, String> {
-    if let Ok(level) = LevelFilter::from_str(text) {
+    // An empty text is a level to the library.
+    let level_of = |word: &str| LevelFilter::from_str(word).ok().filter(|_| !word.is_empty());
+    if let Some(level) = level_of(text) {
         return Ok(Targets::new().with_target(OURS, level));
     }
     let advice = "it must be error, warn, info or debug, or a filter such as selflink::solve=debug";
     // A word that is no level would be the name of a module.
-    let has_levels = text.split(',').all(|part| part.contains('=') || LevelFilter::from_str(part.trim()).is_ok());
+    let has_levels = text.split(',').all(|part| part.contains('=') || level_of(part.trim()).is_some());
     text.parse().ok().filter(|_| has_levels).ok_or_else(|| advice.to_owned())
 }
 
