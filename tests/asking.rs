@@ -23,7 +23,7 @@ fn an_error_is_what_one_asks_for() {
     }
     let rays = |stats: &serde_json::Value| stats["rays"].as_u64().expect("a count");
     assert!(rays(&coarse) < rays(&usual), "{} and {} rays", rays(&coarse), rays(&usual));
-    // By ε nothing is promised.
+    // By ε no error is asked for.
     let by_threshold = self::stats(&["--epsilon", "1e-2"]);
     assert!(by_threshold["error_asked"].is_null() && by_threshold["reconstruct"] == "vertex");
 }

@@ -1,9 +1,11 @@
 //! Loading OBJ, glTF, GLB, PLY and STL scenes with their sidecars: what comes in, what is left out, and that both are said.
 
+#[path = "support/left_out.rs"]
+mod left_out;
 mod support;
 
 use std::f32::consts::PI;
-use std::time::Instant;
+use std::path::PathBuf;
 
 use glam::{DVec3, Vec3};
 use selflink::scene::{CameraPose, MaterialId, Scene, Sidecar, Sides, load_file, write_obj};
@@ -367,13 +369,19 @@ fn a_gltf_file_reads_buffers_beside_it_or_embedded() {
     assert!((total_area(&scene) - 0.5).abs() < 1e-6);
 }
 
+/// The folder of larger scenes.
+fn scenes() -> Option<PathBuf> {
+    let folder = std::env::var_os("SELFLINK_SCENES").map(PathBuf::from);
+    if folder.is_none() {
+        left_out::left_out("real scenes; set SELFLINK_SCENES to their folder");
+    }
+    folder
+}
+
 /// Truth: the counts in the descriptions beside the scenes, made by another program.
 #[test]
 fn real_scenes_have_the_counts_that_their_descriptions_give() {
-    let Some(folder) = std::env::var_os("SELFLINK_SCENES").map(std::path::PathBuf::from) else {
-        eprintln!("SKIPPED: set SELFLINK_SCENES to the folder of the real scenes to check them");
-        return;
-    };
+    let Some(folder) = scenes() else { return };
     // File, faces, quads that stay, degenerate, listed twice.
     let known = [
         ("cornell-box/CornellBox-Original.obj", 16, 16, 0, 0),
@@ -384,9 +392,7 @@ fn real_scenes_have_the_counts_that_their_descriptions_give() {
         ("classroom/classroom.glb", 583_937, 0, 98, 0),
     ];
     for (file, faces, quads, degenerate, duplicate) in known {
-        let start = Instant::now();
         let scene = load_file(&folder.join(file)).expect("a sound scene");
-        eprintln!("{file}: {:?}", start.elapsed());
         let skipped = &scene.skipped;
         assert_eq!((skipped.degenerate_faces, skipped.duplicate_faces), (degenerate, duplicate), "{file}");
         assert_eq!(scene.polygons.len() + degenerate + duplicate + skipped.ignored_faces, faces, "{file}");
@@ -399,10 +405,7 @@ fn real_scenes_have_the_counts_that_their_descriptions_give() {
 /// Truth: the descriptions beside the scenes, made by another program: all that is seen from inside faces the viewer.
 #[test]
 fn well_wound_real_scenes_have_no_face_seen_from_behind() {
-    let Some(folder) = std::env::var_os("SELFLINK_SCENES").map(std::path::PathBuf::from) else {
-        eprintln!("SKIPPED: set SELFLINK_SCENES to the folder of the real scenes to check them");
-        return;
-    };
+    let Some(folder) = scenes() else { return };
     for file in ["CornellBox-Original.obj", "CornellBox-Sphere.obj", "CornellBox-bevy.glb"] {
         let scene = load_file(&folder.join("cornell-box").join(file)).expect("a sound scene");
         let (front, _) = selflink::geometry::orient::apply(scene.clone(), Sides::Front);

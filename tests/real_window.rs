@@ -4,6 +4,9 @@
 //! pictures are presented on, and the program's own end. Needs Xvfb, which `./dev test` installs, and an adapter; says so where one is missing.
 #![cfg(all(feature = "gui", target_os = "linux"))]
 
+#[path = "support/left_out.rs"]
+mod left_out;
+
 use std::io::{BufRead, BufReader, Read};
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
@@ -152,7 +155,7 @@ fn lit(view: &[u8]) -> f64 {
 #[test]
 fn a_window_is_opened_driven_and_closed() {
     let Some(display) = Display::start() else {
-        eprintln!("\n*** SKIPPED: no Xvfb is installed, so the real window was not tried ***\n");
+        left_out::left_out("the real window; Xvfb is not installed");
         return;
     };
     let home = tempfile::tempdir().expect("a folder for what the window keeps");

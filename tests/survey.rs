@@ -1,6 +1,6 @@
 //! The surveyor's thread: the pointer, probes and a work plane, each in the newest light.
 //!
-//! Truth: the snapshot itself, whose values at a point the probe module interpolates by other means; and a wall clock.
+//! Truth: the snapshot itself, whose values at a point the probe module interpolates by other means.
 
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -109,9 +109,9 @@ fn pointer_probes_and_plane_are_answered() {
     until(&surveyor, "a refusal", |report| report.failure.as_ref().is_some_and(|failure| failure.contains("spacing")));
 }
 
-/// Truth: a wall clock; 50 ms and what a loaded machine adds.
+/// How soon it is given up is counted where a plane is measured: a few points at a time.
 #[test]
-fn a_large_plane_is_given_up_at_once_and_the_pointer_is_answered_meanwhile() {
+fn a_large_plane_is_given_up_and_the_pointer_is_answered_meanwhile() {
     let (scene, snapshot) = cornell();
     let surveyor = Surveyor::spawn(Box::new(|| {})).expect("a thread");
     surveyor.show(scene.clone(), snapshot);
@@ -121,9 +121,7 @@ fn a_large_plane_is_given_up_at_once_and_the_pointer_is_answered_meanwhile() {
     surveyor.look(Some(down(&scene)));
     let report = until(&surveyor, "a look", |report| report.looked.is_some());
     assert!(report.progress.is_some() && report.plane.is_none(), "the plane is still being measured");
-    let begun = Instant::now();
     surveyor.forget_plane();
     until(&surveyor, "the end", |report| report.progress.is_none());
-    assert!(begun.elapsed() < Duration::from_millis(500), "{:?}", begun.elapsed());
     assert!(surveyor.report().plane.is_none());
 }

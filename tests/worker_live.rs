@@ -60,7 +60,8 @@ fn has_other_patches(before: &Snapshot, latest: &Snapshot) -> bool {
 
 /// Truth: clocks. Either way the first picture after a change of ε, and the first that has other patches, come soon.
 #[test]
-fn a_changed_threshold_shows_soon_in_the_office() {
+#[ignore = "slow: tells times, which want cores of their own"]
+fn slow_a_changed_threshold_shows_soon_in_the_office() {
     let worker = solved(Source::Builtin(BuiltinScene::Office), by(1e-3));
     for epsilon in [3e-4, 1e-3, 3e-3] {
         let begun = Instant::now();

@@ -14,7 +14,7 @@ const TALL_SCREEN: f32 = 1900.0;
 /// The size of everything on it at first.
 const TALL_SCREEN_SCALE: f32 = 2.0;
 
-/// What a person chose.
+/// Appearance that a person chose.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub(in crate::app) struct Appearance {
@@ -33,7 +33,7 @@ impl Default for Appearance {
 }
 
 impl Appearance {
-    /// What was kept, put into force.
+    /// Puts the appearance that was kept into force.
     pub(in crate::app) fn restore(ctx: &Context, storage: Option<&dyn eframe::Storage>) -> Self {
         let appearance: Self = storage.and_then(|storage| eframe::get_value(storage, KEY)).unwrap_or_default();
         theme::apply(ctx);

@@ -3,6 +3,7 @@
 use crate::app::state::{files, settings, undo, watch};
 use crate::app::view::{camera_menu, viewport};
 use crate::app::{App, DISPLAY_KEY, Outbox, RECENT_KEY, layout, panels, shortcuts, timeline, tools, words};
+use crate::base::panic_report;
 use crate::scene::Source;
 use crate::worker::Command;
 
@@ -73,6 +74,9 @@ impl eframe::App for App {
         self.view.pointing.end_frame(ui.ctx());
         outbox.extend(self.edits.light.luminaires_command(undo::is_busy(ui.ctx())));
         undo::note(self, ui.ctx());
+        if !outbox.is_empty() {
+            panic_report::note_settings(self.settings().to_json().unwrap_or_default());
+        }
         for command in outbox {
             if let Command::Load(source, _, light) = &command {
                 self.documents.opened.ask(source, light);

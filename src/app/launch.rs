@@ -7,6 +7,7 @@ use std::rc::Rc;
 
 use crate::app::App;
 use crate::app::state::device::{DeviceLossState, Legacy};
+use crate::base::panic_report;
 use crate::base::threads::lock;
 use crate::export::settings::Settings;
 
@@ -23,7 +24,7 @@ pub enum AppError {
         "no window can be opened, {reason}: start the program from a desktop session (Debian and Ubuntu may lack libxkbcommon-x11-0), or use `selflink solve` and `selflink render`"
     )]
     NoDisplay {
-        /// What is missing.
+        /// The part that is missing.
         reason: String,
     },
     /// No graphics adapter draws to the display.
@@ -81,6 +82,8 @@ fn run_once(settings: Settings, resumes: bool, was_lost: bool) -> Result<Option<
     let creator_is_open = is_open.clone();
     let will = DeviceLossState::default();
     let of_window = will.clone();
+    // winit panics where a library of the window system is missing; a panic of the open window is a fault of ours.
+    panic_report::expect(true);
     let outcome = catch_unwind(AssertUnwindSafe(|| {
         eframe::run_native(
             "selflink",
@@ -94,17 +97,18 @@ fn run_once(settings: Settings, resumes: bool, was_lost: bool) -> Result<Option<
                     );
                 }
                 creator_is_open.set(true);
+                panic_report::expect(false);
                 Ok(Box::new(app))
             }),
         )
     }));
+    panic_report::expect(false);
     let legacy = lock(&will).take();
     match outcome {
         // What the toolkit made of a lost device is of no interest.
         _ if legacy.is_some() => Ok(legacy),
         Ok(Ok(())) => Ok(None),
         Ok(Err(error)) => Err(advice(error)),
-        // winit panics where a library of the window system is missing; a panic of the open window is a fault of ours.
         Err(panic) if is_open.get() => resume_unwind(panic),
         Err(panic) => {
             let text = panic.downcast_ref::<String>().map(String::as_str);
@@ -131,7 +135,7 @@ fn start_anew(legacy: Legacy, losses: u32) -> Result<(), AppError> {
     }
 }
 
-/// What a person can do about it.
+/// Advice on an error that keeps the window from opening.
 fn advice(error: eframe::Error) -> AppError {
     match error {
         eframe::Error::AppCreation(error) => match error.downcast::<AppError>() {

@@ -11,7 +11,7 @@ const VIEW_SHARE: f32 = 0.5;
 /// Width that the settings need, points.
 pub(in crate::app) const LEAST_SETTINGS: f32 = 300.0;
 
-/// What of the window is shown, and how.
+/// Parts of the window that are shown, and how.
 pub(in crate::app) struct Layout {
     /// Scale, theme.
     pub appearance: Appearance,

@@ -46,14 +46,14 @@ use view::{View, paint};
 
 /// On software adapters drawing takes the solver's cores, so pictures wait this long for each other.
 const REPAINT_INTERVAL_ON_CPU: Duration = Duration::from_millis(100);
-/// What was put off for want of time is looked at again after this.
+/// Work that was put off for want of time is looked at again after this.
 const LATER: Duration = Duration::from_millis(200);
 
 /// Keys under which the storage keeps what lasts from one run to the next.
 const RECENT_KEY: &str = "recent_files";
 const DISPLAY_KEY: &str = "display";
 
-/// What the worker last said, as every panel sees it.
+/// News of the worker as every panel sees them.
 #[derive(Default)]
 struct Shown {
     /// The scene of `snapshot`.
@@ -65,7 +65,7 @@ struct Shown {
 /// Commands that a frame gives rise to.
 type Outbox = Vec<Command>;
 
-/// What threads call when they have something to show.
+/// Function that threads call when they have something to show.
 type Wake = Arc<dyn Fn() + Send + Sync>;
 
 /// The window's state.
@@ -158,7 +158,7 @@ impl App {
         self.graphics.state.lost()
     }
 
-    /// What the worker said it is about, as of the last frame.
+    /// Status of the worker as of the last frame.
     pub fn status(&self) -> &Status {
         &self.shown.status
     }

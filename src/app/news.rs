@@ -1,4 +1,4 @@
-//! What the worker has to say, taken up at the beginning of a frame.
+//! News of the worker, taken up at the beginning of a frame.
 
 use std::sync::Arc;
 
@@ -9,7 +9,7 @@ use crate::worker::{Event, RunState, SceneInfo};
 
 /// A scene whose first snapshot has not come yet.
 pub(in crate::app) struct Incoming {
-    /// What is known of it.
+    /// Facts about the scene.
     pub info: Arc<SceneInfo>,
     /// A new scene rather than an edit: the camera starts afresh.
     pub is_new: bool,

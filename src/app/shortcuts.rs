@@ -9,7 +9,7 @@ use crate::app::widgets::theme;
 use crate::app::{App, Outbox, panels, words};
 use crate::worker::{Command, RunState};
 
-/// What a key does.
+/// Action of a key.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Action {
     ShowKeys,
@@ -49,7 +49,7 @@ const SHORTCUTS: [Shortcut; 15] = [
 const LIST_WIDTH: f32 = 670.0;
 const LIST_HEIGHT: f32 = 430.0;
 
-/// What egui does by itself.
+/// Shortcut that egui handles by itself.
 const SCALING: (&str, &str) = ("Ctrl + − 0", "interface larger, smaller, as it was");
 
 /// Acts upon the keys of this frame; not while a text is being typed.

@@ -22,12 +22,12 @@ const TICKS: [(TimelineStepKind, f32); 4] = [
 
 /// Draws it along the lower edge of the view; nothing before there is a step to be seen.
 pub(in crate::app) fn show(app: &mut App, ui: &mut Ui) {
-    let moments = app.shown.status.moments.clone();
-    if moments.len() < 2 || app.shown.snapshot.is_none() {
+    let steps = app.shown.status.steps.clone();
+    if steps.len() < 2 || app.shown.snapshot.is_none() {
         return;
     }
     let now = ui.input(|input| input.time);
-    if let Some(wait) = app.tools.playback.play(now, app.shown.snapshot.as_deref(), moments.len()) {
+    if let Some(wait) = app.tools.playback.play(now, app.shown.snapshot.as_deref(), steps.len()) {
         ui.ctx().request_repaint_after(wait);
     }
     egui::Panel::bottom("timeline").exact_size(HEIGHT).show(ui, |ui| {
@@ -40,28 +40,28 @@ pub(in crate::app) fn show(app: &mut App, ui: &mut Ui) {
             if play.clicked() {
                 app.tools.playback.play_or_stop(now);
             }
-            let is_live = app.tools.playback.moment.is_none();
+            let is_live = app.tools.playback.step.is_none();
             if ui.selectable_label(is_live, words::LATEST).on_hover_text(words::JUMP_TO_LATEST).clicked() {
                 app.tools.playback.show(None);
             }
             ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-                let at = app.tools.playback.moment.unwrap_or(moments.len() - 1).min(moments.len() - 1);
+                let at = app.tools.playback.step.unwrap_or(steps.len() - 1).min(steps.len() - 1);
                 let words = WORDS.min(SHARE_OF_WORDS * ui.available_width());
                 ui.allocate_ui_with_layout(vec2(words, 20.0), Layout::left_to_right(Align::Center), |ui| {
                     ui.set_width(words);
-                    ui.add(egui::Label::new(theme::value(in_words(&moments, at))).truncate());
+                    ui.add(egui::Label::new(theme::value(in_words(&steps, at))).truncate());
                 });
-                if let Some(moment) = track(ui, &moments, app.tools.playback.moment) {
-                    app.tools.playback.show(moment);
+                if let Some(step) = track(ui, &steps, app.tools.playback.step) {
+                    app.tools.playback.show(step);
                 }
             });
         });
     });
 }
 
-/// What a step was: its number, its kind, and what there was after it.
-fn in_words(moments: &[TimelineStep], at: usize) -> String {
-    let info = &moments[at];
+/// Description of a step: its number, its kind, and the counts after it.
+fn in_words(steps: &[TimelineStep], at: usize) -> String {
+    let info = &steps[at];
     let kind = match info.kind {
         TimelineStepKind::Start => "self-link".to_owned(),
         TimelineStepKind::Wave => format!("wave {}", info.stats.wave),
@@ -69,30 +69,30 @@ fn in_words(moments: &[TimelineStep], at: usize) -> String {
         TimelineStepKind::Pass => "final gather".to_owned(),
     };
     let links = info.stats.links + info.stats.candidates_left;
-    format!("{}/{} {kind} · {}", at + 1, moments.len(), format::things(links, "link", "links"))
+    format!("{}/{} {kind} · {}", at + 1, steps.len(), format::things(links, "link", "links"))
 }
 
 /// The ticks, with the present one marked; a click or drag chooses another: the last one is the present.
-fn track(ui: &mut Ui, moments: &[TimelineStep], shown: Option<usize>) -> Option<Option<usize>> {
+fn track(ui: &mut Ui, steps: &[TimelineStep], shown: Option<usize>) -> Option<Option<usize>> {
     let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), 20.0), Sense::click_and_drag());
-    let last = moments.len() - 1;
+    let last = steps.len() - 1;
     response.widget_info(|| {
         let at = shown.unwrap_or(last) as f64 + 1.0;
         egui::WidgetInfo::slider(true, at, words::STEP_OF_THE_SOLVE)
     });
     let inner = rect.shrink2(vec2(8.0, 0.0));
-    let x = |moment: usize| inner.left() + inner.width() * moment as f32 / last as f32;
+    let x = |step: usize| inner.left() + inner.width() * step as f32 / last as f32;
     let painter = ui.painter_at(rect);
     let middle = inner.center().y;
     painter.hline(inner.x_range(), middle, (1.0, theme::TEXT_WEAK));
-    for (moment, info) in moments.iter().enumerate() {
+    for (step, info) in steps.iter().enumerate() {
         let half = TICKS.iter().find(|(kind, _)| *kind == info.kind).map_or(3.0, |(_, half)| *half);
-        painter.vline(x(moment), middle - half..=middle + half, (1.0, theme::TEXT_WEAK));
+        painter.vline(x(step), middle - half..=middle + half, (1.0, theme::TEXT_WEAK));
     }
     let at = pos2(x(shown.unwrap_or(last)), middle);
     painter.circle_filled(at, 5.5, if shown.is_some() { theme::ACCENT } else { theme::DONE });
     let response = response.on_hover_text_at_pointer(match hovered(ui, inner, last) {
-        Some(moment) => described(&moments[moment]),
+        Some(step) => described(&steps[step]),
         None => "Every step of the solve: drag to see an earlier one".to_owned(),
     });
     chosen(ui, &response, inner, last, shown)
@@ -115,7 +115,7 @@ fn chosen(ui: &Ui, response: &Response, inner: Rect, last: usize, shown: Option<
             i32::from(pressed(egui::Key::ArrowRight)) - i32::from(back)
         })
     });
-    let moment = match by_key.filter(|step| *step != 0) {
+    let step = match by_key.filter(|step| *step != 0) {
         Some(step) => (shown.unwrap_or(last) as i64 + i64::from(step)).clamp(0, last as i64) as usize,
         None => {
             let at = response.interact_pointer_pos().filter(|_| response.is_pointer_button_down_on())?;
@@ -123,7 +123,7 @@ fn chosen(ui: &Ui, response: &Response, inner: Rect, last: usize, shown: Option<
             (along * last as f32).round() as usize
         }
     };
-    Some((moment < last).then_some(moment))
+    Some((step < last).then_some(step))
 }
 
 fn described(info: &TimelineStep) -> String {

@@ -21,7 +21,7 @@ words! {
     SCENE = "Scene";
     /// Section of lamps and materials.
     LIGHT = "Light";
-    /// The same section of a scene without a lamp.
+    /// Title of the light section of a scene without a lamp.
     LIGHT_NONE_YET = "Light: none yet";
     /// Section of the target error and of running, pausing and stepping.
     QUALITY = "Quality";
@@ -96,9 +96,9 @@ words! {
     FORMER_STEP = "Former step";
     /// Status of a solve that ended before its target.
     STOPPED = "Stopped";
-    /// What follows [`LINKS_SETTLED`] while the error is not known.
+    /// Text behind [`LINKS_SETTLED`] while the error is not known.
     ERROR_NOT_MEASURED = "error not measured";
-    /// What follows a status where the error is known, before the figure.
+    /// Text behind a status where the error is known, before the figure.
     SURFACES_WITHIN = "9 of 10 surfaces within";
     /// Status of a scene without a lamp.
     NOTHING_EMITS = "Nothing emits light";

@@ -113,7 +113,7 @@ pub fn bytes(bytes: usize) -> String {
     format!("{size:.1} {}", UNITS[unit])
 }
 
-/// What the system says of an error, without its number: `(os error 2)` tells a person nothing.
+/// The system's text of an error without its number: `(os error 2)` tells a person nothing.
 pub fn without_os_codes(text: &str) -> String {
     const MARK: &str = " (os error ";
     let mut kept = String::with_capacity(text.len());

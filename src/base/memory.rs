@@ -11,7 +11,7 @@ use sysinfo::{MemoryRefreshKind, ProcessRefreshKind, ProcessesToUpdate, RefreshK
 /// and for other programs.
 const USUAL_SHARE: f64 = 0.6;
 
-/// What a machine is taken to have that does not tell, bytes.
+/// Memory that a machine is taken to have where the system does not tell, bytes.
 const UNKNOWN_MACHINE: u64 = 4 << 30;
 
 /// Least budget that can be asked for, bytes; the smallest scene needs some of it.

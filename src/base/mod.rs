@@ -1,9 +1,11 @@
-//! What everything else stands on: long work that can be stopped, numbers for people, random ones, memory.
+//! The lowest layer: long work that can be stopped, numbers for people, random numbers, memory, reports of panics.
 
+pub mod actor;
 pub mod cancel;
 pub mod font;
 pub mod format;
 pub mod memory;
+pub mod panic_report;
 pub mod photometry;
 pub mod random;
 pub mod threads;

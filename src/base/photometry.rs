@@ -7,9 +7,9 @@ use serde::{Deserialize, Serialize};
 
 /// Luminous efficacy of white light, lm/W (the convention of Radiance).
 pub const LUMENS_PER_WATT: f32 = 179.0;
-/// What red, green and blue weigh (Rec. 709); they add up to 1.
+/// Weights of red, green and blue (Rec. 709); they add up to 1.
 pub const WEIGHTS: [f32; 3] = [0.2126, 0.7152, 0.0722];
-/// The same as a formula, for people.
+/// Illuminance of an irradiance as a formula, for people.
 pub const FORMULA: &str = "179 lm/W × (0.2126 R + 0.7152 G + 0.0722 B)";
 /// The convention, for people.
 pub const CONVENTION: &str =
@@ -25,7 +25,7 @@ pub fn lux(light: [f32; 3]) -> f32 {
     LUMENS_PER_WATT * weighted(light)
 }
 
-/// What is read off a surface.
+/// Quantity that is read off a surface.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub enum Quantity {
     /// Irradiance E: what arrives.
@@ -36,7 +36,7 @@ pub enum Quantity {
 }
 
 impl Quantity {
-    /// Its name and symbol.
+    /// Name and symbol of the quantity.
     pub fn name(self) -> &'static str {
         match self {
             Self::Irradiance => "irradiance E",
@@ -44,7 +44,7 @@ impl Quantity {
         }
     }
 
-    /// Its name and symbol where the eye's light is counted.
+    /// Name and symbol of the quantity in a unit: photometric or radiometric.
     pub fn name_in(self, unit: Unit) -> &'static str {
         match (self, unit) {
             (_, Unit::Watts) => self.name(),
@@ -54,7 +54,7 @@ impl Quantity {
     }
 }
 
-/// What readings are counted in.
+/// Unit of readings.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub enum Unit {
     /// lx of what arrives, lm/m² of what leaves.
@@ -65,7 +65,7 @@ pub enum Unit {
 }
 
 impl Unit {
-    /// What 1 W/m² counts in this unit.
+    /// Value of 1 W/m² in this unit.
     pub fn per_watt(self) -> f32 {
         match self {
             Self::Lumens => LUMENS_PER_WATT,
@@ -73,7 +73,7 @@ impl Unit {
         }
     }
 
-    /// Its sign, for a quantity.
+    /// Sign of the unit for a quantity.
     pub fn sign(self, quantity: Quantity) -> &'static str {
         match (self, quantity) {
             (Self::Watts, _) => "W/m²",

@@ -2,9 +2,36 @@
 
 use glam::Vec3;
 
-/// A well-mixed 64-bit hash of two numbers (the finaliser of splitmix64).
+/// The increment of SplitMix64.
+pub const GOLDEN: u64 = 0x9e37_79b9_7f4a_7c15;
+
+/// A well-mixed 64-bit hash of two numbers (the finaliser of SplitMix64).
 pub fn hash64(a: u64, b: u64) -> u64 {
-    let mut z = a.wrapping_mul(0x9e37_79b9_7f4a_7c15).wrapping_add(b).wrapping_add(0x9e37_79b9_7f4a_7c15);
+    finalised(a.wrapping_mul(GOLDEN).wrapping_add(b).wrapping_add(GOLDEN))
+}
+
+/// A stream of random numbers \[SplitMix64, Steele et al. 2014\] from its seed.
+pub struct Stream(pub u64);
+
+impl Stream {
+    /// The next 64 bits.
+    pub fn bits(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(GOLDEN);
+        finalised(self.0)
+    }
+
+    /// The next number in 0..1, of 24 bits.
+    pub fn unit(&mut self) -> f32 {
+        (self.bits() >> 40) as f32 / (1_u64 << 24) as f32
+    }
+
+    /// The next number in 0..1, of 53 bits.
+    pub fn unit_f64(&mut self) -> f64 {
+        (self.bits() >> 11) as f64 / (1_u64 << 53) as f64
+    }
+}
+
+fn finalised(mut z: u64) -> u64 {
     z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
     z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
     z ^ (z >> 31)

@@ -1,17 +1,67 @@
-//! What the threads beside the solver's have in common.
+//! Locks, pools of threads, and work on a thread of its own that answers once.
 
+use std::sync::mpsc::{Receiver, TryRecvError, channel};
 use std::sync::{Mutex, MutexGuard, PoisonError};
-use std::thread;
+use std::task::Poll;
+use std::thread::{self, Builder};
 
-use rayon::{ThreadPool, ThreadPoolBuilder};
+use rayon::{ThreadPool, ThreadPoolBuildError, ThreadPoolBuilder};
 
 /// Locks; a thread that panicked while it held the lock left a whole value behind, since all of ours only swap or set.
 pub fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
+/// A pool of so many threads, 0 for every core.
+///
+/// # Errors
+/// The system gives no further threads.
+pub fn pool(name: &'static str, threads: usize) -> Result<ThreadPool, ThreadPoolBuildError> {
+    ThreadPoolBuilder::new().num_threads(threads).thread_name(move |index| format!("{name}-{index}")).build()
+}
+
 /// A pool of half of the machine's threads: the solver has all of them, and the two share. Without one, rayon's own serves.
 pub fn half_pool(name: &'static str) -> Option<ThreadPool> {
-    let threads = thread::available_parallelism().map_or(1, |count| count.get().div_ceil(2));
-    ThreadPoolBuilder::new().num_threads(threads).thread_name(move |index| format!("{name}-{index}")).build().ok()
+    pool(name, thread::available_parallelism().map_or(1, |count| count.get().div_ceil(2))).ok()
+}
+
+/// Works on a pool; without one, on rayon's own.
+pub fn within<T: Send>(pool: Option<&ThreadPool>, work: impl FnOnce() -> T + Send) -> T {
+    match pool {
+        Some(pool) => pool.install(work),
+        None => work(),
+    }
+}
+
+/// Work on a thread of its own that answers once.
+pub struct Background<T>(Receiver<T>);
+
+impl<T: Send + 'static> Background<T> {
+    /// Starts the work; `wake` is called on its thread once the answer is there.
+    ///
+    /// # Errors
+    /// The system gives no further thread.
+    pub fn start(
+        name: &str,
+        wake: impl FnOnce() + Send + 'static,
+        work: impl FnOnce() -> T + Send + 'static,
+    ) -> std::io::Result<Self> {
+        let (answer, answers) = channel();
+        let work = move || {
+            // Nobody may wait any more.
+            let _ = answer.send(work());
+            wake();
+        };
+        Builder::new().name(name.into()).spawn(work)?;
+        Ok(Self(answers))
+    }
+
+    /// The answer, once it is there; nothing where the work panicked. It comes once.
+    pub fn poll(&self) -> Poll<Option<T>> {
+        match self.0.try_recv() {
+            Ok(answer) => Poll::Ready(Some(answer)),
+            Err(TryRecvError::Empty) => Poll::Pending,
+            Err(TryRecvError::Disconnected) => Poll::Ready(None),
+        }
+    }
 }

@@ -7,8 +7,9 @@ use std::time::{Duration, Instant};
 
 use anyhow::{anyhow, bail};
 use clap::ArgMatches;
-use rayon::{ThreadPool, ThreadPoolBuilder};
+use rayon::ThreadPool;
 use selflink::base::cancel::CancelToken;
+use selflink::base::{panic_report, threads};
 use selflink::export::settings::Settings;
 use selflink::geometry::Occluders;
 use selflink::prepare;
@@ -18,7 +19,7 @@ use selflink::solve::{Snapshot, Solver, Stats, Step};
 use super::options;
 use super::progress::Progress;
 
-/// What is to be solved, and how; read from the arguments and checked, but nothing loaded yet.
+/// A scene to be solved, and how; read from the arguments and checked, but nothing loaded yet.
 pub struct Order {
     /// Where the scene comes from.
     pub source: Source,
@@ -44,6 +45,7 @@ impl Order {
     fn new(scene: Option<&str>, matches: &ArgMatches) -> anyhow::Result<Self> {
         let limit = options::seconds(matches)?;
         let settings = options::settings(scene, matches)?;
+        panic_report::note_settings(settings.to_json()?);
         let source = match scene {
             // As it was given, so that errors name it so.
             Some(scene) => options::source(scene)?,
@@ -87,9 +89,9 @@ fn prepare(order: &Order) -> anyhow::Result<(Scene, Occluders)> {
 }
 
 /// Threads for the solver; 0 takes every core.
-pub fn pool(threads: u32) -> anyhow::Result<ThreadPool> {
-    let builder = ThreadPoolBuilder::new().num_threads(threads as usize).thread_name(|index| format!("solver-{index}"));
-    builder.build().map_err(|error| anyhow!("the solver's threads cannot be started ({error}); try fewer --threads"))
+pub fn pool(count: u32) -> anyhow::Result<ThreadPool> {
+    threads::pool("solver", count as usize)
+        .map_err(|error| anyhow!("the solver's threads cannot be started ({error}); try fewer --threads"))
 }
 
 /// A scene that is ready to be solved.

@@ -44,7 +44,7 @@ fn write(folder: &Path, mut program: Command) -> io::Result<usize> {
     for shell in SHELLS {
         clap_complete::generate_to(shell, &mut program, "selflink", &completions)?;
     }
-    let commands = 1 + of_pages.get_subcommands().count();
+    let commands = 1 + of_pages.get_subcommands().filter(|command| !command.is_hide_set()).count();
     clap_mangen::generate_to(of_pages, &pages)?;
     Ok(commands + SHELLS.len())
 }

@@ -16,10 +16,12 @@ mod job;
 mod legend;
 #[cfg(feature = "gui")]
 mod line_labels;
+mod log;
 mod man;
 mod matrix;
 mod options;
 mod output;
+mod panic;
 #[cfg(feature = "gui")]
 mod picture_chart;
 mod probe;
@@ -43,12 +45,14 @@ use std::time::Instant;
 use clap::error::ErrorKind;
 use clap::{ArgMatches, Command};
 use selflink::base::format::without_os_codes;
+use selflink::base::panic_report;
 
 /// Exit code of everything that cannot be done.
 const CANNOT: u8 = 2;
 
 /// Runs what the arguments ask for; `started` is when the process was.
 pub fn main(started: Instant) -> ExitCode {
+    panic_report::install(std::env::temp_dir());
     let matches = match command().try_get_matches() {
         Ok(matches) => matches,
         Err(error) if matches!(error.kind(), ErrorKind::DisplayHelp | ErrorKind::DisplayVersion) => {
@@ -59,7 +63,8 @@ pub fn main(started: Instant) -> ExitCode {
         }
         Err(error) => return refuse(&sentence_of(&error)),
     };
-    match dispatch(&matches, started) {
+    let done = log::start(&matches).and_then(|()| dispatch(&matches, started));
+    match done {
         Ok(code) => code,
         Err(error) => refuse(&error.to_string()),
     }
@@ -80,6 +85,7 @@ fn dispatch(matches: &ArgMatches, started: Instant) -> anyhow::Result<ExitCode> 
         Some(("export", matches)) => export::run(matches),
         Some(("scene", matches)) => scene::run(matches),
         Some(("man", matches)) => man::run(matches, command()),
+        Some(("panic", matches)) => panic::run(matches),
         _ => window::run(matches, started),
     };
     done.map(|()| ExitCode::SUCCESS)
@@ -98,6 +104,7 @@ fn command() -> Command {
         .subcommand(scene::command())
         .subcommand(export::command())
         .subcommand(man::command())
+        .subcommand(panic::command())
 }
 
 /// Says why, in one line.

@@ -52,7 +52,9 @@ impl OutputFile {
             content(&mut writer)?;
             writer.flush()
         };
-        write().map_err(|error| unwritable(&self.0, &error))
+        write().map_err(|error| unwritable(&self.0, &error))?;
+        tracing::info!(file = %self.0.display(), "written");
+        Ok(())
     }
 }
 

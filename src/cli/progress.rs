@@ -6,6 +6,7 @@ use std::time::{Duration, Instant};
 use indicatif::{ProgressBar, ProgressStyle};
 use selflink::base::format;
 use selflink::solve::{Phase, Solver};
+use tracing::level_filters::LevelFilter;
 
 /// Counting what is there looks at every element, so the bar moves only so often.
 const INTERVAL: Duration = Duration::from_millis(100);
@@ -19,9 +20,10 @@ pub struct Progress {
 }
 
 impl Progress {
-    /// A bar if stderr is a terminal.
+    /// A bar if stderr is a terminal that no log is written to.
     pub fn start() -> Self {
-        let bar = std::io::stderr().is_terminal().then(|| {
+        let is_logged = LevelFilter::current() != LevelFilter::OFF;
+        let bar = (std::io::stderr().is_terminal() && !is_logged).then(|| {
             let bar = ProgressBar::new(STEPS);
             let style = ProgressStyle::with_template("{elapsed:>4} {bar:24} {msg}");
             bar.with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))

@@ -81,7 +81,7 @@ pub struct View {
     pub size: [u32; 2],
     /// Eye and target, in the coordinates of the scene's file.
     pub camera: Option<[DVec3; 2]>,
-    /// What may be the name of one of the file's cameras, where no points are given.
+    /// Name of one of the file's cameras, perhaps, where no points are given.
     pub named_camera: Option<String>,
     /// The whole view, where neither of these is given.
     pub pose: Option<FiledCamera>,

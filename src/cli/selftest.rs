@@ -100,7 +100,6 @@ fn told(check: &Check, checks: usize) -> String {
     let relation = match check.relation {
         Relation::Near => "truth",
         Relation::AtMost => "at most",
-        Relation::AtLeast => "at least",
     };
     let share = 100.0 * (check.ours / check.truth - 1.0);
     let share = if check.truth != 0.0 && share.is_finite() { format!(" ({share:+.2} %)") } else { String::new() };

@@ -5,7 +5,9 @@
 use std::path::PathBuf;
 use std::time::Instant;
 
+use clap::parser::ValueSource;
 use clap::{Arg, ArgAction, ArgMatches, Command};
+use selflink::base::panic_report;
 use selflink::export::settings::Settings;
 #[cfg(feature = "gui")]
 use selflink::render::Offscreen;
@@ -14,6 +16,7 @@ use selflink::scene::{Source, builtin::BuiltinScene};
 use super::job::Order;
 #[cfg(feature = "gui")]
 use super::job::{Job, Solution};
+use super::log;
 use super::options;
 #[cfg(feature = "gui")]
 use super::output::OutputFile;
@@ -36,6 +39,7 @@ pub fn command() -> Command {
         ))
         .args(options::scene_args())
         .args(options::solver_args())
+        .arg(log::arg())
 }
 
 /// Runs it.
@@ -48,7 +52,8 @@ pub fn run(matches: &ArgMatches, started: Instant) -> anyhow::Result<()> {
         None => settings.source().unwrap_or(Source::Builtin(BuiltinScene::default())),
     };
     settings.scene = Some(Settings::name_of(&source));
-    let sentence = match open(&settings, !matches.args_present()) {
+    panic_report::note_settings(settings.to_json()?);
+    let sentence = match open(&settings, !asks_for_something(matches)) {
         Ok(()) => return Ok(()),
         Err(sentence) => sentence,
     };
@@ -56,6 +61,12 @@ pub fn run(matches: &ArgMatches, started: Instant) -> anyhow::Result<()> {
     eprintln!("selflink: solving the scene without a window.");
     let settings_path = options::settings_path(matches);
     without_window(Order { source, settings, settings_path, limit: None }, started)
+}
+
+/// Whether the arguments say what to open or how, rather than what to log.
+fn asks_for_something(matches: &ArgMatches) -> bool {
+    let is_given = |id: &str| matches.value_source(id) == Some(ValueSource::CommandLine);
+    matches.ids().any(|id| id.as_str() != log::LOG && is_given(id.as_str()))
 }
 
 #[cfg(feature = "gui")]

@@ -77,7 +77,7 @@ pub enum SettingsError {
 }
 
 impl Settings {
-    /// What a scene's source is called in settings; a path is made absolute, since a file of
+    /// Name of a scene's source in settings; a path is made absolute, since a file of
     /// settings may be used elsewhere.
     pub fn name_of(source: &Source) -> String {
         match source {

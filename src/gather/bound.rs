@@ -55,7 +55,7 @@ impl Quantiles {
 /// Local error at a point: normally distributed.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PointError {
-    /// What is known of it.
+    /// Known part of the error.
     pub mean: f64,
     /// Standard deviation of the rest.
     pub deviation: f64,
@@ -89,7 +89,7 @@ fn share_beyond(errors: &[PointError], added: f64, limit: f64) -> (f64, f64) {
     (mean, ((squares / count - mean * mean).max(0.0) / (count - 1.0)).sqrt())
 }
 
-/// What nine tenths of the area are within, with a probability of 1 − `risk` over all counts of points that are tried.
+/// Error within which nine tenths of the area are, with a probability of 1 − `risk` over all counts of points that are tried.
 pub(super) fn bound(errors: &[PointError], risk: f64) -> f64 {
     let sure = deviations(risk / POINTS.len() as f64);
     let at_most = |limit: f64| {

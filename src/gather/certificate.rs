@@ -1,4 +1,4 @@
-//! The certificate: what is read, beside light that is looked for anew, at points that nothing else knows.
+//! The certificate: readings beside a second gather, at points that nothing else knows.
 //!
 //! A reading looks once from a point and reads the field where its rays end. The comparison looks from those ends once more:
 //! what that changes is the field's own error as one reflection hands it on. Further reflections hand on a share ρ̄, the mean
@@ -32,12 +32,12 @@ const CHUNK: usize = 16;
 /// Standard error of readings, as a share of the target error.
 pub const NOISE: f64 = 0.33;
 
-/// What is known of the error of readings.
+/// Error of readings as far as it is known.
 #[derive(Clone, Debug, Default)]
 pub struct Certificate {
     /// Nine tenths of the area are within this, with a probability of 1 − [`RISK`].
     pub bound: f64,
-    /// What was found at the points.
+    /// Quantiles of the error at the points.
     pub read: Quantiles,
     /// RMS error of B over the area, as a share of its RMS, by all points that were compared.
     pub radiosity_rms: f64,
@@ -70,7 +70,7 @@ impl Compared {
     }
 }
 
-/// What is compared next.
+/// Kind of the points that are compared next.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Next {
     /// Points by area.
@@ -145,7 +145,7 @@ impl Certifying {
         Some(())
     }
 
-    /// What is compared next.
+    /// Kind of the points that are compared next.
     fn next(&self) -> Next {
         if self.total() <= 0.0 {
             return Next::Nothing;
@@ -226,7 +226,7 @@ impl Certifying {
         points.find(|point| !field.hides(point.position, point.normal, hash64(seed, 7), HIDDEN_RAYS)).unwrap_or(point)
     }
 
-    /// What was found, once enough points were compared to tell whether the target is kept, or that it is not.
+    /// The certificate, once enough points were compared to tell whether the target is kept, or that it is not.
     pub fn certificate(&self) -> Option<Certificate> {
         if self.next() != Next::Nothing {
             return None;

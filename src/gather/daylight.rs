@@ -21,7 +21,7 @@ pub(super) struct SkyRays {
 }
 
 impl Field {
-    /// What shines in from outside, where anything does.
+    /// The sky and the sun, where the scene has them.
     pub(super) fn outside(&self) -> Option<&Outside> {
         self.around.outside.as_deref()
     }

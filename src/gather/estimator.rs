@@ -43,20 +43,20 @@ const FURTHER: GlanceRays = GlanceRays { aimed: 2, cosine: 2 };
 pub struct Irradiance {
     /// E, W/m².
     pub mean: Vec3,
-    /// Its standard error, W/m².
+    /// Standard error of `mean`, W/m².
     pub standard_error: Vec3,
     /// Rays cast.
     pub rays: u64,
 }
 
-/// A reading beside light that was looked for anew.
+/// A reading beside a second gather at its point.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Checked {
     /// The reading.
     pub read: Irradiance,
-    /// Its standard error (mean of the colours), W/m².
+    /// Standard error of the reading (mean of the colours), W/m².
     pub noise: f32,
-    /// What E changes by (mean of the colours) where one reflection more is followed from the ends of its rays, W/m².
+    /// Change of E (mean of the colours) where one reflection more is followed from the ends of its rays, W/m².
     pub change: f32,
     /// Standard error of that, W/m².
     pub change_noise: f32,
@@ -78,12 +78,12 @@ enum Part {
     Cosine,
 }
 
-/// What a look finds.
+/// Light that one look finds.
 #[derive(Clone, Copy, Debug, Default)]
 struct Seen {
     /// Irradiance, W/m².
     light: Vec3,
-    /// What it changes by in a check, W/m².
+    /// Change of E in a check, W/m².
     change: Vec3,
     /// Rays cast.
     rays: u32,
@@ -117,7 +117,7 @@ impl Field {
         irradiance(&self.sums(&Place { point, normal, seed, check: Check::No }, error))
     }
 
-    /// The same reading, with what its error looks like.
+    /// A reading with an estimate of its error.
     pub fn checked_at(&self, (point, normal): (Vec3, Vec3), error: f32, seed: u64) -> Checked {
         let sums = self.sums(&Place { point, normal, seed, check: Check::Yes }, error);
         let [noise, change_noise] =

@@ -108,7 +108,7 @@ impl FacetSampler<'_> {
         if self.total > 0.0 { self.by_solid_angle(u, v) } else { self.by_area(u, v) }
     }
 
-    /// What samples are spread over, evenly: solid angle, sr, or area; the form factor is the mean kernel times this, over π.
+    /// Domain over which samples are spread evenly: solid angle, sr, or area; the form factor is the mean kernel times this, over π.
     pub fn measure(&self) -> f32 {
         if self.total > 0.0 { self.total } else { fan_area(self.facet.corners()) }
     }

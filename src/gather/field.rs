@@ -23,7 +23,7 @@ const LEAST_OF_MEAN: f32 = 0.1;
 /// A leaf is uneven where the standard deviation of E over it is above this share of E + E₀.
 const UNEVEN: f32 = 0.4;
 
-/// What rays meet, the same for all states of a gather.
+/// The scene as rays meet it; all states of a gather share it.
 pub(super) struct Surroundings {
     scene: Arc<Scene>,
     pub(super) occluders: Arc<Occluders>,
@@ -32,7 +32,7 @@ pub(super) struct Surroundings {
     /// The initial patch of each polygon.
     patches: Vec<ElementId>,
     lamps: Arc<LampList>,
-    /// What shines in from outside.
+    /// The sky and the sun.
     pub(super) outside: Option<Arc<Outside>>,
 }
 
@@ -47,13 +47,13 @@ pub struct Field {
     pub(super) areas: Arc<Vec<f32>>,
     /// Square of the distance from which a leaf is read as a whole, m², likewise.
     pub(super) reaches: Arc<Vec<f32>>,
-    /// What each patch reflects in the mean, ρE, W/m², likewise: rays that met a leaf before it was split read all its parts.
+    /// Mean radiosity that each patch reflects, ρE, W/m², parallel to the arena: rays that met a leaf before it was split read all its parts.
     pub(super) reflected: Arc<Vec<Vec3>>,
-    /// What readings see of each leaf, ρE, W/m²: the mean over what is seen from afar, for rays that end near are followed.
+    /// Radiosity that readings see of each leaf, ρE, W/m²: the mean over what is seen from afar, for rays that end near are followed.
     pub(super) sent: Arc<Vec<Vec3>>,
     /// Variance of E over each leaf (mean of the colours), W²/m⁴, likewise; 0 where it is not known.
     pub(super) variance: Arc<Vec<f32>>,
-    /// What is aimed at.
+    /// Sources that rays are aimed at.
     pub(super) sources: Arc<Sources>,
     /// E₀, a tenth of the area's median irradiance (mean of the colours), W/m².
     dim: f32,
@@ -261,7 +261,7 @@ impl Field {
         &self.around.scene
     }
 
-    /// What stops light in it.
+    /// Faces that stop light in the scene.
     pub fn occluders(&self) -> &Arc<Occluders> {
         &self.around.occluders
     }
@@ -305,7 +305,7 @@ impl Field {
             + size_of_val(&self.reflected[..])
     }
 
-    /// What a ray from a face meets.
+    /// The end of a ray from a face.
     pub(super) fn meet(&self, point: Vec3, normal: Vec3, direction: Vec3) -> End {
         match self.around.occluders.ray_from(point, normal, direction) {
             None => End::Outside,

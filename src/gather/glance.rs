@@ -29,7 +29,7 @@ pub struct GlanceRays {
     pub cosine: u32,
 }
 
-/// What a glance finds.
+/// Light that a glance finds.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Glance {
     /// Irradiance by what is aimed at for its own light, W/m².
@@ -70,7 +70,7 @@ impl GatherPoint {
     }
 }
 
-/// What an aimed ray found.
+/// Result of an aimed ray.
 pub(super) enum Lit {
     /// Emission, W/m².
     Emitter(Vec3),
@@ -97,7 +97,7 @@ impl Path {
     }
 }
 
-/// What is told of light that is followed.
+/// A report on light that is followed.
 pub(super) enum Followed<'a> {
     /// So many rays were cast.
     Cast(u32),
@@ -195,12 +195,12 @@ impl Field {
         Some((lit, weight / choice.probability))
     }
 
-    /// What a place reflects towards a point, W/m².
+    /// Radiosity that a place reflects towards a point, W/m².
     fn sent_back(&self, met: &Met, from: Vec3, seed: u64) -> Vec3 {
         self.follow(met, from, Path::start(seed, Vec3::ONE), &mut |_| {})
     }
 
-    /// What a place reflects towards a point, W/m²: as the field says, unless it is too coarse for that; then light is followed
+    /// Radiosity that a place reflects towards a point, W/m²: as the field says, unless it is too coarse for that; then light is followed
     /// by one reflection more. What is near often sees but a strip of what is beyond, so there it is followed once more as well.
     /// `tell` learns of it.
     pub(super) fn follow(&self, met: &Met, from: Vec3, path: Path, tell: &mut dyn FnMut(Followed)) -> Vec3 {

@@ -51,7 +51,7 @@ const MOST_GROWTH: u64 = 2;
 const DIRECT_SHARE: f32 = 0.2;
 const CAST_SHARE: f32 = 0.5;
 
-/// What is asked of a gather.
+/// Target of a gather, and its limits.
 #[derive(Clone, Copy, Debug)]
 pub struct Goal {
     /// The target error, if one is asked for.
@@ -62,20 +62,20 @@ pub struct Goal {
     pub seed: u64,
 }
 
-/// What is done next.
+/// Stage of a gather.
 #[derive(Clone, Debug)]
 enum Stage {
     /// Looks for emitters from the queued leaves, from this place on.
     Direct(usize),
     /// Casts the rays of a pass from the queued leaves, from this place on.
     Cast(usize),
-    /// Compares with light that is looked for anew.
+    /// Compares readings with a second gather.
     Certify(Box<Certifying>),
     /// Nothing is left to do.
     Done,
 }
 
-/// What a step did.
+/// Outcome of a step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Progress {
     /// A part of a pass.
@@ -104,7 +104,7 @@ pub struct Gather {
     /// The error that leaves and rays are made for; falls with each attempt.
     aim: f64,
     certificate: Option<Certificate>,
-    /// What the attempt before found nine tenths of the area to be within.
+    /// Error within which the former attempt found nine tenths of the area.
     before: Option<f64>,
     /// Rays that compared.
     rays_compared: u64,
@@ -114,7 +114,7 @@ pub struct Gather {
     full: Option<Full>,
 }
 
-/// What memory kept from being as fine as was asked for.
+/// The part of a gather that memory kept from being as fine as was asked for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Full {
     /// The leaves.
@@ -286,7 +286,7 @@ impl Gather {
         self.is_ready
     }
 
-    /// What memory kept from being as fine as was asked for.
+    /// The part that memory kept from being as fine as was asked for, if any.
     pub fn full(&self) -> Option<Full> {
         self.full
     }
@@ -296,7 +296,7 @@ impl Gather {
         self.samples.rays + self.rays_compared
     }
 
-    /// What is known of the error, once it is.
+    /// The newest certificate, once there is one.
     pub fn certificate(&self) -> Option<&Certificate> {
         self.certificate.as_ref()
     }

@@ -36,7 +36,7 @@ const LEAF_BYTES: usize = 600;
 const LOOK_BYTES: usize = 72;
 
 impl Gather {
-    /// What is cast in each look of a pass; the same in all passes, so that their samples count alike.
+    /// Rays of each look of a pass: as many in all passes, so that their samples count alike.
     pub(super) fn rays_of_look(&self) -> GlanceRays {
         GlanceRays { aimed: AIMED, cosine: ((COSINE / self.target()) as u32).clamp(4, 64) & !1 }
     }

@@ -58,7 +58,7 @@ pub fn leaves_to_look_from(field: &Field, samples: &GatherSamples, allowed: f64)
     field.leaves().filter(is_heavy).map(looks).filter(|(_, looks)| *looks > 0).collect()
 }
 
-/// What a leaf counts, of 1 for all: by its share of the area, and as much by its share of what is reflected, for its error is one of
+/// Weight of a leaf, of 1 for all: by its share of the area, and as much by its share of what is reflected, for its error is one of
 /// those who read it, too.
 pub fn share_of(field: &Field) -> impl Fn(ElementId) -> f64 + use<'_> {
     let sent = |leaf: ElementId| f64::from(field.area(leaf) * grey(field.reflected[leaf.index()]));

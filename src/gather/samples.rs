@@ -29,14 +29,14 @@ struct Look {
     emitted: Vec3,
     /// Irradiance that the sky brings, W/m², by each half of the rays; nothing without cosine-distributed rays.
     sky: [Vec3; 2],
-    /// What its noise adds to the square of what emission brings (mean of the colours) in the mean.
+    /// Mean addition of the look's noise to the square of the irradiance by emission (mean of the colours).
     noise: f32,
     /// Share of the rays that end on a bright side from where the leaf is read as a whole, not followed: those who read it look
     /// along these. What ends on a back has no reader.
     far: f32,
 }
 
-/// What looks from one leaf found.
+/// Samples of the looks from one leaf.
 #[derive(Default)]
 struct Drawn {
     looks: Vec<Look>,
@@ -78,7 +78,7 @@ struct Sums {
 }
 
 impl Sums {
-    /// What reflected light is scaled by, so that it dies out: of few aimed rays some bring more than is sent, by chance, and leaves
+    /// Scale of reflected light by which it dies out: of few aimed rays some bring more than is sent, by chance, and leaves
     /// that light each other so would glow without end. What this leaf's reflectance makes up for stays: rows that are too small
     /// by chance stay as well.
     fn closure(&self, reflectance: f32) -> f32 {
@@ -338,7 +338,7 @@ impl Pass {
     }
 }
 
-/// What the noise of a sum of two parts adds to its square in the mean, where the parts are independent estimates of one half each.
+/// Mean addition of noise to the square of a sum of two parts, where the parts are independent estimates of one half each.
 fn noise_of_halves([a, b]: [f32; 2]) -> f32 {
     (a - b) * (a - b)
 }

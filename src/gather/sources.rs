@@ -1,4 +1,4 @@
-//! What gathers aim rays at: emitters, and small surfaces that reflect so much that random rays would
+//! Sources that gathers aim rays at: emitters, and small surfaces that reflect so much that random rays would
 //! rarely meet what decides about a point's light.
 //!
 //! Both lie in the cluster tree with their powers, so a point finds what matters to it by going down
@@ -37,7 +37,7 @@ pub struct Sources {
     pub(super) tree: SourceTree,
 }
 
-/// What a point aims at, with what it could send (W/m², largest colour).
+/// A source that a point aims at, with the light that it could send (W/m², largest colour).
 #[derive(Clone, Copy, Debug)]
 pub struct Aim {
     at: Target,
@@ -100,7 +100,7 @@ impl Sources {
 }
 
 impl Field {
-    /// What a point with this unit normal aims at; what was in `aims` is forgotten.
+    /// Finds the sources that a point with this unit normal aims at; `aims` is emptied first.
     pub fn find_aims(&self, point: Vec3, normal: Vec3, aims: &mut Vec<Aim>) {
         aims.clear();
         self.collect(Hierarchy::ROOT, point, normal, aims);

@@ -10,9 +10,6 @@ use crate::base::random::{cosine_direction, hash64};
 use crate::scene::outside::Outside;
 use crate::scene::{Polygon, Scene};
 
-/// Reflections after which light that was not found is not looked for any further.
-const MOST_BOUNCES: u64 = 6;
-
 /// The polygons that emit, as targets of rays.
 #[derive(Debug)]
 pub struct LampList {
@@ -50,7 +47,7 @@ impl<'a> EnclosureTest<'a> {
         Self::with_lamps(scene, occluders, Arc::new(LampList::new(scene)))
     }
 
-    /// The same with the scene's lamps, which take a look at all polygons to find.
+    /// A test with lamps that were found before, for which all polygons are looked at.
     pub fn with_lamps(scene: &'a Scene, occluders: &'a Occluders, lamps: Arc<LampList>) -> Self {
         Self { scene, occluders, lamps }
     }
@@ -70,48 +67,7 @@ impl<'a> EnclosureTest<'a> {
         2 * backs >= rays && !(0..rays).any(|ray| self.shows_lamp(point, normal, hash64(seed, 2 * u64::from(ray) + 3)))
     }
 
-    /// The same where things run through each other or stand face on face, so that bright sides may be hidden as well: at least half
-    /// of the rays meet backs, and no light is found along the others, however they are reflected.
-    pub fn encloses(&self, point: Vec3, normal: Vec3, seed: u64, rays: u32) -> bool {
-        let seed_of = |ray: u32, bounce: u64| hash64(hash64(seed, u64::from(ray)), bounce);
-        // Most points see fronts enough to be believed at once.
-        let (mut fronts, mut others) = (Vec::new(), 0);
-        for ray in 0..rays {
-            match self.look(point, normal, hash64(seed_of(ray, 0), 2)) {
-                Some(hit) if !hit.front => continue,
-                Some(hit) => fronts.push((ray, hit)),
-                None if self.shines_along(normal, hash64(seed_of(ray, 0), 2)) => return false,
-                None => {}
-            }
-            others += 1;
-            if 2 * others > rays {
-                return false;
-            }
-        }
-        !(0..rays).any(|ray| self.shows_lamp(point, normal, hash64(seed_of(ray, 0), 1)))
-            && !fronts.into_iter().any(|(ray, hit)| self.finds_light(hit, |bounce| seed_of(ray, bounce)))
-    }
-
-    /// Whether a path that has met a bright side finds light.
-    fn finds_light(&self, mut hit: Hit, seed: impl Fn(u64) -> u64) -> bool {
-        for bounce in 1..=MOST_BOUNCES {
-            let polygon = &self.scene.polygons[hit.polygon as usize];
-            let normal = self.scene.normal(polygon);
-            let shines = self.scene.emits(polygon);
-            if shines || self.shows_lamp(hit.point, normal, hash64(seed(bounce), 1)) {
-                return true;
-            }
-            let random = hash64(seed(bounce), 2);
-            match self.look(hit.point, normal, random) {
-                Some(met) if met.front => hit = met,
-                Some(_) => return false,
-                None => return self.shines_along(normal, random),
-            }
-        }
-        false
-    }
-
-    /// What a random ray meets.
+    /// The hit of a random ray.
     fn look(&self, point: Vec3, normal: Vec3, random: u64) -> Option<Hit> {
         let [u, v] = uniform(random);
         self.occluders.ray_from(point, normal, cosine_direction(normal, u, v))

@@ -7,10 +7,12 @@
 //! whole numbers summed in the particles' order: the result depends on the seed alone, not on the threads.
 
 use glam::Vec3;
+use petgraph::unionfind::UnionFind;
 use rayon::prelude::*;
 use rustc_hash::FxHashMap;
 
 use super::{Hit, Occluders, cuts, overlaps};
+use crate::base::random::{GOLDEN, Stream};
 use crate::scene::{Polygon, Scene, Sides};
 
 /// Rays for each polygon; more would not be seen, fewer leave many faces without a vote.
@@ -143,7 +145,7 @@ struct Seen {
 
 /// Looks at all faces.
 ///
-/// What the eye's particles see is decided by them alone: a lamp may lie in a housing, the eye lies in the space that
+/// Faces that the eye's particles see are decided by these alone: a lamp may lie in a housing, the eye lies in the space that
 /// the picture shows. `lamp_backs` says whether particles leave the dark sides of lamps too, which matters where lamps may be
 /// turned the wrong way; where they are right, it would show the inside of their housings.
 fn votes(scene: &Scene, occluders: &Occluders, lamp_backs: bool) -> Seen {
@@ -289,38 +291,28 @@ impl Lamps {
 /// For each polygon the votes of all polygons of its surface: those that meet in edges which they run through in
 /// opposite directions, and so are wound alike. A face that no particle met follows its surface.
 fn surface_votes(scene: &Scene, votes: &[[i64; 2]]) -> Vec<[i64; 2]> {
-    let mut surface_of: Vec<u32> = (0..scene.polygons.len() as u32).collect();
+    let mut surfaces = UnionFind::new(scene.polygons.len());
     let mut polygon_at_edge = FxHashMap::default();
     polygon_at_edge.reserve(4 * scene.polygons.len());
     for (index, polygon) in scene.polygons.iter().enumerate() {
         for edge in edges(polygon) {
-            polygon_at_edge.insert(edge, index as u32);
+            polygon_at_edge.insert(edge, index);
         }
     }
     for (index, polygon) in scene.polygons.iter().enumerate() {
         for (from, to) in edges(polygon) {
             if let Some(&neighbour) = polygon_at_edge.get(&(to, from)) {
-                let (a, b) = (surface(&mut surface_of, index as u32), surface(&mut surface_of, neighbour));
-                surface_of[a.max(b) as usize] = a.min(b);
+                surfaces.union(index, neighbour);
             }
         }
     }
-    let mut sums = vec![[0; 2]; votes.len()];
-    for (index, [front, back]) in votes.iter().enumerate() {
-        let sum: &mut [i64; 2] = &mut sums[surface(&mut surface_of, index as u32) as usize];
+    let surface_of = surfaces.into_labeling();
+    let mut sums = vec![[0_i64; 2]; votes.len()];
+    for (surface, [front, back]) in surface_of.iter().zip(votes) {
+        let sum = &mut sums[*surface];
         *sum = [sum[0] + front, sum[1] + back];
     }
-    (0..votes.len()).map(|index| sums[surface(&mut surface_of, index as u32) as usize]).collect()
-}
-
-/// The representative of a polygon's surface (union–find, paths halved on the way).
-fn surface(surface_of: &mut [u32], mut polygon: u32) -> u32 {
-    while surface_of[polygon as usize] != polygon {
-        let above = surface_of[surface_of[polygon as usize] as usize];
-        surface_of[polygon as usize] = above;
-        polygon = above;
-    }
-    polygon
+    surface_of.iter().map(|surface| sums[*surface]).collect()
 }
 
 fn edges(polygon: &Polygon) -> impl Iterator<Item = (u32, u32)> + '_ {
@@ -328,26 +320,20 @@ fn edges(polygon: &Polygon) -> impl Iterator<Item = (u32, u32)> + '_ {
     corners.iter().copied().zip(corners.iter().copied().cycle().skip(1))
 }
 
-/// A small random stream (SplitMix64, Steele et al. 2014), one for each particle.
-struct Random(u64);
+/// The random numbers of one particle.
+struct Random(Stream);
 
 impl Random {
+    /// Seeds in a row start as far apart in the stream as others do.
     fn new(seed: u64) -> Self {
-        let mut random = Self(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15));
-        random.next();
-        random
-    }
-
-    fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mixed = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        let mixed = (mixed ^ (mixed >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        mixed ^ (mixed >> 31)
+        let mut stream = Stream(seed.wrapping_mul(GOLDEN));
+        stream.bits();
+        Self(stream)
     }
 
     /// Uniform in 0..1.
     fn unit(&mut self) -> f32 {
-        (self.next() >> 40) as f32 / (1_u64 << 24) as f32
+        self.0.unit()
     }
 
     fn point(&mut self, lower: Vec3, upper: Vec3) -> Vec3 {

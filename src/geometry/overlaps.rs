@@ -17,7 +17,7 @@ use rayon::prelude::*;
 use super::parts::{Halves, Part, area, edges, replace};
 use crate::scene::{Polygon, Scene};
 
-/// What is nearer than this share of the scene's diagonal lies on each other, or beside: 0.04 mm in a room of ten metres, less than its
+/// Faces nearer than this share of the scene's diagonal lie on each other, or beside: 0.04 mm in a room of ten metres, less than its
 /// coordinates say where a file gives four digits behind the point.
 const NEAR: f64 = 4e-6;
 /// Faces of one plane have normals with at least this cosine; their distance says the rest.
@@ -182,7 +182,7 @@ impl<'a> Search<'a> {
 /// Cuts within the plane of a face.
 struct Cutter {
     normal: DVec3,
-    /// What is thinner counts as nothing.
+    /// Parts thinner than this count as nothing.
     thinnest: f64,
 }
 
@@ -234,7 +234,7 @@ impl Cutter {
         area(corners) - covers.iter().map(shared).sum::<f64>() <= self.thinnest * rim
     }
 
-    /// What of a part lies outside of all these faces.
+    /// The rest of a part outside of all these faces.
     fn uncovered(&self, part: Part, covers: &[&Face], halvings: u32) -> Vec<Part> {
         let (lower, upper) = bounds(&part.corners);
         let (lower, upper) = (lower - self.thinnest, upper + self.thinnest);
@@ -263,7 +263,7 @@ impl Cutter {
         covers.into_iter().fold(vec![part], outside)
     }
 
-    /// What of a part lies outside of a face, as convex parts.
+    /// The rest of a part outside of a face, as convex parts.
     fn outside(&self, part: Part, cover: &Face) -> Vec<Part> {
         let Part { polygon, corners: whole } = part;
         if self.inside(&whole, cover).is_none() {

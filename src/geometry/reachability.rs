@@ -46,7 +46,7 @@ pub struct Cells {
 /// How much of a patch is exposed, as shares of its area.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Shares {
-    /// What light can reach.
+    /// Share of the area that light can reach.
     pub exposed: f32,
     /// The cells of which light can reach a part: where random points lie.
     pub sampled: f32,

@@ -1,10 +1,10 @@
-//! What clustering strategies read, boxes of polygons, and what they make, clusters within clusters.
+//! Input and output of clustering strategies: boxes of polygons, and clusters within clusters.
 
 use glam::Vec3;
 
 use crate::scene::Scene;
 
-/// What a clustering strategy makes: clusters within clusters, polygons in them.
+/// Result of a clustering strategy: clusters within clusters, polygons in them.
 #[derive(Default)]
 pub(super) struct Grouping {
     /// Clusters inside.
@@ -54,7 +54,7 @@ impl PolygonBounds {
 }
 
 impl Grouping {
-    /// The same grouping without clusters of one member and without empty ones; `None` if nothing is left.
+    /// The grouping without clusters of one member and without empty ones; `None` if nothing is left.
     pub(super) fn tidied(self) -> Option<Self> {
         let mut tidy = Self { groupings: Vec::with_capacity(self.groupings.len()), polygons: self.polygons };
         for inner in self.groupings.into_iter().filter_map(Self::tidied) {

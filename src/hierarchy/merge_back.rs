@@ -17,7 +17,7 @@ impl Renumbering {
         self.0.get(old.index()).filter(|new| **new != GONE).map(|new| ElementId(*new))
     }
 
-    /// The same, or that of the nearest element above it that is left.
+    /// New number of an element or, where it is gone, of the nearest element above it that is left.
     pub fn of_nearest(&self, before: &Hierarchy, old: ElementId) -> Option<ElementId> {
         std::iter::successors(Some(old), |&id| before.elements.get(id.index())?.parent()).find_map(|id| self.of(id))
     }
@@ -29,7 +29,7 @@ impl Renumbering {
 }
 
 impl Hierarchy {
-    /// The same hierarchy with only those patches split that `stays_split` answers yes for; a patch below one that does not
+    /// The hierarchy with only those patches split that `stays_split` answers yes for; a patch below one that does not
     /// is not asked about. Elements keep their order, and what they are to the last bit.
     pub fn merged_back(&self, stays_split: impl Fn(ElementId) -> bool) -> (Self, Renumbering) {
         let initial = self.cluster_count + self.initial_patches.len() + self.outside().len();

@@ -74,14 +74,9 @@ pub struct Cluster {
     patch_count: u32,
 }
 
-impl Cluster {
-    /// Number of initial patches below.
-    pub fn patch_count(&self) -> u32 {
-        self.patch_count
-    }
-}
+impl Cluster {}
 
-/// What an element is.
+/// Kind of an element.
 #[derive(Clone, Copy, Debug)]
 pub enum Shape {
     /// A group of elements.
@@ -167,7 +162,7 @@ pub struct Hierarchy {
     leaf_count: usize,
     /// Vertices of the initial patches, which come first.
     initial_vertices: usize,
-    /// What lies outside.
+    /// The sky and the sun as elements.
     around: Option<Surroundings>,
 }
 

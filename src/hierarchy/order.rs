@@ -4,10 +4,10 @@
 
 use super::{ElementId, Hierarchy, Shape};
 
-/// What an element gets room for.
+/// Measure by which an element gets room.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Room {
-    /// Its area: room shows where power can go, and stays while elements are split.
+    /// Area: room shows where power can go, and stays while elements are split.
     #[default]
     Area,
     /// The initial patches in it, which quarters share: small things are to be seen, and room stays as well.
@@ -21,7 +21,7 @@ impl Room {
     pub const ALL: [Self; 3] = [Self::Area, Self::Polygons, Self::Leaves];
 }
 
-/// What lies outside has this share of the line, at its end.
+/// Share of the line, at its end, for sky and sun.
 const OUTSIDE: f64 = 0.08;
 
 /// Where each element lies on the line from 0 to 1.

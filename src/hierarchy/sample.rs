@@ -78,7 +78,7 @@ impl Hierarchy {
         self.point_on_by(&self.area_sums, id, u, v)
     }
 
-    /// The same where a cluster's points are spread over its patches by their share of `sums` instead of their area.
+    /// A point of an element where a cluster's points are spread over its patches by their share of `sums` instead of their area.
     #[inline]
     pub fn point_on_by(&self, sums: &PatchSums, id: ElementId, u: f32, v: f32) -> SurfacePoint {
         match &self.element(id).shape {

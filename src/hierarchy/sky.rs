@@ -188,7 +188,7 @@ impl Hierarchy {
 }
 
 impl Surroundings {
-    /// The same before any part was split.
+    /// The surroundings before any part was split.
     pub fn whole(&self) -> Self {
         let parts = self.parts[..self.roots.len()].to_vec();
         Self { outside: self.outside.clone(), roots: self.roots.clone(), parts, ..*self }

@@ -12,7 +12,7 @@ const SMOOTH_COSINE: f32 = 0.766;
 /// The smooth, same-material surface that each polygon belongs to, as the smallest polygon index on it.
 ///
 /// Two polygons are joined when they share an edge that both run through in opposite directions (so neither is the other's
-/// back), have the same material and meet at less than 40°; unless a wall stands on it ([`Scene::seams`], or a third polygon that has
+/// back), have the same material and meet at less than 40°; unless a wall stands on it ([`Scene::cut_edges`], or a third polygon that has
 /// the edge and rises in front of them).
 pub fn smooth_surfaces(scene: &Scene, hierarchy: &Hierarchy) -> Vec<u32> {
     let mut surface: Vec<u32> = (0..scene.polygons.len() as u32).collect();
@@ -26,10 +26,10 @@ pub fn smooth_surfaces(scene: &Scene, hierarchy: &Hierarchy) -> Vec<u32> {
         let (a, b) = (bits(a), bits(b));
         (a.min(b), a.max(b))
     };
-    let seams: FxHashSet<_> = scene.seams.iter().copied().map(key).collect();
+    let cuts: FxHashSet<_> = scene.cut_edges.iter().copied().map(key).collect();
     let is_seam = |from: u32, to: u32| {
         let vertices = hierarchy.vertices();
-        !seams.is_empty() && seams.contains(&key([vertices[from as usize], vertices[to as usize]]))
+        !cuts.is_empty() && cuts.contains(&key([vertices[from as usize], vertices[to as usize]]))
     };
     let patch_of = |id: u32| match hierarchy.element(super::ElementId(id)).shape {
         Shape::Patch(patch) => Some(patch),

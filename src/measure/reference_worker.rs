@@ -3,15 +3,10 @@
 //! It has half of the machine's threads, makes pass after pass of paths until the reference is good enough, and measures the newest snapshot
 //! in between. Like the solver's thread it never waits for its owner, nor its owner for it.
 
-use std::sync::mpsc::{Receiver, Sender, channel};
-use std::sync::{Arc, Mutex};
-use std::thread::Builder;
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use rayon::ThreadPool;
-
-use crate::base::cancel::CancelToken;
-use crate::base::threads::{half_pool, lock};
+use crate::base::actor::{Actor, Desk};
 use crate::measure::accuracy::{ErrorMeter, ScatteredField, SolutionError};
 use crate::measure::reference::{Cache, ReferenceRun, random_points};
 use crate::scene::Scene;
@@ -21,7 +16,7 @@ use crate::solve::{Mesh, Snapshot};
 pub const GOAL: f64 = 0.01;
 /// Passes before anything is measured: fewer know no error of their own.
 const LEAST_PASSES: u32 = 8;
-/// The same snapshot is measured again by a better reference, and the reference kept on disk, this often at most.
+/// A snapshot is measured again by a better reference, and the reference kept on disk, this often at most.
 const MEASURE_EVERY: Duration = Duration::from_millis(400);
 const SAVE_EVERY: Duration = Duration::from_secs(5);
 /// Seed of points and paths.
@@ -31,7 +26,7 @@ const SEED: u64 = 1;
 pub struct Measurement {
     /// The snapshot.
     pub snapshot: Arc<Snapshot>,
-    /// Its error.
+    /// Error of the snapshot by the reference.
     pub error: SolutionError,
     /// Signed relative error of B at each vertex of its mesh, from the points nearby; NaN where none is near.
     pub differences: Vec<f32>,
@@ -39,7 +34,7 @@ pub struct Measurement {
     pub serial: u64,
 }
 
-/// What the thread is about.
+/// State and findings of the thread.
 #[derive(Clone, Default)]
 pub struct Report {
     /// Whether there is a scene to make a reference of.
@@ -60,15 +55,10 @@ enum Ask {
     Begin { scene: Arc<Scene>, points: usize, cache: Option<Cache> },
     Measure(Arc<Snapshot>),
     Forget,
-    End,
 }
 
-/// The thread and the ends of its channels; dropping it lets the thread end by itself.
-pub struct ReferenceWorker {
-    inbox: Sender<Ask>,
-    report: Arc<Mutex<Report>>,
-    cancel: CancelToken,
-}
+/// The thread; dropping it lets the thread end by itself.
+pub struct ReferenceWorker(Actor<Ask, Report>);
 
 impl ReferenceWorker {
     /// Starts the thread. `wake` is called on it whenever there is something new; it must not block.
@@ -76,55 +66,29 @@ impl ReferenceWorker {
     /// # Errors
     /// The system gives no further thread.
     pub fn spawn(wake: Box<dyn Fn() + Send>) -> std::io::Result<Self> {
-        let (inbox, asks) = channel();
-        let (report, cancel) = (Arc::new(Mutex::new(Report::default())), CancelToken::new());
-        let session = Session {
-            asks,
-            report: report.clone(),
-            cancel: cancel.clone(),
-            wake,
-            pool: half_pool("reference_worker"),
-            work: None,
-            waiting: None,
-            serial: 0,
-        };
-        Builder::new().name("reference_worker".into()).spawn(move || session.run())?;
-        Ok(Self { inbox, report, cancel })
+        let run = |desk| Session { desk, work: None, waiting: None, serial: 0 }.run();
+        Actor::spawn("reference_worker", wake, run).map(Self)
     }
 
     /// Makes a reference at so many points of a scene, whose faces are turned and doubled as it is solved; goes on with what
     /// the cache has. A reference that is being made is forgotten.
     pub fn begin(&self, scene: Arc<Scene>, points: usize, cache: Option<Cache>) {
-        self.ask(Ask::Begin { scene, points, cache });
-        self.cancel.cancel();
+        self.0.ask_instead(Ask::Begin { scene, points, cache });
     }
 
     /// Measures a snapshot of that scene as soon as there is time; of several that wait only the last is measured.
     pub fn measure(&self, snapshot: Arc<Snapshot>) {
-        self.ask(Ask::Measure(snapshot));
+        self.0.ask(Ask::Measure(snapshot));
     }
 
     /// Stops and forgets the reference.
     pub fn forget(&self) {
-        self.ask(Ask::Forget);
-        self.cancel.cancel();
+        self.0.ask_instead(Ask::Forget);
     }
 
-    /// What the thread is about.
+    /// State and findings of the thread as they are now.
     pub fn report(&self) -> Report {
-        lock(&self.report).clone()
-    }
-
-    fn ask(&self, ask: Ask) {
-        // A thread that has ended takes no questions; only `End` and a panic end it, which the report then shows for ever.
-        let _ = self.inbox.send(ask);
-    }
-}
-
-impl Drop for ReferenceWorker {
-    fn drop(&mut self) {
-        self.ask(Ask::End);
-        self.cancel.cancel();
+        self.0.report()
     }
 }
 
@@ -137,17 +101,13 @@ struct Work {
     field: Option<(Arc<Mesh>, ScatteredField)>,
     /// The scene, which tells what is a lamp and is not compared.
     scene: Arc<Scene>,
-    /// What was measured last, and when.
+    /// Snapshot that was measured last, and when.
     last: Option<(Arc<Snapshot>, Instant)>,
     saved: Instant,
 }
 
 struct Session {
-    asks: Receiver<Ask>,
-    report: Arc<Mutex<Report>>,
-    cancel: CancelToken,
-    wake: Box<dyn Fn() + Send>,
-    pool: Option<ThreadPool>,
+    desk: Desk<Ask, Report>,
     work: Option<Work>,
     waiting: Option<Arc<Snapshot>>,
     serial: u64,
@@ -157,15 +117,12 @@ impl Session {
     fn run(mut self) {
         loop {
             let has_work = self.work.as_ref().is_some_and(|work| !work.is_done) || self.can_measure();
-            let first = if has_work { None } else { self.asks.recv().ok() };
-            self.cancel.reset();
-            let asks: Vec<Ask> = first.into_iter().chain(self.asks.try_iter()).collect();
+            let Some(asks) = self.desk.take(has_work.then_some(Duration::ZERO)) else { return self.save() };
             for ask in asks {
                 match ask {
                     Ask::Begin { scene, points, cache } => self.begin(scene, points, cache),
                     Ask::Measure(snapshot) => self.waiting = Some(snapshot),
                     Ask::Forget => self.forget(),
-                    Ask::End => return self.save(),
                 }
             }
             self.measure();
@@ -184,7 +141,7 @@ impl Session {
         if let Some(cache) = &cache {
             cache.load(&mut run);
         }
-        *lock(&self.report) = Report { is_active: true, points: run.points().len(), ..Report::default() };
+        self.desk.tell(|report| *report = Report { is_active: true, points: run.points().len(), ..Report::default() });
         let is_done = run.points().is_empty();
         let saved = Instant::now();
         self.work = Some(Work { run, cache, is_done, meter: None, field: None, scene, last: None, saved });
@@ -194,27 +151,23 @@ impl Session {
     fn forget(&mut self) {
         self.save();
         (self.work, self.waiting) = (None, None);
-        *lock(&self.report) = Report::default();
-        (self.wake)();
+        self.desk.tell(|report| *report = Report::default());
     }
 
     fn save(&mut self) {
         let Some(Work { run, cache: Some(cache), saved, .. }) = &mut self.work else { return };
         *saved = Instant::now();
         if let Err(error) = cache.store(run) {
-            lock(&self.report).cache_failure = Some(format!("The reference is not kept on disk ({error})."));
+            let failure = format!("The reference is not kept on disk ({error}).");
+            self.desk.tell(|report| report.cache_failure = Some(failure));
         }
     }
 
     /// One pass of paths.
     fn pass(&mut self) {
         let Some(work) = self.work.as_mut().filter(|work| !work.is_done) else { return };
-        let cancel = &self.cancel;
-        let passed = match &self.pool {
-            Some(pool) => pool.install(|| work.run.pass(cancel)),
-            None => work.run.pass(cancel),
-        };
-        if passed {
+        let cancel = &self.desk.cancel;
+        if self.desk.work(|| work.run.pass(cancel)) {
             self.take_reference();
         }
         if self.work.as_ref().is_some_and(|work| work.is_done || work.saved.elapsed() >= SAVE_EVERY) {
@@ -235,23 +188,20 @@ impl Session {
             Some(meter) => meter.set_reference(reference),
             None => work.meter = Some(ErrorMeter::new(reference)),
         }
-        {
-            let mut report = lock(&self.report);
-            (report.noise, report.is_done) = (noise.is_finite().then_some(noise), work.is_done);
-        }
         if let Some((snapshot, at)) = &work.last
             && (work.is_done || at.elapsed() >= MEASURE_EVERY)
             && self.waiting.is_none()
         {
             self.waiting = Some(snapshot.clone());
         }
-        (self.wake)();
+        let is_done = work.is_done;
+        self.desk.tell(|report| (report.noise, report.is_done) = (noise.is_finite().then_some(noise), is_done));
     }
 
     fn measure(&mut self) {
         let Some(Work { meter: Some(meter), field, scene, last, run, .. }) = self.work.as_mut() else { return };
         let Some(snapshot) = self.waiting.take() else { return };
-        let mut measure = || {
+        let measure = || {
             if field.as_ref().is_none_or(|(mesh, _)| !Arc::ptr_eq(mesh, &snapshot.mesh)) {
                 *field = Some((snapshot.mesh.clone(), ScatteredField::new(run.points(), &snapshot.mesh)));
             }
@@ -261,15 +211,11 @@ impl Session {
             forget_lamps(scene, &snapshot.mesh, &mut differences);
             (error, differences)
         };
-        let (error, differences) = match &self.pool {
-            Some(pool) => pool.install(measure),
-            None => measure(),
-        };
+        let (error, differences) = self.desk.work(measure);
         *last = Some((snapshot.clone(), Instant::now()));
         self.serial += 1;
         let measured = Measurement { snapshot, error, differences, serial: self.serial };
-        lock(&self.report).measured = Some(Arc::new(measured));
-        (self.wake)();
+        self.desk.tell(|report| report.measured = Some(Arc::new(measured)));
     }
 }
 

@@ -9,7 +9,7 @@ use crate::prepare::ceiling;
 use crate::scene::outside::{Daylight, DaylightError};
 use crate::scene::{EditError, FiledLuminaire, Luminaire, Scene};
 
-/// What is added; by default nothing.
+/// Light that is added; by default none.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct AddedLight {

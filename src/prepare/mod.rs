@@ -4,6 +4,8 @@ pub mod added_light;
 pub mod ceiling;
 pub mod start_view;
 
+use std::time::Instant;
+
 use crate::geometry::{Occluders, orient};
 use crate::prepare::added_light::AddedLight;
 use crate::scene::outside::DaylightError;
@@ -29,7 +31,7 @@ pub struct Ready {
     pub raw: Scene,
     /// As it is lit.
     pub scene: Scene,
-    /// What stops its light.
+    /// Occluders of the scene as it is lit.
     pub occluders: Occluders,
 }
 
@@ -43,7 +45,9 @@ pub fn prepare(
     light: &AddedLight,
     sides: Option<Sides>,
 ) -> Result<Ready, PrepareError> {
+    let begun = Instant::now();
     let mut raw = scene::load_with(source, reading)?;
+    tracing::info!(?source, polygons = raw.polygons.len(), seconds = begun.elapsed().as_secs_f64(), "scene read");
     light.set_luminaires_of(&mut raw)?;
     light.add_emission_to(&mut raw)?;
     light.add_daylight_to(&mut raw)?;
@@ -66,5 +70,7 @@ pub fn prepare(
         light.add_ceiling_to(&mut raw, &of_raw)?;
         (scene, occluders) = orient::apply(raw.clone(), sides.unwrap_or(raw.sides));
     }
+    let (polygons, sides) = (scene.polygons.len(), scene.sides);
+    tracing::info!(polygons, ?sides, seconds = begun.elapsed().as_secs_f64(), "scene prepared");
     Ok(Ready { raw, scene, occluders })
 }

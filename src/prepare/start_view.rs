@@ -29,7 +29,7 @@ const STANDING_SHARE: f32 = 0.6;
 const LOW_ROOM_SHARE: f32 = 0.25;
 /// Nobody stands where less than this share of it is.
 const LEAST_HEADROOM: f32 = 0.75;
-/// What lies lower than this share of the eye's height below one's feet is another floor.
+/// Faces lower than this share of the eye's height below one's feet are another floor.
 const STEP: f32 = 0.2;
 /// Nobody stands closer to a wall, m, or this share of the room's height where that is less.
 const CLEAR: f32 = 0.3;
@@ -38,7 +38,7 @@ const CLEAR_SHARE: f32 = 0.12;
 const FARTHEST: f32 = 40.0;
 /// Least share of rays that meet bright sides.
 const INSIDE: f32 = 0.6;
-/// What a place without a ceiling counts beside one with.
+/// Weight of a place without a ceiling beside one with.
 const UNDER_THE_SKY: f32 = 0.3;
 /// Horizontal field of view, degrees.
 const HFOV: f32 = 75.0;

@@ -1,4 +1,4 @@
-//! What is read of a solution: values at points and on planes, colours, names, the link matrix, gathered pictures.
+//! Readings of a solution: values at points and on planes, colours, names, the link matrix, gathered pictures.
 
 pub mod matrix;
 pub mod names;

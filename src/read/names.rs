@@ -58,7 +58,7 @@ impl Names {
         self.generation == generation
     }
 
-    /// What an element is called.
+    /// Name of an element.
     pub fn full(&self, hierarchy: &Hierarchy, scene: &Scene, id: ElementId) -> String {
         match &hierarchy.element(id).shape {
             Shape::Cluster(_) if id == Hierarchy::ROOT => "the whole scene".into(),
@@ -82,7 +82,7 @@ impl Names {
         }
     }
 
-    /// The same in a word or two, for a place among those that hold it.
+    /// Name of an element in a word or two, for a place among those that hold it.
     pub fn short(&self, hierarchy: &Hierarchy, scene: &Scene, id: ElementId) -> String {
         let element = hierarchy.element(id);
         match &element.shape {
@@ -108,7 +108,7 @@ impl Names {
         }
     }
 
-    /// The same where room is scarce and numbers say little, such as along an axis: the group's last name or the patch's material.
+    /// Name of an element where room is scarce and numbers say little, such as along an axis: the group's last name or the patch's material.
     pub fn label(&self, hierarchy: &Hierarchy, scene: &Scene, id: ElementId) -> String {
         let last_of = |path: String| path.rsplit('/').next().unwrap_or_default().to_owned();
         match &hierarchy.element(id).shape {

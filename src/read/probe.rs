@@ -12,7 +12,7 @@ use obvhs::bvh2::Bvh2;
 use obvhs::bvh2::builder::build_bvh2_from_tris;
 use obvhs::triangle::Triangle;
 
-use crate::solve::Mesh;
+use crate::solve::{Mesh, barycentric};
 
 /// A point farther than this share of the scene's size (the diagonal of its box) from every surface lies on none.
 const TOLERANCE: f32 = 1e-3;
@@ -28,7 +28,7 @@ pub struct Probe<'a> {
     tolerance: f32,
 }
 
-/// What a surface receives and sends at a point.
+/// Light that a surface receives and sends at a point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sample {
     /// Irradiance E, W/m².
@@ -121,14 +121,10 @@ fn facing([a, b, c]: [Vec3; 3], normal: Vec3) -> f32 {
 fn nearest_on_triangle([a, b, c]: [Vec3; 3], point: Vec3) -> Nearest {
     let across = (b - a).cross(c - a);
     let area_squared = across.length_squared();
-    if area_squared > 0.0 {
-        let of_b = (point - a).cross(c - a).dot(across) / area_squared;
-        let of_c = (b - a).cross(point - a).dot(across) / area_squared;
-        let weights = Vec3::new(1.0 - of_b - of_c, of_b, of_c);
-        if weights.min_element() >= 0.0 {
-            let distance = (point - a).dot(across) / area_squared.sqrt();
-            return Nearest { distance_squared: distance * distance, weights };
-        }
+    let weights = barycentric([a, b, c], point);
+    if area_squared > 0.0 && weights.min_element() >= 0.0 {
+        let distance = (point - a).dot(across) / area_squared.sqrt();
+        return Nearest { distance_squared: distance * distance, weights };
     }
     let edges = [(a, b, Vec3::X, Vec3::Y), (b, c, Vec3::Y, Vec3::Z), (c, a, Vec3::Z, Vec3::X)];
     let on_edges = edges.map(|(from, to, from_weight, to_weight)| {

@@ -35,7 +35,7 @@ pub const CIVIDIS: [[u8; 3]; 10] = [
 pub const BLUE_WHITE_RED: [[u8; 3]; 7] =
     [[24, 78, 160], [84, 146, 206], [170, 206, 232], [245, 245, 245], [248, 190, 160], [226, 110, 84], [168, 24, 40]];
 
-/// What nothing is known about.
+/// Colour of surfaces about which nothing is known.
 const UNKNOWN: [u8; 3] = [96, 96, 100];
 
 /// A ramp from little to much that people may choose.
@@ -52,7 +52,7 @@ impl Ramp {
     /// Every ramp, with its name.
     pub const ALL: [(Self, &'static str); 2] = [(Self::Viridis, "viridis"), (Self::Cividis, "cividis")];
 
-    /// Its colours at even places.
+    /// Colours of the ramp at even places.
     pub fn stops(self) -> &'static [[u8; 3]; 10] {
         match self {
             Self::Viridis => &VIRIDIS,

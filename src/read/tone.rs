@@ -130,7 +130,7 @@ pub fn decode_gamma(encoded: f32) -> f32 {
     if encoded <= 0.040_45 { encoded / 12.92 } else { ((encoded + 0.055) / 1.055).powf(2.4) }
 }
 
-/// What a picture shows of a radiosity, W/m²: exposed by a factor in m²/W, bent and gamma-encoded to 8 bits a channel.
+/// Colour in a picture of a radiosity, W/m²: exposed by a factor in m²/W, bent and gamma-encoded to 8 bits a channel.
 pub fn shown_colour(radiosity: [f32; 3], exposure: f32) -> [u8; 3] {
     radiosity.map(|channel| (255.0 * encode_gamma(tone_curve(exposure * channel))).round() as u8)
 }
@@ -164,7 +164,7 @@ mod tests {
             leaf_irradiance: leaves.iter().map(|leaf| [leaf.2; 3]).collect(),
             leaf_radiosity: leaves.iter().map(|leaf| [leaf.1; 3]).collect(),
             clusters: Arc::default(),
-            moment: None,
+            former_step: None,
             field: None,
             solution_view: None,
             stats: Stats::default(),

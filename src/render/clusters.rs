@@ -46,7 +46,7 @@ const SHADES: (f32, f32) = (1.0, 0.46);
 /// Steps along each axis of the root's box by which places of clusters are told apart.
 const STEPS: f32 = 1024.0;
 
-/// What of the scene moves as one, and its colour.
+/// A part of the scene that moves as one, and its colour.
 #[derive(Clone, Copy, Debug)]
 struct Part {
     /// From the root's centre to its own, in the scene's unit.
@@ -327,11 +327,11 @@ mod tests {
         let (scene, snapshot) = solved("cornell", ClusteringMode::Adaptive);
         let plain = picture(&scene, &snapshot, false);
         let view = ClusterView { level: 2, explode: 0.0, coloured: false };
-        let at_rest = by_clusters(&snapshot, view).expect("it carries its anatomy");
+        let at_rest = by_clusters(&snapshot, view).expect("it carries its solution view");
         assert!(at_rest.mesh.positions.len() >= snapshot.mesh.positions.len());
         assert!(picture(&scene, &at_rest, false) == plain, "at rest it differs");
         for other in [ClusterView { explode: 0.3, ..view }, ClusterView { coloured: true, ..view }] {
-            let shown = by_clusters(&snapshot, other).expect("it carries its anatomy");
+            let shown = by_clusters(&snapshot, other).expect("it carries its solution view");
             assert!(picture(&scene, &shown, other.coloured) != plain, "{other:?} shows nothing");
         }
         let dark = Snapshot { solution_view: None, ..snapshot };
@@ -354,7 +354,7 @@ mod tests {
             };
             let before = of_level(&snapshot);
             let view = ClusterView { level, explode: 0.8, coloured: true };
-            let after = of_level(&by_clusters(&snapshot, view).expect("it carries its anatomy"));
+            let after = of_level(&by_clusters(&snapshot, view).expect("it carries its solution view"));
             let moved = before.iter().zip(&after).any(|(before, after)| before.lower.distance(after.lower) > 0.1);
             assert!(moved && before.len() == after.len());
             for one in 0..before.len() {
@@ -401,7 +401,7 @@ mod tests {
     fn outlines_follow_the_surfaces() {
         let (_, snapshot) = solved("cornell", ClusteringMode::Adaptive);
         let view = ClusterView { level: 2, explode: 0.0, coloured: false };
-        let cut = by_clusters(&snapshot, view).expect("it carries its anatomy");
+        let cut = by_clusters(&snapshot, view).expect("it carries its solution view");
         let ends = |mesh: &Mesh| {
             let point = |vertex: u32| mesh.positions[vertex as usize].map(f32::to_bits);
             let mut ends: Vec<_> = mesh.outlines.iter().map(|[a, b]| (point(*a), point(*b))).collect();

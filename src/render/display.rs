@@ -10,6 +10,6 @@ pub struct Display {
     pub exposure: Exposure,
     /// The vertices carry gamma-encoded colours, 0..=1, instead of radiosities: they are shown as they are.
     pub as_colours: bool,
-    /// What is read off the surfaces, as false colours or lines of equal value; nothing where vertices carry colours.
+    /// Reading of the surfaces, as false colours or lines of equal value; none where vertices carry colours.
     pub reading: Option<Reading>,
 }

@@ -92,7 +92,7 @@ impl Seen {
         }
     }
 
-    /// Its colour, which the colour-blind tell from the others (M. Okabe and K. Ito's set); gamma-encoded.
+    /// Colour of the kind of link, which the colour-blind tell from the others (M. Okabe and K. Ito's set); gamma-encoded.
     pub fn colour(self) -> [u8; 3] {
         match self {
             Self::Full => [86, 180, 233],
@@ -102,10 +102,10 @@ impl Seen {
     }
 }
 
-/// What the colour of a link says.
+/// Meaning of the colour of a link.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum LinkColour {
-    /// Its power over that of the strongest, over three decades.
+    /// Power over that of the strongest link, over three decades.
     #[default]
     Power,
     /// How its ends see each other.
@@ -118,7 +118,7 @@ pub enum LinkColour {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct LinkStyle {
-    /// What colours say.
+    /// Meaning of the colours.
     pub colour: LinkColour,
     /// Whether both ends have outlines: rims of patches, boxes of clusters.
     pub ends: bool,

@@ -62,7 +62,7 @@ pub enum RenderError {
     NoDevice {
         /// The adapter's name.
         adapter: String,
-        /// What the driver said.
+        /// The driver's message.
         reason: String,
     },
     /// A picture of no or too many pixels.
@@ -80,7 +80,7 @@ pub enum RenderError {
         "the {what} need a graphics buffer of {needed_mib} MiB, but the adapter takes at most {limit_mib} MiB: choose a larger ε or a smaller scene"
     )]
     TooLarge {
-        /// What the buffer is to hold.
+        /// Content of the buffer, in words.
         what: &'static str,
         /// Size needed, MiB.
         needed_mib: u64,
@@ -104,7 +104,7 @@ pub enum RenderError {
     /// The graphics device gave up on a picture, for want of memory for one.
     #[error("the graphics adapter could not draw the picture, a smaller one may succeed: {reason}")]
     Device {
-        /// What the driver said.
+        /// The driver's message.
         reason: String,
     },
 }

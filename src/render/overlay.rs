@@ -1,4 +1,4 @@
-//! What is drawn over the picture: outlines of the leaves, boxes of clusters, and marks: links and whatever else a view points at.
+//! Drawings over the picture: outlines of the leaves, boxes of clusters, and marks: links and whatever else a view points at.
 
 use std::sync::Arc;
 
@@ -10,7 +10,7 @@ use crate::read::ramp::{VIRIDIS, along_ramp};
 use crate::solve::snapshot::{ClusterBox, Mesh};
 use crate::transport::SolutionView;
 
-/// What to draw over the picture.
+/// Drawings over a picture.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Overlay {
     /// Outlines of all leaves.

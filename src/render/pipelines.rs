@@ -18,9 +18,9 @@ pub(super) struct Pipelines {
     pub(super) background: wgpu::RenderPipeline,
     /// Bright sides of the leaves.
     pub(super) mesh: wgpu::RenderPipeline,
-    /// The same, pushed back where it is slanted, so that it does not cut the outlines drawn in it.
+    /// Bright sides of the leaves, pushed back where slanted, so that they do not cut the outlines drawn in them.
     pub(super) mesh_behind_outlines: wgpu::RenderPipeline,
-    /// The same two without colour: what hides lines over a gathered picture.
+    /// Both kinds of leaves without colour: they hide lines over a gathered picture.
     pub(super) depth: wgpu::RenderPipeline,
     pub(super) depth_behind_outlines: wgpu::RenderPipeline,
     /// A gathered picture, in place of background and mesh.
@@ -35,7 +35,7 @@ pub(super) struct Pipelines {
     pub(super) blit: wgpu::RenderPipeline,
 }
 
-/// What the pipelines of the scene differ in.
+/// Difference between the pipelines of the scene.
 #[derive(Clone, Copy)]
 struct Stage<'a> {
     name: &'a str,

@@ -101,7 +101,7 @@ impl RadiosityPass {
         }
     }
 
-    /// What was drawn.
+    /// The picture that was drawn.
     pub(super) fn picture(&self) -> &wgpu::Texture {
         &self.target.picture
     }

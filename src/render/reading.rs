@@ -24,7 +24,7 @@ const WANTED_TICKS: f32 = 6.0;
 pub struct Reading {
     /// Which.
     pub quantity: Quantity,
-    /// What values look like.
+    /// Colours of the values.
     pub scale: ColourScale,
     /// Whether surfaces have these colours; otherwise they stay lit.
     pub fills: bool,
@@ -49,7 +49,7 @@ pub struct ColourScale {
     pub low: f32,
     /// Value at its end, W/m².
     pub high: f32,
-    /// What lies between.
+    /// Spacing of the values between the ends.
     pub spacing: Spacing,
     /// The colours.
     pub ramp: Ramp,
@@ -108,7 +108,7 @@ impl ColourScale {
         Self { low: low / unit.per_watt(), high: high / unit.per_watt(), spacing, ramp }
     }
 
-    /// The same up to a round number in lx, from nothing.
+    /// The scale from 0 up to a round number in lx.
     pub fn rounded(self) -> Self {
         let per_watt = Unit::Lumens.per_watt();
         Self { high: round_up(per_watt * self.high) / per_watt, ..self }
@@ -183,7 +183,7 @@ fn paler(colour: [u8; 3]) -> [u8; 3] {
     colour.map(|channel| channel + (255 - channel) / 3)
 }
 
-/// What can be seen on a colour.
+/// Black or white, whichever can be seen on a colour.
 fn contrast([r, g, b]: [u8; 3]) -> [u8; 3] {
     let brightness = 2 * u32::from(r) + 7 * u32::from(g) + u32::from(b);
     if brightness > 1100 { [16, 16, 20] } else { [250, 250, 250] }

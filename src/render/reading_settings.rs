@@ -1,4 +1,4 @@
-//! What a person asks to be read off the surfaces; with a snapshot it becomes a [`Reading`].
+//! Settings of readings off the surfaces; with a snapshot it becomes a [`Reading`].
 
 use serde::{Deserialize, Serialize};
 
@@ -8,7 +8,7 @@ use crate::base::photometry::{Quantity, Unit};
 use crate::read::ramp::Ramp;
 use crate::solve::snapshot::Snapshot;
 
-/// What colours the surfaces.
+/// Meaning of the colours of surfaces.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Show {
     /// The light, as an eye or a camera sees it.
@@ -24,7 +24,7 @@ impl Show {
     /// Every choice.
     pub const ALL: [Self; 3] = [Self::Lit, Self::Irradiance, Self::Radiosity];
 
-    /// What is read: over the lit picture, what arrives.
+    /// Quantity that is read; over the lit picture, light that arrives.
     pub fn quantity(self) -> Quantity {
         match self {
             Self::Lit | Self::Irradiance => Quantity::Irradiance,
@@ -45,15 +45,15 @@ pub enum IsolinesWanted {
     At(Vec<f32>),
 }
 
-/// What a person asks to be read off the surfaces.
+/// Settings of readings off the surfaces.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct ReadingSettings {
-    /// What colours the surfaces.
+    /// Meaning of the colours of surfaces.
     pub show: Show,
-    /// What values are told in.
+    /// Unit of the values.
     pub unit: Unit,
-    /// What lies between the ends of the range.
+    /// Spacing of values between the ends of the range.
     pub spacing: Spacing,
     /// The colours.
     pub ramp: Ramp,
@@ -64,7 +64,7 @@ pub struct ReadingSettings {
 }
 
 impl ReadingSettings {
-    /// What is to be drawn of a snapshot; nothing where the lit picture is all.
+    /// Reading of a snapshot that is to be drawn; none where the lit picture is all.
     pub fn reading(&self, snapshot: &Snapshot) -> Option<Reading> {
         if self.show == Show::Lit && self.isolines == IsolinesWanted::None {
             return None;
@@ -87,16 +87,16 @@ impl ReadingSettings {
 /// A mark beside the ramp of a legend.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Mark {
-    /// Its place on the ramp, 0..=1.
+    /// Place of the mark on the ramp, 0..=1.
     pub along: f32,
-    /// Its value, in the unit shown.
+    /// Value of the mark, in the unit shown.
     pub label: String,
     /// Whether a line of equal value is drawn there.
     pub is_line: bool,
 }
 
 impl Reading {
-    /// What a legend says: the ends of the range, and lines of equal value or round numbers between them.
+    /// Marks of a legend: the ends of the range, and lines of equal value or round numbers between them.
     pub fn marks(&self, unit: Unit) -> Vec<Mark> {
         let ends = [self.scale.low, self.scale.high].map(|value| (value, false));
         let lines: Vec<_> = self.isolines.values().iter().map(|&value| (value, true)).collect();
@@ -115,7 +115,7 @@ impl Reading {
         marks
     }
 
-    /// What it shows and in what: "illuminance E, lx".
+    /// Quantity and unit of the legend: "illuminance E, lx".
     pub fn title(&self, unit: Unit) -> String {
         format!("{}, {}", self.quantity.name_in(unit), unit.sign(self.quantity))
     }

@@ -21,7 +21,7 @@ pub(super) const SAMPLES: u32 = 4;
 /// Lines are cut this many near planes before the eye: nearer, they would be wider than the picture.
 const LINE_NEAR: f32 = 100.0;
 
-/// What one picture shows.
+/// Content of one picture.
 #[derive(Clone, Copy)]
 pub struct Frame<'a> {
     /// The solution; told from the one before by mesh, generation and serial, so that only what changed is uploaded.
@@ -269,11 +269,6 @@ impl SceneRenderer {
     /// The last picture, `Rgba8Unorm`, gamma-encoded.
     pub fn picture(&self) -> Option<&wgpu::Texture> {
         self.target.as_ref().map(|(target, _)| &target.picture)
-    }
-
-    /// The automatic exposure of the snapshot that was last drawn, m²/W.
-    pub fn auto_exposure(&self) -> f32 {
-        self.auto_exposure
     }
 
     /// Forgets which snapshot is shown, so that the next one is uploaded whatever its generation and serial say.

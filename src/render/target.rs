@@ -22,7 +22,7 @@ impl Target {
         Self::with_format(device, size, samples, COLOUR_FORMAT)
     }
 
-    /// The same for pictures of another format.
+    /// A target for pictures of another format.
     pub(super) fn with_format(
         device: &wgpu::Device,
         size: [u32; 2],

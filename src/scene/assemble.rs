@@ -210,7 +210,7 @@ impl Finishes {
     }
 }
 
-/// What a mean is multiplied with to give a face's own value.
+/// Factor by which a mean becomes a face's own value.
 fn factor(own: Vec3, mean: Vec3) -> Vec3 {
     let of_colour = |colour: usize| match own[colour] / mean[colour] {
         // Sums of many equal values differ in their last bits.
@@ -231,7 +231,7 @@ fn is_clamped(reflectance: Vec3, emission: Vec3) -> [bool; 2] {
     [inside.0 != reflectance, inside.1 != emission]
 }
 
-/// What becomes of the faces of a material.
+/// Rule for the faces of a material.
 #[derive(Clone, Copy)]
 enum FaceRule {
     /// They are used, clear ones if they are to be opaque.
@@ -262,7 +262,7 @@ const FLAT_COSINE: f32 = 0.9998;
 
 /// Collects polygons over vertices that neighbouring faces share.
 ///
-/// Its maps hash with secret keys, as std's do: with a known hash a file can hold positions that all fall into one slot, and each
+/// The maps hash with secret keys, as std's do: with a known hash a file can hold positions that all fall into one slot, and each
 /// look-up would go through all of them.
 struct PolygonBuilder<'a> {
     draft: &'a Draft,

@@ -1,4 +1,4 @@
-//! What loading skipped, clamped or ignored: counted here once, shown once to a person.
+//! Counts of what loading skipped, clamped or ignored, shown once to a person.
 
 use serde::Serialize;
 

@@ -46,7 +46,7 @@ pub(super) struct DraftMaterial {
     pub opacity: Opacity,
     /// It lets light through whatever its alpha is (transmission).
     pub transmits: bool,
-    /// Its faces are bright on both sides.
+    /// Whether faces of the material are bright on both sides.
     pub is_two_sided: bool,
     /// False for the grey that stands in for a material that the file does not define.
     pub defined: bool,
@@ -84,7 +84,7 @@ pub(super) struct DraftFace {
     pub group: GroupId,
 }
 
-/// What a reader hands on.
+/// Scene as a reader hands it on.
 pub(super) struct Draft {
     /// Positions in the file's coordinates.
     pub vertices: Vec<DVec3>,
@@ -221,7 +221,7 @@ impl Draft {
         reach.too_far()
     }
 
-    /// What is known of a corner beside its vertex.
+    /// Details of a corner beside its vertex.
     pub fn detail(&self, corner: usize) -> CornerDetail {
         CornerDetail {
             uv: self.uvs.get(corner).copied().filter(|uv| !uv.is_nan()),

@@ -1,4 +1,4 @@
-//! What a file says of a face beside its material: how it differs from the material's mean, and texture coordinates, normals and
+//! Details of a face beside its material: how it differs from the material's mean, and texture coordinates, normals and
 //! colours at its corners.
 //!
 //! Light transport takes one reflectance and one emission for each face ([`Scene::surface`]): its material's mean times the face's
@@ -13,7 +13,7 @@ use super::sidecar::MAX_SIDECAR_REFLECTANCE;
 use super::texture::TextureMap;
 use super::{Material, Polygon, Scene};
 
-/// What a face reflects and emits.
+/// Reflectance and emission of a face.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Surface {
     /// Reflectance ρ per colour.
@@ -46,7 +46,7 @@ const NONE: u32 = u32::MAX;
 struct Face {
     /// First of its corners.
     first: u32,
-    /// Its tint, or [`NONE`].
+    /// Number of the face's tint, or [`NONE`].
     tint: u32,
     /// Number of corners, 0 where the file says nothing of them.
     corners: u8,
@@ -177,7 +177,7 @@ pub(super) fn packed_colour(colour: Vec4) -> [u16; 4] {
 }
 
 impl Scene {
-    /// What a face reflects and emits: its material's mean times its own tint.
+    /// Reflectance and emission of a face: its material's mean times its own tint.
     pub fn surface(&self, polygon: &Polygon) -> Surface {
         let material = &self.materials[polygon.material.0 as usize];
         let (reflectance, emission) = (material.reflectance, material.emission);
@@ -191,7 +191,7 @@ impl Scene {
         }
     }
 
-    /// What a face reflects and emits at a point, where its mean is `mean`: as its textures and the colours of its corners say, and changed
+    /// Reflectance and emission of a face at a point, where its mean is `mean`: as its textures and the colours of its corners say, and changed
     /// as the mean was changed since the file was read. Texels are as large as `footprint`, in the scene's length unit. `None` in a hole.
     pub fn surface_at(&self, polygon: &Polygon, point: Vec3, mean: Surface, footprint: f32) -> Option<Surface> {
         let textures = self.materials[polygon.material.0 as usize].textures.as_deref();
@@ -223,7 +223,7 @@ impl Scene {
         Some(surface)
     }
 
-    /// What a face reflects and emits in the mean as its file alone says.
+    /// Mean reflectance and emission of a face as its file alone says.
     fn filed_surface(&self, polygon: &Polygon) -> Surface {
         let material = polygon.material.0 as usize;
         let Material { reflectance, emission, .. } =
@@ -316,7 +316,7 @@ impl Scene {
     }
 }
 
-/// What is said of a point, changed as the mean of its face was changed from what had been said of that.
+/// Value at a point, changed as the mean of its face was changed from what had been said of that.
 fn changed(mean: Vec3, said: Vec3, said_mean: Vec3) -> Vec3 {
     let of_channel = |channel: usize| match said_mean[channel] > 0.0 {
         true => said[channel] * (mean[channel] / said_mean[channel]),

@@ -1,4 +1,4 @@
-//! What a scene may read: plain files of its own folder, none longer than memory can take.
+//! Files that a scene may read: plain files of its own folder, none longer than memory can take.
 //!
 //! A scene file comes from anywhere and names other files. None of these names, links included, leads out of the scene's folder, and
 //! nothing that is no plain file (a pipe, a device) is ever opened: reading it might never end.
@@ -21,7 +21,7 @@ pub enum FileError {
     /// There is none.
     #[error("there is no such file")]
     Missing,
-    /// Its name, or a link on the way to it, leads elsewhere.
+    /// The file's name, or a link on the way to it, leads elsewhere.
     #[error("it lies outside the scene's folder")]
     Outside,
     /// A folder, a pipe or a device.
@@ -33,7 +33,7 @@ pub enum FileError {
         /// The limit, bytes.
         most: u64,
     },
-    /// What the system says.
+    /// Error of the system.
     #[error("{0}")]
     System(io::Error),
 }

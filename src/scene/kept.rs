@@ -1,4 +1,4 @@
-//! What a person keeps beside a scene without changing its light: the view, further views, and the task area.
+//! Parts of a sidecar that do not change the light: the view, further views, and the task area.
 
 use glam::{DVec3, Vec3};
 use serde::{Deserialize, Serialize};
@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use super::place::FiledCamera;
 use super::{CameraPose, Scene};
 
-/// What is kept.
+/// View, bookmarks and task area of a scene.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Kept {
     /// The view to open with.

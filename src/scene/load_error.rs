@@ -41,7 +41,7 @@ pub enum LoadError {
     NotAScene {
         /// The file.
         path: PathBuf,
-        /// What it seems to be.
+        /// Format that the file seems to have.
         what: String,
     },
     /// The content cannot be understood.
@@ -51,7 +51,7 @@ pub enum LoadError {
         path: PathBuf,
         /// Line of a text file, or the part of a glTF file.
         place: String,
-        /// What is wrong, and what would be right.
+        /// Description of the fault, and of what would be right.
         problem: String,
     },
     /// A coordinate is NaN, infinite or too large.
@@ -81,7 +81,7 @@ pub enum LoadError {
     NoPolygons {
         /// The file.
         path: PathBuf,
-        /// What became of them, in brackets, or empty.
+        /// Reason for their absence, in brackets, or empty.
         why: String,
     },
     /// More polygons than memory can take.

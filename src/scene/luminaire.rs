@@ -39,7 +39,7 @@ impl LuminaireShape {
     /// All shapes.
     pub const ALL: [Self; 3] = [Self::Square, Self::Disc, Self::Line];
 
-    /// What a luminaire of this shape is called before a person names it.
+    /// Name of a luminaire of this shape before a person names it.
     pub fn usual_name(self) -> &'static str {
         match self {
             Self::Square => "square light",
@@ -52,9 +52,9 @@ impl LuminaireShape {
 /// Where a luminaire is and what it looks like.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LuminaireForm {
-    /// Its outline.
+    /// Outline of the luminaire.
     pub shape: LuminaireShape,
-    /// Its middle, in the scene's coordinates.
+    /// Middle of the luminaire, in the scene's coordinates.
     pub centre: Vec3,
     /// Where it shines to; need not be normalised.
     pub direction: Vec3,
@@ -80,11 +80,11 @@ pub struct Luminaire {
 pub struct PlacedLuminaire {
     /// Where it is and what it looks like.
     pub form: LuminaireForm,
-    /// Its own material.
+    /// Material of the luminaire alone.
     pub material: MaterialId,
-    /// Its own group.
+    /// Group of the luminaire alone.
     group: GroupId,
-    /// What was remarked on its place.
+    /// Remark on the place of the luminaire.
     remark: Option<String>,
 }
 
@@ -92,12 +92,12 @@ pub struct PlacedLuminaire {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct FiledLuminaire {
-    /// Its name.
+    /// Name of the luminaire.
     pub name: String,
-    /// Its outline.
+    /// Outline of the luminaire.
     #[serde(default)]
     pub shape: LuminaireShape,
-    /// Its middle, in the file's coordinates.
+    /// Middle of the luminaire, in the file's coordinates.
     pub centre: DVec3,
     /// Where it shines to; need not be normalised.
     pub direction: Vec3,
@@ -177,7 +177,7 @@ impl LuminaireForm {
         }
     }
 
-    /// Its faces, anticlockwise as seen from the bright side.
+    /// Faces of the luminaire, anticlockwise as seen from the bright side.
     fn quads(&self) -> Vec<[Vec3; 4]> {
         let rim = self.outline();
         match self.shape {

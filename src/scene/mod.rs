@@ -108,7 +108,7 @@ pub struct Polygon {
     pub is_back: bool,
     /// True for a face that is bright on both sides: a further polygon is its back.
     pub has_back: bool,
-    /// Its entry in [`Scene::details`], or [`NO_DETAIL`].
+    /// Number of the polygon's entry in [`Scene::details`], or [`NO_DETAIL`].
     detail: u32,
 }
 
@@ -161,7 +161,7 @@ impl Polygon {
         self.corners[3] != NO_CORNER
     }
 
-    /// The same face with its bright side turned to the other half space.
+    /// The face with its bright side turned to the other half space.
     pub fn flipped(&self) -> Self {
         let [a, b, c, d] = self.corners;
         let corners = if self.is_quad() { [a, d, c, b] } else { [a, c, b, NO_CORNER] };
@@ -230,7 +230,7 @@ pub struct Scene {
     pub vertices: Vec<Vec3>,
     /// Faces; order is the file's.
     pub polygons: Vec<Polygon>,
-    /// What the file says of single faces.
+    /// Details of single faces by the file.
     pub details: Arc<FaceDetails>,
     /// Materials; every polygon's index is valid.
     pub materials: Vec<Material>,
@@ -253,17 +253,17 @@ pub struct Scene {
     pub cameras: Vec<NamedCamera>,
     /// Lights of the file that are no surfaces there; each is a small emitter here, of a material of its own.
     pub lights: Vec<FileLight>,
-    /// What lies outside and shines in, where anything does.
+    /// Sky and sun, where the scene has them.
     pub outside: Option<Arc<Outside>>,
     /// How the scene's file was read.
     pub frame: Frame,
-    /// What a person said of how it is to be read.
+    /// Wishes of a person on how the file is to be read.
     pub reading: Reading,
     /// Which sides of its faces are bright; [`crate::geometry::orient::apply`] makes it so.
     pub sides: Sides,
     /// Edges, by their ends, that part what is shown on their sides: a wall stands on them ([`crate::geometry::cuts`]).
-    pub seams: Vec<[Vec3; 2]>,
-    /// What loading skipped, clamped or ignored.
+    pub cut_edges: Vec<[Vec3; 2]>,
+    /// Counts of what loading skipped, clamped or ignored.
     pub skipped: Skipped,
 }
 
@@ -291,7 +291,7 @@ impl Scene {
             frame: Frame::default(),
             reading: Reading::default(),
             sides: Sides::Front,
-            seams: Vec::new(),
+            cut_edges: Vec::new(),
             skipped: Skipped::default(),
         }
     }

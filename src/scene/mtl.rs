@@ -219,7 +219,7 @@ pub(super) fn text_of(bytes: &[u8]) -> Cow<'_, str> {
     }
 }
 
-/// What a material file says.
+/// Statements of a material file.
 #[derive(Default)]
 struct Statements {
     /// In order; names may come twice.

@@ -1,4 +1,4 @@
-//! What each face of a draft reflects, emits and hides by itself: textures averaged over its part of their plane, times the colours
+//! Reflectance, emission and opacity of each face of a draft by itself: textures averaged over its part of their plane, times the colours
 //! of its corners, times its material's factors.
 
 use std::collections::HashMap;

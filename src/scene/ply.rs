@@ -77,7 +77,7 @@ pub(super) fn read(path: &Path, bytes: &[u8]) -> Result<Draft, LoadError> {
     }
 }
 
-/// What the parser says, on one line.
+/// Message of the parser, on one line.
 fn said(error: &ParseError) -> String {
     let said = error.to_string();
     let said: Vec<&str> = said.split_whitespace().collect();
@@ -192,7 +192,7 @@ struct Face {
     colour: Option<Vec3>,
 }
 
-/// What is not read.
+/// Content of a PLY file that is not read.
 struct Rest;
 
 impl PropertyAccess for Rest {

@@ -183,12 +183,7 @@ fn rounded(corners: [DVec3; 3]) -> [DVec3; 3] {
     corners.map(|corner| SCALE * corner)
 }
 
-impl Scene {
-    /// The light of the file whose emitter has a material, if one has.
-    pub fn light_of(&self, material: MaterialId) -> Option<&FileLight> {
-        self.lights.iter().find(|light| light.material == material)
-    }
-}
+impl Scene {}
 
 #[cfg(test)]
 mod tests {

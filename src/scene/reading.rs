@@ -8,7 +8,7 @@ use super::sidecar::Sidecar;
 use super::unit::Unit;
 use super::up::{self, UpAxis};
 
-/// What a person says of a file; a sidecar's word counts where nothing is said here.
+/// Wishes of a person on how a file is to be read; a sidecar's word counts where nothing is said here.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Reading {

@@ -61,7 +61,7 @@ impl<'de> Deserialize<'de> for GroupMember {
 /// The tree of a scene's groups, as its file has it or as a person made it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct GroupTree {
-    /// Its groups; a parent precedes its children, the first is the root.
+    /// Groups of the tree; a parent precedes its children, the first is the root.
     pub(super) groups: Vec<Group>,
     /// Of each of the scene's own groups, the group of the tree that holds what is directly in it.
     pub(super) homes: Vec<GroupId>,
@@ -163,7 +163,7 @@ impl GroupTree {
         }
     }
 
-    /// The same tree with its groups in the order of the scene's own that they hold, empty ones last: equal trees are laid out alike,
+    /// The tree with its groups in the order of the scene's own that they hold, empty ones last: equal trees are laid out alike,
     /// however they came about. Beside it the new place of each group.
     pub(super) fn in_order(self) -> (Self, Vec<GroupId>) {
         let count = self.groups.len();

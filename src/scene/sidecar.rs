@@ -38,7 +38,7 @@ pub const MAX_EMISSION: f32 = 1e9;
 /// The most lights that a sidecar may add; each is a material of its own.
 const MOST_LIGHTS: usize = 1000;
 
-/// What a sidecar says of a scene; every part may be missing.
+/// Content of a sidecar; every part may be missing.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Sidecar {
@@ -80,7 +80,7 @@ pub struct Sidecar {
     pub task_area: Option<FiledTaskArea>,
 }
 
-/// What a sidecar says of one material; what is missing stays as the scene file has it.
+/// Statements of a sidecar on one material; what is missing stays as the scene file has it.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SidecarMaterial {
@@ -131,7 +131,7 @@ pub enum SidecarError {
     Syntax {
         /// The sidecar.
         path: PathBuf,
-        /// What is wrong, with line and column.
+        /// Description of the fault, with line and column.
         reason: String,
     },
     /// A number out of its range.
@@ -161,7 +161,7 @@ pub enum SidecarError {
     Unwritable {
         /// The sidecar.
         path: PathBuf,
-        /// What the system says.
+        /// Error of the system.
         source: io::Error,
     },
 }

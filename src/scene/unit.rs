@@ -36,7 +36,7 @@ impl Unit {
     /// All of them.
     pub const ALL: [Self; 5] = [Self::Metre, Self::Centimetre, Self::Millimetre, Self::Inch, Self::Foot];
 
-    /// Its symbol.
+    /// Symbol of the unit.
     pub fn symbol(self) -> &'static str {
         match self {
             Self::Metre => "m",
@@ -47,7 +47,7 @@ impl Unit {
         }
     }
 
-    /// Its name in the plural.
+    /// Name of the unit in the plural.
     pub fn name(self) -> &'static str {
         match self {
             Self::Metre => "metres",
@@ -63,7 +63,7 @@ impl Unit {
         Self::ALL.into_iter().find(|unit| unit.symbol() == symbol)
     }
 
-    /// Its length, m.
+    /// Length of the unit, m.
     pub fn metres(self) -> f64 {
         match self {
             Self::Metre => 1.0,

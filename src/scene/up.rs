@@ -27,7 +27,7 @@ impl UpAxis {
         }
     }
 
-    /// Its letter.
+    /// Letter of the axis.
     pub fn letter(self) -> &'static str {
         match self {
             Self::Y => "y",
@@ -61,7 +61,7 @@ const ACROSS: f64 = 0.95;
 /// Levels this share of the scene's extent from its ends are those of its outer walls.
 const RIM: f64 = 0.04;
 
-/// What is in favour of y before anything is looked at, in the evidence's measure.
+/// Score in favour of y before anything is looked at, in the measure of the other evidence.
 const FOR_Y: f64 = 0.7;
 
 /// Words for what lies flat.
@@ -80,7 +80,7 @@ const FLAT: [&str; 12] = [
     "tabletop",
 ];
 
-/// What was seen of one axis.
+/// Evidence for one axis.
 #[derive(Clone, Copy, Default)]
 struct Axis {
     /// Area of faces across it, away from the outer walls.

@@ -18,9 +18,9 @@ pub enum WriteError {
     /// The folder or a file in it cannot be made.
     #[error("cannot write {}: {source}; choose a folder that you may write to", path.display())]
     Io {
-        /// What was to be written.
+        /// File that was to be written.
         path: PathBuf,
-        /// What the system said.
+        /// Error of the system.
         source: std::io::Error,
     },
 }

@@ -34,7 +34,7 @@ const HIDDEN_RAYS: u32 = 16;
 const TRIES: u64 = 8;
 
 impl PowerBalance {
-    /// What is missing (positive) or created (negative), as a share of the power of all colours that is emitted or enters.
+    /// Power that is missing (positive) or created (negative), as a share of the power of all colours that is emitted or enters.
     pub fn relative_gap(&self) -> f64 {
         let accounted = self.absorbed + self.stopped_by_backs + self.escaped;
         let given = (self.emitted + self.entered).element_sum();

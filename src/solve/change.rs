@@ -1,4 +1,4 @@
-//! What a changed parameter asks for: the least work that takes a solution from one set of parameters to another.
+//! Cost of a changed parameter: the least work that takes a solution from one set of parameters to another.
 
 use super::params::{ClusteringMode, Reconstruct, SolverParams};
 use crate::transport::RecheckReasons;
@@ -6,7 +6,7 @@ use crate::transport::RecheckReasons;
 /// The most that a changed parameter asks for, from little to much.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum ChangeCost {
-    /// What is there stays valid.
+    /// The solution stays valid.
     Nothing,
     /// Picture: the same radiosities are drawn in another way.
     Picture,
@@ -42,7 +42,7 @@ impl ChangeCost {
         self >= Self::Hierarchy
     }
 
-    /// What is done, for a person.
+    /// Work that is done, for a person.
     pub fn in_words(self) -> &'static str {
         match self {
             Self::Nothing => "keeps everything",
@@ -57,14 +57,14 @@ impl ChangeCost {
     }
 }
 
-/// What a change of parameters comes to.
+/// Work that a change of parameters asks for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Change {
     /// The most that is to be done.
     pub cost: ChangeCost,
     /// Whether links may be finer than they need be.
     pub merges_back: bool,
-    /// What must be looked at again.
+    /// Reasons for which links must be judged again.
     pub reasons: RecheckReasons,
 }
 

@@ -11,8 +11,15 @@ use super::stats::ErrorFound;
 use crate::base::cancel::CancelToken;
 use crate::gather::{Certificate, Field, Full, Gather, Goal, Progress, Quantiles, RISK};
 
+fn log_attempt(gather: &Gather, attempt: u32) {
+    let Some(certificate) = gather.certificate() else { return };
+    let Certificate { bound, read, points, .. } = certificate;
+    let (p90, points, rays) = (read.p90, points.len(), gather.rays());
+    tracing::info!(attempt, bound, p90, points, rays, "certificate");
+}
+
 impl Solver {
-    /// What comes after light was moved over the links for the last time.
+    /// Ends the work on links, after light was moved over them for the last time.
     pub(super) fn end_links(&mut self) {
         self.gather = None;
         self.job = if self.is_to_gather() { Job::Gather } else { Job::Done };
@@ -41,7 +48,7 @@ impl Solver {
         self.field().cloned().map(Arc::new)
     }
 
-    /// What is known of the error of readings, once it is.
+    /// Certificate of the error of readings, once there is one.
     pub fn certificate(&self) -> Option<&Certificate> {
         self.gather.as_ref()?.certificate()
     }
@@ -58,7 +65,11 @@ impl Solver {
             self.gather = Some(Gather::new(&self.links, goal, cancel)?);
         }
         let gather = self.gather.as_mut()?;
+        let (attempt, _) = gather.progress();
         let progress = gather.step(cancel);
+        if gather.progress().0 != attempt || matches!(progress, Some(Progress::Done)) {
+            log_attempt(gather, attempt);
+        }
         let stop = gather.full().map(|full| match full {
             Full::Leaves => MemoryStop::Vertices,
             Full::Looks => MemoryStop::Rays,
@@ -72,7 +83,7 @@ impl Solver {
         Some(Step::Reconstructed { pass_ended: progress != Progress::Part })
     }
 
-    /// What the certificate says, and what the bare mesh shows at its points.
+    /// Errors by the certificate, and of the bare mesh at its points.
     fn find_error(&mut self) -> Option<ErrorFound> {
         let field = self.field()?.clone();
         let certificate = self.certificate()?.clone();

@@ -11,7 +11,7 @@ use crate::transport::{RecheckReasons, Refinement};
 /// Light is moved until less than this share of the power is still to come, where links are judged by it again: thresholds do
 /// not ask for more.
 const ROUND_TOLERANCE: f64 = 1e-2;
-/// The same where the light is the result.
+/// Share of the power still to come at which light that is the result is done.
 const FINAL_TOLERANCE: f64 = 1e-5;
 
 /// A kind of work.
@@ -32,7 +32,7 @@ pub(super) enum Job {
 }
 
 impl Job {
-    /// What the statistics call it.
+    /// Name of the job in statistics.
     pub fn phase(self) -> Phase {
         match self {
             Self::Refine { .. } => Phase::Refine,
@@ -48,7 +48,7 @@ impl Job {
     }
 }
 
-/// What changed settings ask for once nothing waits to be judged.
+/// Work that changed settings ask for once nothing waits to be judged.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct Pending {
     /// Links may be finer than they need be, because ε was raised.
@@ -57,7 +57,7 @@ pub(super) struct Pending {
     pub reasons: RecheckReasons,
 }
 
-/// What one call of [`Solver::step`] did.
+/// Outcome of one call of [`Solver::step`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Step {
     /// Judged and applied a part of a wave.
@@ -79,7 +79,7 @@ pub enum Step {
 }
 
 impl Solver {
-    /// Does one bounded piece of work, and keeps the moment where one ends with it and timeline is kept.
+    /// Does one bounded piece of work, and keeps a step of the timeline where one ends with it and a timeline is kept.
     pub fn step(&mut self, cancel: &CancelToken) -> Step {
         let step = self.work(cancel);
         match step {
@@ -88,7 +88,34 @@ impl Solver {
             Step::Reconstructed { pass_ended: true } => self.remember(TimelineStepKind::Pass),
             _ => {}
         }
+        self.log(step);
         step
+    }
+
+    fn log(&self, step: Step) {
+        let (refinement, seconds) = (self.links.refinement(), self.seconds.total);
+        match step {
+            Step::Refined { wave_ended: true } => {
+                let counts = refinement.counts;
+                let (wave, links) = (refinement.waves, self.links.links().len() + refinement.accepted.len());
+                tracing::debug!(wave, links, judged = counts.pairs_judged, rays = counts.rays, seconds, "wave refined");
+            }
+            Step::Gathered if self.job.is_past_links() => {
+                tracing::info!(
+                    links = self.links.links().len(),
+                    rays = refinement.counts.rays,
+                    seconds,
+                    "links settled"
+                );
+            }
+            Step::Gathered => tracing::debug!(links = self.links.links().len(), seconds, "light moved over links"),
+            Step::Reconstructed { pass_ended: true } => {
+                let (attempt, rays) =
+                    self.gather.as_ref().map_or((0, 0), |gather| (gather.progress().0, gather.rays()));
+                tracing::debug!(attempt, rays, seconds, "gather pass ended");
+            }
+            Step::Refined { .. } | Step::Reconstructed { .. } | Step::Finished | Step::Interrupted => {}
+        }
     }
 
     /// Steps until nothing is left to do; false if cancelled.
@@ -143,7 +170,7 @@ impl Solver {
         Some(Step::Refined { wave_ended: applied.wave_ended })
     }
 
-    /// What comes once nothing waits to be judged.
+    /// The next job once nothing waits to be judged.
     pub(super) fn after_refinement(&self, is_last: bool) -> Job {
         let is_settled = self.links.is_converged() && self.links.refinement().accepted.is_empty();
         match self.pending.merges_back {

@@ -154,7 +154,7 @@ impl Solver {
     /// Forgets what names elements that were numbered anew. A picture starts from what is known now; its mesh is made anew.
     pub(super) fn forget_elements(&mut self) {
         self.gather = None;
-        self.view.frozen = None;
+        self.view.hierarchy = None;
         self.view.light = Some(self.links.light().clone());
         self.view.reconstruction = self.view.reconstruction.take().map(ReconstructionMesh::outdated);
         self.restart_timeline();

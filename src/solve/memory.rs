@@ -1,4 +1,4 @@
-//! What a solve has in memory, counted in bytes, and where refinement stops for the sake of a budget.
+//! Memory of a solve, counted in bytes, and where refinement stops for the sake of a budget.
 //!
 //! Counted are the tables by their lengths, with what is made of them while a step, a picture or a window works: so the count, and
 //! what is decided by it, is the same for any number of threads and on any machine. What the graphics driver takes, and what
@@ -34,7 +34,7 @@ const ELEMENT_IN_WINDOW: usize = 3 * 40 + 2 * 140;
 /// A leaf that a final gather starts with, with its share of the elements above it, and one pass of the fewest looks.
 pub(super) const GATHERED_LEAF: usize = 2000;
 
-/// What could not be refined further within the memory budget.
+/// The part that could not be refined further within the memory budget.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum MemoryStop {
@@ -49,7 +49,7 @@ pub enum MemoryStop {
 }
 
 impl MemoryStop {
-    /// What it was, in one word.
+    /// Name of the part, in one word.
     pub fn what(self) -> &'static str {
         match self {
             Self::Scene => "scene",
@@ -59,7 +59,7 @@ impl MemoryStop {
         }
     }
 
-    /// What came of it, for a person.
+    /// Consequence of the stop, for a person.
     pub fn in_words(self) -> &'static str {
         match self {
             Self::Scene => "the scene alone takes as much, and nothing was refined",
@@ -103,7 +103,7 @@ impl Solver {
         self.budget_bytes().saturating_sub(self.bytes_of_links())
     }
 
-    /// What a window keeps beside the solver's own.
+    /// Whether a window keeps copies beside the solver's own tables.
     pub(super) fn is_watched(&self) -> bool {
         self.timeline.is_some()
     }
@@ -114,7 +114,7 @@ impl Solver {
         copies * self.scene().bytes() + self.links.occluders().bytes() + size_of_val(self.links.surfaces())
     }
 
-    /// What refinement does not change.
+    /// Bytes that refinement does not change.
     pub(super) fn lasting_bytes(&self) -> usize {
         let of_link = if self.is_watched() { LINK + LINK_IN_WINDOW } else { LINK };
         let timeline = self.timeline.as_ref().map_or(0, Timeline::bytes);
@@ -131,7 +131,7 @@ impl Solver {
     }
 }
 
-/// What refinement adds to: elements, and pairs in every state.
+/// Bytes that refinement adds to: elements, and pairs in every state.
 pub(super) fn growing_bytes(refinement: &Refinement, hierarchy: &Hierarchy, is_watched: bool) -> usize {
     let watched = usize::from(is_watched);
     let elements = hierarchy.elements().len() * (ELEMENT + watched * ELEMENT_IN_WINDOW);

@@ -37,7 +37,7 @@ pub use params::{
     ClusteringMode, Epsilon, PARAMETERS, Parameter, ParameterId, ParamsError, Reconstruct, SolverParams, USUAL_ERROR,
     ValueKind,
 };
-pub use reconstruction_mesh::barycentric;
+pub use reconstruction_mesh::{barycentric, place_among};
 pub use snapshot::{ClusterBox, Leaf, Mesh, Snapshot};
 pub use stats::{Bytes, ErrorFound, Phase, Seconds, Stats};
 pub use timeline::{TimelineStep, TimelineStepKind};
@@ -80,11 +80,11 @@ pub struct Solver {
     links: LinkSolution,
     /// The final gather over the links, once it has begun.
     gather: Option<Gather>,
-    /// What its certificate found, once it ended.
+    /// Errors that the gather's certificate found, once it ended.
     error_found: Option<ErrorFound>,
     job: Job,
     pending: Pending,
-    /// What was not refined as far as was asked for, for want of memory.
+    /// The part that was not refined as far as was asked for, for want of memory.
     memory_stop: Option<MemoryStop>,
     /// Time spent working; whoever drives the solver may let it rest in between.
     seconds: Seconds,
@@ -110,6 +110,8 @@ impl Solver {
         let power = f64::from((scene.emitted_power() + entering).max_element());
         let rules = params.link_rules(watts(&params, power));
         let links = LinkSolution::new(scene, occluders, hierarchy, entering, rules);
+        let clusters = links.hierarchy().cluster_count();
+        tracing::info!(clusters, epsilon_watts = watts(&params, power), power_watts = power, seconds, "clusters built");
         Ok(Self::over(links, params, power, (generation, seconds)))
     }
 

@@ -54,7 +54,7 @@ pub struct SolverParams {
     pub epsilon: Epsilon,
     /// How light is shown; where an error is asked for, always by a final gather.
     pub reconstruct: Reconstruct,
-    /// What links are refined by.
+    /// Quantity that links are refined by.
     pub oracle: OracleKind,
     /// ε_partial / ε: how much stricter partly visible links are judged (section 2.3: 1/10).
     pub partial_factor: f64,
@@ -68,7 +68,7 @@ pub struct SolverParams {
     pub clustering: ClusteringMode,
     /// Deepest octree level, the root being 1; for [`ClusteringMode::Octree`].
     pub octree_depth: u32,
-    /// What clusters are to light.
+    /// Model of how clusters exchange light.
     pub cluster_model: ClusterModel,
     /// When clusters hand irradiance down.
     pub push: Push,
@@ -168,7 +168,7 @@ pub enum ValueKind {
     },
 }
 
-/// What the command line and the panels need to know of one parameter.
+/// Description of one parameter for the command line and the panels.
 pub struct Parameter {
     /// Which one.
     pub id: ParameterId,
@@ -363,7 +363,7 @@ pub enum ParamsError {
     Factor {
         /// The option.
         flag: &'static str,
-        /// Its value.
+        /// Value of the option.
         value: f64,
         /// The largest allowed value.
         most: f64,
@@ -385,7 +385,7 @@ pub enum ParamsError {
 }
 
 impl SolverParams {
-    /// What the program does where nobody says anything: it asks for an error.
+    /// Parameters where nobody says anything: a target error is asked for.
     pub fn usual() -> Self {
         Self { error: Some(USUAL_ERROR), ..Self::default() }
     }
@@ -395,7 +395,7 @@ impl SolverParams {
         self.error.map_or(self.epsilon, |error| Epsilon::Relative(EPSILON_PER_ERROR * error))
     }
 
-    /// What links are refined by, with ε in W.
+    /// Rules that links are refined by, with ε in W.
     pub(super) fn link_rules(&self, epsilon_watts: f64) -> LinkRules {
         LinkRules {
             oracle: self.oracle,

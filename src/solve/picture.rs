@@ -14,7 +14,7 @@ use crate::base::cancel::CancelToken;
 use crate::hierarchy::Hierarchy;
 use crate::transport::{Light, LinkTable, SolutionView};
 
-/// What pictures keep from one to the next.
+/// State that pictures keep from one to the next.
 #[derive(Default)]
 pub(super) struct View {
     /// Number of the solve that the pictures are of.
@@ -23,12 +23,12 @@ pub(super) struct View {
     pub serial: u64,
     /// The light of the last picture, from which the next one starts.
     pub light: Option<Light>,
-    /// Its mesh.
+    /// Mesh of the hierarchy.
     pub reconstruction: Option<ReconstructionMesh>,
     /// Whether snapshots carry the solution view.
     pub wants_solution_view: bool,
     /// The hierarchy of the last one that did.
-    pub frozen: Option<Arc<Hierarchy>>,
+    pub hierarchy: Option<Arc<Hierarchy>>,
 }
 
 impl View {
@@ -39,7 +39,7 @@ impl View {
 
     /// Forgets all that was seen; numbers go on.
     pub fn clear(&mut self) {
-        (self.light, self.reconstruction, self.frozen) = (None, None, None);
+        (self.light, self.reconstruction, self.hierarchy) = (None, None, None);
     }
 }
 
@@ -64,7 +64,7 @@ pub(super) fn snapshot(solver: &mut Solver) -> Snapshot {
     };
     let kind = solver.mesh_kind();
     if solver.view.wants_solution_view {
-        solver.freeze();
+        solver.copy_hierarchy();
     }
     let field = solver.shared_field();
     let old = solver.view.reconstruction.take();
@@ -85,7 +85,7 @@ pub(super) fn snapshot(solver: &mut Solver) -> Snapshot {
         leaf_irradiance: reconstruction.of_leaves(irradiance),
         leaf_radiosity: reconstruction.of_leaves(radiosity),
         clusters: reconstruction.clusters.clone(),
-        moment: None,
+        former_step: None,
         field,
         solution_view,
         stats: solver.stats(),
@@ -109,16 +109,16 @@ fn picture_light(solver: &mut Solver, table: &LinkTable) -> Light {
 
 impl Solver {
     /// Copies the hierarchy unless the copy that is there still is as it is.
-    fn freeze(&mut self) {
+    fn copy_hierarchy(&mut self) {
         let elements = self.hierarchy().elements().len();
-        if self.view.frozen.as_ref().is_none_or(|frozen| frozen.elements().len() != elements) {
-            self.view.frozen = Some(Arc::new(self.hierarchy().clone()));
+        if self.view.hierarchy.as_ref().is_none_or(|hierarchy| hierarchy.elements().len() != elements) {
+            self.view.hierarchy = Some(Arc::new(self.hierarchy().clone()));
         }
     }
 
-    /// The solution view of a state with these links and this light, over the hierarchy that was last frozen.
+    /// The solution view of a state with these links and this light, over the hierarchy that was last copied.
     pub(super) fn solution_view(&self, links: &LinkTable, light: &Light, is_final: bool) -> Arc<SolutionView> {
-        let hierarchy = self.view.frozen.clone().unwrap_or_else(|| Arc::new(self.hierarchy().clone()));
+        let hierarchy = self.view.hierarchy.clone().unwrap_or_else(|| Arc::new(self.hierarchy().clone()));
         Arc::new(self.links.solution_view(hierarchy, links, light, is_final))
     }
 }

@@ -10,7 +10,7 @@ use super::job::Job;
 const LINKS_SHARE: f32 = 0.15;
 /// Share of what is left that a pass over the links takes.
 const OF_PASS: f32 = 0.5;
-/// The same of an attempt of the final gather: most keep their target.
+/// Share of what is left that an attempt of the final gather takes: most keep their target.
 const OF_ATTEMPT: f32 = 0.8;
 
 impl Solver {

@@ -77,7 +77,7 @@ impl ReconstructionMesh {
         Self { elements: OUTDATED, ..self }
     }
 
-    /// The same hierarchy, or what it has grown to, in another kind.
+    /// The mesh of the hierarchy, or of what it has grown to, in another kind.
     pub fn rebuilt(&self, scene: &Scene, hierarchy: &Hierarchy, link_elements: usize, kind: MeshKind) -> Self {
         Self::build(hierarchy, link_elements, scene, (self.surfaces.clone(), self.clusters.clone()), kind)
     }
@@ -126,15 +126,8 @@ impl ReconstructionMesh {
         // Leaves lie in the order of their patches, not of the arena.
         let place = self.place_of[leaf.index()] as usize;
         let (first, last) = (*self.first_triangles.get(place)?, *self.first_triangles.get(place + 1)?);
-        let weigh = |triangle: &[u32; 3]| {
-            let corners = triangle.map(|at| Vec3::from(self.mesh.positions[at as usize]));
-            (*triangle, barycentric(corners, point))
-        };
-        let found = self.mesh.triangles[first as usize..last as usize].iter().map(weigh);
-        let found = found.filter(|(_, weights)| weights.is_finite());
-        let (triangle, weights) = found.max_by(|a, b| a.1.min_element().total_cmp(&b.1.min_element()))?;
-        let weights = weights.max(Vec3::ZERO);
-        Some((triangle, weights / weights.element_sum()))
+        let (triangle, weights) = place_among(&self.mesh, first..last, point)?;
+        Some((self.mesh.triangles[triangle as usize], weights))
     }
 
     /// Values of each mesh vertex, averaged over the leaves around it; `table` is parallel to the hierarchy's arena.
@@ -153,7 +146,7 @@ impl ReconstructionMesh {
     }
 }
 
-/// What is hidden counts this little at a vertex: not beside what is exposed, but where there is nothing else.
+/// Weight of a hidden leaf at a vertex: not beside what is exposed, but where there is nothing else.
 const LEAST_EXPOSED: f32 = 1e-6;
 
 /// Barycentric weights of a point's projection; not finite for a triangle without area.
@@ -163,6 +156,19 @@ pub fn barycentric([a, b, c]: [Vec3; 3], point: Vec3) -> Vec3 {
     let of_b = (point - a).cross(c - a).dot(across) / area_squared;
     let of_c = (b - a).cross(point - a).dot(across) / area_squared;
     Vec3::new(1.0 - of_b - of_c, of_b, of_c)
+}
+
+/// The one of these triangles of a mesh that a point of their plane lies in, and the weights of its corners there, which sum to 1.
+/// Rounding may leave a point on an edge a little outside of either triangle: the one that it is least outside of has it.
+pub fn place_among(mesh: &Mesh, triangles: impl Iterator<Item = u32>, point: Vec3) -> Option<(u32, Vec3)> {
+    let weigh = |triangle: u32| {
+        let corners = mesh.triangles[triangle as usize].map(|at| Vec3::from(mesh.positions[at as usize]));
+        (triangle, barycentric(corners, point))
+    };
+    let found = triangles.map(weigh).filter(|(_, weights)| weights.is_finite());
+    let (triangle, weights) = found.max_by(|a, b| a.1.min_element().total_cmp(&b.1.min_element()))?;
+    let weights = weights.max(Vec3::ZERO);
+    Some((triangle, weights / weights.element_sum()))
 }
 
 struct MeshBuilder<'a> {

@@ -1,4 +1,4 @@
-//! What the solver hands up to be looked at: a mesh with vertex radiosities, clusters, links of one element, numbers.
+//! Snapshots, which the solver hands up to be looked at: a mesh with vertex radiosities, clusters, links of one element, numbers.
 //!
 //! A snapshot is immutable and complete in itself; a view needs nothing else of the solver.
 
@@ -31,8 +31,8 @@ pub struct Snapshot {
     pub leaf_radiosity: Vec<[f32; 3]>,
     /// Boxes of the clusters; shared like the mesh.
     pub clusters: Arc<Vec<ClusterBox>>,
-    /// The former moment that it shows ([`super::Solver::snapshot_of`]); `None` for the present.
-    pub moment: Option<usize>,
+    /// The former step that it shows ([`super::Solver::snapshot_of`]); `None` for the present.
+    pub former_step: Option<usize>,
     /// The field that readings gather over; `None` until a final gather has ended.
     pub field: Option<Arc<Field>>,
     /// Elements and links of this state, where somebody asked for them.
@@ -52,7 +52,7 @@ pub struct Mesh {
     pub triangle_leaf: Vec<u32>,
     /// Ends of the outlines of all leaves, as vertex index pairs.
     pub outlines: Vec<[u32; 2]>,
-    /// What a person can ask about each leaf.
+    /// Facts about each leaf.
     pub leaves: Vec<Leaf>,
 }
 

@@ -1,4 +1,4 @@
-//! What can be asked of a solver at any time: its parts, counts and pictures.
+//! Questions that a solver answers at any time: its parts, counts and pictures.
 
 use std::sync::Arc;
 
@@ -64,7 +64,7 @@ impl Solver {
     pub fn show_solution_view(&mut self, is_wanted: bool) {
         self.view.wants_solution_view = is_wanted;
         if !is_wanted {
-            self.view.frozen = None;
+            self.view.hierarchy = None;
         }
     }
 

@@ -5,7 +5,7 @@ use serde::Serialize;
 use super::memory::MemoryStop;
 use crate::gather::Quantiles;
 
-/// What the solver is doing.
+/// Phase of a solve.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Phase {
@@ -25,7 +25,7 @@ pub enum Phase {
 /// Counts and times of one solve; keys as in the statistics file.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct Stats {
-    /// What the solver is doing now.
+    /// Present phase of the solve.
     pub phase: Phase,
     /// Threshold ε, W.
     pub epsilon_watts: f64,
@@ -67,13 +67,13 @@ pub struct Stats {
     pub error_asked: Option<f64>,
     /// Upper bound on it that the certificate found, once there is one.
     pub error_estimate: Option<f64>,
-    /// What else is known of the error, once it is.
+    /// Further facts about the error, once they are known.
     pub error: Option<ErrorFound>,
     /// Time spent so far.
     pub seconds: Seconds,
     /// Memory of the large tables.
     pub bytes: Bytes,
-    /// What could not be refined as far as was asked for within the memory budget.
+    /// The part that could not be refined as far as was asked for within the memory budget.
     pub memory_stop: Option<MemoryStop>,
     /// Emitted power Φ, W (all colours summed).
     pub emitted_watts: f64,
@@ -88,7 +88,7 @@ pub struct Stats {
     pub error_so_far: Option<f64>,
 }
 
-/// What the certificate of a gather found.
+/// Errors that the certificate of a gather found.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct ErrorFound {
     /// Nine tenths of the area are read within this local error,

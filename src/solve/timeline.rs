@@ -1,6 +1,6 @@
 //! The timeline of a solve: each wave as a light-weight step that can be looked at again.
 //!
-//! A moment keeps the links as they were, those that waited among them, and how many elements there were: the arena only grows,
+//! A step keeps the links as they were, those that waited among them, and how many elements there were: the arena only grows,
 //! so that a former hierarchy is a beginning of the present one. Its light is gathered anew when somebody asks for the picture.
 //! Passes of a final gather keep their pictures, for what they found cannot be had from links.
 
@@ -14,12 +14,12 @@ use crate::base::cancel::CancelToken;
 use crate::hierarchy::ElementId;
 use crate::transport::{Gatherer, Link, LinkRules, LinkTable, SolutionView};
 
-/// Memory that moments may take, bytes. Beyond it every other one is forgotten, but the first and the last.
+/// Memory that steps may take, bytes. Beyond it every other one is forgotten, but the first and the last.
 const MOST_BYTES: usize = 192 << 20;
 /// And no more than this part of the memory budget.
 const PART_OF_BUDGET: usize = 8;
 
-/// What ended with a moment.
+/// Kind of work that ended with a step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TimelineStepKind {
     /// Nothing: the root's self-link waits.
@@ -32,10 +32,10 @@ pub enum TimelineStepKind {
     Pass,
 }
 
-/// A moment in words and numbers.
+/// A step in words and numbers.
 #[derive(Clone, Debug)]
 pub struct TimelineStep {
-    /// What ended with it.
+    /// Kind of work that ended with the step.
     pub kind: TimelineStepKind,
     /// Counts and times as they were.
     pub stats: Stats,
@@ -68,33 +68,33 @@ impl State {
     }
 }
 
-/// The moments of a solve, oldest first.
+/// The steps of a solve, oldest first.
 #[derive(Default)]
 pub struct Timeline {
-    moments: Vec<KeptStep>,
+    steps: Vec<KeptStep>,
     bytes: usize,
     /// Grows with each change.
     changes: u64,
 }
 
 impl Timeline {
-    /// Memory of the moments, bytes.
+    /// Memory of the steps, bytes.
     pub fn bytes(&self) -> usize {
         self.bytes
     }
 
-    fn push(&mut self, moment: KeptStep, most_bytes: usize) {
+    fn push(&mut self, step: KeptStep, most_bytes: usize) {
         self.changes += 1;
-        self.bytes += moment.state.bytes();
-        self.moments.push(moment);
-        while self.bytes > most_bytes && self.moments.len() > 3 {
-            let last = self.moments.len() - 1;
+        self.bytes += step.state.bytes();
+        self.steps.push(step);
+        while self.bytes > most_bytes && self.steps.len() > 3 {
+            let last = self.steps.len() - 1;
             let mut place = 0;
-            self.moments.retain(|_| {
+            self.steps.retain(|_| {
                 place += 1;
                 (place - 1) % 2 == 0 || place - 1 == last
             });
-            self.bytes = self.moments.iter().map(|moment| moment.state.bytes()).sum();
+            self.bytes = self.steps.iter().map(|step| step.state.bytes()).sum();
         }
     }
 }
@@ -120,17 +120,17 @@ impl Solver {
         self.remember(TimelineStepKind::Start);
     }
 
-    /// What each moment was, oldest first.
-    pub fn moments(&self) -> impl ExactSizeIterator<Item = &TimelineStep> {
-        self.timeline.as_ref().map_or(&[][..], |timeline| &timeline.moments).iter().map(|moment| &moment.info)
+    /// The steps of the solve, oldest first.
+    pub fn kept_steps(&self) -> impl ExactSizeIterator<Item = &TimelineStep> {
+        self.timeline.as_ref().map_or(&[][..], |timeline| &timeline.steps).iter().map(|step| &step.info)
     }
 
-    /// Tells states of [`Self::moments`] apart: the generation, and a number that grows with each change.
-    pub fn moments_told(&self) -> (u64, u64) {
+    /// Tells states of [`Self::kept_steps`] apart: the generation, and a number that grows with each change.
+    pub fn kept_steps_state(&self) -> (u64, u64) {
         (self.view.generation, self.timeline.as_ref().map_or(0, |timeline| timeline.changes))
     }
 
-    /// Keeps the present state as a moment, where timeline is kept.
+    /// Keeps the present state as a step, where timeline is kept.
     pub(super) fn remember(&mut self, kind: TimelineStepKind) {
         if self.timeline.is_none() {
             return;
@@ -161,12 +161,12 @@ impl Solver {
         links
     }
 
-    /// A former moment's picture, gathered over the links that there were; `None` where there is no such moment.
-    pub fn snapshot_of(&mut self, moment: usize) -> Option<Snapshot> {
+    /// A former step's picture, gathered over the links that there were; `None` where there is no such step.
+    pub fn snapshot_of(&mut self, step: usize) -> Option<Snapshot> {
         let wants_solution_view = self.view.wants_solution_view;
-        let (info, elements, vertices, links, is_final) = match self.timeline.as_ref()?.moments.get(moment)? {
+        let (info, elements, vertices, links, is_final) = match self.timeline.as_ref()?.steps.get(step)? {
             KeptStep { state: State::Picture(snapshot), .. } => {
-                let snapshot = Snapshot { moment: Some(moment), ..(**snapshot).clone() };
+                let snapshot = Snapshot { former_step: Some(step), ..(**snapshot).clone() };
                 self.view.serial += 1;
                 let solution_view =
                     wants_solution_view.then(|| self.solution_view(self.links.links(), self.links.light(), true));
@@ -200,7 +200,7 @@ impl Solver {
             leaf_radiosity: reconstruction.of_leaves(&light.radiosity),
             mesh: reconstruction.mesh,
             clusters: reconstruction.clusters,
-            moment: Some(moment),
+            former_step: Some(step),
             field: None,
             solution_view: None,
             stats: info.stats,
@@ -241,24 +241,24 @@ mod tests {
                 _ => {}
             }
         }
-        assert_eq!(solver.moments().len(), seen.len());
+        assert_eq!(solver.kept_steps().len(), seen.len());
         solver.show_solution_view(true);
-        for (moment, then) in seen.iter().enumerate() {
-            let again = solver.snapshot_of(moment).expect("it was kept");
-            assert_eq!(again.moment, Some(moment));
-            assert_eq!(again.mesh.triangles, then.mesh.triangles, "moment {moment}");
+        for (step, then) in seen.iter().enumerate() {
+            let again = solver.snapshot_of(step).expect("it was kept");
+            assert_eq!(again.former_step, Some(step));
+            assert_eq!(again.mesh.triangles, then.mesh.triangles, "step {step}");
             let stats = &again.stats;
             assert_eq!((stats.links, stats.patches), (then.stats.links, then.stats.patches));
             // A live picture of what is not finished makes three sweeps from the one before; the last one is the solution.
-            let tolerance = if moment + 1 == seen.len() { 0.01 } else { 0.06 };
+            let tolerance = if step + 1 == seen.len() { 0.01 } else { 0.06 };
             let power = |snapshot: &Snapshot| -> f64 {
                 let leaves = snapshot.mesh.leaves.iter().zip(&snapshot.leaf_radiosity);
                 leaves.map(|(leaf, [r, g, b])| f64::from(leaf.area * (r + g + b))).sum()
             };
             let (before, now) = (power(then), power(&again));
-            assert!((now - before).abs() <= tolerance * before, "moment {moment}: {now} W, was {before} W");
+            assert!((now - before).abs() <= tolerance * before, "step {step}: {now} W, was {before} W");
             let solution_view = again.solution_view.expect("it was asked for");
-            if moment == 0 {
+            if step == 0 {
                 assert_eq!(solution_view.links().len(), 1, "the root's self-link alone");
             }
         }

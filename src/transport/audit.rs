@@ -1,4 +1,4 @@
-//! What a finished solution's links add up to: an audit of rows, columns, reciprocity and bounds.
+//! Audit of a finished solution's links: sums of rows, columns, reciprocity and bounds.
 
 use glam::Vec3;
 

@@ -21,7 +21,7 @@ impl LinkSolution {
         (Vec3::ONE - largest).recip()
     }
 
-    /// What no radiosity exceeds, (max B_e + E_sun)/(1−ρ_max) per colour, W/m²; B_e is that of a lamp or of the brightest part of the sky.
+    /// Bound that no radiosity exceeds, (max B_e + E_sun)/(1−ρ_max) per colour, W/m²; B_e is that of a lamp or of the brightest part of the sky.
     pub fn radiosity_bound(&self) -> Vec3 {
         let brightest = self.surfaces.iter().fold(Vec3::ZERO, |most, surface| most.max(surface.emission));
         let (mut sky, mut sun) = (Vec3::ZERO, Vec3::ZERO);

@@ -1,4 +1,4 @@
-//! What comes in from outside: the power that bright sides get, as the scale of ε and one side of the balance.
+//! Light that comes in from outside: the power that bright sides get, as the scale of ε and one side of the balance.
 
 use std::sync::Arc;
 

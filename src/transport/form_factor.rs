@@ -19,7 +19,7 @@ const MOST_CURVED: f32 = 0.1;
 /// Behind a plane up to this share of an element's size still counts as on it: f32 noise of coplanar faces.
 const PLANE_TOLERANCE: f32 = 1e-4;
 
-/// What geometry alone says about a pair of elements.
+/// Exchange of light between a pair of elements by geometry alone.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Exchange {
     /// One end lies wholly behind the other's plane: no light passes.
@@ -28,7 +28,7 @@ pub enum Exchange {
     Facing {
         /// Estimate of G = A_r·F(r←s), m².
         estimate: f32,
-        /// What the oracle judges by: the estimate, or a bound where boxes touch and the estimate means little. Of the light
+        /// Form factor that the oracle judges by: the estimate, or a bound where boxes touch and the estimate means little. Of the light
         /// that a cluster sends evenly into all directions at most half meets a plane, or a box beside it.
         bound: f32,
         /// Whether the ends' boxes overlap or touch.

@@ -53,17 +53,17 @@ impl Link {
         Self { direct: link.transfer(), ..link }
     }
 
-    /// The same with another visibility V in 0..=1.
+    /// The link with another visibility V in 0..=1.
     pub fn with_visibility(self, visibility: f32) -> Self {
         Self::new(self.source(), self.form_factor, visibility, self.visibility_source())
     }
 
-    /// The same from an element of another number.
+    /// The link with another source.
     pub fn with_source(self, source: ElementId) -> Self {
         Self { source: source.0, ..self }
     }
 
-    /// The same as if nobody had looked at the pair.
+    /// The link as if nobody had looked at the pair.
     pub fn unjudged(self) -> Self {
         Self { visibility_source: UNJUDGED, ..self }
     }

@@ -167,7 +167,7 @@ pub fn seen_by(visibility: f32, visibility_source: VisibilitySource) -> Option<(
 pub struct SourceLight {
     /// Radiosity B.
     pub max_radiosity: f32,
-    /// Its standard deviation over the source's leaves.
+    /// Standard deviation of the radiosity over the source's leaves.
     pub radiosity_stddev: f32,
 }
 
@@ -215,12 +215,12 @@ pub fn estimated_error(
     }
 }
 
-/// What geometry says of a pair, m².
+/// Form factors of a pair by geometry, times area, m².
 #[derive(Clone, Copy, Debug)]
 pub struct Facing {
     /// Estimated exchange G = A_r·F.
     pub estimate: f32,
-    /// Its bound where boxes touch.
+    /// Bound of the estimate where boxes touch.
     pub bound: f32,
     /// Whether they do.
     pub overlapping: bool,

@@ -34,13 +34,13 @@ pub struct Oracle<'a> {
     pub max_radiosity: &'a [f32],
     /// Standard deviation of that over the leaves of each element, W/m².
     pub radiosity_stddev: &'a [f32],
-    /// What links are refined by.
+    /// Quantity that links are refined by.
     pub kind: OracleKind,
     /// Whether anything may be split; pairs are kept as they are where memory holds no more.
     pub may_split: bool,
     /// Thresholds.
     pub thresholds: Thresholds,
-    /// What clusters are to light.
+    /// Model of how clusters exchange light.
     pub model: ClusterModel,
     /// Casts visibility rays.
     pub sampler: RaySampler<'a>,

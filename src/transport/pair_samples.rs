@@ -1,6 +1,6 @@
-//! Surveys: pairs of random points on two elements, and visibility rays between those that face each other (section 2.4).
+//! Pair samples: pairs of random points on two elements, and visibility rays between those that face each other (section 2.4).
 //!
-//! For patches a samples tells how much of the other end is seen. For clusters the same points also tell how their polygons
+//! For patches the samples tell how much of the other end is seen. For clusters the same points also tell how their polygons
 //! are turned: a box of furniture, a lamp or a wall made of pieces is not the cloud of randomly turned faces that the mean
 //! cosine of ¼ stands for, and the power of a link that was stored with that cosine is lost or made up.
 
@@ -24,7 +24,7 @@ pub struct RayBudget {
     pub stop_when_mixed: bool,
 }
 
-/// What a samples found.
+/// Sums over the pairs of points of two elements.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct PairSamples {
     /// Pairs of points looked at.
@@ -35,9 +35,9 @@ pub struct PairSamples {
     pub visible: u32,
     /// Sum over pairs of the kernel cosθ·cosθ'/(πd²), zero for those that do not face each other, 1/m².
     kernel: f32,
-    /// The same over pairs with a ray between them.
+    /// Sum of the kernel over pairs with a ray between them, 1/m².
     rayed_kernel: f32,
-    /// The same over visible pairs.
+    /// Sum of the kernel over visible pairs, 1/m².
     visible_kernel: f32,
 }
 
@@ -62,12 +62,12 @@ impl PairSamples {
     }
 }
 
-/// How the points of a samples are density.
+/// Density of the points of pair samples.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SampleDensity {
     /// Evenly over both ends.
     Even,
-    /// The same with other points.
+    /// Even by area, with other points than `Even`.
     EvenAgain,
     /// Over the first end by what it emits, evenly over the second, which receives.
     EmissionOfA,
@@ -75,10 +75,10 @@ pub enum SampleDensity {
     EmissionOfB,
 }
 
-/// Surveys pairs of elements; the points depend on what the two are and on the seed, not on who asks.
+/// Samples pairs of elements; the points depend on what the two are and on the seed, not on who asks.
 #[derive(Clone, Copy)]
 pub struct RaySampler<'a> {
-    /// What stops light.
+    /// Faces that stop light.
     pub occluders: &'a Occluders,
     /// Seed of all points.
     pub seed: u64,

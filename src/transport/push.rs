@@ -44,7 +44,7 @@ pub struct Pusher<'a> {
     faces: Vec<Face>,
 }
 
-/// What is read of each initial patch whenever light is handed down.
+/// Facts about an initial patch that are read whenever light is handed down.
 struct Face {
     id: ElementId,
     normal: Vec3,
@@ -134,7 +134,7 @@ impl<'a> Pusher<'a> {
         self.weights[place].even
     }
 
-    /// What the clusters above hand to each initial patch by its cosines, W/m², where each link brings `flux`; anything if cancelled.
+    /// Irradiance that the clusters above hand to each initial patch by its cosines, W/m², where each link brings `flux`; anything if cancelled.
     pub fn push(&self, flux: &(impl Fn(&Link) -> Vec3 + Sync), cancel: &CancelToken) -> Vec<Vec3> {
         let mut harmonics = vec![IrradianceHarmonics::default(); self.with_harmonics.len()];
         let mut met = vec![Vec3::ZERO; if self.link_targets.is_empty() { 0 } else { self.hierarchy.elements().len() }];
@@ -206,7 +206,7 @@ impl<'a> Inspector<'a> {
         Self { hierarchy, rules, normal_moments: normal_moments(hierarchy) }
     }
 
-    /// What a link at `receiver`, which brings it `flux` (W/m²), hands down to an element below: a cluster's to the initial patch by that
+    /// Irradiance that a link at `receiver`, which brings it `flux` (W/m²), hands down to an element below: a cluster's to the initial patch by that
     /// one's cosine, to a cluster below by the mean cosine of its patches.
     pub fn handed_down(&self, (receiver, link): (ElementId, &Link), flux: Vec3, below: ElementId) -> Vec3 {
         let (hierarchy, rules) = (self.hierarchy, self.rules);

@@ -37,7 +37,7 @@ impl RecheckReasons {
     }
 }
 
-/// What a second look at the stored links found.
+/// Result of judging the stored links again.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Rechecked {
     /// Whether links failed and wait.

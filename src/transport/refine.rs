@@ -17,7 +17,7 @@ const CHUNK: usize = 1 << 14;
 /// Candidates of the first chunk after a change of settings, so that something new is soon to be seen.
 const FIRST_CHUNK: usize = 1 << 12;
 
-/// What refinement counts.
+/// Counts of refinement.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Counts {
     /// Directed pairs that the oracle was asked about.
@@ -28,7 +28,7 @@ pub struct Counts {
     pub depth_guard_struck: u64,
 }
 
-/// What became of a chunk of verdicts.
+/// Outcome of a chunk of verdicts.
 #[derive(Clone, Copy, Debug)]
 pub struct Applied {
     /// Whether the wave ended with them.

@@ -15,7 +15,7 @@ pub enum Push {
     Deferred,
 }
 
-/// What a cluster is to the light that it sends and receives.
+/// Model of how a cluster sends and receives light.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum ClusterModel {
@@ -28,7 +28,7 @@ pub enum ClusterModel {
     Oriented,
 }
 
-/// What a link is refined by.
+/// Quantity that a link is refined by.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum OracleKind {
@@ -41,12 +41,12 @@ pub enum OracleKind {
     Error,
 }
 
-/// What a [`super::LinkSolution`] goes by.
+/// Rules of a [`super::LinkSolution`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LinkRules {
-    /// What links are refined by.
+    /// Quantity that links are refined by.
     pub oracle: OracleKind,
-    /// What clusters are to light.
+    /// Model of how clusters exchange light.
     pub cluster_model: ClusterModel,
     /// When clusters hand irradiance down.
     pub push: Push,

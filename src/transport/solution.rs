@@ -268,7 +268,7 @@ impl LinkSolution {
         &self.scene
     }
 
-    /// What rays meet.
+    /// Faces that rays meet.
     pub fn occluders(&self) -> &Arc<Occluders> {
         &self.occluders
     }
@@ -288,7 +288,7 @@ impl LinkSolution {
         f64::from((self.scene.emitted_power() + self.entering).max_element())
     }
 
-    /// What it goes by.
+    /// Rules of the solution.
     pub fn rules(&self) -> &LinkRules {
         &self.rules
     }

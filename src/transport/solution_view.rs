@@ -1,4 +1,4 @@
-//! A view of a solution: elements, links and light of one state, frozen, for views that look inside.
+//! A view of a solution: elements, links and light of one state, which stays as it is, for views that look inside.
 //!
 //! A snapshot carries it where somebody asked for it ([`crate::solve::Solver::show_solution_view`]): to copy elements and links costs
 //! a few milliseconds in a room, and some tens with a million polygons. Whoever holds it can ask about any element without asking
@@ -15,7 +15,7 @@ use super::link::{Link, LinkTable, VisibilitySource};
 use super::push::Inspector;
 use super::rules::LinkRules;
 use super::sweep::Light;
-use crate::hierarchy::{ElementId, Hierarchy, Order, Room, Shape};
+use crate::hierarchy::{ElementId, Hierarchy, Order, Room};
 
 /// Elements, links and light of one state of a solution.
 pub struct SolutionView {
@@ -161,11 +161,6 @@ impl SolutionView {
         self.orders[room as usize].get_or_init(|| Order::new(&self.hierarchy, room))
     }
 
-    /// Beginning and end of an element's share of all area, 0..=1, in the order of the hierarchy.
-    pub fn span(&self, id: ElementId) -> [f32; 2] {
-        self.order(Room::Area).span(id).map(|place| place as f32)
-    }
-
     /// Links that bring an element light, its own and those of all that holds it; strongest power first.
     pub fn incoming(&self, id: ElementId) -> Vec<LinkView> {
         let inspector = Inspector::new(&self.hierarchy, &self.rules);
@@ -241,15 +236,6 @@ impl SolutionView {
 
     fn flux(&self, link: &Link) -> Vec3 {
         link.irradiance(self.radiosity(link.source()), self.emitted(link.source()))
-    }
-
-    /// Level of an element: a cluster's below the root, a patch's below its initial patch.
-    pub fn level(&self, id: ElementId) -> u16 {
-        match self.hierarchy.element(id).shape {
-            Shape::Cluster(cluster) => cluster.level,
-            Shape::Patch(patch) => patch.level.into(),
-            Shape::Sky(number) => self.hierarchy.sky_part(number).level.into(),
-        }
     }
 }
 

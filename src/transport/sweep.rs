@@ -20,7 +20,7 @@ pub struct Light {
     pub irradiance: Vec<Vec3>,
     /// Emitted part of B, W/m².
     pub emitted: Vec<Vec3>,
-    /// What a leaf's irradiance is multiplied by; empty before the first [`Gatherer::enforce_closure`].
+    /// Factor on each leaf's irradiance; empty before the first [`Gatherer::enforce_closure`].
     pub row_scale: Vec<f32>,
 }
 
@@ -66,7 +66,7 @@ pub struct Gatherer<'a> {
     links: &'a LinkTable,
     surfaces: &'a [Surface],
     with_unjudged: bool,
-    /// What a sweep reads of each element, parallel to the arena.
+    /// Facts about each element that a sweep reads, parallel to the arena.
     nodes: Vec<Node>,
     /// Hands what clusters receive to the patches below at once; `None` for a deferred push.
     pusher: Option<Pusher<'a>>,
@@ -128,7 +128,7 @@ impl<'a> Gatherer<'a> {
     /// Sweeps until the power still to come is below `tolerance` of all power; false if cancelled, with `light` as the last
     /// whole sweep left it.
     ///
-    /// What is to come is estimated by the ratio of successive changes, as of a geometric series.
+    /// The power to come is estimated by the ratio of successive changes, as of a geometric series.
     pub fn converge(&self, light: &mut Light, tolerance: f64, most_sweeps: u32, cancel: &CancelToken) -> bool {
         let mut last_change = f64::INFINITY;
         for _ in 0..most_sweeps {
@@ -236,7 +236,7 @@ impl<'a> Gatherer<'a> {
         Some(rows)
     }
 
-    /// What arrives at each element by its own links; at initial patches also what clusters above push to them at once.
+    /// Irradiance of each element by its own links, W/m²; at initial patches also what clusters above push to them at once.
     fn incoming(&self, radiosity: &[Vec3], emitted: &[Vec3], cancel: &CancelToken) -> Option<Vec<Vec3>> {
         let flux = |link: &Link| {
             let carries = self.with_unjudged || link.visibility_source() != super::link::VisibilitySource::None;

@@ -13,7 +13,7 @@ pub enum Rejection {
     Occluded,
 }
 
-/// What becomes of one direction of a pair.
+/// Decision on one direction of a pair.
 #[derive(Clone, Copy, Debug)]
 pub enum Decision {
     /// The direction was not asked about.
@@ -28,7 +28,7 @@ pub enum Decision {
     Reject(Rejection),
 }
 
-/// What becomes of a pair.
+/// Decisions on both directions of a pair.
 #[derive(Clone, Copy, Debug)]
 pub struct Verdict {
     /// For the link at `a`, lit by `b`.
@@ -46,7 +46,7 @@ pub struct Verdict {
 }
 
 impl Verdict {
-    /// The same decision in each direction that was asked about.
+    /// A verdict with one decision in each direction that was asked about.
     pub fn alike(candidate: &Candidate, decision: Decision) -> Self {
         let if_asked = |asked: bool| if asked { decision } else { Decision::NotAsked };
         Self {

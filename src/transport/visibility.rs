@@ -50,7 +50,7 @@ impl Thresholds {
     }
 }
 
-/// What rays found.
+/// Kind of visibility that rays found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum VisibilityKind {
     /// All rays came through.
@@ -65,7 +65,7 @@ pub enum VisibilityKind {
 
 /// How well the ends of a pair see each other.
 pub struct VisibilityEstimate {
-    /// What it comes to.
+    /// Kind of the visibility.
     pub kind: VisibilityKind,
     /// Mean visibility V, 0..=1.
     pub visibility: f32,

@@ -1,4 +1,4 @@
-//! What waits to be judged, as links: so that there is light over all of the scene at any time.
+//! Pairs that wait to be judged, as links: so that there is light over all of the scene at any time.
 
 use rayon::prelude::*;
 
@@ -27,7 +27,7 @@ impl LinkSolution {
     }
 }
 
-/// What waits, as links with their estimated form factor and the visibility of what they came from.
+/// Links of a waiting pair, with their estimated form factor and the visibility of what they came from.
 fn links_of_waiting(hierarchy: &Hierarchy, waiting: &Waiting) -> [Option<(ElementId, Link)>; 2] {
     match *waiting {
         Waiting::Pair(candidate) if candidate.is_self() => [self_link(hierarchy, candidate.a), None],

@@ -2,25 +2,23 @@
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-use rayon::{ThreadPool, ThreadPoolBuilder};
+use rayon::ThreadPool;
 
 use super::loader::panic_message;
+use crate::base::threads::{pool, within};
 
 /// Runs work on the pool; a panic becomes a sentence, so that the thread lives on.
 pub(super) fn guarded<T: Send>(
     pool: Option<&ThreadPool>,
     work: impl FnOnce() -> Result<T, String> + Send,
 ) -> Result<T, String> {
-    let result = catch_unwind(AssertUnwindSafe(|| match pool {
-        Some(pool) => pool.install(work),
-        None => work(),
-    }));
+    let result = catch_unwind(AssertUnwindSafe(|| within(pool, work)));
     result.unwrap_or_else(|panic| Err(panic_message(&*panic).to_owned()))
 }
 
 /// A pool of so many threads, 0 for every core; without one, rayon's own serves.
 pub(super) fn pool_of(threads: u32) -> Option<ThreadPool> {
-    ThreadPoolBuilder::new().num_threads(threads as usize).thread_name(|index| format!("solver-{index}")).build().ok()
+    pool("solver", threads as usize).ok()
 }
 
 #[cfg(test)]

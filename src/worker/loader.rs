@@ -23,7 +23,7 @@ use crate::scene::{Luminaire, Reading, Scene, Sides, Source};
 use crate::solve::{Solver, SolverError, SolverParams};
 use crate::transport::lets_daylight_in;
 
-/// What a loader is to do.
+/// Task of a loader.
 pub(super) enum Job {
     /// Read this and add light to it.
     Load(Source, Reading, AddedLight),
@@ -41,7 +41,7 @@ pub(super) struct Prepared {
     pub occluders: Arc<Occluders>,
     /// The file it came from.
     pub path: Option<PathBuf>,
-    /// What its files looked like before they were read.
+    /// Stamps of the scene's files before they were read.
     pub stamps: Vec<FileStamp>,
     /// The sides that were asked for; `None` as the scene says.
     pub sides: Option<Sides>,
@@ -49,7 +49,7 @@ pub(super) struct Prepared {
     pub seconds: f64,
     /// Whether daylight would get in.
     pub is_open: bool,
-    /// Its solver at the root's self-link, until a session takes it.
+    /// Solver of the scene at the root's self-link, until a session takes it.
     pub solver: Option<Solver>,
 }
 
@@ -57,7 +57,7 @@ pub(super) struct Prepared {
 pub(super) struct Awaited {
     /// The number that its result carries.
     pub ticket: u64,
-    /// What is being made, for a person.
+    /// Name of the scene that is being made, for a person.
     pub name: String,
     /// Luminaires that it puts in place of the present scene's.
     pub luminaires: Option<Vec<Luminaire>>,
@@ -160,7 +160,7 @@ fn make_ready(job: Job, params: SolverParams, pool: Option<&ThreadPool>) -> Resu
     Ok(Prepared { raw, scene, occluders, path, stamps, sides, seconds, is_open, solver: Some(solver) })
 }
 
-/// What a panic said.
+/// Message of a panic.
 pub(super) fn panic_message(panic: &(dyn Any + Send)) -> &str {
     let text = panic.downcast_ref::<&str>().copied();
     text.or_else(|| panic.downcast_ref::<String>().map(String::as_str)).unwrap_or("it gave no reason")

@@ -17,15 +17,15 @@ pub(super) fn merge(commands: Vec<Command>) -> Vec<Command> {
 /// Whether `earlier` has no effect when `later` follows it.
 fn supersedes(later: &Command, earlier: &Command) -> bool {
     use Command::{
-        AnchorEpsilon, CancelLoad, Load, Look, Pause, Restart, Resume, SetDaylight, SetEmission, SetGroups,
-        SetLuminaires, SetParams, SetReflectance, Shutdown, StepWave,
+        AnchorEpsilon, CancelLoad, Load, Pause, Restart, Resume, SetDaylight, SetEmission, SetGroups, SetLuminaires,
+        SetParams, SetReflectance, Show, Shutdown, StepWave,
     };
     match (later, earlier) {
         (Shutdown, Command::SaveSidecar(_)) => false,
         (Shutdown, _)
         | (Load(..) | CancelLoad, Load(..) | CancelLoad)
         | (SetParams(_), SetParams(_))
-        | (Look(_), Look(_))
+        | (Show(_), Show(_))
         | (SetGroups(_), SetGroups(_))
         | (SetDaylight(_), SetDaylight(_))
         | (SetLuminaires(_), SetLuminaires(_))

@@ -33,7 +33,7 @@ use crate::scene::{GroupMember, Kept, Luminaire, MaterialId, Reading, Scene, Sou
 use crate::solve::{MeshError, Snapshot, SolverParams, TimelineStep};
 pub use stamp::FileStamp;
 
-/// What a person asks of the solver.
+/// A person's command to the solver.
 #[derive(Clone, Debug)]
 pub enum Command {
     /// Reads a scene, adds light to it and, when that succeeds, solves it in place of the present one.
@@ -51,7 +51,7 @@ pub enum Command {
     /// Solves afresh from the root's self-link.
     Restart,
     /// Says what snapshots show.
-    Look(Look),
+    Show(SnapshotRequest),
     /// Changes a material's emission; ε in watts stays.
     SetEmission {
         /// The material.
@@ -88,16 +88,16 @@ impl Command {
     }
 }
 
-/// What snapshots show.
+/// Content of snapshots.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Look {
-    /// Whether they carry the solution view of the solution: its elements and links.
+pub struct SnapshotRequest {
+    /// Whether they carry a solution view: elements and links.
     pub solution_view: bool,
-    /// A former moment in place of the present; the solver goes on meanwhile. Another solve forgets it.
-    pub moment: Option<usize>,
+    /// A former step in place of the present; the solver goes on meanwhile. Another solve forgets it.
+    pub former_step: Option<usize>,
 }
 
-/// What must not be lost on the way to a person.
+/// News that must not be lost on the way to a person.
 #[derive(Clone, Debug)]
 pub enum Event {
     /// A new scene is being solved.
@@ -125,7 +125,7 @@ pub struct SceneInfo {
     pub occluders: Arc<Occluders>,
     /// The file it came from; `None` for our own scenes.
     pub path: Option<PathBuf>,
-    /// What its files looked like before they were read; empty for our own scenes.
+    /// Stamps of the scene's files before they were read; empty for our own scenes.
     pub stamps: Vec<FileStamp>,
     /// The first generation of snapshots that show this scene.
     pub generation: u64,
@@ -135,13 +135,13 @@ pub struct SceneInfo {
     pub is_open: bool,
     /// A size that suits a luminaire, in the scene's length unit.
     pub luminaire_size: f32,
-    /// What loading skipped, clamped or ignored, a sentence each.
+    /// Remarks of loading on parts skipped, clamped or ignored, a sentence each.
     pub skipped: Vec<String>,
     /// Seconds spent reading, turning faces and building the occluders.
     pub load_seconds: f64,
 }
 
-/// What the solver's thread is about.
+/// State of the solver's thread.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum RunState {
     /// No scene is there, or the solve could not start.
@@ -155,7 +155,7 @@ pub enum RunState {
     Finished,
 }
 
-/// What is known of the error of a finished solve that no certificate tells of.
+/// Error of a finished solve by ε, which no certificate tells of.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum ErrorOfMesh {
     /// Nothing.
@@ -170,26 +170,26 @@ pub enum ErrorOfMesh {
 /// A small summary that a window may read in every frame.
 #[derive(Clone, Debug, Default)]
 pub struct Status {
-    /// What the thread is about.
+    /// State of the thread.
     pub run: RunState,
     /// The parameters that are in force.
     pub params: SolverParams,
-    /// What is being loaded, if anything is; the present scene rests meanwhile.
+    /// Name of the scene that is being loaded, if any is; the present scene rests meanwhile.
     pub loading: Option<String>,
-    /// What is known of the error of a finished solve by ε.
+    /// Error of a finished solve by ε, as far as it is known.
     pub mesh_error: ErrorOfMesh,
-    /// The steps of the solve so far, which [`Look::moment`] counts; oldest first.
-    pub moments: Arc<[TimelineStep]>,
+    /// The steps of the solve so far, which [`SnapshotRequest::former_step`] counts; oldest first.
+    pub steps: Arc<[TimelineStep]>,
 }
 
-/// What the thread shares with its owner; both locks are held for a swap or a copy only.
+/// State that the thread shares with its owner; both locks are held for a swap or a copy only.
 #[derive(Default)]
 struct Shared {
     latest: Mutex<Option<Arc<Snapshot>>>,
     status: Mutex<Status>,
 }
 
-/// What arrives at the thread.
+/// A message to the thread.
 enum Message {
     Command(Command),
     /// A loader is done; the number says which.
@@ -241,7 +241,7 @@ impl SolverThread {
         lock(&self.shared.latest).clone()
     }
 
-    /// What the thread is about.
+    /// State and settings of the thread.
     pub fn status(&self) -> Status {
         lock(&self.shared.status).clone()
     }

@@ -14,7 +14,7 @@ use super::merge::merge;
 use super::pacing::Pacing;
 use super::stage::MaterialEdit;
 use super::task::{Change, Changed, InFlight, Task};
-use super::{Command, ErrorOfMesh, Event, Look, Message, RunState, Shared, Status};
+use super::{Command, ErrorOfMesh, Event, Message, RunState, Shared, SnapshotRequest, Status};
 use crate::base::threads::lock;
 use crate::solve::{Solver, SolverParams, TimelineStep};
 
@@ -47,7 +47,7 @@ pub(super) struct Session {
     pub(super) params: SolverParams,
     pub(super) pool: Option<Arc<ThreadPool>>,
     pub(super) prepared: Option<Box<Prepared>>,
-    /// The solver, while it is result.
+    /// The solver, while it is not at a task.
     pub(super) solver: Option<Solver>,
     in_flight: Option<InFlight>,
     /// Whether a scene without a solver is to get one: not again where that failed.
@@ -61,7 +61,7 @@ pub(super) struct Session {
     finished: bool,
     /// Nothing is left to do but the last picture.
     is_finishing: bool,
-    /// What is known of the error of the present solution, and whether that was tried to find out.
+    /// Error of the present solution as far as it is known, and whether it was measured.
     mesh_error: ErrorOfMesh,
     was_measured: bool,
     /// A status is to be told by then at the latest: better with the picture that goes with it.
@@ -80,9 +80,9 @@ pub(super) struct Session {
     picture_was_owed: bool,
     /// The generation that the last event of a scene told of.
     pub(super) announced: u64,
-    look: Look,
+    request: SnapshotRequest,
     /// Steps that were told of.
-    moments: Arc<[TimelineStep]>,
+    steps: Arc<[TimelineStep]>,
     /// Generation and number of changes that they stand for.
     told: (u64, u64),
     /// A person waits for what comes of the first step.
@@ -117,14 +117,14 @@ impl Session {
             picture_is_wanted: false,
             picture_was_owed: false,
             announced: 0,
-            look: Look::default(),
-            moments: Arc::default(),
+            request: SnapshotRequest::default(),
+            steps: Arc::default(),
             told: (0, 0),
             hurries: false,
         }
     }
 
-    /// Takes up commands and sends the solver on its errands, until it is told to end. It never waits for one of them.
+    /// Takes up commands and sends the solver to its tasks, until it is asked to end. It never waits for one of them.
     pub(super) fn run(mut self) {
         loop {
             for message in self.receive() {
@@ -175,11 +175,12 @@ impl Session {
         is_idle && self.solver.as_ref().is_some_and(Solver::has_unknown_error)
     }
 
-    /// Obeys at once what needs no solver; the rest waits until it is result, which it is asked to hurry for.
+    /// Obeys at once what needs no solver; the rest waits until it is back from its task, which is cancelled.
     fn take_up(&mut self, command: Command) {
         if let Some(in_flight) = &self.in_flight {
             in_flight.call();
         }
+        tracing::debug!("command {:.200}", format!("{command:?}"));
         self.tell_status_soon();
         match command {
             Command::Load(..) => self.runs_when_loaded = true,
@@ -202,8 +203,8 @@ impl Session {
                     Drive::Run | Drive::Pause => Drive::Waves(1),
                 };
             }
-            Command::Look(look) => {
-                self.look = look;
+            Command::Show(request) => {
+                self.request = request;
                 self.picture_owed = true;
             }
             Command::SaveSidecar(kept) => self.save_sidecar(kept),
@@ -222,7 +223,7 @@ impl Session {
         }
     }
 
-    /// Obeys a command for which the solver must be result.
+    /// Obeys a command for which the solver must be back from its task.
     fn obey(&mut self, command: Command) {
         match command {
             Command::Restart => self.start_solver(),
@@ -265,7 +266,7 @@ impl Session {
         }
     }
 
-    /// Sends the solver, if it is result, to do what is wanted next: new parameters, other changes, a picture, a step.
+    /// Sends the solver, if it is not at a task, to do what is wanted next: new parameters, other changes, a picture, a step.
     fn go_on(&mut self) {
         if self.in_flight.is_none() {
             self.follow_params();
@@ -281,7 +282,7 @@ impl Session {
             // What is owed from here on is another one.
             self.picture_was_owed = std::mem::take(&mut self.picture_owed);
             self.picture_is_wanted = false;
-            self.send_solver(Task::Picture(self.look));
+            self.send_solver(Task::Picture(self.request));
         } else if self.has_work() {
             self.send_solver(Task::Step);
         } else if self.can_measure() {
@@ -338,7 +339,7 @@ impl Session {
     pub(super) fn install(&mut self, mut solver: Solver) {
         self.orphan();
         self.generation += 1;
-        self.look.moment = None;
+        self.request.former_step = None;
         solver.set_generation(self.generation);
         solver.keep_timeline();
         let former = self.solver.replace(solver);
@@ -362,6 +363,16 @@ impl Session {
     }
 
     pub(super) fn emit(&self, event: Event) {
+        match &event {
+            Event::LoadFailed(reason) | Event::SolveFailed(reason) | Event::SaveFailed(reason) => {
+                tracing::warn!("{reason}");
+            }
+            Event::SceneLoaded(info) | Event::SceneEdited(info) => {
+                tracing::info!(scene = info.scene.name, generation = info.generation, "scene in view");
+            }
+            Event::Finished => tracing::info!("solve finished"),
+            Event::Saved(path) => tracing::info!(file = %path.display(), "written"),
+        }
         // A window that is gone wants no events.
         let _ = self.ends.events.send(event);
         (self.ends.wake)();
@@ -381,7 +392,7 @@ impl Session {
 
     fn publish_status(&mut self) {
         self.status_due = None;
-        self.tell_moments();
+        self.tell_steps();
         let has_solver = self.solver.is_some() || self.in_flight.is_some();
         let run = match (has_solver, self.finished, self.drive) {
             (false, ..) => RunState::Idle,
@@ -392,7 +403,7 @@ impl Session {
         let awaited = self.loading.as_ref().or(self.remaking.as_ref());
         let loading = awaited.map(|awaited| awaited.name.clone());
         *lock(&self.ends.shared.status) =
-            Status { run, params: self.params, loading, mesh_error: self.mesh_error, moments: self.moments.clone() };
+            Status { run, params: self.params, loading, mesh_error: self.mesh_error, steps: self.steps.clone() };
         (self.ends.wake)();
     }
 }

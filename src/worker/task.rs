@@ -1,4 +1,4 @@
-//! What the solver does, away from the thread that takes commands.
+//! Tasks of the solver, away from the thread that takes commands.
 //!
 //! A solver is sent to the pool for each piece of work and comes back with what came of it. Steps stop when they are cancelled; what
 //! cannot be interrupted (a picture of a million patches, clusters being built) does not keep the session from answering, and is
@@ -13,16 +13,16 @@ use std::time::Instant;
 use rayon::ThreadPool;
 
 use super::loader::panic_message;
-use super::{Look, Message};
+use super::{Message, SnapshotRequest};
 use crate::base::cancel::CancelToken;
 use crate::solve::{MeshError, Snapshot, Solver, Step};
 
-/// What a solver is sent to do.
+/// Task that a solver is sent to do.
 pub(super) enum Task {
     /// One step.
     Step,
     /// A picture.
-    Picture(Look),
+    Picture(SnapshotRequest),
     /// The error of what is shown.
     Measure,
     /// A change that leaves the solver as it is but for what is asked of it, or puts another one in its place.
@@ -31,13 +31,13 @@ pub(super) enum Task {
 
 /// A solver after a change.
 pub(super) struct Changed {
-    /// The same or another one.
+    /// The solver, or another one in its place.
     pub solver: Option<Solver>,
-    /// What happened to it, or why nothing did.
+    /// Change of the solver, or why there was none.
     pub outcome: Result<Change, String>,
 }
 
-/// What became of a solver.
+/// Kind of a change of solver.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Change {
     /// It has something to do again.
@@ -46,17 +46,17 @@ pub(super) enum Change {
     Replaced,
 }
 
-/// What a solver comes back with.
+/// Result of a task.
 pub(super) struct TaskResult {
     /// The number of the task.
     pub ticket: u64,
     /// None where there was none, or where it broke.
     pub solver: Option<Solver>,
-    /// What came of it.
+    /// Outcome of the task.
     pub outcome: Outcome,
 }
 
-/// What came of a task.
+/// Outcome of a task.
 pub(super) enum Outcome {
     /// A step was made, or not.
     Step(Step),
@@ -128,10 +128,10 @@ impl Task {
                 let step = solver.step(cancel);
                 (Some(solver), Outcome::Step(step))
             }
-            (Self::Picture(look), Some(mut solver)) => {
+            (Self::Picture(request), Some(mut solver)) => {
                 let begun = Instant::now();
-                solver.show_solution_view(look.solution_view);
-                let former = look.moment.and_then(|moment| solver.snapshot_of(moment));
+                solver.show_solution_view(request.solution_view);
+                let former = request.former_step.and_then(|step| solver.snapshot_of(step));
                 let snapshot = former.unwrap_or_else(|| solver.snapshot());
                 (Some(solver), Outcome::Picture(Arc::new(snapshot), begun, Instant::now()))
             }

@@ -1,4 +1,4 @@
-//! The reference and the solver against closed forms, the solver against the reference, and the reference's promises: the same
+//! The reference and the solver against closed forms, the solver against the reference, and properties of the reference: the same
 //! for any number of threads, never stale, stopped at once. One program, so that it is linked once.
 
 mod closed_forms;

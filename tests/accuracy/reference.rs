@@ -1,4 +1,4 @@
-//! What the reference promises beside its values.
+//! Properties of the reference beside its values.
 
 use glam::{DVec3, Vec3};
 use selflink::base::cancel::CancelToken;

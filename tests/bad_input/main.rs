@@ -5,6 +5,8 @@ mod bounds;
 mod finds;
 #[path = "../fuzz/inputs.rs"]
 mod inputs;
+#[path = "../support/left_out.rs"]
+mod left_out;
 mod outside;
 mod pictures;
 mod pipes;

@@ -2,6 +2,10 @@
 
 mod export;
 mod input;
+#[cfg(feature = "gui")]
+#[path = "../support/left_out.rs"]
+mod left_out;
+mod log;
 mod man;
 mod memory;
 mod no_graphics;

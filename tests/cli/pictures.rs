@@ -36,7 +36,7 @@ fn bad_pictures_are_refused() {
 #[test]
 fn a_picture_has_the_size_asked_for_and_shows_the_overlays() {
     if let Err(error) = selflink::render::Offscreen::new() {
-        return eprintln!("SKIPPED: pictures are not tested, {error}");
+        return crate::left_out::left_out(&format!("pictures, {error}"));
     }
     let folder = Folder::new();
     let draw = |file: &str, args: &[&str]| {
@@ -92,7 +92,7 @@ fn pictures_are_gathered_unless_the_mesh_is_asked_for() {
         refused(&["render", "cornell", "--show", "clusters:2", "--picture", "gathered", "--out", name(&path)]);
     assert!(refused.contains("clusters show the mesh"), "{refused}");
     if let Err(error) = selflink::render::Offscreen::new() {
-        return eprintln!("SKIPPED: pictures of the mesh are not tested, {error}");
+        return crate::left_out::left_out(&format!("pictures of the mesh, {error}"));
     }
     let (_, remarks) = succeed(&by_threshold);
     assert!(remarks.contains("warning: light can be gathered at pixels only"), "{remarks}");

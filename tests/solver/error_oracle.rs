@@ -86,7 +86,7 @@ fn a_sealed_dark_room_beside_a_lit_one_is_not_split() {
     }
 }
 
-/// Truth: the promise that a solve is the same, bit for bit, for any number of threads.
+/// Truth: a solve is the same, bit for bit, for any number of threads.
 #[test]
 fn threads_do_not_matter() {
     let scene = lamp_room();

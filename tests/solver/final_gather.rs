@@ -80,9 +80,9 @@ fn furnaces_glow_evenly_wherever_they_are_read() {
     }
 }
 
-/// The promise: nine tenths of what is read are within each target error by the independent reference, to twice the standard error of
+/// Truth: nine tenths of what is read are within each target error by the independent reference, to twice the standard error of
 /// that quantile, and the certificate says so. Returns the quantiles.
-fn promise_is_kept<const N: usize>(scene: &Scene, asked: [f64; N], points: usize, noise: f64) -> [f64; N] {
+fn target_error_is_kept<const N: usize>(scene: &Scene, asked: [f64; N], points: usize, noise: f64) -> [f64; N] {
     let points = random_points(scene, points, 7);
     let mut run = ReferenceRun::new(scene, points.into(), 7);
     let target = Target { noise, limit: Some(Duration::from_secs(60)) };
@@ -109,30 +109,30 @@ fn promise_is_kept<const N: usize>(scene: &Scene, asked: [f64; N], points: usize
 }
 
 #[test]
-fn the_promise_is_kept_in_the_cornell_box() {
+fn the_target_error_is_kept_in_the_cornell_box() {
     let scene = BuiltinScene::Cornell.build();
-    let errors = promise_is_kept(&scene, [0.1, 0.05, 0.02], 200, 0.007);
+    let errors = target_error_is_kept(&scene, [0.1, 0.05, 0.02], 200, 0.007);
     assert!(errors[0] > errors[2], "{errors:?}");
 }
 
 #[test]
-fn the_promise_is_kept_in_a_furnished_room() {
-    promise_is_kept(&lamp_room(), [0.1], 500, 0.015);
+fn the_target_error_is_kept_in_a_furnished_room() {
+    target_error_is_kept(&lamp_room(), [0.1], 500, 0.015);
 }
 
 #[test]
 #[ignore = "slow: half a minute for the reference"]
-fn the_promise_is_kept_in_the_seminar_room_slow() {
+fn the_target_error_is_kept_in_the_seminar_room_slow() {
     let scene = BuiltinScene::from_name("seminar").expect("one of our own").build();
-    promise_is_kept(&scene, [0.05], 1000, 0.015);
+    target_error_is_kept(&scene, [0.05], 1000, 0.015);
 }
 
 /// Most of the office's A·|B|² lies within two small shades, a few centimetres from their bulbs: what is asked for is kept only if no face is
 /// in its own shadow, and if bulbs and shades light each other as often as they do.
 #[test]
-fn the_promise_is_kept_in_the_office() {
+fn the_target_error_is_kept_in_the_office() {
     let scene = BuiltinScene::from_name("office").expect("one of our own").build();
-    promise_is_kept(&scene, [0.1], 300, 0.03);
+    target_error_is_kept(&scene, [0.1], 300, 0.03);
 }
 
 /// Truth: at the same ε the gathered picture is nearer to the truth than vertices' averages, and those than one value for each

@@ -70,7 +70,7 @@ fn threads_do_not_matter_in_the_office() {
     assert_same(&solution(8), &one, "8 threads");
 }
 
-/// Truth: the promise that a solve is the same whether or not a window watches.
+/// Truth: a solve is the same whether or not a window watches.
 #[test]
 fn onlookers_do_not_matter() {
     let scene = lamp_room();
@@ -79,16 +79,16 @@ fn onlookers_do_not_matter() {
         let mut watched = solver(&scene, params(mode, 1e-3));
         let never = CancelToken::new();
         let mut pictures = 0;
-        let mut moment = 0;
+        let mut step = 0;
         watched.keep_timeline();
         loop {
             let snapshot = watched.snapshot();
             pictures += 1;
             assert!(snapshot.vertex_radiosity.iter().flatten().all(|value| value.is_finite() && *value >= 0.0));
             watched.show_solution_view(pictures % 3 == 0);
-            moment = (moment + 7) % watched.moments().len();
-            let former = watched.snapshot_of(moment).expect("a moment that was told of");
-            assert_eq!(former.moment, Some(moment));
+            step = (step + 7) % watched.kept_steps().len();
+            let former = watched.snapshot_of(step).expect("a step that is kept");
+            assert_eq!(former.former_step, Some(step));
             if watched.step(&never) == Step::Finished {
                 break;
             }

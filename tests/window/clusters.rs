@@ -17,7 +17,7 @@ fn open_tool(params: SolverParams) -> Harness<'static, App> {
     let mut window = cornell(params);
     finish(&mut window);
     window.get_by_label(words::CLUSTERS).click();
-    until(&mut window, "the anatomy", |window| {
+    until(&mut window, "the solution view", |window| {
         window.state().snapshot().is_some_and(|snapshot| snapshot.solution_view.is_some())
     });
     window

@@ -31,7 +31,7 @@ fn finer(window: &mut Harness<'static, App>) {
     finish(window);
 }
 
-/// Truth: the picture of A before it was frozen, and that of B alone.
+/// Truth: the picture of A before it was pinned, and that of B alone.
 #[test]
 fn a_is_at_the_left_of_the_divider_and_b_at_its_right() {
     let mut window = cornell(coarse());

@@ -63,7 +63,7 @@ fn office() {
     let at = track.left_center() + egui::vec2(0.2 * track.width(), 0.0);
     window.drag_at(at);
     window.drop_at(at);
-    until(&mut window, "the step", |window| window.state().snapshot().is_some_and(|shown| shown.moment.is_some()));
+    until(&mut window, "the step", |window| window.state().snapshot().is_some_and(|shown| shown.former_step.is_some()));
     solution_view(&mut window);
     // The raster comes from a thread of its own.
     std::thread::sleep(std::time::Duration::from_millis(500));

@@ -8,8 +8,8 @@ use selflink::solve::{Epsilon, ParameterId, SolverParams};
 
 use crate::support::{click, cornell, finish, picture, share_of_different_pixels, until};
 
-fn moment(window: &Harness<'static, App>) -> Option<usize> {
-    window.state().snapshot().and_then(|snapshot| snapshot.moment)
+fn step(window: &Harness<'static, App>) -> Option<usize> {
+    window.state().snapshot().and_then(|snapshot| snapshot.former_step)
 }
 
 /// Truth: the first step is the root's self-link on unsplit patches, and the present comes back as it was, pixel for pixel.
@@ -18,7 +18,7 @@ fn a_former_step_is_looked_at_and_the_present_comes_back() {
     let mut window = cornell(SolverParams { epsilon: Epsilon::Relative(1e-3), ..SolverParams::default() });
     finish(&mut window);
     let present = picture(&mut window);
-    let steps = window.state().status().moments.len();
+    let steps = window.state().status().steps.len();
     assert!(steps > 5, "{steps} steps");
 
     // The left end of the track is the first step, and the right one the present.
@@ -27,11 +27,11 @@ fn a_former_step_is_looked_at_and_the_present_comes_back() {
         let at = track.shrink2(egui::vec2(8.0, 0.0)).left_center() + egui::vec2(share * (track.width() - 16.0), 0.0);
         window.drag_at(at);
         window.drop_at(at);
-        let near = |moment: Option<usize>| match (moment, expected) {
-            (Some(moment), Some(expected)) => moment.abs_diff(expected) <= 1,
-            (moment, expected) => moment == expected,
+        let near = |step: Option<usize>| match (step, expected) {
+            (Some(step), Some(expected)) => step.abs_diff(expected) <= 1,
+            (step, expected) => step == expected,
         };
-        until(&mut window, "the step", |window| near(moment(window)));
+        until(&mut window, "the step", |window| near(step(window)));
         let says = |words: &str| window.query_by_label_contains(words).is_some();
         assert_eq!((says(words::FORMER_STEP), says(words::LINKS_SETTLED)), (share < 1.0, share == 1.0));
     }
@@ -39,9 +39,9 @@ fn a_former_step_is_looked_at_and_the_present_comes_back() {
 
     // By keys: one step back, to the last but one.
     window.key_press(Key::ArrowLeft);
-    until(&mut window, "the last step but one", |window| moment(window) == Some(steps - 2));
+    until(&mut window, "the last step but one", |window| step(window) == Some(steps - 2));
     click(&mut window, words::LATEST);
-    until(&mut window, "the present", |window| moment(window).is_none());
+    until(&mut window, "the present", |window| step(window).is_none());
 }
 
 /// Truth: playing goes through the steps in order, from one self-link to the present.
@@ -49,21 +49,22 @@ fn a_former_step_is_looked_at_and_the_present_comes_back() {
 fn steps_are_played_from_the_first_to_the_present() {
     let mut window = cornell(SolverParams { epsilon: Epsilon::Relative(1e-2), ..SolverParams::default() });
     finish(&mut window);
-    let steps = window.state().status().moments.len();
+    let steps = window.state().status().steps.len();
     let links_at_the_end = window.state().snapshot().expect("a picture").stats.links;
     click(&mut window, words::PLAY);
     let first = |window: &Harness<'static, App>| {
-        let stats = window.state().snapshot().filter(|snapshot| snapshot.moment == Some(0)).map(|first| &first.stats);
+        let stats =
+            window.state().snapshot().filter(|snapshot| snapshot.former_step == Some(0)).map(|first| &first.stats);
         stats.map(|stats| (stats.links, stats.candidates_left))
     };
     // One self-link waits, and nothing else is there.
     until(&mut window, "the first step", |window| first(window) == Some((0, 1)));
     let mut seen = vec![0];
     loop {
-        if let Some(now) = moment(&window).filter(|now| seen.last() != Some(now)) {
+        if let Some(now) = step(&window).filter(|now| seen.last() != Some(now)) {
             seen.push(now);
         }
-        if moment(&window).is_none() {
+        if step(&window).is_none() {
             break;
         }
         window.step();
@@ -81,11 +82,11 @@ fn a_study_opens_the_method_and_replays_the_solve() {
     let threshold = words::parameter(ParameterId::Epsilon);
     assert!(window.query_by_label(threshold).is_none(), "the method is folded away");
     click(&mut window, words::STUDY);
-    until(&mut window, "the first step", |window| moment(window) == Some(0));
+    until(&mut window, "the first step", |window| step(window) == Some(0));
     assert!(window.query_all_by_label(threshold).next().is_some());
     let why = window.query_all_by_label_contains("used with the choice Stop at").next();
     assert!(why.is_some(), "what has no effect says why");
     until(&mut window, "its links", |window| window.query_by_label_contains("drawn").is_some());
     click(&mut window, words::LATEST);
-    until(&mut window, "the present", |window| moment(window).is_none());
+    until(&mut window, "the present", |window| step(window).is_none());
 }

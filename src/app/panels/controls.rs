@@ -4,7 +4,7 @@ use egui::{Grid, Ui};
 
 use crate::app::widgets::theme;
 
-/// What to do, and what it does; [`crate::app::view::viewport`] acts so.
+/// Gestures and their effects; [`crate::app::view::viewport`] acts so.
 pub(in crate::app) const CONTROLS: [(&str, &str); 10] = [
     ("left drag", "orbit"),
     ("right, middle or shift drag", "pan"),

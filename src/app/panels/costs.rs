@@ -1,4 +1,4 @@
-//! What a change of a parameter will cost: a sentence in its tooltip, and a mark beside it.
+//! Cost of a change of a parameter: a sentence in its tooltip, and a mark beside it.
 
 use egui::{Rect, Ui, pos2, vec2};
 
@@ -11,7 +11,7 @@ const MOST_BARS: usize = 3;
 /// Room that the mark takes, points.
 const WIDTH: f32 = 14.0;
 
-/// What a change to a lower and to a higher value asks of the solver, as one sentence or two.
+/// Work that a change to a lower and to a higher value asks of the solver, in one sentence or two.
 pub(in crate::app) fn sentence(parameter: &Parameter) -> String {
     let [lower, higher] = parameter.costs.map(ChangeCost::in_words);
     match parameter.kind {

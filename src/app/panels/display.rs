@@ -30,7 +30,7 @@ pub(in crate::app) fn show(
     crate::app::panels::links::show(ui, shown, &mut display.links);
 }
 
-/// What the view is a picture of.
+/// Shows the choice between a gathered picture and the mesh.
 fn show_picture(ui: &mut Ui, display: &mut DisplaySettings) {
     theme::row(ui, words::PICTURE, |ui| {
         let name = |is_gathered| if is_gathered { words::GATHERED } else { words::MESH };

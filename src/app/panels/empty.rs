@@ -1,4 +1,4 @@
-//! What the view says when there is no picture, while a scene is being loaded, and while a file hovers over it.
+//! Texts of the view when there is no picture, while a scene is being loaded, and while a file hovers over it.
 
 use std::time::Duration;
 

@@ -1,4 +1,4 @@
-//! What lies over the view now and then: the three lines of the first start, and the way back from the full picture.
+//! Hints over the view: the three lines of the first start, and the way back from the full picture.
 
 use egui::{Align2, Area, Frame, Rect, Ui};
 

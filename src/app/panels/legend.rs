@@ -17,7 +17,7 @@ const LABELS: f32 = 22.0;
 /// Least room between two labels, points.
 const GAP: f32 = 5.0;
 
-/// What a legend says.
+/// Content of a legend.
 struct Legend<'a> {
     title: String,
     remark: &'a str,

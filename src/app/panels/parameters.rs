@@ -198,7 +198,7 @@ fn suffix_of(count: u64, unit: &str) -> String {
     suffix(if count == 1 { unit.trim_end_matches('s') } else { unit })
 }
 
-/// What no number of threads means.
+/// Words for 0 threads.
 const ALL_CORES: &str = "all cores";
 
 /// An error is shown in percent.

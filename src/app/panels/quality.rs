@@ -11,7 +11,7 @@ use crate::worker::{Command, RunState};
 /// Qualities with the target errors that they stand for.
 const QUALITIES: [(&str, f64); 3] = [(words::DRAFT, 0.2), (words::GOOD, USUAL_ERROR), (words::FINAL, 0.02)];
 
-/// What a person asked for that the section itself cannot do.
+/// Wishes of a person that the section itself cannot grant.
 #[derive(Clone, Copy, Default)]
 pub(in crate::app) struct Asked {
     /// To see how the method works.

@@ -11,7 +11,7 @@ use crate::scene::builtin::BuiltinScene;
 use crate::scene::{CameraPose, Kept, Reading, Sidecar, Source, Unit, UpAxis};
 use crate::worker::{Command, SceneInfo};
 
-/// What a person chose that the section itself cannot do.
+/// Choices of a person that the section itself cannot carry out.
 #[derive(Default)]
 pub(in crate::app) struct Chosen {
     /// Another way to read the scene's file.

@@ -56,7 +56,7 @@ pub(in crate::app) fn show(ui: &mut Ui, shown: &Shown, painted: Option<&Painted>
     ui.add_space(2.0);
 }
 
-/// What the solver does, or what is known of its solution, and no more than that.
+/// Sentence on what the solver does, or on what is known of its solution, and no more than that.
 fn said(status: &Status, stats: Option<&Stats>, is_dark: bool, share: f32, neutral: Color32) -> Said {
     let said = |text: String, colour| Said { text, colour, hint: None };
     if let Some(name) = &status.loading {
@@ -89,7 +89,7 @@ fn phase(stats: &Stats, share: f32) -> String {
     }
 }
 
-/// What is known of a finished solution.
+/// Sentence on a finished solution.
 fn result(status: &Status, stats: &Stats, neutral: Color32) -> Said {
     let within = |figure: String| format!("{} {figure} %", words::SURFACES_WITHIN);
     let percent = |share: f64| format::short(100.0 * share);

@@ -1,4 +1,4 @@
-//! Comparison with a reference: what the referee found of each run, and what the view shows of it.
+//! Comparison with a reference: what the reference finds of each run, and what the view shows of it.
 
 use std::sync::Arc;
 
@@ -19,7 +19,7 @@ const MOST_RUNS: usize = 12;
 /// Relative error at the end of the colour scales.
 pub(in crate::app) const FULL_SCALE: f32 = 0.5;
 
-/// What colours the surfaces.
+/// Meaning of the colours of surfaces.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub(in crate::app) enum Shading {
     /// The light.
@@ -41,20 +41,20 @@ impl Shading {
     }
 }
 
-/// The error of a solve at one moment.
+/// The error of a solve at one time.
 #[derive(Clone, Copy)]
 pub(in crate::app) struct RunPoint {
     /// Since the solve's start, s.
     pub seconds: f64,
     /// Relative RMS error.
     pub error: f64,
-    /// Its standard error.
+    /// Standard error of the error.
     pub noise: f64,
 }
 
 /// The error over time of one solve.
 pub(in crate::app) struct Run {
-    /// Its settings, short.
+    /// Settings of the run, short.
     pub name: String,
     params: SolverParams,
     generation: u64,
@@ -69,7 +69,7 @@ struct Painted {
     snapshot: Arc<Snapshot>,
 }
 
-/// The window's side of the referee.
+/// The window's side of the reference's thread.
 pub(in crate::app) struct Comparison {
     reference_worker: Option<ReferenceWorker>,
     report: Report,
@@ -145,7 +145,7 @@ impl Comparison {
         (self.asked, self.painted) = (None, None);
     }
 
-    /// Takes up what the referee found, and shows it the snapshot in view.
+    /// Takes up what the reference found, and shows it the snapshot in view.
     pub(in crate::app) fn note(&mut self, snapshot: Option<&Arc<Snapshot>>, params: &SolverParams) {
         let Some(reference_worker) = &self.reference_worker else { return };
         if !self.report.is_active {
@@ -158,7 +158,7 @@ impl Comparison {
             self.asked = Some(snapshot.clone());
         }
         let report = reference_worker.report();
-        // Before the referee has taken up its task the report is of none.
+        // Before the thread has taken up its task the report is of none.
         if report.is_active {
             self.report = report;
         }
@@ -193,7 +193,7 @@ impl Comparison {
         }
     }
 
-    /// What the referee is about.
+    /// Report of the reference's thread.
     pub(in crate::app) fn report(&self) -> &Report {
         &self.report
     }

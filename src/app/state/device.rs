@@ -10,7 +10,7 @@ use crate::app::App;
 use crate::base::threads::lock;
 use crate::export::settings::Settings;
 
-/// What a window that lost its device hands over to the next one.
+/// State that a window which lost its device hands over to the next one.
 #[derive(Clone, Debug)]
 pub(in crate::app) struct Legacy {
     /// Scene, light, view and parameters.
@@ -56,7 +56,7 @@ impl DeviceState {
         lock(&self.lost).clone()
     }
 
-    /// The same, asking the device.
+    /// Reason for which the device is lost, by asking the device.
     pub(in crate::app) fn is_it_lost(&self) -> Option<String> {
         // A lost device may have nothing to say to this either.
         let _ = self.device.poll(wgpu::PollType::Poll);

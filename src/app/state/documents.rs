@@ -13,7 +13,7 @@ pub(in crate::app) struct Documents {
     pub opened: Opened,
     /// Whether its file has changed since.
     pub watch: Watch,
-    /// What is being written.
+    /// Files that are being written.
     pub exports: Exports,
 }
 

@@ -1,4 +1,4 @@
-//! What a person sets: parameters, display, lamps and materials, with what was set before.
+//! Settings of a person: parameters, display, lamps and materials, with their history.
 
 use crate::app::panels::light::LightEditor;
 use crate::app::state::settings::DisplaySettings;
@@ -13,7 +13,7 @@ pub(in crate::app) struct Edits {
     pub display: DisplaySettings,
     /// Lamps and materials.
     pub light: LightEditor,
-    /// What was set before, and what was undone.
+    /// Former settings, and those that were undone.
     pub history: History,
 }
 

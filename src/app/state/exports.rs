@@ -1,4 +1,4 @@
-//! What the window writes to disk, each on a thread of its own: pictures, meshes, links, settings and statistics.
+//! Files that the window writes, each on a thread of its own: pictures, meshes, links, settings and statistics.
 //!
 //! One file is written at a time; the window goes on meanwhile and says what came of it. Whoever tires of waiting may cancel.
 
@@ -6,8 +6,7 @@ use std::fs::File;
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use std::sync::mpsc::{Receiver, TryRecvError, channel};
-use std::thread::Builder;
+use std::task::Poll;
 use std::time::Instant;
 
 use image::{ImageFormat, RgbaImage};
@@ -17,6 +16,7 @@ use crate::app::view::paint::Picture;
 use crate::app::widgets::dialog::Dialog;
 use crate::app::{Wake, format};
 use crate::base::cancel::CancelToken;
+use crate::base::threads::Background;
 use crate::export::peers::Peer;
 use crate::export::{LitMesh, MeshFormat, exr, links};
 use crate::read::picture::GatheredPicture;
@@ -77,7 +77,7 @@ pub(in crate::app) struct Exports {
     /// A file that is there already and is to be overwritten only if a person says so.
     pub in_question: Option<Item>,
     writing: Option<Writing>,
-    /// What came of the last one.
+    /// Outcome of the last export.
     pub outcome: Option<Result<String, String>>,
 }
 
@@ -85,7 +85,7 @@ struct Writing {
     path: PathBuf,
     cancel: CancelToken,
     since: Instant,
-    answers: Receiver<Result<String, String>>,
+    answer: Background<Result<String, String>>,
 }
 
 impl Default for Exports {
@@ -137,17 +137,11 @@ impl Exports {
         wake: &Wake,
         write: impl FnOnce(&Target) -> Result<String, String> + Send + 'static,
     ) {
-        let (answer, answers) = channel();
         let cancel = CancelToken::new();
         let (wake, target) = (wake.clone(), Target { path: path.clone(), cancel: cancel.clone() });
-        let work = move || {
-            // The window may be gone by now.
-            let _ = answer.send(write(&target));
-            wake();
-        };
         self.outcome = None;
-        match Builder::new().name("export".into()).spawn(work) {
-            Ok(_) => self.writing = Some(Writing { path, cancel, since: Instant::now(), answers }),
+        match Background::start("export", move || wake(), move || write(&target)) {
+            Ok(answer) => self.writing = Some(Writing { path, cancel, since: Instant::now(), answer }),
             Err(error) => {
                 self.outcome = Some(Err(format!("{}: no thread is left to write it ({error})", path.display())));
             }
@@ -157,13 +151,9 @@ impl Exports {
     /// Takes up what came of a file.
     pub(in crate::app) fn poll(&mut self) {
         let Some(writing) = &self.writing else { return };
-        let outcome = match writing.answers.try_recv() {
-            Ok(outcome) => outcome,
-            Err(TryRecvError::Empty) => return,
-            Err(TryRecvError::Disconnected) => {
-                Err(format!("{}: was not written, the thread broke", writing.path.display()))
-            }
-        };
+        let Poll::Ready(outcome) = writing.answer.poll() else { return };
+        let broken = || Err(format!("{}: was not written, the thread broke", writing.path.display()));
+        let outcome = outcome.unwrap_or_else(broken);
         self.writing = None;
         self.outcome = Some(outcome);
     }
@@ -290,7 +280,9 @@ impl Target {
         write().map_err(|error| {
             let path = self.path.display();
             format!("{path}: cannot be written ({error}); choose a folder that you may write to.")
-        })
+        })?;
+        tracing::info!(file = %self.path.display(), "written");
+        Ok(())
     }
 }
 

@@ -1,4 +1,4 @@
-//! What an element is and how it is lit.
+//! Facts about an element: its kind, and how it is lit.
 
 use glam::Vec3;
 
@@ -68,7 +68,7 @@ impl Facts {
         }
     }
 
-    /// What a snapshot alone tells of a leaf.
+    /// Facts about a leaf that a snapshot alone tells.
     pub(in crate::app) fn of_leaf(snapshot: &Snapshot, scene: &Scene, id: ElementId) -> Option<Self> {
         let index = snapshot.mesh.leaves.iter().position(|leaf| leaf.element == id)?;
         let leaf = snapshot.mesh.leaves[index];
@@ -83,7 +83,7 @@ impl Facts {
         Some(lit.with_polygon(scene, leaf.polygon))
     }
 
-    /// What the element is called in a word or two.
+    /// Name of the element in a word or two.
     pub(in crate::app) fn name(&self) -> String {
         match (&self.material, self.group.as_str()) {
             (Some(material), "") => material.clone(),

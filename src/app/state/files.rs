@@ -11,7 +11,7 @@ const MOST_RECENT: usize = 6;
 /// Extensions of scene files; some systems' dialogs tell capitals apart.
 const EXTENSIONS: [&str; 10] = ["obj", "gltf", "glb", "ply", "stl", "OBJ", "GLTF", "GLB", "PLY", "STL"];
 
-/// What to do without a dialog.
+/// Advice where there is no dialog.
 pub(in crate::app) const NO_DIALOG: &str = "No file dialog answers on this system: type the path into the field beside Browse…, or drop the file on the window.";
 
 /// State of the file controls.
@@ -66,7 +66,7 @@ impl Files {
         });
     }
 
-    /// What came of the dialog, once it is closed with something to say.
+    /// Answer of the dialog, once it is closed with something to say.
     pub(in crate::app) fn poll_dialog(&mut self) -> Option<DialogAnswer> {
         self.dialog.poll()
     }

@@ -1,4 +1,4 @@
-//! What panels show of the picked element: facts, links and names, made once for each state of the solution.
+//! Content of the picked element's panels: facts, links and names, made once for each state of the solution.
 
 use std::time::{Duration, Instant};
 
@@ -34,7 +34,7 @@ impl Direction {
     }
 }
 
-/// What the picked element's panels show.
+/// Content of the picked element's panels.
 #[derive(Default)]
 pub(in crate::app) struct Inspection {
     made_of: Option<MadeOf>,
@@ -42,19 +42,19 @@ pub(in crate::app) struct Inspection {
     /// Counts up with each change of `links`.
     pub stamp: u64,
     pub facts: Option<Facts>,
-    /// Its links and those of its parts and of all that holds it, by what they bring; most first.
+    /// Links of the element, of its parts and of all that holds it, by the light they bring; most first.
     pub links: Vec<LinkView>,
     names: Option<Names>,
     known_names: FxHashMap<ElementId, String>,
 }
 
-/// What an inspection was made of.
+/// State that an inspection was made of.
 #[derive(Clone, Copy, PartialEq, Eq)]
 struct MadeOf {
     generation: u64,
     serial: u64,
-    moment: Option<usize>,
-    has_anatomy: bool,
+    former_step: Option<usize>,
+    has_solution_view: bool,
     element: ElementId,
     direction: Direction,
 }
@@ -69,9 +69,9 @@ impl Inspection {
         element: ElementId,
         direction: Direction,
     ) -> bool {
-        let (generation, serial, moment) = (snapshot.generation, snapshot.serial, snapshot.moment);
-        let has_anatomy = snapshot.solution_view.is_some();
-        let now = MadeOf { generation, serial, moment, has_anatomy, element, direction };
+        let (generation, serial, former_step) = (snapshot.generation, snapshot.serial, snapshot.former_step);
+        let has_solution_view = snapshot.solution_view.is_some();
+        let now = MadeOf { generation, serial, former_step, has_solution_view, element, direction };
         if self.made_of == Some(now) {
             return false;
         }
@@ -107,7 +107,7 @@ impl Inspection {
         self.known_names.entry(id).or_insert_with(|| names.full(solution_view.hierarchy(), scene, id))
     }
 
-    /// Its short name, among those that hold it.
+    /// Short name of an element, among those that hold it.
     pub(in crate::app) fn short_name(&self, solution_view: &SolutionView, scene: &Scene, id: ElementId) -> String {
         self.names.as_ref().map(|names| names.short(solution_view.hierarchy(), scene, id)).unwrap_or_default()
     }

@@ -1,4 +1,4 @@
-//! What a person set of each material and of each luminaire: reflectance, emission, and of lamps the switch and the dimmer.
+//! Settings of each material and luminaire: reflectance, emission, and of lamps the switch and the dimmer.
 //!
 //! The scene knows a lamp by its emission alone; that it is one although it is off, and what it emits at 100 %, is known here.
 
@@ -28,7 +28,7 @@ impl Tinted {
         self.value
     }
 
-    /// Its brightest channel.
+    /// Emission of the brightest channel, W/m².
     pub fn strength(&self) -> f32 {
         self.value.max_element()
     }
@@ -96,11 +96,11 @@ impl MaterialLight {
 /// A luminaire that was added to the scene's file.
 #[derive(Clone, Debug, PartialEq)]
 pub(in crate::app) struct LuminaireLight {
-    /// Its name.
+    /// Name of the material.
     pub name: String,
     /// Where it is and what it looks like.
     pub form: LuminaireForm,
-    /// What it sends.
+    /// Light that the material sends.
     pub light: MaterialLight,
 }
 
@@ -147,7 +147,7 @@ impl Lighting {
         self.materials.get(material)
     }
 
-    /// The same, to be changed.
+    /// Light of a material, to be changed.
     pub fn of_mut(&mut self, material: usize) -> Option<&mut MaterialLight> {
         self.materials.get_mut(material)
     }
@@ -157,7 +157,7 @@ impl Lighting {
         self.luminaires.iter().map(LuminaireLight::wanted).collect()
     }
 
-    /// What the worker must be told of materials for this to be in force instead of `former`.
+    /// Commands by which the worker puts this in force instead of `former`.
     pub fn commands_since(&self, former: &Self) -> Vec<Command> {
         let mut commands = Vec::new();
         for (index, (now, former)) in self.materials.iter().zip(&former.materials).enumerate() {

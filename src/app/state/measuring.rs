@@ -23,13 +23,13 @@ const SCALED_SHARE: f32 = 0.98;
 
 /// A place on a surface that a person reads.
 pub(in crate::app) struct Probe {
-    /// Its name; a person may change it.
+    /// Name of the probe; a person may change it.
     pub name: String,
     pub point: Vec3,
     pub normal: Vec3,
 }
 
-/// What is written to a file.
+/// Table that is written to a file.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(in crate::app) enum Table {
     Probes,
@@ -71,7 +71,7 @@ pub(in crate::app) struct Measuring {
     pub writes_values: bool,
     /// Where tables are written.
     pub save: SaveDialog,
-    /// What the file dialog was opened for.
+    /// Table for which the file dialog was opened.
     pub saves: Table,
 }
 
@@ -196,7 +196,7 @@ impl Measuring {
         }
     }
 
-    /// What lies under the pointer, as far as is known.
+    /// Reading of the surface under the pointer, as far as it is known.
     pub(in crate::app) fn under_pointer(&self) -> Option<&crate::read::survey::SurfaceReading> {
         self.pointer?;
         self.report.looked.as_ref()?.reading.as_ref()

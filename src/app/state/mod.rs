@@ -1,4 +1,4 @@
-//! What the window remembers, without a widget.
+//! State of the window, without a widget.
 
 pub(in crate::app) mod comparison;
 pub(in crate::app) mod device;

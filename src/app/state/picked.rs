@@ -1,6 +1,6 @@
 //! The element that a person chose, by a click into the view or by name, and how it is found again in later snapshots.
 //!
-//! What is chosen is remembered as its path from the root. A snapshot that does not know all of it, such as one of a former moment,
+//! A chosen element is remembered as its path from the root. A snapshot that does not know all of it, such as one of a former step,
 //! shows the deepest element of the path that it knows; the rest is taken up again when it is there.
 
 use glam::Vec3;

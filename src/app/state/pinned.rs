@@ -1,16 +1,16 @@
 //! A solution that is kept, A, beside the running one, B: what the view shows of both, and how they differ.
 
 use std::sync::Arc;
-use std::sync::mpsc::{Receiver, TryRecvError, channel};
-use std::thread::Builder;
+use std::task::Poll;
 
 use crate::app::Wake;
 use crate::app::state::comparison::Shading;
 use crate::app::view::paint::Beside;
+use crate::base::threads::Background;
 use crate::measure::accuracy::{Contrast, contrast};
 use crate::solve::{Snapshot, SolverParams};
 
-/// What the view shows while a solution is kept.
+/// Sides that the view shows while a solution is pinned.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(in crate::app) enum Sides {
     /// A at the left of the divider, B at its right.
@@ -23,7 +23,7 @@ pub(in crate::app) enum Sides {
 }
 
 /// The solution that is kept.
-pub(in crate::app) struct Frozen {
+pub(in crate::app) struct PinnedSolution {
     pub snapshot: Arc<Snapshot>,
     pub params: SolverParams,
     /// RMS error by the reference and its standard error, where it was measured.
@@ -34,13 +34,13 @@ pub(in crate::app) struct Frozen {
 
 /// State of the comparison.
 pub(in crate::app) struct Pinned {
-    frozen: Option<Frozen>,
+    solution: Option<PinnedSolution>,
     pub sides: Sides,
     /// Where the divider stands, as a share of the view's width.
     pub divider: f32,
     difference: Option<Difference>,
     /// A difference that is being computed.
-    awaited: Option<Receiver<Difference>>,
+    awaited: Option<Background<Difference>>,
 }
 
 /// How the two differ, as found for one snapshot of B.
@@ -53,7 +53,7 @@ struct Difference {
 
 impl Default for Pinned {
     fn default() -> Self {
-        Self { frozen: None, sides: Sides::Split, divider: 0.5, difference: None, awaited: None }
+        Self { solution: None, sides: Sides::Split, divider: 0.5, difference: None, awaited: None }
     }
 }
 
@@ -67,23 +67,23 @@ impl Pinned {
         exposure: f32,
     ) {
         self.let_go();
-        self.frozen = Some(Frozen { snapshot, params, measured, exposure });
+        self.solution = Some(PinnedSolution { snapshot, params, measured, exposure });
     }
 
     /// Lets A go.
     pub(in crate::app) fn let_go(&mut self) {
-        (self.frozen, self.difference, self.awaited) = (None, None, None);
+        (self.solution, self.difference, self.awaited) = (None, None, None);
         self.sides = Sides::Split;
     }
 
     /// A.
-    pub(in crate::app) fn frozen(&self) -> Option<&Frozen> {
-        self.frozen.as_ref()
+    pub(in crate::app) fn solution(&self) -> Option<&PinnedSolution> {
+        self.solution.as_ref()
     }
 
     /// The metered exposure of both, m²/W, which is A's while one is kept: whoever compares wants no other difference.
     pub(in crate::app) fn exposure(&self, metered: f32) -> f32 {
-        self.frozen.as_ref().map_or(metered, |frozen| frozen.exposure)
+        self.solution.as_ref().map_or(metered, |solution| solution.exposure)
     }
 
     /// RMS difference of B to A as a share of A's RMS radiosity, of the newest B for which it was found.
@@ -94,43 +94,34 @@ impl Pinned {
     /// Finds how B differs, on a thread of its own, where nobody looks for that already.
     pub(in crate::app) fn note(&mut self, b: Option<&Arc<Snapshot>>, wake: &Wake) {
         if let Some(awaited) = &self.awaited {
-            match awaited.try_recv() {
-                Ok(difference) => (self.difference, self.awaited) = (Some(difference), None),
-                Err(TryRecvError::Empty) => return,
-                Err(TryRecvError::Disconnected) => self.awaited = None,
-            }
+            let Poll::Ready(found) = awaited.poll() else { return };
+            self.difference = found.or(self.difference.take());
+            self.awaited = None;
         }
-        let (Some(frozen), Some(b)) = (&self.frozen, b) else { return };
+        let (Some(solution), Some(b)) = (&self.solution, b) else { return };
         if self.difference.as_ref().is_some_and(|difference| Arc::ptr_eq(&difference.of, b)) {
             return;
         }
-        let (answer, answers) = channel();
-        let (a, b, wake) = (frozen.snapshot.clone(), b.clone(), wake.clone());
-        let find = move || {
-            let found = contrast(&a, &b);
-            // Nobody may wait any more.
-            let _ = answer.send(Difference::new(b, &found));
-            wake();
-        };
-        if Builder::new().name("difference".into()).spawn(find).is_ok() {
-            self.awaited = Some(answers);
-        }
+        let (a, b, wake) = (solution.snapshot.clone(), b.clone(), wake.clone());
+        let find = move || Difference::new(b.clone(), &contrast(&a, &b));
+        self.awaited = Background::start("difference", move || wake(), find).ok();
     }
 
     /// A beside what the view shows, where both are to be seen.
     pub(in crate::app) fn beside(&self) -> Option<Beside> {
-        let frozen = self.frozen.as_ref().filter(|_| self.sides == Sides::Split)?;
-        Some(Beside { snapshot: frozen.snapshot.clone(), share: self.divider })
+        let solution = self.solution.as_ref().filter(|_| self.sides == Sides::Split)?;
+        Some(Beside { snapshot: solution.snapshot.clone(), share: self.divider })
     }
 
     /// A alone, where it alone is to be seen.
     pub(in crate::app) fn alone(&self) -> Option<Arc<Snapshot>> {
-        self.frozen.as_ref().filter(|_| self.sides == Sides::A).map(|frozen| frozen.snapshot.clone())
+        self.solution.as_ref().filter(|_| self.sides == Sides::A).map(|solution| solution.snapshot.clone())
     }
 
     /// The difference in colours, where it is to be seen and was found.
     pub(in crate::app) fn painted(&self) -> Option<Arc<Snapshot>> {
-        let difference = self.difference.as_ref().filter(|_| self.sides == Sides::Difference && self.frozen.is_some());
+        let difference =
+            self.difference.as_ref().filter(|_| self.sides == Sides::Difference && self.solution.is_some());
         difference.map(|difference| difference.painted.clone())
     }
 }

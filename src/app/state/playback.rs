@@ -1,21 +1,21 @@
-//! What the window asks the worker's snapshots to show, and the walk through the steps of a solve.
+//! Content that the window asks of snapshots, and the walk through the steps of a solve.
 
 use std::time::Duration;
 
 use crate::solve::Snapshot;
-use crate::worker::{Command, Look};
+use crate::worker::{Command, SnapshotRequest};
 
 /// Each step stays in view for this long while they are played, unless its picture takes longer.
 const STEP_TIME: Duration = Duration::from_millis(450);
-/// The same for somebody who studies them.
+/// Time for which each step is shown to somebody who studies them.
 const STUDY_TIME: Duration = Duration::from_millis(1500);
 
-/// The moment in view, and what was last asked for.
+/// The step in view, and what was last asked for.
 #[derive(Default)]
 pub(in crate::app) struct Playback {
-    asked: Look,
-    /// The moment that a person looks at; `None` for the present.
-    pub moment: Option<usize>,
+    asked: SnapshotRequest,
+    /// The step that a person looks at; `None` for the present.
+    pub step: Option<usize>,
     /// When the present step came into view while steps are being played, by the window's clock, seconds.
     playing_since: Option<f64>,
     /// Whether steps are played slowly.
@@ -33,29 +33,29 @@ impl Playback {
     pub(in crate::app) fn play_or_stop(&mut self, now: f64) {
         if self.playing_since.take().is_none() {
             (self.playing_since, self.is_slow) = (Some(now), false);
-            self.moment = Some(self.moment.unwrap_or(0));
+            self.step = Some(self.step.unwrap_or(0));
         }
     }
 
     /// Plays the steps slowly, from the first one.
     pub(in crate::app) fn study(&mut self, now: f64) {
-        (self.playing_since, self.is_slow, self.moment) = (Some(now), true, Some(0));
+        (self.playing_since, self.is_slow, self.step) = (Some(now), true, Some(0));
     }
 
     fn step_time(&self) -> Duration {
         if self.is_slow { STUDY_TIME } else { STEP_TIME }
     }
 
-    /// Shows a moment, or the present; nothing is played any longer.
-    pub(in crate::app) fn show(&mut self, moment: Option<usize>) {
-        self.moment = moment;
+    /// Shows a step, or the present; nothing is played any longer.
+    pub(in crate::app) fn show(&mut self, step: Option<usize>) {
+        self.step = step;
         self.playing_since = None;
     }
 
     /// Takes the next step when its time has come; how long until the one after, while steps are played.
-    pub(in crate::app) fn play(&mut self, now: f64, shown: Option<&Snapshot>, moments: usize) -> Option<Duration> {
+    pub(in crate::app) fn play(&mut self, now: f64, shown: Option<&Snapshot>, steps: usize) -> Option<Duration> {
         let since = self.playing_since?;
-        if shown.is_none_or(|snapshot| snapshot.moment != self.moment) {
+        if shown.is_none_or(|snapshot| snapshot.former_step != self.step) {
             // Its picture is still being made.
             self.playing_since = Some(now);
             return Some(self.step_time());
@@ -64,9 +64,9 @@ impl Playback {
         if left > 0.0 {
             return Some(Duration::from_secs_f64(left));
         }
-        let next = self.moment.map_or(0, |moment| moment + 1);
-        if next < moments {
-            (self.moment, self.playing_since) = (Some(next), Some(now));
+        let next = self.step.map_or(0, |step| step + 1);
+        if next < steps {
+            (self.step, self.playing_since) = (Some(next), Some(now));
             return Some(self.step_time());
         }
         self.show(None);
@@ -77,17 +77,17 @@ impl Playback {
     pub(in crate::app) fn follow(&mut self, snapshot: &Snapshot) {
         if snapshot.generation != self.generation {
             self.generation = snapshot.generation;
-            self.asked.moment = None;
+            self.asked.former_step = None;
             self.show(None);
         }
     }
 
-    /// What to ask for, where it differs from what was asked for last.
+    /// Command that asks for another content than was asked for last, where it differs.
     pub(in crate::app) fn command(&mut self, wants_solution_view: bool) -> Option<Command> {
-        let look = Look { solution_view: wants_solution_view, moment: self.moment };
-        (look != self.asked).then(|| {
-            self.asked = look;
-            Command::Look(look)
+        let request = SnapshotRequest { solution_view: wants_solution_view, former_step: self.step };
+        (request != self.asked).then(|| {
+            self.asked = request;
+            Command::Show(request)
         })
     }
 }

@@ -1,4 +1,4 @@
-//! What is read off the surfaces in view: kept while neither the snapshot nor the settings change, since a range looks at all leaves.
+//! Readings off the surfaces in view: kept while neither the snapshot nor the settings change, since a range looks at all leaves.
 
 use crate::render::{Reading, ReadingSettings};
 use crate::solve::Snapshot;

@@ -1,4 +1,4 @@
-//! What is selected: by a click in the view, by a panel, or nothing.
+//! Selection: by a click in the view, by a panel, or nothing.
 
 use glam::Vec3;
 

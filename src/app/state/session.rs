@@ -1,4 +1,4 @@
-//! What the window goes on with at its next start: scene, added light, parameters, view and the open tool.
+//! State that the window goes on with at its next start: scene, added light, parameters, view and the open tool.
 //!
 //! Folded sections and the window's place are kept by egui itself. The storage is the one that the window was made with; none
 //! in tests.
@@ -30,7 +30,7 @@ struct Session {
 /// Where the scene in view came from, and what it was like when it came.
 #[derive(Default)]
 pub(in crate::app) struct Opened {
-    /// What was last asked for.
+    /// Scene and light that were last asked for.
     asked: Option<(Source, AddedLight)>,
     /// The view to start with, where the first scene is to have another than its own.
     pub camera: Option<FiledCamera>,
@@ -39,7 +39,7 @@ pub(in crate::app) struct Opened {
     /// Emission of each material, W/m², and luminaires, before anybody changed them here.
     emission: Vec<Vec3>,
     luminaires: Vec<Luminaire>,
-    /// What lay outside, likewise.
+    /// Daylight of the scene when it came.
     daylight: Daylight,
 }
 
@@ -143,7 +143,7 @@ impl App {
         Settings { scene, reading, light, camera, solver: self.edits.params }
     }
 
-    /// What is kept beside the scene's file.
+    /// View and task area that are kept beside the scene's file.
     pub(in crate::app) fn kept(&self) -> Kept {
         let bookmarks = self.view.viewport.bookmarks().to_vec();
         Kept { camera: self.view.viewport.pose(), bookmarks, task_area: self.tools.measuring.task_area() }

@@ -24,7 +24,7 @@ pub(in crate::app) struct DisplaySettings {
     pub cluster_level: u16,
     /// Links over the view.
     pub links: LinkOverlay,
-    /// What is read off the surfaces.
+    /// Readings off the surfaces.
     pub reading: ReadingSettings,
     /// Values of isolux lines as they were typed, in the unit shown; empty for round ones.
     pub isolux_text: String,

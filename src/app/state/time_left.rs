@@ -25,7 +25,7 @@ pub(in crate::app) struct Course {
     seconds: Option<f64>,
 }
 
-/// What is solved, and where the bar began.
+/// The present solve, and where the bar began.
 struct Solve {
     generation: u64,
     params: SolverParams,
@@ -49,7 +49,7 @@ impl Course {
 
     /// Takes up a new picture of a solve with these parameters; one of an earlier step tells nothing of it.
     pub(in crate::app) fn note(&mut self, snapshot: &Snapshot, params: &SolverParams) {
-        if snapshot.moment.is_none() {
+        if snapshot.former_step.is_none() {
             self.note_stats(snapshot.generation, &snapshot.stats, params);
         }
     }

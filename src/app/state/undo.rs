@@ -28,7 +28,7 @@ pub(in crate::app) struct Undoable {
 }
 
 impl Undoable {
-    /// What differs, for a person.
+    /// Name of the first setting that differs, for a person.
     fn difference(&self, other: &Self) -> &'static str {
         if self.params != other.params {
             "the solver's parameters"
@@ -44,7 +44,7 @@ impl Undoable {
     }
 }
 
-/// What was set before, and what was undone.
+/// Former settings, and those that were undone.
 #[derive(Default)]
 pub(in crate::app) struct History {
     /// As it stood when everything was last let go.
@@ -202,7 +202,7 @@ mod tests {
         assert_eq!(history.undo(with_level(7)), Some(with_level(2)));
     }
 
-    /// What the program sets by itself is neither a step nor undone.
+    /// Truth: settings that the program makes by itself are neither a step nor undone.
     #[test]
     fn what_is_given_is_no_step() {
         let mut history = History::default();

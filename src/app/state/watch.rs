@@ -19,7 +19,7 @@ use crate::worker::{Command, FileStamp, SceneInfo};
 /// Time between two looks at the files.
 const INTERVAL: Duration = Duration::from_millis(500);
 
-/// What became of a scene's files.
+/// Change of a scene's files.
 #[derive(Clone, Debug, PartialEq, Eq)]
 enum News {
     /// This file is another one than was read, and has stayed so for a while: nobody is writing it.
@@ -52,7 +52,7 @@ impl Watch {
         self.watcher = spawn(info.stamps.clone(), wake.clone());
     }
 
-    /// What the window itself wrote is no change.
+    /// Takes a file that the window itself wrote for no change.
     pub(in crate::app) fn accept(&self, path: &Path) {
         if let Some(watcher) = &self.watcher {
             // A thread that has ended watches nothing.
@@ -166,7 +166,7 @@ pub(in crate::app) fn show(app: &mut App, ui: &mut Ui, outbox: &mut Outbox) {
             ui.painter().circle_filled(dot.center(), 4.0, theme::ACCENT);
             ui.add(egui::Label::new(egui::RichText::new(format!("{name} has changed on disk.")).strong()).truncate());
             ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-                let hint = "Goes on with the scene as it is in view; what changes after this is told again.";
+                let hint = "Goes on with the scene as it is in view; what changes after this is reported again.";
                 keep = ui.button("Keep").on_hover_text(hint).clicked();
                 let hint = "Reads the file again. Camera, lamps and settings stay; materials and groups that were changed here and not saved do not.";
                 reload = ui.button("Reload").on_hover_text(hint).clicked();

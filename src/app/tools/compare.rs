@@ -6,7 +6,7 @@ use egui::{Button, Grid, RichText, Ui};
 use serde_json::Value;
 
 use crate::app::state::comparison::Comparison;
-use crate::app::state::pinned::{Frozen, Pinned, Sides};
+use crate::app::state::pinned::{Pinned, PinnedSolution, Sides};
 use crate::app::widgets::theme;
 use crate::app::{App, format, words};
 use crate::solve::{PARAMETERS, Snapshot, SolverParams, Stats};
@@ -30,13 +30,13 @@ pub(in crate::app) fn show(app: &mut App, ui: &mut Ui) {
         ui.label(theme::weak("Nothing to compare yet: open a scene."));
         return;
     };
-    if app.tools.pinned.frozen().is_none() {
+    if app.tools.pinned.solution().is_none() {
         let text = "Keep the solution in view as A, then change settings: the solver goes on with B, and the view shows both side by side.";
         ui.add(egui::Label::new(theme::weak(text)).wrap());
         ui.add_space(4.0);
     }
     ui.horizontal(|ui| {
-        let is_kept = app.tools.pinned.frozen().is_some();
+        let is_kept = app.tools.pinned.solution().is_some();
         let name = if is_kept { words::REPLACE_A } else { words::KEEP_AS_A };
         if ui.button(name).on_hover_text("Keep the solution in view, with its settings and statistics").clicked() {
             keep(app, snapshot.clone());
@@ -45,15 +45,15 @@ pub(in crate::app) fn show(app: &mut App, ui: &mut Ui) {
             app.tools.pinned.let_go();
         }
     });
-    if app.tools.pinned.frozen().is_none() {
+    if app.tools.pinned.solution().is_none() {
         return;
     }
     ui.add_space(6.0);
     show_sides(&mut app.tools.pinned, ui);
     ui.add_space(8.0);
     let measured = measured(&app.tools.comparison, &snapshot);
-    if let Some(frozen) = app.tools.pinned.frozen() {
-        let settings = differing_settings(&frozen.params, &app.edits.params);
+    if let Some(pinned) = app.tools.pinned.solution() {
+        let settings = differing_settings(&pinned.params, &app.edits.params);
         heading(ui, "Settings that differ");
         match settings.is_empty() {
             true => {
@@ -62,7 +62,7 @@ pub(in crate::app) fn show(app: &mut App, ui: &mut Ui) {
             false => table(ui, "settings", &settings),
         }
         heading(ui, words::RESULTS);
-        table(ui, "results", &results(frozen, &snapshot, measured, app.tools.pinned.rms()));
+        table(ui, "results", &results(pinned, &snapshot, measured, app.tools.pinned.rms()));
     }
 }
 
@@ -79,7 +79,7 @@ fn measured(comparison: &Comparison, snapshot: &Arc<Snapshot>) -> Option<(f64, f
     Arc::ptr_eq(&measured.snapshot, snapshot).then_some((shown.rms, shown.rms_noise))
 }
 
-fn show_sides(freeze: &mut Pinned, ui: &mut Ui) {
+fn show_sides(pinned: &mut Pinned, ui: &mut Ui) {
     ui.horizontal(|ui| {
         for (sides, name, hint) in [
             (
@@ -91,7 +91,7 @@ fn show_sides(freeze: &mut Pinned, ui: &mut Ui) {
             (Sides::B, "B alone", "The solution that runs, exposed as A"),
             (Sides::Difference, "B − A", "Where B is darker or brighter than A, relative to A"),
         ] {
-            ui.selectable_value(&mut freeze.sides, sides, name).on_hover_text(hint);
+            ui.selectable_value(&mut pinned.sides, sides, name).on_hover_text(hint);
         }
     });
 }
@@ -164,8 +164,8 @@ fn text_of(value: &Value) -> String {
     }
 }
 
-fn results(frozen: &Frozen, b: &Snapshot, measured: Option<(f64, f64)>, difference: Option<f64>) -> Vec<Row> {
-    let (of_a, of_b) = (&frozen.snapshot.stats, &b.stats);
+fn results(pinned: &PinnedSolution, b: &Snapshot, measured: Option<(f64, f64)>, difference: Option<f64>) -> Vec<Row> {
+    let (of_a, of_b) = (&pinned.snapshot.stats, &b.stats);
     let row = |name: &str, text: fn(f64) -> String, value: fn(&Stats) -> f64| {
         let (a, b) = (value(of_a), value(of_b));
         Row {
@@ -191,11 +191,11 @@ fn results(frozen: &Frozen, b: &Snapshot, measured: Option<(f64, f64)>, differen
     if of_a.error_estimate.is_some() || of_b.error_estimate.is_some() {
         rows.push(text_row("Error, certified", percent(of_a.error_estimate), percent(of_b.error_estimate)));
     }
-    if frozen.measured.is_some() || measured.is_some() {
+    if pinned.measured.is_some() || measured.is_some() {
         let text = |measured: Option<(f64, f64)>| {
             measured.map_or("–".to_owned(), |(rms, noise)| format::percent_with(rms, noise))
         };
-        rows.push(text_row("Error, measured", text(frozen.measured), text(measured)));
+        rows.push(text_row("Error, measured", text(pinned.measured), text(measured)));
     }
     rows.push(text_row("RMS of B − A", String::new(), percent(difference)));
     rows

@@ -12,7 +12,7 @@ use crate::export::MeshFormat;
 use crate::export::peers::Peer;
 use crate::render::MAX_SIZE;
 
-/// What stands on a button, what it writes and what a person should know about it.
+/// Text of a button, the item that it writes, and a hint about it.
 type Offer = (Item, &'static str, &'static str);
 
 const PICTURES: [Offer; 2] = [

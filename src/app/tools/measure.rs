@@ -15,7 +15,7 @@ use crate::read::survey::{PlaneReading, Probed, WorkPlane};
 
 /// Lengths that a field offers, in the scene's unit.
 const LENGTHS: std::ops::RangeInclusive<f32> = 0.0..=100.0;
-/// What to do without a dialog.
+/// Advice where there is no dialog.
 const NO_DIALOG: &str = "No file dialog answers on this system: type a path into the field CSV file and use Write.";
 
 /// Draws the tool.

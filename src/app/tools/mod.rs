@@ -23,7 +23,7 @@ use crate::app::state::pinned::Pinned;
 use crate::app::state::playback::Playback;
 use crate::app::{App, Outbox, layout, words};
 
-/// What each tool remembers.
+/// State of each tool.
 #[derive(Default)]
 pub(in crate::app) struct Tools {
     /// The tool that the dock shows.
@@ -49,7 +49,7 @@ pub(in crate::app) struct Tools {
 /// A tool of the dock.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(in crate::app) enum Tool {
-    /// What an element is, what lights it and what it lights.
+    /// Facts about an element, the links that light it, and those by which it lights others.
     Inspector,
     /// All links as blocks, receivers by sources.
     Matrix,

@@ -13,7 +13,7 @@ use crate::transport::SolutionView;
 /// Serials of what is painted here start with this; no solve comes near it.
 const FIRST_SERIAL: u64 = 1 << 62;
 
-/// What a person asks for, and what was made of it.
+/// Settings of the view of clusters, and the snapshot made by them.
 #[derive(Default)]
 pub(in crate::app) struct ClusterScene {
     /// Whether surfaces show the colours of their clusters.
@@ -42,7 +42,7 @@ struct Painted {
 }
 
 impl ClusterScene {
-    /// Whether anything but the plain picture is asked for; it takes the solution view of the solution.
+    /// Whether anything but the plain picture is asked for; it takes a solution view.
     pub(in crate::app) fn is_active(&self) -> bool {
         self.coloured || self.explode > 0.0
     }
@@ -158,7 +158,7 @@ mod tests {
     fn clicks_into_the_pulled_apart_picture_meet_the_same_surfaces() {
         let snapshot = snapshot();
         let mut view = ClusterScene { explode: 0.7, ..ClusterScene::default() };
-        let painted = view.painted(&snapshot, Some(2)).expect("it carries its anatomy");
+        let painted = view.painted(&snapshot, Some(2)).expect("it carries its solution view");
         let eye = Vec3::new(0.278, 0.273, -0.8);
         let mut met = 0;
         for step in 0..400 {
@@ -179,10 +179,10 @@ mod tests {
         let mut view = ClusterScene::default();
         assert!(view.painted(&snapshot, Some(2)).is_none() && !view.is_active());
         view.coloured = true;
-        let first = view.painted(&snapshot, Some(2)).expect("it carries its anatomy");
+        let first = view.painted(&snapshot, Some(2)).expect("it carries its solution view");
         assert!(Arc::ptr_eq(&first, &view.painted(&snapshot, Some(2)).expect("it is there")));
         view.explode = 0.5;
-        let second = view.painted(&snapshot, Some(2)).expect("it carries its anatomy");
+        let second = view.painted(&snapshot, Some(2)).expect("it carries its solution view");
         assert!(first.serial != second.serial && second.serial != snapshot.serial);
         view.coloured = false;
         assert!(view.painted(&snapshot, Some(0)).is_none(), "the root alone cannot be pulled apart");

@@ -9,19 +9,19 @@ use crate::app::widgets::theme;
 const REACH: f32 = 5.0;
 /// The line stays this share of the width away from the view's rims.
 const RIM: f32 = 0.02;
-/// What an arrow key moves it by, as a share of the width.
+/// Step of an arrow key, as a share of the width.
 const STEP: f32 = 0.02;
 /// Radius of the handle, points.
 const HANDLE: f32 = 9.0;
 
 /// Draws it; also lets it be dragged. Nothing where no solution is kept.
-pub(in crate::app) fn show(ui: &mut Ui, view: Rect, freeze: &mut Pinned) {
-    if freeze.frozen().is_none() {
+pub(in crate::app) fn show(ui: &mut Ui, view: Rect, pinned: &mut Pinned) {
+    if pinned.solution().is_none() {
         return;
     }
     let painter = ui.painter_at(view);
-    match freeze.sides {
-        Sides::Split => show_divider(ui, &painter, view, &mut freeze.divider),
+    match pinned.sides {
+        Sides::Split => show_divider(ui, &painter, view, &mut pinned.divider),
         Sides::A => label(&painter, pos2(view.center().x, view.top() + 12.0), Align2::CENTER_TOP, "A, kept"),
         Sides::B => label(&painter, pos2(view.center().x, view.top() + 12.0), Align2::CENTER_TOP, "B, running"),
         // Its legend says what it is.

@@ -7,17 +7,17 @@ use std::sync::mpsc::{Receiver, Sender, channel};
 use std::sync::{Arc, Mutex};
 use std::thread::Builder;
 
-use rayon::{ThreadPool, ThreadPoolBuilder};
+use rayon::ThreadPool;
 
 use crate::app::Wake;
 use crate::base::cancel::CancelToken;
-use crate::base::threads::lock;
+use crate::base::threads::{lock, pool, within};
 use crate::gather::Field;
 use crate::read::picture::{GatheredPicture, Start};
 use crate::render::{Camera, Display, Pixels, Reading, developed};
 use crate::solve::{Snapshot, USUAL_ERROR};
 
-/// What is to be painted: another one of these is another picture.
+/// Everything that decides a picture: another sitting is another picture.
 #[derive(Clone)]
 struct Sitting {
     field: Arc<Field>,
@@ -58,7 +58,7 @@ pub(in crate::app) struct Painted {
     look: Look,
 }
 
-/// What the thread is asked for; cancelled once something else is in view.
+/// A picture that the thread is asked for; cancelled once something else is in view.
 #[derive(Clone)]
 struct Ask {
     sitting: Sitting,
@@ -74,7 +74,7 @@ pub(in crate::app) struct Gathering {
     slot: Slot,
     /// Stops the thread's work on what was asked for last.
     cancel: CancelToken,
-    /// What the frame before showed, and whether it was asked for.
+    /// Picture and look of the frame before, and whether it was asked for.
     last: Option<(Sitting, Look)>,
     is_asked: bool,
 }
@@ -84,7 +84,7 @@ impl Gathering {
     pub(in crate::app) fn start(wake: &Wake) -> Self {
         let (asks, inbox) = channel();
         let slot = Slot::default();
-        let easel = Easel { inbox, slot: slot.clone(), wake: wake.clone(), pool: pool(), serial: 0 };
+        let easel = Easel { inbox, slot: slot.clone(), wake: wake.clone(), pool: pool("picture", 0).ok(), serial: 0 };
         let started = Builder::new().name("picture".into()).spawn(move || easel.run());
         Self { asks: started.is_ok().then_some(asks), slot, cancel: CancelToken::new(), last: None, is_asked: false }
     }
@@ -142,11 +142,7 @@ impl Drop for Gathering {
     }
 }
 
-fn pool() -> Option<ThreadPool> {
-    ThreadPoolBuilder::new().thread_name(|index| format!("picture-{index}")).build().ok()
-}
-
-/// What the thread works on.
+/// State of the thread.
 struct Easel {
     inbox: Receiver<Option<Ask>>,
     slot: Slot,
@@ -187,11 +183,7 @@ impl Easel {
                 None => {}
             }
             let Some((ask, picture)) = work.as_mut().filter(|(_, picture)| !picture.is_done()) else { continue };
-            let advanced = match &self.pool {
-                Some(pool) => pool.install(|| picture.advance(&ask.cancel)),
-                None => picture.advance(&ask.cancel),
-            };
-            match advanced {
+            match within(self.pool.as_ref(), || picture.advance(&ask.cancel)) {
                 Some(()) => self.publish(ask, picture),
                 // Something has moved: it gets no better, and another one will be asked for.
                 None => work = None,
@@ -201,10 +193,7 @@ impl Easel {
 
     fn publish(&mut self, Ask { sitting, look, .. }: &Ask, picture: &GatheredPicture) {
         let develop = || developed(picture, look.exposure, look.reading.as_ref());
-        let pixels = match &self.pool {
-            Some(pool) => pool.install(develop),
-            None => develop(),
-        };
+        let pixels = within(self.pool.as_ref(), develop);
         let (Some(pixels), Some(noise)) = (pixels, picture.noise()) else { return };
         self.serial += 1;
         let painted = Painted {
@@ -231,15 +220,12 @@ pub(in crate::app) fn gather_for_file(
 ) -> Option<GatheredPicture> {
     let lens = camera.lens(size[0] as f32 / size[1] as f32);
     let mut picture = GatheredPicture::new(field.clone(), lens, size, error, Start::Fine, has_lines);
-    let mut advance = || {
+    let advance = || {
         while !picture.is_done() {
             picture.advance(cancel)?;
         }
         Some(())
     };
-    match pool() {
-        Some(pool) => pool.install(advance)?,
-        None => advance()?,
-    }
+    within(pool("picture", 0).ok().as_ref(), advance)?;
     Some(picture)
 }

@@ -83,7 +83,7 @@ pub(in crate::app) fn show(app: &mut App, ui: &Ui, rect: Rect) {
     painter.circle(middle, 4.0, Color32::WHITE, Stroke::new(1.0, Color32::BLACK));
 }
 
-/// What takes the pointer of an arrow: its tip, and squares along its shaft, away from the middle where the arrows meet.
+/// Areas by which the pointer takes hold of an arrow: its tip, and squares along its shaft, away from the middle where the arrows meet.
 fn take_hold(ui: &Ui, name: &str, middle: Pos2, tip: Pos2) -> egui::Response {
     let take = |at: Pos2, side: f32, number: usize| {
         let id = ui.scope_id().with((name, number));

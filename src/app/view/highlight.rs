@@ -1,4 +1,4 @@
-//! What a person points at, in a panel or in the view: every panel says so and every panel marks it.
+//! The element that a person points at, in a panel or in the view: every panel says so and every panel marks it.
 //!
 //! While a frame is laid out, whoever is pointed at calls [`Pointing::at`]. Panels come before the view, which draws the
 //! highlight in the same frame; the panels themselves mark what the last frame ended with ([`Pointing::shown`]).
@@ -19,7 +19,7 @@ pub(in crate::app) enum Highlight {
     Link { receiver: ElementId, source: ElementId },
 }
 
-/// What is pointed at in this frame, and what was in the last one.
+/// Things that are pointed at in this frame, and in the last one.
 #[derive(Default)]
 pub(in crate::app) struct Pointing {
     now: Highlight,
@@ -40,12 +40,12 @@ impl Pointing {
         self.now = highlight;
     }
 
-    /// What was pointed at when the last frame ended.
+    /// Highlight by the pointer when the last frame ended.
     pub(in crate::app) fn shown(&self) -> Highlight {
         self.shown
     }
 
-    /// What has been pointed at so far in this frame.
+    /// Highlight by the pointer so far in this frame.
     pub(in crate::app) fn now(&self) -> Highlight {
         self.now
     }

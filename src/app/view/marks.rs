@@ -16,12 +16,12 @@ pub(in crate::app) struct MarksOverView {
     chosen: Option<ChosenLinks>,
     /// Lines of the links and of the picked element.
     lines: Vec<Line>,
-    /// The same with what is pointed at.
+    /// Marks with those of what is pointed at.
     all: Marks,
     highlight: Highlight,
 }
 
-/// What links and the picked element's marks are made of.
+/// State that links and the picked element's marks are made of.
 #[derive(Clone, Copy, PartialEq)]
 struct MadeOf {
     generation: u64,

@@ -21,7 +21,7 @@ const LEAST_LABELLED: f32 = 5.0;
 /// More values than this are not written: nobody could read them.
 const MOST_VALUES: usize = 400;
 const PROBE_RADIUS: f32 = 5.0;
-/// What stands nearer than this share of the distance hides a point.
+/// Surfaces nearer than this share of the distance hide a point.
 const NEARLY: f32 = 0.995;
 
 /// Draws what was measured over the view.

@@ -45,9 +45,9 @@ pub(in crate::app) struct View {
     pub clusters: ClusterScene,
     /// Marks of elements and links.
     pub marks: MarksOverView,
-    /// What the mouse is over, in a panel or in the view.
+    /// Things that the mouse is over, in a panel or in the view.
     pub pointing: Pointing,
-    /// What is read under the mouse.
+    /// Reading of the surfaces in view.
     pub reading: ReadingInView,
 }
 

@@ -10,7 +10,7 @@ use egui_wgpu::{CallbackResources, CallbackTrait, RenderState, ScreenDescriptor}
 use crate::render::{self, Camera, Display, Frame, Marks, Overlay, Pixels, RenderError, SceneRenderer};
 use crate::solve::Snapshot;
 
-/// What one picture shows.
+/// Content of one picture.
 #[derive(Clone)]
 pub(in crate::app) struct Picture {
     pub snapshot: Arc<Snapshot>,
@@ -117,7 +117,7 @@ impl Stage {
 }
 
 impl Beside {
-    /// What is drawn over it: what is pointed at belongs to the solution at the right.
+    /// Drawings over the left side: what is pointed at belongs to the solution at the right.
     pub(in crate::app) fn overlay(&self, picture: &Picture) -> Overlay {
         Overlay { marks: Marks::default(), ..picture.overlay.clone() }
     }

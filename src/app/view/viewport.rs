@@ -53,7 +53,7 @@ pub(in crate::app) struct Viewport {
     bookmarks: Vec<CameraPose>,
     /// The widget that takes mouse and keys.
     id: Option<egui::Id>,
-    /// What was drawn last.
+    /// Picture that was drawn last.
     picture: Option<Picture>,
 }
 
@@ -155,7 +155,7 @@ impl Viewport {
         self.picture.as_ref().map_or([0; 2], |picture| picture.size)
     }
 
-    /// What was drawn last, in another size, pixels.
+    /// Picture that was drawn last, in another size, pixels.
     pub(in crate::app) fn picture(&self, size: [u32; 2]) -> Option<Picture> {
         self.picture.clone().map(|picture| Picture { size, ..picture })
     }
@@ -471,7 +471,7 @@ fn looks_through_walls(camera: &Camera, occluders: &Occluders) -> bool {
     occluders.first_hit(camera.eye(), camera.forward()).is_some_and(|hit| !hit.front)
 }
 
-/// What the colours of the surfaces mean, where they stand for something.
+/// Shows the meaning of the surfaces' colours, where they have one.
 fn show_legend(app: &App, ui: &mut Ui, rect: Rect) {
     if app.tools.pinned.painted().is_some() {
         panels::legend::show_difference(ui, rect);

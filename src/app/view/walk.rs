@@ -16,7 +16,7 @@ const REACH_SHARE: f32 = 0.08;
 /// Height of a usual room, m.
 const ROOM_HEIGHT: f32 = 2.5;
 
-/// What is walked through.
+/// Scene that is walked through.
 pub(in crate::app) struct Ground<'a> {
     pub scene: &'a Scene,
     pub occluders: &'a Occluders,

@@ -1,14 +1,15 @@
 //! The system's file dialog, on a thread of its own.
 
 use std::path::PathBuf;
-use std::sync::mpsc::{Receiver, TryRecvError, channel};
-use std::thread::Builder;
+use std::task::Poll;
 use std::time::{Duration, Instant};
+
+use crate::base::threads::Background;
 
 /// Nobody cancels a dialog as fast as this: there was none.
 const TOO_FAST: Duration = Duration::from_millis(200);
 
-/// What came of the system's dialog.
+/// Answer of the system's dialog.
 pub(in crate::app) enum DialogAnswer {
     Chosen(PathBuf),
     NoDialog,
@@ -16,7 +17,7 @@ pub(in crate::app) enum DialogAnswer {
 
 /// A dialog that may be open.
 #[derive(Default)]
-pub(in crate::app) struct Dialog(Option<Receiver<Closed>>);
+pub(in crate::app) struct Dialog(Option<Background<Closed>>);
 
 struct Closed {
     path: Option<PathBuf>,
@@ -31,28 +32,21 @@ impl Dialog {
 
     /// Opens it; `ask` shows it and waits for the answer.
     pub(in crate::app) fn open(&mut self, ctx: &egui::Context, ask: impl FnOnce() -> Option<PathBuf> + Send + 'static) {
-        let (answer, answers) = channel();
         let ctx = ctx.clone();
         let ask = move || {
             let opened = Instant::now();
-            let path = ask();
-            // The window may be gone by now.
-            let _ = answer.send(Closed { path, after: opened.elapsed() });
-            ctx.request_repaint();
+            Closed { path: ask(), after: opened.elapsed() }
         };
-        if Builder::new().name("file-dialog".into()).spawn(ask).is_ok() {
-            self.0 = Some(answers);
+        if let Ok(dialog) = Background::start("file-dialog", move || ctx.request_repaint(), ask) {
+            self.0 = Some(dialog);
         }
     }
 
-    /// What came of it, once it is closed with something to say.
+    /// Answer of the dialog, once it is closed with something to say.
     pub(in crate::app) fn poll(&mut self) -> Option<DialogAnswer> {
-        let closed = match self.0.as_ref()?.try_recv() {
-            Ok(closed) => closed,
-            Err(TryRecvError::Empty) => return None,
-            // The dialog's thread broke.
-            Err(TryRecvError::Disconnected) => Closed { path: None, after: Duration::ZERO },
-        };
+        let Poll::Ready(closed) = self.0.as_ref()?.poll() else { return None };
+        // Without an answer the dialog's thread broke.
+        let closed = closed.unwrap_or(Closed { path: None, after: Duration::ZERO });
         self.0 = None;
         match closed {
             Closed { path: Some(path), .. } => Some(DialogAnswer::Chosen(path)),

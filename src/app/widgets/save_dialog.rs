@@ -29,7 +29,7 @@ impl SaveDialog {
         self.dialog.open(ctx, move || rfd::FileDialog::new().set_title(title).set_file_name(name).save_file());
     }
 
-    /// What came of the dialog, once it is closed with something to say.
+    /// Answer of the dialog, once it is closed with something to say.
     pub(in crate::app) fn poll(&mut self) -> Option<DialogAnswer> {
         self.dialog.poll()
     }

@@ -1,13 +1,13 @@
 //! Colours, spacing and text sizes of the dark and the light theme.
 //!
-//! What lies over the view is dark in either, so that the picture is the brightest thing there: it uses the constants below, or
+//! Everything over the view is dark in either, so that the picture is the brightest thing there: it uses the constants below, or
 //! [`over_the_view`]. Panels take their colours from egui's style, or from [`palette`].
 
 use egui::{Color32, CornerRadius, FontFamily, FontId, Stroke, Style, TextStyle, Theme, Ui, Visuals};
 
 /// The colours of a theme.
 pub(in crate::app) struct Palette {
-    /// What can be acted upon, as text.
+    /// Text that can be acted upon.
     pub accent: Color32,
     error: Color32,
     /// Behind a failure's sentence.
@@ -63,7 +63,7 @@ const LIGHT: Palette = Palette {
     buttons: [Color32::from_rgb(208, 208, 204), Color32::from_rgb(226, 226, 222), Color32::from_rgb(212, 212, 208)],
 };
 
-/// What can be acted upon, and what is chosen: the warm white of a lamp.
+/// Colour of all that can be acted upon, and of what is chosen: the warm white of a lamp.
 pub(in crate::app) const ACCENT: Color32 = Color32::from_rgb(240, 178, 84);
 /// A failure's mark.
 pub(in crate::app) const ERROR: Color32 = Color32::from_rgb(240, 100, 88);
@@ -168,7 +168,7 @@ pub(in crate::app) fn weak(text: impl Into<String>) -> egui::RichText {
     egui::RichText::new(text).weak()
 }
 
-/// What a person should not overlook.
+/// Text that a person should not overlook.
 pub(in crate::app) fn notice(ui: &Ui, text: impl Into<String>) -> egui::RichText {
     egui::RichText::new(text).color(palette(ui.visuals()).accent)
 }

@@ -71,7 +71,7 @@ impl Peer {
 
 /// The faces of one material that reflect and emit alike.
 struct Surface {
-    /// Its material's number and name without special characters, such as `3-white_paint`; others
+    /// Number and name of the material without special characters, such as `3-white_paint`; others
     /// of the material are counted behind it.
     name: String,
     /// Reflectance and emission of the faces.

@@ -39,7 +39,7 @@ impl Line {
         sum / (last - first)
     }
 
-    /// What lies on either side of the line; corners that are nearer lie on it.
+    /// Parts of a face on either side of the line; corners that are nearer lie on it.
     pub(super) fn halves(&self, part: &Part, thinnest: f64) -> Halves {
         Halves::of(&part.corners, |corner| self.distance(corner), thinnest)
     }

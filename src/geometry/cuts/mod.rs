@@ -31,7 +31,7 @@ const COVERED: f64 = 0.5;
 const LEAST_SIDE: f64 = 0.05;
 /// An edge that is covered to this share parts what is shown on its sides.
 const SEAM: f64 = 0.999;
-/// What is nearer than this share of the scene's diagonal touches: a millimetre in a room of ten metres.
+/// Things nearer than this share of the scene's diagonal touch: a millimetre in a room of ten metres.
 const TOUCHING: f64 = 1e-4;
 /// Corners nearer to a line than this share of the diagonal lie on it: no part is thinner, for its area must have a meaning in f32.
 const THINNEST: f64 = 1e-3;
@@ -54,15 +54,15 @@ pub fn cut(scene: &mut Scene, both_sides: bool) -> usize {
     let cutter =
         Cutter { faces: &faces, total, touching: TOUCHING * diagonal, thinnest: THINNEST * diagonal, both_sides };
     let mut parts = Vec::new();
-    let mut seams = Vec::new();
+    let mut edges = Vec::new();
     for surface in cutter.surfaces(scene) {
         let divided = cutter.divide(&surface);
         if divided.parts.len() > surface.len() && !cutter.tears(scene, &surface, &divided.crossed) {
             parts.extend(divided.parts);
-            seams.extend(divided.seams);
+            edges.extend(divided.edges);
         }
     }
-    scene.seams.extend(seams.iter().map(|edge| edge.map(|end| end.as_vec3())));
+    scene.cut_edges.extend(edges.iter().map(|edge| edge.map(|end| end.as_vec3())));
     replace(scene, parts)
 }
 
@@ -146,7 +146,7 @@ impl Cutter<'_> {
         let part = |&polygon: &usize| Part { polygon, corners: self.faces[polygon].corners.clone() };
         let whole: Vec<Part> = surface.iter().map(part).collect();
         let lines = self.lines_on(surface);
-        let (mut crossed, mut seams) = (FxHashSet::default(), Vec::new());
+        let (mut crossed, mut edges) = (FxHashSet::default(), Vec::new());
         let mut done = Vec::new();
         let mut waiting = vec![whole];
         while let Some(parts) = waiting.pop() {
@@ -164,7 +164,7 @@ impl Cutter<'_> {
                 let [(low, has_low), (high, has_high)] =
                     [(sides.below, sides.has_below), (sides.above, sides.has_above)];
                 if let Some(edge) = sides.cut.filter(|edge| line.covers(edge) >= SEAM) {
-                    seams.push(edge);
+                    edges.push(edge);
                 }
                 if has_low {
                     below.push(Part { polygon: part.polygon, corners: low });
@@ -175,7 +175,7 @@ impl Cutter<'_> {
             }
             waiting.extend([above, below]);
         }
-        Divided { parts: done, crossed, seams }
+        Divided { parts: done, crossed, edges }
     }
 
     /// The lines in which tall faces meet a surface.
@@ -249,13 +249,13 @@ impl Cutter<'_> {
     }
 }
 
-/// What became of a surface.
+/// A surface after it was cut.
 struct Divided {
     parts: Vec<Part>,
     /// Edges of its polygons that cuts run through.
     crossed: FxHashSet<(Bits, Bits)>,
     /// Edges between parts that faces cover wholly.
-    seams: Vec<[DVec3; 2]>,
+    edges: Vec<[DVec3; 2]>,
 }
 
 #[cfg(test)]
@@ -299,7 +299,7 @@ mod tests {
     fn a_wall_parts_what_it_stands_on() {
         let mut scene = with_box(vec3(1.7, 0.0, 0.0), vec3(1.8, 3.0, 3.0));
         let before = area(&scene);
-        assert_eq!((cut(&mut scene, false), scene.polygons.len(), scene.seams.len()), (4, 20, 8));
+        assert_eq!((cut(&mut scene, false), scene.polygons.len(), scene.cut_edges.len()), (4, 20, 8));
         assert!(!straddles(&scene, 1.7) && !straddles(&scene, 1.8));
         assert!((area(&scene) - before).abs() < 1e-4, "{} m²", area(&scene));
         let (first, material) = (scene.polygons[1], MaterialId(0));

@@ -25,7 +25,7 @@ const SETS: usize = 32;
 /// Points of a set.
 const POINTS_OF_SET: usize = 64;
 
-/// What the reference finds for each reading: `passes` passes at points, and a share of them at the
+/// Values of the reference for each reading: `passes` passes at points, and a share of them at the
 /// many points that stand for an area.
 pub fn by_reference(case: &Case, passes: u32, seed: u64) -> Vec<Measured> {
     let trace = |points: Vec<SurfacePoint>, passes: u32| {

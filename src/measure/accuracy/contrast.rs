@@ -118,7 +118,7 @@ mod tests {
             leaf_irradiance: vec![[1.0; 3]],
             leaf_radiosity: vec![[1.0; 3]],
             clusters: Arc::default(),
-            moment: None,
+            former_step: None,
             field: None,
             solution_view: None,
             stats: Stats::default(),

@@ -98,7 +98,7 @@ impl LocalError {
         }
     }
 
-    /// What an unbiased estimate with these standard errors is off by: its errors are normal ones.
+    /// Local error of an unbiased estimate with these standard errors, taken for normal ones.
     pub fn of_standard_errors(estimate: &Reference) -> Self {
         let of = |index: usize| Compared::new(estimate, index, estimate.irradiance[index]);
         let points: Vec<Compared> = (0..estimate.points.len()).map(of).collect();

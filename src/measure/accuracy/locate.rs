@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use glam::Vec3;
 
 use crate::measure::reference::SurfacePoint;
-use crate::solve::{Mesh, barycentric};
+use crate::solve::{Mesh, place_among};
 
 /// A point's triangle and its barycentric weights there.
 #[derive(Clone, Copy, Debug)]
@@ -35,16 +35,8 @@ pub fn locate(points: &[SurfacePoint], mesh: &Mesh) -> Vec<Option<Place>> {
     let place = |point: &SurfacePoint| {
         let polygon = point.polygon as usize;
         let range = *starts.get(polygon)? as usize..*starts.get(polygon + 1)? as usize;
-        let weigh = |&triangle: &u32| {
-            let corners = mesh.triangles[triangle as usize].map(|vertex| Vec3::from(mesh.positions[vertex as usize]));
-            Place { triangle, weights: barycentric(corners, point.position) }
-        };
-        let inside = |place: &Place| place.weights.min_element();
-        let places = sorted[range].iter().map(weigh).filter(|place| place.weights.is_finite());
-        // Rounding may leave a point on an edge a little outside of either triangle.
-        let best = places.max_by(|a, b| inside(a).total_cmp(&inside(b)))?;
-        let weights = best.weights.max(Vec3::ZERO);
-        Some(Place { weights: weights / weights.element_sum(), ..best })
+        let (triangle, weights) = place_among(mesh, sorted[range].iter().copied(), point.position)?;
+        Some(Place { triangle, weights })
     };
     points.par_iter().map(place).collect()
 }

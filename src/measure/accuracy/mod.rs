@@ -13,7 +13,6 @@ mod error;
 mod field;
 mod local_error;
 mod locate;
-mod points;
 mod spread;
 
 pub use checks::{Measured, by_reference, by_solver};
@@ -21,4 +20,3 @@ pub use contrast::{Contrast, contrast};
 pub use error::{ErrorMeter, Measure, SolutionError, of_standard_errors};
 pub use field::ScatteredField;
 pub use local_error::{Compared, LocalError};
-pub use points::vertex_points;

@@ -6,7 +6,7 @@
 //! [`crate::measure::reference::random_points`] are spread more evenly than independent ones, which makes
 //! the standard errors somewhat too large rather than too small.
 //!
-//! What no point has met, no spread can tell: where the error sits in a place that holds less than
+//! No spread tells of what no point has met: where the error sits in a place that holds less than
 //! one point on average, a set of points that misses it finds both the error and its standard error
 //! too small.
 
@@ -92,17 +92,13 @@ pub(super) fn of_quantile(sorted: &[(f64, f64)], share: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::base::random::Stream;
 
-    /// Numbers in 0..1 from a counter \[SplitMix64\].
-    struct Random(u64);
+    struct Random(Stream);
 
     impl Random {
         fn uniform(&mut self) -> f64 {
-            self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-            let mut mixed = self.0;
-            mixed = (mixed ^ (mixed >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-            mixed = (mixed ^ (mixed >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-            ((mixed ^ (mixed >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
+            self.0.unit_f64()
         }
 
         /// \[Box, Muller 1958\]
@@ -164,7 +160,7 @@ mod tests {
     /// standard errors are means over tails.
     #[test]
     fn the_standard_errors_are_those_of_many_samples() {
-        let mut random = Random(1);
+        let mut random = Random(Stream(1));
         let (mut roots, mut medians) = (Vec::new(), Vec::new());
         for _ in 0..1000 {
             let mut locals = Vec::new();
@@ -192,7 +188,7 @@ mod tests {
     /// errors err upwards, by no more than their bounds do.
     #[test]
     fn where_few_points_rule_or_nothing_is_left_they_are_not_too_small() {
-        let mut random = Random(2);
+        let mut random = Random(Stream(2));
         let mut of = |point: fn(&mut Random) -> (f64, f64)| {
             let sample = |random: &mut Random| {
                 let points: Vec<(f64, f64)> = (0..1000).map(|_| point(random)).collect();

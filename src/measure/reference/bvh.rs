@@ -45,7 +45,7 @@ struct Node {
     child: [Child; WIDTH],
 }
 
-/// What a box holds: the first triangle of a leaf and how many there are, or a node and 0. Packed,
+/// Content of a box: the first triangle of a leaf and how many there are, or a node and 0. Packed,
 /// for what waits is much of a ray's work.
 #[derive(Clone, Copy, Debug, Default)]
 struct Child(u32);

@@ -9,7 +9,7 @@ use crate::base::cancel::CancelToken;
 
 /// The fewest passes after which an error is believed.
 const LEAST_PASSES: u32 = 8;
-/// What is known is put into the cache so often, so that little is lost with the process.
+/// The reference is put into the cache so often, so that little is lost with the process.
 const SAVE_EVERY: Duration = Duration::from_secs(5);
 
 /// When a reference is good enough.

@@ -3,8 +3,9 @@
 //!
 //! The paper measured no error "due to the lack of a good reference solution"; this is one. It
 //! shares the scene with the solver and nothing else: its own tree of boxes and its own test of
-//! rays against faces, its own idea of faces at the same place and its own list of emitters, so
-//! that what blinds the one does not blind the other. Its estimates are unbiased, of any number of
+//! rays against faces, its own idea of faces at the same place, its own list of emitters, hash,
+//! random numbers and points on polygons. They are copies on purpose, so that what blinds the one
+//! does not blind the other. Its estimates are unbiased, of any number of
 //! bounces, and say how far they may be off. [`ReferenceRun`] makes them better pass by pass and
 //! keeps what it knows in a [`Cache`]. Imports `scene` alone.
 //!

@@ -18,7 +18,7 @@ const SAMPLES: usize = 4;
 /// Share of the drawn directions that heed no cell's brightness: a sample may miss what shines.
 const EVENLY: f64 = 0.1;
 
-/// What shines in from outside.
+/// Sky and sun of a scene.
 pub struct Daylight {
     outside: Arc<Outside>,
     /// Unit vector towards the sun and irradiance of a face turned to it, W/m².

@@ -25,7 +25,7 @@ const PAIRS: u32 = 3;
 const DIRECTION: u32 = 0;
 const LAMP_POINT: u32 = 1;
 const CHOICES: u32 = 2;
-/// The same for what lies outside, far behind all others.
+/// Pairs of random numbers for sky and sun, numbered far behind all others.
 const PAIRS_OUTSIDE: u32 = 3;
 const OUTSIDE: u32 = 1 << 20;
 const SKY_CELL: u32 = 0;

@@ -72,12 +72,12 @@ impl Vertex {
         Self { position, normal: direction, shading: direction, polygon: NO_POLYGON, tolerance: 0.0 }
     }
 
-    /// The same place with an interpolated normal for cosines.
+    /// The place with an interpolated normal for cosines.
     pub fn shaded(self, shading: DVec3) -> Self {
         Self { shading, ..self }
     }
 
-    /// The same place, left through the back of its face.
+    /// The place, left through the back of its face.
     pub fn behind(self) -> Self {
         Self { normal: -self.normal, ..self }
     }

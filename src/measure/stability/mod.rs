@@ -44,8 +44,6 @@ pub enum Relation {
     Near,
     /// No more above it than allowed.
     AtMost,
-    /// No more below it than allowed.
-    AtLeast,
 }
 
 /// One value of a row beside its truth.
@@ -94,11 +92,6 @@ impl Check {
         Self { what: what.into(), truth: bound, ours, relation, allowed: 0.0, known: None }
     }
 
-    /// A value that may not fall below a bound.
-    pub fn at_least(what: impl Into<String>, bound: f64, ours: f64) -> Self {
-        Self { relation: Relation::AtLeast, ..Self::at_most(what, bound, ours) }
-    }
-
     /// The check with a known limit: the value is known to be off by as much as this, in its own
     /// unit.
     pub fn known_to(self, known: f64) -> Self {
@@ -124,7 +117,6 @@ impl Check {
         let off = match self.relation {
             Relation::Near => above.abs(),
             Relation::AtMost => above.max(0.0),
-            Relation::AtLeast => (-above).max(0.0),
         };
         if above.is_nan() { f64::INFINITY } else { off }
     }
@@ -215,7 +207,6 @@ mod tests {
         assert_eq!(Check::within("x", 2.0, 2.1, 0.06).verdict(), Verdict::Pass);
         assert_eq!(Check::at_most("x", 1.0, -5.0).verdict(), Verdict::Pass);
         assert_eq!(Check::at_most("x", 1.0, 1.1).verdict(), Verdict::Fail);
-        assert_eq!(Check::at_least("x", 1.0, 0.9).verdict(), Verdict::Fail);
         assert_eq!(Check::at_most("x", 1.0, f64::NAN).known_to(1e9).verdict(), Verdict::Fail);
     }
 

@@ -1,4 +1,4 @@
-//! What the paper says, what was found here, and whether that agrees. Verdicts come from numbers,
+//! Claims of the paper, findings here, and whether they agree. Verdicts come from numbers,
 //! by a rule that is stated.
 
 use std::fmt;

@@ -1,4 +1,4 @@
-//! What the runs are made with: thresholds, sizes, repetitions. Pinned here and written into every
+//! Settings of the runs: thresholds, sizes, repetitions. Pinned here and written into every
 //! CSV.
 
 use std::time::Duration;
@@ -18,11 +18,11 @@ pub struct Effort {
     pub quick: bool,
     /// The room of Table 1.
     pub seminar: BuiltinScene,
-    /// Its ε/Φ.
+    /// ε/Φ of the seminar room.
     pub seminar_epsilon: f64,
     /// The room of Table 2.
     pub office: BuiltinScene,
-    /// Its ε/Φ.
+    /// ε/Φ of the office.
     pub office_epsilon: f64,
     /// ε/Φ of a coarse and of a fine solution (Figures 3 and 4).
     pub coarse_and_fine: [f64; 2],

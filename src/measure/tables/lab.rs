@@ -54,7 +54,7 @@ impl Room {
         Self { name, scene: Arc::new(scene), occluders: Arc::new(occluders), meter: None }
     }
 
-    /// Its polygons.
+    /// Number of polygons of the scene.
     pub fn polygons(&self) -> usize {
         self.scene.polygons.len()
     }
@@ -72,7 +72,7 @@ pub struct Run {
     pub setting: String,
     /// The scene's name.
     pub scene: &'static str,
-    /// Its polygons.
+    /// Number of polygons of the scene.
     pub polygons: usize,
     /// Every parameter.
     pub params: SolverParams,

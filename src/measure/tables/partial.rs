@@ -109,7 +109,7 @@ fn between(points: &[(f64, f64)], x: f64) -> Option<f64> {
     Some(pair[0].1 * (pair[1].1 / pair[0].1).powf(along))
 }
 
-/// The same room at twice the size, with ε in watts and with ε as a share of Φ.
+/// Solves a room also at twice the size, with ε in watts and with ε as a share of Φ.
 fn scale_invariance(lab: &mut Lab<'_>, report: &mut Report) {
     let epsilon = lab.effort.seminar_epsilon;
     let mut room = Room::new(lab.effort.seminar);

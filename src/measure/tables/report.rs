@@ -1,4 +1,4 @@
-//! What a part of the paper comes to: tables for people, records for programs, claims, and the
+//! Report on a part of the paper: tables for people, records for programs, claims, and the
 //! files that hold them.
 
 use std::fmt::Write as _;

@@ -19,7 +19,7 @@ const MOST: f64 = 1e12;
 const U32: f64 = 4_294_967_296.0;
 
 /// A law, and what grows from the largest room measured with no less than its number of polygons:
-/// small rooms have costs that do not grow, so a law through them all promises too little.
+/// small rooms have costs that do not grow, so a law through them all tells too little.
 struct Forecast {
     law: PowerLaw,
     largest: (f64, f64),

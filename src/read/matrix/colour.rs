@@ -54,7 +54,7 @@ const POWER_RANGE: [f32; 2] = [1e-2, 1e2];
 /// Rays at the end of the ramp.
 const MOST_RAYS: f32 = 1000.0;
 
-/// What a block adds to a pixel, for each unit of its share: a colour as squares of gamma-encoded
+/// Addition of a block to a pixel, for each unit of its share: a colour as squares of gamma-encoded
 /// values, which stand for light, or a density in the first place.
 pub(super) type Tone = [f32; 3];
 

@@ -14,12 +14,12 @@ const GROUND: [Vec3; 2] = [Vec3::new(0.15, 0.15, 0.16), Vec3::new(0.24, 0.25, 0.
 const LINE_HALF_WIDTH: f32 = 0.75;
 const LINE_SHADE: f32 = 1.0;
 
-/// What a picture shows of the light.
+/// How a picture shows light.
 #[derive(Clone, Copy)]
 pub struct Shading<'a> {
     /// Factor on radiosities before the tone curve, m²/W.
     pub exposure: f32,
-    /// What is read off the surfaces, if anything.
+    /// False colours of the surfaces, if there are any.
     pub read: Option<FalseColours<'a>>,
 }
 
@@ -88,7 +88,7 @@ pub(super) fn develop(sights: &Sights, shares: &[Share], smooth: &[Share], shadi
     pixels
 }
 
-/// What is read off a sample, W/m².
+/// Reading of a sample, W/m².
 pub(super) fn value(sight: &Sight, share: &Share, quantity: Quantity) -> f32 {
     match quantity {
         Quantity::Irradiance => weighted(share.irradiance.into()),

@@ -50,7 +50,7 @@ impl Filter {
 pub struct Share {
     /// Irradiance, W/m².
     pub irradiance: Vec3,
-    /// Its noise: a draw from the distribution of its error (mean of the colours), W/m².
+    /// Noise of the light: a draw from the distribution of its error (mean of the colours), W/m².
     pub noise: f32,
 }
 

@@ -35,13 +35,13 @@ pub enum Start {
     Fine,
 }
 
-/// What is looked from, and what was found.
+/// Samples of a picture, and the light found at them.
 struct Level {
     sights: Arc<Sights>,
     light: Light,
 }
 
-/// What is done next.
+/// Stage of a picture.
 enum Stage {
     Coarse,
     /// One sample a pixel.
@@ -51,18 +51,18 @@ enum Stage {
     Done,
 }
 
-/// What there is to be seen.
+/// The picture as it can be shown.
 struct Shown {
     sights: Arc<Sights>,
     shares: Vec<Share>,
     /// For lines of equal value.
     smooth: Option<Vec<Share>>,
     noise: f32,
-    /// What is still too noisy.
+    /// Tiles that are still too noisy.
     noisy: Tiles,
 }
 
-/// What is known of a pixel.
+/// Light and place at a pixel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PixelLight {
     /// The scene's polygon in its first sample that sees one.
@@ -141,6 +141,13 @@ impl GatheredPicture {
         }
         let shown = self.share(&level.sights, &level.light, cancel)?;
         let is_done = shown.noise <= self.error || level.light.passes >= MOST_PASSES;
+        tracing::debug!(
+            passes = level.light.passes,
+            noise = shown.noise,
+            asked = self.error,
+            is_done,
+            "picture pass ended"
+        );
         self.shown = Some(shown);
         Some(if is_done { Stage::Done } else { Stage::Refine(level) })
     }
@@ -193,11 +200,6 @@ impl GatheredPicture {
         self.shown.as_ref().map(|shown| shown.noise)
     }
 
-    /// Noise that suffices, as a share of the local light.
-    pub fn error(&self) -> f32 {
-        self.error
-    }
-
     /// Width and height, pixels.
     pub fn size(&self) -> [u32; 2] {
         self.size
@@ -216,7 +218,7 @@ impl GatheredPicture {
         labels::places(&shown.sights, shown.smooth.as_ref().unwrap_or(&shown.shares), quantity, lines)
     }
 
-    /// What is known of a pixel; `None` where nothing is seen.
+    /// Light and place at a pixel; `None` where nothing is seen.
     pub fn at(&self, [x, y]: [u32; 2]) -> Option<PixelLight> {
         let shown = self.shown.as_ref()?;
         let sights = &shown.sights;
@@ -272,7 +274,7 @@ pub struct Layers {
     pub pixels: Vec<LayersAt>,
 }
 
-/// What is known of a pixel; sums are multiplied by the coverage.
+/// Layers at a pixel; sums are multiplied by the coverage.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct LayersAt {
     /// Radiosity B, W/m².
@@ -292,7 +294,7 @@ pub struct LayersAt {
 }
 
 impl Shown {
-    /// The same light at the samples of a finer grid, of which this one holds one in so many in each direction: each takes
+    /// The light at the samples of a finer grid, of which this one holds one in so many in each direction: each takes
     /// the means of those around it that see its own surface, or else the nearest.
     fn spread_to(&self, sights: &Arc<Sights>, step: u32) -> Self {
         let from = &self.sights;

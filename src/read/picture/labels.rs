@@ -28,7 +28,7 @@ pub struct LineLabel {
     pub at: Vec2,
     /// Direction of the line there, anticlockwise from the right as seen, −π/2..π/2.
     pub angle: f32,
-    /// Its value, W/m².
+    /// Value of the line, W/m².
     pub value: f32,
 }
 

@@ -20,7 +20,7 @@ const BLOCK: u32 = 64;
 /// Sides of the tiles of pixels that are looked from again or not, as a whole; a power of two up to that of blocks.
 pub(super) const TILE: u32 = 16;
 
-/// What the looks from a sample found.
+/// Light that the looks from a sample found.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Found {
     /// Sum over the looks of the irradiance by emitters, W/m².

@@ -1,4 +1,4 @@
-//! What each sample of a picture sees.
+//! Surfaces that the samples of a picture see.
 
 use std::f32::consts::PI;
 
@@ -21,7 +21,7 @@ const BEYOND_HOLE: f32 = 1e-5;
 const PLACES: [[Vec2; 2]; 2] =
     [[Vec2::new(0.375, 0.125), Vec2::new(0.875, 0.375)], [Vec2::new(0.125, 0.625), Vec2::new(0.625, 0.875)]];
 
-/// What a sample sees.
+/// Surface that a sample sees.
 #[derive(Clone, Copy, Debug)]
 pub struct Sight {
     /// Place on the surface.
@@ -51,7 +51,7 @@ impl Sight {
         polygon: NOTHING,
     };
 
-    /// What is seen along a ray, holes of textures looked through; `spacing` is the distance between samples as a share of that
+    /// Surface that is seen along a ray, holes of textures looked through; `spacing` is the distance between samples as a share of that
     /// from the eye.
     fn along(field: &Field, eye: Vec3, direction: Vec3, spacing: f32) -> Self {
         let scene = field.scene();

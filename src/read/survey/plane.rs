@@ -1,6 +1,6 @@
 //! Irradiance of a work plane: each point looks around itself for what its surroundings send.
 //!
-//! What lamps emit is found by their exact form factors, times the share of rays to them that come
+//! Light of lamps is found by their exact form factors, times the share of rays to them that come
 //! through; what everything reflects, by rays of density cosθ/π, whose mean radiosity is the
 //! irradiance. Both are the same on every run.
 
@@ -294,6 +294,17 @@ mod tests {
         let summary = found.summary();
         let [least, mean] = [summary.minimum, summary.average];
         assert!((summary.uniformity - least / mean).abs() < 1e-6 && summary.maximum > mean && least > 0.0);
+    }
+
+    /// Truth: the number of points in a part. So a plane is given up within so many points, however large it is.
+    #[test]
+    fn a_part_of_a_plane_is_a_few_points() {
+        let lit = lit(room(0.5, 1.0));
+        let plane = WorkPlane { height: 0.8, spacing: 0.05, margin: 0.5, area: None };
+        let mut measuring = Measuring::new(&lit, plane).expect("a usable plane");
+        let points = measuring.grid.points.len();
+        assert!(measuring.advance() && points > 50 * CHUNK, "{points}");
+        assert_eq!(measuring.values.len(), CHUNK);
     }
 
     /// Truth: a closed room that glows evenly has E = B_e/(1 − ρ) everywhere, in the air as on its

@@ -4,19 +4,15 @@
 //! which the newest of a kind counts, and a small report comes out. It has half of the machine's
 //! threads.
 
-use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
-use std::sync::{Arc, Mutex};
-use std::thread::Builder;
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use glam::Vec3;
-use rayon::ThreadPool;
 
 use super::grid::WorkPlane;
 use super::lit_mesh::{LitMesh, SurfaceReading};
 use super::plane::{Measuring, PlaneReading};
-use crate::base::cancel::CancelToken;
-use crate::base::threads::{half_pool, lock};
+use crate::base::actor::{Actor, Desk};
 use crate::scene::Scene;
 use crate::solve::Snapshot;
 
@@ -79,15 +75,10 @@ enum Ask {
     Probe(Vec<(Vec3, Vec3)>),
     Measure(WorkPlane),
     ForgetPlane,
-    End,
 }
 
-/// The thread and the ends of its channels; dropping it lets the thread end by itself.
-pub struct Surveyor {
-    inbox: Sender<Ask>,
-    report: Arc<Mutex<Report>>,
-    cancel: CancelToken,
-}
+/// The thread; dropping it lets the thread end by itself.
+pub struct Surveyor(Actor<Ask, Report>);
 
 impl Surveyor {
     /// Starts the thread. `wake` is called on it whenever there is something new; it must not
@@ -96,78 +87,46 @@ impl Surveyor {
     /// # Errors
     /// The system gives no further thread.
     pub fn spawn(wake: Box<dyn Fn() + Send>) -> std::io::Result<Self> {
-        let (inbox, asks) = channel();
-        let (report, cancel) = (Arc::new(Mutex::new(Report::default())), CancelToken::new());
-        let session = Session {
-            asks,
-            report: report.clone(),
-            cancel: cancel.clone(),
-            wake,
-            pool: half_pool("surveyor"),
-            light: None,
-            lit: None,
-            look: None,
-            probes: Vec::new(),
-            plane: None,
-            build: None,
-            has_new_light: false,
-            deferred: Vec::new(),
+        let run = |desk| {
+            let (light, lit, look, plane, build) = (None, None, None, None, None);
+            Session { desk, light, lit, look, probes: Vec::new(), plane, build, has_new_light: false }.run();
         };
-        Builder::new().name("surveyor".into()).spawn(move || session.run())?;
-        Ok(Self { inbox, report, cancel })
+        Actor::spawn("surveyor", wake, run).map(Self)
     }
 
     /// The newest light of a scene, whose faces are turned and doubled as it is solved.
     pub fn show(&self, scene: Arc<Scene>, snapshot: Arc<Snapshot>) {
-        self.ask(Ask::Light(scene, snapshot));
+        self.0.ask(Ask::Light(scene, snapshot));
     }
 
     /// Asks what a ray meets, now and in each new light until another is asked for.
     pub fn look(&self, ray: Option<Ray>) {
-        self.ask(Ask::Look(ray));
+        self.0.ask(Ask::Look(ray));
     }
 
     /// Sets the probes, as points and normals of surfaces; they are read in each new light.
     pub fn probe(&self, places: Vec<(Vec3, Vec3)>) {
-        self.ask(Ask::Probe(places));
+        self.0.ask(Ask::Probe(places));
     }
 
     /// Measures a work plane in the newest light; one that is being measured is given up.
     pub fn measure(&self, plane: WorkPlane) {
-        self.ask(Ask::Measure(plane));
-        self.cancel.cancel();
+        self.0.ask_instead(Ask::Measure(plane));
     }
 
     /// Gives the work plane up and forgets it.
     pub fn forget_plane(&self) {
-        self.ask(Ask::ForgetPlane);
-        self.cancel.cancel();
+        self.0.ask_instead(Ask::ForgetPlane);
     }
 
     /// Results of the thread.
     pub fn report(&self) -> Report {
-        lock(&self.report).clone()
-    }
-
-    fn ask(&self, ask: Ask) {
-        // A thread that has ended takes no questions; only `End` ends it.
-        let _ = self.inbox.send(ask);
-    }
-}
-
-impl Drop for Surveyor {
-    fn drop(&mut self) {
-        self.ask(Ask::End);
-        self.cancel.cancel();
+        self.0.report()
     }
 }
 
 struct Session {
-    asks: Receiver<Ask>,
-    report: Arc<Mutex<Report>>,
-    cancel: CancelToken,
-    wake: Box<dyn Fn() + Send>,
-    pool: Option<ThreadPool>,
+    desk: Desk<Ask, Report>,
     light: Option<(Arc<Scene>, Arc<Snapshot>)>,
     lit: Option<LitMesh>,
     look: Option<Ray>,
@@ -178,15 +137,13 @@ struct Session {
     build: Option<(Instant, Duration)>,
     /// Whether the probes have yet to be read in the newest light.
     has_new_light: bool,
-    /// Questions that came while a plane was measured, and wait until that ends.
-    deferred: Vec<Ask>,
 }
 
 impl Session {
     fn run(mut self) {
         let mut patience = None;
         loop {
-            let Some(asks) = self.await_asks(patience) else { return };
+            let Some(asks) = self.desk.take(patience) else { return };
             for ask in asks {
                 match ask {
                     Ask::Light(scene, snapshot) => {
@@ -201,30 +158,12 @@ impl Session {
                     Ask::Measure(plane) => self.plane = Some(plane),
                     Ask::ForgetPlane => {
                         self.plane = None;
-                        self.tell(|report| (report.plane, report.progress, report.failure) = (None, None, None));
+                        self.desk.tell(|report| (report.plane, report.progress, report.failure) = (None, None, None));
                     }
-                    Ask::End => return,
                 }
             }
             patience = self.work();
         }
-    }
-
-    /// What was asked since; waits for something while there is nothing to do. `None` when nobody
-    /// is there any more.
-    fn await_asks(&mut self, patience: Option<Duration>) -> Option<Vec<Ask>> {
-        let deferred = std::mem::take(&mut self.deferred);
-        let first = match patience {
-            _ if !deferred.is_empty() => None,
-            Some(patience) => match self.asks.recv_timeout(patience) {
-                Ok(ask) => Some(ask),
-                Err(RecvTimeoutError::Timeout) => None,
-                Err(RecvTimeoutError::Disconnected) => return None,
-            },
-            None => Some(self.asks.recv().ok()?),
-        };
-        self.cancel.reset();
-        Some(deferred.into_iter().chain(first).chain(self.asks.try_iter()).collect())
     }
 
     /// Answers what can be answered; how long to wait before the rest is tried again, if there is a
@@ -236,7 +175,7 @@ impl Session {
         if !is_asked {
             // A light that nobody looks at is not held.
             (self.lit, self.has_new_light) = (None, false);
-            self.tell(|report| report.looked = None);
+            self.desk.tell(|report| report.looked = None);
             return None;
         }
         let wait = self.follow(&scene, &snapshot);
@@ -268,10 +207,7 @@ impl Session {
         }
         let begun = Instant::now();
         let build = || LitMesh::new(scene.clone(), snapshot.clone());
-        self.lit = Some(match &self.pool {
-            Some(pool) => pool.install(build),
-            None => build(),
-        });
+        self.lit = Some(self.desk.work(build));
         self.build = Some((Instant::now(), begun.elapsed()));
         None
     }
@@ -281,7 +217,7 @@ impl Session {
         let looked = self.look.map(|ray| Looked { ray, reading: lit.under(ray.origin, ray.direction) });
         let probed = |&(point, normal): &(Vec3, Vec3)| Probed { point, normal, reading: lit.at(point, normal) };
         let probes = self.has_new_light.then(|| Arc::new(self.probes.iter().map(probed).collect::<Vec<_>>()));
-        self.tell(|report| {
+        self.desk.tell(|report| {
             report.looked = looked;
             report.probes = probes.unwrap_or_else(|| report.probes.clone());
         });
@@ -292,38 +228,33 @@ impl Session {
         let mut measuring = match Measuring::new(lit, plane) {
             Ok(measuring) => measuring,
             Err(error) => {
-                self.tell(|report| (report.failure, report.progress) = (Some(error.to_string()), None));
+                self.desk.tell(|report| (report.failure, report.progress) = (Some(error.to_string()), None));
                 return;
             }
         };
-        self.tell(|report| (report.failure, report.progress) = (None, Some(0.0)));
+        self.desk.tell(|report| (report.failure, report.progress) = (None, Some(0.0)));
         let mut told = Instant::now();
         loop {
-            let is_left = match &self.pool {
-                Some(pool) => pool.install(|| measuring.advance()),
-                None => measuring.advance(),
-            };
-            if !is_left {
+            if !self.desk.work(|| measuring.advance()) {
                 let measured = Arc::new(measuring.finish());
-                self.tell(|report| (report.plane, report.progress) = (Some(measured), None));
+                self.desk.tell(|report| (report.plane, report.progress) = (Some(measured), None));
                 return;
             }
             if self.look_again() {
                 self.answer(lit);
             }
-            if self.cancel.is_cancelled() {
-                let replaces = |ask: &Ask| matches!(ask, Ask::Measure(_) | Ask::ForgetPlane | Ask::End);
-                self.deferred.extend(self.asks.try_iter());
-                if self.deferred.iter().any(replaces) {
-                    self.tell(|report| report.progress = None);
+            if self.desk.cancel.is_cancelled() {
+                let (waiting, has_owner) = self.desk.waiting();
+                if !has_owner || waiting.iter().any(|ask| matches!(ask, Ask::Measure(_) | Ask::ForgetPlane)) {
+                    self.desk.tell(|report| report.progress = None);
                     return;
                 }
                 // The token was meant for what was done before.
-                self.cancel.reset();
+                self.desk.cancel.reset();
             }
             if told.elapsed() > TELL_EVERY {
                 let share = measuring.share();
-                self.tell(|report| report.progress = Some(share));
+                self.desk.tell(|report| report.progress = Some(share));
                 told = Instant::now();
             }
         }
@@ -332,17 +263,14 @@ impl Session {
     /// Takes up where the pointer went; everything else that was asked has to wait.
     fn look_again(&mut self) -> bool {
         let mut has_moved = false;
-        for ask in self.asks.try_iter() {
-            match ask {
-                Ask::Look(ray) => (self.look, has_moved) = (ray, true),
-                other => self.deferred.push(other),
+        let look = &mut self.look;
+        self.desk.waiting().0.retain(|ask| match ask {
+            Ask::Look(ray) => {
+                (*look, has_moved) = (*ray, true);
+                false
             }
-        }
+            _ => true,
+        });
         has_moved
-    }
-
-    fn tell(&self, change: impl FnOnce(&mut Report)) {
-        change(&mut lock(&self.report));
-        (self.wake)();
     }
 }

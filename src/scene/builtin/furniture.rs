@@ -1,4 +1,4 @@
-//! What both rooms have: windows, doors, radiators, ceiling lamps, clocks, books, paper, bottles.
+//! Furniture of both rooms: windows, doors, radiators, ceiling lamps, clocks, books, paper, bottles.
 //!
 //! Things at a wall are drawn with x along the wall, y up and z into the room, the wall being z = 0; things on a table
 //! stand on y = 0; lamps hang from y = 0.

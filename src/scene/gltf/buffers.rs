@@ -18,14 +18,14 @@ use crate::scene::said::quoted;
 /// An accessor without data holds zeros, but for what is listed: more of them would only be one point again and again.
 const MOST_ZEROS: usize = 1 << 16;
 
-/// What is wrong, without the file and the place.
+/// Description of a fault, without the file and the place.
 pub(super) type Problem = String;
 
 /// A glTF document's JSON and its binary data.
 pub(super) struct GltfData<'a> {
     pub root: &'a Root,
     files: &'a dyn SceneFiles,
-    /// What was read, each file once; buffers are numbers into it.
+    /// Contents that were read, each file once; buffers are numbers into it.
     contents: Vec<Vec<u8>>,
     buffers: Vec<usize>,
     /// Content of the views that are compressed, or why it cannot be used.

@@ -31,7 +31,7 @@ pub(super) struct Meshopt {
 }
 
 impl Meshopt {
-    /// What a view says of its compression, if it is compressed.
+    /// Compression of a view, if it is compressed.
     pub fn of(view: &View) -> Option<Result<Self, Problem>> {
         let others = &view.extensions.as_ref()?.others;
         let said =

@@ -1,4 +1,4 @@
-//! What hangs on nodes beside meshes: lights, cameras, instances.
+//! Parts of nodes beside meshes: lights, cameras, instances.
 
 use glam::{DMat4, DQuat, DVec3, Vec3};
 use gltf::json::Index;

@@ -24,7 +24,7 @@ pub(super) struct Part {
 /// A mesh has lost its shape where its coordinates are rounded to this share of its size: light is wrong by about half a percent.
 const LOST: f32 = 1e-3;
 
-/// What the coordinates of a mesh are rounded to, if that is more than [`LOST`] of its size: it lies far from its own zero. Coordinates
+/// Rounding of the coordinates of a mesh, if that is more than [`LOST`] of its size: it lies far from its own zero. Coordinates
 /// that all have spare digits were exact and lost nothing.
 pub(super) fn coarse_rounding(parts: &[Part]) -> Option<f32> {
     let all = || parts.iter().flat_map(|part| &part.positions);

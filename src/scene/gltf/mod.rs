@@ -140,7 +140,7 @@ fn choose_pictures(json: &mut Value) {
     }
 }
 
-/// What the crate's validation would refuse or trip over, though nothing here needs it: bounds of positions, which some exporters
+/// Mends parts that the crate's validation would refuse or trip over, though nothing here needs them: bounds of positions, which some exporters
 /// forget; accessors of positions, which it looks up unchecked; textures without a picture; animations.
 fn prepare_for_validation(root: &mut Root) -> Result<(), Problem> {
     for (mesh, primitive) in

@@ -1,4 +1,4 @@
-//! What lies outside of a scene and shines in: a sky around it and a sun, both so far away that direction alone counts.
+//! Daylight of a scene: a sky around it and a sun, both so far away that direction alone counts.
 //!
 //! Skies are those of the CIE (`cie`) or pictures (`picture`); the sun is a disc of half a degree whose direction is told or follows from
 //! date and place (`solar`). People tell both in words (`told`); [`Outside`] is what they come to in a scene's own axes.
@@ -50,7 +50,7 @@ pub enum DaylightError {
     /// A picture that is not read.
     #[error("the picture `{name}` of the sky cannot be used: {why}")]
     Picture {
-        /// Its name.
+        /// Name of the picture.
         name: String,
         /// Why.
         why: String,
@@ -179,7 +179,7 @@ impl Outside {
         Ok(Self { told: told.clone(), axes, sky: sky.flatten(), sun })
     }
 
-    /// What was told of it.
+    /// Daylight as it was asked for.
     pub fn told(&self) -> &Daylight {
         &self.told
     }
@@ -251,12 +251,12 @@ impl Outside {
 }
 
 impl Scene {
-    /// What shines in from outside, where anything does.
+    /// Sky and sun, where the scene has them.
     pub fn outside(&self) -> Option<&Arc<Outside>> {
         self.outside.as_ref().filter(|outside| outside.is_lit())
     }
 
-    /// What is told of the outside.
+    /// Daylight as it was asked for.
     pub fn daylight(&self) -> Daylight {
         self.outside.as_ref().map(|outside| outside.told().clone()).unwrap_or_default()
     }
@@ -270,7 +270,7 @@ impl Scene {
         self.add_daylight_from(told, |path| read_plain_file(path, files::MOST_BYTES).map_err(|error| error.to_string()))
     }
 
-    /// The same where pictures are read so.
+    /// Adds daylight whose pictures are read by this function.
     pub(super) fn add_daylight_from(
         &mut self,
         told: &Daylight,
@@ -292,7 +292,7 @@ impl Scene {
         self.set_daylight(told, |path| read_plain_file(path, files::MOST_BYTES).map_err(|error| error.to_string()))
     }
 
-    /// The same where pictures are read so.
+    /// Sets daylight whose pictures are read by this function.
     fn set_daylight(
         &mut self,
         told: &Daylight,

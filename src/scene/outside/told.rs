@@ -11,7 +11,7 @@ use super::cie::{CLEAR, Spread};
 use super::solar::{Moment, position};
 use crate::base::photometry::LUMENS_PER_WATT;
 
-/// What lies outside of a scene: a sky, a sun, both or neither.
+/// Daylight as it is asked for: a sky, a sun, both or neither.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Daylight {
@@ -57,7 +57,7 @@ pub struct SunTold {
     pub place: SunPlace,
     /// Irradiance of a face turned to it; `None` as a clear day brings at its elevation.
     pub amount: Option<Amount>,
-    /// Its colour; the eye's mean counts for nothing.
+    /// Colour of the sun; the eye's mean of it counts for nothing.
     pub colour: Vec3,
 }
 
@@ -130,7 +130,7 @@ impl fmt::Display for Amount {
     }
 }
 
-/// What a formula's sky brings where nothing is said, lx.
+/// Illuminance by a formula's sky where none is given, lx.
 const USUAL_SKY: f32 = 10_000.0;
 
 impl SkyTold {
@@ -204,7 +204,7 @@ impl SunTold {
     }
 }
 
-/// What the sun brings on a clear day to a face turned to it: 133.8 klx outside of the air, and a share of e^−0.21 for each air mass
+/// Illuminance by the sun on a clear day of a face turned to it: 133.8 klx outside of the air, and a share of e^−0.21 for each air mass
 /// [IES, *Recommended practice for the calculation of daylight availability*, 1984].
 fn clear_day(elevation: f64) -> Amount {
     let sine = elevation.to_radians().sin();

@@ -23,7 +23,7 @@ const FARTHEST: f64 = 1e9;
 pub(in super::super) enum Weight {
     /// One.
     Plain,
-    /// Its alpha.
+    /// Alpha of the texture.
     Alpha,
     /// One where its alpha is at least this, of 255.
     AtLeast(u8),

@@ -103,7 +103,7 @@ fn srgb_step(linear: f32) -> u8 {
     if linear - LINEAR[below] < LINEAR[above] - linear { below as u8 } else { above as u8 }
 }
 
-/// What lies beyond the rim of a texture.
+/// Continuation of a texture beyond its rim.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Wrap {
     /// The texture again.
@@ -167,7 +167,7 @@ impl TextureMap {
     }
 }
 
-/// What alpha means in a material.
+/// Meaning of alpha in a material.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Opacity {
     /// Nothing.
@@ -191,7 +191,7 @@ impl Opacity {
     }
 }
 
-/// What a picture needs of a material beside its means: textures, and what their alpha means.
+/// Textures of a material, which a picture needs beside its means, and the meaning of their alpha.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct MaterialTextures {
     /// Reflectance is this times [`reflectance_factor`](Self::reflectance_factor).
@@ -204,7 +204,7 @@ pub struct MaterialTextures {
     pub emission_factor: Vec3,
     /// Alpha is the first texture's times this.
     pub alpha_factor: f32,
-    /// What alpha means.
+    /// Meaning of the textures' alpha.
     pub opacity: Opacity,
 }
 

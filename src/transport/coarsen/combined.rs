@@ -1,4 +1,4 @@
-//! What the parts of a pair come to together, and whether the oracle would keep the whole as one link.
+//! The sum of the parts of a pair, and whether the oracle would keep the whole as one link.
 
 use crate::hierarchy::{ElementId, Hierarchy};
 use crate::transport::form_factor::{Exchange, exchange};

@@ -155,7 +155,7 @@ impl<'a> Pairs<'a> {
         above_is_split(a, b) && above_is_split(b, a)
     }
 
-    /// The same without doubt: of two ends of equal area either may have been split first, which leaves pairs between that
+    /// Whether a pair is reached without doubt: of two ends of equal area either may have been split first, which leaves pairs between that
     /// refinement may have passed by.
     fn is_surely_reached(&self, a: ElementId, b: ElementId) -> bool {
         let hierarchy = self.hierarchy();

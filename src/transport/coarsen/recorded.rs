@@ -7,7 +7,7 @@ use crate::hierarchy::{ElementId, Hierarchy, Renumbering};
 use crate::transport::RejectedPair;
 use crate::transport::verdict::Rejection;
 
-/// What is left of the record, under the new numbers: pairs that no merged pair stands for.
+/// The rest of the record, under the new numbers: pairs that no merged pair stands for.
 pub(super) fn after_merging(
     recorded: &[RejectedPair],
     pairs: &[(Pair, Standing)],

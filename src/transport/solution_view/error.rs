@@ -1,4 +1,4 @@
-//! What a link's constant hides, estimated as the error oracle does.
+//! Error of a link, estimated as refinement by link error does.
 
 use super::super::form_factor::{Exchange, exchange};
 use super::super::link_error::{Facing, LinkError, SourceLight, estimated_error, radiosity_stddev_of, seen_by};

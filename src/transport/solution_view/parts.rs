@@ -29,7 +29,7 @@ impl SolutionView {
         })
     }
 
-    /// What an element's irradiance is multiplied by, in the mean over the area of its leaves.
+    /// Factor on an element's irradiance, in the mean over the area of its leaves.
     pub(super) fn scale(&self, id: ElementId) -> f32 {
         let scales = self.scales.get_or_init(|| {
             let elements = self.hierarchy.elements();
@@ -111,7 +111,7 @@ impl SolutionView {
         receivers.flat_map(move |receiver| self.links.of(receiver).iter().map(move |link| self.view(receiver, link, 0)))
     }
 
-    /// What links bring, summed up by the ends away from the element that was asked for (`far`), each as the element that holds it at a
+    /// Light of links, summed up by the ends away from the element that was asked for (`far`), each as the element that holds it at a
     /// depth; most first. An end above that depth stands for itself.
     pub fn folded(
         &self,

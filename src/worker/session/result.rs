@@ -1,4 +1,4 @@
-//! What a solver comes back with: steps, pictures, changes.
+//! Results that a solver comes back with: steps, pictures, changes.
 
 use std::sync::Arc;
 use std::time::Instant;
@@ -53,7 +53,7 @@ impl Session {
     }
 
     fn note_step(&mut self, step: Step) {
-        self.tell_moments();
+        self.tell_steps();
         let hurries = std::mem::take(&mut self.hurries);
         if hurries && step != Step::Gathered {
             self.pacing.hurry();
@@ -106,12 +106,12 @@ impl Session {
     }
 
     /// Lets the status know of steps that it has not heard of.
-    pub(super) fn tell_moments(&mut self) {
+    pub(super) fn tell_steps(&mut self) {
         let Some(solver) = &self.solver else { return };
-        if solver.moments_told() != self.told {
-            self.told = solver.moments_told();
-            self.moments = solver.moments().cloned().collect();
-            lock(&self.ends.shared.status).moments = self.moments.clone();
+        if solver.kept_steps_state() != self.told {
+            self.told = solver.kept_steps_state();
+            self.steps = solver.kept_steps().cloned().collect();
+            lock(&self.ends.shared.status).steps = self.steps.clone();
         }
     }
 

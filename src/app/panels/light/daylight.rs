@@ -27,7 +27,7 @@ struct Preset {
     sun: Option<f32>,
 }
 
-/// What is about to lie outside.
+/// Daylight that is being set.
 #[derive(Clone, Debug, Default)]
 pub(in crate::app) struct DaylightEditor {
     told: Daylight,

@@ -8,7 +8,7 @@ use crate::app::state::lighting::MaterialLight;
 use crate::app::widgets::theme;
 use crate::scene::{MaterialId, Scene};
 
-/// What a dimmer offers, in percent of what the lamp had.
+/// Range of a dimmer, in percent of the emission that the lamp had.
 const DIMMER: std::ops::RangeInclusive<f32> = 0.0..=200.0;
 /// Height that the list may take before it scrolls, points.
 const MOST_HEIGHT: f32 = 150.0;

@@ -15,7 +15,7 @@ use crate::worker::SceneInfo;
 
 /// Exitance of a square that was just added, W/m²: a bright office ceiling panel. Other shapes send the same power.
 const FIRST_EXITANCE: f32 = 100.0;
-/// Its colour temperature, K: neutral white.
+/// Colour temperature of a new luminaire, K: neutral white.
 const FIRST_KELVIN: f32 = 4000.0;
 /// Sizes that a field offers, in the scene's length unit.
 const SIZES: std::ops::RangeInclusive<f32> = 1e-6..=1e6;

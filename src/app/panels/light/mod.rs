@@ -20,7 +20,7 @@ const EXITANCES: std::ops::RangeInclusive<f32> = 0.1..=1e5;
 /// A power that differs by less than this share counts as the same.
 const SAME_POWER: f64 = 1e-4;
 
-/// What the section is about to change, and of what.
+/// Changes that a person is making in the section.
 #[derive(Default)]
 pub(in crate::app) struct LightEditor {
     /// Of each material, what was set.
@@ -110,7 +110,7 @@ impl LightEditor {
         }
     }
 
-    /// What the worker must be told of luminaires. While a person moves one, only what is live goes out: another exitance.
+    /// Command by which the worker learns of changed luminaires. While a person moves one, only what is live goes out: another exitance.
     pub(in crate::app) fn luminaires_command(&mut self, is_busy: bool) -> Option<Command> {
         let mut wanted = self.lighting.wanted_luminaires();
         if is_busy {

@@ -1,4 +1,4 @@
-//! What the editor of groups knows: the tree as it is being arranged, what is selected, and former trees for undo.
+//! State of the editor of groups: the tree as it is being arranged, what is selected, and former trees for undo.
 
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -26,7 +26,7 @@ pub(in crate::app) struct Row {
 pub(in crate::app) struct GroupEditor {
     scene: Option<Arc<Scene>>,
     members: Vec<GroupMember>,
-    /// What the worker has not confirmed yet: until then the scene still has former groups.
+    /// Whether the worker has yet to confirm the tree: until then the scene still has former groups.
     is_sent: bool,
     tree: Option<Arc<GroupTree>>,
     children: Vec<Vec<GroupId>>,

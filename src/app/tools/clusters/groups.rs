@@ -213,7 +213,7 @@ fn show_tree(
     edited
 }
 
-/// What is being dragged, beside the mouse.
+/// Shows the groups that are being dragged beside the mouse.
 fn show_dragged(dragged: &Dragged, tree: &GroupTree, ui: &Ui) {
     let Some(pointer) = ui.ctx().pointer_interact_pos() else { return };
     let text = match dragged.0[..] {

@@ -15,7 +15,7 @@ use crate::render::{Line, Marks};
 use editor::GroupEditor;
 use tree::ClusterTree;
 
-/// What the tool shows below its controls.
+/// Page that the tool shows below its controls.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 enum Page {
     /// The solver's clusters.

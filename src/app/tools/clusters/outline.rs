@@ -22,13 +22,13 @@ pub(in crate::app) enum Fold {
     Unfolded,
 }
 
-/// What a row shows.
+/// Content of a row.
 pub(in crate::app) struct RowLook<'a> {
     pub id: egui::Id,
     pub depth: u16,
     pub fold: Fold,
     pub name: &'a str,
-    /// What assistive technology calls it.
+    /// Name of the row for assistive technology.
     pub full_name: &'a str,
     /// A patch of colour before the name.
     pub colour: Option<Color32>,
@@ -38,7 +38,7 @@ pub(in crate::app) struct RowLook<'a> {
     pub sense: Sense,
 }
 
-/// What was done to a row.
+/// Actions on a row.
 pub(in crate::app) struct RowDone {
     pub response: Response,
     /// It is to be folded or unfolded.

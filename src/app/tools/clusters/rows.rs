@@ -1,4 +1,4 @@
-//! What the tree of clusters shows: the rows that are unfolded, and the numbers of each element.
+//! Content of the tree of clusters: the rows that are unfolded, and the numbers of each element.
 
 use rustc_hash::FxHashSet;
 

@@ -34,7 +34,7 @@ pub(in crate::app) struct ClusterTree {
     power: PowerShown,
     unfolded: FxHashSet<ElementId>,
     rows: Vec<Row>,
-    /// What rows and numbers were made of.
+    /// State that rows and numbers were made of.
     of: Option<Arc<SolutionView>>,
     generation: u64,
     powers: Option<Powers>,

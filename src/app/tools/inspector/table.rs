@@ -204,7 +204,7 @@ fn cell(subject: &Subject<'_>, link: &LinkView, direction: Direction, column: Co
     }
 }
 
-/// What a row has no room for.
+/// Shows the details that a row has no room for.
 fn show_details(ui: &mut Ui, subject: &Subject<'_>, direction: Direction, link: &LinkView, name: &str) {
     let error = subject.solution_view.error(link);
     let watts = |power: f32| format::quantity(power.into(), "W");

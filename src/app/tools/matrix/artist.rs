@@ -16,7 +16,7 @@ use crate::transport::SolutionView;
 /// Pixels of a picture of the whole square that fills in while a part of it is moved.
 const PIXELS_OF_WHOLE: usize = 512;
 
-/// What is to be drawn.
+/// A picture that is to be drawn.
 pub(in crate::app) struct Order {
     pub look: Look,
     pub solution_view: Arc<SolutionView>,
@@ -25,7 +25,7 @@ pub(in crate::app) struct Order {
     pub wants_whole: bool,
 }
 
-/// What was drawn.
+/// A picture that was drawn.
 pub(in crate::app) struct Drawn {
     pub look: Look,
     pub request: Request,
@@ -36,7 +36,7 @@ pub(in crate::app) struct Drawn {
     pub palette: Arc<Palette>,
 }
 
-/// What all parts of one look have in common.
+/// Facts that all pictures of one look have in common.
 struct Known {
     look: Look,
     facts: Facts,

@@ -1,4 +1,4 @@
-//! What the colours of the matrix mean, and its numbers.
+//! Meaning of the colours of the matrix, and its numbers.
 
 use egui::{Align2, Color32, FontId, Sense, Stroke, StrokeKind, Ui, pos2, vec2};
 

@@ -30,7 +30,7 @@ const COLOURINGS: [(Colouring, &str, &str); 4] = [
     (Colouring::Level, "level", "How often the root's self-link was refined until it became this link"),
     (Colouring::Rays, "rays", "How many rays a link's visibility is known by"),
 ];
-/// What elements get room for, likewise.
+/// Measures by which elements get room, with label and hint.
 const ROOMS: [(Room, &str, &str); 3] = [
     (Room::Area, "area", "Rows and columns as large as their elements: shows where power can go"),
     (Room::Polygons, "polygons", "Rows and columns of equal size for all polygons: shows small things"),
@@ -57,10 +57,10 @@ pub(in crate::app) struct LinkMatrix {
     generation: u64,
 }
 
-/// What a picture was made of but for the part of the square.
+/// State that a picture was made of, but for the part of the square.
 #[derive(Clone, Copy, PartialEq)]
 struct Look {
-    /// Generation, serial and moment of the snapshot.
+    /// Generation, serial and former step of the snapshot.
     state: (u64, u64, Option<usize>),
     room: Room,
     colouring: Colouring,
@@ -76,7 +76,7 @@ struct Shown {
     legend: Legend,
 }
 
-/// What the parts of the tool look at in a frame.
+/// State that the parts of the tool look at in a frame.
 #[derive(Clone, Copy)]
 struct Looked<'a> {
     solution_view: &'a Arc<SolutionView>,
@@ -154,7 +154,7 @@ impl LinkMatrix {
         let (below, beside) = (side(vec2(0.0, ROOM_BELOW)), side(vec2(ROOM_BESIDE, 0.0)));
         let is_wide = beside > below;
         let side = below.max(beside).max(LEAST_SIDE);
-        let state = (snapshot.generation, snapshot.serial, snapshot.moment);
+        let state = (snapshot.generation, snapshot.serial, snapshot.former_step);
         let look = Look { state, room: self.room, colouring: self.colouring };
         let layout = if is_wide { egui::Layout::left_to_right(egui::Align::Min) } else { *ui.layout() };
         ui.with_layout(layout, |ui| {

@@ -1,4 +1,4 @@
-//! What is said of the block under the mouse.
+//! Tooltip of the block under the mouse.
 
 use egui::{Color32, Grid, RichText, Ui};
 

@@ -9,7 +9,7 @@ use crate::measure::chart::DrawError;
 use crate::measure::chart::axis::LogAxis;
 use crate::measure::chart::draw::{COLOURS, INK, LEGEND_WIDTH, SIZE, axes};
 
-/// What is drawn over the seconds.
+/// Metric that is drawn over the seconds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PictureMetric {
     /// Mean ꟻLIP.
@@ -22,7 +22,7 @@ impl PictureMetric {
     /// Every metric.
     pub const ALL: [Self; 2] = [Self::Flip, Self::Local];
 
-    /// Its name in file names.
+    /// Name of the metric in file names.
     pub fn name(self) -> &'static str {
         match self {
             Self::Flip => "flip",
@@ -45,7 +45,7 @@ impl PictureMetric {
         }
     }
 
-    /// What is no error of a picture but noise of the converged one.
+    /// Part of the metric that is no error of a picture but noise of the converged one.
     fn floor(self, chart: &PictureChart) -> f64 {
         match self {
             Self::Flip => chart.reference.flip_of_halves,

@@ -35,7 +35,7 @@ const SALTS: [u64; 3] = [0x0068_616c_6631, 0x0068_616c_6632, 0x0063_7572_7665];
 /// Samples of a pixel that one pass of a reference adds.
 const BATCH: u32 = 64;
 
-/// What is drawn and how well.
+/// Pictures that are drawn, and how well.
 #[derive(Clone, Debug)]
 pub struct PictureSweep {
     /// Parameters of every solve, the target error aside.
@@ -66,7 +66,7 @@ impl PictureKind {
     /// Every kind.
     pub const ALL: [Self; 3] = [Self::Mesh, Self::Gathered, Self::Paths];
 
-    /// Its name.
+    /// Name of the kind.
     pub fn name(self) -> &'static str {
         match self {
             Self::Mesh => "mesh",
@@ -109,7 +109,7 @@ pub struct PictureReference {
 /// A picture.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct PictureRecord {
-    /// Its kind.
+    /// Kind of the picture.
     pub kind: PictureKind,
     /// Target error, a share; none of the path tracer.
     pub error_asked: Option<f64>,
@@ -140,7 +140,7 @@ pub trait MeshPainter {
     fn irradiance(&mut self, snapshot: &Snapshot) -> Result<Vec<[f32; 4]>, String>;
 }
 
-/// What all pictures are compared with.
+/// Picture that all others are compared with.
 struct Truth {
     pixels: Vec<ViewPixel>,
     shown: Vec<[u8; 3]>,

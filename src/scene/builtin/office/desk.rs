@@ -12,7 +12,7 @@ const UNDER: f32 = HEIGHT - TOP;
 const WIDTH: f32 = 1.7;
 const DEPTH: f32 = 0.8;
 
-/// What tells two desks apart.
+/// Differences between desks.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Habits {
     pub(super) seed: u32,

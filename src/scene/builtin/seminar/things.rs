@@ -1,4 +1,4 @@
-//! What lies on the tables: planned seat by seat, so that the scene gets exactly the polygons asked for.
+//! Things on the tables: planned seat by seat, so that the scene gets exactly the polygons asked for.
 
 use glam::{Vec3, vec3};
 
@@ -37,7 +37,7 @@ impl Thing {
     }
 }
 
-/// What lies at each of the `seats`: `polygons` polygons together.
+/// Things at each of the `seats`: `polygons` polygons together.
 pub(super) fn plan(seats: usize, polygons: usize) -> Vec<Vec<Thing>> {
     let mut plan = vec![Vec::new(); seats];
     let mut rest = polygons;

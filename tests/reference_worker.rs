@@ -1,4 +1,4 @@
-//! The referee's thread: what it measures is what the error meter finds, and it never keeps anybody waiting.
+//! The reference's thread: it measures what the error meter finds, and never keeps anybody waiting.
 
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -67,19 +67,17 @@ fn it_measures_what_the_meter_finds() {
     );
 }
 
-/// A pass over many points takes long; a person who stops it, or opens another scene, does not wait for it.
+/// A pass over many points takes long; a person who stops it, or opens another scene, does not wait for its end. How often a pass looks
+/// at its token is counted in `tests/accuracy/reference.rs`.
 #[test]
-fn it_stops_within_50_ms() {
+fn it_stops_in_the_middle_of_a_pass() {
     let (scene, snapshot) = solved(BuiltinScene::Seminar { polygons: 2008 }, 1e-1);
     let reference_worker = reference_worker();
     reference_worker.begin(scene, 16_000, None);
     reference_worker.measure(snapshot);
     until("the first pass", || reference_worker.report().is_active.then_some(()));
     std::thread::sleep(Duration::from_millis(100));
-    let begun = Instant::now();
     reference_worker.forget();
     until("stopping", || (!reference_worker.report().is_active).then_some(()));
-    // 50 ms, and as much again for a machine on which other tests run at the same time.
-    assert!(begun.elapsed() < Duration::from_millis(100), "{:?}", begun.elapsed());
     assert!(reference_worker.report().measured.is_none());
 }
