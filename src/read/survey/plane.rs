@@ -12,9 +12,10 @@ use rayon::prelude::*;
 
 use super::grid::{Grid, GridError, WorkPlane};
 use super::lit_mesh::{LitMesh, Met};
-use crate::base::photometry::lux;
+use crate::base::photometry::{LUMENS_PER_WATT, lux};
 use crate::base::random::{cosine_direction, hash64, r2_sequence};
 use crate::hierarchy::point_on_polygon;
+use crate::read::daylight_factor::{NoDaylightFactor, open_ground};
 use crate::scene::{Polygon, Scene};
 use crate::solve::Snapshot;
 use crate::transport::point_to_polygon;
@@ -48,8 +49,8 @@ pub struct PlaneReading {
     pub origin: DVec3,
     /// The light that was measured.
     pub snapshot: Arc<Snapshot>,
-    /// Irradiance of open horizontal ground, W/m², where the sky alone shines.
-    pub open_ground: Option<Vec3>,
+    /// Irradiance of open horizontal ground, W/m², weighted as the eye does, or why it does not count.
+    pub open_ground: Result<f32, NoDaylightFactor>,
 }
 
 /// Figures that planners ask of a work plane; illuminances in lx.
@@ -85,7 +86,8 @@ impl PlaneReading {
         let minimum = measured.iter().copied().fold(f32::INFINITY, f32::min);
         let maximum = measured.iter().copied().fold(0.0, f32::max);
         let uniformity = if average > 0.0 { minimum / average } else { 0.0 };
-        let daylight_factor = self.open_ground.map(|open| [average, minimum].map(|value| value / lux(open.to_array())));
+        let daylight_factor =
+            self.open_ground.ok().map(|open| [average, minimum].map(|lx| lx / (LUMENS_PER_WATT * open)));
         Summary { points: measured.len(), left_out, average, minimum, maximum, uniformity, daylight_factor }
     }
 }
@@ -148,13 +150,6 @@ pub fn measure(lit: &LitMesh, plane: WorkPlane) -> Result<PlaneReading, GridErro
     let mut measuring = Measuring::new(lit, plane)?;
     while measuring.advance() {}
     Ok(measuring.finish())
-}
-
-/// Irradiance of open horizontal ground, W/m², where the sky shines and nothing else does.
-pub fn open_ground(scene: &Scene) -> Option<Vec3> {
-    let outside = scene.outside().filter(|outside| outside.sun().is_none() && !scene.has_lamp())?;
-    let [sky, _] = outside.horizontal_irradiance();
-    (crate::base::photometry::weighted(sky.into()) > 0.0).then_some(sky)
 }
 
 /// Polygons that emit.
