@@ -148,7 +148,7 @@ impl Field {
                         glance.indirect += share * self.sent_back(&met, point, beyond);
                     }
                 }
-                End::Outside => glance.indirect += self.sky_along(direction, normal.dot(drawn), sky),
+                End::Outside => glance.indirect += self.sky_along(point, direction, normal.dot(drawn), sky),
                 End::Back => {}
             }
         }
@@ -245,7 +245,7 @@ impl Field {
         let direction = cosine_direction(normal, w, x);
         let scattered = match self.meet(point, normal, direction) {
             End::Face(met) if !self.is_aimed_at(met.leaf, point, normal) => further(2, &met, 1.0),
-            End::Outside => share * self.sky_along(direction, normal.dot(direction), self.sky_rays(1, 1)),
+            End::Outside => share * self.sky_along(point, direction, normal.dot(direction), self.sky_rays(1, 1)),
             End::Face(_) | End::Back => Vec3::ZERO,
         };
         let outside = match self.outside() {
