@@ -34,6 +34,8 @@ pub struct GlanceRays {
 pub struct Glance {
     /// Irradiance by what is aimed at for its own light, W/m².
     pub direct: Vec3,
+    /// Irradiance by the sun, W/m²: without noise but in penumbras.
+    pub sun: Vec3,
     /// Irradiance by what others reflect, and by the sky that cosine-distributed rays find, W/m².
     pub indirect: Vec3,
     /// Mean of 1 / distance over where the cosine-distributed rays end; 0 for those that meet nothing.
@@ -43,7 +45,7 @@ pub struct Glance {
 impl Glance {
     /// Irradiance, W/m².
     pub fn irradiance(&self) -> Vec3 {
-        self.direct + self.indirect
+        self.direct + self.indirect + self.sun
     }
 }
 
@@ -160,7 +162,7 @@ impl Field {
                     glance.direct += self.sky_drawn(place, [u, v], sky);
                 }
                 if ray == 0 {
-                    glance.direct += self.sun_light(place, [w, x]);
+                    glance.sun += self.sun_light(place, [w, x]);
                 }
             }
         }
