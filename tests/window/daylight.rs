@@ -13,19 +13,20 @@ use selflink::scene::{Reading, Source};
 
 use super::support::{choose, click, coarse, finish, picture, share_of_different_pixels, until, window_with};
 
-/// A black floor of 4 × 4 m below a black roof at a height of 3 m, with nothing between.
-const HALL: &str = "mtllib hall.mtl\nusemtl black
+/// A floor of 4 × 4 m below a roof at a height of 3 m, with nothing between.
+const HALL: &str = "mtllib hall.mtl\nusemtl grey
 v -2 0 -2\nv -2 0 2\nv 2 0 2\nv 2 0 -2\nf 1 2 3 4
 v -2 3 -2\nv 2 3 -2\nv 2 3 2\nv -2 3 2\nf 5 6 7 8\n";
-const CAMERA: &str = r#"{"camera": {"eye": [0, 1.8, 3.9], "target": [0, 0, 0], "hfov": 60}}"#;
+const CAMERA: &str = r#"{"camera": {"eye": [0, 1.8, 3.9], "target": [0, 0, 0], "up": [0, 1, 0], "hfov_deg": 60}}"#;
 
 type Window = Harness<'static, App>;
 
-fn hall(sky: Option<&str>) -> (tempfile::TempDir, Window) {
+/// The hall with this reflectance, under this sky.
+fn hall(reflectance: f32, sky: Option<&str>) -> (tempfile::TempDir, Window) {
     let folder = tempfile::tempdir().expect("a folder");
     let write = |name: &str, text: &str| std::fs::write(folder.path().join(name), text).expect("a writable folder");
     write("hall.obj", HALL);
-    write("hall.mtl", "newmtl black\nKd 0 0 0\n");
+    write("hall.mtl", &format!("newmtl grey\nKd {reflectance} {reflectance} {reflectance}\n"));
     write("hall.selflink.json", CAMERA);
     let sky = sky.map(|sky| sky.parse().expect("a sky"));
     let light = AddedLight { daylight: Daylight { sky, sun: None }, ..AddedLight::default() };
@@ -42,7 +43,7 @@ fn daylight(window: &Window) -> Daylight {
 /// Truth: the scene that the worker tells of; and the picture, which is no longer black.
 #[test]
 fn daylight_is_let_in_changed_and_taken_back() {
-    let (_folder, mut window) = hall(None);
+    let (_folder, mut window) = hall(0.5, None);
     let dark = picture(&mut window);
     click(&mut window, words::LET_DAYLIGHT_IN);
     until(&mut window, "an overcast sky", |window| {
@@ -91,7 +92,7 @@ fn daylight_is_let_in_changed_and_taken_back() {
 /// gather's target error.
 #[test]
 fn the_daylight_factor_is_shown_where_the_sky_alone_shines() {
-    let (_folder, mut window) = hall(Some("uniform:8000lx"));
+    let (_folder, mut window) = hall(0.0, Some("uniform:8000lx"));
     finish(&mut window);
     choose(&mut window, words::DISPLAY, words::DAYLIGHT_FACTOR);
     assert!(window.query_by_label("daylight factor D, %").is_some(), "a legend says what is shown");
@@ -99,7 +100,7 @@ fn the_daylight_factor_is_shown_where_the_sky_alone_shines() {
     let centre = window.state().view_rect().center();
     window.hover_at(centre);
     until(&mut window, "a reading", |window| window.query_by_label_contains(" lx, ").is_some());
-    let said = window.get_by_label_contains(" lx, ").accesskit_node().label().unwrap_or_default();
+    let said = window.get_by_label_contains(" lx, ").accesskit_node().value().unwrap_or_default();
     let factor = said.strip_prefix("D ").and_then(|text| text.split_once(" %")).map(|(number, _)| number.parse());
     let found: f64 = factor.expect("a daylight factor").expect("a number");
     let roof = [[-2.0, -2.0], [2.0, -2.0], [2.0, 2.0], [-2.0, 2.0]].map(|[x, z]| DVec3::new(x, 3.0, z));
@@ -111,6 +112,8 @@ fn the_daylight_factor_is_shown_where_the_sky_alone_shines() {
     let high = |window: &Window| window.get_by_label("Range to").accesskit_node().value().unwrap_or_default();
     let locked = high(&window);
     assert!(locked.ends_with('%'), "{locked}");
+    click(&mut window, words::LIGHT);
+    window.run_steps(6);
     window.get_by_role_and_label(Role::Slider, words::SKY_ILLUMINANCE).set_value_accesskit(16_000.0);
     until(&mut window, "a brighter sky", |window| {
         daylight(window).sky.is_some_and(|sky| sky.to_string() == "uniform:16000lx")
