@@ -12,9 +12,10 @@ use glam::Vec3;
 use image::{Rgba, RgbaImage};
 use selflink::hierarchy::ElementId;
 use selflink::render::{
-    Camera, Display, Exposure, Line, Marks, Offscreen, Overlay, RenderError, auto_exposure, encode_gamma, pick,
+    Camera, Display, Exposure, Frame, Line, Marks, Offscreen, Overlay, RenderError, auto_exposure, encode_gamma, pick,
     power_colour, tone_curve,
 };
+use selflink::scene::outside::{Daylight, Outside};
 use selflink::scene::{CameraPose, MaterialId};
 use selflink::solve::{ClusterBox, Leaf, Mesh, Snapshot, Stats};
 
@@ -290,4 +291,34 @@ fn room(light: f32) -> Snapshot {
         (turned(|p| Vec3::new(-p.z, p.y, p.x)), [0.1, 0.4, 0.1]),
     ];
     snapshot(&quads.map(|(corners, radiosity)| (corners, radiosity.map(|channel| light * channel))))
+}
+
+/// Truth: a uniform sky looks as bright as a surface that sends all that open ground gets; below the horizon it is dark, and the ground of
+/// other pictures is seen. Behind the mesh nothing of it is.
+#[test]
+fn the_sky_is_seen_behind_the_mesh() {
+    let snapshot = snapshot(&[(SQUARE, [1.0, 0.0, 0.0])]);
+    let Some(plain) = draw(&snapshot, &camera(2.0), &Overlay::default(), [64, 64]) else { return };
+    let sky = Some("uniform:0.4W".parse().expect("a sky"));
+    let outside = Outside::new(&Daylight { sky, sun: None }, Vec3::Y, |_| Err(String::new())).expect("a sky");
+    let display = Display { exposure: Exposure::Manual { stops: 0.0 }, ..Display::default() };
+    let frame = Frame {
+        snapshot: &snapshot,
+        outside: Some(&Arc::new(outside)),
+        camera: &camera(2.0),
+        display: &display,
+        gathered: None,
+        overlay: &Overlay::default(),
+        size: [64, 64],
+    };
+    let mut device = DEVICE.lock().unwrap_or_else(PoisonError::into_inner);
+    let lit = device.as_mut().expect("it drew before").picture_over(&frame).expect("a small picture");
+    let should = displayed([0.4; 3]);
+    for (x, y) in [(3, 3), (32, 5), (60, 12)] {
+        let is = lit.get_pixel(x, y).0;
+        assert!((0..3).all(|channel| is[channel].abs_diff(should[channel]) <= 1), "{x} {y}: {is:?}, not {should:?}");
+    }
+    assert_eq!(lit.get_pixel(32, 32), plain.get_pixel(32, 32));
+    let (below, usual) = (lit.get_pixel(5, 60).0, plain.get_pixel(5, 60).0);
+    assert!((0..3).all(|channel| below[channel].abs_diff(usual[channel]) <= 2), "{below:?}, not {usual:?}");
 }

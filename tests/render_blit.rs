@@ -95,7 +95,8 @@ fn a_window_shows_the_picture_upright_and_in_its_colours_whatever_its_format() {
             let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
             let display = Display { exposure: Exposure::Manual { stops: 0.0 }, ..Display::default() };
             let (display, overlay) = (&display, &Overlay::default());
-            let frame = Frame { snapshot, camera: &camera, display, overlay, size: [SIDE; 2], gathered: None };
+            let frame =
+                Frame { snapshot, camera: &camera, display, overlay, size: [SIDE; 2], outside: None, gathered: None };
             renderer.draw(&mut encoder, &frame).expect("a small picture");
             let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
                 color_attachments: &[Some(wgpu::RenderPassColorAttachment {

@@ -10,7 +10,7 @@ use std::sync::Arc;
 
 use glam::Vec3;
 use image::RgbaImage;
-use selflink::base::photometry::{Quantity, Unit};
+use selflink::base::photometry::{Quantity, ShownIn, Unit};
 use selflink::hierarchy::ElementId;
 use selflink::render::{
     Camera, ColourScale, Display, Exposure, Isolines, Offscreen, Overlay, Ramp, Reading, RenderError, Spacing,
@@ -64,6 +64,8 @@ fn draw(snapshot: &Snapshot, reading: Option<Reading>) -> Option<RgbaImage> {
     Some(offscreen.picture(snapshot, &camera, &display, &Overlay::default(), [SIZE; 2]).expect("a small picture"))
 }
 
+const LUX: ShownIn = ShownIn::Unit(Unit::Lumens);
+
 fn scale(low: f32, high: f32, spacing: Spacing, ramp: Ramp) -> ColourScale {
     ColourScale { low, high, spacing, ramp }
 }
@@ -86,7 +88,7 @@ fn known_values_have_the_colours_of_the_ramp() {
         (Quantity::Irradiance, 1.0, scale(1.5, 2.5, Spacing::Linear, Ramp::Cividis)),
     ];
     for (quantity, share, scale) in cases {
-        let reading = Reading { quantity, scale, fills: true, isolines: Isolines::default() };
+        let reading = Reading { quantity, shown_in: LUX, scale, fills: true, isolines: Isolines::default() };
         let Some(picture) = draw(&slope(), Some(reading)) else { return };
         for (x, y) in [(3, 100), (60, 20), (100, 101), (140, 180), (197, 60)] {
             let (is, should) = (picture.get_pixel(x, y).0, scale.colour(share * value_at(x)));
@@ -98,7 +100,8 @@ fn known_values_have_the_colours_of_the_ramp() {
 #[test]
 fn lines_lie_where_their_values_are_and_nowhere_else() {
     let scale = scale(0.0, 4.0, Spacing::Linear, Ramp::Viridis);
-    let reading = Reading { quantity: Quantity::Irradiance, scale, fills: true, isolines: Isolines::default() };
+    let isolines = Isolines::default();
+    let reading = Reading { quantity: Quantity::Irradiance, shown_in: LUX, scale, fills: true, isolines };
     let Some(plain) = draw(&slope(), Some(reading)) else { return };
     let lines = Isolines::at([1.5, 2.25, 7.0]);
     let lined = draw(&slope(), Some(Reading { isolines: lines, ..reading })).expect("there was a device before");
@@ -119,7 +122,7 @@ fn lines_of_what_arrives_are_drawn_over_the_lit_picture() {
     let Some(lit) = draw(&slope(), None) else { return };
     let scale = scale(0.0, 4.0, Spacing::Linear, Ramp::Viridis);
     let isolines = Isolines::at([2.0]);
-    let reading = Reading { quantity: Quantity::Irradiance, scale, fills: false, isolines };
+    let reading = Reading { quantity: Quantity::Irradiance, shown_in: LUX, scale, fills: false, isolines };
     let lined = draw(&slope(), Some(reading)).expect("there was a device before");
     let differ = |x: u32| lined.get_pixel(x, 50) != lit.get_pixel(x, 50);
     assert!(differ(100) && !differ(60) && !differ(140));
@@ -130,7 +133,8 @@ fn a_plain_has_no_lines_at_its_own_height() {
     let mut even = slope();
     even.vertex_irradiance = vec![[2.0; 3]; 4];
     let scale = scale(0.0, 4.0, Spacing::Linear, Ramp::Viridis);
-    let reading = Reading { quantity: Quantity::Irradiance, scale, fills: true, isolines: Isolines::at([2.0]) };
+    let isolines = Isolines::at([2.0]);
+    let reading = Reading { quantity: Quantity::Irradiance, shown_in: LUX, scale, fills: true, isolines };
     let Some(picture) = draw(&even, Some(reading)) else { return };
     let first = picture.get_pixel(10, 10);
     assert!(picture.get_pixel(100, 100) == first && is_near(first.0, scale.colour(2.0)), "{first:?}");
@@ -149,7 +153,7 @@ fn an_automatic_range_holds_most_of_the_area_in_round_numbers() {
     snapshot.leaf_radiosity = vec![[0.01; 3]; 100];
     snapshot.leaf_radiosity.push([1000.0; 3]);
     let range = |spacing| {
-        let scale = ColourScale::automatic(&snapshot, Quantity::Irradiance, spacing, Unit::Lumens, Ramp::Viridis);
+        let scale = ColourScale::automatic(&snapshot, Quantity::Irradiance, spacing, LUX, Ramp::Viridis);
         [scale.low, scale.high].map(|value| (179.0 * value * 10.0).round() / 10.0)
     };
     assert_eq!(range(Spacing::Linear), [0.0, 800.0]);

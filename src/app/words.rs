@@ -117,6 +117,54 @@ words! {
     IRRADIANCE = "irradiance E";
     /// Choice of [`DISPLAY`]: B in false colours.
     RADIOSITY = "radiosity B";
+    /// Button: the faces of a material are no longer there.
+    LEAVE_FACES_OUT = "Leave its faces out";
+    /// Button: the faces of a material are there again.
+    BRING_FACES_BACK = "Bring its faces back";
+    /// Heading of the part of the light section for sky and sun.
+    DAYLIGHT = "Daylight from outside";
+    /// Button of a scene that is dark and has openings.
+    LET_DAYLIGHT_IN = "Let daylight in";
+    /// Preset: neither sky nor sun.
+    NO_DAYLIGHT = "None";
+    /// Preset: the CIE's overcast sky.
+    OVERCAST_SKY = "Overcast";
+    /// Preset: a sky of the same radiance everywhere.
+    UNIFORM_SKY = "Uniform";
+    /// Preset: the CIE's clear sky, with the sun.
+    CLEAR_SKY = "Clear sky";
+    /// Preset: a clear sky with the sun low in the west.
+    LOW_SUN = "Low sun";
+    /// Slider: horizontal illuminance by the sky.
+    SKY_ILLUMINANCE = "Sky";
+    /// Slider: illuminance of a face turned to the sun.
+    SUN_ILLUMINANCE = "Sun";
+    /// Plan of the sky on which the sun is dragged.
+    SKY_PLAN = "Plan of the sky";
+    /// Row: how the place of the sun is told.
+    SUN_PLACE = "Sun's place";
+    /// Choice of [`SUN_PLACE`].
+    SUN_BY_DIRECTION = "direction";
+    /// Choice of [`SUN_PLACE`].
+    SUN_BY_DATE = "date and place";
+    /// Row: year, month and day.
+    DATE = "Date";
+    /// Row: hours and minutes.
+    TIME = "Time";
+    /// Row: the clock's zone.
+    ZONE = "Time zone";
+    /// Row: degrees north of the equator.
+    LATITUDE = "Latitude";
+    /// Row: degrees east of Greenwich.
+    LONGITUDE = "Longitude";
+    /// Row: degrees by which the scene is turned.
+    TRUE_NORTH = "North turned by";
+    /// Remark on a sun that does not shine.
+    SUN_IS_DOWN = "The sun is below the horizon.";
+    /// Choice of [`DISPLAY`]: E over that of open ground, in false colours.
+    DAYLIGHT_FACTOR = "daylight factor D";
+    /// How daylight factors come about.
+    DAYLIGHT_FACTOR_HINT = "Illuminance over that of open horizontal ground under the same sky, % (EN 17037)";
     /// Lines of equal value.
     ISOLUX_LINES = "Isolux lines";
     /// Field of their values.

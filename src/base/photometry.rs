@@ -83,6 +83,53 @@ impl Unit {
     }
 }
 
+/// What the values of a reading are shown in.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum ShownIn {
+    /// Light, in a unit.
+    Unit(Unit),
+    /// The daylight factor: light as a share of what reaches open ground under the same sky, %.
+    DaylightFactor {
+        /// Irradiance of open horizontal ground, W/m², weighted as the eye does.
+        open_ground: f32,
+    },
+}
+
+impl ShownIn {
+    /// What 1 W/m² counts.
+    pub fn per_watt(self) -> f32 {
+        match self {
+            Self::Unit(unit) => unit.per_watt(),
+            Self::DaylightFactor { open_ground } => 100.0 / open_ground,
+        }
+    }
+
+    /// The sign behind a value of a quantity.
+    pub fn sign(self, quantity: Quantity) -> &'static str {
+        match self {
+            Self::Unit(unit) => unit.sign(quantity),
+            Self::DaylightFactor { .. } => "%",
+        }
+    }
+
+    /// The name and symbol of a quantity.
+    pub fn name(self, quantity: Quantity) -> &'static str {
+        match self {
+            Self::Unit(unit) => quantity.name_in(unit),
+            Self::DaylightFactor { .. } => "daylight factor D",
+        }
+    }
+
+    /// How its values come about, for people.
+    pub fn remark(self) -> &'static str {
+        match self {
+            Self::Unit(Unit::Lumens) => FORMULA,
+            Self::Unit(Unit::Watts) => "weighted by the eye",
+            Self::DaylightFactor { .. } => "illuminance over that of open ground under the same sky",
+        }
+    }
+}
+
 /// Colour temperatures for which [`tint_of_temperature`] is defined, K.
 pub const TEMPERATURES: std::ops::RangeInclusive<f32> = 1667.0..=25_000.0;
 

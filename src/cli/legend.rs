@@ -8,7 +8,6 @@ use plotters::element::Text;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 use plotters::style::{IntoFont, RGBColor, TextStyle};
 use selflink::base::font::family;
-use selflink::base::photometry::{FORMULA, Unit};
 use selflink::render::Reading;
 
 /// Sizes for a picture of 800 lines; larger ones have larger legends.
@@ -22,7 +21,7 @@ const TEXT: RGBColor = RGBColor(236, 237, 240);
 const WEAK: RGBColor = RGBColor(160, 165, 175);
 
 /// Draws it; nothing where the picture is too small to hold it.
-pub fn draw(picture: &mut RgbaImage, reading: &Reading, unit: Unit) -> anyhow::Result<()> {
+pub fn draw(picture: &mut RgbaImage, reading: &Reading) -> anyhow::Result<()> {
     let scale = (picture.height() as f32 / USUAL_HEIGHT).clamp(0.8, 4.0);
     let pixels = |length: f32| (scale * length).round() as u32;
     let [width, height] = CARD.map(pixels);
@@ -33,7 +32,7 @@ pub fn draw(picture: &mut RgbaImage, reading: &Reading, unit: Unit) -> anyhow::R
     let mut card = RgbImage::from_pixel(width, height, PANEL);
     let [left, top] = [(CARD[0] - BAR[0]) / 2.0, 28.0].map(pixels);
     let [bar_width, bar_height] = BAR.map(pixels);
-    let marks = reading.marks(unit);
+    let marks = reading.marks();
     for x in 0..bar_width {
         let along = (x as f32 + 0.5) / bar_width as f32;
         let colour = Rgb(reading.scale.ramp.at(along));
@@ -47,7 +46,6 @@ pub fn draw(picture: &mut RgbaImage, reading: &Reading, unit: Unit) -> anyhow::R
     write(
         &mut card,
         reading,
-        unit,
         (scale, &marks.iter().map(|mark| (place(mark.along), mark.label.as_str())).collect::<Vec<_>>()),
     )?;
     let at_y = picture.height() - height - margin;
@@ -60,12 +58,7 @@ pub fn draw(picture: &mut RgbaImage, reading: &Reading, unit: Unit) -> anyhow::R
 }
 
 /// Title, values and convention.
-fn write(
-    card: &mut RgbImage,
-    reading: &Reading,
-    unit: Unit,
-    (scale, labels): (f32, &[(u32, &str)]),
-) -> anyhow::Result<()> {
+fn write(card: &mut RgbImage, reading: &Reading, (scale, labels): (f32, &[(u32, &str)])) -> anyhow::Result<()> {
     let (width, height) = card.dimensions();
     let failed = |error: &dyn std::fmt::Display| anyhow!("the legend cannot be drawn ({error})");
     let area = BitMapBackend::with_buffer(card, (width, height)).into_drawing_area();
@@ -78,9 +71,8 @@ fn write(
         area.draw(&Text::new(text.to_owned(), (x, (y * scale) as i32), style)).map_err(|error| failed(&error))
     };
     let left = (20.0 * scale) as i32;
-    say(&reading.title(unit), (left, 7.0), style(16.0, &TEXT, HPos::Left))?;
-    let remark = if unit == Unit::Lumens { FORMULA } else { "weighted by the eye" };
-    say(remark, (left, 68.0), style(12.0, &WEAK, HPos::Left))?;
+    say(&reading.title(), (left, 7.0), style(16.0, &TEXT, HPos::Left))?;
+    say(reading.shown_in.remark(), (left, 68.0), style(12.0, &WEAK, HPos::Left))?;
     let mut free_from = 0;
     for (place, label) in labels {
         let (text_width, _) =

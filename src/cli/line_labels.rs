@@ -10,7 +10,7 @@ use plotters::style::text_anchor::{HPos, Pos, VPos};
 use plotters::style::{IntoFont, TextStyle, WHITE};
 use selflink::base::font::family;
 use selflink::base::format;
-use selflink::base::photometry::Unit;
+use selflink::base::photometry::ShownIn;
 use selflink::read::picture::{LABEL_RIM, LineLabel};
 
 /// Height of the letters, pixels.
@@ -21,9 +21,9 @@ const FINE: u32 = 3;
 const RIM_OPACITY: f32 = 0.8;
 
 /// Writes them, white with a dark rim, so that they can be read over bright and dark.
-pub fn draw(picture: &mut RgbaImage, labels: &[LineLabel], unit: Unit) -> anyhow::Result<()> {
+pub fn draw(picture: &mut RgbaImage, labels: &[LineLabel], shown_in: ShownIn) -> anyhow::Result<()> {
     for label in labels {
-        let written = Written::new(&format::short((unit.per_watt() * label.value).into()))?;
+        let written = Written::new(&format::short((shown_in.per_watt() * label.value).into()))?;
         let reach = 0.5 * vec2(written.fine.width() as f32, written.fine.height() as f32).length() / FINE as f32 + 2.0;
         // Along the line and downwards from it; rows count downwards.
         let (sine, cosine) = label.angle.sin_cos();
@@ -94,6 +94,8 @@ impl Written {
 
 #[cfg(test)]
 mod tests {
+    use selflink::base::photometry::Unit;
+
     use super::*;
 
     /// Truth: the letters' own spread, of a number that is the same from either end. White pixels lie along its line, to
@@ -103,7 +105,7 @@ mod tests {
         for angle in [-1.2_f32, -0.5, 0.0, 0.9] {
             let mut picture = RgbaImage::from_pixel(90, 80, Rgba([120, 130, 140, 255]));
             let at = vec2(40.0, 45.0);
-            draw(&mut picture, &[LineLabel { at, angle, value: 808.0 }], Unit::Watts).expect("drawn");
+            draw(&mut picture, &[LineLabel { at, angle, value: 808.0 }], ShownIn::Unit(Unit::Watts)).expect("drawn");
             let (along, across) = (vec2(angle.cos(), -angle.sin()), vec2(angle.sin(), angle.cos()));
             let of = |wanted: fn(u8) -> bool| {
                 let pixels = picture.enumerate_pixels().filter(move |(.., pixel)| wanted(pixel.0[0]));

@@ -203,7 +203,7 @@ pub fn unit_arg() -> Arg {
 }
 
 /// How the scene's file is read, and light that is added to it.
-pub fn scene_args() -> [Arg; 7] {
+pub fn scene_args() -> [Arg; 9] {
     [
         Arg::new("up")
             .long("up")
@@ -216,6 +216,15 @@ pub fn scene_args() -> [Arg; 7] {
             .value_name("MATERIAL")
             .action(ArgAction::Append)
             .help("Keep the faces of a material that is transparent by the file. May be given several times"),
+        Arg::new("ignore")
+            .long("ignore")
+            .value_name("MATERIAL")
+            .action(ArgAction::Append)
+            .help("Leave out the faces of a material, such as panes that daylight is to pass. May be given several times"),
+        Arg::new("lamps-off")
+            .long("lamps-off")
+            .action(ArgAction::SetTrue)
+            .help("Switch the lamps of the scene's file off; --emit and --ceiling-light shine all the same"),
         Arg::new("emit")
             .long("emit")
             .value_name("MATERIAL=R,G,B")
@@ -333,7 +342,8 @@ pub fn reading(matches: &ArgMatches) -> Reading {
     Reading {
         up: words("up").find_map(|letter| UpAxis::from_letter(letter)),
         unit: words("unit").find_map(|symbol| Unit::from_symbol(symbol)),
-        opaque: matches.get_many::<String>("opaque").unwrap_or_default().cloned().collect(),
+        opaque: words("opaque").cloned().collect(),
+        ignored: words("ignore").cloned().collect(),
     }
 }
 
@@ -344,6 +354,7 @@ pub fn added_light(matches: &ArgMatches) -> anyhow::Result<AddedLight> {
     let ceiling = matches.get_one::<String>("ceiling-light").map(|text| ceiling_light(text)).transpose()?;
     let sky = matches.get_one::<SkyTold>("sky").cloned().map(absolute);
     Ok(AddedLight {
+        lamps_off: has(matches, "lamps-off") && matches.get_flag("lamps-off"),
         emitting,
         luminaires: None,
         ceiling,

@@ -2,6 +2,7 @@
 
 use std::io::IsTerminal as _;
 use std::path::Path;
+use std::sync::Arc;
 
 use anyhow::bail;
 use clap::{Arg, ArgAction, ArgMatches, Command};
@@ -10,7 +11,8 @@ use selflink::measure::chart::{
     MeshPainter, PictureChart, PictureMetric, PictureSweep, draw_picture_png, draw_picture_svg, picture_csv,
     picture_table,
 };
-use selflink::render::{Camera, Display, Exposure, Offscreen, Overlay};
+use selflink::render::{Camera, Display, Exposure, Frame, Offscreen, Overlay};
+use selflink::scene::outside::Outside;
 use selflink::solve::Snapshot;
 
 use super::chart::{ChartFiles, limit};
@@ -120,7 +122,12 @@ fn chart(job: &Job, sweep: &PictureSweep, offscreen: Option<&mut Offscreen>) -> 
             bar.tick();
         }
     };
-    let mut painter = offscreen.map(|offscreen| Painter { offscreen, camera: &camera, size: sweep.size });
+    let mut painter = offscreen.map(|offscreen| Painter {
+        offscreen,
+        outside: job.scene.outside(),
+        camera: &camera,
+        size: sweep.size,
+    });
     let mesh = painter.as_mut().map(|painter| painter as &mut (dyn MeshPainter + Send));
     let lens = camera.lens(aspect);
     let chart = job.pool.install(|| sweep.run(&job.scene, &job.occluders, &lens, mesh, &CancelToken::new(), told))?;
@@ -145,6 +152,7 @@ fn write(chart: &PictureChart, folder: &Path) -> anyhow::Result<()> {
 /// Draws the mesh without a window.
 struct Painter<'a> {
     offscreen: &'a mut Offscreen,
+    outside: Option<&'a Arc<Outside>>,
     camera: &'a Camera,
     size: [u32; 2],
 }
@@ -152,7 +160,10 @@ struct Painter<'a> {
 impl MeshPainter for Painter<'_> {
     fn shown(&mut self, snapshot: &Snapshot, exposure: f32) -> Result<Vec<[u8; 3]>, String> {
         let display = Display { exposure: Exposure::Manual { stops: exposure.log2() }, ..Display::default() };
-        let drawn = self.offscreen.picture(snapshot, self.camera, &display, &Overlay::default(), self.size);
+        let (outside, camera, size) = (self.outside, self.camera, self.size);
+        let overlay = &Overlay::default();
+        let frame = Frame { snapshot, outside, camera, display: &display, gathered: None, overlay, size };
+        let drawn = self.offscreen.picture_over(&frame);
         let picture = drawn.map_err(|error| error.to_string())?;
         Ok(picture.pixels().map(|pixel| [pixel.0[0], pixel.0[1], pixel.0[2]]).collect())
     }

@@ -23,9 +23,9 @@ pub fn with_options(command: Command) -> Command {
     let options = [
         Arg::new("show")
             .long("show")
-            .value_name("lit|irradiance|radiosity|clusters:LEVEL")
+            .value_name("lit|irradiance|radiosity|daylight-factor|clusters:LEVEL")
             .default_value("lit")
-            .help("The light, false colours of irradiance E or radiosity B, or a colour for each cluster of a level (0 is the root)"),
+            .help("The light, false colours of irradiance E, of radiosity B or of the daylight factor (E over that of open ground, in %, where a sky shines and neither sun nor lamps do), or a colour for each cluster of a level (0 is the root)"),
         choice("scale", &["linear", "log"], "How false colours follow values".into()),
         choice("ramp", &["viridis", "cividis"], "False colours; both can be read by the colour-blind".into()),
         Arg::new("range")
@@ -46,7 +46,7 @@ pub fn with_options(command: Command) -> Command {
     let of_length = super::options::unit_arg();
     let units = ["lux", "watts"].into_iter().chain(selflink::scene::Unit::ALL.map(selflink::scene::Unit::symbol));
     let unit = of_length.value_parser(PossibleValuesParser::new(units)).value_name("lux|watts|m|cm|mm|in|ft");
-    let unit = unit.help(format!("Unit of false colours, --range and --isolux: lx (lm/m² of B), or W/m² [default: lux]. {CONVENTION} Also the unit of the file's lengths [default: as the file says, or guessed by the size of a room]. May be given once for each"));
+    let unit = unit.help(format!("Unit of false colours, --range and --isolux: lx (lm/m² of B), or W/m² [default: lux]; daylight factors are in %. {CONVENTION} Also the unit of the file's lengths [default: as the file says, or guessed by the size of a room]. May be given once for each"));
     if command.get_arguments().any(|arg| arg.get_id() == "unit") {
         command.mut_arg("unit", move |_| unit)
     } else {
@@ -63,21 +63,26 @@ pub fn settings(matches: &ArgMatches) -> anyhow::Result<ReadingSettings> {
     let show = match text("show") {
         Some("irradiance") => Show::Irradiance,
         Some("radiosity") => Show::Radiosity,
+        Some("daylight-factor") => Show::DaylightFactor,
         None | Some("lit") => Show::Lit,
         // Colours of clusters stand in place of the light.
         Some(text) if text.starts_with(PREFIX) => Show::Lit,
-        Some(text) => bail!("--show must be lit, irradiance, radiosity or clusters:LEVEL (it is `{text}`)"),
+        Some(text) => {
+            bail!("--show must be lit, irradiance, radiosity, daylight-factor or clusters:LEVEL (it is `{text}`)")
+        }
     };
     let ramp = if text("ramp") == Some("cividis") { Ramp::Cividis } else { Ramp::Viridis };
-    let range = text("range").map(|text| range(text, spacing, unit)).transpose()?;
-    let isolines = text("isolux").map_or(Ok(IsolinesWanted::None), |text| isolines(text, unit))?;
-    Ok(ReadingSettings { show, unit, spacing, ramp, range, isolines })
+    let read_in = ReadingSettings { show, unit, spacing, ramp, ..ReadingSettings::default() };
+    let (factor, _) = read_in.factor_and_sign();
+    let range = text("range").map(|text| range(text, spacing, factor)).transpose()?;
+    let isolines = text("isolux").map_or(Ok(IsolinesWanted::None), |text| isolines(text, factor))?;
+    Ok(ReadingSettings { range, isolines, ..read_in })
 }
 
-fn range(text: &str, spacing: Spacing, unit: Unit) -> anyhow::Result<[f32; 2]> {
+fn range(text: &str, spacing: Spacing, factor: f32) -> anyhow::Result<[f32; 2]> {
     match numbers::<2>(text, ':') {
         Some([low, high]) if low < high && low >= 0.0 && (low > 0.0 || spacing == Spacing::Linear) => {
-            Ok([low, high].map(|value| value / unit.per_watt()))
+            Ok([low, high].map(|value| value / factor))
         }
         Some([low, high]) if low < high && low >= 0.0 => {
             bail!("--range must start above 0 where --scale is log (it is `{text}`)")
@@ -86,7 +91,7 @@ fn range(text: &str, spacing: Spacing, unit: Unit) -> anyhow::Result<[f32; 2]> {
     }
 }
 
-fn isolines(text: &str, unit: Unit) -> anyhow::Result<IsolinesWanted> {
+fn isolines(text: &str, factor: f32) -> anyhow::Result<IsolinesWanted> {
     if text.is_empty() {
         return Ok(IsolinesWanted::Round);
     }
@@ -95,7 +100,7 @@ fn isolines(text: &str, unit: Unit) -> anyhow::Result<IsolinesWanted> {
     if !is_good || values.iter().any(|value| *value <= 0.0) {
         bail!("--isolux must be 1 to {MOST_ISOLINES} numbers above 0, such as 100,200,500 (it is `{text}`)");
     }
-    Ok(IsolinesWanted::At(values.into_iter().map(|value| value / unit.per_watt()).collect()))
+    Ok(IsolinesWanted::At(values.into_iter().map(|value| value / factor).collect()))
 }
 
 #[cfg(test)]
@@ -135,6 +140,9 @@ mod tests {
         assert_eq!(set.expect("good options"), expected);
         // Lux are 179 to the watt.
         assert_eq!(parsed(&["--range", "0:358"]).expect("good").range, Some([0.0, 2.0]));
+        // A daylight factor of 5 % is a twentieth of the light outside.
+        let factor = parsed(&["--show", "daylight-factor", "--range", "0:5", "--isolux", "2"]).expect("good");
+        assert_eq!((factor.range, factor.isolines), (Some([0.0, 0.05]), IsolinesWanted::At(vec![0.02])));
         assert_eq!(parsed(&["--isolux"]).expect("good").isolines, IsolinesWanted::Round);
     }
 

@@ -9,10 +9,11 @@ use clap::{Arg, ArgAction, ArgMatches, Command};
 use glam::{DVec3, Vec2};
 use image::{ImageFormat, RgbaImage};
 use selflink::export::{PictureFormat, exr};
+use selflink::read::daylight_factor::open_ground;
 use selflink::read::picture::GatheredPicture;
 use selflink::render::{
     Camera, ChosenLinks, ClusterView, Display, Exposure, Frame, IsolinesWanted, LinkFilter, LinkStyle, MAX_SIZE, Marks,
-    Offscreen, Overlay, ReadingSettings, auto_exposure, by_clusters, developed, pick, picked_marks,
+    Offscreen, Overlay, ReadingSettings, Show, auto_exposure, by_clusters, developed, pick, picked_marks,
 };
 use selflink::scene::{CameraPose, FiledCamera, Scene};
 use selflink::transport::{LinkView, SolutionView};
@@ -144,6 +145,10 @@ pub fn run(matches: &ArgMatches) -> anyhow::Result<()> {
     if let Some(name) = &view.named_camera {
         view.pose = Some(camera_named(&job.scene, name)?);
     }
+    let open_ground = open_ground(&job.scene);
+    if let (Show::DaylightFactor, Err(missing)) = (view.reading.show, open_ground) {
+        bail!("--show daylight-factor: {missing}");
+    }
     let wants_lines = view.overlay != Overlay::default() || view.links.is_some();
     // Before the long work, so that a missing adapter is told soon.
     let early = (view.picture == PictureOf::Mesh || wants_lines).then(Offscreen::new).transpose()?;
@@ -162,7 +167,7 @@ pub fn run(matches: &ArgMatches) -> anyhow::Result<()> {
     let mut offscreen =
         if gathered.is_some() && !wants_lines { None } else { Some(early.map_or_else(Offscreen::new, Ok)?) };
     match (format, &gathered, &mut offscreen) {
-        (PictureFormat::Png, Some(picture), None) => save(&show(picture, &solution, &view)?, &file)?,
+        (PictureFormat::Png, Some(picture), None) => save(&show(picture, &job.scene, &solution, &view)?, &file)?,
         (PictureFormat::Png, picture, Some(offscreen)) => {
             save(&draw(offscreen, &job.scene, &mut solution, &view, picture.as_ref())?, &file)?;
         }
@@ -189,15 +194,17 @@ pub fn run(matches: &ArgMatches) -> anyhow::Result<()> {
 const NO_FIELD: &str = "light can be gathered at pixels only over a solve to an error (--error) that has ended";
 
 /// A gathered picture as it is shown, without lines over it.
-fn show(picture: &GatheredPicture, solution: &Solution, view: &View) -> anyhow::Result<RgbaImage> {
+fn show(picture: &GatheredPicture, scene: &Scene, solution: &Solution, view: &View) -> anyhow::Result<RgbaImage> {
     let exposure = view.display.exposure.factor(auto_exposure(&solution.snapshot));
-    let reading = view.reading.reading(&solution.snapshot);
+    let reading = view.reading.reading(&solution.snapshot, open_ground(scene).ok());
     let pixels = developed(picture, exposure, reading.as_ref()).context("the picture has no pixels")?;
     let [width, height] = pixels.size;
     let mut picture = RgbaImage::from_raw(width, height, pixels.pixels.into_flattened()).context("too few pixels")?;
-    line_labels::draw(&mut picture, &pixels.labels, view.reading.unit)?;
+    if let Some(reading) = reading {
+        line_labels::draw(&mut picture, &pixels.labels, reading.shown_in)?;
+    }
     if let Some(reading) = reading.filter(|_| view.has_legend) {
-        legend::draw(&mut picture, &reading, view.reading.unit)?;
+        legend::draw(&mut picture, &reading)?;
     }
     Ok(picture)
 }
@@ -234,13 +241,14 @@ pub fn draw(
         by_clusters(&solution.snapshot, ClusterView { level: clusters.level.min(deepest), ..clusters })
     });
     let snapshot = by_clusters.as_ref().unwrap_or(&solution.snapshot);
-    let reading = view.reading.reading(&solution.snapshot);
+    let reading = view.reading.reading(&solution.snapshot, open_ground(scene).ok());
     let as_colours = view.clusters.is_some_and(|clusters| clusters.coloured);
     let display = Display { reading, as_colours, ..view.display };
     let exposure = view.display.exposure.factor(auto_exposure(&solution.snapshot));
     let gathered = gathered.and_then(|picture| developed(picture, exposure, reading.as_ref())).map(Arc::new);
     let frame = Frame {
         snapshot,
+        outside: scene.outside(),
         camera: &camera,
         display: &display,
         gathered: gathered.as_ref(),
@@ -248,11 +256,11 @@ pub fn draw(
         size: view.size,
     };
     let mut picture = offscreen.picture_over(&frame)?;
-    if let Some(pixels) = &gathered {
-        line_labels::draw(&mut picture, &pixels.labels, view.reading.unit)?;
+    if let Some((pixels, reading)) = gathered.as_ref().zip(reading) {
+        line_labels::draw(&mut picture, &pixels.labels, reading.shown_in)?;
     }
     if let Some(reading) = reading.filter(|_| view.has_legend && !as_colours) {
-        legend::draw(&mut picture, &reading, view.reading.unit)?;
+        legend::draw(&mut picture, &reading)?;
     }
     Ok(picture)
 }

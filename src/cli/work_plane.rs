@@ -4,7 +4,8 @@ use anyhow::bail;
 use clap::{Arg, ArgMatches};
 use selflink::base::format::{count, number, short, things};
 use selflink::base::photometry::FORMULA;
-use selflink::read::survey::{LitMesh, PlaneReading, WorkPlane, measure, write_plane};
+use selflink::read::daylight_factor::NoDaylightFactor;
+use selflink::read::survey::{LitMesh, PlaneReading, Summary, WorkPlane, measure, write_plane};
 
 use super::job::Order;
 use super::options::{number as parse, path};
@@ -77,9 +78,21 @@ fn summary(measured: &PlaneReading) -> String {
         format!("minimum    {} lx", lux(summary.minimum)),
         format!("maximum    {} lx", lux(summary.maximum)),
         format!("uniformity {:.2} (minimum over average)", summary.uniformity),
-        summary.daylight_factor.map_or(String::new(), |[mean, least]| {
-            format!("daylight   factor {:.2} % on average, {:.2} % at least\n", 100.0 * mean, 100.0 * least)
-        }) + &format!("lux        {FORMULA}"),
     ]
+    .into_iter()
+    .chain(daylight(measured, &summary))
+    .chain([format!("lux        {FORMULA}")])
+    .collect::<Vec<_>>()
     .join("\n")
+}
+
+/// The line of the daylight factor; none where no sky shines.
+fn daylight(measured: &PlaneReading, summary: &Summary) -> Option<String> {
+    match (measured.open_ground, summary.daylight_factor) {
+        (_, Some([mean, least])) => {
+            Some(format!("daylight   factor {:.2} % on average, {:.2} % at least", 100.0 * mean, 100.0 * least))
+        }
+        (Err(NoDaylightFactor::NoSky), _) | (Ok(_), None) => None,
+        (Err(missing), None) => Some(format!("daylight   {missing}")),
+    }
 }

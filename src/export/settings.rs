@@ -146,8 +146,14 @@ mod tests {
     fn settings_come_back_as_they_were() {
         let settings = Settings {
             scene: Some("office".into()),
-            reading: Reading { up: Some(UpAxis::Z), unit: Some(Unit::Inch), opaque: vec!["pane".into()] },
+            reading: Reading {
+                up: Some(UpAxis::Z),
+                unit: Some(Unit::Inch),
+                opaque: vec!["pane".into()],
+                ignored: vec!["curtain".into()],
+            },
             light: AddedLight {
+                lamps_off: true,
                 emitting: vec![("lamp".into(), Vec3::new(0.1, 2.0, 3.3))],
                 luminaires: Some(vec![FiledLuminaire {
                     name: "strip".into(),

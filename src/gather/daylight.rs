@@ -1,7 +1,8 @@
 //! Light from outside at a point: the sky where rays leave the scene, and the sun, at which one more ray is aimed.
 //!
-//! The light of an even sky is found by the cosine-distributed rays that leave the scene. A sky that is much brighter in some
-//! places is also looked at along directions drawn by its radiance; the balance heuristic [Veach, Guibas 1995] weighs both.
+//! The light of an even sky over open ground is found by the cosine-distributed rays that leave the scene. Through openings, and where a
+//! sky is much brighter in some places, it is also looked at along directions drawn by its radiance and by what is seen of it there; the
+//! balance heuristic [Veach, Guibas 1995] weighs all of them.
 
 use std::f32::consts::PI;
 
@@ -9,6 +10,7 @@ use glam::Vec3;
 
 use super::field::Field;
 use super::glance::GatherPoint;
+use super::openings::Openings;
 use crate::scene::outside::Outside;
 
 /// Rays of a look that may find the sky.
@@ -16,7 +18,7 @@ use crate::scene::outside::Outside;
 pub(super) struct SkyRays {
     /// Cosine-distributed.
     pub cosine: u32,
-    /// Drawn by the sky's radiance.
+    /// Drawn by the sky's radiance and by what is seen of it.
     pub drawn: u32,
 }
 
@@ -31,28 +33,52 @@ impl Field {
         self.outside().map_or(Vec3::ZERO, |outside| outside.seen(direction))
     }
 
-    /// Rays that may find the sky in a look of so many cosine-distributed rays; as many as `most` are drawn where the sky is uneven.
+    /// Rays that may find the sky in a look of so many cosine-distributed rays; as many as `most` are drawn where the sky is uneven or seen
+    /// through openings.
     pub(super) fn sky_rays(&self, cosine: u32, most: u32) -> SkyRays {
-        let is_uneven = self.outside().is_some_and(|outside| !outside.is_even());
-        SkyRays { cosine, drawn: if is_uneven && cosine > 0 { most } else { 0 } }
+        let is_drawn = self.around.openings.is_some() || self.outside().is_some_and(|outside| !outside.is_even());
+        SkyRays { cosine, drawn: if is_drawn && cosine > 0 { most } else { 0 } }
     }
 
-    /// Irradiance by one of these rays that leaves the scene under a cosine to the normal, W/m²: its share of the mean over all.
-    pub(super) fn sky_along(&self, direction: Vec3, cosine: f32, rays: SkyRays) -> Vec3 {
+    /// A direction towards the sky drawn for a point: by the radiance alone, by what is seen of it, or by either where both matter.
+    pub fn draw_sky(&self, point: Vec3, [u, v]: [f32; 2]) -> Option<Vec3> {
+        let outside = self.outside()?;
+        let drawn = match (&self.around.openings, outside.is_even()) {
+            (Some(openings), true) => openings.draw(outside, point, [u, v]),
+            (Some(openings), false) if u < 0.5 => openings.draw(outside, point, [2.0 * u, v]),
+            (Some(_), false) => outside.draw([2.0 * u - 1.0, v]),
+            (None, _) => outside.draw([u, v]),
+        };
+        drawn.map(|drawn| drawn.direction)
+    }
+
+    /// Density with which [`Self::draw_sky`] draws a direction, 1/sr.
+    pub fn sky_density(&self, point: Vec3, direction: Vec3) -> f32 {
+        let Some(outside) = self.outside() else { return 0.0 };
+        let seen = |openings: &Openings| openings.density(outside, point, direction);
+        match (&self.around.openings, outside.is_even()) {
+            (Some(openings), true) => seen(openings),
+            (Some(openings), false) => 0.5 * (seen(openings) + outside.density(direction)),
+            (None, _) => outside.density(direction),
+        }
+    }
+
+    /// Irradiance by one of these rays that leaves the scene from a point under a cosine to the normal, W/m²: its share of the mean over all.
+    pub(super) fn sky_along(&self, point: Vec3, direction: Vec3, cosine: f32, rays: SkyRays) -> Vec3 {
         let Some(outside) = self.outside().filter(|outside| outside.has_sky()) else { return Vec3::ZERO };
         if cosine <= 0.0 {
             return Vec3::ZERO;
         }
-        let drawn = if rays.drawn > 0 { rays.drawn as f32 * outside.density(direction) } else { 0.0 };
+        let drawn = if rays.drawn > 0 { rays.drawn as f32 * self.sky_density(point, direction) } else { 0.0 };
         cosine / (rays.cosine as f32 * cosine / PI + drawn) * outside.radiance(direction)
     }
 
-    /// Irradiance by a ray in a direction drawn by the sky's radiance, W/m².
+    /// Irradiance by a ray in a direction drawn for a point, W/m².
     pub(super) fn sky_drawn(&self, place: &GatherPoint, numbers: [f32; 2], rays: SkyRays) -> Vec3 {
-        let Some(drawn) = self.outside().and_then(|outside| outside.draw(numbers)) else { return Vec3::ZERO };
-        let cosine = place.normal.dot(drawn.direction);
-        if cosine > 0.0 && self.is_open(place, drawn.direction) {
-            self.sky_along(drawn.direction, cosine, rays)
+        let Some(direction) = self.draw_sky(place.position, numbers) else { return Vec3::ZERO };
+        let cosine = place.normal.dot(direction);
+        if cosine > 0.0 && self.is_open(place, direction) {
+            self.sky_along(place.position, direction, cosine, rays)
         } else {
             Vec3::ZERO
         }

@@ -216,7 +216,9 @@ impl Field {
                         End::Face(met) if !self.is_aimed_at(met.leaf, place.point, place.normal) => {
                             read(&mut seen, &met, 1.0 / COSINE as f32, index);
                         }
-                        End::Outside => seen.light += self.sky_along(direction, place.normal.dot(direction), sky),
+                        End::Outside => {
+                            seen.light += self.sky_along(place.point, direction, place.normal.dot(direction), sky);
+                        }
                         End::Face(_) | End::Back => {}
                     }
                 }

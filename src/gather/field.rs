@@ -8,6 +8,7 @@ use std::sync::Arc;
 
 use glam::Vec3;
 
+use super::openings::{self, Openings};
 use super::sources::Sources;
 use crate::geometry::{EnclosureTest, Hit, LampList, Occluders};
 use crate::hierarchy::{ElementId, Hierarchy, Patch, Shape};
@@ -19,6 +20,9 @@ use crate::transport::LinkSolution;
 const DIM_SHARE: f32 = 0.1;
 /// Where more than half of the area is dark, this share of the mean stands for the median.
 const LEAST_OF_MEAN: f32 = 0.1;
+
+/// Seed of the rays that look for openings.
+const OPENINGS_SEED: u64 = 0x6f70_656e;
 
 /// A leaf is uneven where the standard deviation of E over it is above this share of E + E₀.
 const UNEVEN: f32 = 0.4;
@@ -34,6 +38,8 @@ pub(super) struct Surroundings {
     lamps: Arc<LampList>,
     /// The sky and the sun.
     pub(super) outside: Option<Arc<Outside>>,
+    /// Where its sky is seen, unless it is open all around.
+    pub(super) openings: Option<Openings>,
 }
 
 /// A state of the light that surfaces send; cheap to clone.
@@ -116,6 +122,7 @@ impl Field {
             patches,
             lamps: Arc::new(LampList::new(scene)),
             outside,
+            openings: None,
         };
         let mut field = Self {
             around: Arc::new(around),
@@ -129,9 +136,18 @@ impl Field {
             sources: Arc::new(sources),
             dim: 0.0,
         };
+        let openings = field.outside().and_then(|outside| Openings::find(&field, outside, OPENINGS_SEED));
+        if let Some(around) = Arc::get_mut(&mut field.around) {
+            around.openings = openings;
+        }
         field.set_areas(|_| None);
         field.set_irradiance(irradiance);
         field
+    }
+
+    /// Rays that looked for openings.
+    pub(super) fn opening_rays(&self) -> u64 {
+        if self.outside().is_some_and(Outside::has_sky) { openings::RAYS.into() } else { 0 }
     }
 
     /// Takes over the irradiances of the leaves, W/m², parallel to the arena; what they reflect follows.
@@ -300,6 +316,7 @@ impl Field {
         self.hierarchy.bytes()
             + self.sources.bytes()
             + size_of_val(&self.around.surfaces[..])
+            + self.around.openings.as_ref().map_or(0, Openings::bytes)
             + size_of_val(&self.around.patches[..])
             + size_of_val(&self.irradiance[..])
             + size_of_val(&self.reflected[..])

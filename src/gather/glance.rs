@@ -34,6 +34,8 @@ pub struct GlanceRays {
 pub struct Glance {
     /// Irradiance by what is aimed at for its own light, W/m².
     pub direct: Vec3,
+    /// Irradiance by the sun, W/m²: without noise but in penumbras.
+    pub sun: Vec3,
     /// Irradiance by what others reflect, and by the sky that cosine-distributed rays find, W/m².
     pub indirect: Vec3,
     /// Mean of 1 / distance over where the cosine-distributed rays end; 0 for those that meet nothing.
@@ -43,7 +45,7 @@ pub struct Glance {
 impl Glance {
     /// Irradiance, W/m².
     pub fn irradiance(&self) -> Vec3 {
-        self.direct + self.indirect
+        self.direct + self.indirect + self.sun
     }
 }
 
@@ -140,7 +142,7 @@ impl Field {
                         glance.indirect += share * self.sent_back(&met, point, beyond);
                     }
                 }
-                End::Outside => glance.indirect += self.sky_along(direction, normal.dot(drawn), sky),
+                End::Outside => glance.indirect += self.sky_along(point, direction, normal.dot(drawn), sky),
                 End::Back => {}
             }
         }
@@ -152,7 +154,7 @@ impl Field {
                     glance.direct += self.sky_drawn(place, [u, v], sky);
                 }
                 if ray == 0 {
-                    glance.direct += self.sun_light(place, [w, x]);
+                    glance.sun += self.sun_light(place, [w, x]);
                 }
             }
         }
@@ -237,7 +239,7 @@ impl Field {
         let direction = cosine_direction(normal, w, x);
         let scattered = match self.meet(point, normal, direction) {
             End::Face(met) if !self.is_aimed_at(met.leaf, point, normal) => further(2, &met, 1.0),
-            End::Outside => share * self.sky_along(direction, normal.dot(direction), self.sky_rays(1, 1)),
+            End::Outside => share * self.sky_along(point, direction, normal.dot(direction), self.sky_rays(1, 1)),
             End::Face(_) | End::Back => Vec3::ZERO,
         };
         let outside = match self.outside() {

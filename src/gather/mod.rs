@@ -17,6 +17,7 @@ mod estimator;
 mod facet;
 mod field;
 mod glance;
+mod openings;
 mod passes;
 mod refine;
 mod relight;
@@ -132,7 +133,7 @@ impl Gather {
         let queue = field.leaves().map(|leaf| (leaf, looks_of(leaf))).collect();
         drop(looks_of);
         Some(Self {
-            samples: GatherSamples::default(),
+            samples: GatherSamples::after(field.opening_rays()),
             of_links,
             stage: Stage::Direct(0),
             queue,

@@ -131,6 +131,11 @@ pub struct Gathered {
 }
 
 impl GatherSamples {
+    /// None yet, after so many rays that looked for other things.
+    pub fn after(rays: u64) -> Self {
+        Self { rays, ..Self::default() }
+    }
+
     /// Looks so many times from each of these leaves, which must be different ones; false if cancelled,
     /// which leaves all as it was. Without cosine-distributed rays, emission alone is looked for.
     pub fn draw(
@@ -381,7 +386,7 @@ fn draw(field: &Field, leaf: ElementId, rays: GlanceRays, looks: std::ops::Range
             let direction = cosine_direction(place.1, u, v);
             let end = field.meet(place.0, place.1, direction);
             if let End::Outside = end {
-                sky[half] += field.sky_along(direction, place.1.dot(direction), sky_rays);
+                sky[half] += field.sky_along(place.0, direction, place.1.dot(direction), sky_rays);
             }
             let met = end.face();
             far += u32::from(met.is_some_and(|met| !field.is_near(leaf, met.position, place.0)));

@@ -13,6 +13,9 @@ use crate::scene::{EditError, FiledLuminaire, Luminaire, Scene};
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct AddedLight {
+    /// Whether the lamps of the scene's file are off.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub lamps_off: bool,
     /// Materials that emit: name and exitance B_e, W/m².
     pub emitting: Vec<(String, Vec3)>,
     /// Luminaires in place of those that the scene's sidecar adds.
@@ -38,14 +41,17 @@ pub struct CeilingLight {
 impl AddedLight {
     /// Whether nothing is added.
     pub fn is_empty(&self) -> bool {
-        self.emitting.is_empty() && self.luminaires.is_none() && self.ceiling.is_none() && self.daylight.is_empty()
+        *self == Self::default()
     }
 
-    /// Makes materials of a scene emit.
+    /// Switches the lamps of a scene off, if they are to be off, and makes materials emit.
     ///
     /// # Errors
     /// A material that the scene does not have.
     pub fn add_emission_to(&self, scene: &mut Scene) -> Result<(), EditError> {
+        if self.lamps_off {
+            scene.materials.iter_mut().for_each(|material| material.emission = Vec3::ZERO);
+        }
         self.emitting.iter().try_for_each(|(material, emission)| scene.set_emission(material, *emission))
     }
 

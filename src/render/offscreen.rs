@@ -62,7 +62,7 @@ impl Offscreen {
         &self.adapter
     }
 
-    /// Draws one picture.
+    /// Draws one picture, without what lies behind the scene.
     ///
     /// # Errors
     /// A size of zero or beyond the adapter's limits, a mesh beyond them, or a failed read-back.
@@ -74,7 +74,7 @@ impl Offscreen {
         overlay: &Overlay,
         size: [u32; 2],
     ) -> Result<RgbaImage, RenderError> {
-        self.picture_over(&Frame { snapshot, camera, display, overlay, size, gathered: None })
+        self.picture_over(&Frame { snapshot, camera, display, overlay, size, outside: None, gathered: None })
     }
 
     /// Draws one picture, over one that was gathered where the frame has such.

@@ -2,7 +2,7 @@
 //!
 //! The shader colours each pixel by the value interpolated there; what is here tells it how, and tells a legend the same.
 
-use crate::base::photometry::{Quantity, Unit, weighted};
+use crate::base::photometry::{Quantity, ShownIn, Unit, weighted};
 use crate::read::ramp::Ramp;
 use crate::solve::snapshot::Snapshot;
 
@@ -24,6 +24,8 @@ const WANTED_TICKS: f32 = 6.0;
 pub struct Reading {
     /// Which.
     pub quantity: Quantity,
+    /// Unit that the values are shown in.
+    pub shown_in: ShownIn,
     /// Colours of the values.
     pub scale: ColourScale,
     /// Whether surfaces have these colours; otherwise they stay lit.
@@ -90,9 +92,9 @@ impl ColourScale {
         }
     }
 
-    /// A range that suits a snapshot: round numbers in a unit around all but the darkest and brightest leaves, lamps aside.
-    pub fn automatic(snapshot: &Snapshot, quantity: Quantity, spacing: Spacing, unit: Unit, ramp: Ramp) -> Self {
-        let shown = |value: f32| unit.per_watt() * value;
+    /// A range that suits a snapshot: round numbers as they are shown around all but the darkest and brightest leaves, lamps aside.
+    pub fn automatic(snapshot: &Snapshot, quantity: Quantity, spacing: Spacing, shown_in: ShownIn, ramp: Ramp) -> Self {
+        let shown = |value: f32| shown_in.per_watt() * value;
         let (low, high) = match counted_range(snapshot, quantity) {
             None => (0.1, 1.0),
             Some((low, high)) => {
@@ -105,7 +107,7 @@ impl ColourScale {
                 }
             }
         };
-        Self { low: low / unit.per_watt(), high: high / unit.per_watt(), spacing, ramp }
+        Self { low: low / shown_in.per_watt(), high: high / shown_in.per_watt(), spacing, ramp }
     }
 
     /// The scale from 0 up to a round number in lx.
@@ -115,8 +117,8 @@ impl ColourScale {
     }
 
     /// Round values inside the range, its ends among them where they are round, W/m².
-    pub fn ticks(&self, unit: Unit) -> Vec<f32> {
-        let (low, high) = (unit.per_watt() * self.low, unit.per_watt() * self.high);
+    pub fn ticks(&self, shown_in: ShownIn) -> Vec<f32> {
+        let (low, high) = (shown_in.per_watt() * self.low, shown_in.per_watt() * self.high);
         let is_inside = |value: &f32| (low * 0.999..=high * 1.001).contains(value);
         let values: Vec<f32> = match self.spacing {
             Spacing::Linear => {
@@ -137,7 +139,7 @@ impl ColourScale {
                 (first..=first + decades.ceil() as i32).flat_map(decade).filter(is_inside).collect()
             }
         };
-        values.into_iter().map(|value| value / unit.per_watt()).collect()
+        values.into_iter().map(|value| value / shown_in.per_watt()).collect()
     }
 }
 
@@ -161,9 +163,9 @@ impl Isolines {
     }
 
     /// Lines at the round values strictly inside a scale.
-    pub fn of_scale(scale: &ColourScale, unit: Unit) -> Self {
+    pub fn of_scale(scale: &ColourScale, shown_in: ShownIn) -> Self {
         let inside = |value: &f32| (0.01..0.99).contains(&scale.along(*value));
-        Self::at(scale.ticks(unit).into_iter().filter(inside))
+        Self::at(scale.ticks(shown_in).into_iter().filter(inside))
     }
 
     /// Their values, W/m².
@@ -284,14 +286,18 @@ mod tests {
     #[test]
     fn marks_are_round_in_the_unit_that_is_shown() {
         let lux = |scale: ColourScale| -> Vec<f32> {
-            scale.ticks(Unit::Lumens).into_iter().map(|value| (179.0 * value * 100.0).round() / 100.0).collect()
+            scale
+                .ticks(ShownIn::Unit(Unit::Lumens))
+                .into_iter()
+                .map(|value| (179.0 * value * 100.0).round() / 100.0)
+                .collect()
         };
         assert_eq!(lux(scale(0.0, 1000.0 / 179.0, Spacing::Linear)), [0.0, 200.0, 400.0, 600.0, 800.0, 1000.0]);
         assert_eq!(
             lux(scale(10.0 / 179.0, 1000.0 / 179.0, Spacing::Logarithmic)),
             [10.0, 20.0, 50.0, 100.0, 200.0, 500.0, 1000.0]
         );
-        let lines = Isolines::of_scale(&scale(0.0, 1000.0 / 179.0, Spacing::Linear), Unit::Lumens);
+        let lines = Isolines::of_scale(&scale(0.0, 1000.0 / 179.0, Spacing::Linear), ShownIn::Unit(Unit::Lumens));
         assert_eq!(lines.values().len(), 4);
         assert_eq!(Isolines::at([5.0, -1.0, f32::NAN, 2.0, 5.0]).values(), [2.0, 5.0]);
         assert_eq!([round_up(730.0), round_up(0.101), round_down(730.0), round_down(0.1)], [800.0, 0.15, 600.0, 0.1]);

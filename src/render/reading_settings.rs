@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::reading::{ColourScale, Isolines, Reading, Spacing};
 use crate::base::format;
-use crate::base::photometry::{Quantity, Unit};
+use crate::base::photometry::{Quantity, ShownIn, Unit};
 use crate::read::ramp::Ramp;
 use crate::solve::snapshot::Snapshot;
 
@@ -18,16 +18,18 @@ pub enum Show {
     Irradiance,
     /// False colours of what leaves.
     Radiosity,
+    /// False colours of what arrives as a share of what reaches open ground under the same sky.
+    DaylightFactor,
 }
 
 impl Show {
     /// Every choice.
-    pub const ALL: [Self; 3] = [Self::Lit, Self::Irradiance, Self::Radiosity];
+    pub const ALL: [Self; 4] = [Self::Lit, Self::Irradiance, Self::Radiosity, Self::DaylightFactor];
 
     /// Quantity that is read; over the lit picture, light that arrives.
     pub fn quantity(self) -> Quantity {
         match self {
-            Self::Lit | Self::Irradiance => Quantity::Irradiance,
+            Self::Lit | Self::Irradiance | Self::DaylightFactor => Quantity::Irradiance,
             Self::Radiosity => Quantity::Radiosity,
         }
     }
@@ -41,7 +43,7 @@ pub enum IsolinesWanted {
     None,
     /// At round values inside the range.
     Round,
-    /// At these values, W/m².
+    /// At these values, W/m², or shares of the light on open ground where the daylight factor is shown.
     At(Vec<f32>),
 }
 
@@ -57,30 +59,45 @@ pub struct ReadingSettings {
     pub spacing: Spacing,
     /// The colours.
     pub ramp: Ramp,
-    /// The range, W/m²; without one it follows the snapshot.
+    /// The range, W/m², or shares of the light on open ground where the daylight factor is shown; without one it follows the snapshot.
     pub range: Option<[f32; 2]>,
     /// Lines of equal value.
     pub isolines: IsolinesWanted,
 }
 
 impl ReadingSettings {
-    /// Reading of a snapshot that is to be drawn; none where the lit picture is all.
-    pub fn reading(&self, snapshot: &Snapshot) -> Option<Reading> {
+    /// Reading of a snapshot that is to be drawn; none where the lit picture is all, or where the daylight factor is asked for and not known.
+    /// `open_ground` is the irradiance of open horizontal ground where the sky alone shines, W/m², weighted as the eye does.
+    pub fn reading(&self, snapshot: &Snapshot, open_ground: Option<f32>) -> Option<Reading> {
         if self.show == Show::Lit && self.isolines == IsolinesWanted::None {
             return None;
         }
         let quantity = self.show.quantity();
         let Self { unit, spacing, ramp, .. } = *self;
+        let (shown_in, watts) = match self.show {
+            Show::DaylightFactor => (ShownIn::DaylightFactor { open_ground: open_ground? }, open_ground?),
+            Show::Lit | Show::Irradiance | Show::Radiosity => (ShownIn::Unit(unit), 1.0),
+        };
         let scale = match self.range {
-            Some([low, high]) => ColourScale { low, high, spacing, ramp },
-            None => ColourScale::automatic(snapshot, quantity, spacing, unit, ramp),
+            Some([low, high]) => ColourScale { low: watts * low, high: watts * high, spacing, ramp },
+            None => ColourScale::automatic(snapshot, quantity, spacing, shown_in, ramp),
         };
         let isolines = match &self.isolines {
             IsolinesWanted::None => Isolines::default(),
-            IsolinesWanted::Round => Isolines::of_scale(&scale, unit),
-            IsolinesWanted::At(values) => Isolines::at(values.iter().copied()),
+            IsolinesWanted::Round => Isolines::of_scale(&scale, shown_in),
+            IsolinesWanted::At(values) => Isolines::at(values.iter().map(|value| watts * value)),
         };
-        Some(Reading { quantity, scale, fills: self.show != Show::Lit, isolines })
+        Some(Reading { quantity, shown_in, scale, fills: self.show != Show::Lit, isolines })
+    }
+
+    /// What the values of range and lines are shown in: a value times the first, with the second behind it.
+    pub fn factor_and_sign(&self) -> (f32, &'static str) {
+        match self.show {
+            Show::DaylightFactor => (100.0, "%"),
+            show @ (Show::Lit | Show::Irradiance | Show::Radiosity) => {
+                (self.unit.per_watt(), self.unit.sign(show.quantity()))
+            }
+        }
     }
 }
 
@@ -97,15 +114,15 @@ pub struct Mark {
 
 impl Reading {
     /// Marks of a legend: the ends of the range, and lines of equal value or round numbers between them.
-    pub fn marks(&self, unit: Unit) -> Vec<Mark> {
+    pub fn marks(&self) -> Vec<Mark> {
         let ends = [self.scale.low, self.scale.high].map(|value| (value, false));
         let lines: Vec<_> = self.isolines.values().iter().map(|&value| (value, true)).collect();
         let between = match lines.is_empty() {
-            true => self.scale.ticks(unit).into_iter().map(|value| (value, false)).collect(),
+            true => self.scale.ticks(self.shown_in).into_iter().map(|value| (value, false)).collect(),
             false => lines,
         };
         let mark = |(value, is_line): (f32, bool)| {
-            let label = format::short((unit.per_watt() * value).into());
+            let label = format::short((self.shown_in.per_watt() * value).into());
             Mark { along: self.scale.along(value), label, is_line }
         };
         let mut marks: Vec<Mark> = between.into_iter().chain(ends).map(mark).collect();
@@ -116,8 +133,8 @@ impl Reading {
     }
 
     /// Quantity and unit of the legend: "illuminance E, lx".
-    pub fn title(&self, unit: Unit) -> String {
-        format!("{}, {}", self.quantity.name_in(unit), unit.sign(self.quantity))
+    pub fn title(&self) -> String {
+        format!("{}, {}", self.shown_in.name(self.quantity), self.shown_in.sign(self.quantity))
     }
 }
 
@@ -130,13 +147,21 @@ mod tests {
     fn legends_tell_round_numbers_and_lines() {
         let scale = ColourScale { low: 0.0, high: 500.0 / 179.0, spacing: Spacing::Linear, ramp: Ramp::Viridis };
         let isolines = Isolines::default();
-        let reading = Reading { quantity: Quantity::Irradiance, scale, fills: true, isolines };
-        let labels = |reading: &Reading| -> Vec<String> {
-            reading.marks(Unit::Lumens).into_iter().map(|mark| mark.label).collect()
-        };
+        let shown_in = ShownIn::Unit(Unit::Lumens);
+        let reading = Reading { quantity: Quantity::Irradiance, shown_in, scale, fills: true, isolines };
+        let labels =
+            |reading: &Reading| -> Vec<String> { reading.marks().into_iter().map(|mark| mark.label).collect() };
         assert_eq!(labels(&reading), ["0", "100", "200", "300", "400", "500"]);
         let reading = Reading { isolines: Isolines::at([300.0 / 179.0, 750.0 / 179.0]), ..reading };
         assert_eq!(labels(&reading), ["0", "300", "500"]);
-        assert_eq!(reading.title(Unit::Lumens), "illuminance E, lx");
+        assert_eq!(reading.title(), "illuminance E, lx");
+        // A hundredth of 50 W/m² is 1 %.
+        let shown_in = ShownIn::DaylightFactor { open_ground: 50.0 };
+        let scale = ColourScale { high: 2.0, ..scale };
+        let reading = Reading { shown_in, scale, isolines: Isolines::at([0.5]), ..reading };
+        assert_eq!(
+            (labels(&reading), reading.title()),
+            (["0", "1", "4"].map(String::from).into(), "daylight factor D, %".into())
+        );
     }
 }

@@ -13,10 +13,15 @@ use super::target::Target;
 use super::underlay::Underlay;
 use super::{Camera, Display, MAX_SIZE, Marks, Overlay, RenderError, auto_exposure};
 use crate::base::photometry::Quantity;
+use crate::read::picture::sky_behind;
+use crate::scene::outside::Outside;
 use crate::solve::snapshot::{ClusterBox, Mesh, Snapshot};
 
 /// Samples per pixel where drawing is cheap.
 pub(super) const SAMPLES: u32 = 4;
+
+/// Pixels of a picture for each of the sky behind it, each way.
+const SKY_STEP: u32 = 4;
 
 /// Lines are cut this many near planes before the eye: nearer, they would be wider than the picture.
 const LINE_NEAR: f32 = 100.0;
@@ -30,6 +35,8 @@ pub struct Frame<'a> {
     pub camera: &'a Camera,
     /// How bright.
     pub display: &'a Display,
+    /// What lies behind the scene, where it shines.
+    pub outside: Option<&'a Arc<Outside>>,
     /// A picture of this view and size that was gathered, in place of the mesh.
     pub gathered: Option<&'a Arc<Pixels>>,
     /// With what drawn over it.
@@ -178,6 +185,9 @@ pub struct SceneRenderer {
     measured_as: Option<Quantity>,
     auto_exposure: f32,
     underlay: Option<Underlay>,
+    /// The sky behind a picture of the mesh.
+    sky: Option<Underlay>,
+    smooth_sampler: wgpu::Sampler,
 
     outlines: LineSet<Same<Mesh>>,
     boxes: LineSet<(Same<Vec<ClusterBox>>, u16)>,
@@ -200,6 +210,11 @@ impl SceneRenderer {
             entries: &[wgpu::BindGroupEntry { binding: 0, resource: view_buffer.as_entire_binding() }],
         });
         let sampler = device.create_sampler(&wgpu::SamplerDescriptor { label: Some("picture"), ..Default::default() });
+        let smooth_sampler = device.create_sampler(&wgpu::SamplerDescriptor {
+            label: Some("sky"),
+            mag_filter: wgpu::FilterMode::Linear,
+            ..Default::default()
+        });
         Self {
             device,
             queue,
@@ -219,6 +234,8 @@ impl SceneRenderer {
             measured_as: None,
             auto_exposure: 1.0,
             underlay: None,
+            sky: None,
+            smooth_sampler,
             outlines: LineSet::new("element outlines"),
             boxes: LineSet::new("cluster boxes"),
             marks: LineSet::new("marks"),
@@ -236,6 +253,7 @@ impl SceneRenderer {
         self.upload_reading(frame.snapshot, reading.map(|reading| reading.quantity))?;
         self.upload_lines(frame.snapshot, frame.overlay)?;
         self.upload_gathered(frame.gathered.filter(|pixels| pixels.size == frame.size));
+        self.upload_sky(frame);
         let [width, height] = frame.size.map(|side| side as f32);
         let view = ViewUniform {
             clip_from_world: frame.camera.clip_from_world(width / height).to_cols_array_2d(),
@@ -329,6 +347,20 @@ impl SceneRenderer {
         }
     }
 
+    /// Uploads the sky behind a picture of the mesh, coarser than the picture: it is smooth.
+    fn upload_sky(&mut self, frame: &Frame<'_>) {
+        let is_seen = self.underlay.is_none() && !frame.display.as_colours;
+        let outside = frame.outside.filter(|outside| is_seen && outside.has_sky());
+        self.sky = outside.map(|outside| {
+            let size = frame.size.map(|side| side.div_ceil(SKY_STEP).max(2));
+            let [width, height] = frame.size.map(|side| side as f32);
+            let exposure = frame.display.exposure.factor(self.auto_exposure);
+            let pixels = sky_behind(outside, &frame.camera.lens(width / height), exposure, size);
+            let pixels = Arc::new(Pixels { size, pixels, labels: Vec::new() });
+            Underlay::new(&self.device, &self.queue, (&self.pipelines.picture_layout, &self.smooth_sampler), &pixels)
+        });
+    }
+
     fn upload_lines(&mut self, snapshot: &Snapshot, overlay: &Overlay) -> Result<(), RenderError> {
         let (device, queue) = (&self.device, &self.queue);
         if overlay.elements {
@@ -365,7 +397,7 @@ impl SceneRenderer {
         (target, binding)
     }
 
-    /// Background and mesh, or a gathered picture and the depth of the mesh, then lines: those in surfaces where they are seen, links faintly through everything as well.
+    /// Background or sky, and mesh, or a gathered picture and the depth of the mesh, then lines: those in surfaces where they are seen, links faintly through everything as well.
     fn record(&self, encoder: &mut wgpu::CommandEncoder, target: &Target) {
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("scene"),
@@ -387,6 +419,9 @@ impl SceneRenderer {
         });
         if let Some(underlay) = &self.underlay {
             underlay.draw(&mut pass, &self.pipelines.underlay);
+            pass.set_bind_group(0, &self.view_binding, &[]);
+        } else if let Some(sky) = &self.sky {
+            sky.draw(&mut pass, &self.pipelines.underlay);
             pass.set_bind_group(0, &self.view_binding, &[]);
         } else {
             pass.set_bind_group(0, &self.view_binding, &[]);

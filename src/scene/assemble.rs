@@ -38,11 +38,8 @@ pub(super) fn assemble(name: &str, mut draft: Draft, sidecar: &Sidecar, reading:
         draft.skipped.note(format!("Groups nested too deeply belong to those that hold them ({count})."));
     }
     let said = |name: &str| sidecar.materials.get(name).cloned().unwrap_or_default();
-    let rules: Vec<FaceRule> = draft
-        .materials
-        .iter()
-        .map(|material| FaceRule::new(&said(&material.name), reading.opaque.contains(&material.name), material.defined))
-        .collect();
+    let rules: Vec<FaceRule> =
+        draft.materials.iter().map(|material| FaceRule::new(&said(&material.name), reading, material)).collect();
     let painted = paint(&draft);
     let (lower, upper) = draft.bounds();
     let origin = place::origin(lower, upper);
@@ -118,6 +115,8 @@ fn note_unknown(draft: &mut Draft, sidecar: &Sidecar, reading: &Reading) {
         .collect();
     let unknown = reading.opaque.iter().filter(|name| !known.contains(name.as_str()));
     notes.extend(unknown.map(|name| format!("There is no material {} to be made opaque.", said::quoted(name))));
+    let unknown = reading.ignored.iter().filter(|name| !known.contains(name.as_str()));
+    notes.extend(unknown.map(|name| format!("There is no material {} to be left out.", said::quoted(name))));
     notes.into_iter().for_each(|note| draft.skipped.note(note));
 }
 
@@ -238,16 +237,16 @@ enum FaceRule {
     Keep { is_opaque: bool },
     /// They are used and counted as faces without a material.
     KeepGrey,
-    /// The sidecar says so.
+    /// The sidecar or a person leaves them out.
     Ignored,
 }
 
 impl FaceRule {
-    fn new(said: &SidecarMaterial, is_opaque: bool, defined: bool) -> Self {
-        if said.ignore {
+    fn new(said: &SidecarMaterial, reading: &Reading, material: &DraftMaterial) -> Self {
+        if said.ignore || reading.ignored.contains(&material.name) {
             Self::Ignored
-        } else if defined || said.reflectance.is_some() {
-            Self::Keep { is_opaque: is_opaque || said.opaque }
+        } else if material.defined || said.reflectance.is_some() {
+            Self::Keep { is_opaque: said.opaque || reading.opaque.contains(&material.name) }
         } else {
             Self::KeepGrey
         }

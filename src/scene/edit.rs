@@ -4,9 +4,9 @@ use std::collections::HashSet;
 
 use glam::Vec3;
 
-use super::Scene;
 use super::luminaire::{CEILING_LIGHT, Luminaire, LuminaireForm, LuminaireShape};
 use super::sidecar::MAX_EMISSION;
+use super::{Scene, said};
 
 /// A change that cannot be made.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -78,6 +78,17 @@ impl Scene {
     /// Whether any face emits.
     pub fn has_lamp(&self) -> bool {
         self.polygons.iter().any(|polygon| self.emits(polygon))
+    }
+
+    /// Leaves out the faces of materials with these names.
+    pub(super) fn leave_out(&mut self, names: &[String]) {
+        for name in names {
+            match self.material_named(name) {
+                Some(material) => self.polygons.retain(|polygon| polygon.material != material),
+                None => self.skipped.note(format!("There is no material {} to be left out.", said::quoted(name))),
+            }
+        }
+        self.reading.ignored.extend_from_slice(names);
     }
 
     /// One sentence for a scene that is black because nothing in it emits.

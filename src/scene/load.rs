@@ -38,7 +38,11 @@ pub fn load(source: &Source) -> Result<Scene, LoadError> {
 pub fn load_with(source: &Source, reading: &Reading) -> Result<Scene, LoadError> {
     match source {
         Source::File(path) => load_file_with(path, reading),
-        Source::Builtin(scene) => Ok(scene.build()),
+        Source::Builtin(scene) => {
+            let mut scene = scene.build();
+            scene.leave_out(&reading.ignored);
+            Ok(scene)
+        }
     }
 }
 

@@ -21,6 +21,9 @@ pub struct Reading {
     /// Materials whose faces are opaque whatever the file says.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub opaque: Vec<String>,
+    /// Materials whose faces are left out, such as panes that daylight is to pass.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub ignored: Vec<String>,
 }
 
 impl Reading {

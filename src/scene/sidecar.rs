@@ -204,6 +204,9 @@ impl Sidecar {
         for name in &scene.reading.opaque {
             self.materials.entry(name.clone()).or_default().opaque = true;
         }
+        for name in &scene.reading.ignored {
+            self.materials.entry(name.clone()).or_default().ignore = true;
+        }
         self.up = scene.reading.up.or(self.up);
         // What lies beside the scene has lengths in metres, whatever would be guessed the next time.
         let is_guessed = scene.frame.unit != Unit::Metre;

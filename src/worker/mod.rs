@@ -28,6 +28,7 @@ use glam::Vec3;
 use crate::base::threads::lock;
 use crate::geometry::Occluders;
 use crate::prepare::added_light::AddedLight;
+use crate::read::daylight_factor::NoDaylightFactor;
 use crate::scene::outside::Daylight;
 use crate::scene::{GroupMember, Kept, Luminaire, MaterialId, Reading, Scene, Source};
 use crate::solve::{MeshError, Snapshot, SolverParams, TimelineStep};
@@ -133,6 +134,8 @@ pub struct SceneInfo {
     pub has_light: bool,
     /// Whether daylight would get in.
     pub is_open: bool,
+    /// Irradiance of open horizontal ground, W/m², weighted as the eye does, or why there is no daylight factor.
+    pub open_ground: Result<f32, NoDaylightFactor>,
     /// A size that suits a luminaire, in the scene's length unit.
     pub luminaire_size: f32,
     /// Remarks of loading on parts skipped, clamped or ignored, a sentence each.

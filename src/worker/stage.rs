@@ -10,6 +10,7 @@ use super::task::{Change, Changed, Task};
 use super::{Command, Event, SceneInfo};
 use crate::prepare::added_light::AddedLight;
 use crate::prepare::ceiling;
+use crate::read::daylight_factor::open_ground;
 use crate::scene::outside::Daylight;
 use crate::scene::{
     GroupMember, Kept, Luminaire, MAX_EMISSION, MAX_SIDECAR_REFLECTANCE, Material, MaterialId, Reading, Sidecar,
@@ -155,6 +156,7 @@ impl Session {
             generation,
             has_light: prepared.scene.has_light(),
             is_open: prepared.is_open,
+            open_ground: open_ground(&prepared.scene),
             luminaire_size: ceiling::suggested_size(&prepared.scene, &prepared.occluders),
             skipped: prepared.scene.skipped.sentences(),
             load_seconds: prepared.seconds,

@@ -123,3 +123,62 @@ fn a_legend_is_drawn_into_the_picture() {
     let bare = picture(&["--no-legend"]).expect("there was an adapter before");
     assert!(!is(&bare, 370, VIRIDIS[9]) && !is(&bare, 20, [29, 31, 35]));
 }
+
+/// Truth: under a uniform sky a point of the black floor gets all of what open ground gets but the roof's form factor, however bright the
+/// sky is. 2 % of the range: four times the noise of the mean of 81 pixels, of 1.7 % each, and a step of the ramp.
+#[test]
+#[cfg(feature = "gui")]
+fn daylight_factors_are_shown_in_false_colours() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let (scene, out) = (hall(folder.path()), folder.path().join("factor.png"));
+    let [scene, path] = [&scene, &out].map(|path| path.to_str().expect("a plain name"));
+    let view = ["--camera", "0,1.8,3.9:0,0,0", "--size", "200x150", "--show", "daylight-factor", "--range", "0:100"];
+    let args =
+        [&["render", scene, "--no-legend", "--sky", "uniform:7000lx", "--error", "0.05", "--out", path], &view[..]];
+    let output = selflink(&args.concat());
+    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+    let picture = image::open(&out).expect("a picture").to_rgb8();
+    let mut mean = [0.0; 3];
+    for place in 0..81 {
+        let pixel = picture.get_pixel(96 + place % 9, 71 + place / 9).0;
+        mean.iter_mut().zip(pixel).for_each(|(sum, channel)| *sum += f64::from(channel) / 81.0);
+    }
+    let unlike = |step: &u32| {
+        let colour = selflink::render::Ramp::Viridis.at(*step as f32 / 1000.0);
+        let difference = |(mean, colour): (f64, u8)| (mean - f64::from(colour)).powi(2);
+        mean.into_iter().zip(colour).map(difference).sum::<f64>()
+    };
+    let found = (0..=1000).min_by(|a, b| unlike(a).total_cmp(&unlike(b))).expect("many steps");
+    let corner = |x: f64, z: f64| DVec3::new(x, 3.0, z);
+    let roof = [corner(-2.0, -2.0), corner(2.0, -2.0), corner(2.0, 2.0), corner(-2.0, 2.0)];
+    let truth = 1.0 - point_to_polygon(DVec3::ZERO, DVec3::Y, &roof);
+    assert!((f64::from(found) / 1000.0 - truth).abs() < 0.02, "{found} {truth}");
+}
+
+/// A daylight factor is by the sky alone: beside a sun, beside lamps and without a sky there is none, and both ways of reading it say why.
+#[test]
+fn where_more_than_the_sky_shines_there_is_no_daylight_factor() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let (scene, out) = (hall(folder.path()), folder.path().join("grid.csv"));
+    std::fs::write(folder.path().join("hall.mtl"), format!("{MATERIALS}Ke 1 1 1\n")).expect("a writable folder");
+    let [scene, out] = [&scene, &out].map(|path| path.to_str().expect("a plain name"));
+    let lights: [(&[&str], &str); 3] = [
+        (&["--sky", "clear", "--sun", "az:180,el:40", "--lamps-off"], "the sun shines too"),
+        (&["--sky", "overcast"], "lamps shine too"),
+        (&["--sky", "overcast", "--lamps-off"], "on average"),
+    ];
+    for (light, part) in lights {
+        let plane = ["probe", scene, "--out", out, "--work-plane", "0.8", "--spacing", "2", "--epsilon", "1e-2"];
+        let output = selflink(&[&plane, light].concat());
+        let said = String::from_utf8_lossy(&output.stdout);
+        assert!(said.lines().any(|line| line.starts_with("daylight   ") && line.contains(part)), "{light:?}: {said}");
+    }
+    #[cfg(feature = "gui")]
+    for (light, part) in [lights[0], lights[1], (&[], "none shines")] {
+        let picture = ["render", scene, "--out", "none.png", "--show", "daylight-factor", "--epsilon", "1e-2"];
+        let output = selflink(&[&picture, light].concat());
+        let said = String::from_utf8_lossy(&output.stderr);
+        let is_refused = output.status.code() == Some(2) && said.contains(part);
+        assert!(is_refused && !Path::new("none.png").exists(), "{light:?}: {said}");
+    }
+}

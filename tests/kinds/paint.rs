@@ -4,6 +4,7 @@ use std::f32::consts::PI;
 
 use glam::Vec3;
 use image::ImageFormat;
+use selflink::scene::builtin::BuiltinScene;
 use selflink::scene::{Reading, Scene, Sidecar, Source, load_file, load_with};
 
 use crate::picture;
@@ -47,6 +48,27 @@ fn a_material_that_was_left_out_comes_back() {
     assert_eq!((whole.polygons.len(), whole.skipped.transparent_faces), (6, 0));
     Sidecar::of(&whole).write(&Sidecar::path_for(&path)).expect("a writable folder");
     assert_eq!(load_file(&path).expect("a sound scene").polygons.len(), 6);
+}
+
+/// Truth: of a cube one face is a pane; what is left out by a person stays out by the sidecar, and a name that is none is told.
+#[test]
+fn a_material_is_left_out_where_daylight_is_to_pass() {
+    let folder = Folder::new();
+    folder.write("a.mtl", "newmtl pane\nKd 0.5 0.5 0.5\nnewmtl wall\nKd 0.5 0.5 0.5\n");
+    let path = folder.write(
+        "a.obj",
+        CUBE.replace("v 0 0 0\n", "mtllib a.mtl\nusemtl pane\nv 0 0 0\n").replace("f 6 5", "usemtl wall\nf 6 5"),
+    );
+    let reading = Reading { ignored: vec!["pane".into(), "door".into()], ..Reading::default() };
+    let open = load_with(&Source::File(path.clone()), &reading).expect("a sound scene");
+    assert_eq!(open.polygons.len(), 5);
+    assert!(notes(&open).contains("no material `door` to be left out"), "{}", notes(&open));
+    Sidecar::of(&open).write(&Sidecar::path_for(&path)).expect("a writable folder");
+    assert_eq!(load_file(&path).expect("a sound scene").polygons.len(), 5);
+    let reading = Reading { ignored: vec!["daylight".into()], ..Reading::default() };
+    let [closed, open] = [Reading::default(), reading]
+        .map(|reading| load_with(&Source::Builtin(BuiltinScene::Office), &reading).expect("our own").polygons.len());
+    assert!(open < closed, "the panes of the office: {open} of {closed}");
 }
 
 #[test]

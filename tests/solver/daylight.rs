@@ -8,6 +8,7 @@ use glam::{DVec3, Vec3};
 use selflink::hierarchy::ClusteringMode;
 use selflink::measure::accuracy::closed_forms::point_to_polygon;
 use selflink::measure::reference::{SurfacePoint, Tracer};
+use selflink::read::matrix::{Colouring, Palette};
 use selflink::scene::outside::{Daylight, Outside, SUN_RADIUS};
 use selflink::scene::{GroupId, MaterialId, Scene};
 use selflink::solve::{Solver, SolverParams, power_balance};
@@ -239,6 +240,21 @@ fn what_enters_is_absorbed_or_leaves() {
             assert_within(solved.stats().entering_watts / 3.0, truth, 0.12, "by a few thousand rays");
         }
     }
+}
+
+/// Truth: in the mean over all pairs the power per area of both ends is that of Φ spread evenly, so some of the links that bring all
+/// of Φ are brighter than the least colour of the scale, a hundredth of it.
+#[test]
+fn links_from_outside_are_coloured_by_their_power() {
+    let (mut scene, ..) = room(true);
+    scene.add_daylight(&daylight(Some("overcast:100W"), None)).expect("daylight");
+    let mut solved = solve(&scene, params(ClusteringMode::Adaptive, 1e-2));
+    solved.show_solution_view(true);
+    let snapshot = solved.snapshot();
+    let view = snapshot.solution_view.as_ref().expect("it was asked for");
+    let palette = Palette::new(view, Colouring::Power);
+    let mut links = view.all_links().filter(|link| view.hierarchy().element(link.source).is_sky());
+    assert!(links.any(|link| palette.colour(view, &link) != palette.along(0.0)));
 }
 
 /// Nothing is linked or looked for outside of a closed scene, and nothing where nothing shines: the same links and rays to the last.

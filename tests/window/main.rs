@@ -7,6 +7,7 @@
 mod clusters;
 mod compare;
 mod craft;
+mod daylight;
 mod gallery;
 mod gathered;
 mod inspector;

@@ -20,7 +20,7 @@ pub(in crate::app) fn show(
     metered: f32,
 ) {
     show_picture(ui, display);
-    readings::show(ui, display, reading);
+    readings::show(ui, display, reading, shown.info.as_ref().and_then(|info| info.open_ground.err()));
     ui.add_space(4.0);
     show_exposure(ui, display, metered);
     ui.add_space(4.0);

@@ -5,7 +5,8 @@ use egui::{Align2, Color32, FontId, Frame, Label, Rect, RichText, Ui, UiBuilder,
 use crate::app::state::comparison::{FULL_SCALE, Shading};
 use crate::app::view::colour_bar;
 use crate::app::widgets::theme;
-use crate::base::photometry::{CONVENTION, Unit};
+use crate::app::words;
+use crate::base::photometry::{CONVENTION, ShownIn, Unit};
 use crate::render::{Mark, Reading};
 
 /// Size of the bar, points.
@@ -56,14 +57,15 @@ fn show_shading(ui: &mut Ui, view: Rect, shading: Shading, (title, hint): (&str,
 }
 
 /// The legend of a quantity.
-pub(in crate::app) fn show_reading(ui: &mut Ui, view: Rect, reading: &Reading, unit: Unit, remark: &str) {
+pub(in crate::app) fn show_reading(ui: &mut Ui, view: Rect, reading: &Reading, remark: &str) {
     let colour = |along: f32| reading.scale.ramp.at(along);
-    let hint = match unit {
-        Unit::Lumens => CONVENTION,
-        Unit::Watts => "The three colours weighed as the eye does: 0.2126 R + 0.7152 G + 0.0722 B",
+    let hint = match reading.shown_in {
+        ShownIn::Unit(Unit::Lumens) => CONVENTION,
+        ShownIn::DaylightFactor { .. } => words::DAYLIGHT_FACTOR_HINT,
+        ShownIn::Unit(Unit::Watts) => "The three colours weighed as the eye does: 0.2126 R + 0.7152 G + 0.0722 B",
     };
-    let marks = reading.marks(unit);
-    show(ui, view, &Legend { title: reading.title(unit), remark, hint, colour: &colour, marks });
+    let marks = reading.marks();
+    show(ui, view, &Legend { title: reading.title(), remark, hint, colour: &colour, marks });
 }
 
 /// Draws a legend into the view's lower left corner.

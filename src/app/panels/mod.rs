@@ -75,12 +75,7 @@ fn show_sections(app: &mut App, ui: &mut Ui, outbox: &mut Outbox) {
         });
     }
     let present = app.shown.info.as_ref().map(|info| &info.scene.reading);
-    let reading = chosen.reading.or_else(|| {
-        let material = app.edits.light.take_opaque()?;
-        let mut reading = present?.clone();
-        reading.opaque.push(material);
-        Some(reading)
-    });
+    let reading = chosen.reading.or_else(|| app.edits.light.take_reading(present?));
     if let Some(reading) = reading {
         let settings = app.settings();
         outbox.extend(settings.source().map(|source| Command::Load(source, reading, settings.light)));

@@ -6,24 +6,32 @@ use crate::app::state::settings::DisplaySettings;
 use crate::app::widgets::theme;
 use crate::app::words;
 use crate::base::photometry::{CONVENTION, Unit};
+use crate::read::daylight_factor::NoDaylightFactor;
 use crate::render::{IsolinesWanted, MOST_ISOLINES, Ramp, Reading, Show, Spacing};
 
 /// Width of the field of one end of a range, points.
 const END_WIDTH: f32 = 112.0;
+/// Width of the list of what surfaces can show, points.
+const LIST_WIDTH: f32 = 220.0;
 
-/// Draws the controls; `reading` is what the view shows.
-pub(in crate::app) fn show(ui: &mut Ui, display: &mut DisplaySettings, reading: Option<&Reading>) {
-    let settings = &mut display.reading;
-    choose(ui, words::DISPLAY, &mut settings.show, &Show::ALL, name_of_show)
-        .on_hover_text("The lit picture, or false colours of the light that arrives at (E) or leaves (B) each point");
+/// Draws the controls; `reading` is what the view shows, `none` why there is no daylight factor.
+pub(in crate::app) fn show(
+    ui: &mut Ui,
+    display: &mut DisplaySettings,
+    reading: Option<&Reading>,
+    none: Option<NoDaylightFactor>,
+) {
+    choose_show(ui, display, none);
     show_isolines(ui, display);
     let Some(reading) = reading else { return };
     let settings = &mut display.reading;
-    let unit = choose(ui, words::UNIT, &mut settings.unit, &[Unit::Lumens, Unit::Watts], |unit| match unit {
-        Unit::Lumens => "lux (lm/m²)",
-        Unit::Watts => "W/m²",
-    });
-    unit.on_hover_text(format!("{CONVENTION}; W/m² is the mean of the three colours by the same weights"));
+    if settings.show != Show::DaylightFactor {
+        let unit = choose(ui, words::UNIT, &mut settings.unit, &[Unit::Lumens, Unit::Watts], |unit| match unit {
+            Unit::Lumens => "lux (lm/m²)",
+            Unit::Watts => "W/m²",
+        });
+        unit.on_hover_text(format!("{CONVENTION}; W/m² is the mean of the three colours by the same weights"));
+    }
     choose(
         ui,
         words::SCALE,
@@ -43,11 +51,58 @@ pub(in crate::app) fn show(ui: &mut Ui, display: &mut DisplaySettings, reading: 
     show_range(ui, display, reading);
 }
 
+/// What colours the surfaces; the daylight factor is offered where it is known, and says else why not.
+fn choose_show(ui: &mut Ui, display: &mut DisplaySettings, none: Option<NoDaylightFactor>) {
+    let before = display.reading.show;
+    let show = &mut display.reading.show;
+    let hint = "The lit picture, or false colours of the light that arrives at (E) or leaves (B) each point, or of the daylight factor";
+    theme::row(ui, words::DISPLAY, |ui| {
+        let list = ComboBox::from_id_salt(words::DISPLAY).selected_text(name_of_show(*show));
+        let choices = |ui: &mut Ui| {
+            for choice in Show::ALL {
+                let missing = none.filter(|_| choice == Show::DaylightFactor);
+                ui.add_enabled_ui(missing.is_none(), |ui| {
+                    let label = ui.selectable_value(show, choice, name_of_show(choice));
+                    if let Some(missing) = missing {
+                        label.on_disabled_hover_text(sentence(missing));
+                    }
+                });
+            }
+            if let Some(missing) = none {
+                ui.set_max_width(LIST_WIDTH);
+                let why = sentence(missing);
+                ui.add(egui::Label::new(theme::weak(why).small()).wrap());
+            }
+        };
+        list.show_ui(ui, choices).response
+    })
+    .on_hover_text(hint);
+    if (before == Show::DaylightFactor) != (*show == Show::DaylightFactor) {
+        // Ends and lines in lux are none in percent.
+        display.reading.range = None;
+        display.isolux_text.clear();
+        if display.reading.isolines != IsolinesWanted::None {
+            display.reading.isolines = IsolinesWanted::Round;
+        }
+    }
+    if display.reading.show == Show::DaylightFactor
+        && let Some(missing) = none
+    {
+        ui.add(egui::Label::new(theme::notice(ui, sentence(missing))).wrap());
+    }
+}
+
+/// Why there is none, as a sentence.
+fn sentence(missing: NoDaylightFactor) -> String {
+    format!("{}.", missing.to_string().replacen("no", "No", 1))
+}
+
 fn name_of_show(show: Show) -> &'static str {
     match show {
         Show::Lit => words::LIT,
         Show::Irradiance => words::IRRADIANCE,
         Show::Radiosity => words::RADIOSITY,
+        Show::DaylightFactor => words::DAYLIGHT_FACTOR,
     }
 }
 
@@ -75,7 +130,7 @@ fn show_isolines(ui: &mut Ui, display: &mut DisplaySettings) {
         return;
     }
     let is_good = values_of(&display.isolux_text).is_some();
-    let sign = display.reading.unit.sign(display.reading.show.quantity());
+    let (_, sign) = display.reading.factor_and_sign();
     theme::row(ui, words::LINES_AT, |ui| {
         let field = TextEdit::singleline(&mut display.isolux_text)
             .desired_width(ui.available_width() - 8.0)
@@ -94,8 +149,8 @@ fn wanted(display: &DisplaySettings) -> IsolinesWanted {
     match values_of(&display.isolux_text) {
         Some(values) if values.is_empty() => IsolinesWanted::Round,
         Some(values) => {
-            let per_watt = display.reading.unit.per_watt();
-            IsolinesWanted::At(values.into_iter().map(|value| value / per_watt).collect())
+            let (factor, _) = display.reading.factor_and_sign();
+            IsolinesWanted::At(values.into_iter().map(|value| value / factor).collect())
         }
         None => match &display.reading.isolines {
             IsolinesWanted::None => IsolinesWanted::Round,
@@ -114,14 +169,15 @@ fn values_of(text: &str) -> Option<Vec<f32>> {
 
 fn show_range(ui: &mut Ui, display: &mut DisplaySettings, reading: &Reading) {
     let settings = &mut display.reading;
+    let (factor, sign) = settings.factor_and_sign();
+    let present = [reading.scale.low, reading.scale.high].map(|value| reading.shown_in.per_watt() / factor * value);
     let mut is_locked = settings.range.is_some();
     let hint = "Keeps the range while the light or the scene changes, so that pictures can be compared; otherwise round numbers around \
                 96 % of the area";
     if ui.checkbox(&mut is_locked, words::LOCK_RANGE).on_hover_text(hint).changed() {
-        settings.range = is_locked.then_some([reading.scale.low, reading.scale.high]);
+        settings.range = is_locked.then_some(present);
     }
-    let (per_watt, sign) = (settings.unit.per_watt(), settings.unit.sign(settings.show.quantity()));
-    let mut ends = settings.range.unwrap_or([reading.scale.low, reading.scale.high]).map(|value| per_watt * value);
+    let mut ends = settings.range.unwrap_or(present).map(|value| factor * value);
     let least = if settings.spacing == Spacing::Logarithmic { 1e-6 } else { 0.0 };
     let mut changed = false;
     for (end, label) in [(0, "Range from"), (1, "Range to")] {
@@ -142,7 +198,7 @@ fn show_range(ui: &mut Ui, display: &mut DisplaySettings, reading: &Reading) {
         });
     }
     if changed && is_locked {
-        settings.range = Some(ends.map(|value| value / per_watt));
+        settings.range = Some(ends.map(|value| value / factor));
     }
 }
 

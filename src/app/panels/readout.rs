@@ -4,7 +4,7 @@ use egui::{Align2, Frame, Id, Rect, RichText, Ui};
 
 use crate::app::widgets::theme;
 use crate::app::{App, format};
-use crate::base::photometry::{lux, weighted};
+use crate::base::photometry::{ShownIn, lux, weighted};
 
 /// Draws it; nothing while the pointer is elsewhere.
 pub(in crate::app) fn show(app: &App, ui: &Ui, view: Rect) {
@@ -12,8 +12,18 @@ pub(in crate::app) fn show(app: &App, ui: &Ui, view: Rect) {
     let (e, b) = (reading.irradiance.to_array(), reading.radiosity.to_array());
     let number = |value: f32| format::number(value.into());
     let material = info.scene.materials.get(reading.leaf.material.0 as usize).map_or("", |material| &material.name);
-    let text =
-        format!("E {} lx, {} W/m²   B {} W/m²   {material}", number(lux(e)), number(weighted(e)), number(weighted(b)),);
+    let factor = match app.view.reading.last().map(|reading| reading.shown_in) {
+        Some(shown_in @ ShownIn::DaylightFactor { .. }) => {
+            format!("D {} %   ", number(shown_in.per_watt() * weighted(e)))
+        }
+        Some(ShownIn::Unit(_)) | None => String::new(),
+    };
+    let text = format!(
+        "{factor}E {} lx, {} W/m²   B {} W/m²   {material}",
+        number(lux(e)),
+        number(weighted(e)),
+        number(weighted(b)),
+    );
     // The pointer is over the view, and stays there.
     let area = egui::Area::new(Id::unique("readout")).interactable(false);
     area.pivot(Align2::LEFT_TOP).fixed_pos(view.left_top() + egui::vec2(10.0, 10.0)).show(ui.ctx(), |ui| {

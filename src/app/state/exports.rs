@@ -192,8 +192,9 @@ fn draw(picture: &Picture, gathered: Option<&GatheredPicture>) -> Result<RgbaIma
         gathered.and_then(|gathered| developed(gathered, exposure, picture.display.reading.as_ref())).map(Arc::new);
     let mut offscreen = Offscreen::new()?;
     let mut draw = |snapshot: &Snapshot, overlay: &Overlay, gathered: Option<&Arc<Pixels>>| {
-        let Picture { camera, display, size, .. } = picture;
-        offscreen.picture_over(&Frame { snapshot, camera, display, gathered, overlay, size: *size })
+        let Picture { camera, display, size, outside, .. } = picture;
+        let outside = outside.as_ref();
+        offscreen.picture_over(&Frame { snapshot, outside, camera, display, gathered, overlay, size: *size })
     };
     let mut drawn = draw(&picture.snapshot, &picture.overlay, gathered.as_ref())?;
     if let Some(beside) = &picture.beside {

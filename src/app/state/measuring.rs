@@ -6,7 +6,7 @@ use glam::Vec3;
 
 use crate::app::Wake;
 use crate::app::widgets::save_dialog::SaveDialog;
-use crate::base::photometry::{Quantity, weighted};
+use crate::base::photometry::{Quantity, ShownIn, Unit, weighted};
 use crate::read::survey::{
     NamedReading, PlaneReading, Probed, Ray, Report, Surveyor, WorkPlane, write_plane, write_probes,
 };
@@ -299,7 +299,8 @@ impl Measuring {
         self.report.plane.as_ref().filter(|_| self.asked.is_some())
     }
 
-    /// How its values are coloured: as the irradiance in view where there is a legend of it, otherwise from nothing to nearly the brightest point.
+    /// How its values are coloured: as the irradiance in view where there is a legend of it, otherwise, in lx, from nothing to
+    /// nearly the brightest point.
     pub(in crate::app) fn plane_scale(&self, reading: Option<&Reading>) -> Option<Reading> {
         let plane = self.plane_reading()?;
         if let Some(reading) = reading.filter(|reading| reading.quantity == Quantity::Irradiance) {
@@ -317,6 +318,7 @@ impl Measuring {
         };
         Some(Reading {
             quantity: Quantity::Irradiance,
+            shown_in: ShownIn::Unit(Unit::Lumens),
             scale: scale.rounded(),
             fills: true,
             isolines: Isolines::default(),

@@ -3,22 +3,31 @@
 use crate::render::{Reading, ReadingSettings};
 use crate::solve::Snapshot;
 
+/// Generation and number of the snapshot, the light of open ground and the settings.
+type MadeOf = (u64, u64, Option<f32>, ReadingSettings);
+
 /// The reading of the snapshot in view.
 #[derive(Default)]
 pub(in crate::app) struct ReadingInView {
-    made_of: Option<(u64, u64, ReadingSettings)>,
+    made_of: Option<MadeOf>,
     reading: Option<Reading>,
 }
 
 impl ReadingInView {
-    /// Follows the snapshot and the settings.
-    pub(in crate::app) fn follow(&mut self, snapshot: &Snapshot, settings: &ReadingSettings) -> Option<Reading> {
-        let is_of = |(generation, serial, of): &(u64, u64, ReadingSettings)| {
-            (*generation, *serial) == (snapshot.generation, snapshot.serial) && of == settings
+    /// Follows the snapshot and the settings; `open_ground` is the irradiance of open ground where the sky alone shines, W/m², weighted as
+    /// the eye does.
+    pub(in crate::app) fn follow(
+        &mut self,
+        snapshot: &Snapshot,
+        open_ground: Option<f32>,
+        settings: &ReadingSettings,
+    ) -> Option<Reading> {
+        let is_of = |(generation, serial, open, of): &MadeOf| {
+            (*generation, *serial, *open) == (snapshot.generation, snapshot.serial, open_ground) && of == settings
         };
         if !self.made_of.as_ref().is_some_and(is_of) {
-            self.reading = settings.reading(snapshot);
-            self.made_of = Some((snapshot.generation, snapshot.serial, settings.clone()));
+            self.reading = settings.reading(snapshot, open_ground);
+            self.made_of = Some((snapshot.generation, snapshot.serial, open_ground, settings.clone()));
         }
         self.reading
     }

@@ -1,4 +1,4 @@
-//! Undo and redo of settings: the solver's parameters, the display, lamps and materials, the task area.
+//! Undo and redo of settings: the solver's parameters, the display, lamps and materials, daylight, the task area.
 //!
 //! A drag of a slider is one step, however many values it passes: what is set is looked at when the pointer and all keys are
 //! let go. The camera and what is picked are no settings.
@@ -9,6 +9,7 @@ use crate::app::state::lighting::Lighting;
 use crate::app::state::settings::DisplaySettings;
 use crate::app::{App, Outbox, words};
 use crate::scene::TaskArea;
+use crate::scene::outside::Daylight;
 use crate::solve::SolverParams;
 use crate::worker::Command;
 
@@ -24,6 +25,7 @@ pub(in crate::app) struct Undoable {
     params: SolverParams,
     display: DisplaySettings,
     lighting: Lighting,
+    daylight: Daylight,
     task_area: Option<TaskArea>,
 }
 
@@ -36,6 +38,8 @@ impl Undoable {
             "luminaires"
         } else if self.lighting != other.lighting {
             "lamps and materials"
+        } else if self.daylight != other.daylight {
+            "daylight"
         } else if self.task_area != other.task_area {
             "the task area"
         } else {
@@ -96,6 +100,7 @@ impl App {
             params: self.edits.params,
             display: self.edits.display.clone(),
             lighting: self.edits.light.lighting.clone(),
+            daylight: self.edits.light.daylight.told.clone(),
             task_area: self.tools.measuring.task_area(),
         }
     }
@@ -111,13 +116,17 @@ impl App {
     }
 
     fn restore(&mut self, settings: Option<Undoable>, outbox: &mut Outbox) {
-        let Some(Undoable { params, display, lighting, task_area }) = settings else { return };
+        let Some(Undoable { params, display, lighting, daylight, task_area }) = settings else { return };
         if params != self.edits.params {
             outbox.push(Command::SetParams(params));
         }
         outbox.extend(lighting.commands_since(&self.edits.light.lighting));
         // The worker is told of luminaires at the end of the frame.
         self.edits.light.lighting = lighting;
+        if daylight != self.edits.light.daylight.told {
+            self.edits.light.daylight.told.clone_from(&daylight);
+            outbox.push(Command::SetDaylight(daylight));
+        }
         (self.edits.params, self.edits.display) = (params, display);
         if task_area != self.tools.measuring.task_area()
             && let Some(info) = &self.shown.info
@@ -183,7 +192,13 @@ mod tests {
 
     fn with_level(cluster_level: u16) -> Undoable {
         let display = DisplaySettings { cluster_level, ..DisplaySettings::default() };
-        Undoable { params: SolverParams::default(), display, lighting: Lighting::default(), task_area: None }
+        Undoable {
+            params: SolverParams::default(),
+            display,
+            lighting: Lighting::default(),
+            daylight: Daylight::default(),
+            task_area: None,
+        }
     }
 
     /// Truth: a list of what was set, walked back and forth; a new change ends what could be redone.

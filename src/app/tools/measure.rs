@@ -11,6 +11,7 @@ use crate::app::widgets::dialog::DialogAnswer;
 use crate::app::widgets::theme;
 use crate::app::{Shown, Wake, format, words};
 use crate::base::photometry::{CONVENTION, lux};
+use crate::read::daylight_factor::NoDaylightFactor;
 use crate::read::survey::{PlaneReading, Probed, WorkPlane};
 
 /// Lengths that a field offers, in the scene's unit.
@@ -182,6 +183,10 @@ fn show_summary(ui: &mut Ui, shown: &Shown, plane: &PlaneReading) {
             ui.end_row();
         }
     });
+    if let Err(missing @ (NoDaylightFactor::Sun | NoDaylightFactor::Lamps)) = plane.open_ground {
+        let text = format!("There is {missing}.");
+        ui.add(egui::Label::new(theme::weak(text)).wrap());
+    }
     let [columns, rows] = plane.grid.counts.map(format::count);
     let [across, along] = plane.grid.steps.map(|step| format::short(step.into()));
     let left_out = match summary.left_out {

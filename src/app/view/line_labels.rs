@@ -4,16 +4,16 @@ use egui::epaint::TextShape;
 use egui::{Align2, Color32, FontId, Rect, Sense, Ui, vec2};
 
 use crate::app::format;
-use crate::base::photometry::Unit;
+use crate::base::photometry::ShownIn;
 use crate::read::picture::LABEL_RIM;
 use crate::render::Pixels;
 
 /// Writes them; white with a dark rim, so that they can be read over bright and dark.
-pub(in crate::app) fn show(ui: &Ui, view: Rect, pixels: &Pixels, unit: Unit) {
+pub(in crate::app) fn show(ui: &Ui, view: Rect, pixels: &Pixels, shown_in: ShownIn) {
     let painter = ui.painter_at(view);
     let scale = view.size() / egui::Vec2::from(pixels.size.map(|side| side as f32));
     for (index, label) in pixels.labels.iter().enumerate() {
-        let text = format::short((unit.per_watt() * label.value).into());
+        let text = format::short((shown_in.per_watt() * label.value).into());
         let at = view.min + scale * vec2(label.at.x, label.at.y);
         let write = |at, colour| {
             let galley = painter.layout_no_wrap(text.clone(), FontId::proportional(12.0), colour);

@@ -6,7 +6,7 @@ use glam::{Mat4, Vec3};
 use crate::app::format;
 use crate::app::state::measuring::Measuring;
 use crate::app::widgets::theme;
-use crate::base::photometry::{lux, weighted};
+use crate::base::photometry::{ShownIn, lux, weighted};
 use crate::geometry::Occluders;
 use crate::render::{Camera, Reading};
 
@@ -79,15 +79,19 @@ fn show_plane(painter: &Painter, eye: &Eye<'_>, measuring: &Measuring, scale: &R
         painter.add(Shape::convex_polygon(disc, Color32::from_rgba_unmultiplied(r, g, b, 230), edge));
     }
     if measuring.writes_values {
-        write_values(painter, seen.iter().rev().map(|(at, scale, _, value)| (*at, radius_of(*scale), *value)));
+        let shown = |value: &Vec3| match scale.shown_in {
+            ShownIn::Unit(_) => lux(value.to_array()),
+            daylight_factor @ ShownIn::DaylightFactor { .. } => daylight_factor.per_watt() * weighted(value.to_array()),
+        };
+        write_values(painter, seen.iter().rev().map(|(at, scale, _, value)| (*at, radius_of(*scale), shown(value))));
     }
 }
 
 /// Writes values beside points, nearer ones first, where nothing is written yet.
-fn write_values(painter: &Painter, points: impl Iterator<Item = (Pos2, f32, Vec3)>) {
+fn write_values(painter: &Painter, points: impl Iterator<Item = (Pos2, f32, f32)>) {
     let mut taken: Vec<Rect> = Vec::new();
     for (at, _, value) in points.take_while(|(_, radius, _)| *radius >= LEAST_LABELLED) {
-        let text = format::number(lux(value.to_array()).into());
+        let text = format::number(value.into());
         let room = Rect::from_center_size(at, vec2(7.0 * text.len() as f32, 13.0));
         if taken.len() < MOST_VALUES && !taken.iter().any(|other| other.intersects(room)) {
             label(painter, at, Align2::CENTER_CENTER, &text, 11.0);

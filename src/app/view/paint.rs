@@ -8,12 +8,15 @@ use std::sync::mpsc::Sender;
 use egui_wgpu::{CallbackResources, CallbackTrait, RenderState, ScreenDescriptor};
 
 use crate::render::{self, Camera, Display, Frame, Marks, Overlay, Pixels, RenderError, SceneRenderer};
+use crate::scene::outside::Outside;
 use crate::solve::Snapshot;
 
 /// Content of one picture.
 #[derive(Clone)]
 pub(in crate::app) struct Picture {
     pub snapshot: Arc<Snapshot>,
+    /// What lies behind the scene.
+    pub outside: Option<Arc<Outside>>,
     pub camera: Camera,
     pub display: Display,
     pub overlay: Overlay,
@@ -94,6 +97,7 @@ impl Stage {
     fn draw(&mut self, encoder: &mut wgpu::CommandEncoder, picture: &Picture) -> Result<(), RenderError> {
         let frame = Frame {
             snapshot: &picture.snapshot,
+            outside: picture.outside.as_ref(),
             camera: &picture.camera,
             display: &picture.display,
             gathered: picture.gathered.as_ref().map(|(_, pixels)| pixels),

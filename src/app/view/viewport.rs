@@ -15,9 +15,10 @@ use crate::app::view::paint::Picture;
 use crate::app::view::walk::Ground;
 use crate::app::widgets::theme;
 use crate::app::{App, Outbox, panels, words};
+use crate::base::photometry::ShownIn;
 use crate::geometry::Occluders;
 use crate::read::survey::Ray;
-use crate::render::{Camera, Display, Exposure, Marks};
+use crate::render::{Camera, Display, Exposure, Marks, Reading};
 use crate::scene::{CameraPose, Scene};
 use crate::solve::USUAL_ERROR;
 use crate::worker::SceneInfo;
@@ -364,7 +365,8 @@ pub(in crate::app) fn show(app: &mut App, ui: &mut Ui, outbox: &mut Outbox) -> O
                 ))
             }
         };
-        let reading = app.view.reading.follow(&snapshot, &app.edits.display.reading);
+        let open_ground = app.shown.info.as_ref().and_then(|info| info.open_ground.ok());
+        let reading = app.view.reading.follow(&snapshot, open_ground, &app.edits.display.reading);
         if let Some(info) = &app.shown.info {
             // A lamp that is dimmed is to be seen dimmer.
             let is_held = ui.ctx().egui_is_using_pointer() && !response.dragged();
@@ -392,6 +394,7 @@ pub(in crate::app) fn show(app: &mut App, ui: &mut Ui, outbox: &mut Outbox) -> O
             }
         };
         let picture = Picture {
+            outside: app.shown.info.as_ref().and_then(|info| info.scene.outside().cloned()),
             camera,
             display,
             gathered: app.view.painted.as_ref().map(|painted| (painted.serial, painted.pixels.clone())),
@@ -407,8 +410,8 @@ pub(in crate::app) fn show(app: &mut App, ui: &mut Ui, outbox: &mut Outbox) -> O
         };
         app.view.viewport.picture = Some(picture.clone());
         picture.add_to(&ui.painter_at(rect), rect);
-        if let Some(painted) = &app.view.painted {
-            line_labels::show(ui, rect, &painted.pixels, app.edits.display.reading.unit);
+        if let Some((painted, reading)) = app.view.painted.as_ref().zip(reading) {
+            line_labels::show(ui, rect, &painted.pixels, reading.shown_in);
         }
         if let Some(info) = &app.shown.info {
             let painter = ui.painter_at(rect);
@@ -484,8 +487,9 @@ fn show_legend(app: &App, ui: &mut Ui, rect: Rect) {
             (true, Some(_)) => "locked range",
             (true, None) => "",
         };
-        panels::legend::show_reading(ui, rect, &reading, settings.unit, remark);
+        panels::legend::show_reading(ui, rect, &reading, remark);
     } else if let Some(reading) = app.tools.measuring.plane_scale(None).filter(|_| app.tools.measuring.shows_points) {
-        panels::legend::show_reading(ui, rect, &reading, app.edits.display.reading.unit, "work plane");
+        let reading = Reading { shown_in: ShownIn::Unit(app.edits.display.reading.unit), ..reading };
+        panels::legend::show_reading(ui, rect, &reading, "work plane");
     }
 }

@@ -48,7 +48,7 @@ pub const UNJUDGED: [u8; 3] = [72, 76, 86];
 /// A pair that holds this one was seen fully: no ray of its own was needed to accept it.
 const INHERITED: [u8; 3] = [104, 182, 226];
 
-/// Power density at either end of the ramp, as a multiple of what all emitted power spread evenly
+/// Power density at either end of the ramp, as a multiple of what all power that is emitted or comes in, spread evenly
 /// over all pairs would be.
 const POWER_RANGE: [f32; 2] = [1e-2, 1e2];
 /// Rays at the end of the ramp.
@@ -92,7 +92,13 @@ impl Palette {
     pub fn new(solution_view: &SolutionView, colouring: Colouring) -> Self {
         let hierarchy = solution_view.hierarchy();
         let area = hierarchy.element(Hierarchy::ROOT).area;
-        let even = solution_view.emitted(Hierarchy::ROOT).max_element() / area;
+        // What comes in from outside is emitted too, beside the root.
+        let from_outside = |link: &LinkView| hierarchy.element(link.source).is_sky();
+        let entering: f32 = match hierarchy.outside().len() {
+            0 => 0.0,
+            _ => solution_view.all_links().filter(from_outside).map(|link| link.power).sum(),
+        };
+        let even = (solution_view.emitted(Hierarchy::ROOT).max_element() + entering / area) / area;
         // Of receivers and sources alone: what no link ends at was passed by.
         let of_link = |link: LinkView| solution_view.depth(link.receiver) + solution_view.depth(link.source);
         let deepest = match colouring {

@@ -8,7 +8,7 @@
 use glam::{Vec3, Vec4};
 use rayon::prelude::*;
 
-use super::light::Light;
+use super::light::{Light, PARTS};
 use super::{Sight, Sights};
 use crate::base::cancel::CancelToken;
 use crate::gather::grey;
@@ -21,8 +21,9 @@ const PLANE: f32 = 0.01;
 const TURNED: f32 = 0.5;
 const SMOOTHNESS: i32 = 32;
 /// Deviation of the weights at least, in distances between samples, after one look: less would leave noise in corners. Direct light
-/// has shadows whose edges are to stay, indirect light is smoother than that.
-const LEAST_REACH: [f32; 2] = [4.0, 12.0];
+/// has shadows whose edges are to stay, indirect light is smoother than that. The sun's edges are as sharp as those of what casts them: its
+/// light goes no further than to samples that nobody looked from.
+const LEAST_REACH: [f32; PARTS] = [4.0, 12.0, 1.0];
 /// Samples that are less alike are of different surfaces.
 const ALIKE: f32 = 0.5;
 /// Squared deviations at which the fall-off of a weight has come to nothing.
@@ -34,15 +35,15 @@ pub struct Filter {
     /// Passes; the last one reaches 2^passes samples.
     pub passes: u32,
     /// Deviation of the weights over a surface after one look, as a share of the harmonic mean distance to what surrounds a sample:
-    /// for direct and for indirect light.
-    pub reach: [f32; 2],
+    /// for direct light, for indirect light and for the sun's.
+    pub reach: [f32; PARTS],
 }
 
 impl Filter {
     /// The filter of pictures.
-    pub const PICTURE: Self = Self { passes: 4, reach: [0.1, 0.15] };
+    pub const PICTURE: Self = Self { passes: 4, reach: [0.1, 0.15, 0.0] };
     /// A wide one, for lines of equal value, which noise would fray.
-    pub const LINES: Self = Self { passes: 5, reach: [0.2, 0.3] };
+    pub const LINES: Self = Self { passes: 5, reach: [0.2, 0.3, 0.0] };
 }
 
 /// Light that was shared, at a sample.
@@ -54,16 +55,16 @@ pub struct Share {
     pub noise: f32,
 }
 
-/// Direct and indirect light on its way through the filter: colours, and the noise as the fourth.
+/// Parts of the light on their way through the filter: colours, and the noise as the fourth.
 #[derive(Clone, Copy, Debug, Default)]
 struct Mixed {
-    light: [Vec4; 2],
+    light: [Vec4; PARTS],
     /// Looks that stand behind each.
-    weight: [f32; 2],
+    weight: [f32; PARTS],
 }
 
-/// 1 / squared deviations of the weights of direct and of indirect light at a sample, 1/m².
-type Narrowness = [f32; 2];
+/// 1 / squared deviations of the weights of each part at a sample, 1/m².
+type Narrowness = [f32; PARTS];
 
 impl Filter {
     /// Shares the light of all samples; `None` if cancelled.
@@ -84,7 +85,7 @@ impl Filter {
             std::mem::swap(&mut mixed, &mut next);
         }
         let sum = |mixed: &Mixed| {
-            let sum = mixed.light[0] + mixed.light[1];
+            let sum: Vec4 = mixed.light.iter().sum();
             Share { irradiance: sum.truncate(), noise: sum.w }
         };
         (!cancel.is_cancelled()).then(|| mixed.par_iter().map(sum).collect())
@@ -94,7 +95,7 @@ impl Filter {
     fn start(&self, sights: &Sights, light: &Light, cancel: &CancelToken) -> Option<(Vec<Mixed>, Vec<Narrowness>)> {
         let [width, height] = sights.size.map(|side| side as usize);
         let mut mixed = vec![Mixed::default(); light.found.len()];
-        let mut narrowness = vec![[0.0; 2]; light.found.len()];
+        let mut narrowness = vec![[0.0; PARTS]; light.found.len()];
         let rows = mixed.par_chunks_exact_mut(width.max(1)).zip(narrowness.par_chunks_exact_mut(width.max(1)));
         rows.enumerate().for_each(|(y, (mixed, narrowness))| {
             if cancel.is_cancelled() {
@@ -107,7 +108,7 @@ impl Filter {
                     continue;
                 }
                 let per_plane = 1.0 / (PLANE * here.distance);
-                let (mut samples, mut looks, mut nearness, mut sums) = (0.0, 0.0, 0.0, [0.0; 2]);
+                let (mut samples, mut looks, mut nearness, mut sums) = (0.0, 0.0, 0.0, [0.0; PARTS]);
                 for y in y.saturating_sub(2)..(y + 3).min(height) {
                     for x in x.saturating_sub(2)..(x + 3).min(width) {
                         let found = &light.found[y * width + x];
@@ -116,8 +117,9 @@ impl Filter {
                             samples += weight;
                             looks += weight * found.looks;
                             nearness += weight * found.nearness;
-                            sums[0] += weight * grey(found.direct);
-                            sums[1] += weight * grey(found.indirect);
+                            for (sum, of_found) in sums.iter_mut().zip(found.sums) {
+                                *sum += weight * grey(of_found);
+                            }
                         }
                     }
                 }
@@ -127,18 +129,18 @@ impl Filter {
                 let narrowing = fewer(looks / samples * (sights.per_side * sights.per_side) as f32);
                 let spacing = sights.spacing * here.distance;
                 let surroundings = looks / nearness.max(f32::MIN_POSITIVE);
-                for part in 0..2 {
+                for part in 0..PARTS {
                     let reach = narrowing * (self.reach[part] * surroundings).max(LEAST_REACH[part] * spacing);
                     narrowness[part] = 1.0 / (reach * reach).max(f32::MIN_POSITIVE);
                 }
                 let found = &light.found[index];
                 if found.looks > 0.0 {
-                    let of = |part: usize, sum: Vec3| {
+                    let of = |part: usize| {
                         // What is left of one look without a partner is compared with the looks around.
                         let noise = found.signed[part] - found.signs * sums[part] / looks;
-                        sum.extend(noise) / found.looks
+                        found.sums[part].extend(noise) / found.looks
                     };
-                    *mixed = Mixed { light: [of(0, found.direct), of(1, found.indirect)], weight: [found.looks; 2] };
+                    *mixed = Mixed { light: std::array::from_fn(of), weight: [found.looks; PARTS] };
                 }
             }
         });
@@ -154,13 +156,13 @@ fn share_row(sights: &Sights, mixed: &[Mixed], narrowness: &[Narrowness], step: 
         let here = &sights.all[index];
         *next = mixed[index];
         let narrowness = narrowness[index];
-        let widest = narrowness[0].min(narrowness[1]);
+        let widest = narrowness.into_iter().fold(f32::INFINITY, f32::min);
         let nearest = step as f32 * sights.spacing * here.distance;
         if here.polygon().is_none() || nearest * nearest * widest >= FAR {
             continue;
         }
         let per_plane = 1.0 / (PLANE * here.distance);
-        let (mut light, mut weights, mut kernels) = ([Vec4::ZERO; 2], [0.0; 2], [0.0; 2]);
+        let (mut light, mut weights, mut kernels) = ([Vec4::ZERO; PARTS], [0.0; PARTS], [0.0; PARTS]);
         for down in -2_i32..=2 {
             let y = y + down * step;
             if !(0..height).contains(&y) {
@@ -183,7 +185,7 @@ fn share_row(sights: &Sights, mixed: &[Mixed], narrowness: &[Narrowness], step: 
                 }
                 let kernel = likeness * KERNEL[right.unsigned_abs() as usize] * KERNEL[down.unsigned_abs() as usize];
                 let there = &mixed[there];
-                for part in 0..2 {
+                for part in 0..PARTS {
                     let kernel = kernel * fall_off(square * narrowness[part]);
                     let weight = kernel * there.weight[part];
                     light[part] += weight * there.light[part];
@@ -192,7 +194,7 @@ fn share_row(sights: &Sights, mixed: &[Mixed], narrowness: &[Narrowness], step: 
                 }
             }
         }
-        for part in 0..2 {
+        for part in 0..PARTS {
             if weights[part] > 0.0 {
                 next.light[part] = light[part] / weights[part];
                 next.weight[part] = weights[part] / kernels[part];

@@ -15,6 +15,8 @@ use crate::gather::{Field, GatherPoint, GlanceRays, grey};
 
 /// Rays of each look: a few, for many samples share what they find.
 const RAYS: GlanceRays = GlanceRays { aimed: 1, cosine: 2 };
+/// Parts of light that are shared apart: by emitters, by what others reflect, by the sun.
+pub(super) const PARTS: usize = 3;
 /// Sides of the blocks whose pixels share a sequence of random numbers; a power of two.
 const BLOCK: u32 = 64;
 /// Sides of the tiles of pixels that are looked from again or not, as a whole; a power of two up to that of blocks.
@@ -23,12 +25,10 @@ pub(super) const TILE: u32 = 16;
 /// Light that the looks from a sample found.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Found {
-    /// Sum over the looks of the irradiance by emitters, W/m².
-    pub direct: Vec3,
-    /// Sum over the looks of the irradiance by what others reflect, W/m².
-    pub indirect: Vec3,
+    /// Sums over the looks of the irradiance by emitters, by what others reflect, and by the sun, W/m².
+    pub sums: [Vec3; PARTS],
     /// The sums (mean of the colours) with the sign of every other look turned, which tell the noise.
-    pub signed: [f32; 2],
+    pub signed: [f32; PARTS],
     /// Sum of the signs.
     pub signs: f32,
     /// Sum over the looks of the mean of 1 / distance to what surrounds the sample.
@@ -85,10 +85,10 @@ impl Light {
                 } else {
                     -1.0
                 };
-                found.direct += glance.direct;
-                found.indirect += glance.indirect;
-                found.signed[0] += sign * grey(glance.direct);
-                found.signed[1] += sign * grey(glance.indirect);
+                for (part, light) in [glance.direct, glance.indirect, glance.sun].into_iter().enumerate() {
+                    found.sums[part] += light;
+                    found.signed[part] += sign * grey(light);
+                }
                 found.signs += sign;
                 found.nearness += glance.nearness;
                 found.looks += 1.0;

@@ -17,6 +17,7 @@ mod labels;
 mod lens;
 mod light;
 mod sights;
+mod sky;
 
 pub use develop::{FalseColours, Shading, ground};
 pub use filter::{Filter, Share};
@@ -25,3 +26,4 @@ pub use labels::{LABEL_RIM, LineLabel};
 pub use lens::Lens;
 pub use light::{Light, Tiles};
 pub use sights::{Sight, Sights};
+pub use sky::sky_behind;

@@ -12,9 +12,10 @@ use rayon::prelude::*;
 
 use super::grid::{Grid, GridError, WorkPlane};
 use super::lit_mesh::{LitMesh, Met};
-use crate::base::photometry::lux;
+use crate::base::photometry::{LUMENS_PER_WATT, lux};
 use crate::base::random::{cosine_direction, hash64, r2_sequence};
 use crate::hierarchy::point_on_polygon;
+use crate::read::daylight_factor::{NoDaylightFactor, open_ground};
 use crate::scene::{Polygon, Scene};
 use crate::solve::Snapshot;
 use crate::transport::point_to_polygon;
@@ -23,6 +24,8 @@ use crate::transport::point_to_polygon;
 const RAYS: u32 = 512;
 /// Rays from a point to all lamps together; the brighter a lamp, the more of them it gets.
 const LAMP_RAYS: f32 = 256.0;
+/// Rays from a point to the sky: through a small window one in a hundred finds it.
+const SKY_RAYS: u32 = 2048;
 /// Rays from a point to the sun's disc.
 const SUN_RAYS: u32 = 64;
 /// Each lamp gets so many at most.
@@ -48,8 +51,8 @@ pub struct PlaneReading {
     pub origin: DVec3,
     /// The light that was measured.
     pub snapshot: Arc<Snapshot>,
-    /// Irradiance of open horizontal ground, W/m², where the sky alone shines.
-    pub open_ground: Option<Vec3>,
+    /// Irradiance of open horizontal ground, W/m², weighted as the eye does, or why it does not count.
+    pub open_ground: Result<f32, NoDaylightFactor>,
 }
 
 /// Figures that planners ask of a work plane; illuminances in lx.
@@ -85,7 +88,8 @@ impl PlaneReading {
         let minimum = measured.iter().copied().fold(f32::INFINITY, f32::min);
         let maximum = measured.iter().copied().fold(0.0, f32::max);
         let uniformity = if average > 0.0 { minimum / average } else { 0.0 };
-        let daylight_factor = self.open_ground.map(|open| [average, minimum].map(|value| value / lux(open.to_array())));
+        let daylight_factor =
+            self.open_ground.ok().map(|open| [average, minimum].map(|lx| lx / (LUMENS_PER_WATT * open)));
         Summary { points: measured.len(), left_out, average, minimum, maximum, uniformity, daylight_factor }
     }
 }
@@ -150,13 +154,6 @@ pub fn measure(lit: &LitMesh, plane: WorkPlane) -> Result<PlaneReading, GridErro
     Ok(measuring.finish())
 }
 
-/// Irradiance of open horizontal ground, W/m², where the sky shines and nothing else does.
-pub fn open_ground(scene: &Scene) -> Option<Vec3> {
-    let outside = scene.outside().filter(|outside| outside.sun().is_none() && !scene.has_lamp())?;
-    let [sky, _] = outside.horizontal_irradiance();
-    (crate::base::photometry::weighted(sky.into()) > 0.0).then_some(sky)
-}
-
 /// Polygons that emit.
 fn lamps(scene: &Scene) -> Vec<&Polygon> {
     let emits = |polygon: &&Polygon| scene.emits(polygon);
@@ -183,21 +180,31 @@ fn irradiance(lit: &LitMesh, lamps: &[&Polygon], point: Vec3, normal: Vec3, seed
     (2 * backs < RAYS).then(|| sent / RAYS as f32 + others())
 }
 
-/// Irradiance by the sky and the sun: one half of the rays to the sky has density cosθ/π, the other is drawn by its radiance.
+/// Irradiance by the sky and the sun: one half of the rays to the sky has density cosθ/π, the other is drawn by its radiance, and by what
+/// is seen of it where a gather found openings.
 fn from_outside(lit: &LitMesh, point: Vec3, normal: Vec3, seed: u64) -> Vec3 {
     let Some(outside) = lit.scene().outside() else { return Vec3::ZERO };
+    let field = lit.snapshot().field.as_ref();
+    let draw = |numbers: [f32; 2]| match field {
+        Some(field) => field.draw_sky(point, numbers),
+        None => outside.draw(numbers).map(|drawn| drawn.direction),
+    };
+    let density = |direction: Vec3| match field {
+        Some(field) => field.sky_density(point, direction),
+        None => outside.density(direction),
+    };
     let mut light = Vec3::ZERO;
-    for ray in 0..if outside.has_sky() { RAYS } else { 0 } {
+    for ray in 0..if outside.has_sky() { SKY_RAYS } else { 0 } {
         let numbers = r2_sequence(hash64(seed, 1 << 40), ray / 2);
         let direction = match ray % 2 {
             0 => Some(cosine_direction(normal, numbers[0], numbers[1])),
-            _ => outside.draw(numbers).map(|drawn| drawn.direction),
+            _ => draw(numbers),
         };
         let Some(direction) = direction else { continue };
         let cosine = normal.dot(direction);
         if cosine > 0.0 && matches!(lit.met(point, direction), Met::Nothing) {
-            let density = 0.5 * (cosine / PI + outside.density(direction));
-            light += cosine / density / RAYS as f32 * outside.radiance(direction);
+            let density = 0.5 * (cosine / PI + density(direction));
+            light += cosine / density / SKY_RAYS as f32 * outside.radiance(direction);
         }
     }
     if let Some(sun) = outside.sun() {

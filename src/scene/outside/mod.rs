@@ -229,6 +229,25 @@ impl Outside {
         Some(Drawn { direction: self.axes.of_scene(drawn.direction), ..drawn })
     }
 
+    /// A direction of the scene in the sky's own frame (east, north, up).
+    pub fn in_sky(&self, direction: Vec3) -> Vec3 {
+        self.axes.of_sky(direction)
+    }
+
+    /// Radiance (of the sky's brightest colour) times solid angle in each cell of a table of its own frame, row by row.
+    pub fn weights(&self, size: [usize; 2]) -> Vec<f64> {
+        let brightest = |direction: DVec3| {
+            self.sky.as_ref().map_or(0.0, |sky| f64::from(sky.source.at(direction, sky.sun).max_element()))
+        };
+        SkyTable::weights(size, brightest)
+    }
+
+    /// A direction of the scene drawn by a table of the sky's own frame.
+    pub fn draw_by(&self, table: &SkyTable, numbers: [f32; 2]) -> Drawn {
+        let drawn = table.draw(numbers);
+        Drawn { direction: self.axes.of_scene(drawn.direction), ..drawn }
+    }
+
     /// Density with which [`Self::draw`] draws a direction, 1/sr.
     pub fn density(&self, direction: Vec3) -> f32 {
         self.sky.as_ref().map_or(0.0, |sky| sky.table.density(self.axes.of_sky(direction)))

@@ -24,7 +24,12 @@ pub struct Drawn {
 
 impl SkyTable {
     /// A table of so many rows and columns, where `radiance` tells the radiance (of the largest colour) of a direction; `None` for a dark sky.
-    pub fn new([rows, columns]: [usize; 2], radiance: impl Fn(DVec3) -> f64) -> Option<Self> {
+    pub fn new(size: [usize; 2], radiance: impl Fn(DVec3) -> f64) -> Option<Self> {
+        Self::of_weights(size, &Self::weights(size, radiance))
+    }
+
+    /// Mean radiance times solid angle of each cell, row by row.
+    pub fn weights([rows, columns]: [usize; 2], radiance: impl Fn(DVec3) -> f64) -> Vec<f64> {
         let mut weights = Vec::with_capacity(rows * columns);
         for row in 0..rows {
             let bounds = [row, row + 1].map(|row| (PI * row as f64 / rows as f64).cos());
@@ -39,6 +44,11 @@ impl SkyTable {
                 weights.push(sum / 9.0 * solid_angle);
             }
         }
+        weights
+    }
+
+    /// A table of so many rows and columns whose cells are drawn by these weights, row by row; `None` where all of them are 0.
+    pub fn of_weights([rows, columns]: [usize; 2], weights: &[f64]) -> Option<Self> {
         let total: f64 = weights.iter().sum();
         let mut sum = 0.0;
         let up_to = weights.iter().map(|weight| {

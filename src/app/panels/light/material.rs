@@ -3,7 +3,7 @@
 use egui::{Button, ComboBox, Slider, Ui};
 use glam::Vec3;
 
-use crate::app::panels::light::{LampUnit, LightEditor, strength_slider};
+use crate::app::panels::light::{Faces, LampUnit, LightEditor, strength_slider};
 use crate::app::state::lighting::MaterialLight;
 use crate::app::widgets::theme;
 use crate::app::{format, words};
@@ -19,7 +19,7 @@ const SAME_TINT: f32 = 0.04;
 pub(in crate::app) fn show(ui: &mut Ui, scene: &Scene, editor: &mut LightEditor) {
     ui.label(theme::weak("Material (click a surface in the view to choose it)"));
     show_choice(ui, scene, editor);
-    show_left_out(ui, scene, editor);
+    show_faces(ui, scene, editor);
     let area = editor.areas.get(editor.material.0 as usize).copied().unwrap_or(0.0);
     let Some(light) = editor.lighting.of_mut(editor.material.0 as usize) else { return };
     let mut strength = light.reflectance.strength();
@@ -120,16 +120,25 @@ fn show_choice(ui: &mut Ui, scene: &Scene, editor: &mut LightEditor) {
     let _ = response.on_hover_text(material.name.as_str());
 }
 
-/// Offers the faces of the material at hand that were left out.
-fn show_left_out(ui: &mut Ui, scene: &Scene, editor: &mut LightEditor) {
-    let Some(material) = scene.materials.get(editor.material.0 as usize).filter(|material| material.left_out > 0)
-    else {
+/// Offers the faces of the material at hand that were left out, or to leave them out.
+fn show_faces(ui: &mut Ui, scene: &Scene, editor: &mut LightEditor) {
+    let Some(material) = scene.materials.get(editor.material.0 as usize) else { return };
+    let is_ignored = scene.reading.ignored.contains(&material.name);
+    let has_faces = editor.areas.get(editor.material.0 as usize).is_some_and(|area| *area > 0.0);
+    let (label, faces, hint) = if material.left_out > 0 {
+        let faces = format::things(material.left_out, "transparent face", "transparent faces");
+        let hint = "The file says that they let light through, so they were left out. This reads the file again and takes them for opaque; `Save scene settings` keeps it.";
+        (format!("Make its {faces} opaque"), Faces::Opaque, hint)
+    } else if is_ignored {
+        (words::BRING_FACES_BACK.to_owned(), Faces::Back, "Reads the scene again with the faces of this material")
+    } else if !has_faces {
         return;
+    } else {
+        let hint = "Reads the scene again without the faces of this material, such as panes that daylight is to pass; `Save scene settings` keeps it.";
+        (words::LEAVE_FACES_OUT.to_owned(), Faces::LeftOut, hint)
     };
-    let faces = format::things(material.left_out, "transparent face", "transparent faces");
-    let hint = "The file says that they let light through, so they were left out. This reads the file again and takes them for opaque; `Save scene settings` keeps it.";
-    if ui.button(format!("Make its {faces} opaque")).on_hover_text(hint).clicked() {
-        editor.opaque = Some(material.name.clone());
+    if ui.button(label).on_hover_text(hint).clicked() {
+        editor.faces = Some((material.name.clone(), faces));
     }
 }
 

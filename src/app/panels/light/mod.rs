@@ -4,13 +4,14 @@ mod daylight;
 mod lamps;
 mod luminaires;
 mod material;
+mod sun_place;
 
 use egui::{Slider, Ui};
 
 use crate::app::state::lighting::{Lighting, LuminaireLight};
 use crate::app::widgets::theme;
 use crate::app::{Outbox, Shown, format, words};
-use crate::scene::{Luminaire, MaterialId, Scene};
+use crate::scene::{Luminaire, MaterialId, Reading, Scene};
 use crate::solve::{Epsilon, SolverParams};
 use crate::worker::Command;
 use daylight::DaylightEditor;
@@ -37,11 +38,23 @@ pub(in crate::app) struct LightEditor {
     pub to_be_seen: Option<glam::Vec3>,
     /// Luminaires that the worker was last told of.
     told: Vec<Luminaire>,
-    daylight: DaylightEditor,
-    /// A transparent material whose faces are asked for.
-    opaque: Option<String>,
+    /// What lies outside, as it was set.
+    pub daylight: DaylightEditor,
+    /// What is to become of the faces of a material.
+    faces: Option<(String, Faces)>,
     /// In which unit a lamp's strength is shown.
     unit: LampUnit,
+}
+
+/// What is to become of the faces of a material when its file is read again.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Faces {
+    /// Transparent ones stop light.
+    Opaque,
+    /// They are left out.
+    LeftOut,
+    /// They are there again.
+    Back,
 }
 
 /// Units of a lamp's strength.
@@ -128,9 +141,17 @@ impl LightEditor {
         Some(Command::SetLuminaires(wanted))
     }
 
-    /// The transparent material whose faces were asked for since the last time.
-    pub(in crate::app) fn take_opaque(&mut self) -> Option<String> {
-        self.opaque.take()
+    /// How the scene in view is to be read again, where somebody asked for faces or against them since the last time.
+    pub(in crate::app) fn take_reading(&mut self, present: &Reading) -> Option<Reading> {
+        let (name, faces) = self.faces.take()?;
+        let mut reading = present.clone();
+        reading.ignored.retain(|ignored| *ignored != name);
+        match faces {
+            Faces::Opaque => reading.opaque.push(name),
+            Faces::LeftOut => reading.ignored.push(name),
+            Faces::Back => {}
+        }
+        Some(reading)
     }
 
     /// Takes a material of the scene in view in hand, or the luminaire that it is of.
@@ -165,7 +186,7 @@ pub(in crate::app) fn show(
             false => "Nothing in this scene emits light, so it is black: make a material a light, or add a luminaire.",
         };
         ui.add(egui::Label::new(egui::RichText::new(sentence).color(theme::ACCENT)).wrap());
-        if info.is_open && ui.button("Let daylight in").clicked() {
+        if info.is_open && ui.button(words::LET_DAYLIGHT_IN).clicked() {
             outbox.push(Command::SetDaylight(daylight::usual()));
         }
         ui.add_space(2.0);
