@@ -239,6 +239,12 @@ impl WideBvh {
         size_of_val(&self.nodes[..]) + size_of_val(&self.leaves[..])
     }
 
+    /// Nodes that wait at first: the root, unless the tree or the ray is none.
+    #[inline]
+    fn start(&self, origin: Vec3A, direction: Vec3A) -> usize {
+        usize::from(!self.nodes.is_empty() && origin.is_finite() && direction.is_finite())
+    }
+
     /// Whether one of the triangles that the ray may cross before the limit stops it, which `stops` decides by their number.
     #[inline]
     pub fn is_stopped(
@@ -257,7 +263,7 @@ impl WideBvh {
             long = vec![0; self.depth];
             &mut long
         };
-        let mut count = usize::from(!self.nodes.is_empty());
+        let mut count = self.start(origin, direction);
         while count > 0 {
             count -= 1;
             let next = waiting[count];
@@ -290,7 +296,7 @@ impl WideBvh {
             long = vec![(0.0, 0); self.depth];
             &mut long
         };
-        let mut count = usize::from(!self.nodes.is_empty());
+        let mut count = self.start(origin, direction);
         let mut limit = f32::INFINITY;
         while count > 0 {
             count -= 1;
@@ -342,4 +348,101 @@ fn counts(binary: &Bvh2) -> Vec<u32> {
         counts[index] = if node.prim_count > 0 { node.prim_count } else { counts[first] + counts[first + 1] };
     }
     counts
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::base::random::{hash64, r2_sequence};
+    use crate::geometry::offset::Crossing;
+
+    fn number(seed: u64, index: usize) -> f32 {
+        r2_sequence(hash64(seed, index as u64), 1)[0]
+    }
+
+    fn point(seed: u64, index: usize) -> Vec3A {
+        Vec3A::from_array([0, 1, 2].map(|axis| number(seed, 3 * index + axis)))
+    }
+
+    /// Distance to the nearest triangle and its number, by the tree and by a test of each triangle.
+    fn nearest(tree: &WideBvh, order: &[u32], corners: &[[Vec3A; 3]], origin: Vec3A, direction: Vec3A) -> [Option<f32>; 2] {
+        let crossing = |triangle: &Triangle| {
+            Crossing::of(triangle, origin, direction).map(|met| met.distance).filter(|distance| *distance >= 0.0)
+        };
+        let mut found: Option<f32> = None;
+        tree.walk(origin, direction, |triangle, index| {
+            assert_eq!(triangle.corner, corners[order[index] as usize][0], "the order is that of the tree");
+            let Some(distance) = crossing(triangle) else { return f32::INFINITY };
+            found = Some(found.map_or(distance, |before| before.min(distance)));
+            distance
+        });
+        let all = corners.iter().filter_map(|corners| crossing(&Triangle::new(*corners)));
+        [found, all.reduce(f32::min)]
+    }
+
+    /// Truth: each triangle tested by itself.
+    #[test]
+    fn the_tree_finds_what_each_triangle_by_itself_does() {
+        for count in [1, 3, 4, 5, 300] {
+            let corner = |index: usize| {
+                let first = point(1, index);
+                [first, first + 0.2 * (point(2, index) - 0.5), first + 0.2 * (point(3, index) - 0.5)]
+            };
+            let corners: Vec<_> = (0..count).map(corner).collect();
+            let (tree, order) = WideBvh::new(&corners);
+            let mut met = 0;
+            for ray in 0..2_000 {
+                let direction = match ray % 4 {
+                    // Along an axis the inverse of the direction is infinite.
+                    0 => Vec3A::AXES[ray % 3] * if ray % 8 == 0 { 1.0 } else { -1.0 } + Vec3A::ZERO,
+                    _ => (point(4, ray) - 0.5).normalize(),
+                };
+                let origin = point(5, ray);
+                let [found, wanted] = nearest(&tree, &order, &corners, origin, direction);
+                assert_eq!(found, wanted, "{count} triangles, ray {ray}");
+                let stops = |limit: f32| {
+                    tree.is_stopped(origin, direction, limit, |triangle, _| {
+                        let crossing = Crossing::of(triangle, origin, direction);
+                        crossing.is_some_and(|met| (0.0..=limit).contains(&met.distance))
+                    })
+                };
+                assert_eq!(stops(f32::INFINITY), wanted.is_some());
+                if let Some(wanted) = wanted {
+                    met += 1;
+                    assert!(stops(wanted) && !stops(0.999 * wanted));
+                }
+            }
+            assert!(count < 300 || met > 1_000, "{met} rays met something");
+        }
+    }
+
+    /// Truth: each triangle is met from in front of it. Where each is far larger than all before it together, the tree is a chain,
+    /// deeper than what most traversals hold.
+    #[test]
+    fn deep_trees_are_walked_whole() {
+        let corner = |index: usize| {
+            let at = 1.5_f32.powi(index as i32 - 60);
+            [Vec3A::new(at, 0.0, 0.0), Vec3A::new(1.1 * at, 0.0, 0.0), Vec3A::new(at, 0.1 * at, 0.0)]
+        };
+        let corners: Vec<_> = (0..200).map(corner).collect();
+        let (tree, order) = WideBvh::new(&corners);
+        assert!(tree.depth > SHORT, "no deep tree: {}", tree.depth);
+        for [a, b, c] in &corners {
+            let middle = 0.4 * *a + 0.3 * *b + 0.3 * *c;
+            let [found, wanted] = nearest(&tree, &order, &corners, middle + a.x * Vec3A::Z, Vec3A::NEG_Z);
+            assert!(found.is_some() && found == wanted, "{found:?}, not {wanted:?}");
+        }
+    }
+
+    #[test]
+    fn rays_that_are_no_numbers_meet_nothing() {
+        let (tree, _) = WideBvh::new(&[[Vec3A::ZERO, Vec3A::X, Vec3A::Y]]);
+        let (empty, _) = WideBvh::new(&[]);
+        for (tree, origin, direction) in
+            [(&tree, Vec3A::NAN, Vec3A::Z), (&tree, Vec3A::ZERO, Vec3A::NAN), (&empty, Vec3A::ZERO, Vec3A::Z)]
+        {
+            assert!(!tree.is_stopped(origin, direction, f32::INFINITY, |_, _| true));
+            tree.walk(origin, direction, |_, _| panic!("nothing to be met"));
+        }
+    }
 }
