@@ -82,6 +82,7 @@ fn bad_input_is_one_sentence_and_exit_code_2() {
         (vec!["scene", "attic", "--out", name(&nowhere)], "cornell, seminar, office"),
         (vec!["scene", "seminar", "--polygons", "5", "--out", name(&nowhere)], "between 1000 and"),
         (vec!["scene", "office", "--polygons", "5000", "--out", name(&nowhere)], "seminar"),
+        (vec!["scene", "tower", "--polygons", "5000", "--out", name(&nowhere)], "between 10000 and"),
         (vec!["scene", "office"], "--out"),
         (vec!["scene", "cornell", "--out", good], "cannot write"),
     ];
@@ -116,6 +117,8 @@ fn our_own_scenes_are_written_and_load_again() {
     assert_eq!(scene.polygons.len(), 3000);
     assert!(scene.has_light() && scene.camera.is_some());
     assert!(dir.join("seminar.mtl").exists() && dir.join("seminar.selflink.json").exists());
+    let (stdout, _) = succeed(&["scene", "tower", "--polygons", "10000", "--out", name(&dir)]);
+    assert!(stdout.contains("tower.obj") && stdout.contains("8,076 polygons"), "two whole offices: {stdout}");
 }
 
 #[test]
