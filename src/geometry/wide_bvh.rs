@@ -365,7 +365,13 @@ mod tests {
     }
 
     /// Distance to the nearest triangle and its number, by the tree and by a test of each triangle.
-    fn nearest(tree: &WideBvh, order: &[u32], corners: &[[Vec3A; 3]], origin: Vec3A, direction: Vec3A) -> [Option<f32>; 2] {
+    fn nearest(
+        tree: &WideBvh,
+        order: &[u32],
+        corners: &[[Vec3A; 3]],
+        origin: Vec3A,
+        direction: Vec3A,
+    ) -> [Option<f32>; 2] {
         let crossing = |triangle: &Triangle| {
             Crossing::of(triangle, origin, direction).map(|met| met.distance).filter(|distance| *distance >= 0.0)
         };

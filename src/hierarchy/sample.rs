@@ -91,6 +91,20 @@ impl Hierarchy {
         }
     }
 
+    /// The points of an element, a cluster's by these sums or by area.
+    pub fn points_on<'a>(&'a self, sums: Option<&'a PatchSums>, id: ElementId) -> ElementPoints<'a> {
+        let element = self.element(id);
+        let leaf = match &element.shape {
+            Shape::Patch(patch) if element.is_leaf() && patch.cells.are_all_exposed() => {
+                let (corners, count) = self.corner_positions(patch);
+                let point = SurfacePoint { position: corners[0], normal: patch.normal, polygon: patch.polygon };
+                Some((PolygonMap::new(&corners[..count]), point))
+            }
+            _ => None,
+        };
+        ElementPoints { hierarchy: self, sums: sums.unwrap_or(&self.area_sums), id, leaf }
+    }
+
     /// The point of a patch, found by going down to its leaf.
     fn point_on_patch(&self, mut id: ElementId, mut u: f32, mut v: f32) -> SurfacePoint {
         loop {
@@ -162,21 +176,69 @@ fn triangle_quarter(u: &mut f32, v: &mut f32) -> u32 {
 
 /// The point of a triangle or convex quad at `(u, v)`, uniform by area.
 pub fn point_on_polygon(corners: &[Vec3], u: f32, v: f32) -> Vec3 {
-    match *corners {
-        [a, b, c] => point_on_triangle(a, b, c, u, v),
-        [a, b, c, d] => {
-            let (first, second) = ((b - a).cross(c - a).length(), (c - a).cross(d - a).length());
-            let share = first / (first + second);
-            if (share - 0.5).abs() < 1e-4 && ((b - a) - (c - d)).length_squared() < 1e-8 * (c - a).length_squared() {
-                // A parallelogram: keep the stratification of the square.
-                a + u * (b - a) + v * (d - a)
-            } else if u < share {
-                point_on_triangle(a, b, c, u / share, v)
-            } else {
-                point_on_triangle(a, c, d, (u - share) / (1.0 - share), v)
+    PolygonMap::new(corners).at(u, v)
+}
+
+/// The unit square on a triangle or convex quad, equal areas on equal areas.
+#[derive(Clone, Copy)]
+struct PolygonMap {
+    corners: [Vec3; 4],
+    form: Form,
+}
+
+#[derive(Clone, Copy)]
+enum Form {
+    Triangle,
+    /// Keeps the stratification of the square.
+    Parallelogram,
+    /// Two triangles, the first of which has this share of the area.
+    Quad(f32),
+}
+
+impl PolygonMap {
+    fn new(corners: &[Vec3]) -> Self {
+        match *corners {
+            [a, b, c] => Self { corners: [a, b, c, a], form: Form::Triangle },
+            [a, b, c, d] => {
+                let (first, second) = ((b - a).cross(c - a).length(), (c - a).cross(d - a).length());
+                let share = first / (first + second);
+                let is_parallelogram = (share - 0.5).abs() < 1e-4
+                    && ((b - a) - (c - d)).length_squared() < 1e-8 * (c - a).length_squared();
+                let form = if is_parallelogram { Form::Parallelogram } else { Form::Quad(share) };
+                Self { corners: [a, b, c, d], form }
             }
+            _ => unreachable!("a patch has three or four corners"),
         }
-        _ => unreachable!("a patch has three or four corners"),
+    }
+
+    fn at(&self, u: f32, v: f32) -> Vec3 {
+        let [a, b, c, d] = self.corners;
+        match self.form {
+            Form::Triangle => point_on_triangle(a, b, c, u, v),
+            Form::Parallelogram => a + u * (b - a) + v * (d - a),
+            Form::Quad(share) if u < share => point_on_triangle(a, b, c, u / share, v),
+            Form::Quad(share) => point_on_triangle(a, c, d, (u - share) / (1.0 - share), v),
+        }
+    }
+}
+
+/// Points of one element: [`Hierarchy::point_on`] for whoever asks for many.
+pub struct ElementPoints<'a> {
+    hierarchy: &'a Hierarchy,
+    sums: &'a PatchSums,
+    id: ElementId,
+    /// A leaf that is not hidden anywhere, with a point of it.
+    leaf: Option<(PolygonMap, SurfacePoint)>,
+}
+
+impl ElementPoints<'_> {
+    /// The point at `(u, v)` in the unit square.
+    #[inline]
+    pub fn at(&self, u: f32, v: f32) -> SurfacePoint {
+        match &self.leaf {
+            Some((map, point)) => SurfacePoint { position: map.at(u, v), ..*point },
+            None => self.hierarchy.point_on_by(self.sums, self.id, u, v),
+        }
     }
 }
 

@@ -164,15 +164,15 @@ impl RaySampler<'_> {
         let (pairs, pairs_if_blocked) = (pairs_for(budget.rays), pairs_for(budget.rays_if_blocked));
         // Points stand for this area; nearer to each other than its size they say no more than that.
         let smallest = hierarchy.element(a).sampled_area.min(hierarchy.element(b).sampled_area) / pairs.max(1) as f32;
-        let point = |id: ElementId, is_source: bool, u: f32, v: f32| match is_source {
-            true => hierarchy.point_on_by(self.emission, id, u, v),
-            false => hierarchy.point_on(id, u, v),
-        };
         if hierarchy.element(a).is_sky() || hierarchy.element(b).is_sky() {
             let limits = [pairs, pairs_if_blocked];
             return self.survey_outside(hierarchy, (a, b), (start, a_is_first), (limits, clusters > 0), budget);
         }
         let whole_patch = WholePatch::of(hierarchy, (a, b));
+        let points = |id: ElementId, by_emission: SampleDensity| {
+            hierarchy.points_on((density == by_emission).then_some(self.emission), id)
+        };
+        let (on_a, on_b) = (points(a, SampleDensity::EmissionOfA), points(b, SampleDensity::EmissionOfB));
         let mut samples = PairSamples::default();
         for index in 0..pairs_if_blocked {
             let enough = if clusters > 0 { index >= pairs } else { samples.cast >= budget.rays };
@@ -182,8 +182,8 @@ impl RaySampler<'_> {
             }
             let coordinate = |axis: usize| fraction(start[axis].wrapping_add(STEPS[axis].wrapping_mul(index)));
             let (u, v) = if a_is_first { (0, 2) } else { (2, 0) };
-            let from = point(a, density == SampleDensity::EmissionOfA, coordinate(u), coordinate(u + 1));
-            let to = point(b, density == SampleDensity::EmissionOfB, coordinate(v), coordinate(v + 1));
+            let from = on_a.at(coordinate(u), coordinate(u + 1));
+            let to = on_b.at(coordinate(v), coordinate(v + 1));
             let span = to.position - from.position;
             let distance_squared = span.length_squared();
             let to_unit = distance_squared.sqrt().recip();
