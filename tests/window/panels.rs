@@ -227,7 +227,12 @@ fn another_scene_is_shown_as_it_is() {
     });
     assert_eq!(exposure(&window), 0.0);
     finish(&mut window);
-    assert_eq!(share_of_different_pixels(&plain, &picture(&mut window)), 0.0);
+    // The light meter may still be at work.
+    let is_as_before = |_| {
+        window.run_steps(5);
+        share_of_different_pixels(&plain, &picture(&mut window)) == 0.0
+    };
+    assert!((0..100).any(is_as_before), "another picture than at first");
 }
 
 fn exposure(window: &Harness<'static, App>) -> f64 {
