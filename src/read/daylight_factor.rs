@@ -30,7 +30,7 @@ pub fn open_ground(scene: &Scene) -> Result<f32, NoDaylightFactor> {
     let outside = scene.outside().ok_or(NoDaylightFactor::NoSky)?;
     let [sky, _] = outside.horizontal_irradiance();
     let open = weighted(sky.into());
-    if !(open > 0.0) {
+    if open.is_nan() || open <= 0.0 {
         Err(NoDaylightFactor::NoSky)
     } else if outside.sun().is_some() {
         Err(NoDaylightFactor::Sun)

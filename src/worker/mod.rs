@@ -194,7 +194,7 @@ struct Shared {
 
 /// A message to the thread.
 enum Message {
-    Command(Command),
+    Command(Box<Command>),
     /// A loader is done; the number says which.
     Prepared(u64, Result<Box<loader::Prepared>, String>),
     /// The solver comes back from a task.
@@ -231,7 +231,7 @@ impl SolverThread {
     /// Hands a command over; returns at once.
     pub fn send(&self, command: Command) {
         // A thread that has ended takes no commands, and none is missed: only Shutdown ends it.
-        let _ = self.inbox.send(Message::Command(command));
+        let _ = self.inbox.send(Message::Command(Box::new(command)));
     }
 
     /// The next event, if one is there.

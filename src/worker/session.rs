@@ -129,11 +129,11 @@ impl Session {
         loop {
             for message in self.receive() {
                 match message {
-                    Message::Command(Command::Shutdown) => {
+                    Message::Command(command) if matches!(*command, Command::Shutdown) => {
                         self.orphan();
                         return;
                     }
-                    Message::Command(command) => self.take_up(command),
+                    Message::Command(command) => self.take_up(*command),
                     Message::Prepared(ticket, result) => self.take_prepared(ticket, result),
                     Message::TaskResult(result) => self.take_result(*result),
                 }
@@ -155,11 +155,11 @@ impl Session {
         let mut others = Vec::new();
         for message in first.into_iter().chain(self.ends.messages.try_iter()) {
             match message {
-                Message::Command(command) => commands.push(command),
+                Message::Command(command) => commands.push(*command),
                 other => others.push(other),
             }
         }
-        others.extend(merge(commands).into_iter().map(Message::Command));
+        others.extend(merge(commands).into_iter().map(|command| Message::Command(Box::new(command))));
         others
     }
 
