@@ -307,8 +307,7 @@ pub fn scene_help() -> String {
 
 /// The names of our own scenes.
 pub fn names() -> String {
-    let all = BuiltinScene::ALL.into_iter().chain([BuiltinScene::TOWER]);
-    all.map(|scene| scene.name()).collect::<Vec<_>>().join(", ")
+    BuiltinScene::named().map(|scene| scene.name()).collect::<Vec<_>>().join(", ")
 }
 
 /// Where a scene of this name or path comes from.

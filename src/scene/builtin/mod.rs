@@ -50,9 +50,14 @@ impl BuiltinScene {
     /// The tower at its usual size: two storeys.
     pub const TOWER: Self = Self::Tower { polygons: 64_000 };
 
+    /// The scenes that have a name on the command line: the rooms and the tower.
+    pub fn named() -> impl Iterator<Item = Self> {
+        Self::ALL.into_iter().chain([Self::TOWER])
+    }
+
     /// The scene with this name, at its usual size.
     pub fn from_name(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().chain([Self::TOWER]).find(|scene| scene.name() == name)
+        Self::named().find(|scene| scene.name() == name)
     }
 
     /// The name on the command line, of the scene and of its files.
