@@ -7,11 +7,13 @@
 use std::sync::Arc;
 
 use glam::Vec3;
+use rayon::prelude::*;
 
+use super::groups::Groups;
 use super::openings::{self, Openings};
 use super::sources::Sources;
 use crate::geometry::{EnclosureTest, Hit, LampList, Occluders};
-use crate::hierarchy::{ElementId, Hierarchy, Patch, Shape};
+use crate::hierarchy::{Element, ElementId, Hierarchy, Patch, Shape};
 use crate::scene::outside::Outside;
 use crate::scene::{Scene, Surface};
 use crate::transport::LinkSolution;
@@ -42,13 +44,41 @@ pub(super) struct Surroundings {
     pub(super) openings: Option<Openings>,
 }
 
+/// The patches of a hierarchy by the little that sweeps over all of them read.
+#[derive(Default)]
+struct Patches {
+    leaves: Vec<ElementId>,
+    /// Those that were split.
+    split: Vec<ElementId>,
+    /// Polygon of each patch, parallel to the arena.
+    polygons: Vec<u32>,
+}
+
+impl Patches {
+    fn of(hierarchy: &Hierarchy) -> Self {
+        let mut patches = Self { polygons: vec![0; hierarchy.elements().len()], ..Self::default() };
+        for id in hierarchy.ids() {
+            let element = hierarchy.element(id);
+            if let Shape::Patch(patch) = &element.shape {
+                patches.polygons[id.index()] = patch.polygon;
+                if element.is_leaf() { &mut patches.leaves } else { &mut patches.split }.push(id);
+            }
+        }
+        patches
+    }
+}
+
 /// A state of the light that surfaces send; cheap to clone.
 #[derive(Clone)]
 pub struct Field {
     pub(super) around: Arc<Surroundings>,
     pub(super) hierarchy: Arc<Hierarchy>,
+    /// The patches, in the order of the arena.
+    patches: Arc<Patches>,
     /// E of each leaf, W/m², parallel to the arena; 0 for what is no leaf.
     pub(super) irradiance: Arc<Vec<Vec3>>,
+    /// Whether no light reaches a leaf, likewise; empty before that is known.
+    dark: Arc<Vec<bool>>,
     /// Area of each leaf that light can reach, m², likewise: as gathers found it, which looked at more points than the hierarchy.
     pub(super) areas: Arc<Vec<f32>>,
     /// Square of the distance from which a leaf is read as a whole, m², likewise.
@@ -126,8 +156,10 @@ impl Field {
         };
         let mut field = Self {
             around: Arc::new(around),
+            patches: Arc::new(Patches::of(&hierarchy)),
             hierarchy: Arc::new(hierarchy),
             irradiance: Arc::default(),
+            dark: Arc::default(),
             areas: Arc::default(),
             reaches: Arc::default(),
             reflected: Arc::default(),
@@ -141,6 +173,7 @@ impl Field {
             around.openings = openings;
         }
         field.set_areas(|_| None);
+        field.reaches = Arc::new(field.own_reaches());
         field.set_irradiance(irradiance);
         field
     }
@@ -164,17 +197,15 @@ impl Field {
     pub(super) fn reflect(&self, irradiance: &[Vec3]) -> Vec<Vec3> {
         let hierarchy = &*self.hierarchy;
         let mut reflected = vec![Vec3::ZERO; irradiance.len()];
-        for id in hierarchy.ids().rev() {
-            let element = hierarchy.element(id);
-            let Shape::Patch(patch) = element.shape else { continue };
-            reflected[id.index()] = if element.is_leaf() {
-                self.surface(patch.polygon).reflectance * irradiance[id.index()].max(Vec3::ZERO)
-            } else {
-                let area: f32 = element.children().map(|child| hierarchy.element(child).area).sum();
-                let sent = |child: ElementId| hierarchy.element(child).area * reflected[child.index()];
-                let sum: Vec3 = element.children().map(sent).sum();
-                if area > 0.0 { sum / area } else { Vec3::ZERO }
-            };
+        let of_leaf = |leaf: &ElementId| self.reflectance(*leaf) * irradiance[leaf.index()].max(Vec3::ZERO);
+        let of_leaves: Vec<Vec3> = self.patches.leaves.par_iter().with_min_len(4096).map(of_leaf).collect();
+        self.patches.leaves.iter().zip(of_leaves).for_each(|(leaf, of_leaf)| reflected[leaf.index()] = of_leaf);
+        for id in self.patches.split.iter().rev() {
+            let children = hierarchy.element(*id).children();
+            let area: f32 = children.clone().map(|child| hierarchy.element(child).area).sum();
+            let sent = |child: ElementId| hierarchy.element(child).area * reflected[child.index()];
+            let sum: Vec3 = children.map(sent).sum();
+            reflected[id.index()] = if area > 0.0 { sum / area } else { Vec3::ZERO };
         }
         reflected
     }
@@ -197,20 +228,36 @@ impl Field {
     }
 
     /// Takes over how much of each leaf's sampled area is exposed, where that is known.
-    pub(super) fn set_areas(&mut self, seen_share: impl Fn(ElementId) -> Option<f32>) {
-        let of = |id: ElementId| {
-            let element = self.hierarchy.element(id);
-            seen_share(id).map_or(element.area, |share| share * element.sampled_area)
+    pub(super) fn set_areas(&mut self, seen_share: impl Fn(ElementId) -> Option<f32> + Sync) {
+        let of = |(index, element): (usize, &Element)| {
+            if self.dark.get(index).is_some_and(|is_dark| *is_dark) {
+                return 0.0;
+            }
+            seen_share(ElementId(index as u32)).map_or(element.area, |share| share * element.sampled_area)
         };
-        self.areas = Arc::new(self.hierarchy.ids().map(of).collect());
-        if self.reaches.len() != self.areas.len() {
-            self.reaches = Arc::new(self.hierarchy.ids().map(|id| self.reach(id)).collect());
-        }
+        self.areas = Arc::new(self.hierarchy.elements().par_iter().enumerate().map(of).collect());
+    }
+
+    /// Leaves out the leaves that no light reaches, parallel to the arena.
+    pub(super) fn set_dark(&mut self, dark: Vec<bool>) {
+        self.dark = Arc::new(dark);
+        self.set_areas(|_| None);
+    }
+
+    /// Takes over from where a leaf is read as a whole; of those that share their looks it is their group that must be far.
+    pub(super) fn set_reaches(&mut self, groups: &Groups) {
+        let mut reaches: Vec<f32> = self.own_reaches();
+        groups.sizes(self).for_each(|(leaf, size)| reaches[leaf.index()] = 0.5 * size);
+        self.reaches = Arc::new(reaches);
+    }
+
+    fn own_reaches(&self) -> Vec<f32> {
+        self.hierarchy.elements().par_iter().map(|element| self.reach(element)).collect()
     }
 
     /// Half of the square of a patch's longest diagonal: its area, where it is a square.
-    fn reach(&self, id: ElementId) -> f32 {
-        let Shape::Patch(patch) = &self.hierarchy.element(id).shape else { return 0.0 };
+    fn reach(&self, element: &Element) -> f32 {
+        let Shape::Patch(patch) = &element.shape else { return 0.0 };
         let (corners, count) = self.hierarchy.corner_positions(patch);
         let corners = &corners[..count];
         let squares = corners.iter().flat_map(|a| corners.iter().map(move |b| a.distance_squared(*b)));
@@ -243,8 +290,12 @@ impl Field {
             let light = irradiance[leaf.index()];
             self.hierarchy.element(*leaf).children().for_each(|child| irradiance[child.index()] = light);
         }
+        self.patches = Arc::new(Patches::of(&self.hierarchy));
         self.sources = Arc::new(Sources::emitters(&self.hierarchy, &self.around.surfaces));
         self.set_areas(|_| None);
+        let mut reaches = self.reaches.to_vec();
+        reaches.extend(self.hierarchy.elements()[reaches.len()..].iter().map(|element| self.reach(element)));
+        self.reaches = Arc::new(reaches);
         self.set_irradiance(irradiance);
     }
 
@@ -303,12 +354,8 @@ impl Field {
     }
 
     /// The leaves, in the order of the arena.
-    pub fn leaves(&self) -> impl Iterator<Item = ElementId> + Clone {
-        let is_leaf = |id: &ElementId| {
-            let element = self.hierarchy.element(*id);
-            element.is_leaf() && element.is_patch()
-        };
-        self.hierarchy.ids().filter(is_leaf)
+    pub fn leaves(&self) -> impl ExactSizeIterator<Item = ElementId> + Clone {
+        self.patches.leaves.iter().copied()
     }
 
     /// Memory, bytes.
@@ -318,6 +365,10 @@ impl Field {
             + size_of_val(&self.around.surfaces[..])
             + self.around.openings.as_ref().map_or(0, Openings::bytes)
             + size_of_val(&self.around.patches[..])
+            + size_of_val(&self.patches.polygons[..])
+            + size_of_val(&self.patches.leaves[..])
+            + size_of_val(&self.reaches[..])
+            + size_of_val(&self.areas[..])
             + size_of_val(&self.irradiance[..])
             + size_of_val(&self.reflected[..])
     }
@@ -363,12 +414,12 @@ impl Field {
 
     /// Reflectance of a leaf.
     pub(super) fn reflectance(&self, leaf: ElementId) -> Vec3 {
-        self.surface(self.patch(leaf).polygon).reflectance
+        self.surface(self.patches.polygons[leaf.index()]).reflectance
     }
 
     /// Whether a leaf emits.
     pub(super) fn emits(&self, leaf: ElementId) -> bool {
-        self.surface(self.patch(leaf).polygon).emission != Vec3::ZERO
+        self.surface(self.patches.polygons[leaf.index()]).emission != Vec3::ZERO
     }
 
     /// The area's median, or [`LEAST_OF_MEAN`] of its mean, of an irradiance of leaves that do not emit (mean of the colours), W/m².
@@ -376,7 +427,7 @@ impl Field {
         let lit = |leaf: ElementId| (grey(irradiance[leaf.index()]), self.area(leaf));
         let mut sorted: Vec<(f32, f32)> =
             self.leaves().filter(|leaf| !self.emits(*leaf)).map(lit).filter(|(_, area)| *area > 0.0).collect();
-        sorted.sort_by(|a, b| a.0.total_cmp(&b.0));
+        sorted.par_sort_by(|a, b| a.0.total_cmp(&b.0));
         let area = sorted.iter().map(|(_, area)| f64::from(*area)).sum::<f64>();
         let mut below = 0.0;
         let middle = sorted.iter().find(|(_, of)| {

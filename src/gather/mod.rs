@@ -17,8 +17,10 @@ mod estimator;
 mod facet;
 mod field;
 mod glance;
+mod groups;
 mod openings;
 mod passes;
+mod reaching;
 mod refine;
 mod relight;
 mod samples;
@@ -32,12 +34,14 @@ pub use certificate::{Certificate, Certifying, NOISE, RISK};
 pub use estimator::{Checked, Irradiance};
 pub use field::{Field, Met, grey};
 pub use glance::{GatherPoint, Glance, GlanceRays};
-use passes::{AIMED, MESH_PER_TARGET, MOST_ROUNDS, looks_of_each};
+use passes::{AIMED, MESH_PER_TARGET, MOST_ROUNDS, planned_looks, whole_numbers};
 use samples::{GatherSamples, Queue};
 
 use crate::base::cancel::CancelToken;
 use crate::base::random::hash64;
 use crate::transport::LinkSolution;
+use groups::Groups;
+use reaching::Reaching;
 
 /// The target error where nobody asks for one: 9 of 10 surfaces are read within it.
 pub const USUAL_ERROR: f64 = 0.05;
@@ -66,6 +70,8 @@ pub struct Goal {
 /// Stage of a gather.
 #[derive(Clone, Debug)]
 enum Stage {
+    /// Finds out which leaves light reaches.
+    Reach,
     /// Looks for emitters from the queued leaves, from this place on.
     Direct(usize),
     /// Casts the rays of a pass from the queued leaves, from this place on.
@@ -93,6 +99,11 @@ pub struct Gather {
     samples: GatherSamples,
     /// Indirect irradiance of each leaf by the links, W/m², parallel to the arena.
     of_links: Vec<Vec3>,
+    reaching: Reaching,
+    /// Irradiance of each leaf by the links (mean of the colours), W/m², until leaves are grouped by it.
+    lit: Vec<f32>,
+    /// Leaves that share looks.
+    groups: Groups,
     goal: Goal,
     stage: Stage,
     queue: Queue,
@@ -129,14 +140,14 @@ impl Gather {
     pub fn new(links: &LinkSolution, goal: Goal, cancel: &CancelToken) -> Option<Self> {
         let of_links = links.indirect(cancel)?;
         let field = Field::new(links, of_links.clone());
-        let looks_of = looks_of_each(&field);
-        let queue = field.leaves().map(|leaf| (leaf, looks_of(leaf))).collect();
-        drop(looks_of);
         Some(Self {
             samples: GatherSamples::after(field.opening_rays()),
             of_links,
-            stage: Stage::Direct(0),
-            queue,
+            reaching: Reaching::new(&field, goal.seed),
+            lit: links.light().irradiance.iter().map(|light| grey(*light)).collect(),
+            groups: Groups::default(),
+            stage: Stage::Reach,
+            queue: Queue::new(),
             round: 0,
             is_evened: false,
             is_lit_by_samples: false,
@@ -153,12 +164,39 @@ impl Gather {
         })
     }
 
+    /// Queues looks from what light reaches.
+    fn begin(&mut self) {
+        let dark: Vec<bool> = self.field.hierarchy.ids().map(|id| !self.reaching.is_lit(id)).collect();
+        for leaf in self.field.leaves().filter(|leaf| dark[leaf.index()]) {
+            self.of_links[leaf.index()] = Vec3::ZERO;
+        }
+        tracing::debug!(
+            dark = dark.iter().filter(|dark| **dark).count(),
+            rays = self.reaching.rays,
+            "leaves that light reaches found"
+        );
+        self.field.set_dark(dark);
+        let planned = planned_looks(&self.field);
+        self.groups = Groups::new(&self.field, &std::mem::take(&mut self.lit), &planned);
+        let looks = whole_numbers(self.field.leaves().map(|leaf| (leaf, planned(leaf))));
+        let queue = looks.filter(|(_, looks)| *looks > 0).collect();
+        drop(planned);
+        (self.queue, self.stage) = (queue, Stage::Direct(0));
+    }
+
     /// Does one bounded piece of work; what it was about is done whole or, if cancelled, not at all.
     pub fn step(&mut self, cancel: &CancelToken) -> Option<Progress> {
         if cancel.is_cancelled() {
             return None;
         }
         match self.stage.clone() {
+            Stage::Reach => {
+                if self.reaching.advance(&self.field, cancel)? {
+                    self.samples = GatherSamples::after(self.field.opening_rays() + self.reaching.rays);
+                    self.begin();
+                }
+                Some(Progress::Part)
+            }
             Stage::Direct(first) => {
                 if first < self.queue.len() {
                     let next = self.draw(first, GlanceRays { aimed: AIMED, cosine: 0 }, cancel)?;
@@ -259,6 +297,7 @@ impl Gather {
     pub fn progress(&self) -> (u32, f32) {
         let share_of_queue = |first: usize| first as f32 / self.queue.len().max(1) as f32;
         let share = match &self.stage {
+            Stage::Reach => 0.0,
             // Rounds of splitting have fewer leaves each.
             Stage::Direct(first) => {
                 DIRECT_SHARE * (1.0 - 0.5_f32.powi(self.round as i32) * (1.0 - 0.5 * share_of_queue(*first)))
@@ -304,6 +343,6 @@ impl Gather {
 
     /// Memory, bytes.
     pub fn bytes(&self) -> usize {
-        self.field.bytes() + self.samples.bytes() + size_of_val(&self.of_links[..])
+        self.field.bytes() + self.samples.bytes() + self.groups.bytes() + size_of_val(&self.of_links[..])
     }
 }

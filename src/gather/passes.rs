@@ -4,6 +4,7 @@ use glam::Vec3;
 
 use super::field::Field;
 use super::glance::GlanceRays;
+use super::groups::Groups;
 use super::samples::Queue;
 use super::{Full, Gather, Stage, refine};
 use crate::base::cancel::CancelToken;
@@ -98,13 +99,23 @@ impl Gather {
         let total: f64 = field.leaves().map(sent).sum();
         let cosine = self.rays_of_look().cosine;
         let by_power = RAYS_BY_POWER / (self.aim * self.aim) / f64::from(cosine);
-        let (looks_of, finer) = (looks_of_each(field), (self.target() / self.aim).round() as u32);
-        let looks = |leaf: ElementId| {
-            let more = (by_power * sent(leaf) / total.max(f64::MIN_POSITIVE)).min(MOST_LOOKS).round() as u32;
-            // Later passes add to what is there.
-            (finer * looks_of(leaf) + more).saturating_sub(self.samples.whole_looks(leaf))
+        let more = |leaf: ElementId| (by_power * sent(leaf) / total.max(f64::MIN_POSITIVE)).min(MOST_LOOKS);
+        let (planned, finer) = (planned_looks(field), (self.target() / self.aim).round());
+        // Those that share looks get more of them together, each as many times as it had, so that all count as they did.
+        let [of_more, of_all] = self.groups.leaves().fold([0.0, 0.0], |[of_more, of_all], leaf| {
+            [of_more + more(leaf), of_all + self.groups.planned(leaf).unwrap_or(0.0)]
+        });
+        let denser = if of_all > 0.0 { finer + of_more / of_all } else { finer };
+        let looks = |leaf: ElementId| match self.groups.planned(leaf) {
+            Some(looks) => denser * looks,
+            None if field.area(leaf) > 0.0 => finer * planned(leaf).max(1.0) + more(leaf),
+            None => 0.0,
         };
-        let mut queue: Queue = field.leaves().map(|leaf| (leaf, looks(leaf))).filter(|(_, looks)| *looks > 0).collect();
+        // Later passes add to what is there.
+        let missing = |(leaf, looks): (ElementId, u32)| (leaf, looks.saturating_sub(self.samples.whole_looks(leaf)));
+        let looks = whole_numbers(field.leaves().map(|leaf| (leaf, looks(leaf))));
+        let mut queue: Queue = looks.map(missing).filter(|(_, looks)| *looks > 0).collect();
+        drop(planned);
         self.afford(&mut queue, AIMED + cosine);
         // An end of a ray takes four bytes.
         let bytes: usize = queue.iter().map(|(_, looks)| *looks as usize * (4 * cosine as usize + LOOK_BYTES)).sum();
@@ -129,10 +140,23 @@ impl Gather {
     }
 }
 
-/// Looks from a leaf that are made in any case.
-pub(super) fn looks_of_each(field: &Field) -> impl Fn(ElementId) -> u32 {
+/// Looks that are planned from each leaf of a field in any case: less than one from those that may [share looks](super::groups).
+pub(super) fn planned_looks(field: &Field) -> impl Fn(ElementId) -> f64 {
     let share = refine::share_of(field);
-    move |leaf| (LOOKS_FOR_ALL * share(leaf)).clamp(1.0, f64::from(LOOKS)).round() as u32
+    move |leaf| {
+        let looks = (LOOKS_FOR_ALL * share(leaf)).min(f64::from(LOOKS));
+        if field.area(leaf) <= 0.0 || Groups::may_hold(field, leaf) { looks } else { looks.max(1.0) }
+    }
+}
+
+/// Whole numbers of looks near these, so that any run of leaves gets as many in all: less than one each is one from some of them.
+pub(super) fn whole_numbers(looks: impl Iterator<Item = (ElementId, f64)>) -> impl Iterator<Item = (ElementId, u32)> {
+    looks.scan(0.5, |rest, (leaf, looks)| {
+        *rest += looks;
+        let whole = rest.floor();
+        *rest -= whole;
+        Some((leaf, whole as u32))
+    })
 }
 
 #[cfg(test)]

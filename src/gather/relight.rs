@@ -3,6 +3,9 @@
 use glam::Vec3;
 
 use super::Gather;
+use super::field::Field;
+use super::groups::{Groups, Mean};
+use super::samples::{GatherSamples, Sums};
 use crate::base::cancel::CancelToken;
 use crate::hierarchy::ElementId;
 
@@ -12,6 +15,105 @@ const MOST_SWEEPS: u32 = 200;
 /// The sweep from emission alone after which the rest of a geometric series is taken in one step: by then each sweep adds much the
 /// same share of the one before everywhere. Later ones turn back and forth between leaves that light each other.
 const SWEEP_OF_STEP: u32 = 4;
+/// Where ρ times a leaf's row stays below this, light dies out however often it is reflected.
+const LARGEST_RETURN: f32 = 0.98;
+
+/// Samples, and what of them is the same in all sweeps; tables are parallel to the arena.
+struct Relighting<'a> {
+    field: &'a Field,
+    samples: &'a GatherSamples,
+    groups: &'a Groups,
+    /// Indirect irradiance by the links, W/m², of what was not looked at by cosine-distributed rays.
+    of_links: &'a [Vec3],
+    /// Irradiance that emission and the sun bring, W/m².
+    direct: Vec<Vec3>,
+    /// Scale of reflected light by which it dies out.
+    closure: Vec<f32>,
+}
+
+/// Irradiances of each leaf, W/m², parallel to the arena.
+struct Gathered {
+    /// Mean over the leaf.
+    mean: Vec<Vec3>,
+    /// Mean over what far points see of it.
+    far: Vec<Vec3>,
+    /// Variance over the leaf (mean of the colours), W²/m⁴.
+    variance: Vec<f32>,
+}
+
+impl<'a> Relighting<'a> {
+    fn new(field: &'a Field, samples: &'a GatherSamples, groups: &'a Groups, of_links: &'a [Vec3]) -> Self {
+        let elements = field.hierarchy.elements().len();
+        let (mut direct, mut closure) = (vec![Vec3::ZERO; elements], vec![1.0; elements]);
+        let most = |leaf: ElementId, row: f32| closure_of(row, field.reflectance(leaf).max_element());
+        for leaf in field.leaves() {
+            let known = samples.of(leaf);
+            direct[leaf.index()] = samples.direct(leaf).0;
+            closure[leaf.index()] = most(leaf, known.row / known.whole.max(1) as f32);
+        }
+        let mean = |sum, looks| Mean { sum, looks: looks as f32 };
+        let emitted = |known: Sums| mean(known.emitted, known.seen);
+        groups.share(|leaf| emitted(samples.of(leaf)), |leaf, mean, shape| direct[leaf.index()] = shape * mean);
+        let row = |known: Sums| Mean { sum: known.row, looks: known.whole as f32 };
+        groups
+            .share(|leaf| row(samples.of(leaf)), |leaf, mean, shape| closure[leaf.index()] = most(leaf, shape * mean));
+        Self { field, samples, groups, of_links, direct, closure }
+    }
+
+    /// Irradiance of each leaf, W/m², where all reflect this much; `None` if cancelled.
+    fn irradiance(&self, reflected: &[Vec3], cancel: &CancelToken) -> Option<Vec<Vec3>> {
+        let sums = self.samples.indirect(self.direct.len(), reflected, cancel)?;
+        let mut irradiance = self.direct.clone();
+        for leaf in self.field.leaves() {
+            let index = leaf.index();
+            irradiance[index] += match self.samples.of(leaf).whole {
+                0 => self.of_links[index],
+                whole => self.closure[index] * sums[index] / whole as f32,
+            };
+        }
+        self.groups.share(self.by_leaf(&sums), |leaf, mean, shape| {
+            let index = leaf.index();
+            irradiance[index] = self.direct[index] + shape * self.closure[index] * mean;
+        });
+        Some(irradiance)
+    }
+
+    /// Irradiances of each leaf where all reflect this much; `None` if cancelled.
+    fn gathered(&self, reflected: &[Vec3], cancel: &CancelToken) -> Option<Gathered> {
+        let sums = self.samples.light(self.direct.len(), reflected, cancel)?;
+        let mean = self.irradiance(reflected, cancel)?;
+        let (mut far, mut variance) = (mean.clone(), vec![0.0; mean.len()]);
+        for leaf in self.field.leaves() {
+            let (index, sums) = (leaf.index(), &sums[leaf.index()]);
+            if sums.far_share > 0.0 {
+                far[index] = self.closure[index] * sums.far / sums.far_share;
+            }
+            let count = self.samples.of(leaf).whole.max(1) as f32;
+            variance[index] = (sums.squares / count - (sums.all / count).powi(2)).max(0.0);
+        }
+        // A single look tells nothing of what differs within a group.
+        self.groups.share(self.by_leaf(&sums), |leaf, of_group, shape| {
+            let index = leaf.index();
+            let share = shape * self.closure[index] / of_group.far_share;
+            far[index] = if of_group.far_share > 0.0 { share * of_group.far } else { mean[index] };
+            variance[index] = 0.0;
+        });
+        Some(Gathered { mean, far, variance })
+    }
+
+    /// Sums over the looks of each leaf with cosine-distributed rays, by leaf.
+    fn by_leaf<T: Copy>(&self, sums: &[T]) -> impl Fn(ElementId) -> Mean<T> {
+        |leaf| Mean { sum: sums[leaf.index()], looks: self.samples.of(leaf).whole as f32 }
+    }
+}
+
+/// Scale of reflected light by which it dies out: of few aimed rays some bring more than is sent, by chance, and leaves
+/// that light each other so would glow without end. What the leaf's reflectance makes up for stays: rows that are too small
+/// by chance stay as well.
+fn closure_of(row: f32, reflectance: f32) -> f32 {
+    let most = (LARGEST_RETURN / reflectance).max(1.0);
+    (most / row).min(1.0)
+}
 
 impl Gather {
     /// Moves light over the samples until nothing changes; `None` if cancelled, which leaves all as it was.
@@ -19,16 +121,15 @@ impl Gather {
         let mut field = self.field.clone();
         let samples = &self.samples;
         field.set_areas(|leaf| samples.seen_share(leaf));
-        let direct: Vec<Vec3> = field.hierarchy.ids().map(|leaf| samples.direct(leaf).0).collect();
+        field.set_reaches(&self.groups);
+        let relighting = Relighting::new(&field, samples, &self.groups, &self.of_links);
         let leaves: Vec<ElementId> = field.leaves().collect();
         // From emission alone the first time: what links let through a wall would take long to die out.
         let is_afresh = samples.has_cosine() && !self.is_lit_by_samples;
-        let mut reflected = if is_afresh { field.reflect(&direct) } else { field.reflected.to_vec() };
+        let mut reflected = if is_afresh { field.reflect(&relighting.direct) } else { field.reflected.to_vec() };
         let mut moved_before = f64::INFINITY;
         for sweep in 1..=MOST_SWEEPS {
-            let mut irradiance = samples.indirect(&field, &reflected, &self.of_links, cancel)?;
-            irradiance.iter_mut().zip(&direct).for_each(|(all, direct)| *all += *direct);
-            let mut next = field.reflect(&irradiance);
+            let mut next = field.reflect(&relighting.irradiance(&reflected, cancel)?);
             let (mut moved, mut all) = (0.0, 0.0);
             for leaf in leaves.iter().map(|leaf| leaf.index()) {
                 let area = field.areas[leaf];
@@ -43,15 +144,29 @@ impl Gather {
                 next.iter_mut().zip(&reflected).for_each(|(next, before)| *next += rest * (*next - *before));
             }
             (reflected, moved_before) = (next, moved);
-            if is_done {
+            // Without cosine-distributed rays nothing depends on what others reflect.
+            if is_done || !samples.has_cosine() {
                 break;
             }
         }
-        let gathered = samples.irradiance(&field, &reflected, &self.of_links, cancel)?;
+        let gathered = relighting.gathered(&reflected, cancel)?;
         field.set_irradiance(gathered.mean);
         field.set_far(&gathered.far, gathered.variance);
         self.is_lit_by_samples = samples.has_cosine();
         self.field = field;
         Some(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Truth: ρ times the row is no more than 0.98, where the row is more than 1; what is less stays as it is.
+    #[test]
+    fn light_dies_out_in_every_row() {
+        assert_eq!((closure_of(2.0, 0.98), closure_of(1.0, 0.98), closure_of(0.25, 0.98)), (0.5, 1.0, 1.0));
+        assert_eq!((closure_of(1.75, 0.5), closure_of(2.0, 0.0), closure_of(4.0, 0.49)), (1.0, 1.0, 0.5));
+        assert_eq!(closure_of(0.0, 0.5), 1.0);
     }
 }

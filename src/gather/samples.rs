@@ -1,6 +1,8 @@
 //! Gather samples: what looks from each leaf found, kept so that light can be moved over them as often as
 //! it takes to converge, without another ray.
 
+use std::ops::{AddAssign, Mul};
+
 use glam::Vec3;
 use rayon::prelude::*;
 
@@ -10,8 +12,6 @@ use crate::base::cancel::CancelToken;
 use crate::base::random::{cosine_direction, hash64};
 use crate::hierarchy::ElementId;
 
-/// Where ρ times a leaf's row stays below this, light dies out however often it is reflected.
-const LARGEST_RETURN: f32 = 0.98;
 /// Rays that tell whether a point is hidden, where a part of a leaf is.
 const HIDDEN_RAYS: u32 = 16;
 /// Points of a leaf's sequence before it begins anew; `sobol_burley` has so many.
@@ -63,50 +63,54 @@ struct Pass {
 }
 
 /// Sums over the looks from a leaf.
-#[derive(Clone, Copy, Default)]
-struct Sums {
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Sums {
     /// Looks drawn, and of these those from points that are not hidden.
     drawn: u32,
-    seen: u32,
+    pub seen: u32,
     /// Σ of the irradiance that emission and the sun bring, W/m², and of its squares less their noise (mean of the colours).
-    emitted: Vec3,
+    pub emitted: Vec3,
     squares: f32,
     /// Looks with cosine-distributed rays, from points that are not hidden.
-    whole: u32,
+    pub whole: u32,
     /// Σ over these of the shares of what others reflect that arrives.
-    row: f32,
-}
-
-impl Sums {
-    /// Scale of reflected light by which it dies out: of few aimed rays some bring more than is sent, by chance, and leaves
-    /// that light each other so would glow without end. What this leaf's reflectance makes up for stays: rows that are too small
-    /// by chance stay as well.
-    fn closure(&self, reflectance: f32) -> f32 {
-        let most = (LARGEST_RETURN / reflectance).max(1.0);
-        (most * self.whole as f32 / self.row).min(1.0)
-    }
+    pub row: f32,
 }
 
 /// Sums over the looks with cosine-distributed rays from a leaf.
-#[derive(Clone, Copy, Default)]
-struct LightSums {
+#[derive(Clone, Copy, Debug, Default)]
+pub struct LightSums {
     /// Σ of irradiance that others reflect, W/m².
-    indirect: Vec3,
+    pub indirect: Vec3,
     /// Σ of all irradiance times the share of far rays, and of these shares.
-    far: Vec3,
-    far_share: f32,
+    pub far: Vec3,
+    pub far_share: f32,
     /// Σ of all irradiance (mean of the colours), and of its squares less their noise.
-    all: f32,
-    squares: f32,
+    pub all: f32,
+    pub squares: f32,
 }
 
-impl LightSums {
-    fn add(&mut self, other: &Self) {
+impl AddAssign for LightSums {
+    fn add_assign(&mut self, other: Self) {
         self.indirect += other.indirect;
         self.far += other.far;
         self.far_share += other.far_share;
         self.all += other.all;
         self.squares += other.squares;
+    }
+}
+
+impl Mul<f32> for LightSums {
+    type Output = Self;
+
+    fn mul(self, factor: f32) -> Self {
+        Self {
+            indirect: factor * self.indirect,
+            far: factor * self.far,
+            far_share: factor * self.far_share,
+            all: factor * self.all,
+            squares: factor * self.squares,
+        }
     }
 }
 
@@ -118,16 +122,6 @@ pub struct GatherSamples {
     passes: Vec<Pass>,
     /// Rays cast.
     pub rays: u64,
-}
-
-/// Irradiances of each leaf, W/m², parallel to the arena.
-pub struct Gathered {
-    /// Mean over the leaf.
-    pub mean: Vec<Vec3>,
-    /// Mean over what far points see of it.
-    pub far: Vec<Vec3>,
-    /// Variance over the leaf (mean of the colours), W²/m⁴.
-    pub variance: Vec<f32>,
 }
 
 impl GatherSamples {
@@ -177,7 +171,8 @@ impl GatherSamples {
         true
     }
 
-    fn of(&self, leaf: ElementId) -> Sums {
+    /// Sums over the looks from a leaf.
+    pub fn of(&self, leaf: ElementId) -> Sums {
         self.sums.get(leaf.index()).copied().unwrap_or_default()
     }
 
@@ -211,65 +206,31 @@ impl GatherSamples {
         self.of(leaf).whole
     }
 
-    /// Irradiance of each leaf by what others reflect and the sky, W/m², parallel to the arena, where they reflect this much; `None` if
-    /// cancelled. What was not looked at by cosine-distributed rays keeps this indirect light.
-    pub fn indirect(
-        &self,
-        field: &Field,
-        reflected: &[Vec3],
-        of_links: &[Vec3],
-        cancel: &CancelToken,
-    ) -> Option<Vec<Vec3>> {
-        let mut indirect = vec![Vec3::ZERO; field.hierarchy.elements().len()];
+    /// Of each leaf Σ over its looks of the irradiance that others reflect, where they reflect this much, and that the sky brings, W/m²,
+    /// parallel to an arena of so many elements; `None` if cancelled.
+    pub fn indirect(&self, elements: usize, reflected: &[Vec3], cancel: &CancelToken) -> Option<Vec<Vec3>> {
+        let mut sums = vec![Vec3::ZERO; elements];
         for pass in &self.passes {
             let of_leaf = |place: usize| (!cancel.is_cancelled()).then(|| pass.indirect(place, reflected));
             let found: Option<Vec<_>> = (0..pass.leaves.len()).into_par_iter().with_min_len(256).map(of_leaf).collect();
             for (leaf, found) in pass.leaves.iter().zip(found?) {
-                indirect[leaf.index()] += found;
+                sums[leaf.index()] += found;
             }
         }
-        for leaf in field.leaves() {
-            let index = leaf.index();
-            indirect[index] = match self.of(leaf) {
-                Sums { whole: 0, .. } => of_links[index],
-                known => known.closure(field.reflectance(leaf).max_element()) * indirect[index] / known.whole as f32,
-            };
-        }
-        Some(indirect)
+        Some(sums)
     }
 
-    /// Irradiances over the samples where leaves reflect this much, W/m²; `None` if cancelled. What was not looked at by
-    /// cosine-distributed rays keeps this indirect light.
-    pub fn irradiance(
-        &self,
-        field: &Field,
-        reflected: &[Vec3],
-        indirect: &[Vec3],
-        cancel: &CancelToken,
-    ) -> Option<Gathered> {
-        let elements = field.hierarchy.elements().len();
+    /// Of each leaf the sums of all light over its looks, likewise.
+    pub fn light(&self, elements: usize, reflected: &[Vec3], cancel: &CancelToken) -> Option<Vec<LightSums>> {
         let mut sums = vec![LightSums::default(); elements];
         for pass in &self.passes {
             let of_leaf = |place: usize| (!cancel.is_cancelled()).then(|| pass.sum(place, reflected));
             let found: Option<Vec<_>> = (0..pass.leaves.len()).into_par_iter().with_min_len(256).map(of_leaf).collect();
             for (leaf, found) in pass.leaves.iter().zip(found?) {
-                sums[leaf.index()].add(&found);
+                sums[leaf.index()] += found;
             }
         }
-        let nothing = || vec![Vec3::ZERO; elements];
-        let mut gathered = Gathered { mean: nothing(), far: nothing(), variance: vec![0.0; elements] };
-        for leaf in field.leaves() {
-            let index = leaf.index();
-            let LightSums { indirect: own, far, far_share, all, squares } = sums[index];
-            let known = self.of(leaf);
-            let (whole, closure) = (known.whole, known.closure(field.reflectance(leaf).max_element()));
-            let count = whole.max(1) as f32;
-            let found = if whole == 0 { indirect[index] } else { closure * own / count };
-            gathered.mean[index] = self.direct(leaf).0 + found;
-            gathered.far[index] = if far_share > 0.0 { closure * far / far_share } else { gathered.mean[index] };
-            gathered.variance[index] = (squares / count - (all / count).powi(2)).max(0.0);
-        }
-        Some(gathered)
+        Some(sums)
     }
 
     /// Memory, bytes.
@@ -322,13 +283,13 @@ impl Pass {
             let noise = noise + noise_of_halves(look.sky.map(grey));
             light += look.sky[0] + look.sky[1];
             let all = grey(light + look.emitted);
-            sums.add(&LightSums {
+            sums += LightSums {
                 indirect: light,
                 far: look.far * (light + look.emitted),
                 far_share: look.far,
                 all,
                 squares: all * all - noise - look.noise,
-            });
+            };
         }
         sums
     }
@@ -411,18 +372,4 @@ fn draw(field: &Field, leaf: ElementId, rays: GlanceRays, looks: std::ops::Range
         drawn.rays += rays.aimed + rays.cosine + sky_rays.drawn + field.sun_rays();
     }
     drawn
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// Truth: ρ times the row is no more than 0.98, where the row is more than 1; what is less stays as it is.
-    #[test]
-    fn light_dies_out_in_every_row() {
-        let of = |row: f32, reflectance: f32| Sums { whole: 4, row, ..Sums::default() }.closure(reflectance);
-        assert_eq!((of(8.0, 0.98), of(4.0, 0.98), of(1.0, 0.98)), (0.5, 1.0, 1.0));
-        assert_eq!((of(7.0, 0.5), of(8.0, 0.0), of(16.0, 0.49)), (1.0, 1.0, 0.5));
-        assert_eq!(Sums::default().closure(0.5), 1.0);
-    }
 }
