@@ -246,7 +246,7 @@ impl Field {
 
     /// Takes over from where a leaf is read as a whole; of those that share their looks it is their group that must be far.
     pub(super) fn set_reaches(&mut self, groups: &Groups) {
-        let mut reaches: Vec<f32> = self.own_reaches();
+        let mut reaches = self.reaches.to_vec();
         groups.sizes(self).for_each(|(leaf, size)| reaches[leaf.index()] = 0.5 * size);
         self.reaches = Arc::new(reaches);
     }

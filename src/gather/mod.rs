@@ -170,17 +170,15 @@ impl Gather {
         for leaf in self.field.leaves().filter(|leaf| dark[leaf.index()]) {
             self.of_links[leaf.index()] = Vec3::ZERO;
         }
-        tracing::debug!(
-            dark = dark.iter().filter(|dark| **dark).count(),
-            rays = self.reaching.rays,
-            "leaves that light reaches found"
-        );
+        let count = dark.iter().filter(|is_dark| **is_dark).count();
+        tracing::debug!(dark = count, rays = self.reaching.rays, "leaves that no light reaches found");
         self.field.set_dark(dark);
         let planned = planned_looks(&self.field);
         self.groups = Groups::new(&self.field, &std::mem::take(&mut self.lit), &planned);
         let looks = whole_numbers(self.field.leaves().map(|leaf| (leaf, planned(leaf))));
         let queue = looks.filter(|(_, looks)| *looks > 0).collect();
         drop(planned);
+        self.field.set_reaches(&self.groups);
         (self.queue, self.stage) = (queue, Stage::Direct(0));
     }
 

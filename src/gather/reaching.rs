@@ -70,11 +70,6 @@ impl Reaching {
         Some(self.next == self.queue.len())
     }
 
-    /// Share of the search that is done, about.
-    pub fn progress(&self) -> f32 {
-        if self.is_second { 1.0 } else { self.next as f32 / self.queue.len().max(1) as f32 }
-    }
-
     /// Queues leaves of dark sets that few rays looked out of.
     fn look_again(&mut self, field: &Field) {
         let dark: Vec<ElementId> = field.leaves().filter(|leaf| !self.is_lit(*leaf)).collect();

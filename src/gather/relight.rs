@@ -121,7 +121,6 @@ impl Gather {
         let mut field = self.field.clone();
         let samples = &self.samples;
         field.set_areas(|leaf| samples.seen_share(leaf));
-        field.set_reaches(&self.groups);
         let relighting = Relighting::new(&field, samples, &self.groups, &self.of_links);
         let leaves: Vec<ElementId> = field.leaves().collect();
         // From emission alone the first time: what links let through a wall would take long to die out.

@@ -8,7 +8,7 @@ use selflink::base::cancel::CancelToken;
 use selflink::base::random::r2_sequence;
 use selflink::gather::grey;
 use selflink::geometry::orient;
-use selflink::hierarchy::Hierarchy;
+use selflink::hierarchy::{Hierarchy, Shape};
 use selflink::measure::accuracy::{ErrorMeter, Measure};
 use selflink::measure::reference::{Reference, ReferenceRun, SurfacePoint, Target, compute, random_points};
 use selflink::scene::{GroupId, MaterialId, Scene, Sides, builtin::BuiltinScene};
@@ -182,6 +182,11 @@ fn a_sealed_dark_room_stays_as_it_is() {
     let dark = scene.polygons.len() as u32;
     add_box(&mut scene, (Vec3::new(1.02, 0.0, 0.0), Vec3::new(2.02, 1.0, 1.0)), true, (wall, GroupId(0)));
     let snapshot = solve(&scene, asking(0.05)).snapshot();
+    let field = snapshot.field.as_ref().expect("a final gather");
+    for leaf in field.leaves() {
+        let Shape::Patch(patch) = field.hierarchy().element(leaf).shape else { continue };
+        assert_eq!(field.area(leaf) > 0.0, patch.polygon < dark, "light reaches polygon {}", patch.polygon);
+    }
     let mut found = 0;
     for (triangle, leaf) in snapshot.mesh.triangles.iter().zip(&snapshot.mesh.triangle_leaf) {
         let leaf = &snapshot.mesh.leaves[*leaf as usize];
@@ -192,6 +197,39 @@ fn a_sealed_dark_room_stays_as_it_is() {
         }
     }
     assert!(found >= 12, "{found} triangles of the dark room");
+}
+
+/// Truth: B = B_e/(1−ρ) everywhere in a furnace, also on each of 50,000 slips of paper that hang in it, far too small for a look of their own:
+/// they share theirs, so that fewer rays are cast than there are slips.
+#[test]
+fn small_faces_share_their_looks() {
+    const SLIPS: u32 = 50_000;
+    let mut scene = empty_room(0.5, 1.0);
+    let (material, before) = (scene.polygons[0].material, scene.polygons.len() as u32);
+    let (lower, upper) = scene.bounds();
+    for slip in 0..SLIPS {
+        let [u, v] = r2_sequence(3, slip);
+        let [w, angle] = r2_sequence(4, slip);
+        let centre = lower + (0.1 + 0.8 * Vec3::new(u, v, w)) * (upper - lower);
+        let (sine, cosine) = (angle * std::f32::consts::TAU).sin_cos();
+        let side = 1e-3 * (upper - lower).max_element();
+        let at = |a: f32, b: f32| centre + side * (a * Vec3::new(cosine, sine, 0.0) + b * Vec3::Z);
+        scene.add_quad([at(0., 0.), at(1., 0.), at(1., 1.), at(0., 1.)], material, GroupId(0));
+    }
+    let mut solved = solve(&scene, asking(0.1));
+    let stats = solved.stats();
+    assert!(stats.rays < 8 * u64::from(SLIPS), "{} rays", stats.rays);
+    let snapshot = solved.snapshot();
+    let field = snapshot.field.as_ref().expect("a final gather");
+    let mut errors = Vec::new();
+    for leaf in field.leaves() {
+        let Shape::Patch(patch) = field.hierarchy().element(leaf).shape else { continue };
+        if patch.polygon >= before {
+            errors.push((grey(field.irradiance()[leaf.index()]) / 2.0 - 1.0).abs());
+        }
+    }
+    errors.sort_by(f32::total_cmp);
+    assert!(errors[errors.len() * 9 / 10] < 0.1, "nine tenths are within {}", errors[errors.len() * 9 / 10]);
 }
 
 /// Truth: an evenly lit wall needs no more leaves than its shading asks: a lamp of the size of the floor, one side of it away, lights
