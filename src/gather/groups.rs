@@ -3,7 +3,8 @@
 //! A scene of a million leaves needs no look from each: what a chair's bolts reflect is known well enough by a few looks from
 //! all of them. A leaf that counts too little for a look of its own therefore belongs to the group of the smallest cluster
 //! around it from where enough looks are planned; larger clusters hold the looks of those within. The mean over a group's
-//! looks is that of its area, and the links tell how it differs from face to face, by where each is turned.
+//! looks is that of its area. The links tell how it differs from face to face, by where each is turned, as far as the looks themselves
+//! agree with them (a regression).
 
 use std::ops::{AddAssign, Mul};
 
@@ -12,8 +13,6 @@ use crate::hierarchy::{ElementId, Shape};
 
 /// Looks that tell the mean of a group.
 const LEAST_LOOKS: f64 = 8.0;
-/// What links do not know of a leaf's light, as a share of the group's mean: they are as coarse as the group, or coarser.
-const UNKNOWN: f32 = 0.3;
 /// Stands for "in no group".
 const NONE: u32 = u32::MAX;
 
@@ -24,8 +23,8 @@ struct Member {
     group: u32,
     /// Area that each of its looks stands for, m².
     weight: f32,
-    /// Its light as a multiple of the group's mean.
-    shape: f32,
+    /// Its light by the links as a multiple of the group's mean.
+    lit: f32,
 }
 
 /// The leaves that share looks, with the groups in which they do.
@@ -36,6 +35,8 @@ pub struct Groups {
     members: Vec<Member>,
     /// Looks that are planned from each of them, parallel to the arena; 0 for other leaves.
     planned: Vec<f32>,
+    /// Change of a leaf's light by the looks for each change by the links, 0..=1.
+    slope: f32,
 }
 
 /// Sums over looks from a leaf or a group, and how many they were.
@@ -81,10 +82,10 @@ impl Groups {
         let member = |&(leaf, planned): &(ElementId, f64)| {
             let around = hierarchy.element(leaf).parent().map_or(NONE, |parent| group_of[parent.index()]);
             let weight = f64::from(field.area(leaf)) / planned;
-            Member { leaf, group: around, weight: weight as f32, shape: lit[leaf.index()] }
+            Member { leaf, group: around, weight: weight as f32, lit: lit[leaf.index()] }
         };
         groups.members = small.iter().map(member).collect();
-        groups.set_shapes(field);
+        groups.set_means(field);
         groups
     }
 
@@ -106,19 +107,19 @@ impl Groups {
     }
 
     /// Makes the links' light of each member a multiple of its group's mean.
-    fn set_shapes(&mut self, field: &Field) {
+    fn set_means(&mut self, field: &Field) {
         let mut means = vec![Mean::default(); self.clusters.len()];
         for member in &self.members {
             let area = field.area(member.leaf);
             let mean: &mut Mean<f32> = &mut means[member.group as usize];
-            mean.sum += area * member.shape;
+            mean.sum += area * member.lit;
             mean.looks += area;
         }
         self.pull(&mut means);
         for member in &mut self.members {
             let Mean { sum, looks: area } = means[member.group as usize];
             let mean = if area > 0.0 { sum / area } else { 0.0 };
-            member.shape = if mean > 0.0 { (member.shape / mean + UNKNOWN) / (1.0 + UNKNOWN) } else { 1.0 };
+            member.lit = if mean > 0.0 { member.lit / mean } else { 1.0 };
         }
     }
 
@@ -133,9 +134,8 @@ impl Groups {
         }
     }
 
-    /// Hands each member its group's mean, where looks from leaves found these sums, and the multiple of it that the links give that
-    /// leaf. Groups without a look are left out.
-    pub fn share<T>(&self, found: impl Fn(ElementId) -> Mean<T>, mut hand: impl FnMut(ElementId, T, f32))
+    /// Mean of each group, where looks from leaves found these sums.
+    fn means<T>(&self, found: impl Fn(ElementId) -> Mean<T>) -> Vec<Mean<T>>
     where
         T: Copy + Default + AddAssign + Mul<f32, Output = T>,
     {
@@ -149,12 +149,38 @@ impl Groups {
             }
         }
         self.pull(&mut means);
+        means
+    }
+
+    /// Hands each member its group's mean, where looks from leaves found these sums, and the multiple of it that is that leaf's. Groups
+    /// without a look are left out.
+    pub fn share<T>(&self, found: impl Fn(ElementId) -> Mean<T>, mut hand: impl FnMut(ElementId, T, f32))
+    where
+        T: Copy + Default + AddAssign + Mul<f32, Output = T>,
+    {
+        let means = self.means(found);
         for member in &self.members {
             let Mean { sum, looks } = means[member.group as usize];
             if looks > 0.0 {
-                hand(member.leaf, sum * looks.recip(), member.shape);
+                hand(member.leaf, sum * looks.recip(), 1.0 + self.slope * (member.lit - 1.0));
             }
         }
+    }
+
+    /// Learns how far light differs as the links say, from all looks so far, which found these sums.
+    pub fn learn(&mut self, found: impl Fn(ElementId) -> Mean<f32>) {
+        let means = self.means(&found);
+        let (mut together, mut by_links) = (0.0, 0.0);
+        for member in &self.members {
+            let (of_leaf, Mean { sum, looks }) = (found(member.leaf), means[member.group as usize]);
+            if of_leaf.looks > 0.0 && sum > 0.0 {
+                let mean = f64::from(sum / looks);
+                let (weight, change) = (f64::from(member.weight) * mean, f64::from(member.lit) - 1.0);
+                together += weight * change * (f64::from(of_leaf.sum) - f64::from(of_leaf.looks) * mean);
+                by_links += weight * change * change * f64::from(of_leaf.looks) * mean;
+            }
+        }
+        self.slope = if by_links > 0.0 { (together / by_links).clamp(0.0, 1.0) as f32 } else { 0.0 };
     }
 
     /// The leaves that share looks, each with the square of its cluster's diagonal, m².

@@ -3,7 +3,7 @@
 use glam::Vec3;
 
 use super::Gather;
-use super::field::Field;
+use super::field::{Field, grey};
 use super::groups::{Groups, Mean};
 use super::samples::{GatherSamples, Sums};
 use crate::base::cancel::CancelToken;
@@ -39,6 +39,8 @@ struct Gathered {
     far: Vec<Vec3>,
     /// Variance over the leaf (mean of the colours), W²/m⁴.
     variance: Vec<f32>,
+    /// Σ over its looks (mean of the colours).
+    sums: Vec<f32>,
 }
 
 impl<'a> Relighting<'a> {
@@ -98,7 +100,8 @@ impl<'a> Relighting<'a> {
             far[index] = if of_group.far_share > 0.0 { share * of_group.far } else { mean[index] };
             variance[index] = 0.0;
         });
-        Some(Gathered { mean, far, variance })
+        let sums = sums.iter().map(|sums| sums.all).collect();
+        Some(Gathered { mean, far, variance, sums })
     }
 
     /// Sums over the looks of each leaf with cosine-distributed rays, by leaf.
@@ -151,6 +154,10 @@ impl Gather {
         let gathered = relighting.gathered(&reflected, cancel)?;
         field.set_irradiance(gathered.mean);
         field.set_far(&gathered.far, gathered.variance);
+        self.groups.learn(|leaf| match samples.of(leaf) {
+            known if samples.has_cosine() => Mean { sum: gathered.sums[leaf.index()], looks: known.whole as f32 },
+            known => Mean { sum: grey(known.emitted), looks: known.seen as f32 },
+        });
         self.is_lit_by_samples = samples.has_cosine();
         self.field = field;
         Some(())
