@@ -10,7 +10,7 @@
 use rayon::prelude::*;
 
 use super::bound::{POINTS, PointError, Quantiles, bound, is_hopeless};
-use super::estimator::Checked;
+use super::estimator::{Checked, MOST_RAYS};
 use super::field::{Field, grey};
 use crate::base::cancel::CancelToken;
 use crate::base::random::{hash64, r2_sequence};
@@ -29,6 +29,9 @@ const TRIES: u32 = 8;
 const HIDDEN_RAYS: u32 = 16;
 /// Points compared between two looks at commands.
 const CHUNK: usize = 16;
+/// Rays of a reading, as a multiple of those that it should take, before more are worth their time: a few points in crevices need many
+/// times as many as all others together, and as long as the bound is kept without them it does not matter what they say.
+const BLUNT_RAYS: f32 = 4.0;
 /// Standard error of readings, as a share of the target error.
 pub const NOISE: f64 = 0.33;
 
@@ -60,6 +63,8 @@ struct Compared {
     emission: f32,
     /// Density of points by A·|B|² here, as a multiple of those by area.
     by_power: f64,
+    /// Whether it is noisier than readings should be, because its rays were too few.
+    is_blunt: bool,
     rays: u64,
 }
 
@@ -73,6 +78,8 @@ impl Compared {
 /// Kind of the points that are compared next.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Next {
+    /// The blunt ones of the points by area once more, with as many rays as readings may take.
+    Sharpen,
     /// Points by area.
     ByArea,
     /// Points by A·|B|².
@@ -98,6 +105,11 @@ pub struct Certifying {
     /// By area, and by A·|B|².
     compared: Vec<Compared>,
     of_power: Vec<Compared>,
+    /// Whether points get as many rays as readings may take, and how many of those compared before were looked at again for that.
+    is_sharp: bool,
+    sharpened: usize,
+    /// Rays of what was replaced.
+    rays_replaced: u64,
     is_thorough: bool,
 }
 
@@ -127,6 +139,9 @@ impl Certifying {
             dim: field.dim(),
             compared: Vec::new(),
             of_power: Vec::new(),
+            is_sharp: false,
+            sharpened: 0,
+            rays_replaced: 0,
             is_thorough: false,
         }
     }
@@ -135,13 +150,33 @@ impl Certifying {
     pub fn advance(&mut self, field: &Field, cancel: &CancelToken) -> Option<()> {
         let next = self.next();
         let (known, ends, salt) = match next {
+            Next::Sharpen => return self.sharpen(field, cancel),
             Next::ByArea => (self.compared.len(), &self.areas, 0),
             Next::ByPower => (self.of_power.len(), &self.powers, 8),
             Next::Nothing => return Some(()),
         };
-        let compare = |index: usize| (!cancel.is_cancelled()).then(|| self.compare(field, ends, index, salt));
+        let compare = |index: usize| {
+            (!cancel.is_cancelled())
+                .then(|| self.compare(field, ends, index, salt, if self.is_sharp { MOST_RAYS } else { BLUNT_RAYS }))
+        };
         let found: Vec<Compared> = (known..known + CHUNK).into_par_iter().map(compare).collect::<Option<_>>()?;
         if next == Next::ByArea { &mut self.compared } else { &mut self.of_power }.extend(found);
+        Some(())
+    }
+
+    /// Looks once more at some of the blunt points; `None` if cancelled.
+    fn sharpen(&mut self, field: &Field, cancel: &CancelToken) -> Option<()> {
+        let is_blunt = |index: &usize| self.compared[*index].is_blunt;
+        let blunt: Vec<usize> = (self.sharpened..self.compared.len()).filter(is_blunt).take(CHUNK).collect();
+        let compare =
+            |index: &usize| (!cancel.is_cancelled()).then(|| self.compare(field, &self.areas, *index, 0, MOST_RAYS));
+        let found: Vec<Compared> = blunt.par_iter().map(compare).collect::<Option<_>>()?;
+        self.sharpened = blunt.last().map_or(self.compared.len(), |last| last + 1);
+        for (index, found) in blunt.into_iter().zip(found) {
+            self.rays_replaced += self.compared[index].rays;
+            self.compared[index] = found;
+        }
+        self.is_sharp = self.sharpened == self.compared.len();
         Some(())
     }
 
@@ -156,6 +191,10 @@ impl Certifying {
         let errors = self.errors(&self.compared);
         let is_kept = bound(&errors, self.risk) <= self.target;
         let is_in_vain = !self.is_thorough && is_hopeless(&errors, self.target);
+        // Unkept, for all that is known so far: noise alone may be to blame.
+        if !is_kept && !self.is_sharp && (is_hopeless(&errors, self.target) || !self.has_more()) {
+            return Next::Sharpen;
+        }
         match self.powers.last() {
             _ if !is_kept && !is_in_vain && self.has_more() => Next::ByArea,
             Some(power) if *power > 0.0 && !is_in_vain && self.of_power.len() < POINTS_BY_POWER => Next::ByPower,
@@ -178,7 +217,7 @@ impl Certifying {
     }
 
     /// A point of a leaf that is drawn by these sums; the salt tells sequences of points apart.
-    fn compare(&self, field: &Field, ends: &[f64], index: usize, salt: u64) -> Compared {
+    fn compare(&self, field: &Field, ends: &[f64], index: usize, salt: u64, most_rays: f32) -> Compared {
         let seed = hash64(self.seed, salt << 32 | index as u64);
         // A low-discrepancy sequence over the leaves, so that any number of points is spread evenly.
         let [along, _] = r2_sequence(hash64(self.seed, salt + 1), index as u32);
@@ -188,11 +227,13 @@ impl Certifying {
         let point = self.exposed_point(field, self.leaves[place], [u, v], seed);
         let at = (point.position, point.normal);
         let error = (NOISE * self.target) as f32;
-        let Checked { read, noise, change, change_noise } = field.checked_at(at, error, hash64(seed, 3));
+        let checked = field.checked_at(at, error, hash64(seed, 3), most_rays);
+        let Checked { read, noise, change, change_noise, is_blunt } = checked;
         let surface = field.surface(point.polygon);
         Compared {
             point,
             truth: (grey(read.mean) + change).max(0.0),
+            is_blunt,
             change,
             noise,
             change_noise,
@@ -301,7 +342,7 @@ impl Certifying {
 
     /// Rays cast.
     pub fn rays(&self) -> u64 {
-        self.compared.iter().chain(&self.of_power).map(|compared| compared.rays).sum()
+        self.rays_replaced + self.compared.iter().chain(&self.of_power).map(|compared| compared.rays).sum::<u64>()
     }
 }
 
@@ -325,6 +366,7 @@ mod tests {
             reflectance: 0.5,
             emission: 0.0,
             by_power,
+            is_blunt: false,
             rays: 0,
         };
         // Shares of A·B²: 0.9 to 0.1·100.
@@ -341,6 +383,9 @@ mod tests {
             dim: 0.1,
             compared: points(90, 10),
             of_power: points(9, 100),
+            is_sharp: false,
+            sharpened: 0,
+            rays_replaced: 0,
             is_thorough: false,
         };
         let wanted = ((0.9 * 0.01 + 0.1 * 25.0) / (0.9 + 0.1 * 100.0_f64)).sqrt();

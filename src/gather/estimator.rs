@@ -22,8 +22,8 @@ const LEAST_LOOKS: u32 = 8;
 const LOOKS_FOR_ERROR: f32 = 0.1;
 const MOST_FIRST_LOOKS: u32 = 1 << 10;
 /// Rays of a reading, about at most, times the square of the standard error that is asked for: as many as would do if a look's
-/// rays differed by twice the local light.
-const MOST_RAYS: f32 = 4.0;
+/// rays differed by five times the local light. By day, far from a window, a tenth of all points need so many.
+pub const MOST_RAYS: f32 = 24.0;
 /// Looks of a part are made more by this factor at least, and by so many times what should do.
 const LEAST_GROWTH: f32 = 1.25;
 const GROWTH: f32 = 1.1;
@@ -60,6 +60,8 @@ pub struct Checked {
     pub change: f32,
     /// Standard error of that, W/m².
     pub change_noise: f32,
+    /// Whether rays ended before both were as exact as was asked for.
+    pub is_blunt: bool,
 }
 
 /// Whether light is followed by one reflection more from wherever the field was read.
@@ -114,20 +116,21 @@ impl Field {
     /// Irradiance at a point of a face with this unit normal, until its standard error is this share of E + E₀ (mean of the
     /// colours). The seed alone tells the random numbers, so a reading does not depend on others.
     pub fn irradiance_at(&self, (point, normal): (Vec3, Vec3), error: f32, seed: u64) -> Irradiance {
-        irradiance(&self.sums(&Place { point, normal, seed, check: Check::No }, error))
+        let (sums, _) = self.sums(&Place { point, normal, seed, check: Check::No }, error, MOST_RAYS);
+        irradiance(&sums)
     }
 
-    /// A reading with an estimate of its error.
-    pub fn checked_at(&self, (point, normal): (Vec3, Vec3), error: f32, seed: u64) -> Checked {
-        let sums = self.sums(&Place { point, normal, seed, check: Check::Yes }, error);
+    /// A reading with an estimate of its error; it ends at the latest after `most_rays` over the square of that standard error.
+    pub fn checked_at(&self, (point, normal): (Vec3, Vec3), error: f32, seed: u64, most_rays: f32) -> Checked {
+        let (sums, is_exact) = self.sums(&Place { point, normal, seed, check: Check::Yes }, error, most_rays);
         let [noise, change_noise] =
             [Sums::variance, Sums::change_variance].map(|variance| sums.iter().map(variance).sum::<f32>().sqrt());
         let change = sums.iter().map(Sums::mean_change).sum();
-        Checked { read: irradiance(&sums), noise, change, change_noise }
+        Checked { read: irradiance(&sums), noise, change, change_noise, is_blunt: !is_exact }
     }
 
-    /// Looks for both parts until their sum is exact enough.
-    fn sums(&self, place: &Place, error: f32) -> [Sums; 2] {
+    /// Looks for both parts until their sum is exact enough, or rays are too many; whether it is exact enough.
+    fn sums(&self, place: &Place, error: f32, most_rays: f32) -> ([Sums; 2], bool) {
         let mut aims = Vec::new();
         self.find_aims(place.point, place.normal, &mut aims);
         let mut sums = [Sums::default(); 2];
@@ -142,8 +145,8 @@ impl Field {
             let variance = sums.map(|sums| sums.variance().max(sums.change_variance()));
             let allowed = error * (grey(sums[0].mean() + sums[1].mean()) + self.dim());
             let excess = (variance[0] + variance[1]) / (allowed * allowed).max(f32::MIN_POSITIVE);
-            if excess <= 1.0 || (sums[0].rays + sums[1].rays) as f32 * error * error >= MOST_RAYS {
-                return sums;
+            if excess <= 1.0 || (sums[0].rays + sums[1].rays) as f32 * error * error >= most_rays {
+                return (sums, excess <= 1.0);
             }
             // More of the part whose variance falls the most for each ray: as many as should do, at most twice as many as there
             // are. Whoever asks after every look stops where little was found by chance, and reads too low.

@@ -126,7 +126,7 @@ impl Field {
                 None => {}
             }
         }
-        let sky = self.sky_rays(rays.cosine, rays.aimed.div_ceil(2));
+        let sky = self.sky_rays(rays.cosine, rays.aimed);
         for ray in 0..rays.cosine {
             let number = index.wrapping_mul(rays.cosine).wrapping_add(ray);
             let hash = scramble(2, number);
