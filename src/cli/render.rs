@@ -12,8 +12,8 @@ use selflink::export::{PictureFormat, exr};
 use selflink::read::daylight_factor::open_ground;
 use selflink::read::picture::GatheredPicture;
 use selflink::render::{
-    Camera, ChosenLinks, ClusterView, Display, Exposure, Frame, IsolinesWanted, LinkFilter, LinkStyle, MAX_SIZE, Marks,
-    Offscreen, Overlay, ReadingSettings, Show, auto_exposure, by_clusters, developed, pick, picked_marks,
+    Camera, ChosenLinks, ClusterView, Display, Exposure, Frame, IsolinesWanted, LightMeter, LinkFilter, LinkStyle,
+    MAX_SIZE, Marks, Offscreen, Overlay, ReadingSettings, Show, by_clusters, developed, pick, picked_marks,
 };
 use selflink::scene::{CameraPose, FiledCamera, Scene};
 use selflink::transport::{LinkView, SolutionView};
@@ -195,7 +195,7 @@ const NO_FIELD: &str = "light can be gathered at pixels only over a solve to an 
 
 /// A gathered picture as it is shown, without lines over it.
 fn show(picture: &GatheredPicture, scene: &Scene, solution: &Solution, view: &View) -> anyhow::Result<RgbaImage> {
-    let exposure = view.display.exposure.factor(auto_exposure(&solution.snapshot));
+    let exposure = metered_exposure(scene, solution, view);
     let reading = view.reading.reading(&solution.snapshot, open_ground(scene).ok());
     let pixels = developed(picture, exposure, reading.as_ref()).context("the picture has no pixels")?;
     let [width, height] = pixels.size;
@@ -207,6 +207,14 @@ fn show(picture: &GatheredPicture, scene: &Scene, solution: &Solution, view: &Vi
         legend::draw(&mut picture, &reading)?;
     }
     Ok(picture)
+}
+
+/// The factor on radiosities, m²/W, by which a view is shown: metered on what is seen, as in the window.
+fn metered_exposure(scene: &Scene, solution: &Solution, view: &View) -> f32 {
+    let [width, height] = view.size.map(|pixels| pixels as f32);
+    let (snapshot, occluders) = (&solution.snapshot, solution.solver.link_solution().occluders());
+    let metered = LightMeter::new(snapshot, scene).exposure(snapshot, occluders, &camera(scene, view), width / height);
+    view.display.exposure.factor(metered)
 }
 
 /// Writes a picture as PNG.
@@ -243,8 +251,9 @@ pub fn draw(
     let snapshot = by_clusters.as_ref().unwrap_or(&solution.snapshot);
     let reading = view.reading.reading(&solution.snapshot, open_ground(scene).ok());
     let as_colours = view.clusters.is_some_and(|clusters| clusters.coloured);
-    let display = Display { reading, as_colours, ..view.display };
-    let exposure = view.display.exposure.factor(auto_exposure(&solution.snapshot));
+    let exposure = metered_exposure(scene, solution, view);
+    let in_force = Exposure::Manual { stops: exposure.log2() };
+    let display = Display { reading, as_colours, exposure: in_force, ..view.display };
     let gathered = gathered.and_then(|picture| developed(picture, exposure, reading.as_ref())).map(Arc::new);
     let frame = Frame {
         snapshot,

@@ -13,6 +13,8 @@ const KEY: f32 = 0.16;
 const HIGHLIGHT: f32 = 2.5;
 /// Share of the lit area that may be brighter than `HIGHLIGHT`.
 const HIGHLIGHT_AREA: f64 = 0.02;
+/// What is brighter darkens the picture by no more than this: a patch of sun is blown out before the room around it is black.
+const MOST_DARKENED: f32 = 4.0;
 /// Shares of the lit area, from the darkest, whose log-average is taken: a few very dark or very bright leaves do not count.
 const COUNTED_AREA: (f64, f64) = (0.1, 0.95);
 /// Leaves darker than this share of the mean count as unlit: outsides of walls that a leak reaches.
@@ -93,8 +95,14 @@ pub fn auto_exposure(snapshot: &Snapshot) -> f32 {
         }
         below = upto;
     }
-    let exposure = (f64::from(KEY) / (logs / counted).exp()).min(f64::from(HIGHLIGHT) / highlight);
-    if exposure.is_finite() && exposure > 0.0 { exposure.clamp(1e-30, 1e30) as f32 } else { 1.0 }
+    exposed((logs / counted).exp(), highlight).unwrap_or(1.0)
+}
+
+/// The factor that brings the middle of a picture's radiosities (W/m²) to the key, unless what is bright would be blown out.
+fn exposed(middle: f64, highlight: f64) -> Option<f32> {
+    let to_key = f64::from(KEY) / middle;
+    let exposure = (f64::from(HIGHLIGHT) / highlight).clamp(to_key / f64::from(MOST_DARKENED), to_key);
+    (exposure.is_finite() && exposure > 0.0).then(|| exposure.clamp(1e-30, 1e30) as f32)
 }
 
 /// The factor on radiosities, m²/W, that exposes what is seen well: its median is brought to the key, unless a share of it would
@@ -104,8 +112,7 @@ pub fn exposure_of_seen(radiosities: &mut [f32]) -> Option<f32> {
     radiosities.sort_unstable_by(f32::total_cmp);
     let at = |share: f64| radiosities.get((share * radiosities.len() as f64) as usize).copied();
     let (median, highlight) = (at(0.5)?, at(1.0 - HIGHLIGHT_AREA)?);
-    let exposure = (KEY / median).min(HIGHLIGHT / highlight);
-    (median > 0.0 && exposure.is_finite() && exposure > 0.0).then(|| exposure.clamp(1e-30, 1e30))
+    if median > 0.0 && highlight.is_finite() { exposed(median.into(), highlight.into()) } else { None }
 }
 
 /// Luminance of a linear RGB radiosity, W/m².
@@ -191,12 +198,24 @@ mod tests {
         assert!((with_lamp / alone - 1.0).abs() < 1e-5, "{with_lamp} {alone}");
     }
 
+    /// Truth: the definition. A bright tenth of a room is not blown out, but a patch of sun a thousand times as bright leaves the room
+    /// around it to be seen.
     #[test]
-    fn a_bright_tenth_of_the_room_is_not_blown_out() {
-        let mut leaves = vec![(1.0, 0.01, 0.02); 90];
-        leaves.extend([(1.0, 10.0, 20.0); 10]);
-        let exposure = auto_exposure(&snapshot(&leaves));
-        assert!((10.0 * exposure - HIGHLIGHT).abs() < 1e-4, "{exposure}");
+    fn what_is_bright_darkens_a_room_by_two_stops_at_most() {
+        let with_bright = |bright: f32| {
+            let mut leaves = vec![(1.0, 0.1, 0.2); 90];
+            leaves.extend([(1.0, bright, 2.0 * bright); 10]);
+            (
+                auto_exposure(&snapshot(&leaves)),
+                exposure_of_seen(&mut leaves.iter().map(|leaf| leaf.1).collect::<Vec<_>>()),
+            )
+        };
+        let (of_area, of_seen) = with_bright(3.0);
+        assert!((3.0 * of_area - HIGHLIGHT).abs() < 1e-4, "{of_area}");
+        assert_eq!(of_seen, Some(HIGHLIGHT / 3.0));
+        let (of_area, of_seen) = with_bright(100.0);
+        assert!(0.1 * of_area > 0.2 * KEY, "{of_area}");
+        assert!(of_seen.is_some_and(|of_seen| (0.1 * of_seen - KEY / MOST_DARKENED).abs() < 1e-5), "{of_seen:?}");
     }
 
     #[test]

@@ -15,6 +15,7 @@ mod clusters;
 mod display;
 mod gathered;
 mod links;
+mod meter;
 mod offscreen;
 mod outline;
 mod overlay;
@@ -32,6 +33,7 @@ pub use clusters::{ApartMesh, ClusterParts, ClusterView, by_clusters, cluster_co
 pub use display::Display;
 pub use gathered::{Pixels, developed};
 pub use links::{ChosenLinks, LinkColour, LinkFilter, LinkStyle, Seen, USUAL_LINKS, level_colour};
+pub use meter::LightMeter;
 pub use offscreen::Offscreen;
 pub use outline::{box_edges, element_outline};
 pub use overlay::{Line, Marks, Overlay, picked_marks, power_colour};
@@ -41,7 +43,7 @@ pub use reading_settings::{IsolinesWanted, Mark, ReadingSettings, Show};
 pub use renderer::{Frame, SceneRenderer, sample_count};
 
 pub use crate::read::ramp::{BLUE_WHITE_RED, CIVIDIS, Ramp, VIRIDIS, along_ramp};
-pub use crate::read::tone::{Exposure, auto_exposure, encode_gamma, exposure_of_seen, tone_curve};
+pub use crate::read::tone::{Exposure, auto_exposure, encode_gamma, tone_curve};
 
 #[cfg(doc)]
 use crate::solve::snapshot::Snapshot;

@@ -1,19 +1,11 @@
-//! The exposure meter of the view: what is seen is brought to the key, lamps aside.
-//!
-//! Rays through a coarse grid of the view tell which faces are seen; the median of what they send out is what is metered. While the
-//! camera moves or somebody drags a lamp, the exposure holds: nothing flickers, and dimming is seen.
+//! When the exposure of the view is metered: while the camera moves or somebody drags a lamp it holds, so that nothing flickers, and
+//! dimming is seen.
 
 use std::sync::Arc;
 
-use glam::Vec2;
-
-use crate::base::photometry::weighted;
-use crate::render::{Camera, auto_exposure, exposure_of_seen};
+use crate::render::{Camera, LightMeter};
 use crate::solve::Snapshot;
 use crate::worker::SceneInfo;
-
-/// Rays in each direction of the view.
-const GRID: [u32; 2] = [32, 20];
 
 /// The exposure that is in force, and what it was metered for.
 #[derive(Default)]
@@ -21,7 +13,8 @@ pub(in crate::app) struct Metering {
     metered: Option<Metered>,
     /// The camera of the frame before.
     last: Option<Camera>,
-    means: Option<Means>,
+    /// The meter of a snapshot, by its generation and serial number.
+    meter: Option<((u64, u64), LightMeter)>,
 }
 
 struct Metered {
@@ -30,12 +23,6 @@ struct Metered {
     aspect: f32,
     /// Factor on radiosities, m²/W.
     factor: f32,
-}
-
-/// Mean radiosity of each polygon that does not emit, weighted as the eye does, W/m².
-struct Means {
-    snapshot: (u64, u64),
-    of_polygons: Vec<Option<f32>>,
 }
 
 impl Metering {
@@ -69,38 +56,10 @@ impl Metering {
 
     fn meter(&mut self, snapshot: &Snapshot, info: &SceneInfo, camera: &Camera, aspect: f32) -> f32 {
         let key = (snapshot.generation, snapshot.serial);
-        let means = match self.means.take().filter(|means| means.snapshot == key) {
-            Some(means) => means,
-            None => Means { snapshot: key, of_polygons: means_of(snapshot, info) },
+        let (_, meter) = match self.meter.take().filter(|(of, _)| *of == key) {
+            Some(known) => self.meter.insert(known),
+            None => self.meter.insert((key, LightMeter::new(snapshot, &info.scene))),
         };
-        let [columns, rows] = GRID;
-        let place = |index: u32| {
-            let share = |at: u32, of: u32| (at as f32 + 0.5) / of as f32;
-            let at = Vec2::new(share(index % columns, columns), share(index / columns, rows));
-            let (origin, direction) = camera.ray(2.0 * at - Vec2::ONE, aspect);
-            let hit = info.occluders.first_front(origin, direction)?;
-            means.of_polygons.get(hit.polygon as usize).copied().flatten()
-        };
-        let mut seen: Vec<f32> = (0..columns * rows).filter_map(place).collect();
-        let exposure = exposure_of_seen(&mut seen).unwrap_or_else(|| auto_exposure(snapshot));
-        self.means = Some(means);
-        exposure
+        meter.exposure(snapshot, &info.occluders, camera, aspect)
     }
-}
-
-fn means_of(snapshot: &Snapshot, info: &SceneInfo) -> Vec<Option<f32>> {
-    let mut sums = vec![(0.0_f64, 0.0_f64); info.scene.polygons.len()];
-    for (leaf, radiosity) in snapshot.mesh.leaves.iter().zip(&snapshot.leaf_radiosity) {
-        if let Some((sent, area)) = sums.get_mut(leaf.polygon as usize) {
-            *sent += f64::from(leaf.area * weighted(*radiosity));
-            *area += f64::from(leaf.area);
-        }
-    }
-    let emits = |polygon: usize| {
-        let material = info.scene.polygons[polygon].material.0 as usize;
-        info.scene.materials.get(material).is_some_and(|material| material.emission.max_element() > 0.0)
-    };
-    let mean =
-        |(polygon, (sent, area)): (usize, &(f64, f64))| (*area > 0.0 && !emits(polygon)).then(|| (sent / area) as f32);
-    sums.iter().enumerate().map(mean).collect()
 }
