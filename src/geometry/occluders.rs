@@ -4,10 +4,10 @@
 //! more, wound the other way.
 
 use glam::{Vec3, Vec3A};
-use rustc_hash::FxHashMap;
+use rayon::prelude::*;
 
 use super::offset::{Crossing, End, Triangle};
-use super::wide_bvh::WideBvh;
+use super::wide_bvh::{Effort, WideBvh};
 use crate::scene::{Polygon, Scene};
 
 /// Marks a triangle that is dark from behind.
@@ -61,33 +61,40 @@ impl std::fmt::Debug for Occluders {
 impl Occluders {
     /// Builds the BVH over every face of the scene.
     pub fn new(scene: &Scene) -> Self {
-        let behind = backs(scene);
-        let mut faces = Vec::with_capacity(2 * scene.polygons.len());
-        for (index, polygon) in scene.polygons.iter().enumerate() {
-            let behind = match behind.get(&corner_set(polygon)) {
-                Some(_) if polygon.is_back => continue,
-                Some(back) => *back,
-                None => DARK,
-            };
+        Self::of_scene(scene, Effort::Thorough)
+    }
+
+    /// Builds the BVH for no more than a few rays a face.
+    pub(super) fn for_few_rays(scene: &Scene) -> Self {
+        Self::of_scene(scene, Effort::Quick)
+    }
+
+    fn of_scene(scene: &Scene, effort: Effort) -> Self {
+        let behind = second_sides(scene);
+        let all = scene.polygons.par_iter().zip(behind).enumerate();
+        let faces_of = |(index, (polygon, behind)): (usize, (&Polygon, Option<u32>))| {
             let ([a, b, c, d], count) = scene.corner_positions(polygon);
             let slack = if count == 4 { warp([a, b, c, d]) } else { 0.0 };
             let fan = [[a, b, c], [a, c, d]];
-            let face = |corners: [Vec3; 3]| Face { corners, polygon: index as u32, behind, slack };
-            faces.extend(fan.into_iter().take(count - 2).map(face));
-        }
-        Self::build(&faces)
+            let behind = behind.unwrap_or(DARK);
+            // The second side of another stands for no face of its own.
+            let count = if behind == index as u32 { 0 } else { count - 2 };
+            let face = move |corners: [Vec3; 3]| Face { corners, polygon: index as u32, behind, slack };
+            fan.into_iter().take(count).map(face)
+        };
+        Self::build(&all.flat_map_iter(faces_of).collect::<Vec<_>>(), effort)
     }
 
     /// Builds the BVH over triangles, anticlockwise from their bright side, each of which is told as a polygon of that number when a ray
     /// meets it.
     pub fn of_triangles(faces: &[([Vec3; 3], u32)]) -> Self {
         let face = |&(corners, polygon): &([Vec3; 3], u32)| Face { corners, polygon, behind: DARK, slack: 0.0 };
-        Self::build(&faces.iter().map(face).collect::<Vec<_>>())
+        Self::build(&faces.iter().map(face).collect::<Vec<_>>(), Effort::Thorough)
     }
 
-    fn build(faces: &[Face]) -> Self {
-        let corners: Vec<[Vec3A; 3]> = faces.iter().map(|face| face.corners.map(Vec3A::from)).collect();
-        let (bvh, order) = WideBvh::new(&corners);
+    fn build(faces: &[Face], effort: Effort) -> Self {
+        let corners: Vec<[Vec3A; 3]> = faces.par_iter().map(|face| face.corners.map(Vec3A::from)).collect();
+        let (bvh, order) = WideBvh::new(&corners, effort);
         let order = || order.iter().map(|index| &faces[*index as usize]);
         let are_double = faces.iter().any(|face| face.behind != DARK);
         let are_warped = faces.iter().any(|face| face.slack > 0.0);
@@ -244,17 +251,34 @@ impl Occluders {
     }
 }
 
-/// The second side of each face that is bright on both, by the corners that the two share.
-fn backs(scene: &Scene) -> FxHashMap<[u32; 4], u32> {
-    let mut backs = FxHashMap::default();
-    let all = scene.polygons.iter().enumerate();
-    backs.extend(all.filter(|(_, polygon)| polygon.is_back).map(|(index, back)| (corner_set(back), index as u32)));
-    if !backs.is_empty() {
-        let fronts = scene.polygons.iter().filter(|polygon| !polygon.is_back);
-        let known: rustc_hash::FxHashSet<[u32; 4]> = fronts.map(corner_set).collect();
-        backs.retain(|corners, _| known.contains(corners));
+/// The second side of each polygon that is bright on both, by the corners that the two share; each second side is its own.
+fn second_sides(scene: &Scene) -> Vec<Option<u32>> {
+    let mut behind = vec![None; scene.polygons.len()];
+    // Second sides by the least of their corners, of equal ones the last first.
+    let mut start = vec![0_u32; scene.vertices.len() + 1];
+    let backs = || scene.polygons.iter().enumerate().rev().filter(|(_, polygon)| polygon.is_back);
+    backs().for_each(|(_, back)| start[corner_set(back)[0] as usize + 1] += 1);
+    for vertex in 1..start.len() {
+        start[vertex] += start[vertex - 1];
     }
-    backs
+    if start.last() == Some(&0) {
+        return behind;
+    }
+    let (mut next, mut sorted) = (start.clone(), vec![0; backs().count()]);
+    for (index, back) in backs() {
+        let place = &mut next[corner_set(back)[0] as usize];
+        sorted[*place as usize] = index as u32;
+        *place += 1;
+    }
+    for (index, polygon) in scene.polygons.iter().enumerate().filter(|(_, polygon)| !polygon.is_back) {
+        let corners = corner_set(polygon);
+        let [first, last] = [0, 1].map(|by| start[corners[0] as usize + by] as usize);
+        let is_same = |back: &&u32| corner_set(&scene.polygons[**back as usize]) == corners;
+        let mut same = sorted[first..last].iter().filter(is_same);
+        behind[index] = same.next().copied();
+        behind[index].into_iter().chain(same.copied()).for_each(|back| behind[back as usize] = Some(back));
+    }
+    behind
 }
 
 /// The corners of a polygon, whichever way it is wound.

@@ -47,7 +47,7 @@ pub fn apply(mut scene: Scene, sides: Sides) -> (Scene, Occluders) {
     scene.polygons.retain(|polygon| !polygon.is_back);
     let is_placed = placed(&scene);
     scene.polygons.iter_mut().for_each(|polygon| polygon.has_back = sides == Sides::Both && !is_placed(polygon));
-    let (mut scene, occluders) = turned(scene, sides);
+    turn(&mut scene, sides);
     let covered = overlaps::remove(&mut scene);
     let cut = cuts::cut(&mut scene, sides == Sides::Both);
     (scene.skipped.covered_faces, scene.skipped.cut_faces) = (covered, cut);
@@ -59,13 +59,9 @@ pub fn apply(mut scene: Scene, sides: Sides) -> (Scene, Occluders) {
             scene.polygons.push(back);
         }
     }
-    let has_backs = scene.polygons.len() > fronts;
-    if has_backs {
-        // Where the file has a face for either side, no other is needed.
-        overlaps::remove(&mut scene);
-    }
-    let is_as_it_was = covered == 0 && cut == 0 && !has_backs;
-    let occluders = if is_as_it_was { occluders } else { Occluders::new(&scene) };
+    // Where the file has a face for either side, no other is needed.
+    overlaps::remove_backs(&mut scene, fronts);
+    let occluders = Occluders::new(&scene);
     (scene, occluders)
 }
 
@@ -75,20 +71,19 @@ fn placed(scene: &Scene) -> impl Fn(&Polygon) -> bool + use<> {
     move |polygon| materials.contains(&polygon.material)
 }
 
-/// The scene with its faces turned the way that is asked for, each once.
-fn turned(mut scene: Scene, sides: Sides) -> (Scene, Occluders) {
+/// Turns faces the way that is asked for, each once.
+fn turn(scene: &mut Scene, sides: Sides) {
     (scene.skipped.faces_seen_from_behind, scene.skipped.turned_faces) = (0, 0);
-    let occluders = Occluders::new(&scene);
     if sides == Sides::Both {
-        return (scene, occluders);
+        return;
     }
-    let seen = votes(&scene, &occluders, sides == Sides::Auto);
+    let seen = votes(scene, &Occluders::for_few_rays(scene), sides == Sides::Auto);
     let two_sided: Vec<bool> = scene.materials.iter().map(|material| material.is_two_sided).collect();
     let is_two_sided = |polygon: &Polygon| two_sided.get(polygon.material.0 as usize) == Some(&true);
     let needs_surfaces = sides == Sides::Auto || scene.polygons.iter().any(is_two_sided);
-    let surfaces = if needs_surfaces { surface_votes(&scene, &seen.all) } else { Vec::new() };
-    let is_placed = placed(&scene);
-    let (mut turned, mut is_changed) = (0, false);
+    let surfaces = if needs_surfaces { surface_votes(scene, &seen.all) } else { Vec::new() };
+    let is_placed = placed(scene);
+    let mut turned = 0;
     for (index, polygon) in scene.polygons.iter_mut().enumerate() {
         if is_placed(polygon) {
             continue;
@@ -108,15 +103,11 @@ fn turned(mut scene: Scene, sides: Sides) -> (Scene, Occluders) {
         };
         if is_turned {
             *polygon = polygon.flipped();
-            is_changed = true;
             // The file means both sides of a two-sided face: its winding says nothing.
             turned += usize::from(!is_two_sided(polygon));
         }
     }
     scene.skipped.turned_faces = turned;
-    // A hit tells the bright side by the winding, which has changed.
-    let occluders = if is_changed { Occluders::new(&scene) } else { occluders };
-    (scene, occluders)
 }
 
 /// Whether the inside of a scene shows backs, nearly everywhere: its faces are wound the other way round.

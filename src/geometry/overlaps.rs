@@ -12,6 +12,7 @@ use obvhs::BvhBuildParams;
 use obvhs::aabb::Aabb;
 use obvhs::bvh2::Bvh2;
 use obvhs::bvh2::builder::build_bvh2;
+use obvhs::bvh2::node::Bvh2Node;
 use rayon::prelude::*;
 
 use super::parts::{Halves, Part, area, edges, replace};
@@ -28,34 +29,69 @@ const FEW: usize = 8;
 const MANY: usize = 1024;
 /// Halvings of one face.
 const MOST_HALVINGS: u32 = 48;
-/// Faces whose boxes touch that of one face; what has more is looked at from the others' side alone.
+/// Faces whose boxes touch those of a few; what has more is looked at from the others' side alone.
 const MOST_TOUCHING: usize = 1 << 16;
 
-/// Cuts away what lies under other faces; returns how many faces were cut or left out, those that are others' backs aside.
+/// Cuts away what lies under other faces of the same side; returns how many faces were cut or left out.
 pub fn remove(scene: &mut Scene) -> usize {
     let (lower, upper) = scene.bounds();
     let near = NEAR * f64::from(lower.distance(upper));
     let mut faces: Vec<Face> = scene.polygons.par_iter().map(|polygon| Face::new(scene, polygon)).collect();
-    let covers = Search::new(&faces, near).covers();
+    let covers = {
+        let search = Search::new(&faces, near);
+        search.covers(|cover, other| search.is_on(cover, other))
+    };
+    covers.iter().for_each(|(covered, _)| faces[*covered].is_covered = true);
+    let of_polygon = |polygon: usize| (polygon, faces[polygon].clone());
+    cut_away(scene, &faces, covers, near, of_polygon)
+}
+
+/// Cuts away what lies under other faces of second sides: those of the first polygons that have one, in order, behind all of these.
+pub fn remove_backs(scene: &mut Scene, fronts: usize) {
+    if scene.polygons.len() == fronts {
+        return;
+    }
+    let (lower, upper) = scene.bounds();
+    let near = NEAR * f64::from(lower.distance(upper));
+    let all = &scene.polygons[..fronts];
+    let faces: Vec<Face> = all.par_iter().map(|polygon| Face::new(scene, polygon)).collect();
+    let mut backs = fronts..scene.polygons.len();
+    let back_of: Vec<Option<usize>> =
+        all.iter().map(|polygon| if polygon.has_back { backs.next() } else { None }).collect();
+    let covers = {
+        let search = Search::new(&faces, near);
+        search.covers(|cover, other| back_of[other as usize].is_some() && search.is_behind(cover, other))
+    };
+    let of_polygon = |polygon: usize| (back_of[polygon].unwrap_or(polygon), faces[polygon].flipped());
+    cut_away(scene, &faces, covers, near, of_polygon);
+}
+
+/// Cuts away what others cover of faces; `of_polygon` names the polygon to be cut and how it lies. Returns how many were cut or left out.
+fn cut_away(
+    scene: &mut Scene,
+    faces: &[Face],
+    covers: Vec<(usize, Vec<u32>)>,
+    near: f64,
+    of_polygon: impl Fn(usize) -> (usize, Face) + Sync,
+) -> usize {
     if covers.is_empty() {
         return 0;
     }
-    covers.iter().for_each(|(covered, _)| faces[*covered].is_covered = true);
-    let faces = faces;
-    let cut = |(polygon, covers): (usize, Vec<u32>)| {
-        let whole = Part { polygon, corners: faces[polygon].corners.clone() };
+    let cut = |(covered, covers): (usize, Vec<u32>)| {
+        let (polygon, face) = of_polygon(covered);
         let covers: Vec<&Face> = covers.iter().map(|cover| &faces[*cover as usize]).collect();
-        let cutter = Cutter { normal: faces[polygon].normal, thinnest: near };
-        (polygon, cutter.uncovered(whole, &covers, MOST_HALVINGS))
+        let cutter = Cutter { normal: face.normal, thinnest: near };
+        let whole = Part { polygon, corners: face.corners().to_vec() };
+        (polygon, face.area, cutter.uncovered(whole, &covers, MOST_HALVINGS))
     };
-    let mut is_gone = vec![false; faces.len()];
+    let mut is_gone = vec![false; scene.polygons.len()];
     let (mut count, mut parts) = (0, Vec::new());
-    for (polygon, left) in covers.into_par_iter().map(cut).collect::<Vec<_>>() {
+    for (polygon, area_of_whole, left) in covers.into_par_iter().map(cut).collect::<Vec<_>>() {
         let kept: f64 = left.iter().map(|part| area(&part.corners)).sum();
-        if kept >= faces[polygon].area * (1.0 - 1e-9) {
+        if kept >= area_of_whole * (1.0 - 1e-9) {
             continue;
         }
-        count += usize::from(!faces[polygon].is_back);
+        count += 1;
         is_gone[polygon] = left.is_empty();
         parts.extend(left);
     }
@@ -69,8 +105,11 @@ pub fn remove(scene: &mut Scene) -> usize {
 }
 
 /// A polygon as it is looked at here.
+#[derive(Clone)]
 struct Face {
-    corners: Vec<DVec3>,
+    /// Its three or four corners; the last stands for a missing one.
+    all: [DVec3; 4],
+    count: usize,
     normal: DVec3,
     area: f64,
     /// The box around it.
@@ -80,35 +119,42 @@ struct Face {
     warp: f64,
     /// Whether others cover a part of it.
     is_covered: bool,
-    is_back: bool,
 }
 
 impl Face {
     fn new(scene: &Scene, polygon: &Polygon) -> Self {
         let (corners, count) = scene.corner_positions(polygon);
-        let corners: Vec<DVec3> = corners[..count].iter().map(|corner| corner.as_dvec3()).collect();
-        let across = match *corners.as_slice() {
-            [a, b, c, d] => 0.5 * (c - a).cross(d - b),
-            [a, b, c] => 0.5 * (b - a).cross(c - a),
-            _ => DVec3::ZERO,
-        };
-        let (lower, upper) = bounds(&corners);
+        let all = corners.map(|corner| corner.as_dvec3());
+        let [a, b, c, d] = all;
+        let across = if count == 4 { 0.5 * (c - a).cross(d - b) } else { 0.5 * (b - a).cross(c - a) };
+        let (lower, upper) = bounds(&all[..count]);
         let mut face = Self {
-            corners,
+            all,
+            count,
             lower,
             upper,
             normal: across.normalize_or_zero(),
             area: across.length(),
             warp: 0.0,
             is_covered: false,
-            is_back: polygon.is_back,
         };
-        face.warp = face.corners.iter().map(|corner| face.height(*corner).abs()).fold(0.0, f64::max);
+        face.warp = face.corners().iter().map(|corner| face.height(*corner).abs()).fold(0.0, f64::max);
         face
     }
 
+    fn corners(&self) -> &[DVec3] {
+        &self.all[..self.count]
+    }
+
+    /// The face seen from behind; nothing covers it but the fronts of others.
+    fn flipped(&self) -> Self {
+        let mut flipped = Self { normal: -self.normal, is_covered: false, ..self.clone() };
+        flipped.all[..self.count].reverse();
+        flipped
+    }
+
     fn middle(&self) -> DVec3 {
-        self.corners.iter().sum::<DVec3>() / self.corners.len() as f64
+        self.corners().iter().sum::<DVec3>() / self.count as f64
     }
 
     fn height(&self, point: DVec3) -> f64 {
@@ -125,57 +171,77 @@ struct Search<'a> {
     faces: &'a [Face],
     near: f64,
     bvh: Bvh2,
+    /// Around the faces and what is near them.
+    boxes: Vec<Aabb>,
 }
 
 impl<'a> Search<'a> {
     fn new(faces: &'a [Face], near: f64) -> Self {
         let around = |face: &Face| {
+            let near = near + face.warp;
             Aabb::new(Vec3A::from((face.lower - near).as_vec3()), Vec3A::from((face.upper + near).as_vec3()))
         };
         let boxes: Vec<Aabb> = faces.par_iter().map(around).collect();
         let bvh = build_bvh2(&boxes, BvhBuildParams::fast_build(), &mut Duration::default());
-        Self { faces, near, bvh }
+        Self { faces, near, bvh, boxes }
     }
 
-    /// The faces that are covered in part, each with what covers it.
-    fn covers(&self) -> Vec<(usize, Vec<u32>)> {
-        let pairs = (0..self.faces.len() as u32).into_par_iter().with_min_len(64);
-        let mut pairs: Vec<(u32, u32)> =
-            pairs.flat_map_iter(|face| self.under(face).map(move |it| (it, face))).collect();
+    /// The faces that are covered in part, each with what covers it, as `is_on` tells of a cover and another face.
+    fn covers(&self, is_on: impl Fn(u32, u32) -> bool + Sync) -> Vec<(usize, Vec<u32>)> {
+        let leaves = self.bvh.nodes.par_iter().with_min_len(64).filter(|node| node.prim_count > 0);
+        let mut pairs: Vec<(u32, u32)> = leaves.flat_map_iter(|leaf| self.under(leaf, &is_on)).collect();
         pairs.par_sort_unstable();
         let of_face = pairs.chunk_by(|a, b| a.0 == b.0);
         of_face.map(|pairs| (pairs[0].0 as usize, pairs.iter().map(|pair| pair.1).collect())).collect()
     }
 
-    /// The faces that one covers in part.
-    fn under(&self, cover: u32) -> impl Iterator<Item = u32> + use<> {
-        let face = &self.faces[cover as usize];
+    /// The faces that those of a leaf cover in part, each with what covers it: neighbours are looked for together.
+    fn under(&self, leaf: &Bvh2Node, is_on: impl Fn(u32, u32) -> bool) -> Vec<(u32, u32)> {
         let (mut under, mut touching) = (Vec::new(), 0);
-        self.bvh.aabb_traverse(Aabb::new(face.lower.as_vec3().into(), face.upper.as_vec3().into()), |bvh, node| {
-            let node = &bvh.nodes[node as usize];
-            let primitives = node.first_index as usize..(node.first_index + node.prim_count) as usize;
-            let found = bvh.primitive_indices[primitives].iter();
-            under.extend(found.filter(|other| self.is_on(cover, **other)));
-            touching += node.prim_count as usize;
+        self.bvh.aabb_traverse(leaf.aabb, |_, node| {
+            let others = self.of_leaf(&self.bvh.nodes[node as usize]);
+            for &cover in self.of_leaf(leaf) {
+                let touches = |other: &u32| self.boxes[*other as usize].intersect_aabb(&self.boxes[cover as usize]);
+                let found = others.iter().copied().filter(|other| touches(other) && is_on(cover, *other));
+                under.extend(found.map(|other| (other, cover)));
+            }
+            touching += others.len();
             touching <= MOST_TOUCHING
         });
-        under.into_iter()
+        under
     }
 
-    /// Whether a face lies on another and covers some of it.
+    fn of_leaf(&self, leaf: &Bvh2Node) -> &[u32] {
+        let first = leaf.first_index as usize;
+        &self.bvh.primitive_indices[first..first + leaf.prim_count as usize]
+    }
+
+    /// Whether a face lies on another of the same side and covers some of it.
     fn is_on(&self, cover: u32, other: u32) -> bool {
         let (top, below) = (&self.faces[cover as usize], &self.faces[other as usize]);
-        let rank = |face: &Face, index: u32| (face.is_back, face.area, index);
-        let ranks = (rank(top, cover), rank(below, other));
-        if ranks.0.partial_cmp(&ranks.1) != Some(std::cmp::Ordering::Less) || top.normal.dot(below.normal) < SAME_WAY {
-            return false;
-        }
+        let is_higher = top.area < below.area || (top.area == below.area && cover < other);
+        is_higher
+            && top.normal.dot(below.normal) >= SAME_WAY
+            && self.is_in_plane(top, below)
+            && self.covers_some(top, below)
+    }
+
+    /// Whether a face covers some of the second side of another.
+    fn is_behind(&self, cover: u32, other: u32) -> bool {
+        let (top, below) = (&self.faces[cover as usize], &self.faces[other as usize]);
+        top.normal.dot(below.normal) <= -SAME_WAY
+            && self.is_in_plane(top, below)
+            && self.covers_some(top, &below.flipped())
+    }
+
+    fn is_in_plane(&self, top: &Face, below: &Face) -> bool {
         let most = self.near + below.warp;
-        if top.corners.iter().any(|corner| below.height(*corner).abs() > most) {
-            return false;
-        }
+        top.corners().iter().all(|corner| below.height(*corner).abs() <= most)
+    }
+
+    fn covers_some(&self, top: &Face, below: &Face) -> bool {
         let cutter = Cutter { normal: below.normal, thinnest: self.near };
-        !cutter.are_apart(&below.corners, &top.corners) && cutter.inside(&below.corners, top).is_some()
+        !cutter.are_apart(below.corners(), top.corners()) && cutter.inside(below.corners(), top).is_some()
     }
 }
 
@@ -220,13 +286,13 @@ impl Cutter {
                 inner.iter().all(|corner| off(*corner) <= self.thinnest)
             })
         };
-        if covers.iter().any(|cover| is_within(corners, &cover.corners)) {
+        if covers.iter().any(|cover| is_within(corners, cover.corners())) {
             return true;
         }
         if covers.iter().any(|cover| cover.is_covered) {
             return false;
         }
-        let shared = |cover: &&Face| match is_within(&cover.corners, corners) {
+        let shared = |cover: &&Face| match is_within(cover.corners(), corners) {
             true => cover.area,
             false => self.inside(corners, cover).map_or(0.0, |inside| area(&inside)),
         };
@@ -240,7 +306,7 @@ impl Cutter {
         let (lower, upper) = (lower - self.thinnest, upper + self.thinnest);
         let touches = |cover: &&Face| cover.lower.cmple(upper).all() && cover.upper.cmpge(lower).all();
         let touching = covers.iter().copied().filter(touches);
-        let covers: Vec<&Face> = touching.filter(|cover| !self.are_apart(&part.corners, &cover.corners)).collect();
+        let covers: Vec<&Face> = touching.filter(|cover| !self.are_apart(&part.corners, cover.corners())).collect();
         if self.cover_all(&part.corners, &covers) {
             return Vec::new();
         }
@@ -301,7 +367,7 @@ impl Cutter {
 
     /// Distances from the edges of a face, within the plane; positive outside.
     fn lines<'a>(&'a self, cover: &'a Face) -> impl Iterator<Item = impl Fn(DVec3) -> f64 + use<>> + 'a {
-        edges(&cover.corners).map(|edge| self.off(edge))
+        edges(cover.corners()).map(|edge| self.off(edge))
     }
 
     /// Distance from the line of an edge; positive outside.

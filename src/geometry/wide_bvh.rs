@@ -10,6 +10,7 @@ use glam::{Vec3A, Vec4};
 use obvhs::BvhBuildParams;
 use obvhs::bvh2::Bvh2;
 use obvhs::bvh2::builder::build_bvh2_from_tris;
+use rayon::prelude::*;
 
 use super::offset::{Triangle, WIDEST};
 
@@ -55,6 +56,31 @@ struct Lines {
     inverse: [Vec4; 3],
     /// Along each axis the bound that the ray meets first: 0 for the least.
     nearer: [usize; 3],
+}
+
+/// How much is done for the speed of rays.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Effort {
+    /// A tree for many rays.
+    Thorough,
+    /// A tree for few rays, built in a third of the time.
+    Quick,
+}
+
+/// The share of nodes put in better places at a time: half of them gives the fastest rays, and above so many triangles as many nodes
+/// as there. With a tenth, of 580,000 triangles, rays are slower by 5 % and the tree is built in a third of the time.
+const SHARE_IMPROVED: f32 = 0.5;
+const MOST_IMPROVED: f32 = 60_000.0;
+/// The same for few rays.
+const SHARE_IMPROVED_QUICKLY: f32 = 0.02;
+
+impl Effort {
+    fn share_improved(self, triangles: usize) -> f32 {
+        match self {
+            Self::Thorough => SHARE_IMPROVED.min(MOST_IMPROVED / triangles.max(1) as f32),
+            Self::Quick => SHARE_IMPROVED_QUICKLY,
+        }
+    }
 }
 
 /// The tree.
@@ -154,18 +180,18 @@ fn lanes(mut mask: u32) -> impl Iterator<Item = usize> {
 
 impl WideBvh {
     /// Builds a tree over triangles, and tells in which order it numbers them.
-    pub fn new(corners: &[[Vec3A; 3]]) -> (Self, Vec<u32>) {
+    pub fn new(corners: &[[Vec3A; 3]], effort: Effort) -> (Self, Vec<u32>) {
         let extent = corners.iter().flatten().fold(0.0_f32, |extent, corner| extent.max(corner.abs().max_element()));
         let is_usable = extent > 0.0 && extent.is_finite();
         // A power of two changes no bit of what is built.
         let scale = if is_usable { SIZE_IN_OBVHS * (-extent.log2().floor()).exp2() } else { 1.0 };
         let scaled =
             |[v0, v1, v2]: &[Vec3A; 3]| obvhs::triangle::Triangle { v0: scale * *v0, v1: scale * *v1, v2: scale * *v2 };
-        let triangles: Vec<_> = corners.iter().map(scaled).collect();
+        let triangles: Vec<_> = corners.par_iter().map(scaled).collect();
         // The plain presets lose a factor of 5 in ray speed on large scenes.
         let params = BvhBuildParams {
             search_depth_threshold: 0,
-            reinsertion_batch_ratio: 0.5,
+            reinsertion_batch_ratio: effort.share_improved(triangles.len()),
             post_collapse_reinsertion_batch_ratio_multiplier: 0.0,
             max_prims_per_leaf: 1,
             ..BvhBuildParams::medium_build()
@@ -186,18 +212,16 @@ impl WideBvh {
         self.nodes.push(Node::EMPTY);
         let mut waiting = vec![(0, 0, 1)];
         while let Some((from, to, depth)) = waiting.pop() {
-            let mut children: Vec<usize> = Vec::with_capacity(LANES);
-            children.push(from);
-            loop {
+            let (mut children, mut count) = ([from; LANES], 1);
+            while count < LANES {
                 let area = |child: &usize| binary.nodes[children[*child]].aabb.half_area();
-                let inner = (0..children.len()).filter(|child| !is_leaf(children[*child]));
-                let largest = inner.max_by(|a, b| area(a).total_cmp(&area(b)));
-                let Some(largest) = largest.filter(|_| children.len() < LANES) else { break };
+                let inner = (0..count).filter(|child| !is_leaf(children[*child]));
+                let Some(largest) = inner.max_by(|a, b| area(a).total_cmp(&area(b))) else { break };
                 let first = binary.nodes[children[largest]].first_index as usize;
-                children[largest] = first;
-                children.push(first + 1);
+                (children[largest], children[count]) = (first, first + 1);
+                count += 1;
             }
-            for (lane, child) in children.into_iter().enumerate() {
+            for (lane, child) in children.into_iter().take(count).enumerate() {
                 let bounds = &binary.nodes[child].aabb;
                 for axis in 0..3 {
                     self.nodes[to].bounds[0][axis][lane] = unscale * bounds.min[axis] - wider;
@@ -389,13 +413,15 @@ mod tests {
     /// Truth: each triangle tested by itself.
     #[test]
     fn the_tree_finds_what_each_triangle_by_itself_does() {
-        for count in [1, 3, 4, 5, 300] {
+        for (count, effort) in
+            [1, 3, 4, 5, 300].map(|count| (count, Effort::Thorough)).into_iter().chain([(300, Effort::Quick)])
+        {
             let corner = |index: usize| {
                 let first = point(1, index);
                 [first, first + 0.2 * (point(2, index) - 0.5), first + 0.2 * (point(3, index) - 0.5)]
             };
             let corners: Vec<_> = (0..count).map(corner).collect();
-            let (tree, order) = WideBvh::new(&corners);
+            let (tree, order) = WideBvh::new(&corners, effort);
             let mut met = 0;
             for ray in 0..2_000 {
                 let direction = match ray % 4 {
@@ -431,7 +457,7 @@ mod tests {
             [Vec3A::new(at, 0.0, 0.0), Vec3A::new(1.1 * at, 0.0, 0.0), Vec3A::new(at, 0.1 * at, 0.0)]
         };
         let corners: Vec<_> = (0..200).map(corner).collect();
-        let (mut tree, order) = WideBvh::new(&corners);
+        let (mut tree, order) = WideBvh::new(&corners, Effort::Thorough);
         assert!(tree.depth > 50, "no deep tree: {}", tree.depth);
         for depth in [tree.depth, SHORT + 1] {
             tree.depth = depth;
@@ -445,8 +471,8 @@ mod tests {
 
     #[test]
     fn rays_that_are_no_numbers_meet_nothing() {
-        let (tree, _) = WideBvh::new(&[[Vec3A::ZERO, Vec3A::X, Vec3A::Y]]);
-        let (empty, _) = WideBvh::new(&[]);
+        let (tree, _) = WideBvh::new(&[[Vec3A::ZERO, Vec3A::X, Vec3A::Y]], Effort::Quick);
+        let (empty, _) = WideBvh::new(&[], Effort::Thorough);
         for (tree, origin, direction) in
             [(&tree, Vec3A::NAN, Vec3A::Z), (&tree, Vec3A::ZERO, Vec3A::NAN), (&empty, Vec3A::ZERO, Vec3A::Z)]
         {

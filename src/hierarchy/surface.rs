@@ -1,7 +1,8 @@
 //! Smooth surfaces: polygons over which radiosity may be interpolated.
 
 use glam::Vec3;
-use rustc_hash::{FxHashMap, FxHashSet};
+use rayon::prelude::*;
+use rustc_hash::FxHashSet;
 
 use super::{Hierarchy, Patch, Shape};
 use crate::scene::Scene;
@@ -15,12 +16,6 @@ const SMOOTH_COSINE: f32 = 0.766;
 /// back), have the same material and meet at less than 40°; unless a wall stands on it ([`Scene::cut_edges`], or a third polygon that has
 /// the edge and rises in front of them).
 pub fn smooth_surfaces(scene: &Scene, hierarchy: &Hierarchy) -> Vec<u32> {
-    let mut surface: Vec<u32> = (0..scene.polygons.len() as u32).collect();
-    // The last patch with each directed edge, and the one before it with the same edge: a doubled face's back runs like its
-    // neighbour's front.
-    let mut last_with: FxHashMap<(u32, u32), usize> = FxHashMap::default();
-    let mut edges: Vec<(u32, Option<usize>)> = Vec::new();
-    last_with.reserve(4 * scene.polygons.len());
     let key = |[a, b]: [Vec3; 2]| {
         let bits = |end: Vec3| (end + Vec3::ZERO).to_array().map(f32::to_bits);
         let (a, b) = (bits(a), bits(b));
@@ -36,40 +31,67 @@ pub fn smooth_surfaces(scene: &Scene, hierarchy: &Hierarchy) -> Vec<u32> {
         Shape::Cluster(_) | Shape::Sky(_) => None,
     };
     let patches = || hierarchy.initial_patches().iter().filter_map(|id| Some((id.0, patch_of(id.0)?)));
-    for (id, patch) in patches() {
-        for edge in edges_of(&patch) {
-            let before = last_with.insert(edge, edges.len());
-            edges.push((id, before));
-        }
-    }
-    let all_with = |edge: (u32, u32)| {
-        let first = last_with.get(&edge).map(|place| edges[*place]);
-        std::iter::successors(first, |(_, before)| before.map(|place| edges[place])).filter_map(|(id, _)| patch_of(id))
-    };
+    let edges = Edges::new(hierarchy.vertices().len(), patches);
+    let all_with = |from: u32, to: u32| edges.with(from, to).filter_map(patch_of);
     let polygon = |patch: &Patch| &scene.polygons[patch.polygon as usize];
-    for (_, patch) in patches() {
-        for (from, to) in edges_of(&patch) {
-            let others = all_with((to, from));
+    let joined_to = |patch: Patch| {
+        let others = edges_of(&patch).flat_map(move |(from, to)| {
             // Each pair once.
-            let joined = others.filter(|other| {
+            let joined = move |other: &Patch| {
                 patch.polygon < other.polygon
                     && scene.has_same_finish(polygon(&patch), polygon(other))
                     && patch.normal.dot(other.normal) > SMOOTH_COSINE
-            });
-            for other in joined {
+            };
+            let is_open = move |other: &Patch| {
                 let is_wall = |third: Patch| {
                     third.polygon != patch.polygon
                         && third.polygon != other.polygon
                         && rises(hierarchy, &third, from, patch.normal + other.normal)
                 };
-                let has_wall = || all_with((from, to)).chain(all_with((to, from))).any(is_wall);
-                if !is_seam(from, to) && !has_wall() {
-                    join(&mut surface, patch.polygon, other.polygon);
-                }
-            }
-        }
-    }
+                !is_seam(from, to) && !all_with(from, to).chain(all_with(to, from)).any(is_wall)
+            };
+            all_with(to, from).filter(joined).filter(is_open)
+        });
+        others.map(|other| (patch.polygon, other.polygon)).collect::<Vec<_>>()
+    };
+    let initial = hierarchy.initial_patches().par_iter().filter_map(|id| patch_of(id.0));
+    let joined: Vec<(u32, u32)> = initial.flat_map_iter(joined_to).collect();
+    let mut surface: Vec<u32> = (0..scene.polygons.len() as u32).collect();
+    joined.into_iter().for_each(|(a, b)| join(&mut surface, a, b));
     (0..surface.len() as u32).map(|polygon| find(&mut surface, polygon)).collect()
+}
+
+/// The directed edges of patches, by the vertices that they start from. Several patches may have one: a doubled face's back runs like its
+/// neighbour's front.
+struct Edges {
+    /// Where the edges from each vertex begin.
+    start: Vec<u32>,
+    /// Where each edge leads, and whose it is.
+    edges: Vec<(u32, u32)>,
+}
+
+impl Edges {
+    fn new<P: Iterator<Item = (u32, Patch)>>(vertices: usize, patches: impl Fn() -> P) -> Self {
+        let mut start = vec![0; vertices + 1];
+        let all = || patches().flat_map(|(id, patch)| edges_of(&patch).map(move |edge| (id, edge)));
+        all().for_each(|(_, (from, _))| start[from as usize + 1] += 1);
+        for vertex in 1..start.len() {
+            start[vertex] += start[vertex - 1];
+        }
+        let mut next = start.clone();
+        let mut edges = vec![(0, 0); start.last().map_or(0, |count| *count as usize)];
+        for (id, (from, to)) in all() {
+            edges[next[from as usize] as usize] = (to, id);
+            next[from as usize] += 1;
+        }
+        Self { start, edges }
+    }
+
+    /// The patches that have an edge.
+    fn with(&self, from: u32, to: u32) -> impl Iterator<Item = u32> + use<'_> {
+        let [first, last] = [0, 1].map(|by| self.start[from as usize + by] as usize);
+        self.edges[first..last].iter().filter(move |edge| edge.0 == to).map(|edge| edge.1)
+    }
 }
 
 /// Sine of the least angle under which what stands on a surface rises.
@@ -84,8 +106,8 @@ fn rises(hierarchy: &Hierarchy, patch: &Patch, corner: u32, up: Vec3) -> bool {
 }
 
 fn edges_of(patch: &Patch) -> impl Iterator<Item = (u32, u32)> + use<> {
-    let (corners, count) = (patch.corners().to_vec(), patch.corners().len());
-    (0..count).map(move |index| (corners[index], corners[(index + 1) % count]))
+    let (patch, count) = (*patch, patch.corners().len());
+    (0..count).map(move |index| (patch.corners()[index], patch.corners()[(index + 1) % count]))
 }
 
 fn find(surface: &mut [u32], polygon: u32) -> u32 {

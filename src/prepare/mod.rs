@@ -2,6 +2,7 @@
 
 pub mod added_light;
 pub mod ceiling;
+mod outdoors;
 pub mod start_view;
 
 use std::time::Instant;

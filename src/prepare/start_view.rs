@@ -1,13 +1,15 @@
 //! Where a person first stands in a scene that names no view: inside its largest room, eyes at 1.6 m, looking along its longest
 //! free diagonal.
 //!
-//! Inside is where nearly every ray meets a bright side; the largest room has the largest free floor.
+//! Inside is where nearly every ray meets a bright side; the largest room has the largest free floor. The space below a sky that goes
+//! round a house is inside too, by that measure: where a far higher space goes all the way round rooms ([`outdoors`]), one stands in these.
 
 use std::f32::consts::TAU;
 
 use glam::Vec3;
 use rayon::prelude::*;
 
+use super::outdoors::{self, AROUND, heading};
 use crate::geometry::Occluders;
 use crate::scene::{CameraPose, Scene};
 
@@ -15,9 +17,8 @@ use crate::scene::{CameraPose, Scene};
 const PLACES: usize = 768;
 /// Places looked at closely at a time, the best first.
 const CLOSER: usize = 64;
-/// Directions around a place, at a glance and closely.
+/// Directions around a place at a glance; closely there are [`AROUND`].
 const GLANCE: usize = 12;
-const AROUND: usize = 48;
 /// Eyes above the floor, m, and at most this share of a room's height.
 const EYE: f32 = 1.6;
 const HIGHEST_EYE: f32 = 2.0 / 3.0;
@@ -40,6 +41,12 @@ const FARTHEST: f32 = 40.0;
 const INSIDE: f32 = 0.6;
 /// Weight of a place without a ceiling beside one with.
 const UNDER_THE_SKY: f32 = 0.3;
+/// A space that is so many times as high as rooms that it goes round is none itself.
+const OUTDOORS: f32 = 3.0;
+/// Least floor of such a room, m²: neither a wardrobe nor a lift.
+const LEAST_FLOOR: f32 = 4.0;
+/// Places looked at for such rooms, the best first.
+const MOST_ROOMS: usize = 256;
 /// Horizontal field of view, degrees.
 const HFOV: f32 = 75.0;
 
@@ -51,15 +58,27 @@ pub fn find(scene: &Scene, occluders: &Occluders) -> Option<CameraPose> {
     let ground = flat.element_product();
     let rooms = Rooms { scene, occluders, up, lowest: lower.dot(up).min(upper.dot(up)), tall, ground };
     let places = rooms.places();
-    let mut glances: Vec<(f32, Vec3)> =
-        places.par_iter().filter_map(|place| Some((rooms.stand(*place, GLANCE)?.score, *place))).collect();
+    let mut glances: Vec<(Stand, Vec3)> =
+        places.par_iter().filter_map(|place| Some((rooms.stand(*place, GLANCE)?, *place))).collect();
     // Of equals the first.
-    glances.sort_by(|a, b| b.0.total_cmp(&a.0));
+    glances.sort_by(|a, b| b.0.score.total_cmp(&a.0.score));
+    // Above the scene is the open.
+    let open = 0.5 * (lower + upper) + lower.distance(upper) * up;
     let best = glances.chunks(CLOSER).find_map(|chunk| {
-        let stands: Vec<Stand> = chunk.par_iter().filter_map(|(_, place)| rooms.stand(*place, AROUND)).collect();
-        stands.into_iter().reduce(|best, other| if other.score > best.score { other } else { best })
+        let closely = |(_, place): &(Stand, Vec3)| {
+            let stand = rooms.stand(*place, AROUND)?;
+            Some(rooms.walled(stand, open).unwrap_or(stand))
+        };
+        let stands: Vec<Stand> = chunk.par_iter().filter_map(closely).collect();
+        stands.into_iter().reduce(better)
     })?;
-    Some(rooms.view(&best))
+    let is_far_higher = |stand: &&Stand| stand.height >= OUTDOORS * best.height;
+    let outside = glances.iter().map(|(stand, _)| stand).find(is_far_higher).unwrap_or(&best);
+    Some(rooms.view(&rooms.within(outside, &glances).unwrap_or(best)))
+}
+
+fn better(best: Stand, other: Stand) -> Stand {
+    if other.score > best.score { other } else { best }
 }
 
 /// A place where a person may stand.
@@ -68,7 +87,11 @@ struct Stand {
     eye: Vec3,
     /// Height of the room there, m.
     height: f32,
+    /// Floor that is seen from there, m².
+    floor: f32,
     score: f32,
+    /// In which directions walls part the place from the outdoors; all of them where nothing goes round it.
+    walls: [bool; AROUND],
 }
 
 struct Rooms<'a> {
@@ -87,16 +110,9 @@ impl Rooms<'_> {
     /// Places in the scene's box, and in front of its faces: a large ground would leave few of the first in a house.
     fn places(&self) -> Vec<Vec3> {
         let (lower, upper) = self.scene.bounds();
-        let shares = |index: usize| {
-            // The sequence R3 of Roberts.
-            let at = index as f64 + 0.5;
-            [0.819_172_513_396_164_4, 0.671_043_606_703_789_3, 0.549_700_477_901_960_1]
-                .map(|step| (at * step).fract() as f32)
-        };
-        let in_box = (0..PLACES / 2).map(|index| lower + (upper - lower) * Vec3::from_array(shares(index)));
         let count = self.scene.polygons.len();
         let at_face = (0..PLACES / 2).filter_map(|index| {
-            let [u, v, _] = shares(index);
+            let [u, v, _] = shares(index).to_array();
             let polygon = &self.scene.polygons[((u * count as f32) as usize).min(count.checked_sub(1)?)];
             let ([a, b, c, _], _) = self.scene.corner_positions(polygon);
             let (middle, normal) = ((a + b + c) / 3.0, self.scene.normal(polygon));
@@ -104,7 +120,7 @@ impl Rooms<'_> {
             let hit = if normal == Vec3::ZERO { None } else { self.occluders.ray_from(middle, normal, normal) };
             Some(middle + (0.1 + 0.8 * v) * hit?.distance * normal)
         });
-        in_box.chain(at_face).collect()
+        places_in(lower, upper).chain(at_face).collect()
     }
 
     /// How far it is to the next face, and whether that is bright.
@@ -113,10 +129,45 @@ impl Rooms<'_> {
         Some((hit.distance, hit.front))
     }
 
-    fn around(&self, step: usize, steps: usize) -> Vec3 {
-        let (right, forward) = self.up.any_orthonormal_pair();
-        let angle = TAU * step as f32 / steps as f32;
-        angle.cos() * right + angle.sin() * forward
+    /// How far people walk that way, m: not into the open.
+    fn reach(&self, from: Vec3, direction: Vec3) -> f32 {
+        self.look(from, direction).map_or(0.0, |(distance, _)| distance.min(FARTHEST))
+    }
+
+    /// The best of the rooms that a far higher space goes round.
+    fn within(&self, outside: &Stand, glances: &[(Stand, Vec3)]) -> Option<Stand> {
+        let is_low =
+            |(stand, _): &&(Stand, Vec3)| OUTDOORS * stand.height <= outside.height && stand.floor >= LEAST_FLOOR;
+        let low: Vec<Vec3> = glances.iter().filter(is_low).take(MOST_ROOMS).map(|(_, place)| *place).collect();
+        let room = |place: &Vec3| {
+            let room = self.walled(self.stand(*place, AROUND)?, outside.eye)?;
+            (room.floor >= LEAST_FLOOR).then_some(room)
+        };
+        let best_of = |places: Vec<Vec3>| {
+            let rooms: Vec<Stand> = places.par_iter().filter_map(room).collect();
+            rooms.into_iter().reduce(better)
+        };
+        let first = best_of(low)?;
+        // Few of the places tried lie in the room: more of them, within its walls.
+        let walls = (0..AROUND).filter(|step| first.walls[*step]);
+        let ends = walls.map(|step| first.eye + self.reach(first.eye, self.around(step)) * self.around(step));
+        let (lower, upper) = ends.fold((first.eye, first.eye), |(lower, upper), end| (lower.min(end), upper.max(end)));
+        Some(best_of(places_in(lower, upper).collect()).map_or(first, |other| better(first, other)))
+    }
+
+    /// A place with the walls that part it from the space of another; `None` where that does not go round it.
+    fn walled(&self, stand: Stand, outside: Vec3) -> Option<Stand> {
+        let walls = outdoors::walls(self.scene, self.occluders, outside, stand.eye)?;
+        // What is seen through a window is no floor of the room, and who stands in the window sees few walls.
+        let reaches = (0..AROUND).filter(|step| walls[*step]).map(|step| self.reach(stand.eye, self.around(step)));
+        let (count, floor) =
+            reaches.fold((0.0, 0.0), |(count, floor), reach| (count + 1.0, floor + sector(reach, AROUND)));
+        let share = count / AROUND as f32 * floor / stand.floor.max(f32::MIN_POSITIVE);
+        Some(Stand { floor, score: share * stand.score, walls, ..stand })
+    }
+
+    fn around(&self, step: usize) -> Vec3 {
+        heading(self.up, step, AROUND)
     }
 
     /// The place above the floor below a point, if a person can stand there; looks into `steps` directions around it.
@@ -138,13 +189,13 @@ impl Rooms<'_> {
         let clear = CLEAR.min(CLEAR_SHARE * height);
         let (mut floor, mut bright, mut rays) = (0.0, 0.0, 0.0);
         for step in 0..steps {
-            let flat = self.around(step, steps);
+            let flat = heading(self.up, step, steps);
             let ahead = self.look(eye, flat);
             let distance = ahead.map_or(0.0, |(distance, _)| distance.min(FARTHEST));
             if ahead.is_some() && distance < clear {
                 return None;
             }
-            floor += 0.5 * distance * distance * TAU / steps as f32;
+            floor += sector(distance, steps);
             for slope in [-0.6, 0.0, 0.6] {
                 let direction = (flat + slope * self.up).normalize();
                 let met = if slope == 0.0 { ahead } else { self.look(eye, direction) };
@@ -159,26 +210,26 @@ impl Rooms<'_> {
         let inside = bright / rays;
         let shelter = if has_ceiling && is_floor { 1.0 } else { UNDER_THE_SKY };
         let score = floor * inside.powi(4) * shelter * headroom.powi(2);
-        (inside >= INSIDE).then_some(Stand { eye, height, score })
+        (inside >= INSIDE).then_some(Stand { eye, height, floor, score, walls: [true; AROUND] })
     }
 
     /// The view from a room's end along its longest free diagonal.
     fn view(&self, stand: &Stand) -> CameraPose {
         let clear = CLEAR.min(CLEAR_SHARE * stand.height);
         // The open is no room to look into or to step back into.
-        let reach =
-            |direction: Vec3| self.look(stand.eye, direction).map_or(0.0, |(distance, _)| distance.min(FARTHEST));
-        let free: Vec<f32> = (0..AROUND).map(|step| reach(self.around(step, AROUND))).collect();
+        let free: Vec<f32> = (0..AROUND)
+            .map(|step| if stand.walls[step] { self.reach(stand.eye, self.around(step)) } else { 0.0 })
+            .collect();
         let length = |step: usize| free[step] + free[(step + AROUND / 2) % AROUND];
         let by_length = |a: &usize, b: &usize| {
             let of_equals = || free[*a].total_cmp(&free[*b]).then(b.cmp(a));
             length(*a).total_cmp(&length(*b)).then_with(of_equals)
         };
         let longest = (0..AROUND).max_by(by_length).unwrap_or_default();
-        let ahead = self.around(longest, AROUND);
+        let ahead = self.around(longest);
         let back = free[(longest + AROUND / 2) % AROUND];
         let is_clear = |eye: Vec3| {
-            let directions = (0..12).map(|step| self.around(step, 12));
+            let directions = (0..12).map(|step| heading(self.up, step, 12));
             let slopes = directions.flat_map(|flat| [-0.5, 0.0, 0.5].map(|slope| (flat + slope * self.up).normalize()));
             slopes
                 .chain([self.up, -self.up])
@@ -192,6 +243,23 @@ impl Rooms<'_> {
         let target = eye + (0.5 * length(longest)).max(clear) * ahead - down * self.up;
         CameraPose { eye, target, up: self.up, hfov_deg: HFOV }
     }
+}
+
+/// Numbers of the sequence R3 of Roberts.
+fn shares(index: usize) -> Vec3 {
+    let at = index as f64 + 0.5;
+    let steps = [0.819_172_513_396_164_4, 0.671_043_606_703_789_3, 0.549_700_477_901_960_1];
+    Vec3::from_array(steps.map(|step| (at * step).fract() as f32))
+}
+
+/// Places spread evenly in a box.
+fn places_in(lower: Vec3, upper: Vec3) -> impl Iterator<Item = Vec3> {
+    (0..PLACES / 2).map(move |index| lower + (upper - lower) * shares(index))
+}
+
+/// Area of one of so many sectors of a circle, m².
+fn sector(radius: f32, sectors: usize) -> f32 {
+    0.5 * radius * radius * TAU / sectors as f32
 }
 
 #[cfg(test)]
@@ -218,6 +286,92 @@ mod tests {
         let free = occluders.first_hit(view.eye, ahead).expect("a wall").distance;
         assert!(free > 7.0, "{free} m ahead of {view:?}");
         assert_eq!(view.up, Vec3::Y);
+    }
+
+    /// A house of two rooms, 3 × 3 m and 8 × 6 m, with walls of 20 cm; a wall of the larger one has a window of 2 m².
+    fn house() -> Scene {
+        let mut scene = Scene::new("house");
+        scene.add_material("wall", Vec3::splat(0.5), Vec3::ZERO);
+        let of = (MaterialId(0), GroupId(0));
+        add_box(&mut scene, (Vec3::ZERO, Vec3::new(3.0, 2.6, 3.0)), true, of);
+        add_box(&mut scene, (Vec3::new(3.2, 0.0, 0.0), Vec3::new(11.2, 2.6, 6.0)), true, of);
+        add_box(&mut scene, (Vec3::new(-0.2, -0.2, -0.2), Vec3::new(11.4, 2.8, 6.2)), false, of);
+        let along = |x: f32, scene: &mut Scene| {
+            scene
+                .polygons
+                .retain(|polygon| !polygon.corners().iter().all(|&corner| scene.vertices[corner as usize].x == x));
+        };
+        for (x, turned) in [(11.2, false), (11.4, true)] {
+            along(x, &mut scene);
+            for [[low_y, low_z], [high_y, high_z]] in [
+                [[-0.2, -0.2], [1.0, 6.2]],
+                [[2.0, -0.2], [2.8, 6.2]],
+                [[1.0, -0.2], [2.0, 2.0]],
+                [[1.0, 4.0], [2.0, 6.2]],
+            ] {
+                let mut corners = [[low_y, low_z], [low_y, high_z], [high_y, high_z], [high_y, low_z]];
+                if turned {
+                    corners.reverse();
+                }
+                scene.add_quad(corners.map(|[y, z]| Vec3::new(x, y, z)), of.0, of.1);
+            }
+        }
+        scene
+    }
+
+    fn is_in_larger_room(view: &CameraPose) -> bool {
+        let inside = |at: Vec3| at.x > 3.3 && at.x < 11.1 && at.z > 0.1 && at.z < 5.9;
+        (view.eye.y - 1.6).abs() < 1e-3 && inside(view.eye) && inside(view.target)
+    }
+
+    /// Truth: below a sky, on a lawn before a hedge, and between three backdrops one stands in the house's larger room.
+    #[test]
+    fn one_stands_in_the_house_and_not_in_its_surroundings() {
+        let of = (MaterialId(0), GroupId(0));
+        let sky = |lower: Vec3, upper: Vec3| {
+            let mut scene = house();
+            add_box(&mut scene, (lower, upper), true, of);
+            scene
+        };
+        let mut backdrops = sky(Vec3::new(-50.0, -0.2, -50.0), Vec3::new(60.0, 40.0, 60.0));
+        let is_open = |scene: &Scene, corners: &[u32]| {
+            let all = |is: &dyn Fn(Vec3) -> bool| corners.iter().all(|&corner| is(scene.vertices[corner as usize]));
+            all(&|at| at.y == 40.0) || all(&|at| at.z == 60.0)
+        };
+        backdrops.polygons =
+            backdrops.polygons.iter().filter(|it| !is_open(&backdrops, it.corners())).copied().collect();
+        for (what, scene) in [
+            ("a small sky", sky(Vec3::new(-10.0, -0.2, -10.0), Vec3::new(20.0, 12.0, 20.0))),
+            ("a large sky", sky(Vec3::new(-100.0, -0.2, -100.0), Vec3::new(100.0, 100.0, 100.0))),
+            ("a sky all round", sky(Vec3::splat(-200.0), Vec3::splat(200.0))),
+            ("backdrops", backdrops),
+        ] {
+            for sides in [Sides::Front, Sides::Both] {
+                let (scene, occluders) = orient::apply(scene.clone(), sides);
+                let view = find(&scene, &occluders).expect("a room");
+                assert!(is_in_larger_room(&view), "{what}, {sides:?}: {view:?}");
+            }
+        }
+    }
+
+    /// Truth: a hall stays one's place, with low rooms along its walls and a booth of 2 m² in its middle.
+    #[test]
+    fn one_stands_in_a_hall_and_not_in_its_side_rooms() {
+        let mut scene = Scene::new("hall");
+        scene.add_material("wall", Vec3::splat(0.5), Vec3::ZERO);
+        let of = (MaterialId(0), GroupId(0));
+        add_box(&mut scene, (Vec3::ZERO, Vec3::new(30.0, 12.0, 20.0)), true, of);
+        for (x, size) in [(30.2, 5.0), (-5.2, 5.0)] {
+            add_box(&mut scene, (Vec3::new(x, 0.0, 2.0), Vec3::new(x + size, 3.0, 18.0)), true, of);
+        }
+        for (outwards, thick) in [(true, 0.0), (false, 0.1)] {
+            let (lower, upper) = (Vec3::new(14.0, 0.0, 9.0) - thick, Vec3::new(15.4, 2.2, 10.4) + thick);
+            add_box(&mut scene, (lower.with_y(0.0), upper), outwards, of);
+        }
+        let (scene, occluders) = orient::apply(scene, Sides::Front);
+        let view = find(&scene, &occluders).expect("a hall");
+        let above = occluders.first_hit(view.eye, Vec3::Y).expect("a ceiling").distance;
+        assert!((above + 1.6 - 12.0).abs() < 1e-3, "{view:?}");
     }
 
     /// Truth: in a room without a wall one stands inside and looks at the others, not from afar.

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use super::draft::Draft;
 use super::sidecar::Sidecar;
-use super::unit::Unit;
+use super::unit::{BELOW_A_SKY, Unit};
 use super::up::{self, UpAxis};
 
 /// Wishes of a person on how a file is to be read; a sidecar's word counts where nothing is said here.
@@ -57,7 +57,7 @@ pub(super) fn settle(draft: &mut Draft, reading: &Reading, sidecar: &Sidecar) ->
     let up = if told.is_none() && sidecar.camera.is_some() {
         None
     } else {
-        Some(told.unwrap_or_else(|| up::guessed(draft)))
+        Some(told.unwrap_or_else(|| up::guessed(draft, Spread::new(draft).below_a_sky())))
     };
     if told.is_none() && up == Some(UpAxis::Z) {
         draft.skipped.note("z is taken for up, as the scene looks; --up y or the scene panel says otherwise.");
@@ -72,8 +72,9 @@ pub(super) fn settle(draft: &mut Draft, reading: &Reading, sidecar: &Sidecar) ->
         // What was saved beside the scene without a unit is in the scene's own.
         None if has_lengths => Unit::Metre,
         None => {
-            let [height, width] = extents(draft, up.unwrap_or_default());
-            let unit = Unit::guessed(height, width);
+            let [all, most] = Spread::new(draft).sizes(up.unwrap_or_default());
+            let unit = Unit::guessed(all, most);
+            let [height, width] = all;
             if unit != Unit::Metre {
                 let [height, width] = [height, width].map(|length| (10.0 * length * unit.metres()).round() / 10.0);
                 draft.skipped.note(format!(
@@ -90,24 +91,48 @@ pub(super) fn settle(draft: &mut Draft, reading: &Reading, sidecar: &Sidecar) ->
     Frame { up, unit, sides_are_told: sidecar.sides.is_some() }
 }
 
-/// Height and largest width of the part of the scene that most corners lie in.
-fn extents(draft: &Draft, up: UpAxis) -> [f64; 2] {
-    let extent = |axis: usize| {
-        let level = |&corner: &u32| draft.vertices[corner as usize][axis];
-        let mut levels: Vec<f64> = draft.corners.iter().map(level).filter(|level| level.is_finite()).collect();
-        if levels.is_empty() {
-            return 0.0;
-        }
-        let rim = if levels.len() <= FEW { 0 } else { (OUTLIERS * levels.len() as f64) as usize };
-        let last = levels.len() - 1 - rim;
-        let low = *levels.select_nth_unstable_by(rim, f64::total_cmp).1;
-        let high = *levels.select_nth_unstable_by(last, f64::total_cmp).1;
-        high - low
-    };
-    let [x, y, z] = [0, 1, 2].map(extent);
-    match up {
-        UpAxis::Y => [y, x.max(z)],
-        UpAxis::Z => [z, x.max(y)],
+/// Where corners lie.
+struct Spread {
+    /// The box that nearly all lie in.
+    all: [DVec3; 2],
+    /// The box that the middle half lies in, along each axis.
+    most: [DVec3; 2],
+}
+
+impl Spread {
+    fn new(draft: &Draft) -> Self {
+        let along = |axis: usize| {
+            let level = |&corner: &u32| draft.vertices[corner as usize][axis];
+            let mut levels: Vec<f64> = draft.corners.iter().map(level).filter(|level| level.is_finite()).collect();
+            let rim = if levels.len() <= FEW { 0 } else { (OUTLIERS * levels.len() as f64) as usize };
+            [rim, levels.len() / 4].map(|rim| {
+                let Some(last) = levels.len().checked_sub(1 + rim) else { return [0.0; 2] };
+                let low = *levels.select_nth_unstable_by(rim, f64::total_cmp).1;
+                [low, *levels.select_nth_unstable_by(last, f64::total_cmp).1]
+            })
+        };
+        let (x, (y, z)) = rayon::join(|| along(0), || rayon::join(|| along(1), || along(2)));
+        let axes = [x, y, z];
+        let part = |part: usize| [0, 1].map(|end| DVec3::from_array([0, 1, 2].map(|axis| axes[axis][part][end])));
+        Self { all: part(0), most: part(1) }
+    }
+
+    /// Height and largest width of both boxes.
+    fn sizes(&self, up: UpAxis) -> [[f64; 2]; 2] {
+        [self.all, self.most].map(|[lower, upper]| {
+            let size = upper - lower;
+            match up {
+                UpAxis::Y => [size.y, size.x.max(size.z)],
+                UpAxis::Z => [size.z, size.x.max(size.y)],
+            }
+        })
+    }
+
+    /// A box around most things if a far larger one is around them, as a sky is.
+    fn below_a_sky(&self) -> Option<[DVec3; 2]> {
+        let [lower, upper] = self.most;
+        let is_far_smaller = (upper - lower).cmplt(BELOW_A_SKY * (self.all[1] - self.all[0])).all();
+        is_far_smaller.then(|| [2.0 * lower - upper, 2.0 * upper - lower])
     }
 }
 

@@ -32,6 +32,9 @@ const USUAL: [f64; 2] = [2.8, 7.0];
 /// Nobody stands upright below this height, m.
 const LOWEST: f64 = 2.2;
 
+/// Most things take up more than this share of a room's extents.
+pub(super) const BELOW_A_SKY: f64 = 0.2;
+
 impl Unit {
     /// All of them.
     pub const ALL: [Self; 5] = [Self::Metre, Self::Centimetre, Self::Millimetre, Self::Inch, Self::Foot];
@@ -91,20 +94,24 @@ impl Unit {
         }
     }
 
-    /// The unit in which a scene of this height and width is most like a room; metres wherever that may be.
-    pub(super) fn guessed(height: f64, width: f64) -> Self {
-        if height <= HIGHEST {
+    /// The unit in which a scene of this height and width is most like a room, or the part where most things are if that is far smaller,
+    /// as below a sky; metres wherever that may be.
+    pub(super) fn guessed(all: [f64; 2], most: [f64; 2]) -> Self {
+        if all[0] <= HIGHEST {
             return Self::Metre;
         }
-        let unlikeness = |unit: &Self| {
-            let [height, width] = [height, width].map(|length| length * unit.metres());
+        let unlikeness = |unit: &Self, size: [f64; 2]| {
+            let [height, width] = size.map(|length| length * unit.metres());
             // A house is higher than a room, but no room is lower than a person.
             let too_low = 20.0 * (LOWEST / height).ln().max(0.0);
             too_low + (height / USUAL[0]).ln().max(0.0) + (width / USUAL[1]).ln().abs()
         };
+        let is_below_a_sky = most.iter().zip(all).all(|(most, all)| *most < BELOW_A_SKY * all);
+        let sizes = if is_below_a_sky { [all, most] } else { [all, all] };
+        let least = |unit: &Self| unlikeness(unit, sizes[0]).min(unlikeness(unit, sizes[1]));
         // Feet and metres cannot be told apart by a size.
         let candidates = [Self::Centimetre, Self::Millimetre, Self::Inch, Self::Metre];
-        candidates.into_iter().min_by(|a, b| unlikeness(a).total_cmp(&unlikeness(b))).unwrap_or_default()
+        candidates.into_iter().min_by(|a, b| least(a).total_cmp(&least(b))).unwrap_or_default()
     }
 }
 
@@ -130,7 +137,18 @@ mod tests {
             (Unit::Inch, 120.0, 240.0),
         ];
         for (unit, height, width) in known {
-            assert_eq!(Unit::guessed(height, width), unit, "{height} × {width}");
+            assert_eq!(Unit::guessed([height, width], [0.4 * height, 0.5 * width]), unit, "{height} × {width}");
+        }
+    }
+
+    /// Truth: rooms below a sky of 100 m and on a ground of 300 m, in the unit named.
+    #[test]
+    fn a_sky_around_a_room_tells_no_unit() {
+        for unit in [Unit::Metre, Unit::Centimetre, Unit::Millimetre] {
+            for (all, most) in [([100.0, 100.0], [2.7, 5.0]), ([80.0, 300.0], [3.0, 12.0])] {
+                let [all, most] = [all, most].map(|size: [f64; 2]| size.map(|length| length / unit.metres()));
+                assert_eq!(Unit::guessed(all, most), unit);
+            }
         }
     }
 

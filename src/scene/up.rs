@@ -94,9 +94,13 @@ struct Axis {
 
 /// The axis that looks most like up. Things stand on floors, so corners lie low; there are more flat faces inside of a room, of tables and
 /// shelves, than walls one way; rooms are wider than high; and names may tell.
-pub(super) fn guessed(draft: &Draft) -> UpAxis {
+/// What lies outside of `within` tells nothing: a sky.
+pub(super) fn guessed(draft: &Draft, within: Option<[DVec3; 2]>) -> UpAxis {
     let used = || draft.corners.iter().map(|&corner| draft.vertices[corner as usize]);
-    let sound = || used().filter(|corner| corner.is_finite());
+    let counts = |corner: &DVec3| {
+        corner.is_finite() && within.is_none_or(|[lower, upper]| corner.cmpge(lower).all() && corner.cmple(upper).all())
+    };
+    let sound = || used().filter(counts);
     let none = (DVec3::INFINITY, DVec3::NEG_INFINITY);
     let (lower, upper) = sound().fold(none, |(lower, upper), corner| (lower.min(corner), upper.max(corner)));
     if lower.x > upper.x {
@@ -121,6 +125,9 @@ pub(super) fn guessed(draft: &Draft) -> UpAxis {
     for face in &draft.faces {
         let (of_face, behind) = rest.split_at(face.count as usize);
         rest = behind;
+        if within.is_some() && !of_face.iter().all(|&corner| counts(&draft.vertices[corner as usize])) {
+            continue;
+        }
         positions.clear();
         positions.extend(of_face.iter().map(|&corner| (draft.vertices[corner as usize] - lower).as_vec3()));
         let normal = newell(&positions);

@@ -83,6 +83,39 @@ fn lengths_become_metres() {
     assert_eq!((scene.frame.unit, scene.bounds().1.x), (Unit::Metre, 5000.0));
 }
 
+/// Truth: a box of 160 m around the room, as environments are drawn, makes it neither a doll's house nor lie on its side; one stands in
+/// the room, with the eyes 1.6 m above its floor.
+#[test]
+fn a_room_below_a_sky_is_as_large_and_stood_in() {
+    for (order, up) in [(y_up as fn(f32, f32, f32) -> [f32; 3], UpAxis::Y), (z_up, UpAxis::Z)] {
+        let mut text = room(order, 1.0, false);
+        for (x, level, z) in [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1)] {
+            let [x, y, z] = order(160.0 * x as f32 - 70.0, 160.0 * level as f32 - 0.3, 160.0 * z as f32 - 90.0);
+            text += &format!("v {x} {y} {z}\n");
+        }
+        text += "usemtl sky\n";
+        for [a, b, c, d] in [[1, 2, 3, 4], [6, 5, 8, 7], [5, 1, 4, 8], [2, 6, 7, 3], [5, 6, 2, 1], [4, 3, 7, 8]] {
+            text += &format!("f {} {} {} {}\n", a + 16, b + 16, c + 16, d + 16);
+        }
+        let folder = Folder::new();
+        folder.write("a.mtl", format!("{ROOM}newmtl sky\nKd .3 .5 .9\n"));
+        let source = Source::File(folder.write("a.obj", text));
+        for sides in [None, Some(Sides::Both)] {
+            let ready = prepare(&source, &Reading::default(), &AddedLight::default(), sides).expect("a room");
+            assert_eq!((ready.scene.frame.unit, ready.scene.frame.up), (Unit::Metre, Some(up)));
+            let view = ready.scene.camera.expect("a place to stand");
+            let [x, y, z] = order(1.0, 1.0, 1.0);
+            let of_room = |at: Vec3| {
+                let [x, level, z] =
+                    if up == UpAxis::Y { [x * at.x, at.y, z * at.z] } else { [x * at.x, at.z, y * at.y] };
+                x > 0.0 && x < 5.0 && z > 0.0 && z < 4.0 && level > 0.0 && level < 3.0
+            };
+            assert!(of_room(view.eye) && of_room(view.target), "{up:?}, {sides:?}: {view:?}");
+            assert!((view.eye.dot(up.vector()) - 1.6).abs() < 1e-3, "{view:?}");
+        }
+    }
+}
+
 #[test]
 fn a_room_wound_outwards_opens_lit() {
     let folder = Folder::new();

@@ -11,6 +11,7 @@
 mod line;
 
 use glam::DVec3;
+use rayon::prelude::*;
 use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::parts::{Bits, Halves, Part, area, bits, edges, replace};
@@ -47,7 +48,8 @@ const MOST_PARTS: usize = 64;
 /// Cuts the surfaces of a scene where walls stand on them; returns how many polygons were cut. The first part of a polygon takes its
 /// place, the others follow behind all polygons. `both_sides` tells whether walls behind a face part it as well.
 pub fn cut(scene: &mut Scene, both_sides: bool) -> usize {
-    let faces: Vec<Face> = scene.polygons.iter().enumerate().map(|(index, of)| Face::new(scene, index, of)).collect();
+    let all = scene.polygons.par_iter().enumerate();
+    let faces: Vec<Face> = all.map(|(index, of)| Face::new(scene, index, of)).collect();
     let total: f64 = faces.iter().map(|face| face.area).sum();
     let (lower, upper) = scene.bounds();
     let diagonal = f64::from(lower.distance(upper));
