@@ -2,7 +2,7 @@
 //! free diagonal.
 //!
 //! Inside is where nearly every ray meets a bright side; the largest room has the largest free floor. The space below a sky that goes
-//! round a house is inside too, by that measure: where a far higher space goes all the way round rooms ([`outdoors`]), one stands in these.
+//! round a house is inside too, by that measure: where a far higher space goes all the way round rooms (`outdoors`), one stands in these.
 
 use std::f32::consts::TAU;
 
