@@ -99,7 +99,8 @@ pub struct Gather {
     samples: GatherSamples,
     /// Indirect irradiance of each leaf by the links, W/m², parallel to the arena.
     of_links: Vec<Vec3>,
-    reaching: Reaching,
+    /// The search for leaves that light reaches, until it is done.
+    reaching: Option<Reaching>,
     /// Irradiance of each leaf by the links (mean of the colours), W/m², until leaves are grouped by it.
     lit: Vec<f32>,
     /// Leaves that share looks.
@@ -143,7 +144,7 @@ impl Gather {
         Some(Self {
             samples: GatherSamples::after(field.opening_rays()),
             of_links,
-            reaching: Reaching::new(&field, goal.seed),
+            reaching: Some(Reaching::new(&field, goal.seed)),
             lit: links.light().irradiance.iter().map(|light| grey(*light)).collect(),
             groups: Groups::default(),
             stage: Stage::Reach,
@@ -165,13 +166,14 @@ impl Gather {
     }
 
     /// Queues looks from what light reaches.
-    fn begin(&mut self) {
-        let dark: Vec<bool> = self.field.hierarchy.ids().map(|id| !self.reaching.is_lit(id)).collect();
+    fn begin(&mut self, reaching: &Reaching) {
+        self.samples = GatherSamples::after(self.field.opening_rays() + reaching.rays);
+        let dark: Vec<bool> = self.field.hierarchy.ids().map(|id| !reaching.is_lit(id)).collect();
         for leaf in self.field.leaves().filter(|leaf| dark[leaf.index()]) {
             self.of_links[leaf.index()] = Vec3::ZERO;
         }
         let count = dark.iter().filter(|is_dark| **is_dark).count();
-        tracing::debug!(dark = count, rays = self.reaching.rays, "leaves that no light reaches found");
+        tracing::debug!(dark = count, rays = reaching.rays, "leaves that no light reaches found");
         self.field.set_dark(dark);
         let planned = planned_looks(&self.field);
         self.groups = Groups::new(&self.field, &std::mem::take(&mut self.lit), &planned);
@@ -189,9 +191,12 @@ impl Gather {
         }
         match self.stage.clone() {
             Stage::Reach => {
-                if self.reaching.advance(&self.field, cancel)? {
-                    self.samples = GatherSamples::after(self.field.opening_rays() + self.reaching.rays);
-                    self.begin();
+                let is_done = match &mut self.reaching {
+                    Some(reaching) => reaching.advance(&self.field, cancel)?,
+                    None => true,
+                };
+                if let Some(reaching) = self.reaching.take_if(|_| is_done) {
+                    self.begin(&reaching);
                 }
                 Some(Progress::Part)
             }

@@ -214,7 +214,9 @@ mod tests {
         assert!((3.0 * of_area - HIGHLIGHT).abs() < 1e-4, "{of_area}");
         assert_eq!(of_seen, Some(HIGHLIGHT / 3.0));
         let (of_area, of_seen) = with_bright(100.0);
-        assert!(0.1 * of_area > 0.2 * KEY, "{of_area}");
+        // The brightest twentieth of the area does not count, nor does the darkest tenth.
+        let middle = 0.1 * 1000.0_f32.powf(5.0 / 85.0);
+        assert!((of_area * middle / KEY * MOST_DARKENED - 1.0).abs() < 1e-4, "{of_area}");
         assert!(of_seen.is_some_and(|of_seen| (0.1 * of_seen - KEY / MOST_DARKENED).abs() < 1e-5), "{of_seen:?}");
     }
 
@@ -242,9 +244,9 @@ mod tests {
     fn the_median_of_what_is_seen_is_brought_to_the_key() {
         let mut even: Vec<f32> = (0..101).map(|index| 0.5 + 0.01 * index as f32).collect();
         assert!((exposure_of_seen(&mut even).expect("lit") - KEY).abs() < 1e-6);
-        let mut window = vec![0.001; 90];
-        window.extend([50.0; 10]);
-        assert_eq!(exposure_of_seen(&mut window), Some(HIGHLIGHT / 50.0));
+        let mut window = vec![0.1; 90];
+        window.extend([5.0; 10]);
+        assert_eq!(exposure_of_seen(&mut window), Some(HIGHLIGHT / 5.0));
         assert_eq!(exposure_of_seen(&mut [0.0, 0.0, 1.0]), None);
         assert_eq!(exposure_of_seen(&mut []), None);
     }
