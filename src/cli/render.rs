@@ -253,7 +253,7 @@ pub fn draw(
     let as_colours = view.clusters.is_some_and(|clusters| clusters.coloured);
     let exposure = metered_exposure(scene, solution, view);
     let in_force = Exposure::Manual { stops: exposure.log2() };
-    let display = Display { reading, as_colours, exposure: in_force, ..view.display };
+    let display = Display { reading, as_colours, exposure: in_force };
     let gathered = gathered.and_then(|picture| developed(picture, exposure, reading.as_ref())).map(Arc::new);
     let frame = Frame {
         snapshot,
