@@ -155,10 +155,9 @@ impl Certifying {
             Next::ByPower => (self.of_power.len(), &self.powers, 8),
             Next::Nothing => return Some(()),
         };
-        let compare = |index: usize| {
-            (!cancel.is_cancelled())
-                .then(|| self.compare(field, ends, index, salt, if self.is_sharp { MOST_RAYS } else { BLUNT_RAYS }))
-        };
+        let most_rays = if self.is_sharp { MOST_RAYS } else { BLUNT_RAYS };
+        let compare =
+            |index: usize| (!cancel.is_cancelled()).then(|| self.compare(field, ends, index, salt, most_rays));
         let found: Vec<Compared> = (known..known + CHUNK).into_par_iter().map(compare).collect::<Option<_>>()?;
         if next == Next::ByArea { &mut self.compared } else { &mut self.of_power }.extend(found);
         Some(())
@@ -190,9 +189,10 @@ impl Certifying {
         }
         let errors = self.errors(&self.compared);
         let is_kept = bound(&errors, self.risk) <= self.target;
-        let is_in_vain = !self.is_thorough && is_hopeless(&errors, self.target);
+        let is_hopeless = is_hopeless(&errors, self.target);
+        let is_in_vain = !self.is_thorough && is_hopeless;
         // Unkept, for all that is known so far: noise alone may be to blame.
-        if !is_kept && !self.is_sharp && (is_hopeless(&errors, self.target) || !self.has_more()) {
+        if !is_kept && !self.is_sharp && (is_hopeless || !self.has_more()) {
             return Next::Sharpen;
         }
         match self.powers.last() {

@@ -101,7 +101,8 @@ pub fn auto_exposure(snapshot: &Snapshot) -> f32 {
 /// The factor that brings the middle of a picture's radiosities (W/m²) to the key, unless what is bright would be blown out.
 fn exposed(middle: f64, highlight: f64) -> Option<f32> {
     let to_key = f64::from(KEY) / middle;
-    let exposure = (f64::from(HIGHLIGHT) / highlight).clamp(to_key / f64::from(MOST_DARKENED), to_key);
+    // No `clamp`: it panics where the middle is no number.
+    let exposure = (f64::from(HIGHLIGHT) / highlight).min(to_key).max(to_key / f64::from(MOST_DARKENED));
     (exposure.is_finite() && exposure > 0.0).then(|| exposure.clamp(1e-30, 1e30) as f32)
 }
 
