@@ -5,6 +5,7 @@ pub mod cancel;
 pub mod font;
 pub mod format;
 pub mod memory;
+pub mod mixing;
 pub mod panic_report;
 pub mod photometry;
 pub mod random;

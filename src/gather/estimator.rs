@@ -37,6 +37,8 @@ const DRAWN: u32 = 8;
 const TO_SUN: u32 = 4;
 /// Rays of the look from where a ray ended.
 const FURTHER: GlanceRays = GlanceRays { aimed: 2, cosine: 2 };
+/// Looks from there, at most: as many as what the ray brings is more than others bring, for so much noisier is what it tells of the change.
+const MOST_FURTHER: f32 = 16.0;
 
 /// An irradiance and how sure it is.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -87,6 +89,9 @@ struct Seen {
     light: Vec3,
     /// Change of E in a check, W/m².
     change: Vec3,
+    /// Places where the field was read, and Σ of what these bring (mean of the colours), W/m².
+    reads: u32,
+    of_reads: f32,
     /// Rays cast.
     rays: u32,
 }
@@ -101,6 +106,8 @@ struct Sums {
     /// Σ of changes and of their squares (mean of the colours).
     change: f32,
     change_squares: f32,
+    reads: u32,
+    of_reads: f32,
     rays: u64,
 }
 
@@ -137,9 +144,10 @@ impl Field {
         let mut wanted = [((LOOKS_FOR_ERROR / error) as u32).clamp(LEAST_LOOKS, MOST_FIRST_LOOKS); 2];
         loop {
             for part in [Part::Aimed, Part::Cosine] {
-                let sums = &mut sums[part as usize];
-                while sums.looks < wanted[part as usize] {
-                    sums.add(&self.look(part, place, sums.looks, &mut aims));
+                while sums[part as usize].looks < wanted[part as usize] {
+                    let usual = (sums[0].of_reads + sums[1].of_reads) / (sums[0].reads + sums[1].reads).max(1) as f32;
+                    let sums = &mut sums[part as usize];
+                    sums.add(&self.look(part, place, sums.looks, (usual, &mut aims)));
                 }
             }
             let variance = sums.map(|sums| sums.variance().max(sums.change_variance()));
@@ -167,28 +175,37 @@ impl Field {
         self.irradiance_at((position, normal), error, seed)
     }
 
-    fn look(&self, part: Part, place: &Place, number: u32, aims: &mut [Aim]) -> Seen {
+    /// A look; `usual` is what a read brings in the mean.
+    fn look(&self, part: Part, place: &Place, number: u32, (usual, aims): (f32, &mut [Aim])) -> Seen {
         let mut seen = Seen::default();
         let of_ends = hash64(place.seed, 1 + part as u64);
         let read = |seen: &mut Seen, met: &Met, weight: f32, index: u32| {
             let number = number * MOST_ENDS + index;
             let path = Path::start(hash64(of_ends, number.into()), Vec3::splat(weight));
             let (mut change, mut rays) = (Vec3::ZERO, 0);
+            let (mut reads, mut of_reads) = (0, 0.0);
             let sent = self.follow(met, place.point, path, &mut |followed| match followed {
                 Followed::Cast(more) => rays += more,
                 Followed::Read(met, path) if place.check == Check::Yes => {
                     let patch = self.patch(met.leaf);
                     let further = GatherPoint::on_face((met.position, patch.normal));
                     let seed = if path.length == 0 { (of_ends, number) } else { (path.seed, 0) };
-                    let further = self.glance(&further, FURTHER, seed).irradiance();
+                    let brought = grey(path.throughput * self.sent[met.leaf.index()]);
+                    let looks = if usual > 0.0 { (brought / usual).clamp(1.0, MOST_FURTHER) as u32 } else { 1 };
+                    let of_looks = GlanceRays { aimed: looks * FURTHER.aimed, cosine: looks * FURTHER.cosine };
+                    let further = self.glance(&further, of_looks, seed).irradiance();
+                    reads += 1;
+                    of_reads += brought;
                     let reflected = self.surface(patch.polygon).reflectance * further;
                     change += path.throughput * (reflected - self.sent[met.leaf.index()]);
-                    rays += FURTHER.aimed + FURTHER.cosine;
+                    rays += of_looks.aimed + of_looks.cosine;
                 }
                 Followed::Read(..) => {}
             });
             seen.light += weight * sent;
             seen.change += change;
+            seen.reads += reads;
+            seen.of_reads += of_reads;
             seen.rays += rays;
         };
         match part {
@@ -246,6 +263,8 @@ impl Sums {
         self.grey_squares += grey(seen.light) * grey(seen.light);
         self.change += change;
         self.change_squares += change * change;
+        self.reads += seen.reads;
+        self.of_reads += seen.of_reads;
         self.rays += u64::from(seen.rays);
     }
 

@@ -1,4 +1,4 @@
-//! Light is moved over a gather's samples until nothing changes: each sweep is one more reflection (Jacobi's method).
+//! Light is moved over a gather's samples until nothing changes: each sweep is one more reflection, from a [mixture](Mixing) of the ones before.
 
 use glam::Vec3;
 
@@ -7,14 +7,12 @@ use super::field::{Field, grey};
 use super::groups::{Groups, Mean};
 use super::samples::{GatherSamples, Sums};
 use crate::base::cancel::CancelToken;
+use crate::base::mixing::Mixing;
 use crate::hierarchy::ElementId;
 
-/// Sweeps end when they move less than this share of the light.
-const SWEEP_TOLERANCE: f64 = 2e-4;
+/// Sweeps end when less than this share of the light can be still to come.
+const SWEEP_TOLERANCE: f64 = 1e-3;
 const MOST_SWEEPS: u32 = 200;
-/// The sweep from emission alone after which the rest of a geometric series is taken in one step: by then each sweep adds much the
-/// same share of the one before everywhere. Later ones turn back and forth between leaves that light each other.
-const SWEEP_OF_STEP: u32 = 4;
 /// Where ρ times a leaf's row stays below this, light dies out however often it is reflected.
 const LARGEST_RETURN: f32 = 0.98;
 
@@ -129,27 +127,25 @@ impl Gather {
         // From emission alone the first time: what links let through a wall would take long to die out.
         let is_afresh = samples.has_cosine() && !self.is_lit_by_samples;
         let mut reflected = if is_afresh { field.reflect(&relighting.direct) } else { field.reflected.to_vec() };
-        let mut moved_before = f64::INFINITY;
+        let largest = leaves.iter().map(|leaf| field.reflectance(*leaf).max_element()).fold(0.0, f32::max);
+        let largest = f64::from(largest.min(LARGEST_RETURN));
+        let mut mixing = Mixing::default();
         for sweep in 1..=MOST_SWEEPS {
-            let mut next = field.reflect(&relighting.irradiance(&reflected, cancel)?);
+            let next = field.reflect(&relighting.irradiance(&reflected, cancel)?);
             let (mut moved, mut all) = (0.0, 0.0);
             for leaf in leaves.iter().map(|leaf| leaf.index()) {
                 let area = field.areas[leaf];
                 moved += f64::from(area * (next[leaf] - reflected[leaf]).abs().max_element());
                 all += f64::from(area * next[leaf].max_element());
             }
-            let is_done = moved <= SWEEP_TOLERANCE * all;
-            let ratio = moved / moved_before;
-            if is_afresh && sweep == SWEEP_OF_STEP && ratio < 1.0 {
-                // What all further sweeps would add, if each adds so many times what the one before does [Aitken].
-                let rest = (ratio / (1.0 - ratio)) as f32;
-                next.iter_mut().zip(&reflected).for_each(|(next, before)| *next += rest * (*next - *before));
-            }
-            (reflected, moved_before) = (next, moved);
+            let to_come = moved * (largest / (1.0 - largest)).max(1.0);
             // Without cosine-distributed rays nothing depends on what others reflect.
-            if is_done || !samples.has_cosine() {
+            if to_come <= SWEEP_TOLERANCE * all || !samples.has_cosine() || sweep == MOST_SWEEPS {
+                tracing::debug!(sweep, "light of the field converged");
+                reflected = next;
                 break;
             }
+            reflected = mixing.next(&field.areas, &reflected, next);
         }
         let gathered = relighting.gathered(&reflected, cancel)?;
         field.set_irradiance(gathered.mean);

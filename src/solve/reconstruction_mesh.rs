@@ -89,11 +89,13 @@ impl ReconstructionMesh {
         (surfaces, clusters): (Arc<Vec<u32>>, Arc<Vec<ClusterBox>>),
         kind: MeshKind,
     ) -> Self {
-        let mut builder = MeshBuilder::new(hierarchy, scene, &surfaces, kind);
-        for &patch in hierarchy.initial_patches() {
-            hierarchy.leaves_below(patch, &mut |leaf| builder.add_leaf(leaf));
-        }
-        let (mut mesh, starts, shares) = builder.finish();
+        let part = |patches: &[ElementId]| {
+            let mut builder = MeshBuilder::new(hierarchy, scene, &surfaces, kind);
+            patches.iter().for_each(|patch| hierarchy.leaves_below(*patch, &mut |leaf| builder.add_leaf(leaf)));
+            builder.part
+        };
+        let parts: Vec<Part> = hierarchy.initial_patches().par_chunks(PATCHES_OF_PART).map(part).collect();
+        let (mut mesh, starts, shares) = Part::join(parts, hierarchy.leaf_count()).finish();
         let own: Vec<ElementId> = mesh.leaves.iter().map(|leaf| leaf.element).collect();
         let mut place_of = vec![u32::MAX; hierarchy.elements().len()];
         own.iter().enumerate().for_each(|(place, leaf)| place_of[leaf.index()] = place as u32);
@@ -171,16 +173,27 @@ pub fn place_among(mesh: &Mesh, triangles: impl Iterator<Item = u32>, point: Vec
     Some((triangle, weights / weights.element_sum()))
 }
 
+/// Initial patches whose leaves become triangles in one task.
+const PATCHES_OF_PART: usize = 1 << 14;
+
+/// A mesh, or that of a run of patches.
+#[derive(Default)]
+struct Part {
+    mesh: Mesh,
+    /// Hierarchy vertex and smooth surface of each vertex; `None` for the middle of a leaf.
+    keys: Vec<Option<(u32, u32)>>,
+    /// (mesh vertex, leaf, weight) in the order found.
+    contributions: Vec<(u32, u32, f32)>,
+}
+
 struct MeshBuilder<'a> {
     hierarchy: &'a Hierarchy,
     scene: &'a Scene,
     surfaces: &'a [u32],
     kind: MeshKind,
-    mesh: Mesh,
+    part: Part,
     /// Mesh vertex by (hierarchy vertex, smooth surface).
     vertex_of: FxHashMap<(u32, u32), u32>,
-    /// (mesh vertex, leaf, weight) in the order found.
-    contributions: Vec<(u32, u32, f32)>,
     rim: Vec<u32>,
     /// How much of the leaf is exposed near each vertex of the rim.
     rim_exposed: Vec<f32>,
@@ -188,24 +201,13 @@ struct MeshBuilder<'a> {
 
 impl<'a> MeshBuilder<'a> {
     fn new(hierarchy: &'a Hierarchy, scene: &'a Scene, surfaces: &'a [u32], kind: MeshKind) -> Self {
-        let leaves = hierarchy.leaf_count();
-        let mut vertex_of = FxHashMap::default();
-        vertex_of.reserve(2 * leaves);
-        let mesh = Mesh {
-            triangles: Vec::with_capacity(2 * leaves),
-            triangle_leaf: Vec::with_capacity(2 * leaves),
-            outlines: Vec::with_capacity(4 * leaves),
-            leaves: Vec::with_capacity(leaves),
-            ..Mesh::default()
-        };
         Self {
             hierarchy,
             scene,
             surfaces,
             kind,
-            mesh,
-            vertex_of,
-            contributions: Vec::with_capacity(4 * leaves),
+            part: Part::default(),
+            vertex_of: FxHashMap::default(),
             rim: Vec::new(),
             rim_exposed: Vec::new(),
         }
@@ -214,10 +216,10 @@ impl<'a> MeshBuilder<'a> {
     fn add_leaf(&mut self, id: ElementId) {
         let element = self.hierarchy.element(id);
         let Shape::Patch(patch) = element.shape else { return };
-        let leaf = self.mesh.leaves.len() as u32;
+        let leaf = self.part.mesh.leaves.len() as u32;
         let material = self.scene.polygons[patch.polygon as usize].material;
         let whole_area = self.hierarchy.whole_area(element, &patch);
-        self.mesh.leaves.push(Leaf {
+        self.part.mesh.leaves.push(Leaf {
             element: id,
             polygon: patch.polygon,
             material,
@@ -226,7 +228,7 @@ impl<'a> MeshBuilder<'a> {
             level: patch.level,
         });
         let exposed = element.area / whole_area;
-        let surface = if self.kind == MeshKind::Flat { leaf } else { self.surfaces[patch.polygon as usize] };
+        let surface = if self.kind == MeshKind::Flat { id.0 } else { self.surfaces[patch.polygon as usize] };
         let corners = patch.corners();
         self.rim.clear();
         self.rim_exposed.clear();
@@ -242,7 +244,7 @@ impl<'a> MeshBuilder<'a> {
         let rim = std::mem::take(&mut self.rim);
         for index in 0..rim.len() {
             self.contribute(&rim, index, leaf, element.centre);
-            self.mesh.outlines.push([rim[index], rim[(index + 1) % rim.len()]]);
+            self.part.mesh.outlines.push([rim[index], rim[(index + 1) % rim.len()]]);
         }
         match *rim.as_slice() {
             [a, b, c] => self.triangle([a, b, c], leaf),
@@ -251,9 +253,10 @@ impl<'a> MeshBuilder<'a> {
                 self.triangle([a, c, d], leaf);
             }
             _ => {
-                let centre = self.mesh.positions.len() as u32;
-                self.mesh.positions.push(element.centre.to_array());
-                self.contributions.push((centre, leaf, 1.0));
+                let centre = self.part.mesh.positions.len() as u32;
+                self.part.mesh.positions.push(element.centre.to_array());
+                self.part.keys.push(None);
+                self.part.contributions.push((centre, leaf, 1.0));
                 for index in 0..rim.len() {
                     self.triangle([centre, rim[index], rim[(index + 1) % rim.len()]], leaf);
                 }
@@ -273,10 +276,11 @@ impl<'a> MeshBuilder<'a> {
     }
 
     fn vertex(&mut self, vertex: u32, surface: u32) -> u32 {
-        let (positions, hierarchy) = (&mut self.mesh.positions, self.hierarchy);
+        let (part, hierarchy) = (&mut self.part, self.hierarchy);
         *self.vertex_of.entry((vertex, surface)).or_insert_with(|| {
-            positions.push(hierarchy.vertices()[vertex as usize].to_array());
-            positions.len() as u32 - 1
+            part.mesh.positions.push(hierarchy.vertices()[vertex as usize].to_array());
+            part.keys.push(Some((vertex, surface)));
+            part.keys.len() as u32 - 1
         })
     }
 
@@ -284,18 +288,55 @@ impl<'a> MeshBuilder<'a> {
     /// linear radiosity across a change of subdivision level, and by how much of it is exposed there: beyond a thing that stands on the
     /// vertex it may be lit otherwise.
     fn contribute(&mut self, rim: &[u32], index: usize, leaf: u32, centre: Vec3) {
-        let at = |index: usize| Vec3::from(self.mesh.positions[rim[index % rim.len()] as usize]);
+        let at = |index: usize| Vec3::from(self.part.mesh.positions[rim[index % rim.len()] as usize]);
         let vertex = at(index);
         let angle = (at(index + 1) - vertex).angle_between(at(index + rim.len() - 1) - vertex);
         let distance_squared = (centre - vertex).length_squared();
         let exposed = self.rim_exposed[index].max(LEAST_EXPOSED);
         let weight = if distance_squared > 0.0 && angle > 0.0 { exposed * angle / distance_squared } else { 0.0 };
-        self.contributions.push((rim[index], leaf, weight));
+        self.part.contributions.push((rim[index], leaf, weight));
     }
 
     fn triangle(&mut self, corners: [u32; 3], leaf: u32) {
-        self.mesh.triangles.push(corners);
-        self.mesh.triangle_leaf.push(leaf);
+        self.part.mesh.triangles.push(corners);
+        self.part.mesh.triangle_leaf.push(leaf);
+    }
+}
+
+impl Part {
+    /// One part of several, which share vertices; it has so many leaves.
+    fn join(parts: Vec<Self>, leaves: usize) -> Self {
+        let mesh = Mesh {
+            triangles: Vec::with_capacity(2 * leaves),
+            triangle_leaf: Vec::with_capacity(2 * leaves),
+            outlines: Vec::with_capacity(4 * leaves),
+            leaves: Vec::with_capacity(leaves),
+            ..Mesh::default()
+        };
+        let mut joined = Self { mesh, contributions: Vec::with_capacity(4 * leaves), ..Self::default() };
+        let mut vertex_of: FxHashMap<(u32, u32), u32> = FxHashMap::default();
+        for Self { mesh: part, keys, contributions } in parts {
+            let mesh = &mut joined.mesh;
+            let first_leaf = mesh.leaves.len() as u32;
+            let mut add = |position: [f32; 3]| {
+                mesh.positions.push(position);
+                mesh.positions.len() as u32 - 1
+            };
+            let place = |(key, position): (&Option<(u32, u32)>, &[f32; 3])| match key {
+                Some(key) => *vertex_of.entry(*key).or_insert_with(|| add(*position)),
+                None => add(*position),
+            };
+            let places: Vec<u32> = keys.iter().zip(&part.positions).map(place).collect();
+            let of = |vertex: u32| places[vertex as usize];
+            mesh.triangles.extend(part.triangles.iter().map(|corners| corners.map(of)));
+            mesh.triangle_leaf.extend(part.triangle_leaf.iter().map(|leaf| first_leaf + leaf));
+            mesh.outlines.extend(part.outlines.iter().map(|ends| ends.map(of)));
+            mesh.leaves.extend(part.leaves);
+            let contributions = contributions.iter();
+            let moved = contributions.map(|&(vertex, leaf, weight)| (of(vertex), first_leaf + leaf, weight));
+            joined.contributions.extend(moved);
+        }
+        joined
     }
 
     /// Sorts contributions by vertex and makes each vertex's weights sum to 1.

@@ -8,6 +8,7 @@ use super::link::{Link, LinkTable};
 use super::push::Pusher;
 use super::rules::{LinkRules, Push};
 use crate::base::cancel::CancelToken;
+use crate::base::mixing::Mixing;
 use crate::hierarchy::{Element, ElementId, Hierarchy, Shape};
 use crate::scene::Surface;
 
@@ -86,6 +87,11 @@ struct Node {
 const NONE: u32 = u32::MAX;
 
 impl Node {
+    /// Area of a leaf, m², and 0 of other elements, whose light is that of their leaves.
+    fn weight(&self) -> f32 {
+        if self.polygon == NONE { 0.0 } else { self.area }
+    }
+
     fn of(element: &Element) -> Self {
         let polygon = match element.shape {
             Shape::Patch(patch) if element.is_leaf() => patch.polygon,
@@ -125,21 +131,25 @@ impl<'a> Gatherer<'a> {
         Self { hierarchy, links, surfaces, with_unjudged, nodes, pusher }
     }
 
-    /// Sweeps until the power still to come is below `tolerance` of all power; false if cancelled, with `light` as the last
-    /// whole sweep left it.
+    /// Sweeps until the power still to come is below `tolerance` of all power; false if cancelled, with `light` somewhere
+    /// on the way.
     ///
-    /// The power to come is estimated by the ratio of successive changes, as of a geometric series.
+    /// Each reflection keeps at most the largest reflectance ρ of what a sweep changes, so that no more than ρ/(1−ρ) times that is to
+    /// come. Sweeps start from a [mixture](Mixing) of the ones before, but the light is always that of a sweep.
     pub fn converge(&self, light: &mut Light, tolerance: f64, most_sweeps: u32, cancel: &CancelToken) -> bool {
-        let mut last_change = f64::INFINITY;
-        for _ in 0..most_sweeps {
+        let largest = self.surfaces.iter().map(|surface| surface.reflectance.max_element()).fold(0.0, f32::max);
+        let largest = f64::from(largest.min(LARGEST_RETURN));
+        let weights: Vec<f32> = self.nodes.iter().map(Node::weight).collect();
+        let mut mixing = Mixing::default();
+        for sweep in 1..=most_sweeps {
+            let from = light.radiosity.clone();
             let Some(change) = self.sweep(light, cancel) else { return false };
-            let ratio =
-                if last_change.is_finite() && last_change > 0.0 { (change.moved / last_change).min(0.99) } else { 0.9 };
-            let to_come = change.moved * ratio / (1.0 - ratio);
-            if to_come.max(change.moved) <= tolerance * change.power || change.moved == 0.0 {
+            let to_come = change.moved * (largest / (1.0 - largest)).max(1.0);
+            if to_come <= tolerance * change.power || sweep == most_sweeps {
+                tracing::debug!(sweep, "light converged");
                 break;
             }
-            last_change = change.moved;
+            light.radiosity = mixing.next(&weights, &from, std::mem::take(&mut light.radiosity));
         }
         true
     }
