@@ -330,9 +330,9 @@ impl Certifying {
         self.total() <= 0.0
     }
 
-    /// Share of the points that usually suffice.
+    /// Share of the points, by a scale on which few of them are much, for few often suffice.
     pub fn progress(&self) -> f32 {
-        (self.compared.len() as f32 / POINTS[0] as f32).min(1.0)
+        (self.compared.len() as f32 / POINTS[POINTS.len() - 1] as f32).sqrt()
     }
 
     /// The local error within which nine tenths of the points are, once there are enough of them to tell.

@@ -10,7 +10,7 @@ use crate::base::cancel::CancelToken;
 use crate::base::mixing::Mixing;
 use crate::hierarchy::ElementId;
 
-/// Sweeps end when less than this share of the light can be still to come.
+/// Sweeps end when less than this share of the light is still to come.
 const SWEEP_TOLERANCE: f64 = 1e-3;
 const MOST_SWEEPS: u32 = 200;
 /// Where ρ times a leaf's row stays below this, light dies out however often it is reflected.
@@ -127,18 +127,20 @@ impl Gather {
         // From emission alone the first time: what links let through a wall would take long to die out.
         let is_afresh = samples.has_cosine() && !self.is_lit_by_samples;
         let mut reflected = if is_afresh { field.reflect(&relighting.direct) } else { field.reflected.to_vec() };
-        let largest = leaves.iter().map(|leaf| field.reflectance(*leaf).max_element()).fold(0.0, f32::max);
-        let largest = f64::from(largest.min(LARGEST_RETURN));
         let mut mixing = Mixing::default();
         for sweep in 1..=MOST_SWEEPS {
             let next = field.reflect(&relighting.irradiance(&reflected, cancel)?);
-            let (mut moved, mut all) = (0.0, 0.0);
+            let (mut moved, mut all, mut again) = (0.0, 0.0, 0.0);
             for leaf in leaves.iter().map(|leaf| leaf.index()) {
                 let area = field.areas[leaf];
                 moved += f64::from(area * (next[leaf] - reflected[leaf]).abs().max_element());
-                all += f64::from(area * next[leaf].max_element());
+                let sent = f64::from(area * next[leaf].max_element());
+                all += sent;
+                again += sent * f64::from(field.reflectance(ElementId(leaf as u32)).max_element());
             }
-            let to_come = moved * (largest / (1.0 - largest)).max(1.0);
+            // A reflection keeps the mean reflectance of what is reflected.
+            let mean = (again / all.max(f64::MIN_POSITIVE)).min(LARGEST_RETURN.into());
+            let to_come = moved * (mean / (1.0 - mean)).max(1.0);
             // Without cosine-distributed rays nothing depends on what others reflect.
             if to_come <= SWEEP_TOLERANCE * all || !samples.has_cosine() || sweep == MOST_SWEEPS {
                 tracing::debug!(sweep, "light of the field converged");

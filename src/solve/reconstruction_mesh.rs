@@ -94,8 +94,12 @@ impl ReconstructionMesh {
             patches.iter().for_each(|patch| hierarchy.leaves_below(*patch, &mut |leaf| builder.add_leaf(leaf)));
             builder.part
         };
-        let parts: Vec<Part> = hierarchy.initial_patches().par_chunks(PATCHES_OF_PART).map(part).collect();
-        let (mut mesh, starts, shares) = Part::join(parts, hierarchy.leaf_count()).finish();
+        let mut joined = Joined::for_leaves(hierarchy.leaf_count());
+        for patches in hierarchy.initial_patches().chunks(PARTS_AT_ONCE * PATCHES_OF_PART) {
+            let parts: Vec<Part> = patches.par_chunks(PATCHES_OF_PART).map(part).collect();
+            parts.iter().for_each(|part| joined.append(part));
+        }
+        let (mut mesh, starts, shares) = joined.finish();
         let own: Vec<ElementId> = mesh.leaves.iter().map(|leaf| leaf.element).collect();
         let mut place_of = vec![u32::MAX; hierarchy.elements().len()];
         own.iter().enumerate().for_each(|(place, leaf)| place_of[leaf.index()] = place as u32);
@@ -174,9 +178,11 @@ pub fn place_among(mesh: &Mesh, triangles: impl Iterator<Item = u32>, point: Vec
 }
 
 /// Initial patches whose leaves become triangles in one task.
-const PATCHES_OF_PART: usize = 1 << 14;
+const PATCHES_OF_PART: usize = 1 << 13;
+/// Parts that are there at once, beside the mesh that they are joined to.
+const PARTS_AT_ONCE: usize = 16;
 
-/// A mesh, or that of a run of patches.
+/// The mesh of a run of patches.
 #[derive(Default)]
 struct Part {
     mesh: Mesh,
@@ -303,9 +309,18 @@ impl<'a> MeshBuilder<'a> {
     }
 }
 
-impl Part {
-    /// One part of several, which share vertices; it has so many leaves.
-    fn join(parts: Vec<Self>, leaves: usize) -> Self {
+/// The mesh of several parts, which share vertices.
+struct Joined {
+    mesh: Mesh,
+    /// Mesh vertex by (hierarchy vertex, smooth surface).
+    vertex_of: FxHashMap<(u32, u32), u32>,
+    /// (mesh vertex, leaf, weight).
+    contributions: Vec<(u32, u32, f32)>,
+}
+
+impl Joined {
+    /// With room for so many leaves.
+    fn for_leaves(leaves: usize) -> Self {
         let mesh = Mesh {
             triangles: Vec::with_capacity(2 * leaves),
             triangle_leaf: Vec::with_capacity(2 * leaves),
@@ -313,30 +328,28 @@ impl Part {
             leaves: Vec::with_capacity(leaves),
             ..Mesh::default()
         };
-        let mut joined = Self { mesh, contributions: Vec::with_capacity(4 * leaves), ..Self::default() };
-        let mut vertex_of: FxHashMap<(u32, u32), u32> = FxHashMap::default();
-        for Self { mesh: part, keys, contributions } in parts {
-            let mesh = &mut joined.mesh;
-            let first_leaf = mesh.leaves.len() as u32;
-            let mut add = |position: [f32; 3]| {
-                mesh.positions.push(position);
-                mesh.positions.len() as u32 - 1
-            };
-            let place = |(key, position): (&Option<(u32, u32)>, &[f32; 3])| match key {
-                Some(key) => *vertex_of.entry(*key).or_insert_with(|| add(*position)),
-                None => add(*position),
-            };
-            let places: Vec<u32> = keys.iter().zip(&part.positions).map(place).collect();
-            let of = |vertex: u32| places[vertex as usize];
-            mesh.triangles.extend(part.triangles.iter().map(|corners| corners.map(of)));
-            mesh.triangle_leaf.extend(part.triangle_leaf.iter().map(|leaf| first_leaf + leaf));
-            mesh.outlines.extend(part.outlines.iter().map(|ends| ends.map(of)));
-            mesh.leaves.extend(part.leaves);
-            let contributions = contributions.iter();
-            let moved = contributions.map(|&(vertex, leaf, weight)| (of(vertex), first_leaf + leaf, weight));
-            joined.contributions.extend(moved);
-        }
-        joined
+        Self { mesh, vertex_of: FxHashMap::default(), contributions: Vec::with_capacity(4 * leaves) }
+    }
+
+    fn append(&mut self, Part { mesh: part, keys, contributions }: &Part) {
+        let mesh = &mut self.mesh;
+        let first_leaf = mesh.leaves.len() as u32;
+        let mut add = |position: [f32; 3]| {
+            mesh.positions.push(position);
+            mesh.positions.len() as u32 - 1
+        };
+        let place = |(key, position): (&Option<(u32, u32)>, &[f32; 3])| match key {
+            Some(key) => *self.vertex_of.entry(*key).or_insert_with(|| add(*position)),
+            None => add(*position),
+        };
+        let places: Vec<u32> = keys.iter().zip(&part.positions).map(place).collect();
+        let of = |vertex: u32| places[vertex as usize];
+        mesh.triangles.extend(part.triangles.iter().map(|corners| corners.map(of)));
+        mesh.triangle_leaf.extend(part.triangle_leaf.iter().map(|leaf| first_leaf + leaf));
+        mesh.outlines.extend(part.outlines.iter().map(|ends| ends.map(of)));
+        mesh.leaves.extend_from_slice(&part.leaves);
+        let moved = contributions.iter().map(|&(vertex, leaf, weight)| (of(vertex), first_leaf + leaf, weight));
+        self.contributions.extend(moved);
     }
 
     /// Sorts contributions by vertex and makes each vertex's weights sum to 1.

@@ -134,18 +134,15 @@ impl<'a> Gatherer<'a> {
     /// Sweeps until the power still to come is below `tolerance` of all power; false if cancelled, with `light` somewhere
     /// on the way.
     ///
-    /// Each reflection keeps at most the largest reflectance ρ of what a sweep changes, so that no more than ρ/(1−ρ) times that is to
-    /// come. Sweeps start from a [mixture](Mixing) of the ones before, but the light is always that of a sweep.
+    /// A reflection keeps the mean reflectance ρ̄ of what it reflects, so that ρ̄/(1−ρ̄) times the last change is still to come. Sweeps
+    /// start from a [mixture](Mixing) of the ones before, but the light is always that of a sweep.
     pub fn converge(&self, light: &mut Light, tolerance: f64, most_sweeps: u32, cancel: &CancelToken) -> bool {
-        let largest = self.surfaces.iter().map(|surface| surface.reflectance.max_element()).fold(0.0, f32::max);
-        let largest = f64::from(largest.min(LARGEST_RETURN));
         let weights: Vec<f32> = self.nodes.iter().map(Node::weight).collect();
         let mut mixing = Mixing::default();
         for sweep in 1..=most_sweeps {
             let from = light.radiosity.clone();
             let Some(change) = self.sweep(light, cancel) else { return false };
-            let to_come = change.moved * (largest / (1.0 - largest)).max(1.0);
-            if to_come <= tolerance * change.power || sweep == most_sweeps {
+            if change.to_come() <= tolerance * change.power || sweep == most_sweeps {
                 tracing::debug!(sweep, "light converged");
                 break;
             }
@@ -187,7 +184,11 @@ impl<'a> Gatherer<'a> {
                 let scale = if node.area > 0.0 { scale } else { 0.0 };
                 light.irradiance[index] = (scale * light.irradiance[index]).max(Vec3::ZERO);
                 let surface = &self.surfaces[node.polygon as usize];
-                let new = surface.emission + surface.reflectance * light.irradiance[index];
+                let reflected = surface.reflectance * light.irradiance[index];
+                let new = surface.emission + reflected;
+                let reflected = f64::from(node.area) * f64::from(reflected.max_element());
+                change.reflected += reflected;
+                change.reflected_again += reflected * f64::from(surface.reflectance.max_element());
                 let moved = (new - light.radiosity[index]).abs();
                 change.moved += f64::from(node.area) * f64::from(moved.max_element());
                 change.power += f64::from(node.area) * f64::from(new.max_element());
@@ -338,4 +339,16 @@ struct Change {
     moved: f64,
     /// Σ A·B over leaves, W.
     power: f64,
+    /// Σ A·ρ·E over leaves, W, and what of that they would reflect themselves.
+    reflected: f64,
+    reflected_again: f64,
+}
+
+impl Change {
+    /// Power that further sweeps are to move, W: no less than the last one did.
+    fn to_come(&self) -> f64 {
+        let mean = self.reflected_again / self.reflected.max(f64::MIN_POSITIVE);
+        let mean = mean.min(LARGEST_RETURN.into());
+        self.moved * (mean / (1.0 - mean)).max(1.0)
+    }
 }

@@ -38,7 +38,14 @@ for number in range(passes):
     offset = 2e-5 * (1 + dr.max(dr.abs(at)))
     ray = mi.RayDifferential3f(at + offset * up, mi.Frame3f(up).to_world(away))
     radiance, _, _ = integrator.sample(scene, sampler, ray)
-    mean = np.pi * np.array(radiance).reshape(3, count, a_pass).mean(axis=2)
+    # Rays meet small emitters, such as the sun's disc, by chance alone: the light that emitters send here is sampled on its own.
+    met = scene.ray_intersect(ray)
+    radiance -= met.emitter(scene).eval(met)
+    here = dr.zeros(mi.SurfaceInteraction3f)
+    here.p, here.n = at + offset * up, up
+    towards, sent = scene.sample_emitter_direction(here, sampler.next_2d(), True)
+    light = np.pi * radiance + sent * dr.maximum(dr.dot(up, towards.d), 0)
+    mean = np.array(light).reshape(3, count, a_pass).mean(axis=2)
     total += mean
     squares += mean * mean
 theirs = total / passes
