@@ -132,7 +132,7 @@ fn textures_count_as_their_mean_colour() {
     let scene = load_file(&folder.write("room.obj", obj)).expect("a sound scene");
     assert!((scene.materials[0].reflectance.x - 0.2514).abs() < 1e-3, "{}", scene.materials[0].reflectance);
     assert_eq!(scene.materials[1].reflectance, Vec3::splat(0.25), "a grey of one half stands for it");
-    let notes = scene.skipped.notes.join(" ");
+    let notes = scene.skipped.sentences().join(" ");
     assert!(notes.contains("`gone.png` is not used") && notes.contains("`../../out.png` is not used"), "{notes}");
 }
 

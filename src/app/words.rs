@@ -102,6 +102,14 @@ words! {
     SURFACES_WITHIN = "9 of 10 surfaces within";
     /// Status of a scene without a lamp.
     NOTHING_EMITS = "Nothing emits light";
+    /// Over the view of such a scene.
+    NO_LIGHT_YET = "This scene has no light yet: its surfaces are shown in their own colours.";
+    /// Over a view that the scene's light does not reach.
+    NO_LIGHT_HERE = "Next to no light of this scene reaches what is seen here.";
+    /// Button beside either, where daylight can come in.
+    LIGHT_IT_BY_DAYLIGHT = "Light it by daylight";
+    /// Button beside either: adds a square luminaire.
+    HANG_UP_A_LAMP = "Hang up a lamp";
     /// Name of the bar that tells how far a solve is.
     PROGRESS = "Progress";
 

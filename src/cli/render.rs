@@ -213,7 +213,8 @@ fn show(picture: &GatheredPicture, scene: &Scene, solution: &Solution, view: &Vi
 fn metered_exposure(scene: &Scene, solution: &Solution, view: &View) -> f32 {
     let [width, height] = view.size.map(|pixels| pixels as f32);
     let (snapshot, occluders) = (&solution.snapshot, solution.solver.link_solution().occluders());
-    let metered = LightMeter::new(snapshot, scene).exposure(snapshot, occluders, &camera(scene, view), width / height);
+    let meter = LightMeter::new(snapshot, scene);
+    let metered = meter.exposure(snapshot, occluders, &camera(scene, view), width / height).factor;
     view.display.exposure.factor(metered)
 }
 

@@ -1,5 +1,5 @@
-//! Where a person first stands in a scene that names no view: inside its largest room, eyes at 1.6 m, looking along its longest
-//! free diagonal.
+//! Where a person first stands in a scene that names no view: inside its largest room, eyes at 1.6 m, looking along a long free
+//! diagonal, that which shows most.
 //!
 //! Inside is where nearly every ray meets a bright side; the largest room has the largest free floor. The space below a sky that goes
 //! round a house is inside too, by that measure: where a far higher space goes all the way round rooms (`outdoors`), one stands in these.
@@ -47,6 +47,12 @@ const OUTDOORS: f32 = 3.0;
 const LEAST_FLOOR: f32 = 4.0;
 /// Places looked at for such rooms, the best first.
 const MOST_ROOMS: usize = 256;
+/// Directions in which a room is free for at least this share of its longest are looked into as well.
+const NEARLY_LONGEST: f32 = 0.75;
+/// Rays by which views are compared, across and up.
+const VIEWED: [usize; 2] = [15, 9];
+/// Height of a view, as a share of its width.
+const VIEW_HEIGHT: f32 = 0.7;
 /// Horizontal field of view, degrees.
 const HFOV: f32 = 75.0;
 
@@ -213,9 +219,8 @@ impl Rooms<'_> {
         (inside >= INSIDE).then_some(Stand { eye, height, floor, score, walls: [true; AROUND] })
     }
 
-    /// The view from a room's end along its longest free diagonal.
+    /// The view from a room's end that shows most of it, nearly along its longest free diagonal.
     fn view(&self, stand: &Stand) -> CameraPose {
-        let clear = CLEAR.min(CLEAR_SHARE * stand.height);
         // The open is no room to look into or to step back into.
         let free: Vec<f32> = (0..AROUND)
             .map(|step| if stand.walls[step] { self.reach(stand.eye, self.around(step)) } else { 0.0 })
@@ -226,8 +231,28 @@ impl Rooms<'_> {
             length(*a).total_cmp(&length(*b)).then_with(of_equals)
         };
         let longest = (0..AROUND).max_by(by_length).unwrap_or_default();
-        let ahead = self.around(longest);
-        let back = free[(longest + AROUND / 2) % AROUND];
+        let long_enough = (0..AROUND).filter(|step| length(*step) >= NEARLY_LONGEST * length(longest));
+        // The longest first: of equals the first is taken.
+        let others = long_enough.filter(|step| *step != longest);
+        let steps: Vec<usize> = std::iter::once(longest).chain(others).collect();
+        let views = steps.par_iter().map(|step| {
+            let ahead = self.around(*step);
+            let eye = self.stepped_back(stand, ahead, free[(step + AROUND / 2) % AROUND]);
+            (*step, eye, length(*step) * self.shown(eye, ahead))
+        });
+        let views: Vec<(usize, Vec3, f32)> = views.collect();
+        let better = |best: (usize, Vec3, f32), other: (usize, Vec3, f32)| if other.2 > best.2 { other } else { best };
+        let (step, eye, _) = views.into_iter().reduce(better).unwrap_or((longest, stand.eye, 0.0));
+        let ahead = self.around(step);
+        let down = 0.12 * (EYE.min(HIGHEST_EYE * stand.height));
+        let clear = CLEAR.min(CLEAR_SHARE * stand.height);
+        let target = eye + (0.5 * length(step)).max(clear) * ahead - down * self.up;
+        CameraPose { eye, target, up: self.up, hfov_deg: HFOV }
+    }
+
+    /// As far back from a place as there is room to stand, where it is this far to what is behind.
+    fn stepped_back(&self, stand: &Stand, ahead: Vec3, back: f32) -> Vec3 {
+        let clear = CLEAR.min(CLEAR_SHARE * stand.height);
         let is_clear = |eye: Vec3| {
             let directions = (0..12).map(|step| heading(self.up, step, 12));
             let slopes = directions.flat_map(|flat| [-0.5, 0.0, 0.5].map(|slope| (flat + slope * self.up).normalize()));
@@ -235,13 +260,32 @@ impl Rooms<'_> {
                 .chain([self.up, -self.up])
                 .all(|direction| self.look(eye, direction).is_none_or(|(distance, bright)| bright && distance >= clear))
         };
-        // As far back as there is room to stand.
         let mut steps =
             (0..=16).map(|step| stand.eye - (back - 2.0 * clear).max(0.0) * (1.0 - step as f32 / 16.0) * ahead);
-        let eye = steps.find(|eye| is_clear(*eye)).unwrap_or(stand.eye);
-        let down = 0.12 * (EYE.min(HIGHEST_EYE * stand.height));
-        let target = eye + (0.5 * length(longest)).max(clear) * ahead - down * self.up;
-        CameraPose { eye, target, up: self.up, hfov_deg: HFOV }
+        steps.find(|eye| is_clear(*eye)).unwrap_or(stand.eye)
+    }
+
+    /// How much a view shows: the mean distance of what is seen, m, times the root of how many things that are. A blank wall near by, over
+    /// half of the picture, shows little.
+    fn shown(&self, eye: Vec3, ahead: Vec3) -> f32 {
+        let [columns, rows] = VIEWED;
+        let right = ahead.cross(self.up);
+        let half_width = (0.5 * HFOV.to_radians()).tan();
+        let (mut distances, mut things) = (0.0, Vec::new());
+        for index in 0..columns * rows {
+            let place = |at: usize, of: usize| 2.0 * (at as f32 + 0.5) / of as f32 - 1.0;
+            let (across, level) = (place(index % columns, columns), place(index / columns, rows));
+            let direction = ahead + half_width * (across * right + VIEW_HEIGHT * level * self.up);
+            let Some(hit) = self.occluders.first_hit(eye, direction.normalize()) else { continue };
+            if hit.front {
+                distances += hit.distance.min(FARTHEST);
+                let thing = self.scene.polygons.get(hit.polygon as usize);
+                things.extend(thing.map(|polygon| (polygon.group.0, polygon.material.0)));
+            }
+        }
+        things.sort_unstable();
+        things.dedup();
+        distances / (columns * rows) as f32 * (things.len() as f32).sqrt()
     }
 }
 
@@ -286,6 +330,30 @@ mod tests {
         let free = occluders.first_hit(view.eye, ahead).expect("a wall").distance;
         assert!(free > 7.0, "{free} m ahead of {view:?}");
         assert_eq!(view.up, Vec3::Y);
+    }
+
+    /// Truth: the picture. A long room whose longest diagonals look past a screen and at bare walls, with a dozen things in one of its
+    /// corners: most of the things are ahead, and no wall within a metre fills the picture.
+    #[test]
+    fn the_first_view_shows_things_and_no_blank_wall() {
+        let mut scene = Scene::new("studio");
+        scene.add_material("wall", Vec3::splat(0.5), Vec3::ZERO);
+        add_box(&mut scene, (Vec3::ZERO, Vec3::new(7.0, 2.7, 6.0)), true, (MaterialId(0), GroupId(0)));
+        for index in 0..12 {
+            let thing = scene.add_material(&format!("thing {index}"), Vec3::splat(0.3), Vec3::ZERO);
+            let at = Vec3::new(0.3 + 0.7 * (index % 4) as f32, 0.0, 5.0 - 0.6 * (index / 4) as f32);
+            add_box(&mut scene, (at, at + Vec3::new(0.4, 0.9, 0.4)), false, (thing, GroupId(0)));
+        }
+        let (scene, occluders) = orient::apply(scene, Sides::Front);
+        let view = find(&scene, &occluders).expect("a room");
+        let ahead = (view.target - view.eye).normalize();
+        let middle = Vec3::new(1.4, 0.5, 4.6);
+        let aside = ahead.angle_between(middle - view.eye).to_degrees();
+        assert!(aside < 0.5 * HFOV, "the things are {aside}° aside of {view:?}");
+        let rays = (-7..=7).map(|across| ahead + across as f32 / 7.0 * 0.7 * ahead.cross(Vec3::Y));
+        let near =
+            rays.filter(|ray| occluders.first_hit(view.eye, ray.normalize()).is_some_and(|hit| hit.distance < 1.0));
+        assert!(near.count() < 3, "{view:?}");
     }
 
     /// A house of two rooms, 3 × 3 m and 8 × 6 m, with walls of 20 cm; a wall of the larger one has a window of 2 m².

@@ -165,8 +165,14 @@ fn name_of_polygon(scene: &Scene, polygon: &Polygon) -> String {
     let material = scene.materials.get(polygon.material.0 as usize).map_or("", |material| material.name.as_str());
     match scene.group_path(polygon.group) {
         path if path.is_empty() => material.to_owned(),
-        path => format!("{path} ({material})"),
+        path => of_material(&path, material),
     }
+}
+
+/// A group and a material; one that a file does not name stands in brackets already.
+pub fn of_material(group: &str, material: &str) -> String {
+    let is_bracketed = material.starts_with('(') && material.ends_with(')');
+    if is_bracketed { format!("{group} {material}") } else { format!("{group} ({material})") }
 }
 
 /// A part of what lies outside by where it stands: *sky, southeast, 45° up*.
@@ -223,6 +229,12 @@ mod tests {
     }
 
     /// Truth: the groups as they were made.
+    #[test]
+    fn brackets_are_not_doubled() {
+        assert_eq!(of_material("desk", "oak"), "desk (oak)");
+        assert_eq!(of_material("desk", "(no material)"), "desk (no material)");
+    }
+
     #[test]
     fn elements_are_named_by_groups_and_materials() {
         let scene = room();

@@ -7,6 +7,7 @@ use std::sync::Arc;
 
 use glam::Vec3;
 
+use super::own_colours::shades;
 use crate::base::random::hash64;
 use crate::hierarchy::{Element, ElementId, Hierarchy, Shape};
 use crate::solve::snapshot::{ClusterBox, Mesh, Snapshot};
@@ -39,10 +40,6 @@ const PALETTE: [[u8; 3]; 9] = [
 const WHITE_SHARES: [f32; 2] = [0.10, 0.45];
 /// Surfaces that hang at the root itself belong to no smaller cluster.
 const AT_ROOT: [u8; 3] = [196, 197, 200];
-/// Where surfaces are lit from, so that shapes read; askew, so that no two walls of a room look alike.
-const LIT_FROM: Vec3 = Vec3::new(0.33, 0.80, 0.50);
-/// Brightness of a surface that faces the light and of one that turns its back to it.
-const SHADES: (f32, f32) = (1.0, 0.46);
 /// Steps along each axis of the root's box by which places of clusters are told apart.
 const STEPS: f32 = 1024.0;
 
@@ -247,20 +244,10 @@ impl ApartMesh {
 
     /// Gamma-encoded colours of the vertices, shaded by how their surfaces are turned.
     fn colours(&self, parts: &ClusterParts) -> Vec<[f32; 3]> {
-        let mut normals = vec![Vec3::ZERO; self.source.len()];
-        for &corners in &self.mesh.triangles {
-            let [a, b, c] = corners.map(|vertex| Vec3::from(self.mesh.positions[vertex as usize]));
-            for vertex in corners {
-                normals[vertex as usize] += (b - a).cross(c - a);
-            }
-        }
-        let towards = LIT_FROM.normalize();
-        let shaded = |(normal, &part): (&Vec3, &u32)| {
-            let facing = 0.5 + 0.5 * normal.normalize_or_zero().dot(towards);
-            let shade = SHADES.1 + (SHADES.0 - SHADES.1) * facing;
+        let coloured = |(shade, &part): (f32, &u32)| {
             parts.parts[part as usize].colour.map(|channel| shade * f32::from(channel) / 255.0)
         };
-        normals.iter().zip(&self.part).map(shaded).collect()
+        shades(&self.mesh).into_iter().zip(&self.part).map(coloured).collect()
     }
 
     /// The values of the vertices that these were made of.

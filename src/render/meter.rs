@@ -14,10 +14,27 @@ use crate::solve::snapshot::Snapshot;
 /// Rays in each direction of the view.
 const GRID: [u32; 2] = [32, 20];
 
+/// What sends out less than this share of the light that the scene's surfaces get on the average is dark: some few rays found a way to
+/// it, through a seam. A bright picture of it would show these rays.
+const FAINTEST: f64 = 1e-6;
+/// A view is dark where no more than this share of it is brighter.
+const LIT_SHARE: f64 = 0.1;
+
+/// How a view is exposed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Metered {
+    /// The factor on radiosities, m²/W.
+    pub factor: f32,
+    /// Whether next to no light reaches what is seen, where the scene has some.
+    pub is_dark: bool,
+}
+
 /// A meter of the light in one snapshot.
 pub struct LightMeter {
     /// Mean radiosity of each polygon that does not emit, weighted as the eye does, W/m².
     of_polygons: Vec<Option<f32>>,
+    /// The least radiosity that counts, W/m².
+    faintest: f32,
 }
 
 impl LightMeter {
@@ -37,11 +54,13 @@ impl LightMeter {
         let mean = |(polygon, (sent, area)): (usize, &(f64, f64))| {
             (*area > 0.0 && !emits(polygon)).then(|| (sent / area) as f32)
         };
-        Self { of_polygons: sums.iter().enumerate().map(mean).collect() }
+        let area: f64 = sums.iter().map(|(_, area)| area).sum();
+        let faintest = FAINTEST * snapshot.stats.power_watts / area.max(f64::MIN_POSITIVE);
+        Self { of_polygons: sums.iter().enumerate().map(mean).collect(), faintest: faintest as f32 }
     }
 
-    /// The factor on radiosities, m²/W, that exposes a view of the snapshot well; that of the whole scene where nothing lit is seen.
-    pub fn exposure(&self, snapshot: &Snapshot, occluders: &Occluders, camera: &Camera, aspect: f32) -> f32 {
+    /// What exposes a view of the snapshot well; as the whole scene is exposed where nothing lit is seen.
+    pub fn exposure(&self, snapshot: &Snapshot, occluders: &Occluders, camera: &Camera, aspect: f32) -> Metered {
         let [columns, rows] = GRID;
         let place = |index: u32| {
             let share = |at: u32, of: u32| (at as f32 + 0.5) / of as f32;
@@ -51,6 +70,74 @@ impl LightMeter {
             self.of_polygons.get(hit.polygon as usize).copied().flatten()
         };
         let mut seen: Vec<f32> = (0..columns * rows).filter_map(place).collect();
-        exposure_of_seen(&mut seen).unwrap_or_else(|| auto_exposure(snapshot))
+        self.of_seen(&mut seen)
+            .unwrap_or_else(|| Metered { factor: auto_exposure(snapshot), is_dark: self.is_dark(&seen) })
+    }
+
+    /// What exposes these radiosities, W/m², well; `None` where they are dark for the most part.
+    fn of_seen(&self, seen: &mut [f32]) -> Option<Metered> {
+        let is_lit = 2 * seen.iter().filter(|radiosity| **radiosity >= self.faintest).count() > seen.len();
+        let factor = if is_lit { exposure_of_seen(seen) } else { None };
+        factor.map(|factor| Metered { factor, is_dark: false })
+    }
+
+    /// Whether nothing to speak of is lit among these radiosities, W/m².
+    fn is_dark(&self, seen: &[f32]) -> bool {
+        let lit = seen.iter().filter(|radiosity| **radiosity >= self.faintest).count();
+        self.faintest > 0.0 && !seen.is_empty() && lit as f64 <= LIT_SHARE * seen.len() as f64
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use glam::Vec3;
+
+    use super::*;
+    use crate::base::cancel::CancelToken;
+    use crate::measure::stability::scenes::add_box;
+    use crate::scene::builtin::BuiltinScene;
+    use crate::scene::{CameraPose, GroupId, MaterialId};
+    use crate::solve::{Solver, SolverParams};
+
+    /// Truth: a lamp in a closed box of its own lights that box and not the room, however bright the room would have to be made for its
+    /// last ray to show. Seen from within, the box is well exposed.
+    #[test]
+    fn a_room_that_its_lamp_does_not_reach_is_dark() {
+        let mut scene = BuiltinScene::Cornell.build();
+        let ((_, upper), room) = (scene.bounds(), scene.polygons.len());
+        for material in &mut scene.materials {
+            material.emission = Vec3::ZERO;
+        }
+        let lamp = scene.add_material("lamp in a box", Vec3::splat(0.5), Vec3::splat(10.0));
+        let case = MaterialId(0);
+        let place = upper + Vec3::splat(1.0);
+        let of = GroupId(0);
+        add_box(&mut scene, (place, place + Vec3::ONE), true, (case, of));
+        add_box(&mut scene, (place + Vec3::splat(0.4), place + Vec3::splat(0.6)), false, (lamp, of));
+        let scene = Arc::new(scene);
+        let occluders = Arc::new(Occluders::new(&scene));
+        let mut solver = Solver::new(scene.clone(), occluders.clone(), SolverParams::default(), 1)
+            .expect("the parameters are valid");
+        assert!(solver.run(&CancelToken::new()));
+        let mut snapshot = solver.snapshot();
+        // Some ray gets out, as rounding lets one.
+        let mesh = snapshot.mesh.clone();
+        for (leaf, radiosity) in mesh.leaves.iter().zip(&mut snapshot.leaf_radiosity) {
+            if (leaf.polygon as usize) < room {
+                assert!(radiosity[1] < 1e-6, "{radiosity:?}");
+                *radiosity = [1e-12; 3];
+            }
+        }
+        let meter = LightMeter::new(&snapshot, &scene);
+        let in_room = Camera::of_scene(&scene, 1.0);
+        let metered = meter.exposure(&snapshot, &occluders, &in_room, 1.0);
+        assert!(metered.is_dark && metered.factor < 1e6, "{metered:?}");
+        let eye = place + Vec3::new(0.1, 0.1, 0.2);
+        let pose = CameraPose { eye, target: place + Vec3::new(0.9, 0.1, 0.8), up: Vec3::Y, hfov_deg: 60.0 };
+        let in_box = Camera::from_pose(&pose, 1.0, scene.bounds());
+        let metered = meter.exposure(&snapshot, &occluders, &in_box, 1.0);
+        assert!(!metered.is_dark && metered.factor < 1e3, "{metered:?}");
     }
 }

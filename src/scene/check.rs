@@ -6,6 +6,8 @@ use super::said;
 
 /// So many remarks are kept, the rest is counted: a file can give cause for millions.
 const MOST_NOTES: usize = 50;
+/// So many textures that are not used are kept, the rest is counted.
+const MOST_TEXTURES: usize = 1000;
 
 /// Counts of everything that loading changed or left out; all zero for a flawless file.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
@@ -44,13 +46,69 @@ pub struct Skipped {
     pub covered_faces: usize,
     /// Faces cut where a wall stands on them ([`crate::geometry::cuts`]).
     pub cut_faces: usize,
-    /// Further remarks, each one sentence (a missing MTL file, an unreadable texture).
+    /// Textures that are not used.
+    pub unread_textures: Vec<UnreadTexture>,
+    /// Further remarks, each one sentence (a missing MTL file, a face that is no face).
     pub notes: Vec<String>,
     /// Remarks beyond those in [`notes`](Self::notes).
     pub further_notes: usize,
 }
 
+/// A texture that is not used; a grey of one half stands for it.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct UnreadTexture {
+    /// Its name in backquotes, or another way to tell it by.
+    pub name: String,
+    /// Why it is not used, and what to do.
+    pub problem: String,
+}
+
+/// So many names stand in a sentence, the rest is counted.
+const NAMES_SAID: usize = 3;
+
 impl Skipped {
+    /// Adds a texture that is not used.
+    pub(crate) fn unread_texture(&mut self, name: String, problem: impl AsRef<str>) {
+        if self.unread_textures.len() < MOST_TEXTURES {
+            self.unread_textures.push(UnreadTexture { name, problem: said::sentence(problem.as_ref()) });
+        } else {
+            self.further_notes += 1;
+        }
+    }
+
+    /// One sentence for each kind of problem, in the order in which they came.
+    fn said_of_textures(&self) -> Vec<String> {
+        // Problems that differ only in names that they quote are of one kind.
+        let kind = |problem: &str| -> String { problem.split('`').step_by(2).collect() };
+        let mut kinds: Vec<(String, Vec<&UnreadTexture>)> = Vec::new();
+        for texture in &self.unread_textures {
+            let of = kind(&texture.problem);
+            match kinds.iter_mut().find(|(known, _)| *known == of) {
+                Some((_, textures)) => textures.push(texture),
+                None => kinds.push((of, vec![texture])),
+            }
+        }
+        let sentence = |(_, textures): (String, Vec<&UnreadTexture>)| match textures[..] {
+            [] => String::new(),
+            [UnreadTexture { name, problem }] => {
+                format!("The texture {name} is not used: {problem}. A grey of one half stands for it.")
+            }
+            [UnreadTexture { problem, .. }, ..] => {
+                let mut names: Vec<&str> =
+                    textures.iter().map(|texture| texture.name.as_str()).take(NAMES_SAID).collect();
+                let more = match textures.len() - names.len() {
+                    0 => names.pop().unwrap_or_default().to_owned(),
+                    more => format!("{more} more"),
+                };
+                let (count, names) = (textures.len(), names.join(", "));
+                format!(
+                    "{count} textures ({names} and {more}) are not used: {problem}. A grey of one half stands for each."
+                )
+            }
+        };
+        kinds.into_iter().map(sentence).collect()
+    }
+
     /// Adds a remark, one sentence.
     pub(crate) fn note(&mut self, remark: impl AsRef<str>) {
         if self.notes.len() < MOST_NOTES {
@@ -99,6 +157,35 @@ impl Skipped {
             _ => format!("{count} {many}."),
         });
         let further = (self.further_notes > 0).then(|| format!("Further remarks left out: {}.", self.further_notes));
-        sentences.chain(clear).chain(self.notes.iter().cloned()).chain(further).collect()
+        sentences.chain(clear).chain(self.said_of_textures()).chain(self.notes.iter().cloned()).chain(further).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Truth: three kinds of problems are three sentences, however many textures have them, and each says how many.
+    #[test]
+    fn textures_that_are_not_used_are_said_once_for_each_kind_of_problem() {
+        let mut skipped = Skipped::default();
+        for index in 0..30 {
+            skipped.unread_texture(format!("`t{index}`"), "KTX2 is not read; convert it to PNG");
+            if index < 2 {
+                skipped.unread_texture(
+                    format!("`m{index}`"),
+                    format!("`m{index}.png` cannot be read (there is no such file)"),
+                );
+            }
+        }
+        skipped.unread_texture("`odd`".into(), "it is no picture");
+        assert_eq!(
+            skipped.sentences(),
+            [
+                "30 textures (`t0`, `t1`, `t2` and 27 more) are not used: KTX2 is not read; convert it to PNG. A grey of one half stands for each.",
+                "2 textures (`m0` and `m1`) are not used: `m0.png` cannot be read (there is no such file). A grey of one half stands for each.",
+                "The texture `odd` is not used: it is no picture. A grey of one half stands for it.",
+            ]
+        );
     }
 }

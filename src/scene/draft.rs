@@ -109,8 +109,8 @@ pub(super) struct Draft {
     pub suns: Vec<DirectionalLight>,
     /// The length unit, where the file tells it.
     pub unit: Option<Unit>,
-    /// The up direction, where the format tells it.
-    pub up: Option<UpAxis>,
+    /// The axis that points up in files of the format, where it prescribes one.
+    pub prescribed_up: Option<UpAxis>,
     pub skipped: Skipped,
     /// How deep each group lies below the root.
     levels: Vec<u8>,
@@ -136,7 +136,7 @@ impl Draft {
             lights: Vec::new(),
             suns: Vec::new(),
             unit: None,
-            up: None,
+            prescribed_up: None,
             skipped: Skipped::default(),
             levels: vec![0],
             too_deep: 0,

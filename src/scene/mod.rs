@@ -42,7 +42,7 @@ use outside::Outside;
 use serde::{Deserialize, Serialize};
 use texture::MaterialTextures;
 
-pub use check::Skipped;
+pub use check::{Skipped, UnreadTexture};
 pub use edit::EditError;
 pub use face::{FaceDetails, Surface};
 pub use files::{FileError, SceneFiles, SceneFolder};

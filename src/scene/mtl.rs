@@ -199,8 +199,7 @@ impl MaterialLibrary {
                     self.textures.insert(name, texture);
                 }
                 Err(error) => {
-                    let name = quoted(&name);
-                    skipped.note(format!("The texture {name} is not used: {error}. A grey of one half stands for it."));
+                    skipped.unread_texture(quoted(&name), error);
                 }
             }
         }

@@ -52,7 +52,9 @@ const FEW: usize = 400;
 
 /// Decides up axis and unit, and brings the draft to metres.
 pub(super) fn settle(draft: &mut Draft, reading: &Reading, sidecar: &Sidecar) -> Frame {
-    let told = reading.up.or(sidecar.up).or(draft.up);
+    // What was saved beside a scene fits the axis that its format prescribes.
+    let prescribed = draft.prescribed_up.filter(|_| sidecar.camera.is_some());
+    let told = reading.up.or(sidecar.up).or(prescribed);
     // An older sidecar's view tells by its own up direction.
     let up = if told.is_none() && sidecar.camera.is_some() {
         None
@@ -60,7 +62,10 @@ pub(super) fn settle(draft: &mut Draft, reading: &Reading, sidecar: &Sidecar) ->
         Some(told.unwrap_or_else(|| up::guessed(draft, Spread::new(draft).below_a_sky())))
     };
     if told.is_none() && up == Some(UpAxis::Z) {
-        draft.skipped.note("z is taken for up, as the scene looks; --up y or the scene panel says otherwise.");
+        let although = if draft.prescribed_up.is_some() { ", though its format has y" } else { "" };
+        draft.skipped.note(format!(
+            "z is taken for up, as the scene looks{although}; --up y or the scene panel says otherwise."
+        ));
     }
     let told = reading.unit.or(sidecar.unit).or(draft.unit);
     let has_lengths = sidecar.camera.is_some()

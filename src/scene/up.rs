@@ -64,6 +64,19 @@ const RIM: f64 = 0.04;
 /// Score in favour of y before anything is looked at, in the measure of the other evidence.
 const FOR_Y: f64 = 0.7;
 
+/// More of it where the format prescribes y. Some exporters can be told not to heed that, and few people tell them so.
+const PRESCRIBED: f64 = 1.5;
+
+/// A face stands upright, or lies flat, if its normal's cosine with the axis is no larger, or no smaller, than this.
+const UPRIGHT: f64 = 0.02;
+const FLAT_LYING: f64 = 0.999;
+
+/// Share of the area that may do neither by chance.
+const ASKEW: f64 = 0.01;
+
+/// What turned things tell at most.
+const MOST_ASKEW: f64 = 1.5;
+
 /// Words for what lies flat.
 const FLAT: [&str; 12] = [
     "floor",
@@ -85,6 +98,8 @@ const FLAT: [&str; 12] = [
 struct Axis {
     /// Area of faces across it, away from the outer walls.
     inner: f64,
+    /// Area of faces that neither lie across it nor along it.
+    askew: f64,
     /// Area of faces across it whose names say that they lie flat.
     named: f64,
     /// Sum over corners of where they lie between the lower (0) and the upper end (1).
@@ -93,8 +108,8 @@ struct Axis {
 }
 
 /// The axis that looks most like up. Things stand on floors, so corners lie low; there are more flat faces inside of a room, of tables and
-/// shelves, than walls one way; rooms are wider than high; and names may tell.
-/// What lies outside of `within` tells nothing: a sky.
+/// shelves, than walls one way; whatever is turned is turned about it, so that walls stay upright and floors flat; rooms are wider than high;
+/// and names may tell. What lies outside of `within` tells nothing: a sky.
 pub(super) fn guessed(draft: &Draft, within: Option<[DVec3; 2]>) -> UpAxis {
     let used = || draft.corners.iter().map(|&corner| draft.vertices[corner as usize]);
     let counts = |corner: &DVec3| {
@@ -120,6 +135,7 @@ pub(super) fn guessed(draft: &Draft, within: Option<[DVec3; 2]>) -> UpAxis {
     };
     let materials: Vec<bool> = draft.materials.iter().map(|material| lies_flat(&material.name)).collect();
     let groups: Vec<bool> = draft.groups.iter().map(|group| lies_flat(&group.name)).collect();
+    let mut whole = 0.0;
     let mut rest = draft.corners.as_slice();
     let mut positions = Vec::new();
     for face in &draft.faces {
@@ -132,6 +148,14 @@ pub(super) fn guessed(draft: &Draft, within: Option<[DVec3; 2]>) -> UpAxis {
         positions.extend(of_face.iter().map(|&corner| (draft.vertices[corner as usize] - lower).as_vec3()));
         let normal = newell(&positions);
         let area = normal.length();
+        for (axis, seen) in axes.iter_mut().enumerate() {
+            let cosine = normal[axis].abs() / area;
+            // Not so where there is no area either.
+            if cosine > UPRIGHT && cosine < FLAT_LYING {
+                seen.askew += area;
+            }
+        }
+        whole += area;
         let Some(axis) = (0..3).find(|&axis| normal[axis].abs() >= ACROSS * area && area > 0.0) else { continue };
         let level = f64::from(positions[0][axis]) / extent[axis];
         if (RIM..=1.0 - RIM).contains(&level) {
@@ -146,11 +170,14 @@ pub(super) fn guessed(draft: &Draft, within: Option<[DVec3; 2]>) -> UpAxis {
     let inner: f64 = axes.iter().map(|axis| axis.inner).sum();
     let named = y.named + z.named;
     let share = |difference: f64, of: f64| if of > 0.0 { difference / of } else { 0.0 };
-    let for_z = 1.5 * share(z.inner - y.inner, inner)
+    let askew = |axis: Axis| axis.askew + ASKEW * whole;
+    let for_z = if draft.prescribed_up == Some(UpAxis::Y) { -PRESCRIBED } else { 0.0 }
+        + 1.5 * share(z.inner - y.inner, inner)
         + 6.0 * share(y.level - z.level, corners)
         // By itself not enough: a flat thing stands or lies.
         + (y.extent / z.extent).ln().clamp(-0.9 * FOR_Y, 0.9 * FOR_Y)
         + 3.0 * share(z.named - y.named, named)
+        + if whole > 0.0 { (askew(y) / askew(z)).ln().clamp(-MOST_ASKEW, MOST_ASKEW) } else { 0.0 }
         - FOR_Y;
     if for_z > 0.0 { UpAxis::Z } else { UpAxis::Y }
 }

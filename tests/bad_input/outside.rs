@@ -60,7 +60,7 @@ fn nested() -> Folder {
 }
 
 fn assert_grey(scene: &Scene, way: &str) {
-    let notes = scene.skipped.notes.join(" ");
+    let notes = scene.skipped.sentences().join(" ");
     let reflectance = scene.materials[0].reflectance;
     assert!(reflectance == GREY || reflectance == 0.5 * GREY, "{way}: {notes}");
     assert!(notes.contains("outside the scene's folder") || notes.contains("no such file"), "{way}: {notes}");

@@ -62,7 +62,7 @@ fn pictures_that_claim_to_be_huge() {
         folder.write(name, content);
         folder.write("a.mtl", format!("newmtl m\nKd 0.25 0.25 0.25\nmap_Kd {name}\n"));
         let room = scene(&folder.write("a.obj", "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0\nusemtl m\nf 1 2 3\n"));
-        let notes = room.skipped.notes.join(" ");
+        let notes = room.skipped.sentences().join(" ");
         assert!(notes.contains(&format!("The texture `{name}` is not used")), "{name}: {notes}");
         assert_eq!(room.materials[0].reflectance, glam::Vec3::splat(0.125), "{name}: a grey of one half for it");
     }
@@ -93,5 +93,6 @@ fn a_texture_of_a_terabyte() {
     with_a_hole(&folder.path("a.png"), &one_pixel(), 1 << 40);
     folder.write("a.mtl", "newmtl m\nmap_Kd a.png\n");
     let room = scene(&folder.write("a.obj", "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0\nusemtl m\nf 1 2 3\n"));
-    assert!(room.skipped.notes[0].contains("it is longer than 2048 MiB"), "{:?}", room.skipped.notes);
+    let notes = room.skipped.sentences();
+    assert!(notes[0].contains("it is longer than 2048 MiB"), "{notes:?}");
 }

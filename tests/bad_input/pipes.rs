@@ -39,10 +39,10 @@ fn a_pipe_or_a_device_beside_the_scene() {
         let expected =
             if name == "pipe" || name == "." { "it is not a plain file" } else { "outside the scene's folder" };
         let room = scene(&folder.write("room.obj", format!("mtllib {name}\n{SQUARE}")));
-        assert!(room.skipped.notes.join(" ").contains(expected), "{name}: {:?}", room.skipped.notes);
+        assert!(room.skipped.sentences().join(" ").contains(expected), "{name}: {:?}", room.skipped.sentences());
         folder.write("wood.mtl", format!("newmtl m\nmap_Kd {name}\n"));
         let room = scene(&folder.write("room.obj", format!("mtllib wood.mtl\n{SQUARE}")));
-        assert!(room.skipped.notes.join(" ").contains(expected), "{name}: {:?}", room.skipped.notes);
+        assert!(room.skipped.sentences().join(" ").contains(expected), "{name}: {:?}", room.skipped.sentences());
         let json = square_json(r#""scenes": [{"nodes": []}]"#).replace("60", &format!(r#"60, "uri": "{name}""#));
         let said = sentence(&folder.write("room.gltf", json));
         assert!(said.contains(expected), "{name}: {said}");

@@ -5,7 +5,7 @@ use selflink::prepare::added_light::AddedLight;
 use selflink::prepare::prepare;
 use selflink::scene::{Reading, Sidecar, Sides, Source, Unit, UpAxis, load_with};
 
-use crate::support::Folder;
+use crate::support::{Folder, glb};
 use crate::{load, notes};
 
 /// A room of 5 × 4 m and 3 m height with a table and a lamp, the axes given by `order`, scaled.
@@ -57,6 +57,43 @@ fn up_is_seen_by_how_a_room_looks() {
         let other = if up == UpAxis::Y { UpAxis::Z } else { UpAxis::Y };
         let reading = Reading { up: Some(other), ..Reading::default() };
         assert_eq!(load_with(&Source::File(path), &reading).expect("a room").frame.up, Some(other));
+    }
+}
+
+/// The room as glTF, which has y up, whatever its exporter made of that.
+fn as_gltf(order: fn(f32, f32, f32) -> [f32; 3]) -> Vec<u8> {
+    let text = room(order, 1.0, false);
+    let numbers =
+        |line: &str| -> Vec<f32> { line.split(' ').skip(1).filter_map(|number| number.parse().ok()).collect() };
+    let corners: Vec<Vec<f32>> = text.lines().filter(|line| line.starts_with("v ")).map(numbers).collect();
+    // Lamps are as in life in the middle of a face, and a bench stands askew.
+    let mut faces: Vec<Vec<Vec<f32>>> = text
+        .lines()
+        .filter(|line| line.starts_with("f "))
+        .map(|line| numbers(line).iter().map(|corner| corners[*corner as usize - 1].clone()).collect())
+        .collect();
+    let bench = [[3.6, 0.0, 2.5], [4.3, 0.0, 3.2], [4.3, 0.9, 3.2], [3.6, 0.9, 2.5]];
+    faces.push(bench.map(|[x, up, z]| order(x, up, z).to_vec()).to_vec());
+    let triangles = faces.iter().flat_map(|face| [0, 1, 2, 0, 2, 3].map(|corner: usize| face[corner].clone()));
+    let binary: Vec<u8> = triangles.flatten().flat_map(f32::to_le_bytes).collect();
+    let count = binary.len() / 12;
+    let json = format!(
+        r#"{{"asset":{{"version":"2.0"}},"scene":0,"scenes":[{{"nodes":[0]}}],"nodes":[{{"mesh":0}}],
+        "meshes":[{{"primitives":[{{"attributes":{{"POSITION":0}}}}]}}],
+        "accessors":[{{"bufferView":0,"componentType":5126,"count":{count},"type":"VEC3","min":[-9,-9,-9],"max":[9,9,9]}}],
+        "bufferViews":[{{"buffer":0,"byteLength":{length}}}],"buffers":[{{"byteLength":{length}}}]}}"#,
+        length = binary.len()
+    );
+    glb(&json, &binary)
+}
+
+/// Truth: the room stands on its floor. Exporters can be told to leave z up in glTF, and the format has no word for it.
+#[test]
+fn up_is_seen_where_a_format_prescribes_another_axis() {
+    for (order, up) in [(y_up as fn(f32, f32, f32) -> [f32; 3], UpAxis::Y), (z_up, UpAxis::Z)] {
+        let scene = load(&[("a.glb", &as_gltf(order))], "a.glb");
+        assert_eq!(scene.frame.up, Some(up));
+        assert_eq!(notes(&scene).contains("z is taken for up, as the scene looks, though"), up == UpAxis::Z);
     }
 }
 

@@ -195,6 +195,14 @@ fn a_scene_without_a_lamp_says_so_and_can_be_given_one() {
         window.query_by_label(words::NOTHING_EMITS).is_some()
             && window.query_by_label_contains(words::LINKS_SETTLED).is_none()
     );
+    assert!(window.query_by_label(words::NO_LIGHT_YET).is_some(), "over the view");
+    // Its walls are of reflectance ½ and above: in their own colours they are bright, and turned differently they differ.
+    let own = picture(&mut window);
+    let brightness = |picture: &image::RgbaImage| {
+        let [width, height] = [picture.width(), picture.height()];
+        [[5, 5], [1, 9], [9, 9]].map(|[x, y]| picture.get_pixel(x * width / 10, y * height / 10).0[1])
+    };
+    assert!(brightness(&own).iter().any(|green| *green > 60), "{:?}", brightness(&own));
     click(&mut window, words::ADD_SQUARE_LIGHT);
     until(&mut window, "light", |window| window.state().scene_info().is_some_and(|info| info.has_light));
     window.get_by_role_and_label(Role::SpinButton, words::SIDE_LENGTH).set_value_accesskit(8.0);
@@ -210,6 +218,23 @@ fn a_scene_without_a_lamp_says_so_and_can_be_given_one() {
     let said = window.query_all_by_role_and_label(Role::Label, TOO_LARGE).count();
     assert_eq!(said, 2);
     assert!(window.query_by_label_contains("Nothing in this scene emits light").is_none());
+    assert!(window.query_by_label(words::NO_LIGHT_YET).is_none());
+}
+
+/// Truth: a click on a button over the dark view lights the room by a luminaire that can be taken away again.
+#[test]
+fn a_lamp_is_hung_up_from_the_view() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("dark.obj");
+    std::fs::write(&path, DARK_ROOM).expect("the room is written");
+    let mut window = window(Some(Source::File(path)), coarse());
+    until(&mut window, "the room", |window| window.query_by_label(words::HANG_UP_A_LAMP).is_some());
+    click(&mut window, words::HANG_UP_A_LAMP);
+    until(&mut window, "light", |window| window.state().scene_info().is_some_and(|info| info.has_light));
+    assert_eq!(window.state().scene_info().expect("a scene").scene.luminaires().len(), 1);
+    until(&mut window, "the view", |window| window.query_by_label(words::HANG_UP_A_LAMP).is_none());
+    click(&mut window, words::UNDO);
+    until(&mut window, "darkness", |window| window.state().scene_info().is_some_and(|info| !info.has_light));
 }
 
 /// Truth: the slider's value; stops belong to the scene they were chosen for.

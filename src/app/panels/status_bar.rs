@@ -45,7 +45,7 @@ pub(in crate::app) fn show(ui: &mut Ui, shown: &Shown, painted: Option<&Painted>
         if matches!(run, RunState::Running | RunState::Paused) {
             show_progress(ui, course.share());
         }
-        let time_left = course.seconds().filter(|_| run == RunState::Running);
+        let time_left = course.seconds(more.unwrap_or(0.0)).filter(|_| run == RunState::Running);
         if let Some(painted) = painted {
             show_cell(ui, "picture", &picture(painted));
         }

@@ -4,6 +4,7 @@ use glam::Vec3;
 
 use crate::base::photometry;
 use crate::hierarchy::{ElementId, Shape};
+use crate::read::names::of_material;
 use crate::scene::{Material, Scene};
 use crate::solve::Snapshot;
 use crate::transport::SolutionView;
@@ -87,7 +88,7 @@ impl Facts {
     pub(in crate::app) fn name(&self) -> String {
         match (&self.material, self.group.as_str()) {
             (Some(material), "") => material.clone(),
-            (Some(material), group) => format!("{} ({material})", group.rsplit('/').next().unwrap_or(group)),
+            (Some(material), group) => of_material(group.rsplit('/').next().unwrap_or(group), material),
             (None, _) => format!("cluster of {}", crate::base::format::things(self.polygons, "polygon", "polygons")),
         }
     }

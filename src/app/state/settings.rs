@@ -87,7 +87,7 @@ impl DisplaySettings {
         Display { exposure, ..Display::default() }
     }
 
-    /// As the renderer wants it; cluster levels beyond the deepest show the deepest. A scene without light would be
+    /// As the renderer wants it; cluster levels beyond the deepest show the deepest. What is shown without light would be
     /// black in black, so that nothing could be chosen in it: it is drawn with outlines.
     pub(in crate::app) fn overlay(&self, deepest_level: u16, is_dark: bool, marks: Marks) -> Overlay {
         Overlay {

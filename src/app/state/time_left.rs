@@ -7,6 +7,8 @@ use crate::worker::RunState;
 
 /// Progress must have gone so far before it is extrapolated.
 const LEAST_PROGRESS: f32 = 0.03;
+/// Share of the time so far by which the present pace is told: the last rays of a solve come slower than its first links.
+const RECENT: f64 = 1.0 / 3.0;
 
 /// How far the solve is, and how long it has been working.
 #[derive(Default)]
@@ -22,7 +24,10 @@ pub(in crate::app) struct Progress {
 pub(in crate::app) struct Course {
     of: Option<Solve>,
     share: f32,
-    seconds: Option<f64>,
+    /// Time of the solve when it last told, s.
+    total: f64,
+    /// Times of the solve, s, at which the share grew, and how large it was then.
+    grown: Vec<(f64, f32)>,
 }
 
 /// The present solve, and where the bar began.
@@ -42,9 +47,20 @@ impl Course {
         self.share
     }
 
-    /// Seconds that the solve may still take, where that can be told.
-    pub(in crate::app) fn seconds(&self) -> Option<f64> {
-        self.seconds
+    /// Seconds that the solve may still take, this long after it last told. `None` where that cannot be told: at the beginning, and while
+    /// nothing is known to go on.
+    pub(in crate::app) fn seconds(&self, after: f64) -> Option<f64> {
+        let of = self.of.as_ref().filter(|of| !of.is_done)?;
+        let (now, (since, from)) = (self.total + after, of.begun);
+        let (gone, took) = (self.share - from, now - since);
+        if gone < LEAST_PROGRESS || took <= 0.0 {
+            return None;
+        }
+        let recently = now - RECENT * took;
+        let (then, share) = *self.grown.iter().rev().find(|(at, _)| *at <= recently).unwrap_or(&of.begun);
+        let lately = self.share - share;
+        let pace = |took: f64, gone: f32| took / f64::from(gone);
+        (lately > 0.0).then(|| f64::from(1.0 - self.share) * pace(took, gone).max(pace(now - then, lately)))
     }
 
     /// Takes up a new picture of a solve with these parameters; one of an earlier step tells nothing of it.
@@ -64,14 +80,15 @@ impl Course {
             let begun = (stats.seconds.total, stats.progress);
             self.of = Some(Solve { generation, params: *params, power: stats.power_watts, is_done, begun });
             self.share = 0.0;
+            self.grown.clear();
         }
         let Some(of) = &mut self.of else { return };
         of.is_done = is_done;
-        self.share = self.share.max(stats.progress);
-        let (since, from) = of.begun;
-        let (gone, took) = (self.share - from, stats.seconds.total - since);
-        let is_known = gone >= LEAST_PROGRESS && took > 0.0 && !is_done;
-        self.seconds = is_known.then(|| f64::from(1.0 - self.share) * took / f64::from(gone));
+        self.total = stats.seconds.total;
+        if stats.progress > self.share {
+            self.share = stats.progress;
+            self.grown.push((self.total, self.share));
+        }
     }
 }
 
@@ -142,17 +159,35 @@ mod tests {
         };
         let mut course = Course::default();
         course.note_stats(1, &stats(0.0, 0.0), &params);
-        assert_eq!((course.share(), course.seconds()), (0.0, None));
+        assert_eq!((course.share(), course.seconds(0.0)), (0.0, None));
         course.note_stats(1, &stats(0.25, 2.0), &params);
-        assert!((course.seconds().expect("a quarter is enough") - 6.0).abs() < 1e-6);
+        assert!((course.seconds(0.0).expect("a quarter is enough") - 6.0).abs() < 1e-6);
         course.note_stats(1, &stats(0.1, 3.0), &params);
         assert_eq!(course.share(), 0.25);
         let finer = SolverParams { error: Some(0.02), ..params };
         course.note_stats(1, &stats(0.1, 4.0), &finer);
-        assert_eq!((course.share(), course.seconds()), (0.1, None));
+        assert_eq!((course.share(), course.seconds(0.0)), (0.1, None));
         course.note_stats(1, &Stats { phase: Phase::Done, ..stats(1.0, 9.0) }, &finer);
-        assert_eq!((course.share(), course.seconds()), (1.0, None));
+        assert_eq!((course.share(), course.seconds(0.0)), (1.0, None));
         course.note_stats(1, &stats(0.0, 9.0), &finer);
         assert_eq!(course.share(), 0.0, "a lamp was changed");
+    }
+
+    /// Truth: by hand. Half in 5 s and a twentieth in the next 5 s leave nine times that, not another 8 s; and while nothing has been heard
+    /// for long, nothing is said.
+    #[test]
+    fn a_solve_that_slows_down_is_not_about_to_end() {
+        let params = SolverParams::usual();
+        let stats = |progress, total| {
+            let seconds = crate::solve::Seconds { total, ..Default::default() };
+            Stats { phase: Phase::Reconstruct, progress, seconds, ..Stats::default() }
+        };
+        let mut course = Course::default();
+        for (progress, total) in [(0.0, 0.0), (0.5, 5.0), (0.55, 10.0)] {
+            course.note_stats(1, &stats(progress, total), &params);
+        }
+        assert!((course.seconds(0.0).expect("it goes on") - 45.0).abs() < 1e-3);
+        assert!(course.seconds(4.0).is_some_and(|left| left > 60.0));
+        assert_eq!(course.seconds(6.0), None, "nothing has come of the last third");
     }
 }

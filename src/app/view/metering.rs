@@ -3,7 +3,7 @@
 
 use std::sync::Arc;
 
-use crate::render::{Camera, LightMeter};
+use crate::render::{self, Camera, LightMeter};
 use crate::solve::Snapshot;
 use crate::worker::SceneInfo;
 
@@ -21,8 +21,7 @@ struct Metered {
     snapshot: (u64, u64),
     camera: Camera,
     aspect: f32,
-    /// Factor on radiosities, m²/W.
-    factor: f32,
+    exposure: render::Metered,
 }
 
 impl Metering {
@@ -41,12 +40,17 @@ impl Metering {
         if let Some(metered) = known {
             let is_same = (metered.snapshot, metered.camera, metered.aspect) == (key, *camera, aspect);
             if is_same || is_held || !is_still {
-                return metered.factor;
+                return metered.exposure.factor;
             }
         }
-        let factor = self.meter(snapshot, info, camera, aspect);
-        self.metered = Some(Metered { snapshot: key, camera: *camera, aspect, factor });
-        factor
+        let exposure = self.meter(snapshot, info, camera, aspect);
+        self.metered = Some(Metered { snapshot: key, camera: *camera, aspect, exposure });
+        exposure.factor
+    }
+
+    /// Whether next to no light reaches what was seen when the view was metered last.
+    pub(in crate::app) fn is_dark(&self) -> bool {
+        self.metered.as_ref().is_some_and(|metered| metered.exposure.is_dark)
     }
 
     /// Whether the view has moved since it was metered: another frame is wanted once it stands still.
@@ -54,7 +58,7 @@ impl Metering {
         self.metered.as_ref().zip(self.last.as_ref()).is_some_and(|(metered, last)| metered.camera != *last)
     }
 
-    fn meter(&mut self, snapshot: &Snapshot, info: &SceneInfo, camera: &Camera, aspect: f32) -> f32 {
+    fn meter(&mut self, snapshot: &Snapshot, info: &SceneInfo, camera: &Camera, aspect: f32) -> render::Metered {
         let key = (snapshot.generation, snapshot.serial);
         let (_, meter) = match self.meter.take().filter(|(of, _)| *of == key) {
             Some(known) => self.meter.insert(known),

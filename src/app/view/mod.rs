@@ -12,6 +12,7 @@ pub(in crate::app) mod line_labels;
 pub(in crate::app) mod marks;
 pub(in crate::app) mod measure_marks;
 pub(in crate::app) mod metering;
+pub(in crate::app) mod own_colours;
 pub(in crate::app) mod paint;
 pub(in crate::app) mod viewport;
 pub(in crate::app) mod walk;
@@ -22,6 +23,7 @@ use gathering::{Gathering, Painted};
 use highlight::Pointing;
 use marks::MarksOverView;
 use metering::Metering;
+use own_colours::OwnColours;
 use viewport::Viewport;
 
 use crate::app::Wake;
@@ -43,6 +45,8 @@ pub(in crate::app) struct View {
     pub exposure: f32,
     /// Clusters pulled apart.
     pub clusters: ClusterScene,
+    /// A scene that nothing lights.
+    pub own_colours: OwnColours,
     /// Marks of elements and links.
     pub marks: MarksOverView,
     /// Things that the mouse is over, in a panel or in the view.
@@ -62,6 +66,7 @@ impl View {
             metering: Metering::default(),
             exposure: 1.0,
             clusters: ClusterScene::default(),
+            own_colours: OwnColours::default(),
             marks: MarksOverView::default(),
             pointing: Pointing::default(),
             reading: ReadingInView::default(),

@@ -336,6 +336,7 @@ pub(in crate::app) fn show(app: &mut App, ui: &mut Ui, outbox: &mut Outbox) -> O
         app.view.pointing.at(Highlight::Element(reading.leaf.element));
     }
 
+    let mut is_unlit = false;
     if let Some(camera) = app.view.viewport.camera {
         let scale = ui.ctx().pixels_per_point();
         let deepest = snapshot.clusters.iter().map(|cluster| cluster.level).max().unwrap_or(0);
@@ -376,16 +377,23 @@ pub(in crate::app) fn show(app: &mut App, ui: &mut Ui, outbox: &mut Outbox) -> O
                 ui.ctx().request_repaint_after(crate::app::REPAINT_INTERVAL_ON_CPU);
             }
         }
+        // In false colours and beside another solution, darkness is what is shown.
+        let is_plain = beside.is_none() && other.is_none() && by_clusters.is_none();
+        let own_colours = match is_plain && reading.is_none() {
+            true => app.view.own_colours.painted(&snapshot, app.shown.info.as_ref()),
+            false => None,
+        };
+        let is_dark_here = !is_dark && is_plain && snapshot.field.is_some() && app.view.metering.is_dark();
+        is_unlit = (own_colours.is_some() || is_dark_here) && app.shown.status.loading.is_none();
         let metered = app.tools.pinned.exposure(app.view.exposure);
         let display = Display {
             exposure: Exposure::Manual { stops: chosen.exposure.factor(metered).log2() },
-            as_colours: has_errors || (by_clusters.is_some() && app.view.clusters.coloured),
+            as_colours: has_errors || own_colours.is_some() || (by_clusters.is_some() && app.view.clusters.coloured),
             reading,
         };
         let size = picture_size(rect.size() * scale);
         // What stands beside, or for something else than light, is the mesh's.
-        let is_plain = beside.is_none() && other.is_none() && by_clusters.is_none();
-        let can_gather = app.edits.display.is_gathered && is_plain && snapshot.field.is_some();
+        let can_gather = app.edits.display.is_gathered && is_plain && own_colours.is_none() && snapshot.field.is_some();
         app.view.painted = match can_gather {
             true => app.view.gathering.follow(&snapshot, &camera, &display, size, ui.ctx()),
             false => {
@@ -399,11 +407,11 @@ pub(in crate::app) fn show(app: &mut App, ui: &mut Ui, outbox: &mut Outbox) -> O
             display,
             gathered: app.view.painted.as_ref().map(|painted| (painted.serial, painted.pixels.clone())),
             noise: can_gather.then(|| snapshot.stats.error_asked.unwrap_or(USUAL_ERROR) as f32),
-            snapshot: other.or(by_clusters).unwrap_or(snapshot),
+            snapshot: other.or(by_clusters).or(own_colours.clone()).unwrap_or(snapshot),
             beside,
             overlay: app.edits.display.overlay(
                 deepest,
-                is_dark,
+                is_dark && own_colours.is_none(),
                 if app.layout.is_full_picture { Marks::default() } else { marks },
             ),
             size,
@@ -432,6 +440,9 @@ pub(in crate::app) fn show(app: &mut App, ui: &mut Ui, outbox: &mut Outbox) -> O
     gizmo::show(app, ui, rect);
     panels::empty::show_loading(app, ui, rect, outbox);
     if !app.layout.is_full_picture {
+        if is_unlit {
+            panels::light::show_ways_to_light(app, ui, rect, outbox);
+        }
         show_legend(app, ui, rect);
         panels::links::show_legend(app, ui, rect);
         panels::readout::show(app, ui, rect);

@@ -147,9 +147,7 @@ fn textures(draft: &mut Draft, data: &GltfData) -> HashMap<usize, Arc<Texture>> 
                 let name = root.images.get(number).and_then(|image| image.name.as_deref().or(image.uri.as_deref()));
                 let name = name.filter(|name| !name.is_empty() && !name.starts_with("data:"));
                 let name = name.map_or_else(|| format!("of image {number}"), crate::scene::said::quoted);
-                draft
-                    .skipped
-                    .note(format!("The texture {name} is not used: {problem}. A grey of one half stands for it."));
+                draft.skipped.unread_texture(name, problem);
             }
         }
     }

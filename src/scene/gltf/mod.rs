@@ -60,7 +60,7 @@ pub(super) fn read(path: &Path, bytes: &[u8], files: &dyn SceneFiles) -> Result<
     let Document { root, blob, parents_from_nodes } = parse(bytes, &mut draft).map_err(parse_error)?;
     let root = &root;
     let data = GltfData::read(files, root, blob).map_err(parse_error)?;
-    draft.up = Some(UpAxis::Y);
+    draft.prescribed_up = Some(UpAxis::Y);
     draft.skipped.animations = root.animations.len();
     note_extensions(&mut draft, root);
     let uv_sets = materials::add_materials(&mut draft, &data);

@@ -68,7 +68,7 @@ pub(in crate::app) fn show(ui: &mut Ui, info: &SceneInfo, eye: Option<Vec3>, edi
 }
 
 /// Adds a luminaire where there is room for it, and takes it in hand.
-fn add(info: &SceneInfo, eye: Option<Vec3>, shape: LuminaireShape, editor: &mut LightEditor) {
+pub(super) fn add(info: &SceneInfo, eye: Option<Vec3>, shape: LuminaireShape, editor: &mut LightEditor) {
     let size = info.luminaire_size;
     let CeilingPlace { centre, up } = place_beside(&info.scene, &info.occluders, eye, size);
     let form = LuminaireForm { shape, centre, direction: -up, turn_deg: 0.0, size };

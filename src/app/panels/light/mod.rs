@@ -6,12 +6,12 @@ mod luminaires;
 mod material;
 mod sun_place;
 
-use egui::{Slider, Ui};
+use egui::{Align2, Rect, Slider, Ui};
 
 use crate::app::state::lighting::{Lighting, LuminaireLight};
 use crate::app::widgets::theme;
-use crate::app::{Outbox, Shown, format, words};
-use crate::scene::{Luminaire, MaterialId, Reading, Scene};
+use crate::app::{App, Outbox, Shown, format, words};
+use crate::scene::{Luminaire, LuminaireShape, MaterialId, Reading, Scene};
 use crate::solve::{Epsilon, SolverParams};
 use crate::worker::Command;
 use daylight::DaylightEditor;
@@ -181,9 +181,11 @@ pub(in crate::app) fn show(
     if !info.has_light {
         let sentence = match info.is_open {
             true => {
-                "Nothing in this scene emits light, so it is black: let daylight in, make a material a light, or add a luminaire."
+                "Nothing in this scene emits light, so that there is nothing to solve: let daylight in, make a material a light, or add a luminaire."
             }
-            false => "Nothing in this scene emits light, so it is black: make a material a light, or add a luminaire.",
+            false => {
+                "Nothing in this scene emits light, so that there is nothing to solve: make a material a light, or add a luminaire."
+            }
         };
         ui.add(egui::Label::new(egui::RichText::new(sentence).color(theme::ACCENT)).wrap());
         if info.is_open && ui.button(words::LET_DAYLIGHT_IN).clicked() {
@@ -200,6 +202,34 @@ pub(in crate::app) fn show(
     daylight::show(ui, &mut editor.daylight, outbox);
     ui.add_space(6.0);
     luminaires::show(ui, info, eye, editor);
+}
+
+/// Over a view that nothing lights: a sentence that says so, and two ways to some light.
+pub(in crate::app) fn show_ways_to_light(app: &mut App, ui: &Ui, view: Rect, outbox: &mut Outbox) {
+    let Some(info) = app.shown.info.clone() else { return };
+    let sentence = if info.has_light { words::NO_LIGHT_HERE } else { words::NO_LIGHT_YET };
+    let eye = app.view.viewport.pose().map(|pose| pose.eye);
+    let at = view.center_top() + egui::vec2(0.0, 44.0);
+    egui::Area::new(egui::Id::unique("ways to light")).pivot(Align2::CENTER_TOP).fixed_pos(at).show(ui.ctx(), |ui| {
+        theme::over_the_view(ui);
+        let fill = theme::PANEL.gamma_multiply(0.94);
+        egui::Frame::popup(ui.style()).fill(fill).inner_margin(10).show(ui, |ui| {
+            ui.set_max_width((view.width() - 60.0).clamp(160.0, 420.0));
+            ui.add(egui::Label::new(sentence).wrap());
+            ui.horizontal_wrapped(|ui| {
+                let can_let_daylight_in = info.is_open && info.scene.outside().is_none();
+                if can_let_daylight_in && ui.button(words::LIGHT_IT_BY_DAYLIGHT).clicked() {
+                    outbox.push(Command::SetDaylight(daylight::usual()));
+                }
+                if ui.button(words::HANG_UP_A_LAMP).clicked() {
+                    let editor = &mut app.edits.light;
+                    let before = editor.lighting.clone();
+                    luminaires::add(&info, eye, LuminaireShape::Square, editor);
+                    outbox.extend(editor.lighting.commands_since(&before));
+                }
+            });
+        });
+    });
 }
 
 /// Says by which power ε was set, and offers to set it anew where that has changed: ε stays in watts when a lamp is dimmed.
