@@ -206,8 +206,7 @@ impl Gather {
                     self.stage = Stage::Direct(next);
                     return Some(Progress::Part);
                 }
-                self.relight(cancel)?;
-                self.is_ready = true;
+                // To move light passes over all leaves, so it is done once a round.
                 if self.round < MOST_ROUNDS {
                     let mut looks = refine::leaves_to_look_from(&self.field, &self.samples, MESH_PER_TARGET * self.aim);
                     self.afford(&mut looks, AIMED);
@@ -217,6 +216,8 @@ impl Gather {
                         return Some(Progress::Part);
                     }
                 }
+                self.relight(cancel)?;
+                self.is_ready = true;
                 let split = self.leaves_to_split();
                 if split.is_empty() {
                     self.open_pass();
