@@ -11,7 +11,7 @@ use crate::base::mixing::Mixing;
 use crate::hierarchy::ElementId;
 
 /// Sweeps end when less than this share of the light is still to come.
-const SWEEP_TOLERANCE: f64 = 1e-3;
+const SWEEP_TOLERANCE: f64 = 1e-4;
 const MOST_SWEEPS: u32 = 200;
 /// Where ρ times a leaf's row stays below this, light dies out however often it is reflected.
 const LARGEST_RETURN: f32 = 0.98;
