@@ -26,9 +26,6 @@ const LEAST_OF_MEAN: f32 = 0.1;
 /// Seed of the rays that look for openings.
 const OPENINGS_SEED: u64 = 0x6f70_656e;
 
-/// A leaf is uneven where the standard deviation of E over it is above this share of E + E₀.
-const UNEVEN: f32 = 0.4;
-
 /// The scene as rays meet it; all states of a gather share it.
 pub(super) struct Surroundings {
     scene: Arc<Scene>,
@@ -87,8 +84,6 @@ pub struct Field {
     pub(super) reflected: Arc<Vec<Vec3>>,
     /// Radiosity that readings see of each leaf, ρE, W/m²: the mean over what is seen from afar, for rays that end near are followed.
     pub(super) sent: Arc<Vec<Vec3>>,
-    /// Variance of E over each leaf (mean of the colours), W²/m⁴, likewise; 0 where it is not known.
-    pub(super) variance: Arc<Vec<f32>>,
     /// Sources that rays are aimed at.
     pub(super) sources: Arc<Sources>,
     /// E₀, a tenth of the area's median irradiance (mean of the colours), W/m².
@@ -164,7 +159,6 @@ impl Field {
             reaches: Arc::default(),
             reflected: Arc::default(),
             sent: Arc::default(),
-            variance: Arc::default(),
             sources: Arc::new(sources),
             dim: 0.0,
         };
@@ -188,7 +182,6 @@ impl Field {
         irradiance.resize(self.hierarchy.elements().len(), Vec3::ZERO);
         self.reflected = Arc::new(self.reflect(&irradiance));
         self.sent = self.reflected.clone();
-        self.variance = Arc::new(vec![0.0; irradiance.len()]);
         self.dim = DIM_SHARE * self.median(&irradiance);
         self.irradiance = Arc::new(irradiance);
     }
@@ -210,21 +203,13 @@ impl Field {
         reflected
     }
 
-    /// Takes over the irradiances of what is seen from afar of each leaf, W/m², and the variance of irradiance over each (mean of
-    /// the colours).
-    pub(super) fn set_far(&mut self, irradiance: &[Vec3], variance: Vec<f32>) {
+    /// Takes over the irradiances of what is seen from afar of each leaf, W/m².
+    pub(super) fn set_far(&mut self, irradiance: &[Vec3]) {
         let mut sent = self.reflected.to_vec();
         for leaf in self.leaves() {
             sent[leaf.index()] = self.reflectance(leaf) * irradiance[leaf.index()];
         }
         self.sent = Arc::new(sent);
-        self.variance = Arc::new(variance);
-    }
-
-    /// Whether a leaf's light differs so much over it that one value does not stand for it.
-    pub(super) fn is_uneven(&self, leaf: ElementId) -> bool {
-        let uneven = UNEVEN * (grey(self.irradiance[leaf.index()]) + self.dim);
-        self.variance[leaf.index()] > uneven * uneven
     }
 
     /// Takes over how much of each leaf's sampled area is exposed, where that is known.

@@ -109,8 +109,6 @@ pub struct Gather {
     stage: Stage,
     queue: Queue,
     round: u32,
-    /// Whether uneven leaves were split in this attempt.
-    is_evened: bool,
     /// Whether the field's light was moved over cosine-distributed rays, so that nothing is left of the links' own.
     is_lit_by_samples: bool,
     attempt: u32,
@@ -150,7 +148,6 @@ impl Gather {
             stage: Stage::Reach,
             queue: Queue::new(),
             round: 0,
-            is_evened: false,
             is_lit_by_samples: false,
             attempt: 0,
             aim: goal.error.unwrap_or(USUAL_ERROR),
@@ -233,13 +230,6 @@ impl Gather {
                     return Some(Progress::Part);
                 }
                 self.relight(cancel)?;
-                if !std::mem::replace(&mut self.is_evened, true) {
-                    let split = self.within_memory(refine::uneven_leaves(&self.field));
-                    if !split.is_empty() {
-                        self.split(&split);
-                        return Some(Progress::Pass);
-                    }
-                }
                 let seed = hash64(self.goal.seed, u64::from(self.attempt));
                 let mut certifying = Certifying::new(&self.field, self.target(), self.attempt, seed);
                 if self.goal.error.is_none() {
@@ -287,7 +277,6 @@ impl Gather {
         self.attempt += 1;
         self.aim *= 0.5;
         self.round = MOST_ROUNDS - 1;
-        self.is_evened = false;
         let split = self.leaves_to_split();
         if split.is_empty() { self.open_pass() } else { self.split(&split) }
     }

@@ -34,7 +34,7 @@ pub(super) const MOST_ROUNDS: u32 = 6;
 /// Bytes of a leaf with what is kept of it beside its samples.
 const LEAF_BYTES: usize = 600;
 /// Bytes of a look beside those of its cosine-distributed rays, four each.
-const LOOK_BYTES: usize = 72;
+const LOOK_BYTES: usize = 60;
 
 impl Gather {
     /// Rays of each look of a pass: as many in all passes, so that their samples count alike.

@@ -70,13 +70,6 @@ pub fn share_of(field: &Field) -> impl Fn(ElementId) -> f64 + use<'_> {
     move |leaf| 0.5 * (f64::from(field.area(leaf)) / area + sent(leaf) / power.max(f64::MIN_POSITIVE))
 }
 
-/// The leaves over which light differs so much that one value does not stand for it.
-pub fn uneven_leaves(field: &Field) -> Vec<ElementId> {
-    let least = least_area(field);
-    let is_split = |leaf: &ElementId| field.is_uneven(*leaf) && !field.emits(*leaf) && field.area(*leaf) >= least;
-    field.leaves().filter(is_split).collect()
-}
-
 fn least_area(field: &Field) -> f32 {
     let (lower, upper) = field.scene().bounds();
     LEAST_AREA * lower.distance_squared(upper)

@@ -35,8 +35,6 @@ struct Gathered {
     mean: Vec<Vec3>,
     /// Mean over what far points see of it.
     far: Vec<Vec3>,
-    /// Variance over the leaf (mean of the colours), W²/m⁴.
-    variance: Vec<f32>,
     /// Σ over its looks (mean of the colours).
     sums: Vec<f32>,
 }
@@ -82,24 +80,20 @@ impl<'a> Relighting<'a> {
     fn gathered(&self, reflected: &[Vec3], cancel: &CancelToken) -> Option<Gathered> {
         let sums = self.samples.light(self.direct.len(), reflected, cancel)?;
         let mean = self.irradiance(reflected, cancel)?;
-        let (mut far, mut variance) = (mean.clone(), vec![0.0; mean.len()]);
+        let mut far = mean.clone();
         for leaf in self.field.leaves() {
             let (index, sums) = (leaf.index(), &sums[leaf.index()]);
             if sums.far_share > 0.0 {
                 far[index] = self.closure[index] * sums.far / sums.far_share;
             }
-            let count = self.samples.of(leaf).whole.max(1) as f32;
-            variance[index] = (sums.squares / count - (sums.all / count).powi(2)).max(0.0);
         }
-        // A single look tells nothing of what differs within a group.
         self.groups.share(self.by_leaf(&sums), |leaf, of_group, shape| {
             let index = leaf.index();
             let share = shape * self.closure[index] / of_group.far_share;
             far[index] = if of_group.far_share > 0.0 { share * of_group.far } else { mean[index] };
-            variance[index] = 0.0;
         });
         let sums = sums.iter().map(|sums| sums.all).collect();
-        Some(Gathered { mean, far, variance, sums })
+        Some(Gathered { mean, far, sums })
     }
 
     /// Sums over the looks of each leaf with cosine-distributed rays, by leaf.
@@ -151,7 +145,7 @@ impl Gather {
         }
         let gathered = relighting.gathered(&reflected, cancel)?;
         field.set_irradiance(gathered.mean);
-        field.set_far(&gathered.far, gathered.variance);
+        field.set_far(&gathered.far);
         self.groups.learn(|leaf| match samples.of(leaf) {
             known if samples.has_cosine() => Mean { sum: gathered.sums[leaf.index()], looks: known.whole as f32 },
             known => Mean { sum: grey(known.emitted), looks: known.seen as f32 },

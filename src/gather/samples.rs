@@ -27,8 +27,8 @@ pub type Queue = Vec<(ElementId, u32)>;
 struct Look {
     /// Irradiance that emission and the sun bring, W/m².
     emitted: Vec3,
-    /// Irradiance that the sky brings, W/m², by each half of the rays; nothing without cosine-distributed rays.
-    sky: [Vec3; 2],
+    /// Irradiance that the sky brings, W/m²; nothing without cosine-distributed rays.
+    sky: Vec3,
     /// Mean addition of the look's noise to the square of the irradiance by emission (mean of the colours).
     noise: f32,
     /// Share of the rays that end on a bright side from where the leaf is read as a whole, not followed: those who read it look
@@ -85,9 +85,8 @@ pub struct LightSums {
     /// Σ of all irradiance times the share of far rays, and of these shares.
     pub far: Vec3,
     pub far_share: f32,
-    /// Σ of all irradiance (mean of the colours), and of its squares less their noise.
+    /// Σ of all irradiance (mean of the colours).
     pub all: f32,
-    pub squares: f32,
 }
 
 impl AddAssign for LightSums {
@@ -96,7 +95,6 @@ impl AddAssign for LightSums {
         self.far += other.far;
         self.far_share += other.far_share;
         self.all += other.all;
-        self.squares += other.squares;
     }
 }
 
@@ -109,7 +107,6 @@ impl Mul<f32> for LightSums {
             far: factor * self.far,
             far_share: factor * self.far_share,
             all: factor * self.all,
-            squares: factor * self.squares,
         }
     }
 }
@@ -257,7 +254,7 @@ impl Pass {
         let scattered = met.map(|leaf| reflected[leaf.index()]).sum::<Vec3>() / self.cosine as f32;
         let aimed = &self.aimed[self.aimed_starts[place] as usize..self.aimed_starts[place + 1] as usize];
         let aimed = aimed.iter().map(|(_, leaf, share)| *share * reflected[leaf.index()]).sum::<Vec3>();
-        scattered + aimed + self.looks[range].iter().map(|look| look.sky[0] + look.sky[1]).sum::<Vec3>()
+        scattered + aimed + self.looks[range].iter().map(|look| look.sky).sum::<Vec3>()
     }
 
     /// Sums over the looks from a leaf.
@@ -266,29 +263,18 @@ impl Pass {
         let aimed = &self.aimed[self.aimed_starts[place] as usize..self.aimed_starts[place + 1] as usize];
         let mut aimed = aimed.iter().peekable();
         let mut sums = LightSums::default();
-        let count = self.cosine as f32;
         for (number, look) in range.clone().zip(&self.looks[range.clone()]) {
             let met = &self.met[number * self.cosine..(number + 1) * self.cosine];
-            let halves = met.split_at(self.cosine / 2);
-            let light = |half: &[ElementId]| {
-                let met = half.iter().filter(|leaf| **leaf != NOTHING);
-                met.map(|leaf| reflected[leaf.index()]).sum::<Vec3>() / count
-            };
-            let halves = [light(halves.0), light(halves.1)];
-            let noise = noise_of_halves(halves.map(grey));
-            let mut light = halves[0] + halves[1];
+            let met = met.iter().filter(|leaf| **leaf != NOTHING);
+            let mut light = met.map(|leaf| reflected[leaf.index()]).sum::<Vec3>() / self.cosine as f32 + look.sky;
             while let Some((_, leaf, share)) = aimed.next_if(|(look, ..)| *look as usize == number - range.start) {
                 light += *share * reflected[leaf.index()];
             }
-            let noise = noise + noise_of_halves(look.sky.map(grey));
-            light += look.sky[0] + look.sky[1];
-            let all = grey(light + look.emitted);
             sums += LightSums {
                 indirect: light,
                 far: look.far * (light + look.emitted),
                 far_share: look.far,
-                all,
-                squares: all * all - noise - look.noise,
+                all: grey(light + look.emitted),
             };
         }
         sums
@@ -340,14 +326,14 @@ fn draw(field: &Field, leaf: ElementId, rays: GlanceRays, looks: std::ops::Range
                 None => {}
             }
         }
-        let (mut far, mut sky) = (0, [Vec3::ZERO; 2]);
+        let (mut far, mut sky) = (0, Vec3::ZERO);
         let sky_rays = field.sky_rays(rays.cosine, rays.aimed);
         for (half, index) in halves(rays.cosine) {
             let [u, v, ..] = sobol_burley::sample_4d(index & SEQUENCE, 0, scramble ^ half as u32);
             let direction = cosine_direction(place.1, u, v);
             let end = field.meet(place.0, place.1, direction);
             if let End::Outside = end {
-                sky[half] += field.sky_along(place.0, direction, place.1.dot(direction), sky_rays);
+                sky += field.sky_along(place.0, direction, place.1.dot(direction), sky_rays);
             }
             let met = end.face();
             far += u32::from(met.is_some_and(|met| !field.is_near(leaf, met.position, place.0)));
@@ -357,7 +343,7 @@ fn draw(field: &Field, leaf: ElementId, rays: GlanceRays, looks: std::ops::Range
         let here = GatherPoint::on_face(place);
         for (half, ray) in halves(sky_rays.drawn) {
             let [u, v, ..] = sobol_burley::sample_4d(ray & SEQUENCE, 3, scramble ^ half as u32);
-            sky[half] += field.sky_drawn(&here, [u, v], sky_rays);
+            sky += field.sky_drawn(&here, [u, v], sky_rays);
         }
         let sun = if field.sun_rays() > 0 {
             let [u, v, ..] = sobol_burley::sample_4d(look & SEQUENCE, 4, scramble);
