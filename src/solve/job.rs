@@ -204,7 +204,7 @@ impl Solver {
     fn converge(&mut self, is_last: bool, cancel: &CancelToken) -> Option<Step> {
         self.links.store_accepted();
         // The first rounds are coarse: light that is not judged yet has no place in what verdicts look at.
-        self.links.converge(if is_last { FINAL_TOLERANCE } else { ROUND_TOLERANCE }, cancel)?;
+        self.links.converge(if is_last { FINAL_TOLERANCE } else { ROUND_TOLERANCE }, is_last, cancel)?;
         if !is_last {
             return self.recheck();
         }

@@ -149,9 +149,9 @@ impl LinkSolution {
     }
 
     /// Moves light over the stored links until less than `tolerance` of the power is still to come; `None` if cancelled, with
-    /// nothing changed.
-    pub fn converge(&mut self, tolerance: f64, cancel: &CancelToken) -> Option<()> {
-        let mut light = self.light.clone();
+    /// nothing changed. Light that starts `afresh`, from emission, does not depend on what was solved before.
+    pub fn converge(&mut self, tolerance: f64, afresh: bool, cancel: &CancelToken) -> Option<()> {
+        let mut light = if afresh { self.emitted_light() } else { self.light.clone() };
         let gatherer = self.gatherer(&self.links, false);
         let clamped = gatherer.enforce_closure(&mut light, cancel)?;
         if !gatherer.converge(&mut light, tolerance, MOST_SWEEPS, cancel) {

@@ -38,6 +38,18 @@ const LARGEST_PICTURE: f32 = 8192.0;
 /// Name of the view for assistive technology and tests.
 const VIEW_NAME: &str = "View";
 
+/// Frames in which the first view suits itself to the room that panels leave.
+const FRAMES_TO_SUIT: u8 = 4;
+
+/// A first view that was just taken up.
+struct Fresh {
+    made: Camera,
+    /// The pose that it is of; the scene's start without one.
+    pose: Option<CameraPose>,
+    /// Frames in which it may still be made anew.
+    left: u8,
+}
+
 /// Where the eye is, and where it started.
 pub(in crate::app) struct Viewport {
     camera: Option<Camera>,
@@ -47,6 +59,8 @@ pub(in crate::app) struct Viewport {
     start: Option<CameraPose>,
     /// The first view, where it is not that of the start.
     first: Option<CameraPose>,
+    /// The first view, for its first frames.
+    fresh: Option<Fresh>,
     rect: Rect,
     /// Whether keys walk instead of flying.
     pub walks: bool,
@@ -66,6 +80,7 @@ impl Default for Viewport {
             up: Vec3::Y,
             start: None,
             first: None,
+            fresh: None,
             rect: Rect::ZERO,
             walks: false,
             bookmarks: Vec::new(),
@@ -201,11 +216,19 @@ impl Viewport {
         }
     }
 
-    fn first_camera(&mut self) -> Camera {
-        match self.first.take() {
-            Some(pose) => Camera::from_pose(&pose, self.aspect(), self.bounds),
+    /// Takes up the first view; while panels around it still find their places, and nobody has moved, it suits itself to what they leave.
+    fn take_first_view(&mut self) {
+        let (pose, left) = match self.fresh.take() {
+            _ if self.camera.is_none() => (self.first.take(), FRAMES_TO_SUIT),
+            Some(fresh) if self.camera == Some(fresh.made) && fresh.left > 0 => (fresh.pose, fresh.left - 1),
+            _ => return,
+        };
+        let made = match &pose {
+            Some(pose) => Camera::from_pose(pose, self.aspect(), self.bounds),
             None => self.start_camera(),
-        }
+        };
+        self.camera = Some(made);
+        self.fresh = Some(Fresh { made, pose, left });
     }
 
     /// Mouse and wheel.
@@ -313,9 +336,7 @@ pub(in crate::app) fn show(app: &mut App, ui: &mut Ui, outbox: &mut Outbox) -> O
         return None;
     };
     let snapshot = app.view.best.follow(&latest, app.shown.info.as_ref());
-    if app.view.viewport.camera.is_none() {
-        app.view.viewport.camera = Some(app.view.viewport.first_camera());
-    }
+    app.view.viewport.take_first_view();
     if response.clicked() || response.drag_started() {
         response.request_focus();
     }
