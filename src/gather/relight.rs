@@ -9,12 +9,11 @@ use super::samples::{GatherSamples, Sums};
 use crate::base::cancel::CancelToken;
 use crate::base::mixing::Mixing;
 use crate::hierarchy::ElementId;
+use crate::transport::{Change, LARGEST_RETURN};
 
 /// Sweeps end when less than this share of the light is still to come.
 const SWEEP_TOLERANCE: f64 = 1e-4;
 const MOST_SWEEPS: u32 = 200;
-/// Where ρ times a leaf's row stays below this, light dies out however often it is reflected.
-const LARGEST_RETURN: f32 = 0.98;
 
 /// Samples, and what of them is the same in all sweeps; tables are parallel to the arena.
 struct Relighting<'a> {
@@ -124,19 +123,13 @@ impl Gather {
         let mut mixing = Mixing::default();
         for sweep in 1..=MOST_SWEEPS {
             let next = field.reflect(&relighting.irradiance(&reflected, cancel)?);
-            let (mut moved, mut all, mut again) = (0.0, 0.0, 0.0);
-            for leaf in leaves.iter().map(|leaf| leaf.index()) {
-                let area = field.areas[leaf];
-                moved += f64::from(area * (next[leaf] - reflected[leaf]).abs().max_element());
-                let sent = f64::from(area * next[leaf].max_element());
-                all += sent;
-                again += sent * f64::from(field.reflectance(ElementId(leaf as u32)).max_element());
+            let mut change = Change::default();
+            for &leaf in &leaves {
+                let [before, now] = [&reflected, &next].map(|light| light[leaf.index()]);
+                change.note(field.area(leaf), [before, now], (now, field.reflectance(leaf)));
             }
-            // A reflection keeps the mean reflectance of what is reflected.
-            let mean = (again / all.max(f64::MIN_POSITIVE)).min(LARGEST_RETURN.into());
-            let to_come = moved * (mean / (1.0 - mean)).max(1.0);
             // Without cosine-distributed rays nothing depends on what others reflect.
-            if to_come <= SWEEP_TOLERANCE * all || !samples.has_cosine() || sweep == MOST_SWEEPS {
+            if change.to_come() <= SWEEP_TOLERANCE * change.power || !samples.has_cosine() || sweep == MOST_SWEEPS {
                 tracing::debug!(sweep, "light of the field converged");
                 reflected = next;
                 break;

@@ -70,21 +70,13 @@ impl LightMeter {
             self.of_polygons.get(hit.polygon as usize).copied().flatten()
         };
         let mut seen: Vec<f32> = (0..columns * rows).filter_map(place).collect();
-        self.of_seen(&mut seen)
-            .unwrap_or_else(|| Metered { factor: auto_exposure(snapshot), is_dark: self.is_dark(&seen) })
-    }
-
-    /// What exposes these radiosities, W/m², well; `None` where they are dark for the most part.
-    fn of_seen(&self, seen: &mut [f32]) -> Option<Metered> {
-        let is_lit = 2 * seen.iter().filter(|radiosity| **radiosity >= self.faintest).count() > seen.len();
-        let factor = if is_lit { exposure_of_seen(seen) } else { None };
-        factor.map(|factor| Metered { factor, is_dark: false })
-    }
-
-    /// Whether nothing to speak of is lit among these radiosities, W/m².
-    fn is_dark(&self, seen: &[f32]) -> bool {
         let lit = seen.iter().filter(|radiosity| **radiosity >= self.faintest).count();
-        self.faintest > 0.0 && !seen.is_empty() && lit as f64 <= LIT_SHARE * seen.len() as f64
+        let is_lit = 2 * lit > seen.len();
+        if let Some(factor) = is_lit.then(|| exposure_of_seen(&mut seen)).flatten() {
+            return Metered { factor, is_dark: false };
+        }
+        let is_dark = self.faintest > 0.0 && !seen.is_empty() && lit as f64 <= LIT_SHARE * seen.len() as f64;
+        Metered { factor: auto_exposure(snapshot), is_dark }
     }
 }
 

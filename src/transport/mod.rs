@@ -45,5 +45,5 @@ pub use refine::{Applied, Counts, Refinement, RejectedPair};
 pub use rules::{ClusterModel, LinkRules, OracleKind, Push};
 pub use solution::LinkSolution;
 pub use solution_view::{LinkView, SolutionView};
-pub use sweep::{Gatherer, Light};
+pub use sweep::{Change, Gatherer, LARGEST_RETURN, Light};
 pub use verdict::{OccludedPair, Rejection};

@@ -111,7 +111,7 @@ impl Node {
 /// room gets 4 % darker. A row beyond this is no chance.
 const LARGEST_ROW: f32 = 1.25;
 /// Where ρ times a patch's sum of F·V stays below this, light dies out however often it is reflected.
-const LARGEST_RETURN: f32 = 0.98;
+pub const LARGEST_RETURN: f32 = 0.98;
 /// A leaf takes over from its siblings at most as much as it has itself.
 const MOST_SCALE: f32 = 2.0;
 
@@ -186,12 +186,7 @@ impl<'a> Gatherer<'a> {
                 let surface = &self.surfaces[node.polygon as usize];
                 let reflected = surface.reflectance * light.irradiance[index];
                 let new = surface.emission + reflected;
-                let reflected = f64::from(node.area) * f64::from(reflected.max_element());
-                change.reflected += reflected;
-                change.reflected_again += reflected * f64::from(surface.reflectance.max_element());
-                let moved = (new - light.radiosity[index]).abs();
-                change.moved += f64::from(node.area) * f64::from(moved.max_element());
-                change.power += f64::from(node.area) * f64::from(new.max_element());
+                change.note(node.area, [light.radiosity[index], new], (reflected, surface.reflectance));
                 new
             };
             light.radiosity[index] = new;
@@ -334,19 +329,29 @@ fn share_out(
 
 /// How much one sweep moved.
 #[derive(Default)]
-struct Change {
+pub struct Change {
     /// Σ A·|ΔB| over leaves, W.
     moved: f64,
     /// Σ A·B over leaves, W.
-    power: f64,
+    pub power: f64,
     /// Σ A·ρ·E over leaves, W, and what of that they would reflect themselves.
     reflected: f64,
     reflected_again: f64,
 }
 
 impl Change {
-    /// Power that further sweeps are to move, W: no less than the last one did.
-    fn to_come(&self) -> f64 {
+    /// Adds a leaf of this area, m², whose radiosity was the first and is the second, W/m², with what it reflects of that and its
+    /// reflectance.
+    pub fn note(&mut self, area: f32, [before, now]: [Vec3; 2], (reflected, reflectance): (Vec3, Vec3)) {
+        let watts = |radiosity: Vec3| f64::from(area) * f64::from(radiosity.max_element());
+        self.moved += watts((now - before).abs());
+        self.power += watts(now);
+        self.reflected += watts(reflected);
+        self.reflected_again += watts(reflected) * f64::from(reflectance.max_element());
+    }
+
+    /// Power that further sweeps are to move, W: no less than the last one did. A reflection keeps the mean reflectance of what is reflected.
+    pub fn to_come(&self) -> f64 {
         let mean = self.reflected_again / self.reflected.max(f64::MIN_POSITIVE);
         let mean = mean.min(LARGEST_RETURN.into());
         self.moved * (mean / (1.0 - mean)).max(1.0)

@@ -5,6 +5,7 @@ pub(in crate::app) mod camera_menu;
 pub(in crate::app) mod cluster_view;
 pub(in crate::app) mod colour_bar;
 pub(in crate::app) mod divider;
+pub(in crate::app) mod first_view;
 pub(in crate::app) mod gathering;
 pub(in crate::app) mod gizmo;
 pub(in crate::app) mod highlight;

@@ -7,6 +7,7 @@ use crate::app::state::comparison::Shading;
 use crate::app::tools::Tool;
 use crate::app::view::camera_menu::Whole;
 use crate::app::view::divider;
+use crate::app::view::first_view::FirstView;
 use crate::app::view::gizmo;
 use crate::app::view::highlight::Highlight;
 use crate::app::view::line_labels;
@@ -38,18 +39,6 @@ const LARGEST_PICTURE: f32 = 8192.0;
 /// Name of the view for assistive technology and tests.
 const VIEW_NAME: &str = "View";
 
-/// Frames in which the first view suits itself to the room that panels leave.
-const FRAMES_TO_SUIT: u8 = 4;
-
-/// A first view that was just taken up.
-struct Fresh {
-    made: Camera,
-    /// The pose that it is of; the scene's start without one.
-    pose: Option<CameraPose>,
-    /// Frames in which it may still be made anew.
-    left: u8,
-}
-
 /// Where the eye is, and where it started.
 pub(in crate::app) struct Viewport {
     camera: Option<Camera>,
@@ -57,10 +46,7 @@ pub(in crate::app) struct Viewport {
     /// Upwards in a view of everything.
     up: Vec3,
     start: Option<CameraPose>,
-    /// The first view, where it is not that of the start.
-    first: Option<CameraPose>,
-    /// The first view, for its first frames.
-    fresh: Option<Fresh>,
+    first: FirstView,
     rect: Rect,
     /// Whether keys walk instead of flying.
     pub walks: bool,
@@ -79,8 +65,7 @@ impl Default for Viewport {
             bounds: (Vec3::ZERO, Vec3::ZERO),
             up: Vec3::Y,
             start: None,
-            first: None,
-            fresh: None,
+            first: FirstView::default(),
             rect: Rect::ZERO,
             walks: false,
             bookmarks: Vec::new(),
@@ -100,7 +85,7 @@ pub(in crate::app) struct Clicked {
 impl Viewport {
     /// Looks at a new scene, from `first` or from its own camera where it has one.
     pub(in crate::app) fn start_with(&mut self, scene: &Scene, first: Option<CameraPose>) {
-        self.first = first;
+        self.first = FirstView::of(first);
         self.bounds = scene.bounds();
         self.up = scene.up_axis();
         self.start = scene.camera;
@@ -216,19 +201,14 @@ impl Viewport {
         }
     }
 
-    /// Takes up the first view; while panels around it still find their places, and nobody has moved, it suits itself to what they leave.
     fn take_first_view(&mut self) {
-        let (pose, left) = match self.fresh.take() {
-            _ if self.camera.is_none() => (self.first.take(), FRAMES_TO_SUIT),
-            Some(fresh) if self.camera == Some(fresh.made) && fresh.left > 0 => (fresh.pose, fresh.left - 1),
-            _ => return,
-        };
-        let made = match &pose {
+        let mut first = std::mem::take(&mut self.first);
+        let suited = |pose: Option<&CameraPose>| match pose {
             Some(pose) => Camera::from_pose(pose, self.aspect(), self.bounds),
             None => self.start_camera(),
         };
-        self.camera = Some(made);
-        self.fresh = Some(Fresh { made, pose, left });
+        self.camera = first.follow(self.camera, suited);
+        self.first = first;
     }
 
     /// Mouse and wheel.
