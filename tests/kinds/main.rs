@@ -2,6 +2,7 @@
 //!
 //! A "furnace" is a unit cube seen from inside, ρ = ½ and B_e = 1 W/m² on every face, so that B = 2 everywhere.
 
+mod basis;
 mod formats;
 mod lights;
 mod paint;

@@ -7,7 +7,7 @@ use std::sync::Arc;
 use image::{ImageFormat, ImageReader, Limits};
 use rayon::prelude::*;
 
-use super::Texture;
+use super::{Texture, basis};
 
 /// The most pixels of one texture: 16384 × 8192.
 const MOST_PIXELS: u64 = 1 << 27;
@@ -61,8 +61,16 @@ pub(in super::super) fn decode_all<'a, K>(
     decode_within([MOST_PIXELS_OF_ALL, MOST_BYTES_OF_ALL, MOST_PIXELS_KEPT], keys, read)
 }
 
+/// How a picture is encoded.
+#[derive(Debug, Clone, Copy)]
+enum Format {
+    Image(ImageFormat),
+    /// Basis Universal in a KTX2 file.
+    Basis,
+}
+
 /// A picture that waits to be decoded, and how many pixels of it are kept.
-type Waiting<'a> = Result<(Encoded<'a>, ImageFormat, u64), String>;
+type Waiting<'a> = Result<(Encoded<'a>, Format, u64), String>;
 
 fn decode_within<'a, K>(
     [mut pixels_left, mut bytes_left, mut kept_left]: [u64; 3],
@@ -101,15 +109,15 @@ fn decode_within<'a, K>(
 }
 
 /// The format by the first bytes, or else by the name.
-fn format_of(encoded: &Encoded<'_>) -> Result<ImageFormat, String> {
-    if encoded.bytes.starts_with(b"\xabKTX") {
-        return Err("KTX2 is not read; convert it to PNG, JPEG or WebP".to_owned());
+fn format_of(encoded: &Encoded<'_>) -> Result<Format, String> {
+    if encoded.bytes.starts_with(basis::MARK) {
+        return Ok(Format::Basis);
     }
     let by_name = || ImageFormat::from_extension(&encoded.extension);
     let format = image::guess_format(&encoded.bytes).ok().or_else(by_name);
     let format = format.ok_or_else(|| "its format is not known; convert it to PNG, JPEG or WebP".to_owned())?;
     if format.reading_enabled() {
-        return Ok(format);
+        return Ok(Format::Image(format));
     }
     let name = format.extensions_str().first().copied().unwrap_or_default().to_uppercase();
     Err(format!("{name} is not read; convert it to PNG, JPEG or WebP"))
@@ -125,8 +133,12 @@ fn reader(bytes: &[u8], format: ImageFormat) -> ImageReader<Cursor<&[u8]>> {
 
 fn decoded(waiting: Waiting<'_>) -> Result<Arc<Texture>, String> {
     let (encoded, format, kept) = waiting?;
-    let image = reader(&encoded.bytes, format).decode().map_err(|error| error.to_string())?;
-    let pixels = image.into_rgba8();
+    let pixels = match format {
+        Format::Image(format) => {
+            reader(&encoded.bytes, format).decode().map_err(|error| error.to_string())?.into_rgba8()
+        }
+        Format::Basis => basis::decode(&encoded.bytes)?,
+    };
     let (width, height) = pixels.dimensions();
     if width == 0 || height == 0 {
         return Err("it has no pixels".to_owned());
@@ -139,8 +151,11 @@ fn decoded(waiting: Waiting<'_>) -> Result<Arc<Texture>, String> {
 }
 
 /// The number of pixels that an image's header tells.
-fn pixels_of(bytes: &[u8], format: ImageFormat) -> Result<u64, String> {
-    let (width, height) = reader(bytes, format).into_dimensions().map_err(|error| error.to_string())?;
+fn pixels_of(bytes: &[u8], format: Format) -> Result<u64, String> {
+    let (width, height) = match format {
+        Format::Image(format) => reader(bytes, format).into_dimensions().map_err(|error| error.to_string())?,
+        Format::Basis => basis::size(bytes)?,
+    };
     let pixels = u64::from(width) * u64::from(height);
     if pixels == 0 || pixels > MOST_PIXELS || width.max(height) > LONGEST_SIDE {
         return Err(format!(
@@ -181,8 +196,8 @@ mod tests {
             ]);
             bytes
         };
-        assert_eq!(pixels_of(&gif(4096, 4096), ImageFormat::Gif), Ok(1 << 24));
-        let said = pixels_of(&gif(15_000, 8000), ImageFormat::Gif).expect_err("too many");
+        assert_eq!(pixels_of(&gif(4096, 4096), Format::Image(ImageFormat::Gif)), Ok(1 << 24));
+        let said = pixels_of(&gif(15_000, 8000), Format::Image(ImageFormat::Gif)).expect_err("too many");
         assert!(said.contains("promises 15000 × 8000 pixels"), "{said}");
     }
 
@@ -199,7 +214,7 @@ mod tests {
         assert_eq!(used(100, picture.len()), [true, false, false, false]);
         let mut header = picture.clone();
         header[16..24].copy_from_slice(&[0, 0, 0xea, 0x60, 0, 0, 0xea, 0x60]);
-        assert!(pixels_of(&header, ImageFormat::Png).is_err(), "60,000 × 60,000 pixels, whatever its checksum");
+        assert!(pixels_of(&header, Format::Image(ImageFormat::Png)).is_err(), "60,000 × 60,000 pixels, whatever its checksum");
     }
 
     /// Truth: a quarter of what is left is kept of each at most; 256 × 256 halved once has 128 × 128 pixels.

@@ -2,6 +2,7 @@
 //!
 //! Rows run downwards and v with them, as in glTF; readers of other formats turn v round.
 
+mod basis;
 pub(super) mod decode;
 pub(super) mod mean;
 
