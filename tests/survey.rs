@@ -24,6 +24,16 @@ fn cornell() -> (Arc<Scene>, Arc<Snapshot>) {
     (scene, Arc::new(solver.snapshot()))
 }
 
+/// The same in gathered light.
+fn gathered() -> (Arc<Scene>, Arc<Snapshot>) {
+    let (scene, occluders) = selflink::geometry::orient::apply(BuiltinScene::Cornell.build(), Sides::Front);
+    let scene = Arc::new(scene);
+    let params = SolverParams { error: Some(0.2), ..SolverParams::default() };
+    let mut solver = Solver::new(scene.clone(), Arc::new(occluders), params, 1).expect("good parameters");
+    solver.run(&CancelToken::new());
+    (scene, Arc::new(solver.snapshot()))
+}
+
 fn until(surveyor: &Surveyor, what: &str, holds: impl Fn(&Report) -> bool) -> Report {
     let begun = Instant::now();
     loop {
@@ -55,9 +65,9 @@ fn what_is_read_is_what_the_snapshot_holds() {
     let truth = probe.at(reading.point, reading.normal).expect("the same place");
     assert!((reading.irradiance - truth.irradiance).length() <= 1e-3 * truth.irradiance.length());
     assert!((reading.radiosity - truth.radiosity).length() <= 1e-3 * truth.radiosity.length());
-    let again = lit.at(reading.point, reading.normal).expect("found by its place");
+    let again = lit.at(reading.point, reading.normal, 0.02).expect("found by its place");
     assert!((again.irradiance - reading.irradiance).length() <= 1e-3 * truth.irradiance.length());
-    assert!(lit.at(reading.point + 0.1 * Vec3::Y, Vec3::Y).is_none(), "in the air there is nothing to read");
+    assert!(lit.at(reading.point + 0.1 * Vec3::Y, Vec3::Y, 0.02).is_none(), "in the air there is nothing to read");
     assert!(lit.under(ray.origin, Vec3::ZERO).is_none() && lit.under(Vec3::splat(f32::NAN), Vec3::X).is_none());
 }
 
@@ -107,6 +117,26 @@ fn pointer_probes_and_plane_are_answered() {
     assert!(summary.points > 20 && summary.minimum > 0.0 && summary.uniformity <= 1.0, "{summary:?}");
     surveyor.measure(WorkPlane { spacing: 0.0, ..WorkPlane::default() });
     until(&surveyor, "a refusal", |report| report.failure.as_ref().is_some_and(|failure| failure.contains("spacing")));
+}
+
+/// Truth: what is promised. A probe is read to 2 % at first, and settles at an eighth of that while nobody asks for anything else.
+#[test]
+fn a_probe_settles_while_one_looks() {
+    let (scene, snapshot) = gathered();
+    let surveyor = Surveyor::spawn(Box::new(|| {})).expect("a thread");
+    let ray = down(&scene);
+    let floor = LitMesh::new(scene.clone(), snapshot.clone()).under(ray.origin, ray.direction).expect("the floor");
+    surveyor.show(scene, snapshot);
+    surveyor.probe(vec![(floor.point, floor.normal)]);
+    let report = until(&surveyor, "a settled probe", |report| {
+        let reading = report.probes.first().and_then(|probe| probe.reading);
+        reading.is_some_and(|reading| {
+            let error = reading.standard_error.expect("it is gathered");
+            error.element_sum() < 0.0035 * reading.irradiance.element_sum()
+        })
+    });
+    let settled = report.probes[0].reading.expect("on the floor").irradiance;
+    assert!((settled - floor.irradiance).length() < 0.08 * settled.length(), "{settled} {}", floor.irradiance);
 }
 
 /// How soon it is given up is counted where a plane is measured: a few points at a time.

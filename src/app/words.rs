@@ -143,6 +143,10 @@ words! {
     CLEAR_SKY = "Clear sky";
     /// Preset: a clear sky with the sun low in the west.
     LOW_SUN = "Low sun";
+    /// List: how the sky's light is spread.
+    SKY_TYPE = "Sky type";
+    /// Field: the sky in the words of the command line.
+    SKY_TEXT = "Sky as text";
     /// Slider: horizontal illuminance by the sky.
     SKY_ILLUMINANCE = "Sky";
     /// Slider: illuminance of a face turned to the sun.

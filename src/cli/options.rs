@@ -240,7 +240,7 @@ pub fn scene_args() -> [Arg; 9] {
             .long("sky")
             .value_name("KIND:AMOUNT")
             .value_parser(|text: &str| text.parse::<SkyTold>())
-            .help("Let a sky shine in: uniform, overcast, clear, cie1 to cie15, or a picture all around (.hdr, .exr, .png, .jpg; north in its middle), with its horizontal illuminance or irradiance, such as overcast:10000lx or uniform:50W"),
+            .help("Let a sky shine in: uniform, overcast, clear, cie1 to cie15, cie=A/B/C/D/E, perez=DIRECT/DIFFUSE (W/m²), or a picture all around (.hdr, .exr, .png, .jpg; north in its middle), with its horizontal illuminance or irradiance, such as overcast:10000lx or uniform:50W"),
         Arg::new("sun")
             .long("sun")
             .value_name("az:A,el:E,AMOUNT")

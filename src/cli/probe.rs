@@ -14,7 +14,7 @@ use selflink::gather::NOISE;
 use selflink::read::probe::{Probe, Sample};
 use selflink::solve::USUAL_ERROR;
 
-use super::job::Order;
+use super::job::{Job, Order};
 use super::options::{self, path, path_arg};
 use super::output::{OutputFile, say};
 use super::work_plane;
@@ -47,8 +47,7 @@ pub fn command() -> Command {
         Arg::new("se")
             .long("se")
             .value_name("SHARE")
-            .value_parser(standard_error)
-            .conflicts_with("work-plane")
+            .value_parser(parse_error)
             .help("Standard error of each E, as a share of the light there (0.02 or 2%) [default: a third of the target error]"),
     )
     .args(work_plane::args().map(|arg| arg.help_heading("Work plane")))
@@ -56,10 +55,10 @@ pub fn command() -> Command {
 
 /// Runs it.
 pub fn run(matches: &ArgMatches) -> anyhow::Result<()> {
-    if let Some(plane) = work_plane::plane(matches) {
-        return work_plane::run(matches, plane);
-    }
     let order = Order::from_matches(matches)?;
+    if let Some(plane) = work_plane::plane(matches) {
+        return work_plane::run(matches, order, plane);
+    }
     let points_path = path(matches, "points").unwrap_or_default();
     let rows = read_rows(&points_path)?;
     let inputs = [order.inputs(), vec![&*points_path]].concat();
@@ -69,8 +68,7 @@ pub fn run(matches: &ArgMatches) -> anyhow::Result<()> {
     let solution = job.solve()?;
     let snapshot = &solution.snapshot;
     let probe = Probe::new(&snapshot.mesh, &snapshot.vertex_irradiance, &snapshot.vertex_radiosity);
-    let error = matches.get_one::<f64>("se").copied();
-    let error = error.unwrap_or_else(|| NOISE * job.settings.solver.error.unwrap_or(USUAL_ERROR)) as f32;
+    let error = standard_error(matches, &job);
     let read = |row: &Row| {
         let point = job.scene.from_file(row.point);
         let Some(field) = &snapshot.field else { return Some((probe.at(point, row.normal)?, None)) };
@@ -106,8 +104,14 @@ pub fn run(matches: &ArgMatches) -> anyhow::Result<()> {
     say(&format!("{}: {}\n", file.path().display(), things(rows.len(), "point", "points")))
 }
 
+/// The standard error of a reading, as a share of the light there.
+pub fn standard_error(matches: &ArgMatches, job: &Job) -> f32 {
+    let asked = matches.get_one::<f64>("se").copied();
+    asked.unwrap_or_else(|| NOISE * job.settings.solver.error.unwrap_or(USUAL_ERROR)) as f32
+}
+
 /// A standard error: a share, or a percentage.
-fn standard_error(text: &str) -> Result<f64, String> {
+fn parse_error(text: &str) -> Result<f64, String> {
     let (number, unit) = text.strip_suffix('%').map_or((text, 1.0), |number| (number, 0.01));
     match number.trim().parse::<f64>() {
         Ok(share) if (1e-4..=1.0).contains(&(unit * share)) => Ok(unit * share),

@@ -41,15 +41,15 @@ pub fn plane(matches: &ArgMatches) -> Option<WorkPlane> {
 }
 
 /// Measures a plane.
-pub fn run(matches: &ArgMatches, plane: WorkPlane) -> anyhow::Result<()> {
-    let order = Order::from_matches(matches)?;
+pub fn run(matches: &ArgMatches, order: Order, plane: WorkPlane) -> anyhow::Result<()> {
     let file = OutputFile::new(&path(matches, "out").unwrap_or_default(), &order.inputs())?;
     let job = order.load()?;
     // Before the long work, so that a plane that cannot be measured is told soon.
     plane.grid(&job.scene)?;
     let solution = job.solve()?;
     let lit = LitMesh::new(job.scene.clone(), solution.snapshot.into());
-    let measured = job.pool.install(|| measure(&lit, plane))?;
+    let error = super::probe::standard_error(matches, &job);
+    let measured = job.pool.install(|| measure(&lit, plane, error))?;
     if measured.summary().points == 0 {
         bail!("every point of the work plane lies inside of something or outside of the room: choose another height");
     }

@@ -1,7 +1,6 @@
 //! A view in physical units as OpenEXR: 32-bit floats, neither exposed nor bent.
 //!
-//! Written by the file format's definition (openexr.com, "OpenEXR File Layout"): one part, scan
-//! lines, no compression, which every reader takes.
+//! One part of scan lines, compressed without loss.
 
 use std::io::{self, Write};
 
@@ -19,13 +18,6 @@ pub struct FloatPicture {
     pub pixels: Vec<[f32; 4]>,
 }
 
-const MAGIC: u32 = 20_000_630;
-/// Version 2, no flags: one part of scan lines.
-const VERSION: u32 = 2;
-/// A pixel type: 32-bit float.
-const FLOAT: u32 = 2;
-/// Channels in the order in which they must stand, by name, with the colour that each holds.
-const CHANNELS: [(&str, usize); 4] = [("A", 3), ("B", 2), ("G", 1), ("R", 0)];
 /// Comment of the file: unit and meaning of its numbers.
 const COMMENT: &str = "Selflink: R, G, B are the radiosity B in W/m2, linear, unexposed; the radiance of these diffuse surfaces is B/pi. \
      A is the share of the pixel that surfaces cover.";
@@ -41,25 +33,10 @@ const LAYERS_COMMENT: &str = "Selflink: R, G, B are the radiosity B in W/m2, lin
 /// # Errors
 /// Whatever the writer says.
 pub fn write(writer: &mut impl Write, picture: &FloatPicture) -> io::Result<()> {
-    let [width, height] = picture.size;
-    let header = header(width, height);
-    writer.write_all(&header)?;
-    let row_bytes = u64::from(width) * (CHANNELS.len() * size_of::<f32>()) as u64;
-    let first = header.len() as u64 + u64::from(height) * size_of::<u64>() as u64;
-    for row in 0..u64::from(height) {
-        writer.write_all(&(first + row * (8 + row_bytes)).to_le_bytes())?;
-    }
-    let rows = picture.pixels.chunks_exact((width as usize).max(1));
-    for (number, row) in (0_u32..).zip(rows) {
-        writer.write_all(&number.to_le_bytes())?;
-        writer.write_all(&(row_bytes as u32).to_le_bytes())?;
-        for (_, colour) in CHANNELS {
-            for pixel in row {
-                writer.write_all(&pixel[colour].to_le_bytes())?;
-            }
-        }
-    }
-    Ok(())
+    let channels = [("R", 0), ("G", 1), ("B", 2), ("A", 3)].map(|(name, colour)| {
+        AnyChannel::new(name, FlatSamples::F32(picture.pixels.iter().map(|pixel| pixel[colour]).collect()))
+    });
+    write_channels(writer, picture.size, channels.into_iter().collect(), COMMENT)
 }
 
 /// Writes a gathered picture: R, G, B, A as [`write()`] does, and layers of E, normal, albedo,
@@ -91,49 +68,23 @@ pub fn write_layers(writer: &mut impl Write, layers: &Layers) -> io::Result<()> 
             channels.push(channel(&format!("{layer}{name}"), &|pixel| of(pixel)[axis]));
         }
     }
-    let [width, height] = layers.size.map(|side| side as usize);
-    let attributes = LayerAttributes { comments: Some(LAYERS_COMMENT.into()), ..LayerAttributes::default() };
+    write_channels(writer, layers.size, channels, LAYERS_COMMENT)
+}
+
+fn write_channels(
+    writer: &mut impl Write,
+    size: [u32; 2],
+    channels: Vec<AnyChannel<FlatSamples>>,
+    comment: &str,
+) -> io::Result<()> {
+    let [width, height] = size.map(|side| side as usize);
+    let attributes = LayerAttributes { comments: Some(comment.into()), ..LayerAttributes::default() };
     let channels = AnyChannels::sort(channels.into());
     let layer = Layer::new((width, height), attributes, Encoding::FAST_LOSSLESS, channels);
+    // The crate goes back to where the header is.
     let mut file = io::Cursor::new(Vec::new());
     Image::from_layer(layer).write().to_buffered(&mut file).map_err(io::Error::other)?;
     writer.write_all(file.get_ref())
-}
-
-fn header(width: u32, height: u32) -> Vec<u8> {
-    let words = |words: &[u32]| -> Vec<u8> { words.iter().flat_map(|word| word.to_le_bytes()).collect() };
-    let floats = |floats: &[f32]| -> Vec<u8> { floats.iter().flat_map(|float| float.to_le_bytes()).collect() };
-    let mut channels: Vec<u8> = Vec::new();
-    for (name, _) in CHANNELS {
-        channels.extend(name.bytes());
-        // The name's end; then type, no hint for lossy compression, and no subsampling.
-        channels.push(0);
-        channels.extend(words(&[FLOAT, 0, 1, 1]));
-    }
-    channels.push(0);
-    let window = words(&[0, 0, width.saturating_sub(1), height.saturating_sub(1)]);
-    let attributes: [(&str, &str, Vec<u8>); 9] = [
-        ("channels", "chlist", channels),
-        ("comments", "string", COMMENT.as_bytes().to_vec()),
-        ("compression", "compression", vec![0]),
-        ("dataWindow", "box2i", window.clone()),
-        ("displayWindow", "box2i", window),
-        ("lineOrder", "lineOrder", vec![0]),
-        ("pixelAspectRatio", "float", floats(&[1.0])),
-        ("screenWindowCenter", "v2f", floats(&[0.0, 0.0])),
-        ("screenWindowWidth", "float", floats(&[1.0])),
-    ];
-    let mut header = words(&[MAGIC, VERSION]);
-    for (name, kind, value) in attributes {
-        for text in [name, kind] {
-            header.extend(text.bytes());
-            header.push(0);
-        }
-        header.extend((value.len() as u32).to_le_bytes());
-        header.extend(value);
-    }
-    header.push(0);
-    header
 }
 
 #[cfg(test)]

@@ -86,6 +86,26 @@ fn pictures_are_gathered_unless_the_mesh_is_asked_for() {
     for name in ["R", "G", "B", "A", "Z", "irradiance.R", "normal.X", "albedo.B", "element.id"] {
         assert!(names.iter().any(|other| other == name), "{name} is not among {names:?}");
     }
+    // Upright in the middle of the back wall, which neither shines nor has an edge there: a unit normal towards the eye, B = ρ·E, and as far
+    // away as the eye is.
+    let middle = 32 * 96 + 48;
+    let at = |name: &str| {
+        let channel = file.layer_data.channel_data.list.iter().find(|channel| channel.name.to_string() == name);
+        channel.expect("it is there").sample_data.value_by_flat_index(middle).to_f32()
+    };
+    let of = |layer: &str, axes: [&str; 3]| glam::Vec3::from(axes.map(|axis| at(&format!("{layer}{axis}"))));
+    let colours = ["R", "G", "B"];
+    let (b, e, albedo) = (of("", colours), of("irradiance.", colours), of("albedo.", colours));
+    let normal = of("normal.", ["X", "Y", "Z"]);
+    let scene = selflink::scene::builtin::BuiltinScene::Cornell.build();
+    let camera = scene.camera.expect("ours has a view");
+    let towards = (camera.eye - camera.target).normalize();
+    assert!((normal.length() - 1.0).abs() < 1e-3 && normal.dot(towards) > 0.99, "{normal} {towards}");
+    assert!((b - albedo * e).length() < 1e-3 * b.length() && e.min_element() > 0.0, "{b} {albedo} {e}");
+    let (lower, upper) = scene.bounds();
+    let far = [lower, upper].map(|corner| (camera.eye - corner).dot(normal).abs()).into_iter().fold(0.0, f32::max);
+    assert!((at("Z") / far - 1.0).abs() < 0.01, "{} {far}", at("Z"));
+    assert!(at("A") == 1.0 && at("element.id") < 4e9);
     let path = folder.path("threshold.png");
     let by_threshold = ["render", "cornell", "--epsilon", "1e-2", "--picture", "gathered", "--out", name(&path)];
     let refused =

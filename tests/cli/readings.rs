@@ -37,37 +37,39 @@ fn hall(folder: &Path) -> PathBuf {
     path
 }
 
-/// Truth: Lambert's formula; nothing is reflected, so E is what the roof sends.
+/// Truth: Lambert's formula; nothing is reflected, so E is what the roof sends, and a gather knows it without noise.
 #[test]
 fn a_work_plane_is_written_and_summed_up() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let (scene, out) = (hall(folder.path()), folder.path().join("grid.csv"));
     let [scene, out] = [&scene, &out].map(|path| path.to_str().expect("a plain name"));
     let plane = ["--work-plane", "0.8", "--spacing", "1", "--margin", "0.5"];
-    let light = ["--emit", "roof=100,100,100", "--epsilon", "1e-2"];
-    let output = selflink(&[&["probe", scene, "--out", out], &plane[..], &light[..]].concat());
-    let said = String::from_utf8_lossy(&output.stdout);
-    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
-    let text = std::fs::read_to_string(out).expect("written");
-    let rows: Vec<&str> = text.lines().collect();
-    assert_eq!((rows[0], rows.len()), ("x,y,z,E_r,E_g,E_b,E_lx", 10));
-    let corner = |x: f64, z: f64| DVec3::new(x, 3.0, z);
-    let roof = [corner(-2.0, -2.0), corner(2.0, -2.0), corner(2.0, 2.0), corner(-2.0, 2.0)];
-    let mut lux = Vec::new();
-    for row in &rows[1..] {
-        let [x, y, z, _, green, _, lx] =
-            row.split(',').map(|value| value.parse::<f64>().expect("a number")).collect::<Vec<_>>()[..]
-        else {
-            panic!("{row}");
-        };
-        let truth = 100.0 * point_to_polygon(DVec3::new(x, y, z), DVec3::Y, &roof);
-        assert!((green / truth - 1.0).abs() < 1e-3 && (lx / truth / 179.0 - 1.0).abs() < 1e-3, "{row}: {truth}");
-        lux.push(lx);
+    for (is_gathered, asked) in [(false, ["--epsilon", "1e-2"]), (true, ["--error", "0.05"])] {
+        let light = ["--emit", "roof=100,100,100"];
+        let output = selflink(&[&["probe", scene, "--out", out], &plane[..], &light[..], &asked[..]].concat());
+        let said = String::from_utf8_lossy(&output.stdout);
+        assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+        let text = std::fs::read_to_string(out).expect("written");
+        let rows: Vec<&str> = text.lines().collect();
+        assert_eq!((rows[0], rows.len()), ("x,y,z,E_r,E_g,E_b,E_lx,se_r,se_g,se_b", 10));
+        let corner = |x: f64, z: f64| DVec3::new(x, 3.0, z);
+        let roof = [corner(-2.0, -2.0), corner(2.0, -2.0), corner(2.0, 2.0), corner(-2.0, 2.0)];
+        let mut lux = Vec::new();
+        for row in &rows[1..] {
+            let fields: Vec<Option<f64>> = row.split(',').map(|field| field.parse().ok()).collect();
+            let [Some(x), Some(y), Some(z), _, Some(green), _, Some(lx), _, error, _] = fields[..] else {
+                panic!("{row}");
+            };
+            let truth = 100.0 * point_to_polygon(DVec3::new(x, y, z), DVec3::Y, &roof);
+            assert!((green / truth - 1.0).abs() < 1e-3 && (lx / truth / 179.0 - 1.0).abs() < 1e-3, "{row}: {truth}");
+            assert_eq!(error.map(|error| error < 1e-3 * truth), is_gathered.then_some(true), "{row}");
+            lux.push(lx);
+        }
+        let mean = lux.iter().sum::<f64>() / 9.0;
+        let least = lux.iter().copied().fold(f64::INFINITY, f64::min);
+        assert!(said.contains(&format!("uniformity {:.2}", least / mean)), "{said}");
+        assert!(said.contains("3 × 3 cells of 1.00 × 1.00") && said.contains("179 lm/W"), "{said}");
     }
-    let mean = lux.iter().sum::<f64>() / 9.0;
-    let least = lux.iter().copied().fold(f64::INFINITY, f64::min);
-    assert!(said.contains(&format!("uniformity {:.2}", least / mean)), "{said}");
-    assert!(said.contains("3 × 3 cells of 1.00 × 1.00") && said.contains("179 lm/W"), "{said}");
 }
 
 #[test]

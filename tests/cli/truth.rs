@@ -40,6 +40,34 @@ fn probed_points_come_back_with_irradiance_and_radiosity() {
     }
 }
 
+/// Truth: what was asked for. The standard error of each row is at most the share of E + E₀ that `--se` says, E₀ being a tenth of the median E and
+/// so at most a tenth of the largest; and a row depends neither on the others nor on its place.
+#[test]
+fn probes_are_as_exact_as_is_asked_for_and_independent_of_each_other() {
+    let folder = Folder::new();
+    let rows: Vec<String> = (1..20).map(|index| format!("{},0.7,0,0,0,1", f64::from(index) / 20.0)).collect();
+    let probed = |rows: &[String], error: &str| -> Vec<String> {
+        let (points, out) = (folder.write("points.csv", &rows.join("\n")), folder.path("out.csv"));
+        let scene = folder.write("box.obj", SQUARE);
+        let args = ["probe", name(&scene), "--emit", "roof=10,20,40", "--points", name(&points), "--out", name(&out)];
+        succeed(&[&args[..], &["--error", "0.1", "--se", error]].concat());
+        let written = std::fs::read_to_string(out).expect("the table was written");
+        written.lines().skip(1).map(str::to_owned).collect()
+    };
+    for error in [0.05, 0.01] {
+        let found = probed(&rows, &error.to_string());
+        let backwards: Vec<String> = rows.iter().rev().step_by(2).cloned().collect();
+        let again = probed(&backwards, &error.to_string());
+        assert!(again.iter().eq(found.iter().rev().step_by(2)), "{found:?} {again:?}");
+        let grey = |row: &str, from: usize| -> f64 {
+            row.split(',').skip(from).take(3).map(|field| field.parse::<f64>().expect("a number")).sum::<f64>() / 3.0
+        };
+        let most = found.iter().map(|row| grey(row, 6)).fold(0.0, f64::max);
+        assert!(found.iter().all(|row| grey(row, 12) <= error * (grey(row, 6) + 0.1 * most)), "{error}: {found:?}");
+        assert!(found.iter().any(|row| grey(row, 12) > 0.0), "{found:?}");
+    }
+}
+
 /// Truth: a second run reads what the first one kept, and says so; rows hold their errors beside their values.
 #[test]
 fn a_reference_is_written_and_kept_for_the_next_time() {

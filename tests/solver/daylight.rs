@@ -2,7 +2,7 @@
 //!
 //! Each is asked of the links, of the gather and of the reference, which share nothing but the sky's formula.
 
-use std::f64::consts::PI;
+use std::f64::consts::{PI, TAU};
 
 use glam::{DVec3, Vec3};
 use selflink::hierarchy::ClusteringMode;
@@ -98,6 +98,39 @@ fn open_planes_get_what_the_sky_brings() {
     }
 }
 
+/// Truth: quadrature over the hemisphere that a face sees, for a sky whose light depends on the sun. Within 1 %.
+#[test]
+fn open_planes_get_what_a_clear_sky_brings() {
+    const STEPS: usize = 400;
+    for sky in ["clear:100W", "perez=600/120:100W", "cie=-1/-0.55/10/-3/0.45:100W"] {
+        for (number, normal) in [Vec3::Y, Vec3::Z].into_iter().enumerate() {
+            let (mut scene, black) = black_scene();
+            let edges = [[Vec3::Z, Vec3::X], [Vec3::X, Vec3::Y]][number];
+            add_rectangle(&mut scene, Vec3::ZERO, edges, black);
+            scene.add_daylight(&daylight(Some(sky), Some("az:150,el:50,0W"))).expect("daylight");
+            let outside = scene.outside().expect("a sky").clone();
+            let mut truth = 0.0;
+            for index in 0..2 * STEPS * STEPS {
+                let height = (index / (2 * STEPS)) as f32 + 0.5;
+                let azimuth = TAU * ((index % (2 * STEPS)) as f64 + 0.5) / (2 * STEPS) as f64;
+                let sine = height / STEPS as f32;
+                let level = (1.0 - sine * sine).sqrt();
+                let direction = Vec3::new(level * azimuth.cos() as f32, sine, level * azimuth.sin() as f32);
+                truth += f64::from(outside.radiance(direction).x * normal.dot(direction).max(0.0));
+            }
+            truth *= TAU / (2 * STEPS * STEPS) as f64;
+            if number == 0 {
+                assert_within(truth, 100.0, 0.005, sky);
+            }
+            let solved = solve(&scene, gathered(0.05));
+            let middle = 0.5 * (edges[0] + edges[1]);
+            let [gather, reference] = read(&scene, &solved, 0, middle, 64);
+            assert_within(gather, truth, 0.01, &format!("{sky} {number}, gather"));
+            assert_within(reference, truth, 0.01, &format!("{sky} {number}, reference"));
+        }
+    }
+}
+
 /// E at a point through a rectangular opening, by its own quadrature: ∫ L cosθ cosθ'/r² dA.
 fn through(outside: &Outside, point: Vec3, normal: Vec3, corner: Vec3, [along, across]: [Vec3; 2]) -> f64 {
     const STEPS: usize = 200;
@@ -153,24 +186,25 @@ fn room(is_in_ceiling: bool) -> (Scene, Vec3, [Vec3; 2]) {
 #[test]
 fn openings_in_black_rooms_light_points_as_their_sky_says() {
     for is_in_ceiling in [true, false] {
-        for sky in ["uniform:100W", "clear:100W"] {
+        for sky in ["uniform:100W", "overcast:100W", "clear:100W", "perez=300/150:100W"] {
             let (mut scene, corner, edges) = room(is_in_ceiling);
             // The sun is where no opening shows it.
-            let sun = (sky == "clear:100W").then_some("az:0,el:20,0W");
+            let sun = (sky != "uniform:100W").then_some("az:0,el:20,0W");
             scene.add_daylight(&daylight(Some(sky), sun)).expect("daylight");
             let outside = scene.outside().expect("a sky").clone();
             let solved = solve(&scene, gathered(0.1));
-            let point = Vec3::new(2.1, 0.0, 2.9);
-            let truth = through(&outside, point, Vec3::Y, corner, edges);
-            if sky == "uniform:100W" {
-                let corners = [corner, corner + edges[0], corner + edges[0] + edges[1], corner + edges[1]];
-                let exact = 100.0 * point_to_polygon(point.as_dvec3(), DVec3::Y, &corners.map(|at| at.as_dvec3()));
-                assert!((truth / exact - 1.0).abs() < 1e-3, "{truth} {exact}");
+            for point in [Vec3::new(2.1, 0.0, 2.9), Vec3::new(1.3, 0.0, 3.8)] {
+                let truth = through(&outside, point, Vec3::Y, corner, edges);
+                if sky == "uniform:100W" {
+                    let corners = [corner, corner + edges[0], corner + edges[0] + edges[1], corner + edges[1]];
+                    let exact = 100.0 * point_to_polygon(point.as_dvec3(), DVec3::Y, &corners.map(|at| at.as_dvec3()));
+                    assert!((truth / exact - 1.0).abs() < 1e-3, "{truth} {exact}");
+                }
+                let [gather, reference] = read(&scene, &solved, 0, point, 512);
+                let what = format!("{sky}, ceiling {is_in_ceiling}, {point}");
+                assert_within(gather, truth, 0.01, &format!("{what}, gather"));
+                assert_within(reference, truth, 0.01, &format!("{what}, reference"));
             }
-            let [gather, reference] = read(&scene, &solved, 0, point, 512);
-            let what = format!("{sky}, ceiling {is_in_ceiling}, {point}");
-            assert_within(gather, truth, 0.01, &format!("{what}, gather"));
-            assert_within(reference, truth, 0.01, &format!("{what}, reference"));
         }
     }
 }
@@ -237,6 +271,30 @@ fn the_penumbra_is_as_wide_as_the_sun() {
         for (found, what) in [(gather, "gather"), (reference, "reference")] {
             println!("{t}: {what} {found:.2}, true {:.2}", 100.0 * lit);
             assert!((found - 100.0 * lit).abs() < 1.0, "{t}: {what} {found} instead of {}", 100.0 * lit);
+        }
+    }
+}
+
+/// Truth: the same chord, for a sun that stands in the east at an elevation of 40°: a point sees the part of its disc that is lower than the
+/// edge, and gets the sine of the elevation of what that brings.
+#[test]
+fn the_penumbra_of_a_slanted_sun_is_longer() {
+    let (mut scene, black) = black_scene();
+    let height = 10.0_f64;
+    add_rectangle(&mut scene, Vec3::new(-30.0, 0.0, -4.0), [8.0 * Vec3::Z, 40.0 * Vec3::X], black);
+    add_rectangle(&mut scene, Vec3::new(-30.0, height as f32, -4.0), [30.0 * Vec3::X, 8.0 * Vec3::Z], black);
+    scene.add_daylight(&daylight(None, Some("az:90,el:40,100W"))).expect("a sun");
+    let solved = solve(&scene, gathered(0.05));
+    let elevation = 40.0_f64.to_radians();
+    for t in [-1.5_f64, -0.6, 0.0, 0.5, 1.5] {
+        let to_edge = elevation + t * f64::from(SUN_RADIUS);
+        let inside = t.clamp(-1.0, 1.0);
+        let lit = 0.5 + (inside * (1.0 - inside * inside).sqrt() + inside.asin()) / PI;
+        let truth = 100.0 * elevation.sin() * lit;
+        let [gather, reference] = read(&scene, &solved, 0, Vec3::new((-height / to_edge.tan()) as f32, 0.0, 0.1), 16);
+        for (found, what) in [(gather, "gather"), (reference, "reference")] {
+            println!("{t}: {what} {found:.2}, true {truth:.2}");
+            assert!((found - truth).abs() < 1.0, "{t}: {what} {found} instead of {truth}");
         }
     }
 }

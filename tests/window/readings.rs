@@ -127,7 +127,7 @@ fn a_work_plane_is_measured_shown_and_written() {
     click(&mut window, "Work plane as CSV…");
     save_as(&mut window, &path);
     let text = std::fs::read_to_string(&path).expect("it was written");
-    assert!(text.starts_with("x,y,z,E_r,E_g,E_b,E_lx\n") && text.lines().count() > 20, "{text}");
+    assert!(text.starts_with("x,y,z,E_r,E_g,E_b,E_lx,se_r,se_g,se_b\n") && text.lines().count() > 20, "{text}");
     click(&mut window, words::CLEAR);
     until(&mut window, "its end", |window| window.query_by_label(words::UNIFORMITY).is_none());
     window.get_by_label(words::CLOSE_TOOL).click();

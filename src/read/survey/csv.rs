@@ -27,15 +27,25 @@ pub struct NamedReading<'a> {
 /// # Errors
 /// Error of the writer.
 pub fn write_plane(writer: &mut impl Write, plane: &PlaneReading) -> io::Result<()> {
-    writeln!(writer, "x,y,z,E_r,E_g,E_b,E_lx")?;
-    for (point, value) in plane.grid.points.iter().zip(&plane.values) {
+    writeln!(writer, "x,y,z,E_r,E_g,E_b,E_lx,se_r,se_g,se_b")?;
+    let errors = &plane.standard_errors;
+    for ((point, value), error) in plane.grid.points.iter().zip(&plane.values).zip(errors) {
         let DVec3 { x, y, z } = to_file(plane.origin, *point);
         match value {
-            Some(e) => writeln!(writer, "{x},{y},{z},{},{},{},{}", e.x, e.y, e.z, lux(e.to_array()))?,
-            None => writeln!(writer, "{x},{y},{z},,,,")?,
+            Some(e) => write!(writer, "{x},{y},{z},{},{},{},{}", e.x, e.y, e.z, lux(e.to_array()))?,
+            None => write!(writer, "{x},{y},{z},,,,")?,
         }
+        write_error(writer, *error)?;
     }
     Ok(())
+}
+
+/// The last three columns of a row; empty where there is no standard error.
+fn write_error(writer: &mut impl Write, error: Option<Vec3>) -> io::Result<()> {
+    match error {
+        Some(error) => writeln!(writer, ",{},{},{}", error.x, error.y, error.z),
+        None => writeln!(writer, ",,,"),
+    }
 }
 
 /// Writes probes on surfaces; values of those that are on none any more stay empty.
@@ -51,10 +61,7 @@ pub fn write_probes<'a>(writer: &mut impl Write, probes: impl IntoIterator<Item 
         match reading {
             Some(SurfaceReading { irradiance: e, radiosity: b, standard_error, .. }) => {
                 write!(writer, ",{},{},{},{},{},{},{}", e.x, e.y, e.z, b.x, b.y, b.z, lux(e.to_array()))?;
-                match standard_error {
-                    Some(se) => writeln!(writer, ",{},{},{}", se.x, se.y, se.z)?,
-                    None => writeln!(writer, ",,,")?,
-                }
+                write_error(writer, standard_error)?;
             }
             None => writeln!(writer, ",,,,,,,,,,")?,
         }

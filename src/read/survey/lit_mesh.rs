@@ -4,15 +4,15 @@ use std::sync::Arc;
 
 use glam::Vec3;
 
-use crate::geometry::Occluders;
+use crate::geometry::{Hit, Occluders};
 use crate::scene::Scene;
 use crate::solve::{Leaf, Mesh, Snapshot, barycentric};
 
 /// A point farther than this share of the scene's size from every surface lies on none.
 const TOLERANCE: f32 = 1e-3;
 
-/// Standard error of a reading, as a share of the light there: some tenths of a millisecond.
-const READING_ERROR: f32 = 0.02;
+/// Standard error of a reading, as a share of the light there, unless another is asked for: some tenths of a millisecond.
+pub const READING_ERROR: f32 = 0.02;
 
 /// A snapshot and its mesh as rays meet it.
 #[derive(Clone)]
@@ -79,20 +79,23 @@ impl LitMesh {
 
     /// The first bright side along a ray, as the picture shows it; `direction` of any length.
     pub fn under(&self, origin: Vec3, direction: Vec3) -> Option<SurfaceReading> {
+        let hit = self.first_front(origin, direction)?;
+        Some(self.reading(hit.polygon, hit.point, READING_ERROR))
+    }
+
+    /// Reading at a point of a surface that is bright towards `normal`, to a standard error that is this share of the light there;
+    /// `None` where the mesh has no such surface.
+    pub fn at(&self, point: Vec3, normal: Vec3, error: f32) -> Option<SurfaceReading> {
+        let hit = self.first_front(point + self.tolerance * normal, -normal)?;
+        (hit.point.distance(point) <= self.tolerance).then(|| self.reading(hit.polygon, hit.point, error))
+    }
+
+    fn first_front(&self, origin: Vec3, direction: Vec3) -> Option<Hit> {
         let direction = direction.try_normalize().filter(|_| origin.is_finite())?;
-        let hit = self.faces.first_front(origin, direction)?;
-        Some(self.reading(hit.polygon, hit.point))
+        self.faces.first_front(origin, direction)
     }
 
-    /// Reading at a point of a surface that is bright towards `normal`; `None` where the mesh has
-    /// no such surface.
-    pub fn at(&self, point: Vec3, normal: Vec3) -> Option<SurfaceReading> {
-        let origin = point + self.tolerance * normal;
-        let found = self.under(origin, -normal)?;
-        (found.point.distance(point) <= self.tolerance).then_some(found)
-    }
-
-    fn reading(&self, triangle: u32, point: Vec3) -> SurfaceReading {
+    fn reading(&self, triangle: u32, point: Vec3, error: f32) -> SurfaceReading {
         let mesh = &self.snapshot.mesh;
         let triangle = triangle as usize;
         let corners = corners(mesh, triangle);
@@ -100,7 +103,7 @@ impl LitMesh {
         let normal = (corners[1] - corners[0]).cross(corners[2] - corners[0]).normalize_or_zero();
         let (irradiance, radiosity, standard_error) = match &self.snapshot.field {
             Some(field) => {
-                let read = field.read(leaf.polygon, point, READING_ERROR);
+                let read = field.read(leaf.polygon, point, error);
                 let surface = field.surface(leaf.polygon);
                 (read.mean, surface.emission + surface.reflectance * read.mean, Some(read.standard_error))
             }

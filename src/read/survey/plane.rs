@@ -1,8 +1,8 @@
 //! Irradiance of a work plane: each point looks around itself for what its surroundings send.
 //!
-//! Light of lamps is found by their exact form factors, times the share of rays to them that come
-//! through; what everything reflects, by rays of density cosθ/π, whose mean radiosity is the
-//! irradiance. Both are the same on every run.
+//! Where there is a gathered field, the points ask its estimator, as probes do. Over a bare mesh, the light of lamps is found by
+//! their exact form factors, times the share of rays to them that come through, and what everything reflects by rays of density
+//! cosθ/π, whose mean radiosity is the irradiance. Both are the same on every run.
 
 use std::f32::consts::PI;
 use std::sync::Arc;
@@ -20,8 +20,10 @@ use crate::scene::{Polygon, Scene};
 use crate::solve::Snapshot;
 use crate::transport::point_to_polygon;
 
-/// Rays by which a point looks around itself: reflected light of a room comes out within a percent.
+/// Rays by which a point looks around itself over a bare mesh: reflected light of a room comes out within a percent.
 const RAYS: u32 = 512;
+/// Rays that tell whether a point lies inside of something, where the field tells its light.
+const INSIDE_RAYS: u32 = 64;
 /// Rays from a point to all lamps together; the brighter a lamp, the more of them it gets.
 const LAMP_RAYS: f32 = 256.0;
 /// Rays from a point to the sky: through a small window one in a hundred finds it.
@@ -47,6 +49,8 @@ pub struct PlaneReading {
     pub grid: Grid,
     /// Irradiance E of each point, W/m²; `None` inside of something and outside of the room.
     pub values: Vec<Option<Vec3>>,
+    /// Standard error of each E, W/m², where it was gathered.
+    pub standard_errors: Vec<Option<Vec3>>,
     /// Zero of the points' coordinates in those of the scene's file.
     pub origin: DVec3,
     /// The light that was measured.
@@ -100,28 +104,31 @@ pub struct Measuring<'a> {
     lamps: Vec<&'a Polygon>,
     plane: WorkPlane,
     grid: Grid,
-    values: Vec<Option<Vec3>>,
+    error: f32,
+    values: Vec<Option<Value>>,
 }
 
+/// Irradiance of a point, W/m², and its standard error where it was gathered.
+type Value = (Vec3, Option<Vec3>);
+
 impl<'a> Measuring<'a> {
-    /// Begins with a plane.
+    /// Begins with a plane, whose points are gathered to a standard error that is this share of the light there.
     ///
     /// # Errors
     /// A plane that cannot be measured in this scene.
-    pub fn new(lit: &'a LitMesh, plane: WorkPlane) -> Result<Self, GridError> {
+    pub fn new(lit: &'a LitMesh, plane: WorkPlane, error: f32) -> Result<Self, GridError> {
         let grid = plane.grid(lit.scene())?;
         let values = Vec::with_capacity(grid.points.len());
-        Ok(Self { lit, lamps: lamps(lit.scene()), plane, grid, values })
+        Ok(Self { lit, lamps: lamps(lit.scene()), plane, grid, error, values })
     }
 
     /// Measures a few more points, which takes some 20 ms; false when all are done.
     pub fn advance(&mut self) -> bool {
         let from = self.values.len();
         let chunk = &self.grid.points[from..self.grid.points.len().min(from + CHUNK)];
-        let (lit, lamps, up) = (self.lit, &self.lamps, self.grid.up);
-        let of_point =
-            |(index, point): (usize, &Vec3)| irradiance(lit, lamps, *point, up, hash64(SEED, (from + index) as u64));
-        self.values.par_extend(chunk.par_iter().enumerate().map(of_point));
+        let of_point = |(index, point): (usize, &Vec3)| self.value(*point, hash64(SEED, (from + index) as u64));
+        let values: Vec<Option<Value>> = chunk.par_iter().enumerate().map(of_point).collect();
+        self.values.extend(values);
         self.values.len() < self.grid.points.len()
     }
 
@@ -130,13 +137,44 @@ impl<'a> Measuring<'a> {
         self.values.len() as f32 / self.grid.points.len().max(1) as f32
     }
 
+    /// Irradiance of a small area in the air; `None` inside of something and where there is no floor.
+    fn value(&self, point: Vec3, seed: u64) -> Option<Value> {
+        let (lit, normal) = (self.lit, self.grid.up);
+        let (across, along) = normal.any_orthonormal_pair();
+        let down = (SLANT[0] * across + SLANT[1] * along - normal).normalize();
+        if !matches!(lit.met(point, down), Met::Front(_)) {
+            return None;
+        }
+        let field = lit.snapshot().field.as_ref();
+        let rays = if field.is_some() { INSIDE_RAYS } else { RAYS };
+        let (mut sent, mut backs) = (Vec3::ZERO, 0);
+        for ray in 0..rays {
+            let [u, v] = r2_sequence(seed, ray);
+            match lit.met(point, cosine_direction(normal, u, v)) {
+                Met::Front(radiosity) => sent += radiosity,
+                Met::Back => backs += 1,
+                Met::Nothing => {}
+            }
+        }
+        if 2 * backs >= rays {
+            return None;
+        }
+        if let Some(field) = field {
+            let read = field.irradiance_at((point, normal), self.error, seed);
+            return Some((read.mean, Some(read.standard_error)));
+        }
+        let others = from_lamps(lit, &self.lamps, point, normal, seed) + from_outside(lit, point, normal, seed);
+        Some((sent / rays as f32 + others, None))
+    }
+
     /// The reading of the measured points; the others count as left out.
     pub fn finish(mut self) -> PlaneReading {
         self.values.resize(self.grid.points.len(), None);
         PlaneReading {
             plane: self.plane,
             grid: self.grid,
-            values: self.values,
+            values: self.values.iter().map(|value| value.map(|(irradiance, _)| irradiance)).collect(),
+            standard_errors: self.values.iter().map(|value| value.and_then(|(_, error)| error)).collect(),
             origin: self.lit.scene().origin,
             snapshot: self.lit.snapshot().clone(),
             open_ground: open_ground(self.lit.scene()),
@@ -144,12 +182,12 @@ impl<'a> Measuring<'a> {
     }
 }
 
-/// Measures a plane.
+/// Measures a plane; see [`Measuring::new`].
 ///
 /// # Errors
 /// A plane that cannot be measured in this scene.
-pub fn measure(lit: &LitMesh, plane: WorkPlane) -> Result<PlaneReading, GridError> {
-    let mut measuring = Measuring::new(lit, plane)?;
+pub fn measure(lit: &LitMesh, plane: WorkPlane, error: f32) -> Result<PlaneReading, GridError> {
+    let mut measuring = Measuring::new(lit, plane, error)?;
     while measuring.advance() {}
     Ok(measuring.finish())
 }
@@ -160,50 +198,20 @@ fn lamps(scene: &Scene) -> Vec<&Polygon> {
     scene.polygons.iter().filter(emits).collect()
 }
 
-/// Irradiance of a small area in the air; `None` inside of something and where there is no floor.
-fn irradiance(lit: &LitMesh, lamps: &[&Polygon], point: Vec3, normal: Vec3, seed: u64) -> Option<Vec3> {
-    let (across, along) = normal.any_orthonormal_pair();
-    let down = (SLANT[0] * across + SLANT[1] * along - normal).normalize();
-    if !matches!(lit.met(point, down), Met::Front(_)) {
-        return None;
-    }
-    let (mut sent, mut backs) = (Vec3::ZERO, 0);
-    for ray in 0..RAYS {
-        let [u, v] = r2_sequence(seed, ray);
-        match lit.met(point, cosine_direction(normal, u, v)) {
-            Met::Front(radiosity) => sent += radiosity,
-            Met::Back => backs += 1,
-            Met::Nothing => {}
-        }
-    }
-    let others = || from_lamps(lit, lamps, point, normal, seed) + from_outside(lit, point, normal, seed);
-    (2 * backs < RAYS).then(|| sent / RAYS as f32 + others())
-}
-
-/// Irradiance by the sky and the sun: one half of the rays to the sky has density cosθ/π, the other is drawn by its radiance, and by what
-/// is seen of it where a gather found openings.
+/// Irradiance by the sky and the sun: one half of the rays to the sky has density cosθ/π, the other is drawn by its radiance.
 fn from_outside(lit: &LitMesh, point: Vec3, normal: Vec3, seed: u64) -> Vec3 {
     let Some(outside) = lit.scene().outside() else { return Vec3::ZERO };
-    let field = lit.snapshot().field.as_ref();
-    let draw = |numbers: [f32; 2]| match field {
-        Some(field) => field.draw_sky(point, numbers),
-        None => outside.draw(numbers).map(|drawn| drawn.direction),
-    };
-    let density = |direction: Vec3| match field {
-        Some(field) => field.sky_density(point, direction),
-        None => outside.density(direction),
-    };
     let mut light = Vec3::ZERO;
     for ray in 0..if outside.has_sky() { SKY_RAYS } else { 0 } {
         let numbers = r2_sequence(hash64(seed, 1 << 40), ray / 2);
         let direction = match ray % 2 {
             0 => Some(cosine_direction(normal, numbers[0], numbers[1])),
-            _ => draw(numbers),
+            _ => outside.draw(numbers).map(|drawn| drawn.direction),
         };
         let Some(direction) = direction else { continue };
         let cosine = normal.dot(direction);
         if cosine > 0.0 && matches!(lit.met(point, direction), Met::Nothing) {
-            let density = 0.5 * (cosine / PI + density(direction));
+            let density = 0.5 * (cosine / PI + outside.density(direction));
             light += cosine / density / SKY_RAYS as f32 * outside.radiance(direction);
         }
     }
@@ -290,7 +298,7 @@ mod tests {
         let corners = [at(1.8, 1.8), at(2.2, 1.8), at(2.2, 2.2), at(1.8, 2.2)];
         scene.add_quad(corners, lamp, GroupId(0));
         let found =
-            measure(&lit(scene), WorkPlane { height: 0.8, spacing: 0.5, margin: 0.5, area: None }).expect("a floor");
+            measure(&lit(scene), WorkPlane { height: 0.8, spacing: 0.5, margin: 0.5, area: None }, 0.01).expect("a floor");
         assert_eq!((found.grid.counts, found.summary().left_out), ([6, 6], 0));
         for (point, value) in found.grid.points.iter().zip(&found.values) {
             let corners = corners.map(|corner| corner.as_dvec3());
@@ -308,7 +316,7 @@ mod tests {
     fn a_part_of_a_plane_is_a_few_points() {
         let lit = lit(room(0.5, 1.0));
         let plane = WorkPlane { height: 0.8, spacing: 0.05, margin: 0.5, area: None };
-        let mut measuring = Measuring::new(&lit, plane).expect("a usable plane");
+        let mut measuring = Measuring::new(&lit, plane, 0.02).expect("a usable plane");
         let points = measuring.grid.points.len();
         assert!(measuring.advance() && points > 50 * CHUNK, "{points}");
         assert_eq!(measuring.values.len(), CHUNK);
@@ -325,7 +333,7 @@ mod tests {
         add_box(&mut scene, (lower, upper), false, (wall, GroupId(0)));
         let truth = closed_room(1.0, 1.0, 0.5) as f32;
         let found =
-            measure(&lit(scene), WorkPlane { height: 0.8, spacing: 0.4, margin: 0.0, area: None }).expect("a floor");
+            measure(&lit(scene), WorkPlane { height: 0.8, spacing: 0.4, margin: 0.0, area: None }, 0.01).expect("a floor");
         let (mut inside, mut worst, mut sum) = (0, 0.0_f32, 0.0);
         for (point, value) in found.grid.points.iter().zip(&found.values) {
             let is_inside = point.cmpgt(lower).all() && point.cmplt(upper).all();

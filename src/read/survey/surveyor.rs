@@ -8,9 +8,10 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use glam::Vec3;
+use rayon::prelude::*;
 
 use super::grid::WorkPlane;
-use super::lit_mesh::{LitMesh, SurfaceReading};
+use super::lit_mesh::{LitMesh, READING_ERROR, SurfaceReading};
 use super::plane::{Measuring, PlaneReading};
 use crate::base::actor::{Actor, Desk};
 use crate::scene::Scene;
@@ -22,6 +23,10 @@ const BUILD_SHARE: u32 = 8;
 /// For the pointer alone, meshes of more triangles than this are not made ready: that would take
 /// seconds and much memory.
 const MOST_POINTED: usize = 1 << 20;
+/// Probes are read again to half the standard error, until it is below this share of the light there.
+const SETTLED_ERROR: f32 = 0.0025;
+/// Pause between two readings of the probes: what is asked meanwhile comes first.
+const SETTLE_AFTER: Duration = Duration::from_millis(20);
 /// The share of a plane that is measured is told this often.
 const TELL_EVERY: Duration = Duration::from_millis(50);
 
@@ -89,7 +94,7 @@ impl Surveyor {
     pub fn spawn(wake: Box<dyn Fn() + Send>) -> std::io::Result<Self> {
         let run = |desk| {
             let (light, lit, look, plane, build) = (None, None, None, None, None);
-            Session { desk, light, lit, look, probes: Vec::new(), plane, build, has_new_light: false }.run();
+            Session { desk, light, lit, look, probes: Vec::new(), plane, build, probes_error: None }.run();
         };
         Actor::spawn("surveyor", wake, run).map(Self)
     }
@@ -135,8 +140,8 @@ struct Session {
     plane: Option<WorkPlane>,
     /// When a mesh was last made ready, and how long that took.
     build: Option<(Instant, Duration)>,
-    /// Whether the probes have yet to be read in the newest light.
-    has_new_light: bool,
+    /// Standard error, as a share of the light there, to which the probes are read next; `None` once they are settled.
+    probes_error: Option<f32>,
 }
 
 impl Session {
@@ -148,12 +153,12 @@ impl Session {
                 match ask {
                     Ask::Light(scene, snapshot) => {
                         self.light = Some((scene, snapshot));
-                        self.has_new_light = true;
+                        self.probes_error = Some(READING_ERROR);
                     }
                     Ask::Look(ray) => self.look = ray,
                     Ask::Probe(places) => {
                         self.probes = places;
-                        self.has_new_light = true;
+                        self.probes_error = Some(READING_ERROR);
                     }
                     Ask::Measure(plane) => self.plane = Some(plane),
                     Ask::ForgetPlane => {
@@ -174,7 +179,7 @@ impl Session {
         let is_asked = can_look || !self.probes.is_empty() || self.plane.is_some();
         if !is_asked {
             // A light that nobody looks at is not held.
-            (self.lit, self.has_new_light) = (None, false);
+            (self.lit, self.probes_error) = (None, None);
             self.desk.tell(|report| report.looked = None);
             return None;
         }
@@ -184,11 +189,13 @@ impl Session {
         if wait.is_some() {
             return wait;
         }
-        self.has_new_light = false;
         if let Some(plane) = self.plane.take() {
             self.measure(&lit, plane);
         }
-        None
+        let is_settled = self.probes.is_empty() || lit.snapshot().field.is_none();
+        let finer = |error: f32| 0.5 * error;
+        self.probes_error = self.probes_error.map(finer).filter(|error| !is_settled && *error >= SETTLED_ERROR);
+        self.probes_error.map(|_| SETTLE_AFTER)
     }
 
     /// Takes over the newest light; makes its mesh ready unless that was done a moment ago. How
@@ -215,8 +222,9 @@ impl Session {
     /// The pointer and the probes.
     fn answer(&mut self, lit: &LitMesh) {
         let looked = self.look.map(|ray| Looked { ray, reading: lit.under(ray.origin, ray.direction) });
-        let probed = |&(point, normal): &(Vec3, Vec3)| Probed { point, normal, reading: lit.at(point, normal) };
-        let probes = self.has_new_light.then(|| Arc::new(self.probes.iter().map(probed).collect::<Vec<_>>()));
+        let probed = |&(point, normal): &(Vec3, Vec3), error: f32| Probed { point, normal, reading: lit.at(point, normal, error) };
+        let read = |error: f32| self.desk.work(|| self.probes.par_iter().map(|place| probed(place, error)).collect());
+        let probes = self.probes_error.map(|error| Arc::new(read(error)));
         self.desk.tell(|report| {
             report.looked = looked;
             report.probes = probes.unwrap_or_else(|| report.probes.clone());
@@ -225,7 +233,7 @@ impl Session {
 
     /// Measures a plane; goes on answering for the pointer meanwhile.
     fn measure(&mut self, lit: &LitMesh, plane: WorkPlane) {
-        let mut measuring = match Measuring::new(lit, plane) {
+        let mut measuring = match Measuring::new(lit, plane, READING_ERROR) {
             Ok(measuring) => measuring,
             Err(error) => {
                 self.desk.tell(|report| (report.failure, report.progress) = (Some(error.to_string()), None));

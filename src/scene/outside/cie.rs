@@ -1,5 +1,7 @@
 //! The CIE general sky [CIE S 011:2003; Darula, Kittler 2002]: its luminance by the angles to the zenith and to the sun.
 
+use super::perez;
+
 /// Coefficients a to e of the 15 standard skies: gradation towards the horizon (a, b) and scattering about the sun (c, d, e).
 const STANDARD: [[f64; 5]; 15] = [
     [4.0, -0.70, 0.0, -1.0, 0.00],
@@ -31,15 +33,40 @@ pub enum Spread {
     Overcast,
     /// One of the 15 standard skies, by its number.
     Standard(u8),
+    /// The general sky by its coefficients a to e.
+    General([f64; 5]),
+    /// By the weather: the sun's irradiance of a face turned to it and the sky's of open ground, W/m² of all radiation.
+    Weather {
+        /// By the sun.
+        direct: f32,
+        /// By the sky.
+        diffuse: f32,
+    },
 }
 
 impl Spread {
     /// Whether the sky's luminance depends on where the sun is.
     pub fn needs_sun(self) -> bool {
-        matches!(self, Self::Standard(number) if STANDARD[usize::from(number) - 1][2] != 0.0)
+        match self {
+            Self::Uniform | Self::Overcast => false,
+            Self::Standard(number) => Self::General(standard(number)).needs_sun(),
+            Self::General([_, _, c, _, e]) => c != 0.0 || e != 0.0,
+            Self::Weather { .. } => true,
+        }
     }
 
-    /// Luminance at a sine of the elevation and a cosine of the angle to the sun, up to a factor; 0 below the horizon.
+    /// The same spread by coefficients alone, where those depend on the sun's elevation (radians).
+    pub fn under_sun(self, elevation: f64) -> Self {
+        match self {
+            Self::Weather { direct, diffuse } => {
+                Self::General(perez::coefficients(direct.into(), diffuse.into(), elevation))
+            }
+            other => other,
+        }
+    }
+
+    /// Luminance at a sine of the elevation and a cosine of the angle to the sun, up to a factor; 0 below the horizon. A weather must have been
+    /// put [under its sun](Self::under_sun).
     pub fn at(self, elevation_sine: f64, sun_cosine: f64) -> f64 {
         if elevation_sine < 0.0 {
             return 0.0;
@@ -47,15 +74,22 @@ impl Spread {
         match self {
             Self::Uniform => 1.0,
             Self::Overcast => (1.0 + 2.0 * elevation_sine) / 3.0,
-            Self::Standard(number) => {
-                let [a, b, c, d, e] = STANDARD[usize::from(number) - 1];
-                let gradation = 1.0 + a * (b / elevation_sine.max(1e-6)).exp();
-                let angle = sun_cosine.clamp(-1.0, 1.0).acos();
-                let scattered = (d * angle).exp() - (d * std::f64::consts::FRAC_PI_2).exp();
-                (gradation * (1.0 + c * scattered + e * sun_cosine * sun_cosine)).max(0.0)
-            }
+            Self::Standard(number) => general(standard(number), elevation_sine, sun_cosine),
+            Self::General(coefficients) => general(coefficients, elevation_sine, sun_cosine),
+            Self::Weather { .. } => general(standard(CLEAR), elevation_sine, sun_cosine),
         }
     }
+}
+
+fn standard(number: u8) -> [f64; 5] {
+    STANDARD[usize::from(number) - 1]
+}
+
+fn general([a, b, c, d, e]: [f64; 5], elevation_sine: f64, sun_cosine: f64) -> f64 {
+    let gradation = 1.0 + a * (b / elevation_sine.max(1e-6)).exp();
+    let angle = sun_cosine.clamp(-1.0, 1.0).acos();
+    let scattered = (d * angle).exp() - (d * std::f64::consts::FRAC_PI_2).exp();
+    (gradation * (1.0 + c * scattered + e * sun_cosine * sun_cosine)).max(0.0)
 }
 
 #[cfg(test)]
@@ -73,6 +107,8 @@ mod tests {
         let clear = |angle: f64| Spread::Standard(CLEAR).at(0.7, angle.cos());
         assert!(clear(0.0) > 5.0 * clear(0.8) && clear(0.8) > clear(1.6) && clear(2.9) > clear(1.6));
         assert_eq!(Spread::Uniform.at(-0.01, 0.0), 0.0);
+        let [by_number, by_coefficients] = [Spread::Standard(CLEAR), Spread::General([-1.0, -0.32, 10.0, -3.0, 0.45])];
+        assert_eq!(by_number.at(0.3, 0.2), by_coefficients.at(0.3, 0.2));
         assert!(Spread::Standard(CLEAR).needs_sun() && !Spread::Standard(1).needs_sun());
     }
 }

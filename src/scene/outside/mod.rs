@@ -4,6 +4,7 @@
 //! date and place (`solar`). People tell both in words (`told`); [`Outside`] is what they come to in a scene's own axes.
 
 mod cie;
+mod perez;
 mod picture;
 mod solar;
 mod table;
@@ -36,7 +37,7 @@ const EVEN: f32 = 4.0;
 pub enum DaylightError {
     /// No sky.
     #[error(
-        "a sky is told as KIND:AMOUNT, such as overcast:10000lx; KIND is uniform, overcast, clear, cie1 to cie15 or a picture (.hdr, .exr, .png, .jpg), AMOUNT its horizontal illuminance in lx or irradiance in W (it is `{0}`)"
+        "a sky is told as KIND:AMOUNT, such as overcast:10000lx; KIND is uniform, overcast, clear, cie1 to cie15, cie=A/B/C/D/E (the coefficients of CIE S 011), perez=DIRECT/DIFFUSE (W/m², as weather files have them) or a picture (.hdr, .exr, .png, .jpg), AMOUNT its horizontal illuminance in lx or irradiance in W (it is `{0}`)"
     )]
     Sky(String),
     /// No sun.
@@ -172,7 +173,7 @@ impl Outside {
         });
         let sun = told.sun.zip(place).map(|(sun, place)| Sun {
             direction: axes.of_scene(place.as_vec3()).normalize(),
-            irradiance: if place.z > 0.0 { sun.irradiance() } else { Vec3::ZERO },
+            irradiance: if place.z > 0.0 { sun.irradiance_under(told.sky.as_ref()) } else { Vec3::ZERO },
         });
         let sky = told.sky.as_ref().map(|sky| Sky::new(sky, place, read)).transpose()?;
         let sun = sun.filter(|sun| sun.irradiance.max_element() > 0.0);
@@ -349,9 +350,10 @@ impl Sky {
                 if spread.needs_sun() && sun.is_none() {
                     return Err(DaylightError::NeedsSun(told.to_string()));
                 }
+                let spread = spread.under_sun(place.z.asin());
                 let watts = told.amount.map_or(0.0, Amount::watts);
-                let factor = f64::from(watts) / horizontal_of(*spread, place);
-                (Source::Formula(*spread, factor as f32), Vec3::splat(watts))
+                let factor = f64::from(watts) / horizontal_of(spread, place);
+                (Source::Formula(spread, factor as f32), Vec3::splat(watts))
             }
             SkyKind::Picture(name) => {
                 let unusable = |why: String| DaylightError::Picture { name: name.clone(), why };

@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use super::DaylightError;
 use super::cie::{CLEAR, Spread};
+use super::perez::{SKY_EFFICACY, SUN_EFFICACY};
 use super::solar::{Moment, position};
 use crate::base::photometry::LUMENS_PER_WATT;
 
@@ -130,6 +131,8 @@ impl fmt::Display for Amount {
     }
 }
 
+/// The largest irradiance that a weather may have, W/m²: more than the sun's outside of the air.
+const MOST_RADIATION: f32 = 1500.0;
 /// Illuminance by a formula's sky where none is given, lx.
 const USUAL_SKY: f32 = 10_000.0;
 
@@ -148,21 +151,42 @@ impl FromStr for SkyTold {
             Some((name, amount)) if Amount::read(amount).is_some() => (name, Amount::read(amount)),
             _ => (text, None),
         };
-        let number = || name.strip_prefix("cie")?.parse::<u8>().ok().filter(|number| (1..=15).contains(number));
-        let spread = match name {
-            "uniform" => Some(Spread::Uniform),
-            "overcast" | "cie16" => Some(Spread::Overcast),
-            "clear" => Some(Spread::Standard(CLEAR)),
-            _ => number().map(Spread::Standard),
-        };
-        if let Some(spread) = spread {
-            return Ok(Self::of(spread, amount.unwrap_or(Amount::Lux(USUAL_SKY))));
+        if let Some(spread) = read_spread(name) {
+            let usual = match spread {
+                Spread::Weather { diffuse, .. } => SKY_EFFICACY * diffuse,
+                _ => USUAL_SKY,
+            };
+            return Ok(Self::of(spread, amount.unwrap_or(Amount::Lux(usual))));
         }
         let is_picture = [".hdr", ".exr", ".png", ".jpg", ".jpeg"];
         if is_picture.iter().any(|ending| name.to_lowercase().ends_with(ending)) {
             return Ok(Self { kind: SkyKind::Picture(name.to_owned()), amount });
         }
         Err(DaylightError::Sky(text.to_owned()))
+    }
+}
+
+fn read_spread(name: &str) -> Option<Spread> {
+    let numbers = |text: &str| text.split('/').map(|number| number.parse::<f64>().ok()).collect::<Option<Vec<_>>>();
+    if let Some(text) = name.strip_prefix("cie=") {
+        let coefficients: [f64; 5] = numbers(text)?.try_into().ok()?;
+        // Larger ones are no sky, and overflow.
+        return coefficients.iter().all(|value| value.abs() <= 100.0).then_some(Spread::General(coefficients));
+    }
+    if let Some(text) = name.strip_prefix("perez=") {
+        let irradiances: [f64; 2] = numbers(text)?.try_into().ok()?;
+        let [direct, diffuse] = irradiances.map(|value| value as f32);
+        let is_sound = (0.0..=MOST_RADIATION).contains(&direct) && diffuse > 0.0 && diffuse <= MOST_RADIATION;
+        return is_sound.then_some(Spread::Weather { direct, diffuse });
+    }
+    match name {
+        "uniform" => Some(Spread::Uniform),
+        "overcast" | "cie16" => Some(Spread::Overcast),
+        "clear" => Some(Spread::Standard(CLEAR)),
+        _ => {
+            let number = name.strip_prefix("cie")?.parse().ok();
+            number.filter(|number| (1..=15).contains(number)).map(Spread::Standard)
+        }
     }
 }
 
@@ -173,6 +197,8 @@ impl fmt::Display for SkyTold {
             SkyKind::Formula(Spread::Overcast) => f.write_str("overcast")?,
             SkyKind::Formula(Spread::Standard(CLEAR)) => f.write_str("clear")?,
             SkyKind::Formula(Spread::Standard(number)) => write!(f, "cie{number}")?,
+            SkyKind::Formula(Spread::General([a, b, c, d, e])) => write!(f, "cie={a}/{b}/{c}/{d}/{e}")?,
+            SkyKind::Formula(Spread::Weather { direct, diffuse }) => write!(f, "perez={direct}/{diffuse}")?,
             SkyKind::Picture(name) => f.write_str(name)?,
         }
         self.amount.map_or(Ok(()), |amount| write!(f, ":{amount}"))
@@ -196,9 +222,18 @@ impl SunTold {
         }
     }
 
-    /// Irradiance of a face turned to it, W/m² per colour.
+    /// Irradiance of a face turned to it, W/m² per colour, on a clear day unless it is told.
     pub fn irradiance(&self) -> Vec3 {
-        let grey = self.amount.unwrap_or_else(|| clear_day(self.angles()[1])).watts();
+        self.irradiance_under(None)
+    }
+
+    /// Irradiance of a face turned to it, W/m² per colour, as it is told, or as the weather of this sky has it.
+    pub fn irradiance_under(&self, sky: Option<&SkyTold>) -> Vec3 {
+        let usual = || match sky.map(|sky| &sky.kind) {
+            Some(SkyKind::Formula(Spread::Weather { direct, .. })) => Amount::Lux(SUN_EFFICACY * direct),
+            _ => clear_day(self.angles()[1]),
+        };
+        let grey = self.amount.unwrap_or_else(usual).watts();
         let eye = crate::base::photometry::weighted(self.colour.into());
         if eye > 0.0 { grey / eye * self.colour } else { Vec3::splat(grey) }
     }
@@ -335,7 +370,7 @@ mod tests {
     #[test]
     fn what_is_told_comes_back_as_it_was() {
         for text in
-            ["overcast:10000lx", "uniform:50W", "clear:8500lx", "cie7:100lx", "roof.hdr", "day:light.exr:2000lx"]
+            ["overcast:10000lx", "uniform:50W", "clear:8500lx", "cie7:100lx", "cie=-1/-0.32/10/-3/0.45:80lx", "perez=600/120:9000lx", "roof.hdr", "day:light.exr:2000lx"]
         {
             let told: SkyTold = text.parse().expect(text);
             assert_eq!(told.to_string(), text);
@@ -350,13 +385,14 @@ mod tests {
             let told: SunTold = text.parse().expect(text);
             assert_eq!(told.to_string(), text);
         }
+        assert_eq!("perez=600/120".parse::<SkyTold>().expect("usual").to_string(), "perez=600/120:14400lx");
         assert_eq!("overcast".parse::<SkyTold>().expect("usual").to_string(), "overcast:10000lx");
         assert_eq!("az:1,el:2,60klx".parse::<SunTold>().expect("klx").amount, Some(Amount::Lux(60_000.0)));
     }
 
     #[test]
     fn what_cannot_be_used_is_refused() {
-        for text in ["", "cloudy", "cie0", "cie17", "overcast:-5lx", "overcast:5", "overcast:1e12lx", "sky.tiff"] {
+        for text in ["", "cloudy", "cie0", "cie17", "overcast:-5lx", "overcast:5", "overcast:1e12lx", "sky.tiff", "cie=1/2/3/4", "cie=1/2/3/4/1e9", "perez=600/0", "perez=9e9/1"] {
             assert!(text.parse::<SkyTold>().is_err(), "{text}");
         }
         for text in [

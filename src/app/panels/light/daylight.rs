@@ -1,6 +1,6 @@
 //! The part of the light section for what lies outside: a sky and a sun, by presets and sliders; where the sun stands next door.
 
-use egui::{Slider, Ui};
+use egui::{ComboBox, Slider, TextEdit, Ui};
 
 use super::sun_place;
 use crate::app::widgets::theme;
@@ -19,6 +19,25 @@ const PRESETS: [(&str, Preset); 5] = [
     (words::LOW_SUN, Preset { sky: Some((Spread::Standard(CLEAR), 8_000.0)), sun: Some(50_000.0) }),
 ];
 
+/// The 15 standard skies of CIE S 011, in their order.
+const STANDARD_SKIES: [&str; 15] = [
+    "Overcast, steep",
+    "Overcast, steep, bright sun side",
+    "Overcast, moderate",
+    "Overcast, moderate, bright sun side",
+    "Even clouds",
+    "Cloudy, bright sun side",
+    "Cloudy, brighter about the sun",
+    "Cloudy, distinct corona",
+    "Cloudy, sun behind clouds",
+    "Broken clouds, bright about the sun",
+    "White-blue, distinct corona",
+    "Clear",
+    "Clear, polluted",
+    "Turbid, broad corona",
+    "White-blue turbid, broad corona",
+];
+
 /// A sky with its horizontal illuminance and a sun with its own, lx.
 #[derive(Clone, Copy)]
 struct Preset {
@@ -31,12 +50,41 @@ struct Preset {
 pub(in crate::app) struct DaylightEditor {
     /// What was set.
     pub told: Daylight,
+    /// The sky as it is being written.
+    text: String,
+    /// Why what was written is no sky.
+    problem: Option<String>,
 }
 
 impl DaylightEditor {
     /// Takes over what a scene has.
     pub(in crate::app) fn follow(&mut self, told: Daylight) {
-        self.told = told;
+        self.text = told.sky.as_ref().map(ToString::to_string).unwrap_or_default();
+        (self.told, self.problem) = (told, None);
+    }
+
+    /// Spreads the sky's light in another way; one that needs a sun gets one.
+    fn set_spread(&mut self, spread: Spread) {
+        let amount = self.told.sky.as_ref().and_then(|sky| sky.amount).unwrap_or(Amount::Lux(10_000.0));
+        self.set_sky(SkyTold::of(spread, amount));
+    }
+
+    fn set_sky(&mut self, sky: SkyTold) {
+        if matches!(sky.kind, SkyKind::Formula(spread) if spread.needs_sun()) {
+            self.told.sun.get_or_insert(SunTold::at(200.0, 45.0, None));
+        }
+        self.told.sky = Some(sky);
+    }
+
+    /// Takes over the sky that was written.
+    fn read_text(&mut self) {
+        match self.text.trim().parse() {
+            Ok(sky) => {
+                self.problem = None;
+                self.set_sky(sky);
+            }
+            Err(problem) => self.problem = Some(problem.to_string()),
+        }
     }
 
     fn preset(&self, name: &str, preset: Preset) -> Daylight {
@@ -79,10 +127,8 @@ pub(in crate::app) fn show(ui: &mut Ui, editor: &mut DaylightEditor, outbox: &mu
         {
             sky.amount = Some(Amount::Lux(lux));
         }
-        if let SkyKind::Picture(name) = &sky.kind {
-            ui.add(egui::Label::new(theme::weak(name.clone())).truncate());
-        }
     }
+    show_sky_kind(ui, editor);
     if let Some(sun) = &mut editor.told.sun {
         let mut lux = crate::base::photometry::lux(sun.irradiance().into());
         if theme::row(ui, words::SUN_ILLUMINANCE, |ui| lux_slider(ui, &mut lux))
@@ -95,6 +141,47 @@ pub(in crate::app) fn show(ui: &mut Ui, editor: &mut DaylightEditor, outbox: &mu
     }
     if editor.told != before {
         outbox.push(Command::SetDaylight(editor.told.clone()));
+    }
+}
+
+/// How the light of the sky is spread: by a list, and by the words of the command line for what is not in it.
+fn show_sky_kind(ui: &mut Ui, editor: &mut DaylightEditor) {
+    let Some(sky) = &editor.told.sky else { return };
+    let name = |spread: Spread| match spread {
+        Spread::Uniform => words::UNIFORM_SKY.to_owned(),
+        Spread::Overcast => words::OVERCAST_SKY.to_owned(),
+        Spread::Standard(number) => format!("{number}: {}", STANDARD_SKIES[usize::from(number) - 1]),
+        Spread::General(_) => "By coefficients".to_owned(),
+        Spread::Weather { .. } => "By the weather".to_owned(),
+    };
+    let (present, shown) = match sky.kind {
+        SkyKind::Formula(spread) => (Some(spread), name(spread)),
+        SkyKind::Picture(_) => (None, "Picture".to_owned()),
+    };
+    let mut chosen = None;
+    theme::row(ui, words::SKY_TYPE, |ui| {
+        let list = ComboBox::from_id_salt(words::SKY_TYPE).selected_text(shown).truncate();
+        let answer = list.show_ui(ui, |ui| {
+            for spread in [Spread::Uniform, Spread::Overcast].into_iter().chain((1..=15).map(Spread::Standard)) {
+                if ui.selectable_label(present == Some(spread), name(spread)).clicked() {
+                    chosen = Some(spread);
+                }
+            }
+        });
+        answer.response.on_hover_text("How bright the sky is where (CIE S 011)")
+    });
+    if let Some(spread) = chosen {
+        editor.set_spread(spread);
+    }
+    let written = theme::row(ui, words::SKY_TEXT, |ui| {
+        let hint = "As on the command line: cie=A/B/C/D/E (coefficients), perez=DIRECT/DIFFUSE (weather, W/m²), or the path of a picture all around; :10000lx or :50W may follow";
+        ui.add(TextEdit::singleline(&mut editor.text).desired_width(f32::INFINITY)).on_hover_text(hint)
+    });
+    if written.lost_focus() && ui.input(|input| input.key_pressed(egui::Key::Enter)) {
+        editor.read_text();
+    }
+    if let Some(problem) = &editor.problem {
+        ui.label(theme::weak(problem.clone()));
     }
 }
 
@@ -111,7 +198,7 @@ mod tests {
     #[test]
     fn presets_keep_the_sun_in_its_place() {
         let told = Daylight { sky: None, sun: Some(SunTold::at(123.0, 21.0, None)) };
-        let editor = DaylightEditor { told };
+        let editor = DaylightEditor { told, ..DaylightEditor::default() };
         for (name, preset) in PRESETS {
             let made = editor.preset(name, preset);
             if let Some(sun) = made.sun.filter(|_| name == words::CLEAR_SKY) {
@@ -122,5 +209,23 @@ mod tests {
                 "{name}"
             );
         }
+    }
+
+    /// A sky that is brightest about the sun gets one; what is no sky changes nothing and is told.
+    #[test]
+    fn skies_are_taken_from_their_words() {
+        let mut editor = DaylightEditor::default();
+        for (text, has_sun) in [("overcast:5000lx", false), ("perez=600/120", true), ("cie=4/-0.7/0/-1/0:8000lx", true)] {
+            editor.text = text.to_owned();
+            editor.read_text();
+            assert!(editor.problem.is_none() && editor.told.sun.is_some() == has_sun, "{text}: {editor:?}");
+        }
+        editor.set_spread(Spread::Standard(3));
+        let before = editor.told.clone();
+        assert_eq!(before.sky.as_ref().map(ToString::to_string).as_deref(), Some("cie3:8000lx"));
+        editor.text = "cloudy".to_owned();
+        editor.read_text();
+        assert!(editor.problem.as_ref().is_some_and(|problem| problem.contains("cloudy")));
+        assert_eq!(editor.told, before);
     }
 }

@@ -1,0 +1,59 @@
+//! Scenes and rays that are measured.
+
+use std::sync::Arc;
+
+use glam::Vec3;
+use rayon::ThreadPool;
+use selflink::base::cancel::CancelToken;
+use selflink::base::random::hash64;
+use selflink::geometry::Occluders;
+use selflink::measure::reference::random_points_on;
+use selflink::scene::{Scene, builtin::BuiltinScene};
+use selflink::solve::{Solver, SolverParams};
+
+/// Segments that are traced in one go.
+const SEGMENTS: usize = 100_000;
+
+/// Segments end at this share of their length before the faces that they join.
+const BEFORE: f32 = 1e-4;
+
+/// A scene of our own, ready to be solved.
+pub struct Room {
+    pub scene: Arc<Scene>,
+    pub occluders: Arc<Occluders>,
+}
+
+impl Room {
+    /// One of our scenes, its faces turned and cut.
+    pub fn new(scene: BuiltinScene) -> Self {
+        let scene = scene.build();
+        let sides = scene.sides;
+        let (scene, occluders) = selflink::geometry::orient::apply(scene, sides);
+        Self { scene: scene.into(), occluders: occluders.into() }
+    }
+
+    /// From nothing but the occluders to a finished solution.
+    pub fn solve(&self, params: SolverParams, pool: &ThreadPool) -> Solver {
+        pool.install(|| {
+            let (scene, occluders) = (self.scene.clone(), self.occluders.clone());
+            let mut solver = Solver::new(scene, occluders, params, 0).expect("usable parameters");
+            assert!(solver.run(&CancelToken::new()), "nobody cancels");
+            solver
+        })
+    }
+
+    /// Segments from just before random points on faces to just before others. Random points come in the order of the faces: ends are drawn among them.
+    pub fn segments(&self) -> Vec<[Vec3; 2]> {
+        let all: Vec<u32> = (0..self.scene.polygons.len() as u32).collect();
+        let points = random_points_on(&self.scene, &all, SEGMENTS, 1);
+        let draw = |index| points[hash64(2, index) as usize % points.len()].position;
+        let pairs = (0..).map(|index| [draw(2 * index), draw(2 * index + 1)]);
+        let between = pairs.filter(|[from, to]| from != to).take(SEGMENTS);
+        between.map(|[from, to]| [from.lerp(to, BEFORE), to.lerp(from, BEFORE)]).collect()
+    }
+}
+
+/// How many of some segments meet a face.
+pub fn count_occluded(occluders: &Occluders, segments: &[[Vec3; 2]]) -> usize {
+    segments.iter().filter(|[from, to]| occluders.occluded(*from, *to)).count()
+}
