@@ -200,3 +200,49 @@ fn versions_agree() {
         assert!(read(&root().join(file)).contains(&text), "{file} lacks {text}");
     }
 }
+
+/// The rooms of `src/`, from below to above.
+const ROOMS: [&str; 15] = [
+    "base",
+    "scene",
+    "geometry",
+    "prepare",
+    "hierarchy",
+    "transport",
+    "gather",
+    "solve",
+    "read",
+    "export",
+    "render",
+    "measure",
+    "worker",
+    "app",
+    "cli",
+];
+
+/// Truth: the layout that the README tells. Code of a room imports rooms below it alone; what documents and tests name is free.
+#[test]
+fn rooms_import_only_those_below_them() {
+    let (mut folders, mut files, mut wrong) = (vec![root().join("src")], 0, Vec::new());
+    while let Some(folder) = folders.pop() {
+        for path in std::fs::read_dir(folder).expect("a folder").map(|entry| entry.expect("an entry").path()) {
+            if path.is_dir() {
+                folders.push(path);
+                continue;
+            }
+            let inside = path.strip_prefix(root().join("src")).expect("it lies there");
+            let room = inside.iter().next().and_then(|room| ROOMS.iter().position(|known| room == *known));
+            let (Some(room), false) = (room, inside.ends_with("tests.rs")) else { continue };
+            files += 1;
+            let text = read(&path);
+            let code = text.split("#[cfg(test)]\nmod tests").next().unwrap_or_default();
+            for line in code.lines().filter(|line| !line.trim_start().starts_with("//")) {
+                let named = line.split("crate::").skip(1).filter_map(|rest| rest.split([':', ';', ' ']).next());
+                let above = |name: &&str| ROOMS[room + 1..].contains(name);
+                wrong.extend(named.filter(above).map(|name| format!("{} imports {name}", inside.display())));
+            }
+        }
+    }
+    assert!(files > 300, "{files} files");
+    assert!(wrong.is_empty(), "{wrong:#?}");
+}

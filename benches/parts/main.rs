@@ -121,10 +121,10 @@ fn refinement(table: &mut Table) {
     for (name, room) in [("seminar", seminar()), ("office", Room::new(BuiltinScene::Office))] {
         let segments = room.segments();
         let one = threads(1);
-        let [ray, refine] = medians([
-            &|| seconds(|| count_occluded(&room.occluders, &segments)) / segments.len() as f64,
-            &|| room.solve(by_epsilon(), &one).stats().seconds.refine,
-        ]);
+        let [ray, refine] =
+            medians([&|| seconds(|| count_occluded(&room.occluders, &segments)) / segments.len() as f64, &|| {
+                room.solve(by_epsilon(), &one).stats().seconds.refine
+            }]);
         let stats = room.solve(by_epsilon(), &one).stats();
         let outside = (refine - ray * stats.rays as f64) / stats.links as f64;
         let what = format!("{name}, ε = 1e-3, one thread: {} links, {} rays", stats.links, stats.rays);

@@ -6,6 +6,10 @@ use std::task::Poll;
 use std::thread::{self, Builder};
 
 use rayon::{ThreadPool, ThreadPoolBuildError, ThreadPoolBuilder};
+use thread_priority::{ThreadPriority, ThreadPriorityValue};
+
+/// Priority of threads that give way, of 100; about half is usual.
+const BACKGROUND: u8 = 25;
 
 /// Locks; a thread that panicked while it held the lock left a whole value behind, since all of ours only swap or set.
 pub fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
@@ -20,9 +24,26 @@ pub fn pool(name: &'static str, threads: usize) -> Result<ThreadPool, ThreadPool
     ThreadPoolBuilder::new().num_threads(threads).thread_name(move |index| format!("{name}-{index}")).build()
 }
 
-/// A pool of half of the machine's threads: the solver has all of them, and the two share. Without one, rayon's own serves.
+/// A pool of so many threads, 0 for every core, that give way to all others of the program: where cores are short, frames and commands come first.
+///
+/// # Errors
+/// The system gives no further threads.
+pub fn background_pool(name: &'static str, threads: usize) -> Result<ThreadPool, ThreadPoolBuildError> {
+    let give_way = |_| {
+        // A system that does not let threads give way runs them alike.
+        let _ = ThreadPriorityValue::try_from(BACKGROUND)
+            .map(|value| ThreadPriority::Crossplatform(value).set_for_current());
+    };
+    ThreadPoolBuilder::new()
+        .num_threads(threads)
+        .thread_name(move |index| format!("{name}-{index}"))
+        .start_handler(give_way)
+        .build()
+}
+
+/// A pool of half of the machine's threads that gives way to the solver's, which has all of them. Without one, rayon's own serves.
 pub fn half_pool(name: &'static str) -> Option<ThreadPool> {
-    pool(name, thread::available_parallelism().map_or(1, |count| count.get().div_ceil(2))).ok()
+    background_pool(name, thread::available_parallelism().map_or(1, |count| count.get().div_ceil(2))).ok()
 }
 
 /// Works on a pool; without one, on rayon's own.
@@ -63,5 +84,24 @@ impl<T: Send + 'static> Background<T> {
             Err(TryRecvError::Empty) => Poll::Pending,
             Err(TryRecvError::Disconnected) => Poll::Ready(None),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Truth: what Linux says of the thread; 0 is usual, 19 the least.
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn threads_of_the_background_give_way() {
+        let niceness = || {
+            let stat = std::fs::read_to_string("/proc/thread-self/stat").expect("Linux tells");
+            let after_name = stat.rsplit(')').next().expect("a name in brackets").to_owned();
+            after_name.split_whitespace().nth(16).and_then(|field| field.parse::<i32>().ok()).expect("a number")
+        };
+        let usual = niceness();
+        let found = background_pool("background", 1).expect("a thread").install(niceness);
+        assert!(found > usual.min(18), "{found} instead of {usual}");
     }
 }

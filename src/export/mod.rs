@@ -2,8 +2,7 @@
 //!
 //! Lit meshes as [`ply`] and [`glb`], a view in W/m² as [`exr`], links as CSV ([`links`]), settings
 //! as JSON ([`settings`]), scenes for other programs that light them ([`peers`]). Writers take what
-//! they write as plain data; they know neither files' names nor windows. Imports `scene`, `solver`,
-//! `tone`.
+//! they write as plain data; they know neither files' names nor windows.
 
 pub mod exr;
 pub mod glb;

@@ -74,8 +74,6 @@ pub struct Cluster {
     patch_count: u32,
 }
 
-impl Cluster {}
-
 /// Kind of an element.
 #[derive(Clone, Copy, Debug)]
 pub enum Shape {

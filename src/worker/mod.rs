@@ -6,8 +6,7 @@
 //! merged: the newest settings win.
 //!
 //! Files are read and BVHs built on a further thread (`loader`), which is orphaned when its result is no longer wanted:
-//! the present scene stays in view, and rests, until the new one is ready. Imports `scene`, `orient`,
-//! `visibility` and `solver`; knows no window.
+//! the present scene stays in view, and rests, until the new one is ready. Knows no window.
 
 mod guard;
 mod loader;

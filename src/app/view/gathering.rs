@@ -11,7 +11,7 @@ use rayon::ThreadPool;
 
 use crate::app::Wake;
 use crate::base::cancel::CancelToken;
-use crate::base::threads::{lock, pool, within};
+use crate::base::threads::{background_pool, lock, pool, within};
 use crate::gather::Field;
 use crate::read::picture::{GatheredPicture, Start};
 use crate::render::{Camera, Display, Pixels, Reading, developed};
@@ -84,7 +84,13 @@ impl Gathering {
     pub(in crate::app) fn start(wake: &Wake) -> Self {
         let (asks, inbox) = channel();
         let slot = Slot::default();
-        let easel = Easel { inbox, slot: slot.clone(), wake: wake.clone(), pool: pool("picture", 0).ok(), serial: 0 };
+        let easel = Easel {
+            inbox,
+            slot: slot.clone(),
+            wake: wake.clone(),
+            pool: background_pool("picture", 0).ok(),
+            serial: 0,
+        };
         let started = Builder::new().name("picture".into()).spawn(move || easel.run());
         Self { asks: started.is_ok().then_some(asks), slot, cancel: CancelToken::new(), last: None, is_asked: false }
     }

@@ -1,4 +1,4 @@
-//! Partitions: large surfaces are cut where a wall stands on them, so that no patch lies in two rooms.
+//! Cuts: large surfaces are cut where a wall stands on them, so that no patch lies in two rooms.
 //!
 //! Refinement splits a patch in the middle of its edges, wherever walls stand. The leaves under the foot of a wall would lie on both of
 //! its sides and show one light: a bright seam in the dark room. This is the discontinuity of order zero of [Heckbert 92; Lischinski,

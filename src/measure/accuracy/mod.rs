@@ -2,8 +2,7 @@
 //! [`Reference`](crate::measure::reference::Reference).
 //!
 //! [`closed_forms`] holds the formulas, [`cases`] makes scenes of them that the reference and the
-//! solver are put to, and [`ErrorMeter`] measures a snapshot against a reference. Imports
-//! `reference` and `solver`.
+//! solver are put to, and [`ErrorMeter`] measures a snapshot against a reference.
 
 pub mod cases;
 mod checks;

@@ -3,8 +3,7 @@
 //!
 //! A [`Lab`] makes measured runs at pinned settings ([`Effort`]); each [`Part`] makes a [`Report`]
 //! of them, which holds tables for people, a record of every run with all its parameters for
-//! programs, and [`Claim`]s whose verdicts are computed from the numbers. Imports `accuracy`,
-//! `chart`, `reference`, `scene` and `solver`; the figures import `render` as well.
+//! programs, and [`Claim`]s whose verdicts are computed from the numbers.
 
 mod claims;
 mod columns;

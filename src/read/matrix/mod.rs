@@ -7,8 +7,7 @@
 //!
 //! [`raster`] draws the blocks of any part of the square, [`pair_at`] says what lies at a place,
 //! [`brackets`] which elements to name along its edges, and [`draw`] makes a whole picture with
-//! axes and legend. Window and command line share all of them. Nothing here knows a window; the
-//! module imports `solver`, `hierarchy`, `scene`, `names` and `ramp`.
+//! axes and legend. Window and command line share all of them. Nothing here knows a window.
 
 mod axis;
 mod colour;

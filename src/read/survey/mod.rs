@@ -1,10 +1,9 @@
 //! Survey: a solution read at places that a person chooses, on surfaces and in the air.
 //!
 //! [`LitMesh`] finds what a ray meets in a snapshot and what light is there. [`WorkPlane`] measures
-//! the irradiance of a level plane in the air, where no surface is: each point of a grid looks
-//! around itself for the radiosity of what it sees. The [`Surveyor`] does both on a thread beside a
-//! window. Imports `scene`, `visibility`, `solver`, `photometry` and points on polygons of
-//! `reference`.
+//! the irradiance of a level plane in the air, where no surface is: each point of a grid asks the
+//! gather, or looks around itself for the radiosity of what it sees. The [`Surveyor`] does both on a
+//! thread beside a window.
 
 mod csv;
 mod floor;

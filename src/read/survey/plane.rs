@@ -297,8 +297,8 @@ mod tests {
         let at = |x: f32, z: f32| Vec3::new(x, 2.9, z);
         let corners = [at(1.8, 1.8), at(2.2, 1.8), at(2.2, 2.2), at(1.8, 2.2)];
         scene.add_quad(corners, lamp, GroupId(0));
-        let found =
-            measure(&lit(scene), WorkPlane { height: 0.8, spacing: 0.5, margin: 0.5, area: None }, 0.01).expect("a floor");
+        let found = measure(&lit(scene), WorkPlane { height: 0.8, spacing: 0.5, margin: 0.5, area: None }, 0.01)
+            .expect("a floor");
         assert_eq!((found.grid.counts, found.summary().left_out), ([6, 6], 0));
         for (point, value) in found.grid.points.iter().zip(&found.values) {
             let corners = corners.map(|corner| corner.as_dvec3());
@@ -332,8 +332,8 @@ mod tests {
         let (lower, upper) = (Vec3::new(0.9, 0.0, 0.9), Vec3::new(2.1, 1.0, 2.1));
         add_box(&mut scene, (lower, upper), false, (wall, GroupId(0)));
         let truth = closed_room(1.0, 1.0, 0.5) as f32;
-        let found =
-            measure(&lit(scene), WorkPlane { height: 0.8, spacing: 0.4, margin: 0.0, area: None }, 0.01).expect("a floor");
+        let found = measure(&lit(scene), WorkPlane { height: 0.8, spacing: 0.4, margin: 0.0, area: None }, 0.01)
+            .expect("a floor");
         let (mut inside, mut worst, mut sum) = (0, 0.0_f32, 0.0);
         for (point, value) in found.grid.points.iter().zip(&found.values) {
             let is_inside = point.cmpgt(lower).all() && point.cmplt(upper).all();

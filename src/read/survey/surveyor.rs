@@ -222,7 +222,11 @@ impl Session {
     /// The pointer and the probes.
     fn answer(&mut self, lit: &LitMesh) {
         let looked = self.look.map(|ray| Looked { ray, reading: lit.under(ray.origin, ray.direction) });
-        let probed = |&(point, normal): &(Vec3, Vec3), error: f32| Probed { point, normal, reading: lit.at(point, normal, error) };
+        let probed = |&(point, normal): &(Vec3, Vec3), error: f32| Probed {
+            point,
+            normal,
+            reading: lit.at(point, normal, error),
+        };
         let read = |error: f32| self.desk.work(|| self.probes.par_iter().map(|place| probed(place, error)).collect());
         let probes = self.probes_error.map(|error| Arc::new(read(error)));
         self.desk.tell(|report| {

@@ -72,7 +72,10 @@ mod tests {
             let missing = 1.0 / (1.0 - c * end);
             let paper = |angle: f64| 1.0 + missing * (c * (d * angle).exp() + e * angle.cos().powi(2));
             for angle in [0.0, 0.5, 1.2, 2.5] {
-                assert!((general(angle) * missing - paper(angle)).abs() < 1e-9 * paper(angle).abs(), "{direct} {angle}");
+                assert!(
+                    (general(angle) * missing - paper(angle)).abs() < 1e-9 * paper(angle).abs(),
+                    "{direct} {angle}"
+                );
             }
         }
     }

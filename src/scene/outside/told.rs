@@ -369,9 +369,16 @@ mod tests {
 
     #[test]
     fn what_is_told_comes_back_as_it_was() {
-        for text in
-            ["overcast:10000lx", "uniform:50W", "clear:8500lx", "cie7:100lx", "cie=-1/-0.32/10/-3/0.45:80lx", "perez=600/120:9000lx", "roof.hdr", "day:light.exr:2000lx"]
-        {
+        for text in [
+            "overcast:10000lx",
+            "uniform:50W",
+            "clear:8500lx",
+            "cie7:100lx",
+            "cie=-1/-0.32/10/-3/0.45:80lx",
+            "perez=600/120:9000lx",
+            "roof.hdr",
+            "day:light.exr:2000lx",
+        ] {
             let told: SkyTold = text.parse().expect(text);
             assert_eq!(told.to_string(), text);
         }
@@ -392,7 +399,20 @@ mod tests {
 
     #[test]
     fn what_cannot_be_used_is_refused() {
-        for text in ["", "cloudy", "cie0", "cie17", "overcast:-5lx", "overcast:5", "overcast:1e12lx", "sky.tiff", "cie=1/2/3/4", "cie=1/2/3/4/1e9", "perez=600/0", "perez=9e9/1"] {
+        for text in [
+            "",
+            "cloudy",
+            "cie0",
+            "cie17",
+            "overcast:-5lx",
+            "overcast:5",
+            "overcast:1e12lx",
+            "sky.tiff",
+            "cie=1/2/3/4",
+            "cie=1/2/3/4/1e9",
+            "perez=600/0",
+            "perez=9e9/1",
+        ] {
             assert!(text.parse::<SkyTold>().is_err(), "{text}");
         }
         for text in [

@@ -215,7 +215,8 @@ mod tests {
     #[test]
     fn skies_are_taken_from_their_words() {
         let mut editor = DaylightEditor::default();
-        for (text, has_sun) in [("overcast:5000lx", false), ("perez=600/120", true), ("cie=4/-0.7/0/-1/0:8000lx", true)] {
+        for (text, has_sun) in [("overcast:5000lx", false), ("perez=600/120", true), ("cie=4/-0.7/0/-1/0:8000lx", true)]
+        {
             editor.text = text.to_owned();
             editor.read_text();
             assert!(editor.problem.is_none() && editor.told.sun.is_some() == has_sun, "{text}: {editor:?}");
