@@ -182,7 +182,7 @@ fn room(is_in_ceiling: bool) -> (Scene, Vec3, [Vec3; 2]) {
 }
 
 /// Truth: a point sees a rectangle of sky, by Lambert's formula where the sky is uniform and by quadrature else; the rest is black.
-/// Within 1 %.
+/// Within 1 %; the reference within three of its standard errors, 0.8 % where a hundredth of its paths find the opening.
 #[test]
 fn openings_in_black_rooms_light_points_as_their_sky_says() {
     for is_in_ceiling in [true, false] {
@@ -203,7 +203,7 @@ fn openings_in_black_rooms_light_points_as_their_sky_says() {
                 let [gather, reference] = read(&scene, &solved, 0, point, 512);
                 let what = format!("{sky}, ceiling {is_in_ceiling}, {point}");
                 assert_within(gather, truth, 0.01, &format!("{what}, gather"));
-                assert_within(reference, truth, 0.01, &format!("{what}, reference"));
+                assert_within(reference, truth, 0.025, &format!("{what}, reference"));
             }
         }
     }

@@ -8,7 +8,8 @@
 use glam::{Vec3, Vec4};
 use rayon::prelude::*;
 
-use super::light::{Light, PARTS};
+use super::light::{Light, PARTS, SUN};
+use super::sights::Place;
 use super::{Sight, Sights};
 use crate::base::cancel::CancelToken;
 use crate::gather::grey;
@@ -55,16 +56,20 @@ pub struct Share {
     pub noise: f32,
 }
 
-/// Parts of the light on their way through the filter: colours, and the noise as the fourth.
-#[derive(Clone, Copy, Debug, Default)]
-struct Mixed {
-    light: [Vec4; PARTS],
+/// The first parts of the light on their way through the filter: colours, and the noise as the fourth.
+#[derive(Clone, Copy, Debug)]
+struct Mixed<const N: usize> {
+    light: [Vec4; N],
     /// Looks that stand behind each.
-    weight: [f32; PARTS],
+    weight: [f32; N],
+}
+
+impl<const N: usize> Mixed<N> {
+    const NOTHING: Self = Self { light: [Vec4::ZERO; N], weight: [0.0; N] };
 }
 
 /// 1 / squared deviations of the weights of each part at a sample, 1/m².
-type Narrowness = [f32; PARTS];
+type Narrowness<const N: usize> = [f32; N];
 
 impl Filter {
     /// Shares the light of all samples; `None` if cancelled.
@@ -73,18 +78,28 @@ impl Filter {
     /// over a plane do [Silverman 1986]. What is shared depends on where samples lie and on what surrounds them, never on
     /// their light, so noise goes through the filter as light does.
     pub fn share(&self, sights: &Sights, light: &Light, cancel: &CancelToken) -> Option<Vec<Share>> {
-        let (mut mixed, narrowness) = self.start(sights, light, cancel)?;
-        let mut next = vec![Mixed::default(); mixed.len()];
+        let has_sun = light.found.par_iter().any(|found| found.sums[SUN] != Vec3::ZERO);
+        match has_sun {
+            true => self.share_parts::<PARTS>(sights, light, cancel),
+            false => self.share_parts::<SUN>(sights, light, cancel),
+        }
+    }
+
+    /// Shares the first parts of the light: the sun's comes last, and costs nothing where it does not shine.
+    fn share_parts<const N: usize>(&self, sights: &Sights, light: &Light, cancel: &CancelToken) -> Option<Vec<Share>> {
+        let places: Vec<Place> = sights.all.par_iter().map(Sight::place).collect();
+        let (mut mixed, narrowness) = self.start::<N>(sights, &places, light, cancel)?;
+        let mut next = vec![Mixed::NOTHING; mixed.len()];
         for pass in 0..self.passes {
-            let width = sights.size[0] as usize;
-            next.par_chunks_exact_mut(width.max(1)).enumerate().for_each(|(row, next)| {
+            let grid = Grid { size: sights.size.map(|side| side as i32), spacing: sights.spacing, places: &places };
+            next.par_chunks_exact_mut((sights.size[0] as usize).max(1)).enumerate().for_each(|(row, next)| {
                 if !cancel.is_cancelled() {
-                    share_row(sights, &mixed, &narrowness, 1 << pass, row, next);
+                    share_row(&grid, &mixed, &narrowness, 1 << pass, row, next);
                 }
             });
             std::mem::swap(&mut mixed, &mut next);
         }
-        let sum = |mixed: &Mixed| {
+        let sum = |mixed: &Mixed<N>| {
             let sum: Vec4 = mixed.light.iter().sum();
             Share { irradiance: sum.truncate(), noise: sum.w }
         };
@@ -92,10 +107,16 @@ impl Filter {
     }
 
     /// Looks at the 5×5 samples around each.
-    fn start(&self, sights: &Sights, light: &Light, cancel: &CancelToken) -> Option<(Vec<Mixed>, Vec<Narrowness>)> {
+    fn start<const N: usize>(
+        &self,
+        sights: &Sights,
+        places: &[Place],
+        light: &Light,
+        cancel: &CancelToken,
+    ) -> Option<(Vec<Mixed<N>>, Vec<Narrowness<N>>)> {
         let [width, height] = sights.size.map(|side| side as usize);
-        let mut mixed = vec![Mixed::default(); light.found.len()];
-        let mut narrowness = vec![[0.0; PARTS]; light.found.len()];
+        let mut mixed = vec![Mixed::NOTHING; light.found.len()];
+        let mut narrowness = vec![[0.0; N]; light.found.len()];
         let rows = mixed.par_chunks_exact_mut(width.max(1)).zip(narrowness.par_chunks_exact_mut(width.max(1)));
         rows.enumerate().for_each(|(y, (mixed, narrowness))| {
             if cancel.is_cancelled() {
@@ -103,16 +124,16 @@ impl Filter {
             }
             for (x, (mixed, narrowness)) in mixed.iter_mut().zip(narrowness).enumerate() {
                 let index = y * width + x;
-                let here = &sights.all[index];
-                if here.polygon().is_none() {
+                let here = &places[index];
+                if !here.is_seen() {
                     continue;
                 }
                 let per_plane = 1.0 / (PLANE * here.distance);
-                let (mut samples, mut looks, mut nearness, mut sums) = (0.0, 0.0, 0.0, [0.0; PARTS]);
+                let (mut samples, mut looks, mut nearness, mut sums) = (0.0, 0.0, 0.0, [0.0; N]);
                 for y in y.saturating_sub(2)..(y + 3).min(height) {
                     for x in x.saturating_sub(2)..(x + 3).min(width) {
                         let found = &light.found[y * width + x];
-                        let weight = likeness(here, &sights.all[y * width + x], per_plane);
+                        let weight = likeness(here, &places[y * width + x], per_plane);
                         if weight > 0.0 {
                             samples += weight;
                             looks += weight * found.looks;
@@ -129,7 +150,7 @@ impl Filter {
                 let narrowing = fewer(looks / samples * (sights.per_side * sights.per_side) as f32);
                 let spacing = sights.spacing * here.distance;
                 let surroundings = looks / nearness.max(f32::MIN_POSITIVE);
-                for part in 0..PARTS {
+                for part in 0..N {
                     let reach = narrowing * (self.reach[part] * surroundings).max(LEAST_REACH[part] * spacing);
                     narrowness[part] = 1.0 / (reach * reach).max(f32::MIN_POSITIVE);
                 }
@@ -140,7 +161,7 @@ impl Filter {
                         let noise = found.signed[part] - found.signs * sums[part] / looks;
                         found.sums[part].extend(noise) / found.looks
                     };
-                    *mixed = Mixed { light: std::array::from_fn(of), weight: [found.looks; PARTS] };
+                    *mixed = Mixed { light: std::array::from_fn(of), weight: [found.looks; N] };
                 }
             }
         });
@@ -148,21 +169,37 @@ impl Filter {
     }
 }
 
-fn share_row(sights: &Sights, mixed: &[Mixed], narrowness: &[Narrowness], step: i32, row: usize, next: &mut [Mixed]) {
-    let [width, height] = sights.size.map(|side| side as i32);
+/// Samples of a picture, row by row.
+struct Grid<'a> {
+    /// Width and height.
+    size: [i32; 2],
+    /// Distance between samples, as a share of the distance from the eye.
+    spacing: f32,
+    places: &'a [Place],
+}
+
+fn share_row<const N: usize>(
+    grid: &Grid,
+    mixed: &[Mixed<N>],
+    narrowness: &[Narrowness<N>],
+    step: i32,
+    row: usize,
+    next: &mut [Mixed<N>],
+) {
+    let [width, height] = grid.size;
     let y = row as i32;
     for (x, next) in (0..width).zip(next) {
         let index = (y * width + x) as usize;
-        let here = &sights.all[index];
+        let here = &grid.places[index];
         *next = mixed[index];
         let narrowness = narrowness[index];
         let widest = narrowness.into_iter().fold(f32::INFINITY, f32::min);
-        let nearest = step as f32 * sights.spacing * here.distance;
-        if here.polygon().is_none() || nearest * nearest * widest >= FAR {
+        let nearest = step as f32 * grid.spacing * here.distance;
+        if !here.is_seen() || nearest * nearest * widest >= FAR {
             continue;
         }
         let per_plane = 1.0 / (PLANE * here.distance);
-        let (mut light, mut weights, mut kernels) = ([Vec4::ZERO; PARTS], [0.0; PARTS], [0.0; PARTS]);
+        let (mut light, mut weights, mut kernels) = ([Vec4::ZERO; N], [0.0; N], [0.0; N]);
         for down in -2_i32..=2 {
             let y = y + down * step;
             if !(0..height).contains(&y) {
@@ -174,18 +211,18 @@ fn share_row(sights: &Sights, mixed: &[Mixed], narrowness: &[Narrowness], step: 
                     continue;
                 }
                 let there = (y * width + x) as usize;
-                let sight = &sights.all[there];
-                let square = sight.position.distance_squared(here.position);
+                let place = &grid.places[there];
+                let square = place.position.distance_squared(here.position);
                 if square * widest >= FAR {
                     continue;
                 }
-                let likeness = likeness(here, sight, per_plane);
+                let likeness = likeness(here, place, per_plane);
                 if likeness <= 0.0 {
                     continue;
                 }
                 let kernel = likeness * KERNEL[right.unsigned_abs() as usize] * KERNEL[down.unsigned_abs() as usize];
                 let there = &mixed[there];
-                for part in 0..PARTS {
+                for part in 0..N {
                     let kernel = kernel * fall_off(square * narrowness[part]);
                     let weight = kernel * there.weight[part];
                     light[part] += weight * there.light[part];
@@ -194,7 +231,7 @@ fn share_row(sights: &Sights, mixed: &[Mixed], narrowness: &[Narrowness], step: 
                 }
             }
         }
-        for part in 0..PARTS {
+        for part in 0..N {
             if weights[part] > 0.0 {
                 next.light[part] = light[part] / weights[part];
                 next.weight[part] = weights[part] / kernels[part];
@@ -205,7 +242,7 @@ fn share_row(sights: &Sights, mixed: &[Mixed], narrowness: &[Narrowness], step: 
 
 /// How far two samples are of one smooth surface, 0..=1; 1 for a sample and itself.
 #[inline]
-fn likeness(here: &Sight, there: &Sight, per_plane: f32) -> f32 {
+fn likeness(here: &Place, there: &Place, per_plane: f32) -> f32 {
     if here.is_beside(there) {
         return 1.0;
     }
@@ -222,7 +259,7 @@ pub(super) fn likeness_of(here: &Sight, there: &Sight) -> f32 {
     if here.polygon().is_none() || there.polygon().is_none() {
         return 0.0;
     }
-    likeness(here, there, 1.0 / (PLANE * here.distance))
+    likeness(&here.place(), &there.place(), 1.0 / (PLANE * here.distance))
 }
 
 /// Whether two samples are of one smooth surface, so that they can share light.

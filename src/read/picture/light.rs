@@ -17,6 +17,8 @@ use crate::gather::{Field, GatherPoint, GlanceRays, grey};
 const RAYS: GlanceRays = GlanceRays { aimed: 1, cosine: 2 };
 /// Parts of light that are shared apart: by emitters, by what others reflect, by the sun.
 pub(super) const PARTS: usize = 3;
+/// The last of them.
+pub(super) const SUN: usize = 2;
 /// Sides of the blocks whose pixels share a sequence of random numbers; a power of two.
 const BLOCK: u32 = 64;
 /// Sides of the tiles of pixels that are looked from again or not, as a whole; a power of two up to that of blocks.

@@ -40,6 +40,33 @@ pub struct Sight {
     polygon: u32,
 }
 
+/// Place of a sight: what a filter asks of it, close together in memory.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Place {
+    /// Place on the surface.
+    pub position: Vec3,
+    /// Distance from the eye.
+    pub distance: f32,
+    /// Unit normal for shading.
+    pub normal: Vec3,
+    /// Index of the scene's polygon, or none.
+    polygon: u32,
+}
+
+impl Place {
+    /// Whether a surface is seen.
+    #[inline]
+    pub fn is_seen(&self) -> bool {
+        self.polygon != NOTHING
+    }
+
+    /// Whether two samples see the same polygon.
+    #[inline]
+    pub fn is_beside(&self, other: &Self) -> bool {
+        self.polygon == other.polygon
+    }
+}
+
 impl Sight {
     const NOTHING: Self = Self {
         position: Vec3::ZERO,
@@ -83,10 +110,9 @@ impl Sight {
         (self.polygon != NOTHING).then_some(self.polygon)
     }
 
-    /// Whether two samples see the same polygon.
-    #[inline]
-    pub fn is_beside(&self, other: &Self) -> bool {
-        self.polygon == other.polygon
+    /// The place alone.
+    pub(super) fn place(&self) -> Place {
+        Place { position: self.position, distance: self.distance, normal: self.normal, polygon: self.polygon }
     }
 }
 
