@@ -130,9 +130,9 @@ fn clusters() {
     let mut window = solved(BuiltinScene::Office, by_threshold(1e-3));
     click(&mut window, words::CLUSTERS);
     solution_view(&mut window);
-    click(&mut window, "Colour by cluster");
-    window.get_by_role_and_label(Role::Slider, "Level").set_value_accesskit(5.0);
-    window.get_by_role_and_label(Role::Slider, "Explode").set_value_accesskit(35.0);
+    click(&mut window, words::COLOUR_BY_CLUSTER);
+    window.get_by_role_and_label(Role::Slider, words::LEVEL).set_value_accesskit(5.0);
+    window.get_by_role_and_label(Role::Slider, words::EXPLODE).set_value_accesskit(35.0);
     save(&mut window, "window-clusters");
 }
 

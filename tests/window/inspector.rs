@@ -180,7 +180,7 @@ fn links_over_the_view_are_filtered_and_the_rest_is_said() {
     let said = text(&window, " drawn");
     assert!(said.starts_with(&format!("10 of {count} links drawn, ")) && said.contains("% of the power"), "{said}");
     assert!(share_of_different_pixels(&plain, &picture(&mut window)) < share_of_different_pixels(&plain, &all));
-    click(&mut window, "patch–patch");
+    click(&mut window, words::PATCH_PATCH);
     assert!(text(&window, " drawn").contains("filtered out"));
     click(&mut window, "Link colour: visibility");
     assert!(window.query_by_label_contains("drawn").is_some());

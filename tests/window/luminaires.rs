@@ -145,7 +145,7 @@ fn a_task_area_is_drawn_and_judged() {
     window.drop_at(at(0.58, 0.8));
     until(&mut window, "its numbers", |window| window.query_by_label(words::TARGET_UNIFORMITY).is_some());
     assert_eq!(window.state().camera_pose().expect("a view"), pose, "the view stays");
-    assert!(window.query_by_label("Task area x from").is_some() && window.query_by_label("Task area z to").is_some());
+    assert!(window.query_by_label(&words::task_area("x", "from")).is_some() && window.query_by_label(&words::task_area("z", "to")).is_some());
     set(&mut window, Role::SpinButton, words::TARGET_AVERAGE, 1.0);
     set(&mut window, Role::SpinButton, words::TARGET_UNIFORMITY, 1.0);
     let says = |window: &Window, verdict: &str, what: &str| {
@@ -156,9 +156,9 @@ fn a_task_area_is_drawn_and_judged() {
     set(&mut window, Role::SpinButton, words::TARGET_UNIFORMITY, 0.01);
     assert!(says(&window, words::FAILED, words::AVERAGE) && says(&window, words::PASSED, words::UNIFORMITY));
     click(&mut window, words::WHOLE_PLANE);
-    assert!(window.query_by_label("Task area x from").is_none());
+    assert!(window.query_by_label(&words::task_area("x", "from")).is_none());
     click(&mut window, words::UNDO);
-    assert!(window.query_by_label("Task area x from").is_some(), "the area is back");
+    assert!(window.query_by_label(&words::task_area("x", "from")).is_some(), "the area is back");
     click(&mut window, words::REDO);
-    assert!(window.query_by_label("Task area x from").is_none());
+    assert!(window.query_by_label(&words::task_area("x", "from")).is_none());
 }

@@ -59,6 +59,8 @@ pub struct Probed {
 pub struct Report {
     /// Reading under the pointer.
     pub looked: Option<Looked>,
+    /// The light in which pointer and probes were read.
+    pub light: Option<Arc<Snapshot>>,
     /// The probes, in the order given.
     pub probes: Arc<Vec<Probed>>,
     /// The share of the work plane that is measured, while it is.
@@ -175,7 +177,7 @@ impl Session {
         if !is_asked {
             // A light that nobody looks at is not held.
             (self.lit, self.has_new_light) = (None, false);
-            self.desk.tell(|report| report.looked = None);
+            self.desk.tell(|report| (report.looked, report.light) = (None, None));
             return None;
         }
         let wait = self.follow(&scene, &snapshot);
@@ -219,6 +221,7 @@ impl Session {
         let probes = self.has_new_light.then(|| Arc::new(self.probes.iter().map(probed).collect::<Vec<_>>()));
         self.desk.tell(|report| {
             report.looked = looked;
+            report.light = Some(lit.snapshot().clone());
             report.probes = probes.unwrap_or_else(|| report.probes.clone());
         });
     }

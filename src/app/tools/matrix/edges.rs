@@ -98,7 +98,7 @@ fn name(painter: &Painter, looked: Looked<'_>, edge: Edge, bracket: &Bracket, re
     }
     let font = FontId::proportional(11.0);
     let fits = |name: &str| painter.layout_no_wrap(name.into(), font.clone(), theme::TEXT).size().x <= room;
-    let named = fitting_name((looked.names, looked.scene), looked.solution_view.hierarchy(), bracket, fits);
+    let named = fitting_name(looked.names, looked.solution_view, bracket, fits);
     let Some(name) = named else { return };
     let colour = if bracket.tier == 0 { theme::TEXT_STRONG } else { theme::TEXT };
     match edge {

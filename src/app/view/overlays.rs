@@ -1,0 +1,106 @@
+//! Cards, legends and notes over the view: each finds a place that those before it have left free.
+
+use egui::{Align2, Context, Pos2, Rect, Ui, Vec2};
+
+use crate::app::widgets::theme;
+
+/// Room between what lies over the view and the view's rims, points.
+pub(in crate::app) const MARGIN: f32 = 10.0;
+/// Room between two overlays, points.
+const GAP: f32 = 6.0;
+
+/// What lies over the view in this frame, by name.
+#[derive(Default)]
+pub(in crate::app) struct Overlays {
+    taken: Vec<(&'static str, Rect)>,
+}
+
+/// An overlay's name, the part of the view that it keeps to, and its anchor there.
+#[derive(Clone, Copy)]
+pub(in crate::app) struct Place {
+    pub name: &'static str,
+    pub view: Rect,
+    pub align: Align2,
+    pub at: Pos2,
+    /// Whether the pointer meets it.
+    pub is_interactable: bool,
+}
+
+impl Place {
+    /// In a corner or at the middle of a rim of the view, as `align` says.
+    pub(in crate::app) fn at_rim(name: &'static str, view: Rect, align: Align2) -> Self {
+        let inner = view.shrink(MARGIN);
+        Self { name, view, align, at: align.pos_in_rect(&inner), is_interactable: true }
+    }
+}
+
+impl Overlays {
+    /// Nothing lies over the view yet.
+    pub(in crate::app) fn clear(&mut self) {
+        self.taken.clear();
+    }
+
+    /// Names and rectangles, in the order in which they found their places.
+    pub(in crate::app) fn taken(&self) -> &[(&'static str, Rect)] {
+        &self.taken
+    }
+
+    /// Notes what lies somewhere already.
+    pub(in crate::app) fn take(&mut self, name: &'static str, rect: Rect) {
+        self.taken.push((name, rect));
+    }
+
+    /// The wanted rectangle, or the next free one towards the middle of the view: down from its upper half, up from its lower one.
+    pub(in crate::app) fn free(&self, view: Rect, wanted: Rect) -> Rect {
+        let goes_down = wanted.center().y < view.center().y;
+        let mut rect = wanted;
+        for _ in &self.taken {
+            let is_in_the_way = |other: &&(_, Rect)| other.1.expand(GAP - 1.0).intersects(rect);
+            let Some((_, other)) = self.taken.iter().find(is_in_the_way) else { break };
+            let by = if goes_down { other.bottom() + GAP - rect.top() } else { other.top() - GAP - rect.bottom() };
+            rect = rect.translate(Vec2::new(0.0, by));
+        }
+        rect
+    }
+
+    /// Draws widgets at a free place.
+    pub(in crate::app) fn show<R>(&mut self, ctx: &Context, place: Place, add: impl FnOnce(&mut Ui) -> R) -> R {
+        let id = egui::Id::unique(place.name);
+        let known = ctx.memory(|memory| memory.area_rect(id)).map_or(Vec2::ZERO, |rect| rect.size());
+        let wanted = place.align.anchor_size(place.at, known);
+        let at = place.at + (self.free(place.view, wanted).min - wanted.min);
+        let area = egui::Area::new(id).pivot(place.align).fixed_pos(at).interactable(place.is_interactable);
+        let shown = area.constrain_to(place.view).show(ctx, |ui| {
+            theme::over_the_view(ui);
+            add(ui)
+        });
+        let rect = shown.response.rect;
+        if (rect.size() - known).abs().max_elem() > 0.5 {
+            // Its place is found by its size, which is known only now.
+            ctx.request_repaint();
+        }
+        self.take(place.name, rect);
+        shown.inner
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use egui::{pos2, vec2};
+
+    use super::*;
+
+    /// Truth: rectangles by hand.
+    #[test]
+    fn overlays_give_way_towards_the_middle() {
+        let view = Rect::from_min_size(Pos2::ZERO, vec2(500.0, 400.0));
+        let mut overlays = Overlays::default();
+        let card = |x: f32, y: f32| Rect::from_min_size(pos2(x, y), vec2(300.0, 40.0));
+        assert_eq!(overlays.free(view, card(10.0, 10.0)), card(10.0, 10.0));
+        overlays.take("one", card(10.0, 10.0));
+        overlays.take("two", card(10.0, 350.0));
+        assert_eq!(overlays.free(view, card(190.0, 10.0)), card(190.0, 50.0 + GAP));
+        assert_eq!(overlays.free(view, card(190.0, 350.0)), card(190.0, 310.0 - GAP));
+        assert_eq!(overlays.free(view, card(320.0, 10.0)), card(320.0, 10.0));
+    }
+}
