@@ -231,7 +231,10 @@ impl ChosenLinks {
 
 /// Strongest first; equals in the order of their ends.
 fn by_power(a: &LinkView, b: &LinkView) -> Ordering {
-    b.power.element_sum().total_cmp(&a.power.element_sum()).then_with(|| (a.receiver, a.source).cmp(&(b.receiver, b.source)))
+    b.power
+        .element_sum()
+        .total_cmp(&a.power.element_sum())
+        .then_with(|| (a.receiver, a.source).cmp(&(b.receiver, b.source)))
 }
 
 /// Colour of a level below the root.

@@ -200,7 +200,10 @@ impl Parameter {
     fn translated(
         &self,
         name: &str,
-        from_and_to: impl Fn(&'static [&'static str], &'static [&'static str]) -> (&'static [&'static str], &'static [&'static str]),
+        from_and_to: impl Fn(
+            &'static [&'static str],
+            &'static [&'static str],
+        ) -> (&'static [&'static str], &'static [&'static str]),
     ) -> Option<&'static str> {
         let ValueKind::Choice { names, shown } = self.kind else { return None };
         let (from, to) = from_and_to(names, shown);

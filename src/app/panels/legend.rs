@@ -52,7 +52,12 @@ fn show_shading(overlays: &mut Overlays, ui: &Ui, view: Rect, shading: Shading, 
     let places = [0.0, 0.5, 1.0];
     let marks = places.into_iter().zip(labels);
     let marks = marks.map(|(along, label)| Mark { along, label: label.to_owned(), is_line: false }).collect();
-    show(overlays, ui, view, &Legend { title: title.to_owned(), remark: "grey: unknown", hint, colour: &colour, marks });
+    show(
+        overlays,
+        ui,
+        view,
+        &Legend { title: title.to_owned(), remark: "grey: unknown", hint, colour: &colour, marks },
+    );
 }
 
 /// The legend of a quantity.
@@ -69,7 +74,7 @@ pub(in crate::app) fn show_reading(overlays: &mut Overlays, ui: &Ui, view: Rect,
 
 /// Draws a legend into the view's lower left corner.
 fn show(overlays: &mut Overlays, ui: &Ui, view: Rect, legend: &Legend<'_>) {
-    let place = Place::at_rim("legend", view, Align2::LEFT_BOTTOM);
+    let place = Place { is_needed: false, ..Place::at_rim("legend", view, Align2::LEFT_BOTTOM) };
     overlays.show(ui.ctx(), place, |ui| {
         let frame = Frame::popup(ui.style())
             .fill(theme::PANEL.gamma_multiply(0.94))

@@ -56,7 +56,8 @@ pub(in crate::app) fn show(ui: &mut Ui, shown: &Shown, links: &mut LinkOverlay) 
             .logarithmic(true)
             .smallest_positive(LEAST_POWER_ABOVE_0)
             .custom_formatter(|share, _| format!("{} ε", format::number(share)));
-        ui.add(slider).on_hover_text("Links whose strongest channel carries less are left out; as a share of the threshold ε")
+        ui.add(slider)
+            .on_hover_text("Links whose strongest channel carries less are left out; as a share of the threshold ε")
     });
     show_kinds(ui, filter);
     ui.checkbox(&mut links.style.ends, words::OUTLINES_OF_ENDS)
@@ -134,7 +135,7 @@ pub(in crate::app) fn show_legend(app: &mut App, ui: &Ui, view: Rect) {
     let height = galley.size().y + 2.0 * 8.0 + of_colours;
     let size = vec2(BAR.x + 2.0 * MARGIN, height);
     let corner = Rect::from_min_size(view.right_bottom() - vec2(MARGIN, MARGIN) - size, size);
-    let card = app.view.overlays.free(view, corner);
+    let Some(card) = app.view.overlays.free(view, corner) else { return };
     app.view.overlays.take("link legend", card);
     let Some(chosen) = app.view.marks.chosen_links() else { return };
     let response = ui.interact(card, egui::Id::unique("link legend"), egui::Sense::hover());
@@ -155,7 +156,11 @@ pub(in crate::app) fn show_legend(app: &mut App, ui: &Ui, view: Rect) {
     };
     painter.text(pos2(bar.left(), top - 3.0), Align2::LEFT_TOP, title, font.clone(), theme::TEXT_WEAK);
     if app.edits.display.links.style.colour == LinkColour::Visibility {
-        let names = [(Seen::Full, words::FULLY_VISIBLE), (Seen::Partial, words::PARTLY_VISIBLE), (Seen::Not, words::HIDDEN_OR_NOT_TESTED)];
+        let names = [
+            (Seen::Full, words::FULLY_VISIBLE),
+            (Seen::Partial, words::PARTLY_VISIBLE),
+            (Seen::Not, words::HIDDEN_OR_NOT_TESTED),
+        ];
         let mut x = bar.left();
         for (seen, name) in names {
             let [r, g, b] = seen.colour();

@@ -42,7 +42,8 @@ pub(in crate::app) fn show(app: &mut App, ui: &Ui, view: Rect) {
 
 /// A few words over the lower edge of the view.
 pub(in crate::app) fn show_note(overlays: &mut Overlays, ui: &Ui, view: Rect, name: &'static str, text: &str) {
-    let place = Place { is_interactable: false, ..Place::at_rim(name, view, Align2::CENTER_BOTTOM) };
+    let at_rim = Place::at_rim(name, view, Align2::CENTER_BOTTOM);
+    let place = Place { is_interactable: false, is_needed: false, ..at_rim };
     overlays.show(ui.ctx(), place, |ui| {
         let fill = theme::PANEL.gamma_multiply(0.7);
         Frame::new().fill(fill).corner_radius(4).inner_margin(egui::Margin::symmetric(8, 3)).show(ui, |ui| {

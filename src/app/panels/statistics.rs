@@ -116,7 +116,9 @@ mod tests {
             absorbed_watts,
             ..Stats::default()
         };
-        for sound in [stats(100.0, 0.0, 90.0), stats(100.0, 50.0, 149.0), stats(100.0, 0.0, 100.001), stats(0.0, 0.0, 0.0)] {
+        for sound in
+            [stats(100.0, 0.0, 90.0), stats(100.0, 50.0, 149.0), stats(100.0, 0.0, 100.001), stats(0.0, 0.0, 0.0)]
+        {
             assert_eq!(remark(&sound), None, "{sound:?}");
         }
         let said = remark(&stats(100.0, 0.0, 103.0)).expect("3 W too much");

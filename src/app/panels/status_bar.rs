@@ -39,7 +39,8 @@ pub(in crate::app) fn show(
         let mut said = said(&shown.status, stats, is_dark, course.share(), ui.visuals().text_color());
         if is_view_dark && shown.status.run == RunState::Finished {
             // What is certified may all lie elsewhere.
-            said = Said { text: format!("{}; {}", said.text, words::NOTHING_SEEN_IS_LIT), colour: theme::ACCENT, ..said };
+            said =
+                Said { text: format!("{}; {}", said.text, words::NOTHING_SEEN_IS_LIT), colour: theme::ACCENT, ..said };
         }
         let (dot, _) = ui.allocate_exact_size(egui::vec2(10.0, 10.0), egui::Sense::hover());
         ui.painter().circle_filled(dot.center(), 4.0, said.colour);

@@ -25,7 +25,9 @@ pub(in crate::app) fn show(app: &mut App, ui: &Ui, view: Rect) {
     let is_seen = app.view.clusters.is_exploded()
         || app.shown.info.as_ref().is_none_or(|info| app.view.viewport.sees(picked.point, &info.occluders));
     let place = match is_seen {
-        true => Place { name: NAME, view, align: Align2::LEFT_TOP, at: at + ASIDE, is_interactable: true },
+        true => {
+            Place { name: NAME, view, align: Align2::LEFT_TOP, at: at + ASIDE, is_interactable: true, is_needed: true }
+        }
         false => Place::at_rim(NAME, view, Align2::RIGHT_TOP),
     };
     let (element, mean) = (picked.element, facts.illuminance());

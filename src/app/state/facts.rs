@@ -83,12 +83,7 @@ impl Facts {
     pub(in crate::app) fn of_leaf(snapshot: &Snapshot, scene: &Arc<Scene>, id: ElementId) -> Option<Self> {
         let leaf = snapshot.mesh.leaves.iter().find(|leaf| leaf.element == id)?;
         let light = mean_light(snapshot, |leaf| leaf == id)?;
-        let lit = Self {
-            area: light.area,
-            irradiance: light.irradiance,
-            radiosity: light.radiosity,
-            ..Self::unlit()
-        };
+        let lit = Self { area: light.area, irradiance: light.irradiance, radiosity: light.radiosity, ..Self::unlit() };
         Some(lit.with_polygon(scene, leaf.polygon))
     }
 
@@ -122,7 +117,11 @@ impl Facts {
         match self.by_links {
             None => vec![(words::E, self.irradiance, "Irradiance of the three channels, the mean over the area")],
             Some(by_links) => vec![
-                (words::E_BY_GATHER, self.irradiance, "Irradiance that the final gather finds, mean over the area: what is shown"),
+                (
+                    words::E_BY_GATHER,
+                    self.irradiance,
+                    "Irradiance that the final gather finds, mean over the area: what is shown",
+                ),
                 (
                     words::E_BY_LINKS,
                     by_links,

@@ -6,8 +6,8 @@ use std::time::{Duration, Instant};
 use glam::Vec3;
 
 use crate::app::Wake;
-use crate::app::widgets::save_dialog::SaveDialog;
 use crate::app::format;
+use crate::app::widgets::save_dialog::SaveDialog;
 use crate::base::photometry::{Quantity, ShownIn, Unit, lux, weighted};
 use crate::read::survey::{
     NamedReading, PlaneReading, Probed, Ray, Report, SurfaceReading, Surveyor, WorkPlane, write_plane, write_probes,

@@ -18,12 +18,7 @@ pub(in crate::app) struct NamesInView {
 
 impl NamesInView {
     /// Follows the state in view and the groups of its scene.
-    pub(in crate::app) fn follow(
-        &mut self,
-        generation: u64,
-        solution_view: &Arc<SolutionView>,
-        scene: &Arc<Scene>,
-    ) {
+    pub(in crate::app) fn follow(&mut self, generation: u64, solution_view: &Arc<SolutionView>, scene: &Arc<Scene>) {
         let of = self.made_of.take();
         let are_known = |(names, _): &&(Names, _)| names.are_of(generation, scene);
         let is_same = of.as_ref().filter(are_known).is_some_and(|(_, of)| Arc::ptr_eq(of, solution_view));

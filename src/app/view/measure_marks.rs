@@ -40,7 +40,12 @@ pub(in crate::app) fn show(ui: &Ui, view: Rect, eye: &Eye<'_>, measuring: &Measu
             false => (theme::ACCENT.gamma_multiply(0.9), Color32::WHITE),
             true => (Color32::TRANSPARENT, STALE),
         };
-        painter.circle(at, PROBE_RADIUS, fill, Stroke::new(1.5, if measuring.is_stale() { STALE } else { Color32::BLACK }));
+        painter.circle(
+            at,
+            PROBE_RADIUS,
+            fill,
+            Stroke::new(1.5, if measuring.is_stale() { STALE } else { Color32::BLACK }),
+        );
         let text = of_probe(probe, found.and_then(|found| found.reading).as_ref(), measuring.is_stale());
         let rect = label(&painter, at + vec2(PROBE_RADIUS + 5.0, 0.0), Align2::LEFT_CENTER, &text, 12.0, ink);
         let response = ui.interact(rect, ui.scope_id().with(("probe", index)), Sense::hover());
@@ -90,7 +95,11 @@ fn show_plane(painter: &Painter, eye: &Eye<'_>, measuring: &Measuring, scale: &R
             daylight_factor @ ShownIn::DaylightFactor { .. } => daylight_factor.per_watt() * weighted(value.to_array()),
         };
         let ink = if plane_is_stale { STALE } else { Color32::WHITE };
-        write_values(painter, ink, seen.iter().rev().map(|(at, scale, _, value)| (*at, radius_of(*scale), shown(value))));
+        write_values(
+            painter,
+            ink,
+            seen.iter().rev().map(|(at, scale, _, value)| (*at, radius_of(*scale), shown(value))),
+        );
     }
 }
 
@@ -137,14 +146,8 @@ mod tests {
     #[test]
     fn a_probe_says_its_value_its_error_and_its_age() {
         let probe = Probe { name: "desk".into(), point: Vec3::ZERO, normal: Vec3::Y };
-        let leaf = Leaf {
-            element: ElementId(1),
-            polygon: 0,
-            material: MaterialId(0),
-            area: 1.0,
-            exposed_area: 1.0,
-            level: 0,
-        };
+        let leaf =
+            Leaf { element: ElementId(1), polygon: 0, material: MaterialId(0), area: 1.0, exposed_area: 1.0, level: 0 };
         let irradiance = Vec3::splat(2.0);
         let mut reading = SurfaceReading {
             point: Vec3::ZERO,

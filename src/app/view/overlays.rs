@@ -24,13 +24,15 @@ pub(in crate::app) struct Place {
     pub at: Pos2,
     /// Whether the pointer meets it.
     pub is_interactable: bool,
+    /// Whether it is shown where it has no room too.
+    pub is_needed: bool,
 }
 
 impl Place {
     /// In a corner or at the middle of a rim of the view, as `align` says.
     pub(in crate::app) fn at_rim(name: &'static str, view: Rect, align: Align2) -> Self {
         let inner = view.shrink(MARGIN);
-        Self { name, view, align, at: align.pos_in_rect(&inner), is_interactable: true }
+        Self { name, view, align, at: align.pos_in_rect(&inner), is_interactable: true, is_needed: true }
     }
 }
 
@@ -51,28 +53,32 @@ impl Overlays {
     }
 
     /// The wanted rectangle, or the next free one towards the middle of the view: down from its upper half, up from its lower one.
-    pub(in crate::app) fn free(&self, view: Rect, wanted: Rect) -> Rect {
+    /// `None` where there is none in the view.
+    pub(in crate::app) fn free(&self, view: Rect, wanted: Rect) -> Option<Rect> {
         let goes_down = wanted.center().y < view.center().y;
         let mut rect = wanted;
-        for _ in &self.taken {
+        for _ in 0..=self.taken.len() {
             let is_in_the_way = |other: &&(_, Rect)| other.1.expand(GAP - 1.0).intersects(rect);
-            let Some((_, other)) = self.taken.iter().find(is_in_the_way) else { break };
+            let Some((_, other)) = self.taken.iter().find(is_in_the_way) else {
+                return (rect == wanted || view.contains_rect(rect)).then_some(rect);
+            };
             let by = if goes_down { other.bottom() + GAP - rect.top() } else { other.top() - GAP - rect.bottom() };
             rect = rect.translate(Vec2::new(0.0, by));
         }
-        rect
+        None
     }
 
-    /// Draws widgets at a free place.
-    pub(in crate::app) fn show<R>(&mut self, ctx: &Context, place: Place, add: impl FnOnce(&mut Ui) -> R) -> R {
+    /// Draws widgets at a free place, if there is one or they are needed.
+    pub(in crate::app) fn show(&mut self, ctx: &Context, place: Place, add: impl FnOnce(&mut Ui)) {
         let id = egui::Id::unique(place.name);
         let known = ctx.memory(|memory| memory.area_rect(id)).map_or(Vec2::ZERO, |rect| rect.size());
         let wanted = place.align.anchor_size(place.at, known);
-        let at = place.at + (self.free(place.view, wanted).min - wanted.min);
+        let Some(free) = self.free(place.view, wanted).or(place.is_needed.then_some(wanted)) else { return };
+        let at = place.at + (free.min - wanted.min);
         let area = egui::Area::new(id).pivot(place.align).fixed_pos(at).interactable(place.is_interactable);
         let shown = area.constrain_to(place.view).show(ctx, |ui| {
             theme::over_the_view(ui);
-            add(ui)
+            add(ui);
         });
         let rect = shown.response.rect;
         if (rect.size() - known).abs().max_elem() > 0.5 {
@@ -80,7 +86,6 @@ impl Overlays {
             ctx.request_repaint();
         }
         self.take(place.name, rect);
-        shown.inner
     }
 }
 
@@ -96,11 +101,13 @@ mod tests {
         let view = Rect::from_min_size(Pos2::ZERO, vec2(500.0, 400.0));
         let mut overlays = Overlays::default();
         let card = |x: f32, y: f32| Rect::from_min_size(pos2(x, y), vec2(300.0, 40.0));
-        assert_eq!(overlays.free(view, card(10.0, 10.0)), card(10.0, 10.0));
+        assert_eq!(overlays.free(view, card(10.0, 10.0)), Some(card(10.0, 10.0)));
         overlays.take("one", card(10.0, 10.0));
         overlays.take("two", card(10.0, 350.0));
-        assert_eq!(overlays.free(view, card(190.0, 10.0)), card(190.0, 50.0 + GAP));
-        assert_eq!(overlays.free(view, card(190.0, 350.0)), card(190.0, 310.0 - GAP));
-        assert_eq!(overlays.free(view, card(320.0, 10.0)), card(320.0, 10.0));
+        assert_eq!(overlays.free(view, card(190.0, 10.0)), Some(card(190.0, 50.0 + GAP)));
+        assert_eq!(overlays.free(view, card(190.0, 350.0)), Some(card(190.0, 350.0 - 40.0 - GAP)));
+        assert_eq!(overlays.free(view, card(320.0, 10.0)), Some(card(320.0, 10.0)));
+        overlays.take("three", Rect::from_min_size(pos2(0.0, 50.0), vec2(500.0, 290.0)));
+        assert_eq!(overlays.free(view, card(190.0, 10.0)), None, "there is no room left");
     }
 }

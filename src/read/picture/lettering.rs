@@ -113,7 +113,8 @@ mod tests {
         for angle in [-1.2_f32, -0.5, 0.0, 0.9] {
             let mut picture = RgbaImage::from_pixel(90, 80, Rgba([120, 130, 140, 255]));
             let at = vec2(40.0, 45.0);
-            write_labels(&mut picture, &[LineLabel { at, angle, value: 808.0 }], ShownIn::Unit(Unit::Watts)).expect("drawn");
+            write_labels(&mut picture, &[LineLabel { at, angle, value: 808.0 }], ShownIn::Unit(Unit::Watts))
+                .expect("drawn");
             let (along, across) = (vec2(angle.cos(), -angle.sin()), vec2(angle.sin(), angle.cos()));
             let of = |wanted: fn(u8) -> bool| {
                 let pixels = picture.enumerate_pixels().filter(move |(.., pixel)| wanted(pixel.0[0]));

@@ -3,7 +3,6 @@
 use basisu::{DecodeFlags, TargetFormat, Transcoder};
 use image::RgbaImage;
 
-
 /// The first bytes of a KTX2 file (KTX 2.0, section 3.1).
 pub(super) const MARK: &[u8] = b"\xabKTX 20\xbb\r\n\x1a\n";
 

@@ -3,10 +3,10 @@
 use egui::{Grid, Ui};
 use glam::Vec3;
 
-use crate::app::{format, words};
 use crate::app::state::facts::Facts;
 use crate::app::tools::inspector::{Subject, compact};
 use crate::app::widgets::theme;
+use crate::app::{format, words};
 use crate::base::photometry;
 
 /// Room that two numbers beside each other take, points.
@@ -49,7 +49,11 @@ fn numbers(facts: &Facts, deepest: u16) -> Vec<(&'static str, String, String)> {
             format::quantity(facts.illuminance().into(), "lx"),
             format!("Illuminance; {}", photometry::CONVENTION),
         ),
-        ("B", colours(facts.radiosity, "W/m²"), "Radiosity of the three channels, emitted and reflected, the mean over the area".into()),
+        (
+            "B",
+            colours(facts.radiosity, "W/m²"),
+            "Radiosity of the three channels, emitted and reflected, the mean over the area".into(),
+        ),
         (
             "Luminance",
             format::quantity(facts.luminance().into(), "cd/m²"),

@@ -32,8 +32,20 @@ const COLUMNS: [Heading; 8] = [
     (Column::FormFactor, 42.0, ["F"; 2], "form factor", "Form factor F without occlusion"),
     (Column::Visibility, 32.0, ["V"; 2], "visibility", "Visibility V, 0 to 1"),
     (Column::Rays, 58.0, ["Rays"; 2], "rays", "Rays that tested V; inherited: the pair that holds this one was clear"),
-    (Column::Power, 50.0, ["Power (W)"; 2], "power", "Power B·F·V·A that the link carries to its whole receiver, sum of the channels, W"),
-    (Column::OverEpsilon, 48.0, ["Power/ε"; 2], "share of ε", "Power of the strongest channel over the threshold ε, which bounds it"),
+    (
+        Column::Power,
+        50.0,
+        ["Power (W)"; 2],
+        "power",
+        "Power B·F·V·A that the link carries to its whole receiver, sum of the channels, W",
+    ),
+    (
+        Column::OverEpsilon,
+        48.0,
+        ["Power/ε"; 2],
+        "share of ε",
+        "Power of the strongest channel over the threshold ε, which bounds it",
+    ),
     (
         Column::Error,
         52.0,

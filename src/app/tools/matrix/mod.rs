@@ -25,7 +25,11 @@ use artist::{Artist, Drawn, Order};
 /// Colourings with their names and hints, in the order of their switches.
 const COLOURINGS: [(Colouring, &str, &str); 4] = [
     (Colouring::Power, "power", "Power that a link carries for each area of both its ends"),
-    (Colouring::Visibility, "visibility", "Whether the ends of a link are fully or partly visible to each other, or hidden"),
+    (
+        Colouring::Visibility,
+        "visibility",
+        "Whether the ends of a link are fully or partly visible to each other, or hidden",
+    ),
     (Colouring::Level, "level", "How often the root's self-link was refined until it became this link"),
     (Colouring::Rays, "rays", "How many rays a link's visibility is known by"),
 ];

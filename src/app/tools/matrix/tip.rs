@@ -2,10 +2,10 @@
 
 use egui::{Color32, Grid, RichText, Ui};
 
-use crate::app::{format, words};
 use crate::app::tools::matrix::Looked;
 use crate::app::view::highlight::{RECEIVER, SOURCE};
 use crate::app::widgets::theme;
+use crate::app::{format, words};
 use crate::hierarchy::ElementId;
 use crate::read::matrix::Pair;
 use crate::transport::{LinkView, VisibilitySource};
@@ -52,7 +52,8 @@ fn facts(link: &LinkView, epsilon: f64) -> [(&'static str, String); 4] {
         VisibilitySource::Clear(rays) => format!("{:.2}, all of {rays} rays came through", link.visibility),
         VisibilitySource::Inherited => format!("{:.2}, inherited from the element that holds it", link.visibility),
     };
-    let share = if epsilon > 0.0 { format::number(f64::from(link.power.max_element()) / epsilon) } else { "–".into() };
+    let share =
+        if epsilon > 0.0 { format::number(f64::from(link.power.max_element()) / epsilon) } else { "–".into() };
     [
         ("Form factor F", format::number(link.form_factor.into())),
         ("Visibility V", visibility),
