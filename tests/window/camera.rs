@@ -137,6 +137,7 @@ fn the_wheel_leads_no_farther_than_the_scene_can_be_seen() {
                 unit: MouseWheelUnit::Point,
                 delta: vec2(0.0, -2000.0),
                 phase: egui::TouchPhase::Move,
+                source: egui::MouseWheelSource::Wheel,
                 modifiers: egui::Modifiers::NONE,
             });
             window.step();

@@ -72,9 +72,10 @@ impl Overlays {
     pub(in crate::app) fn show(&mut self, ctx: &Context, place: Place, add: impl FnOnce(&mut Ui)) {
         let id = egui::Id::unique(place.name);
         let known = ctx.memory(|memory| memory.area_rect(id)).map_or(Vec2::ZERO, |rect| rect.size());
-        let wanted = place.align.anchor_size(place.at, known);
+        let anchored = place.align.anchor_size(place.at, known);
+        let wanted = within(place.view, anchored);
         let Some(free) = self.free(place.view, wanted).or(place.is_needed.then_some(wanted)) else { return };
-        let at = place.at + (free.min - wanted.min);
+        let at = place.at + (free.min - anchored.min);
         let area = egui::Area::new(id).pivot(place.align).fixed_pos(at).interactable(place.is_interactable);
         let shown = area.constrain_to(place.view).show(ctx, |ui| {
             theme::over_the_view(ui);
@@ -87,6 +88,13 @@ impl Overlays {
         }
         self.take(place.name, rect);
     }
+}
+
+/// A rectangle moved into the view, its upper left corner first.
+fn within(view: Rect, rect: Rect) -> Rect {
+    let by = (view.max - rect.max).min(Vec2::ZERO);
+    let rect = rect.translate(by);
+    rect.translate((view.min - rect.min).max(Vec2::ZERO))
 }
 
 #[cfg(test)]
