@@ -295,7 +295,8 @@ mod tests {
             form_factor: 0.1,
             visibility,
             visibility_source,
-            power,
+            // Blue alone: the strongest channel is the sum.
+            power: Vec3::Z * power,
             levels_up: 0,
             irradiance: Vec3::splat(power),
         }

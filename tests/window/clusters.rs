@@ -16,7 +16,7 @@ fn by_groups() -> SolverParams {
 fn open_tool(params: SolverParams) -> Harness<'static, App> {
     let mut window = cornell(params);
     finish(&mut window);
-    window.get_by_label(words::CLUSTERS).click();
+    click(&mut window, words::CLUSTERS);
     until(&mut window, "the solution view", |window| {
         window.state().snapshot().is_some_and(|snapshot| snapshot.solution_view.is_some())
     });

@@ -91,6 +91,7 @@ fn the_breadcrumb_climbs_to_the_root_and_back() {
     assert_eq!(element(&window), first);
     click(&mut window, words::CLOSE_TOOL);
     click(&mut window, words::DETAILS);
+    window.run_steps(2);
     assert!(window.query_by_label(words::SELECTED_ELEMENT).is_some(), "the card is there on request");
     click(&mut window, words::INSPECT);
     assert!(window.query_by_label(words::BACK).is_some());
