@@ -8,7 +8,7 @@ use selflink::app::{App, words};
 use selflink::scene::builtin::BuiltinScene;
 use selflink::solve::{Epsilon, ParameterId};
 
-use crate::support::{click, coarse, cornell, finish, picture, share_of_different_pixels, until};
+use crate::support::{click, coarse, cornell, finish, keep, picture, share_of_different_pixels, until};
 
 /// The part of a picture between two shares of its width, without what is written along its upper rim.
 fn part(picture: &RgbaImage, from: f32, to: f32) -> RgbaImage {
@@ -62,9 +62,7 @@ fn a_is_at_the_left_of_the_divider_and_b_at_its_right() {
     let moved = picture(&mut window);
     assert!(are_alike(&part(&moved, 0.0, 0.77), &part(&a, 0.0, 0.77)));
     assert!(are_alike(&part(&moved, 0.83, 1.0), &part(&b, 0.83, 1.0)));
-    if let Some(folder) = std::env::var_os("SELFLINK_KEEP_PICTURES") {
-        window.render().expect("a frame").save(std::path::Path::new(&folder).join("split.png")).expect("kept");
-    }
+    keep(&mut window, "split");
 }
 
 /// Truth: the solver's own numbers, and a difference that is there where settings differ.

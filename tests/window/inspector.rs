@@ -9,7 +9,7 @@ use selflink::read::names::of_polygon;
 use selflink::solve::SolverParams;
 use selflink::transport::SolutionView;
 
-use crate::support::{click, coarse, cornell, finish, link_choice, picture, share_of_different_pixels, until};
+use crate::support::{click, coarse, cornell, finish, keep, link_choice, picture, share_of_different_pixels, until};
 
 /// A finished Cornell box with the inspector open on what lies in the middle of the view.
 fn inspected() -> Harness<'static, App> {
@@ -223,6 +223,7 @@ fn an_element_is_told_alike_in_tag_card_inspector_and_tree() {
         for label in [words::LEVEL, &level, words::E_BY_GATHER, words::E_BY_LINKS] {
             assert!(window.query_all_by_label(label).next().is_some(), "{place}: {label}");
         }
+        keep(&mut window, place);
         if place == "card" {
             click(&mut window, words::INSPECT);
             window.run_steps(3);
@@ -230,4 +231,5 @@ fn an_element_is_told_alike_in_tag_card_inspector_and_tree() {
     }
     click(&mut window, words::CLUSTERS);
     until(&mut window, "its row", |window| window.query_all_by_label(&name).next().is_some());
+    keep(&mut window, "tree");
 }

@@ -8,7 +8,7 @@ use selflink::app::{App, words};
 use selflink::solve::{ParameterId, SolverParams};
 use selflink::worker::RunState;
 
-use crate::support::{choose, click, coarse, finish, picture, until};
+use crate::support::{choose, click, coarse, finish, keep, picture, until};
 
 type Window = Harness<'static, App>;
 
@@ -183,9 +183,10 @@ fn probes_say_their_error_where_they_are_seen_and_their_age_when_light_has_chang
     assert_eq!(label(&window), Some(said.clone()));
 
     // Readings are of the picture in view, which stays until a better one is there, and say so.
-    error_of(&mut window, 0.01);
+    error_of(&mut window, 0.02);
     let is_aged = |text: String| text.contains(words::EARLIER_PICTURE);
     until(&mut window, "its age", |window| label(window).is_some_and(is_aged));
+    keep(&mut window, "stale-probe");
     finish(&mut window);
     until(&mut window, "the new value", |window| label(window).is_some_and(|text| text.ends_with(" lx")));
 }
@@ -209,7 +210,7 @@ fn the_plane_the_tag_and_the_readout_say_when_they_are_of_an_earlier_picture() {
     until(&mut window, "the plane", |window| window.query_by_label(words::UNIFORMITY).is_some());
     let counts = |window: &Window| window.query_all_by_label_contains(words::EARLIER_PICTURE).count();
     until(&mut window, "fresh readings", |window| counts(window) == 0);
-    error_of(&mut window, 0.01);
+    error_of(&mut window, 0.02);
     let centre = window.state().view_rect().center();
     until(&mut window, "another solve", |window| window.state().status().run == RunState::Running);
     window.hover_at(centre + egui::vec2(0.0, 60.0));
@@ -224,6 +225,7 @@ fn the_plane_the_tag_and_the_readout_say_when_they_are_of_an_earlier_picture() {
     until(&mut window, "the readout", |window| {
         window.query_by_label_contains(&format!("{}:  E", words::EARLIER_PICTURE)).is_some()
     });
+    keep(&mut window, "stale-plane");
     finish(&mut window);
     until(&mut window, "fresh readings again", |window| {
         counts(window) == 0 && window.query_by_label(words::EARLIER_PLANE).is_none()

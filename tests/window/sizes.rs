@@ -9,7 +9,7 @@ use selflink::app::{App, words};
 use selflink::scene::Source;
 use selflink::scene::builtin::BuiltinScene;
 
-use crate::support::{choose, click, coarse, finish, link_choice, until, window_of_size};
+use crate::support::{choose, click, coarse, finish, keep, link_choice, until, window_of_size};
 
 const TOOLS: [&str; 6] =
     [words::INSPECTOR, words::LINK_MATRIX, words::CLUSTERS, words::MEASURE, words::COMPARE, words::EXPORT];
@@ -91,11 +91,12 @@ fn check_overlays(size: [f32; 2], scale: f32) {
     click(&mut window, words::MEASURE_PLANE);
     until(&mut window, "the plane", |window| window.query_by_label(words::UNIFORMITY).is_some());
     let view = window.state().view_rect();
-    for share in [egui::vec2(0.5, 0.5), egui::vec2(0.2, 0.85), egui::vec2(0.8, 0.3)] {
+    for share in [egui::vec2(0.5, 0.3), egui::vec2(0.05, 0.5), egui::vec2(0.9, 0.2)] {
         let at = view.min + share * view.size();
         window.drag_at(at);
         window.drop_at(at);
         until(&mut window, "the tag", |window| window.query_by_label(words::DETAILS).is_some());
+        window.hover_at(at + egui::vec2(-3.0, -3.0));
         until(&mut window, "the readout", |window| has_overlay(window, "readout"));
         window.run_steps(6);
         check_apart(&window, &format!("tag in {size:?} at {scale}"));
@@ -106,10 +107,7 @@ fn check_overlays(size: [f32; 2], scale: f32) {
     until(&mut window, "the readout", |window| has_overlay(window, "readout"));
     window.run_steps(6);
     check_apart(&window, &format!("card in {size:?} at {scale}"));
-    if let Some(folder) = std::env::var_os("SELFLINK_KEEP_PICTURES") {
-        let name = format!("overlays-{}-{scale}.png", size[0]);
-        window.render().expect("a frame").save(std::path::Path::new(&folder).join(name)).expect("kept");
-    }
+    keep(&mut window, &format!("overlays-{}-{scale}", size[0]));
 }
 
 fn has_overlay(window: &Harness<'static, App>, name: &str) -> bool {
@@ -160,12 +158,12 @@ fn panels_are_resized_by_their_borders() {
         window.run_steps(3);
     };
     let before = window.state().view_rect();
-    drag(&mut window, before.left_center(), 60.0);
+    drag(&mut window, before.left_center() - egui::vec2(2.0, 0.0), 60.0);
     let wider = window.state().view_rect();
     assert!((wider.left() - before.left() - 60.0).abs() < 3.0, "{before:?} {wider:?}");
     open(&mut window, words::MEASURE);
     let before = window.state().view_rect();
-    drag(&mut window, before.right_center(), -50.0);
+    drag(&mut window, before.right_center() + egui::vec2(2.0, 0.0), -50.0);
     let narrower = window.state().view_rect();
     assert!((before.right() - narrower.right() - 50.0).abs() < 3.0, "{before:?} {narrower:?}");
 }

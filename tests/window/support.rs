@@ -101,6 +101,14 @@ pub fn finish(window: &mut Harness<'static, App>) {
     until(window, "finishing", |window| window.state().status().run == RunState::Finished);
 }
 
+/// Keeps the frame as a picture, where a folder for such is named, to be looked at.
+pub fn keep(window: &mut Harness<'static, App>, name: &str) {
+    if let Some(folder) = std::env::var_os("SELFLINK_KEEP_PICTURES") {
+        let path = std::path::Path::new(&folder).join(format!("{name}.png"));
+        window.render().expect("a frame").save(path).expect("kept");
+    }
+}
+
 /// The pixels of the view.
 pub fn picture(window: &mut Harness<'static, App>) -> image::RgbaImage {
     window.remove_cursor();
