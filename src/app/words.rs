@@ -305,6 +305,10 @@ words! {
     POWER_IN = "Power in";
     /// Clusters: power that leaves an element, B·A.
     POWER_OUT = "Power out";
+    /// Matrix: form factor of the block under the mouse.
+    FORM_FACTOR = "Form factor F";
+    /// Matrix: power of its strongest channel over ε.
+    STRONGEST_CHANNEL = "Strongest channel";
     /// Matrix: what decides how tall rows are.
     ROW_HEIGHT_BY = "Row height by";
     /// Clusters: the page of groups arranged by hand.

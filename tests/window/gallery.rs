@@ -117,7 +117,7 @@ fn link_matrix() {
     until(&mut window, "its numbers", |window| window.query_by_label_contains("% empty").is_some());
     let square = window.get_by_label("Matrix of links").rect();
     window.hover_at(square.min + egui::vec2(0.2, 0.74) * square.size());
-    until(&mut window, "a link", |window| window.query_by_label("form factor F").is_some());
+    until(&mut window, "a link", |window| window.query_by_label(words::FORM_FACTOR).is_some());
     // Not saved by `save`, which takes the mouse away.
     window.run_steps(4);
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("screenshots/window-matrix.png");

@@ -59,7 +59,7 @@ pub fn until(window: &mut Harness<'static, App>, what: &str, holds: impl Fn(&Har
 }
 
 /// The one widget of a name that can be clicked; texts may say the same word.
-fn clickable<'w>(window: &'w Harness<'static, App>, label: &str) -> Node<'w> {
+fn clickable<'w>(window: &'w Harness<'static, App>, label: &'w str) -> Node<'w> {
     let found: Vec<Node<'w>> = window.query_all_by_label(label).collect();
     let is_widget = |node: &Node<'w>| node.accesskit_node().role() != Role::Label;
     match found.len() {

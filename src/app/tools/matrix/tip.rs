@@ -55,9 +55,9 @@ fn facts(link: &LinkView, epsilon: f64) -> [(&'static str, String); 4] {
     let share =
         if epsilon > 0.0 { format::number(f64::from(link.power.max_element()) / epsilon) } else { "–".into() };
     [
-        ("Form factor F", format::number(link.form_factor.into())),
+        (words::FORM_FACTOR, format::number(link.form_factor.into())),
         ("Visibility V", visibility),
         ("Power B·F·V·A", format::quantity(link.power.element_sum().into(), "W")),
-        ("Strongest channel", format!("{share} ε")),
+        (words::STRONGEST_CHANNEL, format!("{share} ε")),
     ]
 }
