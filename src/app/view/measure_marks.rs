@@ -157,7 +157,7 @@ mod tests {
             standard_error: Some(0.02 * irradiance),
             radiosity: Vec3::ONE,
         };
-        assert_eq!(of_probe(&probe, Some(&reading), false), "desk  358 ± 7 lx");
+        assert_eq!(of_probe(&probe, Some(&reading), false), "desk  358.0 ± 7.2 lx");
         reading.standard_error = None;
         assert_eq!(of_probe(&probe, Some(&reading), true), "desk  358 lx (earlier picture)");
         assert_eq!(of_probe(&probe, None, false), "desk");
