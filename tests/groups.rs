@@ -121,7 +121,7 @@ fn names_that_are_not_there_are_told_and_counted() {
     for bad in [r#"{"groups": {"a": []}}"#, r#"{"groups": [7]}"#, r#"{"groups": [{"a": [], "b": []}]}"#] {
         std::fs::write(&sidecar_path, bad).expect("a writable folder");
         let error = load_file(&path).expect_err("no list of groups").to_string();
-        assert!(error.contains("not a valid sidecar") && error.contains("selflink.json"), "{error}");
+        assert!(error.contains("not a valid settings file") && error.contains("selflink.json"), "{error}");
         assert!(matches!(Sidecar::read(&sidecar_path), Err(SidecarError::Syntax { .. })));
     }
 }

@@ -35,6 +35,7 @@ impl eframe::App for App {
         shortcuts::act(self, ui, &mut outbox);
         undo::take_keys(self, ui.ctx(), &mut outbox);
         self.inspect_picked(ui.ctx());
+        self.end_study();
         if !self.layout.is_full_picture {
             panels::show_sides(self, ui, &mut outbox);
             egui::Panel::top("tools").show(ui, |ui| {

@@ -4,6 +4,7 @@
 
 use crate::app::App;
 use crate::app::appearance::Appearance;
+use crate::app::state::settings::LinksOf;
 use crate::app::tools::{Tool, WIDTHS};
 
 /// The view's share of the window's width.
@@ -27,6 +28,8 @@ pub(in crate::app) struct Layout {
     pub is_card_open: bool,
     /// Whether the fold of the method's parameters is to be opened.
     pub opens_method: bool,
+    /// The links that were drawn before a study drew those of a level, while it goes on.
+    pub links_before_study: Option<LinksOf>,
 }
 
 impl Layout {
@@ -40,6 +43,7 @@ impl Layout {
             settings_width: 0.0,
             is_card_open: false,
             opens_method: false,
+            links_before_study: None,
         }
     }
 }

@@ -40,6 +40,7 @@ use state::documents::Documents;
 use state::edits::Edits;
 use state::messages::Messages;
 use state::picked::PickedElement;
+use state::settings::LinksOf;
 use state::time_left::Progress;
 use tools::Tools;
 use view::{View, paint};
@@ -58,7 +59,10 @@ const DISPLAY_KEY: &str = "display";
 struct Shown {
     /// The scene of `snapshot`.
     info: Option<Arc<SceneInfo>>,
+    /// The newest light.
     snapshot: Option<Arc<Snapshot>>,
+    /// The light in view: the newest, or a better picture that is kept until then.
+    in_view: Option<Arc<Snapshot>>,
     status: Status,
 }
 
@@ -173,6 +177,11 @@ impl App {
         self.picked.as_ref().map(|picked| picked.element)
     }
 
+    /// Cards, legends and notes over the view, with their places, points.
+    pub fn overlays(&self) -> &[(&'static str, egui::Rect)] {
+        self.view.overlays.taken()
+    }
+
     /// Where the view lies in the window, points.
     pub fn view_rect(&self) -> egui::Rect {
         self.view.viewport.rect()
@@ -187,7 +196,19 @@ impl App {
     /// Shows how the method works: its parameters, links of a level, and the solve played slowly from the root's self-link.
     fn study(&mut self, ctx: &egui::Context) {
         self.layout.opens_method = true;
-        self.edits.display.links.of = state::settings::LinksOf::Level;
+        let of = &mut self.edits.display.links.of;
+        self.layout.links_before_study.get_or_insert(*of);
+        *of = LinksOf::Level;
         self.tools.playback.study(ctx.input(|input| input.time));
+    }
+
+    /// Shows the links as before once a study has come to the present, unless a person chose others meanwhile.
+    fn end_study(&mut self) {
+        if self.tools.playback.step.is_none()
+            && let Some(before) = self.layout.links_before_study.take()
+            && self.edits.display.links.of == LinksOf::Level
+        {
+            self.edits.display.links.of = before;
+        }
     }
 }

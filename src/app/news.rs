@@ -52,10 +52,13 @@ impl App {
 
     /// Shows the surveyor what is in view, and takes up what it found.
     fn follow_measuring(&mut self) {
-        if let (Some(snapshot), Some(info)) = (&self.shown.snapshot, &self.shown.info) {
+        let Some(latest) = &self.shown.snapshot else { return };
+        let in_view = self.view.best.follow(latest, self.shown.info.as_ref());
+        if let Some(info) = &self.shown.info {
             let is_settled = matches!(self.shown.status.run, RunState::Finished | RunState::Paused);
-            self.tools.measuring.note(&info.scene, snapshot, is_settled);
+            self.tools.measuring.note(&info.scene, &in_view, latest, is_settled);
         }
+        self.shown.in_view = Some(in_view);
     }
 
     fn take_up(&mut self, event: Event) {

@@ -42,7 +42,7 @@ const SHORTCUTS: [Shortcut; 15] = [
     (Key::O, Modifiers::NONE, "O", "element outlines", Action::Outlines),
     (Key::F11, Modifiers::NONE, "F11", "full screen, the picture alone", Action::FullPicture),
     (Key::Questionmark, Modifiers::NONE, "?", "this list", Action::ShowKeys),
-    (Key::Escape, Modifiers::NONE, "Esc", "deselect, close this list, leave full screen", Action::Leave),
+    (Key::Escape, Modifiers::NONE, "Esc", "deselect, end placing and drawing, leave full screen", Action::Leave),
 ];
 
 /// Size of the list, points: egui would find it only after some frames.
@@ -81,6 +81,8 @@ fn perform(app: &mut App, deed: Action, ctx: &egui::Context, outbox: &mut Outbox
         Action::ShowKeys => app.layout.are_keys_shown = !app.layout.are_keys_shown,
         Action::Leave if app.layout.are_keys_shown => app.layout.are_keys_shown = false,
         Action::Leave if app.layout.is_full_picture => app.set_full_screen(ctx, false),
+        // What a click does comes back first, then what it chose.
+        Action::Leave if app.tools.measuring.is_placing() => app.tools.measuring.stop_placing(),
         Action::Leave => app.deselect(),
         Action::FullPicture => app.set_full_screen(ctx, !app.layout.is_full_picture),
         Action::PauseOrRun => match run {

@@ -68,7 +68,7 @@ fn in_words(steps: &[TimelineStep], at: usize) -> String {
         TimelineStepKind::Round => format!("iteration {}", info.stats.iterations),
         TimelineStepKind::Pass => "final gather".to_owned(),
     };
-    let links = info.stats.links + info.stats.candidates_left;
+    let links = info.stats.all_links();
     format!("{}/{} {kind} · {}", at + 1, steps.len(), format::things(links, "link", "links"))
 }
 
@@ -138,11 +138,11 @@ fn described(info: &TimelineStep) -> String {
     let stats = &info.stats;
     let waiting = match stats.candidates_left {
         0 => String::new(),
-        waiting => format!(", {} links to test", format::count(waiting as u64)),
+        waiting => format!(" ({} to test)", format::count(waiting as u64)),
     };
     format!(
         "{kind}\n{} links{waiting}, {} patches, {} rays, after {}",
-        format::count(stats.links as u64),
+        format::count(stats.all_links() as u64),
         format::count(stats.patches as u64),
         format::count(stats.rays),
         format::seconds(stats.seconds.total)

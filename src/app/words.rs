@@ -2,6 +2,7 @@
 //!
 //! Labels of the solver's parameters stand in [`crate::solve::PARAMETERS`] instead, which [`parameter`] reads.
 
+pub use crate::read::matrix::{FULLY_VISIBLE, HIDDEN, NOT_TESTED, PARTLY_VISIBLE};
 use crate::solve::{PARAMETERS, ParameterId};
 
 /// The label of a parameter of the solver.
@@ -106,6 +107,8 @@ words! {
     NO_LIGHT_YET = "This scene has no light yet: its surfaces are shown in their own colours.";
     /// Over a view that the scene's light does not reach.
     NO_LIGHT_HERE = "Next to no light of this scene reaches what is seen here.";
+    /// In the status bar beside the result of a solve, of such a view.
+    NOTHING_SEEN_IS_LIT = "nothing in view is lit";
     /// Button beside either, where daylight can come in.
     LIGHT_IT_BY_DAYLIGHT = "Light it by daylight";
     /// Button beside either: adds a square luminaire.
@@ -211,12 +214,14 @@ words! {
     MINIMUM_POWER = "Minimum power";
     /// Level of the receivers whose links are drawn.
     RECEIVERS_AT_LEVEL = "Receivers at level";
-    /// Links all of whose rays came through.
-    FULLY_VISIBLE = "fully visible";
-    /// Links some of whose rays came through.
-    PARTLY_VISIBLE = "partly visible";
-    /// Links that no ray tested, or none passed.
-    NOT_TESTED = "not tested";
+    /// Links of both of these kinds.
+    HIDDEN_OR_NOT_TESTED = "hidden or not tested";
+    /// Links between two patches.
+    PATCH_PATCH = "patch–patch";
+    /// Links between a cluster and a patch.
+    CLUSTER_PATCH = "cluster–patch";
+    /// Links between two clusters.
+    CLUSTER_CLUSTER = "cluster–cluster";
     /// Rims of both ends of links.
     OUTLINES_OF_ENDS = "Outlines of both ends";
 
@@ -278,6 +283,15 @@ words! {
     /// Opens the list of keys.
     KEYS = "Keys";
 
+    /// Irradiance of an element before a final gather, W/m².
+    E = "E";
+    /// Irradiance of an element that the final gather finds, W/m².
+    E_BY_GATHER = "E by final gather";
+    /// Irradiance of an element that its links bring, W/m².
+    E_BY_LINKS = "E by links";
+    /// Levels of an element below the root, also the slider of clusters' levels.
+    LEVEL = "Level";
+
     /// Inspector, one direction.
     WHAT_LIGHTS_THIS = "What lights this";
     /// Inspector, the other direction.
@@ -287,6 +301,18 @@ words! {
     /// Inspector: the element that was left last.
     BACK = "Back";
 
+    /// Clusters: surfaces in the colours of their clusters.
+    COLOUR_BY_CLUSTER = "Colour by cluster";
+    /// Clusters: how far they are pulled apart.
+    EXPLODE = "Explode";
+    /// Clusters: power that an element receives, E·A.
+    POWER_IN = "Power in";
+    /// Clusters: power that leaves an element, B·A.
+    POWER_OUT = "Power out";
+    /// Matrix: form factor of the block under the mouse.
+    FORM_FACTOR = "Form factor F";
+    /// Matrix: power of its strongest channel over ε.
+    STRONGEST_CHANNEL = "Strongest channel";
     /// Matrix: what decides how tall rows are.
     ROW_HEIGHT_BY = "Row height by";
     /// Clusters: the page of groups arranged by hand.
@@ -300,6 +326,14 @@ words! {
     REPLACE_A = "Replace A";
     /// Compare: forgets the kept solution.
     DISCARD_A = "Discard A";
+    /// Compare: both on either side of a divider.
+    A_BESIDE_B = "A | B";
+    /// Compare: what was kept.
+    A_ALONE = "A alone";
+    /// Compare: what is running.
+    B_ALONE = "B alone";
+    /// Compare: where B is darker or brighter.
+    DIFFERENCE = "B − A";
     /// Compare: heading of figures of both.
     RESULTS = "Results";
 
@@ -309,8 +343,8 @@ words! {
     POWER = "Power";
     /// Light: luminous flux of a lamp, a unit of its strength.
     FLUX = "Luminous flux";
-    /// Light: in which unit a lamp's strength is shown.
-    LAMP_UNIT = "Strength as";
+    /// Light: in which unit a lamp is set: exitance, power or flux.
+    LAMP_UNIT = "Set light by";
     /// Light: colour of a lamp as the temperature of a black body.
     COLOUR_TEMPERATURE = "Colour temperature";
     /// Light: lets a material emit.
@@ -418,12 +452,23 @@ words! {
     PLANE_HEIGHT = "Height";
     /// Measure: lets a drag in the view draw a task area.
     DRAW_TASK_AREA = "Draw a task area";
+    /// Measure: corners of the task area.
+    TASK_AREA = "Task area";
     /// Measure: measures all of the plane again.
     WHOLE_PLANE = "Whole plane";
+    /// Beside a reading of light that the solver has since left behind.
+    EARLIER_PICTURE = "earlier picture";
+    /// Over points of a work plane of such light.
+    EARLIER_PLANE = "Work plane of an earlier picture; measured again when the solver rests";
     /// Measure: gives the plane up.
     CLEAR = "Clear";
     /// Export: a size that is typed.
     CUSTOM_SIZE = "Custom…";
+}
+
+/// Measure: field of a corner of the task area, *from* or *to*, along an axis.
+pub fn task_area(axis: &str, corner: &str) -> String {
+    format!("{TASK_AREA} {axis} {corner}")
 }
 
 #[cfg(test)]

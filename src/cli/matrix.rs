@@ -32,12 +32,13 @@ pub fn command() -> Command {
                 .help("Quantity that colours stand for: power for each area of both ends, visibility V, level of refinement, or rays"),
         )
         .arg(
-            Arg::new("room")
-                .long("room")
-                .value_name("ROOM")
+            Arg::new("row-height")
+                .long("row-height")
+                .alias("room")
+                .value_name("MEASURE")
                 .default_value("area")
                 .value_parser(ROOMS.map(|(name, _)| name))
-                .help("Measure by which elements get room: their area, the polygons in them, or the leaves in them"),
+                .help("Measure by which rows and columns are as large as they are: area, polygons or leaves of their elements"),
         )
         .arg(
             Arg::new("size")
@@ -67,7 +68,7 @@ pub fn run(matches: &ArgMatches) -> anyhow::Result<()> {
     let file = OutputFile::new(&path, &order.inputs())?;
     let text = |name: &str| matches.get_one::<String>(name).map(String::as_str);
     let colouring = Colouring::ALL.into_iter().find(|colouring| text("colour") == Some(colouring.name()));
-    let room = ROOMS.into_iter().find(|(name, _)| text("room") == Some(name));
+    let room = ROOMS.into_iter().find(|(name, _)| text("row-height") == Some(name));
     let pixels = matches.get_one::<u32>("size").copied().unwrap_or(1000);
 
     let job = order.load()?;

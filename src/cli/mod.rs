@@ -15,7 +15,6 @@ mod job;
 #[cfg(feature = "gui")]
 mod legend;
 #[cfg(feature = "gui")]
-mod line_labels;
 mod log;
 mod man;
 mod matrix;

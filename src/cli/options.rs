@@ -52,12 +52,13 @@ fn solver_arg(parameter: &'static Parameter) -> Arg {
         ValueKind::Choice { names, shown } => {
             let value = |(name, shown): (&&'static str, &&'static str)| match name == shown {
                 true => PossibleValue::new(*name),
-                false => PossibleValue::new(*name).alias(*shown),
+                // Files and older command lines say it so.
+                false => PossibleValue::new(*shown).alias(*name),
             };
             let values: Vec<PossibleValue> = names.iter().zip(*shown).map(value).collect();
             let arg = arg.value_name("MODE").value_parser(clap::builder::PossibleValuesParser::new(values));
             match parameter.id {
-                ParameterId::Oracle => arg.visible_alias("refine-by"),
+                ParameterId::Oracle => arg.alias("oracle"),
                 ParameterId::Reconstruct => arg.visible_alias("shading"),
                 _ => arg,
             }
@@ -87,7 +88,7 @@ fn default_text(id: ParameterId) -> String {
     };
     match id {
         ParameterId::Error => format!("{USUAL_ERROR}, unless --epsilon or --reconstruct is given"),
-        ParameterId::Reconstruct => name_of(&params.reconstruct),
+        ParameterId::Reconstruct => shown_name(id, &name_of(&params.reconstruct)),
         ParameterId::Epsilon => relative,
         ParameterId::EpsilonWatts => watts,
         ParameterId::PartialFactor => params.partial_factor.to_string(),
@@ -97,7 +98,7 @@ fn default_text(id: ParameterId) -> String {
         ParameterId::Clustering => name_of(&params.clustering),
         ParameterId::OctreeDepth => params.octree_depth.to_string(),
         ParameterId::ClusterModel => name_of(&params.cluster_model),
-        ParameterId::Oracle => name_of(&params.oracle),
+        ParameterId::Oracle => shown_name(id, &name_of(&params.oracle)),
         ParameterId::Push => name_of(&params.push),
         ParameterId::Sides => params.sides.map_or_else(|| "as the scene says".to_owned(), |sides| name_of(&sides)),
         ParameterId::Threads => format!("{}, every core", params.threads),
@@ -106,7 +107,12 @@ fn default_text(id: ParameterId) -> String {
     }
 }
 
-/// The name of a choice, as files and the command line spell it.
+/// The name of a parameter's choice for people, from that in files.
+fn shown_name(id: ParameterId, name: &str) -> String {
+    PARAMETERS.iter().find(|parameter| parameter.id == id).and_then(|of| of.shown(name)).unwrap_or(name).to_owned()
+}
+
+/// The name of a choice, as files spell it.
 pub fn name_of(choice: &impl serde::Serialize) -> String {
     match serde_json::to_value(choice) {
         Ok(serde_json::Value::String(name)) => name,
@@ -187,9 +193,10 @@ fn set(params: &mut SolverParams, parameter: &Parameter, matches: &ArgMatches) -
 }
 
 fn choice<T: serde::de::DeserializeOwned>(matches: &ArgMatches, flag: &str) -> anyhow::Result<Option<T>> {
-    let Some(name) = matches.get_one::<String>(flag) else { return Ok(None) };
-    let value = serde_json::from_value(serde_json::Value::String(name.clone()));
-    Ok(Some(value.with_context(|| format!("--{flag} does not know {name}"))?))
+    let Some(shown) = matches.get_one::<String>(flag) else { return Ok(None) };
+    let name = PARAMETERS.iter().find(|parameter| parameter.flag == flag).and_then(|of| of.in_files(shown));
+    let value = serde_json::from_value(serde_json::Value::String(name.unwrap_or(shown).to_owned()));
+    Ok(Some(value.with_context(|| format!("--{flag} does not know {shown}"))?))
 }
 
 /// The unit of a file's lengths.
@@ -441,9 +448,10 @@ mod tests {
     fn each_option_sets_its_field() {
         let (defaults, by_threshold) = (SolverParams::usual(), SolverParams::default());
         let constant = SolverParams { reconstruct: Reconstruct::Constant, ..by_threshold };
-        let cases: [(&[&str], SolverParams); 19] = [
+        let cases: [(&[&str], SolverParams); 20] = [
             (&["--error", "0.1"], SolverParams { error: Some(0.1), ..defaults }),
             (&["--reconstruct", "constant"], constant),
+            (&["--reconstruct", "flat"], constant),
             (&["--epsilon", "0.01"], SolverParams { epsilon: Epsilon::Relative(0.01), ..by_threshold }),
             (&["--epsilon-watts", "3"], SolverParams { epsilon: Epsilon::Watts(3.0), ..by_threshold }),
             (&["--oracle", "error"], SolverParams { oracle: OracleKind::Error, ..defaults }),

@@ -10,7 +10,7 @@ use glam::{DVec3, Vec2};
 use image::{ImageFormat, RgbaImage};
 use selflink::export::{PictureFormat, exr};
 use selflink::read::daylight_factor::open_ground;
-use selflink::read::picture::GatheredPicture;
+use selflink::read::picture::{GatheredPicture, write_labels};
 use selflink::render::{
     Camera, ChosenLinks, ClusterView, Display, Exposure, Frame, IsolinesWanted, LightMeter, LinkFilter, LinkStyle,
     MAX_SIZE, Marks, Offscreen, Overlay, ReadingSettings, Show, by_clusters, developed, pick, picked_marks,
@@ -22,7 +22,7 @@ use super::gathered::{PictureOf, gather};
 use super::job::{Order, Solution};
 use super::options::{self, coordinates, numbers, path, path_arg};
 use super::output::{OutputFile, say};
-use super::{clusters, legend, line_labels, reading};
+use super::{clusters, legend, reading};
 
 /// Pixels of a picture that nothing is said about.
 const USUAL_SIZE: [u32; 2] = [1280, 800];
@@ -201,7 +201,7 @@ fn show(picture: &GatheredPicture, scene: &Scene, solution: &Solution, view: &Vi
     let [width, height] = pixels.size;
     let mut picture = RgbaImage::from_raw(width, height, pixels.pixels.into_flattened()).context("too few pixels")?;
     if let Some(reading) = reading {
-        line_labels::draw(&mut picture, &pixels.labels, reading.shown_in)?;
+        write_labels(&mut picture, &pixels.labels, reading.shown_in)?;
     }
     if let Some(reading) = reading.filter(|_| view.has_legend) {
         legend::draw(&mut picture, &reading)?;
@@ -267,7 +267,7 @@ pub fn draw(
     };
     let mut picture = offscreen.picture_over(&frame)?;
     if let Some((pixels, reading)) = gathered.as_ref().zip(reading) {
-        line_labels::draw(&mut picture, &pixels.labels, reading.shown_in)?;
+        write_labels(&mut picture, &pixels.labels, reading.shown_in)?;
     }
     if let Some(reading) = reading.filter(|_| view.has_legend && !as_colours) {
         legend::draw(&mut picture, &reading)?;

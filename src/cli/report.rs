@@ -61,7 +61,7 @@ pub struct Report<'a> {
     /// Highest resident memory of the process; `None` where the system does not tell.
     peak_rss_bytes: Option<u64>,
     emitted_watts: f64,
-    /// From outside, on bright sides: measured like the balance, or by a few thousand rays where that is not.
+    /// From outside, on reflecting sides: measured like the balance, or by a few thousand rays where that is not.
     entered_watts: f64,
     absorbed_watts: f64,
     /// Measured by rays; `None` for a solution that is not finished.
@@ -137,10 +137,13 @@ impl<'a> Report<'a> {
     /// A few lines for people.
     pub fn summary(&self) -> String {
         let times = &self.seconds.solve;
-        let state = match (self.converged, self.memory_stop) {
-            (true, _) => "converged",
-            (false, Some(_)) => "stopped",
-            (false, None) => "not finished",
+        let state = match (self.converged, self.memory_stop, self.error_asked.zip(self.error_estimate)) {
+            (true, _, Some((asked, found))) if found <= asked => "target reached",
+            (true, _, Some(_)) => "stopped above the target error",
+            (true, _, None) if self.error_estimate.is_some() => "links settled",
+            (true, _, None) => "links settled; error not measured",
+            (false, Some(_), _) => "stopped",
+            (false, None, _) => "not finished",
         };
         let depth = match self.clustering {
             ClusteringMode::Octree => format!(" of depth {}", self.octree_depth),
@@ -164,7 +167,7 @@ impl<'a> Report<'a> {
                 bytes(self.bytes.elements),
             ),
             format!(
-                "work       {} pairs judged, {} rays, rounds: {}, threads: {}",
+                "work       {} links tested, {} rays, passes: {}, threads: {}",
                 count(self.pairs_judged),
                 count(self.rays),
                 self.iterations,

@@ -20,7 +20,7 @@ pub const USUAL_LINKS: usize = 200;
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct LinkFilter {
-    /// Least power, as a share of ε.
+    /// Least power of the strongest channel, as a share of ε.
     pub least_power: f32,
     /// Between two patches.
     pub patch_patch: bool,
@@ -66,7 +66,7 @@ impl LinkFilter {
             Seen::Partial => self.partial,
             Seen::Not => self.unseen,
         };
-        kind && sight && f64::from(link.power) >= f64::from(self.least_power) * epsilon_watts
+        kind && sight && f64::from(link.power.max_element()) >= f64::from(self.least_power) * epsilon_watts
     }
 }
 
@@ -139,9 +139,9 @@ pub struct ChosenLinks {
     pub all: usize,
     /// Links that pass the filter.
     pub passing: usize,
-    /// Power of the links that are drawn, W.
+    /// Power of the links that are drawn, sum of the channels, W.
     pub power: f64,
-    /// Power of the links to choose from, W.
+    /// Power of the links to choose from, sum of the channels, W.
     pub power_of_all: f64,
 }
 
@@ -162,7 +162,7 @@ impl ChosenLinks {
         let room = (2 * filter.strongest).max(1024);
         for link in links {
             chosen.all += 1;
-            chosen.power_of_all += f64::from(link.power);
+            chosen.power_of_all += f64::from(link.power.element_sum());
             if filter.passes(&link, epsilon_watts) {
                 chosen.passing += 1;
                 chosen.links.push(link);
@@ -173,7 +173,7 @@ impl ChosenLinks {
         }
         chosen.keep_strongest(filter.strongest);
         chosen.links.sort_by(by_power);
-        chosen.power = chosen.links.iter().map(|link| f64::from(link.power)).sum();
+        chosen.power = chosen.links.iter().map(|link| f64::from(link.power.element_sum())).sum();
         chosen
     }
 
@@ -220,8 +220,8 @@ impl ChosenLinks {
     fn colour(&self, solution_view: &SolutionView, link: &LinkView, by: LinkColour) -> [u8; 3] {
         match by {
             LinkColour::Power => {
-                let most = self.links.first().map_or(0.0, |strongest| strongest.power);
-                power_colour(if most > 0.0 { link.power / most } else { 0.0 })
+                let most = self.links.first().map_or(0.0, |strongest| strongest.power.element_sum());
+                power_colour(if most > 0.0 { link.power.element_sum() / most } else { 0.0 })
             }
             LinkColour::Visibility => Seen::of(link).colour(),
             LinkColour::Level => level_colour(solution_view.depth(link.source), solution_view.deepest()),
@@ -231,7 +231,10 @@ impl ChosenLinks {
 
 /// Strongest first; equals in the order of their ends.
 fn by_power(a: &LinkView, b: &LinkView) -> Ordering {
-    b.power.total_cmp(&a.power).then_with(|| (a.receiver, a.source).cmp(&(b.receiver, b.source)))
+    b.power
+        .element_sum()
+        .total_cmp(&a.power.element_sum())
+        .then_with(|| (a.receiver, a.source).cmp(&(b.receiver, b.source)))
 }
 
 /// Colour of a level below the root.
@@ -292,7 +295,8 @@ mod tests {
             form_factor: 0.1,
             visibility,
             visibility_source,
-            power,
+            // Blue alone: the strongest channel is the sum.
+            power: Vec3::Z * power,
             levels_up: 0,
             irradiance: Vec3::splat(power),
         }
@@ -333,9 +337,9 @@ mod tests {
         let many = (0..5000_u32)
             .map(|number| link(number, ((number * 7919) % 5003) as f32, [false; 2], 1.0, VisibilitySource::None));
         let chosen = ChosenLinks::new(many.clone(), &LinkFilter { strongest: 3, ..LinkFilter::default() }, 1.0);
-        let mut powers: Vec<f32> = many.map(|link| link.power).collect();
+        let mut powers: Vec<f32> = many.map(|link| link.power.element_sum()).collect();
         powers.sort_by(|a, b| b.total_cmp(a));
-        assert_eq!(chosen.links.iter().map(|link| link.power).collect::<Vec<_>>(), powers[..3]);
+        assert_eq!(chosen.links.iter().map(|link| link.power.element_sum()).collect::<Vec<_>>(), powers[..3]);
         assert_eq!((chosen.all, chosen.passing), (5000, 5000));
     }
 

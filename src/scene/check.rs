@@ -150,7 +150,7 @@ impl Skipped {
             let more = self.transparent_materials.len() - shown.len();
             let more = if more > 0 { format!(" and {more} more") } else { String::new() };
             let names = shown.join(", ");
-            format!("Transparent: {names}{more}; a click in the material panel or `\"opaque\": true` in the settings file brings them back.")
+            format!("Transparent: {names}{more}; *Material* in the section Light, or `\"opaque\": true` in the settings file, brings them back.")
         });
         let sentences = counted.iter().filter(|(count, ..)| *count > 0).map(|(count, one, many)| match count {
             1 => format!("1 {one}."),

@@ -127,7 +127,7 @@ pub enum SidecarError {
         source: FileError,
     },
     /// Not JSON, or a field that a sidecar does not have.
-    #[error("{}: not a valid sidecar: {reason}", path.display())]
+    #[error("{}: not a valid settings file of a scene: {reason}", path.display())]
     Syntax {
         /// The sidecar.
         path: PathBuf,

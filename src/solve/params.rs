@@ -186,6 +186,31 @@ pub struct Parameter {
     pub costs: [ChangeCost; 2],
 }
 
+impl Parameter {
+    /// The name for people of a choice, from its name in files.
+    pub fn shown(&self, name: &str) -> Option<&'static str> {
+        self.translated(name, |names, shown| (names, shown))
+    }
+
+    /// The name in files of a choice, from its name for people.
+    pub fn in_files(&self, shown: &str) -> Option<&'static str> {
+        self.translated(shown, |names, shown| (shown, names))
+    }
+
+    fn translated(
+        &self,
+        name: &str,
+        from_and_to: impl Fn(
+            &'static [&'static str],
+            &'static [&'static str],
+        ) -> (&'static [&'static str], &'static [&'static str]),
+    ) -> Option<&'static str> {
+        let ValueKind::Choice { names, shown } = self.kind else { return None };
+        let (from, to) = from_and_to(names, shown);
+        from.iter().zip(to).find(|(known, _)| **known == name).map(|(_, other)| *other)
+    }
+}
+
 /// Every parameter, in the order of the panel.
 pub const PARAMETERS: [Parameter; 17] = [
     Parameter {
@@ -217,10 +242,10 @@ pub const PARAMETERS: [Parameter; 17] = [
     },
     Parameter {
         id: ParameterId::Oracle,
-        flag: "oracle",
+        flag: "refine-by",
         label: "Refinement criterion",
         unit: "",
-        hint: "What ε bounds: the power that a link could carry (energy, the paper's, section 2.3) or the error that the link is likely to make (error).",
+        hint: "What ε bounds: the power that a link could carry, as in the paper (section 2.3), or the error that the link is likely to make.",
         kind: ValueKind::Choice { names: &["energy", "error"], shown: &["power", "link-error"] },
         costs: [ChangeCost::Refinement; 2],
     },
@@ -229,7 +254,7 @@ pub const PARAMETERS: [Parameter; 17] = [
         flag: "reconstruct",
         label: "Shading",
         unit: "",
-        hint: "How light is shown: flat, one value for each leaf (constant); smooth, interpolated between vertices (vertex); or by a final gather (gather).",
+        hint: "How light is shown: flat, one value for each leaf; smooth, interpolated between vertices; or by a final gather.",
         kind: ValueKind::Choice {
             names: &["constant", "vertex", "gather"],
             shown: &["flat", "smooth", "final-gather"],
@@ -241,7 +266,7 @@ pub const PARAMETERS: [Parameter; 17] = [
         flag: "partial-factor",
         label: "Threshold factor for partly occluded links",
         unit: "",
-        hint: "Partly visible links are judged with ε times this factor; the paper found 1/10 good (section 2.3).",
+        hint: "Partly visible links are refined down to ε times this factor; the paper found 1/10 good (section 2.3).",
         kind: ValueKind::Real { range: 0.01..=1.0, logarithmic: true },
         costs: [ChangeCost::Verdicts, ChangeCost::Refinement],
     },

@@ -88,6 +88,13 @@ pub struct Stats {
     pub error_so_far: Option<f64>,
 }
 
+impl Stats {
+    /// Links that are there, those that wait to be tested among them.
+    pub fn all_links(&self) -> usize {
+        self.links + self.candidates_left
+    }
+}
+
 /// Errors that the certificate of a gather found.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct ErrorFound {

@@ -71,8 +71,8 @@ pub struct LinkView {
     pub visibility: f32,
     /// How V is known.
     pub visibility_source: VisibilitySource,
-    /// Power carried to the whole receiver, B_s·F·V·A_r, W (largest colour).
-    pub power: f32,
+    /// Power carried to the whole receiver, B_s·F·V·A_r, W for each channel. People are shown the sum; ε bounds the strongest channel.
+    pub power: Vec3,
     /// How many levels above the element that was asked for this end of the link lies; 0 for the element itself, negative for its parts.
     pub levels_up: i16,
     /// For light that comes in: what the link brings to the element, W/m²; over all links this adds up to its irradiance E. For light that
@@ -173,7 +173,7 @@ impl SolutionView {
                 views.push(LinkView { irradiance, ..self.view(at, link, levels_up as i16) });
             }
         }
-        views.sort_by(|a, b| b.power.total_cmp(&a.power));
+        views.sort_by(|a, b| b.power.element_sum().total_cmp(&a.power.element_sum()));
         views
     }
 
@@ -195,7 +195,7 @@ impl SolutionView {
                 }
             }
         }
-        views.sort_by(|a, b| b.power.total_cmp(&a.power));
+        views.sort_by(|a, b| b.power.element_sum().total_cmp(&a.power.element_sum()));
         views
     }
 
@@ -224,7 +224,7 @@ impl SolutionView {
             form_factor: link.form_factor,
             visibility: link.visibility(),
             visibility_source: link.visibility_source(),
-            power: flux.max_element() * to.area,
+            power: flux * to.area,
             levels_up,
             irradiance: flux,
         }
@@ -293,7 +293,7 @@ mod tests {
         let (mut incoming, mut outgoing) = (Vec::new(), Vec::new());
         for id in hierarchy.ids() {
             let own = |views: Vec<LinkView>| views.into_iter().filter(|view| view.levels_up == 0);
-            let key = |view: LinkView| (view.receiver, view.source, view.power.to_bits());
+            let key = |view: LinkView| (view.receiver, view.source, view.power.element_sum().to_bits());
             incoming.extend(own(solution_view.incoming(id)).map(key));
             outgoing.extend(own(solution_view.outgoing(id)).map(key));
         }

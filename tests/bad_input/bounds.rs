@@ -159,7 +159,7 @@ fn brackets_without_end() {
     let room = folder.write("c.obj", SQUARE);
     for text in [format!(r#"{{"groups": {deep}"#), format!(r#"{{"groups": [{}"#, r#"{"a": ["#.repeat(500_000))] {
         folder.write("c.selflink.json", text);
-        assert!(sentence(&room).contains("not a valid sidecar"));
+        assert!(sentence(&room).contains("not a valid settings file"));
     }
 }
 

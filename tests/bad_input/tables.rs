@@ -182,7 +182,7 @@ fn bad_sidecars() {
         (r#"{"materials": {"a": {"reflectance": [0, -0.1, 0]}}}"#.into(), "material `a` must lie between 0 and 0.99"),
         (r#"{"materials": {"a": {"emission": [0, -1, 0]}}}"#.into(), "emission [0, -1, 0] of material `a`"),
         (r#"{"materials": {"a": {"emission": [0, 1e39, 0]}}}"#.into(), "must lie between 0 and 1e9 W/m²"),
-        (r#"{"materials": {"a": {"emission": [NaN, 0, 0]}}}"#.into(), "not a valid sidecar"),
+        (r#"{"materials": {"a": {"emission": [NaN, 0, 0]}}}"#.into(), "not a valid settings file"),
         (r#"{"sides": "inside"}"#.into(), "unknown variant `inside`"),
         (r#"{"a\nb\u001b": 1}"#.into(), "unknown field `a\u{fffd}b\u{fffd}`"),
         (light("[3e38, 0, 0]", "[0, 1, 0]", "1"), "not finite or beyond 1e15"),

@@ -146,13 +146,13 @@ fn a_link_matrix_starts_as_one_square() {
     };
     for colour in ["power", "visibility", "level", "rays"] {
         assert_eq!(colours("first.png", &["--waves", "0", "--colour", colour]), 1, "{colour}");
-        assert!(colours("last.png", &["--room", "leaves", "--colour", colour]) > 3, "{colour}");
+        assert!(colours("last.png", &["--row-height", "leaves", "--colour", colour]) > 3, "{colour}");
     }
     let (picture, jpeg) = (folder.path("out.png"), folder.path("out.jpg"));
     for (args, part) in [
         (["--out", name(&jpeg), "--size", "200"], ".png"),
         (["--out", name(&picture), "--size", "9"], "--size"),
-        (["--out", name(&picture), "--room", "kitchen"], "--room"),
+        (["--out", name(&picture), "--row-height", "kitchen"], "--row-height"),
         (["--out", name(&picture), "--waves", "-1"], "--waves"),
     ] {
         let said = refused(&[&["matrix", "cornell"], &args[..]].concat());

@@ -16,7 +16,7 @@ fn by_groups() -> SolverParams {
 fn open_tool(params: SolverParams) -> Harness<'static, App> {
     let mut window = cornell(params);
     finish(&mut window);
-    window.get_by_label(words::CLUSTERS).click();
+    click(&mut window, words::CLUSTERS);
     until(&mut window, "the solution view", |window| {
         window.state().snapshot().is_some_and(|snapshot| snapshot.solution_view.is_some())
     });
@@ -36,16 +36,16 @@ fn group(name: &str, objects: &[&str]) -> GroupMember {
 fn surfaces_show_their_clusters_and_come_apart() {
     let mut window = open_tool(by_groups());
     let plain = picture(&mut window);
-    click(&mut window, "Colour by cluster");
-    window.get_by_role_and_label(Role::Slider, "Level").set_value_accesskit(1.0);
+    click(&mut window, words::COLOUR_BY_CLUSTER);
+    window.get_by_role_and_label(Role::Slider, words::LEVEL).set_value_accesskit(1.0);
     window.run_steps(3);
     let coloured = picture(&mut window);
     assert!(share_of_different_pixels(&plain, &coloured) > 0.2, "no colours are to be seen");
-    window.get_by_role_and_label(Role::Slider, "Explode").set_value_accesskit(60.0);
+    window.get_by_role_and_label(Role::Slider, words::EXPLODE).set_value_accesskit(60.0);
     window.run_steps(3);
     assert!(share_of_different_pixels(&coloured, &picture(&mut window)) > 0.1, "nothing came apart");
-    window.get_by_role_and_label(Role::Slider, "Explode").set_value_accesskit(0.0);
-    click(&mut window, "Colour by cluster");
+    window.get_by_role_and_label(Role::Slider, words::EXPLODE).set_value_accesskit(0.0);
+    click(&mut window, words::COLOUR_BY_CLUSTER);
     assert_eq!(share_of_different_pixels(&plain, &picture(&mut window)), 0.0, "it is the plain picture again");
 }
 

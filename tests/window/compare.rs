@@ -8,7 +8,7 @@ use selflink::app::{App, words};
 use selflink::scene::builtin::BuiltinScene;
 use selflink::solve::{Epsilon, ParameterId};
 
-use crate::support::{click, coarse, cornell, finish, picture, share_of_different_pixels, until};
+use crate::support::{click, coarse, cornell, finish, keep, picture, share_of_different_pixels, until};
 
 /// The part of a picture between two shares of its width, without what is written along its upper rim.
 fn part(picture: &RgbaImage, from: f32, to: f32) -> RgbaImage {
@@ -41,16 +41,16 @@ fn a_is_at_the_left_of_the_divider_and_b_at_its_right() {
     click(&mut window, words::KEEP_AS_A);
     finer(&mut window);
     let split = picture(&mut window);
-    click(&mut window, "B alone");
+    click(&mut window, words::B_ALONE);
     let b = picture(&mut window);
-    click(&mut window, "A alone");
+    click(&mut window, words::A_ALONE);
     assert!(are_alike(&part(&a, 0.0, 1.0), &part(&picture(&mut window), 0.0, 1.0)), "A alone is as it was");
     assert!(share_of_different_pixels(&part(&a, 0.0, 1.0), &part(&b, 0.0, 1.0)) > 0.1, "ε matters");
     assert!(are_alike(&part(&split, 0.0, 0.47), &part(&a, 0.0, 0.47)));
     assert!(are_alike(&part(&split, 0.53, 1.0), &part(&b, 0.53, 1.0)));
 
     // The divider follows the mouse.
-    click(&mut window, "A | B");
+    click(&mut window, words::A_BESIDE_B);
     let view = window.state().view_rect();
     let at = |share: f32| egui::pos2(view.left() + share * view.width(), view.center().y + 100.0);
     window.drag_at(at(0.5));
@@ -62,9 +62,7 @@ fn a_is_at_the_left_of_the_divider_and_b_at_its_right() {
     let moved = picture(&mut window);
     assert!(are_alike(&part(&moved, 0.0, 0.77), &part(&a, 0.0, 0.77)));
     assert!(are_alike(&part(&moved, 0.83, 1.0), &part(&b, 0.83, 1.0)));
-    if let Some(folder) = std::env::var_os("SELFLINK_KEEP_PICTURES") {
-        window.render().expect("a frame").save(std::path::Path::new(&folder).join("split.png")).expect("kept");
-    }
+    keep(&mut window, "split");
 }
 
 /// Truth: the solver's own numbers, and a difference that is there where settings differ.
@@ -86,7 +84,7 @@ fn the_table_tells_what_differs_and_the_view_shows_where() {
         window.query_by_label("RMS of B − A").is_some() && window.query_all_by_label_contains(" %").next().is_some()
     });
     let lit = picture(&mut window);
-    click(&mut window, "B − A");
+    click(&mut window, words::DIFFERENCE);
     let differences = picture(&mut window);
     assert!(share_of_different_pixels(&lit, &differences) > 0.2);
 

@@ -117,7 +117,7 @@ fn link_matrix() {
     until(&mut window, "its numbers", |window| window.query_by_label_contains("% empty").is_some());
     let square = window.get_by_label("Matrix of links").rect();
     window.hover_at(square.min + egui::vec2(0.2, 0.74) * square.size());
-    until(&mut window, "a link", |window| window.query_by_label("form factor F").is_some());
+    until(&mut window, "a link", |window| window.query_by_label(words::FORM_FACTOR).is_some());
     // Not saved by `save`, which takes the mouse away.
     window.run_steps(4);
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("screenshots/window-matrix.png");
@@ -130,9 +130,9 @@ fn clusters() {
     let mut window = solved(BuiltinScene::Office, by_threshold(1e-3));
     click(&mut window, words::CLUSTERS);
     solution_view(&mut window);
-    click(&mut window, "Colour by cluster");
-    window.get_by_role_and_label(Role::Slider, "Level").set_value_accesskit(5.0);
-    window.get_by_role_and_label(Role::Slider, "Explode").set_value_accesskit(35.0);
+    click(&mut window, words::COLOUR_BY_CLUSTER);
+    window.get_by_role_and_label(Role::Slider, words::LEVEL).set_value_accesskit(5.0);
+    window.get_by_role_and_label(Role::Slider, words::EXPLODE).set_value_accesskit(35.0);
     save(&mut window, "window-clusters");
 }
 

@@ -4,10 +4,12 @@ use egui::accesskit::Role;
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
 use selflink::app::{App, words};
-use selflink::hierarchy::ElementId;
+use selflink::hierarchy::{ElementId, Shape};
+use selflink::read::names::of_polygon;
+use selflink::solve::SolverParams;
 use selflink::transport::SolutionView;
 
-use crate::support::{click, coarse, cornell, finish, link_choice, picture, share_of_different_pixels, until};
+use crate::support::{click, coarse, cornell, finish, keep, link_choice, picture, share_of_different_pixels, until};
 
 /// A finished Cornell box with the inspector open on what lies in the middle of the view.
 fn inspected() -> Harness<'static, App> {
@@ -89,6 +91,7 @@ fn the_breadcrumb_climbs_to_the_root_and_back() {
     assert_eq!(element(&window), first);
     click(&mut window, words::CLOSE_TOOL);
     click(&mut window, words::DETAILS);
+    window.run_steps(2);
     assert!(window.query_by_label(words::SELECTED_ELEMENT).is_some(), "the card is there on request");
     click(&mut window, words::INSPECT);
     assert!(window.query_by_label(words::BACK).is_some());
@@ -155,7 +158,7 @@ fn both_directions_are_told() {
         .iter()
         .map(|link| link.irradiance * solution_view.hierarchy().element(link.receiver).area)
         .sum();
-    assert!((carried / sum.max_element() - 1.0).abs() < 0.02, "{carried} of {sum} W");
+    assert!((carried / sum.element_sum() - 1.0).abs() < 0.02, "{carried} of {sum} W in all channels");
     assert!(window.query_all_by_label_contains("Link to: ").next().is_some());
     click(&mut window, words::WHAT_LIGHTS_THIS);
     assert_eq!(text(&window, "links bring"), brought);
@@ -180,11 +183,53 @@ fn links_over_the_view_are_filtered_and_the_rest_is_said() {
     let said = text(&window, " drawn");
     assert!(said.starts_with(&format!("10 of {count} links drawn, ")) && said.contains("% of the power"), "{said}");
     assert!(share_of_different_pixels(&plain, &picture(&mut window)) < share_of_different_pixels(&plain, &all));
-    click(&mut window, "patch–patch");
+    click(&mut window, words::PATCH_PATCH);
     assert!(text(&window, " drawn").contains("filtered out"));
     click(&mut window, "Link colour: visibility");
     assert!(window.query_by_label_contains("drawn").is_some());
     click(&mut window, &link_choice(words::LINKS_NONE));
     assert!(window.query_by_label_contains("drawn").is_none());
     assert_eq!(share_of_different_pixels(&plain, &picture(&mut window)), 0.0, "without links it is as before");
+}
+
+/// Truth: the solution view: one name and one level of an element, and E by the final gather beside that by links.
+#[test]
+fn an_element_is_told_alike_in_tag_card_inspector_and_tree() {
+    let mut window = cornell(SolverParams { error: Some(0.1), ..SolverParams::usual() });
+    finish(&mut window);
+    click(&mut window, words::SETTINGS);
+    window.run_steps(2);
+    let centre = window.state().view_rect().center() - egui::vec2(0.0, 100.0);
+    window.drag_at(centre);
+    window.drop_at(centre);
+    until(&mut window, "the tag", |window| window.query_by_label(words::DETAILS).is_some());
+    let shown = |window: &Harness<'static, App>| {
+        let names = window.query_all_by_label_contains(" (").filter_map(|node| {
+            let node = node.accesskit_node();
+            node.label().or_else(|| node.value()).filter(|name| name.ends_with(')'))
+        });
+        names.collect::<Vec<_>>()
+    };
+    let scene = window.state().scene_info().expect("a scene").scene.clone();
+    let element = element(&window);
+    click(&mut window, words::DETAILS);
+    until(&mut window, "its links", |window| window.query_by_label_contains(words::TOP_SOURCES).is_some());
+    let view = solution_view(&window);
+    let Shape::Patch(patch) = &view.hierarchy().element(element).shape else { panic!("a patch was clicked") };
+    let name = of_polygon(&scene, patch.polygon);
+    let level = format!("{} of {}", view.depth(element), view.deepest());
+    for place in ["card", "inspector"] {
+        assert!(shown(&window).contains(&name), "{place}: {name} is not among {:?}", shown(&window));
+        for label in [words::LEVEL, &level, words::E_BY_GATHER, words::E_BY_LINKS] {
+            assert!(window.query_all_by_label(label).next().is_some(), "{place}: {label}");
+        }
+        keep(&mut window, place);
+        if place == "card" {
+            click(&mut window, words::INSPECT);
+            window.run_steps(3);
+        }
+    }
+    click(&mut window, words::CLUSTERS);
+    until(&mut window, "its row", |window| window.query_all_by_label(&name).next().is_some());
+    keep(&mut window, "tree");
 }

@@ -6,7 +6,7 @@ use egui_kittest::kittest::Queryable;
 use selflink::app::{App, words};
 use selflink::scene::{Luminaire, LuminaireShape, Sidecar, Source};
 
-use super::support::{click, coarse, cornell, finish, until, window};
+use super::support::{choose, click, coarse, cornell, finish, until, window};
 
 /// A room of 4 × 2.5 × 4 m without a lamp.
 const ROOM: &str = "o room
@@ -90,6 +90,59 @@ fn luminaires_are_added_moved_removed_undone_and_saved() {
     assert!(again.query_by_label(&format!("{} 1", words::BOOKMARK)).is_some(), "the bookmark is there again");
 }
 
+/// Truth: the closed forms of the units: P = M·A in each channel, Φ_v = 179 lm/W of what the eye weighs; and the axes of the file.
+#[test]
+fn a_luminaire_is_set_in_watts_lumens_and_kelvin() {
+    let (_folder, path) = room();
+    let mut window = window(Some(Source::File(path)), coarse());
+    until(&mut window, "the room", |window| window.state().scene_info().is_some());
+    click(&mut window, words::ADD_SQUARE_LIGHT);
+    until(&mut window, "the luminaire", |window| luminaires(window).len() == 1);
+    let at_hand = |window: &Window| luminaires(window).remove(0);
+    let lumens = |of: &Luminaire| 179.0 * of.form.area() * of.exitance.dot(glam::Vec3::new(0.2126, 0.7152, 0.0722));
+    // The material above has a list of its own by that name.
+    let unit = |window: &mut Window, what: &str| {
+        let place = |window: &Window| {
+            let lists = window.query_all_by_role_and_label(Role::ComboBox, words::LAMP_UNIT);
+            lists.map(|list| list.rect().center().y).fold(0.0, f32::max)
+        };
+        let lowest = place(window);
+        let lists = window.query_all_by_role_and_label(Role::ComboBox, words::LAMP_UNIT);
+        lists.last().filter(|list| list.rect().center().y == lowest).expect("a list").scroll_to_me();
+        window.run_steps(6);
+        window.query_all_by_role_and_label(Role::ComboBox, words::LAMP_UNIT).last().expect("a list").click();
+        window.run_steps(2);
+        window.get_by_label_contains(what).click();
+        window.run_steps(3);
+    };
+    let slide = |window: &mut Window, what: &str, value: f64| {
+        let slider = |window: &Window| window.query_all_by_role_and_label(Role::Slider, what).count();
+        assert!(slider(window) > 0, "{what}");
+        window.query_all_by_role_and_label(Role::Slider, what).last().expect("a slider").set_value_accesskit(value);
+        window.run_steps(2);
+    };
+    unit(&mut window, &format!("{}, W", words::POWER));
+    slide(&mut window, words::POWER, 60.0);
+    until(&mut window, "60 W in all channels", |window| {
+        let of = at_hand(window);
+        (of.form.area() * of.exitance.element_sum() - 60.0).abs() < 0.1
+    });
+    unit(&mut window, &format!("{}, lm", words::FLUX));
+    slide(&mut window, words::FLUX, 3000.0);
+    until(&mut window, "3000 lm", |window| (lumens(&at_hand(window)) - 3000.0).abs() < 5.0);
+    slide(&mut window, words::COLOUR_TEMPERATURE, 2700.0);
+    until(&mut window, "warm white", |window| at_hand(window).exitance.x > 1.5 * at_hand(window).exitance.z);
+    slide(&mut window, words::COLOUR_TEMPERATURE, 9000.0);
+    until(&mut window, "cold white", |window| at_hand(window).exitance.z > at_hand(window).exitance.x);
+
+    choose(&mut window, words::SHAPE, "disc");
+    until(&mut window, "a disc", |window| at_hand(window).form.shape == LuminaireShape::Disc);
+    choose(&mut window, words::SHINES, "up");
+    until(&mut window, "upwards", |window| at_hand(window).form.direction == glam::Vec3::Y);
+    set(&mut window, Role::SpinButton, words::TURN, 30.0);
+    until(&mut window, "its turn", |window| at_hand(window).form.turn_deg == 30.0);
+}
+
 /// Truth: what is dragged along an axis moves along that axis alone, and the scene is made anew when it is let go.
 #[test]
 fn a_handle_moves_a_luminaire_along_its_axis() {
@@ -124,6 +177,27 @@ fn a_handle_moves_a_luminaire_along_its_axis() {
     until(&mut window, "its former place", |window| luminaires(window)[0].form.centre == before);
 }
 
+/// Truth: what a click does afterwards: it selects.
+#[test]
+fn esc_ends_placing_probes_and_drawing_an_area() {
+    let mut window = cornell(coarse());
+    finish(&mut window);
+    click(&mut window, words::MEASURE);
+    let centre = window.state().view_rect().center();
+    for tool in [words::PLACE_PROBES, words::DRAW_TASK_AREA] {
+        click(&mut window, tool);
+        window.key_press(egui::Key::Escape);
+        window.run_steps(3);
+        window.drag_at(centre);
+        window.drop_at(centre);
+        until(&mut window, "a selection", |window| window.state().picked_element().is_some());
+        assert!(window.query_by_label("Name of probe 1").is_none(), "{tool}");
+        window.key_press(egui::Key::Escape);
+        window.run_steps(3);
+        assert!(window.state().picked_element().is_none(), "Esc deselects once nothing else is to be ended");
+    }
+}
+
 /// Truth: the target's numbers decide what is said; a drag in the view draws the area, and turns nothing meanwhile.
 #[test]
 fn a_task_area_is_drawn_and_judged() {
@@ -145,7 +219,10 @@ fn a_task_area_is_drawn_and_judged() {
     window.drop_at(at(0.58, 0.8));
     until(&mut window, "its numbers", |window| window.query_by_label(words::TARGET_UNIFORMITY).is_some());
     assert_eq!(window.state().camera_pose().expect("a view"), pose, "the view stays");
-    assert!(window.query_by_label("Task area x from").is_some() && window.query_by_label("Task area z to").is_some());
+    assert!(
+        window.query_by_label(&words::task_area("x", "from")).is_some()
+            && window.query_by_label(&words::task_area("z", "to")).is_some()
+    );
     set(&mut window, Role::SpinButton, words::TARGET_AVERAGE, 1.0);
     set(&mut window, Role::SpinButton, words::TARGET_UNIFORMITY, 1.0);
     let says = |window: &Window, verdict: &str, what: &str| {
@@ -156,9 +233,9 @@ fn a_task_area_is_drawn_and_judged() {
     set(&mut window, Role::SpinButton, words::TARGET_UNIFORMITY, 0.01);
     assert!(says(&window, words::FAILED, words::AVERAGE) && says(&window, words::PASSED, words::UNIFORMITY));
     click(&mut window, words::WHOLE_PLANE);
-    assert!(window.query_by_label("Task area x from").is_none());
+    assert!(window.query_by_label(&words::task_area("x", "from")).is_none());
     click(&mut window, words::UNDO);
-    assert!(window.query_by_label("Task area x from").is_some(), "the area is back");
+    assert!(window.query_by_label(&words::task_area("x", "from")).is_some(), "the area is back");
     click(&mut window, words::REDO);
-    assert!(window.query_by_label("Task area x from").is_none());
+    assert!(window.query_by_label(&words::task_area("x", "from")).is_none());
 }

@@ -4,6 +4,7 @@
 //! Vulkan serves.
 #![cfg(feature = "gui")]
 
+mod camera;
 mod clusters;
 mod compare;
 mod craft;
@@ -17,6 +18,7 @@ mod matrix;
 mod panels;
 mod readings;
 mod sizes;
+mod status;
 mod strain;
 mod support;
 mod take_along;

@@ -64,7 +64,7 @@ fn blocks_are_hovered_and_clicked() {
     let largest = solution_view.all_links().max_by(|one, other| room(one).total_cmp(&room(other))).expect("links");
     let at = place(&window, middle(largest.source), middle(largest.receiver));
     window.hover_at(at);
-    until(&mut window, "a link", |window| says(window, "form factor F") && says(window, "share of ε"));
+    until(&mut window, "a link", |window| says(window, words::FORM_FACTOR) && says(window, words::STRONGEST_CHANNEL));
     window.drag_at(at);
     window.drop_at(at);
     until(&mut window, "its receiver", |window| says(window, words::DETAILS));

@@ -5,8 +5,10 @@
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
 use selflink::app::{App, words};
+use selflink::solve::{ParameterId, SolverParams};
+use selflink::worker::RunState;
 
-use crate::support::{choose, click, coarse, finish, picture, until};
+use crate::support::{choose, click, coarse, finish, keep, picture, until};
 
 type Window = Harness<'static, App>;
 
@@ -112,6 +114,122 @@ fn probes_are_placed_by_click_and_read() {
     assert!(rows[1].starts_with("\"P1\",") && (values[12] / lux - 1.0).abs() < 1e-4 && lux > 1.0, "{text}");
     click(&mut window, "Remove probe 1");
     until(&mut window, "its end", |window| window.query_by_label("Name of probe 1").is_none());
+}
+
+/// A place in the view that shows a face of the short block which faces the eye.
+fn on_the_block(window: &mut Window) -> egui::Pos2 {
+    let (view, pose) = (window.state().view_rect(), window.state().camera_pose().expect("a view"));
+    let scene = window.state().scene_info().expect("a scene").scene.clone();
+    for step in 0..30 {
+        let at = view.min + egui::vec2(0.2 + 0.02 * step as f32, 0.72) * view.size();
+        window.drag_at(at);
+        window.drop_at(at);
+        window.run_steps(2);
+        let Some(element) = window.state().picked_element() else { continue };
+        let leaves = &window.state().snapshot().expect("a picture").mesh.leaves;
+        let leaf = leaves.iter().find(|leaf| leaf.element == element).expect("a leaf was clicked");
+        let polygon = &scene.polygons[leaf.polygon as usize];
+        let faces = scene.normal(polygon).dot((pose.eye - pose.target).normalize()) > 0.5;
+        if faces && scene.group_path(polygon.group) == "short_block" {
+            return at;
+        }
+    }
+    panic!("the block is not in view");
+}
+
+/// Truth: the block that a probe on its front lies behind, seen from the back; and the standard error of the gather.
+#[test]
+fn probes_say_their_error_where_they_are_seen_and_their_age_when_light_has_changed() {
+    let mut window = crate::support::cornell(SolverParams { error: Some(0.1), ..SolverParams::usual() });
+    finish(&mut window);
+    click(&mut window, words::MEASURE);
+    let at = on_the_block(&mut window);
+    let tag =
+        |window: &Window| window.state().overlays().iter().find(|(name, _)| *name == "tag").map(|(_, rect)| *rect);
+    until(&mut window, "the tag", |window| tag(window).is_some_and(|rect| rect.min.distance(at) < 40.0));
+    click(&mut window, words::PLACE_PROBES);
+    let view = window.state().view_rect();
+    window.drag_at(at);
+    window.drop_at(at);
+    let label = |window: &Window| {
+        let node = window.query_all_by_label_contains("P1").find(|node| view.contains(node.rect().center()));
+        node.and_then(|node| node.accesskit_node().label().or_else(|| node.accesskit_node().value()))
+    };
+    let is_measured = |text: String| text.contains(" ± ") && text.ends_with(" lx");
+    until(&mut window, "its value", |window| label(window).is_some_and(is_measured));
+    let said = label(&window).expect("a label");
+    let in_table = said.trim_start_matches("P1").trim();
+    assert!(window.query_by_label(in_table).is_some(), "{in_table} stands in the table too");
+
+    // Seen from the other side, the block stands before it.
+    for _ in 0..2 {
+        let (from, by) = (view.center(), egui::vec2(0.5 * view.height(), 0.0));
+        window.drag_at(from);
+        window.step();
+        window.hover_at(from + by);
+        window.step();
+        window.drop_at(from + by);
+        window.run_steps(2);
+    }
+    window.run_steps(4);
+    assert_eq!(label(&window), None, "numbers never show through furniture");
+    let aside = tag(&window).expect("the selection still has its tag");
+    assert!(aside.right() > view.right() - 20.0 && aside.top() < view.top() + 80.0, "in the corner: {aside:?}");
+    let middle = view.center();
+    window.hover_at(middle);
+    window.step();
+    window.key_press(egui::Key::Home);
+    window.run_steps(3);
+    assert_eq!(label(&window), Some(said.clone()));
+
+    // Readings are of the picture in view, which stays until a better one is there, and say so.
+    error_of(&mut window, 0.02);
+    let is_aged = |text: String| text.contains(words::EARLIER_PICTURE);
+    until(&mut window, "its age", |window| label(window).is_some_and(is_aged));
+    keep(&mut window, "stale-probe");
+    finish(&mut window);
+    until(&mut window, "the new value", |window| label(window).is_some_and(|text| text.ends_with(" lx")));
+}
+
+fn error_of(window: &mut Window, error: f64) {
+    let label = words::parameter(ParameterId::Error);
+    window.get_by_role_and_label(egui::accesskit::Role::Slider, label).set_value_accesskit(error);
+    window.run_steps(2);
+}
+
+/// Truth: the age of the light that was read.
+#[test]
+fn the_plane_the_tag_and_the_readout_say_when_they_are_of_an_earlier_picture() {
+    let mut window = crate::support::cornell(SolverParams { error: Some(0.1), ..SolverParams::usual() });
+    finish(&mut window);
+    let centre = window.state().view_rect().center();
+    window.drag_at(centre);
+    window.drop_at(centre);
+    click(&mut window, words::MEASURE);
+    click(&mut window, words::MEASURE_PLANE);
+    until(&mut window, "the plane", |window| window.query_by_label(words::UNIFORMITY).is_some());
+    let counts = |window: &Window| window.query_all_by_label_contains(words::EARLIER_PICTURE).count();
+    until(&mut window, "fresh readings", |window| counts(window) == 0);
+    error_of(&mut window, 0.02);
+    let centre = window.state().view_rect().center();
+    until(&mut window, "another solve", |window| window.state().status().run == RunState::Running);
+    window.hover_at(centre + egui::vec2(0.0, 60.0));
+    until(&mut window, "the tag", |window| {
+        window.query_all_by_label_contains("E ").any(|node| {
+            let node = node.accesskit_node();
+            let text = node.label().or_else(|| node.value()).unwrap_or_default();
+            text.starts_with("E ") && text.ends_with(&format!("({})", words::EARLIER_PICTURE))
+        })
+    });
+    until(&mut window, "the plane's note", |window| window.query_by_label(words::EARLIER_PLANE).is_some());
+    until(&mut window, "the readout", |window| {
+        window.query_by_label_contains(&format!("{}:  E", words::EARLIER_PICTURE)).is_some()
+    });
+    keep(&mut window, "stale-plane");
+    finish(&mut window);
+    until(&mut window, "fresh readings again", |window| {
+        counts(window) == 0 && window.query_by_label(words::EARLIER_PLANE).is_none()
+    });
 }
 
 #[test]

@@ -9,7 +9,7 @@ use selflink::app::{App, words};
 use selflink::scene::Source;
 use selflink::scene::builtin::BuiltinScene;
 
-use crate::support::{coarse, finish, until, window_of_size};
+use crate::support::{choose, click, coarse, finish, keep, link_choice, until, window_of_size};
 
 const TOOLS: [&str; 6] =
     [words::INSPECTOR, words::LINK_MATRIX, words::CLUSTERS, words::MEASURE, words::COMPARE, words::EXPORT];
@@ -80,4 +80,92 @@ fn every_tool_fits_at_one_and_a_half() {
 #[test]
 fn every_tool_fits_into_a_large_window() {
     check_sizes([3840.0, 2160.0], 1.0);
+}
+
+/// What lies over the view lies side by side, with a selection, a measured plane, false colours and links.
+fn check_overlays(size: [f32; 2], scale: f32) {
+    let mut window = opened(size, scale);
+    choose(&mut window, words::DISPLAY, words::IRRADIANCE);
+    click(&mut window, &link_choice(words::LINKS_AT_LEVEL));
+    open(&mut window, words::MEASURE);
+    click(&mut window, words::MEASURE_PLANE);
+    until(&mut window, "the plane", |window| window.query_by_label(words::UNIFORMITY).is_some());
+    let view = window.state().view_rect();
+    // The room lies in the middle of every view.
+    for share in [egui::vec2(0.5, 0.3), egui::vec2(0.42, 0.55), egui::vec2(0.56, 0.4)] {
+        let at = view.min + share * view.size();
+        window.drag_at(at);
+        window.drop_at(at);
+        until(&mut window, "the tag", |window| window.query_by_label(words::DETAILS).is_some());
+        window.hover_at(at + egui::vec2(-3.0, -3.0));
+        until(&mut window, "the readout", |window| has_overlay(window, "readout"));
+        window.run_steps(6);
+        check_apart(&window, &format!("tag in {size:?} at {scale}"));
+    }
+    window.get_by_label(words::DETAILS).click();
+    until(&mut window, "the card", |window| window.query_by_label(words::SELECTED_ELEMENT).is_some());
+    window.hover_at(view.left_center() + egui::vec2(20.0, 0.0));
+    until(&mut window, "the readout", |window| has_overlay(window, "readout"));
+    window.run_steps(6);
+    check_apart(&window, &format!("card in {size:?} at {scale}"));
+    keep(&mut window, &format!("overlays-{}-{scale}", size[0]));
+}
+
+fn has_overlay(window: &Harness<'static, App>, name: &str) -> bool {
+    window.state().overlays().iter().any(|(other, _)| *other == name)
+}
+
+fn check_apart(window: &Harness<'static, App>, said: &str) {
+    let (view, all) = (window.state().view_rect(), window.state().overlays());
+    assert!(all.len() >= 3, "{said}: {all:?}");
+    for (index, (name, rect)) in all.iter().enumerate() {
+        assert!(view.expand(1.0).contains_rect(*rect), "{said}: {name} at {rect:?} leaves the view {view:?}");
+        for (other, beside) in &all[index + 1..] {
+            assert!(
+                !rect.shrink(1.0).intersects(*beside),
+                "{said}: {name} at {rect:?} lies over {other} at {beside:?}"
+            );
+        }
+    }
+}
+
+#[test]
+fn overlays_lie_side_by_side_in_a_small_window() {
+    check_overlays([1024.0, 700.0], 1.0);
+}
+
+#[test]
+fn overlays_lie_side_by_side_at_one_and_a_half() {
+    check_overlays([1024.0, 700.0], 1.5);
+}
+
+#[test]
+fn overlays_lie_side_by_side_in_a_usual_window() {
+    check_overlays([1920.0, 1080.0], 1.0);
+}
+
+/// Truth: where the pointer took hold of the border, and where it let go.
+#[test]
+fn panels_are_resized_by_their_borders() {
+    let mut window = opened([1600.0, 900.0], 1.0);
+    let drag = |window: &mut Harness<'static, App>, from: egui::Pos2, by: f32| {
+        window.hover_at(from);
+        window.run_steps(2);
+        window.drag_at(from);
+        window.run_steps(2);
+        window.hover_at(from + egui::vec2(by, 0.0));
+        window.run_steps(2);
+        window.drop_at(from + egui::vec2(by, 0.0));
+        window.run_steps(3);
+    };
+    let before = window.state().view_rect();
+    drag(&mut window, before.left_center() - egui::vec2(2.0, 0.0), 60.0);
+    let wider = window.state().view_rect();
+    assert!((wider.left() - before.left() - 60.0).abs() < 3.0, "{before:?} {wider:?}");
+    open(&mut window, words::MEASURE);
+    // The view keeps its half: the tool can but be made narrower.
+    let before = window.state().view_rect();
+    drag(&mut window, before.right_center() + egui::vec2(2.0, 0.0), 15.0);
+    let after = window.state().view_rect();
+    assert!((after.right() - before.right() - 15.0).abs() < 3.0, "{before:?} {after:?}");
 }

@@ -3,8 +3,8 @@
 use std::time::{Duration, Instant};
 
 use egui::accesskit::Role;
-use egui_kittest::Harness;
-use egui_kittest::kittest::Queryable;
+use egui_kittest::kittest::{NodeT, Queryable};
+use egui_kittest::{Harness, Node};
 use selflink::app::{App, words};
 use selflink::prepare::added_light::AddedLight;
 use selflink::scene::builtin::BuiltinScene;
@@ -58,12 +58,27 @@ pub fn until(window: &mut Harness<'static, App>, what: &str, holds: impl Fn(&Har
     }
 }
 
+/// The one widget of a name that can be clicked; texts may say the same word.
+fn clickable<'w>(window: &'w Harness<'static, App>, label: &'w str) -> Node<'w> {
+    let found: Vec<Node<'w>> = window.query_all_by_label(label).collect();
+    let is_widget = |node: &Node<'w>| node.accesskit_node().role() != Role::Label;
+    match found.len() {
+        0 | 1 => window.get_by_label(label),
+        _ => {
+            let mut widgets = found.into_iter().filter(is_widget);
+            let first = widgets.next().unwrap_or_else(|| panic!("{label} cannot be clicked"));
+            assert!(widgets.next().is_none(), "there are several widgets {label}");
+            first
+        }
+    }
+}
+
 /// Scrolls a widget into sight and clicks it.
 pub fn click(window: &mut Harness<'static, App>, label: &str) {
-    window.get_by_label(label).scroll_to_me();
+    clickable(window, label).scroll_to_me();
     // Scrolling is animated.
     window.run_steps(6);
-    window.get_by_label(label).click();
+    clickable(window, label).click();
     window.run_steps(2);
 }
 
@@ -84,6 +99,14 @@ pub fn link_choice(name: &str) -> String {
 
 pub fn finish(window: &mut Harness<'static, App>) {
     until(window, "finishing", |window| window.state().status().run == RunState::Finished);
+}
+
+/// Keeps the frame as a picture, where a folder for such is named, to be looked at.
+pub fn keep(window: &mut Harness<'static, App>, name: &str) {
+    if let Some(folder) = std::env::var_os("SELFLINK_KEEP_PICTURES") {
+        let path = std::path::Path::new(&folder).join(format!("{name}.png"));
+        window.render().expect("a frame").save(path).expect("kept");
+    }
 }
 
 /// The pixels of the view.

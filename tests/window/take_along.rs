@@ -105,6 +105,42 @@ fn files_hold_what_the_window_shows() {
     }
 }
 
+/// Truth: letters are white with a dark rim, where the window has them too.
+#[test]
+fn an_exported_picture_has_the_values_along_its_isolux_lines() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut window = cornell(SolverParams { error: Some(0.1), ..SolverParams::usual() });
+    finish(&mut window);
+    click(&mut window, words::ISOLUX_LINES);
+    let name = name_files(&mut window, folder.path());
+    until(&mut window, "values", |window| {
+        window.state().is_gathered() == (true, true) && window.query_all_by_label_contains("Line at ").next().is_some()
+    });
+    save(&mut window, "Picture (PNG)", &format!("{name}.png"));
+    until(&mut window, "the whole picture", |window| window.state().is_gathered() == (true, true));
+    window.run_steps(2);
+    let png = image::open(format!("{name}.png")).expect("a picture").to_rgba8();
+    // The sentence on the file may have taken room from the view meanwhile: its lower end stays.
+    let view = window.state().view_rect();
+    let origin = egui::pos2(view.left(), view.bottom() - png.height() as f32);
+    let labels: Vec<egui::Rect> = window.query_all_by_label_contains("Line at ").map(|node| node.rect()).collect();
+    let is_written = |rect: &&egui::Rect| {
+        let at = rect.center() - origin;
+        let around = |reach: f32, of: f32| (of - reach).max(0.0) as u32..(of + reach).max(0.0) as u32;
+        let pixels = around(10.0, at.y).flat_map(|y| around(14.0, at.x).map(move |x| (x, y)));
+        let inside = pixels.filter_map(|(x, y)| png.get_pixel_checked(x, y).map(|pixel| pixel.0));
+        let (mut dark, mut white) = (0, 0);
+        for [r, g, b, _] in inside {
+            dark += usize::from(r.max(g).max(b) < 70);
+            white += usize::from(r.min(g).min(b) > 225);
+        }
+        dark >= 8 && white >= 5
+    };
+    let written = labels.iter().filter(is_written).count();
+    // The file is gathered anew: where its lines run a little differently, its values stand elsewhere.
+    assert!(4 * written >= labels.len(), "{written} of {} values are in the file", labels.len());
+}
+
 /// Truth: the file. What is there already is overwritten only if a person says so, and what cannot be written is said.
 #[test]
 fn files_are_not_lost_by_accident() {

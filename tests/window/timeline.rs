@@ -89,4 +89,5 @@ fn a_study_opens_the_method_and_replays_the_solve() {
     until(&mut window, "its links", |window| window.query_by_label_contains("drawn").is_some());
     click(&mut window, words::LATEST);
     until(&mut window, "the present", |window| step(window).is_none());
+    until(&mut window, "no links, as before", |window| window.query_by_label_contains("drawn").is_none());
 }

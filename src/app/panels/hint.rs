@@ -2,6 +2,7 @@
 
 use egui::{Align2, Area, Frame, Rect, Ui};
 
+use crate::app::view::overlays::Place;
 use crate::app::widgets::theme;
 use crate::app::{App, words};
 
@@ -16,9 +17,9 @@ pub(in crate::app) fn show_first_lines(app: &mut App, ui: &Ui, view: Rect) {
     if !app.layout.appearance.is_hint_shown {
         return;
     }
-    let at = view.center_bottom() - egui::vec2(0.0, 18.0);
-    Area::new(egui::Id::unique("first lines")).pivot(Align2::CENTER_BOTTOM).fixed_pos(at).show(ui.ctx(), |ui| {
-        theme::over_the_view(ui);
+    let place = Place::at_rim("first lines", view, Align2::CENTER_BOTTOM);
+    let is_hint_shown = &mut app.layout.appearance.is_hint_shown;
+    app.view.overlays.show(ui.ctx(), place, |ui| {
         Frame::popup(ui.style()).fill(theme::PANEL.gamma_multiply(0.94)).inner_margin(12).show(ui, |ui| {
             ui.set_max_width((view.width() - 60.0).max(200.0));
             for line in LINES {
@@ -26,7 +27,7 @@ pub(in crate::app) fn show_first_lines(app: &mut App, ui: &Ui, view: Rect) {
             }
             ui.add_space(4.0);
             if ui.button("Got it").clicked() {
-                app.layout.appearance.is_hint_shown = false;
+                *is_hint_shown = false;
             }
         });
     });

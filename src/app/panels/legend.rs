@@ -4,6 +4,7 @@ use egui::{Align2, Color32, FontId, Frame, Label, Rect, RichText, Ui, UiBuilder,
 
 use crate::app::state::comparison::{FULL_SCALE, Shading};
 use crate::app::view::colour_bar;
+use crate::app::view::overlays::{Overlays, Place};
 use crate::app::widgets::theme;
 use crate::app::words;
 use crate::base::photometry::{CONVENTION, ShownIn, Unit};
@@ -11,8 +12,6 @@ use crate::render::{Mark, Reading};
 
 /// Size of the bar, points.
 const BAR: egui::Vec2 = vec2(264.0, 12.0);
-/// Room between the card and the view's corner, points.
-const MARGIN: f32 = 12.0;
 /// Height of the row of labels, points.
 const LABELS: f32 = 22.0;
 /// Least room between two labels, points.
@@ -28,23 +27,23 @@ struct Legend<'a> {
 }
 
 /// The legend of the difference between two solutions.
-pub(in crate::app) fn show_difference(ui: &mut Ui, view: Rect) {
+pub(in crate::app) fn show_difference(overlays: &mut Overlays, ui: &Ui, view: Rect) {
     let hint = "Difference of the radiosities, relative to that of A at the same point";
-    show_shading(ui, view, Shading::Difference, ("B darker – brighter", hint));
+    show_shading(overlays, ui, view, Shading::Difference, ("B darker – brighter", hint));
 }
 
 /// The legend of errors; nothing for light.
-pub(in crate::app) fn show_error(ui: &mut Ui, view: Rect, shading: Shading) {
+pub(in crate::app) fn show_error(overlays: &mut Overlays, ui: &Ui, view: Rect, shading: Shading) {
     let title = match shading {
         Shading::Lit => return,
         Shading::Error => "relative error",
         Shading::Difference => "too dark – too bright",
     };
     let hint = "Error of the radiosity by the reference, relative to each point's own radiosity";
-    show_shading(ui, view, shading, (title, hint));
+    show_shading(overlays, ui, view, shading, (title, hint));
 }
 
-fn show_shading(ui: &mut Ui, view: Rect, shading: Shading, (title, hint): (&str, &str)) {
+fn show_shading(overlays: &mut Overlays, ui: &Ui, view: Rect, shading: Shading, (title, hint): (&str, &str)) {
     let (first, labels) = match shading {
         Shading::Lit | Shading::Error => (0.0, ["0 %", "25 %", "50 %"]),
         Shading::Difference => (-FULL_SCALE, ["−50 %", "0 %", "+50 %"]),
@@ -53,11 +52,16 @@ fn show_shading(ui: &mut Ui, view: Rect, shading: Shading, (title, hint): (&str,
     let places = [0.0, 0.5, 1.0];
     let marks = places.into_iter().zip(labels);
     let marks = marks.map(|(along, label)| Mark { along, label: label.to_owned(), is_line: false }).collect();
-    show(ui, view, &Legend { title: title.to_owned(), remark: "grey: unknown", hint, colour: &colour, marks });
+    show(
+        overlays,
+        ui,
+        view,
+        &Legend { title: title.to_owned(), remark: "grey: unknown", hint, colour: &colour, marks },
+    );
 }
 
 /// The legend of a quantity.
-pub(in crate::app) fn show_reading(ui: &mut Ui, view: Rect, reading: &Reading, remark: &str) {
+pub(in crate::app) fn show_reading(overlays: &mut Overlays, ui: &Ui, view: Rect, reading: &Reading, remark: &str) {
     let colour = |along: f32| reading.scale.ramp.at(along);
     let hint = match reading.shown_in {
         ShownIn::Unit(Unit::Lumens) => CONVENTION,
@@ -65,19 +69,17 @@ pub(in crate::app) fn show_reading(ui: &mut Ui, view: Rect, reading: &Reading, r
         ShownIn::Unit(Unit::Watts) => "The three colours weighed as the eye does: 0.2126 R + 0.7152 G + 0.0722 B",
     };
     let marks = reading.marks();
-    show(ui, view, &Legend { title: reading.title(), remark, hint, colour: &colour, marks });
+    show(overlays, ui, view, &Legend { title: reading.title(), remark, hint, colour: &colour, marks });
 }
 
 /// Draws a legend into the view's lower left corner.
-fn show(ui: &mut Ui, view: Rect, legend: &Legend<'_>) {
-    let at = view.left_bottom() + vec2(MARGIN, -MARGIN);
-    let area = egui::Area::new(egui::Id::unique("legend")).pivot(Align2::LEFT_BOTTOM).fixed_pos(at);
-    area.show(ui.ctx(), |ui| {
-        theme::over_the_view(ui);
+fn show(overlays: &mut Overlays, ui: &Ui, view: Rect, legend: &Legend<'_>) {
+    let place = Place { is_needed: false, ..Place::at_rim("legend", view, Align2::LEFT_BOTTOM) };
+    overlays.show(ui.ctx(), place, |ui| {
         let frame = Frame::popup(ui.style())
             .fill(theme::PANEL.gamma_multiply(0.94))
             .inner_margin(egui::Margin::symmetric(18, 7));
-        let card = frame.show(ui, |ui| {
+        frame.show(ui, |ui| {
             ui.set_width(BAR.x);
             ui.spacing_mut().item_spacing.y = 3.0;
             ui.horizontal(|ui| {
@@ -92,7 +94,6 @@ fn show(ui: &mut Ui, view: Rect, legend: &Legend<'_>) {
             let (row, _) = ui.allocate_exact_size(vec2(BAR.x, LABELS), egui::Sense::hover());
             draw_labels(ui, row, bar, &legend.marks);
         });
-        card.response
     });
 }
 

@@ -37,11 +37,11 @@ pub(in crate::app) fn show(ui: &mut Ui, shown: &Shown, links: &mut LinkOverlay) 
         words::LINK_COLOUR,
         &mut links.style.colour,
         &[
-            (LinkColour::Power, "power", "Power B·F·V·A over that of the strongest link"),
+            (LinkColour::Power, "power", "Power B·F·V·A, sum of the channels, over that of the strongest link"),
             (
                 LinkColour::Visibility,
                 "visibility",
-                "Whether the ends see each other fully, partly or not, or were not tested",
+                "Whether the ends see each other fully or partly, are hidden from each other, or were not tested",
             ),
             (LinkColour::Level, "level of source", "The level of the source below the root"),
         ],
@@ -56,7 +56,8 @@ pub(in crate::app) fn show(ui: &mut Ui, shown: &Shown, links: &mut LinkOverlay) 
             .logarithmic(true)
             .smallest_positive(LEAST_POWER_ABOVE_0)
             .custom_formatter(|share, _| format!("{} ε", format::number(share)));
-        ui.add(slider).on_hover_text("Weaker links are left out; as a share of the threshold ε")
+        ui.add(slider)
+            .on_hover_text("Links whose strongest channel carries less are left out; as a share of the threshold ε")
     });
     show_kinds(ui, filter);
     ui.checkbox(&mut links.style.ends, words::OUTLINES_OF_ENDS)
@@ -81,18 +82,18 @@ fn show_level(ui: &mut Ui, shown: &Shown, links: &mut LinkOverlay) {
 fn show_kinds(ui: &mut Ui, filter: &mut LinkFilter) {
     ui.horizontal_wrapped(|ui| {
         ui.spacing_mut().item_spacing.x = 10.0;
-        ui.checkbox(&mut filter.patch_patch, "patch–patch").on_hover_text("Links between two patches");
+        ui.checkbox(&mut filter.patch_patch, words::PATCH_PATCH).on_hover_text("Links between two patches");
         let hint = "Links between a cluster and a patch, either way";
-        ui.checkbox(&mut filter.cluster_patch, "cluster–patch").on_hover_text(hint);
+        ui.checkbox(&mut filter.cluster_patch, words::CLUSTER_PATCH).on_hover_text(hint);
         let hint = "Links between two clusters, self-links among them";
-        ui.checkbox(&mut filter.cluster_cluster, "cluster–cluster").on_hover_text(hint);
+        ui.checkbox(&mut filter.cluster_cluster, words::CLUSTER_CLUSTER).on_hover_text(hint);
     });
     ui.horizontal_wrapped(|ui| {
         ui.spacing_mut().item_spacing.x = 10.0;
         ui.checkbox(&mut filter.full, words::FULLY_VISIBLE).on_hover_text("All rays of the link came through");
         ui.checkbox(&mut filter.partial, words::PARTLY_VISIBLE).on_hover_text("Some rays of the link came through");
         let hint = "No ray of the link came through, or none was cast yet";
-        ui.checkbox(&mut filter.unseen, words::NOT_TESTED).on_hover_text(hint);
+        ui.checkbox(&mut filter.unseen, words::HIDDEN_OR_NOT_TESTED).on_hover_text(hint);
     });
 }
 
@@ -119,7 +120,7 @@ const MARGIN: f32 = 12.0;
 const DECADES: f32 = 3.0;
 
 /// Draws what the colours say, and how much is not drawn, into the view's lower right corner; nothing where no links are drawn.
-pub(in crate::app) fn show_legend(app: &App, ui: &Ui, view: Rect) {
+pub(in crate::app) fn show_legend(app: &mut App, ui: &Ui, view: Rect) {
     let Some(chosen) = app.view.marks.chosen_links() else { return };
     let words = chosen.to_string();
     let has_colours = !chosen.links.is_empty();
@@ -133,7 +134,10 @@ pub(in crate::app) fn show_legend(app: &App, ui: &Ui, view: Rect) {
     };
     let height = galley.size().y + 2.0 * 8.0 + of_colours;
     let size = vec2(BAR.x + 2.0 * MARGIN, height);
-    let card = Rect::from_min_size(view.right_bottom() - vec2(MARGIN, MARGIN) - size, size);
+    let corner = Rect::from_min_size(view.right_bottom() - vec2(MARGIN, MARGIN) - size, size);
+    let Some(card) = app.view.overlays.free(view, corner) else { return };
+    app.view.overlays.take("link legend", card);
+    let Some(chosen) = app.view.marks.chosen_links() else { return };
     let response = ui.interact(card, egui::Id::unique("link legend"), egui::Sense::hover());
     response.widget_info(|| egui::WidgetInfo::labeled(egui::accesskit::Role::Label, true, &words));
     painter.rect_filled(card, 6.0, theme::PANEL.gamma_multiply(0.92));
@@ -146,13 +150,17 @@ pub(in crate::app) fn show_legend(app: &App, ui: &Ui, view: Rect) {
     let top = card.top() + text_height + 14.0;
     let bar = Rect::from_min_size(pos2(card.left() + MARGIN, top + 15.0), BAR);
     let (title, labels) = match app.edits.display.links.style.colour {
-        LinkColour::Power => ("Colour: power of the link", power_labels(chosen)),
+        LinkColour::Power => ("Colour: power of the link, sum of the channels", power_labels(chosen)),
         LinkColour::Visibility => ("Colour: visibility V of the link", [String::new(), String::new()]),
         LinkColour::Level => ("Colour: level of the source", level_labels(app)),
     };
     painter.text(pos2(bar.left(), top - 3.0), Align2::LEFT_TOP, title, font.clone(), theme::TEXT_WEAK);
     if app.edits.display.links.style.colour == LinkColour::Visibility {
-        let names = [(Seen::Full, "full"), (Seen::Partial, "partial"), (Seen::Not, "none or not tested")];
+        let names = [
+            (Seen::Full, words::FULLY_VISIBLE),
+            (Seen::Partial, words::PARTLY_VISIBLE),
+            (Seen::Not, words::HIDDEN_OR_NOT_TESTED),
+        ];
         let mut x = bar.left();
         for (seen, name) in names {
             let [r, g, b] = seen.colour();
@@ -175,7 +183,7 @@ pub(in crate::app) fn show_legend(app: &App, ui: &Ui, view: Rect) {
 }
 
 fn power_labels(chosen: &ChosenLinks) -> [String; 2] {
-    let most = chosen.links.first().map_or(0.0, |link| f64::from(link.power));
+    let most = chosen.links.first().map_or(0.0, |link| f64::from(link.power.element_sum()));
     let least = most / 10_f64.powf(DECADES.into());
     [format!("≤ {}", format::quantity(least, "W")), format::quantity(most, "W")]
 }

@@ -29,7 +29,9 @@ use crate::worker::Command;
 /// The left panel with its sections and the bar below.
 pub(in crate::app) fn show_sides(app: &mut App, ui: &mut Ui, outbox: &mut Outbox) {
     egui::Panel::bottom("status").show(ui, |ui| {
-        status_bar::show(ui, &app.shown, app.view.painted.as_ref(), &app.progress.course, &app.progress.clock);
+        let is_view_dark = app.view.metering.is_dark() && app.shown.info.as_ref().is_some_and(|info| info.has_light);
+        let (painted, progress) = (app.view.painted.as_ref(), &app.progress);
+        status_bar::show(ui, (&app.shown, is_view_dark), painted, &progress.course, &progress.clock);
     });
     let sides = layout::Sides::of(app, ui.ctx());
     let Some(most) = sides.settings else {

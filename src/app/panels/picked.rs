@@ -7,33 +7,49 @@ use glam::Vec3;
 use crate::app::state::facts::Facts;
 use crate::app::state::inspection::Inspection;
 use crate::app::tools::Tool;
+use crate::app::view::overlays::Place;
 use crate::app::widgets::theme;
 use crate::app::{App, format, words};
 use crate::hierarchy::ElementId;
-use crate::scene::Scene;
 use crate::solve::Snapshot;
-use crate::transport::{LinkView, SolutionView};
+use crate::transport::LinkView;
 
 /// Width of the card, points.
 const WIDTH: f32 = 288.0;
 /// A narrower view would be hidden by more than a few lines, points.
 const WIDE_ENOUGH: f32 = 640.0;
+/// In a narrower view the card leaves the line above it to the readout, points.
+const BESIDE_READOUT: f32 = 800.0;
+/// Height of that line, points.
+const READOUT_HEIGHT: f32 = 34.0;
 /// So many links are shown, the strongest.
 const MOST: usize = 5;
 
+/// Whether the card is to be seen.
+fn is_shown(app: &App) -> bool {
+    app.layout.is_card_open && app.tools.open != Some(Tool::Inspector) && app.picked.is_some()
+}
+
+/// Width of the view that the card leaves to the readout, points.
+pub(in crate::app) fn room_beside(app: &App, view: Rect) -> f32 {
+    let taken = if is_shown(app) && view.width() >= BESIDE_READOUT { WIDTH + 40.0 } else { 0.0 };
+    view.width() - taken
+}
+
 /// Draws the card; nothing when nothing is picked.
 pub(in crate::app) fn show(app: &mut App, ui: &mut Ui, rect: Rect) {
-    if app.tools.open == Some(Tool::Inspector) || !app.layout.is_card_open {
+    if !is_shown(app) {
         return;
     }
-    let (Some(picked), Some(snapshot), Some(info)) = (&app.picked, &app.shown.snapshot, &app.shown.info) else {
-        return;
-    };
-    let (element, scene) = (picked.element, &info.scene);
+    let (Some(picked), Some(snapshot)) = (&app.picked, &app.shown.snapshot) else { return };
+    let element = picked.element;
     let (mut close, mut inspect) = (false, false);
-    let at = rect.right_top() + egui::vec2(-10.0, 10.0);
-    egui::Area::new(egui::Id::unique("picked")).pivot(Align2::RIGHT_TOP).fixed_pos(at).show(ui.ctx(), |ui| {
-        theme::over_the_view(ui);
+    let mut place = Place::at_rim("card", rect, Align2::RIGHT_TOP);
+    if rect.width() < BESIDE_READOUT {
+        place.at.y += READOUT_HEIGHT;
+    }
+    let overlays = &mut app.view.overlays;
+    overlays.show(ui.ctx(), place, |ui| {
         let frame = egui::Frame::popup(ui.style()).fill(theme::PANEL.gamma_multiply(0.94)).inner_margin(10);
         frame.show(ui, |ui| {
             ui.set_width(WIDTH);
@@ -45,11 +61,14 @@ pub(in crate::app) fn show(app: &mut App, ui: &mut Ui, rect: Rect) {
                     inspect = ui.button(words::INSPECT).on_hover_text(hint).clicked();
                 });
             });
+            let name = app.tools.inspection.name(element);
+            ui.add(egui::Label::new(RichText::new(name).strong()).truncate());
             if let Some(facts) = &app.tools.inspection.facts {
-                show_facts(ui, facts);
+                let deepest = snapshot.solution_view.as_ref().map(|solution_view| solution_view.deepest());
+                show_facts(ui, facts, deepest);
             }
             if rect.width() >= WIDE_ENOUGH {
-                show_sources(ui, &mut app.tools.inspection, snapshot, scene, element);
+                show_sources(ui, &mut app.tools.inspection, snapshot, element);
             }
         });
     });
@@ -61,44 +80,39 @@ pub(in crate::app) fn show(app: &mut App, ui: &mut Ui, rect: Rect) {
     }
 }
 
-fn show_facts(ui: &mut Ui, facts: &Facts) {
-    let or_dash = |text: &str| if text.is_empty() { "–".to_owned() } else { text.to_owned() };
+fn show_facts(ui: &mut Ui, facts: &Facts, deepest: Option<u16>) {
     Grid::new("picked facts").num_columns(2).spacing([12.0, 3.0]).show(ui, |ui| {
-        let mut row = |name: &str, value: RichText| {
+        let mut row = |name: &str, value: String| {
             ui.label(theme::weak(name));
-            ui.add(egui::Label::new(value).truncate());
+            ui.add(egui::Label::new(theme::value(value)).truncate());
             ui.end_row();
         };
-        match (&facts.material, facts.polygon) {
-            (Some(material), Some(polygon)) => {
-                row("Material", RichText::new(material).strong());
-                row("Group", RichText::new(or_dash(&facts.group)).strong());
-                row("Polygon", theme::value(format::count(polygon)));
-            }
-            _ => row("Cluster of", theme::value(format::things(facts.polygons, "polygon", "polygons"))),
+        match facts.polygon {
+            Some(polygon) => row("Polygon", format::count(polygon)),
+            None => row("Cluster of", format::things(facts.polygons, "polygon", "polygons")),
         }
-        row("Area", theme::value(format::quantity(facts.area.into(), "m²")));
-        match (facts.level, facts.depth) {
-            (Some(level), _) => row("Level", theme::value(level.to_string())),
-            (None, Some(depth)) => row("Level", theme::value(depth.to_string())),
-            (None, None) => {}
+        row("Area", format::quantity(facts.area.into(), "m²"));
+        if let Some((level, deepest)) = facts.level.zip(deepest) {
+            row(words::LEVEL, format!("{level} of {deepest}"));
         }
-        row("E  W/m²", theme::value(colours(facts.irradiance)));
-        row("B  W/m²", theme::value(colours(facts.radiosity)));
+        for (name, irradiance, _) in facts.irradiances() {
+            row(name, colours(irradiance));
+        }
+        row("B", colours(facts.radiosity));
     });
 }
 
 fn colours(rgb: Vec3) -> String {
-    rgb.to_array().map(|value| format!("{:>7}", format::number(value.into()))).join(" ")
+    let [r, g, b] = rgb.to_array().map(|value| format::number(value.into()));
+    format!("{r} {g} {b} W/m²")
 }
 
-fn show_sources(ui: &mut Ui, inspection: &mut Inspection, snapshot: &Snapshot, scene: &Scene, element: ElementId) {
+fn show_sources(ui: &mut Ui, inspection: &mut Inspection, snapshot: &Snapshot, element: ElementId) {
     ui.separator();
-    let Some(solution_view) = snapshot.solution_view.as_ref().filter(|solution_view| solution_view.holds(element))
-    else {
+    if !snapshot.solution_view.as_ref().is_some_and(|solution_view| solution_view.holds(element)) {
         ui.label(theme::weak("Asking for its links…"));
         return;
-    };
+    }
     let count = inspection.links.len();
     if count == 0 {
         ui.label("No link brings it light");
@@ -111,14 +125,14 @@ fn show_sources(ui: &mut Ui, inspection: &mut Inspection, snapshot: &Snapshot, s
     Grid::new("sources").num_columns(2).spacing([12.0, 2.0]).show(ui, |ui| {
         for link in strongest {
             ui.label(theme::value(format!("{:>9}", format::number(link.irradiance.max_element().into()))));
-            let name = name_of_source(inspection, solution_view, scene, &link);
+            let name = name_of_source(inspection, &link);
             let details = format!(
                 "{name}: {}; E {}, F = {}, V = {:.2}, {} to the whole receiver",
                 whose(&link),
                 colours(link.irradiance),
                 format::number(link.form_factor.into()),
                 link.visibility,
-                format::quantity(link.power.into(), "W"),
+                format::quantity(link.power.element_sum().into(), "W"),
             );
             ui.add(egui::Label::new(name).truncate()).on_hover_text(details);
             ui.end_row();
@@ -126,10 +140,10 @@ fn show_sources(ui: &mut Ui, inspection: &mut Inspection, snapshot: &Snapshot, s
     });
 }
 
-fn name_of_source(inspection: &mut Inspection, solution_view: &SolutionView, scene: &Scene, link: &LinkView) -> String {
+fn name_of_source(inspection: &mut Inspection, link: &LinkView) -> String {
     match link.source == link.receiver {
         true => "itself, among its parts".to_owned(),
-        false => inspection.name(solution_view, scene, link.source).to_owned(),
+        false => inspection.names.full(link.source).to_owned(),
     }
 }
 

@@ -1,13 +1,16 @@
 //! The reading under the pointer, in the view's upper left corner.
 
-use egui::{Align2, Frame, Id, Rect, RichText, Ui};
+use egui::{Align2, Frame, Rect, RichText, Ui};
 
+use crate::app::panels::picked;
+use crate::app::state::measuring::lux_in_words;
+use crate::app::view::overlays::{Overlays, Place};
 use crate::app::widgets::theme;
-use crate::app::{App, format};
-use crate::base::photometry::{ShownIn, lux, weighted};
+use crate::app::{App, format, words};
+use crate::base::photometry::{ShownIn, weighted};
 
 /// Draws it; nothing while the pointer is elsewhere.
-pub(in crate::app) fn show(app: &App, ui: &Ui, view: Rect) {
+pub(in crate::app) fn show(app: &mut App, ui: &Ui, view: Rect) {
     let (Some(reading), Some(info)) = (app.tools.measuring.under_pointer(), &app.shown.info) else { return };
     let (e, b) = (reading.irradiance.to_array(), reading.radiosity.to_array());
     let number = |value: f32| format::number(value.into());
@@ -18,32 +21,34 @@ pub(in crate::app) fn show(app: &App, ui: &Ui, view: Rect) {
         }
         Some(ShownIn::Unit(_)) | None => String::new(),
     };
+    let age = if app.tools.measuring.is_stale() { format!("{}:  ", words::EARLIER_PICTURE) } else { String::new() };
     let text = format!(
-        "{factor}E {} lx, {} W/m²   B {} W/m²   {material}",
-        number(lux(e)),
+        "{age}{factor}E {}, {} W/m²   B {} W/m²   {material}",
+        lux_in_words(reading),
         number(weighted(e)),
         number(weighted(b)),
     );
     // The pointer is over the view, and stays there.
-    let area = egui::Area::new(Id::unique("readout")).interactable(false);
-    area.pivot(Align2::LEFT_TOP).fixed_pos(view.left_top() + egui::vec2(10.0, 10.0)).show(ui.ctx(), |ui| {
-        theme::over_the_view(ui);
+    let place = Place { is_interactable: false, ..Place::at_rim("readout", view, Align2::LEFT_TOP) };
+    let room = picked::room_beside(app, view);
+    app.view.overlays.show(ui.ctx(), place, |ui| {
         let fill = theme::PANEL.gamma_multiply(0.85);
         Frame::new().fill(fill).corner_radius(4).inner_margin(egui::Margin::symmetric(8, 4)).show(ui, |ui| {
-            ui.set_max_width((view.width() - 40.0).max(80.0));
+            ui.set_max_width((room - 40.0).max(80.0));
             ui.add(egui::Label::new(RichText::new(text).monospace()).truncate());
         });
     });
 }
 
 /// A few words over the lower edge of the view.
-pub(in crate::app) fn show_note(ui: &Ui, at: egui::Pos2, text: &str) {
-    let area = egui::Area::new(Id::unique("view note")).interactable(false);
-    area.pivot(Align2::CENTER_BOTTOM).fixed_pos(at).show(ui.ctx(), |ui| {
-        theme::over_the_view(ui);
+pub(in crate::app) fn show_note(overlays: &mut Overlays, ui: &Ui, view: Rect, name: &'static str, text: &str) {
+    let at_rim = Place::at_rim(name, view, Align2::CENTER_BOTTOM);
+    let place = Place { is_interactable: false, is_needed: false, ..at_rim };
+    overlays.show(ui.ctx(), place, |ui| {
         let fill = theme::PANEL.gamma_multiply(0.7);
         Frame::new().fill(fill).corner_radius(4).inner_margin(egui::Margin::symmetric(8, 3)).show(ui, |ui| {
-            ui.label(theme::weak(text).small());
+            ui.set_max_width((view.width() - 40.0).max(80.0));
+            ui.add(egui::Label::new(theme::weak(text).small()).wrap_mode(egui::TextWrapMode::Extend));
         });
     });
 }

@@ -7,6 +7,9 @@ use crate::app::{Shown, format};
 use crate::gather::Quantiles;
 use crate::solve::Stats;
 
+/// Share of the power by which sums over a large scene may be off by rounding.
+const ROUNDING: f64 = 1e-4;
+
 /// Draws the section.
 pub(in crate::app) fn show(ui: &mut Ui, shown: &Shown) {
     let Some(snapshot) = &shown.snapshot else {
@@ -22,17 +25,34 @@ pub(in crate::app) fn show(ui: &mut Ui, shown: &Shown) {
             });
         });
     }
+    if let Some(remark) = remark(&snapshot.stats) {
+        ui.add(egui::Label::new(theme::notice(ui, remark)).wrap());
+    }
+}
+
+/// Says so where more power is absorbed than there is.
+fn remark(stats: &Stats) -> Option<String> {
+    let given = stats.emitted_watts + stats.entering_watts;
+    let surplus = stats.absorbed_watts - given;
+    (surplus > ROUNDING * given).then(|| {
+        let source = if stats.entering_watts > 0.0 { "emitted and entering" } else { "emitted" };
+        let percent = if given > 0.0 { format!(", {} %", format::number(100.0 * surplus / given)) } else { String::new() };
+        format!(
+            "{} more is absorbed than is {source}{percent}: coarse links make up light. A smaller error or ε brings this down.",
+            format::quantity(surplus, "W")
+        )
+    })
 }
 
 fn rows(stats: &Stats) -> Vec<(&'static str, String)> {
     let mut rows = vec![
         ("Threshold ε", format::quantity(stats.epsilon_watts, "W")),
-        ("Threshold ε over Φ", format::quantity(stats.epsilon_relative, "Φ")),
+        ("Threshold ε over Φ, strongest channel", format::quantity(stats.epsilon_relative, "Φ")),
         ("Initial patches", format::count(stats.initial_patches)),
         ("Clusters", format::count(stats.clusters)),
         ("Patches", format::count(stats.patches)),
         ("Elements", format::count(stats.elements)),
-        ("Links", format::count(stats.links)),
+        ("Links", format::count(stats.all_links())),
         ("Links tested", format::count(stats.pairs_judged)),
         ("Rays", format::count(stats.rays)),
         ("Iterations", format::count(stats.iterations)),
@@ -49,7 +69,7 @@ fn rows(stats: &Stats) -> Vec<(&'static str, String)> {
         ("Absorbed, sum of channels", format::quantity(stats.absorbed_watts, "W")),
     ];
     if stats.entering_watts > 0.0 {
-        rows.push(("Entering from outside", format::quantity(stats.entering_watts, "W")));
+        rows.push(("Entering, sum of channels", format::quantity(stats.entering_watts, "W")));
     }
     rows.push(("Memory: all counted", format::bytes(stats.bytes.counted)));
     rows.push(("Memory limit", format::bytes(stats.bytes.budget)));
@@ -81,4 +101,29 @@ fn quantiles(of: &Quantiles) -> String {
 
 fn percent(share: f64) -> String {
     format!("{} %", format::number(100.0 * share))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Truth: what is absorbed was emitted or came in; powers by hand.
+    #[test]
+    fn more_absorbed_than_there_is_is_said() {
+        let stats = |emitted_watts, entering_watts, absorbed_watts| Stats {
+            emitted_watts,
+            entering_watts,
+            absorbed_watts,
+            ..Stats::default()
+        };
+        for sound in
+            [stats(100.0, 0.0, 90.0), stats(100.0, 50.0, 149.0), stats(100.0, 0.0, 100.001), stats(0.0, 0.0, 0.0)]
+        {
+            assert_eq!(remark(&sound), None, "{sound:?}");
+        }
+        let said = remark(&stats(100.0, 0.0, 103.0)).expect("3 W too much");
+        assert!(said.starts_with("3.00 W more is absorbed than is emitted, 3.00 %"), "{said}");
+        let said = remark(&stats(60.0, 40.0, 103.0)).expect("3 W too much");
+        assert!(said.contains("emitted and entering"), "{said}");
+    }
 }

@@ -20,7 +20,13 @@ struct Said {
 }
 
 /// Draws the bar.
-pub(in crate::app) fn show(ui: &mut Ui, shown: &Shown, painted: Option<&Painted>, course: &Course, clock: &Clock) {
+pub(in crate::app) fn show(
+    ui: &mut Ui,
+    (shown, is_view_dark): (&Shown, bool),
+    painted: Option<&Painted>,
+    course: &Course,
+    clock: &Clock,
+) {
     let more = clock.seconds();
     if more.is_some() {
         ui.ctx().request_repaint_after(TICK);
@@ -30,7 +36,12 @@ pub(in crate::app) fn show(ui: &mut Ui, shown: &Shown, painted: Option<&Painted>
         ui.set_min_height(22.0);
         let stats = shown.snapshot.as_ref().map(|snapshot| &snapshot.stats);
         let is_dark = shown.info.as_ref().is_some_and(|info| !info.has_light);
-        let said = said(&shown.status, stats, is_dark, course.share(), ui.visuals().text_color());
+        let mut said = said(&shown.status, stats, is_dark, course.share(), ui.visuals().text_color());
+        if is_view_dark && shown.status.run == RunState::Finished {
+            // What is certified may all lie elsewhere.
+            said =
+                Said { text: format!("{}; {}", said.text, words::NOTHING_SEEN_IS_LIT), colour: theme::ACCENT, ..said };
+        }
         let (dot, _) = ui.allocate_exact_size(egui::vec2(10.0, 10.0), egui::Sense::hover());
         ui.painter().circle_filled(dot.center(), 4.0, said.colour);
         ui.scope(|ui| {
@@ -47,7 +58,7 @@ pub(in crate::app) fn show(ui: &mut Ui, shown: &Shown, painted: Option<&Painted>
         }
         let time_left = course.seconds(more.unwrap_or(0.0)).filter(|_| run == RunState::Running);
         if let Some(painted) = painted {
-            show_cell(ui, "picture", &picture(painted));
+            show_cell(ui, words::PICTURE, &picture(painted));
         }
         for (name, value) in cells(stats, run, more.unwrap_or(0.0), time_left) {
             show_cell(ui, name, &value);
@@ -150,22 +161,22 @@ fn picture(Painted { noise, is_done, .. }: &Painted) -> String {
 fn cells(stats: &Stats, run: RunState, more_seconds: f64, time_left: Option<f64>) -> Vec<(&'static str, String)> {
     let mut cells = Vec::new();
     if let Some(seconds) = time_left {
-        cells.push(("left", format!("about {}", format::seconds(seconds))));
+        cells.push(("Left", format!("about {}", format::seconds(seconds))));
     }
     if run != RunState::Finished
         && let Some(error) = stats.error_so_far
     {
-        cells.push(("error so far", format!("{} %", format::number(100.0 * error))));
+        cells.push(("Error so far", format!("{} %", format::number(100.0 * error))));
     }
     if stats.candidates_left > 0 {
-        cells.push(("links to test", format::count(stats.candidates_left)));
+        cells.push(("Links to test", format::count(stats.candidates_left)));
     }
     cells.extend([
-        ("time", format::seconds(stats.seconds.total + more_seconds)),
-        ("patches", format::count(stats.patches)),
-        ("links", format::count(stats.links)),
-        ("rays", format::count(stats.rays)),
-        ("clusters", format::count(stats.clusters)),
+        ("Time", format::seconds(stats.seconds.total + more_seconds)),
+        ("Patches", format::count(stats.patches)),
+        ("Links", format::count(stats.all_links())),
+        ("Rays", format::count(stats.rays)),
+        ("Clusters", format::count(stats.clusters)),
     ]);
     cells
 }

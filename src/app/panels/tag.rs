@@ -2,14 +2,17 @@
 
 use egui::{Align2, Rect, RichText, Ui, vec2};
 
+use crate::app::state::measuring::lux_in_words;
 use crate::app::state::settings::LinksOf;
 use crate::app::tools::Tool;
+use crate::app::view::overlays::Place;
 use crate::app::widgets::theme;
 use crate::app::{App, format, words};
-use crate::base::photometry::lux;
 
 /// Width of the tag at most, points.
 const MOST_WIDTH: f32 = 230.0;
+/// Name of the overlay.
+const NAME: &str = "tag";
 /// From the point to the tag's corner, points.
 const ASIDE: egui::Vec2 = vec2(14.0, 10.0);
 
@@ -18,18 +21,26 @@ pub(in crate::app) fn show(app: &mut App, ui: &Ui, view: Rect) {
     let tells_more = app.layout.is_card_open || app.tools.open == Some(Tool::Inspector);
     let (Some(picked), Some(facts), false) = (&app.picked, &app.tools.inspection.facts, tells_more) else { return };
     let Some(at) = app.view.viewport.project(picked.point).filter(|at| view.contains(*at)) else { return };
-    let name = facts.name();
-    let light = match app.tools.measuring.at_selection() {
-        Some((irradiance, Some(standard_error))) => {
-            format!("E {} lx", format::plus_minus(lux(irradiance.into()).into(), lux(standard_error.into()).into()))
+    // What stands before the point does not bear its numbers.
+    let is_seen = app.view.clusters.is_exploded()
+        || app.shown.info.as_ref().is_none_or(|info| app.view.viewport.sees(picked.point, &info.occluders));
+    let place = match is_seen {
+        true => {
+            Place { name: NAME, view, align: Align2::LEFT_TOP, at: at + ASIDE, is_interactable: true, is_needed: true }
         }
-        Some((irradiance, None)) => format!("E {} lx", format::number(lux(irradiance.into()).into())),
-        None => format!("E {} lx (mean)", format::number(facts.illuminance().into())),
+        false => Place::at_rim(NAME, view, Align2::RIGHT_TOP),
+    };
+    let (element, mean) = (picked.element, facts.illuminance());
+    let name = app.tools.inspection.name(element);
+    let light = match app.tools.measuring.at_selection() {
+        Some(reading) if app.tools.measuring.is_stale() => {
+            format!("E {} ({})", lux_in_words(&reading), words::EARLIER_PICTURE)
+        }
+        Some(reading) => format!("E {}", lux_in_words(&reading)),
+        None => format!("E {} lx (mean)", format::number(mean.into())),
     };
     let (mut details, mut links) = (false, false);
-    let area = egui::Area::new(egui::Id::unique("tag")).pivot(Align2::LEFT_TOP).fixed_pos(at + ASIDE);
-    area.constrain_to(view).show(ui.ctx(), |ui| {
-        theme::over_the_view(ui);
+    app.view.overlays.show(ui.ctx(), place, |ui| {
         let frame = egui::Frame::popup(ui.style()).fill(theme::PANEL.gamma_multiply(0.94)).inner_margin(7);
         frame.show(ui, |ui| {
             ui.set_max_width(MOST_WIDTH);

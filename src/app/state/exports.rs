@@ -19,7 +19,7 @@ use crate::base::cancel::CancelToken;
 use crate::base::threads::Background;
 use crate::export::peers::Peer;
 use crate::export::{LitMesh, MeshFormat, exr, links};
-use crate::read::picture::GatheredPicture;
+use crate::read::picture::{GatheredPicture, write_labels};
 use crate::render::{Frame, Offscreen, Overlay, Pixels, RenderError, auto_exposure, developed};
 use crate::scene::Scene;
 use crate::solve::Snapshot;
@@ -168,7 +168,7 @@ fn suggested(scene: &str) -> String {
 /// Writes a picture as it is shown.
 pub(in crate::app) fn write_png(target: &Target, picture: &Picture) -> Result<String, String> {
     let gathered = gathered(target, picture)?;
-    let drawn = draw(picture, gathered.as_ref()).map_err(|error| error.to_string())?;
+    let drawn = draw(picture, gathered.as_ref())?;
     let mut encoded = io::Cursor::new(Vec::new());
     drawn.write_to(&mut encoded, ImageFormat::Png).map_err(|error| error.to_string())?;
     target.write(|writer| writer.write_all(encoded.get_ref()))?;
@@ -186,17 +186,22 @@ fn gathered(target: &Target, picture: &Picture) -> Result<Option<GatheredPicture
 }
 
 /// Draws what the window shows, both sides of a split view included.
-fn draw(picture: &Picture, gathered: Option<&GatheredPicture>) -> Result<RgbaImage, RenderError> {
+fn draw(picture: &Picture, gathered: Option<&GatheredPicture>) -> Result<RgbaImage, String> {
+    let in_words = |error: RenderError| error.to_string();
     let exposure = picture.display.exposure.factor(auto_exposure(&picture.snapshot));
     let gathered =
         gathered.and_then(|gathered| developed(gathered, exposure, picture.display.reading.as_ref())).map(Arc::new);
-    let mut offscreen = Offscreen::new()?;
+    let mut offscreen = Offscreen::new().map_err(in_words)?;
     let mut draw = |snapshot: &Snapshot, overlay: &Overlay, gathered: Option<&Arc<Pixels>>| {
         let Picture { camera, display, size, outside, .. } = picture;
         let outside = outside.as_ref();
-        offscreen.picture_over(&Frame { snapshot, outside, camera, display, gathered, overlay, size: *size })
+        let frame = Frame { snapshot, outside, camera, display, gathered, overlay, size: *size };
+        offscreen.picture_over(&frame).map_err(in_words)
     };
     let mut drawn = draw(&picture.snapshot, &picture.overlay, gathered.as_ref())?;
+    if let Some((pixels, reading)) = gathered.as_ref().zip(picture.display.reading) {
+        write_labels(&mut drawn, &pixels.labels, reading.shown_in).map_err(|error| error.to_string())?;
+    }
     if let Some(beside) = &picture.beside {
         let left = draw(&beside.snapshot, &beside.overlay(picture), None)?;
         let [width, height] = picture.size;

@@ -1,12 +1,11 @@
 //! Content of the picked element's panels: facts, links and names, made once for each state of the solution.
 
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use rustc_hash::FxHashMap;
-
 use crate::app::state::facts::Facts;
+use crate::app::state::names::NamesInView;
 use crate::hierarchy::ElementId;
-use crate::read::names::Names;
 use crate::scene::Scene;
 use crate::solve::Snapshot;
 use crate::transport::{LinkView, SolutionView};
@@ -44,8 +43,8 @@ pub(in crate::app) struct Inspection {
     pub facts: Option<Facts>,
     /// Links of the element, of its parts and of all that holds it, by the light they bring; most first.
     pub links: Vec<LinkView>,
-    names: Option<Names>,
-    known_names: FxHashMap<ElementId, String>,
+    /// Names of elements, for all tools.
+    pub names: NamesInView,
 }
 
 /// State that an inspection was made of.
@@ -65,7 +64,7 @@ impl Inspection {
     pub(in crate::app) fn look(
         &mut self,
         snapshot: &Snapshot,
-        scene: &Scene,
+        scene: &Arc<Scene>,
         element: ElementId,
         direction: Direction,
     ) -> bool {
@@ -83,8 +82,7 @@ impl Inspection {
         self.links.clear();
         match snapshot.solution_view.as_ref().filter(|solution_view| solution_view.holds(element)) {
             Some(solution_view) => {
-                self.name_anew(generation, solution_view, scene);
-                self.facts = Some(Facts::of(solution_view, scene, element));
+                self.facts = Some(Facts::of(snapshot, solution_view, scene, element));
                 self.links = links(solution_view, element, direction);
             }
             None => self.facts = Facts::of_leaf(snapshot, scene, element),
@@ -94,22 +92,12 @@ impl Inspection {
         false
     }
 
-    fn name_anew(&mut self, generation: u64, solution_view: &SolutionView, scene: &Scene) {
-        if self.names.as_ref().is_none_or(|names| !names.are_of(generation)) {
-            self.names = Some(Names::new(generation, solution_view.hierarchy(), scene));
-            self.known_names.clear();
+    /// Name of the element that was looked at; it needs no links where that is a patch.
+    pub(in crate::app) fn name(&mut self, element: ElementId) -> String {
+        match self.names.full(element) {
+            "" => self.facts.as_ref().map(|facts| facts.name.clone()).unwrap_or_default(),
+            name => name.to_owned(),
         }
-    }
-
-    /// The full name of an element; empty before a solution view was there.
-    pub(in crate::app) fn name(&mut self, solution_view: &SolutionView, scene: &Scene, id: ElementId) -> &str {
-        let Some(names) = &self.names else { return "" };
-        self.known_names.entry(id).or_insert_with(|| names.full(solution_view.hierarchy(), scene, id))
-    }
-
-    /// Short name of an element, among those that hold it.
-    pub(in crate::app) fn short_name(&self, solution_view: &SolutionView, scene: &Scene, id: ElementId) -> String {
-        self.names.as_ref().map(|names| names.short(solution_view.hierarchy(), scene, id)).unwrap_or_default()
     }
 }
 
@@ -121,7 +109,7 @@ fn links(solution_view: &SolutionView, element: ElementId, direction: Direction)
     };
     let most = |link: &LinkView| match direction {
         Direction::In => link.irradiance.max_element(),
-        Direction::Out => link.power,
+        Direction::Out => link.power.element_sum(),
     };
     links.sort_by(|a, b| most(b).total_cmp(&most(a)));
     links

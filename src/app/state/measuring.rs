@@ -1,14 +1,16 @@
 //! The window's side of the surveyor: what lies under the pointer, probes, the work plane.
 
 use std::sync::Arc;
+use std::time::{Duration, Instant};
 
 use glam::Vec3;
 
 use crate::app::Wake;
+use crate::app::format;
 use crate::app::widgets::save_dialog::SaveDialog;
-use crate::base::photometry::{Quantity, ShownIn, Unit, weighted};
+use crate::base::photometry::{Quantity, ShownIn, Unit, lux, weighted};
 use crate::read::survey::{
-    NamedReading, PlaneReading, Probed, Ray, Report, Surveyor, WorkPlane, write_plane, write_probes,
+    NamedReading, PlaneReading, Probed, Ray, Report, SurfaceReading, Surveyor, WorkPlane, write_plane, write_probes,
 };
 use crate::render::{ColourScale, Isolines, Ramp, Reading, Spacing};
 use crate::scene::{Scene, TaskArea};
@@ -18,8 +20,12 @@ use crate::solve::Snapshot;
 const USUAL_TARGET: f32 = 500.0;
 /// Uniformity of such an area.
 const USUAL_UNIFORMITY: f32 = 0.6;
-/// Share of the points that the scale of a work plane spans, from the darkest.
+/// Share of the points that the scale of a work plane spans at most, from the darkest.
 const SCALED_SHARE: f32 = 0.98;
+/// Values farther above the upper quartile than so many times the distance of the quartiles rule no scale: Tukey's outer fence.
+const FENCE: f32 = 3.0;
+/// Readings are of the light in view when the surveyor has had less time than this to read it: no mark flickers meanwhile.
+const GRACE: Duration = Duration::from_millis(400);
 
 /// A place on a surface that a person reads.
 pub(in crate::app) struct Probe {
@@ -44,6 +50,10 @@ pub(in crate::app) struct Measuring {
     pointer: Option<Ray>,
     /// The light that the surveyor was shown.
     shown: Option<Arc<Snapshot>>,
+    /// The newest light.
+    latest: Option<Arc<Snapshot>>,
+    /// Since when there is newer light than what was read.
+    behind_since: Option<Instant>,
     /// Whether a click places a probe.
     pub places_probes: bool,
     probes: Vec<Probe>,
@@ -82,6 +92,8 @@ impl Default for Measuring {
             report: Report::default(),
             pointer: None,
             shown: None,
+            latest: None,
+            behind_since: None,
             places_probes: false,
             probes: Vec::new(),
             selection: None,
@@ -164,8 +176,16 @@ impl Measuring {
         Some([corner(a, a), corner(b, a), corner(b, b), corner(a, b)])
     }
 
-    /// Shows the surveyor the light in view where it is asked for, and takes up what it found.
-    pub(in crate::app) fn note(&mut self, scene: &Arc<Scene>, snapshot: &Arc<Snapshot>, is_settled: bool) {
+    /// Shows the surveyor the light in view where it is asked for, and takes up what it found; `latest` is the solver's newest light,
+    /// which the view may wait with.
+    pub(in crate::app) fn note(
+        &mut self,
+        scene: &Arc<Scene>,
+        snapshot: &Arc<Snapshot>,
+        latest: &Arc<Snapshot>,
+        is_settled: bool,
+    ) {
+        self.latest = Some(latest.clone());
         let Some(surveyor) = &self.surveyor else { return };
         let is_probed = !self.probes.is_empty() || self.selection.is_some();
         let is_wanted = self.pointer.is_some() || is_probed || self.asked.is_some();
@@ -174,6 +194,10 @@ impl Measuring {
             self.shown = Some(snapshot.clone());
         }
         self.report = surveyor.report();
+        self.behind_since = match self.report.light.as_ref().is_some_and(|read| !Arc::ptr_eq(read, latest)) {
+            true => self.behind_since.or_else(|| Some(Instant::now())),
+            false => None,
+        };
         // While the solver works, each plane would be of a picture that is gone when it is there.
         if let Some((asked, plane)) = &self.asked
             && is_settled
@@ -182,6 +206,17 @@ impl Measuring {
             surveyor.measure(*plane);
             self.asked = Some((snapshot.clone(), *plane));
         }
+    }
+
+    /// Whether readings of surfaces are of light that the solver has left behind.
+    pub(in crate::app) fn is_stale(&self) -> bool {
+        self.behind_since.is_some_and(|since| since.elapsed() > GRACE)
+    }
+
+    /// Whether the plane is of such light.
+    pub(in crate::app) fn plane_is_stale(&self) -> bool {
+        let latest = self.plane_reading().zip(self.latest.as_ref());
+        latest.is_some_and(|(plane, latest)| !Arc::ptr_eq(&plane.snapshot, latest))
     }
 
     /// Follows the pointer; `None` while it is not over the view.
@@ -197,9 +232,20 @@ impl Measuring {
     }
 
     /// Reading of the surface under the pointer, as far as it is known.
-    pub(in crate::app) fn under_pointer(&self) -> Option<&crate::read::survey::SurfaceReading> {
+    pub(in crate::app) fn under_pointer(&self) -> Option<&SurfaceReading> {
         self.pointer?;
         self.report.looked.as_ref()?.reading.as_ref()
+    }
+
+    /// Whether a click or drag in the view measures instead of selecting and turning.
+    pub(in crate::app) fn is_placing(&self) -> bool {
+        self.places_probes || self.draws_area
+    }
+
+    /// Clicks select again, and drags turn the view.
+    pub(in crate::app) fn stop_placing(&mut self) {
+        (self.places_probes, self.draws_area) = (false, false);
+        (self.drawn, self.pressed) = (None, None);
     }
 
     /// Places a probe.
@@ -236,11 +282,10 @@ impl Measuring {
         wake();
     }
 
-    /// Irradiance of the selection and, where it was gathered, its standard error, W/m².
-    pub(in crate::app) fn at_selection(&self) -> Option<(Vec3, Option<Vec3>)> {
+    /// Reading of the selection, once it is there.
+    pub(in crate::app) fn at_selection(&self) -> Option<SurfaceReading> {
         let (point, _) = self.selection?;
-        let reading = self.report.probes.iter().find(|found| found.point == point)?.reading?;
-        Some((reading.irradiance, reading.standard_error))
+        self.report.probes.iter().find(|found| found.point == point)?.reading
     }
 
     fn send_probes(&self) {
@@ -306,10 +351,7 @@ impl Measuring {
         if let Some(reading) = reading.filter(|reading| reading.quantity == Quantity::Irradiance) {
             return Some(*reading);
         }
-        // One point right under a lamp does not rule the scale.
-        let mut values: Vec<f32> = plane.values.iter().flatten().map(|value| weighted(value.to_array())).collect();
-        values.sort_unstable_by(f32::total_cmp);
-        let high = values.get((SCALED_SHARE * values.len() as f32) as usize).copied().unwrap_or(0.0).max(1e-6);
+        let high = upper_end(plane.values.iter().flatten().map(|value| weighted(value.to_array())).collect());
         let scale = ColourScale {
             low: 0.0,
             high,
@@ -356,5 +398,46 @@ impl Measuring {
         if let Some(surveyor) = &self.surveyor {
             ask(surveyor);
         }
+    }
+}
+
+/// Illuminance with its standard error where it was gathered: *312 ± 4 lx*.
+pub(in crate::app) fn lux_in_words(reading: &SurfaceReading) -> String {
+    let value = f64::from(lux(reading.irradiance.to_array()));
+    match reading.standard_error {
+        Some(error) => format!("{} lx", format::plus_minus(value, lux(error.to_array()).into())),
+        None => format!("{} lx", format::number(value)),
+    }
+}
+
+/// The upper end of a scale of values: the largest that is no outlier, since one point right under a lamp is not to rule it.
+fn upper_end(mut values: Vec<f32>) -> f32 {
+    values.sort_unstable_by(f32::total_cmp);
+    let quantile = |share: f32| values.get((share * values.len() as f32) as usize).copied().unwrap_or(0.0);
+    let (lower, upper) = (quantile(0.25), quantile(0.75));
+    let fence = upper + FENCE * (upper - lower);
+    let inside = values.iter().rev().copied().find(|value| *value <= fence).unwrap_or(0.0);
+    inside.min(quantile(SCALED_SHARE)).max(1e-6)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Truth: values by hand. One point that is a hundred times as bright as the others changes the end by less than they differ, of few
+    /// points as of many; without one, nothing is cut off from few.
+    #[test]
+    fn one_outlier_does_not_rule_the_scale() {
+        for count in [5, 12, 50, 400] {
+            let even: Vec<f32> = (0..count).map(|index| 100.0 + 40.0 * index as f32 / count as f32).collect();
+            let plain = upper_end(even.clone());
+            assert!((131.0..140.0).contains(&plain), "{count} points: {plain}");
+            let mut with_lamp = even;
+            with_lamp[count / 2] = 12_000.0;
+            let guarded = upper_end(with_lamp);
+            assert!((123.0..140.0).contains(&guarded), "{count} points: {guarded}");
+        }
+        assert_eq!(upper_end(vec![50.0]), 50.0);
+        assert_eq!(upper_end(Vec::new()), 1e-6);
     }
 }

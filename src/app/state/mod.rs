@@ -11,6 +11,7 @@ pub(in crate::app) mod inspection;
 pub(in crate::app) mod lighting;
 pub(in crate::app) mod measuring;
 pub(in crate::app) mod messages;
+pub(in crate::app) mod names;
 pub(in crate::app) mod picked;
 pub(in crate::app) mod pinned;
 pub(in crate::app) mod playback;

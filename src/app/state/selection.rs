@@ -34,8 +34,13 @@ impl App {
         }
     }
 
-    /// Brings what panels show of the picked element up to date.
+    /// Brings names, and what panels show of the picked element, up to date.
     pub(in crate::app) fn inspect_picked(&mut self, ctx: &egui::Context) {
+        if let (Some(snapshot), Some(info)) = (&self.shown.snapshot, &self.shown.info)
+            && let Some(solution_view) = &snapshot.solution_view
+        {
+            self.tools.inspection.names.follow(snapshot.generation, solution_view, &info.scene);
+        }
         let (Some(picked), Some(snapshot), Some(info)) = (&self.picked, &self.shown.snapshot, &self.shown.info) else {
             return;
         };

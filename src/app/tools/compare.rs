@@ -9,7 +9,7 @@ use crate::app::state::comparison::Comparison;
 use crate::app::state::pinned::{Pinned, PinnedSolution, Sides};
 use crate::app::widgets::theme;
 use crate::app::{App, format, words};
-use crate::solve::{PARAMETERS, Snapshot, SolverParams, Stats};
+use crate::solve::{PARAMETERS, Parameter, Snapshot, SolverParams, Stats};
 
 /// Width of the names in a table, points.
 const NAME_WIDTH: f32 = 112.0;
@@ -84,12 +84,12 @@ fn show_sides(pinned: &mut Pinned, ui: &mut Ui) {
         for (sides, name, hint) in [
             (
                 Sides::Split,
-                "A | B",
+                words::A_BESIDE_B,
                 "A at the left of a divider that can be dragged, B at its right; same view, same exposure",
             ),
-            (Sides::A, "A alone", "The solution that was kept"),
-            (Sides::B, "B alone", "The solution that runs, exposed as A"),
-            (Sides::Difference, "B − A", "Where B is darker or brighter than A, relative to A"),
+            (Sides::A, words::A_ALONE, "The solution that was kept"),
+            (Sides::B, words::B_ALONE, "The solution that runs, exposed as A"),
+            (Sides::Difference, words::DIFFERENCE, "Where B is darker or brighter than A, relative to A"),
         ] {
             ui.selectable_value(&mut pinned.sides, sides, name).on_hover_text(hint);
         }
@@ -129,15 +129,23 @@ fn differing_settings(a: &SolverParams, b: &SolverParams) -> Vec<Row> {
     let differ = a.iter().filter_map(|(key, of_a)| Some((key, of_a, b.get(key)?))).filter(|(_, a, b)| a != b);
     let text = |key: &str, value: &Value| match (key, value.as_f64()) {
         ("error", Some(share)) => format!("{} %", format::number(100.0 * share)),
-        _ => text_of(value),
+        _ => {
+            let shown = value.as_str().and_then(|name| parameter_of(key)?.shown(name));
+            shown.map_or_else(|| text_of(value), str::to_owned)
+        }
     };
     differ.map(|(key, a, b)| Row { name: label_of(key), a: text(key, a), b: text(key, b), ratio: None }).collect()
 }
 
+/// The parameter that files keep under a key.
+fn parameter_of(key: &str) -> Option<&'static Parameter> {
+    let flag = if key == "oracle" { "refine-by".to_owned() } else { key.replace('_', "-") };
+    PARAMETERS.iter().find(|parameter| parameter.flag == flag)
+}
+
 /// The panel's name of a parameter.
 fn label_of(key: &str) -> String {
-    let flag = key.replace('_', "-");
-    match PARAMETERS.iter().find(|parameter| parameter.flag == flag) {
+    match parameter_of(key) {
         // Relative or in watts: the value says which.
         Some(_) if key == "epsilon" => "ε".into(),
         Some(parameter) => parameter.label.into(),
@@ -178,7 +186,7 @@ fn results(pinned: &PinnedSolution, b: &Snapshot, measured: Option<(f64, f64)>, 
     let count = |value: f64| format::count(value as u64);
     let mut rows = vec![
         row("Time", format::seconds, |stats| stats.seconds.total),
-        row("Links", count, |stats| stats.links as f64),
+        row("Links", count, |stats| stats.all_links() as f64),
         row("Patches", count, |stats| stats.patches as f64),
         row("Clusters", count, |stats| stats.clusters as f64),
         row("Rays", count, |stats| stats.rays as f64),

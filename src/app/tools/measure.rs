@@ -5,12 +5,12 @@ use std::path::Path;
 use egui::{Button, DragValue, Grid, ProgressBar, RichText, TextEdit, Ui};
 use glam::{DVec3, Vec3};
 
-use crate::app::state::measuring::{Measuring, Table};
+use crate::app::state::measuring::{Measuring, Table, lux_in_words};
 use crate::app::state::messages::Messages;
 use crate::app::widgets::dialog::DialogAnswer;
 use crate::app::widgets::theme;
 use crate::app::{Shown, Wake, format, words};
-use crate::base::photometry::{CONVENTION, lux};
+use crate::base::photometry::CONVENTION;
 use crate::read::daylight_factor::NoDaylightFactor;
 use crate::read::survey::{PlaneReading, Probed, WorkPlane};
 
@@ -33,7 +33,7 @@ pub(in crate::app) fn show(
     heading(ui, "Work plane");
     show_plane_setup(ui, shown, measuring, wake);
     if let Some(plane) = measuring.plane_reading().cloned() {
-        show_summary(ui, shown, &plane);
+        show_summary(ui, &plane, measuring.plane_is_stale());
         show_target(ui, &plane, measuring);
         ui.checkbox(&mut measuring.shows_points, "Points in the view");
         ui.add_enabled_ui(measuring.shows_points, |ui| ui.checkbox(&mut measuring.writes_values, "Their values in lx"));
@@ -68,9 +68,12 @@ fn show_probes(ui: &mut Ui, shown: &Shown, measuring: &mut Measuring) {
         ui.label(theme::weak(hint));
         return;
     }
-    let mut removed = None;
+    let (mut removed, is_stale) = (None, measuring.is_stale());
+    if is_stale {
+        ui.label(theme::weak(format!("Of an {}.", words::EARLIER_PICTURE)));
+    }
     Grid::new("probes").num_columns(5).spacing([10.0, 4.0]).striped(true).show(ui, |ui| {
-        for title in ["Name", "E  lx", "E  W/m²", "B  W/m²", ""] {
+        for title in ["Name", "E ± standard error", "E  W/m²", "B  W/m²", ""] {
             ui.label(theme::weak(title));
         }
         ui.end_row();
@@ -81,9 +84,11 @@ fn show_probes(ui: &mut Ui, shown: &Shown, measuring: &mut Measuring) {
             ui.add(field).on_hover_text(place).accessible_name(label);
             let reading = found.and_then(|found| found.reading);
             let of = |value: Option<f32>| {
-                theme::value(value.map_or("–".into(), |value| format!("{:>7}", format::number(value.into()))))
+                let text = value.map_or("–".into(), |value| format!("{:>7}", format::number(value.into())));
+                aged(theme::value(text), is_stale)
             };
-            ui.label(of(reading.map(|reading| lux(reading.irradiance.to_array())))).on_hover_text(CONVENTION);
+            let text = reading.map_or("–".into(), |reading| lux_in_words(&reading));
+            ui.label(aged(theme::value(text), is_stale)).on_hover_text(CONVENTION);
             for colours in [reading.map(|reading| reading.irradiance), reading.map(|reading| reading.radiosity)] {
                 let by_colour = colours.map(|colours| colours.to_array().map(|value| format::number(value.into())));
                 let response =
@@ -103,6 +108,11 @@ fn show_probes(ui: &mut Ui, shown: &Shown, measuring: &mut Measuring) {
     if let Some(index) = removed {
         measuring.remove(index);
     }
+}
+
+/// The text of a reading, weak where it is of light that is gone.
+fn aged(text: RichText, is_stale: bool) -> RichText {
+    if is_stale { text.weak() } else { text }
 }
 
 fn place(point: DVec3) -> String {
@@ -132,7 +142,7 @@ fn show_plane_setup(ui: &mut Ui, shown: &Shown, measuring: &mut Measuring, wake:
         });
     }
     show_area(ui, shown, measuring);
-    let lit = shown.info.as_ref().zip(shown.snapshot.as_ref());
+    let lit = shown.info.as_ref().zip(shown.in_view.as_ref());
     ui.horizontal(|ui| {
         let button = ui.add_enabled(lit.is_some(), Button::new(words::MEASURE_PLANE));
         let hint =
@@ -156,7 +166,7 @@ fn show_plane_setup(ui: &mut Ui, shown: &Shown, measuring: &mut Measuring, wake:
     }
 }
 
-fn show_summary(ui: &mut Ui, shown: &Shown, plane: &PlaneReading) {
+fn show_summary(ui: &mut Ui, plane: &PlaneReading, is_stale: bool) {
     let summary = plane.summary();
     if summary.points == 0 {
         let sentence = "Every point lies inside of something or outside of the room: choose another height.";
@@ -195,8 +205,7 @@ fn show_summary(ui: &mut Ui, shown: &Shown, plane: &PlaneReading) {
     };
     let text = format!("{columns} × {rows} points, {across} × {along} m apart{left_out}");
     ui.add(egui::Label::new(theme::weak(text)).wrap());
-    let is_of_view = shown.snapshot.as_ref().is_some_and(|snapshot| std::sync::Arc::ptr_eq(snapshot, &plane.snapshot));
-    if !is_of_view {
+    if is_stale {
         ui.label(theme::weak("Of an earlier picture; measured again when the solver rests."));
     }
 }
@@ -225,10 +234,10 @@ fn show_area(ui: &mut Ui, shown: &Shown, measuring: &mut Measuring) {
     let before = filed;
     for (axis, letter) in axes {
         ui.horizontal(|ui| {
-            theme::row_label(ui, &format!("Task area, {letter}"));
+            theme::row_label(ui, &format!("{}, {letter}", words::TASK_AREA));
             for (corner, name) in ["from", "to"].into_iter().enumerate() {
                 let field = DragValue::new(&mut filed[corner][axis]).speed(0.01).max_decimals(3).suffix(" m");
-                let _ = ui.add(field).accessible_name(format!("Task area {letter} {name}"));
+                let _ = ui.add(field).accessible_name(words::task_area(letter, name));
             }
         });
     }

@@ -5,6 +5,7 @@ pub(in crate::app) mod camera_menu;
 pub(in crate::app) mod cluster_view;
 pub(in crate::app) mod colour_bar;
 pub(in crate::app) mod divider;
+pub(in crate::app) mod eye;
 pub(in crate::app) mod first_view;
 pub(in crate::app) mod gathering;
 pub(in crate::app) mod gizmo;
@@ -13,6 +14,7 @@ pub(in crate::app) mod line_labels;
 pub(in crate::app) mod marks;
 pub(in crate::app) mod measure_marks;
 pub(in crate::app) mod metering;
+pub(in crate::app) mod overlays;
 pub(in crate::app) mod own_colours;
 pub(in crate::app) mod paint;
 pub(in crate::app) mod viewport;
@@ -24,6 +26,7 @@ use gathering::{Gathering, Painted};
 use highlight::Pointing;
 use marks::MarksOverView;
 use metering::Metering;
+use overlays::Overlays;
 use own_colours::OwnColours;
 use viewport::Viewport;
 
@@ -52,6 +55,8 @@ pub(in crate::app) struct View {
     pub marks: MarksOverView,
     /// Things that the mouse is over, in a panel or in the view.
     pub pointing: Pointing,
+    /// Cards, legends and notes over the view.
+    pub overlays: Overlays,
     /// Reading of the surfaces in view.
     pub reading: ReadingInView,
 }
@@ -70,6 +75,7 @@ impl View {
             own_colours: OwnColours::default(),
             marks: MarksOverView::default(),
             pointing: Pointing::default(),
+            overlays: Overlays::default(),
             reading: ReadingInView::default(),
         }
     }

@@ -7,6 +7,7 @@ use crate::app::state::comparison::Shading;
 use crate::app::tools::Tool;
 use crate::app::view::camera_menu::Whole;
 use crate::app::view::divider;
+use crate::app::view::eye::Eye;
 use crate::app::view::first_view::FirstView;
 use crate::app::view::gizmo;
 use crate::app::view::highlight::Highlight;
@@ -276,6 +277,11 @@ impl Viewport {
         (clip.w > camera.near()).then(|| self.rect.min + share * self.rect.size())
     }
 
+    /// Whether nothing that is drawn stands before a point of the scene.
+    pub(in crate::app) fn sees(&self, point: Vec3, occluders: &Occluders) -> bool {
+        self.camera.is_none_or(|camera| Eye::new(self.rect, &camera, occluders).sees(point))
+    }
+
     /// Length at a point of the scene that takes so many points of the window across the sight; `None` behind the eye.
     pub(in crate::app) fn length_of(&self, point: Vec3, points: f32) -> Option<f32> {
         let camera = self.camera?;
@@ -315,7 +321,7 @@ pub(in crate::app) fn show(app: &mut App, ui: &mut Ui, outbox: &mut Outbox) -> O
         panels::empty::show(app, ui, rect, outbox);
         return None;
     };
-    let snapshot = app.view.best.follow(&latest, app.shown.info.as_ref());
+    let snapshot = app.shown.in_view.clone().unwrap_or(latest);
     app.view.viewport.take_first_view();
     if response.clicked() || response.drag_started() {
         response.request_focus();
@@ -337,7 +343,7 @@ pub(in crate::app) fn show(app: &mut App, ui: &mut Ui, outbox: &mut Outbox) -> O
         app.view.pointing.at(Highlight::Element(reading.leaf.element));
     }
 
-    let mut is_unlit = false;
+    let (mut is_unlit, mut looks_through_walls) = (false, false);
     if let Some(camera) = app.view.viewport.camera {
         let scale = ui.ctx().pixels_per_point();
         let deepest = snapshot.clusters.iter().map(|cluster| cluster.level).max().unwrap_or(0);
@@ -423,32 +429,32 @@ pub(in crate::app) fn show(app: &mut App, ui: &mut Ui, outbox: &mut Outbox) -> O
             line_labels::show(ui, rect, &painted.pixels, reading.shown_in);
         }
         if let Some(info) = &app.shown.info {
-            let painter = ui.painter_at(rect);
-            measure_marks::show(&painter, rect, &camera, &app.tools.measuring, reading.as_ref(), &info.occluders);
+            let eye = Eye::new(rect, &camera, &info.occluders);
+            measure_marks::show(ui, rect, &eye, &app.tools.measuring, reading.as_ref());
             if app.tools.open == Some(Tool::Measure)
                 && let Some(outline) = app.tools.measuring.area_outline(&info.scene)
             {
                 let corners = outline.map(|corner| app.view.viewport.project(corner));
-                measure_marks::show_area(&painter, corners);
+                measure_marks::show_area(&ui.painter_at(rect), corners);
             }
-            if !app.layout.is_full_picture && looks_through_walls(&camera, &info.occluders) {
-                let at = rect.center_bottom() - egui::vec2(0.0, 12.0);
-                panels::readout::show_note(ui, at, words::THROUGH_WALLS);
-            }
+            looks_through_walls = eye.looks_through_walls();
         }
     }
+    app.view.overlays.clear();
     divider::show(ui, rect, &mut app.tools.pinned);
     gizmo::show(app, ui, rect);
     panels::empty::show_loading(app, ui, rect, outbox);
     if !app.layout.is_full_picture {
+        // What comes first keeps its place.
+        panels::readout::show(app, ui, rect);
+        panels::picked::show(app, ui, rect);
+        show_legend(app, ui, rect);
+        panels::links::show_legend(app, ui, rect);
         if is_unlit {
             panels::light::show_ways_to_light(app, ui, rect, outbox);
         }
-        show_legend(app, ui, rect);
-        panels::links::show_legend(app, ui, rect);
-        panels::readout::show(app, ui, rect);
+        show_notes(app, ui, rect, looks_through_walls);
         panels::tag::show(app, ui, rect);
-        panels::picked::show(app, ui, rect);
         panels::hint::show_first_lines(app, ui, rect);
     }
     panels::empty::show_drop_hint(ui, rect);
@@ -468,7 +474,7 @@ fn draw_area(app: &mut App, response: &Response) {
     }
     if response.drag_stopped()
         && app.tools.measuring.plane.area.is_some()
-        && let Some(snapshot) = app.shown.snapshot.clone()
+        && let Some(snapshot) = app.shown.in_view.clone()
     {
         app.tools.measuring.measure_plane(&info.scene, &snapshot, &app.wake);
     }
@@ -481,17 +487,26 @@ fn picture_size(pixels: egui::Vec2) -> [u32; 2] {
     [pixels.x, pixels.y].map(|side| if side.is_finite() { (shrink * side).round().max(1.0) as u32 } else { 1 })
 }
 
-/// Whether what lies in the middle of the view is seen through the back of something nearer.
-fn looks_through_walls(camera: &Camera, occluders: &Occluders) -> bool {
-    occluders.first_hit(camera.eye(), camera.forward()).is_some_and(|hit| !hit.front)
+/// Says what a person might not know of what is in view.
+fn show_notes(app: &mut App, ui: &Ui, rect: Rect, looks_through_walls: bool) {
+    let measuring = &app.tools.measuring;
+    let is_stale = measuring.shows_points && measuring.plane_is_stale();
+    for (name, text, applies) in
+        [("walls note", words::THROUGH_WALLS, looks_through_walls), ("age note", words::EARLIER_PLANE, is_stale)]
+    {
+        if applies {
+            panels::readout::show_note(&mut app.view.overlays, ui, rect, name, text);
+        }
+    }
 }
 
 /// Shows the meaning of the surfaces' colours, where they have one.
-fn show_legend(app: &App, ui: &mut Ui, rect: Rect) {
+fn show_legend(app: &mut App, ui: &Ui, rect: Rect) {
+    let overlays = &mut app.view.overlays;
     if app.tools.pinned.painted().is_some() {
-        panels::legend::show_difference(ui, rect);
+        panels::legend::show_difference(overlays, ui, rect);
     } else if app.tools.comparison.error().is_some() && app.tools.comparison.shading != Shading::Lit {
-        panels::legend::show_error(ui, rect, app.tools.comparison.shading);
+        panels::legend::show_error(overlays, ui, rect, app.tools.comparison.shading);
     } else if let Some(reading) = app.view.reading.last() {
         let settings = &app.edits.display.reading;
         let remark = match (reading.fills, settings.range) {
@@ -499,9 +514,9 @@ fn show_legend(app: &App, ui: &mut Ui, rect: Rect) {
             (true, Some(_)) => "locked range",
             (true, None) => "",
         };
-        panels::legend::show_reading(ui, rect, &reading, remark);
+        panels::legend::show_reading(overlays, ui, rect, &reading, remark);
     } else if let Some(reading) = app.tools.measuring.plane_scale(None).filter(|_| app.tools.measuring.shows_points) {
         let reading = Reading { shown_in: ShownIn::Unit(app.edits.display.reading.unit), ..reading };
-        panels::legend::show_reading(ui, rect, &reading, "work plane");
+        panels::legend::show_reading(overlays, ui, rect, &reading, "work plane");
     }
 }

@@ -39,8 +39,8 @@ pub struct Sweep {
     pub limit: Duration,
 }
 
-/// Every clustering with either push, on top of `base`, the paper's isotropic clusters, the oracle
-/// that goes by errors, and the final gather that is asked for an error. Without clusters there is
+/// Every clustering with either push, on top of `base`, the paper's isotropic clusters, refinement
+/// by link error, and the final gather that is asked for an error. Without clusters there is
 /// nothing to push.
 pub fn usual_settings(base: SolverParams) -> Vec<Setting> {
     let base = SolverParams { error: None, reconstruct: Reconstruct::Vertex, oracle: OracleKind::Energy, ..base };
@@ -66,7 +66,7 @@ pub fn usual_settings(base: SolverParams) -> Vec<Setting> {
     settings.push(Setting { name: "isotropic, adaptive".to_owned(), params });
     let adaptive = SolverParams { clustering: ClusteringMode::Adaptive, push: Push::Immediate, ..base };
     let params = SolverParams { oracle: OracleKind::Error, ..adaptive };
-    settings.push(Setting { name: "error oracle, adaptive".to_owned(), params });
+    settings.push(Setting { name: "link error, adaptive".to_owned(), params });
     let params = SolverParams { error: Some(USUAL_ERROR), ..adaptive };
     settings.push(Setting { name: "gather, adaptive".to_owned(), params });
     settings

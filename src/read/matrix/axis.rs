@@ -8,7 +8,7 @@ use rustc_hash::FxHashMap;
 
 use crate::hierarchy::{ElementId, Hierarchy, Order};
 use crate::read::names::Names;
-use crate::scene::Scene;
+use crate::transport::SolutionView;
 
 /// Largest share of what is in view that an element of each tier takes.
 const TIERS: [f64; 3] = [0.45, 0.12, 0.03];
@@ -68,20 +68,20 @@ const FEWEST_LETTERS: usize = 3;
 /// The longest name of an element that `fits`, its label shortened if need be; `None` where nothing
 /// does, or where an inner bracket would only repeat what the one around it says.
 pub fn fitting_name(
-    (names, scene): (&Names, &Scene),
-    hierarchy: &Hierarchy,
+    names: &Names,
+    solution_view: &SolutionView,
     bracket: &Bracket,
     fits: impl Fn(&str) -> bool,
 ) -> Option<String> {
-    let id = bracket.element;
+    let (id, hierarchy) = (bracket.element, solution_view.hierarchy());
     let is_patch = |id: ElementId| hierarchy.element(id).is_patch();
     if bracket.tier > 0 && is_patch(id) && hierarchy.element(id).parent().is_some_and(is_patch) {
         return None;
     }
-    let label = names.label(hierarchy, scene, id);
+    let label = names.label(hierarchy, id);
     let letters = label.chars().count();
     let shortened = (FEWEST_LETTERS..letters).rev().map(|kept| label.chars().take(kept).chain(['…']).collect());
-    let candidates = [names.full(hierarchy, scene, id), label.clone()].into_iter().chain(shortened);
+    let candidates = [names.full(solution_view, id), label.clone()].into_iter().chain(shortened);
     candidates.into_iter().find(|name| fits(name))
 }
 

@@ -12,7 +12,7 @@ pub enum Colouring {
     /// logarithmic.
     #[default]
     Power,
-    /// Visibility V: seen fully, in part or not at all.
+    /// Visibility V: fully visible, partly visible or hidden.
     Visibility,
     /// How often receiver and source were refined on the way from the root's self-link.
     Level,
@@ -34,6 +34,15 @@ impl Colouring {
         }
     }
 }
+
+/// Name of links all of whose rays came through, for all legends.
+pub const FULLY_VISIBLE: &str = "fully visible";
+/// Name of links some of whose rays came through.
+pub const PARTLY_VISIBLE: &str = "partly visible";
+/// Name of links no ray of which came through.
+pub const HIDDEN: &str = "hidden";
+/// Name of links that no ray tested.
+pub const NOT_TESTED: &str = "not tested";
 
 /// Where there is no link: darker than all that is one.
 pub const EMPTY: [u8; 3] = [13, 14, 16];
@@ -96,9 +105,9 @@ impl Palette {
         let from_outside = |link: &LinkView| hierarchy.element(link.source).is_sky();
         let entering: f32 = match hierarchy.outside().len() {
             0 => 0.0,
-            _ => solution_view.all_links().filter(from_outside).map(|link| link.power).sum(),
+            _ => solution_view.all_links().filter(from_outside).map(|link| link.power.element_sum()).sum(),
         };
-        let even = (solution_view.emitted(Hierarchy::ROOT).max_element() + entering / area) / area;
+        let even = (solution_view.emitted(Hierarchy::ROOT).element_sum() + entering / area) / area;
         // Of receivers and sources alone: what no link ends at was passed by.
         let of_link = |link: LinkView| solution_view.depth(link.receiver) + solution_view.depth(link.source);
         let deepest = match colouring {
@@ -154,7 +163,7 @@ impl Palette {
         let area = |id: ElementId| solution_view.hierarchy().element(id).area;
         let areas = area(link.receiver) * area(link.source);
         let even = self.even * areas;
-        if even > 0.0 { link.power / even } else { 0.0 }
+        if even > 0.0 { link.power.element_sum() / even } else { 0.0 }
     }
 
     fn of_density(&self, density: f32) -> [u8; 3] {
@@ -185,11 +194,11 @@ impl Palette {
                 title: "visibility V".into(),
                 ticks: Vec::new(),
                 entries: vec![
-                    entry(SEEN_FULLY, "full"),
-                    entry(SEEN_PARTLY[0], "most"),
-                    entry(SEEN_PARTLY[1], "little"),
-                    entry(UNSEEN, "none"),
-                    entry(UNJUDGED, "not tested"),
+                    entry(SEEN_FULLY, FULLY_VISIBLE),
+                    entry(SEEN_PARTLY[0], "mostly visible"),
+                    entry(SEEN_PARTLY[1], PARTLY_VISIBLE),
+                    entry(UNSEEN, HIDDEN),
+                    entry(UNJUDGED, NOT_TESTED),
                     no_link,
                 ],
             },
@@ -201,7 +210,7 @@ impl Palette {
             Colouring::Rays => Legend {
                 title: "rays that the visibility is known by".into(),
                 ticks: texts(&["1", "10", "100", "1000"]),
-                entries: vec![entry(INHERITED, "inherited"), entry(UNJUDGED, "not tested"), no_link],
+                entries: vec![entry(INHERITED, "inherited"), entry(UNJUDGED, NOT_TESTED), no_link],
             },
         }
     }

@@ -16,7 +16,7 @@ mod picture;
 mod raster;
 
 pub use axis::{Bracket, brackets, fitting_name};
-pub use colour::{Colouring, EMPTY, Legend, LegendEntry, Palette};
+pub use colour::{Colouring, EMPTY, FULLY_VISIBLE, HIDDEN, Legend, LegendEntry, NOT_TESTED, PARTLY_VISIBLE, Palette};
 pub use pair::{Pair, pair_at};
 pub use picture::{DrawError, Drawing, draw};
 pub use raster::{Facts, Raster, Request, View, facts, raster};

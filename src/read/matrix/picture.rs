@@ -139,7 +139,7 @@ fn bracket_along_both_edges<'b>(
     let centred = || text(15.0, INK).pos(Pos::new(HPos::Center, VPos::Center));
     let fits =
         |name: &str| root.estimate_text_size(name, &centred()).is_ok_and(|(width, _)| width as i32 + 8 <= end - start);
-    let named = fitting_name((drawing.names, drawing.scene), drawing.solution_view.hierarchy(), bracket, fits);
+    let named = fitting_name(drawing.names, drawing.solution_view, bracket, fits);
     if let Some(name) = named {
         let (along, across) = ((start + end) / 2, outer + thick / 2);
         root.draw(&Text::new(name.as_str(), (left + along, top + across), centred()))?;

@@ -64,6 +64,8 @@ pub struct Probed {
 pub struct Report {
     /// Reading under the pointer.
     pub looked: Option<Looked>,
+    /// The light in which pointer and probes were read.
+    pub light: Option<Arc<Snapshot>>,
     /// The probes, in the order given.
     pub probes: Arc<Vec<Probed>>,
     /// The share of the work plane that is measured, while it is.
@@ -180,7 +182,7 @@ impl Session {
         if !is_asked {
             // A light that nobody looks at is not held.
             (self.lit, self.probes_error) = (None, None);
-            self.desk.tell(|report| report.looked = None);
+            self.desk.tell(|report| (report.looked, report.light) = (None, None));
             return None;
         }
         let wait = self.follow(&scene, &snapshot);
@@ -231,6 +233,7 @@ impl Session {
         let probes = self.probes_error.map(|error| Arc::new(read(error)));
         self.desk.tell(|report| {
             report.looked = looked;
+            report.light = Some(lit.snapshot().clone());
             report.probes = probes.unwrap_or_else(|| report.probes.clone());
         });
     }

@@ -26,7 +26,7 @@ impl SolutionView {
                 estimated_error(&self.hierarchy, (link.receiver, source), facing, light, seen)
             }
             // One end lies behind the other: all that it carries is wrong.
-            Exchange::FacingAway => LinkError { sight: link.power, ..LinkError::default() },
+            Exchange::FacingAway => LinkError { sight: link.power.max_element(), ..LinkError::default() },
         }
     }
 

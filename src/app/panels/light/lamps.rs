@@ -30,9 +30,9 @@ pub(in crate::app) fn show(ui: &mut Ui, scene: &Scene, editor: &mut LightEditor)
         .filter_map(|&lamp| editor.lighting.of(lamp).map(|light| area(&editor.areas, lamp) * light.emission()));
     let of_luminaires = editor.lighting.luminaires.iter().map(|of| of.form.area() * of.light.emission());
     let all: glam::Vec3 = of_file.chain(of_luminaires).sum();
-    let (count, watts) = (format::things(count, "lamp", "lamps"), format::quantity(all.max_element().into(), "W"));
+    let (count, watts) = (format::things(count, "lamp", "lamps"), format::quantity(all.element_sum().into(), "W"));
     ui.label(theme::weak(format!("{count}, {watts}")))
-        .on_hover_text("Materials that emit, with the power of all of their faces in the strongest channel");
+        .on_hover_text("Materials that emit, with the power of all of their faces, sum of the channels");
     ScrollArea::vertical().id_salt("lamps").max_height(MOST_HEIGHT).auto_shrink([false, true]).show(ui, |ui| {
         for lamp in lamps {
             let Some(material) = scene.materials.get(lamp) else { continue };
@@ -55,7 +55,7 @@ pub(in crate::app) fn show(ui: &mut Ui, scene: &Scene, editor: &mut LightEditor)
 /// Draws one lamp whose faces have this area; true when it was switched.
 fn show_one(ui: &mut Ui, name: &str, area: f32, light: &mut MaterialLight) -> bool {
     let exitance = light.emission().max_element();
-    let watts = area * exitance;
+    let watts = area * light.emission().element_sum();
     ui.horizontal(|ui| {
         let name_width = theme::LABEL_WIDTH.min(0.4 * ui.available_width());
         let beside = name_width + PERCENT_WIDTH + COLOUR_WIDTH + 4.0 * ui.spacing().item_spacing.x;
@@ -70,7 +70,7 @@ fn show_one(ui: &mut Ui, name: &str, area: f32, light: &mut MaterialLight) -> bo
             .inner;
         let state = if light.is_on { "" } else { " (switched off)" };
         let power = format!(
-            "{name}{state}: {}, {}",
+            "{name}{state}: {} in the strongest channel, {} in all",
             format::quantity(exitance.into(), "W/m²"),
             format::quantity(watts.into(), "W")
         );

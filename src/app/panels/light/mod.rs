@@ -9,6 +9,7 @@ mod sun_place;
 use egui::{Align2, Rect, Slider, Ui};
 
 use crate::app::state::lighting::{Lighting, LuminaireLight};
+use crate::app::view::overlays::Place;
 use crate::app::widgets::theme;
 use crate::app::{App, Outbox, Shown, format, words};
 use crate::scene::{Luminaire, LuminaireShape, MaterialId, Reading, Scene};
@@ -63,7 +64,7 @@ enum LampUnit {
     /// Exitance of the strongest channel, W/m².
     #[default]
     Exitance,
-    /// Power of the strongest channel of all faces, W.
+    /// Power of all faces, sum of the channels, W.
     Watts,
     /// Luminous flux of all faces, lm.
     Lumens,
@@ -77,7 +78,7 @@ impl LampUnit {
         match self {
             Self::Exitance => (words::EXITANCE, "W/m²", "Exitance B_e of the strongest channel, before the dimmer"),
             Self::Watts => {
-                (words::POWER, "W", "Power of the strongest channel of all faces of the material, before the dimmer")
+                (words::POWER, "W", "Power of all faces of the material, sum of the channels, before the dimmer")
             }
             Self::Lumens => (words::FLUX, "lm", "Luminous flux of all faces of the material, before the dimmer"),
         }
@@ -87,7 +88,7 @@ impl LampUnit {
     fn per_exitance(self, tint: glam::Vec3, area: f32) -> f32 {
         match self {
             Self::Exitance => 1.0,
-            Self::Watts => area,
+            Self::Watts => area * tint.element_sum(),
             Self::Lumens => area * crate::base::photometry::lux(tint.to_array()),
         }
     }
@@ -209,9 +210,11 @@ pub(in crate::app) fn show_ways_to_light(app: &mut App, ui: &Ui, view: Rect, out
     let Some(info) = app.shown.info.clone() else { return };
     let sentence = if info.has_light { words::NO_LIGHT_HERE } else { words::NO_LIGHT_YET };
     let eye = app.view.viewport.pose().map(|pose| pose.eye);
-    let at = view.center_top() + egui::vec2(0.0, 44.0);
-    egui::Area::new(egui::Id::unique("ways to light")).pivot(Align2::CENTER_TOP).fixed_pos(at).show(ui.ctx(), |ui| {
-        theme::over_the_view(ui);
+    let mut place = Place::at_rim("ways to light", view, Align2::CENTER_TOP);
+    // The readout comes and goes above it.
+    place.at.y += 34.0;
+    let light = &mut app.edits.light;
+    app.view.overlays.show(ui.ctx(), place, |ui| {
         let fill = theme::PANEL.gamma_multiply(0.94);
         egui::Frame::popup(ui.style()).fill(fill).inner_margin(10).show(ui, |ui| {
             ui.set_max_width((view.width() - 60.0).clamp(160.0, 420.0));
@@ -222,10 +225,9 @@ pub(in crate::app) fn show_ways_to_light(app: &mut App, ui: &Ui, view: Rect, out
                     outbox.push(Command::SetDaylight(daylight::usual()));
                 }
                 if ui.button(words::HANG_UP_A_LAMP).clicked() {
-                    let editor = &mut app.edits.light;
-                    let before = editor.lighting.clone();
-                    luminaires::add(&info, eye, LuminaireShape::Square, editor);
-                    outbox.extend(editor.lighting.commands_since(&before));
+                    let before = light.lighting.clone();
+                    luminaires::add(&info, eye, LuminaireShape::Square, light);
+                    outbox.extend(light.lighting.commands_since(&before));
                 }
             });
         });
@@ -242,14 +244,14 @@ fn show_anchor(ui: &mut Ui, shown: &Shown, params: &SolverParams, outbox: &mut O
     let has_moved = (stats.power_watts - stats.anchor_watts).abs() > SAME_POWER * stats.anchor_watts;
     let [then, now] = [stats.anchor_watts, stats.power_watts].map(|power| format::quantity(power, "W"));
     let text = match (is_relative, has_moved) {
-        (false, _) => format!("Φ = {now}; ε was set in watts"),
-        (true, false) => format!("Φ = {now}, as when ε was set"),
-        (true, true) => format!("Φ = {now}; ε was set at {then}"),
+        (false, _) => format!("Φ = {now} (strongest channel); ε was set in watts"),
+        (true, false) => format!("Φ = {now} (strongest channel), as when ε was set"),
+        (true, true) => format!("Φ = {now} (strongest channel); ε was set at {then}"),
     };
     ui.horizontal(|ui| {
         let button = ui.add_enabled(is_relative && has_moved, egui::Button::new(words::RESCALE_EPSILON));
         let hint =
-            "ε stays in watts when lamps change; this sets it to the same share of the power Φ that they emit now";
+            "ε stays in watts when lamps change; this sets it to the same share of the power Φ that they emit now, in the strongest channel, which ε bounds";
         if button.on_hover_text(hint).on_disabled_hover_text(hint).clicked() {
             outbox.push(Command::AnchorEpsilon);
         }

@@ -34,7 +34,7 @@ pub(in crate::app) fn show(app: &mut App, ui: &mut Ui, outbox: &mut Outbox) {
     show_head(
         ui,
         "Group",
-        &[("m²", WIDTHS[0], "Area of all its polygons, m²"), ("polygons", WIDTHS[1], "Polygons in it")],
+        &[("Area m²", WIDTHS[0], "Area of all its polygons, m²"), ("Polygons", WIDTHS[1], "Polygons in it")],
     );
     let foot = 2.0 * ui.spacing().interact_size.y + 10.0;
     let height = (ui.available_height() - foot).max(3.0 * ROW_HEIGHT);

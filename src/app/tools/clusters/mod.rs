@@ -88,11 +88,11 @@ fn show_view(app: &mut App, ui: &mut Ui) {
     let deepest = snapshot.clusters.iter().map(|cluster| cluster.level).max().unwrap_or(0);
     let (view, display) = (&mut app.view.clusters, &mut app.edits.display);
     ui.horizontal(|ui| {
-        ui.checkbox(&mut view.coloured, "Colour by cluster")
+        ui.checkbox(&mut view.coloured, words::COLOUR_BY_CLUSTER)
             .on_hover_text("Each surface shows the colour of its cluster instead of its light; grey hangs at the root");
         ui.checkbox(&mut display.show_clusters, "Boxes").on_hover_text("The boxes of the clusters of this level");
     });
-    theme::row(ui, "Level", |ui| {
+    theme::row(ui, words::LEVEL, |ui| {
         let mut level = display.cluster_level.min(deepest);
         let slider = Slider::new(&mut level, 0..=deepest).suffix(format!(" of {deepest}"));
         let response = ui.add_enabled(deepest > 0, slider);
@@ -102,7 +102,7 @@ fn show_view(app: &mut App, ui: &mut Ui) {
         response.on_hover_text("Level of the hierarchy, the whole scene being 0")
     });
     let can_explode = display.cluster_level.min(deepest) > 0;
-    theme::row(ui, "Explode", |ui| {
+    theme::row(ui, words::EXPLODE, |ui| {
         let mut percent = 100.0 * view.explode;
         let slider = Slider::new(&mut percent, 0.0..=100.0).fixed_decimals(0).suffix(" %");
         let response = ui.add_enabled(can_explode, slider);

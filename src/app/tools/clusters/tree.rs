@@ -9,11 +9,9 @@ use crate::app::tools::clusters::outline::{Fold, ROW_HEIGHT, RowLook, show_head,
 use crate::app::tools::clusters::rows::{Powers, Row, has_rows_below, polygons, visible_rows, with_row};
 use crate::app::view::highlight::Highlight;
 use crate::app::widgets::theme;
-use crate::app::{App, format};
+use crate::app::{App, format, words};
 use crate::hierarchy::{ElementId, Hierarchy};
-use crate::read::names::Names;
 use crate::render::cluster_colours;
-use crate::scene::{GroupMember, Scene};
 use crate::solve::Snapshot;
 use crate::transport::SolutionView;
 
@@ -38,9 +36,6 @@ pub(in crate::app) struct ClusterTree {
     of: Option<Arc<SolutionView>>,
     generation: u64,
     powers: Option<Powers>,
-    /// Names, and the scene with the groups that they are taken from.
-    names: Option<(Names, Arc<Scene>)>,
-    regrouping: Vec<GroupMember>,
     /// Of each cluster, in the arena's order, and the places of clusters in it.
     colours: Vec<(ElementId, [u8; 3])>,
     /// The picked element that was last unfolded to.
@@ -51,17 +46,14 @@ pub(in crate::app) struct ClusterTree {
 
 impl ClusterTree {
     /// Takes up a newer snapshot and another picked element.
-    fn follow(&mut self, scene: &Arc<Scene>, snapshot: &Snapshot, picked: Option<ElementId>) {
+    fn follow(&mut self, snapshot: &Snapshot, picked: Option<ElementId>) {
         let Some(solution_view) = &snapshot.solution_view else { return };
         let hierarchy = solution_view.hierarchy();
         let mut is_old = false;
-        if self.generation != snapshot.generation || self.names.is_none() || self.regrouping != scene.regrouping {
-            // Other clusters, whose ids mean something else, or other names.
+        if self.generation != snapshot.generation || self.of.is_none() {
+            // Other clusters, whose ids mean something else.
             self.generation = snapshot.generation;
             self.unfolded = [Hierarchy::ROOT].into_iter().collect();
-            self.regrouping.clone_from(&scene.regrouping);
-            let scene = scene.as_arranged();
-            self.names = Some((Names::new(snapshot.generation, hierarchy, &scene), scene));
             let clusters = hierarchy.ids().filter(|id| hierarchy.element(*id).is_cluster());
             self.colours = clusters.zip(cluster_colours(hierarchy)).collect();
             self.followed = None;
@@ -110,10 +102,10 @@ fn within<'a>(full_name: &'a str, holder: &str) -> &'a str {
 
 /// Draws the tree.
 pub(in crate::app) fn show(app: &mut App, ui: &mut Ui) {
-    let (Some(snapshot), Some(info)) = (app.shown.snapshot.clone(), app.shown.info.clone()) else { return };
+    let Some(snapshot) = app.shown.snapshot.clone() else { return };
     let picked = app.picked.as_ref().map(|picked| picked.element);
-    let tree = &mut app.tools.clusters.tree;
-    tree.follow(&info.scene, &snapshot, picked);
+    let (tree, names) = (&mut app.tools.clusters.tree, &mut app.tools.inspection.names);
+    tree.follow(&snapshot, picked);
     let Some(solution_view) = &snapshot.solution_view else {
         ui.label(theme::weak("Asking for the clusters…"));
         return;
@@ -131,16 +123,16 @@ pub(in crate::app) fn show(app: &mut App, ui: &mut Ui) {
         });
     });
     let power = match tree.power {
-        PowerShown::Received => ("in W", WIDTHS[3], "Power that arrives, E·A, the sum over three colours, W"),
-        PowerShown::Sent => ("out W", WIDTHS[3], "Power that leaves, B·A, the sum over three colours, W"),
+        PowerShown::Received => (words::POWER_IN, WIDTHS[3], "Power that arrives, E·A, sum of the channels, W"),
+        PowerShown::Sent => (words::POWER_OUT, WIDTHS[3], "Power that leaves, B·A, sum of the channels, W"),
     };
     show_head(
         ui,
         "Cluster",
         &[
-            ("m²", WIDTHS[0], "Area that light can reach, m²"),
-            ("polygons", WIDTHS[1], "Polygons in it"),
-            ("links", WIDTHS[2], "Links that end at it and at nothing smaller"),
+            ("Area m²", WIDTHS[0], "Area that light can reach, m²"),
+            ("Polygons", WIDTHS[1], "Polygons in it"),
+            ("Links", WIDTHS[2], "Links that end at it and at nothing smaller"),
             power,
         ],
     );
@@ -152,11 +144,10 @@ pub(in crate::app) fn show(app: &mut App, ui: &mut Ui) {
     let (mut chosen, mut toggled) = (None, None);
     area.show_rows(ui, ROW_HEIGHT, tree.rows.len(), |ui, range| {
         for row in tree.rows.get(range).unwrap_or_default() {
-            let Some((names, scene)) = &tree.names else { continue };
             let id = row.element;
-            let full_name = names.full(hierarchy, scene, id);
-            let holder = hierarchy.element(id).parent().map(|parent| names.full(hierarchy, scene, parent));
-            let name = within(&full_name, holder.as_deref().unwrap_or_default());
+            let full_name = names.full(id).to_owned();
+            let holder = hierarchy.element(id).parent().map(|parent| names.full(parent));
+            let name = within(&full_name, holder.unwrap_or_default());
             let powers = tree.powers.as_ref();
             let power = powers.map_or(0.0, |powers| match tree.power {
                 PowerShown::Received => powers.received(id),

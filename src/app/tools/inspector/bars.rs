@@ -17,8 +17,6 @@ const HEIGHT: f32 = 17.0;
 /// Widths of the name and of the numbers, points.
 const NAME: f32 = 178.0;
 const NUMBERS: f32 = 136.0;
-/// Share of E by which it and what links bring may differ and still be the same.
-const SAME: f32 = 0.01;
 /// Level by which far ends are summed up at first.
 const USUAL_LEVEL: u16 = 3;
 
@@ -44,6 +42,7 @@ impl Bars {
         }
         let value = |link: &LinkView| brought(subject, link, direction);
         self.sums = subject.solution_view.folded(&inspection.links, self.level, |link| direction.far_end(link), value);
+        self.sums.sort_by(|(_, a), (_, b)| in_one(*b, direction).total_cmp(&in_one(*a, direction)));
         self.total = self.sums.iter().map(|(_, sum)| *sum).sum();
         self.made_of = now;
     }
@@ -54,6 +53,14 @@ pub(in crate::app) fn brought(subject: &Subject<'_>, link: &LinkView, direction:
     match direction {
         Direction::In => link.irradiance,
         Direction::Out => link.irradiance * subject.solution_view.hierarchy().element(link.receiver).area,
+    }
+}
+
+/// One number for three channels: irradiance of the strongest, W/m², or power of all together, W.
+pub(in crate::app) fn in_one(brought: Vec3, direction: Direction) -> f32 {
+    match direction {
+        Direction::In => brought.max_element(),
+        Direction::Out => brought.element_sum(),
     }
 }
 
@@ -69,14 +76,15 @@ pub(in crate::app) fn show(
     bars.bring_up_to_date(subject, inspection, direction);
     show_heading(ui, subject, inspection, direction, bars);
     let (shown, rest) = bars.sums.split_at(MOST.min(bars.sums.len()));
-    let of_rest = rest.iter().map(|(_, sum)| *sum).sum::<Vec3>().max_element();
-    let most = shown.first().map_or(0.0, |(_, sum)| sum.max_element()).max(of_rest);
+    let of_rest = rest.iter().map(|(_, sum)| *sum).sum::<Vec3>();
+    let of_rest = in_one(of_rest, direction);
+    let most = shown.first().map_or(0.0, |(_, sum)| in_one(*sum, direction)).max(of_rest);
     let unit = unit(direction);
-    let total = bars.total.max_element();
+    let total = in_one(bars.total, direction);
     let mut walk = None;
     for &(id, sum) in shown {
-        let name = inspection.name(subject.solution_view, subject.scene, id);
-        let bar = Bar { name, value: sum.max_element(), most, total, unit };
+        let name = inspection.names.full(id);
+        let bar = Bar { name, value: in_one(sum, direction), most, total, unit };
         let response = bar.show(ui, true);
         if response.hovered() {
             pointing.at(Highlight::Element(id));
@@ -99,27 +107,15 @@ fn unit(direction: Direction) -> &'static str {
     }
 }
 
-/// E where it is not what links bring, because the final gather looked past them.
-fn gathered(inspection: &Inspection, direction: Direction, total: Vec3) -> Option<f32> {
-    let irradiance = inspection.facts.as_ref()?.irradiance;
-    let off = (irradiance - total).abs().max_element();
-    (direction == Direction::In && off > SAME * irradiance.max_element()).then(|| irradiance.max_element())
-}
-
 fn show_heading(ui: &mut Ui, subject: &Subject<'_>, inspection: &Inspection, direction: Direction, bars: &mut Bars) {
     let links = format::things(inspection.links.len(), "link", "links");
-    let total = format::quantity(bars.total.max_element().into(), unit(direction));
+    let total = format::quantity(in_one(bars.total, direction).into(), unit(direction));
     ui.horizontal_wrapped(|ui| {
         let (text, hint) = match direction {
-            Direction::In => (format!("{links} bring {total}"), "Over all links this is E of the links; strongest channel"),
-            Direction::Out => (format!("{links} carry {total}"), "Of the light that leaves it; strongest channel"),
+            Direction::In => (format!("{links} bring {total}"), "Over all links this is E by links; strongest channel"),
+            Direction::Out => (format!("{links} carry {total}"), "Of the light that leaves it; sum of the channels"),
         };
         ui.label(RichText::new(text).strong()).on_hover_text(hint);
-        if let Some(irradiance) = gathered(inspection, direction, bars.total) {
-            let text = format!("final gather {}", compact(irradiance));
-            let hint = "E of the final gather, which looks past the links once they are there: the difference is what links hide";
-            ui.label(theme::weak(text)).on_hover_text(hint);
-        }
         let deepest = subject.solution_view.deepest();
         let mut level = bars.level.min(deepest);
         let hint = "Far ends are summed up by what holds them at this level below the root";

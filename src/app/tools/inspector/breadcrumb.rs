@@ -24,7 +24,7 @@ pub(in crate::app) fn show(
                 ui.label(theme::weak("›"));
             }
             let is_here = id == subject.element;
-            let name = inspection.short_name(subject.solution_view, subject.scene, id);
+            let name = inspection.names.short(id);
             let colour = if is_here { ui.visuals().strong_text_color() } else { ui.visuals().text_color() };
             let crumb = ui.selectable_label(is_here, RichText::new(name).size(12.0).color(colour));
             let crumb = crumb.on_hover_text(format!("Level {depth}: click to inspect it"));

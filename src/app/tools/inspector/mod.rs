@@ -15,7 +15,6 @@ use crate::app::state::inspection::{Direction, Inspection};
 use crate::app::widgets::theme;
 use crate::app::{App, format, words};
 use crate::hierarchy::{ElementId, Hierarchy};
-use crate::scene::Scene;
 use crate::transport::SolutionView;
 
 /// How the inspector shows links, and where it has been.
@@ -38,7 +37,6 @@ impl Inspector {
 /// The element that is looked at, and the state that it is part of.
 struct Subject<'a> {
     solution_view: &'a SolutionView,
-    scene: &'a Scene,
     element: ElementId,
 }
 
@@ -50,7 +48,7 @@ enum Walk {
 
 /// Draws it.
 pub(in crate::app) fn show(app: &mut App, ui: &mut Ui) {
-    let (Some(snapshot), Some(info)) = (app.shown.snapshot.clone(), app.shown.info.clone()) else {
+    let Some(snapshot) = app.shown.snapshot.clone() else {
         ui.label(theme::weak("Open a scene to look inside its solution."));
         return;
     };
@@ -66,7 +64,7 @@ pub(in crate::app) fn show(app: &mut App, ui: &mut Ui) {
         ui.label(theme::weak("Asking for its links…"));
         return;
     };
-    let subject = Subject { solution_view, scene: &info.scene, element };
+    let subject = Subject { solution_view, element };
     let mut inspector = std::mem::take(&mut app.tools.inspector);
     let mut walk = show_head(ui, &subject, &mut app.tools.inspection, &inspector.visited);
     walk = breadcrumb::show(ui, &subject, &app.tools.inspection, &mut app.view.pointing).or(walk);
@@ -129,7 +127,7 @@ fn show_head(ui: &mut Ui, subject: &Subject<'_>, inspection: &mut Inspection, vi
             if back.on_hover_text("Return to the element that you came from").clicked() {
                 walk = Some(Walk::Back);
             }
-            let name = inspection.name(solution_view, subject.scene, id).to_owned();
+            let name = inspection.names.full(id).to_owned();
             let element = solution_view.hierarchy().element(id);
             let kind = if element.is_cluster() {
                 "cluster"

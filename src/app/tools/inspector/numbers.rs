@@ -3,10 +3,10 @@
 use egui::{Grid, Ui};
 use glam::Vec3;
 
-use crate::app::format;
 use crate::app::state::facts::Facts;
 use crate::app::tools::inspector::{Subject, compact};
 use crate::app::widgets::theme;
+use crate::app::{format, words};
 use crate::base::photometry;
 
 /// Room that two numbers beside each other take, points.
@@ -28,41 +28,43 @@ pub(in crate::app) fn show(ui: &mut Ui, subject: &Subject<'_>, facts: &Facts) {
 }
 
 /// Names, values and what they mean.
-fn numbers(facts: &Facts, deepest: u16) -> [(&'static str, String, String); 8] {
+fn numbers(facts: &Facts, deepest: u16) -> Vec<(&'static str, String, String)> {
     let own = match facts.emitted.max_element() > 0.0 {
         true => ("B_e", colours(facts.emitted, "W/m²"), "The part of B that lamps emit".into()),
         false => {
-            ("ρ", colours(facts.reflectance, ""), "Reflectance of the three colours, the mean over the area".into())
+            ("ρ", colours(facts.reflectance, ""), "Reflectance of the three channels, the mean over the area".into())
         }
     };
-    let level = match (facts.depth, facts.level) {
-        (Some(depth), Some(level)) => format!("{depth} of {deepest}, {level} below its polygon"),
-        (Some(depth), None) => format!("{depth} of {deepest}"),
-        _ => "–".into(),
-    };
+    let level = facts.level.map_or("–".into(), |level| format!("{level} of {deepest}"));
     let size = match facts.polygon {
-        Some(polygon) => ("polygon", format::count(polygon), "Its number in the scene's file".into()),
-        None => ("polygons", format::count(facts.polygons), "Polygons inside of the cluster".into()),
+        Some(polygon) => ("Polygon", format::count(polygon), "Its number in the scene's file".into()),
+        None => ("Polygons", format::count(facts.polygons), "Polygons inside of the cluster".into()),
     };
-    let of_light = |what: &str| format!("{what} of the three colours, the mean over the area");
-    [
-        ("E", colours(facts.irradiance, "W/m²"), of_light("Irradiance")),
+    let irradiances = facts.irradiances().into_iter();
+    let mut numbers: Vec<_> =
+        irradiances.map(|(name, value, hint)| (name, colours(value, "W/m²"), hint.to_owned())).collect();
+    numbers.extend([
         (
-            "illuminance",
+            "Illuminance",
             format::quantity(facts.illuminance().into(), "lx"),
             format!("Illuminance; {}", photometry::CONVENTION),
         ),
-        ("B", colours(facts.radiosity, "W/m²"), of_light("Radiosity, what is emitted and reflected")),
         (
-            "luminance",
+            "B",
+            colours(facts.radiosity, "W/m²"),
+            "Radiosity of the three channels, emitted and reflected, the mean over the area".into(),
+        ),
+        (
+            "Luminance",
             format::quantity(facts.luminance().into(), "cd/m²"),
             format!("Luminance B/π; lumens = {}, the convention of Radiance", photometry::FORMULA),
         ),
         own,
-        ("area", format::quantity(facts.area.into(), "m²"), "Area that light can reach".into()),
-        ("level", level, "Levels below the root; clusters and patches count alike".into()),
+        ("Area", format::quantity(facts.area.into(), "m²"), "Area that light can reach".into()),
+        (words::LEVEL, level, "Levels below the root; clusters and patches count alike".into()),
         size,
-    ]
+    ]);
+    numbers
 }
 
 fn colours(rgb: Vec3, unit: &str) -> String {

@@ -4,7 +4,7 @@ use std::cmp::Ordering;
 
 use crate::app::state::inspection::{Direction, Inspection};
 use crate::app::tools::inspector::Subject;
-use crate::app::tools::inspector::bars::brought;
+use crate::app::tools::inspector::bars::{brought, in_one};
 use crate::transport::{LinkView, VisibilitySource};
 
 /// A column of the table.
@@ -70,8 +70,7 @@ fn sorted(
     let turned = |order: Ordering| if is_ascending { order } else { order.reverse() };
     if by == Column::Name {
         let far: Vec<_> = inspection.links.iter().map(|link| direction.far_end(link)).collect();
-        let names: Vec<String> =
-            far.into_iter().map(|id| inspection.name(subject.solution_view, subject.scene, id).to_owned()).collect();
+        let names: Vec<String> = far.into_iter().map(|id| inspection.names.full(id).to_owned()).collect();
         // Equals stay as they are: what brings most first.
         rows.sort_by(|&a, &b| turned(names[a as usize].cmp(&names[b as usize])));
         return rows;
@@ -86,12 +85,12 @@ pub(in crate::app) fn value(subject: &Subject<'_>, link: &LinkView, direction: D
     match column {
         Column::Name => 0.0,
         Column::Level => subject.solution_view.depth(direction.far_end(link)).into(),
-        Column::Brought => brought(subject, link, direction).max_element(),
+        Column::Brought => in_one(brought(subject, link, direction), direction),
         Column::FormFactor => link.form_factor,
         Column::Visibility => link.visibility,
         Column::Rays => rays(link).map_or(-1.0, f32::from),
-        Column::Power => link.power,
-        Column::OverEpsilon => over_epsilon(subject, link.power),
+        Column::Power => link.power.element_sum(),
+        Column::OverEpsilon => over_epsilon(subject, link),
         Column::Error => subject.solution_view.error(link).total(),
     }
 }
@@ -104,8 +103,9 @@ pub(in crate::app) fn rays(link: &LinkView) -> Option<u16> {
     }
 }
 
-/// A power as a share of ε.
-pub(in crate::app) fn over_epsilon(subject: &Subject<'_>, power: f32) -> f32 {
+/// Power of a link's strongest channel, which ε bounds, as a share of ε.
+pub(in crate::app) fn over_epsilon(subject: &Subject<'_>, link: &LinkView) -> f32 {
+    let power = link.power.max_element();
     match subject.solution_view.epsilon_watts() {
         epsilon if epsilon > 0.0 => (f64::from(power) / epsilon) as f32,
         _ => 0.0,

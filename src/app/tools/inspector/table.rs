@@ -9,7 +9,7 @@ use crate::app::tools::inspector::order::{Column, Order, over_epsilon, rays, val
 use crate::app::tools::inspector::{Subject, Walk, compact};
 use crate::app::view::highlight::{Highlight, Pointing};
 use crate::app::widgets::theme;
-use crate::app::{format, panels};
+use crate::app::{format, panels, words};
 use crate::transport::{LinkView, VisibilitySource};
 
 const ROW_HEIGHT: f32 = 17.0;
@@ -27,19 +27,31 @@ const COLUMNS: [Heading; 8] = [
         42.0,
         ["E", "P"],
         "what it brings",
-        "What the link brings to this element, W/m², or takes from it, W",
+        "What the link brings to this element, W/m² in the strongest channel, or takes from it, W in all channels",
     ),
     (Column::FormFactor, 42.0, ["F"; 2], "form factor", "Form factor F without occlusion"),
     (Column::Visibility, 32.0, ["V"; 2], "visibility", "Visibility V, 0 to 1"),
     (Column::Rays, 58.0, ["Rays"; 2], "rays", "Rays that tested V; inherited: the pair that holds this one was clear"),
-    (Column::Power, 50.0, ["Power (W)"; 2], "power", "Power B·F·V·A that the link carries to its whole receiver, W"),
-    (Column::OverEpsilon, 48.0, ["Power/ε"; 2], "share of ε", "Power over the threshold ε"),
+    (
+        Column::Power,
+        50.0,
+        ["Power (W)"; 2],
+        "power",
+        "Power B·F·V·A that the link carries to its whole receiver, sum of the channels, W",
+    ),
+    (
+        Column::OverEpsilon,
+        48.0,
+        ["Power/ε"; 2],
+        "share of ε",
+        "Power of the strongest channel over the threshold ε, which bounds it",
+    ),
     (
         Column::Error,
         52.0,
         ["Error (W)"; 2],
         "error estimate",
-        "Power that the link is likely to misplace, as the criterion link error estimates it, W",
+        "Power of the strongest channel that the link is likely to misplace, as the criterion link error estimates it, W",
     ),
 ];
 
@@ -115,8 +127,8 @@ pub(in crate::app) fn show(
 
 fn show_header(header: &mut TableRow<'_, '_>, columns: &[&Heading], direction: Direction, order: &mut Order) {
     let (name, hint) = match direction {
-        Direction::In => ("source", "What sends the light"),
-        Direction::Out => ("receiver", "What gets the light"),
+        Direction::In => ("Source", "What sends the light"),
+        Direction::Out => ("Receiver", "What gets the light"),
     };
     header.col(|ui| {
         ui.with_layout(Layout::left_to_right(Align::Center), |ui| title(ui, Column::Name, name, "name", hint, order));
@@ -157,7 +169,7 @@ fn show_link(
     let is_own = link.receiver == link.source;
     let name = match is_own {
         true => "itself, among its parts".to_owned(),
-        false => inspection.name(subject.solution_view, subject.scene, far).to_owned(),
+        false => inspection.names.full(far).to_owned(),
     };
     row.col(|ui| {
         ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
@@ -196,7 +208,7 @@ fn cell(subject: &Subject<'_>, link: &LinkView, direction: Direction, column: Co
         Column::Rays => match (rays(link), link.visibility_source) {
             (Some(rays), _) => rays.to_string(),
             (None, VisibilitySource::Inherited) => "inherited".into(),
-            (None, _) => "not tested".into(),
+            (None, _) => words::NOT_TESTED.into(),
         },
         Column::Brought | Column::FormFactor | Column::Power | Column::OverEpsilon | Column::Error => {
             compact(number(column))
@@ -215,12 +227,12 @@ fn show_details(ui: &mut Ui, subject: &Subject<'_>, direction: Direction, link: 
     };
     ui.label(whose);
     ui.label(format!(
-        "carries {} to its receiver, {} of ε",
-        watts(link.power),
-        format::number(over_epsilon(subject, link.power).into())
+        "carries {} to its receiver; its strongest channel is {} ε",
+        watts(link.power.element_sum()),
+        format::number(over_epsilon(subject, link).into())
     ));
     ui.label(format!(
-        "error by kernel {}, sight {}, rays {}, source {}",
+        "error of the strongest channel by kernel {}, visibility {}, rays {}, source {}",
         watts(error.kernel),
         watts(error.sight),
         watts(error.noise),

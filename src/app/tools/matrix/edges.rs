@@ -37,8 +37,8 @@ pub(in crate::app) fn paint(
 ) {
     let word = FontId::proportional(11.5);
     let outer = map.rect.min - WIDTH + Vec2::splat(0.5 * WORDS);
-    painter.text(pos2(map.rect.center().x, outer.y), Align2::CENTER_CENTER, "sources", word.clone(), theme::TEXT_WEAK);
-    upright(painter, pos2(outer.x, map.rect.center().y), "receivers", word, theme::TEXT_WEAK);
+    painter.text(pos2(map.rect.center().x, outer.y), Align2::CENTER_CENTER, "Sources", word.clone(), theme::TEXT_WEAK);
+    upright(painter, pos2(outer.x, map.rect.center().y), "Receivers", word, theme::TEXT_WEAK);
     for (edge, marks) in [(Edge::Sources, columns), (Edge::Receivers, rows)] {
         paint_edge(painter, matrix, looked, map, edge, marks);
     }
@@ -98,7 +98,7 @@ fn name(painter: &Painter, looked: Looked<'_>, edge: Edge, bracket: &Bracket, re
     }
     let font = FontId::proportional(11.0);
     let fits = |name: &str| painter.layout_no_wrap(name.into(), font.clone(), theme::TEXT).size().x <= room;
-    let named = fitting_name((looked.names, looked.scene), looked.solution_view.hierarchy(), bracket, fits);
+    let named = fitting_name(looked.names, looked.solution_view, bracket, fits);
     let Some(name) = named else { return };
     let colour = if bracket.tier == 0 { theme::TEXT_STRONG } else { theme::TEXT };
     match edge {

@@ -18,7 +18,6 @@ use crate::app::{App, Wake, words};
 use crate::hierarchy::Room;
 use crate::read::matrix::{Colouring, Facts, Legend, Palette, Raster, Request, View};
 use crate::read::names::Names;
-use crate::scene::Scene;
 use crate::solve::Snapshot;
 use crate::transport::SolutionView;
 use artist::{Artist, Drawn, Order};
@@ -26,7 +25,11 @@ use artist::{Artist, Drawn, Order};
 /// Colourings with their names and hints, in the order of their switches.
 const COLOURINGS: [(Colouring, &str, &str); 4] = [
     (Colouring::Power, "power", "Power that a link carries for each area of both its ends"),
-    (Colouring::Visibility, "visibility", "Whether the ends of a link see each other fully, in part or not at all"),
+    (
+        Colouring::Visibility,
+        "visibility",
+        "Whether the ends of a link are fully or partly visible to each other, or hidden",
+    ),
     (Colouring::Level, "level", "How often the root's self-link was refined until it became this link"),
     (Colouring::Rays, "rays", "How many rays a link's visibility is known by"),
 ];
@@ -53,7 +56,6 @@ pub(in crate::app) struct LinkMatrix {
     shown: Option<Shown>,
     /// A coarse picture of the whole square.
     whole: Option<(Look, TextureHandle)>,
-    names: Option<Names>,
     generation: u64,
 }
 
@@ -80,7 +82,6 @@ struct Shown {
 #[derive(Clone, Copy)]
 struct Looked<'a> {
     solution_view: &'a Arc<SolutionView>,
-    scene: &'a Scene,
     names: &'a Names,
 }
 
@@ -93,7 +94,6 @@ impl Default for LinkMatrix {
             artist: None,
             shown: None,
             whole: None,
-            names: None,
             generation: 0,
         }
     }
@@ -101,14 +101,20 @@ impl Default for LinkMatrix {
 
 /// Draws the tool.
 pub(in crate::app) fn show(app: &mut App, ui: &mut Ui) {
-    let (Some(snapshot), Some(info)) = (app.shown.snapshot.clone(), app.shown.info.clone()) else {
+    let Some(snapshot) = app.shown.snapshot.clone() else {
         ui.label(theme::weak("Open a scene to see its links."));
         return;
     };
     let mut matrix = std::mem::take(&mut app.tools.matrix);
     matrix.show_switches(ui);
     match &snapshot.solution_view {
-        Some(solution_view) => matrix.show(app, ui, &snapshot, solution_view, &info.scene),
+        Some(solution_view) => {
+            let names = std::mem::take(&mut app.tools.inspection.names);
+            if let Some(names) = names.names() {
+                matrix.show(app, ui, &snapshot, Looked { solution_view, names });
+            }
+            app.tools.inspection.names = names;
+        }
         None => {
             ui.label(theme::weak("Asking for the links…"));
         }
@@ -132,23 +138,11 @@ impl LinkMatrix {
         });
     }
 
-    fn show(
-        &mut self,
-        app: &mut App,
-        ui: &mut Ui,
-        snapshot: &Snapshot,
-        solution_view: &Arc<SolutionView>,
-        scene: &Scene,
-    ) {
+    fn show(&mut self, app: &mut App, ui: &mut Ui, snapshot: &Snapshot, looked: Looked<'_>) {
         if self.generation != snapshot.generation {
             self.generation = snapshot.generation;
             self.view = View::WHOLE;
         }
-        if self.names.as_ref().is_none_or(|names| !names.are_of(snapshot.generation)) {
-            self.names = Some(Names::new(snapshot.generation, solution_view.hierarchy(), scene));
-        }
-        let Some(names) = self.names.take() else { return };
-        let looked = Looked { solution_view, scene, names: &names };
         let room = ui.available_size();
         let side = |reserved: Vec2| (room - reserved - edges::WIDTH).min_elem();
         let (below, beside) = (side(vec2(0.0, ROOM_BELOW)), side(vec2(ROOM_BESIDE, 0.0)));
@@ -159,10 +153,9 @@ impl LinkMatrix {
         let layout = if is_wide { egui::Layout::left_to_right(egui::Align::Min) } else { *ui.layout() };
         ui.with_layout(layout, |ui| {
             let square = square::show(self, app, ui, looked, side);
-            self.keep_up(app, ui.ctx(), look, solution_view, square);
+            self.keep_up(app, ui.ctx(), look, looked.solution_view, square);
             ui.vertical(|ui| self.show_key(ui));
         });
-        self.names = Some(names);
     }
 
     /// Takes up a picture that is there, and orders the next one where something changed.

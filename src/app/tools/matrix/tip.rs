@@ -2,10 +2,10 @@
 
 use egui::{Color32, Grid, RichText, Ui};
 
-use crate::app::format;
 use crate::app::tools::matrix::Looked;
 use crate::app::view::highlight::{RECEIVER, SOURCE};
 use crate::app::widgets::theme;
+use crate::app::{format, words};
 use crate::hierarchy::ElementId;
 use crate::read::matrix::Pair;
 use crate::transport::{LinkView, VisibilitySource};
@@ -13,7 +13,7 @@ use crate::transport::{LinkView, VisibilitySource};
 /// Draws it.
 pub(in crate::app) fn show(ui: &mut Ui, looked: Looked<'_>, pair: &Pair) {
     let name = |id: Option<ElementId>| match id {
-        Some(id) => looked.names.full(looked.solution_view.hierarchy(), looked.scene, id),
+        Some(id) => looked.names.full(looked.solution_view, id),
         None => String::new(),
     };
     let (receiver, source) = match &pair.link {
@@ -21,7 +21,7 @@ pub(in crate::app) fn show(ui: &mut Ui, looked: Looked<'_>, pair: &Pair) {
         None => (pair.receivers.last().copied(), pair.sources.last().copied()),
     };
     Grid::new("block").num_columns(2).spacing([10.0, 3.0]).show(ui, |ui| {
-        for (what, id, [r, g, b, _]) in [("receiver", receiver, RECEIVER), ("source", source, SOURCE)] {
+        for (what, id, [r, g, b, _]) in [("Receiver", receiver, RECEIVER), ("Source", source, SOURCE)] {
             ui.label(RichText::new(what).color(Color32::from_rgb(r, g, b)));
             ui.label(RichText::new(name(id)).strong());
             ui.end_row();
@@ -45,18 +45,19 @@ pub(in crate::app) fn show(ui: &mut Ui, looked: Looked<'_>, pair: &Pair) {
 /// Names and values of what a link is.
 fn facts(link: &LinkView, epsilon: f64) -> [(&'static str, String); 4] {
     let visibility = match link.visibility_source {
-        VisibilitySource::None => format!("{:.2}, not tested yet", link.visibility),
+        VisibilitySource::None => format!("{:.2}, {}", link.visibility, words::NOT_TESTED),
         VisibilitySource::Rays(rays) => {
             format!("{:.2} by {}", link.visibility, format::things(rays.into(), "ray", "rays"))
         }
         VisibilitySource::Clear(rays) => format!("{:.2}, all of {rays} rays came through", link.visibility),
         VisibilitySource::Inherited => format!("{:.2}, inherited from the element that holds it", link.visibility),
     };
-    let share = if epsilon > 0.0 { format::number(f64::from(link.power) / epsilon) } else { "–".into() };
+    let share =
+        if epsilon > 0.0 { format::number(f64::from(link.power.max_element()) / epsilon) } else { "–".into() };
     [
-        ("form factor F", format::number(link.form_factor.into())),
-        ("visibility V", visibility),
-        ("power B·F·V·A", format::quantity(link.power.into(), "W")),
-        ("share of ε", format!("{share} ε")),
+        (words::FORM_FACTOR, format::number(link.form_factor.into())),
+        ("Visibility V", visibility),
+        ("Power B·F·V·A", format::quantity(link.power.element_sum().into(), "W")),
+        (words::STRONGEST_CHANNEL, format!("{share} ε")),
     ]
 }

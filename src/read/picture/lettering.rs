@@ -1,6 +1,5 @@
 //! Values along the lines of equal value of a gathered picture, drawn into it.
 
-use anyhow::anyhow;
 use glam::{Vec2, vec2};
 use image::{Rgb, RgbImage, Rgba, RgbaImage};
 use plotters::backend::BitMapBackend;
@@ -8,10 +7,17 @@ use plotters::drawing::IntoDrawingArea;
 use plotters::element::Text;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 use plotters::style::{IntoFont, TextStyle, WHITE};
-use selflink::base::font::family;
-use selflink::base::format;
-use selflink::base::photometry::ShownIn;
-use selflink::read::picture::{LABEL_RIM, LineLabel};
+use thiserror::Error;
+
+use super::{LABEL_RIM, LineLabel};
+use crate::base::font::family;
+use crate::base::format;
+use crate::base::photometry::ShownIn;
+
+/// Letters that cannot be drawn.
+#[derive(Debug, Error)]
+#[error("values cannot be written along lines ({0})")]
+pub struct LetteringError(String);
 
 /// Height of the letters, pixels.
 const HEIGHT: f64 = 14.0;
@@ -21,7 +27,10 @@ const FINE: u32 = 3;
 const RIM_OPACITY: f32 = 0.8;
 
 /// Writes them, white with a dark rim, so that they can be read over bright and dark.
-pub fn draw(picture: &mut RgbaImage, labels: &[LineLabel], shown_in: ShownIn) -> anyhow::Result<()> {
+///
+/// # Errors
+/// The letters cannot be drawn, for want of a font.
+pub fn write_labels(picture: &mut RgbaImage, labels: &[LineLabel], shown_in: ShownIn) -> Result<(), LetteringError> {
     for label in labels {
         let written = Written::new(&format::short((shown_in.per_watt() * label.value).into()))?;
         let reach = 0.5 * vec2(written.fine.width() as f32, written.fine.height() as f32).length() / FINE as f32 + 2.0;
@@ -56,8 +65,8 @@ struct Written {
 }
 
 impl Written {
-    fn new(text: &str) -> anyhow::Result<Self> {
-        let failed = |error: &dyn std::fmt::Display| anyhow!("values cannot be written along lines ({error})");
+    fn new(text: &str) -> Result<Self, LetteringError> {
+        let failed = |error: &dyn std::fmt::Display| LetteringError(error.to_string());
         let style = TextStyle::from((family(), HEIGHT * f64::from(FINE)).into_font())
             .color(&WHITE)
             .pos(Pos::new(HPos::Center, VPos::Center));
@@ -94,9 +103,8 @@ impl Written {
 
 #[cfg(test)]
 mod tests {
-    use selflink::base::photometry::Unit;
-
     use super::*;
+    use crate::base::photometry::Unit;
 
     /// Truth: the letters' own spread, of a number that is the same from either end. White pixels lie along its line, to
     /// either side of its middle, with dark ones around; what is far from it stays.
@@ -105,7 +113,8 @@ mod tests {
         for angle in [-1.2_f32, -0.5, 0.0, 0.9] {
             let mut picture = RgbaImage::from_pixel(90, 80, Rgba([120, 130, 140, 255]));
             let at = vec2(40.0, 45.0);
-            draw(&mut picture, &[LineLabel { at, angle, value: 808.0 }], ShownIn::Unit(Unit::Watts)).expect("drawn");
+            write_labels(&mut picture, &[LineLabel { at, angle, value: 808.0 }], ShownIn::Unit(Unit::Watts))
+                .expect("drawn");
             let (along, across) = (vec2(angle.cos(), -angle.sin()), vec2(angle.sin(), angle.cos()));
             let of = |wanted: fn(u8) -> bool| {
                 let pixels = picture.enumerate_pixels().filter(move |(.., pixel)| wanted(pixel.0[0]));
