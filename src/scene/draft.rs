@@ -43,6 +43,8 @@ pub(super) struct DraftMaterial {
     pub emission: Vec3,
     pub reflectance_map: Option<TextureMap>,
     pub emission_map: Option<TextureMap>,
+    /// Alpha is multiplied with this texture's too.
+    pub opacity_map: Option<TextureMap>,
     pub opacity: Opacity,
     /// It lets light through whatever its alpha is (transmission).
     pub transmits: bool,
@@ -62,6 +64,7 @@ impl DraftMaterial {
             emission: Vec3::ZERO,
             reflectance_map: None,
             emission_map: None,
+            opacity_map: None,
             opacity: Opacity::Opaque,
             transmits: false,
             is_two_sided: false,

@@ -7,9 +7,9 @@ use image::ImageFormat;
 use selflink::scene::builtin::BuiltinScene;
 use selflink::scene::{Reading, Scene, Sidecar, Source, load_file, load_with};
 
-use crate::{basis, picture};
 use crate::support::{Folder, glb, square_bytes, square_json};
 use crate::{CUBE, GLOW, HALF, assert_furnace, load, load_obj, notes};
+use crate::{basis, picture};
 
 #[test]
 fn opaque_though_it_says_otherwise() {

@@ -214,7 +214,10 @@ mod tests {
         assert_eq!(used(100, picture.len()), [true, false, false, false]);
         let mut header = picture.clone();
         header[16..24].copy_from_slice(&[0, 0, 0xea, 0x60, 0, 0, 0xea, 0x60]);
-        assert!(pixels_of(&header, Format::Image(ImageFormat::Png)).is_err(), "60,000 × 60,000 pixels, whatever its checksum");
+        assert!(
+            pixels_of(&header, Format::Image(ImageFormat::Png)).is_err(),
+            "60,000 × 60,000 pixels, whatever its checksum"
+        );
     }
 
     /// Truth: a quarter of what is left is kept of each at most; 256 × 256 halved once has 128 × 128 pixels.
