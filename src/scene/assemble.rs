@@ -132,7 +132,8 @@ fn textures_of(material: &DraftMaterial) -> Option<Arc<MaterialTextures>> {
     Some(Arc::new(MaterialTextures {
         reflectance: material.reflectance_map.clone(),
         reflectance_factor: material.reflectance,
-        emission: material.emission_map.clone(),
+        // Faces keep one set of texture coordinates: what has its own shows its mean.
+        emission: material.emission_map.clone().filter(|_| !material.has_emission_uvs),
         emission_factor: material.emission,
         alpha_factor: material.alpha,
         opacity: material.opacity,

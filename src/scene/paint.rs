@@ -46,9 +46,12 @@ pub(super) fn paint(draft: &Draft) -> Vec<Painted> {
         let mean = |&(index, part): &(u32, Use)| {
             let face = &draft.faces[index as usize];
             let first = firsts[index as usize];
-            let uvs = draft.uvs.get(first..first + face.count as usize);
+            let corners = first..first + face.count as usize;
+            let is_sound = |uvs: &&[Vec2]| uvs.iter().all(|uv| uv.is_finite());
+            let of_emission = draft.emission_uvs.get(corners.clone()).filter(|_| part == Use::Emission);
+            let uvs = of_emission.filter(is_sound).or_else(|| draft.uvs.get(corners)).filter(is_sound);
             match (uvs, map_of(&draft.materials[face.material as usize], part)) {
-                (Some(uvs), Some(map)) if uvs.iter().all(|uv| uv.is_finite()) => {
+                (Some(uvs), Some(map)) => {
                     let transform = map.transform.as_daffine2();
                     let corner = move |uv: &Vec2| -> DVec2 { transform.transform_point2(uv.as_dvec2()) };
                     sums.over(uvs.iter().map(corner))
