@@ -8,7 +8,7 @@ use crate::scene::UnreadExtension;
 use crate::scene::said;
 
 /// Extensions that are read, as far as they tell of geometry, diffuse light and views.
-const READ: [&str; 17] = [
+const READ: [&str; 16] = [
     "KHR_texture_transform",
     "KHR_mesh_quantization",
     "KHR_materials_emissive_strength",
@@ -28,14 +28,14 @@ const READ: [&str; 17] = [
     "KHR_animation_pointer",
     // A file that has such numbers is refused.
     "KHR_accessor_float64",
-    "KHR_materials_ior",
 ];
 
 /// Extensions that change nothing of diffuse light: gloss, and words about the file.
-const NO_MATTER: [&str; 9] = [
+const NO_MATTER: [&str; 10] = [
     "KHR_materials_anisotropy",
     "KHR_materials_clearcoat",
     "KHR_materials_dispersion",
+    "KHR_materials_ior",
     "KHR_materials_iridescence",
     "KHR_materials_sheen",
     "KHR_materials_specular",
