@@ -78,7 +78,7 @@ fn things(draft: &Draft, axis: usize) -> Vec<(f64, f64)> {
 fn usual_height(name: &str) -> Option<f64> {
     let mut word = String::new();
     for part in name.split(|letter: char| !letter.is_alphabetic()).filter(|part| !part.is_empty()) {
-        let begins = part.char_indices().filter(|(_, letter)| letter.is_uppercase()).map(|(at, _)| at).last();
+        let begins = part.char_indices().rev().find(|(_, letter)| letter.is_uppercase()).map(|(at, _)| at);
         let is_shouted = part.chars().all(char::is_uppercase);
         word = part[begins.filter(|_| !is_shouted).unwrap_or(0)..].to_lowercase();
     }
