@@ -6,7 +6,7 @@ use std::time::Instant;
 use selflink::base::format::{bytes, count, number, quantity, seconds};
 use selflink::export::settings::Settings;
 use selflink::gather::Quantiles;
-use selflink::scene::{Scene, Sides, Skipped};
+use selflink::scene::{FileLight, Scene, Sides, Skipped};
 use selflink::solve::{
     Bytes, ClusteringMode, ErrorFound, MemoryStop, PowerBalance, Reconstruct, Seconds, power_balance,
 };
@@ -71,6 +71,8 @@ pub struct Report<'a> {
     balance_gap: Option<f64>,
     depth_guard_struck: u64,
     clamped_leaves: usize,
+    /// Points and spots of light that the scene's file holds.
+    lights: &'a [FileLight],
     skipped: &'a Skipped,
 }
 
@@ -130,6 +132,7 @@ impl<'a> Report<'a> {
             balance_gap: balance.map(|balance| balance.relative_gap()),
             depth_guard_struck: stats.depth_guard_struck,
             clamped_leaves: stats.clamped_leaves,
+            lights: &scene.lights,
             skipped: &scene.skipped,
         }
     }

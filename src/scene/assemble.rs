@@ -28,9 +28,13 @@ const SMALLEST: f64 = 1e-18;
 /// Makes the scene, in metres.
 pub(super) fn assemble(name: &str, mut draft: Draft, sidecar: &Sidecar, reading: &Reading) -> Scene {
     let frame = settle(&mut draft, reading, sidecar);
-    let lights = add_emitters(&mut draft);
-    for material in &mut draft.materials {
-        material.name = said::name(&material.name);
+    let mut lights = add_emitters(&mut draft);
+    let names = said::different_names(draft.materials.iter().map(|material| material.name.as_str()));
+    for (material, name) in draft.materials.iter_mut().zip(names) {
+        material.name = name;
+    }
+    for light in &mut lights {
+        light.name.clone_from(&draft.materials[light.material.0 as usize].name);
     }
     note_unknown(&mut draft, sidecar, reading);
     if draft.too_deep > 0 {
@@ -128,7 +132,8 @@ fn textures_of(material: &DraftMaterial) -> Option<Arc<MaterialTextures>> {
     Some(Arc::new(MaterialTextures {
         reflectance: material.reflectance_map.clone(),
         reflectance_factor: material.reflectance,
-        emission: material.emission_map.clone(),
+        // Faces keep one set of texture coordinates: what has its own shows its mean.
+        emission: material.emission_map.clone().filter(|_| !material.has_emission_uvs),
         emission_factor: material.emission,
         alpha_factor: material.alpha,
         opacity: material.opacity,

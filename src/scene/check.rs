@@ -48,6 +48,8 @@ pub struct Skipped {
     pub cut_faces: usize,
     /// Textures that are not used.
     pub unread_textures: Vec<UnreadTexture>,
+    /// Extensions of glTF that are not read.
+    pub unread_extensions: Vec<UnreadExtension>,
     /// Further remarks, each one sentence (a missing MTL file, a face that is no face).
     pub notes: Vec<String>,
     /// Remarks beyond those in [`notes`](Self::notes).
@@ -62,6 +64,20 @@ pub struct UnreadTexture {
     /// Why it is not used, and what to do.
     pub problem: String,
 }
+
+/// An extension of glTF that is not read.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct UnreadExtension {
+    /// Its name.
+    pub name: String,
+    /// Whether the file says that it cannot be shown without.
+    pub is_required: bool,
+    /// A sentence about what that means, if there is more to say.
+    pub remark: Option<String>,
+}
+
+/// So many names of extensions stand in a sentence, the rest is counted.
+const EXTENSIONS_SAID: usize = 5;
 
 /// So many names stand in a sentence, the rest is counted.
 const NAMES_SAID: usize = 3;
@@ -107,6 +123,24 @@ impl Skipped {
             }
         };
         kinds.into_iter().map(sentence).collect()
+    }
+
+    /// One sentence for those that the file needs, one for others, and what there is to say of single ones.
+    fn said_of_extensions(&self) -> Vec<String> {
+        let named = |is_required: bool| {
+            let plain = |it: &&UnreadExtension| it.is_required == is_required && it.remark.is_none();
+            let names: Vec<String> =
+                self.unread_extensions.iter().filter(plain).map(|it| said::quoted(&it.name)).collect();
+            let (shown, more) = names.split_at(names.len().min(EXTENSIONS_SAID));
+            let and_more = if more.is_empty() { String::new() } else { format!(" and {} more", more.len()) };
+            (!shown.is_empty()).then(|| shown.join(", ") + &and_more)
+        };
+        let needed = named(true).map(|names| {
+            format!("The file needs extensions that are not read, so parts may be missing; export it without {names}.")
+        });
+        let used = named(false).map(|names| format!("Extensions that are not read: {names}."));
+        let remarks = self.unread_extensions.iter().filter_map(|it| it.remark.clone());
+        needed.into_iter().chain(used).chain(remarks).collect()
     }
 
     /// Adds a remark, one sentence.
@@ -157,7 +191,8 @@ impl Skipped {
             _ => format!("{count} {many}."),
         });
         let further = (self.further_notes > 0).then(|| format!("Further remarks left out: {}.", self.further_notes));
-        sentences.chain(clear).chain(self.said_of_textures()).chain(self.notes.iter().cloned()).chain(further).collect()
+        let of_file = self.said_of_textures().into_iter().chain(self.said_of_extensions());
+        sentences.chain(clear).chain(of_file).chain(self.notes.iter().cloned()).chain(further).collect()
     }
 }
 

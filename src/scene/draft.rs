@@ -43,11 +43,15 @@ pub(super) struct DraftMaterial {
     pub emission: Vec3,
     pub reflectance_map: Option<TextureMap>,
     pub emission_map: Option<TextureMap>,
+    /// Alpha is multiplied with this texture's too.
+    pub opacity_map: Option<TextureMap>,
     pub opacity: Opacity,
     /// It lets light through whatever its alpha is (transmission).
     pub transmits: bool,
     /// Whether faces of the material are bright on both sides.
     pub is_two_sided: bool,
+    /// Whether its emission is laid on by [`Draft::emission_uvs`].
+    pub has_emission_uvs: bool,
     /// False for the grey that stands in for a material that the file does not define.
     pub defined: bool,
 }
@@ -62,9 +66,11 @@ impl DraftMaterial {
             emission: Vec3::ZERO,
             reflectance_map: None,
             emission_map: None,
+            opacity_map: None,
             opacity: Opacity::Opaque,
             transmits: false,
             is_two_sided: false,
+            has_emission_uvs: false,
             defined: true,
         }
     }
@@ -92,6 +98,8 @@ pub(super) struct Draft {
     pub corners: Vec<u32>,
     /// Texture coordinates of each corner, NaN where a face has none; shorter where the last faces have none.
     pub uvs: Vec<Vec2>,
+    /// Texture coordinates of each corner for emission alone, likewise, where its material has such.
+    pub emission_uvs: Vec<Vec2>,
     /// Normals of each corner, likewise.
     pub normals: Vec<Option<[i16; 2]>>,
     /// Colours of each corner, likewise.
@@ -126,6 +134,7 @@ impl Draft {
             vertices: Vec::new(),
             corners: Vec::new(),
             uvs: Vec::new(),
+            emission_uvs: Vec::new(),
             normals: Vec::new(),
             colours: Vec::new(),
             faces: Vec::new(),
@@ -189,6 +198,11 @@ impl Draft {
     /// Texture coordinates of the face that was added last, one for each corner.
     pub fn add_uvs(&mut self, uvs: impl IntoIterator<Item = Vec2>) {
         add_to(&mut self.uvs, self.faces.last(), self.corners.len(), uvs, Vec2::NAN);
+    }
+
+    /// Texture coordinates for emission alone of the face that was added last, one for each corner.
+    pub fn add_emission_uvs(&mut self, uvs: impl IntoIterator<Item = Vec2>) {
+        add_to(&mut self.emission_uvs, self.faces.last(), self.corners.len(), uvs, Vec2::NAN);
     }
 
     /// Normals of the face that was added last, one for each corner.

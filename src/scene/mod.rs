@@ -12,6 +12,7 @@ mod face;
 mod files;
 mod gltf;
 mod kept;
+mod known_sizes;
 mod load;
 mod load_error;
 mod luminaire;
@@ -42,7 +43,7 @@ use outside::Outside;
 use serde::{Deserialize, Serialize};
 use texture::MaterialTextures;
 
-pub use check::{Skipped, UnreadTexture};
+pub use check::{Skipped, UnreadExtension, UnreadTexture};
 pub use edit::EditError;
 pub use face::{FaceDetails, Surface};
 pub use files::{FileError, SceneFiles, SceneFolder};
@@ -205,15 +206,16 @@ pub struct NamedCamera {
 }
 
 /// A light of a file that is no surface there (KHR_lights_punctual).
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct FileLight {
-    /// Name as the file gives it.
+    /// Name of its emitter's material: the file's, with a number where that has others of the name.
     pub name: String,
     /// Material of its emitter.
+    #[serde(skip)]
     pub material: MaterialId,
     /// Luminous intensity per colour, cd.
     pub candelas: Vec3,
-    /// Where its light may end, m; kept for whoever asks, light itself goes on.
+    /// Where its light may end by the file, m; here it goes on, as light does.
     pub range: Option<f32>,
     /// Half angles of a spot light's cone, inner and outer, radians.
     pub cone: Option<[f32; 2]>,

@@ -45,6 +45,8 @@ struct MapStatement {
 pub(super) struct MaterialLibrary {
     by_name: HashMap<String, Statement>,
     textures: HashMap<String, Arc<Texture>>,
+    /// Textures of `map_d` in files of their own, their values as alpha.
+    opacities: HashMap<String, Arc<Texture>>,
     /// Whether opaque is what `d 0` means here.
     d_means_clear: bool,
     /// Whether opaque is what `Tr 1` means here.
@@ -71,13 +73,14 @@ impl MaterialLibrary {
     /// The material of a name, if any file defines it.
     pub fn get(&self, name: &str) -> Option<DraftMaterial> {
         let said = self.by_name.get(name)?;
-        let map = |said: &Option<MapStatement>| {
+        let map = |said: &Option<MapStatement>, textures: &HashMap<String, Arc<Texture>>| {
             let said = said.as_ref()?;
-            let texture = self.textures.get(&said.file)?.clone();
+            let texture = textures.get(&said.file)?.clone();
             let wrap = if said.is_clamped { Wrap::Clamp } else { Wrap::Repeat };
             Some(TextureMap { texture, transform: said.transform, wrap: [wrap; 2] })
         };
-        let (reflectance_map, emission_map) = (map(&said.diffuse_map), map(&said.radiance_map));
+        let [reflectance_map, emission_map] =
+            [&said.diffuse_map, &said.radiance_map].map(|said| map(said, &self.textures));
         let unsaid = match (&said.diffuse_map, said.radiance.unwrap_or_default() == Vec3::ZERO) {
             (Some(_), _) => Vec3::ONE,
             (None, true) => GREY,
@@ -91,7 +94,8 @@ impl MaterialLibrary {
             (_, radiance) => radiance.unwrap_or_default(),
         };
         let is_dark = said.radiance_map.is_some() && emission_map.is_none();
-        let dissolve_in_colour = said.dissolve_map.is_some() && same_file(&said.dissolve_map, &said.diffuse_map);
+        let dissolve_in_colour = said.has_dissolve_in_colour();
+        let opacity_map = map(&said.dissolve_map, &self.opacities).filter(|_| !dissolve_in_colour);
         Some(DraftMaterial {
             reflectance,
             emission: if is_dark { Vec3::ZERO } else { PI * radiance },
@@ -101,6 +105,7 @@ impl MaterialLibrary {
             transmits: self.opacity(said) < 0.5,
             reflectance_map,
             emission_map,
+            opacity_map,
             ..DraftMaterial::new(name)
         })
     }
@@ -182,32 +187,57 @@ impl MaterialLibrary {
     }
 
     fn read_textures(&mut self, files: &dyn SceneFiles, used: &[String], skipped: &mut Skipped) {
-        let used = used.iter().filter_map(|name| self.by_name.get(name));
-        let maps = used.flat_map(|said| [&said.diffuse_map, &said.radiance_map]).flatten();
-        let mut names: Vec<String> = maps.map(|map| map.file.clone()).collect();
-        names.sort_unstable();
-        names.dedup();
-        let decoded = decode_all(&names, |name| {
-            let bytes = find(files, name, MOST_BYTES).map_err(|error| error.to_string())?;
-            let extension =
-                Path::new(&name.replace('\\', "/")).extension().unwrap_or_default().to_string_lossy().into();
-            Ok(Encoded { bytes: Cow::Owned(bytes), extension })
-        });
-        for (name, texture) in names.into_iter().zip(decoded) {
+        let used: Vec<&Statement> = used.iter().filter_map(|name| self.by_name.get(name)).collect();
+        let maps = used.iter().flat_map(|said| [&said.diffuse_map, &said.radiance_map]).flatten();
+        let (names, textures) = decoded(files, maps);
+        let of_opacity =
+            used.iter().filter(|said| !said.has_dissolve_in_colour()).filter_map(|said| said.dissolve_map.as_ref());
+        let (opacity_names, opacities) = decoded(files, of_opacity);
+        for (name, texture) in names.into_iter().zip(textures) {
             match texture {
                 Ok(texture) => {
                     self.textures.insert(name, texture);
                 }
+                Err(error) => skipped.unread_texture(quoted(&name), error),
+            }
+        }
+        for (name, texture) in opacity_names.into_iter().zip(opacities) {
+            match texture {
+                Ok(texture) => {
+                    self.opacities.insert(name, Arc::new(texture.as_opacity()));
+                }
                 Err(error) => {
-                    skipped.unread_texture(quoted(&name), error);
+                    let name = quoted(&name);
+                    skipped
+                        .note(format!("The opacity texture {name} is not used: {error}. Its faces are as `d` says."));
                 }
             }
         }
     }
 }
 
-fn same_file(a: &Option<MapStatement>, b: &Option<MapStatement>) -> bool {
-    a.as_ref().zip(b.as_ref()).is_some_and(|(a, b)| a.file == b.file)
+impl Statement {
+    /// Whether alpha of the colour's texture is what `map_d` names.
+    fn has_dissolve_in_colour(&self) -> bool {
+        let maps = self.dissolve_map.as_ref().zip(self.diffuse_map.as_ref());
+        maps.is_some_and(|(dissolve, diffuse)| dissolve.file == diffuse.file)
+    }
+}
+
+/// The textures that some lines name, each once, and what comes of them.
+fn decoded<'a>(
+    files: &dyn SceneFiles,
+    maps: impl Iterator<Item = &'a MapStatement>,
+) -> (Vec<String>, Vec<Result<Arc<Texture>, String>>) {
+    let mut names: Vec<String> = maps.map(|map| map.file.clone()).collect();
+    names.sort_unstable();
+    names.dedup();
+    let decoded = decode_all(&names, |name| {
+        let bytes = find(files, name, MOST_BYTES).map_err(|error| error.to_string())?;
+        let extension = Path::new(&name.replace('\\', "/")).extension().unwrap_or_default().to_string_lossy().into();
+        Ok(Encoded { bytes: Cow::Owned(bytes), extension })
+    });
+    (names, decoded)
 }
 
 /// Text as UTF-8, or else as Latin-1, so that names that differ in one byte stay different.

@@ -98,6 +98,8 @@ struct LineReader<'a> {
     known_files: HashSet<PathBuf>,
     lines_and_points: usize,
     curves_and_surfaces: usize,
+    /// Lines that bring in another file.
+    calls: usize,
     unit: Option<Unit>,
     corners: Vec<Corner>,
 }
@@ -121,6 +123,7 @@ impl<'a> LineReader<'a> {
             known_files: HashSet::new(),
             lines_and_points: 0,
             curves_and_surfaces: 0,
+            calls: 0,
             unit: None,
             corners: Vec::new(),
         }
@@ -144,7 +147,9 @@ impl<'a> LineReader<'a> {
             "usemtl" => self.use_material(rest.trim()),
             "mtllib" => self.material_file(rest.trim()),
             "l" | "p" => self.lines_and_points += 1,
-            "curv" | "curv2" | "surf" => self.curves_and_surfaces += 1,
+            // The last ones are how older files write them.
+            "curv" | "curv2" | "surf" | "bsp" | "bzp" | "cdc" | "cdp" => self.curves_and_surfaces += 1,
+            "call" => self.calls += 1,
             _ => {}
         }
         Ok(())
@@ -284,6 +289,12 @@ impl<'a> LineReader<'a> {
         let skipped = &mut self.draft.skipped;
         skipped.lines_and_points = self.lines_and_points;
         skipped.curves_and_surfaces = self.curves_and_surfaces;
+        if self.calls > 0 {
+            skipped.note(format!(
+                "Files that the scene calls are not read (`call`, {}); export it as one file.",
+                self.calls
+            ));
+        }
         self.draft.unit = self.unit;
         self.add_materials(files);
         Ok(self.draft)

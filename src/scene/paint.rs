@@ -1,5 +1,5 @@
 //! Reflectance, emission and opacity of each face of a draft by itself: textures averaged over its part of their plane, times the colours
-//! of its corners, times its material's factors.
+//! of its corners, times its material's factors. Alpha counts as far as the material's [`Opacity`] says.
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -21,27 +21,37 @@ pub(super) struct Painted {
     pub opacity: f32,
 }
 
-/// Which of a material's two textures.
+/// Which of a material's textures.
 #[derive(Clone, Copy, PartialEq)]
 enum Use {
     Reflectance,
     Emission,
+    Opacity,
+}
+
+impl Use {
+    const ALL: [Self; 3] = [Self::Reflectance, Self::Emission, Self::Opacity];
 }
 
 /// The faces of a draft, in their order.
 pub(super) fn paint(draft: &Draft) -> Vec<Painted> {
-    let of_material: Vec<Painted> = draft.materials.iter().map(plain).collect();
-    let mut painted: Vec<Painted> = draft.faces.iter().map(|face| of_material[face.material as usize]).collect();
     let firsts = first_corners(draft);
-    for Sheet { texture, weight, wrap, faces } in sheets(draft) {
+    let corner_colours = mean_corner_colours(draft, &firsts);
+    let colour_of = |face: usize| corner_colours.get(face).copied().unwrap_or(Vec4::ONE);
+    let plain = |(index, face): (usize, &DraftFace)| plain(&draft.materials[face.material as usize], colour_of(index));
+    let mut painted: Vec<Painted> = draft.faces.iter().enumerate().map(plain).collect();
+    for Sheet { texture, weight, wrap, faces } in sheets(draft, colour_of) {
         let sums = RowSums::new(&texture, weight, wrap);
         let of_all = sums.of_all();
         let mean = |&(index, part): &(u32, Use)| {
             let face = &draft.faces[index as usize];
             let first = firsts[index as usize];
-            let uvs = draft.uvs.get(first..first + face.count as usize);
+            let corners = first..first + face.count as usize;
+            let is_sound = |uvs: &&[Vec2]| uvs.iter().all(|uv| uv.is_finite());
+            let of_emission = draft.emission_uvs.get(corners.clone()).filter(|_| part == Use::Emission);
+            let uvs = of_emission.filter(is_sound).or_else(|| draft.uvs.get(corners)).filter(is_sound);
             match (uvs, map_of(&draft.materials[face.material as usize], part)) {
-                (Some(uvs), Some(map)) if uvs.iter().all(|uv| uv.is_finite()) => {
+                (Some(uvs), Some(map)) => {
                     let transform = map.transform.as_daffine2();
                     let corner = move |uv: &Vec2| -> DVec2 { transform.transform_point2(uv.as_dvec2()) };
                     sums.over(uvs.iter().map(corner))
@@ -54,17 +64,6 @@ pub(super) fn paint(draft: &Draft) -> Vec<Painted> {
             painted[index as usize].multiply(mean, part);
         }
     }
-    if !draft.colours.is_empty() {
-        painted.par_iter_mut().enumerate().for_each(|(index, painted)| {
-            let corners = firsts[index]..firsts[index] + draft.faces[index].count as usize;
-            let Some(colours) = draft.colours.get(corners) else { return };
-            let colour = |colour: &Option<[u16; 4]>| {
-                colour.map_or(Vec4::ONE, |colour| Vec4::from_array(colour.map(|value| f32::from(value) / 65535.0)))
-            };
-            let mean = colours.iter().map(colour).sum::<Vec4>() / colours.len() as f32;
-            painted.multiply(mean, Use::Reflectance);
-        });
-    }
     painted
 }
 
@@ -76,36 +75,56 @@ impl Painted {
                 self.opacity *= mean.w;
             }
             Use::Emission => self.emission *= mean.truncate(),
+            Use::Opacity => self.opacity *= mean.w,
         }
     }
 }
 
-/// A face of a material without textures.
-fn plain(material: &DraftMaterial) -> Painted {
+/// A face of a material without textures, where its corners have a colour and an alpha.
+fn plain(material: &DraftMaterial, corners: Vec4) -> Painted {
+    let alpha = material.alpha * corners.w;
     let opacity = match material.opacity {
         _ if material.transmits => 0.0,
+        Opacity::Opaque if material.opacity_map.is_some() => material.alpha,
         Opacity::Opaque => 1.0,
-        Opacity::Blend => material.alpha,
-        // With a texture its alpha decides, times the factor.
-        Opacity::Mask(cutoff) => f32::from(material.reflectance_map.is_some() || material.alpha >= cutoff),
+        Opacity::Blend => alpha,
+        // With a texture its alpha decides, times the factors.
+        Opacity::Mask(cutoff) => f32::from(material.reflectance_map.is_some() || alpha >= cutoff),
     };
-    Painted { reflectance: material.reflectance, emission: material.emission, opacity }
+    Painted { reflectance: material.reflectance * corners.truncate(), emission: material.emission, opacity }
+}
+
+/// The mean colour and alpha of each face's corners; none where the file has no colours.
+fn mean_corner_colours(draft: &Draft, firsts: &[usize]) -> Vec<Vec4> {
+    if draft.colours.is_empty() {
+        return Vec::new();
+    }
+    let colour = |colour: &Option<[u16; 4]>| {
+        colour.map_or(Vec4::ONE, |colour| Vec4::from_array(colour.map(|value| f32::from(value) / 65535.0)))
+    };
+    let mean = |(face, &first): (&DraftFace, &usize)| {
+        let colours = draft.colours.get(first..first + face.count as usize);
+        colours.map_or(Vec4::ONE, |colours| colours.iter().map(colour).sum::<Vec4>() / colours.len() as f32)
+    };
+    draft.faces.par_iter().zip(firsts).map(mean).collect()
 }
 
 fn map_of(material: &DraftMaterial, part: Use) -> Option<&TextureMap> {
     match part {
         Use::Reflectance => material.reflectance_map.as_ref(),
         Use::Emission => material.emission_map.as_ref(),
+        Use::Opacity => material.opacity_map.as_ref(),
     }
 }
 
-/// How the texels of one of a material's textures count.
-fn weight_of(material: &DraftMaterial, part: Use) -> Weight {
+/// How the texels of one of a material's textures count on a face whose corners have this alpha.
+fn weight_of(material: &DraftMaterial, part: Use, corner_alpha: f32) -> Weight {
     match (part, material.opacity) {
+        (Use::Opacity, _) => Weight::Alpha,
         (Use::Emission, _) | (_, Opacity::Opaque) => Weight::Plain,
         (_, Opacity::Blend) => Weight::Alpha,
         (_, Opacity::Mask(cutoff)) => {
-            let least = 255.0 * cutoff / material.alpha.max(f32::MIN_POSITIVE);
+            let least = 255.0 * cutoff / (material.alpha * corner_alpha).max(f32::MIN_POSITIVE);
             // Alpha is a whole number of 255ths, and none is above 1.
             if least > 255.0 { Weight::Nothing } else { Weight::AtLeast(least.max(0.0).ceil() as u8) }
         }
@@ -121,25 +140,23 @@ struct Sheet {
 }
 
 /// All textures that materials lay on faces; each that is used in one way comes once.
-fn sheets(draft: &Draft) -> Vec<Sheet> {
+fn sheets(draft: &Draft, colour_of: impl Fn(usize) -> Vec4) -> Vec<Sheet> {
     let mut sheets: Vec<Sheet> = Vec::new();
     let mut known = HashMap::new();
-    let mut sheet_of = |material: &DraftMaterial, part: Use| {
-        let map = map_of(material, part)?;
-        let (weight, wrap) = (weight_of(material, part), map.wrap);
-        Some(*known.entry((Arc::as_ptr(&map.texture), weight, wrap)).or_insert_with(|| {
-            sheets.push(Sheet { texture: map.texture.clone(), weight, wrap, faces: Vec::new() });
-            sheets.len() - 1
-        }))
-    };
-    let both = [Use::Reflectance, Use::Emission];
-    let of_material: Vec<[Option<usize>; 2]> =
-        draft.materials.iter().map(|material| both.map(|part| sheet_of(material, part))).collect();
-    for (index, face) in draft.faces.iter().enumerate() {
-        for (sheet, part) in of_material[face.material as usize].into_iter().zip(both) {
-            if let Some(sheet) = sheet {
-                sheets[sheet].faces.push((index as u32, part));
-            }
+    let has_maps = |material: &DraftMaterial| Use::ALL.iter().any(|part| map_of(material, *part).is_some());
+    let has_maps: Vec<bool> = draft.materials.iter().map(has_maps).collect();
+    let textured = draft.faces.iter().enumerate().filter(|(_, face)| has_maps[face.material as usize]);
+    for (index, face) in textured {
+        let material = &draft.materials[face.material as usize];
+        let corner_alpha = colour_of(index).w;
+        for part in Use::ALL {
+            let Some(map) = map_of(material, part) else { continue };
+            let (weight, wrap) = (weight_of(material, part, corner_alpha), map.wrap);
+            let sheet = *known.entry((Arc::as_ptr(&map.texture), weight, wrap)).or_insert_with(|| {
+                sheets.push(Sheet { texture: map.texture.clone(), weight, wrap, faces: Vec::new() });
+                sheets.len() - 1
+            });
+            sheets[sheet].faces.push((index as u32, part));
         }
     }
     sheets

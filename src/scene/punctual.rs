@@ -105,7 +105,7 @@ pub(super) fn add_emitters(draft: &mut Draft) -> Vec<FileLight> {
             add_cup(draft, centre, axis, cone.map(f64::from), material, light.group);
         }
         made.push(FileLight {
-            name: said::name(&light.name),
+            name: light.name,
             material: MaterialId(material),
             candelas: light.candelas,
             range: light.range,
@@ -182,8 +182,6 @@ fn rounded(corners: [DVec3; 3]) -> [DVec3; 3] {
     const SCALE: f64 = 1.016_963_4;
     corners.map(|corner| SCALE * corner)
 }
-
-impl Scene {}
 
 #[cfg(test)]
 mod tests {

@@ -4,6 +4,7 @@ use glam::{DMat4, DVec3};
 use serde::{Deserialize, Serialize};
 
 use super::draft::Draft;
+use super::known_sizes;
 use super::sidecar::Sidecar;
 use super::unit::{BELOW_A_SKY, Unit};
 use super::up::{self, UpAxis};
@@ -78,7 +79,7 @@ pub(super) fn settle(draft: &mut Draft, reading: &Reading, sidecar: &Sidecar) ->
         None if has_lengths => Unit::Metre,
         None => {
             let [all, most] = Spread::new(draft).sizes(up.unwrap_or_default());
-            let unit = Unit::guessed(all, most);
+            let unit = known_sizes::unit(draft, up.unwrap_or_default()).unwrap_or_else(|| Unit::guessed(all, most));
             let [height, width] = all;
             if unit != Unit::Metre {
                 let [height, width] = [height, width].map(|length| (10.0 * length * unit.metres()).round() / 10.0);
@@ -149,5 +150,8 @@ fn scale(draft: &mut Draft, factor: f64) {
         camera.target = camera.eye + ahead;
     }
     let by_factor = DMat4::from_scale(DVec3::splat(factor));
-    draft.lights.iter_mut().for_each(|light| light.world = by_factor * light.world);
+    for light in &mut draft.lights {
+        light.world = by_factor * light.world;
+        light.range = light.range.map(|range| range * factor as f32);
+    }
 }

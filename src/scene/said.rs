@@ -1,10 +1,15 @@
 //! Text out of a file, made fit to stand in a sentence or as a name: on one line, without control characters, not too long.
 
+use std::collections::{HashMap, HashSet};
+
 /// The longest quotation from a file, characters.
 const LONGEST_QUOTE: usize = 80;
 
 /// The longest name of a group or material, characters.
 const LONGEST_NAME: usize = 200;
+
+/// Room for a number behind a name, characters.
+const MOST_DIGITS: usize = 13;
 
 /// The longest sentence, characters.
 const LONGEST_SENTENCE: usize = 600;
@@ -17,6 +22,26 @@ pub(super) fn quoted(text: &str) -> String {
 /// A name of a group or material as it is known from here on.
 pub(super) fn name(text: &str) -> String {
     tidied(text, LONGEST_NAME)
+}
+
+/// Names as they are known from here on, each another one: `Light`, `Light (2)`, `Light (3)`. Settings are kept by name.
+pub(super) fn different_names<'a>(texts: impl Iterator<Item = &'a str> + Clone) -> Vec<String> {
+    let mut taken: HashSet<String> = texts.clone().map(name).collect();
+    let mut counts: HashMap<String, u32> = HashMap::new();
+    let different = |text: &str| {
+        let name = name(text);
+        let count = counts.entry(name.clone()).or_insert(0);
+        *count += 1;
+        while *count > 1 {
+            let numbered = format!("{} ({count})", tidied(&name, LONGEST_NAME - MOST_DIGITS));
+            if taken.insert(numbered.clone()) {
+                return numbered;
+            }
+            *count += 1;
+        }
+        name
+    };
+    texts.map(different).collect()
 }
 
 /// A sentence that may quote a file in ways that we do not know (a parser's own words).
@@ -38,6 +63,16 @@ fn tidied(text: &str, most: usize) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Truth: counted by hand; no name is given twice, also where a file has a name with a number itself.
+    #[test]
+    fn names_differ() {
+        let names = different_names(["a", "b", "a", "a (2)", "a", ""].into_iter());
+        assert_eq!(names, ["a", "b", "a (3)", "a (2)", "a (4)", ""]);
+        let long = "x".repeat(300);
+        let names = different_names([long.as_str(), &long].into_iter());
+        assert!(names[0] != names[1] && names.iter().all(|name| name.chars().count() <= 200), "{names:?}");
+    }
 
     #[test]
     fn what_is_said_is_short_and_on_one_line() {

@@ -132,3 +132,67 @@ fn help_states_every_default() {
     let (version, _) = succeed(&["--version"]);
     assert_eq!(version.trim(), concat!("selflink ", env!("CARGO_PKG_VERSION")));
 }
+
+/// Truth: what the files hold, counted by hand; stderr says it in sentences, the statistics as numbers.
+#[test]
+fn what_is_left_out_is_counted_for_programs_and_said_to_people() {
+    let folder = Folder::new();
+    let surfaces = folder.write("a.obj", format!("{SQUARE}curv 0 1 1 2 3\nsurf 0 1 0 1 1 2 4 3\n"));
+    let (stdout, stderr) = succeed(&[&["solve", name(&surfaces), "--stats", "-"], &COARSE[..]].concat());
+    assert!(stderr.contains("note: 2 curves and curved surfaces left out"), "{stderr}");
+    let stats: serde_json::Value = serde_json::from_str(&stdout).expect("stdout is pure JSON");
+    assert_eq!(stats["skipped"]["curves_and_surfaces"], 2);
+
+    let corners = [[0.0_f32, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0]];
+    folder.write("b.bin", corners.as_flattened().iter().flat_map(|value| value.to_le_bytes()).collect::<Vec<u8>>());
+    let gltf = folder.write(
+        "b.gltf",
+        r#"{"asset": {"version": "2.0"}, "extensionsUsed": ["ACME_shine", "KHR_lights_punctual"],
+        "extensions": {"KHR_lights_punctual": {"lights": [{"name": "Bulb", "type": "spot", "intensity": 10, "range": 5,
+            "spot": {"innerConeAngle": 0.25, "outerConeAngle": 0.5}}]}},
+        "buffers": [{"byteLength": 36, "uri": "b.bin"}], "bufferViews": [{"buffer": 0, "byteLength": 36}],
+        "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"}],
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}, {"attributes": {"POSITION": 0}, "mode": 1}]}],
+        "cameras": [{"type": "orthographic", "orthographic": {"xmag": 1, "ymag": 1, "zfar": 9, "znear": 0.1}}],
+        "animations": [{"channels": [], "samplers": []}],
+        "nodes": [{"mesh": 0}, {"camera": 0, "translation": [0, 0, 2]},
+            {"translation": [0.5, 0.2, 1], "extensions": {"KHR_lights_punctual": {"light": 0}}}], "scenes": [{"nodes": [0, 1, 2]}]}"#,
+    );
+    let (stdout, stderr) = succeed(&[&["solve", name(&gltf), "--stats", "-"], &COARSE[..]].concat());
+    for part in ["1 animation left out", "1 camera without perspective", "1 line or point", "not read: `ACME_shine`"] {
+        assert_eq!(stderr.matches(part).count(), 1, "{part}: {stderr}");
+    }
+    let stats: serde_json::Value = serde_json::from_str(&stdout).expect("stdout is pure JSON");
+    let skipped = &stats["skipped"];
+    let counts = ["animations", "ignored_cameras", "lines_and_points"].map(|key| skipped[key].as_u64());
+    assert_eq!(counts, [Some(1); 3]);
+    assert_eq!(skipped["unread_extensions"][0]["name"], "ACME_shine");
+    let light = &stats["lights"][0];
+    assert_eq!((&light["name"], &light["range"], &light["cone"][1]), (&"Bulb".into(), &5.0.into(), &0.5.into()));
+}
+
+/// Truth: a roof of one square metre, or a square centimetre, emits 1 W/m² in each of three colours; a clear one is left out until it is to
+/// be opaque; along z the floor lies at 0 and the plane at 0.4.
+#[test]
+fn files_are_read_as_a_person_says() {
+    let folder = Folder::new();
+    folder.write("a.mtl", "newmtl floor\nKd 0.5 0.5 0.5\nnewmtl roof\nd 0.1\n");
+    let path = folder.write("a.obj", format!("mtllib a.mtl\n{SQUARE}"));
+    let scene = name(&path);
+    let opaque = ["--opaque", "roof", "--emit", "roof=1,1,1"];
+    let clear = stats(scene, &[]);
+    assert_eq!((&clear["skipped"]["transparent_faces"], &clear["initial_patches"]), (&1.into(), &1.into()));
+    for (unit, area) in [("m", 1.0), ("cm", 1e-4), ("ft", 0.3048 * 0.3048)] {
+        let found = stats(scene, &[&opaque[..], &["--unit", unit]].concat());
+        let watts = found["emitted_watts"].as_f64().expect("a number");
+        assert!((watts / (3.0 * area) - 1.0).abs() < 1e-5, "{unit}: {watts} W");
+        assert_eq!(found["skipped"]["transparent_faces"], 0);
+    }
+    let out = folder.path("plane.csv");
+    let plane = ["--up", "z", "--work-plane", "0.4", "--spacing", "0.25", "--margin", "0.1", "--out", name(&out)];
+    succeed(&[&["probe", scene], &opaque[..], &plane[..], &COARSE[..]].concat());
+    let text = std::fs::read_to_string(&out).expect("written");
+    let levels: Vec<f64> =
+        text.lines().skip(1).map(|row| row.split(',').nth(2).and_then(|z| z.parse().ok()).expect("z")).collect();
+    assert!(!levels.is_empty() && levels.iter().all(|z| (z - 0.4).abs() < 1e-6), "{text}");
+}

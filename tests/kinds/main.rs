@@ -3,13 +3,18 @@
 //! A "furnace" is a unit cube seen from inside, ρ = ½ and B_e = 1 W/m² on every face, so that B = 2 everywhere.
 
 mod basis;
+mod builder;
 mod formats;
 mod lights;
 mod paint;
+mod reports;
 mod rooms;
+mod solved;
 mod structure;
 #[path = "../support/mod.rs"]
 mod support;
+mod textures;
+mod vertices;
 
 use std::io::Cursor;
 
@@ -51,7 +56,7 @@ fn picture(size: [u32; 2], format: ImageFormat, texel: impl Fn(u32, u32) -> [u8;
     let image = RgbaImage::from_fn(size[0], size[1], |x, y| Rgba(texel(x, y)));
     let mut encoded = Cursor::new(Vec::new());
     let image = image::DynamicImage::ImageRgba8(image);
-    let image = if format == ImageFormat::Tga { image.into_rgb8().into() } else { image };
+    let image = if matches!(format, ImageFormat::Tga | ImageFormat::Jpeg) { image.into_rgb8().into() } else { image };
     image.write_to(&mut encoded, format).expect("it can be encoded");
     encoded.into_inner()
 }

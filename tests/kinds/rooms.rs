@@ -1,8 +1,9 @@
 //! How a room is found to stand: up, unit and sides.
 
 use glam::Vec3;
-use selflink::prepare::added_light::AddedLight;
+use selflink::prepare::added_light::{AddedLight, CeilingLight};
 use selflink::prepare::prepare;
+use selflink::read::survey::WorkPlane;
 use selflink::scene::{Reading, Sidecar, Sides, Source, Unit, UpAxis, load_with};
 
 use crate::support::{Folder, glb};
@@ -150,6 +151,44 @@ fn a_room_below_a_sky_is_as_large_and_stood_in() {
             assert!(of_room(view.eye) && of_room(view.target), "{up:?}, {sides:?}: {view:?}");
             assert!((view.eye.dot(up.vector()) - 1.6).abs() < 1e-3, "{view:?}");
         }
+    }
+}
+
+/// Truth: a room with a door of 2.1 m and a chair of 0.9 m, in each unit; feet and metres differ by nothing else.
+#[test]
+fn doors_and_chairs_tell_feet_from_metres() {
+    for unit in Unit::ALL {
+        let scale = 1.0 / unit.metres();
+        let mut text = room(y_up, scale as f32, false);
+        for (index, (name, height)) in [("door", 2.1), ("office chair", 0.9)].into_iter().enumerate() {
+            let [x, high] = [scale * (1.0 + index as f64), scale * height];
+            text += &format!("v {x} 0 {x}\nv {} 0 {x}\nv {x} {high} {x}\no {name}\nf -3 -2 -1\n", 1.1 * x);
+        }
+        let folder = Folder::new();
+        folder.write("a.mtl", ROOM);
+        let scene = selflink::scene::load_file(&folder.write("a.obj", text)).expect("a room");
+        assert_eq!(scene.frame.unit, unit);
+        assert!(scene.bounds().1.distance(Vec3::new(5.0, 3.0, 4.0)) < 1e-4, "{unit:?}: {}", scene.bounds().1);
+    }
+}
+
+/// Truth: the lamp hangs under the ceiling, which is 3 m up, and shines down; the work plane lies 0.8 m above the floor.
+#[test]
+fn lamp_and_work_plane_follow_the_axis() {
+    for (order, up) in [(y_up as fn(f32, f32, f32) -> [f32; 3], UpAxis::Y), (z_up, UpAxis::Z)] {
+        let folder = Folder::new();
+        folder.write("a.mtl", ROOM);
+        let source = Source::File(folder.write("a.obj", room(order, 1.0, false)));
+        let ceiling = Some(CeilingLight { size: Some(0.5), exitance: 100.0 });
+        let light = AddedLight { ceiling, ..AddedLight::default() };
+        let scene = prepare(&source, &Reading::default(), &light, None).expect("a room").scene;
+        let lamp = scene.luminaires()[0].form;
+        let level = lamp.centre.dot(up.vector());
+        assert!(level > 2.8 && level < 3.0 && lamp.direction.distance(-up.vector()) < 1e-6, "{up:?}: {lamp:?}");
+        let plane = WorkPlane { height: 0.8, ..WorkPlane::default() };
+        let grid = plane.grid(&scene).expect("a floor");
+        assert!(grid.up == up.vector() && !grid.points.is_empty());
+        assert!(grid.points.iter().all(|point| (point.dot(up.vector()) - 0.8).abs() < 1e-5), "{up:?}");
     }
 }
 

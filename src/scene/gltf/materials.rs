@@ -34,13 +34,21 @@ fn diffuse(material: &Material) -> Diffuse<'_> {
     }
 }
 
-/// Adds materials in the order of the file, so that its material numbers are the draft's; gives the set of texture coordinates that
+/// Sets of texture coordinates that a material uses.
+#[derive(Clone, Copy, Default)]
+pub(super) struct UvSets {
+    /// That of its colour, or else of its emission.
+    pub first: u32,
+    /// That of its emission, where it is another one.
+    pub of_emission: Option<u32>,
+}
+
+/// Adds materials in the order of the file, so that its material numbers are the draft's; gives the sets of texture coordinates that
 /// each uses.
-pub(super) fn add_materials(draft: &mut Draft, data: &GltfData) -> Vec<u32> {
+pub(super) fn add_materials(draft: &mut Draft, data: &GltfData) -> Vec<UvSets> {
     let root = data.root;
     let textures = textures(draft, data);
     let mut uv_sets = Vec::with_capacity(root.materials.len());
-    let mut other_sets = 0;
     for (index, material) in root.materials.iter().enumerate() {
         let name = material.name.clone().unwrap_or_else(|| format!("material_{index}"));
         let Diffuse { factor, texture } = diffuse(material);
@@ -52,8 +60,9 @@ pub(super) fn add_materials(draft: &mut Draft, data: &GltfData) -> Vec<u32> {
         let emission_map = material.emissive_texture.as_ref().and_then(|info| map_of(root, info, &textures));
         let is_dark = material.emissive_texture.is_some() && emission_map.is_none();
         let sets = [texture, material.emissive_texture.as_ref()].map(|info| info.map(set_of));
-        other_sets += usize::from(matches!(sets, [Some(a), Some(b)] if a != b) && glow != Vec3::ZERO);
-        uv_sets.push(sets[0].or(sets[1]).unwrap_or(0));
+        let first = sets[0].or(sets[1]).unwrap_or(0);
+        let of_emission = sets[1].filter(|set| *set != first && glow != Vec3::ZERO);
+        uv_sets.push(UvSets { first, of_emission });
         let cutoff = material.alpha_cutoff.map_or(0.5, |cutoff| cutoff.0);
         let sound = |value: Vec3| if value.is_finite() { value } else { Vec3::ZERO };
         draft.materials.push(DraftMaterial {
@@ -72,13 +81,9 @@ pub(super) fn add_materials(draft: &mut Draft, data: &GltfData) -> Vec<u32> {
                 .and_then(|it| it.transmission.as_ref())
                 .is_some_and(|it| it.transmission_factor.0 > 0.5),
             is_two_sided: material.double_sided,
+            has_emission_uvs: of_emission.is_some(),
             ..DraftMaterial::new(&name)
         });
-    }
-    if other_sets > 0 {
-        draft.skipped.note(format!(
-            "Emission is laid on by the texture coordinates of the colour where a material has others for it ({other_sets})."
-        ));
     }
     uv_sets
 }

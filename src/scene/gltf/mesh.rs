@@ -7,12 +7,14 @@ use gltf::json::{Index, accessor::Accessor};
 
 use super::buffers::{GltfData, Problem};
 use super::compression::DracoMesh;
+use super::materials::UvSets;
 use crate::scene::face::{packed_colour, packed_normal};
 
 /// A primitive in the space of its mesh.
 pub(super) struct Part {
     pub positions: Vec<Vec3>,
     pub uvs: Option<Vec<Vec2>>,
+    pub emission_uvs: Option<Vec<Vec2>>,
     pub normals: Option<Vec<Vec3>>,
     pub colours: Option<Vec<[u16; 4]>>,
     /// Numbers of a skin's joints and how much each moves a vertex.
@@ -82,13 +84,13 @@ impl Source<'_> {
     }
 }
 
-/// Reads a primitive whose material uses a set of texture coordinates; `None` for lines and points.
+/// Reads a primitive whose material uses some sets of texture coordinates; `None` for lines and points.
 pub(super) fn read_primitive(
     data: &GltfData,
     mesh: &Mesh,
     primitive: &Primitive,
     weights: &[f32],
-    uv_set: u32,
+    uv_sets: UvSets,
 ) -> Result<Option<Part>, Problem> {
     let Checked::Valid(mode) = primitive.mode else { return Ok(None) };
     if !matches!(mode, Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan) {
@@ -113,14 +115,20 @@ pub(super) fn read_primitive(
     };
     add_morphs(data, mesh, primitive, weights, &mut positions)?;
     // What is shorter than the positions belongs to no vertex.
-    let uvs = source.values::<2>(data, &Semantic::TexCoords(uv_set))?.filter(|it| it.len() == count);
+    let uvs = |set: u32| -> Result<Option<Vec<Vec2>>, Problem> {
+        let uvs = source.values::<2>(data, &Semantic::TexCoords(set))?.filter(|it| it.len() == count);
+        Ok(uvs.map(|uvs| uvs.into_iter().map(|[u, v]| Vec2::new(u as f32, v as f32)).collect()))
+    };
+    let emission_uvs = uv_sets.of_emission.map(uvs).transpose()?.flatten();
+    let uvs = uvs(uv_sets.first)?;
     let normals = source.values::<3>(data, &Semantic::Normals)?.filter(|it| it.len() == count);
     let colours = colours(&source, data)?.filter(|it| it.len() == count);
     let joints = source.values::<4>(data, &Semantic::Joints(0))?.filter(|it| it.len() == count);
     let shares = source.values::<4>(data, &Semantic::Weights(0))?.filter(|it| it.len() == count);
     Ok(Some(Part {
         positions,
-        uvs: uvs.map(|uvs| uvs.into_iter().map(|[u, v]| Vec2::new(u as f32, v as f32)).collect()),
+        uvs,
+        emission_uvs,
         normals: normals.map(|normals| normals.into_iter().map(vec3).collect()),
         colours,
         joints: joints.zip(shares).map(Into::into),

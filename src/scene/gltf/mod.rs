@@ -4,6 +4,7 @@
 
 mod buffers;
 mod compression;
+mod extensions;
 mod extras;
 mod materials;
 mod mesh;
@@ -21,28 +22,9 @@ use serde_json::Value;
 use super::draft::{Draft, scene_name};
 use super::files::SceneFiles;
 use super::load_error::LoadError;
-use super::said::{quoted, sentence};
+use super::said::sentence;
 use super::up::UpAxis;
 use buffers::{GltfData, Problem};
-
-/// Extensions that are read, or change nothing that is read.
-const KNOWN: [&str; 15] = [
-    "KHR_texture_transform",
-    "KHR_mesh_quantization",
-    "KHR_materials_",
-    "KHR_lights_punctual",
-    "KHR_draco_mesh_compression",
-    "KHR_meshopt_compression",
-    "EXT_meshopt_compression",
-    "EXT_mesh_gpu_instancing",
-    "EXT_texture_",
-    "KHR_texture_basisu",
-    "MSFT_texture_dds",
-    "KHR_xmp",
-    "EXT_lights_image_based",
-    "KHR_animation_pointer",
-    "KHR_accessor_float64",
-];
 
 /// Extensions that hold the picture of a texture; those whose format is not read cost the texture alone.
 const PICTURES: [&str; 4] = ["EXT_texture_webp", "MSFT_texture_dds", "EXT_texture_avif", "KHR_texture_basisu"];
@@ -62,7 +44,6 @@ pub(super) fn read(path: &Path, bytes: &[u8], files: &dyn SceneFiles) -> Result<
     let data = GltfData::read(files, root, blob).map_err(parse_error)?;
     draft.prescribed_up = Some(UpAxis::Y);
     draft.skipped.animations = root.animations.len();
-    note_extensions(&mut draft, root);
     let uv_sets = materials::add_materials(&mut draft, &data);
     walk::run(path, &data, parents_from_nodes, draft, &uv_sets)
 }
@@ -98,10 +79,10 @@ fn parse(bytes: &[u8], draft: &mut Draft) -> Result<Document, Problem> {
     choose_pictures(&mut json);
     let parents_from_nodes = nodes::parents_from_nodes(&json)?;
     let mut root: Root = serde_json::from_value(json).map_err(not_json)?;
-    let is_known = |name: &String| KNOWN.iter().any(|known| name.starts_with(known));
-    for name in root.extensions_required.drain(..).filter(|name| !is_known(name)) {
-        draft.skipped.note(format!("The file needs {}, which is not read: parts may be missing.", quoted(&name)));
-    }
+    draft.skipped.unread_extensions = extensions::unread(&root);
+    // The crate refuses those that it does not know itself.
+    root.extensions_required.clear();
+    extensions::check_numbers(&root)?;
     prepare_for_validation(&mut root)?;
     let mut first = None;
     root.validate(&root, gltf::json::Path::new, &mut |place, error| {
@@ -163,15 +144,4 @@ fn prepare_for_validation(root: &mut Root) -> Result<(), Problem> {
         }
     }
     Ok(())
-}
-
-/// Names extensions that are not read.
-fn note_extensions(draft: &mut Draft, root: &Root) {
-    let is_known = |name: &&String| KNOWN.iter().any(|known| name.starts_with(known));
-    let unread: Vec<String> = root.extensions_used.iter().filter(|name| !is_known(name)).map(|it| quoted(it)).collect();
-    if let Some((first, more)) = unread.split_first() {
-        let shown = more.iter().take(4).fold(first.clone(), |names, name| names + ", " + name);
-        let and_more = if unread.len() > 5 { format!(" and {} more", unread.len() - 5) } else { String::new() };
-        draft.skipped.note(format!("Extensions that are not read: {shown}{and_more}."));
-    }
 }

@@ -7,6 +7,7 @@ use rustc_hash::FxHashMap;
 
 use super::buffers::{GltfData, Problem};
 use super::extras::{add_camera, add_light, instances, light_of};
+use super::materials::UvSets;
 use super::mesh::{Part, coarse_rounding, joint_matrices, read_primitive};
 use crate::scene::draft::{Draft, DraftMaterial, MOST_POLYGONS};
 use crate::scene::load_error::LoadError;
@@ -22,7 +23,7 @@ pub(super) fn run(
     data: &GltfData,
     parents_from_nodes: Vec<DMat4>,
     draft: Draft,
-    uv_sets: &[u32],
+    uv_sets: &[UvSets],
 ) -> Result<Draft, LoadError> {
     let mut walk = Walk {
         path,
@@ -56,8 +57,8 @@ struct Walk<'a> {
     /// Of each node, into the space of its parent.
     parents_from_nodes: Vec<DMat4>,
     draft: Draft,
-    /// The set of texture coordinates of each material.
-    uv_sets: &'a [u32],
+    /// The sets of texture coordinates of each material.
+    uv_sets: &'a [UvSets],
     /// Meshes by number and by the node whose morph weights they have, if it has its own.
     meshes: FxHashMap<(usize, Option<usize>), Vec<Part>>,
     /// From each node's space to the scene's, once all are known.
@@ -233,6 +234,9 @@ impl Walk<'_> {
                 if let Some(uvs) = &part.uvs {
                     draft.add_uvs(corners.map(|corner| uvs[corner as usize]));
                 }
+                if let Some(uvs) = &part.emission_uvs {
+                    draft.add_emission_uvs(corners.map(|corner| uvs[corner as usize]));
+                }
                 if let Some(normals) = &normals {
                     draft.add_normals(corners.map(|corner| normals[corner as usize]));
                 }
@@ -250,8 +254,8 @@ impl Walk<'_> {
         let Some(said) = self.data.root.meshes.get(mesh) else { return Ok(Vec::new()) };
         let mut parts = Vec::with_capacity(said.primitives.len());
         for (number, primitive) in said.primitives.iter().enumerate() {
-            let uv_set = primitive.material.and_then(|it| self.uv_sets.get(it.value())).copied().unwrap_or(0);
-            let part = read_primitive(self.data, said, primitive, weights, uv_set);
+            let uv_sets = primitive.material.and_then(|it| self.uv_sets.get(it.value())).copied().unwrap_or_default();
+            let part = read_primitive(self.data, said, primitive, weights, uv_sets);
             let Some(part) = part.map_err(|problem| self.problem(place(number), problem))? else {
                 self.draft.skipped.lines_and_points += 1;
                 continue;

@@ -116,7 +116,8 @@ fn format_of(encoded: &Encoded<'_>) -> Result<Format, String> {
     let by_name = || ImageFormat::from_extension(&encoded.extension);
     let format = image::guess_format(&encoded.bytes).ok().or_else(by_name);
     let format = format.ok_or_else(|| "its format is not known; convert it to PNG, JPEG or WebP".to_owned())?;
-    if format.reading_enabled() {
+    // The crate denies that it reads DDS (0.25.10), but does.
+    if format.reading_enabled() || format == ImageFormat::Dds {
         return Ok(Format::Image(format));
     }
     let name = format.extensions_str().first().copied().unwrap_or_default().to_uppercase();

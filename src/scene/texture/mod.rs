@@ -72,6 +72,17 @@ impl Texture {
         Vec3::from_array(colour).extend(f32::from(a) / 255.0)
     }
 
+    /// White with the picture's values as alpha: those of its own alpha where it has any, else its brightness, step by step as it is
+    /// stored.
+    pub(super) fn as_opacity(&self) -> Self {
+        let has_alpha = self.texels.iter().any(|texel| texel[3] != u8::MAX);
+        let value = |&[r, g, b, a]: &[u8; 4]| {
+            let luma = (299 * u32::from(r) + 587 * u32::from(g) + 114 * u32::from(b) + 500) / 1000;
+            [u8::MAX, u8::MAX, u8::MAX, if has_alpha { a } else { luma as u8 }]
+        };
+        Self::new(self.width, self.height, self.texels.iter().map(value).collect())
+    }
+
     /// The texture in a size whose texels are about as large as so many of its own.
     fn shrunk(&self, texels: f32) -> &Self {
         if texels < 1.5 || self.texels.len() == 1 {

@@ -6,7 +6,7 @@ use crate::app::format;
 use crate::app::panels::light::LightEditor;
 use crate::app::state::lighting::MaterialLight;
 use crate::app::widgets::theme;
-use crate::scene::{MaterialId, Scene};
+use crate::scene::{FileLight, MaterialId, Scene};
 
 /// Range of a dimmer, in percent of the emission that the lamp had.
 const DIMMER: std::ops::RangeInclusive<f32> = 0.0..=200.0;
@@ -38,13 +38,14 @@ pub(in crate::app) fn show(ui: &mut Ui, scene: &Scene, editor: &mut LightEditor)
             let Some(material) = scene.materials.get(lamp) else { continue };
             let area = area(&editor.areas, lamp);
             let Some(light) = editor.lighting.of_mut(lamp) else { continue };
-            if show_one(ui, &material.name, area, light) {
+            let of_file = scene.lights.iter().find(|light| light.material.0 as usize == lamp).map(told);
+            if show_one(ui, &material.name, area, light, of_file.as_deref()) {
                 editor.material = MaterialId(lamp as u32);
             }
         }
         for (index, luminaire) in editor.lighting.luminaires.iter_mut().enumerate() {
             let area = luminaire.form.area();
-            if show_one(ui, &luminaire.name, area, &mut luminaire.light) {
+            if show_one(ui, &luminaire.name, area, &mut luminaire.light, None) {
                 editor.selected = Some(index);
             }
         }
@@ -52,8 +53,19 @@ pub(in crate::app) fn show(ui: &mut Ui, scene: &Scene, editor: &mut LightEditor)
     ui.add_space(6.0);
 }
 
-/// Draws one lamp whose faces have this area; true when it was switched.
-fn show_one(ui: &mut Ui, name: &str, area: f32, light: &mut MaterialLight) -> bool {
+/// What a file says of a point or spot light.
+fn told(light: &FileLight) -> String {
+    let candelas = format::quantity(light.candelas.max_element().into(), "cd");
+    let range = light.range.map(|range| format!(", range {}", format::quantity(range.into(), "m")));
+    let cone = light.cone.map(|cone| {
+        let [inner, outer] = cone.map(|half| 2.0 * half.to_degrees());
+        format!(", full within {inner:.0}°, dark beyond {outer:.0}°")
+    });
+    format!("By the file {candelas}{}{}", cone.unwrap_or_default(), range.unwrap_or_default())
+}
+
+/// Draws one lamp whose faces have this area, with what its file says beside; true when it was switched.
+fn show_one(ui: &mut Ui, name: &str, area: f32, light: &mut MaterialLight, of_file: Option<&str>) -> bool {
     let exitance = light.emission().max_element();
     let watts = area * light.emission().element_sum();
     ui.horizontal(|ui| {
@@ -74,7 +86,8 @@ fn show_one(ui: &mut Ui, name: &str, area: f32, light: &mut MaterialLight) -> bo
             format::quantity(exitance.into(), "W/m²"),
             format::quantity(watts.into(), "W")
         );
-        let switched = switch.on_hover_text(power).clicked();
+        let hint = of_file.map_or_else(|| power.clone(), |of_file| format!("{power}\n{of_file}"));
+        let switched = switch.on_hover_text(hint).clicked();
         let mut percent = 100.0 * light.dimmer;
         ui.spacing_mut().interact_size.x = PERCENT_WIDTH;
         let slider = Slider::new(&mut percent, DIMMER).suffix(" %").max_decimals(0).trailing_fill(true);
