@@ -86,12 +86,12 @@ fn pictures_are_gathered_unless_the_mesh_is_asked_for() {
     for name in ["R", "G", "B", "A", "Z", "irradiance.R", "normal.X", "albedo.B", "element.id"] {
         assert!(names.iter().any(|other| other == name), "{name} is not among {names:?}");
     }
-    // Upright in the middle of the back wall, which neither shines nor has an edge there: a unit normal towards the eye, B = ρ·E, and as far
-    // away as the eye is.
-    let middle = 32 * 96 + 48;
+    // On the back wall above the boxes, which neither shines nor has an edge there: a unit normal towards the eye, B = ρ·E, and as far away as
+    // the wall is.
+    let on_wall = 16 * 96 + 52;
     let at = |name: &str| {
         let channel = file.layer_data.channel_data.list.iter().find(|channel| channel.name.to_string() == name);
-        channel.expect("it is there").sample_data.value_by_flat_index(middle).to_f32()
+        channel.expect("it is there").sample_data.value_by_flat_index(on_wall).to_f32()
     };
     let of = |layer: &str, axes: [&str; 3]| glam::Vec3::from(axes.map(|axis| at(&format!("{layer}{axis}"))));
     let colours = ["R", "G", "B"];

@@ -47,7 +47,7 @@ fn probes_are_as_exact_as_is_asked_for_and_independent_of_each_other() {
     let folder = Folder::new();
     let rows: Vec<String> = (1..20).map(|index| format!("{},0.7,0,0,0,1", f64::from(index) / 20.0)).collect();
     let probed = |rows: &[String], error: &str| -> Vec<String> {
-        let (points, out) = (folder.write("points.csv", &rows.join("\n")), folder.path("out.csv"));
+        let (points, out) = (folder.write("points.csv", rows.join("\n")), folder.path("out.csv"));
         let scene = folder.write("box.obj", SQUARE);
         let args = ["probe", name(&scene), "--emit", "roof=10,20,40", "--points", name(&points), "--out", name(&out)];
         succeed(&[&args[..], &["--error", "0.1", "--se", error]].concat());
