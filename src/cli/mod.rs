@@ -14,7 +14,6 @@ mod gathered;
 mod job;
 #[cfg(feature = "gui")]
 mod legend;
-#[cfg(feature = "gui")]
 mod log;
 mod man;
 mod matrix;

@@ -5,7 +5,7 @@ use glam::Vec3;
 use super::Gather;
 use super::field::{Field, grey};
 use super::groups::{Groups, Mean};
-use super::samples::{GatherSamples, Sums};
+use super::samples::{GatherSamples, LightSums, Sums};
 use crate::base::cancel::CancelToken;
 use crate::base::mixing::Mixing;
 use crate::hierarchy::ElementId;
@@ -14,6 +14,8 @@ use crate::transport::{Change, LARGEST_RETURN};
 /// Sweeps end when less than this share of the light is still to come.
 const SWEEP_TOLERANCE: f64 = 1e-4;
 const MOST_SWEEPS: u32 = 200;
+/// The most that what the closure takes is made up for, so that light still dies out.
+const MOST_REFUND: f64 = 1.0 / LARGEST_RETURN as f64;
 
 /// Samples, and what of them is the same in all sweeps; tables are parallel to the arena.
 struct Relighting<'a> {
@@ -57,39 +59,53 @@ impl<'a> Relighting<'a> {
         Self { field, samples, groups, of_links, direct, closure }
     }
 
-    /// Irradiance of each leaf, W/m², where all reflect this much; `None` if cancelled.
-    fn irradiance(&self, reflected: &[Vec3], cancel: &CancelToken) -> Option<Vec<Vec3>> {
+    /// Irradiance of each leaf, W/m², where all reflect this much, and the factor that makes up for the closure; `None` if cancelled.
+    fn irradiance(&self, reflected: &[Vec3], cancel: &CancelToken) -> Option<(Vec<Vec3>, f32)> {
         let sums = self.samples.indirect(self.direct.len(), reflected, cancel)?;
-        let mut irradiance = self.direct.clone();
+        let mut indirect = vec![Vec3::ZERO; self.direct.len()];
         for leaf in self.field.leaves() {
             let index = leaf.index();
-            irradiance[index] += match self.samples.of(leaf).whole {
+            indirect[index] = match self.samples.of(leaf).whole {
                 0 => self.of_links[index],
-                whole => self.closure[index] * sums[index] / whole as f32,
+                whole => sums[index] / whole as f32,
             };
         }
-        self.groups.share(self.by_leaf(&sums), |leaf, mean, shape| {
+        self.groups.share(self.by_leaf(&sums), |leaf, mean, shape| indirect[leaf.index()] = shape * mean);
+        let refund = self.refund(&indirect);
+        for leaf in self.field.leaves() {
             let index = leaf.index();
-            irradiance[index] = self.direct[index] + shape * self.closure[index] * mean;
-        });
-        Some(irradiance)
+            indirect[index] = self.direct[index] + refund * self.closure[index] * indirect[index];
+        }
+        Some((indirect, refund))
+    }
+
+    /// Factor on all reflected light that makes up for what the closure takes: rows that have too much by chance have what others lack.
+    fn refund(&self, indirect: &[Vec3]) -> f32 {
+        let (mut all, mut kept) = (0.0_f64, 0.0);
+        for leaf in self.field.leaves() {
+            let light = f64::from(self.field.area(leaf) * grey(indirect[leaf.index()]));
+            all += light;
+            kept += f64::from(self.closure[leaf.index()]) * light;
+        }
+        if kept > 0.0 { (all / kept).min(MOST_REFUND) as f32 } else { 1.0 }
     }
 
     /// Irradiances of each leaf where all reflect this much; `None` if cancelled.
     fn gathered(&self, reflected: &[Vec3], cancel: &CancelToken) -> Option<Gathered> {
         let sums = self.samples.light(self.direct.len(), reflected, cancel)?;
-        let mean = self.irradiance(reflected, cancel)?;
+        let (mean, refund) = self.irradiance(reflected, cancel)?;
         let mut far = mean.clone();
+        let far_of = |leaf: ElementId, sums: &LightSums| {
+            let indirect = refund * self.closure[leaf.index()] * sums.far_indirect;
+            (sums.far_share > 0.0).then(|| (sums.far_emitted + indirect) / sums.far_share)
+        };
         for leaf in self.field.leaves() {
-            let (index, sums) = (leaf.index(), &sums[leaf.index()]);
-            if sums.far_share > 0.0 {
-                far[index] = self.closure[index] * sums.far / sums.far_share;
+            if let Some(light) = far_of(leaf, &sums[leaf.index()]) {
+                far[leaf.index()] = light;
             }
         }
         self.groups.share(self.by_leaf(&sums), |leaf, of_group, shape| {
-            let index = leaf.index();
-            let share = shape * self.closure[index] / of_group.far_share;
-            far[index] = if of_group.far_share > 0.0 { share * of_group.far } else { mean[index] };
+            far[leaf.index()] = far_of(leaf, &of_group).map_or(mean[leaf.index()], |light| shape * light);
         });
         let sums = sums.iter().map(|sums| sums.all).collect();
         Some(Gathered { mean, far, sums })
@@ -122,7 +138,7 @@ impl Gather {
         let mut reflected = if is_afresh { field.reflect(&relighting.direct) } else { field.reflected.to_vec() };
         let mut mixing = Mixing::default();
         for sweep in 1..=MOST_SWEEPS {
-            let next = field.reflect(&relighting.irradiance(&reflected, cancel)?);
+            let next = field.reflect(&relighting.irradiance(&reflected, cancel)?.0);
             let mut change = Change::default();
             for &leaf in &leaves {
                 let [before, now] = [&reflected, &next].map(|light| light[leaf.index()]);

@@ -82,8 +82,9 @@ pub struct Sums {
 pub struct LightSums {
     /// Σ of irradiance that others reflect, W/m².
     pub indirect: Vec3,
-    /// Σ of all irradiance times the share of far rays, and of these shares.
-    pub far: Vec3,
+    /// Σ of irradiance by emission and by what others reflect, times the share of far rays, and of these shares.
+    pub far_emitted: Vec3,
+    pub far_indirect: Vec3,
     pub far_share: f32,
     /// Σ of all irradiance (mean of the colours).
     pub all: f32,
@@ -92,7 +93,8 @@ pub struct LightSums {
 impl AddAssign for LightSums {
     fn add_assign(&mut self, other: Self) {
         self.indirect += other.indirect;
-        self.far += other.far;
+        self.far_emitted += other.far_emitted;
+        self.far_indirect += other.far_indirect;
         self.far_share += other.far_share;
         self.all += other.all;
     }
@@ -104,7 +106,8 @@ impl Mul<f32> for LightSums {
     fn mul(self, factor: f32) -> Self {
         Self {
             indirect: factor * self.indirect,
-            far: factor * self.far,
+            far_emitted: factor * self.far_emitted,
+            far_indirect: factor * self.far_indirect,
             far_share: factor * self.far_share,
             all: factor * self.all,
         }
@@ -272,7 +275,8 @@ impl Pass {
             }
             sums += LightSums {
                 indirect: light,
-                far: look.far * (light + look.emitted),
+                far_emitted: look.far * look.emitted,
+                far_indirect: look.far * light,
                 far_share: look.far,
                 all: grey(light + look.emitted),
             };
