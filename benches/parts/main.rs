@@ -55,8 +55,11 @@ fn main() {
 /// A goal of a number.
 #[derive(Clone, Copy)]
 pub enum Goal {
+    /// The number shall be this or more.
     AtLeast(f64),
+    /// The number shall be this or less.
     AtMost(f64),
+    /// The number is told, and nothing asked of it.
     None,
 }
 
@@ -133,6 +136,9 @@ fn refinement(table: &mut Table) {
     }
 }
 
+/// A part by name, and the seconds that it takes on some threads.
+type Part<'a> = (&'a str, &'a dyn Fn(&ThreadPool) -> f64);
+
 /// What two threads gain in each part, and what sixteen would by the share that does not run in parallel.
 fn two_threads(table: &mut Table) {
     let office = Room::new(BuiltinScene::Office);
@@ -147,7 +153,7 @@ fn two_threads(table: &mut Table) {
         let mut solver = office.solve(by_error(0.1), pool);
         pool.install(|| seconds(|| solver.snapshot()))
     };
-    let parts: [(&str, &dyn Fn(&ThreadPool) -> f64); 5] = [
+    let parts: [Part; 5] = [
         ("preparing a scene", &prepare),
         ("refinement", &|pool| of(pool, |solver| solver.stats().seconds.refine)),
         ("light over links", &|pool| of(pool, |solver| solver.stats().seconds.gather)),
