@@ -182,7 +182,7 @@ fn room(is_in_ceiling: bool) -> (Scene, Vec3, [Vec3; 2]) {
 }
 
 /// Truth: a point sees a rectangle of sky, by Lambert's formula where the sky is uniform and by quadrature else; the rest is black.
-/// Within 1 %; the reference within three of its standard errors, 0.8 % where a hundredth of its paths find the opening.
+/// Within 1 %.
 #[test]
 fn openings_in_black_rooms_light_points_as_their_sky_says() {
     for is_in_ceiling in [true, false] {
@@ -193,17 +193,22 @@ fn openings_in_black_rooms_light_points_as_their_sky_says() {
             scene.add_daylight(&daylight(Some(sky), sun)).expect("daylight");
             let outside = scene.outside().expect("a sky").clone();
             let solved = solve(&scene, gathered(0.1));
-            for point in [Vec3::new(2.1, 0.0, 2.9), Vec3::new(1.3, 0.0, 3.8)] {
+            let points = if sky.starts_with("overcast") { 2 } else { 1 };
+            for point in [Vec3::new(2.1, 0.0, 2.9), Vec3::new(1.3, 0.0, 3.8)].into_iter().take(points) {
                 let truth = through(&outside, point, Vec3::Y, corner, edges);
                 if sky == "uniform:100W" {
                     let corners = [corner, corner + edges[0], corner + edges[0] + edges[1], corner + edges[1]];
                     let exact = 100.0 * point_to_polygon(point.as_dvec3(), DVec3::Y, &corners.map(|at| at.as_dvec3()));
                     assert!((truth / exact - 1.0).abs() < 1e-3, "{truth} {exact}");
                 }
-                let [gather, reference] = read(&scene, &solved, 0, point, 512);
+                // The reference takes its time: it is asked at one point, under the skies that differ most.
+                let is_traced = point.x > 2.0 && (sky.starts_with("uniform") || sky.starts_with("clear"));
+                let [gather, reference] = read(&scene, &solved, 0, point, if is_traced { 512 } else { 1 });
                 let what = format!("{sky}, ceiling {is_in_ceiling}, {point}");
                 assert_within(gather, truth, 0.01, &format!("{what}, gather"));
-                assert_within(reference, truth, 0.025, &format!("{what}, reference"));
+                if is_traced {
+                    assert_within(reference, truth, 0.01, &format!("{what}, reference"));
+                }
             }
         }
     }
