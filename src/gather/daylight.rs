@@ -41,7 +41,7 @@ impl Field {
     }
 
     /// A direction towards the sky drawn for a point: by the radiance alone, by what is seen of it, or by either where both matter.
-    pub fn draw_sky(&self, point: Vec3, [u, v]: [f32; 2]) -> Option<Vec3> {
+    fn draw_sky(&self, point: Vec3, [u, v]: [f32; 2]) -> Option<Vec3> {
         let outside = self.outside()?;
         let drawn = match (&self.around.openings, outside.is_even()) {
             (Some(openings), true) => openings.draw(outside, point, [u, v]),
@@ -53,7 +53,7 @@ impl Field {
     }
 
     /// Density with which [`Self::draw_sky`] draws a direction, 1/sr.
-    pub fn sky_density(&self, point: Vec3, direction: Vec3) -> f32 {
+    fn sky_density(&self, point: Vec3, direction: Vec3) -> f32 {
         let Some(outside) = self.outside() else { return 0.0 };
         let seen = |openings: &Openings| openings.density(outside, point, direction);
         match (&self.around.openings, outside.is_even()) {

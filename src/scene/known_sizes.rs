@@ -38,11 +38,10 @@ pub(super) fn unit(draft: &Draft, up: UpAxis) -> Option<Unit> {
 
 /// Usual height, m, and height in the file of everything that has a known name.
 fn things(draft: &Draft, axis: usize) -> Vec<(f64, f64)> {
-    let usual = |name: &str| usual_height(name);
     // The root has the name of the file.
     let of_groups: Vec<Option<f64>> =
-        draft.groups.iter().map(|group| usual(&group.name).filter(|_| group.parent.is_some())).collect();
-    let of_materials: Vec<Option<f64>> = draft.materials.iter().map(|material| usual(&material.name)).collect();
+        draft.groups.iter().map(|group| usual_height(&group.name).filter(|_| group.parent.is_some())).collect();
+    let of_materials: Vec<Option<f64>> = draft.materials.iter().map(|material| usual_height(&material.name)).collect();
     if of_groups.iter().chain(&of_materials).all(Option::is_none) {
         return Vec::new();
     }

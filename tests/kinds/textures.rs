@@ -14,27 +14,28 @@ fn palette() -> Vec<u8> {
     picture([4, 1], ImageFormat::Png, |x, _| texels[x as usize])
 }
 
-/// Half of what the palette shows at these texture coordinates of two sets, laid on as `info` and `sampler` say.
-fn shown(uvs: [[f32; 2]; 2], info: &str, sampler: &str) -> Vec3 {
+/// A square with these texture coordinates of two sets and the palette as texture 0, laid on as `info` and `sampler` say; half of it is reflected,
+/// and `more` belongs to the material too.
+fn painted(uvs: [[f32; 2]; 2], [info, sampler, more]: [&str; 3]) -> Scene {
     let mut file = Gltf::square();
     let sets = uvs.map(|uv| file.floats::<2>(&[uv; 4]));
     let view = file.view(&palette());
-    let scene = load(
-        &[(
-            "a.glb",
-            &file.file(&one_mesh(
-                &format!(r#", "TEXCOORD_0": {}, "TEXCOORD_1": {}"#, sets[0], sets[1]),
-                &format!(
-                    r#", "pbrMetallicRoughness": {{"baseColorFactor": [0.5, 0.5, 0.5, 1], "baseColorTexture": {{"index": 0{info}}}}}"#
-                ),
-                &format!(
-                    r#", "images": [{{"bufferView": {view}, "mimeType": "image/png"}}], "samplers": [{{{sampler}}}],
-                    "textures": [{{"source": 0, "sampler": 0}}]"#
-                ),
-            )),
-        )],
-        "a.glb",
+    let mesh = one_mesh(
+        &format!(r#", "TEXCOORD_0": {}, "TEXCOORD_1": {}"#, sets[0], sets[1]),
+        &format!(
+            r#", "pbrMetallicRoughness": {{"baseColorFactor": [0.5, 0.5, 0.5, 1], "baseColorTexture": {{"index": 0{info}}}}}{more}"#
+        ),
+        &format!(
+            r#", "images": [{{"bufferView": {view}, "mimeType": "image/png"}}], "samplers": [{{{sampler}}}],
+            "textures": [{{"source": 0, "sampler": 0}}]"#
+        ),
     );
+    load(&[("a.glb", &file.file(&mesh))], "a.glb")
+}
+
+/// Colour of such a square.
+fn shown(uvs: [[f32; 2]; 2], info: &str, sampler: &str) -> Vec3 {
+    let scene = painted(uvs, [info, sampler, ""]);
     scene.surface(&scene.polygons[0]).reflectance
 }
 
@@ -79,23 +80,8 @@ fn textures_go_on_as_samplers_say() {
 /// Truth: the colour looks at the red texel by the first set, the emission at the green one by the second.
 #[test]
 fn emission_may_have_its_own_set() {
-    let mut file = Gltf::square();
-    let sets = [[0.4, 0.5], [0.6, 0.5]].map(|uv| file.floats::<2>(&[uv; 4]));
-    let view = file.view(&palette());
-    let scene = load(
-        &[(
-            "a.glb",
-            &file.file(&one_mesh(
-                &format!(r#", "TEXCOORD_0": {}, "TEXCOORD_1": {}"#, sets[0], sets[1]),
-                r#", "pbrMetallicRoughness": {"baseColorFactor": [0.5, 0.5, 0.5, 1], "baseColorTexture": {"index": 0}},
-                    "emissiveFactor": [1, 1, 1], "emissiveTexture": {"index": 0, "texCoord": 1}"#,
-                &format!(
-                    r#", "images": [{{"bufferView": {view}, "mimeType": "image/png"}}], "textures": [{{"source": 0}}]"#
-                ),
-            )),
-        )],
-        "a.glb",
-    );
+    let glows = r#", "emissiveFactor": [1, 1, 1], "emissiveTexture": {"index": 0, "texCoord": 1}"#;
+    let scene = painted([[0.4, 0.5], [0.6, 0.5]], ["", "", glows]);
     let polygon = &scene.polygons[0];
     let surface = scene.surface(polygon);
     let glow = std::f32::consts::PI * Vec3::Y;
