@@ -180,7 +180,8 @@ fn probes_say_their_error_where_they_are_seen_and_their_age_when_light_has_chang
     window.step();
     window.key_press(egui::Key::Home);
     window.run_steps(3);
-    assert_eq!(label(&window), Some(said.clone()));
+    // It settles while one looks, so that its digits may be better by now.
+    assert!(label(&window).is_some_and(is_measured), "the number is back: {:?}", label(&window));
 
     // Readings are of the picture in view, which stays until a better one is there, and say so.
     error_of(&mut window, 0.02);
