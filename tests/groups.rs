@@ -37,7 +37,7 @@ fn members(json: &str) -> Vec<GroupMember> {
 }
 
 /// All that tells hierarchies apart.
-fn told(hierarchy: &Hierarchy) -> String {
+fn described(hierarchy: &Hierarchy) -> String {
     format!("{:?}", hierarchy.elements())
 }
 
@@ -97,7 +97,7 @@ fn groups_come_back_from_the_sidecar_with_the_same_hierarchy() {
     let again = load_file(&path).expect("our own scene");
     assert_eq!(again.regrouping, scene.regrouping);
     assert_eq!(again.group_tree(), edited);
-    assert_eq!(told(&hierarchy(&again)), told(&hierarchy(&scene)));
+    assert_eq!(described(&hierarchy(&again)), described(&hierarchy(&scene)));
     assert_eq!(again.skipped.notes, scene.skipped.notes);
     // Undone by hand, nothing is left of it in the file.
     scene.regroup(Vec::new());

@@ -53,7 +53,7 @@ fn a_quick_run_writes_everything() {
     assert_eq!(output.status.code(), Some(0), "{stderr}");
     let stdout = String::from_utf8_lossy(&output.stdout);
     assert!(stdout.contains("paper: OCTREE3") && stdout.contains("groups"), "{stdout}");
-    assert!(stderr.contains("octree 6"), "progress is told: {stderr}");
+    assert!(stderr.contains("octree 6"), "progress is reported: {stderr}");
 
     let has_figures = !stderr.contains("the figures are left out");
     assert!(has_figures || cfg!(not(feature = "gui")) || stderr.contains("adapter"), "{stderr}");

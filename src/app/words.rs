@@ -156,7 +156,7 @@ words! {
     SUN_ILLUMINANCE = "Sun";
     /// Plan of the sky on which the sun is dragged.
     SKY_PLAN = "Plan of the sky";
-    /// Row: how the place of the sun is told.
+    /// Row: how the place of the sun is given.
     SUN_PLACE = "Sun's place";
     /// Choice of [`SUN_PLACE`].
     SUN_BY_DIRECTION = "direction";

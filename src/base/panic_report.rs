@@ -15,7 +15,7 @@ use super::threads::lock;
 /// Reports of one process, at most: one panic may lead to many others.
 const MOST: u32 = 8;
 
-/// Text of the settings in force, as [`note_settings`] was last told.
+/// Text of the settings in force, as [`note_settings`] last got it.
 static SETTINGS: Mutex<String> = Mutex::new(String::new());
 /// Whether panics are expected and need no report.
 static IS_EXPECTED: AtomicBool = AtomicBool::new(false);

@@ -130,14 +130,14 @@ fn chart(job: &Job, wish: &Wish, sweep: &Sweep) -> anyhow::Result<Chart> {
     eprint!("reference  {}", reference::summary(&job.scene.name, &outcome));
     let reference = Arc::new(outcome.reference);
     let bar = std::io::stderr().is_terminal().then(progress::spinner);
-    let told = |setting: &str, epsilon: f64| {
+    let report = |setting: &str, epsilon: f64| {
         if let Some(bar) = &bar {
             bar.set_message(format!("{setting}, ε = {epsilon:.0e} Φ"));
             bar.tick();
         }
     };
     let cancel = CancelToken::new();
-    let chart = job.pool.install(|| sweep.run(&job.scene, &job.occluders, reference, &cancel, told));
+    let chart = job.pool.install(|| sweep.run(&job.scene, &job.occluders, reference, &cancel, report));
     if let Some(bar) = &bar {
         bar.finish_and_clear();
     }

@@ -14,7 +14,7 @@ use selflink::base::memory::MemoryBudget;
 use selflink::export::settings::Settings;
 use selflink::hierarchy::ClusteringMode;
 use selflink::prepare::added_light::{AddedLight, CeilingLight};
-use selflink::scene::outside::{Daylight, SkyKind, SkyTold, SunTold};
+use selflink::scene::outside::{Daylight, SkyKind, SkySpec, SunSpec};
 use selflink::scene::{Reading, Sides, Source, Unit, UpAxis, builtin::BuiltinScene};
 use selflink::solve::{Epsilon, PARAMETERS, Parameter, ParameterId, Reconstruct, SolverParams, USUAL_ERROR, ValueKind};
 use selflink::transport::{ClusterModel, OracleKind, Push};
@@ -66,7 +66,7 @@ fn solver_arg(parameter: &'static Parameter) -> Arg {
     }
 }
 
-/// Reads a number; what is none is told in a person's words.
+/// Reads a number; what is none is reported in a person's words.
 pub fn number(text: &str) -> Result<f64, String> {
     text.parse().map_err(|_| "it must be a number".to_owned())
 }
@@ -246,12 +246,12 @@ pub fn scene_args() -> [Arg; 9] {
         Arg::new("sky")
             .long("sky")
             .value_name("KIND:AMOUNT")
-            .value_parser(|text: &str| text.parse::<SkyTold>())
+            .value_parser(|text: &str| text.parse::<SkySpec>())
             .help("Let a sky shine in: uniform, overcast, clear, cie1 to cie15, cie=A/B/C/D/E, perez=DIRECT/DIFFUSE (W/m²), or a picture all around (.hdr, .exr, .png, .jpg; north in its middle), with its horizontal illuminance or irradiance, such as overcast:10000lx or uniform:50W"),
         Arg::new("sun")
             .long("sun")
             .value_name("az:A,el:E,AMOUNT")
-            .value_parser(|text: &str| text.parse::<SunTold>())
+            .value_parser(|text: &str| text.parse::<SunSpec>())
             .help("Let the sun shine in: degrees from north (-z, or y where z is up) over east and above the horizon, or date and place (2026-06-21T12:00+02:00,lat:48.1,lon:11.6,north:0); and what it brings to a face turned to it, such as 60000lx [default: as on a clear day]"),
     ]
 }
@@ -358,18 +358,18 @@ pub fn added_light(matches: &ArgMatches) -> anyhow::Result<AddedLight> {
     let emitting = matches.get_many::<String>("emit").unwrap_or_default();
     let emitting = emitting.map(|text| emission(text)).collect::<anyhow::Result<_>>()?;
     let ceiling = matches.get_one::<String>("ceiling-light").map(|text| ceiling_light(text)).transpose()?;
-    let sky = matches.get_one::<SkyTold>("sky").cloned().map(absolute);
+    let sky = matches.get_one::<SkySpec>("sky").cloned().map(absolute);
     Ok(AddedLight {
         lamps_off: has(matches, "lamps-off") && matches.get_flag("lamps-off"),
         emitting,
         luminaires: None,
         ceiling,
-        daylight: Daylight { sky, sun: matches.get_one::<SunTold>("sun").copied() },
+        daylight: Daylight { sky, sun: matches.get_one::<SunSpec>("sun").copied() },
     })
 }
 
 /// A sky whose picture is named in full: settings may be used elsewhere.
-fn absolute(mut sky: SkyTold) -> SkyTold {
+fn absolute(mut sky: SkySpec) -> SkySpec {
     if let SkyKind::Picture(name) = &mut sky.kind
         && let Ok(path) = std::path::absolute(&*name)
     {

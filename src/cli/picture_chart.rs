@@ -116,7 +116,7 @@ fn chart(job: &Job, sweep: &PictureSweep, offscreen: Option<&mut Offscreen>) -> 
         |pose| Camera::from_pose(&pose.in_scene(&job.scene), aspect, job.scene.bounds()),
     );
     let bar = std::io::stderr().is_terminal().then(progress::spinner);
-    let told = |next: &str| {
+    let report = |next: &str| {
         if let Some(bar) = &bar {
             bar.set_message(next.to_owned());
             bar.tick();
@@ -130,7 +130,7 @@ fn chart(job: &Job, sweep: &PictureSweep, offscreen: Option<&mut Offscreen>) -> 
     });
     let mesh = painter.as_mut().map(|painter| painter as &mut (dyn MeshPainter + Send));
     let lens = camera.lens(aspect);
-    let chart = job.pool.install(|| sweep.run(&job.scene, &job.occluders, &lens, mesh, &CancelToken::new(), told))?;
+    let chart = job.pool.install(|| sweep.run(&job.scene, &job.occluders, &lens, mesh, &CancelToken::new(), report))?;
     if let Some(bar) = &bar {
         bar.finish_and_clear();
     }

@@ -150,7 +150,7 @@ pub fn run(matches: &ArgMatches) -> anyhow::Result<()> {
         bail!("--show daylight-factor: {missing}");
     }
     let wants_lines = view.overlay != Overlay::default() || view.links.is_some();
-    // Before the long work, so that a missing adapter is told soon.
+    // Before the long work, so that a missing adapter is reported soon.
     let early = (view.picture == PictureOf::Mesh || wants_lines).then(Offscreen::new).transpose()?;
     let deadline = job.limit.map(|limit| Instant::now() + limit);
     let mut solution = job.solve()?;

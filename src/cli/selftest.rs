@@ -87,7 +87,7 @@ fn line(finding: &Finding) -> String {
     let mut text =
         format!("{:2} {:<19} {:<11}  {}", finding.number, finding.name, word(finding.verdict), finding.asked);
     if let Some(worst) = finding.worst() {
-        text += &format!("\n{:36}{}", "", told(worst, finding.checks.len()));
+        text += &format!("\n{:36}{}", "", described(worst, finding.checks.len()));
     }
     if let (Verdict::KnownLimit, Some(limit)) = (finding.verdict, finding.limit) {
         text += &format!("\n{:36}why: {limit}", "");
@@ -96,7 +96,7 @@ fn line(finding: &Finding) -> String {
 }
 
 /// The truth and what was found.
-fn told(check: &Check, checks: usize) -> String {
+fn described(check: &Check, checks: usize) -> String {
     let relation = match check.relation {
         Relation::Near => "truth",
         Relation::AtMost => "at most",

@@ -59,7 +59,7 @@ pub fn run(matches: &ArgMatches) -> anyhow::Result<()> {
     let pool = pool(options::solver_params(matches)?.threads)?;
     let folder = path(matches, "out").unwrap_or_else(|| PathBuf::from(OUT));
     make_folder(&folder)?;
-    // Before the long work, so that a folder that cannot be written to is told soon.
+    // Before the long work, so that a folder that cannot be written to is reported soon.
     OutputFile::new(&folder.join("README.md"), &[])?;
 
     let begun = Instant::now();

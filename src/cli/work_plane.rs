@@ -44,7 +44,7 @@ pub fn plane(matches: &ArgMatches) -> Option<WorkPlane> {
 pub fn run(matches: &ArgMatches, order: Order, plane: WorkPlane) -> anyhow::Result<()> {
     let file = OutputFile::new(&path(matches, "out").unwrap_or_default(), &order.inputs())?;
     let job = order.load()?;
-    // Before the long work, so that a plane that cannot be measured is told soon.
+    // Before the long work, so that a plane that cannot be measured is reported soon.
     plane.grid(&job.scene)?;
     let solution = job.solve()?;
     let lit = LitMesh::new(job.scene.clone(), solution.snapshot.into());

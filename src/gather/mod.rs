@@ -34,7 +34,8 @@ pub use certificate::{Certificate, Certifying, NOISE, RISK};
 pub use estimator::{Checked, Irradiance};
 pub use field::{Field, Met, grey};
 pub use glance::{GatherPoint, Glance, GlanceRays};
-use passes::{AIMED, MESH_PER_TARGET, MOST_ROUNDS, planned_looks, whole_numbers};
+use passes::{AGAIN, AIMED, MESH_PER_TARGET, MOST_ROUNDS, planned_looks, whole_numbers};
+use refine::Importance;
 use samples::{GatherSamples, Queue};
 
 use crate::base::cancel::CancelToken;
@@ -105,6 +106,8 @@ pub struct Gather {
     lit: Vec<f32>,
     /// Leaves that share looks.
     groups: Groups,
+    /// What readers have of each leaf's light, as the former attempt found it.
+    importance: Importance,
     goal: Goal,
     stage: Stage,
     queue: Queue,
@@ -115,8 +118,8 @@ pub struct Gather {
     /// The error that leaves and rays are made for; falls with each attempt.
     aim: f64,
     certificate: Option<Certificate>,
-    /// Error within which the former attempt found nine tenths of the area.
-    before: Option<f64>,
+    /// The former attempt's comparison.
+    before: Option<Box<Certifying>>,
     /// Rays that compared.
     rays_compared: u64,
     /// Rays that samples of this attempt may lead to.
@@ -145,6 +148,7 @@ impl Gather {
             reaching: Some(Reaching::new(&field, goal.seed)),
             lit: links.light().irradiance.iter().map(|light| grey(*light)).collect(),
             groups: Groups::default(),
+            importance: Importance::default(),
             stage: Stage::Reach,
             queue: Queue::new(),
             round: 0,
@@ -172,7 +176,7 @@ impl Gather {
         let count = dark.iter().filter(|is_dark| **is_dark).count();
         tracing::debug!(dark = count, rays = reaching.rays, "leaves that no light reaches found");
         self.field.set_dark(dark);
-        let planned = planned_looks(&self.field);
+        let planned = planned_looks(&self.field, &self.importance);
         self.groups = Groups::new(&self.field, &std::mem::take(&mut self.lit), &planned);
         let looks = whole_numbers(self.field.leaves().map(|leaf| (leaf, planned(leaf))));
         let queue = looks.filter(|(_, looks)| *looks > 0).collect();
@@ -205,7 +209,8 @@ impl Gather {
                 }
                 // To move light passes over all leaves, so it is done once a round.
                 if self.round < MOST_ROUNDS {
-                    let mut looks = refine::leaves_to_look_from(&self.field, &self.samples, MESH_PER_TARGET * self.aim);
+                    let allowed = MESH_PER_TARGET * self.aim;
+                    let mut looks = refine::leaves_to_look_from(&self.field, &self.samples, &self.importance, allowed);
                     self.afford(&mut looks, AIMED);
                     if !looks.is_empty() {
                         self.queue = looks;
@@ -230,8 +235,7 @@ impl Gather {
                     return Some(Progress::Part);
                 }
                 self.relight(cancel)?;
-                let seed = hash64(self.goal.seed, u64::from(self.attempt));
-                let mut certifying = Certifying::new(&self.field, self.target(), self.attempt, seed);
+                let mut certifying = Certifying::new(&self.field, self.target(), self.attempt, self.goal.seed);
                 if self.goal.error.is_none() {
                     certifying.be_thorough();
                 }
@@ -257,9 +261,11 @@ impl Gather {
 
     /// Ends, or makes the field finer.
     fn judge(&mut self, certificate: Certificate, mut certifying: Box<Certifying>) {
-        let now = certificate.read.p90;
         let is_kept = self.goal.error.is_none_or(|target| certificate.bound <= target);
-        let is_in_vain = self.before.is_some_and(|before| now > LEAST_PROGRESS * before);
+        let is_in_vain = self.before.as_ref().is_some_and(|before| {
+            let [before, now] = certifying.beside(before);
+            now > LEAST_PROGRESS * before
+        });
         self.certificate = Some(certificate);
         let is_last = is_in_vain || self.full.is_some() || self.attempt >= MOST_ATTEMPTS;
         if is_last && !is_kept && certifying.has_more() {
@@ -272,11 +278,12 @@ impl Gather {
             self.stage = Stage::Done;
             return;
         }
-        self.before = Some(now);
+        self.before = Some(certifying);
         self.most_rays = (1 + MOST_GROWTH) * self.rays();
         self.attempt += 1;
         self.aim *= 0.5;
-        self.round = MOST_ROUNDS - 1;
+        self.round = MOST_ROUNDS - AGAIN;
+        self.importance = Importance::of(&self.field, &self.samples, &self.groups);
         let split = self.leaves_to_split();
         if split.is_empty() { self.open_pass() } else { self.split(&split) }
     }
@@ -286,7 +293,7 @@ impl Gather {
         &self.field
     }
 
-    /// The number of the attempt, and the share of it that is done, as far as can be told.
+    /// The number of the attempt, and the share of it that is done, as far as can be known.
     pub fn progress(&self) -> (u32, f32) {
         let share_of_queue = |first: usize| first as f32 / self.queue.len().max(1) as f32;
         let share = match &self.stage {

@@ -5,8 +5,9 @@ use glam::Vec3;
 use super::field::Field;
 use super::glance::GlanceRays;
 use super::groups::Groups;
+use super::refine::{self, Importance};
 use super::samples::Queue;
-use super::{Full, Gather, Stage, refine};
+use super::{Full, Gather, Stage};
 use crate::base::cancel::CancelToken;
 use crate::hierarchy::ElementId;
 
@@ -31,6 +32,8 @@ const MOST_LOOKS: f64 = 2000.0;
 pub(super) const MESH_PER_TARGET: f64 = 1.5;
 /// Rounds of splitting leaves.
 pub(super) const MOST_ROUNDS: u32 = 6;
+/// Rounds that each further attempt begins with, for it knows better than the one before what matters to whom.
+pub(super) const AGAIN: u32 = 3;
 /// Bytes of a leaf with what is kept of it beside its samples.
 const LEAF_BYTES: usize = 600;
 /// Bytes of a look beside those of its cosine-distributed rays, four each.
@@ -60,7 +63,8 @@ impl Gather {
         if self.round >= MOST_ROUNDS {
             return Vec::new();
         }
-        self.within_memory(refine::leaves_to_split(&self.field, &self.samples, MESH_PER_TARGET * self.aim))
+        let allowed = MESH_PER_TARGET * self.aim;
+        self.within_memory(refine::leaves_to_split(&self.field, &self.samples, &self.importance, allowed))
     }
 
     /// The leaves to split, or none where there is no room for their parts.
@@ -78,6 +82,7 @@ impl Gather {
     pub(super) fn split(&mut self, leaves: &[ElementId]) {
         self.round += 1;
         self.field.split(leaves);
+        self.importance.split(&self.field, leaves);
         self.of_links.resize(self.field.hierarchy.elements().len(), Vec3::ZERO);
         let mut queue = Queue::new();
         for leaf in leaves {
@@ -95,12 +100,11 @@ impl Gather {
     pub(super) fn open_pass(&mut self) {
         self.field.find_secondary();
         let field = &self.field;
-        let sent = |leaf: ElementId| f64::from(field.area(leaf) * field.reflected[leaf.index()].max_element());
-        let total: f64 = field.leaves().map(sent).sum();
+        let brought = self.importance.brought_by(field);
         let cosine = self.rays_of_look().cosine;
         let by_power = RAYS_BY_POWER / (self.aim * self.aim) / f64::from(cosine);
-        let more = |leaf: ElementId| (by_power * sent(leaf) / total.max(f64::MIN_POSITIVE)).min(MOST_LOOKS);
-        let (planned, finer) = (planned_looks(field), (self.target() / self.aim).round());
+        let more = |leaf: ElementId| (by_power * brought(leaf)).min(MOST_LOOKS);
+        let (planned, finer) = (planned_looks(field, &self.importance), (self.target() / self.aim).round());
         // Those that share looks get more of them together, each as many times as it had, so that all count as they did.
         let [of_more, of_all] = self.groups.leaves().fold([0.0, 0.0], |[of_more, of_all], leaf| {
             [of_more + more(leaf), of_all + self.groups.planned(leaf).unwrap_or(0.0)]
@@ -141,8 +145,8 @@ impl Gather {
 }
 
 /// Looks that are planned from each leaf of a field in any case: less than one from those that may [share looks](super::groups).
-pub(super) fn planned_looks(field: &Field) -> impl Fn(ElementId) -> f64 {
-    let share = refine::share_of(field);
+pub(super) fn planned_looks<'a>(field: &'a Field, importance: &'a Importance) -> impl Fn(ElementId) -> f64 + use<'a> {
+    let share = importance.share_of(field);
     move |leaf| {
         let looks = (LOOKS_FOR_ALL * share(leaf)).min(f64::from(LOOKS));
         if field.area(leaf) <= 0.0 || Groups::may_hold(field, leaf) { looks } else { looks.max(1.0) }

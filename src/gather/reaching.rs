@@ -2,7 +2,7 @@
 //!
 //! Two-sided files hold the insides of tubes, books and cushions, half of a room's faces, and whole rooms may lie behind a closed
 //! door. No light gets there, so no look is spent on them. Some rays from each leaf join it to what they meet; what
-//! is then joined to nothing that shines is dark. A set that few rays looked out of gets more of them first.
+//! is then joined to no emitter is dark. A set that few rays looked out of gets more of them first.
 
 use petgraph::unionfind::UnionFind;
 use rayon::prelude::*;
@@ -21,7 +21,7 @@ const CHUNK: usize = 1 << 14;
 
 /// A search at work.
 pub struct Reaching {
-    /// Sets of elements; the one past the last stands for all that shines.
+    /// Sets of elements; the one past the last stands for all emitters and the outside.
     sets: UnionFind<u32>,
     /// Leaves to cast rays from, each from this number of its rays up to that one.
     queue: Vec<(ElementId, u32, u32)>,
@@ -46,7 +46,7 @@ impl Reaching {
 
     /// Casts some more rays; whether that was all, or `None` if cancelled, with nothing changed.
     pub fn advance(&mut self, field: &Field, cancel: &CancelToken) -> Option<bool> {
-        let shining = field.hierarchy().elements().len() as u32;
+        let emitters = field.hierarchy().elements().len() as u32;
         let end = (self.next + CHUNK).min(self.queue.len());
         let seed = self.seed;
         let meet = |&(leaf, first, end): &(ElementId, u32, u32)| {
@@ -57,7 +57,7 @@ impl Reaching {
         for ((leaf, ..), met) in chunk.iter().zip(found) {
             self.rays += met.len() as u64;
             for met in met {
-                self.sets.union(leaf.0, met.map_or(shining, |met| met.0));
+                self.sets.union(leaf.0, met.map_or(emitters, |met| met.0));
             }
         }
         self.next = end;
@@ -89,7 +89,7 @@ impl Reaching {
     }
 }
 
-/// The leaf that a ray meets; `None` where it leaves the scene or meets a back, behind which nobody knows what shines.
+/// The leaf that a ray meets; `None` where it leaves the scene or meets a back, behind which nobody knows what emits.
 fn meet(field: &Field, leaf: ElementId, ray: u32, seed: u64) -> Option<ElementId> {
     let hierarchy = field.hierarchy();
     let seed = hash64(seed, hierarchy.element(leaf).key);

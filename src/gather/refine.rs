@@ -1,9 +1,12 @@
 //! Which leaves a gather splits: those over which emitters shine unevenly, and then those over which all light is very uneven.
 //!
 //! Readings look for emitters themselves, so the field is to be right in what leaves send in the mean, and what
-//! counts is how much a leaf's light differs over it.
+//! counts is how much a leaf's light differs over it, and how much of that light others have: a patch beside a gap, bright on
+//! one side of it, may be most of what a dark room behind it sees \[importance: Smits, Arvo, Salesin, *An importance-driven
+//! radiosity algorithm*, SIGGRAPH 1992\].
 
 use super::field::{Field, grey};
+use super::groups::Groups;
 use super::samples::GatherSamples;
 use crate::hierarchy::ElementId;
 
@@ -18,9 +21,14 @@ const LEAST_AREA: f32 = 1e-7;
 
 /// The leaves to split next, so that direct light varies over a leaf by no more than this share of the local light, in the
 /// RMS over all of them.
-pub fn leaves_to_split(field: &Field, samples: &GatherSamples, allowed: f64) -> Vec<ElementId> {
+pub fn leaves_to_split(
+    field: &Field,
+    samples: &GatherSamples,
+    importance: &Importance,
+    allowed: f64,
+) -> Vec<ElementId> {
     let least = least_area(field);
-    let share = share_of(field);
+    let share = importance.share_of(field);
     let mut errors = Vec::new();
     for leaf in field.leaves() {
         if field.emits(leaf) || field.area(leaf) < least {
@@ -48,9 +56,14 @@ pub fn leaves_to_split(field: &Field, samples: &GatherSamples, allowed: f64) -> 
 
 /// Leaves whose light could differ so much over them that a few looks do not tell whether they must be split, with the looks that
 /// would, beside those that there were.
-pub fn leaves_to_look_from(field: &Field, samples: &GatherSamples, allowed: f64) -> Vec<(ElementId, u32)> {
+pub fn leaves_to_look_from(
+    field: &Field,
+    samples: &GatherSamples,
+    importance: &Importance,
+    allowed: f64,
+) -> Vec<(ElementId, u32)> {
     let least = least_area(field);
-    let share = share_of(field);
+    let share = importance.share_of(field);
     let is_heavy = |leaf: &ElementId| {
         !field.emits(*leaf) && field.area(*leaf) >= least && share(*leaf) > HEAVY * allowed * allowed
     };
@@ -58,19 +71,113 @@ pub fn leaves_to_look_from(field: &Field, samples: &GatherSamples, allowed: f64)
     field.leaves().filter(is_heavy).map(looks).filter(|(_, looks)| *looks > 0).collect()
 }
 
-/// Weight of a leaf, of 1 for all: by its share of the area, and as much by its share of what is reflected, for its error is one of
-/// those who read it, too.
-pub fn share_of(field: &Field) -> impl Fn(ElementId) -> f64 + use<'_> {
-    let sent = |leaf: ElementId| f64::from(field.area(leaf) * grey(field.reflected[leaf.index()]));
-    let (mut area, mut power) = (0.0, 0.0);
-    for leaf in field.leaves() {
-        area += f64::from(field.area(leaf));
-        power += sent(leaf);
+/// Share of its readers' light that each patch brings for what it reflects and its area, 1/W, parallel to the arena; of patches that
+/// hold others it is that of all their parts. Empty before anybody read them.
+#[derive(Debug, Default)]
+pub struct Importance(Vec<f32>);
+
+impl Importance {
+    /// By the rays of a gather: which leaves they met, from where, and what light there is.
+    pub fn of(field: &Field, samples: &GatherSamples, groups: &Groups) -> Self {
+        // What a look stands for is the area that it is drawn from, each part of it as far as it is dark.
+        let of_look = |leaf: ElementId| {
+            let looks = groups.planned(leaf).unwrap_or_else(|| f64::from(samples.whole_looks(leaf)).max(1.0));
+            let light = f64::from(grey(field.irradiance[leaf.index()]) + field.dim());
+            f64::from(field.area(leaf)) / (looks * light.max(f64::MIN_POSITIVE))
+        };
+        let mut of = samples.read(field.hierarchy.elements().len(), of_look);
+        let hierarchy = field.hierarchy();
+        for id in hierarchy.ids() {
+            let element = hierarchy.element(id);
+            let whole = match element.parent().filter(|parent| hierarchy.element(*parent).is_patch()) {
+                Some(parent) => of[parent.index()],
+                None => 0.0,
+            };
+            if element.area > 0.0 {
+                of[id.index()] = whole + of[id.index()] / element.area;
+            }
+        }
+        Self(of)
     }
-    move |leaf| 0.5 * (f64::from(field.area(leaf)) / area + sent(leaf) / power.max(f64::MIN_POSITIVE))
+
+    /// The parts of leaves that were split have theirs.
+    pub fn split(&mut self, field: &Field, leaves: &[ElementId]) {
+        if self.0.is_empty() {
+            return;
+        }
+        self.0.resize(field.hierarchy.elements().len(), 0.0);
+        for leaf in leaves {
+            let of_leaf = self.0[leaf.index()];
+            field.hierarchy.element(*leaf).children().for_each(|child| self.0[child.index()] = of_leaf);
+        }
+    }
+
+    /// What a leaf brings to its readers, of 1 for all: in proportion to its power, before anybody read it.
+    pub fn brought_by<'a>(&'a self, field: &'a Field) -> impl Fn(ElementId) -> f64 + use<'a> {
+        let brought = move |leaf: ElementId| {
+            let importance = self.0.get(leaf.index()).copied().unwrap_or(1.0);
+            f64::from(importance * field.area(leaf) * field.reflected[leaf.index()].max_element())
+        };
+        let total = field.leaves().map(&brought).sum::<f64>().max(f64::MIN_POSITIVE);
+        move |leaf| brought(leaf) / total
+    }
+
+    /// Weight of a leaf, of 1 for all: by its share of the area, and as much by what it brings to others, for its error is one of theirs, too.
+    pub fn share_of<'a>(&'a self, field: &'a Field) -> impl Fn(ElementId) -> f64 + use<'a> {
+        let brought = self.brought_by(field);
+        let area: f64 = field.leaves().map(|leaf| f64::from(field.area(leaf))).sum();
+        move |leaf| 0.5 * (f64::from(field.area(leaf)) / area + brought(leaf))
+    }
 }
 
 fn least_area(field: &Field) -> f32 {
     let (lower, upper) = field.scene().bounds();
     LEAST_AREA * lower.distance_squared(upper)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use super::*;
+    use crate::base::cancel::CancelToken;
+    use crate::gather::{Gather, Goal};
+    use crate::geometry::Occluders;
+    use crate::scene::builtin::BuiltinScene;
+    use crate::solve::{Epsilon, Solver, SolverParams};
+
+    /// Truth: readers share their light out among what they see, so that over all leaves what each brings sums to the light that is
+    /// reflected to the readers, each by its own E + E₀.
+    #[test]
+    fn importance_shares_out_the_light_of_readers() {
+        let scene = Arc::new(BuiltinScene::Cornell.build());
+        let occluders = Arc::new(Occluders::new(&scene));
+        let params = SolverParams { epsilon: Epsilon::Relative(1e-2), ..SolverParams::default() };
+        let mut solver = Solver::new(scene, occluders, params, 1).expect("usable parameters");
+        let never = CancelToken::new();
+        assert!(solver.run(&never));
+        let goal = Goal { error: Some(0.05), memory: 1 << 30, seed: 1 };
+        let mut gather = Gather::new(solver.link_solution(), goal, &never).expect("nobody cancels");
+        while gather.certificate().is_none() {
+            gather.step(&never).expect("nobody cancels");
+        }
+        let (field, samples) = (&gather.field, &gather.samples);
+        let importance = Importance::of(field, samples, &gather.groups);
+        let (mut brought, mut had) = (0.0, 0.0);
+        for leaf in field.leaves() {
+            let area = f64::from(field.area(leaf));
+            brought += area * f64::from(importance.0[leaf.index()] * grey(field.reflected[leaf.index()]));
+            let light = field.irradiance[leaf.index()];
+            had += area * f64::from(grey(light - samples.direct(leaf).0) / (grey(light) + field.dim()));
+        }
+        assert!(had > 0.1 && (brought / had - 1.0).abs() < 0.03, "{brought} {had}");
+        // Parts of a leaf bring as much as it did.
+        let mut finer = field.clone();
+        let mut split = Importance(importance.0.clone());
+        let leaf = field.leaves().max_by(|a, b| field.area(*a).total_cmp(&field.area(*b))).expect("a leaf");
+        finer.split(&[leaf]);
+        split.split(&finer, &[leaf]);
+        let parts: f64 = finer.hierarchy().element(leaf).children().map(split.brought_by(&finer)).sum();
+        assert!((parts / importance.brought_by(field)(leaf) - 1.0).abs() < 1e-3, "{parts}");
+    }
 }

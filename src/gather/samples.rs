@@ -233,6 +233,27 @@ impl GatherSamples {
         Some(sums)
     }
 
+    /// How often each patch was met, where each look from a leaf counts so much: an importance, parallel to an arena of so many elements.
+    pub fn read(&self, elements: usize, of_look: impl Fn(ElementId) -> f64) -> Vec<f32> {
+        let mut read = vec![0.0; elements];
+        for pass in &self.passes {
+            for (place, leaf) in pass.leaves.iter().enumerate() {
+                let weight = of_look(*leaf);
+                let looks = pass.starts[place] as usize..pass.starts[place + 1] as usize;
+                let met = &pass.met[looks.start * pass.cosine..looks.end * pass.cosine];
+                for met in met.iter().filter(|met| **met != NOTHING) {
+                    read[met.index()] += (weight / pass.cosine as f64) as f32;
+                }
+                for (_, met, share) in
+                    &pass.aimed[pass.aimed_starts[place] as usize..pass.aimed_starts[place + 1] as usize]
+                {
+                    read[met.index()] += weight as f32 * share;
+                }
+            }
+        }
+        read
+    }
+
     /// Memory, bytes.
     pub fn bytes(&self) -> usize {
         self.passes.iter().map(Pass::bytes).sum::<usize>() + size_of_val(&self.sums[..])

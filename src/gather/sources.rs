@@ -190,7 +190,7 @@ impl Field {
     }
 
     /// Casts about so many rays at what a point aims at. Returns the irradiance that emission brings
-    /// (W/m²) and the rays cast; `reflected` is told each place on a secondary emitter that is seen,
+    /// (W/m²) and the rays cast; `reflected` gets each place on a secondary emitter that is seen,
     /// and the share of its reflected radiosity that reaches the point.
     pub fn aim(
         &self,

@@ -85,7 +85,7 @@ impl Occluders {
         Self::build(&all.flat_map_iter(faces_of).collect::<Vec<_>>(), effort)
     }
 
-    /// Builds the BVH over triangles, anticlockwise from their bright side, each of which is told as a polygon of that number when a ray
+    /// Builds the BVH over triangles, anticlockwise from their bright side, each of which stands for a polygon of that number when a ray
     /// meets it.
     pub fn of_triangles(faces: &[([Vec3; 3], u32)]) -> Self {
         let face = |&(corners, polygon): &([Vec3; 3], u32)| Face { corners, polygon, behind: DARK, slack: 0.0 };

@@ -3,7 +3,7 @@
 //! A straight line that leaves a plane never comes back to it. So the origin of a ray is not lifted by some distance, which would have
 //! to be larger than any rounding and smaller than any gap: the ray passes over the faces in whose plane it starts. Those
 //! are the face itself, its twin that is bright on the other side, and neighbours in the same plane. Whether a plane holds a point is
-//! told by a bound on the rounding of both, coordinate by coordinate \[Pharr, Jakob, Humphreys: PBRT 4, section 6.8\].
+//! found by a bound on the rounding of both, coordinate by coordinate \[Pharr, Jakob, Humphreys: PBRT 4, section 6.8\].
 
 use glam::Vec3A;
 

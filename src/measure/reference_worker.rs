@@ -39,7 +39,7 @@ pub struct Measurement {
 pub struct Report {
     /// Whether there is a scene to make a reference of.
     pub is_active: bool,
-    /// Relative RMS noise of the reference, once that can be told.
+    /// Relative RMS noise of the reference, once that is known.
     pub noise: Option<f64>,
     /// Whether the noise is as low as [`GOAL`].
     pub is_done: bool,

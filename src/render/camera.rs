@@ -340,7 +340,7 @@ mod tests {
         let camera = camera();
         let at = |distance: f32| ndc(&camera, camera.eye() + distance * camera.forward(), 1.6).z;
         assert!((at(camera.near()) - 1.0).abs() < 1e-2);
-        // Distances that differ by a hundred-thousandth are told apart, near by and far away.
+        // Distances that differ by a hundred-thousandth are distinguished, near by and far away.
         for distance in [0.01, 1.0, 10.0, 1000.0] {
             assert!(at(distance) > at(distance * 1.00001) && at(distance * 1.00001) > 0.0, "{distance}");
         }

@@ -40,7 +40,7 @@ const PALETTE: [[u8; 3]; 9] = [
 const WHITE_SHARES: [f32; 2] = [0.10, 0.45];
 /// Surfaces that hang at the root itself belong to no smaller cluster.
 const AT_ROOT: [u8; 3] = [196, 197, 200];
-/// Steps along each axis of the root's box by which places of clusters are told apart.
+/// Steps along each axis of the root's box by which places of clusters are distinguished.
 const STEPS: f32 = 1024.0;
 
 /// A part of the scene that moves as one, and its colour.
@@ -143,7 +143,7 @@ fn level_of(element: &Element) -> u16 {
     }
 }
 
-/// The colour of each cluster in the arena's order: told by its place in the scene, so that it is the same whenever the cluster is, and
+/// The colour of each cluster in the arena's order: given by its place in the scene, so that it is the same whenever the cluster is, and
 /// another one than its siblings' as long as there are colours enough.
 pub fn cluster_colours(hierarchy: &Hierarchy) -> Vec<[u8; 3]> {
     let root = hierarchy.element(Hierarchy::ROOT);

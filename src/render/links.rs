@@ -13,7 +13,7 @@ use crate::hierarchy::ElementId;
 use crate::read::ramp::{VIRIDIS, along_ramp};
 use crate::transport::{LinkView, SolutionView, VisibilitySource};
 
-/// As many links as can still be told apart.
+/// As many links as can still be distinguished.
 pub const USUAL_LINKS: usize = 200;
 
 /// Which links are drawn.

@@ -1,4 +1,4 @@
-//! A scene that nothing lights, in its surfaces' own colours: black in black nothing could be told apart, nor chosen to be a lamp.
+//! A scene that nothing lights, in its surfaces' own colours: black in black nothing could be distinguished, nor chosen to be a lamp.
 //!
 //! This is no light, and nothing reads it. Surfaces are shaded by how they are turned, so that shapes are seen.
 

@@ -29,7 +29,7 @@ const LINE_NEAR: f32 = 100.0;
 /// Content of one picture.
 #[derive(Clone, Copy)]
 pub struct Frame<'a> {
-    /// The solution; told from the one before by mesh, generation and serial, so that only what changed is uploaded.
+    /// The solution; distinguished from the one before by mesh, generation and serial, so that only what changed is uploaded.
     pub snapshot: &'a Snapshot,
     /// From where.
     pub camera: &'a Camera,

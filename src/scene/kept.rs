@@ -74,7 +74,7 @@ impl TaskArea {
 }
 
 impl Scene {
-    /// Takes over what a person keeps beside it; a view that is not told stays.
+    /// Takes over what a person keeps beside it; a view that is not given stays.
     pub fn keep(&mut self, kept: Kept) {
         self.camera = kept.camera.or(self.camera);
         (self.bookmarks, self.task_area) = (kept.bookmarks, kept.task_area);

@@ -7,7 +7,7 @@
 use glam::{DMat4, DVec3, Vec3};
 
 use super::draft::{Draft, DraftMaterial};
-use super::outside::{Amount, Axes, Daylight, SunTold};
+use super::outside::{Amount, Axes, Daylight, SunSpec};
 use super::place::is_usable;
 use super::{FileLight, GroupId, MaterialId, Scene, said};
 use crate::base::photometry::LUMENS_PER_WATT;
@@ -62,8 +62,8 @@ pub(super) fn add_sun(scene: &mut Scene, mut suns: Vec<DirectionalLight>) {
         let [azimuth, elevation] = axes.angles(sun.towards);
         let amount = Some(Amount::Lux(brightness(&sun)));
         let colour = sun.lux / sun.lux.max_element();
-        let told = SunTold { colour, ..SunTold::at(azimuth, elevation, amount) };
-        if let Err(error) = scene.add_daylight(&Daylight { sky: None, sun: Some(told) }) {
+        let spec = SunSpec { colour, ..SunSpec::at(azimuth, elevation, amount) };
+        if let Err(error) = scene.add_daylight(&Daylight { sky: None, sun: Some(spec) }) {
             scene.skipped.note(error.to_string());
         }
     }

@@ -262,7 +262,7 @@ impl GroupTree {
 /// The longest address of a group, bytes: a file can hold a million groups below long names.
 const LONGEST_ADDRESS: usize = 1000;
 
-/// A path for each group that no other has. A slash in a name is none between levels; of a long path the last part is told.
+/// A path for each group that no other has. A slash in a name is none between levels; of a long path the last part is shown.
 pub(super) fn addresses(groups: &[Group]) -> Vec<String> {
     // How often a path was asked for; numbered ones count as well.
     let mut asked: HashMap<String, u32> = HashMap::new();
@@ -379,8 +379,9 @@ mod tests {
     fn the_file_s_own_tree_is_the_same_however_it_is_told() {
         let plain = read("[]").0;
         assert_eq!(plain.groups(), own());
-        let told = read(r#"[{"chair": ["chair/leg #2", "chair/*"]}, "desk", {"walls": ["walls/*", "walls/floor"]}]"#).0;
-        assert_eq!(told, plain);
+        let listed =
+            read(r#"[{"chair": ["chair/leg #2", "chair/*"]}, "desk", {"walls": ["walls/*", "walls/floor"]}]"#).0;
+        assert_eq!(listed, plain);
     }
 
     #[test]

@@ -172,7 +172,7 @@ mod tests {
         GroupId(index.unwrap_or_else(|| panic!("there is a group {address}")) as u32)
     }
 
-    /// Truth: worked out by hand; and each tree can be told by a list.
+    /// Truth: worked out by hand; and each tree can be given by a list.
     #[test]
     fn groups_are_moved_made_renamed_and_dissolved() {
         let (own, tree) = tree();

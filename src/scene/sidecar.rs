@@ -20,7 +20,7 @@ use glam::{DVec3, Vec3};
 use serde::{Deserialize, Serialize};
 
 use super::files::{FileError, MOST_TEXT_BYTES, SceneFiles, SceneFolder};
-use super::outside::{Daylight, SkyTold, SunTold};
+use super::outside::{Daylight, SkySpec, SunSpec};
 use super::place::{FiledCamera, MAX_COORDINATE, is_usable as is_usable_coordinate};
 use super::unit::Unit;
 use super::up::UpAxis;
@@ -53,10 +53,10 @@ pub struct Sidecar {
     ceiling_lights: Vec<CeilingLight>,
     /// The sky outside; a picture lies in the scene's folder.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub sky: Option<SkyTold>,
+    pub sky: Option<SkySpec>,
     /// The sun outside.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub sun: Option<SunTold>,
+    pub sun: Option<SunSpec>,
     /// Which sides of faces are bright.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub sides: Option<Sides>,
@@ -174,7 +174,7 @@ impl Sidecar {
 
     /// All in which a scene differs from its file: reflectances, emissions, added lights, groups made by hand, sides and camera.
     ///
-    /// A scene does not remember which materials a sidecar told to ignore; where a sidecar is already there, read it and
+    /// A scene does not remember which materials a sidecar asked to ignore; where a sidecar is already there, read it and
     /// [`update`](Self::update) it instead.
     pub fn of(scene: &Scene) -> Self {
         let mut sidecar = Self::default();

@@ -81,7 +81,7 @@ pub struct Stats {
     pub entering_watts: f64,
     /// Power absorbed by bright sides, W (all colours summed).
     pub absorbed_watts: f64,
-    /// Share of the whole solve that is done, as far as can be told, 0..1.
+    /// Share of the whole solve that is done, as far as can be known, 0..1.
     pub progress: f32,
     /// Local error within which nine tenths of the area are, by the points that the certificate has compared so far.
     #[serde(skip)]

@@ -64,7 +64,7 @@ pub(super) struct Session {
     /// Error of the present solution as far as it is known, and whether it was measured.
     mesh_error: ErrorOfMesh,
     was_measured: bool,
-    /// A status is to be told by then at the latest: better with the picture that goes with it.
+    /// A status is due by then at the latest: better with the picture that goes with it.
     status_due: Option<Instant>,
     /// Loaders whose result is awaited: of a new scene, and of the present one made anew.
     pub(super) loading: Option<Awaited>,
@@ -78,13 +78,13 @@ pub(super) struct Session {
     picture_is_wanted: bool,
     /// Whether the picture that is being taken was owed.
     picture_was_owed: bool,
-    /// The generation that the last event of a scene told of.
+    /// The generation of the last event of a scene.
     pub(super) announced: u64,
     request: SnapshotRequest,
-    /// Steps that were told of.
+    /// Steps that were reported.
     steps: Arc<[TimelineStep]>,
     /// Generation and number of changes that they stand for.
-    told: (u64, u64),
+    reported: (u64, u64),
     /// A person waits for what comes of the first step.
     hurries: bool,
 }
@@ -119,7 +119,7 @@ impl Session {
             announced: 0,
             request: SnapshotRequest::default(),
             steps: Arc::default(),
-            told: (0, 0),
+            reported: (0, 0),
             hurries: false,
         }
     }
@@ -234,7 +234,7 @@ impl Session {
                 self.edit_material(material, MaterialEdit::Reflectance(reflectance));
             }
             Command::AnchorEpsilon => self.anchor_epsilon(),
-            Command::SetDaylight(told) => self.set_daylight(&told),
+            Command::SetDaylight(spec) => self.set_daylight(&spec),
             Command::SetLuminaires(luminaires) => self.set_luminaires(luminaires),
             Command::SetGroups(members) => self.set_groups(members),
             _ => {}

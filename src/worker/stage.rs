@@ -195,13 +195,13 @@ impl Session {
     }
 
     /// Lets another daylight in; the scene is solved anew.
-    pub(super) fn set_daylight(&mut self, told: &Daylight) {
+    pub(super) fn set_daylight(&mut self, spec: &Daylight) {
         let Some(prepared) = self.prepared.as_mut() else { return };
-        if prepared.raw.daylight() == *told {
+        if prepared.raw.daylight() == *spec {
             return;
         }
         let mut scene = (*prepared.scene).clone();
-        if let Err(error) = scene.replace_daylight(told) {
+        if let Err(error) = scene.replace_daylight(spec) {
             return self.emit(Event::SolveFailed(error.to_string()));
         }
         Arc::make_mut(&mut prepared.raw).outside.clone_from(&scene.outside);

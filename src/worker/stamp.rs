@@ -1,4 +1,4 @@
-//! Stamps: what the files of a scene looked like from outside when they were read, so that a change on disk is told from what is
+//! Stamps: what the files of a scene looked like from outside when they were read, so that a change on disk is distinguished from what is
 //! in view.
 
 use std::path::{Path, PathBuf};

@@ -10,16 +10,16 @@ use selflink::scene::{Scene, Sides};
 
 use super::support::{Folder, name, refused, succeed};
 
-/// What a program is told of a material: reflectance, radiance, and the sum of its faces' area vectors and areas.
+/// A material as a program reads it: reflectance, radiance, and the sum of its faces' area vectors and areas.
 #[derive(Clone, Copy, Debug, Default)]
-struct Told {
+struct Described {
     reflectance: Vec3,
     radiance: Vec3,
     vector: Vec3,
     area: f32,
 }
 
-impl Told {
+impl Described {
     fn add(&mut self, corners: &[Vec3]) {
         for index in 1..corners.len() - 1 {
             let vector = 0.5 * (corners[index] - corners[0]).cross(corners[index + 1] - corners[0]);
@@ -30,20 +30,20 @@ impl Told {
 }
 
 /// Truth: the scene, material by material.
-fn truth(scene: &Scene) -> Vec<Told> {
-    let mut told: Vec<Told> = scene.materials.iter().map(|_| Told::default()).collect();
+fn truth(scene: &Scene) -> Vec<Described> {
+    let mut described: Vec<Described> = scene.materials.iter().map(|_| Described::default()).collect();
     for polygon in &scene.polygons {
-        let of = &mut told[polygon.material.0 as usize];
+        let of = &mut described[polygon.material.0 as usize];
         let material = &scene.materials[polygon.material.0 as usize];
         (of.reflectance, of.radiance) = (material.reflectance, material.emission / std::f32::consts::PI);
         let (corners, count) = scene.corner_positions(polygon);
         of.add(&corners[..count]);
     }
-    told.retain(|of| of.area > 0.0);
-    told
+    described.retain(|of| of.area > 0.0);
+    described
 }
 
-fn assert_told(found: &[Told], scene: &Scene) {
+fn assert_described(found: &[Described], scene: &Scene) {
     let truth = truth(scene);
     assert_eq!(found.len(), truth.len(), "materials");
     for (found, truth) in found.iter().zip(&truth) {
@@ -148,16 +148,17 @@ fn mitsuba_reads_the_scene_that_it_is() {
         assert!(said.contains("scene.xml"), "{said}");
         let scene = prepared(builtin, Sides::Front);
         let root = parse_xml(&std::fs::read_to_string(target.join("scene.xml")).expect("it was written"));
-        let told = root.children.iter().filter(|child| child.tag == "shape").map(|shape| {
+        let described = root.children.iter().filter(|child| child.tag == "shape").map(|shape| {
             let bsdf = shape.child("bsdf").expect("a material");
             assert_eq!((shape.attributes["type"].as_str(), bsdf.attributes["type"].as_str()), ("ply", "diffuse"));
             let radiance = shape.child("emitter").map_or(Vec3::ZERO, |emitter| three(emitter.named("radiance")));
-            let mut told = Told { reflectance: three(bsdf.named("reflectance")), radiance, ..Told::default() };
+            let mut described =
+                Described { reflectance: three(bsdf.named("reflectance")), radiance, ..Described::default() };
             let triangles = read_ply(&target.join(shape.named("filename")));
-            triangles.iter().for_each(|triangle| told.add(triangle));
-            told
+            triangles.iter().for_each(|triangle| described.add(triangle));
+            described
         });
-        assert_told(&told.collect::<Vec<_>>(), &scene);
+        assert_described(&described.collect::<Vec<_>>(), &scene);
         let sensor = root.child("sensor").expect("a camera");
         let camera = scene.camera.expect("our scenes have cameras");
         let look =
@@ -213,7 +214,7 @@ fn radiance_reads_the_scene_that_it_is() {
             Vec3::from_slice(&front.numbers[..3])
         };
         assert_eq!(known("black").map(|black| black.numbers.as_slice()), Some(&[0.0; 5][..]));
-        let mut told: BTreeMap<usize, Told> = BTreeMap::new();
+        let mut described: BTreeMap<usize, Described> = BTreeMap::new();
         for polygon in primitives.iter().filter(|primitive| primitive.kind == "polygon") {
             let number = polygon.name.split('-').next().and_then(|number| number.parse().ok()).expect("a number");
             let material = known(polygon.modifier).expect("defined");
@@ -223,11 +224,11 @@ fn radiance_reads_the_scene_that_it_is() {
                 "light" => (Vec3::ZERO, Vec3::from_slice(&material.numbers)),
                 other => panic!("{other}"),
             };
-            let of = told.entry(number).or_default();
+            let of = described.entry(number).or_default();
             (of.reflectance, of.radiance) = (reflectance, radiance);
             of.add(&polygon.numbers.as_chunks::<3>().0.iter().map(|corner| Vec3::from(*corner)).collect::<Vec<_>>());
         }
-        assert_told(&told.into_values().collect::<Vec<_>>(), &scene);
+        assert_described(&described.into_values().collect::<Vec<_>>(), &scene);
         let view = std::fs::read_to_string(target.join("view.vf")).expect("it was written");
         let camera = scene.camera.expect("our scenes have cameras");
         let after = |option: &str| view.split_once(option).expect("an option of the view").1.split(" -v").next();
@@ -251,11 +252,11 @@ fn second_sides_lie_behind_the_first() {
     let (front, both) = (planes(&front), planes(&both));
     assert_eq!(both.len(), 2 * front.len());
     let sum = |faces: &[Vec<f32>]| {
-        let mut told = Told::default();
+        let mut described = Described::default();
         for numbers in faces {
-            told.add(&numbers.as_chunks::<3>().0.iter().map(|corner| Vec3::from(*corner)).collect::<Vec<_>>());
+            described.add(&numbers.as_chunks::<3>().0.iter().map(|corner| Vec3::from(*corner)).collect::<Vec<_>>());
         }
-        told
+        described
     };
     assert!(sum(&both).vector.length() < 1e-3, "as much looks the one way as the other");
     let corners = |numbers: &Vec<f32>| {

@@ -17,8 +17,8 @@ fn a_log_tells_the_stages_on_stderr() {
     let stages = ["scene read", "scene prepared", "clusters built", "links settled", "written"];
     let lines: Vec<&str> = stderr.lines().collect();
     for stage in stages {
-        let told = lines.iter().filter(|line| line.contains(stage) && line.contains("INFO")).count();
-        assert_eq!(told, 1, "{stage}: {stderr}");
+        let reported = lines.iter().filter(|line| line.contains(stage) && line.contains("INFO")).count();
+        assert_eq!(reported, 1, "{stage}: {stderr}");
     }
     assert!(!stderr.contains("DEBUG"), "{stderr}");
 }
@@ -31,9 +31,10 @@ fn a_log_tells_of_certificates() {
     let stats: serde_json::Value = serde_json::from_str(&stdout).expect("stdout is pure JSON");
     let last = stderr.lines().rfind(|line| line.contains("certificate")).expect("a certificate");
     let bound = last.split("bound=").nth(1).and_then(|rest| rest.split(' ').next()).expect("a bound");
-    let [logged, told] = [bound.parse::<f64>().ok(), stats["error"]["bound"].as_f64()].map(|it| it.expect("a number"));
+    let [logged, reported] =
+        [bound.parse::<f64>().ok(), stats["error"]["bound"].as_f64()].map(|it| it.expect("a number"));
     // The JSON reader of this test may be off by the last digit.
-    assert!((logged - told).abs() <= f64::EPSILON * told, "{told}: {last}");
+    assert!((logged - reported).abs() <= f64::EPSILON * reported, "{reported}: {last}");
 }
 
 /// Truth: RUST_LOG chooses modules; the option counts more.
@@ -72,10 +73,10 @@ fn a_panic_leaves_a_report() {
     let reports: Vec<_> = std::fs::read_dir(folder.path("")).expect("a folder").collect();
     let [Ok(report)] = &reports[..] else { panic!("{reports:?}") };
     assert!(stderr.contains(&report.path().display().to_string()), "{stderr}");
-    let told = std::fs::read_to_string(report.path()).expect("a report");
+    let reported = std::fs::read_to_string(report.path()).expect("a report");
     let version = format!("Selflink {}", env!("CARGO_PKG_VERSION"));
     let place = "broken on purpose, src/cli/panic.rs:";
     for part in [&version, place, "thread: main", "\"scene\": \"cornell\"", "0.0125", "\"seed\": 77", "backtrace:\n"] {
-        assert!(told.contains(part), "{part}: {told}");
+        assert!(reported.contains(part), "{part}: {reported}");
     }
 }

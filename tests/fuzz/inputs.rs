@@ -178,7 +178,7 @@ fn check_name(name: &str) {
     assert!(name.chars().count() <= 200 && !name.chars().any(char::is_control), "{name:?}");
 }
 
-/// Groups made by hand can be told, and told they are the same.
+/// Groups made by hand can be written as a list, and read from it they are the same.
 fn check_groups(scene: &Scene) {
     let tree = scene.group_tree();
     assert!(tree.addresses().iter().all(|address| address.len() <= 1100));

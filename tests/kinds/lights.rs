@@ -28,21 +28,21 @@ fn the_brightest_directional_light_is_the_sun() {
     assert!(notes.contains("the brightest alone is the sun: Moon") && scene.skipped.ignored_lights == 1, "{notes}");
 }
 
-/// Truth: what a person lets in comes back by the sidecar; what cannot be used is told, and a picture that is gone costs the sky alone.
+/// Truth: what a person lets in comes back by the sidecar; what cannot be used is reported, and a picture that is gone costs the sky alone.
 #[test]
 fn daylight_comes_back_by_the_sidecar() {
     let folder = Folder::new();
     let path = folder.write("room.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nusemtl a\nf 1 2 3\n");
     let mut scene = load_file(&path).expect("a sound scene");
-    let told = Daylight {
+    let spec = Daylight {
         sky: Some("clear:9000lx".parse().expect("a sky")),
         sun: Some("az:200,el:40,60000lx".parse().expect("a sun")),
     };
-    scene.add_daylight(&told).expect("daylight");
+    scene.add_daylight(&spec).expect("daylight");
     Sidecar::of(&scene).write(&Sidecar::path_for(&path)).expect("a writable folder");
     let again = load_file(&path).expect("a sound scene");
     assert!(again.has_light() && !again.has_lamp());
-    assert_eq!((again.daylight(), &again.skipped), (told, &scene.skipped));
+    assert_eq!((again.daylight(), &again.skipped), (spec, &scene.skipped));
 
     for (text, part) in [
         (r#"{"sky": "cloudy"}"#, "KIND:AMOUNT"),

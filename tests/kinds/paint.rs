@@ -50,7 +50,7 @@ fn a_material_that_was_left_out_comes_back() {
     assert_eq!(load_file(&path).expect("a sound scene").polygons.len(), 6);
 }
 
-/// Truth: of a cube one face is a pane; what is left out by a person stays out by the sidecar, and a name that is none is told.
+/// Truth: of a cube one face is a pane; what is left out by a person stays out by the sidecar, and a name that is none is reported.
 #[test]
 fn a_material_is_left_out_where_daylight_is_to_pass() {
     let folder = Folder::new();

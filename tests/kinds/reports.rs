@@ -87,7 +87,7 @@ fn what_has_one_name_is_told_apart() {
     assert_eq!(names, ["wall", "wall (2)", "Light", "Light (2)"]);
     assert_eq!([&scene.lights[0].name, &scene.lights[1].name], ["Light", "Light (2)"]);
     let metres = scene.frame.unit.metres() as f32;
-    assert!(metres < 1.0 && (scene.lights[0].range.expect("told") - 500.0 * metres).abs() < 1e-4, "{metres}");
+    assert!(metres < 1.0 && (scene.lights[0].range.expect("a range") - 500.0 * metres).abs() < 1e-4, "{metres}");
 
     for (index, value) in [0.1, 0.2, 3.0, 4.0].into_iter().enumerate() {
         let material = &mut scene.materials[index];

@@ -88,7 +88,7 @@ fn as_gltf(order: fn(f32, f32, f32) -> [f32; 3]) -> Vec<u8> {
     glb(&json, &binary)
 }
 
-/// Truth: the room stands on its floor. Exporters can be told to leave z up in glTF, and the format has no word for it.
+/// Truth: the room stands on its floor. Exporters can be set to leave z up in glTF, and the format has no word for it.
 #[test]
 fn up_is_seen_where_a_format_prescribes_another_axis() {
     for (order, up) in [(y_up as fn(f32, f32, f32) -> [f32; 3], UpAxis::Y), (z_up, UpAxis::Z)] {
@@ -101,16 +101,16 @@ fn up_is_seen_where_a_format_prescribes_another_axis() {
 /// Truth: a room of 5 × 3 × 4 m in other units is as large.
 #[test]
 fn lengths_become_metres() {
-    for (unit, told) in [(Unit::Centimetre, false), (Unit::Millimetre, false), (Unit::Inch, false), (Unit::Foot, true)]
+    for (unit, given) in [(Unit::Centimetre, false), (Unit::Millimetre, false), (Unit::Inch, false), (Unit::Foot, true)]
     {
         let folder = Folder::new();
         folder.write("a.mtl", ROOM);
         let path = folder.write("a.obj", room(y_up, (1.0 / unit.metres()) as f32, false));
-        let reading = Reading { unit: told.then_some(unit), ..Reading::default() };
+        let reading = Reading { unit: given.then_some(unit), ..Reading::default() };
         let scene = load_with(&Source::File(path), &reading).expect("a room");
         assert_eq!(scene.frame.unit, unit);
         assert!(scene.bounds().1.distance(Vec3::new(5.0, 3.0, 4.0)) < 1e-4, "{unit:?}: {}", scene.bounds().1);
-        assert_eq!(notes(&scene).contains(unit.name()), !told, "{}", notes(&scene));
+        assert_eq!(notes(&scene).contains(unit.name()), !given, "{}", notes(&scene));
         let saved = Sidecar::of(&scene);
         assert_eq!(saved.unit, Some(unit), "what is saved in metres stays in metres");
     }

@@ -119,7 +119,7 @@ fn specular_glossiness_has_a_diffuse_part() {
 fn dds() -> Vec<u8> {
     let mut words = [0_u32; 32];
     words[0] = u32::from_le_bytes(*b"DDS ");
-    // Size, what is told, height, width, and bytes of the block.
+    // Size, flags, height, width, and bytes of the block.
     (words[1], words[2], words[3], words[4], words[5]) = (124, 0x8_1007, 4, 4, 8);
     (words[19], words[20], words[21], words[27]) = (32, 4, u32::from_le_bytes(*b"DXT1"), 0x1000);
     let head: Vec<u8> = words.iter().flat_map(|word| word.to_le_bytes()).collect();

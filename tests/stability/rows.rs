@@ -14,7 +14,7 @@ fn holds(name: &str) {
         .collect();
     assert!(bad.is_empty(), "{name}: {}\n{}", row.asked, bad.join("\n"));
     let is_limited = finding.verdict == Verdict::KnownLimit;
-    assert_eq!(is_limited, row.limit.is_some(), "{name}: a limit is told where there is one, and only there");
+    assert_eq!(is_limited, row.limit.is_some(), "{name}: a limit is reported where there is one, and only there");
 }
 
 /// One test for each row, by its name.

@@ -360,7 +360,7 @@ fn an_error_is_asked_for_with_a_slider() {
     until(&mut window, "a solution by ε", |window| {
         window.state().status().run == RunState::Finished && estimate(window).is_none()
     });
-    // The links are there; what they are worth is measured, and told with its standard error.
+    // The links are there; what they are worth is measured, and shown with its standard error.
     until(&mut window, "its error", |window| {
         let said = window.query_by_label_contains(words::LINKS_SETTLED).map(|node| format!("{node:?}"));
         said.is_some_and(|said| said.contains(words::SURFACES_WITHIN) && said.contains('±'))

@@ -45,7 +45,7 @@ fn a_lost_device_is_noticed() {
     assert_eq!(window.state().lost_device(), None);
     let device = device.expect("the window draws with a device");
     device.destroy();
-    // Whoever asks the device for anything is told.
+    // Whoever asks the device for anything is reported.
     let _ = device.poll(egui_wgpu::wgpu::PollType::Poll);
     until(&mut window, "the loss being noticed", |window| window.state().lost_device().is_some());
     let asked: Vec<_> =

@@ -16,7 +16,7 @@ const NAME: &str = "tag";
 /// From the point to the tag's corner, points.
 const ASIDE: egui::Vec2 = vec2(14.0, 10.0);
 
-/// Draws it; nothing where nothing is selected, or more is told elsewhere.
+/// Draws it; nothing where nothing is selected, or more is shown elsewhere.
 pub(in crate::app) fn show(app: &mut App, ui: &Ui, view: Rect) {
     let tells_more = app.layout.is_card_open || app.tools.open == Some(Tool::Inspector);
     let (Some(picked), Some(facts), false) = (&app.picked, &app.tools.inspection.facts, tells_more) else { return };

@@ -42,16 +42,16 @@ impl DeviceState {
     /// Asks the device to tell when it is lost; `ctx` then draws a frame, so that the window notices.
     pub(in crate::app) fn watch(device: &wgpu::Device, ctx: egui::Context) -> Self {
         let lost = Arc::<Mutex<Option<String>>>::default();
-        let told = lost.clone();
+        let shared = lost.clone();
         device.set_device_lost_callback(move |_, reason| {
             let reason = reason.trim_end_matches('.').to_owned();
-            *lock(&told) = Some(if reason.is_empty() { "no reason was given".into() } else { reason });
+            *lock(&shared) = Some(if reason.is_empty() { "no reason was given".into() } else { reason });
             ctx.request_repaint();
         });
         Self { device: device.clone(), lost }
     }
 
-    /// Why the device was lost, as far as it was told.
+    /// Why the device was lost, as far as it was reported.
     pub(in crate::app) fn lost(&self) -> Option<String> {
         lock(&self.lost).clone()
     }

@@ -210,9 +210,9 @@ mod tests {
         for id in solution_view.hierarchy().initial_patches() {
             let of = facts(*id);
             let by_links: Vec3 = solution_view.all_incoming(*id).iter().map(|link| link.irradiance).sum();
-            let told = of.by_links.expect("a final gather is there");
-            assert!(told.abs_diff_eq(by_links, 5e-3 * by_links.max_element().max(1e-3)), "{told} {by_links}");
-            differ += usize::from(!told.abs_diff_eq(of.irradiance, 1e-3 * told.max_element()));
+            let shown = of.by_links.expect("a final gather is there");
+            assert!(shown.abs_diff_eq(by_links, 5e-3 * by_links.max_element().max(1e-3)), "{shown} {by_links}");
+            differ += usize::from(!shown.abs_diff_eq(of.irradiance, 1e-3 * shown.max_element()));
         }
         assert!(differ > 0, "the gather finds what links blur");
     }

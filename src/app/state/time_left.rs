@@ -1,4 +1,4 @@
-//! How far a solve is, as a bar shows it, how long it may still take, and how long the solver has been working since it last told.
+//! How far a solve is, as a bar shows it, how long it may still take, and how long the solver has been working since it last reported.
 
 use std::time::{Duration, Instant};
 
@@ -7,7 +7,7 @@ use crate::worker::RunState;
 
 /// Progress must have gone so far before it is extrapolated.
 const LEAST_PROGRESS: f32 = 0.03;
-/// Share of the time so far by which the present pace is told: the last rays of a solve come slower than its first links.
+/// Share of the time so far by which the present pace is judged: the last rays of a solve come slower than its first links.
 const RECENT: f64 = 1.0 / 3.0;
 
 /// How far the solve is, and how long it has been working.
@@ -15,7 +15,7 @@ const RECENT: f64 = 1.0 / 3.0;
 pub(in crate::app) struct Progress {
     /// The share that is done.
     pub course: Course,
-    /// Time since the worker last told.
+    /// Time since the worker last reported.
     pub clock: Clock,
 }
 
@@ -24,7 +24,7 @@ pub(in crate::app) struct Progress {
 pub(in crate::app) struct Course {
     of: Option<Solve>,
     share: f32,
-    /// Time of the solve when it last told, s.
+    /// Time of the solve when it last reported, s.
     total: f64,
     /// Times of the solve, s, at which the share grew, and how large it was then.
     grown: Vec<(f64, f32)>,
@@ -47,7 +47,7 @@ impl Course {
         self.share
     }
 
-    /// Seconds that the solve may still take, this long after it last told. `None` where that cannot be told: at the beginning, and while
+    /// Seconds that the solve may still take, this long after it last reported. `None` where that cannot be known: at the beginning, and while
     /// nothing is known to go on.
     pub(in crate::app) fn seconds(&self, after: f64) -> Option<f64> {
         let of = self.of.as_ref().filter(|of| !of.is_done)?;

@@ -100,7 +100,7 @@ impl App {
             params: self.edits.params,
             display: self.edits.display.clone(),
             lighting: self.edits.light.lighting.clone(),
-            daylight: self.edits.light.daylight.told.clone(),
+            daylight: self.edits.light.daylight.spec.clone(),
             task_area: self.tools.measuring.task_area(),
         }
     }
@@ -121,10 +121,10 @@ impl App {
             outbox.push(Command::SetParams(params));
         }
         outbox.extend(lighting.commands_since(&self.edits.light.lighting));
-        // The worker is told of luminaires at the end of the frame.
+        // The worker hears of luminaires at the end of the frame.
         self.edits.light.lighting = lighting;
-        if daylight != self.edits.light.daylight.told {
-            self.edits.light.daylight.told.clone_from(&daylight);
+        if daylight != self.edits.light.daylight.spec {
+            self.edits.light.daylight.spec.clone_from(&daylight);
             outbox.push(Command::SetDaylight(daylight));
         }
         (self.edits.params, self.edits.display) = (params, display);

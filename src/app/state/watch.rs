@@ -76,7 +76,7 @@ impl Watch {
         sentence
     }
 
-    /// Whether the scene that came is the former one, read anew; told once.
+    /// Whether the scene that came is the former one, read anew; reported once.
     pub(in crate::app) fn take_reloading(&mut self) -> bool {
         self.reloading.take().is_some()
     }
@@ -204,13 +204,13 @@ mod tests {
             assert_eq!(file.look(stamp(Some(length))), None);
         }
         assert_eq!(file.look(stamp(Some(120))), Some(News::Changed("room.obj".into())));
-        assert_eq!(file.look(stamp(Some(120))), None, "told once");
+        assert_eq!(file.look(stamp(Some(120))), None, "reported once");
         // It is replaced: gone for a moment, and then as it was.
         assert_eq!([None, Some(120), Some(120)].map(|length| file.look(stamp(length))), [None, None, None]);
         // It is gone for good, and then comes back.
         assert_eq!(file.look(stamp(None)), None);
         assert_eq!(file.look(stamp(None)), Some(News::Vanished("room.obj".into())));
-        assert_eq!(file.look(stamp(None)), None, "told once");
+        assert_eq!(file.look(stamp(None)), None, "reported once");
         assert_eq!(file.look(stamp(Some(120))), None);
         assert_eq!(file.look(stamp(Some(120))), Some(News::Changed("room.obj".into())));
     }

@@ -63,7 +63,7 @@ struct Key {
     beside: Option<(u64, u64)>,
 }
 
-/// Sets up the renderer; what cannot be drawn is told through `failures`.
+/// Sets up the renderer; what cannot be drawn is reported through `failures`.
 pub(in crate::app) fn install(render_state: &RenderState, failures: Sender<String>, ctx: egui::Context) {
     let samples = render::sample_count(&render_state.adapter);
     let (device, queue) = (render_state.device.clone(), render_state.queue.clone());

@@ -95,8 +95,8 @@ fn rectangles() -> Vec<Case> {
 /// One rectangle shines on the other: the mean irradiance of the black one is F(it←lamp).
 fn exchange_case(name: &'static str, source: &'static str, lamp: [Vec3; 4], other: [Vec3; 4], exchange: f64) -> Case {
     let mut scene = Scene::new(name);
-    let (shining, black) = lamp_and_black(&mut scene, 1.0);
-    scene.add_quad(lamp, shining, GroupId(0));
+    let (emitter, black) = lamp_and_black(&mut scene, 1.0);
+    scene.add_quad(lamp, emitter, GroupId(0));
     scene.add_quad(other, black, GroupId(0));
     let area = f64::from(scene.area(&scene.polygons[1]));
     Case { name, source, readings: vec![mean("F", vec![1], exchange / area)], scene }
@@ -104,8 +104,8 @@ fn exchange_case(name: &'static str, source: &'static str, lamp: [Vec3; 4], othe
 
 fn point_and_rectangle() -> Case {
     let mut scene = Scene::new("point and rectangle");
-    let (shining, black) = lamp_and_black(&mut scene, 1.0);
-    scene.add_quad(level([0.0, 1.0], [0.0, 2.0], 0.5, false), shining, GroupId(0));
+    let (emitter, black) = lamp_and_black(&mut scene, 1.0);
+    scene.add_quad(level([0.0, 1.0], [0.0, 2.0], 0.5, false), emitter, GroupId(0));
     scene.add_quad(level([-1.0, 2.0], [-1.0, 3.0], 0.0, true), black, GroupId(0));
     let lamp = corners(&scene, 0);
     let points = [("below a corner", 0.0, 0.0), ("below the middle", 0.5, 1.0), ("beside", 1.75, 0.25)];
@@ -137,9 +137,9 @@ fn cubes() -> [Case; 3] {
     let cube = |name, reflectance: f64, ceiling_reflectance: f64, floor: f64, ceiling: Option<f64>, wall: f64| {
         let mut scene = Scene::new(name);
         let grey = scene.add_material("grey", Vec3::splat(reflectance as f32), Vec3::ZERO);
-        let shining = scene.add_material("ceiling", Vec3::splat(ceiling_reflectance as f32), Vec3::ONE);
+        let emitter = scene.add_material("ceiling", Vec3::splat(ceiling_reflectance as f32), Vec3::ONE);
         let mut faces = [grey; 6];
-        faces[CEILING as usize] = shining;
+        faces[CEILING as usize] = emitter;
         add_room(&mut scene, Vec3::ONE, faces);
         let walls = (0..6).filter(|face| ![FLOOR, CEILING].contains(face)).collect();
         let mut readings =
@@ -163,14 +163,14 @@ fn cubes() -> [Case; 3] {
 fn sphere() -> Case {
     let mut scene = Scene::new("sphere");
     let wall = scene.add_material("wall", Vec3::splat(0.5), Vec3::ZERO);
-    let shining = scene.add_material("top", Vec3::splat(0.5), Vec3::ONE);
+    let emitter = scene.add_material("top", Vec3::splat(0.5), Vec3::ONE);
     let mut far = Vec::new();
     for corners in icosphere(2) {
         let height = corners.iter().map(|corner| corner.z).sum::<f32>() / 3.0;
         if height < 0.0 {
             far.push(scene.polygons.len() as u32);
         }
-        scene.add_triangle(corners, if height > 0.8 { shining } else { wall }, GroupId(0));
+        scene.add_triangle(corners, if height > 0.8 { emitter } else { wall }, GroupId(0));
     }
     let area: f64 = scene.polygons.iter().map(|polygon| f64::from(scene.area(polygon))).sum();
     let truth = closed_forms::closed_room(f64::from(scene.emitted_power().x), area, 0.5);
@@ -185,9 +185,9 @@ fn sphere() -> Case {
 fn cie_5_2() -> Case {
     let mut scene = Scene::new("CIE 171 5.2");
     let side = 0.01;
-    let (shining, black) = lamp_and_black(&mut scene, PI * 1000.0 / (side * side));
+    let (emitter, black) = lamp_and_black(&mut scene, PI * 1000.0 / (side * side));
     let half = [-0.5 * side, 0.5 * side];
-    scene.add_quad(level(half, half, 3.0, false), shining, GroupId(0));
+    scene.add_quad(level(half, half, 3.0, false), emitter, GroupId(0));
     scene.add_quad(level([-2.0, 2.0], [-2.0, 2.0], 0.0, true), black, GroupId(0));
     let places = [("below", 0.0, 0.0), ("0.5 m aside", 0.5, 0.0), ("1 m aside", 1.0, 0.0), ("corner", 1.5, 1.5)];
     let reading = |(label, x, y): (&str, f64, f64)| {
@@ -198,11 +198,11 @@ fn cie_5_2() -> Case {
 }
 
 /// CIE 171:2006, 5.3: a Lambertian square of 1 m and 1,000 cd in the ceiling of a black room of 4 ×
-/// 4 × 3 m. The ceiling, which neither shines nor reflects, is left out.
+/// 4 × 3 m. The ceiling, which neither emits nor reflects, is left out.
 fn cie_5_3() -> Case {
     let mut scene = Scene::new("CIE 171 5.3");
-    let (shining, black) = lamp_and_black(&mut scene, PI * 1000.0);
-    scene.add_quad(level([1.5, 2.5], [1.5, 2.5], 3.0, false), shining, GroupId(0));
+    let (emitter, black) = lamp_and_black(&mut scene, PI * 1000.0);
+    scene.add_quad(level([1.5, 2.5], [1.5, 2.5], 3.0, false), emitter, GroupId(0));
     scene.add_quad(level([0.0, 4.0], [0.0, 4.0], 0.0, true), black, GroupId(0));
     scene.add_quad(wall(0.0, [0.0, 3.0], true), black, GroupId(0));
     let lamp = corners(&scene, 0);
@@ -221,8 +221,8 @@ fn cie_5_3() -> Case {
 /// floor itself shines.
 fn cie_5_6() -> Case {
     let mut scene = Scene::new("CIE 171 5.6");
-    let (shining, black) = lamp_and_black(&mut scene, 1.0);
-    scene.add_quad(level([0.0, 4.0], [0.0, 4.0], 0.0, true), shining, GroupId(0));
+    let (emitter, black) = lamp_and_black(&mut scene, 1.0);
+    scene.add_quad(level([0.0, 4.0], [0.0, 4.0], 0.0, true), emitter, GroupId(0));
     scene.add_quad(wall(0.0, [0.0, 3.0], true), black, GroupId(0));
     scene.add_quad(level([0.0, 4.0], [0.0, 4.0], 3.0, false), black, GroupId(0));
     let floor = corners(&scene, 0);
@@ -241,8 +241,8 @@ fn cie_5_6() -> Case {
 /// Table 19 is wrong; truth is the part of the wall that is seen.
 fn cie_5_7() -> Case {
     let mut scene = Scene::new("CIE 171 5.7");
-    let (shining, black) = lamp_and_black(&mut scene, 1.0);
-    scene.add_quad(wall(4.0, [0.0, 3.0], false), shining, GroupId(0));
+    let (emitter, black) = lamp_and_black(&mut scene, 1.0);
+    scene.add_quad(wall(4.0, [0.0, 3.0], false), emitter, GroupId(0));
     scene.add_quad(wall(0.0, [0.0, 3.0], true), black, GroupId(0));
     scene.add_quad(level([0.0, 4.0], [0.0, 4.0], 0.0, true), black, GroupId(0));
     scene.add_quad(wall(2.5, [0.0, 1.0], false), black, GroupId(0));
@@ -270,7 +270,7 @@ fn cie_5_7() -> Case {
 fn cie_5_8() -> Case {
     let mut scene = Scene::new("CIE 171 5.8");
     let side = 0.01;
-    let (shining, _) = lamp_and_black(&mut scene, 10_000.0 / (side * side));
+    let (emitter, _) = lamp_and_black(&mut scene, 10_000.0 / (side * side));
     let mut readings = Vec::new();
     for (index, reflectance) in [0.1, 0.3, 0.5, 0.7, 0.8, 0.9, 0.95].into_iter().enumerate() {
         let wall = scene.add_material(&format!("ρ = {reflectance}"), Vec3::splat(reflectance as f32), Vec3::ZERO);
@@ -279,7 +279,7 @@ fn cie_5_8() -> Case {
         let first = scene.polygons.len();
         add_room(&mut scene, Vec3::splat(4.0), [wall; 6]);
         let square = [2.0 - 0.5 * side, 2.0 + 0.5 * side];
-        scene.add_quad(level(square, square, 2.0, false), shining, group);
+        scene.add_quad(level(square, square, 2.0, false), emitter, group);
         for polygon in &mut scene.polygons[first..] {
             polygon.group = group;
         }
@@ -321,7 +321,7 @@ fn share(label: &str, polygon: u32, at: DVec3, truth: f64) -> Reading {
     Reading { factor: 100.0, unit: "%", ..point(label, polygon, at.as_vec3(), 100.0 * truth) }
 }
 
-/// A lamp of this exitance, W/m², that reflects nothing, and a material that neither shines nor
+/// A lamp of this exitance, W/m², that reflects nothing, and a material that neither emits nor
 /// reflects.
 pub(crate) fn lamp_and_black(scene: &mut Scene, exitance: f64) -> (MaterialId, MaterialId) {
     let lamp = scene.add_material("lamp", Vec3::ZERO, Vec3::splat(exitance as f32));

@@ -62,7 +62,7 @@ impl Key {
     }
 }
 
-/// Directions all around, by whose radiances skies are told apart.
+/// Directions all around, by whose radiances skies are distinguished.
 fn probes() -> impl Iterator<Item = Vec3> {
     const COUNT: usize = 20_000;
     (0..COUNT).map(|index| {

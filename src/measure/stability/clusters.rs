@@ -158,7 +158,7 @@ fn extinction() -> Result<Vec<Check>, SolverError> {
     Ok(checks)
 }
 
-/// Two groups of small boxes, one shining, mingled in one cube.
+/// Two groups of small boxes, one of them emitting, mingled in one cube.
 fn overlapping_boxes() -> Result<Vec<Check>, SolverError> {
     let mut scene = Scene::new("mingled");
     let grey = scene.add_material("grey", Vec3::splat(0.6), Vec3::ZERO);

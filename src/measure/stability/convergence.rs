@@ -44,7 +44,7 @@ pub(super) fn rows() -> Vec<Row> {
     ]
 }
 
-/// Boxes and plates pressed together, a few of them shining: what makes rows large.
+/// Boxes and plates pressed together, a few of them emitting: what makes rows large.
 fn dense_scene(reflectance: f32) -> Scene {
     let mut scene = empty_room(reflectance, 0.0);
     let white = scene.materials[0].clone();

@@ -60,8 +60,8 @@ pub(super) fn rows() -> Vec<Row> {
 /// A square that shines and a black one.
 fn pair(lamp: [Vec3; 4], other: [Vec3; 4]) -> Scene {
     let mut scene = Scene::new("pair");
-    let (shining, black) = lamp_and_black(&mut scene, 1.0);
-    scene.add_quad(lamp, shining, GroupId(0));
+    let (emitter, black) = lamp_and_black(&mut scene, 1.0);
+    scene.add_quad(lamp, emitter, GroupId(0));
     scene.add_quad(other, black, GroupId(0));
     scene
 }
@@ -72,10 +72,10 @@ fn touching() -> Result<Vec<Check>, SolverError> {
     // Pair by pair, as n × n pieces: the sum of what the formulas say must not depend on n.
     for pieces in [1, 4] {
         let mut scene = Scene::new("pieces");
-        let (shining, black) = lamp_and_black(&mut scene, 1.0);
+        let (emitter, black) = lamp_and_black(&mut scene, 1.0);
         let span = |piece: usize| [piece as f64 / pieces as f64, (piece + 1) as f64 / pieces as f64];
         for (x, y) in (0..pieces * pieces).map(|piece| (piece / pieces, piece % pieces)) {
-            scene.add_quad(level(span(x), span(y), 0.0, true), shining, GroupId(0));
+            scene.add_quad(level(span(x), span(y), 0.0, true), emitter, GroupId(0));
             scene.add_quad(upright(span(x), span(y)), black, GroupId(0));
         }
         let hierarchy = Hierarchy::new(&scene, std::sync::Arc::default(), ClusteringMode::None, 1);
@@ -138,8 +138,8 @@ fn small_lamps() -> Result<Vec<Check>, SolverError> {
         let half = [-0.5 * side, 0.5 * side];
         let aside = [1.0, 2.0];
         let mut scene = Scene::new("lamp");
-        let (shining, black) = lamp_and_black(&mut scene, 1.0 / (side * side));
-        scene.add_quad(level(half, half, 3.0, false), shining, GroupId(0));
+        let (emitter, black) = lamp_and_black(&mut scene, 1.0 / (side * side));
+        scene.add_quad(level(half, half, 3.0, false), emitter, GroupId(0));
         scene.add_quad(level(aside, aside, 0.0, true), black, GroupId(0));
         let truth = parallel_exchange(half, half, aside, aside, 3.0) / (side * side);
         for mode in MODES {

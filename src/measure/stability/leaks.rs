@@ -130,8 +130,8 @@ fn light_leak() -> Result<Vec<Check>, SolverError> {
 
 fn shadow_leak() -> Result<Vec<Check>, SolverError> {
     let mut scene = Scene::new("panel");
-    let (shining, black) = lamp_and_black(&mut scene, 1.0);
-    scene.add_quad(level([0.0, 2.0], [0.0, 2.0], 2.0, false), shining, GroupId(0));
+    let (emitter, black) = lamp_and_black(&mut scene, 1.0);
+    scene.add_quad(level([0.0, 2.0], [0.0, 2.0], 2.0, false), emitter, GroupId(0));
     scene.add_quad(level([0.0, 2.0], [0.0, 2.0], 0.0, true), black, GroupId(0));
     let panel = scene.add_group("panel", GroupId(0));
     let (low, high) = (0.713_f32, 1.229);
@@ -171,9 +171,9 @@ const LAMP: Vec3 = vec3(1.2, 2.0, 2.5);
 /// shadow stays on it.
 fn floor_with_leg(with_leg: bool) -> Scene {
     let mut scene = Scene::new("leg");
-    let (shining, black) = lamp_and_black(&mut scene, 25.0);
+    let (emitter, black) = lamp_and_black(&mut scene, 25.0);
     let about = |middle: f32| [f64::from(middle) - 0.1, f64::from(middle) + 0.1];
-    scene.add_quad(level(about(LAMP.x), about(LAMP.y), f64::from(LAMP.z), false), shining, GroupId(0));
+    scene.add_quad(level(about(LAMP.x), about(LAMP.y), f64::from(LAMP.z), false), emitter, GroupId(0));
     scene.add_quad(level([0.0, 4.0], [0.0, 4.0], 0.0, true), black, GroupId(0));
     if with_leg {
         let leg = scene.add_group("leg", GroupId(0));
@@ -267,9 +267,9 @@ fn wall_in_a_cluster() -> Result<Vec<Check>, SolverError> {
 /// comes through the hole and nothing that passes the wall's rim.
 fn wall_with_hole(x: Span, y: Span) -> (Scene, f64) {
     let mut scene = Scene::new("hole");
-    let (shining, black) = lamp_and_black(&mut scene, 1.0);
+    let (emitter, black) = lamp_and_black(&mut scene, 1.0);
     let (whole, lamp): (Span, Span) = ([0.0, 4.0], [1.5, 2.5]);
-    scene.add_quad(level(lamp, lamp, 2.0, false), shining, GroupId(0));
+    scene.add_quad(level(lamp, lamp, 2.0, false), emitter, GroupId(0));
     scene.add_quad(level([-0.2, 4.2], [-0.2, 4.2], 0.0, true), black, GroupId(0));
     let wall = |scene: &mut Scene, x: Span, y: Span, material: MaterialId| {
         if x[1] > x[0] && y[1] > y[0] {

@@ -129,7 +129,7 @@ impl Tiles {
         Self { across, wanted: vec![true; (across * height.div_ceil(TILE)) as usize] }
     }
 
-    /// Those of a picture whose number, counted row by row, is told to be wanted.
+    /// Those of a picture whose number, counted row by row, is asked to be wanted.
     pub(super) fn chosen(size: [u32; 2], is_wanted: impl Fn([u32; 2]) -> bool + Sync) -> Self {
         let mut tiles = Self::all(size);
         let across = tiles.across;

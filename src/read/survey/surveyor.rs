@@ -27,7 +27,7 @@ const MOST_POINTED: usize = 1 << 20;
 const SETTLED_ERROR: f32 = 0.0025;
 /// Pause between two readings of the probes: what is asked meanwhile comes first.
 const SETTLE_AFTER: Duration = Duration::from_millis(20);
-/// The share of a plane that is measured is told this often.
+/// The share of a plane that is measured is reported this often.
 const TELL_EVERY: Duration = Duration::from_millis(50);
 
 /// A ray from the eye through the pointer.
@@ -248,7 +248,7 @@ impl Session {
             }
         };
         self.desk.tell(|report| (report.failure, report.progress) = (None, Some(0.0)));
-        let mut told = Instant::now();
+        let mut reported = Instant::now();
         loop {
             if !self.desk.work(|| measuring.advance()) {
                 let measured = Arc::new(measuring.finish());
@@ -267,10 +267,10 @@ impl Session {
                 // The token was meant for what was done before.
                 self.desk.cancel.reset();
             }
-            if told.elapsed() > TELL_EVERY {
+            if reported.elapsed() > TELL_EVERY {
                 let share = measuring.share();
                 self.desk.tell(|report| report.progress = Some(share));
-                told = Instant::now();
+                reported = Instant::now();
             }
         }
     }

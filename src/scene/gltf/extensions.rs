@@ -1,4 +1,4 @@
-//! Extensions of glTF: which are read, which change nothing here, and which a person is told of.
+//! Extensions of glTF: which are read, which change nothing here, and which a person is informed of.
 
 use gltf::json::Root;
 use gltf::json::validation::Checked;

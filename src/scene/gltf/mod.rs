@@ -86,7 +86,7 @@ fn parse(bytes: &[u8], draft: &mut Draft) -> Result<Document, Problem> {
     prepare_for_validation(&mut root)?;
     let mut first = None;
     root.validate(&root, gltf::json::Path::new, &mut |place, error| {
-        // Draco keeps the data of such accessors; one that has none is told when it is read.
+        // Draco keeps the data of such accessors; one that has none is reported when it is read.
         let is_elsewhere = error == Error::Missing && place().0.ends_with(".bufferView");
         if first.is_none() && !is_elsewhere {
             first = Some(format!("not valid ({}: {error}); export the scene again", place()));

@@ -55,18 +55,30 @@ impl Spread {
         }
     }
 
-    /// The same spread by coefficients alone, where those depend on the sun's elevation (radians).
-    pub fn under_sun(self, elevation: f64) -> Self {
+    /// Its formula under a sun of this elevation (radians).
+    pub(super) fn under_sun(self, elevation: f64) -> Formula {
         match self {
+            Self::Uniform => Formula::Uniform,
+            Self::Overcast => Formula::Overcast,
+            Self::Standard(number) => Formula::General(standard(number)),
+            Self::General(coefficients) => Formula::General(coefficients),
             Self::Weather { direct, diffuse } => {
-                Self::General(perez::coefficients(direct.into(), diffuse.into(), elevation))
+                Formula::General(perez::coefficients(direct.into(), diffuse.into(), elevation))
             }
-            other => other,
         }
     }
+}
 
-    /// Luminance at a sine of the elevation and a cosine of the angle to the sun, up to a factor; 0 below the horizon. A weather must have been
-    /// put [under its sun](Self::under_sun).
+/// Luminance over the sky, up to a factor.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Formula {
+    Uniform,
+    Overcast,
+    General([f64; 5]),
+}
+
+impl Formula {
+    /// Luminance at a sine of the elevation and a cosine of the angle to the sun; 0 below the horizon.
     pub fn at(self, elevation_sine: f64, sun_cosine: f64) -> f64 {
         if elevation_sine < 0.0 {
             return 0.0;
@@ -74,9 +86,7 @@ impl Spread {
         match self {
             Self::Uniform => 1.0,
             Self::Overcast => (1.0 + 2.0 * elevation_sine) / 3.0,
-            Self::Standard(number) => general(standard(number), elevation_sine, sun_cosine),
             Self::General(coefficients) => general(coefficients, elevation_sine, sun_cosine),
-            Self::Weather { .. } => general(standard(CLEAR), elevation_sine, sun_cosine),
         }
     }
 }
@@ -100,14 +110,18 @@ mod tests {
     /// a uniform sky; a clear sky is brightest at the sun and darkest about 90° from it.
     #[test]
     fn skies_are_spread_as_their_definitions_say() {
-        let ratio = |spread: Spread| spread.at(1.0, 0.0) / spread.at(0.0, 0.0);
+        let ratio = |spread: Spread| {
+            let formula = spread.under_sun(0.8);
+            formula.at(1.0, 0.0) / formula.at(0.0, 0.0)
+        };
         assert!((ratio(Spread::Overcast) - 3.0).abs() < 1e-12);
         assert!((ratio(Spread::Standard(1)) - (1.0 + 4.0 * (-0.7_f64).exp())).abs() < 1e-9);
         assert!((ratio(Spread::Standard(5)) - 1.0).abs() < 1e-12);
-        let clear = |angle: f64| Spread::Standard(CLEAR).at(0.7, angle.cos());
+        let clear = |angle: f64| Spread::Standard(CLEAR).under_sun(0.8).at(0.7, angle.cos());
         assert!(clear(0.0) > 5.0 * clear(0.8) && clear(0.8) > clear(1.6) && clear(2.9) > clear(1.6));
-        assert_eq!(Spread::Uniform.at(-0.01, 0.0), 0.0);
-        let [by_number, by_coefficients] = [Spread::Standard(CLEAR), Spread::General([-1.0, -0.32, 10.0, -3.0, 0.45])];
+        assert_eq!(Spread::Uniform.under_sun(0.8).at(-0.01, 0.0), 0.0);
+        let [by_number, by_coefficients] = [Spread::Standard(CLEAR), Spread::General([-1.0, -0.32, 10.0, -3.0, 0.45])]
+            .map(|spread| spread.under_sun(0.8));
         assert_eq!(by_number.at(0.3, 0.2), by_coefficients.at(0.3, 0.2));
         assert!(Spread::Standard(CLEAR).needs_sun() && !Spread::Standard(1).needs_sun());
     }

@@ -1,14 +1,14 @@
 //! Daylight of a scene: a sky around it and a sun, both so far away that direction alone counts.
 //!
-//! Skies are those of the CIE (`cie`) or pictures (`picture`); the sun is a disc of half a degree whose direction is told or follows from
-//! date and place (`solar`). People tell both in words (`told`); [`Outside`] is what they come to in a scene's own axes.
+//! Skies are those of the CIE (`cie`) or pictures (`picture`); the sun is a disc of half a degree whose direction is given or follows from
+//! date and place (`solar`). People give both in words (`spec`); [`Outside`] is what they come to in a scene's own axes.
 
 mod cie;
 mod perez;
 mod picture;
 mod solar;
+mod spec;
 mod table;
-mod told;
 
 use std::f64::consts::PI;
 use std::path::Path;
@@ -19,11 +19,12 @@ use glam::{DVec3, Vec3};
 use super::files::read_plain_file;
 use super::{Scene, files};
 
+use cie::Formula;
 pub use cie::{CLEAR, Spread};
 pub use picture::SkyPicture;
 pub use solar::{Moment, position};
+pub use spec::{Amount, Daylight, SkyKind, SkySpec, SunPlace, SunSpec};
 pub use table::{Drawn, SkyTable};
-pub use told::{Amount, Daylight, SkyKind, SkyTold, SunPlace, SunTold};
 
 /// Angular radius of the sun, radians: 16 arc minutes.
 pub const SUN_RADIUS: f32 = 0.004_65;
@@ -37,15 +38,15 @@ const EVEN: f32 = 4.0;
 pub enum DaylightError {
     /// No sky.
     #[error(
-        "a sky is told as KIND:AMOUNT, such as overcast:10000lx; KIND is uniform, overcast, clear, cie1 to cie15, cie=A/B/C/D/E (the coefficients of CIE S 011), perez=DIRECT/DIFFUSE (W/m², as weather files have them) or a picture (.hdr, .exr, .png, .jpg), AMOUNT its horizontal illuminance in lx or irradiance in W (it is `{0}`)"
+        "a sky is given as KIND:AMOUNT, such as overcast:10000lx; KIND is uniform, overcast, clear, cie1 to cie15, cie=A/B/C/D/E (the coefficients of CIE S 011), perez=DIRECT/DIFFUSE (W/m², as weather files have them) or a picture (.hdr, .exr, .png, .jpg), AMOUNT its horizontal illuminance in lx or irradiance in W (it is `{0}`)"
     )]
     Sky(String),
     /// No sun.
     #[error(
-        "a sun is told as az:DEGREES,el:DEGREES,AMOUNT, such as az:200,el:40,60000lx, or by date and place, such as 2026-06-21T12:00+02:00,lat:48.1,lon:11.6,80000lx (it is `{0}`)"
+        "a sun is given as az:DEGREES,el:DEGREES,AMOUNT, such as az:200,el:40,60000lx, or by date and place, such as 2026-06-21T12:00+02:00,lat:48.1,lon:11.6,80000lx (it is `{0}`)"
     )]
     Sun(String),
-    /// The sky's spread depends on a sun that nobody told.
+    /// The sky's spread depends on a sun, and none is given.
     #[error("the sky `{0}` is brightest about the sun: tell where that is with --sun")]
     NeedsSun(String),
     /// A picture that is not read.
@@ -131,7 +132,7 @@ impl Sun {
 #[derive(Clone, Debug)]
 enum Source {
     /// A formula times this radiance, W/(m²·sr).
-    Formula(Spread, f32),
+    Formula(Formula, f32),
     /// A picture times this.
     Picture(SkyPicture, f32),
 }
@@ -150,39 +151,39 @@ struct Sky {
 /// Sky and sun around a scene, in its axes.
 #[derive(Clone, Debug)]
 pub struct Outside {
-    told: Daylight,
+    spec: Daylight,
     axes: Axes,
     sky: Option<Sky>,
     sun: Option<Sun>,
 }
 
 impl Outside {
-    /// Makes what was told ready for a scene with this up direction (a unit vector along an axis); `read` gives the content of a picture's file.
+    /// Makes a specification ready for a scene with this up direction (a unit vector along an axis); `read` gives the content of a picture's file.
     ///
     /// # Errors
     /// A picture that cannot be used, or a sky that needs a sun.
     pub fn new(
-        told: &Daylight,
+        spec: &Daylight,
         up: Vec3,
         read: impl FnOnce(&Path) -> Result<Vec<u8>, String>,
     ) -> Result<Self, DaylightError> {
         let axes = Axes::with_up(up);
-        let place = told.sun.as_ref().map(|sun| {
+        let place = spec.sun.as_ref().map(|sun| {
             let [azimuth, elevation] = sun.angles().map(f64::to_radians);
             DVec3::new(elevation.cos() * azimuth.sin(), elevation.cos() * azimuth.cos(), elevation.sin())
         });
-        let sun = told.sun.zip(place).map(|(sun, place)| Sun {
+        let sun = spec.sun.zip(place).map(|(sun, place)| Sun {
             direction: axes.of_scene(place.as_vec3()).normalize(),
-            irradiance: if place.z > 0.0 { sun.irradiance_under(told.sky.as_ref()) } else { Vec3::ZERO },
+            irradiance: if place.z > 0.0 { sun.irradiance_under(spec.sky.as_ref()) } else { Vec3::ZERO },
         });
-        let sky = told.sky.as_ref().map(|sky| Sky::new(sky, place, read)).transpose()?;
+        let sky = spec.sky.as_ref().map(|sky| Sky::new(sky, place, read)).transpose()?;
         let sun = sun.filter(|sun| sun.irradiance.max_element() > 0.0);
-        Ok(Self { told: told.clone(), axes, sky: sky.flatten(), sun })
+        Ok(Self { spec: spec.clone(), axes, sky: sky.flatten(), sun })
     }
 
     /// Daylight as it was asked for.
-    pub fn told(&self) -> &Daylight {
-        &self.told
+    pub fn spec(&self) -> &Daylight {
+        &self.spec
     }
 
     /// Unit vector of the scene that points up.
@@ -278,29 +279,29 @@ impl Scene {
 
     /// Daylight as it was asked for.
     pub fn daylight(&self) -> Daylight {
-        self.outside.as_ref().map(|outside| outside.told().clone()).unwrap_or_default()
+        self.outside.as_ref().map(|outside| outside.spec().clone()).unwrap_or_default()
     }
 
-    /// Lets daylight in: a sky or a sun that is told replaces the scene's own, what is not told stays. A picture comes from wherever its
+    /// Lets daylight in: a sky or a sun that is given replaces the scene's own, what is not given stays. A picture comes from wherever its
     /// path leads.
     ///
     /// # Errors
     /// A picture that cannot be used, or a sky that needs a sun.
-    pub fn add_daylight(&mut self, told: &Daylight) -> Result<(), DaylightError> {
-        self.add_daylight_from(told, |path| read_plain_file(path, files::MOST_BYTES).map_err(|error| error.to_string()))
+    pub fn add_daylight(&mut self, spec: &Daylight) -> Result<(), DaylightError> {
+        self.add_daylight_from(spec, |path| read_plain_file(path, files::MOST_BYTES).map_err(|error| error.to_string()))
     }
 
     /// Adds daylight whose pictures are read by this function.
     pub(super) fn add_daylight_from(
         &mut self,
-        told: &Daylight,
+        spec: &Daylight,
         read: impl FnOnce(&Path) -> Result<Vec<u8>, String>,
     ) -> Result<(), DaylightError> {
-        if told.is_empty() {
+        if spec.is_empty() {
             return Ok(());
         }
         let own = self.daylight();
-        let whole = Daylight { sky: told.sky.clone().or(own.sky), sun: told.sun.or(own.sun) };
+        let whole = Daylight { sky: spec.sky.clone().or(own.sky), sun: spec.sun.or(own.sun) };
         self.set_daylight(&whole, read)
     }
 
@@ -308,21 +309,21 @@ impl Scene {
     ///
     /// # Errors
     /// A picture that cannot be used, or a sky that needs a sun.
-    pub fn replace_daylight(&mut self, told: &Daylight) -> Result<(), DaylightError> {
-        self.set_daylight(told, |path| read_plain_file(path, files::MOST_BYTES).map_err(|error| error.to_string()))
+    pub fn replace_daylight(&mut self, spec: &Daylight) -> Result<(), DaylightError> {
+        self.set_daylight(spec, |path| read_plain_file(path, files::MOST_BYTES).map_err(|error| error.to_string()))
     }
 
     /// Sets daylight whose pictures are read by this function.
     fn set_daylight(
         &mut self,
-        told: &Daylight,
+        spec: &Daylight,
         read: impl FnOnce(&Path) -> Result<Vec<u8>, String>,
     ) -> Result<(), DaylightError> {
-        let outside = Outside::new(told, self.up_axis(), read)?;
-        if told.sun.is_some() && outside.sun().is_none() {
+        let outside = Outside::new(spec, self.up_axis(), read)?;
+        if spec.sun.is_some() && outside.sun().is_none() {
             self.skipped.note("The sun is below the horizon or dark: it does not shine.");
         }
-        self.outside = (!told.is_empty()).then(|| Arc::new(outside));
+        self.outside = (!spec.is_empty()).then(|| Arc::new(outside));
         Ok(())
     }
 }
@@ -331,7 +332,7 @@ impl Source {
     #[inline]
     fn at(&self, direction: DVec3, sun: DVec3) -> Vec3 {
         match self {
-            Self::Formula(spread, factor) => Vec3::splat(spread.at(direction.z, direction.dot(sun)) as f32 * factor),
+            Self::Formula(formula, factor) => Vec3::splat(formula.at(direction.z, direction.dot(sun)) as f32 * factor),
             Self::Picture(picture, factor) => *factor * picture.at(direction),
         }
     }
@@ -340,20 +341,20 @@ impl Source {
 impl Sky {
     /// A sky; `None` for a dark one.
     fn new(
-        told: &SkyTold,
+        spec: &SkySpec,
         sun: Option<DVec3>,
         read: impl FnOnce(&Path) -> Result<Vec<u8>, String>,
     ) -> Result<Option<Self>, DaylightError> {
         let place = sun.unwrap_or(DVec3::Z);
-        let (source, horizontal) = match &told.kind {
+        let (source, horizontal) = match &spec.kind {
             SkyKind::Formula(spread) => {
                 if spread.needs_sun() && sun.is_none() {
-                    return Err(DaylightError::NeedsSun(told.to_string()));
+                    return Err(DaylightError::NeedsSun(spec.to_string()));
                 }
-                let spread = spread.under_sun(place.z.asin());
-                let watts = told.amount.map_or(0.0, Amount::watts);
-                let factor = f64::from(watts) / horizontal_of(spread, place);
-                (Source::Formula(spread, factor as f32), Vec3::splat(watts))
+                let formula = spread.under_sun(place.z.asin());
+                let watts = spec.amount.map_or(0.0, Amount::watts);
+                let factor = f64::from(watts) / horizontal_of(formula, place);
+                (Source::Formula(formula, factor as f32), Vec3::splat(watts))
             }
             SkyKind::Picture(name) => {
                 let unusable = |why: String| DaylightError::Picture { name: name.clone(), why };
@@ -361,7 +362,7 @@ impl Sky {
                 let picture = SkyPicture::read(&bytes, name).map_err(unusable)?;
                 let own = picture.horizontal_irradiance();
                 let eye = crate::base::photometry::weighted(own.into());
-                let factor = match told.amount {
+                let factor = match spec.amount {
                     Some(amount) if eye > 0.0 => amount.watts() / eye,
                     _ => 1.0,
                 };
@@ -383,7 +384,7 @@ impl Sky {
 }
 
 /// Horizontal irradiance of a formula as it is, by the midpoints of many small cells.
-fn horizontal_of(spread: Spread, sun: DVec3) -> f64 {
+fn horizontal_of(formula: Formula, sun: DVec3) -> f64 {
     const ROWS: usize = 360;
     const COLUMNS: usize = 720;
     let mut sum = 0.0;
@@ -394,7 +395,7 @@ fn horizontal_of(spread: Spread, sun: DVec3) -> f64 {
         for column in 0..COLUMNS {
             let azimuth = 2.0 * PI * (column as f64 + 0.5) / COLUMNS as f64;
             let direction = DVec3::new(radius * azimuth.sin(), radius * azimuth.cos(), sine);
-            sum += spread.at(sine, direction.dot(sun));
+            sum += formula.at(sine, direction.dot(sun));
         }
     }
     PI * sum / (ROWS * COLUMNS) as f64
@@ -414,8 +415,8 @@ mod tests {
     use crate::base::random::{cosine_direction, r2_sequence};
 
     fn outside(sky: &str, sun: Option<&str>) -> Outside {
-        let told = Daylight { sky: Some(sky.parse().expect("a sky")), sun: sun.map(|sun| sun.parse().expect("a sun")) };
-        Outside::new(&told, Vec3::Y, |_| Err("no file".to_owned())).expect("daylight")
+        let spec = Daylight { sky: Some(sky.parse().expect("a sky")), sun: sun.map(|sun| sun.parse().expect("a sun")) };
+        Outside::new(&spec, Vec3::Y, |_| Err("no file".to_owned())).expect("daylight")
     }
 
     /// Irradiance of an open face by plain cosine-distributed directions.
@@ -456,15 +457,15 @@ mod tests {
     fn the_sun_stands_in_the_axes_of_the_scene() {
         for (up, north) in [(Vec3::Y, -Vec3::Z), (Vec3::Z, Vec3::Y)] {
             for (azimuth, side) in [(0.0, north), (90.0, Vec3::X), (180.0, -north)] {
-                let told = Daylight { sky: None, sun: Some(SunTold::at(azimuth, 30.0, Some(Amount::Watts(7.0)))) };
-                let outside = Outside::new(&told, up, |_| Err(String::new())).expect("a sun");
+                let spec = Daylight { sky: None, sun: Some(SunSpec::at(azimuth, 30.0, Some(Amount::Watts(7.0)))) };
+                let outside = Outside::new(&spec, up, |_| Err(String::new())).expect("a sun");
                 let sun = outside.sun().expect("it shines");
                 let wanted = 0.75_f32.sqrt() * side + 0.5 * up;
                 assert!(sun.direction.distance(wanted) < 1e-5, "{azimuth}: {} {wanted}", sun.direction);
                 assert!((outside.horizontal_irradiance()[1].x - 3.5).abs() < 1e-4);
             }
         }
-        let below = Daylight { sky: None, sun: Some(SunTold::at(0.0, -1.0, None)) };
+        let below = Daylight { sky: None, sun: Some(SunSpec::at(0.0, -1.0, None)) };
         assert!(!Outside::new(&below, Vec3::Y, |_| Err(String::new())).expect("night").is_lit());
     }
 
@@ -483,7 +484,7 @@ mod tests {
     fn even_skies_are_told_from_uneven_ones() {
         assert!(outside("uniform", None).is_even() && outside("overcast", None).is_even());
         assert!(!outside("clear", Some("az:0,el:30")).is_even());
-        let told = Daylight { sky: Some("clear".parse().expect("a sky")), sun: None };
-        assert!(matches!(Outside::new(&told, Vec3::Y, |_| Err(String::new())), Err(DaylightError::NeedsSun(_))));
+        let spec = Daylight { sky: Some("clear".parse().expect("a sky")), sun: None };
+        assert!(matches!(Outside::new(&spec, Vec3::Y, |_| Err(String::new())), Err(DaylightError::NeedsSun(_))));
     }
 }

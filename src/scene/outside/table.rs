@@ -126,8 +126,8 @@ mod tests {
             let drawn = table.draw([u, v]);
             mean += drawn.direction / count as f32;
             if index % 37 == 0 {
-                let told = table.density(drawn.direction);
-                assert!((told - drawn.density).abs() <= 0.02 * drawn.density, "{told} {}", drawn.density);
+                let density = table.density(drawn.direction);
+                assert!((density - drawn.density).abs() <= 0.02 * drawn.density, "{density} {}", drawn.density);
             }
         }
         assert!((whole - 1.0).abs() < 0.01, "{whole}");

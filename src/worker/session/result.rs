@@ -108,8 +108,8 @@ impl Session {
     /// Lets the status know of steps that it has not heard of.
     pub(super) fn tell_steps(&mut self) {
         let Some(solver) = &self.solver else { return };
-        if solver.kept_steps_state() != self.told {
-            self.told = solver.kept_steps_state();
+        if solver.kept_steps_state() != self.reported {
+            self.reported = solver.kept_steps_state();
             self.steps = solver.kept_steps().cloned().collect();
             lock(&self.ends.shared.status).steps = self.steps.clone();
         }
@@ -123,7 +123,7 @@ impl Session {
         self.emit(Event::SolveFailed(format!("The solver broke ({sentence}); the last picture stays, restart it.")));
     }
 
-    /// A solver that was told of has not come: the one that there is shows the scene.
+    /// A solver that was announced has not come: the one that there is shows the scene.
     fn take_back_announcement(&mut self) {
         if self.announced > self.generation {
             self.announce_scene(false, self.generation);

@@ -5,7 +5,7 @@ use egui::{ComboBox, Slider, TextEdit, Ui};
 use super::sun_place;
 use crate::app::widgets::theme;
 use crate::app::{Outbox, format, words};
-use crate::scene::outside::{Amount, CLEAR, Daylight, SkyKind, SkyTold, Spread, SunTold};
+use crate::scene::outside::{Amount, CLEAR, Daylight, SkyKind, SkySpec, Spread, SunSpec};
 use crate::worker::Command;
 
 /// Illuminances that sliders offer, lx.
@@ -49,7 +49,7 @@ struct Preset {
 #[derive(Clone, Debug, Default)]
 pub(in crate::app) struct DaylightEditor {
     /// What was set.
-    pub told: Daylight,
+    pub spec: Daylight,
     /// The sky as it is being written.
     text: String,
     /// Why what was written is no sky.
@@ -58,22 +58,22 @@ pub(in crate::app) struct DaylightEditor {
 
 impl DaylightEditor {
     /// Takes over what a scene has.
-    pub(in crate::app) fn follow(&mut self, told: Daylight) {
-        self.text = told.sky.as_ref().map(ToString::to_string).unwrap_or_default();
-        (self.told, self.problem) = (told, None);
+    pub(in crate::app) fn follow(&mut self, spec: Daylight) {
+        self.text = spec.sky.as_ref().map(ToString::to_string).unwrap_or_default();
+        (self.spec, self.problem) = (spec, None);
     }
 
     /// Spreads the sky's light in another way; one that needs a sun gets one.
     fn set_spread(&mut self, spread: Spread) {
-        let amount = self.told.sky.as_ref().and_then(|sky| sky.amount).unwrap_or(Amount::Lux(10_000.0));
-        self.set_sky(SkyTold::of(spread, amount));
+        let amount = self.spec.sky.as_ref().and_then(|sky| sky.amount).unwrap_or(Amount::Lux(10_000.0));
+        self.set_sky(SkySpec::of(spread, amount));
     }
 
-    fn set_sky(&mut self, sky: SkyTold) {
+    fn set_sky(&mut self, sky: SkySpec) {
         if matches!(sky.kind, SkyKind::Formula(spread) if spread.needs_sun()) {
-            self.told.sun.get_or_insert(SunTold::at(200.0, 45.0, None));
+            self.spec.sun.get_or_insert(SunSpec::at(200.0, 45.0, None));
         }
-        self.told.sky = Some(sky);
+        self.spec.sky = Some(sky);
     }
 
     /// Takes over the sky that was written.
@@ -88,38 +88,38 @@ impl DaylightEditor {
     }
 
     fn preset(&self, name: &str, preset: Preset) -> Daylight {
-        let [azimuth, elevation] = match self.told.sun {
+        let [azimuth, elevation] = match self.spec.sun {
             Some(sun) if name != words::LOW_SUN => sun.angles().map(|angle| angle as f32),
             _ if name == words::LOW_SUN => [240.0, 15.0],
             _ => [200.0, 45.0],
         };
-        let sky = preset.sky.map(|(spread, lux)| SkyTold::of(spread, Amount::Lux(lux)));
-        Daylight { sky, sun: preset.sun.map(|lux| SunTold::at(azimuth, elevation, Some(Amount::Lux(lux)))) }
+        let sky = preset.sky.map(|(spread, lux)| SkySpec::of(spread, Amount::Lux(lux)));
+        Daylight { sky, sun: preset.sun.map(|lux| SunSpec::at(azimuth, elevation, Some(Amount::Lux(lux)))) }
     }
 }
 
 /// Overcast daylight, as is offered to a scene that has openings and no lamp.
 pub(in crate::app) fn usual() -> Daylight {
-    Daylight { sky: Some(SkyTold::of(Spread::Overcast, Amount::Lux(10_000.0))), sun: None }
+    Daylight { sky: Some(SkySpec::of(Spread::Overcast, Amount::Lux(10_000.0))), sun: None }
 }
 
 /// Draws the part.
 pub(in crate::app) fn show(ui: &mut Ui, editor: &mut DaylightEditor, outbox: &mut Outbox) {
     ui.label(theme::weak(words::DAYLIGHT));
-    let before = editor.told.clone();
+    let before = editor.spec.clone();
     ui.horizontal_wrapped(|ui| {
         for (name, preset) in PRESETS {
             let wanted = editor.preset(name, preset);
-            let spread = |told: &Daylight| told.sky.as_ref().map(|sky| sky.kind.clone());
-            let is_chosen = spread(&wanted) == spread(&editor.told)
-                && wanted.sun.is_some() == editor.told.sun.is_some()
+            let spread = |spec: &Daylight| spec.sky.as_ref().map(|sky| sky.kind.clone());
+            let is_chosen = spread(&wanted) == spread(&editor.spec)
+                && wanted.sun.is_some() == editor.spec.sun.is_some()
                 && name != words::LOW_SUN;
             if ui.selectable_label(is_chosen, name).clicked() {
-                editor.told = wanted;
+                editor.spec = wanted;
             }
         }
     });
-    if let Some(sky) = &mut editor.told.sky {
+    if let Some(sky) = &mut editor.spec.sky {
         let mut lux = sky.amount.map_or(0.0, Amount::lux);
         if theme::row(ui, words::SKY_ILLUMINANCE, |ui| lux_slider(ui, &mut lux))
             .on_hover_text("Horizontal illuminance of open ground, without the sun")
@@ -129,7 +129,7 @@ pub(in crate::app) fn show(ui: &mut Ui, editor: &mut DaylightEditor, outbox: &mu
         }
     }
     show_sky_kind(ui, editor);
-    if let Some(sun) = &mut editor.told.sun {
+    if let Some(sun) = &mut editor.spec.sun {
         let mut lux = crate::base::photometry::lux(sun.irradiance().into());
         if theme::row(ui, words::SUN_ILLUMINANCE, |ui| lux_slider(ui, &mut lux))
             .on_hover_text("Illuminance of a face turned to the sun")
@@ -139,14 +139,14 @@ pub(in crate::app) fn show(ui: &mut Ui, editor: &mut DaylightEditor, outbox: &mu
         }
         sun_place::show(ui, sun);
     }
-    if editor.told != before {
-        outbox.push(Command::SetDaylight(editor.told.clone()));
+    if editor.spec != before {
+        outbox.push(Command::SetDaylight(editor.spec.clone()));
     }
 }
 
 /// How the light of the sky is spread: by a list, and by the words of the command line for what is not in it.
 fn show_sky_kind(ui: &mut Ui, editor: &mut DaylightEditor) {
-    let Some(sky) = &editor.told.sky else { return };
+    let Some(sky) = &editor.spec.sky else { return };
     let name = |spread: Spread| match spread {
         Spread::Uniform => words::UNIFORM_SKY.to_owned(),
         Spread::Overcast => words::OVERCAST_SKY.to_owned(),
@@ -197,8 +197,8 @@ mod tests {
     /// A preset keeps where the sun stands, and every preset is daylight that can be used.
     #[test]
     fn presets_keep_the_sun_in_its_place() {
-        let told = Daylight { sky: None, sun: Some(SunTold::at(123.0, 21.0, None)) };
-        let editor = DaylightEditor { told, ..DaylightEditor::default() };
+        let spec = Daylight { sky: None, sun: Some(SunSpec::at(123.0, 21.0, None)) };
+        let editor = DaylightEditor { spec, ..DaylightEditor::default() };
         for (name, preset) in PRESETS {
             let made = editor.preset(name, preset);
             if let Some(sun) = made.sun.filter(|_| name == words::CLEAR_SKY) {
@@ -211,7 +211,7 @@ mod tests {
         }
     }
 
-    /// A sky that is brightest about the sun gets one; what is no sky changes nothing and is told.
+    /// A sky that is brightest about the sun gets one; what is no sky changes nothing and is reported.
     #[test]
     fn skies_are_taken_from_their_words() {
         let mut editor = DaylightEditor::default();
@@ -219,14 +219,14 @@ mod tests {
         {
             editor.text = text.to_owned();
             editor.read_text();
-            assert!(editor.problem.is_none() && editor.told.sun.is_some() == has_sun, "{text}: {editor:?}");
+            assert!(editor.problem.is_none() && editor.spec.sun.is_some() == has_sun, "{text}: {editor:?}");
         }
         editor.set_spread(Spread::Standard(3));
-        let before = editor.told.clone();
+        let before = editor.spec.clone();
         assert_eq!(before.sky.as_ref().map(ToString::to_string).as_deref(), Some("cie3:8000lx"));
         editor.text = "cloudy".to_owned();
         editor.read_text();
         assert!(editor.problem.as_ref().is_some_and(|problem| problem.contains("cloudy")));
-        assert_eq!(editor.told, before);
+        assert_eq!(editor.spec, before);
     }
 }

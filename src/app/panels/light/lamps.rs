@@ -38,7 +38,7 @@ pub(in crate::app) fn show(ui: &mut Ui, scene: &Scene, editor: &mut LightEditor)
             let Some(material) = scene.materials.get(lamp) else { continue };
             let area = area(&editor.areas, lamp);
             let Some(light) = editor.lighting.of_mut(lamp) else { continue };
-            let of_file = scene.lights.iter().find(|light| light.material.0 as usize == lamp).map(told);
+            let of_file = scene.lights.iter().find(|light| light.material.0 as usize == lamp).map(as_in_file);
             if show_one(ui, &material.name, area, light, of_file.as_deref()) {
                 editor.material = MaterialId(lamp as u32);
             }
@@ -54,7 +54,7 @@ pub(in crate::app) fn show(ui: &mut Ui, scene: &Scene, editor: &mut LightEditor)
 }
 
 /// What a file says of a point or spot light.
-fn told(light: &FileLight) -> String {
+fn as_in_file(light: &FileLight) -> String {
     let candelas = format::quantity(light.candelas.max_element().into(), "cd");
     let range = light.range.map(|range| format!(", range {}", format::quantity(range.into(), "m")));
     let cone = light.cone.map(|cone| {

@@ -37,8 +37,8 @@ pub(in crate::app) struct LightEditor {
     pub was_dark: bool,
     /// A place that was asked for: the view turns there.
     pub to_be_seen: Option<glam::Vec3>,
-    /// Luminaires that the worker was last told of.
-    told: Vec<Luminaire>,
+    /// Luminaires that the worker knows of.
+    sent: Vec<Luminaire>,
     /// What lies outside, as it was set.
     pub daylight: DaylightEditor,
     /// What is to become of the faces of a material.
@@ -101,7 +101,7 @@ impl LightEditor {
         let lamp = lighting.lamps().next();
         let material = MaterialId(lamp.unwrap_or(0) as u32);
         let was_dark = !scene.has_light();
-        let mut editor = Self { lighting, material, was_dark, told: scene.luminaires(), ..Self::default() };
+        let mut editor = Self { lighting, material, was_dark, sent: scene.luminaires(), ..Self::default() };
         editor.follow(scene);
         editor
     }
@@ -118,9 +118,9 @@ impl LightEditor {
     /// The luminaires are those of the scene again: what was wanted cannot be had.
     pub(in crate::app) fn take_back_luminaires(&mut self, scene: &Scene) {
         let present = scene.luminaires();
-        if present != self.told {
+        if present != self.sent {
             self.lighting.luminaires = Lighting::of_scene(scene).luminaires;
-            self.told = present;
+            self.sent = present;
         }
     }
 
@@ -128,17 +128,17 @@ impl LightEditor {
     pub(in crate::app) fn luminaires_command(&mut self, is_busy: bool) -> Option<Command> {
         let mut wanted = self.lighting.wanted_luminaires();
         if is_busy {
-            if wanted.len() != self.told.len() {
+            if wanted.len() != self.sent.len() {
                 return None;
             }
-            for (wanted, told) in wanted.iter_mut().zip(&self.told) {
-                (wanted.form, wanted.name) = (told.form, told.name.clone());
+            for (wanted, sent) in wanted.iter_mut().zip(&self.sent) {
+                (wanted.form, wanted.name) = (sent.form, sent.name.clone());
             }
         }
-        if wanted == self.told {
+        if wanted == self.sent {
             return None;
         }
-        self.told.clone_from(&wanted);
+        self.sent.clone_from(&wanted);
         Some(Command::SetLuminaires(wanted))
     }
 

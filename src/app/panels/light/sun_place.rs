@@ -4,7 +4,7 @@ use egui::{Color32, ComboBox, DragValue, Pos2, Rect, Sense, Slider, Stroke, Ui, 
 
 use crate::app::widgets::theme;
 use crate::app::{format, words};
-use crate::scene::outside::{Moment, SunPlace, SunTold};
+use crate::scene::outside::{Moment, SunPlace, SunSpec};
 
 /// Side of the plan, points.
 const SIDE: f32 = 132.0;
@@ -12,7 +12,7 @@ const SIDE: f32 = 132.0;
 const DATE_WIDTH: f32 = 44.0;
 
 /// Draws the choice, the plan of the sky and the fields.
-pub(in crate::app) fn show(ui: &mut Ui, sun: &mut SunTold) {
+pub(in crate::app) fn show(ui: &mut Ui, sun: &mut SunSpec) {
     show_plan(ui, sun);
     let is_by_date = matches!(sun.place, SunPlace::Almanac { .. });
     let names = [words::SUN_BY_DIRECTION, words::SUN_BY_DATE];
@@ -121,7 +121,7 @@ fn read_clock(text: &str) -> Option<f64> {
 }
 
 /// The dome of the sky, on which the sun is dragged. As seen from below it would be mirrored; it is drawn as a plan: north up, east to the right, the zenith in its middle.
-fn show_plan(ui: &mut Ui, sun: &mut SunTold) {
+fn show_plan(ui: &mut Ui, sun: &mut SunSpec) {
     let [azimuth, elevation] = sun.angles().map(|angle| angle as f32);
     ui.horizontal(|ui| {
         let (rect, response) = ui.allocate_exact_size(Vec2::splat(SIDE), Sense::click_and_drag());

@@ -158,7 +158,7 @@ impl GroupEditor {
         names.find(|name| !is_taken(name)).unwrap_or_default()
     }
 
-    /// Makes an edit and says what the worker is to be told, or keeps the reason why it cannot be made.
+    /// Makes an edit and returns the command for the worker, or keeps the reason why it cannot be made.
     pub(in crate::app) fn edit(&mut self, edited: Result<Regrouped, RegroupError>) -> Option<Command> {
         let (own, former) = (&self.scene.as_ref()?.groups, self.tree.as_deref()?);
         let Regrouped { tree, places, group } = match edited {
@@ -273,7 +273,7 @@ mod tests {
         editor.select(group(&editor, "tall_block"), true);
         let name = editor.free_name();
         let made = editor.tree().map(|tree| tree.grouped(&editor.selection(), &name)).expect("a tree");
-        let Some(Command::SetGroups(members)) = editor.edit(made) else { panic!("nothing was told") };
+        let Some(Command::SetGroups(members)) = editor.edit(made) else { panic!("nothing was sent") };
         assert_eq!(
             members,
             [GroupMember::Group(
@@ -291,7 +291,7 @@ mod tests {
         let (lower, upper) = editor.boxes[0];
         assert!(edges.iter().flatten().all(|corner| corner.cmpge(lower).all() && corner.cmple(upper).all()));
         assert!(editor.rows().iter().any(|row| row.group == group(&editor, "group 1")));
-        let Some(Command::SetGroups(members)) = editor.undo() else { panic!("nothing was told") };
+        let Some(Command::SetGroups(members)) = editor.undo() else { panic!("nothing was sent") };
         assert!(members.is_empty() && !editor.can_undo() && !editor.is_arranged());
     }
 
@@ -310,7 +310,7 @@ mod tests {
         let mut editor = editor();
         let walls = group(&editor, "walls");
         let dissolved = editor.tree().map(|tree| tree.dissolved(&[walls])).expect("a tree");
-        let Some(Command::SetGroups(members)) = editor.edit(dissolved) else { panic!("nothing was told") };
+        let Some(Command::SetGroups(members)) = editor.edit(dissolved) else { panic!("nothing was sent") };
         editor.follow(&Arc::new(BuiltinScene::Cornell.build()));
         assert!(editor.is_arranged() && editor.can_undo());
         let mut confirmed = BuiltinScene::Cornell.build();

@@ -18,14 +18,14 @@ use crate::base::photometry::LUMENS_PER_WATT;
 pub struct Daylight {
     /// The sky.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub sky: Option<SkyTold>,
+    pub sky: Option<SkySpec>,
     /// The sun.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub sun: Option<SunTold>,
+    pub sun: Option<SunSpec>,
 }
 
 impl Daylight {
-    /// Whether nothing is told.
+    /// Whether nothing is given.
     pub fn is_empty(&self) -> bool {
         self.sky.is_none() && self.sun.is_none()
     }
@@ -34,7 +34,7 @@ impl Daylight {
 /// A sky by its kind and what it brings to open ground.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "String", into = "String")]
-pub struct SkyTold {
+pub struct SkySpec {
     /// How its light is spread.
     pub kind: SkyKind,
     /// Horizontal unobstructed irradiance without the sun; `None` where a picture's pixels are radiances.
@@ -53,7 +53,7 @@ pub enum SkyKind {
 /// Where the sun stands and what it brings to a face turned to it.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "String", into = "String")]
-pub struct SunTold {
+pub struct SunSpec {
     /// Where it stands.
     pub place: SunPlace,
     /// Irradiance of a face turned to it; `None` as a clear day brings at its elevation.
@@ -85,7 +85,7 @@ pub enum SunPlace {
     },
 }
 
-/// An irradiance in the unit that it was told in.
+/// An irradiance in the unit that it was given in.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Amount {
     /// lx.
@@ -136,14 +136,14 @@ const MOST_RADIATION: f32 = 1500.0;
 /// Illuminance by a formula's sky where none is given, lx.
 const USUAL_SKY: f32 = 10_000.0;
 
-impl SkyTold {
+impl SkySpec {
     /// A sky of a formula.
     pub fn of(spread: Spread, amount: Amount) -> Self {
         Self { kind: SkyKind::Formula(spread), amount: Some(amount) }
     }
 }
 
-impl FromStr for SkyTold {
+impl FromStr for SkySpec {
     type Err = DaylightError;
 
     fn from_str(text: &str) -> Result<Self, DaylightError> {
@@ -190,7 +190,7 @@ fn read_spread(name: &str) -> Option<Spread> {
     }
 }
 
-impl fmt::Display for SkyTold {
+impl fmt::Display for SkySpec {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match &self.kind {
             SkyKind::Formula(Spread::Uniform) => f.write_str("uniform")?,
@@ -205,7 +205,7 @@ impl fmt::Display for SkyTold {
     }
 }
 
-impl SunTold {
+impl SunSpec {
     /// A white sun at an azimuth and an elevation, degrees.
     pub fn at(azimuth: f32, elevation: f32, amount: Option<Amount>) -> Self {
         Self { place: SunPlace::Direction { azimuth, elevation }, amount, colour: Vec3::ONE }
@@ -222,13 +222,13 @@ impl SunTold {
         }
     }
 
-    /// Irradiance of a face turned to it, W/m² per colour, on a clear day unless it is told.
+    /// Irradiance of a face turned to it, W/m² per colour, on a clear day unless it is given.
     pub fn irradiance(&self) -> Vec3 {
         self.irradiance_under(None)
     }
 
-    /// Irradiance of a face turned to it, W/m² per colour, as it is told, or as the weather of this sky has it.
-    pub fn irradiance_under(&self, sky: Option<&SkyTold>) -> Vec3 {
+    /// Irradiance of a face turned to it, W/m² per colour, as it is given, or as the weather of this sky has it.
+    pub fn irradiance_under(&self, sky: Option<&SkySpec>) -> Vec3 {
         let usual = || match sky.map(|sky| &sky.kind) {
             Some(SkyKind::Formula(Spread::Weather { direct, .. })) => Amount::Lux(SUN_EFFICACY * direct),
             _ => clear_day(self.angles()[1]),
@@ -246,7 +246,7 @@ fn clear_day(elevation: f64) -> Amount {
     Amount::Lux(if sine > 0.0 { (133_800.0 * (-0.21 / sine).exp()) as f32 } else { 0.0 })
 }
 
-impl FromStr for SunTold {
+impl FromStr for SunSpec {
     type Err = DaylightError;
 
     fn from_str(text: &str) -> Result<Self, DaylightError> {
@@ -267,8 +267,8 @@ impl FromStr for SunTold {
                 if !(colour.is_finite() && colour.min_element() >= 0.0 && colour.max_element() > 0.0) {
                     return Err(wrong());
                 }
-            } else if let Some(told) = Amount::read(part) {
-                amount = Some(told);
+            } else if let Some(spec) = Amount::read(part) {
+                amount = Some(spec);
             } else {
                 moment = Some(read_moment(part).ok_or_else(wrong)?);
             }
@@ -316,7 +316,7 @@ fn clock(hours: f64) -> String {
     format!("{:02}:{:02}", minutes / 60, minutes % 60)
 }
 
-impl fmt::Display for SunTold {
+impl fmt::Display for SunSpec {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self.place {
             SunPlace::Direction { azimuth, elevation } => write!(f, "az:{azimuth},el:{elevation}")?,
@@ -343,8 +343,8 @@ impl fmt::Display for SunTold {
 }
 
 macro_rules! as_text {
-    ($told:ty) => {
-        impl TryFrom<String> for $told {
+    ($spec:ty) => {
+        impl TryFrom<String> for $spec {
             type Error = DaylightError;
 
             fn try_from(text: String) -> Result<Self, DaylightError> {
@@ -352,16 +352,16 @@ macro_rules! as_text {
             }
         }
 
-        impl From<$told> for String {
-            fn from(told: $told) -> Self {
-                told.to_string()
+        impl From<$spec> for String {
+            fn from(spec: $spec) -> Self {
+                spec.to_string()
             }
         }
     };
 }
 
-as_text!(SkyTold);
-as_text!(SunTold);
+as_text!(SkySpec);
+as_text!(SunSpec);
 
 #[cfg(test)]
 mod tests {
@@ -379,8 +379,8 @@ mod tests {
             "roof.hdr",
             "day:light.exr:2000lx",
         ] {
-            let told: SkyTold = text.parse().expect(text);
-            assert_eq!(told.to_string(), text);
+            let spec: SkySpec = text.parse().expect(text);
+            assert_eq!(spec.to_string(), text);
         }
         for text in [
             "az:200,el:40,60000lx",
@@ -389,12 +389,12 @@ mod tests {
             "2026-01-02T08:05-03:30,lat:-22.9,lon:-43.2",
             "az:10,el:20,500W,rgb:1/0.5/0.25",
         ] {
-            let told: SunTold = text.parse().expect(text);
-            assert_eq!(told.to_string(), text);
+            let spec: SunSpec = text.parse().expect(text);
+            assert_eq!(spec.to_string(), text);
         }
-        assert_eq!("perez=600/120".parse::<SkyTold>().expect("usual").to_string(), "perez=600/120:14400lx");
-        assert_eq!("overcast".parse::<SkyTold>().expect("usual").to_string(), "overcast:10000lx");
-        assert_eq!("az:1,el:2,60klx".parse::<SunTold>().expect("klx").amount, Some(Amount::Lux(60_000.0)));
+        assert_eq!("perez=600/120".parse::<SkySpec>().expect("usual").to_string(), "perez=600/120:14400lx");
+        assert_eq!("overcast".parse::<SkySpec>().expect("usual").to_string(), "overcast:10000lx");
+        assert_eq!("az:1,el:2,60klx".parse::<SunSpec>().expect("klx").amount, Some(Amount::Lux(60_000.0)));
     }
 
     #[test]
@@ -413,7 +413,7 @@ mod tests {
             "perez=600/0",
             "perez=9e9/1",
         ] {
-            assert!(text.parse::<SkyTold>().is_err(), "{text}");
+            assert!(text.parse::<SkySpec>().is_err(), "{text}");
         }
         for text in [
             "",
@@ -425,7 +425,7 @@ mod tests {
             "lat:1,lon:2",
             "2026-13-01T12:00Z,lat:1,lon:2",
         ] {
-            assert!(text.parse::<SunTold>().is_err(), "{text}");
+            assert!(text.parse::<SunSpec>().is_err(), "{text}");
         }
     }
 
@@ -433,7 +433,7 @@ mod tests {
     #[test]
     fn lux_are_watts_of_white_light() {
         assert!((Amount::Lux(179.0).watts() - 1.0).abs() < 1e-6);
-        let sun: SunTold = "az:0,el:90,17900lx,rgb:1/0.5/0.25".parse().expect("a sun");
+        let sun: SunSpec = "az:0,el:90,17900lx,rgb:1/0.5/0.25".parse().expect("a sun");
         assert!((crate::base::photometry::lux(sun.irradiance().into()) - 17_900.0).abs() < 1.0);
     }
 }
