@@ -5,7 +5,7 @@
 
 use std::collections::HashMap;
 
-use glam::{DVec2, DVec3, Vec3};
+use glam::{DVec2, DVec3};
 
 use super::draft::Draft;
 use super::triangulate::newell;

@@ -243,7 +243,7 @@ impl Rooms<'_> {
                 rays += 1.0;
             }
         }
-        let is_no_room = height < STANDING || floor < SHAFT * height.powi(2);
+        let is_no_room = height < STANDING || floor < SHAFT * height.min(FARTHEST).powi(2);
         if is_no_room && floor < LOW_ROOM_SHARE * self.ground {
             return None;
         }

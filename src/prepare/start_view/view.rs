@@ -64,9 +64,9 @@ impl Rooms<'_> {
         steps.find(|eye| is_clear(*eye)).unwrap_or(stand.eye)
     }
 
-    /// How much a view shows: the mean distance of what is seen, m, times how many things it would be if all took up as much of the picture
-    /// (the exponential of their entropy), times the squared share of the picture that is neither near nor dark. A blank wall shows little,
-    /// and so do many things at the picture's rim or before one's eyes.
+    /// How much a view shows: the mean distance of what is seen, m, times the root of how many things that are, each as far as it is in the
+    /// middle, times the squared share of the picture that is neither near nor dark. A blank wall shows little, and so do things at the
+    /// picture's rim or before one's eyes.
     fn shown(&self, eye: Vec3, ahead: Vec3) -> f32 {
         let [columns, rows] = VIEWED;
         let right = ahead.cross(self.up);
@@ -79,13 +79,12 @@ impl Rooms<'_> {
             let Some(look) = self.look(eye, direction.normalize()).filter(|look| look.is_bright) else { continue };
             distances += look.distance.min(FARTHEST);
             far += f32::from(look.distance >= NEAR);
-            seen.push(look.thing);
+            seen.push((look.thing, 1.0 - across * across));
         }
-        let all = seen.len() as f32;
-        seen.sort_unstable();
-        let shares = seen.chunk_by(|a, b| a == b).map(|rays| rays.len() as f32 / all);
-        let entropy: f32 = shares.map(|share| -share * share.ln()).sum();
+        seen.sort_by(|(a, _), (b, _)| a.cmp(b));
+        let things = seen.chunk_by(|(a, _), (b, _)| a == b);
+        let things: f32 = things.map(|rays| rays.iter().map(|(_, share)| *share).fold(0.0, f32::max)).sum();
         let rays = (columns * rows) as f32;
-        distances / rays * entropy.exp() * (far / rays).powi(2)
+        distances / rays * things.sqrt() * (far / rays).powi(2)
     }
 }
