@@ -81,7 +81,7 @@ impl Rooms<'_> {
             far += f32::from(look.distance >= NEAR);
             seen.push((look.thing, 1.0 - across * across));
         }
-        seen.sort_by(|(a, _), (b, _)| a.cmp(b));
+        seen.sort_by_key(|(thing, _)| *thing);
         let things = seen.chunk_by(|(a, _), (b, _)| a == b);
         let things: f32 = things.map(|rays| rays.iter().map(|(_, share)| *share).fold(0.0, f32::max)).sum();
         let rays = (columns * rows) as f32;
