@@ -197,3 +197,35 @@ fn a_window_is_opened_driven_and_closed() {
     errors.read_to_string(&mut said).expect("text");
     assert!(!said.contains("panicked"), "{said}");
 }
+
+/// Truth: the fonts that come with the program have no kanji, and the log of what looks for others in the system tells that it did. The
+/// window waits for that before it draws such a name.
+#[test]
+fn letters_that_our_fonts_lack_are_looked_for_in_the_system() {
+    let Some(display) = Display::start() else {
+        left_out::left_out("the real window; Xvfb is not installed");
+        return;
+    };
+    let home = tempfile::tempdir().expect("a folder for the scene and what the window keeps");
+    let scene = home.path().join("部屋.obj");
+    let room = "v 0 0 0\nv 4 0 0\nv 4 3 0\nv 0 3 0\nv 0 0 4\nv 4 0 4\nv 4 3 4\nv 0 3 4\n\
+        f 1 2 3 4\nf 6 5 8 7\nf 5 1 4 8\nf 2 6 7 3\nf 5 6 2 1\nf 4 3 7 8\n";
+    std::fs::write(&scene, room).expect("a writable folder");
+    let mut window = Command::new(env!("CARGO_BIN_EXE_selflink"))
+        .arg(&scene)
+        .args(["--ceiling-light", "--epsilon", "1e-2", "--log", "egui_system_font_provider=debug"])
+        .env("DISPLAY", &display.name)
+        .env_remove("WAYLAND_DISPLAY")
+        .env("XDG_RUNTIME_DIR", home.path())
+        .env("XDG_DATA_HOME", home.path())
+        .stderr(Stdio::piped())
+        .spawn()
+        .expect("the program was built");
+    Person::at(&display).until("a lit picture", |view| lit(view) > 0.2);
+    let mut errors = window.stderr.take().expect("piped");
+    window.kill().expect("it can be ended");
+    window.wait().expect("it has ended");
+    let mut said = String::new();
+    errors.read_to_string(&mut said).expect("text");
+    assert!(said.contains("Enumerated system fonts"), "{said}");
+}

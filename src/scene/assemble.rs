@@ -12,7 +12,7 @@ use super::paint::{Painted, paint};
 use super::punctual::{add_emitters, add_sun};
 use super::reading::{Reading, settle};
 use super::sidecar::{MAX_EMISSION, Sidecar, SidecarMaterial};
-use super::texture::MaterialTextures;
+use super::texture::{MaterialTextures, Opacity};
 use super::triangulate::{Effort, ear_clip, is_good_quad, longest_edge_squared, newell};
 use super::{Material, MaterialId, NamedCamera, Polygon, Scene, Sides, Skipped, place, said};
 
@@ -76,7 +76,7 @@ pub(super) fn assemble(name: &str, mut draft: Draft, sidecar: &Sidecar, reading:
             name: material.name.clone(),
             reflectance,
             emission,
-            textures: textures_of(material),
+            textures: textures_of(material, rules[index].is_opaque(), !draft.colours.is_empty()),
             is_two_sided: material.is_two_sided,
             left_out: left_out[index],
         };
@@ -124,9 +124,13 @@ fn note_unknown(draft: &mut Draft, sidecar: &Sidecar, reading: &Reading) {
     notes.into_iter().for_each(|note| draft.skipped.note(note));
 }
 
-/// Textures of a material, for pictures.
-fn textures_of(material: &DraftMaterial) -> Option<Arc<MaterialTextures>> {
-    if material.reflectance_map.is_none() && material.emission_map.is_none() {
+/// Textures of a material, for pictures, and what makes holes in its faces; `None` where points of a face look alike.
+fn textures_of(material: &DraftMaterial, is_opaque: bool, has_colours: bool) -> Option<Arc<MaterialTextures>> {
+    let opacity = if is_opaque { Opacity::Opaque } else { material.opacity };
+    let opacity_map = material.opacity_map.clone().filter(|_| !is_opaque);
+    let has_maps = [&material.reflectance_map, &material.emission_map, &opacity_map].into_iter().any(Option::is_some);
+    // Alpha of corners makes holes as well.
+    if !has_maps && (opacity == Opacity::Opaque || !has_colours) {
         return None;
     }
     Some(Arc::new(MaterialTextures {
@@ -136,7 +140,8 @@ fn textures_of(material: &DraftMaterial) -> Option<Arc<MaterialTextures>> {
         emission: material.emission_map.clone().filter(|_| !material.has_emission_uvs),
         emission_factor: material.emission,
         alpha_factor: material.alpha,
-        opacity: material.opacity,
+        opacity,
+        opacity_map,
     }))
 }
 
@@ -255,6 +260,11 @@ impl FaceRule {
         } else {
             Self::KeepGrey
         }
+    }
+
+    /// Whether a person says so.
+    fn is_opaque(&self) -> bool {
+        matches!(self, Self::Keep { is_opaque: true })
     }
 }
 
@@ -438,7 +448,8 @@ impl<'a> PolygonBuilder<'a> {
             _ => Polygon::triangle([corners[0], corners[1], corners[2]], material, face.group),
         };
         let of_material = &self.draft.materials[face.material as usize];
-        let has_map = of_material.reflectance_map.is_some() || of_material.emission_map.is_some();
+        let maps = [&of_material.reflectance_map, &of_material.emission_map, &of_material.opacity_map];
+        let has_map = maps.into_iter().any(Option::is_some);
         if self.has_details || has_map {
             let mut details = [CornerDetail::default(); 4];
             for (detail, &place) in details.iter_mut().zip(places) {

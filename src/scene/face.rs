@@ -6,6 +6,7 @@
 //! ([`Scene::surface_at`], [`Scene::smooth_normal`]); parts that a face was cut into find their places on the whole face.
 
 use std::collections::HashMap;
+use std::ops::{Add, Mul};
 
 use glam::{Vec2, Vec3, Vec4};
 
@@ -198,25 +199,30 @@ impl Scene {
         if textures.is_none() && self.details.colours.is_empty() {
             return Some(mean);
         }
-        let colour = self.vertex_colour(polygon, point);
-        let maps = textures.zip(self.texture_coordinates(polygon, point));
-        let Some((textures, uv)) = maps else {
-            let of_corners = self.mean_corner_colour(polygon);
-            return Some(Surface { reflectance: changed(mean.reflectance, colour, of_corners), ..mean });
-        };
-        let texel = |map: &TextureMap| map.sample(uv, footprint * self.texels_per_length(polygon, map));
+        let corners = self.corner_colour(polygon, point);
+        let colour = corners.truncate();
+        let uv = textures.and_then(|_| self.texture_coordinates(polygon, point));
+        let texel = |map: &TextureMap| Some(map.sample(uv?, footprint * self.texels_per_length(polygon, map)));
+        let of_colour = textures.and_then(|it| texel(it.reflectance.as_ref()?));
+        let of_opacity = textures.and_then(|it| texel(it.opacity_map.as_ref()?));
+        let alpha = |texel: Option<Vec4>| texel.map_or(1.0, |texel| texel.w);
+        if textures.is_some_and(|it| it.is_hole(corners.w, alpha(of_colour), alpha(of_opacity))) {
+            return None;
+        }
         let mut surface = mean;
         let filed = self.filed_surface(polygon);
-        if let Some(map) = &textures.reflectance {
-            let texel = texel(map);
-            if texel.w * textures.alpha_factor < textures.opacity.least() {
-                return None;
+        match (textures, of_colour) {
+            (Some(textures), Some(texel)) => {
+                let said = textures.reflectance_factor * texel.truncate() * colour;
+                surface.reflectance = changed(mean.reflectance, said, filed.reflectance);
             }
-            let said = textures.reflectance_factor * texel.truncate() * colour;
-            surface.reflectance = changed(mean.reflectance, said, filed.reflectance);
+            _ => {
+                let of_corners = self.mean_corner_colour(polygon);
+                surface.reflectance = changed(mean.reflectance, colour, of_corners);
+            }
         }
-        if let Some(map) = &textures.emission {
-            let said = textures.emission_factor * texel(map).truncate();
+        if let Some((textures, texel)) = textures.and_then(|it| Some((it, texel(it.emission.as_ref()?)?))) {
+            let said = textures.emission_factor * texel.truncate();
             surface.emission = changed(mean.emission, said, filed.emission).max(Vec3::ZERO);
         }
         surface.reflectance = surface.reflectance.clamp(Vec3::ZERO, Vec3::splat(MAX_SIDECAR_REFLECTANCE));
@@ -269,8 +275,8 @@ impl Scene {
 
     /// Texture coordinates at a point of a polygon, where its file has any; v runs downwards.
     pub fn texture_coordinates(&self, polygon: &Polygon, point: Vec3) -> Option<Vec2> {
-        let uv = self.interpolated(polygon, point, &self.details.uvs, |uv| uv.extend(0.0))?;
-        Some(uv.truncate()).filter(|uv| uv.is_finite())
+        let uv = self.interpolated(polygon, point, &self.details.uvs, |uv| uv)?;
+        Some(uv).filter(|uv| uv.is_finite())
     }
 
     /// Unit normal at a point of a polygon, turned to its bright side; the polygon's own where its file has none.
@@ -284,27 +290,27 @@ impl Scene {
         }
     }
 
-    /// Colour at a point of a polygon that its material's is multiplied with; white where its file has none.
-    pub fn vertex_colour(&self, polygon: &Polygon, point: Vec3) -> Vec3 {
-        let colour = |[r, g, b, _]: [u16; 4]| Vec3::from_array([r, g, b].map(|value| f32::from(value) / 65535.0));
-        self.interpolated(polygon, point, &self.details.colours, colour).unwrap_or(Vec3::ONE)
+    /// Colour and alpha at a point of a polygon that its material's are multiplied with; white where its file has none.
+    fn corner_colour(&self, polygon: &Polygon, point: Vec3) -> Vec4 {
+        let colour = |colour: [u16; 4]| Vec4::from_array(colour.map(|value| f32::from(value) / 65535.0));
+        self.interpolated(polygon, point, &self.details.colours, colour).unwrap_or(Vec4::ONE)
     }
 
     /// A value of a face's corners at a point of it, or of a part that it was cut into.
-    fn interpolated<T: Copy>(
+    fn interpolated<T: Copy, V: Add<Output = V> + Mul<f32, Output = V>>(
         &self,
         polygon: &Polygon,
         point: Vec3,
         list: &[T],
-        value: impl Fn(T) -> Vec3,
-    ) -> Option<Vec3> {
+        value: impl Fn(T) -> V,
+    ) -> Option<V> {
         let face = self.details.faces.get(polygon.detail as usize).filter(|face| face.corners > 0)?;
         let range = face.first as usize..face.first as usize + usize::from(face.corners);
         let values = list.get(range.clone())?;
         let corner = |index: usize| self.vertices[self.details.vertices[range.start + index] as usize];
         let in_triangle = |[a, b, c]: [usize; 3]| {
             let weights = barycentric([corner(a), corner(b), corner(c)], point);
-            let mixed = weights.x * value(values[a]) + weights.y * value(values[b]) + weights.z * value(values[c]);
+            let mixed = value(values[a]) * weights.x + value(values[b]) * weights.y + value(values[c]) * weights.z;
             (weights.min_element(), mixed)
         };
         let first = in_triangle([0, 1, 2]);

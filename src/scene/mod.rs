@@ -10,6 +10,7 @@ mod draft;
 mod edit;
 mod face;
 mod files;
+mod flat_tops;
 mod gltf;
 mod kept;
 mod known_sizes;

@@ -4,10 +4,10 @@ use glam::{DMat4, DVec3};
 use serde::{Deserialize, Serialize};
 
 use super::draft::Draft;
-use super::known_sizes;
 use super::sidecar::Sidecar;
 use super::unit::{BELOW_A_SKY, Unit};
 use super::up::{self, UpAxis};
+use super::{flat_tops, known_sizes};
 
 /// Wishes of a person on how a file is to be read; a sidecar's word counts where nothing is said here.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -79,8 +79,10 @@ pub(super) fn settle(draft: &mut Draft, reading: &Reading, sidecar: &Sidecar) ->
         None if has_lengths => Unit::Metre,
         None => {
             let [all, most] = Spread::new(draft).sizes(up.unwrap_or_default());
-            let unit = known_sizes::unit(draft, up.unwrap_or_default()).unwrap_or_else(|| Unit::guessed(all, most));
             let [height, width] = all;
+            let axis = up.unwrap_or_default();
+            let by_things = known_sizes::unit(draft, axis).or_else(|| flat_tops::unit(draft, axis, height));
+            let unit = by_things.unwrap_or_else(|| Unit::guessed(all, most));
             if unit != Unit::Metre {
                 let [height, width] = [height, width].map(|length| (10.0 * length * unit.metres()).round() / 10.0);
                 draft.skipped.note(format!(

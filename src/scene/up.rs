@@ -1,6 +1,6 @@
 //! Which axis of a file points up: told by its format, by its sidecar or by a person, else guessed by the geometry.
 
-use glam::{DVec3, Vec3};
+use glam::{DVec2, DVec3, Vec3};
 use serde::{Deserialize, Serialize};
 
 use super::Scene;
@@ -24,6 +24,22 @@ impl UpAxis {
         match self {
             Self::Y => Vec3::Y,
             Self::Z => Vec3::Z,
+        }
+    }
+
+    /// A point's level.
+    pub(super) fn along(self, at: DVec3) -> f64 {
+        match self {
+            Self::Y => at.y,
+            Self::Z => at.z,
+        }
+    }
+
+    /// A point seen along the axis.
+    pub(super) fn across(self, at: DVec3) -> DVec2 {
+        match self {
+            Self::Y => DVec2::new(at.x, at.z),
+            Self::Z => DVec2::new(at.x, at.y),
         }
     }
 

@@ -43,6 +43,29 @@ impl Gltf {
         self.accessors.len() - 1
     }
 
+    /// Adds an accessor of so many values, each of so many bytes, that meshopt packed with a filter; integers are normalised.
+    pub fn meshopt(
+        &mut self,
+        packed: &[u8],
+        filter: &str,
+        [count, stride]: [usize; 2],
+        component: u32,
+        kind: &str,
+    ) -> usize {
+        let view = self.view(packed);
+        let plain = self.views[view].trim_end_matches('}').to_owned();
+        let place = plain.trim_start_matches('{');
+        self.views[view] = format!(
+            r#"{plain}, "byteStride": {stride}, "extensions": {{"EXT_meshopt_compression": {{{place}, "byteStride": {stride},
+            "count": {count}, "mode": "ATTRIBUTES", "filter": "{filter}"}}}}}}"#
+        );
+        let normalized = component != F32;
+        self.accessors.push(format!(
+            r#"{{"bufferView": {view}, "componentType": {component}, "count": {count}, "type": "{kind}", "normalized": {normalized}}}"#
+        ));
+        self.accessors.len() - 1
+    }
+
     /// Adds an accessor of floats.
     pub fn floats<const N: usize>(&mut self, values: &[[f32; N]]) -> usize {
         let bytes: Vec<u8> = values.as_flattened().iter().flat_map(|value| value.to_le_bytes()).collect();

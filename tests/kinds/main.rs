@@ -4,6 +4,7 @@
 
 mod basis;
 mod builder;
+mod compressed;
 mod formats;
 mod lights;
 mod paint;

@@ -172,6 +172,55 @@ fn doors_and_chairs_tell_feet_from_metres() {
     }
 }
 
+/// Truth: a room with a desk of 0.74 m, a bed of 0.5 m and two stools of 0.45 m, all without names, in each unit; a hall of 9 m with them
+/// is one, and an empty one too.
+#[test]
+fn nameless_furniture_tells_feet_from_metres() {
+    let board = |[x, z]: [f64; 2], [width, depth]: [f64; 2], level: f64, scale: f64| {
+        let corners = [[x, z], [x + width, z], [x + width, z + depth], [x, z + depth]];
+        let vertex = |[x, z]: [f64; 2]| format!("v {} {} {}\n", scale * x, scale * level, scale * z);
+        corners.map(vertex).concat() + "f -1 -2 -3 -4\n"
+    };
+    for (order, up) in [(y_up as fn(f32, f32, f32) -> [f32; 3], UpAxis::Y), (z_up, UpAxis::Z)] {
+        for unit in Unit::ALL {
+            let scale = 1.0 / unit.metres();
+            let mut text = room(order, scale as f32, false).replace("usemtl table", "usemtl wall");
+            let tops = [
+                board([3.0, 0.1], [1.6, 0.8], 0.74, scale),
+                board([0.2, 2.0], [1.0, 2.0], 0.5, scale),
+                board([3.2, 1.0], [0.4, 0.4], 0.45, scale),
+                board([4.0, 1.0], [0.4, 0.4], 0.45, scale),
+            ]
+            .concat();
+            for line in tops.lines() {
+                let numbers: Vec<f32> = line.split(' ').skip(1).filter_map(|number| number.parse().ok()).collect();
+                match (line.starts_with('v'), &numbers[..]) {
+                    (true, &[x, level, z]) => {
+                        let [x, y, z] = order(x, level, z);
+                        text += &format!("v {x} {y} {z}\n");
+                    }
+                    _ => text += &format!("{line}\n"),
+                }
+            }
+            let folder = Folder::new();
+            folder.write("a.mtl", ROOM);
+            let scene = selflink::scene::load_file(&folder.write("a.obj", &text)).expect("a room");
+            assert_eq!((scene.frame.unit, scene.frame.up), (unit, Some(up)));
+            assert_eq!(notes(&scene).contains(unit.name()), unit != Unit::Metre, "{}", notes(&scene));
+        }
+    }
+    for furniture in [true, false] {
+        let mut text = room(y_up, 3.0, false).replace("usemtl table", "usemtl wall");
+        if furniture {
+            text += &board([6.0, 1.0], [1.6, 0.8], 0.74, 1.0);
+            text += &board([6.0, 3.0], [0.4, 0.4], 0.45, 1.0);
+            text += &board([7.0, 3.0], [0.4, 0.4], 0.45, 1.0);
+        }
+        let scene = load(&[("a.obj", text.as_bytes()), ("a.mtl", ROOM.as_bytes())], "a.obj");
+        assert_eq!(scene.frame.unit, Unit::Metre, "{furniture}");
+    }
+}
+
 /// Truth: the lamp hangs under the ceiling, which is 3 m up, and shines down; the work plane lies 0.8 m above the floor.
 #[test]
 fn lamp_and_work_plane_follow_the_axis() {

@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 use image::ImageFormat;
-use selflink::scene::{Scene, load_file};
+use selflink::scene::{Polygon, Scene, load_file};
 
 use crate::builder::{Gltf, one_mesh};
 use crate::support::Folder;
@@ -188,6 +188,78 @@ fn opacity_has_a_texture_of_its_own() {
         "{}",
         notes(&gone)
     );
+}
+
+/// What a point of the square between (0, 0) and (1, 1) shows; `None` in a hole.
+fn at(scene: &Scene, x: f32, y: f32) -> Option<Vec3> {
+    let point = Vec3::new(x, y, 0.0);
+    // Of two triangles the one that holds the point.
+    let holds = |polygon: &&Polygon| {
+        let (corners, count) = scene.corner_positions(polygon);
+        let middle = corners[..count].iter().sum::<Vec3>() / count as f32;
+        count == 4 || (middle.y > middle.x) == (y > x)
+    };
+    let polygon = scene.polygons.iter().find(holds).expect("a square");
+    scene.surface_at(polygon, point, scene.surface(polygon), 1e-3).map(|surface| surface.reflectance)
+}
+
+/// Truth: by hand. The left half of the mask is white, of the rest one half is black; there is a hole, whatever the colour's own alpha
+/// says, and the factor `d` counts with it. A word of a person closes it.
+#[test]
+fn pictures_have_holes_where_the_opacity_texture_has() {
+    let square = "mtllib a.mtl\nusemtl leaf\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n\
+        f 1/1 2/2 3/3 4/4\n";
+    let level = |x: u32| [255, 255, 255, 255, 160, 160, 0, 0][x as usize];
+    let mask = picture([8, 1], ImageFormat::Png, |x, _| [level(x), level(x), level(x), 255]);
+    let colour = picture([1, 1], ImageFormat::Png, |_, _| [255, 0, 0, 0]);
+    for (map, truth) in [("map_Kd colour.png\n", RED), ("", Vec3::splat(0.5))] {
+        let shown = |dissolve: &str, said: &str| {
+            let mtl = format!("newmtl leaf\nKd 0.5 0.5 0.5\n{dissolve}{map}map_d mask.png\n");
+            let files = [("a.obj", square.as_bytes()), ("a.mtl", mtl.as_bytes()), ("mask.png", &mask)];
+            let beside = [("colour.png", &colour[..]), ("a.selflink.json", said.as_bytes())];
+            let scene = load(&[&files[..], &beside].concat(), "a.obj");
+            [0.25, 0.69, 0.9].map(|x| at(&scene, x, 0.5))
+        };
+        let is = |found: Option<Vec3>| found.is_some_and(|found| found.distance(truth) < 1e-3);
+        assert_eq!(shown("", "{}").map(is), [true, true, false], "{map}");
+        assert_eq!(shown("", "{}")[2], None, "{map}");
+        assert_eq!(shown("d 0.78\n", "{}").map(is), [true, false, false], "0.78 × 160 / 255 < ½ {map}");
+        let opaque = r#"{"materials": {"leaf": {"opaque": true}}}"#;
+        assert_eq!(shown("", opaque).map(is), [true; 3], "{map}");
+    }
+}
+
+/// Truth: glTF 2.0, sections 3.7.2.1 and 3.9.4: alpha of the corners, from 1 on the left to ¼ on the right, times that of the factor, 0.8,
+/// times that of the texture, 1 below and ½ above; the cutoff is 0.3. Neither counts where alpha has no meaning.
+#[test]
+fn masks_of_pictures_heed_corners_factor_and_texture() {
+    let scene = |mode: &str, textured: bool| {
+        let mut file = Gltf::square();
+        let colours = [1.0, 0.25, 0.25, 1.0].map(|alpha| [1.0, 1.0, 1.0, alpha]);
+        let colours = file.floats::<4>(&colours);
+        let uvs = file.floats::<2>(&[[0.0, 1.0], [1.0, 1.0], [1.0, 0.0], [0.0, 0.0]]);
+        let alpha = |y: u32| if y < 2 { 128 } else { 255 };
+        let view = file.view(&picture([1, 4], ImageFormat::Png, |_, y| [255, 255, 255, alpha(y)]));
+        let map = if textured { r#", "baseColorTexture": {"index": 0}"# } else { "" };
+        let material = format!(
+            r#", "alphaMode": "{mode}", "alphaCutoff": 0.3, "pbrMetallicRoughness": {{"baseColorFactor": [0.5, 0.5, 0.5, 0.8]{map}}}"#
+        );
+        let image = format!(
+            r#", "images": [{{"bufferView": {view}, "mimeType": "image/png"}}], "textures": [{{"source": 0}}]"#
+        );
+        let rest = one_mesh(&format!(r#", "COLOR_0": {colours}, "TEXCOORD_0": {uvs}"#), &material, &image);
+        load(&[("a.glb", &file.file(&rest))], "a.glb")
+    };
+    // Alpha is 1 − ¾ x: the mask ends at x = 5/6, and where the texture halves it at x = ⅓.
+    let places = [(0.3, 0.25), (0.8, 0.25), (0.9, 0.25), (0.3, 0.75), (0.4, 0.75), (0.9, 0.75)];
+    let is_there = |mode: &str, textured: bool| {
+        let scene = scene(mode, textured);
+        places.map(|(x, y)| at(&scene, x, y).is_some())
+    };
+    assert_eq!(is_there("MASK", true), [true, true, false, true, false, false]);
+    assert_eq!(is_there("MASK", false), [true, true, false, true, true, false]);
+    assert_eq!(is_there("OPAQUE", true), [true; 6]);
+    assert_eq!(is_there("OPAQUE", false), [true; 6]);
 }
 
 /// Truth: by the words of the settings file as people write them.

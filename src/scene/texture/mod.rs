@@ -191,17 +191,11 @@ pub enum Opacity {
     Blend,
 }
 
-impl Opacity {
-    /// Alpha below which a picture shows a hole.
-    pub(super) fn least(self) -> f32 {
-        match self {
-            Self::Opaque => 0.0,
-            Self::Mask(least) => least,
-            // Faces count as opaque or not at all, and so do their parts.
-            Self::Blend => 0.5,
-        }
-    }
-}
+/// Alpha below which a picture shows a hole where no cutoff is named: faces count as opaque or not at all, and so do their parts.
+const HALF: f32 = 0.5;
+
+/// Interpolated values may be off by so much.
+const ROUNDING: f32 = 1e-5;
 
 /// Textures of a material, which a picture needs beside its means, and the meaning of their alpha.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -214,10 +208,27 @@ pub struct MaterialTextures {
     pub emission: Option<TextureMap>,
     /// Of the file, W/m² per colour.
     pub emission_factor: Vec3,
-    /// Alpha is the first texture's times this.
+    /// Of the file; alpha is this times the first texture's and that of a face's corners, as far as it has a meaning, and that of
+    /// [`opacity_map`](Self::opacity_map).
     pub alpha_factor: f32,
-    /// Meaning of the textures' alpha.
+    /// Meaning of the first texture's alpha and of that of corners.
     pub opacity: Opacity,
+    /// Opacity in a texture of its own (`map_d` of OBJ files).
+    pub opacity_map: Option<TextureMap>,
+}
+
+impl MaterialTextures {
+    /// Whether there is a hole where the corners of a face have this alpha in between them, the first texture has that, and the opacity's
+    /// that; each is 1 where it is absent.
+    pub(super) fn is_hole(&self, of_corners: f32, of_colour: f32, of_opacity: f32) -> bool {
+        let (alpha, least) = match self.opacity {
+            Opacity::Opaque if self.opacity_map.is_none() => return false,
+            Opacity::Opaque => (self.alpha_factor, HALF),
+            Opacity::Mask(cutoff) => (self.alpha_factor * of_corners * of_colour, cutoff),
+            Opacity::Blend => (self.alpha_factor * of_corners * of_colour, HALF),
+        };
+        alpha * of_opacity < least - ROUNDING
+    }
 }
 
 #[cfg(test)]
