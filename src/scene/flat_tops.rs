@@ -290,11 +290,11 @@ mod tests {
                     (DVec3::new(20.0, 9.0, 30.0), unit == Unit::Metre),
                 ] {
                     let draft = room(size, &furniture, unit, up);
-                    let told = unit_of(&draft, up, size.y / unit.metres());
+                    let found = unit_of(&draft, up, size.y / unit.metres());
                     // In metres a low room needs no other unit.
                     assert!(
-                        told.unwrap_or_default() == unit || !is_known && told.is_none(),
-                        "{size} {unit:?}: {told:?}"
+                        found.unwrap_or_default() == unit || !is_known && found.is_none(),
+                        "{size} {unit:?}: {found:?}"
                     );
                 }
             }

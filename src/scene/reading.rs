@@ -55,25 +55,25 @@ const FEW: usize = 400;
 pub(super) fn settle(draft: &mut Draft, reading: &Reading, sidecar: &Sidecar) -> Frame {
     // What was saved beside a scene fits the axis that its format prescribes.
     let prescribed = draft.prescribed_up.filter(|_| sidecar.camera.is_some());
-    let told = reading.up.or(sidecar.up).or(prescribed);
+    let given = reading.up.or(sidecar.up).or(prescribed);
     // An older sidecar's view tells by its own up direction.
-    let up = if told.is_none() && sidecar.camera.is_some() {
+    let up = if given.is_none() && sidecar.camera.is_some() {
         None
     } else {
-        Some(told.unwrap_or_else(|| up::guessed(draft, Spread::new(draft).below_a_sky())))
+        Some(given.unwrap_or_else(|| up::guessed(draft, Spread::new(draft).below_a_sky())))
     };
-    if told.is_none() && up == Some(UpAxis::Z) {
+    if given.is_none() && up == Some(UpAxis::Z) {
         let although = if draft.prescribed_up.is_some() { ", though its format has y" } else { "" };
         draft.skipped.note(format!(
             "z is taken for up, as the scene looks{although}; --up y or the scene panel says otherwise."
         ));
     }
-    let told = reading.unit.or(sidecar.unit).or(draft.unit);
+    let given = reading.unit.or(sidecar.unit).or(draft.unit);
     let has_lengths = sidecar.camera.is_some()
         || !sidecar.luminaires.is_empty()
         || !sidecar.bookmarks.is_empty()
         || sidecar.task_area.is_some();
-    let unit = match told {
+    let unit = match given {
         Some(unit) => unit,
         // What was saved beside the scene without a unit is in the scene's own.
         None if has_lengths => Unit::Metre,

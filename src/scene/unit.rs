@@ -1,4 +1,4 @@
-//! The length unit of a file: told by it, by its sidecar or by a person, else guessed by the size of a room.
+//! The length unit of a file: given by it, by its sidecar or by a person, else guessed by the size of a room.
 
 use serde::{Deserialize, Serialize};
 
@@ -109,7 +109,7 @@ impl Unit {
         let is_below_a_sky = most.iter().zip(all).all(|(most, all)| *most < BELOW_A_SKY * all);
         let sizes = if is_below_a_sky { [all, most] } else { [all, all] };
         let least = |unit: &Self| unlikeness(unit, sizes[0]).min(unlikeness(unit, sizes[1]));
-        // Feet and metres cannot be told apart by a room's size (but see `known_sizes`).
+        // Feet and metres cannot be distinguished by a room's size (but see `known_sizes`).
         let candidates = [Self::Centimetre, Self::Millimetre, Self::Inch, Self::Metre];
         candidates.into_iter().min_by(|a, b| least(a).total_cmp(&least(b))).unwrap_or_default()
     }

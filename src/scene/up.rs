@@ -1,4 +1,4 @@
-//! Which axis of a file points up: told by its format, by its sidecar or by a person, else guessed by the geometry.
+//! Which axis of a file points up: given by its format, by its sidecar or by a person, else guessed by the geometry.
 
 use glam::{DVec2, DVec3, Vec3};
 use serde::{Deserialize, Serialize};
@@ -80,7 +80,7 @@ const RIM: f64 = 0.04;
 /// Score in favour of y before anything is looked at, in the measure of the other evidence.
 const FOR_Y: f64 = 0.7;
 
-/// More of it where the format prescribes y. Some exporters can be told not to heed that, and few people tell them so.
+/// More of it where the format prescribes y. Some exporters can be set not to heed that, and few people do.
 const PRESCRIBED: f64 = 1.5;
 
 /// A face stands upright, or lies flat, if its normal's cosine with the axis is no larger, or no smaller, than this.
