@@ -1,15 +1,16 @@
 //! Selflink: hierarchical radiosity with isotropic clusters, refined from the root's self-link.
 //!
-//! The method is that of Stamminger, Nitsch, Slusallek and Seidel \[1\], "the paper" wherever the code speaks of sections, figures
-//! and tables. A scene of diffuse polygons is solved for its radiosity: how much light leaves each surface once light has
-//! been reflected to and fro for ever.
+//! The method is that of Stamminger, Nitsch, Slusallek and Seidel \[1\], "the paper" wherever the
+//! code speaks of sections, figures and tables. A scene of diffuse polygons is solved for its
+//! radiosity: how much light leaves each surface once light has been reflected to and fro for ever.
 //!
 //! # The method on one page
 //!
-//! All elements of the solution form one tree (\[1\] section 1.2, \[2\]). Its root is a cluster of everything; a cluster holds
-//! clusters and *initial patches*, which are the polygons of the scene; a patch holds the four patches into which it was
-//! subdivided. A *link* r ← s says that element r receives light of element s. At first there is one link, from the root to
-//! itself: everything lights everything, evenly.
+//! All elements of the solution form one tree (\[1\] section 1.2, \[2\]). Its root is a cluster of
+//! everything; a cluster holds clusters and *initial patches*, which are the polygons of the scene;
+//! a patch holds the four patches into which it was subdivided. A *link* r ← s says that element r
+//! receives light of element s. At first there is one link, from the root to itself: everything
+//! lights everything, evenly.
 //!
 //! 1. **Judge.** A link is good enough if the power that it could carry at most, B_s·F·A_r, does not exceed ε ("BFA", section
 //!    2.3, \[3\]); a link whose ends see each other only in part must stay below a stricter ε_partial. Random rays between the
@@ -23,14 +24,18 @@
 //!    (β-links). Leaves reflect, B = B_e + ρE, and parents take the mean of their children. Sweeps are repeated until no power is left to move.
 //! 4. **Repeat.** B has grown, so links are judged again; those that fail now are refined. Done when none fails.
 //!
-//! A cluster has no normal: to the oracle it is a volume of randomly turned faces, whose cosine is ¼ on average, so a form factor
-//! between two clusters carries 1/16 (\[2\]). What a link then carries is found by pairs of points on its ends, or by that
-//! same model ([`transport::ClusterModel`]). Parts of faces that lie hidden inside of things are no area ([`geometry::Reachability`]). At any time there is a picture: links that still wait to be judged count as they are, so
-//! the first picture, which the root's self-link alone makes, is there at once, and later ones sharpen.
+//! A cluster has no normal: to the oracle it is a volume of randomly turned faces, whose cosine is
+//! ¼ on average, so a form factor between two clusters carries 1/16 (\[2\]). What a link then
+//! carries is found by pairs of points on its ends, or by that same model
+//! ([`transport::ClusterModel`]). Parts of faces that lie hidden inside of things are no area
+//! ([`geometry::Reachability`]). At any time there is a picture: links that still wait to be judged
+//! count as they are, so the first picture, which the root's self-link alone makes, is there at
+//! once, and later ones sharpen.
 //!
 //! # Symbols and units
 //!
-//! Lengths are metres where powers are to be read in watts. Light has three colours; where one number is needed, the largest counts.
+//! Lengths are metres where powers are to be read in watts. Light has three colours; where one
+//! number is needed, the largest counts.
 //!
 //! | symbol | in code | unit | meaning |
 //! | --- | --- | --- | --- |
@@ -46,8 +51,9 @@
 //! | ε_partial | `partial_factor` · ε | W | the same where an end is seen only in part |
 //! | f_vis | `visibility_factor` | rays | a link gets f_vis · BFA/ε rays, within bounds |
 //!
-//! A face has one bright side, the one from which its corners run anticlockwise; its back reflects nothing but stops
-//! light all the same ([`geometry::orient`] turns or doubles faces of scenes that are wound otherwise).
+//! A face has one bright side, the one from which its corners run anticlockwise; its back reflects
+//! nothing but stops light all the same ([`geometry::orient`] turns or doubles faces of scenes that
+//! are wound otherwise).
 //!
 //! # Modules
 //!

@@ -1,7 +1,8 @@
-//! Our own scenes: exact sizes, sound geometry, rooms without leaks, and files that say the same as the code.
+//! Our own scenes: exact sizes, sound geometry, rooms without leaks, and files that say the same as
+//! the code.
 //!
-//! Truth: the polygon counts of the paper (section 4), and invariants of closed rooms made of closed solids: no ray
-//! from inside leaves the room or meets the back of a face.
+//! Truth: the polygon counts of the paper (section 4), and invariants of closed rooms made of
+//! closed solids: no ray from inside leaves the room or meets the back of a face.
 
 use std::collections::{HashMap, HashSet};
 use std::path::Path;
@@ -13,7 +14,8 @@ use selflink::scene::{GroupId, Polygon, Scene, Sides, write_obj};
 
 const SEMINAR: BuiltinScene = BuiltinScene::Seminar { polygons: BuiltinScene::SEMINAR_POLYGONS };
 
-/// A low-discrepancy sequence is repeatable and reaches every corner (R. Cranley's additive recurrence, plastic number).
+/// A low-discrepancy sequence is repeatable and reaches every corner (R. Cranley's additive
+/// recurrence, plastic number).
 fn sample(index: usize, dimension: i32) -> f32 {
     (0.5 + (index + 1) as f64 * 1.220_744_084_605_759_5_f64.powi(-dimension - 1)).fract() as f32
 }
@@ -46,7 +48,8 @@ fn the_seminar_room_takes_any_size_exactly() {
     }
 }
 
-/// Truth: each office of the tower is the office, moved; whole ones come as near to the number asked for as they can.
+/// Truth: each office of the tower is the office, moved; whole ones come as near to the number
+/// asked for as they can.
 #[test]
 fn a_tower_is_made_of_offices() {
     let office = BuiltinScene::Office.build();
@@ -93,7 +96,8 @@ fn polygons_are_planar_convex_and_drawn_once() {
             assert!(scene.area(polygon) > 1e-6 && normal.is_normalized(), "{} has no area", place());
             for step in 0..count {
                 let [a, b, c] = [0, 1, 2].map(|next| corners[(step + next) % count]);
-                // f32 positions some metres from the origin are good to 5e-7 m, of 7 mm (a key) 1e-4.
+                // f32 positions some metres from the origin are good to 5e-7 m, of 7 mm (a key)
+                // 1e-4.
                 assert!((a - corners[0]).dot(normal).abs() <= 1e-4 * size, "{} is not planar", place());
                 assert!((b - a).cross(c - b).dot(normal) > 0.0, "{} is not convex", place());
             }
@@ -151,7 +155,8 @@ fn rooms_leak_no_light_and_show_no_backs() {
         let occluders = Occluders::new(&scene);
         let eye = scene.camera.expect("our own scenes have a camera").eye;
         let (mut escaped, mut backs, mut rays) = (0, 0, 0);
-        // Each path starts at the eye and bounces on, so that rays set out from everywhere that the eye's light reaches.
+        // Each path starts at the eye and bounces on, so that rays set out from everywhere that the
+        // eye's light reaches.
         for path in 0..20_000 {
             let (mut origin, mut normal) = (eye, Vec3::ZERO);
             for bounce in 0..4 {
@@ -181,7 +186,8 @@ fn rooms_leak_no_light_and_show_no_backs() {
     }
 }
 
-/// What a particle sees that slipped into a solid where two of its parts cross is no back of the room.
+/// What a particle sees that slipped into a solid where two of its parts cross is no back of the
+/// room.
 #[test]
 fn loading_has_no_remark_on_our_own_scenes() {
     for scene in scenes() {
@@ -193,7 +199,8 @@ fn loading_has_no_remark_on_our_own_scenes() {
 #[test]
 fn no_two_faces_lie_on_each_other() {
     for scene in scenes() {
-        // Faces by plane, whichever way they look: the unit normal's rounding and the distance to 0.1 mm.
+        // Faces by plane, whichever way they look: the unit normal's rounding and the distance to
+        // 0.1 mm.
         let mut planes: HashMap<[i32; 4], Vec<usize>> = HashMap::new();
         for (index, polygon) in scene.polygons.iter().enumerate() {
             let normal = scene.normal(polygon);

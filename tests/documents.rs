@@ -1,4 +1,5 @@
-//! What documents say: links lead somewhere, commands and options exist, figures of the README are those of the charts.
+//! What documents say: links lead somewhere, commands and options exist, figures of the README are
+//! those of the charts.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -88,8 +89,8 @@ fn help(command: Option<&str>) -> Option<String> {
     output.status.success().then(|| String::from_utf8_lossy(&output.stdout).into_owned())
 }
 
-/// Truth: the program's own help. Each `selflink` line of a code block, and each in a sentence, names a command that is there and options that
-/// it has.
+/// Truth: the program's own help. Each `selflink` line of a code block, and each in a sentence,
+/// names a command that is there and options that it has.
 #[test]
 fn commands_and_options_are_there() {
     let top = help(None).expect("help");
@@ -142,7 +143,8 @@ fn commands_and_options_are_there() {
     assert!(tried > 60, "{tried} options");
 }
 
-/// Truth: the tables of the charts, which `selflink chart` writes. After they are run again the lines that this test asks for are to be put in.
+/// Truth: the tables of the charts, which `selflink chart` writes. After they are run again the
+/// lines that this test asks for are to be put in.
 #[test]
 fn figures_of_the_readme_are_those_of_the_charts() {
     let readme = read(&root().join("README.md"));
@@ -220,7 +222,8 @@ const ROOMS: [&str; 15] = [
     "cli",
 ];
 
-/// Truth: the layout that the README tells. Code of a room imports rooms below it alone; what documents and tests name is free.
+/// Truth: the layout that the README tells. Code of a room imports rooms below it alone; what
+/// documents and tests name is free.
 #[test]
 fn rooms_import_only_those_below_them() {
     let (mut folders, mut files, mut wrong) = (vec![root().join("src")], 0, Vec::new());

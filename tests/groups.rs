@@ -1,6 +1,7 @@
 //! Groups made by hand: in the sidecar, as clusters, and through the worker.
 //!
-//! Truth: the same tree gives the same hierarchy and the same solution bit for bit; boxes and counts of what was grouped.
+//! Truth: the same tree gives the same hierarchy and the same solution bit for bit; boxes and
+//! counts of what was grouped.
 
 use std::sync::Arc;
 use std::time::{Duration, Instant};

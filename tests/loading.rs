@@ -1,4 +1,5 @@
-//! Loading OBJ, glTF, GLB, PLY and STL scenes with their sidecars: what comes in, what is left out, and that both are said.
+//! Loading OBJ, glTF, GLB, PLY and STL scenes with their sidecars: what comes in, what is left out,
+//! and that both are said.
 
 #[path = "support/left_out.rs"]
 mod left_out;
@@ -214,7 +215,8 @@ fn a_sidecar_written_is_read_back() {
     assert_eq!((again.materials, again.sides, again.camera), (scene.materials, scene.sides, scene.camera));
 }
 
-/// Truth: a person's own file. What a scene has as its file states it needs no sidecar, and what a sidecar says stays.
+/// Truth: a person's own file. What a scene has as its file states it needs no sidecar, and what a
+/// sidecar says stays.
 #[test]
 fn a_sidecar_holds_only_what_was_changed_and_keeps_what_it_said() {
     let folder = Folder::new();
@@ -244,7 +246,8 @@ fn a_sidecar_holds_only_what_was_changed_and_keeps_what_it_said() {
     assert_eq!(std::fs::read_to_string(&sidecar_path).expect("it is still there"), by_hand);
 }
 
-/// Truth: a light that was added is in no scene file, so the sidecar alone brings it back, with what was changed of it.
+/// Truth: a light that was added is in no scene file, so the sidecar alone brings it back, with
+/// what was changed of it.
 #[test]
 fn ceiling_lights_come_back_by_the_sidecar() {
     let folder = Folder::new();
@@ -402,7 +405,8 @@ fn real_scenes_have_the_counts_that_their_descriptions_give() {
     }
 }
 
-/// Truth: the descriptions beside the scenes, made by another program: all that is seen from inside faces the viewer.
+/// Truth: the descriptions beside the scenes, made by another program: all that is seen from inside
+/// faces the viewer.
 #[test]
 fn well_wound_real_scenes_have_no_face_seen_from_behind() {
     let Some(folder) = scenes() else { return };
@@ -430,7 +434,8 @@ fn room_at(far: f64) -> String {
     )
 }
 
-/// Truth: the same room at the origin. f64 tells 10⁻⁷ at a distance of 10⁹; f32 would tell 0.06 m at 1,000 km.
+/// Truth: the same room at the origin. f64 tells 10⁻⁷ at a distance of 10⁹; f32 would tell 0.06 m
+/// at 1,000 km.
 #[test]
 fn rooms_far_off_keep_their_shape() {
     let folder = Folder::new();
@@ -448,7 +453,8 @@ fn rooms_far_off_keep_their_shape() {
     }
 }
 
-/// Truth: what a scene says of places is in its file's coordinates: as a sidecar says it, and as it is written.
+/// Truth: what a scene says of places is in its file's coordinates: as a sidecar says it, and as it
+/// is written.
 #[test]
 fn cameras_and_lights_speak_the_files_coordinates() {
     let folder = Folder::new();
@@ -474,8 +480,8 @@ fn cameras_and_lights_speak_the_files_coordinates() {
     assert!(lost < 1e-6, "{lost}");
 }
 
-/// Truth: a node's translation is f64, so a mesh near its own zero keeps its shape wherever it is put; positions of f32 that lie far off
-/// are rounded, which is said.
+/// Truth: a node's translation is f64, so a mesh near its own zero keeps its shape wherever it is
+/// put; positions of f32 that lie far off are rounded, which is said.
 #[test]
 fn glb_keeps_its_shape_far_off_or_says_that_the_file_has_not() {
     let node = r#""scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0, "translation": [1000000.3, 0, 262144.1]}],

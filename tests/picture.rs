@@ -83,12 +83,14 @@ fn a_furnace_is_even() {
     let off = layers.pixels.iter().map(|pixel| ((pixel.irradiance - exact) / exact).abs().max_element());
     let mut off: Vec<f32> = off.collect();
     off.sort_by(f32::total_cmp);
-    // Nine tenths within the noise asked for, and as much again for the field's own error of walls near corners.
+    // Nine tenths within the noise asked for, and as much again for the field's own error of walls
+    // near corners.
     assert!(off[off.len() * 9 / 10] < 0.1, "{}", off[off.len() * 9 / 10]);
     assert!(layers.pixels.iter().all(|pixel| (pixel.coverage - 1.0).abs() < 1e-6), "a closed room covers all");
 }
 
-/// Truth: the texels of the file, a furnace's light and the layers of each other: B = B_e + ρ·E with the texel's ρ.
+/// Truth: the texels of the file, a furnace's light and the layers of each other: B = B_e + ρ·E
+/// with the texel's ρ.
 #[test]
 fn textures_are_drawn_at_full_resolution() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -153,14 +155,16 @@ fn a_picture_is_nearer_to_the_truth_than_paths_are() {
     let (truth, of_few_paths) = (of_paths(512, 1), of_paths(16, 2));
     let gathered: Vec<Vec3> = pixels.iter().flatten().map(|light| light.irradiance).collect();
     let (found, noise) = (apart(&truth, &gathered), apart(&truth, &of_few_paths));
-    // Each path casts two rays from each of its vertices, so these cost more rays than the looks of a pixel.
+    // Each path casts two rays from each of its vertices, so these cost more rays than the looks of
+    // a pixel.
     assert!(found < noise, "mean ꟻLIP {found}, of sixteen paths a pixel {noise}");
 }
 
-/// Truth: Mitsuba 3.9 over the scenes that `selflink export SCENE --to mitsuba` wrote, 4,096 paths a pixel (10,496 of the box and the office), B through
-/// the same tone curve.
-/// Allowed is what the noise of both adds (2 % of E at nine tenths of the samples, a step that ꟻLIP sees as some 0.02), as much again for the
-/// field's error, and for edges, which four samples a pixel draw in steps, and rare bright paths, of which the office's reference shows some dozens.
+/// Truth: Mitsuba 3.9 over the scenes that `selflink export SCENE --to mitsuba` wrote, 4,096 paths
+/// a pixel (10,496 of the box and the office), B through the same tone curve. Allowed is what the
+/// noise of both adds (2 % of E at nine tenths of the samples, a step that ꟻLIP sees as some 0.02),
+/// as much again for the field's error, and for edges, which four samples a pixel draw in steps,
+/// and rare bright paths, of which the office's reference shows some dozens.
 #[test]
 fn pictures_look_like_those_of_another_program() {
     let size = [96, 60];

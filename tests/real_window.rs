@@ -1,7 +1,8 @@
 //! The real window on a display of its own: opened, driven by mouse and keyboard, closed.
 //!
-//! Truth: the pixels of the screen. What the harness of the other window tests cannot see is here: the window system, the surface that
-//! pictures are presented on, and the program's own end. Needs Xvfb, which `./dev test` installs, and an adapter; says so where one is missing.
+//! Truth: the pixels of the screen. What the harness of the other window tests cannot see is here:
+//! the window system, the surface that pictures are presented on, and the program's own end. Needs
+//! Xvfb, which `./dev test` installs, and an adapter; says so where one is missing.
 #![cfg(all(feature = "gui", target_os = "linux"))]
 
 #[path = "support/left_out.rs"]
@@ -189,7 +190,8 @@ fn a_window_is_opened_driven_and_closed() {
     person.until("the picture being back", |view| lit(view) > 0.2);
 
     assert!(window.try_wait().expect("its state").is_none(), "it is still open");
-    // A window manager's close would need one; the display's end is what a window gets when a session ends.
+    // A window manager's close would need one; the display's end is what a window gets when a
+    // session ends.
     let mut errors = window.stderr.take().expect("piped");
     window.kill().expect("it can be ended");
     window.wait().expect("it has ended");
@@ -198,8 +200,8 @@ fn a_window_is_opened_driven_and_closed() {
     assert!(!said.contains("panicked"), "{said}");
 }
 
-/// Truth: the fonts that come with the program have no kanji, and the log of what looks for others in the system tells that it did. The
-/// window waits for that before it draws such a name.
+/// Truth: the fonts that come with the program have no kanji, and the log of what looks for others
+/// in the system tells that it did. The window waits for that before it draws such a name.
 #[test]
 fn letters_that_our_fonts_lack_are_looked_for_in_the_system() {
     let Some(display) = Display::start() else {

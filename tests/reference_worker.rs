@@ -38,7 +38,8 @@ fn reference_worker() -> ReferenceWorker {
     ReferenceWorker::spawn(Box::new(|| {})).expect("a thread")
 }
 
-/// Truth: the meter itself with the reference that the cache holds in the end. Lamps are known, so nothing is said about them.
+/// Truth: the meter itself with the reference that the cache holds in the end. Lamps are known, so
+/// nothing is said about them.
 #[test]
 fn it_measures_what_the_meter_finds() {
     let (scene, snapshot) = solved(BuiltinScene::Cornell, 1e-2);
@@ -67,8 +68,8 @@ fn it_measures_what_the_meter_finds() {
     );
 }
 
-/// A pass over many points takes long; a person who stops it, or opens another scene, does not wait for its end. How often a pass looks
-/// at its token is counted in `tests/accuracy/reference.rs`.
+/// A pass over many points takes long; a person who stops it, or opens another scene, does not wait
+/// for its end. How often a pass looks at its token is counted in `tests/accuracy/reference.rs`.
 #[test]
 fn it_stops_in_the_middle_of_a_pass() {
     let (scene, snapshot) = solved(BuiltinScene::Seminar { polygons: 2008 }, 1e-1);

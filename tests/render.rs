@@ -105,7 +105,8 @@ const SQUARE: [Vec3; 4] =
 
 const BOUNDS: (Vec3, Vec3) = (Vec3::splat(-1.0), Vec3::splat(1.0));
 
-/// Looks along −z (or +z from behind) at the origin from a distance of 2, 90° wide: the square fills the middle half.
+/// Looks along −z (or +z from behind) at the origin from a distance of 2, 90° wide: the square
+/// fills the middle half.
 fn camera(eye_z: f32) -> Camera {
     let pose = CameraPose { eye: Vec3::new(0.0, 0.0, eye_z), target: Vec3::ZERO, up: Vec3::Y, hfov_deg: 90.0 };
     Camera::from_pose(&pose, 1.0, BOUNDS)
@@ -128,7 +129,8 @@ fn a_known_radiosity_has_the_colour_of_the_tone_curve_and_the_rest_is_background
         return;
     };
     assert_eq!(picture.dimensions(), (101, 67));
-    // hfov 90° was said for aspect 1, so the height spans 4 units at distance 2: the square is half the height.
+    // hfov 90° was said for aspect 1, so the height spans 4 units at distance 2: the square is half
+    // the height.
     for (x, y) in [(50, 33), (50, 18), (50, 48), (35, 33), (65, 33)] {
         assert!(near(picture.get_pixel(x, y), displayed(radiosity)), "({x}, {y}): {:?}", picture.get_pixel(x, y));
     }
@@ -148,7 +150,8 @@ fn a_face_seen_from_behind_lets_the_background_through() {
 
 #[test]
 fn the_nearer_face_hides_the_farther_one_at_any_distance() {
-    // Truth: geometry. Two squares a thousandth of the scene's size apart, the farther one drawn last.
+    // Truth: geometry. Two squares a thousandth of the scene's size apart, the farther one drawn
+    // last.
     let farther = SQUARE.map(|corner| corner - Vec3::new(0.0, 0.0, 0.003));
     let two = snapshot(&[(SQUARE, [0.3, 0.0, 0.0]), (farther, [0.0, 0.3, 0.0])]);
     for (distance, hfov_deg) in [(0.05, 90.0), (2.0, 90.0), (200.0, 1.0)] {
@@ -239,7 +242,8 @@ fn marks_show_their_colour_and_shimmer_through_what_hides_them() {
 
 #[test]
 fn what_is_picked_is_what_is_seen() {
-    // Truth: the picture itself. Each leaf has a colour of its own; the ray through a pixel must meet the leaf of its colour.
+    // Truth: the picture itself. Each leaf has a colour of its own; the ray through a pixel must
+    // meet the leaf of its colour.
     let colours = [[0.5, 0.0, 0.0], [0.0, 0.5, 0.0], [0.0, 0.0, 0.5]];
     let place = |x: f32, z: f32| SQUARE.map(|corner| 0.6 * corner + Vec3::new(x, 0.0, z));
     let three =
@@ -280,7 +284,8 @@ fn rims_of_faces_are_not_extrapolated() {
     assert!(picture.pixels().all(|pixel| pixel.0[0] + 1 >= darkest));
 }
 
-/// The inside of a box from −1 to 1 without its front: floor, ceiling, back and side walls of different radiosities.
+/// The inside of a box from −1 to 1 without its front: floor, ceiling, back and side walls of
+/// different radiosities.
 fn room(light: f32) -> Snapshot {
     let turned = |turn: fn(Vec3) -> Vec3| SQUARE.map(|corner| turn(corner - Vec3::Z));
     let quads = [
@@ -293,8 +298,9 @@ fn room(light: f32) -> Snapshot {
     snapshot(&quads.map(|(corners, radiosity)| (corners, radiosity.map(|channel| light * channel))))
 }
 
-/// Truth: a uniform sky looks as bright as a surface that sends all that open ground gets; below the horizon it is dark, and the ground of
-/// other pictures is seen. Behind the mesh nothing of it is.
+/// Truth: a uniform sky looks as bright as a surface that sends all that open ground gets; below
+/// the horizon it is dark, and the ground of other pictures is seen. Behind the mesh nothing of it
+/// is.
 #[test]
 fn the_sky_is_seen_behind_the_mesh() {
     let snapshot = snapshot(&[(SQUARE, [1.0, 0.0, 0.0])]);

@@ -1,4 +1,5 @@
-//! The window's way: the renderer draws on a foreign encoder, and its picture is blitted into a foreign pass.
+//! The window's way: the renderer draws on a foreign encoder, and its picture is blitted into a
+//! foreign pass.
 //!
 //! Where there is no graphics adapter the test says so and checks nothing.
 #![cfg(feature = "gui")]
@@ -121,7 +122,8 @@ fn a_window_shows_the_picture_upright_and_in_its_colours_whatever_its_format() {
         let (upper_left_pixel, lower_right_pixel) = (10 * SIDE as usize + 10, 53 * SIDE as usize + 53);
         assert!(window[upper_left_pixel][2] > 200 && window[lower_right_pixel][2] < 100);
 
-        // New radiosities of the same mesh are taken up by their serial; the same serial is not uploaded again.
+        // New radiosities of the same mesh are taken up by their serial; the same serial is not
+        // uploaded again.
         let (_, brighter) = show(&upper_left([2.0, 0.5, 0.1], 2, &mesh));
         assert!(brighter[upper_left_pixel][0] > 200);
         let (_, unchanged) = show(&upper_left([0.0; 3], 2, &mesh));

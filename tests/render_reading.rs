@@ -1,6 +1,8 @@
-//! False colours and lines of equal value in pictures of hand-made snapshots, drawn on whatever adapter answers.
+//! False colours and lines of equal value in pictures of hand-made snapshots, drawn on whatever
+//! adapter answers.
 //!
-//! Truth: the ramp's published colours, and where a value that grows evenly across a square has a given height.
+//! Truth: the ramp's published colours, and where a value that grows evenly across a square has a
+//! given height.
 #![cfg(feature = "gui")]
 
 #[path = "support/left_out.rs"]
@@ -20,7 +22,8 @@ use selflink::solve::{Leaf, Mesh, Snapshot, Stats};
 
 const SIZE: u32 = 201;
 
-/// A square of side 2 that fills the picture: E grows evenly from 1 W/m² at the left to 3 at the right, B is a tenth of it.
+/// A square of side 2 that fills the picture: E grows evenly from 1 W/m² at the left to 3 at the
+/// right, B is a tenth of it.
 fn slope() -> Snapshot {
     let corners = [[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [1.0, 1.0, 0.0], [-1.0, 1.0, 0.0]];
     let leaf =

@@ -1,4 +1,5 @@
-//! `selflink tables` as a person runs it: every file, the paper's rows above ours, a verdict on each claim.
+//! `selflink tables` as a person runs it: every file, the paper's rows above ours, a verdict on
+//! each claim.
 
 use std::path::Path;
 use std::process::Command;
@@ -39,7 +40,8 @@ fn cells(markdown: &str) -> Vec<Vec<&str>> {
     rows.map(|line| line.trim_matches('|').split('|').map(str::trim).collect()).collect()
 }
 
-/// Truth: the files promised, the paper's numbers as printed, and the three verdicts. Octree depth 2 and HR come to their end.
+/// Truth: the files promised, the paper's numbers as printed, and the three verdicts. Octree depth
+/// 2 and HR come to their end.
 #[test]
 fn a_quick_run_writes_everything() {
     let folder = tempfile::tempdir().expect("a temporary folder");

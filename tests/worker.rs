@@ -1,7 +1,7 @@
 //! The solver's thread, driven as a window drives it.
 //!
-//! Truth: the protocol itself (what is sent is taken up, nothing is lost, generations never run backwards). Times are
-//! generous bounds on liveness, not measurements.
+//! Truth: the protocol itself (what is sent is taken up, nothing is lost, generations never run
+//! backwards). Times are generous bounds on liveness, not measurements.
 
 #[path = "support/dice.rs"]
 mod dice;
@@ -116,7 +116,8 @@ fn a_failing_load_keeps_the_scene_that_is_there() {
     assert_eq!(info.scene.materials[0].emission, glam::Vec3::splat(3.0));
 }
 
-/// Truth: counts of tested links. A scene that another one is about to replace leaves it the cores, and goes on where that fails.
+/// Truth: counts of tested links. A scene that another one is about to replace leaves it the cores,
+/// and goes on where that fails.
 #[test]
 fn the_old_scene_rests_while_another_is_opened() {
     let worker = spawn(SolverParams { epsilon: Epsilon::Relative(1e-5), ..SolverParams::default() });
@@ -142,7 +143,8 @@ fn the_old_scene_rests_while_another_is_opened() {
     wait_for("going on", || (judged() > before || worker.status().run == RunState::Finished).then_some(()));
 }
 
-/// Truth: the solution at hand. A solve by ε tells its error after its links have settled; a change takes that back.
+/// Truth: the solution at hand. A solve by ε tells its error after its links have settled; a change
+/// takes that back.
 #[test]
 fn a_solve_by_threshold_tells_its_error() {
     let worker = spawn(coarse());
@@ -195,7 +197,8 @@ fn light_can_be_brought_into_a_scene() {
         wait_for("its picture", || worker.latest().filter(|snapshot| snapshot.generation >= info.generation));
     let after = snapshot.mesh.leaves.iter().map(|leaf| leaf.area).sum::<f32>();
     assert!(after > before, "the lamp has an area: {before} m² before, {after} m² after");
-    // Another exitance alone keeps the solution; another place makes the scene anew, and none takes the lamp away.
+    // Another exitance alone keeps the solution; another place makes the scene anew, and none takes
+    // the lamp away.
     worker.send(Command::SetLuminaires(vec![square(0.2, 20.0)]));
     let dimmed = wait_for_event(&worker, "the brighter lamp", |event| matches!(event, Event::SceneEdited(_)));
     let Event::SceneEdited(dimmed) = dimmed else { panic!("{dimmed:?}") };
@@ -210,7 +213,8 @@ fn light_can_be_brought_into_a_scene() {
     wait_for_event(&worker, "the refusal", |event| matches!(event, Event::SolveFailed(_)));
 }
 
-/// Truth: every face has a second side then, and the room's area doubles (f32 sums of some 20 faces: 1e-4).
+/// Truth: every face has a second side then, and the room's area doubles (f32 sums of some 20
+/// faces: 1e-4).
 #[test]
 fn changed_sides_remake_the_scene() {
     let worker = spawn(coarse());
@@ -223,7 +227,8 @@ fn changed_sides_remake_the_scene() {
     assert!((twice / once - 2.0).abs() < 1e-4, "{once} m² became {twice} m²");
 }
 
-/// Truth: what was changed is there again when the file is opened anew, and so is what an earlier sidecar ignored.
+/// Truth: what was changed is there again when the file is opened anew, and so is what an earlier
+/// sidecar ignored.
 #[test]
 fn a_saved_sidecar_brings_the_changes_back() {
     let folder = tempfile::tempdir().expect("a folder");

@@ -1,8 +1,9 @@
 //! Control comes back at once: commands in the middle of the longest steps there are.
 //!
-//! Truth: the clock. A scene of half a million triangles is loaded, clustered, refined, gathered, drawn and looked into, and at random
-//! moments somebody pauses, cancels, asks for another scene or for other settings; the time until the solver's thread has taken that up
-//! is what a person waits for. Needs the scene `classroom` below `SELFLINK_SCENES`; says so where it is missing.
+//! Truth: the clock. A scene of half a million triangles is loaded, clustered, refined, gathered,
+//! drawn and looked into, and at random moments somebody pauses, cancels, asks for another scene or
+//! for other settings; the time until the solver's thread has taken that up is what a person waits
+//! for. Needs the scene `classroom` below `SELFLINK_SCENES`; says so where it is missing.
 
 #[path = "support/dice.rs"]
 mod dice;
@@ -26,8 +27,8 @@ const PATIENCE: Duration = Duration::from_secs(120);
 const PHASE: Duration = Duration::from_secs(2);
 /// A person waits no longer than this for control to come back.
 const MOST_WAIT: Duration = Duration::from_millis(50);
-/// On a machine that others use as well a thread that is ready may wait for a core: the slowest answer may take so many times as long,
-/// half of the answers may not.
+/// On a machine that others use as well a thread that is ready may wait for a core: the slowest
+/// answer may take so many times as long, half of the answers may not.
 const CROWDED: u32 = 6;
 
 fn wait_for<T>(what: &str, found: impl FnMut() -> Option<T>) -> T {
@@ -56,8 +57,8 @@ impl Waits {
     }
 }
 
-/// Lets commands fall upon the thread for so long, or until something holds: pauses mostly, since whoever pauses sees that it was
-/// heard.
+/// Lets commands fall upon the thread for so long, or until something holds: pauses mostly, since
+/// whoever pauses sees that it was heard.
 fn disturb(
     worker: &SolverThread,
     (waits, dice): (&mut Waits, &mut Dice),
@@ -87,7 +88,8 @@ fn slow_control_comes_back_at_once() {
     let (mut waits, mut dice) = (Waits::default(), Dice(0x5e1f_2026));
     let load = Command::load(Source::File(path));
 
-    // While the file is read, its occluders and its clusters are built: twice given up, each by a loader of its own.
+    // While the file is read, its occluders and its clusters are built: twice given up, each by a
+    // loader of its own.
     for _ in 0..2 {
         waits.ask(&worker, "load", load.clone(), |status| status.loading.is_some());
         std::thread::sleep(Duration::from_millis(dice.roll(1500)));

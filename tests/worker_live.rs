@@ -1,7 +1,8 @@
-//! Settings changed while the solver's thread works: how soon a picture shows it, and what an edit of a material does.
+//! Settings changed while the solver's thread works: how soon a picture shows it, and what an edit
+//! of a material does.
 //!
-//! Truth: the protocol itself, and clocks. Times here are generous bounds for an unoptimised build on a busy machine; `cargo bench` and the
-//! README have the measured ones.
+//! Truth: the protocol itself, and clocks. Times here are generous bounds for an unoptimised build
+//! on a busy machine; `cargo bench` and the README have the measured ones.
 
 #[path = "support/waiting.rs"]
 mod waiting;
@@ -15,7 +16,8 @@ use selflink::solve::{ClusteringMode, Epsilon, Snapshot, SolverParams};
 use selflink::worker::{Command, Event, RunState, SolverThread};
 
 const PATIENCE: Duration = Duration::from_secs(60);
-/// Within this a changed picture must be there; 50 ms are asked for on an idle machine and an optimised build.
+/// Within this a changed picture must be there; 50 ms are asked for on an idle machine and an
+/// optimised build.
 const SOON: Duration = Duration::from_millis(1500);
 
 fn wait_for<T>(what: &str, found: impl FnMut() -> Option<T>) -> T {
@@ -38,7 +40,8 @@ fn finish(worker: &SolverThread) {
     wait_for("finishing", || (worker.status().run == RunState::Finished).then_some(()));
 }
 
-/// Sends a command; how long it took until the first picture after it was there, and one of which `is_changed` holds.
+/// Sends a command; how long it took until the first picture after it was there, and one of which
+/// `is_changed` holds.
 fn picture_after(
     worker: &SolverThread,
     command: Command,
@@ -58,7 +61,8 @@ fn has_other_patches(before: &Snapshot, latest: &Snapshot) -> bool {
     before.stats.patches != latest.stats.patches
 }
 
-/// Truth: clocks. Either way the first picture after a change of ε, and the first that has other patches, come soon.
+/// Truth: clocks. Either way the first picture after a change of ε, and the first that has other
+/// patches, come soon.
 #[test]
 #[ignore = "slow: tells times, which want cores of their own"]
 fn slow_a_changed_threshold_shows_soon_in_the_office() {
@@ -88,7 +92,8 @@ fn edited(worker: &SolverThread) -> std::sync::Arc<selflink::worker::SceneInfo> 
     })
 }
 
-/// Truth: what was set is in the sidecar and there again when the file is opened anew; a dark scene's lamp is one that is on.
+/// Truth: what was set is in the sidecar and there again when the file is opened anew; a dark
+/// scene's lamp is one that is on.
 #[test]
 fn reflectances_and_dimmed_lamps_are_saved() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -131,7 +136,8 @@ fn reflectances_and_dimmed_lamps_are_saved() {
     assert_eq!(again.scene.materials[1].reflectance, Vec3::new(0.2, 0.4, 0.97));
 }
 
-/// Truth: ε's own numbers. A dimmed lamp leaves ε in watts where it was; anchored anew it is the same share of less.
+/// Truth: ε's own numbers. A dimmed lamp leaves ε in watts where it was; anchored anew it is the
+/// same share of less.
 #[test]
 fn epsilon_stays_in_watts_until_it_is_anchored_anew() {
     let worker = solved(Source::Builtin(BuiltinScene::Cornell), by(1e-2));

@@ -1,7 +1,8 @@
 //! The solver's thread under strain: thousands of random commands while it solves.
 //!
-//! Truth: the protocol. Nobody panics or waits for ever, pictures never run backwards and in the end show what was asked for last, and
-//! memory does not grow with the number of commands. `cargo test` sends some of them; `SELFLINK_COMMANDS=10000` all.
+//! Truth: the protocol. Nobody panics or waits for ever, pictures never run backwards and in the
+//! end show what was asked for last, and memory does not grow with the number of commands.
+//! `cargo test` sends some of them; `SELFLINK_COMMANDS=10000` all.
 
 #[path = "support/dice.rs"]
 mod dice;
@@ -23,8 +24,8 @@ use selflink::worker::{Command, Event, RunState, SnapshotRequest, SolverThread};
 /// Commands where nobody asks for more.
 const USUAL_COMMANDS: usize = 2_000;
 const PATIENCE: Duration = Duration::from_secs(120);
-/// Memory that may be held at the end beyond what was held after a fifth of the commands, bytes: four loaders that nobody waits for any more
-/// hold a scene and its occluders each.
+/// Memory that may be held at the end beyond what was held after a fifth of the commands, bytes:
+/// four loaders that nobody waits for any more hold a scene and its occluders each.
 const MOST_GROWTH: usize = 256 << 20;
 
 impl Dice {
@@ -35,7 +36,8 @@ impl Dice {
     fn params(&mut self) -> SolverParams {
         let modes = [ClusteringMode::Adaptive, ClusteringMode::Octree, ClusteringMode::Groups, ClusteringMode::None];
         SolverParams {
-            // None of the usual ones, a target error, and errors and thresholds that cannot be used.
+            // None of the usual ones, a target error, and errors and thresholds that cannot be
+            // used.
             error: self.pick(&[None, None, None, Some(0.2), Some(0.05), Some(7.0)]),
             epsilon: self.pick(&[1e-1, 1e-2, 3e-3, 0.0, f64::NAN].map(Epsilon::Relative)),
             reconstruct: self.pick(&[Reconstruct::Constant, Reconstruct::Vertex, Reconstruct::Gather]),

@@ -1,7 +1,9 @@
-//! What each part costs, and how that stands to the goals: `./dev bench`, or `cargo bench --bench parts`.
+//! What each part costs, and how that stands to the goals: `./dev bench`, or
+//! `cargo bench --bench parts`.
 //!
-//! Pieces that are compared take turns within one run, so that other work on the machine slows all of them alike. A goal that is missed is
-//! said at the end, and the run fails. Imports the library, the program for what is measured whole, and obvhs to measure it without us.
+//! Pieces that are compared take turns within one run, so that other work on the machine slows all
+//! of them alike. A goal that is missed is said at the end, and the run fails. Imports the library,
+//! the program for what is measured whole, and obvhs to measure it without us.
 
 mod alone;
 mod rooms;
@@ -33,7 +35,8 @@ const READINGS: usize = 1000;
 const MANY: f64 = 16.0;
 
 fn main() {
-    // Cargo says `--bench` when numbers are wanted; `cargo test --benches` only asks whether all of this is built.
+    // Cargo says `--bench` when numbers are wanted; `cargo test --benches` only asks whether all of
+    // this is built.
     if !std::env::args().any(|argument| argument == "--bench") {
         return;
     }
@@ -139,7 +142,8 @@ fn refinement(table: &mut Table) {
 /// A part by name, and the seconds that it takes on some threads.
 type Part<'a> = (&'a str, &'a dyn Fn(&ThreadPool) -> f64);
 
-/// What two threads gain in each part, and what sixteen would by the share that does not run in parallel.
+/// What two threads gain in each part, and what sixteen would by the share that does not run in
+/// parallel.
 fn two_threads(table: &mut Table) {
     let office = Room::new(BuiltinScene::Office);
     let pools = [threads(1), threads(2)];

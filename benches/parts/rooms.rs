@@ -42,7 +42,8 @@ impl Room {
         })
     }
 
-    /// Segments from just before random points on faces to just before others. Random points come in the order of the faces: ends are drawn among them.
+    /// Segments from just before random points on faces to just before others. Random points come
+    /// in the order of the faces: ends are drawn among them.
     pub fn segments(&self) -> Vec<[Vec3; 2]> {
         let all: Vec<u32> = (0..self.scene.polygons.len() as u32).collect();
         let points = random_points_on(&self.scene, &all, SEGMENTS, 1);

@@ -1,4 +1,5 @@
-//! Whole runs of the program, from the command to its statistics: times and memory as a person has them.
+//! Whole runs of the program, from the command to its statistics: times and memory as a person has
+//! them.
 
 use std::path::PathBuf;
 use std::process::Command;

@@ -1,4 +1,5 @@
-//! How the window looks to a person: theme, size of everything, and whether the first hint was read. Kept between runs.
+//! How the window looks to a person: theme, size of everything, and whether the first hint was
+//! read. Kept between runs.
 
 use egui::{Context, ThemePreference};
 use serde::{Deserialize, Serialize};
@@ -44,7 +45,8 @@ impl Appearance {
         appearance
     }
 
-    /// Takes up what the keys changed (Ctrl with plus, minus and zero), and makes everything larger where a large screen asks for it.
+    /// Takes up what the keys changed (Ctrl with plus, minus and zero), and makes everything larger
+    /// where a large screen asks for it.
     pub(in crate::app) fn follow(&mut self, ctx: &Context) {
         let scale = ctx.zoom_factor();
         let screen = ctx.input(|input| input.viewport().monitor_size);

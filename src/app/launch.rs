@@ -50,12 +50,13 @@ const LOSSES: &str = "SELFLINK_LOST_DEVICES";
 /// Devices that may be lost one after the other before it is given up.
 const MOST_LOSSES: u32 = 3;
 
-/// Opens the window with these settings and returns when it is closed; one that `resumes` goes on as it was left, where it was
-/// open before. Where it loses its graphics device, another window takes its place.
+/// Opens the window with these settings and returns when it is closed; one that `resumes` goes on
+/// as it was left, where it was open before. Where it loses its graphics device, another window
+/// takes its place.
 ///
 /// # Errors
-/// There is no display, no adapter, or a library of the window system is missing; or devices are lost again and again; each with
-/// advice in one sentence.
+/// There is no display, no adapter, or a library of the window system is missing; or devices are
+/// lost again and again; each with advice in one sentence.
 pub fn run(settings: Settings, resumes: bool) -> Result<(), AppError> {
     let losses = std::env::var(LOSSES).ok().and_then(|text| text.parse().ok()).unwrap_or(0);
     match run_once(settings, resumes, losses > 0)? {
@@ -65,7 +66,8 @@ pub fn run(settings: Settings, resumes: bool) -> Result<(), AppError> {
     }
 }
 
-/// Opens one window and returns when it is closed, with what it hands over where it lost its device.
+/// Opens one window and returns when it is closed, with what it hands over where it lost its
+/// device.
 fn run_once(settings: Settings, resumes: bool, was_lost: bool) -> Result<Option<Legacy>, AppError> {
     let options = eframe::NativeOptions {
         viewport: egui::ViewportBuilder::default()
@@ -82,7 +84,8 @@ fn run_once(settings: Settings, resumes: bool, was_lost: bool) -> Result<Option<
     let creator_is_open = is_open.clone();
     let will = DeviceLossState::default();
     let of_window = will.clone();
-    // winit panics where a library of the window system is missing; a panic of the open window is a fault of ours.
+    // winit panics where a library of the window system is missing; a panic of the open window is a
+    // fault of ours.
     panic_report::expect(true);
     let outcome = catch_unwind(AssertUnwindSafe(|| {
         eframe::run_native(

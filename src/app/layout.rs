@@ -1,6 +1,7 @@
 //! How wide the panels beside the view may be: the view keeps at least half of the window.
 //!
-//! Where settings and an open tool do not both fit beside it, the one that was asked for last takes the place of the other.
+//! Where settings and an open tool do not both fit beside it, the one that was asked for last takes
+//! the place of the other.
 
 use crate::app::App;
 use crate::app::appearance::Appearance;

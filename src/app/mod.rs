@@ -1,8 +1,9 @@
 //! The window: state, and what happens in a frame.
 //!
-//! The window owns no solver state. In each frame it takes up what the worker has to say (`Shown`), lets the panels and the view
-//! write commands into an outbox, and sends them. Panels see only what they are given, so none of them can wait for the solver.
-//! Imports everything below it; only `main` knows this module.
+//! The window owns no solver state. In each frame it takes up what the worker has to say (`Shown`),
+//! lets the panels and the view write commands into an outbox, and sends them. Panels see only what
+//! they are given, so none of them can wait for the solver. Imports everything below it; only
+//! `main` knows this module.
 
 mod appearance;
 mod frame;
@@ -45,7 +46,8 @@ use state::time_left::Progress;
 use tools::Tools;
 use view::{View, paint};
 
-/// On software adapters drawing takes the solver's cores, so pictures wait this long for each other.
+/// On software adapters drawing takes the solver's cores, so pictures wait this long for each
+/// other.
 const REPAINT_INTERVAL_ON_CPU: Duration = Duration::from_millis(100);
 /// Work that was put off for want of time is looked at again after this.
 const LATER: Duration = Duration::from_millis(200);
@@ -157,7 +159,8 @@ impl App {
         self.view.viewport.pose()
     }
 
-    /// Why the graphics device was lost, if it was: the window then closes, for another one to take its place.
+    /// Why the graphics device was lost, if it was: the window then closes, for another one to take
+    /// its place.
     pub fn lost_device(&self) -> Option<String> {
         self.graphics.state.lost()
     }
@@ -167,7 +170,8 @@ impl App {
         &self.shown.status
     }
 
-    /// Whether the view shows a picture that was gathered at its pixels, and whether that is as good as was asked for.
+    /// Whether the view shows a picture that was gathered at its pixels, and whether that is as
+    /// good as was asked for.
     pub fn is_gathered(&self) -> (bool, bool) {
         (self.view.painted.is_some(), self.view.painted.as_ref().is_some_and(|painted| painted.is_done))
     }
@@ -193,7 +197,8 @@ impl App {
         ctx.send_viewport_cmd(egui::ViewportCommand::Fullscreen(is_full));
     }
 
-    /// Shows how the method works: its parameters, links of a level, and the solve played slowly from the root's self-link.
+    /// Shows how the method works: its parameters, links of a level, and the solve played slowly
+    /// from the root's self-link.
     fn study(&mut self, ctx: &egui::Context) {
         self.layout.opens_method = true;
         let of = &mut self.edits.display.links.of;
@@ -202,7 +207,8 @@ impl App {
         self.tools.playback.study(ctx.input(|input| input.time));
     }
 
-    /// Shows the links as before once a study has come to the present, unless a person chose others meanwhile.
+    /// Shows the links as before once a study has come to the present, unless a person chose others
+    /// meanwhile.
     fn end_study(&mut self) {
         if self.tools.playback.step.is_none()
             && let Some(before) = self.layout.links_before_study.take()

@@ -18,7 +18,8 @@ pub(in crate::app) struct Incoming {
 impl App {
     /// Takes up everything that the worker has to say.
     pub(in crate::app) fn take_up_news(&mut self, ctx: &egui::Context) {
-        // Events before the snapshot: whoever has read the event of a scene finds that scene's snapshot or an older one.
+        // Events before the snapshot: whoever has read the event of a scene finds that scene's
+        // snapshot or an older one.
         while let Some(event) = self.worker.try_event() {
             self.take_up(event);
         }

@@ -153,7 +153,8 @@ mod tests {
         deed_of(&Event::Key { key, physical_key: None, pressed: true, repeat: false, modifiers })
     }
 
-    /// Every shortcut of the table is found by its own keys, so none hides another, and none takes a key that flies.
+    /// Every shortcut of the table is found by its own keys, so none hides another, and none takes
+    /// a key that flies.
     #[test]
     fn each_key_does_one_thing() {
         for (key, modifiers, name, _, deed) in SHORTCUTS {

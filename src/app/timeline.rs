@@ -1,4 +1,5 @@
-//! The timeline below the view: every step of the solve, from the single self-link to the present, to scrub through and to play.
+//! The timeline below the view: every step of the solve, from the single self-link to the present,
+//! to scrub through and to play.
 
 use egui::{Align, Layout, Rect, Response, Sense, Ui, pos2, vec2};
 
@@ -72,7 +73,8 @@ fn in_words(steps: &[TimelineStep], at: usize) -> String {
     format!("{}/{} {kind} · {}", at + 1, steps.len(), format::things(links, "link", "links"))
 }
 
-/// The ticks, with the present one marked; a click or drag chooses another: the last one is the present.
+/// The ticks, with the present one marked; a click or drag chooses another: the last one is the
+/// present.
 fn track(ui: &mut Ui, steps: &[TimelineStep], shown: Option<usize>) -> Option<Option<usize>> {
     let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), 20.0), Sense::click_and_drag());
     let last = steps.len() - 1;

@@ -1,6 +1,8 @@
-//! The words on the window's widgets, each in one place: the panels draw them, tests and the gallery find widgets by them.
+//! The words on the window's widgets, each in one place: the panels draw them, tests and the
+//! gallery find widgets by them.
 //!
-//! Labels of the solver's parameters stand in [`crate::solve::PARAMETERS`] instead, which [`parameter`] reads.
+//! Labels of the solver's parameters stand in [`crate::solve::PARAMETERS`] instead, which
+//! [`parameter`] reads.
 
 pub use crate::read::matrix::{FULLY_VISIBLE, HIDDEN, NOT_TESTED, PARTLY_VISIBLE};
 use crate::solve::{PARAMETERS, ParameterId};

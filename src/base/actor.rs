@@ -1,4 +1,5 @@
-//! A thread that answers questions: asks go in, of which several may be taken up at once, and a small report comes out.
+//! A thread that answers questions: asks go in, of which several may be taken up at once, and a
+//! small report comes out.
 
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, TryRecvError, channel};
 use std::sync::{Arc, Mutex};
@@ -10,7 +11,8 @@ use rayon::ThreadPool;
 use super::cancel::CancelToken;
 use super::threads::{half_pool, lock, within};
 
-/// The owner's end of such a thread, which never makes its owner wait; dropping it cancels what the thread is about and ends it.
+/// The owner's end of such a thread, which never makes its owner wait; dropping it cancels what the
+/// thread is about and ends it.
 pub struct Actor<Ask, Report> {
     inbox: Option<Sender<Ask>>,
     report: Arc<Mutex<Report>>,
@@ -77,8 +79,8 @@ impl<Ask, Report> Drop for Actor<Ask, Report> {
 }
 
 impl<Ask, Report> Desk<Ask, Report> {
-    /// All asks that wait; where there are none, waits for one so long, or without a time as long as it takes. `None` once the
-    /// owner is gone.
+    /// All asks that wait; where there are none, waits for one so long, or without a time as long
+    /// as it takes. `None` once the owner is gone.
     pub fn take(&mut self, patience: Option<Duration>) -> Option<Vec<Ask>> {
         if self.waiting.is_empty() {
             let first = match patience {
@@ -96,7 +98,8 @@ impl<Ask, Report> Desk<Ask, Report> {
         self.has_owner.then(|| std::mem::take(&mut self.waiting))
     }
 
-    /// The asks that wait, to be looked through or taken in the middle of work, and whether there is an owner still.
+    /// The asks that wait, to be looked through or taken in the middle of work, and whether there
+    /// is an owner still.
     pub fn waiting(&mut self) -> (&mut Vec<Ask>, bool) {
         self.collect();
         (&mut self.waiting, self.has_owner)
@@ -131,7 +134,8 @@ impl<Ask, Report> Desk<Ask, Report> {
 mod tests {
     use super::*;
 
-    /// Truth: the order of what was asked; asks that come during work wait, and an owner who goes ends the thread, which hears the token.
+    /// Truth: the order of what was asked; asks that come during work wait, and an owner who goes
+    /// ends the thread, which hears the token.
     #[test]
     fn asks_are_taken_up_in_order_until_the_owner_goes() {
         let (done, heard) = channel();

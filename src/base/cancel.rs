@@ -21,7 +21,8 @@ impl CancelToken {
         Self::default()
     }
 
-    /// A token that cancels itself at a look of this number: tells without a clock how often work looks, and how it ends.
+    /// A token that cancels itself at a look of this number: tells without a clock how often work
+    /// looks, and how it ends.
     pub fn at_look(number: u64) -> Self {
         Self(Arc::new(State { last_look: Some(number), ..State::default() }))
     }

@@ -29,7 +29,8 @@ pub fn things(number: usize, one: &str, many: &str) -> String {
     format!("{} {}", count(number), if number == 1 { one } else { many })
 }
 
-/// Three digits that count, with a power of ten where that is shorter to read: 0.0123, 12.3, 1.23e-5.
+/// Three digits that count, with a power of ten where that is shorter to read: 0.0123, 12.3,
+/// 1.23e-5.
 pub fn number(value: f64) -> String {
     if value == 0.0 {
         return "0".into();
@@ -61,7 +62,8 @@ pub fn short(value: f64) -> String {
     }
 }
 
-/// A measured value with its standard error, which says how many digits count: 12.4 ± 0.8, 40 ± 19, 8.23 ± 0.04.
+/// A measured value with its standard error, which says how many digits count: 12.4 ± 0.8, 40 ± 19,
+/// 8.23 ± 0.04.
 pub fn plus_minus(value: f64, standard_error: f64) -> String {
     if !value.is_finite() {
         return "–".into();

@@ -1,4 +1,5 @@
-//! Memory: what a person allows the solver, and what the machine has. Imports nothing of the crate but `format`.
+//! Memory: what a person allows the solver, and what the machine has. Imports nothing of the crate
+//! but `format`.
 
 use std::fmt;
 use std::str::FromStr;
@@ -7,8 +8,8 @@ use std::sync::OnceLock;
 use serde::{Deserialize, Serialize};
 use sysinfo::{MemoryRefreshKind, ProcessRefreshKind, ProcessesToUpdate, RefreshKind, System};
 
-/// The share of the machine's memory that is used where nobody says anything: the rest is for the graphics driver, for loading
-/// and for other programs.
+/// The share of the machine's memory that is used where nobody says anything: the rest is for the
+/// graphics driver, for loading and for other programs.
 const USUAL_SHARE: f64 = 0.6;
 
 /// Memory that a machine is taken to have where the system does not tell, bytes.
@@ -123,7 +124,8 @@ impl FromStr for MemoryBudget {
     }
 }
 
-/// Memory that this machine has, or that the process may have of it where a control group limits it, bytes; looked up once.
+/// Memory that this machine has, or that the process may have of it where a control group limits
+/// it, bytes; looked up once.
 pub fn machine_memory() -> u64 {
     static MEMORY: OnceLock<u64> = OnceLock::new();
     *MEMORY.get_or_init(|| look_up().filter(|bytes| *bytes > 0).unwrap_or(UNKNOWN_MACHINE))

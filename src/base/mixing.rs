@@ -1,8 +1,9 @@
-//! Anderson's mixing: the fixed point of x ↦ g(x) in fewer steps than by repetition [Anderson, *Iterative procedures for nonlinear
-//! integral equations*, 1965; for a linear g it is much like GMRES: Walker, Ni, *Anderson acceleration for fixed-point iterations*, 2011].
+//! Anderson's mixing: the fixed point of x ↦ g(x) in fewer steps than by repetition [Anderson,
+//! *Iterative procedures for nonlinear integral equations*, 1965; for a linear g it is much like
+//! GMRES: Walker, Ni, *Anderson acceleration for fixed-point iterations*, 2011].
 //!
-//! Light that is reflected to and fro converges like a few geometric series. The last steps tell their ratios: the next one starts at
-//! that combination of them whose changes cancel the most.
+//! Light that is reflected to and fro converges like a few geometric series. The last steps tell
+//! their ratios: the next one starts at that combination of them whose changes cancel the most.
 
 use std::collections::VecDeque;
 
@@ -11,7 +12,8 @@ use rayon::prelude::*;
 
 /// Former steps that are mixed with the newest one.
 const DEPTH: usize = 2;
-/// Two changes are as good as one where the squared sine of the angle between them is less than this.
+/// Two changes are as good as one where the squared sine of the angle between them is less than
+/// this.
 const LEAST_ANGLE: f64 = 1e-6;
 /// Entries that one task sums, a fixed number for sums to be the same for any number of threads.
 const CHUNK: usize = 1 << 14;
@@ -29,7 +31,8 @@ struct Former {
     change: Vec<Vec3>,
 }
 
-/// Products of the newest change f, and of its differences d₁, d₂ from the ones before it, over all entries.
+/// Products of the newest change f, and of its differences d₁, d₂ from the ones before it, over all
+/// entries.
 #[derive(Clone, Copy, Debug, Default)]
 struct Products {
     d1_d1: DVec3,
@@ -40,7 +43,8 @@ struct Products {
 }
 
 impl Mixing {
-    /// Where to start after a step that led from `from` to `to`. An entry's change counts by its weight.
+    /// Where to start after a step that led from `from` to `to`. An entry's change counts by its
+    /// weight.
     pub fn next(&mut self, weights: &[f32], from: &[Vec3], to: Vec<Vec3>) -> Vec<Vec3> {
         let change: Vec<Vec3> = to.par_iter().zip(from).map(|(to, from)| *to - *from).collect();
         let shares = self.shares(weights, &change).map(DVec3::as_vec3);
@@ -98,7 +102,8 @@ impl Mixing {
 mod tests {
     use super::*;
 
-    /// Truth: the fixed point of a linear map of two geometric series, which three steps tell wholly; a third colour is dark.
+    /// Truth: the fixed point of a linear map of two geometric series, which three steps tell
+    /// wholly; a third colour is dark.
     #[test]
     fn two_geometric_series_end_at_once() {
         let ratios = [Vec3::new(0.9, 0.5, 0.0), Vec3::new(0.4, 0.3, 0.0), Vec3::new(0.9, 0.5, 0.0)];

@@ -1,4 +1,5 @@
-//! The lowest layer: long work that can be stopped, numbers for people, random numbers, memory, reports of panics.
+//! The lowest layer: long work that can be stopped, numbers for people, random numbers, memory,
+//! reports of panics.
 
 pub mod actor;
 pub mod cancel;

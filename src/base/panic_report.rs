@@ -20,8 +20,8 @@ static SETTINGS: Mutex<String> = Mutex::new(String::new());
 /// Whether panics are expected and need no report.
 static IS_EXPECTED: AtomicBool = AtomicBool::new(false);
 
-/// Writes a report of each panic from now on, whichever thread panics and whoever catches it, to a file of this process in
-/// `folder`; one sentence on stderr says where.
+/// Writes a report of each panic from now on, whichever thread panics and whoever catches it, to a
+/// file of this process in `folder`; one sentence on stderr says where.
 pub fn install(folder: PathBuf) {
     let path = folder.join(format!("selflink-panic-{}.txt", std::process::id()));
     let written = AtomicU32::new(0);

@@ -1,7 +1,8 @@
 //! Photometry: what the three colours of light count to the eye.
 //!
-//! One convention, that of Radiance: 1 W/m² of white light (R = G = B = 1) counts 179 lm/m², and the colours weigh as Rec. 709 says. It is
-//! stated wherever lux are shown ([`CONVENTION`]). Imports nothing.
+//! One convention, that of Radiance: 1 W/m² of white light (R = G = B = 1) counts 179 lm/m², and
+//! the colours weigh as Rec. 709 says. It is stated wherever lux are shown ([`CONVENTION`]).
+//! Imports nothing.
 
 use serde::{Deserialize, Serialize};
 
@@ -133,8 +134,9 @@ impl ShownIn {
 /// Colour temperatures for which [`tint_of_temperature`] is defined, K.
 pub const TEMPERATURES: std::ops::RangeInclusive<f32> = 1667.0..=25_000.0;
 
-/// The linear RGB colour of a black body, its largest channel 1: the cubic approximation of Planck's locus by Kim et al., US patent
-/// 7024034 (2002), in sRGB primaries; a channel outside of these is 0.
+/// The linear RGB colour of a black body, its largest channel 1: the cubic approximation of
+/// Planck's locus by Kim et al., US patent 7024034 (2002), in sRGB primaries; a channel outside of
+/// these is 0.
 pub fn tint_of_temperature(kelvin: f32) -> [f32; 3] {
     let t = f64::from(kelvin.clamp(*TEMPERATURES.start(), *TEMPERATURES.end()));
     let cubic = |[a, b, c, d]: [f64; 4], x: f64| ((a * x + b) * x + c) * x + d;
@@ -157,7 +159,8 @@ pub fn tint_of_temperature(kelvin: f32) -> [f32; 3] {
     rgb.map(|channel| (channel.max(0.0) / most) as f32)
 }
 
-/// The temperature whose colour is nearest to a tint, K, and how far that is off, as the largest difference of a channel.
+/// The temperature whose colour is nearest to a tint, K, and how far that is off, as the largest
+/// difference of a channel.
 pub fn temperature_of_tint(tint: [f32; 3]) -> (f32, f32) {
     let off = |kelvin: f32| {
         let of = tint_of_temperature(kelvin);
@@ -184,7 +187,8 @@ mod tests {
         assert_eq!(Unit::Lumens.per_watt() * weighted([2.0; 3]), lux([2.0; 3]));
     }
 
-    /// Truth: the chromaticity of CIE illuminant A, 2856 K, and of daylight-like white; a temperature comes back from its colour.
+    /// Truth: the chromaticity of CIE illuminant A, 2856 K, and of daylight-like white; a
+    /// temperature comes back from its colour.
     #[test]
     fn colour_temperatures() {
         let chromaticity = |[r, g, b]: [f32; 3]| {

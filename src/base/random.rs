@@ -1,4 +1,5 @@
-//! Random numbers that are the same on every run, a hash of what they are for, and directions made of them.
+//! Random numbers that are the same on every run, a hash of what they are for, and directions made
+//! of them.
 
 use glam::Vec3;
 
@@ -43,10 +44,12 @@ pub fn fraction(bits: u32) -> f32 {
     (bits >> 8) as f32 * (1.0 / 16_777_216.0)
 }
 
-/// Steps of the two-dimensional sequence of the plastic number \[Roberts 2018\], as 32-bit fractions.
+/// Steps of the two-dimensional sequence of the plastic number \[Roberts 2018\], as 32-bit
+/// fractions.
 const STEPS: [u32; 2] = [3_242_174_889, 2_447_445_414];
 
-/// Point number `index` of a sequence that fills the unit square evenly, from a start that the seed tells.
+/// Point number `index` of a sequence that fills the unit square evenly, from a start that the seed
+/// tells.
 #[inline]
 pub fn r2_sequence(seed: u64, index: u32) -> [f32; 2] {
     let start = [seed as u32, (seed >> 32) as u32];

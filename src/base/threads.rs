@@ -11,7 +11,8 @@ use thread_priority::{ThreadPriority, ThreadPriorityValue};
 /// Priority of threads that give way, of 100; about half is usual.
 const BACKGROUND: u8 = 25;
 
-/// Locks; a thread that panicked while it held the lock left a whole value behind, since all of ours only swap or set.
+/// Locks; a thread that panicked while it held the lock left a whole value behind, since all of
+/// ours only swap or set.
 pub fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
@@ -24,7 +25,8 @@ pub fn pool(name: &'static str, threads: usize) -> Result<ThreadPool, ThreadPool
     ThreadPoolBuilder::new().num_threads(threads).thread_name(move |index| format!("{name}-{index}")).build()
 }
 
-/// A pool of so many threads, 0 for every core, that give way to all others of the program: where cores are short, frames and commands come first.
+/// A pool of so many threads, 0 for every core, that give way to all others of the program: where
+/// cores are short, frames and commands come first.
 ///
 /// # Errors
 /// The system gives no further threads.
@@ -41,7 +43,8 @@ pub fn background_pool(name: &'static str, threads: usize) -> Result<ThreadPool,
         .build()
 }
 
-/// A pool of half of the machine's threads that gives way to the solver's, which has all of them. Without one, rayon's own serves.
+/// A pool of half of the machine's threads that gives way to the solver's, which has all of them.
+/// Without one, rayon's own serves.
 pub fn half_pool(name: &'static str) -> Option<ThreadPool> {
     background_pool(name, thread::available_parallelism().map_or(1, |count| count.get().div_ceil(2))).ok()
 }

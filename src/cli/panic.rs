@@ -1,4 +1,5 @@
-//! `selflink panic`, which no help lists: breaks on purpose, so that the report of a panic can be tried.
+//! `selflink panic`, which no help lists: breaks on purpose, so that the report of a panic can be
+//! tried.
 
 use clap::{ArgMatches, Command};
 

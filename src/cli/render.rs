@@ -209,7 +209,8 @@ fn show(picture: &GatheredPicture, scene: &Scene, solution: &Solution, view: &Vi
     Ok(picture)
 }
 
-/// The factor on radiosities, m²/W, by which a view is shown: metered on what is seen, as in the window.
+/// The factor on radiosities, m²/W, by which a view is shown: metered on what is seen, as in the
+/// window.
 fn metered_exposure(scene: &Scene, solution: &Solution, view: &View) -> f32 {
     let [width, height] = view.size.map(|pixels| pixels as f32);
     let (snapshot, occluders) = (&solution.snapshot, solution.solver.link_solution().occluders());

@@ -61,7 +61,8 @@ pub struct Report<'a> {
     /// Highest resident memory of the process; `None` where the system does not tell.
     peak_rss_bytes: Option<u64>,
     emitted_watts: f64,
-    /// From outside, on reflecting sides: measured like the balance, or by a few thousand rays where that is not.
+    /// From outside, on reflecting sides: measured like the balance, or by a few thousand rays
+    /// where that is not.
     entered_watts: f64,
     absorbed_watts: f64,
     /// Measured by rays; `None` for a solution that is not finished.

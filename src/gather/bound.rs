@@ -1,7 +1,8 @@
 //! Bounds: what nine tenths of an area are within, as far as some points tell.
 //!
-//! Each point has an error that is known up to a normal deviation, so that it has a probability of being off by more than any x.
-//! The mean of these is the share of the area that is, and its own standard error over the points tells how sure that is.
+//! Each point has an error that is known up to a normal deviation, so that it has a probability of
+//! being off by more than any x. The mean of these is the share of the area that is, and its own
+//! standard error over the points tells how sure that is.
 
 use libm::erfc;
 use serde::Serialize;
@@ -10,8 +11,9 @@ use serde::Serialize;
 pub const SHARE: f64 = 0.9;
 /// Counts of points at which a bound is asked for.
 pub(super) const POINTS: [usize; 4] = [64, 96, 192, 384];
-/// Points that count as missed beside those compared: a share of which few points tell is not normally distributed [as
-/// Agresti, Coull, *Approximate is better than "exact"*, The American Statistician 52, 1998].
+/// Points that count as missed beside those compared: a share of which few points tell is not
+/// normally distributed [as Agresti, Coull, *Approximate is better than "exact"*, The American
+/// Statistician 52, 1998].
 const ADDED_MISSES: f64 = 2.0;
 /// Standard errors beyond which a field is seen to be too coarse.
 const HOPELESS: f64 = 2.0;
@@ -75,8 +77,8 @@ impl PointError {
     }
 }
 
-/// The share of points that are off by more than this, and the standard error of that share; so many points that were missed
-/// are added.
+/// The share of points that are off by more than this, and the standard error of that share; so
+/// many points that were missed are added.
 fn share_beyond(errors: &[PointError], added: f64, limit: f64) -> (f64, f64) {
     let count = errors.len() as f64 + added;
     let (mut sum, mut squares) = (added, added);
@@ -89,7 +91,8 @@ fn share_beyond(errors: &[PointError], added: f64, limit: f64) -> (f64, f64) {
     (mean, ((squares / count - mean * mean).max(0.0) / (count - 1.0)).sqrt())
 }
 
-/// Error within which nine tenths of the area are, with a probability of 1 − `risk` over all counts of points that are tried.
+/// Error within which nine tenths of the area are, with a probability of 1 − `risk` over all counts
+/// of points that are tried.
 pub(super) fn bound(errors: &[PointError], risk: f64) -> f64 {
     let sure = deviations(risk / POINTS.len() as f64);
     let at_most = |limit: f64| {

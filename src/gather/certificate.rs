@@ -1,11 +1,13 @@
 //! The certificate: readings beside a second gather, at points that nothing else knows.
 //!
-//! A reading looks once from a point and reads the field where its rays end. The comparison looks from those ends once more:
-//! what that changes is the field's own error as one reflection hands it on. Further reflections hand on a share ρ̄, the mean
-//! reflectance, of it each (the Neumann series), but mix it over the scene: they add ρ̄/(1−ρ̄) times its mean. To that comes
-//! the noise that readings have, a normal one of their standard error; as far as the change is noisy itself, that stands for it.
-//! So each point, random by area and never replaced, has an error that is known up to a normal deviation, and the bound follows
-//! (`bound`). Where it is kept, some more points by A·|B|² tell the RMS error of B, which few bright leaves may rule.
+//! A reading looks once from a point and reads the field where its rays end. The comparison looks
+//! from those ends once more: what that changes is the field's own error as one reflection hands it
+//! on. Further reflections hand on a share ρ̄, the mean reflectance, of it each (the Neumann
+//! series), but mix it over the scene: they add ρ̄/(1−ρ̄) times its mean. To that comes the noise
+//! that readings have, a normal one of their standard error; as far as the change is noisy itself,
+//! that stands for it. So each point, random by area and never replaced, has an error that is known
+//! up to a normal deviation, and the bound follows (`bound`). Where it is kept, some more points by
+//! A·|B|² tell the RMS error of B, which few bright leaves may rule.
 
 use rayon::prelude::*;
 
@@ -29,8 +31,9 @@ const TRIES: u32 = 8;
 const HIDDEN_RAYS: u32 = 16;
 /// Points compared between two looks at commands.
 const CHUNK: usize = 16;
-/// Rays of a reading, as a multiple of those that it should take, before more are worth their time: a few points in crevices need many
-/// times as many as all others together, and as long as the bound is kept without them it does not matter what they say.
+/// Rays of a reading, as a multiple of those that it should take, before more are worth their time:
+/// a few points in crevices need many times as many as all others together, and as long as the
+/// bound is kept without them it does not matter what they say.
 const BLUNT_RAYS: f32 = 4.0;
 /// Standard error of readings, as a share of the target error.
 pub const NOISE: f64 = 0.33;
@@ -105,7 +108,8 @@ pub struct Certifying {
     /// By area, and by A·|B|².
     compared: Vec<Compared>,
     of_power: Vec<Compared>,
-    /// Whether points get as many rays as readings may take, and how many of those compared before were looked at again for that.
+    /// Whether points get as many rays as readings may take, and how many of those compared before
+    /// were looked at again for that.
     is_sharp: bool,
     sharpened: usize,
     /// Rays of what was replaced.
@@ -114,8 +118,9 @@ pub struct Certifying {
 }
 
 impl Certifying {
-    /// Starts over a field; each attempt of a run takes half of the risk that is left. Attempts of one seed have the same points,
-    /// which no field is made for, so that chance alone makes none look better than the one before.
+    /// Starts over a field; each attempt of a run takes half of the risk that is left. Attempts of
+    /// one seed have the same points, which no field is made for, so that chance alone makes none
+    /// look better than the one before.
     pub fn new(field: &Field, target: f64, attempt: u32, seed: u64) -> Self {
         let (mut sum, mut power, mut reflectance) = (0.0, 0.0, 0.0);
         let leaves: Vec<ElementId> = field.leaves().filter(|leaf| !field.emits(*leaf)).collect();
@@ -208,12 +213,14 @@ impl Certifying {
         self.total() > 0.0 && self.compared.len() < POINTS[POINTS.len() - 1]
     }
 
-    /// Compares at all points from now on, unless the target is seen to be kept: nothing finer will follow.
+    /// Compares at all points from now on, unless the target is seen to be kept: nothing finer will
+    /// follow.
     pub fn be_thorough(&mut self) {
         self.is_thorough = true;
     }
 
-    /// Error within which nine tenths of the area are, by another comparison of the same seed and by this one, at the points of both.
+    /// Error within which nine tenths of the area are, by another comparison of the same seed and
+    /// by this one, at the points of both.
     pub fn beside(&self, other: &Self) -> [f64; 2] {
         let count = self.compared.len().min(other.compared.len());
         [other, self].map(|one| Quantiles::of_points(&one.errors(&one.compared[..count])).p90)
@@ -226,7 +233,8 @@ impl Certifying {
     /// A point of a leaf that is drawn by these sums; the salt tells sequences of points apart.
     fn compare(&self, field: &Field, ends: &[f64], index: usize, salt: u64, most_rays: f32) -> Compared {
         let seed = hash64(self.seed, salt << 32 | index as u64);
-        // A low-discrepancy sequence over the leaves, so that any number of points is spread evenly.
+        // A low-discrepancy sequence over the leaves, so that any number of points is spread
+        // evenly.
         let [along, _] = r2_sequence(hash64(self.seed, salt + 1), index as u32);
         let wanted = f64::from(along) * ends[ends.len() - 1];
         let place = ends.partition_point(|end| *end <= wanted).min(ends.len() - 1);
@@ -274,7 +282,8 @@ impl Certifying {
         points.find(|point| !field.hides(point.position, point.normal, hash64(seed, 7), HIDDEN_RAYS)).unwrap_or(point)
     }
 
-    /// The certificate, once enough points were compared to tell whether the target is kept, or that it is not.
+    /// The certificate, once enough points were compared to tell whether the target is kept, or
+    /// that it is not.
     pub fn certificate(&self) -> Option<Certificate> {
         if self.next() != Next::Nothing {
             return None;
@@ -291,8 +300,9 @@ impl Certifying {
         })
     }
 
-    /// RMS error of B over its RMS, by points of both kinds; each counts as much as its place has few of both [the balance
-    /// heuristic, Veach, Guibas, *Optimally combining sampling techniques*, 1995].
+    /// RMS error of B over its RMS, by points of both kinds; each counts as much as its place has
+    /// few of both [the balance heuristic, Veach, Guibas, *Optimally combining sampling
+    /// techniques*, 1995].
     fn radiosity_rms(&self) -> f64 {
         let [by_area, by_power] = [&self.compared, &self.of_power].map(|points| points.len() as f64);
         let (mut wrong, mut all) = (0.0, 0.0);
@@ -301,7 +311,8 @@ impl Certifying {
                 let weight = 1.0 / (by_area + by_power * compared.by_power);
                 let reflectance = f64::from(compared.reflectance);
                 let known = error.mean * compared.scale(self.dim);
-                // The change is noisy itself, which adds to its square; single points may come out below 0 for that.
+                // The change is noisy itself, which adds to its square; single points may come out
+                // below 0 for that.
                 let noise = f64::from(compared.noise).powi(2) - f64::from(compared.change_noise).powi(2);
                 wrong += weight * reflectance * reflectance * (known * known + noise);
                 all += weight * f64::from(compared.emission + compared.reflectance * compared.truth).powi(2);
@@ -310,8 +321,8 @@ impl Certifying {
         if all > 0.0 { (wrong.max(0.0) / all).sqrt() } else { 0.0 }
     }
 
-    /// Local errors of points: the field's own, with what further reflections add in the mean over the area, and the noise of a
-    /// reading.
+    /// Local errors of points: the field's own, with what further reflections add in the mean over
+    /// the area, and the noise of a reading.
     fn errors(&self, points: &[Compared]) -> Vec<PointError> {
         let change = |compared: &Compared| f64::from(compared.change) / compared.scale(self.dim);
         let mean = self.compared.iter().map(change).sum::<f64>() / self.compared.len() as f64;
@@ -325,7 +336,8 @@ impl Certifying {
         points.iter().map(error).collect()
     }
 
-    /// The points compared so far, with their irradiance and its standard error (means of the colours, W/m²).
+    /// The points compared so far, with their irradiance and its standard error (means of the
+    /// colours, W/m²).
     pub fn compared(&self) -> impl ExactSizeIterator<Item = (SurfacePoint, f32, f32)> {
         self.compared
             .iter()
@@ -342,7 +354,8 @@ impl Certifying {
         (self.compared.len() as f32 / POINTS[POINTS.len() - 1] as f32).sqrt()
     }
 
-    /// The local error within which nine tenths of the points are, once there are enough of them to tell.
+    /// The local error within which nine tenths of the points are, once there are enough of them to
+    /// tell.
     pub fn error_so_far(&self) -> Option<f64> {
         (self.compared.len() >= LEAST_TOLD).then(|| Quantiles::of_points(&self.errors(&self.compared)).p90)
     }
@@ -359,8 +372,9 @@ mod tests {
 
     use super::*;
 
-    /// Truth: the sum over the two kinds of places themselves. A tenth of the area is ten times as bright and off by half, the
-    /// rest by a tenth; points by area and by power meet each as often as they should.
+    /// Truth: the sum over the two kinds of places themselves. A tenth of the area is ten times as
+    /// bright and off by half, the rest by a tenth; points by area and by power meet each as often
+    /// as they should.
     #[test]
     fn the_rms_of_radiosity_is_that_of_the_area() {
         let point = SurfacePoint { position: Vec3::ZERO, normal: Vec3::Y, polygon: 0 };

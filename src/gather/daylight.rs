@@ -1,8 +1,10 @@
-//! Light from outside at a point: the sky where rays leave the scene, and the sun, at which one more ray is aimed.
+//! Light from outside at a point: the sky where rays leave the scene, and the sun, at which one
+//! more ray is aimed.
 //!
-//! The light of an even sky over open ground is found by the cosine-distributed rays that leave the scene. Through openings, and where a
-//! sky is much brighter in some places, it is also looked at along directions drawn by its radiance and by what is seen of it there; the
-//! balance heuristic [Veach, Guibas 1995] weighs all of them.
+//! The light of an even sky over open ground is found by the cosine-distributed rays that leave the
+//! scene. Through openings, and where a sky is much brighter in some places, it is also looked at
+//! along directions drawn by its radiance and by what is seen of it there; the balance heuristic
+//! [Veach, Guibas 1995] weighs all of them.
 
 use std::f32::consts::PI;
 
@@ -33,14 +35,15 @@ impl Field {
         self.outside().map_or(Vec3::ZERO, |outside| outside.seen(direction))
     }
 
-    /// Rays that may find the sky in a look of so many cosine-distributed rays; as many as `most` are drawn where the sky is uneven or seen
-    /// through openings.
+    /// Rays that may find the sky in a look of so many cosine-distributed rays; as many as `most`
+    /// are drawn where the sky is uneven or seen through openings.
     pub(super) fn sky_rays(&self, cosine: u32, most: u32) -> SkyRays {
         let is_drawn = self.around.openings.is_some() || self.outside().is_some_and(|outside| !outside.is_even());
         SkyRays { cosine, drawn: if is_drawn && cosine > 0 { most } else { 0 } }
     }
 
-    /// A direction towards the sky drawn for a point: by the radiance alone, by what is seen of it, or by either where both matter.
+    /// A direction towards the sky drawn for a point: by the radiance alone, by what is seen of it,
+    /// or by either where both matter.
     fn draw_sky(&self, point: Vec3, [u, v]: [f32; 2]) -> Option<Vec3> {
         let outside = self.outside()?;
         let drawn = match (&self.around.openings, outside.is_even()) {
@@ -63,7 +66,8 @@ impl Field {
         }
     }
 
-    /// Irradiance by one of these rays that leaves the scene from a point under a cosine to the normal, W/m²: its share of the mean over all.
+    /// Irradiance by one of these rays that leaves the scene from a point under a cosine to the
+    /// normal, W/m²: its share of the mean over all.
     pub(super) fn sky_along(&self, point: Vec3, direction: Vec3, cosine: f32, rays: SkyRays) -> Vec3 {
         let Some(outside) = self.outside().filter(|outside| outside.has_sky()) else { return Vec3::ZERO };
         if cosine <= 0.0 {

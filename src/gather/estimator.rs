@@ -1,9 +1,9 @@
 //! Irradiance at a point, with its standard error: the one estimator that every reading asks.
 //!
-//! Light comes in two parts: what rays find that are aimed at emitters and secondary emitters, and what
-//! cosine-distributed rays find, whose ends are read from the field. Each part is sampled by looks of a
-//! few rays, and looks are repeated where they lower the variance most for each ray, until their spread
-//! says that the sum is as exact as was asked for.
+//! Light comes in two parts: what rays find that are aimed at emitters and secondary emitters, and
+//! what cosine-distributed rays find, whose ends are read from the field. Each part is sampled by
+//! looks of a few rays, and looks are repeated where they lower the variance most for each ray,
+//! until their spread says that the sum is as exact as was asked for.
 
 use glam::Vec3;
 
@@ -16,13 +16,14 @@ use crate::base::random::{cosine_direction, hash64};
 const AIMED: f32 = 8.0;
 /// Cosine-distributed rays of a look.
 const COSINE: u32 = 16;
-/// Looks of each part, at least: fewer do not tell their spread. As many more, times the standard error that is asked for: what so
-/// many looks do not meet may still be that share of the light.
+/// Looks of each part, at least: fewer do not tell their spread. As many more, times the standard
+/// error that is asked for: what so many looks do not meet may still be that share of the light.
 const LEAST_LOOKS: u32 = 8;
 const LOOKS_FOR_ERROR: f32 = 0.1;
 const MOST_FIRST_LOOKS: u32 = 1 << 10;
-/// Rays of a reading, about at most, times the square of the standard error that is asked for: as many as would do if a look's
-/// rays differed by five times the local light. By day, far from a window, a tenth of all points need so many.
+/// Rays of a reading, about at most, times the square of the standard error that is asked for: as
+/// many as would do if a look's rays differed by five times the local light. By day, far from a
+/// window, a tenth of all points need so many.
 pub const MOST_RAYS: f32 = 24.0;
 /// Looks of a part are made more by this factor at least, and by so many times what should do.
 const LEAST_GROWTH: f32 = 1.25;
@@ -33,11 +34,13 @@ const SEQUENCE: u32 = 1 << 16;
 const MOST_ENDS: u32 = 64;
 /// Rays of a look that are drawn by the radiance of an uneven sky.
 const DRAWN: u32 = 8;
-/// Rays of a look to the sun's disc: in a penumbra, the few looks of a reading must tell the part of it that is seen.
+/// Rays of a look to the sun's disc: in a penumbra, the few looks of a reading must tell the part
+/// of it that is seen.
 const TO_SUN: u32 = 4;
 /// Rays of the look from where a ray ended.
 const FURTHER: GlanceRays = GlanceRays { aimed: 2, cosine: 2 };
-/// Looks from there, at most: as many as what the ray brings is more than others bring, for so much noisier is what it tells of the change.
+/// Looks from there, at most: as many as what the ray brings is more than others bring, for so much
+/// noisier is what it tells of the change.
 const MOST_FURTHER: f32 = 16.0;
 
 /// An irradiance and how sure it is.
@@ -58,7 +61,8 @@ pub struct Checked {
     pub read: Irradiance,
     /// Standard error of the reading (mean of the colours), W/m².
     pub noise: f32,
-    /// Change of E (mean of the colours) where one reflection more is followed from the ends of its rays, W/m².
+    /// Change of E (mean of the colours) where one reflection more is followed from the ends of its
+    /// rays, W/m².
     pub change: f32,
     /// Standard error of that, W/m².
     pub change_noise: f32,
@@ -120,14 +124,16 @@ struct Place {
 }
 
 impl Field {
-    /// Irradiance at a point of a face with this unit normal, until its standard error is this share of E + E₀ (mean of the
-    /// colours). The seed alone tells the random numbers, so a reading does not depend on others.
+    /// Irradiance at a point of a face with this unit normal, until its standard error is this
+    /// share of E + E₀ (mean of the colours). The seed alone tells the random numbers, so a reading
+    /// does not depend on others.
     pub fn irradiance_at(&self, (point, normal): (Vec3, Vec3), error: f32, seed: u64) -> Irradiance {
         let (sums, _) = self.sums(&Place { point, normal, seed, check: Check::No }, error, MOST_RAYS);
         irradiance(&sums)
     }
 
-    /// A reading with an estimate of its error; it ends at the latest after `most_rays` over the square of that standard error.
+    /// A reading with an estimate of its error; it ends at the latest after `most_rays` over the
+    /// square of that standard error.
     pub fn checked_at(&self, (point, normal): (Vec3, Vec3), error: f32, seed: u64, most_rays: f32) -> Checked {
         let (sums, is_exact) = self.sums(&Place { point, normal, seed, check: Check::Yes }, error, most_rays);
         let [noise, change_noise] =
@@ -136,7 +142,8 @@ impl Field {
         Checked { read: irradiance(&sums), noise, change, change_noise, is_blunt: !is_exact }
     }
 
-    /// Looks for both parts until their sum is exact enough, or rays are too many; whether it is exact enough.
+    /// Looks for both parts until their sum is exact enough, or rays are too many; whether it is
+    /// exact enough.
     fn sums(&self, place: &Place, error: f32, most_rays: f32) -> ([Sums; 2], bool) {
         let mut aims = Vec::new();
         self.find_aims(place.point, place.normal, &mut aims);
@@ -156,8 +163,9 @@ impl Field {
             if excess <= 1.0 || (sums[0].rays + sums[1].rays) as f32 * error * error >= most_rays {
                 return (sums, excess <= 1.0);
             }
-            // More of the part whose variance falls the most for each ray: as many as should do, at most twice as many as there
-            // are. Whoever asks after every look stops where little was found by chance, and reads too low.
+            // More of the part whose variance falls the most for each ray: as many as should do, at
+            // most twice as many as there are. Whoever asks after every look stops where little was
+            // found by chance, and reads too low.
             let part = usize::from(variance[0] * sums[1].rays as f32 <= variance[1] * sums[0].rays as f32);
             let other = variance[1 - part] / (allowed * allowed).max(f32::MIN_POSITIVE);
             let growth = if other < 1.0 { (excess - other) / (1.0 - other) } else { f32::INFINITY };
@@ -165,8 +173,8 @@ impl Field {
         }
     }
 
-    /// Irradiance at a place of a polygon, to a standard error that is this share of the local light. It
-    /// depends on the place alone.
+    /// Irradiance at a place of a polygon, to a standard error that is this share of the local
+    /// light. It depends on the place alone.
     pub fn read(&self, polygon: u32, position: Vec3, error: f32) -> Irradiance {
         // Off its plane by rounding, a place would lie behind its face.
         let position = self.on_plane(self.leaf_at(polygon, position), position);
@@ -215,7 +223,8 @@ impl Field {
                     read(&mut seen, &met, weight, index);
                     index += 1;
                 };
-                // The upper half of the seed keeps the samples of a source in one sequence over all looks.
+                // The upper half of the seed keeps the samples of a source in one sequence over all
+                // looks.
                 let seed = (place.seed << 32) | (hash64(place.seed, 3 + u64::from(number)) & 0xffff_ffff);
                 let (emitted, rays) = self.aim((place.point, place.normal), aims, AIMED, seed, reflect);
                 seen.light += emitted;

@@ -1,8 +1,9 @@
-//! A polygon as one point sees it: its form factor, and points on it that stand for equal parts of that.
+//! A polygon as one point sees it: its form factor, and points on it that stand for equal parts of
+//! that.
 //!
-//! A far polygon is sampled by area, a near one by solid angle [Arvo, *Stratified sampling of spherical
-//! triangles*, SIGGRAPH 1995]: by area, most of the light of a lamp that touches a wall would come from
-//! the few samples beside the contact.
+//! A far polygon is sampled by area, a near one by solid angle [Arvo, *Stratified sampling of
+//! spherical triangles*, SIGGRAPH 1995]: by area, most of the light of a lamp that touches a wall
+//! would come from the few samples beside the contact.
 
 use std::f32::consts::{PI, TAU};
 
@@ -12,7 +13,8 @@ use crate::hierarchy::point_on_polygon;
 
 /// A polygon whose radius is above this share of its distance is sampled by solid angle.
 const NEAR: f32 = 0.25;
-/// Triangles of smaller solid angles (sr) are sampled by area: rounding would decide about directions.
+/// Triangles of smaller solid angles (sr) are sampled by area: rounding would decide about
+/// directions.
 const LEAST_SOLID_ANGLE: f32 = 1e-3;
 /// Corners of a quad that the horizon has cut.
 const MOST_CORNERS: usize = 5;
@@ -39,8 +41,8 @@ pub struct FacetSample {
 }
 
 impl Facet {
-    /// The part of a polygon (corners anticlockwise from its bright side) that a point with this unit
-    /// normal sees; `None` where it lies below the horizon or shows its back.
+    /// The part of a polygon (corners anticlockwise from its bright side) that a point with this
+    /// unit normal sees; `None` where it lies below the horizon or shows its back.
     pub fn new(point: Vec3, normal: Vec3, polygon: &[Vec3]) -> Option<Self> {
         let mut corners = [Vec3::ZERO; MOST_CORNERS];
         let mut count = 0;
@@ -108,7 +110,8 @@ impl FacetSampler<'_> {
         if self.total > 0.0 { self.by_solid_angle(u, v) } else { self.by_area(u, v) }
     }
 
-    /// Domain over which samples are spread evenly: solid angle, sr, or area; the form factor is the mean kernel times this, over π.
+    /// Domain over which samples are spread evenly: solid angle, sr, or area; the form factor is
+    /// the mean kernel times this, over π.
     pub fn measure(&self) -> f32 {
         if self.total > 0.0 { self.total } else { fan_area(self.facet.corners()) }
     }
@@ -216,8 +219,8 @@ impl SphericalTriangle {
 
     /// The direction at `(u, v)`; equal areas of the unit square are equal solid angles.
     ///
-    /// `u` chooses the sub-triangle of that share of the area which the arc from `b` cuts off, `v` a
-    /// place on the arc from `b` to the new corner.
+    /// `u` chooses the sub-triangle of that share of the area which the arc from `b` cuts off, `v`
+    /// a place on the arc from `b` to the new corner.
     fn direction(&self, u: f32, v: f32) -> Vec3 {
         let (s, t) = (u * self.area - self.alpha).sin_cos();
         let (p, q) = (t - self.cos_alpha, s + self.sin_alpha * self.cos_side);

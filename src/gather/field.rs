@@ -1,8 +1,8 @@
 //! The light that surfaces send, as gathers read it: one irradiance for each leaf.
 //!
-//! The leaves are those of the links' hierarchy and what the gather splits further for its own sake; the
-//! links' hierarchy stays as it is. A value is the mean over what is exposed of a leaf, so that the
-//! power that gathers read is the power that was found, however coarse the leaves are.
+//! The leaves are those of the links' hierarchy and what the gather splits further for its own
+//! sake; the links' hierarchy stays as it is. A value is the mean over what is exposed of a leaf,
+//! so that the power that gathers read is the power that was found, however coarse the leaves are.
 
 use std::sync::Arc;
 
@@ -76,13 +76,16 @@ pub struct Field {
     pub(super) irradiance: Arc<Vec<Vec3>>,
     /// Whether no light reaches a leaf, likewise; empty before that is known.
     dark: Arc<Vec<bool>>,
-    /// Area of each leaf that light can reach, m², likewise: as gathers found it, which looked at more points than the hierarchy.
+    /// Area of each leaf that light can reach, m², likewise: as gathers found it, which looked at
+    /// more points than the hierarchy.
     pub(super) areas: Arc<Vec<f32>>,
     /// Square of the distance from which a leaf is read as a whole, m², likewise.
     pub(super) reaches: Arc<Vec<f32>>,
-    /// Mean radiosity that each patch reflects, ρE, W/m², parallel to the arena: rays that met a leaf before it was split read all its parts.
+    /// Mean radiosity that each patch reflects, ρE, W/m², parallel to the arena: rays that met a
+    /// leaf before it was split read all its parts.
     pub(super) reflected: Arc<Vec<Vec3>>,
-    /// Radiosity that readings see of each leaf, ρE, W/m²: the mean over what is seen from afar, for rays that end near are followed.
+    /// Radiosity that readings see of each leaf, ρE, W/m²: the mean over what is seen from afar,
+    /// for rays that end near are followed.
     pub(super) sent: Arc<Vec<Vec3>>,
     /// Sources that rays are aimed at.
     pub(super) sources: Arc<Sources>,
@@ -127,7 +130,8 @@ impl End {
 }
 
 impl Field {
-    /// The field of a solution: `irradiance` is that of each leaf, W/m², parallel to the hierarchy's arena.
+    /// The field of a solution: `irradiance` is that of each leaf, W/m², parallel to the
+    /// hierarchy's arena.
     pub fn new(links: &LinkSolution, irradiance: Vec<Vec3>) -> Self {
         let (scene, hierarchy) = (links.scene(), links.hierarchy().clone());
         let mut patches = vec![Hierarchy::ROOT; scene.polygons.len()];
@@ -177,7 +181,8 @@ impl Field {
         if self.outside().is_some_and(Outside::has_sky) { openings::RAYS.into() } else { 0 }
     }
 
-    /// Takes over the irradiances of the leaves, W/m², parallel to the arena; what they reflect follows.
+    /// Takes over the irradiances of the leaves, W/m², parallel to the arena; what they reflect
+    /// follows.
     pub(super) fn set_irradiance(&mut self, mut irradiance: Vec<Vec3>) {
         irradiance.resize(self.hierarchy.elements().len(), Vec3::ZERO);
         self.reflected = Arc::new(self.reflect(&irradiance));
@@ -186,7 +191,8 @@ impl Field {
         self.irradiance = Arc::new(irradiance);
     }
 
-    /// What each patch reflects of these irradiances of leaves in the mean, ρE, W/m²; both are parallel to the arena.
+    /// What each patch reflects of these irradiances of leaves in the mean, ρE, W/m²; both are
+    /// parallel to the arena.
     pub(super) fn reflect(&self, irradiance: &[Vec3]) -> Vec<Vec3> {
         let hierarchy = &*self.hierarchy;
         let mut reflected = vec![Vec3::ZERO; irradiance.len()];
@@ -229,7 +235,8 @@ impl Field {
         self.set_areas(|_| None);
     }
 
-    /// Takes over from where a leaf is read as a whole; of those that share their looks it is their group that must be far.
+    /// Takes over from where a leaf is read as a whole; of those that share their looks it is their
+    /// group that must be far.
     pub(super) fn set_reaches(&mut self, groups: &Groups) {
         let mut reaches = self.reaches.to_vec();
         groups.sizes(self).for_each(|(leaf, size)| reaches[leaf.index()] = 0.5 * size);
@@ -328,7 +335,8 @@ impl Field {
         self.around.scene.normal(&self.around.scene.polygons[polygon as usize])
     }
 
-    /// The bright side that a ray through the air meets first, as a picture shows it: dark sides are looked through.
+    /// The bright side that a ray through the air meets first, as a picture shows it: dark sides
+    /// are looked through.
     pub fn look_along(&self, origin: Vec3, direction: Vec3) -> Option<Hit> {
         self.around.occluders.first_front(origin, direction)
     }
@@ -389,8 +397,8 @@ impl Field {
         }
     }
 
-    /// The point of a leaf's plane that is nearest to a place which was found from afar: what a ray leaves must lie on its face as
-    /// nearly as rounding allows.
+    /// The point of a leaf's plane that is nearest to a place which was found from afar: what a ray
+    /// leaves must lie on its face as nearly as rounding allows.
     pub(super) fn on_plane(&self, leaf: ElementId, position: Vec3) -> Vec3 {
         let patch = self.patch(leaf);
         let corner = self.hierarchy.vertices()[patch.corners()[0] as usize];
@@ -407,7 +415,8 @@ impl Field {
         self.surface(self.patches.polygons[leaf.index()]).emission != Vec3::ZERO
     }
 
-    /// The area's median, or [`LEAST_OF_MEAN`] of its mean, of an irradiance of leaves that do not emit (mean of the colours), W/m².
+    /// The area's median, or [`LEAST_OF_MEAN`] of its mean, of an irradiance of leaves that do not
+    /// emit (mean of the colours), W/m².
     fn median(&self, irradiance: &[Vec3]) -> f32 {
         let lit = |leaf: ElementId| (grey(irradiance[leaf.index()]), self.area(leaf));
         let mut sorted: Vec<(f32, f32)> =

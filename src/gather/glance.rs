@@ -1,9 +1,9 @@
 //! A look of very few rays, for pictures: millions of them, each at another point.
 //!
-//! A look at a reading shares rays out to everything that could shine at the point. Here so much is never
-//! found out: each aimed ray goes down the tree of sources by chance, and so costs no more than the tree is deep. The
-//! random numbers are one low-discrepancy sequence for a block of neighbouring points, so that these share
-//! out the sources and directions among themselves.
+//! A look at a reading shares rays out to everything that could shine at the point. Here so much is
+//! never found out: each aimed ray goes down the tree of sources by chance, and so costs no more
+//! than the tree is deep. The random numbers are one low-discrepancy sequence for a block of
+//! neighbouring points, so that these share out the sources and directions among themselves.
 
 use std::f32::consts::PI;
 
@@ -38,7 +38,8 @@ pub struct Glance {
     pub sun: Vec3,
     /// Irradiance by what others reflect, and by the sky that cosine-distributed rays find, W/m².
     pub indirect: Vec3,
-    /// Mean of 1 / distance over where the cosine-distributed rays end; 0 for those that meet nothing.
+    /// Mean of 1 / distance over where the cosine-distributed rays end; 0 for those that meet
+    /// nothing.
     pub nearness: f32,
 }
 
@@ -66,7 +67,8 @@ impl GatherPoint {
         Self { position, normal, face: normal }
     }
 
-    /// A direction, mirrored at the face where it would lead behind it: what is curved would be seen there.
+    /// A direction, mirrored at the face where it would lead behind it: what is curved would be
+    /// seen there.
     fn in_front(&self, direction: Vec3) -> Vec3 {
         direction - 2.0 * self.face.dot(direction).min(0.0) * self.face
     }
@@ -170,7 +172,8 @@ impl Field {
         drawn + self.sun_light(&place, [w, x])
     }
 
-    /// A source that a point sees, chosen by chance, and the share of its radiosity that it stands for.
+    /// A source that a point sees, chosen by chance, and the share of its radiosity that it stands
+    /// for.
     pub(super) fn aim_by_chance(&self, place: (Vec3, Vec3), numbers: [f32; 3]) -> Option<(Lit, f32)> {
         self.aim_from(&GatherPoint::on_face(place), numbers)
     }
@@ -202,9 +205,9 @@ impl Field {
         self.follow(met, from, Path::start(seed, Vec3::ONE), &mut |_| {})
     }
 
-    /// Radiosity that a place reflects towards a point, W/m²: as the field says, unless it is too coarse for that; then light is followed
-    /// by one reflection more. What is near often sees but a strip of what is beyond, so there it is followed once more as well.
-    /// `tell` learns of it.
+    /// Radiosity that a place reflects towards a point, W/m²: as the field says, unless it is too
+    /// coarse for that; then light is followed by one reflection more. What is near often sees but
+    /// a strip of what is beyond, so there it is followed once more as well. `tell` learns of it.
     pub(super) fn follow(&self, met: &Met, from: Vec3, path: Path, tell: &mut dyn FnMut(Followed)) -> Vec3 {
         let is_near = self.is_near(met.leaf, met.position, from);
         if path.length >= LONGEST || !is_near && (path.length == 0 || path.is_beyond) {
@@ -216,7 +219,8 @@ impl Field {
         let [choice, u, v, w] =
             [hash[0], hash[0] << 32, hash[1], hash[1] << 32].map(|bits| fraction((bits >> 32) as u32));
         let [x, chance] = [hash[2], hash[2] >> 32].map(|bits| fraction(bits as u32));
-        // Russian roulette: in a crevice light is followed as far as it goes, and that is as rare as it is dim.
+        // Russian roulette: in a crevice light is followed as far as it goes, and that is as rare
+        // as it is dim.
         let reflectance = self.surface(patch.polygon).reflectance;
         let survival = if path.length == 0 { 1.0 } else { reflectance.max_element() };
         if chance >= survival {
@@ -250,7 +254,8 @@ impl Field {
     }
 }
 
-/// A point of a polygon as a point with a normal sees it: the way there, and what of the polygon's radiosity comes from it to the point.
+/// A point of a polygon as a point with a normal sees it: the way there, and what of the polygon's
+/// radiosity comes from it to the point.
 fn sample_polygon(
     (point, normal): (Vec3, Vec3),
     polygon: &[Vec3],

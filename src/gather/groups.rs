@@ -1,10 +1,11 @@
 //! Groups: small leaves share what looks from some of them found.
 //!
-//! A scene of a million leaves needs no look from each: what a chair's bolts reflect is known well enough by a few looks from
-//! all of them. A leaf that counts too little for a look of its own therefore belongs to the group of the smallest cluster
-//! around it from where enough looks are planned; larger clusters hold the looks of those within. The mean over a group's
-//! looks is that of its area. The links tell how it differs from face to face, by where each is turned, as far as the looks themselves
-//! agree with them (a regression).
+//! A scene of a million leaves needs no look from each: what a chair's bolts reflect is known well
+//! enough by a few looks from all of them. A leaf that counts too little for a look of its own
+//! therefore belongs to the group of the smallest cluster around it from where enough looks are
+//! planned; larger clusters hold the looks of those within. The mean over a group's looks is that
+//! of its area. The links tell how it differs from face to face, by where each is turned, as far as
+//! the looks themselves agree with them (a regression).
 
 use std::ops::{AddAssign, Mul};
 
@@ -49,7 +50,8 @@ pub struct Mean<T> {
 }
 
 impl Groups {
-    /// Groups the leaves of which fewer than one look is `planned`; `lit` is each leaf's light by the links, in any unit.
+    /// Groups the leaves of which fewer than one look is `planned`; `lit` is each leaf's light by
+    /// the links, in any unit.
     pub fn new(field: &Field, lit: &[f32], planned: impl Fn(ElementId) -> f64) -> Self {
         let hierarchy = field.hierarchy();
         let small: Vec<(ElementId, f64)> = field
@@ -89,7 +91,8 @@ impl Groups {
         groups
     }
 
-    /// Whether a leaf may share its looks: neither a lamp, nor a part of a polygon that was split to tell its parts apart.
+    /// Whether a leaf may share its looks: neither a lamp, nor a part of a polygon that was split
+    /// to tell its parts apart.
     pub fn may_hold(field: &Field, leaf: ElementId) -> bool {
         let hierarchy = field.hierarchy();
         let is_whole = hierarchy.element(leaf).parent().is_some_and(|parent| hierarchy.element(parent).is_cluster());
@@ -152,8 +155,8 @@ impl Groups {
         means
     }
 
-    /// Hands each member its group's mean, where looks from leaves found these sums, and the multiple of it that is that leaf's. Groups
-    /// without a look are left out.
+    /// Hands each member its group's mean, where looks from leaves found these sums, and the
+    /// multiple of it that is that leaf's. Groups without a look are left out.
     pub fn share<T>(&self, found: impl Fn(ElementId) -> Mean<T>, mut hand: impl FnMut(ElementId, T, f32))
     where
         T: Copy + Default + AddAssign + Mul<f32, Output = T>,
@@ -167,7 +170,8 @@ impl Groups {
         }
     }
 
-    /// Learns how far light differs as the links say, from all looks so far, which found these sums.
+    /// Learns how far light differs as the links say, from all looks so far, which found these
+    /// sums.
     pub fn learn(&mut self, found: impl Fn(ElementId) -> Mean<f32>) {
         let means = self.means(&found);
         let (mut together, mut by_links) = (0.0, 0.0);

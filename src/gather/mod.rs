@@ -1,12 +1,12 @@
 //! The gather: light at points, over what the links know.
 //!
-//! Links know how much light the elements exchange, in the mean over each. A gather starts from that
-//! and looks around from each leaf: rays aimed at the emitters, and cosine-distributed rays that end on
-//! other leaves [a final gather over a coarse solution, Lischinski, Tampieri, Greenberg 93]. Leaves are
-//! split where emitters light them unevenly, and light is moved over the rays until nothing changes, so
-//! that the links' own errors die out. What comes of it is a [`Field`], and light anywhere is one look
-//! from there ([`Field::irradiance_at`]): probes, work planes, pictures and the [`certificate`] all ask
-//! that.
+//! Links know how much light the elements exchange, in the mean over each. A gather starts from
+//! that and looks around from each leaf: rays aimed at the emitters, and cosine-distributed rays
+//! that end on other leaves [a final gather over a coarse solution, Lischinski, Tampieri, Greenberg
+//! 93]. Leaves are split where emitters light them unevenly, and light is moved over the rays until
+//! nothing changes, so that the links' own errors die out. What comes of it is a [`Field`], and
+//! light anywhere is one look from there ([`Field::irradiance_at`]): probes, work planes, pictures
+//! and the [`certificate`] all ask that.
 //!
 //! The links' solution is read, never written.
 
@@ -49,11 +49,13 @@ pub const USUAL_ERROR: f64 = 0.05;
 
 /// Times that a field is made finer because its error was found above the target.
 const MOST_ATTEMPTS: u32 = 4;
-/// An attempt that leaves more than this share of the error was in vain, and so would be the next one.
+/// An attempt that leaves more than this share of the error was in vain, and so would be the next
+/// one.
 const LEAST_PROGRESS: f64 = 0.9;
 /// An attempt takes the rays of all before it, times this, at most; the certificate's come on top.
 const MOST_GROWTH: u64 = 2;
-/// Shares of an attempt's time that go into direct light and into cosine-distributed rays; the certificate takes the rest.
+/// Shares of an attempt's time that go into direct light and into cosine-distributed rays; the
+/// certificate takes the rest.
 const DIRECT_SHARE: f32 = 0.2;
 const CAST_SHARE: f32 = 0.5;
 
@@ -102,7 +104,8 @@ pub struct Gather {
     of_links: Vec<Vec3>,
     /// The search for leaves that light reaches, until it is done.
     reaching: Option<Reaching>,
-    /// Irradiance of each leaf by the links (mean of the colours), W/m², until leaves are grouped by it.
+    /// Irradiance of each leaf by the links (mean of the colours), W/m², until leaves are grouped
+    /// by it.
     lit: Vec<f32>,
     /// Leaves that share looks.
     groups: Groups,
@@ -112,7 +115,8 @@ pub struct Gather {
     stage: Stage,
     queue: Queue,
     round: u32,
-    /// Whether the field's light was moved over cosine-distributed rays, so that nothing is left of the links' own.
+    /// Whether the field's light was moved over cosine-distributed rays, so that nothing is left of
+    /// the links' own.
     is_lit_by_samples: bool,
     attempt: u32,
     /// The error that leaves and rays are made for; falls with each attempt.
@@ -185,7 +189,8 @@ impl Gather {
         (self.queue, self.stage) = (queue, Stage::Direct(0));
     }
 
-    /// Does one bounded piece of work; what it was about is done whole or, if cancelled, not at all.
+    /// Does one bounded piece of work; what it was about is done whole or, if cancelled, not at
+    /// all.
     pub fn step(&mut self, cancel: &CancelToken) -> Option<Progress> {
         if cancel.is_cancelled() {
             return None;
@@ -311,8 +316,8 @@ impl Gather {
         (self.attempt, share)
     }
 
-    /// The local error within which nine tenths of the area are, by the points compared so far: of this attempt once there are
-    /// some, else of the one before.
+    /// The local error within which nine tenths of the area are, by the points compared so far: of
+    /// this attempt once there are some, else of the one before.
     pub fn error_so_far(&self) -> Option<f64> {
         let now = match &self.stage {
             Stage::Certify(certifying) => certifying.error_so_far(),

@@ -1,5 +1,6 @@
-//! Where a scene is open to the sky, as some thousand rays from its surfaces find out: directions in which they leave it, apart for the
-//! cells of a grid. Rays that look for the sky are drawn by what is seen there, so that few of them end on walls around a window.
+//! Where a scene is open to the sky, as some thousand rays from its surfaces find out: directions
+//! in which they leave it, apart for the cells of a grid. Rays that look for the sky are drawn by
+//! what is seen there, so that few of them end on walls around a window.
 
 use glam::Vec3;
 use rayon::prelude::*;
@@ -28,7 +29,8 @@ pub(super) struct Openings {
     /// Cells for each length.
     per_length: Vec3,
     counts: [usize; 3],
-    /// Directions by their radiance and by how much is seen of them; none where no part of the sky is.
+    /// Directions by their radiance and by how much is seen of them; none where no part of the sky
+    /// is.
     tables: Vec<Option<SkyTable>>,
 }
 
@@ -57,7 +59,8 @@ impl Seen {
 }
 
 impl Openings {
-    /// Looks for openings from all surfaces of a field; `None` where it is open all around or no sky shines.
+    /// Looks for openings from all surfaces of a field; `None` where it is open all around or no
+    /// sky shines.
     pub fn find(field: &Field, outside: &Outside, seed: u64) -> Option<Self> {
         if !outside.has_sky() {
             return None;
@@ -80,7 +83,8 @@ impl Openings {
         let weights = outside.weights(DIRECTIONS);
         let (mut shining, mut seen) = (0.0, 0.0);
         for (direction, weight) in weights.iter().enumerate() {
-            // Radiances in one unit or another: of a row, all solid angles are as the sine of its angle.
+            // Radiances in one unit or another: of a row, all solid angles are as the sine of its
+            // angle.
             let radiance = weight / sine(direction / DIRECTIONS[1]);
             shining += radiance * f64::from(all.cast[direction]);
             seen += radiance * f64::from(all.open[direction]);

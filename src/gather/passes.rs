@@ -17,22 +17,23 @@ const CHUNK: u32 = 4096;
 pub(super) const AIMED: u32 = 4;
 /// Looks from a leaf that tell how light differs over it: one from each quarter.
 const LOOKS: u32 = 4;
-/// Looks from all leaves together, by what they count, of which each gets one to [`LOOKS`]: where a hundred thousand small faces
-/// share the light, one look from each says as much of it.
+/// Looks from all leaves together, by what they count, of which each gets one to [`LOOKS`]: where a
+/// hundred thousand small faces share the light, one look from each says as much of it.
 const LOOKS_FOR_ALL: f64 = 4e5;
 /// Cosine-distributed rays of a look, times the target error.
 const COSINE: f64 = 0.4;
-/// Cosine-distributed rays that are shared out by the power that leaves send, times the square of the target error:
-/// the noise of what a leaf sends is shared by all who read it.
+/// Cosine-distributed rays that are shared out by the power that leaves send, times the square of
+/// the target error: the noise of what a leaf sends is shared by all who read it.
 const RAYS_BY_POWER: f64 = 500.0;
 /// Looks from a leaf for that, at most.
 const MOST_LOOKS: f64 = 2000.0;
-/// Variation of direct light over a leaf that is allowed, as a multiple of the target error: readings look for
-/// emitters themselves, so the field is to be right in the mean alone.
+/// Variation of direct light over a leaf that is allowed, as a multiple of the target error:
+/// readings look for emitters themselves, so the field is to be right in the mean alone.
 pub(super) const MESH_PER_TARGET: f64 = 1.5;
 /// Rounds of splitting leaves.
 pub(super) const MOST_ROUNDS: u32 = 6;
-/// Rounds that each further attempt begins with, for it knows better than the one before what matters to whom.
+/// Rounds that each further attempt begins with, for it knows better than the one before what
+/// matters to whom.
 pub(super) const AGAIN: u32 = 3;
 /// Bytes of a leaf with what is kept of it beside its samples.
 const LEAF_BYTES: usize = 600;
@@ -95,8 +96,8 @@ impl Gather {
         self.stage = Stage::Direct(0);
     }
 
-    /// Aims at what is bright from now on, and queues all leaves for cosine-distributed rays: some for each, and for those
-    /// that send much, more.
+    /// Aims at what is bright from now on, and queues all leaves for cosine-distributed rays: some
+    /// for each, and for those that send much, more.
     pub(super) fn open_pass(&mut self) {
         self.field.find_secondary();
         let field = &self.field;
@@ -105,7 +106,8 @@ impl Gather {
         let by_power = RAYS_BY_POWER / (self.aim * self.aim) / f64::from(cosine);
         let more = |leaf: ElementId| (by_power * brought(leaf)).min(MOST_LOOKS);
         let (planned, finer) = (planned_looks(field, &self.importance), (self.target() / self.aim).round());
-        // Those that share looks get more of them together, each as many times as it had, so that all count as they did.
+        // Those that share looks get more of them together, each as many times as it had, so that
+        // all count as they did.
         let [of_more, of_all] = self.groups.leaves().fold([0.0, 0.0], |[of_more, of_all], leaf| {
             [of_more + more(leaf), of_all + self.groups.planned(leaf).unwrap_or(0.0)]
         });
@@ -144,7 +146,8 @@ impl Gather {
     }
 }
 
-/// Looks that are planned from each leaf of a field in any case: less than one from those that may [share looks](super::groups).
+/// Looks that are planned from each leaf of a field in any case: less than one from those that may
+/// [share looks](super::groups).
 pub(super) fn planned_looks<'a>(field: &'a Field, importance: &'a Importance) -> impl Fn(ElementId) -> f64 + use<'a> {
     let share = importance.share_of(field);
     move |leaf| {
@@ -153,7 +156,8 @@ pub(super) fn planned_looks<'a>(field: &'a Field, importance: &'a Importance) ->
     }
 }
 
-/// Whole numbers of looks near these, so that any run of leaves gets as many in all: less than one each is one from some of them.
+/// Whole numbers of looks near these, so that any run of leaves gets as many in all: less than one
+/// each is one from some of them.
 pub(super) fn whole_numbers(looks: impl Iterator<Item = (ElementId, f64)>) -> impl Iterator<Item = (ElementId, u32)> {
     looks.scan(0.5, |rest, (leaf, looks)| {
         *rest += looks;

@@ -1,8 +1,9 @@
 //! Which leaves light reaches: those that some chain of rays joins to a lamp or to the outside.
 //!
-//! Two-sided files hold the insides of tubes, books and cushions, half of a room's faces, and whole rooms may lie behind a closed
-//! door. No light gets there, so no look is spent on them. Some rays from each leaf join it to what they meet; what
-//! is then joined to no emitter is dark. A set that few rays looked out of gets more of them first.
+//! Two-sided files hold the insides of tubes, books and cushions, half of a room's faces, and whole
+//! rooms may lie behind a closed door. No light gets there, so no look is spent on them. Some rays
+//! from each leaf join it to what they meet; what is then joined to no emitter is dark. A set that
+//! few rays looked out of gets more of them first.
 
 use petgraph::unionfind::UnionFind;
 use rayon::prelude::*;
@@ -89,7 +90,8 @@ impl Reaching {
     }
 }
 
-/// The leaf that a ray meets; `None` where it leaves the scene or meets a back, behind which nobody knows what emits.
+/// The leaf that a ray meets; `None` where it leaves the scene or meets a back, behind which nobody
+/// knows what emits.
 fn meet(field: &Field, leaf: ElementId, ray: u32, seed: u64) -> Option<ElementId> {
     let hierarchy = field.hierarchy();
     let seed = hash64(seed, hierarchy.element(leaf).key);

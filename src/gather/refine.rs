@@ -1,9 +1,11 @@
-//! Which leaves a gather splits: those over which emitters shine unevenly, and then those over which all light is very uneven.
+//! Which leaves a gather splits: those over which emitters shine unevenly, and then those over
+//! which all light is very uneven.
 //!
-//! Readings look for emitters themselves, so the field is to be right in what leaves send in the mean, and what
-//! counts is how much a leaf's light differs over it, and how much of that light others have: a patch beside a gap, bright on
-//! one side of it, may be most of what a dark room behind it sees \[importance: Smits, Arvo, Salesin, *An importance-driven
-//! radiosity algorithm*, SIGGRAPH 1992\].
+//! Readings look for emitters themselves, so the field is to be right in what leaves send in the
+//! mean, and what counts is how much a leaf's light differs over it, and how much of that light
+//! others have: a patch beside a gap, bright on one side of it, may be most of what a dark room
+//! behind it sees \[importance: Smits, Arvo, Salesin, *An importance-driven radiosity algorithm*,
+//! SIGGRAPH 1992\].
 
 use super::field::{Field, grey};
 use super::groups::Groups;
@@ -13,14 +15,15 @@ use crate::hierarchy::ElementId;
 /// Leaves whose errors add up to this share of what is allowed are kept; the others keep a part of
 /// theirs when they are split.
 const KEPT: f64 = 0.5;
-/// A leaf that counts more than this share of what is allowed is looked at closely, by so many looks.
+/// A leaf that counts more than this share of what is allowed is looked at closely, by so many
+/// looks.
 const HEAVY: f64 = 0.05;
 const LOOKS_OF_HEAVY: u32 = 32;
 /// Leaves below this share of the square of the scene's diagonal are not split: 3 mm in a room.
 const LEAST_AREA: f32 = 1e-7;
 
-/// The leaves to split next, so that direct light varies over a leaf by no more than this share of the local light, in the
-/// RMS over all of them.
+/// The leaves to split next, so that direct light varies over a leaf by no more than this share of
+/// the local light, in the RMS over all of them.
 pub fn leaves_to_split(
     field: &Field,
     samples: &GatherSamples,
@@ -54,8 +57,8 @@ pub fn leaves_to_split(
     errors[kept..].iter().map(|(_, leaf)| *leaf).collect()
 }
 
-/// Leaves whose light could differ so much over them that a few looks do not tell whether they must be split, with the looks that
-/// would, beside those that there were.
+/// Leaves whose light could differ so much over them that a few looks do not tell whether they must
+/// be split, with the looks that would, beside those that there were.
 pub fn leaves_to_look_from(
     field: &Field,
     samples: &GatherSamples,
@@ -71,15 +74,17 @@ pub fn leaves_to_look_from(
     field.leaves().filter(is_heavy).map(looks).filter(|(_, looks)| *looks > 0).collect()
 }
 
-/// Share of its readers' light that each patch brings for what it reflects and its area, 1/W, parallel to the arena; of patches that
-/// hold others it is that of all their parts. Empty before anybody read them.
+/// Share of its readers' light that each patch brings for what it reflects and its area, 1/W,
+/// parallel to the arena; of patches that hold others it is that of all their parts. Empty before
+/// anybody read them.
 #[derive(Debug, Default)]
 pub struct Importance(Vec<f32>);
 
 impl Importance {
     /// By the rays of a gather: which leaves they met, from where, and what light there is.
     pub fn of(field: &Field, samples: &GatherSamples, groups: &Groups) -> Self {
-        // What a look stands for is the area that it is drawn from, each part of it as far as it is dark.
+        // What a look stands for is the area that it is drawn from, each part of it as far as it is
+        // dark.
         let of_look = |leaf: ElementId| {
             let looks = groups.planned(leaf).unwrap_or_else(|| f64::from(samples.whole_looks(leaf)).max(1.0));
             let light = f64::from(grey(field.irradiance[leaf.index()]) + field.dim());
@@ -112,7 +117,8 @@ impl Importance {
         }
     }
 
-    /// What a leaf brings to its readers, of 1 for all: in proportion to its power, before anybody read it.
+    /// What a leaf brings to its readers, of 1 for all: in proportion to its power, before anybody
+    /// read it.
     pub fn brought_by<'a>(&'a self, field: &'a Field) -> impl Fn(ElementId) -> f64 + use<'a> {
         let brought = move |leaf: ElementId| {
             let importance = self.0.get(leaf.index()).copied().unwrap_or(1.0);
@@ -122,7 +128,8 @@ impl Importance {
         move |leaf| brought(leaf) / total
     }
 
-    /// Weight of a leaf, of 1 for all: by its share of the area, and as much by what it brings to others, for its error is one of theirs, too.
+    /// Weight of a leaf, of 1 for all: by its share of the area, and as much by what it brings to
+    /// others, for its error is one of theirs, too.
     pub fn share_of<'a>(&'a self, field: &'a Field) -> impl Fn(ElementId) -> f64 + use<'a> {
         let brought = self.brought_by(field);
         let area: f64 = field.leaves().map(|leaf| f64::from(field.area(leaf))).sum();
@@ -146,8 +153,8 @@ mod tests {
     use crate::scene::builtin::BuiltinScene;
     use crate::solve::{Epsilon, Solver, SolverParams};
 
-    /// Truth: readers share their light out among what they see, so that over all leaves what each brings sums to the light that is
-    /// reflected to the readers, each by its own E + E₀.
+    /// Truth: readers share their light out among what they see, so that over all leaves what each
+    /// brings sums to the light that is reflected to the readers, each by its own E + E₀.
     #[test]
     fn importance_shares_out_the_light_of_readers() {
         let scene = Arc::new(BuiltinScene::Cornell.build());

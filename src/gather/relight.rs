@@ -1,4 +1,5 @@
-//! Light is moved over a gather's samples until nothing changes: each sweep is one more reflection, from a [mixture](Mixing) of the ones before.
+//! Light is moved over a gather's samples until nothing changes: each sweep is one more reflection,
+//! from a [mixture](Mixing) of the ones before.
 
 use glam::Vec3;
 
@@ -22,7 +23,8 @@ struct Relighting<'a> {
     field: &'a Field,
     samples: &'a GatherSamples,
     groups: &'a Groups,
-    /// Indirect irradiance by the links, W/m², of what was not looked at by cosine-distributed rays.
+    /// Indirect irradiance by the links, W/m², of what was not looked at by cosine-distributed
+    /// rays.
     of_links: &'a [Vec3],
     /// Irradiance that emission and the sun bring, W/m².
     direct: Vec<Vec3>,
@@ -59,7 +61,8 @@ impl<'a> Relighting<'a> {
         Self { field, samples, groups, of_links, direct, closure }
     }
 
-    /// Irradiance of each leaf, W/m², where all reflect this much, and the factor that makes up for the closure; `None` if cancelled.
+    /// Irradiance of each leaf, W/m², where all reflect this much, and the factor that makes up for
+    /// the closure; `None` if cancelled.
     fn irradiance(&self, reflected: &[Vec3], cancel: &CancelToken) -> Option<(Vec<Vec3>, f32)> {
         let sums = self.samples.indirect(self.direct.len(), reflected, cancel)?;
         let mut indirect = vec![Vec3::ZERO; self.direct.len()];
@@ -79,7 +82,8 @@ impl<'a> Relighting<'a> {
         Some((indirect, refund))
     }
 
-    /// Factor on all reflected light that makes up for what the closure takes: rows that have too much by chance have what others lack.
+    /// Factor on all reflected light that makes up for what the closure takes: rows that have too
+    /// much by chance have what others lack.
     fn refund(&self, indirect: &[Vec3]) -> f32 {
         let (mut all, mut kept) = (0.0_f64, 0.0);
         for leaf in self.field.leaves() {
@@ -117,23 +121,25 @@ impl<'a> Relighting<'a> {
     }
 }
 
-/// Scale of reflected light by which it dies out: of few aimed rays some bring more than is sent, by chance, and leaves
-/// that light each other so would glow without end. What the leaf's reflectance makes up for stays: rows that are too small
-/// by chance stay as well.
+/// Scale of reflected light by which it dies out: of few aimed rays some bring more than is sent,
+/// by chance, and leaves that light each other so would glow without end. What the leaf's
+/// reflectance makes up for stays: rows that are too small by chance stay as well.
 fn closure_of(row: f32, reflectance: f32) -> f32 {
     let most = (LARGEST_RETURN / reflectance).max(1.0);
     (most / row).min(1.0)
 }
 
 impl Gather {
-    /// Moves light over the samples until nothing changes; `None` if cancelled, which leaves all as it was.
+    /// Moves light over the samples until nothing changes; `None` if cancelled, which leaves all as
+    /// it was.
     pub(super) fn relight(&mut self, cancel: &CancelToken) -> Option<()> {
         let mut field = self.field.clone();
         let samples = &self.samples;
         field.set_areas(|leaf| samples.seen_share(leaf));
         let relighting = Relighting::new(&field, samples, &self.groups, &self.of_links);
         let leaves: Vec<ElementId> = field.leaves().collect();
-        // From emission alone the first time: what links let through a wall would take long to die out.
+        // From emission alone the first time: what links let through a wall would take long to die
+        // out.
         let is_afresh = samples.has_cosine() && !self.is_lit_by_samples;
         let mut reflected = if is_afresh { field.reflect(&relighting.direct) } else { field.reflected.to_vec() };
         let mut mixing = Mixing::default();
@@ -169,7 +175,8 @@ impl Gather {
 mod tests {
     use super::*;
 
-    /// Truth: ρ times the row is no more than 0.98, where the row is more than 1; what is less stays as it is.
+    /// Truth: ρ times the row is no more than 0.98, where the row is more than 1; what is less
+    /// stays as it is.
     #[test]
     fn light_dies_out_in_every_row() {
         assert_eq!((closure_of(2.0, 0.98), closure_of(1.0, 0.98), closure_of(0.25, 0.98)), (0.5, 1.0, 1.0));

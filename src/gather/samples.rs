@@ -1,5 +1,5 @@
-//! Gather samples: what looks from each leaf found, kept so that light can be moved over them as often as
-//! it takes to converge, without another ray.
+//! Gather samples: what looks from each leaf found, kept so that light can be moved over them as
+//! often as it takes to converge, without another ray.
 
 use std::ops::{AddAssign, Mul};
 
@@ -29,10 +29,11 @@ struct Look {
     emitted: Vec3,
     /// Irradiance that the sky brings, W/m²; nothing without cosine-distributed rays.
     sky: Vec3,
-    /// Mean addition of the look's noise to the square of the irradiance by emission (mean of the colours).
+    /// Mean addition of the look's noise to the square of the irradiance by emission (mean of the
+    /// colours).
     noise: f32,
-    /// Share of the rays that end on a bright side from where the leaf is read as a whole, not followed: those who read it look
-    /// along these. What ends on a back has no reader.
+    /// Share of the rays that end on a bright side from where the leaf is read as a whole, not
+    /// followed: those who read it look along these. What ends on a back has no reader.
     far: f32,
 }
 
@@ -42,7 +43,8 @@ struct Drawn {
     looks: Vec<Look>,
     /// Leaves that the cosine-distributed rays of each look met.
     met: Vec<ElementId>,
-    /// Secondary emitters that are seen: the look, the emitter, and the share of what it reflects that arrives.
+    /// Secondary emitters that are seen: the look, the emitter, and the share of what it reflects
+    /// that arrives.
     aimed: Vec<(u32, ElementId, f32)>,
     hidden: u32,
     rays: u32,
@@ -68,7 +70,8 @@ pub struct Sums {
     /// Looks drawn, and of these those from points that are not hidden.
     drawn: u32,
     pub seen: u32,
-    /// Σ of the irradiance that emission and the sun bring, W/m², and of its squares less their noise (mean of the colours).
+    /// Σ of the irradiance that emission and the sun bring, W/m², and of its squares less their
+    /// noise (mean of the colours).
     pub emitted: Vec3,
     squares: f32,
     /// Looks with cosine-distributed rays, from points that are not hidden.
@@ -82,7 +85,8 @@ pub struct Sums {
 pub struct LightSums {
     /// Σ of irradiance that others reflect, W/m².
     pub indirect: Vec3,
-    /// Σ of irradiance by emission and by what others reflect, times the share of far rays, and of these shares.
+    /// Σ of irradiance by emission and by what others reflect, times the share of far rays, and of
+    /// these shares.
     pub far_emitted: Vec3,
     pub far_indirect: Vec3,
     pub far_share: f32,
@@ -130,8 +134,9 @@ impl GatherSamples {
         Self { rays, ..Self::default() }
     }
 
-    /// Looks so many times from each of these leaves, which must be different ones; false if cancelled,
-    /// which leaves all as it was. Without cosine-distributed rays, emission alone is looked for.
+    /// Looks so many times from each of these leaves, which must be different ones; false if
+    /// cancelled, which leaves all as it was. Without cosine-distributed rays, emission alone is
+    /// looked for.
     pub fn draw(
         &mut self,
         field: &Field,
@@ -176,8 +181,8 @@ impl GatherSamples {
         self.sums.get(leaf.index()).copied().unwrap_or_default()
     }
 
-    /// Irradiance that emission and the sun bring to a leaf, W/m², and its variance over the leaf (mean of the colours); zero where it was
-    /// not looked for.
+    /// Irradiance that emission and the sun bring to a leaf, W/m², and its variance over the leaf
+    /// (mean of the colours); zero where it was not looked for.
     pub fn direct(&self, leaf: ElementId) -> (Vec3, f32) {
         let sums = self.of(leaf);
         let looks = sums.seen.max(1) as f32;
@@ -206,8 +211,9 @@ impl GatherSamples {
         self.of(leaf).whole
     }
 
-    /// Of each leaf Σ over its looks of the irradiance that others reflect, where they reflect this much, and that the sky brings, W/m²,
-    /// parallel to an arena of so many elements; `None` if cancelled.
+    /// Of each leaf Σ over its looks of the irradiance that others reflect, where they reflect this
+    /// much, and that the sky brings, W/m², parallel to an arena of so many elements; `None` if
+    /// cancelled.
     pub fn indirect(&self, elements: usize, reflected: &[Vec3], cancel: &CancelToken) -> Option<Vec<Vec3>> {
         let mut sums = vec![Vec3::ZERO; elements];
         for pass in &self.passes {
@@ -233,7 +239,8 @@ impl GatherSamples {
         Some(sums)
     }
 
-    /// How often each patch was met, where each look from a leaf counts so much: an importance, parallel to an arena of so many elements.
+    /// How often each patch was met, where each look from a leaf counts so much: an importance,
+    /// parallel to an arena of so many elements.
     pub fn read(&self, elements: usize, of_look: impl Fn(ElementId) -> f64) -> Vec<f32> {
         let mut read = vec![0.0; elements];
         for pass in &self.passes {
@@ -315,7 +322,8 @@ impl Pass {
     }
 }
 
-/// Mean addition of noise to the square of a sum of two parts, where the parts are independent estimates of one half each.
+/// Mean addition of noise to the square of a sum of two parts, where the parts are independent
+/// estimates of one half each.
 fn noise_of_halves([a, b]: [f32; 2]) -> f32 {
     (a - b) * (a - b)
 }
@@ -336,7 +344,8 @@ fn draw(field: &Field, leaf: ElementId, rays: GlanceRays, looks: std::ops::Range
             drawn.hidden += 1;
             continue;
         }
-        // Each half of the rays has a sequence of its own, so that what they find differs by noise alone and independently.
+        // Each half of the rays has a sequence of its own, so that what they find differs by noise
+        // alone and independently.
         let mut emitted = [Vec3::ZERO; 2];
         let halves = |count: u32| {
             (0..count).map(move |ray| ((ray / (count / 2)) as usize, look * (count / 2) + ray % (count / 2)))

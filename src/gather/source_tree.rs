@@ -1,8 +1,9 @@
 //! The tree of what sends light, laid out for those who choose one source of it by chance.
 //!
-//! Each aimed ray of a glance goes down from the root, at each node to a child by what it could send at most \[stochastic
-//! lightcuts, Yuksel 2020\]. Millions of rays do, so the tree holds the powered elements alone, siblings side by side, with all
-//! that a choice reads; a cluster of which one child alone sends light is not in it.
+//! Each aimed ray of a glance goes down from the root, at each node to a child by what it could
+//! send at most \[stochastic lightcuts, Yuksel 2020\]. Millions of rays do, so the tree holds the
+//! powered elements alone, siblings side by side, with all that a choice reads; a cluster of which
+//! one child alone sends light is not in it.
 
 use std::f32::consts::PI;
 
@@ -116,7 +117,8 @@ impl SourceTree {
             if node.children == 0 {
                 return Some(Choice { id: node.id, emits: false, probability });
             }
-            // A child takes over from those before it with its share of their sum; the random number is used on.
+            // A child takes over from those before it with its share of their sum; the random
+            // number is used on.
             let (mut total, mut chosen) = (0.0, None);
             let first = node.first_child as usize;
             for child in &self.nodes[first..first + node.children as usize] {
@@ -141,8 +143,8 @@ impl SourceTree {
 }
 
 impl Node {
-    /// A bound, up to a factor common to all, on the irradiance that an element of this place and size brings for each watt that it
-    /// sends.
+    /// A bound, up to a factor common to all, on the irradiance that an element of this place and
+    /// size brings for each watt that it sends.
     fn most_per_power(&self, point: Vec3, normal: Vec3) -> f32 {
         let span = self.centre - point;
         let square = span.length_squared();
@@ -159,7 +161,8 @@ impl Node {
                 }
                 let corners = &corners[..*count];
                 if FAR * area >= square {
-                    // Where one corner is near and the centre is not, an estimate would be wrong many times over.
+                    // Where one corner is near and the centre is not, an estimate would be wrong
+                    // many times over.
                     let facet = Facet::new(point, normal, corners);
                     return facet.map_or(0.0, |facet| PI * facet.form_factor / area.max(f32::MIN_POSITIVE));
                 }

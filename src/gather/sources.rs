@@ -1,10 +1,10 @@
-//! Sources that gathers aim rays at: emitters, and small surfaces that reflect so much that random rays would
-//! rarely meet what decides about a point's light.
+//! Sources that gathers aim rays at: emitters, and small surfaces that reflect so much that random
+//! rays would rarely meet what decides about a point's light.
 //!
-//! Both lie in the cluster tree with their powers, so a point finds what matters to it by going down
-//! from the root [after Walter et al., *Lightcuts*, SIGGRAPH 2005]: a cluster that is small for its
-//! distance is one source, a near polygon is one by its exact form factor, and rays are shared out by
-//! what each could send.
+//! Both lie in the cluster tree with their powers, so a point finds what matters to it by going
+//! down from the root [after Walter et al., *Lightcuts*, SIGGRAPH 2005]: a cluster that is small
+//! for its distance is one source, a near polygon is one by its exact form factor, and rays are
+//! shared out by what each could send.
 
 use std::f32::consts::PI;
 
@@ -19,9 +19,9 @@ use crate::scene::Surface;
 
 /// A cluster whose half diagonal is below this share of its distance is one source.
 const SMALL: f32 = 0.1;
-/// A secondary emitter is aimed at from where its form factor is below this; from nearer, random rays
-/// meet it often enough and find where on it there is how much light. Above π·SMALL²/3, so that what
-/// lies in a small cluster is always aimed at.
+/// A secondary emitter is aimed at from where its form factor is below this; from nearer, random
+/// rays meet it often enough and find where on it there is how much light. Above π·SMALL²/3, so
+/// that what lies in a small cluster is always aimed at.
 const AIMED_FORM_FACTOR: f32 = 0.02;
 /// A leaf that reflects so many times the area's mean is a secondary emitter.
 const BRIGHT: f32 = 6.0;
@@ -62,8 +62,8 @@ impl Sources {
         Self::new(hierarchy, surfaces, vec![0.0; hierarchy.elements().len()])
     }
 
-    /// Emitters, and leaves that reflect much more than the area's mean (`reflected`, W/m², parallel to the
-    /// hierarchy's arena).
+    /// Emitters, and leaves that reflect much more than the area's mean (`reflected`, W/m²,
+    /// parallel to the hierarchy's arena).
     pub fn with_secondary(hierarchy: &Hierarchy, surfaces: &[Surface], reflected: &[Vec3]) -> Self {
         let (mut sent, mut area) = (0.0, 0.0);
         for (element, reflected) in hierarchy.elements().iter().zip(reflected) {
@@ -161,8 +161,8 @@ impl Field {
         }
     }
 
-    /// Whether a point aims at this leaf for what it reflects, so that random rays which meet it must
-    /// not count.
+    /// Whether a point aims at this leaf for what it reflects, so that random rays which meet it
+    /// must not count.
     pub fn is_aimed_at(&self, leaf: ElementId, point: Vec3, normal: Vec3) -> bool {
         self.sources.secondary[leaf.index()] > 0.0
             && (self.is_small(leaf, point) || self.has_small_facet(leaf, point, normal))
@@ -189,9 +189,9 @@ impl Field {
         Facet::new(point, normal, &corners[..count])
     }
 
-    /// Casts about so many rays at what a point aims at. Returns the irradiance that emission brings
-    /// (W/m²) and the rays cast; `reflected` gets each place on a secondary emitter that is seen,
-    /// and the share of its reflected radiosity that reaches the point.
+    /// Casts about so many rays at what a point aims at. Returns the irradiance that emission
+    /// brings (W/m²) and the rays cast; `reflected` gets each place on a secondary emitter that is
+    /// seen, and the share of its reflected radiosity that reaches the point.
     pub fn aim(
         &self,
         (point, normal): (Vec3, Vec3),
@@ -205,8 +205,8 @@ impl Field {
         if total <= 0.0 {
             return (light, cast);
         }
-        // What deserves less than a ray gets one by chance; the chances are dealt out in turn, so that
-        // as many get one as there should.
+        // What deserves less than a ray gets one by chance; the chances are dealt out in turn, so
+        // that as many get one as there should.
         let mut dealt = fraction(hash64(seed, 1) as u32);
         for (index, aim) in aims.iter_mut().enumerate() {
             let wanted = rays * aim.most / total;
@@ -248,8 +248,9 @@ impl Field {
     }
 
     /// Tells each place of a facet that is seen and its share of the light: the exact form factor,
-    /// shared out by kernels [a ratio of estimates, as Heitz, Hill, McGuire, *Combining analytic direct
-    /// illumination and stochastic shadows*, I3D 2018], so that light without a shadow has no noise.
+    /// shared out by kernels [a ratio of estimates, as Heitz, Hill, McGuire, *Combining analytic
+    /// direct illumination and stochastic shadows*, I3D 2018], so that light without a shadow has
+    /// no noise.
     fn aim_at_facet(
         &self,
         (point, normal): (Vec3, Vec3),

@@ -52,8 +52,9 @@ impl<'a> EnclosureTest<'a> {
         Self { scene, occluders, lamps }
     }
 
-    /// Whether a point lies inside of something: of so many random rays none meets a bright side, at least half meet the backs of faces
-    /// (the others leave the scene), and as many rays to the lamps are blocked.
+    /// Whether a point lies inside of something: of so many random rays none meets a bright side,
+    /// at least half meet the backs of faces (the others leave the scene), and as many rays to the
+    /// lamps are blocked.
     pub fn hides(&self, point: Vec3, normal: Vec3, seed: u64, rays: u32) -> bool {
         let mut backs = 0;
         for ray in 0..rays {

@@ -1,8 +1,9 @@
 //! Geometry: rays and the faces that they leave and meet.
 //!
-//! [`Occluders`] tell which face a ray meets (`offset` tells how it leaves one), [`orient`] which sides of faces are bright,
-//! [`overlaps`] removes faces that lie on each other, [`cuts`] parts large surfaces where walls stand on them, and [`Reachability`]
-//! tells which parts of faces light can reach. This module imports `scene` and `random` alone.
+//! [`Occluders`] tell which face a ray meets (`offset` tells how it leaves one), [`orient`] which
+//! sides of faces are bright, [`overlaps`] removes faces that lie on each other, [`cuts`] parts
+//! large surfaces where walls stand on them, and [`Reachability`] tells which parts of faces light
+//! can reach. This module imports `scene` and `random` alone.
 
 pub mod cuts;
 mod enclosure;

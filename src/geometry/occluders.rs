@@ -1,7 +1,7 @@
 //! Occluders: a ray BVH over the scene's faces, which stop light from either side.
 //!
-//! Where faces coincide, a ray meets the one that faces it: the walls of two rooms that share a plane, or a face that a file lists once
-//! more, wound the other way.
+//! Where faces coincide, a ray meets the one that faces it: the walls of two rooms that share a
+//! plane, or a face that a file lists once more, wound the other way.
 
 use glam::{Vec3, Vec3A};
 use rayon::prelude::*;
@@ -18,7 +18,8 @@ const DARK: u32 = u32::MAX;
 pub struct Hit {
     /// Distance along the ray, in lengths of its direction.
     pub distance: f32,
-    /// Index into [`Scene::polygons`]: the polygon that is bright on the side met, or a face met from its dark side.
+    /// Index into [`Scene::polygons`]: the polygon that is bright on the side met, or a face met
+    /// from its dark side.
     pub polygon: u32,
     /// Whether the side met is bright.
     pub front: bool,
@@ -32,7 +33,8 @@ pub struct Occluders {
     polygon_of_triangle: Vec<u32>,
     /// The polygon that is bright behind each triangle, or [`DARK`]; empty where all are.
     behind_triangle: Vec<u32>,
-    /// How far points of each triangle's polygon may lie off its plane, m; empty where all polygons are flat.
+    /// How far points of each triangle's polygon may lie off its plane, m; empty where all polygons
+    /// are flat.
     slack: Vec<f32>,
 }
 
@@ -85,8 +87,8 @@ impl Occluders {
         Self::build(&all.flat_map_iter(faces_of).collect::<Vec<_>>(), effort)
     }
 
-    /// Builds the BVH over triangles, anticlockwise from their bright side, each of which stands for a polygon of that number when a ray
-    /// meets it.
+    /// Builds the BVH over triangles, anticlockwise from their bright side, each of which stands
+    /// for a polygon of that number when a ray meets it.
     pub fn of_triangles(faces: &[([Vec3; 3], u32)]) -> Self {
         let face = |&(corners, polygon): &([Vec3; 3], u32)| Face { corners, polygon, behind: DARK, slack: 0.0 };
         Self::build(&faces.iter().map(face).collect::<Vec<_>>(), Effort::Thorough)
@@ -114,7 +116,8 @@ impl Occluders {
             + size_of_val(&self.slack[..])
     }
 
-    /// Whether two points of faces, with the unit normals of their bright sides, face each other with nothing between them.
+    /// Whether two points of faces, with the unit normals of their bright sides, face each other
+    /// with nothing between them.
     #[inline]
     pub fn sees(&self, from: (Vec3, Vec3), to: (Vec3, Vec3)) -> bool {
         let span = to.0 - from.0;
@@ -139,8 +142,8 @@ impl Occluders {
         length > 0.0 && self.is_blocked(start, without_negative_zeros((end - start) / length), length, |_, _, _| false)
     }
 
-    /// Whether a ray that leaves a face meets no other: by a point of it and its unit normal on the side that the ray leaves;
-    /// `direction` must be a unit vector.
+    /// Whether a ray that leaves a face meets no other: by a point of it and its unit normal on the
+    /// side that the ray leaves; `direction` must be a unit vector.
     #[inline]
     pub fn is_open(&self, point: Vec3, normal: Vec3, direction: Vec3) -> bool {
         let away = without_negative_zeros(direction.into());
@@ -165,8 +168,8 @@ impl Occluders {
         })
     }
 
-    /// The first face along a ray that leaves a face, by a point of it and its unit normal on the side that the ray leaves;
-    /// `direction` must be a unit vector.
+    /// The first face along a ray that leaves a face, by a point of it and its unit normal on the
+    /// side that the ray leaves; `direction` must be a unit vector.
     #[inline]
     pub fn ray_from(&self, point: Vec3, normal: Vec3, direction: Vec3) -> Option<Hit> {
         let away = without_negative_zeros(direction.into());
@@ -180,7 +183,8 @@ impl Occluders {
         self.closest(origin.into(), direction, |_, _, _| false)
     }
 
-    /// The first bright side along a ray from a point in the air, as a picture shows it: dark sides are looked through.
+    /// The first bright side along a ray from a point in the air, as a picture shows it: dark sides
+    /// are looked through.
     pub fn first_front(&self, origin: Vec3, direction: Vec3) -> Option<Hit> {
         let direction = without_negative_zeros(direction.into());
         self.closest(origin.into(), direction, |_, index, crossing| !self.is_bright(index, crossing))
@@ -251,7 +255,8 @@ impl Occluders {
     }
 }
 
-/// The second side of each polygon that is bright on both, by the corners that the two share; each second side is its own.
+/// The second side of each polygon that is bright on both, by the corners that the two share; each
+/// second side is its own.
 fn second_sides(scene: &Scene) -> Vec<Option<u32>> {
     let mut behind = vec![None; scene.polygons.len()];
     // Second sides by the least of their corners, of equal ones the last first.
@@ -309,8 +314,8 @@ mod tests {
     use super::*;
     use crate::base::random::{hash64, r2_sequence};
 
-    /// Truth: the inside of a convex shade sees all of itself. It is tilted and stands off the origin, so that rounding puts points on
-    /// either side of their faces.
+    /// Truth: the inside of a convex shade sees all of itself. It is tilted and stands off the
+    /// origin, so that rounding puts points on either side of their faces.
     #[test]
     fn no_face_is_in_its_own_shadow() {
         let centre = Vec3::new(-1.43, 1.13, -1.84);

@@ -1,21 +1,26 @@
 //! Offsets: how a ray leaves a face without meeting it again.
 //!
-//! A straight line that leaves a plane never comes back to it. So the origin of a ray is not lifted by some distance, which would have
-//! to be larger than any rounding and smaller than any gap: the ray passes over the faces in whose plane it starts. Those
-//! are the face itself, its twin that is bright on the other side, and neighbours in the same plane. Whether a plane holds a point is
-//! found by a bound on the rounding of both, coordinate by coordinate \[Pharr, Jakob, Humphreys: PBRT 4, section 6.8\].
+//! A straight line that leaves a plane never comes back to it. So the origin of a ray is not lifted
+//! by some distance, which would have to be larger than any rounding and smaller than any gap: the
+//! ray passes over the faces in whose plane it starts. Those are the face itself, its twin that is
+//! bright on the other side, and neighbours in the same plane. Whether a plane holds a point is
+//! found by a bound on the rounding of both, coordinate by coordinate \[Pharr, Jakob, Humphreys:
+//! PBRT 4, section 6.8\].
 
 use glam::Vec3A;
 
-/// Roundings that a point of a face and the plane of a triangle may have gone through. A corner is rounded once, a point made of
-/// corners seven times (PBRT 4, equation 6.23), the height of a point above a plane three times; that they hardly ever add up leaves
-/// room for the corners of a twin that is cut otherwise. The smallest number without a fault in the tests below is 2.
+/// Roundings that a point of a face and the plane of a triangle may have gone through. A corner is
+/// rounded once, a point made of corners seven times (PBRT 4, equation 6.23), the height of a point
+/// above a plane three times; that they hardly ever add up leaves room for the corners of a twin
+/// that is cut otherwise. The smallest number without a fault in the tests below is 2.
 const ROUNDINGS: f32 = 8.0;
 
-/// A triangle is made wider by no more than this share of its size, however little a line tells of it.
+/// A triangle is made wider by no more than this share of its size, however little a line tells of
+/// it.
 pub(super) const WIDEST: f32 = 1e-3;
 
-/// Faces whose normals have at least this cosine (2.6°) run alike: over the distances at which planes meet here, they are one.
+/// Faces whose normals have at least this cosine (2.6°) run alike: over the distances at which
+/// planes meet here, they are one.
 const PARALLEL: f32 = 0.999;
 
 /// The bound γ(n) = nε/(1 − nε) on the relative error of n roundings.
@@ -80,15 +85,16 @@ impl Crossing {
         is_met.then(|| Self { distance: across.dot(to_corner) * inverse, across: -across, descent, weights: [u, v] })
     }
 
-    /// By how much of its size a triangle is wider: rounding must leave no crack between two of them.
+    /// By how much of its size a triangle is wider: rounding must leave no crack between two of
+    /// them.
     #[cold]
     fn widening(triangle: &Triangle, origin: Vec3A, direction: Vec3A, inverse: f32) -> f32 {
         let sides = triangle.first.abs() + triangle.last.abs();
         gamma(ROUNDINGS) * absolute_cross(direction, triangle.corner - origin).dot(sides) * inverse.abs()
     }
 
-    /// How far rounding may set the point met from where the planes of coincident faces are met, in lengths of the direction; `slack`
-    /// as in [`End::holds`].
+    /// How far rounding may set the point met from where the planes of coincident faces are met, in
+    /// lengths of the direction; `slack` as in [`End::holds`].
     pub fn tolerance(&self, triangle: &Triangle, origin: Vec3A, slack: f32) -> f32 {
         self.rounding(triangle, origin, slack) / self.descent.abs()
     }
@@ -98,7 +104,8 @@ impl Crossing {
         -self.across.dot(other.across) >= PARALLEL * self.across.length() * other.across.length()
     }
 
-    /// Bound on the error of a point's height above the triangle's plane, times the length of `across`.
+    /// Bound on the error of a point's height above the triangle's plane, times the length of
+    /// `across`.
     fn rounding(&self, triangle: &Triangle, point: Vec3A, slack: f32) -> f32 {
         // An axis along which the triangle has no extent adds nothing.
         let most = absolute_cross(triangle.first, triangle.last);
@@ -118,9 +125,10 @@ pub(super) struct End {
 }
 
 impl End {
-    /// Whether the ray is past a triangle that it crosses, because its end lies in the triangle's plane: where they run alike, and where
-    /// the end lies on the rim of another face, which it leaves on the bright side. `slack` is how far points of the triangle's polygon
-    /// may lie off its plane, beyond rounding.
+    /// Whether the ray is past a triangle that it crosses, because its end lies in the triangle's
+    /// plane: where they run alike, and where the end lies on the rim of another face, which it
+    /// leaves on the bright side. `slack` is how far points of the triangle's polygon may lie off
+    /// its plane, beyond rounding.
     #[inline]
     pub fn holds(&self, triangle: &Triangle, crossing: &Crossing, slack: f32) -> bool {
         let height = crossing.across.dot(self.point - triangle.corner).abs();
@@ -174,8 +182,9 @@ mod tests {
         (a + u * (b - a) + v * (c - a), (b - a).cross(c - a).normalize())
     }
 
-    /// Truth: a closed room keeps its rays, whatever its size, place and turn, and whether or not its faces have twins that are bright
-    /// outside and cut otherwise: each ray meets a face of the room itself, not its own, from the bright side.
+    /// Truth: a closed room keeps its rays, whatever its size, place and turn, and whether or not
+    /// its faces have twins that are bright outside and cut otherwise: each ray meets a face of the
+    /// room itself, not its own, from the bright side.
     #[test]
     fn closed_rooms_keep_their_rays_at_any_size() {
         for (case, size) in [1e-4_f32, 1e-2, 1.0, 30.0, 1e4].into_iter().enumerate() {
@@ -210,8 +219,9 @@ mod tests {
         }
     }
 
-    /// Truth: a line parallel to a face does not cross it, also where it runs along an edge, just above or below: in rooms whose rays leave
-    /// along a wall, such lines are met in boxes of the BVH that are a little larger than their faces.
+    /// Truth: a line parallel to a face does not cross it, also where it runs along an edge, just
+    /// above or below: in rooms whose rays leave along a wall, such lines are met in boxes of the
+    /// BVH that are a little larger than their faces.
     #[test]
     fn lines_alongside_cross_nothing() {
         let [a, b, c, d] = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]].map(|[x, y]| Vec3A::new(x, y, 0.0));
@@ -230,8 +240,8 @@ mod tests {
         }
     }
 
-    /// Truth: a sheet 1 mm in front of a wall hides it, and a sheet 1 mm behind hides nothing; up to half a kilometre from the middle of the
-    /// scene, where f32 knows 0.06 mm.
+    /// Truth: a sheet 1 mm in front of a wall hides it, and a sheet 1 mm behind hides nothing; up
+    /// to half a kilometre from the middle of the scene, where f32 knows 0.06 mm.
     #[test]
     fn faces_a_millimetre_apart_are_two() {
         for size in [0.1_f32, 10.0, 1e3] {

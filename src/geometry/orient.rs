@@ -1,10 +1,10 @@
 //! Faces turned towards the space that sees them: which side of a face is bright ([`Sides`]).
 //!
-//! Real files are often wound badly. Particles walk through the scene from the eye, or else from the lamps, or else
-//! from points in its box; each face that a particle meets is seen from the side it came from. A vote weighs as
-//! the square of the way that the particle came, so that the room counts more than a lamp's housing or the gap above
-//! it. Votes are
-//! whole numbers summed in the particles' order: the result depends on the seed alone, not on the threads.
+//! Real files are often wound badly. Particles walk through the scene from the eye, or else from
+//! the lamps, or else from points in its box; each face that a particle meets is seen from the side
+//! it came from. A vote weighs as the square of the way that the particle came, so that the room
+//! counts more than a lamp's housing or the gap above it. Votes are whole numbers summed in the
+//! particles' order: the result depends on the seed alone, not on the threads.
 
 use glam::Vec3;
 use petgraph::unionfind::UnionFind;
@@ -23,25 +23,30 @@ const RAYS: std::ops::RangeInclusive<usize> = 16_384..=400_000;
 const BOUNCES: usize = 8;
 /// Weight of a way as long as the diagonal of the scene's box.
 const FULL_WEIGHT: f32 = 1_048_576.0;
-/// A face is said to be seen from behind if that was over a way of a hundredth of the diagonal: a particle that slipped into a
-/// solid, where two of its parts cross, sees the parts' insides from nearby.
+/// A face is said to be seen from behind if that was over a way of a hundredth of the diagonal: a
+/// particle that slipped into a solid, where two of its parts cross, sees the parts' insides from
+/// nearby.
 const LEAST_COUNTED: i64 = 105;
 /// Seed of the walks; nothing else in the program shares it.
 const SEED: u64 = 0x5e1f_1111;
 
-/// A face whose material is two-sided is doubled if this share of what is seen of it, the lesser side's, is no chance.
+/// A face whose material is two-sided is doubled if this share of what is seen of it, the lesser
+/// side's, is no chance.
 const LEAST_SHARE: i64 = 20;
-/// A face is judged by its own sides where as much as eight long ways saw them, else by those of its surface.
+/// A face is judged by its own sides where as much as eight long ways saw them, else by those of
+/// its surface.
 const ENOUGH_SEEN: i64 = 8 * LEAST_COUNTED;
 /// Rays that tell whether a scene shows its backs.
 const RAYS_FOR_BACKS: u64 = 4096;
 
 /// Makes the scene's faces bright on the sides asked for, and the occluders that go with them.
 ///
-/// `Front` leaves the faces and counts those seen from behind, `Auto` turns these, and `Both` appends each face once
-/// more as an opposite patch ([`Polygon::is_back`]); opposite patches that are there already go first. Faces of two-sided materials
-/// are turned to the side that is seen, and doubled where both are. Faces that lie on others of the same side are counted
-/// once ([`overlaps`]). A luminaire that was placed shines the way that it was placed, whoever sees its back. Occluders stop light from either side in every case.
+/// `Front` leaves the faces and counts those seen from behind, `Auto` turns these, and `Both`
+/// appends each face once more as an opposite patch ([`Polygon::is_back`]); opposite patches that
+/// are there already go first. Faces of two-sided materials are turned to the side that is seen,
+/// and doubled where both are. Faces that lie on others of the same side are counted once
+/// ([`overlaps`]). A luminaire that was placed shines the way that it was placed, whoever sees its
+/// back. Occluders stop light from either side in every case.
 pub fn apply(mut scene: Scene, sides: Sides) -> (Scene, Occluders) {
     scene.sides = sides;
     scene.polygons.retain(|polygon| !polygon.is_back);
@@ -110,7 +115,8 @@ fn turn(scene: &mut Scene, sides: Sides) {
     scene.skipped.turned_faces = turned;
 }
 
-/// Whether the inside of a scene shows backs, nearly everywhere: its faces are wound the other way round.
+/// Whether the inside of a scene shows backs, nearly everywhere: its faces are wound the other way
+/// round.
 pub fn shows_backs(scene: &Scene, occluders: &Occluders) -> bool {
     let (lower, upper) = scene.bounds();
     let look = |ray: u64| {
@@ -128,17 +134,20 @@ pub fn shows_backs(scene: &Scene, occluders: &Occluders) -> bool {
 
 /// How faces are seen, by the weights of the particles that met them.
 struct Seen {
-    /// For each polygon, how much more it is seen from its bright side than from behind; 0 where nothing tells.
+    /// For each polygon, how much more it is seen from its bright side than from behind; 0 where
+    /// nothing tells.
     decisive: Vec<i64>,
-    /// For each polygon, how much it is seen from its bright side and from behind, by all particles.
+    /// For each polygon, how much it is seen from its bright side and from behind, by all
+    /// particles.
     all: Vec<[i64; 2]>,
 }
 
 /// Looks at all faces.
 ///
-/// Faces that the eye's particles see are decided by these alone: a lamp may lie in a housing, the eye lies in the space that
-/// the picture shows. `lamp_backs` says whether particles leave the dark sides of lamps too, which matters where lamps may be
-/// turned the wrong way; where they are right, it would show the inside of their housings.
+/// Faces that the eye's particles see are decided by these alone: a lamp may lie in a housing, the
+/// eye lies in the space that the picture shows. `lamp_backs` says whether particles leave the dark
+/// sides of lamps too, which matters where lamps may be turned the wrong way; where they are right,
+/// it would show the inside of their housings.
 fn votes(scene: &Scene, occluders: &Occluders, lamp_backs: bool) -> Seen {
     let rays = (RAYS_PER_POLYGON * scene.polygons.len()).clamp(*RAYS.start(), *RAYS.end());
     let walks = Walks::new(scene, occluders);
@@ -186,8 +195,8 @@ impl<'a> Walks<'a> {
         Self { scene, occluders, lower, upper, diagonal }
     }
 
-    /// Sends particles and sums their votes for fronts and for backs; `start` tells what each meets first, and `stream` tells apart
-    /// the random numbers of several runs.
+    /// Sends particles and sums their votes for fronts and for backs; `start` tells what each meets
+    /// first, and `stream` tells apart the random numbers of several runs.
     fn run<S>(&self, particles: usize, stream: u64, start: S) -> Vec<[i64; 2]>
     where
         S: Fn(&mut Random) -> Option<Hit> + Sync,
@@ -279,8 +288,9 @@ impl Lamps {
     }
 }
 
-/// For each polygon the votes of all polygons of its surface: those that meet in edges which they run through in
-/// opposite directions, and so are wound alike. A face that no particle met follows its surface.
+/// For each polygon the votes of all polygons of its surface: those that meet in edges which they
+/// run through in opposite directions, and so are wound alike. A face that no particle met follows
+/// its surface.
 fn surface_votes(scene: &Scene, votes: &[[i64; 2]]) -> Vec<[i64; 2]> {
     let mut surfaces = UnionFind::new(scene.polygons.len());
     let mut polygon_at_edge = FxHashMap::default();

@@ -1,9 +1,11 @@
 //! Overlaps: faces that lie on each other and face the same way, of which only one is seen.
 //!
-//! Exporters write a face and its triangles, floors drawn twice, decals and lamps flush with the surface that they lie on. Counted
-//! twice, such a face would reflect twice what reaches it. Here the smaller face lies on top (of equal ones the first), and
-//! what it covers of others is cut away, exactly: a face is looked at with all that cover it, halved until few do, and what
-//! lies outside of those is kept. Candidates are faces whose boxes touch (a BVH), so that the work grows hardly faster than the scene.
+//! Exporters write a face and its triangles, floors drawn twice, decals and lamps flush with the
+//! surface that they lie on. Counted twice, such a face would reflect twice what reaches it. Here
+//! the smaller face lies on top (of equal ones the first), and what it covers of others is cut
+//! away, exactly: a face is looked at with all that cover it, halved until few do, and what lies
+//! outside of those is kept. Candidates are faces whose boxes touch (a BVH), so that the work grows
+//! hardly faster than the scene.
 
 use std::time::Duration;
 
@@ -18,8 +20,9 @@ use rayon::prelude::*;
 use super::parts::{Halves, Part, area, edges, replace};
 use crate::scene::{Polygon, Scene};
 
-/// Faces nearer than this share of the scene's diagonal lie on each other, or beside: 0.04 mm in a room of ten metres, less than its
-/// coordinates say where a file gives four digits behind the point.
+/// Faces nearer than this share of the scene's diagonal lie on each other, or beside: 0.04 mm in a
+/// room of ten metres, less than its coordinates say where a file gives four digits behind the
+/// point.
 const NEAR: f64 = 4e-6;
 /// Faces of one plane have normals with at least this cosine; their distance says the rest.
 const SAME_WAY: f64 = 0.99;
@@ -32,7 +35,8 @@ const MOST_HALVINGS: u32 = 48;
 /// Faces whose boxes touch those of a few; what has more is looked at from the others' side alone.
 const MOST_TOUCHING: usize = 1 << 16;
 
-/// Cuts away what lies under other faces of the same side; returns how many faces were cut or left out.
+/// Cuts away what lies under other faces of the same side; returns how many faces were cut or left
+/// out.
 pub fn remove(scene: &mut Scene) -> usize {
     let (lower, upper) = scene.bounds();
     let near = NEAR * f64::from(lower.distance(upper));
@@ -46,7 +50,8 @@ pub fn remove(scene: &mut Scene) -> usize {
     cut_away(scene, &faces, covers, near, of_polygon)
 }
 
-/// Cuts away what lies under other faces of second sides: those of the first polygons that have one, in order, behind all of these.
+/// Cuts away what lies under other faces of second sides: those of the first polygons that have
+/// one, in order, behind all of these.
 pub fn remove_backs(scene: &mut Scene, fronts: usize) {
     if scene.polygons.len() == fronts {
         return;
@@ -66,7 +71,8 @@ pub fn remove_backs(scene: &mut Scene, fronts: usize) {
     cut_away(scene, &faces, covers, near, of_polygon);
 }
 
-/// Cuts away what others cover of faces; `of_polygon` names the polygon to be cut and how it lies. Returns how many were cut or left out.
+/// Cuts away what others cover of faces; `of_polygon` names the polygon to be cut and how it lies.
+/// Returns how many were cut or left out.
 fn cut_away(
     scene: &mut Scene,
     faces: &[Face],
@@ -186,7 +192,8 @@ impl<'a> Search<'a> {
         Self { faces, near, bvh, boxes }
     }
 
-    /// The faces that are covered in part, each with what covers it, as `is_on` tells of a cover and another face.
+    /// The faces that are covered in part, each with what covers it, as `is_on` tells of a cover
+    /// and another face.
     fn covers(&self, is_on: impl Fn(u32, u32) -> bool + Sync) -> Vec<(usize, Vec<u32>)> {
         let leaves = self.bvh.nodes.par_iter().with_min_len(64).filter(|node| node.prim_count > 0);
         let mut pairs: Vec<(u32, u32)> = leaves.flat_map_iter(|leaf| self.under(leaf, &is_on)).collect();
@@ -195,7 +202,8 @@ impl<'a> Search<'a> {
         of_face.map(|pairs| (pairs[0].0 as usize, pairs.iter().map(|pair| pair.1).collect())).collect()
     }
 
-    /// The faces that those of a leaf cover in part, each with what covers it: neighbours are looked for together.
+    /// The faces that those of a leaf cover in part, each with what covers it: neighbours are
+    /// looked for together.
     fn under(&self, leaf: &Bvh2Node, is_on: impl Fn(u32, u32) -> bool) -> Vec<(u32, u32)> {
         let (mut under, mut touching) = (Vec::new(), 0);
         self.bvh.aabb_traverse(leaf.aabb, |_, node| {
@@ -253,7 +261,8 @@ struct Cutter {
 }
 
 impl Cutter {
-    /// The part of convex corners that a face covers; `None` where it is thinner than anything that counts.
+    /// The part of convex corners that a face covers; `None` where it is thinner than anything that
+    /// counts.
     fn inside(&self, corners: &[DVec3], cover: &Face) -> Option<Vec<DVec3>> {
         let mut inside = corners.to_vec();
         for line in self.lines(cover) {
@@ -278,7 +287,8 @@ impl Cutter {
         parts(one, other) || parts(other, one)
     }
 
-    /// Whether faces are known to cover the whole of convex corners: one does by itself, or they do not overlap and their areas add up.
+    /// Whether faces are known to cover the whole of convex corners: one does by itself, or they do
+    /// not overlap and their areas add up.
     fn cover_all(&self, corners: &[DVec3], covers: &[&Face]) -> bool {
         let is_within = |inner: &[DVec3], outer: &[DVec3]| {
             edges(outer).all(|edge| {

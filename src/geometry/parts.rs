@@ -33,7 +33,8 @@ pub(super) struct Halves {
 }
 
 impl Halves {
-    /// Cuts convex corners along a line, by their distances from it; those that are nearer than `thinnest` lie on it.
+    /// Cuts convex corners along a line, by their distances from it; those that are nearer than
+    /// `thinnest` lie on it.
     pub fn of(corners: &[DVec3], distance: impl Fn(DVec3) -> f64, thinnest: f64) -> Self {
         let distance = |corner: &DVec3| Some(distance(*corner)).filter(|off| off.abs() > thinnest).unwrap_or(0.0);
         let off: Vec<f64> = corners.iter().map(distance).collect();
@@ -84,8 +85,8 @@ pub(super) fn edges(corners: &[DVec3]) -> impl Iterator<Item = (DVec3, DVec3)> +
     (0..corners.len()).map(|index| (corners[index], corners[(index + 1) % corners.len()]))
 }
 
-/// Puts parts into the places of their polygons: the first part of each takes its place, the others follow behind all polygons.
-/// Returns how many polygons became several.
+/// Puts parts into the places of their polygons: the first part of each takes its place, the others
+/// follow behind all polygons. Returns how many polygons became several.
 pub(super) fn replace(scene: &mut Scene, mut parts: Vec<Part>) -> usize {
     parts.sort_by_key(|part| part.polygon);
     let mut vertex_at: FxHashMap<Bits, u32> = FxHashMap::default();

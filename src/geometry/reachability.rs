@@ -1,13 +1,15 @@
 //! Reachability: which parts of a face light can reach at all.
 //!
-//! Things stand on tables, lamps are screwed to ceilings, frames run behind panes: much of a room's surface lies inside of something
-//! and sees nothing but the backs of faces, which send no light. Such parts must not count as area. A patch that
-//! lies half under a box would else be shown half as bright as it is beside the box, and would send half of its light into
-//! the box: in the seminar room 7 % of the area is hidden like this, and took 6 % of the power with it.
+//! Things stand on tables, lamps are screwed to ceilings, frames run behind panes: much of a room's
+//! surface lies inside of something and sees nothing but the backs of faces, which send no light.
+//! Such parts must not count as area. A patch that lies half under a box would else be shown half
+//! as bright as it is beside the box, and would send half of its light into the box: in the seminar
+//! room 7 % of the area is hidden like this, and took 6 % of the power with it.
 //!
-//! Each polygon that is large enough is cut into 4^k cells, the very quarters into which refinement would split it, and rays from
-//! four points tell how much of each is hidden. A patch then has the area that is exposed. Random points of it lie
-//! on all cells that are exposed at all, so that none of the light that goes to them is missed.
+//! Each polygon that is large enough is cut into 4^k cells, the very quarters into which refinement
+//! would split it, and rays from four points tell how much of each is hidden. A patch then has the
+//! area that is exposed. Random points of it lie on all cells that are exposed at all, so that none
+//! of the light that goes to them is missed.
 
 use glam::Vec3;
 use rayon::prelude::*;
@@ -22,8 +24,8 @@ const CELL_SHARE: f32 = 1.0 / 4_096.0;
 const MOST_LEVELS: u32 = 5;
 /// Points looked at in a cell, one in each of its quarters.
 const POINTS: u8 = 4;
-/// Rays that must all meet backs before a point is believed to be hidden: of one that sees a sixth of the room, one in twenty is
-/// mistaken for hidden.
+/// Rays that must all meet backs before a point is believed to be hidden: of one that sees a sixth
+/// of the room, one in twenty is mistaken for hidden.
 const RAYS: u32 = 16;
 
 /// The hidden parts of each polygon of a scene.
@@ -112,8 +114,8 @@ impl Reachability {
         Shares { exposed: exposed / (f32::from(POINTS) * cells.count as f32), sampled: sampled / cells.count as f32 }
     }
 
-    /// How much of the cell at a corner of a patch is exposed, as a share of its area; corners are numbered like the quarters that
-    /// hold them.
+    /// How much of the cell at a corner of a patch is exposed, as a share of its area; corners are
+    /// numbered like the quarters that hold them.
     pub fn share_at_corner(&self, cells: Cells, corner: u32) -> f32 {
         if cells.are_all_exposed() {
             return 1.0;
@@ -123,8 +125,8 @@ impl Reachability {
         f32::from(self.exposed[cell as usize]) / f32::from(POINTS)
     }
 
-    /// The cell at `u` in 0..1 of all cells of a patch that are exposed at all, as the quarters that lead to it from the patch, and how
-    /// far `u` is into it; `None` where nothing is exposed.
+    /// The cell at `u` in 0..1 of all cells of a patch that are exposed at all, as the quarters
+    /// that lead to it from the patch, and how far `u` is into it; `None` where nothing is exposed.
     pub fn sampled_cell(&self, cells: Cells, u: f32) -> Option<(impl Iterator<Item = u32> + use<>, f32)> {
         let sampled = self.sampled_cells(cells);
         let wanted = u.clamp(0.0, 1.0) * sampled as f32;
@@ -160,7 +162,8 @@ fn exposed_points(scene: &Scene, test: &EnclosureTest, index: u32, polygon: &Pol
         let corners = quarters.fold(corners, |corners, number| quarter(corners, corner_count, number));
         let is_exposed = |part: &u32| {
             let seed = hash64(u64::from(index), u64::from(u32::from(POINTS) * cell + part));
-            // Anywhere in the quarter: what is as regular as the cells must not meet all their middles.
+            // Anywhere in the quarter: what is as regular as the cells must not meet all their
+            // middles.
             let point = point_in(quarter(corners, corner_count, *part), corner_count, uniform(hash64(seed, 1)));
             !test.hides(point, normal, seed, RAYS)
         };

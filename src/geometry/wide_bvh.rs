@@ -1,8 +1,9 @@
 //! A BVH of four boxes a node and four triangles a leaf, so that each ray tests four at once.
 //!
-//! obvhs builds a binary tree by its surface area; nodes take over the children of their largest children until they have four
-//! \[Wald, Benthin, Boulos: *Getting rid of packets*, RT 2008\]. Boxes are a little too large, so that the rounding of rays
-//! leaves no crack between triangles of two leaves.
+//! obvhs builds a binary tree by its surface area; nodes take over the children of their largest
+//! children until they have four \[Wald, Benthin, Boulos: *Getting rid of packets*, RT 2008\].
+//! Boxes are a little too large, so that the rounding of rays leaves no crack between triangles of
+//! two leaves.
 
 use std::time::Duration;
 
@@ -20,12 +21,13 @@ const LANES: usize = 4;
 const LEAF: u32 = 1 << 31;
 /// Boxes are larger on each side by this share of the largest coordinate: 64 roundings of it.
 const WIDER: f32 = 32.0 * f32::EPSILON;
-/// Rounding may set the far side of a box nearer by this share of its distance: 1 + 2γ(3) \[Ize: *Robust BVH ray traversal*,
-/// JCGT 2(2), 2013\], and some more.
+/// Rounding may set the far side of a box nearer by this share of its distance: 1 + 2γ(3) \[Ize:
+/// *Robust BVH ray traversal*, JCGT 2(2), 2013\], and some more.
 const FARTHER: f32 = 1.0 + 4.0 * f32::EPSILON;
 /// Entries that wait in the traversal of all but very deep trees.
 const SHORT: usize = 96;
-/// Largest coordinate of the triangles that obvhs is shown: its checks of its own boxes allow for 10⁻⁵.
+/// Largest coordinate of the triangles that obvhs is shown: its checks of its own boxes allow for
+/// 10⁻⁵.
 const SIZE_IN_OBVHS: f32 = 32.0;
 
 /// Four boxes with what they hold.
@@ -67,8 +69,9 @@ pub(super) enum Effort {
     Quick,
 }
 
-/// The share of nodes put in better places at a time: half of them gives the fastest rays, and above so many triangles as many nodes
-/// as there. With a tenth, of 580,000 triangles, rays are slower by 5 % and the tree is built in a third of the time.
+/// The share of nodes put in better places at a time: half of them gives the fastest rays, and
+/// above so many triangles as many nodes as there. With a tenth, of 580,000 triangles, rays are
+/// slower by 5 % and the tree is built in a third of the time.
 const SHARE_IMPROVED: f32 = 0.5;
 const MOST_IMPROVED: f32 = 60_000.0;
 /// The same for few rays.
@@ -103,7 +106,8 @@ impl Node {
         for axis in 0..3 {
             let nearer = lines.nearer[axis] & 1;
             let to = |bound: usize| (self.bounds[bound][axis] - lines.origin[axis]) * lines.inverse[axis];
-            // A line in the plane of a side is at no distance from it; both functions pass over what is no number.
+            // A line in the plane of a side is at no distance from it; both functions pass over
+            // what is no number.
             near = to(nearer).max(near);
             far = (to(1 - nearer) * FARTHER).min(far);
         }
@@ -127,8 +131,8 @@ impl Leaf {
         Triangle { corner: of(&self.corner), first: of(&self.first), last: of(&self.last) }
     }
 
-    /// A bit for each triangle that `Crossing::of` may find the line to cross between 0 and the limit: the same sums in the same
-    /// order, with the widest rim that it may give a triangle.
+    /// A bit for each triangle that `Crossing::of` may find the line to cross between 0 and the
+    /// limit: the same sums in the same order, with the widest rim that it may give a triangle.
     #[inline]
     fn meet(&self, lines: &Lines, limit: f32) -> u32 {
         let across = cross(&self.first, &self.last);
@@ -205,7 +209,8 @@ impl WideBvh {
         (tree, order)
     }
 
-    /// Makes nodes of a binary tree that is `unscale` times too small for the triangles; boxes grow by `wider`.
+    /// Makes nodes of a binary tree that is `unscale` times too small for the triangles; boxes grow
+    /// by `wider`.
     fn widen(&mut self, binary: &Bvh2, corners: &[[Vec3A; 3]], (unscale, wider): (f32, f32), order: &mut Vec<u32>) {
         let counts = counts(binary);
         let is_leaf = |node: usize| counts[node] as usize <= LANES;
@@ -269,7 +274,8 @@ impl WideBvh {
         usize::from(!self.nodes.is_empty() && origin.is_finite() && direction.is_finite())
     }
 
-    /// Whether one of the triangles that the ray may cross before the limit stops it, which `stops` decides by their number.
+    /// Whether one of the triangles that the ray may cross before the limit stops it, which `stops`
+    /// decides by their number.
     #[inline]
     pub fn is_stopped(
         &self,
@@ -307,8 +313,8 @@ impl WideBvh {
         false
     }
 
-    /// Shows the triangles that the ray may cross, those of nearer boxes first; `meet` returns the distance beyond which nothing
-    /// matters any more.
+    /// Shows the triangles that the ray may cross, those of nearer boxes first; `meet` returns the
+    /// distance beyond which nothing matters any more.
     #[inline]
     pub fn walk(&self, origin: Vec3A, direction: Vec3A, mut meet: impl FnMut(&Triangle, usize) -> f32) {
         let lines = Lines::new(origin, direction);
@@ -448,8 +454,8 @@ mod tests {
         }
     }
 
-    /// Truth: each triangle is met from in front of it. Where each is larger than the one before, the tree is deep; the list for trees
-    /// that are deeper still serves as well.
+    /// Truth: each triangle is met from in front of it. Where each is larger than the one before,
+    /// the tree is deep; the list for trees that are deeper still serves as well.
     #[test]
     fn deep_trees_are_walked_whole() {
         let corner = |index: usize| {

@@ -1,8 +1,10 @@
-//! Clusters from geometry alone: a surface-area heuristic over centroids, with several children a node.
+//! Clusters from geometry alone: a surface-area heuristic over centroids, with several children a
+//! node.
 //!
-//! The paper leaves adaptive clustering as future work (section 3.2). A polygon goes where the middle of its box is, so
-//! boxes may overlap and nothing stays at the root because it straddles a plane; large polygons (walls, table tops) stay
-//! high in the tree, beside the clusters of what they enclose, so that they do not blow up the boxes of small things.
+//! The paper leaves adaptive clustering as future work (section 3.2). A polygon goes where the
+//! middle of its box is, so boxes may overlap and nothing stays at the root because it straddles a
+//! plane; large polygons (walls, table tops) stay high in the tree, beside the clusters of what
+//! they enclose, so that they do not blow up the boxes of small things.
 
 use glam::Vec3;
 use rayon::prelude::*;
@@ -13,7 +15,8 @@ use super::grouping::{Grouping, PolygonBounds};
 const MOST_IN_LEAF: usize = 4;
 /// Children that a cluster is given at most, besides large polygons.
 const MOST_CHILDREN: usize = 2;
-/// A polygon whose box has more than this share of the node's box's surface is a child of the node itself.
+/// A polygon whose box has more than this share of the node's box's surface is a child of the node
+/// itself.
 const LARGE_SHARE: f32 = 0.1;
 /// Bins of the heuristic along each axis.
 const BINS: usize = 32;
@@ -31,7 +34,8 @@ pub(super) fn group(bounds: &PolygonBounds, polygons: Vec<u32>) -> Grouping {
         |&polygon: &u32| box_surface(bounds.lower[polygon as usize], bounds.upper[polygon as usize]) > large_from;
     let (mut large, small): (Vec<u32>, Vec<u32>) = polygons.into_iter().partition(is_large);
     if small.is_empty() {
-        // Many polygons of the node's own size, such as a stack of sheets: size tells nothing, place must.
+        // Many polygons of the node's own size, such as a stack of sheets: size tells nothing,
+        // place must.
         return children(bounds, std::mem::take(&mut large));
     }
     let mut grouping = if large.is_empty() { children(bounds, small) } else { group(bounds, small) };

@@ -1,4 +1,5 @@
-//! From a scene to an arena: a clustering strategy says who belongs together, this module lays the elements out.
+//! From a scene to an arena: a clustering strategy says who belongs together, this module lays the
+//! elements out.
 
 use std::collections::VecDeque;
 use std::sync::Arc;
@@ -106,7 +107,8 @@ impl Hierarchy {
         }
     }
 
-    /// Fills in boxes, areas, keys and the order of initial patches, depth first; returns the element's box.
+    /// Fills in boxes, areas, keys and the order of initial patches, depth first; returns the
+    /// element's box.
     fn finish_clusters(&mut self, id: ElementId) -> (Vec3, Vec3) {
         let element = *self.element(id);
         let cluster = match element.shape {

@@ -18,8 +18,8 @@ const GRID: f32 = 65_536.0;
 
 /// Box of each polygon on a grid over the scene, as strategies read it.
 ///
-/// On a grid, faces that lie at the same place do so exactly, and ties stay ties: the same scene in other units, where
-/// coordinates round otherwise, gets the same clusters.
+/// On a grid, faces that lie at the same place do so exactly, and ties stay ties: the same scene in
+/// other units, where coordinates round otherwise, gets the same clusters.
 pub(super) struct PolygonBounds {
     pub(super) lower: Vec<Vec3>,
     pub(super) upper: Vec<Vec3>,
@@ -54,7 +54,8 @@ impl PolygonBounds {
 }
 
 impl Grouping {
-    /// The grouping without clusters of one member and without empty ones; `None` if nothing is left.
+    /// The grouping without clusters of one member and without empty ones; `None` if nothing is
+    /// left.
     pub(super) fn tidied(self) -> Option<Self> {
         let mut tidy = Self { groupings: Vec::with_capacity(self.groupings.len()), polygons: self.polygons };
         for inner in self.groupings.into_iter().filter_map(Self::tidied) {

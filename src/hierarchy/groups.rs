@@ -1,15 +1,18 @@
-//! The scene's own hierarchy as clusters, or what a person made of it: the paper's hand-made ones (section 2.2, USER in Table 2).
+//! The scene's own hierarchy as clusters, or what a person made of it: the paper's hand-made ones
+//! (section 2.2, USER in Table 2).
 
 use super::adaptive;
 use super::grouping::{Grouping, PolygonBounds};
 use crate::scene::Scene;
 
-/// A group with more polygons than this directly inside gets clusters of its own for them, built as in
+/// A group with more polygons than this directly inside gets clusters of its own for them, built as
+/// in
 /// [`super::ClusteringMode::Adaptive`]: scanned meshes come as one object of many thousand faces, and its self-link would
 /// ask about every pair of them.
 const MOST_DIRECT_POLYGONS: usize = 64;
 
-/// Groups nested deeper than this belong to their ancestor of this depth: files may nest without end, clusters need not.
+/// Groups nested deeper than this belong to their ancestor of this depth: files may nest without
+/// end, clusters need not.
 const DEEPEST: u32 = 64;
 
 /// Groups polygons as the scene's tree of groups does.

@@ -1,4 +1,5 @@
-//! Merging patches back: the reverse of [`Hierarchy::subdivide`], for a solution that needs fewer of them.
+//! Merging patches back: the reverse of [`Hierarchy::subdivide`], for a solution that needs fewer
+//! of them.
 
 use rustc_hash::FxHashMap;
 
@@ -29,8 +30,9 @@ impl Renumbering {
 }
 
 impl Hierarchy {
-    /// The hierarchy with only those patches split that `stays_split` answers yes for; a patch below one that does not
-    /// is not asked about. Elements keep their order, and what they are to the last bit.
+    /// The hierarchy with only those patches split that `stays_split` answers yes for; a patch
+    /// below one that does not is not asked about. Elements keep their order, and what they are to
+    /// the last bit.
     pub fn merged_back(&self, stays_split: impl Fn(ElementId) -> bool) -> (Self, Renumbering) {
         let initial = self.cluster_count + self.initial_patches.len() + self.outside().len();
         let mut merged = Self {

@@ -1,8 +1,10 @@
-//! The hierarchy: one arena of elements, from the root cluster over initial patches down to the leaves of their subdivision.
+//! The hierarchy: one arena of elements, from the root cluster over initial patches down to the
+//! leaves of their subdivision.
 //!
-//! Sillion's unified hierarchy (paper, sections 1.2 and 2.1): a cluster holds clusters and initial patches, a patch holds only
-//! the four patches it was split into. The part above the initial patches is built once ([`ClusteringMode`]); the part
-//! below grows while links are refined ([`Hierarchy::subdivide`]). This module imports `scene` and `reachability`.
+//! Sillion's unified hierarchy (paper, sections 1.2 and 2.1): a cluster holds clusters and initial
+//! patches, a patch holds only the four patches it was split into. The part above the initial
+//! patches is built once ([`ClusteringMode`]); the part below grows while links are refined
+//! ([`Hierarchy::subdivide`]). This module imports `scene` and `reachability`.
 
 mod adaptive;
 mod build;
@@ -91,12 +93,14 @@ pub struct Element {
     parent: u32,
     first_child: u32,
     child_count: u32,
-    /// Area that light can reach ([`Reachability`]), m²; a cluster's is the sum of its polygons' (the "equivalent area" of section 2.1).
+    /// Area that light can reach ([`Reachability`]), m²; a cluster's is the sum of its polygons'
+    /// (the "equivalent area" of section 2.1).
     pub area: f32,
-    /// Area over which its random points are spread, m²: `area` and, where an edge of what hides it runs, some of the hidden area
-    /// beside it.
+    /// Area over which its random points are spread, m²: `area` and, where an edge of what hides it
+    /// runs, some of the hidden area beside it.
     pub sampled_area: f32,
-    /// Centroid of a patch, centre of a cluster's box; of a part of the outside a point far away in its direction.
+    /// Centroid of a patch, centre of a cluster's box; of a part of the outside a point far away in
+    /// its direction.
     pub centre: Vec3,
     /// Tells what the element is whatever its index: seeds the rays of its links.
     pub key: u64,
@@ -168,8 +172,8 @@ impl Hierarchy {
     /// The root cluster.
     pub const ROOT: ElementId = ElementId(0);
 
-    /// Builds the clusters over a scene's polygons, which become the initial patches; what `reachability` says is hidden counts as
-    /// no area.
+    /// Builds the clusters over a scene's polygons, which become the initial patches; what
+    /// `reachability` says is hidden counts as no area.
     pub fn new(scene: &Scene, reachability: Arc<Reachability>, mode: ClusteringMode, octree_depth: u32) -> Self {
         build::build(scene, reachability, mode, octree_depth)
     }
@@ -221,7 +225,8 @@ impl Hierarchy {
         self.leaf_count
     }
 
-    /// The vertex in the middle of the edge between two vertices, if a patch on either side was split there.
+    /// The vertex in the middle of the edge between two vertices, if a patch on either side was
+    /// split there.
     pub fn midpoint(&self, a: u32, b: u32) -> Option<u32> {
         self.midpoints.get(&(a.min(b), a.max(b))).copied()
     }
@@ -270,7 +275,8 @@ impl Hierarchy {
         }
     }
 
-    /// Splits a leaf patch or a part of the sky into four, unless it has been split already; clusters are left as they are.
+    /// Splits a leaf patch or a part of the sky into four, unless it has been split already;
+    /// clusters are left as they are.
     pub fn subdivide(&mut self, id: ElementId) {
         let parent = *self.element(id);
         let Shape::Patch(patch) = parent.shape else { return self.subdivide_sky(id) };

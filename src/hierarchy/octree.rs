@@ -1,4 +1,5 @@
-//! Uniform octree of the bounding box: a polygon goes into the smallest cell that holds it whole (section 2.2, [7]).
+//! Uniform octree of the bounding box: a polygon goes into the smallest cell that holds it whole
+//! (section 2.2, [7]).
 
 use glam::Vec3;
 

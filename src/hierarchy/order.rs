@@ -10,7 +10,8 @@ pub enum Room {
     /// Area: room shows where power can go, and stays while elements are split.
     #[default]
     Area,
-    /// The initial patches in it, which quarters share: small things are to be seen, and room stays as well.
+    /// The initial patches in it, which quarters share: small things are to be seen, and room stays
+    /// as well.
     Polygons,
     /// The leaves in it: most room for what was refined most.
     Leaves,
@@ -152,7 +153,8 @@ mod tests {
         }
     }
 
-    /// Truth: by leaves each leaf has the same room, by polygons each polygon, by area what its area says.
+    /// Truth: by leaves each leaf has the same room, by polygons each polygon, by area what its
+    /// area says.
     #[test]
     fn room_is_for_what_was_asked() {
         let hierarchy = hierarchy();

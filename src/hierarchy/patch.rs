@@ -12,7 +12,8 @@ const NO_CORNER: u32 = u32::MAX;
 /// A triangle or quad with one bright side.
 #[derive(Clone, Copy, Debug)]
 pub struct Patch {
-    /// Corners in [`Hierarchy::vertices`], anticlockwise from the bright side; the fourth is absent in a triangle.
+    /// Corners in [`Hierarchy::vertices`], anticlockwise from the bright side; the fourth is absent
+    /// in a triangle.
     corners: [u32; 4],
     /// Unit normal of the bright side.
     pub normal: Vec3,
@@ -111,7 +112,8 @@ impl Hierarchy {
         self.reachability.share_at_corner(patch.cells, corner as u32)
     }
 
-    /// The four quarters of a patch, as if nothing of them were hidden; new vertices in the middle of edges are shared with the neighbours.
+    /// The four quarters of a patch, as if nothing of them were hidden; new vertices in the middle
+    /// of edges are shared with the neighbours.
     pub(super) fn quarters(&mut self, patch: &Patch) -> [Patch; 4] {
         let quarter = |corners: &[u32]| Patch::new(corners, patch.polygon, patch.level + 1, Cells::default());
         match *patch.corners() {
@@ -157,7 +159,8 @@ impl Hierarchy {
             let is_left = |from: Vec3, to: Vec3| (to - from).cross(point - from).dot(patch.normal) > 0.0;
             let middle = |first: usize, second: usize| 0.5 * (positions[first] + positions[second]);
             let child = if count == 4 {
-                // The lines between the middles of opposite sides cross in the quarters' common corner.
+                // The lines between the middles of opposite sides cross in the quarters' common
+                // corner.
                 let (is_left, is_upper) = (is_left(middle(0, 1), middle(2, 3)), is_left(middle(3, 0), middle(1, 2)));
                 match (is_left, is_upper) {
                     (true, false) => 0,

@@ -5,7 +5,8 @@ use glam::Vec3;
 use super::{Cluster, Element, ElementId, Hierarchy, Shape};
 use crate::geometry::quarter;
 
-/// Running sums over the initial patches, in the order of [`Hierarchy::initial_patches`]: what points are spread by.
+/// Running sums over the initial patches, in the order of [`Hierarchy::initial_patches`]: what
+/// points are spread by.
 #[derive(Clone, Debug)]
 pub struct PatchSums(Vec<f64>);
 
@@ -47,7 +48,8 @@ impl PatchSums {
         self.0[first + cluster.patch_count as usize] - self.0[first]
     }
 
-    /// The place of the patch of a cluster that holds the share `u` of its sum, and how far into that patch it is, 0..=1.
+    /// The place of the patch of a cluster that holds the share `u` of its sum, and how far into
+    /// that patch it is, 0..=1.
     fn locate(&self, cluster: &Cluster, u: f32) -> (usize, f32) {
         let first = cluster.first_patch as usize;
         let last = first + cluster.patch_count as usize;
@@ -72,13 +74,15 @@ pub struct SurfacePoint {
 }
 
 impl Hierarchy {
-    /// The point of an element at `(u, v)` in the unit square; equal areas of the square are equal areas of the element.
+    /// The point of an element at `(u, v)` in the unit square; equal areas of the square are equal
+    /// areas of the element.
     #[inline]
     pub fn point_on(&self, id: ElementId, u: f32, v: f32) -> SurfacePoint {
         self.point_on_by(&self.area_sums, id, u, v)
     }
 
-    /// A point of an element where a cluster's points are spread over its patches by their share of `sums` instead of their area.
+    /// A point of an element where a cluster's points are spread over its patches by their share of
+    /// `sums` instead of their area.
     #[inline]
     pub fn point_on_by(&self, sums: &PatchSums, id: ElementId, u: f32, v: f32) -> SurfacePoint {
         match &self.element(id).shape {
@@ -142,7 +146,8 @@ impl Hierarchy {
 }
 
 impl Hierarchy {
-    /// The quarter of a patch hidden in part at `u` of its sampled area; spreads that quarter's share over the unit interval.
+    /// The quarter of a patch hidden in part at `u` of its sampled area; spreads that quarter's
+    /// share over the unit interval.
     fn quarter_by_area(&self, element: &Element, u: &mut f32) -> u32 {
         let areas = [0, 1, 2, 3].map(|child| self.elements[element.first_child as usize + child].sampled_area);
         let mut rest = *u * areas.iter().sum::<f32>();

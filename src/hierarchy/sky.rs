@@ -1,7 +1,8 @@
 //! The outside in the hierarchy: parts of the sky and the sun, elements beside the scene's own.
 //!
-//! Light from outside has a direction and no place, so a part is a spherical triangle of directions, split 1→4 like a patch, or the sun's
-//! disc. It sends as a surface of radiosity πL would whose form factor is the projected solid angle over π; nothing is sent to it.
+//! Light from outside has a direction and no place, so a part is a spherical triangle of
+//! directions, split 1→4 like a patch, or the sun's disc. It sends as a surface of radiosity πL
+//! would whose form factor is the projected solid angle over π; nothing is sent to it.
 
 use std::f32::consts::PI;
 use std::sync::Arc;
@@ -15,9 +16,11 @@ use crate::scene::outside::{Outside, Sun};
 
 /// Parts are split no further than to this level: 1.4° wide.
 pub const DEEPEST_SKY: u8 = 6;
-/// A part's radiance is the mean over triangles of this level: the same for a part and its quarters.
+/// A part's radiance is the mean over triangles of this level: the same for a part and its
+/// quarters.
 const SAMPLED_LEVEL: u8 = 7;
-/// So many times half the scene's diagonal away, a part's centre stands for its direction: lines to it are parallel up to 1e-4.
+/// So many times half the scene's diagonal away, a part's centre stands for its direction: lines to
+/// it are parallel up to 1e-4.
 const FAR: f32 = 1e4;
 /// Marks the keys of what lies outside.
 const KEY: u64 = 0x0073_6b79;
@@ -33,8 +36,9 @@ pub struct SkyPart {
     pub solid_angle: f32,
     /// π times the mean radiance, W/m².
     pub radiosity: Vec3,
-    /// ∫L·ω dω over the mean radiance, sr: its dot product with the normal of a face that sees all of the part is the projected solid
-    /// angle by which the mean radiance counts, however uneven the radiance is.
+    /// ∫L·ω dω over the mean radiance, sr: its dot product with the normal of a face that sees all
+    /// of the part is the projected solid angle by which the mean radiance counts, however uneven
+    /// the radiance is.
     pub weighted: Vec3,
     /// Subdivision level.
     pub level: u8,
@@ -79,12 +83,14 @@ impl SkyPart {
         Self { corners, direction, solid_angle, radiosity, weighted, level: DEEPEST_SKY, is_sun: true }
     }
 
-    /// Whether all of the part, or the sun's middle, is above the horizon of a face with this normal.
+    /// Whether all of the part, or the sun's middle, is above the horizon of a face with this
+    /// normal.
     pub fn is_above(&self, normal: Vec3) -> bool {
         self.is_sun || self.corners.iter().all(|corner| normal.dot(*corner) >= 0.0)
     }
 
-    /// A direction of the part at `(u, v)` of the unit square, and the solid angle that it stands for among directions spread so, sr.
+    /// A direction of the part at `(u, v)` of the unit square, and the solid angle that it stands
+    /// for among directions spread so, sr.
     pub fn direction_at(&self, u: f32, v: f32) -> (Vec3, f32) {
         if self.is_sun {
             return (self.direction, self.solid_angle);
@@ -239,8 +245,9 @@ mod tests {
         }
     }
 
-    /// Truth: an octant has π/2 sr; of a sky that shines above the horizon alone there are four, and they bring what was asked for:
-    /// E_h = ∫L cosθ dω. Quarters have their parent's solid angle and power together.
+    /// Truth: an octant has π/2 sr; of a sky that shines above the horizon alone there are four,
+    /// and they bring what was asked for: E_h = ∫L cosθ dω. Quarters have their parent's solid
+    /// angle and power together.
     #[test]
     fn parts_hold_what_the_sky_sends() {
         for (sky, sun, roots) in [("overcast:100W", None, 4), ("clear:100W", Some("az:120,el:35,300W"), 5)] {
@@ -283,7 +290,8 @@ mod tests {
         }
     }
 
-    /// Truth: directions weighed by the solid angle that they stand for add up to the part's, and lie in it.
+    /// Truth: directions weighed by the solid angle that they stand for add up to the part's, and
+    /// lie in it.
     #[test]
     fn directions_stand_for_the_solid_angle() {
         let hierarchy = hierarchy("uniform", None);

@@ -7,14 +7,17 @@ use rustc_hash::FxHashSet;
 use super::{Hierarchy, Patch, Shape};
 use crate::scene::Scene;
 
-/// Polygons that meet in an edge belong to one smooth surface when their normals differ by less (cosine of 40°).
+/// Polygons that meet in an edge belong to one smooth surface when their normals differ by less
+/// (cosine of 40°).
 const SMOOTH_COSINE: f32 = 0.766;
 
-/// The smooth, same-material surface that each polygon belongs to, as the smallest polygon index on it.
+/// The smooth, same-material surface that each polygon belongs to, as the smallest polygon index on
+/// it.
 ///
-/// Two polygons are joined when they share an edge that both run through in opposite directions (so neither is the other's
-/// back), have the same material and meet at less than 40°; unless a wall stands on it ([`Scene::cut_edges`], or a third polygon that has
-/// the edge and rises in front of them).
+/// Two polygons are joined when they share an edge that both run through in opposite directions (so
+/// neither is the other's back), have the same material and meet at less than 40°; unless a wall
+/// stands on it ([`Scene::cut_edges`], or a third polygon that has the edge and rises in front of
+/// them).
 pub fn smooth_surfaces(scene: &Scene, hierarchy: &Hierarchy) -> Vec<u32> {
     let key = |[a, b]: [Vec3; 2]| {
         let bits = |end: Vec3| (end + Vec3::ZERO).to_array().map(f32::to_bits);
@@ -61,8 +64,8 @@ pub fn smooth_surfaces(scene: &Scene, hierarchy: &Hierarchy) -> Vec<u32> {
     (0..surface.len() as u32).map(|polygon| find(&mut surface, polygon)).collect()
 }
 
-/// The directed edges of patches, by the vertices that they start from. Several patches may have one: a doubled face's back runs like its
-/// neighbour's front.
+/// The directed edges of patches, by the vertices that they start from. Several patches may have
+/// one: a doubled face's back runs like its neighbour's front.
 struct Edges {
     /// Where the edges from each vertex begin.
     start: Vec<u32>,

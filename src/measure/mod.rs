@@ -1,4 +1,5 @@
-//! How right, and how fast: a reference, errors against it, charts, the paper run again, places where methods fail.
+//! How right, and how fast: a reference, errors against it, charts, the paper run again, places
+//! where methods fail.
 
 pub mod accuracy;
 pub mod chart;

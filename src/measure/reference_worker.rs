@@ -1,7 +1,8 @@
 //! A thread beside the solver's that makes a reference of a scene and measures snapshots by it.
 //!
-//! It has half of the machine's threads, makes pass after pass of paths until the reference is good enough, and measures the newest snapshot
-//! in between. Like the solver's thread it never waits for its owner, nor its owner for it.
+//! It has half of the machine's threads, makes pass after pass of paths until the reference is good
+//! enough, and measures the newest snapshot in between. Like the solver's thread it never waits for
+//! its owner, nor its owner for it.
 
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -16,7 +17,8 @@ use crate::solve::{Mesh, Snapshot};
 pub const GOAL: f64 = 0.01;
 /// Passes before anything is measured: fewer know no error of their own.
 const LEAST_PASSES: u32 = 8;
-/// A snapshot is measured again by a better reference, and the reference kept on disk, this often at most.
+/// A snapshot is measured again by a better reference, and the reference kept on disk, this often
+/// at most.
 const MEASURE_EVERY: Duration = Duration::from_millis(400);
 const SAVE_EVERY: Duration = Duration::from_secs(5);
 /// Seed of points and paths.
@@ -28,7 +30,8 @@ pub struct Measurement {
     pub snapshot: Arc<Snapshot>,
     /// Error of the snapshot by the reference.
     pub error: SolutionError,
-    /// Signed relative error of B at each vertex of its mesh, from the points nearby; NaN where none is near.
+    /// Signed relative error of B at each vertex of its mesh, from the points nearby; NaN where
+    /// none is near.
     pub differences: Vec<f32>,
     /// Counts up; tells measurements of one snapshot apart.
     pub serial: u64,
@@ -61,7 +64,8 @@ enum Ask {
 pub struct ReferenceWorker(Actor<Ask, Report>);
 
 impl ReferenceWorker {
-    /// Starts the thread. `wake` is called on it whenever there is something new; it must not block.
+    /// Starts the thread. `wake` is called on it whenever there is something new; it must not
+    /// block.
     ///
     /// # Errors
     /// The system gives no further thread.
@@ -70,13 +74,14 @@ impl ReferenceWorker {
         Actor::spawn("reference_worker", wake, run).map(Self)
     }
 
-    /// Makes a reference at so many points of a scene, whose faces are turned and doubled as it is solved; goes on with what
-    /// the cache has. A reference that is being made is forgotten.
+    /// Makes a reference at so many points of a scene, whose faces are turned and doubled as it is
+    /// solved; goes on with what the cache has. A reference that is being made is forgotten.
     pub fn begin(&self, scene: Arc<Scene>, points: usize, cache: Option<Cache>) {
         self.0.ask_instead(Ask::Begin { scene, points, cache });
     }
 
-    /// Measures a snapshot of that scene as soon as there is time; of several that wait only the last is measured.
+    /// Measures a snapshot of that scene as soon as there is time; of several that wait only the
+    /// last is measured.
     pub fn measure(&self, snapshot: Arc<Snapshot>) {
         self.0.ask(Ask::Measure(snapshot));
     }

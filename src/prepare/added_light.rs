@@ -55,7 +55,8 @@ impl AddedLight {
         self.emitting.iter().try_for_each(|(material, emission)| scene.set_emission(material, *emission))
     }
 
-    /// Puts luminaires in place of those of a scene whose faces have not been turned or doubled, if there are any to be put.
+    /// Puts luminaires in place of those of a scene whose faces have not been turned or doubled, if
+    /// there are any to be put.
     ///
     /// # Errors
     /// One that cannot be used.
@@ -73,7 +74,8 @@ impl AddedLight {
         scene.add_daylight(&self.daylight)
     }
 
-    /// Adds the lamp under the ceiling to a scene whose faces have not been turned or doubled; `occluders` are the scene's.
+    /// Adds the lamp under the ceiling to a scene whose faces have not been turned or doubled;
+    /// `occluders` are the scene's.
     ///
     /// # Errors
     /// A size or an exitance that cannot be used.

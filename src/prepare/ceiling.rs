@@ -1,17 +1,20 @@
 //! A light for scenes that have none: where under the ceiling a panel goes.
 //!
-//! [`Scene::add_ceiling_light`] takes a position; this module finds one by casting rays up and down through the scene.
+//! [`Scene::add_ceiling_light`] takes a position; this module finds one by casting rays up and down
+//! through the scene.
 
 use glam::Vec3;
 
 use crate::geometry::Occluders;
 use crate::scene::{LuminaireForm, Scene};
 
-/// A free space below a ceiling is at least this share of the scene's height; less is a drawer or a gap in a roof.
+/// A free space below a ceiling is at least this share of the scene's height; less is a drawer or a
+/// gap in a roof.
 const LEAST_SPACE: f32 = 0.1;
 /// The panel hangs this share of the scene's height below the ceiling.
 const CLEARANCE: f32 = 0.005;
-/// Walls are looked for this share of the way from the eye to the ceiling, where little furniture is.
+/// Walls are looked for this share of the way from the eye to the ceiling, where little furniture
+/// is.
 const ABOVE_FURNITURE: f32 = 0.8;
 /// Width of a room without walls, in its height.
 const USUAL_WIDTH: f32 = 1.5;
@@ -33,7 +36,8 @@ pub struct CeilingPlace {
     pub up: Vec3,
 }
 
-/// A side that suits the scene: a quarter of the smaller width of the room that the camera is in, or of the whole scene.
+/// A side that suits the scene: a quarter of the smaller width of the room that the camera is in,
+/// or of the whole scene.
 pub fn suggested_size(scene: &Scene, occluders: &Occluders) -> f32 {
     let (lower, upper) = scene.bounds();
     let extent = upper - lower;
@@ -62,7 +66,8 @@ fn own_eye(scene: &Scene) -> Option<Vec3> {
     scene.camera.map(|camera| camera.eye)
 }
 
-/// The room that an eye is in, above its furniture; `None` where no ceiling is above it or no floor below.
+/// The room that an eye is in, above its furniture; `None` where no ceiling is above it or no floor
+/// below.
 fn room(occluders: &Occluders, up: Vec3, eye: Option<Vec3>) -> Option<Room> {
     let eye = eye?;
     let reach = |from: Vec3, direction: Vec3| occluders.first_hit(from, direction).map(|hit| hit.distance);
@@ -81,13 +86,15 @@ fn room(occluders: &Occluders, up: Vec3, eye: Option<Vec3>) -> Option<Room> {
     Some(Room { middle, width: if width.is_finite() { width } else { USUAL_WIDTH * (below + above) } })
 }
 
-/// The place for a panel of side `size`: at the middle of the room that the camera is in, or else of the scene, under the ceiling of the
-/// space that the camera (or, without one, most of the faces) is in, below any roof.
+/// The place for a panel of side `size`: at the middle of the room that the camera is in, or else
+/// of the scene, under the ceiling of the space that the camera (or, without one, most of the
+/// faces) is in, below any roof.
 pub fn place(scene: &Scene, occluders: &Occluders, size: f32) -> CeilingPlace {
     place_beside(scene, occluders, own_eye(scene), size)
 }
 
-/// As [`place`], in the room of this eye, and beside the luminaires that are there where there is room beside them.
+/// As [`place`], in the room of this eye, and beside the luminaires that are there where there is
+/// room beside them.
 pub fn place_beside(scene: &Scene, occluders: &Occluders, eye: Option<Vec3>, size: f32) -> CeilingPlace {
     let up = scene.up_axis();
     let (lower, upper) = scene.bounds();
@@ -140,8 +147,9 @@ fn under_ceiling((scene, occluders): (&Scene, &Occluders), middle: Vec3, up: Vec
     middle + (panel - middle.dot(up)) * up
 }
 
-/// A height inside the room: the eye's where it lies in the scene's box; else the middle of the box, or the median of
-/// the faces' heights where that is lower (a sky or a tall tree outside stretches the box).
+/// A height inside the room: the eye's where it lies in the scene's box; else the middle of the
+/// box, or the median of the faces' heights where that is lower (a sky or a tall tree outside
+/// stretches the box).
 fn reference_level(scene: &Scene, up: Vec3, eye: Option<Vec3>) -> f32 {
     let (lower, upper) = scene.bounds();
     if let Some(eye) = eye.filter(|eye| eye.cmpge(lower).all() && eye.cmple(upper).all()) {
@@ -160,7 +168,8 @@ fn reference_level(scene: &Scene, up: Vec3, eye: Option<Vec3>) -> f32 {
     median.min(0.5 * (lower + upper).dot(up))
 }
 
-/// Height of the first face, from `level` upwards, that closes a free space on the vertical line through `point`.
+/// Height of the first face, from `level` upwards, that closes a free space on the vertical line
+/// through `point`.
 fn ceiling_above(
     (scene, occluders): (&Scene, &Occluders),
     point: Vec3,
@@ -232,7 +241,8 @@ mod tests {
         assert_eq!(place(&Scene::new(""), &Occluders::new(&Scene::new("")), 1.0).centre, Vec3::ZERO);
     }
 
-    /// Truth: of two rooms the one that the camera is in, 2 by 3 m, has the light at its middle, with a quarter of its width.
+    /// Truth: of two rooms the one that the camera is in, 2 by 3 m, has the light at its middle,
+    /// with a quarter of its width.
     #[test]
     fn the_panel_hangs_in_the_room_of_the_camera() {
         let mut scene = Scene::new("house");
@@ -262,7 +272,8 @@ mod tests {
         assert!((power - 45.0).abs() < 1e-3, "{power}");
     }
 
-    /// Truth: a room of 4 × 3 × 4 m has room for nine panels of 1 m under its ceiling: none of them touches another, all hang there.
+    /// Truth: a room of 4 × 3 × 4 m has room for nine panels of 1 m under its ceiling: none of them
+    /// touches another, all hang there.
     #[test]
     fn further_lights_hang_beside_those_that_are_there() {
         let mut scene = Scene::new("room");

@@ -1,4 +1,5 @@
-//! A scene made ready to be lit: read, with what light a person adds, its faces turned, and a place to look from.
+//! A scene made ready to be lit: read, with what light a person adds, its faces turned, and a place
+//! to look from.
 
 pub mod added_light;
 pub mod ceiling;

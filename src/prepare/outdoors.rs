@@ -1,9 +1,11 @@
-//! Whether a room stands within a larger space, as a house does under a sky: that space goes all the way round it.
+//! Whether a room stands within a larger space, as a house does under a sky: that space goes all
+//! the way round it.
 //!
-//! From within the room, lines are drawn through its walls and whatever stands behind them. Middles of the gaps that they cross are
-//! nodes; nodes of neighbouring lines that see each other lie in one space. Those that a place outside sees, directly or from node to
-//! node, tell in which directions its space lies behind the room's own walls. Rooms beside each other do not go round each other: most
-//! lines leave both for the open, which goes round every room.
+//! From within the room, lines are drawn through its walls and whatever stands behind them. Middles
+//! of the gaps that they cross are nodes; nodes of neighbouring lines that see each other lie in
+//! one space. Those that a place outside sees, directly or from node to node, tell in which
+//! directions its space lies behind the room's own walls. Rooms beside each other do not go round
+//! each other: most lines leave both for the open, which goes round every room.
 
 use std::f32::consts::TAU;
 
@@ -22,7 +24,8 @@ const LONGEST_GAP: f32 = 40.0;
 const MOST_CROSSINGS: usize = 64;
 /// A line ends here, in its lengths to the first face: just before it.
 const END: f32 = 0.98;
-/// Least share of lines behind whose first face the outer space lies; others leave through windows and doors.
+/// Least share of lines behind whose first face the outer space lies; others leave through windows
+/// and doors.
 const AROUND_IT: f32 = 0.6;
 
 /// A level direction, by its step of so many around.
@@ -32,7 +35,8 @@ pub(super) fn heading(up: Vec3, step: usize, steps: usize) -> Vec3 {
     angle.cos() * right + angle.sin() * forward
 }
 
-/// In which level directions walls part a room from the space that a place outside lies in; `None` where that does not go round it.
+/// In which level directions walls part a room from the space that a place outside lies in; `None`
+/// where that does not go round it.
 pub(super) fn walls(scene: &Scene, occluders: &Occluders, outside: Vec3, room: Vec3) -> Option<[bool; AROUND]> {
     let up = scene.up_axis();
     let direction = |line: usize| (heading(up, line % AROUND, AROUND) + SLOPES[line / AROUND] * up).normalize();
@@ -62,8 +66,8 @@ pub(super) fn walls(scene: &Scene, occluders: &Occluders, outside: Vec3, room: V
     if (around as f32) < AROUND_IT * lines.len() as f32 {
         return None;
     }
-    // Trees and fences are no walls of a room that looks out on them: a line ends outdoors where a node beside it sees its end, or
-    // the end of the line beside it that does.
+    // Trees and fences are no walls of a room that looks out on them: a line ends outdoors where a
+    // node beside it sees its end, or the end of the line beside it that does.
     let end = |line: usize| {
         let hit = occluders.first_hit(room, direction(line))?;
         Some(room + END * hit.distance * direction(line))

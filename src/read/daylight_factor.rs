@@ -1,5 +1,6 @@
-//! The daylight factor: illuminance over that of open horizontal ground under the same sky (EN 17037). It is known where the sky alone
-//! shines: by convention the sun does not count, and of the light of lamps nothing tells it apart.
+//! The daylight factor: illuminance over that of open horizontal ground under the same sky (EN
+//! 17037). It is known where the sky alone shines: by convention the sun does not count, and of the
+//! light of lamps nothing tells it apart.
 
 use crate::base::photometry::weighted;
 use crate::scene::Scene;
@@ -22,7 +23,8 @@ pub enum NoDaylightFactor {
     Lamps,
 }
 
-/// Irradiance of open horizontal ground, W/m², weighted as the eye does, where the sky alone shines.
+/// Irradiance of open horizontal ground, W/m², weighted as the eye does, where the sky alone
+/// shines.
 ///
 /// # Errors
 /// No sky shines, or something else does.

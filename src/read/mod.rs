@@ -1,4 +1,5 @@
-//! Readings of a solution: values at points and on planes, colours, names, the link matrix, gathered pictures.
+//! Readings of a solution: values at points and on planes, colours, names, the link matrix,
+//! gathered pictures.
 
 pub mod daylight_factor;
 pub mod matrix;

@@ -1,7 +1,8 @@
 //! Names of elements, from the scene's groups and materials.
 //!
-//! A patch is named by its polygon's group and material, a cluster by the deepest group that holds all its polygons, or by those of its
-//! groups that send most. Groups are those that a person arranged, where somebody did.
+//! A patch is named by its polygon's group and material, a cluster by the deepest group that holds
+//! all its polygons, or by those of its groups that send most. Groups are those that a person
+//! arranged, where somebody did.
 
 use std::sync::Arc;
 
@@ -67,7 +68,8 @@ impl Names {
         self.generation == generation && self.regrouping == scene.regrouping
     }
 
-    /// Name of an element, the same wherever it is named; in the light of a solution, by which the contents of a cluster are ranked.
+    /// Name of an element, the same wherever it is named; in the light of a solution, by which the
+    /// contents of a cluster are ranked.
     pub fn full(&self, solution_view: &SolutionView, id: ElementId) -> String {
         let hierarchy = solution_view.hierarchy();
         match &hierarchy.element(id).shape {
@@ -115,7 +117,8 @@ impl Names {
         }
     }
 
-    /// Name of an element where room is scarce and numbers say little, such as along an axis: the group's last name or the patch's material.
+    /// Name of an element where room is scarce and numbers say little, such as along an axis: the
+    /// group's last name or the patch's material.
     pub fn label(&self, hierarchy: &Hierarchy, id: ElementId) -> String {
         let last_of = |path: String| path.rsplit('/').next().unwrap_or_default().to_owned();
         match &hierarchy.element(id).shape {
@@ -133,8 +136,8 @@ impl Names {
         }
     }
 
-    /// The topmost groups that a cluster has polygons of: how many, and two by name, those that send most first, emitted or reflected,
-    /// then those with most polygons.
+    /// The topmost groups that a cluster has polygons of: how many, and two by name, those that
+    /// send most first, emitted or reflected, then those with most polygons.
     fn contents(&self, solution_view: &SolutionView, cluster: &Cluster) -> String {
         let (hierarchy, scene) = (solution_view.hierarchy(), &self.scene);
         let mut weights: FxHashMap<GroupId, (f32, usize)> = FxHashMap::default();
@@ -161,7 +164,8 @@ impl Names {
         }
     }
 
-    /// The path of a cluster's group, and how many polygons that one holds; `None` for the scene's root group.
+    /// The path of a cluster's group, and how many polygons that one holds; `None` for the scene's
+    /// root group.
     fn group(&self, id: ElementId) -> Option<(String, usize)> {
         let (group, scene) = (*self.group_of.get(&id)?, &self.scene);
         let path =
@@ -291,7 +295,8 @@ mod tests {
         assert_eq!(contents(&solution_view, &names), "2 objects: room, post");
     }
 
-    /// Truth: powers by hand. The lamp sends 10 W; of them a sheet below reflects watts; the candle emits a ten-thousandth of a watt.
+    /// Truth: powers by hand. The lamp sends 10 W; of them a sheet below reflects watts; the candle
+    /// emits a ten-thousandth of a watt.
     #[test]
     fn contents_are_ranked_by_what_they_send_emitted_or_reflected() {
         let mut scene = Scene::new("house");

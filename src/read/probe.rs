@@ -1,7 +1,7 @@
 //! Probing: irradiance and radiosity at points on surfaces, interpolated as the picture shows them.
 //!
-//! Both come from vertex values (a vertex is the weighted mean of the leaves around it) by the barycentric weights of the
-//! triangle that holds the point. Imports `solve::snapshot`.
+//! Both come from vertex values (a vertex is the weighted mean of the leaves around it) by the
+//! barycentric weights of the triangle that holds the point. Imports `solve::snapshot`.
 
 use std::time::Duration;
 
@@ -14,7 +14,8 @@ use obvhs::triangle::Triangle;
 
 use crate::solve::{Mesh, barycentric};
 
-/// A point farther than this share of the scene's size (the diagonal of its box) from every surface lies on none.
+/// A point farther than this share of the scene's size (the diagonal of its box) from every surface
+/// lies on none.
 const TOLERANCE: f32 = 1e-3;
 
 /// A lit mesh in which points are looked up.
@@ -62,8 +63,8 @@ impl<'a> Probe<'a> {
         Self { mesh, irradiance, radiosity, bvh, tolerance: TOLERANCE * size }
     }
 
-    /// E and B on the nearest surface that is bright towards `normal` (of any length); `None` where the point lies on no
-    /// surface or on ones that face away only.
+    /// E and B on the nearest surface that is bright towards `normal` (of any length); `None` where
+    /// the point lies on no surface or on ones that face away only.
     pub fn at(&self, point: Vec3, normal: Vec3) -> Option<Sample> {
         let (triangle, nearest) = self.nearest(point, normal)?;
         let interpolated = |values: &[[f32; 3]]| {
@@ -73,8 +74,8 @@ impl<'a> Probe<'a> {
         Some(Sample { irradiance: interpolated(self.irradiance), radiosity: interpolated(self.radiosity) })
     }
 
-    /// The nearest place on a surface that is bright towards `normal` (of any length), and the polygon of the
-    /// scene that it lies on.
+    /// The nearest place on a surface that is bright towards `normal` (of any length), and the
+    /// polygon of the scene that it lies on.
     pub fn place(&self, point: Vec3, normal: Vec3) -> Option<(Vec3, u32)> {
         let (triangle, nearest) = self.nearest(point, normal)?;
         let [a, b, c] = corners(self.mesh, triangle);
@@ -96,7 +97,8 @@ impl<'a> Probe<'a> {
                     continue;
                 }
                 let found = nearest_on_triangle(corners, point);
-                // Between equals, on an edge, the first of the file: the result does not depend on the tree.
+                // Between equals, on an edge, the first of the file: the result does not depend on
+                // the tree.
                 let key = |index: usize, nearest: &Nearest| (nearest.distance_squared, index);
                 if best.as_ref().is_none_or(|(index, nearest)| key(triangle, &found) < key(*index, nearest)) {
                     best = Some((triangle, found));
@@ -117,7 +119,8 @@ fn facing([a, b, c]: [Vec3; 3], normal: Vec3) -> f32 {
     (b - a).cross(c - a).dot(normal)
 }
 
-/// The nearest point of a triangle: its projection where that lies inside, else the nearest point of an edge.
+/// The nearest point of a triangle: its projection where that lies inside, else the nearest point
+/// of an edge.
 fn nearest_on_triangle([a, b, c]: [Vec3; 3], point: Vec3) -> Nearest {
     let across = (b - a).cross(c - a);
     let area_squared = across.length_squared();

@@ -2,7 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-/// The viridis ramp of matplotlib at ten even places (S. van der Walt, N. Smith 2015; public domain).
+/// The viridis ramp of matplotlib at ten even places (S. van der Walt, N. Smith 2015; public
+/// domain).
 pub const VIRIDIS: [[u8; 3]; 10] = [
     [68, 1, 84],
     [72, 40, 120],
@@ -16,8 +17,9 @@ pub const VIRIDIS: [[u8; 3]; 10] = [
     [253, 231, 37],
 ];
 
-/// The cividis ramp at ten even places (J. R. Nuñez, C. R. Anderton, R. S. Renslow, "Optimizing colormaps with consideration for color
-/// vision deficiency", PLoS ONE 13(7), 2018): looks all but the same to people who do not tell red from green.
+/// The cividis ramp at ten even places (J. R. Nuñez, C. R. Anderton, R. S. Renslow, "Optimizing
+/// colormaps with consideration for color vision deficiency", PLoS ONE 13(7), 2018): looks all but
+/// the same to people who do not tell red from green.
 pub const CIVIDIS: [[u8; 3]; 10] = [
     [0, 34, 78],
     [18, 53, 112],
@@ -66,7 +68,8 @@ impl Ramp {
     }
 }
 
-/// The colour at a place along a ramp, 0..=1; beyond its ends that of the end, grey where the place is not a number.
+/// The colour at a place along a ramp, 0..=1; beyond its ends that of the end, grey where the place
+/// is not a number.
 pub fn along_ramp<const N: usize>(ramp: &[[u8; 3]; N], along: f32) -> [u8; 3] {
     if along.is_nan() {
         return UNKNOWN;

@@ -1,21 +1,26 @@
-//! From radiosity in W/m² to a colour on the screen: exposure, filmic tone curve, gamma. Imports `solve::snapshot`.
+//! From radiosity in W/m² to a colour on the screen: exposure, filmic tone curve, gamma. Imports
+//! `solve::snapshot`.
 //!
-//! Exposure: the log-average key of Reinhard et al., "Photographic Tone Reproduction for Digital Images", SIGGRAPH 2002.
-//! Tone curve: the rational fit to the ACES filmic curve of K. Narkowicz, "ACES Filmic Tone Mapping Curve", 2015, per channel.
+//! Exposure: the log-average key of Reinhard et al., "Photographic Tone Reproduction for Digital
+//! Images", SIGGRAPH 2002. Tone curve: the rational fit to the ACES filmic curve of K. Narkowicz,
+//! "ACES Filmic Tone Mapping Curve", 2015, per channel.
 
 use crate::base::photometry::weighted;
 use crate::solve::snapshot::Snapshot;
 
-/// Exposed log-average luminance of a well exposed picture, before the tone curve. Photography's 0.18 is the key of a landscape;
-/// rooms are mostly pale walls.
+/// Exposed log-average luminance of a well exposed picture, before the tone curve. Photography's
+/// 0.18 is the key of a landscape; rooms are mostly pale walls.
 const KEY: f32 = 0.16;
-/// The brightest lit surfaces are exposed to this at most; the tone curve shows it as 0.95 of white.
+/// The brightest lit surfaces are exposed to this at most; the tone curve shows it as 0.95 of
+/// white.
 const HIGHLIGHT: f32 = 2.5;
 /// Share of the lit area that may be brighter than `HIGHLIGHT`.
 const HIGHLIGHT_AREA: f64 = 0.02;
-/// What is brighter darkens the picture by no more than this: a patch of sun is blown out before the room around it is black.
+/// What is brighter darkens the picture by no more than this: a patch of sun is blown out before
+/// the room around it is black.
 const MOST_DARKENED: f32 = 4.0;
-/// Shares of the lit area, from the darkest, whose log-average is taken: a few very dark or very bright leaves do not count.
+/// Shares of the lit area, from the darkest, whose log-average is taken: a few very dark or very
+/// bright leaves do not count.
 const COUNTED_AREA: (f64, f64) = (0.1, 0.95);
 /// Leaves darker than this share of the mean count as unlit: outsides of walls that a leak reaches.
 const UNLIT_SHARE: f64 = 1e-4;
@@ -55,8 +60,8 @@ impl Exposure {
 
 /// The factor on radiosities, m²/W, that exposes a snapshot well; 1 where nothing is lit.
 ///
-/// Takes the log-average luminance over the lit area, lamps aside, so that it neither follows the camera nor jumps when a lamp comes
-/// into view, and scales inversely with the light.
+/// Takes the log-average luminance over the lit area, lamps aside, so that it neither follows the
+/// camera nor jumps when a lamp comes into view, and scales inversely with the light.
 pub fn auto_exposure(snapshot: &Snapshot) -> f32 {
     let step = snapshot.leaf_radiosity.len().div_ceil(MOST_LEAVES).max(1);
     let leaves = || snapshot.mesh.leaves.iter().zip(&snapshot.leaf_radiosity).zip(&snapshot.leaf_irradiance);
@@ -98,7 +103,8 @@ pub fn auto_exposure(snapshot: &Snapshot) -> f32 {
     exposed((logs / counted).exp(), highlight).unwrap_or(1.0)
 }
 
-/// The factor that brings the middle of a picture's radiosities (W/m²) to the key, unless what is bright would be blown out.
+/// The factor that brings the middle of a picture's radiosities (W/m²) to the key, unless what is
+/// bright would be blown out.
 fn exposed(middle: f64, highlight: f64) -> Option<f32> {
     let to_key = f64::from(KEY) / middle;
     // No `clamp`: it panics where the middle is no number.
@@ -106,9 +112,9 @@ fn exposed(middle: f64, highlight: f64) -> Option<f32> {
     (exposure.is_finite() && exposure > 0.0).then(|| exposure.clamp(1e-30, 1e30) as f32)
 }
 
-/// The factor on radiosities, m²/W, that exposes what is seen well: its median is brought to the key, unless a share of it would
-/// then be blown out. `None` where nothing lit is seen. Radiosities are weighted as the eye does, W/m², and those of equal parts
-/// of the view, lamps aside.
+/// The factor on radiosities, m²/W, that exposes what is seen well: its median is brought to the
+/// key, unless a share of it would then be blown out. `None` where nothing lit is seen. Radiosities
+/// are weighted as the eye does, W/m², and those of equal parts of the view, lamps aside.
 pub fn exposure_of_seen(radiosities: &mut [f32]) -> Option<f32> {
     radiosities.sort_unstable_by(f32::total_cmp);
     let at = |share: f64| radiosities.get((share * radiosities.len() as f64) as usize).copied();
@@ -138,7 +144,8 @@ pub fn decode_gamma(encoded: f32) -> f32 {
     if encoded <= 0.040_45 { encoded / 12.92 } else { ((encoded + 0.055) / 1.055).powf(2.4) }
 }
 
-/// Colour in a picture of a radiosity, W/m²: exposed by a factor in m²/W, bent and gamma-encoded to 8 bits a channel.
+/// Colour in a picture of a radiosity, W/m²: exposed by a factor in m²/W, bent and gamma-encoded to
+/// 8 bits a channel.
 pub fn shown_colour(radiosity: [f32; 3], exposure: f32) -> [u8; 3] {
     radiosity.map(|channel| (255.0 * encode_gamma(tone_curve(exposure * channel))).round() as u8)
 }
@@ -199,8 +206,8 @@ mod tests {
         assert!((with_lamp / alone - 1.0).abs() < 1e-5, "{with_lamp} {alone}");
     }
 
-    /// Truth: the definition. A bright tenth of a room is not blown out, but a patch of sun a thousand times as bright leaves the room
-    /// around it to be seen.
+    /// Truth: the definition. A bright tenth of a room is not blown out, but a patch of sun a
+    /// thousand times as bright leaves the room around it to be seen.
     #[test]
     fn what_is_bright_darkens_a_room_by_two_stops_at_most() {
         let with_bright = |bright: f32| {
@@ -232,7 +239,8 @@ mod tests {
 
     #[test]
     fn a_large_mesh_is_sampled_to_nearly_the_same_exposure() {
-        // Truth: the same mixture in few leaves; sampling every n-th leaf of an aperiodic mixture costs below 1 %.
+        // Truth: the same mixture in few leaves; sampling every n-th leaf of an aperiodic mixture
+        // costs below 1 %.
         let leaf = |index: usize| (1.0, 0.1 + 0.9 * ((index * 7919) % 10_007) as f32 / 10_007.0, 5.0);
         let few: Vec<_> = (0..20_014).map(leaf).collect();
         let many: Vec<_> = (0..300_210).map(leaf).collect();

@@ -2,7 +2,8 @@
 
 use super::RenderError;
 
-/// Spare room that a buffer gets when it has to grow, as a divisor of its size: a refining mesh seldom allocates.
+/// Spare room that a buffer gets when it has to grow, as a divisor of its size: a refining mesh
+/// seldom allocates.
 const SPARE: u64 = 2;
 
 /// Holds one array; its contents are replaced as a whole.

@@ -5,14 +5,16 @@ use glam::{BVec3, Mat4, Quat, Vec2, Vec3};
 use crate::read::picture::Lens;
 use crate::scene::{CameraPose, Scene};
 
-/// Vertical field of view when nothing else is asked for, radians (36° is a 50 mm lens turned upright).
+/// Vertical field of view when nothing else is asked for, radians (36° is a 50 mm lens turned
+/// upright).
 const DEFAULT_VFOV: f32 = 0.7;
 /// Field of view limits, radians.
 const VFOV_RANGE: (f32, f32) = (0.02, 2.8);
-/// The line of sight stays this far from the up axis, radians, so that an orbit never flips over a pole.
+/// The line of sight stays this far from the up axis, radians, so that an orbit never flips over a
+/// pole.
 const POLE_GAP: f32 = 0.01;
-/// Near plane as a share of the scene's diagonal. Reversed depth in floats resolves a constant share of the distance whatever the
-/// near plane is, so it can be as close as a person ever comes.
+/// Near plane as a share of the scene's diagonal. Reversed depth in floats resolves a constant
+/// share of the distance whatever the near plane is, so it can be as close as a person ever comes.
 const NEAR_SHARE: f32 = 1e-5;
 /// Speed of flight, scene diagonals a second.
 const FLY_SPEED: f32 = 0.15;
@@ -35,8 +37,8 @@ pub struct Camera {
 }
 
 impl Camera {
-    /// A pose seen with an aspect (width / height), in a scene with these bounds; a pose without a view (eye on target, not finite)
-    /// frames the scene instead.
+    /// A pose seen with an aspect (width / height), in a scene with these bounds; a pose without a
+    /// view (eye on target, not finite) frames the scene instead.
     pub fn from_pose(pose: &CameraPose, aspect: f32, bounds: (Vec3, Vec3)) -> Self {
         let up = pose.up.try_normalize().unwrap_or(Vec3::Y);
         let framed = Self::frame(bounds, up, aspect);
@@ -75,7 +77,8 @@ impl Camera {
         camera
     }
 
-    /// Moves until the scene's box fills the picture; the direction of sight, the up axis and the lens stay.
+    /// Moves until the scene's box fills the picture; the direction of sight, the up axis and the
+    /// lens stay.
     pub fn frame_all(&mut self, bounds: (Vec3, Vec3), aspect: f32) {
         self.set_bounds(bounds);
         let forward = self.forward();
@@ -126,13 +129,15 @@ impl Camera {
         2.0 * ((0.5 * self.vfov).tan() * sane_aspect(aspect)).atan()
     }
 
-    /// Turns the eye around the target by radians, as if the scene were dragged to the right and downwards.
+    /// Turns the eye around the target by radians, as if the scene were dragged to the right and
+    /// downwards.
     pub fn orbit(&mut self, right: f32, down: f32) {
         let sight = self.turned(self.sight(), -right, -down);
         self.eye = self.target - sight;
     }
 
-    /// Drags the scene at the target's distance along the picture, in shares of the picture's height, to the right and downwards.
+    /// Drags the scene at the target's distance along the picture, in shares of the picture's
+    /// height, to the right and downwards.
     pub fn pan(&mut self, right: f32, down: f32) {
         let height = 2.0 * self.sight().length() * (0.5 * self.vfov).tan();
         let (side, above) = self.screen_axes();
@@ -149,7 +154,8 @@ impl Camera {
         }
     }
 
-    /// Flies along right, up axis and line of sight; each in seconds at a speed that suits the scene's size.
+    /// Flies along right, up axis and line of sight; each in seconds at a speed that suits the
+    /// scene's size.
     pub fn fly(&mut self, local: Vec3) {
         let (side, _) = self.screen_axes();
         let step = local.x * side + local.y * self.up + local.z * self.forward();
@@ -164,7 +170,8 @@ impl Camera {
         }
     }
 
-    /// World to clip space for an aspect: depth is reversed and has no far plane, near / distance (1 at the near plane, 0 at infinity).
+    /// World to clip space for an aspect: depth is reversed and has no far plane, near / distance
+    /// (1 at the near plane, 0 at infinity).
     pub fn clip_from_world(&self, aspect: f32) -> Mat4 {
         let focal = 1.0 / (0.5 * self.vfov).tan();
         let clip_from_view = Mat4::from_cols_array_2d(&[
@@ -185,7 +192,8 @@ impl Camera {
         NEAR_SHARE * self.scene_size()
     }
 
-    /// The ray through a point of the picture, −1..1 to the right and upwards: eye and unit direction.
+    /// The ray through a point of the picture, −1..1 to the right and upwards: eye and unit
+    /// direction.
     pub fn ray(&self, ndc: Vec2, aspect: f32) -> (Vec3, Vec3) {
         let (side, above) = self.screen_axes();
         let reach = (0.5 * self.vfov).tan() * ndc;
@@ -298,7 +306,8 @@ mod tests {
         assert!(back.target.distance(pose.target) < 1e-5, "{back:?}");
     }
 
-    /// Truth: what is seen as a whole stands upright whichever axis points up, seen from its front and from above.
+    /// Truth: what is seen as a whole stands upright whichever axis points up, seen from its front
+    /// and from above.
     #[test]
     fn everything_is_seen_upright() {
         for (up, front) in [(Vec3::Y, Vec3::Z), (Vec3::Z, -Vec3::Y)] {
@@ -327,7 +336,8 @@ mod tests {
         let camera = camera();
         let middle = ndc(&camera, camera.target, 1.6);
         assert!(middle.truncate().length() < 1e-5, "{middle}");
-        // Truth: the definition. A direction turned by half of 70° to the right lies on the picture's rim.
+        // Truth: the definition. A direction turned by half of 70° to the right lies on the
+        // picture's rim.
         let turned = Quat::from_axis_angle(Vec3::Y, -35f32.to_radians());
         let level =
             Camera::from_pose(&CameraPose { target: Vec3::new(1.0, 1.5, 0.0), ..camera.pose(1.6) }, 1.6, BOUNDS);

@@ -1,7 +1,9 @@
-//! The clusters of one level as a picture: each in a colour of its own, or pulled apart from the middle of the scene.
+//! The clusters of one level as a picture: each in a colour of its own, or pulled apart from the
+//! middle of the scene.
 //!
-//! Both are made of a snapshot that carries its solution view, and become a snapshot again, whose mesh has each cluster's vertices apart from
-//! all others: the renderer draws it, its outlines and its boxes like any other.
+//! Both are made of a snapshot that carries its solution view, and become a snapshot again, whose
+//! mesh has each cluster's vertices apart from all others: the renderer draws it, its outlines and
+//! its boxes like any other.
 
 use std::sync::Arc;
 
@@ -17,14 +19,16 @@ use crate::solve::snapshot::{ClusterBox, Mesh, Snapshot};
 pub struct ClusterView {
     /// The level, the root being 0.
     pub level: u16,
-    /// How far the clusters are pulled apart, 0..=1: at 1 their centres lie twice as far from the root's as they are.
+    /// How far the clusters are pulled apart, 0..=1: at 1 their centres lie twice as far from the
+    /// root's as they are.
     pub explode: f32,
     /// Whether surfaces show the colours of their clusters instead of their light.
     pub coloured: bool,
 }
 
-/// Colours that people with any colour vision tell apart: those of M. Okabe and K. Ito, "Color Universal Design", 2008, and olive and wine
-/// of P. Tol, "Colour Schemes", SRON/EPS/TN/09-002, 2021, in an order that sets neighbours off.
+/// Colours that people with any colour vision tell apart: those of M. Okabe and K. Ito, "Color
+/// Universal Design", 2008, and olive and wine of P. Tol, "Colour Schemes", SRON/EPS/TN/09-002,
+/// 2021, in an order that sets neighbours off.
 const PALETTE: [[u8; 3]; 9] = [
     [230, 159, 0],
     [86, 180, 233],
@@ -52,8 +56,9 @@ struct Part {
     colour: [u8; 3],
 }
 
-/// The hierarchy cut at one level: a polygon belongs to the deepest cluster around it that lies no deeper than that. Polygons that hang
-/// at the root are parts of their own, for a room opens when its walls come apart.
+/// The hierarchy cut at one level: a polygon belongs to the deepest cluster around it that lies no
+/// deeper than that. Polygons that hang at the root are parts of their own, for a room opens when
+/// its walls come apart.
 #[derive(Clone, Debug)]
 pub struct ClusterParts {
     parts: Vec<Part>,
@@ -108,7 +113,8 @@ impl ClusterParts {
         self.offset(self.of_polygon.get(polygon as usize).copied().unwrap_or(0), explode)
     }
 
-    /// How far the cluster is moved that comes at this place among the clusters of the arena; not at all above the level.
+    /// How far the cluster is moved that comes at this place among the clusters of the arena; not
+    /// at all above the level.
     pub fn offset_of_cluster(&self, place: usize, explode: f32) -> Vec3 {
         let part = self.of_cluster.get(place).copied().flatten();
         part.map_or(Vec3::ZERO, |part| self.offset(part, explode))
@@ -143,8 +149,9 @@ fn level_of(element: &Element) -> u16 {
     }
 }
 
-/// The colour of each cluster in the arena's order: given by its place in the scene, so that it is the same whenever the cluster is, and
-/// another one than its siblings' as long as there are colours enough.
+/// The colour of each cluster in the arena's order: given by its place in the scene, so that it is
+/// the same whenever the cluster is, and another one than its siblings' as long as there are
+/// colours enough.
 pub fn cluster_colours(hierarchy: &Hierarchy) -> Vec<[u8; 3]> {
     let root = hierarchy.element(Hierarchy::ROOT);
     let side = match &root.shape {
@@ -255,7 +262,8 @@ impl ApartMesh {
         self.source.iter().map(|&vertex| values[vertex as usize]).collect()
     }
 
-    /// A snapshot of this mesh as a view shows it; the vertices carry colours where the view is coloured, else their radiosities.
+    /// A snapshot of this mesh as a view shows it; the vertices carry colours where the view is
+    /// coloured, else their radiosities.
     pub fn snapshot(&self, of: &Snapshot, parts: &ClusterParts, view: ClusterView) -> Snapshot {
         let moved = |(place, cluster): (usize, &ClusterBox)| {
             let offset = parts.offset_of_cluster(place, view.explode);
@@ -331,7 +339,8 @@ mod tests {
         if extent.min_element() <= 0.0 { 0.0 } else { extent.as_dvec3().element_product() }
     }
 
-    /// Truth: centres that move apart along every axis share no more of their boxes than before; sizes stay.
+    /// Truth: centres that move apart along every axis share no more of their boxes than before;
+    /// sizes stay.
     #[test]
     fn boxes_of_a_level_overlap_no_more_than_before() {
         let (_, snapshot) = solved("seminar", ClusteringMode::Adaptive);
@@ -355,7 +364,8 @@ mod tests {
         }
     }
 
-    /// Truth: the hierarchy. Surfaces of a cluster move as one and look alike; its siblings have other colours.
+    /// Truth: the hierarchy. Surfaces of a cluster move as one and look alike; its siblings have
+    /// other colours.
     #[test]
     fn a_cluster_moves_as_one_and_has_one_colour() {
         let (_, snapshot) = solved("cornell", ClusteringMode::Groups);

@@ -8,8 +8,10 @@ use crate::read::tone::Exposure;
 pub struct Display {
     /// How bright the picture is made.
     pub exposure: Exposure,
-    /// The vertices carry gamma-encoded colours, 0..=1, instead of radiosities: they are shown as they are.
+    /// The vertices carry gamma-encoded colours, 0..=1, instead of radiosities: they are shown as
+    /// they are.
     pub as_colours: bool,
-    /// Reading of the surfaces, as false colours or lines of equal value; none where vertices carry colours.
+    /// Reading of the surfaces, as false colours or lines of equal value; none where vertices carry
+    /// colours.
     pub reading: Option<Reading>,
 }

@@ -16,7 +16,8 @@ pub struct Pixels {
     pub labels: Vec<LineLabel>,
 }
 
-/// The picture with an exposure (m²/W) and what is read off the surfaces; `None` before its first pass has ended.
+/// The picture with an exposure (m²/W) and what is read off the surfaces; `None` before its first
+/// pass has ended.
 pub fn developed(picture: &GatheredPicture, exposure: f32, reading: Option<&Reading>) -> Option<Pixels> {
     let encoded = |colour: [u8; 3]| Vec3::from(colour.map(|channel| f32::from(channel) / 255.0));
     let colour = reading.map(|reading| move |value: f32| encoded(reading.scale.colour(value)));

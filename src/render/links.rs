@@ -1,4 +1,5 @@
-//! Links over the view: which of them are drawn, and how. Never more than can be read: the strongest, the rest in words.
+//! Links over the view: which of them are drawn, and how. Never more than can be read: the
+//! strongest, the rest in words.
 
 use std::cmp::Ordering;
 use std::fmt;
@@ -92,7 +93,8 @@ impl Seen {
         }
     }
 
-    /// Colour of the kind of link, which the colour-blind tell from the others (M. Okabe and K. Ito's set); gamma-encoded.
+    /// Colour of the kind of link, which the colour-blind tell from the others (M. Okabe and K.
+    /// Ito's set); gamma-encoded.
     pub fn colour(self) -> [u8; 3] {
         match self {
             Self::Full => [86, 180, 233],
@@ -184,8 +186,8 @@ impl ChosenLinks {
         }
     }
 
-    /// Lines for them, weakest first so that strong ones end on top: outlines of the ends where they are wanted, then the links with dots
-    /// at their ends.
+    /// Lines for them, weakest first so that strong ones end on top: outlines of the ends where
+    /// they are wanted, then the links with dots at their ends.
     pub fn lines(&self, solution_view: &SolutionView, style: LinkStyle) -> Vec<Line> {
         let hierarchy = solution_view.hierarchy();
         let opaque = |[r, g, b]: [u8; 3]| [r, g, b, 255];

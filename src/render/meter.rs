@@ -1,6 +1,7 @@
 //! The exposure meter of a view: what is seen is brought to the key, lamps aside.
 //!
-//! Rays through a coarse grid of the view tell which faces are seen; the median of what they send out is what is metered.
+//! Rays through a coarse grid of the view tell which faces are seen; the median of what they send
+//! out is what is metered.
 
 use glam::Vec2;
 
@@ -14,8 +15,9 @@ use crate::solve::snapshot::Snapshot;
 /// Rays in each direction of the view.
 const GRID: [u32; 2] = [32, 20];
 
-/// What sends out less than this share of the light that the scene's surfaces get on the average is dark: some few rays found a way to
-/// it, through a seam. A bright picture of it would show these rays.
+/// What sends out less than this share of the light that the scene's surfaces get on the average is
+/// dark: some few rays found a way to it, through a seam. A bright picture of it would show these
+/// rays.
 const FAINTEST: f64 = 1e-6;
 /// A view is dark where no more than this share of it is brighter.
 const LIT_SHARE: f64 = 0.1;
@@ -59,7 +61,8 @@ impl LightMeter {
         Self { of_polygons: sums.iter().enumerate().map(mean).collect(), faintest: faintest as f32 }
     }
 
-    /// What exposes a view of the snapshot well; as the whole scene is exposed where nothing lit is seen.
+    /// What exposes a view of the snapshot well; as the whole scene is exposed where nothing lit is
+    /// seen.
     pub fn exposure(&self, snapshot: &Snapshot, occluders: &Occluders, camera: &Camera, aspect: f32) -> Metered {
         let [columns, rows] = GRID;
         let place = |index: u32| {
@@ -93,8 +96,9 @@ mod tests {
     use crate::scene::{CameraPose, GroupId, MaterialId};
     use crate::solve::{Solver, SolverParams};
 
-    /// Truth: a lamp in a closed box of its own lights that box and not the room, however bright the room would have to be made for its
-    /// last ray to show. Seen from within, the box is well exposed.
+    /// Truth: a lamp in a closed box of its own lights that box and not the room, however bright
+    /// the room would have to be made for its last ray to show. Seen from within, the box is well
+    /// exposed.
     #[test]
     fn a_room_that_its_lamp_does_not_reach_is_dark() {
         let mut scene = BuiltinScene::Cornell.build();

@@ -1,13 +1,16 @@
 //! The wgpu view of a snapshot: mesh, overlays, camera, picking and pictures without a window.
 //!
-//! Physics stays out: a [`Snapshot`] brings linear radiosities in W/m², and only here are they exposed, bent by the tone curve
-//! and gamma-encoded ([`Display`]). The module knows nothing of windows or panels. It imports `scene` (camera pose),
-//! `solve::snapshot` and, for clusters and links, the elements of `hierarchy`.
+//! Physics stays out: a [`Snapshot`] brings linear radiosities in W/m², and only here are they
+//! exposed, bent by the tone curve and gamma-encoded ([`Display`]). The module knows nothing of
+//! windows or panels. It imports `scene` (camera pose), `solve::snapshot` and, for clusters and
+//! links, the elements of `hierarchy`.
 //!
-//! A picture that was gathered at its pixels ([`crate::read::picture`]) is drawn in place of the mesh, which then only hides lines.
+//! A picture that was gathered at its pixels ([`crate::read::picture`]) is drawn in place of the
+//! mesh, which then only hides lines.
 //!
-//! The window and a picture on disk go the same way: [`SceneRenderer::draw`] renders into its own multisampled target and resolves
-//! it to one `Rgba8Unorm` texture, which a window blits into its pass and [`Offscreen`] reads back.
+//! The window and a picture on disk go the same way: [`SceneRenderer::draw`] renders into its own
+//! multisampled target and resolves it to one `Rgba8Unorm` texture, which a window blits into its
+//! pass and [`Offscreen`] reads back.
 
 mod buffer;
 mod camera;

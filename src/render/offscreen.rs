@@ -26,8 +26,9 @@ pub struct Offscreen {
 }
 
 impl Offscreen {
-    /// Takes the first adapter that answers. Not for threads of a pool: nobody waits until they have ended, and a driver whose
-    /// data of a thread are freed while the process ends may free them twice.
+    /// Takes the first adapter that answers. Not for threads of a pool: nobody waits until they
+    /// have ended, and a driver whose data of a thread are freed while the process ends may free
+    /// them twice.
     ///
     /// # Errors
     /// No adapter, or one that gives no device.
@@ -85,7 +86,8 @@ impl Offscreen {
         self.guarded(|offscreen| offscreen.draw_and_read(frame))
     }
 
-    /// Draws what each pixel sees as radiosity in W/m², linear and without overlays; four samples a pixel.
+    /// Draws what each pixel sees as radiosity in W/m², linear and without overlays; four samples a
+    /// pixel.
     ///
     /// # Errors
     /// As [`Self::picture`].
@@ -112,8 +114,8 @@ impl Offscreen {
         })
     }
 
-    /// Draws; without this, running out of graphics memory would end the program, and what then fails to be used is reported
-    /// as invalid.
+    /// Draws; without this, running out of graphics memory would end the program, and what then
+    /// fails to be used is reported as invalid.
     fn guarded<T>(&mut self, draw: impl FnOnce(&mut Self) -> Result<T, RenderError>) -> Result<T, RenderError> {
         let memory = self.device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
         let validity = self.device.push_error_scope(wgpu::ErrorFilter::Validation);
@@ -132,7 +134,8 @@ impl Offscreen {
 
     fn draw_and_read(&mut self, frame: &Frame<'_>) -> Result<RgbaImage, RenderError> {
         let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-        // Each picture stands for itself: two snapshots of different solves may carry the same numbers.
+        // Each picture stands for itself: two snapshots of different solves may carry the same
+        // numbers.
         self.renderer.forget();
         self.renderer.draw(&mut encoder, frame)?;
         let texture = self.renderer.picture().ok_or_else(|| failed("nothing was drawn"))?;
@@ -182,7 +185,8 @@ impl Offscreen {
         self.queue.submit([encoder.finish()]);
 
         let (sender, receiver) = mpsc::channel();
-        // The receiver outlives the wait below; a failed send could only mean that nobody waits any more.
+        // The receiver outlives the wait below; a failed send could only mean that nobody waits any
+        // more.
         buffer.map_async(wgpu::MapMode::Read, .., move |result| drop(sender.send(result)));
         self.device.poll(wgpu::PollType::wait_indefinitely()).map_err(failed)?;
         let mapped = receiver.recv().map_err(|_| failed("the device gave no answer"))?;

@@ -38,7 +38,8 @@ mod tests {
     use crate::hierarchy::ClusteringMode;
     use crate::scene::builtin::BuiltinScene;
 
-    /// Truth: the box has the scene's bounds, and a wall of the Cornell box four edges around its own corners.
+    /// Truth: the box has the scene's bounds, and a wall of the Cornell box four edges around its
+    /// own corners.
     #[test]
     fn a_cluster_has_the_edges_of_its_box_and_a_patch_its_own() {
         let scene = BuiltinScene::Cornell.build();

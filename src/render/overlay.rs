@@ -1,4 +1,5 @@
-//! Drawings over the picture: outlines of the leaves, boxes of clusters, and marks: links and whatever else a view points at.
+//! Drawings over the picture: outlines of the leaves, boxes of clusters, and marks: links and
+//! whatever else a view points at.
 
 use std::sync::Arc;
 
@@ -77,8 +78,8 @@ const PICKED_DOT: f32 = 10.0;
 /// Links weaker than this share of the strongest have the ramp's first colour.
 const WEAKEST_SHARE: f32 = 1e-3;
 
-/// Colour of a link: `share` is its power over that of the strongest link drawn, on a logarithmic scale over three decades.
-/// Gamma-encoded.
+/// Colour of a link: `share` is its power over that of the strongest link drawn, on a logarithmic
+/// scale over three decades. Gamma-encoded.
 pub fn power_colour(share: f32) -> [u8; 3] {
     let decades = WEAKEST_SHARE.log10();
     let along = if share > 0.0 { 1.0 - share.log10() / decades } else { 0.0 };

@@ -1,6 +1,8 @@
-//! A scene that nothing lights, in its surfaces' own colours: black in black nothing could be distinguished, nor chosen to be a lamp.
+//! A scene that nothing lights, in its surfaces' own colours: black in black nothing could be
+//! distinguished, nor chosen to be a lamp.
 //!
-//! This is no light, and nothing reads it. Surfaces are shaded by how they are turned, so that shapes are seen.
+//! This is no light, and nothing reads it. Surfaces are shaded by how they are turned, so that
+//! shapes are seen.
 
 use glam::Vec3;
 
@@ -8,7 +10,8 @@ use super::encode_gamma;
 use crate::scene::Scene;
 use crate::solve::snapshot::{Mesh, Snapshot};
 
-/// Where surfaces seem to be lit from, so that shapes read; askew, so that no two walls of a room look alike.
+/// Where surfaces seem to be lit from, so that shapes read; askew, so that no two walls of a room
+/// look alike.
 const LIT_FROM: Vec3 = Vec3::new(0.33, 0.80, 0.50);
 /// Brightness of a surface that faces the light and of one that turns its back to it.
 const SHADES: (f32, f32) = (1.0, 0.46);
@@ -32,8 +35,8 @@ pub(super) fn shades(mesh: &Mesh) -> Vec<f32> {
     normals.iter().map(shade).collect()
 }
 
-/// A snapshot whose vertices carry the gamma-encoded colours of a scene's surfaces, to be shown as they are
-/// ([`as_colours`](super::Display::as_colours)).
+/// A snapshot whose vertices carry the gamma-encoded colours of a scene's surfaces, to be shown as
+/// they are ([`as_colours`](super::Display::as_colours)).
 pub fn in_own_colours(snapshot: &Snapshot, scene: &Scene) -> Snapshot {
     let mesh = &snapshot.mesh;
     let mut sums = vec![(Vec3::ZERO, 0.0_f32); mesh.positions.len()];
@@ -65,8 +68,8 @@ mod tests {
     use crate::scene::builtin::BuiltinScene;
     use crate::solve::{Solver, SolverParams};
 
-    /// Truth: the Cornell box without its lamp is black as light has it; its left wall is red and its right one green, and corners of
-    /// white walls are seen because the walls differ.
+    /// Truth: the Cornell box without its lamp is black as light has it; its left wall is red and
+    /// its right one green, and corners of white walls are seen because the walls differ.
     #[test]
     fn a_dark_room_shows_its_own_colours() {
         let mut scene = BuiltinScene::Cornell.build();

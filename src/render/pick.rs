@@ -19,7 +19,8 @@ pub struct Picked {
     pub distance: f32,
 }
 
-/// The first leaf along a ray that turns its bright side to it, as the picture shows it: backs are looked through.
+/// The first leaf along a ray that turns its bright side to it, as the picture shows it: backs are
+/// looked through.
 pub fn pick(mesh: &Mesh, origin: Vec3, direction: Vec3) -> Option<Picked> {
     let nearest = |(chunk, triangles): (usize, &[[u32; 3]])| {
         let met = triangles.iter().enumerate().filter_map(|(index, corners)| {
@@ -38,7 +39,8 @@ fn nearer(a: &(f32, usize), b: &(f32, usize)) -> std::cmp::Ordering {
     a.0.total_cmp(&b.0).then(a.1.cmp(&b.1))
 }
 
-/// Distance to the front of a triangle, in lengths of the direction (Möller and Trumbore, JGT 2(1), 1997).
+/// Distance to the front of a triangle, in lengths of the direction (Möller and Trumbore, JGT 2(1),
+/// 1997).
 fn front_hit([a, b, c]: [Vec3; 3], origin: Vec3, direction: Vec3) -> Option<f32> {
     let (ab, ac) = (b - a, c - a);
     let across = direction.cross(ac);

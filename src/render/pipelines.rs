@@ -18,7 +18,8 @@ pub(super) struct Pipelines {
     pub(super) background: wgpu::RenderPipeline,
     /// Bright sides of the leaves.
     pub(super) mesh: wgpu::RenderPipeline,
-    /// Bright sides of the leaves, pushed back where slanted, so that they do not cut the outlines drawn in them.
+    /// Bright sides of the leaves, pushed back where slanted, so that they do not cut the outlines
+    /// drawn in them.
     pub(super) mesh_behind_outlines: wgpu::RenderPipeline,
     /// Both kinds of leaves without colour: they hide lines over a gathered picture.
     pub(super) depth: wgpu::RenderPipeline,
@@ -160,8 +161,8 @@ impl Pipelines {
         };
         let behind_outlines = Stage {
             name: "mesh behind outlines",
-            // Away from the eye by the depth that changes across a pixel. Not without outlines: a face seen edge-on would fall
-            // behind the wall at its back.
+            // Away from the eye by the depth that changes across a pixel. Not without outlines: a
+            // face seen edge-on would fall behind the wall at its back.
             bias: wgpu::DepthBiasState { slope_scale: -1.0, ..Default::default() },
             ..mesh
         };

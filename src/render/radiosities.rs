@@ -1,7 +1,7 @@
 //! A view in W/m²: the mesh alone, drawn into 32-bit floats.
 //!
-//! Float targets take no several samples a pixel, so the picture is drawn a few times, each a fraction of a pixel aside, and the
-//! mean taken.
+//! Float targets take no several samples a pixel, so the picture is drawn a few times, each a
+//! fraction of a pixel aside, and the mean taken.
 
 use bytemuck::cast_slice;
 use glam::{Mat4, Vec2, Vec3};
@@ -15,7 +15,8 @@ use crate::solve::snapshot::Snapshot;
 /// Holds what is drawn: radiosity and coverage.
 const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba32Float;
 
-/// Where in the pixel it is drawn, pixels from its middle: four places no two of which share a row or a column.
+/// Where in the pixel it is drawn, pixels from its middle: four places no two of which share a row
+/// or a column.
 pub(super) const PLACES: [Vec2; 4] =
     [Vec2::new(-0.125, -0.375), Vec2::new(0.375, -0.125), Vec2::new(-0.375, 0.125), Vec2::new(0.125, 0.375)];
 

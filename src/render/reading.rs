@@ -1,6 +1,8 @@
-//! Readings: a quantity of the surfaces as false colours, and as lines of equal value over these or over the lit picture.
+//! Readings: a quantity of the surfaces as false colours, and as lines of equal value over these or
+//! over the lit picture.
 //!
-//! The shader colours each pixel by the value interpolated there; what is here tells it how, and tells a legend the same.
+//! The shader colours each pixel by the value interpolated there; what is here tells it how, and
+//! tells a legend the same.
 
 use crate::base::photometry::{Quantity, ShownIn, Unit, weighted};
 use crate::read::ramp::Ramp;
@@ -79,7 +81,8 @@ impl ColourScale {
         self.ramp.at(self.along(value))
     }
 
-    /// The range's ends as the ramp sees them: logarithms to base 2 where it is logarithmic. The upper one is the larger, by a hair at least.
+    /// The range's ends as the ramp sees them: logarithms to base 2 where it is logarithmic. The
+    /// upper one is the larger, by a hair at least.
     pub(super) fn ends(&self) -> [f32; 2] {
         let low = self.bent(self.low);
         [low, self.bent(self.high).max(low + 1e-6 * low.abs().max(f32::MIN_POSITIVE))]
@@ -92,7 +95,8 @@ impl ColourScale {
         }
     }
 
-    /// A range that suits a snapshot: round numbers as they are shown around all but the darkest and brightest leaves, lamps aside.
+    /// A range that suits a snapshot: round numbers as they are shown around all but the darkest
+    /// and brightest leaves, lamps aside.
     pub fn automatic(snapshot: &Snapshot, quantity: Quantity, spacing: Spacing, shown_in: ShownIn, ramp: Ramp) -> Self {
         let shown = |value: f32| shown_in.per_watt() * value;
         let (low, high) = match counted_range(snapshot, quantity) {

@@ -43,7 +43,8 @@ pub enum IsolinesWanted {
     None,
     /// At round values inside the range.
     Round,
-    /// At these values, W/m², or shares of the light on open ground where the daylight factor is shown.
+    /// At these values, W/m², or shares of the light on open ground where the daylight factor is
+    /// shown.
     At(Vec<f32>),
 }
 
@@ -59,15 +60,17 @@ pub struct ReadingSettings {
     pub spacing: Spacing,
     /// The colours.
     pub ramp: Ramp,
-    /// The range, W/m², or shares of the light on open ground where the daylight factor is shown; without one it follows the snapshot.
+    /// The range, W/m², or shares of the light on open ground where the daylight factor is shown;
+    /// without one it follows the snapshot.
     pub range: Option<[f32; 2]>,
     /// Lines of equal value.
     pub isolines: IsolinesWanted,
 }
 
 impl ReadingSettings {
-    /// Reading of a snapshot that is to be drawn; none where the lit picture is all, or where the daylight factor is asked for and not known.
-    /// `open_ground` is the irradiance of open horizontal ground where the sky alone shines, W/m², weighted as the eye does.
+    /// Reading of a snapshot that is to be drawn; none where the lit picture is all, or where the
+    /// daylight factor is asked for and not known. `open_ground` is the irradiance of open
+    /// horizontal ground where the sky alone shines, W/m², weighted as the eye does.
     pub fn reading(&self, snapshot: &Snapshot, open_ground: Option<f32>) -> Option<Reading> {
         if self.show == Show::Lit && self.isolines == IsolinesWanted::None {
             return None;
@@ -90,7 +93,8 @@ impl ReadingSettings {
         Some(Reading { quantity, shown_in, scale, fills: self.show != Show::Lit, isolines })
     }
 
-    /// What the values of range and lines are shown in: a value times the first, with the second behind it.
+    /// What the values of range and lines are shown in: a value times the first, with the second
+    /// behind it.
     pub fn factor_and_sign(&self) -> (f32, &'static str) {
         match self.show {
             Show::DaylightFactor => (100.0, "%"),
@@ -113,7 +117,8 @@ pub struct Mark {
 }
 
 impl Reading {
-    /// Marks of a legend: the ends of the range, and lines of equal value or round numbers between them.
+    /// Marks of a legend: the ends of the range, and lines of equal value or round numbers between
+    /// them.
     pub fn marks(&self) -> Vec<Mark> {
         let ends = [self.scale.low, self.scale.high].map(|value| (value, false));
         let lines: Vec<_> = self.isolines.values().iter().map(|&value| (value, true)).collect();

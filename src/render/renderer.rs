@@ -23,13 +23,15 @@ pub(super) const SAMPLES: u32 = 4;
 /// Pixels of a picture for each of the sky behind it, each way.
 const SKY_STEP: u32 = 4;
 
-/// Lines are cut this many near planes before the eye: nearer, they would be wider than the picture.
+/// Lines are cut this many near planes before the eye: nearer, they would be wider than the
+/// picture.
 const LINE_NEAR: f32 = 100.0;
 
 /// Content of one picture.
 #[derive(Clone, Copy)]
 pub struct Frame<'a> {
-    /// The solution; distinguished from the one before by mesh, generation and serial, so that only what changed is uploaded.
+    /// The solution; distinguished from the one before by mesh, generation and serial, so that only
+    /// what changed is uploaded.
     pub snapshot: &'a Snapshot,
     /// From where.
     pub camera: &'a Camera,
@@ -45,7 +47,8 @@ pub struct Frame<'a> {
     pub size: [u32; 2],
 }
 
-/// Samples per pixel that suit a window on an adapter: 1 on software ones, where drawing takes the solver's cores, otherwise 4.
+/// Samples per pixel that suit a window on an adapter: 1 on software ones, where drawing takes the
+/// solver's cores, otherwise 4.
 pub fn sample_count(adapter: &wgpu::Adapter) -> u32 {
     let is_software = adapter.get_info().device_type == wgpu::DeviceType::Cpu;
     if is_software { 1 } else { supported_samples(adapter) }
@@ -195,7 +198,8 @@ pub struct SceneRenderer {
 }
 
 impl SceneRenderer {
-    /// A renderer with so many samples per pixel ([`sample_count`]), which can blit into targets of one format.
+    /// A renderer with so many samples per pixel ([`sample_count`]), which can blit into targets of
+    /// one format.
     pub fn new(device: wgpu::Device, queue: wgpu::Queue, samples: u32, blit_format: wgpu::TextureFormat) -> Self {
         let pipelines = Pipelines::new(&device, samples, blit_format);
         let view_buffer = device.create_buffer(&wgpu::BufferDescriptor {
@@ -245,7 +249,8 @@ impl SceneRenderer {
     /// Uploads what changed and records the drawing of one picture into the renderer's own texture.
     ///
     /// # Errors
-    /// A size of zero or beyond the adapter's limits, or a mesh beyond them; the picture before stays.
+    /// A size of zero or beyond the adapter's limits, or a mesh beyond them; the picture before
+    /// stays.
     pub fn draw(&mut self, encoder: &mut wgpu::CommandEncoder, frame: &Frame<'_>) -> Result<(), RenderError> {
         self.check_size(frame.size)?;
         self.upload(frame.snapshot)?;
@@ -289,7 +294,8 @@ impl SceneRenderer {
         self.target.as_ref().map(|(target, _)| &target.picture)
     }
 
-    /// Forgets which snapshot is shown, so that the next one is uploaded whatever its generation and serial say.
+    /// Forgets which snapshot is shown, so that the next one is uploaded whatever its generation
+    /// and serial say.
     pub fn forget(&mut self) {
         self.shown = None;
     }
@@ -397,7 +403,8 @@ impl SceneRenderer {
         (target, binding)
     }
 
-    /// Background or sky, and mesh, or a gathered picture and the depth of the mesh, then lines: those in surfaces where they are seen, links faintly through everything as well.
+    /// Background or sky, and mesh, or a gathered picture and the depth of the mesh, then lines:
+    /// those in surfaces where they are seen, links faintly through everything as well.
     fn record(&self, encoder: &mut wgpu::CommandEncoder, target: &Target) {
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("scene"),

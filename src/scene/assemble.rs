@@ -1,4 +1,5 @@
-//! From what a reader found to a scene: sidecar, clamps, shared vertices, quads and triangles, faces left out.
+//! From what a reader found to a scene: sidecar, clamps, shared vertices, quads and triangles,
+//! faces left out.
 
 use std::collections::{HashMap, HashSet};
 use std::ops::Range;
@@ -19,10 +20,12 @@ use super::{Material, MaterialId, NamedCamera, Polygon, Scene, Sides, Skipped, p
 /// The largest reflectance that a scene file may set; more makes light that hardly ever dies.
 const MAX_FILE_REFLECTANCE: f32 = 0.95;
 
-/// A face whose doubled area is below this share of its squared longest edge has no area but rounding noise.
+/// A face whose doubled area is below this share of its squared longest edge has no area but
+/// rounding noise.
 const NO_AREA: f64 = 1e-7;
 
-/// Twice the area of the smallest face, in the square of the length unit: f32 must still divide by its square.
+/// Twice the area of the smallest face, in the square of the length unit: f32 must still divide by
+/// its square.
 const SMALLEST: f64 = 1e-18;
 
 /// Makes the scene, in metres.
@@ -124,7 +127,8 @@ fn note_unknown(draft: &mut Draft, sidecar: &Sidecar, reading: &Reading) {
     notes.into_iter().for_each(|note| draft.skipped.note(note));
 }
 
-/// Textures of a material, for pictures, and what makes holes in its faces; `None` where points of a face look alike.
+/// Textures of a material, for pictures, and what makes holes in its faces; `None` where points of
+/// a face look alike.
 fn textures_of(material: &DraftMaterial, is_opaque: bool, has_colours: bool) -> Option<Arc<MaterialTextures>> {
     let opacity = if is_opaque { Opacity::Opaque } else { material.opacity };
     let opacity_map = material.opacity_map.clone().filter(|_| !is_opaque);
@@ -276,8 +280,8 @@ const FLAT_COSINE: f32 = 0.9998;
 
 /// Collects polygons over vertices that neighbouring faces share.
 ///
-/// The maps hash with secret keys, as std's do: with a known hash a file can hold positions that all fall into one slot, and each
-/// look-up would go through all of them.
+/// The maps hash with secret keys, as std's do: with a known hash a file can hold positions that
+/// all fall into one slot, and each look-up would go through all of them.
 struct PolygonBuilder<'a> {
     draft: &'a Draft,
     /// Whether faces may have details of their own.
@@ -465,7 +469,8 @@ impl<'a> PolygonBuilder<'a> {
                 details.iter_mut().for_each(|detail| detail.normal = None);
             }
             let is_needed = has_map || details.iter().any(|detail| *detail != CornerDetail::default());
-            // Faces of a draft with colours may differ from each other whether or not they have any.
+            // Faces of a draft with colours may differ from each other whether or not they have
+            // any.
             if is_needed || !self.draft.colours.is_empty() {
                 polygon.detail = self.details.add(corners, details);
             }

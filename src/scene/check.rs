@@ -42,7 +42,8 @@ pub struct Skipped {
     pub faces_seen_from_behind: usize,
     /// Faces that `Sides::Auto` turned round.
     pub turned_faces: usize,
-    /// Faces that lie under others, wholly or in part, and count once ([`crate::geometry::overlaps`]).
+    /// Faces that lie under others, wholly or in part, and count once
+    /// ([`crate::geometry::overlaps`]).
     pub covered_faces: usize,
     /// Faces cut where a wall stands on them ([`crate::geometry::cuts`]).
     pub cut_faces: usize,
@@ -125,7 +126,8 @@ impl Skipped {
         kinds.into_iter().map(sentence).collect()
     }
 
-    /// One sentence for those that the file needs, one for others, and what there is to say of single ones.
+    /// One sentence for those that the file needs, one for others, and what there is to say of
+    /// single ones.
     fn said_of_extensions(&self) -> Vec<String> {
         let named = |is_required: bool| {
             let plain = |it: &&UnreadExtension| it.is_required == is_required && it.remark.is_none();
@@ -200,7 +202,8 @@ impl Skipped {
 mod tests {
     use super::*;
 
-    /// Truth: three kinds of problems are three sentences, however many textures have them, and each says how many.
+    /// Truth: three kinds of problems are three sentences, however many textures have them, and
+    /// each says how many.
     #[test]
     fn textures_that_are_not_used_are_said_once_for_each_kind_of_problem() {
         let mut skipped = Skipped::default();

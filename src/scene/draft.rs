@@ -21,8 +21,8 @@ pub(super) fn scene_name(path: &Path) -> String {
     path.file_stem().map_or_else(|| "scene".to_owned(), |stem| stem.to_string_lossy().into_owned())
 }
 
-/// Groups nested deeper than this belong to the one at this depth. A sidecar that arranges them is then nested less deeply than its
-/// parser allows (128 brackets, two for each group).
+/// Groups nested deeper than this belong to the one at this depth. A sidecar that arranges them is
+/// then nested less deeply than its parser allows (128 brackets, two for each group).
 const MOST_LEVELS: u8 = 48;
 
 /// The material of faces that name none.
@@ -96,9 +96,11 @@ pub(super) struct Draft {
     pub vertices: Vec<DVec3>,
     /// Vertex indices (all valid) of one face after the other.
     pub corners: Vec<u32>,
-    /// Texture coordinates of each corner, NaN where a face has none; shorter where the last faces have none.
+    /// Texture coordinates of each corner, NaN where a face has none; shorter where the last faces
+    /// have none.
     pub uvs: Vec<Vec2>,
-    /// Texture coordinates of each corner for emission alone, likewise, where its material has such.
+    /// Texture coordinates of each corner for emission alone, likewise, where its material has
+    /// such.
     pub emission_uvs: Vec<Vec2>,
     /// Normals of each corner, likewise.
     pub normals: Vec<Option<[i16; 2]>>,
@@ -153,7 +155,8 @@ impl Draft {
         }
     }
 
-    /// A new group below `parent`, whether or not it has a sibling of the same name; `parent` itself where that lies too deep.
+    /// A new group below `parent`, whether or not it has a sibling of the same name; `parent`
+    /// itself where that lies too deep.
     pub fn add_group(&mut self, name: &str, parent: GroupId) -> GroupId {
         let level = self.levels[parent.0 as usize];
         if level >= MOST_LEVELS {

@@ -51,9 +51,10 @@ impl Scene {
         Err(EditError::UnknownMaterial { name: material.to_owned(), hint: self.names_like(material) })
     }
 
-    /// Adds a square luminaire that shines down (against `up`), its middle at `centre`, its side `size` in the scene's
-    /// length unit; `exitance` is B_e, W/m² per colour. [`crate::prepare::ceiling::place`] finds the place for it.
-    /// Each has a material of its own: "ceiling light", "ceiling light 2" and so on.
+    /// Adds a square luminaire that shines down (against `up`), its middle at `centre`, its side
+    /// `size` in the scene's length unit; `exitance` is B_e, W/m² per colour.
+    /// [`crate::prepare::ceiling::place`] finds the place for it. Each has a material of its own:
+    /// "ceiling light", "ceiling light 2" and so on.
     ///
     /// # Errors
     /// A size, direction or exitance that cannot be used.

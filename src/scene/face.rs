@@ -1,9 +1,10 @@
-//! Details of a face beside its material: how it differs from the material's mean, and texture coordinates, normals and
-//! colours at its corners.
+//! Details of a face beside its material: how it differs from the material's mean, and texture
+//! coordinates, normals and colours at its corners.
 //!
-//! Light transport takes one reflectance and one emission for each face ([`Scene::surface`]): its material's mean times the face's
-//! own tint, so that a change of the material changes all of its faces alike. Pictures read textures, colours and normals at points
-//! ([`Scene::surface_at`], [`Scene::smooth_normal`]); parts that a face was cut into find their places on the whole face.
+//! Light transport takes one reflectance and one emission for each face ([`Scene::surface`]): its
+//! material's mean times the face's own tint, so that a change of the material changes all of its
+//! faces alike. Pictures read textures, colours and normals at points ([`Scene::surface_at`],
+//! [`Scene::smooth_normal`]); parts that a face was cut into find their places on the whole face.
 
 use std::collections::HashMap;
 use std::ops::{Add, Mul};
@@ -53,7 +54,8 @@ struct Face {
     corners: u8,
 }
 
-/// Details of all faces that have any. A list is empty where no face has such a detail, else it has an entry for each corner.
+/// Details of all faces that have any. A list is empty where no face has such a detail, else it has
+/// an entry for each corner.
 #[derive(Clone, Debug, Default)]
 pub struct FaceDetails {
     faces: Vec<Face>,
@@ -136,7 +138,8 @@ const NO_NORMAL: [i16; 2] = [i16::MIN; 2];
 /// The colour of corners that have none.
 const WHITE: [u16; 4] = [u16::MAX; 4];
 
-/// Appends to a list that is there or has something to hold now; the lists that are there are as long as `before`.
+/// Appends to a list that is there or has something to hold now; the lists that are there are as
+/// long as `before`.
 fn extend<T: Copy>(list: &mut Vec<T>, before: usize, absent: T, values: impl Iterator<Item = Option<T>> + Clone) {
     if list.is_empty() && values.clone().all(|value| value.is_none()) {
         return;
@@ -151,7 +154,8 @@ fn fill<T: Copy>(list: &mut Vec<T>, count: usize, absent: T) {
     }
 }
 
-/// A unit vector in two numbers: the sphere unfolded to a square by way of an octahedron (Meyer et al. 2010).
+/// A unit vector in two numbers: the sphere unfolded to a square by way of an octahedron (Meyer et
+/// al. 2010).
 pub(super) fn packed_normal(normal: Vec3) -> Option<[i16; 2]> {
     let normal = normal.try_normalize()?;
     let flat = normal / (normal.x.abs() + normal.y.abs() + normal.z.abs());
@@ -192,8 +196,9 @@ impl Scene {
         }
     }
 
-    /// Reflectance and emission of a face at a point, where its mean is `mean`: as its textures and the colours of its corners say, and changed
-    /// as the mean was changed since the file was read. Texels are as large as `footprint`, in the scene's length unit. `None` in a hole.
+    /// Reflectance and emission of a face at a point, where its mean is `mean`: as its textures and
+    /// the colours of its corners say, and changed as the mean was changed since the file was read.
+    /// Texels are as large as `footprint`, in the scene's length unit. `None` in a hole.
     pub fn surface_at(&self, polygon: &Polygon, point: Vec3, mean: Surface, footprint: f32) -> Option<Surface> {
         let textures = self.materials[polygon.material.0 as usize].textures.as_deref();
         if textures.is_none() && self.details.colours.is_empty() {
@@ -279,7 +284,8 @@ impl Scene {
         Some(uv).filter(|uv| uv.is_finite())
     }
 
-    /// Unit normal at a point of a polygon, turned to its bright side; the polygon's own where its file has none.
+    /// Unit normal at a point of a polygon, turned to its bright side; the polygon's own where its
+    /// file has none.
     pub fn smooth_normal(&self, polygon: &Polygon, point: Vec3) -> Vec3 {
         let flat = self.normal(polygon);
         let normals = &self.details.normals;
@@ -290,7 +296,8 @@ impl Scene {
         }
     }
 
-    /// Colour and alpha at a point of a polygon that its material's are multiplied with; white where its file has none.
+    /// Colour and alpha at a point of a polygon that its material's are multiplied with; white
+    /// where its file has none.
     fn corner_colour(&self, polygon: &Polygon, point: Vec3) -> Vec4 {
         let colour = |colour: [u16; 4]| Vec4::from_array(colour.map(|value| f32::from(value) / 65535.0));
         self.interpolated(polygon, point, &self.details.colours, colour).unwrap_or(Vec4::ONE)

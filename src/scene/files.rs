@@ -1,7 +1,8 @@
 //! Files that a scene may read: plain files of its own folder, none longer than memory can take.
 //!
-//! A scene file comes from anywhere and names other files. None of these names, links included, leads out of the scene's folder, and
-//! nothing that is no plain file (a pipe, a device) is ever opened: reading it might never end.
+//! A scene file comes from anywhere and names other files. None of these names, links included,
+//! leads out of the scene's folder, and nothing that is no plain file (a pipe, a device) is ever
+//! opened: reading it might never end.
 
 use std::collections::BTreeMap;
 use std::fs::{self, File};
@@ -47,9 +48,11 @@ impl From<io::Error> for FileError {
     }
 }
 
-/// Where the files come from that a scene file refers to: material files, textures, buffers and the sidecar.
+/// Where the files come from that a scene file refers to: material files, textures, buffers and the
+/// sidecar.
 pub trait SceneFiles: Sync {
-    /// The content of a file; `name` is relative to the scene's folder and has neither `.` nor `..` in it.
+    /// The content of a file; `name` is relative to the scene's folder and has neither `.` nor `..`
+    /// in it.
     ///
     /// # Errors
     /// Why it is not read; [`FileError::TooLong`] beyond `most` bytes.
@@ -59,8 +62,8 @@ pub trait SceneFiles: Sync {
     fn names(&self) -> Vec<PathBuf>;
 }
 
-/// The content of a file that a scene refers to. One that is not there may lie elsewhere in the folder, under a name that differs in
-/// case: exporters write the paths of their own machines.
+/// The content of a file that a scene refers to. One that is not there may lie elsewhere in the
+/// folder, under a name that differs in case: exporters write the paths of their own machines.
 ///
 /// # Errors
 /// Why it is not read.
@@ -163,7 +166,8 @@ impl SceneFiles for SceneFolder {
 /// The content of a plain file of at most `most` bytes.
 ///
 /// # Errors
-/// Why it is not read; it is not even opened unless it is a plain file, since opening a pipe waits for its other end.
+/// Why it is not read; it is not even opened unless it is a plain file, since opening a pipe waits
+/// for its other end.
 pub(super) fn read_plain_file(path: &Path, most: u64) -> Result<Vec<u8>, FileError> {
     if !fs::metadata(path)?.is_file() {
         return Err(FileError::NotAFile);
@@ -181,7 +185,8 @@ pub(super) fn read_plain_file(path: &Path, most: u64) -> Result<Vec<u8>, FileErr
     Ok(bytes)
 }
 
-/// The name of a file that a scene refers to, relative to its folder and the same for all ways to write it.
+/// The name of a file that a scene refers to, relative to its folder and the same for all ways to
+/// write it.
 ///
 /// # Errors
 /// The reference leads out of the folder.

@@ -1,7 +1,9 @@
-//! The length unit by how high flat tops lie above their floor: those of seats, tables and worktops, whatever they are called.
+//! The length unit by how high flat tops lie above their floor: those of seats, tables and
+//! worktops, whatever they are called.
 //!
-//! A room's size alone does not tell feet from metres: a room of 9 feet may be a hall of 9 m. Things do, since people are equally tall
-//! everywhere: a hall has chairs of 0.45 m, a room in feet has some of 1.5.
+//! A room's size alone does not tell feet from metres: a room of 9 feet may be a hall of 9 m.
+//! Things do, since people are equally tall everywhere: a hall has chairs of 0.45 m, a room in feet
+//! has some of 1.5.
 
 use std::collections::HashMap;
 
@@ -22,7 +24,8 @@ struct Kind {
     length: f64,
 }
 
-/// Seats with beds and sofas, tables with desks, worktops. Their levels are so close that no top has one in two units.
+/// Seats with beds and sofas, tables with desks, worktops. Their levels are so close that no top
+/// has one in two units.
 const KINDS: [Kind; 3] = [
     Kind { level: [0.38, 0.53], depth: [0.28, 2.1], length: 3.2 },
     Kind { level: [0.68, 0.8], depth: [0.4, 1.6], length: 4.5 },
@@ -54,7 +57,8 @@ const SLAB: f64 = 0.025;
 /// Least share of the box around it that a top fills; a round one turned by any angle fills more.
 const FILLED: f64 = 0.4;
 
-/// The unit in which most flat tops of a scene of this height lie as high as those of furniture; none where there are too few of them.
+/// The unit in which most flat tops of a scene of this height lie as high as those of furniture;
+/// none where there are too few of them.
 pub(super) fn unit(draft: &Draft, up: UpAxis, height: f64) -> Option<Unit> {
     // Lower rooms are none in any other unit.
     if height * Unit::Foot.metres() < ROOM[0] {
@@ -157,7 +161,8 @@ fn large_levels(faces: &[FlatFace], near: f64) -> Vec<f64> {
     levels.into_iter().filter(|(_, area)| *area >= LARGE * largest).map(|(level, _)| level).collect()
 }
 
-/// A number for each face, one for those that meet in a corner; the under and the upper side of a slab count as one.
+/// A number for each face, one for those that meet in a corner; the under and the upper side of a
+/// slab count as one.
 fn parts(faces: &[FlatFace], near: f64, slab: f64) -> Vec<usize> {
     fn first(parts: &mut [usize], mut face: usize) -> usize {
         while parts[face] != face {
@@ -238,7 +243,8 @@ mod tests {
     use super::super::draft::DraftMaterial;
     use super::*;
 
-    /// Boards by their lower and upper corners, m, with y up, in a room of this size: their upper and under sides.
+    /// Boards by their lower and upper corners, m, with y up, in a room of this size: their upper
+    /// and under sides.
     fn room(size: DVec3, boards: &[[DVec3; 2]], unit: Unit, up: UpAxis) -> Draft {
         let mut draft = Draft::new("room");
         draft.materials.push(DraftMaterial::new("white"));
@@ -268,8 +274,8 @@ mod tests {
         super::unit(draft, up, height)
     }
 
-    /// Truth: heights of chairs (0.45 m), tables (0.74 m) and worktops (0.9 m) as shops sell them, beside shelves and a carpet, in rooms and
-    /// in a hall.
+    /// Truth: heights of chairs (0.45 m), tables (0.74 m) and worktops (0.9 m) as shops sell them,
+    /// beside shelves and a carpet, in rooms and in a hall.
     #[test]
     fn furniture_tells_the_unit_of_rooms() {
         let furniture = [
@@ -318,8 +324,8 @@ mod tests {
         }
     }
 
-    /// Truth: nothing in an empty room tells metres from feet, nor do plinths, partition walls and booths of a hall, and two things are too
-    /// few.
+    /// Truth: nothing in an empty room tells metres from feet, nor do plinths, partition walls and
+    /// booths of a hall, and two things are too few.
     #[test]
     fn bare_rooms_and_halls_tell_nothing() {
         let hall = DVec3::new(12.0, 9.0, 15.0);

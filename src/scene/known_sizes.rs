@@ -1,4 +1,5 @@
-//! The length unit by things whose height everybody knows: doors, chairs, tables, by the names of groups and materials.
+//! The length unit by things whose height everybody knows: doors, chairs, tables, by the names of
+//! groups and materials.
 
 use super::draft::Draft;
 use super::unit::Unit;
@@ -12,7 +13,8 @@ const KNOWN: [(f64, &[&str]); 4] = [
     (0.85, &["sofa", "sofas", "couch", "couches"]),
 ];
 
-/// A thing is as high as usual within this factor, as a logarithm: 1.35. Units are 2.5 times as long as the next one, or more.
+/// A thing is as high as usual within this factor, as a logarithm: 1.35. Units are 2.5 times as
+/// long as the next one, or more.
 const USUAL: f64 = 0.3;
 
 /// So many things of a usual height tell a unit; fewer may be toys.
@@ -21,7 +23,8 @@ const ENOUGH: usize = 2;
 /// Share of the things of a usual height, in whatever unit, that must agree.
 const AGREED: f64 = 2.0 / 3.0;
 
-/// The unit in which most things with a known name have their usual height; none where there are too few of them.
+/// The unit in which most things with a known name have their usual height; none where there are
+/// too few of them.
 pub(super) fn unit(draft: &Draft, up: UpAxis) -> Option<Unit> {
     let axis = if up == UpAxis::Y { 1 } else { 2 };
     let mut votes = [0_usize; Unit::ALL.len()];
@@ -120,7 +123,8 @@ mod tests {
         draft
     }
 
-    /// Truth: heights of a door, a chair and a table in the unit named; too few, or toys and a tall cabinet, tell nothing.
+    /// Truth: heights of a door, a chair and a table in the unit named; too few, or toys and a tall
+    /// cabinet, tell nothing.
     #[test]
     fn doors_and_chairs_tell_the_unit() {
         for unit in Unit::ALL {

@@ -1,4 +1,5 @@
-//! Loading: a scene comes from an OBJ, glTF, GLB, PLY or STL file with its sidecar, by extension and content.
+//! Loading: a scene comes from an OBJ, glTF, GLB, PLY or STL file with its sidecar, by extension
+//! and content.
 
 use std::path::{Path, PathBuf};
 
@@ -31,7 +32,8 @@ pub fn load(source: &Source) -> Result<Scene, LoadError> {
     load_with(source, &Reading::default())
 }
 
-/// Loads a scene from wherever it comes, a file read as a person says; one of our own scenes is as it is.
+/// Loads a scene from wherever it comes, a file read as a person says; one of our own scenes is as
+/// it is.
 ///
 /// # Errors
 /// As [`load_file`].
@@ -46,7 +48,8 @@ pub fn load_with(source: &Source, reading: &Reading) -> Result<Scene, LoadError>
     }
 }
 
-/// Loads a scene file with its sidecar; what was skipped, clamped or ignored stands in [`Scene::skipped`].
+/// Loads a scene file with its sidecar; what was skipped, clamped or ignored stands in
+/// [`Scene::skipped`].
 ///
 /// Nothing is read but plain files of the scene's own folder.
 ///
@@ -65,7 +68,8 @@ fn load_file_with(path: &Path, reading: &Reading) -> Result<Scene, LoadError> {
     load_bytes_with(path, bytes, &SceneFolder::of(path), reading)
 }
 
-/// Loads a scene from the content of its file; `path` names it and is not read, what it refers to comes from `files`.
+/// Loads a scene from the content of its file; `path` names it and is not read, what it refers to
+/// comes from `files`.
 ///
 /// # Errors
 /// As [`load_file`].

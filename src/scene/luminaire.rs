@@ -1,7 +1,8 @@
 //! Luminaires that a person adds to a scene: squares, discs and lines that shine to one side.
 //!
-//! They are faces like all others, with a material and a group of their own, and come last among a scene's faces, materials
-//! and groups, so that [`Scene::set_luminaires`] can put others in their place.
+//! They are faces like all others, with a material and a group of their own, and come last among a
+//! scene's faces, materials and groups, so that [`Scene::set_luminaires`] can put others in their
+//! place.
 
 use std::f32::consts::{PI, TAU};
 
@@ -248,7 +249,8 @@ impl Scene {
         Ok(())
     }
 
-    /// Puts these luminaires in the place of those that were added to a scene whose faces have not been turned, doubled or cut.
+    /// Puts these luminaires in the place of those that were added to a scene whose faces have not
+    /// been turned, doubled or cut.
     ///
     /// # Errors
     /// One that cannot be used; the scene then lacks those from it on.
@@ -312,7 +314,8 @@ mod tests {
         Luminaire { name: shape.usual_name().into(), form, exitance: Vec3::new(10.0, 20.0, 5.0) }
     }
 
-    /// Truth: Φ = A·B_e with the areas s², πs²/4 and s²/20; the faces' normals are the direction, whatever that is.
+    /// Truth: Φ = A·B_e with the areas s², πs²/4 and s²/20; the faces' normals are the direction,
+    /// whatever that is.
     #[test]
     fn every_shape_sends_its_flux_where_it_points() {
         let truths = [0.64, 0.16 * PI, 0.032];

@@ -1,7 +1,8 @@
 //! The scene: polygons, materials, groups and a camera, as every later layer reads them.
 //!
-//! A scene comes from a file ([`load`]: OBJ, glTF/GLB, PLY or STL, and its sidecar) or from code ([`builtin`]).
-//! Nothing here knows about clusters, links or windows; this module imports no other of the crate.
+//! A scene comes from a file ([`load`]: OBJ, glTF/GLB, PLY or STL, and its sidecar) or from code
+//! ([`builtin`]). Nothing here knows about clusters, links or windows; this module imports no other
+//! of the crate.
 
 mod assemble;
 pub mod builtin;
@@ -77,9 +78,11 @@ pub struct GroupId(pub u32);
 pub struct Material {
     /// Name as the file gives it.
     pub name: String,
-    /// Reflectance ρ per colour, 0 ≤ ρ < 1: the mean by area where faces differ ([`Scene::surface`]).
+    /// Reflectance ρ per colour, 0 ≤ ρ < 1: the mean by area where faces differ
+    /// ([`Scene::surface`]).
     pub reflectance: Vec3,
-    /// Emission B_e per colour, W/m² (exitance, π times the radiance of OBJ `Ke`): the mean by area where faces differ.
+    /// Emission B_e per colour, W/m² (exitance, π times the radiance of OBJ `Ke`): the mean by area
+    /// where faces differ.
     pub emission: Vec3,
     /// Textures, where there are any.
     pub textures: Option<Arc<MaterialTextures>>,
@@ -98,7 +101,8 @@ pub struct Group {
     pub parent: Option<GroupId>,
 }
 
-/// A triangle or a (nearly planar, convex) quad with one bright side: the one from which its corners run anticlockwise.
+/// A triangle or a (nearly planar, convex) quad with one bright side: the one from which its
+/// corners run anticlockwise.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Polygon {
     corners: [u32; 4],
@@ -106,7 +110,8 @@ pub struct Polygon {
     pub material: MaterialId,
     /// The group that holds the polygon directly.
     pub group: GroupId,
-    /// True for the second of two opposite patches made of one face ([`Sides::Both`]); it casts no shadow of its own.
+    /// True for the second of two opposite patches made of one face ([`Sides::Both`]); it casts no
+    /// shadow of its own.
     pub is_back: bool,
     /// True for a face that is bright on both sides: a further polygon is its back.
     pub has_back: bool,
@@ -132,7 +137,8 @@ impl Polygon {
         Self { corners, material, group, is_back: false, has_back: false, detail: NO_DETAIL }
     }
 
-    /// A part of this face over other vertex indices, three or four; it is what the whole face is in all else.
+    /// A part of this face over other vertex indices, three or four; it is what the whole face is
+    /// in all else.
     ///
     /// # Panics
     /// There must be three or four corners.
@@ -171,7 +177,8 @@ impl Polygon {
     }
 }
 
-/// Which sides of a face reflect and emit light. Occluders stop light from either side in every case.
+/// Which sides of a face reflect and emit light. Occluders stop light from either side in every
+/// case.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Sides {
@@ -227,7 +234,8 @@ pub struct FileLight {
 pub struct Scene {
     /// Name shown to a person (file stem or the name of our own scene).
     pub name: String,
-    /// Where the zero of the scene's coordinates lies in its file's: files of surveyed places lie far off.
+    /// Where the zero of the scene's coordinates lies in its file's: files of surveyed places lie
+    /// far off.
     pub origin: DVec3,
     /// Positions, in the scene's length unit (metres where areas and watts are to be read).
     pub vertices: Vec<Vec3>,
@@ -237,14 +245,15 @@ pub struct Scene {
     pub details: Arc<FaceDetails>,
     /// Materials; every polygon's index is valid.
     pub materials: Vec<Material>,
-    /// Reflectance and emission of the first materials as the scene's file alone has them, without its sidecar; empty where no
-    /// file is.
+    /// Reflectance and emission of the first materials as the scene's file alone has them, without
+    /// its sidecar; empty where no file is.
     pub filed_materials: Vec<Material>,
     /// Groups; a parent precedes its children, `groups[0]` is the root.
     pub groups: Vec<Group>,
     /// How a person arranged the groups by hand; empty where they are as the file has them.
     pub regrouping: Vec<GroupMember>,
-    /// Luminaires among the polygons, which no scene file holds: [`Scene::set_luminaires`] makes them.
+    /// Luminaires among the polygons, which no scene file holds: [`Scene::set_luminaires`] makes
+    /// them.
     pub placed_luminaires: Vec<PlacedLuminaire>,
     /// The view to open with, where the scene names one.
     pub camera: Option<CameraPose>,
@@ -254,7 +263,8 @@ pub struct Scene {
     pub task_area: Option<TaskArea>,
     /// Views that the scene's file holds.
     pub cameras: Vec<NamedCamera>,
-    /// Lights of the file that are no surfaces there; each is a small emitter here, of a material of its own.
+    /// Lights of the file that are no surfaces there; each is a small emitter here, of a material
+    /// of its own.
     pub lights: Vec<FileLight>,
     /// Sky and sun, where the scene has them.
     pub outside: Option<Arc<Outside>>,
@@ -264,7 +274,8 @@ pub struct Scene {
     pub reading: Reading,
     /// Which sides of its faces are bright; [`crate::geometry::orient::apply`] makes it so.
     pub sides: Sides,
-    /// Edges, by their ends, that part what is shown on their sides: a wall stands on them ([`crate::geometry::cuts`]).
+    /// Edges, by their ends, that part what is shown on their sides: a wall stands on them
+    /// ([`crate::geometry::cuts`]).
     pub cut_edges: Vec<[Vec3; 2]>,
     /// Counts of what loading skipped, clamped or ignored.
     pub skipped: Skipped,
@@ -318,14 +329,16 @@ impl Scene {
         GroupId(self.groups.len() as u32 - 1)
     }
 
-    /// Adds a quad by its corner positions, anticlockwise as seen from the bright side; vertices are not shared.
+    /// Adds a quad by its corner positions, anticlockwise as seen from the bright side; vertices
+    /// are not shared.
     pub fn add_quad(&mut self, corners: [Vec3; 4], material: MaterialId, group: GroupId) {
         let first = self.vertices.len() as u32;
         self.vertices.extend(corners);
         self.polygons.push(Polygon::quad([first, first + 1, first + 2, first + 3], material, group));
     }
 
-    /// Adds a triangle by its corner positions, anticlockwise as seen from the bright side; vertices are not shared.
+    /// Adds a triangle by its corner positions, anticlockwise as seen from the bright side;
+    /// vertices are not shared.
     pub fn add_triangle(&mut self, corners: [Vec3; 3], material: MaterialId, group: GroupId) {
         let first = self.vertices.len() as u32;
         self.vertices.extend(corners);

@@ -1,4 +1,5 @@
-//! MTL files: `Kd` is reflectance, `Ke` a radiance (B_e = π·Ke), `d` and `Tr` opacity, `map_Kd`, `map_Ke` and `map_d` textures.
+//! MTL files: `Kd` is reflectance, `Ke` a radiance (B_e = π·Ke), `d` and `Tr` opacity, `map_Kd`,
+//! `map_Ke` and `map_d` textures.
 
 use std::borrow::Cow;
 use std::collections::HashMap;
@@ -16,7 +17,8 @@ use super::said::quoted;
 use super::texture::decode::{Encoded, decode_all};
 use super::texture::{Opacity, Texture, TextureMap, Wrap};
 
-/// More material files than this are no modeller's work; all of them together are no longer than a text file may be.
+/// More material files than this are no modeller's work; all of them together are no longer than a
+/// text file may be.
 const MOST_FILES: usize = 1000;
 
 /// A material as its lines say; what no line says is absent.
@@ -54,7 +56,8 @@ pub(super) struct MaterialLibrary {
 }
 
 impl MaterialLibrary {
-    /// Reads the material files and textures that a scene refers to; textures only of materials that it uses.
+    /// Reads the material files and textures that a scene refers to; textures only of materials
+    /// that it uses.
     pub fn read(files: &dyn SceneFiles, references: &[String], used: &[String], skipped: &mut Skipped) -> Self {
         let mut library = Self::default();
         let mut bytes_left = MOST_TEXT_BYTES;
@@ -100,7 +103,8 @@ impl MaterialLibrary {
             reflectance,
             emission: if is_dark { Vec3::ZERO } else { PI * radiance },
             alpha: self.opacity(said),
-            // Alpha of a colour's texture counts where the file says that it is one: exporters leave all kinds of things there.
+            // Alpha of a colour's texture counts where the file says that it is one: exporters
+            // leave all kinds of things there.
             opacity: if dissolve_in_colour || reflectance_map.is_none() { Opacity::Blend } else { Opacity::Opaque },
             transmits: self.opacity(said) < 0.5,
             reflectance_map,
@@ -137,7 +141,8 @@ impl MaterialLibrary {
             skipped.note("`d` and `Tr` are taken for transparency: else nearly everything would be clear.");
             return;
         }
-        // Where most materials are at 1, nothing would be left to be seen; a few among many are panes.
+        // Where most materials are at 1, nothing would be left to be seen; a few among many are
+        // panes.
         self.tr_means_opaque = agree.is_empty() && (equal > 0 || 2 * opaque > self.by_name.len());
         if self.tr_means_opaque {
             skipped.note("`Tr` is taken for opacity, as its exporter means it: else nearly everything would be clear.");
@@ -312,7 +317,8 @@ fn number(text: &str) -> Option<f32> {
     text.split_whitespace().next()?.parse().ok().filter(|value: &f32| value.is_finite())
 }
 
-/// A texture's file name with its options, which stand before it or, as some exporters have it, behind; names may hold spaces.
+/// A texture's file name with its options, which stand before it or, as some exporters have it,
+/// behind; names may hold spaces.
 fn texture(text: &str) -> Option<MapStatement> {
     let mut words = text.split_whitespace().peekable();
     let mut name: Vec<&str> = Vec::new();

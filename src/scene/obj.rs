@@ -1,6 +1,8 @@
-//! OBJ, line by line: every line is checked, with its number, and faces of one object or group name belong together.
+//! OBJ, line by line: every line is checked, with its number, and faces of one object or group name
+//! belong together.
 //!
-//! `o` and `g` count alike, the last one names the faces; `/` in a name separates the levels of the scene's hierarchy.
+//! `o` and `g` count alike, the last one names the faces; `/` in a name separates the levels of the
+//! scene's hierarchy.
 
 use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
@@ -64,7 +66,8 @@ fn data_of(line: &str) -> &str {
     data.trim_end()
 }
 
-/// Whether `\` at a line's end means that the next one belongs to it: in names it is a part of a path.
+/// Whether `\` at a line's end means that the next one belongs to it: in names it is a part of a
+/// path.
 fn goes_on(line: &str) -> bool {
     !matches!(keyword_of(line), "" | "o" | "g" | "usemtl" | "mtllib")
 }
@@ -218,7 +221,8 @@ impl<'a> LineReader<'a> {
         Ok(())
     }
 
-    /// A corner `v/vt/vn`; the numbers of what is not there yet, or not at all, are absent but for the vertex's.
+    /// A corner `v/vt/vn`; the numbers of what is not there yet, or not at all, are absent but for
+    /// the vertex's.
     fn corner(&mut self, word: &str) -> Result<Corner, LoadError> {
         let mut parts = word.split('/');
         let vertex = parts.next().unwrap_or_default();

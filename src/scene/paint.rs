@@ -1,5 +1,6 @@
-//! Reflectance, emission and opacity of each face of a draft by itself: textures averaged over its part of their plane, times the colours
-//! of its corners, times its material's factors. Alpha counts as far as the material's [`Opacity`] says.
+//! Reflectance, emission and opacity of each face of a draft by itself: textures averaged over its
+//! part of their plane, times the colours of its corners, times its material's factors. Alpha
+//! counts as far as the material's [`Opacity`] says.
 
 use std::collections::HashMap;
 use std::sync::Arc;

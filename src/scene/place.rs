@@ -1,21 +1,25 @@
 //! Places: a file's own coordinates, and those of the scene that was made of it.
 //!
-//! f32 tells apart what is a millimetre apart only some kilometres around zero, and files of surveyed places lie at hundreds. Such a
-//! scene is moved to zero while its coordinates are f64 yet, and [`Scene::origin`] says by how much; everything that is
-//! written out or read in speaks the file's coordinates.
+//! f32 tells apart what is a millimetre apart only some kilometres around zero, and files of
+//! surveyed places lie at hundreds. Such a scene is moved to zero while its coordinates are f64
+//! yet, and [`Scene::origin`] says by how much; everything that is written out or read in speaks
+//! the file's coordinates.
 
 use glam::{DVec3, Vec3};
 use serde::{Deserialize, Serialize};
 
 use super::{CameraPose, Scene};
 
-/// A scene is moved where its middle is farther from zero than so many times its size: nearer ones lose no more than two bits.
+/// A scene is moved where its middle is farther from zero than so many times its size: nearer ones
+/// lose no more than two bits.
 const FAR: f64 = 4.0;
 
-/// The largest coordinate of a scene, in its length unit: the fourth power of a distance must stay a finite f32.
+/// The largest coordinate of a scene, in its length unit: the fourth power of a distance must stay
+/// a finite f32.
 pub(super) const MAX_COORDINATE: f32 = 1e9;
 
-/// The largest coordinate that a file may have, in its length unit: f64 tells a tenth of a unit there.
+/// The largest coordinate that a file may have, in its length unit: f64 tells a tenth of a unit
+/// there.
 const MAX_IN_FILE: f64 = 1e15;
 
 /// Whether a file's coordinate is finite and not too large to reckon with.
@@ -23,8 +27,9 @@ pub(super) fn is_usable(coordinate: f64) -> bool {
     coordinate.abs() <= MAX_IN_FILE
 }
 
-/// Where in a file's coordinates the zero of a scene with this box goes: along each axis zero, or where that is far off a multiple of a
-/// power of two, so that nothing is rounded and a scene that was moved by such a multiple becomes what it was.
+/// Where in a file's coordinates the zero of a scene with this box goes: along each axis zero, or
+/// where that is far off a multiple of a power of two, so that nothing is rounded and a scene that
+/// was moved by such a multiple becomes what it was.
 pub(super) fn origin(lower: DVec3, upper: DVec3) -> DVec3 {
     let size = (upper - lower).max_element();
     if !(size > 0.0 && size.is_finite()) {
@@ -35,7 +40,8 @@ pub(super) fn origin(lower: DVec3, upper: DVec3) -> DVec3 {
     DVec3::from((0.5 * (lower + upper)).to_array().map(along))
 }
 
-/// How far the vertices of a file reach, and which of them reach farthest; `P` tells where a vertex stands.
+/// How far the vertices of a file reach, and which of them reach farthest; `P` tells where a vertex
+/// stands.
 #[derive(Clone, Debug)]
 pub(super) struct Reach<P> {
     /// Lowest and highest coordinate along each axis.
@@ -125,7 +131,8 @@ pub(crate) fn to_file(origin: DVec3, point: Vec3) -> DVec3 {
     origin + DVec3::from(point.to_array().map(shortest))
 }
 
-/// An f32 as the f64 with the same few digits, so that it is written as 39.3 and not 39.29999923706055.
+/// An f32 as the f64 with the same few digits, so that it is written as 39.3 and not
+/// 39.29999923706055.
 pub(super) fn shortest(value: f32) -> f64 {
     value.to_string().parse().unwrap_or_else(|_| value.into())
 }

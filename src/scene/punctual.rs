@@ -1,8 +1,10 @@
 //! Lights that are points in a file, as small emitters (KHR_lights_punctual).
 //!
-//! A point light becomes a sphere of [`RADIUS`] made of 180 triangles, whose projected area, and so its luminous intensity, differs
-//! from the sphere's by less than 0.8 % in any direction. A spot light is such a sphere in a black cup: seen from within the inner cone the cup's
-//! rim hides nothing, outside of the outer cone everything, and between them a growing part. So its cone is kept by geometry, by every estimator alike.
+//! A point light becomes a sphere of [`RADIUS`] made of 180 triangles, whose projected area, and so
+//! its luminous intensity, differs from the sphere's by less than 0.8 % in any direction. A spot
+//! light is such a sphere in a black cup: seen from within the inner cone the cup's rim hides
+//! nothing, outside of the outer cone everything, and between them a growing part. So its cone is
+//! kept by geometry, by every estimator alike.
 
 use glam::{DMat4, DVec3, Vec3};
 
@@ -21,7 +23,8 @@ const SPOT_RADIUS: f64 = 0.004;
 /// Corners of a cup's rim.
 const RIM: usize = 32;
 
-/// The narrowest seam between a spot light's cones, radians; a narrower one would need a longer cup.
+/// The narrowest seam between a spot light's cones, radians; a narrower one would need a longer
+/// cup.
 const LEAST_SEAM: f64 = 0.04;
 
 /// A spot light's outer half angle at most, radians: a cup is open on one side.
@@ -49,7 +52,8 @@ pub(super) struct DirectionalLight {
     pub lux: Vec3,
 }
 
-/// Makes the brightest directional light above the horizon the scene's sun; the others are left out.
+/// Makes the brightest directional light above the horizon the scene's sun; the others are left
+/// out.
 pub(super) fn add_sun(scene: &mut Scene, mut suns: Vec<DirectionalLight>) {
     let axes = Axes::with_up(scene.up_axis());
     let brightness = |sun: &DirectionalLight| {
@@ -125,7 +129,8 @@ fn add<const N: usize>(draft: &mut Draft, corners: [DVec3; N], material: u32, gr
 fn add_cup(draft: &mut Draft, centre: DVec3, axis: DVec3, [inner, outer]: [f64; 2], material: u32, group: GroupId) {
     let outer = outer.clamp(LEAST_SEAM, WIDEST_CONE);
     let inner = inner.clamp(0.0, outer);
-    // The rim is seen from the sphere's middle under the mean angle; it covers the sphere's disc while the angle changes by twice `half`.
+    // The rim is seen from the sphere's middle under the mean angle; it covers the sphere's disc
+    // while the angle changes by twice `half`.
     let middle = 0.5 * (inner + outer);
     let half = (0.5 * (outer - inner)).clamp(0.5 * LEAST_SEAM, 0.9 * middle);
     let distance = SPOT_RADIUS / half.sin();
@@ -178,7 +183,8 @@ fn sphere() -> impl Iterator<Item = [DVec3; 3]> {
 
 /// A triangle pushed out so that it belongs to a body of the unit sphere's mean projected area.
 fn rounded(corners: [DVec3; 3]) -> [DVec3; 3] {
-    // A convex body's mean projected area is a quarter of its surface (Cauchy): the root of 4π over the sum of the 180 triangles.
+    // A convex body's mean projected area is a quarter of its surface (Cauchy): the root of 4π over
+    // the sum of the 180 triangles.
     const SCALE: f64 = 1.016_963_4;
     corners.map(|corner| SCALE * corner)
 }

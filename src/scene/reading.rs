@@ -9,7 +9,8 @@ use super::unit::{BELOW_A_SKY, Unit};
 use super::up::{self, UpAxis};
 use super::{flat_tops, known_sizes};
 
-/// Wishes of a person on how a file is to be read; a sidecar's word counts where nothing is said here.
+/// Wishes of a person on how a file is to be read; a sidecar's word counts where nothing is said
+/// here.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Reading {
@@ -45,7 +46,8 @@ pub struct Frame {
     pub sides_are_told: bool,
 }
 
-/// Shares of corners below and above which lie what stretches a scene without belonging to its rooms: skies, grounds.
+/// Shares of corners below and above which lie what stretches a scene without belonging to its
+/// rooms: skies, grounds.
 const OUTLIERS: f64 = 0.02;
 
 /// So few corners are all that matter.

@@ -1,7 +1,8 @@
 //! Groups made by hand over the objects of a scene: the paper's hand-made clusters (section 2.2).
 //!
-//! The scene's own groups stay as they are, for they name its polygons. What a person makes of them is a list of [`GroupMember`]s, which a
-//! sidecar holds as `groups` and [`Scene::group_tree`] turns into a tree:
+//! The scene's own groups stay as they are, for they name its polygons. What a person makes of them
+//! is a list of [`GroupMember`]s, which a sidecar holds as `groups` and [`Scene::group_tree`] turns
+//! into a tree:
 //!
 //! ```json
 //! [ { "work places": ["desk_1", "desk_2"] },
@@ -10,9 +11,10 @@
 //!   "carpet/*" ]
 //! ```
 //!
-//! An object is named by its path in the scene's file and brings all that the file has in it, except for what the list names elsewhere.
-//! With `/*` behind its path it brings what is in it, but not itself: the bookshelf above is the file's own with a plant in it, and the
-//! group of the carpet is dissolved. What the list does not name stays where the file has it.
+//! An object is named by its path in the scene's file and brings all that the file has in it,
+//! except for what the list names elsewhere. With `/*` behind its path it brings what is in it, but
+//! not itself: the bookshelf above is the file's own with a plant in it, and the group of the
+//! carpet is dissolved. What the list does not name stays where the file has it.
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -68,12 +70,14 @@ pub struct GroupTree {
 }
 
 impl Scene {
-    /// The tree that `groups` clusters by: the scene's own groups, as [`Scene::regrouping`] arranges them.
+    /// The tree that `groups` clusters by: the scene's own groups, as [`Scene::regrouping`]
+    /// arranges them.
     pub fn group_tree(&self) -> GroupTree {
         GroupTree::arranged(&self.groups, &self.regrouping).0
     }
 
-    /// The scene as if its file had its groups as they are arranged; the scene itself where nobody arranged them.
+    /// The scene as if its file had its groups as they are arranged; the scene itself where nobody
+    /// arranged them.
     pub fn as_arranged(self: &Arc<Self>) -> Arc<Self> {
         if self.regrouping.is_empty() {
             return self.clone();
@@ -87,7 +91,8 @@ impl Scene {
         Arc::new(scene)
     }
 
-    /// Arranges the groups by hand; returns a sentence for each member that the scene does not have or that is named twice.
+    /// Arranges the groups by hand; returns a sentence for each member that the scene does not have
+    /// or that is named twice.
     pub fn regroup(&mut self, members: Vec<GroupMember>) -> Vec<String> {
         let (_, remarks) = GroupTree::arranged(&self.groups, &members);
         self.regrouping = members;
@@ -103,7 +108,8 @@ struct Named {
 }
 
 impl GroupTree {
-    /// The scene's own groups as a list arranges them, and a sentence for each member that cannot be followed.
+    /// The scene's own groups as a list arranges them, and a sentence for each member that cannot
+    /// be followed.
     pub fn arranged(own: &[Group], members: &[GroupMember]) -> (Self, Vec<String>) {
         let mut tree = Self { groups: vec![Group { parent: None, ..own[0].clone() }], homes: Vec::new() };
         let addresses = addresses(own);
@@ -163,8 +169,9 @@ impl GroupTree {
         }
     }
 
-    /// The tree with its groups in the order of the scene's own that they hold, empty ones last: equal trees are laid out alike,
-    /// however they came about. Beside it the new place of each group.
+    /// The tree with its groups in the order of the scene's own that they hold, empty ones last:
+    /// equal trees are laid out alike, however they came about. Beside it the new place of each
+    /// group.
     pub(super) fn in_order(self) -> (Self, Vec<GroupId>) {
         let count = self.groups.len();
         let mut first = vec![u32::MAX; count];
@@ -253,7 +260,8 @@ impl GroupTree {
         children
     }
 
-    /// A path for each group that no other has: names from the root joined by `/`, numbered where they are not unique.
+    /// A path for each group that no other has: names from the root joined by `/`, numbered where
+    /// they are not unique.
     pub fn addresses(&self) -> Vec<String> {
         addresses(&self.groups)
     }
@@ -262,7 +270,8 @@ impl GroupTree {
 /// The longest address of a group, bytes: a file can hold a million groups below long names.
 const LONGEST_ADDRESS: usize = 1000;
 
-/// A path for each group that no other has. A slash in a name is none between levels; of a long path the last part is shown.
+/// A path for each group that no other has. A slash in a name is none between levels; of a long
+/// path the last part is shown.
 pub(super) fn addresses(groups: &[Group]) -> Vec<String> {
     // How often a path was asked for; numbered ones count as well.
     let mut asked: HashMap<String, u32> = HashMap::new();
@@ -350,7 +359,8 @@ mod tests {
         assert!(tree.addresses().contains(&"a/desk/lamp".to_owned()));
     }
 
-    /// Truth: the tree itself. Lists are as short as they can be where nothing or one thing was moved.
+    /// Truth: the tree itself. Lists are as short as they can be where nothing or one thing was
+    /// moved.
     #[test]
     fn what_is_written_is_read_as_the_same_tree() {
         let own = own();

@@ -1,4 +1,5 @@
-//! Editing a tree of groups by hand: move, make, rename, dissolve. Each edit gives a new tree and leaves the old one, for undo.
+//! Editing a tree of groups by hand: move, make, rename, dissolve. Each edit gives a new tree and
+//! leaves the old one, for undo.
 
 use super::regroup::GroupTree;
 use super::{Group, GroupId};

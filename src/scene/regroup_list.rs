@@ -1,4 +1,5 @@
-//! Writing a tree of groups as the shortest list that arranges the scene's own groups as it does: what [`GroupTree::arranged`] reads.
+//! Writing a tree of groups as the shortest list that arranges the scene's own groups as it does:
+//! what [`GroupTree::arranged`] reads.
 
 use super::regroup::{CONTENTS, addresses};
 use super::{Group, GroupId, GroupMember, GroupTree};

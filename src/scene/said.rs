@@ -1,4 +1,5 @@
-//! Text out of a file, made fit to stand in a sentence or as a name: on one line, without control characters, not too long.
+//! Text out of a file, made fit to stand in a sentence or as a name: on one line, without control
+//! characters, not too long.
 
 use std::collections::{HashMap, HashSet};
 
@@ -24,7 +25,8 @@ pub(super) fn name(text: &str) -> String {
     tidied(text, LONGEST_NAME)
 }
 
-/// Names as they are known from here on, each another one: `Light`, `Light (2)`, `Light (3)`. Settings are kept by name.
+/// Names as they are known from here on, each another one: `Light`, `Light (2)`, `Light (3)`.
+/// Settings are kept by name.
 pub(super) fn different_names<'a>(texts: impl Iterator<Item = &'a str> + Clone) -> Vec<String> {
     let mut taken: HashSet<String> = texts.clone().map(name).collect();
     let mut counts: HashMap<String, u32> = HashMap::new();
@@ -64,7 +66,8 @@ fn tidied(text: &str, most: usize) -> String {
 mod tests {
     use super::*;
 
-    /// Truth: counted by hand; no name is given twice, also where a file has a name with a number itself.
+    /// Truth: counted by hand; no name is given twice, also where a file has a name with a number
+    /// itself.
     #[test]
     fn names_differ() {
         let names = different_names(["a", "b", "a", "a (2)", "a", ""].into_iter());

@@ -1,4 +1,5 @@
-//! The sidecar `NAME.selflink.json` beside a scene: corrections that the scene's own format cannot hold.
+//! The sidecar `NAME.selflink.json` beside a scene: corrections that the scene's own format cannot
+//! hold.
 //!
 //! ```json
 //! { "materials": { "lamp": { "emission": [30, 30, 30] }, "poster": { "ignore": true }, "curtain": { "opaque": true } },
@@ -29,7 +30,8 @@ use super::{
     MaterialId, Scene, Sides, said,
 };
 
-/// The largest reflectance that a sidecar may set; a light path then loses at least a hundredth at each bounce.
+/// The largest reflectance that a sidecar may set; a light path then loses at least a hundredth at
+/// each bounce.
 pub const MAX_SIDECAR_REFLECTANCE: f32 = 0.99;
 
 /// The largest emission B_e, W/m² (the sun's surface has 6e7): powers must stay finite in f32.
@@ -172,17 +174,19 @@ impl Sidecar {
         scene.with_extension("selflink.json")
     }
 
-    /// All in which a scene differs from its file: reflectances, emissions, added lights, groups made by hand, sides and camera.
+    /// All in which a scene differs from its file: reflectances, emissions, added lights, groups
+    /// made by hand, sides and camera.
     ///
-    /// A scene does not remember which materials a sidecar asked to ignore; where a sidecar is already there, read it and
-    /// [`update`](Self::update) it instead.
+    /// A scene does not remember which materials a sidecar asked to ignore; where a sidecar is
+    /// already there, read it and [`update`](Self::update) it instead.
     pub fn of(scene: &Scene) -> Self {
         let mut sidecar = Self::default();
         sidecar.update(scene);
         sidecar
     }
 
-    /// Takes over what [`Sidecar::of`] tells of a scene, brings what was said already up to date and keeps all the rest.
+    /// Takes over what [`Sidecar::of`] tells of a scene, brings what was said already up to date
+    /// and keeps all the rest.
     pub fn update(&mut self, scene: &Scene) {
         let is_added = |index: usize| scene.luminaire_of(MaterialId(index as u32)).is_some();
         for (index, material) in scene.materials.iter().enumerate().filter(|(index, _)| !is_added(*index)) {
@@ -208,7 +212,8 @@ impl Sidecar {
             self.materials.entry(name.clone()).or_default().ignore = true;
         }
         self.up = scene.reading.up.or(self.up);
-        // What lies beside the scene has lengths in metres, whatever would be guessed the next time.
+        // What lies beside the scene has lengths in metres, whatever would be guessed the next
+        // time.
         let is_guessed = scene.frame.unit != Unit::Metre;
         self.unit = scene.reading.unit.or(self.unit).or_else(|| is_guessed.then_some(scene.frame.unit));
         if self.sides.is_some() || scene.sides != Sides::default() {

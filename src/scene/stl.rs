@@ -1,7 +1,7 @@
 //! STL, as text or binary: triangles of one material, each solid a group.
 //!
-//! Read here and not by a crate: those at hand stop at the first of several solids, or take a binary file whose header begins with
-//! `solid` for text.
+//! Read here and not by a crate: those at hand stop at the first of several solids, or take a
+//! binary file whose header begins with `solid` for text.
 
 use std::path::Path;
 
@@ -13,13 +13,15 @@ use super::load_error::LoadError;
 use super::mtl::text_of;
 use super::said::quoted;
 
-/// Bytes of a binary file before its first triangle: a text of any kind and the number of triangles.
+/// Bytes of a binary file before its first triangle: a text of any kind and the number of
+/// triangles.
 const HEAD: usize = 84;
 
 /// Bytes of a triangle: normal, three corners, and two bytes that some programs write colours into.
 const TRIANGLE: usize = 50;
 
-/// Whether a file is binary STL by its length, which its number of triangles tells; some writers add a line break.
+/// Whether a file is binary STL by its length, which its number of triangles tells; some writers
+/// add a line break.
 pub(super) fn is_binary(bytes: &[u8]) -> bool {
     told_triangles(bytes).is_some_and(|count| {
         let length = HEAD as u64 + u64::from(count) * TRIANGLE as u64;

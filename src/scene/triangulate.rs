@@ -1,16 +1,19 @@
-//! Polygons cut into what the solver takes: triangles, and quads where they are convex and nearly planar.
+//! Polygons cut into what the solver takes: triangles, and quads where they are convex and nearly
+//! planar.
 //!
-//! Anything else is cut by ear clipping in the plane of its Newell normal, so that concave and slightly
-//! non-planar polygons come out right.
+//! Anything else is cut by ear clipping in the plane of its Newell normal, so that concave and
+//! slightly non-planar polygons come out right.
 
 use std::collections::VecDeque;
 
 use glam::{DVec2, DVec3, Vec3};
 
-/// A quad's fourth corner may lie this share of the longer diagonal away from the plane of the others.
+/// A quad's fourth corner may lie this share of the longer diagonal away from the plane of the
+/// others.
 const QUAD_WARP: f64 = 0.02;
 
-/// Twice the area of a corner's triangle, relative to the squared longest edge, below which the corner is straight.
+/// Twice the area of a corner's triangle, relative to the squared longest edge, below which the
+/// corner is straight.
 const STRAIGHT: f64 = 1e-6;
 
 /// Twice the area vector of a polygon (Newell): its direction is the best-fit normal.
@@ -40,11 +43,13 @@ pub(super) fn is_good_quad(corners: [Vec3; 4]) -> bool {
     (d - a).dot(plane).abs() < QUAD_WARP * diagonal
 }
 
-/// Passes over all corners before any corner may be clipped; outlines that do not cross themselves need one or two.
+/// Passes over all corners before any corner may be clipped; outlines that do not cross themselves
+/// need one or two.
 const MOST_PASSES: usize = 32;
 
-/// Most effort of cutting, in comparisons of a corner with an ear: some seconds for a whole scene. A modeller's outline of n corners takes
-/// some n²; outlines that cross themselves everywhere, made to be slow, take more than anyone would wait for.
+/// Most effort of cutting, in comparisons of a corner with an ear: some seconds for a whole scene.
+/// A modeller's outline of n corners takes some n²; outlines that cross themselves everywhere, made
+/// to be slow, take more than anyone would wait for.
 pub(super) struct Effort(u64);
 
 impl Effort {
@@ -63,7 +68,8 @@ impl Effort {
     }
 }
 
-/// Cuts a polygon into triangles of corner numbers, wound as the polygon is; triangles without area are left out.
+/// Cuts a polygon into triangles of corner numbers, wound as the polygon is; triangles without area
+/// are left out.
 ///
 /// Once the effort is spent, the triangles are any that the corners allow.
 pub(super) fn ear_clip(positions: &[Vec3], effort: &mut Effort) -> Vec<[usize; 3]> {
@@ -124,12 +130,13 @@ impl EarClipper {
 
     /// Clips ears until nothing is left.
     ///
-    /// A corner is tried again when a neighbour has gone, and all of them in a further pass, so that the work stays
-    /// near corners × reflex corners even for outlines made to be slow.
+    /// A corner is tried again when a neighbour has gone, and all of them in a further pass, so
+    /// that the work stays near corners × reflex corners even for outlines made to be slow.
     fn run(mut self, effort: &mut Effort) -> Vec<[usize; 3]> {
         let count = self.points.len();
         let mut triangles = Vec::with_capacity(count.saturating_sub(2));
-        // Every second corner first, then every second of the rest: a round outline gives no fan of slivers.
+        // Every second corner first, then every second of the rest: a round outline gives no fan of
+        // slivers.
         let mut order: Vec<usize> = (0..count).collect();
         order.sort_by_key(|corner| corner.trailing_zeros());
         let mut removed = vec![false; count];
@@ -235,8 +242,8 @@ mod tests {
         outline.iter().map(|&[x, y]| Vec3::new(x, y, 0.25 * x)).collect()
     }
 
-    /// Truth: the area of the polygon by the shoelace (Newell) formula, the winding of every triangle, and n − 2
-    /// triangles for a polygon without straight corners.
+    /// Truth: the area of the polygon by the shoelace (Newell) formula, the winding of every
+    /// triangle, and n − 2 triangles for a polygon without straight corners.
     #[test]
     fn concave_outlines_keep_area_and_winding() {
         let arrow = flat(&[[0.0, 0.0], [2.0, -1.0], [1.0, 0.0], [2.0, 1.0]]);
@@ -302,8 +309,9 @@ mod tests {
         assert!((area_of(&ear_clip(&outline, &mut Effort::of_a_scene()), &outline) - 8.0).abs() < 1e-9);
     }
 
-    /// Truth: the area by the shoelace formula; two windings of a spiral corridor, and a star that crosses itself, both
-    /// with thousands of corners, are cut with a part of the effort that a scene may take.
+    /// Truth: the area by the shoelace formula; two windings of a spiral corridor, and a star that
+    /// crosses itself, both with thousands of corners, are cut with a part of the effort that a
+    /// scene may take.
     #[test]
     fn long_outlines_are_quick() {
         let mut effort = Effort::of_a_scene();
@@ -324,7 +332,8 @@ mod tests {
         assert!(effort.0 > Effort::of_a_scene().0 / 2, "{} comparisons", Effort::of_a_scene().0 - effort.0);
     }
 
-    /// Truth: n − 2 triangles over all corners, right or wrong; and no more comparisons than were allowed, but for one ear.
+    /// Truth: n − 2 triangles over all corners, right or wrong; and no more comparisons than were
+    /// allowed, but for one ear.
     #[test]
     fn cutting_ends_when_the_effort_is_spent() {
         let inward_arc = |step: usize| {
@@ -339,7 +348,8 @@ mod tests {
         }
     }
 
-    /// Truth: whatever it is, an outline that crosses itself ends and gives at most n − 2 triangles.
+    /// Truth: whatever it is, an outline that crosses itself ends and gives at most n − 2
+    /// triangles.
     #[test]
     fn crossing_outlines_end() {
         let bow = flat(&[[0.0, 0.0], [1.0, 1.0], [1.0, 0.0], [0.0, 1.0], [0.5, 3.0]]);

@@ -1,4 +1,5 @@
-//! The length unit of a file: given by it, by its sidecar or by a person, else guessed by the size of a room.
+//! The length unit of a file: given by it, by its sidecar or by a person, else guessed by the size
+//! of a room.
 
 use serde::{Deserialize, Serialize};
 
@@ -94,8 +95,8 @@ impl Unit {
         }
     }
 
-    /// The unit in which a scene of this height and width is most like a room, or the part where most things are if that is far smaller,
-    /// as below a sky; metres wherever that may be.
+    /// The unit in which a scene of this height and width is most like a room, or the part where
+    /// most things are if that is far smaller, as below a sky; metres wherever that may be.
     pub(super) fn guessed(all: [f64; 2], most: [f64; 2]) -> Self {
         if all[0] <= HIGHEST {
             return Self::Metre;

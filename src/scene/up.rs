@@ -1,4 +1,5 @@
-//! Which axis of a file points up: given by its format, by its sidecar or by a person, else guessed by the geometry.
+//! Which axis of a file points up: given by its format, by its sidecar or by a person, else guessed
+//! by the geometry.
 
 use glam::{DVec2, DVec3, Vec3};
 use serde::{Deserialize, Serialize};
@@ -58,7 +59,8 @@ impl UpAxis {
 }
 
 impl Scene {
-    /// The axis that the scene's file or a person names; else the one nearest to the camera's up, y without a camera.
+    /// The axis that the scene's file or a person names; else the one nearest to the camera's up, y
+    /// without a camera.
     pub fn up_axis(&self) -> Vec3 {
         if let Some(up) = self.frame.up {
             return up.vector();
@@ -80,10 +82,12 @@ const RIM: f64 = 0.04;
 /// Score in favour of y before anything is looked at, in the measure of the other evidence.
 const FOR_Y: f64 = 0.7;
 
-/// More of it where the format prescribes y. Some exporters can be set not to heed that, and few people do.
+/// More of it where the format prescribes y. Some exporters can be set not to heed that, and few
+/// people do.
 const PRESCRIBED: f64 = 1.5;
 
-/// A face stands upright, or lies flat, if its normal's cosine with the axis is no larger, or no smaller, than this.
+/// A face stands upright, or lies flat, if its normal's cosine with the axis is no larger, or no
+/// smaller, than this.
 const UPRIGHT: f64 = 0.02;
 const FLAT_LYING: f64 = 0.999;
 
@@ -123,9 +127,10 @@ struct Axis {
     extent: f64,
 }
 
-/// The axis that looks most like up. Things stand on floors, so corners lie low; there are more flat faces inside of a room, of tables and
-/// shelves, than walls one way; whatever is turned is turned about it, so that walls stay upright and floors flat; rooms are wider than high;
-/// and names may tell. What lies outside of `within` tells nothing: a sky.
+/// The axis that looks most like up. Things stand on floors, so corners lie low; there are more
+/// flat faces inside of a room, of tables and shelves, than walls one way; whatever is turned is
+/// turned about it, so that walls stay upright and floors flat; rooms are wider than high; and
+/// names may tell. What lies outside of `within` tells nothing: a sky.
 pub(super) fn guessed(draft: &Draft, within: Option<[DVec3; 2]>) -> UpAxis {
     let used = || draft.corners.iter().map(|&corner| draft.vertices[corner as usize]);
     let counts = |corner: &DVec3| {

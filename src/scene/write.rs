@@ -1,7 +1,8 @@
 //! Writing a scene as OBJ, MTL and the sidecar that carries what these cannot say (camera, sides).
 //!
-//! Positions, reflectances and emissions keep every bit of their f32 when read again. Quads stay quads, group paths
-//! become `g a/b/c`; groups without faces of their own live on in the paths of those below them, or not at all.
+//! Positions, reflectances and emissions keep every bit of their f32 when read again. Quads stay
+//! quads, group paths become `g a/b/c`; groups without faces of their own live on in the paths of
+//! those below them, or not at all.
 
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -28,8 +29,8 @@ pub enum WriteError {
 /// Loading clamps what a scene file says above this reflectance; a sidecar may say more.
 const HIGHEST_FILE_REFLECTANCE: f32 = 0.95;
 
-/// Writes `NAME.obj`, `NAME.mtl` and `NAME.selflink.json` into `dir`, which is made where it is missing, and returns
-/// the path of the OBJ.
+/// Writes `NAME.obj`, `NAME.mtl` and `NAME.selflink.json` into `dir`, which is made where it is
+/// missing, and returns the path of the OBJ.
 ///
 /// # Errors
 /// When the folder or one of the files cannot be written.
@@ -114,8 +115,8 @@ fn line(text: &mut String, arguments: std::fmt::Arguments<'_>) {
     text.push('\n');
 }
 
-/// The radiance that a loader turns back into `exitance` by multiplying with π: of the neighbours that do so the one
-/// with the fewest digits, else (not every f32 is a multiple) the nearest.
+/// The radiance that a loader turns back into `exitance` by multiplying with π: of the neighbours
+/// that do so the one with the fewest digits, else (not every f32 is a multiple) the nearest.
 fn radiance(exitance: f32) -> f32 {
     let nearest = (f64::from(exitance) / std::f64::consts::PI) as f32;
     [nearest, nearest.next_down(), nearest.next_up()]

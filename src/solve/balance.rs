@@ -11,7 +11,8 @@ use crate::hierarchy::{ElementId, Hierarchy, Shape, SurfacePoint};
 use crate::scene::Surface;
 use crate::transport::entering_power;
 
-/// The power of a solution, W per colour: what is emitted and what enters should equal the sum of the other three.
+/// The power of a solution, W per colour: what is emitted and what enters should equal the sum of
+/// the other three.
 #[derive(Clone, Copy, Debug)]
 pub struct PowerBalance {
     /// Φ = Σ A·B_e.
@@ -34,7 +35,8 @@ const HIDDEN_RAYS: u32 = 16;
 const TRIES: u64 = 8;
 
 impl PowerBalance {
-    /// Power that is missing (positive) or created (negative), as a share of the power of all colours that is emitted or enters.
+    /// Power that is missing (positive) or created (negative), as a share of the power of all
+    /// colours that is emitted or enters.
     pub fn relative_gap(&self) -> f64 {
         let accounted = self.absorbed + self.stopped_by_backs + self.escaped;
         let given = (self.emitted + self.entered).element_sum();
@@ -42,7 +44,8 @@ impl PowerBalance {
     }
 }
 
-/// A solution as it is measured: the leaves of the gather where there is one, else those of the links.
+/// A solution as it is measured: the leaves of the gather where there is one, else those of the
+/// links.
 struct Lit<'a> {
     hierarchy: &'a Hierarchy,
     surfaces: &'a [Surface],
@@ -87,8 +90,9 @@ pub(super) fn absorbed(solver: &Solver) -> DVec3 {
     Lit::new(solver).absorbed()
 }
 
-/// Measures the balance of a solution: absorption from its irradiances, what backs stop and what escapes by `rays` random
-/// rays that leave its leaves in proportion to their radiosity and that know nothing of how light was found.
+/// Measures the balance of a solution: absorption from its irradiances, what backs stop and what
+/// escapes by `rays` random rays that leave its leaves in proportion to their radiosity and that
+/// know nothing of how light was found.
 pub fn power_balance(solver: &Solver, rays: u32, seed: u64) -> PowerBalance {
     let lit = Lit::new(solver);
     let hierarchy = lit.hierarchy;
@@ -156,8 +160,8 @@ pub fn power_balance(solver: &Solver, rays: u32, seed: u64) -> PowerBalance {
     balance
 }
 
-/// Some random points of a leaf that is hidden in part that are not hidden themselves; few are tried, so that the work grows with the
-/// scene, not with the rays.
+/// Some random points of a leaf that is hidden in part that are not hidden themselves; few are
+/// tried, so that the work grows with the scene, not with the rays.
 fn exposed_points(hierarchy: &Hierarchy, test: &EnclosureTest, leaf: ElementId, seed: u64) -> Vec<SurfacePoint> {
     if hierarchy.element(leaf).exposed_share() >= 1.0 {
         return Vec::new();

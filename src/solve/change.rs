@@ -1,4 +1,5 @@
-//! Cost of a changed parameter: the least work that takes a solution from one set of parameters to another.
+//! Cost of a changed parameter: the least work that takes a solution from one set of parameters to
+//! another.
 
 use super::params::{ClusteringMode, Reconstruct, SolverParams};
 use crate::transport::RecheckReasons;
@@ -14,11 +15,13 @@ pub enum ChangeCost {
     Radiosities,
     /// Verdicts: judge the stored links again and refine further where they fail.
     Verdicts,
-    /// Refinement: merge links and patches back as far as they are not needed, and judge the rest again.
+    /// Refinement: merge links and patches back as far as they are not needed, and judge the rest
+    /// again.
     Refinement,
     /// Links: refine again from the root's self-link, starting with the present radiosities.
     Links,
-    /// Hierarchy: rebuild clusters and everything above them, starting with the present radiosities.
+    /// Hierarchy: rebuild clusters and everything above them, starting with the present
+    /// radiosities.
     Hierarchy,
     /// Scene: turn or double faces, then everything else.
     Scene,
@@ -69,7 +72,8 @@ pub(super) struct Change {
 }
 
 impl SolverParams {
-    /// The least work that takes a solution made with `self`, by the first ε (W), to one made with `newer`, by the second.
+    /// The least work that takes a solution made with `self`, by the first ε (W), to one made with
+    /// `newer`, by the second.
     pub(super) fn change_to(&self, newer: &Self, [epsilon, newer_epsilon]: [f64; 2]) -> Change {
         let is_other_threshold = self.threshold() != newer.threshold();
         let merges_back = is_other_threshold && newer_epsilon > epsilon
@@ -179,7 +183,8 @@ mod tests {
         assert!(ChangeCost::ALL.is_sorted());
     }
 
-    /// Constant and vertex show the same radiosities; ε in watts is compared with ε in shares by what both come to.
+    /// Constant and vertex show the same radiosities; ε in watts is compared with ε in shares by
+    /// what both come to.
     #[test]
     fn what_is_the_same_costs_nothing() {
         let vertex = SolverParams::default();

@@ -8,8 +8,8 @@ use crate::base::cancel::CancelToken;
 use crate::hierarchy::Hierarchy;
 use crate::transport::{RecheckReasons, Refinement};
 
-/// Light is moved until less than this share of the power is still to come, where links are judged by it again: thresholds do
-/// not ask for more.
+/// Light is moved until less than this share of the power is still to come, where links are judged
+/// by it again: thresholds do not ask for more.
 const ROUND_TOLERANCE: f64 = 1e-2;
 /// Share of the power still to come at which light that is the result is done.
 const FINAL_TOLERANCE: f64 = 1e-5;
@@ -79,7 +79,8 @@ pub enum Step {
 }
 
 impl Solver {
-    /// Does one bounded piece of work, and keeps a step of the timeline where one ends with it and a timeline is kept.
+    /// Does one bounded piece of work, and keeps a step of the timeline where one ends with it and
+    /// a timeline is kept.
     pub fn step(&mut self, cancel: &CancelToken) -> Step {
         let step = self.work(cancel);
         match step {
@@ -203,7 +204,8 @@ impl Solver {
 
     fn converge(&mut self, is_last: bool, cancel: &CancelToken) -> Option<Step> {
         self.links.store_accepted();
-        // The first rounds are coarse: light that is not judged yet has no place in what verdicts look at.
+        // The first rounds are coarse: light that is not judged yet has no place in what verdicts
+        // look at.
         self.links.converge(if is_last { FINAL_TOLERANCE } else { ROUND_TOLERANCE }, is_last, cancel)?;
         if !is_last {
             return self.recheck();

@@ -12,8 +12,9 @@ use crate::scene::MaterialId;
 use crate::transport::LinkRules;
 
 impl Solver {
-    /// Takes over new parameters with the least work that suffices, and tells which that is. From [`ChangeCost::Hierarchy`] on
-    /// hierarchy or scene must be rebuilt, by [`Self::rebuilt`] or a new solver, which then takes over: this one stays as it is.
+    /// Takes over new parameters with the least work that suffices, and tells which that is. From
+    /// [`ChangeCost::Hierarchy`] on hierarchy or scene must be rebuilt, by [`Self::rebuilt`] or a
+    /// new solver, which then takes over: this one stays as it is.
     ///
     /// # Errors
     /// Parameters out of range; the present ones stay.
@@ -57,8 +58,8 @@ impl Solver {
         Ok(change.cost)
     }
 
-    /// A solver of the same scene with other clusters, which starts with the radiosities that are known here and with what is known
-    /// of hidden parts.
+    /// A solver of the same scene with other clusters, which starts with the radiosities that are
+    /// known here and with what is known of hidden parts.
     ///
     /// # Errors
     /// Parameters out of range, or a `none` solve that cannot fit into memory.
@@ -80,8 +81,8 @@ impl Solver {
         Ok(new)
     }
 
-    /// Changes a material's emission B_e (W/m²); ε in watts stays, and so do all links but those of clusters that now shine
-    /// from other parts of them.
+    /// Changes a material's emission B_e (W/m²); ε in watts stays, and so do all links but those of
+    /// clusters that now shine from other parts of them.
     pub fn set_emission(&mut self, material: MaterialId, emission: Vec3) {
         self.links.set_emission(material, emission);
         if self.epsilon_watts() <= 0.0 {
@@ -92,8 +93,8 @@ impl Solver {
         self.resume();
     }
 
-    /// Changes a material's reflectance ρ; ε in watts stays, and so do all links: light is gathered again, and links are judged
-    /// again where B has grown.
+    /// Changes a material's reflectance ρ; ε in watts stays, and so do all links: light is gathered
+    /// again, and links are judged again where B has grown.
     pub fn set_reflectance(&mut self, material: MaterialId, reflectance: Vec3) {
         self.links.set_reflectance(material, reflectance);
         self.resume();
@@ -124,7 +125,8 @@ impl Solver {
     /// Goes on with what is there after a change that leaves candidates and links valid.
     fn resume(&mut self) {
         self.gather = None;
-        // There may be room now; but siblings that their cluster lights as a whole stay as they are.
+        // There may be room now; but siblings that their cluster lights as a whole stay as they
+        // are.
         if self.links.split_again() {
             self.memory_stop = None;
         }
@@ -134,7 +136,8 @@ impl Solver {
         };
     }
 
-    /// Refines again from the root's self-link, on new clusters of the same kind, judging by the radiosities that are known.
+    /// Refines again from the root's self-link, on new clusters of the same kind, judging by the
+    /// radiosities that are known.
     fn restart_from_root(&mut self) {
         let reachability = self.hierarchy().reachability().clone();
         let entering = self.links.entering_power();
@@ -151,7 +154,8 @@ impl Solver {
         self.restart_timeline();
     }
 
-    /// Forgets what names elements that were numbered anew. A picture starts from what is known now; its mesh is made anew.
+    /// Forgets what names elements that were numbered anew. A picture starts from what is known
+    /// now; its mesh is made anew.
     pub(super) fn forget_elements(&mut self) {
         self.gather = None;
         self.view.hierarchy = None;

@@ -1,8 +1,9 @@
 //! Memory of a solve, counted in bytes, and where refinement stops for the sake of a budget.
 //!
-//! Counted are the tables by their lengths, with what is made of them while a step, a picture or a window works: so the count, and
-//! what is decided by it, is the same for any number of threads and on any machine. What the graphics driver takes, and what
-//! a parser takes while a scene is read, is not counted. `docs/limits.md` tells how near the count is to the process's memory.
+//! Counted are the tables by their lengths, with what is made of them while a step, a picture or a
+//! window works: so the count, and what is decided by it, is the same for any number of threads and
+//! on any machine. What the graphics driver takes, and what a parser takes while a scene is read,
+//! is not counted. `docs/limits.md` tells how near the count is to the process's memory.
 
 use serde::Serialize;
 
@@ -14,16 +15,18 @@ use crate::transport::{Link, Refinement, Waiting};
 
 /// A link while it waits to be taken into the table.
 const NEW_LINK: usize = size_of::<(ElementId, Link)>();
-/// A link in the table: itself, a copy of the table that a picture is made of, the table that either grows into, and how its light
-/// is handed down.
+/// A link in the table: itself, a copy of the table that a picture is made of, the table that
+/// either grows into, and how its light is handed down.
 const LINK: usize = 3 * size_of::<Link>() + 8;
-/// A pair that waits: itself, and what it comes to where it is not refined: a link in either direction, one of which is kept.
+/// A pair that waits: itself, and what it comes to where it is not refined: a link in either
+/// direction, one of which is kept.
 const WAITING: usize = size_of::<Waiting>() + 2 * NEW_LINK + LINK;
-/// An element beside itself in the arena: its light (also that of a picture and of a sweep), what verdicts look at, what a sweep reads
-/// and writes, where its links start, and its part of the table of midpoints while that grows.
+/// An element beside itself in the arena: its light (also that of a picture and of a sweep), what
+/// verdicts look at, what a sweep reads and writes, where its links start, and its part of the
+/// table of midpoints while that grows.
 const ELEMENT: usize = 3 * 40 + 8 + 36 + 16 + 24;
-/// A leaf as triangles: the mesh that is shown and the one that is being made, how values of leaves become values of vertices, and
-/// two pictures of values.
+/// A leaf as triangles: the mesh that is shown and the one that is being made, how values of leaves
+/// become values of vertices, and two pictures of values.
 const LEAF: usize = 2 * 106 + 51 + 120 + 2 * 53;
 /// Where a window looks, one more picture, and one more copy of the mesh.
 const LEAF_IN_WINDOW: usize = 106 + 53;
@@ -31,7 +34,8 @@ const LEAF_IN_WINDOW: usize = 106 + 53;
 const LINK_IN_WINDOW: usize = 3 * size_of::<Link>() + 12 + NEW_LINK;
 /// Likewise the light of each, and two copies of the arena.
 const ELEMENT_IN_WINDOW: usize = 3 * 40 + 2 * 140;
-/// A leaf that a final gather starts with, with its share of the elements above it, and one pass of the fewest looks.
+/// A leaf that a final gather starts with, with its share of the elements above it, and one pass of
+/// the fewest looks.
 pub(super) const GATHERED_LEAF: usize = 2000;
 
 /// The part that could not be refined further within the memory budget.
@@ -92,7 +96,8 @@ impl Solver {
         usize::try_from(self.params.memory.bytes()).unwrap_or(usize::MAX)
     }
 
-    /// Bytes that all but the final gather may take: where one is to come, it has half of what the scene leaves.
+    /// Bytes that all but the final gather may take: where one is to come, it has half of what the
+    /// scene leaves.
     pub(super) fn budget_of_links(&self) -> usize {
         let (budget, scene) = (self.budget_bytes(), self.scene_bytes());
         if self.is_to_gather() { scene.min(budget) + budget.saturating_sub(scene) / 2 } else { budget }

@@ -1,7 +1,9 @@
-//! How far the light of a solution by ε alone is off: what is shown at random points, beside light that is gathered there anew.
+//! How far the light of a solution by ε alone is off: what is shown at random points, beside light
+//! that is gathered there anew.
 //!
-//! Such a solve ends when its links have settled, which says nothing of its error. A few points tell how large that is, before
-//! somebody takes the picture for the truth. The solution is read, never written.
+//! Such a solve ends when its links have settled, which says nothing of its error. A few points
+//! tell how large that is, before somebody takes the picture for the truth. The solution is read,
+//! never written.
 
 use glam::Vec3;
 
@@ -30,12 +32,14 @@ pub struct MeshError {
 }
 
 impl Solver {
-    /// Whether the error of what is shown can be measured and is not known otherwise: links have settled, no final gather tells.
+    /// Whether the error of what is shown can be measured and is not known otherwise: links have
+    /// settled, no final gather tells.
     pub fn has_unknown_error(&self) -> bool {
         self.is_done() && self.params.shown_by() != Reconstruct::Gather && self.scene().has_light()
     }
 
-    /// Measures the error of what is shown; `None` where it was cancelled, or there is no room for it.
+    /// Measures the error of what is shown; `None` where it was cancelled, or there is no room for
+    /// it.
     pub fn measure_mesh(&mut self, cancel: &CancelToken) -> Option<MeshError> {
         if !self.has_unknown_error() || !self.has_room_for_gather() {
             return None;
@@ -52,8 +56,8 @@ impl Solver {
         Some(of_errors(&mut errors))
     }
 
-    /// Local errors of what is shown at points whose irradiance is known with a standard error (means of the colours, W/m²); that
-    /// noise is taken off.
+    /// Local errors of what is shown at points whose irradiance is known with a standard error
+    /// (means of the colours, W/m²); that noise is taken off.
     pub(super) fn errors_of_mesh(
         &mut self,
         field: &Field,
@@ -79,8 +83,8 @@ impl Solver {
     }
 }
 
-/// Nine tenths of errors at points that stand for equal areas, and how sure that is: the number of points below a quantile is
-/// binomial.
+/// Nine tenths of errors at points that stand for equal areas, and how sure that is: the number of
+/// points below a quantile is binomial.
 fn of_errors(errors: &mut [f64]) -> MeshError {
     let p90 = Quantiles::of(errors).p90;
     let count = errors.len();
@@ -97,7 +101,8 @@ fn of_errors(errors: &mut [f64]) -> MeshError {
 mod tests {
     use super::*;
 
-    /// Truth: quantiles of equally spaced errors, and the binomial deviation √(n·0.9·0.1) of their number, by hand.
+    /// Truth: quantiles of equally spaced errors, and the binomial deviation √(n·0.9·0.1) of their
+    /// number, by hand.
     #[test]
     fn nine_tenths_and_its_standard_error() {
         let mut errors: Vec<f64> = (1..=100).map(f64::from).collect();

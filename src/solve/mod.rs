@@ -1,9 +1,10 @@
 //! The solve: from parameters to a picture, one bounded piece of work at a time.
 //!
-//! [`Solver::step`] does what its `Job` says, so that whoever drives it can look at pictures, change parameters or stop in
-//! between. Links are refined, light is moved over them, stored links are judged again, until none fails
-//! ([`crate::transport`]); where an error is asked for, light is then gathered anew over them until a certificate keeps the
-//! target error ([`crate::gather`]). What a changed setting, lamp or material asks for is found by `change` and done by `live`.
+//! [`Solver::step`] does what its `Job` says, so that whoever drives it can look at pictures,
+//! change parameters or stop in between. Links are refined, light is moved over them, stored links
+//! are judged again, until none fails ([`crate::transport`]); where an error is asked for, light is
+//! then gathered anew over them until a certificate keeps the target error ([`crate::gather`]).
+//! What a changed setting, lamp or material asks for is found by `change` and done by `live`.
 //!
 //! This module imports `scene`, `geometry`, `hierarchy`, `transport` and `gather`.
 

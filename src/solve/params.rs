@@ -40,15 +40,16 @@ pub enum Reconstruct {
 
 pub use crate::gather::USUAL_ERROR;
 
-/// Where an error is asked for, links are refined to this share of it as ε/Φ: a final gather needs no more of them.
+/// Where an error is asked for, links are refined to this share of it as ε/Φ: a final gather needs
+/// no more of them.
 const EPSILON_PER_ERROR: f64 = 0.2;
 
 /// All that a person can turn; [`PARAMETERS`] describes each field.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct SolverParams {
-    /// Target error: nine tenths of the area are to be read within this local error, |ΔE|/(E + E₀). The solver then chooses ε, and
-    /// ends when a certificate says so. `None` to solve by ε.
+    /// Target error: nine tenths of the area are to be read within this local error, |ΔE|/(E + E₀).
+    /// The solver then chooses ε, and ends when a certificate says so. `None` to solve by ε.
     pub error: Option<f64>,
     /// Threshold ε on B_s·F·A_r, where no error is asked for.
     pub epsilon: Epsilon,
@@ -163,7 +164,8 @@ pub enum ValueKind {
     Choice {
         /// The names, as files and the command line spell them.
         names: &'static [&'static str],
-        /// The names in the window, where hyphens are spaces, in the same order; files and the command line take them too.
+        /// The names in the window, where hyphens are spaces, in the same order; files and the
+        /// command line take them too.
         shown: &'static [&'static str],
     },
 }

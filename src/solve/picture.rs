@@ -1,7 +1,8 @@
 //! Pictures: what the solution looks like before it is finished, made on the side.
 //!
-//! A picture gathers over the stored links and over everything that still waits, at its present level; it never writes the
-//! solver's own radiosities, so a solve is the same whether or not anybody looks.
+//! A picture gathers over the stored links and over everything that still waits, at its present
+//! level; it never writes the solver's own radiosities, so a solve is the same whether or not
+//! anybody looks.
 
 use std::sync::Arc;
 
@@ -43,7 +44,8 @@ impl View {
     }
 }
 
-/// A picture's gather ends when this share of the power is still to come: less than a shade on a screen.
+/// A picture's gather ends when this share of the power is still to come: less than a shade on a
+/// screen.
 pub(super) const PICTURE_TOLERANCE: f64 = 5e-3;
 /// Sweeps of the first picture, which starts from emitted light.
 pub(super) const FIRST_SWEEPS: u32 = 12;
@@ -116,7 +118,8 @@ impl Solver {
         }
     }
 
-    /// The solution view of a state with these links and this light, over the hierarchy that was last copied.
+    /// The solution view of a state with these links and this light, over the hierarchy that was
+    /// last copied.
     pub(super) fn solution_view(&self, links: &LinkTable, light: &Light, is_final: bool) -> Arc<SolutionView> {
         let hierarchy = self.view.hierarchy.clone().unwrap_or_else(|| Arc::new(self.hierarchy().clone()));
         Arc::new(self.links.solution_view(hierarchy, links, light, is_final))

@@ -1,7 +1,8 @@
 //! How far a solve is: one share, from the root's self-link to the certificate.
 //!
-//! Nobody knows beforehand how many passes over the links, or attempts of a final gather, a target asks for. So each pass and each
-//! attempt takes a part of what is left, as large as they usually are; whoever draws a bar keeps it from going back.
+//! Nobody knows beforehand how many passes over the links, or attempts of a final gather, a target
+//! asks for. So each pass and each attempt takes a part of what is left, as large as they usually
+//! are; whoever draws a bar keeps it from going back.
 
 use super::Solver;
 use super::job::Job;

@@ -1,7 +1,9 @@
-//! The reconstruction mesh: leaves as triangles without cracks, and vertex radiosities averaged over the leaves around a vertex.
+//! The reconstruction mesh: leaves as triangles without cracks, and vertex radiosities averaged
+//! over the leaves around a vertex.
 //!
-//! A vertex belongs to one smooth, same-material surface. Where a neighbour was split and a leaf was not, the neighbour's
-//! vertices on the common edge (hanging vertices) become corners of the leaf's own triangles, so nothing jumps or gapes.
+//! A vertex belongs to one smooth, same-material surface. Where a neighbour was split and a leaf
+//! was not, the neighbour's vertices on the common edge (hanging vertices) become corners of the
+//! leaf's own triangles, so nothing jumps or gapes.
 
 use std::sync::Arc;
 
@@ -48,8 +50,9 @@ pub struct ReconstructionMesh {
 }
 
 impl ReconstructionMesh {
-    /// The mesh of the hierarchy as it is, the old one where nothing was split since. Elements beyond the first
-    /// `link_elements` are parts of those that links know, and the mesh names these.
+    /// The mesh of the hierarchy as it is, the old one where nothing was split since. Elements
+    /// beyond the first `link_elements` are parts of those that links know, and the mesh names
+    /// these.
     pub fn current(
         old: Option<Self>,
         scene: &Scene,
@@ -72,7 +75,8 @@ impl ReconstructionMesh {
         }
     }
 
-    /// For a hierarchy whose patches were merged back and numbered anew: smooth surfaces and boxes stay, the mesh does not.
+    /// For a hierarchy whose patches were merged back and numbered anew: smooth surfaces and boxes
+    /// stay, the mesh does not.
     pub fn outdated(self) -> Self {
         Self { elements: OUTDATED, ..self }
     }
@@ -136,7 +140,8 @@ impl ReconstructionMesh {
         Some((self.mesh.triangles[triangle as usize], weights))
     }
 
-    /// Values of each mesh vertex, averaged over the leaves around it; `table` is parallel to the hierarchy's arena.
+    /// Values of each mesh vertex, averaged over the leaves around it; `table` is parallel to the
+    /// hierarchy's arena.
     pub fn of_vertices(&self, table: &[Vec3]) -> Vec<[f32; 3]> {
         let of_leaf = |leaf: u32| table[self.own[leaf as usize].index()];
         let vertex = |range: &[u32]| {
@@ -152,7 +157,8 @@ impl ReconstructionMesh {
     }
 }
 
-/// Weight of a hidden leaf at a vertex: not beside what is exposed, but where there is nothing else.
+/// Weight of a hidden leaf at a vertex: not beside what is exposed, but where there is nothing
+/// else.
 const LEAST_EXPOSED: f32 = 1e-6;
 
 /// Barycentric weights of a point's projection; not finite for a triangle without area.
@@ -164,8 +170,9 @@ pub fn barycentric([a, b, c]: [Vec3; 3], point: Vec3) -> Vec3 {
     Vec3::new(1.0 - of_b - of_c, of_b, of_c)
 }
 
-/// The one of these triangles of a mesh that a point of their plane lies in, and the weights of its corners there, which sum to 1.
-/// Rounding may leave a point on an edge a little outside of either triangle: the one that it is least outside of has it.
+/// The one of these triangles of a mesh that a point of their plane lies in, and the weights of its
+/// corners there, which sum to 1. Rounding may leave a point on an edge a little outside of either
+/// triangle: the one that it is least outside of has it.
 pub fn place_among(mesh: &Mesh, triangles: impl Iterator<Item = u32>, point: Vec3) -> Option<(u32, Vec3)> {
     let weigh = |triangle: u32| {
         let corners = mesh.triangles[triangle as usize].map(|at| Vec3::from(mesh.positions[at as usize]));
@@ -290,9 +297,10 @@ impl<'a> MeshBuilder<'a> {
         })
     }
 
-    /// A leaf counts at a vertex by the angle it fills there, over the squared distance of its centre, which reproduces a
-    /// linear radiosity across a change of subdivision level, and by how much of it is exposed there: beyond a thing that stands on the
-    /// vertex it may be lit otherwise.
+    /// A leaf counts at a vertex by the angle it fills there, over the squared distance of its
+    /// centre, which reproduces a linear radiosity across a change of subdivision level, and by how
+    /// much of it is exposed there: beyond a thing that stands on the vertex it may be lit
+    /// otherwise.
     fn contribute(&mut self, rim: &[u32], index: usize, leaf: u32, centre: Vec3) {
         let at = |index: usize| Vec3::from(self.part.mesh.positions[rim[index % rim.len()] as usize]);
         let vertex = at(index);

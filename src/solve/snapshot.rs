@@ -1,4 +1,5 @@
-//! Snapshots, which the solver hands up to be looked at: a mesh with vertex radiosities, clusters, links of one element, numbers.
+//! Snapshots, which the solver hands up to be looked at: a mesh with vertex radiosities, clusters,
+//! links of one element, numbers.
 //!
 //! A snapshot is immutable and complete in itself; a view needs nothing else of the solver.
 

@@ -73,7 +73,8 @@ impl Solver {
         self.view.generation = generation;
     }
 
-    /// Books time that passed before the solver was made: reading the file and building the occluders.
+    /// Books time that passed before the solver was made: reading the file and building the
+    /// occluders.
     pub fn set_load_seconds(&mut self, seconds: f64) {
         self.seconds.load = seconds;
     }

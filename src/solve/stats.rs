@@ -55,15 +55,18 @@ pub struct Stats {
     pub wave: u32,
     /// Candidates that wait in the present wave.
     pub candidates_left: usize,
-    /// Whether nothing was left to refine, for want of memory neither, and the last gather converged.
+    /// Whether nothing was left to refine, for want of memory neither, and the last gather
+    /// converged.
     pub converged: bool,
     /// Times that the depth guard kept a patch from being subdivided.
     pub depth_guard_struck: u64,
     /// Leaves whose form factors summed to more than 1 and were scaled back.
     pub clamped_leaves: usize,
-    /// Leaves that were brighter than anything in the scene can be, max B_e/(1−ρ_max), and were brought back to that.
+    /// Leaves that were brighter than anything in the scene can be, max B_e/(1−ρ_max), and were
+    /// brought back to that.
     pub bounded_leaves: usize,
-    /// Target error: the local error |ΔE|/(E + E₀) within which nine tenths of the area are to be read.
+    /// Target error: the local error |ΔE|/(E + E₀) within which nine tenths of the area are to be
+    /// read.
     pub error_asked: Option<f64>,
     /// Upper bound on it that the certificate found, once there is one.
     pub error_estimate: Option<f64>,
@@ -83,7 +86,8 @@ pub struct Stats {
     pub absorbed_watts: f64,
     /// Share of the whole solve that is done, as far as can be known, 0..1.
     pub progress: f32,
-    /// Local error within which nine tenths of the area are, by the points that the certificate has compared so far.
+    /// Local error within which nine tenths of the area are, by the points that the certificate has
+    /// compared so far.
     #[serde(skip)]
     pub error_so_far: Option<f64>,
 }

@@ -1,8 +1,9 @@
 //! The timeline of a solve: each wave as a light-weight step that can be looked at again.
 //!
-//! A step keeps the links as they were, those that waited among them, and how many elements there were: the arena only grows,
-//! so that a former hierarchy is a beginning of the present one. Its light is gathered anew when somebody asks for the picture.
-//! Passes of a final gather keep their pictures, for what they found cannot be had from links.
+//! A step keeps the links as they were, those that waited among them, and how many elements there
+//! were: the arena only grows, so that a former hierarchy is a beginning of the present one. Its
+//! light is gathered anew when somebody asks for the picture. Passes of a final gather keep their
+//! pictures, for what they found cannot be had from links.
 
 use std::sync::Arc;
 
@@ -14,7 +15,8 @@ use crate::base::cancel::CancelToken;
 use crate::hierarchy::ElementId;
 use crate::transport::{Gatherer, Link, LinkRules, LinkTable, SolutionView};
 
-/// Memory that steps may take, bytes. Beyond it every other one is forgotten, but the first and the last.
+/// Memory that steps may take, bytes. Beyond it every other one is forgotten, but the first and the
+/// last.
 const MOST_BYTES: usize = 192 << 20;
 /// And no more than this part of the memory budget.
 const PART_OF_BUDGET: usize = 8;
@@ -125,7 +127,8 @@ impl Solver {
         self.timeline.as_ref().map_or(&[][..], |timeline| &timeline.steps).iter().map(|step| &step.info)
     }
 
-    /// Tells states of [`Self::kept_steps`] apart: the generation, and a number that grows with each change.
+    /// Tells states of [`Self::kept_steps`] apart: the generation, and a number that grows with
+    /// each change.
     pub fn kept_steps_state(&self) -> (u64, u64) {
         (self.view.generation, self.timeline.as_ref().map_or(0, |timeline| timeline.changes))
     }
@@ -161,7 +164,8 @@ impl Solver {
         links
     }
 
-    /// A former step's picture, gathered over the links that there were; `None` where there is no such step.
+    /// A former step's picture, gathered over the links that there were; `None` where there is no
+    /// such step.
     pub fn snapshot_of(&mut self, step: usize) -> Option<Snapshot> {
         let wants_solution_view = self.view.wants_solution_view;
         let (info, elements, vertices, links, is_final) = match self.timeline.as_ref()?.steps.get(step)? {
@@ -249,7 +253,8 @@ mod tests {
             assert_eq!(again.mesh.triangles, then.mesh.triangles, "step {step}");
             let stats = &again.stats;
             assert_eq!((stats.links, stats.patches), (then.stats.links, then.stats.patches));
-            // A live picture of what is not finished makes three sweeps from the one before; the last one is the solution.
+            // A live picture of what is not finished makes three sweeps from the one before; the
+            // last one is the solution.
             let tolerance = if step + 1 == seen.len() { 0.01 } else { 0.06 };
             let power = |snapshot: &Snapshot| -> f64 {
                 let leaves = snapshot.mesh.leaves.iter().zip(&snapshot.leaf_radiosity);

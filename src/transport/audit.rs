@@ -9,11 +9,11 @@ use crate::hierarchy::{Element, ElementId};
 /// Sums over the links of a solution, with what hangs on them.
 #[derive(Clone, Debug, Default)]
 pub struct Audit {
-    /// For each leaf Σ F(r←s)·V over its own links and its ancestors', after rows were limited; in a closed room of which all is
-    /// seen each is 1.
+    /// For each leaf Σ F(r←s)·V over its own links and its ancestors', after rows were limited; in
+    /// a closed room of which all is seen each is 1.
     pub rows: Vec<f64>,
-    /// For each leaf Σ A_r·F(r←s)·V / A_s over the links of which it or an ancestor is the source: the share of its light that
-    /// arrives somewhere.
+    /// For each leaf Σ A_r·F(r←s)·V / A_s over the links of which it or an ancestor is the source:
+    /// the share of its light that arrives somewhere.
     pub columns: Vec<f64>,
     /// Area of each of these leaves, m².
     pub areas: Vec<f64>,
@@ -34,7 +34,8 @@ pub fn audit(solution: &LinkSolution) -> Audit {
     gatherer.enforce_closure(&mut light, &never);
     let rows = gatherer.rows(&never).unwrap_or_default();
     let rows: Vec<f64> = rows.iter().zip(&light.row_scale).map(|(row, scale)| f64::from(row * scale)).collect();
-    // What an element receives of a unit of irradiance, once its leaves' rows are limited, as a mean over its area.
+    // What an element receives of a unit of irradiance, once its leaves' rows are limited, as a
+    // mean over its area.
     let mut kept: Vec<f64> = light.row_scale.iter().map(|scale| f64::from(*scale)).collect();
     for (index, element) in elements.iter().enumerate().rev().filter(|(_, element)| !element.is_leaf()) {
         let power: f64 =

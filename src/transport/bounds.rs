@@ -1,9 +1,10 @@
 //! Bounds that no solution exceeds, whatever few rays made of its links.
 //!
-//! Nothing is brighter than the brightest lamp seen on all sides and reflected without end, max B_e/(1−ρ_max), and all light together
-//! is no more than the lamps' power reflected as often, Φ/(1−ρ_max). Rows of form factors that are too large by a hundredth make a
-//! furnace of ρ = 0.95 glow a fifth too brightly; brought back to these bounds it errs on the safe side. Light that is missing is never
-//! made up for.
+//! Nothing is brighter than the brightest lamp seen on all sides and reflected without end, max
+//! B_e/(1−ρ_max), and all light together is no more than the lamps' power reflected as often,
+//! Φ/(1−ρ_max). Rows of form factors that are too large by a hundredth make a furnace of ρ = 0.95
+//! glow a fifth too brightly; brought back to these bounds it errs on the safe side. Light that is
+//! missing is never made up for.
 
 use glam::{DVec3, Vec3};
 
@@ -15,13 +16,15 @@ use crate::hierarchy::{Element, Shape};
 const COUNTED: f32 = 1e-3;
 
 impl LinkSolution {
-    /// 1/(1−ρ_max) per colour over the materials in use: by how much reflections multiply light at most.
+    /// 1/(1−ρ_max) per colour over the materials in use: by how much reflections multiply light at
+    /// most.
     pub fn largest_gain(&self) -> Vec3 {
         let largest = self.surfaces.iter().fold(Vec3::ZERO, |most, surface| most.max(surface.reflectance));
         (Vec3::ONE - largest).recip()
     }
 
-    /// Bound that no radiosity exceeds, (max B_e + E_sun)/(1−ρ_max) per colour, W/m²; B_e is that of a lamp or of the brightest part of the sky.
+    /// Bound that no radiosity exceeds, (max B_e + E_sun)/(1−ρ_max) per colour, W/m²; B_e is that
+    /// of a lamp or of the brightest part of the sky.
     pub fn radiosity_bound(&self) -> Vec3 {
         let brightest = self.surfaces.iter().fold(Vec3::ZERO, |most, surface| most.max(surface.emission));
         let (mut sky, mut sun) = (Vec3::ZERO, Vec3::ZERO);
@@ -38,8 +41,8 @@ impl LinkSolution {
         (brightest.max(sky) + sun) * self.largest_gain()
     }
 
-    /// Brings light that exceeds the bounds back to them, leaf by leaf and then all reflected light together; returns how many leaves
-    /// exceeded theirs.
+    /// Brings light that exceeds the bounds back to them, leaf by leaf and then all reflected light
+    /// together; returns how many leaves exceeded theirs.
     pub fn keep_bounds(&self, light: &mut Light) -> usize {
         let hierarchy = &self.hierarchy;
         let bound = self.radiosity_bound();

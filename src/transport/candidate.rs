@@ -4,7 +4,8 @@ use super::form_factor::{Exchange, exchange};
 use super::link::quantised;
 use crate::hierarchy::{DEEPEST_SKY, ElementId, Hierarchy, Shape};
 
-/// Patches of this level are not split further; [`Counts::depth_guard_struck`] counts how often it mattered.
+/// Patches of this level are not split further; [`Counts::depth_guard_struck`] counts how often it
+/// mattered.
 pub const DEEPEST_LEVEL: u8 = 12;
 /// Which directions of a pair a candidate stands for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -47,7 +48,8 @@ impl Candidate {
         Self::new(Hierarchy::ROOT, Hierarchy::ROOT, Directions { to_a: true, to_b: false }, 1.0, false)
     }
 
-    /// All pairs with which everything starts: the root with itself, and with what lies outside, which receives nothing.
+    /// All pairs with which everything starts: the root with itself, and with what lies outside,
+    /// which receives nothing.
     pub fn first(hierarchy: &Hierarchy) -> impl Iterator<Item = Self> + use<> {
         let directions = Directions { to_a: true, to_b: false };
         let from = move |outside: ElementId| Self::new(Hierarchy::ROOT, outside, directions, 1.0, false);
@@ -70,8 +72,8 @@ impl Candidate {
 pub enum Waiting {
     /// A pair.
     Pair(Candidate),
-    /// All pairs of a cluster's child (by its number) with itself and its later siblings: a refined self-link, kept short so
-    /// that plain HR's millions of pairs need not lie in memory at once.
+    /// All pairs of a cluster's child (by its number) with itself and its later siblings: a refined
+    /// self-link, kept short so that plain HR's millions of pairs need not lie in memory at once.
     Siblings {
         /// The cluster.
         cluster: ElementId,
@@ -94,7 +96,8 @@ impl Waiting {
     }
 }
 
-/// Takes up to `limit` candidates from the front of a wave; what is left over of a row of siblings goes back.
+/// Takes up to `limit` candidates from the front of a wave; what is left over of a row of siblings
+/// goes back.
 pub fn take_chunk(
     wave: &mut std::collections::VecDeque<Waiting>,
     hierarchy: &Hierarchy,
@@ -128,8 +131,9 @@ pub fn take_chunk(
     chunk
 }
 
-/// The end of a pair that is split: the larger by area, but a cluster before a patch where they overlap (or small scattered
-/// clusters shred walls); `None` where that is a patch too deep to be split.
+/// The end of a pair that is split: the larger by area, but a cluster before a patch where they
+/// overlap (or small scattered clusters shred walls); `None` where that is a patch too deep to be
+/// split.
 pub fn end_to_split(hierarchy: &Hierarchy, a: ElementId, b: ElementId) -> Option<ElementId> {
     let (first, second) = (hierarchy.element(a), hierarchy.element(b));
     let larger = if first.area >= second.area { a } else { b };

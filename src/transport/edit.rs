@@ -1,4 +1,5 @@
-//! Edits of materials on a solution that is there: all links stay but those that carry light another way.
+//! Edits of materials on a solution that is there: all links stay but those that carry light
+//! another way.
 
 use std::sync::Arc;
 
@@ -10,8 +11,8 @@ use crate::hierarchy::{ElementId, PatchSums, Shape};
 use crate::scene::{Material, MaterialId};
 
 impl LinkSolution {
-    /// Changes a material's emission B_e (W/m²). All links stay but those of clusters that now shine from other parts of them,
-    /// which wait to be judged again.
+    /// Changes a material's emission B_e (W/m²). All links stay but those of clusters that now
+    /// shine from other parts of them, which wait to be judged again.
     pub fn set_emission(&mut self, material: MaterialId, emission: Vec3) {
         self.edit_material(material, |material| material.emission = emission);
         let changed = self.changed_clusters(material);

@@ -1,4 +1,5 @@
-//! Light that comes in from outside: the power that bright sides get, as the scale of ε and one side of the balance.
+//! Light that comes in from outside: the power that bright sides get, as the scale of ε and one
+//! side of the balance.
 
 use std::sync::Arc;
 
@@ -11,14 +12,15 @@ use crate::hierarchy::{ClusteringMode, ElementId, Hierarchy, Shape};
 use crate::scene::Scene;
 use crate::scene::outside::{Amount, Daylight, Outside, SkySpec, Spread};
 
-/// Rays from the sky, and as many from the sun, by which the power is measured. Where none of them gets in, less than a thousandth of what
-/// falls on the scene's hull does: it counts as closed, and nothing outside is linked or looked for.
+/// Rays from the sky, and as many from the sun, by which the power is measured. Where none of them
+/// gets in, less than a thousandth of what falls on the scene's hull does: it counts as closed, and
+/// nothing outside is linked or looked for.
 pub const ENTERING_RAYS: u32 = 1 << 13;
 /// Numbers of a sequence before another one begins.
 const SEQUENCE: u32 = 0xffff;
 
-/// Power from outside that meets bright sides, W per colour, without what they reflect: by rays that come in through a disc as large as
-/// the scene.
+/// Power from outside that meets bright sides, W per colour, without what they reflect: by rays
+/// that come in through a disc as large as the scene.
 pub fn entering_power(scene: &Scene, occluders: &Occluders, rays: u32, seed: u64) -> Vec3 {
     scene.outside().map_or(Vec3::ZERO, |outside| power_from(outside, scene.bounds(), occluders, (rays, seed)))
 }

@@ -1,7 +1,8 @@
 //! Form factors without occlusion, as one symmetric *exchange* G = A_r·F(r←s) = A_s·F(s←r), in m².
 //!
-//! Far patches use the kernel between their centres with its curvature over both, near and touching ones the analytic
-//! point-to-polygon form factor averaged over points of the smaller; a cluster's cosine is ¼, the mean projected area of randomly turned one-sided faces [Sillion 95, eqs 8–15].
+//! Far patches use the kernel between their centres with its curvature over both, near and touching
+//! ones the analytic point-to-polygon form factor averaged over points of the smaller; a cluster's
+//! cosine is ¼, the mean projected area of randomly turned one-sided faces [Sillion 95, eqs 8–15].
 
 use std::f32::consts::PI;
 
@@ -11,12 +12,14 @@ use crate::hierarchy::{Cluster, Element, ElementId, Hierarchy, Patch, Shape, Sky
 
 /// A cluster's mean cosine: projected over total area of randomly turned one-sided faces.
 pub const CLUSTER_COSINE: f32 = 0.25;
-/// Patches nearer than this many times the larger one's size (square root of area) get the analytic form factor.
+/// Patches nearer than this many times the larger one's size (square root of area) get the analytic
+/// form factor.
 const NEAR: f32 = 2.5;
-/// So do those where the kernel's curvature changes its mean by more than this share: what the expansion leaves out is about the
-/// square of that, 1 %.
+/// So do those where the kernel's curvature changes its mean by more than this share: what the
+/// expansion leaves out is about the square of that, 1 %.
 const MOST_CURVED: f32 = 0.1;
-/// Behind a plane up to this share of an element's size still counts as on it: f32 noise of coplanar faces.
+/// Behind a plane up to this share of an element's size still counts as on it: f32 noise of
+/// coplanar faces.
 const PLANE_TOLERANCE: f32 = 1e-4;
 
 /// Exchange of light between a pair of elements by geometry alone.
@@ -28,8 +31,9 @@ pub enum Exchange {
     Facing {
         /// Estimate of G = A_r·F(r←s), m².
         estimate: f32,
-        /// Form factor that the oracle judges by: the estimate, or a bound where boxes touch and the estimate means little. Of the light
-        /// that a cluster sends evenly into all directions at most half meets a plane, or a box beside it.
+        /// Form factor that the oracle judges by: the estimate, or a bound where boxes touch and
+        /// the estimate means little. Of the light that a cluster sends evenly into all directions
+        /// at most half meets a plane, or a box beside it.
         bound: f32,
         /// Whether the ends' boxes overlap or touch.
         overlapping: bool,
@@ -55,8 +59,8 @@ pub fn exchange(hierarchy: &Hierarchy, a: ElementId, b: ElementId) -> Exchange {
     }
 }
 
-/// G from a part of what lies outside: the area times the projected solid angle over π, exact for a patch that sees all of it or to which
-/// it is alike everywhere.
+/// G from a part of what lies outside: the area times the projected solid angle over π, exact for a
+/// patch that sees all of it or to which it is alike everywhere.
 fn from_outside(receiver: &Element, part: &SkyPart) -> Exchange {
     let form_factor = match &receiver.shape {
         Shape::Patch(patch) if part.is_above(patch.normal) => patch.normal.dot(part.weighted).max(0.0) / PI,
@@ -72,8 +76,9 @@ fn from_outside(receiver: &Element, part: &SkyPart) -> Exchange {
     Exchange::Facing { estimate, bound: estimate, overlapping: false }
 }
 
-/// Self-exchange G = A·F of a cluster: what its polygons send to each other, estimated as in a homogeneous sphere of the same
-/// volume and area (`1 − P_escape`, [Sillion 95]; κ = ΣA/(4V), eq 15).
+/// Self-exchange G = A·F of a cluster: what its polygons send to each other, estimated as in a
+/// homogeneous sphere of the same volume and area (`1 − P_escape`, [Sillion 95]; κ = ΣA/(4V), eq
+/// 15).
 pub fn self_exchange(element: &Element, cluster: &Cluster) -> f32 {
     let half = cluster.half_extent;
     // A flat box gets the thickness of a hundredth of its size: its volume must not vanish.
@@ -87,7 +92,8 @@ pub fn self_exchange(element: &Element, cluster: &Cluster) -> f32 {
     element.area * (1.0 - escape_from_sphere(depth))
 }
 
-/// Share of the light born evenly in a homogeneous sphere that leaves it, by the optical depth κR of its radius.
+/// Share of the light born evenly in a homogeneous sphere that leaves it, by the optical depth κR
+/// of its radius.
 fn escape_from_sphere(depth: f32) -> f32 {
     let t = f64::from(depth);
     if t < 0.05 {
@@ -123,9 +129,10 @@ fn patches(hierarchy: &Hierarchy, (first, p): (&Element, &Patch), (second, q): (
     Exchange::Facing { estimate, bound: estimate, overlapping: false }
 }
 
-/// G by the kernel k = cosθ·cosθ'/(πd²) between the centres and its second derivatives: its mean over both patches is
-/// k + ½·tr(H·C) with the Hessian H in the span between the points and the sum C of the patches' covariances, which are a
-/// twelfth of the sum over corners of (v−c)(v−c)ᵀ for triangles and parallelograms alike. `None` where that changes k too much.
+/// G by the kernel k = cosθ·cosθ'/(πd²) between the centres and its second derivatives: its mean
+/// over both patches is k + ½·tr(H·C) with the Hessian H in the span between the points and the sum
+/// C of the patches' covariances, which are a twelfth of the sum over corners of (v−c)(v−c)ᵀ for
+/// triangles and parallelograms alike. `None` where that changes k too much.
 fn from_centres(
     (first, p, p_corners): (&Element, &Patch, &[Vec3]),
     (second, q, q_corners): (&Element, &Patch, &[Vec3]),
@@ -170,7 +177,8 @@ fn analytic(small: &Element, normal: Vec3, corners: &[Vec3], large: &Element, l:
     small.area * mean
 }
 
-/// Point of a triangle or quad at `(u, v)`; for a triangle the square is folded along `v` with a root, for equal areas.
+/// Point of a triangle or quad at `(u, v)`; for a triangle the square is folded along `v` with a
+/// root, for equal areas.
 fn mapped(corners: &[Vec3], u: f32, v: f32) -> Vec3 {
     match *corners {
         [a, b, c] => {
@@ -182,7 +190,8 @@ fn mapped(corners: &[Vec3], u: f32, v: f32) -> Vec3 {
     }
 }
 
-/// Form factor from a point with a normal to a polygon, clipped to the point's horizon [Lambert; facts: Baum 89].
+/// Form factor from a point with a normal to a polygon, clipped to the point's horizon [Lambert;
+/// facts: Baum 89].
 pub fn point_to_polygon(point: Vec3, normal: Vec3, corners: &[Vec3]) -> f32 {
     // A quad clipped by one plane has at most five corners.
     let mut clipped = [Vec3::ZERO; 6];
@@ -216,11 +225,13 @@ pub fn point_to_polygon(point: Vec3, normal: Vec3, corners: &[Vec3]) -> f32 {
     (-sum / (2.0 * PI)).clamp(0.0, 1.0)
 }
 
-/// A polygon is far away if its corners are seen this close to its middle, as the square of a tangent: there its edges' angles cancel
-/// but for their last bits, and it is as good as a point with an area, both to 1e-4.
+/// A polygon is far away if its corners are seen this close to its middle, as the square of a
+/// tangent: there its edges' angles cancel but for their last bits, and it is as good as a point
+/// with an area, both to 1e-4.
 const FAR_AWAY: f32 = 1e-4;
 
-/// Form factor to a small polygon far away, its corners seen from the receiving point; `None` where it is near.
+/// Form factor to a small polygon far away, its corners seen from the receiving point; `None` where
+/// it is near.
 fn far_away(normal: Vec3, corners: &[Vec3]) -> Option<f32> {
     let middle = corners.iter().sum::<Vec3>() / corners.len().max(1) as f32;
     let squared = middle.length_squared();

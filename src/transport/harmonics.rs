@@ -4,8 +4,9 @@ use glam::Vec3;
 
 use crate::hierarchy::{Hierarchy, Shape};
 
-/// The positive cosine max(0, x) as c₀ + c₁x + c₂x², its expansion in spherical harmonics up to the second order: off by 6 % of
-/// the full cosine at most, and by nothing in the mean over all directions [Ramamoorthi, Hanrahan 2001].
+/// The positive cosine max(0, x) as c₀ + c₁x + c₂x², its expansion in spherical harmonics up to the
+/// second order: off by 6 % of the full cosine at most, and by nothing in the mean over all
+/// directions [Ramamoorthi, Hanrahan 2001].
 const COSINE: [f32; 3] = [3.0 / 32.0, 0.5, 15.0 / 32.0];
 
 /// Products of the coordinates of a direction: xx, yy, zz, 2xy, 2yz, 2zx.
@@ -14,7 +15,8 @@ fn products(direction: Vec3) -> [f32; 6] {
     [x * x, y * y, z * z, 2.0 * x * y, 2.0 * y * z, 2.0 * z * x]
 }
 
-/// Lights from far away, summed so that their irradiance on a face of any direction is one polynomial of its normal.
+/// Lights from far away, summed so that their irradiance on a face of any direction is one
+/// polynomial of its normal.
 #[derive(Clone, Copy, Default)]
 pub struct IrradianceHarmonics {
     constant: Vec3,
@@ -43,7 +45,8 @@ impl IrradianceHarmonics {
         self.square.iter_mut().zip(other.square).for_each(|(sum, term)| *sum += term);
     }
 
-    /// Irradiance of a face with this normal, W/m²; may be a little less than none on one turned away from all light.
+    /// Irradiance of a face with this normal, W/m²; may be a little less than none on one turned
+    /// away from all light.
     pub fn on(&self, normal: Vec3) -> Vec3 {
         let linear = self.linear.iter().zip(normal.to_array()).map(|(term, component)| *term * component).sum::<Vec3>();
         let square = self.square.iter().zip(products(normal)).map(|(term, product)| *term * product).sum::<Vec3>();
@@ -59,7 +62,8 @@ pub struct NormalMoments {
 }
 
 impl NormalMoments {
-    /// Mean positive cosine of the patches towards a direction, as a [`IrradianceHarmonics`] gives it.
+    /// Mean positive cosine of the patches towards a direction, as a [`IrradianceHarmonics`] gives
+    /// it.
     pub fn mean_cosine(&self, direction: Vec3) -> f32 {
         let [xx, yy, zz, xy, yz, zx] = products(direction);
         let halved = [xx, yy, zz, 0.5 * xy, 0.5 * yz, 0.5 * zx];

@@ -12,22 +12,23 @@ pub enum VisibilitySource {
     None,
     /// From as many rays as its power deserved, this number.
     Rays(u16),
-    /// As many rays as its power deserved, this number, all came through. V is from others: of pairs seen in part some
-    /// look clear by chance, and to believe that would make up light.
+    /// As many rays as its power deserved, this number, all came through. V is from others: of
+    /// pairs seen in part some look clear by chance, and to believe that would make up light.
     Clear(u16),
     /// A pair that holds this one looked clear; V is from rays of its own.
     Inherited,
 }
 
-/// Light transport from a source to a receiver, which is implicit: links lie in the table at their receiver.
+/// Light transport from a source to a receiver, which is implicit: links lie in the table at their
+/// receiver.
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
 pub struct Link {
     source: u32,
     /// Form factor F(r←s) without occlusion.
     pub form_factor: f32,
-    /// F·V of what the source emits: a lamp in a dark housing sends its light where the lamp faces, not all around as the
-    /// cluster of both does.
+    /// F·V of what the source emits: a lamp in a dark housing sends its light where the lamp faces,
+    /// not all around as the cluster of both does.
     pub direct: f32,
     visibility: u16,
     visibility_source: u16,
@@ -90,7 +91,8 @@ impl Link {
         }
     }
 
-    /// Irradiance that the link brings of the source's radiosity B and the part of it B_e that the source emits, W/m².
+    /// Irradiance that the link brings of the source's radiosity B and the part of it B_e that the
+    /// source emits, W/m².
     #[inline]
     pub fn irradiance(&self, radiosity: Vec3, emitted: Vec3) -> Vec3 {
         self.transfer() * (radiosity - emitted) + self.direct * emitted
@@ -111,7 +113,8 @@ pub fn quantised(visibility: f32) -> u16 {
 /// All links, those of one receiver side by side.
 #[derive(Clone, Debug, Default)]
 pub struct LinkTable {
-    /// Where each receiver's links start; one longer than the number of receivers that the table knows.
+    /// Where each receiver's links start; one longer than the number of receivers that the table
+    /// knows.
     starts: Vec<u32>,
     links: Vec<Link>,
 }
@@ -157,8 +160,8 @@ impl LinkTable {
         &self.links[self.range(receiver)]
     }
 
-    /// Takes up further links (with their receivers) for `receivers` elements in all; old links come first, then new ones in
-    /// their order.
+    /// Takes up further links (with their receivers) for `receivers` elements in all; old links
+    /// come first, then new ones in their order.
     pub fn append(&mut self, receivers: usize, further: &[(ElementId, Link)]) {
         let mut starts = vec![0_u32; receivers + 1];
         for receiver in 0..receivers {
@@ -186,7 +189,8 @@ impl LinkTable {
         (self.starts, self.links) = (starts, links);
     }
 
-    /// Takes out the links for which `take` answers yes and returns them with their receivers, in order; judged in parallel.
+    /// Takes out the links for which `take` answers yes and returns them with their receivers, in
+    /// order; judged in parallel.
     pub fn drain(&mut self, take: impl Fn(ElementId, &Link) -> bool + Sync) -> Vec<(ElementId, Link)> {
         let receivers = self.receivers();
         let drained: Vec<Vec<(ElementId, Link)>> = (0..receivers)

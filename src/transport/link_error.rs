@@ -1,7 +1,8 @@
-//! The error oracle: refines a link while the power that it is likely to misplace, make up or lose exceeds ε, whatever it carries.
+//! The error oracle: refines a link while the power that it is likely to misplace, make up or lose
+//! exceeds ε, whatever it carries.
 //!
-//! Four parts, all from what is known of a link at any time, so that a stored one can be judged again ([SD95] for mixed sight,
-//! [BW96] for which end to split):
+//! Four parts, all from what is known of a link at any time, so that a stored one can be judged
+//! again ([SD95] for mixed sight, [BW96] for which end to split):
 //! - *kernel*: how much F varies over the receiver, which shows one value (half of it: values are joined linearly),
 //! - *sight*: 2V(1−V), the mean deviation of what is seen or not, for the share that falls on the receiver,
 //! - *noise*: the standard error of V by so many rays,
@@ -15,21 +16,23 @@ use super::verdict::{Decision, Rejection};
 use super::visibility::{VisibilityEstimate, VisibilityKind};
 use crate::hierarchy::{DEEPEST_SKY, ElementId, Hierarchy, Shape};
 
-/// Share of the kernel's deviation that counts: leaves are shown joined linearly, and 1 needs twice the patches for the same
-/// error in the Cornell box (2,306 at 7.2 % against 1,331 at 6.7 %).
+/// Share of the kernel's deviation that counts: leaves are shown joined linearly, and 1 needs twice
+/// the patches for the same error in the Cornell box (2,306 at 7.2 % against 1,331 at 6.7 %).
 const KERNEL_WEIGHT: f32 = 0.5;
-/// Weight of the source's part: near pairs are bright together, so its errors add up where others cancel. From 1 to 2 the
-/// Cornell box's error falls from 7.2 to 6.1 % for a quarter more links.
+/// Weight of the source's part: near pairs are bright together, so its errors add up where others
+/// cancel. From 1 to 2 the Cornell box's error falls from 7.2 to 6.1 % for a quarter more links.
 const SOURCE_WEIGHT: f32 = 2.0;
 /// Weight of V's standard error, which differs from link to link and cancels in part.
 const NOISE_WEIGHT: f32 = 0.5;
 /// Of the power between boxes that touch, of which no estimate is known, half counts as error.
 const TOUCHING_WEIGHT: f32 = 0.5;
-/// Rays of which none came through are as good as this many half ones (Krichevsky & Trofimov's prior, half a ray of either kind).
+/// Rays of which none came through are as good as this many half ones (Krichevsky & Trofimov's
+/// prior, half a ray of either kind).
 const PRIOR: f32 = 0.5;
 /// Variation of the cosine over a part of the sky.
 const OVER_SKY: f32 = 0.5;
-/// Patches nearer than this many times the larger one's size vary by their form factors from points, others by their centres.
+/// Patches nearer than this many times the larger one's size vary by their form factors from
+/// points, others by their centres.
 const NEAR: f32 = 2.5;
 
 /// Estimated error of a link by cause, W.
@@ -52,7 +55,8 @@ impl LinkError {
     }
 }
 
-/// Standard deviation of radiosity over the leaves of each element, W/m²; `max_radiosity` is parallel to the arena.
+/// Standard deviation of radiosity over the leaves of each element, W/m²; `max_radiosity` is
+/// parallel to the arena.
 pub fn radiosity_stddev_of(hierarchy: &Hierarchy, max_radiosity: &[f32], radiosity_stddev: &mut Vec<f32>) {
     radiosity_stddev.clear();
     radiosity_stddev.resize(max_radiosity.len(), 0.0);
@@ -171,8 +175,8 @@ pub struct SourceLight {
     pub radiosity_stddev: f32,
 }
 
-/// Estimated error of a link (receiver, source) with mean visibility V by so many rays; `None` where a pair that holds it was seen in
-/// full.
+/// Estimated error of a link (receiver, source) with mean visibility V by so many rays; `None`
+/// where a pair that holds it was seen in full.
 pub fn estimated_error(
     hierarchy: &Hierarchy,
     (receiver, source): (ElementId, ElementId),
@@ -193,8 +197,8 @@ pub fn estimated_error(
             (seen, (seen * (1.0 - seen) / (rays + 1.0)).sqrt())
         }
     };
-    // Links kept because few rays came through by chance, while those by which more came through are refined, lose
-    // light: 9 % of the seminar room's at 1e-4, 7 % with this.
+    // Links kept because few rays came through by chance, while those by which more came through
+    // are refined, lose light: 9 % of the seminar room's at 1e-4, 7 % with this.
     let at_least = seen.max(0.5);
     let (own, other) = (extent(hierarchy, receiver), extent(hierarchy, source));
     let share = if own > 0.0 { own / (own + other) } else { 0.0 };
@@ -235,8 +239,9 @@ fn extent(hierarchy: &Hierarchy, id: ElementId) -> f32 {
     }
 }
 
-/// Standard deviation over an element of the kernel towards another, as a share of its mean: from a patch's corners, of a
-/// linear function; over a cluster that of 1/d², for each of its faces gets its own cosine.
+/// Standard deviation over an element of the kernel towards another, as a share of its mean: from a
+/// patch's corners, of a linear function; over a cluster that of 1/d², for each of its faces gets
+/// its own cosine.
 pub fn kernel_variation(hierarchy: &Hierarchy, over: ElementId, other: ElementId) -> f32 {
     let (to, from) = (hierarchy.element(over), hierarchy.element(other));
     let patch = match &to.shape {
@@ -266,7 +271,8 @@ pub fn kernel_variation(hierarchy: &Hierarchy, over: ElementId, other: ElementId
                 *value = if !near {
                     patch.normal.dot(span).max(0.0) * (-source.normal.dot(span)).max(0.0) / (square * square)
                 } else if source.normal.dot(span) < 0.0 {
-                    // A corner in the edge of the source sees nothing of it or half the sphere: a step inwards.
+                    // A corner in the edge of the source sees nothing of it or half the sphere: a
+                    // step inwards.
                     let point = corner + 0.05 * (to.centre - corner);
                     point_to_polygon(point, patch.normal, &source_corners[..source_count])
                 } else {

@@ -1,8 +1,8 @@
-//! Transport: one link, from the root cluster to itself, refined until every link carries little enough, and
-//! light moved over what has come of it.
+//! Transport: one link, from the root cluster to itself, refined until every link carries little
+//! enough, and light moved over what has come of it.
 //!
-//! A [`LinkSolution`] owns the elements, the links between them and their light. It does four things, each of
-//! which whoever drives it asks for:
+//! A [`LinkSolution`] owns the elements, the links between them and their light. It does four
+//! things, each of which whoever drives it asks for:
 //!
 //! 1. [`LinkSolution::refine`] judges a part of the pairs that wait (`Oracle`) and applies the verdicts.
 //! 2. [`LinkSolution::converge`] moves light over the stored links until nothing changes ([`Gatherer`]).

@@ -1,8 +1,8 @@
 //! The oracle: decides what becomes of a pair; pure, so that a wave can be judged in parallel.
 //!
-//! The power oracle of the paper (section 2.3, [Lischinski 94]): refine while B_s·F·A_r > ε, with ε_partial where the ends
-//! see each other only in part; rays in proportion to B·F·A/ε within bounds (section 2.4). The error oracle (`link_error`)
-//! looks the same way and decides otherwise.
+//! The power oracle of the paper (section 2.3, [Lischinski 94]): refine while B_s·F·A_r > ε, with
+//! ε_partial where the ends see each other only in part; rays in proportion to B·F·A/ε within
+//! bounds (section 2.4). The error oracle (`link_error`) looks the same way and decides otherwise.
 
 use crate::hierarchy::{Cluster, ElementId, Hierarchy, Shape};
 
@@ -16,11 +16,13 @@ use super::rules::{ClusterModel, OracleKind};
 use super::verdict::{Decision, OccludedPair, Rejection, Verdict};
 use super::visibility::{Thresholds, VisibilityEstimate, VisibilityKind};
 
-/// A stored link may exceed its threshold by this factor before it is judged again: B creeps up towards its limit, and a
-/// round for the last few percent refines links that matter as little as those beside them.
+/// A stored link may exceed its threshold by this factor before it is judged again: B creeps up
+/// towards its limit, and a round for the last few percent refines links that matter as little as
+/// those beside them.
 const MARGIN: f32 = 1.1;
 
-/// Rays of a self-link that is kept: there are few of them, and of their points few face each other.
+/// Rays of a self-link that is kept: there are few of them, and of their points few face each
+/// other.
 const SELF_RAYS: u32 = 32;
 
 /// Clusters of up to this many polygons are looked at pair by pair before their self-link is kept.
@@ -66,7 +68,8 @@ impl Oracle<'_> {
             _ => strongest,
         };
         let sight = if strongest > 0.0 {
-            // Where both directions would be refined anyway, a mixture of seen and blocked rays says all.
+            // Where both directions would be refined anyway, a mixture of seen and blocked rays
+            // says all.
             let stop_when_mixed = match self.kind {
                 OracleKind::Energy => self.may_split && weakest * bound > self.thresholds.epsilon_partial,
                 // By this oracle, V decides what is refined.
@@ -126,7 +129,8 @@ impl Oracle<'_> {
         }
     }
 
-    /// Whether nobody has judged a stored link whose source shines by now; where nothing may be split, all else stays as it is.
+    /// Whether nobody has judged a stored link whose source shines by now; where nothing may be
+    /// split, all else stays as it is.
     pub fn is_unjudged(&self, link: &Link) -> bool {
         link.visibility_source() == VisibilitySource::None && self.max_radiosity[link.source().index()] > 0.0
     }
@@ -167,7 +171,8 @@ impl Oracle<'_> {
         if bound > MARGIN * self.allowed_by(link.visibility_source()) {
             return receiver == source || end_to_split(hierarchy, receiver, source).is_some();
         }
-        // More light than it was judged by may ask for more rays; a doubled count is worth a new look.
+        // More light than it was judged by may ask for more rays; a doubled count is worth a new
+        // look.
         bound > self.thresholds.epsilon_partial && self.thresholds.rays_for(power) >= rays.saturating_mul(2)
     }
 
@@ -189,9 +194,10 @@ impl Oracle<'_> {
         reasons.cluster_model && has_cluster || reasons.more_rays && has_too_few()
     }
 
-    /// Whether a pair that no ray came through could by now carry enough to be looked at again: it was dropped as negligible
-    /// and is no more, or ε has become finer. To refine only those of its like that one of a few rays happened to come
-    /// through, and forget the others, would lose light.
+    /// Whether a pair that no ray came through could by now carry enough to be looked at again: it
+    /// was dropped as negligible and is no more, or ε has become finer. To refine only those of its
+    /// like that one of a few rays happened to come through, and forget the others, would lose
+    /// light.
     pub fn is_doubtful(&self, occluded: &OccludedPair, reasons: RecheckReasons) -> bool {
         if occluded.was_negligible && reasons.more_rays {
             return true;
@@ -224,8 +230,8 @@ impl Oracle<'_> {
         }
     }
 
-    /// A self-link is refined while the power that its cluster sends could matter; it has no rays, its estimate holds the
-    /// cluster's own occlusion.
+    /// A self-link is refined while the power that its cluster sends could matter; it has no rays,
+    /// its estimate holds the cluster's own occlusion.
     fn judge_self(&self, candidate: &Candidate) -> Verdict {
         let element = self.hierarchy.element(candidate.a);
         let Shape::Cluster(cluster) = element.shape else {
@@ -253,8 +259,9 @@ impl Oracle<'_> {
         }
     }
 
-    /// A cluster's link to itself: F·V of what its polygons send each other by pairs of points on them, or, where they count as a
-    /// volume or nothing is lit yet, by the closed form of a sphere of the same density.
+    /// A cluster's link to itself: F·V of what its polygons send each other by pairs of points on
+    /// them, or, where they count as a volume or nothing is lit yet, by the closed form of a sphere
+    /// of the same density.
     fn self_link(&self, id: ElementId, cluster: &Cluster, visibility_source: VisibilitySource, rays: &mut u32) -> Link {
         let element = self.hierarchy.element(id);
         if element.area <= 0.0 {
@@ -272,7 +279,8 @@ impl Oracle<'_> {
         Link::new(id, form_factor, samples.visibility(), visibility_source)
     }
 
-    /// Whether a small cluster's polygons, such as the sides of a box, all turn their backs on each other.
+    /// Whether a small cluster's polygons, such as the sides of a box, all turn their backs on each
+    /// other.
     pub fn is_convex(&self, cluster: &Cluster) -> bool {
         let patches = self.hierarchy.patches_below(cluster);
         let see_each_other = |a: &ElementId, b: &ElementId| exchange(self.hierarchy, *a, *b) != Exchange::FacingAway;
@@ -280,8 +288,9 @@ impl Oracle<'_> {
             && !patches.iter().enumerate().any(|(place, a)| patches[..place].iter().any(|b| see_each_other(a, b)))
     }
 
-    /// Form factor F(r←s) without occlusion: by the estimate for patches and where nobody looked, else by how the polygons
-    /// of the clusters are turned. Where random points lie on hidden parts as well, V is low by their shares and F high.
+    /// Form factor F(r←s) without occlusion: by the estimate for patches and where nobody looked,
+    /// else by how the polygons of the clusters are turned. Where random points lie on hidden parts
+    /// as well, V is low by their shares and F high.
     fn form_factor(&self, receiver: ElementId, source: ElementId, estimate: f32, samples: Option<&PairSamples>) -> f32 {
         let (to, from) = (self.hierarchy.element(receiver), self.hierarchy.element(source));
         if to.area <= 0.0 {
@@ -303,8 +312,8 @@ impl Oracle<'_> {
         self.sampler.sample_pairs(self.hierarchy, pair, SampleDensity::EvenAgain, budget)
     }
 
-    /// Whether a link is kept only because its ends looked clear of each other: it would be refined otherwise, or it was never
-    /// looked at itself. Its V must then come from another look.
+    /// Whether a link is kept only because its ends looked clear of each other: it would be refined
+    /// otherwise, or it was never looked at itself. Its V must then come from another look.
     fn is_chosen_for_clear(&self, link: &Link, bound: f32) -> bool {
         let max_radiosity = self.max_radiosity[link.source().index()];
         match link.visibility_source() {
@@ -337,7 +346,8 @@ impl Oracle<'_> {
         is_flat(pair.a) && is_flat(pair.b)
     }
 
-    /// Finds out how well the ends of a pair see each other, with as many rays as its power deserves.
+    /// Finds out how well the ends of a pair see each other, with as many rays as its power
+    /// deserves.
     fn look(&self, candidate: &Candidate, power: f32, bound: f32, stop_when_mixed: bool) -> VisibilityEstimate {
         let samples = |density: SampleDensity, budget: RayBudget| {
             self.sampler.sample_pairs(self.hierarchy, (candidate.a, candidate.b), density, budget)
@@ -357,7 +367,8 @@ impl Oracle<'_> {
             OracleKind::Error => self.is_refined_unseen(bound),
         };
         if self.may_split && is_refined && bound > power {
-            // Boxes that touch are refined in any case; what their members see is for their members to find out.
+            // Boxes that touch are refined in any case; what their members see is for their members
+            // to find out.
             return VisibilityEstimate::unseen(candidate);
         }
         let asked = self.thresholds.rays_for(power);
@@ -366,7 +377,8 @@ impl Oracle<'_> {
         let found = samples(SampleDensity::Even, budget);
         let mut rays = found.cast;
         let budget = RayBudget { rays_if_blocked: asked, stop_when_mixed: false, ..budget };
-        // Patches that show each other no point face away; of a cluster, the faces that matter may have been missed.
+        // Patches that show each other no point face away; of a cluster, the faces that matter may
+        // have been missed.
         let face_away = found.cast == 0 && self.are_patches(candidate);
         let believed = face_away || found.cast >= to_reject || bound <= self.thresholds.epsilon_partial;
         let mut shows_lamp = |asked: bool, source: ElementId, density: SampleDensity| {

@@ -1,8 +1,10 @@
-//! Pair samples: pairs of random points on two elements, and visibility rays between those that face each other (section 2.4).
+//! Pair samples: pairs of random points on two elements, and visibility rays between those that
+//! face each other (section 2.4).
 //!
-//! For patches the samples tell how much of the other end is seen. For clusters the same points also tell how their polygons
-//! are turned: a box of furniture, a lamp or a wall made of pieces is not the cloud of randomly turned faces that the mean
-//! cosine of ¼ stands for, and the power of a link that was stored with that cosine is lost or made up.
+//! For patches the samples tell how much of the other end is seen. For clusters the same points
+//! also tell how their polygons are turned: a box of furniture, a lamp or a wall made of pieces is
+//! not the cloud of randomly turned faces that the mean cosine of ¼ stands for, and the power of a
+//! link that was stored with that cosine is lost or made up.
 
 use std::f32::consts::PI;
 
@@ -33,7 +35,8 @@ pub struct PairSamples {
     pub cast: u32,
     /// Rays that met nothing.
     pub visible: u32,
-    /// Sum over pairs of the kernel cosθ·cosθ'/(πd²), zero for those that do not face each other, 1/m².
+    /// Sum over pairs of the kernel cosθ·cosθ'/(πd²), zero for those that do not face each other,
+    /// 1/m².
     kernel: f32,
     /// Sum of the kernel over pairs with a ray between them, 1/m².
     rayed_kernel: f32,
@@ -75,7 +78,8 @@ pub enum SampleDensity {
     EmissionOfB,
 }
 
-/// Samples pairs of elements; the points depend on what the two are and on the seed, not on who asks.
+/// Samples pairs of elements; the points depend on what the two are and on the seed, not on who
+/// asks.
 #[derive(Clone, Copy)]
 pub struct RaySampler<'a> {
     /// Faces that stop light.
@@ -86,8 +90,8 @@ pub struct RaySampler<'a> {
     pub emission: &'a PatchSums,
 }
 
-/// The patch of a pair of patch and cluster: seen from a point of the cluster as a whole, so that points may lie as near to it as
-/// they like.
+/// The patch of a pair of patch and cluster: seen from a point of the cluster as a whole, so that
+/// points may lie as near to it as they like.
 struct WholePatch {
     is_a: bool,
     corners: [Vec3; 4],
@@ -120,7 +124,8 @@ impl WholePatch {
     }
 }
 
-/// Steps of the four-dimensional R-sequence (Roberts), inverse powers of the root of x⁵ = x + 1, as 32-bit fractions.
+/// Steps of the four-dimensional R-sequence (Roberts), inverse powers of the root of x⁵ = x + 1, as
+/// 32-bit fractions.
 const STEPS: [u32; 4] = [3_679_390_609, 3_152_041_523, 2_700_274_806, 2_313_257_605];
 /// Pairs of points on patches tried for each ray before an end is said to turn its back.
 const TRIES: u32 = 8;
@@ -128,7 +133,8 @@ const TRIES: u32 = 8;
 const FEWEST_PAIRS: u32 = 12;
 
 impl RaySampler<'_> {
-    /// Whether an element is a cluster that emits, so that its light may come from a part of it alone.
+    /// Whether an element is a cluster that emits, so that its light may come from a part of it
+    /// alone.
     pub fn emits_in_part(&self, hierarchy: &Hierarchy, source: ElementId) -> bool {
         self.emission.of(hierarchy, source) > 0.0
     }
@@ -154,15 +160,17 @@ impl RaySampler<'_> {
         let (low, high) = (hash64(pair, 1 + 2 * purpose), hash64(pair, 2 + 2 * purpose));
         let start = [low as u32, (low >> 32) as u32, high as u32, (high >> 32) as u32];
         let clusters = u32::from(hierarchy.element(a).is_cluster()) + u32::from(hierarchy.element(b).is_cluster());
-        // Between clusters the number of pairs is fixed, about so many that the wanted number of them face each other: to
-        // stop at a number of rays would make the mean kernel depend on it.
+        // Between clusters the number of pairs is fixed, about so many that the wanted number of
+        // them face each other: to stop at a number of rays would make the mean kernel depend on
+        // it.
         let pairs_for = |rays: u32| match (clusters, density) {
             (0, _) => rays.saturating_mul(TRIES),
             (_, SampleDensity::Even | SampleDensity::EvenAgain) => (rays << clusters).max(FEWEST_PAIRS),
             _ => (rays << (clusters - 1)).max(FEWEST_PAIRS),
         };
         let (pairs, pairs_if_blocked) = (pairs_for(budget.rays), pairs_for(budget.rays_if_blocked));
-        // Points stand for this area; nearer to each other than its size they say no more than that.
+        // Points stand for this area; nearer to each other than its size they say no more than
+        // that.
         let smallest = hierarchy.element(a).sampled_area.min(hierarchy.element(b).sampled_area) / pairs.max(1) as f32;
         if hierarchy.element(a).is_sky() || hierarchy.element(b).is_sky() {
             let limits = [pairs, pairs_if_blocked];
@@ -216,7 +224,8 @@ impl RaySampler<'_> {
         samples
     }
 
-    /// Looks from points of an element along directions of a part of what lies outside, in likewise fixed order.
+    /// Looks from points of an element along directions of a part of what lies outside, in likewise
+    /// fixed order.
     fn survey_outside(
         &self,
         hierarchy: &Hierarchy,

@@ -1,11 +1,14 @@
-//! The immediate push: what a cluster receives goes at once to the patches below, link by link, each patch by its cosine
-//! towards the source (paper, section 3.3; the receiving half of the α-links of [Smits 94]).
+//! The immediate push: what a cluster receives goes at once to the patches below, link by link,
+//! each patch by its cosine towards the source (paper, section 3.3; the receiving half of the
+//! α-links of [Smits 94]).
 //!
-//! A large cluster holds many patches and has many links. To meet each patch with each link would cost more than all else: in a room of
-//! 130,000 polygons three quarters of the solve. A link of a large cluster is therefore handed down the tree as far
-//! as its clusters are seen from the source under more than a small angle. Smaller ones take it as a light from one direction into a
-//! [`IrradianceHarmonics`], which takes up any number of lights and tells their irradiance on a face that is turned anyhow; the harmonics of all
-//! clusters above a patch are summed on the way down. This costs time in proportion to links and elements.
+//! A large cluster holds many patches and has many links. To meet each patch with each link would
+//! cost more than all else: in a room of 130,000 polygons three quarters of the solve. A link of a
+//! large cluster is therefore handed down the tree as far as its clusters are seen from the source
+//! under more than a small angle. Smaller ones take it as a light from one direction into a
+//! [`IrradianceHarmonics`], which takes up any number of lights and tells their irradiance on a
+//! face that is turned anyhow; the harmonics of all clusters above a patch are summed on the way
+//! down. This costs time in proportion to links and elements.
 
 use glam::Vec3;
 use rayon::prelude::*;
@@ -21,7 +24,8 @@ use crate::hierarchy::{Cluster, Element, ElementId, Hierarchy, Shape};
 const MOST_MET: usize = 64;
 /// Clusters of more patches than this have harmonics.
 const MOST_WITHOUT_HARMONICS: usize = 8;
-/// A cluster takes a light as from one direction where the source is farther than so many of its radii.
+/// A cluster takes a light as from one direction where the source is farther than so many of its
+/// radii.
 const FAR: f32 = 3.0;
 
 /// Hands light down over one table of links.
@@ -82,11 +86,13 @@ const NONE: u32 = u32::MAX;
 impl PushWeights {
     const EVEN: Self = Self { beam: 0.0, even: 1.0 };
 
-    /// A beam of one over the mean cosine of the cluster's patches towards the source, so that together they get the power
-    /// that the link carries. For randomly turned faces this is the 4 of the paper's model, whose mean cosine is ¼. What would
-    /// give a face more than the source sends out is handed down evenly.
+    /// A beam of one over the mean cosine of the cluster's patches towards the source, so that
+    /// together they get the power that the link carries. For randomly turned faces this is the 4
+    /// of the paper's model, whose mean cosine is ¼. What would give a face more than the source
+    /// sends out is handed down evenly.
     ///
-    /// The isotropic model has that 4 whichever way the patches are turned, so that their light may be more or less than the link's.
+    /// The isotropic model has that 4 whichever way the patches are turned, so that their light may
+    /// be more or less than the link's.
     fn new(model: ClusterModel, mean_cosine: f32, link: &Link) -> Self {
         if model == ClusterModel::Isotropic {
             return Self { beam: CLUSTER_COSINE.recip().min(link.form_factor.recip()), even: 0.0 };
@@ -129,12 +135,14 @@ impl<'a> Pusher<'a> {
         Self { hierarchy, links, weights, link_targets, lit, lit_around, harmonics_of, with_harmonics, faces }
     }
 
-    /// Share of the light of the link at this place of the table that its receiver hands to every patch alike.
+    /// Share of the light of the link at this place of the table that its receiver hands to every
+    /// patch alike.
     pub fn share_handed_evenly(&self, place: usize) -> f32 {
         self.weights[place].even
     }
 
-    /// Irradiance that the clusters above hand to each initial patch by its cosines, W/m², where each link brings `flux`; anything if cancelled.
+    /// Irradiance that the clusters above hand to each initial patch by its cosines, W/m², where
+    /// each link brings `flux`; anything if cancelled.
     pub fn push(&self, flux: &(impl Fn(&Link) -> Vec3 + Sync), cancel: &CancelToken) -> Vec<Vec3> {
         let mut harmonics = vec![IrradianceHarmonics::default(); self.with_harmonics.len()];
         let mut met = vec![Vec3::ZERO; if self.link_targets.is_empty() { 0 } else { self.hierarchy.elements().len() }];
@@ -193,7 +201,8 @@ impl<'a> Pusher<'a> {
     }
 }
 
-/// Tells what single links hand down to one leaf: the patch's own cosine stands for that of the clusters around it.
+/// Tells what single links hand down to one leaf: the patch's own cosine stands for that of the
+/// clusters around it.
 pub struct Inspector<'a> {
     hierarchy: &'a Hierarchy,
     rules: &'a LinkRules,
@@ -206,8 +215,9 @@ impl<'a> Inspector<'a> {
         Self { hierarchy, rules, normal_moments: normal_moments(hierarchy) }
     }
 
-    /// Irradiance that a link at `receiver`, which brings it `flux` (W/m²), hands down to an element below: a cluster's to the initial patch by that
-    /// one's cosine, to a cluster below by the mean cosine of its patches.
+    /// Irradiance that a link at `receiver`, which brings it `flux` (W/m²), hands down to an
+    /// element below: a cluster's to the initial patch by that one's cosine, to a cluster below by
+    /// the mean cosine of its patches.
     pub fn handed_down(&self, (receiver, link): (ElementId, &Link), flux: Vec3, below: ElementId) -> Vec3 {
         let (hierarchy, rules) = (self.hierarchy, self.rules);
         if rules.push == Push::Deferred || !hierarchy.element(receiver).is_cluster() {
@@ -259,7 +269,8 @@ fn push_weights(
     (weights, targeted)
 }
 
-/// Finds the parts of a cluster that take a light from a point; returns the sum of their areas times mean cosines, m².
+/// Finds the parts of a cluster that take a light from a point; returns the sum of their areas
+/// times mean cosines, m².
 fn collect_targets(
     hierarchy: &Hierarchy,
     normal_moments: &[NormalMoments],

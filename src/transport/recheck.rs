@@ -7,12 +7,13 @@ use super::link::{Link, VisibilitySource};
 use super::solution::LinkSolution;
 use crate::hierarchy::ElementId;
 
-/// Multiples of ε that a solve goes through. Verdicts look at radiosities, so a fine ε needs them nearly right: with the
-/// last ε alone, links judged while B was small are judged again and again as it grows, and are refined by wrong values.
+/// Multiples of ε that a solve goes through. Verdicts look at radiosities, so a fine ε needs them
+/// nearly right: with the last ε alone, links judged while B was small are judged again and again
+/// as it grows, and are refined by wrong values.
 pub(super) const SCHEDULE: [f64; 2] = [2.0, 1.0];
 
-/// Rounds end when no more than one in so many links fails its threshold: the last ones are refined, but what little that
-/// changes is not judged again.
+/// Rounds end when no more than one in so many links fails its threshold: the last ones are
+/// refined, but what little that changes is not judged again.
 const FEW: usize = 100;
 
 /// Reasons to judge stored links again although their power is no greater than before.
@@ -66,8 +67,8 @@ impl LinkSolution {
         found
     }
 
-    /// Takes out what must be judged again as candidates: links that fail by the present radiosities or are in doubt, and
-    /// pairs whose occlusion matters more than when it was found.
+    /// Takes out what must be judged again as candidates: links that fail by the present
+    /// radiosities or are in doubt, and pairs whose occlusion matters more than when it was found.
     fn take_failing(&mut self, reasons: RecheckReasons) -> Vec<Candidate> {
         let mut links = std::mem::take(&mut self.links);
         let occluded = std::mem::take(&mut self.refinement.occluded);
@@ -87,7 +88,8 @@ impl LinkSolution {
     }
 }
 
-/// The candidate that a stored link becomes; by a finer ε or with more rays, visibility that it inherited must show itself.
+/// The candidate that a stored link becomes; by a finer ε or with more rays, visibility that it
+/// inherited must show itself.
 pub(super) fn judged_again(receiver: ElementId, link: &Link, reasons: RecheckReasons) -> Candidate {
     let directions = Directions { to_a: true, to_b: false };
     let is_inherited = link.visibility_source() == VisibilitySource::Inherited && receiver != link.source();

@@ -14,7 +14,8 @@ use crate::hierarchy::{ElementId, Hierarchy};
 
 /// Candidates judged between two looks at commands.
 const CHUNK: usize = 1 << 14;
-/// Candidates of the first chunk after a change of settings, so that something new is soon to be seen.
+/// Candidates of the first chunk after a change of settings, so that something new is soon to be
+/// seen.
 const FIRST_CHUNK: usize = 1 << 12;
 
 /// Counts of refinement.
@@ -105,8 +106,8 @@ impl Refinement {
         (self.wave.len(), self.next_wave.len())
     }
 
-    /// Share of the round that is done, if the present wave tells: where each candidate leaves g < 1 others, the n that wait
-    /// make n/(1−g) in all. While waves still grow there is no telling.
+    /// Share of the round that is done, if the present wave tells: where each candidate leaves g <
+    /// 1 others, the n that wait make n/(1−g) in all. While waves still grow there is no telling.
     pub fn progress(&self) -> Option<f32> {
         let (done, in_wave) = (self.judged.0 as f32, self.judged.1 as f32);
         let growth = if in_wave > 0.0 { self.next_wave.len() as f32 / in_wave } else { self.last_growth };
@@ -131,7 +132,8 @@ impl Refinement {
         judged
     }
 
-    /// Applies verdicts in order as long as there is room; what is left over waits to be judged again.
+    /// Applies verdicts in order as long as there is room; what is left over waits to be judged
+    /// again.
     pub fn apply(
         &mut self,
         hierarchy: &mut Hierarchy,
@@ -183,8 +185,9 @@ impl Refinement {
         Applied { wave_ended: ended, is_whole: applied == judged.len() }
     }
 
-    /// Lets a cluster light its child at once where more than `most` of the child's siblings wait to: to judge each of those pairs
-    /// would take the memory that there is not. Whether there were any.
+    /// Lets a cluster light its child at once where more than `most` of the child's siblings wait
+    /// to: to judge each of those pairs would take the memory that there is not. Whether there were
+    /// any.
     pub fn coarsen_sibling_batches(&mut self, hierarchy: &Hierarchy, most: u32) -> bool {
         let accepted = self.accepted.len();
         for waves in [&mut self.wave, &mut self.next_wave] {

@@ -19,11 +19,12 @@ pub enum Push {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum ClusterModel {
-    /// A volume that scatters alike into all directions (section 1.2, [Sillion 95]): its mean cosine is ¼, whichever way its
-    /// polygons are turned, and what it emits leaves it as what it reflects does.
+    /// A volume that scatters alike into all directions (section 1.2, [Sillion 95]): its mean
+    /// cosine is ¼, whichever way its polygons are turned, and what it emits leaves it as what it
+    /// reflects does.
     Isotropic,
-    /// The polygons that it holds: pairs of points on the ends of a link tell by which cosines they see each other, and what
-    /// a cluster emits is looked at apart from what it reflects.
+    /// The polygons that it holds: pairs of points on the ends of a link tell by which cosines they
+    /// see each other, and what a cluster emits is looked at apart from what it reflects.
     #[default]
     Oriented,
 }

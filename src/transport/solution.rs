@@ -18,10 +18,11 @@ use crate::geometry::Occluders;
 use crate::hierarchy::{Element, ElementId, Hierarchy, PatchSums, Shape};
 use crate::scene::{Scene, Surface};
 
-/// Where memory is full, a child with more siblings to be judged than this is lit by its cluster as a whole.
+/// Where memory is full, a child with more siblings to be judged than this is lit by its cluster as
+/// a whole.
 const LONGEST_ROW: u32 = 16;
-/// A gather is given up after this many sweeps; at the largest reflectance that files may hold (0.99) light needs 1,400
-/// sweeps to fall to 10⁻⁶.
+/// A gather is given up after this many sweeps; at the largest reflectance that files may hold
+/// (0.99) light needs 1,400 sweeps to fall to 10⁻⁶.
 const MOST_SWEEPS: u32 = 2000;
 
 /// Elements, the links between them, and their light.
@@ -37,18 +38,20 @@ pub struct LinkSolution {
     pub(super) refinement: Refinement,
     /// Emitted power of the initial patches, by the largest colour, W.
     pub(super) emission: PatchSums,
-    /// Largest colour of each element's B at the last fixed point of the algorithm, which verdicts look at.
+    /// Largest colour of each element's B at the last fixed point of the algorithm, which verdicts
+    /// look at.
     pub(super) max_radiosity: Vec<f32>,
     /// Standard deviation of that over each element's leaves, W/m².
     pub(super) radiosity_stddev: Vec<f32>,
     /// Place in [`SCHEDULE`].
     pub(super) stage: usize,
-    /// Whether the light is that of the stored links to the last digit, emission and reflectances included.
+    /// Whether the light is that of the stored links to the last digit, emission and reflectances
+    /// included.
     pub(super) is_converged: bool,
     /// Whether nothing is split any more, because memory would not hold it.
     is_full: bool,
-    /// Whether clusters light some of their children as a whole because memory was full: pairs of siblings would count
-    /// twice beside that.
+    /// Whether clusters light some of their children as a whole because memory was full: pairs of
+    /// siblings would count twice beside that.
     has_coarsened_siblings: bool,
     /// Times that light was moved until it converged.
     iterations: u32,
@@ -57,8 +60,8 @@ pub struct LinkSolution {
 }
 
 impl LinkSolution {
-    /// The root's self-link over these clusters, which waits, and emitted light; `entering` is the power that comes in from
-    /// outside, W per colour.
+    /// The root's self-link over these clusters, which waits, and emitted light; `entering` is the
+    /// power that comes in from outside, W per colour.
     pub fn new(
         scene: Arc<Scene>,
         occluders: Arc<Occluders>,
@@ -94,7 +97,8 @@ impl LinkSolution {
         solution
     }
 
-    /// Starts over from the root's self-link, over new clusters; judges by the radiosities of the polygons that are known.
+    /// Starts over from the root's self-link, over new clusters; judges by the radiosities of the
+    /// polygons that are known.
     pub fn restarted(&self, hierarchy: Hierarchy, rules: LinkRules) -> Self {
         let mut new = Self::new(self.scene.clone(), self.occluders.clone(), hierarchy, self.entering, rules);
         if self.refinement.rejected.is_some() {
@@ -116,8 +120,9 @@ impl LinkSolution {
         new
     }
 
-    /// Judges a part of the pairs that wait, and applies the verdicts as long as `has_room` for what comes of them; from then
-    /// on nothing is split. `None` if cancelled, with nothing changed.
+    /// Judges a part of the pairs that wait, and applies the verdicts as long as `has_room` for
+    /// what comes of them; from then on nothing is split. `None` if cancelled, with nothing
+    /// changed.
     pub fn refine(
         &mut self,
         has_room: impl Fn(&Refinement, &Hierarchy) -> bool,
@@ -148,8 +153,9 @@ impl LinkSolution {
         }
     }
 
-    /// Moves light over the stored links until less than `tolerance` of the power is still to come; `None` if cancelled, with
-    /// nothing changed. Light that starts `afresh`, from emission, does not depend on what was solved before.
+    /// Moves light over the stored links until less than `tolerance` of the power is still to come;
+    /// `None` if cancelled, with nothing changed. Light that starts `afresh`, from emission, does
+    /// not depend on what was solved before.
     pub fn converge(&mut self, tolerance: f64, afresh: bool, cancel: &CancelToken) -> Option<()> {
         let mut light = if afresh { self.emitted_light() } else { self.light.clone() };
         let gatherer = self.gatherer(&self.links, false);
@@ -180,13 +186,15 @@ impl LinkSolution {
         self.rules = rules;
     }
 
-    /// Lets elements be split again after memory was full; false where siblings that their cluster lights as a whole forbid it.
+    /// Lets elements be split again after memory was full; false where siblings that their cluster
+    /// lights as a whole forbid it.
     pub fn split_again(&mut self) -> bool {
         self.is_full = self.has_coarsened_siblings;
         !self.is_full
     }
 
-    /// Irradiance by what others reflect and by the sky, of each element, W/m², parallel to the arena; `None` if cancelled.
+    /// Irradiance by what others reflect and by the sky, of each element, W/m², parallel to the
+    /// arena; `None` if cancelled.
     pub fn indirect(&self, cancel: &CancelToken) -> Option<Vec<Vec3>> {
         let direct = self.gatherer(&self.links, false).direct(&self.light, cancel)?;
         let all = self.light.irradiance.iter().zip(&direct);
@@ -333,7 +341,8 @@ impl LinkSolution {
         self.iterations
     }
 
-    /// Leaves whose form factors summed to more than 1, and leaves that were brighter than anything can be.
+    /// Leaves whose form factors summed to more than 1, and leaves that were brighter than anything
+    /// can be.
     pub fn limited_leaves(&self) -> (usize, usize) {
         (self.clamped_leaves, self.bounded_leaves)
     }

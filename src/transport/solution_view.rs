@@ -1,8 +1,10 @@
-//! A view of a solution: elements, links and light of one state, which stays as it is, for views that look inside.
+//! A view of a solution: elements, links and light of one state, which stays as it is, for views
+//! that look inside.
 //!
-//! A snapshot carries it where somebody asked for it ([`crate::solve::Solver::show_solution_view`]): to copy elements and links costs
-//! a few milliseconds in a room, and some tens with a million polygons. Whoever holds it can ask about any element without asking
-//! the solver.
+//! A snapshot carries it where somebody asked for it
+//! ([`crate::solve::Solver::show_solution_view`]): to copy elements and links costs a few
+//! milliseconds in a room, and some tens with a million polygons. Whoever holds it can ask about
+//! any element without asking the solver.
 
 mod error;
 mod parts;
@@ -23,7 +25,8 @@ pub struct SolutionView {
     links: LinkTable,
     light: Light,
     rules: LinkRules,
-    /// Links whose source was dark when they were judged carry nothing: the last gather passes them over.
+    /// Links whose source was dark when they were judged carry nothing: the last gather passes them
+    /// over.
     passes_over_unjudged: bool,
     by_source: OnceLock<BySource>,
     orders: [OnceLock<Order>; Room::ALL.len()],
@@ -71,17 +74,21 @@ pub struct LinkView {
     pub visibility: f32,
     /// How V is known.
     pub visibility_source: VisibilitySource,
-    /// Power carried to the whole receiver, B_s·F·V·A_r, W for each channel. People are shown the sum; ε bounds the strongest channel.
+    /// Power carried to the whole receiver, B_s·F·V·A_r, W for each channel. People are shown the
+    /// sum; ε bounds the strongest channel.
     pub power: Vec3,
-    /// How many levels above the element that was asked for this end of the link lies; 0 for the element itself, negative for its parts.
+    /// How many levels above the element that was asked for this end of the link lies; 0 for the
+    /// element itself, negative for its parts.
     pub levels_up: i16,
-    /// For light that comes in: what the link brings to the element, W/m²; over all links this adds up to its irradiance E. For light that
-    /// goes out: what of the receiver's irradiance is owed to the element, by its share of the source's power.
+    /// For light that comes in: what the link brings to the element, W/m²; over all links this adds
+    /// up to its irradiance E. For light that goes out: what of the receiver's irradiance is owed
+    /// to the element, by its share of the source's power.
     pub irradiance: Vec3,
 }
 
 impl SolutionView {
-    /// Links and light of one state; `passes_over_unjudged` tells that links that no ray has judged carry nothing in it.
+    /// Links and light of one state; `passes_over_unjudged` tells that links that no ray has judged
+    /// carry nothing in it.
     pub fn new(
         hierarchy: Arc<Hierarchy>,
         links: LinkTable,
@@ -108,7 +115,8 @@ impl SolutionView {
         &self.hierarchy
     }
 
-    /// The links; those that wait to be judged lie among them, with their estimated form factor and without visibility rays.
+    /// The links; those that wait to be judged lie among them, with their estimated form factor and
+    /// without visibility rays.
     pub fn links(&self) -> &LinkTable {
         &self.links
     }
@@ -161,7 +169,8 @@ impl SolutionView {
         self.orders[room as usize].get_or_init(|| Order::new(&self.hierarchy, room))
     }
 
-    /// Links that bring an element light, its own and those of all that holds it; strongest power first.
+    /// Links that bring an element light, its own and those of all that holds it; strongest power
+    /// first.
     pub fn incoming(&self, id: ElementId) -> Vec<LinkView> {
         let inspector = Inspector::new(&self.hierarchy, &self.rules);
         let scale = self.scale(id);
@@ -177,7 +186,8 @@ impl SolutionView {
         views
     }
 
-    /// Links that take an element's light elsewhere, its own and those of all that holds it; strongest power first.
+    /// Links that take an element's light elsewhere, its own and those of all that holds it;
+    /// strongest power first.
     pub fn outgoing(&self, id: ElementId) -> Vec<LinkView> {
         let by_source = self.by_source.get_or_init(|| BySource::new(&self.links, self.hierarchy.elements().len()));
         let power = |at: ElementId| self.radiosity(at) * self.hierarchy.element(at).area;
@@ -285,7 +295,8 @@ mod tests {
         solver.snapshot().solution_view.expect("it was asked for")
     }
 
-    /// Truth: each link comes in at one end and goes out at the other, and carries the same power there.
+    /// Truth: each link comes in at one end and goes out at the other, and carries the same power
+    /// there.
     #[test]
     fn what_goes_out_comes_in() {
         let solution_view = solution_view();

@@ -1,4 +1,5 @@
-//! Gather, push and pull: one sweep moves light once across every link (paper, sections 1.2 and 3.3).
+//! Gather, push and pull: one sweep moves light once across every link (paper, sections 1.2 and
+//! 3.3).
 
 use glam::Vec3;
 use rayon::prelude::*;
@@ -26,7 +27,8 @@ pub struct Light {
 }
 
 impl Light {
-    /// Extends the tables to new elements, which start with their parent's light; what lies outside has its own.
+    /// Extends the tables to new elements, which start with their parent's light; what lies outside
+    /// has its own.
     pub fn grow(&mut self, hierarchy: &Hierarchy) {
         for id in (self.radiosity.len()..hierarchy.elements().len()).map(|index| ElementId(index as u32)) {
             let parent = hierarchy.element(id).parent().map(ElementId::index);
@@ -73,7 +75,8 @@ pub struct Gatherer<'a> {
     pusher: Option<Pusher<'a>>,
 }
 
-/// The little that a sweep reads of an element: it passes over all of them, and memory is what it waits for.
+/// The little that a sweep reads of an element: it passes over all of them, and memory is what it
+/// waits for.
 struct Node {
     parent: u32,
     /// Polygon of a leaf.
@@ -106,18 +109,20 @@ impl Node {
     }
 }
 
-/// No patch receives more than all around it send: its F·V sum to 1, give or take what few rays are wrong by. Rows that are too
-/// small by chance stay as they are, so to cut those that are too large at 1 would lose light: at 1.002 the seminar
-/// room gets 4 % darker. A row beyond this is no chance.
+/// No patch receives more than all around it send: its F·V sum to 1, give or take what few rays are
+/// wrong by. Rows that are too small by chance stay as they are, so to cut those that are too large
+/// at 1 would lose light: at 1.002 the seminar room gets 4 % darker. A row beyond this is no
+/// chance.
 const LARGEST_ROW: f32 = 1.25;
-/// Where ρ times a patch's sum of F·V stays below this, light dies out however often it is reflected.
+/// Where ρ times a patch's sum of F·V stays below this, light dies out however often it is
+/// reflected.
 pub const LARGEST_RETURN: f32 = 0.98;
 /// A leaf takes over from its siblings at most as much as it has itself.
 const MOST_SCALE: f32 = 2.0;
 
 impl<'a> Gatherer<'a> {
-    /// Prepares to move light over `links`, to polygons of these `surfaces`; `with_unjudged` tells whether links that no
-    /// ray has judged carry light.
+    /// Prepares to move light over `links`, to polygons of these `surfaces`; `with_unjudged` tells
+    /// whether links that no ray has judged carry light.
     pub fn new(
         hierarchy: &'a Hierarchy,
         links: &'a LinkTable,
@@ -131,11 +136,12 @@ impl<'a> Gatherer<'a> {
         Self { hierarchy, links, surfaces, with_unjudged, nodes, pusher }
     }
 
-    /// Sweeps until the power still to come is below `tolerance` of all power; false if cancelled, with `light` somewhere
-    /// on the way.
+    /// Sweeps until the power still to come is below `tolerance` of all power; false if cancelled,
+    /// with `light` somewhere on the way.
     ///
-    /// A reflection keeps the mean reflectance ρ̄ of what it reflects, so that ρ̄/(1−ρ̄) times the last change is still to come. Sweeps
-    /// start from a [mixture](Mixing) of the ones before, but the light is always that of a sweep.
+    /// A reflection keeps the mean reflectance ρ̄ of what it reflects, so that ρ̄/(1−ρ̄) times the
+    /// last change is still to come. Sweeps start from a [mixture](Mixing) of the ones before, but
+    /// the light is always that of a sweep.
     pub fn converge(&self, light: &mut Light, tolerance: f64, most_sweeps: u32, cancel: &CancelToken) -> bool {
         let weights: Vec<f32> = self.nodes.iter().map(Node::weight).collect();
         let mut mixing = Mixing::default();
@@ -151,7 +157,8 @@ impl<'a> Gatherer<'a> {
         true
     }
 
-    /// Irradiance that emitted light and the sun alone bring over the links, parallel to the arena, W/m²; `None` if cancelled.
+    /// Irradiance that emitted light and the sun alone bring over the links, parallel to the arena,
+    /// W/m²; `None` if cancelled.
     pub fn direct(&self, light: &Light, cancel: &CancelToken) -> Option<Vec<Vec3>> {
         let mut emitted = light.emitted.clone();
         for id in self.hierarchy.ids().filter(|id| is_sky(self.hierarchy, *id)) {
@@ -162,7 +169,8 @@ impl<'a> Gatherer<'a> {
         Some(direct.irradiance)
     }
 
-    /// One sweep: gather over links, push to leaves, reflect, pull up; `None` if cancelled, with nothing changed.
+    /// One sweep: gather over links, push to leaves, reflect, pull up; `None` if cancelled, with
+    /// nothing changed.
     fn sweep(&self, light: &mut Light, cancel: &CancelToken) -> Option<Change> {
         let incoming = self.incoming(&light.radiosity, &light.emitted, cancel)?;
         let mut change = Change::default();
@@ -197,13 +205,14 @@ impl<'a> Gatherer<'a> {
         Some(change)
     }
 
-    /// Finds by how much each leaf's irradiance must be scaled for its F·V to sum to no more than 1; returns how many leaves
-    /// exceeded that.
+    /// Finds by how much each leaf's irradiance must be scaled for its F·V to sum to no more than
+    /// 1; returns how many leaves exceeded that.
     ///
-    /// A leaf shares the links of the patches above it, which are right in the mean over all their leaves but not for each: a
-    /// leaf in a corner adds its own large form factors to a mean that holds them already. What a leaf has too much is
-    /// therefore what its siblings have too little, and goes to them; a whole initial patch is scaled back where it would get
-    /// more than there is, and never up.
+    /// A leaf shares the links of the patches above it, which are right in the mean over all their
+    /// leaves but not for each: a leaf in a corner adds its own large form factors to a mean that
+    /// holds them already. What a leaf has too much is therefore what its siblings have too little,
+    /// and goes to them; a whole initial patch is scaled back where it would get more than there
+    /// is, and never up.
     pub fn enforce_closure(&self, light: &mut Light, cancel: &CancelToken) -> Option<usize> {
         let elements = self.hierarchy.elements();
         let mut rows = self.rows(cancel)?;
@@ -231,7 +240,8 @@ impl<'a> Gatherer<'a> {
         Some(exceeding)
     }
 
-    /// Each element's sum of F·V, its ancestors' included, before rows are limited; parallel to the arena. `None` if cancelled.
+    /// Each element's sum of F·V, its ancestors' included, before rows are limited; parallel to the
+    /// arena. `None` if cancelled.
     pub fn rows(&self, cancel: &CancelToken) -> Option<Vec<f32>> {
         let elements = self.hierarchy.elements();
         let (evenly_lit, dark) = (vec![Vec3::ONE; elements.len()], vec![Vec3::ZERO; elements.len()]);
@@ -242,7 +252,8 @@ impl<'a> Gatherer<'a> {
         Some(rows)
     }
 
-    /// Irradiance of each element by its own links, W/m²; at initial patches also what clusters above push to them at once.
+    /// Irradiance of each element by its own links, W/m²; at initial patches also what clusters
+    /// above push to them at once.
     fn incoming(&self, radiosity: &[Vec3], emitted: &[Vec3], cancel: &CancelToken) -> Option<Vec<Vec3>> {
         let flux = |link: &Link| {
             let carries = self.with_unjudged || link.visibility_source() != super::link::VisibilitySource::None;
@@ -305,8 +316,8 @@ fn mean_of(hierarchy: &Hierarchy, elements: impl Iterator<Item = ElementId>, val
     if area > 0.0 { sum / area } else { 0.0 }
 }
 
-/// Shares the mean that a patch should have out to its children: each keeps its own up to the larger of 1 and the mean,
-/// and what is then missing goes where there is room.
+/// Shares the mean that a patch should have out to its children: each keeps its own up to the
+/// larger of 1 and the mean, and what is then missing goes where there is room.
 fn share_out(
     hierarchy: &Hierarchy,
     mean: f32,
@@ -340,8 +351,8 @@ pub struct Change {
 }
 
 impl Change {
-    /// Adds a leaf of this area, m², whose radiosity was the first and is the second, W/m², with what it reflects of that and its
-    /// reflectance.
+    /// Adds a leaf of this area, m², whose radiosity was the first and is the second, W/m², with
+    /// what it reflects of that and its reflectance.
     pub fn note(&mut self, area: f32, [before, now]: [Vec3; 2], (reflected, reflectance): (Vec3, Vec3)) {
         let watts = |radiosity: Vec3| f64::from(area) * f64::from(radiosity.max_element());
         self.moved += watts((now - before).abs());
@@ -350,7 +361,8 @@ impl Change {
         self.reflected_again += watts(reflected) * f64::from(reflectance.max_element());
     }
 
-    /// Power that further sweeps are to move, W: no less than the last one did. A reflection keeps the mean reflectance of what is reflected.
+    /// Power that further sweeps are to move, W: no less than the last one did. A reflection keeps
+    /// the mean reflectance of what is reflected.
     pub fn to_come(&self) -> f64 {
         let mean = self.reflected_again / self.reflected.max(f64::MIN_POSITIVE);
         let mean = mean.min(LARGEST_RETURN.into());

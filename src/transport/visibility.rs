@@ -1,10 +1,12 @@
-//! VisibilityEstimate: how well the ends of a pair see each other, and how much looking a pair deserves.
+//! VisibilityEstimate: how well the ends of a pair see each other, and how much looking a pair
+//! deserves.
 
 use super::candidate::Candidate;
 use super::link::VisibilitySource;
 use super::pair_samples::{PairSamples, RayBudget};
 
-/// Rays of a pair that seems occluded, as a multiple of the most rays of others, where there is patience.
+/// Rays of a pair that seems occluded, as a multiple of the most rays of others, where there is
+/// patience.
 const MOST_BLOCKED: u32 = 16;
 
 /// Thresholds in the units that the oracle uses.
@@ -32,14 +34,16 @@ impl Thresholds {
         (wanted.ceil() as u32).clamp(self.rays_min, self.rays_max)
     }
 
-    /// Rays that must all be blocked before a pair of this unoccluded power is believed to be occluded: eight per ε_partial, so
-    /// that what they may have missed is an eighth of it. What few rays miss is lost for good, and what few rays see in full
-    /// by chance is gained; from four to eight the power that the office loses at ε = 1e-4 falls from 2.1 % to 1.1 %
+    /// Rays that must all be blocked before a pair of this unoccluded power is believed to be
+    /// occluded: eight per ε_partial, so that what they may have missed is an eighth of it. What
+    /// few rays miss is lost for good, and what few rays see in full by chance is gained; from four
+    /// to eight the power that the office loses at ε = 1e-4 falls from 2.1 % to 1.1 %
     /// (`tests/solver/balance.rs`).
     ///
-    /// The patient way, of the error oracle and where a final gather follows, bounds what they may have missed by ε/8 and goes on up
-    /// to [`MOST_BLOCKED`] times the most rays: many rays on one pair cost less than those on all its children, and a dark room
-    /// behind a wall is not split for want of them. Also returns the most rays that are cast to find out.
+    /// The patient way, of the error oracle and where a final gather follows, bounds what they may
+    /// have missed by ε/8 and goes on up to [`MOST_BLOCKED`] times the most rays: many rays on one
+    /// pair cost less than those on all its children, and a dark room behind a wall is not split
+    /// for want of them. Also returns the most rays that are cast to find out.
     pub fn rays_to_reject(&self, power: f32) -> (u32, u32) {
         if self.is_patient {
             let most = MOST_BLOCKED * self.rays_max;

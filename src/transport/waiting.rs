@@ -1,4 +1,5 @@
-//! Pairs that wait to be judged, as links: so that there is light over all of the scene at any time.
+//! Pairs that wait to be judged, as links: so that there is light over all of the scene at any
+//! time.
 
 use rayon::prelude::*;
 
@@ -16,7 +17,8 @@ impl LinkSolution {
         table
     }
 
-    /// Links that wait to be stored, and candidates as if they had been accepted; with their receivers.
+    /// Links that wait to be stored, and candidates as if they had been accepted; with their
+    /// receivers.
     pub fn links_not_stored(&self) -> Vec<(ElementId, Link)> {
         let hierarchy = &self.hierarchy;
         let waiting: Vec<&Waiting> = self.refinement.waiting().collect();
@@ -27,7 +29,8 @@ impl LinkSolution {
     }
 }
 
-/// Links of a waiting pair, with their estimated form factor and the visibility of what they came from.
+/// Links of a waiting pair, with their estimated form factor and the visibility of what they came
+/// from.
 fn links_of_waiting(hierarchy: &Hierarchy, waiting: &Waiting) -> [Option<(ElementId, Link)>; 2] {
     match *waiting {
         Waiting::Pair(candidate) if candidate.is_self() => [self_link(hierarchy, candidate.a), None],
@@ -46,8 +49,8 @@ fn links_of_waiting(hierarchy: &Hierarchy, waiting: &Waiting) -> [Option<(Elemen
     }
 }
 
-/// A row of siblings stands for the exchange of one child with the rest of its cluster: lets the cluster light it. `None` for
-/// anything else.
+/// A row of siblings stands for the exchange of one child with the rest of its cluster: lets the
+/// cluster light it. `None` for anything else.
 pub(super) fn link_of_row(hierarchy: &Hierarchy, waiting: &Waiting) -> Option<(ElementId, Link)> {
     let Waiting::Siblings { cluster, child, from } = *waiting else { return None };
     let element = hierarchy.element(cluster);

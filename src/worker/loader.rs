@@ -1,8 +1,10 @@
-//! The loader's thread: reads a file or remakes a scene, turns its faces, builds its occluders and clusters.
+//! The loader's thread: reads a file or remakes a scene, turns its faces, builds its occluders and
+//! clusters.
 //!
-//! A parser and the building of a BVH or of clusters cannot be interrupted, so the thread is orphaned when nobody waits for it any more; its
-//! result then carries a number that the session no longer expects. Few run at a time, orphans among them; the next one waits until
-//! one of these is done.
+//! A parser and the building of a BVH or of clusters cannot be interrupted, so the thread is
+//! orphaned when nobody waits for it any more; its result then carries a number that the session no
+//! longer expects. Few run at a time, orphans among them; the next one waits until one of these is
+//! done.
 
 use std::any::Any;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -27,7 +29,8 @@ use crate::transport::lets_daylight_in;
 pub(super) enum Job {
     /// Read this and add light to it.
     Load(Source, Reading, AddedLight),
-    /// Put luminaires in place of the present scene's, or turn its faces, and build its occluders anew.
+    /// Put luminaires in place of the present scene's, or turn its faces, and build its occluders
+    /// anew.
     Remake { raw: Arc<Scene>, path: Option<PathBuf>, stamps: Vec<FileStamp>, luminaires: Option<Vec<Luminaire>> },
 }
 
@@ -84,7 +87,8 @@ pub(super) struct Loaders {
 }
 
 impl Loaders {
-    /// Starts a loader as soon as few enough run; its result comes as [`Message::Prepared`] with the order's ticket.
+    /// Starts a loader as soon as few enough run; its result comes as [`Message::Prepared`] with
+    /// the order's ticket.
     ///
     /// # Errors
     /// The system gives no further thread.

@@ -64,7 +64,8 @@ mod tests {
         assert_eq!(format!("{merged:?}"), format!("{expected:?}"));
     }
 
-    /// Steps are counted by a person, so each of them stays; a shutdown still lets a file be written.
+    /// Steps are counted by a person, so each of them stays; a shutdown still lets a file be
+    /// written.
     #[test]
     fn steps_add_up_and_saving_survives_a_shutdown() {
         let steps = merge(vec![Command::StepWave, Command::StepWave]);

@@ -1,12 +1,14 @@
 //! The solver's thread: commands go in, events and the latest snapshot come out.
 //!
-//! A window owns no solver state and never waits for the solver, nor the solver for the window. Bulk results lie in a
-//! slot that holds the newest `Arc<Snapshot>`; what must not be lost comes as an [`Event`] on a channel. The solver works on
-//! a pool (`task`), so commands are taken up at once whatever it is about; a command cancels the step that runs, and bursts of commands are
-//! merged: the newest settings win.
+//! A window owns no solver state and never waits for the solver, nor the solver for the window.
+//! Bulk results lie in a slot that holds the newest `Arc<Snapshot>`; what must not be lost comes as
+//! an [`Event`] on a channel. The solver works on a pool (`task`), so commands are taken up at once
+//! whatever it is about; a command cancels the step that runs, and bursts of commands are merged:
+//! the newest settings win.
 //!
-//! Files are read and BVHs built on a further thread (`loader`), which is orphaned when its result is no longer wanted:
-//! the present scene stays in view, and rests, until the new one is ready. Knows no window.
+//! Files are read and BVHs built on a further thread (`loader`), which is orphaned when its result
+//! is no longer wanted: the present scene stays in view, and rests, until the new one is ready.
+//! Knows no window.
 
 mod guard;
 mod loader;
@@ -36,7 +38,8 @@ pub use stamp::FileStamp;
 /// A person's command to the solver.
 #[derive(Clone, Debug)]
 pub enum Command {
-    /// Reads a scene, adds light to it and, when that succeeds, solves it in place of the present one.
+    /// Reads a scene, adds light to it and, when that succeeds, solves it in place of the present
+    /// one.
     Load(Source, Reading, AddedLight),
     /// Forgets a load that is under way.
     CancelLoad,
@@ -68,12 +71,13 @@ pub enum Command {
     },
     /// Measures a relative ε by the power that is emitted now.
     AnchorEpsilon,
-    /// Puts these luminaires in the place of those that were added to the scene's file. Another exitance alone changes materials in place;
-    /// otherwise the scene is solved anew.
+    /// Puts these luminaires in the place of those that were added to the scene's file. Another
+    /// exitance alone changes materials in place; otherwise the scene is solved anew.
     SetLuminaires(Vec<Luminaire>),
     /// Lets another daylight in; the scene is solved anew.
     SetDaylight(Daylight),
-    /// Arranges the scene's groups by hand; an empty list has them as the file does. Clusters are built anew where they go by groups.
+    /// Arranges the scene's groups by hand; an empty list has them as the file does. Clusters are
+    /// built anew where they go by groups.
     SetGroups(Vec<GroupMember>),
     /// Writes the sidecar beside the scene's file, with what a person keeps there.
     SaveSidecar(Kept),
@@ -93,7 +97,8 @@ impl Command {
 pub struct SnapshotRequest {
     /// Whether they carry a solution view: elements and links.
     pub solution_view: bool,
-    /// A former step in place of the present; the solver goes on meanwhile. Another solve forgets it.
+    /// A former step in place of the present; the solver goes on meanwhile. Another solve forgets
+    /// it.
     pub former_step: Option<usize>,
 }
 
@@ -106,7 +111,8 @@ pub enum Event {
     SceneEdited(Arc<SceneInfo>),
     /// A scene could not be loaded; one sentence. The present one stays.
     LoadFailed(String),
-    /// Parameters or an edit could not be used, or the solver broke; one sentence. The last picture stays.
+    /// Parameters or an edit could not be used, or the solver broke; one sentence. The last picture
+    /// stays.
     SolveFailed(String),
     /// Nothing is left to refine.
     Finished,
@@ -133,7 +139,8 @@ pub struct SceneInfo {
     pub has_light: bool,
     /// Whether daylight would get in.
     pub is_open: bool,
-    /// Irradiance of open horizontal ground, W/m², weighted as the eye does, or why there is no daylight factor.
+    /// Irradiance of open horizontal ground, W/m², weighted as the eye does, or why there is no
+    /// daylight factor.
     pub open_ground: Result<f32, NoDaylightFactor>,
     /// A size that suits a luminaire, in the scene's length unit.
     pub luminaire_size: f32,
@@ -209,8 +216,8 @@ pub struct SolverThread {
 }
 
 impl SolverThread {
-    /// Starts the thread with nothing to solve. `wake` is called on that thread whenever a new snapshot, event or
-    /// status is there; it must not block.
+    /// Starts the thread with nothing to solve. `wake` is called on that thread whenever a new
+    /// snapshot, event or status is there; it must not block.
     ///
     /// # Errors
     /// The system gives no further thread.

@@ -1,4 +1,5 @@
-//! When the next picture may be taken: at most 30 a second, and never for more than a quarter of the thread's time.
+//! When the next picture may be taken: at most 30 a second, and never for more than a quarter of
+//! the thread's time.
 
 use std::time::{Duration, Instant};
 

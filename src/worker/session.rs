@@ -1,4 +1,5 @@
-//! The loop of the session's thread: take up commands at once, and send the solver on one task after the other.
+//! The loop of the session's thread: take up commands at once, and send the solver on one task
+//! after the other.
 
 mod result;
 
@@ -28,7 +29,8 @@ pub(super) struct Ends {
     pub wake: Box<dyn Fn() + Send>,
 }
 
-/// A status waits so long for the picture that goes with it: a person who asked for something sees both at once, or soon one.
+/// A status waits so long for the picture that goes with it: a person who asked for something sees
+/// both at once, or soon one.
 const STATUS_PATIENCE: Duration = Duration::from_millis(25);
 
 /// Whether a person wants the solver to go on.
@@ -56,7 +58,8 @@ pub(super) struct Session {
     pub(super) deferred: Vec<Command>,
     pub(super) generation: u64,
     pub(super) drive: Drive,
-    /// Whether the scene that is being loaded starts running: it does, unless somebody paused after asking for it.
+    /// Whether the scene that is being loaded starts running: it does, unless somebody paused after
+    /// asking for it.
     pub(super) runs_when_loaded: bool,
     finished: bool,
     /// Nothing is left to do but the last picture.
@@ -124,7 +127,8 @@ impl Session {
         }
     }
 
-    /// Takes up commands and sends the solver to its tasks, until it is asked to end. It never waits for one of them.
+    /// Takes up commands and sends the solver to its tasks, until it is asked to end. It never
+    /// waits for one of them.
     pub(super) fn run(mut self) {
         loop {
             for message in self.receive() {
@@ -175,7 +179,8 @@ impl Session {
         is_idle && self.solver.as_ref().is_some_and(Solver::has_unknown_error)
     }
 
-    /// Obeys at once what needs no solver; the rest waits until it is back from its task, which is cancelled.
+    /// Obeys at once what needs no solver; the rest waits until it is back from its task, which is
+    /// cancelled.
     fn take_up(&mut self, command: Command) {
         if let Some(in_flight) = &self.in_flight {
             in_flight.call();
@@ -266,7 +271,8 @@ impl Session {
         }
     }
 
-    /// Sends the solver, if it is not at a task, to do what is wanted next: new parameters, other changes, a picture, a step.
+    /// Sends the solver, if it is not at a task, to do what is wanted next: new parameters, other
+    /// changes, a picture, a step.
     fn go_on(&mut self) {
         if self.in_flight.is_none() {
             self.follow_params();

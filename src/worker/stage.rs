@@ -56,8 +56,9 @@ impl Session {
         self.loading = self.start_loader(Job::Load(source, reading, light), name, None);
     }
 
-    /// Makes the present scene anew on a thread of its own: with the sides of the present parameters, and with other
-    /// luminaires if there are any. Without, those that were under way come with it.
+    /// Makes the present scene anew on a thread of its own: with the sides of the present
+    /// parameters, and with other luminaires if there are any. Without, those that were under way
+    /// come with it.
     pub(super) fn remake(&mut self, luminaires: Option<Vec<Luminaire>>) {
         let Some(prepared) = &self.prepared else { return };
         let (raw, path, stamps) = (prepared.raw.clone(), prepared.path.clone(), prepared.stamps.clone());
@@ -249,8 +250,8 @@ impl Session {
         })));
     }
 
-    /// Puts other luminaires in place of the present ones. Those that differ in exitance alone are changed in place; otherwise occluders
-    /// and clusters are made anew.
+    /// Puts other luminaires in place of the present ones. Those that differ in exitance alone are
+    /// changed in place; otherwise occluders and clusters are made anew.
     pub(super) fn set_luminaires(&mut self, luminaires: Vec<Luminaire>) {
         let Some(prepared) = &self.prepared else { return };
         let present = prepared.raw.luminaires();
@@ -270,7 +271,8 @@ impl Session {
             .splice(0..0, changed.into_iter().map(|(material, emission)| Command::SetEmission { material, emission }));
     }
 
-    /// Writes what a person changed beside the scene's file, into what a sidecar that is there already says.
+    /// Writes what a person changed beside the scene's file, into what a sidecar that is there
+    /// already says.
     pub(super) fn save_sidecar(&mut self, kept: Kept) {
         let Some(prepared) = &self.prepared else { return };
         let Some(path) = prepared.path.as_deref().map(Sidecar::path_for) else {

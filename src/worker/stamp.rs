@@ -1,5 +1,5 @@
-//! Stamps: what the files of a scene looked like from outside when they were read, so that a change on disk is distinguished from what is
-//! in view.
+//! Stamps: what the files of a scene looked like from outside when they were read, so that a change
+//! on disk is distinguished from what is in view.
 
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
@@ -25,8 +25,8 @@ impl FileStamp {
         Self { path, seen }
     }
 
-    /// The scene's file, its sidecar, and what exporters write beside it by the same name: materials of an OBJ file, buffers of a
-    /// glTF file.
+    /// The scene's file, its sidecar, and what exporters write beside it by the same name:
+    /// materials of an OBJ file, buffers of a glTF file.
     pub(super) fn of_scene(path: &Path) -> Vec<Self> {
         let extension = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
         let beside = match extension.as_str() {

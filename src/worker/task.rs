@@ -1,8 +1,9 @@
 //! Tasks of the solver, away from the thread that takes commands.
 //!
-//! A solver is sent to the pool for each piece of work and comes back with what came of it. Steps stop when they are cancelled; what
-//! cannot be interrupted (a picture of a million patches, clusters being built) does not keep the session from answering, and is
-//! orphaned when another solver has taken its place: its result is then dropped where it is.
+//! A solver is sent to the pool for each piece of work and comes back with what came of it. Steps
+//! stop when they are cancelled; what cannot be interrupted (a picture of a million patches,
+//! clusters being built) does not keep the session from answering, and is orphaned when another
+//! solver has taken its place: its result is then dropped where it is.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
@@ -25,7 +26,8 @@ pub(super) enum Task {
     Picture(SnapshotRequest),
     /// The error of what is shown.
     Measure,
-    /// A change that leaves the solver as it is but for what is asked of it, or puts another one in its place.
+    /// A change that leaves the solver as it is but for what is asked of it, or puts another one in
+    /// its place.
     Change(Box<dyn FnOnce(Option<Solver>) -> Changed + Send>),
 }
 

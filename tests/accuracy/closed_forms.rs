@@ -4,7 +4,8 @@ use selflink::measure::accuracy::cases::{self, Case, Place, Reading};
 use selflink::measure::accuracy::{by_reference, by_solver};
 use selflink::solve::{ClusteringMode, Epsilon, SolverParams};
 
-/// Truth: the closed forms. Four standard errors, and what the drawn scene and f32 (10⁻⁶) may be off.
+/// Truth: the closed forms. Four standard errors, and what the drawn scene and f32 (10⁻⁶) may be
+/// off.
 #[test]
 fn the_reference_finds_every_closed_form() {
     let mut readings = 0;
@@ -32,10 +33,11 @@ fn the_reference_finds_every_closed_form() {
 
 /// How far the solver may be off at this ε, as a share of the scale of [`scale`].
 ///
-/// 1 %: what a link's form factor may be wrong by (`tests/solver/closed_forms.rs`), 1/(1−ρ) times that in a closed room. The rest
-/// shrinks with ε. A link between leaves of area A carries no more than ε where A² ~ ε, and what a constant or a linear
-/// function over a leaf misses goes by A ~ √ε. The factors were found by measuring: 1.5 for means; 5.5 for
-/// points as displayed, and 7 where the edge of a shadow runs through the leaves.
+/// 1 %: what a link's form factor may be wrong by (`tests/solver/closed_forms.rs`), 1/(1−ρ) times
+/// that in a closed room. The rest shrinks with ε. A link between leaves of area A carries no more
+/// than ε where A² ~ ε, and what a constant or a linear function over a leaf misses goes by A ~ √ε.
+/// The factors were found by measuring: 1.5 for means; 5.5 for points as displayed, and 7 where the
+/// edge of a shadow runs through the leaves.
 fn tolerance(case: &Case, reading: &Reading, epsilon: f64) -> f64 {
     let factor = match &reading.place {
         Place::Mean(_) => 2.0,

@@ -1,5 +1,6 @@
-//! Faces at the same place: walls of two faces back to back, rooms that share a wall, faces that are there twice. Nothing here goes
-//! through the program's own turning and cutting of faces: the reference is right on its own.
+//! Faces at the same place: walls of two faces back to back, rooms that share a wall, faces that
+//! are there twice. Nothing here goes through the program's own turning and cutting of faces: the
+//! reference is right on its own.
 
 use glam::{DVec3, EulerRot, Quat, Vec3, vec3};
 use selflink::base::cancel::CancelToken;
@@ -10,7 +11,8 @@ use selflink::scene::{GroupId, MaterialId, Scene};
 const GROUP: GroupId = GroupId(0);
 const SIZE: Vec3 = vec3(5.0, 3.0, 4.0);
 
-/// A room with a ceiling panel of 1 m² 0.1 m below the ceiling; its faces are the first six polygons.
+/// A room with a ceiling panel of 1 m² 0.1 m below the ceiling; its faces are the first six
+/// polygons.
 fn room() -> Scene {
     let mut scene = Scene::new("room");
     let wall = scene.add_material("wall", Vec3::splat(0.7), Vec3::ZERO);
@@ -44,7 +46,8 @@ fn trace(scene: &Scene, points: Vec<SurfacePoint>, passes: u32) -> Reference {
     run.reference()
 }
 
-/// Truth: the same room without them. Paths use the same random numbers, so that nothing but rounding may differ.
+/// Truth: the same room without them. Paths use the same random numbers, so that nothing but
+/// rounding may differ.
 fn assert_alike(found: &Reference, truth: &Reference, within: f64, what: &str) {
     for (found, truth) in found.irradiance.iter().zip(&truth.irradiance) {
         assert!((*found - *truth).abs().max_element() <= within * truth.x, "{what}: {found} instead of {truth}");
@@ -74,8 +77,9 @@ fn moved(scene: &Scene, place: impl Fn(Vec3) -> Vec3) -> Scene {
     scene
 }
 
-/// Truth: Mitsuba 3.9's figures for this room, E in W/m² at the four places with their standard errors, and the room without twins where
-/// everything is rounded another way: turned, and walls cut otherwise on the other side.
+/// Truth: Mitsuba 3.9's figures for this room, E in W/m² at the four places with their standard
+/// errors, and the room without twins where everything is rounded another way: turned, and walls
+/// cut otherwise on the other side.
 #[test]
 fn a_wall_of_two_faces_is_a_wall() {
     let single = room();
@@ -102,7 +106,8 @@ fn a_wall_of_two_faces_is_a_wall() {
     }
 }
 
-/// Truth: no light gets through a wall. The neighbour shares the whole plane of a wall, or has a wall that is larger and reaches beyond.
+/// Truth: no light gets through a wall. The neighbour shares the whole plane of a wall, or has a
+/// wall that is larger and reaches beyond.
 #[test]
 fn a_neighbour_that_shares_a_wall_stays_dark() {
     let single = room();
@@ -125,8 +130,9 @@ fn a_neighbour_that_shares_a_wall_stays_dark() {
     }
 }
 
-/// Truth: the furnace, B = B_e/(1 − ρ) everywhere and so E = 2 for ρ = ½ and B_e = 1, whatever is there twice: a floor and the same floor in triangles,
-/// a floor and a smaller one that lies on it, all faces.
+/// Truth: the furnace, B = B_e/(1 − ρ) everywhere and so E = 2 for ρ = ½ and B_e = 1, whatever is
+/// there twice: a floor and the same floor in triangles, a floor and a smaller one that lies on it,
+/// all faces.
 #[test]
 fn a_face_that_is_there_twice_counts_once() {
     let furnace = selflink::measure::stability::scenes::empty_room(0.5, 1.0);
@@ -161,7 +167,8 @@ fn a_face_that_is_there_twice_counts_once() {
     }
 }
 
-/// Truth: similarity. E does not depend on the size of a scene, as long as its lamps shine alike: from 10⁻⁴ to 10⁴ m.
+/// Truth: similarity. E does not depend on the size of a scene, as long as its lamps shine alike:
+/// from 10⁻⁴ to 10⁴ m.
 #[test]
 fn scenes_of_any_size_are_lit_alike() {
     let mut scene = room();
@@ -174,7 +181,8 @@ fn scenes_of_any_size_are_lit_alike() {
     }
 }
 
-/// Truth: translation. Corners that single precision holds exactly are where they are, 16 and 262 km from the origin too.
+/// Truth: translation. Corners that single precision holds exactly are where they are, 16 and 262
+/// km from the origin too.
 #[test]
 fn a_room_far_from_the_origin_is_lit_alike() {
     let scene = room();
@@ -186,7 +194,8 @@ fn a_room_far_from_the_origin_is_lit_alike() {
     }
 }
 
-/// Truth: a sheet 1 mm above the floor keeps all light from it and is lit like the floor; 1 mm below it changes nothing.
+/// Truth: a sheet 1 mm above the floor keeps all light from it and is lit like the floor; 1 mm
+/// below it changes nothing.
 #[test]
 fn faces_a_millimetre_apart_are_two() {
     let single = room();

@@ -1,4 +1,5 @@
-//! Whether runs keep the error that they report: over many seeds, in rooms of several kinds, by the independent reference.
+//! Whether runs keep the error that they report: over many seeds, in rooms of several kinds, by the
+//! independent reference.
 
 use std::sync::Arc;
 
@@ -96,9 +97,10 @@ fn reference(scene: &Scene, points: Vec<SurfacePoint>, passes: u32) -> Reference
     run.reference()
 }
 
-/// Truth: the path tracer, which shares the scene alone with the solver. At least 95 % of the runs keep what they report: nine tenths
-/// of the points are read within the certified bound, whether that is the target or not. Allowed beside it: one standard error of a share
-/// of these points, and at each two of the reference's own.
+/// Truth: the path tracer, which shares the scene alone with the solver. At least 95 % of the runs
+/// keep what they report: nine tenths of the points are read within the certified bound, whether
+/// that is the target or not. Allowed beside it: one standard error of a share of these points, and
+/// at each two of the reference's own.
 #[test]
 #[ignore = "by hand: six minutes, and the office misses its mark by a reference that is still too noisy there"]
 fn runs_keep_what_they_report() {

@@ -1,5 +1,6 @@
-//! The reference and the solver against closed forms, the solver against the reference, and properties of the reference: the same
-//! for any number of threads, never stale, stopped at once. One program, so that it is linked once.
+//! The reference and the solver against closed forms, the solver against the reference, and
+//! properties of the reference: the same for any number of threads, never stale, stopped at once.
+//! One program, so that it is linked once.
 
 mod closed_forms;
 mod coincident;

@@ -1,4 +1,5 @@
-//! The reference, and what is read, against another program's: Mitsuba 3.9, which shares nothing with it but the scenes.
+//! The reference, and what is read, against another program's: Mitsuba 3.9, which shares nothing
+//! with it but the scenes.
 
 use std::sync::Arc;
 
@@ -31,7 +32,8 @@ struct Agreement {
     points: usize,
     /// Differences over their standard errors, per point and colour.
     deviations: Vec<f64>,
-    /// Σ E of the reference, Σ E of Mitsuba, and the square of the standard error of their difference, all colours together, W/m².
+    /// Σ E of the reference, Σ E of Mitsuba, and the square of the standard error of their
+    /// difference, all colours together, W/m².
     sums: (f64, f64, f64),
 }
 
@@ -80,9 +82,11 @@ impl Agreement {
     }
 }
 
-/// Truth: Mitsuba's figures. Of normal errors 0.3 % lie beyond three standard errors, of those that 32 batches tell 0.5 %; the ratio of the
-/// means is known to 0.2 % in cornell and seminar. In the office a few points in the shades of its lamps rule the mean, which so few paths know to 2 %:
-/// its deviations alone count, of more paths at fewer points, for light of its bulbs seldom gets out of the shades.
+/// Truth: Mitsuba's figures. Of normal errors 0.3 % lie beyond three standard errors, of those that
+/// 32 batches tell 0.5 %; the ratio of the means is known to 0.2 % in cornell and seminar. In the
+/// office a few points in the shades of its lamps rule the mean, which so few paths know to 2 %:
+/// its deviations alone count, of more paths at fewer points, for light of its bulbs seldom gets
+/// out of the shades.
 #[test]
 fn some_points_agree_with_mitsuba() {
     let of = |name: &str, every: usize, passes: u32| {
@@ -95,8 +99,9 @@ fn some_points_agree_with_mitsuba() {
     all[1].check_ratio("seminar");
 }
 
-/// Truth: Mitsuba's figures, a quarter of them; of normal errors 0.3 % lie beyond three standard errors. The office takes 50,000 paths a point: what
-/// comes out of its lamps' shades is met by one path in thousands, and fewer tell an error of that too small.
+/// Truth: Mitsuba's figures, a quarter of them; of normal errors 0.3 % lie beyond three standard
+/// errors. The office takes 50,000 paths a point: what comes out of its lamps' shades is met by one
+/// path in thousands, and fewer tell an error of that too small.
 #[test]
 #[ignore = "slow: twelve million paths"]
 fn slow_many_points_agree_with_mitsuba() {
@@ -108,7 +113,8 @@ fn slow_many_points_agree_with_mitsuba() {
     }
 }
 
-/// Local errors of what is read where Mitsuba knows the light well: their mean, and the largest share within the target that the points allow.
+/// Local errors of what is read where Mitsuba knows the light well: their mean, and the largest
+/// share within the target that the points allow.
 fn readings(name: &str, every: usize, asked: f64) -> (f64, f64) {
     let scene = BuiltinScene::from_name(name).expect("one of our scenes").build();
     let (scene, occluders) = orient::apply(scene, Sides::Front);
@@ -138,10 +144,11 @@ fn readings(name: &str, every: usize, asked: f64) -> (f64, f64) {
     (mean, within + 2.0 * (0.9 * 0.1 / count).sqrt())
 }
 
-/// Truth: Mitsuba's figures, where their standard error is below 2 % of the local light. Nine tenths are read within the target error of
-/// 5 %, and light is lost nowhere: the mean error, known to 0.15 %, is below 0.75 %. Points that lie hidden in things, if they count
-/// as dark parts of their leaves, take 0.95 % in the seminar room. In the office, gaps behind
-/// drawers are read too bright. Of shares of n points two standard errors are let pass.
+/// Truth: Mitsuba's figures, where their standard error is below 2 % of the local light. Nine
+/// tenths are read within the target error of 5 %, and light is lost nowhere: the mean error, known
+/// to 0.15 %, is below 0.75 %. Points that lie hidden in things, if they count as dark parts of
+/// their leaves, take 0.95 % in the seminar room. In the office, gaps behind drawers are read too
+/// bright. Of shares of n points two standard errors are let pass.
 #[test]
 fn what_is_read_agrees_with_mitsuba() {
     for (name, every, most) in [("cornell", 3, 0.0075), ("seminar", 3, 0.0075), ("office", 1, 0.02)] {

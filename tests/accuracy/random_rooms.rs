@@ -1,5 +1,5 @@
-//! The reference in random closed rooms: sizes, reflectances up to 0.9, a box that stands on the floor flush with it, walls of two faces,
-//! a neighbour that shares a wall.
+//! The reference in random closed rooms: sizes, reflectances up to 0.9, a box that stands on the
+//! floor flush with it, walls of two faces, a neighbour that shares a wall.
 
 use std::sync::Arc;
 
@@ -45,7 +45,8 @@ struct Room {
 /// The first six polygons are the room's, the next six the box's.
 const INSIDE: u32 = 12;
 
-/// A random room; material 0 is that of the room, 1 that of the box, which keeps away from the walls by this share of the room at least.
+/// A random room; material 0 is that of the room, 1 that of the box, which keeps away from the
+/// walls by this share of the room at least.
 fn room(random: &mut Random, away: f32) -> Room {
     let size = vec3(random.within(1.0, 6.0), random.within(1.0, 4.0), random.within(1.0, 6.0));
     let lower = vec3(random.within(-3.0, 3.0), random.within(-3.0, 3.0), random.within(-3.0, 3.0));
@@ -62,7 +63,8 @@ fn room(random: &mut Random, away: f32) -> Room {
 }
 
 impl Room {
-    /// Walls of two faces back to back, or a neighbour beyond a wall, or both. Nothing of it changes what is inside.
+    /// Walls of two faces back to back, or a neighbour beyond a wall, or both. Nothing of it
+    /// changes what is inside.
     fn with_others(&self, random: &mut Random) -> Scene {
         let mut scene = self.scene.clone();
         if random.is() {
@@ -77,7 +79,8 @@ impl Room {
         scene
     }
 
-    /// Whether light can reach a point of the first polygons: the floor below the box and the box's own bottom lie in the dark.
+    /// Whether light can reach a point of the first polygons: the floor below the box and the box's
+    /// own bottom lie in the dark.
     fn is_lit(&self, point: &SurfacePoint) -> bool {
         let (from, to) = self.block;
         let at = point.position;
@@ -118,7 +121,8 @@ fn random_furnaces_glow_evenly() {
             }
         }
     }
-    // Of 16 batches: Student's distribution with 15 degrees of freedom has a variance of 15/13, and 0.9 % lie beyond three.
+    // Of 16 batches: Student's distribution with 15 degrees of freedom has a variance of 15/13, and
+    // 0.9 % lie beyond three.
     let count = deviations.len() as f64;
     let mean = deviations.iter().sum::<f64>() / count;
     let square = deviations.iter().map(|of| of * of).sum::<f64>() / count;
@@ -128,8 +132,8 @@ fn random_furnaces_glow_evenly() {
     assert!(mean.abs() < 4.0 / count.sqrt() && square < 1.5 && beyond <= 2, "mean {mean}, square {square}, {beyond}");
 }
 
-/// Truth: conservation. In a closed room of one reflectance the mean of E is Φ/(S(1 − ρ)), with S all that light can reach, wherever the
-/// lamp is; here one wall shines.
+/// Truth: conservation. In a closed room of one reflectance the mean of E is Φ/(S(1 − ρ)), with S
+/// all that light can reach, wherever the lamp is; here one wall shines.
 #[test]
 fn random_rooms_keep_the_power() {
     let mut random = Random(Stream(2));
@@ -151,7 +155,8 @@ fn random_rooms_keep_the_power() {
         let truth = emitted / ((inside - hidden) * (1.0 - f64::from(rho)));
         let points = random_points_on(&scene, &(0..INSIDE).collect::<Vec<_>>(), 256, 7);
         let found = trace(&scene, points, 4);
-        // Points in the dark have nothing; the mean over all of them is that over S times the share of S.
+        // Points in the dark have nothing; the mean over all of them is that over S times the share
+        // of S.
         let all: Vec<f64> = found.irradiance.iter().map(|value| value.x * inside / (inside - hidden)).collect();
         let count = all.len() as f64;
         let mean = all.iter().sum::<f64>() / count;
@@ -162,8 +167,8 @@ fn random_rooms_keep_the_power() {
     }
 }
 
-/// Truth: the matrix of all pairs of the room alone, which knows neither twins nor neighbours. 4 %: what parts of 1/150 of the room and 32
-/// looks at each of another miss.
+/// Truth: the matrix of all pairs of the room alone, which knows neither twins nor neighbours. 4 %:
+/// what parts of 1/150 of the room and 32 looks at each of another miss.
 #[test]
 fn random_rooms_agree_with_the_matrix_of_all_pairs() {
     let mut random = Random(Stream(3));
@@ -202,9 +207,10 @@ fn random_rooms_agree_with_the_matrix_of_all_pairs() {
     }
 }
 
-/// Truth: the path tracer, which shares the scene with the solver and nothing else. Nine tenths of the area are read within the target
-/// error; what the walls are doubled with, and a dark neighbour, count as well. Allowed beside it: two standard errors of the percentile
-/// by these points, and the reference's own noise.
+/// Truth: the path tracer, which shares the scene with the solver and nothing else. Nine tenths of
+/// the area are read within the target error; what the walls are doubled with, and a dark
+/// neighbour, count as well. Allowed beside it: two standard errors of the percentile by these
+/// points, and the reference's own noise.
 #[test]
 fn random_rooms_keep_the_target_error() {
     const TARGET: f64 = 0.1;

@@ -45,8 +45,9 @@ fn the_same_for_any_number_of_threads() {
     assert_ne!(bits(&passes(run(20, 2), PASSES)), with(1), "another seed is another reference");
 }
 
-/// Truth: standard errors tell how far two independent references are apart; 100 points of three colours lie within
-/// two to four of them in all but few cases, and their squares sum to about one each.
+/// Truth: standard errors tell how far two independent references are apart; 100 points of three
+/// colours lie within two to four of them in all but few cases, and their squares sum to about one
+/// each.
 #[test]
 fn standard_errors_tell_the_error() {
     let (scene, _) = orient::apply(BuiltinScene::Cornell.build(), Sides::Front);
@@ -63,8 +64,9 @@ fn standard_errors_tell_the_error() {
     assert!(squares.len() > 200 && (0.6..1.7).contains(&mean), "{} values, mean square {mean}", squares.len());
 }
 
-/// Truth: a closed room is lit inside alike, whether its faces are bright there as they are wound or because both of their
-/// sides are; wound outwards and bright on that side only, its inside is dark.
+/// Truth: a closed room is lit inside alike, whether its faces are bright there as they are wound
+/// or because both of their sides are; wound outwards and bright on that side only, its inside is
+/// dark.
 #[test]
 fn backs_absorb_and_doubled_faces_do_not() {
     let room = cases::all().into_iter().find(|case| case.name == "cube, ρ = 0.8").expect("one of the cases").scene;
@@ -92,7 +94,8 @@ fn backs_absorb_and_doubled_faces_do_not() {
     }
 }
 
-/// A look is due at every point, which takes far less than 50 ms; after the look that says so no thread begins another point.
+/// A look is due at every point, which takes far less than 50 ms; after the look that says so no
+/// thread begins another point.
 #[test]
 fn cancelling_stops_a_pass_at_the_next_point_and_leaves_the_run_as_it_was() {
     const POINTS: u64 = 2000;
@@ -124,7 +127,8 @@ fn more_passes_go_on_from_the_cache() {
     assert!(cache.load(&mut third) && third.passes() == PASSES, "the better one stays");
 }
 
-/// Whatever a value depends on makes another key: geometry, materials, winding, doubling, points and seed; names do not.
+/// Whatever a value depends on makes another key: geometry, materials, winding, doubling, points
+/// and seed; names do not.
 #[test]
 fn a_changed_scene_is_another_reference() {
     let scene = BuiltinScene::Cornell.build();
@@ -146,7 +150,8 @@ fn a_changed_scene_is_another_reference() {
     assert_eq!(original, changed(&|scene| scene.name = "another name".to_owned()));
 }
 
-/// A file that is damaged anywhere, cut off, empty, or of another key counts as none and is written anew.
+/// A file that is damaged anywhere, cut off, empty, or of another key counts as none and is written
+/// anew.
 #[test]
 fn a_damaged_cache_is_ignored_and_rewritten() {
     let folder = tempfile::tempdir().expect("a temporary folder");

@@ -1,4 +1,5 @@
-//! The solver's error against the reference: it falls as ε does, in every mode, within the noise of the points.
+//! The solver's error against the reference: it falls as ε does, in every mode, within the noise of
+//! the points.
 
 use std::sync::Arc;
 
@@ -17,13 +18,15 @@ use selflink::transport::Push;
 enum By {
     /// The RMS over the area.
     Rms,
-    /// The median of the local error. Most of the RMS of the office is in the shades of its desk lamps, where few links tell little.
+    /// The median of the local error. Most of the RMS of the office is in the shades of its desk
+    /// lamps, where few links tell little.
     Median,
 }
 
-/// Truth: the path-traced reference at 300 points. From ε = 10⁻² to 10⁻³, in every mode and with either push, the RMS does not rise
-/// by more than two standard errors and the median of the local error falls; what `by` names falls by a tenth at least, which is
-/// more than the reference's noise (some per cent, subtracted) can feign.
+/// Truth: the path-traced reference at 300 points. From ε = 10⁻² to 10⁻³, in every mode and with
+/// either push, the RMS does not rise by more than two standard errors and the median of the local
+/// error falls; what `by` names falls by a tenth at least, which is more than the reference's noise
+/// (some per cent, subtracted) can feign.
 fn falls(scene: BuiltinScene, modes: &[ClusteringMode], by: By) {
     let (scene, occluders) = orient::apply(scene.build(), Sides::Front);
     let (scene, occluders) = (Arc::new(scene), Arc::new(occluders));

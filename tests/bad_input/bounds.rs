@@ -1,7 +1,8 @@
 //! Small files that ask for endless memory or time.
 //!
-//! Truth: an answer within 20 seconds (in fact within one or two, without optimisation), and where memory is the question a program that
-//! may not take more address space than is said. What each would need without bounds is said beside it.
+//! Truth: an answer within 20 seconds (in fact within one or two, without optimisation), and where
+//! memory is the question a program that may not take more address space than is said. What each
+//! would need without bounds is said beside it.
 
 use std::fmt::Write as _;
 
@@ -203,7 +204,8 @@ fn sidecars_without_end() {
 /// Positions chosen so that a hash without a secret puts all into one slot: 10¹⁰ comparisons.
 #[test]
 fn positions_that_hash_alike() {
-    // The two halves of the constant that rustc-hash begins with: their product with whatever follows is zero.
+    // The two halves of the constant that rustc-hash begins with: their product with whatever
+    // follows is zero.
     let (x, y) = (f32::from_bits(0x85a3_08d3), f32::from_bits(0x243f_6a88));
     let mut text = String::new();
     for number in 0..150_000_u32 {
@@ -217,8 +219,9 @@ fn positions_that_hash_alike() {
     assert_eq!(scene(&Folder::new().write("a.obj", text)).polygons.len(), 149_999);
 }
 
-/// An arc bent inwards blocks every ear but its ends: n² comparisons for n corners, again for each of many faces. (A hundred such
-/// faces would take the effort that a scene may cost; a unit test shows that it ends there.)
+/// An arc bent inwards blocks every ear but its ends: n² comparisons for n corners, again for each
+/// of many faces. (A hundred such faces would take the effort that a scene may cost; a unit test
+/// shows that it ends there.)
 #[test]
 fn outlines_that_are_slow_to_cut() {
     let mut text = String::from("v 0 0 0\n");

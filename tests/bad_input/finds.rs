@@ -1,4 +1,5 @@
-//! What the fuzzers found worth keeping: inputs that once broke, hung or took a way of their own through the loaders.
+//! What the fuzzers found worth keeping: inputs that once broke, hung or took a way of their own
+//! through the loaders.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -16,7 +17,8 @@ fn of(fuzzer: &str) -> Vec<PathBuf> {
     paths
 }
 
-/// Pictures of 16 megapixels take seconds without optimisation; what takes longer than this hangs, on any machine.
+/// Pictures of 16 megapixels take seconds without optimisation; what takes longer than this hangs,
+/// on any machine.
 const HANG: Duration = Duration::from_secs(60);
 
 /// Truth: what `inputs` asserts of every scene and every error.

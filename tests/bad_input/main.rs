@@ -1,5 +1,6 @@
-//! Hostile and broken files: each gives one clear sentence or a scene, reads nothing outside its folder, and takes neither memory nor
-//! time without bound. One program, so that the modules share [`support`] and [`strict`].
+//! Hostile and broken files: each gives one clear sentence or a scene, reads nothing outside its
+//! folder, and takes neither memory nor time without bound. One program, so that the modules share
+//! [`support`] and [`strict`].
 
 mod bounds;
 mod finds;

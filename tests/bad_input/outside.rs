@@ -1,4 +1,5 @@
-//! No file makes the program read outside the scene's folder, by whatever name or link, nor write there.
+//! No file makes the program read outside the scene's folder, by whatever name or link, nor write
+//! there.
 //!
 //! Truth: a secret beside the folder, with colours and shapes that would show.
 
@@ -14,7 +15,8 @@ use crate::support::{Folder, glb, square_bytes, square_json};
 const SQUARE: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nusemtl m\nf 1 2 3 4\n";
 const GREY: Vec3 = Vec3::splat(0.5);
 
-/// Ways to name `secret.EXTENSION` in the folder above the scene's, by name alone and through links.
+/// Ways to name `secret.EXTENSION` in the folder above the scene's, by name alone and through
+/// links.
 fn escapes(outer: &Folder, extension: &str) -> Vec<String> {
     let secret = outer.path(&format!("secret.{extension}")).display().to_string();
     let mut ways = vec![

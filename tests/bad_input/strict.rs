@@ -1,4 +1,5 @@
-//! What the tests of hostile files share: loading within a time, the one sentence, a program that has little memory.
+//! What the tests of hostile files share: loading within a time, the one sentence, a program that
+//! has little memory.
 
 use std::path::{Path, PathBuf};
 use std::sync::mpsc;
@@ -44,7 +45,8 @@ pub fn sentence(path: &Path) -> String {
     error
 }
 
-/// What the program says of a file that it refuses, when it may have `mebibytes` of address space, programs and libraries included.
+/// What the program says of a file that it refuses, when it may have `mebibytes` of address space,
+/// programs and libraries included.
 #[cfg(target_os = "linux")]
 pub fn sentence_in_little_memory(mebibytes: u64, path: &Path) -> String {
     use std::process::Command;

@@ -1,4 +1,5 @@
-//! Tables of hand-made bad files: each gives one clear sentence: what, where, what to do; never a panic.
+//! Tables of hand-made bad files: each gives one clear sentence: what, where, what to do; never a
+//! panic.
 
 use selflink::scene::{LoadError, Sidecar, load_file};
 

@@ -10,7 +10,8 @@ use selflink::scene::{Scene, Sides};
 
 use super::support::{Folder, name, refused, succeed};
 
-/// A material as a program reads it: reflectance, radiance, and the sum of its faces' area vectors and areas.
+/// A material as a program reads it: reflectance, radiance, and the sum of its faces' area vectors
+/// and areas.
 #[derive(Clone, Copy, Debug, Default)]
 struct Described {
     reflectance: Vec3,
@@ -67,7 +68,8 @@ struct Element {
     children: Vec<Element>,
 }
 
-/// Reads elements with attributes and nothing else, which is all that a scene file has; what is not closed panics.
+/// Reads elements with attributes and nothing else, which is all that a scene file has; what is not
+/// closed panics.
 fn parse_xml(text: &str) -> Element {
     let mut open = vec![Element::default()];
     for part in text.split('<').skip(1) {
@@ -237,7 +239,8 @@ fn radiance_reads_the_scene_that_it_is() {
     }
 }
 
-/// Truth: both sides of each face are written, and no second side lies at the place of the first, where programs meet either.
+/// Truth: both sides of each face are written, and no second side lies at the place of the first,
+/// where programs meet either.
 #[test]
 fn second_sides_lie_behind_the_first() {
     let folder = Folder::new();
@@ -269,8 +272,9 @@ fn second_sides_lie_behind_the_first() {
     assert_eq!(places.len(), both.len(), "two faces at the same place");
 }
 
-/// Truth: the file's own coordinates, which hold more digits than single precision. Radiance computes in double precision; Mitsuba is given the
-/// scene about its middle, and the script that reads points of the file where that lies.
+/// Truth: the file's own coordinates, which hold more digits than single precision. Radiance
+/// computes in double precision; Mitsuba is given the scene about its middle, and the script that
+/// reads points of the file where that lies.
 #[test]
 fn a_scene_far_from_the_origin_keeps_its_shape() {
     let folder = Folder::new();

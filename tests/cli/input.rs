@@ -133,7 +133,8 @@ fn help_states_every_default() {
     assert_eq!(version.trim(), concat!("selflink ", env!("CARGO_PKG_VERSION")));
 }
 
-/// Truth: what the files hold, counted by hand; stderr says it in sentences, the statistics as numbers.
+/// Truth: what the files hold, counted by hand; stderr says it in sentences, the statistics as
+/// numbers.
 #[test]
 fn what_is_left_out_is_counted_for_programs_and_said_to_people() {
     let folder = Folder::new();
@@ -171,8 +172,9 @@ fn what_is_left_out_is_counted_for_programs_and_said_to_people() {
     assert_eq!((&light["name"], &light["range"], &light["cone"][1]), (&"Bulb".into(), &5.0.into(), &0.5.into()));
 }
 
-/// Truth: a roof of one square metre, or a square centimetre, emits 1 W/m² in each of three colours; a clear one is left out until it is to
-/// be opaque; along z the floor lies at 0 and the plane at 0.4.
+/// Truth: a roof of one square metre, or a square centimetre, emits 1 W/m² in each of three
+/// colours; a clear one is left out until it is to be opaque; along z the floor lies at 0 and the
+/// plane at 0.4.
 #[test]
 fn files_are_read_as_a_person_says() {
     let folder = Folder::new();

@@ -4,7 +4,8 @@ use std::process::Command;
 
 use crate::support::{COARSE, Folder, name, refused, succeed, text};
 
-/// Truth: the stages that every solve goes through, each in a line of its own on stderr; stdout stays what it was.
+/// Truth: the stages that every solve goes through, each in a line of its own on stderr; stdout
+/// stays what it was.
 #[test]
 fn a_log_tells_the_stages_on_stderr() {
     let folder = Folder::new();
@@ -58,7 +59,8 @@ fn what_is_no_level_is_refused() {
     assert!(sentence.contains("error, warn, info or debug"), "{sentence}");
 }
 
-/// Truth: a report holds what makes the fault come again: settings, place, thread, and the calls that led there.
+/// Truth: a report holds what makes the fault come again: settings, place, thread, and the calls
+/// that led there.
 #[test]
 fn a_panic_leaves_a_report() {
     let folder = Folder::new();

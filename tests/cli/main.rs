@@ -1,4 +1,5 @@
-//! The program as a person runs it: commands, files written, and one sentence for what cannot be done.
+//! The program as a person runs it: commands, files written, and one sentence for what cannot be
+//! done.
 
 mod export;
 mod input;

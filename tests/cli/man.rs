@@ -2,7 +2,8 @@
 
 use crate::support::*;
 
-/// Truth: `--help`. Each command has a page, and each option of it stands there and in the completions.
+/// Truth: `--help`. Each command has a page, and each option of it stands there and in the
+/// completions.
 #[test]
 fn pages_and_completions_have_every_command_and_option() {
     let folder = Folder::new();

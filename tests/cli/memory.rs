@@ -8,7 +8,8 @@ use crate::support::{Folder, name, refused, succeed};
 
 /// As quick as links can be made: a ray each.
 const QUICK: [&str; 6] = ["--rays-min", "1", "--rays-max", "1", "--visibility-factor", "0.1"];
-/// What the program takes without a solution to speak of, bytes: code, stacks of the threads, and the allocator's reserves.
+/// What the program takes without a solution to speak of, bytes: code, stacks of the threads, and
+/// the allocator's reserves.
 const BASELINE: u64 = 48 << 20;
 
 fn solve(scene: &str, args: &[&str]) -> (String, Value) {

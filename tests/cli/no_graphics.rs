@@ -1,6 +1,7 @@
 //! No display, no graphics driver: what a person reads, and what works all the same.
 //!
-//! Truth: exit codes and sentences. Drivers are hidden from the program by the variables that the loaders of Vulkan and EGL look at.
+//! Truth: exit codes and sentences. Drivers are hidden from the program by the variables that the
+//! loaders of Vulkan and EGL look at.
 #![cfg(all(feature = "gui", target_os = "linux"))]
 
 use std::process::{Command, Output};

@@ -66,8 +66,8 @@ fn a_picture_has_the_size_asked_for_and_shows_the_overlays() {
     assert!(brightest(&draw("dim.png", &["--exposure", "-20"])) < brightest(&plain), "by hand it is dark");
 }
 
-/// Truth: a picture of the mesh and one that is gathered show the same room, as bright, and are not the same; a file in physical
-/// units has the layers that another reader finds by name.
+/// Truth: a picture of the mesh and one that is gathered show the same room, as bright, and are not
+/// the same; a file in physical units has the layers that another reader finds by name.
 #[cfg(feature = "gui")]
 #[test]
 fn pictures_are_gathered_unless_the_mesh_is_asked_for() {
@@ -86,8 +86,8 @@ fn pictures_are_gathered_unless_the_mesh_is_asked_for() {
     for name in ["R", "G", "B", "A", "Z", "irradiance.R", "normal.X", "albedo.B", "element.id"] {
         assert!(names.iter().any(|other| other == name), "{name} is not among {names:?}");
     }
-    // On the back wall above the boxes, which neither shines nor has an edge there: a unit normal towards the eye, B = ρ·E, and as far away as
-    // the wall is.
+    // On the back wall above the boxes, which neither shines nor has an edge there: a unit normal
+    // towards the eye, B = ρ·E, and as far away as the wall is.
     let on_wall = 16 * 96 + 52;
     let at = |name: &str| {
         let channel = file.layer_data.channel_data.list.iter().find(|channel| channel.name.to_string() == name);
@@ -130,8 +130,8 @@ fn pictures_are_gathered_unless_the_mesh_is_asked_for() {
     assert!(image::open(outlined).expect("a PNG").to_rgb8() != gathered, "outlines lie over it");
 }
 
-/// Truth: at first there is the root's self-link alone, one colour from corner to corner; later there are many, and what is no picture
-/// is refused.
+/// Truth: at first there is the root's self-link alone, one colour from corner to corner; later
+/// there are many, and what is no picture is refused.
 #[test]
 fn a_link_matrix_starts_as_one_square() {
     let folder = Folder::new();

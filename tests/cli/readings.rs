@@ -37,7 +37,8 @@ fn hall(folder: &Path) -> PathBuf {
     path
 }
 
-/// Truth: Lambert's formula; nothing is reflected, so E is what the roof sends, and a gather knows it without noise.
+/// Truth: Lambert's formula; nothing is reflected, so E is what the roof sends, and a gather knows
+/// it without noise.
 #[test]
 fn a_work_plane_is_written_and_summed_up() {
     let folder = tempfile::tempdir().expect("a temporary folder");
@@ -94,7 +95,8 @@ fn planes_and_readings_that_cannot_be_had_are_refused_in_a_sentence() {
     }
 }
 
-/// Truth: the ramp's own colours at the ends of the legend's bar, and none of it where it is not wanted.
+/// Truth: the ramp's own colours at the ends of the legend's bar, and none of it where it is not
+/// wanted.
 #[test]
 #[cfg(feature = "gui")]
 fn a_legend_is_drawn_into_the_picture() {
@@ -126,8 +128,9 @@ fn a_legend_is_drawn_into_the_picture() {
     assert!(!is(&bare, 370, VIRIDIS[9]) && !is(&bare, 20, [29, 31, 35]));
 }
 
-/// Truth: under a uniform sky a point of the black floor gets all of what open ground gets but the roof's form factor, however bright the
-/// sky is. 2 % of the range: four times the noise of the mean of 81 pixels, of 1.7 % each, and a step of the ramp.
+/// Truth: under a uniform sky a point of the black floor gets all of what open ground gets but the
+/// roof's form factor, however bright the sky is. 2 % of the range: four times the noise of the
+/// mean of 81 pixels, of 1.7 % each, and a step of the ramp.
 #[test]
 #[cfg(feature = "gui")]
 fn daylight_factors_are_shown_in_false_colours() {
@@ -157,7 +160,8 @@ fn daylight_factors_are_shown_in_false_colours() {
     assert!((f64::from(found) / 1000.0 - truth).abs() < 0.02, "{found} {truth}");
 }
 
-/// A daylight factor is by the sky alone: beside a sun, beside lamps and without a sky there is none, and both ways of reading it say why.
+/// A daylight factor is by the sky alone: beside a sun, beside lamps and without a sky there is
+/// none, and both ways of reading it say why.
 #[test]
 fn where_more_than_the_sky_shines_there_is_no_daylight_factor() {
     let folder = tempfile::tempdir().expect("a temporary folder");

@@ -1,4 +1,5 @@
-//! `selflink selftest` as a person runs it; what its rows find is the business of `tests/stability`.
+//! `selflink selftest` as a person runs it; what its rows find is the business of
+//! `tests/stability`.
 
 use std::process::{Command, Output};
 
@@ -12,7 +13,8 @@ fn selftest(args: &[&str]) -> (Output, String, String) {
     (output, stdout, stderr)
 }
 
-/// Two rows, one by its name and one by its number: a line each with the verdict, and every check as JSON.
+/// Two rows, one by its name and one by its number: a line each with the verdict, and every check
+/// as JSON.
 #[test]
 fn rows_are_told_and_written() {
     let folder = tempfile::tempdir().expect("a temporary folder");

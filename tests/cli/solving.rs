@@ -102,7 +102,8 @@ fn the_lit_mesh_does_not_depend_on_the_threads() {
     assert!(meshes[0] == meshes[1], "one thread and two give different meshes");
 }
 
-/// Truth: the bits of the first solve. Its statistics are settings; what is given beside them counts more.
+/// Truth: the bits of the first solve. Its statistics are settings; what is given beside them
+/// counts more.
 #[test]
 fn statistics_are_settings_that_run_again() {
     let folder = Folder::new();

@@ -5,8 +5,9 @@ use serde_json::Value;
 
 use crate::support::*;
 
-/// Truth: a scene whose exact values are known. The floor's radiosity is that of its irradiance, B = ρE (grey ρ = 0.5 of
-/// faces without an MTL), at every point, since both are interpolated by the same weights.
+/// Truth: a scene whose exact values are known. The floor's radiosity is that of its irradiance, B
+/// = ρE (grey ρ = 0.5 of faces without an MTL), at every point, since both are interpolated by the
+/// same weights.
 #[test]
 fn probed_points_come_back_with_irradiance_and_radiosity() {
     let folder = Folder::new();
@@ -40,8 +41,9 @@ fn probed_points_come_back_with_irradiance_and_radiosity() {
     }
 }
 
-/// Truth: what was asked for. The standard error of each row is at most the share of E + E₀ that `--se` says, E₀ being a tenth of the median E and
-/// so at most a tenth of the largest; and a row depends neither on the others nor on its place.
+/// Truth: what was asked for. The standard error of each row is at most the share of E + E₀ that
+/// `--se` says, E₀ being a tenth of the median E and so at most a tenth of the largest; and a row
+/// depends neither on the others nor on its place.
 #[test]
 fn probes_are_as_exact_as_is_asked_for_and_independent_of_each_other() {
     let folder = Folder::new();
@@ -68,7 +70,8 @@ fn probes_are_as_exact_as_is_asked_for_and_independent_of_each_other() {
     }
 }
 
-/// Truth: a second run reads what the first one kept, and says so; rows hold their errors beside their values.
+/// Truth: a second run reads what the first one kept, and says so; rows hold their errors beside
+/// their values.
 #[test]
 fn a_reference_is_written_and_kept_for_the_next_time() {
     let folder = Folder::new();
@@ -103,7 +106,8 @@ fn a_reference_that_runs_out_of_time_says_so() {
     assert!(stderr.contains("the time was over") && stdout.contains("1,000 points"), "{stdout}{stderr}");
 }
 
-/// Truth: a row for each run with every parameter; pictures of the size asked for that show something.
+/// Truth: a row for each run with every parameter; pictures of the size asked for that show
+/// something.
 #[test]
 fn a_chart_is_tables_and_pictures() {
     let folder = Folder::new();
@@ -163,8 +167,9 @@ fn a_chart_is_tables_and_pictures() {
     }
 }
 
-/// Truth: the noise of paths falls with the root of their number; a picture gathered over a solve to 10 % is far nearer to the
-/// converged one than one path a pixel is. All is the same for any number of threads, so nothing here is by chance.
+/// Truth: the noise of paths falls with the root of their number; a picture gathered over a solve
+/// to 10 % is far nearer to the converged one than one path a pixel is. All is the same for any
+/// number of threads, so nothing here is by chance.
 #[cfg(feature = "gui")]
 #[test]
 fn a_chart_of_pictures_tells_how_near_they_are() {
@@ -200,9 +205,9 @@ fn a_chart_of_pictures_tells_how_near_they_are() {
     }
 }
 
-/// Truth: on a logarithmic axis a bar from e − s to e + s is as long as the logarithm of their ratio, and the tops of two bars are
-/// as far apart as that of theirs, in the same number of pixels each; two pixels are rounding. Bars are the vertical lines of
-/// one pixel in a curve's colour.
+/// Truth: on a logarithmic axis a bar from e − s to e + s is as long as the logarithm of their
+/// ratio, and the tops of two bars are as far apart as that of theirs, in the same number of pixels
+/// each; two pixels are rounding. Bars are the vertical lines of one pixel in a curve's colour.
 fn bars_are_standard_errors(svg: &str, errors: &[(f64, f64)]) {
     let is_bar = |line: &&str| {
         ["#0072B2", "#009E73"].iter().any(|colour| line.contains(&format!("stroke=\"{colour}\" stroke-width=\"1\"")))

@@ -1,5 +1,5 @@
-//! What the fuzzers make of their bytes, and what must hold of every scene that loads and of every error; `tests/bad_input` replays
-//! their finds through the same functions.
+//! What the fuzzers make of their bytes, and what must hold of every scene that loads and of every
+//! error; `tests/bad_input` replays their finds through the same functions.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -68,7 +68,8 @@ pub fn texture(data: &[u8]) {
     check("a.obj", room.into_bytes(), files(&named));
 }
 
-/// Compressed geometry: a byte each for what is compressed and how (see below), two for a count, and behind them the compressed bytes.
+/// Compressed geometry: a byte each for what is compressed and how (see below), two for a count,
+/// and behind them the compressed bytes.
 pub fn compressed(data: &[u8]) {
     let &[what, filter, stride, low, high, ref payload @ ..] = data else { return };
     let count = usize::from(u16::from_le_bytes([low, high]));

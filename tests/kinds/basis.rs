@@ -1,4 +1,5 @@
-//! Two textures of Basis Universal, made by its encoder (2.50): 8 × 8 pixels, the left half sRGB (188, 188, 188), the right half (188, 0, 0).
+//! Two textures of Basis Universal, made by its encoder (2.50): 8 × 8 pixels, the left half sRGB
+//! (188, 188, 188), the right half (188, 0, 0).
 
 /// As ETC1S, supercompressed by BasisLZ.
 pub const ETC1S: &str = "\

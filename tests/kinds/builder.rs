@@ -1,4 +1,5 @@
-//! glTF files in the making: the unit square of `support` as accessors 0 (positions) and 1 (indices), and whatever is added.
+//! glTF files in the making: the unit square of `support` as accessors 0 (positions) and 1
+//! (indices), and whatever is added.
 
 use crate::support::{glb, square_bytes};
 
@@ -43,7 +44,8 @@ impl Gltf {
         self.accessors.len() - 1
     }
 
-    /// Adds an accessor of so many values, each of so many bytes, that meshopt packed with a filter; integers are normalised.
+    /// Adds an accessor of so many values, each of so many bytes, that meshopt packed with a
+    /// filter; integers are normalised.
     pub fn meshopt(
         &mut self,
         packed: &[u8],
@@ -73,7 +75,8 @@ impl Gltf {
         self.accessor(&bytes, F32, values.len(), &kind, "")
     }
 
-    /// The file; `rest` holds meshes, nodes, materials and whatever else, and starts with none of them.
+    /// The file; `rest` holds meshes, nodes, materials and whatever else, and starts with none of
+    /// them.
     pub fn file(&self, rest: &str) -> Vec<u8> {
         let (views, accessors, length) = (self.views.join(", "), self.accessors.join(", "), self.binary.len());
         let json = format!(
@@ -84,7 +87,8 @@ impl Gltf {
     }
 }
 
-/// One mesh of one primitive with further attributes (`, "COLOR_0": 2`) and a material, at one node; `more` begins with a comma.
+/// One mesh of one primitive with further attributes (`, "COLOR_0": 2`) and a material, at one
+/// node; `more` begins with a comma.
 pub fn one_mesh(attributes: &str, material: &str, more: &str) -> String {
     format!(
         r#""meshes": [{{"primitives": [{{"attributes": {{"POSITION": 0{attributes}}}, "indices": 1, "material": 0}}]}}],

@@ -1,4 +1,5 @@
-//! Compressed attributes as the encoders make them that exporters use: draco3dgltf 1.5 by way of glTF-Transform 4, and meshoptimizer's own.
+//! Compressed attributes as the encoders make them that exporters use: draco3dgltf 1.5 by way of
+//! glTF-Transform 4, and meshoptimizer's own.
 
 use glam::{Vec2, Vec3};
 use image::ImageFormat;
@@ -7,7 +8,8 @@ use crate::basis::bytes;
 use crate::builder::{F32, Gltf, I8, I16, one_mesh};
 use crate::{load, notes, picture};
 
-/// A grid of 2 × 2 squares in two halves that meet in a seam at x = 1, in the order that packs best.
+/// A grid of 2 × 2 squares in two halves that meet in a seam at x = 1, in the order that packs
+/// best.
 const EDGEBREAKER: &str = "\
     445241434f02020101000000090802080200037fda07ff0111c003809685c00380968503ff00000001000101000100090300000201030902\
     00010201020903000202010101000f03ad2a2f5515032a624cffffff0f00fcff0000000000fcff0000000000000000ff3f00000000000000\
@@ -43,8 +45,8 @@ const EXPONENTIAL: &str = "\
     a0000133000000504f000000010c0000007701040000000000010c0000004000000000000000000000000000000000000000000000000000\
     f4000000f7000000f0";
 
-/// Truth: the grid as it was encoded, by hand; its texture coordinates jump at the seam, and its colours too. Draco keeps 12 bits of the
-/// former and 8 of the latter.
+/// Truth: the grid as it was encoded, by hand; its texture coordinates jump at the seam, and its
+/// colours too. Draco keeps 12 bits of the former and 8 of the latter.
 #[test]
 fn draco_keeps_texture_coordinates_and_colours() {
     for (order, data) in [("edgebreaker", EDGEBREAKER), ("sequential", SEQUENTIAL)] {

@@ -1,4 +1,5 @@
-//! PLY and STL: one material, as text and binary, as scanners, modellers and CAD programs write them.
+//! PLY and STL: one material, as text and binary, as scanners, modellers and CAD programs write
+//! them.
 
 use glam::Vec3;
 use selflink::scene::{Scene, Unit, load_file};
@@ -43,7 +44,8 @@ fn text_stl(names: [&str; 2], scale: f32) -> String {
     text
 }
 
-/// Truth: floor and ceiling 40 m², walls 54 m²; all of it seen from inside, in the grey of what has no material.
+/// Truth: floor and ceiling 40 m², walls 54 m²; all of it seen from inside, in the grey of what has
+/// no material.
 fn assert_room(scene: &Scene, what: &str) {
     let area: f32 = scene.polygons.iter().map(|polygon| scene.area(polygon)).sum();
     assert!((area - 94.0).abs() < 1e-4, "{what}: {area} m²");
@@ -56,7 +58,8 @@ fn assert_room(scene: &Scene, what: &str) {
     assert!(notes(scene).contains("without a material shown grey"), "{what}: {}", notes(scene));
 }
 
-/// Binary files may begin with `solid`, and text files with a solid that has no name, or hold several.
+/// Binary files may begin with `solid`, and text files with a solid that has no name, or hold
+/// several.
 #[test]
 fn stl_as_text_and_binary() {
     for head in ["", "solid made by a CAD program", "exported in colour"] {

@@ -8,7 +8,8 @@ use selflink::transport::point_to_polygon;
 use crate::load;
 use crate::support::{Folder, glb, square_bytes, square_json};
 
-/// Truth: a directional light shines along −z of its node; of two the brightest is the sun, with its lux (179 lm/W), and its colour.
+/// Truth: a directional light shines along −z of its node; of two the brightest is the sun, with
+/// its lux (179 lm/W), and its colour.
 #[test]
 fn the_brightest_directional_light_is_the_sun() {
     let rest = r#""extensionsUsed": ["KHR_lights_punctual"],
@@ -28,7 +29,8 @@ fn the_brightest_directional_light_is_the_sun() {
     assert!(notes.contains("the brightest alone is the sun: Moon") && scene.skipped.ignored_lights == 1, "{notes}");
 }
 
-/// Truth: what a person lets in comes back by the sidecar; what cannot be used is reported, and a picture that is gone costs the sky alone.
+/// Truth: what a person lets in comes back by the sidecar; what cannot be used is reported, and a
+/// picture that is gone costs the sky alone.
 #[test]
 fn daylight_comes_back_by_the_sidecar() {
     let folder = Folder::new();
@@ -64,8 +66,8 @@ fn daylight_comes_back_by_the_sidecar() {
     }
 }
 
-/// Truth: E = I cos³θ/h² at a floor, by 179 lm/W; within 1 % at 1 to 10 m, straight below and aslant, for a point and inside of a spot's
-/// inner cone; nothing outside of its outer cone.
+/// Truth: E = I cos³θ/h² at a floor, by 179 lm/W; within 1 % at 1 to 10 m, straight below and
+/// aslant, for a point and inside of a spot's inner cone; nothing outside of its outer cone.
 #[test]
 fn punctual_lights_keep_their_candelas_and_cones() {
     let light = |kind: &str| {

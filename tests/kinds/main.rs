@@ -1,6 +1,8 @@
-//! The kinds of files that real exporters write: each is built here, small, with what must come of it.
+//! The kinds of files that real exporters write: each is built here, small, with what must come of
+//! it.
 //!
-//! A "furnace" is a unit cube seen from inside, ρ = ½ and B_e = 1 W/m² on every face, so that B = 2 everywhere.
+//! A "furnace" is a unit cube seen from inside, ρ = ½ and B_e = 1 W/m² on every face, so that B = 2
+//! everywhere.
 
 mod basis;
 mod builder;

@@ -50,7 +50,8 @@ fn a_material_that_was_left_out_comes_back() {
     assert_eq!(load_file(&path).expect("a sound scene").polygons.len(), 6);
 }
 
-/// Truth: of a cube one face is a pane; what is left out by a person stays out by the sidecar, and a name that is none is reported.
+/// Truth: of a cube one face is a pane; what is left out by a person stays out by the sidecar, and
+/// a name that is none is reported.
 #[test]
 fn a_material_is_left_out_where_daylight_is_to_pass() {
     let folder = Folder::new();
@@ -83,12 +84,14 @@ fn colours_of_vertices_count() {
     assert!(scene.materials[0].reflectance.distance(Vec3::splat(0.5)) < 1e-4, "without a material they are the colour");
 }
 
-/// A GLB of two squares, the second one metre above the first, with texture coordinates that all lie at one point each.
+/// A GLB of two squares, the second one metre above the first, with texture coordinates that all
+/// lie at one point each.
 fn palette(points: [[f32; 2]; 2], png: &[u8], material: &str) -> Vec<u8> {
     squares(points.map(|point| [point; 4]), png, material)
 }
 
-/// A GLB of two squares, the second one metre above the first, with texture coordinates at the corners of each.
+/// A GLB of two squares, the second one metre above the first, with texture coordinates at the
+/// corners of each.
 fn squares(corners: [[[f32; 2]; 4]; 2], png: &[u8], material: &str) -> Vec<u8> {
     let mut binary = square_bytes();
     binary.extend(corners.into_iter().flatten().flatten().flat_map(f32::to_le_bytes));
@@ -114,7 +117,8 @@ fn squares(corners: [[[f32; 2]; 4]; 2], png: &[u8], material: &str) -> Vec<u8> {
     glb(&json, &binary)
 }
 
-/// Truth: four texels of a palette; each face shows one of them, and the material their mean by area.
+/// Truth: four texels of a palette; each face shows one of them, and the material their mean by
+/// area.
 #[test]
 fn faces_have_the_colour_of_their_own_part_of_a_texture() {
     let png = picture([4, 1], ImageFormat::Png, |x, _| [[0, 0, 0, 255], HALF, [255; 4], [255, 0, 0, 255]][x as usize]);
@@ -141,8 +145,8 @@ fn faces_have_the_colour_of_their_own_part_of_a_texture() {
     assert!(map.sample(uv, 1.0).truncate().distance(Vec3::X) < 1e-3, "{uv}");
 }
 
-/// Truth: the texels themselves. Faces count as their mean, points show what lies there, what is clear is a hole, and a change of
-/// the material changes both alike.
+/// Truth: the texels themselves. Faces count as their mean, points show what lies there, what is
+/// clear is a hole, and a change of the material changes both alike.
 #[test]
 fn points_of_faces_show_their_own_texels() {
     let texels = [[255, 0, 0, 255], [0, 255, 0, 255], [0, 0, 255, 255], [255, 255, 255, 0]];
@@ -177,11 +181,13 @@ fn textures_are_as_coarse_as_they_are_seen() {
         let point = Vec3::new(32.5 / 64.0, 32.5 / 64.0, 0.0);
         scene.surface_at(polygon, point, scene.surface(polygon), footprint).expect("no hole").reflectance.x
     };
-    // White is below 1 by the largest reflectance allowed; a mean of white and black is within a step of sRGB.
+    // White is below 1 by the largest reflectance allowed; a mean of white and black is within a
+    // step of sRGB.
     assert!(red(1e-3) > 0.9 && (red(0.1) - 0.5).abs() < 0.01, "{} {}", red(1e-3), red(0.1));
 }
 
-/// Truth: of two faces of one material the one that looks at the bright texel is a lamp, the other is none.
+/// Truth: of two faces of one material the one that looks at the bright texel is a lamp, the other
+/// is none.
 #[test]
 fn emission_counts_by_face() {
     let png = picture([2, 1], ImageFormat::Png, |x, _| [[0, 0, 0, 255], [255; 4]][x as usize]);
@@ -253,7 +259,8 @@ fn required_extensions_of_textures() {
     let webp = with("EXT_texture_webp", &picture([2, 2], ImageFormat::WebP, |_, _| HALF));
     assert!(webp.materials[0].reflectance.distance(Vec3::splat(0.5029)) < 2e-3, "{}", webp.materials[0].reflectance);
     assert!(notes(&webp).contains("not read: `ACME_shine`"), "{}", notes(&webp));
-    // Half of the texture is (0.503, 0.503, 0.503), half (0.503, 0, 0); what block compression may add is below 2 %.
+    // Half of the texture is (0.503, 0.503, 0.503), half (0.503, 0, 0); what block compression may
+    // add is below 2 %.
     for encoded in [basis::ETC1S, basis::UASTC] {
         let scene = with("KHR_texture_basisu", &basis::bytes(encoded));
         let colour = scene.materials[0].reflectance;

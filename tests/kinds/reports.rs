@@ -7,7 +7,8 @@ use crate::builder::{Gltf, one_mesh};
 use crate::support::Folder;
 use crate::{CUBE, load, load_obj, notes};
 
-/// Truth: each extension is in one sentence, whether the file needs it or uses it, and none that changes nothing here is in any.
+/// Truth: each extension is in one sentence, whether the file needs it or uses it, and none that
+/// changes nothing here is in any.
 #[test]
 fn extensions_that_are_not_read_are_said_once() {
     let used = r#", "extensionsRequired": ["ACME_shine", "KHR_materials_clearcoat"],
@@ -63,8 +64,8 @@ fn geometry_that_obj_files_bring_in_other_ways_is_counted() {
     assert!(notes(&scene).contains("not read (`call`, 1); export it as one file"), "{}", notes(&scene));
 }
 
-/// Truth: of two lights of one name, and two materials, each is dimmed and painted by itself, and comes back so by the settings file; a
-/// light's range is in metres.
+/// Truth: of two lights of one name, and two materials, each is dimmed and painted by itself, and
+/// comes back so by the settings file; a light's range is in metres.
 #[test]
 fn what_has_one_name_is_told_apart() {
     let folder = Folder::new();

@@ -88,7 +88,8 @@ fn as_gltf(order: fn(f32, f32, f32) -> [f32; 3]) -> Vec<u8> {
     glb(&json, &binary)
 }
 
-/// Truth: the room stands on its floor. Exporters can be set to leave z up in glTF, and the format has no word for it.
+/// Truth: the room stands on its floor. Exporters can be set to leave z up in glTF, and the format
+/// has no word for it.
 #[test]
 fn up_is_seen_where_a_format_prescribes_another_axis() {
     for (order, up) in [(y_up as fn(f32, f32, f32) -> [f32; 3], UpAxis::Y), (z_up, UpAxis::Z)] {
@@ -121,8 +122,8 @@ fn lengths_become_metres() {
     assert_eq!((scene.frame.unit, scene.bounds().1.x), (Unit::Metre, 5000.0));
 }
 
-/// Truth: a box of 160 m around the room, as environments are drawn, makes it neither a doll's house nor lie on its side; one stands in
-/// the room, with the eyes 1.6 m above its floor.
+/// Truth: a box of 160 m around the room, as environments are drawn, makes it neither a doll's
+/// house nor lie on its side; one stands in the room, with the eyes 1.6 m above its floor.
 #[test]
 fn a_room_below_a_sky_is_as_large_and_stood_in() {
     for (order, up) in [(y_up as fn(f32, f32, f32) -> [f32; 3], UpAxis::Y), (z_up, UpAxis::Z)] {
@@ -154,7 +155,8 @@ fn a_room_below_a_sky_is_as_large_and_stood_in() {
     }
 }
 
-/// Truth: a room with a door of 2.1 m and a chair of 0.9 m, in each unit; feet and metres differ by nothing else.
+/// Truth: a room with a door of 2.1 m and a chair of 0.9 m, in each unit; feet and metres differ by
+/// nothing else.
 #[test]
 fn doors_and_chairs_tell_feet_from_metres() {
     for unit in Unit::ALL {
@@ -172,8 +174,8 @@ fn doors_and_chairs_tell_feet_from_metres() {
     }
 }
 
-/// Truth: a room with a desk of 0.74 m, a bed of 0.5 m and two stools of 0.45 m, all without names, in each unit; a hall of 9 m with them
-/// is one, and an empty one too.
+/// Truth: a room with a desk of 0.74 m, a bed of 0.5 m and two stools of 0.45 m, all without names,
+/// in each unit; a hall of 9 m with them is one, and an empty one too.
 #[test]
 fn nameless_furniture_tells_feet_from_metres() {
     let board = |[x, z]: [f64; 2], [width, depth]: [f64; 2], level: f64, scale: f64| {
@@ -221,7 +223,8 @@ fn nameless_furniture_tells_feet_from_metres() {
     }
 }
 
-/// Truth: the lamp hangs under the ceiling, which is 3 m up, and shines down; the work plane lies 0.8 m above the floor.
+/// Truth: the lamp hangs under the ceiling, which is 3 m up, and shines down; the work plane lies
+/// 0.8 m above the floor.
 #[test]
 fn lamp_and_work_plane_follow_the_axis() {
     for (order, up) in [(y_up as fn(f32, f32, f32) -> [f32; 3], UpAxis::Y), (z_up, UpAxis::Z)] {

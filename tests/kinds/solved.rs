@@ -20,7 +20,8 @@ fn solved(source: &Source, light: &AddedLight) -> Solver {
     solver
 }
 
-/// Truth: B = B_e/(1 − ρ) = 2 on every face of a furnace, here with the colours of its vertices and a wall that is there twice.
+/// Truth: B = B_e/(1 − ρ) = 2 on every face of a furnace, here with the colours of its vertices and
+/// a wall that is there twice.
 #[test]
 fn a_furnace_shines_as_it_must() {
     let folder = Folder::new();
@@ -33,7 +34,8 @@ fn a_furnace_shines_as_it_must() {
     assert!((mean - 2.0).abs() < 1e-3 && worst < 1e-3, "{mean}, {worst} off at most");
 }
 
-/// Truth: counted once, and doubled: three faces that enclose little are little work, whatever clocks say.
+/// Truth: counted once, and doubled: three faces that enclose little are little work, whatever
+/// clocks say.
 #[test]
 fn three_faces_and_a_ceiling_light_are_little_work() {
     let folder = Folder::new();

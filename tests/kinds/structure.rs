@@ -64,7 +64,8 @@ fn structure_that_exporters_write() {
     assert_eq!(scene.bounds().1, Vec3::new(1.5, 1.5, 0.0), "half of the morph target is added");
     assert!(notes(&scene).contains("Of 2 scenes in the file `shown` is shown"), "{}", notes(&scene));
 
-    // Names in Latin-1 that differ in one byte; several material files; the first of two materials of one name.
+    // Names in Latin-1 that differ in one byte; several material files; the first of two materials
+    // of one name.
     let obj = [
         b"mtllib my room.mtl b.mtl\nusemtl a\xe4\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3\nusemtl a\xf6\nf 1 3 4\n"
             .as_slice(),

@@ -14,8 +14,8 @@ fn palette() -> Vec<u8> {
     picture([4, 1], ImageFormat::Png, |x, _| texels[x as usize])
 }
 
-/// A square with these texture coordinates of two sets and the palette as texture 0, laid on as `info` and `sampler` say; half of it is reflected,
-/// and `more` belongs to the material too.
+/// A square with these texture coordinates of two sets and the palette as texture 0, laid on as
+/// `info` and `sampler` say; half of it is reflected, and `more` belongs to the material too.
 fn painted(uvs: [[f32; 2]; 2], [info, sampler, more]: [&str; 3]) -> Scene {
     let mut file = Gltf::square();
     let sets = uvs.map(|uv| file.floats::<2>(&[uv; 4]));
@@ -43,7 +43,8 @@ const RED: Vec3 = Vec3::new(0.5, 0.0, 0.0);
 const GREEN: Vec3 = Vec3::new(0.0, 0.5, 0.0);
 const BLUE: Vec3 = Vec3::new(0.0, 0.0, 0.5);
 
-/// Truth: KHR_texture_transform by hand: scale, then rotation (u′ = u cos + v sin), then offset; `texCoord` names another set.
+/// Truth: KHR_texture_transform by hand: scale, then rotation (u′ = u cos + v sin), then offset;
+/// `texCoord` names another set.
 #[test]
 fn textures_are_scaled_turned_and_laid_on_by_another_set() {
     let transform = |said: &str| format!(r#", "extensions": {{"KHR_texture_transform": {{{said}}}}}"#);
@@ -62,7 +63,8 @@ fn textures_are_scaled_turned_and_laid_on_by_another_set() {
     }
 }
 
-/// Truth: glTF 2.0, section 3.8.4.5: at u = 1.375 a texture is again at 0.375, at its rim, or at 0.625.
+/// Truth: glTF 2.0, section 3.8.4.5: at u = 1.375 a texture is again at 0.375, at its rim, or at
+/// 0.625.
 #[test]
 fn textures_go_on_as_samplers_say() {
     for (sampler, truth) in [
@@ -77,7 +79,8 @@ fn textures_go_on_as_samplers_say() {
     }
 }
 
-/// Truth: the colour looks at the red texel by the first set, the emission at the green one by the second.
+/// Truth: the colour looks at the red texel by the first set, the emission at the green one by the
+/// second.
 #[test]
 fn emission_may_have_its_own_set() {
     let glows = r#", "emissiveFactor": [1, 1, 1], "emissiveTexture": {"index": 0, "texCoord": 1}"#;
@@ -90,7 +93,8 @@ fn emission_may_have_its_own_set() {
     assert!(shown.emission.distance(glow) < 1e-3, "in pictures too: {shown:?}");
 }
 
-/// Truth: the factor times the texture of the diffuse part; what stands beside it is for readers that do not know the extension.
+/// Truth: the factor times the texture of the diffuse part; what stands beside it is for readers
+/// that do not know the extension.
 #[test]
 fn specular_glossiness_has_a_diffuse_part() {
     let mut file = Gltf::square();
@@ -126,7 +130,8 @@ fn dds() -> Vec<u8> {
     [&head[..], &[0x00, 0xf8, 0x00, 0xf8, 0, 0, 0, 0]].concat()
 }
 
-/// Truth: red, from a block of a DDS file, beside an OBJ file or in a glTF file; a JPEG of one colour is at most two steps off.
+/// Truth: red, from a block of a DDS file, beside an OBJ file or in a glTF file; a JPEG of one
+/// colour is at most two steps off.
 #[test]
 fn dds_and_jpeg() {
     let red = |scene: &Scene| {
@@ -161,8 +166,8 @@ const HALVES: &str = "mtllib a.mtl\nusemtl leaf\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 
     vt 0.1 0\nvt 0.4 0\nvt 0.4 1\nvt 0.1 1\nvt 0.6 0\nvt 0.9 0\nvt 0.9 1\nvt 0.6 1\n\
     f 1/1 2/2 3/3 4/4\nf 5/5 6/6 7/7 8/8\n";
 
-/// Truth: the left half of the picture hides everything, the right half nothing; its values are its brightness, or its alpha where it
-/// has any. The colour's own alpha does not count.
+/// Truth: the left half of the picture hides everything, the right half nothing; its values are its
+/// brightness, or its alpha where it has any. The colour's own alpha does not count.
 #[test]
 fn opacity_has_a_texture_of_its_own() {
     let half =
@@ -203,8 +208,9 @@ fn at(scene: &Scene, x: f32, y: f32) -> Option<Vec3> {
     scene.surface_at(polygon, point, scene.surface(polygon), 1e-3).map(|surface| surface.reflectance)
 }
 
-/// Truth: by hand. The left half of the mask is white, of the rest one half is black; there is a hole, whatever the colour's own alpha
-/// says, and the factor `d` counts with it. A word of a person closes it.
+/// Truth: by hand. The left half of the mask is white, of the rest one half is black; there is a
+/// hole, whatever the colour's own alpha says, and the factor `d` counts with it. A word of a
+/// person closes it.
 #[test]
 fn pictures_have_holes_where_the_opacity_texture_has() {
     let square = "mtllib a.mtl\nusemtl leaf\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n\
@@ -229,8 +235,9 @@ fn pictures_have_holes_where_the_opacity_texture_has() {
     }
 }
 
-/// Truth: glTF 2.0, sections 3.7.2.1 and 3.9.4: alpha of the corners, from 1 on the left to ¼ on the right, times that of the factor, 0.8,
-/// times that of the texture, 1 below and ½ above; the cutoff is 0.3. Neither counts where alpha has no meaning.
+/// Truth: glTF 2.0, sections 3.7.2.1 and 3.9.4: alpha of the corners, from 1 on the left to ¼ on
+/// the right, times that of the factor, 0.8, times that of the texture, 1 below and ½ above; the
+/// cutoff is 0.3. Neither counts where alpha has no meaning.
 #[test]
 fn masks_of_pictures_heed_corners_factor_and_texture() {
     let scene = |mode: &str, textured: bool| {

@@ -15,8 +15,9 @@ fn bytes_of_i16(values: &[i16]) -> Vec<u8> {
     values.iter().flat_map(|value| value.to_le_bytes()).collect()
 }
 
-/// Truth: joint matrices by hand. The second joint stands at z = 3 and was at z = 1 when the skin was made: its vertices move by 2; half of
-/// each moves by half. The node of the mesh does not count (glTF 2.0, section 3.7.3.3).
+/// Truth: joint matrices by hand. The second joint stands at z = 3 and was at z = 1 when the skin
+/// was made: its vertices move by 2; half of each moves by half. The node of the mesh does not
+/// count (glTF 2.0, section 3.7.3.3).
 #[test]
 fn skins_are_shown_at_rest() {
     let mut file = Gltf::square();
@@ -55,8 +56,8 @@ fn weights_of_a_node_count() {
     assert!(scene.vertices.iter().all(|vertex| (vertex.z == 1.0) == (vertex.x >= 2.0)), "{:?}", scene.vertices);
 }
 
-/// Truth: the colours are linear and multiply the factor; alpha counts in BLEND, in MASK before the cutoff, and not in OPAQUE
-/// (glTF 2.0, sections 3.7.2.1 and 3.9.4).
+/// Truth: the colours are linear and multiply the factor; alpha counts in BLEND, in MASK before the
+/// cutoff, and not in OPAQUE (glTF 2.0, sections 3.7.2.1 and 3.9.4).
 #[test]
 fn colours_of_vertices_and_their_alpha() {
     let blend = |mode: &str, alpha: f32, texture: bool| {
@@ -94,8 +95,8 @@ fn colours_of_vertices_and_their_alpha() {
     assert!(reflectance.distance(Vec3::new(0.95, 0.0, 0.2)) < 1e-4, "RGB of 8 bits: {reflectance}");
 }
 
-/// Truth: a normalised 16-bit integer is a 32,767th, an unsigned one a 65,535th, and plain ones are what they are
-/// (KHR_mesh_quantization); texture coordinates of 8 bits pick one of two texels.
+/// Truth: a normalised 16-bit integer is a 32,767th, an unsigned one a 65,535th, and plain ones are
+/// what they are (KHR_mesh_quantization); texture coordinates of 8 bits pick one of two texels.
 #[test]
 fn quantised_numbers_are_read() {
     let square = |largest: i16| -> Vec<i16> {
@@ -135,7 +136,8 @@ fn quantised_numbers_are_read() {
     assert!(scene.smooth_normal(&scene.polygons[0], Vec3::new(0.5, 0.2, 0.0)).distance(Vec3::Z) < 1e-4);
 }
 
-/// Truth: by hand. One instance is turned by 90° about z and twice as large, the other is as it is, two metres aside.
+/// Truth: by hand. One instance is turned by 90° about z and twice as large, the other is as it is,
+/// two metres aside.
 #[test]
 fn gpu_instances_are_turned_and_scaled() {
     let mut file = Gltf::square();

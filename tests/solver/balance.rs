@@ -1,7 +1,7 @@
 //! Where the emitted power goes.
 //!
-//! Truth: conservation. What is absorbed by bright sides (from the solution), stopped by backs and lost to the outside (both by
-//! rays that know nothing of its links) is what the lamps emit.
+//! Truth: conservation. What is absorbed by bright sides (from the solution), stopped by backs and
+//! lost to the outside (both by rays that know nothing of its links) is what the lamps emit.
 
 use selflink::hierarchy::ClusteringMode;
 use selflink::scene::builtin::BuiltinScene;
@@ -18,7 +18,8 @@ fn closes(scene: BuiltinScene) {
     assert!(gap.abs() < 0.02, "{}: {:+.2} % of the power is missing: {balance:?}", scene.name(), 100.0 * gap);
 }
 
-/// Truth: conservation, after a gather to 5 %: 1 %, beside what 65,536 rays leave open of what is lost, 0.4 % at most.
+/// Truth: conservation, after a gather to 5 %: 1 %, beside what 65,536 rays leave open of what is
+/// lost, 0.4 % at most.
 #[test]
 fn the_gathered_power_balance_closes() {
     let seminar = BuiltinScene::Seminar { polygons: BuiltinScene::SEMINAR_POLYGONS };
@@ -50,7 +51,8 @@ fn power_balance_closes_in_the_office() {
     closes(BuiltinScene::Office);
 }
 
-/// 4 % at a threshold that leaves single links a thousandth of the power: what few rays see or miss by chance must not add up.
+/// 4 % at a threshold that leaves single links a thousandth of the power: what few rays see or miss
+/// by chance must not add up.
 #[test]
 fn power_balance_closes_at_a_coarse_threshold() {
     for mode in [ClusteringMode::Adaptive, ClusteringMode::Groups, ClusteringMode::Octree] {
@@ -61,7 +63,8 @@ fn power_balance_closes_at_a_coarse_threshold() {
     }
 }
 
-/// A closed room loses nothing: what is emitted is absorbed or meets the lamp's back, in every mode.
+/// A closed room loses nothing: what is emitted is absorbed or meets the lamp's back, in every
+/// mode.
 #[test]
 fn a_closed_room_loses_nothing() {
     for mode in MODES {

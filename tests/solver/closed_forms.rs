@@ -1,7 +1,8 @@
 //! Form factors against closed forms, pair by pair and through a whole solve.
 //!
-//! Truth: the exchange between parallel and perpendicular rectangles [Howell, catalogue of configuration factors], computed
-//! here in f64, and for clusters the escape from a homogeneous sphere by quadrature over its chords.
+//! Truth: the exchange between parallel and perpendicular rectangles [Howell, catalogue of
+//! configuration factors], computed here in f64, and for clusters the escape from a homogeneous
+//! sphere by quadrature over its chords.
 
 use std::f64::consts::PI;
 
@@ -116,8 +117,8 @@ fn the_closed_forms_agree_with_known_values() {
     assert!((cube - 1.0).abs() < 1e-12);
 }
 
-/// 1 %: what the estimate of one pair may be wrong by, far or near (the Gauss rule of nine points is the coarsest at a
-/// common edge, the disc form just beyond where it takes over).
+/// 1 %: what the estimate of one pair may be wrong by, far or near (the Gauss rule of nine points
+/// is the coarsest at a common edge, the disc form just beyond where it takes over).
 #[test]
 fn one_pair_exchanges_its_closed_form() {
     let mut wrong = Vec::new();
@@ -136,8 +137,8 @@ fn one_pair_exchanges_its_closed_form() {
     assert!(wrong.is_empty(), "off by more than 1 %: {wrong:?}");
 }
 
-/// Truth: reciprocity. G is one number for a pair, whichever end is named first; to the bit, or a solve would hang on the
-/// order in which ends are named.
+/// Truth: reciprocity. G is one number for a pair, whichever end is named first; to the bit, or a
+/// solve would hang on the order in which ends are named.
 #[test]
 fn exchange_is_symmetric() {
     let scenes = pairs().iter().map(scene_of).collect::<Vec<_>>();
@@ -170,7 +171,8 @@ fn ends_that_face_away_exchange_nothing() {
     }
 }
 
-/// Truth: a differential area over the corner of a parallel rectangle. 1e-4 relative: f32 arctangents near the horizon.
+/// Truth: a differential area over the corner of a parallel rectangle. 1e-4 relative: f32
+/// arctangents near the horizon.
 #[test]
 fn point_to_polygon_matches_the_corner_rectangle() {
     for (width, depth, height) in [(1.0, 1.0, 1.0), (3.0, 0.5, 0.2), (0.1, 0.2, 2.0), (40.0, 40.0, 0.5)] {
@@ -183,7 +185,8 @@ fn point_to_polygon_matches_the_corner_rectangle() {
     }
 }
 
-/// Truth: what lies below a point's horizon does not count: a wall that reaches as far down as up lends its upper half.
+/// Truth: what lies below a point's horizon does not count: a wall that reaches as far down as up
+/// lends its upper half.
 #[test]
 fn point_to_polygon_ends_at_the_horizon() {
     let wall = |low: f64| upright_rectangle([low, 1.0], [-1.0, 1.0]);
@@ -194,7 +197,8 @@ fn point_to_polygon_ends_at_the_horizon() {
     assert_eq!(point_to_polygon(point, Vec3::Z, &upright_rectangle([-2.0, -1.0], UNIT)), 0.0);
 }
 
-/// 1 %, as the issue asks: one square shines, the other, black, takes what the closed form says, in every clustering mode.
+/// 1 %, as the issue asks: one square shines, the other, black, takes what the closed form says, in
+/// every clustering mode.
 #[test]
 fn two_squares_exchange_their_closed_form_through_a_solve() {
     for pair in pairs() {
@@ -207,8 +211,8 @@ fn two_squares_exchange_their_closed_form_through_a_solve() {
     }
 }
 
-/// The same where both squares are cut into 16, so that clusters stand between. The error of links that stay at clusters
-/// falls with ε; 1 % again.
+/// The same where both squares are cut into 16, so that clusters stand between. The error of links
+/// that stay at clusters falls with ε; 1 % again.
 #[test]
 fn squares_in_pieces_exchange_their_closed_form_through_clusters() {
     let perpendicular = Pair { name: "perpendicular", ..pairs().swap_remove(8) };
@@ -253,8 +257,9 @@ fn boxes_with_a_self_link(side: f32, cluster_model: ClusterModel, seed: u64) -> 
     solved
 }
 
-/// Truth: a homogeneous sphere of the cluster's volume and extinction κ = ΣA/(4V); of the light born in it, the share
-/// (1 − e^−κl)/κl of each chord l gets out, chords having density l/2R² weighted by their length. 1e-4: quadrature and f32.
+/// Truth: a homogeneous sphere of the cluster's volume and extinction κ = ΣA/(4V); of the light
+/// born in it, the share (1 − e^−κl)/κl of each chord l gets out, chords having density l/2R²
+/// weighted by their length. 1e-4: quadrature and f32.
 #[test]
 fn a_self_link_of_an_isotropic_cluster_carries_the_closed_form_of_a_sphere() {
     for side in [0.01_f32, 0.1, 0.3, 0.9] {
@@ -275,8 +280,9 @@ fn a_self_link_of_an_isotropic_cluster_carries_the_closed_form_of_a_sphere() {
     }
 }
 
-/// Truth: brute force inside the cluster, rays between 200,000 pairs of points. The mean of twelve seeds' self-links: each has
-/// 128 pairs of points, of which one in eight face each other, so that its standard error is about a third.
+/// Truth: brute force inside the cluster, rays between 200,000 pairs of points. The mean of twelve
+/// seeds' self-links: each has 128 pairs of points, of which one in eight face each other, so that
+/// its standard error is about a third.
 #[test]
 fn a_self_link_of_an_oriented_cluster_carries_what_its_polygons_send_each_other() {
     for side in [0.1_f32, 0.3, 0.6] {
@@ -302,9 +308,10 @@ fn a_self_link_of_an_oriented_cluster_carries_what_its_polygons_send_each_other(
     }
 }
 
-/// Truth: the mean over 16 × 16 Gauss points of either patch of the exact form factor from a point. Small tilted squares and
-/// triangles at 2 to 8 times their size, as the leaves of a fine solve are: each is right to 2 %, and all together to 0.2 %, or the
-/// light of a room would grow or fade as it is refined.
+/// Truth: the mean over 16 × 16 Gauss points of either patch of the exact form factor from a point.
+/// Small tilted squares and triangles at 2 to 8 times their size, as the leaves of a fine solve
+/// are: each is right to 2 %, and all together to 0.2 %, or the light of a room would grow or fade
+/// as it is refined.
 #[test]
 fn far_patches_exchange_the_mean_of_the_kernel() {
     let (mut of_all, mut truth_of_all, mut count) = (0.0, 0.0, 0);
@@ -347,8 +354,8 @@ fn far_patches_exchange_the_mean_of_the_kernel() {
     assert!(count > 100 && error.abs() < 0.002, "{count} pairs are {:+.2} % off together", 100.0 * error);
 }
 
-/// Truth: the squares of a cluster that face a lamp receive the lamp's closed form, its backs nothing: 9 small squares side by
-/// side under a lamp, 9 more turned away.
+/// Truth: the squares of a cluster that face a lamp receive the lamp's closed form, its backs
+/// nothing: 9 small squares side by side under a lamp, 9 more turned away.
 #[test]
 fn clusters_hand_light_to_the_sides_that_face_it() {
     let mut scene = Scene::new("tray");
@@ -374,9 +381,10 @@ fn clusters_hand_light_to_the_sides_that_face_it() {
     }
 }
 
-/// Truth: the closed form of a lamp, the lower side of a black housing, and the floor. The mean radiosity of the lamp's
-/// cluster would give the floor what six even sides give it, a third as much. A dozen points tell each link how the lamp is
-/// turned; the mean over eight seeds is good to 3 %.
+/// Truth: the closed form of a lamp, the lower side of a black housing, and the floor. The mean
+/// radiosity of the lamp's cluster would give the floor what six even sides give it, a third as
+/// much. A dozen points tell each link how the lamp is turned; the mean over eight seeds is good to
+/// 3 %.
 #[test]
 fn a_lamp_in_a_housing_lights_what_it_faces() {
     let mut scene = empty_room(0.0, 0.0);

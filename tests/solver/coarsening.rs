@@ -1,7 +1,7 @@
 //! A coarser threshold on a finer solution: links and patches are merged back.
 //!
-//! Truth: counting (every pair is still accounted for once), the power that passes over the links, and a fresh solve by the coarse
-//! threshold.
+//! Truth: counting (every pair is still accounted for once), the power that passes over the links,
+//! and a fresh solve by the coarse threshold.
 
 use proptest::prelude::*;
 use proptest::test_runner::{Config, RngAlgorithm, TestRng, TestRunner};
@@ -19,7 +19,8 @@ const FINE: f64 = 1e-3;
 
 /// Two solutions of the coarse threshold: each is within several per cent of the truth.
 const SAME: f64 = 0.06;
-/// Links may be this many times a fresh solve's: what is known to be seen in part from near may look clear from afar.
+/// Links may be this many times a fresh solve's: what is known to be seen in part from near may
+/// look clear from afar.
 const MOST_LINKS: f64 = 1.5;
 /// Power that merging may lose or gain: B is not the same all over a source.
 const SAME_POWER: f64 = 0.03;
@@ -30,7 +31,8 @@ fn change(solver: &mut Solver, params: SolverParams) {
     assert!(is_sound(solver));
 }
 
-/// By the paper's oracle every pair is covered once, as little light is lost as by a fresh solve, and hardly a ray is cast.
+/// By the paper's oracle every pair is covered once, as little light is lost as by a fresh solve,
+/// and hardly a ray is cast.
 #[test]
 fn a_raised_threshold_merges_links_and_patches_back() {
     let scene = lamp_room();
@@ -60,7 +62,8 @@ fn a_raised_threshold_merges_links_and_patches_back() {
     }
 }
 
-/// There and back: the coarse solution has the light of the first, and refined again it has that of the fine one.
+/// There and back: the coarse solution has the light of the first, and refined again it has that of
+/// the fine one.
 #[test]
 fn thresholds_go_to_and_fro() {
     let scene = lamp_room();
@@ -123,7 +126,8 @@ fn every_pair_stays_covered_once_in_random_scenes() {
     checked.expect("every random scene stays covered");
 }
 
-/// Truth: the same bits. Merging asks nobody how many threads there are, and a cancelled step changes nothing.
+/// Truth: the same bits. Merging asks nobody how many threads there are, and a cancelled step
+/// changes nothing.
 #[test]
 fn merging_is_the_same_for_any_number_of_threads_and_interruptions() {
     let merged = |threads: usize, is_interrupted: bool| {
@@ -161,7 +165,8 @@ fn a_threshold_is_raised_in_the_midst_of_a_solve() {
     assert!(difference(&solver, &fresh) < SAME);
 }
 
-/// Truth: an element's key, by which a view finds it again under its new number, belongs to the same place as before.
+/// Truth: an element's key, by which a view finds it again under its new number, belongs to the
+/// same place as before.
 #[test]
 fn elements_keep_their_keys() {
     let mut solver = solve(&lamp_room(), params(ClusteringMode::Adaptive, FINE));

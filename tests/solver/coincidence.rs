@@ -1,7 +1,8 @@
-//! Faces that lie on each other: two-sided exports, rooms that share a wall, faces that a file draws twice.
+//! Faces that lie on each other: two-sided exports, rooms that share a wall, faces that a file
+//! draws twice.
 //!
-//! Truth: the same scene with each face once, and the furnace B = B_e / (1 − ρ). What is compared goes through
-//! [`orient::apply`], as every scene does.
+//! Truth: the same scene with each face once, and the furnace B = B_e / (1 − ρ). What is compared
+//! goes through [`orient::apply`], as every scene does.
 
 use std::sync::Arc;
 
@@ -15,7 +16,8 @@ use selflink::solve::{Epsilon, Reconstruct, Snapshot, Solver, SolverParams};
 
 use super::support::{MODES, add_box, empty_room, params};
 
-/// A room of 5 × 3 × 4 m, ρ = 0.7, with a lamp of 1 m² that shines down from 0.1 m below the ceiling.
+/// A room of 5 × 3 × 4 m, ρ = 0.7, with a lamp of 1 m² that shines down from 0.1 m below the
+/// ceiling.
 fn room() -> Scene {
     let mut scene = Scene::new("room");
     let wall = scene.add_material("wall", Vec3::splat(0.7), Vec3::ZERO);
@@ -69,8 +71,9 @@ fn ways() -> Vec<SolverParams> {
     ways
 }
 
-/// Truth: a face that is there once more, wound the other way, sends nothing into the room and takes nothing from it: 2 %, of which most
-/// is that a few rays fall otherwise. With both sides bright it has no area of its own.
+/// Truth: a face that is there once more, wound the other way, sends nothing into the room and
+/// takes nothing from it: 2 %, of which most is that a few rays fall otherwise. With both sides
+/// bright it has no area of its own.
 #[test]
 fn twins_change_nothing() {
     for sides in [Sides::Front, Sides::Auto, Sides::Both] {
@@ -103,8 +106,8 @@ fn twins_change_nothing() {
     }
 }
 
-/// Truth: no light gets through a wall, whichever part of it two rooms share: the same plane, with the other room as large, smaller and off
-/// to the side, or larger.
+/// Truth: no light gets through a wall, whichever part of it two rooms share: the same plane, with
+/// the other room as large, smaller and off to the side, or larger.
 #[test]
 fn what_shares_a_wall_shares_no_light() {
     let neighbours = [
@@ -132,7 +135,8 @@ fn what_shares_a_wall_shares_no_light() {
                     (middle.with_axis(axis, lower[axis]), inward)
                 });
                 let dark = irradiances(&snapshot, &dark);
-                // A gather starts from what coarse links found, which lets 1e-5 through, and forgets it sweep by sweep.
+                // A gather starts from what coarse links found, which lets 1e-5 through, and
+                // forgets it sweep by sweep.
                 let most = if way.reconstruct == Reconstruct::Gather || way.error.is_some() { 1e-4 } else { 0.0 };
                 assert!(dark.iter().all(|light| *light <= most), "{way:?}, {sides:?}, room from {lower}: E = {dark:?}");
             }
@@ -192,8 +196,8 @@ fn furnaces() -> Vec<(&'static str, Scene)> {
     all
 }
 
-/// Truth: the faces of a cube of 1 m have 6 m², and it glows with B = 2, to the noise of few rays. Turned askew too, where every
-/// corner is rounded; as they are, turned or bright on both sides.
+/// Truth: the faces of a cube of 1 m have 6 m², and it glows with B = 2, to the noise of few rays.
+/// Turned askew too, where every corner is rounded; as they are, turned or bright on both sides.
 #[test]
 fn what_is_drawn_twice_counts_once() {
     let turn = glam::Quat::from_euler(glam::EulerRot::XYZ, 0.4, -0.9, 0.2);
@@ -225,7 +229,8 @@ fn what_is_drawn_twice_counts_once() {
     }
 }
 
-/// Truth: of two faces in one plane the smaller is seen, so a lamp flush with the ceiling shines, once: 1 m² of 30 W/m².
+/// Truth: of two faces in one plane the smaller is seen, so a lamp flush with the ceiling shines,
+/// once: 1 m² of 30 W/m².
 #[test]
 fn a_lamp_flush_with_the_ceiling_shines_once() {
     let mut scene = room();

@@ -1,6 +1,8 @@
-//! Light from outside against truths: open planes, openings in black boxes, a furnace, the sun's penumbra, conservation.
+//! Light from outside against truths: open planes, openings in black boxes, a furnace, the sun's
+//! penumbra, conservation.
 //!
-//! Each is asked of the links, of the gather and of the reference, which share nothing but the sky's formula.
+//! Each is asked of the links, of the gather and of the reference, which share nothing but the
+//! sky's formula.
 
 use std::f64::consts::{PI, TAU};
 
@@ -34,7 +36,8 @@ fn gathered(error: f64) -> SolverParams {
     SolverParams { error: Some(error), ..SolverParams::default() }
 }
 
-/// E (of the first colour) at a point of a polygon: by the gather at a standard error of 0.3 %, and by the reference.
+/// E (of the first colour) at a point of a polygon: by the gather at a standard error of 0.3 %, and
+/// by the reference.
 fn read(scene: &Scene, solved: &Solver, polygon: u32, point: Vec3, batches: u64) -> [f64; 2] {
     let field = solved.field().expect("a final gather");
     let by_gather = field.irradiance_at((point, field.normal(polygon)), 0.003, 5).mean.x;
@@ -62,8 +65,8 @@ fn assert_within(found: f64, truth: f64, share: f64, what: &str) {
     assert!((found - truth).abs() <= share * truth, "{what}: {found} instead of {truth}");
 }
 
-/// Truth: E_h is what was asked for; a vertical face gets ½ of it from a uniform sky, 0.396 from an overcast one, (π/4 + 2/3)/(7π/6);
-/// of the sun E_n·cosθ. Within 1 %.
+/// Truth: E_h is what was asked for; a vertical face gets ½ of it from a uniform sky, 0.396 from an
+/// overcast one, (π/4 + 2/3)/(7π/6); of the sun E_n·cosθ. Within 1 %.
 #[test]
 fn open_planes_get_what_the_sky_brings() {
     let overcast = (PI / 4.0 + 2.0 / 3.0) / (7.0 * PI / 6.0);
@@ -98,7 +101,8 @@ fn open_planes_get_what_the_sky_brings() {
     }
 }
 
-/// Truth: quadrature over the hemisphere that a face sees, for a sky whose light depends on the sun. Within 1 %.
+/// Truth: quadrature over the hemisphere that a face sees, for a sky whose light depends on the
+/// sun. Within 1 %.
 #[test]
 fn open_planes_get_what_a_clear_sky_brings() {
     const STEPS: usize = 400;
@@ -146,7 +150,8 @@ fn through(outside: &Outside, point: Vec3, normal: Vec3, corner: Vec3, [along, a
     sum / (STEPS * STEPS) as f64
 }
 
-/// A black room of 4 × 3 × 5 (x, y, z), bright inside, with an opening of 1.2 × 1 m in its ceiling or its south wall (z = 5).
+/// A black room of 4 × 3 × 5 (x, y, z), bright inside, with an opening of 1.2 × 1 m in its ceiling
+/// or its south wall (z = 5).
 fn room(is_in_ceiling: bool) -> (Scene, Vec3, [Vec3; 2]) {
     let (mut scene, black) = black_scene();
     let [width, height, depth] = [4.0_f32, 3.0, 5.0];
@@ -181,8 +186,8 @@ fn room(is_in_ceiling: bool) -> (Scene, Vec3, [Vec3; 2]) {
     (scene, opening.0, opening.1)
 }
 
-/// Truth: a point sees a rectangle of sky, by Lambert's formula where the sky is uniform and by quadrature else; the rest is black.
-/// Within 1 %.
+/// Truth: a point sees a rectangle of sky, by Lambert's formula where the sky is uniform and by
+/// quadrature else; the rest is black. Within 1 %.
 #[test]
 fn openings_in_black_rooms_light_points_as_their_sky_says() {
     for is_in_ceiling in [true, false] {
@@ -201,7 +206,8 @@ fn openings_in_black_rooms_light_points_as_their_sky_says() {
                     let exact = 100.0 * point_to_polygon(point.as_dvec3(), DVec3::Y, &corners.map(|at| at.as_dvec3()));
                     assert!((truth / exact - 1.0).abs() < 1e-3, "{truth} {exact}");
                 }
-                // The reference takes its time: it is asked at one point, under the skies that differ most.
+                // The reference takes its time: it is asked at one point, under the skies that
+                // differ most.
                 let is_traced = point.x > 2.0 && (sky.starts_with("uniform") || sky.starts_with("clear"));
                 let [gather, reference] = read(&scene, &solved, 0, point, if is_traced { 512 } else { 1 });
                 let what = format!("{sky}, ceiling {is_in_ceiling}, {point}");
@@ -214,8 +220,9 @@ fn openings_in_black_rooms_light_points_as_their_sky_says() {
     }
 }
 
-/// Readings by day are as exact as was asked for: at the back of a room with a window they need many times the rays that they need near
-/// a lamp, and get them. Truth: the standard error that was asked for, a tenth aside, at nine of ten points.
+/// Readings by day are as exact as was asked for: at the back of a room with a window they need
+/// many times the rays that they need near a lamp, and get them. Truth: the standard error that was
+/// asked for, a tenth aside, at nine of ten points.
 #[test]
 fn readings_by_day_take_the_rays_that_they_need() {
     let (mut scene, ..) = room(false);
@@ -237,7 +244,8 @@ fn readings_by_day_take_the_rays_that_they_need() {
     assert!(share >= 0.9, "{share} of the points");
 }
 
-/// Truth: where walls of reflectance ρ emit (1−ρ)·B and the sky that an opening shows has the radiance B/π, all is B.
+/// Truth: where walls of reflectance ρ emit (1−ρ)·B and the sky that an opening shows has the
+/// radiance B/π, all is B.
 #[test]
 fn a_furnace_that_is_closed_by_the_sky_glows_evenly() {
     for reflectance in [0.3, 0.8] {
@@ -257,8 +265,9 @@ fn a_furnace_that_is_closed_by_the_sky_glows_evenly() {
     }
 }
 
-/// Truth: below a straight edge at height h the sun's disc is cut by a chord: at t penumbra half widths from the geometrical edge the share
-/// (1 − (t√(1−t²) + asin t)·2/π)/2 of it is hidden; the half width is h·tan r/… for a sun in the zenith h·tan r.
+/// Truth: below a straight edge at height h the sun's disc is cut by a chord: at t penumbra half
+/// widths from the geometrical edge the share (1 − (t√(1−t²) + asin t)·2/π)/2 of it is hidden; the
+/// half width is h·tan r/… for a sun in the zenith h·tan r.
 #[test]
 fn the_penumbra_is_as_wide_as_the_sun() {
     let (mut scene, black) = black_scene();
@@ -280,8 +289,9 @@ fn the_penumbra_is_as_wide_as_the_sun() {
     }
 }
 
-/// Truth: the same chord, for a sun that stands in the east at an elevation of 40°: a point sees the part of its disc that is lower than the
-/// edge, and gets the sine of the elevation of what that brings.
+/// Truth: the same chord, for a sun that stands in the east at an elevation of 40°: a point sees
+/// the part of its disc that is lower than the edge, and gets the sine of the elevation of what
+/// that brings.
 #[test]
 fn the_penumbra_of_a_slanted_sun_is_longer() {
     let (mut scene, black) = black_scene();
@@ -304,8 +314,10 @@ fn the_penumbra_of_a_slanted_sun_is_longer() {
     }
 }
 
-/// Truth: through 1.2 m² of open ceiling 120 W of a sky come in, or 1.2·sin 50° of the sun's 100 W/m²; what enters is absorbed or leaves by
-/// the opening: of the sky in the links and in the gather, of the sun in the gather. 4 %, as for lamps at a coarse threshold; some thousand of all rays enter.
+/// Truth: through 1.2 m² of open ceiling 120 W of a sky come in, or 1.2·sin 50° of the sun's 100
+/// W/m²; what enters is absorbed or leaves by the opening: of the sky in the links and in the
+/// gather, of the sun in the gather. 4 %, as for lamps at a coarse threshold; some thousand of all
+/// rays enter.
 #[test]
 fn what_enters_is_absorbed_or_leaves() {
     let cases =
@@ -314,7 +326,8 @@ fn what_enters_is_absorbed_or_leaves() {
         let (mut scene, ..) = room(true);
         scene.materials[0].reflectance = Vec3::splat(0.6);
         scene.add_daylight(&daylight(sky, sun)).expect("daylight");
-        // Links at a coarse threshold lose a part of the small bright patch that the sun makes, as few rays find it.
+        // Links at a coarse threshold lose a part of the small bright patch that the sun makes, as
+        // few rays find it.
         let by_links = sky.map(|_| params(ClusteringMode::Adaptive, 1e-3));
         for params in by_links.into_iter().chain([gathered(0.1)]) {
             let solved = solve(&scene, params);
@@ -328,8 +341,9 @@ fn what_enters_is_absorbed_or_leaves() {
     }
 }
 
-/// Truth: in the mean over all pairs the power per area of both ends is that of Φ spread evenly, so some of the links that bring all
-/// of Φ are brighter than the least colour of the scale, a hundredth of it.
+/// Truth: in the mean over all pairs the power per area of both ends is that of Φ spread evenly, so
+/// some of the links that bring all of Φ are brighter than the least colour of the scale, a
+/// hundredth of it.
 #[test]
 fn links_from_outside_are_coloured_by_their_power() {
     let (mut scene, ..) = room(true);
@@ -343,7 +357,8 @@ fn links_from_outside_are_coloured_by_their_power() {
     assert!(links.any(|link| palette.colour(view, &link) != palette.along(0.0)));
 }
 
-/// Nothing is linked or looked for outside of a closed scene, and nothing where nothing shines: the same links and rays to the last.
+/// Nothing is linked or looked for outside of a closed scene, and nothing where nothing shines: the
+/// same links and rays to the last.
 #[test]
 fn a_closed_scene_costs_nothing() {
     let scene = super::support::furnished_room(0.5, 1.0);

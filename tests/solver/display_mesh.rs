@@ -41,8 +41,9 @@ fn levels(snapshot: &Snapshot) -> FxHashSet<u8> {
     snapshot.mesh.leaves.iter().map(|leaf| leaf.level).collect()
 }
 
-/// A closed room is a closed surface: each edge, by position, has exactly two triangles, across creases and across levels
-/// of subdivision. A T-vertex would leave three edges with one triangle each.
+/// A closed room is a closed surface: each edge, by position, has exactly two triangles, across
+/// creases and across levels of subdivision. A T-vertex would leave three edges with one triangle
+/// each.
 #[test]
 fn a_closed_room_has_no_crack() {
     // One wall shines, so that leaves of many levels meet.
@@ -67,8 +68,9 @@ fn a_closed_room_has_no_crack() {
     assert!(levels(&snapshot).len() > 2, "the test needs neighbours of several levels");
 }
 
-/// In a furnished room the edges with one triangle add up to the rims of the smooth surfaces, area is neither lost nor covered
-/// twice, and every triangle shows its bright side. Sums of f32 lengths and areas: 1e-4.
+/// In a furnished room the edges with one triangle add up to the rims of the smooth surfaces, area
+/// is neither lost nor covered twice, and every triangle shows its bright side. Sums of f32 lengths
+/// and areas: 1e-4.
 #[test]
 fn surfaces_are_covered_once_up_to_their_rims() {
     for scene in [furnished_room(0.5, 1.0), lamp_room()] {
@@ -126,8 +128,8 @@ fn a_surface_has_one_vertex_at_a_position() {
     assert_eq!(vertex_at.len(), mesh.positions.len(), "a vertex that no triangle uses, or two surfaces share");
 }
 
-/// Truth: a mean of equal values. A black furnace has B = 1 on every leaf, so every vertex shows 1, up to the rounding of up to
-/// a dozen weights. And no mean lies outside the values it is made of.
+/// Truth: a mean of equal values. A black furnace has B = 1 on every leaf, so every vertex shows 1,
+/// up to the rounding of up to a dozen weights. And no mean lies outside the values it is made of.
 #[test]
 fn weights_of_a_vertex_sum_to_one() {
     let (_, snapshot) = finished(&furnished_room(0.0, 1.0), ClusteringMode::Adaptive, 1e-3);
@@ -143,7 +145,8 @@ fn weights_of_a_vertex_sum_to_one() {
     }
 }
 
-/// Two squares with a common edge, the second turned about it, under a lamp that stands over the first.
+/// Two squares with a common edge, the second turned about it, under a lamp that stands over the
+/// first.
 fn two_squares(angle_deg: f32, same_material: bool) -> Scene {
     let mut scene = Scene::new("two squares");
     let grey = scene.add_material("grey", Vec3::splat(0.5), Vec3::ZERO);
@@ -158,8 +161,8 @@ fn two_squares(angle_deg: f32, same_material: bool) -> Scene {
     scene
 }
 
-/// Truth: the stated rule. Vertices on the common edge are one where the surface is smooth and of one material, and two where
-/// there is a crease (90°) or another material.
+/// Truth: the stated rule. Vertices on the common edge are one where the surface is smooth and of
+/// one material, and two where there is a crease (90°) or another material.
 #[test]
 fn light_is_smoothed_within_a_surface_only() {
     for (angle, same_material, joined) in

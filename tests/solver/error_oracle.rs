@@ -11,7 +11,8 @@ fn error_params(clustering: ClusteringMode, epsilon: f64) -> SolverParams {
     SolverParams { oracle: OracleKind::Error, ..params(clustering, epsilon) }
 }
 
-/// A quad of side `side` around `centre` in a plane of constant z, bright upwards (towards +z) or downwards.
+/// A quad of side `side` around `centre` in a plane of constant z, bright upwards (towards +z) or
+/// downwards.
 fn add_square(scene: &mut Scene, centre: Vec3, side: f32, upwards: bool, reflectance: f32, emission: f32) {
     let material = scene.add_material("square", Vec3::splat(reflectance), Vec3::splat(emission));
     let at = |x: f32, y: f32| centre + 0.5 * side * Vec3::new(x, y, 0.0);
@@ -22,9 +23,10 @@ fn add_square(scene: &mut Scene, centre: Vec3, side: f32, upwards: bool, reflect
     scene.add_quad(corners, material, GroupId(0));
 }
 
-/// Truth: on a wall of side 1 lit from 20 of its sides away, cosθ·cosθ'/d² varies by 4·½·(½/20)² ≈ 0.2 % between middle and corner.
-/// An error of a thousandth of the power does not ask for a split; the power oracle, which bounds the power itself by the same
-/// ε, splits the wall, for the link carries 100 times more.
+/// Truth: on a wall of side 1 lit from 20 of its sides away, cosθ·cosθ'/d² varies by 4·½·(½/20)² ≈
+/// 0.2 % between middle and corner. An error of a thousandth of the power does not ask for a split;
+/// the power oracle, which bounds the power itself by the same ε, splits the wall, for the link
+/// carries 100 times more.
 #[test]
 fn an_evenly_lit_wall_is_not_split() {
     let mut scene = Scene::new("wall");
@@ -49,8 +51,8 @@ fn an_unevenly_lit_wall_is_split() {
     assert!(found >= 16, "{found} patches");
 }
 
-/// Truth: between two small patches that face each other from afar each direction is one link, F = A/(πd²), the kernel being
-/// constant to 1e-4 over ends of a hundredth of their distance.
+/// Truth: between two small patches that face each other from afar each direction is one link, F =
+/// A/(πd²), the kernel being constant to 1e-4 over ends of a hundredth of their distance.
 #[test]
 fn two_small_patches_far_apart_get_two_links() {
     let mut scene = Scene::new("two");
@@ -64,7 +66,8 @@ fn two_small_patches_far_apart_get_two_links() {
     }
 }
 
-/// Truth: no light enters a sealed room, so nothing in it is worth a split, however fine ε is for the lit room beside it.
+/// Truth: no light enters a sealed room, so nothing in it is worth a split, however fine ε is for
+/// the lit room beside it.
 #[test]
 fn a_sealed_dark_room_beside_a_lit_one_is_not_split() {
     let mut scene = Scene::new("rooms");

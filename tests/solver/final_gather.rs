@@ -1,4 +1,5 @@
-//! The final gather: exact where closed forms are, no further than what was asked for, and nothing where there is no light.
+//! The final gather: exact where closed forms are, no further than what was asked for, and nothing
+//! where there is no light.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -21,8 +22,8 @@ fn asking(error: f64) -> SolverParams {
     SolverParams { error: Some(error), ..SolverParams::default() }
 }
 
-/// The error of what is read anywhere, and that of the bare mesh where light comes to: a mesh shows crevices as bright as what lies
-/// beside them.
+/// The error of what is read anywhere, and that of the bare mesh where light comes to: a mesh shows
+/// crevices as bright as what lies beside them.
 fn measured(scene: &Scene, snapshot: &Snapshot, points: usize, noise: f64) -> [Measure; 2] {
     let points = random_points(scene, points, 7);
     let mut run = ReferenceRun::new(scene, points.into(), 7);
@@ -43,9 +44,9 @@ fn measured(scene: &Scene, snapshot: &Snapshot, points: usize, noise: f64) -> [M
     [of(reference, snapshot), of(where_lit, &mesh)]
 }
 
-/// Truth: B = B_e/(1−ρ) everywhere in a furnace. Nine tenths of E are to be within the target error of 10 %, of which B has the share ρ;
-/// in the RMS, so are the vertices of the mesh. Among furniture these are not
-/// asked: beside things they mix in leaves that hide under these.
+/// Truth: B = B_e/(1−ρ) everywhere in a furnace. Nine tenths of E are to be within the target error
+/// of 10 %, of which B has the share ρ; in the RMS, so are the vertices of the mesh. Among
+/// furniture these are not asked: beside things they mix in leaves that hide under these.
 #[test]
 fn furnaces_glow_evenly_wherever_they_are_read() {
     let furnished = (furnished_room(0.5, 1.0), 0.5, true);
@@ -80,8 +81,8 @@ fn furnaces_glow_evenly_wherever_they_are_read() {
     }
 }
 
-/// Truth: nine tenths of what is read are within each target error by the independent reference, to twice the standard error of
-/// that quantile, and the certificate says so. Returns the quantiles.
+/// Truth: nine tenths of what is read are within each target error by the independent reference, to
+/// twice the standard error of that quantile, and the certificate says so. Returns the quantiles.
 fn target_error_is_kept<const N: usize>(scene: &Scene, asked: [f64; N], points: usize, noise: f64) -> [f64; N] {
     let points = random_points(scene, points, 7);
     let mut run = ReferenceRun::new(scene, points.into(), 7);
@@ -127,16 +128,17 @@ fn the_target_error_is_kept_in_the_seminar_room_slow() {
     target_error_is_kept(&scene, [0.05], 1000, 0.015);
 }
 
-/// Most of the office's A·|B|² lies within two small shades, a few centimetres from their bulbs: what is asked for is kept only if no face is
-/// in its own shadow, and if bulbs and shades light each other as often as they do.
+/// Most of the office's A·|B|² lies within two small shades, a few centimetres from their bulbs:
+/// what is asked for is kept only if no face is in its own shadow, and if bulbs and shades light
+/// each other as often as they do.
 #[test]
 fn the_target_error_is_kept_in_the_office() {
     let scene = BuiltinScene::from_name("office").expect("one of our own").build();
     target_error_is_kept(&scene, [0.1], 300, 0.03);
 }
 
-/// Truth: at the same ε the gathered picture is nearer to the truth than vertices' averages, and those than one value for each
-/// leaf.
+/// Truth: at the same ε the gathered picture is nearer to the truth than vertices' averages, and
+/// those than one value for each leaf.
 #[test]
 fn each_reconstruction_wastes_less() {
     let scene = lamp_room();
@@ -170,7 +172,8 @@ fn without_light_nothing_is_done() {
     assert_eq!((stats.links, stats.rays, stats.patches), (1, 0, scene.polygons.len()));
 }
 
-/// In a sealed dark room beside a lit one no patch is subdivided, and nothing of the light leaks into it.
+/// In a sealed dark room beside a lit one no patch is subdivided, and nothing of the light leaks
+/// into it.
 #[test]
 fn a_sealed_dark_room_stays_as_it_is() {
     let mut scene = Scene::new("rooms");
@@ -199,8 +202,9 @@ fn a_sealed_dark_room_stays_as_it_is() {
     assert!(found >= 12, "{found} triangles of the dark room");
 }
 
-/// Truth: E = B_e/(1−ρ) at all points between walls that glow, less the hundredth that others hide, also on each of 50,000 slips of paper
-/// that hang there, far too small for a look of their own: they share theirs, so that there are few rays for each.
+/// Truth: E = B_e/(1−ρ) at all points between walls that glow, less the hundredth that others hide,
+/// also on each of 50,000 slips of paper that hang there, far too small for a look of their own:
+/// they share theirs, so that there are few rays for each.
 #[test]
 fn small_faces_share_their_looks() {
     const SLIPS: u32 = 50_000;
@@ -233,8 +237,9 @@ fn small_faces_share_their_looks() {
     assert!(errors[errors.len() * 9 / 10] < 0.1, "nine tenths are within {}", errors[errors.len() * 9 / 10]);
 }
 
-/// Truth: an evenly lit wall needs no more leaves than its shading asks: a lamp of the size of the floor, one side of it away, lights
-/// the middle of the floor by 0.55 and its corner by 0.25 of its radiosity, and 5 % of that by straight lines takes some 8 × 8 leaves at most.
+/// Truth: an evenly lit wall needs no more leaves than its shading asks: a lamp of the size of the
+/// floor, one side of it away, lights the middle of the floor by 0.55 and its corner by 0.25 of its
+/// radiosity, and 5 % of that by straight lines takes some 8 × 8 leaves at most.
 #[test]
 fn a_softly_lit_floor_is_hardly_split() {
     let mut scene = Scene::new("floor");
@@ -248,8 +253,9 @@ fn a_softly_lit_floor_is_hardly_split() {
     assert!(patches <= 64, "{patches} patches");
 }
 
-/// Behind a slit, in a room lit only through a narrow gap, three hundred times darker than the other: the median local error is under 20 % when
-/// 5 % is asked for, although an RMS has no part for it.
+/// Behind a slit, in a room lit only through a narrow gap, three hundred times darker than the
+/// other: the median local error is under 20 % when 5 % is asked for, although an RMS has no part
+/// for it.
 #[test]
 fn light_comes_through_a_slit() {
     let mut scene = Scene::new("slit");
@@ -273,8 +279,8 @@ fn light_comes_through_a_slit() {
     assert!(error.local_median < 0.2, "median local error {:.3}", error.local_median);
 }
 
-/// Whatever the gather is at, its first part included, who cancels is heard at once, and what was begun can be done again with the same
-/// result.
+/// Whatever the gather is at, its first part included, who cancels is heard at once, and what was
+/// begun can be done again with the same result.
 #[test]
 fn every_part_of_the_gather_can_be_cancelled() {
     let scene = lamp_room();
@@ -305,7 +311,8 @@ fn threads_do_not_matter() {
     assert_eq!(bits(solved(1)), bits(solved(3)));
 }
 
-/// A lamp that changes after leaves were split by the gather sends verdicts back to them, by either oracle.
+/// A lamp that changes after leaves were split by the gather sends verdicts back to them, by either
+/// oracle.
 #[test]
 fn lamps_can_change_after_the_gather() {
     for oracle in [OracleKind::Energy, OracleKind::Error] {
@@ -321,7 +328,8 @@ fn lamps_can_change_after_the_gather() {
     }
 }
 
-/// A change of what is asked for goes on from what is there; no step keeps anybody waiting who cancels.
+/// A change of what is asked for goes on from what is there; no step keeps anybody waiting who
+/// cancels.
 #[test]
 fn steps_are_short_and_the_goal_can_change() {
     let mut solving = solver(&lamp_room(), asking(0.2));
@@ -342,13 +350,15 @@ fn steps_are_short_and_the_goal_can_change() {
     let fine = solving.snapshot();
     assert!(fine.mesh.positions.len() > coarse.mesh.positions.len());
     assert!(fine.stats.error_estimate <= Some(0.05), "{:?}", fine.stats.error_estimate);
-    // Less than a second on one core, and heard within (`every_part_of_the_gather_can_be_cancelled`); a gather that is not cut into
-    // steps casts millions.
+    // Less than a second on one core, and heard within
+    // (`every_part_of_the_gather_can_be_cancelled`); a gather that is not cut into steps casts
+    // millions.
     assert!(most_rays < 250_000, "a step cast {most_rays} rays");
 }
 
-/// Truth: the independent reference, in the gap between a cupboard and a wall whose leaves reach far beyond it. Light gets there by many
-/// reflections, which readings follow: without that, the wall would be read as bright as outside.
+/// Truth: the independent reference, in the gap between a cupboard and a wall whose leaves reach
+/// far beyond it. Light gets there by many reflections, which readings follow: without that, the
+/// wall would be read as bright as outside.
 #[test]
 fn a_crevice_is_as_dark_as_it_is() {
     let mut scene = empty_room(0.7, 0.0);

@@ -1,4 +1,5 @@
-//! Furnaces: a closed room of one reflectance ρ and one emission B_e glows with B = B_e / (1 − ρ) everywhere.
+//! Furnaces: a closed room of one reflectance ρ and one emission B_e glows with B = B_e / (1 − ρ)
+//! everywhere.
 //!
 //! Truth: conservation. Every row of form factors sums to 1, whatever stands in the room.
 
@@ -8,7 +9,8 @@ use selflink::transport::{Push, audit};
 
 use super::support::{MODES, deviation, empty_room, furnished_room, is_sound, params, solve};
 
-/// B is kept below B_e / (1 − ρ), so that form factors that are too large do not show in it: their own mean tells.
+/// B is kept below B_e / (1 − ρ), so that form factors that are too large do not show in it: their
+/// own mean tells.
 fn rows_sum_to_one(solved: &Solver, tolerance: f64, what: &str) {
     let found = audit(solved.link_solution());
     let (_, mean) = found.largest_and_mean(&found.rows);
@@ -16,7 +18,8 @@ fn rows_sum_to_one(solved: &Solver, tolerance: f64, what: &str) {
     assert!((mean - 1.0).abs() < tolerance, "{what}: rows of F·V sum to {mean} in the mean");
 }
 
-/// 1 % on the mean, as the issue asks, with furniture in the room so that clusters and occlusion count.
+/// 1 % on the mean, as the issue asks, with furniture in the room so that clusters and occlusion
+/// count.
 fn furnished_furnace_glows_evenly(mode: ClusteringMode) {
     let solved = solve(&furnished_room(0.5, 1.0), params(mode, 1e-4));
     let (mean, rms, worst) = deviation(&solved, 2.0);
@@ -54,8 +57,8 @@ fn furnished_furnace_glows_evenly_with_adaptive_clusters() {
     furnished_furnace_glows_evenly(ClusteringMode::Adaptive);
 }
 
-/// With ε so coarse that whole walls are the leaves, every leaf and not only the mean glows as it should: the form factors of
-/// touching walls are within 1 %, and so is B at ρ/(1−ρ) = 1.
+/// With ε so coarse that whole walls are the leaves, every leaf and not only the mean glows as it
+/// should: the form factors of touching walls are within 1 %, and so is B at ρ/(1−ρ) = 1.
 #[test]
 fn empty_furnace_of_whole_walls_glows_evenly() {
     let solved = solve(&empty_room(0.5, 1.0), params(ClusteringMode::None, 1.0));
@@ -64,8 +67,9 @@ fn empty_furnace_of_whole_walls_glows_evenly() {
     assert!(worst < 0.01, "mean {mean}, worst {:.2} % off", 100.0 * worst);
 }
 
-/// Walls that are split: a leaf's irradiance is in part its ancestors', so single leaves could be off; with any ε not by more
-/// than 0.2 %, RMS and mean alike, for so good are form factors far and near.
+/// Walls that are split: a leaf's irradiance is in part its ancestors', so single leaves could be
+/// off; with any ε not by more than 0.2 %, RMS and mean alike, for so good are form factors far and
+/// near.
 #[test]
 fn empty_furnace_glows_evenly_with_any_threshold() {
     for mode in MODES {
@@ -83,8 +87,8 @@ fn empty_furnace_glows_evenly_with_any_threshold() {
     }
 }
 
-/// An error of 0.2 % in the sum of a row of form factors becomes 0.2 % · ρ/(1−ρ) = 3.8 % of B at ρ = 0.95. A gather that counted
-/// sweeps instead of looking at the change would end low.
+/// An error of 0.2 % in the sum of a row of form factors becomes 0.2 % · ρ/(1−ρ) = 3.8 % of B at ρ
+/// = 0.95. A gather that counted sweeps instead of looking at the change would end low.
 #[test]
 fn bright_furnace_converges() {
     for push in [Push::Immediate, Push::Deferred] {
@@ -100,7 +104,8 @@ fn bright_furnace_converges() {
     }
 }
 
-/// The furnished room at ρ = 0.95, at the ε that is right to 1 % at ρ = 0.5: 1 % of a row's sum is 19 % of B; what must not happen is that light grows without bound.
+/// The furnished room at ρ = 0.95, at the ε that is right to 1 % at ρ = 0.5: 1 % of a row's sum is
+/// 19 % of B; what must not happen is that light grows without bound.
 #[test]
 fn bright_furnished_furnace_stays_finite() {
     for mode in MODES {

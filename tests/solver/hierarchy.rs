@@ -1,6 +1,8 @@
-//! The hierarchy's own bookkeeping, and that light of every pair of patches is accounted for exactly once.
+//! The hierarchy's own bookkeeping, and that light of every pair of patches is accounted for
+//! exactly once.
 //!
-//! Truth: counting. Areas add up, every polygon is somewhere, and refinement only ever replaces a pair by its parts.
+//! Truth: counting. Areas add up, every polygon is somewhere, and refinement only ever replaces a
+//! pair by its parts.
 
 use glam::Vec3;
 use proptest::prelude::*;
@@ -13,8 +15,8 @@ use selflink::scene::{GroupId, Scene};
 use super::coverage::check_coverage;
 use super::support::{MODES, add_box, furnished_room, is_sound, lamp_room, params, solve};
 
-/// Every polygon is one initial patch, every element but the root has the parent that lists it, areas add up, boxes hold
-/// what is in them. Areas and boxes within f32's 1e-6 of the scene's size.
+/// Every polygon is one initial patch, every element but the root has the parent that lists it,
+/// areas add up, boxes hold what is in them. Areas and boxes within f32's 1e-6 of the scene's size.
 pub fn check_tree(scene: &Scene, hierarchy: &Hierarchy) {
     let mut polygons: Vec<u32> = Vec::new();
     for &id in hierarchy.initial_patches() {
@@ -106,7 +108,8 @@ fn every_pair_of_patches_is_covered_once_in_random_scenes() {
     checked.expect("every random scene is covered");
 }
 
-/// Truth: the definitions of the strategies. `none` has the root alone; the others have more where there is more than one thing.
+/// Truth: the definitions of the strategies. `none` has the root alone; the others have more where
+/// there is more than one thing.
 #[test]
 fn clustering_modes_build_what_they_say() {
     let scene = furnished_room(0.5, 1.0);
@@ -124,7 +127,8 @@ fn clustering_modes_build_what_they_say() {
     assert!(of(ClusteringMode::Adaptive, 5).cluster_count() > 5);
 }
 
-/// Truth: an octree puts a polygon into the smallest cell that holds it whole, so no cluster's box is larger than its cell.
+/// Truth: an octree puts a polygon into the smallest cell that holds it whole, so no cluster's box
+/// is larger than its cell.
 #[test]
 fn octree_clusters_fit_their_cells() {
     let scene = furnished_room(0.5, 1.0);
@@ -137,8 +141,8 @@ fn octree_clusters_fit_their_cells() {
     }
 }
 
-/// Truth: geometry. Four quarters have the area, the plane and the winding of the whole, whatever its shape, and neighbours
-/// share the vertices on their common edge.
+/// Truth: geometry. Four quarters have the area, the plane and the winding of the whole, whatever
+/// its shape, and neighbours share the vertices on their common edge.
 #[test]
 fn quarters_make_up_the_whole() {
     let mut scene = Scene::new("shapes");

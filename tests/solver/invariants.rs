@@ -1,5 +1,5 @@
-//! What must not change a solution: threads, onlookers, interruptions, units, the order of colours; and scenes with nothing to
-//! solve.
+//! What must not change a solution: threads, onlookers, interruptions, units, the order of colours;
+//! and scenes with nothing to solve.
 
 use glam::Vec3;
 use selflink::base::cancel::CancelToken;
@@ -98,7 +98,8 @@ fn onlookers_do_not_matter() {
     }
 }
 
-/// Truth: an interrupted step can be taken again, with the same result, wherever in it the interruption struck.
+/// Truth: an interrupted step can be taken again, with the same result, wherever in it the
+/// interruption struck.
 #[test]
 fn interruptions_do_not_matter() {
     let scene = lamp_room();
@@ -131,7 +132,8 @@ fn scaled(scene: &Scene, length: f32, emission: f32) -> Scene {
     scaled
 }
 
-/// Truth: a relative ε knows no units. Powers of two only change exponents: the same links, and B in proportion to the bit.
+/// Truth: a relative ε knows no units. Powers of two only change exponents: the same links, and B
+/// in proportion to the bit.
 #[test]
 fn powers_of_two_in_lengths_and_emission_change_nothing() {
     for scene in [lamp_room(), BuiltinScene::Cornell.build()] {
@@ -150,7 +152,8 @@ fn powers_of_two_in_lengths_and_emission_change_nothing() {
     }
 }
 
-/// Other factors round: 0.1 % of the links, and a B that is the same within the error that such links may carry, 1 %.
+/// Other factors round: 0.1 % of the links, and a B that is the same within the error that such
+/// links may carry, 1 %.
 #[test]
 #[ignore = "misses its mark: up to 1.4 % of the links, and B by 2.6 %, in the furnished rooms; see README, Where it fails"]
 fn other_units_change_next_to_nothing() {
@@ -172,7 +175,8 @@ fn other_units_change_next_to_nothing() {
     assert!(wrong.is_empty(), "{wrong:?}");
 }
 
-/// Scenes in millimetres and in thousands of kilometres end and have no NaN; they have the light of the same scene in metres.
+/// Scenes in millimetres and in thousands of kilometres end and have no NaN; they have the light of
+/// the same scene in metres.
 #[test]
 fn extreme_units_end() {
     let plain = solve(&lamp_room(), params(ClusteringMode::Adaptive, 1e-3));
@@ -189,7 +193,8 @@ fn extreme_units_end() {
     }
 }
 
-/// Truth: no colour is special. The oracle looks at the largest, so a permutation of colours permutes the answer, to the bit.
+/// Truth: no colour is special. The oracle looks at the largest, so a permutation of colours
+/// permutes the answer, to the bit.
 #[test]
 fn permuted_colours_permute_the_answer() {
     let permute = |colour: Vec3| Vec3::new(colour.z, colour.x, colour.y);

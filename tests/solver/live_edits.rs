@@ -1,4 +1,5 @@
-//! Parameters and lamps changed while a solution is there: what is still valid stays, and the result is a fresh solve's.
+//! Parameters and lamps changed while a solution is there: what is still valid stays, and the
+//! result is a fresh solve's.
 //!
 //! Truth: a fresh solve, within the error that ε allows either of them.
 
@@ -13,8 +14,8 @@ use super::support::{add_box, difference, empty_room, is_sound, lamp_room, links
 
 const COARSE: f64 = 1e-2;
 const FINE: f64 = 1e-3;
-/// Two solutions of one threshold whose links were judged by other radiosities on the way: each is within a few per cent
-/// of the truth at ε = 1e-3.
+/// Two solutions of one threshold whose links were judged by other radiosities on the way: each is
+/// within a few per cent of the truth at ε = 1e-3.
 const SAME: f64 = 0.03;
 
 fn change(solver: &mut Solver, params: SolverParams) {
@@ -56,8 +57,9 @@ fn a_coarser_threshold_gives_the_coarse_solution() {
     }
 }
 
-/// Truth: rest is not work, and a solve that begins again counts what a fresh one counts; judging by the radiosities that are
-/// known it judges some pairs more or less, but not twice as many. Another seed is what makes it begin again.
+/// Truth: rest is not work, and a solve that begins again counts what a fresh one counts; judging
+/// by the radiosities that are known it judges some pairs more or less, but not twice as many.
+/// Another seed is what makes it begin again.
 #[test]
 fn time_and_counts_are_those_of_the_present_solve() {
     let rest = std::time::Duration::from_millis(300);
@@ -89,8 +91,9 @@ fn time_and_counts_are_those_of_the_present_solve() {
     assert!((after.seconds.total - parts).abs() < 1e-9, "{:?}", after.seconds);
 }
 
-/// Truth: E itself. What the links of a leaf and of all that hold it bring to it adds up to its irradiance, for a picture of
-/// what is not finished too; a picture's gather leaves 5e-3 of the power undone, the last one 1e-5.
+/// Truth: E itself. What the links of a leaf and of all that hold it bring to it adds up to its
+/// irradiance, for a picture of what is not finished too; a picture's gather leaves 5e-3 of the
+/// power undone, the last one 1e-5.
 #[test]
 fn the_shares_of_an_elements_links_add_up_to_its_irradiance() {
     for push in [Push::Immediate, Push::Deferred] {
@@ -117,7 +120,8 @@ fn the_shares_of_an_elements_links_add_up_to_its_irradiance() {
     }
 }
 
-/// Truth: pushing moves light over the links that are there; no pair is judged but those that wake for the change of B.
+/// Truth: pushing moves light over the links that are there; no pair is judged but those that wake
+/// for the change of B.
 #[test]
 fn another_push_mode_only_gathers_again() {
     let deferred = |push| SolverParams { push, ..params(ClusteringMode::Groups, FINE) };
@@ -140,7 +144,8 @@ fn a_change_of_threads_changes_nothing() {
     assert!(before == solver.radiosity() && stored == links(&solver));
 }
 
-/// Other clusters ask for another solver, and what is wrong is refused with the present solution kept.
+/// Other clusters ask for another solver, and what is wrong is refused with the present solution
+/// kept.
 #[test]
 fn other_clusters_and_wrong_values_leave_the_solution_alone() {
     let mut solver = solve(&lamp_room(), params(ClusteringMode::Adaptive, COARSE));
@@ -153,8 +158,9 @@ fn other_clusters_and_wrong_values_leave_the_solution_alone() {
     assert!(before == solver.radiosity());
 }
 
-/// Truth: linearity. Twice the emission is twice the light on the links that stay; 1e-4 is ten times what the last gather leaves
-/// undone. ε in watts is doubled with it, so that no link has to wake.
+/// Truth: linearity. Twice the emission is twice the light on the links that stay; 1e-4 is ten
+/// times what the last gather leaves undone. ε in watts is doubled with it, so that no link has to
+/// wake.
 #[test]
 fn a_lamp_twice_as_bright_doubles_the_light() {
     let with = |watts: f64| SolverParams { epsilon: Epsilon::Watts(watts), ..params(ClusteringMode::Adaptive, FINE) };
@@ -185,7 +191,8 @@ fn a_lamp_twice_as_bright_doubles_the_light() {
     assert!(off < SAME, "B differs by {off}");
 }
 
-/// A lamp switched off leaves no light behind, and one switched on in the dark is as good as a fresh solve.
+/// A lamp switched off leaves no light behind, and one switched on in the dark is as good as a
+/// fresh solve.
 #[test]
 fn lamps_go_out_and_on() {
     let lamp = MaterialId(2);
@@ -194,7 +201,8 @@ fn lamps_go_out_and_on() {
     solver.set_emission(lamp, Vec3::ZERO);
     assert!(solver.run(&CancelToken::new()));
     let most = solver.radiosity().iter().fold(0.0_f32, |most, radiosity| most.max(radiosity.max_element()));
-    // The last gather leaves 1e-5 of the power, at worst of that of the lit room (20 W/m² on the lamp).
+    // The last gather leaves 1e-5 of the power, at worst of that of the lit room (20 W/m² on the
+    // lamp).
     assert!(most < 1e-3, "{most} W/m² are left");
 
     let mut dark = lamp_room();
@@ -206,7 +214,8 @@ fn lamps_go_out_and_on() {
     assert!(off < SAME, "B differs by {off}");
 }
 
-/// One housing with a lamp below and one above: where its cluster sends its light is measured anew when the other goes on.
+/// One housing with a lamp below and one above: where its cluster sends its light is measured anew
+/// when the other goes on.
 #[test]
 fn a_second_lamp_in_a_housing_shines_its_own_way() {
     let of = |lamps: [f32; 2]| {
@@ -264,7 +273,8 @@ fn a_wall_is_painted_over() {
     }
 }
 
-/// Truth: a fresh solve with more rays. Links are looked at again where they stand; fewer rays are asked of none that has them.
+/// Truth: a fresh solve with more rays. Links are looked at again where they stand; fewer rays are
+/// asked of none that has them.
 #[test]
 fn more_rays_look_again_at_the_links_that_are_there() {
     let with = |rays_min| SolverParams { rays_min, ..params(ClusteringMode::Adaptive, FINE) };
@@ -282,7 +292,8 @@ fn more_rays_look_again_at_the_links_that_are_there() {
     assert!(known == solver.radiosity() && stored == links(&solver), "more rays than asked for do no harm");
 }
 
-/// Truth: a fresh solve by the other model, whose patches are the same, since the oracle does not ask what clusters are.
+/// Truth: a fresh solve by the other model, whose patches are the same, since the oracle does not
+/// ask what clusters are.
 #[test]
 fn another_cluster_model_measures_the_links_of_clusters_anew() {
     let with = |cluster_model| SolverParams { cluster_model, ..params(ClusteringMode::Groups, FINE) };
@@ -297,7 +308,8 @@ fn another_cluster_model_measures_the_links_of_clusters_anew() {
     assert!(off < SAME, "B differs by {off}");
 }
 
-/// Other clusters start with the light that is known of every polygon, and end with that of a fresh solve.
+/// Other clusters start with the light that is known of every polygon, and end with that of a fresh
+/// solve.
 #[test]
 fn other_clusters_start_with_the_light_that_is_known() {
     let former = solve(&lamp_room(), params(ClusteringMode::Adaptive, FINE));

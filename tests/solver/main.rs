@@ -1,5 +1,5 @@
-//! The solver and its hierarchy against truths that do not depend on them: closed forms, conservation, symmetry,
-//! bookkeeping. One program, so that the modules share [`support`].
+//! The solver and its hierarchy against truths that do not depend on them: closed forms,
+//! conservation, symmetry, bookkeeping. One program, so that the modules share [`support`].
 
 mod balance;
 mod closed_forms;

@@ -1,6 +1,8 @@
-//! The memory budget: what is counted stays within it, and what stops there is a picture all the same.
+//! The memory budget: what is counted stays within it, and what stops there is a picture all the
+//! same.
 //!
-//! Truth: the budget; the bits of one thread; the largest radiosity that anything in a scene can have.
+//! Truth: the budget; the bits of one thread; the largest radiosity that anything in a scene can
+//! have.
 
 use std::sync::Arc;
 
@@ -66,7 +68,8 @@ fn refinement_stops_at_the_budget_with_a_picture_for_any_number_of_threads() {
     }
 }
 
-/// Truth: the power that the lamp sends and the walls absorb, which a picture that stopped early has nearly as well.
+/// Truth: the power that the lamp sends and the walls absorb, which a picture that stopped early
+/// has nearly as well.
 #[test]
 fn more_memory_goes_on_where_less_stopped() {
     let params = SolverParams { epsilon: Epsilon::Relative(1e-4), memory: mebibytes(3), ..SolverParams::default() };

@@ -30,8 +30,9 @@ fn floor_of(scene: &Scene) -> u32 {
     scene.polygons.iter().position(is_floor).expect("a floor") as u32
 }
 
-/// 12 % of the floor are under the box; cells are 4 cm wide and have four points each, so that the 1.4 m around the box are good
-/// to some 1 %. Whatever the refinement, areas add up, and random points lie where light can come or right beside.
+/// 12 % of the floor are under the box; cells are 4 cm wide and have four points each, so that the
+/// 1.4 m around the box are good to some 1 %. Whatever the refinement, areas add up, and random
+/// points lie where light can come or right beside.
 #[test]
 fn the_floor_under_a_box_is_no_area() {
     let scene = room_with_a_box();
@@ -70,7 +71,8 @@ fn the_floor_under_a_box_is_no_area() {
     }
 }
 
-/// Cells are the very quarters into which patches are split, in the same order: else a patch would hold its neighbour's cells.
+/// Cells are the very quarters into which patches are split, in the same order: else a patch would
+/// hold its neighbour's cells.
 #[test]
 fn cells_are_the_quarters_of_patches() {
     let mut scene = Scene::new("a quad and a triangle");
@@ -91,8 +93,9 @@ fn cells_are_the_quarters_of_patches() {
     }
 }
 
-/// With ε so coarse that the floor is a few leaves, all of it glows as the walls do: 4 % where twenty links have five rays each, 2 %
-/// where there are a thousand. If the hidden part counted, it would be 12 % darker. Leaves that lie wholly under the box have no light and no link.
+/// With ε so coarse that the floor is a few leaves, all of it glows as the walls do: 4 % where
+/// twenty links have five rays each, 2 % where there are a thousand. If the hidden part counted, it
+/// would be 12 % darker. Leaves that lie wholly under the box have no light and no link.
 #[test]
 fn a_box_does_not_darken_the_floor_around_it() {
     let scene = room_with_a_box();
@@ -120,7 +123,8 @@ fn a_box_does_not_darken_the_floor_around_it() {
     }
 }
 
-/// A room wound inside out shows its backs to a floor that a small lamp lights: that floor is dim, not hidden.
+/// A room wound inside out shows its backs to a floor that a small lamp lights: that floor is dim,
+/// not hidden.
 #[test]
 fn what_a_small_lamp_lights_among_backs_is_not_hidden() {
     let mut scene = Scene::new("inside out");

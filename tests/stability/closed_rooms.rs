@@ -1,5 +1,5 @@
-//! Closed rooms as real files have them: every wall doubled or shared with a neighbour, things that stand on the floor, faces drawn
-//! twice and cut otherwise.
+//! Closed rooms as real files have them: every wall doubled or shared with a neighbour, things that
+//! stand on the floor, faces drawn twice and cut otherwise.
 //!
 //! Truth: the matrix of all pairs of the plain room, in which every face is there once.
 
@@ -20,8 +20,8 @@ use super::random_scenes::{solve, try_on};
 
 /// Rooms tried.
 const ROOMS: u32 = 6;
-/// Share of the light that reaches all faces of one plane by which solver and matrix may differ. The matrix looks at four points of each
-/// part, and is good to some per cent.
+/// Share of the light that reaches all faces of one plane by which solver and matrix may differ.
+/// The matrix looks at four points of each part, and is good to some per cent.
 const ALLOWED: f64 = 0.04;
 /// The parts of the matrix, m², and their points.
 const FINENESS: Fineness = Fineness { largest_part: 0.15, points: 4, looks: 4 };

@@ -1,8 +1,9 @@
 //! Random scenes against what must hold for any scene and any settings.
 //!
-//! Truth: invariants. The iteration ends; B is finite, not negative and at most max B_e/(1−ρ_max); all power is at most Φ/(1−ρ_max);
-//! each ordered pair of initial patches is covered once; a fresh solve is the same bit for bit for any number of threads; and with
-//! small ε the solver finds what a brute-force matrix of all pairs does.
+//! Truth: invariants. The iteration ends; B is finite, not negative and at most max B_e/(1−ρ_max);
+//! all power is at most Φ/(1−ρ_max); each ordered pair of initial patches is covered once; a fresh
+//! solve is the same bit for bit for any number of threads; and with small ε the solver finds what
+//! a brute-force matrix of all pairs does.
 //!
 //! `cargo test` tries a few hundred scenes of a fixed seed, more by `SELFLINK_RANDOM_SCENES=10000`.
 
@@ -39,7 +40,8 @@ fn scenes() -> u32 {
     std::env::var("SELFLINK_RANDOM_SCENES").ok().and_then(|text| text.parse().ok()).unwrap_or(USUAL_SCENES)
 }
 
-/// Tries a property on so many scenes of a fixed seed; names the first that fails, made as small as it gets.
+/// Tries a property on so many scenes of a fixed seed; names the first that fails, made as small as
+/// it gets.
 pub fn try_on<S: Strategy>(
     seed: &[u8; 32],
     cases: u32,
@@ -62,7 +64,8 @@ struct Recipe {
     triangles: Vec<(Vec3, Vec3, Vec3, u8)>,
     /// Small square lamps in a grid.
     small_lamps: u16,
-    /// Some triangles lose their area: 0 none, 1 two corners alike, 2 all corners in line, 3 a needle.
+    /// Some triangles lose their area: 0 none, 1 two corners alike, 2 all corners in line, 3 a
+    /// needle.
     degenerate: u8,
     /// Reflectances of the three materials.
     reflectances: [f32; 3],
@@ -227,7 +230,8 @@ fn whatever_the_scene_light_ends_bounded_and_every_pair_is_covered() {
     try_on(b"selflink: any scene, any setting", scenes(), &(recipes(), settings()), holds);
 }
 
-/// Convex boxes and single triangles that do not touch, in a room or in the open, up to 60 polygons.
+/// Convex boxes and single triangles that do not touch, in a room or in the open, up to 60
+/// polygons.
 fn tidy_scenes() -> impl Strategy<Value = Scene> {
     let places = prop::collection::vec((0_u32..27, 0.2_f32..0.7, any::<bool>(), 0_u32..3), 2..9);
     (places, any::<bool>(), 0.1_f32..0.8).prop_map(|(places, in_room, reflectance)| {
@@ -257,16 +261,19 @@ fn tidy_scenes() -> impl Strategy<Value = Scene> {
     })
 }
 
-/// Walls in parts of half a metre; their irradiance by a lamp as near must not hang on where few points lie.
+/// Walls in parts of half a metre; their irradiance by a lamp as near must not hang on where few
+/// points lie.
 const FINENESS: Fineness = Fineness { largest_part: 0.3, points: 4, looks: 4 };
 /// ε of the solver where it is compared with the matrix, as a share of Φ.
 const SMALL_EPSILON: f64 = 3e-5;
 
-/// What is used where that one and the solver disagree: four points of a triangle that light grazes may tell a fifth too much.
+/// What is used where that one and the solver disagree: four points of a triangle that light grazes
+/// may tell a fifth too much.
 const FINER: Fineness = Fineness { largest_part: 0.03, points: 8, looks: 4 };
 
-/// The matrix itself is good to some per cent, and is made finer before it is believed against the solver. What is absorbed or
-/// reflected beyond that may be wrong by ε for each polygon, which matters where lamps light next to nothing.
+/// The matrix itself is good to some per cent, and is made finer before it is believed against the
+/// solver. What is absorbed or reflected beyond that may be wrong by ε for each polygon, which
+/// matters where lamps light next to nothing.
 #[test]
 fn with_a_small_epsilon_the_solver_finds_what_the_matrix_does() {
     let worst = std::cell::Cell::new(0.0_f64);
@@ -276,7 +283,8 @@ fn with_a_small_epsilon_the_solver_finds_what_the_matrix_does() {
         let SolverParams { clustering, seed, .. } = params;
         let epsilon = Epsilon::Relative(SMALL_EPSILON);
         let solved = solve(&scene, &occluders, SolverParams { clustering, seed, epsilon, ..SolverParams::default() })?;
-        // What polygons emit is the same in both: light that they reflect is compared, polygon by polygon.
+        // What polygons emit is the same in both: light that they reflect is compared, polygon by
+        // polygon.
         let compare = |fineness: Fineness| {
             let truth = matrix::radiosities(&scene, &occluders, fineness);
             let (mut differing, mut reflected) = (0.0, 0.0);

@@ -66,7 +66,8 @@ row_tests! {
     colours "colours"
 }
 
-/// Truth: `docs/limits.md` has a section for each row that does not reach what it asks for, named by the row, and for no other.
+/// Truth: `docs/limits.md` has a section for each row that does not reach what it asks for, named
+/// by the row, and for no other.
 #[test]
 fn limits_are_listed() {
     let text = std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/docs/limits.md")).expect("docs/limits.md");

@@ -6,8 +6,9 @@ use rustc_hash::{FxHashMap, FxHashSet};
 use selflink::hierarchy::{ElementId, Hierarchy, Shape};
 use selflink::solve::Solver;
 
-/// The initial patch that a patch is a part of, and the share of its area: at each level by the areas of all parts, which add up to
-/// their whole only as far as f32 tells the corners of a needle apart.
+/// The initial patch that a patch is a part of, and the share of its area: at each level by the
+/// areas of all parts, which add up to their whole only as far as f32 tells the corners of a needle
+/// apart.
 fn initial_patch(hierarchy: &Hierarchy, patch: ElementId) -> (ElementId, f64) {
     let (mut id, mut share) = (patch, 1.0);
     while let Shape::Patch(shape) = hierarchy.element(id).shape
@@ -22,7 +23,8 @@ fn initial_patch(hierarchy: &Hierarchy, patch: ElementId) -> (ElementId, f64) {
     (id, share)
 }
 
-/// How often each ordered pair of initial patches is covered, as a share of the pair's areas, by what was stored or rejected.
+/// How often each ordered pair of initial patches is covered, as a share of the pair's areas, by
+/// what was stored or rejected.
 fn covered(solver: &Solver) -> FxHashMap<(ElementId, ElementId), f64> {
     let hierarchy = solver.hierarchy();
     let below = |id: ElementId| match &hierarchy.element(id).shape {
@@ -34,7 +36,8 @@ fn covered(solver: &Solver) -> FxHashMap<(ElementId, ElementId), f64> {
     for (receiver, source) in accounted(solver) {
         for (to, to_share) in below(receiver) {
             for (from, from_share) in below(source) {
-                // What an accepted self-link of a cluster stands for leaves out each patch with itself.
+                // What an accepted self-link of a cluster stands for leaves out each patch with
+                // itself.
                 if receiver != source || to != from {
                     *covered.entry((to, from)).or_insert(0.0) += to_share * from_share;
                 }
@@ -56,8 +59,8 @@ fn with_ancestors(hierarchy: &Hierarchy, id: ElementId) -> impl Iterator<Item = 
     std::iter::successors(Some(id), |&id| hierarchy.element(id).parent())
 }
 
-/// Asserts that every ordered pair of different initial patches is covered exactly once; the solver must have recorded its
-/// rejections.
+/// Asserts that every ordered pair of different initial patches is covered exactly once; the solver
+/// must have recorded its rejections.
 pub fn check_coverage(solver: &Solver, what: &str) {
     let hierarchy = solver.hierarchy();
     let covered = covered(solver);
@@ -70,7 +73,8 @@ pub fn check_coverage(solver: &Solver, what: &str) {
             assert!((share - wanted).abs() < 1e-9, "{what}: {to:?} ← {from:?} is covered {share} times");
         }
     }
-    // The sum might hide a part that is covered twice beside one that is not: no pair may hold another.
+    // The sum might hide a part that is covered twice beside one that is not: no pair may hold
+    // another.
     let pairs: Vec<_> = accounted(solver);
     let set: FxHashSet<_> = pairs.iter().copied().collect();
     assert_eq!(set.len(), pairs.len(), "{what}: a pair is accounted for twice");

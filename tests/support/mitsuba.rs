@@ -1,4 +1,5 @@
-//! Irradiance in our own scenes as another program finds it: Mitsuba 3.9, a path tracer; `tests/accuracy/mitsuba/README.md` tells how.
+//! Irradiance in our own scenes as another program finds it: Mitsuba 3.9, a path tracer;
+//! `tests/accuracy/mitsuba/README.md` tells how.
 
 use glam::{DVec3, Vec3};
 use selflink::measure::reference::SurfacePoint;

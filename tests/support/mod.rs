@@ -40,7 +40,8 @@ pub fn glb(json: &str, binary: &[u8]) -> Vec<u8> {
     [b"glTF", &2_u32.to_le_bytes()[..], &length.to_le_bytes()[..], &chunks].concat()
 }
 
-/// Four corners of a unit square in the plane z = 0 and the indices of its two triangles (as u16), facing +z.
+/// Four corners of a unit square in the plane z = 0 and the indices of its two triangles (as u16),
+/// facing +z.
 pub fn square_bytes() -> Vec<u8> {
     let corners: [[f32; 3]; 4] = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
     let indices: [u16; 6] = [0, 1, 2, 0, 2, 3];

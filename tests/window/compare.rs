@@ -10,7 +10,8 @@ use selflink::solve::{Epsilon, ParameterId};
 
 use crate::support::{click, coarse, cornell, finish, keep, picture, share_of_different_pixels, until};
 
-/// The part of a picture between two shares of its width, without what is written along its upper rim.
+/// The part of a picture between two shares of its width, without what is written along its upper
+/// rim.
 fn part(picture: &RgbaImage, from: f32, to: f32) -> RgbaImage {
     let [left, right] = [from, to].map(|share| (share * picture.width() as f32) as u32);
     image::imageops::crop_imm(picture, left, 60, right - left, picture.height() - 130).to_image()

@@ -67,7 +67,8 @@ fn the_full_picture_hides_all_panels_and_gives_them_back() {
     assert_eq!(window.state().view_rect(), narrow);
 }
 
-/// Truth: the window's own commands to the system, and the pixels of the view: nothing lies over them.
+/// Truth: the window's own commands to the system, and the pixels of the view: nothing lies over
+/// them.
 #[test]
 fn f11_takes_the_whole_screen_and_escape_gives_it_back() {
     let mut window = cornell(coarse());

@@ -1,4 +1,5 @@
-//! Daylight in the window: let in, changed by presets, slider, plan and date, undone; the daylight factor in false colours.
+//! Daylight in the window: let in, changed by presets, slider, plan and date, undone; the daylight
+//! factor in false colours.
 
 use egui::accesskit::Role;
 use egui_kittest::Harness;
@@ -70,7 +71,8 @@ fn daylight_is_let_in_changed_and_taken_back() {
     until(&mut window, "a date", |window| {
         daylight(window).sun.is_some_and(|sun| matches!(sun.place, SunPlace::Almanac { .. }))
     });
-    // Truth: at midsummer's noon by the clock the sun stands in the south-east of Munich, 60° high or more.
+    // Truth: at midsummer's noon by the clock the sun stands in the south-east of Munich, 60° high
+    // or more.
     let [azimuth, elevation] = angles(&window);
     assert!((130.0..180.0).contains(&azimuth) && (58.0..65.5).contains(&elevation), "{azimuth} {elevation}");
     window.get_by_role_and_label(Role::Slider, words::TIME).set_value_accesskit(0.0);
@@ -88,8 +90,8 @@ fn daylight_is_let_in_changed_and_taken_back() {
     until(&mut window, "night", |window| daylight(window).is_empty());
 }
 
-/// Truth: under a uniform sky a point of the black floor gets all of what open ground gets but the roof's form factor. 5 %, as the
-/// gather's target error.
+/// Truth: under a uniform sky a point of the black floor gets all of what open ground gets but the
+/// roof's form factor. 5 %, as the gather's target error.
 #[test]
 fn the_daylight_factor_is_shown_where_the_sky_alone_shines() {
     let (_folder, mut window) = hall(0.0, Some("uniform:8000lx"));

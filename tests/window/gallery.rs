@@ -1,7 +1,8 @@
 //! The gallery: each feature of the window once, as pictures in `screenshots/`.
 //!
-//! `./dev shots` runs these. They are driven by accessible names like the tests beside them, so that a moved button moves in the pictures
-//! as well, and a feature that cannot be reached any longer makes no picture.
+//! `./dev shots` runs these. They are driven by accessible names like the tests beside them, so
+//! that a moved button moves in the pictures as well, and a feature that cannot be reached any
+//! longer makes no picture.
 
 use std::path::Path;
 

@@ -1,4 +1,5 @@
-//! The gathered picture of the view: it comes when the camera stands still, goes when anything moves, and can be switched off.
+//! The gathered picture of the view: it comes when the camera stands still, goes when anything
+//! moves, and can be switched off.
 //!
 //! Truth: what the window says that it shows, and pictures that differ, or do not, where they must.
 
@@ -93,7 +94,8 @@ fn a_resize_in_mid_pass_ends_in_the_picture_of_that_size() {
     assert_eq!(share_of_different_pixels(&resized, &fresh), 0.0);
 }
 
-/// Truth: light is proportional to the lamps; with a locked exposure the darker picture stays darker.
+/// Truth: light is proportional to the lamps; with a locked exposure the darker picture stays
+/// darker.
 #[test]
 fn a_changed_lamp_in_mid_pass_ends_in_its_own_light() {
     let mut window = in_mid_pass();

@@ -192,7 +192,8 @@ fn links_over_the_view_are_filtered_and_the_rest_is_said() {
     assert_eq!(share_of_different_pixels(&plain, &picture(&mut window)), 0.0, "without links it is as before");
 }
 
-/// Truth: the solution view: one name and one level of an element, and E by the final gather beside that by links.
+/// Truth: the solution view: one name and one level of an element, and E by the final gather beside
+/// that by links.
 #[test]
 fn an_element_is_told_alike_in_tag_card_inspector_and_tree() {
     let mut window = cornell(SolverParams { error: Some(0.1), ..SolverParams::usual() });

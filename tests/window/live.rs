@@ -1,4 +1,5 @@
-//! Lamps, materials and undo in the window, driven headless by accessible names as a person drives them.
+//! Lamps, materials and undo in the window, driven headless by accessible names as a person drives
+//! them.
 //!
 //! Truth: what the worker says that it took up.
 
@@ -51,7 +52,8 @@ fn press(window: &mut Harness<'static, App>, modifiers: egui::Modifiers, key: eg
     window.run_steps(2);
 }
 
-/// Truth: the scene's emission. A dimmer scales it, the switch takes it away and brings it back to the bit, and so does undo.
+/// Truth: the scene's emission. A dimmer scales it, the switch takes it away and brings it back to
+/// the bit, and so does undo.
 #[test]
 fn a_lamp_is_dimmed_switched_and_brought_back() {
     let mut window = cornell();
@@ -97,7 +99,8 @@ fn a_lamp_is_dimmed_switched_and_brought_back() {
     }
 }
 
-/// Truth: the scene's reflectance and the light that the box then absorbs; no wall may give back all that it gets.
+/// Truth: the scene's reflectance and the light that the box then absorbs; no wall may give back
+/// all that it gets.
 #[test]
 fn a_wall_takes_another_reflectance() {
     let mut window = cornell();
@@ -118,7 +121,8 @@ fn a_wall_takes_another_reflectance() {
     until(&mut window, "finishing", |window| window.state().status().run == RunState::Finished);
 }
 
-/// Truth: the parameters that the worker has. Keys and buttons walk back and forth, and a drag is one step.
+/// Truth: the parameters that the worker has. Keys and buttons walk back and forth, and a drag is
+/// one step.
 #[test]
 fn settings_are_undone_and_redone() {
     let mut window = cornell();

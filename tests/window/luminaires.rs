@@ -33,7 +33,8 @@ fn room() -> (tempfile::TempDir, std::path::PathBuf) {
     (folder, path)
 }
 
-/// Truth: the numbers that were typed, the scene that the worker tells of, and the file beside the scene.
+/// Truth: the numbers that were typed, the scene that the worker tells of, and the file beside the
+/// scene.
 #[test]
 fn luminaires_are_added_moved_removed_undone_and_saved() {
     let (_folder, path) = room();
@@ -90,7 +91,8 @@ fn luminaires_are_added_moved_removed_undone_and_saved() {
     assert!(again.query_by_label(&format!("{} 1", words::BOOKMARK)).is_some(), "the bookmark is there again");
 }
 
-/// Truth: the closed forms of the units: P = M·A in each channel, Φ_v = 179 lm/W of what the eye weighs; and the axes of the file.
+/// Truth: the closed forms of the units: P = M·A in each channel, Φ_v = 179 lm/W of what the eye
+/// weighs; and the axes of the file.
 #[test]
 fn a_luminaire_is_set_in_watts_lumens_and_kelvin() {
     let (_folder, path) = room();
@@ -143,7 +145,8 @@ fn a_luminaire_is_set_in_watts_lumens_and_kelvin() {
     until(&mut window, "its turn", |window| at_hand(window).form.turn_deg == 30.0);
 }
 
-/// Truth: what is dragged along an axis moves along that axis alone, and the scene is made anew when it is let go.
+/// Truth: what is dragged along an axis moves along that axis alone, and the scene is made anew
+/// when it is let go.
 #[test]
 fn a_handle_moves_a_luminaire_along_its_axis() {
     let (_folder, path) = room();
@@ -198,7 +201,8 @@ fn esc_ends_placing_probes_and_drawing_an_area() {
     }
 }
 
-/// Truth: the target's numbers decide what is said; a drag in the view draws the area, and turns nothing meanwhile.
+/// Truth: the target's numbers decide what is said; a drag in the view draws the area, and turns
+/// nothing meanwhile.
 #[test]
 fn a_task_area_is_drawn_and_judged() {
     let mut window = cornell(coarse());

@@ -1,7 +1,7 @@
 //! The window, driven headless by accessible names as a person drives it.
 //!
-//! Truth: what the worker says that it took up, and pictures that differ where they must. Needs a wgpu adapter; software
-//! Vulkan serves.
+//! Truth: what the worker says that it took up, and pictures that differ where they must. Needs a
+//! wgpu adapter; software Vulkan serves.
 #![cfg(feature = "gui")]
 
 mod camera;

@@ -28,7 +28,8 @@ fn place(window: &Harness<'static, App>, column: f32, row: f32) -> egui::Pos2 {
     square.min + egui::vec2(column, row) * square.size()
 }
 
-/// Truth: the first step is the root's self-link, which fills the square and is what lies under the mouse wherever it points.
+/// Truth: the first step is the root's self-link, which fills the square and is what lies under the
+/// mouse wherever it points.
 #[test]
 fn the_first_step_is_one_full_square() {
     let mut window = opened();
@@ -45,7 +46,8 @@ fn the_first_step_is_one_full_square() {
     until(&mut window, "more links", |window| !says(window, "1 link"));
 }
 
-/// Truth: a wall neither lights itself nor is without light of others; the receiver of what was clicked is picked.
+/// Truth: a wall neither lights itself nor is without light of others; the receiver of what was
+/// clicked is picked.
 #[test]
 fn blocks_are_hovered_and_clicked() {
     let mut window = opened();
@@ -70,7 +72,8 @@ fn blocks_are_hovered_and_clicked() {
     until(&mut window, "its receiver", |window| says(window, words::DETAILS));
 }
 
-/// Truth: the wheel magnifies, and all is in view again where that was asked for; every colouring has a legend of its own.
+/// Truth: the wheel magnifies, and all is in view again where that was asked for; every colouring
+/// has a legend of its own.
 #[test]
 fn the_matrix_is_magnified_and_coloured() {
     let mut window = opened();

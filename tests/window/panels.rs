@@ -196,7 +196,8 @@ fn a_scene_without_a_lamp_says_so_and_can_be_given_one() {
             && window.query_by_label_contains(words::LINKS_SETTLED).is_none()
     );
     assert!(window.query_by_label(words::NO_LIGHT_YET).is_some(), "over the view");
-    // Its walls are of reflectance ½ and above: in their own colours they are bright, and turned differently they differ.
+    // Its walls are of reflectance ½ and above: in their own colours they are bright, and turned
+    // differently they differ.
     let own = picture(&mut window);
     let brightness = |picture: &image::RgbaImage| {
         let [width, height] = [picture.width(), picture.height()];
@@ -221,7 +222,8 @@ fn a_scene_without_a_lamp_says_so_and_can_be_given_one() {
     assert!(window.query_by_label(words::NO_LIGHT_YET).is_none());
 }
 
-/// Truth: a click on a button over the dark view lights the room by a luminaire that can be taken away again.
+/// Truth: a click on a button over the dark view lights the room by a luminaire that can be taken
+/// away again.
 #[test]
 fn a_lamp_is_hung_up_from_the_view() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -268,7 +270,8 @@ fn is_button(node: &egui_kittest::Node<'_>) -> bool {
     node.accesskit_node().role() == Role::Button
 }
 
-/// Truth: the slider's value. A lamp follows it without a button; what does not emit waits for the button.
+/// Truth: the slider's value. A lamp follows it without a button; what does not emit waits for the
+/// button.
 #[test]
 fn a_lamp_follows_its_slider_at_once() {
     let mut window = cornell(coarse());
@@ -334,9 +337,10 @@ fn light_asked_for_at_the_start_is_there_at_once() {
     assert!(window.state().scene_info().is_none());
 }
 
-/// A comparison with a reference: the section tells the error and its noise, the chart holds a curve for each run, and the
-/// surfaces take the colours of their errors and give them back.
-/// The usual way to use it: the window asks for an error, says which one it reached, and does more when asked for less.
+/// A comparison with a reference: the section tells the error and its noise, the chart holds a
+/// curve for each run, and the surfaces take the colours of their errors and give them back. The
+/// usual way to use it: the window asks for an error, says which one it reached, and does more when
+/// asked for less.
 #[test]
 fn an_error_is_asked_for_with_a_slider() {
     let mut window = cornell(SolverParams::usual());

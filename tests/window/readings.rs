@@ -1,4 +1,5 @@
-//! Reading the light in the window, driven headless by accessible names: false colours, isolux lines, the pointer, probes, a work plane.
+//! Reading the light in the window, driven headless by accessible names: false colours, isolux
+//! lines, the pointer, probes, a work plane.
 //!
 //! Truth: the snapshot in view, and pictures that differ, or do not, where they must.
 
@@ -137,7 +138,8 @@ fn on_the_block(window: &mut Window) -> egui::Pos2 {
     panic!("the block is not in view");
 }
 
-/// Truth: the block that a probe on its front lies behind, seen from the back; and the standard error of the gather.
+/// Truth: the block that a probe on its front lies behind, seen from the back; and the standard
+/// error of the gather.
 #[test]
 fn probes_say_their_error_where_they_are_seen_and_their_age_when_light_has_changed() {
     let mut window = crate::support::cornell(SolverParams { error: Some(0.1), ..SolverParams::usual() });

@@ -1,4 +1,5 @@
-//! Windows from small to large: the view keeps at least half of the width, and every tool stays within reach.
+//! Windows from small to large: the view keeps at least half of the width, and every tool stays
+//! within reach.
 //!
 //! Truth: rectangles of widgets, by accessible names.
 
@@ -82,7 +83,8 @@ fn every_tool_fits_into_a_large_window() {
     check_sizes([3840.0, 2160.0], 1.0);
 }
 
-/// What lies over the view lies side by side, with a selection, a measured plane, false colours and links.
+/// What lies over the view lies side by side, with a selection, a measured plane, false colours and
+/// links.
 fn check_overlays(size: [f32; 2], scale: f32) {
     let mut window = opened(size, scale);
     choose(&mut window, words::DISPLAY, words::IRRADIANCE);
@@ -109,7 +111,8 @@ fn check_overlays(size: [f32; 2], scale: f32) {
     keep(&mut window, &format!("overlays-{}-{scale}", size[0]));
 }
 
-/// Waits for the readout under the pointer, which is left out where a small view has no room for it.
+/// Waits for the readout under the pointer, which is left out where a small view has no room for
+/// it.
 fn wait_for_readout(window: &mut Harness<'static, App>, [width, _]: [f32; 2]) {
     if width > 1500.0 {
         until(window, "the readout", |window| window.state().overlays().iter().any(|(name, _)| *name == "readout"));

@@ -1,4 +1,5 @@
-//! The window under strain: sizes that no person would choose, and a graphics device that goes away.
+//! The window under strain: sizes that no person would choose, and a graphics device that goes
+//! away.
 //!
 //! Truth: the program goes on, and shows the same picture as before once it can.
 

@@ -1,4 +1,5 @@
-//! What can be taken along: files that hold what the window shows, and the session that the next start goes on with.
+//! What can be taken along: files that hold what the window shows, and the session that the next
+//! start goes on with.
 
 use std::collections::HashMap;
 use std::path::Path;
@@ -50,7 +51,8 @@ fn files_hold_what_the_window_shows() {
     ] {
         save(&mut window, button, &format!("{name}.{ending}"));
     }
-    // The scene for other programs: a folder each, asked for by the names that a screen reader says.
+    // The scene for other programs: a folder each, asked for by the names that a screen reader
+    // says.
     for (button, ending) in [("Scene (Mitsuba 3)", "mitsuba"), ("Scene (Radiance)", "radiance")] {
         window.get_by_role_and_label(Role::Button, button).scroll_to_me();
         window.run_steps(2);
@@ -137,11 +139,13 @@ fn an_exported_picture_has_the_values_along_its_isolux_lines() {
         dark >= 8 && white >= 5
     };
     let written = labels.iter().filter(is_written).count();
-    // The file is gathered anew: where its lines run a little differently, its values stand elsewhere.
+    // The file is gathered anew: where its lines run a little differently, its values stand
+    // elsewhere.
     assert!(4 * written >= labels.len(), "{written} of {} values are in the file", labels.len());
 }
 
-/// Truth: the file. What is there already is overwritten only if a person says so, and what cannot be written is said.
+/// Truth: the file. What is there already is overwritten only if a person says so, and what cannot
+/// be written is said.
 #[test]
 fn files_are_not_lost_by_accident() {
     let folder = tempfile::tempdir().expect("a folder");

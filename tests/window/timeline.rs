@@ -12,7 +12,8 @@ fn step(window: &Harness<'static, App>) -> Option<usize> {
     window.state().snapshot().and_then(|snapshot| snapshot.former_step)
 }
 
-/// Truth: the first step is the root's self-link on unsplit patches, and the present comes back as it was, pixel for pixel.
+/// Truth: the first step is the root's self-link on unsplit patches, and the present comes back as
+/// it was, pixel for pixel.
 #[test]
 fn a_former_step_is_looked_at_and_the_present_comes_back() {
     let mut window = cornell(SolverParams { epsilon: Epsilon::Relative(1e-3), ..SolverParams::default() });

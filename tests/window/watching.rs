@@ -1,6 +1,7 @@
 //! Scene files that change or vanish while the window shows them.
 //!
-//! Truth: what was written to the disk, and the scene, camera and parameters that the window had before.
+//! Truth: what was written to the disk, and the scene, camera and parameters that the window had
+//! before.
 
 use std::path::{Path, PathBuf};
 
@@ -59,7 +60,8 @@ fn a_changed_file_is_offered_and_a_vanished_one_is_said_once() {
     assert_eq!(window.state().camera_pose(), Some(camera), "the view stays");
     assert_eq!(window.state().status().params, coarse());
 
-    // Materials beside it count as well; what is half written is reported, and nothing is lost by it.
+    // Materials beside it count as well; what is half written is reported, and nothing is lost by
+    // it.
     write(&path.with_extension("mtl"), "newmtl floor\nKd 0.1 0.1 0.1\n");
     until(&mut window, "the offer of the materials", |window| says(window, "room.mtl has changed on disk."));
     write(&path, "v 0 0 0\nv 1 0");

@@ -1,4 +1,5 @@
-//! The accuracy section: a reference made in the background, the error of the picture by it, and a chart of error over time.
+//! The accuracy section: a reference made in the background, the error of the picture by it, and a
+//! chart of error over time.
 
 use std::sync::Arc;
 
@@ -200,7 +201,8 @@ fn band(run: &Run) -> FilledArea {
     FilledArea::new(run.name.clone(), &of(0, 0), &of(0, 1), &of(1, 1)).fill_color(theme::ACCENT.gamma_multiply(0.25))
 }
 
-/// One standard error below and above a point; the point itself where nothing is known of its noise.
+/// One standard error below and above a point; the point itself where nothing is known of its
+/// noise.
 fn ends(point: &RunPoint) -> [[f64; 2]; 2] {
     let noise = if point.noise.is_finite() { point.noise } else { 0.0 };
     [-1.0, 1.0].map(|sign| logarithms(point.seconds, point.error + sign * noise))

@@ -21,7 +21,8 @@ pub(in crate::app) fn sentence(parameter: &Parameter) -> String {
     }
 }
 
-/// How many bars a cost has: light is gathered again at most, links are judged again, all begins anew.
+/// How many bars a cost has: light is gathered again at most, links are judged again, all begins
+/// anew.
 fn bars(cost: ChangeCost) -> usize {
     match cost {
         ChangeCost::Nothing | ChangeCost::Picture | ChangeCost::Radiosities => 1,

@@ -1,4 +1,5 @@
-//! Texts of the view when there is no picture, while a scene is being loaded, and while a file hovers over it.
+//! Texts of the view when there is no picture, while a scene is being loaded, and while a file
+//! hovers over it.
 
 use std::time::Duration;
 
@@ -61,8 +62,8 @@ pub(in crate::app) fn show_loading(app: &App, ui: &mut Ui, rect: Rect, outbox: &
     });
 }
 
-/// One to three dots in turn show that something goes on; a spinner would repaint the window at full speed, and on
-/// software adapters that takes the loader's cores.
+/// One to three dots in turn show that something goes on; a spinner would repaint the window at
+/// full speed, and on software adapters that takes the loader's cores.
 fn loading_label(ui: &mut Ui, name: &str, size: f32) {
     let dots = 1 + (ui.input(|input| input.time) / DOT_SECONDS) as usize % 3;
     let text = format!("Loading {name} {:<3}", ".".repeat(dots));

@@ -36,7 +36,8 @@ pub(in crate::app) fn show_first_lines(app: &mut App, ui: &Ui, view: Rect) {
 /// So near to the upper edge of the full screen the pointer calls the way back, points.
 const NEAR_TOP: f32 = 60.0;
 
-/// A button in the corner of the full screen, where the pointer comes near to it; otherwise the picture is alone.
+/// A button in the corner of the full screen, where the pointer comes near to it; otherwise the
+/// picture is alone.
 pub(in crate::app) fn show_way_back(app: &mut App, ui: &Ui, view: Rect) {
     let is_near = ui.input(|input| input.pointer.hover_pos().is_some_and(|at| at.y < view.top() + NEAR_TOP));
     if !app.layout.is_full_picture || !is_near {

@@ -97,7 +97,8 @@ fn show(overlays: &mut Overlays, ui: &Ui, view: Rect, legend: &Legend<'_>) {
     });
 }
 
-/// Marks and their values; a value that has no room is left out, those at the ends and of lines last.
+/// Marks and their values; a value that has no room is left out, those at the ends and of lines
+/// last.
 fn draw_labels(ui: &mut Ui, row: Rect, bar: Rect, marks: &[Mark]) {
     let place = |along: f32| bar.left() + along.clamp(0.0, 1.0) * bar.width();
     let font = FontId::proportional(12.0);

@@ -1,4 +1,5 @@
-//! Links over the view: whose, which and in what colours; and the legend that says in words what is not drawn.
+//! Links over the view: whose, which and in what colours; and the legend that says in words what is
+//! not drawn.
 
 use egui::{Align2, Color32, FontId, Rect, Slider, Ui, pos2, vec2};
 
@@ -119,7 +120,8 @@ const MARGIN: f32 = 12.0;
 /// Decades of power that the colours span.
 const DECADES: f32 = 3.0;
 
-/// Draws what the colours say, and how much is not drawn, into the view's lower right corner; nothing where no links are drawn.
+/// Draws what the colours say, and how much is not drawn, into the view's lower right corner;
+/// nothing where no links are drawn.
 pub(in crate::app) fn show_legend(app: &mut App, ui: &Ui, view: Rect) {
     let Some(chosen) = app.view.marks.chosen_links() else { return };
     let words = chosen.to_string();

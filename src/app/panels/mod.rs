@@ -39,7 +39,8 @@ pub(in crate::app) fn show_sides(app: &mut App, ui: &mut Ui, outbox: &mut Outbox
         return;
     };
     let widths = layout::LEAST_SETTINGS.min(most)..=most;
-    // Where they have little room, beside a tool or in a small window, they keep the width that they have otherwise for later.
+    // Where they have little room, beside a tool or in a small window, they keep the width that
+    // they have otherwise for later.
     let id = if most < theme::PANEL_WIDTH { "narrow sections" } else { "sections" };
     let panel = egui::Panel::left(id).default_size(theme::PANEL_WIDTH.min(most)).size_range(widths);
     let shown = panel.show(ui, |ui| {
@@ -65,7 +66,8 @@ fn show_sections(app: &mut App, ui: &mut Ui, outbox: &mut Outbox) {
         app.view.viewport.go_to(&pose);
     }
     if let Some(info) = app.shown.info.clone() {
-        // A dark scene opens the section that helps, which stays open once there is light; with a lamp it is one of many.
+        // A dark scene opens the section that helps, which stays open once there is light; with a
+        // lamp it is one of many.
         let dark = !info.has_light;
         let title = if dark { words::LIGHT_NONE_YET } else { words::LIGHT };
         section(ui, title, app.edits.light.was_dark, Some("light"), |ui| {

@@ -21,8 +21,8 @@ struct EpsilonMeasures {
 }
 
 impl EpsilonMeasures {
-    /// The measure that a person did not set follows from the emitted power: that of now, or for an ε that is in force already that by
-    /// which it was set.
+    /// The measure that a person did not set follows from the emitted power: that of now, or for an
+    /// ε that is in force already that by which it was set.
     fn new(epsilon: Epsilon, stats: Option<&Stats>) -> Self {
         let power = stats.map_or(0.0, |stats| stats.power_watts);
         match epsilon {
@@ -132,7 +132,8 @@ fn show_widget(ui: &mut Ui, parameter: &Parameter, params: &mut SolverParams, st
             let mut value = real(params, id, epsilon);
             let slider = Slider::new(&mut value, range.clone())
                 .logarithmic(*logarithmic)
-                // What came from the command line may lie outside of what the slider offers, and stays.
+                // What came from the command line may lie outside of what the slider offers, and
+                // stays.
                 .clamping(egui::SliderClamping::Edits)
                 .smart_aim(false)
                 .custom_formatter(move |value, _| real_text(id, value))
@@ -323,7 +324,8 @@ fn set_choice(params: &mut SolverParams, id: ParameterId, index: Option<usize>) 
 mod tests {
     use super::*;
 
-    /// Truth: setting what was read changes nothing, setting something else changes it, for every parameter of the table.
+    /// Truth: setting what was read changes nothing, setting something else changes it, for every
+    /// parameter of the table.
     #[test]
     fn every_parameter_can_be_read_and_set() {
         let stats = Stats { power_watts: 500.0, anchor_watts: 500.0, epsilon_watts: 0.05, ..Stats::default() };
@@ -359,7 +361,8 @@ mod tests {
         }
     }
 
-    /// Truth: ε in watts does not follow a dimmed lamp, and what is set anew is measured by the power of now.
+    /// Truth: ε in watts does not follow a dimmed lamp, and what is set anew is measured by the
+    /// power of now.
     #[test]
     fn a_dimmed_lamp_leaves_watts_as_they_were() {
         let stats = Stats { power_watts: 250.0, anchor_watts: 500.0, epsilon_watts: 0.05, ..Stats::default() };

@@ -1,5 +1,5 @@
-//! The card of the selected element, over the view's corner, on request: what it is, how it is lit and by what. The inspector, which
-//! tells more, takes its place.
+//! The card of the selected element, over the view's corner, on request: what it is, how it is lit
+//! and by what. The inspector, which tells more, takes its place.
 
 use egui::{Align2, Grid, Rect, RichText, Ui};
 use glam::Vec3;

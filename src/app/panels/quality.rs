@@ -1,4 +1,5 @@
-//! The quality section: how good the light is to be, and running, pausing and stepping. The fold *Method* below it has the rest.
+//! The quality section: how good the light is to be, and running, pausing and stepping. The fold
+//! *Method* below it has the rest.
 
 use egui::{Button, Ui};
 

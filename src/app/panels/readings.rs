@@ -51,7 +51,8 @@ pub(in crate::app) fn show(
     show_range(ui, display, reading);
 }
 
-/// What colours the surfaces; the daylight factor is offered where it is known, and says else why not.
+/// What colours the surfaces; the daylight factor is offered where it is known, and says else why
+/// not.
 fn choose_show(ui: &mut Ui, display: &mut DisplaySettings, none: Option<NoDaylightFactor>) {
     let before = display.reading.show;
     let show = &mut display.reading.show;

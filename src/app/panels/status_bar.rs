@@ -1,4 +1,5 @@
-//! The bar below: what the solver is doing or what is known of its solution, how far it is, and the counts that grow meanwhile.
+//! The bar below: what the solver is doing or what is known of its solution, how far it is, and the
+//! counts that grow meanwhile.
 
 use egui::{Color32, ProgressBar, Ui};
 
@@ -181,7 +182,8 @@ fn cells(stats: &Stats, run: RunState, more_seconds: f64, time_left: Option<f64>
     cells
 }
 
-/// A name and its value, left out where there is no more room: a cell cut in two is worse than none.
+/// A name and its value, left out where there is no more room: a cell cut in two is worse than
+/// none.
 fn show_cell(ui: &mut Ui, name: &str, value: &str) {
     let font = egui::TextStyle::Monospace.resolve(ui.style());
     let letters = value.chars().count().max(7) as f32;

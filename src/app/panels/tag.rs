@@ -1,4 +1,5 @@
-//! The tag of the selected element, beside the point that was clicked: its name and its light. The card tells more, on request.
+//! The tag of the selected element, beside the point that was clicked: its name and its light. The
+//! card tells more, on request.
 
 use egui::{Align2, Rect, RichText, Ui, vec2};
 

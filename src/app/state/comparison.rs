@@ -1,4 +1,5 @@
-//! Comparison with a reference: what the reference finds of each run, and what the view shows of it.
+//! Comparison with a reference: what the reference finds of each run, and what the view shows of
+//! it.
 
 use std::sync::Arc;
 
@@ -127,7 +128,8 @@ impl Comparison {
         self.shading = Shading::Lit;
     }
 
-    /// Another scene is in view, or the same one changed: a reference of the former is none of this one.
+    /// Another scene is in view, or the same one changed: a reference of the former is none of this
+    /// one.
     pub(in crate::app) fn follow_scene(&mut self, scene: &Arc<Scene>, is_new: bool) {
         self.runs.clear();
         if is_new {

@@ -1,7 +1,9 @@
-//! The graphics device may be lost while the window is open: a driver is updated or reset, an adapter is taken away.
+//! The graphics device may be lost while the window is open: a driver is updated or reset, an
+//! adapter is taken away.
 //!
-//! Nothing can be drawn with a lost device, the toolkit makes no other one for an open window, and where it breaks off the event loop
-//! cannot be run again. So the program is started anew with the settings of the window ([`crate::app::launch`]).
+//! Nothing can be drawn with a lost device, the toolkit makes no other one for an open window, and
+//! where it breaks off the event loop cannot be run again. So the program is started anew with the
+//! settings of the window ([`crate::app::launch`]).
 
 use std::sync::mpsc::Receiver;
 use std::sync::{Arc, Mutex};
@@ -39,7 +41,8 @@ pub(in crate::app) struct DeviceState {
 }
 
 impl DeviceState {
-    /// Asks the device to tell when it is lost; `ctx` then draws a frame, so that the window notices.
+    /// Asks the device to tell when it is lost; `ctx` then draws a frame, so that the window
+    /// notices.
     pub(in crate::app) fn watch(device: &wgpu::Device, ctx: egui::Context) -> Self {
         let lost = Arc::<Mutex<Option<String>>>::default();
         let shared = lost.clone();
@@ -64,7 +67,8 @@ impl DeviceState {
     }
 }
 
-/// Whether the toolkit closes a window that lost its device or breaks off with it, what it showed is kept.
+/// Whether the toolkit closes a window that lost its device or breaks off with it, what it showed
+/// is kept.
 impl Drop for App {
     fn drop(&mut self) {
         if let (Some(will), Some(reason)) = (&self.graphics.loss, self.graphics.state.is_it_lost()) {

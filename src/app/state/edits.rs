@@ -7,7 +7,8 @@ use crate::solve::SolverParams;
 
 /// Settings of the window, and their history.
 pub(in crate::app) struct Edits {
-    /// The solver's parameters as the panel shows them; ahead of the worker's while a slider is dragged.
+    /// The solver's parameters as the panel shows them; ahead of the worker's while a slider is
+    /// dragged.
     pub params: SolverParams,
     /// How the light is shown.
     pub display: DisplaySettings,

@@ -1,6 +1,8 @@
-//! Files that the window writes, each on a thread of its own: pictures, meshes, links, settings and statistics.
+//! Files that the window writes, each on a thread of its own: pictures, meshes, links, settings and
+//! statistics.
 //!
-//! One file is written at a time; the window goes on meanwhile and says what came of it. Whoever tires of waiting may cancel.
+//! One file is written at a time; the window goes on meanwhile and says what came of it. Whoever
+//! tires of waiting may cancel.
 
 use std::fs::File;
 use std::io::{self, BufWriter, Write};
@@ -123,7 +125,8 @@ impl Exports {
         self.writing.as_ref().map(|writing| (writing.path.as_path(), writing.since))
     }
 
-    /// Gives up on the file that is being written: nobody waits for its thread, which stops before it writes.
+    /// Gives up on the file that is being written: nobody waits for its thread, which stops before
+    /// it writes.
     pub(in crate::app) fn cancel(&mut self) {
         if let Some(writing) = self.writing.take() {
             writing.cancel.cancel();

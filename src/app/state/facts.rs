@@ -112,7 +112,8 @@ impl Facts {
         }
     }
 
-    /// Irradiances with their names and what they mean: one, or that of the final gather beside that of the links below it.
+    /// Irradiances with their names and what they mean: one, or that of the final gather beside
+    /// that of the links below it.
     pub(in crate::app) fn irradiances(&self) -> Vec<(&'static str, Vec3, &'static str)> {
         match self.by_links {
             None => vec![(words::E, self.irradiance, "Irradiance of the three channels, the mean over the area")],
@@ -185,7 +186,8 @@ mod tests {
     use crate::scene::builtin::BuiltinScene;
     use crate::solve::{Solver, SolverParams};
 
-    /// Truth: the field's own irradiance over its own mesh, and the links' sum; of the whole scene both are means over all leaves.
+    /// Truth: the field's own irradiance over its own mesh, and the links' sum; of the whole scene
+    /// both are means over all leaves.
     #[test]
     fn the_gathered_irradiance_stands_beside_that_of_the_links() {
         let scene = Arc::new(BuiltinScene::Cornell.build());

@@ -1,4 +1,5 @@
-//! Content of the picked element's panels: facts, links and names, made once for each state of the solution.
+//! Content of the picked element's panels: facts, links and names, made once for each state of the
+//! solution.
 
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -10,7 +11,8 @@ use crate::scene::Scene;
 use crate::solve::Snapshot;
 use crate::transport::{LinkView, SolutionView};
 
-/// While the solution moves on, an inspection may take this share of the time, so that a large one does not hold up the window.
+/// While the solution moves on, an inspection may take this share of the time, so that a large one
+/// does not hold up the window.
 const BUSY_SHARE: u32 = 8;
 
 /// Which way light goes.
@@ -41,7 +43,8 @@ pub(in crate::app) struct Inspection {
     /// Counts up with each change of `links`.
     pub stamp: u64,
     pub facts: Option<Facts>,
-    /// Links of the element, of its parts and of all that holds it, by the light they bring; most first.
+    /// Links of the element, of its parts and of all that holds it, by the light they bring; most
+    /// first.
     pub links: Vec<LinkView>,
     /// Names of elements, for all tools.
     pub names: NamesInView,
@@ -59,8 +62,8 @@ struct MadeOf {
 }
 
 impl Inspection {
-    /// Looks at an element, unless nothing has changed. While only the solution moves on and looking takes long, what was seen last stays
-    /// for a while; true then: another look is due.
+    /// Looks at an element, unless nothing has changed. While only the solution moves on and
+    /// looking takes long, what was seen last stays for a while; true then: another look is due.
     pub(in crate::app) fn look(
         &mut self,
         snapshot: &Snapshot,

@@ -1,6 +1,8 @@
-//! Settings of each material and luminaire: reflectance, emission, and of lamps the switch and the dimmer.
+//! Settings of each material and luminaire: reflectance, emission, and of lamps the switch and the
+//! dimmer.
 //!
-//! The scene knows a lamp by its emission alone; that it is one although it is off, and what it emits at 100 %, is known here.
+//! The scene knows a lamp by its emission alone; that it is one although it is off, and what it
+//! emits at 100 %, is known here.
 
 use glam::Vec3;
 
@@ -10,7 +12,8 @@ use crate::worker::Command;
 /// Exitance offered to what never emitted, W/m²: a bright office ceiling panel.
 const FIRST_EXITANCE: f32 = 100.0;
 
-/// A colour by its brightest channel and its tint, so that neither is lost while the other is changed.
+/// A colour by its brightest channel and its tint, so that neither is lost while the other is
+/// changed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(in crate::app) struct Tinted {
     value: Vec3,
@@ -214,7 +217,8 @@ mod tests {
         assert_eq!(lighting, before);
     }
 
-    /// Truth: a tint has no strength and a strength no tint; neither is lost where the colour is black.
+    /// Truth: a tint has no strength and a strength no tint; neither is lost where the colour is
+    /// black.
     #[test]
     fn colour_and_strength_are_kept_apart() {
         let mut lighting = lighting();

@@ -22,9 +22,11 @@ const USUAL_TARGET: f32 = 500.0;
 const USUAL_UNIFORMITY: f32 = 0.6;
 /// Share of the points that the scale of a work plane spans at most, from the darkest.
 const SCALED_SHARE: f32 = 0.98;
-/// Values farther above the upper quartile than so many times the distance of the quartiles rule no scale: Tukey's outer fence.
+/// Values farther above the upper quartile than so many times the distance of the quartiles rule no
+/// scale: Tukey's outer fence.
 const FENCE: f32 = 3.0;
-/// Readings are of the light in view when the surveyor has had less time than this to read it: no mark flickers meanwhile.
+/// Readings are of the light in view when the surveyor has had less time than this to read it: no
+/// mark flickers meanwhile.
 const GRACE: Duration = Duration::from_millis(400);
 
 /// A place on a surface that a person reads.
@@ -145,7 +147,8 @@ impl Measuring {
         self.plane.area.map(|corners| TaskArea { corners, height: self.plane.height, average_lux, uniformity })
     }
 
-    /// Follows a drag in the view that draws a task area: where the pointer took hold, where it is, and whether it let go.
+    /// Follows a drag in the view that draws a task area: where the pointer took hold, where it is,
+    /// and whether it let go.
     pub(in crate::app) fn draw_area(&mut self, scene: &Scene, [from, to]: [Ray; 2], has_ended: bool) {
         let Some((level, up)) = self.plane.level(scene) else { return };
         let on_plane = |ray: Ray| {
@@ -176,8 +179,8 @@ impl Measuring {
         Some([corner(a, a), corner(b, a), corner(b, b), corner(a, b)])
     }
 
-    /// Shows the surveyor the light in view where it is asked for, and takes up what it found; `latest` is the solver's newest light,
-    /// which the view may wait with.
+    /// Shows the surveyor the light in view where it is asked for, and takes up what it found;
+    /// `latest` is the solver's newest light, which the view may wait with.
     pub(in crate::app) fn note(
         &mut self,
         scene: &Arc<Scene>,
@@ -344,8 +347,8 @@ impl Measuring {
         self.report.plane.as_ref().filter(|_| self.asked.is_some())
     }
 
-    /// How its values are coloured: as the irradiance in view where there is a legend of it, otherwise, in lx, from nothing to
-    /// nearly the brightest point.
+    /// How its values are coloured: as the irradiance in view where there is a legend of it,
+    /// otherwise, in lx, from nothing to nearly the brightest point.
     pub(in crate::app) fn plane_scale(&self, reading: Option<&Reading>) -> Option<Reading> {
         let plane = self.plane_reading()?;
         if let Some(reading) = reading.filter(|reading| reading.quantity == Quantity::Irradiance) {
@@ -389,7 +392,8 @@ impl Measuring {
         Ok(text)
     }
 
-    /// Starts the surveyor where it is not yet there; without a further thread nothing is read, and the next question tries again.
+    /// Starts the surveyor where it is not yet there; without a further thread nothing is read, and
+    /// the next question tries again.
     fn with_surveyor(&mut self, wake: &Wake, ask: impl FnOnce(&Surveyor)) {
         if self.surveyor.is_none() {
             let wake = wake.clone();
@@ -410,7 +414,8 @@ pub(in crate::app) fn lux_in_words(reading: &SurfaceReading) -> String {
     }
 }
 
-/// The upper end of a scale of values: the largest that is no outlier, since one point right under a lamp is not to rule it.
+/// The upper end of a scale of values: the largest that is no outlier, since one point right under
+/// a lamp is not to rule it.
 fn upper_end(mut values: Vec<f32>) -> f32 {
     values.sort_unstable_by(f32::total_cmp);
     let quantile = |share: f32| values.get((share * values.len() as f32) as usize).copied().unwrap_or(0.0);
@@ -424,8 +429,9 @@ fn upper_end(mut values: Vec<f32>) -> f32 {
 mod tests {
     use super::*;
 
-    /// Truth: values by hand. One point that is a hundred times as bright as the others changes the end by less than they differ, of few
-    /// points as of many; without one, nothing is cut off from few.
+    /// Truth: values by hand. One point that is a hundred times as bright as the others changes the
+    /// end by less than they differ, of few points as of many; without one, nothing is cut off from
+    /// few.
     #[test]
     fn one_outlier_does_not_rule_the_scale() {
         for count in [5, 12, 50, 400] {

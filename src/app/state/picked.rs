@@ -1,7 +1,9 @@
-//! The element that a person chose, by a click into the view or by name, and how it is found again in later snapshots.
+//! The element that a person chose, by a click into the view or by name, and how it is found again
+//! in later snapshots.
 //!
-//! A chosen element is remembered as its path from the root. A snapshot that does not know all of it, such as one of a former step,
-//! shows the deepest element of the path that it knows; the rest is taken up again when it is there.
+//! A chosen element is remembered as its path from the root. A snapshot that does not know all of
+//! it, such as one of a former step, shows the deepest element of the path that it knows; the rest
+//! is taken up again when it is there.
 
 use glam::Vec3;
 use rustc_hash::FxHashMap;
@@ -27,7 +29,8 @@ pub(in crate::app) struct PickedElement {
 /// How an element was found.
 #[derive(Clone, Copy)]
 enum Found {
-    /// As the first leaf along a ray: where it is subdivided, the leaf then lying under the ray takes its place.
+    /// As the first leaf along a ray: where it is subdivided, the leaf then lying under the ray
+    /// takes its place.
     ByRay { origin: Vec3, direction: Vec3 },
     /// By its id: it stays what it is.
     ById,
@@ -99,7 +102,8 @@ impl PickedElement {
     }
 }
 
-/// The deepest element of a path that is there: under its own id, or under another one where elements were numbered anew.
+/// The deepest element of a path that is there: under its own id, or under another one where
+/// elements were numbered anew.
 fn deepest_known(path: &[(ElementId, u64)], solution_view: &SolutionView) -> Option<ElementId> {
     let hierarchy = solution_view.hierarchy();
     let &(last, key) = path.last()?;

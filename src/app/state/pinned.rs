@@ -1,4 +1,5 @@
-//! A solution that is kept, A, beside the running one, B: what the view shows of both, and how they differ.
+//! A solution that is kept, A, beside the running one, B: what the view shows of both, and how they
+//! differ.
 
 use std::sync::Arc;
 use std::task::Poll;
@@ -81,12 +82,14 @@ impl Pinned {
         self.solution.as_ref()
     }
 
-    /// The metered exposure of both, m²/W, which is A's while one is kept: whoever compares wants no other difference.
+    /// The metered exposure of both, m²/W, which is A's while one is kept: whoever compares wants
+    /// no other difference.
     pub(in crate::app) fn exposure(&self, metered: f32) -> f32 {
         self.solution.as_ref().map_or(metered, |solution| solution.exposure)
     }
 
-    /// RMS difference of B to A as a share of A's RMS radiosity, of the newest B for which it was found.
+    /// RMS difference of B to A as a share of A's RMS radiosity, of the newest B for which it was
+    /// found.
     pub(in crate::app) fn rms(&self) -> Option<f64> {
         self.difference.as_ref().map(|difference| difference.rms)
     }

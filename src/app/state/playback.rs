@@ -16,7 +16,8 @@ pub(in crate::app) struct Playback {
     asked: SnapshotRequest,
     /// The step that a person looks at; `None` for the present.
     pub step: Option<usize>,
-    /// When the present step came into view while steps are being played, by the window's clock, seconds.
+    /// When the present step came into view while steps are being played, by the window's clock,
+    /// seconds.
     playing_since: Option<f64>,
     /// Whether steps are played slowly.
     is_slow: bool,
@@ -52,7 +53,8 @@ impl Playback {
         self.playing_since = None;
     }
 
-    /// Takes the next step when its time has come; how long until the one after, while steps are played.
+    /// Takes the next step when its time has come; how long until the one after, while steps are
+    /// played.
     pub(in crate::app) fn play(&mut self, now: f64, shown: Option<&Snapshot>, steps: usize) -> Option<Duration> {
         let since = self.playing_since?;
         if shown.is_none_or(|snapshot| snapshot.former_step != self.step) {

@@ -1,4 +1,5 @@
-//! Readings off the surfaces in view: kept while neither the snapshot nor the settings change, since a range looks at all leaves.
+//! Readings off the surfaces in view: kept while neither the snapshot nor the settings change,
+//! since a range looks at all leaves.
 
 use crate::render::{Reading, ReadingSettings};
 use crate::solve::Snapshot;
@@ -14,8 +15,8 @@ pub(in crate::app) struct ReadingInView {
 }
 
 impl ReadingInView {
-    /// Follows the snapshot and the settings; `open_ground` is the irradiance of open ground where the sky alone shines, W/m², weighted as
-    /// the eye does.
+    /// Follows the snapshot and the settings; `open_ground` is the irradiance of open ground where
+    /// the sky alone shines, W/m², weighted as the eye does.
     pub(in crate::app) fn follow(
         &mut self,
         snapshot: &Snapshot,

@@ -25,7 +25,8 @@ impl App {
         self.tools.measuring.select(None, &self.wake);
     }
 
-    /// Picks any element, patch or cluster, by its id; nothing where the snapshot in view does not know it.
+    /// Picks any element, patch or cluster, by its id; nothing where the snapshot in view does not
+    /// know it.
     pub(in crate::app) fn pick_element(&mut self, id: ElementId) {
         let picked = self.shown.snapshot.as_ref().and_then(|snapshot| PickedElement::by_id(snapshot, id));
         if picked.is_some() {

@@ -1,7 +1,8 @@
-//! State that the window goes on with at its next start: scene, added light, parameters, view and the open tool.
+//! State that the window goes on with at its next start: scene, added light, parameters, view and
+//! the open tool.
 //!
-//! Folded sections and the window's place are kept by egui itself. The storage is the one that the window was made with; none
-//! in tests.
+//! Folded sections and the window's place are kept by egui itself. The storage is the one that the
+//! window was made with; none in tests.
 
 use glam::Vec3;
 use serde::{Deserialize, Serialize};

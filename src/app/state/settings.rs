@@ -14,7 +14,8 @@ pub(in crate::app) struct DisplaySettings {
     pub auto_stops: f32,
     /// Exposure by hand, stops; 0 shows 1 W/m² as 1.
     pub manual_stops: f32,
-    /// Whether light is gathered at every pixel once the camera stands still; otherwise the mesh is shown.
+    /// Whether light is gathered at every pixel once the camera stands still; otherwise the mesh is
+    /// shown.
     pub is_gathered: bool,
     /// Outlines of the leaf elements.
     pub show_elements: bool,
@@ -87,8 +88,9 @@ impl DisplaySettings {
         Display { exposure, ..Display::default() }
     }
 
-    /// As the renderer wants it; cluster levels beyond the deepest show the deepest. What is shown without light would be
-    /// black in black, so that nothing could be chosen in it: it is drawn with outlines.
+    /// As the renderer wants it; cluster levels beyond the deepest show the deepest. What is shown
+    /// without light would be black in black, so that nothing could be chosen in it: it is drawn
+    /// with outlines.
     pub(in crate::app) fn overlay(&self, deepest_level: u16, is_dark: bool, marks: Marks) -> Overlay {
         Overlay {
             elements: self.show_elements || is_dark,

@@ -1,4 +1,5 @@
-//! How far a solve is, as a bar shows it, how long it may still take, and how long the solver has been working since it last reported.
+//! How far a solve is, as a bar shows it, how long it may still take, and how long the solver has
+//! been working since it last reported.
 
 use std::time::{Duration, Instant};
 
@@ -7,7 +8,8 @@ use crate::worker::RunState;
 
 /// Progress must have gone so far before it is extrapolated.
 const LEAST_PROGRESS: f32 = 0.03;
-/// Share of the time so far by which the present pace is judged: the last rays of a solve come slower than its first links.
+/// Share of the time so far by which the present pace is judged: the last rays of a solve come
+/// slower than its first links.
 const RECENT: f64 = 1.0 / 3.0;
 
 /// How far the solve is, and how long it has been working.
@@ -47,8 +49,8 @@ impl Course {
         self.share
     }
 
-    /// Seconds that the solve may still take, this long after it last reported. `None` where that cannot be known: at the beginning, and while
-    /// nothing is known to go on.
+    /// Seconds that the solve may still take, this long after it last reported. `None` where that
+    /// cannot be known: at the beginning, and while nothing is known to go on.
     pub(in crate::app) fn seconds(&self, after: f64) -> Option<f64> {
         let of = self.of.as_ref().filter(|of| !of.is_done)?;
         let (now, (since, from)) = (self.total + after, of.begun);
@@ -63,7 +65,8 @@ impl Course {
         (lately > 0.0).then(|| f64::from(1.0 - self.share) * pace(took, gone).max(pace(now - then, lately)))
     }
 
-    /// Takes up a new picture of a solve with these parameters; one of an earlier step tells nothing of it.
+    /// Takes up a new picture of a solve with these parameters; one of an earlier step tells
+    /// nothing of it.
     pub(in crate::app) fn note(&mut self, snapshot: &Snapshot, params: &SolverParams) {
         if snapshot.former_step.is_none() {
             self.note_stats(snapshot.generation, &snapshot.stats, params);
@@ -148,8 +151,8 @@ mod tests {
         assert_eq!(clock.seconds_at(at(12)), None);
     }
 
-    /// Truth: a quarter in two seconds leaves six seconds for the other three; the bar does not go back within a solve, and begins
-    /// again with another one.
+    /// Truth: a quarter in two seconds leaves six seconds for the other three; the bar does not go
+    /// back within a solve, and begins again with another one.
     #[test]
     fn the_bar_never_goes_back_and_tells_what_is_left() {
         let params = SolverParams::usual();
@@ -173,8 +176,8 @@ mod tests {
         assert_eq!(course.share(), 0.0, "a lamp was changed");
     }
 
-    /// Truth: by hand. Half in 5 s and a twentieth in the next 5 s leave nine times that, not another 8 s; and while nothing has been heard
-    /// for long, nothing is said.
+    /// Truth: by hand. Half in 5 s and a twentieth in the next 5 s leave nine times that, not
+    /// another 8 s; and while nothing has been heard for long, nothing is said.
     #[test]
     fn a_solve_that_slows_down_is_not_about_to_end() {
         let params = SolverParams::usual();

@@ -1,7 +1,8 @@
-//! Undo and redo of settings: the solver's parameters, the display, lamps and materials, daylight, the task area.
+//! Undo and redo of settings: the solver's parameters, the display, lamps and materials, daylight,
+//! the task area.
 //!
-//! A drag of a slider is one step, however many values it passes: what is set is looked at when the pointer and all keys are
-//! let go. The camera and what is picked are no settings.
+//! A drag of a slider is one step, however many values it passes: what is set is looked at when the
+//! pointer and all keys are let go. The camera and what is picked are no settings.
 
 use egui::{Button, Context, Key, KeyboardShortcut, Modifiers, Ui};
 
@@ -201,7 +202,8 @@ mod tests {
         }
     }
 
-    /// Truth: a list of what was set, walked back and forth; a new change ends what could be redone.
+    /// Truth: a list of what was set, walked back and forth; a new change ends what could be
+    /// redone.
     #[test]
     fn steps_are_taken_back_and_made_again() {
         let mut history = History::default();

@@ -1,8 +1,9 @@
-//! Watching the files of the scene in view: what changes on disk is offered, what vanishes is said once.
+//! Watching the files of the scene in view: what changes on disk is offered, what vanishes is said
+//! once.
 //!
-//! A thread of its own asks the system twice a second how long the files are and when they were written. Notices of the file system
-//! would come sooner, but never from a network's disk, which may also keep a question waiting for long: the window must not be
-//! the one who asks.
+//! A thread of its own asks the system twice a second how long the files are and when they were
+//! written. Notices of the file system would come sooner, but never from a network's disk, which
+//! may also keep a question waiting for long: the window must not be the one who asks.
 
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
@@ -140,8 +141,8 @@ impl Watched {
         *self = Self::new(self.known.again());
     }
 
-    /// Takes up another look. What differs is believed when it looks alike twice: a file that is being written grows, and one that is
-    /// being replaced is gone for a moment. Told once.
+    /// Takes up another look. What differs is believed when it looks alike twice: a file that is
+    /// being written grows, and one that is being replaced is gone for a moment. Told once.
     fn look(&mut self, now: FileStamp) -> Option<News> {
         let is_settled = now == self.last;
         self.last = now;

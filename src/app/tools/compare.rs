@@ -1,4 +1,5 @@
-//! The comparison tool: keep a solution as A, let B run with other settings, and see how they differ.
+//! The comparison tool: keep a solution as A, let B run with other settings, and see how they
+//! differ.
 
 use std::sync::Arc;
 

@@ -1,4 +1,5 @@
-//! The export tool: pictures, meshes, links, numbers, and the scene for programs that check its light.
+//! The export tool: pictures, meshes, links, numbers, and the scene for programs that check its
+//! light.
 
 use std::path::{Path, PathBuf};
 

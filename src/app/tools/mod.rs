@@ -1,4 +1,5 @@
-//! The dock at the right: tools that look into the solution, one at a time; closed until somebody asks for one.
+//! The dock at the right: tools that look into the solution, one at a time; closed until somebody
+//! asks for one.
 //!
 //! A bar above the view opens and closes them.
 
@@ -64,7 +65,8 @@ pub(in crate::app) enum Tool {
 }
 
 impl Tool {
-    /// Whether the tool looks at elements and links, which snapshots carry only when they are asked to.
+    /// Whether the tool looks at elements and links, which snapshots carry only when they are asked
+    /// to.
     pub(in crate::app) fn reads_solution_view(self) -> bool {
         matches!(self, Self::Inspector | Self::Matrix | Self::Clusters | Self::Export)
     }
@@ -98,7 +100,8 @@ const FIRST_WIDTH_OF_TABLE: f32 = 540.0;
 /// A narrower bar has the tools in a menu, points.
 const ROOM_FOR_TOOLS: f32 = 840.0;
 
-/// The bar above the view: a switch for each tool, in a menu where there is no room for all of them.
+/// The bar above the view: a switch for each tool, in a menu where there is no room for all of
+/// them.
 pub(in crate::app) fn show_bar(app: &mut App, ui: &mut Ui) {
     let has_room = ui.max_rect().width() >= ROOM_FOR_TOOLS;
     ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {

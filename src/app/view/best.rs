@@ -1,4 +1,5 @@
-//! The best picture of a scene: a finished one stays in view while a better one of the same light is being made.
+//! The best picture of a scene: a finished one stays in view while a better one of the same light
+//! is being made.
 
 use std::sync::Arc;
 
@@ -14,8 +15,8 @@ pub(in crate::app) struct BestPicture {
 impl BestPicture {
     /// Snapshot that is to be drawn while `latest` is the newest one.
     ///
-    /// A solve to another target error begins with links that are coarser than the light that was gathered before. One by ε, and
-    /// a former step, are looked at for their own sake.
+    /// A solve to another target error begins with links that are coarser than the light that was
+    /// gathered before. One by ε, and a former step, are looked at for their own sake.
     pub(in crate::app) fn follow(&mut self, latest: &Arc<Snapshot>, info: Option<&Arc<SceneInfo>>) -> Arc<Snapshot> {
         let Some(info) = info else { return latest.clone() };
         let is_done = latest.stats.phase == Phase::Done;

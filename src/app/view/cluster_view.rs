@@ -1,4 +1,5 @@
-//! The window's view of clusters: what is asked for, and the snapshot in view as it shows them, made anew only when something changed.
+//! The window's view of clusters: what is asked for, and the snapshot in view as it shows them,
+//! made anew only when something changed.
 
 use std::sync::Arc;
 
@@ -53,8 +54,8 @@ impl ClusterScene {
         (self.coloured || explode > 0.0).then_some(ClusterView { level, explode, coloured: self.coloured })
     }
 
-    /// The snapshot as the view shows a level; `None` for the plain picture, while the solution view has not come, and where no level is to be
-    /// shown.
+    /// The snapshot as the view shows a level; `None` for the plain picture, while the solution
+    /// view has not come, and where no level is to be shown.
     pub(in crate::app) fn painted(&mut self, snapshot: &Arc<Snapshot>, level: Option<u16>) -> Option<Arc<Snapshot>> {
         let wanted = level.and_then(|level| Some((level, self.view(level)?)));
         let (Some((level, view)), Some(solution_view)) = (wanted, &snapshot.solution_view) else {
@@ -98,8 +99,8 @@ impl ClusterScene {
         self.painted.as_ref().is_some_and(|painted| painted.view.explode > 0.0)
     }
 
-    /// The picked element and what is pointed at, where surfaces lie elsewhere than in the scene; links are left out, for their ways would
-    /// be none of light's.
+    /// The picked element and what is pointed at, where surfaces lie elsewhere than in the scene;
+    /// links are left out, for their ways would be none of light's.
     pub(in crate::app) fn marks(
         &self,
         solution_view: &SolutionView,
@@ -121,7 +122,8 @@ impl ClusterScene {
         lines.into()
     }
 
-    /// A ray into the picture as one into the scene, which meets the same surface at once: beside it, how far that surface was moved.
+    /// A ray into the picture as one into the scene, which meets the same surface at once: beside
+    /// it, how far that surface was moved.
     pub(in crate::app) fn ray_in_scene(&self, origin: Vec3, direction: Vec3) -> Option<(Vec3, Vec3)> {
         let (cut, painted) = (self.cut.as_ref()?, self.painted.as_ref()?);
         let mesh = &painted.snapshot.mesh;
@@ -132,7 +134,8 @@ impl ClusterScene {
     }
 }
 
-/// A ray that stands for another starts so far from the surface that the other met, in the scene's unit: nothing lies between.
+/// A ray that stands for another starts so far from the surface that the other met, in the scene's
+/// unit: nothing lies between.
 const JUST_BEFORE: f32 = 1e-4;
 
 #[cfg(test)]
@@ -153,7 +156,8 @@ mod tests {
         Arc::new(solver.snapshot())
     }
 
-    /// Truth: the surface that a ray meets in the picture is the one that its stand-in meets in the scene.
+    /// Truth: the surface that a ray meets in the picture is the one that its stand-in meets in the
+    /// scene.
     #[test]
     fn clicks_into_the_pulled_apart_picture_meet_the_same_surfaces() {
         let snapshot = snapshot();

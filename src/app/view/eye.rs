@@ -40,7 +40,8 @@ impl<'a> Eye<'a> {
         first.is_none_or(|hit| hit.distance > NEARLY * away.length())
     }
 
-    /// Where a point lies, and how many points of the view a length of 1 takes there; `None` outside.
+    /// Where a point lies, and how many points of the view a length of 1 takes there; `None`
+    /// outside.
     pub(in crate::app) fn project(&self, point: Vec3) -> Option<(Pos2, f32)> {
         let clip = self.clip_from_world * point.extend(1.0);
         if clip.w <= self.camera.near() {
@@ -51,7 +52,8 @@ impl<'a> Eye<'a> {
         self.view.expand(OUTSIDE).contains(at).then_some((at, self.focal / clip.w))
     }
 
-    /// Whether a good part of the view is seen through backs of faces, such as walls between the eye and a room.
+    /// Whether a good part of the view is seen through backs of faces, such as walls between the
+    /// eye and a room.
     pub(in crate::app) fn looks_through_walls(&self) -> bool {
         let [columns, rows] = RAYS;
         let meets_back = |index: &u32| {
@@ -75,7 +77,8 @@ mod tests {
     use crate::scene::CameraPose;
     use crate::scene::builtin::BuiltinScene;
 
-    /// Truth: the seminar room's own box, and eyes within and behind its walls. The middle of one of the views passes by the room.
+    /// Truth: the seminar room's own box, and eyes within and behind its walls. The middle of one
+    /// of the views passes by the room.
     #[test]
     fn a_wall_that_is_looked_through_is_noticed_wherever_it_is_in_the_view() {
         let scene = BuiltinScene::Seminar { polygons: BuiltinScene::SEMINAR_POLYGONS }.build();

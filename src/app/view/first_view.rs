@@ -1,5 +1,5 @@
-//! The first view of a scene: it suits itself to the room that panels leave, for they find their places in the frames after the first
-//! picture.
+//! The first view of a scene: it suits itself to the room that panels leave, for they find their
+//! places in the frames after the first picture.
 
 use crate::render::Camera;
 use crate::scene::CameraPose;
@@ -22,7 +22,8 @@ impl FirstView {
         Self { pose, made: None }
     }
 
-    /// The camera of this frame: made by `suited`, unless there is one that has been moved or has had its first frames.
+    /// The camera of this frame: made by `suited`, unless there is one that has been moved or has
+    /// had its first frames.
     pub(in crate::app) fn follow(
         &mut self,
         camera: Option<Camera>,

@@ -1,7 +1,7 @@
 //! The gathered picture of the view: a thread that refines it while the camera stands still.
 //!
-//! It has threads of its own, is stopped at once when anything moves or changes, and never waits for the window, nor the window
-//! for it: what it has painted lies in a slot.
+//! It has threads of its own, is stopped at once when anything moves or changes, and never waits
+//! for the window, nor the window for it: what it has painted lies in a slot.
 
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::sync::{Arc, Mutex};
@@ -95,8 +95,8 @@ impl Gathering {
         Self { asks: started.is_ok().then_some(asks), slot, cancel: CancelToken::new(), last: None, is_asked: false }
     }
 
-    /// The picture of what the view shows, as far as it is; `None` while it shows the mesh. Asks for one once the view has
-    /// stood still for a frame.
+    /// The picture of what the view shows, as far as it is; `None` while it shows the mesh. Asks
+    /// for one once the view has stood still for a frame.
     pub(in crate::app) fn follow(
         &mut self,
         snapshot: &Snapshot,

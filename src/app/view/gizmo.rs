@@ -1,4 +1,5 @@
-//! Handles of the luminaire at hand, over the view: an arrow along each axis that moves it when it is dragged.
+//! Handles of the luminaire at hand, over the view: an arrow along each axis that moves it when it
+//! is dragged.
 
 use egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Sense, Stroke, Ui, vec2};
 use glam::Vec3;
@@ -23,7 +24,8 @@ const AXES: [(Vec3, &str, &str, Color32); 3] = [
     (Vec3::Z, "z", words::MOVE_ALONG_Z, Color32::from_rgb(90, 140, 255)),
 ];
 
-/// A drag that goes on: where the luminaire was when it began, and where along the axis the pointer took hold.
+/// A drag that goes on: where the luminaire was when it began, and where along the axis the pointer
+/// took hold.
 #[derive(Clone, Copy, Debug, Default)]
 struct Hold {
     centre: Vec3,
@@ -83,7 +85,8 @@ pub(in crate::app) fn show(app: &mut App, ui: &Ui, rect: Rect) {
     painter.circle(middle, 4.0, Color32::WHITE, Stroke::new(1.0, Color32::BLACK));
 }
 
-/// Areas by which the pointer takes hold of an arrow: its tip, and squares along its shaft, away from the middle where the arrows meet.
+/// Areas by which the pointer takes hold of an arrow: its tip, and squares along its shaft, away
+/// from the middle where the arrows meet.
 fn take_hold(ui: &Ui, name: &str, middle: Pos2, tip: Pos2) -> egui::Response {
     let take = |at: Pos2, side: f32, number: usize| {
         let id = ui.scope_id().with((name, number));
@@ -122,7 +125,8 @@ fn draw_arrow(painter: &Painter, from: Pos2, tip: Pos2, letter: &str, colour: Co
 mod tests {
     use super::*;
 
-    /// Truth: a ray that meets the line meets it there; one beside it is nearest at the foot of the perpendicular.
+    /// Truth: a ray that meets the line meets it there; one beside it is nearest at the foot of the
+    /// perpendicular.
     #[test]
     fn a_ray_takes_hold_where_it_is_nearest() {
         let ray = |origin: Vec3, to: Vec3| Ray { origin, direction: 3.0 * (to - origin) };

@@ -1,7 +1,9 @@
-//! The element that a person points at, in a panel or in the view: every panel says so and every panel marks it.
+//! The element that a person points at, in a panel or in the view: every panel says so and every
+//! panel marks it.
 //!
-//! While a frame is laid out, whoever is pointed at calls [`Pointing::at`]. Panels come before the view, which draws the
-//! highlight in the same frame; the panels themselves mark what the last frame ended with ([`Pointing::shown`]).
+//! While a frame is laid out, whoever is pointed at calls [`Pointing::at`]. Panels come before the
+//! view, which draws the highlight in the same frame; the panels themselves mark what the last
+//! frame ended with ([`Pointing::shown`]).
 
 use crate::hierarchy::{ElementId, Hierarchy};
 use crate::render::{Line, element_outline};

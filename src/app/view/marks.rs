@@ -1,4 +1,5 @@
-//! The marks over the view: links, the picked element and what is pointed at; made anew only when one of them changes.
+//! The marks over the view: links, the picked element and what is pointed at; made anew only when
+//! one of them changes.
 
 use crate::app::state::inspection::Inspection;
 use crate::app::state::settings::{LinkOverlay, LinksOf};

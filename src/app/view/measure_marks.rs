@@ -12,7 +12,8 @@ use crate::base::photometry::{ShownIn, lux, weighted};
 use crate::read::survey::SurfaceReading;
 use crate::render::Reading;
 
-/// Radii of a point of the plane where it is nearest to and farthest from the eye, points; its size in the room in between.
+/// Radii of a point of the plane where it is nearest to and farthest from the eye, points; its size
+/// in the room in between.
 const RADII: (f32, f32) = (2.0, 15.0);
 /// Share of a cell that a point's disc fills, from its middle.
 const CELL_SHARE: f32 = 0.22;

@@ -1,5 +1,5 @@
-//! When the exposure of the view is metered: while the camera moves or somebody drags a lamp it holds, so that nothing flickers, and
-//! dimming is seen.
+//! When the exposure of the view is metered: while the camera moves or somebody drags a lamp it
+//! holds, so that nothing flickers, and dimming is seen.
 
 use std::sync::Arc;
 
@@ -25,7 +25,8 @@ struct Metered {
 }
 
 impl Metering {
-    /// The factor on radiosities, m²/W, of a view. One `held` stays as it was for the scene, once there is one.
+    /// The factor on radiosities, m²/W, of a view. One `held` stays as it was for the scene, once
+    /// there is one.
     pub(in crate::app) fn follow(
         &mut self,
         snapshot: &Snapshot,
@@ -53,7 +54,8 @@ impl Metering {
         self.metered.as_ref().is_some_and(|metered| metered.exposure.is_dark)
     }
 
-    /// Whether the view has moved since it was metered: another frame is wanted once it stands still.
+    /// Whether the view has moved since it was metered: another frame is wanted once it stands
+    /// still.
     pub(in crate::app) fn is_behind(&self) -> bool {
         self.metered.as_ref().zip(self.last.as_ref()).is_some_and(|(metered, last)| metered.camera != *last)
     }

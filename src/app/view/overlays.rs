@@ -52,8 +52,8 @@ impl Overlays {
         self.taken.push((name, rect));
     }
 
-    /// The wanted rectangle, or the next free one towards the middle of the view: down from its upper half, up from its lower one.
-    /// `None` where there is none in the view.
+    /// The wanted rectangle, or the next free one towards the middle of the view: down from its
+    /// upper half, up from its lower one. `None` where there is none in the view.
     pub(in crate::app) fn free(&self, view: Rect, wanted: Rect) -> Option<Rect> {
         let goes_down = wanted.center().y < view.center().y;
         let mut rect = wanted;

@@ -6,7 +6,8 @@ use crate::render::in_own_colours;
 use crate::solve::Snapshot;
 use crate::worker::SceneInfo;
 
-/// Serials of what is painted here start with this; neither a solve nor the view of clusters comes near it.
+/// Serials of what is painted here start with this; neither a solve nor the view of clusters comes
+/// near it.
 const FIRST_SERIAL: u64 = 1 << 61;
 
 /// The snapshot that was painted last.
@@ -22,7 +23,8 @@ struct Painted {
 }
 
 impl OwnColours {
-    /// The snapshot with the colours of the scene's surfaces at its vertices; `None` where the scene has light.
+    /// The snapshot with the colours of the scene's surfaces at its vertices; `None` where the
+    /// scene has light.
     pub(in crate::app) fn painted(
         &mut self,
         snapshot: &Arc<Snapshot>,

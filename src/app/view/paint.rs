@@ -1,6 +1,8 @@
-//! The view as an egui callback: `prepare` draws offscreen with our renderer, `paint` blits the picture.
+//! The view as an egui callback: `prepare` draws offscreen with our renderer, `paint` blits the
+//! picture.
 //!
-//! A picture is drawn again only when something in it changed, however often egui repaints the panels around it.
+//! A picture is drawn again only when something in it changed, however often egui repaints the
+//! panels around it.
 
 use std::sync::Arc;
 use std::sync::mpsc::Sender;
@@ -24,7 +26,8 @@ pub(in crate::app) struct Picture {
     pub size: [u32; 2],
     /// A gathered picture of the same view and its number, in place of the mesh.
     pub gathered: Option<(u64, Arc<Pixels>)>,
-    /// Noise that suffices for a gathered picture, as a share of the local light; `None` where the mesh is asked for.
+    /// Noise that suffices for a gathered picture, as a share of the local light; `None` where the
+    /// mesh is asked for.
     pub noise: Option<f32>,
     /// Another solution at the left.
     pub beside: Option<Beside>,

@@ -1,4 +1,5 @@
-//! The view: mouse and keys move the camera, clicks pick; the picture is drawn by [`crate::app::view::paint`].
+//! The view: mouse and keys move the camera, clicks pick; the picture is drawn by
+//! [`crate::app::view::paint`].
 
 use egui::{Key, PointerButton, Rect, Response, Sense, Ui};
 use glam::{Vec2, Vec3};
@@ -31,7 +32,8 @@ const TURN_PER_HEIGHT: f32 = std::f32::consts::PI;
 const ZOOM_PER_POINT: f32 = 0.002;
 /// Flying speed with shift held, as a factor.
 const FAST: f32 = 4.0;
-/// Longest time of flight in one frame, seconds: a frame that took long must not throw the eye through a wall.
+/// Longest time of flight in one frame, seconds: a frame that took long must not throw the eye
+/// through a wall.
 const LONGEST_FLIGHT: f32 = 0.1;
 
 /// Longest side of the picture, pixels: what every device draws.
@@ -179,7 +181,8 @@ impl Viewport {
         }
     }
 
-    /// Turns the eye towards a point that lies beyond the edges of the view; one within them moves nothing.
+    /// Turns the eye towards a point that lies beyond the edges of the view; one within them moves
+    /// nothing.
     pub(in crate::app) fn turn_towards_unseen(&mut self, point: Vec3) {
         let aspect = self.aspect();
         if let Some(camera) = self.camera.as_mut() {
@@ -282,7 +285,8 @@ impl Viewport {
         self.camera.is_none_or(|camera| Eye::new(self.rect, &camera, occluders).sees(point))
     }
 
-    /// Length at a point of the scene that takes so many points of the window across the sight; `None` behind the eye.
+    /// Length at a point of the scene that takes so many points of the window across the sight;
+    /// `None` behind the eye.
     pub(in crate::app) fn length_of(&self, point: Vec3, points: f32) -> Option<f32> {
         let camera = self.camera?;
         let across = camera.forward().any_orthonormal_vector();
@@ -333,7 +337,8 @@ pub(in crate::app) fn show(app: &mut App, ui: &mut Ui, outbox: &mut Outbox) -> O
     }
     app.view.viewport.fly(ui, &response, app.shown.info.as_deref());
     let clicked = app.view.viewport.clicked(&response);
-    // While the view turns nothing can be read, nor off surfaces that lie elsewhere than in the scene.
+    // While the view turns nothing can be read, nor off surfaces that lie elsewhere than in the
+    // scene.
     let can_read = !response.dragged() && !app.view.clusters.is_exploded();
     let pointer = response.hover_pos().filter(|_| can_read).and_then(|at| app.view.viewport.ray_at(at));
     app.tools.measuring.point_at(pointer, &app.wake);
@@ -481,7 +486,8 @@ fn draw_area(app: &mut App, response: &Response) {
     ctx.set_cursor_icon(egui::CursorIcon::Crosshair);
 }
 
-/// Pixels of a view of this size: at least one, and no more than every device draws; what is larger is drawn coarser.
+/// Pixels of a view of this size: at least one, and no more than every device draws; what is larger
+/// is drawn coarser.
 fn picture_size(pixels: egui::Vec2) -> [u32; 2] {
     let shrink = (LARGEST_PICTURE / pixels.max_elem().max(1.0)).min(1.0);
     [pixels.x, pixels.y].map(|side| if side.is_finite() { (shrink * side).round().max(1.0) as u32 } else { 1 })

@@ -27,7 +27,8 @@ pub(in crate::app) struct Ground<'a> {
 }
 
 impl Ground<'_> {
-    /// Takes a step: to the right and forwards, each in seconds of walking. Along a wall that is in the way it slides.
+    /// Takes a step: to the right and forwards, each in seconds of walking. Along a wall that is in
+    /// the way it slides.
     pub(in crate::app) fn step(&self, camera: &mut Camera, by: Vec2) {
         let Some(ahead) = camera.forward().reject_from_normalized(self.up).try_normalize() else { return };
         // A doll's house is walked through by a doll.
@@ -66,7 +67,8 @@ mod tests {
     use crate::scene::CameraPose;
     use crate::scene::builtin::BuiltinScene;
 
-    /// Truth: the scene's own box. Whoever walks straight on for a minute, in any direction, stays in the room at eye height.
+    /// Truth: the scene's own box. Whoever walks straight on for a minute, in any direction, stays
+    /// in the room at eye height.
     #[test]
     fn nobody_walks_through_a_wall() {
         let scene = BuiltinScene::Seminar { polygons: BuiltinScene::SEMINAR_POLYGONS }.build();

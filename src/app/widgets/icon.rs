@@ -11,8 +11,8 @@ const SCALE: u32 = 8;
 /// Fill between the blocks, RGB.
 const GROUND: [u8; 3] = [24, 22, 30];
 
-/// A block: left, top, side (cells) and colour. The diagonal is dark, since what is flat does not light itself;
-/// the second column is the lamp's.
+/// A block: left, top, side (cells) and colour. The diagonal is dark, since what is flat does not
+/// light itself; the second column is the lamp's.
 const BLOCKS: [([u32; 3], [u8; 3]); 16] = [
     ([8, 0, 8], [150, 84, 78]),
     ([0, 8, 8], [98, 62, 96]),

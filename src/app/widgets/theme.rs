@@ -1,7 +1,8 @@
 //! Colours, spacing and text sizes of the dark and the light theme.
 //!
-//! Everything over the view is dark in either, so that the picture is the brightest thing there: it uses the constants below, or
-//! [`over_the_view`]. Panels take their colours from egui's style, or from [`palette`].
+//! Everything over the view is dark in either, so that the picture is the brightest thing there: it
+//! uses the constants below, or [`over_the_view`]. Panels take their colours from egui's style, or
+//! from [`palette`].
 
 use egui::{Color32, CornerRadius, FontFamily, FontId, Stroke, Style, TextStyle, Theme, Ui, Visuals};
 
@@ -173,8 +174,8 @@ pub(in crate::app) fn notice(ui: &Ui, text: impl Into<String>) -> egui::RichText
     egui::RichText::new(text).color(palette(ui.visuals()).accent)
 }
 
-/// A labelled row of a panel; the label names the widget for assistive technology too. Sliders and lists take the width that
-/// there is.
+/// A labelled row of a panel; the label names the widget for assistive technology too. Sliders and
+/// lists take the width that there is.
 pub(in crate::app) fn row(
     ui: &mut egui::Ui,
     label: &str,

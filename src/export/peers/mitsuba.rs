@@ -48,7 +48,8 @@ pub fn write(scene: &Scene, folder: &Path) -> Result<PathBuf, PeerError> {
 /// The picture of the sky.
 const SKY: &str = "sky.exr";
 
-/// The sky as Mitsuba's `envmap` reads it: y is up in it, −z at its left and right rim and x a quarter from the left.
+/// The sky as Mitsuba's `envmap` reads it: y is up in it, −z at its left and right rim and x a
+/// quarter from the left.
 fn sky(outside: &Outside) -> FloatPicture {
     let direction = |across: f32, down: f32| {
         let [(sine, cosine), (height_sine, height)] = angles(across, down);

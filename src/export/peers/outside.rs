@@ -1,4 +1,5 @@
-//! The outside for other programs: the sky as a picture all around, the sun as a direction with its disc.
+//! The outside for other programs: the sky as a picture all around, the sun as a direction with its
+//! disc.
 
 use std::f32::consts::PI;
 
@@ -9,11 +10,13 @@ use crate::scene::outside::{Outside, SUN_RADIUS};
 
 /// Width and height of a sky's picture, pixels.
 pub const SKY_SIZE: [usize; 2] = [1024, 512];
-/// A disc that stands for the sun is so many times the scene's diagonal away: directions to it differ by 1e-4.
+/// A disc that stands for the sun is so many times the scene's diagonal away: directions to it
+/// differ by 1e-4.
 const FAR: f32 = 1e4;
 
-/// Radiances of the sky by the direction of each pixel's middle, rows from the zenith down; `direction` tells the direction of an azimuth's
-/// share of the full circle and an angle from the zenith's share of the half circle.
+/// Radiances of the sky by the direction of each pixel's middle, rows from the zenith down;
+/// `direction` tells the direction of an azimuth's share of the full circle and an angle from the
+/// zenith's share of the half circle.
 pub fn sky_pixels(outside: &Outside, direction: impl Fn(f32, f32) -> Vec3) -> Vec<Vec3> {
     let [width, height] = SKY_SIZE;
     let pixel = |index: usize| {

@@ -45,7 +45,8 @@ fn view(scene: &Scene) -> String {
     format!("rvu -vtv -vp {x} {y} {z} -vd {direction} -vu {up} -vh {hfov_deg} -vv {height}\n")
 }
 
-/// Where a direction lies in the sky's picture, whose height is 1 and width 2: y is up in it, −z at its left and right rim.
+/// Where a direction lies in the sky's picture, whose height is 1 and width 2: y is up in it, −z at
+/// its left and right rim.
 const SKY_CAL: &str = "{ Written by Selflink }\n\
     skyu = if(Dx, atan2(Dx,-Dz), 2*PI + atan2(Dx,-Dz)) / PI;\n\
     skyv = 1 - acos(Dy)/PI;\n";

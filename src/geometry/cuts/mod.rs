@@ -1,12 +1,14 @@
 //! Cuts: large surfaces are cut where a wall stands on them, so that no patch lies in two rooms.
 //!
-//! Refinement splits a patch in the middle of its edges, wherever walls stand. The leaves under the foot of a wall would lie on both of
-//! its sides and show one light: a bright seam in the dark room. This is the discontinuity of order zero of [Heckbert 92; Lischinski,
-//! Tampieri, Greenberg 92], which is cheap to find: the lines in which other faces meet a surface.
+//! Refinement splits a patch in the middle of its edges, wherever walls stand. The leaves under the
+//! foot of a wall would lie on both of its sides and show one light: a bright seam in the dark
+//! room. This is the discontinuity of order zero of [Heckbert 92; Lischinski, Tampieri, Greenberg
+//! 92], which is cheap to find: the lines in which other faces meet a surface.
 //!
-//! A surface (coplanar polygons of one material that share edges) is cut along a line only where tall faces cover much of the line's
-//! way through it, so that legs of furniture and low things cut nothing; the parts are looked at again by themselves. Polygons stay
-//! triangles and quads, each in its material and group.
+//! A surface (coplanar polygons of one material that share edges) is cut along a line only where
+//! tall faces cover much of the line's way through it, so that legs of furniture and low things cut
+//! nothing; the parts are looked at again by themselves. Polygons stay triangles and quads, each in
+//! its material and group.
 
 mod line;
 
@@ -18,23 +20,28 @@ use super::parts::{Bits, Halves, Part, area, bits, edges, replace};
 use crate::scene::{Polygon, Scene};
 use line::{Line, foot};
 
-/// Polygons of less than this share of the scene's area are not cut: leaves on them are small anyhow.
+/// Polygons of less than this share of the scene's area are not cut: leaves on them are small
+/// anyhow.
 const LEAST_POLYGON: f64 = 1.0 / 4_000.0;
 /// Nor are surfaces of less than this share.
 const LEAST_SURFACE: f64 = 1.0 / 60.0;
 /// Faces of less than this share of the scene's area part nothing.
 const LEAST_FACE: f64 = 1e-5;
-/// Faces part a surface where they rise above it by this share of the root of its area: half a metre over a floor of 25 m².
+/// Faces part a surface where they rise above it by this share of the root of its area: half a
+/// metre over a floor of 25 m².
 const LEAST_HEIGHT: f64 = 0.1;
 /// Share of a line's way through a surface, or a part of one, that faces must cover.
 const COVERED: f64 = 0.5;
-/// A surface is cut only where one of the cuts leaves this share of it on either side: what stands along its rim parts no rooms.
+/// A surface is cut only where one of the cuts leaves this share of it on either side: what stands
+/// along its rim parts no rooms.
 const LEAST_SIDE: f64 = 0.05;
 /// An edge that is covered to this share parts what is shown on its sides.
 const SEAM: f64 = 0.999;
-/// Things nearer than this share of the scene's diagonal touch: a millimetre in a room of ten metres.
+/// Things nearer than this share of the scene's diagonal touch: a millimetre in a room of ten
+/// metres.
 const TOUCHING: f64 = 1e-4;
-/// Corners nearer to a line than this share of the diagonal lie on it: no part is thinner, for its area must have a meaning in f32.
+/// Corners nearer to a line than this share of the diagonal lie on it: no part is thinner, for its
+/// area must have a meaning in f32.
 const THINNEST: f64 = 1e-3;
 /// Faces that meet a surface under a smaller angle than this (its sine) lie on it.
 const LEAST_SINE: f64 = 0.2;
@@ -45,8 +52,9 @@ const SMOOTH: f64 = 0.766;
 /// A surface is cut into no more parts than this.
 const MOST_PARTS: usize = 64;
 
-/// Cuts the surfaces of a scene where walls stand on them; returns how many polygons were cut. The first part of a polygon takes its
-/// place, the others follow behind all polygons. `both_sides` tells whether walls behind a face part it as well.
+/// Cuts the surfaces of a scene where walls stand on them; returns how many polygons were cut. The
+/// first part of a polygon takes its place, the others follow behind all polygons. `both_sides`
+/// tells whether walls behind a face part it as well.
 pub fn cut(scene: &mut Scene, both_sides: bool) -> usize {
     let all = scene.polygons.par_iter().enumerate();
     let faces: Vec<Face> = all.map(|(index, of)| Face::new(scene, index, of)).collect();
@@ -221,7 +229,8 @@ impl Cutter<'_> {
         lines
     }
 
-    /// The line along which these parts are covered most, if enough for a cut that leaves so much of them on either side.
+    /// The line along which these parts are covered most, if enough for a cut that leaves so much
+    /// of them on either side.
     fn best<'a>(&self, lines: &'a [Line], parts: &[Part], least_side: f64) -> Option<&'a Line> {
         let of_line = |line: &'a Line| {
             let sides: Vec<Halves> = parts.iter().map(|part| line.halves(part, self.thinnest)).collect();
@@ -239,7 +248,8 @@ impl Cutter<'_> {
         all.reduce(|best, next| if next.1 > best.1 { next } else { best }).map(|(line, _)| line)
     }
 
-    /// Whether a cut would end at an edge beyond which a surface that looks like the same goes on uncut.
+    /// Whether a cut would end at an edge beyond which a surface that looks like the same goes on
+    /// uncut.
     fn tears(&self, scene: &Scene, surface: &[usize], crossed: &FxHashSet<(Bits, Bits)>) -> bool {
         let (of, normal) = (&scene.polygons[surface[0]], self.faces[surface[0]].normal);
         self.faces.iter().any(|face| {
@@ -295,8 +305,9 @@ mod tests {
         scene.polygons.iter().any(reaches)
     }
 
-    /// Truth: a wall through the whole room stands on its floor, ceiling and two long walls; each becomes the part on its left, the
-    /// part on its right and the strip under it, of 14.4 + 14.4 + 1.2 m² in all as before.
+    /// Truth: a wall through the whole room stands on its floor, ceiling and two long walls; each
+    /// becomes the part on its left, the part on its right and the strip under it, of 14.4 + 14.4 +
+    /// 1.2 m² in all as before.
     #[test]
     fn a_wall_parts_what_it_stands_on() {
         let mut scene = with_box(vec3(1.7, 0.0, 0.0), vec3(1.8, 3.0, 3.0));
@@ -309,8 +320,8 @@ mod tests {
         assert_eq!(cut(&mut scene, false), 0, "what is cut is not cut again");
     }
 
-    /// Truth: legs cover little of their lines, a board is not tall, what stands along a wall parts no rooms, and a wall in front of
-    /// which faces turn their backs stands on the other side.
+    /// Truth: legs cover little of their lines, a board is not tall, what stands along a wall parts
+    /// no rooms, and a wall in front of which faces turn their backs stands on the other side.
     #[test]
     fn furniture_cuts_nothing() {
         for (lower, upper) in [
@@ -324,7 +335,8 @@ mod tests {
         }
     }
 
-    /// Truth: parts of two triangles that share an edge meet in one vertex, and their surfaces stay joined beside the wall.
+    /// Truth: parts of two triangles that share an edge meet in one vertex, and their surfaces stay
+    /// joined beside the wall.
     #[test]
     fn triangles_of_one_floor_are_cut_alike() {
         let mut scene = with_box(vec3(1.7, 0.0, 0.0), vec3(1.8, 3.0, 3.0));

@@ -2,7 +2,8 @@ use super::*;
 use crate::measure::stability::scenes::add_box;
 use crate::scene::{CameraPose, GroupId, MaterialId};
 
-/// A closed room of 4 × 3 × 4 m, bright inside, with a small lamp that shines down: faces 0 to 5 and 6.
+/// A closed room of 4 × 3 × 4 m, bright inside, with a small lamp that shines down: faces 0 to 5
+/// and 6.
 fn room() -> Scene {
     let mut scene = Scene::new("room");
     let wall = scene.add_material("wall", Vec3::splat(0.5), Vec3::ZERO);
@@ -39,8 +40,8 @@ fn auto_turns_exactly_the_wall_that_is_wound_wrongly() {
     }
 }
 
-/// Truth: a shell around the room is seen by nobody inside and stays as it is, whichever way it is wound; a chest in
-/// the room is seen from outside.
+/// Truth: a shell around the room is seen by nobody inside and stays as it is, whichever way it is
+/// wound; a chest in the room is seen from outside.
 #[test]
 fn auto_leaves_what_nobody_sees_and_turns_furniture_outwards() {
     for shell_bright_inside in [false, true] {
@@ -72,7 +73,8 @@ fn auto_works_in_the_dark() {
     assert!(bright_towards(&turned, 2, MIDDLE));
 }
 
-/// Truth: each face once more, opposite, over the same vertices; occluders are those of the faces alone.
+/// Truth: each face once more, opposite, over the same vertices; occluders are those of the faces
+/// alone.
 #[test]
 fn both_appends_opposite_patches() {
     let (scene, occluders) = apply(room(), Sides::Both);
@@ -87,7 +89,8 @@ fn both_appends_opposite_patches() {
     assert_eq!(apply(scene, Sides::Front).0.polygons, room().polygons);
 }
 
-/// Truth: from inside of a closed room wound outwards nothing but backs are seen, and of one wound inwards nothing but fronts.
+/// Truth: from inside of a closed room wound outwards nothing but backs are seen, and of one wound
+/// inwards nothing but fronts.
 #[test]
 fn a_room_wound_outwards_shows_its_backs() {
     let (right, occluders) = apply(room(), Sides::Front);
@@ -98,8 +101,9 @@ fn a_room_wound_outwards_shows_its_backs() {
     assert!(shows_backs(&wrong, &occluders));
 }
 
-/// Truth: a screen in the middle of a room is seen from both sides, its walls from inside alone; so of all faces that may be bright on
-/// both sides the screen alone is doubled, and walls wound outwards are turned.
+/// Truth: a screen in the middle of a room is seen from both sides, its walls from inside alone; so
+/// of all faces that may be bright on both sides the screen alone is doubled, and walls wound
+/// outwards are turned.
 #[test]
 fn two_sided_faces_are_doubled_where_both_sides_are_seen() {
     for outwards in [false, true] {
@@ -140,7 +144,8 @@ fn votes_do_not_depend_on_the_threads() {
     assert_eq!(with(1), with(3));
 }
 
-/// Truth: a sheet of 3,200 triangles, of which few get a vote each, is wound alike throughout and turns as one.
+/// Truth: a sheet of 3,200 triangles, of which few get a vote each, is wound alike throughout and
+/// turns as one.
 #[test]
 fn unseen_faces_follow_their_surface() {
     let mut scene = Scene::new("sheet");

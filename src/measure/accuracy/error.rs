@@ -87,7 +87,8 @@ pub struct ErrorMeter {
 }
 
 impl ErrorMeter {
-    /// A meter for this reference, whose points should be [`crate::measure::reference::random_points`].
+    /// A meter for this reference, whose points should be
+    /// [`crate::measure::reference::random_points`].
     pub fn new(reference: Arc<Reference>) -> Self {
         Self { reference, located: None }
     }

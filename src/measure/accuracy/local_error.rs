@@ -118,7 +118,8 @@ impl LocalError {
     }
 }
 
-/// Median of the truth over the area, or a tenth of its mean where more than half of the area is dark.
+/// Median of the truth over the area, or a tenth of its mean where more than half of the area is
+/// dark.
 fn median_of(points: &[Compared]) -> f64 {
     let weight: f64 = points.iter().map(|point| point.weight).sum();
     let sum: f64 = points.iter().map(|point| point.weight * point.truth).sum();

@@ -3,8 +3,8 @@
 //!
 //! Both functions take the points for independent draws. Each carries the reference's noise of its
 //! own, so that this noise is within the spread and is not added a second time. The points of
-//! [`crate::measure::reference::random_points`] are spread more evenly than independent ones, which makes
-//! the standard errors somewhat too large rather than too small.
+//! [`crate::measure::reference::random_points`] are spread more evenly than independent ones, which
+//! makes the standard errors somewhat too large rather than too small.
 //!
 //! No spread tells of what no point has met: where the error sits in a place that holds less than
 //! one point on average, a set of points that misses it finds both the error and its standard error

@@ -23,7 +23,8 @@ impl LogAxis {
         })
     }
 
-    /// Part of a stretch that lies on the axis, which ends above 0; none where all of it lies beside.
+    /// Part of a stretch that lies on the axis, which ends above 0; none where all of it lies
+    /// beside.
     pub fn clip(&self, from: f64, to: f64) -> Option<(f64, f64)> {
         let (from, to) = (from.max(self.low), to.min(self.high));
         (from < to).then_some((from, to))

@@ -1,4 +1,5 @@
-//! Sky and sun in paths, by code of the reference's own: directions are drawn from cells of equal solid angle.
+//! Sky and sun in paths, by code of the reference's own: directions are drawn from cells of equal
+//! solid angle.
 
 use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
@@ -48,8 +49,8 @@ impl Daylight {
         Some(Self { outside, sun, up_to })
     }
 
-    /// Irradiance by a random direction of the sky and one of the sun, with the weight of the former against the direction that the path
-    /// takes by chance.
+    /// Irradiance by a random direction of the sky and one of the sun, with the weight of the
+    /// former against the direction that the path takes by chance.
     pub fn light(&self, surfaces: &Surfaces, from: &Vertex, sky: [[f32; 2]; 2], sun: [f32; 2]) -> DVec3 {
         self.sun_light(surfaces, from, sun) + self.sky_light(surfaces, from, sky)
     }

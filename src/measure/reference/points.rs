@@ -26,8 +26,8 @@ pub struct SurfacePoint {
     pub polygon: u32,
     /// Reflectance ρ there, which makes a radiosity of an irradiance.
     pub reflectance: Vec3,
-    /// Weight of the point where points are summed up: the area that it stands for, as a share of what
-    /// it would be among as many points spread evenly by area.
+    /// Weight of the point where points are summed up: the area that it stands for, as a share of
+    /// what it would be among as many points spread evenly by area.
     pub weight: f32,
 }
 

@@ -6,7 +6,8 @@ use super::sums::{Sums, reflected};
 /// The least share of a point, in batches per pass, whatever the pilot found there: it may have
 /// missed what is rare.
 const LEAST: f64 = 0.25;
-/// Share of the paths that goes by the scatter itself; the rest goes by the scatter relative to the mean.
+/// Share of the paths that goes by the scatter itself; the rest goes by the scatter relative to the
+/// mean.
 const BY_SCATTER: f64 = 0.65;
 /// The largest share: beyond it one point would keep a pass too long.
 const MOST: f64 = 64.0;

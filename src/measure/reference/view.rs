@@ -169,7 +169,8 @@ mod tests {
         scene.add_quad(square(0.0), floor, GroupId(0));
         let [a, b, c, d] = square(1.0);
         scene.add_quad([a, d, c, b], lamp, GroupId(0));
-        // From above, through the dark side of the lamp, at the middle of the floor; and from below the lamp at it.
+        // From above, through the dark side of the lamp, at the middle of the floor; and from below
+        // the lamp at it.
         let look = |eye: Vec3, down: f32| {
             let direction = move |_: [f32; 2]| Vec3::new(0.0, 0.0, down);
             let view = View { eye, direction, size: [1, 1], spacing: 1e-3 };

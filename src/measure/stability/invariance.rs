@@ -37,7 +37,8 @@ fn scaled(scene: &Scene, length: f32, emission: f32) -> Scene {
     scaled
 }
 
-/// Number of elements whose changed radiosity is not that of the other solution, and of elements and links that one has more.
+/// Number of elements whose changed radiosity is not that of the other solution, and of elements
+/// and links that one has more.
 fn differing(one: &Solver, other: &Solver, change: impl Fn(Vec3) -> Vec3) -> f64 {
     let pairs = one.radiosity().iter().zip(other.radiosity());
     let differ = pairs.filter(|(a, b)| change(**a) != **b).count();

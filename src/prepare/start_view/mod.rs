@@ -1,8 +1,9 @@
-//! Where a person first stands in a scene that names no view: inside its largest room, eyes at 1.6 m, looking along a long free
-//! diagonal, that which shows most.
+//! Where a person first stands in a scene that names no view: inside its largest room, eyes at 1.6
+//! m, looking along a long free diagonal, that which shows most.
 //!
-//! Inside is where nearly every ray meets a bright side; the largest room has the largest free floor. The space below a sky that goes
-//! round a house is inside too, by that measure: where a far higher space goes all the way round rooms (`outdoors`), one stands in these.
+//! Inside is where nearly every ray meets a bright side; the largest room has the largest free
+//! floor. The space below a sky that goes round a house is inside too, by that measure: where a far
+//! higher space goes all the way round rooms (`outdoors`), one stands in these.
 
 mod view;
 
@@ -25,11 +26,12 @@ const GLANCE: usize = 12;
 /// Eyes above the floor, m, and at most this share of a room's height.
 const EYE: f32 = 1.6;
 const HIGHEST_EYE: f32 = 2.0 / 3.0;
-/// Room above the floor that people have, m, or this share of the scene's height where that is less: a table is no ceiling.
+/// Room above the floor that people have, m, or this share of the scene's height where that is
+/// less: a table is no ceiling.
 const STANDING: f32 = 1.9;
 const STANDING_SHARE: f32 = 0.6;
-/// A lower one than people stand in is a room of a small scene, such as a box for tests, where its floor is this share of the scene's
-/// ground at least, and not the inside of a sofa.
+/// A lower one than people stand in is a room of a small scene, such as a box for tests, where its
+/// floor is this share of the scene's ground at least, and not the inside of a sofa.
 const LOW_ROOM_SHARE: f32 = 0.25;
 /// Nobody stands where less than this share of it is.
 const LEAST_HEADROOM: f32 = 0.75;
@@ -50,16 +52,18 @@ const OUTDOORS: f32 = 3.0;
 const LEAST_FLOOR: f32 = 4.0;
 /// Places looked at for such rooms, the best first.
 const MOST_ROOMS: usize = 256;
-/// Who sees no more things than this, of so many that the scene has, is where nothing is to be seen.
+/// Who sees no more things than this, of so many that the scene has, is where nothing is to be
+/// seen.
 const BARE: usize = 2;
 const MANY: usize = 10;
 /// Weight of such a place.
 const NOTHING_SEEN: f32 = 0.02;
-/// A space of less floor than this share of its squared height is a shaft, or the hollow of a wall, where it is no large part of the
-/// scene ([`LOW_ROOM_SHARE`]).
+/// A space of less floor than this share of its squared height is a shaft, or the hollow of a wall,
+/// where it is no large part of the scene ([`LOW_ROOM_SHARE`]).
 const SHAFT: f32 = 0.25;
 
-/// A space of less width, m, or this share of its height where that is less, is a cupboard where it is no large part of the scene.
+/// A space of less width, m, or this share of its height where that is less, is a cupboard where it
+/// is no large part of the scene.
 const NARROW: f32 = 1.2;
 const NARROW_SHARE: f32 = 0.36;
 const LARGE_PART: f32 = 0.5;
@@ -105,7 +109,8 @@ struct Stand {
     /// Floor that is seen from there, m².
     floor: f32,
     score: f32,
-    /// In which directions walls part the place from the outdoors; all of them where nothing goes round it.
+    /// In which directions walls part the place from the outdoors; all of them where nothing goes
+    /// round it.
     walls: [bool; AROUND],
 }
 
@@ -140,7 +145,8 @@ struct Rooms<'a> {
 }
 
 impl Rooms<'_> {
-    /// Places in the scene's box, and in front of its faces: a large ground would leave few of the first in a house.
+    /// Places in the scene's box, and in front of its faces: a large ground would leave few of the
+    /// first in a house.
     fn places(&self) -> Vec<Vec3> {
         let (lower, upper) = self.scene.bounds();
         let count = self.scene.polygons.len();
@@ -189,10 +195,12 @@ impl Rooms<'_> {
         Some(best_of(places_in(lower, upper).collect()).map_or(first, |other| better(first, other)))
     }
 
-    /// A place with the walls that part it from the space of another; `None` where that does not go round it.
+    /// A place with the walls that part it from the space of another; `None` where that does not go
+    /// round it.
     fn walled(&self, stand: Stand, outside: Vec3) -> Option<Stand> {
         let walls = outdoors::walls(self.scene, self.occluders, outside, stand.eye)?;
-        // What is seen through a window is no floor of the room, and who stands in the window sees few walls.
+        // What is seen through a window is no floor of the room, and who stands in the window sees
+        // few walls.
         let reaches = (0..AROUND).filter(|step| walls[*step]).map(|step| self.reach(stand.eye, self.around(step)));
         let (count, floor) =
             reaches.fold((0.0, 0.0), |(count, floor), reach| (count + 1.0, floor + sector(reach, AROUND)));
@@ -204,7 +212,8 @@ impl Rooms<'_> {
         heading(self.up, step, AROUND)
     }
 
-    /// The place above the floor below a point, if a person can stand there; looks into `steps` directions around it.
+    /// The place above the floor below a point, if a person can stand there; looks into `steps`
+    /// directions around it.
     fn stand(&self, place: Vec3, steps: usize) -> Option<Stand> {
         // Some rooms have no floor: one stands where they end.
         let floor_there = self.look(place, -self.up);

@@ -6,7 +6,8 @@ use crate::geometry::orient;
 use crate::measure::stability::scenes::add_box;
 use crate::scene::{GroupId, MaterialId, Sides};
 
-/// Truth: of two rooms beside each other, on a ground of 200 m, the larger one; eyes at 1.6 m, and nearly its diagonal of 10 m ahead.
+/// Truth: of two rooms beside each other, on a ground of 200 m, the larger one; eyes at 1.6 m, and
+/// nearly its diagonal of 10 m ahead.
 #[test]
 fn one_stands_in_the_largest_room() {
     let mut scene = Scene::new("house");
@@ -25,8 +26,9 @@ fn one_stands_in_the_largest_room() {
     assert_eq!(view.up, Vec3::Y);
 }
 
-/// Truth: the picture. A long room whose longest diagonals look past a screen and at bare walls, with a dozen things in one of its
-/// corners: most of the things are ahead, and no wall within a metre fills the picture.
+/// Truth: the picture. A long room whose longest diagonals look past a screen and at bare walls,
+/// with a dozen things in one of its corners: most of the things are ahead, and no wall within a
+/// metre fills the picture.
 #[test]
 fn the_first_view_shows_things_and_no_blank_wall() {
     let mut scene = Scene::new("studio");
@@ -48,7 +50,8 @@ fn the_first_view_shows_things_and_no_blank_wall() {
     assert!(near.count() < 3, "{view:?}");
 }
 
-/// A house of two rooms, 3 × 3 m and 8 × 6 m, with walls of 20 cm; a wall of the larger one has a window of 2 m².
+/// A house of two rooms, 3 × 3 m and 8 × 6 m, with walls of 20 cm; a wall of the larger one has a
+/// window of 2 m².
 fn house() -> Scene {
     let mut scene = Scene::new("house");
     scene.add_material("wall", Vec3::splat(0.5), Vec3::ZERO);
@@ -81,7 +84,8 @@ fn is_in_larger_room(view: &CameraPose) -> bool {
     (view.eye.y - 1.6).abs() < 1e-3 && inside(view.eye) && inside(view.target)
 }
 
-/// Truth: below a sky, on a lawn before a hedge, and between three backdrops one stands in the house's larger room.
+/// Truth: below a sky, on a lawn before a hedge, and between three backdrops one stands in the
+/// house's larger room.
 #[test]
 fn one_stands_in_the_house_and_not_in_its_surroundings() {
     let of = (MaterialId(0), GroupId(0));
@@ -110,7 +114,8 @@ fn one_stands_in_the_house_and_not_in_its_surroundings() {
     }
 }
 
-/// Truth: a hall stays one's place, with low rooms along its walls and a booth of 2 m² in its middle.
+/// Truth: a hall stays one's place, with low rooms along its walls and a booth of 2 m² in its
+/// middle.
 #[test]
 fn one_stands_in_a_hall_and_not_in_its_side_rooms() {
     let mut scene = Scene::new("hall");
@@ -145,7 +150,8 @@ fn a_room_may_be_open_to_a_side() {
     assert!(occluders.first_hit(view.eye, ahead).is_some_and(|hit| hit.front), "{view:?}");
 }
 
-/// Truth: under a table, however much of the room one sees from there, nobody stands, also where the room has no ceiling.
+/// Truth: under a table, however much of the room one sees from there, nobody stands, also where
+/// the room has no ceiling.
 #[test]
 fn one_stands_beside_a_table_and_not_under_it() {
     let mut scene = Scene::new("stage");
@@ -173,7 +179,8 @@ fn a_room_may_have_no_floor() {
     assert!((view.eye.y - 1.6).abs() < 1e-3 && view.eye.cmpgt(Vec3::ZERO).all(), "{view:?}");
 }
 
-/// Truth: nobody stands in a sofa, which is closed and bright inside where its faces have two sides; a box of that size alone is a room.
+/// Truth: nobody stands in a sofa, which is closed and bright inside where its faces have two
+/// sides; a box of that size alone is a room.
 #[test]
 fn a_sofa_is_no_room() {
     let of = (MaterialId(0), GroupId(0));
@@ -227,7 +234,8 @@ fn one_stands_where_there_is_something_to_see() {
     assert!((view.eye.y - 1.6).abs() < 1e-3 && view.eye.cmpgt(Vec3::ZERO).all(), "{view:?}");
 }
 
-/// Truth: of a room in the corner of two walls, which are hollow and bright inside, one sees the room and not what is in the walls.
+/// Truth: of a room in the corner of two walls, which are hollow and bright inside, one sees the
+/// room and not what is in the walls.
 #[test]
 fn nobody_stands_in_a_wall() {
     let mut scene = Scene::new("stage");
@@ -244,7 +252,8 @@ fn nobody_stands_in_a_wall() {
     }
 }
 
-/// Truth: in a wide room with a few small things by one of its walls, and nothing else, these are in the middle of the picture.
+/// Truth: in a wide room with a few small things by one of its walls, and nothing else, these are
+/// in the middle of the picture.
 #[test]
 fn the_first_view_looks_at_the_things_that_are_there() {
     let mut scene = Scene::new("desk");

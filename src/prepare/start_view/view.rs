@@ -6,7 +6,8 @@ use rayon::prelude::*;
 use super::{AROUND, CLEAR, CLEAR_SHARE, EYE, FARTHEST, HIGHEST_EYE, Rooms, Stand, heading};
 use crate::scene::CameraPose;
 
-/// Directions in which a room is free for at least this share of its longest are looked into as well.
+/// Directions in which a room is free for at least this share of its longest are looked into as
+/// well.
 const NEARLY_LONGEST: f32 = 0.75;
 /// Rays by which views are compared, across and up.
 const VIEWED: [usize; 2] = [15, 9];
@@ -64,9 +65,10 @@ impl Rooms<'_> {
         steps.find(|eye| is_clear(*eye)).unwrap_or(stand.eye)
     }
 
-    /// How much a view shows: the mean distance of what is seen, m, times the root of how many things that are, each as far as it is in the
-    /// middle, times the squared share of the picture that is neither near nor dark. A blank wall shows little, and so do things at the
-    /// picture's rim or before one's eyes.
+    /// How much a view shows: the mean distance of what is seen, m, times the root of how many
+    /// things that are, each as far as it is in the middle, times the squared share of the picture
+    /// that is neither near nor dark. A blank wall shows little, and so do things at the picture's
+    /// rim or before one's eyes.
     fn shown(&self, eye: Vec3, ahead: Vec3) -> f32 {
         let [columns, rows] = VIEWED;
         let right = ahead.cross(self.up);

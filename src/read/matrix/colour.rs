@@ -57,8 +57,8 @@ pub const UNJUDGED: [u8; 3] = [72, 76, 86];
 /// A pair that holds this one was seen fully: no ray of its own was needed to accept it.
 const INHERITED: [u8; 3] = [104, 182, 226];
 
-/// Power density at either end of the ramp, as a multiple of what all power that is emitted or comes in, spread evenly
-/// over all pairs would be.
+/// Power density at either end of the ramp, as a multiple of what all power that is emitted or
+/// comes in, spread evenly over all pairs would be.
 const POWER_RANGE: [f32; 2] = [1e-2, 1e2];
 /// Rays at the end of the ramp.
 const MOST_RAYS: f32 = 1000.0;

@@ -28,7 +28,8 @@ pub struct Shading<'a> {
 pub struct FalseColours<'a> {
     /// Which.
     pub quantity: Quantity,
-    /// The gamma-encoded colour of a value (W/m², weighted as the eye does); without it surfaces stay lit.
+    /// The gamma-encoded colour of a value (W/m², weighted as the eye does); without it surfaces
+    /// stay lit.
     pub colour: Option<&'a (dyn Fn(f32) -> Vec3 + Sync)>,
     /// Values of lines, W/m², and their gamma-encoded colours.
     pub lines: &'a [(f32, Vec3)],
@@ -79,7 +80,8 @@ pub(super) fn develop(sights: &Sights, shares: &[Share], smooth: &[Share], shadi
                 };
                 drawn.map(decode_gamma)
             };
-            // Samples are clamped by the tone curve before they are averaged, so that the rims of lamps are smooth.
+            // Samples are clamped by the tone curve before they are averaged, so that the rims of
+            // lamps are smooth.
             let mean = samples_in(x, y).map(colour_of).sum::<Vec3>() / (side * side) as f32;
             let [r, g, b] = mean.to_array().map(|channel| (255.0 * encode_gamma(channel)).round() as u8);
             *pixel = [r, g, b, 255];

@@ -1,9 +1,9 @@
 //! A filter that shares irradiance between samples of one smooth surface.
 //!
-//! An edge-avoiding à-trous filter [Dammertz et al., HPG 2010] at the resolution of the samples, before
-//! pixels mix surfaces. How far light is shared depends on how far away what surrounds a sample is, as
-//! irradiance caching does it [Ward, Rubinstein, Clear, SIGGRAPH 1988]: in a corner or beside a contact
-//! light changes within a hand's breadth, in the middle of a wall it does not.
+//! An edge-avoiding à-trous filter [Dammertz et al., HPG 2010] at the resolution of the samples,
+//! before pixels mix surfaces. How far light is shared depends on how far away what surrounds a
+//! sample is, as irradiance caching does it [Ward, Rubinstein, Clear, SIGGRAPH 1988]: in a corner
+//! or beside a contact light changes within a hand's breadth, in the middle of a wall it does not.
 
 use glam::{Vec3, Vec4};
 use rayon::prelude::*;
@@ -18,12 +18,14 @@ use crate::gather::grey;
 const KERNEL: [f32; 3] = [0.375, 0.25, 0.0625];
 /// Samples off the tangent plane by so much of their distance from the eye share little.
 const PLANE: f32 = 0.01;
-/// Surfaces that are turned further than this (cosine) from each other share nothing; the exponent on the cosine of others.
+/// Surfaces that are turned further than this (cosine) from each other share nothing; the exponent
+/// on the cosine of others.
 const TURNED: f32 = 0.5;
 const SMOOTHNESS: i32 = 32;
-/// Deviation of the weights at least, in distances between samples, after one look: less would leave noise in corners. Direct light
-/// has shadows whose edges are to stay, indirect light is smoother than that. The sun's edges are as sharp as those of what casts them: its
-/// light goes no further than to samples that nobody looked from.
+/// Deviation of the weights at least, in distances between samples, after one look: less would
+/// leave noise in corners. Direct light has shadows whose edges are to stay, indirect light is
+/// smoother than that. The sun's edges are as sharp as those of what casts them: its light goes no
+/// further than to samples that nobody looked from.
 const LEAST_REACH: [f32; PARTS] = [4.0, 12.0, 1.0];
 /// Samples that are less alike are of different surfaces.
 const ALIKE: f32 = 0.5;
@@ -35,8 +37,8 @@ const FAR: f32 = 8.0;
 pub struct Filter {
     /// Passes; the last one reaches 2^passes samples.
     pub passes: u32,
-    /// Deviation of the weights over a surface after one look, as a share of the harmonic mean distance to what surrounds a sample:
-    /// for direct light, for indirect light and for the sun's.
+    /// Deviation of the weights over a surface after one look, as a share of the harmonic mean
+    /// distance to what surrounds a sample: for direct light, for indirect light and for the sun's.
     pub reach: [f32; PARTS],
 }
 
@@ -56,7 +58,8 @@ pub struct Share {
     pub noise: f32,
 }
 
-/// The first parts of the light on their way through the filter: colours, and the noise as the fourth.
+/// The first parts of the light on their way through the filter: colours, and the noise as the
+/// fourth.
 #[derive(Clone, Copy, Debug)]
 struct Mixed<const N: usize> {
     light: [Vec4; N],
@@ -74,9 +77,10 @@ type Narrowness<const N: usize> = [f32; N];
 impl Filter {
     /// Shares the light of all samples; `None` if cancelled.
     ///
-    /// As noise falls with the looks n, less is shared: a reach that falls as n^(−1/6) lets bias and noise fall alike, as kernels
-    /// over a plane do [Silverman 1986]. What is shared depends on where samples lie and on what surrounds them, never on
-    /// their light, so noise goes through the filter as light does.
+    /// As noise falls with the looks n, less is shared: a reach that falls as n^(−1/6) lets bias
+    /// and noise fall alike, as kernels over a plane do [Silverman 1986]. What is shared depends on
+    /// where samples lie and on what surrounds them, never on their light, so noise goes through
+    /// the filter as light does.
     pub fn share(&self, sights: &Sights, light: &Light, cancel: &CancelToken) -> Option<Vec<Share>> {
         let has_sun = light.found.par_iter().any(|found| found.sums[SUN] != Vec3::ZERO);
         match has_sun {
@@ -85,7 +89,8 @@ impl Filter {
         }
     }
 
-    /// Shares the first parts of the light: the sun's comes last, and costs nothing where it does not shine.
+    /// Shares the first parts of the light: the sun's comes last, and costs nothing where it does
+    /// not shine.
     fn share_parts<const N: usize>(&self, sights: &Sights, light: &Light, cancel: &CancelToken) -> Option<Vec<Share>> {
         let places: Vec<Place> = sights.all.par_iter().map(Sight::place).collect();
         let (mut mixed, narrowness) = self.start::<N>(sights, &places, light, cancel)?;
@@ -157,7 +162,8 @@ impl Filter {
                 let found = &light.found[index];
                 if found.looks > 0.0 {
                     let of = |part: usize| {
-                        // What is left of one look without a partner is compared with the looks around.
+                        // What is left of one look without a partner is compared with the looks
+                        // around.
                         let noise = found.signed[part] - found.signs * sums[part] / looks;
                         found.sums[part].extend(noise) / found.looks
                     };

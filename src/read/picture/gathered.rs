@@ -20,8 +20,8 @@ const COARSE: u32 = 3;
 const FINE: u32 = 2;
 /// Passes, at most.
 const MOST_PASSES: u32 = 256;
-/// Tiles are looked from again until this many times the root mean square of their noise is below what was asked for: nine tenths of
-/// normal errors are below that.
+/// Tiles are looked from again until this many times the root mean square of their noise is below
+/// what was asked for: nine tenths of normal errors are below that.
 const NINE_TENTHS: f32 = 1.645;
 /// The noise of a picture is that below which this share of its samples lies.
 const NOISE_SHARE: f32 = 0.9;
@@ -86,8 +86,8 @@ pub struct GatheredPicture {
 }
 
 impl GatheredPicture {
-    /// A picture of so many pixels, until nine tenths of its samples have less noise than `error`, as a share of the
-    /// local light. Lines of equal value need light that is smoothed for them.
+    /// A picture of so many pixels, until nine tenths of its samples have less noise than `error`,
+    /// as a share of the local light. Lines of equal value need light that is smoothed for them.
     pub fn new(field: Arc<Field>, lens: Lens, size: [u32; 2], error: f32, start: Start, has_lines: bool) -> Self {
         let stage = match start {
             Start::Coarse => Stage::Coarse,
@@ -96,8 +96,8 @@ impl GatheredPicture {
         Self { field, lens, size, error, has_lines, stage, shown: None }
     }
 
-    /// Does one more pass on the current thread pool; afterwards there is something new to be seen. `None` if
-    /// cancelled: what is shown stays, but the picture gets no better.
+    /// Does one more pass on the current thread pool; afterwards there is something new to be seen.
+    /// `None` if cancelled: what is shown stays, but the picture gets no better.
     pub fn advance(&mut self, cancel: &CancelToken) -> Option<()> {
         let stage = std::mem::replace(&mut self.stage, Stage::Done);
         let look = |per_side| Sights::look(&self.field, &self.lens, self.size, per_side, cancel).map(Arc::new);
@@ -129,7 +129,8 @@ impl GatheredPicture {
     }
 
     fn refine(&mut self, mut level: Level, cancel: &CancelToken) -> Option<Stage> {
-        // Light is shared anew when there is half as much again of it: the filter takes time as well.
+        // Light is shared anew when there is half as much again of it: the filter takes time as
+        // well.
         let passes = (level.light.passes / 2).max(1);
         let all = Tiles::all(self.size);
         for _ in 0..passes {
@@ -162,7 +163,8 @@ impl GatheredPicture {
         Some(Shown { sights: sights.clone(), shares, smooth, noise, noisy })
     }
 
-    /// Noise below which nine tenths of the samples lie, as a share of the local light, and where it is above what was asked for.
+    /// Noise below which nine tenths of the samples lie, as a share of the local light, and where
+    /// it is above what was asked for.
     fn noise_of(&self, sights: &Sights, shares: &[Share]) -> (f32, Tiles) {
         let dim = self.field.dim();
         let of = |(sight, share): (&Sight, &Share)| {
@@ -195,7 +197,8 @@ impl GatheredPicture {
         matches!(self.stage, Stage::Done)
     }
 
-    /// The noise that nine tenths of the samples stay below, as a share of the local light, once there is a picture.
+    /// The noise that nine tenths of the samples stay below, as a share of the local light, once
+    /// there is a picture.
     pub fn noise(&self) -> Option<f32> {
         self.shown.as_ref().map(|shown| shown.noise)
     }
@@ -205,14 +208,16 @@ impl GatheredPicture {
         self.size
     }
 
-    /// The pixels as they are shown, gamma-encoded, rows from above; `None` before the first pass has ended.
+    /// The pixels as they are shown, gamma-encoded, rows from above; `None` before the first pass
+    /// has ended.
     pub fn develop(&self, shading: &Shading) -> Option<Vec<[u8; 4]>> {
         let shown = self.shown.as_ref()?;
         let smooth = shown.smooth.as_ref().unwrap_or(&shown.shares);
         Some(develop(&shown.sights, &shown.shares, smooth, shading))
     }
 
-    /// Where the values of lines of equal value (W/m²) can be written along them; none before the first pass has ended.
+    /// Where the values of lines of equal value (W/m²) can be written along them; none before the
+    /// first pass has ended.
     pub fn line_labels(&self, quantity: Quantity, lines: &[f32]) -> Vec<LineLabel> {
         let Some(shown) = self.shown.as_ref().filter(|_| !lines.is_empty()) else { return Vec::new() };
         labels::places(&shown.sights, shown.smooth.as_ref().unwrap_or(&shown.shares), quantity, lines)
@@ -287,15 +292,17 @@ pub struct LayersAt {
     pub albedo: Vec3,
     /// Share of the pixel that surfaces cover.
     pub coverage: f32,
-    /// Distance of the nearest sample along the line of sight, in the scene's unit; infinite where nothing is seen.
+    /// Distance of the nearest sample along the line of sight, in the scene's unit; infinite where
+    /// nothing is seen.
     pub depth: f32,
     /// The leaf there.
     pub element: Option<ElementId>,
 }
 
 impl Shown {
-    /// The light at the samples of a finer grid, of which this one holds one in so many in each direction: each takes
-    /// the means of those around it that see its own surface, or else the nearest.
+    /// The light at the samples of a finer grid, of which this one holds one in so many in each
+    /// direction: each takes the means of those around it that see its own surface, or else the
+    /// nearest.
     fn spread_to(&self, sights: &Arc<Sights>, step: u32) -> Self {
         let from = &self.sights;
         let [width, height] = from.size.map(|side| side as i32);

@@ -17,7 +17,8 @@ const CELL: f32 = 40.0;
 /// A line is straight enough where its value is met along the label within this many pixels.
 const STRAIGHT: f32 = 4.0;
 
-/// Where the dark rim of a written value lies, pixels from its letters: x to the right, y downwards.
+/// Where the dark rim of a written value lies, pixels from its letters: x to the right, y
+/// downwards.
 pub const LABEL_RIM: [[f32; 2]; 8] =
     [[-1.3, 0.0], [1.3, 0.0], [0.0, -1.3], [0.0, 1.3], [-0.9, -0.9], [0.9, -0.9], [-0.9, 0.9], [0.9, 0.9]];
 
@@ -65,7 +66,8 @@ impl Values<'_> {
     }
 }
 
-/// Where labels of these lines may stand: on one surface, where the line is nearly straight, apart from each other.
+/// Where labels of these lines may stand: on one surface, where the line is nearly straight, apart
+/// from each other.
 pub(super) fn places(sights: &Sights, smooth: &[Share], quantity: Quantity, lines: &[f32]) -> Vec<LineLabel> {
     let values = Values { sights, smooth, quantity };
     let side = sights.per_side as f32;
@@ -120,7 +122,8 @@ fn crosses(values: &Values<'_>, x: usize, y: usize, line: f32) -> bool {
     (x + 1 < width && passes(here + 1)) || (y + 1 < height && passes(here + width))
 }
 
-/// A label at a crossing, and how far the line leaves it; `None` where it would not lie along the line.
+/// A label at a crossing, and how far the line leaves it; `None` where it would not lie along the
+/// line.
 fn label(values: &Values<'_>, x: i64, y: i64, line: f32, side: f32) -> Option<(f32, LineLabel)> {
     let here = values.index(x, y)?;
     let gradient = values.gradient(here, x, y, (2.0 * side) as i64)?;

@@ -106,8 +106,9 @@ mod tests {
     use super::*;
     use crate::base::photometry::Unit;
 
-    /// Truth: the letters' own spread, of a number that is the same from either end. White pixels lie along its line, to
-    /// either side of its middle, with dark ones around; what is far from it stays.
+    /// Truth: the letters' own spread, of a number that is the same from either end. White pixels
+    /// lie along its line, to either side of its middle, with dark ones around; what is far from it
+    /// stays.
     #[test]
     fn values_lie_along_their_lines() {
         for angle in [-1.2_f32, -0.5, 0.0, 0.9] {
@@ -121,7 +122,8 @@ mod tests {
                 pixels.map(|(x, y, _)| vec2(x as f32 + 0.5, y as f32 + 0.5) - at).collect::<Vec<_>>()
             };
             let white = of(|red| red > 200);
-            // Strokes are a pixel or two wide: turned, each digit has but some pixels that are all white.
+            // Strokes are a pixel or two wide: turned, each digit has but some pixels that are all
+            // white.
             assert!(white.len() > 12 && of(|red| red < 60).len() > 20, "{angle}: {} white", white.len());
             let most = |axis: Vec2| white.iter().map(|aside| aside.dot(axis).abs()).fold(0.0, f32::max);
             assert!((8.0..16.0).contains(&most(along)) && most(across) < 8.0, "{} {}", most(along), most(across));

@@ -1,8 +1,8 @@
 //! Irradiance at the samples of a picture, as looks add it up.
 //!
-//! A pass looks from one sample of each pixel, the next pass from another one: samples of one surface
-//! share what they find ([`super::Filter`]), so few need a look of their own. Those that have nobody to
-//! share with, beside edges and on what is thin, get one in the first pass.
+//! A pass looks from one sample of each pixel, the next pass from another one: samples of one
+//! surface share what they find ([`super::Filter`]), so few need a look of their own. Those that
+//! have nobody to share with, beside edges and on what is thin, get one in the first pass.
 
 use glam::Vec3;
 use rayon::prelude::*;
@@ -21,15 +21,18 @@ pub(super) const PARTS: usize = 3;
 pub(super) const SUN: usize = 2;
 /// Sides of the blocks whose pixels share a sequence of random numbers; a power of two.
 const BLOCK: u32 = 64;
-/// Sides of the tiles of pixels that are looked from again or not, as a whole; a power of two up to that of blocks.
+/// Sides of the tiles of pixels that are looked from again or not, as a whole; a power of two up to
+/// that of blocks.
 pub(super) const TILE: u32 = 16;
 
 /// Light that the looks from a sample found.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Found {
-    /// Sums over the looks of the irradiance by emitters, by what others reflect, and by the sun, W/m².
+    /// Sums over the looks of the irradiance by emitters, by what others reflect, and by the sun,
+    /// W/m².
     pub sums: [Vec3; PARTS],
-    /// The sums (mean of the colours) with the sign of every other look turned, which tell the noise.
+    /// The sums (mean of the colours) with the sign of every other look turned, which tell the
+    /// noise.
     pub signed: [f32; PARTS],
     /// Sum of the signs.
     pub signs: f32,
@@ -54,7 +57,8 @@ impl Light {
         Self { found: vec![Found::default(); sights.all.len()], passes: 0 }
     }
 
-    /// Looks once more from the tiles that are wanted; all are in the first pass. `None` if cancelled: the light is then spoilt.
+    /// Looks once more from the tiles that are wanted; all are in the first pass. `None` if
+    /// cancelled: the light is then spoilt.
     pub fn look(&mut self, field: &Field, sights: &Sights, wanted: &Tiles, cancel: &CancelToken) -> Option<()> {
         let width = (sights.size[0] as usize).max(1);
         let (pass, side) = (self.passes, sights.per_side);

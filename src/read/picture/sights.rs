@@ -17,7 +17,8 @@ const MOST_HOLES: u32 = 64;
 /// A ray goes on behind a hole by this share of its length: rounding is far below it.
 const BEYOND_HOLE: f32 = 1e-5;
 
-/// Where the samples of a pixel lie, in pixels from its upper left corner: one in each quarter, no two of which share a row or a column.
+/// Where the samples of a pixel lie, in pixels from its upper left corner: one in each quarter, no
+/// two of which share a row or a column.
 const PLACES: [[Vec2; 2]; 2] =
     [[Vec2::new(0.375, 0.125), Vec2::new(0.875, 0.375)], [Vec2::new(0.125, 0.625), Vec2::new(0.625, 0.875)]];
 
@@ -78,8 +79,8 @@ impl Sight {
         polygon: NOTHING,
     };
 
-    /// Surface that is seen along a ray, holes of textures looked through; `spacing` is the distance between samples as a share of that
-    /// from the eye.
+    /// Surface that is seen along a ray, holes of textures looked through; `spacing` is the
+    /// distance between samples as a share of that from the eye.
     fn along(field: &Field, eye: Vec3, direction: Vec3, spacing: f32) -> Self {
         let scene = field.scene();
         let mut from = eye;
@@ -123,7 +124,8 @@ pub struct Sights {
     pub size: [u32; 2],
     /// Samples a pixel in each direction: 1 or 2.
     pub per_side: u32,
-    /// Distance between samples in the middle of the picture, as a share of the distance from the eye.
+    /// Distance between samples in the middle of the picture, as a share of the distance from the
+    /// eye.
     pub spacing: f32,
     /// Rows from above.
     pub all: Vec<Sight>,

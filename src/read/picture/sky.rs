@@ -9,8 +9,8 @@ use super::{Lens, ground};
 use crate::read::tone::{encode_gamma, tone_curve};
 use crate::scene::outside::Outside;
 
-/// What is seen where nothing of the scene is, gamma-encoded, rows from above, with an exposure (m²/W): the sky, and the usual ground where
-/// it is black.
+/// What is seen where nothing of the scene is, gamma-encoded, rows from above, with an exposure
+/// (m²/W): the sky, and the usual ground where it is black.
 pub fn sky_behind(outside: &Outside, lens: &Lens, exposure: f32, [width, height]: [u32; 2]) -> Vec<[u8; 4]> {
     let mut pixels = vec![[0, 0, 0, 255]; width as usize * height as usize];
     pixels.par_chunks_exact_mut(width.max(1) as usize).enumerate().for_each(|(y, row)| {

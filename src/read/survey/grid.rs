@@ -20,7 +20,8 @@ pub struct WorkPlane {
     pub spacing: f32,
     /// Strip along the rim of the floor that is left out.
     pub margin: f32,
-    /// Two opposite corners of the part that is measured, at any height; otherwise all of the floor but the margin.
+    /// Two opposite corners of the part that is measured, at any height; otherwise all of the floor
+    /// but the margin.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub area: Option<[Vec3; 2]>,
 }
@@ -77,8 +78,9 @@ pub enum GridError {
     },
 }
 
-/// Spacing of measuring points on an area of these extents, m, as EN 12464-1 asks: p = 0.2·5^log₁₀ d of the longer extent d, or of the
-/// shorter one where that is less than half of it; 10 m at most. Rounded down to centimetres.
+/// Spacing of measuring points on an area of these extents, m, as EN 12464-1 asks: p = 0.2·5^log₁₀
+/// d of the longer extent d, or of the shorter one where that is less than half of it; 10 m at
+/// most. Rounded down to centimetres.
 pub fn spacing_of(longer: f32, shorter: f32) -> f32 {
     let decisive = if longer >= 2.0 * shorter { shorter } else { longer };
     let spacing = 0.2 * 5_f32.powf(decisive.max(0.1).log10());
@@ -86,7 +88,8 @@ pub fn spacing_of(longer: f32, shorter: f32) -> f32 {
 }
 
 impl WorkPlane {
-    /// Height of the plane along the up axis of a scene, and that axis; `None` where there is no floor.
+    /// Height of the plane along the up axis of a scene, and that axis; `None` where there is no
+    /// floor.
     pub fn level(&self, scene: &Scene) -> Option<(f32, Vec3)> {
         floor(scene).map(|floor| (floor.height() + self.height, floor.up))
     }
@@ -196,7 +199,8 @@ mod tests {
         assert_eq!((grid.counts, grid.steps), ([3, 1], [8.0 / 3.0, 4.0]));
     }
 
-    /// Written out by hand: a task area of 3 × 2 whose corners are given in either order, in cells of 1 × 1, without a margin.
+    /// Written out by hand: a task area of 3 × 2 whose corners are given in either order, in cells
+    /// of 1 × 1, without a margin.
     #[test]
     fn cells_fill_a_task_area() {
         let [a, b] = [Vec3::new(5.0, 7.0, 1.0), Vec3::new(2.0, 0.0, 3.0)];
@@ -221,7 +225,8 @@ mod tests {
         }
     }
 
-    /// Truth: the standard's formula, by hand: 5^0 = 1, 5^1 = 5, and a long corridor is judged by its width.
+    /// Truth: the standard's formula, by hand: 5^0 = 1, 5^1 = 5, and a long corridor is judged by
+    /// its width.
     #[test]
     fn spacing_follows_the_standard() {
         assert_eq!([spacing_of(1.0, 1.0), spacing_of(10.0, 6.0), spacing_of(40.0, 1.0)], [0.2, 1.0, 0.2]);

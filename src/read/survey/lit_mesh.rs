@@ -11,7 +11,8 @@ use crate::solve::{Leaf, Mesh, Snapshot, barycentric};
 /// A point farther than this share of the scene's size from every surface lies on none.
 const TOLERANCE: f32 = 1e-3;
 
-/// Standard error of a reading, as a share of the light there, unless another is asked for: some tenths of a millisecond.
+/// Standard error of a reading, as a share of the light there, unless another is asked for: some
+/// tenths of a millisecond.
 pub const READING_ERROR: f32 = 0.02;
 
 /// A snapshot and its mesh as rays meet it.
@@ -83,8 +84,8 @@ impl LitMesh {
         Some(self.reading(hit.polygon, hit.point, READING_ERROR))
     }
 
-    /// Reading at a point of a surface that is bright towards `normal`, to a standard error that is this share of the light there;
-    /// `None` where the mesh has no such surface.
+    /// Reading at a point of a surface that is bright towards `normal`, to a standard error that is
+    /// this share of the light there; `None` where the mesh has no such surface.
     pub fn at(&self, point: Vec3, normal: Vec3, error: f32) -> Option<SurfaceReading> {
         let hit = self.first_front(point + self.tolerance * normal, -normal)?;
         (hit.point.distance(point) <= self.tolerance).then(|| self.reading(hit.polygon, hit.point, error))

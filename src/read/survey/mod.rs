@@ -2,8 +2,8 @@
 //!
 //! [`LitMesh`] finds what a ray meets in a snapshot and what light is there. [`WorkPlane`] measures
 //! the irradiance of a level plane in the air, where no surface is: each point of a grid asks the
-//! gather, or looks around itself for the radiosity of what it sees. The [`Surveyor`] does both on a
-//! thread beside a window.
+//! gather, or looks around itself for the radiosity of what it sees. The [`Surveyor`] does both on
+//! a thread beside a window.
 
 mod csv;
 mod floor;

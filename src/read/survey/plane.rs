@@ -1,8 +1,9 @@
 //! Irradiance of a work plane: each point looks around itself for what its surroundings send.
 //!
-//! Where there is a gathered field, the points ask its estimator, as probes do. Over a bare mesh, the light of lamps is found by
-//! their exact form factors, times the share of rays to them that come through, and what everything reflects by rays of density
-//! cosθ/π, whose mean radiosity is the irradiance. Both are the same on every run.
+//! Where there is a gathered field, the points ask its estimator, as probes do. Over a bare mesh,
+//! the light of lamps is found by their exact form factors, times the share of rays to them that
+//! come through, and what everything reflects by rays of density cosθ/π, whose mean radiosity is
+//! the irradiance. Both are the same on every run.
 
 use std::f32::consts::PI;
 use std::sync::Arc;
@@ -20,7 +21,8 @@ use crate::scene::{Polygon, Scene};
 use crate::solve::Snapshot;
 use crate::transport::point_to_polygon;
 
-/// Rays by which a point looks around itself over a bare mesh: reflected light of a room comes out within a percent.
+/// Rays by which a point looks around itself over a bare mesh: reflected light of a room comes out
+/// within a percent.
 const RAYS: u32 = 512;
 /// Rays that tell whether a point lies inside of something, where the field tells its light.
 const INSIDE_RAYS: u32 = 64;
@@ -55,7 +57,8 @@ pub struct PlaneReading {
     pub origin: DVec3,
     /// The light that was measured.
     pub snapshot: Arc<Snapshot>,
-    /// Irradiance of open horizontal ground, W/m², weighted as the eye does, or why it does not count.
+    /// Irradiance of open horizontal ground, W/m², weighted as the eye does, or why it does not
+    /// count.
     pub open_ground: Result<f32, NoDaylightFactor>,
 }
 
@@ -74,8 +77,8 @@ pub struct Summary {
     pub maximum: f32,
     /// U₀: the smallest over the mean (EN 12464-1); 0 where it is dark.
     pub uniformity: f32,
-    /// Mean and smallest daylight factor: illuminance over that of open ground (EN 17037). Only where the sky alone shines, neither lamps
-    /// nor the sun.
+    /// Mean and smallest daylight factor: illuminance over that of open ground (EN 17037). Only
+    /// where the sky alone shines, neither lamps nor the sun.
     pub daylight_factor: Option<[f32; 2]>,
 }
 
@@ -112,7 +115,8 @@ pub struct Measuring<'a> {
 type Value = (Vec3, Option<Vec3>);
 
 impl<'a> Measuring<'a> {
-    /// Begins with a plane, whose points are gathered to a standard error that is this share of the light there.
+    /// Begins with a plane, whose points are gathered to a standard error that is this share of the
+    /// light there.
     ///
     /// # Errors
     /// A plane that cannot be measured in this scene.
@@ -137,7 +141,8 @@ impl<'a> Measuring<'a> {
         self.values.len() as f32 / self.grid.points.len().max(1) as f32
     }
 
-    /// Irradiance of a small area in the air; `None` inside of something and where there is no floor.
+    /// Irradiance of a small area in the air; `None` inside of something and where there is no
+    /// floor.
     fn value(&self, point: Vec3, seed: u64) -> Option<Value> {
         let (lit, normal) = (self.lit, self.grid.up);
         let (across, along) = normal.any_orthonormal_pair();
@@ -198,7 +203,8 @@ fn lamps(scene: &Scene) -> Vec<&Polygon> {
     scene.polygons.iter().filter(emits).collect()
 }
 
-/// Irradiance by the sky and the sun: one half of the rays to the sky has density cosθ/π, the other is drawn by its radiance.
+/// Irradiance by the sky and the sun: one half of the rays to the sky has density cosθ/π, the other
+/// is drawn by its radiance.
 fn from_outside(lit: &LitMesh, point: Vec3, normal: Vec3, seed: u64) -> Vec3 {
     let Some(outside) = lit.scene().outside() else { return Vec3::ZERO };
     let mut light = Vec3::ZERO;
@@ -311,7 +317,8 @@ mod tests {
         assert!((summary.uniformity - least / mean).abs() < 1e-6 && summary.maximum > mean && least > 0.0);
     }
 
-    /// Truth: the number of points in a part. So a plane is given up within so many points, however large it is.
+    /// Truth: the number of points in a part. So a plane is given up within so many points, however
+    /// large it is.
     #[test]
     fn a_part_of_a_plane_is_a_few_points() {
         let lit = lit(room(0.5, 1.0));

@@ -23,7 +23,8 @@ const BUILD_SHARE: u32 = 8;
 /// For the pointer alone, meshes of more triangles than this are not made ready: that would take
 /// seconds and much memory.
 const MOST_POINTED: usize = 1 << 20;
-/// Probes are read again to half the standard error, until it is below this share of the light there.
+/// Probes are read again to half the standard error, until it is below this share of the light
+/// there.
 const SETTLED_ERROR: f32 = 0.0025;
 /// Pause between two readings of the probes: what is asked meanwhile comes first.
 const SETTLE_AFTER: Duration = Duration::from_millis(20);
@@ -142,7 +143,8 @@ struct Session {
     plane: Option<WorkPlane>,
     /// When a mesh was last made ready, and how long that took.
     build: Option<(Instant, Duration)>,
-    /// Standard error, as a share of the light there, to which the probes are read next; `None` once they are settled.
+    /// Standard error, as a share of the light there, to which the probes are read next; `None`
+    /// once they are settled.
     probes_error: Option<f32>,
 }
 

@@ -1,7 +1,9 @@
-//! The Cornell box after the measurements of Cornell University's Program of Computer Graphics, in metres.
+//! The Cornell box after the measurements of Cornell University's Program of Computer Graphics, in
+//! metres.
 //!
-//! The measured walls lean by up to 6 mm, which would bend two of the quads; here they are plumb. The lamp is a panel
-//! 2 mm thick on the ceiling. The front is open, as in the original: the camera stands outside.
+//! The measured walls lean by up to 6 mm, which would bend two of the quads; here they are plumb.
+//! The lamp is a panel 2 mm thick on the ceiling. The front is open, as in the original: the camera
+//! stands outside.
 
 use glam::{Vec3, vec3};
 

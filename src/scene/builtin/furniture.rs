@@ -1,7 +1,8 @@
-//! Furniture of both rooms: windows, doors, radiators, ceiling lamps, clocks, books, paper, bottles.
+//! Furniture of both rooms: windows, doors, radiators, ceiling lamps, clocks, books, paper,
+//! bottles.
 //!
-//! Things at a wall are drawn with x along the wall, y up and z into the room, the wall being z = 0; things on a table
-//! stand on y = 0; lamps hang from y = 0.
+//! Things at a wall are drawn with x along the wall, y up and z into the room, the wall being z =
+//! 0; things on a table stand on y = 0; lamps hang from y = 0.
 
 use glam::{Affine3, Quat, Vec3, vec3};
 
@@ -18,8 +19,8 @@ pub(super) struct WindowPaint {
     pub(super) sill: MaterialId,
 }
 
-/// A window in an opening of `width` × `height` whose left lower corner is the origin: reveal, frame with `columns` ×
-/// `rows` panes, and a sill that sticks out.
+/// A window in an opening of `width` × `height` whose left lower corner is the origin: reveal,
+/// frame with `columns` × `rows` panes, and a sill that sticks out.
 pub(super) fn window(d: &mut Draft, [width, height]: [f32; 2], [columns, rows]: [usize; 2], paint: WindowPaint) {
     const DEPTH: f32 = 0.18;
     const FRAME: f32 = 0.06;
@@ -150,7 +151,8 @@ pub(super) fn clock(d: &mut Draft, radius: f32, rim: MaterialId, face: MaterialI
     }
 }
 
-/// A book that stands, its spine (`thick` × `high`) towards +z; the origin is the middle of the spine's foot.
+/// A book that stands, its spine (`thick` × `high`) towards +z; the origin is the middle of the
+/// spine's foot.
 pub(super) fn upright_book(d: &mut Draft, [thick, high, deep]: [f32; 3], cover: MaterialId, pages: MaterialId) {
     let [lower, upper] = [vec3(-0.5 * thick, 0.0, -deep), vec3(0.5 * thick, high, 0.0)];
     d.cuboid(lower, upper, (Faces::LEFT | Faces::RIGHT | Faces::FRONT).all_but(), cover);
@@ -189,7 +191,8 @@ pub(super) fn name_card(d: &mut Draft, material: MaterialId) {
     d.triangle([vec3(-x, 0., -z), vec3(-x, 0., z), vec3(-x, y, 0.)], material);
 }
 
-/// Rows of keys that stand on a keyboard, in groups of up to eight neighbours: `rows` gives each row's key widths, in keys.
+/// Rows of keys that stand on a keyboard, in groups of up to eight neighbours: `rows` gives each
+/// row's key widths, in keys.
 pub(super) fn keys(d: &mut Draft, origin: Vec3, [pitch, high]: [f32; 2], rows: &[&[f32]], material: MaterialId) {
     let gap = 0.07 * pitch;
     for (row, widths) in rows.iter().enumerate() {
@@ -207,7 +210,8 @@ pub(super) fn keys(d: &mut Draft, origin: Vec3, [pitch, high]: [f32; 2], rows: &
     }
 }
 
-/// A flat frame on the wall around `width` × `height`, centred on the origin's foot; what it frames is `picture`'s.
+/// A flat frame on the wall around `width` × `height`, centred on the origin's foot; what it frames
+/// is `picture`'s.
 pub(super) fn framed(
     d: &mut Draft,
     [width, height]: [f32; 2],

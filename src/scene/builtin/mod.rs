@@ -1,8 +1,10 @@
-//! Our own scenes, drawn by code: the Cornell box, the paper's seminar room, the paper's office, and a tower of such offices.
+//! Our own scenes, drawn by code: the Cornell box, the paper's seminar room, the paper's office,
+//! and a tower of such offices.
 //!
-//! Lengths are in metres, y points up, and every face shows its bright side to the inside of the room. A group holds
-//! a piece of furniture or a handful of like things (a board of books), in the spirit of the paper's USER clustering.
-//! Things stand open on what carries them: hidden faces are left out, see `shapes`.
+//! Lengths are in metres, y points up, and every face shows its bright side to the inside of the
+//! room. A group holds a piece of furniture or a handful of like things (a board of books), in the
+//! spirit of the paper's USER clustering. Things stand open on what carries them: hidden faces are
+//! left out, see `shapes`.
 
 mod cornell;
 mod furniture;

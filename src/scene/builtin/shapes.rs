@@ -1,8 +1,9 @@
-//! Drawing in code: a scene under construction with a current group and placement, and the solids that furniture is made of.
+//! Drawing in code: a scene under construction with a current group and placement, and the solids
+//! that furniture is made of.
 //!
-//! One rule keeps every solid closed and no two faces coincident: a face that lies wholly on another surface (the
-//! bottom of a book, the top of a table leg) is left out, and the rim of the opening touches that surface. So no ray
-//! from inside a room meets the back of a face.
+//! One rule keeps every solid closed and no two faces coincident: a face that lies wholly on
+//! another surface (the bottom of a book, the top of a table leg) is left out, and the rim of the
+//! opening touches that surface. So no ray from inside a room meets the back of a face.
 
 use glam::{Affine3, Mat3, Quat, Vec3, vec3};
 use rustc_hash::FxHashMap;
@@ -60,7 +61,8 @@ impl Draft {
         Self { scene: Scene::new(name), group: GroupId(0), world_from_local: Affine3::IDENTITY }
     }
 
-    /// The finished scene: corners at the same place share one vertex, materials that nothing wears are left out.
+    /// The finished scene: corners at the same place share one vertex, materials that nothing wears
+    /// are left out.
     pub(super) fn finish(mut self) -> Scene {
         weld(&mut self.scene);
         drop_unused_materials(&mut self.scene);
@@ -91,7 +93,8 @@ impl Draft {
         result
     }
 
-    /// Draws in a frame that lies at `origin` and is turned about the vertical by `turn` degrees, anticlockwise from above.
+    /// Draws in a frame that lies at `origin` and is turned about the vertical by `turn` degrees,
+    /// anticlockwise from above.
     pub(super) fn at<R>(&mut self, origin: Vec3, turn: f32, draw: impl FnOnce(&mut Self) -> R) -> R {
         self.placed(Affine3::from_rotation_translation(Quat::from_rotation_y(turn.to_radians()), origin), draw)
     }
@@ -122,7 +125,8 @@ impl Draft {
         self.scene.add_triangle(corners, material, self.group);
     }
 
-    /// Positions are rounded to micrometres: neighbours then share corners bit for bit, and files stay short.
+    /// Positions are rounded to micrometres: neighbours then share corners bit for bit, and files
+    /// stay short.
     fn world(&self, local: Vec3) -> Vec3 {
         let position = self.world_from_local.transform_point3(local);
         let rounded = (position.as_dvec3() * 1e6).round() / 1e6;
@@ -161,7 +165,8 @@ impl Draft {
         self.cuboid(bottom - half, bottom + half + vec3(0.0, size.y, 0.0), left_out, material);
     }
 
-    /// A straight bar from `from` ([`Faces::BACK`]) to `to` ([`Faces::FRONT`]), `width` across and `height` thick.
+    /// A straight bar from `from` ([`Faces::BACK`]) to `to` ([`Faces::FRONT`]), `width` across and
+    /// `height` thick.
     pub(super) fn bar(
         &mut self,
         [from, to]: [Vec3; 2],
@@ -178,8 +183,9 @@ impl Draft {
         self.placed(frame, |d| d.cuboid(-half, half + vec3(0.0, 0.0, length), left_out, material));
     }
 
-    /// A solid of revolution about the vertical: `profile` lists (radius, height) from the bottom, the outside on its
-    /// right as it rises; `sides` must be even. Radius 0 closes an end, by quads where the end is flat.
+    /// A solid of revolution about the vertical: `profile` lists (radius, height) from the bottom,
+    /// the outside on its right as it rises; `sides` must be even. Radius 0 closes an end, by quads
+    /// where the end is flat.
     pub(super) fn lathe(&mut self, profile: &[(f32, f32)], sides: usize, material: MaterialId) {
         debug_assert!(sides >= 4 && sides.is_multiple_of(2));
         let point = |(radius, height): (f32, f32), side: usize| {
@@ -206,7 +212,8 @@ impl Draft {
         }
     }
 
-    /// A regular polygon with an even number of `sides`, as quads that run across it like floor boards.
+    /// A regular polygon with an even number of `sides`, as quads that run across it like floor
+    /// boards.
     pub(super) fn disc(&mut self, radius: f32, height: f32, faces_down: bool, sides: usize, material: MaterialId) {
         let point = |side: usize| {
             let angle = std::f32::consts::TAU * side as f32 / sides as f32;
@@ -218,8 +225,8 @@ impl Draft {
         }
     }
 
-    /// A thin strip along `spine`, as wide as `widths` says across `side` and `thickness` thick downwards: a leaf, a
-    /// folded sheet. Closed on every side; `side` × the spine points up.
+    /// A thin strip along `spine`, as wide as `widths` says across `side` and `thickness` thick
+    /// downwards: a leaf, a folded sheet. Closed on every side; `side` × the spine points up.
     pub(super) fn blade(&mut self, spine: &[Vec3], widths: &[f32], side: Vec3, thickness: f32, material: MaterialId) {
         let down = vec3(0.0, -thickness, 0.0);
         let edge = |index: usize, sign: f32| spine[index] + 0.5 * sign * widths[index] * side;
@@ -238,8 +245,9 @@ impl Draft {
         self.quad([r, r + down, l + down, l], material);
     }
 
-    /// A wall of rectangles between the lines `across` (m along `u`) and `up` (m along `v`) from `origin`, facing
-    /// `u`×`v`; `open(column, row)` leaves an opening. Neighbours share full edges.
+    /// A wall of rectangles between the lines `across` (m along `u`) and `up` (m along `v`) from
+    /// `origin`, facing `u`×`v`; `open(column, row)` leaves an opening. Neighbours share full
+    /// edges.
     pub(super) fn wall(
         &mut self,
         (origin, u, v): (Vec3, Vec3, Vec3),
@@ -290,7 +298,8 @@ fn drop_unused_materials(scene: &mut Scene) {
     scene.materials.retain(|_| *used.next().expect("one flag for each material"));
 }
 
-/// A reflectance from a colour as painters and screens name it (sRGB, `0xRRGGBB`), rounded to three digits.
+/// A reflectance from a colour as painters and screens name it (sRGB, `0xRRGGBB`), rounded to three
+/// digits.
 pub(super) fn srgb(hex: u32) -> Vec3 {
     let channel = |shift: u32| {
         let encoded = (hex >> shift & 0xff) as f32 / 255.0;
@@ -300,7 +309,8 @@ pub(super) fn srgb(hex: u32) -> Vec3 {
     vec3(channel(16), channel(8), channel(0))
 }
 
-/// Repeatable variety (which book is how high): a small mixing generator, the same on every machine.
+/// Repeatable variety (which book is how high): a small mixing generator, the same on every
+/// machine.
 #[derive(Clone, Debug)]
 pub(super) struct Dice(u32);
 

@@ -1,6 +1,8 @@
-//! A tower of offices: storeys of the paper's office, as many as are asked for, to see how cost grows with the scene.
+//! A tower of offices: storeys of the paper's office, as many as are asked for, to see how cost
+//! grows with the scene.
 //!
-//! Each office is closed: no light passes between them, and what one costs the next one costs again.
+//! Each office is closed: no light passes between them, and what one costs the next one costs
+//! again.
 
 use glam::{Vec3, vec3};
 

@@ -1,6 +1,8 @@
-//! The bytes behind a glTF document, every access checked: a damaged file gives a sentence, never a panic.
+//! The bytes behind a glTF document, every access checked: a damaged file gives a sentence, never a
+//! panic.
 //!
-//! The readers of the `gltf` crate trust offsets and counts; here they are compared with what is there first.
+//! The readers of the `gltf` crate trust offsets and counts; here they are compared with what is
+//! there first.
 
 use std::array;
 use std::borrow::Cow;
@@ -15,7 +17,8 @@ use crate::scene::draft::MOST_POLYGONS;
 use crate::scene::files::{FileError, MOST_BYTES, SceneFiles, find, name_of};
 use crate::scene::said::quoted;
 
-/// An accessor without data holds zeros, but for what is listed: more of them would only be one point again and again.
+/// An accessor without data holds zeros, but for what is listed: more of them would only be one
+/// point again and again.
 const MOST_ZEROS: usize = 1 << 16;
 
 /// Description of a fault, without the file and the place.

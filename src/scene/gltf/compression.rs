@@ -1,4 +1,5 @@
-//! Compressed geometry: buffer views by meshopt (EXT_meshopt_compression), primitives by Draco (KHR_draco_mesh_compression).
+//! Compressed geometry: buffer views by meshopt (EXT_meshopt_compression), primitives by Draco
+//! (KHR_draco_mesh_compression).
 //!
 //! Both decoders check their input; how much they may make of it is bounded here.
 
@@ -54,7 +55,8 @@ impl Meshopt {
     }
 }
 
-/// A decoded primitive: triangles, and values of its attributes by the numbers that the file gives them.
+/// A decoded primitive: triangles, and values of its attributes by the numbers that the file gives
+/// them.
 pub(super) struct DracoMesh {
     mesh: draco_core::Mesh,
 }

@@ -1,4 +1,5 @@
-//! Extensions of glTF: which are read, which change nothing here, and which a person is informed of.
+//! Extensions of glTF: which are read, which change nothing here, and which a person is informed
+//! of.
 
 use gltf::json::Root;
 use gltf::json::validation::Checked;

@@ -64,7 +64,8 @@ pub(super) fn add_camera(draft: &mut Draft, camera: &Camera, name: &str, world: 
         draft.skipped.ignored_cameras += 1;
         return;
     }
-    // Nodes may share a camera: the first goes by its name, others by their nodes', so that each can be chosen.
+    // Nodes may share a camera: the first goes by its name, others by their nodes', so that each
+    // can be chosen.
     let is_free = |name: &String| draft.cameras.iter().all(|(other, _)| other != name);
     let names = camera.name.as_deref().into_iter().chain([name]).map(said::name);
     let numbered = (2..).map(|number| format!("{} {number}", said::name(name)));
@@ -72,7 +73,8 @@ pub(super) fn add_camera(draft: &mut Draft, camera: &Camera, name: &str, world: 
     draft.cameras.push((name, FiledCamera { eye, target, up, hfov_deg }));
 }
 
-/// Where a node's mesh lies in the node's space: once where it is, or wherever EXT_mesh_gpu_instancing says.
+/// Where a node's mesh lies in the node's space: once where it is, or wherever
+/// EXT_mesh_gpu_instancing says.
 pub(super) fn instances(data: &GltfData, node: &Node) -> Result<Vec<DMat4>, Problem> {
     let said = node.extensions.as_ref().and_then(|it| it.others.get("EXT_mesh_gpu_instancing"));
     let Some(said) = said else { return Ok(vec![DMat4::IDENTITY]) };

@@ -43,8 +43,8 @@ pub(super) struct UvSets {
     pub of_emission: Option<u32>,
 }
 
-/// Adds materials in the order of the file, so that its material numbers are the draft's; gives the sets of texture coordinates that
-/// each uses.
+/// Adds materials in the order of the file, so that its material numbers are the draft's; gives the
+/// sets of texture coordinates that each uses.
 pub(super) fn add_materials(draft: &mut Draft, data: &GltfData) -> Vec<UvSets> {
     let root = data.root;
     let textures = textures(draft, data);

@@ -23,11 +23,12 @@ pub(super) struct Part {
     pub material: Option<u32>,
 }
 
-/// A mesh has lost its shape where its coordinates are rounded to this share of its size: light is wrong by about half a percent.
+/// A mesh has lost its shape where its coordinates are rounded to this share of its size: light is
+/// wrong by about half a percent.
 const LOST: f32 = 1e-3;
 
-/// Rounding of the coordinates of a mesh, if that is more than [`LOST`] of its size: it lies far from its own zero. Coordinates
-/// that all have spare digits were exact and lost nothing.
+/// Rounding of the coordinates of a mesh, if that is more than [`LOST`] of its size: it lies far
+/// from its own zero. Coordinates that all have spare digits were exact and lost nothing.
 pub(super) fn coarse_rounding(parts: &[Part]) -> Option<f32> {
     let all = || parts.iter().flat_map(|part| &part.positions);
     let (lower, upper) =
@@ -84,7 +85,8 @@ impl Source<'_> {
     }
 }
 
-/// Reads a primitive whose material uses some sets of texture coordinates; `None` for lines and points.
+/// Reads a primitive whose material uses some sets of texture coordinates; `None` for lines and
+/// points.
 pub(super) fn read_primitive(
     data: &GltfData,
     mesh: &Mesh,
@@ -242,7 +244,8 @@ fn triangles(mode: Mode, indices: &[u32]) -> Vec<[u32; 3]> {
 mod tests {
     use super::*;
 
-    /// Truth: the glTF 2.0 specification, section 3.7.2.1: every triangle of a strip keeps the winding of the first.
+    /// Truth: the glTF 2.0 specification, section 3.7.2.1: every triangle of a strip keeps the
+    /// winding of the first.
     #[test]
     fn strips_and_fans_keep_their_winding() {
         assert_eq!(triangles(Mode::TriangleStrip, &[0, 1, 2, 3, 4]), [[0, 1, 2], [2, 1, 3], [2, 3, 4]]);

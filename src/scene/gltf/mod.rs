@@ -1,6 +1,8 @@
-//! glTF and GLB by the `gltf` crate: the node tree is the hierarchy, transforms are applied, instances copied.
+//! glTF and GLB by the `gltf` crate: the node tree is the hierarchy, transforms are applied,
+//! instances copied.
 //!
-//! Base colour is reflectance (of metals too: there is no gloss here), emission a radiance (B_e = π·value).
+//! Base colour is reflectance (of metals too: there is no gloss here), emission a radiance (B_e =
+//! π·value).
 
 mod buffers;
 mod compression;
@@ -26,7 +28,8 @@ use super::said::sentence;
 use super::up::UpAxis;
 use buffers::{GltfData, Problem};
 
-/// Extensions that hold the picture of a texture; those whose format is not read cost the texture alone.
+/// Extensions that hold the picture of a texture; those whose format is not read cost the texture
+/// alone.
 const PICTURES: [&str; 4] = ["EXT_texture_webp", "MSFT_texture_dds", "EXT_texture_avif", "KHR_texture_basisu"];
 
 /// Reads a glTF or GLB file with its buffers and textures.
@@ -121,8 +124,9 @@ fn choose_pictures(json: &mut Value) {
     }
 }
 
-/// Mends parts that the crate's validation would refuse or trip over, though nothing here needs them: bounds of positions, which some exporters
-/// forget; accessors of positions, which it looks up unchecked; textures without a picture; animations.
+/// Mends parts that the crate's validation would refuse or trip over, though nothing here needs
+/// them: bounds of positions, which some exporters forget; accessors of positions, which it looks
+/// up unchecked; textures without a picture; animations.
 fn prepare_for_validation(root: &mut Root) -> Result<(), Problem> {
     for (mesh, primitive) in
         root.meshes.iter().enumerate().flat_map(|(mesh, it)| it.primitives.iter().map(move |part| (mesh, part)))

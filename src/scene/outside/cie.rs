@@ -1,8 +1,10 @@
-//! The CIE general sky [CIE S 011:2003; Darula, Kittler 2002]: its luminance by the angles to the zenith and to the sun.
+//! The CIE general sky [CIE S 011:2003; Darula, Kittler 2002]: its luminance by the angles to the
+//! zenith and to the sun.
 
 use super::perez;
 
-/// Coefficients a to e of the 15 standard skies: gradation towards the horizon (a, b) and scattering about the sun (c, d, e).
+/// Coefficients a to e of the 15 standard skies: gradation towards the horizon (a, b) and
+/// scattering about the sun (c, d, e).
 const STANDARD: [[f64; 5]; 15] = [
     [4.0, -0.70, 0.0, -1.0, 0.00],
     [4.0, -0.70, 2.0, -1.5, 0.15],
@@ -29,13 +31,15 @@ pub const CLEAR: u8 = 12;
 pub enum Spread {
     /// Alike from everywhere above the horizon.
     Uniform,
-    /// The traditional overcast sky (type 16 of CIE S 011): three times as bright in the zenith as at the horizon [Moon, Spencer 1942].
+    /// The traditional overcast sky (type 16 of CIE S 011): three times as bright in the zenith as
+    /// at the horizon [Moon, Spencer 1942].
     Overcast,
     /// One of the 15 standard skies, by its number.
     Standard(u8),
     /// The general sky by its coefficients a to e.
     General([f64; 5]),
-    /// By the weather: the sun's irradiance of a face turned to it and the sky's of open ground, W/m² of all radiation.
+    /// By the weather: the sun's irradiance of a face turned to it and the sky's of open ground,
+    /// W/m² of all radiation.
     Weather {
         /// By the sun.
         direct: f32,
@@ -78,7 +82,8 @@ pub(super) enum Formula {
 }
 
 impl Formula {
-    /// Luminance at a sine of the elevation and a cosine of the angle to the sun; 0 below the horizon.
+    /// Luminance at a sine of the elevation and a cosine of the angle to the sun; 0 below the
+    /// horizon.
     pub fn at(self, elevation_sine: f64, sun_cosine: f64) -> f64 {
         if elevation_sine < 0.0 {
             return 0.0;
@@ -106,8 +111,9 @@ fn general([a, b, c, d, e]: [f64; 5], elevation_sine: f64, sun_cosine: f64) -> f
 mod tests {
     use super::*;
 
-    /// Truth: the definitions: a zenith three times as bright as the horizon; for type 1, (1 + 4e^−0.7) / 1 = 2.986; for type 5
-    /// a uniform sky; a clear sky is brightest at the sun and darkest about 90° from it.
+    /// Truth: the definitions: a zenith three times as bright as the horizon; for type 1, (1 +
+    /// 4e^−0.7) / 1 = 2.986; for type 5 a uniform sky; a clear sky is brightest at the sun and
+    /// darkest about 90° from it.
     #[test]
     fn skies_are_spread_as_their_definitions_say() {
         let ratio = |spread: Spread| {

@@ -1,7 +1,8 @@
 //! Daylight of a scene: a sky around it and a sun, both so far away that direction alone counts.
 //!
-//! Skies are those of the CIE (`cie`) or pictures (`picture`); the sun is a disc of half a degree whose direction is given or follows from
-//! date and place (`solar`). People give both in words (`spec`); [`Outside`] is what they come to in a scene's own axes.
+//! Skies are those of the CIE (`cie`) or pictures (`picture`); the sun is a disc of half a degree
+//! whose direction is given or follows from date and place (`solar`). People give both in words
+//! (`spec`); [`Outside`] is what they come to in a scene's own axes.
 
 mod cie;
 mod perez;
@@ -30,7 +31,8 @@ pub use table::{Drawn, SkyTable};
 pub const SUN_RADIUS: f32 = 0.004_65;
 /// Rows and columns of the table by which directions of a sky are drawn.
 const TABLE: [usize; 2] = [128, 256];
-/// A sky whose brightest place is no more than so many times its mean is even: cosine-distributed rays find its light as well as any.
+/// A sky whose brightest place is no more than so many times its mean is even: cosine-distributed
+/// rays find its light as well as any.
 const EVEN: f32 = 4.0;
 
 /// Daylight that cannot be used.
@@ -68,7 +70,8 @@ pub struct Axes {
 }
 
 impl Axes {
-    /// Those of a scene whose up is this unit vector along an axis: east is x, north is −z, or y where z is up.
+    /// Those of a scene whose up is this unit vector along an axis: east is x, north is −z, or y
+    /// where z is up.
     pub fn with_up(up: Vec3) -> Self {
         let north = if up.y.abs() > 0.5 { -Vec3::Z } else { Vec3::Y };
         Self { east: north.cross(up), north, up }
@@ -158,7 +161,8 @@ pub struct Outside {
 }
 
 impl Outside {
-    /// Makes a specification ready for a scene with this up direction (a unit vector along an axis); `read` gives the content of a picture's file.
+    /// Makes a specification ready for a scene with this up direction (a unit vector along an
+    /// axis); `read` gives the content of a picture's file.
     ///
     /// # Errors
     /// A picture that cannot be used, or a sky that needs a sun.
@@ -236,7 +240,8 @@ impl Outside {
         self.axes.of_sky(direction)
     }
 
-    /// Radiance (of the sky's brightest colour) times solid angle in each cell of a table of its own frame, row by row.
+    /// Radiance (of the sky's brightest colour) times solid angle in each cell of a table of its
+    /// own frame, row by row.
     pub fn weights(&self, size: [usize; 2]) -> Vec<f64> {
         let brightest = |direction: DVec3| {
             self.sky.as_ref().map_or(0.0, |sky| f64::from(sky.source.at(direction, sky.sun).max_element()))
@@ -282,8 +287,8 @@ impl Scene {
         self.outside.as_ref().map(|outside| outside.spec().clone()).unwrap_or_default()
     }
 
-    /// Lets daylight in: a sky or a sun that is given replaces the scene's own, what is not given stays. A picture comes from wherever its
-    /// path leads.
+    /// Lets daylight in: a sky or a sun that is given replaces the scene's own, what is not given
+    /// stays. A picture comes from wherever its path leads.
     ///
     /// # Errors
     /// A picture that cannot be used, or a sky that needs a sun.
@@ -429,8 +434,8 @@ mod tests {
         std::f32::consts::PI * (0..count).map(light).sum::<f32>() / count as f32
     }
 
-    /// Truth: what was asked for arrives on open ground; a vertical face gets half of a uniform sky and 0.396 of an overcast one,
-    /// (π/4 + 2/3) / (7π/6).
+    /// Truth: what was asked for arrives on open ground; a vertical face gets half of a uniform sky
+    /// and 0.396 of an overcast one, (π/4 + 2/3) / (7π/6).
     #[test]
     fn open_faces_get_what_the_sky_is_told_to_bring() {
         let ratio = (0.25 * PI + 2.0 / 3.0) / (7.0 * PI / 6.0);
@@ -452,7 +457,8 @@ mod tests {
         assert!((ratio - 0.396).abs() < 1e-3);
     }
 
-    /// Truth: north is −z and east x where y is up; with z up, north is y and east x. Azimuths run from north over east.
+    /// Truth: north is −z and east x where y is up; with z up, north is y and east x. Azimuths run
+    /// from north over east.
     #[test]
     fn the_sun_stands_in_the_axes_of_the_scene() {
         for (up, north) in [(Vec3::Y, -Vec3::Z), (Vec3::Z, Vec3::Y)] {
@@ -469,7 +475,8 @@ mod tests {
         assert!(!Outside::new(&below, Vec3::Y, |_| Err(String::new())).expect("night").is_lit());
     }
 
-    /// Truth: radiance times solid angle is the irradiance of a face turned to it, and picked directions lie on the disc.
+    /// Truth: radiance times solid angle is the irradiance of a face turned to it, and picked
+    /// directions lie on the disc.
     #[test]
     fn the_disc_of_the_sun_brings_its_irradiance() {
         let sun = Sun { direction: Vec3::new(0.36, 0.48, 0.8), irradiance: Vec3::splat(9.0) };

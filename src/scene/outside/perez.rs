@@ -1,5 +1,5 @@
-//! The all-weather sky of Perez, Seals and Michalsky [*Solar Energy* 50(3), 1993]: how the light of a sky is spread, by the irradiances that
-//! weather files hold.
+//! The all-weather sky of Perez, Seals and Michalsky [*Solar Energy* 50(3), 1993]: how the light of
+//! a sky is spread, by the irradiances that weather files hold.
 
 use std::f64::consts::PI;
 
@@ -7,7 +7,8 @@ use std::f64::consts::PI;
 const SOLAR_CONSTANT: f64 = 1361.0;
 /// Upper bounds of the sky's clearness in the first seven rows of [`TABLE`].
 const CLEARNESS: [f64; 7] = [1.065, 1.230, 1.500, 1.950, 2.800, 4.500, 6.200];
-/// For each class of clearness four numbers for each coefficient a to e (table 1 of the paper, with its erratum).
+/// For each class of clearness four numbers for each coefficient a to e (table 1 of the paper, with
+/// its erratum).
 #[rustfmt::skip]
 const TABLE: [[[f64; 4]; 5]; 8] = [
     [[1.3525, -0.2576, -0.2690, -1.4366], [-0.7670, 0.0007, 1.2734, -0.1233], [2.8000, 0.6004, 1.2375, 1.0000],
@@ -27,15 +28,17 @@ const TABLE: [[[f64; 4]; 5]; 8] = [
     [[-1.0500, 0.0289, 0.4260, 0.3590], [-0.3250, 0.1156, 0.7781, 0.0025], [31.0625, -14.5000, -46.1148, 55.3750],
      [-7.2312, 0.4050, 13.3500, 0.6234], [1.5000, -0.6426, 1.8564, 0.5636]],
 ];
-/// The mean luminous efficacies of a sky and of the sun, lm/W of all their radiation [Littlefair 1985, rounded].
+/// The mean luminous efficacies of a sky and of the sun, lm/W of all their radiation [Littlefair
+/// 1985, rounded].
 pub(super) const SKY_EFFICACY: f32 = 120.0;
 /// See [`SKY_EFFICACY`].
 pub(super) const SUN_EFFICACY: f32 = 105.0;
 
-/// Coefficients a to e of the [general sky](super::cie) under a sun of this elevation (radians), by the sun's irradiance of a face turned to it
-/// and the sky's of open ground, W/m² of all radiation.
+/// Coefficients a to e of the [general sky](super::cie) under a sun of this elevation (radians), by
+/// the sun's irradiance of a face turned to it and the sky's of open ground, W/m² of all radiation.
 ///
-/// Perez leaves out a term of the general sky's indicatrix; the same spread has other c and e there.
+/// Perez leaves out a term of the general sky's indicatrix; the same spread has other c and e
+/// there.
 pub(super) fn coefficients(direct: f64, diffuse: f64, sun_elevation: f64) -> [f64; 5] {
     let zenith = (0.5 * PI - sun_elevation).clamp(0.0, 0.5 * PI);
     let diffuse = diffuse.max(1e-3);
@@ -80,8 +83,9 @@ mod tests {
         }
     }
 
-    /// Truth: by hand from the table's first row, for Z = 0.771, air mass 1.39, Δ = 0.102: a = 1.015, b = −0.646, so that the zenith is
-    /// 1 + a·e^b = 1.53 times as bright as the horizon. In clear weather the sky is brighter by the sun than anywhere else.
+    /// Truth: by hand from the table's first row, for Z = 0.771, air mass 1.39, Δ = 0.102: a =
+    /// 1.015, b = −0.646, so that the zenith is 1 + a·e^b = 1.53 times as bright as the horizon. In
+    /// clear weather the sky is brighter by the sun than anywhere else.
     #[test]
     fn weathers_look_as_they_should() {
         let [a, b, ..] = coefficients(0.0, 100.0, 0.8);

@@ -25,7 +25,8 @@ pub struct SkyPicture {
 }
 
 impl SkyPicture {
-    /// A picture of texels row by row from the zenith; `None` where their number is none or not width × height.
+    /// A picture of texels row by row from the zenith; `None` where their number is none or not
+    /// width × height.
     pub fn new(width: usize, height: usize, texels: Vec<Vec3>) -> Option<Self> {
         let sound = |texel: Vec3| texel.map(|value| if value.is_nan() { 0.0 } else { value.clamp(0.0, MOST_RADIANCE) });
         let texels: Vec<Vec3> = texels.into_iter().map(sound).collect();
@@ -143,7 +144,8 @@ mod tests {
         assert!(found.distance(PI as f32 * Vec3::new(1.0, 2.0, 0.5)) < 1e-4, "{found}");
     }
 
-    /// Truth: the convention: north in the middle, east a quarter to the right, the zenith in the first row.
+    /// Truth: the convention: north in the middle, east a quarter to the right, the zenith in the
+    /// first row.
     #[test]
     fn north_is_in_the_middle() {
         let texels = (0..8 * 4).map(|index| Vec3::splat(index as f32)).collect();

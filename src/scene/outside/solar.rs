@@ -1,4 +1,5 @@
-//! Where the sun stands: low-precision position [Meeus, *Astronomical Algorithms*, 2nd ed., chapters 7, 12, 13, 25], good to 0.01°.
+//! Where the sun stands: low-precision position [Meeus, *Astronomical Algorithms*, 2nd ed.,
+//! chapters 7, 12, 13, 25], good to 0.01°.
 
 use std::f64::consts::TAU;
 
@@ -54,7 +55,8 @@ pub fn position(moment: &Moment, latitude: f64, longitude: f64) -> [f64; 2] {
 mod tests {
     use super::*;
 
-    /// Truth: Meeus, example 7.a (launch of Sputnik, 1957 October 4.81: JD 2436116.31) and his table of chapter 7.
+    /// Truth: Meeus, example 7.a (launch of Sputnik, 1957 October 4.81: JD 2436116.31) and his
+    /// table of chapter 7.
     #[test]
     fn julian_days() {
         let day = |date, hours| Moment { date, hours, zone: 0.0 }.julian_day();
@@ -64,8 +66,9 @@ mod tests {
         assert_eq!(Moment { date: [2000, 1, 1], hours: 14.0, zone: 2.0 }.julian_day(), 2_451_545.0);
     }
 
-    /// Truth: the example of the solar position algorithm for Golden, Colorado, 2003-10-17 12:30:30 (UTC−7) [Reda, Andreas, NREL/TP-560-34302]:
-    /// topocentric azimuth 194.34°, zenith angle 50.11°, the latter 0.02° of refraction and parallax lower; and symmetry: at the equinox the
+    /// Truth: the example of the solar position algorithm for Golden, Colorado, 2003-10-17 12:30:30
+    /// (UTC−7) [Reda, Andreas, NREL/TP-560-34302]: topocentric azimuth 194.34°, zenith angle
+    /// 50.11°, the latter 0.02° of refraction and parallax lower; and symmetry: at the equinox the
     /// sun at noon on the equator stands in the zenith, and at the solstice 23.4° off it.
     #[test]
     fn the_sun_stands_where_the_almanac_has_it() {

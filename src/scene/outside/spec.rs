@@ -37,7 +37,8 @@ impl Daylight {
 pub struct SkySpec {
     /// How its light is spread.
     pub kind: SkyKind,
-    /// Horizontal unobstructed irradiance without the sun; `None` where a picture's pixels are radiances.
+    /// Horizontal unobstructed irradiance without the sun; `None` where a picture's pixels are
+    /// radiances.
     pub amount: Option<Amount>,
 }
 
@@ -227,7 +228,8 @@ impl SunSpec {
         self.irradiance_under(None)
     }
 
-    /// Irradiance of a face turned to it, W/m² per colour, as it is given, or as the weather of this sky has it.
+    /// Irradiance of a face turned to it, W/m² per colour, as it is given, or as the weather of
+    /// this sky has it.
     pub fn irradiance_under(&self, sky: Option<&SkySpec>) -> Vec3 {
         let usual = || match sky.map(|sky| &sky.kind) {
             Some(SkyKind::Formula(Spread::Weather { direct, .. })) => Amount::Lux(SUN_EFFICACY * direct),
@@ -239,8 +241,9 @@ impl SunSpec {
     }
 }
 
-/// Illuminance by the sun on a clear day of a face turned to it: 133.8 klx outside of the air, and a share of e^−0.21 for each air mass
-/// [IES, *Recommended practice for the calculation of daylight availability*, 1984].
+/// Illuminance by the sun on a clear day of a face turned to it: 133.8 klx outside of the air, and
+/// a share of e^−0.21 for each air mass [IES, *Recommended practice for the calculation of daylight
+/// availability*, 1984].
 fn clear_day(elevation: f64) -> Amount {
     let sine = elevation.to_radians().sin();
     Amount::Lux(if sine > 0.0 { (133_800.0 * (-0.21 / sine).exp()) as f32 } else { 0.0 })

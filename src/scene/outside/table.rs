@@ -23,7 +23,8 @@ pub struct Drawn {
 }
 
 impl SkyTable {
-    /// A table of so many rows and columns, where `radiance` tells the radiance (of the largest colour) of a direction; `None` for a dark sky.
+    /// A table of so many rows and columns, where `radiance` tells the radiance (of the largest
+    /// colour) of a direction; `None` for a dark sky.
     pub fn new(size: [usize; 2], radiance: impl Fn(DVec3) -> f64) -> Option<Self> {
         Self::of_weights(size, &Self::weights(size, radiance))
     }
@@ -47,7 +48,8 @@ impl SkyTable {
         weights
     }
 
-    /// A table of so many rows and columns whose cells are drawn by these weights, row by row; `None` where all of them are 0.
+    /// A table of so many rows and columns whose cells are drawn by these weights, row by row;
+    /// `None` where all of them are 0.
     pub fn of_weights([rows, columns]: [usize; 2], weights: &[f64]) -> Option<Self> {
         let total: f64 = weights.iter().sum();
         let mut sum = 0.0;
@@ -100,7 +102,8 @@ impl SkyTable {
     }
 }
 
-/// The direction of a height above the horizon's plane (the sine of its elevation) and an azimuth from north towards east.
+/// The direction of a height above the horizon's plane (the sine of its elevation) and an azimuth
+/// from north towards east.
 fn direction(height: f64, azimuth: f64) -> DVec3 {
     let radius = (1.0 - height * height).max(0.0).sqrt();
     DVec3::new(radius * azimuth.sin(), radius * azimuth.cos(), height)
@@ -111,7 +114,8 @@ mod tests {
     use super::*;
     use crate::base::random::r2_sequence;
 
-    /// Truth: densities sum to 1 over the sphere, and drawn directions have the density that the table tells of them.
+    /// Truth: densities sum to 1 over the sphere, and drawn directions have the density that the
+    /// table tells of them.
     #[test]
     fn directions_are_drawn_by_their_density() {
         let radiance = |d: DVec3| if d.z > 0.0 { 0.1 + d.z + 20.0 * f64::from(u8::from(d.x > 0.9)) } else { 0.0 };

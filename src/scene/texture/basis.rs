@@ -1,4 +1,5 @@
-//! Basis Universal textures in KTX2 files, as `KHR_texture_basisu` has them: one picture, ETC1S or UASTC.
+//! Basis Universal textures in KTX2 files, as `KHR_texture_basisu` has them: one picture, ETC1S or
+//! UASTC.
 //!
 //! The decoder trusts lengths and offsets; here they are compared with what is there first.
 
@@ -31,7 +32,8 @@ const ZSTANDARD: u32 = 2;
 const ETC1S: u8 = 163;
 const UASTC: u8 = 166;
 
-/// Bytes of the global data of BasisLZ before its descriptions of images, and of one such description.
+/// Bytes of the global data of BasisLZ before its descriptions of images, and of one such
+/// description.
 const LZ_HEAD: u64 = 20;
 const LZ_IMAGE: u64 = 20;
 
@@ -75,7 +77,8 @@ impl Header<'_> {
         })
     }
 
-    /// Whether the global data of BasisLZ is as long as it says, and so are the slices of its first image.
+    /// Whether the global data of BasisLZ is as long as it says, and so are the slices of its first
+    /// image.
     fn has_global_data(&self, levels: u32) -> Option<bool> {
         let [offset, length] = [self.u64(GLOBAL_DATA)?, self.u64(GLOBAL_DATA + 8)?];
         if !self.holds(offset, length) || length < LZ_HEAD {

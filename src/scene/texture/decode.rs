@@ -15,13 +15,15 @@ const MOST_PIXELS: u64 = 1 << 27;
 /// So many pixels, 4096 × 4096, may be of one colour and so in a file of any length.
 const PIXELS_OF_ONE_COLOUR: u64 = 1 << 24;
 
-/// The most pixels that a byte holds beyond that: twice what PNG can of two colours. A file of a few bytes would else take seconds.
+/// The most pixels that a byte holds beyond that: twice what PNG can of two colours. A file of a
+/// few bytes would else take seconds.
 const PIXELS_PER_BYTE: u64 = 1 << 14;
 
 /// The longest side, pixels: sums along a row must fit.
 const LONGEST_SIDE: u32 = 1 << 16;
 
-/// The most pixels of all textures of a scene: a thousand of 2048 × 2048, which take half a minute or so.
+/// The most pixels of all textures of a scene: a thousand of 2048 × 2048, which take half a minute
+/// or so.
 const MOST_PIXELS_OF_ALL: u64 = 1 << 32;
 
 /// The most bytes of all textures of a scene as they are encoded.
@@ -36,13 +38,15 @@ const BYTES_AT_ONCE: usize = 256 << 20;
 /// The most pixels that are kept of all textures of a scene: half a gigabyte.
 const MOST_PIXELS_KEPT: u64 = 1 << 27;
 
-/// A texture may be halved to this many pixels where there are so many that all of them together would not fit.
+/// A texture may be halved to this many pixels where there are so many that all of them together
+/// would not fit.
 const LEAST_PIXELS_KEPT: u64 = 1 << 14;
 
 /// The most memory that a decoder may take.
 const MOST_MEMORY: u64 = 1 << 30;
 
-/// An encoded picture and the end of its name, where it has one: not every format begins with a mark.
+/// An encoded picture and the end of its name, where it has one: not every format begins with a
+/// mark.
 pub(in super::super) struct Encoded<'a> {
     /// The file's content.
     pub bytes: Cow<'a, [u8]>,
@@ -52,8 +56,9 @@ pub(in super::super) struct Encoded<'a> {
 
 /// Each of some encoded pictures, decoded.
 ///
-/// Each is read in turn and decoded with others in parallel. Once they have more pixels or bytes together than any scene needs, the rest is left out; which
-/// ones does not depend on threads. Large ones are halved where all of them together take too much memory.
+/// Each is read in turn and decoded with others in parallel. Once they have more pixels or bytes
+/// together than any scene needs, the rest is left out; which ones does not depend on threads.
+/// Large ones are halved where all of them together take too much memory.
 pub(in super::super) fn decode_all<'a, K>(
     keys: &[K],
     read: impl Fn(&K) -> Result<Encoded<'a>, String>,
@@ -186,7 +191,8 @@ mod tests {
         encoded
     }
 
-    /// Truth: a GIF of 35 bytes tells of a canvas of 120 megapixels; as many of 4096 × 4096 may be of one colour.
+    /// Truth: a GIF of 35 bytes tells of a canvas of 120 megapixels; as many of 4096 × 4096 may be
+    /// of one colour.
     #[test]
     fn a_few_bytes_hold_no_large_picture() {
         let gif = |width: u16, height: u16| {
@@ -221,7 +227,8 @@ mod tests {
         );
     }
 
-    /// Truth: a quarter of what is left is kept of each at most; 256 × 256 halved once has 128 × 128 pixels.
+    /// Truth: a quarter of what is left is kept of each at most; 256 × 256 halved once has 128 ×
+    /// 128 pixels.
     #[test]
     fn large_textures_are_halved_where_there_are_many() {
         let picture = png(256, 256);

@@ -1,6 +1,7 @@
 //! The mean of a texture over a part of its plane, row by row from prefix sums.
 //!
-//! A face is cut by horizontal lines; along each, texels are summed up exactly, parts of them included, whatever lies beyond the rim.
+//! A face is cut by horizontal lines; along each, texels are summed up exactly, parts of them
+//! included, whatever lies beyond the rim.
 
 use glam::{DVec2, Vec3, Vec4};
 
@@ -75,7 +76,8 @@ impl RowSums {
         })
     }
 
-    /// Mean colour of what counts, and the mean weight, over a polygon in the plane of the texture, whose sides are 1 long.
+    /// Mean colour of what counts, and the mean weight, over a polygon in the plane of the texture,
+    /// whose sides are 1 long.
     pub fn over(&self, corners: impl Iterator<Item = DVec2> + Clone) -> Vec4 {
         let size = DVec2::new(f64::from(self.width), f64::from(self.height));
         let corners = corners.map(|corner| corner * size);
@@ -231,7 +233,8 @@ mod tests {
         near(red(Wrap::Clamp, 1.0, 9.0), 0.0);
     }
 
-    /// Truth: by hand; a triangle over the upper left half of four texels holds one of them whole and two half.
+    /// Truth: by hand; a triangle over the upper left half of four texels holds one of them whole
+    /// and two half.
     #[test]
     fn triangles_lines_and_points() {
         let four = vec![WHITE, BLACK, BLACK, BLACK];

@@ -1,4 +1,5 @@
-//! Textures: pictures decoded once, where a material's lie on its faces, and their colours in linear light.
+//! Textures: pictures decoded once, where a material's lie on its faces, and their colours in
+//! linear light.
 //!
 //! Rows run downwards and v with them, as in glTF; readers of other formats turn v round.
 
@@ -72,8 +73,8 @@ impl Texture {
         Vec3::from_array(colour).extend(f32::from(a) / 255.0)
     }
 
-    /// White with the picture's values as alpha: those of its own alpha where it has any, else its brightness, step by step as it is
-    /// stored.
+    /// White with the picture's values as alpha: those of its own alpha where it has any, else its
+    /// brightness, step by step as it is stored.
     pub(super) fn as_opacity(&self) -> Self {
         let has_alpha = self.texels.iter().any(|texel| texel[3] != u8::MAX);
         let value = |&[r, g, b, a]: &[u8; 4]| {
@@ -128,7 +129,8 @@ pub enum Wrap {
 }
 
 impl Wrap {
-    /// The texel of a row (or column) of `count` at a whole position, which may lie beyond either end.
+    /// The texel of a row (or column) of `count` at a whole position, which may lie beyond either
+    /// end.
     fn texel(self, at: i64, count: u32) -> u32 {
         let count = i64::from(count);
         let inside = match self {
@@ -148,15 +150,16 @@ impl Wrap {
 pub struct TextureMap {
     /// The picture; materials share it.
     pub texture: Arc<Texture>,
-    /// From the faces' texture coordinates to the picture's, whose sides are 1 long (KHR_texture_transform).
+    /// From the faces' texture coordinates to the picture's, whose sides are 1 long
+    /// (KHR_texture_transform).
     pub transform: Affine2,
     /// Beyond the sides in u and in v.
     pub wrap: [Wrap; 2],
 }
 
 impl TextureMap {
-    /// Linear colour and alpha at a face's texture coordinates, interpolated between four texels that are as large as so many of the
-    /// picture's.
+    /// Linear colour and alpha at a face's texture coordinates, interpolated between four texels
+    /// that are as large as so many of the picture's.
     pub fn sample(&self, uv: Vec2, size: f32) -> Vec4 {
         let texture = self.texture.shrunk(size);
         let [width, height] = texture.size();
@@ -191,7 +194,8 @@ pub enum Opacity {
     Blend,
 }
 
-/// Alpha below which a picture shows a hole where no cutoff is named: faces count as opaque or not at all, and so do their parts.
+/// Alpha below which a picture shows a hole where no cutoff is named: faces count as opaque or not
+/// at all, and so do their parts.
 const HALF: f32 = 0.5;
 
 /// Interpolated values may be off by so much.
@@ -208,8 +212,8 @@ pub struct MaterialTextures {
     pub emission: Option<TextureMap>,
     /// Of the file, W/m² per colour.
     pub emission_factor: Vec3,
-    /// Of the file; alpha is this times the first texture's and that of a face's corners, as far as it has a meaning, and that of
-    /// [`opacity_map`](Self::opacity_map).
+    /// Of the file; alpha is this times the first texture's and that of a face's corners, as far as
+    /// it has a meaning, and that of [`opacity_map`](Self::opacity_map).
     pub alpha_factor: f32,
     /// Meaning of the first texture's alpha and of that of corners.
     pub opacity: Opacity,
@@ -218,8 +222,8 @@ pub struct MaterialTextures {
 }
 
 impl MaterialTextures {
-    /// Whether there is a hole where the corners of a face have this alpha in between them, the first texture has that, and the opacity's
-    /// that; each is 1 where it is absent.
+    /// Whether there is a hole where the corners of a face have this alpha in between them, the
+    /// first texture has that, and the opacity's that; each is 1 where it is absent.
     pub(super) fn is_hole(&self, of_corners: f32, of_colour: f32, of_opacity: f32) -> bool {
         let (alpha, least) = match self.opacity {
             Opacity::Opaque if self.opacity_map.is_none() => return false,
@@ -235,7 +239,8 @@ impl MaterialTextures {
 mod tests {
     use super::*;
 
-    /// Truth: half white and half black is linear 0.5 (sRGB 188, not 128), and a clear texel does not count.
+    /// Truth: half white and half black is linear 0.5 (sRGB 188, not 128), and a clear texel does
+    /// not count.
     #[test]
     fn halves_are_linear_and_weighted_by_alpha() {
         let texels = vec![[255, 255, 255, 255], [0, 0, 0, 255], [9, 99, 200, 0], [70, 1, 2, 0]];
@@ -252,7 +257,8 @@ mod tests {
         assert_eq!(texels(Wrap::Mirror), [2, 1, 0, 0, 1, 2, 2, 1, 0]);
     }
 
-    /// Truth: texels' centres give their own values, and halfway between two is their mean in linear light.
+    /// Truth: texels' centres give their own values, and halfway between two is their mean in
+    /// linear light.
     #[test]
     fn samples_lie_between_texels() {
         let texture = Arc::new(Texture::new(2, 1, vec![[255, 255, 255, 255], [0, 0, 0, 255]]));

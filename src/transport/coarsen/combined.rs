@@ -32,8 +32,9 @@ pub struct Combined {
 }
 
 impl Combined {
-    /// Adds a part that has a link: `weight` is its receiver's share in the area of the whole's, `emission` its source's emission in
-    /// multiples of the whole's. What the source reflects counts as spread evenly over it.
+    /// Adds a part that has a link: `weight` is its receiver's share in the area of the whole's,
+    /// `emission` its source's emission in multiples of the whole's. What the source reflects
+    /// counts as spread evenly over it.
     pub fn add(&mut self, hierarchy: &Hierarchy, receiver: ElementId, link: &Link, weight: f32, emission: f32) {
         let exposed = hierarchy.element(receiver).exposed_share() * hierarchy.element(link.source()).exposed_share();
         self.transfer += weight * link.transfer();
@@ -89,8 +90,9 @@ impl Combined {
         if self.form_factor > 0.0 { (self.transfer / self.form_factor).min(1.0) } else { 0.0 }
     }
 
-    /// How V is known where so many rays would have been cast at the whole. It counts as clear if it is so clear that more likely than
-    /// not all of them would have come through, which is what a look at the whole would have made of it.
+    /// How V is known where so many rays would have been cast at the whole. It counts as clear if
+    /// it is so clear that more likely than not all of them would have come through, which is what
+    /// a look at the whole would have made of it.
     fn visibility_source(&self, asked: u32) -> VisibilitySource {
         let rays = self.rays.clamp(1, u32::from(u16::MAX)) as u16;
         if self.judged == 0 && self.occluded == 0 {
@@ -112,7 +114,8 @@ impl Oracle<'_> {
         power <= self.allowed_of_self()
     }
 
-    /// The link of a pair whose parts come to this, if it were not refined by the present radiosities.
+    /// The link of a pair whose parts come to this, if it were not refined by the present
+    /// radiosities.
     pub fn accept_merged(&self, receiver: ElementId, source: ElementId, combined: &Combined) -> Option<Link> {
         let hierarchy = self.hierarchy;
         let max_radiosity = self.max_radiosity[source.index()];

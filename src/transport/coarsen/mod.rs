@@ -1,9 +1,11 @@
-//! A coarser threshold on a solution that is there: links and patches are merged back instead of starting over.
+//! A coarser threshold on a solution that is there: links and patches are merged back instead of
+//! starting over.
 //!
-//! Refinement replaces a pair by the pairs of one end's parts; this is its reverse. From the finest pairs up, parts are
-//! replaced by the whole as long as the oracle would now accept it by the radiosities that are known. The whole's F and V
-//! are the means of its parts', so the same power passes, and no ray is cast. Patches whose quarters neither send nor receive a link of
-//! their own are merged with them.
+//! Refinement replaces a pair by the pairs of one end's parts; this is its reverse. From the finest
+//! pairs up, parts are replaced by the whole as long as the oracle would now accept it by the
+//! radiosities that are known. The whole's F and V are the means of its parts', so the same power
+//! passes, and no ray is cast. Patches whose quarters neither send nor receive a link of their own
+//! are merged with them.
 
 mod combined;
 mod pairs;
@@ -21,8 +23,8 @@ use crate::hierarchy::{ElementId, Hierarchy, Renumbering};
 use pairs::{Pair, Pairs, Standing};
 
 impl LinkSolution {
-    /// Merges links and patches back as far as the present thresholds allow; false if cancelled, with nothing changed.
-    /// Elements are numbered anew.
+    /// Merges links and patches back as far as the present thresholds allow; false if cancelled,
+    /// with nothing changed. Elements are numbered anew.
     pub fn merge_back(&mut self, cancel: &CancelToken) -> bool {
         self.store_accepted();
         let emitted: Vec<f32> = self.light.emitted.iter().map(|emitted| emitted.max_element()).collect();

@@ -1,4 +1,5 @@
-//! The pairs of a solution, merged back from their parts for as long as the oracle would accept the whole.
+//! The pairs of a solution, merged back from their parts for as long as the oracle would accept the
+//! whole.
 
 use rayon::prelude::*;
 use rustc_hash::FxHashMap;
@@ -45,13 +46,15 @@ enum Split {
     Both,
 }
 
-/// Parts that turn away from each other leave no trace; below a part that was refined they are looked for this deep.
+/// Parts that turn away from each other leave no trace; below a part that was refined they are
+/// looked for this deep.
 ///
-/// By the error oracle, which may split either end, two wholes may both claim such parts; since these carry nothing, no light is
-/// made up by it.
+/// By the error oracle, which may split either end, two wholes may both claim such parts; since
+/// these carry nothing, no light is made up by it.
 const DEEPEST_TRACE: u32 = 2;
 
-/// Every directed pair that carries a link or was found occluded; of all others the ends turn away from each other.
+/// Every directed pair that carries a link or was found occluded; of all others the ends turn away
+/// from each other.
 pub struct Pairs<'a> {
     oracle: &'a Oracle<'a>,
     /// Largest colour of each element's emission, W/m².
@@ -79,8 +82,8 @@ impl<'a> Pairs<'a> {
         Self { oracle, emitted, standings, places: places(oracle.hierarchy) }
     }
 
-    /// Merges, from the parts up, what the oracle would accept as a whole; the pairs that are left in order of receivers and
-    /// sources, `None` if cancelled.
+    /// Merges, from the parts up, what the oracle would accept as a whole; the pairs that are left
+    /// in order of receivers and sources, `None` if cancelled.
     pub fn merge(mut self, cancel: &CancelToken) -> Option<Vec<(Pair, Standing)>> {
         let mut new: Vec<Pair> = self.standings.keys().copied().collect();
         while !new.is_empty() {
@@ -102,7 +105,8 @@ impl<'a> Pairs<'a> {
             new.clear();
             for (whole, standing) in merged {
                 let pair = (whole.receiver, whole.source);
-                // Of equal ends either may have been split, so another whole may have taken some of the parts.
+                // Of equal ends either may have been split, so another whole may have taken some of
+                // the parts.
                 if self.take_parts(whole) {
                     self.standings.insert(pair, standing);
                     new.push(pair);
@@ -136,7 +140,8 @@ impl<'a> Pairs<'a> {
         wholes.into_iter().flatten()
     }
 
-    /// Whether refinement would split `end` of a pair with `other`. The error oracle may split either.
+    /// Whether refinement would split `end` of a pair with `other`. The error oracle may split
+    /// either.
     fn was_split(&self, end: ElementId, other: ElementId) -> bool {
         let hierarchy = self.hierarchy();
         self.oracle.kind == OracleKind::Error
@@ -146,7 +151,8 @@ impl<'a> Pairs<'a> {
                 && end_to_split(hierarchy, other, end) == Some(end)
     }
 
-    /// Whether refinement comes by a pair: it splits each of the elements above one end while the other end is still whole.
+    /// Whether refinement comes by a pair: it splits each of the elements above one end while the
+    /// other end is still whole.
     fn is_reached(&self, a: ElementId, b: ElementId) -> bool {
         let above_is_split = |end: ElementId, other: ElementId| {
             let above = self.hierarchy().element(end).parent();
@@ -155,8 +161,8 @@ impl<'a> Pairs<'a> {
         above_is_split(a, b) && above_is_split(b, a)
     }
 
-    /// Whether a pair is reached without doubt: of two ends of equal area either may have been split first, which leaves pairs between that
-    /// refinement may have passed by.
+    /// Whether a pair is reached without doubt: of two ends of equal area either may have been
+    /// split first, which leaves pairs between that refinement may have passed by.
     fn is_surely_reached(&self, a: ElementId, b: ElementId) -> bool {
         let hierarchy = self.hierarchy();
         let element = |id: ElementId| hierarchy.element(id);
@@ -203,7 +209,8 @@ impl<'a> Pairs<'a> {
         receivers.flat_map(move |receiver| sources.clone().map(move |source| (ElementId(receiver), ElementId(source))))
     }
 
-    /// How a whole stands once its parts are merged; `None` where one of them was refined further, or the oracle would refine it.
+    /// How a whole stands once its parts are merged; `None` where one of them was refined further,
+    /// or the oracle would refine it.
     fn merged(&self, whole: Whole) -> Option<Standing> {
         if whole.split == Split::Both && !self.oracle.accepts_self(whole.receiver) {
             // There may be millions of parts.
@@ -226,7 +233,8 @@ impl<'a> Pairs<'a> {
             }
         }
         let (receiver, source) = (whole.receiver, whole.source);
-        // Parts that stand belong to one whole alone; those that leave no trace might be claimed by two.
+        // Parts that stand belong to one whole alone; those that leave no trace might be claimed by
+        // two.
         let is_one = whole.split == Split::Both
             || self.is_reached(receiver, source)
                 && (!has_void || self.oracle.kind == OracleKind::Error || self.is_surely_reached(receiver, source));
@@ -252,7 +260,8 @@ impl<'a> Pairs<'a> {
         if mean > 0.0 { self.emitted[source.index()] / mean } else { 1.0 }
     }
 
-    /// Whether nothing passes between the ends because they turn away from each other, or all their parts do.
+    /// Whether nothing passes between the ends because they turn away from each other, or all their
+    /// parts do.
     fn is_void(&self, (receiver, source): Pair, depth: u32) -> bool {
         let hierarchy = self.hierarchy();
         if receiver == source {
@@ -285,7 +294,8 @@ impl<'a> Pairs<'a> {
     }
 }
 
-/// Place of each element's initial patch in the hierarchy's order; of a cluster that of the first patch below.
+/// Place of each element's initial patch in the hierarchy's order; of a cluster that of the first
+/// patch below.
 fn places(hierarchy: &Hierarchy) -> Vec<u32> {
     let mut places = vec![0; hierarchy.elements().len()];
     for (place, patch) in hierarchy.initial_patches().iter().enumerate() {

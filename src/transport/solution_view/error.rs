@@ -5,9 +5,10 @@ use super::super::link_error::{Facing, LinkError, SourceLight, estimated_error, 
 use super::{LinkView, SolutionView};
 
 impl SolutionView {
-    /// Power that a link is likely to misplace, make up or lose by each cause, W: what the error oracle holds against ε, whichever oracle
-    /// the solution is refined by. Nobody looked at an unjudged link: it counts as if no ray had met it. A self-link may be wrong by all
-    /// that it could carry.
+    /// Power that a link is likely to misplace, make up or lose by each cause, W: what the error
+    /// oracle holds against ε, whichever oracle the solution is refined by. Nobody looked at an
+    /// unjudged link: it counts as if no ray had met it. A self-link may be wrong by all that it
+    /// could carry.
     pub fn error(&self, link: &LinkView) -> LinkError {
         let source = link.source;
         let max_radiosity = self.radiosity(source).max_element();

@@ -50,8 +50,9 @@ impl SolutionView {
         scales.get(id.index()).copied().unwrap_or(1.0)
     }
 
-    /// Links that bring light to the parts of an element; empty for a leaf. What each brings is counted over the whole element, so that
-    /// together with [`SolutionView::incoming`] it adds up to the element's irradiance E. In no order.
+    /// Links that bring light to the parts of an element; empty for a leaf. What each brings is
+    /// counted over the whole element, so that together with [`SolutionView::incoming`] it adds up
+    /// to the element's irradiance E. In no order.
     pub fn incoming_of_parts(&self, id: ElementId) -> Vec<LinkView> {
         let whole = self.hierarchy.element(id).area;
         let mut views = Vec::new();
@@ -81,7 +82,8 @@ impl SolutionView {
         views
     }
 
-    /// Everything that brings light to an element: its own links, those of all that holds it and of its parts. In no order.
+    /// Everything that brings light to an element: its own links, those of all that holds it and of
+    /// its parts. In no order.
     pub fn all_incoming(&self, id: ElementId) -> Vec<LinkView> {
         let mut links = self.incoming(id);
         links.append(&mut self.incoming_of_parts(id));
@@ -111,8 +113,9 @@ impl SolutionView {
         receivers.flat_map(move |receiver| self.links.of(receiver).iter().map(move |link| self.view(receiver, link, 0)))
     }
 
-    /// Light of links, summed up by the ends away from the element that was asked for (`far`), each as the element that holds it at a
-    /// depth; most first. An end above that depth stands for itself.
+    /// Light of links, summed up by the ends away from the element that was asked for (`far`), each
+    /// as the element that holds it at a depth; most first. An end above that depth stands for
+    /// itself.
     pub fn folded(
         &self,
         links: &[LinkView],

@@ -1,4 +1,5 @@
-//! The part of the light section for what lies outside: a sky and a sun, by presets and sliders; where the sun stands next door.
+//! The part of the light section for what lies outside: a sky and a sun, by presets and sliders;
+//! where the sun stands next door.
 
 use egui::{ComboBox, Slider, TextEdit, Ui};
 
@@ -144,7 +145,8 @@ pub(in crate::app) fn show(ui: &mut Ui, editor: &mut DaylightEditor, outbox: &mu
     }
 }
 
-/// How the light of the sky is spread: by a list, and by the words of the command line for what is not in it.
+/// How the light of the sky is spread: by a list, and by the words of the command line for what is
+/// not in it.
 fn show_sky_kind(ui: &mut Ui, editor: &mut DaylightEditor) {
     let Some(sky) = &editor.spec.sky else { return };
     let name = |spread: Spread| match spread {
@@ -211,7 +213,8 @@ mod tests {
         }
     }
 
-    /// A sky that is brightest about the sun gets one; what is no sky changes nothing and is reported.
+    /// A sky that is brightest about the sun gets one; what is no sky changes nothing and is
+    /// reported.
     #[test]
     fn skies_are_taken_from_their_words() {
         let mut editor = DaylightEditor::default();

@@ -1,4 +1,5 @@
-//! The lamps of the scene: each material that emits and each luminaire, by name, with a switch, a dimmer and a colour.
+//! The lamps of the scene: each material that emits and each luminaire, by name, with a switch, a
+//! dimmer and a colour.
 
 use egui::{ScrollArea, Slider, Ui};
 
@@ -64,7 +65,8 @@ fn as_in_file(light: &FileLight) -> String {
     format!("By the file {candelas}{}{}", cone.unwrap_or_default(), range.unwrap_or_default())
 }
 
-/// Draws one lamp whose faces have this area, with what its file says beside; true when it was switched.
+/// Draws one lamp whose faces have this area, with what its file says beside; true when it was
+/// switched.
 fn show_one(ui: &mut Ui, name: &str, area: f32, light: &mut MaterialLight, of_file: Option<&str>) -> bool {
     let exitance = light.emission().max_element();
     let watts = area * light.emission().element_sum();

@@ -13,7 +13,8 @@ use crate::prepare::ceiling::{CeilingPlace, place_beside};
 use crate::scene::{LuminaireForm, LuminaireShape, Scene};
 use crate::worker::SceneInfo;
 
-/// Exitance of a square that was just added, W/m²: a bright office ceiling panel. Other shapes send the same power.
+/// Exitance of a square that was just added, W/m²: a bright office ceiling panel. Other shapes send
+/// the same power.
 const FIRST_EXITANCE: f32 = 100.0;
 /// Colour temperature of a new luminaire, K: neutral white.
 const FIRST_KELVIN: f32 = 4000.0;

@@ -1,4 +1,5 @@
-//! The light section: every lamp with a switch and a dimmer, the material at hand, daylight, and luminaires that are added.
+//! The light section: every lamp with a switch and a dimmer, the material at hand, daylight, and
+//! luminaires that are added.
 
 mod daylight;
 mod lamps;
@@ -84,7 +85,8 @@ impl LampUnit {
         }
     }
 
-    /// How much of the unit an exitance of 1 W/m² in the strongest channel is, for this tint and area (m²).
+    /// How much of the unit an exitance of 1 W/m² in the strongest channel is, for this tint and
+    /// area (m²).
     fn per_exitance(self, tint: glam::Vec3, area: f32) -> f32 {
         match self {
             Self::Exitance => 1.0,
@@ -124,7 +126,8 @@ impl LightEditor {
         }
     }
 
-    /// Command by which the worker learns of changed luminaires. While a person moves one, only what is live goes out: another exitance.
+    /// Command by which the worker learns of changed luminaires. While a person moves one, only
+    /// what is live goes out: another exitance.
     pub(in crate::app) fn luminaires_command(&mut self, is_busy: bool) -> Option<Command> {
         let mut wanted = self.lighting.wanted_luminaires();
         if is_busy {
@@ -142,7 +145,8 @@ impl LightEditor {
         Some(Command::SetLuminaires(wanted))
     }
 
-    /// How the scene in view is to be read again, where somebody asked for faces or against them since the last time.
+    /// How the scene in view is to be read again, where somebody asked for faces or against them
+    /// since the last time.
     pub(in crate::app) fn take_reading(&mut self, present: &Reading) -> Option<Reading> {
         let (name, faces) = self.faces.take()?;
         let mut reading = present.clone();
@@ -234,9 +238,11 @@ pub(in crate::app) fn show_ways_to_light(app: &mut App, ui: &Ui, view: Rect, out
     });
 }
 
-/// Says by which power ε was set, and offers to set it anew where that has changed: ε stays in watts when a lamp is dimmed.
+/// Says by which power ε was set, and offers to set it anew where that has changed: ε stays in
+/// watts when a lamp is dimmed.
 ///
-/// The row is there whether or not it has, so that nothing below it jumps while somebody drags a slider.
+/// The row is there whether or not it has, so that nothing below it jumps while somebody drags a
+/// slider.
 fn show_anchor(ui: &mut Ui, shown: &Shown, params: &SolverParams, outbox: &mut Outbox) {
     let stats = shown.snapshot.as_ref().map(|snapshot| &snapshot.stats);
     let Some(stats) = stats.filter(|stats| stats.power_watts > 0.0) else { return };

@@ -120,7 +120,8 @@ fn read_clock(text: &str) -> Option<f64> {
     Some(if below.is_some() { -value } else { value })
 }
 
-/// The dome of the sky, on which the sun is dragged. As seen from below it would be mirrored; it is drawn as a plan: north up, east to the right, the zenith in its middle.
+/// The dome of the sky, on which the sun is dragged. As seen from below it would be mirrored; it is
+/// drawn as a plan: north up, east to the right, the zenith in its middle.
 fn show_plan(ui: &mut Ui, sun: &mut SunSpec) {
     let [azimuth, elevation] = sun.angles().map(|angle| angle as f32);
     ui.horizontal(|ui| {
@@ -168,7 +169,8 @@ fn draw_plan(ui: &Ui, rect: Rect, radius: f32, sun: Pos2) {
 mod tests {
     use super::*;
 
-    /// Truth: the plan's convention: the zenith in the middle, north up, east to the right, the horizon at the rim.
+    /// Truth: the plan's convention: the zenith in the middle, north up, east to the right, the
+    /// horizon at the rim.
     #[test]
     fn the_sun_is_drawn_where_it_stands() {
         let at = |azimuth, elevation| place(Pos2::ZERO, 90.0, azimuth, elevation);

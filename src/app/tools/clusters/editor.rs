@@ -1,4 +1,5 @@
-//! State of the editor of groups: the tree as it is being arranged, what is selected, and former trees for undo.
+//! State of the editor of groups: the tree as it is being arranged, what is selected, and former
+//! trees for undo.
 
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -26,14 +27,16 @@ pub(in crate::app) struct Row {
 pub(in crate::app) struct GroupEditor {
     scene: Option<Arc<Scene>>,
     members: Vec<GroupMember>,
-    /// Whether the worker has yet to confirm the tree: until then the scene still has former groups.
+    /// Whether the worker has yet to confirm the tree: until then the scene still has former
+    /// groups.
     is_sent: bool,
     tree: Option<Arc<GroupTree>>,
     children: Vec<Vec<GroupId>>,
     /// Polygons in each group with all that is in it, and their area, m².
     polygons: Vec<u32>,
     areas: Vec<f64>,
-    /// Lower and upper corner of each group's box; the lower one lies above the upper where it has no polygons.
+    /// Lower and upper corner of each group's box; the lower one lies above the upper where it has
+    /// no polygons.
     boxes: Vec<(Vec3, Vec3)>,
     /// The group whose row the mouse is over.
     pub pointed: Option<GroupId>,
@@ -90,7 +93,8 @@ impl GroupEditor {
         (self.polygons.get(index).copied().unwrap_or(0), self.areas.get(index).copied().unwrap_or(0.0))
     }
 
-    /// The edges of the box of the group that the mouse is over; rows say anew in each frame which one it is.
+    /// The edges of the box of the group that the mouse is over; rows say anew in each frame which
+    /// one it is.
     pub(in crate::app) fn take_pointed_box(&mut self) -> Option<[[Vec3; 2]; 12]> {
         let (lower, upper) = *self.boxes.get(self.pointed.take()?.0 as usize)?;
         lower.cmple(upper).all().then(|| box_edges(lower, upper))
@@ -158,7 +162,8 @@ impl GroupEditor {
         names.find(|name| !is_taken(name)).unwrap_or_default()
     }
 
-    /// Makes an edit and returns the command for the worker, or keeps the reason why it cannot be made.
+    /// Makes an edit and returns the command for the worker, or keeps the reason why it cannot be
+    /// made.
     pub(in crate::app) fn edit(&mut self, edited: Result<Regrouped, RegroupError>) -> Option<Command> {
         let (own, former) = (&self.scene.as_ref()?.groups, self.tree.as_deref()?);
         let Regrouped { tree, places, group } = match edited {
@@ -304,7 +309,8 @@ mod tests {
         assert!(editor.problem.as_ref().is_some_and(|problem| problem.contains("`walls`")) && !editor.can_undo());
     }
 
-    /// A scene that comes back from the worker with an older arrangement does not undo what was done since.
+    /// A scene that comes back from the worker with an older arrangement does not undo what was
+    /// done since.
     #[test]
     fn what_was_sent_stays_until_the_worker_has_it() {
         let mut editor = editor();

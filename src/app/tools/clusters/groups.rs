@@ -1,4 +1,5 @@
-//! The editor of groups: a tree to drag, drop and select in, and buttons that do the same by keyboard.
+//! The editor of groups: a tree to drag, drop and select in, and buttons that do the same by
+//! keyboard.
 
 use egui::{Align2, Color32, ComboBox, LayerId, Order, ScrollArea, Sense, TextStyle, Ui};
 

@@ -45,7 +45,8 @@ struct Marked {
 const GROUP_BOX: ([u8; 4], f32) = ([255, 255, 255, 255], 2.5);
 
 impl Clusters {
-    /// Marks with the box of the group that the mouse is over added; the same ones as long as nothing changes.
+    /// Marks with the box of the group that the mouse is over added; the same ones as long as
+    /// nothing changes.
     pub(in crate::app) fn with_group(&mut self, marks: Marks) -> Marks {
         let Some(edges) = self.editor.take_pointed_box() else { return marks };
         match &self.marked {

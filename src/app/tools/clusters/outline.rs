@@ -1,4 +1,5 @@
-//! A row of a tree: its fold, its name, its numbers in columns. Both trees of the tool are drawn with it.
+//! A row of a tree: its fold, its name, its numbers in columns. Both trees of the tool are drawn
+//! with it.
 
 use egui::{
     Align2, Color32, FontId, Key, Rect, Response, Sense, TextStyle, Ui, WidgetInfo, accesskit::Role, pos2, vec2,

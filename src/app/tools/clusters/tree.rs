@@ -1,4 +1,5 @@
-//! The tree of clusters: names from the scene, area, polygons, links and power of each; rows answer to the view and the view to rows.
+//! The tree of clusters: names from the scene, area, polygons, links and power of each; rows answer
+//! to the view and the view to rows.
 
 use std::sync::Arc;
 

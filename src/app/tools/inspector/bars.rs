@@ -1,4 +1,5 @@
-//! Light that clusters bring to the element, or get from it, as bars: links summed up by what holds their far ends at a level.
+//! Light that clusters bring to the element, or get from it, as bars: links summed up by what holds
+//! their far ends at a level.
 
 use egui::{Align2, FontId, Rect, RichText, Sense, Slider, Ui, pos2, vec2};
 use glam::Vec3;
@@ -48,7 +49,8 @@ impl Bars {
     }
 }
 
-/// Irradiance that a link brings to the element, W/m², or power that it takes from it to its receiver, W.
+/// Irradiance that a link brings to the element, W/m², or power that it takes from it to its
+/// receiver, W.
 pub(in crate::app) fn brought(subject: &Subject<'_>, link: &LinkView, direction: Direction) -> Vec3 {
     match direction {
         Direction::In => link.irradiance,

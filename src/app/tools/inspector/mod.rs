@@ -1,7 +1,9 @@
-//! The inspector: the picked element's place in the hierarchy, what it is, and all its links, either way.
+//! The inspector: the picked element's place in the hierarchy, what it is, and all its links,
+//! either way.
 //!
-//! From above to below: the path from the root as a breadcrumb to climb, the element in numbers, what the clusters around it bring
-//! as bars, and every link as a row of a table. What the mouse is over is marked in the view; a click walks there.
+//! From above to below: the path from the root as a breadcrumb to climb, the element in numbers,
+//! what the clusters around it bring as bars, and every link as a row of a table. What the mouse is
+//! over is marked in the view; a click walks there.
 
 mod bars;
 mod breadcrumb;
@@ -72,7 +74,8 @@ pub(in crate::app) fn show(app: &mut App, ui: &mut Ui) {
         numbers::show(ui, &subject, facts);
     }
     ui.separator();
-    // The links at hand are those of the direction until now; another one is looked at in the next frame.
+    // The links at hand are those of the direction until now; another one is looked at in the next
+    // frame.
     let direction = inspector.direction;
     show_direction(ui, &mut inspector.direction);
     let pointing = &mut app.view.pointing;
@@ -91,7 +94,8 @@ pub(in crate::app) fn show(app: &mut App, ui: &mut Ui) {
     }
 }
 
-/// Picks another element and remembers the present one; the view turns only where the other one is out of sight.
+/// Picks another element and remembers the present one; the view turns only where the other one is
+/// out of sight.
 fn go_to(app: &mut App, from: ElementId, to: ElementId) {
     if from == to {
         return;

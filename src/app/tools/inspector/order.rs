@@ -36,7 +36,8 @@ impl Default for Order {
 }
 
 impl Order {
-    /// Sorts by a column: names upwards, numbers downwards at first, the other way when asked again.
+    /// Sorts by a column: names upwards, numbers downwards at first, the other way when asked
+    /// again.
     pub(in crate::app) fn choose(&mut self, column: Column) {
         self.is_ascending = if self.by == column { !self.is_ascending } else { column == Column::Name };
         self.by = column;

@@ -19,7 +19,8 @@ const LEAST_NAME: f32 = 84.0;
 /// Size of the numbers, points.
 const DIGITS: f32 = 11.0;
 
-/// Columns of numbers with their width, points, what they are headed in either direction, their name and what they mean.
+/// Columns of numbers with their width, points, what they are headed in either direction, their
+/// name and what they mean.
 const COLUMNS: [Heading; 8] = [
     (Column::Level, 34.0, ["Level"; 2], "level", "Level of the far end below the root"),
     (
@@ -55,7 +56,8 @@ const COLUMNS: [Heading; 8] = [
     ),
 ];
 
-/// Columns that give way where the inspector is narrow, the first one first; the details of a row have what they would tell.
+/// Columns that give way where the inspector is narrow, the first one first; the details of a row
+/// have what they would tell.
 const GIVE_WAY: [Column; 5] = [Column::Level, Column::FormFactor, Column::Error, Column::OverEpsilon, Column::Rays];
 /// Between columns, points.
 const GAP: f32 = 5.0;

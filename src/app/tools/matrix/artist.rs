@@ -1,7 +1,8 @@
 //! The thread that draws rasters of the matrix, so that the window never waits for one.
 //!
-//! One order is under way at a time. Whoever gave it goes on with the last picture until the next one is there, and then
-//! orders what is wanted by then: nothing queues up, however fast the view moves or the solver refines.
+//! One order is under way at a time. Whoever gave it goes on with the last picture until the next
+//! one is there, and then orders what is wanted by then: nothing queues up, however fast the view
+//! moves or the solver refines.
 
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, Sender, channel};

@@ -1,4 +1,5 @@
-//! The edges of the matrix: brackets with the names of elements, sources above and receivers at the left.
+//! The edges of the matrix: brackets with the names of elements, sources above and receivers at the
+//! left.
 
 use egui::{Align2, Color32, FontId, Painter, Rect, Vec2, pos2, vec2};
 

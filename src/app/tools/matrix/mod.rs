@@ -1,7 +1,8 @@
 //! The link matrix: all links as blocks, receivers by sources.
 //!
-//! The picture comes from a thread of its own ([`artist`]); here are the switches, the square with what is pointed at in it
-//! ([`square`]), the names along its edges ([`edges`]) and what its colours mean ([`key`]).
+//! The picture comes from a thread of its own ([`artist`]); here are the switches, the square with
+//! what is pointed at in it ([`square`]), the names along its edges ([`edges`]) and what its
+//! colours mean ([`key`]).
 
 mod artist;
 mod edges;

@@ -112,7 +112,8 @@ fn ends(pair: &Pair) -> (ElementId, ElementId) {
 /// A marked row or column.
 pub(in crate::app) type Mark = (ElementId, Color32);
 
-/// Elements whose rows and whose columns are marked: what is pointed at, here or elsewhere, and what is picked.
+/// Elements whose rows and whose columns are marked: what is pointed at, here or elsewhere, and
+/// what is picked.
 fn marks(app: &App, looked: Looked<'_>, hovered: Option<&Pair>) -> (Vec<Mark>, Vec<Mark>) {
     let colour = |[r, g, b, _]: [u8; 4]| Color32::from_rgb(r, g, b);
     let (mut rows, mut columns) = (Vec::new(), Vec::new());

@@ -124,7 +124,8 @@ fn features(picture: &[DVec3], width: usize) -> Vec<DVec3> {
     let deviation = 0.5 * FEATURE_WIDTH * PIXELS_PER_DEGREE;
     let radius = (3.0 * deviation).ceil() as i32;
     let bell = |x: f64| (-0.5 * (x / deviation).powi(2)).exp();
-    // The Gaussian, its first and its second derivative; of each the positive weights sum to 1, and the negative ones.
+    // The Gaussian, its first and its second derivative; of each the positive weights sum to 1, and
+    // the negative ones.
     let kernel: Vec<DVec3> = (-radius..=radius)
         .map(f64::from)
         .map(|x| bell(x) * DVec3::new(1.0, -x, (x / deviation).powi(2) - 1.0))
@@ -197,7 +198,8 @@ mod tests {
         let even = |colour: [u8; 3]| picture(move |_, _| colour);
         assert_eq!(mean_flip(&even([9, 90, 200]), &even([9, 90, 200]), SIZE), 0.0);
         let largest = apart(perceived(DVec3::Y), perceived(DVec3::Z));
-        // CIELAB of green and blue as tables have it, (87.735, −86.183, 83.180) and (32.297, 79.188, −107.860), times 0.01·L.
+        // CIELAB of green and blue as tables have it, (87.735, −86.183, 83.180) and (32.297,
+        // 79.188, −107.860), times 0.01·L.
         let [green, blue] = [[87.735, -86.183, 83.180], [32.297, 79.188, -107.860]]
             .map(|[l, a, b]: [f64; 3]| DVec3::new(l, 0.01 * l * a, 0.01 * l * b));
         assert!((largest - apart(green, blue)).abs() < 0.05, "{largest}");
@@ -219,8 +221,8 @@ mod tests {
         }
     }
 
-    /// Truth: the authors' own program, crate `nv-flip` 0.1.2. It computes with single precision and
-    /// takes its filters from tables of such, hence 10⁻⁴.
+    /// Truth: the authors' own program, crate `nv-flip` 0.1.2. It computes with single precision
+    /// and takes its filters from tables of such, hence 10⁻⁴.
     #[test]
     fn the_mean_is_that_of_the_authors_program() {
         let noise = |seed: u64, x: u32, y: u32| hash64(seed, u64::from(y) << 32 | u64::from(x));

@@ -1,10 +1,10 @@
 //! Pictures over time: how near the mesh's picture, the gathered one and a path tracer's come to a
 //! converged one, and when.
 //!
-//! The converged picture is that of the [reference](crate::measure::reference)'s paths, by many samples a
-//! pixel, made twice by halves: how far these differ tells its noise. All pictures have one camera,
-//! one exposure and one tone curve. [`PictureSweep::run`] makes a [`PictureChart`], which is written
-//! as CSV and JSON and drawn as pictures.
+//! The converged picture is that of the [reference](crate::measure::reference)'s paths, by many
+//! samples a pixel, made twice by halves: how far these differ tells its noise. All pictures have
+//! one camera, one exposure and one tone curve. [`PictureSweep::run`] makes a [`PictureChart`],
+//! which is written as CSV and JSON and drawn as pictures.
 
 mod draw;
 mod flip;
@@ -85,7 +85,8 @@ pub struct PictureChart {
     pub size: [u32; 2],
     /// Worker threads.
     pub threads: usize,
-    /// Factor on radiosities before the tone curve, m²/W: the automatic exposure of the finest solve.
+    /// Factor on radiosities before the tone curve, m²/W: the automatic exposure of the finest
+    /// solve.
     pub exposure: f32,
     /// The converged picture.
     pub reference: PictureReference,
@@ -133,7 +134,8 @@ pub trait MeshPainter {
     /// The adapter fails.
     fn shown(&mut self, snapshot: &Snapshot, exposure: f32) -> Result<Vec<[u8; 3]>, String>;
 
-    /// Irradiance of each pixel, W/m², and the share that surfaces cover, which it is multiplied by.
+    /// Irradiance of each pixel, W/m², and the share that surfaces cover, which it is multiplied
+    /// by.
     ///
     /// # Errors
     /// The adapter fails.

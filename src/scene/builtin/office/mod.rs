@@ -1,4 +1,5 @@
-//! The paper's office: two desks under a wide window, shelves of books, plants, monitors and desk lamps.
+//! The paper's office: two desks under a wide window, shelves of books, plants, monitors and desk
+//! lamps.
 
 mod desk;
 mod pieces;

@@ -32,7 +32,8 @@ pub(super) fn shelf(d: &mut Draft, p: &Paints, seed: u32) {
     for board in 0..=BOARDS {
         let y = PLINTH + clear * board as f32;
         d.group(&format!("board_{}", board + 1), |d| {
-            // Boards touch the sides and the back; the top one covers the back and touches the wall.
+            // Boards touch the sides and the back; the top one covers the back and touches the
+            // wall.
             let shut = Faces::LEFT | Faces::RIGHT | Faces::BACK;
             let rear = if board < BOARDS { back } else { 0.0 };
             d.cuboid(vec3(-inner, y, rear), vec3(inner, y + PLANK, DEPTH - 0.005), shut, p.walnut);

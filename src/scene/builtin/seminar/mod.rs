@@ -1,6 +1,8 @@
-//! The paper's seminar room: rows of tables and chairs before a blackboard, windows on the left, lamps above.
+//! The paper's seminar room: rows of tables and chairs before a blackboard, windows on the left,
+//! lamps above.
 //!
-//! The size asked for chooses how many rows and tables there are; what is left over goes onto the tables.
+//! The size asked for chooses how many rows and tables there are; what is left over goes onto the
+//! tables.
 
 mod pieces;
 mod things;

@@ -1,4 +1,5 @@
-//! Furniture of the seminar room; each piece stands on the floor around the origin, people sit at +z and look towards -z.
+//! Furniture of the seminar room; each piece stands on the floor around the origin, people sit at
+//! +z and look towards -z.
 
 use glam::{Vec3, vec3};
 

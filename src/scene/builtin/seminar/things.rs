@@ -1,4 +1,5 @@
-//! Things on the tables: planned seat by seat, so that the scene gets exactly the polygons asked for.
+//! Things on the tables: planned seat by seat, so that the scene gets exactly the polygons asked
+//! for.
 
 use glam::{Vec3, vec3};
 
@@ -19,7 +20,8 @@ pub(super) enum Thing {
     Book,
 }
 
-/// Books and name cards fill what is left: 5 and 4 polygons, which with at most four cards add up to any number from 16.
+/// Books and name cards fill what is left: 5 and 4 polygons, which with at most four cards add up
+/// to any number from 16.
 pub(super) const SMALLEST_REST: usize = 16;
 
 /// Widths of a laptop's keys, row by row, in keys.
@@ -41,8 +43,8 @@ impl Thing {
 pub(super) fn plan(seats: usize, polygons: usize) -> Vec<Vec<Thing>> {
     let mut plan = vec![Vec::new(); seats];
     let mut rest = polygons;
-    // Steps of the golden section scatter the first visits all over the room; a step without a common factor with the
-    // number of seats visits each once.
+    // Steps of the golden section scatter the first visits all over the room; a step without a
+    // common factor with the number of seats visits each once.
     let golden = (0.618 * seats as f64) as usize;
     let stride = (golden..seats).find(|&stride| gcd(stride, seats) == 1).unwrap_or(1);
     let seat = |visit: usize| visit * stride % seats;
@@ -75,7 +77,8 @@ fn gcd(a: usize, b: usize) -> usize {
     if b == 0 { a } else { gcd(b, a % b) }
 }
 
-/// Draws things on the table top before a seat (y = 0; the seat is at +z), each kind in a place of its own.
+/// Draws things on the table top before a seat (y = 0; the seat is at +z), each kind in a place of
+/// its own.
 pub(super) fn draw(d: &mut Draft, things: &[Thing], p: &Paints, mut dice: Dice) {
     let (mut height, mut size, pile_turn) = (0.0, 1.0, dice.between(-9.0, 9.0));
     for thing in things {
@@ -102,7 +105,8 @@ pub(super) fn draw(d: &mut Draft, things: &[Thing], p: &Paints, mut dice: Dice) 
 fn laptop(d: &mut Draft, p: &Paints) {
     d.block(Vec3::ZERO, vec3(0.3, 0.014, 0.2), Faces::BOTTOM, p.steel);
     furniture::keys(d, vec3(-0.14, 0.014, -0.09), [0.02, 0.003], &LAPTOP_KEYS, p.dark);
-    // The lid stands on the base and leans back; six faces of a sheared box, and the display before it.
+    // The lid stands on the base and leans back; six faces of a sheared box, and the display before
+    // it.
     let lid = |x: f32, up: f32, z: f32| vec3(x, 0.014 + 0.19 * up, z - 0.05 * up - 0.09);
     let (l, r, t) = (-0.15, 0.15, 0.008);
     let front = [lid(l, 0., 0.), lid(r, 0., 0.), lid(r, 1., 0.), lid(l, 1., 0.)];
