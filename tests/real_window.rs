@@ -8,7 +8,9 @@
 #[path = "support/left_out.rs"]
 mod left_out;
 
+use std::ffi::OsStr;
 use std::io::{BufRead, BufReader, Read};
+use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
@@ -153,6 +155,29 @@ fn lit(view: &[u8]) -> f64 {
     view.chunks(4).filter(|pixel| pixel[..3].iter().any(|value| *value > 110)).count() as f64 / (view.len() / 4) as f64
 }
 
+/// Starts the program on a display, with a home of its own.
+fn open(display: &Display, home: &Path, arguments: &[&OsStr]) -> Child {
+    Command::new(env!("CARGO_BIN_EXE_selflink"))
+        .args(arguments)
+        .env("DISPLAY", &display.name)
+        .env_remove("WAYLAND_DISPLAY")
+        .env("XDG_RUNTIME_DIR", home)
+        .env("XDG_DATA_HOME", home)
+        .stderr(Stdio::piped())
+        .spawn()
+        .expect("the program was built")
+}
+
+/// Ends the program; what it wrote to its standard error.
+fn end(mut window: Child) -> String {
+    let mut errors = window.stderr.take().expect("piped");
+    window.kill().expect("it can be ended");
+    window.wait().expect("it has ended");
+    let mut said = String::new();
+    errors.read_to_string(&mut said).expect("text");
+    said
+}
+
 #[test]
 fn a_window_is_opened_driven_and_closed() {
     let Some(display) = Display::start() else {
@@ -160,15 +185,7 @@ fn a_window_is_opened_driven_and_closed() {
         return;
     };
     let home = tempfile::tempdir().expect("a folder for what the window keeps");
-    let mut window = Command::new(env!("CARGO_BIN_EXE_selflink"))
-        .args(["cornell", "--epsilon", "1e-2"])
-        .env("DISPLAY", &display.name)
-        .env_remove("WAYLAND_DISPLAY")
-        .env("XDG_RUNTIME_DIR", home.path())
-        .env("XDG_DATA_HOME", home.path())
-        .stderr(Stdio::piped())
-        .spawn()
-        .expect("the program was built");
+    let mut window = open(&display, home.path(), &["cornell", "--epsilon", "1e-2"].map(OsStr::new));
     let person = Person::at(&display);
 
     let first = person.until("a lit picture", |view| lit(view) > 0.2);
@@ -192,11 +209,7 @@ fn a_window_is_opened_driven_and_closed() {
     assert!(window.try_wait().expect("its state").is_none(), "it is still open");
     // A window manager's close would need one; the display's end is what a window gets when a
     // session ends.
-    let mut errors = window.stderr.take().expect("piped");
-    window.kill().expect("it can be ended");
-    window.wait().expect("it has ended");
-    let mut said = String::new();
-    errors.read_to_string(&mut said).expect("text");
+    let said = end(window);
     assert!(!said.contains("panicked"), "{said}");
 }
 
@@ -213,21 +226,10 @@ fn letters_that_our_fonts_lack_are_looked_for_in_the_system() {
     let room = "v 0 0 0\nv 4 0 0\nv 4 3 0\nv 0 3 0\nv 0 0 4\nv 4 0 4\nv 4 3 4\nv 0 3 4\n\
         f 1 2 3 4\nf 6 5 8 7\nf 5 1 4 8\nf 2 6 7 3\nf 5 6 2 1\nf 4 3 7 8\n";
     std::fs::write(&scene, room).expect("a writable folder");
-    let mut window = Command::new(env!("CARGO_BIN_EXE_selflink"))
-        .arg(&scene)
-        .args(["--ceiling-light", "--epsilon", "1e-2", "--log", "egui_system_font_provider=debug"])
-        .env("DISPLAY", &display.name)
-        .env_remove("WAYLAND_DISPLAY")
-        .env("XDG_RUNTIME_DIR", home.path())
-        .env("XDG_DATA_HOME", home.path())
-        .stderr(Stdio::piped())
-        .spawn()
-        .expect("the program was built");
+    let options = ["--ceiling-light", "--epsilon", "1e-2", "--log", "egui_system_font_provider=debug"];
+    let arguments: Vec<&OsStr> = std::iter::once(scene.as_os_str()).chain(options.map(OsStr::new)).collect();
+    let window = open(&display, home.path(), &arguments);
     Person::at(&display).until("a lit picture", |view| lit(view) > 0.2);
-    let mut errors = window.stderr.take().expect("piped");
-    window.kill().expect("it can be ended");
-    window.wait().expect("it has ended");
-    let mut said = String::new();
-    errors.read_to_string(&mut said).expect("text");
+    let said = end(window);
     assert!(said.contains("Enumerated system fonts"), "{said}");
 }

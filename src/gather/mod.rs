@@ -351,3 +351,27 @@ impl Gather {
         self.field.bytes() + self.samples.bytes() + self.groups.bytes() + size_of_val(&self.of_links[..])
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use super::*;
+    use crate::geometry::Occluders;
+    use crate::scene::builtin::BuiltinScene;
+    use crate::solve::{Epsilon, Solver, SolverParams};
+
+    impl Gather {
+        /// A gather to 5 % over coarse links of the Cornell box, before its first step.
+        pub(super) fn of_cornell() -> Self {
+            let scene = Arc::new(BuiltinScene::Cornell.build());
+            let occluders = Arc::new(Occluders::new(&scene));
+            let params = SolverParams { epsilon: Epsilon::Relative(1e-2), ..SolverParams::default() };
+            let mut solver = Solver::new(scene, occluders, params, 1).expect("usable parameters");
+            let never = CancelToken::new();
+            assert!(solver.run(&never));
+            let goal = Goal { error: Some(0.05), memory: 1 << 30, seed: 1 };
+            Self::new(solver.link_solution(), goal, &never).expect("nobody cancels")
+        }
+    }
+}

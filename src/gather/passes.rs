@@ -169,25 +169,12 @@ pub(super) fn whole_numbers(looks: impl Iterator<Item = (ElementId, f64)>) -> im
 
 #[cfg(test)]
 mod tests {
-    use std::sync::Arc;
-
     use super::*;
-    use crate::gather::Goal;
-    use crate::geometry::Occluders;
-    use crate::scene::builtin::BuiltinScene;
-    use crate::solve::{Epsilon, Solver, SolverParams};
 
     /// Truth: what an attempt may cast, but for the one look that each leaf in a queue keeps.
     #[test]
     fn an_attempt_casts_what_it_can_afford() {
-        let scene = Arc::new(BuiltinScene::Cornell.build());
-        let occluders = Arc::new(Occluders::new(&scene));
-        let params = SolverParams { epsilon: Epsilon::Relative(1e-2), ..SolverParams::default() };
-        let mut solver = Solver::new(scene, occluders, params, 1).expect("usable parameters");
-        let never = CancelToken::new();
-        assert!(solver.run(&never));
-        let goal = Goal { error: Some(0.05), memory: 1 << 30, seed: 1 };
-        let mut gather = Gather::new(solver.link_solution(), goal, &never).expect("nobody cancels");
+        let mut gather = Gather::of_cornell();
         gather.most_rays = 20_000;
         let plenty: Queue = gather.field().leaves().map(|leaf| (leaf, 1000)).collect();
         let mut queue = plenty.clone();

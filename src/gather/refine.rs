@@ -74,7 +74,7 @@ pub fn leaves_to_look_from(
     field.leaves().filter(is_heavy).map(looks).filter(|(_, looks)| *looks > 0).collect()
 }
 
-/// Share of its readers' light that each patch brings for what it reflects and its area, 1/W,
+/// Share of its readers' light that each patch brings for what it reflects and its area, m²/W,
 /// parallel to the arena; of patches that hold others it is that of all their parts. Empty before
 /// anybody read them.
 #[derive(Debug, Default)]
@@ -144,29 +144,17 @@ fn least_area(field: &Field) -> f32 {
 
 #[cfg(test)]
 mod tests {
-    use std::sync::Arc;
-
     use super::*;
     use crate::base::cancel::CancelToken;
-    use crate::gather::{Gather, Goal};
-    use crate::geometry::Occluders;
-    use crate::scene::builtin::BuiltinScene;
-    use crate::solve::{Epsilon, Solver, SolverParams};
+    use crate::gather::Gather;
 
     /// Truth: readers share their light out among what they see, so that over all leaves what each
     /// brings sums to the light that is reflected to the readers, each by its own E + E₀.
     #[test]
     fn importance_shares_out_the_light_of_readers() {
-        let scene = Arc::new(BuiltinScene::Cornell.build());
-        let occluders = Arc::new(Occluders::new(&scene));
-        let params = SolverParams { epsilon: Epsilon::Relative(1e-2), ..SolverParams::default() };
-        let mut solver = Solver::new(scene, occluders, params, 1).expect("usable parameters");
-        let never = CancelToken::new();
-        assert!(solver.run(&never));
-        let goal = Goal { error: Some(0.05), memory: 1 << 30, seed: 1 };
-        let mut gather = Gather::new(solver.link_solution(), goal, &never).expect("nobody cancels");
+        let mut gather = Gather::of_cornell();
         while gather.certificate().is_none() {
-            gather.step(&never).expect("nobody cancels");
+            gather.step(&CancelToken::new()).expect("nobody cancels");
         }
         let (field, samples) = (&gather.field, &gather.samples);
         let importance = Importance::of(field, samples, &gather.groups);

@@ -246,14 +246,12 @@ impl GatherSamples {
         for pass in &self.passes {
             for (place, leaf) in pass.leaves.iter().enumerate() {
                 let weight = of_look(*leaf);
-                let looks = pass.starts[place] as usize..pass.starts[place + 1] as usize;
+                let looks = pass.looks_of(place);
                 let met = &pass.met[looks.start * pass.cosine..looks.end * pass.cosine];
                 for met in met.iter().filter(|met| **met != NOTHING) {
                     read[met.index()] += (weight / pass.cosine as f64) as f32;
                 }
-                for (_, met, share) in
-                    &pass.aimed[pass.aimed_starts[place] as usize..pass.aimed_starts[place + 1] as usize]
-                {
+                for (_, met, share) in pass.aimed_of(place) {
                     read[met.index()] += weight as f32 * share;
                 }
             }
@@ -268,6 +266,16 @@ impl GatherSamples {
 }
 
 impl Pass {
+    /// The looks from the leaf at a place.
+    fn looks_of(&self, place: usize) -> std::ops::Range<usize> {
+        self.starts[place] as usize..self.starts[place + 1] as usize
+    }
+
+    /// The secondary emitters that they saw.
+    fn aimed_of(&self, place: usize) -> &[(u32, ElementId, f32)] {
+        &self.aimed[self.aimed_starts[place] as usize..self.aimed_starts[place + 1] as usize]
+    }
+
     fn push(&mut self, leaf: ElementId, drawn: &Drawn) {
         self.leaves.push(leaf);
         self.looks.extend_from_slice(&drawn.looks);
@@ -279,19 +287,19 @@ impl Pass {
 
     /// Σ of irradiance that others reflect and the sky brings, over the looks from a leaf.
     fn indirect(&self, place: usize, reflected: &[Vec3]) -> Vec3 {
-        let range = self.starts[place] as usize..self.starts[place + 1] as usize;
+        let range = self.looks_of(place);
         let met = &self.met[range.start * self.cosine..range.end * self.cosine];
         let met = met.iter().filter(|leaf| **leaf != NOTHING);
         let scattered = met.map(|leaf| reflected[leaf.index()]).sum::<Vec3>() / self.cosine as f32;
-        let aimed = &self.aimed[self.aimed_starts[place] as usize..self.aimed_starts[place + 1] as usize];
+        let aimed = self.aimed_of(place);
         let aimed = aimed.iter().map(|(_, leaf, share)| *share * reflected[leaf.index()]).sum::<Vec3>();
         scattered + aimed + self.looks[range].iter().map(|look| look.sky).sum::<Vec3>()
     }
 
     /// Sums over the looks from a leaf.
     fn sum(&self, place: usize, reflected: &[Vec3]) -> LightSums {
-        let range = self.starts[place] as usize..self.starts[place + 1] as usize;
-        let aimed = &self.aimed[self.aimed_starts[place] as usize..self.aimed_starts[place + 1] as usize];
+        let range = self.looks_of(place);
+        let aimed = self.aimed_of(place);
         let mut aimed = aimed.iter().peekable();
         let mut sums = LightSums::default();
         for (number, look) in range.clone().zip(&self.looks[range.clone()]) {

@@ -8,6 +8,7 @@
 use std::collections::HashMap;
 
 use glam::{DVec2, DVec3};
+use petgraph::unionfind::UnionFind;
 
 use super::draft::Draft;
 use super::triangulate::newell;
@@ -164,14 +165,7 @@ fn large_levels(faces: &[FlatFace], near: f64) -> Vec<f64> {
 /// A number for each face, one for those that meet in a corner; the under and the upper side of a
 /// slab count as one.
 fn parts(faces: &[FlatFace], near: f64, slab: f64) -> Vec<usize> {
-    fn first(parts: &mut [usize], mut face: usize) -> usize {
-        while parts[face] != face {
-            parts[face] = parts[parts[face]];
-            face = parts[face];
-        }
-        face
-    }
-    let mut parts: Vec<usize> = (0..faces.len()).collect();
+    let mut parts = UnionFind::new(faces.len());
     let mut known: HashMap<[i64; 2], usize> = HashMap::new();
     for (index, face) in faces.iter().enumerate() {
         for corner in face.corners() {
@@ -179,12 +173,11 @@ fn parts(faces: &[FlatFace], near: f64, slab: f64) -> Vec<usize> {
             if let Some(below) = known.insert(place, index)
                 && face.level - faces[below].level < slab
             {
-                let [below, above] = [below, index].map(|face| first(&mut parts, face));
-                parts[above] = below;
+                parts.union(below, index);
             }
         }
     }
-    (0..faces.len()).map(|face| first(&mut parts, face)).collect()
+    parts.into_labeling()
 }
 
 /// A flat face seen from above, by its corners; one of many corners by those of the box around it.
