@@ -7,6 +7,7 @@ use crate::app::App;
 use crate::app::appearance::Appearance;
 use crate::app::state::settings::LinksOf;
 use crate::app::tools::{Tool, WIDTHS};
+use crate::render::Show;
 
 /// The view's share of the window's width.
 const VIEW_SHARE: f32 = 0.5;
@@ -29,8 +30,8 @@ pub(in crate::app) struct Layout {
     pub is_card_open: bool,
     /// Whether the fold of the method's parameters is to be opened.
     pub opens_method: bool,
-    /// The links that were drawn before a study drew those of a level, while it goes on.
-    pub links_before_study: Option<LinksOf>,
+    /// What was shown before a study drew the links of a level over the lit scene, while it goes on.
+    pub before_study: Option<(LinksOf, Show)>,
 }
 
 impl Layout {
@@ -44,7 +45,7 @@ impl Layout {
             settings_width: 0.0,
             is_card_open: false,
             opens_method: false,
-            links_before_study: None,
+            before_study: None,
         }
     }
 }

@@ -30,6 +30,7 @@ pub use launch::{AppError, run};
 use crate::base::format;
 use crate::hierarchy::ElementId;
 use crate::prepare::added_light::AddedLight;
+use crate::render::Show;
 use crate::scene::{CameraPose, Reading, Source};
 use crate::solve::{Snapshot, SolverParams};
 use crate::worker::{Command, SceneInfo, SolverThread, Status};
@@ -201,20 +202,21 @@ impl App {
     /// from the root's self-link.
     fn study(&mut self, ctx: &egui::Context) {
         self.layout.opens_method = true;
-        let of = &mut self.edits.display.links.of;
-        self.layout.links_before_study.get_or_insert(*of);
-        *of = LinksOf::Level;
+        let display = &mut self.edits.display;
+        self.layout.before_study.get_or_insert((display.links.of, display.reading.show));
+        (display.links.of, display.reading.show) = (LinksOf::Level, Show::Lit);
         self.tools.playback.study(ctx.input(|input| input.time));
     }
 
-    /// Shows the links as before once a study has come to the present, unless a person chose others
-    /// meanwhile.
+    /// Shows what was shown before once a study has come to the present, unless a person chose
+    /// otherwise meanwhile.
     fn end_study(&mut self) {
+        let display = &mut self.edits.display;
         if self.tools.playback.step.is_none()
-            && let Some(before) = self.layout.links_before_study.take()
-            && self.edits.display.links.of == LinksOf::Level
+            && let Some(before) = self.layout.before_study.take()
+            && (display.links.of, display.reading.show) == (LinksOf::Level, Show::Lit)
         {
-            self.edits.display.links.of = before;
+            (display.links.of, display.reading.show) = before;
         }
     }
 }

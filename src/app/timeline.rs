@@ -46,7 +46,9 @@ pub(in crate::app) fn show(app: &mut App, ui: &mut Ui) {
                 app.tools.playback.show(None);
             }
             ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-                let at = app.tools.playback.step.unwrap_or(steps.len() - 1).min(steps.len() - 1);
+                // Of the picture that is there, while that of a chosen step is still being made.
+                let in_view = app.shown.snapshot.as_ref().and_then(|snapshot| snapshot.former_step);
+                let at = in_view.unwrap_or(steps.len() - 1).min(steps.len() - 1);
                 let words = WORDS.min(SHARE_OF_WORDS * ui.available_width());
                 ui.allocate_ui_with_layout(vec2(words, 20.0), Layout::left_to_right(Align::Center), |ui| {
                     ui.set_width(words);
@@ -143,9 +145,9 @@ fn described(info: &TimelineStep) -> String {
         waiting => format!(" ({} to test)", format::count(waiting as u64)),
     };
     format!(
-        "{kind}\n{} links{waiting}, {} patches, {} rays, after {}",
-        format::count(stats.all_links() as u64),
-        format::count(stats.patches as u64),
+        "{kind}\n{}{waiting}, {}, {} rays, after {}",
+        format::things(stats.all_links(), "link", "links"),
+        format::things(stats.patches, "patch", "patches"),
         format::count(stats.rays),
         format::seconds(stats.seconds.total)
     )

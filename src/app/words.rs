@@ -78,6 +78,14 @@ words! {
     SOLVE_AGAIN = "Solve again from scratch";
     /// Opens all that shows how the method works, and replays the solve.
     STUDY = "Study the method";
+    /// Over the view: the first step of a solve.
+    STEP_SELF_LINK = "One link joins the whole scene, as a single cluster, to itself. A link says how much of the light of its source reaches its receiver: this one stands for all light, so it is refined.";
+    /// Over the view: what a wave does.
+    STEP_WAVE = "each link that carries more power than ε gave way to links with the parts of its larger end";
+    /// Over the view: what follows on a gathering.
+    STEP_ROUND = "it is handed up and down the clusters until nothing changes, and then links are tested again with it.";
+    /// Over the view: a step of the final gather.
+    STEP_PASS = "Final gather: rays look for light from the surfaces themselves; what they meet is as bright as the links have lit it.";
     /// Row: what ends a solve.
     STOP_AT = "Stop at";
     /// Choice of [`STOP_AT`]: the certified error.

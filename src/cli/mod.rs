@@ -13,7 +13,6 @@ mod export;
 mod gathered;
 mod job;
 #[cfg(feature = "gui")]
-mod legend;
 mod log;
 mod man;
 mod matrix;

@@ -56,8 +56,8 @@ pub fn command() -> Command {
 /// Runs it.
 pub fn run(matches: &ArgMatches) -> anyhow::Result<()> {
     let order = Order::from_matches(matches)?;
-    if let Some(plane) = work_plane::plane(matches) {
-        return work_plane::run(matches, order, plane);
+    if let Some(plane) = work_plane::AskedPlane::of(matches) {
+        return work_plane::run(matches, order, &plane);
     }
     let points_path = path(matches, "points").unwrap_or_default();
     let rows = read_rows(&points_path)?;

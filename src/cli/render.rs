@@ -13,7 +13,8 @@ use selflink::read::daylight_factor::open_ground;
 use selflink::read::picture::{GatheredPicture, write_labels};
 use selflink::render::{
     Camera, ChosenLinks, ClusterView, Display, Exposure, Frame, IsolinesWanted, LightMeter, LinkFilter, LinkStyle,
-    MAX_SIZE, Marks, Offscreen, Overlay, ReadingSettings, Show, by_clusters, developed, pick, picked_marks,
+    MAX_SIZE, Marks, Offscreen, Overlay, ReadingSettings, Show, by_clusters, developed, draw_legend, pick,
+    picked_marks,
 };
 use selflink::scene::{CameraPose, FiledCamera, Scene};
 use selflink::transport::{LinkView, SolutionView};
@@ -22,7 +23,7 @@ use super::gathered::{PictureOf, gather};
 use super::job::{Order, Solution};
 use super::options::{self, coordinates, numbers, path, path_arg};
 use super::output::{OutputFile, say};
-use super::{clusters, legend, reading};
+use super::{clusters, reading};
 
 /// Pixels of a picture that nothing is said about.
 const USUAL_SIZE: [u32; 2] = [1280, 800];
@@ -204,7 +205,7 @@ fn show(picture: &GatheredPicture, scene: &Scene, solution: &Solution, view: &Vi
         write_labels(&mut picture, &pixels.labels, reading.shown_in)?;
     }
     if let Some(reading) = reading.filter(|_| view.has_legend) {
-        legend::draw(&mut picture, &reading)?;
+        draw_legend(&mut picture, &reading)?;
     }
     Ok(picture)
 }
@@ -271,7 +272,7 @@ pub fn draw(
         write_labels(&mut picture, &pixels.labels, reading.shown_in)?;
     }
     if let Some(reading) = reading.filter(|_| view.has_legend && !as_colours) {
-        legend::draw(&mut picture, &reading)?;
+        draw_legend(&mut picture, &reading)?;
     }
     Ok(picture)
 }

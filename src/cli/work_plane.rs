@@ -6,6 +6,7 @@ use selflink::base::format::{count, number, short, things};
 use selflink::base::photometry::FORMULA;
 use selflink::read::daylight_factor::NoDaylightFactor;
 use selflink::read::survey::{LitMesh, PlaneReading, Summary, WorkPlane, measure, write_plane};
+use selflink::scene::Scene;
 
 use super::job::Order;
 use super::options::{number as parse, path};
@@ -21,29 +22,44 @@ pub fn args() -> [Arg; 3] {
             "work-plane",
             "Instead of points on surfaces: a level plane at this height above the floor, E in the air",
         ),
-        length("spacing", "Distance between the points of the plane [default: 0.5]").requires("work-plane"),
-        length("margin", "Strip along the rim of the floor that is left out [default: 0.5]").requires("work-plane"),
+        length("spacing", "Distance between the points of the plane [default: as EN 12464-1 asks for the floor]")
+            .requires("work-plane"),
+        length("margin", "Strip along the rim of the floor that is left out [default: 0.5, less in small models]")
+            .requires("work-plane"),
     ]
 }
 
-/// The plane that the arguments ask for, if they do.
-pub fn plane(matches: &ArgMatches) -> Option<WorkPlane> {
-    let length = |name: &str| matches.get_one::<f64>(name).map(|length| *length as f32);
-    let usual = WorkPlane::default();
-    let [spacing, margin] = [("spacing", usual.spacing), ("margin", usual.margin)];
-    let or_usual = |(name, usual): (&str, f32)| length(name).unwrap_or(usual);
-    length("work-plane").map(|height| WorkPlane {
-        height,
-        spacing: or_usual(spacing),
-        margin: or_usual(margin),
-        area: None,
-    })
+/// A plane as the arguments ask for it.
+pub struct AskedPlane {
+    height: f32,
+    spacing: Option<f32>,
+    margin: Option<f32>,
+}
+
+impl AskedPlane {
+    /// The plane that the arguments ask for, if they do.
+    pub fn of(matches: &ArgMatches) -> Option<Self> {
+        let length = |name: &str| matches.get_one::<f64>(name).map(|length| *length as f32);
+        length("work-plane").map(|height| Self { height, spacing: length("spacing"), margin: length("margin") })
+    }
+
+    /// The plane in a scene, which tells what was not asked for.
+    fn within(&self, scene: &Scene) -> WorkPlane {
+        let usual = WorkPlane::for_scene(scene);
+        WorkPlane {
+            height: self.height,
+            spacing: self.spacing.unwrap_or(usual.spacing),
+            margin: self.margin.unwrap_or(usual.margin),
+            area: None,
+        }
+    }
 }
 
 /// Measures a plane.
-pub fn run(matches: &ArgMatches, order: Order, plane: WorkPlane) -> anyhow::Result<()> {
+pub fn run(matches: &ArgMatches, order: Order, plane: &AskedPlane) -> anyhow::Result<()> {
     let file = OutputFile::new(&path(matches, "out").unwrap_or_default(), &order.inputs())?;
     let job = order.load()?;
+    let plane = plane.within(&job.scene);
     // Before the long work, so that a plane that cannot be measured is reported soon.
     plane.grid(&job.scene)?;
     let solution = job.solve()?;

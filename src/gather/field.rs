@@ -12,6 +12,7 @@ use rayon::prelude::*;
 use super::groups::Groups;
 use super::openings::{self, Openings};
 use super::sources::Sources;
+use crate::base::random::{cosine_direction, r2_sequence};
 use crate::geometry::{EnclosureTest, Hit, LampList, Occluders};
 use crate::hierarchy::{Element, ElementId, Hierarchy, Patch, Shape};
 use crate::scene::outside::Outside;
@@ -387,6 +388,20 @@ impl Field {
         let around = &*self.around;
         EnclosureTest::with_lamps(&around.scene, &around.occluders, around.lamps.clone())
             .hides(point, normal, seed, rays)
+    }
+
+    /// Whether of so many rays from a point at least half meet the backs of faces, or faces that
+    /// no light reaches: it lies inside of things, which may run into each other.
+    pub fn is_shut_in(&self, (point, normal): (Vec3, Vec3), seed: u64, rays: u32) -> bool {
+        let is_stopped = |ray: &u32| {
+            let [u, v] = r2_sequence(seed, *ray);
+            match self.meet(point, normal, cosine_direction(normal, u, v)) {
+                End::Face(met) => self.area(met.leaf) <= 0.0,
+                End::Back => true,
+                End::Outside => false,
+            }
+        };
+        2 * (0..rays).filter(is_stopped).count() >= rays as usize
     }
 
     /// The patch that a leaf is.

@@ -10,8 +10,11 @@ use crate::solve::snapshot::Snapshot;
 
 /// So many lines of equal value at most.
 pub const MOST_ISOLINES: usize = 8;
-/// Shares of the area, from the darkest, between which an automatic range lies.
-const COUNTED_AREA: (f64, f64) = (0.02, 0.98);
+/// Shares of the area, from the darkest, between which an automatic range lies at most.
+const COUNTED_AREA: (f64, f64) = (0.02, 0.998);
+/// Values farther above the upper quartile than so many times the distance of the quartiles rule no
+/// range: Tukey's outer fence.
+const FENCE: f32 = 3.0;
 /// An automatic logarithmic range spans factors between these.
 const LOG_SPANS: (f32, f32) = (10.0, 1e4);
 /// Below this share of the upper end, an automatic linear range starts at 0.
@@ -222,17 +225,31 @@ fn counted_range(snapshot: &Snapshot, quantity: Quantity) -> Option<(f32, f32)> 
     if lit.iter().any(|(.., is_lamp)| !is_lamp) {
         lit.retain(|(.., is_lamp)| !is_lamp);
     }
-    lit.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
-    let total: f64 = lit.iter().map(|(_, area, _)| area).sum();
-    let at = |share: f64| {
-        let mut below = 0.0;
-        let reaches = |(_, area, _): &&(f32, f64, bool)| {
-            below += area;
-            below >= share * total
-        };
-        lit.iter().find(reaches).or(lit.last()).map(|(value, ..)| *value)
+    let mut values: Vec<(f32, f64)> = lit.into_iter().map(|(value, area, _)| (value, area)).collect();
+    let high = upper_end(&mut values, COUNTED_AREA.1)?;
+    Some((quantile(&values, COUNTED_AREA.0)?, high))
+}
+
+/// The upper end of a range of values, each with its weight: the largest below this share of the
+/// weight that is no outlier, for one place right under a lamp is not to rule it. Sorts them;
+/// `None` where there are none.
+pub fn upper_end(values: &mut [(f32, f64)], share: f64) -> Option<f32> {
+    values.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
+    let (lower, upper) = (quantile(values, 0.25)?, quantile(values, 0.75)?);
+    let fence = upper + FENCE * (upper - lower);
+    let (inside, _) = values.iter().rev().find(|(value, _)| *value <= fence)?;
+    Some(inside.min(quantile(values, share)?))
+}
+
+/// The value below which this share of the weight of sorted values lies.
+fn quantile(values: &[(f32, f64)], share: f64) -> Option<f32> {
+    let total: f64 = values.iter().map(|(_, weight)| weight).sum();
+    let mut below = 0.0;
+    let reaches = |(_, weight): &&(f32, f64)| {
+        below += weight;
+        below >= share * total
     };
-    Some((at(COUNTED_AREA.0)?, at(COUNTED_AREA.1)?))
+    values.iter().find(reaches).or(values.last()).map(|(value, _)| *value)
 }
 
 /// Digits of round numbers.

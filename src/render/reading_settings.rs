@@ -134,6 +134,10 @@ impl Reading {
         marks.retain(|mark| (-1e-3..=1.001).contains(&mark.along));
         marks.sort_by(|a, b| a.along.total_cmp(&b.along).then(b.is_line.cmp(&a.is_line)));
         marks.dedup_by(|later, first| (later.along - first.along).abs() < 2e-3);
+        // What is brighter has the last colour as well.
+        if let Some(last) = marks.last_mut().filter(|last| last.along > 0.999) {
+            last.label.insert_str(0, "≥ ");
+        }
         marks
     }
 
@@ -156,9 +160,9 @@ mod tests {
         let reading = Reading { quantity: Quantity::Irradiance, shown_in, scale, fills: true, isolines };
         let labels =
             |reading: &Reading| -> Vec<String> { reading.marks().into_iter().map(|mark| mark.label).collect() };
-        assert_eq!(labels(&reading), ["0", "100", "200", "300", "400", "500"]);
+        assert_eq!(labels(&reading), ["0", "100", "200", "300", "400", "≥ 500"]);
         let reading = Reading { isolines: Isolines::at([300.0 / 179.0, 750.0 / 179.0]), ..reading };
-        assert_eq!(labels(&reading), ["0", "300", "500"]);
+        assert_eq!(labels(&reading), ["0", "300", "≥ 500"]);
         assert_eq!(reading.title(), "illuminance E, lx");
         // A hundredth of 50 W/m² is 1 %.
         let shown_in = ShownIn::DaylightFactor { open_ground: 50.0 };
@@ -166,7 +170,7 @@ mod tests {
         let reading = Reading { shown_in, scale, isolines: Isolines::at([0.5]), ..reading };
         assert_eq!(
             (labels(&reading), reading.title()),
-            (["0", "1", "4"].map(String::from).into(), "daylight factor D, %".into())
+            (["0", "1", "≥ 4"].map(String::from).into(), "daylight factor D, %".into())
         );
     }
 }

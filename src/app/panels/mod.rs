@@ -18,6 +18,7 @@ pub(in crate::app) mod readout;
 pub(in crate::app) mod scene;
 pub(in crate::app) mod statistics;
 pub(in crate::app) mod status_bar;
+pub(in crate::app) mod step;
 pub(in crate::app) mod tag;
 
 use egui::{CollapsingHeader, RichText, ScrollArea, Ui};

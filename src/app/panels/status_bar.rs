@@ -13,6 +13,9 @@ use crate::worker::{ErrorOfMesh, RunState, Status};
 /// Least width of the sentence, points: what stands beside it keeps its place while it works.
 const SENTENCE_WIDTH: f32 = 138.0;
 
+/// Letters of the state of the gathered picture.
+const PICTURE_LETTERS: usize = 16;
+
 /// A sentence with its colour, and what helps.
 struct Said {
     text: String,
@@ -153,10 +156,16 @@ fn show_progress(ui: &mut Ui, share: f32) {
     response.on_hover_text(&name);
 }
 
-/// How far the gathered picture is.
-fn picture(Painted { noise, is_done, .. }: &Painted) -> String {
-    let noise = format::number(100.0 * f64::from(*noise));
-    if *is_done { format!("noise {noise} %") } else { format!("noise {noise} % …") }
+/// How far the gathered picture is: it is worked on until its noise is below the target error. As
+/// wide in all its states, so that nothing jumps.
+fn picture(painted: &Painted) -> String {
+    let percent = |share: f32| format::short((100.0 * f64::from(share)).into());
+    let noise = percent(painted.noise);
+    let text = match painted.is_done {
+        true => format!("noise {noise} %"),
+        false => format!("noise {noise} → {} %", percent(painted.goal())),
+    };
+    format!("{text:<PICTURE_LETTERS$}")
 }
 
 fn cells(stats: &Stats, run: RunState, more_seconds: f64, time_left: Option<f64>) -> Vec<(&'static str, String)> {

@@ -22,7 +22,7 @@ use crate::base::threads::Background;
 use crate::export::peers::Peer;
 use crate::export::{LitMesh, MeshFormat, exr, links};
 use crate::read::picture::{GatheredPicture, write_labels};
-use crate::render::{Frame, Offscreen, Overlay, Pixels, RenderError, auto_exposure, developed};
+use crate::render::{Frame, Offscreen, Overlay, Pixels, RenderError, auto_exposure, developed, draw_legend};
 use crate::scene::Scene;
 use crate::solve::Snapshot;
 
@@ -211,6 +211,9 @@ fn draw(picture: &Picture, gathered: Option<&GatheredPicture>) -> Result<RgbaIma
         let covered = (beside.share * width as f32).round() as u32;
         let left = image::imageops::crop_imm(&left, 0, 0, covered, height).to_image();
         image::imageops::replace(&mut drawn, &left, 0, 0);
+    }
+    if let Some(reading) = &picture.display.reading {
+        draw_legend(&mut drawn, reading).map_err(|error| error.to_string())?;
     }
     Ok(drawn)
 }

@@ -12,7 +12,7 @@ use crate::base::photometry::{Quantity, ShownIn, Unit, lux, weighted};
 use crate::read::survey::{
     NamedReading, PlaneReading, Probed, Ray, Report, SurfaceReading, Surveyor, WorkPlane, write_plane, write_probes,
 };
-use crate::render::{ColourScale, Isolines, Ramp, Reading, Spacing};
+use crate::render::{ColourScale, Isolines, Ramp, Reading, Spacing, upper_end};
 use crate::scene::{Scene, TaskArea};
 use crate::solve::Snapshot;
 
@@ -21,10 +21,7 @@ const USUAL_TARGET: f32 = 500.0;
 /// Uniformity of such an area.
 const USUAL_UNIFORMITY: f32 = 0.6;
 /// Share of the points that the scale of a work plane spans at most, from the darkest.
-const SCALED_SHARE: f32 = 0.98;
-/// Values farther above the upper quartile than so many times the distance of the quartiles rule no
-/// scale: Tukey's outer fence.
-const FENCE: f32 = 3.0;
+const SCALED_SHARE: f64 = 0.98;
 /// Readings are of the light in view when the surveyor has had less time than this to read it: no
 /// mark flickers meanwhile.
 const GRACE: Duration = Duration::from_millis(400);
@@ -354,7 +351,7 @@ impl Measuring {
         if let Some(reading) = reading.filter(|reading| reading.quantity == Quantity::Irradiance) {
             return Some(*reading);
         }
-        let high = upper_end(plane.values.iter().flatten().map(|value| weighted(value.to_array())).collect());
+        let high = end_of(plane.values.iter().flatten().map(|value| weighted(value.to_array())));
         let scale = ColourScale {
             low: 0.0,
             high,
@@ -414,15 +411,9 @@ pub(in crate::app) fn lux_in_words(reading: &SurfaceReading) -> String {
     }
 }
 
-/// The upper end of a scale of values: the largest that is no outlier, since one point right under
-/// a lamp is not to rule it.
-fn upper_end(mut values: Vec<f32>) -> f32 {
-    values.sort_unstable_by(f32::total_cmp);
-    let quantile = |share: f32| values.get((share * values.len() as f32) as usize).copied().unwrap_or(0.0);
-    let (lower, upper) = (quantile(0.25), quantile(0.75));
-    let fence = upper + FENCE * (upper - lower);
-    let inside = values.iter().rev().copied().find(|value| *value <= fence).unwrap_or(0.0);
-    inside.min(quantile(SCALED_SHARE)).max(1e-6)
+/// The upper end of a scale of values that count alike.
+fn end_of(values: impl Iterator<Item = f32>) -> f32 {
+    upper_end(&mut values.map(|value| (value, 1.0)).collect::<Vec<_>>(), SCALED_SHARE).unwrap_or(0.0).max(1e-6)
 }
 
 #[cfg(test)]
@@ -436,14 +427,14 @@ mod tests {
     fn one_outlier_does_not_rule_the_scale() {
         for count in [5, 12, 50, 400] {
             let even: Vec<f32> = (0..count).map(|index| 100.0 + 40.0 * index as f32 / count as f32).collect();
-            let plain = upper_end(even.clone());
+            let plain = end_of(even.iter().copied());
             assert!((131.0..140.0).contains(&plain), "{count} points: {plain}");
             let mut with_lamp = even;
             with_lamp[count / 2] = 12_000.0;
-            let guarded = upper_end(with_lamp);
+            let guarded = end_of(with_lamp.into_iter());
             assert!((123.0..140.0).contains(&guarded), "{count} points: {guarded}");
         }
-        assert_eq!(upper_end(vec![50.0]), 50.0);
-        assert_eq!(upper_end(Vec::new()), 1e-6);
+        assert_eq!(end_of([50.0].into_iter()), 50.0);
+        assert_eq!(end_of([].into_iter()), 1e-6);
     }
 }

@@ -201,7 +201,7 @@ fn show_summary(ui: &mut Ui, plane: &PlaneReading, is_stale: bool) {
     let [across, along] = plane.grid.steps.map(|step| format::short(step.into()));
     let left_out = match summary.left_out {
         0 => String::new(),
-        points => format!("; {} inside of things or outside of the room left out", format::count(points)),
+        points => format!("; {} left out, inside of things or outside of the room", format::count(points)),
     };
     let text = format!("{columns} × {rows} points, {across} × {along} m apart{left_out}");
     ui.add(egui::Label::new(theme::weak(text)).wrap());
@@ -258,6 +258,9 @@ fn show_target(ui: &mut Ui, plane: &PlaneReading, measuring: &mut Measuring) {
         ui.add(field).on_hover_text("Minimum over average that the task asks for, such as 0.6 (EN 12464-1)")
     });
     let summary = plane.summary();
+    if summary.points == 0 {
+        return;
+    }
     let share = summary.average / measuring.target;
     let verdicts = [
         (words::AVERAGE, share >= 1.0, format!("{:.0} % of the target", 100.0 * share)),

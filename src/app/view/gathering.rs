@@ -28,6 +28,13 @@ struct Sitting {
     has_lines: bool,
 }
 
+impl Painted {
+    /// Noise that suffices, as a share of the local light.
+    pub(in crate::app) fn goal(&self) -> f32 {
+        self.sitting.error
+    }
+}
+
 impl PartialEq for Sitting {
     fn eq(&self, other: &Self) -> bool {
         Arc::ptr_eq(&self.field, &other.field)

@@ -75,12 +75,19 @@ impl MarksOverView {
                 Some(ChosenLinks::new(inspection.links.iter().copied(), &links.filter, epsilon))
             }
             (LinksOf::Level, _) => {
-                let level = links.level.min(solution_view.deepest());
-                Some(ChosenLinks::new(solution_view.links_at_depth(level), &links.filter, epsilon))
+                // While the first links are refined, none reaches down to the level.
+                let deepest = links.level.min(solution_view.deepest());
+                let mut levels = (0..=deepest).rev();
+                let of_level =
+                    |level: u16| ChosenLinks::new(solution_view.links_at_depth(level), &links.filter, epsilon);
+                Some(levels.by_ref().map(of_level).find(|of_level| of_level.all > 0).unwrap_or_default())
             }
         };
         if let Some(chosen) = &self.chosen {
-            self.lines = chosen.lines(solution_view, links.style);
+            self.lines = match links.of {
+                LinksOf::Level if chosen.all == 0 => ChosenLinks::lines_of_self_link(solution_view),
+                _ => chosen.lines(solution_view, links.style),
+            };
         }
         self.lines.extend(picked.into_iter().flat_map(|picked| picked_marks(solution_view, picked)));
     }

@@ -435,7 +435,10 @@ pub(in crate::app) fn show(app: &mut App, ui: &mut Ui, outbox: &mut Outbox) -> O
         }
         if let Some(info) = &app.shown.info {
             let eye = Eye::new(rect, &camera, &info.occluders);
-            measure_marks::show(ui, rect, &eye, &app.tools.measuring, reading.as_ref());
+            // What was measured is of the present.
+            if app.tools.playback.step.is_none() {
+                measure_marks::show(ui, rect, &eye, &app.tools.measuring, reading.as_ref());
+            }
             if app.tools.open == Some(Tool::Measure)
                 && let Some(outline) = app.tools.measuring.area_outline(&info.scene)
             {
@@ -452,6 +455,7 @@ pub(in crate::app) fn show(app: &mut App, ui: &mut Ui, outbox: &mut Outbox) -> O
     if !app.layout.is_full_picture {
         // What comes first keeps its place.
         panels::readout::show(app, ui, rect);
+        panels::step::show(app, ui, rect);
         panels::picked::show(app, ui, rect);
         show_legend(app, ui, rect);
         panels::links::show_legend(app, ui, rect);

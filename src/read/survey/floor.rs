@@ -2,10 +2,9 @@
 
 use glam::Vec3;
 
+use super::lit_mesh::LEVEL;
 use crate::scene::{Polygon, Scene};
 
-/// Faces turned up more than this cosine are level.
-const LEVEL: f32 = 0.98;
 /// Level faces whose heights differ by no more than this share of the scene's height are one
 /// surface.
 const SLAB: f32 = 0.01;

@@ -10,6 +10,8 @@ use crate::solve::{Leaf, Mesh, Snapshot, barycentric};
 
 /// A point farther than this share of the scene's size from every surface lies on none.
 const TOLERANCE: f32 = 1e-3;
+/// Faces turned up more than this cosine are level.
+pub(super) const LEVEL: f32 = 0.98;
 
 /// Standard error of a reading, as a share of the light there, unless another is asked for: some
 /// tenths of a millisecond.
@@ -99,9 +101,8 @@ impl LitMesh {
     fn reading(&self, triangle: u32, point: Vec3, error: f32) -> SurfaceReading {
         let mesh = &self.snapshot.mesh;
         let triangle = triangle as usize;
-        let corners = corners(mesh, triangle);
         let leaf = mesh.leaves[mesh.triangle_leaf[triangle] as usize];
-        let normal = (corners[1] - corners[0]).cross(corners[2] - corners[0]).normalize_or_zero();
+        let normal = self.normal(triangle);
         let (irradiance, radiosity, standard_error) = match &self.snapshot.field {
             Some(field) => {
                 let read = field.read(leaf.polygon, point, error);
@@ -117,6 +118,11 @@ impl LitMesh {
         SurfaceReading { point, normal, leaf, irradiance, standard_error, radiosity }
     }
 
+    fn normal(&self, triangle: usize) -> Vec3 {
+        let [a, b, c] = corners(&self.snapshot.mesh, triangle);
+        (b - a).cross(c - a).normalize_or_zero()
+    }
+
     fn interpolated(&self, triangle: usize, point: Vec3, values: &[[f32; 3]]) -> Vec3 {
         let mesh = &self.snapshot.mesh;
         let weights = barycentric(corners(mesh, triangle), point).clamp(Vec3::ZERO, Vec3::ONE);
@@ -125,9 +131,22 @@ impl LitMesh {
         if sum > 0.0 { (weights.x * a + weights.y * b + weights.z * c) / sum } else { a }
     }
 
-    /// The surface that light from a direction left last; `direction` must be a unit vector.
-    pub(super) fn met(&self, point: Vec3, direction: Vec3) -> Met {
-        match self.faces.first_hit(point, direction) {
+    /// A point farther than this from every surface lies on none.
+    pub(super) fn tolerance(&self) -> f32 {
+        self.tolerance
+    }
+
+    /// Where a ray from the air meets the bright side of a level face first; both directions are
+    /// unit vectors.
+    pub(super) fn level_face_below(&self, point: Vec3, down: Vec3, up: Vec3) -> Option<Vec3> {
+        let hit = self.faces.first_hit(point, down).filter(|hit| hit.front)?;
+        (self.normal(hit.polygon as usize).dot(up) > LEVEL).then_some(hit.point)
+    }
+
+    /// The surface that light from a direction left last for a small area in the air or on a face;
+    /// `direction` must be a unit vector.
+    pub(super) fn met(&self, (point, normal): (Vec3, Vec3), direction: Vec3) -> Met {
+        match self.faces.ray_from(point, normal, direction) {
             None => Met::Nothing,
             Some(hit) if !hit.front => Met::Back,
             Some(hit) => {

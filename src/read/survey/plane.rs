@@ -37,6 +37,8 @@ const MOST_LAMP_RAYS: u32 = 128;
 /// A ray to the floor is slanted by this, for one straight down may slip through along the
 /// diagonals of quads.
 const SLANT: [f32; 2] = [0.0113, 0.0171];
+/// A point this share of the plane's height below a table's top (2 cm) is read on it.
+const RESTS: f32 = 0.025;
 /// Points that are measured at once.
 const CHUNK: usize = 32;
 /// Seed of all rays.
@@ -107,6 +109,8 @@ pub struct Measuring<'a> {
     lamps: Vec<&'a Polygon>,
     plane: WorkPlane,
     grid: Grid,
+    /// Unit vector to the floor.
+    down: Vec3,
     error: f32,
     values: Vec<Option<Value>>,
 }
@@ -123,7 +127,9 @@ impl<'a> Measuring<'a> {
     pub fn new(lit: &'a LitMesh, plane: WorkPlane, error: f32) -> Result<Self, GridError> {
         let grid = plane.grid(lit.scene())?;
         let values = Vec::with_capacity(grid.points.len());
-        Ok(Self { lit, lamps: lamps(lit.scene()), plane, grid, error, values })
+        let (across, along) = grid.up.any_orthonormal_pair();
+        let down = (SLANT[0] * across + SLANT[1] * along - grid.up).normalize();
+        Ok(Self { lit, lamps: lamps(lit.scene()), plane, grid, down, error, values })
     }
 
     /// Measures a few more points, which takes some 20 ms; false when all are done.
@@ -141,35 +147,46 @@ impl<'a> Measuring<'a> {
         self.values.len() as f32 / self.grid.points.len().max(1) as f32
     }
 
-    /// Irradiance of a small area in the air; `None` inside of something and where there is no
-    /// floor.
+    /// Irradiance of a small level area; `None` inside of something and where there is no floor.
     fn value(&self, point: Vec3, seed: u64) -> Option<Value> {
         let (lit, normal) = (self.lit, self.grid.up);
-        let (across, along) = normal.any_orthonormal_pair();
-        let down = (SLANT[0] * across + SLANT[1] * along - normal).normalize();
-        if !matches!(lit.met(point, down), Met::Front(_)) {
-            return None;
+        let point = match self.rests_on(point) {
+            Some(place) => place,
+            None if matches!(lit.met((point, normal), self.down), Met::Front(_)) => point,
+            None => return None,
+        };
+        if let Some(field) = lit.snapshot().field.as_ref() {
+            if field.is_shut_in((point, normal), seed, INSIDE_RAYS) {
+                return None;
+            }
+            let read = field.irradiance_at((point, normal), self.error, seed);
+            return Some((read.mean, Some(read.standard_error)));
         }
-        let field = lit.snapshot().field.as_ref();
-        let rays = if field.is_some() { INSIDE_RAYS } else { RAYS };
         let (mut sent, mut backs) = (Vec3::ZERO, 0);
-        for ray in 0..rays {
+        for ray in 0..RAYS {
             let [u, v] = r2_sequence(seed, ray);
-            match lit.met(point, cosine_direction(normal, u, v)) {
+            match lit.met((point, normal), cosine_direction(normal, u, v)) {
                 Met::Front(radiosity) => sent += radiosity,
                 Met::Back => backs += 1,
                 Met::Nothing => {}
             }
         }
-        if 2 * backs >= rays {
+        if 2 * backs >= RAYS {
             return None;
         }
-        if let Some(field) = field {
-            let read = field.irradiance_at((point, normal), self.error, seed);
-            return Some((read.mean, Some(read.standard_error)));
-        }
         let others = from_lamps(lit, &self.lamps, point, normal, seed) + from_outside(lit, point, normal, seed);
-        Some((sent / rays as f32 + others, None))
+        Some((sent / RAYS as f32 + others, None))
+    }
+
+    /// The place right above a point that lies on a level face or a little below it, such as a
+    /// table's top: an instrument would stand there.
+    fn rests_on(&self, point: Vec3) -> Option<Vec3> {
+        let up = self.grid.up;
+        let reach = (RESTS * self.plane.height).max(self.lit.tolerance());
+        let from = point + reach * up;
+        let place = self.lit.level_face_below(from, self.down, up)?;
+        let height = (place - point).dot(up);
+        (height >= -self.lit.tolerance().min(0.1 * reach)).then(|| point + height * up)
     }
 
     /// The reading of the measured points; the others count as left out.
@@ -216,7 +233,7 @@ fn from_outside(lit: &LitMesh, point: Vec3, normal: Vec3, seed: u64) -> Vec3 {
         };
         let Some(direction) = direction else { continue };
         let cosine = normal.dot(direction);
-        if cosine > 0.0 && matches!(lit.met(point, direction), Met::Nothing) {
+        if cosine > 0.0 && matches!(lit.met((point, normal), direction), Met::Nothing) {
             let density = 0.5 * (cosine / PI + outside.density(direction));
             light += cosine / density / SKY_RAYS as f32 * outside.radiance(direction);
         }
@@ -225,7 +242,7 @@ fn from_outside(lit: &LitMesh, point: Vec3, normal: Vec3, seed: u64) -> Vec3 {
         for ray in 0..SUN_RAYS {
             let direction = sun.at(r2_sequence(hash64(seed, 2 << 40), ray));
             let cosine = normal.dot(direction);
-            if cosine > 0.0 && matches!(lit.met(point, direction), Met::Nothing) {
+            if cosine > 0.0 && matches!(lit.met((point, normal), direction), Met::Nothing) {
                 light += cosine / SUN_RAYS as f32 * sun.irradiance;
             }
         }
@@ -327,6 +344,34 @@ mod tests {
         let points = measuring.grid.points.len();
         assert!(measuring.advance() && points > 50 * CHUNK, "{points}");
         assert_eq!(measuring.values.len(), CHUNK);
+    }
+
+    /// Truth: a table's top is no inside. The plane that it lies in, and one a little below that,
+    /// are read on it; its light is that of a plane just above.
+    #[test]
+    fn a_plane_at_a_tables_top_is_read_on_it() {
+        let mut scene = room(0.5, 0.0);
+        let lamp = scene.add_material("lamp", Vec3::ZERO, Vec3::splat(100.0));
+        let at = |x: f32, z: f32| Vec3::new(x, 2.9, z);
+        scene.add_quad([at(1.5, 1.5), at(2.5, 1.5), at(2.5, 2.5), at(1.5, 2.5)], lamp, GroupId(0));
+        let wall = scene.material_named("wall").expect("there");
+        let (lower, upper) = (Vec3::new(1.0, 0.71, 1.0), Vec3::new(3.0, 0.75, 2.0));
+        add_box(&mut scene, (lower, upper), false, (wall, GroupId(0)));
+        let lit = lit(scene);
+        let at_height = |height: f32| {
+            let plane = WorkPlane { height, spacing: 0.3, margin: 0.3, area: None };
+            measure(&lit, plane, 0.01).expect("a floor")
+        };
+        let above = at_height(0.751);
+        assert_eq!(above.summary().left_out, 0);
+        for height in [0.75, 0.74] {
+            let found = at_height(height);
+            assert_eq!(found.summary().left_out, 0, "{height}");
+            let [found, above] = [&found, &above].map(|reading| reading.summary().average);
+            // Each point is known within a percent or two.
+            assert!((found / above - 1.0).abs() < 0.01, "{height}: {found} {above}");
+        }
+        assert!(at_height(0.72).summary().left_out > 0, "deep inside");
     }
 
     /// Truth: a closed room that glows evenly has E = B_e/(1 − ρ) everywhere, in the air as on its

@@ -1,14 +1,15 @@
 //! The legend of false colours and isolux lines, drawn into the lower left corner of a picture.
 
-use anyhow::anyhow;
 use image::{Rgb, RgbImage, Rgba, RgbaImage, imageops};
 use plotters::backend::BitMapBackend;
 use plotters::drawing::IntoDrawingArea;
 use plotters::element::Text;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 use plotters::style::{IntoFont, RGBColor, TextStyle};
-use selflink::base::font::family;
-use selflink::render::Reading;
+use thiserror::Error;
+
+use super::Reading;
+use crate::base::font::family;
 
 /// Sizes for a picture of 800 lines; larger ones have larger legends.
 const USUAL_HEIGHT: f32 = 800.0;
@@ -20,8 +21,16 @@ const PANEL: Rgb<u8> = Rgb([29, 31, 35]);
 const TEXT: RGBColor = RGBColor(236, 237, 240);
 const WEAK: RGBColor = RGBColor(160, 165, 175);
 
-/// Draws it; nothing where the picture is too small to hold it.
-pub fn draw(picture: &mut RgbaImage, reading: &Reading) -> anyhow::Result<()> {
+/// A legend that cannot be drawn.
+#[derive(Debug, Error)]
+#[error("the legend cannot be drawn ({0})")]
+pub struct LegendError(String);
+
+/// Draws the legend of a reading into a picture; nothing where that is too small to hold it.
+///
+/// # Errors
+/// The letters cannot be drawn, for want of a font.
+pub fn draw_legend(picture: &mut RgbaImage, reading: &Reading) -> Result<(), LegendError> {
     let scale = (picture.height() as f32 / USUAL_HEIGHT).clamp(0.8, 4.0);
     let pixels = |length: f32| (scale * length).round() as u32;
     let [width, height] = CARD.map(pixels);
@@ -58,9 +67,9 @@ pub fn draw(picture: &mut RgbaImage, reading: &Reading) -> anyhow::Result<()> {
 }
 
 /// Title, values and convention.
-fn write(card: &mut RgbImage, reading: &Reading, (scale, labels): (f32, &[(u32, &str)])) -> anyhow::Result<()> {
+fn write(card: &mut RgbImage, reading: &Reading, (scale, labels): (f32, &[(u32, &str)])) -> Result<(), LegendError> {
     let (width, height) = card.dimensions();
-    let failed = |error: &dyn std::fmt::Display| anyhow!("the legend cannot be drawn ({error})");
+    let failed = |error: &dyn std::fmt::Display| LegendError(error.to_string());
     let area = BitMapBackend::with_buffer(card, (width, height)).into_drawing_area();
     let style = |size: f32, colour: &'static RGBColor, horizontal: HPos| {
         TextStyle::from((family(), f64::from(size * scale)).into_font())
