@@ -12,7 +12,6 @@ mod export;
 #[cfg(feature = "gui")]
 mod gathered;
 mod job;
-#[cfg(feature = "gui")]
 mod log;
 mod man;
 mod matrix;

@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 use super::outline::element_outline;
 use super::overlay::{Line, power_colour};
 use crate::base::format;
-use crate::hierarchy::{ElementId, Hierarchy};
+use crate::hierarchy::ElementId;
 use crate::read::ramp::{VIRIDIS, along_ramp};
 use crate::transport::{LinkView, SolutionView, VisibilitySource};
 
@@ -219,17 +219,6 @@ impl ChosenLinks {
         lines
     }
 
-    /// Lines for the root's self-link before it was tested: the box of the scene, and a dot.
-    pub fn lines_of_self_link(solution_view: &SolutionView) -> Vec<Line> {
-        let hierarchy = solution_view.hierarchy();
-        let [r, g, b] = power_colour(1.0);
-        let edges = element_outline(hierarchy, Hierarchy::ROOT).into_iter();
-        let mut lines: Vec<Line> =
-            edges.map(|[from, to]| Line::new(from, to, LINK_WIDTH, [r, g, b, OUTLINE_OPACITY])).collect();
-        lines.push(Line::dot(hierarchy.element(Hierarchy::ROOT).centre, SELF_DOT, [r, g, b, 255]));
-        lines
-    }
-
     fn colour(&self, solution_view: &SolutionView, link: &LinkView, by: LinkColour) -> [u8; 3] {
         match by {
             LinkColour::Power => {
@@ -261,6 +250,9 @@ impl fmt::Display for ChosenLinks {
         let drawn = self.links.len();
         if self.all == 0 {
             return write!(f, "No link is kept here yet");
+        }
+        if drawn == 1 && self.all == 1 {
+            return write!(f, "1 link drawn");
         }
         if drawn == self.all {
             return write!(f, "All {} drawn", format::things(self.all, "link", "links"));

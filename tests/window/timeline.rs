@@ -87,8 +87,10 @@ fn a_study_opens_the_method_and_replays_the_solve() {
     assert!(window.query_all_by_label(threshold).next().is_some());
     let why = window.query_all_by_label_contains("used with the choice Stop at").next();
     assert!(why.is_some(), "what has no effect says why");
+    until(&mut window, "words on it", |window| window.query_by_label(words::STEP_SELF_LINK).is_some());
     until(&mut window, "its links", |window| window.query_by_label_contains("drawn").is_some());
     click(&mut window, words::LATEST);
     until(&mut window, "the present", |window| step(window).is_none());
     until(&mut window, "no links, as before", |window| window.query_by_label_contains("drawn").is_none());
+    assert!(window.query_by_label(words::STEP_SELF_LINK).is_none());
 }

@@ -84,10 +84,7 @@ impl MarksOverView {
             }
         };
         if let Some(chosen) = &self.chosen {
-            self.lines = match links.of {
-                LinksOf::Level if chosen.all == 0 => ChosenLinks::lines_of_self_link(solution_view),
-                _ => chosen.lines(solution_view, links.style),
-            };
+            self.lines = chosen.lines(solution_view, links.style);
         }
         self.lines.extend(picked.into_iter().flat_map(|picked| picked_marks(solution_view, picked)));
     }

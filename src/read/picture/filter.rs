@@ -29,6 +29,9 @@ const SMOOTHNESS: i32 = 32;
 const LEAST_REACH: [f32; PARTS] = [4.0, 12.0, 1.0];
 /// Samples that are less alike are of different surfaces.
 const ALIKE: f32 = 0.5;
+/// A sample is as bright as so many times the light of those around it, at most: the little that is
+/// lost of what few rays find is less than the spots that these would leave.
+const BRIGHTEST: f32 = 8.0;
 /// Squared deviations at which the fall-off of a weight has come to nothing.
 const FAR: f32 = 8.0;
 
@@ -161,11 +164,15 @@ impl Filter {
                 }
                 let found = &light.found[index];
                 if found.looks > 0.0 {
+                    let own: [f32; N] = std::array::from_fn(|part| grey(found.sums[part]));
+                    let of_others = (sums.iter().sum::<f32>() - own.iter().sum::<f32>()) / (looks - found.looks);
+                    let most = if looks > found.looks { BRIGHTEST * of_others * found.looks } else { f32::INFINITY };
                     let of = |part: usize| {
                         // What is left of one look without a partner is compared with the looks
                         // around.
                         let noise = found.signed[part] - found.signs * sums[part] / looks;
-                        found.sums[part].extend(noise) / found.looks
+                        let kept = if own[part] > most { most / own[part] } else { 1.0 };
+                        kept * found.sums[part].extend(noise) / found.looks
                     };
                     *mixed = Mixed { light: std::array::from_fn(of), weight: [found.looks; N] };
                 }
