@@ -23,7 +23,11 @@ pub(in crate::app) fn show(ui: &mut Ui, shown: &Shown, links: &mut LinkOverlay) 
         &mut links.of,
         &[
             (LinksOf::Nothing, words::LINKS_NONE, "No links over the view"),
-            (LinksOf::Picked, words::LINKS_OF_SELECTION, "Links of the selected element: click a surface to select it"),
+            (
+                LinksOf::Picked,
+                words::LINKS_OF_SELECTION,
+                "Links of the selected element, each of which says how much of the light of a surface or a cluster reaches another: click a surface to select it",
+            ),
             (LinksOf::Level, words::LINKS_AT_LEVEL, "Links of all receivers at one level of the hierarchy"),
         ],
     );
