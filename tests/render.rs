@@ -75,7 +75,7 @@ fn snapshot(quads: &[([Vec3; 4], [f32; 3])]) -> Snapshot {
         let area = (b - a).cross(c - b).length();
         let element = ElementId(index + 1);
         let material = MaterialId(0);
-        mesh.leaves.push(Leaf { element, polygon: index, material, area, exposed_area: area, level: 0 });
+        mesh.leaves.push(Leaf { element, polygon: index, material, area, reachable_area: area, level: 0 });
         vertex_radiosity.extend([radiosity; 4]);
         leaf_radiosity.push(radiosity);
     }

@@ -27,7 +27,7 @@ const SIZE: u32 = 201;
 fn slope() -> Snapshot {
     let corners = [[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [1.0, 1.0, 0.0], [-1.0, 1.0, 0.0]];
     let leaf =
-        Leaf { element: ElementId(1), polygon: 0, material: MaterialId(0), area: 4.0, exposed_area: 4.0, level: 0 };
+        Leaf { element: ElementId(1), polygon: 0, material: MaterialId(0), area: 4.0, reachable_area: 4.0, level: 0 };
     let irradiance = [1.0, 3.0, 3.0, 1.0];
     Snapshot {
         generation: 1,

@@ -266,7 +266,7 @@ fn absorbed(scene: &Scene, solution: &Solution) -> f64 {
     let power = leaves.map(|(leaf, irradiance)| {
         let reflectance = scene.surface(&scene.polygons[leaf.polygon as usize]).reflectance.to_array();
         let absorbed = irradiance.iter().zip(reflectance).map(|(received, rho)| f64::from(received * (1.0 - rho)));
-        f64::from(leaf.exposed_area) * absorbed.sum::<f64>()
+        f64::from(leaf.reachable_area) * absorbed.sum::<f64>()
     });
     power.sum()
 }

@@ -195,7 +195,7 @@ mod tests {
             polygon: 0,
             material: MaterialId(material),
             area: 0.5,
-            exposed_area: 0.5,
+            reachable_area: 0.5,
             level: 0,
         };
         Mesh {

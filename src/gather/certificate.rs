@@ -239,7 +239,7 @@ impl Certifying {
         let wanted = f64::from(along) * ends[ends.len() - 1];
         let place = ends.partition_point(|end| *end <= wanted).min(ends.len() - 1);
         let [u, v] = r2_sequence(hash64(self.seed, salt + 2), index as u32);
-        let point = self.exposed_point(field, self.leaves[place], [u, v], seed);
+        let point = self.reachable_point(field, self.leaves[place], [u, v], seed);
         let at = (point.position, point.normal);
         let error = (NOISE * self.target) as f32;
         let checked = field.checked_at(at, error, hash64(seed, 3), most_rays);
@@ -269,7 +269,7 @@ impl Certifying {
     }
 
     /// A point of a leaf that does not hide under something, unless all of it seems to.
-    fn exposed_point(&self, field: &Field, leaf: ElementId, [u, v]: [f32; 2], seed: u64) -> SurfacePoint {
+    fn reachable_point(&self, field: &Field, leaf: ElementId, [u, v]: [f32; 2], seed: u64) -> SurfacePoint {
         let point = field.hierarchy.point_on(leaf, u, v);
         if !field.patch(leaf).is_hidden_in_part() {
             return point;

@@ -1,7 +1,7 @@
 //! The light that surfaces send, as gathers read it: one irradiance for each leaf.
 //!
 //! The leaves are those of the links' hierarchy and what the gather splits further for its own
-//! sake; the links' hierarchy stays as it is. A value is the mean over what is exposed of a leaf,
+//! sake; the links' hierarchy stays as it is. A value is the mean over what is reachable of a leaf,
 //! so that the power that gathers read is the power that was found, however coarse the leaves are.
 
 use std::sync::Arc;
@@ -219,7 +219,7 @@ impl Field {
         self.sent = Arc::new(sent);
     }
 
-    /// Takes over how much of each leaf's sampled area is exposed, where that is known.
+    /// Takes over how much of each leaf's sampled area is reachable, where that is known.
     pub(super) fn set_areas(&mut self, seen_share: impl Fn(ElementId) -> Option<f32> + Sync) {
         let of = |(index, element): (usize, &Element)| {
             if self.dark.get(index).is_some_and(|is_dark| *is_dark) {

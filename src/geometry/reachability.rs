@@ -8,8 +8,8 @@
 //!
 //! Each polygon that is large enough is cut into 4^k cells, the very quarters into which refinement
 //! would split it, and rays from four points tell how much of each is hidden. A patch then has the
-//! area that is exposed. Random points of it lie on all cells that are exposed at all, so that none
-//! of the light that goes to them is missed.
+//! area that is reachable. Random points of it lie on all cells that are reachable at all, so that
+//! none of the light that goes to them is missed.
 
 use glam::Vec3;
 use rayon::prelude::*;
@@ -33,31 +33,31 @@ const RAYS: u32 = 16;
 pub struct Reachability {
     /// Cells of each polygon; empty where nothing is hidden in the whole scene.
     polygons: Vec<Cells>,
-    /// How many points of each cell are exposed, for the polygons that are hidden in part.
-    exposed: Vec<u8>,
+    /// How many points of each cell are reachable, for the polygons that are hidden in part.
+    reachable: Vec<u8>,
 }
 
 /// The cells of a patch, the quarters of its quarters in the order of their numbers.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Cells {
     first: u32,
-    /// A power of four; 0 stands for a patch that is exposed wholly, as far as is known.
+    /// A power of four; 0 stands for a patch that is reachable wholly, as far as is known.
     count: u32,
 }
 
-/// How much of a patch is exposed, as shares of its area.
+/// How much of a patch is reachable, as shares of its area.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Shares {
     /// Share of the area that light can reach.
-    pub exposed: f32,
+    pub reachable: f32,
     /// The cells of which light can reach a part: where random points lie.
     pub sampled: f32,
 }
 
 impl Cells {
-    /// Whether the whole patch is exposed.
+    /// Whether the whole patch is reachable.
     #[inline]
-    pub fn are_all_exposed(self) -> bool {
+    pub fn are_all_reachable(self) -> bool {
         self.count == 0
     }
 
@@ -75,16 +75,18 @@ impl Reachability {
         let total: f32 = scene.polygons.iter().map(|polygon| scene.area(polygon)).sum();
         let test = EnclosureTest::new(scene, occluders);
         let look = |(index, polygon): (usize, &Polygon)| {
-            exposed_points(scene, &test, index as u32, polygon, CELL_SHARE * total)
+            reachable_points(scene, &test, index as u32, polygon, CELL_SHARE * total)
         };
         let looked: Vec<Vec<u8>> = scene.polygons.par_iter().enumerate().map(look).collect();
         let mut reachability = Self::default();
         if looked.iter().all(Vec::is_empty) {
             return reachability;
         }
-        for exposed in looked {
-            reachability.polygons.push(Cells { first: reachability.exposed.len() as u32, count: exposed.len() as u32 });
-            reachability.exposed.extend(exposed);
+        for reachable in looked {
+            reachability
+                .polygons
+                .push(Cells { first: reachability.reachable.len() as u32, count: reachable.len() as u32 });
+            reachability.reachable.extend(reachable);
         }
         reachability
     }
@@ -101,37 +103,41 @@ impl Reachability {
         }
         let count = cells.count / 4;
         let part = Cells { first: cells.first + quarter * count, count };
-        if self.exposed[part.range()].iter().all(|points| *points == POINTS) { Cells::default() } else { part }
+        if self.reachable[part.range()].iter().all(|points| *points == POINTS) { Cells::default() } else { part }
     }
 
-    /// How much of a patch with these cells is exposed.
+    /// How much of a patch with these cells is reachable.
     pub fn shares(&self, cells: Cells) -> Shares {
         if cells.count == 0 {
-            return Shares { exposed: 1.0, sampled: 1.0 };
+            return Shares { reachable: 1.0, sampled: 1.0 };
         }
-        let exposed = self.exposed[cells.range()].iter().map(|points| f32::from(*points)).sum::<f32>();
+        let reachable = self.reachable[cells.range()].iter().map(|points| f32::from(*points)).sum::<f32>();
         let sampled = self.sampled_cells(cells) as f32;
-        Shares { exposed: exposed / (f32::from(POINTS) * cells.count as f32), sampled: sampled / cells.count as f32 }
+        Shares {
+            reachable: reachable / (f32::from(POINTS) * cells.count as f32),
+            sampled: sampled / cells.count as f32,
+        }
     }
 
-    /// How much of the cell at a corner of a patch is exposed, as a share of its area; corners are
-    /// numbered like the quarters that hold them.
+    /// How much of the cell at a corner of a patch is reachable, as a share of its area; corners
+    /// are numbered like the quarters that hold them.
     pub fn share_at_corner(&self, cells: Cells, corner: u32) -> f32 {
-        if cells.are_all_exposed() {
+        if cells.are_all_reachable() {
             return 1.0;
         }
         // The quarter of that number, of its quarters that of the same number, and so on.
         let cell = cells.first + corner * (cells.count - 1) / 3;
-        f32::from(self.exposed[cell as usize]) / f32::from(POINTS)
+        f32::from(self.reachable[cell as usize]) / f32::from(POINTS)
     }
 
-    /// The cell at `u` in 0..1 of all cells of a patch that are exposed at all, as the quarters
-    /// that lead to it from the patch, and how far `u` is into it; `None` where nothing is exposed.
+    /// The cell at `u` in 0..1 of all cells of a patch that are reachable at all, as the quarters
+    /// that lead to it from the patch, and how far `u` is into it; `None` where nothing is
+    /// reachable.
     pub fn sampled_cell(&self, cells: Cells, u: f32) -> Option<(impl Iterator<Item = u32> + use<>, f32)> {
         let sampled = self.sampled_cells(cells);
         let wanted = u.clamp(0.0, 1.0) * sampled as f32;
         let rank = (wanted as u32).min(sampled.checked_sub(1)?);
-        let mut places = (0..cells.count).filter(|cell| self.exposed[(cells.first + cell) as usize] > 0);
+        let mut places = (0..cells.count).filter(|cell| self.reachable[(cells.first + cell) as usize] > 0);
         let cell = places.nth(rank as usize)?;
         let levels = cells.count.ilog2() / 2;
         let quarters = (0..levels).rev().map(move |level| (cell >> (2 * level)) & 3);
@@ -140,16 +146,16 @@ impl Reachability {
 
     /// Memory, bytes.
     pub fn bytes(&self) -> usize {
-        size_of_val(&self.polygons[..]) + size_of_val(&self.exposed[..])
+        size_of_val(&self.polygons[..]) + size_of_val(&self.reachable[..])
     }
 
     fn sampled_cells(&self, cells: Cells) -> u32 {
-        self.exposed[cells.range()].iter().filter(|points| **points > 0).count() as u32
+        self.reachable[cells.range()].iter().filter(|points| **points > 0).count() as u32
     }
 }
 
-/// How many points of each cell of a polygon are exposed; nothing where all are.
-fn exposed_points(scene: &Scene, test: &EnclosureTest, index: u32, polygon: &Polygon, cell: f32) -> Vec<u8> {
+/// How many points of each cell of a polygon are reachable; nothing where all are.
+fn reachable_points(scene: &Scene, test: &EnclosureTest, index: u32, polygon: &Polygon, cell: f32) -> Vec<u8> {
     let area = scene.area(polygon);
     if area < 0.25 * cell {
         return Vec::new();
@@ -157,19 +163,19 @@ fn exposed_points(scene: &Scene, test: &EnclosureTest, index: u32, polygon: &Pol
     let levels = (0.5 * (area / cell).log2()).round().clamp(0.0, MOST_LEVELS as f32) as u32;
     let (corners, corner_count) = scene.corner_positions(polygon);
     let normal = scene.normal(polygon);
-    let exposed = |cell: u32| {
+    let reachable = |cell: u32| {
         let quarters = (0..levels).rev().map(|level| (cell >> (2 * level)) & 3);
         let corners = quarters.fold(corners, |corners, number| quarter(corners, corner_count, number));
-        let is_exposed = |part: &u32| {
+        let is_reachable = |part: &u32| {
             let seed = hash64(u64::from(index), u64::from(u32::from(POINTS) * cell + part));
             // Anywhere in the quarter: what is as regular as the cells must not meet all their
             // middles.
             let point = point_in(quarter(corners, corner_count, *part), corner_count, uniform(hash64(seed, 1)));
             !test.hides(point, normal, seed, RAYS)
         };
-        (0..u32::from(POINTS)).filter(is_exposed).count() as u8
+        (0..u32::from(POINTS)).filter(is_reachable).count() as u8
     };
-    let cells: Vec<u8> = (0..1_u32 << (2 * levels)).map(exposed).collect();
+    let cells: Vec<u8> = (0..1_u32 << (2 * levels)).map(reachable).collect();
     if cells.iter().all(|points| *points == POINTS) { Vec::new() } else { cells }
 }
 

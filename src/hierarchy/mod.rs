@@ -133,7 +133,7 @@ impl Element {
     }
 
     /// Share of the element's random points that light can reach.
-    pub fn exposed_share(&self) -> f32 {
+    pub fn reachable_share(&self) -> f32 {
         if self.sampled_area > 0.0 { self.area / self.sampled_area } else { 1.0 }
     }
 

@@ -28,7 +28,7 @@ pub struct Patch {
 impl Patch {
     /// Whether a part of it is hidden, as far as is known.
     pub fn is_hidden_in_part(&self) -> bool {
-        !self.cells.are_all_exposed()
+        !self.cells.are_all_reachable()
     }
 
     /// A patch over three or four vertices; the normal is set by [`Hierarchy::patch_element`].
@@ -90,7 +90,7 @@ impl Hierarchy {
             parent: NO_PARENT,
             first_child: 0,
             child_count: 0,
-            area: area_vector.length() * shares.exposed,
+            area: area_vector.length() * shares.reachable,
             sampled_area: area_vector.length() * shares.sampled,
             centre: centroid(&positions[..count]),
             key,
@@ -100,15 +100,15 @@ impl Hierarchy {
 
     /// Area of a patch with what is hidden of it, m²; its element's is without.
     pub fn whole_area(&self, element: &Element, patch: &Patch) -> f32 {
-        if patch.cells.are_all_exposed() {
+        if patch.cells.are_all_reachable() {
             return element.area;
         }
         let (positions, count) = self.corner_positions(patch);
         area_vector(&positions[..count]).length()
     }
 
-    /// How much of a patch is exposed near one of its corners, 0..=1.
-    pub fn exposed_at_corner(&self, patch: &Patch, corner: usize) -> f32 {
+    /// How much of a patch is reachable near one of its corners, 0..=1.
+    pub fn reachable_at_corner(&self, patch: &Patch, corner: usize) -> f32 {
         self.reachability.share_at_corner(patch.cells, corner as u32)
     }
 

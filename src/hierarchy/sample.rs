@@ -99,7 +99,7 @@ impl Hierarchy {
     pub fn points_on<'a>(&'a self, sums: Option<&'a PatchSums>, id: ElementId) -> ElementPoints<'a> {
         let element = self.element(id);
         let leaf = match &element.shape {
-            Shape::Patch(patch) if element.is_leaf() && patch.cells.are_all_exposed() => {
+            Shape::Patch(patch) if element.is_leaf() && patch.cells.are_all_reachable() => {
                 let (corners, count) = self.corner_positions(patch);
                 let point = SurfacePoint { position: corners[0], normal: patch.normal, polygon: patch.polygon };
                 Some((PolygonMap::new(&corners[..count]), point))
@@ -116,7 +116,7 @@ impl Hierarchy {
             let Shape::Patch(patch) = &element.shape else { unreachable!("below a patch there are patches") };
             if element.is_leaf() {
                 let (mut corners, count) = self.corner_positions(patch);
-                if !patch.cells.are_all_exposed()
+                if !patch.cells.are_all_reachable()
                     && let Some((quarters, rest)) = self.reachability.sampled_cell(patch.cells, u)
                 {
                     corners = quarters.fold(corners, |corners, number| quarter(corners, count, number));
@@ -125,7 +125,7 @@ impl Hierarchy {
                 let position = point_on_polygon(&corners[..count], u, v);
                 return SurfacePoint { position, normal: patch.normal, polygon: patch.polygon };
             }
-            let child = if !patch.cells.are_all_exposed() {
+            let child = if !patch.cells.are_all_reachable() {
                 self.quarter_by_area(element, &mut u)
             } else if patch.corners().len() == 3 {
                 triangle_quarter(&mut u, &mut v)

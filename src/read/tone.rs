@@ -167,7 +167,7 @@ mod tests {
             polygon: 0,
             material: MaterialId(0),
             area,
-            exposed_area: area,
+            reachable_area: area,
             level: 0,
         };
         Snapshot {

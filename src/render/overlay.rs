@@ -124,7 +124,7 @@ mod tests {
             polygon: 0,
             material: crate::scene::MaterialId(0),
             area: 1.0,
-            exposed_area: 1.0,
+            reachable_area: 1.0,
             level: 0,
         };
         Mesh {

@@ -217,7 +217,7 @@ fn counted_range(snapshot: &Snapshot, quantity: Quantity) -> Option<(f32, f32)> 
         let (received, sent) = (weighted(irradiance), weighted(radiosity));
         let value = if quantity == Quantity::Irradiance { received } else { sent };
         // What sends out more than it receives is a lamp.
-        (value, f64::from(leaf.exposed_area), sent > received)
+        (value, f64::from(leaf.reachable_area), sent > received)
     };
     let is_lit =
         |(value, area, _): &(f32, f64, bool)| *value > 0.0 && value.is_finite() && *area > 0.0 && area.is_finite();

@@ -126,7 +126,7 @@ pub fn power_balance(solver: &Solver, rays: u32, seed: u64) -> PowerBalance {
         .par_iter()
         .map(
             |(leaf, radiosity)| {
-                if *radiosity == Vec3::ZERO { Vec::new() } else { exposed_points(hierarchy, &test, *leaf, seed) }
+                if *radiosity == Vec3::ZERO { Vec::new() } else { reachable_points(hierarchy, &test, *leaf, seed) }
             },
         )
         .collect();
@@ -151,8 +151,8 @@ pub fn power_balance(solver: &Solver, rays: u32, seed: u64) -> PowerBalance {
             }
         })
         .collect();
-    let exposed_emission = lit.leaves().map(|(leaf, surface)| lit.area(leaf) * surface.emission.as_dvec3());
-    balance.stopped_by_backs = (emitted - exposed_emission.sum::<DVec3>()).max(DVec3::ZERO);
+    let reachable_emission = lit.leaves().map(|(leaf, surface)| lit.area(leaf) * surface.emission.as_dvec3());
+    balance.stopped_by_backs = (emitted - reachable_emission.sum::<DVec3>()).max(DVec3::ZERO);
     for (stopped, escaped) in fates {
         balance.stopped_by_backs += stopped;
         balance.escaped += escaped;
@@ -162,8 +162,8 @@ pub fn power_balance(solver: &Solver, rays: u32, seed: u64) -> PowerBalance {
 
 /// Some random points of a leaf that is hidden in part that are not hidden themselves; few are
 /// tried, so that the work grows with the scene, not with the rays.
-fn exposed_points(hierarchy: &Hierarchy, test: &EnclosureTest, leaf: ElementId, seed: u64) -> Vec<SurfacePoint> {
-    if hierarchy.element(leaf).exposed_share() >= 1.0 {
+fn reachable_points(hierarchy: &Hierarchy, test: &EnclosureTest, leaf: ElementId, seed: u64) -> Vec<SurfacePoint> {
+    if hierarchy.element(leaf).reachable_share() >= 1.0 {
         return Vec::new();
     }
     let point = |number: u64| {

@@ -157,9 +157,9 @@ impl ReconstructionMesh {
     }
 }
 
-/// Weight of a hidden leaf at a vertex: not beside what is exposed, but where there is nothing
+/// Weight of a hidden leaf at a vertex: not beside what is reachable, but where there is nothing
 /// else.
-const LEAST_EXPOSED: f32 = 1e-6;
+const LEAST_REACHABLE: f32 = 1e-6;
 
 /// Barycentric weights of a point's projection; not finite for a triangle without area.
 pub fn barycentric([a, b, c]: [Vec3; 3], point: Vec3) -> Vec3 {
@@ -208,8 +208,8 @@ struct MeshBuilder<'a> {
     /// Mesh vertex by (hierarchy vertex, smooth surface).
     vertex_of: FxHashMap<(u32, u32), u32>,
     rim: Vec<u32>,
-    /// How much of the leaf is exposed near each vertex of the rim.
-    rim_exposed: Vec<f32>,
+    /// How much of the leaf is reachable near each vertex of the rim.
+    rim_reachable: Vec<f32>,
 }
 
 impl<'a> MeshBuilder<'a> {
@@ -222,7 +222,7 @@ impl<'a> MeshBuilder<'a> {
             part: Part::default(),
             vertex_of: FxHashMap::default(),
             rim: Vec::new(),
-            rim_exposed: Vec::new(),
+            rim_reachable: Vec::new(),
         }
     }
 
@@ -237,21 +237,21 @@ impl<'a> MeshBuilder<'a> {
             polygon: patch.polygon,
             material,
             area: whole_area,
-            exposed_area: element.area,
+            reachable_area: element.area,
             level: patch.level,
         });
-        let exposed = element.area / whole_area;
+        let reachable = element.area / whole_area;
         let surface = if self.kind == MeshKind::Flat { id.0 } else { self.surfaces[patch.polygon as usize] };
         let corners = patch.corners();
         self.rim.clear();
-        self.rim_exposed.clear();
+        self.rim_reachable.clear();
         for (index, &from) in corners.iter().enumerate() {
             let vertex = self.vertex(from, surface);
             self.rim.push(vertex);
-            self.rim_exposed.push(self.hierarchy.exposed_at_corner(&patch, index));
+            self.rim_reachable.push(self.hierarchy.reachable_at_corner(&patch, index));
             if self.hierarchy.is_subdivided() {
                 self.hanging(from, corners[(index + 1) % corners.len()], surface);
-                self.rim_exposed.resize(self.rim.len(), exposed);
+                self.rim_reachable.resize(self.rim.len(), reachable);
             }
         }
         let rim = std::mem::take(&mut self.rim);
@@ -299,15 +299,15 @@ impl<'a> MeshBuilder<'a> {
 
     /// A leaf counts at a vertex by the angle it fills there, over the squared distance of its
     /// centre, which reproduces a linear radiosity across a change of subdivision level, and by how
-    /// much of it is exposed there: beyond a thing that stands on the vertex it may be lit
+    /// much of it is reachable there: beyond a thing that stands on the vertex it may be lit
     /// otherwise.
     fn contribute(&mut self, rim: &[u32], index: usize, leaf: u32, centre: Vec3) {
         let at = |index: usize| Vec3::from(self.part.mesh.positions[rim[index % rim.len()] as usize]);
         let vertex = at(index);
         let angle = (at(index + 1) - vertex).angle_between(at(index + rim.len() - 1) - vertex);
         let distance_squared = (centre - vertex).length_squared();
-        let exposed = self.rim_exposed[index].max(LEAST_EXPOSED);
-        let weight = if distance_squared > 0.0 && angle > 0.0 { exposed * angle / distance_squared } else { 0.0 };
+        let reachable = self.rim_reachable[index].max(LEAST_REACHABLE);
+        let weight = if distance_squared > 0.0 && angle > 0.0 { reachable * angle / distance_squared } else { 0.0 };
         self.part.contributions.push((rim[index], leaf, weight));
     }
 

@@ -69,7 +69,7 @@ pub struct Leaf {
     /// Area, m².
     pub area: f32,
     /// Area of it that light can reach, m².
-    pub exposed_area: f32,
+    pub reachable_area: f32,
     /// Subdivision level below the initial patch, which is level 0.
     pub level: u8,
 }

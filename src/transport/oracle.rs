@@ -112,8 +112,8 @@ impl Oracle<'_> {
                 let samples = self.sampler.sample_pairs(self.hierarchy, (a, b), density, budget);
                 rays += samples.cast;
                 let (to, from) = (self.hierarchy.element(receiver), self.hierarchy.element(source));
-                link.direct =
-                    (from.area * samples.mean_visible_kernel()).min(1.0) / (to.exposed_share() * from.exposed_share());
+                link.direct = (from.area * samples.mean_visible_kernel()).min(1.0)
+                    / (to.reachable_share() * from.reachable_share());
             }
             decision
         };
@@ -154,7 +154,7 @@ impl Oracle<'_> {
             (max_radiosity * area, max_radiosity * area)
         } else if hierarchy.element(receiver).is_patch() && hierarchy.element(source).is_patch() {
             // Patches have one estimate, and the link holds it.
-            let sampled = hierarchy.element(receiver).exposed_share() * hierarchy.element(source).exposed_share();
+            let sampled = hierarchy.element(receiver).reachable_share() * hierarchy.element(source).reachable_share();
             let power = max_radiosity * link.form_factor * sampled * area;
             (power, power)
         } else {
@@ -274,7 +274,7 @@ impl Oracle<'_> {
         let budget = RayBudget { rays: asked, rays_if_blocked: asked, stop_when_mixed: false };
         let samples = self.sampler.sample_pairs(self.hierarchy, (id, id), SampleDensity::Even, budget);
         *rays += samples.cast;
-        let share = element.exposed_share();
+        let share = element.reachable_share();
         let form_factor = (element.area * samples.mean_kernel()).min(1.0) / (share * share);
         Link::new(id, form_factor, samples.visibility(), visibility_source)
     }
@@ -302,7 +302,7 @@ impl Oracle<'_> {
             }
             _ => estimate / to.area,
         };
-        form_factor.min(1.0) / (to.exposed_share() * from.exposed_share())
+        form_factor.min(1.0) / (to.reachable_share() * from.reachable_share())
     }
 
     /// Looks at other points of a pair than those that made it look clear.

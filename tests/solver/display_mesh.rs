@@ -216,7 +216,7 @@ fn leaves_of_the_mesh_are_the_leaves_of_the_hierarchy() {
         let Shape::Patch(patch) = element.shape else { panic!("a leaf is a patch") };
         assert!(element.is_leaf());
         assert_eq!((patch.polygon, patch.level), (leaf.polygon, leaf.level));
-        assert_eq!((element.area, solved.hierarchy().whole_area(element, &patch)), (leaf.exposed_area, leaf.area));
+        assert_eq!((element.area, solved.hierarchy().whole_area(element, &patch)), (leaf.reachable_area, leaf.area));
         assert_eq!(leaf.material, scene.polygons[leaf.polygon as usize].material);
         assert_eq!(Vec3::from(*radiosity), solved.radiosity()[leaf.element.index()]);
     }

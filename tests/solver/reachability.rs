@@ -40,8 +40,8 @@ fn the_floor_under_a_box_is_no_area() {
     for polygon in 0..scene.polygons.len() as u32 {
         let shares = reachability.shares(reachability.of_polygon(polygon));
         let truth = if polygon == floor_of(&scene) { 0.88 } else { 1.0 };
-        assert!((shares.exposed - truth).abs() < 0.012, "polygon {polygon}: {shares:?}");
-        assert!(shares.sampled >= shares.exposed);
+        assert!((shares.reachable - truth).abs() < 0.012, "polygon {polygon}: {shares:?}");
+        assert!(shares.sampled >= shares.reachable);
     }
     let mut hierarchy = Hierarchy::new(&scene, Arc::new(reachability), ClusteringMode::None, 1);
     let of_floor = |hierarchy: &Hierarchy| {
@@ -141,7 +141,7 @@ fn what_a_small_lamp_lights_among_backs_is_not_hidden() {
     let reachability = Reachability::new(&scene, &Occluders::new(&scene));
     let floor = scene.polygons.len() as u32 - 2;
     assert!(scene.normal(&scene.polygons[floor as usize]).y > 0.99);
-    assert_eq!(reachability.shares(reachability.of_polygon(floor)).exposed, 1.0);
+    assert_eq!(reachability.shares(reachability.of_polygon(floor)).reachable, 1.0);
     let solved = solve(&scene, params(ClusteringMode::Adaptive, 1e-2));
     assert!(super::support::received(&solved, floor) > 0.0);
 }

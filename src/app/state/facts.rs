@@ -160,9 +160,9 @@ fn mean_light(snapshot: &Snapshot, is_chosen: impl Fn(ElementId) -> bool) -> Opt
     let (mut irradiance, mut radiosity, mut area) = (Vec3::ZERO, Vec3::ZERO, 0.0);
     for (leaf, (received, sent)) in snapshot.mesh.leaves.iter().zip(light) {
         if is_chosen(leaf.element) {
-            irradiance += leaf.exposed_area * Vec3::from(*received);
-            radiosity += leaf.exposed_area * Vec3::from(*sent);
-            area += leaf.exposed_area;
+            irradiance += leaf.reachable_area * Vec3::from(*received);
+            radiosity += leaf.reachable_area * Vec3::from(*sent);
+            area += leaf.reachable_area;
         }
     }
     (area > 0.0).then(|| MeanLight { area, irradiance: irradiance / area, radiosity: radiosity / area })
@@ -202,8 +202,8 @@ mod tests {
         let whole = facts(Hierarchy::ROOT);
         let (mut sum, mut area) = (Vec3::ZERO, 0.0);
         for (leaf, irradiance) in snapshot.mesh.leaves.iter().zip(&snapshot.leaf_irradiance) {
-            sum += leaf.exposed_area * Vec3::from(*irradiance);
-            area += leaf.exposed_area;
+            sum += leaf.reachable_area * Vec3::from(*irradiance);
+            area += leaf.reachable_area;
         }
         assert!(whole.irradiance.abs_diff_eq(sum / area, 1e-4 * whole.irradiance.max_element()));
         let names: Vec<&str> = whole.irradiances().iter().map(|(name, ..)| *name).collect();

@@ -147,8 +147,14 @@ mod tests {
     #[test]
     fn a_probe_says_its_value_its_error_and_its_age() {
         let probe = Probe { name: "desk".into(), point: Vec3::ZERO, normal: Vec3::Y };
-        let leaf =
-            Leaf { element: ElementId(1), polygon: 0, material: MaterialId(0), area: 1.0, exposed_area: 1.0, level: 0 };
+        let leaf = Leaf {
+            element: ElementId(1),
+            polygon: 0,
+            material: MaterialId(0),
+            area: 1.0,
+            reachable_area: 1.0,
+            level: 0,
+        };
         let irradiance = Vec3::splat(2.0);
         let mut reading = SurfaceReading {
             point: Vec3::ZERO,

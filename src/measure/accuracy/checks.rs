@@ -83,7 +83,7 @@ pub fn by_solver(case: &Case, params: SolverParams) -> Result<Vec<f64>, SolverEr
             let leaves = mesh.leaves.iter().zip(&snapshot.leaf_irradiance);
             let wanted = leaves.filter(|(leaf, _)| polygons.contains(&leaf.polygon));
             let (area, power) = wanted.fold((0.0, 0.0), |(area, power), (leaf, irradiance)| {
-                let of_leaf = f64::from(leaf.exposed_area);
+                let of_leaf = f64::from(leaf.reachable_area);
                 (area + of_leaf, power + of_leaf * f64::from(irradiance[0]))
             });
             power / area

@@ -105,8 +105,14 @@ mod tests {
             [[low, low + 1, high + 1], [low, high + 1, high]]
         };
         let vertex_radiosity = positions.iter().map(|[x, ..]| [light(*x); 3]).collect();
-        let leaf =
-            Leaf { element: ElementId(1), polygon: 0, material: MaterialId(0), area: 1.0, exposed_area: 1.0, level: 0 };
+        let leaf = Leaf {
+            element: ElementId(1),
+            polygon: 0,
+            material: MaterialId(0),
+            area: 1.0,
+            reachable_area: 1.0,
+            level: 0,
+        };
         let triangles: Vec<[u32; 3]> = (0..n * n).flat_map(quad).collect();
         let triangle_leaf = vec![0; triangles.len()];
         Snapshot {

@@ -94,7 +94,7 @@ mod tests {
             polygon,
             material: crate::scene::MaterialId(0),
             area: 1.0,
-            exposed_area: 1.0,
+            reachable_area: 1.0,
             level: 0,
         };
         let corners = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];

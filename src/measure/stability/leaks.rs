@@ -92,7 +92,7 @@ fn beyond(solver: &mut Solver, x: f32) -> (f64, f64) {
     }
     let (mut dark, mut all) = ((0.0, 0.0), (0.0, 0.0));
     for ((leaf, irradiance), [from, to]) in mesh.leaves.iter().zip(&snapshot.leaf_irradiance).zip(&reach) {
-        let (area, power) = (f64::from(leaf.exposed_area), f64::from(leaf.exposed_area * irradiance[0]));
+        let (area, power) = (f64::from(leaf.reachable_area), f64::from(leaf.reachable_area * irradiance[0]));
         all = (all.0 + area, all.1 + power);
         if *from >= x && *to > x {
             dark = (dark.0 + area, dark.1 + power);

@@ -36,9 +36,10 @@ impl Combined {
     /// `emission` its source's emission in multiples of the whole's. What the source reflects
     /// counts as spread evenly over it.
     pub fn add(&mut self, hierarchy: &Hierarchy, receiver: ElementId, link: &Link, weight: f32, emission: f32) {
-        let exposed = hierarchy.element(receiver).exposed_share() * hierarchy.element(link.source()).exposed_share();
+        let reachable =
+            hierarchy.element(receiver).reachable_share() * hierarchy.element(link.source()).reachable_share();
         self.transfer += weight * link.transfer();
-        self.form_factor += weight * link.form_factor * exposed;
+        self.form_factor += weight * link.form_factor * reachable;
         self.direct += weight * link.direct * emission;
         self.links += 1;
         let rays = match link.visibility_source() {
@@ -77,8 +78,8 @@ impl Combined {
         source: ElementId,
         visibility_source: VisibilitySource,
     ) -> Link {
-        let exposed = hierarchy.element(receiver).exposed_share() * hierarchy.element(source).exposed_share();
-        let form_factor = (self.form_factor.min(1.0) / exposed).max(self.transfer);
+        let reachable = hierarchy.element(receiver).reachable_share() * hierarchy.element(source).reachable_share();
+        let form_factor = (self.form_factor.min(1.0) / reachable).max(self.transfer);
         let visibility = if form_factor > 0.0 { self.transfer / form_factor } else { 0.0 };
         let mut link = Link::new(source, form_factor, visibility, visibility_source);
         link.direct = self.direct;
