@@ -122,15 +122,18 @@ struct Axis {
     askew: f64,
     /// Area of faces across it whose names say that they lie flat.
     named: f64,
-    /// Sum over corners of where they lie between the lower (0) and the upper end (1).
+    /// Sum over corners of where they lie between the lower (0) and the upper end (1), but for
+    /// lamps.
     level: f64,
+    /// Sum over emitters of their power times where they hang between the two ends.
+    shining: f64,
     extent: f64,
 }
 
 /// The axis that looks most like up. Things stand on floors, so corners lie low; there are more
-/// flat faces inside of a room, of tables and shelves, than walls one way; whatever is turned is
-/// turned about it, so that walls stay upright and floors flat; rooms are wider than high; and
-/// names may tell. What lies outside of `within` tells nothing: a sky.
+/// flat faces inside of a room, of tables and shelves, than walls one way; lamps hang high;
+/// whatever is turned is turned about it, so that walls stay upright and floors flat; rooms are
+/// wider than high; and names may tell. What lies outside of `within` tells nothing: a sky.
 pub(super) fn guessed(draft: &Draft, within: Option<[DVec3; 2]>) -> UpAxis {
     let used = || draft.corners.iter().map(|&corner| draft.vertices[corner as usize]);
     let counts = |corner: &DVec3| {
@@ -144,19 +147,14 @@ pub(super) fn guessed(draft: &Draft, within: Option<[DVec3; 2]>) -> UpAxis {
     }
     let extent = (upper - lower).max(DVec3::splat(1e-9));
     let mut axes: [Axis; 3] = std::array::from_fn(|axis| Axis { extent: extent[axis], ..Axis::default() });
-    let mut corners = 0.0;
-    for corner in sound() {
-        let level = (corner - lower) / extent;
-        axes.iter_mut().enumerate().for_each(|(axis, seen)| seen.level += level[axis]);
-        corners += 1.0;
-    }
     let lies_flat = |name: &str| {
         let name = name.to_lowercase();
         FLAT.iter().any(|word| name.contains(word))
     };
     let materials: Vec<bool> = draft.materials.iter().map(|material| lies_flat(&material.name)).collect();
     let groups: Vec<bool> = draft.groups.iter().map(|group| lies_flat(&group.name)).collect();
-    let mut whole = 0.0;
+    let emission = |material: u32| draft.materials.get(material as usize).map_or(0.0, |it| it.emission.element_sum());
+    let (mut whole, mut power_of_lamps, mut corners) = (0.0, 0.0, 0.0);
     let mut rest = draft.corners.as_slice();
     let mut positions = Vec::new();
     for face in &draft.faces {
@@ -169,6 +167,17 @@ pub(super) fn guessed(draft: &Draft, within: Option<[DVec3; 2]>) -> UpAxis {
         positions.extend(of_face.iter().map(|&corner| (draft.vertices[corner as usize] - lower).as_vec3()));
         let normal = newell(&positions);
         let area = normal.length();
+        let levels = positions.iter().map(|position| position.as_dvec3() / extent).filter(|level| level.is_finite());
+        let (level, count) = levels.fold((DVec3::ZERO, 0.0), |(sum, count), level| (sum + level, count + 1.0));
+        let power = area * f64::from(emission(face.material));
+        // Lamps stand on no floor.
+        if power > 0.0 && power.is_finite() && count > 0.0 {
+            power_of_lamps += power;
+            axes.iter_mut().enumerate().for_each(|(axis, seen)| seen.shining += power * level[axis] / count);
+        } else {
+            corners += count;
+            axes.iter_mut().enumerate().for_each(|(axis, seen)| seen.level += level[axis]);
+        }
         for (axis, seen) in axes.iter_mut().enumerate() {
             let cosine = normal[axis].abs() / area;
             // Not so where there is no area either.
@@ -195,6 +204,7 @@ pub(super) fn guessed(draft: &Draft, within: Option<[DVec3; 2]>) -> UpAxis {
     let for_z = if draft.prescribed_up == Some(UpAxis::Y) { -PRESCRIBED } else { 0.0 }
         + 1.5 * share(z.inner - y.inner, inner)
         + 6.0 * share(y.level - z.level, corners)
+        + 3.0 * share(z.shining - y.shining, power_of_lamps)
         // By itself not enough: a flat thing stands or lies.
         + (y.extent / z.extent).ln().clamp(-0.9 * FOR_Y, 0.9 * FOR_Y)
         + 3.0 * share(z.named - y.named, named)

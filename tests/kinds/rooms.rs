@@ -61,6 +61,30 @@ fn up_is_seen_by_how_a_room_looks() {
     }
 }
 
+/// Truth: the lamp hangs from the ceiling, in an empty room and in one with an upright screen, and
+/// whichever way its face was wound.
+#[test]
+fn up_is_seen_by_the_lamp() {
+    for (order, up) in [(y_up as fn(f32, f32, f32) -> [f32; 3], UpAxis::Y), (z_up, UpAxis::Z)] {
+        for (is_turned, has_screen) in [(false, false), (true, false), (false, up == UpAxis::Y)] {
+            let mut corners = Vec::new();
+            for height in [0.0, 3.0] {
+                corners.extend([[0.0, height, 0.0], [4.0, height, 0.0], [4.0, height, 4.0], [0.0, height, 4.0]]);
+            }
+            corners.extend([[1.5, 2.95, 1.5], [2.5, 2.95, 1.5], [2.5, 2.95, 2.5], [1.5, 2.95, 2.5]]);
+            corners.extend([[1.2, 0.8, 1.5], [2.8, 0.8, 1.5], [2.8, 2.2, 1.5], [1.2, 2.2, 1.5]]);
+            let corners = corners.into_iter().map(|[x, height, z]: [f32; 3]| order(x, height, z));
+            let corners: String = corners.map(|[x, y, z]| format!("v {x} {y} {z}\n")).collect();
+            let walls = "usemtl wall\nf 4 3 2 1\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n";
+            let screen = if has_screen { "f 13 14 15 16\n" } else { "" };
+            let lamp = if is_turned { "f 12 11 10 9\n" } else { "f 9 10 11 12\n" };
+            let text = format!("mtllib a.mtl\n{corners}{walls}{screen}usemtl lamp\n{lamp}");
+            let scene = load(&[("a.obj", text.as_bytes()), ("a.mtl", ROOM.as_bytes())], "a.obj");
+            assert_eq!(scene.frame.up, Some(up), "turned {is_turned}, screen {has_screen}");
+        }
+    }
+}
+
 /// The room as glTF, which has y up, whatever its exporter made of that.
 fn as_gltf(order: fn(f32, f32, f32) -> [f32; 3]) -> Vec<u8> {
     let text = room(order, 1.0, false);

@@ -1,5 +1,5 @@
 //! Where a person first stands in a scene that names no view: inside its largest room, eyes at 1.6
-//! m, looking along a long free diagonal, that which shows most.
+//! m, looking along a long free diagonal. Of good places and diagonals those count that show most.
 //!
 //! Inside is where nearly every ray meets a bright side; the largest room has the largest free
 //! floor. The space below a sky that goes round a house is inside too, by that measure: where a far
@@ -13,6 +13,7 @@ use std::f32::consts::TAU;
 use glam::Vec3;
 use rayon::prelude::*;
 
+use self::view::View;
 use super::outdoors::{self, AROUND, heading};
 use crate::geometry::Occluders;
 use crate::scene::{CameraPose, Polygon, Scene};
@@ -68,6 +69,11 @@ const NARROW: f32 = 1.2;
 const NARROW_SHARE: f32 = 0.36;
 const LARGE_PART: f32 = 0.5;
 
+/// Views are compared from so many places at most, and from those with this share of the best one's
+/// score.
+const MOST_VIEWED: usize = 32;
+const GOOD: f32 = 0.2;
+
 /// A view from inside; `None` for a scene that has no inside, such as a single chair.
 pub fn find(scene: &Scene, occluders: &Occluders) -> Option<CameraPose> {
     let (up, (lower, upper)) = (scene.up_axis(), scene.bounds());
@@ -83,17 +89,18 @@ pub fn find(scene: &Scene, occluders: &Occluders) -> Option<CameraPose> {
     glances.sort_by(|a, b| b.0.score.total_cmp(&a.0.score));
     // Above the scene is the open.
     let open = 0.5 * (lower + upper) + lower.distance(upper) * up;
-    let best = glances.chunks(CLOSER).find_map(|chunk| {
+    let stands = glances.chunks(CLOSER).find_map(|chunk| {
         let closely = |(_, place): &(Stand, Vec3)| {
             let stand = rooms.stand(*place, AROUND)?;
             Some(rooms.walled(stand, open).unwrap_or(stand))
         };
         let stands: Vec<Stand> = chunk.par_iter().filter_map(closely).collect();
-        stands.into_iter().reduce(better)
+        (!stands.is_empty()).then_some(stands)
     })?;
+    let best = stands.iter().copied().reduce(better)?;
     let is_far_higher = |stand: &&Stand| stand.height >= OUTDOORS * best.height;
     let outside = glances.iter().map(|(stand, _)| stand).find(is_far_higher).unwrap_or(&best);
-    Some(rooms.view(&rooms.within(outside, &glances).unwrap_or(best)))
+    rooms.best_view(rooms.within(outside, &glances).unwrap_or(stands))
 }
 
 fn better(best: Stand, other: Stand) -> Stand {
@@ -109,6 +116,8 @@ struct Stand {
     /// Floor that is seen from there, m².
     floor: f32,
     score: f32,
+    /// Whether nothing is to be seen from there.
+    is_bare: bool,
     /// In which directions walls part the place from the outdoors; all of them where nothing goes
     /// round it.
     walls: [bool; AROUND],
@@ -128,6 +137,7 @@ struct Look {
     distance: f32,
     is_bright: bool,
     thing: Thing,
+    polygon: usize,
 }
 
 struct Rooms<'a> {
@@ -165,8 +175,9 @@ impl Rooms<'_> {
     /// The next face that way.
     fn look(&self, from: Vec3, direction: Vec3) -> Option<Look> {
         let hit = self.occluders.first_hit(from, direction)?;
-        let thing = self.scene.polygons.get(hit.polygon as usize).map(thing)?;
-        Some(Look { distance: hit.distance, is_bright: hit.front, thing })
+        let polygon = hit.polygon as usize;
+        let thing = self.scene.polygons.get(polygon).map(thing)?;
+        Some(Look { distance: hit.distance, is_bright: hit.front, thing, polygon })
     }
 
     /// How far people walk that way, m: not into the open.
@@ -174,8 +185,8 @@ impl Rooms<'_> {
         self.look(from, direction).map_or(0.0, |look| look.distance.min(FARTHEST))
     }
 
-    /// The best of the rooms that a far higher space goes round.
-    fn within(&self, outside: &Stand, glances: &[(Stand, Vec3)]) -> Option<Stand> {
+    /// Places in the best of the rooms that a far higher space goes round, and in others.
+    fn within(&self, outside: &Stand, glances: &[(Stand, Vec3)]) -> Option<Vec<Stand>> {
         let is_low =
             |(stand, _): &&(Stand, Vec3)| OUTDOORS * stand.height <= outside.height && stand.floor >= LEAST_FLOOR;
         let low: Vec<Vec3> = glances.iter().filter(is_low).take(MOST_ROOMS).map(|(_, place)| *place).collect();
@@ -183,16 +194,27 @@ impl Rooms<'_> {
             let room = self.walled(self.stand(*place, AROUND)?, outside.eye)?;
             (room.floor >= LEAST_FLOOR).then_some(room)
         };
-        let best_of = |places: Vec<Vec3>| {
-            let rooms: Vec<Stand> = places.par_iter().filter_map(room).collect();
-            rooms.into_iter().reduce(better)
-        };
-        let first = best_of(low)?;
+        let mut stands: Vec<Stand> = low.par_iter().filter_map(room).collect();
+        let first = stands.iter().copied().reduce(better)?;
         // Few of the places tried lie in the room: more of them, within its walls.
         let walls = (0..AROUND).filter(|step| first.walls[*step]);
         let ends = walls.map(|step| first.eye + self.reach(first.eye, self.around(step)) * self.around(step));
         let (lower, upper) = ends.fold((first.eye, first.eye), |(lower, upper), end| (lower.min(end), upper.max(end)));
-        Some(best_of(places_in(lower, upper).collect()).map_or(first, |other| better(first, other)))
+        let places: Vec<Vec3> = places_in(lower, upper).collect();
+        stands.par_extend(places.par_iter().filter_map(room));
+        Some(stands)
+    }
+
+    /// The best of the views from good places; `None` where next to nothing is to be seen inside,
+    /// and more from outside.
+    fn best_view(&self, mut stands: Vec<Stand>) -> Option<CameraPose> {
+        stands.sort_by(|a, b| b.score.total_cmp(&a.score));
+        let best = stands.first()?.score;
+        stands.retain(|stand| stand.score >= GOOD * best);
+        let step = stands.len().div_ceil(MOST_VIEWED).max(1);
+        let view = stands.iter().step_by(step).filter_map(|stand| self.view(stand)).reduce(View::better)?;
+        let is_stage = view.is_poor && self.sight_from_outside().content() > view.sight.content();
+        (!is_stage).then_some(view.pose)
     }
 
     /// A place with the walls that part it from the space of another; `None` where that does not go
@@ -268,7 +290,7 @@ impl Rooms<'_> {
         let shelter = if has_ceiling && is_floor { 1.0 } else { UNDER_THE_SKY };
         let shown = if is_bare { NOTHING_SEEN } else { 1.0 };
         let score = floor * inside.powi(4) * shelter * shown * headroom.powi(2);
-        (inside >= INSIDE).then_some(Stand { eye, height, floor, score, walls: [true; AROUND] })
+        (inside >= INSIDE).then_some(Stand { eye, height, floor, score, is_bare, walls: [true; AROUND] })
     }
 }
 

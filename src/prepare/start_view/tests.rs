@@ -266,3 +266,68 @@ fn the_first_view_looks_at_the_things_that_are_there() {
     let aside = ahead.angle_between(to_things).to_degrees();
     assert!(aside < 20.0, "the things are {aside}° aside of {view:?}");
 }
+
+/// Truth: the picture. A desk with a flat screen on it in an otherwise empty room: the screen is
+/// seen from its front, not from its edge.
+#[test]
+fn the_first_view_sees_a_screen_from_its_front() {
+    for (middle, length) in [(0.6, 4.0), (0.6, 4.4), (1.0, 4.0), (1.0, 4.4), (2.6, 4.0), (2.6, 4.4)] {
+        let mut scene = Scene::new("study");
+        for (name, lower, upper) in [
+            ("wall", Vec3::ZERO, Vec3::new(4.0, 2.7, length)),
+            ("desk", Vec3::new(middle - 0.5, 0.7, 0.1), Vec3::new(middle + 0.5, 0.75, 0.9)),
+            ("screen", Vec3::new(middle - 0.4, 0.85, 0.4), Vec3::new(middle + 0.4, 1.4, 0.43)),
+        ] {
+            let material = scene.add_material(name, Vec3::splat(0.5), Vec3::ZERO);
+            add_box(&mut scene, (lower, upper), name == "wall", (material, GroupId(0)));
+        }
+        let (scene, occluders) = orient::apply(scene, Sides::Front);
+        let view = find(&scene, &occluders).expect("a room");
+        let to_screen = (Vec3::new(middle, 1.1, 0.43) - view.eye).with_y(0.0);
+        let from_front = to_screen.angle_between(-Vec3::Z).to_degrees();
+        let aside = to_screen.angle_between((view.target - view.eye).with_y(0.0)).to_degrees();
+        assert!(from_front < 50.0 && aside < 20.0, "{from_front}° from its front, {aside}° aside of {view:?}");
+    }
+}
+
+/// Truth: of two rooms, the larger one with three things in a corner and the other full of things,
+/// one stands in the latter.
+#[test]
+fn one_stands_where_more_is_to_be_seen() {
+    let mut scene = Scene::new("flat");
+    scene.add_material("wall", Vec3::splat(0.5), Vec3::ZERO);
+    let of = (MaterialId(0), GroupId(0));
+    add_box(&mut scene, (Vec3::ZERO, Vec3::new(6.0, 2.6, 6.0)), true, of);
+    add_box(&mut scene, (Vec3::new(6.2, 0.0, 0.0), Vec3::new(11.2, 2.6, 5.0)), true, of);
+    for index in 0..3 {
+        let thing = scene.add_material(&format!("box {index}"), Vec3::splat(0.3), Vec3::ZERO);
+        let at = Vec3::new(0.1 + 0.5 * index as f32, 0.0, 0.1);
+        add_box(&mut scene, (at, at + Vec3::splat(0.4)), false, (thing, GroupId(0)));
+    }
+    for corner in [[7.0, 0.6], [9.0, 0.6], [7.0, 3.6], [9.0, 3.6]] {
+        add_things(&mut scene, Vec3::new(corner[0], 0.0, corner[1]));
+    }
+    let (scene, occluders) = orient::apply(scene, Sides::Front);
+    let view = find(&scene, &occluders).expect("a room");
+    assert!(view.eye.x > 6.2, "{view:?}");
+}
+
+/// Truth: two walls on a hollow podium, with things between them, are looked at from outside:
+/// inside the podium, which is bright and as high as a room, there is nothing.
+#[test]
+fn a_stage_is_seen_from_outside() {
+    let mut scene = Scene::new("stage");
+    scene.add_material("wall", Vec3::splat(0.5), Vec3::ZERO);
+    let of = (MaterialId(0), GroupId(0));
+    add_box(&mut scene, (Vec3::new(0.0, -2.2, 0.0), Vec3::new(8.0, 0.0, 8.0)), false, of);
+    for upper in [Vec3::new(8.0, 5.0, 0.1), Vec3::new(0.1, 5.0, 8.0)] {
+        add_box(&mut scene, (Vec3::ZERO, upper), false, of);
+    }
+    for index in 0..12 {
+        let thing = scene.add_material(&format!("thing {index}"), Vec3::splat(0.3), Vec3::ZERO);
+        let at = Vec3::new(0.5 + 1.8 * (index % 4) as f32, 0.01, 0.5 + 2.0 * (index / 4) as f32);
+        add_box(&mut scene, (at, at + Vec3::new(1.2, 0.9, 0.8)), false, (thing, GroupId(0)));
+    }
+    let (scene, occluders) = orient::apply(scene, Sides::Both);
+    assert_eq!(find(&scene, &occluders), None);
+}

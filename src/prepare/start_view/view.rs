@@ -3,24 +3,76 @@
 use glam::Vec3;
 use rayon::prelude::*;
 
-use super::{AROUND, CLEAR, CLEAR_SHARE, EYE, FARTHEST, HIGHEST_EYE, Rooms, Stand, heading};
+use super::{AROUND, CLEAR, CLEAR_SHARE, EYE, FARTHEST, HIGHEST_EYE, Look, Rooms, Stand, Thing, heading};
 use crate::scene::CameraPose;
 
 /// Directions in which a room is free for at least this share of its longest are looked into as
 /// well.
-const NEARLY_LONGEST: f32 = 0.75;
+const NEARLY_LONGEST: f32 = 0.5;
 /// Rays by which views are compared, across and up.
 const VIEWED: [usize; 2] = [15, 9];
 /// What is nearer hides things, m.
 const NEAR: f32 = 1.0;
+/// A view of which a smaller share is neither near nor dark shows nothing.
+const LEAST_CLEAR: f32 = 0.3;
+/// Faces whose normals differ by more than about 1/`TURN`, or that lie more than this apart, m, are
+/// different surfaces.
+const TURN: f32 = 2.0;
+const LAYER: f32 = 0.5;
+/// How far before its middle the whole of a scene is seen, in its box's diagonals.
+const FRAMED: f32 = 0.75;
 /// Height of a view, as a share of its width.
 const VIEW_HEIGHT: f32 = 0.7;
 /// Horizontal field of view, degrees.
 pub(super) const HFOV: f32 = 75.0;
 
+/// A thing's faces of nearly one plane.
+type Surface = (Thing, [i32; 3], i32);
+
+/// A view from a place, and how much it is worth beside others.
+#[derive(Clone, Copy)]
+pub(super) struct View {
+    pub(super) pose: CameraPose,
+    pub(super) sight: Sight,
+    /// Whether next to nothing is to be seen.
+    pub(super) is_poor: bool,
+    worth: f32,
+}
+
+impl View {
+    pub(super) fn better(best: Self, other: Self) -> Self {
+        if other.worth > best.worth { other } else { best }
+    }
+}
+
+/// What a view shows.
+#[derive(Clone, Copy, Default)]
+pub(super) struct Sight {
+    /// How many surfaces, each as far as it is in the middle.
+    surfaces: f32,
+    things: usize,
+    /// Mean distance, m; what is dark counts as none.
+    distance: f32,
+    /// Share of the picture that is neither near nor dark.
+    clear: f32,
+}
+
+impl Sight {
+    /// How much there is to see: a blank wall shows little, however far it is, and so do things at
+    /// the picture's rim or before one's eyes.
+    fn worth(&self) -> f32 {
+        (self.surfaces * self.distance).sqrt() * self.clear.powi(2)
+    }
+
+    /// How many things are clearly seen.
+    pub(super) fn content(&self) -> f32 {
+        self.things as f32 * self.clear
+    }
+}
+
 impl Rooms<'_> {
     /// The view from a room's end that shows most of it, nearly along its longest free diagonal.
-    pub(super) fn view(&self, stand: &Stand) -> CameraPose {
+    pub(super) fn view(&self, stand: &Stand) -> Option<View> {
         // The open is no room to look into or to step back into.
         let free: Vec<f32> = (0..AROUND)
             .map(|step| if stand.walls[step] { self.reach(stand.eye, self.around(step)) } else { 0.0 })
@@ -36,18 +88,27 @@ impl Rooms<'_> {
         let others = long_enough.filter(|step| *step != longest);
         let steps: Vec<usize> = std::iter::once(longest).chain(others).collect();
         let views = steps.par_iter().map(|step| {
-            let ahead = self.around(*step);
+            let (step, ahead) = (*step, self.around(*step));
             let eye = self.stepped_back(stand, ahead, free[(step + AROUND / 2) % AROUND]);
-            (*step, eye, length(*step) * self.shown(eye, ahead))
+            let down = 0.12 * (EYE.min(HIGHEST_EYE * stand.height));
+            let clear = CLEAR.min(CLEAR_SHARE * stand.height);
+            let target = eye + (0.5 * length(step)).max(clear) * ahead - down * self.up;
+            let sight = self.sight(eye, ahead, length(longest));
+            let is_poor = stand.is_bare || sight.clear < LEAST_CLEAR;
+            let share = length(step) / length(longest).max(f32::MIN_POSITIVE);
+            let worth = (stand.score * share).sqrt() * sight.worth();
+            View { pose: CameraPose { eye, target, up: self.up, hfov_deg: HFOV }, sight, is_poor, worth }
         });
-        let views: Vec<(usize, Vec3, f32)> = views.collect();
-        let better = |best: (usize, Vec3, f32), other: (usize, Vec3, f32)| if other.2 > best.2 { other } else { best };
-        let (step, eye, _) = views.into_iter().reduce(better).unwrap_or((longest, stand.eye, 0.0));
-        let ahead = self.around(step);
-        let down = 0.12 * (EYE.min(HIGHEST_EYE * stand.height));
-        let clear = CLEAR.min(CLEAR_SHARE * stand.height);
-        let target = eye + (0.5 * length(step)).max(clear) * ahead - down * self.up;
-        CameraPose { eye, target, up: self.up, hfov_deg: HFOV }
+        let views: Vec<View> = views.collect();
+        views.into_iter().reduce(View::better)
+    }
+
+    /// What is seen of the scene from outside, from the front, the right and above.
+    pub(super) fn sight_from_outside(&self) -> Sight {
+        let (lower, upper) = self.scene.bounds();
+        let back = if self.up.z.abs() > 0.5 { -Vec3::Y } else { Vec3::Z };
+        let ahead = -(0.45 * Vec3::X + 0.4 * self.up + back).normalize();
+        self.sight(0.5 * (lower + upper) - FRAMED * lower.distance(upper) * ahead, ahead, FARTHEST)
     }
 
     /// As far back from a place as there is room to stand, where it is this far to what is behind.
@@ -65,28 +126,35 @@ impl Rooms<'_> {
         steps.find(|eye| is_clear(*eye)).unwrap_or(stand.eye)
     }
 
-    /// How much a view shows: the mean distance of what is seen, m, times the root of how many
-    /// things that are, each as far as it is in the middle, times the squared share of the picture
-    /// that is neither near nor dark. A blank wall shows little, and so do things at the picture's
-    /// rim or before one's eyes.
-    fn shown(&self, eye: Vec3, ahead: Vec3) -> f32 {
+    /// What is seen; things behind windows are no farther than a room is long.
+    fn sight(&self, eye: Vec3, ahead: Vec3, room: f32) -> Sight {
         let [columns, rows] = VIEWED;
-        let right = ahead.cross(self.up);
+        let right = ahead.cross(self.up).normalize_or_zero();
+        let above = right.cross(ahead);
         let half_width = (0.5 * HFOV.to_radians()).tan();
-        let (mut distances, mut far, mut seen) = (0.0, 0.0, Vec::new());
+        let (mut distance, mut clear, mut seen) = (0.0, 0.0, Vec::new());
         for index in 0..columns * rows {
             let place = |at: usize, of: usize| 2.0 * (at as f32 + 0.5) / of as f32 - 1.0;
             let (across, level) = (place(index % columns, columns), place(index / columns, rows));
-            let direction = ahead + half_width * (across * right + VIEW_HEIGHT * level * self.up);
-            let Some(look) = self.look(eye, direction.normalize()).filter(|look| look.is_bright) else { continue };
-            distances += look.distance.min(FARTHEST);
-            far += f32::from(look.distance >= NEAR);
-            seen.push((look.thing, 1.0 - across * across));
+            let direction = (ahead + half_width * (across * right + VIEW_HEIGHT * level * above)).normalize();
+            let Some(look) = self.look(eye, direction).filter(|look| look.is_bright) else { continue };
+            distance += look.distance.min(room);
+            clear += f32::from(look.distance >= NEAR);
+            seen.push((self.surface(&look, eye + look.distance * direction), 1.0 - across * across));
         }
-        seen.sort_by_key(|(thing, _)| *thing);
-        let things = seen.chunk_by(|(a, _), (b, _)| a == b);
-        let things: f32 = things.map(|rays| rays.iter().map(|(_, share)| *share).fold(0.0, f32::max)).sum();
+        seen.sort_unstable_by_key(|(surface, _)| *surface);
+        let things = seen.chunk_by(|((a, ..), _), ((b, ..), _)| a == b).count();
+        let surfaces = seen.chunk_by(|(a, _), (b, _)| a == b);
+        let surfaces = surfaces.map(|rays| rays.iter().map(|(_, share)| *share).fold(0.0, f32::max)).sum();
         let rays = (columns * rows) as f32;
-        distances / rays * things.sqrt() * (far / rays).powi(2)
+        Sight { surfaces, things, distance: distance / rays, clear: clear / rays }
+    }
+
+    /// The surface that a point met lies on: planes part what is one thing to the file.
+    fn surface(&self, look: &Look, point: Vec3) -> Surface {
+        let normal = self.scene.normal(&self.scene.polygons[look.polygon]);
+        let direction = (TURN * normal).round();
+        let layer = (point.dot(direction.normalize_or_zero()) / LAYER).round();
+        (look.thing, direction.as_ivec3().to_array(), layer as i32)
     }
 }
