@@ -223,7 +223,7 @@ fn a_scene_without_a_lamp_says_so_and_can_be_given_one() {
 }
 
 /// Truth: a click on a button over the dark view lights the room by a luminaire that can be taken
-/// away again.
+/// away again, and the view stays on the room.
 #[test]
 fn a_lamp_is_hung_up_from_the_view() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -231,10 +231,15 @@ fn a_lamp_is_hung_up_from_the_view() {
     std::fs::write(&path, DARK_ROOM).expect("the room is written");
     let mut window = window(Some(Source::File(path)), coarse());
     until(&mut window, "the room", |window| window.query_by_label(words::HANG_UP_A_LAMP).is_some());
+    until(&mut window, "a camera", |window| window.state().camera_pose().is_some());
+    let eye_and_target =
+        |window: &Harness<'static, App>| window.state().camera_pose().map(|pose| (pose.eye, pose.target));
+    let before = eye_and_target(&window);
     click(&mut window, words::HANG_UP_A_LAMP);
     until(&mut window, "light", |window| window.state().scene_info().is_some_and(|info| info.has_light));
     assert_eq!(window.state().scene_info().expect("a scene").scene.luminaires().len(), 1);
     until(&mut window, "the view", |window| window.query_by_label(words::HANG_UP_A_LAMP).is_none());
+    assert_eq!(eye_and_target(&window), before);
     click(&mut window, words::UNDO);
     until(&mut window, "darkness", |window| window.state().scene_info().is_some_and(|info| !info.has_light));
 }

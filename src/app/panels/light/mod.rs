@@ -231,6 +231,8 @@ pub(in crate::app) fn show_ways_to_light(app: &mut App, ui: &Ui, view: Rect, out
                 if ui.button(words::HANG_UP_A_LAMP).clicked() {
                     let before = light.lighting.clone();
                     luminaires::add(&info, eye, LuminaireShape::Square, light);
+                    // The room is to be seen by it: the view stays.
+                    light.to_be_seen = None;
                     outbox.extend(light.lighting.commands_since(&before));
                 }
             });
