@@ -121,7 +121,7 @@ fn place(point: DVec3) -> String {
 }
 
 fn show_plane_setup(ui: &mut Ui, shown: &Shown, measuring: &mut Measuring, wake: &Wake) {
-    let plane = &mut measuring.plane;
+    let (before, plane) = (measuring.plane, &mut measuring.plane);
     let fields = [
         (
             words::PLANE_HEIGHT,
@@ -142,6 +142,10 @@ fn show_plane_setup(ui: &mut Ui, shown: &Shown, measuring: &mut Measuring, wake:
         });
     }
     show_area(ui, shown, measuring);
+    if measuring.plane != before {
+        // A plane that is shown is measured again in the next frame.
+        ui.ctx().request_repaint();
+    }
     let lit = shown.info.as_ref().zip(shown.in_view.as_ref());
     ui.horizontal(|ui| {
         let button = ui.add_enabled(lit.is_some(), Button::new(words::MEASURE_PLANE));
@@ -206,7 +210,7 @@ fn show_summary(ui: &mut Ui, plane: &PlaneReading, is_stale: bool) {
     let text = format!("{columns} × {rows} points, {across} × {along} m apart{left_out}");
     ui.add(egui::Label::new(theme::weak(text)).wrap());
     if is_stale {
-        ui.label(theme::weak("Of an earlier picture; measured again when the solver rests."));
+        ui.add(egui::Label::new(theme::weak(format!("{}.", words::EARLIER_PLANE))).wrap());
     }
 }
 
@@ -257,7 +261,7 @@ fn show_target(ui: &mut Ui, plane: &PlaneReading, measuring: &mut Measuring) {
         let field = DragValue::new(&mut measuring.least_uniformity).speed(0.01).range(0.0..=1.0).max_decimals(2);
         ui.add(field).on_hover_text("Minimum over average that the task asks for, such as 0.6 (EN 12464-1)")
     });
-    let summary = plane.summary();
+    let (summary, is_stale) = (plane.summary(), measuring.plane_is_stale());
     if summary.points == 0 {
         return;
     }
@@ -273,7 +277,7 @@ fn show_target(ui: &mut Ui, plane: &PlaneReading, measuring: &mut Measuring) {
     for (what, is_met, figures) in verdicts {
         let verdict = if is_met { words::PASSED } else { words::FAILED };
         let text = format!("{verdict}: {what}, {figures}");
-        ui.label(if is_met { RichText::new(text) } else { theme::notice(ui, text) });
+        ui.label(if is_met || is_stale { aged(RichText::new(text), is_stale) } else { theme::notice(ui, text) });
     }
 }
 
