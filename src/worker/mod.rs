@@ -90,6 +90,28 @@ impl Command {
     pub fn load(source: Source) -> Self {
         Self::Load(source, Reading::default(), AddedLight::default())
     }
+
+    /// Whether the solver answers it with another solution, or says why there is none.
+    pub fn solves_anew(&self) -> bool {
+        match self {
+            Self::Load(..)
+            | Self::SetParams(_)
+            | Self::Restart
+            | Self::SetEmission { .. }
+            | Self::SetReflectance { .. }
+            | Self::AnchorEpsilon
+            | Self::SetLuminaires(_)
+            | Self::SetDaylight(_)
+            | Self::SetGroups(_) => true,
+            Self::CancelLoad
+            | Self::Pause
+            | Self::Resume
+            | Self::StepWave
+            | Self::Show(_)
+            | Self::SaveSidecar(_)
+            | Self::Shutdown => false,
+        }
+    }
 }
 
 /// Content of snapshots.

@@ -6,7 +6,7 @@ use egui::{Button, DragValue, Grid, ProgressBar, RichText, TextEdit, Ui};
 use glam::{DVec3, Vec3};
 
 use crate::app::state::measuring::{Measuring, Table, lux_in_words};
-use crate::app::state::messages::Messages;
+use crate::app::state::messages::{Messages, Topic};
 use crate::app::widgets::dialog::DialogAnswer;
 use crate::app::widgets::theme;
 use crate::app::{Shown, Wake, format, words};
@@ -312,7 +312,7 @@ fn show_files(ui: &mut Ui, shown: &Shown, measuring: &mut Measuring, messages: &
     }
     match measuring.save.poll() {
         Some(DialogAnswer::Chosen(path)) => write(shown, measuring, &path, messages),
-        Some(DialogAnswer::NoDialog) => messages.note(NO_DIALOG.into()),
+        Some(DialogAnswer::NoDialog) => messages.note(Topic::Writing, NO_DIALOG.into()),
         None => {}
     }
 }
@@ -321,7 +321,10 @@ fn write(shown: &Shown, measuring: &Measuring, path: &Path, messages: &mut Messa
     let Some(info) = &shown.info else { return };
     let written = measuring.csv(measuring.saves, &info.scene).and_then(|text| std::fs::write(path, text));
     match written {
-        Ok(()) => messages.note(format!("Wrote {}.", path.display())),
-        Err(error) => messages.error(format!("{}: cannot be written ({error}); choose another place", path.display())),
+        Ok(()) => messages.note(Topic::Writing, format!("Wrote {}.", path.display())),
+        Err(error) => {
+            let failure = format!("{}: cannot be written ({error}); choose another place", path.display());
+            messages.error(Topic::Writing, failure);
+        }
     }
 }
