@@ -166,6 +166,8 @@ pub struct SceneInfo {
     pub open_ground: Result<f32, NoDaylightFactor>,
     /// A size that suits a luminaire, in the scene's length unit.
     pub luminaire_size: f32,
+    /// A luminous flux that suits it, lm.
+    pub luminaire_lumens: f32,
     /// Remarks of loading on parts skipped, clamped or ignored, a sentence each.
     pub skipped: Vec<String>,
     /// Seconds spent reading, turning faces and building the occluders.
