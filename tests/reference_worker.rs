@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 use selflink::base::cancel::CancelToken;
 use selflink::measure::accuracy::ErrorMeter;
 use selflink::measure::reference::{Cache, ReferenceRun, random_points};
-use selflink::measure::reference_worker::{Measurement, ReferenceWorker};
+use selflink::measure::reference_worker::{GOAL, LEAST_PASSES, Measurement, ReferenceWorker};
 use selflink::scene::builtin::BuiltinScene;
 use selflink::scene::{Scene, Sides};
 use selflink::solve::{Epsilon, Snapshot, Solver, SolverParams};
@@ -66,6 +66,31 @@ fn it_measures_what_the_meter_finds() {
         (0.05..0.6).contains(&expected.displayed.rms),
         "a coarse solution is some tens of percent off: {expected:?}"
     );
+}
+
+/// Truth: the passes that were made in the end. Early on the estimate is within a factor of two,
+/// and later, when the paths go where they are needed, closer.
+#[test]
+fn it_knows_how_many_passes_are_left() {
+    let (scene, _) = solved(BuiltinScene::Cornell, 1e-1);
+    let points: Arc<[_]> = random_points(&scene, 250, 1).into();
+    let mut run = ReferenceRun::new(&scene, points, 1);
+    let mut told = Vec::new();
+    loop {
+        assert!(run.pass(&CancelToken::new()));
+        let noise = run.reference().noise();
+        if run.passes() >= LEAST_PASSES && noise <= GOAL {
+            break;
+        }
+        if run.passes() >= LEAST_PASSES {
+            told.push((run.passes(), run.passes_left(noise, GOAL)));
+        }
+    }
+    let all = f64::from(run.passes());
+    for (passes, left) in told {
+        let ratio = (f64::from(passes) + left) / all;
+        assert!((0.4..2.5).contains(&ratio), "{passes} of {all} passes: {left} left");
+    }
 }
 
 /// A pass over many points takes long; a person who stops it, or opens another scene, does not wait

@@ -1,5 +1,6 @@
 //! A frame: news, panels and view, and the commands that come of them.
 
+use crate::app::state::messages::Topic;
 use crate::app::state::{files, settings, undo, watch};
 use crate::app::view::{camera_menu, viewport};
 use crate::app::{App, DISPLAY_KEY, Outbox, RECENT_KEY, layout, panels, shortcuts, timeline, tools, words};
@@ -29,7 +30,7 @@ impl eframe::App for App {
         if let Some(answer) = self.documents.files.poll_dialog() {
             match answer {
                 files::DialogAnswer::Chosen(path) => outbox.push(Command::load(Source::File(path))),
-                files::DialogAnswer::NoDialog => self.messages.note(files::NO_DIALOG.into()),
+                files::DialogAnswer::NoDialog => self.messages.note(Topic::Opening, files::NO_DIALOG.into()),
             }
         }
         shortcuts::act(self, ui, &mut outbox);
@@ -79,6 +80,9 @@ impl eframe::App for App {
             panic_report::note_settings(self.settings().to_json().unwrap_or_default());
         }
         for command in outbox {
+            if command.solves_anew() {
+                self.messages.resolve(Topic::Solving);
+            }
             if let Command::Load(source, _, light) = &command {
                 self.documents.opened.ask(source, light);
                 self.documents.watch.note_asked(source);

@@ -7,6 +7,7 @@ use std::rc::Rc;
 
 use crate::app::App;
 use crate::app::state::device::{DeviceLossState, Legacy};
+use crate::app::state::messages::Topic;
 use crate::base::panic_report;
 use crate::base::threads::lock;
 use crate::export::settings::Settings;
@@ -96,6 +97,7 @@ fn run_once(settings: Settings, resumes: bool, was_lost: bool) -> Result<Option<
                 app.graphics.loss = Some(of_window);
                 if was_lost {
                     app.messages.note(
+                        Topic::Remark,
                         "The graphics device was lost and is set up anew; the scene is being solved again.".into(),
                     );
                 }

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use crate::app::panels::light::LightEditor;
+use crate::app::state::messages::Topic;
 use crate::app::state::undo::History;
 use crate::app::{App, tools};
 use crate::worker::{Event, RunState, SceneInfo};
@@ -24,14 +25,14 @@ impl App {
             self.take_up(event);
         }
         while let Ok(failure) = self.graphics.drawing_failures.try_recv() {
-            self.messages.error(format!("The view cannot be drawn: {failure}."));
+            self.messages.error(Topic::Drawing, format!("The view cannot be drawn: {failure}."));
         }
         self.shown.status = self.worker.status();
         self.tools.comparison.note(self.shown.snapshot.as_ref(), &self.shown.status.params);
         self.tools.pinned.note(self.shown.snapshot.as_ref(), &self.wake);
         self.documents.exports.poll();
         if let Some(sentence) = self.documents.watch.poll() {
-            self.messages.note(sentence);
+            self.messages.note(Topic::Remark, sentence);
         }
         self.progress.clock.note(self.shown.status.run, false);
         let Some(latest) = self.worker.latest() else { return };
@@ -70,22 +71,23 @@ impl App {
                 }
                 self.documents.opened.note(&info);
                 self.messages.forget_errors();
+                self.messages.resolve(Topic::Opening);
                 self.incoming = Some(Incoming { info, is_new: true });
             }
             Event::SceneEdited(info) => {
                 let known = self.shown.info.as_ref().map_or(&[][..], |shown| &shown.scene.skipped.notes[..]);
                 for note in info.scene.skipped.notes.iter().filter(|note| !known.contains(note)) {
-                    self.messages.note(note.clone());
+                    self.messages.note(Topic::Remark, note.clone());
                 }
                 let is_new = self.incoming.as_ref().is_some_and(|incoming| incoming.is_new);
                 self.incoming = Some(Incoming { info, is_new });
             }
             Event::LoadFailed(sentence) => {
                 self.documents.watch.forget_reload();
-                self.messages.error(sentence);
+                self.messages.error(Topic::Opening, sentence);
             }
             Event::SolveFailed(sentence) => {
-                self.messages.error(sentence);
+                self.messages.error(Topic::Solving, sentence);
                 self.edits.params = self.worker.status().params;
                 if let Some(info) = &self.shown.info {
                     self.edits.light.take_back_luminaires(&info.scene);
@@ -95,9 +97,9 @@ impl App {
             Event::Finished => {}
             Event::Saved(path) => {
                 self.documents.watch.accept(&path);
-                self.messages.note(format!("Saved {}.", path.display()));
+                self.messages.note(Topic::Saving, format!("Saved {}.", path.display()));
             }
-            Event::SaveFailed(sentence) => self.messages.error(sentence),
+            Event::SaveFailed(sentence) => self.messages.error(Topic::Saving, sentence),
         }
     }
 

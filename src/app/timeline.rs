@@ -112,17 +112,22 @@ fn chosen(ui: &Ui, response: &Response, inner: Rect, last: usize, shown: Option<
     if response.clicked() || response.drag_started() {
         response.request_focus();
     }
+    // Arrows step, and do not carry the focus to another widget.
+    let arrows = egui::EventFilter { horizontal_arrows: true, ..egui::EventFilter::default() };
+    ui.memory_mut(|memory| memory.set_focus_lock_filter(response.id, arrows));
     let by_key = response.has_focus().then(|| {
         ui.input_mut(|input| {
-            let mut pressed = |key| input.consume_key(egui::Modifiers::NONE, key);
-            let back = pressed(egui::Key::ArrowLeft);
-            i32::from(pressed(egui::Key::ArrowRight)) - i32::from(back)
+            // Several presses may come in one frame.
+            let mut presses = |key| input.count_and_consume_key(egui::Modifiers::NONE, key) as i64;
+            presses(egui::Key::ArrowRight) - presses(egui::Key::ArrowLeft)
         })
     });
     let step = match by_key.filter(|step| *step != 0) {
-        Some(step) => (shown.unwrap_or(last) as i64 + i64::from(step)).clamp(0, last as i64) as usize,
+        Some(step) => (shown.unwrap_or(last) as i64 + step).clamp(0, last as i64) as usize,
         None => {
-            let at = response.interact_pointer_pos().filter(|_| response.is_pointer_button_down_on())?;
+            // A short click is over within a frame, in which no button is down any longer.
+            let is_pressed = response.is_pointer_button_down_on() || response.clicked();
+            let at = response.interact_pointer_pos().filter(|_| is_pressed)?;
             let along = ((at.x - inner.left()) / inner.width()).clamp(0.0, 1.0);
             (along * last as f32).round() as usize
         }

@@ -30,6 +30,8 @@ words! {
     QUALITY = "Quality";
     /// Fold of the paper's parameters.
     METHOD = "Method";
+    /// First lines of [`METHOD`]: where its sections are.
+    PAPER = "After M. Stamminger, W. Nitsch, Ph. Slusallek and H.-P. Seidel, “Isotropic Clustering for Hierarchical Radiosity – Implementation and Experiences”; sections below are of this paper.";
     /// Section of exposure, readings and overlays; also the row that chooses what surfaces show.
     DISPLAY = "Display";
     /// Section of the comparison with a reference.
@@ -134,10 +136,16 @@ words! {
     MESH = "mesh";
     /// Choice of [`DISPLAY`]: the light.
     LIT = "lit";
-    /// Choice of [`DISPLAY`]: E in false colours.
-    IRRADIANCE = "irradiance E";
-    /// Choice of [`DISPLAY`]: B in false colours.
-    RADIOSITY = "radiosity B";
+    /// Choice of [`DISPLAY`]: E in lx. What is shown has the name that its legend has.
+    ILLUMINANCE = "false colours: illuminance E";
+    /// Choice of [`DISPLAY`]: E in W/m².
+    IRRADIANCE = "false colours: irradiance E";
+    /// Choice of [`DISPLAY`]: B in lm/m².
+    LUMINOUS_EXITANCE = "false colours: luminous exitance B";
+    /// Choice of [`DISPLAY`]: B in W/m².
+    RADIOSITY = "false colours: radiosity B";
+    /// Choice of [`DISPLAY`]: E over that of open ground.
+    DAYLIGHT_FACTOR = "false colours: daylight factor D";
     /// Button: the faces of a material are no longer there.
     LEAVE_FACES_OUT = "Leave its faces out";
     /// Button: the faces of a material are there again.
@@ -186,8 +194,6 @@ words! {
     TRUE_NORTH = "North turned by";
     /// Remark on a sun that does not shine.
     SUN_IS_DOWN = "The sun is below the horizon.";
-    /// Choice of [`DISPLAY`]: E over that of open ground, in false colours.
-    DAYLIGHT_FACTOR = "daylight factor D";
     /// How daylight factors come about.
     DAYLIGHT_FACTOR_HINT = "Illuminance over that of open horizontal ground under the same sky, % (EN 17037)";
     /// Lines of equal value.
@@ -278,6 +284,8 @@ words! {
     FIELD_OF_VIEW = "Field of view";
     /// Camera: keys walk instead of flying.
     WALK = "Walk at eye height";
+    /// Over the view while keys walk.
+    WALKING = "Walking at eye height: W A S D";
     /// Camera: keeps the present view.
     ADD_BOOKMARK = "Add bookmark";
     /// Camera: a view that was kept; its number follows.
@@ -299,6 +307,8 @@ words! {
     E_BY_GATHER = "E by final gather";
     /// Irradiance of an element that its links bring, W/m².
     E_BY_LINKS = "E by links";
+    /// Illuminance of an element, the mean over its area, lx.
+    MEAN_ILLUMINANCE = "Illuminance (mean)";
     /// Levels of an element below the root, also the slider of clusters' levels.
     LEVEL = "Level";
 
@@ -315,10 +325,10 @@ words! {
     COLOUR_BY_CLUSTER = "Colour by cluster";
     /// Clusters: how far they are pulled apart.
     EXPLODE = "Explode";
-    /// Clusters: power that an element receives, E·A.
-    POWER_IN = "Power in";
-    /// Clusters: power that leaves an element, B·A.
-    POWER_OUT = "Power out";
+    /// Clusters: power that an element receives, E·A, sum of the channels.
+    POWER_IN = "Power in (W)";
+    /// Clusters: power that leaves an element, B·A, sum of the channels.
+    POWER_OUT = "Power out (W)";
     /// Matrix: form factor of the block under the mouse.
     FORM_FACTOR = "Form factor F";
     /// Matrix: power of its strongest channel over ε.
@@ -348,9 +358,9 @@ words! {
     RESULTS = "Results";
 
     /// Light: exitance of a material or lamp.
-    EXITANCE = "Exitance";
+    EXITANCE = "Exitance (strongest channel)";
     /// Light: power of a lamp, a unit of its strength.
-    POWER = "Power";
+    POWER = "Power (sum of channels)";
     /// Light: luminous flux of a lamp, a unit of its strength.
     FLUX = "Luminous flux";
     /// Light: in which unit a lamp is set: exitance, power or flux.
@@ -426,6 +436,8 @@ words! {
 
     /// Accuracy: starts the reference.
     COMPARE_WITH_REFERENCE = "Compare with a reference";
+    /// Accuracy: before the noise of a reference is known.
+    FIRST_PATHS = "first paths";
     /// Accuracy: stops the reference.
     STOP_COMPARING = "Stop comparing";
 
@@ -468,12 +480,17 @@ words! {
     WHOLE_PLANE = "Whole plane";
     /// Beside a reading of light that the solver has since left behind.
     EARLIER_PICTURE = "earlier picture";
-    /// Over points of a work plane of such light.
-    EARLIER_PLANE = "Work plane of an earlier picture; measured again when the solver rests";
+    /// Over points of a work plane of such light, or as it was set up before.
+    EARLIER_PLANE = "Work plane of an earlier picture or setting; measured again when the solver rests";
     /// Measure: gives the plane up.
     CLEAR = "Clear";
     /// Export: a size that is typed.
     CUSTOM_SIZE = "Custom…";
+}
+
+/// Light: heading of the rows about the light of a material or luminaire.
+pub fn light_of(name: &str) -> String {
+    format!("Light of {name}")
 }
 
 /// Measure: field of a corner of the task area, *from* or *to*, along an axis.

@@ -16,7 +16,7 @@ use crate::solve::{Mesh, Snapshot};
 /// Noise at which a reference is good enough, relative RMS.
 pub const GOAL: f64 = 0.01;
 /// Passes before anything is measured: fewer know no error of their own.
-const LEAST_PASSES: u32 = 8;
+pub const LEAST_PASSES: u32 = 8;
 /// A snapshot is measured again by a better reference, and the reference kept on disk, this often
 /// at most.
 const MEASURE_EVERY: Duration = Duration::from_millis(400);
@@ -44,6 +44,11 @@ pub struct Report {
     pub is_active: bool,
     /// Relative RMS noise of the reference, once that is known.
     pub noise: Option<f64>,
+    /// Passes of paths made so far, of [`LEAST_PASSES`] before any noise is known.
+    pub passes: u32,
+    /// Seconds until the noise is as low as [`GOAL`], once there is an estimate
+    /// ([`ReferenceRun::passes_left`]).
+    pub seconds_left: Option<f64>,
     /// Whether the noise is as low as [`GOAL`].
     pub is_done: bool,
     /// Points of the reference.
@@ -109,6 +114,17 @@ struct Work {
     /// Snapshot that was measured last, and when.
     last: Option<(Arc<Snapshot>, Instant)>,
     saved: Instant,
+    /// Passes made here, not read from the cache, and the time that they took.
+    made: (u32, Duration),
+}
+
+impl Work {
+    /// Seconds until the noise is as low as [`GOAL`], at the pace of the passes so far.
+    fn seconds_left(&self, noise: f64) -> Option<f64> {
+        let (passes, time) = self.made;
+        let each = (passes > 0 && noise.is_finite()).then(|| time.as_secs_f64() / f64::from(passes))?;
+        Some(each * self.run.passes_left(noise, GOAL))
+    }
 }
 
 struct Session {
@@ -149,7 +165,17 @@ impl Session {
         self.desk.tell(|report| *report = Report { is_active: true, points: run.points().len(), ..Report::default() });
         let is_done = run.points().is_empty();
         let saved = Instant::now();
-        self.work = Some(Work { run, cache, is_done, meter: None, field: None, scene, last: None, saved });
+        self.work = Some(Work {
+            run,
+            cache,
+            is_done,
+            meter: None,
+            field: None,
+            scene,
+            last: None,
+            saved,
+            made: (0, Duration::ZERO),
+        });
         self.take_reference();
     }
 
@@ -171,8 +197,9 @@ impl Session {
     /// One pass of paths.
     fn pass(&mut self) {
         let Some(work) = self.work.as_mut().filter(|work| !work.is_done) else { return };
-        let cancel = &self.desk.cancel;
+        let (cancel, begun) = (&self.desk.cancel, Instant::now());
         if self.desk.work(|| work.run.pass(cancel)) {
+            work.made = (work.made.0 + 1, work.made.1 + begun.elapsed());
             self.take_reference();
         }
         if self.work.as_ref().is_some_and(|work| work.is_done || work.saved.elapsed() >= SAVE_EVERY) {
@@ -183,7 +210,9 @@ impl Session {
     /// Takes the reference as far as it is.
     fn take_reference(&mut self) {
         let Some(work) = self.work.as_mut() else { return };
-        if work.run.passes() < LEAST_PASSES {
+        let passes = work.run.passes();
+        if passes < LEAST_PASSES {
+            self.desk.tell(|report| report.passes = passes);
             return;
         }
         let reference = Arc::new(work.run.reference());
@@ -199,8 +228,11 @@ impl Session {
         {
             self.waiting = Some(snapshot.clone());
         }
-        let is_done = work.is_done;
-        self.desk.tell(|report| (report.noise, report.is_done) = (noise.is_finite().then_some(noise), is_done));
+        let (is_done, seconds_left) = (work.is_done, work.seconds_left(noise));
+        self.desk.tell(|report| {
+            (report.noise, report.is_done) = (noise.is_finite().then_some(noise), is_done);
+            (report.passes, report.seconds_left) = (passes, seconds_left);
+        });
     }
 
     fn measure(&mut self) {

@@ -6,7 +6,7 @@
 use glam::Vec3;
 
 use crate::geometry::Occluders;
-use crate::scene::{LuminaireForm, Scene};
+use crate::scene::Scene;
 
 /// A free space below a ceiling is at least this share of the scene's height; less is a drawer or a
 /// gap in a roof.
@@ -24,6 +24,12 @@ const OPEN_HEIGHT: f32 = 0.95;
 const GAP: f32 = 1.5;
 /// Places looked at on each side of the middle, for one that is free.
 const NEIGHBOURS: i32 = 3;
+/// Illuminance of the floor that a new luminaire is made for, lx: what EN 12464-1 asks of rooms
+/// where nobody reads all day.
+const FLOOR_LUX: f32 = 300.0;
+/// Share of a luminaire's light that reaches the floor: of a panel under the ceiling of a light
+/// room that is about twice as wide as high.
+const UTILISATION: f32 = 0.6;
 /// Faces that one vertical line may cross.
 const MOST_CROSSINGS: usize = 256;
 
@@ -40,11 +46,25 @@ pub struct CeilingPlace {
 /// or of the whole scene.
 pub fn suggested_size(scene: &Scene, occluders: &Occluders) -> f32 {
     let (lower, upper) = scene.bounds();
-    let extent = upper - lower;
+    let [width, depth] = floor(scene, occluders);
+    0.25 * width.min(depth).max(1e-3 * (upper - lower).max_element())
+}
+
+/// A luminous flux that suits the scene, lm: by the lumen method what lights the floor of the room
+/// that the camera is in, or of the whole scene, to 300 lx; a round number.
+pub fn suggested_lumens(scene: &Scene, occluders: &Occluders) -> f32 {
+    let [width, depth] = floor(scene, occluders);
+    let lumens = (FLOOR_LUX * width * depth / UTILISATION).max(1.0);
+    let digit = 10f32.powf(lumens.log10().floor());
+    (lumens / digit).round() * digit
+}
+
+/// Sides of the floor of the room that the camera is in, or of the whole scene.
+fn floor(scene: &Scene, occluders: &Occluders) -> [f32; 2] {
+    let (lower, upper) = scene.bounds();
     let up = scene.up_axis();
-    let whole = horizontal(up).map(|axis| extent.dot(axis.abs()));
-    let width = room(occluders, up, own_eye(scene)).map_or(whole[0].min(whole[1]), |room| room.width);
-    0.25 * width.max(1e-3 * extent.max_element())
+    let whole = horizontal(up).map(|axis| (upper - lower).dot(axis.abs()));
+    room(occluders, up, own_eye(scene)).map_or(whole, |room| room.sides)
 }
 
 /// Two unit vectors along axes across an axis.
@@ -57,8 +77,8 @@ fn horizontal(up: Vec3) -> [Vec3; 2] {
 struct Room {
     /// A point halfway between opposite walls, or where one stands where a wall is missing.
     middle: Vec3,
-    /// Smaller distance of opposite walls; without any, as wide as rooms of its height are.
-    width: f32,
+    /// Distances of opposite walls; without any, as wide as rooms of its height are.
+    sides: [f32; 2],
 }
 
 /// Where the scene's own camera stands.
@@ -82,8 +102,9 @@ fn room(occluders: &Occluders, up: Vec3, eye: Option<Vec3>) -> Option<Room> {
             widths[width] = ahead + behind;
         }
     }
-    let width = widths[0].min(widths[1]);
-    Some(Room { middle, width: if width.is_finite() { width } else { USUAL_WIDTH * (below + above) } })
+    let widest = widths.into_iter().filter(|width| width.is_finite()).fold(0.0, f32::max);
+    let usual = if widest > 0.0 { widest } else { USUAL_WIDTH * (below + above) };
+    Some(Room { middle, sides: widths.map(|width| if width.is_finite() { width } else { usual }) })
 }
 
 /// The place for a panel of side `size`: at the middle of the room that the camera is in, or else
@@ -93,8 +114,8 @@ pub fn place(scene: &Scene, occluders: &Occluders, size: f32) -> CeilingPlace {
     place_beside(scene, occluders, own_eye(scene), size)
 }
 
-/// As [`place`], in the room of this eye, and beside the luminaires that are there where there is
-/// room beside them.
+/// As [`place`], in the room of this eye, and beside the lamps that are there where there is room
+/// beside them.
 pub fn place_beside(scene: &Scene, occluders: &Occluders, eye: Option<Vec3>, size: f32) -> CeilingPlace {
     let up = scene.up_axis();
     let (lower, upper) = scene.bounds();
@@ -102,25 +123,48 @@ pub fn place_beside(scene: &Scene, occluders: &Occluders, eye: Option<Vec3>, siz
     let middle = room(occluders, up, eye).map_or(0.5 * (lower + upper), |room| room.middle);
     let level = reference_level(scene, up, eye);
     let at = |middle| CeilingPlace { centre: under_ceiling((scene, occluders), middle, up, level, size), up };
-    let is_free = |centre: Vec3| {
-        let touches = |form: &LuminaireForm| {
-            let away = form.centre - centre;
-            let across = away - up * away.dot(up);
-            across.length() < 0.5 * (size + form.size) && away.dot(up).abs() < size.max(form.size)
-        };
-        !scene.placed_luminaires.iter().any(|placed| touches(&placed.form))
-    };
     let [right, forward] = horizontal(up);
     let reach = 0.5 * size * (right.abs() + forward.abs());
+    let lamps = lamps(scene);
+    let is_free = |centre: Vec3| {
+        let around = reach + size * up.abs();
+        let touches = |(least, most): &(Vec3, Vec3)| {
+            (centre + around).cmpgt(*least).all() && (centre - around).cmplt(*most).all()
+        };
+        !lamps.iter().any(touches)
+    };
     let is_inside = |at: Vec3| (at - reach).cmpge(lower).all() && (at + reach).cmple(upper).all();
-    let mut steps: Vec<[i32; 2]> = (-NEIGHBOURS..=NEIGHBOURS)
+    // Room to the nearest side of the scene: of two places as near to the middle, the one with more
+    // of it is the better one.
+    let room_around =
+        |at: Vec3| (at - lower).min(upper - at).dot(right.abs()).min((at - lower).min(upper - at).dot(forward.abs()));
+    let mut places: Vec<(i32, Vec3)> = (-NEIGHBOURS..=NEIGHBOURS)
         .flat_map(|across| (-NEIGHBOURS..=NEIGHBOURS).map(move |along| [across, along]))
+        .map(|[across, along]| {
+            let shift = across as f32 * right + along as f32 * forward;
+            (across * across + along * along, middle + GAP * size * shift)
+        })
         .collect();
-    steps.sort_by_key(|[across, along]| across * across + along * along);
-    let shifted =
-        steps.into_iter().map(|[across, along]| middle + GAP * size * (across as f32 * right + along as f32 * forward));
+    places.sort_by(|(far, one), (other_far, other)| {
+        far.cmp(other_far).then(room_around(*other).total_cmp(&room_around(*one)))
+    });
+    let shifted = places.into_iter().map(|(_, place)| place);
     let beside = shifted.filter(|middle| is_inside(*middle)).find(|middle| is_free(at(*middle).centre));
     at(beside.unwrap_or(middle))
+}
+
+/// Boxes around all that emits: around each luminaire, and each emitting face of the file.
+fn lamps(scene: &Scene) -> Vec<(Vec3, Vec3)> {
+    let luminaires = scene.placed_luminaires.iter().map(|placed| {
+        let reach = Vec3::splat(0.5 * placed.form.size);
+        (placed.form.centre - reach, placed.form.centre + reach)
+    });
+    let faces = scene.polygons.iter().filter(|polygon| scene.emits(polygon)).map(|polygon| {
+        let (corners, count) = scene.corner_positions(polygon);
+        let fold = |least: fn(Vec3, Vec3) -> Vec3| corners[..count].iter().copied().reduce(least).unwrap_or_default();
+        (fold(Vec3::min), fold(Vec3::max))
+    });
+    luminaires.chain(faces).collect()
 }
 
 /// Where a panel of this side hangs above or below a point, under the ceiling.
@@ -288,5 +332,23 @@ mod tests {
             assert!((place.centre.y - 2.985).abs() < 1e-4);
             scene.add_ceiling_light(place.centre, place.up, 1.0, Vec3::ONE).expect("a good light");
         }
+    }
+
+    /// Truth: a room of 4 × 2.7 × 5 m with a lamp of 0.6 m at its middle has room for a panel of
+    /// 1 m along its length, off the walls; its floor of 20 m² wants 300 lx · 20 m² / 0.6 = 10,000 lm.
+    #[test]
+    fn a_first_light_hangs_beside_the_lamp_of_the_file_and_suits_the_room() {
+        let mut scene = Scene::new("room");
+        let of = (scene.add_material("wall", Vec3::splat(0.5), Vec3::ZERO), GroupId(0));
+        add_box(&mut scene, (Vec3::ZERO, Vec3::new(4.0, 2.7, 5.0)), true, of);
+        let lamp = scene.add_material("lamp", Vec3::splat(0.5), Vec3::ONE);
+        let corner = |x: f32, z: f32| Vec3::new(2.0 + 0.3 * x, 2.69, 2.5 + 0.3 * z);
+        scene.add_quad([corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0), corner(-1.0, 1.0)], lamp, GroupId(0));
+        scene.camera =
+            Some(CameraPose { eye: Vec3::new(1.0, 1.6, 1.0), target: Vec3::ONE, up: Vec3::Y, hfov_deg: 50.0 });
+        let occluders = Occluders::new(&scene);
+        let away = (place(&scene, &occluders, 1.0).centre - Vec3::new(2.0, 2.69, 2.5)).abs();
+        assert!(away.x < 0.1 && away.z >= 0.8 && away.z <= 1.6, "{away}");
+        assert_eq!(suggested_lumens(&scene, &occluders), 10_000.0);
     }
 }

@@ -42,7 +42,7 @@ pub use links::{ChosenLinks, LinkColour, LinkFilter, LinkStyle, Seen, USUAL_LINK
 pub use meter::{LightMeter, Metered};
 pub use offscreen::Offscreen;
 pub use outline::{box_edges, element_outline};
-pub use overlay::{Line, Marks, Overlay, picked_marks, power_colour};
+pub use overlay::{Line, Marks, Overlay, picked_leaf, picked_marks, picked_rim, power_colour};
 pub use own_colours::in_own_colours;
 pub use pick::{Picked, pick};
 pub use reading::{ColourScale, Isolines, MOST_ISOLINES, Reading, Spacing, upper_end};

@@ -71,8 +71,9 @@ impl Line {
 const OUTLINE: ([u8; 4], f32) = ([70, 130, 220, 190], 1.2);
 /// Boxes of clusters.
 const CLUSTER: ([u8; 4], f32) = ([255, 176, 0, 220], 1.5);
-/// The picked element.
+/// The picked element, among its links and without them: a quiet line around what is read.
 const PICKED: ([u8; 4], f32) = ([255, 255, 255, 255], 2.5);
+const PICKED_QUIETLY: ([u8; 4], f32) = ([255, 255, 255, 215], 1.5);
 /// Diameter of the dot at its centre.
 const PICKED_DOT: f32 = 10.0;
 /// Links weaker than this share of the strongest have the ramp's first colour.
@@ -104,7 +105,28 @@ pub(super) fn cluster_boxes(clusters: &[ClusterBox], level: u16) -> Vec<Line> {
         .collect()
 }
 
-/// The picked element: its rim or box, and its centre.
+/// The rim of a picked leaf, from the mesh alone: edges that only one of its triangles has.
+pub fn picked_leaf(mesh: &Mesh, element: ElementId) -> Vec<Line> {
+    let Some(leaf) = mesh.leaves.iter().position(|leaf| leaf.element == element) else { return Vec::new() };
+    let of_leaf = mesh.triangles.iter().zip(&mesh.triangle_leaf).filter(|(_, of)| **of as usize == leaf);
+    let mut edges: Vec<[u32; 2]> =
+        of_leaf.flat_map(|(&[a, b, c], _)| [[a, b], [b, c], [c, a]].map(|[a, b]| [a.min(b), a.max(b)])).collect();
+    edges.sort_unstable();
+    let rim = edges.chunk_by(PartialEq::eq).filter(|same| same.len() == 1).map(|same| same[0]);
+    quietly(rim.map(|ends| ends.map(|vertex| Vec3::from(mesh.positions[vertex as usize]))))
+}
+
+/// The picked element without its links: its rim or box.
+pub fn picked_rim(solution_view: &SolutionView, element: ElementId) -> Vec<Line> {
+    quietly(element_outline(solution_view.hierarchy(), element).into_iter())
+}
+
+fn quietly(rim: impl Iterator<Item = [Vec3; 2]>) -> Vec<Line> {
+    let (colour, width) = PICKED_QUIETLY;
+    rim.map(|[from, to]| Line::new(from, to, width, colour)).collect()
+}
+
+/// The picked element among its links: its rim or box, and its centre.
 pub fn picked_marks(solution_view: &SolutionView, element: ElementId) -> Vec<Line> {
     let (colour, width) = PICKED;
     let rim = element_outline(solution_view.hierarchy(), element).into_iter();
@@ -141,6 +163,17 @@ mod tests {
         let lines = element_outlines(&two_leaves());
         assert_eq!(lines.len(), 6);
         assert_eq!((lines[4].from, lines[4].to), ([1.0, 0.0, 0.0], [2.0, 0.0, 0.0]));
+    }
+
+    /// Truth: the mesh by hand: a square of two triangles has four sides, and not their common one.
+    #[test]
+    fn the_rim_of_a_leaf_leaves_its_inner_edges_out() {
+        let mesh = two_leaves();
+        let ends = |element| -> Vec<_> {
+            picked_leaf(&mesh, ElementId(element)).iter().map(|line| (line.from, line.to)).collect()
+        };
+        assert_eq!([7, 9, 1].map(|element| ends(element).len()), [4, 3, 0]);
+        assert!(!ends(7).contains(&([0.0, 0.0, 0.0], [1.0, 1.0, 0.0])));
     }
 
     #[test]

@@ -90,6 +90,28 @@ impl Command {
     pub fn load(source: Source) -> Self {
         Self::Load(source, Reading::default(), AddedLight::default())
     }
+
+    /// Whether the solver answers it with another solution, or says why there is none.
+    pub fn solves_anew(&self) -> bool {
+        match self {
+            Self::Load(..)
+            | Self::SetParams(_)
+            | Self::Restart
+            | Self::SetEmission { .. }
+            | Self::SetReflectance { .. }
+            | Self::AnchorEpsilon
+            | Self::SetLuminaires(_)
+            | Self::SetDaylight(_)
+            | Self::SetGroups(_) => true,
+            Self::CancelLoad
+            | Self::Pause
+            | Self::Resume
+            | Self::StepWave
+            | Self::Show(_)
+            | Self::SaveSidecar(_)
+            | Self::Shutdown => false,
+        }
+    }
 }
 
 /// Content of snapshots.
@@ -144,6 +166,8 @@ pub struct SceneInfo {
     pub open_ground: Result<f32, NoDaylightFactor>,
     /// A size that suits a luminaire, in the scene's length unit.
     pub luminaire_size: f32,
+    /// A luminous flux that suits it, lm.
+    pub luminaire_lumens: f32,
     /// Remarks of loading on parts skipped, clamped or ignored, a sentence each.
     pub skipped: Vec<String>,
     /// Seconds spent reading, turning faces and building the occluders.

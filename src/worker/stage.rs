@@ -159,6 +159,7 @@ impl Session {
             is_open: prepared.is_open,
             open_ground: open_ground(&prepared.scene),
             luminaire_size: ceiling::suggested_size(&prepared.scene, &prepared.occluders),
+            luminaire_lumens: ceiling::suggested_lumens(&prepared.scene, &prepared.occluders),
             skipped: prepared.scene.skipped.sentences(),
             load_seconds: prepared.seconds,
         });

@@ -64,6 +64,7 @@ fn the_field_of_view_and_bookmarks_are_set_in_the_menu() {
     let wide = pose(&window);
     assert!((wide.hfov_deg - 90.0).abs() < 0.1 && wide.eye.abs_diff_eq(start.eye, 1e-4), "{wide:?}");
     click(&mut window, words::ADD_BOOKMARK);
+    assert!(window.query_by_label(&format!("{} 1", words::BOOKMARK)).is_some(), "it is seen at once");
     window.key_press(Key::Escape);
     window.run_steps(3);
     choose(&mut window, words::TOP);
@@ -89,9 +90,11 @@ fn whoever_walks_stays_in_the_room_at_eye_height() {
         window.key_up(Key::W);
         window.run_steps(2);
     };
+    assert!(window.query_by_label(words::WALKING).is_none());
     choose(&mut window, words::WALK);
     window.key_press(Key::Escape);
     window.run_steps(3);
+    assert!(window.query_by_label(words::WALKING).is_some(), "it is said that keys walk");
     let before = pose(&window).eye;
     for _ in 0..6 {
         fly(&mut window);

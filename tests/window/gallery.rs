@@ -75,7 +75,7 @@ fn office() {
 #[ignore = "writes screenshots/, see ./dev shots"]
 fn readings() {
     let mut window = solved(BuiltinScene::Office, SolverParams::usual());
-    choose(&mut window, words::DISPLAY, words::IRRADIANCE);
+    choose(&mut window, words::DISPLAY, words::ILLUMINANCE);
     click(&mut window, words::ISOLUX_LINES);
     save(&mut window, "window-illuminance");
     click(&mut window, words::ISOLUX_LINES);

@@ -164,6 +164,42 @@ fn a_long_path_shows_its_end() {
     until(&mut window, "the message", |window| window.query_by_label_contains("room.obj: no such file").is_some());
 }
 
+/// Truth: what was asked for last. Neither failure nor advice outlives it.
+#[test]
+fn messages_about_opening_do_not_pile_up() {
+    let mut window = cornell(coarse());
+    finish(&mut window);
+    let open = |window: &mut Harness<'static, App>, path: &str| {
+        window.get_by_label(words::SCENE_PATH).focus();
+        window.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::A);
+        window.get_by_label(words::SCENE_PATH).type_text(path);
+        window.run_steps(2);
+        click(window, words::OPEN);
+    };
+    let dismissals = |window: &Harness<'static, App>| window.query_all_by_label(words::DISMISS).count();
+    open(&mut window, "no/such/room.obj");
+    until(&mut window, "the message", |window| window.query_by_label_contains("room.obj: no such file").is_some());
+    open(&mut window, "no/such/house.obj");
+    until(&mut window, "another", |window| window.query_by_label_contains("house.obj: no such file").is_some());
+    assert_eq!(dismissals(&window), 1, "the later failure takes the place of the former");
+    window.get_all_by_label("seminar").next().expect("sample scenes are offered").click();
+    until(&mut window, "the scene", |window| {
+        window.state().scene_info().is_some_and(|info| info.scene.name == "seminar") && dismissals(window) == 0
+    });
+}
+
+/// Truth: the bibliography.
+#[test]
+fn the_method_names_the_paper_whose_sections_it_cites() {
+    let mut window = cornell(coarse());
+    finish(&mut window);
+    if window.query_by_label(words::PAPER).is_none() {
+        click(&mut window, words::METHOD);
+    }
+    assert!(window.query_by_label(words::PAPER).is_some());
+    assert!(words::PAPER.contains("Isotropic Clustering for Hierarchical Radiosity"));
+}
+
 #[test]
 fn a_scene_that_opens_takes_old_errors_away() {
     let mut window = window(Some(Source::File("no/such/room.obj".into())), coarse());
@@ -288,6 +324,7 @@ fn a_lamp_follows_its_slider_at_once() {
     };
     let before = strongest(&window);
     let strength = 2.0 * f64::from(before).round();
+    choose(&mut window, words::LAMP_UNIT, &format!("{}, W/m²", words::EXITANCE));
     window.get_by_role_and_label(Role::Slider, words::EXITANCE).set_value_accesskit(strength);
     until(&mut window, "a brighter lamp", |window| (f64::from(strongest(window)) - strength).abs() < 0.1);
     click(&mut window, words::SWITCH_OFF);

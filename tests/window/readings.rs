@@ -35,7 +35,7 @@ fn difference(one: &image::RgbaImage, other: &image::RgbaImage) -> f64 {
 fn false_colours_have_a_legend_and_a_range_that_can_be_locked() {
     let mut window = cornell();
     let lit = picture(&mut window);
-    choose(&mut window, words::DISPLAY, words::IRRADIANCE);
+    choose(&mut window, words::DISPLAY, words::ILLUMINANCE);
     assert!(window.query_by_label("illuminance E, lx").is_some(), "a legend says what is shown");
     let coloured = picture(&mut window);
     assert!(difference(&lit, &coloured) > 0.3);
@@ -233,6 +233,29 @@ fn the_plane_the_tag_and_the_readout_say_when_they_are_of_an_earlier_picture() {
     until(&mut window, "fresh readings again", |window| {
         counts(window) == 0 && window.query_by_label(words::EARLIER_PLANE).is_none()
     });
+}
+
+/// Truth: a level plane under the lamp of a closed box gets more light the nearer it is; until it is
+/// measured there, its figures are marked as of before.
+#[test]
+fn another_height_of_the_work_plane_is_measured_again() {
+    let mut window = cornell();
+    click(&mut window, words::MEASURE);
+    click(&mut window, words::MEASURE_PLANE);
+    let summary = |window: &Window| {
+        let texts = window.query_all_by_label_contains(" lx").filter_map(|node| node.accesskit_node().value());
+        texts.filter(|text| text.ends_with(" lx") && text.starts_with(' ')).collect::<Vec<_>>()
+    };
+    until(&mut window, "the plane", |window| summary(window).len() == 3);
+    let before = summary(&window);
+    let height = window.get_by_role_and_label(egui::accesskit::Role::SpinButton, words::PLANE_HEIGHT);
+    height.set_value_accesskit(0.5 * 0.75);
+    window.step();
+    assert!(window.query_by_label_contains(words::EARLIER_PLANE).is_some(), "the figures are of another height");
+    until(&mut window, "the new height's figures", |window| {
+        window.query_all_by_label_contains(words::EARLIER_PLANE).next().is_none()
+    });
+    assert_ne!(summary(&window), before);
 }
 
 #[test]

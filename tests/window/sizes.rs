@@ -83,11 +83,32 @@ fn every_tool_fits_into_a_large_window() {
     check_sizes([3840.0, 2160.0], 1.0);
 }
 
+/// Buttons of the bar above the view lie side by side.
+#[test]
+fn nothing_in_the_bar_lies_over_another() {
+    for (size, scale) in [([800.0, 600.0], 1.0), ([1024.0, 700.0], 1.5), ([1024.0, 700.0], 1.0), ([1280.0, 800.0], 1.0)]
+    {
+        let window = opened(size, scale);
+        let view = window.state().view_rect();
+        let in_bar =
+            |node: &egui_kittest::Node<'_>| node.rect().bottom() <= view.top() && node.rect().right() > view.left();
+        let buttons: Vec<_> = window.query_all_by_role(Role::Button).filter(in_bar).collect();
+        assert!(buttons.len() >= 6, "{} buttons", buttons.len());
+        for (index, one) in buttons.iter().enumerate() {
+            for other in &buttons[index + 1..] {
+                let names = [one, other].map(|node| node.accesskit_node().label());
+                let apart = !one.rect().shrink(0.5).intersects(other.rect());
+                assert!(apart, "{names:?} in {size:?} at {scale}: {:?} {:?}", one.rect(), other.rect());
+            }
+        }
+    }
+}
+
 /// What lies over the view lies side by side, with a selection, a measured plane, false colours and
 /// links.
 fn check_overlays(size: [f32; 2], scale: f32) {
     let mut window = opened(size, scale);
-    choose(&mut window, words::DISPLAY, words::IRRADIANCE);
+    choose(&mut window, words::DISPLAY, words::ILLUMINANCE);
     click(&mut window, &link_choice(words::LINKS_AT_LEVEL));
     open(&mut window, words::MEASURE);
     click(&mut window, words::MEASURE_PLANE);

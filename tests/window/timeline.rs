@@ -45,6 +45,31 @@ fn a_former_step_is_looked_at_and_the_present_comes_back() {
     until(&mut window, "the present", |window| step(window).is_none());
 }
 
+/// Truth: the steps' own numbers. A click that is over within a frame counts, and arrows belong to
+/// the timeline for as long as it is used.
+#[test]
+fn short_clicks_and_arrows_step_through_the_solve() {
+    let mut window = cornell(SolverParams { epsilon: Epsilon::Relative(1e-3), ..SolverParams::default() });
+    finish(&mut window);
+    let track = window.get_by_label(words::STEP_OF_THE_SOLVE).rect();
+    let at = track.shrink2(egui::vec2(8.0, 0.0)).left_center();
+    window.hover_at(at);
+    window.run_steps(2);
+    for pressed in [true, false] {
+        let (button, modifiers) = (egui::PointerButton::Primary, egui::Modifiers::NONE);
+        window.input_mut().events.push(egui::Event::PointerButton { pos: at, button, pressed, modifiers });
+    }
+    until(&mut window, "the first step", |window| step(window) == Some(0));
+    for expected in 1..=4 {
+        window.key_press(Key::ArrowRight);
+        until(&mut window, "the next step", |window| step(window) == Some(expected));
+    }
+    for expected in (1..=3).rev() {
+        window.key_press(Key::ArrowLeft);
+        until(&mut window, "the step before", |window| step(window) == Some(expected));
+    }
+}
+
 /// Truth: playing goes through the steps in order, from one self-link to the present.
 #[test]
 fn steps_are_played_from_the_first_to_the_present() {

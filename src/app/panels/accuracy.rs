@@ -10,7 +10,7 @@ use crate::app::state::comparison::{Comparison, POINTS, Run, RunPoint, Shading};
 use crate::app::widgets::theme;
 use crate::app::{Wake, format, words};
 use crate::measure::accuracy::SolutionError;
-use crate::measure::reference_worker::GOAL;
+use crate::measure::reference_worker::{GOAL, LEAST_PASSES};
 use crate::worker::SceneInfo;
 
 /// Height of the chart, points.
@@ -64,7 +64,10 @@ fn show_offer(ui: &mut Ui, info: &Arc<SceneInfo>, comparison: &mut Comparison, w
 fn show_reference(ui: &mut Ui, comparison: &mut Comparison) {
     let report = comparison.report();
     let (text, share) = match report.noise {
-        None => ("first paths…".to_owned(), 0.0),
+        None => {
+            let pass = (report.passes + 1).min(LEAST_PASSES);
+            (format!("{}, pass {pass} of {LEAST_PASSES}", words::FIRST_PATHS), 0.0)
+        }
         Some(noise) if report.is_done => (format!("noise {}", percent(noise)), 1.0),
         // Noise falls as the root of the paths.
         Some(noise) => (format!("noise {}, goal {}", percent(noise), percent(GOAL)), (GOAL / noise).powi(2).min(1.0)),
@@ -75,6 +78,9 @@ fn show_reference(ui: &mut Ui, comparison: &mut Comparison) {
             "Path-traced at {points} points; the noise is subtracted from the errors below. Kept on disk for the next time."
         ))
     });
+    if let Some(left) = report.seconds_left.filter(|_| !report.is_done) {
+        ui.label(theme::weak(format!("About {} left", format::seconds(left))));
+    }
     ui.horizontal_wrapped(|ui| {
         ui.add(ProgressBar::new(share as f32).desired_width(200.0).desired_height(6.0).fill(theme::ACCENT));
         if ui.button(words::STOP_COMPARING).clicked() {

@@ -5,12 +5,13 @@ use egui::{Grid, Ui};
 use crate::app::widgets::theme;
 
 /// Gestures and their effects; [`crate::app::view::viewport`] acts so.
-pub(in crate::app) const CONTROLS: [(&str, &str); 10] = [
+pub(in crate::app) const CONTROLS: [(&str, &str); 11] = [
     ("left drag", "orbit"),
     ("right, middle or shift drag", "pan"),
     ("wheel or pinch", "zoom"),
     ("W A S D, Q E", "fly, down and up"),
     ("shift with these", "fly faster"),
+    ("Camera: Walk at eye height", "W A S D walk"),
     ("click", "select the element"),
     ("double-click", "look at the point"),
     ("F", "frame all"),

@@ -48,7 +48,7 @@ pub(in crate::app) fn show(ui: &mut Ui, shown: &Shown, links: &mut LinkOverlay) 
                 "visibility",
                 "Whether the ends see each other fully or partly, are hidden from each other, or were not tested",
             ),
-            (LinkColour::Level, "level of source", "The level of the source below the root"),
+            (LinkColour::Level, "level", "The level of the source below the root"),
         ],
     );
     let filter = &mut links.filter;

@@ -23,6 +23,7 @@ pub(in crate::app) mod tag;
 
 use egui::{CollapsingHeader, RichText, ScrollArea, Ui};
 
+use crate::app::state::messages::Topic;
 use crate::app::widgets::theme;
 use crate::app::{App, Outbox, layout, words};
 use crate::worker::Command;
@@ -103,7 +104,7 @@ fn show_sections(app: &mut App, ui: &mut Ui, outbox: &mut Outbox) {
         let mut outcome = Ok(());
         section(ui, words::ACCURACY, false, None, |ui| outcome = accuracy::show(ui, &info, comparison, wake));
         if let Err(sentence) = outcome {
-            app.messages.error(sentence);
+            app.messages.error(Topic::Reference, sentence);
         }
     }
     section(ui, words::STATISTICS, false, None, |ui| statistics::show(ui, &app.shown));

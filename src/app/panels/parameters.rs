@@ -48,6 +48,8 @@ pub(in crate::app) fn show_one(ui: &mut Ui, id: ParameterId, params: &mut Solver
 /// Draws the method's parameters, each with its sentence; true when one was changed.
 pub(in crate::app) fn show_method(ui: &mut Ui, params: &mut SolverParams, stats: Option<&Stats>) -> bool {
     let before = *params;
+    ui.add(egui::Label::new(theme::weak(words::PAPER).small()).wrap());
+    ui.add_space(3.0);
     show_what_ends_a_solve(ui, params);
     let of_method = |parameter: &&Parameter| !matches!(parameter.id, ParameterId::Error | ParameterId::Memory);
     for parameter in PARAMETERS.iter().filter(of_method) {

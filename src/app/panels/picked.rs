@@ -95,6 +95,7 @@ fn show_facts(ui: &mut Ui, facts: &Facts, deepest: Option<u16>) {
         if let Some((level, deepest)) = facts.level.zip(deepest) {
             row(words::LEVEL, format!("{level} of {deepest}"));
         }
+        row(words::MEAN_ILLUMINANCE, format::quantity(facts.illuminance().into(), "lx"));
         for (name, irradiance, _) in facts.irradiances() {
             row(name, colours(irradiance));
         }

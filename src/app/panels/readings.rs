@@ -12,7 +12,7 @@ use crate::render::{IsolinesWanted, MOST_ISOLINES, Ramp, Reading, Show, Spacing}
 /// Width of the field of one end of a range, points.
 const END_WIDTH: f32 = 112.0;
 /// Width of the list of what surfaces can show, points.
-const LIST_WIDTH: f32 = 220.0;
+const LIST_WIDTH: f32 = 224.0;
 
 /// Draws the controls; `reading` is what the view shows, `none` why there is no daylight factor.
 pub(in crate::app) fn show(
@@ -54,16 +54,17 @@ pub(in crate::app) fn show(
 /// What colours the surfaces; the daylight factor is offered where it is known, and says else why
 /// not.
 fn choose_show(ui: &mut Ui, display: &mut DisplaySettings, none: Option<NoDaylightFactor>) {
-    let before = display.reading.show;
+    let (before, unit) = (display.reading.show, display.reading.unit);
     let show = &mut display.reading.show;
     let hint = "The lit picture, or false colours of the light that arrives at (E) or leaves (B) each point, or of the daylight factor";
     theme::row(ui, words::DISPLAY, |ui| {
-        let list = ComboBox::from_id_salt(words::DISPLAY).selected_text(name_of_show(*show));
+        let list = ComboBox::from_id_salt(words::DISPLAY).selected_text(name_of_show(*show, unit)).truncate();
+        let list = list.width(ui.available_width().min(LIST_WIDTH));
         let choices = |ui: &mut Ui| {
             for choice in Show::ALL {
                 let missing = none.filter(|_| choice == Show::DaylightFactor);
                 ui.add_enabled_ui(missing.is_none(), |ui| {
-                    let label = ui.selectable_value(show, choice, name_of_show(choice));
+                    let label = ui.selectable_value(show, choice, name_of_show(choice, unit));
                     if let Some(missing) = missing {
                         label.on_disabled_hover_text(sentence(missing));
                     }
@@ -98,12 +99,14 @@ fn sentence(missing: NoDaylightFactor) -> String {
     format!("{}.", missing.to_string().replacen("no", "No", 1))
 }
 
-fn name_of_show(show: Show) -> &'static str {
-    match show {
-        Show::Lit => words::LIT,
-        Show::Irradiance => words::IRRADIANCE,
-        Show::Radiosity => words::RADIOSITY,
-        Show::DaylightFactor => words::DAYLIGHT_FACTOR,
+fn name_of_show(show: Show, unit: Unit) -> &'static str {
+    match (show, unit) {
+        (Show::Lit, _) => words::LIT,
+        (Show::Irradiance, Unit::Lumens) => words::ILLUMINANCE,
+        (Show::Irradiance, Unit::Watts) => words::IRRADIANCE,
+        (Show::Radiosity, Unit::Lumens) => words::LUMINOUS_EXITANCE,
+        (Show::Radiosity, Unit::Watts) => words::RADIOSITY,
+        (Show::DaylightFactor, _) => words::DAYLIGHT_FACTOR,
     }
 }
 
@@ -206,6 +209,20 @@ fn show_range(ui: &mut Ui, display: &mut DisplaySettings, reading: &Reading) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::base::photometry::ShownIn;
+
+    /// Truth: the legend's own words.
+    #[test]
+    fn what_is_shown_has_the_name_of_its_legend() {
+        for unit in [Unit::Lumens, Unit::Watts] {
+            for show in [Show::Irradiance, Show::Radiosity] {
+                let legend = ShownIn::Unit(unit).name(show.quantity());
+                assert_eq!(name_of_show(show, unit), format!("false colours: {legend}"));
+            }
+            let legend = ShownIn::DaylightFactor { open_ground: 1.0 }.name(Show::DaylightFactor.quantity());
+            assert_eq!(name_of_show(Show::DaylightFactor, unit), format!("false colours: {legend}"));
+        }
+    }
 
     #[test]
     fn values_are_read_as_people_write_them() {

@@ -201,10 +201,10 @@ impl Measuring {
         // While the solver works, each plane would be of a picture that is gone when it is there.
         if let Some((asked, plane)) = &self.asked
             && is_settled
-            && !Arc::ptr_eq(asked, snapshot)
+            && (!Arc::ptr_eq(asked, snapshot) || *plane != self.plane)
         {
-            surveyor.measure(*plane);
-            self.asked = Some((snapshot.clone(), *plane));
+            surveyor.measure(self.plane);
+            self.asked = Some((snapshot.clone(), self.plane));
         }
     }
 
@@ -213,10 +213,10 @@ impl Measuring {
         self.behind_since.is_some_and(|since| since.elapsed() > GRACE)
     }
 
-    /// Whether the plane is of such light.
+    /// Whether the plane is of such light, or of another height or grid than is set up.
     pub(in crate::app) fn plane_is_stale(&self) -> bool {
         let latest = self.plane_reading().zip(self.latest.as_ref());
-        latest.is_some_and(|(plane, latest)| !Arc::ptr_eq(&plane.snapshot, latest))
+        latest.is_some_and(|(plane, latest)| !Arc::ptr_eq(&plane.snapshot, latest) || plane.plane != self.plane)
     }
 
     /// Follows the pointer; `None` while it is not over the view.

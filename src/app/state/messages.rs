@@ -1,6 +1,8 @@
-//! The bar over the view: sentences that stay until they are dismissed.
+//! The bar over the view: sentences that stay until they are dismissed, or until something newer is
+//! known of what they are about.
 
 use crate::app::widgets::theme;
+use crate::app::words;
 
 /// No more than these are shown; older ones make room.
 const MOST: usize = 4;
@@ -13,32 +15,65 @@ enum Kind {
     Note,
 }
 
+/// Deed that a sentence is about. The outcome of a later one takes the place of the former's.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(in crate::app) enum Topic {
+    /// Reading a scene.
+    Opening,
+    /// Writing the settings file beside a scene.
+    Saving,
+    /// Writing a table.
+    Writing,
+    /// Solving with other settings.
+    Solving,
+    /// Drawing the view.
+    Drawing,
+    /// Making a reference.
+    Reference,
+    /// A remark about the scene or the program, which none other replaces.
+    Remark,
+}
+
+struct Entry {
+    kind: Kind,
+    topic: Topic,
+    sentence: String,
+}
+
 /// Sentences that wait to be read.
 #[derive(Default)]
 pub(in crate::app) struct Messages {
-    entries: Vec<(Kind, String)>,
+    entries: Vec<Entry>,
 }
 
 impl Messages {
     /// Something that was asked for cannot be done.
-    pub(in crate::app) fn error(&mut self, sentence: String) {
-        self.push(Kind::Error, sentence);
+    pub(in crate::app) fn error(&mut self, topic: Topic, sentence: String) {
+        self.push(Kind::Error, topic, sentence);
     }
 
     /// Something worth knowing.
-    pub(in crate::app) fn note(&mut self, sentence: String) {
-        self.push(Kind::Note, sentence);
+    pub(in crate::app) fn note(&mut self, topic: Topic, sentence: String) {
+        self.push(Kind::Note, topic, sentence);
     }
 
     /// Takes back what could not be done; for a scene that came after it, it no longer matters.
     pub(in crate::app) fn forget_errors(&mut self) {
-        self.entries.retain(|(kind, _)| *kind != Kind::Error);
+        self.entries.retain(|entry| entry.kind != Kind::Error);
     }
 
-    fn push(&mut self, kind: Kind, sentence: String) {
+    /// Takes back what was said of a deed that has succeeded since, or is being tried again.
+    pub(in crate::app) fn resolve(&mut self, topic: Topic) {
+        self.entries.retain(|entry| entry.topic != topic);
+    }
+
+    fn push(&mut self, kind: Kind, topic: Topic, sentence: String) {
         let sentence = as_sentence(&crate::app::format::without_os_codes(&sentence));
-        self.entries.retain(|(_, entry)| *entry != sentence);
-        self.entries.push((kind, sentence));
+        if topic != Topic::Remark {
+            self.resolve(topic);
+        }
+        self.entries.retain(|entry| entry.sentence != sentence);
+        self.entries.push(Entry { kind, topic, sentence });
         let surplus = self.entries.len().saturating_sub(MOST);
         self.entries.drain(..surplus);
     }
@@ -46,7 +81,7 @@ impl Messages {
     /// Draws the bar; nothing when there is nothing to say.
     pub(in crate::app) fn show(&mut self, ui: &mut egui::Ui) {
         let mut dismissed = None;
-        for (index, (kind, sentence)) in self.entries.iter().enumerate() {
+        for (index, Entry { kind, sentence, .. }) in self.entries.iter().enumerate() {
             let palette = theme::palette(ui.visuals());
             let (fill, mark) = match kind {
                 Kind::Error => (palette.error_fill, theme::ERROR),
@@ -62,7 +97,7 @@ impl Messages {
                         ui.add(egui::Label::new(text).wrap());
                     });
                     ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-                        if ui.button("Dismiss").clicked() {
+                        if ui.button(words::DISMISS).clicked() {
                             dismissed = Some(index);
                         }
                     });
@@ -88,16 +123,31 @@ mod tests {
     use super::*;
 
     #[test]
-    fn sentences_are_said_once_and_the_oldest_make_room() {
+    fn remarks_are_said_once_and_the_oldest_make_room() {
         let mut messages = Messages::default();
         for number in [1, 2, 3, 4, 5, 5] {
-            messages.error(format!("number {number} failed"));
+            messages.note(Topic::Remark, format!("remark {number}"));
         }
-        let texts: Vec<_> = messages.entries.iter().map(|(_, text)| text.as_str()).collect();
-        assert_eq!(texts, ["Number 2 failed.", "Number 3 failed.", "Number 4 failed.", "Number 5 failed."]);
-        messages.note("saved".into());
+        assert_eq!(texts(&messages), ["Remark 2.", "Remark 3.", "Remark 4.", "Remark 5."]);
+    }
+
+    fn texts(messages: &Messages) -> Vec<&str> {
+        messages.entries.iter().map(|entry| entry.sentence.as_str()).collect()
+    }
+
+    /// Truth: a person who fails twice and then succeeds has nothing left to read but that.
+    #[test]
+    fn a_later_outcome_takes_the_place_of_an_earlier_one() {
+        let mut messages = Messages::default();
+        messages.error(Topic::Opening, "a is broken".into());
+        messages.error(Topic::Saving, "the disk is full".into());
+        messages.error(Topic::Opening, "b is not there".into());
+        assert_eq!(texts(&messages), ["The disk is full.", "B is not there."]);
+        messages.note(Topic::Saving, "saved".into());
+        messages.resolve(Topic::Opening);
+        assert_eq!(texts(&messages), ["Saved."]);
+        messages.error(Topic::Solving, "too little memory".into());
         messages.forget_errors();
-        let texts: Vec<_> = messages.entries.iter().map(|(_, text)| text.as_str()).collect();
-        assert_eq!(texts, ["Saved."]);
+        assert_eq!(texts(&messages), ["Saved."]);
     }
 }

@@ -7,6 +7,7 @@
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
 
+use crate::app::state::messages::Topic;
 use crate::app::tools::Tool;
 use crate::app::{App, AppError};
 use crate::export::settings::Settings;
@@ -129,7 +130,10 @@ impl App {
         if let Some(path) = vanished {
             let instead = fallback.scene.as_deref().unwrap_or("nothing");
             let path = path.display();
-            app.messages.note(format!("The scene of the last time, {path}, is gone: this is {instead} in its place."));
+            app.messages.note(
+                Topic::Remark,
+                format!("The scene of the last time, {path}, is gone: this is {instead} in its place."),
+            );
         }
         Ok(app)
     }

@@ -6,7 +6,7 @@ use egui::{Button, DragValue, Grid, ProgressBar, RichText, TextEdit, Ui};
 use glam::{DVec3, Vec3};
 
 use crate::app::state::measuring::{Measuring, Table, lux_in_words};
-use crate::app::state::messages::Messages;
+use crate::app::state::messages::{Messages, Topic};
 use crate::app::widgets::dialog::DialogAnswer;
 use crate::app::widgets::theme;
 use crate::app::{Shown, Wake, format, words};
@@ -121,7 +121,7 @@ fn place(point: DVec3) -> String {
 }
 
 fn show_plane_setup(ui: &mut Ui, shown: &Shown, measuring: &mut Measuring, wake: &Wake) {
-    let plane = &mut measuring.plane;
+    let (before, plane) = (measuring.plane, &mut measuring.plane);
     let fields = [
         (
             words::PLANE_HEIGHT,
@@ -142,6 +142,10 @@ fn show_plane_setup(ui: &mut Ui, shown: &Shown, measuring: &mut Measuring, wake:
         });
     }
     show_area(ui, shown, measuring);
+    if measuring.plane != before {
+        // A plane that is shown is measured again in the next frame.
+        ui.ctx().request_repaint();
+    }
     let lit = shown.info.as_ref().zip(shown.in_view.as_ref());
     ui.horizontal(|ui| {
         let button = ui.add_enabled(lit.is_some(), Button::new(words::MEASURE_PLANE));
@@ -206,7 +210,7 @@ fn show_summary(ui: &mut Ui, plane: &PlaneReading, is_stale: bool) {
     let text = format!("{columns} × {rows} points, {across} × {along} m apart{left_out}");
     ui.add(egui::Label::new(theme::weak(text)).wrap());
     if is_stale {
-        ui.label(theme::weak("Of an earlier picture; measured again when the solver rests."));
+        ui.add(egui::Label::new(theme::weak(format!("{}.", words::EARLIER_PLANE))).wrap());
     }
 }
 
@@ -257,7 +261,7 @@ fn show_target(ui: &mut Ui, plane: &PlaneReading, measuring: &mut Measuring) {
         let field = DragValue::new(&mut measuring.least_uniformity).speed(0.01).range(0.0..=1.0).max_decimals(2);
         ui.add(field).on_hover_text("Minimum over average that the task asks for, such as 0.6 (EN 12464-1)")
     });
-    let summary = plane.summary();
+    let (summary, is_stale) = (plane.summary(), measuring.plane_is_stale());
     if summary.points == 0 {
         return;
     }
@@ -273,7 +277,7 @@ fn show_target(ui: &mut Ui, plane: &PlaneReading, measuring: &mut Measuring) {
     for (what, is_met, figures) in verdicts {
         let verdict = if is_met { words::PASSED } else { words::FAILED };
         let text = format!("{verdict}: {what}, {figures}");
-        ui.label(if is_met { RichText::new(text) } else { theme::notice(ui, text) });
+        ui.label(if is_met || is_stale { aged(RichText::new(text), is_stale) } else { theme::notice(ui, text) });
     }
 }
 
@@ -308,7 +312,7 @@ fn show_files(ui: &mut Ui, shown: &Shown, measuring: &mut Measuring, messages: &
     }
     match measuring.save.poll() {
         Some(DialogAnswer::Chosen(path)) => write(shown, measuring, &path, messages),
-        Some(DialogAnswer::NoDialog) => messages.note(NO_DIALOG.into()),
+        Some(DialogAnswer::NoDialog) => messages.note(Topic::Writing, NO_DIALOG.into()),
         None => {}
     }
 }
@@ -317,7 +321,10 @@ fn write(shown: &Shown, measuring: &Measuring, path: &Path, messages: &mut Messa
     let Some(info) = &shown.info else { return };
     let written = measuring.csv(measuring.saves, &info.scene).and_then(|text| std::fs::write(path, text));
     match written {
-        Ok(()) => messages.note(format!("Wrote {}.", path.display())),
-        Err(error) => messages.error(format!("{}: cannot be written ({error}); choose another place", path.display())),
+        Ok(()) => messages.note(Topic::Writing, format!("Wrote {}.", path.display())),
+        Err(error) => {
+            let failure = format!("{}: cannot be written ({error}); choose another place", path.display());
+            messages.error(Topic::Writing, failure);
+        }
     }
 }

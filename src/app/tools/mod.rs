@@ -112,12 +112,9 @@ pub(in crate::app) fn show_bar(app: &mut App, ui: &mut Ui) {
         if keys.clicked() {
             app.layout.are_keys_shown = !app.layout.are_keys_shown;
         }
-        let full = ui.selectable_label(app.layout.is_full_picture, words::FULL_SCREEN);
-        if full.on_hover_text("The picture alone; F11 or Esc brings the panels back").clicked() {
-            app.set_full_screen(ui.ctx(), true);
-        }
-        ui.separator();
         if has_room {
+            show_full_screen(app, ui);
+            ui.separator();
             for (tool, name, hint) in TOOLS.iter().rev() {
                 show_switch(app, ui, *tool, name, hint);
             }
@@ -128,9 +125,23 @@ pub(in crate::app) fn show_bar(app: &mut App, ui: &mut Ui) {
                         ui.close();
                     }
                 }
+                ui.separator();
+                if show_full_screen(app, ui) {
+                    ui.close();
+                }
             });
         }
     });
+}
+
+/// The switch of the full screen; whether it was clicked.
+fn show_full_screen(app: &mut App, ui: &mut Ui) -> bool {
+    let full = ui.selectable_label(app.layout.is_full_picture, words::FULL_SCREEN);
+    let is_clicked = full.on_hover_text("The picture alone; F11 or Esc brings the panels back").clicked();
+    if is_clicked {
+        app.set_full_screen(ui.ctx(), true);
+    }
+    is_clicked
 }
 
 /// The switch of a tool; whether it was clicked.

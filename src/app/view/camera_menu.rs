@@ -1,6 +1,7 @@
 //! The camera menu above the view: views from outside, the field of view, walking, and bookmarks.
 
-use egui::{Slider, Ui};
+use egui::containers::menu::{MenuButton, MenuConfig};
+use egui::{PopupCloseBehavior, Slider, Ui};
 use glam::Vec3;
 
 use crate::app::{App, words};
@@ -31,7 +32,9 @@ impl Whole {
 
 /// Draws the menu.
 pub(in crate::app) fn show(app: &mut App, ui: &mut Ui) {
-    ui.menu_button(words::CAMERA, |ui| {
+    // A click that chooses a view closes the menu; after others, one sees what came of them there.
+    let stays = MenuConfig::new().close_behavior(PopupCloseBehavior::CloseOnClickOutside);
+    MenuButton::new(words::CAMERA).config(stays).ui(ui, |ui| {
         if ui.button(words::RESET_CAMERA).on_hover_text("Home").clicked() {
             app.view.viewport.reset();
             ui.close();

@@ -5,7 +5,7 @@ use crate::app::state::inspection::Inspection;
 use crate::app::state::settings::{LinkOverlay, LinksOf};
 use crate::app::view::highlight::Highlight;
 use crate::hierarchy::ElementId;
-use crate::render::{ChosenLinks, Line, Marks, picked_marks};
+use crate::render::{ChosenLinks, Line, Marks, picked_leaf, picked_marks, picked_rim};
 use crate::solve::Snapshot;
 use crate::transport::SolutionView;
 
@@ -51,8 +51,13 @@ impl MarksOverView {
         }
         if !is_as_before {
             (self.chosen, self.lines) = (None, Vec::new());
-            if let Some(solution_view) = &snapshot.solution_view {
-                self.draw(solution_view, picked.filter(|&picked| solution_view.holds(picked)), inspection, links);
+            match &snapshot.solution_view {
+                Some(solution_view) => {
+                    let picked = picked.filter(|&picked| solution_view.holds(picked));
+                    self.draw(solution_view, picked, inspection, links);
+                }
+                // Nobody has asked for elements and links: what was clicked is marked all the same.
+                None => self.lines.extend(picked.into_iter().flat_map(|picked| picked_leaf(&snapshot.mesh, picked))),
             }
         }
         let mut lines = self.lines.clone();
@@ -86,7 +91,8 @@ impl MarksOverView {
         if let Some(chosen) = &self.chosen {
             self.lines = chosen.lines(solution_view, links.style);
         }
-        self.lines.extend(picked.into_iter().flat_map(|picked| picked_marks(solution_view, picked)));
+        let mark = if self.chosen.is_some() { picked_marks } else { picked_rim };
+        self.lines.extend(picked.into_iter().flat_map(|picked| mark(solution_view, picked)));
     }
 
     /// The links that were last drawn; `None` where none are asked for.

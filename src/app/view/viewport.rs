@@ -501,9 +501,11 @@ fn picture_size(pixels: egui::Vec2) -> [u32; 2] {
 fn show_notes(app: &mut App, ui: &Ui, rect: Rect, looks_through_walls: bool) {
     let measuring = &app.tools.measuring;
     let is_stale = measuring.shows_points && measuring.plane_is_stale();
-    for (name, text, applies) in
-        [("walls note", words::THROUGH_WALLS, looks_through_walls), ("age note", words::EARLIER_PLANE, is_stale)]
-    {
+    for (name, text, applies) in [
+        ("walk note", words::WALKING, app.view.viewport.walks),
+        ("walls note", words::THROUGH_WALLS, looks_through_walls),
+        ("age note", words::EARLIER_PLANE, is_stale),
+    ] {
         if applies {
             panels::readout::show_note(&mut app.view.overlays, ui, rect, name, text);
         }

@@ -99,6 +99,20 @@ impl ReferenceRun {
         self.state.passes
     }
 
+    /// Passes that are still to be made until the noise, which is this now, is as low as `goal`:
+    /// it falls as the root of the paths. Those of the pilot do not count in the end.
+    pub fn passes_left(&self, noise: f64, goal: f64) -> f64 {
+        let passes = self.state.passes;
+        let counted = if self.is_past_pilot() { passes - PILOT } else { passes.min(PILOT) };
+        let needed = f64::from(PILOT) + f64::from(counted) * (noise / goal).powi(2);
+        (needed - f64::from(passes)).max(0.0)
+    }
+
+    /// Whether the pilot counts no more.
+    fn is_past_pilot(&self) -> bool {
+        self.state.passes >= 2 * PILOT
+    }
+
     /// The points.
     pub fn points(&self) -> &Arc<[SurfacePoint]> {
         &self.points
@@ -112,8 +126,7 @@ impl ReferenceRun {
     /// Present state of the reference.
     pub fn reference(&self) -> Reference {
         // Until then the pilot is the better one.
-        let counts = self.state.passes >= 2 * PILOT;
-        let sums = if counts { &self.state.counted } else { &self.state.pilot };
+        let sums = if self.is_past_pilot() { &self.state.counted } else { &self.state.pilot };
         Reference {
             points: self.points.clone(),
             irradiance: sums.iter().map(Sums::mean).collect(),

@@ -2,14 +2,16 @@
 //! dimmer and a colour.
 
 use egui::{ScrollArea, Slider, Ui};
+use glam::Vec3;
 
 use crate::app::format;
-use crate::app::panels::light::LightEditor;
+use crate::app::panels::light::{LightEditor, lumens};
 use crate::app::state::lighting::MaterialLight;
 use crate::app::widgets::theme;
+use crate::base::photometry::lux;
 use crate::scene::{FileLight, MaterialId, Scene};
 
-/// Range of a dimmer, in percent of the emission that the lamp had.
+/// Range of a dimmer, in percent of the light that is set for the lamp.
 const DIMMER: std::ops::RangeInclusive<f32> = 0.0..=200.0;
 /// Height that the list may take before it scrolls, points.
 const MOST_HEIGHT: f32 = 150.0;
@@ -30,10 +32,15 @@ pub(in crate::app) fn show(ui: &mut Ui, scene: &Scene, editor: &mut LightEditor)
         .iter()
         .filter_map(|&lamp| editor.lighting.of(lamp).map(|light| area(&editor.areas, lamp) * light.emission()));
     let of_luminaires = editor.lighting.luminaires.iter().map(|of| of.form.area() * of.light.emission());
-    let all: glam::Vec3 = of_file.chain(of_luminaires).sum();
-    let (count, watts) = (format::things(count, "lamp", "lamps"), format::quantity(all.element_sum().into(), "W"));
-    ui.label(theme::weak(format!("{count}, {watts}")))
-        .on_hover_text("Materials that emit, with the power of all of their faces, sum of the channels");
+    let powers: Vec<Vec3> = of_file.chain(of_luminaires).collect();
+    let shining = powers.iter().filter(|power| power.max_element() > 0.0).count();
+    let lamps_in_words = match shining == count {
+        true => format::things(count, "lamp", "lamps"),
+        false => format!("{shining} of {} on", format::things(count, "lamp", "lamps")),
+    };
+    let all: Vec3 = powers.into_iter().sum();
+    ui.label(theme::weak(format!("{lamps_in_words}, {}", lumens(lux(all.to_array())))))
+        .on_hover_text(format!("Luminous flux of all faces that emit: {}", in_watts(all)));
     ScrollArea::vertical().id_salt("lamps").max_height(MOST_HEIGHT).auto_shrink([false, true]).show(ui, |ui| {
         for lamp in lamps {
             let Some(material) = scene.materials.get(lamp) else { continue };
@@ -54,6 +61,12 @@ pub(in crate::app) fn show(ui: &mut Ui, scene: &Scene, editor: &mut LightEditor)
     ui.add_space(6.0);
 }
 
+/// Power of the three channels, W, in words.
+fn in_watts(power: Vec3) -> String {
+    let watts = |power: f32| format::quantity(power.into(), "W");
+    format!("{} (sum of channels), {} (strongest channel)", watts(power.element_sum()), watts(power.max_element()))
+}
+
 /// What a file says of a point or spot light.
 fn as_in_file(light: &FileLight) -> String {
     let candelas = format::quantity(light.candelas.max_element().into(), "cd");
@@ -68,8 +81,8 @@ fn as_in_file(light: &FileLight) -> String {
 /// Draws one lamp whose faces have this area, with what its file says beside; true when it was
 /// switched.
 fn show_one(ui: &mut Ui, name: &str, area: f32, light: &mut MaterialLight, of_file: Option<&str>) -> bool {
-    let exitance = light.emission().max_element();
-    let watts = area * light.emission().element_sum();
+    let power = area * light.emission();
+    let flux = lumens(lux(power.to_array()));
     ui.horizontal(|ui| {
         let name_width = theme::LABEL_WIDTH.min(0.4 * ui.available_width());
         let beside = name_width + PERCENT_WIDTH + COLOUR_WIDTH + 4.0 * ui.spacing().item_spacing.x;
@@ -83,18 +96,14 @@ fn show_one(ui: &mut Ui, name: &str, area: f32, light: &mut MaterialLight, of_fi
             })
             .inner;
         let state = if light.is_on { "" } else { " (switched off)" };
-        let power = format!(
-            "{name}{state}: {} in the strongest channel, {} in all",
-            format::quantity(exitance.into(), "W/m²"),
-            format::quantity(watts.into(), "W")
-        );
+        let power = format!("{name}{state}: {flux}\n{}", in_watts(power));
         let hint = of_file.map_or_else(|| power.clone(), |of_file| format!("{power}\n{of_file}"));
         let switched = switch.on_hover_text(hint).clicked();
         let mut percent = 100.0 * light.dimmer;
         ui.spacing_mut().interact_size.x = PERCENT_WIDTH;
         let slider = Slider::new(&mut percent, DIMMER).suffix(" %").max_decimals(0).trailing_fill(true);
         let dimmer = ui.add_enabled(light.is_on, slider);
-        let dimmer = dimmer.on_hover_text("100 % is what the lamp had when the scene was opened");
+        let dimmer = dimmer.on_hover_text(format!("100 % is the light set for {name}; now {flux}"));
         if dimmer.accessible_name(format!("Dimmer of {name}")).changed() {
             light.dimmer = percent / 100.0;
         }

@@ -8,14 +8,11 @@ use crate::app::panels::light::{LampUnit, LightEditor};
 use crate::app::state::lighting::LuminaireLight;
 use crate::app::widgets::theme;
 use crate::app::words;
-use crate::base::photometry::tint_of_temperature;
+use crate::base::photometry::{lux, tint_of_temperature};
 use crate::prepare::ceiling::{CeilingPlace, place_beside};
 use crate::scene::{LuminaireForm, LuminaireShape, Scene};
 use crate::worker::SceneInfo;
 
-/// Exitance of a square that was just added, W/m²: a bright office ceiling panel. Other shapes send
-/// the same power.
-const FIRST_EXITANCE: f32 = 100.0;
 /// Colour temperature of a new luminaire, K: neutral white.
 const FIRST_KELVIN: f32 = 4000.0;
 /// Sizes that a field offers, in the scene's length unit.
@@ -74,7 +71,7 @@ pub(super) fn add(info: &SceneInfo, eye: Option<Vec3>, shape: LuminaireShape, ed
     let CeilingPlace { centre, up } = place_beside(&info.scene, &info.occluders, eye, size);
     let form = LuminaireForm { shape, centre, direction: -up, turn_deg: 0.0, size };
     let tint = Vec3::from(tint_of_temperature(FIRST_KELVIN));
-    let exitance = FIRST_EXITANCE * size * size / form.area();
+    let exitance = info.luminaire_lumens / (form.area() * lux(tint.to_array()));
     let is_taken = |name: &str| editor.lighting.luminaires.iter().any(|luminaire| luminaire.name == name);
     let base = shape.usual_name();
     let mut names = std::iter::once(base.to_owned()).chain((2..).map(|number| format!("{base} {number}")));
@@ -129,7 +126,7 @@ fn show_one(ui: &mut Ui, scene: &Scene, luminaire: &mut LuminaireLight, unit: &m
         ui.add(DragValue::new(&mut form.turn_deg).speed(1.0).range(-360.0..=360.0).max_decimals(1).suffix("°"))
     })
     .on_hover_text("About the direction that it shines to");
-    show_strength(ui, &mut luminaire.light, luminaire.form.area(), unit);
+    show_strength(ui, &luminaire.name, &mut luminaire.light, luminaire.form.area(), unit);
     show_temperature(ui, &mut luminaire.light);
     let mut tint = luminaire.light.emission.tint().to_array();
     if show_colour(ui, "Colour of the luminaire", "Tint of the light that it emits; its exitance stays", &mut tint) {

@@ -1,14 +1,15 @@
 //! The material at hand: what it reflects, and what it emits.
 
-use egui::{Button, ComboBox, Slider, Ui};
+use egui::{Button, ComboBox, Label, RichText, Slider, Ui};
 use glam::Vec3;
 
-use crate::app::panels::light::{Faces, LampUnit, LightEditor, strength_slider};
+use crate::app::panels::light::{Faces, LampUnit, LightEditor, lumens, strength_slider};
 use crate::app::state::lighting::MaterialLight;
 use crate::app::widgets::theme;
 use crate::app::{format, words};
-use crate::base::photometry::{temperature_of_tint, tint_of_temperature};
+use crate::base::photometry::{lux, temperature_of_tint, tint_of_temperature};
 use crate::scene::{MAX_SIDECAR_REFLECTANCE, MaterialId, Scene};
+use crate::worker::SceneInfo;
 
 /// Colour temperatures offered, K.
 const TEMPERATURES: std::ops::RangeInclusive<f32> = 1700.0..=12_000.0;
@@ -16,12 +17,14 @@ const TEMPERATURES: std::ops::RangeInclusive<f32> = 1700.0..=12_000.0;
 const SAME_TINT: f32 = 0.04;
 
 /// Draws the part.
-pub(in crate::app) fn show(ui: &mut Ui, scene: &Scene, editor: &mut LightEditor) {
+pub(in crate::app) fn show(ui: &mut Ui, info: &SceneInfo, editor: &mut LightEditor) {
+    let scene = &info.scene;
     ui.label(theme::weak("Material (click a surface in the view to choose it)"));
     show_choice(ui, scene, editor);
     show_faces(ui, scene, editor);
     let area = editor.areas.get(editor.material.0 as usize).copied().unwrap_or(0.0);
     let Some(light) = editor.lighting.of_mut(editor.material.0 as usize) else { return };
+    let Some(material) = scene.materials.get(editor.material.0 as usize) else { return };
     let mut strength = light.reflectance.strength();
     theme::row(ui, words::REFLECTANCE, |ui| {
         let slider = Slider::new(&mut strength, 0.0..=MAX_SIDECAR_REFLECTANCE).fixed_decimals(2);
@@ -36,16 +39,23 @@ pub(in crate::app) fn show(ui: &mut Ui, scene: &Scene, editor: &mut LightEditor)
     if show_colour(ui, "Colour", "Share of each colour that it reflects", &mut colour) {
         light.reflectance.set(Vec3::from(colour).min(Vec3::splat(MAX_SIDECAR_REFLECTANCE)));
     }
-    show_strength(ui, light, area, &mut editor.unit);
+    if !light.is_lamp {
+        let hint = format!("Its faces emit {} together, to begin with", lumens(info.luminaire_lumens));
+        if ui.add_enabled(area > 0.0, Button::new(words::MAKE_IT_A_LIGHT)).on_hover_text(hint).clicked() {
+            (light.is_lamp, light.is_on) = (true, true);
+            light.emission.set_strength(info.luminaire_lumens / (area * lux(light.emission.tint().to_array())));
+        }
+        return;
+    }
+    show_strength(ui, &material.name, light, area, &mut editor.unit);
     let mut tint = light.emission.tint().to_array();
     if show_colour(ui, "Colour of light", "Tint of the light that it emits; its exitance stays", &mut tint) {
         light.emission.set_tint(tint.into());
     }
     show_temperature(ui, light);
     ui.horizontal(|ui| {
-        let name = if light.is_lamp { words::SWITCH_ON } else { words::MAKE_IT_A_LIGHT };
-        if ui.add_enabled(!light.is_on, Button::new(name)).clicked() {
-            (light.is_lamp, light.is_on) = (true, true);
+        if ui.add_enabled(!light.is_on, Button::new(words::SWITCH_ON)).clicked() {
+            light.is_on = true;
         }
         let off = ui.add_enabled(light.is_on, Button::new(words::SWITCH_OFF));
         if off.on_hover_text("Its exitance is kept for when it is switched on again").clicked() {
@@ -54,8 +64,22 @@ pub(in crate::app) fn show(ui: &mut Ui, scene: &Scene, editor: &mut LightEditor)
     });
 }
 
-/// The lamp's strength, in a unit to be chosen.
-pub(in crate::app) fn show_strength(ui: &mut Ui, light: &mut MaterialLight, area: f32, unit: &mut LampUnit) {
+/// The strength of a lamp by name, in a unit to be chosen.
+pub(in crate::app) fn show_strength(
+    ui: &mut Ui,
+    name: &str,
+    light: &mut MaterialLight,
+    area: f32,
+    unit: &mut LampUnit,
+) {
+    ui.add_space(2.0);
+    ui.add(Label::new(RichText::new(words::light_of(name)).strong()).truncate()).on_hover_text(name);
+    if !light.is_on {
+        ui.label(theme::weak("Switched off"));
+    } else if light.dimmer != 1.0 {
+        let now = lumens(area * lux(light.emission().to_array()));
+        ui.label(theme::weak(format!("Dimmed to {:.0} %: {now}", 100.0 * light.dimmer)));
+    }
     theme::row(ui, words::LAMP_UNIT, |ui| {
         let combo = ComboBox::from_id_salt("lamp unit").selected_text(unit.words().0);
         let shown = combo.show_ui(ui, |ui| {

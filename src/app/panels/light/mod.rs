@@ -18,6 +18,12 @@ use crate::solve::{Epsilon, SolverParams};
 use crate::worker::Command;
 use daylight::DaylightEditor;
 
+/// A luminous flux in words: to whole lumens where these are many.
+fn lumens(lumens: f32) -> String {
+    let lumens = f64::from(lumens);
+    format!("{} lm", format::grouped(if lumens < 100.0 { lumens } else { lumens.round() }))
+}
+
 /// Exitances a slider offers, W/m².
 const EXITANCES: std::ops::RangeInclusive<f32> = 0.1..=1e5;
 /// A power that differs by less than this share counts as the same.
@@ -62,26 +68,28 @@ enum Faces {
 /// Units of a lamp's strength.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 enum LampUnit {
-    /// Exitance of the strongest channel, W/m².
+    /// Luminous flux of all faces, lm.
     #[default]
-    Exitance,
+    Lumens,
     /// Power of all faces, sum of the channels, W.
     Watts,
-    /// Luminous flux of all faces, lm.
-    Lumens,
+    /// Exitance of the strongest channel, W/m².
+    Exitance,
 }
 
 impl LampUnit {
-    const ALL: [Self; 3] = [Self::Exitance, Self::Watts, Self::Lumens];
+    const ALL: [Self; 3] = [Self::Lumens, Self::Watts, Self::Exitance];
 
     /// Label of the slider, sign of the unit, and what is shown.
     fn words(self) -> (&'static str, &'static str, &'static str) {
         match self {
-            Self::Exitance => (words::EXITANCE, "W/m²", "Exitance B_e of the strongest channel, before the dimmer"),
+            Self::Lumens => (words::FLUX, "lm", "Luminous flux of all of its faces, at 100 % of the dimmer"),
             Self::Watts => {
-                (words::POWER, "W", "Power of all faces of the material, sum of the channels, before the dimmer")
+                (words::POWER, "W", "Power of all of its faces, sum of the channels, at 100 % of the dimmer")
             }
-            Self::Lumens => (words::FLUX, "lm", "Luminous flux of all faces of the material, before the dimmer"),
+            Self::Exitance => {
+                (words::EXITANCE, "W/m²", "Exitance B_e of the strongest channel, at 100 % of the dimmer")
+            }
         }
     }
 
@@ -200,7 +208,7 @@ pub(in crate::app) fn show(
     }
     let before = editor.lighting.clone();
     lamps::show(ui, &info.scene, editor);
-    material::show(ui, &info.scene, editor);
+    material::show(ui, info, editor);
     outbox.extend(editor.lighting.commands_since(&before));
     show_anchor(ui, shown, params, outbox);
     ui.add_space(6.0);
@@ -256,15 +264,12 @@ fn show_anchor(ui: &mut Ui, shown: &Shown, params: &SolverParams, outbox: &mut O
         (true, false) => format!("Φ = {now} (strongest channel), as when ε was set"),
         (true, true) => format!("Φ = {now} (strongest channel); ε was set at {then}"),
     };
-    ui.horizontal(|ui| {
-        let button = ui.add_enabled(is_relative && has_moved, egui::Button::new(words::RESCALE_EPSILON));
-        let hint =
-            "ε stays in watts when lamps change; this sets it to the same share of the power Φ that they emit now, in the strongest channel, which ε bounds";
-        if button.on_hover_text(hint).on_disabled_hover_text(hint).clicked() {
-            outbox.push(Command::AnchorEpsilon);
-        }
-        ui.add(egui::Label::new(theme::weak(text)).truncate()).on_hover_text(hint);
-    });
+    let hint = "ε stays in watts when lamps change; this sets it to the same share of the power Φ that they emit now, in the strongest channel, which ε bounds";
+    ui.add(egui::Label::new(theme::weak(text)).wrap()).on_hover_text(hint);
+    let button = ui.add_enabled(is_relative && has_moved, egui::Button::new(words::RESCALE_EPSILON));
+    if button.on_hover_text(hint).on_disabled_hover_text(hint).clicked() {
+        outbox.push(Command::AnchorEpsilon);
+    }
 }
 
 /// A slider of a strength in a unit, of which so much is 1 W/m².
@@ -273,6 +278,6 @@ fn strength_slider(ui: &mut Ui, strength: &mut f32, per_exitance: f32, sign: &st
     // What a file says beyond the slider's range stays until a person moves it.
     let slider = Slider::new(strength, range).clamping(egui::SliderClamping::Edits);
     let slider = slider.logarithmic(true).suffix(format!(" {sign}")).max_decimals(1);
-    let slider = slider.custom_formatter(|value, _| format::grouped(value));
+    let slider = slider.custom_formatter(|value, _| format::grouped(if value < 100.0 { value } else { value.round() }));
     ui.add(slider.custom_parser(|text| text.replace(',', "").trim().parse().ok()))
 }

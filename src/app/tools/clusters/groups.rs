@@ -3,6 +3,7 @@
 
 use egui::{Align2, Color32, ComboBox, LayerId, Order, ScrollArea, Sense, TextStyle, Ui};
 
+use crate::app::state::messages::Topic;
 use crate::app::tools::clusters::editor::GroupEditor;
 use crate::app::tools::clusters::outline::{Fold, ROW_HEIGHT, RowLook, show_head, show_row};
 use crate::app::widgets::theme;
@@ -245,8 +246,10 @@ fn show_foot(app: &mut App, ui: &mut Ui, outbox: &mut Outbox) {
         if let Some(path) = path.filter(|_| save.clicked()) {
             if path.exists() {
                 app.documents.files.sidecar_in_question = Some(path);
-                app.messages
-                    .note("The section Scene at the left asks whether the settings file is overwritten.".into());
+                app.messages.note(
+                    Topic::Saving,
+                    "The section Scene at the left asks whether the settings file is overwritten.".into(),
+                );
             } else {
                 outbox.push(Command::SaveSidecar(kept));
             }

@@ -24,8 +24,35 @@ enum PowerShown {
     Sent,
 }
 
-/// Widths of the columns, points.
-const WIDTHS: [f32; 4] = [58.0, 58.0, 54.0, 64.0];
+/// A column of numbers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Column {
+    Area,
+    Polygons,
+    Links,
+    Power,
+}
+
+/// Columns with their widths, points.
+const COLUMNS: [(Column, f32); 4] =
+    [(Column::Area, 58.0), (Column::Polygons, 58.0), (Column::Links, 48.0), (Column::Power, 80.0)];
+/// Columns that give way to the names where the tool is narrow, the first one first; the inspector
+/// has what they tell.
+const GIVE_WAY: [Column; 3] = [Column::Polygons, Column::Links, Column::Area];
+/// Width that names are given before that, points.
+const LEAST_NAME: f32 = 170.0;
+
+/// The columns that have room.
+fn columns_in(width: f32) -> Vec<(Column, f32)> {
+    let mut columns = COLUMNS.to_vec();
+    for column in GIVE_WAY {
+        let needed: f32 = columns.iter().map(|(_, width)| width).sum();
+        if LEAST_NAME + needed > width {
+            columns.retain(|(other, _)| *other != column);
+        }
+    }
+    columns
+}
 
 /// State of the tree.
 #[derive(Default)]
@@ -116,27 +143,31 @@ pub(in crate::app) fn show(app: &mut App, ui: &mut Ui) {
         let clusters = format::things(hierarchy.cluster_count(), "cluster", "clusters");
         let polygons = format::things(hierarchy.initial_patches().len(), "polygon", "polygons");
         ui.label(theme::weak(format!("{clusters} over {polygons}")));
-        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-            ui.selectable_value(&mut tree.power, PowerShown::Sent, "Sent").on_hover_text("Power that leaves, B·A, W");
-            ui.selectable_value(&mut tree.power, PowerShown::Received, "Received")
-                .on_hover_text("Power that arrives, E·A, W");
-            ui.label(theme::weak("Power"));
-        });
     });
-    let power = match tree.power {
-        PowerShown::Received => (words::POWER_IN, WIDTHS[3], "Power that arrives, E·A, sum of the channels, W"),
-        PowerShown::Sent => (words::POWER_OUT, WIDTHS[3], "Power that leaves, B·A, sum of the channels, W"),
-    };
-    show_head(
-        ui,
-        "Cluster",
-        &[
-            ("Area m²", WIDTHS[0], "Area that light can reach, m²"),
-            ("Polygons", WIDTHS[1], "Polygons in it"),
-            ("Links", WIDTHS[2], "Links that end at it and at nothing smaller"),
-            power,
-        ],
-    );
+    ui.horizontal(|ui| {
+        ui.label(theme::weak("Power"));
+        ui.selectable_value(&mut tree.power, PowerShown::Received, "Received")
+            .on_hover_text("Power that arrives, E·A, sum of the channels, W");
+        ui.selectable_value(&mut tree.power, PowerShown::Sent, "Sent")
+            .on_hover_text("Power that leaves, B·A, sum of the channels, W");
+    });
+    let columns = columns_in(ui.available_width());
+    let widths: Vec<f32> = columns.iter().map(|(_, width)| *width).collect();
+    let heads: Vec<_> = columns
+        .iter()
+        .map(|&(column, width)| match (column, tree.power) {
+            (Column::Area, _) => ("Area (m²)", width, "Area that light can reach, m²"),
+            (Column::Polygons, _) => ("Polygons", width, "Polygons in it"),
+            (Column::Links, _) => ("Links", width, "Links that end at it and at nothing smaller"),
+            (Column::Power, PowerShown::Received) => {
+                (words::POWER_IN, width, "Power that arrives, E·A, sum of the channels, W")
+            }
+            (Column::Power, PowerShown::Sent) => {
+                (words::POWER_OUT, width, "Power that leaves, B·A, sum of the channels, W")
+            }
+        })
+        .collect();
+    show_head(ui, "Cluster", &heads);
     let mut area = ScrollArea::vertical().auto_shrink([false, false]);
     ui.spacing_mut().item_spacing.y = 0.0;
     if let Some(row) = tree.scroll_to.take() {
@@ -154,12 +185,13 @@ pub(in crate::app) fn show(app: &mut App, ui: &mut Ui) {
                 PowerShown::Received => powers.received(id),
                 PowerShown::Sent => powers.sent(id),
             });
-            let values = [
-                format::number(hierarchy.element(id).area.into()),
-                format::count(polygons(hierarchy, id) as u64),
-                format::count(solution_view.links().of(id).len() as u64),
-                format::number(power.into()),
-            ];
+            let value = |&(column, _): &(Column, f32)| match column {
+                Column::Area => format::number(hierarchy.element(id).area.into()),
+                Column::Polygons => format::count(polygons(hierarchy, id) as u64),
+                Column::Links => format::count(solution_view.links().of(id).len() as u64),
+                Column::Power => format::number(power.into()),
+            };
+            let values: Vec<String> = columns.iter().map(value).collect();
             let fold = match (has_rows_below(hierarchy, id), tree.unfolded.contains(&id)) {
                 (false, _) => Fold::Leaf,
                 (true, false) => Fold::Folded,
@@ -177,7 +209,7 @@ pub(in crate::app) fn show(app: &mut App, ui: &mut Ui) {
                 is_marked: app.view.pointing.shown() == Highlight::Element(id),
                 sense: Sense::click(),
             };
-            let done = show_row(ui, &look, &WIDTHS);
+            let done = show_row(ui, &look, &widths);
             if done.toggled || done.response.double_clicked() {
                 toggled = Some(id);
             }
@@ -202,7 +234,18 @@ pub(in crate::app) fn show(app: &mut App, ui: &mut Ui) {
 
 #[cfg(test)]
 mod tests {
-    use super::within;
+    use super::{COLUMNS, Column, LEAST_NAME, columns_in, within};
+
+    /// Truth: widths by hand. Names keep their room in the narrowest dock, whose power stays.
+    #[test]
+    fn columns_give_way_to_names() {
+        for width in [300.0, 340.0, 420.0, 900.0] {
+            let columns = columns_in(width);
+            let taken: f32 = columns.iter().map(|(_, width)| width).sum();
+            assert!(width - taken >= LEAST_NAME && columns.iter().any(|(column, _)| *column == Column::Power));
+        }
+        assert_eq!(columns_in(900.0), COLUMNS);
+    }
 
     /// Written out by hand, in the forms that names have.
     #[test]

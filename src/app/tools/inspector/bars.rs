@@ -15,8 +15,10 @@ use crate::transport::LinkView;
 /// So many have a bar of their own; the others share one.
 const MOST: usize = 6;
 const HEIGHT: f32 = 17.0;
-/// Widths of the name and of the numbers, points.
+/// Widths of the name at most and of the numbers, points, and the name's share of what these leave:
+/// the bar has the rest.
 const NAME: f32 = 178.0;
+const NAME_SHARE: f32 = 0.5;
 const NUMBERS: f32 = 136.0;
 /// Level by which far ends are summed up at first.
 const USUAL_LEVEL: u16 = 3;
@@ -158,12 +160,13 @@ impl Bar<'_> {
         let middle = rect.center().y;
         let (text, strong) = (ui.visuals().text_color(), ui.visuals().strong_text_color());
         let mut name = egui::text::LayoutJob::simple_singleline(self.name.into(), FontId::proportional(12.0), text);
-        name.wrap = egui::text::TextWrapping::truncate_at_width(NAME);
+        let name_width = NAME.min(NAME_SHARE * (rect.width() - NUMBERS));
+        name.wrap = egui::text::TextWrapping::truncate_at_width(name_width);
         let name = painter.layout_job(name);
         painter.galley(pos2(rect.left() + 2.0, middle - 0.5 * name.size().y), name, text);
         let at = pos2(rect.right() - 2.0, middle);
         painter.text(at, Align2::RIGHT_CENTER, numbers, FontId::monospace(11.0), strong);
-        let left = rect.left() + NAME + 8.0;
+        let left = rect.left() + name_width + 8.0;
         let room = (rect.right() - NUMBERS - left).max(8.0);
         let width = if self.most > 0.0 { room * self.value / self.most } else { 0.0 };
         let bar = Rect::from_min_max(pos2(left, rect.top() + 3.0), pos2(left + width.max(1.0), rect.bottom() - 3.0));

@@ -45,9 +45,9 @@ fn numbers(facts: &Facts, deepest: u16) -> Vec<(&'static str, String, String)> {
         irradiances.map(|(name, value, hint)| (name, colours(value, "W/m²"), hint.to_owned())).collect();
     numbers.extend([
         (
-            "Illuminance",
+            words::MEAN_ILLUMINANCE,
             format::quantity(facts.illuminance().into(), "lx"),
-            format!("Illuminance; {}", photometry::CONVENTION),
+            format!("Illuminance, the mean over the area; {}", photometry::CONVENTION),
         ),
         (
             "B",

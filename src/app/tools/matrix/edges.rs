@@ -19,7 +19,11 @@ pub(in crate::app) const WIDTH: Vec2 = Vec2::splat(WORDS + TIERS as f32 * (TIER 
 /// Fill of brackets that lie side by side.
 const FILLS: [Color32; 2] = [Color32::from_rgb(56, 60, 68), Color32::from_rgb(44, 47, 54)];
 /// Free room at both ends of a name, points.
-const MARGIN: f32 = 3.0;
+const MARGIN: f32 = 2.0;
+/// Letters of a name.
+const FONT: FontId = FontId::proportional(10.5);
+/// Width of the line in place of a bracket without a name, points.
+const LINE: f32 = 2.0;
 
 /// Which edge of the square.
 #[derive(Clone, Copy, PartialEq)]
@@ -54,8 +58,20 @@ fn paint_edge(painter: &Painter, matrix: &LinkMatrix, looked: Looked<'_>, map: M
     for (place, bracket) in all.iter().enumerate() {
         let outer = place_of(edge, map, bracket.span, bracket.tier);
         let rect = outer.union(place_of(edge, map, bracket.span, bracket.last_tier));
-        painter.rect_filled(rect, 2.0, FILLS[place % FILLS.len()]);
-        name(painter, looked, edge, bracket, rect);
+        match fitting(painter, looked, edge, bracket, rect) {
+            Some(name) => {
+                painter.rect_filled(rect, 2.0, FILLS[place % FILLS.len()]);
+                write(painter, edge, bracket, rect, &name);
+            }
+            // An empty label would look like one that failed: a line says where the element lies.
+            None => {
+                let line = match edge {
+                    Edge::Sources => Rect::from_min_max(pos2(rect.left(), rect.bottom() - LINE), rect.max),
+                    Edge::Receivers => Rect::from_min_max(pos2(rect.right() - LINE, rect.top()), rect.max),
+                };
+                painter.rect_filled(line, 0.0, FILLS[0]);
+            }
+        }
     }
     for &(id, colour) in marks {
         // Over both tiers, at the side of the square.
@@ -92,21 +108,23 @@ fn place_of(edge: Edge, map: Map, span: [f64; 2], tier: usize) -> Rect {
 }
 
 /// The longest name that fits a bracket.
-fn name(painter: &Painter, looked: Looked<'_>, edge: Edge, bracket: &Bracket, rect: Rect) {
+fn fitting(painter: &Painter, looked: Looked<'_>, edge: Edge, bracket: &Bracket, rect: Rect) -> Option<String> {
     let room = if edge == Edge::Sources { rect.width() } else { rect.height() } - 2.0 * MARGIN;
     if room < 3.0 * MARGIN {
-        return;
+        return None;
     }
-    let font = FontId::proportional(11.0);
-    let fits = |name: &str| painter.layout_no_wrap(name.into(), font.clone(), theme::TEXT).size().x <= room;
-    let named = fitting_name(looked.names, looked.solution_view, bracket, fits);
-    let Some(name) = named else { return };
+    let fits = |name: &str| painter.layout_no_wrap(name.into(), FONT, theme::TEXT).size().x <= room;
+    fitting_name(looked.names, looked.solution_view, bracket, fits)
+}
+
+/// Writes a name into a bracket.
+fn write(painter: &Painter, edge: Edge, bracket: &Bracket, rect: Rect, name: &str) {
     let colour = if bracket.tier == 0 { theme::TEXT_STRONG } else { theme::TEXT };
     match edge {
         Edge::Sources => {
-            painter.text(rect.center(), Align2::CENTER_CENTER, name, font, colour);
+            painter.text(rect.center(), Align2::CENTER_CENTER, name, FONT, colour);
         }
-        Edge::Receivers => upright(painter, rect.center(), &name, font, colour),
+        Edge::Receivers => upright(painter, rect.center(), name, FONT, colour),
     }
 }
 

@@ -14,6 +14,7 @@ use std::sync::Arc;
 
 use egui::{ColorImage, Context, Rect, TextureHandle, TextureOptions, Ui, Vec2, vec2};
 
+use crate::app::state::messages::Topic;
 use crate::app::widgets::theme;
 use crate::app::{App, Wake, words};
 use crate::hierarchy::Room;
@@ -181,7 +182,8 @@ impl LinkMatrix {
     fn start(&self, wake: Wake, messages: &mut crate::app::Messages) -> Option<Artist> {
         let artist = Artist::spawn(wake);
         if let Err(error) = &artist {
-            messages.error(format!("The link matrix cannot be drawn, no thread is left ({error})."));
+            let failure = format!("The link matrix cannot be drawn, no thread is left ({error}).");
+            messages.error(Topic::Drawing, failure);
         }
         artist.ok()
     }
