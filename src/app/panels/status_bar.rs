@@ -159,7 +159,7 @@ fn show_progress(ui: &mut Ui, share: f32) {
 /// How far the gathered picture is: it is worked on until its noise is below the target error. As
 /// wide in all its states, so that nothing jumps.
 fn picture(painted: &Painted) -> String {
-    let percent = |share: f32| format::short((100.0 * f64::from(share)).into());
+    let percent = |share: f32| format::short(100.0 * f64::from(share));
     let noise = percent(painted.noise);
     let text = match painted.is_done {
         true => format!("noise {noise} %"),
