@@ -31,7 +31,7 @@ const LEAST_REACH: [f32; PARTS] = [4.0, 12.0, 1.0];
 const ALIKE: f32 = 0.5;
 /// A sample is as bright as so many times the light of those around it, at most: the little that is
 /// lost of what few rays find is less than the spots that these would leave.
-const BRIGHTEST: f32 = 8.0;
+const BRIGHTEST: f32 = 16.0;
 /// Squared deviations at which the fall-off of a weight has come to nothing.
 const FAR: f32 = 8.0;
 
