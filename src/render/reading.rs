@@ -11,7 +11,7 @@ use crate::solve::snapshot::Snapshot;
 /// So many lines of equal value at most.
 pub const MOST_ISOLINES: usize = 8;
 /// Shares of the area, from the darkest, between which an automatic range lies at most.
-const COUNTED_AREA: (f64, f64) = (0.02, 0.998);
+const COUNTED_AREA: (f64, f64) = (0.02, 0.99);
 /// Values farther above the upper quartile than so many times the distance of the quartiles rule no
 /// range: Tukey's outer fence.
 const FENCE: f32 = 3.0;

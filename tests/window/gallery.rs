@@ -45,6 +45,15 @@ fn solution_view(window: &mut Harness<'static, App>) {
     window.run_steps(4);
 }
 
+/// Waits until a gathered picture has settled; a large one takes minutes in software.
+fn settle(window: &mut Harness<'static, App>) {
+    window.remove_cursor();
+    while window.state().is_gathered() != (true, true) {
+        window.step();
+        std::thread::sleep(std::time::Duration::from_millis(20));
+    }
+}
+
 fn save(window: &mut Harness<'static, App>, name: &str) {
     window.remove_cursor();
     window.run_steps(4);
@@ -56,6 +65,7 @@ fn save(window: &mut Harness<'static, App>, name: &str) {
 #[ignore = "writes screenshots/, see ./dev shots"]
 fn office() {
     let mut window = solved(BuiltinScene::Office, SolverParams::usual());
+    settle(&mut window);
     save(&mut window, "window");
     // A step of the first waves, by the timeline, with the links that there were.
     click(&mut window, words::LINK_MATRIX);
@@ -77,6 +87,7 @@ fn readings() {
     let mut window = solved(BuiltinScene::Office, SolverParams::usual());
     choose(&mut window, words::DISPLAY, words::ILLUMINANCE);
     click(&mut window, words::ISOLUX_LINES);
+    settle(&mut window);
     save(&mut window, "window-illuminance");
     click(&mut window, words::ISOLUX_LINES);
     choose(&mut window, words::DISPLAY, words::LIT);
@@ -86,6 +97,7 @@ fn readings() {
     click_view(&mut window, 0.75, 0.55);
     click(&mut window, words::MEASURE_PLANE);
     until(&mut window, "the plane", |window| window.query_by_label(words::UNIFORMITY).is_some());
+    settle(&mut window);
     save(&mut window, "window-measure");
 }
 
