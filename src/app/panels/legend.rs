@@ -78,7 +78,7 @@ fn show(overlays: &mut Overlays, ui: &Ui, view: Rect, legend: &Legend<'_>) {
     overlays.show(ui.ctx(), place, |ui| {
         let frame = Frame::popup(ui.style())
             .fill(theme::PANEL.gamma_multiply(0.94))
-            .inner_margin(egui::Margin::symmetric(18, 7));
+            .inner_margin(egui::Margin::symmetric(26, 7));
         frame.show(ui, |ui| {
             ui.set_width(BAR.x);
             ui.spacing_mut().item_spacing.y = 3.0;
