@@ -51,6 +51,12 @@ pub fn number(value: f64) -> String {
     }
 }
 
+/// A number above 0, rounded to one digit.
+pub fn to_one_digit(value: f32) -> f32 {
+    let power = 10_f32.powi(value.log10().floor() as i32);
+    (value / power).round().max(1.0) * power
+}
+
 /// Three digits that count, without zeros at the end, for round numbers: 0.5, 20, 1,500.
 pub fn short(value: f64) -> String {
     let text = number(value);

@@ -5,6 +5,7 @@
 
 use glam::Vec3;
 
+use crate::base::format::to_one_digit;
 use crate::geometry::Occluders;
 use crate::scene::Scene;
 
@@ -54,9 +55,7 @@ pub fn suggested_size(scene: &Scene, occluders: &Occluders) -> f32 {
 /// that the camera is in, or of the whole scene, to 300 lx; a round number.
 pub fn suggested_lumens(scene: &Scene, occluders: &Occluders) -> f32 {
     let [width, depth] = floor(scene, occluders);
-    let lumens = (FLOOR_LUX * width * depth / UTILISATION).max(1.0);
-    let digit = 10f32.powf(lumens.log10().floor());
-    (lumens / digit).round() * digit
+    to_one_digit((FLOOR_LUX * width * depth / UTILISATION).max(1.0))
 }
 
 /// Sides of the floor of the room that the camera is in, or of the whole scene.

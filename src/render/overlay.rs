@@ -141,14 +141,7 @@ mod tests {
     use crate::solve::snapshot::Leaf;
 
     fn two_leaves() -> Mesh {
-        let leaf = |element| Leaf {
-            element: ElementId(element),
-            polygon: 0,
-            material: crate::scene::MaterialId(0),
-            area: 1.0,
-            reachable_area: 1.0,
-            level: 0,
-        };
+        let leaf = |element| Leaf::square_metre(element, 0);
         Mesh {
             positions: vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0], [2.0, 0.0, 0.0]],
             triangles: vec![[0, 1, 2], [0, 2, 3], [1, 4, 2]],

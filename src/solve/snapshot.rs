@@ -74,6 +74,15 @@ pub struct Leaf {
     pub level: u8,
 }
 
+#[cfg(test)]
+impl Leaf {
+    /// A square metre of a polygon that light reaches everywhere.
+    pub(crate) fn square_metre(element: u32, polygon: u32) -> Self {
+        let (element, material) = (ElementId(element), MaterialId(0));
+        Self { element, polygon, material, area: 1.0, reachable_area: 1.0, level: 0 }
+    }
+}
+
 /// A cluster's bounding box.
 #[derive(Clone, Copy, Debug)]
 pub struct ClusterBox {

@@ -6,7 +6,7 @@ use crate::app::state::comparison::{FULL_SCALE, Shading};
 use crate::app::view::colour_bar;
 use crate::app::view::overlays::{Overlays, Place};
 use crate::app::widgets::theme;
-use crate::app::words;
+use crate::app::{App, words};
 use crate::base::photometry::{CONVENTION, ShownIn, Unit};
 use crate::render::{Mark, Reading};
 
@@ -26,14 +26,35 @@ struct Legend<'a> {
     marks: Vec<Mark>,
 }
 
+/// Shows the meaning of the surfaces' colours, where they have one.
+pub(in crate::app) fn show_meaning(app: &mut App, ui: &Ui, view: Rect) {
+    let overlays = &mut app.view.overlays;
+    if app.tools.pinned.painted().is_some() {
+        show_difference(overlays, ui, view);
+    } else if app.tools.comparison.error().is_some() && app.tools.comparison.shading != Shading::Lit {
+        show_error(overlays, ui, view, app.tools.comparison.shading);
+    } else if let Some(reading) = app.view.reading.last() {
+        let settings = &app.edits.display.reading;
+        let remark = match (reading.fills, settings.range) {
+            (false, _) => "lines",
+            (true, Some(_)) => "locked range",
+            (true, None) => "",
+        };
+        show_reading(overlays, ui, view, &reading, remark);
+    } else if let Some(reading) = app.tools.measuring.plane_scale(None).filter(|_| app.tools.measuring.shows_points) {
+        let reading = Reading { shown_in: ShownIn::Unit(app.edits.display.reading.unit), ..reading };
+        show_reading(overlays, ui, view, &reading, "work plane");
+    }
+}
+
 /// The legend of the difference between two solutions.
-pub(in crate::app) fn show_difference(overlays: &mut Overlays, ui: &Ui, view: Rect) {
+fn show_difference(overlays: &mut Overlays, ui: &Ui, view: Rect) {
     let hint = "Difference of the radiosities, relative to that of A at the same point";
     show_shading(overlays, ui, view, Shading::Difference, ("B darker – brighter", hint));
 }
 
 /// The legend of errors; nothing for light.
-pub(in crate::app) fn show_error(overlays: &mut Overlays, ui: &Ui, view: Rect, shading: Shading) {
+fn show_error(overlays: &mut Overlays, ui: &Ui, view: Rect, shading: Shading) {
     let title = match shading {
         Shading::Lit => return,
         Shading::Error => "relative error",
@@ -61,7 +82,7 @@ fn show_shading(overlays: &mut Overlays, ui: &Ui, view: Rect, shading: Shading, 
 }
 
 /// The legend of a quantity.
-pub(in crate::app) fn show_reading(overlays: &mut Overlays, ui: &Ui, view: Rect, reading: &Reading, remark: &str) {
+fn show_reading(overlays: &mut Overlays, ui: &Ui, view: Rect, reading: &Reading, remark: &str) {
     let colour = |along: f32| reading.scale.ramp.at(along);
     let hint = match reading.shown_in {
         ShownIn::Unit(Unit::Lumens) => CONVENTION,

@@ -40,8 +40,23 @@ pub(in crate::app) fn show(app: &mut App, ui: &Ui, view: Rect) {
     });
 }
 
+/// Says what a person might not know of what is in view.
+pub(in crate::app) fn show_notes(app: &mut App, ui: &Ui, view: Rect, looks_through_walls: bool) {
+    let measuring = &app.tools.measuring;
+    let is_stale = measuring.shows_points && measuring.plane_is_stale();
+    for (name, text, applies) in [
+        ("walk note", words::WALKING, app.view.viewport.walks),
+        ("walls note", words::THROUGH_WALLS, looks_through_walls),
+        ("age note", words::EARLIER_PLANE, is_stale),
+    ] {
+        if applies {
+            show_note(&mut app.view.overlays, ui, view, name, text);
+        }
+    }
+}
+
 /// A few words over the lower edge of the view.
-pub(in crate::app) fn show_note(overlays: &mut Overlays, ui: &Ui, view: Rect, name: &'static str, text: &str) {
+fn show_note(overlays: &mut Overlays, ui: &Ui, view: Rect, name: &'static str, text: &str) {
     let at_rim = Place::at_rim(name, view, Align2::CENTER_BOTTOM);
     let place = Place { is_interactable: false, is_needed: false, ..at_rim };
     overlays.show(ui.ctx(), place, |ui| {

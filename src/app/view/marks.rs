@@ -82,10 +82,9 @@ impl MarksOverView {
             (LinksOf::Level, _) => {
                 // While the first links are refined, none reaches down to the level.
                 let deepest = links.level.min(solution_view.deepest());
-                let mut levels = (0..=deepest).rev();
                 let of_level =
                     |level: u16| ChosenLinks::new(solution_view.links_at_depth(level), &links.filter, epsilon);
-                Some(levels.by_ref().map(of_level).find(|of_level| of_level.all > 0).unwrap_or_default())
+                Some((0..=deepest).rev().map(of_level).find(|of_level| of_level.all > 0).unwrap_or_default())
             }
         };
         if let Some(chosen) = &self.chosen {

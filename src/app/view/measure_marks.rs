@@ -139,22 +139,13 @@ fn label(painter: &Painter, at: Pos2, align: Align2, text: &str, size: f32, ink:
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::hierarchy::ElementId;
-    use crate::scene::MaterialId;
     use crate::solve::Leaf;
 
     /// Truth: the convention, 179 lm/W, by hand.
     #[test]
     fn a_probe_says_its_value_its_error_and_its_age() {
         let probe = Probe { name: "desk".into(), point: Vec3::ZERO, normal: Vec3::Y };
-        let leaf = Leaf {
-            element: ElementId(1),
-            polygon: 0,
-            material: MaterialId(0),
-            area: 1.0,
-            reachable_area: 1.0,
-            level: 0,
-        };
+        let leaf = Leaf::square_metre(1, 0);
         let irradiance = Vec3::splat(2.0);
         let mut reading = SurfaceReading {
             point: Vec3::ZERO,

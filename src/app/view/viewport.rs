@@ -4,7 +4,6 @@
 use egui::{Key, PointerButton, Rect, Response, Sense, Ui};
 use glam::{Vec2, Vec3};
 
-use crate::app::state::comparison::Shading;
 use crate::app::tools::Tool;
 use crate::app::view::camera_menu::Whole;
 use crate::app::view::divider;
@@ -17,11 +16,10 @@ use crate::app::view::measure_marks;
 use crate::app::view::paint::Picture;
 use crate::app::view::walk::Ground;
 use crate::app::widgets::theme;
-use crate::app::{App, Outbox, panels, words};
-use crate::base::photometry::ShownIn;
+use crate::app::{App, Outbox, panels};
 use crate::geometry::Occluders;
 use crate::read::survey::Ray;
-use crate::render::{Camera, Display, Exposure, Marks, Reading};
+use crate::render::{Camera, Display, Exposure, Marks};
 use crate::scene::{CameraPose, Scene};
 use crate::solve::USUAL_ERROR;
 use crate::worker::SceneInfo;
@@ -457,12 +455,12 @@ pub(in crate::app) fn show(app: &mut App, ui: &mut Ui, outbox: &mut Outbox) -> O
         panels::readout::show(app, ui, rect);
         panels::step::show(app, ui, rect);
         panels::picked::show(app, ui, rect);
-        show_legend(app, ui, rect);
+        panels::legend::show_meaning(app, ui, rect);
         panels::links::show_legend(app, ui, rect);
         if is_unlit {
             panels::light::show_ways_to_light(app, ui, rect, outbox);
         }
-        show_notes(app, ui, rect, looks_through_walls);
+        panels::readout::show_notes(app, ui, rect, looks_through_walls);
         panels::tag::show(app, ui, rect);
         panels::hint::show_first_lines(app, ui, rect);
     }
@@ -495,40 +493,4 @@ fn draw_area(app: &mut App, response: &Response) {
 fn picture_size(pixels: egui::Vec2) -> [u32; 2] {
     let shrink = (LARGEST_PICTURE / pixels.max_elem().max(1.0)).min(1.0);
     [pixels.x, pixels.y].map(|side| if side.is_finite() { (shrink * side).round().max(1.0) as u32 } else { 1 })
-}
-
-/// Says what a person might not know of what is in view.
-fn show_notes(app: &mut App, ui: &Ui, rect: Rect, looks_through_walls: bool) {
-    let measuring = &app.tools.measuring;
-    let is_stale = measuring.shows_points && measuring.plane_is_stale();
-    for (name, text, applies) in [
-        ("walk note", words::WALKING, app.view.viewport.walks),
-        ("walls note", words::THROUGH_WALLS, looks_through_walls),
-        ("age note", words::EARLIER_PLANE, is_stale),
-    ] {
-        if applies {
-            panels::readout::show_note(&mut app.view.overlays, ui, rect, name, text);
-        }
-    }
-}
-
-/// Shows the meaning of the surfaces' colours, where they have one.
-fn show_legend(app: &mut App, ui: &Ui, rect: Rect) {
-    let overlays = &mut app.view.overlays;
-    if app.tools.pinned.painted().is_some() {
-        panels::legend::show_difference(overlays, ui, rect);
-    } else if app.tools.comparison.error().is_some() && app.tools.comparison.shading != Shading::Lit {
-        panels::legend::show_error(overlays, ui, rect, app.tools.comparison.shading);
-    } else if let Some(reading) = app.view.reading.last() {
-        let settings = &app.edits.display.reading;
-        let remark = match (reading.fills, settings.range) {
-            (false, _) => "lines",
-            (true, Some(_)) => "locked range",
-            (true, None) => "",
-        };
-        panels::legend::show_reading(overlays, ui, rect, &reading, remark);
-    } else if let Some(reading) = app.tools.measuring.plane_scale(None).filter(|_| app.tools.measuring.shows_points) {
-        let reading = Reading { shown_in: ShownIn::Unit(app.edits.display.reading.unit), ..reading };
-        panels::legend::show_reading(overlays, ui, rect, &reading, "work plane");
-    }
 }

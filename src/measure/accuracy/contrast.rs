@@ -91,8 +91,6 @@ mod tests {
     use std::sync::Arc;
 
     use super::*;
-    use crate::hierarchy::ElementId;
-    use crate::scene::MaterialId;
     use crate::solve::{Leaf, Stats};
 
     /// A square of side 1 at z = 0 in n × n quads, lit by a function of x.
@@ -105,14 +103,7 @@ mod tests {
             [[low, low + 1, high + 1], [low, high + 1, high]]
         };
         let vertex_radiosity = positions.iter().map(|[x, ..]| [light(*x); 3]).collect();
-        let leaf = Leaf {
-            element: ElementId(1),
-            polygon: 0,
-            material: MaterialId(0),
-            area: 1.0,
-            reachable_area: 1.0,
-            level: 0,
-        };
+        let leaf = Leaf::square_metre(1, 0);
         let triangles: Vec<[u32; 3]> = (0..n * n).flat_map(quad).collect();
         let triangle_leaf = vec![0; triangles.len()];
         Snapshot {

@@ -89,14 +89,7 @@ mod tests {
     /// points knows nothing.
     #[test]
     fn values_stay_on_their_own_side() {
-        let leaf = |polygon| Leaf {
-            element: crate::hierarchy::ElementId(polygon),
-            polygon,
-            material: crate::scene::MaterialId(0),
-            area: 1.0,
-            reachable_area: 1.0,
-            level: 0,
-        };
+        let leaf = |polygon| Leaf::square_metre(polygon, polygon);
         let corners = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
         let mesh = Mesh {
             positions: corners.into_iter().chain(corners).chain(corners.map(|[x, y, _]| [x, y, 50.0])).collect(),

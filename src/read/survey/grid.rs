@@ -4,6 +4,7 @@ use glam::Vec3;
 use serde::{Deserialize, Serialize};
 
 use super::floor::floor;
+use crate::base::format::to_one_digit;
 use crate::scene::Scene;
 
 /// More points than this are refused.
@@ -118,8 +119,8 @@ impl WorkPlane {
             let spacing = spacing_of(larger - 2.0 * usual.margin, smaller - 2.0 * usual.margin);
             return Self { spacing, ..usual };
         }
-        let step = rounded(smaller / 12.0);
-        Self { height: rounded(room / 4.0), spacing: step, margin: step, area: None }
+        let step = to_one_digit((smaller / 12.0).max(1e-6));
+        Self { height: to_one_digit((room / 4.0).max(1e-6)), spacing: step, margin: step, area: None }
     }
 
     /// Points of the grid.
@@ -165,12 +166,6 @@ impl WorkPlane {
         let places = (0..counts[1]).flat_map(|row| (0..counts[0]).map(move |column| (row, column)));
         Ok(Grid { up: floor.up, points: places.map(point).collect(), counts, steps })
     }
-}
-
-/// To one digit.
-fn rounded(length: f32) -> f32 {
-    let power = 10_f32.powi(length.max(1e-6).log10().floor() as i32);
-    (length / power).round().max(1.0) * power
 }
 
 #[cfg(test)]
