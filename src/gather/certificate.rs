@@ -4,8 +4,8 @@
 //! from those ends once more: what that changes is the field's own error as one reflection hands it
 //! on. Further reflections hand on a share ρ̄, the mean reflectance, of it each (the Neumann
 //! series), but mix it over the scene: they add ρ̄/(1−ρ̄) times its mean. To that comes the noise
-//! that readings have, a normal one of their standard error; as far as the change is noisy itself,
-//! that stands for it. So each point, random by area and never replaced, has an error that is known
+//! that readings have, a normal one of their standard error: that they know themselves, so no reading
+//! is made for it; as far as the change is noisy itself, that stands for it. So each point, random by area and never replaced, has an error that is known
 //! up to a normal deviation, and the bound follows (`bound`). Where it is kept, some more points by
 //! A·|B|² tell the RMS error of B, which few bright leaves may rule.
 
@@ -47,8 +47,8 @@ pub struct Certificate {
     pub read: Quantiles,
     /// RMS error of B over the area, as a share of its RMS, by all points that were compared.
     pub radiosity_rms: f64,
-    /// The points with their irradiance (mean of the colours, W/m²).
-    pub points: Vec<(SurfacePoint, f32)>,
+    /// The points with their irradiance and its standard error (means of the colours, W/m²).
+    pub points: Vec<(SurfacePoint, f32, f32)>,
 }
 
 /// A point that was compared; all lights are means of the colours, W/m².
@@ -59,8 +59,9 @@ struct Compared {
     truth: f32,
     /// Change of E by the field's error after one reflection.
     change: f32,
-    /// Standard error of a reading, and of the change.
+    /// Standard error of `truth` but for the change, of a reading, and of the change.
     noise: f32,
+    reading_noise: f32,
     change_noise: f32,
     reflectance: f32,
     emission: f32,
@@ -243,19 +244,20 @@ impl Certifying {
         let at = (point.position, point.normal);
         let error = (NOISE * self.target) as f32;
         let checked = field.checked_at(at, error, hash64(seed, 3), most_rays);
-        let Checked { read, noise, change, change_noise, is_blunt } = checked;
+        let Checked { found, noise, reading_noise, change, change_noise, is_blunt } = checked;
         let surface = field.surface(point.polygon);
         Compared {
             point,
-            truth: (grey(read.mean) + change).max(0.0),
+            truth: (grey(found.mean) + change).max(0.0),
             is_blunt,
             change,
             noise,
+            reading_noise,
             change_noise,
             reflectance: grey(surface.reflectance),
             emission: grey(surface.emission),
             by_power: self.by_power(place),
-            rays: read.rays,
+            rays: found.rays,
         }
     }
 
@@ -296,7 +298,7 @@ impl Certifying {
             bound: bound(&errors, self.risk),
             read: Quantiles::of_points(&errors),
             radiosity_rms: self.radiosity_rms(),
-            points: self.compared.iter().map(|compared| (compared.point, compared.truth)).collect(),
+            points: self.compared().collect(),
         })
     }
 
@@ -313,7 +315,7 @@ impl Certifying {
                 let known = error.mean * compared.scale(self.dim);
                 // The change is noisy itself, which adds to its square; single points may come out
                 // below 0 for that.
-                let noise = f64::from(compared.noise).powi(2) - f64::from(compared.change_noise).powi(2);
+                let noise = f64::from(compared.reading_noise).powi(2) - f64::from(compared.change_noise).powi(2);
                 wrong += weight * reflectance * reflectance * (known * known + noise);
                 all += weight * f64::from(compared.emission + compared.reflectance * compared.truth).powi(2);
             }
@@ -327,7 +329,7 @@ impl Certifying {
         let change = |compared: &Compared| f64::from(compared.change) / compared.scale(self.dim);
         let mean = self.compared.iter().map(change).sum::<f64>() / self.compared.len() as f64;
         let error = |compared: &Compared| {
-            let variance = f64::from(compared.noise).powi(2) - f64::from(compared.change_noise).powi(2);
+            let variance = f64::from(compared.reading_noise).powi(2) - f64::from(compared.change_noise).powi(2);
             PointError {
                 mean: change(compared) + self.further * mean,
                 deviation: variance.max(0.0).sqrt() / compared.scale(self.dim),
@@ -383,6 +385,7 @@ mod tests {
             truth,
             change,
             noise: 0.0,
+            reading_noise: 0.0,
             change_noise: 0.0,
             reflectance: 0.5,
             emission: 0.0,

@@ -39,6 +39,9 @@ const DRAWN: u32 = 8;
 const TO_SUN: u32 = 4;
 /// Rays of the look from where a ray ended.
 const FURTHER: GlanceRays = GlanceRays { aimed: 2, cosine: 2 };
+/// A check need not know the light itself as exactly as a reading, which tells of itself how exact
+/// it is: it is the scale of errors, and what others are compared with.
+const NOISE_OF_CHECK: f32 = 2.0;
 /// Looks from there, at most: as many as what the ray brings is more than others bring, for so much
 /// noisier is what it tells of the change.
 const MOST_FURTHER: f32 = 16.0;
@@ -54,13 +57,16 @@ pub struct Irradiance {
     pub rays: u64,
 }
 
-/// A reading beside a second gather at its point.
+/// A gather at a point beside a second one, and what a reading there would be.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Checked {
-    /// The reading.
-    pub read: Irradiance,
-    /// Standard error of the reading (mean of the colours), W/m².
+    /// The irradiance found.
+    pub found: Irradiance,
+    /// Standard error of it (mean of the colours), W/m².
     pub noise: f32,
+    /// Standard error that a reading has here, W/m²: what is asked for, or more where its rays would
+    /// not do.
+    pub reading_noise: f32,
     /// Change of E (mean of the colours) where one reflection more is followed from the ends of its
     /// rays, W/m².
     pub change: f32,
@@ -96,8 +102,9 @@ struct Seen {
     /// Places where the field was read, and Σ of what these bring (mean of the colours), W/m².
     reads: u32,
     of_reads: f32,
-    /// Rays cast.
+    /// Rays cast, and of these those that a reading casts as well.
     rays: u32,
+    of_reading: u32,
 }
 
 /// Sums over the looks of a part.
@@ -113,6 +120,8 @@ struct Sums {
     reads: u32,
     of_reads: f32,
     rays: u64,
+    /// Rays that a reading casts as well.
+    of_reading: u64,
 }
 
 /// A point that is looked from.
@@ -132,14 +141,16 @@ impl Field {
         irradiance(&sums)
     }
 
-    /// A reading with an estimate of its error; it ends at the latest after `most_rays` over the
-    /// square of that standard error.
+    /// What readings of this standard error are off by at a point; it ends at the latest after
+    /// `most_rays` over its square.
     pub fn checked_at(&self, (point, normal): (Vec3, Vec3), error: f32, seed: u64, most_rays: f32) -> Checked {
         let (sums, is_exact) = self.sums(&Place { point, normal, seed, check: Check::Yes }, error, most_rays);
         let [noise, change_noise] =
             [Sums::variance, Sums::change_variance].map(|variance| sums.iter().map(variance).sum::<f32>().sqrt());
         let change = sums.iter().map(Sums::mean_change).sum();
-        Checked { read: irradiance(&sums), noise, change, change_noise, is_blunt: !is_exact }
+        let found = irradiance(&sums);
+        let reading_noise = (error * (grey(found.mean) + self.dim())).max(least_noise(&sums, MOST_RAYS / (error * error)));
+        Checked { found, noise, reading_noise, change, change_noise, is_blunt: !is_exact }
     }
 
     /// Looks for both parts until their sum is exact enough, or rays are too many; whether it is
@@ -157,7 +168,10 @@ impl Field {
                     sums.add(&self.look(part, place, sums.looks, (usual, &mut aims)));
                 }
             }
-            let variance = sums.map(|sums| sums.variance().max(sums.change_variance()));
+            let variance = sums.map(|sums| match place.check {
+                Check::No => sums.variance(),
+                Check::Yes => sums.change_variance().max(sums.variance() / (NOISE_OF_CHECK * NOISE_OF_CHECK)),
+            });
             let allowed = error * (grey(sums[0].mean() + sums[1].mean()) + self.dim());
             let excess = (variance[0] + variance[1]) / (allowed * allowed).max(f32::MIN_POSITIVE);
             if excess <= 1.0 || (sums[0].rays + sums[1].rays) as f32 * error * error >= most_rays {
@@ -190,10 +204,10 @@ impl Field {
         let read = |seen: &mut Seen, met: &Met, weight: f32, index: u32| {
             let number = number * MOST_ENDS + index;
             let path = Path::start(hash64(of_ends, number.into()), Vec3::splat(weight));
-            let (mut change, mut rays) = (Vec3::ZERO, 0);
+            let (mut change, mut rays, mut of_reading) = (Vec3::ZERO, 0, 0);
             let (mut reads, mut of_reads) = (0, 0.0);
             let sent = self.follow(met, place.point, path, &mut |followed| match followed {
-                Followed::Cast(more) => rays += more,
+                Followed::Cast(more) => of_reading += more,
                 Followed::Read(met, path) if place.check == Check::Yes => {
                     let patch = self.patch(met.leaf);
                     let further = GatherPoint::on_face((met.position, patch.normal));
@@ -214,7 +228,8 @@ impl Field {
             seen.change += change;
             seen.reads += reads;
             seen.of_reads += of_reads;
-            seen.rays += rays;
+            seen.rays += rays + of_reading;
+            seen.of_reading += of_reading;
         };
         match part {
             Part::Aimed => {
@@ -229,12 +244,14 @@ impl Field {
                 let (emitted, rays) = self.aim((place.point, place.normal), aims, AIMED, seed, reflect);
                 seen.light += emitted;
                 seen.rays += rays;
+                seen.of_reading += rays;
                 let here = GatherPoint::on_face((place.point, place.normal));
                 for ray in number * TO_SUN..number * TO_SUN + TO_SUN * self.sun_rays() {
                     let [u, v, ..] = sequence(place.seed, 2, ray);
                     seen.light += self.sun_light(&here, [u, v]) / TO_SUN as f32;
                 }
                 seen.rays += TO_SUN * self.sun_rays();
+                seen.of_reading += TO_SUN * self.sun_rays();
             }
             Part::Cosine => {
                 let sky = self.sky_rays(COSINE, DRAWN);
@@ -257,6 +274,7 @@ impl Field {
                     seen.light += self.sky_drawn(&here, [u, v], sky);
                 }
                 seen.rays += COSINE + sky.drawn;
+                seen.of_reading += COSINE + sky.drawn;
             }
         }
         seen
@@ -275,6 +293,7 @@ impl Sums {
         self.reads += seen.reads;
         self.of_reads += seen.of_reads;
         self.rays += u64::from(seen.rays);
+        self.of_reading += u64::from(seen.of_reading);
     }
 
     fn mean(&self) -> Vec3 {
@@ -300,6 +319,13 @@ impl Sums {
         let mean = sum / count;
         (squares / count - mean * mean).max(Vec3::ZERO) / (count - 1.0).max(1.0)
     }
+}
+
+/// The least standard error that so many rays of a reading come to, shared out to the parts by how
+/// noisy they are.
+fn least_noise(sums: &[Sums; 2], rays: f32) -> f32 {
+    let of_part = |sums: &Sums| (sums.variance() * sums.of_reading as f32).sqrt();
+    sums.iter().map(of_part).sum::<f32>() / rays.sqrt()
 }
 
 /// A sample of a low-discrepancy sequence, which begins anew where the table of the crate ends.

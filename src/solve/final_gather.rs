@@ -87,8 +87,7 @@ impl Solver {
     fn find_error(&mut self) -> Option<ErrorFound> {
         let field = self.field()?.clone();
         let certificate = self.certificate()?.clone();
-        let points = certificate.points.iter().map(|(point, truth)| (*point, *truth, 0.0));
-        let mut errors = self.errors_of_mesh(&field, points);
+        let mut errors = self.errors_of_mesh(&field, certificate.points.iter().copied());
         let found = ErrorFound {
             bound: certificate.bound,
             confidence: 1.0 - RISK,
