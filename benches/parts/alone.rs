@@ -5,16 +5,22 @@ use std::time::Duration;
 use glam::{Vec3, Vec3A};
 use obvhs::BvhBuildParams;
 use obvhs::cwbvh::{CwBvh, builder::build_cwbvh_from_tris};
-use obvhs::ray::Ray;
+use obvhs::ray::{Ray, RayHit};
 use obvhs::triangle::Triangle;
 use selflink::scene::Scene;
+
+use super::rooms::FaceRay;
 
 /// The faces of a scene in obvhs' compressed tree, and rays that wait to be traced.
 pub struct Alone {
     bvh: CwBvh,
     triangles: Vec<Triangle>,
     rays: Vec<Ray>,
+    scale: f32,
 }
+
+/// Rays that leave a face start so far in front of it, in the size that the scene has here.
+const LIFT: f32 = 1e-4;
 
 impl Alone {
     /// Makes the tree and the rays ready.
@@ -45,7 +51,25 @@ impl Alone {
             // Adding zero makes +0 of −0, at which obvhs errs.
             Ray::new(from, span / length + Vec3A::ZERO, 0.0, length)
         };
-        Self { bvh, triangles, rays: segments.iter().map(ray).collect() }
+        Self { bvh, triangles, rays: segments.iter().map(ray).collect(), scale }
+    }
+
+    /// The same tree with rays that leave faces.
+    pub fn of_rays(self, rays: &[FaceRay]) -> Self {
+        let ray = |[point, normal, direction]: &FaceRay| {
+            let from = Vec3A::from(self.scale * *point + LIFT * *normal);
+            Ray::new(from, Vec3A::from(*direction) + Vec3A::ZERO, 0.0, f32::INFINITY)
+        };
+        Self { rays: rays.iter().map(ray).collect(), ..self }
+    }
+
+    /// How many of the rays meet a face, for each of which the first is looked for.
+    pub fn count_met(&self) -> usize {
+        let meets = |ray: &&Ray| {
+            let mut hit = RayHit::none();
+            self.bvh.ray_traverse(**ray, &mut hit, |ray, index| self.triangles[index].intersect(ray))
+        };
+        self.rays.iter().filter(meets).count()
     }
 
     /// How many of the segments meet a face.

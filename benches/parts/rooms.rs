@@ -5,14 +5,20 @@ use std::sync::Arc;
 use glam::Vec3;
 use rayon::ThreadPool;
 use selflink::base::cancel::CancelToken;
-use selflink::base::random::hash64;
+use selflink::base::random::{cosine_direction, hash64, r2_sequence};
 use selflink::geometry::Occluders;
-use selflink::measure::reference::random_points_on;
+use selflink::measure::reference::{SurfacePoint, random_points_on};
 use selflink::scene::{Scene, builtin::BuiltinScene};
 use selflink::solve::{Solver, SolverParams};
 
 /// Segments that are traced in one go.
 const SEGMENTS: usize = 100_000;
+
+/// Rays that leave one point.
+const FAN: u32 = 64;
+
+/// A ray from a face: a point of it, its unit normal there, and a unit direction.
+pub type FaceRay = [Vec3; 3];
 
 /// Segments end at this share of their length before the faces that they join.
 const BEFORE: f32 = 1e-4;
@@ -42,6 +48,21 @@ impl Room {
         })
     }
 
+    /// Cosine-distributed rays from random points on faces, those of a point one after another.
+    pub fn fans(&self) -> Vec<FaceRay> {
+        let all: Vec<u32> = (0..self.scene.polygons.len() as u32).collect();
+        let points = random_points_on(&self.scene, &all, SEGMENTS / FAN as usize, 3);
+        let fan = |point: &SurfacePoint| {
+            let (position, normal) = (point.position, self.scene.normal(&self.scene.polygons[point.polygon as usize]));
+            let seed = hash64(4, position.to_array().iter().fold(0, |seed, x| hash64(seed, x.to_bits().into())));
+            (0..FAN).map(move |ray| {
+                let [u, v] = r2_sequence(seed, ray);
+                [position, normal, cosine_direction(normal, u, v)]
+            })
+        };
+        points.iter().flat_map(fan).collect()
+    }
+
     /// Segments from just before random points on faces to just before others. Random points come
     /// in the order of the faces: ends are drawn among them.
     pub fn segments(&self) -> Vec<[Vec3; 2]> {
@@ -52,6 +73,11 @@ impl Room {
         let between = pairs.filter(|[from, to]| from != to).take(SEGMENTS);
         between.map(|[from, to]| [from.lerp(to, BEFORE), to.lerp(from, BEFORE)]).collect()
     }
+}
+
+/// How many of some rays meet a face.
+pub fn count_met(occluders: &Occluders, rays: &[FaceRay]) -> usize {
+    rays.iter().filter(|[point, normal, direction]| occluders.ray_from(*point, *normal, *direction).is_some()).count()
 }
 
 /// How many of some segments meet a face.

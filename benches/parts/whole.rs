@@ -27,6 +27,21 @@ pub fn scenes(table: &mut Table) {
     for (scene, error, most) in [("cornell", "0.05", 0.2), ("seminar", "0.05", 1.2), ("office", "0.05", 1.5)] {
         solve(table, (scene, scene), error, most);
     }
+    // A budget of time, for what takes many times as long.
+    const SECONDS: f64 = 2.0;
+    let begun = std::time::Instant::now();
+    if let Some(stats) = run(&["office", "--error", "0.005", "--seconds", &SECONDS.to_string()]) {
+        let over = begun.elapsed().as_secs_f64() / SECONDS;
+        let error =
+            stats.pointer("/error_estimate").and_then(Value::as_f64).map_or("no".into(), |error| error.to_string());
+        table.line(
+            "office, 2 s allowed: time taken",
+            over,
+            "×",
+            Goal::AtMost(1.1),
+            &format!("error known then: {error}"),
+        );
+    }
     for (name, path, error, most) in [
         ("fireplace room", "fireplace-room/fireplace-room.obj", "0.1", 4.0),
         ("Veach's room", "veach-ajar/veach-ajar.obj", "0.1", 2.0),

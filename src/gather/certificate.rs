@@ -11,7 +11,7 @@
 
 use rayon::prelude::*;
 
-use super::bound::{POINTS, PointError, Quantiles, bound, is_hopeless};
+use super::bound::{POINTS, PointError, Quantiles, bound, may_be_kept};
 use super::estimator::{Checked, MOST_RAYS};
 use super::field::{Field, grey};
 use crate::base::cancel::CancelToken;
@@ -119,10 +119,9 @@ pub struct Certifying {
 }
 
 impl Certifying {
-    /// Starts over a field; each attempt of a run takes half of the risk that is left. Attempts of
-    /// one seed have the same points, which no field is made for, so that chance alone makes none
-    /// look better than the one before.
-    pub fn new(field: &Field, target: f64, attempt: u32, seed: u64) -> Self {
+    /// Starts over a field, with a share of the run's risk. Attempts of one seed have the same points,
+    /// which no field is made for, so that chance alone makes none look better than the one before.
+    pub fn new(field: &Field, target: f64, risk: f64, seed: u64) -> Self {
         let (mut sum, mut power, mut reflectance) = (0.0, 0.0, 0.0);
         let leaves: Vec<ElementId> = field.leaves().filter(|leaf| !field.emits(*leaf)).collect();
         let (mut areas, mut powers) = (Vec::with_capacity(leaves.len()), Vec::with_capacity(leaves.len()));
@@ -137,7 +136,7 @@ impl Certifying {
         let mean = if sum > 0.0 { f64::min(reflectance / sum, MOST_REFLECTANCE) } else { 0.0 };
         Self {
             target,
-            risk: RISK * 0.5_f64.powi(attempt as i32 + 1),
+            risk,
             seed,
             leaves,
             areas,
@@ -196,7 +195,7 @@ impl Certifying {
         }
         let errors = self.errors(&self.compared);
         let is_kept = bound(&errors, self.risk) <= self.target;
-        let is_hopeless = is_hopeless(&errors, self.target);
+        let is_hopeless = !may_be_kept(&errors, self.target, self.risk);
         let is_in_vain = !self.is_thorough && is_hopeless;
         // Unkept, for all that is known so far: noise alone may be to blame.
         if !is_kept && !self.is_sharp && (is_hopeless || !self.has_more()) {
@@ -207,6 +206,12 @@ impl Certifying {
             Some(power) if *power > 0.0 && !is_in_vain && self.of_power.len() < POINTS_BY_POWER => Next::ByPower,
             _ => Next::Nothing,
         }
+    }
+
+    /// The part of its risk that it took: as many as there were looks at the bound.
+    pub fn risk_taken(&self) -> f64 {
+        let looks = POINTS.iter().filter(|count| **count <= self.compared.len()).count();
+        self.risk * looks as f64 / POINTS.len() as f64
     }
 
     /// Whether more points can be compared.

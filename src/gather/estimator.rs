@@ -149,7 +149,8 @@ impl Field {
             [Sums::variance, Sums::change_variance].map(|variance| sums.iter().map(variance).sum::<f32>().sqrt());
         let change = sums.iter().map(Sums::mean_change).sum();
         let found = irradiance(&sums);
-        let reading_noise = (error * (grey(found.mean) + self.dim())).max(least_noise(&sums, MOST_RAYS / (error * error)));
+        let reading_noise =
+            (error * (grey(found.mean) + self.dim())).max(least_noise(&sums, MOST_RAYS / (error * error)));
         Checked { found, noise, reading_noise, change, change_noise, is_blunt: !is_exact }
     }
 

@@ -52,6 +52,8 @@ const MOST_ATTEMPTS: u32 = 4;
 /// An attempt that leaves more than this share of the error was in vain, and so would be the next
 /// one.
 const LEAST_PROGRESS: f64 = 0.9;
+/// Share of the risk that is left which an attempt may take.
+const RISK_OF_ATTEMPT: f64 = 0.5;
 /// An attempt takes the rays of all before it, times this, at most; the certificate's come on top.
 const MOST_GROWTH: u64 = 2;
 /// Shares of an attempt's time that go into direct light and into cosine-distributed rays; the
@@ -124,6 +126,8 @@ pub struct Gather {
     certificate: Option<Certificate>,
     /// The former attempt's comparison.
     before: Option<Box<Certifying>>,
+    /// Risk that is left to certificates to come.
+    risk: f64,
     /// Rays that compared.
     rays_compared: u64,
     /// Rays that samples of this attempt may lead to.
@@ -162,6 +166,7 @@ impl Gather {
             goal: Goal { seed: hash64(goal.seed, 0x6761_7468_6572), ..goal },
             certificate: None,
             before: None,
+            risk: RISK,
             rays_compared: 0,
             most_rays: u64::MAX,
             is_ready: false,
@@ -240,7 +245,8 @@ impl Gather {
                     return Some(Progress::Part);
                 }
                 self.relight(cancel)?;
-                let mut certifying = Certifying::new(&self.field, self.target(), self.attempt, self.goal.seed);
+                let risk = RISK_OF_ATTEMPT * self.risk;
+                let mut certifying = Certifying::new(&self.field, self.target(), risk, self.goal.seed);
                 if self.goal.error.is_none() {
                     certifying.be_thorough();
                 }
@@ -279,6 +285,7 @@ impl Gather {
             return;
         }
         self.rays_compared += certifying.rays();
+        self.risk -= certifying.risk_taken();
         if is_kept || is_last {
             self.stage = Stage::Done;
             return;

@@ -62,7 +62,7 @@ pub(super) fn settle(draft: &mut Draft, reading: &Reading, sidecar: &Sidecar) ->
     let up = if given.is_none() && sidecar.camera.is_some() {
         None
     } else {
-        Some(given.unwrap_or_else(|| up::guessed(draft, Spread::new(draft).below_a_sky())))
+        Some(given.unwrap_or_else(|| up::guessed(draft, Extents::new(draft).below_a_sky())))
     };
     if given.is_none() && up == Some(UpAxis::Z) {
         let although = if draft.prescribed_up.is_some() { ", though its format has y" } else { "" };
@@ -80,7 +80,7 @@ pub(super) fn settle(draft: &mut Draft, reading: &Reading, sidecar: &Sidecar) ->
         // What was saved beside the scene without a unit is in the scene's own.
         None if has_lengths => Unit::Metre,
         None => {
-            let [all, most] = Spread::new(draft).sizes(up.unwrap_or_default());
+            let [all, most] = Extents::new(draft).sizes(up.unwrap_or_default());
             let [height, width] = all;
             let axis = up.unwrap_or_default();
             let by_things = known_sizes::unit(draft, axis).or_else(|| flat_tops::unit(draft, axis, height));
@@ -102,14 +102,14 @@ pub(super) fn settle(draft: &mut Draft, reading: &Reading, sidecar: &Sidecar) ->
 }
 
 /// Where corners lie.
-struct Spread {
+struct Extents {
     /// The box that nearly all lie in.
     all: [DVec3; 2],
     /// The box that the middle half lies in, along each axis.
     most: [DVec3; 2],
 }
 
-impl Spread {
+impl Extents {
     fn new(draft: &Draft) -> Self {
         let along = |axis: usize| {
             let level = |&corner: &u32| draft.vertices[corner as usize][axis];

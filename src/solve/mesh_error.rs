@@ -12,7 +12,7 @@ use super::params::Reconstruct;
 use super::reconstruction_mesh::ReconstructionMesh;
 use crate::base::cancel::CancelToken;
 use crate::base::random::hash64;
-use crate::gather::{Certifying, Field, Quantiles, grey};
+use crate::gather::{Certifying, Field, Quantiles, RISK, grey};
 use crate::hierarchy::SurfacePoint;
 
 /// Points that are compared; the standard error of nine tenths of them is some 4 % of the points.
@@ -45,7 +45,7 @@ impl Solver {
             return None;
         }
         let field = Field::new(&self.links, self.irradiance().to_vec());
-        let mut certifying = Certifying::new(&field, EXACTNESS, 0, hash64(self.params.seed, 0x6d65_7368));
+        let mut certifying = Certifying::new(&field, EXACTNESS, RISK, hash64(self.params.seed, 0x6d65_7368));
         while certifying.compared().len() < POINTS {
             if certifying.is_empty() {
                 return None;

@@ -10,7 +10,7 @@ use crate::base::random::{hash64, r2_sequence};
 use crate::geometry::{Occluders, Reachability};
 use crate::hierarchy::{ClusteringMode, ElementId, Hierarchy, Shape};
 use crate::scene::Scene;
-use crate::scene::outside::{Amount, Daylight, Outside, SkySpec, Spread};
+use crate::scene::outside::{Amount, Daylight, LuminanceDistribution, Outside, SkySpec};
 
 /// Rays from the sky, and as many from the sun, by which the power is measured. Where none of them
 /// gets in, less than a thousandth of what falls on the scene's hull does: it counts as closed, and
@@ -63,7 +63,7 @@ fn sky_ray(outside: &Outside, arrives: &(impl Fn(Vec3, [f32; 2]) -> bool + Sync)
 
 /// Whether light from the sky would meet bright sides of a scene, as some thousand rays tell.
 pub fn lets_daylight_in(scene: &Scene, occluders: &Occluders) -> bool {
-    let sky = Daylight { sky: Some(SkySpec::of(Spread::Uniform, Amount::Lux(1.0))), sun: None };
+    let sky = Daylight { sky: Some(SkySpec::of(LuminanceDistribution::Uniform, Amount::Lux(1.0))), sun: None };
     let outside = Outside::new(&sky, scene.up_axis(), |_| Err(String::new()));
     outside.is_ok_and(|outside| power_from(&outside, scene.bounds(), occluders, (ENTERING_RAYS, 1)) != Vec3::ZERO)
 }

@@ -213,7 +213,7 @@ impl Rooms<'_> {
         stands.retain(|stand| stand.score >= GOOD * best);
         let step = stands.len().div_ceil(MOST_VIEWED).max(1);
         let view = stands.iter().step_by(step).filter_map(|stand| self.view(stand)).reduce(View::better)?;
-        let is_stage = view.is_poor && self.sight_from_outside().content() > view.sight.content();
+        let is_stage = view.is_poor && self.content_from_outside().content() > view.content.content();
         (!is_stage).then_some(view.pose)
     }
 

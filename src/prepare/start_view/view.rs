@@ -33,7 +33,7 @@ type Surface = (Thing, [i32; 3], i32);
 #[derive(Clone, Copy)]
 pub(super) struct View {
     pub(super) pose: CameraPose,
-    pub(super) sight: Sight,
+    pub(super) content: ViewContent,
     /// Whether next to nothing is to be seen.
     pub(super) is_poor: bool,
     worth: f32,
@@ -47,7 +47,7 @@ impl View {
 
 /// What a view shows.
 #[derive(Clone, Copy, Default)]
-pub(super) struct Sight {
+pub(super) struct ViewContent {
     /// How many surfaces, each as far as it is in the middle.
     surfaces: f32,
     things: usize,
@@ -57,7 +57,7 @@ pub(super) struct Sight {
     clear: f32,
 }
 
-impl Sight {
+impl ViewContent {
     /// How much there is to see: a blank wall shows little, however far it is, and so do things at
     /// the picture's rim or before one's eyes.
     fn worth(&self) -> f32 {
@@ -93,22 +93,22 @@ impl Rooms<'_> {
             let down = 0.12 * (EYE.min(HIGHEST_EYE * stand.height));
             let clear = CLEAR.min(CLEAR_SHARE * stand.height);
             let target = eye + (0.5 * length(step)).max(clear) * ahead - down * self.up;
-            let sight = self.sight(eye, ahead, length(longest));
-            let is_poor = stand.is_bare || sight.clear < LEAST_CLEAR;
+            let content = self.content(eye, ahead, length(longest));
+            let is_poor = stand.is_bare || content.clear < LEAST_CLEAR;
             let share = length(step) / length(longest).max(f32::MIN_POSITIVE);
-            let worth = (stand.score * share).sqrt() * sight.worth();
-            View { pose: CameraPose { eye, target, up: self.up, hfov_deg: HFOV }, sight, is_poor, worth }
+            let worth = (stand.score * share).sqrt() * content.worth();
+            View { pose: CameraPose { eye, target, up: self.up, hfov_deg: HFOV }, content, is_poor, worth }
         });
         let views: Vec<View> = views.collect();
         views.into_iter().reduce(View::better)
     }
 
     /// What is seen of the scene from outside, from the front, the right and above.
-    pub(super) fn sight_from_outside(&self) -> Sight {
+    pub(super) fn content_from_outside(&self) -> ViewContent {
         let (lower, upper) = self.scene.bounds();
         let back = if self.up.z.abs() > 0.5 { -Vec3::Y } else { Vec3::Z };
         let ahead = -(0.45 * Vec3::X + 0.4 * self.up + back).normalize();
-        self.sight(0.5 * (lower + upper) - FRAMED * lower.distance(upper) * ahead, ahead, FARTHEST)
+        self.content(0.5 * (lower + upper) - FRAMED * lower.distance(upper) * ahead, ahead, FARTHEST)
     }
 
     /// As far back from a place as there is room to stand, where it is this far to what is behind.
@@ -127,7 +127,7 @@ impl Rooms<'_> {
     }
 
     /// What is seen; things behind windows are no farther than a room is long.
-    fn sight(&self, eye: Vec3, ahead: Vec3, room: f32) -> Sight {
+    fn content(&self, eye: Vec3, ahead: Vec3, room: f32) -> ViewContent {
         let [columns, rows] = VIEWED;
         let right = ahead.cross(self.up).normalize_or_zero();
         let above = right.cross(ahead);
@@ -147,7 +147,7 @@ impl Rooms<'_> {
         let surfaces = seen.chunk_by(|(a, _), (b, _)| a == b);
         let surfaces = surfaces.map(|rays| rays.iter().map(|(_, share)| *share).fold(0.0, f32::max)).sum();
         let rays = (columns * rows) as f32;
-        Sight { surfaces, things, distance: distance / rays, clear: clear / rays }
+        ViewContent { surfaces, things, distance: distance / rays, clear: clear / rays }
     }
 
     /// The surface that a point met lies on: planes part what is one thing to the file.

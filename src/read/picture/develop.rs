@@ -4,7 +4,7 @@ use glam::Vec3;
 use rayon::prelude::*;
 
 use super::filter::{Share, is_alike};
-use super::{Sight, Sights};
+use super::{VisibleSurface, VisibleSurfaces};
 use crate::base::photometry::{Quantity, weighted};
 use crate::read::tone::{decode_gamma, encode_gamma, tone_curve};
 
@@ -41,14 +41,19 @@ pub fn ground(up: f32) -> Vec3 {
 }
 
 /// Radiosity of a sample, W/m²; `None` where nothing is seen.
-pub(super) fn radiosity(sight: &Sight, irradiance: Vec3) -> Option<Vec3> {
-    sight.polygon().map(|_| sight.emission + sight.reflectance * irradiance)
+pub(super) fn radiosity(surface: &VisibleSurface, irradiance: Vec3) -> Option<Vec3> {
+    surface.polygon().map(|_| surface.emission + surface.reflectance * irradiance)
 }
 
 /// The pixels of a picture, gamma-encoded, rows from above; `smooth` are irradiances for lines.
-pub(super) fn develop(sights: &Sights, shares: &[Share], smooth: &[Share], shading: &Shading) -> Vec<[u8; 4]> {
-    let side = sights.per_side as usize;
-    let [width, height] = sights.size.map(|samples| samples as usize / side);
+pub(super) fn develop(
+    visible: &VisibleSurfaces,
+    shares: &[Share],
+    smooth: &[Share],
+    shading: &Shading,
+) -> Vec<[u8; 4]> {
+    let side = visible.per_side as usize;
+    let [width, height] = visible.size.map(|samples| samples as usize / side);
     let mut pixels = vec![[0, 0, 0, 255]; width * height];
     let samples_in =
         |x: usize, y: usize| (0..side * side).map(move |k| (y * side + k / side) * width * side + x * side + k % side);
@@ -57,24 +62,24 @@ pub(super) fn develop(sights: &Sights, shares: &[Share], smooth: &[Share], shadi
         let ground = ground(up).map(decode_gamma);
         for (x, pixel) in row.iter_mut().enumerate() {
             let colour_of = |index: usize| {
-                let sight = &sights.all[index];
-                let Some(radiosity) = radiosity(sight, shares[index].irradiance) else {
+                let surface = &visible.all[index];
+                let Some(radiosity) = radiosity(surface, shares[index].irradiance) else {
                     // Of the sky, emission is all there is.
-                    let is_sky = sight.emission != Vec3::ZERO;
-                    return if is_sky { (shading.exposure * sight.emission).map(tone_curve) } else { ground };
+                    let is_sky = surface.emission != Vec3::ZERO;
+                    return if is_sky { (shading.exposure * surface.emission).map(tone_curve) } else { ground };
                 };
                 let lit = (shading.exposure * radiosity).map(tone_curve);
                 let Some(read) = &shading.read else { return lit };
-                let value = |share: &Share| value(sight, share, read.quantity);
+                let value = |share: &Share| value(surface, share, read.quantity);
                 let filled = read.colour.map(|colour| colour(value(&shares[index])));
                 let base = filled.unwrap_or_else(|| lit.map(encode_gamma));
                 let drawn = match read.lines {
                     [] => base,
                     // What a lamp receives is of no use to anybody.
-                    _ if sight.emission != Vec3::ZERO => base,
+                    _ if surface.emission != Vec3::ZERO => base,
                     lines => {
                         let value = value(&smooth[index]);
-                        let slope = slope(sights, smooth, index, read.quantity) * side as f32;
+                        let slope = slope(visible, smooth, index, read.quantity) * side as f32;
                         with_lines(base, lines, (value, slope), filled.is_none())
                     }
                 };
@@ -91,21 +96,21 @@ pub(super) fn develop(sights: &Sights, shares: &[Share], smooth: &[Share], shadi
 }
 
 /// Reading of a sample, W/m².
-pub(super) fn value(sight: &Sight, share: &Share, quantity: Quantity) -> f32 {
+pub(super) fn value(surface: &VisibleSurface, share: &Share, quantity: Quantity) -> f32 {
     match quantity {
         Quantity::Irradiance => weighted(share.irradiance.into()),
-        Quantity::Radiosity => weighted(radiosity(sight, share.irradiance).unwrap_or_default().into()),
+        Quantity::Radiosity => weighted(radiosity(surface, share.irradiance).unwrap_or_default().into()),
     }
 }
 
 /// How fast a value changes from one sample to the next.
-fn slope(sights: &Sights, shares: &[Share], index: usize, quantity: Quantity) -> f32 {
-    let [width, height] = sights.size.map(|side| side as usize);
+fn slope(visible: &VisibleSurfaces, shares: &[Share], index: usize, quantity: Quantity) -> f32 {
+    let [width, height] = visible.size.map(|side| side as usize);
     let (x, y) = (index % width, index / width);
-    let here = &sights.all[index];
-    let at = |index: usize| value(&sights.all[index], &shares[index], quantity);
+    let here = &visible.all[index];
+    let at = |index: usize| value(&visible.all[index], &shares[index], quantity);
     let beside = |before: Option<usize>, after: Option<usize>| {
-        let like = |other: &usize| is_alike(here, &sights.all[*other]);
+        let like = |other: &usize| is_alike(here, &visible.all[*other]);
         match (before.filter(like), after.filter(like)) {
             (Some(before), Some(after)) => 0.5 * (at(after) - at(before)),
             (Some(other), None) | (None, Some(other)) => at(other) - at(index),

@@ -9,8 +9,8 @@ use glam::{Vec3, Vec4};
 use rayon::prelude::*;
 
 use super::light::{Light, PARTS, SUN};
-use super::sights::Place;
-use super::{Sight, Sights};
+use super::visible_surfaces::Place;
+use super::{VisibleSurface, VisibleSurfaces};
 use crate::base::cancel::CancelToken;
 use crate::gather::grey;
 
@@ -84,23 +84,28 @@ impl Filter {
     /// and noise fall alike, as kernels over a plane do [Silverman 1986]. What is shared depends on
     /// where samples lie and on what surrounds them, never on their light, so noise goes through
     /// the filter as light does.
-    pub fn share(&self, sights: &Sights, light: &Light, cancel: &CancelToken) -> Option<Vec<Share>> {
+    pub fn share(&self, visible: &VisibleSurfaces, light: &Light, cancel: &CancelToken) -> Option<Vec<Share>> {
         let has_sun = light.found.par_iter().any(|found| found.sums[SUN] != Vec3::ZERO);
         match has_sun {
-            true => self.share_parts::<PARTS>(sights, light, cancel),
-            false => self.share_parts::<SUN>(sights, light, cancel),
+            true => self.share_parts::<PARTS>(visible, light, cancel),
+            false => self.share_parts::<SUN>(visible, light, cancel),
         }
     }
 
     /// Shares the first parts of the light: the sun's comes last, and costs nothing where it does
     /// not shine.
-    fn share_parts<const N: usize>(&self, sights: &Sights, light: &Light, cancel: &CancelToken) -> Option<Vec<Share>> {
-        let places: Vec<Place> = sights.all.par_iter().map(Sight::place).collect();
-        let (mut mixed, narrowness) = self.start::<N>(sights, &places, light, cancel)?;
+    fn share_parts<const N: usize>(
+        &self,
+        visible: &VisibleSurfaces,
+        light: &Light,
+        cancel: &CancelToken,
+    ) -> Option<Vec<Share>> {
+        let places: Vec<Place> = visible.all.par_iter().map(VisibleSurface::place).collect();
+        let (mut mixed, narrowness) = self.start::<N>(visible, &places, light, cancel)?;
         let mut next = vec![Mixed::NOTHING; mixed.len()];
         for pass in 0..self.passes {
-            let grid = Grid { size: sights.size.map(|side| side as i32), spacing: sights.spacing, places: &places };
-            next.par_chunks_exact_mut((sights.size[0] as usize).max(1)).enumerate().for_each(|(row, next)| {
+            let grid = Grid { size: visible.size.map(|side| side as i32), spacing: visible.spacing, places: &places };
+            next.par_chunks_exact_mut((visible.size[0] as usize).max(1)).enumerate().for_each(|(row, next)| {
                 if !cancel.is_cancelled() {
                     share_row(&grid, &mixed, &narrowness, 1 << pass, row, next);
                 }
@@ -117,12 +122,12 @@ impl Filter {
     /// Looks at the 5×5 samples around each.
     fn start<const N: usize>(
         &self,
-        sights: &Sights,
+        visible: &VisibleSurfaces,
         places: &[Place],
         light: &Light,
         cancel: &CancelToken,
     ) -> Option<(Vec<Mixed<N>>, Vec<Narrowness<N>>)> {
-        let [width, height] = sights.size.map(|side| side as usize);
+        let [width, height] = visible.size.map(|side| side as usize);
         let mut mixed = vec![Mixed::NOTHING; light.found.len()];
         let mut narrowness = vec![[0.0; N]; light.found.len()];
         let rows = mixed.par_chunks_exact_mut(width.max(1)).zip(narrowness.par_chunks_exact_mut(width.max(1)));
@@ -155,8 +160,8 @@ impl Filter {
                 if looks <= 0.0 {
                     continue;
                 }
-                let narrowing = fewer(looks / samples * (sights.per_side * sights.per_side) as f32);
-                let spacing = sights.spacing * here.distance;
+                let narrowing = fewer(looks / samples * (visible.per_side * visible.per_side) as f32);
+                let spacing = visible.spacing * here.distance;
                 let surroundings = looks / nearness.max(f32::MIN_POSITIVE);
                 for part in 0..N {
                     let reach = narrowing * (self.reach[part] * surroundings).max(LEAST_REACH[part] * spacing);
@@ -268,7 +273,7 @@ fn likeness(here: &Place, there: &Place, per_plane: f32) -> f32 {
 }
 
 /// How far two samples are of one smooth surface, 0..=1.
-pub(super) fn likeness_of(here: &Sight, there: &Sight) -> f32 {
+pub(super) fn likeness_of(here: &VisibleSurface, there: &VisibleSurface) -> f32 {
     if here.polygon().is_none() || there.polygon().is_none() {
         return 0.0;
     }
@@ -276,7 +281,7 @@ pub(super) fn likeness_of(here: &Sight, there: &Sight) -> f32 {
 }
 
 /// Whether two samples are of one smooth surface, so that they can share light.
-pub(super) fn is_alike(here: &Sight, there: &Sight) -> bool {
+pub(super) fn is_alike(here: &VisibleSurface, there: &VisibleSurface) -> bool {
     likeness_of(here, there) > ALIKE
 }
 

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use super::develop::{develop, radiosity};
 use super::filter::Share;
 use super::light::{TILE, Tiles};
-use super::{Filter, Lens, Light, LineLabel, Shading, Sight, Sights, labels};
+use super::{Filter, Lens, Light, LineLabel, Shading, VisibleSurface, VisibleSurfaces, labels};
 use crate::base::cancel::CancelToken;
 use crate::base::photometry::Quantity;
 use crate::gather::{Field, grey};
@@ -37,7 +37,7 @@ pub enum Start {
 
 /// Samples of a picture, and the light found at them.
 struct Level {
-    sights: Arc<Sights>,
+    visible: Arc<VisibleSurfaces>,
     light: Light,
 }
 
@@ -45,7 +45,7 @@ struct Level {
 enum Stage {
     Coarse,
     /// One sample a pixel.
-    Pixels(Arc<Sights>),
+    Pixels(Arc<VisibleSurfaces>),
     Samples,
     Refine(Level),
     Done,
@@ -53,7 +53,7 @@ enum Stage {
 
 /// The picture as it can be shown.
 struct Shown {
-    sights: Arc<Sights>,
+    visible: Arc<VisibleSurfaces>,
     shares: Vec<Share>,
     /// For lines of equal value.
     smooth: Option<Vec<Share>>,
@@ -100,27 +100,27 @@ impl GatheredPicture {
     /// `None` if cancelled: what is shown stays, but the picture gets no better.
     pub fn advance(&mut self, cancel: &CancelToken) -> Option<()> {
         let stage = std::mem::replace(&mut self.stage, Stage::Done);
-        let look = |per_side| Sights::look(&self.field, &self.lens, self.size, per_side, cancel).map(Arc::new);
+        let look = |per_side| VisibleSurfaces::look(&self.field, &self.lens, self.size, per_side, cancel).map(Arc::new);
         self.stage = match stage {
             Stage::Coarse => {
-                let sights = look(1)?;
-                let coarse = Arc::new(sights.thinned(COARSE));
+                let visible = look(1)?;
+                let coarse = Arc::new(visible.thinned(COARSE));
                 let mut light = Light::new(&coarse);
                 light.look(&self.field, &coarse, &Tiles::all(coarse.size), cancel)?;
                 let shown = self.share(&coarse, &light, cancel)?;
-                self.shown = Some(shown.spread_to(&sights, COARSE));
-                Stage::Pixels(sights)
+                self.shown = Some(shown.spread_to(&visible, COARSE));
+                Stage::Pixels(visible)
             }
-            Stage::Pixels(sights) => {
-                let mut light = Light::new(&sights);
-                light.look(&self.field, &sights, &Tiles::all(self.size), cancel)?;
-                self.shown = Some(self.share(&sights, &light, cancel)?);
+            Stage::Pixels(visible) => {
+                let mut light = Light::new(&visible);
+                light.look(&self.field, &visible, &Tiles::all(self.size), cancel)?;
+                self.shown = Some(self.share(&visible, &light, cancel)?);
                 Stage::Samples
             }
             Stage::Samples => {
-                let sights = look(FINE)?;
-                let light = Light::new(&sights);
-                self.refine(Level { sights, light }, cancel)?
+                let visible = look(FINE)?;
+                let light = Light::new(&visible);
+                self.refine(Level { visible, light }, cancel)?
             }
             Stage::Refine(level) => self.refine(level, cancel)?,
             Stage::Done => Stage::Done,
@@ -138,9 +138,9 @@ impl GatheredPicture {
                 Some(shown) if level.light.passes >= FINE * FINE => &shown.noisy,
                 _ => &all,
             };
-            level.light.look(&self.field, &level.sights, noisy, cancel)?;
+            level.light.look(&self.field, &level.visible, noisy, cancel)?;
         }
-        let shown = self.share(&level.sights, &level.light, cancel)?;
+        let shown = self.share(&level.visible, &level.light, cancel)?;
         let is_done = shown.noise <= self.error || level.light.passes >= MOST_PASSES;
         tracing::debug!(
             passes = level.light.passes,
@@ -153,38 +153,38 @@ impl GatheredPicture {
         Some(if is_done { Stage::Done } else { Stage::Refine(level) })
     }
 
-    fn share(&self, sights: &Arc<Sights>, light: &Light, cancel: &CancelToken) -> Option<Shown> {
-        let shares = Filter::PICTURE.share(sights, light, cancel)?;
+    fn share(&self, visible: &Arc<VisibleSurfaces>, light: &Light, cancel: &CancelToken) -> Option<Shown> {
+        let shares = Filter::PICTURE.share(visible, light, cancel)?;
         let smooth = match self.has_lines {
-            true => Some(Filter::LINES.share(sights, light, cancel)?),
+            true => Some(Filter::LINES.share(visible, light, cancel)?),
             false => None,
         };
-        let (noise, noisy) = self.noise_of(sights, &shares);
-        Some(Shown { sights: sights.clone(), shares, smooth, noise, noisy })
+        let (noise, noisy) = self.noise_of(visible, &shares);
+        Some(Shown { visible: visible.clone(), shares, smooth, noise, noisy })
     }
 
     /// Noise below which nine tenths of the samples lie, as a share of the local light, and where
     /// it is above what was asked for.
-    fn noise_of(&self, sights: &Sights, shares: &[Share]) -> (f32, Tiles) {
+    fn noise_of(&self, visible: &VisibleSurfaces, shares: &[Share]) -> (f32, Tiles) {
         let dim = self.field.dim();
-        let of = |(sight, share): (&Sight, &Share)| {
+        let of = |(surface, share): (&VisibleSurface, &Share)| {
             let noise = share.noise.abs() / (grey(share.irradiance) + dim);
-            (sight.reflectance != Vec3::ZERO && noise.is_finite()).then_some(noise)
+            (surface.reflectance != Vec3::ZERO && noise.is_finite()).then_some(noise)
         };
-        let [width, height] = sights.size;
-        let side = sights.per_side;
+        let [width, height] = visible.size;
+        let side = visible.per_side;
         let noisy = Tiles::chosen([width / side, height / side], |[x, y]| {
             let (mut count, mut squares) = (0.0, 0.0);
             for row in side * y..(side * (y + TILE)).min(height) {
                 let range = (row * width + side * x) as usize..(row * width + (side * (x + TILE)).min(width)) as usize;
-                for noise in sights.all[range.clone()].iter().zip(&shares[range]).filter_map(of) {
+                for noise in visible.all[range.clone()].iter().zip(&shares[range]).filter_map(of) {
                     count += 1.0;
                     squares += noise * noise;
                 }
             }
             NINE_TENTHS * NINE_TENTHS * squares > count * self.error * self.error
         });
-        let mut noises: Vec<f32> = sights.all.par_iter().zip(shares).filter_map(of).collect();
+        let mut noises: Vec<f32> = visible.all.par_iter().zip(shares).filter_map(of).collect();
         if noises.is_empty() {
             return (0.0, noisy);
         }
@@ -213,36 +213,36 @@ impl GatheredPicture {
     pub fn develop(&self, shading: &Shading) -> Option<Vec<[u8; 4]>> {
         let shown = self.shown.as_ref()?;
         let smooth = shown.smooth.as_ref().unwrap_or(&shown.shares);
-        Some(develop(&shown.sights, &shown.shares, smooth, shading))
+        Some(develop(&shown.visible, &shown.shares, smooth, shading))
     }
 
     /// Where the values of lines of equal value (W/m²) can be written along them; none before the
     /// first pass has ended.
     pub fn line_labels(&self, quantity: Quantity, lines: &[f32]) -> Vec<LineLabel> {
         let Some(shown) = self.shown.as_ref().filter(|_| !lines.is_empty()) else { return Vec::new() };
-        labels::places(&shown.sights, shown.smooth.as_ref().unwrap_or(&shown.shares), quantity, lines)
+        labels::places(&shown.visible, shown.smooth.as_ref().unwrap_or(&shown.shares), quantity, lines)
     }
 
     /// Light and place at a pixel; `None` where nothing is seen.
     pub fn at(&self, [x, y]: [u32; 2]) -> Option<PixelLight> {
         let shown = self.shown.as_ref()?;
-        let sights = &shown.sights;
-        let side = sights.per_side;
+        let visible = &shown.visible;
+        let side = visible.per_side;
         let inside = x < self.size[0] && y < self.size[1];
-        let index = |k: u32| ((y * side + k / side) * sights.size[0] + x * side + k % side) as usize;
+        let index = |k: u32| ((y * side + k / side) * visible.size[0] + x * side + k % side) as usize;
         let mut samples = (0..side * side).filter(|_| inside).map(index);
         samples.find_map(|index| {
-            let sight = &sights.all[index];
+            let surface = &visible.all[index];
             let irradiance = shown.shares[index].irradiance;
-            Some(PixelLight { polygon: sight.polygon()?, position: sight.position, irradiance })
+            Some(PixelLight { polygon: surface.polygon()?, position: surface.position, irradiance })
         })
     }
 
     /// The layers of a picture in physical units; `None` before the first pass has ended.
     pub fn layers(&self) -> Option<Layers> {
         let shown = self.shown.as_ref()?;
-        let sights = &shown.sights;
-        let side = sights.per_side as usize;
+        let visible = &shown.visible;
+        let side = visible.per_side as usize;
         let [width, height] = self.size.map(|side| side as usize);
         let share = 1.0 / (side * side) as f32;
         let pixel = |index: usize| {
@@ -250,18 +250,18 @@ impl GatheredPicture {
             let mut pixel = LayersAt { depth: f32::INFINITY, ..LayersAt::default() };
             for k in 0..side * side {
                 let sample = (y * side + k / side) * width * side + x * side + k % side;
-                let (sight, irradiance) = (&sights.all[sample], shown.shares[sample].irradiance);
-                let (Some(polygon), Some(radiosity)) = (sight.polygon(), radiosity(sight, irradiance)) else {
+                let (surface, irradiance) = (&visible.all[sample], shown.shares[sample].irradiance);
+                let (Some(polygon), Some(radiosity)) = (surface.polygon(), radiosity(surface, irradiance)) else {
                     continue;
                 };
                 pixel.coverage += share;
                 pixel.radiosity += share * radiosity;
                 pixel.irradiance += share * irradiance;
-                pixel.normal += share * sight.normal;
-                pixel.albedo += share * sight.reflectance;
-                let depth = self.lens.forward.dot(sight.position - self.lens.eye);
+                pixel.normal += share * surface.normal;
+                pixel.albedo += share * surface.reflectance;
+                let depth = self.lens.forward.dot(surface.position - self.lens.eye);
                 if depth < pixel.depth {
-                    (pixel.depth, pixel.element) = (depth, Some(self.field.leaf_at(polygon, sight.position)));
+                    (pixel.depth, pixel.element) = (depth, Some(self.field.leaf_at(polygon, surface.position)));
                 }
             }
             pixel
@@ -303,29 +303,29 @@ impl Shown {
     /// The light at the samples of a finer grid, of which this one holds one in so many in each
     /// direction: each takes the means of those around it that see its own surface, or else the
     /// nearest.
-    fn spread_to(&self, sights: &Arc<Sights>, step: u32) -> Self {
-        let from = &self.sights;
+    fn spread_to(&self, visible: &Arc<VisibleSurfaces>, step: u32) -> Self {
+        let from = &self.visible;
         let [width, height] = from.size.map(|side| side as i32);
         let spread = |shares: &[Share]| -> Vec<Share> {
             let at = |index: usize| {
-                let here = &sights.all[index];
-                let (x, y) = (index as u32 % sights.size[0], index as u32 / sights.size[0]);
+                let here = &visible.all[index];
+                let (x, y) = (index as u32 % visible.size[0], index as u32 / visible.size[0]);
                 let middle = (step / 2) as f32;
                 let [u, v] = [x, y].map(|place| (place as f32 - middle) / step as f32);
                 let (mut sum, mut total, mut nearest) = (Share::default(), 0.0, (f32::INFINITY, Share::default()));
                 for row in [v.floor() as i32, v.floor() as i32 + 1] {
                     for column in [u.floor() as i32, u.floor() as i32 + 1] {
                         let place = row.clamp(0, height - 1) * width + column.clamp(0, width - 1);
-                        let (sight, share) = (&from.all[place as usize], shares[place as usize]);
-                        if sight.polygon().is_none() {
+                        let (surface, share) = (&from.all[place as usize], shares[place as usize]);
+                        if surface.polygon().is_none() {
                             continue;
                         }
-                        let apart = sight.position.distance_squared(here.position);
+                        let apart = surface.position.distance_squared(here.position);
                         if apart < nearest.0 {
                             nearest = (apart, share);
                         }
                         let tent = (1.0 - (u - column as f32).abs()) * (1.0 - (v - row as f32).abs());
-                        let weight = tent.max(1e-3) * super::filter::likeness_of(here, sight);
+                        let weight = tent.max(1e-3) * super::filter::likeness_of(here, surface);
                         sum.irradiance += weight * share.irradiance;
                         sum.noise += weight * share.noise;
                         total += weight;
@@ -336,11 +336,11 @@ impl Shown {
                     false => nearest.1,
                 }
             };
-            (0..sights.all.len()).into_par_iter().map(at).collect()
+            (0..visible.all.len()).into_par_iter().map(at).collect()
         };
         let smooth = self.smooth.as_deref().map(spread);
         Self {
-            sights: sights.clone(),
+            visible: visible.clone(),
             shares: spread(&self.shares),
             smooth,
             noise: self.noise,

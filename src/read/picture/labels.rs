@@ -3,7 +3,7 @@
 use glam::{Vec2, Vec3};
 use rayon::prelude::*;
 
-use super::Sights;
+use super::VisibleSurfaces;
 use super::develop::value;
 use super::filter::{Share, is_alike};
 use crate::base::photometry::Quantity;
@@ -35,25 +35,25 @@ pub struct LineLabel {
 
 /// The field of values that lines are drawn of.
 struct Values<'a> {
-    sights: &'a Sights,
+    visible: &'a VisibleSurfaces,
     smooth: &'a [Share],
     quantity: Quantity,
 }
 
 impl Values<'_> {
     fn index(&self, x: i64, y: i64) -> Option<usize> {
-        let [width, height] = self.sights.size.map(i64::from);
+        let [width, height] = self.visible.size.map(i64::from);
         ((0..width).contains(&x) && (0..height).contains(&y)).then(|| (y * width + x) as usize)
     }
 
     fn at(&self, index: usize) -> f32 {
-        value(&self.sights.all[index], &self.smooth[index], self.quantity)
+        value(&self.visible.all[index], &self.smooth[index], self.quantity)
     }
 
     /// The value at a neighbour on the same smooth surface.
     fn like(&self, here: usize, x: i64, y: i64) -> Option<f32> {
         let there = self.index(x, y)?;
-        is_alike(&self.sights.all[here], &self.sights.all[there]).then(|| self.at(there))
+        is_alike(&self.visible.all[here], &self.visible.all[there]).then(|| self.at(there))
     }
 
     /// Change of the value for each sample to the right and downwards, over some samples.
@@ -68,11 +68,11 @@ impl Values<'_> {
 
 /// Where labels of these lines may stand: on one surface, where the line is nearly straight, apart
 /// from each other.
-pub(super) fn places(sights: &Sights, smooth: &[Share], quantity: Quantity, lines: &[f32]) -> Vec<LineLabel> {
-    let values = Values { sights, smooth, quantity };
-    let side = sights.per_side as f32;
+pub(super) fn places(visible: &VisibleSurfaces, smooth: &[Share], quantity: Quantity, lines: &[f32]) -> Vec<LineLabel> {
+    let values = Values { visible, smooth, quantity };
+    let side = visible.per_side as f32;
     let cell = (CELL * side) as usize;
-    let [width, height] = sights.size.map(|samples| samples as usize);
+    let [width, height] = visible.size.map(|samples| samples as usize);
     // The crossing that lies nearest to the middle of a square stands for it.
     let in_square = |left: usize, top: usize, line: f32| {
         let inside =
@@ -109,15 +109,15 @@ fn distance((x, y): (usize, usize), from: Vec2) -> f32 {
 
 /// Whether a line passes between a sample and one of the next ones.
 fn crosses(values: &Values<'_>, x: usize, y: usize, line: f32) -> bool {
-    let [width, height] = values.sights.size.map(|samples| samples as usize);
+    let [width, height] = values.visible.size.map(|samples| samples as usize);
     let here = y * width + x;
-    if values.sights.all[here].emission != Vec3::ZERO {
+    if values.visible.all[here].emission != Vec3::ZERO {
         return false;
     }
     let value = values.at(here);
     let passes = |there: usize| {
         let other = values.at(there);
-        (value - line) * (other - line) < 0.0 && is_alike(&values.sights.all[here], &values.sights.all[there])
+        (value - line) * (other - line) < 0.0 && is_alike(&values.visible.all[here], &values.visible.all[there])
     };
     (x + 1 < width && passes(here + 1)) || (y + 1 < height && passes(here + width))
 }

@@ -8,7 +8,7 @@ use glam::Vec3;
 use rayon::prelude::*;
 
 use super::filter::is_alike;
-use super::{Sight, Sights};
+use super::{VisibleSurface, VisibleSurfaces};
 use crate::base::cancel::CancelToken;
 use crate::base::random::hash64;
 use crate::gather::{Field, GatherPoint, GlanceRays, grey};
@@ -53,34 +53,40 @@ pub struct Light {
 
 impl Light {
     /// Nothing found yet.
-    pub fn new(sights: &Sights) -> Self {
-        Self { found: vec![Found::default(); sights.all.len()], passes: 0 }
+    pub fn new(visible: &VisibleSurfaces) -> Self {
+        Self { found: vec![Found::default(); visible.all.len()], passes: 0 }
     }
 
     /// Looks once more from the tiles that are wanted; all are in the first pass. `None` if
     /// cancelled: the light is then spoilt.
-    pub fn look(&mut self, field: &Field, sights: &Sights, wanted: &Tiles, cancel: &CancelToken) -> Option<()> {
-        let width = (sights.size[0] as usize).max(1);
-        let (pass, side) = (self.passes, sights.per_side);
+    pub fn look(
+        &mut self,
+        field: &Field,
+        visible: &VisibleSurfaces,
+        wanted: &Tiles,
+        cancel: &CancelToken,
+    ) -> Option<()> {
+        let width = (visible.size[0] as usize).max(1);
+        let (pass, side) = (self.passes, visible.per_side);
         self.found.par_chunks_exact_mut(width).enumerate().for_each(|(row, found)| {
             let row = row as u32;
             for (column, found) in (0_u32..).zip(found) {
                 if column % BLOCK == 0 && cancel.is_cancelled() {
                     return;
                 }
-                let sight = &sights.all[row as usize * width + column as usize];
+                let surface = &visible.all[row as usize * width + column as usize];
                 let (x, y) = (column / side, row / side);
-                if sight.polygon().is_none() || !wanted.holds(x, y) {
+                if surface.polygon().is_none() || !wanted.holds(x, y) {
                     continue;
                 }
                 let is_chosen = is_chosen([column, row], side, pass);
-                if !is_chosen && (pass > 0 || has_chosen_neighbour(sights, sight, [column, row])) {
+                if !is_chosen && (pass > 0 || has_chosen_neighbour(visible, surface, [column, row])) {
                     continue;
                 }
                 let quarter = if is_chosen { 0 } else { 1 + (row % side * side + column % side) };
                 let block = u64::from(y / BLOCK) << 32 | u64::from(x / BLOCK) << 3 | u64::from(quarter);
                 let index = interleave(x % BLOCK) | interleave(y % BLOCK) << 1;
-                let place = GatherPoint { position: sight.position, normal: sight.normal, face: sight.face };
+                let place = GatherPoint { position: surface.position, normal: surface.normal, face: surface.face };
                 let glance = field.glance(&place, RAYS, (hash64(block, u64::from(pass)), index));
                 // Neighbours differ in sign, as do looks from one sample.
                 let sign = if (hash64(u64::from(column) << 32 | u64::from(row), 1) as u32)
@@ -112,11 +118,11 @@ fn is_chosen([column, row]: [u32; 2], side: u32, pass: u32) -> bool {
 }
 
 /// Whether a sample that the first pass chose lies beside this one and is of its surface.
-fn has_chosen_neighbour(sights: &Sights, here: &Sight, [column, row]: [u32; 2]) -> bool {
-    let [width, height] = sights.size;
+fn has_chosen_neighbour(visible: &VisibleSurfaces, here: &VisibleSurface, [column, row]: [u32; 2]) -> bool {
+    let [width, height] = visible.size;
     let mut near = (row.saturating_sub(2)..(row + 3).min(height))
         .flat_map(|y| (column.saturating_sub(2)..(column + 3).min(width)).map(move |x| [x, y]));
-    near.any(|[x, y]| is_chosen([x, y], sights.per_side, 0) && is_alike(here, &sights.all[(y * width + x) as usize]))
+    near.any(|[x, y]| is_chosen([x, y], visible.per_side, 0) && is_alike(here, &visible.all[(y * width + x) as usize]))
 }
 
 /// Which tiles of a picture are looked from.

@@ -2,7 +2,7 @@
 //! there.
 //!
 //! A picture of the mesh interpolates light between vertices. Here camera rays find what each
-//! sample of a pixel sees ([`Sights`]), textures and interpolated normals included; a few rays
+//! sample of a pixel sees ([`VisibleSurfaces`]), textures and interpolated normals included; a few rays
 //! gather the irradiance of one sample of each pixel over the solved field ([`Light`]), a filter
 //! shares what is known between samples of one surface ([`Filter`]), direct light less widely than
 //! indirect light, and only then come reflectance, exposure and the mean over a pixel. Passes are
@@ -19,8 +19,8 @@ mod labels;
 mod lens;
 mod lettering;
 mod light;
-mod sights;
 mod sky;
+mod visible_surfaces;
 
 pub use develop::{FalseColours, Shading, ground};
 pub use filter::{Filter, Share};
@@ -29,5 +29,5 @@ pub use labels::{LABEL_RIM, LineLabel};
 pub use lens::Lens;
 pub use lettering::{LetteringError, write_labels};
 pub use light::{Light, Tiles};
-pub use sights::{Sight, Sights};
 pub use sky::sky_behind;
+pub use visible_surfaces::{VisibleSurface, VisibleSurfaces};

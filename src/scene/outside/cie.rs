@@ -26,9 +26,9 @@ const STANDARD: [[f64; 5]; 15] = [
 /// The number of the standard clear sky with little turbidity.
 pub const CLEAR: u8 = 12;
 
-/// How the luminance of a sky is spread, up to a factor.
+/// Distribution of the luminance over a sky, up to a factor [CIE S 011].
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Spread {
+pub enum LuminanceDistribution {
     /// Alike from everywhere above the horizon.
     Uniform,
     /// The traditional overcast sky (type 16 of CIE S 011): three times as bright in the zenith as
@@ -48,7 +48,7 @@ pub enum Spread {
     },
 }
 
-impl Spread {
+impl LuminanceDistribution {
     /// Whether the sky's luminance depends on where the sun is.
     pub fn needs_sun(self) -> bool {
         match self {
@@ -116,19 +116,20 @@ mod tests {
     /// darkest about 90° from it.
     #[test]
     fn skies_are_spread_as_their_definitions_say() {
-        let ratio = |spread: Spread| {
-            let formula = spread.under_sun(0.8);
+        let ratio = |distribution: LuminanceDistribution| {
+            let formula = distribution.under_sun(0.8);
             formula.at(1.0, 0.0) / formula.at(0.0, 0.0)
         };
-        assert!((ratio(Spread::Overcast) - 3.0).abs() < 1e-12);
-        assert!((ratio(Spread::Standard(1)) - (1.0 + 4.0 * (-0.7_f64).exp())).abs() < 1e-9);
-        assert!((ratio(Spread::Standard(5)) - 1.0).abs() < 1e-12);
-        let clear = |angle: f64| Spread::Standard(CLEAR).under_sun(0.8).at(0.7, angle.cos());
+        assert!((ratio(LuminanceDistribution::Overcast) - 3.0).abs() < 1e-12);
+        assert!((ratio(LuminanceDistribution::Standard(1)) - (1.0 + 4.0 * (-0.7_f64).exp())).abs() < 1e-9);
+        assert!((ratio(LuminanceDistribution::Standard(5)) - 1.0).abs() < 1e-12);
+        let clear = |angle: f64| LuminanceDistribution::Standard(CLEAR).under_sun(0.8).at(0.7, angle.cos());
         assert!(clear(0.0) > 5.0 * clear(0.8) && clear(0.8) > clear(1.6) && clear(2.9) > clear(1.6));
-        assert_eq!(Spread::Uniform.under_sun(0.8).at(-0.01, 0.0), 0.0);
-        let [by_number, by_coefficients] = [Spread::Standard(CLEAR), Spread::General([-1.0, -0.32, 10.0, -3.0, 0.45])]
-            .map(|spread| spread.under_sun(0.8));
+        assert_eq!(LuminanceDistribution::Uniform.under_sun(0.8).at(-0.01, 0.0), 0.0);
+        let [by_number, by_coefficients] =
+            [LuminanceDistribution::Standard(CLEAR), LuminanceDistribution::General([-1.0, -0.32, 10.0, -3.0, 0.45])]
+                .map(|distribution| distribution.under_sun(0.8));
         assert_eq!(by_number.at(0.3, 0.2), by_coefficients.at(0.3, 0.2));
-        assert!(Spread::Standard(CLEAR).needs_sun() && !Spread::Standard(1).needs_sun());
+        assert!(LuminanceDistribution::Standard(CLEAR).needs_sun() && !LuminanceDistribution::Standard(1).needs_sun());
     }
 }

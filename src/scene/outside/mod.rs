@@ -21,7 +21,7 @@ use super::files::read_plain_file;
 use super::{Scene, files};
 
 use cie::Formula;
-pub use cie::{CLEAR, Spread};
+pub use cie::{CLEAR, LuminanceDistribution};
 pub use picture::SkyPicture;
 pub use solar::{Moment, position};
 pub use spec::{Amount, Daylight, SkyKind, SkySpec, SunPlace, SunSpec};
@@ -352,11 +352,11 @@ impl Sky {
     ) -> Result<Option<Self>, DaylightError> {
         let place = sun.unwrap_or(DVec3::Z);
         let (source, horizontal) = match &spec.kind {
-            SkyKind::Formula(spread) => {
-                if spread.needs_sun() && sun.is_none() {
+            SkyKind::Formula(distribution) => {
+                if distribution.needs_sun() && sun.is_none() {
                     return Err(DaylightError::NeedsSun(spec.to_string()));
                 }
-                let formula = spread.under_sun(place.z.asin());
+                let formula = distribution.under_sun(place.z.asin());
                 let watts = spec.amount.map_or(0.0, Amount::watts);
                 let factor = f64::from(watts) / horizontal_of(formula, place);
                 (Source::Formula(formula, factor as f32), Vec3::splat(watts))

@@ -7,7 +7,7 @@ use glam::Vec3;
 use serde::{Deserialize, Serialize};
 
 use super::DaylightError;
-use super::cie::{CLEAR, Spread};
+use super::cie::{CLEAR, LuminanceDistribution};
 use super::perez::{SKY_EFFICACY, SUN_EFFICACY};
 use super::solar::{Moment, position};
 use crate::base::photometry::LUMENS_PER_WATT;
@@ -35,18 +35,18 @@ impl Daylight {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "String", into = "String")]
 pub struct SkySpec {
-    /// How its light is spread.
+    /// Distribution of its light.
     pub kind: SkyKind,
     /// Horizontal unobstructed irradiance without the sun; `None` where a picture's pixels are
     /// radiances.
     pub amount: Option<Amount>,
 }
 
-/// How the light of a sky is spread.
+/// Distribution of the light over a sky.
 #[derive(Clone, Debug, PartialEq)]
 pub enum SkyKind {
     /// By a formula.
-    Formula(Spread),
+    Formula(LuminanceDistribution),
     /// As a picture has it: equirectangular, north in its middle, west on its left.
     Picture(String),
 }
@@ -139,8 +139,8 @@ const USUAL_SKY: f32 = 10_000.0;
 
 impl SkySpec {
     /// A sky of a formula.
-    pub fn of(spread: Spread, amount: Amount) -> Self {
-        Self { kind: SkyKind::Formula(spread), amount: Some(amount) }
+    pub fn of(distribution: LuminanceDistribution, amount: Amount) -> Self {
+        Self { kind: SkyKind::Formula(distribution), amount: Some(amount) }
     }
 }
 
@@ -152,12 +152,12 @@ impl FromStr for SkySpec {
             Some((name, amount)) if Amount::read(amount).is_some() => (name, Amount::read(amount)),
             _ => (text, None),
         };
-        if let Some(spread) = read_spread(name) {
-            let usual = match spread {
-                Spread::Weather { diffuse, .. } => SKY_EFFICACY * diffuse,
+        if let Some(distribution) = read_distribution(name) {
+            let usual = match distribution {
+                LuminanceDistribution::Weather { diffuse, .. } => SKY_EFFICACY * diffuse,
                 _ => USUAL_SKY,
             };
-            return Ok(Self::of(spread, amount.unwrap_or(Amount::Lux(usual))));
+            return Ok(Self::of(distribution, amount.unwrap_or(Amount::Lux(usual))));
         }
         let is_picture = [".hdr", ".exr", ".png", ".jpg", ".jpeg"];
         if is_picture.iter().any(|ending| name.to_lowercase().ends_with(ending)) {
@@ -167,26 +167,29 @@ impl FromStr for SkySpec {
     }
 }
 
-fn read_spread(name: &str) -> Option<Spread> {
+fn read_distribution(name: &str) -> Option<LuminanceDistribution> {
     let numbers = |text: &str| text.split('/').map(|number| number.parse::<f64>().ok()).collect::<Option<Vec<_>>>();
     if let Some(text) = name.strip_prefix("cie=") {
         let coefficients: [f64; 5] = numbers(text)?.try_into().ok()?;
         // Larger ones are no sky, and overflow.
-        return coefficients.iter().all(|value| value.abs() <= 100.0).then_some(Spread::General(coefficients));
+        return coefficients
+            .iter()
+            .all(|value| value.abs() <= 100.0)
+            .then_some(LuminanceDistribution::General(coefficients));
     }
     if let Some(text) = name.strip_prefix("perez=") {
         let irradiances: [f64; 2] = numbers(text)?.try_into().ok()?;
         let [direct, diffuse] = irradiances.map(|value| value as f32);
         let is_sound = (0.0..=MOST_RADIATION).contains(&direct) && diffuse > 0.0 && diffuse <= MOST_RADIATION;
-        return is_sound.then_some(Spread::Weather { direct, diffuse });
+        return is_sound.then_some(LuminanceDistribution::Weather { direct, diffuse });
     }
     match name {
-        "uniform" => Some(Spread::Uniform),
-        "overcast" | "cie16" => Some(Spread::Overcast),
-        "clear" => Some(Spread::Standard(CLEAR)),
+        "uniform" => Some(LuminanceDistribution::Uniform),
+        "overcast" | "cie16" => Some(LuminanceDistribution::Overcast),
+        "clear" => Some(LuminanceDistribution::Standard(CLEAR)),
         _ => {
             let number = name.strip_prefix("cie")?.parse().ok();
-            number.filter(|number| (1..=15).contains(number)).map(Spread::Standard)
+            number.filter(|number| (1..=15).contains(number)).map(LuminanceDistribution::Standard)
         }
     }
 }
@@ -194,12 +197,14 @@ fn read_spread(name: &str) -> Option<Spread> {
 impl fmt::Display for SkySpec {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match &self.kind {
-            SkyKind::Formula(Spread::Uniform) => f.write_str("uniform")?,
-            SkyKind::Formula(Spread::Overcast) => f.write_str("overcast")?,
-            SkyKind::Formula(Spread::Standard(CLEAR)) => f.write_str("clear")?,
-            SkyKind::Formula(Spread::Standard(number)) => write!(f, "cie{number}")?,
-            SkyKind::Formula(Spread::General([a, b, c, d, e])) => write!(f, "cie={a}/{b}/{c}/{d}/{e}")?,
-            SkyKind::Formula(Spread::Weather { direct, diffuse }) => write!(f, "perez={direct}/{diffuse}")?,
+            SkyKind::Formula(LuminanceDistribution::Uniform) => f.write_str("uniform")?,
+            SkyKind::Formula(LuminanceDistribution::Overcast) => f.write_str("overcast")?,
+            SkyKind::Formula(LuminanceDistribution::Standard(CLEAR)) => f.write_str("clear")?,
+            SkyKind::Formula(LuminanceDistribution::Standard(number)) => write!(f, "cie{number}")?,
+            SkyKind::Formula(LuminanceDistribution::General([a, b, c, d, e])) => write!(f, "cie={a}/{b}/{c}/{d}/{e}")?,
+            SkyKind::Formula(LuminanceDistribution::Weather { direct, diffuse }) => {
+                write!(f, "perez={direct}/{diffuse}")?
+            }
             SkyKind::Picture(name) => f.write_str(name)?,
         }
         self.amount.map_or(Ok(()), |amount| write!(f, ":{amount}"))
@@ -232,7 +237,7 @@ impl SunSpec {
     /// this sky has it.
     pub fn irradiance_under(&self, sky: Option<&SkySpec>) -> Vec3 {
         let usual = || match sky.map(|sky| &sky.kind) {
-            Some(SkyKind::Formula(Spread::Weather { direct, .. })) => Amount::Lux(SUN_EFFICACY * direct),
+            Some(SkyKind::Formula(LuminanceDistribution::Weather { direct, .. })) => Amount::Lux(SUN_EFFICACY * direct),
             _ => clear_day(self.angles()[1]),
         };
         let grey = self.amount.unwrap_or_else(usual).watts();

@@ -6,7 +6,7 @@ use egui::{ComboBox, Slider, TextEdit, Ui};
 use super::sun_place;
 use crate::app::widgets::theme;
 use crate::app::{Outbox, format, words};
-use crate::scene::outside::{Amount, CLEAR, Daylight, SkyKind, SkySpec, Spread, SunSpec};
+use crate::scene::outside::{Amount, CLEAR, Daylight, LuminanceDistribution, SkyKind, SkySpec, SunSpec};
 use crate::worker::Command;
 
 /// Illuminances that sliders offer, lx.
@@ -14,10 +14,10 @@ const LUX: std::ops::RangeInclusive<f32> = 100.0..=150_000.0;
 /// The presets and what each brings.
 const PRESETS: [(&str, Preset); 5] = [
     (words::NO_DAYLIGHT, Preset { sky: None, sun: None }),
-    (words::OVERCAST_SKY, Preset { sky: Some((Spread::Overcast, 10_000.0)), sun: None }),
-    (words::UNIFORM_SKY, Preset { sky: Some((Spread::Uniform, 10_000.0)), sun: None }),
-    (words::CLEAR_SKY, Preset { sky: Some((Spread::Standard(CLEAR), 12_000.0)), sun: Some(80_000.0) }),
-    (words::LOW_SUN, Preset { sky: Some((Spread::Standard(CLEAR), 8_000.0)), sun: Some(50_000.0) }),
+    (words::OVERCAST_SKY, Preset { sky: Some((LuminanceDistribution::Overcast, 10_000.0)), sun: None }),
+    (words::UNIFORM_SKY, Preset { sky: Some((LuminanceDistribution::Uniform, 10_000.0)), sun: None }),
+    (words::CLEAR_SKY, Preset { sky: Some((LuminanceDistribution::Standard(CLEAR), 12_000.0)), sun: Some(80_000.0) }),
+    (words::LOW_SUN, Preset { sky: Some((LuminanceDistribution::Standard(CLEAR), 8_000.0)), sun: Some(50_000.0) }),
 ];
 
 /// The 15 standard skies of CIE S 011, in their order.
@@ -42,7 +42,7 @@ const STANDARD_SKIES: [&str; 15] = [
 /// A sky with its horizontal illuminance and a sun with its own, lx.
 #[derive(Clone, Copy)]
 struct Preset {
-    sky: Option<(Spread, f32)>,
+    sky: Option<(LuminanceDistribution, f32)>,
     sun: Option<f32>,
 }
 
@@ -65,13 +65,13 @@ impl DaylightEditor {
     }
 
     /// Spreads the sky's light in another way; one that needs a sun gets one.
-    fn set_spread(&mut self, spread: Spread) {
+    fn set_distribution(&mut self, distribution: LuminanceDistribution) {
         let amount = self.spec.sky.as_ref().and_then(|sky| sky.amount).unwrap_or(Amount::Lux(10_000.0));
-        self.set_sky(SkySpec::of(spread, amount));
+        self.set_sky(SkySpec::of(distribution, amount));
     }
 
     fn set_sky(&mut self, sky: SkySpec) {
-        if matches!(sky.kind, SkyKind::Formula(spread) if spread.needs_sun()) {
+        if matches!(sky.kind, SkyKind::Formula(distribution) if distribution.needs_sun()) {
             self.spec.sun.get_or_insert(SunSpec::at(200.0, 45.0, None));
         }
         self.spec.sky = Some(sky);
@@ -94,14 +94,14 @@ impl DaylightEditor {
             _ if name == words::LOW_SUN => [240.0, 15.0],
             _ => [200.0, 45.0],
         };
-        let sky = preset.sky.map(|(spread, lux)| SkySpec::of(spread, Amount::Lux(lux)));
+        let sky = preset.sky.map(|(distribution, lux)| SkySpec::of(distribution, Amount::Lux(lux)));
         Daylight { sky, sun: preset.sun.map(|lux| SunSpec::at(azimuth, elevation, Some(Amount::Lux(lux)))) }
     }
 }
 
 /// Overcast daylight, as is offered to a scene that has openings and no lamp.
 pub(in crate::app) fn usual() -> Daylight {
-    Daylight { sky: Some(SkySpec::of(Spread::Overcast, Amount::Lux(10_000.0))), sun: None }
+    Daylight { sky: Some(SkySpec::of(LuminanceDistribution::Overcast, Amount::Lux(10_000.0))), sun: None }
 }
 
 /// Draws the part.
@@ -111,8 +111,8 @@ pub(in crate::app) fn show(ui: &mut Ui, editor: &mut DaylightEditor, outbox: &mu
     ui.horizontal_wrapped(|ui| {
         for (name, preset) in PRESETS {
             let wanted = editor.preset(name, preset);
-            let spread = |spec: &Daylight| spec.sky.as_ref().map(|sky| sky.kind.clone());
-            let is_chosen = spread(&wanted) == spread(&editor.spec)
+            let distribution = |spec: &Daylight| spec.sky.as_ref().map(|sky| sky.kind.clone());
+            let is_chosen = distribution(&wanted) == distribution(&editor.spec)
                 && wanted.sun.is_some() == editor.spec.sun.is_some()
                 && name != words::LOW_SUN;
             if ui.selectable_label(is_chosen, name).clicked() {
@@ -145,35 +145,38 @@ pub(in crate::app) fn show(ui: &mut Ui, editor: &mut DaylightEditor, outbox: &mu
     }
 }
 
-/// How the light of the sky is spread: by a list, and by the words of the command line for what is
+/// The distribution of light over the sky: by a list, and by the words of the command line for what is
 /// not in it.
 fn show_sky_kind(ui: &mut Ui, editor: &mut DaylightEditor) {
     let Some(sky) = &editor.spec.sky else { return };
-    let name = |spread: Spread| match spread {
-        Spread::Uniform => words::UNIFORM_SKY.to_owned(),
-        Spread::Overcast => words::OVERCAST_SKY.to_owned(),
-        Spread::Standard(number) => format!("{number}: {}", STANDARD_SKIES[usize::from(number) - 1]),
-        Spread::General(_) => "By coefficients".to_owned(),
-        Spread::Weather { .. } => "By the weather".to_owned(),
+    let name = |distribution: LuminanceDistribution| match distribution {
+        LuminanceDistribution::Uniform => words::UNIFORM_SKY.to_owned(),
+        LuminanceDistribution::Overcast => words::OVERCAST_SKY.to_owned(),
+        LuminanceDistribution::Standard(number) => format!("{number}: {}", STANDARD_SKIES[usize::from(number) - 1]),
+        LuminanceDistribution::General(_) => "By coefficients".to_owned(),
+        LuminanceDistribution::Weather { .. } => "By the weather".to_owned(),
     };
     let (present, shown) = match sky.kind {
-        SkyKind::Formula(spread) => (Some(spread), name(spread)),
+        SkyKind::Formula(distribution) => (Some(distribution), name(distribution)),
         SkyKind::Picture(_) => (None, "Picture".to_owned()),
     };
     let mut chosen = None;
     theme::row(ui, words::SKY_TYPE, |ui| {
         let list = ComboBox::from_id_salt(words::SKY_TYPE).selected_text(shown).truncate();
         let answer = list.show_ui(ui, |ui| {
-            for spread in [Spread::Uniform, Spread::Overcast].into_iter().chain((1..=15).map(Spread::Standard)) {
-                if ui.selectable_label(present == Some(spread), name(spread)).clicked() {
-                    chosen = Some(spread);
+            for distribution in [LuminanceDistribution::Uniform, LuminanceDistribution::Overcast]
+                .into_iter()
+                .chain((1..=15).map(LuminanceDistribution::Standard))
+            {
+                if ui.selectable_label(present == Some(distribution), name(distribution)).clicked() {
+                    chosen = Some(distribution);
                 }
             }
         });
         answer.response.on_hover_text("How bright the sky is where (CIE S 011)")
     });
-    if let Some(spread) = chosen {
-        editor.set_spread(spread);
+    if let Some(distribution) = chosen {
+        editor.set_distribution(distribution);
     }
     let written = theme::row(ui, words::SKY_TEXT, |ui| {
         let hint = "As on the command line: cie=A/B/C/D/E (coefficients), perez=DIRECT/DIFFUSE (weather, W/m²), or the path of a picture all around; :10000lx or :50W may follow";
@@ -224,7 +227,7 @@ mod tests {
             editor.read_text();
             assert!(editor.problem.is_none() && editor.spec.sun.is_some() == has_sun, "{text}: {editor:?}");
         }
-        editor.set_spread(Spread::Standard(3));
+        editor.set_distribution(LuminanceDistribution::Standard(3));
         let before = editor.spec.clone();
         assert_eq!(before.sky.as_ref().map(ToString::to_string).as_deref(), Some("cie3:8000lx"));
         editor.text = "cloudy".to_owned();

@@ -24,7 +24,7 @@ const PLACES: [[Vec2; 2]; 2] =
 
 /// Surface that a sample sees.
 #[derive(Clone, Copy, Debug)]
-pub struct Sight {
+pub struct VisibleSurface {
     /// Place on the surface.
     pub position: Vec3,
     /// Distance from the eye.
@@ -41,7 +41,7 @@ pub struct Sight {
     polygon: u32,
 }
 
-/// Place of a sight: what a filter asks of it, close together in memory.
+/// Place of a surface: what a filter asks of it, close together in memory.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Place {
     /// Place on the surface.
@@ -68,7 +68,7 @@ impl Place {
     }
 }
 
-impl Sight {
+impl VisibleSurface {
     const NOTHING: Self = Self {
         position: Vec3::ZERO,
         distance: f32::INFINITY,
@@ -119,7 +119,7 @@ impl Sight {
 
 /// The samples of a picture, two in each direction a pixel or one.
 #[derive(Clone, Debug)]
-pub struct Sights {
+pub struct VisibleSurfaces {
     /// Width and height, samples.
     pub size: [u32; 2],
     /// Samples a pixel in each direction: 1 or 2.
@@ -128,14 +128,14 @@ pub struct Sights {
     /// eye.
     pub spacing: f32,
     /// Rows from above.
-    pub all: Vec<Sight>,
+    pub all: Vec<VisibleSurface>,
 }
 
-impl Sights {
+impl VisibleSurfaces {
     /// Looks through a lens at a picture of so many pixels; `None` if cancelled.
     pub fn look(field: &Field, lens: &Lens, pixels: [u32; 2], per_side: u32, cancel: &CancelToken) -> Option<Self> {
         let size = pixels.map(|side| side * per_side);
-        let mut all = vec![Sight::NOTHING; size[0] as usize * size[1] as usize];
+        let mut all = vec![VisibleSurface::NOTHING; size[0] as usize * size[1] as usize];
         let place = |sample: u32, other: u32, axis: usize| match per_side {
             1 => sample as f32 + 0.5,
             _ => {
@@ -146,16 +146,16 @@ impl Sights {
         };
         let spacing = 2.0 * lens.right.length() / size[0] as f32;
         let rows = all.par_chunks_exact_mut(size[0].max(1) as usize).enumerate();
-        rows.for_each(|(row, sights)| {
+        rows.for_each(|(row, visible)| {
             if cancel.is_cancelled() {
                 return;
             }
             let row = row as u32;
-            for (column, sight) in sights.iter_mut().enumerate() {
+            for (column, surface) in visible.iter_mut().enumerate() {
                 let column = column as u32;
                 let [x, y] = [place(column, row, 0) / pixels[0] as f32, place(row, column, 1) / pixels[1] as f32];
                 let direction = lens.direction(Vec2::new(2.0 * x - 1.0, 1.0 - 2.0 * y));
-                *sight = Sight::along(field, lens.eye, direction, spacing);
+                *surface = VisibleSurface::along(field, lens.eye, direction, spacing);
             }
         });
         (!cancel.is_cancelled()).then_some(Self { size, per_side, spacing, all })
