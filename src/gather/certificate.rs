@@ -197,9 +197,14 @@ impl Certifying {
         let is_kept = bound(&errors, self.risk) <= self.target;
         let is_hopeless = !may_be_kept(&errors, self.target, self.risk);
         let is_in_vain = !self.is_thorough && is_hopeless;
-        // Unkept, for all that is known so far: noise alone may be to blame.
+        // Unkept, for all that is known so far: noise of the blunt ones alone may be to blame.
         if !is_kept && !self.is_sharp && (is_hopeless || !self.has_more()) {
-            return Next::Sharpen;
+            let exact = PointError { mean: 0.0, deviation: 0.0 };
+            let at_best =
+                self.compared.iter().zip(&errors).map(|(point, error)| if point.is_blunt { exact } else { *error });
+            if may_be_kept(&at_best.collect::<Vec<_>>(), self.target, self.risk) {
+                return Next::Sharpen;
+            }
         }
         match self.powers.last() {
             _ if !is_kept && !is_in_vain && self.has_more() => Next::ByArea,

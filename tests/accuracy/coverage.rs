@@ -122,8 +122,8 @@ fn runs_keep_what_they_report() {
         let (mut of_room, mut kept_target) = (0, 0);
         let (mut shares, mut noises) = (Vec::new(), Vec::new());
         for seed in 0..SEEDS {
-            let params = SolverParams { error: Some(TARGET), ..SolverParams::default() };
-            let mut solver = Solver::new(scene.clone(), occluders.clone(), params, seed).expect("usable parameters");
+            let params = SolverParams { error: Some(TARGET), seed, ..SolverParams::default() };
+            let mut solver = Solver::new(scene.clone(), occluders.clone(), params, 0).expect("usable parameters");
             assert!(solver.run(&CancelToken::new()), "nobody cancels");
             let bound = solver.stats().error.expect("a certificate").bound;
             let field = solver.field().expect("a gather");
