@@ -8,7 +8,9 @@ use selflink::base::random::hash64;
 use selflink::gather::Field;
 use selflink::geometry::orient;
 use selflink::measure::reference::{SurfacePoint, Tracer};
-use selflink::read::picture::{Filter, GatheredPicture, Lens, Light, PixelLight, Shading, Sights, Start, Tiles};
+use selflink::read::picture::{
+    Filter, GatheredPicture, Lens, Light, PixelLight, Shading, Start, Tiles, VisibleSurfaces,
+};
 use selflink::read::tone::{encode_gamma, tone_curve};
 use selflink::scene::builtin::BuiltinScene;
 use selflink::scene::{CameraPose, GroupId, Scene, Sides};
@@ -198,10 +200,10 @@ fn pictures_look_like_those_of_another_program() {
 fn a_rare_bright_ray_leaves_no_spot() {
     let (_, field, lens) = cornell();
     let never = CancelToken::new();
-    let sights = Sights::look(&field, &lens, SIZE, 1, &never).expect("nobody cancels");
-    let mut light = Light::new(&sights);
-    light.look(&field, &sights, &Tiles::all(SIZE), &never).expect("nobody cancels");
-    let shared = |light: &Light| Filter::PICTURE.share(&sights, light, &never).expect("nobody cancels");
+    let visible = VisibleSurfaces::look(&field, &lens, SIZE, 1, &never).expect("nobody cancels");
+    let mut light = Light::new(&visible);
+    light.look(&field, &visible, &Tiles::all(SIZE), &never).expect("nobody cancels");
+    let shared = |light: &Light| Filter::PICTURE.share(&visible, light, &never).expect("nobody cancels");
     let plain = shared(&light);
     let middle = (SIZE[1] / 2 * SIZE[0] + SIZE[0] / 2) as usize;
     light.found[middle].sums[1] = 1000.0 * plain[middle].irradiance;
