@@ -11,6 +11,9 @@ use selflink::scene::Scene;
 
 use super::rooms::FaceRay;
 
+/// Rays that leave a face start so far in front of it, in the size that the scene has here.
+const LIFT: f32 = 1e-4;
+
 /// The faces of a scene in obvhs' compressed tree, and rays that wait to be traced.
 pub struct Alone {
     bvh: CwBvh,
@@ -18,9 +21,6 @@ pub struct Alone {
     rays: Vec<Ray>,
     scale: f32,
 }
-
-/// Rays that leave a face start so far in front of it, in the size that the scene has here.
-const LIFT: f32 = 1e-4;
 
 impl Alone {
     /// Makes the tree and the rays ready.

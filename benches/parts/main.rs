@@ -16,7 +16,6 @@ use std::time::Instant;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use selflink::base::cancel::CancelToken;
 use selflink::geometry::Occluders;
-use selflink::measure::reference::random_points_on;
 use selflink::read::picture::{GatheredPicture, Lens, Start};
 use selflink::scene::builtin::BuiltinScene;
 use selflink::solve::{Epsilon, Solver, SolverParams};
@@ -188,8 +187,7 @@ fn reading(table: &mut Table) {
     let mut solver = office.solve(by_error(0.05), &pool);
     let snapshot = pool.install(|| solver.snapshot());
     let field = snapshot.field.expect("a gathered solution");
-    let all: Vec<u32> = (0..office.scene.polygons.len() as u32).collect();
-    let points = random_points_on(&office.scene, &all, READINGS, 5);
+    let points = office.points(READINGS, 5);
     let error = 0.5 * 0.05;
     let read = || {
         pool.install(|| {

@@ -48,10 +48,15 @@ impl Room {
         })
     }
 
+    /// Random points on all faces, evenly by area, in the order of the faces.
+    pub fn points(&self, count: usize, seed: u64) -> Vec<SurfacePoint> {
+        let all: Vec<u32> = (0..self.scene.polygons.len() as u32).collect();
+        random_points_on(&self.scene, &all, count, seed)
+    }
+
     /// Cosine-distributed rays from random points on faces, those of a point one after another.
     pub fn fans(&self) -> Vec<FaceRay> {
-        let all: Vec<u32> = (0..self.scene.polygons.len() as u32).collect();
-        let points = random_points_on(&self.scene, &all, SEGMENTS / FAN as usize, 3);
+        let points = self.points(SEGMENTS / FAN as usize, 3);
         let fan = |point: &SurfacePoint| {
             let (position, normal) = (point.position, self.scene.normal(&self.scene.polygons[point.polygon as usize]));
             let seed = hash64(4, position.to_array().iter().fold(0, |seed, x| hash64(seed, x.to_bits().into())));
@@ -63,11 +68,10 @@ impl Room {
         points.iter().flat_map(fan).collect()
     }
 
-    /// Segments from just before random points on faces to just before others. Random points come
-    /// in the order of the faces: ends are drawn among them.
+    /// Segments from just before random points on faces to just before others; ends are drawn among
+    /// the points.
     pub fn segments(&self) -> Vec<[Vec3; 2]> {
-        let all: Vec<u32> = (0..self.scene.polygons.len() as u32).collect();
-        let points = random_points_on(&self.scene, &all, SEGMENTS, 1);
+        let points = self.points(SEGMENTS, 1);
         let draw = |index| points[hash64(2, index) as usize % points.len()].position;
         let pairs = (0..).map(|index| [draw(2 * index), draw(2 * index + 1)]);
         let between = pairs.filter(|[from, to]| from != to).take(SEGMENTS);

@@ -4,10 +4,11 @@
 //! from those ends once more: what that changes is the field's own error as one reflection hands it
 //! on. Further reflections hand on a share ρ̄, the mean reflectance, of it each (the Neumann
 //! series), but mix it over the scene: they add ρ̄/(1−ρ̄) times its mean. To that comes the noise
-//! that readings have, a normal one of their standard error: that they know themselves, so no reading
-//! is made for it; as far as the change is noisy itself, that stands for it. So each point, random by area and never replaced, has an error that is known
-//! up to a normal deviation, and the bound follows (`bound`). Where it is kept, some more points by
-//! A·|B|² tell the RMS error of B, which few bright leaves may rule.
+//! that readings have, a normal one of their standard error: that they know themselves, so no
+//! reading is made for it; as far as the change is noisy itself, that stands for it. So each point,
+//! random by area and never replaced, has an error that is known up to a normal deviation, and the
+//! bound follows (`bound`). Where it is kept, some more points by A·|B|² tell the RMS error of B,
+//! which few bright leaves may rule.
 
 use rayon::prelude::*;
 
@@ -119,8 +120,9 @@ pub struct Certifying {
 }
 
 impl Certifying {
-    /// Starts over a field, with a share of the run's risk. Attempts of one seed have the same points,
-    /// which no field is made for, so that chance alone makes none look better than the one before.
+    /// Starts over a field, with a share of the run's risk. Attempts of one seed have the same
+    /// points, which no field is made for, so that chance alone makes none look better than the one
+    /// before.
     pub fn new(field: &Field, target: f64, risk: f64, seed: u64) -> Self {
         let (mut sum, mut power, mut reflectance) = (0.0, 0.0, 0.0);
         let leaves: Vec<ElementId> = field.leaves().filter(|leaf| !field.emits(*leaf)).collect();
@@ -383,6 +385,32 @@ mod tests {
     use glam::Vec3;
 
     use super::*;
+    use crate::gather::Gather;
+
+    /// Truth: readings at the same points. They report no more noise than the checks say, which
+    /// know the change as exactly as they should and the light itself half as exactly.
+    #[test]
+    fn a_check_knows_the_noise_of_readings() {
+        let mut gather = Gather::of_cornell();
+        while !gather.is_ready() {
+            gather.step(&CancelToken::new()).expect("nobody cancels");
+        }
+        let (field, error) = (gather.field(), 0.02);
+        let leaves: Vec<ElementId> = field.leaves().filter(|leaf| !field.emits(*leaf)).collect();
+        let (mut noisier, mut halved) = (0, 0);
+        for (number, leaf) in leaves.iter().step_by(leaves.len() / 20).enumerate() {
+            let point = field.hierarchy().point_on(*leaf, 0.3, 0.6);
+            let at = (point.position, point.normal);
+            let read = field.irradiance_at(at, error, number as u64);
+            let checked = field.checked_at(at, error, number as u64, MOST_RAYS);
+            let allowed = error * (grey(checked.found.mean) + field.dim());
+            assert!(checked.reading_noise >= allowed && checked.change_noise <= 1.001 * allowed, "{checked:?}");
+            assert!(checked.noise <= 2.001 * allowed, "{checked:?}");
+            noisier += u32::from(grey(read.standard_error) > 1.1 * checked.reading_noise);
+            halved += u32::from(checked.noise > allowed);
+        }
+        assert!(noisier <= 2 && halved > 2, "{noisier} readings are noisier, {halved} checks less exact");
+    }
 
     /// Truth: the sum over the two kinds of places themselves. A tenth of the area is ten times as
     /// bright and off by half, the rest by a tenth; points by area and by power meet each as often

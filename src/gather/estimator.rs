@@ -64,8 +64,8 @@ pub struct Checked {
     pub found: Irradiance,
     /// Standard error of it (mean of the colours), W/m².
     pub noise: f32,
-    /// Standard error that a reading has here, W/m²: what is asked for, or more where its rays would
-    /// not do.
+    /// Standard error that a reading has here, W/m²: what is asked for, or more where its rays
+    /// would not do.
     pub reading_noise: f32,
     /// Change of E (mean of the colours) where one reflection more is followed from the ends of its
     /// rays, W/m².
@@ -341,5 +341,20 @@ fn irradiance([aimed, cosine]: &[Sums; 2]) -> Irradiance {
         mean: aimed.mean() + cosine.mean(),
         standard_error: (variance(aimed) + variance(cosine)).map(f32::sqrt),
         rays: aimed.rays + cosine.rays,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Truth: by hand. Variances of 1 and 4 after 100 rays each fall to ⅓ and ⅔ with 300 and 600 of
+    /// 900 rays, which is the proportion of their deviations and the least sum.
+    #[test]
+    fn rays_are_shared_out_by_deviation() {
+        let part = |variance: f32| Sums { looks: 2, grey_squares: 2.0 * variance, of_reading: 100, ..Sums::default() };
+        let found = least_noise(&[part(1.0), part(4.0)], 900.0);
+        let wanted = (1.0_f32 * 100.0 / 300.0 + 4.0 * 100.0 / 600.0).sqrt();
+        assert!((found - wanted).abs() < 1e-6, "{found}, not {wanted}");
     }
 }

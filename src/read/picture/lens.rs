@@ -9,7 +9,7 @@ use crate::scene::CameraPose;
 pub struct Lens {
     /// Where the eye is.
     pub eye: Vec3,
-    /// Unit vector of surface.
+    /// Unit vector along the line of sight.
     pub forward: Vec3,
     /// From the middle of the picture to the middle of its right rim, at unit distance.
     pub right: Vec3,

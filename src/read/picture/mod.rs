@@ -2,12 +2,12 @@
 //! there.
 //!
 //! A picture of the mesh interpolates light between vertices. Here camera rays find what each
-//! sample of a pixel sees ([`VisibleSurfaces`]), textures and interpolated normals included; a few rays
-//! gather the irradiance of one sample of each pixel over the solved field ([`Light`]), a filter
-//! shares what is known between samples of one surface ([`Filter`]), direct light less widely than
-//! indirect light, and only then come reflectance, exposure and the mean over a pixel. Passes are
-//! repeated where the noise is still above what was asked for; the filter narrows as it falls, so
-//! that the picture converges.
+//! sample of a pixel sees ([`VisibleSurfaces`]), textures and interpolated normals included; a few
+//! rays gather the irradiance of one sample of each pixel over the solved field ([`Light`]), a
+//! filter shares what is known between samples of one surface ([`Filter`]), direct light less
+//! widely than indirect light, and only then come reflectance, exposure and the mean over a pixel.
+//! Passes are repeated where the noise is still above what was asked for; the filter narrows as it
+//! falls, so that the picture converges.
 //!
 //! Imports `gather`, `scene`, `hierarchy`, `photometry` and `tone`; knows neither windows nor
 //! graphics adapters.

@@ -145,8 +145,8 @@ pub(in crate::app) fn show(ui: &mut Ui, editor: &mut DaylightEditor, outbox: &mu
     }
 }
 
-/// The distribution of light over the sky: by a list, and by the words of the command line for what is
-/// not in it.
+/// The distribution of light over the sky: by a list, and by the words of the command line for what
+/// is not in it.
 fn show_sky_kind(ui: &mut Ui, editor: &mut DaylightEditor) {
     let Some(sky) = &editor.spec.sky else { return };
     let name = |distribution: LuminanceDistribution| match distribution {
