@@ -79,7 +79,7 @@ impl PointError {
 
 /// The share of points that are off by more than this, and the standard error of that share; so
 /// many points that were missed are added.
-fn share_beyond(errors: &[PointError], added: f64, limit: f64) -> (f64, f64) {
+pub(super) fn share_beyond(errors: &[PointError], added: f64, limit: f64) -> (f64, f64) {
     let count = errors.len() as f64 + added;
     let (mut sum, mut squares) = (added, added);
     for error in errors {

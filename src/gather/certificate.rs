@@ -2,9 +2,9 @@
 //!
 //! A reading looks once from a point and reads the field where its rays end. The comparison looks
 //! from those ends once more: what that changes is the field's own error as one reflection hands it
-//! on. Further reflections hand on a share ρ̄, the mean reflectance, of it each (the Neumann
-//! series), but mix it over the scene: they add ρ̄/(1−ρ̄) times its mean. To that comes the noise
-//! that readings have, a normal one of their standard error: that they know themselves, so no
+//! on. Further reflections hand on a share ρ̄, the mean reflectance, of its power each (the Neumann
+//! series), and mix it over the scene until it lies there as all light does: they add ρ̄/(1−ρ̄) times
+//! its share of the light that is reflected. To that comes the noise that readings have, a normal one of their standard error: that they know themselves, so no
 //! reading is made for it; as far as the change is noisy itself, that stands for it. So each point,
 //! random by area and never replaced, has an error that is known up to a normal deviation, and the
 //! bound follows (`bound`). Where it is kept, some more points by A·|B|² tell the RMS error of B,
@@ -12,7 +12,7 @@
 
 use rayon::prelude::*;
 
-use super::bound::{POINTS, PointError, Quantiles, bound, may_be_kept};
+use super::bound::{POINTS, PointError, Quantiles, bound, may_be_kept, share_beyond};
 use super::estimator::{Checked, MOST_RAYS};
 use super::field::{Field, grey};
 use crate::base::cancel::CancelToken;
@@ -232,11 +232,11 @@ impl Certifying {
         self.is_thorough = true;
     }
 
-    /// Error within which nine tenths of the area are, by another comparison of the same seed and
-    /// by this one, at the points of both.
+    /// Share of the points that are off by more than the target, by another comparison of the same
+    /// seed and by this one, at the points of both: a quantile of so few says less.
     pub fn beside(&self, other: &Self) -> [f64; 2] {
         let count = self.compared.len().min(other.compared.len());
-        [other, self].map(|one| Quantiles::of_points(&one.errors(&one.compared[..count])).p90)
+        [other, self].map(|one| share_beyond(&one.errors(&one.compared[..count]), 0.0, self.target).0)
     }
 
     fn total(&self) -> f64 {
@@ -335,19 +335,38 @@ impl Certifying {
         if all > 0.0 { (wrong.max(0.0) / all).sqrt() } else { 0.0 }
     }
 
-    /// Local errors of points: the field's own, with what further reflections add in the mean over
-    /// the area, and the noise of a reading.
+    /// Local errors of points: the field's own, with what further reflections add to it, and the
+    /// noise of a reading.
     fn errors(&self, points: &[Compared]) -> Vec<PointError> {
-        let change = |compared: &Compared| f64::from(compared.change) / compared.scale(self.dim);
-        let mean = self.compared.iter().map(change).sum::<f64>() / self.compared.len() as f64;
-        let error = |compared: &Compared| {
-            let variance = f64::from(compared.reading_noise).powi(2) - f64::from(compared.change_noise).powi(2);
+        let [further, further_noise] = self.handed_on();
+        let error = |one: &Compared| {
+            let reading = f64::from(one.reading_noise).powi(2) - f64::from(one.change_noise).powi(2);
+            let of_further = (further_noise * f64::from(one.truth)).powi(2);
             PointError {
-                mean: change(compared) + self.further * mean,
-                deviation: variance.max(0.0).sqrt() / compared.scale(self.dim),
+                mean: (f64::from(one.change) + further * f64::from(one.truth)) / one.scale(self.dim),
+                deviation: (reading.max(0.0) + of_further).sqrt() / one.scale(self.dim),
             }
         };
         points.iter().map(error).collect()
+    }
+
+    /// What all reflections after the first one change of the light, as a share of it, with the
+    /// standard error of that.
+    fn handed_on(&self) -> [f64; 2] {
+        let (mut changes, mut lights) = (0.0, 0.0);
+        for one in &self.compared {
+            changes += f64::from(one.reflectance * one.change);
+            lights += f64::from(one.reflectance * one.truth);
+        }
+        if lights <= 0.0 {
+            return [0.0; 2];
+        }
+        let share = changes / lights;
+        // Of a quotient of two means [Cochran, *Sampling techniques*, 1977, 2.11].
+        let residual =
+            |one: &Compared| f64::from(one.reflectance) * (f64::from(one.change) - share * f64::from(one.truth));
+        let squares: f64 = self.compared.iter().map(|one| residual(one).powi(2)).sum();
+        [share, squares.sqrt() / lights].map(|value| self.further * value)
     }
 
     /// The points compared so far, with their irradiance and its standard error (means of the
@@ -412,14 +431,9 @@ mod tests {
         assert!(noisier <= 2 && halved > 2, "{noisier} readings are noisier, {halved} checks less exact");
     }
 
-    /// Truth: the sum over the two kinds of places themselves. A tenth of the area is ten times as
-    /// bright and off by half, the rest by a tenth; points by area and by power meet each as often
-    /// as they should.
-    #[test]
-    fn the_rms_of_radiosity_is_that_of_the_area() {
-        let point = SurfacePoint { position: Vec3::ZERO, normal: Vec3::Y, polygon: 0 };
-        let of_place = |truth: f32, change: f32, by_power: f64| Compared {
-            point,
+    fn of_place(truth: f32, change: f32, by_power: f64) -> Compared {
+        Compared {
+            point: SurfacePoint { position: Vec3::ZERO, normal: Vec3::Y, polygon: 0 },
             truth,
             change,
             noise: 0.0,
@@ -430,28 +444,66 @@ mod tests {
             by_power,
             is_blunt: false,
             rays: 0,
-        };
-        // Shares of A·B²: 0.9 to 0.1·100.
-        let (dim, bright) = (of_place(1.0, 0.1, 1.0 / 10.9), of_place(10.0, 5.0, 100.0 / 10.9));
-        let points = |of_dim: usize, of_bright: usize| [vec![dim; of_dim], vec![bright; of_bright]].concat();
-        let certifying = Certifying {
+        }
+    }
+
+    /// Of these points by area and by power, with E₀ = 0.1 and a mean reflectance of 0.5.
+    fn of_points(compared: Vec<Compared>, of_power: Vec<Compared>) -> Certifying {
+        Certifying {
             target: 0.05,
             risk: RISK,
             seed: 1,
             leaves: Vec::new(),
             areas: Vec::new(),
             powers: Vec::new(),
-            further: 0.0,
+            further: 1.0,
             dim: 0.1,
-            compared: points(90, 10),
-            of_power: points(9, 100),
+            compared,
+            of_power,
             is_sharp: false,
             sharpened: 0,
             rays_replaced: 0,
             is_thorough: false,
-        };
+        }
+    }
+
+    /// Truth: the sum over the two kinds of places themselves. A tenth of the area is ten times as
+    /// bright and off by half, the rest by a tenth; points by area and by power meet each as often
+    /// as they should.
+    #[test]
+    fn the_rms_of_radiosity_is_that_of_the_area() {
+        // Shares of A·B²: 0.9 to 0.1·100.
+        let (dim, bright) = (of_place(1.0, 0.1, 1.0 / 10.9), of_place(10.0, 5.0, 100.0 / 10.9));
+        let points = |of_dim: usize, of_bright: usize| [vec![dim; of_dim], vec![bright; of_bright]].concat();
+        let alone = Certifying { further: 0.0, ..of_points(points(90, 10), points(9, 100)) };
         let wanted = ((0.9 * 0.01 + 0.1 * 25.0) / (0.9 + 0.1 * 100.0_f64)).sqrt();
-        let found = certifying.radiosity_rms();
+        let found = alone.radiosity_rms();
         assert!((found - wanted).abs() < 1e-3 * wanted, "{found}, should be {wanted}");
+    }
+
+    /// Truth: by hand. Nine tenths of the points have 1 W/m² and change by a tenth of it, which a
+    /// mean reflectance of a half hands on once more; dark corners, wrong by far more than they
+    /// have, add no light that could be handed on.
+    #[test]
+    fn further_reflections_hand_on_power() {
+        let certifying =
+            of_points([vec![of_place(1.0, 0.1, 1.0); 90], vec![of_place(0.0, -0.05, 1.0); 10]].concat(), vec![]);
+        let wanted = (90.0 * 0.1 - 10.0 * 0.05) / 90.0;
+        let [further, noise] = certifying.handed_on();
+        assert!((further - wanted).abs() < 1e-6 && noise < 0.05 * wanted, "{further} ± {noise}, not {wanted}");
+        let errors = certifying.errors(&certifying.compared);
+        assert!((errors[0].mean - (0.1 + wanted) / 1.1).abs() < 1e-6, "{:?}", errors[0]);
+        assert!((errors[99].mean + 0.5).abs() < 1e-6 && errors[99].deviation == 0.0, "{:?}", errors[99]);
+    }
+
+    /// Truth: by hand. At the points of both a fifth and a tenth are off by more than the target.
+    #[test]
+    fn attempts_are_compared_at_the_points_of_both() {
+        let points = |count: usize, wrong: usize| {
+            let compared = (0..count).map(|number| of_place(0.9, if number < wrong { 1.0 } else { 0.0 }, 1.0));
+            Certifying { further: 0.0, ..of_points(compared.collect(), vec![]) }
+        };
+        assert_eq!(points(100, 10).beside(&points(50, 10)), [0.2, 0.2]);
+        assert_eq!(points(100, 5).beside(&points(50, 10)), [0.2, 0.1]);
     }
 }

@@ -49,8 +49,8 @@ pub const USUAL_ERROR: f64 = 0.05;
 
 /// Times that a field is made finer because its error was found above the target.
 const MOST_ATTEMPTS: u32 = 4;
-/// An attempt that leaves more than this share of the error was in vain, and so would be the next
-/// one.
+/// An attempt that leaves more than this of the share beyond the target was in vain, and so would be
+/// the next one.
 const LEAST_PROGRESS: f64 = 0.9;
 /// Share of the risk that is left which an attempt may take.
 const RISK_OF_ATTEMPT: f64 = 0.5;
@@ -230,12 +230,7 @@ impl Gather {
                 }
                 self.relight(cancel)?;
                 self.is_ready = true;
-                let split = self.leaves_to_split();
-                if split.is_empty() {
-                    self.open_pass();
-                } else {
-                    self.split(&split);
-                }
+                self.refine(cancel)?;
                 Some(Progress::Pass)
             }
             Stage::Cast(first) => {
@@ -296,8 +291,9 @@ impl Gather {
         self.aim *= 0.5;
         self.round = MOST_ROUNDS - AGAIN;
         self.importance = Importance::of(&self.field, &self.samples, &self.groups);
-        let split = self.leaves_to_split();
-        if split.is_empty() { self.open_pass() } else { self.split(&split) }
+        // The next round begins with nothing to look for.
+        self.queue.clear();
+        self.stage = Stage::Direct(0);
     }
 
     /// The state of the light.

@@ -38,7 +38,7 @@ pub(super) const AGAIN: u32 = 3;
 /// Bytes of a leaf with what is kept of it beside its samples.
 const LEAF_BYTES: usize = 600;
 /// Bytes of a look beside those of its cosine-distributed rays, four each.
-const LOOK_BYTES: usize = 60;
+const LOOK_BYTES: usize = 72;
 
 impl Gather {
     /// Rays of each look of a pass: as many in all passes, so that their samples count alike.
@@ -59,13 +59,22 @@ impl Gather {
         is_done.then_some(end)
     }
 
-    /// The leaves over which emitters shine too unevenly.
-    pub(super) fn leaves_to_split(&mut self) -> Vec<ElementId> {
-        if self.round >= MOST_ROUNDS {
-            return Vec::new();
+    /// Splits the leaves over which light is too uneven, or opens a pass if there are none; `None` if
+    /// cancelled.
+    pub(super) fn refine(&mut self, cancel: &CancelToken) -> Option<()> {
+        let mut split = Vec::new();
+        if self.round < MOST_ROUNDS {
+            let variances = self.samples.variances(&self.field.reflected, cancel)?;
+            let allowed = MESH_PER_TARGET * self.aim;
+            split = refine::leaves_to_split(&self.field, &self.importance, &variances, allowed);
         }
-        let allowed = MESH_PER_TARGET * self.aim;
-        self.within_memory(refine::leaves_to_split(&self.field, &self.samples, &self.importance, allowed))
+        let split = self.within_memory(split);
+        if split.is_empty() {
+            self.open_pass()
+        } else {
+            self.split(&split)
+        }
+        Some(())
     }
 
     /// The leaves to split, or none where there is no room for their parts.
@@ -83,6 +92,7 @@ impl Gather {
     pub(super) fn split(&mut self, leaves: &[ElementId]) {
         self.round += 1;
         self.field.split(leaves);
+        self.samples.split(&self.field, leaves);
         self.importance.split(&self.field, leaves);
         self.of_links.resize(self.field.hierarchy.elements().len(), Vec3::ZERO);
         let mut queue = Queue::new();

@@ -1,5 +1,5 @@
-//! Which leaves a gather splits: those over which emitters shine unevenly, and then those over
-//! which all light is very uneven.
+//! Which leaves a gather splits: those over which emitters shine unevenly, and, as soon as
+//! cosine-distributed rays tell, those over which all light is uneven.
 //!
 //! Readings look for emitters themselves, so the field is to be right in what leaves send in the
 //! mean, and what counts is how much a leaf's light differs over it, and how much of that light
@@ -22,14 +22,9 @@ const LOOKS_OF_HEAVY: u32 = 32;
 /// Leaves below this share of the square of the scene's diagonal are not split: 3 mm in a room.
 const LEAST_AREA: f32 = 1e-7;
 
-/// The leaves to split next, so that direct light varies over a leaf by no more than this share of
-/// the local light, in the RMS over all of them.
-pub fn leaves_to_split(
-    field: &Field,
-    samples: &GatherSamples,
-    importance: &Importance,
-    allowed: f64,
-) -> Vec<ElementId> {
+/// The leaves to split next, so that light varies over a leaf by no more than this share of it, in
+/// the RMS over all of them; variances are in W²/m⁴, parallel to the arena.
+pub fn leaves_to_split(field: &Field, importance: &Importance, variances: &[f32], allowed: f64) -> Vec<ElementId> {
     let least = least_area(field);
     let share = importance.share_of(field);
     let mut errors = Vec::new();
@@ -37,7 +32,7 @@ pub fn leaves_to_split(
         if field.emits(leaf) || field.area(leaf) < least {
             continue;
         }
-        let (_, variance) = samples.direct(leaf);
+        let variance = variances[leaf.index()];
         let light = grey(field.irradiance[leaf.index()]) + field.dim();
         if light > 0.0 {
             errors.push((share(leaf) * f64::from(variance / (light * light)), leaf));
