@@ -58,7 +58,7 @@ pub fn command() -> Command {
     let command = reference::wish_args(command).args(options::scene_args());
     #[cfg(feature = "gui")]
     let command = super::picture_chart::with_args(command);
-    command.args(options::solver_args_where(move |id| !swept.contains(&id)))
+    command.args(options::solver_args_where(move |id| !swept.contains(&id))).arg(options::former_arg())
 }
 
 /// Runs it.

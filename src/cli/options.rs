@@ -17,7 +17,7 @@ use selflink::prepare::added_light::{AddedLight, CeilingLight};
 use selflink::scene::outside::{Daylight, SkyKind, SkySpec, SunSpec};
 use selflink::scene::{Reading, Sides, Source, Unit, UpAxis, builtin::BuiltinScene};
 use selflink::solve::{Epsilon, PARAMETERS, Parameter, ParameterId, Reconstruct, SolverParams, USUAL_ERROR, ValueKind};
-use selflink::transport::{ClusterModel, OracleKind, Push};
+use selflink::transport::{ClusterModel, Push};
 
 /// More threads than any machine has cores for.
 const MOST_THREADS: u32 = 1024;
@@ -25,7 +25,15 @@ const MOST_THREADS: u32 = 1024;
 /// One argument for each of the solver's parameters: help, unit and default from the one place that
 /// states them.
 pub fn solver_args() -> impl Iterator<Item = Arg> {
-    solver_args_where(|_| true)
+    solver_args_where(|_| true).chain([former_arg()])
+}
+
+/// An option that is gone; older command lines may name it.
+const FORMER_CRITERION: &str = "refine-by";
+
+/// The argument that is read and reported, though it changes nothing.
+pub fn former_arg() -> Arg {
+    Arg::new(FORMER_CRITERION).long(FORMER_CRITERION).alias("oracle").hide(true)
 }
 
 /// The arguments of some of the solver's parameters.
@@ -57,11 +65,7 @@ fn solver_arg(parameter: &'static Parameter) -> Arg {
             };
             let values: Vec<PossibleValue> = names.iter().zip(*shown).map(value).collect();
             let arg = arg.value_name("MODE").value_parser(clap::builder::PossibleValuesParser::new(values));
-            match parameter.id {
-                ParameterId::Oracle => arg.alias("oracle"),
-                ParameterId::Reconstruct => arg.visible_alias("shading"),
-                _ => arg,
-            }
+            if parameter.id == ParameterId::Reconstruct { arg.visible_alias("shading") } else { arg }
         }
     }
 }
@@ -98,7 +102,6 @@ fn default_text(id: ParameterId) -> String {
         ParameterId::Clustering => name_of(&params.clustering),
         ParameterId::OctreeDepth => params.octree_depth.to_string(),
         ParameterId::ClusterModel => name_of(&params.cluster_model),
-        ParameterId::Oracle => shown_name(id, &name_of(&params.oracle)),
         ParameterId::Push => name_of(&params.push),
         ParameterId::Sides => params.sides.map_or_else(|| "as the scene says".to_owned(), |sides| name_of(&sides)),
         ParameterId::Threads => format!("{}, every core", params.threads),
@@ -133,6 +136,9 @@ pub fn solver_params_over(filed: Option<SolverParams>, matches: &ArgMatches) -> 
         bail!("--error chooses what --{flag} would say: give one of them");
     }
     let knows_error = matches.try_contains_id("error").is_ok();
+    if has(matches, FORMER_CRITERION) {
+        eprintln!("warning: --{FORMER_CRITERION} is gone, links are refined by their power: leave it out.");
+    }
     let mut params = match filed {
         Some(filed) if by_threshold.is_none() => filed,
         Some(filed) => SolverParams { error: None, ..filed },
@@ -182,7 +188,6 @@ fn set(params: &mut SolverParams, parameter: &Parameter, matches: &ArgMatches) -
         ParameterId::ClusterModel => {
             params.cluster_model = choice::<ClusterModel>(matches, flag)?.unwrap_or(params.cluster_model);
         }
-        ParameterId::Oracle => params.oracle = choice::<OracleKind>(matches, flag)?.unwrap_or(params.oracle),
         ParameterId::Push => params.push = choice::<Push>(matches, flag)?.unwrap_or(params.push),
         ParameterId::Sides => params.sides = choice::<Sides>(matches, flag)?.or(params.sides),
         ParameterId::Threads => params.threads = whole().unwrap_or(params.threads),
@@ -284,7 +289,12 @@ pub fn settings_path(matches: &ArgMatches) -> Option<PathBuf> {
 
 /// The settings of the file that the arguments name.
 pub fn filed_settings(matches: &ArgMatches) -> anyhow::Result<Option<Settings>> {
-    Ok(settings_path(matches).map(|path| Settings::read(&path)).transpose()?)
+    let Some(path) = settings_path(matches) else { return Ok(None) };
+    let mut settings = Settings::read(&path)?;
+    if let Some(sentence) = settings.solver.forget_criterion() {
+        eprintln!("warning: {}: {sentence}.", path.display());
+    }
+    Ok(Some(settings))
 }
 
 /// How long something may take.
@@ -454,8 +464,9 @@ mod tests {
             (&["--reconstruct", "flat"], constant),
             (&["--epsilon", "0.01"], SolverParams { epsilon: Epsilon::Relative(0.01), ..by_threshold }),
             (&["--epsilon-watts", "3"], SolverParams { epsilon: Epsilon::Watts(3.0), ..by_threshold }),
-            (&["--oracle", "error"], SolverParams { oracle: OracleKind::Error, ..defaults }),
-            (&["--refine-by", "link-error"], SolverParams { oracle: OracleKind::Error, ..defaults }),
+            // Of older command lines; reported.
+            (&["--oracle", "error"], defaults),
+            (&["--refine-by", "link-error"], defaults),
             (&["--shading", "flat"], SolverParams { reconstruct: Reconstruct::Constant, error: None, ..defaults }),
             (&["--partial-factor", "0.5"], SolverParams { partial_factor: 0.5, ..defaults }),
             (&["--visibility-factor", "2"], SolverParams { visibility_factor: 2.0, ..defaults }),

@@ -10,7 +10,7 @@ use selflink::scene::{FileLight, Scene, Sides, Skipped};
 use selflink::solve::{
     Bytes, ClusteringMode, ErrorFound, MemoryStop, PowerBalance, Reconstruct, Seconds, power_balance,
 };
-use selflink::transport::{OracleKind, Push};
+use selflink::transport::Push;
 use serde::Serialize;
 
 use super::job::{Job, Solution};
@@ -39,7 +39,6 @@ pub struct Report<'a> {
     visibility_factor: f64,
     rays_min: u32,
     rays_max: u32,
-    oracle: OracleKind,
     push: Push,
     sides: Sides,
     seed: u64,
@@ -107,7 +106,6 @@ impl<'a> Report<'a> {
             visibility_factor: params.visibility_factor,
             rays_min: params.rays_min,
             rays_max: params.rays_max,
-            oracle: params.oracle,
             push: params.push,
             sides: scene.sides,
             seed: params.seed,

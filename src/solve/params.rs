@@ -10,7 +10,7 @@ use super::change::ChangeCost;
 use crate::base::memory::MemoryBudget;
 pub use crate::hierarchy::ClusteringMode;
 use crate::scene::Sides;
-use crate::transport::{ClusterModel, LinkRules, OracleKind, Push};
+use crate::transport::{ClusterModel, LinkRules, Push};
 
 /// The threshold ε on the unoccluded power of a link.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -55,8 +55,6 @@ pub struct SolverParams {
     pub epsilon: Epsilon,
     /// How light is shown; where an error is asked for, always by a final gather.
     pub reconstruct: Reconstruct,
-    /// Quantity that links are refined by.
-    pub oracle: OracleKind,
     /// ε_partial / ε: how much stricter partly visible links are judged (section 2.3: 1/10).
     pub partial_factor: f64,
     /// f_vis: visibility rays per BFA/ε (section 2.4).
@@ -81,6 +79,22 @@ pub struct SolverParams {
     pub seed: u64,
     /// Memory that the solution may take; what does not fit is not refined.
     pub memory: MemoryBudget,
+    /// Criterion that files of older versions name; see [`Self::forget_criterion`].
+    #[serde(rename = "oracle", skip_serializing)]
+    pub former_criterion: FormerCriterion,
+}
+
+/// Criterion that older versions refined links by; all links are refined by power now.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum FormerCriterion {
+    /// The power that a link could carry (section 2.3).
+    #[default]
+    #[serde(alias = "power")]
+    Energy,
+    /// The error that a link was likely to make.
+    #[serde(alias = "link-error")]
+    Error,
 }
 
 impl Default for SolverParams {
@@ -89,7 +103,6 @@ impl Default for SolverParams {
             error: None,
             epsilon: Epsilon::Relative(1e-4),
             reconstruct: Reconstruct::Vertex,
-            oracle: OracleKind::Energy,
             partial_factor: 0.1,
             visibility_factor: 5.0,
             rays_min: 4,
@@ -102,6 +115,7 @@ impl Default for SolverParams {
             threads: 0,
             seed: 1,
             memory: MemoryBudget::default(),
+            former_criterion: FormerCriterion::default(),
         }
     }
 }
@@ -115,8 +129,6 @@ pub enum ParameterId {
     Epsilon,
     /// ε in W.
     EpsilonWatts,
-    /// Oracle.
-    Oracle,
     /// How light is shown.
     Reconstruct,
     /// ε_partial / ε.
@@ -214,7 +226,7 @@ impl Parameter {
 }
 
 /// Every parameter, in the order of the panel.
-pub const PARAMETERS: [Parameter; 17] = [
+pub const PARAMETERS: [Parameter; 16] = [
     Parameter {
         id: ParameterId::Error,
         flag: "error",
@@ -241,15 +253,6 @@ pub const PARAMETERS: [Parameter; 17] = [
         hint: "The same threshold in watts, as the solver uses it; it does not follow a dimmed lamp (section 2.3).",
         kind: ValueKind::Real { range: 1e-9..=1e6, logarithmic: true },
         costs: [ChangeCost::Verdicts, ChangeCost::Refinement],
-    },
-    Parameter {
-        id: ParameterId::Oracle,
-        flag: "refine-by",
-        label: "Refinement criterion",
-        unit: "",
-        hint: "What ε bounds: the power that a link could carry, as in the paper (section 2.3), or the error that the link is likely to make.",
-        kind: ValueKind::Choice { names: &["energy", "error"], shown: &["power", "link-error"] },
-        costs: [ChangeCost::Refinement; 2],
     },
     Parameter {
         id: ParameterId::Reconstruct,
@@ -417,6 +420,14 @@ impl SolverParams {
         Self { error: Some(USUAL_ERROR), ..Self::default() }
     }
 
+    /// Refines by power whatever the file of an older version says; the sentence for a person
+    /// where that makes a difference.
+    pub fn forget_criterion(&mut self) -> Option<&'static str> {
+        let former = std::mem::take(&mut self.former_criterion);
+        (former == FormerCriterion::Error)
+            .then_some("refinement by link error is gone, so links are refined by their power")
+    }
+
     /// The threshold ε that the solver goes by.
     pub fn threshold(&self) -> Epsilon {
         self.error.map_or(self.epsilon, |error| Epsilon::Relative(EPSILON_PER_ERROR * error))
@@ -425,7 +436,6 @@ impl SolverParams {
     /// Rules that links are refined by, with ε in W.
     pub(super) fn link_rules(&self, epsilon_watts: f64) -> LinkRules {
         LinkRules {
-            oracle: self.oracle,
             cluster_model: self.cluster_model,
             push: self.push,
             epsilon_watts,
@@ -433,7 +443,7 @@ impl SolverParams {
             visibility_factor: self.visibility_factor,
             rays_min: self.rays_min,
             rays_max: self.rays_max,
-            is_patient: self.oracle == OracleKind::Error || self.error.is_some(),
+            is_patient: self.error.is_some(),
             seed: self.seed,
         }
     }

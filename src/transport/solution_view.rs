@@ -18,6 +18,7 @@ use super::push::Inspector;
 use super::rules::LinkRules;
 use super::sweep::Light;
 use crate::hierarchy::{ElementId, Hierarchy, Order, Room};
+pub use error::LinkError;
 
 /// Elements, links and light of one state of a solution.
 pub struct SolutionView {

@@ -11,7 +11,7 @@ use crate::solve::{
     ClusteringMode, Epsilon, PARAMETERS, Parameter, ParameterId, Reconstruct, SolverParams, Stats, USUAL_ERROR,
     ValueKind,
 };
-use crate::transport::{ClusterModel, OracleKind, Push};
+use crate::transport::{ClusterModel, Push};
 
 /// ε as it stands, in both measures.
 #[derive(Clone, Copy)]
@@ -292,7 +292,6 @@ fn set_whole(params: &mut SolverParams, id: ParameterId, value: u64) {
 const CLUSTERINGS: [ClusteringMode; 4] =
     [ClusteringMode::None, ClusteringMode::Octree, ClusteringMode::Groups, ClusteringMode::Adaptive];
 const MODELS: [ClusterModel; 2] = [ClusterModel::Isotropic, ClusterModel::Oriented];
-const ORACLES: [OracleKind; 2] = [OracleKind::Energy, OracleKind::Error];
 const RECONSTRUCTIONS: [Reconstruct; 3] = [Reconstruct::Constant, Reconstruct::Vertex, Reconstruct::Gather];
 const PUSHES: [Push; 2] = [Push::Immediate, Push::Deferred];
 const SIDES: [Sides; 3] = [Sides::Front, Sides::Both, Sides::Auto];
@@ -302,7 +301,6 @@ fn choice(params: &SolverParams, id: ParameterId) -> Option<usize> {
     match id {
         ParameterId::Clustering => CLUSTERINGS.iter().position(|mode| *mode == params.clustering),
         ParameterId::ClusterModel => MODELS.iter().position(|model| *model == params.cluster_model),
-        ParameterId::Oracle => ORACLES.iter().position(|oracle| *oracle == params.oracle),
         ParameterId::Reconstruct => RECONSTRUCTIONS.iter().position(|way| *way == params.shown_by()),
         ParameterId::Push => PUSHES.iter().position(|push| *push == params.push),
         ParameterId::Sides => SIDES.iter().position(|sides| Some(*sides) == params.sides),
@@ -314,7 +312,6 @@ fn set_choice(params: &mut SolverParams, id: ParameterId, index: Option<usize>) 
     match (id, index) {
         (ParameterId::Clustering, Some(index)) => params.clustering = CLUSTERINGS[index],
         (ParameterId::ClusterModel, Some(index)) => params.cluster_model = MODELS[index],
-        (ParameterId::Oracle, Some(index)) => params.oracle = ORACLES[index],
         (ParameterId::Reconstruct, Some(index)) => params.reconstruct = RECONSTRUCTIONS[index],
         (ParameterId::Push, Some(index)) => params.push = PUSHES[index],
         (ParameterId::Sides, index) => params.sides = index.map(|index| SIDES[index]),
@@ -399,7 +396,6 @@ mod tests {
             let expected: Vec<String> = match parameter.id {
                 ParameterId::Clustering => CLUSTERINGS.map(|mode| spelled(serde_json::json!(mode))).into(),
                 ParameterId::ClusterModel => MODELS.map(|model| spelled(serde_json::json!(model))).into(),
-                ParameterId::Oracle => ORACLES.map(|oracle| spelled(serde_json::json!(oracle))).into(),
                 ParameterId::Reconstruct => RECONSTRUCTIONS.map(|way| spelled(serde_json::json!(way))).into(),
                 ParameterId::Push => PUSHES.map(|push| spelled(serde_json::json!(push))).into(),
                 _ => SIDES.map(|sides| spelled(serde_json::json!(sides))).into(),

@@ -93,12 +93,11 @@ fn columns(run: Option<&RunRecord>, chart: &Chart) -> Vec<(&'static str, String)
 
 /// Names and values of the solver's parameters, ε, sides and threads aside, which their tables tell
 /// in their own way.
-pub(crate) fn parameter_columns(params: &SolverParams) -> [(&'static str, String); 11] {
+pub(crate) fn parameter_columns(params: &SolverParams) -> [(&'static str, String); 10] {
     [
         ("clustering", name(serde_json::to_value(params.clustering))),
         ("octree_depth", params.octree_depth.to_string()),
         ("cluster_model", name(serde_json::to_value(params.cluster_model))),
-        ("oracle", name(serde_json::to_value(params.oracle))),
         ("reconstruct", name(serde_json::to_value(params.shown_by()))),
         ("push", name(serde_json::to_value(params.push))),
         ("partial_factor", params.partial_factor.to_string()),
