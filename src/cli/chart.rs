@@ -9,6 +9,7 @@ use std::time::Duration;
 use anyhow::bail;
 use clap::{Arg, ArgMatches, Command};
 use selflink::base::cancel::CancelToken;
+use selflink::export::file_name;
 use selflink::measure::chart::{
     Against, Chart, Drawing, Shown, Sweep, csv, draw_png, draw_svg, error_table, target_table, usual_epsilons,
     usual_settings,
@@ -182,14 +183,6 @@ impl ChartFiles<'_> {
 
     /// Likewise, as PNG.
     pub fn picture(&self, ending: &str, picture: &image::RgbImage) -> anyhow::Result<()> {
-        self.file(ending)?.write(|writer| {
-            let encoder = image::codecs::png::PngEncoder::new(writer);
-            picture.write_with_encoder(encoder).map_err(std::io::Error::other)
-        })
+        self.file(ending)?.write_png(picture)
     }
-}
-
-/// A scene's name as a file can have it.
-fn file_name(scene: &str) -> String {
-    scene.chars().map(|c| if c.is_alphanumeric() || "-_.".contains(c) { c } else { '_' }).collect()
 }

@@ -22,7 +22,7 @@ const BLACKEST: f32 = 0.02;
 pub(super) fn shades(mesh: &Mesh) -> Vec<f32> {
     let mut normals = vec![Vec3::ZERO; mesh.positions.len()];
     for &corners in &mesh.triangles {
-        let [a, b, c] = corners.map(|vertex| Vec3::from(mesh.positions[vertex as usize]));
+        let [a, b, c] = mesh.corners(corners);
         for vertex in corners {
             normals[vertex as usize] += (b - a).cross(c - a);
         }
@@ -87,7 +87,7 @@ mod tests {
         // Mean colour of the vertices of faces that are turned this way.
         let of_faces = |way: Vec3| {
             let of = |triangle: &&[u32; 3]| {
-                let [a, b, c] = triangle.map(|vertex| Vec3::from(dark.mesh.positions[vertex as usize]));
+                let [a, b, c] = dark.mesh.corners(**triangle);
                 (b - a).cross(c - a).normalize_or_zero().dot(way) > 0.99
             };
             let corners: Vec<u32> = dark.mesh.triangles.iter().filter(of).flatten().copied().collect();
