@@ -8,13 +8,12 @@ use selflink::export::settings::Settings;
 use selflink::gather::Quantiles;
 use selflink::scene::{FileLight, Scene, Sides, Skipped};
 use selflink::solve::{
-    Bytes, ClusteringMode, ErrorFound, MemoryStop, PowerBalance, Reconstruct, Seconds, power_balance,
+    Bytes, ClusteringMode, ErrorFound, MemoryStop, PowerBalance, Reconstruct, Seconds, name_of, power_balance,
 };
 use selflink::transport::Push;
 use serde::Serialize;
 
 use super::job::{Job, Solution};
-use super::options::name_of;
 
 /// Rays that measure what escapes and what backs stop: about 0.3 % of the power either way.
 const BALANCE_RAYS: u32 = 100_000;

@@ -36,7 +36,7 @@ pub use memory::MemoryStop;
 pub use mesh_error::MeshError;
 pub use params::{
     ClusteringMode, Epsilon, PARAMETERS, Parameter, ParameterId, ParamsError, Reconstruct, SolverParams, USUAL_ERROR,
-    ValueKind,
+    ValueKind, name_of,
 };
 pub use reconstruction_mesh::{barycentric, place_among};
 pub use snapshot::{ClusterBox, Leaf, Mesh, Snapshot};

@@ -174,11 +174,9 @@ pub enum ValueKind {
     },
     /// One of a few names.
     Choice {
-        /// The names, as files and the command line spell them.
-        names: &'static [&'static str],
-        /// The names in the window, where hyphens are spaces, in the same order; files and the
-        /// command line take them too.
-        shown: &'static [&'static str],
+        /// Each name as files spell it, and as the command line does and the window, where hyphens
+        /// are spaces; all take both.
+        names: &'static [(&'static str, &'static str)],
     },
 }
 
@@ -201,27 +199,20 @@ pub struct Parameter {
 }
 
 impl Parameter {
+    /// The names of a choice, in files and for people.
+    fn names(&self) -> impl Iterator<Item = (&'static str, &'static str)> {
+        let ValueKind::Choice { names } = self.kind else { return [].iter().copied() };
+        names.iter().copied()
+    }
+
     /// The name for people of a choice, from its name in files.
     pub fn shown(&self, name: &str) -> Option<&'static str> {
-        self.translated(name, |names, shown| (names, shown))
+        self.names().find(|(in_files, _)| *in_files == name).map(|(_, shown)| shown)
     }
 
-    /// The name in files of a choice, from its name for people.
-    pub fn in_files(&self, shown: &str) -> Option<&'static str> {
-        self.translated(shown, |names, shown| (shown, names))
-    }
-
-    fn translated(
-        &self,
-        name: &str,
-        from_and_to: impl Fn(
-            &'static [&'static str],
-            &'static [&'static str],
-        ) -> (&'static [&'static str], &'static [&'static str]),
-    ) -> Option<&'static str> {
-        let ValueKind::Choice { names, shown } = self.kind else { return None };
-        let (from, to) = from_and_to(names, shown);
-        from.iter().zip(to).find(|(known, _)| **known == name).map(|(_, other)| *other)
+    /// The name in files of a choice, from either name.
+    pub fn in_files(&self, name: &str) -> Option<&'static str> {
+        self.names().find(|(in_files, shown)| *in_files == name || *shown == name).map(|(in_files, _)| in_files)
     }
 }
 
@@ -260,10 +251,7 @@ pub const PARAMETERS: [Parameter; 16] = [
         label: "Shading",
         unit: "",
         hint: "How light is shown: flat, one value for each leaf; smooth, interpolated between vertices; or by a final gather.",
-        kind: ValueKind::Choice {
-            names: &["constant", "vertex", "gather"],
-            shown: &["flat", "smooth", "final-gather"],
-        },
+        kind: ValueKind::Choice { names: &[("constant", "flat"), ("vertex", "smooth"), ("gather", "final-gather")] },
         costs: [ChangeCost::Radiosities; 2],
     },
     Parameter {
@@ -309,8 +297,7 @@ pub const PARAMETERS: [Parameter; 16] = [
         unit: "",
         hint: "How polygons are grouped: not at all (plain hierarchical radiosity), octree, the scene's own groups, or adaptive (section 2.2).",
         kind: ValueKind::Choice {
-            names: &["none", "octree", "groups", "adaptive"],
-            shown: &["none", "octree", "groups", "adaptive"],
+            names: &[("none", "none"), ("octree", "octree"), ("groups", "groups"), ("adaptive", "adaptive")],
         },
         costs: [ChangeCost::Hierarchy; 2],
     },
@@ -329,7 +316,7 @@ pub const PARAMETERS: [Parameter; 16] = [
         label: "Cluster model",
         unit: "",
         hint: "Light of a cluster: alike into all directions (isotropic, the paper's, section 1.2) or as its polygons are turned (oriented, by samples).",
-        kind: ValueKind::Choice { names: &["isotropic", "oriented"], shown: &["isotropic", "oriented"] },
+        kind: ValueKind::Choice { names: &[("isotropic", "isotropic"), ("oriented", "oriented")] },
         costs: [ChangeCost::Verdicts; 2],
     },
     Parameter {
@@ -338,7 +325,7 @@ pub const PARAMETERS: [Parameter; 16] = [
         label: "Irradiance push-down",
         unit: "",
         hint: "Hand irradiance that a cluster receives to its patches link by link with their cosine (immediate) or evenly afterwards (deferred, section 3.3).",
-        kind: ValueKind::Choice { names: &["immediate", "deferred"], shown: &["immediate", "deferred"] },
+        kind: ValueKind::Choice { names: &[("immediate", "immediate"), ("deferred", "deferred")] },
         costs: [ChangeCost::Radiosities; 2],
     },
     Parameter {
@@ -347,7 +334,7 @@ pub const PARAMETERS: [Parameter; 16] = [
         label: "Reflecting sides",
         unit: "",
         hint: "Which sides of a face reflect: the one its winding shows, both, or the one that the room sees (auto); as the scene says if not given.",
-        kind: ValueKind::Choice { names: &["front", "both", "auto"], shown: &["front", "both", "auto"] },
+        kind: ValueKind::Choice { names: &[("front", "front"), ("both", "both"), ("auto", "auto")] },
         costs: [ChangeCost::Scene; 2],
     },
     Parameter {
@@ -420,6 +407,31 @@ impl SolverParams {
         Self { error: Some(USUAL_ERROR), ..Self::default() }
     }
 
+    /// Name in files of a choice; `None` where it is left to the scene, and where the parameter is
+    /// none.
+    pub fn choice(&self, id: ParameterId) -> Option<String> {
+        match id {
+            ParameterId::Reconstruct => Some(name_of(&self.reconstruct)),
+            ParameterId::Clustering => Some(name_of(&self.clustering)),
+            ParameterId::ClusterModel => Some(name_of(&self.cluster_model)),
+            ParameterId::Push => Some(name_of(&self.push)),
+            ParameterId::Sides => self.sides.as_ref().map(name_of),
+            _ => None,
+        }
+    }
+
+    /// Makes a choice by its name in files; `None` leaves it to the scene where it can be.
+    pub fn choose(&mut self, id: ParameterId, name: Option<&str>) {
+        match id {
+            ParameterId::Reconstruct => set(&mut self.reconstruct, name),
+            ParameterId::Clustering => set(&mut self.clustering, name),
+            ParameterId::ClusterModel => set(&mut self.cluster_model, name),
+            ParameterId::Push => set(&mut self.push, name),
+            ParameterId::Sides => set(&mut self.sides, name),
+            _ => {}
+        }
+    }
+
     /// Refines by power whatever the file of an older version says; the sentence for a person
     /// where that makes a difference.
     pub fn forget_criterion(&mut self) -> Option<&'static str> {
@@ -482,5 +494,18 @@ impl SolverParams {
             return Err(ParamsError::Memory(self.memory));
         }
         Ok(())
+    }
+}
+
+/// The name of a choice, as files spell it.
+pub fn name_of(choice: &impl Serialize) -> String {
+    let name = serde_json::to_value(choice).ok();
+    name.as_ref().and_then(serde_json::Value::as_str).unwrap_or_default().to_owned()
+}
+
+/// Sets a choice by its name; one that is not known changes nothing.
+fn set<T: serde::de::DeserializeOwned>(choice: &mut T, name: Option<&str>) {
+    if let Ok(named) = serde_json::from_value(name.into()) {
+        *choice = named;
     }
 }

@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use super::record::{Chart, RunRecord};
-use crate::solve::SolverParams;
+use crate::solve::{SolverParams, name_of};
 
 /// The chart as CSV: a row for each run, with every parameter, then one for each state of the path
 /// tracer.
@@ -95,22 +95,17 @@ fn columns(run: Option<&RunRecord>, chart: &Chart) -> Vec<(&'static str, String)
 /// in their own way.
 pub(crate) fn parameter_columns(params: &SolverParams) -> [(&'static str, String); 10] {
     [
-        ("clustering", name(serde_json::to_value(params.clustering))),
+        ("clustering", name_of(&params.clustering)),
         ("octree_depth", params.octree_depth.to_string()),
-        ("cluster_model", name(serde_json::to_value(params.cluster_model))),
-        ("reconstruct", name(serde_json::to_value(params.shown_by()))),
-        ("push", name(serde_json::to_value(params.push))),
+        ("cluster_model", name_of(&params.cluster_model)),
+        ("reconstruct", name_of(&params.shown_by())),
+        ("push", name_of(&params.push)),
         ("partial_factor", params.partial_factor.to_string()),
         ("visibility_factor", params.visibility_factor.to_string()),
         ("rays_min", params.rays_min.to_string()),
         ("rays_max", params.rays_max.to_string()),
         ("seed", params.seed.to_string()),
     ]
-}
-
-/// The name of a choice, as the command line spells it.
-fn name(value: serde_json::Result<serde_json::Value>) -> String {
-    value.ok().and_then(|value| value.as_str().map(str::to_owned)).unwrap_or_default()
 }
 
 /// A Markdown table of the target error, the certificate, and the measured error, its
