@@ -62,8 +62,6 @@ mod tests {
     use std::sync::Arc;
 
     use super::*;
-    use crate::base::cancel::CancelToken;
-    use crate::geometry::Occluders;
     use crate::render::{Camera, Display, Offscreen, Overlay};
     use crate::scene::builtin::BuiltinScene;
     use crate::solve::{Solver, SolverParams};
@@ -77,11 +75,7 @@ mod tests {
             material.emission = Vec3::ZERO;
         }
         let scene = Arc::new(scene);
-        let occluders = Arc::new(Occluders::new(&scene));
-        let mut solver =
-            Solver::new(scene.clone(), occluders, SolverParams::default(), 1).expect("the parameters are valid");
-        assert!(solver.run(&CancelToken::new()));
-        let dark = solver.snapshot();
+        let dark = Solver::solved(&scene, SolverParams::default()).snapshot();
         assert!(dark.vertex_radiosity.iter().flatten().all(|channel| *channel == 0.0));
         let shown = in_own_colours(&dark, &scene);
         // Mean colour of the vertices of faces that are turned this way.

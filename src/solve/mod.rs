@@ -116,6 +116,16 @@ impl Solver {
         Ok(Self::over(links, params, power, (generation, seconds)))
     }
 
+    /// A solution of a scene whose snapshots hold its elements and links.
+    #[cfg(test)]
+    pub(crate) fn solved(scene: &Arc<Scene>, params: SolverParams) -> Self {
+        let occluders = Arc::new(Occluders::new(scene));
+        let mut solver = Self::new(scene.clone(), occluders, params, 1).expect("the parameters are valid");
+        assert!(solver.run(&crate::base::cancel::CancelToken::new()));
+        solver.show_solution_view(true);
+        solver
+    }
+
     fn over(links: LinkSolution, params: SolverParams, anchor_watts: f64, (generation, seconds): (u64, f64)) -> Self {
         Self {
             params,
