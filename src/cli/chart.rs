@@ -50,8 +50,10 @@ pub fn command() -> Command {
             "Time of one run; thresholds finer than one that took longer are left out [default: 20]",
         ));
     let swept = [
+        ParameterId::Error,
         ParameterId::Epsilon,
         ParameterId::EpsilonWatts,
+        ParameterId::Reconstruct,
         ParameterId::Clustering,
         ParameterId::ClusterModel,
         ParameterId::Push,
