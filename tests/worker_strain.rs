@@ -18,7 +18,7 @@ use glam::Vec3;
 use selflink::scene::builtin::BuiltinScene;
 use selflink::scene::{Luminaire, LuminaireForm, LuminaireShape, MaterialId, Sides, Source};
 use selflink::solve::{ClusteringMode, Epsilon, Reconstruct, SolverParams};
-use selflink::transport::{ClusterModel, OracleKind, Push};
+use selflink::transport::{ClusterModel, Push};
 use selflink::worker::{Command, Event, RunState, SnapshotRequest, SolverThread};
 
 /// Commands where nobody asks for more.
@@ -41,7 +41,6 @@ impl Dice {
             error: self.pick(&[None, None, None, Some(0.2), Some(0.05), Some(7.0)]),
             epsilon: self.pick(&[1e-1, 1e-2, 3e-3, 0.0, f64::NAN].map(Epsilon::Relative)),
             reconstruct: self.pick(&[Reconstruct::Constant, Reconstruct::Vertex, Reconstruct::Gather]),
-            oracle: self.pick(&[OracleKind::Energy, OracleKind::Error]),
             clustering: self.pick(&modes),
             octree_depth: 1 + self.roll(6) as u32,
             cluster_model: self.pick(&[ClusterModel::Oriented, ClusterModel::Isotropic]),

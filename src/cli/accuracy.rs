@@ -7,9 +7,9 @@ use std::io::Write as _;
 use clap::{ArgMatches, Command};
 use selflink::measure::accuracy::cases::{self, Case, Reading};
 use selflink::measure::accuracy::{Measured, by_reference, by_solver};
-use selflink::solve::{ClusteringMode, Epsilon, SolverParams};
+use selflink::solve::{ClusteringMode, Epsilon, SolverParams, name_of};
 
-use super::options::{name_of, path, path_arg};
+use super::options::{path, path_arg};
 use super::output::{OutputFile, make_folder, say};
 
 /// Thresholds of the table, as shares of Φ.

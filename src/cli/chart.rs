@@ -9,6 +9,7 @@ use std::time::Duration;
 use anyhow::bail;
 use clap::{Arg, ArgMatches, Command};
 use selflink::base::cancel::CancelToken;
+use selflink::export::file_name;
 use selflink::measure::chart::{
     Against, Chart, Drawing, Shown, Sweep, csv, draw_png, draw_svg, error_table, target_table, usual_epsilons,
     usual_settings,
@@ -49,8 +50,10 @@ pub fn command() -> Command {
             "Time of one run; thresholds finer than one that took longer are left out [default: 20]",
         ));
     let swept = [
+        ParameterId::Error,
         ParameterId::Epsilon,
         ParameterId::EpsilonWatts,
+        ParameterId::Reconstruct,
         ParameterId::Clustering,
         ParameterId::ClusterModel,
         ParameterId::Push,
@@ -58,7 +61,7 @@ pub fn command() -> Command {
     let command = reference::wish_args(command).args(options::scene_args());
     #[cfg(feature = "gui")]
     let command = super::picture_chart::with_args(command);
-    command.args(options::solver_args_where(move |id| !swept.contains(&id)))
+    command.args(options::solver_args_where(move |id| !swept.contains(&id))).arg(options::former_arg())
 }
 
 /// Runs it.
@@ -182,14 +185,6 @@ impl ChartFiles<'_> {
 
     /// Likewise, as PNG.
     pub fn picture(&self, ending: &str, picture: &image::RgbImage) -> anyhow::Result<()> {
-        self.file(ending)?.write(|writer| {
-            let encoder = image::codecs::png::PngEncoder::new(writer);
-            picture.write_with_encoder(encoder).map_err(std::io::Error::other)
-        })
+        self.file(ending)?.write_png(picture)
     }
-}
-
-/// A scene's name as a file can have it.
-fn file_name(scene: &str) -> String {
-    scene.chars().map(|c| if c.is_alphanumeric() || "-_.".contains(c) { c } else { '_' }).collect()
 }

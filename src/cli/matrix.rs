@@ -85,10 +85,7 @@ pub fn run(matches: &ArgMatches) -> anyhow::Result<()> {
     let (colouring, room) = (colouring.unwrap_or_default(), room.map(|(_, room)| room).unwrap_or_default());
     let drawing = Drawing { solution_view: &solution_view, names: &names, scene: &job.scene, room, colouring, pixels };
     let picture = draw(drawing)?;
-    file.write(|writer| {
-        let encoder = image::codecs::png::PngEncoder::new(writer);
-        picture.write_with_encoder(encoder).map_err(std::io::Error::other)
-    })?;
+    file.write_png(&picture)?;
     let [width, height] = [picture.width(), picture.height()];
     say(&format!("{}: {width} × {height} pixels\n", file.path().display()))
 }

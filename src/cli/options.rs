@@ -5,19 +5,17 @@ use std::path::{Path, PathBuf};
 use std::str::FromStr;
 use std::time::Duration;
 
-use anyhow::{Context, anyhow, bail};
+use anyhow::{anyhow, bail};
 use clap::builder::PossibleValue;
 use clap::parser::ValueSource;
 use clap::{Arg, ArgAction, ArgMatches, Command, value_parser};
 use glam::Vec3;
 use selflink::base::memory::MemoryBudget;
 use selflink::export::settings::Settings;
-use selflink::hierarchy::ClusteringMode;
 use selflink::prepare::added_light::{AddedLight, CeilingLight};
 use selflink::scene::outside::{Daylight, SkyKind, SkySpec, SunSpec};
-use selflink::scene::{Reading, Sides, Source, Unit, UpAxis, builtin::BuiltinScene};
-use selflink::solve::{Epsilon, PARAMETERS, Parameter, ParameterId, Reconstruct, SolverParams, USUAL_ERROR, ValueKind};
-use selflink::transport::{ClusterModel, OracleKind, Push};
+use selflink::scene::{Reading, Source, Unit, UpAxis, builtin::BuiltinScene};
+use selflink::solve::{Epsilon, PARAMETERS, Parameter, ParameterId, SolverParams, USUAL_ERROR, ValueKind};
 
 /// More threads than any machine has cores for.
 const MOST_THREADS: u32 = 1024;
@@ -25,7 +23,15 @@ const MOST_THREADS: u32 = 1024;
 /// One argument for each of the solver's parameters: help, unit and default from the one place that
 /// states them.
 pub fn solver_args() -> impl Iterator<Item = Arg> {
-    solver_args_where(|_| true)
+    solver_args_where(|_| true).chain([former_arg()])
+}
+
+/// An option that is gone; older command lines may name it.
+const FORMER_CRITERION: &str = "refine-by";
+
+/// The argument that is read and reported, though it changes nothing.
+pub fn former_arg() -> Arg {
+    Arg::new(FORMER_CRITERION).long(FORMER_CRITERION).alias("oracle").hide(true)
 }
 
 /// The arguments of some of the solver's parameters.
@@ -34,7 +40,7 @@ pub fn solver_args_where(wanted: impl Fn(ParameterId) -> bool) -> impl Iterator<
 }
 
 fn solver_arg(parameter: &'static Parameter) -> Arg {
-    let default = default_text(parameter.id);
+    let default = default_text(parameter);
     let unit = if parameter.unit.is_empty() { String::new() } else { format!(" Unit: {}.", parameter.unit) };
     let arg = Arg::new(parameter.flag)
         .long(parameter.flag)
@@ -49,19 +55,15 @@ fn solver_arg(parameter: &'static Parameter) -> Arg {
         ValueKind::Real { .. } => arg.value_name("NUMBER").value_parser(number),
         ValueKind::Whole { .. } if parameter.id == ParameterId::Seed => arg.value_name("N").value_parser(whole::<u64>),
         ValueKind::Whole { .. } => arg.value_name("N").value_parser(whole::<u32>),
-        ValueKind::Choice { names, shown } => {
-            let value = |(name, shown): (&&'static str, &&'static str)| match name == shown {
+        ValueKind::Choice { names } => {
+            let value = |(name, shown): &(&'static str, &'static str)| match name == shown {
                 true => PossibleValue::new(*name),
                 // Files and older command lines say it so.
                 false => PossibleValue::new(*shown).alias(*name),
             };
-            let values: Vec<PossibleValue> = names.iter().zip(*shown).map(value).collect();
+            let values: Vec<PossibleValue> = names.iter().map(value).collect();
             let arg = arg.value_name("MODE").value_parser(clap::builder::PossibleValuesParser::new(values));
-            match parameter.id {
-                ParameterId::Oracle => arg.alias("oracle"),
-                ParameterId::Reconstruct => arg.visible_alias("shading"),
-                _ => arg,
-            }
+            if parameter.id == ParameterId::Reconstruct { arg.visible_alias("shading") } else { arg }
         }
     }
 }
@@ -80,43 +82,32 @@ pub fn whole<T: FromStr>(text: &str) -> Result<T, String> {
 }
 
 /// A parameter's default as a person would write it.
-fn default_text(id: ParameterId) -> String {
+fn default_text(parameter: &Parameter) -> String {
     let params = SolverParams::default();
     let (relative, watts) = match params.epsilon {
         Epsilon::Relative(share) => (format!("{share:e}"), "as --epsilon says".to_owned()),
         Epsilon::Watts(watts) => ("as --epsilon-watts says".to_owned(), format!("{watts:e}")),
     };
-    match id {
+    match parameter.id {
         ParameterId::Error => format!("{USUAL_ERROR}, unless --epsilon or --reconstruct is given"),
-        ParameterId::Reconstruct => shown_name(id, &name_of(&params.reconstruct)),
         ParameterId::Epsilon => relative,
         ParameterId::EpsilonWatts => watts,
         ParameterId::PartialFactor => params.partial_factor.to_string(),
         ParameterId::VisibilityFactor => params.visibility_factor.to_string(),
         ParameterId::RaysMin => params.rays_min.to_string(),
         ParameterId::RaysMax => params.rays_max.to_string(),
-        ParameterId::Clustering => name_of(&params.clustering),
         ParameterId::OctreeDepth => params.octree_depth.to_string(),
-        ParameterId::ClusterModel => name_of(&params.cluster_model),
-        ParameterId::Oracle => shown_name(id, &name_of(&params.oracle)),
-        ParameterId::Push => name_of(&params.push),
-        ParameterId::Sides => params.sides.map_or_else(|| "as the scene says".to_owned(), |sides| name_of(&sides)),
+        id @ (ParameterId::Reconstruct
+        | ParameterId::Clustering
+        | ParameterId::ClusterModel
+        | ParameterId::Push
+        | ParameterId::Sides) => {
+            let chosen = params.choice(id).and_then(|name| parameter.shown(&name));
+            chosen.unwrap_or("as the scene says").to_owned()
+        }
         ParameterId::Threads => format!("{}, every core", params.threads),
         ParameterId::Seed => params.seed.to_string(),
         ParameterId::Memory => params.memory.to_string(),
-    }
-}
-
-/// The name of a parameter's choice for people, from that in files.
-fn shown_name(id: ParameterId, name: &str) -> String {
-    PARAMETERS.iter().find(|parameter| parameter.id == id).and_then(|of| of.shown(name)).unwrap_or(name).to_owned()
-}
-
-/// The name of a choice, as files spell it.
-pub fn name_of(choice: &impl serde::Serialize) -> String {
-    match serde_json::to_value(choice) {
-        Ok(serde_json::Value::String(name)) => name,
-        _ => String::new(),
     }
 }
 
@@ -133,6 +124,9 @@ pub fn solver_params_over(filed: Option<SolverParams>, matches: &ArgMatches) -> 
         bail!("--error chooses what --{flag} would say: give one of them");
     }
     let knows_error = matches.try_contains_id("error").is_ok();
+    if has(matches, FORMER_CRITERION) {
+        eprintln!("warning: --{FORMER_CRITERION} is gone, links are refined by their power: leave it out.");
+    }
     let mut params = match filed {
         Some(filed) if by_threshold.is_none() => filed,
         Some(filed) => SolverParams { error: None, ..filed },
@@ -140,7 +134,7 @@ pub fn solver_params_over(filed: Option<SolverParams>, matches: &ArgMatches) -> 
         None => SolverParams::default(),
     };
     for parameter in &PARAMETERS {
-        set(&mut params, parameter, matches)?;
+        set(&mut params, parameter, matches);
     }
     if given("epsilon") && given("epsilon-watts") {
         bail!("--epsilon and --epsilon-watts state the same threshold: give one of them");
@@ -157,46 +151,33 @@ fn has(matches: &ArgMatches, flag: &str) -> bool {
     matches.try_contains_id(flag).unwrap_or(false)
 }
 
-fn set(params: &mut SolverParams, parameter: &Parameter, matches: &ArgMatches) -> anyhow::Result<()> {
+fn set(params: &mut SolverParams, parameter: &Parameter, matches: &ArgMatches) {
     let flag = parameter.flag;
     if !has(matches, flag) {
-        return Ok(());
+        return;
     }
     let real = || matches.get_one::<f64>(flag).copied();
     let whole = || matches.get_one::<u32>(flag).copied();
     match parameter.id {
         ParameterId::Error => params.error = real().or(params.error),
-        ParameterId::Reconstruct => {
-            params.reconstruct = choice::<Reconstruct>(matches, flag)?.unwrap_or(params.reconstruct);
-        }
         ParameterId::Epsilon => params.epsilon = real().map_or(params.epsilon, Epsilon::Relative),
         ParameterId::EpsilonWatts => params.epsilon = real().map_or(params.epsilon, Epsilon::Watts),
         ParameterId::PartialFactor => params.partial_factor = real().unwrap_or(params.partial_factor),
         ParameterId::VisibilityFactor => params.visibility_factor = real().unwrap_or(params.visibility_factor),
         ParameterId::RaysMin => params.rays_min = whole().unwrap_or(params.rays_min),
         ParameterId::RaysMax => params.rays_max = whole().unwrap_or(params.rays_max),
-        ParameterId::Clustering => {
-            params.clustering = choice::<ClusteringMode>(matches, flag)?.unwrap_or(params.clustering);
-        }
         ParameterId::OctreeDepth => params.octree_depth = whole().unwrap_or(params.octree_depth),
-        ParameterId::ClusterModel => {
-            params.cluster_model = choice::<ClusterModel>(matches, flag)?.unwrap_or(params.cluster_model);
+        ParameterId::Reconstruct
+        | ParameterId::Clustering
+        | ParameterId::ClusterModel
+        | ParameterId::Push
+        | ParameterId::Sides => {
+            params.choose(parameter.id, matches.get_one::<String>(flag).and_then(|name| parameter.in_files(name)));
         }
-        ParameterId::Oracle => params.oracle = choice::<OracleKind>(matches, flag)?.unwrap_or(params.oracle),
-        ParameterId::Push => params.push = choice::<Push>(matches, flag)?.unwrap_or(params.push),
-        ParameterId::Sides => params.sides = choice::<Sides>(matches, flag)?.or(params.sides),
         ParameterId::Threads => params.threads = whole().unwrap_or(params.threads),
         ParameterId::Seed => params.seed = matches.get_one::<u64>(flag).copied().unwrap_or(params.seed),
         ParameterId::Memory => params.memory = matches.get_one(flag).copied().unwrap_or(params.memory),
     }
-    Ok(())
-}
-
-fn choice<T: serde::de::DeserializeOwned>(matches: &ArgMatches, flag: &str) -> anyhow::Result<Option<T>> {
-    let Some(shown) = matches.get_one::<String>(flag) else { return Ok(None) };
-    let name = PARAMETERS.iter().find(|parameter| parameter.flag == flag).and_then(|of| of.in_files(shown));
-    let value = serde_json::from_value(serde_json::Value::String(name.unwrap_or(shown).to_owned()));
-    Ok(Some(value.with_context(|| format!("--{flag} does not know {shown}"))?))
 }
 
 /// The unit of a file's lengths.
@@ -284,7 +265,12 @@ pub fn settings_path(matches: &ArgMatches) -> Option<PathBuf> {
 
 /// The settings of the file that the arguments name.
 pub fn filed_settings(matches: &ArgMatches) -> anyhow::Result<Option<Settings>> {
-    Ok(settings_path(matches).map(|path| Settings::read(&path)).transpose()?)
+    let Some(path) = settings_path(matches) else { return Ok(None) };
+    let mut settings = Settings::read(&path)?;
+    if let Some(sentence) = settings.solver.forget_criterion() {
+        eprintln!("warning: {}: {sentence}.", path.display());
+    }
+    Ok(Some(settings))
 }
 
 /// How long something may take.
@@ -428,6 +414,10 @@ pub fn coordinates<const N: usize>(text: &str, separator: char) -> Option<[f64; 
 
 #[cfg(test)]
 mod tests {
+    use selflink::scene::Sides;
+    use selflink::solve::{ClusteringMode, Reconstruct};
+    use selflink::transport::{ClusterModel, Push};
+
     use super::*;
 
     fn params(args: &[&str]) -> anyhow::Result<SolverParams> {
@@ -454,8 +444,9 @@ mod tests {
             (&["--reconstruct", "flat"], constant),
             (&["--epsilon", "0.01"], SolverParams { epsilon: Epsilon::Relative(0.01), ..by_threshold }),
             (&["--epsilon-watts", "3"], SolverParams { epsilon: Epsilon::Watts(3.0), ..by_threshold }),
-            (&["--oracle", "error"], SolverParams { oracle: OracleKind::Error, ..defaults }),
-            (&["--refine-by", "link-error"], SolverParams { oracle: OracleKind::Error, ..defaults }),
+            // Of older command lines; reported.
+            (&["--oracle", "error"], defaults),
+            (&["--refine-by", "link-error"], defaults),
             (&["--shading", "flat"], SolverParams { reconstruct: Reconstruct::Constant, error: None, ..defaults }),
             (&["--partial-factor", "0.5"], SolverParams { partial_factor: 0.5, ..defaults }),
             (&["--visibility-factor", "2"], SolverParams { visibility_factor: 2.0, ..defaults }),

@@ -5,6 +5,7 @@ use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, anyhow, bail};
+use image::{ImageBuffer, ImageFormat, Pixel, PixelWithColorType};
 
 /// Writes to stdout. Whoever reads it may have gone away, which is no fault.
 pub fn say(text: &str) -> anyhow::Result<()> {
@@ -55,6 +56,14 @@ impl OutputFile {
         write().map_err(|error| unwritable(&self.0, &error))?;
         tracing::info!(file = %self.0.display(), "written");
         Ok(())
+    }
+
+    /// Writes a picture as PNG.
+    pub fn write_png<P>(&self, picture: &ImageBuffer<P, Vec<u8>>) -> anyhow::Result<()>
+    where
+        P: Pixel<Subpixel = u8> + PixelWithColorType,
+    {
+        self.write(|writer| picture.write_to(writer, ImageFormat::Png).map_err(io::Error::other))
     }
 }
 

@@ -31,7 +31,7 @@ const ERRORS: [f64; 4] = [0.1, 0.05, 0.03, 0.02];
 
 /// Adds the arguments that charts of pictures have.
 pub fn with_args(command: Command) -> Command {
-    let of_points = ["epsilons", "settings", "points", "noise", "cache", "no-cache", "error"];
+    let of_points = ["epsilons", "settings", "points", "noise", "cache", "no-cache"];
     command
         .arg(
             Arg::new("picture")

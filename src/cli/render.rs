@@ -7,7 +7,7 @@ use std::time::Instant;
 use anyhow::{Context, anyhow, bail};
 use clap::{Arg, ArgAction, ArgMatches, Command};
 use glam::{DVec3, Vec2};
-use image::{ImageFormat, RgbaImage};
+use image::RgbaImage;
 use selflink::export::{PictureFormat, exr};
 use selflink::read::daylight_factor::open_ground;
 use selflink::read::picture::{GatheredPicture, write_labels};
@@ -168,9 +168,9 @@ pub fn run(matches: &ArgMatches) -> anyhow::Result<()> {
     let mut offscreen =
         if gathered.is_some() && !wants_lines { None } else { Some(early.map_or_else(Offscreen::new, Ok)?) };
     match (format, &gathered, &mut offscreen) {
-        (PictureFormat::Png, Some(picture), None) => save(&show(picture, &job.scene, &solution, &view)?, &file)?,
+        (PictureFormat::Png, Some(picture), None) => file.write_png(&show(picture, &job.scene, &solution, &view)?)?,
         (PictureFormat::Png, picture, Some(offscreen)) => {
-            save(&draw(offscreen, &job.scene, &mut solution, &view, picture.as_ref())?, &file)?;
+            file.write_png(&draw(offscreen, &job.scene, &mut solution, &view, picture.as_ref())?)?;
         }
         (PictureFormat::Exr, Some(picture), _) => {
             let layers = picture.layers().context("the picture has no pixels")?;
@@ -218,13 +218,6 @@ fn metered_exposure(scene: &Scene, solution: &Solution, view: &View) -> f32 {
     let meter = LightMeter::new(snapshot, scene);
     let metered = meter.exposure(snapshot, occluders, &camera(scene, view), width / height).factor;
     view.display.exposure.factor(metered)
-}
-
-/// Writes a picture as PNG.
-pub fn save(picture: &RgbaImage, file: &OutputFile) -> anyhow::Result<()> {
-    let mut encoded = std::io::Cursor::new(Vec::new());
-    picture.write_to(&mut encoded, ImageFormat::Png)?;
-    file.write(|writer| std::io::Write::write_all(writer, encoded.get_ref()))
 }
 
 /// Draws a solution, or lines over a gathered picture of it.

@@ -8,13 +8,12 @@ use selflink::export::settings::Settings;
 use selflink::gather::Quantiles;
 use selflink::scene::{FileLight, Scene, Sides, Skipped};
 use selflink::solve::{
-    Bytes, ClusteringMode, ErrorFound, MemoryStop, PowerBalance, Reconstruct, Seconds, power_balance,
+    Bytes, ClusteringMode, ErrorFound, MemoryStop, PowerBalance, Reconstruct, Seconds, name_of, power_balance,
 };
-use selflink::transport::{OracleKind, Push};
+use selflink::transport::Push;
 use serde::Serialize;
 
 use super::job::{Job, Solution};
-use super::options::name_of;
 
 /// Rays that measure what escapes and what backs stop: about 0.3 % of the power either way.
 const BALANCE_RAYS: u32 = 100_000;
@@ -39,7 +38,6 @@ pub struct Report<'a> {
     visibility_factor: f64,
     rays_min: u32,
     rays_max: u32,
-    oracle: OracleKind,
     push: Push,
     sides: Sides,
     seed: u64,
@@ -107,7 +105,6 @@ impl<'a> Report<'a> {
             visibility_factor: params.visibility_factor,
             rays_min: params.rays_min,
             rays_max: params.rays_max,
-            oracle: params.oracle,
             push: params.push,
             sides: scene.sides,
             seed: params.seed,

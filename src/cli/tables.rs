@@ -120,11 +120,7 @@ fn figures(lab: &mut Lab<'_>, folder: &Path, pool: &ThreadPool) -> anyhow::Resul
     };
     let (report, pictures) = drawn;
     for picture in pictures {
-        let file = OutputFile::new(&folder.join(&picture.name), &[])?;
-        file.write(|writer| {
-            let encoder = image::codecs::png::PngEncoder::new(writer);
-            picture.pixels.write_with_encoder(encoder).map_err(std::io::Error::other)
-        })?;
+        OutputFile::new(&folder.join(&picture.name), &[])?.write_png(&picture.pixels)?;
     }
     Ok(Some(report))
 }

@@ -8,6 +8,8 @@ use std::time::Instant;
 use clap::parser::ValueSource;
 use clap::{Arg, ArgAction, ArgMatches, Command};
 use selflink::base::panic_report;
+#[cfg(feature = "gui")]
+use selflink::export::file_name;
 use selflink::export::settings::Settings;
 #[cfg(feature = "gui")]
 use selflink::render::Offscreen;
@@ -101,13 +103,12 @@ fn draw(job: &Job, mut solution: Solution, file: &OutputFile) -> anyhow::Result<
         }
     };
     let picture = render::draw(&mut offscreen, &job.scene, &mut solution, &View::default(), None)?;
-    render::save(&picture, file)?;
+    file.write_png(&picture)?;
     say(&format!("picture    {}, drawn by {}\n", file.path().display(), offscreen.adapter()))
 }
 
 /// In the current folder, by the scene's name.
 #[cfg(feature = "gui")]
 fn picture_path(scene: &str) -> PathBuf {
-    let name: String = scene.chars().map(|c| if c.is_alphanumeric() || "-_.".contains(c) { c } else { '_' }).collect();
-    PathBuf::from(format!("selflink-{name}.png"))
+    PathBuf::from(format!("selflink-{}.png", file_name(scene)))
 }

@@ -277,7 +277,7 @@ mod tests {
             .triangles
             .iter()
             .map(|corners| {
-                let [a, b, c] = corners.map(|corner| Vec3::from(mesh.positions[corner as usize]));
+                let [a, b, c] = mesh.corners(*corners);
                 0.5 * (b - a).cross(c - a).length()
             })
             .sum();

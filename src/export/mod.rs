@@ -20,6 +20,11 @@ use crate::read::tone;
 use crate::scene::{Material, Scene};
 use crate::solve::{Mesh, Snapshot};
 
+/// A scene's name as a file can have it.
+pub fn file_name(scene: &str) -> String {
+    scene.chars().map(|c| if c.is_alphanumeric() || "-_.".contains(c) { c } else { '_' }).collect()
+}
+
 /// A file name whose extension says no format.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{}: {what}", path.display())]

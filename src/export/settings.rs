@@ -188,6 +188,18 @@ mod tests {
         assert_eq!((read.scene, read.light), (None, AddedLight::default()));
     }
 
+    /// Truth: files of older versions name the criterion of refinement; only one of the two is
+    /// missed.
+    #[test]
+    fn a_former_criterion_is_read_and_reported() {
+        for (criterion, is_missed) in [("energy", false), ("power", false), ("error", true), ("link-error", true)] {
+            let text = format!(r#"{{"settings": {{"solver": {{"oracle": "{criterion}"}}}}}}"#);
+            let mut settings = read(&text).expect("settings");
+            assert_eq!(settings.solver.forget_criterion().is_some(), is_missed, "{criterion}");
+            assert_eq!(settings.solver, SolverParams::usual());
+        }
+    }
+
     #[test]
     fn what_cannot_be_used_is_said() {
         for (text, part) in [

@@ -229,8 +229,6 @@ mod tests {
     use glam::Vec3;
 
     use super::*;
-    use crate::base::cancel::CancelToken;
-    use crate::geometry::Occluders;
     use crate::hierarchy::ClusteringMode;
     use crate::solve::{Solver, SolverParams};
 
@@ -251,11 +249,7 @@ mod tests {
     fn solved(scene: Scene) -> (Arc<SolutionView>, Names) {
         let scene = Arc::new(scene);
         let params = SolverParams { clustering: ClusteringMode::Groups, ..SolverParams::default() };
-        let occluders = Arc::new(Occluders::new(&scene));
-        let mut solver = Solver::new(scene.clone(), occluders, params, 1).expect("the parameters are valid");
-        assert!(solver.run(&CancelToken::new()));
-        solver.show_solution_view(true);
-        let solution_view = solver.snapshot().solution_view.expect("it was asked for");
+        let solution_view = Solver::solved(&scene, params).snapshot().solution_view.expect("it was asked for");
         let names = Names::new(1, solution_view.hierarchy(), &scene);
         (solution_view, names)
     }

@@ -50,7 +50,7 @@ impl<'a> Probe<'a> {
     pub fn new(mesh: &'a Mesh, irradiance: &'a [[f32; 3]], radiosity: &'a [[f32; 3]]) -> Self {
         let triangles: Vec<Triangle> = (0..mesh.triangles.len())
             .map(|index| {
-                let [v0, v1, v2] = corners(mesh, index).map(Vec3A::from);
+                let [v0, v1, v2] = mesh.corners(mesh.triangles[index]).map(Vec3A::from);
                 Triangle { v0, v1, v2 }
             })
             .collect();
@@ -78,7 +78,7 @@ impl<'a> Probe<'a> {
     /// polygon of the scene that it lies on.
     pub fn place(&self, point: Vec3, normal: Vec3) -> Option<(Vec3, u32)> {
         let (triangle, nearest) = self.nearest(point, normal)?;
-        let [a, b, c] = corners(self.mesh, triangle);
+        let [a, b, c] = self.mesh.corners(self.mesh.triangles[triangle]);
         let weights = nearest.weights;
         let leaf = self.mesh.triangle_leaf[triangle] as usize;
         Some((weights.x * a + weights.y * b + weights.z * c, self.mesh.leaves[leaf].polygon))
@@ -92,7 +92,7 @@ impl<'a> Probe<'a> {
             let primitives = node.first_index as usize..(node.first_index + node.prim_count) as usize;
             for &triangle in &bvh.primitive_indices[primitives] {
                 let triangle = triangle as usize;
-                let corners = corners(self.mesh, triangle);
+                let corners = self.mesh.corners(self.mesh.triangles[triangle]);
                 if facing(corners, normal) <= 0.0 {
                     continue;
                 }
@@ -108,10 +108,6 @@ impl<'a> Probe<'a> {
         });
         best.filter(|(_, nearest)| nearest.distance_squared <= self.tolerance * self.tolerance)
     }
-}
-
-fn corners(mesh: &Mesh, triangle: usize) -> [Vec3; 3] {
-    mesh.triangles[triangle].map(|vertex| Vec3::from(mesh.positions[vertex as usize]))
 }
 
 /// Positive where the bright side of a triangle looks along `normal`.

@@ -292,8 +292,6 @@ pub fn by_clusters(snapshot: &Snapshot, view: ClusterView) -> Option<Snapshot> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::base::cancel::CancelToken;
-    use crate::geometry::Occluders;
     use crate::render::{Camera, Display, Offscreen, Overlay};
     use crate::scene::Scene;
     use crate::scene::builtin::BuiltinScene;
@@ -301,12 +299,9 @@ mod tests {
 
     fn solved(name: &str, clustering: ClusteringMode) -> (Arc<Scene>, Snapshot) {
         let scene = Arc::new(BuiltinScene::from_name(name).expect("ours").build());
-        let occluders = Arc::new(Occluders::new(&scene));
         let params = SolverParams { epsilon: Epsilon::Relative(3e-2), clustering, ..SolverParams::default() };
-        let mut solver = Solver::new(scene.clone(), occluders, params, 1).expect("the parameters are valid");
-        assert!(solver.run(&CancelToken::new()));
-        solver.show_solution_view(true);
-        (scene, solver.snapshot())
+        let snapshot = Solver::solved(&scene, params).snapshot();
+        (scene, snapshot)
     }
 
     fn picture(scene: &Scene, snapshot: &Snapshot, as_colours: bool) -> image::RgbaImage {

@@ -90,7 +90,6 @@ mod tests {
     use glam::Vec3;
 
     use super::*;
-    use crate::base::cancel::CancelToken;
     use crate::measure::stability::scenes::add_box;
     use crate::scene::builtin::BuiltinScene;
     use crate::scene::{CameraPose, GroupId, MaterialId};
@@ -113,11 +112,8 @@ mod tests {
         add_box(&mut scene, (place, place + Vec3::ONE), true, (case, of));
         add_box(&mut scene, (place + Vec3::splat(0.4), place + Vec3::splat(0.6)), false, (lamp, of));
         let scene = Arc::new(scene);
-        let occluders = Arc::new(Occluders::new(&scene));
-        let mut solver = Solver::new(scene.clone(), occluders.clone(), SolverParams::default(), 1)
-            .expect("the parameters are valid");
-        assert!(solver.run(&CancelToken::new()));
-        let mut snapshot = solver.snapshot();
+        let mut solver = Solver::solved(&scene, SolverParams::default());
+        let (occluders, mut snapshot) = (solver.link_solution().occluders().clone(), solver.snapshot());
         // Some ray gets out, as rounding lets one.
         let mesh = snapshot.mesh.clone();
         for (leaf, radiosity) in mesh.leaves.iter().zip(&mut snapshot.leaf_radiosity) {

@@ -22,7 +22,7 @@ const BLACKEST: f32 = 0.02;
 pub(super) fn shades(mesh: &Mesh) -> Vec<f32> {
     let mut normals = vec![Vec3::ZERO; mesh.positions.len()];
     for &corners in &mesh.triangles {
-        let [a, b, c] = corners.map(|vertex| Vec3::from(mesh.positions[vertex as usize]));
+        let [a, b, c] = mesh.corners(corners);
         for vertex in corners {
             normals[vertex as usize] += (b - a).cross(c - a);
         }
@@ -62,8 +62,6 @@ mod tests {
     use std::sync::Arc;
 
     use super::*;
-    use crate::base::cancel::CancelToken;
-    use crate::geometry::Occluders;
     use crate::render::{Camera, Display, Offscreen, Overlay};
     use crate::scene::builtin::BuiltinScene;
     use crate::solve::{Solver, SolverParams};
@@ -77,17 +75,13 @@ mod tests {
             material.emission = Vec3::ZERO;
         }
         let scene = Arc::new(scene);
-        let occluders = Arc::new(Occluders::new(&scene));
-        let mut solver =
-            Solver::new(scene.clone(), occluders, SolverParams::default(), 1).expect("the parameters are valid");
-        assert!(solver.run(&CancelToken::new()));
-        let dark = solver.snapshot();
+        let dark = Solver::solved(&scene, SolverParams::default()).snapshot();
         assert!(dark.vertex_radiosity.iter().flatten().all(|channel| *channel == 0.0));
         let shown = in_own_colours(&dark, &scene);
         // Mean colour of the vertices of faces that are turned this way.
         let of_faces = |way: Vec3| {
             let of = |triangle: &&[u32; 3]| {
-                let [a, b, c] = triangle.map(|vertex| Vec3::from(dark.mesh.positions[vertex as usize]));
+                let [a, b, c] = dark.mesh.corners(**triangle);
                 (b - a).cross(c - a).normalize_or_zero().dot(way) > 0.99
             };
             let corners: Vec<u32> = dark.mesh.triangles.iter().filter(of).flatten().copied().collect();

@@ -24,7 +24,7 @@ pub struct Picked {
 pub fn pick(mesh: &Mesh, origin: Vec3, direction: Vec3) -> Option<Picked> {
     let nearest = |(chunk, triangles): (usize, &[[u32; 3]])| {
         let met = triangles.iter().enumerate().filter_map(|(index, corners)| {
-            let corners = corners.map(|corner| Vec3::from(mesh.positions[corner as usize]));
+            let corners = mesh.corners(*corners);
             front_hit(corners, origin, direction).map(|distance| (distance, chunk * CHUNK + index))
         });
         met.min_by(nearer)

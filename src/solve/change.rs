@@ -76,9 +76,7 @@ impl SolverParams {
     /// `newer`, by the second.
     pub(super) fn change_to(&self, newer: &Self, [epsilon, newer_epsilon]: [f64; 2]) -> Change {
         let is_other_threshold = self.threshold() != newer.threshold();
-        let merges_back = is_other_threshold && newer_epsilon > epsilon
-            || newer.partial_factor > self.partial_factor
-            || newer.oracle != self.oracle;
+        let merges_back = is_other_threshold && newer_epsilon > epsilon || newer.partial_factor > self.partial_factor;
         let reasons = RecheckReasons {
             finer_epsilon: is_other_threshold && newer_epsilon <= epsilon || newer.partial_factor < self.partial_factor,
             more_rays: newer.visibility_factor > self.visibility_factor
@@ -116,7 +114,7 @@ mod tests {
     use super::*;
     use crate::base::memory::MemoryBudget;
     use crate::scene::Sides;
-    use crate::transport::{ClusterModel, OracleKind, Push};
+    use crate::transport::{ClusterModel, Push};
 
     /// ε in W where Φ is 100 W.
     fn watts(params: &SolverParams) -> f64 {
@@ -136,9 +134,6 @@ mod tests {
             }
             ParameterId::EpsilonWatts => {
                 [0.01, 0.1].map(|watts| SolverParams { epsilon: Epsilon::Watts(watts), ..base })
-            }
-            ParameterId::Oracle => {
-                [OracleKind::Energy, OracleKind::Error].map(|oracle| SolverParams { oracle, ..base })
             }
             ParameterId::Reconstruct => {
                 [Reconstruct::Vertex, Reconstruct::Gather].map(|reconstruct| SolverParams { reconstruct, ..base })

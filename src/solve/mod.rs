@@ -36,7 +36,7 @@ pub use memory::MemoryStop;
 pub use mesh_error::MeshError;
 pub use params::{
     ClusteringMode, Epsilon, PARAMETERS, Parameter, ParameterId, ParamsError, Reconstruct, SolverParams, USUAL_ERROR,
-    ValueKind,
+    ValueKind, name_of,
 };
 pub use reconstruction_mesh::{barycentric, place_among};
 pub use snapshot::{ClusterBox, Leaf, Mesh, Snapshot};
@@ -114,6 +114,16 @@ impl Solver {
         let clusters = links.hierarchy().cluster_count();
         tracing::info!(clusters, epsilon_watts = watts(&params, power), power_watts = power, seconds, "clusters built");
         Ok(Self::over(links, params, power, (generation, seconds)))
+    }
+
+    /// A solution of a scene whose snapshots hold its elements and links.
+    #[cfg(test)]
+    pub(crate) fn solved(scene: &Arc<Scene>, params: SolverParams) -> Self {
+        let occluders = Arc::new(Occluders::new(scene));
+        let mut solver = Self::new(scene.clone(), occluders, params, 1).expect("the parameters are valid");
+        assert!(solver.run(&crate::base::cancel::CancelToken::new()));
+        solver.show_solution_view(true);
+        solver
     }
 
     fn over(links: LinkSolution, params: SolverParams, anchor_watts: f64, (generation, seconds): (u64, f64)) -> Self {

@@ -10,7 +10,7 @@ use super::change::ChangeCost;
 use crate::base::memory::MemoryBudget;
 pub use crate::hierarchy::ClusteringMode;
 use crate::scene::Sides;
-use crate::transport::{ClusterModel, LinkRules, OracleKind, Push};
+use crate::transport::{ClusterModel, LinkRules, Push};
 
 /// The threshold ε on the unoccluded power of a link.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -55,8 +55,6 @@ pub struct SolverParams {
     pub epsilon: Epsilon,
     /// How light is shown; where an error is asked for, always by a final gather.
     pub reconstruct: Reconstruct,
-    /// Quantity that links are refined by.
-    pub oracle: OracleKind,
     /// ε_partial / ε: how much stricter partly visible links are judged (section 2.3: 1/10).
     pub partial_factor: f64,
     /// f_vis: visibility rays per BFA/ε (section 2.4).
@@ -81,6 +79,22 @@ pub struct SolverParams {
     pub seed: u64,
     /// Memory that the solution may take; what does not fit is not refined.
     pub memory: MemoryBudget,
+    /// Criterion that files of older versions name; see [`Self::forget_criterion`].
+    #[serde(rename = "oracle", skip_serializing)]
+    pub former_criterion: FormerCriterion,
+}
+
+/// Criterion that older versions refined links by; all links are refined by power now.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum FormerCriterion {
+    /// The power that a link could carry (section 2.3).
+    #[default]
+    #[serde(alias = "power")]
+    Energy,
+    /// The error that a link was likely to make.
+    #[serde(alias = "link-error")]
+    Error,
 }
 
 impl Default for SolverParams {
@@ -89,7 +103,6 @@ impl Default for SolverParams {
             error: None,
             epsilon: Epsilon::Relative(1e-4),
             reconstruct: Reconstruct::Vertex,
-            oracle: OracleKind::Energy,
             partial_factor: 0.1,
             visibility_factor: 5.0,
             rays_min: 4,
@@ -102,6 +115,7 @@ impl Default for SolverParams {
             threads: 0,
             seed: 1,
             memory: MemoryBudget::default(),
+            former_criterion: FormerCriterion::default(),
         }
     }
 }
@@ -115,8 +129,6 @@ pub enum ParameterId {
     Epsilon,
     /// ε in W.
     EpsilonWatts,
-    /// Oracle.
-    Oracle,
     /// How light is shown.
     Reconstruct,
     /// ε_partial / ε.
@@ -162,11 +174,9 @@ pub enum ValueKind {
     },
     /// One of a few names.
     Choice {
-        /// The names, as files and the command line spell them.
-        names: &'static [&'static str],
-        /// The names in the window, where hyphens are spaces, in the same order; files and the
-        /// command line take them too.
-        shown: &'static [&'static str],
+        /// Each name as files spell it, and as the command line does and the window, where hyphens
+        /// are spaces; all take both.
+        names: &'static [(&'static str, &'static str)],
     },
 }
 
@@ -189,32 +199,25 @@ pub struct Parameter {
 }
 
 impl Parameter {
+    /// The names of a choice, in files and for people.
+    fn names(&self) -> impl Iterator<Item = (&'static str, &'static str)> {
+        let ValueKind::Choice { names } = self.kind else { return [].iter().copied() };
+        names.iter().copied()
+    }
+
     /// The name for people of a choice, from its name in files.
     pub fn shown(&self, name: &str) -> Option<&'static str> {
-        self.translated(name, |names, shown| (names, shown))
+        self.names().find(|(in_files, _)| *in_files == name).map(|(_, shown)| shown)
     }
 
-    /// The name in files of a choice, from its name for people.
-    pub fn in_files(&self, shown: &str) -> Option<&'static str> {
-        self.translated(shown, |names, shown| (shown, names))
-    }
-
-    fn translated(
-        &self,
-        name: &str,
-        from_and_to: impl Fn(
-            &'static [&'static str],
-            &'static [&'static str],
-        ) -> (&'static [&'static str], &'static [&'static str]),
-    ) -> Option<&'static str> {
-        let ValueKind::Choice { names, shown } = self.kind else { return None };
-        let (from, to) = from_and_to(names, shown);
-        from.iter().zip(to).find(|(known, _)| **known == name).map(|(_, other)| *other)
+    /// The name in files of a choice, from either name.
+    pub fn in_files(&self, name: &str) -> Option<&'static str> {
+        self.names().find(|(in_files, shown)| *in_files == name || *shown == name).map(|(in_files, _)| in_files)
     }
 }
 
 /// Every parameter, in the order of the panel.
-pub const PARAMETERS: [Parameter; 17] = [
+pub const PARAMETERS: [Parameter; 16] = [
     Parameter {
         id: ParameterId::Error,
         flag: "error",
@@ -243,24 +246,12 @@ pub const PARAMETERS: [Parameter; 17] = [
         costs: [ChangeCost::Verdicts, ChangeCost::Refinement],
     },
     Parameter {
-        id: ParameterId::Oracle,
-        flag: "refine-by",
-        label: "Refinement criterion",
-        unit: "",
-        hint: "What ε bounds: the power that a link could carry, as in the paper (section 2.3), or the error that the link is likely to make.",
-        kind: ValueKind::Choice { names: &["energy", "error"], shown: &["power", "link-error"] },
-        costs: [ChangeCost::Refinement; 2],
-    },
-    Parameter {
         id: ParameterId::Reconstruct,
         flag: "reconstruct",
         label: "Shading",
         unit: "",
         hint: "How light is shown: flat, one value for each leaf; smooth, interpolated between vertices; or by a final gather.",
-        kind: ValueKind::Choice {
-            names: &["constant", "vertex", "gather"],
-            shown: &["flat", "smooth", "final-gather"],
-        },
+        kind: ValueKind::Choice { names: &[("constant", "flat"), ("vertex", "smooth"), ("gather", "final-gather")] },
         costs: [ChangeCost::Radiosities; 2],
     },
     Parameter {
@@ -306,8 +297,7 @@ pub const PARAMETERS: [Parameter; 17] = [
         unit: "",
         hint: "How polygons are grouped: not at all (plain hierarchical radiosity), octree, the scene's own groups, or adaptive (section 2.2).",
         kind: ValueKind::Choice {
-            names: &["none", "octree", "groups", "adaptive"],
-            shown: &["none", "octree", "groups", "adaptive"],
+            names: &[("none", "none"), ("octree", "octree"), ("groups", "groups"), ("adaptive", "adaptive")],
         },
         costs: [ChangeCost::Hierarchy; 2],
     },
@@ -326,7 +316,7 @@ pub const PARAMETERS: [Parameter; 17] = [
         label: "Cluster model",
         unit: "",
         hint: "Light of a cluster: alike into all directions (isotropic, the paper's, section 1.2) or as its polygons are turned (oriented, by samples).",
-        kind: ValueKind::Choice { names: &["isotropic", "oriented"], shown: &["isotropic", "oriented"] },
+        kind: ValueKind::Choice { names: &[("isotropic", "isotropic"), ("oriented", "oriented")] },
         costs: [ChangeCost::Verdicts; 2],
     },
     Parameter {
@@ -335,7 +325,7 @@ pub const PARAMETERS: [Parameter; 17] = [
         label: "Irradiance push-down",
         unit: "",
         hint: "Hand irradiance that a cluster receives to its patches link by link with their cosine (immediate) or evenly afterwards (deferred, section 3.3).",
-        kind: ValueKind::Choice { names: &["immediate", "deferred"], shown: &["immediate", "deferred"] },
+        kind: ValueKind::Choice { names: &[("immediate", "immediate"), ("deferred", "deferred")] },
         costs: [ChangeCost::Radiosities; 2],
     },
     Parameter {
@@ -344,7 +334,7 @@ pub const PARAMETERS: [Parameter; 17] = [
         label: "Reflecting sides",
         unit: "",
         hint: "Which sides of a face reflect: the one its winding shows, both, or the one that the room sees (auto); as the scene says if not given.",
-        kind: ValueKind::Choice { names: &["front", "both", "auto"], shown: &["front", "both", "auto"] },
+        kind: ValueKind::Choice { names: &[("front", "front"), ("both", "both"), ("auto", "auto")] },
         costs: [ChangeCost::Scene; 2],
     },
     Parameter {
@@ -417,6 +407,39 @@ impl SolverParams {
         Self { error: Some(USUAL_ERROR), ..Self::default() }
     }
 
+    /// Name in files of a choice; `None` where it is left to the scene, and where the parameter is
+    /// none.
+    pub fn choice(&self, id: ParameterId) -> Option<String> {
+        match id {
+            ParameterId::Reconstruct => Some(name_of(&self.reconstruct)),
+            ParameterId::Clustering => Some(name_of(&self.clustering)),
+            ParameterId::ClusterModel => Some(name_of(&self.cluster_model)),
+            ParameterId::Push => Some(name_of(&self.push)),
+            ParameterId::Sides => self.sides.as_ref().map(name_of),
+            _ => None,
+        }
+    }
+
+    /// Makes a choice by its name in files; `None` leaves it to the scene where it can be.
+    pub fn choose(&mut self, id: ParameterId, name: Option<&str>) {
+        match id {
+            ParameterId::Reconstruct => set(&mut self.reconstruct, name),
+            ParameterId::Clustering => set(&mut self.clustering, name),
+            ParameterId::ClusterModel => set(&mut self.cluster_model, name),
+            ParameterId::Push => set(&mut self.push, name),
+            ParameterId::Sides => set(&mut self.sides, name),
+            _ => {}
+        }
+    }
+
+    /// Refines by power whatever the file of an older version says; the sentence for a person
+    /// where that makes a difference.
+    pub fn forget_criterion(&mut self) -> Option<&'static str> {
+        let former = std::mem::take(&mut self.former_criterion);
+        (former == FormerCriterion::Error)
+            .then_some("refinement by link error is gone, so links are refined by their power")
+    }
+
     /// The threshold ε that the solver goes by.
     pub fn threshold(&self) -> Epsilon {
         self.error.map_or(self.epsilon, |error| Epsilon::Relative(EPSILON_PER_ERROR * error))
@@ -425,7 +448,6 @@ impl SolverParams {
     /// Rules that links are refined by, with ε in W.
     pub(super) fn link_rules(&self, epsilon_watts: f64) -> LinkRules {
         LinkRules {
-            oracle: self.oracle,
             cluster_model: self.cluster_model,
             push: self.push,
             epsilon_watts,
@@ -433,7 +455,7 @@ impl SolverParams {
             visibility_factor: self.visibility_factor,
             rays_min: self.rays_min,
             rays_max: self.rays_max,
-            is_patient: self.oracle == OracleKind::Error || self.error.is_some(),
+            is_patient: self.error.is_some(),
             seed: self.seed,
         }
     }
@@ -472,5 +494,18 @@ impl SolverParams {
             return Err(ParamsError::Memory(self.memory));
         }
         Ok(())
+    }
+}
+
+/// The name of a choice, as files spell it.
+pub fn name_of(choice: &impl Serialize) -> String {
+    let name = serde_json::to_value(choice).ok();
+    name.as_ref().and_then(serde_json::Value::as_str).unwrap_or_default().to_owned()
+}
+
+/// Sets a choice by its name; one that is not known changes nothing.
+fn set<T: serde::de::DeserializeOwned>(choice: &mut T, name: Option<&str>) {
+    if let Ok(named) = serde_json::from_value(name.into()) {
+        *choice = named;
     }
 }

@@ -174,10 +174,7 @@ pub fn barycentric([a, b, c]: [Vec3; 3], point: Vec3) -> Vec3 {
 /// corners there, which sum to 1. Rounding may leave a point on an edge a little outside of either
 /// triangle: the one that it is least outside of has it.
 pub fn place_among(mesh: &Mesh, triangles: impl Iterator<Item = u32>, point: Vec3) -> Option<(u32, Vec3)> {
-    let weigh = |triangle: u32| {
-        let corners = mesh.triangles[triangle as usize].map(|at| Vec3::from(mesh.positions[at as usize]));
-        (triangle, barycentric(corners, point))
-    };
+    let weigh = |triangle: u32| (triangle, barycentric(mesh.corners(mesh.triangles[triangle as usize]), point));
     let found = triangles.map(weigh).filter(|(_, weights)| weights.is_finite());
     let (triangle, weights) = found.max_by(|a, b| a.1.min_element().total_cmp(&b.1.min_element()))?;
     let weights = weights.max(Vec3::ZERO);

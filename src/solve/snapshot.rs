@@ -74,6 +74,13 @@ pub struct Leaf {
     pub level: u8,
 }
 
+impl Mesh {
+    /// Positions of a triangle's corners.
+    pub fn corners(&self, triangle: [u32; 3]) -> [Vec3; 3] {
+        triangle.map(|vertex| Vec3::from(self.positions[vertex as usize]))
+    }
+}
+
 #[cfg(test)]
 impl Leaf {
     /// A square metre of a polygon that light reaches everywhere.

@@ -2,17 +2,16 @@
 //!
 //! The power oracle of the paper (section 2.3, [Lischinski 94]): refine while B_s·F·A_r > ε, with
 //! ε_partial where the ends see each other only in part; rays in proportion to B·F·A/ε within
-//! bounds (section 2.4). The error oracle (`link_error`) looks the same way and decides otherwise.
+//! bounds (section 2.4).
 
 use crate::hierarchy::{Cluster, ElementId, Hierarchy, Shape};
 
 use super::candidate::{Candidate, Directions, end_to_split};
 use super::form_factor::{Exchange, exchange, self_exchange};
 use super::link::{Link, VisibilitySource};
-use super::link_error::Facing;
 use super::pair_samples::{PairSamples, RayBudget, RaySampler, SampleDensity};
 use super::recheck::RecheckReasons;
-use super::rules::{ClusterModel, OracleKind};
+use super::rules::ClusterModel;
 use super::verdict::{Decision, OccludedPair, Rejection, Verdict};
 use super::visibility::{Thresholds, VisibilityEstimate, VisibilityKind};
 
@@ -34,10 +33,6 @@ pub struct Oracle<'a> {
     pub hierarchy: &'a Hierarchy,
     /// Largest colour of each element's radiosity B, W/m².
     pub max_radiosity: &'a [f32],
-    /// Standard deviation of that over the leaves of each element, W/m².
-    pub radiosity_stddev: &'a [f32],
-    /// Quantity that links are refined by.
-    pub kind: OracleKind,
     /// Whether anything may be split; pairs are kept as they are where memory holds no more.
     pub may_split: bool,
     /// Thresholds.
@@ -55,9 +50,8 @@ impl Oracle<'_> {
             return self.judge_self(candidate);
         }
         let (a, b) = (candidate.a, candidate.b);
-        let (estimate, bound, overlapping) = match exchange(self.hierarchy, a, b) {
-            Exchange::FacingAway => return Verdict::alike(candidate, Decision::Reject(Rejection::FacingAway)),
-            Exchange::Facing { estimate, bound, overlapping } => (estimate, bound, overlapping),
+        let Exchange::Facing { estimate, bound, .. } = exchange(self.hierarchy, a, b) else {
+            return Verdict::alike(candidate, Decision::Reject(Rejection::FacingAway));
         };
         let max_radiosity_to_a = if candidate.directions.to_a { self.max_radiosity[b.index()] } else { 0.0 };
         let max_radiosity_to_b = if candidate.directions.to_b { self.max_radiosity[a.index()] } else { 0.0 };
@@ -70,11 +64,7 @@ impl Oracle<'_> {
         let sight = if strongest > 0.0 {
             // Where both directions would be refined anyway, a mixture of seen and blocked rays
             // says all.
-            let stop_when_mixed = match self.kind {
-                OracleKind::Energy => self.may_split && weakest * bound > self.thresholds.epsilon_partial,
-                // By this oracle, V decides what is refined.
-                OracleKind::Error => false,
-            };
+            let stop_when_mixed = self.may_split && weakest * bound > self.thresholds.epsilon_partial;
             self.look(candidate, strongest * estimate, strongest * bound, stop_when_mixed)
         } else {
             VisibilityEstimate::unseen(candidate)
@@ -87,12 +77,7 @@ impl Oracle<'_> {
             }
             let form_factor = self.form_factor(receiver, source, estimate, sight.samples.as_ref());
             let link = Link::new(source, form_factor, sight.visibility, sight.visibility_source());
-            let mut decision = match self.kind {
-                OracleKind::Energy => self.decide(receiver, link, bound, sight.kind),
-                OracleKind::Error => {
-                    self.decide_by_error(receiver, link, Facing { estimate, bound, overlapping }, &sight)
-                }
-            };
+            let mut decision = self.decide(receiver, link, bound, sight.kind);
             if let Decision::Accept(link) | Decision::AcceptAtGuard(link) = &mut decision
                 && sight.kind == VisibilityKind::Full
                 && self.is_chosen_for_clear(link, bound)
@@ -144,9 +129,6 @@ impl Oracle<'_> {
         }
         if link.visibility_source() == VisibilitySource::None {
             return true;
-        }
-        if self.kind == OracleKind::Error {
-            return self.fails_by_error(receiver, link, MARGIN);
         }
         let hierarchy = self.hierarchy;
         let area = hierarchy.element(receiver).area;
@@ -222,12 +204,10 @@ impl Oracle<'_> {
         }
     }
 
-    /// Power that a cluster may send while its self-link is kept, W.
-    pub fn allowed_of_self(&self) -> f32 {
-        match self.kind {
-            OracleKind::Energy => self.thresholds.epsilon_partial,
-            OracleKind::Error => self.thresholds.epsilon,
-        }
+    /// Whether a cluster sends no more than it may while its self-link is kept.
+    pub fn accepts_self(&self, cluster: ElementId) -> bool {
+        let power = self.max_radiosity[cluster.index()] * self.hierarchy.element(cluster).area;
+        power <= self.thresholds.epsilon_partial
     }
 
     /// A self-link is refined while the power that its cluster sends could matter; it has no rays,
@@ -237,16 +217,14 @@ impl Oracle<'_> {
         let Shape::Cluster(cluster) = element.shape else {
             return Verdict::alike(candidate, Decision::Reject(Rejection::FacingAway));
         };
-        let max_radiosity = self.max_radiosity[candidate.a.index()];
-        let power = max_radiosity * element.area;
         let mut rays = 0;
-        let decision = if self.may_split && power > self.allowed_of_self() {
+        let decision = if self.may_split && !self.accepts_self(candidate.a) {
             Decision::Refine(candidate.a)
         } else if self.is_convex(&cluster) {
             Decision::Reject(Rejection::FacingAway)
         } else {
-            let visibility_source =
-                if max_radiosity > 0.0 { VisibilitySource::Inherited } else { VisibilitySource::None };
+            let is_lit = self.max_radiosity[candidate.a.index()] > 0.0;
+            let visibility_source = if is_lit { VisibilitySource::Inherited } else { VisibilitySource::None };
             Decision::Accept(self.self_link(candidate.a, &cluster, visibility_source, &mut rays))
         };
         Verdict {
@@ -362,11 +340,7 @@ impl Oracle<'_> {
                 ..VisibilityEstimate::unseen(candidate)
             };
         }
-        let is_refined = match self.kind {
-            OracleKind::Energy => bound > self.thresholds.epsilon,
-            OracleKind::Error => self.is_refined_unseen(bound),
-        };
-        if self.may_split && is_refined && bound > power {
+        if self.may_split && bound > self.thresholds.epsilon && bound > power {
             // Boxes that touch are refined in any case; what their members see is for their members
             // to find out.
             return VisibilityEstimate::unseen(candidate);

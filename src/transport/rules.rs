@@ -1,4 +1,4 @@
-//! The rules of transport: what links are refined by, and what clusters are to light.
+//! The rules of transport: thresholds and rays of links, and what clusters are to light.
 
 use serde::{Deserialize, Serialize};
 
@@ -29,24 +29,9 @@ pub enum ClusterModel {
     Oriented,
 }
 
-/// Quantity that a link is refined by.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum OracleKind {
-    /// The power that it could carry (section 2.3).
-    #[default]
-    #[serde(alias = "power")]
-    Energy,
-    /// The power that it is likely to put in the wrong place, or to make up or lose.
-    #[serde(alias = "link-error")]
-    Error,
-}
-
 /// Rules of a [`super::LinkSolution`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LinkRules {
-    /// Quantity that links are refined by.
-    pub oracle: OracleKind,
     /// Model of how clusters exchange light.
     pub cluster_model: ClusterModel,
     /// When clusters hand irradiance down.

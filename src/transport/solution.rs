@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use glam::Vec3;
 
+use super::SolutionView;
 use super::candidate::Candidate;
 use super::link::LinkTable;
 use super::oracle::Oracle;
@@ -12,7 +13,6 @@ use super::recheck::SCHEDULE;
 use super::refine::{Applied, Refinement};
 use super::rules::LinkRules;
 use super::sweep::{Gatherer, Light, pull};
-use super::{SolutionView, link_error};
 use crate::base::cancel::CancelToken;
 use crate::geometry::Occluders;
 use crate::hierarchy::{Element, ElementId, Hierarchy, PatchSums, Shape};
@@ -41,8 +41,6 @@ pub struct LinkSolution {
     /// Largest colour of each element's B at the last fixed point of the algorithm, which verdicts
     /// look at.
     pub(super) max_radiosity: Vec<f32>,
-    /// Standard deviation of that over each element's leaves, W/m².
-    pub(super) radiosity_stddev: Vec<f32>,
     /// Place in [`SCHEDULE`].
     pub(super) stage: usize,
     /// Whether the light is that of the stored links to the last digit, emission and reflectances
@@ -81,7 +79,6 @@ impl LinkSolution {
             refinement: Refinement::default(),
             emission: PatchSums::default(),
             max_radiosity: Vec::new(),
-            radiosity_stddev: Vec::new(),
             stage: 0,
             is_converged: false,
             is_full: false,
@@ -224,10 +221,8 @@ impl LinkSolution {
         Oracle {
             hierarchy: &self.hierarchy,
             max_radiosity: &self.max_radiosity,
-            radiosity_stddev: &self.radiosity_stddev,
             thresholds: self.rules.thresholds(SCHEDULE[self.stage]),
             model: self.rules.cluster_model,
-            kind: self.rules.oracle,
             may_split: !self.is_full,
             sampler: RaySampler { occluders: &self.occluders, seed: self.rules.seed, emission: &self.emission },
         }
@@ -258,14 +253,12 @@ impl LinkSolution {
         self.light.grow(&self.hierarchy);
         let known = self.max_radiosity.len();
         self.max_radiosity.extend(self.light.radiosity[known..].iter().map(|radiosity| radiosity.max_element()));
-        self.radiosity_stddev.resize(self.max_radiosity.len(), 0.0);
     }
 
     /// Makes the present radiosities those that verdicts look at.
     fn fix_max_radiosity(&mut self) {
         self.max_radiosity.clear();
         self.max_radiosity.extend(self.light.radiosity.iter().map(|radiosity| radiosity.max_element()));
-        link_error::radiosity_stddev_of(&self.hierarchy, &self.max_radiosity, &mut self.radiosity_stddev);
     }
 }
 

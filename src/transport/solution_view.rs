@@ -18,6 +18,7 @@ use super::push::Inspector;
 use super::rules::LinkRules;
 use super::sweep::Light;
 use crate::hierarchy::{ElementId, Hierarchy, Order, Room};
+pub use error::LinkError;
 
 /// Elements, links and light of one state of a solution.
 pub struct SolutionView {
@@ -280,19 +281,13 @@ mod tests {
     use std::sync::Arc;
 
     use super::*;
-    use crate::base::cancel::CancelToken;
-    use crate::geometry::Occluders;
     use crate::scene::builtin::BuiltinScene;
     use crate::solve::{Epsilon, Solver, SolverParams};
 
     fn solution_view() -> Arc<SolutionView> {
         let scene = Arc::new(BuiltinScene::Cornell.build());
-        let occluders = Arc::new(Occluders::new(&scene));
         let params = SolverParams { epsilon: Epsilon::Relative(3e-3), ..SolverParams::default() };
-        let mut solver = Solver::new(scene, occluders, params, 1).expect("the parameters are valid");
-        assert!(solver.run(&CancelToken::new()));
-        solver.show_solution_view(true);
-        solver.snapshot().solution_view.expect("it was asked for")
+        Solver::solved(&scene, params).snapshot().solution_view.expect("it was asked for")
     }
 
     /// Truth: each link comes in at one end and goes out at the other, and carries the same power

@@ -40,10 +40,10 @@ impl Thresholds {
     /// to eight the power that the office loses at ε = 1e-4 falls from 2.1 % to 1.1 %
     /// (`tests/solver/balance.rs`).
     ///
-    /// The patient way, of the error oracle and where a final gather follows, bounds what they may
-    /// have missed by ε/8 and goes on up to [`MOST_BLOCKED`] times the most rays: many rays on one
-    /// pair cost less than those on all its children, and a dark room behind a wall is not split
-    /// for want of them. Also returns the most rays that are cast to find out.
+    /// The patient way, where a final gather follows, bounds what they may have missed by ε/8 and
+    /// goes on up to [`MOST_BLOCKED`] times the most rays: many rays on one pair cost less than
+    /// those on all its children, and a dark room behind a wall is not split for want of them. Also
+    /// returns the most rays that are cast to find out.
     pub fn rays_to_reject(&self, power: f32) -> (u32, u32) {
         if self.is_patient {
             let most = MOST_BLOCKED * self.rays_max;

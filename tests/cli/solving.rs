@@ -134,6 +134,26 @@ fn statistics_are_settings_that_run_again() {
     assert!(refused(&["solve", "--settings", name(&dark)]).contains("not valid settings"));
 }
 
+/// Truth: the same links as without the option, and one sentence about it.
+#[test]
+fn a_former_criterion_of_refinement_is_read_and_reported() {
+    let folder = Folder::new();
+    let settings = folder.write("old.json", r#"{"settings": {"scene": "cornell", "solver": {"oracle": "error"}}}"#);
+    let solve = |args: &[&str]| {
+        let (stdout, stderr) = succeed(&[&["solve", "--stats", "-"], &COARSE[..], args].concat());
+        let stats: Value = serde_json::from_str(&stdout).expect("stdout is pure JSON");
+        (stats["links"].clone(), stderr)
+    };
+    let (links, plain) = solve(&["cornell"]);
+    assert!(!plain.contains("gone"), "{plain}");
+    for args in [["cornell", "--refine-by", "link-error"], ["cornell", "--oracle", "error"]] {
+        let (found, said) = solve(&args);
+        assert!(found == links && said.contains("--refine-by is gone"), "{said}");
+    }
+    let (found, said) = solve(&["--settings", name(&settings)]);
+    assert!(found == links && said.contains("refinement by link error is gone"), "{said}");
+}
+
 /// Truth: the counts of the statistics, and powers that add up to what the links bring.
 #[test]
 fn links_and_meshes_are_written_for_other_programs() {

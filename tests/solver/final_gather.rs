@@ -14,7 +14,6 @@ use selflink::measure::accuracy::{ErrorMeter, Measure};
 use selflink::measure::reference::{Reference, ReferenceRun, SurfacePoint, Target, compute, random_points};
 use selflink::scene::{GroupId, MaterialId, Scene, Sides, builtin::BuiltinScene};
 use selflink::solve::{Epsilon, Reconstruct, Snapshot, SolverParams, Step};
-use selflink::transport::OracleKind;
 
 use super::support::{add_box, empty_room, furnished_room, lamp_room, solve, solver, with_threads};
 
@@ -311,21 +310,18 @@ fn threads_do_not_matter() {
     assert_eq!(bits(solved(1)), bits(solved(3)));
 }
 
-/// A lamp that changes after leaves were split by the gather sends verdicts back to them, by either
-/// oracle.
+/// A lamp that changes after leaves were split by the gather sends verdicts back to them.
 #[test]
 fn lamps_can_change_after_the_gather() {
-    for oracle in [OracleKind::Energy, OracleKind::Error] {
-        let scene = lamp_room();
-        let lamp = scene.materials.iter().position(|material| material.emission != Vec3::ZERO).expect("a lamp");
-        let mut solving = solve(&scene, SolverParams { oracle, ..asking(0.1) });
-        let before = solving.snapshot().leaf_radiosity;
-        for emission in [Vec3::ZERO, Vec3::splat(30.0)] {
-            solving.set_emission(MaterialId(lamp as u32), emission);
-            assert!(solving.run(&CancelToken::new()));
-        }
-        assert!(solving.stats().error_estimate <= Some(0.1) && solving.snapshot().leaf_radiosity != before);
+    let scene = lamp_room();
+    let lamp = scene.materials.iter().position(|material| material.emission != Vec3::ZERO).expect("a lamp");
+    let mut solving = solve(&scene, asking(0.1));
+    let before = solving.snapshot().leaf_radiosity;
+    for emission in [Vec3::ZERO, Vec3::splat(30.0)] {
+        solving.set_emission(MaterialId(lamp as u32), emission);
+        assert!(solving.run(&CancelToken::new()));
     }
+    assert!(solving.stats().error_estimate <= Some(0.1) && solving.snapshot().leaf_radiosity != before);
 }
 
 /// A change of what is asked for goes on from what is there; no step keeps anybody waiting who

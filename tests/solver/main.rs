@@ -9,7 +9,6 @@ mod coincidence;
 mod coverage;
 mod daylight;
 mod display_mesh;
-mod error_oracle;
 mod final_gather;
 mod furnace;
 mod hierarchy;

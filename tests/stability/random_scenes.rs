@@ -21,7 +21,7 @@ use selflink::measure::stability::measure::{is_sound, of_polygons};
 use selflink::measure::stability::scenes::add_box;
 use selflink::scene::{GroupId, MaterialId, Scene};
 use selflink::solve::{Epsilon, Solver, SolverParams, Step, power_balance};
-use selflink::transport::{ClusterModel, OracleKind, Push};
+use selflink::transport::{ClusterModel, Push};
 
 use super::coverage::check_coverage;
 
@@ -155,13 +155,12 @@ fn settings() -> impl Strategy<Value = SolverParams> {
         Just(ClusteringMode::Adaptive)
     ];
     let epsilon = prop_oneof![Just(1.0), Just(0.1), Just(1e-2), Just(3e-3)];
-    (mode, epsilon, any::<bool>(), any::<bool>(), any::<bool>(), any::<u32>(), 1_u32..8).prop_map(
-        |(clustering, epsilon, deferred, isotropic, by_error, seed, octree_depth)| SolverParams {
+    (mode, epsilon, any::<bool>(), any::<bool>(), any::<u32>(), 1_u32..8).prop_map(
+        |(clustering, epsilon, deferred, isotropic, seed, octree_depth)| SolverParams {
             clustering,
             epsilon: Epsilon::Relative(epsilon),
             push: if deferred { Push::Deferred } else { Push::Immediate },
             cluster_model: if isotropic { ClusterModel::Isotropic } else { ClusterModel::Oriented },
-            oracle: if by_error { OracleKind::Error } else { OracleKind::Energy },
             seed: u64::from(seed),
             octree_depth,
             ..SolverParams::default()

@@ -4,7 +4,7 @@
 use std::collections::HashMap;
 use std::path::Path;
 
-use eframe::App as _;
+use eframe::{App as _, Storage as _};
 use egui::accesskit::Role;
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
@@ -257,6 +257,18 @@ fn a_scene_that_is_gone_is_said_and_replaced() {
     assert_eq!(window.state().scene_info().expect("a scene").scene.name, "cornell");
     assert!(window.query_by_label_contains("/no/such/room.obj, is gone").is_some());
     assert_eq!(window.state().status().params, coarse(), "parameters that cannot be used are not kept");
+}
+
+/// Truth: a session as versions wrote it that could refine by link error; all else of it is kept.
+#[test]
+fn a_former_criterion_of_refinement_is_said() {
+    let mut storage = MemoryStorage::default();
+    let solver = "(error: None, epsilon: relative(5e-3), oracle: error)";
+    storage.set_string("session", format!(r#"(settings: (scene: Some("cornell"), solver: {solver}))"#));
+    let mut window = resumed(storage);
+    until(&mut window, "the scene", |window| window.state().snapshot().is_some());
+    assert!(window.query_by_label_contains("refinement by link error is gone").is_some());
+    assert_eq!(window.state().status().params, SolverParams { epsilon: Epsilon::Relative(5e-3), ..coarse() });
 }
 
 #[test]

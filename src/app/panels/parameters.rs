@@ -6,12 +6,9 @@ use crate::app::panels::costs;
 use crate::app::widgets::theme;
 use crate::app::{format, words};
 use crate::base::memory::MemoryBudget;
-use crate::scene::Sides;
 use crate::solve::{
-    ClusteringMode, Epsilon, PARAMETERS, Parameter, ParameterId, Reconstruct, SolverParams, Stats, USUAL_ERROR,
-    ValueKind,
+    ClusteringMode, Epsilon, PARAMETERS, Parameter, ParameterId, SolverParams, Stats, USUAL_ERROR, ValueKind,
 };
-use crate::transport::{ClusterModel, OracleKind, Push};
 
 /// ε as it stands, in both measures.
 #[derive(Clone, Copy)]
@@ -163,28 +160,34 @@ fn show_widget(ui: &mut Ui, parameter: &Parameter, params: &mut SolverParams, st
             }
             response
         }
-        ValueKind::Choice { shown, .. } => show_choice(ui, parameter.id, shown, params),
+        ValueKind::Choice { names } => show_choice(ui, parameter.id, names, params),
     }
 }
 
-fn show_choice(ui: &mut Ui, id: ParameterId, shown: &[&'static str], params: &mut SolverParams) -> egui::Response {
-    let names: Vec<String> = shown.iter().map(|name| name.replace('-', " ")).collect();
-    let chosen = choice(params, id);
-    let text = chosen.map_or(AS_THE_SCENE_SAYS, |index| names[index].as_str());
+fn show_choice(
+    ui: &mut Ui,
+    id: ParameterId,
+    names: &[(&'static str, &'static str)],
+    params: &mut SolverParams,
+) -> egui::Response {
+    let in_window = |shown: &str| shown.replace('-', " ");
+    let in_force = SolverParams { reconstruct: params.shown_by(), ..*params }.choice(id);
+    let chosen = names.iter().find(|(name, _)| Some(*name) == in_force.as_deref());
+    let text = chosen.map_or(AS_THE_SCENE_SAYS.to_owned(), |(_, shown)| in_window(shown));
     let mut newly = None;
     let combo = ComboBox::from_id_salt(("choice", text.len(), id as usize)).selected_text(text);
     let inner = combo.show_ui(ui, |ui| {
         if id == ParameterId::Sides && ui.selectable_label(chosen.is_none(), AS_THE_SCENE_SAYS).clicked() {
             newly = Some(None);
         }
-        for (index, name) in names.iter().enumerate() {
-            if ui.selectable_label(chosen == Some(index), name.as_str()).clicked() {
-                newly = Some(Some(index));
+        for (name, shown) in names {
+            if ui.selectable_label(chosen.is_some_and(|(chosen, _)| chosen == name), in_window(shown)).clicked() {
+                newly = Some(Some(*name));
             }
         }
     });
-    if let Some(index) = newly {
-        set_choice(params, id, index);
+    if let Some(name) = newly {
+        params.choose(id, name);
     }
     inner.response
 }
@@ -289,42 +292,11 @@ fn set_whole(params: &mut SolverParams, id: ParameterId, value: u64) {
     }
 }
 
-const CLUSTERINGS: [ClusteringMode; 4] =
-    [ClusteringMode::None, ClusteringMode::Octree, ClusteringMode::Groups, ClusteringMode::Adaptive];
-const MODELS: [ClusterModel; 2] = [ClusterModel::Isotropic, ClusterModel::Oriented];
-const ORACLES: [OracleKind; 2] = [OracleKind::Energy, OracleKind::Error];
-const RECONSTRUCTIONS: [Reconstruct; 3] = [Reconstruct::Constant, Reconstruct::Vertex, Reconstruct::Gather];
-const PUSHES: [Push; 2] = [Push::Immediate, Push::Deferred];
-const SIDES: [Sides; 3] = [Sides::Front, Sides::Both, Sides::Auto];
-
-/// Index into the names of the parameter's kind.
-fn choice(params: &SolverParams, id: ParameterId) -> Option<usize> {
-    match id {
-        ParameterId::Clustering => CLUSTERINGS.iter().position(|mode| *mode == params.clustering),
-        ParameterId::ClusterModel => MODELS.iter().position(|model| *model == params.cluster_model),
-        ParameterId::Oracle => ORACLES.iter().position(|oracle| *oracle == params.oracle),
-        ParameterId::Reconstruct => RECONSTRUCTIONS.iter().position(|way| *way == params.shown_by()),
-        ParameterId::Push => PUSHES.iter().position(|push| *push == params.push),
-        ParameterId::Sides => SIDES.iter().position(|sides| Some(*sides) == params.sides),
-        _ => None,
-    }
-}
-
-fn set_choice(params: &mut SolverParams, id: ParameterId, index: Option<usize>) {
-    match (id, index) {
-        (ParameterId::Clustering, Some(index)) => params.clustering = CLUSTERINGS[index],
-        (ParameterId::ClusterModel, Some(index)) => params.cluster_model = MODELS[index],
-        (ParameterId::Oracle, Some(index)) => params.oracle = ORACLES[index],
-        (ParameterId::Reconstruct, Some(index)) => params.reconstruct = RECONSTRUCTIONS[index],
-        (ParameterId::Push, Some(index)) => params.push = PUSHES[index],
-        (ParameterId::Sides, index) => params.sides = index.map(|index| SIDES[index]),
-        _ => {}
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scene::Sides;
+    use crate::transport::ClusterModel;
 
     /// Truth: setting what was read changes nothing, setting something else changes it, for every
     /// parameter of the table.
@@ -351,10 +323,10 @@ mod tests {
                     set_whole(&mut after, parameter.id, *range.end());
                     assert_eq!(whole(&after, parameter.id), *range.end(), "{}", parameter.flag);
                 }
-                ValueKind::Choice { names, .. } => {
-                    for index in 0..names.len() {
-                        set_choice(&mut after, parameter.id, Some(index));
-                        assert_eq!(choice(&after, parameter.id), Some(index), "{}", parameter.flag);
+                ValueKind::Choice { names } => {
+                    for (name, _) in *names {
+                        after.choose(parameter.id, Some(name));
+                        assert_eq!(after.choice(parameter.id).as_deref(), Some(*name), "{}", parameter.flag);
                     }
                 }
             }
@@ -388,23 +360,5 @@ mod tests {
         assert_eq!(whole_value(ParameterId::Threads, "0"), Some(0.0));
         assert_eq!([0, 1, 2].map(|count| suffix_of(count, "levels")), [" levels", " level", " levels"]);
         assert_eq!(suffix_of(1, ""), "");
-    }
-
-    /// The names in the table are those of the enumerations, in the same order.
-    #[test]
-    fn choices_are_named_as_serde_names_them() {
-        let spelled = |value: serde_json::Value| value.as_str().map(str::to_owned).expect("an enumeration is a string");
-        for parameter in &PARAMETERS {
-            let ValueKind::Choice { names, .. } = &parameter.kind else { continue };
-            let expected: Vec<String> = match parameter.id {
-                ParameterId::Clustering => CLUSTERINGS.map(|mode| spelled(serde_json::json!(mode))).into(),
-                ParameterId::ClusterModel => MODELS.map(|model| spelled(serde_json::json!(model))).into(),
-                ParameterId::Oracle => ORACLES.map(|oracle| spelled(serde_json::json!(oracle))).into(),
-                ParameterId::Reconstruct => RECONSTRUCTIONS.map(|way| spelled(serde_json::json!(way))).into(),
-                ParameterId::Push => PUSHES.map(|push| spelled(serde_json::json!(push))).into(),
-                _ => SIDES.map(|sides| spelled(serde_json::json!(sides))).into(),
-            };
-            assert_eq!(*names, expected);
-        }
     }
 }

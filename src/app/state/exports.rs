@@ -20,7 +20,7 @@ use crate::app::{Wake, format};
 use crate::base::cancel::CancelToken;
 use crate::base::threads::Background;
 use crate::export::peers::Peer;
-use crate::export::{LitMesh, MeshFormat, exr, links};
+use crate::export::{LitMesh, MeshFormat, exr, file_name, links};
 use crate::read::picture::{GatheredPicture, write_labels};
 use crate::render::{Frame, Offscreen, Overlay, Pixels, RenderError, auto_exposure, developed, draw_legend};
 use crate::scene::Scene;
@@ -163,9 +163,8 @@ impl Exports {
 }
 
 fn suggested(scene: &str) -> String {
-    let name: String = scene.chars().map(|c| if c.is_alphanumeric() || "-_.".contains(c) { c } else { '_' }).collect();
     let folder = std::env::current_dir().unwrap_or_default();
-    folder.join(name).to_string_lossy().into_owned()
+    folder.join(file_name(scene)).to_string_lossy().into_owned()
 }
 
 /// Writes a picture as it is shown.

@@ -181,8 +181,6 @@ fn material(scene: &Scene, polygon: u32) -> Option<&Material> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::base::cancel::CancelToken;
-    use crate::geometry::Occluders;
     use crate::scene::builtin::BuiltinScene;
     use crate::solve::{Solver, SolverParams};
 
@@ -191,12 +189,8 @@ mod tests {
     #[test]
     fn the_gathered_irradiance_stands_beside_that_of_the_links() {
         let scene = Arc::new(BuiltinScene::Cornell.build());
-        let occluders = Arc::new(Occluders::new(&scene));
         let params = SolverParams { error: Some(0.1), ..SolverParams::usual() };
-        let mut solver = Solver::new(scene.clone(), occluders, params, 1).expect("the parameters are valid");
-        assert!(solver.run(&CancelToken::new()));
-        solver.show_solution_view(true);
-        let snapshot = solver.snapshot();
+        let snapshot = Solver::solved(&scene, params).snapshot();
         let solution_view = snapshot.solution_view.clone().expect("it was asked for");
         let facts = |id| Facts::of(&snapshot, &solution_view, &scene, id);
         let whole = facts(Hierarchy::ROOT);

@@ -114,6 +114,7 @@ impl App {
         if session.settings.solver.validate().is_err() {
             session.settings.solver = fallback.solver;
         }
+        let former = session.settings.solver.forget_criterion();
         let vanished = match session.settings.source() {
             Some(Source::File(path)) if !path.exists() => Some(path),
             Some(_) => None,
@@ -127,6 +128,9 @@ impl App {
         }
         let mut app = Self::open(cc, &session.settings)?;
         app.tools.open = session.tool;
+        if let Some(sentence) = former {
+            app.messages.note(Topic::Remark, format!("Since the last time, {sentence}."));
+        }
         if let Some(path) = vanished {
             let instead = fallback.scene.as_deref().unwrap_or("nothing");
             let path = path.display();

@@ -140,7 +140,7 @@ fn differing_settings(a: &SolverParams, b: &SolverParams) -> Vec<Row> {
 
 /// The parameter that files keep under a key.
 fn parameter_of(key: &str) -> Option<&'static Parameter> {
-    let flag = if key == "oracle" { "refine-by".to_owned() } else { key.replace('_', "-") };
+    let flag = key.replace('_', "-");
     PARAMETERS.iter().find(|parameter| parameter.flag == flag)
 }
 

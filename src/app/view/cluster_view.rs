@@ -141,19 +141,13 @@ const JUST_BEFORE: f32 = 1e-4;
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::base::cancel::CancelToken;
-    use crate::geometry::Occluders;
     use crate::scene::builtin::BuiltinScene;
     use crate::solve::{Epsilon, Solver, SolverParams};
 
     fn snapshot() -> Arc<Snapshot> {
         let scene = Arc::new(BuiltinScene::Cornell.build());
-        let occluders = Arc::new(Occluders::new(&scene));
         let params = SolverParams { epsilon: Epsilon::Relative(1e-2), ..SolverParams::default() };
-        let mut solver = Solver::new(scene, occluders, params, 1).expect("the parameters are valid");
-        assert!(solver.run(&CancelToken::new()));
-        solver.show_solution_view(true);
-        Arc::new(solver.snapshot())
+        Arc::new(Solver::solved(&scene, params).snapshot())
     }
 
     /// Truth: the surface that a ray meets in the picture is the one that its stand-in meets in the

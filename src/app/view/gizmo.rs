@@ -4,6 +4,7 @@
 use egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Sense, Stroke, Ui, vec2};
 use glam::Vec3;
 
+use crate::app::view::measure_marks::show_rim;
 use crate::app::{App, words};
 use crate::read::survey::Ray;
 
@@ -48,7 +49,8 @@ pub(in crate::app) fn show(app: &mut App, ui: &Ui, rect: Rect) {
         return;
     }
     let painter = ui.painter_at(rect);
-    show_outline(app, &painter, &form.outline());
+    let outline: Vec<_> = form.outline().iter().map(|corner| app.view.viewport.project(*corner)).collect();
+    show_rim(&painter, &outline, Stroke::new(1.5, Color32::from_rgb(255, 210, 90)));
     let Some(middle) = app.view.viewport.project(form.centre) else { return };
     for (axis, letter, name, colour) in AXES {
         let step = STEP * form.size;
@@ -97,16 +99,6 @@ fn take_hold(ui: &Ui, name: &str, middle: Pos2, tip: Pos2) -> egui::Response {
     let shaft = (1..=count * 2 / 3).map(|number| take(along(number), SHAFT_GRIP, number));
     // The tip lies above the shaft.
     shaft.collect::<Vec<_>>().into_iter().fold(take(tip, GRIP, 0), |all, part| all | part)
-}
-
-fn show_outline(app: &App, painter: &Painter, outline: &[Vec3]) {
-    let corners: Vec<Option<Pos2>> = outline.iter().map(|corner| app.view.viewport.project(*corner)).collect();
-    for (index, corner) in corners.iter().enumerate() {
-        if let (Some(from), Some(to)) = (corner, corners[(index + 1) % corners.len()]) {
-            painter.line_segment([*from, to], Stroke::new(3.0, Color32::from_black_alpha(160)));
-            painter.line_segment([*from, to], Stroke::new(1.5, Color32::from_rgb(255, 210, 90)));
-        }
-    }
 }
 
 fn draw_arrow(painter: &Painter, from: Pos2, tip: Pos2, letter: &str, colour: Color32) {

@@ -119,10 +119,15 @@ fn write_values(painter: &Painter, ink: Color32, points: impl Iterator<Item = (P
 
 /// Draws the rim of the task area.
 pub(in crate::app) fn show_area(painter: &Painter, corners: [Option<Pos2>; 4]) {
+    show_rim(painter, &corners, Stroke::new(2.0, theme::ACCENT));
+}
+
+/// Draws the rim of an area so that it is seen on any picture; a corner may lie behind the eye.
+pub(in crate::app) fn show_rim(painter: &Painter, corners: &[Option<Pos2>], stroke: Stroke) {
     for (index, corner) in corners.iter().enumerate() {
         if let (Some(from), Some(to)) = (corner, corners[(index + 1) % corners.len()]) {
-            painter.line_segment([*from, to], Stroke::new(3.5, Color32::from_black_alpha(170)));
-            painter.line_segment([*from, to], Stroke::new(2.0, theme::ACCENT));
+            painter.line_segment([*from, to], Stroke::new(stroke.width + 1.5, Color32::from_black_alpha(170)));
+            painter.line_segment([*from, to], stroke);
         }
     }
 }

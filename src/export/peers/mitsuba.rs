@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 use glam::Vec3;
 use rustc_hash::FxHashMap;
 
-use super::outside::{SKY_SIZE, angles, sky_pixels, sun_disc};
+use super::outside::{SKY_SIZE, sky_pixels, sun_disc};
 use super::{PeerError, SIZE, Surface, camera, make_folder, spaced, surfaces, write_file};
 use crate::export::exr::{self, FloatPicture};
 use crate::scene::outside::Outside;
@@ -48,14 +48,9 @@ pub fn write(scene: &Scene, folder: &Path) -> Result<PathBuf, PeerError> {
 /// The picture of the sky.
 const SKY: &str = "sky.exr";
 
-/// The sky as Mitsuba's `envmap` reads it: y is up in it, −z at its left and right rim and x a
-/// quarter from the left.
+/// The sky as Mitsuba's `envmap` reads it.
 fn sky(outside: &Outside) -> FloatPicture {
-    let direction = |across: f32, down: f32| {
-        let [(sine, cosine), (height_sine, height)] = angles(across, down);
-        Vec3::new(height_sine * sine, height, -height_sine * cosine)
-    };
-    let pixels = sky_pixels(outside, direction).into_iter().map(|radiance| radiance.extend(1.0).to_array()).collect();
+    let pixels = sky_pixels(outside).map(|radiance| radiance.extend(1.0).to_array()).collect();
     FloatPicture { size: SKY_SIZE.map(|side| side as u32), pixels }
 }
 

@@ -14,21 +14,16 @@ pub const SKY_SIZE: [usize; 2] = [1024, 512];
 /// differ by 1e-4.
 const FAR: f32 = 1e4;
 
-/// Radiances of the sky by the direction of each pixel's middle, rows from the zenith down;
-/// `direction` tells the direction of an azimuth's share of the full circle and an angle from the
-/// zenith's share of the half circle.
-pub fn sky_pixels(outside: &Outside, direction: impl Fn(f32, f32) -> Vec3) -> Vec<Vec3> {
+/// Radiances of the sky by the direction of each pixel's middle, rows from the zenith (y) down; −z
+/// lies at the left and right rim, x a quarter from the left.
+pub fn sky_pixels(outside: &Outside) -> impl Iterator<Item = Vec3> {
     let [width, height] = SKY_SIZE;
-    let pixel = |index: usize| {
+    (0..width * height).map(move |index| {
         let (x, y) = ((index % width) as f32 + 0.5, (index / width) as f32 + 0.5);
-        outside.radiance(direction(x / width as f32, y / height as f32))
-    };
-    (0..width * height).map(pixel).collect()
-}
-
-/// Angles of a pixel: its azimuth's and its zenith angle's sine and cosine.
-pub fn angles(across: f32, down: f32) -> [(f32, f32); 2] {
-    [(2.0 * PI * across).sin_cos(), (PI * down).sin_cos()]
+        let (sine, cosine) = (2.0 * PI * (x / width as f32)).sin_cos();
+        let (height_sine, height) = (PI * (y / height as f32)).sin_cos();
+        outside.radiance(Vec3::new(height_sine * sine, height, -height_sine * cosine))
+    })
 }
 
 /// A far disc that shines like the sun: its middle, radius and radiance.

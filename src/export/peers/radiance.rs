@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 
 use glam::{DVec3, Vec3};
 
-use super::outside::{SKY_SIZE, angles, sky_pixels};
+use super::outside::{SKY_SIZE, sky_pixels};
 use super::{PeerError, SIZE, Surface, camera, make_folder, spaced, surfaces, write_file};
 use crate::scene::outside::{Outside, SUN_RADIUS};
 use crate::scene::{CameraPose, Scene};
@@ -53,13 +53,8 @@ const SKY_CAL: &str = "{ Written by Selflink }\n\
 
 /// The sky as a picture of radiances.
 fn sky(writer: &mut impl Write, outside: &Outside) -> io::Result<()> {
-    let direction = |across: f32, down: f32| {
-        let [(sine, cosine), (height_sine, height)] = angles(across, down);
-        Vec3::new(height_sine * sine, height, -height_sine * cosine)
-    };
     let [width, height] = SKY_SIZE;
-    let pixels: Vec<image::Rgb<f32>> =
-        sky_pixels(outside, direction).into_iter().map(|radiance| image::Rgb(radiance.to_array())).collect();
+    let pixels: Vec<_> = sky_pixels(outside).map(|radiance| image::Rgb(radiance.to_array())).collect();
     image::codecs::hdr::HdrEncoder::new(writer).encode(&pixels, width, height).map_err(io::Error::other)
 }
 

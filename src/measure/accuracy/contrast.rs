@@ -37,7 +37,7 @@ pub fn contrast(a: &Snapshot, b: &Snapshot) -> Contrast {
             let mean =
                 |values: &[[f32; 3]]| corners.iter().map(|&at| Vec3::from(values[at as usize])).sum::<Vec3>() / 3.0;
             let inwards = |values: &[[f32; 3]]| Vec3::from(values[vertex]).lerp(mean(values), INWARDS);
-            let [p, q, r] = corners.map(|at| Vec3::from(mesh.positions[at as usize]));
+            let [p, q, r] = mesh.corners(*corners);
             let of_a = probe.at(inwards(&mesh.positions), (q - p).cross(r - p))?.radiosity;
             Some([of_a, inwards(&b.vertex_radiosity)])
         })
@@ -62,7 +62,7 @@ fn triangle_of_vertices(mesh: &Mesh) -> Vec<u32> {
 fn rms(mesh: &Mesh, pairs: &[Option<[Vec3; 2]>]) -> f64 {
     let (mut squares, mut reference) = (0.0, 0.0);
     for corners in &mesh.triangles {
-        let [p, q, r] = corners.map(|at| Vec3::from(mesh.positions[at as usize]));
+        let [p, q, r] = mesh.corners(*corners);
         let area = f64::from((q - p).cross(r - p).length());
         for [a, b] in corners.iter().filter_map(|&vertex| pairs[vertex as usize]) {
             squares += area * f64::from((b - a).length_squared());

@@ -38,8 +38,6 @@ pub struct Measure {
     /// what no point has met it does not know. Where `below_noise`, the error that may hide there.
     /// Infinite where only one point was compared.
     pub rms_noise: f64,
-    /// `rms` per colour.
-    pub rms_rgb: [f64; 3],
     /// Whether the difference is within the reference's noise, so that `rms` is 0 for want of a
     /// better reference.
     pub below_noise: bool,
@@ -73,8 +71,6 @@ pub struct SolutionError {
     pub local: LocalError,
     /// Relative RMS noise of the reference itself.
     pub reference_noise: f64,
-    /// Median of the reference's own local relative error over the darker half.
-    pub reference_dark_median: f64,
     /// Points compared.
     pub points: usize,
 }
@@ -122,7 +118,6 @@ impl ErrorMeter {
         let (displayed, leaves) = (samples(&displayed), samples(&leaves));
         SolutionError {
             reference_noise: reference.noise(),
-            reference_dark_median: dark_noise(&displayed),
             points: displayed.len(),
             local: self.local_error(snapshot),
             displayed: measure(&displayed),
@@ -252,9 +247,6 @@ fn measure(samples: &[Sample]) -> Measure {
     let squares = sum(&|sample| sample.difference * sample.difference);
     let noise = sum(&|sample| sample.noise * sample.noise);
     let signal = sum(&|sample| sample.truth * sample.truth);
-    let relative = |squares: f64, noise: f64, signal: f64| {
-        if signal > 0.0 { ((squares - noise).max(0.0) / signal).sqrt() } else { 0.0 }
-    };
     let (difference, mean) = (sum(&|sample| sample.difference), sum(&|sample| sample.truth));
     let share = |part: f64, whole: f64| if whole > 0.0 { part / whole } else { 0.0 };
     let weight: f64 = samples.iter().map(|sample| sample.weight).sum();
@@ -267,11 +259,11 @@ fn measure(samples: &[Sample]) -> Measure {
     let excess = |sample: &Sample| sample.difference.length_squared() - sample.noise.length_squared();
     let of_point = |sample: &Sample| (sample.weight * excess(sample), sample.weight * sample.truth.length_squared());
     let points: Vec<(f64, f64)> = samples.iter().map(of_point).collect();
+    let (squares, noise, signal) = (squares.element_sum(), noise.element_sum(), signal.element_sum());
     Measure {
-        rms: relative(squares.element_sum(), noise.element_sum(), signal.element_sum()),
+        rms: if signal > 0.0 { ((squares - noise).max(0.0) / signal).sqrt() } else { 0.0 },
         rms_noise: spread::of_root(&points),
-        rms_rgb: [0, 1, 2].map(|colour| relative(squares[colour], noise[colour], signal[colour])),
-        below_noise: squares.element_sum() <= noise.element_sum(),
+        below_noise: squares <= noise,
         bias_rgb: [0, 1, 2].map(|colour| share(difference[colour], mean[colour])),
         bias: share(difference.element_sum(), mean.element_sum()),
         local_median: of_all.0,
@@ -301,15 +293,6 @@ fn darker_half<'a>(by_brightness: &'a [&'a Sample]) -> &'a [&'a Sample] {
     };
     let count = by_brightness.iter().copied().take_while(is_within).count();
     &by_brightness[..count]
-}
-
-/// Median of the reference's relative standard error over the darker half of the area that is lit
-/// at all.
-fn dark_noise(samples: &[Sample]) -> f64 {
-    let mut lit: Vec<&Sample> = samples.iter().filter(|sample| sample.truth.length() > 0.0).collect();
-    lit.sort_by(|a, b| a.truth.length().total_cmp(&b.truth.length()));
-    let noise = |sample: &&Sample| (sample.noise.length() / sample.truth.length(), sample.weight);
-    quantiles(&sorted(darker_half(&lit).iter().map(noise).collect())).0
 }
 
 /// Values with their weights, in order.

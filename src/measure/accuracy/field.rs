@@ -73,7 +73,7 @@ impl ScatteredField {
 fn vertex_normals(mesh: &Mesh) -> Vec<Vec3> {
     let mut normals = vec![Vec3::ZERO; mesh.positions.len()];
     for triangle in &mesh.triangles {
-        let [a, b, c] = triangle.map(|vertex| Vec3::from(mesh.positions[vertex as usize]));
+        let [a, b, c] = mesh.corners(*triangle);
         let across = (b - a).cross(c - a);
         triangle.iter().for_each(|&vertex| normals[vertex as usize] += across);
     }

@@ -14,7 +14,7 @@ use crate::measure::accuracy::ErrorMeter;
 use crate::measure::reference::Reference;
 use crate::scene::Scene;
 use crate::solve::{ClusteringMode, Epsilon, Reconstruct, Solver, SolverError, SolverParams, USUAL_ERROR};
-use crate::transport::{ClusterModel, OracleKind, Push};
+use crate::transport::{ClusterModel, Push};
 
 /// The path tracer computes as many points as the display mesh of a solve with this ε has vertices.
 const EPSILON_OF_POINTS: f64 = 1e-3;
@@ -39,11 +39,10 @@ pub struct Sweep {
     pub limit: Duration,
 }
 
-/// Every clustering with either push, on top of `base`, the paper's isotropic clusters, refinement
-/// by link error, and the final gather that is asked for an error. Without clusters there is
-/// nothing to push.
+/// Every clustering with either push, on top of `base`, the paper's isotropic clusters, and the
+/// final gather that is asked for an error. Without clusters there is nothing to push.
 pub fn usual_settings(base: SolverParams) -> Vec<Setting> {
-    let base = SolverParams { error: None, reconstruct: Reconstruct::Vertex, oracle: OracleKind::Energy, ..base };
+    let base = SolverParams { error: None, reconstruct: Reconstruct::Vertex, ..base };
     let modes = [
         ("adaptive", ClusteringMode::Adaptive),
         ("groups", ClusteringMode::Groups),
@@ -65,8 +64,6 @@ pub fn usual_settings(base: SolverParams) -> Vec<Setting> {
     let params = SolverParams { clustering: ClusteringMode::Adaptive, push: Push::Immediate, ..isotropic };
     settings.push(Setting { name: "isotropic, adaptive".to_owned(), params });
     let adaptive = SolverParams { clustering: ClusteringMode::Adaptive, push: Push::Immediate, ..base };
-    let params = SolverParams { oracle: OracleKind::Error, ..adaptive };
-    settings.push(Setting { name: "link error, adaptive".to_owned(), params });
     let params = SolverParams { error: Some(USUAL_ERROR), ..adaptive };
     settings.push(Setting { name: "gather, adaptive".to_owned(), params });
     settings

@@ -2,116 +2,102 @@
 
 use std::fmt::Write as _;
 
-use super::record::{Chart, RunRecord};
-use crate::solve::SolverParams;
+use super::record::{Chart, PathTracerRecord, RunRecord};
+use crate::measure::records::{self, Record};
+use crate::solve::{SolverParams, name_of};
 
 /// The chart as CSV: a row for each run, with every parameter, then one for each state of the path
 /// tracer.
 pub fn csv(chart: &Chart) -> String {
-    let columns = columns(None, chart);
-    let mut text = columns.iter().map(|(name, _)| *name).collect::<Vec<_>>().join(",") + "\n";
-    for run in &chart.runs {
-        let values: Vec<String> = self::columns(Some(run), chart).into_iter().map(|(_, value)| value).collect();
-        text += &(values.join(",") + "\n");
-    }
-    for record in &chart.path_tracer {
-        let of = |name: &str| match name {
-            "scene" => chart.scene.clone(),
-            "setting" => "path tracer".to_owned(),
-            "seconds" => record.seconds.to_string(),
-            "rms" => record.error.to_string(),
-            "rms_noise" => record.error_noise.to_string(),
-            "local_median" => record.local_median.to_string(),
-            "local_median_noise" => record.local_median_noise.to_string(),
-            "local_e_p50" => record.local.p50.to_string(),
-            "local_e_p90" => record.local.p90.to_string(),
-            "local_e_p90_noise" => record.local.p90_noise.to_string(),
-            "local_e_p95" => record.local.p95.to_string(),
-            "local_e_rms" => record.local.rms.to_string(),
-            "vertices" => record.points.to_string(),
-            "threads" => chart.threads.to_string(),
-            "paths" => record.paths.to_string(),
-            _ => String::new(),
-        };
-        text += &(columns.iter().map(|(name, _)| of(name)).collect::<Vec<_>>().join(",") + "\n");
-    }
-    text
+    let runs = chart.runs.iter().map(|run| of_run(run, chart));
+    let path_tracer = chart.path_tracer.iter().map(|record| of_path_tracer(record, chart));
+    records::csv(&runs.chain(path_tracer).collect::<Vec<_>>())
 }
 
-/// Names and values of the columns; values are empty without a run.
-fn columns(run: Option<&RunRecord>, chart: &Chart) -> Vec<(&'static str, String)> {
-    let of = |value: &dyn Fn(&RunRecord) -> String| run.map(value).unwrap_or_default();
-    // Names alone where there is no run: any parameters have them.
-    let parameters = parameter_columns(&run.map_or_else(SolverParams::default, |run| run.params));
-    let parameters = parameters.map(|(name, value)| (name, if run.is_some() { value } else { String::new() }));
-    let mut columns = vec![
+fn of_path_tracer(record: &PathTracerRecord, chart: &Chart) -> Record {
+    vec![
         ("scene", chart.scene.clone()),
-        ("setting", of(&|run| format!("\"{}\"", run.setting))),
-        ("epsilon_relative", of(&|run| run.epsilon_relative.to_string())),
-        ("epsilon_watts", of(&|run| run.epsilon_watts.to_string())),
-    ];
-    columns.extend(parameters);
-    columns.extend([
+        ("setting", "path tracer".to_owned()),
+        ("seconds", record.seconds.to_string()),
+        ("rms", record.error.to_string()),
+        ("rms_noise", record.error_noise.to_string()),
+        ("local_median", record.local_median.to_string()),
+        ("local_median_noise", record.local_median_noise.to_string()),
+        ("local_e_p50", record.local.p50.to_string()),
+        ("local_e_p90", record.local.p90.to_string()),
+        ("local_e_p90_noise", record.local.p90_noise.to_string()),
+        ("local_e_p95", record.local.p95.to_string()),
+        ("local_e_rms", record.local.rms.to_string()),
+        ("vertices", record.points.to_string()),
         ("threads", chart.threads.to_string()),
-        ("converged", of(&|run| run.converged.to_string())),
-        ("seconds", of(&|run| run.seconds.total.to_string())),
-        ("links", of(&|run| run.links.to_string())),
-        ("rays", of(&|run| run.rays.to_string())),
-        ("pairs_judged", of(&|run| run.pairs_judged.to_string())),
-        ("clusters", of(&|run| run.clusters.to_string())),
-        ("patches", of(&|run| run.patches.to_string())),
-        ("vertices", of(&|run| run.vertices.to_string())),
-        ("iterations", of(&|run| run.iterations.to_string())),
-        ("error_asked", of(&|run| run.error_asked.map(|error| error.to_string()).unwrap_or_default())),
-        ("error_estimate", of(&|run| run.error_estimate.map(|error| error.to_string()).unwrap_or_default())),
-        ("clamped_leaves", of(&|run| run.clamped_leaves.to_string())),
-        ("link_bytes", of(&|run| run.bytes.links.to_string())),
-        ("rms", of(&|run| run.error.displayed.rms.to_string())),
-        ("rms_noise", of(&|run| run.error.displayed.rms_noise.to_string())),
-        ("rms_leaves", of(&|run| run.error.leaves.rms.to_string())),
-        ("below_noise", of(&|run| run.error.displayed.below_noise.to_string())),
-        ("bias", of(&|run| run.error.displayed.bias.to_string())),
-        ("bias_r", of(&|run| run.error.displayed.bias_rgb[0].to_string())),
-        ("bias_g", of(&|run| run.error.displayed.bias_rgb[1].to_string())),
-        ("bias_b", of(&|run| run.error.displayed.bias_rgb[2].to_string())),
-        ("local_e_p50", of(&|run| run.error.local.p50.to_string())),
-        ("local_e_p90", of(&|run| run.error.local.p90.to_string())),
-        ("local_e_p90_noise", of(&|run| run.error.local.p90_noise.to_string())),
-        ("local_e_p95", of(&|run| run.error.local.p95.to_string())),
-        ("local_e_rms", of(&|run| run.error.local.rms.to_string())),
-        ("local_median", of(&|run| run.error.displayed.local_median.to_string())),
-        ("local_median_noise", of(&|run| run.error.displayed.local_median_noise.to_string())),
-        ("local_p95", of(&|run| run.error.displayed.local_p95.to_string())),
-        ("dark_median", of(&|run| run.error.displayed.dark_median.to_string())),
-        ("dark_p95", of(&|run| run.error.displayed.dark_p95.to_string())),
+        ("paths", record.paths.to_string()),
+    ]
+}
+
+fn of_run(run: &RunRecord, chart: &Chart) -> Record {
+    let optional = |error: Option<f64>| error.map(|error| error.to_string()).unwrap_or_default();
+    let (shown, local) = (&run.error.displayed, &run.error.local);
+    let mut record = vec![
+        ("scene", chart.scene.clone()),
+        ("setting", run.setting.clone()),
+        ("epsilon_relative", run.epsilon_relative.to_string()),
+        ("epsilon_watts", run.epsilon_watts.to_string()),
+    ];
+    record.extend(parameter_columns(&run.params));
+    record.extend([
+        ("threads", chart.threads.to_string()),
+        ("converged", run.converged.to_string()),
+        ("seconds", run.seconds.total.to_string()),
+        ("links", run.links.to_string()),
+        ("rays", run.rays.to_string()),
+        ("pairs_judged", run.pairs_judged.to_string()),
+        ("clusters", run.clusters.to_string()),
+        ("patches", run.patches.to_string()),
+        ("vertices", run.vertices.to_string()),
+        ("iterations", run.iterations.to_string()),
+        ("error_asked", optional(run.error_asked)),
+        ("error_estimate", optional(run.error_estimate)),
+        ("clamped_leaves", run.clamped_leaves.to_string()),
+        ("link_bytes", run.bytes.links.to_string()),
+        ("rms", shown.rms.to_string()),
+        ("rms_noise", shown.rms_noise.to_string()),
+        ("rms_leaves", run.error.leaves.rms.to_string()),
+        ("below_noise", shown.below_noise.to_string()),
+        ("bias", shown.bias.to_string()),
+        ("bias_r", shown.bias_rgb[0].to_string()),
+        ("bias_g", shown.bias_rgb[1].to_string()),
+        ("bias_b", shown.bias_rgb[2].to_string()),
+        ("local_e_p50", local.p50.to_string()),
+        ("local_e_p90", local.p90.to_string()),
+        ("local_e_p90_noise", local.p90_noise.to_string()),
+        ("local_e_p95", local.p95.to_string()),
+        ("local_e_rms", local.rms.to_string()),
+        ("local_median", shown.local_median.to_string()),
+        ("local_median_noise", shown.local_median_noise.to_string()),
+        ("local_p95", shown.local_p95.to_string()),
+        ("dark_median", shown.dark_median.to_string()),
+        ("dark_p95", shown.dark_p95.to_string()),
         ("reference_noise", chart.reference.noise.to_string()),
-        ("pareto", of(&|run| run.pareto.to_string())),
-        ("paths", String::new()),
+        ("pareto", run.pareto.to_string()),
     ]);
-    columns
+    record
 }
 
 /// Names and values of the solver's parameters, ε, sides and threads aside, which their tables tell
 /// in their own way.
-pub(crate) fn parameter_columns(params: &SolverParams) -> [(&'static str, String); 11] {
+pub(crate) fn parameter_columns(params: &SolverParams) -> [(&'static str, String); 10] {
     [
-        ("clustering", name(serde_json::to_value(params.clustering))),
+        ("clustering", name_of(&params.clustering)),
         ("octree_depth", params.octree_depth.to_string()),
-        ("cluster_model", name(serde_json::to_value(params.cluster_model))),
-        ("oracle", name(serde_json::to_value(params.oracle))),
-        ("reconstruct", name(serde_json::to_value(params.shown_by()))),
-        ("push", name(serde_json::to_value(params.push))),
+        ("cluster_model", name_of(&params.cluster_model)),
+        ("reconstruct", name_of(&params.shown_by())),
+        ("push", name_of(&params.push)),
         ("partial_factor", params.partial_factor.to_string()),
         ("visibility_factor", params.visibility_factor.to_string()),
         ("rays_min", params.rays_min.to_string()),
         ("rays_max", params.rays_max.to_string()),
         ("seed", params.seed.to_string()),
     ]
-}
-
-/// The name of a choice, as the command line spells it.
-fn name(value: serde_json::Result<serde_json::Value>) -> String {
-    value.ok().and_then(|value| value.as_str().map(str::to_owned)).unwrap_or_default()
 }
 
 /// A Markdown table of the target error, the certificate, and the measured error, its

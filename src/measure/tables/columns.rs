@@ -2,9 +2,10 @@
 
 use super::lab::{LeftOut, Run};
 use super::paper;
-use super::report::{Record, Table};
+use super::report::Table;
 use crate::base::format::{bytes, count, grouped, number, quantity};
 use crate::measure::chart::parameter_columns;
+use crate::measure::records::Record;
 
 /// A column of a table of runs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

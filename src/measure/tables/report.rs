@@ -5,6 +5,7 @@ use std::fmt::Write as _;
 
 use super::Part;
 use super::claims::Claim;
+use crate::measure::records::{self, Record};
 
 /// A table as people read it.
 #[derive(Clone, Debug, Default)]
@@ -42,9 +43,6 @@ impl Table {
         format!("{}\n{}", self.caption, lines().map(line).collect::<String>())
     }
 }
-
-/// A row of a CSV file: names and values. Rows of one file need not have the same names.
-pub type Record = Vec<(&'static str, String)>;
 
 /// One part of the paper, run.
 #[derive(Clone, Debug)]
@@ -106,27 +104,10 @@ impl Report {
         format!("{}\n\n{tables}{remarks}", self.title)
     }
 
-    /// The records as CSV: a column for every name, in the order in which names first turn up.
+    /// The records as CSV.
     pub fn csv(&self) -> String {
-        let mut names: Vec<&str> = Vec::new();
-        for (name, _) in self.records.iter().flatten() {
-            if !names.contains(name) {
-                names.push(name);
-            }
-        }
-        let row = |record: &Record| {
-            let of = |name: &&str| {
-                record.iter().find(|(known, _)| known == name).map_or(String::new(), |(_, value)| quoted(value))
-            };
-            names.iter().map(of).collect::<Vec<_>>().join(",") + "\n"
-        };
-        names.join(",") + "\n" + &self.records.iter().map(row).collect::<String>()
+        records::csv(&self.records)
     }
-}
-
-/// A value as a CSV file can have it.
-fn quoted(value: &str) -> String {
-    if value.contains([',', '"', '\n']) { format!("\"{}\"", value.replace('"', "\"\"")) } else { value.to_owned() }
 }
 
 #[cfg(test)]
@@ -135,7 +116,7 @@ mod tests {
 
     /// Written out by hand.
     #[test]
-    fn tables_and_records_are_written() {
+    fn tables_are_written() {
         let table = Table {
             caption: "Some".into(),
             head: ["who", "n"].map(String::from).to_vec(),
@@ -143,16 +124,5 @@ mod tests {
         };
         assert_eq!(table.markdown(), "Some\n\n| who | n |\n| --- | ---: |\n| paper | 1,000 |\n| we | 9 |\n");
         assert_eq!(table.text(), "Some\nwho        n\npaper  1,000\nwe         9\n");
-        let report = Report {
-            part: Part::Push,
-            title: String::new(),
-            introduction: String::new(),
-            tables: vec![table],
-            remarks: Vec::new(),
-            pictures: Vec::new(),
-            records: vec![vec![("a", "1,5".into())], vec![("b", "x".into()), ("a", "2".into())]],
-            claims: Vec::new(),
-        };
-        assert_eq!(report.csv(), "a,b\n\"1,5\",\n2,x\n");
     }
 }

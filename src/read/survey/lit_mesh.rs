@@ -6,7 +6,7 @@ use glam::Vec3;
 
 use crate::geometry::{Hit, Occluders};
 use crate::scene::Scene;
-use crate::solve::{Leaf, Mesh, Snapshot, barycentric};
+use crate::solve::{Leaf, Snapshot, barycentric};
 
 /// A point farther than this share of the scene's size from every surface lies on none.
 const TOLERANCE: f32 = 1e-3;
@@ -58,7 +58,8 @@ impl LitMesh {
     /// Makes the mesh of a snapshot ready for rays; takes some 2 µs for each triangle.
     pub fn new(scene: Arc<Scene>, snapshot: Arc<Snapshot>) -> Self {
         let mesh = &snapshot.mesh;
-        let faces: Vec<_> = (0..mesh.triangles.len()).map(|index| (corners(mesh, index), index as u32)).collect();
+        let faces: Vec<_> =
+            (0..).zip(&mesh.triangles).map(|(index, triangle)| (mesh.corners(*triangle), index)).collect();
         let faces = Arc::new(Occluders::of_triangles(&faces));
         let (lower, upper) = scene.bounds();
         Self { scene, snapshot, faces, tolerance: TOLERANCE * (upper - lower).length() }
@@ -119,13 +120,13 @@ impl LitMesh {
     }
 
     fn normal(&self, triangle: usize) -> Vec3 {
-        let [a, b, c] = corners(&self.snapshot.mesh, triangle);
+        let [a, b, c] = self.snapshot.mesh.corners(self.snapshot.mesh.triangles[triangle]);
         (b - a).cross(c - a).normalize_or_zero()
     }
 
     fn interpolated(&self, triangle: usize, point: Vec3, values: &[[f32; 3]]) -> Vec3 {
         let mesh = &self.snapshot.mesh;
-        let weights = barycentric(corners(mesh, triangle), point).clamp(Vec3::ZERO, Vec3::ONE);
+        let weights = barycentric(mesh.corners(mesh.triangles[triangle]), point).clamp(Vec3::ZERO, Vec3::ONE);
         let [a, b, c] = mesh.triangles[triangle].map(|vertex| Vec3::from(values[vertex as usize]));
         let sum = weights.element_sum();
         if sum > 0.0 { (weights.x * a + weights.y * b + weights.z * c) / sum } else { a }
@@ -164,8 +165,4 @@ impl LitMesh {
     pub(super) fn sees(&self, from: (Vec3, Vec3), to: (Vec3, Vec3)) -> bool {
         self.faces.sees(from, to)
     }
-}
-
-fn corners(mesh: &Mesh, triangle: usize) -> [Vec3; 3] {
-    mesh.triangles[triangle].map(|vertex| Vec3::from(mesh.positions[vertex as usize]))
 }

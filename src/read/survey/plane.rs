@@ -289,18 +289,15 @@ fn visible_share(lit: &LitMesh, lamp: &Polygon, (point, normal): (Vec3, Vec3), r
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::base::cancel::CancelToken;
-    use crate::geometry::Occluders;
     use crate::measure::accuracy::closed_forms::{self, closed_room};
     use crate::measure::stability::scenes::add_box;
     use crate::scene::GroupId;
     use crate::solve::{Solver, SolverParams};
 
     fn lit(scene: Scene) -> LitMesh {
-        let (scene, occluders) = (Arc::new(scene.clone()), Occluders::new(&scene));
-        let mut solver = Solver::new(scene.clone(), Arc::new(occluders), SolverParams::default(), 1).expect("good");
-        solver.run(&CancelToken::new());
-        LitMesh::new(scene, Arc::new(solver.snapshot()))
+        let scene = Arc::new(scene);
+        let snapshot = Solver::solved(&scene, SolverParams::default()).snapshot();
+        LitMesh::new(scene, Arc::new(snapshot))
     }
 
     /// A room of 4 × 3 × 4 with these walls, floor at y = 0; faces look inside.

@@ -5,7 +5,9 @@ use std::io::Cursor;
 
 use exr::prelude::{ReadChannels as _, ReadLayers as _};
 use glam::{DVec3, Vec3};
-use image::{ImageFormat, ImageReader, Limits};
+use image::ImageFormat;
+
+use crate::scene::texture::decode::reader;
 
 /// The most pixels of a picture as it is kept; a larger one is halved.
 const MOST_KEPT: usize = 2048 * 1024;
@@ -50,18 +52,12 @@ impl SkyPicture {
         }
         let by_name = || ImageFormat::from_path(name).ok();
         let format = image::guess_format(bytes).ok().or_else(by_name).ok_or("its format is not known")?;
-        let reader = || {
-            let mut reader = ImageReader::with_format(Cursor::new(bytes), format);
-            let mut limits = Limits::default();
-            limits.max_alloc = Some(MOST_MEMORY);
-            reader.limits(limits);
-            reader
-        };
-        let (width, height) = reader().into_dimensions().map_err(|error| error.to_string())?;
+        let open = || reader(bytes, format, MOST_MEMORY);
+        let (width, height) = open().into_dimensions().map_err(|error| error.to_string())?;
         if u64::from(width) * u64::from(height) > MOST_READ {
             return Err(format!("its {width} × {height} pixels are too many"));
         }
-        let image = reader().decode().map_err(|error| error.to_string())?;
+        let image = open().decode().map_err(|error| error.to_string())?;
         let is_linear = matches!(format, ImageFormat::Hdr);
         let texels: Vec<Vec3> = if is_linear {
             image.into_rgb32f().pixels().map(|pixel| Vec3::from_array(pixel.0)).collect()

@@ -129,10 +129,11 @@ fn format_of(encoded: &Encoded<'_>) -> Result<Format, String> {
     Err(format!("{name} is not read; convert it to PNG, JPEG or WebP"))
 }
 
-fn reader(bytes: &[u8], format: ImageFormat) -> ImageReader<Cursor<&[u8]>> {
+/// A reader of a picture that takes no more memory than this.
+pub(in crate::scene) fn reader(bytes: &[u8], format: ImageFormat, most_memory: u64) -> ImageReader<Cursor<&[u8]>> {
     let mut reader = ImageReader::with_format(Cursor::new(bytes), format);
     let mut limits = Limits::default();
-    limits.max_alloc = Some(MOST_MEMORY);
+    limits.max_alloc = Some(most_memory);
     reader.limits(limits);
     reader
 }
@@ -141,7 +142,7 @@ fn decoded(waiting: Waiting<'_>) -> Result<Arc<Texture>, String> {
     let (encoded, format, kept) = waiting?;
     let pixels = match format {
         Format::Image(format) => {
-            reader(&encoded.bytes, format).decode().map_err(|error| error.to_string())?.into_rgba8()
+            reader(&encoded.bytes, format, MOST_MEMORY).decode().map_err(|error| error.to_string())?.into_rgba8()
         }
         Format::Basis => basis::decode(&encoded.bytes)?,
     };
@@ -159,7 +160,9 @@ fn decoded(waiting: Waiting<'_>) -> Result<Arc<Texture>, String> {
 /// The number of pixels that an image's header tells.
 fn pixels_of(bytes: &[u8], format: Format) -> Result<u64, String> {
     let (width, height) = match format {
-        Format::Image(format) => reader(bytes, format).into_dimensions().map_err(|error| error.to_string())?,
+        Format::Image(format) => {
+            reader(bytes, format, MOST_MEMORY).into_dimensions().map_err(|error| error.to_string())?
+        }
         Format::Basis => basis::size(bytes)?,
     };
     let pixels = u64::from(width) * u64::from(height);

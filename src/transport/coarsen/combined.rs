@@ -3,9 +3,7 @@
 use crate::hierarchy::{ElementId, Hierarchy};
 use crate::transport::form_factor::{Exchange, exchange};
 use crate::transport::link::{Link, VisibilitySource};
-use crate::transport::link_error::Facing;
 use crate::transport::oracle::Oracle;
-use crate::transport::rules::OracleKind;
 
 /// Sums over the parts of a pair, as the whole's means.
 #[derive(Clone, Copy, Debug, Default)]
@@ -109,12 +107,6 @@ impl Combined {
 }
 
 impl Oracle<'_> {
-    /// Whether a cluster's self-link is kept by the present radiosities.
-    pub fn accepts_self(&self, cluster: ElementId) -> bool {
-        let power = self.max_radiosity[cluster.index()] * self.hierarchy.element(cluster).area;
-        power <= self.allowed_of_self()
-    }
-
     /// The link of a pair whose parts come to this, if it were not refined by the present
     /// radiosities.
     pub fn accept_merged(&self, receiver: ElementId, source: ElementId, combined: &Combined) -> Option<Link> {
@@ -125,7 +117,7 @@ impl Oracle<'_> {
                 if max_radiosity > 0.0 { VisibilitySource::Inherited } else { VisibilitySource::None };
             return self.accepts_self(source).then(|| combined.as_link(hierarchy, receiver, source, visibility_source));
         }
-        let Exchange::Facing { estimate, bound, overlapping } = exchange(hierarchy, receiver, source) else {
+        let Exchange::Facing { estimate, bound, .. } = exchange(hierarchy, receiver, source) else {
             return None;
         };
         let visibility_source = combined.visibility_source(self.thresholds.rays_for(max_radiosity * estimate));
@@ -137,13 +129,6 @@ impl Oracle<'_> {
             // The whole is bright where those of its parts that were looked at are dark.
             return None;
         }
-        let is_accepted = match self.kind {
-            OracleKind::Energy => max_radiosity * bound <= self.allowed_by(visibility_source),
-            OracleKind::Error => {
-                let facing = Facing { estimate, bound, overlapping };
-                !self.exceeds_error(receiver, &link, facing, self.thresholds.epsilon)
-            }
-        };
-        is_accepted.then_some(link)
+        (max_radiosity * bound <= self.allowed_by(visibility_source)).then_some(link)
     }
 }

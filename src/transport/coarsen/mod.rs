@@ -56,7 +56,6 @@ impl LinkSolution {
         }
         self.light = light_of(&self.light, &before, &renumbering);
         self.max_radiosity = renumbering.reorder(&self.max_radiosity);
-        self.radiosity_stddev = renumbering.reorder(&self.radiosity_stddev);
     }
 }
 

@@ -11,7 +11,6 @@ use crate::transport::candidate::end_to_split;
 use crate::transport::form_factor::{Exchange, exchange};
 use crate::transport::link::{Link, LinkTable};
 use crate::transport::oracle::Oracle;
-use crate::transport::rules::OracleKind;
 use crate::transport::verdict::OccludedPair;
 
 /// Receiver and source.
@@ -48,9 +47,6 @@ enum Split {
 
 /// Parts that turn away from each other leave no trace; below a part that was refined they are
 /// looked for this deep.
-///
-/// By the error oracle, which may split either end, two wholes may both claim such parts; since
-/// these carry nothing, no light is made up by it.
 const DEEPEST_TRACE: u32 = 2;
 
 /// Every directed pair that carries a link or was found occluded; of all others the ends turn away
@@ -140,12 +136,10 @@ impl<'a> Pairs<'a> {
         wholes.into_iter().flatten()
     }
 
-    /// Whether refinement would split `end` of a pair with `other`. The error oracle may split
-    /// either.
+    /// Whether refinement would split `end` of a pair with `other`.
     fn was_split(&self, end: ElementId, other: ElementId) -> bool {
         let hierarchy = self.hierarchy();
-        self.oracle.kind == OracleKind::Error
-            || end_to_split(hierarchy, end, other) == Some(end)
+        end_to_split(hierarchy, end, other) == Some(end)
             // Of equal ends it is that which came first.
             || hierarchy.element(end).area == hierarchy.element(other).area
                 && end_to_split(hierarchy, other, end) == Some(end)
@@ -236,8 +230,7 @@ impl<'a> Pairs<'a> {
         // Parts that stand belong to one whole alone; those that leave no trace might be claimed by
         // two.
         let is_one = whole.split == Split::Both
-            || self.is_reached(receiver, source)
-                && (!has_void || self.oracle.kind == OracleKind::Error || self.is_surely_reached(receiver, source));
+            || self.is_reached(receiver, source) && (!has_void || self.is_surely_reached(receiver, source));
         if !is_one {
             return None;
         }

@@ -138,19 +138,13 @@ mod tests {
     use std::sync::Arc;
 
     use super::*;
-    use crate::base::cancel::CancelToken;
-    use crate::geometry::Occluders;
     use crate::hierarchy::Hierarchy;
     use crate::scene::builtin::BuiltinScene;
     use crate::solve::{ClusteringMode, Epsilon, Solver, SolverParams};
 
     fn solution_view(params: SolverParams) -> Arc<SolutionView> {
         let scene = Arc::new(BuiltinScene::Cornell.build());
-        let occluders = Arc::new(Occluders::new(&scene));
-        let mut solver = Solver::new(scene, occluders, params, 1).expect("the parameters are valid");
-        assert!(solver.run(&CancelToken::new()));
-        solver.show_solution_view(true);
-        solver.snapshot().solution_view.expect("it was asked for")
+        Solver::solved(&scene, params).snapshot().solution_view.expect("it was asked for")
     }
 
     /// Truth: E of an element is the mean over the area of its leaves' E, whatever lights them.

@@ -99,19 +99,13 @@ mod tests {
     use std::sync::Arc;
 
     use super::*;
-    use crate::base::cancel::CancelToken;
-    use crate::geometry::Occluders;
     use crate::scene::builtin::BuiltinScene;
     use crate::solve::{Epsilon, Solver, SolverParams};
 
     fn solution_view() -> Arc<SolutionView> {
         let scene = Arc::new(BuiltinScene::from_name("seminar").expect("ours").build());
-        let occluders = Arc::new(Occluders::new(&scene));
         let params = SolverParams { epsilon: Epsilon::Relative(3e-2), ..SolverParams::default() };
-        let mut solver = Solver::new(scene, occluders, params, 1).expect("the parameters are valid");
-        assert!(solver.run(&CancelToken::new()));
-        solver.show_solution_view(true);
-        solver.snapshot().solution_view.expect("it was asked for")
+        Solver::solved(&scene, params).snapshot().solution_view.expect("it was asked for")
     }
 
     /// Truth: what is in a cluster is what is in its children; the whole has each polygon once.

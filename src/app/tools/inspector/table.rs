@@ -52,7 +52,7 @@ const COLUMNS: [Heading; 8] = [
         56.0,
         ["Error (W)"; 2],
         "error estimate",
-        "Power of the strongest channel that the link is likely to misplace, as the criterion link error estimates it, W",
+        "Power of the strongest channel that the link is likely to misplace, W",
     ),
 ];
 

@@ -3,13 +3,14 @@
 use std::fmt::Write as _;
 
 use super::{PictureChart, PictureKind, PictureRecord};
+use crate::measure::records;
 
 /// The chart as CSV: a row for each picture.
 pub fn picture_csv(chart: &PictureChart) -> String {
-    let columns = |picture: &PictureRecord| {
+    let record = |picture: &PictureRecord| {
         let [width, height] = chart.size;
         let optional = |value: Option<String>| value.unwrap_or_default();
-        [
+        vec![
             ("scene", chart.scene.clone()),
             ("picture", picture.kind.name().to_owned()),
             ("width", width.to_string()),
@@ -30,15 +31,7 @@ pub fn picture_csv(chart: &PictureChart) -> String {
             ("reference_noise_p90", chart.reference.noise_p90.to_string()),
         ]
     };
-    let mut text = String::new();
-    for (index, picture) in chart.pictures.iter().enumerate() {
-        let columns = columns(picture);
-        if index == 0 {
-            text += &(columns.each_ref().map(|(name, _)| *name).join(",") + "\n");
-        }
-        text += &(columns.map(|(_, value)| value).join(",") + "\n");
-    }
-    text
+    records::csv(&chart.pictures.iter().map(record).collect::<Vec<_>>())
 }
 
 /// A Markdown table: for each mesh and gathered picture how long the path tracer takes to the same
