@@ -191,7 +191,9 @@ impl Field {
     /// Irradiance at a place of a polygon, to a standard error that is this share of the local
     /// light. It depends on the place alone.
     pub fn read(&self, polygon: u32, position: Vec3, error: f32) -> Irradiance {
-        // Off its plane by rounding, a place would lie behind its face.
+        // Off its plane by rounding, a place would lie behind its face; on its edge, rays would pass
+        // the faces that meet there as they pass its own.
+        let position = self.off_edges(polygon, position);
         let position = self.on_plane(self.leaf_at(polygon, position), position);
         let normal = self.normal(polygon);
         let seed = position.to_array().iter().fold(u64::from(polygon), |seed, x| hash64(seed, u64::from(x.to_bits())));

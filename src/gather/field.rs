@@ -100,6 +100,10 @@ impl std::fmt::Debug for Field {
     }
 }
 
+/// Share of the scene's diagonal within which a place lies on an edge: 0.1 mm in a room, some ten
+/// times rounding.
+const EDGE_MARGIN: f32 = 1e-5;
+
 /// Where a ray ends.
 #[derive(Clone, Copy, Debug)]
 pub struct Met {
@@ -418,6 +422,24 @@ impl Field {
         let patch = self.patch(leaf);
         let corner = self.hierarchy.vertices()[patch.corners()[0] as usize];
         position - patch.normal.dot(position - corner) * patch.normal
+    }
+
+    /// A place of a polygon, moved off the edges that it lies on.
+    pub(super) fn off_edges(&self, polygon: u32, position: Vec3) -> Vec3 {
+        let scene = self.scene();
+        let (lower, upper) = scene.bounds();
+        let margin = EDGE_MARGIN * lower.distance(upper);
+        let (corners, count) = scene.corner_positions(&scene.polygons[polygon as usize]);
+        let corners = &corners[..count];
+        let is_near = (0..count).any(|index| {
+            let (from, along) = (corners[index], corners[(index + 1) % count] - corners[index]);
+            (position - from).reject_from(along.normalize_or_zero()).length() < margin
+        });
+        if !is_near {
+            return position;
+        }
+        let inwards = corners.iter().sum::<Vec3>() / count as f32 - position;
+        position + inwards.clamp_length_max(2.0 * margin)
     }
 
     /// Reflectance of a leaf.

@@ -9,6 +9,7 @@ mod coincidence;
 mod coverage;
 mod daylight;
 mod display_mesh;
+mod edges;
 mod final_gather;
 mod furnace;
 mod hierarchy;
