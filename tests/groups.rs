@@ -3,8 +3,11 @@
 //! Truth: the same tree gives the same hierarchy and the same solution bit for bit; boxes and
 //! counts of what was grouped.
 
+#[path = "support/waiting.rs"]
+mod waiting;
+
 use std::sync::Arc;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use selflink::base::cancel::CancelToken;
 use selflink::geometry::Occluders;
@@ -14,6 +17,7 @@ use selflink::scene::builtin::BuiltinScene;
 use selflink::scene::{GroupMember, GroupTree, Scene, Sidecar, SidecarError, Source, load_file, write_obj};
 use selflink::solve::{Epsilon, Snapshot, Solver, SolverParams};
 use selflink::worker::{Command, Event, RunState, SolverThread};
+use waiting::wait_within;
 
 const PATIENCE: Duration = Duration::from_secs(60);
 
@@ -130,23 +134,13 @@ fn names_that_are_not_there_are_told_and_counted() {
 #[test]
 fn the_worker_builds_clusters_anew_only_where_they_go_by_groups() {
     let worker = SolverThread::spawn(params(), Box::new(|| ())).expect("a thread");
-    let until = |what: &str, holds: &dyn Fn() -> bool| {
-        let begun = Instant::now();
-        while !holds() {
-            assert!(begun.elapsed() < PATIENCE, "{what} did not happen");
-            std::thread::sleep(Duration::from_millis(2));
-        }
-    };
+    let until = |what: &str, holds: &dyn Fn() -> bool| wait_within(PATIENCE, what, || holds().then_some(()));
     let edited = || {
-        let begun = Instant::now();
-        loop {
-            match worker.try_event() {
-                Some(Event::SceneEdited(info)) => return info,
-                Some(Event::SolveFailed(sentence)) => panic!("{sentence}"),
-                _ => std::thread::sleep(Duration::from_millis(2)),
-            }
-            assert!(begun.elapsed() < PATIENCE, "nobody tells of the edit");
-        }
+        wait_within(PATIENCE, "the edit", || match worker.try_event() {
+            Some(Event::SceneEdited(info)) => Some(info),
+            Some(Event::SolveFailed(sentence)) => panic!("{sentence}"),
+            _ => None,
+        })
     };
     let finished = || worker.status().run == RunState::Finished;
     // For a moment the status is still that of the solve before.

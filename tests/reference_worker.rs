@@ -1,7 +1,10 @@
 //! The reference's thread: it measures what the error meter finds, and never keeps anybody waiting.
 
+#[path = "support/waiting.rs"]
+mod waiting;
+
 use std::sync::Arc;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use selflink::base::cancel::CancelToken;
 use selflink::measure::accuracy::ErrorMeter;
@@ -10,6 +13,7 @@ use selflink::measure::reference_worker::{GOAL, LEAST_PASSES, Measurement, Refer
 use selflink::scene::builtin::BuiltinScene;
 use selflink::scene::{Scene, Sides};
 use selflink::solve::{Epsilon, Snapshot, Solver, SolverParams};
+use waiting::wait_within;
 
 const PATIENCE: Duration = Duration::from_secs(60);
 
@@ -23,15 +27,8 @@ fn solved(scene: BuiltinScene, epsilon: f64) -> (Arc<Scene>, Arc<Snapshot>) {
     (scene, snapshot)
 }
 
-fn until<T>(what: &str, mut found: impl FnMut() -> Option<T>) -> T {
-    let begun = Instant::now();
-    loop {
-        if let Some(found) = found() {
-            return found;
-        }
-        assert!(begun.elapsed() < PATIENCE, "{what} did not happen within {PATIENCE:?}");
-        std::thread::sleep(Duration::from_millis(2));
-    }
+fn until<T>(what: &str, found: impl FnMut() -> Option<T>) -> T {
+    wait_within(PATIENCE, what, found)
 }
 
 fn reference_worker() -> ReferenceWorker {

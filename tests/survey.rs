@@ -3,8 +3,11 @@
 //! Truth: the snapshot itself, whose values at a point the probe module interpolates by other
 //! means.
 
+#[path = "support/waiting.rs"]
+mod waiting;
+
 use std::sync::Arc;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use glam::Vec3;
 use selflink::base::cancel::CancelToken;
@@ -13,6 +16,7 @@ use selflink::read::survey::{LitMesh, Ray, Report, Surveyor, WorkPlane};
 use selflink::scene::builtin::BuiltinScene;
 use selflink::scene::{Scene, Sides};
 use selflink::solve::{Epsilon, Snapshot, Solver, SolverParams};
+use waiting::wait_within;
 
 const PATIENCE: Duration = Duration::from_secs(60);
 
@@ -36,15 +40,7 @@ fn gathered() -> (Arc<Scene>, Arc<Snapshot>) {
 }
 
 fn until(surveyor: &Surveyor, what: &str, holds: impl Fn(&Report) -> bool) -> Report {
-    let begun = Instant::now();
-    loop {
-        let report = surveyor.report();
-        if holds(&report) {
-            return report;
-        }
-        assert!(begun.elapsed() < PATIENCE, "{what} did not happen");
-        std::thread::sleep(Duration::from_millis(2));
-    }
+    wait_within(PATIENCE, what, || Some(surveyor.report()).filter(|report| holds(report)))
 }
 
 /// A ray from the middle of the box down to the floor in front of its boxes.
