@@ -3,12 +3,13 @@
 //! A reading looks once from a point and reads the field where its rays end. The comparison looks
 //! from those ends once more: what that changes is the field's own error as one reflection hands it
 //! on. Further reflections hand on a share ρ̄, the mean reflectance, of its power each (the Neumann
-//! series), and mix it over the scene until it lies there as all light does: they add ρ̄/(1−ρ̄) times
-//! its share of the light that is reflected. To that comes the noise that readings have, a normal one of their standard error: that they know themselves, so no
-//! reading is made for it; as far as the change is noisy itself, that stands for it. So each point,
-//! random by area and never replaced, has an error that is known up to a normal deviation, and the
-//! bound follows (`bound`). Where it is kept, some more points by A·|B|² tell the RMS error of B,
-//! which few bright leaves may rule.
+//! series), and mix it over the scene until it lies there as all light does: they add ρ̄/(1−ρ̄)
+//! times its share of the light that is reflected. To that comes the noise that readings have, a
+//! normal one of their standard error: that they know themselves, so no reading is made for it; as
+//! far as the change is noisy itself, that stands for it. So each point, random by area and never
+//! replaced, has an error that is known up to a normal deviation, and the bound follows (`bound`).
+//! Where it is kept, some more points by A·|B|² tell the RMS error of B, which few bright leaves
+//! may rule.
 
 use rayon::prelude::*;
 

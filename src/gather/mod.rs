@@ -18,6 +18,7 @@ mod facet;
 mod field;
 mod glance;
 mod groups;
+mod looks;
 mod openings;
 mod passes;
 mod reaching;
