@@ -24,6 +24,9 @@ const DIM_SHARE: f32 = 0.1;
 /// Where more than half of the area is dark, this share of the mean stands for the median.
 const LEAST_OF_MEAN: f32 = 0.1;
 
+/// Elements that one task passes over; a fixed number where sums are made, for them to be the same
+/// for any number of threads.
+pub(super) const CHUNK: usize = 1 << 13;
 /// Seed of the rays that look for openings.
 const OPENINGS_SEED: u64 = 0x6f70_656e;
 
@@ -43,10 +46,10 @@ pub(super) struct Surroundings {
 }
 
 /// The patches of a hierarchy by the little that sweeps over all of them read.
-#[derive(Default)]
+#[derive(Clone, Default)]
 struct Patches {
     leaves: Vec<ElementId>,
-    /// Those that were split.
+    /// Those that were split, parents before their parts.
     split: Vec<ElementId>,
     /// Polygon of each patch, parallel to the arena.
     polygons: Vec<u32>,
@@ -63,6 +66,21 @@ impl Patches {
             }
         }
         patches
+    }
+
+    /// Takes up the parts of leaves that were split.
+    fn split(&mut self, hierarchy: &Hierarchy, leaves: &[ElementId]) {
+        self.polygons.resize(hierarchy.elements().len(), 0);
+        let mut is_split = vec![false; self.polygons.len()];
+        for leaf in leaves {
+            is_split[leaf.index()] = true;
+            for part in hierarchy.element(*leaf).children() {
+                self.polygons[part.index()] = self.polygons[leaf.index()];
+                self.leaves.push(part);
+            }
+        }
+        self.leaves.retain(|leaf| !is_split[leaf.index()]);
+        self.split.extend(leaves);
     }
 }
 
@@ -287,7 +305,7 @@ impl Field {
             let light = irradiance[leaf.index()];
             self.hierarchy.element(*leaf).children().for_each(|child| irradiance[child.index()] = light);
         }
-        self.patches = Arc::new(Patches::of(&self.hierarchy));
+        Arc::make_mut(&mut self.patches).split(&self.hierarchy, leaves);
         self.sources = Arc::new(Sources::emitters(&self.hierarchy, &self.around.surfaces));
         self.set_areas(|_| None);
         let mut reaches = self.reaches.to_vec();
@@ -353,7 +371,18 @@ impl Field {
 
     /// The leaves, in the order of the arena.
     pub fn leaves(&self) -> impl ExactSizeIterator<Item = ElementId> + Clone {
-        self.patches.leaves.iter().copied()
+        self.all_leaves().iter().copied()
+    }
+
+    /// The leaves, in the order of the arena.
+    pub(super) fn all_leaves(&self) -> &[ElementId] {
+        &self.patches.leaves
+    }
+
+    /// Sum of a value over all leaves, the same for any number of threads.
+    pub(super) fn sum_over_leaves(&self, value: impl Fn(ElementId) -> f64 + Sync) -> f64 {
+        let of_chunk = |leaves: &[ElementId]| leaves.iter().map(|leaf| value(*leaf)).sum::<f64>();
+        self.all_leaves().par_chunks(CHUNK).map(of_chunk).collect::<Vec<f64>>().into_iter().sum()
     }
 
     /// Memory, bytes.
@@ -456,8 +485,9 @@ impl Field {
     /// emit (mean of the colours), W/m².
     fn median(&self, irradiance: &[Vec3]) -> f32 {
         let lit = |leaf: ElementId| (grey(irradiance[leaf.index()]), self.area(leaf));
+        let leaves = self.all_leaves().par_iter().copied().with_min_len(CHUNK);
         let mut sorted: Vec<(f32, f32)> =
-            self.leaves().filter(|leaf| !self.emits(*leaf)).map(lit).filter(|(_, area)| *area > 0.0).collect();
+            leaves.filter(|leaf| !self.emits(*leaf)).map(lit).filter(|(_, area)| *area > 0.0).collect();
         sorted.par_sort_by(|a, b| a.0.total_cmp(&b.0));
         let area = sorted.iter().map(|(_, area)| f64::from(*area)).sum::<f64>();
         let mut below = 0.0;

@@ -14,7 +14,7 @@ use crate::hierarchy::{ElementId, Shape};
 
 /// Looks that tell the mean of a group.
 const LEAST_LOOKS: f64 = 8.0;
-/// Stands for "in no group".
+/// Stands for "in no group" and "no member".
 const NONE: u32 = u32::MAX;
 
 /// A leaf of a group.
@@ -36,6 +36,8 @@ pub struct Groups {
     members: Vec<Member>,
     /// Looks that are planned from each of them, parallel to the arena; 0 for other leaves.
     planned: Vec<f32>,
+    /// Place of each of them among the members, or [`NONE`], likewise.
+    places: Vec<u32>,
     /// Change of a leaf's light by the looks for each change by the links, 0..=1.
     slope: f32,
 }
@@ -47,6 +49,23 @@ pub struct Mean<T> {
     pub sum: T,
     /// Weight of the looks.
     pub looks: f32,
+}
+
+/// Light of leaves by the means of their groups.
+pub struct Shared<'a, T> {
+    groups: &'a Groups,
+    means: Vec<Mean<T>>,
+}
+
+impl<T: Copy + Mul<f32, Output = T>> Shared<'_, T> {
+    /// The mean of a member's group, and the multiple of it that is that leaf's; none where nobody
+    /// looked from the group.
+    pub fn of(&self, leaf: ElementId) -> Option<(T, f32)> {
+        let place = self.groups.places.get(leaf.index())?;
+        let member = self.groups.members.get(*place as usize)?;
+        let Mean { sum, looks } = self.means[member.group as usize];
+        (looks > 0.0).then(|| (sum * looks.recip(), 1.0 + self.groups.slope * (member.lit - 1.0)))
+    }
 }
 
 impl Groups {
@@ -87,6 +106,8 @@ impl Groups {
             Member { leaf, group: around, weight: weight as f32, lit: lit[leaf.index()] }
         };
         groups.members = small.iter().map(member).collect();
+        groups.places = vec![NONE; hierarchy.elements().len()];
+        small.iter().zip(0..).for_each(|((leaf, _), place)| groups.places[leaf.index()] = place);
         groups.set_means(field);
         groups
     }
@@ -155,19 +176,12 @@ impl Groups {
         means
     }
 
-    /// Hands each member its group's mean, where looks from leaves found these sums, and the
-    /// multiple of it that is that leaf's. Groups without a look are left out.
-    pub fn share<T>(&self, found: impl Fn(ElementId) -> Mean<T>, mut hand: impl FnMut(ElementId, T, f32))
+    /// Light of each member by its group's mean, where looks from leaves found these sums.
+    pub fn shared<T>(&self, found: impl Fn(ElementId) -> Mean<T>) -> Shared<'_, T>
     where
         T: Copy + Default + AddAssign + Mul<f32, Output = T>,
     {
-        let means = self.means(found);
-        for member in &self.members {
-            let Mean { sum, looks } = means[member.group as usize];
-            if looks > 0.0 {
-                hand(member.leaf, sum * looks.recip(), 1.0 + self.slope * (member.lit - 1.0));
-            }
-        }
+        Shared { groups: self, means: self.means(found) }
     }
 
     /// Learns how far light differs as the links say, from all looks so far, which found these
@@ -194,7 +208,10 @@ impl Groups {
 
     /// Memory, bytes.
     pub fn bytes(&self) -> usize {
-        size_of_val(&self.clusters[..]) + size_of_val(&self.members[..]) + size_of_val(&self.planned[..])
+        size_of_val(&self.clusters[..])
+            + size_of_val(&self.members[..])
+            + size_of_val(&self.planned[..])
+            + size_of_val(&self.places[..])
     }
 }
 

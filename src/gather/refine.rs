@@ -7,7 +7,9 @@
 //! behind it sees \[importance: Smits, Arvo, Salesin, *An importance-driven radiosity algorithm*,
 //! SIGGRAPH 1992\].
 
-use super::field::{Field, grey};
+use rayon::prelude::*;
+
+use super::field::{CHUNK, Field, grey};
 use super::groups::Groups;
 use super::samples::GatherSamples;
 use crate::hierarchy::ElementId;
@@ -27,22 +29,18 @@ const LEAST_AREA: f32 = 1e-7;
 pub fn leaves_to_split(field: &Field, importance: &Importance, variances: &[f32], allowed: f64) -> Vec<ElementId> {
     let least = least_area(field);
     let share = importance.share_of(field);
-    let mut errors = Vec::new();
-    for leaf in field.leaves() {
-        if field.emits(leaf) || field.area(leaf) < least {
-            continue;
-        }
-        let variance = variances[leaf.index()];
+    let error = |&leaf: &ElementId| {
         let light = grey(field.irradiance[leaf.index()]) + field.dim();
-        if light > 0.0 {
-            errors.push((share(leaf) * f64::from(variance / (light * light)), leaf));
-        }
-    }
+        let may_split = !field.emits(leaf) && field.area(leaf) >= least && light > 0.0;
+        may_split.then(|| (share(leaf) * f64::from(variances[leaf.index()] / (light * light)), leaf))
+    };
+    let mut errors: Vec<(f64, ElementId)> =
+        field.all_leaves().par_iter().with_min_len(CHUNK).filter_map(error).collect();
     let allowed = allowed * allowed;
     if errors.iter().map(|(error, _)| error).sum::<f64>() <= allowed {
         return Vec::new();
     }
-    errors.sort_by(|a, b| a.0.total_cmp(&b.0));
+    errors.par_sort_by(|a, b| a.0.total_cmp(&b.0));
     let mut sum = 0.0;
     let kept = errors.iter().take_while(|(error, _)| {
         sum += error;
@@ -65,8 +63,9 @@ pub fn leaves_to_look_from(
     let is_heavy = |leaf: &ElementId| {
         !field.emits(*leaf) && field.area(*leaf) >= least && share(*leaf) > HEAVY * allowed * allowed
     };
-    let looks = |leaf: ElementId| (leaf, LOOKS_OF_HEAVY.saturating_sub(samples.looks(leaf)));
-    field.leaves().filter(is_heavy).map(looks).filter(|(_, looks)| *looks > 0).collect()
+    let looks = |&leaf: &ElementId| (leaf, LOOKS_OF_HEAVY.saturating_sub(samples.looks(leaf)));
+    let leaves = field.all_leaves().par_iter().with_min_len(CHUNK);
+    leaves.filter(|leaf| is_heavy(leaf)).map(looks).filter(|(_, looks)| *looks > 0).collect()
 }
 
 /// Share of its readers' light that each patch brings for what it reflects and its area, m²/W,
@@ -114,20 +113,20 @@ impl Importance {
 
     /// What a leaf brings to its readers, of 1 for all: in proportion to its power, before anybody
     /// read it.
-    pub fn brought_by<'a>(&'a self, field: &'a Field) -> impl Fn(ElementId) -> f64 + use<'a> {
+    pub fn brought_by<'a>(&'a self, field: &'a Field) -> impl Fn(ElementId) -> f64 + Sync + use<'a> {
         let brought = move |leaf: ElementId| {
             let importance = self.0.get(leaf.index()).copied().unwrap_or(1.0);
             f64::from(importance * field.area(leaf) * field.reflected[leaf.index()].max_element())
         };
-        let total = field.leaves().map(&brought).sum::<f64>().max(f64::MIN_POSITIVE);
+        let total = field.sum_over_leaves(brought).max(f64::MIN_POSITIVE);
         move |leaf| brought(leaf) / total
     }
 
     /// Weight of a leaf, of 1 for all: by its share of the area, and as much by what it brings to
     /// others, for its error is one of theirs, too.
-    pub fn share_of<'a>(&'a self, field: &'a Field) -> impl Fn(ElementId) -> f64 + use<'a> {
+    pub fn share_of<'a>(&'a self, field: &'a Field) -> impl Fn(ElementId) -> f64 + Sync + use<'a> {
         let brought = self.brought_by(field);
-        let area: f64 = field.leaves().map(|leaf| f64::from(field.area(leaf))).sum();
+        let area = field.sum_over_leaves(|leaf| field.area(leaf).into());
         move |leaf| 0.5 * (f64::from(field.area(leaf)) / area + brought(leaf))
     }
 }

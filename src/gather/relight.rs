@@ -2,12 +2,13 @@
 //! from a [mixture](Mixing) of the ones before.
 
 use glam::Vec3;
+use rayon::prelude::*;
 
 use super::Gather;
-use super::field::{Field, grey};
+use super::field::{CHUNK, Field, grey};
 use super::groups::{Groups, Mean};
 use super::looks::LightSums;
-use super::samples::{GatherSamples, Sums};
+use super::samples::GatherSamples;
 use crate::base::cancel::CancelToken;
 use crate::base::mixing::Mixing;
 use crate::hierarchy::ElementId;
@@ -27,10 +28,21 @@ struct Relighting<'a> {
     /// Indirect irradiance by the links, W/m², of what was not looked at by cosine-distributed
     /// rays.
     of_links: &'a [Vec3],
-    /// Irradiance that emission and the sun bring, W/m².
+    known: Vec<Known>,
+    /// Irradiance that emission and the sun bring, W/m²; 0 of what is no leaf.
     direct: Vec<Vec3>,
     /// Scale of reflected light by which it dies out.
     closure: Vec<f32>,
+}
+
+/// Where an element's indirect light is known from.
+#[derive(Clone, Copy)]
+enum Known {
+    /// It is no leaf.
+    Nothing,
+    ByLinks,
+    /// By looks, each of which counts so much.
+    ByLooks(f32),
 }
 
 /// Irradiances of each leaf, W/m², parallel to the arena.
@@ -47,52 +59,75 @@ impl<'a> Relighting<'a> {
     fn new(field: &'a Field, samples: &'a GatherSamples, groups: &'a Groups, of_links: &'a [Vec3]) -> Self {
         let elements = field.hierarchy.elements().len();
         let (mut direct, mut closure) = (vec![Vec3::ZERO; elements], vec![1.0; elements]);
-        let most = |leaf: ElementId, row: f32| closure_of(row, field.reflectance(leaf).max_element());
-        for leaf in field.leaves() {
-            let known = samples.of(leaf);
-            direct[leaf.index()] = samples.direct(leaf).0;
-            closure[leaf.index()] = most(leaf, known.row / known.whole.max(1) as f32);
-        }
+        let mut known = vec![Known::Nothing; elements];
         let mean = |sum, looks| Mean { sum, looks: looks as f32 };
-        let emitted = |known: Sums| mean(known.emitted, known.seen);
-        groups.share(|leaf| emitted(samples.of(leaf)), |leaf, mean, shape| direct[leaf.index()] = shape * mean);
-        let row = |known: Sums| Mean { sum: known.row, looks: known.whole as f32 };
-        groups
-            .share(|leaf| row(samples.of(leaf)), |leaf, mean, shape| closure[leaf.index()] = most(leaf, shape * mean));
-        Self { field, samples, groups, of_links, direct, closure }
+        let emitted = groups.shared(|leaf| {
+            let sums = samples.of(leaf);
+            mean(sums.emitted, sums.seen)
+        });
+        let rows = groups.shared(|leaf| {
+            let sums = samples.of(leaf);
+            Mean { sum: sums.row, looks: sums.whole as f32 }
+        });
+        let by_shape = |(mean, shape): (f32, f32)| shape * mean;
+        for leaf in field.leaves() {
+            let (index, sums) = (leaf.index(), samples.of(leaf));
+            known[index] = if sums.whole > 0 { Known::ByLooks(1.0 / sums.whole as f32) } else { Known::ByLinks };
+            direct[index] = emitted.of(leaf).map_or_else(|| samples.direct(leaf).0, |(mean, shape)| shape * mean);
+            let row = rows.of(leaf).map_or_else(|| sums.row / sums.whole.max(1) as f32, by_shape);
+            closure[index] = closure_of(row, field.reflectance(leaf).max_element());
+        }
+        Self { field, samples, groups, of_links, known, direct, closure }
     }
 
     /// Irradiance of each leaf, W/m², where all reflect this much, and the factor that makes up for
     /// the closure; `None` if cancelled.
     fn irradiance(&self, reflected: &[Vec3], cancel: &CancelToken) -> Option<(Vec<Vec3>, f32)> {
         let sums = self.samples.indirect(self.direct.len(), reflected, cancel)?;
-        let mut indirect = vec![Vec3::ZERO; self.direct.len()];
-        for leaf in self.field.leaves() {
-            let index = leaf.index();
-            indirect[index] = match self.samples.of(leaf).whole {
-                0 => self.of_links[index],
-                whole => sums[index] / whole as f32,
-            };
-        }
-        self.groups.share(self.by_leaf(&sums), |leaf, mean, shape| indirect[leaf.index()] = shape * mean);
+        let of_groups = self.groups.shared(self.by_leaf(&sums));
+        let indirect = |(index, known): (usize, &Known)| match (known, of_groups.of(ElementId(index as u32))) {
+            (Known::Nothing, _) => Vec3::ZERO,
+            (_, Some((mean, shape))) => shape * mean,
+            (Known::ByLinks, None) => self.of_links[index],
+            (Known::ByLooks(weight), None) => *weight * sums[index],
+        };
+        let mut indirect: Vec<Vec3> = self.known.par_iter().enumerate().with_min_len(CHUNK).map(indirect).collect();
         let refund = self.refund(&indirect);
-        for leaf in self.field.leaves() {
-            let index = leaf.index();
-            indirect[index] = self.direct[index] + refund * self.closure[index] * indirect[index];
-        }
+        indirect.par_iter_mut().enumerate().with_min_len(CHUNK).for_each(|(index, light)| {
+            *light = self.direct[index] + refund * self.closure[index] * *light;
+        });
         Some((indirect, refund))
     }
 
     /// Factor on all reflected light that makes up for what the closure takes: rows that have too
     /// much by chance have what others lack.
     fn refund(&self, indirect: &[Vec3]) -> f32 {
-        let (mut all, mut kept) = (0.0_f64, 0.0);
-        for leaf in self.field.leaves() {
-            let light = f64::from(self.field.area(leaf) * grey(indirect[leaf.index()]));
-            all += light;
-            kept += f64::from(self.closure[leaf.index()]) * light;
-        }
+        let of_chunk = |chunk: usize| {
+            let (mut all, mut kept) = (0.0_f64, 0.0);
+            for index in chunk * CHUNK..((chunk + 1) * CHUNK).min(indirect.len()) {
+                let light = f64::from(self.field.areas[index] * grey(indirect[index]));
+                all += light;
+                kept += f64::from(self.closure[index]) * light;
+            }
+            [all, kept]
+        };
+        let chunks: Vec<[f64; 2]> = (0..indirect.len().div_ceil(CHUNK)).into_par_iter().map(of_chunk).collect();
+        let [all, kept] = [0, 1].map(|which| chunks.iter().map(|chunk| chunk[which]).sum::<f64>());
         if kept > 0.0 { (all / kept).min(MOST_REFUND) as f32 } else { 1.0 }
+    }
+
+    /// Change of the leaves' light from what all reflected to what they reflect now.
+    fn change(&self, before: &[Vec3], now: &[Vec3]) -> Change {
+        let of_chunk = |leaves: &[ElementId]| {
+            let mut change = Change::default();
+            for &leaf in leaves {
+                let [before, now] = [before, now].map(|light| light[leaf.index()]);
+                change.note(self.field.area(leaf), [before, now], (now, self.field.reflectance(leaf)));
+            }
+            change
+        };
+        let chunks: Vec<Change> = self.field.all_leaves().par_chunks(CHUNK).map(of_chunk).collect();
+        chunks.into_iter().fold(Change::default(), Change::and)
     }
 
     /// Irradiances of each leaf where all reflect this much; `None` if cancelled.
@@ -104,14 +139,16 @@ impl<'a> Relighting<'a> {
             let indirect = refund * self.closure[leaf.index()] * sums.far_indirect;
             (sums.far_share > 0.0).then(|| (sums.far_emitted + indirect) / sums.far_share)
         };
+        let of_groups = self.groups.shared(self.by_leaf(&sums));
         for leaf in self.field.leaves() {
-            if let Some(light) = far_of(leaf, &sums[leaf.index()]) {
+            let light = match of_groups.of(leaf) {
+                Some((of_group, shape)) => far_of(leaf, &of_group).map(|light| shape * light),
+                None => far_of(leaf, &sums[leaf.index()]),
+            };
+            if let Some(light) = light {
                 far[leaf.index()] = light;
             }
         }
-        self.groups.share(self.by_leaf(&sums), |leaf, of_group, shape| {
-            far[leaf.index()] = far_of(leaf, &of_group).map_or(mean[leaf.index()], |light| shape * light);
-        });
         let sums = sums.iter().map(|sums| sums.all).collect();
         Some(Gathered { mean, far, sums })
     }
@@ -138,7 +175,6 @@ impl Gather {
         let samples = &self.samples;
         field.set_areas(|leaf| samples.seen_share(leaf));
         let relighting = Relighting::new(&field, samples, &self.groups, &self.of_links);
-        let leaves: Vec<ElementId> = field.leaves().collect();
         // From emission alone the first time: what links let through a wall would take long to die
         // out.
         let is_afresh = samples.has_cosine() && !self.is_lit_by_samples;
@@ -146,11 +182,7 @@ impl Gather {
         let mut mixing = Mixing::default();
         for sweep in 1..=MOST_SWEEPS {
             let next = field.reflect(&relighting.irradiance(&reflected, cancel)?.0);
-            let mut change = Change::default();
-            for &leaf in &leaves {
-                let [before, now] = [&reflected, &next].map(|light| light[leaf.index()]);
-                change.note(field.area(leaf), [before, now], (now, field.reflectance(leaf)));
-            }
+            let change = relighting.change(&reflected, &next);
             // Without cosine-distributed rays nothing depends on what others reflect.
             if change.to_come() <= SWEEP_TOLERANCE * change.power || !samples.has_cosine() || sweep == MOST_SWEEPS {
                 tracing::debug!(sweep, "light of the field converged");

@@ -9,12 +9,13 @@
 use std::f32::consts::PI;
 
 use glam::Vec3;
+use rayon::prelude::*;
 
 use super::facet::Facet;
-use super::field::{Field, Met};
+use super::field::{CHUNK, Field, Met};
 use super::source_tree::SourceTree;
 use crate::base::random::{fraction, hash64, r2_sequence};
-use crate::hierarchy::{ElementId, Hierarchy, Shape};
+use crate::hierarchy::{Element, ElementId, Hierarchy, Shape};
 use crate::scene::Surface;
 
 /// A cluster whose half diagonal is below this share of its distance is one source.
@@ -78,16 +79,18 @@ impl Sources {
     }
 
     fn new(hierarchy: &Hierarchy, surfaces: &[Surface], secondary: Vec<f32>) -> Self {
-        let mut power = vec![0.0; hierarchy.elements().len()];
-        for id in hierarchy.ids().rev() {
-            let element = hierarchy.element(id);
-            power[id.index()] = match &element.shape {
-                Shape::Patch(patch) if element.is_leaf() => {
-                    let emission = surfaces[patch.polygon as usize].emission.max_element();
-                    element.sampled_area * (emission + secondary[id.index()])
-                }
-                _ => element.children().map(|child| power[child.index()]).sum(),
-            };
+        let elements = hierarchy.elements();
+        let of_leaf = |(element, secondary): (&Element, &f32)| match &element.shape {
+            Shape::Patch(patch) if element.is_leaf() => {
+                element.sampled_area * (surfaces[patch.polygon as usize].emission.max_element() + secondary)
+            }
+            _ => 0.0,
+        };
+        let mut power: Vec<f32> = elements.par_iter().zip(&secondary).with_min_len(CHUNK).map(of_leaf).collect();
+        let with_children = |index: &usize| !elements[*index].is_leaf();
+        let inner: Vec<usize> = (0..elements.len()).into_par_iter().with_min_len(CHUNK).filter(with_children).collect();
+        for index in inner.into_iter().rev() {
+            power[index] = elements[index].children().map(|child| power[child.index()]).sum();
         }
         let tree = SourceTree::new(hierarchy, surfaces, &power);
         Self { power, secondary, tree }

@@ -76,6 +76,14 @@ pub struct Cluster {
     patch_count: u32,
 }
 
+impl Cluster {
+    /// Places of the initial patches below, in [`Hierarchy::initial_patches`].
+    pub fn patches(&self) -> std::ops::Range<usize> {
+        let first = self.first_patch as usize;
+        first..first + self.patch_count as usize
+    }
+}
+
 /// Kind of an element.
 #[derive(Clone, Copy, Debug)]
 pub enum Shape {
@@ -211,8 +219,7 @@ impl Hierarchy {
 
     /// The initial patches below a cluster.
     pub fn patches_below(&self, cluster: &Cluster) -> &[ElementId] {
-        let first = cluster.first_patch as usize;
-        &self.initial_patches[first..first + cluster.patch_count as usize]
+        &self.initial_patches[cluster.patches()]
     }
 
     /// Number of clusters.

@@ -105,7 +105,7 @@ fn picture_light(links: &LinkSolution, former: Option<Light>, table: &LinkTable)
     let never = CancelToken::new();
     gatherer.enforce_closure(&mut light, &never);
     gatherer.converge(&mut light, PICTURE_TOLERANCE, if first { FIRST_SWEEPS } else { LATER_SWEEPS }, &never);
-    links.keep_bounds(&mut light);
+    gatherer.keep_bounds(links, &mut light);
     light
 }
 

@@ -186,7 +186,8 @@ impl Solver {
         let mut light = self.links.emitted_light();
         light.truncate(elements);
         let never = CancelToken::new();
-        let gatherer = Gatherer::new(&hierarchy, &table, self.links.surfaces(), self.links.rules(), !is_final);
+        let surfaces = (self.links.surfaces(), self.links.push_tables());
+        let gatherer = Gatherer::new(&hierarchy, &table, surfaces, self.links.rules(), !is_final);
         gatherer.enforce_closure(&mut light, &never);
         gatherer.converge(&mut light, PICTURE_TOLERANCE, FIRST_SWEEPS, &never);
         drop(gatherer);

@@ -28,18 +28,10 @@ const MOST_WITHOUT_HARMONICS: usize = 8;
 /// radii.
 const FAR: f32 = 3.0;
 
-/// Hands light down over one table of links.
-pub struct Pusher<'a> {
-    hierarchy: &'a Hierarchy,
-    links: &'a LinkTable,
-    /// How each link's light is handed down, in the order of the table.
-    weights: Vec<PushWeights>,
-    /// Targets of the links of large clusters.
-    link_targets: Vec<LinkTargets>,
-    /// Small clusters that have links.
-    lit: Vec<ElementId>,
-    /// Place in `lit` of the nearest cluster around each element that is there.
-    lit_around: Vec<u32>,
+/// What all pushes over one hierarchy read of its clusters and initial patches, whatever links
+/// there are; parallel to them.
+pub struct PushTables {
+    normal_moments: Vec<NormalMoments>,
     /// Harmonics of each element: its own, or that of the nearest cluster above it that has one.
     harmonics_of: Vec<u32>,
     /// Clusters with harmonics, parents first.
@@ -53,7 +45,21 @@ struct Face {
     id: ElementId,
     normal: Vec3,
     harmonics: u32,
-    lit_around: u32,
+}
+
+/// Hands light down over one table of links.
+pub struct Pusher<'a> {
+    hierarchy: &'a Hierarchy,
+    links: &'a LinkTable,
+    tables: &'a PushTables,
+    /// How each link's light is handed down, in the order of the table.
+    weights: Vec<PushWeights>,
+    /// Targets of the links of large clusters.
+    link_targets: Vec<LinkTargets>,
+    /// Small clusters that have links, with the place of the nearest one around each.
+    lit: Vec<(ElementId, u32)>,
+    /// Place of the nearest one around each initial patch, in their order.
+    lit_around: Vec<u32>,
 }
 
 /// How a link's light is handed down, in multiples of the receiver's mean irradiance.
@@ -105,15 +111,39 @@ impl PushWeights {
     }
 }
 
+impl PushTables {
+    /// Those of a hierarchy, of which nothing but initial patches and what lies outside may have
+    /// been split.
+    pub fn new(hierarchy: &Hierarchy) -> Self {
+        let (harmonics_of, with_harmonics) = harmonics_around(hierarchy);
+        let face = |&id: &ElementId| {
+            let normal = match &hierarchy.element(id).shape {
+                Shape::Patch(patch) => patch.normal,
+                Shape::Cluster(_) | Shape::Sky(_) => Vec3::ZERO,
+            };
+            Face { id, normal, harmonics: harmonics_of[id.index()] }
+        };
+        let faces = hierarchy.initial_patches().par_iter().with_min_len(1 << 12).map(face).collect();
+        Self { normal_moments: normal_moments(hierarchy), harmonics_of, with_harmonics, faces }
+    }
+
+    /// Memory, bytes.
+    pub fn bytes(&self) -> usize {
+        size_of_val(&self.normal_moments[..])
+            + size_of_val(&self.harmonics_of[..])
+            + size_of_val(&self.with_harmonics[..])
+            + size_of_val(&self.faces[..])
+    }
+}
+
 impl<'a> Pusher<'a> {
     /// Prepares to hand down the light of these links.
-    pub fn new(hierarchy: &'a Hierarchy, links: &'a LinkTable, model: ClusterModel) -> Self {
-        let normal_moments = normal_moments(hierarchy);
+    pub fn new(hierarchy: &'a Hierarchy, links: &'a LinkTable, tables: &'a PushTables, model: ClusterModel) -> Self {
         let of_receiver = |receiver: usize| {
             let receiver = ElementId(receiver as u32);
             let places = links.range(receiver).zip(links.of(receiver));
             places
-                .map(|(place, link)| push_weights(hierarchy, &normal_moments, model, (receiver, link), place))
+                .map(|(place, link)| push_weights(hierarchy, &tables.normal_moments, model, (receiver, link), place))
                 .unzip::<_, _, Vec<_>, Vec<_>>()
         };
         let per_receiver: Vec<_> = (0..links.receivers()).into_par_iter().with_min_len(64).map(of_receiver).collect();
@@ -122,17 +152,8 @@ impl<'a> Pusher<'a> {
             weights.extend(of_links);
             link_targets.extend(targeted.into_iter().flatten());
         }
-        let (harmonics_of, with_harmonics) = harmonics_around(hierarchy);
         let (lit, lit_around) = lit_clusters(hierarchy, links);
-        let face = |&id: &ElementId| {
-            let normal = match &hierarchy.element(id).shape {
-                Shape::Patch(patch) => patch.normal,
-                Shape::Cluster(_) | Shape::Sky(_) => Vec3::ZERO,
-            };
-            Face { id, normal, harmonics: harmonics_of[id.index()], lit_around: lit_around[id.index()] }
-        };
-        let faces = hierarchy.initial_patches().iter().map(face).collect();
-        Self { hierarchy, links, weights, link_targets, lit, lit_around, harmonics_of, with_harmonics, faces }
+        Self { hierarchy, links, tables, weights, link_targets, lit, lit_around }
     }
 
     /// Share of the light of the link at this place of the table that its receiver hands to every
@@ -144,39 +165,40 @@ impl<'a> Pusher<'a> {
     /// Irradiance that the clusters above hand to each initial patch by its cosines, W/m², where
     /// each link brings `flux`; anything if cancelled.
     pub fn push(&self, flux: &(impl Fn(&Link) -> Vec3 + Sync), cancel: &CancelToken) -> Vec<Vec3> {
-        let mut harmonics = vec![IrradianceHarmonics::default(); self.with_harmonics.len()];
+        let mut harmonics = vec![IrradianceHarmonics::default(); self.tables.with_harmonics.len()];
         let mut met = vec![Vec3::ZERO; if self.link_targets.is_empty() { 0 } else { self.hierarchy.elements().len() }];
         for targeted in &self.link_targets {
             let flux = flux(&self.links.all()[targeted.place]) * self.weights[targeted.place].beam;
             for target in &targeted.targets {
                 match *target {
                     Target::Cluster(id, direction) => {
-                        harmonics[self.harmonics_of[id.index()] as usize].add(flux, direction)
+                        harmonics[self.tables.harmonics_of[id.index()] as usize].add(flux, direction)
                     }
                     Target::Patch(id, cosine) => met[id.index()] += cosine * flux,
                 }
             }
         }
-        for (index, &id) in self.with_harmonics.iter().enumerate() {
-            let above = self.hierarchy.element(id).parent().map(|parent| self.harmonics_of[parent.index()]);
+        for (index, &id) in self.tables.with_harmonics.iter().enumerate() {
+            let above = self.hierarchy.element(id).parent().map(|parent| self.tables.harmonics_of[parent.index()]);
             if let Some(above) = above.filter(|above| *above != NONE) {
                 let above = harmonics[above as usize];
                 harmonics[index].join(&above);
             }
         }
         let beams = self.beams(flux);
-        let pushed_to = |face: &Face| {
+        let pushed_to = |(face, around): (&Face, &u32)| {
             if cancel.is_cancelled() {
                 return Vec3::ZERO;
             }
-            met.get(face.id.index()).copied().unwrap_or_default() + self.pushed_to(face, &beams, &harmonics)
+            let met = met.get(face.id.index()).copied().unwrap_or_default();
+            met + self.pushed_to(face, *around, &beams, &harmonics)
         };
-        self.faces.par_iter().with_min_len(256).map(pushed_to).collect()
+        self.tables.faces.par_iter().zip(&self.lit_around).with_min_len(256).map(pushed_to).collect()
     }
 
     /// For each small cluster the light that its links bring, with where it comes from.
     fn beams(&self, flux: &(impl Fn(&Link) -> Vec3 + Sync)) -> Vec<Vec<Beam>> {
-        let of_cluster = |&receiver: &ElementId| {
+        let of_cluster = |&(receiver, _): &(ElementId, u32)| {
             let links = self.links.range(receiver).zip(self.links.of(receiver));
             let beam = |(place, link): (usize, &Link)| Beam {
                 from: self.hierarchy.element(link.source()).centre,
@@ -187,15 +209,14 @@ impl<'a> Pusher<'a> {
         self.lit.par_iter().with_min_len(64).map(of_cluster).collect()
     }
 
-    fn pushed_to(&self, face: &Face, beams: &[Vec<Beam>], harmonics: &[IrradianceHarmonics]) -> Vec3 {
+    fn pushed_to(&self, face: &Face, mut around: u32, beams: &[Vec<Beam>], harmonics: &[IrradianceHarmonics]) -> Vec3 {
         let mut sum = harmonics.get(face.harmonics as usize).map_or(Vec3::ZERO, |harmonics| harmonics.on(face.normal));
-        let mut around = face.lit_around;
         while let Some(beams) = beams.get(around as usize) {
             let centre = self.hierarchy.element(face.id).centre;
             for beam in beams {
                 sum += beam.flux * cosine_towards(centre, face.normal, beam.from);
             }
-            around = self.lit_around[self.lit[around as usize].index()];
+            around = self.lit[around as usize].1;
         }
         sum
     }
@@ -309,23 +330,18 @@ fn has_harmonics(hierarchy: &Hierarchy, cluster: &Cluster) -> bool {
     hierarchy.patches_below(cluster).len() > MOST_WITHOUT_HARMONICS
 }
 
-/// The small clusters that have links, and the nearest of them around each element.
-fn lit_clusters(hierarchy: &Hierarchy, links: &LinkTable) -> (Vec<ElementId>, Vec<u32>) {
-    let mut place_of = vec![NONE; hierarchy.elements().len()];
-    let mut around = vec![NONE; hierarchy.elements().len()];
+/// The small clusters that have links, each with the place of the nearest one around it; and that
+/// around each initial patch.
+fn lit_clusters(hierarchy: &Hierarchy, links: &LinkTable) -> (Vec<(ElementId, u32)>, Vec<u32>) {
+    let mut around = vec![NONE; hierarchy.initial_patches().len()];
     let mut lit = Vec::new();
-    for id in hierarchy.ids() {
-        let element = hierarchy.element(id);
-        if let Some(parent) = element.parent() {
-            let own = place_of[parent.index()];
-            around[id.index()] = if own == NONE { around[parent.index()] } else { own };
-        }
-        if let Shape::Cluster(cluster) = &element.shape
-            && meets_each(hierarchy, cluster)
-            && !links.of(id).is_empty()
-        {
-            place_of[id.index()] = lit.len() as u32;
-            lit.push(id);
+    // Parents come first, so the nearest one has the last word.
+    for receiver in (0..links.receivers() as u32).map(ElementId).filter(|receiver| !links.of(*receiver).is_empty()) {
+        let Shape::Cluster(cluster) = &hierarchy.element(receiver).shape else { continue };
+        if meets_each(hierarchy, cluster) {
+            let below = &mut around[cluster.patches()];
+            lit.push((receiver, below.first().copied().unwrap_or(NONE)));
+            below.fill(lit.len() as u32 - 1);
         }
     }
     (lit, around)

@@ -3,12 +3,14 @@
 use std::sync::Arc;
 
 use glam::Vec3;
+use rayon::prelude::*;
 
 use super::SolutionView;
 use super::candidate::Candidate;
 use super::link::LinkTable;
 use super::oracle::Oracle;
 use super::pair_samples::RaySampler;
+use super::push::PushTables;
 use super::recheck::SCHEDULE;
 use super::refine::{Applied, Refinement};
 use super::rules::LinkRules;
@@ -33,6 +35,8 @@ pub struct LinkSolution {
     pub(super) entering: Vec3,
     pub(super) rules: LinkRules,
     pub(super) hierarchy: Hierarchy,
+    /// What is the same in each push over the hierarchy.
+    push_tables: PushTables,
     pub(super) light: Light,
     pub(super) links: LinkTable,
     pub(super) refinement: Refinement,
@@ -73,6 +77,7 @@ impl LinkSolution {
             occluders,
             entering,
             rules,
+            push_tables: PushTables::new(&hierarchy),
             hierarchy,
             light: Light::default(),
             links: LinkTable::default(),
@@ -160,9 +165,9 @@ impl LinkSolution {
         if !gatherer.converge(&mut light, tolerance, MOST_SWEEPS, cancel) {
             return None;
         }
-        self.bounded_leaves = self.keep_bounds(&mut light);
+        let bounded = gatherer.keep_bounds(self, &mut light);
         self.light = light;
-        self.clamped_leaves = clamped;
+        (self.clamped_leaves, self.bounded_leaves) = (clamped, bounded);
         self.fix_max_radiosity();
         self.iterations += 1;
         Some(())
@@ -213,7 +218,7 @@ impl LinkSolution {
 
     /// Moves light over a table of links between the present elements.
     pub fn gatherer<'a>(&'a self, links: &'a LinkTable, with_unjudged: bool) -> Gatherer<'a> {
-        Gatherer::new(&self.hierarchy, links, &self.surfaces, &self.rules, with_unjudged)
+        Gatherer::new(&self.hierarchy, links, (&self.surfaces, &self.push_tables), &self.rules, with_unjudged)
     }
 
     /// The oracle over the present state.
@@ -235,7 +240,8 @@ impl LinkSolution {
             Shape::Cluster(_) => Vec3::ZERO,
             Shape::Sky(number) => self.hierarchy.sky_part(number).radiosity,
         };
-        let mut radiosity: Vec<Vec3> = self.hierarchy.elements().iter().map(emission).collect();
+        let elements = self.hierarchy.elements();
+        let mut radiosity: Vec<Vec3> = elements.par_iter().with_min_len(1 << 12).map(emission).collect();
         pull(&self.hierarchy, &mut radiosity);
         let irradiance = vec![Vec3::ZERO; radiosity.len()];
         Light { emitted: radiosity.clone(), radiosity, irradiance, row_scale: Vec::new() }
@@ -257,8 +263,8 @@ impl LinkSolution {
 
     /// Makes the present radiosities those that verdicts look at.
     fn fix_max_radiosity(&mut self) {
-        self.max_radiosity.clear();
-        self.max_radiosity.extend(self.light.radiosity.iter().map(|radiosity| radiosity.max_element()));
+        let largest = |radiosity: &Vec3| radiosity.max_element();
+        self.max_radiosity = self.light.radiosity.par_iter().with_min_len(1 << 12).map(largest).collect();
     }
 }
 
@@ -297,6 +303,11 @@ impl LinkSolution {
     /// The elements.
     pub fn hierarchy(&self) -> &Hierarchy {
         &self.hierarchy
+    }
+
+    /// What is the same in each push over the elements.
+    pub fn push_tables(&self) -> &PushTables {
+        &self.push_tables
     }
 
     /// The stored links.

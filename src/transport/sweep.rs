@@ -1,16 +1,19 @@
 //! Gather, push and pull: one sweep moves light once across every link (paper, sections 1.2 and
 //! 3.3).
 
+use std::ops::Range;
+
 use glam::Vec3;
 use rayon::prelude::*;
 
 use super::entering::is_sky;
-use super::link::{Link, LinkTable};
-use super::push::Pusher;
+use super::link::{Link, LinkTable, VisibilitySource};
+use super::nodes::{CHUNK, Kind, Node, Nodes};
+use super::push::{PushTables, Pusher};
 use super::rules::{LinkRules, Push};
 use crate::base::cancel::CancelToken;
 use crate::base::mixing::Mixing;
-use crate::hierarchy::{Element, ElementId, Hierarchy, Shape};
+use crate::hierarchy::{ElementId, Hierarchy, Shape};
 use crate::scene::Surface;
 
 /// Radiosities and irradiances of all elements, parallel to the arena.
@@ -69,44 +72,9 @@ pub struct Gatherer<'a> {
     links: &'a LinkTable,
     surfaces: &'a [Surface],
     with_unjudged: bool,
-    /// Facts about each element that a sweep reads, parallel to the arena.
-    nodes: Vec<Node>,
+    pub(super) nodes: Nodes,
     /// Hands what clusters receive to the patches below at once; `None` for a deferred push.
     pusher: Option<Pusher<'a>>,
-}
-
-/// The little that a sweep reads of an element: it passes over all of them, and memory is what it
-/// waits for.
-struct Node {
-    parent: u32,
-    /// Polygon of a leaf.
-    polygon: u32,
-    area: f32,
-    /// Whether it lies outside, where light is as it is.
-    is_sky: bool,
-}
-
-/// Stands for "no parent" and "no leaf".
-const NONE: u32 = u32::MAX;
-
-impl Node {
-    /// Area of a leaf, m², and 0 of other elements, whose light is that of their leaves.
-    fn weight(&self) -> f32 {
-        if self.polygon == NONE { 0.0 } else { self.area }
-    }
-
-    fn of(element: &Element) -> Self {
-        let polygon = match element.shape {
-            Shape::Patch(patch) if element.is_leaf() => patch.polygon,
-            _ => NONE,
-        };
-        Self {
-            parent: element.parent().map_or(NONE, |parent| parent.0),
-            polygon,
-            area: element.area,
-            is_sky: element.is_sky(),
-        }
-    }
 }
 
 /// No patch receives more than all around it send: its F·V sum to 1, give or take what few rays are
@@ -126,14 +94,13 @@ impl<'a> Gatherer<'a> {
     pub fn new(
         hierarchy: &'a Hierarchy,
         links: &'a LinkTable,
-        surfaces: &'a [Surface],
+        (surfaces, tables): (&'a [Surface], &'a PushTables),
         rules: &LinkRules,
         with_unjudged: bool,
     ) -> Self {
         let is_immediate = rules.push == Push::Immediate;
-        let pusher = is_immediate.then(|| Pusher::new(hierarchy, links, rules.cluster_model));
-        let nodes = hierarchy.elements().iter().map(Node::of).collect();
-        Self { hierarchy, links, surfaces, with_unjudged, nodes, pusher }
+        let pusher = is_immediate.then(|| Pusher::new(hierarchy, links, tables, rules.cluster_model));
+        Self { hierarchy, links, surfaces, with_unjudged, nodes: Nodes::new(hierarchy), pusher }
     }
 
     /// Sweeps until the power still to come is below `tolerance` of all power; false if cancelled,
@@ -143,7 +110,7 @@ impl<'a> Gatherer<'a> {
     /// last change is still to come. Sweeps start from a [mixture](Mixing) of the ones before, but
     /// the light is always that of a sweep.
     pub fn converge(&self, light: &mut Light, tolerance: f64, most_sweeps: u32, cancel: &CancelToken) -> bool {
-        let weights: Vec<f32> = self.nodes.iter().map(Node::weight).collect();
+        let weights: Vec<f32> = self.nodes.all().iter().map(Node::weight).collect();
         let mut mixing = Mixing::default();
         for sweep in 1..=most_sweeps {
             let from = light.radiosity.clone();
@@ -172,37 +139,31 @@ impl<'a> Gatherer<'a> {
     /// One sweep: gather over links, push to leaves, reflect, pull up; `None` if cancelled, with
     /// nothing changed.
     fn sweep(&self, light: &mut Light, cancel: &CancelToken) -> Option<Change> {
-        let incoming = self.incoming(&light.radiosity, &light.emitted, cancel)?;
-        let mut change = Change::default();
-        for (index, (incoming, node)) in incoming.into_iter().zip(&self.nodes).enumerate() {
-            let from_above = light.irradiance.get(node.parent as usize).copied().unwrap_or(Vec3::ZERO);
-            light.irradiance[index] = from_above + incoming;
-        }
-        // Σ A·B of the children, W.
-        let mut power_below = vec![Vec3::ZERO; self.nodes.len()];
-        for (index, node) in self.nodes.iter().enumerate().rev() {
-            if node.is_sky {
-                continue;
+        let lit = self.nodes.hand_down(self.incoming(&light.radiosity, &light.emitted, cancel)?);
+        let Light { radiosity, irradiance, row_scale, .. } = light;
+        let reflect = |(chunk, (irradiance, radiosity)): (usize, (&mut [Vec3], &mut [Vec3]))| {
+            let mut change = Change::default();
+            for (index, (irradiance, radiosity)) in (chunk * CHUNK..).zip(irradiance.iter_mut().zip(radiosity)) {
+                let node = &self.nodes.all()[index];
+                *irradiance = lit[index];
+                if node.kind == Kind::Leaf {
+                    let scale = row_scale.get(index).copied().unwrap_or(1.0);
+                    // Hidden wholly: what the elements above hand down does not reach it.
+                    let scale = if node.area > 0.0 { scale } else { 0.0 };
+                    *irradiance = (scale * *irradiance).max(Vec3::ZERO);
+                    let surface = &self.surfaces[node.polygon as usize];
+                    let reflected = surface.reflectance * *irradiance;
+                    let new = surface.emission + reflected;
+                    change.note(node.area, [*radiosity, new], (reflected, surface.reflectance));
+                    *radiosity = new;
+                }
             }
-            let new = if node.polygon == NONE {
-                if node.area > 0.0 { power_below[index] / node.area } else { Vec3::ZERO }
-            } else {
-                let scale = light.row_scale.get(index).copied().unwrap_or(1.0);
-                // Hidden wholly: what the elements above hand down does not reach it.
-                let scale = if node.area > 0.0 { scale } else { 0.0 };
-                light.irradiance[index] = (scale * light.irradiance[index]).max(Vec3::ZERO);
-                let surface = &self.surfaces[node.polygon as usize];
-                let reflected = surface.reflectance * light.irradiance[index];
-                let new = surface.emission + reflected;
-                change.note(node.area, [light.radiosity[index], new], (reflected, surface.reflectance));
-                new
-            };
-            light.radiosity[index] = new;
-            if let Some(above) = power_below.get_mut(node.parent as usize) {
-                *above += node.area * new;
-            }
-        }
-        Some(change)
+            change
+        };
+        let chunks = irradiance.par_chunks_mut(CHUNK).zip(radiosity.par_chunks_mut(CHUNK)).enumerate();
+        let changes: Vec<Change> = chunks.map(reflect).collect();
+        self.nodes.pull(radiosity);
+        Some(changes.into_iter().fold(Change::default(), Change::and))
     }
 
     /// Finds by how much each leaf's irradiance must be scaled for its F·V to sum to no more than
@@ -214,53 +175,50 @@ impl<'a> Gatherer<'a> {
     /// and goes to them; a whole initial patch is scaled back where it would get more than there
     /// is, and never up.
     pub fn enforce_closure(&self, light: &mut Light, cancel: &CancelToken) -> Option<usize> {
-        let elements = self.hierarchy.elements();
+        let nodes = self.nodes.all();
         let mut rows = self.rows(cancel)?;
-        let mut exceeding = 0;
-        for (index, element) in elements.iter().enumerate().rev().filter(|(_, element)| element.is_patch()) {
-            if element.is_leaf() {
-                exceeding += usize::from(rows[index] > 1.0);
+        let exceeds = |(node, row): &(&Node, &f32)| node.kind == Kind::Leaf && **row > 1.0;
+        let exceeding = nodes.par_iter().zip(&rows).with_min_len(CHUNK).filter(exceeds).count();
+        let split = || self.nodes.inner().filter(|inner| nodes[inner.index].kind == Kind::Split);
+        for patch in split().rev() {
+            rows[patch.index] = mean_by_area(nodes, patch.children.clone(), |child| rows[child]);
+        }
+        let wanted = |(node, row): (&Node, &f32)| {
+            let is_whole = node.parent().is_some_and(|parent| nodes[parent].kind == Kind::Cluster);
+            if matches!(node.kind, Kind::Leaf | Kind::Split) && is_whole {
+                let reflectance = self.surfaces[node.polygon as usize].reflectance.max_element();
+                row.min((LARGEST_RETURN / reflectance).clamp(1.0, LARGEST_ROW))
             } else {
-                rows[index] = mean_of(self.hierarchy, element.children(), |child| rows[child.index()]);
+                *row
             }
-        }
-        let mut wanted = rows.clone();
-        for &id in self.hierarchy.initial_patches() {
-            let Shape::Patch(patch) = self.hierarchy.element(id).shape else { continue };
-            let reflectance = self.surfaces[patch.polygon as usize].reflectance.max_element();
-            wanted[id.index()] = rows[id.index()].min((LARGEST_RETURN / reflectance).clamp(1.0, LARGEST_ROW));
-        }
-        for (index, element) in elements.iter().enumerate() {
-            if element.is_patch() && !element.is_leaf() {
-                share_out(self.hierarchy, wanted[index], element.children(), &rows, &mut wanted);
-            }
+        };
+        let mut wanted: Vec<f32> = nodes.par_iter().zip(&rows).with_min_len(CHUNK).map(wanted).collect();
+        for patch in split() {
+            share_out(nodes, wanted[patch.index], patch.children.clone(), &rows, &mut wanted);
         }
         let scale = |(&wanted, &row): (&f32, &f32)| if row > 0.0 { (wanted / row).min(MOST_SCALE) } else { 1.0 };
-        light.row_scale = wanted.iter().zip(&rows).map(scale).collect();
+        light.row_scale = wanted.par_iter().zip(&rows).with_min_len(CHUNK).map(scale).collect();
         Some(exceeding)
     }
 
     /// Each element's sum of F·V, its ancestors' included, before rows are limited; parallel to the
     /// arena. `None` if cancelled.
     pub fn rows(&self, cancel: &CancelToken) -> Option<Vec<f32>> {
-        let elements = self.hierarchy.elements();
-        let (evenly_lit, dark) = (vec![Vec3::ONE; elements.len()], vec![Vec3::ZERO; elements.len()]);
-        let mut rows: Vec<f32> = self.incoming(&evenly_lit, &dark, cancel)?.into_iter().map(|row| row.x).collect();
-        for (index, element) in elements.iter().enumerate() {
-            rows[index] += element.parent().map_or(0.0, |parent| rows[parent.index()]);
-        }
-        Some(rows)
+        let elements = self.nodes.all().len();
+        let (evenly_lit, dark) = (vec![Vec3::ONE; elements], vec![Vec3::ZERO; elements]);
+        let own = self.incoming(&evenly_lit, &dark, cancel)?.into_iter().map(|row| row.x).collect();
+        Some(self.nodes.hand_down(own))
     }
 
     /// Irradiance of each element by its own links, W/m²; at initial patches also what clusters
     /// above push to them at once.
     fn incoming(&self, radiosity: &[Vec3], emitted: &[Vec3], cancel: &CancelToken) -> Option<Vec<Vec3>> {
         let flux = |link: &Link| {
-            let carries = self.with_unjudged || link.visibility_source() != super::link::VisibilitySource::None;
+            let carries = self.with_unjudged || link.visibility_source() != VisibilitySource::None;
             let source = link.source().index();
             if carries { link.irradiance(radiosity[source], emitted[source]) } else { Vec3::ZERO }
         };
-        let mut incoming: Vec<Vec3> = (0..self.hierarchy.elements().len() as u32)
+        let mut incoming: Vec<Vec3> = (0..self.nodes.all().len() as u32)
             .into_par_iter()
             .with_min_len(512)
             .map(ElementId)
@@ -270,7 +228,7 @@ impl<'a> Gatherer<'a> {
                 }
                 let links = self.links.range(receiver).zip(self.links.of(receiver));
                 match &self.pusher {
-                    Some(pusher) if self.hierarchy.element(receiver).is_cluster() => {
+                    Some(pusher) if self.nodes.all()[receiver.index()].kind == Kind::Cluster => {
                         links.map(|(place, link)| flux(link) * pusher.share_handed_evenly(place)).sum()
                     }
                     _ => links.map(|(_, link)| flux(link)).sum(),
@@ -308,29 +266,23 @@ fn mean_of_children(hierarchy: &Hierarchy, radiosity: &[Vec3], children: impl It
 }
 
 /// Mean of a value over elements, by area.
-fn mean_of(hierarchy: &Hierarchy, elements: impl Iterator<Item = ElementId>, value: impl Fn(ElementId) -> f32) -> f32 {
-    let (sum, area) = elements.fold((0.0, 0.0), |(sum, area), id| {
-        let own = hierarchy.element(id).area;
-        (sum + own * value(id), area + own)
+fn mean_by_area(nodes: &[Node], elements: Range<usize>, value: impl Fn(usize) -> f32) -> f32 {
+    let (sum, area) = elements.fold((0.0, 0.0), |(sum, area), element| {
+        let own = nodes[element].area;
+        (sum + own * value(element), area + own)
     });
     if area > 0.0 { sum / area } else { 0.0 }
 }
 
 /// Shares the mean that a patch should have out to its children: each keeps its own up to the
 /// larger of 1 and the mean, and what is then missing goes where there is room.
-fn share_out(
-    hierarchy: &Hierarchy,
-    mean: f32,
-    children: impl Iterator<Item = ElementId> + Clone,
-    rows: &[f32],
-    wanted: &mut [f32],
-) {
+fn share_out(nodes: &[Node], mean: f32, children: Range<usize>, rows: &[f32], wanted: &mut [f32]) {
     let most = mean.max(1.0);
-    let kept = mean_of(hierarchy, children.clone(), |child| rows[child.index()].min(most));
+    let kept = mean_by_area(nodes, children.clone(), |child| rows[child].min(most));
     let room = most - kept;
     for child in children {
-        let own = rows[child.index()].min(most);
-        wanted[child.index()] = if mean >= kept {
+        let own = rows[child].min(most);
+        wanted[child] = if mean >= kept {
             own + if room > 0.0 { (most - own) * (mean - kept) / room } else { 0.0 }
         } else {
             own * mean / kept
@@ -359,6 +311,16 @@ impl Change {
         self.power += watts(now);
         self.reflected += watts(reflected);
         self.reflected_again += watts(reflected) * f64::from(reflectance.max_element());
+    }
+
+    /// Both changes together.
+    pub fn and(self, other: Self) -> Self {
+        Self {
+            moved: self.moved + other.moved,
+            power: self.power + other.power,
+            reflected: self.reflected + other.reflected,
+            reflected_again: self.reflected_again + other.reflected_again,
+        }
     }
 
     /// Power that further sweeps are to move, W: no less than the last one did. A reflection keeps

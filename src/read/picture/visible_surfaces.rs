@@ -106,6 +106,12 @@ impl VisibleSurface {
         Self { emission: PI * field.sky_seen(direction), ..Self::NOTHING }
     }
 
+    /// A place on a polygon, seen from this far away.
+    #[cfg(test)]
+    pub(super) fn on(polygon: u32, position: Vec3, normal: Vec3, distance: f32) -> Self {
+        Self { position, distance, normal, face: normal, polygon, ..Self::NOTHING }
+    }
+
     /// The polygon seen.
     pub fn polygon(&self) -> Option<u32> {
         (self.polygon != NOTHING).then_some(self.polygon)

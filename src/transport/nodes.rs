@@ -1,0 +1,146 @@
+//! The tree as sweeps read it: they pass over all elements, and memory is what they wait for, so
+//! each element is the little that they ask of it. Leaves, which are most of it, are passed over by
+//! all threads, elements with children by one.
+
+use std::ops::{Add, Range};
+
+use glam::Vec3;
+use rayon::prelude::*;
+
+use crate::hierarchy::{Element, Hierarchy, Shape};
+
+/// Leaves that one task passes over at least; a fixed number where sums are made, for them to be
+/// the same for any number of threads.
+pub const CHUNK: usize = 1 << 13;
+/// Stands for "no parent".
+const NONE: u32 = u32::MAX;
+
+/// Kind of an element.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    Cluster,
+    /// A patch that was split.
+    Split,
+    /// A patch that was not.
+    Leaf,
+    /// What lies outside, where light is as it is.
+    Sky,
+}
+
+/// An element.
+#[derive(Clone, Copy, Debug)]
+pub struct Node {
+    parent: u32,
+    /// Polygon of a patch.
+    pub polygon: u32,
+    /// Area that light can reach, m².
+    pub area: f32,
+    pub kind: Kind,
+    has_children: bool,
+}
+
+/// An element with children.
+#[derive(Clone, Debug)]
+pub struct Inner {
+    pub index: usize,
+    pub children: Range<usize>,
+    /// Place of its parent among the elements with children, or [`NONE`].
+    parent: u32,
+}
+
+/// All elements, parallel to the arena, and those with children, parents first.
+pub struct Nodes {
+    all: Vec<Node>,
+    inner: Vec<Inner>,
+}
+
+impl Node {
+    fn of(element: &Element) -> Self {
+        let (kind, polygon) = match element.shape {
+            Shape::Patch(patch) => (if element.is_leaf() { Kind::Leaf } else { Kind::Split }, patch.polygon),
+            Shape::Cluster(_) => (Kind::Cluster, NONE),
+            Shape::Sky(_) => (Kind::Sky, NONE),
+        };
+        Self {
+            parent: element.parent().map_or(NONE, |parent| parent.0),
+            polygon,
+            area: element.area,
+            kind,
+            has_children: !element.is_leaf(),
+        }
+    }
+
+    /// Index of the parent.
+    pub fn parent(&self) -> Option<usize> {
+        (self.parent != NONE).then_some(self.parent as usize)
+    }
+
+    /// Area of a leaf, m², and 0 of other elements, whose light is that of their leaves.
+    pub fn weight(&self) -> f32 {
+        if self.kind == Kind::Leaf { self.area } else { 0.0 }
+    }
+}
+
+impl Nodes {
+    /// Those of a hierarchy.
+    pub fn new(hierarchy: &Hierarchy) -> Self {
+        let elements = hierarchy.elements();
+        let all: Vec<Node> = elements.par_iter().with_min_len(CHUNK).map(Node::of).collect();
+        let with_children: Vec<usize> = (0..all.len()).filter(|index| all[*index].has_children).collect();
+        let mut places = vec![NONE; all.len()];
+        let inner = with_children.into_iter().zip(0_u32..).map(|(index, place)| {
+            places[index] = place;
+            let children = elements[index].children();
+            let first = children.clone().next().map_or(0, |child| child.index());
+            let parent = all[index].parent().map_or(NONE, |parent| places[parent]);
+            Inner { index, children: first..first + children.len(), parent }
+        });
+        Self { inner: inner.collect(), all }
+    }
+
+    /// All of them.
+    pub fn all(&self) -> &[Node] {
+        &self.all
+    }
+
+    /// Those with children, parents first.
+    pub fn inner(&self) -> impl DoubleEndedIterator<Item = &Inner> {
+        self.inner.iter()
+    }
+
+    /// Adds to each element's value those of all elements around it.
+    pub fn hand_down<T: Copy + Add<Output = T> + Send + Sync>(&self, mut own: Vec<T>) -> Vec<T> {
+        for inner in &self.inner {
+            if let Some(parent) = self.all[inner.index].parent() {
+                own[inner.index] = own[parent] + own[inner.index];
+            }
+        }
+        let of = |(index, node): (usize, &Node)| match node.parent() {
+            Some(parent) if !node.has_children => own[parent] + own[index],
+            _ => own[index],
+        };
+        self.all.par_iter().enumerate().with_min_len(CHUNK).map(of).collect()
+    }
+
+    /// Sets the radiosity of all elements with children, but those that lie outside, from their
+    /// leaves', by area.
+    pub fn pull(&self, radiosity: &mut [Vec3]) {
+        // Σ A·B of the children, W: first of the leaves among them.
+        let of_leaves = |inner: &Inner| -> Vec3 {
+            let children = inner.children.clone().filter(|child| self.all[*child].kind == Kind::Leaf);
+            children.map(|child| self.all[child].area * radiosity[child]).sum()
+        };
+        let mut power: Vec<Vec3> = self.inner.par_iter().with_min_len(CHUNK / 8).map(of_leaves).collect();
+        for (place, inner) in self.inner.iter().enumerate().rev() {
+            let node = &self.all[inner.index];
+            if node.kind == Kind::Sky {
+                continue;
+            }
+            radiosity[inner.index] = if node.area > 0.0 { power[place] / node.area } else { Vec3::ZERO };
+            let own = node.area * radiosity[inner.index];
+            if let Some(above) = power.get_mut(inner.parent as usize) {
+                *above += own;
+            }
+        }
+    }
+}
