@@ -1,7 +1,6 @@
 //! A scene as a reader found it, before anything is checked: what OBJ and glTF have in common.
 
 use std::collections::HashMap;
-use std::path::Path;
 
 use glam::{DVec3, Vec2, Vec3};
 
@@ -16,11 +15,6 @@ use super::{Group, GroupId, Skipped, said};
 /// More polygons than this are refused: they would take tens of gigabytes to light.
 pub(super) const MOST_POLYGONS: usize = 32_000_000;
 
-/// The name shown to a person.
-pub(super) fn scene_name(path: &Path) -> String {
-    path.file_stem().map_or_else(|| "scene".to_owned(), |stem| stem.to_string_lossy().into_owned())
-}
-
 /// Groups nested deeper than this belong to the one at this depth. A sidecar that arranges them is
 /// then nested less deeply than its parser allows (128 brackets, two for each group).
 const MOST_LEVELS: u8 = 48;
@@ -32,7 +26,7 @@ pub(super) const NO_MATERIAL: &str = "(no material)";
 pub(super) const GREY: Vec3 = Vec3::splat(0.5);
 
 /// A material as the file has it; nothing is clamped yet.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct DraftMaterial {
     pub name: String,
     /// Reflectance, or what its texture is multiplied with.
@@ -59,20 +53,7 @@ pub(super) struct DraftMaterial {
 impl DraftMaterial {
     /// Black, opaque, bright in front.
     pub fn new(name: &str) -> Self {
-        Self {
-            name: name.to_owned(),
-            reflectance: Vec3::ZERO,
-            alpha: 1.0,
-            emission: Vec3::ZERO,
-            reflectance_map: None,
-            emission_map: None,
-            opacity_map: None,
-            opacity: Opacity::Opaque,
-            transmits: false,
-            is_two_sided: false,
-            has_emission_uvs: false,
-            defined: true,
-        }
+        Self { name: name.to_owned(), alpha: 1.0, defined: true, ..Self::default() }
     }
 
     /// The grey that stands in for a material that the file does not define.
@@ -91,6 +72,7 @@ pub(super) struct DraftFace {
 }
 
 /// Scene as a reader hands it on.
+#[derive(Default)]
 pub(super) struct Draft {
     /// Positions in the file's coordinates.
     pub vertices: Vec<DVec3>,
@@ -132,27 +114,7 @@ pub(super) struct Draft {
 impl Draft {
     /// Nothing but a root group.
     pub fn new(name: &str) -> Self {
-        Self {
-            vertices: Vec::new(),
-            corners: Vec::new(),
-            uvs: Vec::new(),
-            emission_uvs: Vec::new(),
-            normals: Vec::new(),
-            colours: Vec::new(),
-            faces: Vec::new(),
-            materials: Vec::new(),
-            unused_materials: Vec::new(),
-            groups: vec![Group { name: said::name(name), parent: None }],
-            cameras: Vec::new(),
-            lights: Vec::new(),
-            suns: Vec::new(),
-            unit: None,
-            prescribed_up: None,
-            skipped: Skipped::default(),
-            levels: vec![0],
-            too_deep: 0,
-            children: HashMap::new(),
-        }
+        Self { groups: vec![Group { name: said::name(name), parent: None }], levels: vec![0], ..Self::default() }
     }
 
     /// A new group below `parent`, whether or not it has a sibling of the same name; `parent`

@@ -130,18 +130,7 @@ fn unlikeness(name: &str, wanted: &str) -> usize {
     if !wanted.is_empty() && (name.contains(&wanted) || wanted.contains(&name)) {
         return 0;
     }
-    let wanted: Vec<char> = wanted.chars().take(64).collect();
-    let mut row: Vec<usize> = (0..=wanted.len()).collect();
-    for (index, letter) in name.chars().take(64).enumerate() {
-        let mut diagonal = row[0];
-        row[0] = index + 1;
-        for (column, other) in wanted.iter().enumerate() {
-            let replaced = diagonal + usize::from(letter != *other);
-            diagonal = row[column + 1];
-            row[column + 1] = replaced.min(diagonal + 1).min(row[column] + 1);
-        }
-    }
-    row[wanted.len()]
+    strsim::levenshtein(&name, &wanted)
 }
 
 #[cfg(test)]

@@ -51,7 +51,7 @@ pub use face::{FaceDetails, Surface};
 pub use files::{FileError, SceneFiles, SceneFolder};
 pub use kept::{FiledTaskArea, Kept, TaskArea};
 pub use load::{Source, load, load_bytes, load_file, load_with};
-pub use load_error::LoadError;
+pub use load_error::{Fault, LoadError};
 pub use luminaire::{
     CEILING_LIGHT, FiledLuminaire, LINE_WIDTH, Luminaire, LuminaireForm, LuminaireShape, PlacedLuminaire,
 };
@@ -64,6 +64,7 @@ pub use sidecar::{MAX_EMISSION, MAX_SIDECAR_REFLECTANCE, Sidecar, SidecarError, 
 pub use unit::Unit;
 pub use up::UpAxis;
 pub use write::{WriteError, write_obj};
+pub(crate) use write::{make_folder, write_file};
 
 /// Index into [`Scene::materials`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -229,8 +230,9 @@ pub struct FileLight {
     pub cone: Option<[f32; 2]>,
 }
 
-/// Polygons with materials, groups and what loading had to say about them.
-#[derive(Clone, Debug)]
+/// Polygons with materials, groups and what loading had to say about them; the default lacks even
+/// the root group.
+#[derive(Clone, Debug, Default)]
 pub struct Scene {
     /// Name shown to a person (file stem or the name of our own scene).
     pub name: String,
@@ -285,29 +287,7 @@ impl Scene {
     /// An empty scene with a root group.
     pub fn new(name: impl Into<String>) -> Self {
         let name = name.into();
-        Self {
-            groups: vec![Group { name: name.clone(), parent: None }],
-            regrouping: Vec::new(),
-            name,
-            origin: DVec3::ZERO,
-            vertices: Vec::new(),
-            polygons: Vec::new(),
-            details: Arc::default(),
-            materials: Vec::new(),
-            filed_materials: Vec::new(),
-            placed_luminaires: Vec::new(),
-            camera: None,
-            bookmarks: Vec::new(),
-            task_area: None,
-            cameras: Vec::new(),
-            lights: Vec::new(),
-            outside: None,
-            frame: Frame::default(),
-            reading: Reading::default(),
-            sides: Sides::Front,
-            cut_edges: Vec::new(),
-            skipped: Skipped::default(),
-        }
+        Self { groups: vec![Group { name: name.clone(), parent: None }], name, ..Self::default() }
     }
 
     /// Memory of vertices, polygons and groups, bytes.

@@ -14,10 +14,10 @@ use glam::Vec3;
 use rustc_hash::FxHashMap;
 
 use super::outside::{SKY_SIZE, sky_pixels, sun_disc};
-use super::{PeerError, SIZE, Surface, camera, make_folder, spaced, surfaces, write_file};
+use super::{SIZE, Surface, camera, spaced, surfaces};
 use crate::export::exr::{self, FloatPicture};
 use crate::scene::outside::Outside;
-use crate::scene::{CameraPose, Scene};
+use crate::scene::{CameraPose, Scene, WriteError, make_folder, write_file};
 
 const README: &str = "Written by Selflink for Mitsuba 3 (pip install mitsuba numpy).\n\
     A picture: mitsuba -m llvm_ad_rgb scene.xml\n\
@@ -29,7 +29,7 @@ const CHECK: &str = include_str!("check.py");
 const ORIGIN: &str = "ORIGIN = (0.0, 0.0, 0.0)";
 
 /// Writes the files; returns the XML.
-pub fn write(scene: &Scene, folder: &Path) -> Result<PathBuf, PeerError> {
+pub fn write(scene: &Scene, folder: &Path) -> Result<PathBuf, WriteError> {
     make_folder(&folder.join("meshes"))?;
     let surfaces = surfaces(scene);
     for surface in &surfaces {

@@ -10,42 +10,25 @@ use rustc_hash::FxHashMap;
 
 use crate::scene::{GroupId, MaterialId, Scene};
 
-/// A set of faces of a cuboid, to be left out.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(super) struct Faces(u8);
-
-impl Faces {
-    pub(super) const NONE: Self = Self(0);
-    /// The face towards -x.
-    pub(super) const LEFT: Self = Self(1);
-    /// The face towards +x.
-    pub(super) const RIGHT: Self = Self(2);
-    /// The face towards -y.
-    pub(super) const BOTTOM: Self = Self(4);
-    /// The face towards +y.
-    pub(super) const TOP: Self = Self(8);
-    /// The face towards -z.
-    pub(super) const BACK: Self = Self(16);
-    /// The face towards +z.
-    pub(super) const FRONT: Self = Self(32);
-    /// Both faces of an upright post.
-    pub(super) const ENDS: Self = Self(4 | 8);
-
-    const fn contains(self, other: Self) -> bool {
-        self.0 & other.0 == other.0
-    }
-
-    /// All faces but these.
-    pub(super) const fn all_but(self) -> Self {
-        Self(63 & !self.0)
-    }
-}
-
-impl std::ops::BitOr for Faces {
-    type Output = Self;
-
-    fn bitor(self, other: Self) -> Self {
-        Self(self.0 | other.0)
+bitflags::bitflags! {
+    /// A set of faces of a cuboid, to be left out.
+    #[derive(Clone, Copy)]
+    pub(super) struct Faces: u8 {
+        const NONE = 0;
+        /// The face towards -x.
+        const LEFT = 1;
+        /// The face towards +x.
+        const RIGHT = 2;
+        /// The face towards -y.
+        const BOTTOM = 4;
+        /// The face towards +y.
+        const TOP = 8;
+        /// The face towards -z.
+        const BACK = 16;
+        /// The face towards +z.
+        const FRONT = 32;
+        /// Both faces of an upright post.
+        const ENDS = 4 | 8;
     }
 }
 
