@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use clap::parser::ValueSource;
-use clap::{Arg, ArgAction, ArgMatches, Command};
+use clap::{ArgMatches, Command};
 use selflink::base::panic_report;
 #[cfg(feature = "gui")]
 use selflink::export::file_name;
@@ -19,7 +19,7 @@ use super::job::Order;
 #[cfg(feature = "gui")]
 use super::job::{Job, Solution};
 use super::log;
-use super::options;
+use super::options::{self, flag_arg};
 #[cfg(feature = "gui")]
 use super::output::OutputFile;
 use super::output::say;
@@ -36,7 +36,7 @@ pub fn command() -> Command {
         .args_conflicts_with_subcommands(true)
         .arg(options::scene_arg().help(format!("{} [default: {default}]", options::scene_help())))
         .arg(options::settings_arg())
-        .arg(Arg::new("fresh").long("fresh").action(ArgAction::SetTrue).help(
+        .arg(flag_arg("fresh").help(
             "Start afresh, without the scene, settings and view of the last time",
         ))
         .args(options::scene_args())

@@ -7,7 +7,7 @@
 use glam::DVec3;
 use serde::Serialize;
 
-use super::spread::{of_quantile, quantile};
+use super::spread::{of_quantile, quantile, sorted};
 use crate::measure::reference::Reference;
 
 /// E₀ as a share of the median of E.
@@ -125,12 +125,6 @@ fn median_of(points: &[Compared]) -> f64 {
     let sum: f64 = points.iter().map(|point| point.weight * point.truth).sum();
     let median = quantile(&sorted(points.iter().map(|point| (point.truth, point.weight))), 0.5);
     median.max(0.1 * sum / weight.max(f64::MIN_POSITIVE))
-}
-
-fn sorted(values: impl Iterator<Item = (f64, f64)>) -> Vec<(f64, f64)> {
-    let mut values: Vec<(f64, f64)> = values.collect();
-    values.sort_by(|a, b| a.0.total_cmp(&b.0));
-    values
 }
 
 /// The value below which this share of the magnitudes of normal errors lies, of given standard
