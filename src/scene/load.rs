@@ -9,8 +9,8 @@ use super::draft::Draft;
 use super::files::{FileError, MOST_BYTES, MOST_TEXT_BYTES, SceneFiles, SceneFolder, read_plain_file};
 use super::load_error::{Fault, LoadError};
 use super::outside::DaylightError;
-use super::sidecar::{Sidecar, SidecarError};
-use super::{EditError, Reading, Scene, gltf, obj, ply, said, stl};
+use super::sidecar::{Sidecar, SidecarFault, of_sidecar};
+use super::{Reading, Scene, gltf, obj, ply, said, stl};
 
 /// So many objects of the sidecar that are not there are named, the rest is counted.
 const MOST_REMARKS: usize = 5;
@@ -90,7 +90,7 @@ fn load_bytes_with(path: &Path, bytes: Vec<u8>, files: &dyn SceneFiles, reading:
     let sidecar = match files.read(Path::new(sidecar_path.file_name().unwrap_or_default()), MOST_TEXT_BYTES) {
         Ok(bytes) => Sidecar::from_bytes(&sidecar_path, &bytes)?,
         Err(FileError::Missing) => Sidecar::default(),
-        Err(source) => return Err(SidecarError::Unreadable { path: sidecar_path, source }.into()),
+        Err(error) => return Err(of_sidecar(&sidecar_path)(SidecarFault::Unreadable(error)).into()),
     };
     let mut scene = assemble(&name, draft, &sidecar, reading);
     if scene.polygons.is_empty() {
@@ -99,11 +99,11 @@ fn load_bytes_with(path: &Path, bytes: Vec<u8>, files: &dyn SceneFiles, reading:
         let why = if said.is_empty() { String::new() } else { format!(" ({})", said.join(" ")) };
         return Err(of_file(path)(Fault::NoPolygons(why)));
     }
+    let unusable = |problem: String| of_sidecar(&sidecar_path)(SidecarFault::Value(problem));
     if let Some(problem) = sidecar.problem_in(&scene) {
-        return Err(SidecarError::Value { path: sidecar_path, problem }.into());
+        return Err(unusable(problem).into());
     }
-    let unusable = |error: EditError| SidecarError::Value { path: sidecar_path.clone(), problem: error.to_string() };
-    sidecar.add_lights_to(&mut scene).map_err(unusable)?;
+    sidecar.add_lights_to(&mut scene).map_err(|error| unusable(error.to_string()))?;
     scene.keep_filed(&sidecar.bookmarks, sidecar.task_area.as_ref());
     let read = |name: &Path| {
         let outside = || format!("{}; it must lie in the scene's folder", FileError::Missing);
@@ -116,7 +116,7 @@ fn load_bytes_with(path: &Path, bytes: Vec<u8>, files: &dyn SceneFiles, reading:
     match scene.add_daylight_from(&sidecar.daylight(), read) {
         // As with a texture, the rest is worth seeing.
         Err(error @ DaylightError::Picture { .. }) => scene.skipped.note(format!("Without a sky: {error}.")),
-        Err(error) => return Err(SidecarError::Value { path: sidecar_path, problem: error.to_string() }.into()),
+        Err(error) => return Err(unusable(error.to_string()).into()),
         Ok(()) => {}
     }
     let remarks = scene.regroup(sidecar.groups);
