@@ -13,7 +13,7 @@ use glam::Vec3;
 use serde_json::json;
 
 use super::place::shortest;
-use super::{GroupId, Material, Polygon, Scene, Sides};
+use super::{GroupId, Material, Polygon, Scene, Sides, group_names};
 
 /// A file that cannot be written.
 #[derive(Debug, thiserror::Error)]
@@ -178,14 +178,8 @@ fn material_names(materials: &[Material]) -> Vec<String> {
 
 /// The group's path, a slash inside a name turned into an underscore.
 fn group_name(scene: &Scene, group: GroupId) -> String {
-    let mut names = Vec::new();
-    let mut current = &scene.groups[group.0 as usize];
-    while let Some(parent) = current.parent {
-        names.push(word(&current.name).replace('/', "_"));
-        current = &scene.groups[parent.0 as usize];
-    }
-    names.reverse();
-    names.join("/")
+    let names = group_names(&scene.groups, group).into_iter().map(|name| word(name).replace('/', "_"));
+    names.collect::<Vec<_>>().join("/")
 }
 
 #[cfg(test)]
