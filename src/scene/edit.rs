@@ -102,13 +102,7 @@ impl Scene {
         let mut names: Vec<&str> = self.materials.iter().map(|material| material.name.as_str()).collect();
         names.sort_by_cached_key(|name| (unlikeness(name, wanted), name.to_lowercase()));
         names.dedup();
-        let more = names.len().saturating_sub(8);
-        names.truncate(8);
-        match (names.is_empty(), more) {
-            (true, _) => "it has no materials".to_owned(),
-            (false, 0) => format!("it has {}", names.join(", ")),
-            (false, _) => format!("it has {} and {more} more", names.join(", ")),
-        }
+        if names.is_empty() { "it has no materials".to_owned() } else { format!("it has {}", said::list(names, 8)) }
     }
 }
 

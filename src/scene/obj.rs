@@ -15,7 +15,7 @@ use super::face::{packed_colour, packed_normal};
 use super::files::{SceneFiles, name_of};
 use super::load_error::Fault;
 use super::mtl::{MaterialLibrary, text_of};
-use super::said::quoted;
+use super::said::{self, quoted};
 use super::unit::Unit;
 
 /// A face with more corners than this is no modeller's work.
@@ -318,11 +318,8 @@ impl LineReader {
         }
         self.draft.unused_materials = library.names().cloned().collect();
         if !unknown.is_empty() && !self.material_files.is_empty() {
-            let count = unknown.len();
-            unknown.truncate(5);
-            let more = if count > 5 { format!(" and {} more", count - 5) } else { String::new() };
-            let names = unknown.join(", ");
-            self.draft.skipped.note(format!("No material file defines {names}{more}: grey instead."));
+            let names = said::list(unknown, 5);
+            self.draft.skipped.note(format!("No material file defines {names}: grey instead."));
         }
     }
 
