@@ -17,6 +17,11 @@ pub const MODES: [ClusteringMode; 4] =
 /// The ways that build any.
 pub const CLUSTERED: [ClusteringMode; 3] = [ClusteringMode::Octree, ClusteringMode::Groups, ClusteringMode::Adaptive];
 
+/// Every way to build clusters, with each of these thresholds.
+pub fn at_each<const N: usize>(epsilons: [f64; N]) -> impl Iterator<Item = (ClusteringMode, f64)> {
+    MODES.into_iter().flat_map(move |mode| epsilons.map(|epsilon| (mode, epsilon)))
+}
+
 /// The default parameters with these clusters and this relative ε.
 pub fn params(clustering: ClusteringMode, epsilon: f64) -> SolverParams {
     SolverParams { clustering, epsilon: Epsilon::Relative(epsilon), ..SolverParams::default() }
