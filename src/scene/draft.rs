@@ -1,6 +1,7 @@
 //! A scene as a reader found it, before anything is checked: what OBJ and glTF have in common.
 
 use std::collections::HashMap;
+use std::ops::Range;
 
 use glam::{DVec3, Vec2, Vec3};
 
@@ -64,11 +65,20 @@ impl DraftMaterial {
 
 /// A run of corners in [`Draft::corners`].
 pub(super) struct DraftFace {
+    first: u32,
     /// Number of corners, at least 3.
-    pub count: u32,
+    count: u32,
     /// Index into [`Draft::materials`].
     pub material: u32,
     pub group: GroupId,
+}
+
+impl DraftFace {
+    /// Its places in [`Draft::corners`] and what goes with them.
+    pub fn corners(&self) -> Range<usize> {
+        let first = self.first as usize;
+        first..first + self.count as usize
+    }
 }
 
 /// Scene as a reader hands it on.
@@ -157,27 +167,28 @@ impl Draft {
     pub fn add_face_of(&mut self, corners: impl Iterator<Item = u32>, material: u32, group: GroupId) {
         let before = self.corners.len();
         self.corners.extend(corners);
-        self.faces.push(DraftFace { count: (self.corners.len() - before) as u32, material, group });
+        let count = (self.corners.len() - before) as u32;
+        self.faces.push(DraftFace { first: before as u32, count, material, group });
     }
 
     /// Texture coordinates of the face that was added last, one for each corner.
     pub fn add_uvs(&mut self, uvs: impl IntoIterator<Item = Vec2>) {
-        add_to(&mut self.uvs, self.faces.last(), self.corners.len(), uvs, Vec2::NAN);
+        add_to(&mut self.uvs, self.faces.last(), uvs, Vec2::NAN);
     }
 
     /// Texture coordinates for emission alone of the face that was added last, one for each corner.
     pub fn add_emission_uvs(&mut self, uvs: impl IntoIterator<Item = Vec2>) {
-        add_to(&mut self.emission_uvs, self.faces.last(), self.corners.len(), uvs, Vec2::NAN);
+        add_to(&mut self.emission_uvs, self.faces.last(), uvs, Vec2::NAN);
     }
 
     /// Normals of the face that was added last, one for each corner.
     pub fn add_normals(&mut self, normals: impl IntoIterator<Item = Option<[i16; 2]>>) {
-        add_to(&mut self.normals, self.faces.last(), self.corners.len(), normals, None);
+        add_to(&mut self.normals, self.faces.last(), normals, None);
     }
 
     /// Colours of the face that was added last, one for each corner.
     pub fn add_colours(&mut self, colours: impl IntoIterator<Item = Option<[u16; 4]>>) {
-        add_to(&mut self.colours, self.faces.last(), self.corners.len(), colours, None);
+        add_to(&mut self.colours, self.faces.last(), colours, None);
     }
 
     /// Lower and upper end of what faces use; infinite where there are none.
@@ -211,14 +222,9 @@ impl Draft {
 }
 
 /// Appends what the last face has at its corners; faces before it without are made up for.
-fn add_to<T: Clone>(
-    list: &mut Vec<T>,
-    face: Option<&DraftFace>,
-    corners: usize,
-    values: impl IntoIterator<Item = T>,
-    absent: T,
-) {
-    list.resize(corners - face.map_or(0, |face| face.count as usize), absent.clone());
+fn add_to<T: Clone>(list: &mut Vec<T>, last: Option<&DraftFace>, values: impl IntoIterator<Item = T>, absent: T) {
+    let Range { start, end } = last.map(DraftFace::corners).unwrap_or_default();
+    list.resize(start, absent.clone());
     list.extend(values);
-    list.resize(corners, absent);
+    list.resize(end, absent);
 }
