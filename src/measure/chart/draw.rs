@@ -196,7 +196,7 @@ fn plot<B: DrawingBackend>(
     curves: &[Curve],
     path_tracer: &[Point],
     (x, y): (LogAxis, LogAxis),
-) -> Result<(), DrawingAreaErrorKind<B::ErrorType>> {
+) -> Drawn<B, ()> {
     let chart = drawing.chart;
     let text = |size: f64, colour: RGBColor| (family(), size).into_font().color(&colour);
     let (measure, of_measure) = drawing.shown.names();
@@ -205,7 +205,7 @@ fn plot<B: DrawingBackend>(
         Against::Links => ("links", "links"),
         Against::Rays => ("rays", "visibility rays"),
     };
-    let (area, beside) = headed(root, format!("{}: {measure} over {title}", chart.scene), subtitle(chart))?;
+    let [area, beside] = headed(root, format!("{}: {measure} over {title}", chart.scene), subtitle(chart))?;
     let mut context = axes(&area, (x, y), (unit, of_measure))?;
 
     let mut best: Vec<(f64, f64)> = best_of(curves);
@@ -255,7 +255,7 @@ fn legend<B: DrawingBackend>(
     curves: &[Curve],
     has_path_tracer: bool,
     area: &DrawingArea<B, Shift>,
-) -> Result<(), DrawingAreaErrorKind<B::ErrorType>> {
+) -> Drawn<B, ()> {
     let mut y = 30;
     let name = |text: &str, y: i32| {
         let style = (family(), 19.0).into_font().color(&INK);
@@ -346,19 +346,22 @@ fn path_tracer_points(chart: &Chart) -> usize {
     chart.path_tracer.first().map_or(0, |record| record.points)
 }
 
+/// What a part of a chart comes to.
+pub(super) type Drawn<B, T> = Result<T, DrawingAreaErrorKind<<B as DrawingBackend>::ErrorType>>;
+
 /// Writes the headings of a chart; gives the area of its plot and, beside it, that of its legend: no
 /// corner of the plot is free in every chart.
 pub(super) fn headed<B: DrawingBackend>(
     root: &DrawingArea<B, Shift>,
     title: String,
     about: String,
-) -> Result<(DrawingArea<B, Shift>, DrawingArea<B, Shift>), DrawingAreaErrorKind<B::ErrorType>> {
+) -> Drawn<B, [DrawingArea<B, Shift>; 2]> {
     let text = |size: f64, colour: RGBColor| (family(), size).into_font().color(&colour);
     root.fill(&WHITE)?;
     root.draw(&Text::new(title, (90, 22), text(32.0, INK)))?;
     root.draw(&Text::new(about, (90, 62), text(19.0, RGBColor(110, 110, 110))))?;
     let (_, area) = root.split_vertically(92);
-    Ok(area.split_horizontally(SIZE.0 - LEGEND_WIDTH))
+    Ok(area.split_horizontally(SIZE.0 - LEGEND_WIDTH).into())
 }
 
 /// A chart whose axes are both logarithmic.
@@ -369,7 +372,7 @@ pub(super) fn axes<'a, B: DrawingBackend>(
     area: &DrawingArea<B, Shift>,
     (x, y): (LogAxis, LogAxis),
     (along, upwards): (&str, &str),
-) -> Result<LogContext<'a, B>, DrawingAreaErrorKind<B::ErrorType>> {
+) -> Drawn<B, LogContext<'a, B>> {
     let text = |size: f64| (family(), size).into_font().color(&INK);
     let mut context = ChartBuilder::on(area)
         .margin_right(28)

@@ -7,7 +7,7 @@ use super::{PictureChart, PictureKind, PictureRecord};
 use crate::base::font::family;
 use crate::measure::chart::DrawError;
 use crate::measure::chart::axis::LogAxis;
-use crate::measure::chart::draw::{COLOURS, INK, Plot, axes, headed};
+use crate::measure::chart::draw::{COLOURS, Drawn, INK, Plot, axes, headed};
 
 /// Metric that is drawn over the seconds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -79,7 +79,7 @@ fn plot<B: DrawingBackend>(
     metric: PictureMetric,
     root: &DrawingArea<B, Shift>,
     (x, y): (LogAxis, LogAxis),
-) -> Result<(), DrawingAreaErrorKind<B::ErrorType>> {
+) -> Drawn<B, ()> {
     let text = |size: f64, colour: RGBColor| (family(), size).into_font().color(&colour);
     let title = match metric {
         PictureMetric::Flip => "FLIP",
@@ -91,7 +91,7 @@ fn plot<B: DrawingBackend>(
         chart.threads,
         crate::base::format::count(chart.reference.samples),
     );
-    let (area, beside) = headed(root, format!("{}: {title} of pictures over time", chart.scene), about)?;
+    let [area, beside] = headed(root, format!("{}: {title} of pictures over time", chart.scene), about)?;
     let of_axes = ("seconds from the start to the finished picture", metric.axis());
     let mut context = axes(&area, (x, y), of_axes)?;
     let mut legend_y = 30;
