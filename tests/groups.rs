@@ -14,7 +14,9 @@ use selflink::geometry::Occluders;
 use selflink::geometry::Reachability;
 use selflink::hierarchy::{ClusteringMode, Hierarchy, Shape};
 use selflink::scene::builtin::BuiltinScene;
-use selflink::scene::{GroupMember, GroupTree, Scene, Sidecar, SidecarError, Source, load_file, write_obj};
+use selflink::scene::{
+    GroupMember, GroupTree, Scene, Sidecar, SidecarError, SidecarFault, Source, load_file, write_obj,
+};
 use selflink::solve::{Epsilon, Snapshot, Solver, SolverParams};
 use selflink::worker::{Command, Event, RunState, SolverThread};
 use waiting::wait_within;
@@ -127,7 +129,7 @@ fn names_that_are_not_there_are_told_and_counted() {
         std::fs::write(&sidecar_path, bad).expect("a writable folder");
         let error = load_file(&path).expect_err("no list of groups").to_string();
         assert!(error.contains("not a valid settings file") && error.contains("selflink.json"), "{error}");
-        assert!(matches!(Sidecar::read(&sidecar_path), Err(SidecarError::Syntax { .. })));
+        assert!(matches!(Sidecar::read(&sidecar_path), Err(SidecarError { fault: SidecarFault::Syntax(_), .. })));
     }
 }
 

@@ -2,7 +2,6 @@
 //! table.
 
 use std::fmt::Write as _;
-use std::io::Write as _;
 
 use clap::{ArgMatches, Command};
 use selflink::measure::accuracy::cases::{self, Case, Reading};
@@ -51,10 +50,10 @@ pub fn run(matches: &ArgMatches) -> anyhow::Result<()> {
     }
     let table = markdown(&rows);
     if let Some(file) = markdown_file {
-        file.write(|writer| writer.write_all(format!("{INTRODUCTION}{table}").as_bytes()))?;
+        file.write_text(&format!("{INTRODUCTION}{table}"))?;
     }
     if let Some(file) = csv_file {
-        file.write(|writer| writer.write_all(csv(&rows).as_bytes()))?;
+        file.write_text(&csv(&rows))?;
     }
     say(&table)
 }

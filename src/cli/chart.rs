@@ -1,13 +1,12 @@
 //! `selflink chart`: error with its standard error over time, links and rays for many settings, as
 //! tables and pictures.
 
-use std::io::{IsTerminal as _, Write as _};
 use std::path::Path;
 use std::sync::Arc;
 use std::time::Duration;
 
 use anyhow::bail;
-use clap::{Arg, ArgMatches, Command};
+use clap::{ArgMatches, Command};
 use selflink::base::cancel::CancelToken;
 use selflink::export::file_name;
 use selflink::measure::chart::{
@@ -17,7 +16,7 @@ use selflink::measure::chart::{
 use selflink::solve::ParameterId;
 
 use super::job::{Job, Order};
-use super::options::{self, path, path_arg};
+use super::options::{self, path, path_arg, value_arg};
 use super::output::{OutputFile, json, say};
 use super::progress;
 use super::reference::{self, Wish};
@@ -38,12 +37,10 @@ pub fn command() -> Command {
                 .help("Folder for SCENE.csv, SCENE.json and SCENE-….svg and .png; it is made where it is missing"),
         )
         .arg(
-            Arg::new("epsilons")
-                .long("epsilons")
-                .value_name("LIST")
+            value_arg("epsilons", "LIST")
                 .help("Thresholds as shares of Φ, such as 1e-2,1e-3 [default: seven from 1e-2 to 1e-5]"),
         )
-        .arg(Arg::new("settings").long("settings").value_name("LIST").help(
+        .arg(value_arg("settings", "LIST").help(
             "Settings to run: names, or the first words of names, between commas, such as adaptive,none [default: all]",
         ))
         .arg(options::seconds_arg(
@@ -105,11 +102,7 @@ pub fn run(matches: &ArgMatches) -> anyhow::Result<()> {
 
 /// The time of one run.
 pub fn limit(matches: &ArgMatches) -> anyhow::Result<Duration> {
-    let limit = options::seconds(matches)?.unwrap_or(Duration::from_secs_f64(SECONDS));
-    if limit.is_zero() {
-        bail!("--seconds must be greater than 0: every run needs some time");
-    }
-    Ok(limit)
+    Ok(options::seconds_of_a_run(matches)?.unwrap_or(Duration::from_secs_f64(SECONDS)))
 }
 
 /// Whether a setting has this name, or one that begins with this word.
@@ -132,19 +125,13 @@ fn chart(job: &Job, wish: &Wish, sweep: &Sweep) -> anyhow::Result<Chart> {
     let outcome = reference::make(job, wish)?;
     eprint!("reference  {}", reference::summary(&job.scene.name, &outcome));
     let reference = Arc::new(outcome.reference);
-    let bar = std::io::stderr().is_terminal().then(progress::spinner);
+    let bar = progress::spinner();
     let report = |setting: &str, epsilon: f64| {
-        if let Some(bar) = &bar {
-            bar.set_message(format!("{setting}, ε = {epsilon:.0e} Φ"));
-            bar.tick();
-        }
+        bar.set_message(format!("{setting}, ε = {epsilon:.0e} Φ"));
+        bar.tick();
     };
     let cancel = CancelToken::new();
-    let chart = job.pool.install(|| sweep.run(&job.scene, &job.occluders, reference, &cancel, report));
-    if let Some(bar) = &bar {
-        bar.finish_and_clear();
-    }
-    Ok(chart)
+    Ok(job.pool.install(|| sweep.run(&job.scene, &job.occluders, reference, &cancel, report)))
 }
 
 fn write(chart: &Chart, folder: &Path) -> anyhow::Result<()> {
@@ -159,8 +146,8 @@ fn write(chart: &Chart, folder: &Path) -> anyhow::Result<()> {
     ];
     for (shown, against, name) in pictures {
         let drawing = Drawing { chart, against, shown };
-        files.text(&format!("-{name}.svg"), &draw_svg(drawing)?)?;
-        files.picture(&format!("-{name}.png"), &draw_png(drawing)?)?;
+        files.text(&format!("-{name}.svg"), &draw_svg(&drawing)?)?;
+        files.picture(&format!("-{name}.png"), &draw_png(&drawing)?)?;
     }
     Ok(())
 }
@@ -180,7 +167,7 @@ impl ChartFiles<'_> {
 
     /// Writes the one with this ending.
     pub fn text(&self, ending: &str, text: &str) -> anyhow::Result<()> {
-        self.file(ending)?.write(|writer| writer.write_all(text.as_bytes()))
+        self.file(ending)?.write_text(text)
     }
 
     /// Likewise, as PNG.

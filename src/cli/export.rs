@@ -1,13 +1,13 @@
 //! `selflink export`: a scene as Mitsuba or Radiance read it, so that anyone can check its light.
 
 use clap::builder::PossibleValuesParser;
-use clap::{Arg, ArgMatches, Command};
+use clap::{ArgMatches, Command};
 use selflink::base::format::things;
 use selflink::export::peers::Peer;
 use selflink::solve::ParameterId;
 
 use super::job::Order;
-use super::options::{self, path, path_arg};
+use super::options::{self, path, path_arg, value_arg};
 use super::output::say;
 
 /// The command's arguments.
@@ -17,9 +17,7 @@ pub fn command() -> Command {
         .about("Write a scene as other programs read it: geometry, reflectances, emission and camera")
         .arg(options::scene_arg().required(true))
         .arg(
-            Arg::new("to")
-                .long("to")
-                .value_name("PROGRAM")
+            value_arg("to", "PROGRAM")
                 .required(true)
                 .value_parser(PossibleValuesParser::new(Peer::ALL.map(Peer::name)))
                 .help("Mitsuba 3 (XML and PLY) or Radiance (RAD)"),

@@ -147,7 +147,7 @@ impl Job {
                 Step::Refined { .. } | Step::Gathered | Step::Reconstructed { .. } => progress.show(&solver),
             }
         }
-        progress.finish();
+        drop(progress);
         let stats = solver.stats();
         let snapshot = solver.snapshot();
         if snapshot.vertex_radiosity.iter().flatten().any(|value| !value.is_finite()) {

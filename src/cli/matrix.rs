@@ -9,7 +9,7 @@ use selflink::read::names::Names;
 use selflink::solve::{Snapshot, Solver, Step};
 
 use super::job::{Job, Order};
-use super::options::{self, path, path_arg};
+use super::options::{self, path, path_arg, value_arg};
 use super::output::{OutputFile, say};
 
 /// Names of what elements get room for.
@@ -24,9 +24,7 @@ pub fn command() -> Command {
     options::solving(Command::new("matrix").about(about))
         .arg(path_arg("out", "FILE.png").required(true).help("The picture"))
         .arg(
-            Arg::new("colour")
-                .long("colour")
-                .value_name("COLOUR")
+            value_arg("colour", "COLOUR")
                 .default_value("power")
                 .value_parser(Colouring::ALL.map(Colouring::name))
                 .help("Quantity that colours stand for: power for each area of both ends, visibility V, level of refinement, or rays"),
@@ -41,17 +39,13 @@ pub fn command() -> Command {
                 .help("Measure by which rows and columns are as large as they are: area, polygons or leaves of their elements"),
         )
         .arg(
-            Arg::new("size")
-                .long("size")
-                .value_name("PIXELS")
+            value_arg("size", "PIXELS")
                 .default_value("1000")
                 .value_parser(value_parser!(u32).range(SIZES))
                 .help("Pixels along the sides of the square"),
         )
         .arg(
-            Arg::new("waves")
-                .long("waves")
-                .value_name("N")
+            value_arg("waves", "N")
                 .value_parser(value_parser!(u32))
                 .allow_hyphen_values(true)
                 .help("Stop after so many waves of refinement; 0 shows the root's self-link [default: solve to the end]"),

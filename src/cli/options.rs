@@ -182,9 +182,7 @@ fn set(params: &mut SolverParams, parameter: &Parameter, matches: &ArgMatches) {
 
 /// The unit of a file's lengths.
 pub fn unit_arg() -> Arg {
-    Arg::new("unit")
-        .long("unit")
-        .value_name("m|cm|mm|in|ft")
+    value_arg("unit", "m|cm|mm|in|ft")
         .value_parser(Unit::ALL.map(Unit::symbol))
         .action(ArgAction::Append)
         .help("The unit of the file's lengths; all readings are in metres [default: as the file says, or guessed by the size of a room]")
@@ -193,45 +191,29 @@ pub fn unit_arg() -> Arg {
 /// How the scene's file is read, and light that is added to it.
 pub fn scene_args() -> [Arg; 9] {
     [
-        Arg::new("up")
-            .long("up")
-            .value_name("y|z")
+        value_arg("up", "y|z")
             .value_parser(["y", "z"])
             .help("The axis of the file that points up [default: as the file says, or as the scene looks]"),
         unit_arg(),
-        Arg::new("opaque")
-            .long("opaque")
-            .value_name("MATERIAL")
+        value_arg("opaque", "MATERIAL")
             .action(ArgAction::Append)
             .help("Keep the faces of a material that is transparent by the file. May be given several times"),
-        Arg::new("ignore")
-            .long("ignore")
-            .value_name("MATERIAL")
+        value_arg("ignore", "MATERIAL")
             .action(ArgAction::Append)
             .help("Leave out the faces of a material, such as panes that daylight is to pass. May be given several times"),
-        Arg::new("lamps-off")
-            .long("lamps-off")
-            .action(ArgAction::SetTrue)
+        flag_arg("lamps-off")
             .help("Switch the lamps of the scene's file off; --emit and --ceiling-light shine all the same"),
-        Arg::new("emit")
-            .long("emit")
-            .value_name("MATERIAL=R,G,B")
+        value_arg("emit", "MATERIAL=R,G,B")
             .action(ArgAction::Append)
             .help("Make a material emit; exitance per colour in W/m². May be given several times"),
-        Arg::new("ceiling-light")
-            .long("ceiling-light")
-            .value_name("SIZE:W_PER_M2")
+        value_arg("ceiling-light", "SIZE:W_PER_M2")
             .num_args(0..=1)
             .default_missing_value("")
             .help("Add a square lamp under the ceiling: its side in the scene's unit and its exitance [default: a quarter of the room, 100 W/m²]"),
-        Arg::new("sky")
-            .long("sky")
-            .value_name("KIND:AMOUNT")
+        value_arg("sky", "KIND:AMOUNT")
             .value_parser(|text: &str| text.parse::<SkySpec>())
             .help("Let a sky shine in: uniform, overcast, clear, cie1 to cie15, cie=A/B/C/D/E, perez=DIRECT/DIFFUSE (W/m²), or a picture all around (.hdr, .exr, .png, .jpg; north in its middle), with its horizontal illuminance or irradiance, such as overcast:10000lx or uniform:50W"),
-        Arg::new("sun")
-            .long("sun")
-            .value_name("az:A,el:E,AMOUNT")
+        value_arg("sun", "az:A,el:E,AMOUNT")
             .value_parser(|text: &str| text.parse::<SunSpec>())
             .help("Let the sun shine in: degrees from north (-z, or y where z is up) over east and above the horizon, or date and place (2026-06-21T12:00+02:00,lat:48.1,lon:11.6,north:0); and what it brings to a face turned to it, such as 60000lx [default: as on a clear day]"),
     ]
@@ -275,7 +257,7 @@ pub fn filed_settings(matches: &ArgMatches) -> anyhow::Result<Option<Settings>> 
 
 /// How long something may take.
 pub fn seconds_arg(help: &'static str) -> Arg {
-    Arg::new("seconds").long("seconds").value_name("T").value_parser(number).allow_hyphen_values(true).help(help)
+    value_arg("seconds", "T").value_parser(number).allow_hyphen_values(true).help(help)
 }
 
 /// The time limit given, if one was.
@@ -286,6 +268,15 @@ pub fn seconds(matches: &ArgMatches) -> anyhow::Result<Option<Duration>> {
     let Some(&seconds) = matches.get_one::<f64>("seconds") else { return Ok(None) };
     let limit = Duration::try_from_secs_f64(seconds);
     Ok(Some(limit.map_err(|_| anyhow!("--seconds must be a number of seconds, not {seconds}"))?))
+}
+
+/// The time limit given for each of several runs, if one was.
+pub fn seconds_of_a_run(matches: &ArgMatches) -> anyhow::Result<Option<Duration>> {
+    let limit = seconds(matches)?;
+    if limit.is_some_and(|limit| limit.is_zero()) {
+        bail!("--seconds must be greater than 0: every run needs some time");
+    }
+    Ok(limit)
 }
 
 /// The scene, by path or name.
@@ -320,9 +311,19 @@ pub fn path(matches: &ArgMatches, name: &str) -> Option<PathBuf> {
     matches.get_one::<PathBuf>(name).cloned()
 }
 
+/// An option that takes a value.
+pub fn value_arg(name: &'static str, value_name: &'static str) -> Arg {
+    Arg::new(name).long(name).value_name(value_name)
+}
+
+/// An option that takes none.
+pub fn flag_arg(name: &'static str) -> Arg {
+    Arg::new(name).long(name).action(ArgAction::SetTrue)
+}
+
 /// An argument that takes a file or folder.
 pub fn path_arg(name: &'static str, value_name: &'static str) -> Arg {
-    Arg::new(name).long(name).value_name(value_name).value_parser(value_parser!(PathBuf))
+    value_arg(name, value_name).value_parser(value_parser!(PathBuf))
 }
 
 /// Exitance of a lamp that nothing is said about, W/m²: a bright office ceiling panel.

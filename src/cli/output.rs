@@ -58,6 +58,11 @@ impl OutputFile {
         Ok(())
     }
 
+    /// Writes a text.
+    pub fn write_text(&self, text: &str) -> anyhow::Result<()> {
+        self.write(|writer| writer.write_all(text.as_bytes()))
+    }
+
     /// Writes a picture as PNG.
     pub fn write_png<P>(&self, picture: &ImageBuffer<P, Vec<u8>>) -> anyhow::Result<()>
     where

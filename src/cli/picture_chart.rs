@@ -1,14 +1,13 @@
 //! `selflink chart --picture`: ꟻLIP and the local error of pictures over time.
 
-use std::io::IsTerminal as _;
 use std::path::Path;
 use std::sync::Arc;
 
 use anyhow::bail;
-use clap::{Arg, ArgAction, ArgMatches, Command};
+use clap::{ArgMatches, Command};
 use selflink::base::cancel::CancelToken;
 use selflink::measure::chart::{
-    MeshPainter, PictureChart, PictureMetric, PictureSweep, draw_picture_png, draw_picture_svg, picture_csv,
+    MeshPainter, PictureChart, PictureDrawing, PictureMetric, PictureSweep, draw_png, draw_svg, picture_csv,
     picture_table,
 };
 use selflink::render::{Camera, Display, Exposure, Frame, Offscreen, Overlay};
@@ -17,7 +16,7 @@ use selflink::solve::Snapshot;
 
 use super::chart::{ChartFiles, limit};
 use super::job::{Job, Order};
-use super::options::{self, path};
+use super::options::{self, flag_arg, path, value_arg};
 use super::output::{json, make_folder, say};
 use super::{progress, render};
 
@@ -34,30 +33,22 @@ pub fn with_args(command: Command) -> Command {
     let of_points = ["epsilons", "settings", "points", "noise", "cache", "no-cache"];
     command
         .arg(
-            Arg::new("picture")
-                .long("picture")
-                .action(ArgAction::SetTrue)
+            flag_arg("picture")
                 .conflicts_with_all(of_points)
                 .help("Chart pictures instead: mean ꟻLIP, and the local error of E at the pixels, of the mesh, the gathered picture and a path tracer over time, against a converged picture by paths; writes SCENE-picture.csv, .json and SCENE-picture-….svg and .png"),
         )
         .arg(
-            Arg::new("size")
-                .long("size")
-                .value_name("WxH")
+            value_arg("size", "WxH")
                 .requires("picture")
                 .help("Pixels of the pictures [default: 320x200]"),
         )
         .arg(
-            Arg::new("errors")
-                .long("errors")
-                .value_name("LIST")
+            value_arg("errors", "LIST")
                 .requires("picture")
                 .help("Target errors of the pictures [default: 0.1,0.05,0.03,0.02]"),
         )
         .arg(
-            Arg::new("samples")
-                .long("samples")
-                .value_name("N")
+            value_arg("samples", "N")
                 .requires("picture")
                 .value_parser(options::whole::<u32>)
                 .help("Samples a pixel of the converged picture, a power of two; the path tracer is charted up to a quarter of them [default: 1024]"),
@@ -115,12 +106,10 @@ fn chart(job: &Job, sweep: &PictureSweep, offscreen: Option<&mut Offscreen>) -> 
         || Camera::of_scene(&job.scene, aspect),
         |pose| Camera::from_pose(&pose.in_scene(&job.scene), aspect, job.scene.bounds()),
     );
-    let bar = std::io::stderr().is_terminal().then(progress::spinner);
+    let bar = progress::spinner();
     let report = |next: &str| {
-        if let Some(bar) = &bar {
-            bar.set_message(next.to_owned());
-            bar.tick();
-        }
+        bar.set_message(next.to_owned());
+        bar.tick();
     };
     let mut painter = offscreen.map(|offscreen| Painter {
         offscreen,
@@ -130,11 +119,7 @@ fn chart(job: &Job, sweep: &PictureSweep, offscreen: Option<&mut Offscreen>) -> 
     });
     let mesh = painter.as_mut().map(|painter| painter as &mut (dyn MeshPainter + Send));
     let lens = camera.lens(aspect);
-    let chart = job.pool.install(|| sweep.run(&job.scene, &job.occluders, &lens, mesh, &CancelToken::new(), report))?;
-    if let Some(bar) = &bar {
-        bar.finish_and_clear();
-    }
-    Ok(chart)
+    Ok(job.pool.install(|| sweep.run(&job.scene, &job.occluders, &lens, mesh, &CancelToken::new(), report))?)
 }
 
 fn write(chart: &PictureChart, folder: &Path) -> anyhow::Result<()> {
@@ -143,8 +128,9 @@ fn write(chart: &PictureChart, folder: &Path) -> anyhow::Result<()> {
     files.text("-picture.json", &json(chart)?)?;
     for metric in PictureMetric::ALL {
         let ending = |kind: &str| format!("-picture-{}.{kind}", metric.name());
-        files.text(&ending("svg"), &draw_picture_svg(chart, metric)?)?;
-        files.picture(&ending("png"), &draw_picture_png(chart, metric)?)?;
+        let drawing = PictureDrawing { chart, metric };
+        files.text(&ending("svg"), &draw_svg(&drawing)?)?;
+        files.picture(&ending("png"), &draw_png(&drawing)?)?;
     }
     Ok(())
 }

@@ -6,7 +6,7 @@ use std::io::Write as _;
 use std::path::Path;
 
 use anyhow::{anyhow, bail};
-use clap::{Arg, ArgMatches, Command};
+use clap::{ArgMatches, Command};
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 use selflink::base::format::things;
@@ -15,7 +15,7 @@ use selflink::read::probe::{Probe, Sample};
 use selflink::solve::USUAL_ERROR;
 
 use super::job::{Job, Order};
-use super::options::{self, path, path_arg};
+use super::options::{self, path, path_arg, value_arg};
 use super::output::{OutputFile, say};
 use super::work_plane;
 
@@ -44,9 +44,7 @@ pub fn command() -> Command {
             )),
     )
     .arg(
-        Arg::new("se")
-            .long("se")
-            .value_name("SHARE")
+        value_arg("se", "SHARE")
             .value_parser(parse_error)
             .help("Standard error of each E, as a share of the light there (0.02 or 2%) [default: a third of the target error]"),
     )

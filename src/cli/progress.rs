@@ -1,9 +1,8 @@
 //! A progress bar on stderr, where that is a terminal.
 
-use std::io::IsTerminal as _;
 use std::time::{Duration, Instant};
 
-use indicatif::{ProgressBar, ProgressStyle};
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressFinish, ProgressStyle};
 use selflink::base::format;
 use selflink::solve::{Phase, Solver};
 use tracing::level_filters::LevelFilter;
@@ -13,9 +12,9 @@ const INTERVAL: Duration = Duration::from_millis(100);
 /// Steps of the bar.
 const STEPS: u64 = 1000;
 
-/// The bar, or nothing.
+/// The bar; dropping it takes it away.
 pub struct Progress {
-    bar: Option<ProgressBar>,
+    bar: ProgressBar,
     shown: Instant,
 }
 
@@ -23,18 +22,18 @@ impl Progress {
     /// A bar if stderr is a terminal that no log is written to.
     pub fn start() -> Self {
         let is_logged = LevelFilter::current() != LevelFilter::OFF;
-        let bar = (std::io::stderr().is_terminal() && !is_logged).then(|| {
-            let bar = ProgressBar::new(STEPS);
-            let style = ProgressStyle::with_template("{elapsed:>4} {bar:24} {msg}");
-            bar.with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
-        });
+        let target = if is_logged { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr() };
+        let style = ProgressStyle::with_template("{elapsed:>4} {bar:24} {msg}");
+        let bar = ProgressBar::with_draw_target(Some(STEPS), target)
+            .with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
+            .with_finish(ProgressFinish::AndClear);
         Self { bar, shown: Instant::now() }
     }
 
     /// Shows how far the solver is.
     pub fn show(&mut self, solver: &Solver) {
-        let Some(bar) = &self.bar else { return };
-        if self.shown.elapsed() < INTERVAL {
+        let bar = &self.bar;
+        if bar.is_hidden() || self.shown.elapsed() < INTERVAL {
             return;
         }
         self.shown = Instant::now();
@@ -50,17 +49,12 @@ impl Progress {
         let [links, patches, rays] = [stats.links as u64, stats.patches as u64, stats.rays].map(format::count);
         bar.set_message(format!("{phase}: {links} links, {patches} patches, {rays} rays"));
     }
-
-    /// Takes the bar away.
-    pub fn finish(self) {
-        if let Some(bar) = self.bar {
-            bar.finish_and_clear();
-        }
-    }
 }
 
-/// A bar for work whose length is not known.
+/// A bar for work whose length is not known, where stderr is a terminal; dropping it takes it away.
 pub fn spinner() -> ProgressBar {
     let style = ProgressStyle::with_template("{elapsed:>4} {spinner} {msg}");
-    ProgressBar::new_spinner().with_style(style.unwrap_or_else(|_| ProgressStyle::default_spinner()))
+    ProgressBar::new_spinner()
+        .with_style(style.unwrap_or_else(|_| ProgressStyle::default_spinner()))
+        .with_finish(ProgressFinish::AndClear)
 }

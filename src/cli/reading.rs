@@ -3,12 +3,12 @@
 
 use anyhow::bail;
 use clap::builder::PossibleValuesParser;
-use clap::{Arg, ArgAction, ArgMatches, Command};
+use clap::{Arg, ArgMatches, Command};
 use selflink::base::photometry::{CONVENTION, Unit};
 use selflink::render::{IsolinesWanted, MOST_ISOLINES, Ramp, ReadingSettings, Show, Spacing};
 
 use super::clusters::PREFIX;
-use super::options::numbers;
+use super::options::{flag_arg, numbers, value_arg};
 
 /// Adds the options to a command.
 pub fn with_options(command: Command) -> Command {
@@ -21,25 +21,19 @@ pub fn with_options(command: Command) -> Command {
             .help(help)
     };
     let options = [
-        Arg::new("show")
-            .long("show")
-            .value_name("lit|irradiance|radiosity|daylight-factor|clusters:LEVEL")
+        value_arg("show", "lit|irradiance|radiosity|daylight-factor|clusters:LEVEL")
             .default_value("lit")
             .help("The light, false colours of irradiance E, of radiosity B or of the daylight factor (E over that of open ground, in %, where a sky shines and neither sun nor lamps do), or a colour for each cluster of a level (0 is the root)"),
         choice("scale", &["linear", "log"], "How false colours follow values".into()),
         choice("ramp", &["viridis", "cividis"], "False colours; both can be read by the colour-blind".into()),
-        Arg::new("range")
-            .long("range")
-            .value_name("A:B")
+        value_arg("range", "A:B")
             .allow_hyphen_values(true)
             .help("Values at the ends of the false colours [default: round numbers around 96 % of the area]"),
-        Arg::new("isolux")
-            .long("isolux")
-            .value_name("V,V,…")
+        value_arg("isolux", "V,V,…")
             .num_args(0..=1)
             .default_missing_value("")
             .help(format!("Draw lines of equal value, {MOST_ISOLINES} at most [default: at round values]; over the lit picture, those of E")),
-        Arg::new("no-legend").long("no-legend").action(ArgAction::SetTrue).help("Leave the legend out of the picture"),
+        flag_arg("no-legend").help("Leave the legend out of the picture"),
     ];
     let command = command.args(options.map(|option| option.help_heading("Readings")));
     // The scene's own unit has the same name; each is known by its values.

@@ -1,11 +1,11 @@
 //! `selflink reference`: path-traced irradiance at random points, with standard errors, as a CSV
 //! file.
 
-use std::io::{IsTerminal as _, Write as _};
+use std::io::Write as _;
 use std::time::Duration;
 
 use anyhow::bail;
-use clap::{Arg, ArgAction, ArgMatches, Command};
+use clap::{ArgMatches, Command};
 use selflink::base::cancel::CancelToken;
 use selflink::base::format::{count, seconds, things};
 use selflink::measure::reference::{
@@ -15,7 +15,7 @@ use selflink::scene::Scene;
 use selflink::solve::ParameterId;
 
 use super::job::{Job, Order};
-use super::options::{self, path, path_arg};
+use super::options::{self, flag_arg, path, path_arg, value_arg};
 use super::output::{OutputFile, say};
 use super::progress;
 
@@ -52,18 +52,11 @@ pub fn command() -> Command {
 /// The arguments of [`Wish`].
 pub fn wish_args(command: Command) -> Command {
     command
+        .arg(value_arg("points", "N").value_parser(options::whole::<u32>).allow_hyphen_values(true).help(format!(
+            "Random points of the reference, half of them by area and half by A·B², lamps left out [default: {POINTS}]"
+        )))
         .arg(
-            Arg::new("points")
-                .long("points")
-                .value_name("N")
-                .value_parser(options::whole::<u32>)
-                .allow_hyphen_values(true)
-                .help(format!("Random points of the reference, half of them by area and half by A·B², lamps left out [default: {POINTS}]")),
-        )
-        .arg(
-            Arg::new("noise")
-                .long("noise")
-                .value_name("SHARE")
+            value_arg("noise", "SHARE")
                 .value_parser(options::number)
                 .allow_hyphen_values(true)
                 .help("Noise that suffices: RMS over the area, relative to the radiosity's [default: 0.01]"),
@@ -73,13 +66,7 @@ pub fn wish_args(command: Command) -> Command {
                 "Folder that keeps references for the next time [default: selflink in $XDG_CACHE_HOME or ~/.cache]",
             ),
         )
-        .arg(
-            Arg::new("no-cache")
-                .long("no-cache")
-                .action(ArgAction::SetTrue)
-                .conflicts_with("cache")
-                .help("Neither read nor keep references"),
-        )
+        .arg(flag_arg("no-cache").conflicts_with("cache").help("Neither read nor keep references"))
 }
 
 /// The wish that the arguments state, checked.
@@ -110,16 +97,10 @@ pub fn make(job: &Job, wish: &Wish) -> anyhow::Result<Outcome> {
     let begun = std::time::Instant::now();
     let outcome = job.pool.install(|| {
         let mut run = ReferenceRun::new(&job.scene, points.into(), seed);
-        let bar = std::io::stderr().is_terminal().then(progress::spinner);
-        let outcome = compute(&mut run, wish.cache.as_ref(), wish.target, &CancelToken::new(), |run, noise| {
-            if let Some(bar) = &bar {
-                bar.set_message(format!("pass {}, noise {:.2} %", run.passes(), 100.0 * noise));
-            }
-        });
-        if let Some(bar) = bar {
-            bar.finish_and_clear();
-        }
-        outcome
+        let bar = progress::spinner();
+        compute(&mut run, wish.cache.as_ref(), wish.target, &CancelToken::new(), |run, noise| {
+            bar.set_message(format!("pass {}, noise {:.2} %", run.passes(), 100.0 * noise));
+        })
     });
     if let Some(error) = &outcome.cache_error {
         eprintln!(

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use anyhow::{Context, anyhow, bail};
-use clap::{Arg, ArgAction, ArgMatches, Command};
+use clap::{ArgAction, ArgMatches, Command};
 use glam::{DVec3, Vec2};
 use image::RgbaImage;
 use selflink::export::{PictureFormat, exr};
@@ -21,7 +21,7 @@ use selflink::transport::{LinkView, SolutionView};
 
 use super::gathered::{PictureOf, gather};
 use super::job::{Order, Solution};
-use super::options::{self, coordinates, numbers, path, path_arg};
+use super::options::{self, coordinates, numbers, path, path_arg, value_arg};
 use super::output::{OutputFile, say};
 use super::{clusters, reading};
 
@@ -39,39 +39,29 @@ pub fn command() -> Command {
                 .required(true)
                 .help("The picture as it is shown (PNG), or radiosities in W/m², unexposed and without overlays (EXR)"),
         )
-        .arg(Arg::new("size").long("size").value_name("WxH").help("Pixels [default: 1280x800]"))
+        .arg(value_arg("size", "WxH").help("Pixels [default: 1280x800]"))
         .arg(
-            Arg::new("camera")
-                .long("camera")
-                .value_name("EX,EY,EZ:TX,TY,TZ|NAME")
+            value_arg("camera", "EX,EY,EZ:TX,TY,TZ|NAME")
                 .allow_hyphen_values(true)
                 .help("Where the eye is and the point it looks at, or the name of one of the file's cameras [default: as the scene says, from inside its largest room, or all of it]"),
         )
         .arg(
-            Arg::new("exposure")
-                .long("exposure")
-                .value_name("auto|STOPS")
+            value_arg("exposure", "auto|STOPS")
                 .allow_hyphen_values(true)
                 .help("Exposure: automatic, or in stops, 0 showing 1 W/m² as 1 [default: auto]"),
         )
         .arg(
-            Arg::new("overlay")
-                .long("overlay")
-                .value_name("elements|clusters:LEVEL|links:X,Y|level-links:LEVEL")
+            value_arg("overlay", "elements|clusters:LEVEL|links:X,Y|level-links:LEVEL")
                 .action(ArgAction::Append)
                 .help("Draw over the picture: outlines of the patches, boxes of the clusters of a level (0 is the root), the links of the surface at a pixel, or those of all receivers at a level below the root; the strongest 200. May be given several times"),
         )
         .arg(
-            Arg::new("explode")
-                .long("explode")
-                .value_name("0 to 1")
+            value_arg("explode", "0 to 1")
                 .allow_hyphen_values(true)
                 .help("Pull the clusters apart of the level that --show or else --overlay names; at 1 they lie twice as far from the middle [default: 0]"),
         )
         .arg(
-            Arg::new("picture")
-                .long("picture")
-                .value_name("mesh|gathered")
+            value_arg("picture", "mesh|gathered")
                 .value_parser(["mesh", "gathered"])
                 .help("Light interpolated between the mesh's vertices, or gathered at every pixel until its noise is below --error; clusters show the mesh [default: gathered]"),
         )

@@ -5,7 +5,7 @@ use clap::{Arg, ArgMatches, Command};
 use selflink::base::format::things;
 use selflink::scene::{builtin::BuiltinScene, write_obj};
 
-use super::options::{self, path, path_arg};
+use super::options::{self, path, path_arg, value_arg};
 use super::output::say;
 
 /// The command's arguments.
@@ -14,9 +14,7 @@ pub fn command() -> Command {
         .about("Write a sample scene as OBJ, MTL and settings file")
         .arg(Arg::new("name").value_name("NAME").required(true).help(format!("One of {}", options::names())))
         .arg(
-            Arg::new("polygons")
-                .long("polygons")
-                .value_name("N")
+            value_arg("polygons", "N")
                 .value_parser(options::whole::<usize>)
                 .help("Draw the seminar room with so many polygons, or the tower with about so many"),
         )

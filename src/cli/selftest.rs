@@ -1,14 +1,13 @@
 //! `selflink selftest`: every known way to fail, tried on this machine, a line for each.
 
-use std::io::Write as _;
 use std::process::ExitCode;
 
 use anyhow::bail;
-use clap::{Arg, ArgMatches, Command};
+use clap::{ArgMatches, Command};
 use selflink::measure::stability::{Check, Finding, Relation, Row, Verdict, rows};
 use serde::Serialize;
 
-use super::options::{path, path_arg};
+use super::options::{path, path_arg, value_arg};
 use super::output::{OutputFile, json, say};
 
 /// Exit code where a row fails beyond its known limit.
@@ -21,9 +20,7 @@ pub fn command() -> Command {
         .alias("doctor")
         .about("Try the places where methods of this kind fail, each against a known truth, and print a line for each")
         .arg(
-            Arg::new("only")
-                .long("only")
-                .value_name("NAMES")
+            value_arg("only", "NAMES")
                 .value_delimiter(',')
                 .help("Run these rows only, by name or number, separated by commas"),
         )
@@ -68,8 +65,7 @@ pub fn run(matches: &ArgMatches) -> anyhow::Result<ExitCode> {
     };
     say(&summary(&report))?;
     if let Some(file) = file {
-        let text = json(&report)?;
-        file.write(|writer| writer.write_all(text.as_bytes()))?;
+        file.write_text(&json(&report)?)?;
     }
     Ok(if report.failed > 0 { ExitCode::from(FAILED) } else { ExitCode::SUCCESS })
 }

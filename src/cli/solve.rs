@@ -56,8 +56,7 @@ pub fn run(matches: &ArgMatches, started: Instant) -> anyhow::Result<()> {
     }
     let report = Report::new(&job, &solution, started);
     if let Some(file) = &stats_file {
-        let text = json(&report)?;
-        file.write(|writer| std::io::Write::write_all(writer, text.as_bytes()))?;
+        file.write_text(&json(&report)?)?;
     }
     say(&if stats_to_stdout { json(&report)? } else { report.summary() })
 }

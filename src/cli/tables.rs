@@ -2,19 +2,18 @@
 //! and pictures.
 
 use std::fmt::Write as _;
-use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use anyhow::{anyhow, bail};
-use clap::{Arg, ArgAction, ArgMatches, Command};
+use anyhow::anyhow;
+use clap::{ArgMatches, Command};
 use rayon::ThreadPool;
 use selflink::base::format::seconds;
 use selflink::measure::tables::{Claim, Effort, Lab, Part, Report, Truth, Verdict, claims_markdown};
 use selflink::solve::ParameterId;
 
 use super::job::pool;
-use super::options::{self, path, path_arg};
+use super::options::{self, flag_arg, path, path_arg, value_arg};
 use super::output::{OutputFile, make_folder, say};
 use super::reference;
 
@@ -26,14 +25,12 @@ pub fn command() -> Command {
     let command = Command::new("tables")
         .about("Run the paper's tables and statements again, its rows above ours, with a verdict on each of its claims")
         .arg(path_arg("out", "DIR").help(format!("Folder for the tables; it is made where it is missing [default: {OUT}]")))
-        .arg(Arg::new("only").long("only").value_name("LIST").help(format!(
+        .arg(value_arg("only", "LIST").help(format!(
             "Parts to run, between commas: {} [default: all]. DIR/README.md, which needs them all, is then left as it is",
             names()
         )))
         .arg(
-            Arg::new("quick")
-                .long("quick")
-                .action(ArgAction::SetTrue)
+            flag_arg("quick")
                 .help("Small rooms and coarse thresholds: for trying out the command, not for answering the paper"),
         )
         .arg(options::seconds_arg("Time of one run; runs that take longer are left out and reported [default: 30]"));
@@ -49,12 +46,7 @@ fn names() -> String {
 pub fn run(matches: &ArgMatches) -> anyhow::Result<()> {
     let parts = parts(matches)?;
     let mut effort = if matches.get_flag("quick") { Effort::quick() } else { Effort::full() };
-    if let Some(limit) = options::seconds(matches)? {
-        if limit.is_zero() {
-            bail!("--seconds must be greater than 0: every run needs some time");
-        }
-        effort.cap = limit;
-    }
+    effort.cap = options::seconds_of_a_run(matches)?.unwrap_or(effort.cap);
     let wish = reference::wish(matches, None)?;
     let pool = pool(options::solver_params(matches)?.threads)?;
     let folder = path(matches, "out").unwrap_or_else(|| PathBuf::from(OUT));
@@ -77,8 +69,7 @@ pub fn run(matches: &ArgMatches) -> anyhow::Result<()> {
         reports.push(report);
     }
     let took = begun.elapsed().as_secs_f64();
-    let claims: Vec<&Claim> = reports.iter().flat_map(|report| &report.claims).collect();
-    say(&verdicts(&claims))?;
+    say(&verdicts(&reports))?;
     if parts.len() == Part::ALL.len() {
         save(&folder, "README.md", &readme(&reports, &effort, pool.current_num_threads(), took))?;
     }
@@ -132,21 +123,21 @@ fn figures(_: &mut Lab<'_>, _: &Path, _: &ThreadPool) -> anyhow::Result<Option<R
 }
 
 fn save(folder: &Path, name: &str, text: &str) -> anyhow::Result<()> {
-    OutputFile::new(&folder.join(name), &[])?.write(|writer| writer.write_all(text.as_bytes()))
+    OutputFile::new(&folder.join(name), &[])?.write_text(text)
 }
 
 /// The claims for a terminal.
-fn verdicts(claims: &[&Claim]) -> String {
-    let line = |claim: &&Claim| {
+fn verdicts(reports: &[Report]) -> String {
+    let line = |claim: &Claim| {
         format!("{:<11}  {}: {}\n             {}\n", claim.verdict.to_string(), claim.place, claim.says, claim.found)
     };
-    claims.iter().map(line).collect()
+    reports.iter().flat_map(|report| &report.claims).map(line).collect()
 }
 
 /// The page that has every claim and leads to the tables.
 fn readme(reports: &[Report], effort: &Effort, threads: usize, took: f64) -> String {
-    let claims: Vec<Claim> = reports.iter().flat_map(|report| report.claims.clone()).collect();
-    let number = |verdict: Verdict| claims.iter().filter(|claim| claim.verdict == verdict).count();
+    let claims = || reports.iter().flat_map(|report| &report.claims);
+    let number = |verdict: Verdict| claims().filter(|claim| claim.verdict == verdict).count();
     let mut text = String::from("# The paper, run again\n\n");
     if effort.quick {
         text += "Made with `--quick`: small rooms stand in, so nothing here answers the paper.\n\n";
@@ -170,5 +161,5 @@ fn readme(reports: &[Report], effort: &Effort, threads: usize, took: f64) -> Str
     if !effort.quick {
         text += "- [What was tried, and what became of it](tried.md), written by hand\n";
     }
-    text + "\n## Claims\n\n" + &claims_markdown(&claims)
+    text + "\n## Claims\n\n" + &claims_markdown(reports)
 }

@@ -1,31 +1,27 @@
 //! `selflink [SCENE]`: the window; without a display the main job is done all the same, into a
 //! picture and statistics.
 
-#[cfg(feature = "gui")]
-use std::path::PathBuf;
 use std::time::Instant;
 
 use clap::parser::ValueSource;
-use clap::{Arg, ArgAction, ArgMatches, Command};
+use clap::{ArgMatches, Command};
 use selflink::base::panic_report;
-#[cfg(feature = "gui")]
-use selflink::export::file_name;
 use selflink::export::settings::Settings;
-#[cfg(feature = "gui")]
-use selflink::render::Offscreen;
 use selflink::scene::{Source, builtin::BuiltinScene};
 
 use super::job::Order;
-#[cfg(feature = "gui")]
-use super::job::{Job, Solution};
 use super::log;
-use super::options;
-#[cfg(feature = "gui")]
-use super::output::OutputFile;
+use super::options::{self, flag_arg};
 use super::output::say;
-#[cfg(feature = "gui")]
-use super::render::{self, View};
 use super::report::Report;
+#[cfg(feature = "gui")]
+use {
+    super::job::{Job, Solution},
+    super::output::OutputFile,
+    super::render::{self, View},
+    selflink::export::file_name,
+    selflink::render::Offscreen,
+};
 
 /// The program's own arguments.
 pub fn command() -> Command {
@@ -36,7 +32,7 @@ pub fn command() -> Command {
         .args_conflicts_with_subcommands(true)
         .arg(options::scene_arg().help(format!("{} [default: {default}]", options::scene_help())))
         .arg(options::settings_arg())
-        .arg(Arg::new("fresh").long("fresh").action(ArgAction::SetTrue).help(
+        .arg(flag_arg("fresh").help(
             "Start afresh, without the scene, settings and view of the last time",
         ))
         .args(options::scene_args())
@@ -85,7 +81,7 @@ fn open(_settings: &Settings, _resumes: bool) -> Result<(), String> {
 fn without_window(order: Order, started: Instant) -> anyhow::Result<()> {
     let job = order.load()?;
     #[cfg(feature = "gui")]
-    let file = OutputFile::new(&picture_path(&job.scene.name), &[])?;
+    let file = OutputFile::new(format!("selflink-{}.png", file_name(&job.scene.name)).as_ref(), &[])?;
     let solution = job.solve()?;
     say(&Report::new(&job, &solution, started).summary())?;
     #[cfg(feature = "gui")]
@@ -105,10 +101,4 @@ fn draw(job: &Job, mut solution: Solution, file: &OutputFile) -> anyhow::Result<
     let picture = render::draw(&mut offscreen, &job.scene, &mut solution, &View::default(), None)?;
     file.write_png(&picture)?;
     say(&format!("picture    {}, drawn by {}\n", file.path().display(), offscreen.adapter()))
-}
-
-/// In the current folder, by the scene's name.
-#[cfg(feature = "gui")]
-fn picture_path(scene: &str) -> PathBuf {
-    PathBuf::from(format!("selflink-{}.png", file_name(scene)))
 }

@@ -36,22 +36,26 @@ pub fn write(writer: &mut impl Write, lit: &LitMesh<'_>) -> io::Result<()> {
     )?;
     for (position, radiosity) in mesh.positions.iter().zip(lit.radiosity) {
         if is_far {
-            for value in (lit.origin + Vec3::from(*position).as_dvec3()).to_array() {
-                writer.write_all(&value.to_le_bytes())?;
-            }
+            let far = (lit.origin + Vec3::from(*position).as_dvec3()).to_array();
+            writer.write_all(bytemuck::cast_slice(&far))?;
         } else {
-            position.iter().try_for_each(|value| writer.write_all(&value.to_le_bytes()))?;
+            writer.write_all(bytemuck::cast_slice(position))?;
         }
-        radiosity.iter().try_for_each(|value| writer.write_all(&value.to_le_bytes()))?;
+        writer.write_all(bytemuck::cast_slice(radiosity))?;
         writer.write_all(&shown_colour(*radiosity, lit.exposure))?;
     }
-    for triangle in &mesh.triangles {
+    write_triangles(writer, &mesh.triangles)
+}
+
+/// Writes triangles as binary lists of their vertices.
+///
+/// # Errors
+/// Whatever the writer says.
+pub(super) fn write_triangles(writer: &mut impl Write, triangles: &[[u32; 3]]) -> io::Result<()> {
+    triangles.iter().try_for_each(|triangle| {
         writer.write_all(&[3])?;
-        for vertex in triangle {
-            writer.write_all(&vertex.to_le_bytes())?;
-        }
-    }
-    Ok(())
+        writer.write_all(bytemuck::cast_slice(triangle))
+    })
 }
 
 #[cfg(test)]

@@ -41,39 +41,29 @@ struct SettingsFile<'a> {
     settings: &'a Settings,
 }
 
-/// Settings that cannot be read, used or written.
+/// A file of settings that cannot be used.
 #[derive(Debug, thiserror::Error)]
-pub enum SettingsError {
+#[error("{}: {fault}", path.display())]
+pub struct SettingsError {
+    path: PathBuf,
+    fault: Fault,
+}
+
+/// Why a file of settings cannot be used.
+#[derive(Debug, thiserror::Error)]
+enum Fault {
     /// The file is not there or cannot be read.
-    #[error("{}: cannot be read ({source}); --settings takes a file of settings or statistics (JSON)", path.display())]
-    Unreadable {
-        /// The file.
-        path: PathBuf,
-        /// Error of the system.
-        source: io::Error,
-    },
+    #[error("cannot be read ({0}); --settings takes a file of settings or statistics (JSON)")]
+    Unreadable(#[from] io::Error),
     /// Not JSON, or a setting that there is not.
-    #[error("{}: not valid settings ({reason}); write them anew with `selflink solve --stats`", path.display())]
-    Syntax {
-        /// The file.
-        path: PathBuf,
-        /// Description of the problem.
-        reason: String,
-    },
+    #[error("not valid settings ({0}); write them anew with `selflink solve --stats`")]
+    Syntax(#[from] serde_json::Error),
     /// JSON without settings.
-    #[error("{}: holds no `settings`; give a file that `selflink solve --stats` or the window wrote", path.display())]
-    Missing {
-        /// The file.
-        path: PathBuf,
-    },
+    #[error("holds no `settings`; give a file that `selflink solve --stats` or the window wrote")]
+    Missing,
     /// A number out of its range.
-    #[error("{}: {source}", path.display())]
-    Value {
-        /// The file.
-        path: PathBuf,
-        /// Which, and what it may be.
-        source: ParamsError,
-    },
+    #[error(transparent)]
+    Value(#[from] ParamsError),
 }
 
 impl Settings {
@@ -99,22 +89,22 @@ impl Settings {
     /// # Errors
     /// Unreadable, not JSON, without settings, or a parameter out of its range.
     pub fn read(path: &Path) -> Result<Self, SettingsError> {
-        let unreadable = |source| SettingsError::Unreadable { path: path.to_owned(), source };
-        let syntax =
-            |error: serde_json::Error| SettingsError::Syntax { path: path.to_owned(), reason: error.to_string() };
-        let bytes = fs::read(path).map_err(unreadable)?;
-        let mut file: Value = serde_json::from_slice(&bytes).map_err(syntax)?;
-        let settings = file.get_mut("settings").map(Value::take);
-        let settings = settings.ok_or_else(|| SettingsError::Missing { path: path.to_owned() })?;
+        let bytes = fs::read(path).map_err(Fault::from);
+        let settings = bytes.and_then(|bytes| Self::of_file(&bytes));
+        settings.map_err(|fault| SettingsError { path: path.to_owned(), fault })
+    }
+
+    fn of_file(bytes: &[u8]) -> Result<Self, Fault> {
+        let mut file: Value = serde_json::from_slice(bytes)?;
+        let settings = file.get_mut("settings").map(Value::take).ok_or(Fault::Missing)?;
         let asks = |key: &str| settings.get("solver").is_some_and(|solver| solver.get(key).is_some());
         let asks_nothing = !["error", "epsilon", "reconstruct"].into_iter().any(asks);
-        let mut settings: Self = serde_json::from_value(settings).map_err(syntax)?;
+        let mut settings: Self = serde_json::from_value(settings)?;
         if asks_nothing {
             // As on the command line.
             settings.solver.error = Some(USUAL_ERROR);
         }
-        let value = |source| SettingsError::Value { path: path.to_owned(), source };
-        settings.solver.validate().map_err(value)?;
+        settings.solver.validate()?;
         Ok(settings)
     }
 

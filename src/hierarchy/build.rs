@@ -14,7 +14,7 @@ use super::{
 };
 use crate::base::random::hash64;
 use crate::geometry::Reachability;
-use crate::scene::Scene;
+use crate::scene::{Scene, weld};
 
 /// Builds the hierarchy of a scene.
 pub(super) fn build(
@@ -49,21 +49,6 @@ pub(super) fn build(
     hierarchy.finish_clusters(Hierarchy::ROOT);
     hierarchy.add_outside(scene);
     hierarchy
-}
-
-/// Vertices with bit-equal positions made one, and the new index of each old one.
-fn weld(positions: &[Vec3]) -> (Vec<Vec3>, Vec<u32>) {
-    let mut index_of = FxHashMap::with_capacity_and_hasher(positions.len(), Default::default());
-    let mut vertices = Vec::with_capacity(positions.len());
-    let welded = positions.iter().map(|&position| {
-        // Adding zero makes −0 and 0 the same key.
-        *index_of.entry((position + Vec3::ZERO).to_array().map(f32::to_bits)).or_insert_with(|| {
-            vertices.push(position);
-            vertices.len() as u32 - 1
-        })
-    });
-    let welded = welded.collect();
-    (vertices, welded)
 }
 
 impl Hierarchy {

@@ -1,6 +1,7 @@
 //! Smooth surfaces: polygons over which radiosity may be interpolated.
 
 use glam::Vec3;
+use petgraph::unionfind::UnionFind;
 use rayon::prelude::*;
 use rustc_hash::FxHashSet;
 
@@ -59,9 +60,16 @@ pub fn smooth_surfaces(scene: &Scene, hierarchy: &Hierarchy) -> Vec<u32> {
     };
     let initial = hierarchy.initial_patches().par_iter().filter_map(|id| patch_of(id.0));
     let joined: Vec<(u32, u32)> = initial.flat_map_iter(joined_to).collect();
-    let mut surface: Vec<u32> = (0..scene.polygons.len() as u32).collect();
-    joined.into_iter().for_each(|(a, b)| join(&mut surface, a, b));
-    (0..surface.len() as u32).map(|polygon| find(&mut surface, polygon)).collect()
+    let mut surfaces = UnionFind::new(scene.polygons.len());
+    for (a, b) in joined {
+        surfaces.union(a, b);
+    }
+    let surfaces: Vec<u32> = surfaces.into_labeling();
+    let mut smallest = vec![u32::MAX; surfaces.len()];
+    for (polygon, &surface) in (0..).zip(&surfaces) {
+        smallest[surface as usize] = smallest[surface as usize].min(polygon);
+    }
+    surfaces.into_iter().map(|surface| smallest[surface as usize]).collect()
 }
 
 /// The directed edges of patches, by the vertices that they start from. Several patches may have
@@ -111,19 +119,4 @@ fn rises(hierarchy: &Hierarchy, patch: &Patch, corner: u32, up: Vec3) -> bool {
 fn edges_of(patch: &Patch) -> impl Iterator<Item = (u32, u32)> + use<> {
     let (patch, count) = (*patch, patch.corners().len());
     (0..count).map(move |index| (patch.corners()[index], patch.corners()[(index + 1) % count]))
-}
-
-fn find(surface: &mut [u32], polygon: u32) -> u32 {
-    let mut root = polygon;
-    while surface[root as usize] != root {
-        let grandparent = surface[surface[root as usize] as usize];
-        surface[root as usize] = grandparent;
-        root = grandparent;
-    }
-    root
-}
-
-fn join(surface: &mut [u32], a: u32, b: u32) {
-    let (a, b) = (find(surface, a), find(surface, b));
-    surface[a.max(b) as usize] = a.min(b);
 }

@@ -3,6 +3,19 @@
 /// A row of a CSV file: names and values. Rows of one file need not have the same names.
 pub type Record = Vec<(&'static str, String)>;
 
+/// Columns that are called as the fields are which they hold.
+macro_rules! columns {
+    ($of:expr; $($field:ident),+) => {
+        [$((stringify!($field), $of.$field.to_string())),+]
+    };
+}
+pub(crate) use columns;
+
+/// A column of what may be absent.
+pub fn optional<T: ToString>(name: &'static str, value: Option<T>) -> (&'static str, String) {
+    (name, value.map_or_else(String::new, |value| value.to_string()))
+}
+
 /// Records as CSV: a column for every name, in the order in which names first turn up.
 pub fn csv(records: &[Record]) -> String {
     let mut names: Vec<&str> = Vec::new();

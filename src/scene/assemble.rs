@@ -51,11 +51,8 @@ pub(super) fn assemble(name: &str, mut draft: Draft, sidecar: &Sidecar, reading:
     let (lower, upper) = draft.bounds();
     let origin = place::origin(lower, upper);
     let mut builder = PolygonBuilder::new(&draft, origin, draft.skipped.clone());
-    let mut first = 0;
     for (index, face) in draft.faces.iter().enumerate() {
-        let corners = first..first + face.count as usize;
-        first = corners.end;
-        builder.add(index as u32, face, corners, rules[face.material as usize], painted[index].opacity);
+        builder.add(index as u32, face, rules[face.material as usize], painted[index].opacity);
     }
     if builder.effort.is_spent() {
         builder.skipped.note("Its outlines take too long to be cut properly: the last ones may be filled wrongly.");
@@ -338,7 +335,7 @@ impl<'a> PolygonBuilder<'a> {
     }
 
     /// Adds a face as one or several polygons, or counts why not.
-    fn add(&mut self, index: u32, face: &DraftFace, corners: Range<usize>, rule: FaceRule, opacity: f32) {
+    fn add(&mut self, index: u32, face: &DraftFace, rule: FaceRule, opacity: f32) {
         match rule {
             FaceRule::Ignored => {
                 self.skipped.ignored_faces += 1;
@@ -351,7 +348,7 @@ impl<'a> PolygonBuilder<'a> {
             }
             FaceRule::Keep { .. } | FaceRule::KeepGrey => {}
         }
-        self.take_ring(corners);
+        self.take_ring(face.corners());
         if self.is_degenerate() {
             self.skipped.degenerate_faces += 1;
             return;

@@ -131,11 +131,8 @@ impl Skipped {
     fn said_of_extensions(&self) -> Vec<String> {
         let named = |is_required: bool| {
             let plain = |it: &&UnreadExtension| it.is_required == is_required && it.remark.is_none();
-            let names: Vec<String> =
-                self.unread_extensions.iter().filter(plain).map(|it| said::quoted(&it.name)).collect();
-            let (shown, more) = names.split_at(names.len().min(EXTENSIONS_SAID));
-            let and_more = if more.is_empty() { String::new() } else { format!(" and {} more", more.len()) };
-            (!shown.is_empty()).then(|| shown.join(", ") + &and_more)
+            let names = self.unread_extensions.iter().filter(plain).map(|it| said::quoted(&it.name));
+            Some(said::list(names, EXTENSIONS_SAID)).filter(|names| !names.is_empty())
         };
         let needed = named(true).map(|names| {
             format!("The file needs extensions that are not read, so parts may be missing; export it without {names}.")
@@ -182,11 +179,8 @@ impl Skipped {
             (self.cut_faces, "face cut where a wall stands on it", "faces cut where walls stand on them"),
         ];
         let clear = (!self.transparent_materials.is_empty()).then(|| {
-            let shown: Vec<String> = self.transparent_materials.iter().take(5).map(|name| said::quoted(name)).collect();
-            let more = self.transparent_materials.len() - shown.len();
-            let more = if more > 0 { format!(" and {more} more") } else { String::new() };
-            let names = shown.join(", ");
-            format!("Transparent: {names}{more}; *Material* in the section Light, or `\"opaque\": true` in the settings file, brings them back.")
+            let names = said::list(self.transparent_materials.iter().map(|name| said::quoted(name)), 5);
+            format!("Transparent: {names}; *Material* in the section Light, or `\"opaque\": true` in the settings file, brings them back.")
         });
         let sentences = counted.iter().filter(|(count, ..)| *count > 0).map(|(count, one, many)| match count {
             1 => format!("1 {one}."),

@@ -1,7 +1,7 @@
 //! A scene as a reader found it, before anything is checked: what OBJ and glTF have in common.
 
 use std::collections::HashMap;
-use std::path::Path;
+use std::ops::Range;
 
 use glam::{DVec3, Vec2, Vec3};
 
@@ -16,11 +16,6 @@ use super::{Group, GroupId, Skipped, said};
 /// More polygons than this are refused: they would take tens of gigabytes to light.
 pub(super) const MOST_POLYGONS: usize = 32_000_000;
 
-/// The name shown to a person.
-pub(super) fn scene_name(path: &Path) -> String {
-    path.file_stem().map_or_else(|| "scene".to_owned(), |stem| stem.to_string_lossy().into_owned())
-}
-
 /// Groups nested deeper than this belong to the one at this depth. A sidecar that arranges them is
 /// then nested less deeply than its parser allows (128 brackets, two for each group).
 const MOST_LEVELS: u8 = 48;
@@ -32,7 +27,7 @@ pub(super) const NO_MATERIAL: &str = "(no material)";
 pub(super) const GREY: Vec3 = Vec3::splat(0.5);
 
 /// A material as the file has it; nothing is clamped yet.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct DraftMaterial {
     pub name: String,
     /// Reflectance, or what its texture is multiplied with.
@@ -59,20 +54,7 @@ pub(super) struct DraftMaterial {
 impl DraftMaterial {
     /// Black, opaque, bright in front.
     pub fn new(name: &str) -> Self {
-        Self {
-            name: name.to_owned(),
-            reflectance: Vec3::ZERO,
-            alpha: 1.0,
-            emission: Vec3::ZERO,
-            reflectance_map: None,
-            emission_map: None,
-            opacity_map: None,
-            opacity: Opacity::Opaque,
-            transmits: false,
-            is_two_sided: false,
-            has_emission_uvs: false,
-            defined: true,
-        }
+        Self { name: name.to_owned(), alpha: 1.0, defined: true, ..Self::default() }
     }
 
     /// The grey that stands in for a material that the file does not define.
@@ -83,14 +65,24 @@ impl DraftMaterial {
 
 /// A run of corners in [`Draft::corners`].
 pub(super) struct DraftFace {
+    first: u32,
     /// Number of corners, at least 3.
-    pub count: u32,
+    count: u32,
     /// Index into [`Draft::materials`].
     pub material: u32,
     pub group: GroupId,
 }
 
+impl DraftFace {
+    /// Its places in [`Draft::corners`] and what goes with them.
+    pub fn corners(&self) -> Range<usize> {
+        let first = self.first as usize;
+        first..first + self.count as usize
+    }
+}
+
 /// Scene as a reader hands it on.
+#[derive(Default)]
 pub(super) struct Draft {
     /// Positions in the file's coordinates.
     pub vertices: Vec<DVec3>,
@@ -132,27 +124,7 @@ pub(super) struct Draft {
 impl Draft {
     /// Nothing but a root group.
     pub fn new(name: &str) -> Self {
-        Self {
-            vertices: Vec::new(),
-            corners: Vec::new(),
-            uvs: Vec::new(),
-            emission_uvs: Vec::new(),
-            normals: Vec::new(),
-            colours: Vec::new(),
-            faces: Vec::new(),
-            materials: Vec::new(),
-            unused_materials: Vec::new(),
-            groups: vec![Group { name: said::name(name), parent: None }],
-            cameras: Vec::new(),
-            lights: Vec::new(),
-            suns: Vec::new(),
-            unit: None,
-            prescribed_up: None,
-            skipped: Skipped::default(),
-            levels: vec![0],
-            too_deep: 0,
-            children: HashMap::new(),
-        }
+        Self { groups: vec![Group { name: said::name(name), parent: None }], levels: vec![0], ..Self::default() }
     }
 
     /// A new group below `parent`, whether or not it has a sibling of the same name; `parent`
@@ -195,27 +167,28 @@ impl Draft {
     pub fn add_face_of(&mut self, corners: impl Iterator<Item = u32>, material: u32, group: GroupId) {
         let before = self.corners.len();
         self.corners.extend(corners);
-        self.faces.push(DraftFace { count: (self.corners.len() - before) as u32, material, group });
+        let count = (self.corners.len() - before) as u32;
+        self.faces.push(DraftFace { first: before as u32, count, material, group });
     }
 
     /// Texture coordinates of the face that was added last, one for each corner.
     pub fn add_uvs(&mut self, uvs: impl IntoIterator<Item = Vec2>) {
-        add_to(&mut self.uvs, self.faces.last(), self.corners.len(), uvs, Vec2::NAN);
+        add_to(&mut self.uvs, self.faces.last(), uvs, Vec2::NAN);
     }
 
     /// Texture coordinates for emission alone of the face that was added last, one for each corner.
     pub fn add_emission_uvs(&mut self, uvs: impl IntoIterator<Item = Vec2>) {
-        add_to(&mut self.emission_uvs, self.faces.last(), self.corners.len(), uvs, Vec2::NAN);
+        add_to(&mut self.emission_uvs, self.faces.last(), uvs, Vec2::NAN);
     }
 
     /// Normals of the face that was added last, one for each corner.
     pub fn add_normals(&mut self, normals: impl IntoIterator<Item = Option<[i16; 2]>>) {
-        add_to(&mut self.normals, self.faces.last(), self.corners.len(), normals, None);
+        add_to(&mut self.normals, self.faces.last(), normals, None);
     }
 
     /// Colours of the face that was added last, one for each corner.
     pub fn add_colours(&mut self, colours: impl IntoIterator<Item = Option<[u16; 4]>>) {
-        add_to(&mut self.colours, self.faces.last(), self.corners.len(), colours, None);
+        add_to(&mut self.colours, self.faces.last(), colours, None);
     }
 
     /// Lower and upper end of what faces use; infinite where there are none.
@@ -249,14 +222,9 @@ impl Draft {
 }
 
 /// Appends what the last face has at its corners; faces before it without are made up for.
-fn add_to<T: Clone>(
-    list: &mut Vec<T>,
-    face: Option<&DraftFace>,
-    corners: usize,
-    values: impl IntoIterator<Item = T>,
-    absent: T,
-) {
-    list.resize(corners - face.map_or(0, |face| face.count as usize), absent.clone());
+fn add_to<T: Clone>(list: &mut Vec<T>, last: Option<&DraftFace>, values: impl IntoIterator<Item = T>, absent: T) {
+    let Range { start, end } = last.map(DraftFace::corners).unwrap_or_default();
+    list.resize(start, absent.clone());
     list.extend(values);
-    list.resize(corners, absent);
+    list.resize(end, absent);
 }

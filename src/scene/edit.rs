@@ -102,13 +102,7 @@ impl Scene {
         let mut names: Vec<&str> = self.materials.iter().map(|material| material.name.as_str()).collect();
         names.sort_by_cached_key(|name| (unlikeness(name, wanted), name.to_lowercase()));
         names.dedup();
-        let more = names.len().saturating_sub(8);
-        names.truncate(8);
-        match (names.is_empty(), more) {
-            (true, _) => "it has no materials".to_owned(),
-            (false, 0) => format!("it has {}", names.join(", ")),
-            (false, _) => format!("it has {} and {more} more", names.join(", ")),
-        }
+        if names.is_empty() { "it has no materials".to_owned() } else { format!("it has {}", said::list(names, 8)) }
     }
 }
 
@@ -130,18 +124,7 @@ fn unlikeness(name: &str, wanted: &str) -> usize {
     if !wanted.is_empty() && (name.contains(&wanted) || wanted.contains(&name)) {
         return 0;
     }
-    let wanted: Vec<char> = wanted.chars().take(64).collect();
-    let mut row: Vec<usize> = (0..=wanted.len()).collect();
-    for (index, letter) in name.chars().take(64).enumerate() {
-        let mut diagonal = row[0];
-        row[0] = index + 1;
-        for (column, other) in wanted.iter().enumerate() {
-            let replaced = diagonal + usize::from(letter != *other);
-            diagonal = row[column + 1];
-            row[column + 1] = replaced.min(diagonal + 1).min(row[column] + 1);
-        }
-    }
-    row[wanted.len()]
+    strsim::levenshtein(&name, &wanted)
 }
 
 #[cfg(test)]

@@ -51,11 +51,8 @@ fn things(draft: &Draft, axis: usize) -> Vec<(f64, f64)> {
     let none = [f64::INFINITY, f64::NEG_INFINITY];
     let (mut groups, mut materials) = (vec![none; of_groups.len()], vec![none; of_materials.len()]);
     let extend = |[low, high]: &mut [f64; 2], [from, to]: [f64; 2]| (*low, *high) = (low.min(from), high.max(to));
-    let mut rest = draft.corners.as_slice();
     for face in &draft.faces {
-        let (corners, behind) = rest.split_at(face.count as usize);
-        rest = behind;
-        for &corner in corners {
+        for &corner in &draft.corners[face.corners()] {
             let level = draft.vertices[corner as usize][axis];
             extend(&mut groups[face.group.0 as usize], [level; 2]);
             extend(&mut materials[face.material as usize], [level; 2]);

@@ -5,12 +5,12 @@ use std::path::{Path, PathBuf};
 
 use super::assemble::assemble;
 use super::builtin::BuiltinScene;
-use super::draft::scene_name;
+use super::draft::Draft;
 use super::files::{FileError, MOST_BYTES, MOST_TEXT_BYTES, SceneFiles, SceneFolder, read_plain_file};
-use super::load_error::LoadError;
+use super::load_error::{Fault, LoadError};
 use super::outside::DaylightError;
-use super::sidecar::{Sidecar, SidecarError};
-use super::{EditError, Reading, Scene, gltf, obj, ply, said, stl};
+use super::sidecar::{Sidecar, SidecarFault, of_sidecar};
+use super::{Reading, Scene, gltf, obj, ply, said, stl};
 
 /// So many objects of the sidecar that are not there are named, the rest is counted.
 const MOST_REMARKS: usize = 5;
@@ -60,10 +60,10 @@ pub fn load_file(path: &Path) -> Result<Scene, LoadError> {
 }
 
 fn load_file_with(path: &Path, reading: &Reading) -> Result<Scene, LoadError> {
-    let bytes = read_plain_file(path, MOST_BYTES).map_err(|source| match source {
-        FileError::Missing => LoadError::Missing { path: path.to_owned() },
-        FileError::TooLong { most } => LoadError::TooLong { path: path.to_owned(), most_mib: most >> 20 },
-        source => LoadError::Unreadable { path: path.to_owned(), source },
+    let bytes = read_plain_file(path, MOST_BYTES).map_err(|error| match error {
+        FileError::Missing => of_file(path)(Fault::Missing),
+        FileError::TooLong { most } => of_file(path)(Fault::TooLong(most >> 20)),
+        error => of_file(path)(Fault::Unreadable(error)),
     })?;
     load_bytes_with(path, bytes, &SceneFolder::of(path), reading)
 }
@@ -77,35 +77,33 @@ pub fn load_bytes(path: &Path, bytes: Vec<u8>, files: &dyn SceneFiles) -> Result
     load_bytes_with(path, bytes, files, &Reading::default())
 }
 
+/// Says of which file a fault is.
+fn of_file(path: &Path) -> impl Fn(Fault) -> LoadError {
+    |fault| LoadError::File { path: path.to_owned(), fault }
+}
+
 fn load_bytes_with(path: &Path, bytes: Vec<u8>, files: &dyn SceneFiles, reading: &Reading) -> Result<Scene, LoadError> {
-    if bytes.iter().all(u8::is_ascii_whitespace) {
-        return Err(LoadError::Empty { path: path.to_owned() });
-    }
-    let draft = match format_of(path, &bytes)? {
-        Format::Obj => obj::read(path, &bytes, files)?,
-        Format::Gltf => gltf::read(path, &bytes, files)?,
-        Format::Ply => ply::read(path, &bytes)?,
-        Format::Stl => stl::read(path, &bytes)?,
-    };
+    let name = path.file_stem().map_or("scene".into(), |stem| stem.to_string_lossy());
+    let draft = read(path, &name, &bytes, files).map_err(of_file(path))?;
     drop(bytes);
     let sidecar_path = Sidecar::path_for(path);
     let sidecar = match files.read(Path::new(sidecar_path.file_name().unwrap_or_default()), MOST_TEXT_BYTES) {
         Ok(bytes) => Sidecar::from_bytes(&sidecar_path, &bytes)?,
         Err(FileError::Missing) => Sidecar::default(),
-        Err(source) => return Err(SidecarError::Unreadable { path: sidecar_path, source }.into()),
+        Err(error) => return Err(of_sidecar(&sidecar_path)(SidecarFault::Unreadable(error)).into()),
     };
-    let mut scene = assemble(&scene_name(path), draft, &sidecar, reading);
+    let mut scene = assemble(&name, draft, &sidecar, reading);
     if scene.polygons.is_empty() {
         let mut said = scene.skipped.sentences();
         said.truncate(4);
         let why = if said.is_empty() { String::new() } else { format!(" ({})", said.join(" ")) };
-        return Err(LoadError::NoPolygons { path: path.to_owned(), why });
+        return Err(of_file(path)(Fault::NoPolygons(why)));
     }
+    let unusable = |problem: String| of_sidecar(&sidecar_path)(SidecarFault::Value(problem));
     if let Some(problem) = sidecar.problem_in(&scene) {
-        return Err(SidecarError::Value { path: sidecar_path, problem }.into());
+        return Err(unusable(problem).into());
     }
-    let unusable = |error: EditError| SidecarError::Value { path: sidecar_path.clone(), problem: error.to_string() };
-    sidecar.add_lights_to(&mut scene).map_err(unusable)?;
+    sidecar.add_lights_to(&mut scene).map_err(|error| unusable(error.to_string()))?;
     scene.keep_filed(&sidecar.bookmarks, sidecar.task_area.as_ref());
     let read = |name: &Path| {
         let outside = || format!("{}; it must lie in the scene's folder", FileError::Missing);
@@ -118,7 +116,7 @@ fn load_bytes_with(path: &Path, bytes: Vec<u8>, files: &dyn SceneFiles, reading:
     match scene.add_daylight_from(&sidecar.daylight(), read) {
         // As with a texture, the rest is worth seeing.
         Err(error @ DaylightError::Picture { .. }) => scene.skipped.note(format!("Without a sky: {error}.")),
-        Err(error) => return Err(SidecarError::Value { path: sidecar_path, problem: error.to_string() }.into()),
+        Err(error) => return Err(unusable(error.to_string()).into()),
         Ok(()) => {}
     }
     let remarks = scene.regroup(sidecar.groups);
@@ -132,6 +130,19 @@ fn load_bytes_with(path: &Path, bytes: Vec<u8>, files: &dyn SceneFiles, reading:
     Ok(scene)
 }
 
+/// What a file holds, as its format has it.
+fn read(path: &Path, name: &str, bytes: &[u8], files: &dyn SceneFiles) -> Result<Draft, Fault> {
+    if bytes.iter().all(u8::is_ascii_whitespace) {
+        return Err(Fault::Empty);
+    }
+    match format_of(path, bytes)? {
+        Format::Obj => obj::read(name, bytes, files),
+        Format::Gltf => gltf::read(name, bytes, files),
+        Format::Ply => ply::read(name, bytes),
+        Format::Stl => stl::read(name, bytes),
+    }
+}
+
 #[derive(Debug, PartialEq)]
 enum Format {
     Obj,
@@ -141,12 +152,12 @@ enum Format {
 }
 
 /// Decides by content where that is clear, else by extension.
-fn format_of(path: &Path, bytes: &[u8]) -> Result<Format, LoadError> {
+fn format_of(path: &Path, bytes: &[u8]) -> Result<Format, Fault> {
     // What a binary STL begins with may be anything.
     if stl::is_binary(bytes) {
         return Ok(Format::Stl);
     }
-    let not_a_scene = |what: String| Err(LoadError::NotAScene { path: path.to_owned(), what });
+    let not_a_scene = |what: String| Err(Fault::NotAScene(what));
     if let Ok(image) = image::guess_format(bytes)
         && !bytes.starts_with(b"P")
     {

@@ -2,99 +2,61 @@
 
 use std::path::PathBuf;
 
+use super::draft::MOST_POLYGONS;
 use super::files::FileError;
 use super::sidecar::SidecarError;
 
 /// A scene that cannot be loaded: what, where, and what to do.
 #[derive(Debug, thiserror::Error)]
 pub enum LoadError {
-    /// There is no such file.
-    #[error("{}: no such file; check the path", path.display())]
-    Missing {
-        /// The file asked for.
-        path: PathBuf,
-    },
-    /// The file is there but cannot be read.
-    #[error("{}: cannot be read ({source}); check that it is a file and its permissions", path.display())]
-    Unreadable {
+    /// The scene's file cannot be used.
+    #[error("{}{fault}", path.display())]
+    File {
         /// The file.
         path: PathBuf,
         /// Why.
-        source: FileError,
-    },
-    /// The file is longer than any scene that can be lit.
-    #[error("{}: the file is longer than {most_mib} MiB, the most that can be loaded; export less, or as GLB", path.display())]
-    TooLong {
-        /// The file.
-        path: PathBuf,
-        /// The limit, MiB.
-        most_mib: u64,
-    },
-    /// The file has no content.
-    #[error("{}: the file is empty; Selflink reads OBJ, glTF, GLB, PLY and STL scenes", path.display())]
-    Empty {
-        /// The file.
-        path: PathBuf,
-    },
-    /// The file is something else.
-    #[error("{}: this is {what}, not a scene; Selflink reads OBJ, glTF, GLB, PLY and STL scenes", path.display())]
-    NotAScene {
-        /// The file.
-        path: PathBuf,
-        /// Format that the file seems to have.
-        what: String,
-    },
-    /// The content cannot be understood.
-    #[error("{}, {place}: {problem}", path.display())]
-    Parse {
-        /// The file.
-        path: PathBuf,
-        /// Line of a text file, or the part of a glTF file.
-        place: String,
-        /// Description of the fault, and of what would be right.
-        problem: String,
-    },
-    /// A coordinate is NaN, infinite or too large.
-    #[error("{}, {place}: {vertex} has a coordinate that is not finite, or beyond 1e9 from the middle of the scene; export the scene again", path.display())]
-    Coordinate {
-        /// The file.
-        path: PathBuf,
-        /// Line of a text file, or the part of a glTF file.
-        place: String,
-        /// Which vertex.
-        vertex: String,
-    },
-    /// A face refers to a vertex that is not there.
-    #[error("{}, {place}: a face refers to vertex {index}, but there are {count}; the file is damaged or cut off", path.display())]
-    FaceIndex {
-        /// The file.
-        path: PathBuf,
-        /// Line of a text file, or the part of a glTF file.
-        place: String,
-        /// The index as the file has it.
-        index: i64,
-        /// Number of vertices.
-        count: usize,
-    },
-    /// Nothing to light.
-    #[error("{}: the scene has no polygons to light{why}", path.display())]
-    NoPolygons {
-        /// The file.
-        path: PathBuf,
-        /// Reason for their absence, in brackets, or empty.
-        why: String,
-    },
-    /// More polygons than memory can take.
-    #[error("{}: the scene has {count} polygons, more than the {most} that can be loaded", path.display())]
-    TooLarge {
-        /// The file.
-        path: PathBuf,
-        /// Number of polygons.
-        count: usize,
-        /// The limit.
-        most: usize,
+        fault: Fault,
     },
     /// The sidecar cannot be used.
     #[error(transparent)]
     Sidecar(#[from] SidecarError),
+}
+
+/// A fault of a scene's file, in words that stand behind its path. A place is a line of a text file
+/// or a part of a glTF file.
+#[derive(Debug, thiserror::Error)]
+pub enum Fault {
+    /// There is no such file.
+    #[error(": no such file; check the path")]
+    Missing,
+    /// The file is there but cannot be read, and why.
+    #[error(": cannot be read ({0}); check that it is a file and its permissions")]
+    Unreadable(FileError),
+    /// The file is longer than any scene that can be lit; the limit, MiB.
+    #[error(": the file is longer than {0} MiB, the most that can be loaded; export less, or as GLB")]
+    TooLong(u64),
+    /// The file has no content.
+    #[error(": the file is empty; Selflink reads OBJ, glTF, GLB, PLY and STL scenes")]
+    Empty,
+    /// The file is something else, and what it seems to be.
+    #[error(": this is {0}, not a scene; Selflink reads OBJ, glTF, GLB, PLY and STL scenes")]
+    NotAScene(String),
+    /// The content cannot be understood: the place, the problem, and what would be right.
+    #[error(", {0}: {1}")]
+    Parse(String, String),
+    /// A coordinate is NaN, infinite or too large: the place, and which vertex.
+    #[error(
+        ", {0}: {1} has a coordinate that is not finite, or beyond 1e9 from the middle of the scene; export the scene again"
+    )]
+    Coordinate(String, String),
+    /// A face refers to a vertex that is not there: the place, the index as the file has it, and
+    /// the number of vertices.
+    #[error(", {0}: a face refers to vertex {1}, but there are {2}; the file is damaged or cut off")]
+    FaceIndex(String, i64, usize),
+    /// Nothing to light; why, in brackets, or nothing.
+    #[error(": the scene has no polygons to light{0}")]
+    NoPolygons(String),
+    /// More polygons than memory can take: their number.
+    #[error(": the scene has {0} polygons, more than the {MOST_POLYGONS} that can be loaded")]
+    TooLarge(usize),
 }

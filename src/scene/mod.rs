@@ -42,6 +42,7 @@ use std::sync::Arc;
 
 use glam::{DVec3, Vec3};
 use outside::Outside;
+use rustc_hash::FxHashMap;
 use serde::{Deserialize, Serialize};
 use texture::MaterialTextures;
 
@@ -51,7 +52,7 @@ pub use face::{FaceDetails, Surface};
 pub use files::{FileError, SceneFiles, SceneFolder};
 pub use kept::{FiledTaskArea, Kept, TaskArea};
 pub use load::{Source, load, load_bytes, load_file, load_with};
-pub use load_error::LoadError;
+pub use load_error::{Fault, LoadError};
 pub use luminaire::{
     CEILING_LIGHT, FiledLuminaire, LINE_WIDTH, Luminaire, LuminaireForm, LuminaireShape, PlacedLuminaire,
 };
@@ -60,10 +61,11 @@ pub(crate) use place::to_file;
 pub use reading::{Frame, Reading};
 pub use regroup::{GroupMember, GroupTree};
 pub use regroup_edit::{RegroupError, Regrouped};
-pub use sidecar::{MAX_EMISSION, MAX_SIDECAR_REFLECTANCE, Sidecar, SidecarError, SidecarMaterial};
+pub use sidecar::{MAX_EMISSION, MAX_SIDECAR_REFLECTANCE, Sidecar, SidecarError, SidecarFault, SidecarMaterial};
 pub use unit::Unit;
 pub use up::UpAxis;
 pub use write::{WriteError, write_obj};
+pub(crate) use write::{make_folder, write_file};
 
 /// Index into [`Scene::materials`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -229,8 +231,9 @@ pub struct FileLight {
     pub cone: Option<[f32; 2]>,
 }
 
-/// Polygons with materials, groups and what loading had to say about them.
-#[derive(Clone, Debug)]
+/// Polygons with materials, groups and what loading had to say about them; the default lacks even
+/// the root group.
+#[derive(Clone, Debug, Default)]
 pub struct Scene {
     /// Name shown to a person (file stem or the name of our own scene).
     pub name: String,
@@ -285,29 +288,7 @@ impl Scene {
     /// An empty scene with a root group.
     pub fn new(name: impl Into<String>) -> Self {
         let name = name.into();
-        Self {
-            groups: vec![Group { name: name.clone(), parent: None }],
-            regrouping: Vec::new(),
-            name,
-            origin: DVec3::ZERO,
-            vertices: Vec::new(),
-            polygons: Vec::new(),
-            details: Arc::default(),
-            materials: Vec::new(),
-            filed_materials: Vec::new(),
-            placed_luminaires: Vec::new(),
-            camera: None,
-            bookmarks: Vec::new(),
-            task_area: None,
-            cameras: Vec::new(),
-            lights: Vec::new(),
-            outside: None,
-            frame: Frame::default(),
-            reading: Reading::default(),
-            sides: Sides::Front,
-            cut_edges: Vec::new(),
-            skipped: Skipped::default(),
-        }
+        Self { groups: vec![Group { name: name.clone(), parent: None }], name, ..Self::default() }
     }
 
     /// Memory of vertices, polygons and groups, bytes.
@@ -392,18 +373,34 @@ impl Scene {
 
     /// The group's path from the root, levels joined by `/`, without the root's own name.
     pub fn group_path(&self, group: GroupId) -> String {
-        let mut names = Vec::new();
-        let mut current = &self.groups[group.0 as usize];
-        while let Some(parent) = current.parent {
-            names.push(current.name.as_str());
-            current = &self.groups[parent.0 as usize];
-        }
-        names.reverse();
-        names.join("/")
+        group_names(&self.groups, group).join("/")
     }
 
     /// The material with this name.
     pub fn material_named(&self, name: &str) -> Option<MaterialId> {
         self.materials.iter().position(|material| material.name == name).map(|index| MaterialId(index as u32))
     }
+}
+
+/// Names of all groups that hold one of some groups, and its own, without the root's.
+fn group_names(groups: &[Group], group: GroupId) -> Vec<&str> {
+    let upwards = std::iter::successors(Some(group), |at| groups[at.0 as usize].parent);
+    let mut names: Vec<&str> = upwards.filter(|at| at.0 > 0).map(|at| groups[at.0 as usize].name.as_str()).collect();
+    names.reverse();
+    names
+}
+
+/// Vertices with bit-equal positions made one, and the new index of each old one.
+pub(crate) fn weld(positions: &[Vec3]) -> (Vec<Vec3>, Vec<u32>) {
+    let mut index_of = FxHashMap::with_capacity_and_hasher(positions.len(), Default::default());
+    let mut vertices = Vec::with_capacity(positions.len());
+    let welded = positions.iter().map(|&position| {
+        // Adding zero makes −0 and 0 the same key.
+        *index_of.entry((position + Vec3::ZERO).to_array().map(f32::to_bits)).or_insert_with(|| {
+            vertices.push(position);
+            vertices.len() as u32 - 1
+        })
+    });
+    let welded = welded.collect();
+    (vertices, welded)
 }

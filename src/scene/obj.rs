@@ -5,17 +5,17 @@
 //! scene's hierarchy.
 
 use std::collections::{HashMap, HashSet};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use glam::{Vec2, Vec3};
 
 use super::GroupId;
-use super::draft::{Draft, DraftMaterial, MOST_POLYGONS, NO_MATERIAL, scene_name};
+use super::draft::{Draft, DraftMaterial, MOST_POLYGONS, NO_MATERIAL};
 use super::face::{packed_colour, packed_normal};
 use super::files::{SceneFiles, name_of};
-use super::load_error::LoadError;
+use super::load_error::Fault;
 use super::mtl::{MaterialLibrary, text_of};
-use super::said::quoted;
+use super::said::{self, quoted};
 use super::unit::Unit;
 
 /// A face with more corners than this is no modeller's work.
@@ -25,9 +25,9 @@ const MOST_CORNERS: usize = 1 << 16;
 ///
 /// # Errors
 /// The first line that cannot be used.
-pub(super) fn read(path: &Path, bytes: &[u8], files: &dyn SceneFiles) -> Result<Draft, LoadError> {
+pub(super) fn read(name: &str, bytes: &[u8], files: &dyn SceneFiles) -> Result<Draft, Fault> {
     let text = text_of(bytes);
-    let mut reader = LineReader::new(path);
+    let mut reader = LineReader { draft: Draft::new(name), ..LineReader::default() };
     let mut joined = String::new();
     for (index, line) in text.trim_start_matches('\u{feff}').lines().enumerate() {
         reader.line = index + 1;
@@ -81,8 +81,8 @@ struct Corner {
 }
 
 /// Goes through the lines.
-struct LineReader<'a> {
-    path: &'a Path,
+#[derive(Default)]
+struct LineReader {
     line: usize,
     draft: Draft,
     uvs: Vec<Vec2>,
@@ -107,32 +107,8 @@ struct LineReader<'a> {
     corners: Vec<Corner>,
 }
 
-impl<'a> LineReader<'a> {
-    fn new(path: &'a Path) -> Self {
-        Self {
-            path,
-            line: 0,
-            draft: Draft::new(&scene_name(path)),
-            uvs: Vec::new(),
-            normals: Vec::new(),
-            colours: Vec::new(),
-            vertex_lines: Vec::new(),
-            largest_index: (0, 0),
-            group: None,
-            material: None,
-            material_names: Vec::new(),
-            material_numbers: HashMap::new(),
-            material_files: Vec::new(),
-            known_files: HashSet::new(),
-            lines_and_points: 0,
-            curves_and_surfaces: 0,
-            calls: 0,
-            unit: None,
-            corners: Vec::new(),
-        }
-    }
-
-    fn read(&mut self, line: &str) -> Result<(), LoadError> {
+impl LineReader {
+    fn read(&mut self, line: &str) -> Result<(), Fault> {
         let line = line.trim();
         let (keyword, rest) = line.split_once(char::is_whitespace).unwrap_or((line, ""));
         match keyword {
@@ -159,7 +135,7 @@ impl<'a> LineReader<'a> {
     }
 
     /// A position, with a colour where three numbers more stand behind it.
-    fn vertex(&mut self, rest: &str) -> Result<(), LoadError> {
+    fn vertex(&mut self, rest: &str) -> Result<(), Fault> {
         let mut position = [0.0_f64; 3];
         let mut words = rest.split_whitespace();
         for value in &mut position {
@@ -181,7 +157,7 @@ impl<'a> LineReader<'a> {
         Ok(())
     }
 
-    fn face(&mut self, rest: &str) -> Result<(), LoadError> {
+    fn face(&mut self, rest: &str) -> Result<(), Fault> {
         let mut corners = std::mem::take(&mut self.corners);
         corners.clear();
         for word in rest.split_whitespace() {
@@ -199,10 +175,9 @@ impl<'a> LineReader<'a> {
         Ok(())
     }
 
-    fn add_face(&mut self, corners: &[Corner]) -> Result<(), LoadError> {
+    fn add_face(&mut self, corners: &[Corner]) -> Result<(), Fault> {
         if self.draft.faces.len() >= MOST_POLYGONS {
-            let count = self.draft.faces.len() + 1;
-            return Err(LoadError::TooLarge { path: self.path.to_owned(), count, most: MOST_POLYGONS });
+            return Err(Fault::TooLarge(self.draft.faces.len() + 1));
         }
         let material = match self.material {
             Some(material) => material,
@@ -223,7 +198,7 @@ impl<'a> LineReader<'a> {
 
     /// A corner `v/vt/vn`; the numbers of what is not there yet, or not at all, are absent but for
     /// the vertex's.
-    fn corner(&mut self, word: &str) -> Result<Corner, LoadError> {
+    fn corner(&mut self, word: &str) -> Result<Corner, Fault> {
         let mut parts = word.split('/');
         let vertex = parts.next().unwrap_or_default();
         let given: i64 = vertex.parse().map_err(|_| self.problem(format!("{} is not a face corner", quoted(word))))?;
@@ -281,13 +256,14 @@ impl<'a> LineReader<'a> {
         }
     }
 
-    fn finish(mut self, files: &dyn SceneFiles) -> Result<Draft, LoadError> {
+    fn finish(mut self, files: &dyn SceneFiles) -> Result<Draft, Fault> {
         let (index, line) = self.largest_index;
         if index > self.draft.vertices.len() as i64 {
             return Err(self.index_error(index, line));
         }
         if let Some(vertex) = self.draft.unusable_vertex() {
-            return Err(self.coordinate_error(vertex));
+            let line = self.vertex_lines[vertex as usize];
+            return Err(Fault::Coordinate(format!("line {line}"), format!("vertex {}", u64::from(vertex) + 1)));
         }
         self.colour_corners();
         let skipped = &mut self.draft.skipped;
@@ -302,12 +278,6 @@ impl<'a> LineReader<'a> {
         self.draft.unit = self.unit;
         self.add_materials(files);
         Ok(self.draft)
-    }
-
-    fn coordinate_error(&self, vertex: u32) -> LoadError {
-        let place = format!("line {}", self.vertex_lines[vertex as usize]);
-        let vertex = format!("vertex {}", u64::from(vertex) + 1);
-        LoadError::Coordinate { path: self.path.to_owned(), place, vertex }
     }
 
     /// Gives each corner its vertex's colour.
@@ -348,21 +318,17 @@ impl<'a> LineReader<'a> {
         }
         self.draft.unused_materials = library.names().cloned().collect();
         if !unknown.is_empty() && !self.material_files.is_empty() {
-            let count = unknown.len();
-            unknown.truncate(5);
-            let more = if count > 5 { format!(" and {} more", count - 5) } else { String::new() };
-            let names = unknown.join(", ");
-            self.draft.skipped.note(format!("No material file defines {names}{more}: grey instead."));
+            let names = said::list(unknown, 5);
+            self.draft.skipped.note(format!("No material file defines {names}: grey instead."));
         }
     }
 
-    fn problem(&self, problem: impl Into<String>) -> LoadError {
-        LoadError::Parse { path: self.path.to_owned(), place: format!("line {}", self.line), problem: problem.into() }
+    fn problem(&self, problem: impl Into<String>) -> Fault {
+        Fault::Parse(format!("line {}", self.line), problem.into())
     }
 
-    fn index_error(&self, index: i64, line: usize) -> LoadError {
-        let place = format!("line {line}");
-        LoadError::FaceIndex { path: self.path.to_owned(), place, index, count: self.draft.vertices.len() }
+    fn index_error(&self, index: i64, line: usize) -> Fault {
+        Fault::FaceIndex(format!("line {line}"), index, self.draft.vertices.len())
     }
 }
 

@@ -36,8 +36,7 @@ impl Use {
 
 /// The faces of a draft, in their order.
 pub(super) fn paint(draft: &Draft) -> Vec<Painted> {
-    let firsts = first_corners(draft);
-    let corner_colours = mean_corner_colours(draft, &firsts);
+    let corner_colours = mean_corner_colours(draft);
     let colour_of = |face: usize| corner_colours.get(face).copied().unwrap_or(Vec4::ONE);
     let plain = |(index, face): (usize, &DraftFace)| plain(&draft.materials[face.material as usize], colour_of(index));
     let mut painted: Vec<Painted> = draft.faces.iter().enumerate().map(plain).collect();
@@ -46,11 +45,9 @@ pub(super) fn paint(draft: &Draft) -> Vec<Painted> {
         let of_all = sums.of_all();
         let mean = |&(index, part): &(u32, Use)| {
             let face = &draft.faces[index as usize];
-            let first = firsts[index as usize];
-            let corners = first..first + face.count as usize;
             let is_sound = |uvs: &&[Vec2]| uvs.iter().all(|uv| uv.is_finite());
-            let of_emission = draft.emission_uvs.get(corners.clone()).filter(|_| part == Use::Emission);
-            let uvs = of_emission.filter(is_sound).or_else(|| draft.uvs.get(corners)).filter(is_sound);
+            let of_emission = draft.emission_uvs.get(face.corners()).filter(|_| part == Use::Emission);
+            let uvs = of_emission.filter(is_sound).or_else(|| draft.uvs.get(face.corners())).filter(is_sound);
             match (uvs, map_of(&draft.materials[face.material as usize], part)) {
                 (Some(uvs), Some(map)) => {
                     let transform = map.transform.as_daffine2();
@@ -96,18 +93,18 @@ fn plain(material: &DraftMaterial, corners: Vec4) -> Painted {
 }
 
 /// The mean colour and alpha of each face's corners; none where the file has no colours.
-fn mean_corner_colours(draft: &Draft, firsts: &[usize]) -> Vec<Vec4> {
+fn mean_corner_colours(draft: &Draft) -> Vec<Vec4> {
     if draft.colours.is_empty() {
         return Vec::new();
     }
     let colour = |colour: &Option<[u16; 4]>| {
         colour.map_or(Vec4::ONE, |colour| Vec4::from_array(colour.map(|value| f32::from(value) / 65535.0)))
     };
-    let mean = |(face, &first): (&DraftFace, &usize)| {
-        let colours = draft.colours.get(first..first + face.count as usize);
+    let mean = |face: &DraftFace| {
+        let colours = draft.colours.get(face.corners());
         colours.map_or(Vec4::ONE, |colours| colours.iter().map(colour).sum::<Vec4>() / colours.len() as f32)
     };
-    draft.faces.par_iter().zip(firsts).map(mean).collect()
+    draft.faces.par_iter().map(mean).collect()
 }
 
 fn map_of(material: &DraftMaterial, part: Use) -> Option<&TextureMap> {
@@ -161,15 +158,4 @@ fn sheets(draft: &Draft, colour_of: impl Fn(usize) -> Vec4) -> Vec<Sheet> {
         }
     }
     sheets
-}
-
-/// The first corner of each face.
-fn first_corners(draft: &Draft) -> Vec<usize> {
-    let mut next = 0;
-    let first = |face: &DraftFace| {
-        let first = next;
-        next += face.count as usize;
-        first
-    };
-    draft.faces.iter().map(first).collect()
 }

@@ -1,7 +1,6 @@
 //! PLY, as text or binary: faces of one material, with the colours and normals of its vertices.
 
 use std::io::Cursor;
-use std::path::Path;
 
 use glam::{DVec3, Vec3};
 use ply_rs_bw::parser::{ParseError, Parser, Reader};
@@ -10,9 +9,9 @@ use ply_rs_bw::ply::{
 };
 
 use super::GroupId;
-use super::draft::{Draft, DraftMaterial, MOST_POLYGONS, NO_MATERIAL, scene_name};
+use super::draft::{Draft, DraftMaterial, MOST_POLYGONS, NO_MATERIAL};
 use super::face::{packed_colour, packed_normal};
-use super::load_error::LoadError;
+use super::load_error::Fault;
 use super::said::{quoted, sentence};
 use super::texture::linear_step;
 use super::unit::Unit;
@@ -29,15 +28,15 @@ pub(super) fn is_ply(bytes: &[u8]) -> bool {
 ///
 /// # Errors
 /// What of it cannot be used.
-pub(super) fn read(path: &Path, bytes: &[u8]) -> Result<Draft, LoadError> {
-    let problem = |problem: String| LoadError::Parse { path: path.to_owned(), place: "as PLY".into(), problem };
+pub(super) fn read(name: &str, bytes: &[u8]) -> Result<Draft, Fault> {
+    let problem = |problem: String| Fault::Parse("as PLY".into(), problem);
     let mut reader = Reader::new(Cursor::new(bytes));
     let header = Parser::<Rest>::new().read_header(&mut reader).map_err(|error| problem(said(&error)))?;
     if let Some(faces) = header.elements.get("face").filter(|faces| faces.count > MOST_POLYGONS) {
-        return Err(LoadError::TooLarge { path: path.to_owned(), count: faces.count, most: MOST_POLYGONS });
+        return Err(Fault::TooLarge(faces.count));
     }
     check_counts(&header, bytes.len()).map_err(problem)?;
-    let mut draft = Draft::new(&scene_name(path));
+    let mut draft = Draft::new(name);
     let (mut vertices, mut faces) = (Vec::new(), Vec::new());
     let mut left_out = Vec::new();
     for (name, element) in &header.elements {
@@ -64,15 +63,9 @@ pub(super) fn read(path: &Path, bytes: &[u8]) -> Result<Draft, LoadError> {
         draft.skipped.note(format!("Left out, as only vertices and faces are read: {}.", left_out.join(", ")));
     }
     read_comments(&mut draft, &header);
-    fill(&mut draft, &vertices, &faces).map_err(|(face, index)| {
-        let (place, count) = (format!("face {}", face + 1), vertices.len());
-        LoadError::FaceIndex { path: path.to_owned(), place, index, count }
-    })?;
+    fill(&mut draft, &vertices, &faces)?;
     match draft.unusable_vertex() {
-        Some(vertex) => {
-            let (place, vertex) = ("as PLY".to_owned(), format!("vertex {}", u64::from(vertex) + 1));
-            Err(LoadError::Coordinate { path: path.to_owned(), place, vertex })
-        }
+        Some(vertex) => Err(Fault::Coordinate("as PLY".into(), format!("vertex {}", u64::from(vertex) + 1))),
         None => Ok(draft),
     }
 }
@@ -144,8 +137,11 @@ fn read_comments(draft: &mut Draft, header: &Header) {
     }
 }
 
-/// Fills the draft; of a face with a corner that is not there, its number and the corner's.
-fn fill(draft: &mut Draft, vertices: &[Vertex], faces: &[Face]) -> Result<(), (usize, i64)> {
+/// Fills the draft.
+///
+/// # Errors
+/// A face with a corner that is not there.
+fn fill(draft: &mut Draft, vertices: &[Vertex], faces: &[Face]) -> Result<(), Fault> {
     draft.vertices = vertices.iter().map(|vertex| vertex.position).collect();
     let has_colours = vertices.iter().any(|it| it.colour.is_some()) || faces.iter().any(|it| it.colour.is_some());
     let has_normals = vertices.iter().any(|vertex| vertex.normal != Vec3::ZERO);
@@ -157,7 +153,8 @@ fn fill(draft: &mut Draft, vertices: &[Vertex], faces: &[Face]) -> Result<(), (u
     });
     for (number, face) in faces.iter().enumerate() {
         if let Some(&index) = face.corners.iter().find(|&&corner| corner as usize >= vertices.len()) {
-            return Err((number, if index == ABSENT { -1 } else { i64::from(index) }));
+            let index = if index == ABSENT { -1 } else { i64::from(index) };
+            return Err(Fault::FaceIndex(format!("face {}", number + 1), index, vertices.len()));
         }
         if face.corners.len() < 3 {
             draft.skipped.lines_and_points += 1;

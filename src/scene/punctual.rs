@@ -71,13 +71,11 @@ pub(super) fn add_sun(scene: &mut Scene, mut suns: Vec<DirectionalLight>) {
             scene.skipped.note(error.to_string());
         }
     }
-    if let Some((first, more)) = suns.split_first() {
-        let shown =
-            more.iter().take(4).fold(said::name(&first.name), |names, sun| names + ", " + &said::name(&sun.name));
-        let and_more = if suns.len() > 5 { format!(" and {} more", suns.len() - 5) } else { String::new() };
+    if !suns.is_empty() {
+        let names = said::list(suns.iter().map(|sun| said::name(&sun.name)), 5);
         scene.skipped.ignored_lights = suns.len();
         let why = if shining { "the brightest alone is the sun" } else { "they shine from below or not at all" };
-        scene.skipped.note(format!("Directional lights are left out, for {why}: {shown}{and_more}."));
+        scene.skipped.note(format!("Directional lights are left out, for {why}: {names}."));
     }
 }
 

@@ -23,7 +23,7 @@ use rustc_hash::FxHashMap;
 use serde::de::Error;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-use super::{Group, GroupId, Scene, said};
+use super::{Group, GroupId, Scene, group_names, said};
 
 /// Behind the path of an object: what is in it, without itself.
 pub(super) const CONTENTS: &str = "/*";
@@ -228,10 +228,7 @@ impl GroupTree {
 
     /// The group's path from the root, levels joined by `/`, without the root's own name.
     pub fn path(&self, group: GroupId) -> String {
-        let mut names: Vec<&str> =
-            self.upwards(group).filter(|at| at.0 > 0).map(|at| self.groups[at.0 as usize].name.as_str()).collect();
-        names.reverse();
-        names.join("/")
+        group_names(&self.groups, group).join("/")
     }
 
     /// Sums over each group with all that is in it of what the scene's own groups hold directly.

@@ -25,6 +25,17 @@ pub(super) fn name(text: &str) -> String {
     tidied(text, LONGEST_NAME)
 }
 
+/// Names between commas, so many of them; the rest is counted.
+pub(super) fn list<S: AsRef<str>>(names: impl IntoIterator<Item = S>, most: usize) -> String {
+    let mut names = names.into_iter();
+    let shown: Vec<S> = names.by_ref().take(most).collect();
+    let shown = shown.iter().map(S::as_ref).collect::<Vec<_>>().join(", ");
+    match names.count() {
+        0 => shown,
+        more => format!("{shown} and {more} more"),
+    }
+}
+
 /// Names as they are known from here on, each another one: `Light`, `Light (2)`, `Light (3)`.
 /// Settings are kept by name.
 pub(super) fn different_names<'a>(texts: impl Iterator<Item = &'a str> + Clone) -> Vec<String> {

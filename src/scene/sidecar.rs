@@ -119,53 +119,40 @@ impl From<CeilingLight> for FiledLuminaire {
 
 /// A sidecar that cannot be read, used or written.
 #[derive(Debug, thiserror::Error)]
-pub enum SidecarError {
+#[error("{}: {fault}", path.display())]
+pub struct SidecarError {
+    /// The sidecar.
+    pub path: PathBuf,
+    /// Why.
+    pub fault: SidecarFault,
+}
+
+/// Why a sidecar cannot be read, used or written.
+#[derive(Debug, thiserror::Error)]
+pub enum SidecarFault {
     /// The file is there but is not read.
-    #[error("{}: cannot be read ({source}); check its permissions or move it away", path.display())]
-    Unreadable {
-        /// The sidecar.
-        path: PathBuf,
-        /// Why.
-        source: FileError,
-    },
-    /// Not JSON, or a field that a sidecar does not have.
-    #[error("{}: not a valid settings file of a scene: {reason}", path.display())]
-    Syntax {
-        /// The sidecar.
-        path: PathBuf,
-        /// Description of the fault, with line and column.
-        reason: String,
-    },
-    /// A number out of its range.
-    #[error("{}: {problem}", path.display())]
-    Value {
-        /// The sidecar.
-        path: PathBuf,
-        /// Which value, and what it may be.
-        problem: String,
-    },
+    #[error("cannot be read ({0}); check its permissions or move it away")]
+    Unreadable(FileError),
+    /// Not JSON, or a field that a sidecar does not have; with line and column.
+    #[error("not a valid settings file of a scene: {0}")]
+    Syntax(String),
+    /// A number out of its range: which, and what it may be.
+    #[error("{0}")]
+    Value(String),
     /// Somebody protected the file, which counts even where the system would let us write.
-    #[error("{}: is read-only and stays as it is; allow writing to it, or move it away, and save again", path.display())]
-    ReadOnly {
-        /// The sidecar.
-        path: PathBuf,
-    },
+    #[error("is read-only and stays as it is; allow writing to it, or move it away, and save again")]
+    ReadOnly,
     /// The file is a link to another place, a pipe or a device.
-    #[error("{}: is not written, for {source}; move it away and save again", path.display())]
-    Elsewhere {
-        /// The sidecar.
-        path: PathBuf,
-        /// Why.
-        source: FileError,
-    },
+    #[error("is not written, for {0}; move it away and save again")]
+    Elsewhere(FileError),
     /// The file cannot be written.
-    #[error("{}: cannot be written ({source}); choose another folder", path.display())]
-    Unwritable {
-        /// The sidecar.
-        path: PathBuf,
-        /// Error of the system.
-        source: io::Error,
-    },
+    #[error("cannot be written ({0}); choose another folder")]
+    Unwritable(io::Error),
+}
+
+/// Says of which sidecar a fault is.
+pub(super) fn of_sidecar(path: &Path) -> impl Fn(SidecarFault) -> SidecarError {
+    |fault| SidecarError { path: path.to_owned(), fault }
 }
 
 impl Sidecar {
@@ -260,7 +247,7 @@ impl Sidecar {
     /// Unreadable, not a sidecar, or a value out of its range.
     pub fn read(path: &Path) -> Result<Self, SidecarError> {
         let bytes = SceneFolder::of(path).read(Path::new(path.file_name().unwrap_or_default()), MOST_TEXT_BYTES);
-        let bytes = bytes.map_err(|source| SidecarError::Unreadable { path: path.to_owned(), source })?;
+        let bytes = bytes.map_err(SidecarFault::Unreadable).map_err(of_sidecar(path))?;
         Self::from_bytes(path, &bytes)
     }
 
@@ -270,13 +257,11 @@ impl Sidecar {
     /// Not a sidecar, or a value out of its range.
     pub fn from_bytes(path: &Path, bytes: &[u8]) -> Result<Self, SidecarError> {
         let text = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
-        let mut sidecar: Self = serde_json::from_slice(text).map_err(|error| SidecarError::Syntax {
-            path: path.to_owned(),
-            reason: said::sentence(&error.to_string()),
-        })?;
+        let syntax = |error: serde_json::Error| SidecarFault::Syntax(said::sentence(&error.to_string()));
+        let mut sidecar: Self = serde_json::from_slice(text).map_err(syntax).map_err(of_sidecar(path))?;
         sidecar.luminaires.splice(0..0, std::mem::take(&mut sidecar.ceiling_lights).into_iter().map(Into::into));
         match sidecar.problem() {
-            Some(problem) => Err(SidecarError::Value { path: path.to_owned(), problem }),
+            Some(problem) => Err(of_sidecar(path)(SidecarFault::Value(problem))),
             None => Ok(sidecar),
         }
     }
@@ -286,20 +271,21 @@ impl Sidecar {
     /// # Errors
     /// The file is protected or cannot be written.
     pub fn write(&self, path: &Path) -> Result<(), SidecarError> {
+        self.write_to(path).map_err(of_sidecar(path))
+    }
+
+    fn write_to(&self, path: &Path) -> Result<(), SidecarFault> {
         if fs::metadata(path).is_ok_and(|present| present.permissions().readonly()) {
-            return Err(SidecarError::ReadOnly { path: path.to_owned() });
+            return Err(SidecarFault::ReadOnly);
         }
-        let elsewhere = |source| SidecarError::Elsewhere { path: path.to_owned(), source };
         if fs::symlink_metadata(path).is_ok() {
             let real = SceneFolder::of(path).resolve(Path::new(path.file_name().unwrap_or_default()));
-            if !real.map_err(elsewhere)?.is_file() {
-                return Err(elsewhere(FileError::NotAFile));
+            if !real.map_err(SidecarFault::Elsewhere)?.is_file() {
+                return Err(SidecarFault::Elsewhere(FileError::NotAFile));
             }
         }
-        let unwritable = |source| SidecarError::Unwritable { path: path.to_owned(), source };
-        let mut text = serde_json::to_string_pretty(self).map_err(|error| unwritable(error.into()))?;
-        text.push('\n');
-        fs::write(path, text).map_err(unwritable)
+        let text = serde_json::to_string_pretty(self).map_err(|error| SidecarFault::Unwritable(error.into()))?;
+        fs::write(path, text + "\n").map_err(SidecarFault::Unwritable)
     }
 
     /// The first value that is out of its range, as a sentence.

@@ -3,13 +3,11 @@
 //! Read here and not by a crate: those at hand stop at the first of several solids, or take a
 //! binary file whose header begins with `solid` for text.
 
-use std::path::Path;
-
 use glam::{DVec3, Vec3};
 
 use super::GroupId;
-use super::draft::{Draft, DraftMaterial, MOST_POLYGONS, NO_MATERIAL, scene_name};
-use super::load_error::LoadError;
+use super::draft::{Draft, DraftMaterial, MOST_POLYGONS, NO_MATERIAL};
+use super::load_error::Fault;
 use super::mtl::text_of;
 use super::said::quoted;
 
@@ -44,8 +42,8 @@ fn told_triangles(bytes: &[u8]) -> Option<u32> {
 ///
 /// # Errors
 /// The first line or triangle that cannot be used.
-pub(super) fn read(path: &Path, bytes: &[u8]) -> Result<Draft, LoadError> {
-    let mut reader = Reader { path, draft: Draft::new(&scene_name(path)), corners: Vec::new(), against: 0, dotted: 0 };
+pub(super) fn read(name: &str, bytes: &[u8]) -> Result<Draft, Fault> {
+    let mut reader = Reader { draft: Draft::new(name), corners: Vec::new(), against: 0, dotted: 0 };
     if is_text(bytes) && !is_binary(bytes) {
         reader.text(bytes)?
     } else {
@@ -62,16 +60,12 @@ pub(super) fn read(path: &Path, bytes: &[u8]) -> Result<Draft, LoadError> {
     }
     draft.materials.push(DraftMaterial::undefined(NO_MATERIAL));
     match draft.unusable_vertex() {
-        Some(vertex) => {
-            let (place, vertex) = ("as STL".to_owned(), format!("corner {}", u64::from(vertex) + 1));
-            Err(LoadError::Coordinate { path: path.to_owned(), place, vertex })
-        }
+        Some(vertex) => Err(Fault::Coordinate("as STL".into(), format!("corner {}", u64::from(vertex) + 1))),
         None => Ok(draft),
     }
 }
 
-struct Reader<'a> {
-    path: &'a Path,
+struct Reader {
     draft: Draft,
     /// The present facet's.
     corners: Vec<DVec3>,
@@ -81,15 +75,15 @@ struct Reader<'a> {
     dotted: usize,
 }
 
-impl Reader<'_> {
-    fn binary(&mut self, bytes: &[u8]) -> Result<(), LoadError> {
+impl Reader {
+    fn binary(&mut self, bytes: &[u8]) -> Result<(), Fault> {
         let Some(count) = told_triangles(bytes) else {
-            return Err(self.problem("as STL", "it is shorter than the head of a binary STL file; it is cut off"));
+            return Err(problem("as STL", "it is shorter than the head of a binary STL file; it is cut off"));
         };
         let there = (bytes.len() - HEAD) / TRIANGLE;
         if there < count as usize {
-            let problem = format!("the head tells of {count} triangles but there are {there}; the file is cut off");
-            return Err(self.problem("as STL", problem));
+            let said = format!("the head tells of {count} triangles but there are {there}; the file is cut off");
+            return Err(problem("as STL", said));
         }
         for (number, triangle) in bytes[HEAD..].chunks_exact(TRIANGLE).take(count as usize).enumerate() {
             let value = |at: usize| {
@@ -105,7 +99,7 @@ impl Reader<'_> {
         Ok(())
     }
 
-    fn text(&mut self, bytes: &[u8]) -> Result<(), LoadError> {
+    fn text(&mut self, bytes: &[u8]) -> Result<(), Fault> {
         let text = text_of(bytes);
         let mut group = GroupId(0);
         let (mut normal, mut is_open) = (DVec3::ZERO, false);
@@ -127,7 +121,7 @@ impl Reader<'_> {
                 "vertex" => {
                     let numbers: Vec<f64> = words.map_while(|word| word.parse().ok()).collect();
                     let Ok(corner) = <[f64; 3]>::try_from(numbers) else {
-                        return Err(self.problem(&place(), format!("{} is no vertex x y z", quoted(line.trim()))));
+                        return Err(problem(place(), format!("{} is no vertex x y z", quoted(line.trim()))));
                     };
                     self.corners.push(corner.into());
                 }
@@ -135,27 +129,25 @@ impl Reader<'_> {
                 "endfacet" => is_open = false,
                 "outer" | "endsolid" | "" | "color" => {}
                 _ => {
-                    let problem = format!("{} is not a line of an STL file", quoted(line.trim()));
-                    return Err(self.problem(&place(), problem));
+                    return Err(problem(place(), format!("{} is not a line of an STL file", quoted(line.trim()))));
                 }
             }
         }
         if is_open {
-            return Err(self.problem("at its end", "the last facet is not complete; the file is cut off"));
+            return Err(problem("at its end", "the last facet is not complete; the file is cut off"));
         }
         Ok(())
     }
 
     /// Adds the present facet.
-    fn add(&mut self, normal: DVec3, group: GroupId, place: impl Fn() -> String) -> Result<(), LoadError> {
+    fn add(&mut self, normal: DVec3, group: GroupId, place: impl Fn() -> String) -> Result<(), Fault> {
         if self.draft.faces.len() >= MOST_POLYGONS {
-            let count = self.draft.faces.len() + 1;
-            return Err(LoadError::TooLarge { path: self.path.to_owned(), count, most: MOST_POLYGONS });
+            return Err(Fault::TooLarge(self.draft.faces.len() + 1));
         }
-        let (&[a, b, c], rest) = self.corners.split_first_chunk().ok_or_else(|| {
-            let corners = self.corners.len();
-            self.problem(&place(), format!("a facet has {corners} corners; it needs three"))
-        })?;
+        let (&[a, b, c], rest) = self
+            .corners
+            .split_first_chunk()
+            .ok_or_else(|| problem(place(), format!("a facet has {} corners; it needs three", self.corners.len())))?;
         let is_against = (b - a).cross(c - a).dot(normal) < 0.0;
         self.against += usize::from(is_against && rest.is_empty());
         let first = self.draft.vertices.len() as u32;
@@ -164,8 +156,8 @@ impl Reader<'_> {
         self.draft.add_face_of(first..end, 0, group);
         Ok(())
     }
+}
 
-    fn problem(&self, place: &str, problem: impl Into<String>) -> LoadError {
-        LoadError::Parse { path: self.path.to_owned(), place: place.to_owned(), problem: problem.into() }
-    }
+fn problem(place: impl Into<String>, problem: impl Into<String>) -> Fault {
+    Fault::Parse(place.into(), problem.into())
 }

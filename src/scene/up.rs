@@ -155,11 +155,9 @@ pub(super) fn guessed(draft: &Draft, within: Option<[DVec3; 2]>) -> UpAxis {
     let groups: Vec<bool> = draft.groups.iter().map(|group| lies_flat(&group.name)).collect();
     let emission = |material: u32| draft.materials.get(material as usize).map_or(0.0, |it| it.emission.element_sum());
     let (mut whole, mut power_of_lamps, mut corners) = (0.0, 0.0, 0.0);
-    let mut rest = draft.corners.as_slice();
     let mut positions = Vec::new();
     for face in &draft.faces {
-        let (of_face, behind) = rest.split_at(face.count as usize);
-        rest = behind;
+        let of_face = &draft.corners[face.corners()];
         if within.is_some() && !of_face.iter().all(|&corner| counts(&draft.vertices[corner as usize])) {
             continue;
         }

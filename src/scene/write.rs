@@ -5,25 +5,51 @@
 //! those below them, or not at all.
 
 use std::fmt::Write as _;
+use std::fs::{self, File};
+use std::io::{self, BufWriter, Write as _};
 use std::path::{Path, PathBuf};
 
 use glam::Vec3;
 use serde_json::json;
 
 use super::place::shortest;
-use super::{GroupId, Material, Polygon, Scene, Sides};
+use super::{GroupId, Material, Polygon, Scene, Sides, group_names};
 
-/// Why a scene could not be written.
+/// A file that cannot be written.
 #[derive(Debug, thiserror::Error)]
-pub enum WriteError {
-    /// The folder or a file in it cannot be made.
-    #[error("cannot write {}: {source}; choose a folder that you may write to", path.display())]
-    Io {
-        /// File that was to be written.
-        path: PathBuf,
-        /// Error of the system.
-        source: std::io::Error,
-    },
+#[error("{}: cannot be written ({source}); choose a folder that you may write to", path.display())]
+pub struct WriteError {
+    path: PathBuf,
+    source: io::Error,
+}
+
+/// Makes a folder where it is missing.
+///
+/// # Errors
+/// It cannot be made.
+pub(crate) fn make_folder(folder: &Path) -> Result<(), WriteError> {
+    fs::create_dir_all(folder).map_err(|source| WriteError { path: folder.to_owned(), source })
+}
+
+/// Writes a file of a folder; returns its path.
+///
+/// # Errors
+/// It cannot be written.
+pub(crate) fn write_file(
+    folder: &Path,
+    name: &str,
+    content: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>,
+) -> Result<PathBuf, WriteError> {
+    let path = folder.join(name);
+    let write = || {
+        let mut writer = BufWriter::new(File::create(&path)?);
+        content(&mut writer)?;
+        writer.flush()
+    };
+    match write() {
+        Ok(()) => Ok(path),
+        Err(source) => Err(WriteError { path, source }),
+    }
 }
 
 /// Loading clamps what a scene file says above this reflectance; a sidecar may say more.
@@ -36,16 +62,14 @@ const HIGHEST_FILE_REFLECTANCE: f32 = 0.95;
 /// When the folder or one of the files cannot be written.
 pub fn write_obj(scene: &Scene, dir: &Path) -> Result<PathBuf, WriteError> {
     let stem = scene.name.replace(['/', '\\'], "_");
-    let file = |extension: &str| dir.join(format!("{stem}.{extension}"));
-    let write = |path: PathBuf, text: String| match std::fs::write(&path, text) {
-        Ok(()) => Ok(path),
-        Err(source) => Err(WriteError::Io { path, source }),
+    let write = |extension: &str, text: String| {
+        write_file(dir, &format!("{stem}.{extension}"), |writer| writer.write_all(text.as_bytes()))
     };
-    std::fs::create_dir_all(dir).map_err(|source| WriteError::Io { path: dir.to_owned(), source })?;
+    make_folder(dir)?;
     let names = material_names(&scene.materials);
-    write(file("mtl"), mtl_text(&scene.materials, &names))?;
-    write(file("selflink.json"), sidecar_text(scene, &names))?;
-    write(file("obj"), obj_text(scene, &names, &stem))
+    write("mtl", mtl_text(&scene.materials, &names))?;
+    write("selflink.json", sidecar_text(scene, &names))?;
+    write("obj", obj_text(scene, &names, &stem))
 }
 
 fn obj_text(scene: &Scene, materials: &[String], stem: &str) -> String {
@@ -154,14 +178,8 @@ fn material_names(materials: &[Material]) -> Vec<String> {
 
 /// The group's path, a slash inside a name turned into an underscore.
 fn group_name(scene: &Scene, group: GroupId) -> String {
-    let mut names = Vec::new();
-    let mut current = &scene.groups[group.0 as usize];
-    while let Some(parent) = current.parent {
-        names.push(word(&current.name).replace('/', "_"));
-        current = &scene.groups[parent.0 as usize];
-    }
-    names.reverse();
-    names.join("/")
+    let names = group_names(&scene.groups, group).into_iter().map(|name| word(name).replace('/', "_"));
+    names.collect::<Vec<_>>().join("/")
 }
 
 #[cfg(test)]

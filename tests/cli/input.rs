@@ -84,7 +84,7 @@ fn bad_input_is_one_sentence_and_exit_code_2() {
         (vec!["scene", "office", "--polygons", "5000", "--out", name(&nowhere)], "seminar"),
         (vec!["scene", "tower", "--polygons", "5000", "--out", name(&nowhere)], "between 10000 and"),
         (vec!["scene", "office"], "--out"),
-        (vec!["scene", "cornell", "--out", good], "cannot write"),
+        (vec!["scene", "cornell", "--out", good], "cannot be written"),
     ];
     #[cfg(feature = "gui")]
     let cases = [

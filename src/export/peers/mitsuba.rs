@@ -11,13 +11,13 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use glam::Vec3;
-use rustc_hash::FxHashMap;
 
 use super::outside::{SKY_SIZE, sky_pixels, sun_disc};
-use super::{PeerError, SIZE, Surface, camera, make_folder, spaced, surfaces, write_file};
+use super::{SIZE, Surface, camera, spaced, surfaces};
 use crate::export::exr::{self, FloatPicture};
+use crate::export::ply;
 use crate::scene::outside::Outside;
-use crate::scene::{CameraPose, Scene};
+use crate::scene::{CameraPose, Scene, WriteError, make_folder, weld, write_file};
 
 const README: &str = "Written by Selflink for Mitsuba 3 (pip install mitsuba numpy).\n\
     A picture: mitsuba -m llvm_ad_rgb scene.xml\n\
@@ -29,7 +29,7 @@ const CHECK: &str = include_str!("check.py");
 const ORIGIN: &str = "ORIGIN = (0.0, 0.0, 0.0)";
 
 /// Writes the files; returns the XML.
-pub fn write(scene: &Scene, folder: &Path) -> Result<PathBuf, PeerError> {
+pub fn write(scene: &Scene, folder: &Path) -> Result<PathBuf, WriteError> {
     make_folder(&folder.join("meshes"))?;
     let surfaces = surfaces(scene);
     for surface in &surfaces {
@@ -159,15 +159,11 @@ fn xml(scene: &Scene, surfaces: &[Surface]) -> String {
 
 /// A mesh of triangles whose corners are shared.
 fn mesh(writer: &mut impl Write, surface: &Surface) -> io::Result<()> {
-    let (mut corners, mut triangles, mut numbers) = (Vec::new(), Vec::new(), FxHashMap::default());
+    let (corners, welded) = weld(&surface.faces.concat());
+    let (mut triangles, mut rest) = (Vec::new(), &welded[..]);
     for face in &surface.faces {
-        let mut number = |corner: &Vec3| {
-            *numbers.entry(corner.to_array().map(f32::to_bits)).or_insert_with(|| {
-                corners.push(*corner);
-                corners.len() as i32 - 1
-            })
-        };
-        let face: Vec<i32> = face.iter().map(&mut number).collect();
+        let (face, behind) = rest.split_at(face.len());
+        rest = behind;
         triangles.extend((1..face.len() - 1).map(|index| [face[0], face[index], face[index + 1]]));
     }
     write!(
@@ -177,12 +173,6 @@ fn mesh(writer: &mut impl Write, surface: &Surface) -> io::Result<()> {
         corners.len(),
         triangles.len()
     )?;
-    for corner in corners {
-        corner.to_array().iter().try_for_each(|value| writer.write_all(&value.to_le_bytes()))?;
-    }
-    for triangle in triangles {
-        writer.write_all(&[3])?;
-        triangle.iter().try_for_each(|corner| writer.write_all(&corner.to_le_bytes()))?;
-    }
-    Ok(())
+    writer.write_all(bytemuck::cast_slice(&corners))?;
+    ply::write_triangles(writer, &triangles)
 }

@@ -7,14 +7,12 @@ mod mitsuba;
 mod outside;
 mod radiance;
 
-use std::fs::{self, File};
-use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
 use glam::Vec3;
 use rustc_hash::FxHashMap;
 
-use crate::scene::{CameraPose, Scene, Surface as Finish};
+use crate::scene::{CameraPose, Scene, Surface as Finish, WriteError};
 
 /// Second sides of faces ([`crate::scene::Sides::Both`]) lie this share of the scene's diagonal
 /// behind the first ones: other programs meet one of two faces at the same place by chance.
@@ -29,14 +27,6 @@ pub enum Peer {
     Mitsuba,
     /// Radiance: RAD and a view.
     Radiance,
-}
-
-/// A file that cannot be written.
-#[derive(Debug, thiserror::Error)]
-#[error("{}: cannot be written ({source}); choose a folder that you may write to", path.display())]
-pub struct PeerError {
-    path: PathBuf,
-    source: io::Error,
 }
 
 impl Peer {
@@ -61,7 +51,7 @@ impl Peer {
     ///
     /// # Errors
     /// The folder or a file cannot be written.
-    pub fn write(self, scene: &Scene, folder: &Path) -> Result<PathBuf, PeerError> {
+    pub fn write(self, scene: &Scene, folder: &Path) -> Result<PathBuf, WriteError> {
         match self {
             Self::Mitsuba => mitsuba::write(scene, folder),
             Self::Radiance => radiance::write(scene, folder),
@@ -117,28 +107,6 @@ fn camera(scene: &Scene) -> CameraPose {
         let (target, size) = (0.5 * (lower + upper), lower.distance(upper).max(f32::MIN_POSITIVE));
         CameraPose { eye: target + size * Vec3::new(0.6, 0.5, 0.8), target, up: Vec3::Y, hfov_deg: 60.0 }
     })
-}
-
-fn make_folder(folder: &Path) -> Result<(), PeerError> {
-    fs::create_dir_all(folder).map_err(|source| PeerError { path: folder.to_owned(), source })
-}
-
-/// Writes a file of a folder.
-fn write_file(
-    folder: &Path,
-    name: &str,
-    content: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>,
-) -> Result<PathBuf, PeerError> {
-    let path = folder.join(name);
-    let write = || {
-        let mut writer = BufWriter::new(File::create(&path)?);
-        content(&mut writer)?;
-        writer.flush()
-    };
-    match write() {
-        Ok(()) => Ok(path),
-        Err(source) => Err(PeerError { path, source }),
-    }
 }
 
 /// Three numbers with spaces between them, to their last bit.

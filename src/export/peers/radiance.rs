@@ -14,9 +14,9 @@ use std::path::{Path, PathBuf};
 use glam::{DVec3, Vec3};
 
 use super::outside::{SKY_SIZE, sky_pixels};
-use super::{PeerError, SIZE, Surface, camera, make_folder, spaced, surfaces, write_file};
+use super::{SIZE, Surface, camera, spaced, surfaces};
 use crate::scene::outside::{Outside, SUN_RADIUS};
-use crate::scene::{CameraPose, Scene};
+use crate::scene::{CameraPose, Scene, WriteError, make_folder, write_file};
 
 const README: &str = "Written by Selflink for Radiance.\n\
     oconv scene.rad > scene.oct\n\
@@ -25,7 +25,7 @@ const README: &str = "Written by Selflink for Radiance.\n\
     tail -n +2 points.csv | cut -d, -f1-6 | tr , ' ' | rtrace -h -I+ -ab 8 -aa 0 -ad 4096 -as 0 -lr -12 -lw 1e-6 -dt 0 -dc 1 -dj 1 -ds .02 scene.oct > E.txt\n";
 
 /// Writes the files; returns the scene description.
-pub fn write(scene: &Scene, folder: &Path) -> Result<PathBuf, PeerError> {
+pub fn write(scene: &Scene, folder: &Path) -> Result<PathBuf, WriteError> {
     make_folder(folder)?;
     write_file(folder, "README.txt", |writer| writer.write_all(README.as_bytes()))?;
     if let Some(outside) = scene.outside().filter(|outside| outside.has_sky()) {

@@ -295,20 +295,15 @@ fn cie_5_8() -> Case {
 
 /// The mean over some polygons as a reading.
 pub(crate) fn mean(label: &str, polygons: Vec<u32>, truth: f64) -> Reading {
-    Reading {
-        label: label.to_owned(),
-        place: Place::Mean(polygons),
-        truth,
-        allowance: 0.0,
-        gain: 1.0,
-        factor: 1.0,
-        unit: "",
-    }
+    known(label, Place::Mean(polygons), truth)
 }
 
 /// A point of a polygon as a reading.
 pub(crate) fn point(label: &str, polygon: u32, position: Vec3, truth: f64) -> Reading {
-    let place = Place::Point { polygon, position };
+    known(label, Place::Point { polygon, position }, truth)
+}
+
+fn known(label: &str, place: Place, truth: f64) -> Reading {
     Reading { label: label.to_owned(), place, truth, allowance: 0.0, gain: 1.0, factor: 1.0, unit: "" }
 }
 

@@ -14,7 +14,7 @@ use serde::Serialize;
 
 use super::local_error::{Compared, LocalError};
 use super::locate::{Place, locate};
-use super::spread;
+use super::spread::{of_quantile, of_root, quantile, sorted};
 use crate::gather::{Field, NOISE};
 use crate::measure::reference::{Reference, SurfacePoint};
 use crate::solve::{Mesh, Snapshot};
@@ -133,12 +133,7 @@ impl ErrorMeter {
                 let surface = field.surface(point.polygon);
                 Some((surface.emission + surface.reflectance * irradiance).as_dvec3())
             };
-            return self
-                .read(field, snapshot.stats.error_asked)
-                .into_iter()
-                .zip(&self.reference.points[..])
-                .map(reflect)
-                .collect();
+            return self.read(field, snapshot.stats.error_asked).zip(&self.reference.points[..]).map(reflect).collect();
         }
         self.interpolated(&snapshot.mesh, &snapshot.vertex_radiosity)
     }
@@ -146,11 +141,8 @@ impl ErrorMeter {
     /// E as it is read at each point, W/m², likewise.
     pub fn irradiances(&mut self, snapshot: &Snapshot) -> Vec<Option<DVec3>> {
         if let Some(field) = &snapshot.field {
-            return self
-                .read(field, snapshot.stats.error_asked)
-                .iter()
-                .map(|irradiance| Some(irradiance.as_dvec3()))
-                .collect();
+            let read = self.read(field, snapshot.stats.error_asked);
+            return read.map(|irradiance| Some(irradiance.as_dvec3())).collect();
         }
         self.interpolated(&snapshot.mesh, &snapshot.vertex_irradiance)
     }
@@ -164,10 +156,10 @@ impl ErrorMeter {
     }
 
     /// Readings of a field at each point.
-    fn read(&self, field: &Field, asked: Option<f64>) -> Vec<Vec3> {
+    fn read(&self, field: &Field, asked: Option<f64>) -> impl Iterator<Item = Vec3> + use<> {
         let error = asked.map_or(READING_ERROR, |asked| READING_ERROR.min((NOISE * asked) as f32));
         let read = |point: &SurfacePoint| field.read(point.polygon, point.position, error).mean;
-        self.reference.points.par_iter().map(read).collect()
+        self.reference.points.par_iter().map(read).collect::<Vec<_>>().into_iter()
     }
 
     /// Values of the vertices at each point.
@@ -253,24 +245,23 @@ fn measure(samples: &[Sample]) -> Measure {
     let darkest = DARKEST * if weight > 0.0 { (signal.element_sum() / weight).sqrt() } else { 0.0 };
     let mut by_brightness: Vec<&Sample> = samples.iter().collect();
     by_brightness.sort_by(|a, b| a.truth.length().total_cmp(&b.truth.length()));
-    let locals = |part: &[&Sample]| sorted(part.iter().map(|sample| (sample.local(darkest), sample.weight)).collect());
+    let locals = |part: &[&Sample]| sorted(part.iter().map(|sample| (sample.local(darkest), sample.weight)));
     let (half, all) = (locals(darker_half(&by_brightness)), locals(&by_brightness));
-    let (of_half, of_all) = (quantiles(&half), quantiles(&all));
     let excess = |sample: &Sample| sample.difference.length_squared() - sample.noise.length_squared();
     let of_point = |sample: &Sample| (sample.weight * excess(sample), sample.weight * sample.truth.length_squared());
     let points: Vec<(f64, f64)> = samples.iter().map(of_point).collect();
     let (squares, noise, signal) = (squares.element_sum(), noise.element_sum(), signal.element_sum());
     Measure {
         rms: if signal > 0.0 { ((squares - noise).max(0.0) / signal).sqrt() } else { 0.0 },
-        rms_noise: spread::of_root(&points),
+        rms_noise: of_root(&points),
         below_noise: squares <= noise,
         bias_rgb: [0, 1, 2].map(|colour| share(difference[colour], mean[colour])),
         bias: share(difference.element_sum(), mean.element_sum()),
-        local_median: of_all.0,
-        local_median_noise: spread::of_median(&all),
-        local_p95: of_all.1,
-        dark_median: of_half.0,
-        dark_p95: of_half.1,
+        local_median: quantile(&all, 0.5),
+        local_median_noise: of_quantile(&all, 0.5),
+        local_p95: quantile(&all, 0.95),
+        dark_median: quantile(&half, 0.5),
+        dark_p95: quantile(&half, 0.95),
     }
 }
 
@@ -293,17 +284,6 @@ fn darker_half<'a>(by_brightness: &'a [&'a Sample]) -> &'a [&'a Sample] {
     };
     let count = by_brightness.iter().copied().take_while(is_within).count();
     &by_brightness[..count]
-}
-
-/// Values with their weights, in order.
-fn sorted(mut values: Vec<(f64, f64)>) -> Vec<(f64, f64)> {
-    values.sort_by(|a, b| a.0.total_cmp(&b.0));
-    values
-}
-
-/// Median and 95th percentile of sorted values with their weights; 0 of nothing.
-fn quantiles(values: &[(f64, f64)]) -> (f64, f64) {
-    (spread::quantile(values, 0.5), spread::quantile(values, 0.95))
 }
 
 #[cfg(test)]

@@ -7,7 +7,7 @@
 use glam::DVec3;
 use serde::Serialize;
 
-use super::spread::{of_quantile, quantile};
+use super::spread::{of_quantile, quantile, sorted};
 use crate::measure::reference::Reference;
 
 /// E₀ as a share of the median of E.
@@ -127,12 +127,6 @@ fn median_of(points: &[Compared]) -> f64 {
     median.max(0.1 * sum / weight.max(f64::MIN_POSITIVE))
 }
 
-fn sorted(values: impl Iterator<Item = (f64, f64)>) -> Vec<(f64, f64)> {
-    let mut values: Vec<(f64, f64)> = values.collect();
-    values.sort_by(|a, b| a.0.total_cmp(&b.0));
-    values
-}
-
 /// The value below which this share of the magnitudes of normal errors lies, of given standard
 /// deviations and weights: a mixture, by bisection.
 fn quantile_of_normals(deviations: &[(f64, f64)], share: f64) -> f64 {
@@ -154,14 +148,9 @@ fn quantile_of_normals(deviations: &[(f64, f64)], share: f64) -> f64 {
     high
 }
 
-/// Share of normal errors within so many standard deviations, erf(x/√2), good to 2·10⁻⁷
-/// \[Abramowitz, Stegun 1964, 7.1.26\].
+/// Share of normal errors within so many standard deviations.
 fn within(deviations: f64) -> f64 {
-    let x = deviations / std::f64::consts::SQRT_2;
-    let t = 1.0 / (1.0 + 0.327_591_1 * x);
-    let sum = [1.061_405_429, -1.453_152_027, 1.421_413_741, -0.284_496_736, 0.254_829_592];
-    let polynomial = sum.into_iter().fold(0.0, |value, coefficient| (value + coefficient) * t);
-    1.0 - polynomial * (-x * x).exp()
+    libm::erf(deviations * std::f64::consts::FRAC_1_SQRT_2)
 }
 
 #[cfg(test)]

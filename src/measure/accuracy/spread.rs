@@ -65,9 +65,11 @@ pub(super) fn quantile(sorted: &[(f64, f64)], share: f64) -> f64 {
     sorted.iter().find(is_reached).or(sorted.last()).map_or(0.0, |value| value.0)
 }
 
-/// Standard error of the median of sorted values with their weights, by [`of_quantile`].
-pub(super) fn of_median(sorted: &[(f64, f64)]) -> f64 {
-    of_quantile(sorted, 0.5)
+/// Values with their weights, in order.
+pub(super) fn sorted(values: impl Iterator<Item = (f64, f64)>) -> Vec<(f64, f64)> {
+    let mut values: Vec<(f64, f64)> = values.collect();
+    values.sort_by(|a, b| a.0.total_cmp(&b.0));
+    values
 }
 
 /// Standard error of a quantile q of sorted values with their weights: half the distance between
@@ -93,6 +95,10 @@ pub(super) fn of_quantile(sorted: &[(f64, f64)], share: f64) -> f64 {
 mod tests {
     use super::*;
     use crate::base::random::Stream;
+
+    fn of_median(sorted: &[(f64, f64)]) -> f64 {
+        of_quantile(sorted, 0.5)
+    }
 
     struct Random(Stream);
 

@@ -13,7 +13,7 @@ use crate::measure::accuracy::SolutionError;
 use crate::transport::Push;
 
 /// Size of a picture, pixels.
-pub const SIZE: (u32, u32) = (1200, 800);
+const SIZE: (u32, u32) = (1200, 800);
 
 /// Colours that people with any colour vision tell apart \[Okabe, Ito 2008\].
 pub(super) const COLOURS: [RGBColor; 7] = [
@@ -26,7 +26,7 @@ pub(super) const COLOURS: [RGBColor; 7] = [
     RGBColor(120, 100, 60),
 ];
 /// Pixels at the right that the legend takes.
-pub(super) const LEGEND_WIDTH: u32 = 300;
+const LEGEND_WIDTH: u32 = 300;
 
 pub(super) const INK: RGBColor = RGBColor(40, 40, 40);
 const FAINT: RGBColor = RGBColor(225, 225, 225);
@@ -124,27 +124,32 @@ pub enum DrawError {
     Plot(String),
 }
 
-/// The chart as RGB pixels of 1200 × 800, row by row.
+/// A chart that any backend of the drawing library can draw.
+pub trait Plot {
+    /// Draws it.
+    ///
+    /// # Errors
+    /// There is nothing to draw.
+    fn plot<B: DrawingBackend>(&self, root: &DrawingArea<B, Shift>) -> Result<(), DrawError>;
+}
+
+/// A chart as RGB pixels of 1200 × 800, row by row.
 ///
 /// # Errors
-/// No run finished.
-pub fn draw_png(drawing: Drawing) -> Result<image::RgbImage, DrawError> {
+/// There is nothing to draw.
+pub fn draw_png(chart: &impl Plot) -> Result<image::RgbImage, DrawError> {
     let mut pixels = vec![0; (3 * SIZE.0 * SIZE.1) as usize];
-    let root = BitMapBackend::with_buffer(&mut pixels, SIZE).into_drawing_area();
-    draw(drawing, &root)?;
-    drop(root);
+    chart.plot(&BitMapBackend::with_buffer(&mut pixels, SIZE).into_drawing_area())?;
     Ok(image::RgbImage::from_raw(SIZE.0, SIZE.1, pixels).expect("three bytes for each pixel"))
 }
 
-/// The chart as SVG.
+/// A chart as SVG.
 ///
 /// # Errors
-/// No run finished.
-pub fn draw_svg(drawing: Drawing) -> Result<String, DrawError> {
+/// There is nothing to draw.
+pub fn draw_svg(chart: &impl Plot) -> Result<String, DrawError> {
     let mut text = String::new();
-    let root = SVGBackend::with_string(&mut text, SIZE).into_drawing_area();
-    draw(drawing, &root)?;
-    drop(root);
+    chart.plot(&SVGBackend::with_string(&mut text, SIZE).into_drawing_area())?;
     Ok(text)
 }
 
@@ -158,29 +163,31 @@ struct Curve<'a> {
     runs: Vec<&'a RunRecord>,
 }
 
-fn draw<B: DrawingBackend>(drawing: Drawing, root: &DrawingArea<B, Shift>) -> Result<(), DrawError> {
-    let chart = drawing.chart;
-    let curves = curves(drawing);
-    let of_record =
-        |record: &PathTracerRecord| Point { cost: record.seconds, error: drawing.shown.of_path_tracer(record) };
-    let path_tracer: Vec<Point> = match drawing.against {
-        Against::Seconds => chart.path_tracer.iter().map(of_record).collect(),
-        Against::Links | Against::Rays => Vec::new(),
-    };
-    if curves.is_empty() {
-        return Err(DrawError::Empty(chart.scene.clone()));
+impl Plot for Drawing<'_> {
+    fn plot<B: DrawingBackend>(&self, root: &DrawingArea<B, Shift>) -> Result<(), DrawError> {
+        let (drawing, chart) = (*self, self.chart);
+        let curves = curves(drawing);
+        let of_record =
+            |record: &PathTracerRecord| Point { cost: record.seconds, error: drawing.shown.of_path_tracer(record) };
+        let path_tracer: Vec<Point> = match drawing.against {
+            Against::Seconds => chart.path_tracer.iter().map(of_record).collect(),
+            Against::Links | Against::Rays => Vec::new(),
+        };
+        if curves.is_empty() {
+            return Err(DrawError::Empty(chart.scene.clone()));
+        }
+        let empty = || DrawError::Empty(chart.scene.clone());
+        let every = || curves.iter().flat_map(|curve| &curve.points).chain(&path_tracer);
+        let x = LogAxis::around(every().map(|point| point.cost)).ok_or_else(empty)?;
+        // Bars are seen as far as twice the error and half of it; what is longer ends at the axis.
+        let tall = |point: &Point| {
+            let (_, error) = point.place();
+            let [low, high] = point.ends();
+            [error, low.max(0.5 * error), high.min(2.0 * error)]
+        };
+        let y = LogAxis::around(every().flat_map(tall)).ok_or_else(empty)?;
+        plot(drawing, root, &curves, &path_tracer, (x, y)).map_err(|error| DrawError::Plot(error.to_string()))
     }
-    let empty = || DrawError::Empty(chart.scene.clone());
-    let every = || curves.iter().flat_map(|curve| &curve.points).chain(&path_tracer);
-    let x = LogAxis::around(every().map(|point| point.cost)).ok_or_else(empty)?;
-    // Bars are seen as far as twice the error and half of it; what is longer ends at the axis.
-    let tall = |point: &Point| {
-        let (_, error) = point.place();
-        let [low, high] = point.ends();
-        [error, low.max(0.5 * error), high.min(2.0 * error)]
-    };
-    let y = LogAxis::around(every().flat_map(tall)).ok_or_else(empty)?;
-    plot(drawing, root, &curves, &path_tracer, (x, y)).map_err(|error| DrawError::Plot(error.to_string()))
 }
 
 fn plot<B: DrawingBackend>(
@@ -189,21 +196,16 @@ fn plot<B: DrawingBackend>(
     curves: &[Curve],
     path_tracer: &[Point],
     (x, y): (LogAxis, LogAxis),
-) -> Result<(), DrawingAreaErrorKind<B::ErrorType>> {
+) -> Drawn<B, ()> {
     let chart = drawing.chart;
     let text = |size: f64, colour: RGBColor| (family(), size).into_font().color(&colour);
-    root.fill(&WHITE)?;
     let (measure, of_measure) = drawing.shown.names();
     let (title, unit) = match drawing.against {
         Against::Seconds => ("time", "seconds of solving"),
         Against::Links => ("links", "links"),
         Against::Rays => ("rays", "visibility rays"),
     };
-    root.draw(&Text::new(format!("{}: {measure} over {title}", chart.scene), (90, 22), text(32.0, INK)))?;
-    root.draw(&Text::new(subtitle(chart), (90, 62), text(19.0, RGBColor(110, 110, 110))))?;
-    let (_, area) = root.split_vertically(92);
-    // Beside the plot: no corner of it is free in every chart.
-    let (area, beside) = area.split_horizontally(SIZE.0 - LEGEND_WIDTH);
+    let [area, beside] = headed(root, format!("{}: {measure} over {title}", chart.scene), subtitle(chart))?;
     let mut context = axes(&area, (x, y), (unit, of_measure))?;
 
     let mut best: Vec<(f64, f64)> = best_of(curves);
@@ -229,13 +231,10 @@ fn plot<B: DrawingBackend>(
         let (colour, open) = (curve.colour, curve.open);
         if open {
             context.draw_series(DashedLineSeries::new(line.iter().copied(), 9, 6, colour.stroke_width(2)))?;
-        } else {
-            context.draw_series(LineSeries::new(line.iter().copied(), colour.stroke_width(3)))?;
-        }
-        if open {
             context.draw_series(line.iter().map(|point| Circle::new(*point, 5, WHITE.filled())))?;
             context.draw_series(line.iter().map(|point| Circle::new(*point, 5, colour.stroke_width(2))))?;
         } else {
+            context.draw_series(LineSeries::new(line.iter().copied(), colour.stroke_width(3)))?;
             context.draw_series(line.iter().map(|point| Circle::new(*point, 5, colour.filled())))?;
         }
     }
@@ -256,7 +255,7 @@ fn legend<B: DrawingBackend>(
     curves: &[Curve],
     has_path_tracer: bool,
     area: &DrawingArea<B, Shift>,
-) -> Result<(), DrawingAreaErrorKind<B::ErrorType>> {
+) -> Drawn<B, ()> {
     let mut y = 30;
     let name = |text: &str, y: i32| {
         let style = (family(), 19.0).into_font().color(&INK);
@@ -347,6 +346,24 @@ fn path_tracer_points(chart: &Chart) -> usize {
     chart.path_tracer.first().map_or(0, |record| record.points)
 }
 
+/// What a part of a chart comes to.
+pub(super) type Drawn<B, T> = Result<T, DrawingAreaErrorKind<<B as DrawingBackend>::ErrorType>>;
+
+/// Writes the headings of a chart; gives the area of its plot and, beside it, that of its legend: no
+/// corner of the plot is free in every chart.
+pub(super) fn headed<B: DrawingBackend>(
+    root: &DrawingArea<B, Shift>,
+    title: String,
+    about: String,
+) -> Drawn<B, [DrawingArea<B, Shift>; 2]> {
+    let text = |size: f64, colour: RGBColor| (family(), size).into_font().color(&colour);
+    root.fill(&WHITE)?;
+    root.draw(&Text::new(title, (90, 22), text(32.0, INK)))?;
+    root.draw(&Text::new(about, (90, 62), text(19.0, RGBColor(110, 110, 110))))?;
+    let (_, area) = root.split_vertically(92);
+    Ok(area.split_horizontally(SIZE.0 - LEGEND_WIDTH).into())
+}
+
 /// A chart whose axes are both logarithmic.
 type LogContext<'a, B> = ChartContext<'a, B, Cartesian2d<LogAxis, LogAxis>>;
 
@@ -355,7 +372,7 @@ pub(super) fn axes<'a, B: DrawingBackend>(
     area: &DrawingArea<B, Shift>,
     (x, y): (LogAxis, LogAxis),
     (along, upwards): (&str, &str),
-) -> Result<LogContext<'a, B>, DrawingAreaErrorKind<B::ErrorType>> {
+) -> Drawn<B, LogContext<'a, B>> {
     let text = |size: f64| (family(), size).into_font().color(&INK);
     let mut context = ChartBuilder::on(area)
         .margin_right(28)

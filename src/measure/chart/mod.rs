@@ -15,10 +15,10 @@ mod record;
 mod sweep;
 mod write;
 
-pub use draw::{Against, DrawError, Drawing, Shown, draw_png, draw_svg};
+pub use draw::{Against, DrawError, Drawing, Plot, Shown, draw_png, draw_svg};
 pub use picture::{
-    MeshPainter, PictureChart, PictureKind, PictureMetric, PictureRecord, PictureReference, PictureSweep,
-    draw_picture_png, draw_picture_svg, mean_flip, picture_csv, picture_table,
+    MeshPainter, PictureChart, PictureDrawing, PictureKind, PictureMetric, PictureRecord, PictureReference,
+    PictureSweep, mean_flip, picture_csv, picture_table,
 };
 pub use record::{Chart, PathTracerRecord, ReferenceRecord, RunRecord, SkippedRun};
 pub(crate) use sweep::within;

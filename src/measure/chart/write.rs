@@ -3,7 +3,8 @@
 use std::fmt::Write as _;
 
 use super::record::{Chart, PathTracerRecord, RunRecord};
-use crate::measure::records::{self, Record};
+use crate::measure::accuracy::LocalError;
+use crate::measure::records::{self, Record, columns, optional};
 use crate::solve::{SolverParams, name_of};
 
 /// The chart as CSV: a row for each run, with every parameter, then one for each state of the path
@@ -15,89 +16,59 @@ pub fn csv(chart: &Chart) -> String {
 }
 
 fn of_path_tracer(record: &PathTracerRecord, chart: &Chart) -> Record {
-    vec![
-        ("scene", chart.scene.clone()),
-        ("setting", "path tracer".to_owned()),
-        ("seconds", record.seconds.to_string()),
-        ("rms", record.error.to_string()),
-        ("rms_noise", record.error_noise.to_string()),
-        ("local_median", record.local_median.to_string()),
-        ("local_median_noise", record.local_median_noise.to_string()),
-        ("local_e_p50", record.local.p50.to_string()),
-        ("local_e_p90", record.local.p90.to_string()),
-        ("local_e_p90_noise", record.local.p90_noise.to_string()),
-        ("local_e_p95", record.local.p95.to_string()),
-        ("local_e_rms", record.local.rms.to_string()),
-        ("vertices", record.points.to_string()),
-        ("threads", chart.threads.to_string()),
-        ("paths", record.paths.to_string()),
-    ]
+    let mut row = vec![("scene", chart.scene.clone()), ("setting", "path tracer".to_owned())];
+    row.extend(columns!(record; seconds));
+    row.extend([("rms", record.error.to_string()), ("rms_noise", record.error_noise.to_string())]);
+    row.extend(columns!(record; local_median, local_median_noise));
+    row.extend(local_columns(&record.local));
+    row.extend([("vertices", record.points.to_string()), ("threads", chart.threads.to_string())]);
+    row.extend(columns!(record; paths));
+    row
 }
 
 fn of_run(run: &RunRecord, chart: &Chart) -> Record {
-    let optional = |error: Option<f64>| error.map(|error| error.to_string()).unwrap_or_default();
-    let (shown, local) = (&run.error.displayed, &run.error.local);
-    let mut record = vec![
-        ("scene", chart.scene.clone()),
-        ("setting", run.setting.clone()),
-        ("epsilon_relative", run.epsilon_relative.to_string()),
-        ("epsilon_watts", run.epsilon_watts.to_string()),
-    ];
-    record.extend(parameter_columns(&run.params));
-    record.extend([
-        ("threads", chart.threads.to_string()),
-        ("converged", run.converged.to_string()),
-        ("seconds", run.seconds.total.to_string()),
-        ("links", run.links.to_string()),
-        ("rays", run.rays.to_string()),
-        ("pairs_judged", run.pairs_judged.to_string()),
-        ("clusters", run.clusters.to_string()),
-        ("patches", run.patches.to_string()),
-        ("vertices", run.vertices.to_string()),
-        ("iterations", run.iterations.to_string()),
-        ("error_asked", optional(run.error_asked)),
-        ("error_estimate", optional(run.error_estimate)),
-        ("clamped_leaves", run.clamped_leaves.to_string()),
-        ("link_bytes", run.bytes.links.to_string()),
-        ("rms", shown.rms.to_string()),
-        ("rms_noise", shown.rms_noise.to_string()),
-        ("rms_leaves", run.error.leaves.rms.to_string()),
-        ("below_noise", shown.below_noise.to_string()),
-        ("bias", shown.bias.to_string()),
-        ("bias_r", shown.bias_rgb[0].to_string()),
-        ("bias_g", shown.bias_rgb[1].to_string()),
-        ("bias_b", shown.bias_rgb[2].to_string()),
-        ("local_e_p50", local.p50.to_string()),
-        ("local_e_p90", local.p90.to_string()),
-        ("local_e_p90_noise", local.p90_noise.to_string()),
-        ("local_e_p95", local.p95.to_string()),
-        ("local_e_rms", local.rms.to_string()),
-        ("local_median", shown.local_median.to_string()),
-        ("local_median_noise", shown.local_median_noise.to_string()),
-        ("local_p95", shown.local_p95.to_string()),
-        ("dark_median", shown.dark_median.to_string()),
-        ("dark_p95", shown.dark_p95.to_string()),
-        ("reference_noise", chart.reference.noise.to_string()),
-        ("pareto", run.pareto.to_string()),
-    ]);
-    record
+    let shown = &run.error.displayed;
+    let [r, g, b] = shown.bias_rgb.map(|bias| bias.to_string());
+    let mut row = vec![("scene", chart.scene.clone())];
+    row.extend(columns!(run; setting, epsilon_relative, epsilon_watts));
+    row.extend(parameter_columns(&run.params));
+    row.extend(columns!(chart; threads));
+    row.extend(columns!(run; converged));
+    row.push(("seconds", run.seconds.total.to_string()));
+    row.extend(columns!(run; links, rays, pairs_judged, clusters, patches, vertices, iterations));
+    row.extend([optional("error_asked", run.error_asked), optional("error_estimate", run.error_estimate)]);
+    row.extend(columns!(run; clamped_leaves));
+    row.push(("link_bytes", run.bytes.links.to_string()));
+    row.extend(columns!(shown; rms, rms_noise));
+    row.push(("rms_leaves", run.error.leaves.rms.to_string()));
+    row.extend(columns!(shown; below_noise, bias));
+    row.extend([("bias_r", r), ("bias_g", g), ("bias_b", b)]);
+    row.extend(local_columns(&run.error.local));
+    row.extend(columns!(shown; local_median, local_median_noise, local_p95, dark_median, dark_p95));
+    row.push(("reference_noise", chart.reference.noise.to_string()));
+    row.extend(columns!(run; pareto));
+    row
+}
+
+fn local_columns(local: &LocalError) -> [(&'static str, String); 5] {
+    let LocalError { p50, p90, p90_noise, p95, rms, .. } = *local;
+    let names = ["local_e_p50", "local_e_p90", "local_e_p90_noise", "local_e_p95", "local_e_rms"];
+    let mut values = [p50, p90, p90_noise, p95, rms].into_iter();
+    names.map(|name| (name, values.next().map_or_else(String::new, |value| value.to_string())))
 }
 
 /// Names and values of the solver's parameters, ε, sides and threads aside, which their tables tell
 /// in their own way.
-pub(crate) fn parameter_columns(params: &SolverParams) -> [(&'static str, String); 10] {
-    [
-        ("clustering", name_of(&params.clustering)),
-        ("octree_depth", params.octree_depth.to_string()),
+pub(crate) fn parameter_columns(params: &SolverParams) -> Record {
+    let mut row = vec![("clustering", name_of(&params.clustering))];
+    row.extend(columns!(params; octree_depth));
+    row.extend([
         ("cluster_model", name_of(&params.cluster_model)),
         ("reconstruct", name_of(&params.shown_by())),
         ("push", name_of(&params.push)),
-        ("partial_factor", params.partial_factor.to_string()),
-        ("visibility_factor", params.visibility_factor.to_string()),
-        ("rays_min", params.rays_min.to_string()),
-        ("rays_max", params.rays_max.to_string()),
-        ("seed", params.seed.to_string()),
-    ]
+    ]);
+    row.extend(columns!(params; partial_factor, visibility_factor, rays_min, rays_max, seed));
+    row
 }
 
 /// A Markdown table of the target error, the certificate, and the measured error, its

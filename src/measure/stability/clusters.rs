@@ -3,7 +3,7 @@
 use glam::{Vec3, vec3};
 
 use super::matrix::{self, Fineness};
-use super::measure::{MODES, of_polygons, params, received, solve};
+use super::measure::{at_each, of_polygons, params, received, solve};
 use super::scenes::add_box;
 use super::{Check, Row};
 use crate::base::random::{hash64, r2_sequence};
@@ -74,16 +74,14 @@ fn lit_backs() -> Result<Vec<Check>, SolverError> {
     let scene = tray();
     let truth = parallel_exchange(UNIT, UNIT, UNIT, UNIT, 2.0);
     let mut checks = Vec::new();
-    for mode in MODES {
-        for epsilon in [1.0, 1e-2, 1e-4] {
-            let solved = solve(&scene, params(mode, epsilon))?;
-            let lit: f64 = (1..10).map(|polygon| received(&solved, polygon)).sum();
-            let dark: f64 = (10..19).map(|polygon| received(&solved, polygon)).sum();
-            let at = format!("{mode:?}, ε = {epsilon:e}");
-            let check = Check::within(format!("faces, W, {at}"), truth, lit, 0.02);
-            checks.push(check.known_where(epsilon > 1e-4, if epsilon < 1.0 { 0.06 * truth } else { 0.2 * truth }));
-            checks.push(Check::near(format!("backs, W, {at}"), 0.0, dark, 1e-6 * truth));
-        }
+    for (mode, epsilon) in at_each([1.0, 1e-2, 1e-4]) {
+        let solved = solve(&scene, params(mode, epsilon))?;
+        let lit: f64 = (1..10).map(|polygon| received(&solved, polygon)).sum();
+        let dark: f64 = (10..19).map(|polygon| received(&solved, polygon)).sum();
+        let at = format!("{mode:?}, ε = {epsilon:e}");
+        let check = Check::within(format!("faces, W, {at}"), truth, lit, 0.02);
+        checks.push(check.known_where(epsilon > 1e-4, if epsilon < 1.0 { 0.06 * truth } else { 0.2 * truth }));
+        checks.push(Check::near(format!("backs, W, {at}"), 0.0, dark, 1e-6 * truth));
     }
     // The paper's clusters at their plainest: a volume's cosine of ¼, and light handed down evenly.
     let plain = SolverParams { cluster_model: ClusterModel::Isotropic, ..params(ClusteringMode::Groups, 1.0) };
@@ -115,15 +113,13 @@ fn dense_cluster() -> Result<Vec<Check>, SolverError> {
     let side = perpendicular_exchange(UNIT, UNIT, [above, height], UNIT);
     let outline = parallel_exchange(UNIT, UNIT, UNIT, UNIT, above) + 4.0 * side;
     let mut checks = Vec::new();
-    for mode in MODES {
-        for epsilon in [1.0, 0.1, 1e-2, 1e-4] {
-            let solved = solve(&scene, params(mode, epsilon))?;
-            let taken: f64 = (1..=plates as u32).map(|plate| received(&solved, plate)).sum();
-            checks.push(Check {
-                allowed: 0.02 * outline,
-                ..Check::at_most(format!("W, {mode:?}, ε = {epsilon:e}"), outline, taken)
-            });
-        }
+    for (mode, epsilon) in at_each([1.0, 0.1, 1e-2, 1e-4]) {
+        let solved = solve(&scene, params(mode, epsilon))?;
+        let taken: f64 = (1..=plates as u32).map(|plate| received(&solved, plate)).sum();
+        checks.push(Check {
+            allowed: 0.02 * outline,
+            ..Check::at_most(format!("W, {mode:?}, ε = {epsilon:e}"), outline, taken)
+        });
     }
     Ok(checks)
 }
@@ -148,12 +144,10 @@ fn extinction() -> Result<Vec<Check>, SolverError> {
     let case = Case { name: "sheets", source: "paths", scene, readings: vec![mean("floor", vec![1], 1.0)] };
     let truth = by_reference(&case, 64, 1)[0].value;
     let mut checks = Vec::new();
-    for mode in MODES {
-        for epsilon in [1e-2, 1e-3] {
-            let found = received(&solve(&case.scene, params(mode, epsilon))?, 1);
-            let check = Check::within(format!("W on the floor, {mode:?}, ε = {epsilon:e}"), truth, found, 0.05);
-            checks.push(check.known_where(epsilon > 1e-3, 0.09 * truth));
-        }
+    for (mode, epsilon) in at_each([1e-2, 1e-3]) {
+        let found = received(&solve(&case.scene, params(mode, epsilon))?, 1);
+        let check = Check::within(format!("W on the floor, {mode:?}, ε = {epsilon:e}"), truth, found, 0.05);
+        checks.push(check.known_where(epsilon > 1e-3, 0.09 * truth));
     }
     Ok(checks)
 }
@@ -178,16 +172,14 @@ fn overlapping_boxes() -> Result<Vec<Check>, SolverError> {
     let power = |polygon: usize, radiosity: f64| f64::from(scene.area(&scene.polygons[polygon])) * radiosity;
     let wanted: f64 = dark.iter().map(|&polygon| power(polygon, truth[polygon].x)).sum();
     let mut checks = Vec::new();
-    for mode in MODES {
-        for epsilon in [1e-2, 1e-3, 1e-4] {
-            let solved = solve(&scene, params(mode, epsilon))?;
-            let polygons = of_polygons(&solved);
-            let found: f64 = dark.iter().map(|&polygon| power(polygon, polygons[polygon].1.x)).sum();
-            let check = Check::within(format!("W of the dark boxes, {mode:?}, ε = {epsilon:e}"), wanted, found, 0.03);
-            let is_coarse_octree = mode == ClusteringMode::Octree && epsilon > 1e-3;
-            let known = if is_coarse_octree { 1.0 } else { 0.08 };
-            checks.push(check.known_where(epsilon > 1e-4, known * wanted));
-        }
+    for (mode, epsilon) in at_each([1e-2, 1e-3, 1e-4]) {
+        let solved = solve(&scene, params(mode, epsilon))?;
+        let polygons = of_polygons(&solved);
+        let found: f64 = dark.iter().map(|&polygon| power(polygon, polygons[polygon].1.x)).sum();
+        let check = Check::within(format!("W of the dark boxes, {mode:?}, ε = {epsilon:e}"), wanted, found, 0.03);
+        let is_coarse_octree = mode == ClusteringMode::Octree && epsilon > 1e-3;
+        let known = if is_coarse_octree { 1.0 } else { 0.08 };
+        checks.push(check.known_where(epsilon > 1e-4, known * wanted));
     }
     Ok(checks)
 }

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use glam::{Vec3, vec3};
 use rustc_hash::FxHashMap;
 
-use super::measure::{MODES, difference, params, solve};
+use super::measure::{MODES, at_each, difference, params, solve};
 use super::scenes::{add_box, empty_room, furnished_room, lamp_room};
 use super::{Check, Row};
 use crate::base::cancel::CancelToken;
@@ -68,28 +68,26 @@ fn divergence() -> Result<Vec<Check>, SolverError> {
         ("pile, ρ = 0.99", dense_scene(0.99)),
     ];
     for (name, scene) in scenes {
-        for mode in MODES {
-            for epsilon in [1.0, 1e-2] {
-                for model in [ClusterModel::Oriented, ClusterModel::Isotropic] {
-                    let is_clustered = mode != ClusteringMode::None;
-                    if model == ClusterModel::Isotropic && !(is_clustered && epsilon == 1e-2) {
-                        continue;
-                    }
-                    let found = audit(
-                        solve(&scene, SolverParams { cluster_model: model, ..params(mode, epsilon) })?.link_solution(),
-                    );
-                    let what = format!("{name}, {mode:?}, {model:?}, ε = {epsilon:e}");
-                    // f32 sums of many links.
-                    let at_most_one =
-                        |what: String, found: f64| Check { allowed: 1e-4, ..Check::at_most(what, 1.0, found) };
-                    let (row, _) = found.largest_and_mean(&found.rows);
-                    let (column, mean) = found.largest_and_mean(&found.columns);
-                    checks.push(at_most_one(format!("B / bound, {what}"), found.largest_radiosity));
-                    checks.push(at_most_one(format!("power / bound, {what}"), found.power));
-                    checks.push(at_most_one(format!("largest row, {what}"), row).known_to(0.251));
-                    checks.push(at_most_one(format!("largest column, {what}"), column).known_to(3.5));
-                    checks.push(at_most_one(format!("mean column, {what}"), mean).known_to(0.02));
+        for (mode, epsilon) in at_each([1.0, 1e-2]) {
+            for model in [ClusterModel::Oriented, ClusterModel::Isotropic] {
+                let is_clustered = mode != ClusteringMode::None;
+                if model == ClusterModel::Isotropic && !(is_clustered && epsilon == 1e-2) {
+                    continue;
                 }
+                let found = audit(
+                    solve(&scene, SolverParams { cluster_model: model, ..params(mode, epsilon) })?.link_solution(),
+                );
+                let what = format!("{name}, {mode:?}, {model:?}, ε = {epsilon:e}");
+                // f32 sums of many links.
+                let at_most_one =
+                    |what: String, found: f64| Check { allowed: 1e-4, ..Check::at_most(what, 1.0, found) };
+                let (row, _) = found.largest_and_mean(&found.rows);
+                let (column, mean) = found.largest_and_mean(&found.columns);
+                checks.push(at_most_one(format!("B / bound, {what}"), found.largest_radiosity));
+                checks.push(at_most_one(format!("power / bound, {what}"), found.power));
+                checks.push(at_most_one(format!("largest row, {what}"), row).known_to(0.251));
+                checks.push(at_most_one(format!("largest column, {what}"), column).known_to(3.5));
+                checks.push(at_most_one(format!("mean column, {what}"), mean).known_to(0.02));
             }
         }
     }

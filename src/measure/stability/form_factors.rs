@@ -3,7 +3,7 @@
 
 use glam::Vec3;
 
-use super::measure::{MODES, deviation, params, received, solve};
+use super::measure::{MODES, at_each, deviation, params, received, solve};
 use super::scenes::{add_box, empty_room, furnished_room};
 use super::{Check, Row};
 use crate::hierarchy::{ClusteringMode, Hierarchy};
@@ -101,14 +101,12 @@ fn touching() -> Result<Vec<Check>, SolverError> {
 
 fn row_sums() -> Result<Vec<Check>, SolverError> {
     let mut checks = Vec::new();
-    for mode in MODES {
-        for epsilon in [1.0, 1e-3] {
-            let rows = audit(solve(&empty_room(0.5, 1.0), params(mode, epsilon))?.link_solution()).rows;
-            let far = |row: &f64| (row - 1.0).abs();
-            let worst = rows.iter().copied().max_by(|a, b| far(a).total_cmp(&far(b))).unwrap_or(f64::NAN);
-            let check = Check::near(format!("{mode:?}, ε = {epsilon:e}"), 1.0, worst, 0.01);
-            checks.push(check.known_where(epsilon >= 1.0 && mode != ClusteringMode::None, 0.12));
-        }
+    for (mode, epsilon) in at_each([1.0, 1e-3]) {
+        let rows = audit(solve(&empty_room(0.5, 1.0), params(mode, epsilon))?.link_solution()).rows;
+        let far = |row: &f64| (row - 1.0).abs();
+        let worst = rows.iter().copied().max_by(|a, b| far(a).total_cmp(&far(b))).unwrap_or(f64::NAN);
+        let check = Check::near(format!("{mode:?}, ε = {epsilon:e}"), 1.0, worst, 0.01);
+        checks.push(check.known_where(epsilon >= 1.0 && mode != ClusteringMode::None, 0.12));
     }
     Ok(checks)
 }

@@ -3,7 +3,7 @@
 
 use glam::{DVec3, Vec3, vec3};
 
-use super::measure::{MODES, leaves, params, received, solve};
+use super::measure::{MODES, at_each, leaves, params, received, solve};
 use super::scenes::add_box;
 use super::{Check, Row};
 use crate::geometry::orient;
@@ -200,13 +200,11 @@ fn small_blocker() -> Result<Vec<Check>, SolverError> {
         }
     }
     let mut checks = Vec::new();
-    for mode in MODES {
-        for epsilon in [1e-3, 1e-4] {
-            let params = params(mode, epsilon);
-            let missing = received(&solve(&without, params)?, 1) - received(&solve(&with_leg, params)?, 1);
-            let check = Check::within(format!("W missing, {mode:?}, ε = {epsilon:e}"), blocked, missing, 0.2);
-            checks.push(check.known_where(epsilon > 1e-4, 0.45 * blocked));
-        }
+    for (mode, epsilon) in at_each([1e-3, 1e-4]) {
+        let params = params(mode, epsilon);
+        let missing = received(&solve(&without, params)?, 1) - received(&solve(&with_leg, params)?, 1);
+        let check = Check::within(format!("W missing, {mode:?}, ε = {epsilon:e}"), blocked, missing, 0.2);
+        checks.push(check.known_where(epsilon > 1e-4, 0.45 * blocked));
     }
     Ok(checks)
 }
@@ -244,21 +242,19 @@ fn wall_in_a_cluster() -> Result<Vec<Check>, SolverError> {
         })
         .collect();
     let mut checks = Vec::new();
-    for mode in MODES {
-        for epsilon in [0.3, 1e-2, 1e-3] {
-            let solved = solve(&scene, params(mode, epsilon))?;
-            let hierarchy = solved.hierarchy();
-            let (mut dark, mut all) = (0.0, 0.0);
-            for (leaf, polygon) in leaves(hierarchy) {
-                let power = f64::from(hierarchy.element(leaf).area * solved.irradiance()[leaf.index()].x);
-                all += power;
-                dark += if is_dark[polygon as usize] { power } else { 0.0 };
-            }
-            let what = format!("dark share of the power, {mode:?}, ε = {epsilon:e}");
-            let check = Check::near(what, 0.0, dark / all, 1e-6);
-            let known = if epsilon > 0.1 { 0.11 } else { 1e-5 };
-            checks.push(check.known_where(mode == ClusteringMode::Groups && epsilon > 1e-3, known));
+    for (mode, epsilon) in at_each([0.3, 1e-2, 1e-3]) {
+        let solved = solve(&scene, params(mode, epsilon))?;
+        let hierarchy = solved.hierarchy();
+        let (mut dark, mut all) = (0.0, 0.0);
+        for (leaf, polygon) in leaves(hierarchy) {
+            let power = f64::from(hierarchy.element(leaf).area * solved.irradiance()[leaf.index()].x);
+            all += power;
+            dark += if is_dark[polygon as usize] { power } else { 0.0 };
         }
+        let what = format!("dark share of the power, {mode:?}, ε = {epsilon:e}");
+        let check = Check::near(what, 0.0, dark / all, 1e-6);
+        let known = if epsilon > 0.1 { 0.11 } else { 1e-5 };
+        checks.push(check.known_where(mode == ClusteringMode::Groups && epsilon > 1e-3, known));
     }
     Ok(checks)
 }
@@ -289,13 +285,11 @@ fn slits() -> Result<Vec<Check>, SolverError> {
     let holes = [("slit", [1.9, 1.91], [0.5, 3.5]), ("peephole", [1.9, 1.92], [2.2, 2.22])];
     for (what, x, y) in holes {
         let (scene, truth) = wall_with_hole(x, y);
-        for mode in MODES {
-            for epsilon in [1e-3, 1e-4] {
-                let found = received(&solve(&scene, params(mode, epsilon))?, 1);
-                let check = Check::within(format!("{what}, W, {mode:?}, ε = {epsilon:e}"), truth, found, 0.1);
-                let known = if what == "slit" && epsilon < 1e-3 { 0.6 } else { 1.0 };
-                checks.push(check.known_within(known));
-            }
+        for (mode, epsilon) in at_each([1e-3, 1e-4]) {
+            let found = received(&solve(&scene, params(mode, epsilon))?, 1);
+            let check = Check::within(format!("{what}, W, {mode:?}, ε = {epsilon:e}"), truth, found, 0.1);
+            let known = if what == "slit" && epsilon < 1e-3 { 0.6 } else { 1.0 };
+            checks.push(check.known_within(known));
         }
     }
     Ok(checks)

@@ -17,6 +17,11 @@ pub const MODES: [ClusteringMode; 4] =
 /// The ways that build any.
 pub const CLUSTERED: [ClusteringMode; 3] = [ClusteringMode::Octree, ClusteringMode::Groups, ClusteringMode::Adaptive];
 
+/// Every way to build clusters, with each of these thresholds.
+pub fn at_each<const N: usize>(epsilons: [f64; N]) -> impl Iterator<Item = (ClusteringMode, f64)> {
+    MODES.into_iter().flat_map(move |mode| epsilons.map(|epsilon| (mode, epsilon)))
+}
+
 /// The default parameters with these clusters and this relative ε.
 pub fn params(clustering: ClusteringMode, epsilon: f64) -> SolverParams {
     SolverParams { clustering, epsilon: Epsilon::Relative(epsilon), ..SolverParams::default() }
@@ -69,13 +74,18 @@ pub fn deviation(solver: &Solver, truth: f64) -> (f64, f64, f64) {
 /// Relative RMS difference of two solutions' radiosities over the polygons, weighted by area; the
 /// scenes must have as many.
 pub fn difference(one: &Solver, other: &Solver) -> f64 {
-    let (one, other) = (of_polygons(one), of_polygons(other));
-    let mut sums = (0.0, 0.0);
-    for ((_, a), (area, b)) in one.into_iter().zip(other) {
-        sums.0 += area * (a - b).length_squared();
-        sums.1 += area * b.length_squared();
+    difference_to(one, other, 1.0)
+}
+
+/// As [`difference`], from the radiosities of the other one times a factor.
+pub fn difference_to(one: &Solver, other: &Solver, factor: f32) -> f64 {
+    let (mut differences, mut squares) = (0.0, 0.0);
+    for ((_, a), (area, b)) in of_polygons(one).into_iter().zip(of_polygons(other)) {
+        let b = f64::from(factor) * b;
+        differences += area * (a - b).length_squared();
+        squares += area * b.length_squared();
     }
-    (sums.0 / sums.1).sqrt()
+    (differences / squares).sqrt()
 }
 
 /// Area and mean radiosity of each polygon, m² and W/m².

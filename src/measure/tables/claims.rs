@@ -3,7 +3,7 @@
 
 use std::fmt;
 
-use super::Part;
+use super::Report;
 
 /// How a claim fares.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -62,21 +62,19 @@ pub struct Claim {
     pub rule: &'static str,
     /// The verdict.
     pub verdict: Verdict,
-    /// The runs that it rests on.
-    pub part: Part,
 }
 
 impl Claim {
     /// A claim whose runs were left out.
-    pub fn unanswered(place: &'static str, says: &str, rule: &'static str, part: Part, why: &str) -> Self {
+    pub fn unanswered(place: &'static str, says: &str, rule: &'static str, why: &str) -> Self {
         let found = format!("left out: {why}");
-        Self { place, says: says.to_owned(), found, rule, verdict: Verdict::NotSoHere, part }
+        Self { place, says: says.to_owned(), found, rule, verdict: Verdict::NotSoHere }
     }
 }
 
-/// The claims as a Markdown table.
-pub fn claims_markdown(claims: &[Claim]) -> String {
-    let row = |claim: &Claim| {
+/// The claims of some reports as a Markdown table.
+pub fn claims_markdown(reports: &[Report]) -> String {
+    let row = |(report, claim): (&Report, &Claim)| {
         format!(
             "| {} | {} | {} | *{}* | {} | `selflink tables --only {}` |\n",
             claim.place,
@@ -84,10 +82,11 @@ pub fn claims_markdown(claims: &[Claim]) -> String {
             claim.found,
             claim.verdict,
             claim.rule,
-            claim.part.name()
+            report.part.name()
         )
     };
-    let rows: String = claims.iter().map(row).collect();
+    let claims = reports.iter().flat_map(|report| report.claims.iter().map(move |claim| (report, claim)));
+    let rows: String = claims.map(row).collect();
     format!("| where | the paper | here | verdict | rule | command |\n| --- | --- | --- | --- | --- | --- |\n{rows}")
 }
 

@@ -5,7 +5,7 @@ use super::paper;
 use super::report::Table;
 use crate::base::format::{bytes, count, grouped, number, quantity};
 use crate::measure::chart::parameter_columns;
-use crate::measure::records::Record;
+use crate::measure::records::{Record, columns, optional};
 
 /// A column of a table of runs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -127,16 +127,12 @@ pub fn left_out_remarks(runs: &[Result<Run, LeftOut>]) -> Vec<String> {
 /// The paper's rows and ours as records.
 pub fn records(scene: &str, of_paper: &[paper::Row], runs: &[Result<Run, LeftOut>]) -> Vec<Record> {
     let paper_record = |row: &paper::Row| {
-        vec![
-            ("source", "paper".to_owned()),
-            ("scene", scene.to_owned()),
-            ("setting", row.name.to_owned()),
-            ("seconds", row.seconds.to_string()),
-            ("initial_patches", row.initial_patches.to_string()),
-            ("patches", row.patches.to_string()),
-            ("clusters", row.clusters.map_or(String::new(), |clusters| clusters.to_string())),
-            ("links", row.links.to_string()),
-        ]
+        let mut record =
+            vec![("source", "paper".to_owned()), ("scene", scene.to_owned()), ("setting", row.name.into())];
+        record.extend(columns!(row; seconds, initial_patches, patches));
+        record.push(optional("clusters", row.clusters));
+        record.extend(columns!(row; links));
+        record
     };
     let our_record = |run: &Result<Run, LeftOut>| match run {
         Ok(run) => record(run),
@@ -153,49 +149,31 @@ pub fn records(scene: &str, of_paper: &[paper::Row], runs: &[Result<Run, LeftOut
 
 /// A run with every parameter and count.
 fn record(run: &Run) -> Record {
-    let stats = &run.stats;
-    let mut record = vec![
-        ("source", "selflink".to_owned()),
-        ("scene", run.scene.to_owned()),
-        ("setting", run.setting.clone()),
-        ("seconds", run.time().to_string()),
-        ("initial_patches", stats.initial_patches.to_string()),
-        ("patches", stats.patches.to_string()),
-        ("clusters", stats.clusters.to_string()),
-        ("links", stats.links.to_string()),
+    let (stats, seconds) = (&run.stats, &run.stats.seconds);
+    let mut record = vec![("source", "selflink".to_owned())];
+    record.extend(columns!(run; scene, setting));
+    record.push(("seconds", run.time().to_string()));
+    record.extend(columns!(stats; initial_patches, patches, clusters, links));
+    record.extend([
         ("left_out", String::new()),
         ("seconds_of_runs", run.seconds.iter().map(f64::to_string).collect::<Vec<_>>().join(" ")),
-        ("hierarchy_seconds", stats.seconds.hierarchy.to_string()),
-        ("refine_seconds", stats.seconds.refine.to_string()),
-        ("gather_seconds", stats.seconds.gather.to_string()),
-        ("pairs_judged", stats.pairs_judged.to_string()),
-        ("rays", stats.rays.to_string()),
-        ("links_with_rays", run.links_with_rays.to_string()),
-        ("links_at_bound", run.links_at_bound.to_string()),
-        ("link_bytes", stats.bytes.links.to_string()),
-        ("element_bytes", stats.bytes.elements.to_string()),
-        ("iterations", stats.iterations.to_string()),
-        ("clamped_leaves", stats.clamped_leaves.to_string()),
-        ("depth_guard_struck", stats.depth_guard_struck.to_string()),
-        ("epsilon_relative", stats.epsilon_relative.to_string()),
-        ("epsilon_watts", stats.epsilon_watts.to_string()),
-    ];
+        ("hierarchy_seconds", seconds.hierarchy.to_string()),
+        ("refine_seconds", seconds.refine.to_string()),
+        ("gather_seconds", seconds.gather.to_string()),
+    ]);
+    record.extend(columns!(stats; pairs_judged, rays));
+    record.extend(columns!(run; links_with_rays, links_at_bound));
+    record.extend([("link_bytes", stats.bytes.links.to_string()), ("element_bytes", stats.bytes.elements.to_string())]);
+    record.extend(columns!(stats; iterations, clamped_leaves, depth_guard_struck, epsilon_relative, epsilon_watts));
     record.extend(parameter_columns(&run.params));
-    record.push(("threads", run.threads.to_string()));
+    record.extend(columns!(run; threads));
     if let Some(error) = &run.error {
-        record.extend([
-            ("rms", error.displayed.rms.to_string()),
-            ("rms_noise", error.displayed.rms_noise.to_string()),
-            ("rms_leaves", error.leaves.rms.to_string()),
-            ("bias", error.displayed.bias.to_string()),
-            ("local_median", error.displayed.local_median.to_string()),
-            ("local_median_noise", error.displayed.local_median_noise.to_string()),
-            ("local_p95", error.displayed.local_p95.to_string()),
-            ("dark_median", error.displayed.dark_median.to_string()),
-            ("dark_p95", error.displayed.dark_p95.to_string()),
-            ("reference_noise", error.reference_noise.to_string()),
-            ("reference_points", error.points.to_string()),
-        ]);
+        let shown = &error.displayed;
+        record.extend(columns!(shown; rms, rms_noise));
+        record.push(("rms_leaves", error.leaves.rms.to_string()));
+        record.extend(columns!(shown; bias, local_median, local_median_noise, local_p95, dark_median, dark_p95));
+        record.extend(columns!(error; reference_noise));
+        record.push(("reference_points", error.points.to_string()));
     }
     record
 }

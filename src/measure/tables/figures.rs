@@ -178,7 +178,6 @@ fn claim(pair: &Pair, mean: f32, signed: f32) -> Option<Claim> {
         ),
         rule: "at most 2 % of white",
         verdict: Verdict::so(mean <= 0.02),
-        part: Part::Figures,
     })
 }
 

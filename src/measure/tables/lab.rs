@@ -59,6 +59,15 @@ impl Room {
         self.scene.polygons.len()
     }
 
+    fn solver(&self, setting: &str, params: SolverParams) -> Result<Solver, LeftOut> {
+        let solver = Solver::new(self.scene.clone(), self.occluders.clone(), params, 1);
+        solver.map_err(|error| self.left_out(setting, error.to_string(), None))
+    }
+
+    fn left_out(&self, setting: &str, why: String, longer_than: Option<f64>) -> LeftOut {
+        LeftOut { setting: setting.to_owned(), polygons: self.polygons(), why, longer_than }
+    }
+
     /// Name and size for a person: seminar, 2,008 polygons.
     pub fn title(&self) -> String {
         format!("{}, {}", self.name, crate::base::format::things(self.polygons(), "polygon", "polygons"))
@@ -215,10 +224,7 @@ impl<'a> Lab<'a> {
     /// # Errors
     /// As [`Lab::run`].
     pub fn first_picture(&mut self, room: &Room, setting: &str, params: SolverParams) -> Result<f64, LeftOut> {
-        let of =
-            |why: String| LeftOut { setting: setting.to_owned(), polygons: room.polygons(), why, longer_than: None };
-        let solver = Solver::new(room.scene.clone(), room.occluders.clone(), params, 1);
-        let mut solver = solver.map_err(|error| of(error.to_string()))?;
+        let mut solver = room.solver(setting, params)?;
         Ok(solver.snapshot().stats.seconds.first_snapshot)
     }
 
@@ -228,17 +234,10 @@ impl<'a> Lab<'a> {
     /// As [`Lab::run`].
     pub fn solve(&mut self, room: &mut Room, setting: &str, params: SolverParams) -> Result<(Run, Snapshot), LeftOut> {
         self.tell(&format!("{}: {setting}", room.title()));
-        let left_out = |why: String, longer_than: Option<f64>| LeftOut {
-            setting: setting.to_owned(),
-            polygons: room.polygons(),
-            why,
-            longer_than,
-        };
-        let solver = Solver::new(room.scene.clone(), room.occluders.clone(), params, 1);
-        let mut solver = solver.map_err(|error| left_out(error.to_string(), None))?;
+        let mut solver = room.solver(setting, params)?;
         if !within(self.effort.cap, &CancelToken::new(), |cancel| solver.run(cancel)) {
             let cap = self.effort.cap.as_secs_f64();
-            return Err(left_out(format!("not finished within {cap} s"), Some(cap)));
+            return Err(room.left_out(setting, format!("not finished within {cap} s"), Some(cap)));
         }
         let stats = solver.stats();
         let rays = |link: &crate::transport::Link| match link.visibility_source() {

@@ -23,9 +23,8 @@ const MULTIPLES: [f64; 8] = [16.0, 8.0, 4.0, 2.0, 0.5, 0.25, 0.125, 0.0625];
 
 /// Runs it.
 pub fn run(lab: &mut Lab<'_>) -> Report {
-    let part = Part::Partial;
     let mut report = Report::new(
-        part,
+        Part::Partial,
         "Section 2.3: ε_partial and what ε means",
         format!(
             "Adaptive clusters; links whose ends see each other in part are judged by ε_partial. ε is that of Tables 1 and 2, so a smaller ε_partial also makes a finer solution: \
@@ -84,7 +83,7 @@ fn good_choice(room: &Room, runs: &[Result<Run, LeftOut>], curve: &[Result<Run, 
         rows,
     };
     let Some((ratio, setting)) = best else {
-        return (None, Claim::unanswered("2.3", SAYS, RULE, Part::Partial, "no runs with as many rays"));
+        return (None, Claim::unanswered("2.3", SAYS, RULE, "no runs with as many rays"));
     };
     let claim = Claim {
         place: "2.3",
@@ -96,7 +95,6 @@ fn good_choice(room: &Room, runs: &[Result<Run, LeftOut>], curve: &[Result<Run, 
         ),
         rule: RULE,
         verdict: Verdict::so(ratio >= 0.9),
-        part: Part::Partial,
     };
     (Some(table), claim)
 }
@@ -140,14 +138,13 @@ fn scale_invariance(lab: &mut Lab<'_>, report: &mut Report) {
                 ),
                 rule,
                 verdict,
-                part: Part::Partial,
             });
             let runs = runs.map(Ok);
             let columns = [Column::Time, Column::Patches, Column::Links, Column::Rays];
             report.tables.push(table("What ε means at twice the size".into(), &columns, &[], &runs));
             report.records.extend(records(room.name, &[], &runs));
         }
-        Err(left_out) => report.claims.push(Claim::unanswered("2.3", says, rule, Part::Partial, &left_out.why)),
+        Err(left_out) => report.claims.push(Claim::unanswered("2.3", says, rule, &left_out.why)),
     }
 }
 
@@ -181,11 +178,10 @@ fn least_area(lab: &mut Lab<'_>, report: &mut Report) {
                 ),
                 rule,
                 verdict: Verdict::so(struck == 0),
-                part: Part::Partial,
             });
             report.records.extend(records(room.name, &[], &[Ok(run)]));
         }
-        Err(left_out) => report.claims.push(Claim::unanswered("2.3", says, rule, Part::Partial, &left_out.why)),
+        Err(left_out) => report.claims.push(Claim::unanswered("2.3", says, rule, &left_out.why)),
     }
 }
 

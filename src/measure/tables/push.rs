@@ -13,7 +13,7 @@ const RULE: &str = "cost: confirmed up to 7.5 %, better up to 2.5 %";
 
 /// Runs it.
 pub fn run(lab: &mut Lab<'_>) -> Report {
-    let (part, turns) = (Part::Push, lab.effort.push_repeats);
+    let turns = lab.effort.push_repeats;
     let mut tables = Vec::new();
     let mut remarks = Vec::new();
     let mut all = vec![vec![("source", "paper".to_owned()), ("cost", paper::PUSH_COST.to_string())]];
@@ -33,7 +33,7 @@ pub fn run(lab: &mut Lab<'_>) -> Report {
                 Err(left_out) => {
                     remarks.push(format!("Left out: {label}: {}.", left_out.why));
                     let says = "Immediate push costs about 5 % of the time";
-                    claims.push(Claim::unanswered("3.3", says, RULE, part, &left_out.why));
+                    claims.push(Claim::unanswered("3.3", says, RULE, &left_out.why));
                     continue;
                 }
             };
@@ -46,7 +46,6 @@ pub fn run(lab: &mut Lab<'_>) -> Report {
                 found: format!("{label}: {}", percent(cost)),
                 rule: RULE,
                 verdict: Verdict::at_most(cost, 0.075, 0.025),
-                part,
             });
             claims.push(Claim {
                 place: "3.3, Figures 6 and 7",
@@ -58,7 +57,6 @@ pub fn run(lab: &mut Lab<'_>) -> Report {
                 ),
                 rule: "deferred has at least 1.1× the median error",
                 verdict: Verdict::so(gain.1 >= 1.1),
-                part,
             });
             let runs: Vec<_> = runs.into_iter().map(Ok).collect();
             tables.push(table(format!("{}, ε = {epsilon:e} Φ", room.title()), &COLUMNS, &[], &runs));
@@ -73,18 +71,16 @@ pub fn run(lab: &mut Lab<'_>) -> Report {
             rows: summary,
         },
     );
+    let introduction = format!(
+        "Immediate push hands a cluster's irradiance down link by link with each patch's cosine (α-links), deferred evenly afterwards (β-links). {turns} runs of either by turns; \
+         the cost is the median over the turns of their ratio, for times are noisy where other work runs beside. The two pushes see different radiosities, so they refine differently; patches and links tell by how much."
+    );
     Report {
-        part,
-        title: "Section 3.3: immediate against deferred push".into(),
-        introduction: format!(
-            "Immediate push hands a cluster's irradiance down link by link with each patch's cosine (α-links), deferred evenly afterwards (β-links). {turns} runs of either by turns; \
-             the cost is the median over the turns of their ratio, for times are noisy where other work runs beside. The two pushes see different radiosities, so they refine differently; patches and links tell by how much."
-        ),
         tables,
         remarks,
-        pictures: Vec::new(),
         records: all,
         claims,
+        ..Report::new(Part::Push, "Section 3.3: immediate against deferred push", introduction)
     }
 }
 

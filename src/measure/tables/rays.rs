@@ -78,7 +78,6 @@ pub fn run(lab: &mut Lab<'_>) -> Report {
 }
 
 fn lower_bound(room: &Room, runs: &[Result<Run, LeftOut>]) -> Vec<Claim> {
-    let part = Part::Rays;
     let with_least = |least: u32| {
         let is = |run: &&Run| {
             let params = run.params;
@@ -89,7 +88,7 @@ fn lower_bound(room: &Room, runs: &[Result<Run, LeftOut>]) -> Vec<Claim> {
     let says = "The lower bound on rays has a significant impact on the time";
     let rule = "a bound of 1 in place of 4 saves at least a tenth of the time";
     let (Some(usual), Some(one)) = (with_least(SETTINGS[0].1), with_least(1)) else {
-        return vec![Claim::unanswered("2.4", says, rule, part, "a run did not end")];
+        return vec![Claim::unanswered("2.4", says, rule, "a run did not end")];
     };
     let saved = 1.0 - one.time() / usual.time();
     let due = 1.0 - one.stats.rays as f64 / usual.stats.rays as f64;
@@ -106,7 +105,6 @@ fn lower_bound(room: &Room, runs: &[Result<Run, LeftOut>]) -> Vec<Claim> {
             ),
             rule,
             verdict: Verdict::so(saved >= 0.1),
-            part,
         },
         Claim {
             place: "2.4",
@@ -118,7 +116,6 @@ fn lower_bound(room: &Room, runs: &[Result<Run, LeftOut>]) -> Vec<Claim> {
             ),
             rule: "more than half of these links",
             verdict: Verdict::so(at_bound > 0.5),
-            part,
         },
     ]
 }
@@ -137,10 +134,9 @@ fn share_of_visibility(room: &Room, runs: &[Result<Run, LeftOut>], hr: &Result<R
                 found: format!("{}, {name}: {} ({} ns a ray)", room.name, percent(share), number(1e9 * cost)),
                 rule,
                 verdict: Verdict::so(share > 0.5),
-                part: Part::Rays,
             }
         }
-        Err(left_out) => Claim::unanswered("4", says, rule, Part::Rays, &left_out.why),
+        Err(left_out) => Claim::unanswered("4", says, rule, &left_out.why),
     };
     let ic = runs.first().map(|run| ("IC", run));
     ic.into_iter().chain([("HR", hr)]).map(of).collect()

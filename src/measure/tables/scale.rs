@@ -58,21 +58,19 @@ pub fn run(lab: &mut Lab<'_>) -> Report {
     }
     tables.extend(scale_text::forecast(&growths));
     remarks.extend(scale_text::limits(&growths, lab.effort.scale_epsilon));
+    let introduction = format!(
+        "Seminar rooms drawn with more rows and more things on the tables, all at ε = {:e} Φ. A run may take {} s. Exponents are least squares in log–log over all runs of a mode. Times are {}; \
+         no run has a reference.",
+        lab.effort.scale_epsilon,
+        lab.effort.cap.as_secs(),
+        table1::timing(lab)
+    );
     Report {
-        part: Part::Scale,
-        title: "Growth with the number of polygons, and what 10⁷ to 10⁹ would take".into(),
-        introduction: format!(
-            "Seminar rooms drawn with more rows and more things on the tables, all at ε = {:e} Φ. A run may take {} s. Exponents are least squares in log–log over all runs of a mode. Times are {}; \
-             no run has a reference.",
-            lab.effort.scale_epsilon,
-            lab.effort.cap.as_secs(),
-            table1::timing(lab)
-        ),
         tables,
         remarks,
-        pictures: Vec::new(),
         records: all,
         claims: claims_of(&growths),
+        ..Report::new(Part::Scale, "Growth with the number of polygons, and what 10⁷ to 10⁹ would take", introduction)
     }
 }
 
@@ -93,7 +91,6 @@ fn laws(growths: &[Growth]) -> Table {
 }
 
 fn claims_of(growths: &[Growth]) -> Vec<Claim> {
-    let part = Part::Scale;
     let exponents = |growth: &Growth| {
         let of = |law: Option<PowerLaw>| law.map_or(f64::NAN, |law| law.exponent);
         [of(growth.time), of(growth.links), of(growth.pairs)]
@@ -111,7 +108,6 @@ fn claims_of(growths: &[Growth]) -> Vec<Claim> {
                 found: numbers,
                 rule: "exponent of the pairs judged between 1.8 and 2.2",
                 verdict: Verdict::so((1.8..=2.2).contains(&pairs)),
-                part,
             }
         } else {
             Claim {
@@ -127,7 +123,6 @@ fn claims_of(growths: &[Growth]) -> Vec<Claim> {
                 },
                 rule: "exponents of time and links: confirmed up to 1.15, better up to 0.85",
                 verdict: Verdict::at_most(time.max(links).max(beyond.map_or(0.0, |beyond| beyond.1)), 1.15, 0.85),
-                part,
             }
         });
     }

@@ -71,23 +71,21 @@ pub fn run(lab: &mut Lab<'_>) -> Report {
         claims.extend(claims_of(hr, ic, initial, runs.iter().flatten().find(|run| is_as_accurate(run))));
     } else {
         let why = "a run of Table 1 did not end";
-        claims.push(Claim::unanswered("3.1, Table 1", "HR takes 79× IC's time", "both runs end", Part::Table1, why));
+        claims.push(Claim::unanswered("3.1, Table 1", "HR takes 79× IC's time", "both runs end", why));
     }
+    let introduction = format!(
+        "Equal ε for all, chosen so that adaptive clusters come near the paper's 2,926 patches; patches are leaves of the subdivision. Times are {}. Error is that of B \
+         as displayed, at {} random points against the path-traced reference, whose noise is subtracted: RMS over RMS of B, and the median of the local error, each ± its standard error over the points. Memory is the \
+         solver's own count of links, elements and radiosities when the solve ends.",
+        timing(lab),
+        runs.iter().flatten().find_map(|run| run.error).map_or("–".into(), |error| count(error.points))
+    );
     Report {
-        part: Part::Table1,
-        title: "Table 1: hierarchical radiosity against isotropic clustering".into(),
-        introduction: format!(
-            "Equal ε for all, chosen so that adaptive clusters come near the paper's 2,926 patches; patches are leaves of the subdivision. Times are {}. Error is that of B \
-             as displayed, at {} random points against the path-traced reference, whose noise is subtracted: RMS over RMS of B, and the median of the local error, each ± its standard error over the points. Memory is the \
-             solver's own count of links, elements and radiosities when the solve ends.",
-            timing(lab),
-            runs.iter().flatten().find_map(|run| run.error).map_or("–".into(), |error| count(error.points))
-        ),
         tables,
         remarks,
-        pictures: Vec::new(),
         records: records(room.name, &paper::TABLE_1, &runs),
         claims,
+        ..Report::new(Part::Table1, "Table 1: hierarchical radiosity against isotropic clustering", introduction)
     }
 }
 
@@ -149,7 +147,6 @@ fn ratios(hr: &Run, others: &[Result<Run, LeftOut>]) -> Table {
 }
 
 fn claims_of(hr: &Run, ic: &Run, initial: &Run, as_accurate: Option<&Run>) -> Vec<Claim> {
-    let part = Part::Table1;
     let initial_patches = hr.stats.initial_patches as f64;
     let pairs = hr.stats.pairs_judged as f64;
     let (links, links_at_first) = (hr.stats.links as f64, initial.stats.links as f64);
@@ -168,7 +165,6 @@ fn claims_of(hr: &Run, ic: &Run, initial: &Run, as_accurate: Option<&Run>) -> Ve
             ),
             rule: "at least k (k − 1) pairs",
             verdict: Verdict::so(pairs >= initial_patches * (initial_patches - 1.0)),
-            part,
         },
         Claim {
             place: "3.1",
@@ -180,7 +176,6 @@ fn claims_of(hr: &Run, ic: &Run, initial: &Run, as_accurate: Option<&Run>) -> Ve
             ),
             rule: "refinement adds at most a tenth",
             verdict: Verdict::so(growth <= 0.1),
-            part,
         },
         Claim {
             place: "3.1, Table 1",
@@ -188,7 +183,6 @@ fn claims_of(hr: &Run, ic: &Run, initial: &Run, as_accurate: Option<&Run>) -> Ve
             found: format!("{}; of links that HR keeps, {}", times(by_pairs), times(by_links)),
             rule: "confirmed from half the paper's ratio, better from the whole",
             verdict: Verdict::at_least(by_pairs, paper::link_ratio() / 2.0, paper::link_ratio()),
-            part,
         },
         Claim {
             place: "3.1, Table 1",
@@ -196,7 +190,6 @@ fn claims_of(hr: &Run, ic: &Run, initial: &Run, as_accurate: Option<&Run>) -> Ve
             found: format!("{}: {} and {}", times(by_time), quantity(hr.time(), "s"), quantity(ic.time(), "s")),
             rule: "confirmed from half the paper's ratio, better from the whole",
             verdict: Verdict::at_least(by_time, paper::time_ratio() / 2.0, paper::time_ratio()),
-            part,
         },
         Claim {
             place: "3.1",
@@ -204,7 +197,6 @@ fn claims_of(hr: &Run, ic: &Run, initial: &Run, as_accurate: Option<&Run>) -> Ve
             found: format!("{} of HR's: {} and {}", times(error), ic.rms_text(), hr.rms_text()),
             rule: "confirmed where it is larger, better where it is not",
             verdict: Verdict::at_least(-error, f64::NEG_INFINITY, -1.0),
-            part,
         },
     ];
     let says = "IC computes accurate solutions by orders of magnitude faster than HR";
@@ -227,10 +219,9 @@ fn claims_of(hr: &Run, ic: &Run, initial: &Run, as_accurate: Option<&Run>) -> Ve
                 ),
                 rule,
                 verdict: Verdict::at_least(ratio, 10.0, 100.0),
-                part,
             }
         }
-        None => Claim::unanswered("4", says, rule, part, "no ε tried made IC as accurate as HR"),
+        None => Claim::unanswered("4", says, rule, "no ε tried made IC as accurate as HR"),
     });
     claims
 }

@@ -51,21 +51,19 @@ pub fn run(lab: &mut Lab<'_>) -> Report {
             all.extend(records(room.name, &[], &[Ok(soon.coarse.clone()), Ok(soon.fine.clone())]));
             claims.push(soon.claim());
         }
-        Err(left_out) => claims.push(Claim::unanswered("3.1", SOON, SOON_RULE, Part::Table2, &left_out.why)),
+        Err(left_out) => claims.push(Claim::unanswered("3.1", SOON, SOON_RULE, &left_out.why)),
     }
+    let introduction = format!(
+        "Equal ε for all, chosen so that the leaf patches come near the paper's 6,850. `groups` is the paper's USER: the scene's own hierarchy. The paper gave octree depth 2 up when its machine \
+         swapped, and had no memory for HR. Times are {}. Memory is the solver's own count of links, elements and radiosities when the solve ends; pairs that wait for their verdict are not in it.",
+        table1::timing(lab)
+    );
     Report {
-        part: Part::Table2,
-        title: "Table 2: clustering strategies".into(),
-        introduction: format!(
-            "Equal ε for all, chosen so that the leaf patches come near the paper's 6,850. `groups` is the paper's USER: the scene's own hierarchy. The paper gave octree depth 2 up when its machine \
-             swapped, and had no memory for HR. Times are {}. Memory is the solver's own count of links, elements and radiosities when the solve ends; pairs that wait for their verdict are not in it.",
-            table1::timing(lab)
-        ),
         tables,
         remarks,
-        pictures: Vec::new(),
         records: all,
         claims,
+        ..Report::new(Part::Table2, "Table 2: clustering strategies", introduction)
     }
 }
 
@@ -102,7 +100,6 @@ fn depth_2(runs: &[Result<Run, LeftOut>]) -> String {
 }
 
 fn claims_of(runs: &[Result<Run, LeftOut>]) -> Vec<Claim> {
-    let part = Part::Table2;
     let (links, time) = (|run: &Run| run.stats.links as f64, Run::time);
     let deep = octrees(runs, 4);
     let all = octrees(runs, 3);
@@ -116,7 +113,6 @@ fn claims_of(runs: &[Result<Run, LeftOut>]) -> Vec<Claim> {
             found: format!("times within {}, links within {}", times(time_spread), times(link_spread)),
             rule: "times and links within 1.5×",
             verdict: Verdict::so(time_spread <= 1.5 && link_spread <= 1.5),
-            part,
         });
     }
     if let (Some(three), Some(four)) = (find(runs, "octree 3"), find(runs, "octree 4")) {
@@ -127,7 +123,6 @@ fn claims_of(runs: &[Result<Run, LeftOut>]) -> Vec<Claim> {
             found: format!("{} the time, {} the links", times(ratios.0), times(ratios.1)),
             rule: "both above 1.1",
             verdict: Verdict::so(ratios.0 > 1.1 && ratios.1 > 1.1),
-            part,
         });
     }
     let two = find(runs, "octree 2");
@@ -139,7 +134,6 @@ fn claims_of(runs: &[Result<Run, LeftOut>]) -> Vec<Claim> {
         }),
         rule: "better where it ends",
         verdict: if two.is_some() { Verdict::Better } else { Verdict::Confirmed },
-        part,
     });
     if let (Some(user), false) = (find(runs, "groups"), all.is_empty()) {
         let (by_time, by_links) = (least(&all, time) / user.time(), least(&all, links) / links(user));
@@ -149,7 +143,6 @@ fn claims_of(runs: &[Result<Run, LeftOut>]) -> Vec<Claim> {
             found: times(by_time),
             rule: "confirmed from 1.2, better from the paper's 1.59",
             verdict: Verdict::at_least(by_time, 1.2, paper::user_time_ratio()),
-            part,
         });
         claims.push(Claim {
             place: "3.2, Table 2",
@@ -157,7 +150,6 @@ fn claims_of(runs: &[Result<Run, LeftOut>]) -> Vec<Claim> {
             found: times(by_links),
             rule: "confirmed from 1.8, better from the paper's 3.56",
             verdict: Verdict::at_least(by_links, 1.8, paper::user_link_ratio()),
-            part,
         });
         let five = find(runs, "octree 5");
         let medians = (five.map_or(f64::NAN, Run::local_median), user.local_median());
@@ -171,7 +163,6 @@ fn claims_of(runs: &[Result<Run, LeftOut>]) -> Vec<Claim> {
             ),
             rule: "the octree's median error is larger at equal ε",
             verdict: Verdict::so(medians.0 > medians.1),
-            part,
         });
         if let Some(adaptive) = find(runs, "adaptive") {
             let (by_time, by_links) = (user.time() / adaptive.time(), links(user) / links(adaptive));
@@ -186,7 +177,6 @@ fn claims_of(runs: &[Result<Run, LeftOut>]) -> Vec<Claim> {
                 ),
                 rule: "better where adaptive has fewer links and no more time than groups",
                 verdict: if by_links > 1.0 && by_time >= 1.0 { Verdict::Better } else { Verdict::Confirmed },
-                part,
             });
         }
     }
@@ -195,7 +185,6 @@ fn claims_of(runs: &[Result<Run, LeftOut>]) -> Vec<Claim> {
 }
 
 fn memory_claims(runs: &[Result<Run, LeftOut>]) -> Vec<Claim> {
-    let part = Part::Table2;
     let hr = find(runs, "HR (none)");
     let mut claims = vec![Claim {
         place: "3.1",
@@ -213,7 +202,6 @@ fn memory_claims(runs: &[Result<Run, LeftOut>]) -> Vec<Claim> {
             Some(run) if run.stats.bytes.links < paper::HR_LINK_BYTES => Verdict::Better,
             _ => Verdict::Confirmed,
         },
-        part,
     }];
     if let Some(run) = find(runs, "adaptive") {
         let (links, trees) = (run.stats.bytes.links, run.stats.bytes.elements);
@@ -228,7 +216,6 @@ fn memory_claims(runs: &[Result<Run, LeftOut>]) -> Vec<Claim> {
             ),
             rule: "confirmed where the links take less than 1 MiB, better where less than half",
             verdict: Verdict::at_most(links as f64, paper::IC_LINK_BYTES as f64, 0.5 * paper::IC_LINK_BYTES as f64),
-            part,
         });
     }
     claims
@@ -301,7 +288,6 @@ impl Soon {
             ),
             rule: SOON_RULE,
             verdict: Verdict::at_least(ratio, 10.0, paper::FINE_SECONDS / paper::COARSE_SECONDS),
-            part: Part::Table2,
         }
     }
 }

@@ -6,18 +6,38 @@ use crate::geometry::orient;
 use crate::measure::stability::scenes::add_box;
 use crate::scene::{GroupId, MaterialId, Sides};
 
+/// Material and group of all that is built here, but for single things.
+const WALL: (MaterialId, GroupId) = (MaterialId(0), GroupId(0));
+
+/// A scene that has the material of walls.
+fn walls() -> Scene {
+    let mut scene = Scene::new("walls");
+    scene.add_material("wall", Vec3::splat(0.5), Vec3::ZERO);
+    scene
+}
+
+/// Takes away the faces all of whose corners lie where this says.
+fn remove_faces(scene: &mut Scene, is_there: impl Fn(Vec3) -> bool) {
+    let vertices = &scene.vertices;
+    scene.polygons.retain(|polygon| !polygon.corners().iter().all(|&corner| is_there(vertices[corner as usize])));
+}
+
+/// The view into a scene, and what hides things there.
+fn view_of(scene: Scene, sides: Sides) -> (CameraPose, Occluders) {
+    let (scene, occluders) = orient::apply(scene, sides);
+    (find(&scene, &occluders).expect("a room"), occluders)
+}
+
 /// Truth: of two rooms beside each other, on a ground of 200 m, the larger one; eyes at 1.6 m, and
 /// nearly its diagonal of 10 m ahead.
 #[test]
 fn one_stands_in_the_largest_room() {
-    let mut scene = Scene::new("house");
-    scene.add_material("wall", Vec3::splat(0.5), Vec3::ZERO);
-    add_box(&mut scene, (Vec3::ZERO, Vec3::new(3.0, 2.5, 3.0)), true, (MaterialId(0), GroupId(0)));
-    add_box(&mut scene, (Vec3::new(4.0, 0.2, 0.0), Vec3::new(12.0, 2.9, 6.0)), true, (MaterialId(0), GroupId(0)));
+    let mut scene = walls();
+    add_box(&mut scene, (Vec3::ZERO, Vec3::new(3.0, 2.5, 3.0)), true, WALL);
+    add_box(&mut scene, (Vec3::new(4.0, 0.2, 0.0), Vec3::new(12.0, 2.9, 6.0)), true, WALL);
     let ground = [[-100.0, -100.0], [-100.0, 100.0], [100.0, 100.0], [100.0, -100.0]];
-    scene.add_quad(ground.map(|[x, z]| Vec3::new(x, -0.3, z)), MaterialId(0), GroupId(0));
-    let (scene, occluders) = orient::apply(scene, Sides::Front);
-    let view = find(&scene, &occluders).expect("a room");
+    scene.add_quad(ground.map(|[x, z]| Vec3::new(x, -0.3, z)), WALL.0, WALL.1);
+    let (view, occluders) = view_of(scene, Sides::Front);
     assert!((view.eye.y - 1.8).abs() < 1e-3, "{view:?}");
     assert!(view.eye.x > 4.2 && view.eye.x < 11.8 && view.eye.z > 0.2 && view.eye.z < 5.8, "{view:?}");
     let ahead = (view.target - view.eye).with_y(0.0).normalize();
@@ -31,16 +51,14 @@ fn one_stands_in_the_largest_room() {
 /// metre fills the picture.
 #[test]
 fn the_first_view_shows_things_and_no_blank_wall() {
-    let mut scene = Scene::new("studio");
-    scene.add_material("wall", Vec3::splat(0.5), Vec3::ZERO);
-    add_box(&mut scene, (Vec3::ZERO, Vec3::new(7.0, 2.7, 6.0)), true, (MaterialId(0), GroupId(0)));
+    let mut scene = walls();
+    add_box(&mut scene, (Vec3::ZERO, Vec3::new(7.0, 2.7, 6.0)), true, WALL);
     for index in 0..12 {
         let thing = scene.add_material(&format!("thing {index}"), Vec3::splat(0.3), Vec3::ZERO);
         let at = Vec3::new(0.3 + 0.7 * (index % 4) as f32, 0.0, 5.0 - 0.6 * (index / 4) as f32);
         add_box(&mut scene, (at, at + Vec3::new(0.4, 0.9, 0.4)), false, (thing, GroupId(0)));
     }
-    let (scene, occluders) = orient::apply(scene, Sides::Front);
-    let view = find(&scene, &occluders).expect("a room");
+    let (view, occluders) = view_of(scene, Sides::Front);
     let ahead = (view.target - view.eye).normalize();
     let middle = Vec3::new(1.4, 0.5, 4.6);
     let aside = ahead.angle_between(middle - view.eye).to_degrees();
@@ -53,19 +71,12 @@ fn the_first_view_shows_things_and_no_blank_wall() {
 /// A house of two rooms, 3 × 3 m and 8 × 6 m, with walls of 20 cm; a wall of the larger one has a
 /// window of 2 m².
 fn house() -> Scene {
-    let mut scene = Scene::new("house");
-    scene.add_material("wall", Vec3::splat(0.5), Vec3::ZERO);
-    let of = (MaterialId(0), GroupId(0));
-    add_box(&mut scene, (Vec3::ZERO, Vec3::new(3.0, 2.6, 3.0)), true, of);
-    add_box(&mut scene, (Vec3::new(3.2, 0.0, 0.0), Vec3::new(11.2, 2.6, 6.0)), true, of);
-    add_box(&mut scene, (Vec3::new(-0.2, -0.2, -0.2), Vec3::new(11.4, 2.8, 6.2)), false, of);
-    let along = |x: f32, scene: &mut Scene| {
-        scene
-            .polygons
-            .retain(|polygon| !polygon.corners().iter().all(|&corner| scene.vertices[corner as usize].x == x));
-    };
+    let mut scene = walls();
+    add_box(&mut scene, (Vec3::ZERO, Vec3::new(3.0, 2.6, 3.0)), true, WALL);
+    add_box(&mut scene, (Vec3::new(3.2, 0.0, 0.0), Vec3::new(11.2, 2.6, 6.0)), true, WALL);
+    add_box(&mut scene, (Vec3::new(-0.2, -0.2, -0.2), Vec3::new(11.4, 2.8, 6.2)), false, WALL);
     for (x, turned) in [(11.2, false), (11.4, true)] {
-        along(x, &mut scene);
+        remove_faces(&mut scene, |at| at.x == x);
         for [[low_y, low_z], [high_y, high_z]] in
             [[[-0.2, -0.2], [1.0, 6.2]], [[2.0, -0.2], [2.8, 6.2]], [[1.0, -0.2], [2.0, 2.0]], [[1.0, 4.0], [2.0, 6.2]]]
         {
@@ -73,7 +84,7 @@ fn house() -> Scene {
             if turned {
                 corners.reverse();
             }
-            scene.add_quad(corners.map(|[y, z]| Vec3::new(x, y, z)), of.0, of.1);
+            scene.add_quad(corners.map(|[y, z]| Vec3::new(x, y, z)), WALL.0, WALL.1);
         }
     }
     scene
@@ -88,18 +99,14 @@ fn is_in_larger_room(view: &CameraPose) -> bool {
 /// house's larger room.
 #[test]
 fn one_stands_in_the_house_and_not_in_its_surroundings() {
-    let of = (MaterialId(0), GroupId(0));
     let sky = |lower: Vec3, upper: Vec3| {
         let mut scene = house();
-        add_box(&mut scene, (lower, upper), true, of);
+        add_box(&mut scene, (lower, upper), true, WALL);
         scene
     };
     let mut backdrops = sky(Vec3::new(-50.0, -0.2, -50.0), Vec3::new(60.0, 40.0, 60.0));
-    let is_open = |scene: &Scene, corners: &[u32]| {
-        let all = |is: &dyn Fn(Vec3) -> bool| corners.iter().all(|&corner| is(scene.vertices[corner as usize]));
-        all(&|at| at.y == 40.0) || all(&|at| at.z == 60.0)
-    };
-    backdrops.polygons = backdrops.polygons.iter().filter(|it| !is_open(&backdrops, it.corners())).copied().collect();
+    remove_faces(&mut backdrops, |at| at.y == 40.0);
+    remove_faces(&mut backdrops, |at| at.z == 60.0);
     for (what, scene) in [
         ("a small sky", sky(Vec3::new(-10.0, -0.2, -10.0), Vec3::new(20.0, 12.0, 20.0))),
         ("a large sky", sky(Vec3::new(-100.0, -0.2, -100.0), Vec3::new(100.0, 100.0, 100.0))),
@@ -107,8 +114,7 @@ fn one_stands_in_the_house_and_not_in_its_surroundings() {
         ("backdrops", backdrops),
     ] {
         for sides in [Sides::Front, Sides::Both] {
-            let (scene, occluders) = orient::apply(scene.clone(), sides);
-            let view = find(&scene, &occluders).expect("a room");
+            let (view, _) = view_of(scene.clone(), sides);
             assert!(is_in_larger_room(&view), "{what}, {sides:?}: {view:?}");
         }
     }
@@ -118,19 +124,16 @@ fn one_stands_in_the_house_and_not_in_its_surroundings() {
 /// middle.
 #[test]
 fn one_stands_in_a_hall_and_not_in_its_side_rooms() {
-    let mut scene = Scene::new("hall");
-    scene.add_material("wall", Vec3::splat(0.5), Vec3::ZERO);
-    let of = (MaterialId(0), GroupId(0));
-    add_box(&mut scene, (Vec3::ZERO, Vec3::new(30.0, 12.0, 20.0)), true, of);
+    let mut scene = walls();
+    add_box(&mut scene, (Vec3::ZERO, Vec3::new(30.0, 12.0, 20.0)), true, WALL);
     for (x, size) in [(30.2, 5.0), (-5.2, 5.0)] {
-        add_box(&mut scene, (Vec3::new(x, 0.0, 2.0), Vec3::new(x + size, 3.0, 18.0)), true, of);
+        add_box(&mut scene, (Vec3::new(x, 0.0, 2.0), Vec3::new(x + size, 3.0, 18.0)), true, WALL);
     }
     for (outwards, thick) in [(true, 0.0), (false, 0.1)] {
         let (lower, upper) = (Vec3::new(14.0, 0.0, 9.0) - thick, Vec3::new(15.4, 2.2, 10.4) + thick);
-        add_box(&mut scene, (lower.with_y(0.0), upper), outwards, of);
+        add_box(&mut scene, (lower.with_y(0.0), upper), outwards, WALL);
     }
-    let (scene, occluders) = orient::apply(scene, Sides::Front);
-    let view = find(&scene, &occluders).expect("a hall");
+    let (view, occluders) = view_of(scene, Sides::Front);
     let above = occluders.first_hit(view.eye, Vec3::Y).expect("a ceiling").distance;
     assert!((above + 1.6 - 12.0).abs() < 1e-3, "{view:?}");
 }
@@ -138,13 +141,10 @@ fn one_stands_in_a_hall_and_not_in_its_side_rooms() {
 /// Truth: in a room without a wall one stands inside and looks at the others, not from afar.
 #[test]
 fn a_room_may_be_open_to_a_side() {
-    let mut scene = Scene::new("stage");
-    scene.add_material("wall", Vec3::splat(0.5), Vec3::ZERO);
-    add_box(&mut scene, (Vec3::ZERO, Vec3::new(5.0, 3.0, 4.0)), true, (MaterialId(0), GroupId(0)));
-    let is_open = |corners: &[u32]| corners.iter().all(|&corner| scene.vertices[corner as usize].z == 0.0);
-    scene.polygons = scene.polygons.iter().filter(|polygon| !is_open(polygon.corners())).copied().collect();
-    let (scene, occluders) = orient::apply(scene, Sides::Front);
-    let view = find(&scene, &occluders).expect("a room");
+    let mut scene = walls();
+    add_box(&mut scene, (Vec3::ZERO, Vec3::new(5.0, 3.0, 4.0)), true, WALL);
+    remove_faces(&mut scene, |at| at.z == 0.0);
+    let (view, occluders) = view_of(scene, Sides::Front);
     assert!(view.eye.x > 0.2 && view.eye.x < 4.8 && view.eye.z > 0.0 && view.eye.z < 3.8, "{view:?}");
     let ahead = (view.target - view.eye).with_y(0.0).normalize();
     assert!(occluders.first_hit(view.eye, ahead).is_some_and(|hit| hit.front), "{view:?}");
@@ -154,28 +154,21 @@ fn a_room_may_be_open_to_a_side() {
 /// the room has no ceiling.
 #[test]
 fn one_stands_beside_a_table_and_not_under_it() {
-    let mut scene = Scene::new("stage");
-    scene.add_material("wall", Vec3::splat(0.5), Vec3::ZERO);
-    let of = (MaterialId(0), GroupId(0));
-    add_box(&mut scene, (Vec3::ZERO, Vec3::new(5.0, 3.0, 4.0)), true, of);
-    let is_open = |corners: &[u32]| corners.iter().all(|&corner| scene.vertices[corner as usize].y == 3.0);
-    scene.polygons = scene.polygons.iter().filter(|polygon| !is_open(polygon.corners())).copied().collect();
-    add_box(&mut scene, (Vec3::new(1.0, 0.7, 0.8), Vec3::new(4.0, 0.75, 3.2)), false, of);
-    let (scene, occluders) = orient::apply(scene, Sides::Front);
-    let view = find(&scene, &occluders).expect("a room");
+    let mut scene = walls();
+    add_box(&mut scene, (Vec3::ZERO, Vec3::new(5.0, 3.0, 4.0)), true, WALL);
+    remove_faces(&mut scene, |at| at.y == 3.0);
+    add_box(&mut scene, (Vec3::new(1.0, 0.7, 0.8), Vec3::new(4.0, 0.75, 3.2)), false, WALL);
+    let (view, _) = view_of(scene, Sides::Front);
     assert!((view.eye.y - 1.6).abs() < 1e-3, "{view:?}");
 }
 
 /// Truth: a room without a floor is stood in as if it had one where its walls end.
 #[test]
 fn a_room_may_have_no_floor() {
-    let mut scene = Scene::new("walls");
-    scene.add_material("wall", Vec3::splat(0.5), Vec3::ZERO);
-    add_box(&mut scene, (Vec3::ZERO, Vec3::new(4.0, 2.6, 4.0)), true, (MaterialId(0), GroupId(0)));
-    let is_floor = |corners: &[u32]| corners.iter().all(|&corner| scene.vertices[corner as usize].y == 0.0);
-    scene.polygons = scene.polygons.iter().filter(|polygon| !is_floor(polygon.corners())).copied().collect();
-    let (scene, occluders) = orient::apply(scene, Sides::Front);
-    let view = find(&scene, &occluders).expect("a room");
+    let mut scene = walls();
+    add_box(&mut scene, (Vec3::ZERO, Vec3::new(4.0, 2.6, 4.0)), true, WALL);
+    remove_faces(&mut scene, |at| at.y == 0.0);
+    let (view, _) = view_of(scene, Sides::Front);
     assert!((view.eye.y - 1.6).abs() < 1e-3 && view.eye.cmpgt(Vec3::ZERO).all(), "{view:?}");
 }
 
@@ -183,13 +176,11 @@ fn a_room_may_have_no_floor() {
 /// sides; a box of that size alone is a room.
 #[test]
 fn a_sofa_is_no_room() {
-    let of = (MaterialId(0), GroupId(0));
     let scene = |with_table: bool| {
-        let mut scene = Scene::new("suite");
-        scene.add_material("cloth", Vec3::splat(0.5), Vec3::ZERO);
-        add_box(&mut scene, (Vec3::ZERO, Vec3::new(2.0, 0.8, 0.9)), true, of);
+        let mut scene = walls();
+        add_box(&mut scene, (Vec3::ZERO, Vec3::new(2.0, 0.8, 0.9)), true, WALL);
         if with_table {
-            add_box(&mut scene, (Vec3::new(0.0, 0.0, 2.5), Vec3::new(3.0, 0.5, 3.5)), false, of);
+            add_box(&mut scene, (Vec3::new(0.0, 0.0, 2.5), Vec3::new(3.0, 0.5, 3.5)), false, WALL);
         }
         orient::apply(scene, Sides::Front)
     };
@@ -202,10 +193,9 @@ fn a_sofa_is_no_room() {
 /// Truth: a table is seen from outside alone.
 #[test]
 fn a_single_thing_has_no_inside() {
-    let mut scene = Scene::new("table");
-    scene.add_material("wood", Vec3::splat(0.5), Vec3::ZERO);
+    let mut scene = walls();
     let top = [[0.0, 0.0], [0.0, 1.0], [1.0, 1.0], [1.0, 0.0]];
-    scene.add_quad(top.map(|[x, z]| Vec3::new(x, 0.7, z)), MaterialId(0), GroupId(0));
+    scene.add_quad(top.map(|[x, z]| Vec3::new(x, 0.7, z)), WALL.0, WALL.1);
     let (scene, occluders) = orient::apply(scene, Sides::Front);
     assert_eq!(find(&scene, &occluders), None);
     assert_eq!(find(&Scene::new(""), &Occluders::new(&Scene::new(""))), None);
@@ -223,14 +213,11 @@ fn add_things(scene: &mut Scene, from: Vec3) {
 /// Truth: below a room with things lies a larger cellar with nothing in it; one stands in the room.
 #[test]
 fn one_stands_where_there_is_something_to_see() {
-    let mut scene = Scene::new("pedestal");
-    scene.add_material("wall", Vec3::splat(0.5), Vec3::ZERO);
-    let of = (MaterialId(0), GroupId(0));
-    add_box(&mut scene, (Vec3::new(-5.0, -6.0, -5.0), Vec3::new(9.0, -0.2, 9.0)), true, of);
-    add_box(&mut scene, (Vec3::ZERO, Vec3::new(4.0, 2.6, 4.0)), true, of);
+    let mut scene = walls();
+    add_box(&mut scene, (Vec3::new(-5.0, -6.0, -5.0), Vec3::new(9.0, -0.2, 9.0)), true, WALL);
+    add_box(&mut scene, (Vec3::ZERO, Vec3::new(4.0, 2.6, 4.0)), true, WALL);
     add_things(&mut scene, Vec3::new(1.0, 0.0, 1.0));
-    let (scene, occluders) = orient::apply(scene, Sides::Front);
-    let view = find(&scene, &occluders).expect("a room");
+    let (view, _) = view_of(scene, Sides::Front);
     assert!((view.eye.y - 1.6).abs() < 1e-3 && view.eye.cmpgt(Vec3::ZERO).all(), "{view:?}");
 }
 
@@ -238,13 +225,11 @@ fn one_stands_where_there_is_something_to_see() {
 /// room and not what is in the walls.
 #[test]
 fn nobody_stands_in_a_wall() {
-    let mut scene = Scene::new("stage");
-    scene.add_material("wall", Vec3::splat(0.5), Vec3::ZERO);
-    let of = (MaterialId(0), GroupId(0));
+    let mut scene = walls();
     for walls in [Vec3::new(10.0, 5.0, 0.9), Vec3::new(0.9, 5.0, 10.0)] {
-        add_box(&mut scene, (Vec3::new(0.0, -0.1, 0.0), walls), false, of);
+        add_box(&mut scene, (Vec3::new(0.0, -0.1, 0.0), walls), false, WALL);
     }
-    add_box(&mut scene, (Vec3::new(0.0, -0.2, 0.0), Vec3::new(10.0, 0.0, 10.0)), false, of);
+    add_box(&mut scene, (Vec3::new(0.0, -0.2, 0.0), Vec3::new(10.0, 0.0, 10.0)), false, WALL);
     add_things(&mut scene, Vec3::new(5.0, 0.0, 5.0));
     let (scene, occluders) = orient::apply(scene, Sides::Both);
     if let Some(view) = find(&scene, &occluders) {
@@ -256,12 +241,10 @@ fn nobody_stands_in_a_wall() {
 /// in the middle of the picture.
 #[test]
 fn the_first_view_looks_at_the_things_that_are_there() {
-    let mut scene = Scene::new("desk");
-    scene.add_material("wall", Vec3::splat(0.5), Vec3::ZERO);
-    add_box(&mut scene, (Vec3::ZERO, Vec3::new(6.0, 2.6, 6.0)), true, (MaterialId(0), GroupId(0)));
+    let mut scene = walls();
+    add_box(&mut scene, (Vec3::ZERO, Vec3::new(6.0, 2.6, 6.0)), true, WALL);
     add_things(&mut scene, Vec3::new(2.4, 0.0, 0.4));
-    let (scene, occluders) = orient::apply(scene, Sides::Front);
-    let view = find(&scene, &occluders).expect("a room");
+    let (view, _) = view_of(scene, Sides::Front);
     let [ahead, to_things] = [view.target, Vec3::new(2.9, 0.4, 0.6)].map(|at| (at - view.eye).with_y(0.0));
     let aside = ahead.angle_between(to_things).to_degrees();
     assert!(aside < 20.0, "the things are {aside}° aside of {view:?}");
@@ -281,8 +264,7 @@ fn the_first_view_sees_a_screen_from_its_front() {
             let material = scene.add_material(name, Vec3::splat(0.5), Vec3::ZERO);
             add_box(&mut scene, (lower, upper), name == "wall", (material, GroupId(0)));
         }
-        let (scene, occluders) = orient::apply(scene, Sides::Front);
-        let view = find(&scene, &occluders).expect("a room");
+        let (view, _) = view_of(scene, Sides::Front);
         let to_screen = (Vec3::new(middle, 1.1, 0.43) - view.eye).with_y(0.0);
         let from_front = to_screen.angle_between(-Vec3::Z).to_degrees();
         let aside = to_screen.angle_between((view.target - view.eye).with_y(0.0)).to_degrees();
@@ -294,11 +276,9 @@ fn the_first_view_sees_a_screen_from_its_front() {
 /// one stands in the latter.
 #[test]
 fn one_stands_where_more_is_to_be_seen() {
-    let mut scene = Scene::new("flat");
-    scene.add_material("wall", Vec3::splat(0.5), Vec3::ZERO);
-    let of = (MaterialId(0), GroupId(0));
-    add_box(&mut scene, (Vec3::ZERO, Vec3::new(6.0, 2.6, 6.0)), true, of);
-    add_box(&mut scene, (Vec3::new(6.2, 0.0, 0.0), Vec3::new(11.2, 2.6, 5.0)), true, of);
+    let mut scene = walls();
+    add_box(&mut scene, (Vec3::ZERO, Vec3::new(6.0, 2.6, 6.0)), true, WALL);
+    add_box(&mut scene, (Vec3::new(6.2, 0.0, 0.0), Vec3::new(11.2, 2.6, 5.0)), true, WALL);
     for index in 0..3 {
         let thing = scene.add_material(&format!("box {index}"), Vec3::splat(0.3), Vec3::ZERO);
         let at = Vec3::new(0.1 + 0.5 * index as f32, 0.0, 0.1);
@@ -307,8 +287,7 @@ fn one_stands_where_more_is_to_be_seen() {
     for corner in [[7.0, 0.6], [9.0, 0.6], [7.0, 3.6], [9.0, 3.6]] {
         add_things(&mut scene, Vec3::new(corner[0], 0.0, corner[1]));
     }
-    let (scene, occluders) = orient::apply(scene, Sides::Front);
-    let view = find(&scene, &occluders).expect("a room");
+    let (view, _) = view_of(scene, Sides::Front);
     assert!(view.eye.x > 6.2, "{view:?}");
 }
 
@@ -316,12 +295,10 @@ fn one_stands_where_more_is_to_be_seen() {
 /// inside the podium, which is bright and as high as a room, there is nothing.
 #[test]
 fn a_stage_is_seen_from_outside() {
-    let mut scene = Scene::new("stage");
-    scene.add_material("wall", Vec3::splat(0.5), Vec3::ZERO);
-    let of = (MaterialId(0), GroupId(0));
-    add_box(&mut scene, (Vec3::new(0.0, -2.2, 0.0), Vec3::new(8.0, 0.0, 8.0)), false, of);
+    let mut scene = walls();
+    add_box(&mut scene, (Vec3::new(0.0, -2.2, 0.0), Vec3::new(8.0, 0.0, 8.0)), false, WALL);
     for upper in [Vec3::new(8.0, 5.0, 0.1), Vec3::new(0.1, 5.0, 8.0)] {
-        add_box(&mut scene, (Vec3::ZERO, upper), false, of);
+        add_box(&mut scene, (Vec3::ZERO, upper), false, WALL);
     }
     for index in 0..12 {
         let thing = scene.add_material(&format!("thing {index}"), Vec3::splat(0.3), Vec3::ZERO);

@@ -37,7 +37,7 @@ pub(super) fn build() -> Scene {
         let lower = METRES * vec3(213.0, HEIGHT - LAMP_THICKNESS, 227.0);
         let upper = METRES * vec3(343.0, HEIGHT, 332.0);
         d.cuboid(lower, upper, Faces::ENDS, white);
-        d.cuboid(lower, upper, Faces::BOTTOM.all_but(), light);
+        d.cuboid(lower, upper, !Faces::BOTTOM, light);
     });
     let short = [[130.0, 65.0], [82.0, 225.0], [240.0, 272.0], [290.0, 114.0]];
     let tall = [[423.0, 247.0], [265.0, 296.0], [314.0, 456.0], [472.0, 406.0]];

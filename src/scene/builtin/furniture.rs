@@ -43,15 +43,15 @@ pub(super) fn window(d: &mut Draft, [width, height]: [f32; 2], [columns, rows]: 
     let (columns, rows) = (lights(columns, w), lights(rows, h));
     d.group("frame", |d| {
         // What bars meet at is not drawn below them.
-        d.cuboid(vec3(0., 0., back), vec3(FRAME, h, front), Faces::FRONT.all_but(), paint.frame);
-        d.cuboid(vec3(0., FRAME, back), vec3(FRAME, h - FRAME, front), Faces::RIGHT.all_but(), paint.frame);
-        d.cuboid(vec3(w - FRAME, 0., back), vec3(w, h, front), Faces::FRONT.all_but(), paint.frame);
-        d.cuboid(vec3(w - FRAME, FRAME, back), vec3(w, h - FRAME, front), Faces::LEFT.all_but(), paint.frame);
+        d.cuboid(vec3(0., 0., back), vec3(FRAME, h, front), !Faces::FRONT, paint.frame);
+        d.cuboid(vec3(0., FRAME, back), vec3(FRAME, h - FRAME, front), !Faces::RIGHT, paint.frame);
+        d.cuboid(vec3(w - FRAME, 0., back), vec3(w, h, front), !Faces::FRONT, paint.frame);
+        d.cuboid(vec3(w - FRAME, FRAME, back), vec3(w, h - FRAME, front), !Faces::LEFT, paint.frame);
         let lying = |y0: f32, y1: f32| [vec3(FRAME, y0, back), vec3(w - FRAME, y1, front)];
         let [lower, upper] = lying(0.0, FRAME);
-        d.cuboid(lower, upper, (Faces::TOP | Faces::FRONT).all_but(), paint.frame);
+        d.cuboid(lower, upper, !(Faces::TOP | Faces::FRONT), paint.frame);
         let [lower, upper] = lying(h - FRAME, h);
-        d.cuboid(lower, upper, (Faces::BOTTOM | Faces::FRONT).all_but(), paint.frame);
+        d.cuboid(lower, upper, !(Faces::BOTTOM | Faces::FRONT), paint.frame);
         for pair in columns.windows(2) {
             let [lower, upper] = [vec3(pair[0][1], FRAME, back), vec3(pair[1][0], h - FRAME, front)];
             d.cuboid(lower, upper, Faces::BACK | Faces::ENDS, paint.frame);
@@ -85,7 +85,7 @@ pub(super) fn door(d: &mut Draft, [width, height]: [f32; 2], leaf: MaterialId, f
     });
     d.group("leaf", |d| {
         const FACE: f32 = 0.02;
-        d.cuboid(vec3(-half, 0.0, 0.0), vec3(half, height, FACE), Faces::FRONT.all_but(), leaf);
+        d.cuboid(vec3(-half, 0.0, 0.0), vec3(half, height, FACE), !Faces::FRONT, leaf);
         for [low, high] in [[0.12, 0.42], [0.5, 0.94]] {
             let [lower, upper] =
                 [vec3(-half + 0.12, low * height, FACE), vec3(half - 0.12, high * height, FACE + 0.012)];
@@ -106,7 +106,7 @@ pub(super) fn door(d: &mut Draft, [width, height]: [f32; 2], leaf: MaterialId, f
 /// A skirting board along a wall between `from` and `to`, whose ends touch something.
 pub(super) fn skirting(d: &mut Draft, [from, to]: [f32; 2], material: MaterialId) {
     let seen = Faces::TOP | Faces::FRONT;
-    d.cuboid(vec3(from, 0.0, 0.0), vec3(to, 0.08, SKIRTING_DEPTH), seen.all_but(), material);
+    d.cuboid(vec3(from, 0.0, 0.0), vec3(to, 0.08, SKIRTING_DEPTH), !seen, material);
 }
 
 /// How far a skirting board stands out from its wall, m.
@@ -155,15 +155,15 @@ pub(super) fn clock(d: &mut Draft, radius: f32, rim: MaterialId, face: MaterialI
 /// spine's foot.
 pub(super) fn upright_book(d: &mut Draft, [thick, high, deep]: [f32; 3], cover: MaterialId, pages: MaterialId) {
     let [lower, upper] = [vec3(-0.5 * thick, 0.0, -deep), vec3(0.5 * thick, high, 0.0)];
-    d.cuboid(lower, upper, (Faces::LEFT | Faces::RIGHT | Faces::FRONT).all_but(), cover);
-    d.cuboid(lower, upper, (Faces::TOP | Faces::BACK).all_but(), pages);
+    d.cuboid(lower, upper, !(Faces::LEFT | Faces::RIGHT | Faces::FRONT), cover);
+    d.cuboid(lower, upper, !(Faces::TOP | Faces::BACK), pages);
 }
 
 /// A book that lies, its spine towards -x; the origin is the middle of its underside.
 pub(super) fn lying_book(d: &mut Draft, [wide, thick, deep]: [f32; 3], cover: MaterialId, pages: MaterialId) {
     let [lower, upper] = [vec3(-0.5 * wide, 0.0, -0.5 * deep), vec3(0.5 * wide, thick, 0.5 * deep)];
-    d.cuboid(lower, upper, (Faces::TOP | Faces::LEFT).all_but(), cover);
-    d.cuboid(lower, upper, (Faces::RIGHT | Faces::FRONT | Faces::BACK).all_but(), pages);
+    d.cuboid(lower, upper, !(Faces::TOP | Faces::LEFT), cover);
+    d.cuboid(lower, upper, !(Faces::RIGHT | Faces::FRONT | Faces::BACK), pages);
 }
 
 /// A pad of A4 paper.

@@ -6,46 +6,29 @@
 //! opening touches that surface. So no ray from inside a room meets the back of a face.
 
 use glam::{Affine3, Mat3, Quat, Vec3, vec3};
-use rustc_hash::FxHashMap;
 
-use crate::scene::{GroupId, MaterialId, Scene};
+use crate::scene::texture::linear_step;
+use crate::scene::{GroupId, MaterialId, Scene, weld};
 
-/// A set of faces of a cuboid, to be left out.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(super) struct Faces(u8);
-
-impl Faces {
-    pub(super) const NONE: Self = Self(0);
-    /// The face towards -x.
-    pub(super) const LEFT: Self = Self(1);
-    /// The face towards +x.
-    pub(super) const RIGHT: Self = Self(2);
-    /// The face towards -y.
-    pub(super) const BOTTOM: Self = Self(4);
-    /// The face towards +y.
-    pub(super) const TOP: Self = Self(8);
-    /// The face towards -z.
-    pub(super) const BACK: Self = Self(16);
-    /// The face towards +z.
-    pub(super) const FRONT: Self = Self(32);
-    /// Both faces of an upright post.
-    pub(super) const ENDS: Self = Self(4 | 8);
-
-    const fn contains(self, other: Self) -> bool {
-        self.0 & other.0 == other.0
-    }
-
-    /// All faces but these.
-    pub(super) const fn all_but(self) -> Self {
-        Self(63 & !self.0)
-    }
-}
-
-impl std::ops::BitOr for Faces {
-    type Output = Self;
-
-    fn bitor(self, other: Self) -> Self {
-        Self(self.0 | other.0)
+bitflags::bitflags! {
+    /// A set of faces of a cuboid, to be left out.
+    #[derive(Clone, Copy)]
+    pub(super) struct Faces: u8 {
+        const NONE = 0;
+        /// The face towards -x.
+        const LEFT = 1;
+        /// The face towards +x.
+        const RIGHT = 2;
+        /// The face towards -y.
+        const BOTTOM = 4;
+        /// The face towards +y.
+        const TOP = 8;
+        /// The face towards -z.
+        const BACK = 16;
+        /// The face towards +z.
+        const FRONT = 32;
+        /// Both faces of an upright post.
+        const ENDS = 4 | 8;
     }
 }
 
@@ -64,7 +47,9 @@ impl Draft {
     /// The finished scene: corners at the same place share one vertex, materials that nothing wears
     /// are left out.
     pub(super) fn finish(mut self) -> Scene {
-        weld(&mut self.scene);
+        let (vertices, welded) = weld(&self.scene.vertices);
+        self.scene.vertices = vertices;
+        self.scene.polygons.iter_mut().for_each(|polygon| polygon.map_corners(|corner| welded[corner as usize]));
         drop_unused_materials(&mut self.scene);
         self.scene
     }
@@ -267,23 +252,6 @@ impl Draft {
     }
 }
 
-/// Gives corners at bit-equal positions one vertex.
-fn weld(scene: &mut Scene) {
-    let mut index_of: FxHashMap<[u32; 3], u32> = FxHashMap::default();
-    let mut vertices = Vec::with_capacity(scene.vertices.len());
-    let old = std::mem::take(&mut scene.vertices);
-    for polygon in &mut scene.polygons {
-        polygon.map_corners(|corner| {
-            let position = old[corner as usize];
-            *index_of.entry(position.to_array().map(f32::to_bits)).or_insert_with(|| {
-                vertices.push(position);
-                vertices.len() as u32 - 1
-            })
-        });
-    }
-    scene.vertices = vertices;
-}
-
 fn drop_unused_materials(scene: &mut Scene) {
     let mut used = vec![false; scene.materials.len()];
     for polygon in &scene.polygons {
@@ -301,11 +269,7 @@ fn drop_unused_materials(scene: &mut Scene) {
 /// A reflectance from a colour as painters and screens name it (sRGB, `0xRRGGBB`), rounded to three
 /// digits.
 pub(super) fn srgb(hex: u32) -> Vec3 {
-    let channel = |shift: u32| {
-        let encoded = (hex >> shift & 0xff) as f32 / 255.0;
-        let linear = if encoded <= 0.04045 { encoded / 12.92 } else { ((encoded + 0.055) / 1.055).powf(2.4) };
-        (linear * 1000.0).round() / 1000.0
-    };
+    let channel = |shift: u32| (linear_step((hex >> shift) as u8) * 1000.0).round() / 1000.0;
     vec3(channel(16), channel(8), channel(0))
 }
 

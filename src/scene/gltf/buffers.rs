@@ -11,6 +11,7 @@ use std::collections::HashMap;
 use gltf::json::accessor::{Accessor, ComponentType, Type};
 use gltf::json::validation::Checked;
 use gltf::json::{Index, Root, buffer, image};
+use percent_encoding::percent_decode_str;
 
 use super::compression::{MOST_DECODED, Meshopt};
 use crate::scene::draft::MOST_POLYGONS;
@@ -278,7 +279,7 @@ fn read_uri(files: &dyn SceneFiles, uri: &str, most: u64) -> Result<Vec<u8>, Pro
         return data.map(|data| data.0).map_err(|error| format!("the embedded data cannot be decoded ({error})"));
     }
     // Some exporters write names as they are, percent signs included.
-    let reference = percent_decoded(uri).unwrap_or_else(|| uri.to_owned());
+    let reference = percent_decode_str(uri).decode_utf8().unwrap_or(Cow::Borrowed(uri));
     if reference != uri
         && let Ok(bytes) = name_of(uri).and_then(|name| files.read(&name, most))
     {
@@ -288,23 +289,6 @@ fn read_uri(files: &dyn SceneFiles, uri: &str, most: u64) -> Result<Vec<u8>, Pro
         FileError::Outside => format!("{} lies outside the scene's folder", quoted(&reference)),
         error => format!("{} cannot be read ({error})", quoted(&reference)),
     })
-}
-
-/// A URI's text with `%20` and the like resolved; `None` if that is no text.
-fn percent_decoded(uri: &str) -> Option<String> {
-    let mut bytes = Vec::with_capacity(uri.len());
-    let mut rest = uri.as_bytes();
-    while let Some((&byte, behind)) = rest.split_first() {
-        rest = behind;
-        if byte == b'%' {
-            let (digits, behind) = rest.split_at_checked(2)?;
-            bytes.push(u8::from_str_radix(str::from_utf8(digits).ok()?, 16).ok()?);
-            rest = behind;
-        } else {
-            bytes.push(byte);
-        }
-    }
-    String::from_utf8(bytes).ok()
 }
 
 #[cfg(test)]
@@ -318,13 +302,5 @@ mod tests {
         assert!(fits(0, None, 5, 2) && fits(2, Some(6), 2, 2) && fits(10, None, 4, 0));
         assert!(!fits(1, None, 5, 2) && !fits(11, None, 1, 0) && !fits(0, Some(1), 2, 2));
         assert!(!fits(0, None, 12, usize::MAX) && !fits(u64::MAX, None, 1, 1));
-    }
-
-    #[test]
-    fn percent_signs_are_resolved_or_refused() {
-        assert_eq!(percent_decoded("my%20room.bin").as_deref(), Some("my room.bin"));
-        for bad in ["%", "%2", "%zz", "%ff%fe", "%é"] {
-            assert_eq!(percent_decoded(bad), None, "{bad}");
-        }
     }
 }

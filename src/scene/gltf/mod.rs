@@ -13,17 +13,15 @@ mod mesh;
 mod nodes;
 mod walk;
 
-use std::path::Path;
-
 use glam::DMat4;
 use gltf::json::Root;
 use gltf::json::mesh::Semantic;
 use gltf::json::validation::{Checked, Error, Validate};
 use serde_json::Value;
 
-use super::draft::{Draft, scene_name};
+use super::draft::Draft;
 use super::files::SceneFiles;
-use super::load_error::LoadError;
+use super::load_error::Fault;
 use super::said::sentence;
 use super::up::UpAxis;
 use buffers::{GltfData, Problem};
@@ -36,19 +34,16 @@ const PICTURES: [&str; 4] = ["EXT_texture_webp", "MSFT_texture_dds", "EXT_textur
 ///
 /// # Errors
 /// One sentence with the part of the file that cannot be used.
-pub(super) fn read(path: &Path, bytes: &[u8], files: &dyn SceneFiles) -> Result<Draft, LoadError> {
-    let parse_error = |problem: Problem| {
-        let (place, problem) = ("as glTF".to_owned(), sentence(&problem));
-        LoadError::Parse { path: path.to_owned(), place, problem }
-    };
-    let mut draft = Draft::new(&scene_name(path));
+pub(super) fn read(name: &str, bytes: &[u8], files: &dyn SceneFiles) -> Result<Draft, Fault> {
+    let parse_error = |problem: Problem| Fault::Parse("as glTF".to_owned(), sentence(&problem));
+    let mut draft = Draft::new(name);
     let Document { root, blob, parents_from_nodes } = parse(bytes, &mut draft).map_err(parse_error)?;
     let root = &root;
     let data = GltfData::read(files, root, blob).map_err(parse_error)?;
     draft.prescribed_up = Some(UpAxis::Y);
     draft.skipped.animations = root.animations.len();
     let uv_sets = materials::add_materials(&mut draft, &data);
-    walk::run(path, &data, parents_from_nodes, draft, &uv_sets)
+    walk::run(&data, parents_from_nodes, draft, &uv_sets)
 }
 
 /// A file's content, checked by the crate.

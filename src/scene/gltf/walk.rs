@@ -1,16 +1,14 @@
 //! The way through the node tree: groups, transforms, copies of meshes, lights and cameras.
 
-use std::path::Path;
-
 use glam::{DMat4, DVec3};
 use rustc_hash::FxHashMap;
 
-use super::buffers::{GltfData, Problem};
+use super::buffers::GltfData;
 use super::extras::{add_camera, add_light, instances, light_of};
 use super::materials::UvSets;
 use super::mesh::{Part, coarse_rounding, joint_matrices, read_primitive};
 use crate::scene::draft::{Draft, DraftMaterial, MOST_POLYGONS};
-use crate::scene::load_error::LoadError;
+use crate::scene::load_error::Fault;
 use crate::scene::place::{Reach, is_usable};
 use crate::scene::{GroupId, said};
 
@@ -19,14 +17,12 @@ use crate::scene::{GroupId, said};
 /// # Errors
 /// The first part of the file that cannot be used.
 pub(super) fn run(
-    path: &Path,
     data: &GltfData,
     parents_from_nodes: Vec<DMat4>,
     draft: Draft,
     uv_sets: &[UvSets],
-) -> Result<Draft, LoadError> {
+) -> Result<Draft, Fault> {
     let mut walk = Walk {
-        path,
         data,
         parents_from_nodes,
         draft,
@@ -41,7 +37,7 @@ pub(super) fn run(
     walk.nodes()?;
     let Walk { mut draft, reach, rounded, .. } = walk;
     if let Some(place) = reach.too_far() {
-        return Err(coordinate_error(path, place));
+        return Err(coordinate_error(place));
     }
     if let (meshes @ 1.., unit) = rounded {
         draft.skipped.note(format!(
@@ -52,7 +48,6 @@ pub(super) fn run(
 }
 
 struct Walk<'a> {
-    path: &'a Path,
     data: &'a GltfData<'a>,
     /// Of each node, into the space of its parent.
     parents_from_nodes: Vec<DMat4>,
@@ -82,7 +77,7 @@ struct Placed {
 }
 
 impl Walk<'_> {
-    fn nodes(&mut self) -> Result<(), LoadError> {
+    fn nodes(&mut self) -> Result<(), Fault> {
         let root = self.data.root;
         let placed = self.placed()?;
         self.worlds = vec![DMat4::IDENTITY; root.nodes.len()];
@@ -104,7 +99,7 @@ impl Walk<'_> {
     }
 
     /// Every node of the scene that is shown, parents first and in the file's order.
-    fn placed(&mut self) -> Result<Vec<Placed>, LoadError> {
+    fn placed(&mut self) -> Result<Vec<Placed>, Fault> {
         let root = self.data.root;
         let mut placed = Vec::new();
         let mut visited = vec![false; root.nodes.len()];
@@ -112,9 +107,9 @@ impl Walk<'_> {
             self.root_nodes().into_iter().rev().map(|node| (node, GroupId(0), DMat4::IDENTITY)).collect();
         while let Some((index, parent, world_from_parent)) = waiting.pop() {
             let place = || format!("node {index}");
-            let node = root.nodes.get(index).ok_or_else(|| self.problem(place(), "there is no such node".into()))?;
+            let node = root.nodes.get(index).ok_or_else(|| Fault::Parse(place(), "there is no such node".into()))?;
             if std::mem::replace(&mut visited[index], true) {
-                return Err(self.problem(place(), "it has two parents or is its own ancestor".into()));
+                return Err(Fault::Parse(place(), "it has two parents or is its own ancestor".into()));
             }
             let name = node.name.clone().unwrap_or_else(|| format!("node_{index}"));
             let world = world_from_parent * self.parents_from_nodes.get(index).copied().unwrap_or_default();
@@ -148,21 +143,21 @@ impl Walk<'_> {
     }
 
     /// Says that it is too much before any of it is made.
-    fn check_count(&mut self, placed: &[Placed]) -> Result<(), LoadError> {
+    fn check_count(&mut self, placed: &[Placed]) -> Result<(), Fault> {
         let mut count = 0_usize;
         for Placed { node, .. } in placed {
             let Some(mesh) = self.data.root.nodes[*node].mesh else { continue };
             let key = self.known_mesh(mesh.value(), *node)?;
             count = count.saturating_add(self.meshes[&key].iter().map(|part| part.triangles.len()).sum());
             if count > MOST_POLYGONS {
-                return Err(LoadError::TooLarge { path: self.path.to_path_buf(), count, most: MOST_POLYGONS });
+                return Err(Fault::TooLarge(count));
             }
         }
         Ok(())
     }
 
     /// Reads a node's mesh unless it is known already.
-    fn known_mesh(&mut self, mesh: usize, node: usize) -> Result<(usize, Option<usize>), LoadError> {
+    fn known_mesh(&mut self, mesh: usize, node: usize) -> Result<(usize, Option<usize>), Fault> {
         let weights = self.data.root.nodes[node].weights.as_deref();
         let key = (mesh, weights.map(|_| node));
         if !self.meshes.contains_key(&key) {
@@ -176,11 +171,11 @@ impl Walk<'_> {
     }
 
     /// Copies a node's mesh to wherever the node puts it.
-    fn add_mesh(&mut self, mesh: usize, node: usize, group: GroupId, world: DMat4) -> Result<(), LoadError> {
+    fn add_mesh(&mut self, mesh: usize, node: usize, group: GroupId, world: DMat4) -> Result<(), Fault> {
         let root = self.data.root;
         let said = &root.nodes[node];
         let key = self.known_mesh(mesh, node)?;
-        let problem = |problem| self.problem(format!("node {node}"), problem);
+        let problem = |problem| Fault::Parse(format!("node {node}"), problem);
         let skin = said.skin.and_then(|skin| root.skins.get(skin.value()));
         let skin = skin.map(|skin| {
             let joints: Vec<usize> = skin.joints.iter().map(gltf::json::Index::value).collect();
@@ -203,14 +198,14 @@ impl Walk<'_> {
         group: GroupId,
         world: DMat4,
         skin: Option<&[DMat4]>,
-    ) -> Result<(), LoadError> {
-        let Self { path, draft, meshes, grey, reach, .. } = self;
+    ) -> Result<(), Fault> {
+        let Self { draft, meshes, grey, reach, .. } = self;
         let mirrored = world.determinant() < 0.0 && skin.is_none();
         for part in &meshes[&key] {
             let count = draft.faces.len().saturating_add(part.triangles.len());
             let vertices = draft.vertices.len().saturating_add(part.positions.len());
             if count.max(vertices / 3) > MOST_POLYGONS {
-                return Err(LoadError::TooLarge { path: path.to_path_buf(), count, most: MOST_POLYGONS });
+                return Err(Fault::TooLarge(count));
             }
             let material = part.material.unwrap_or_else(|| {
                 *grey.get_or_insert_with(|| {
@@ -226,7 +221,7 @@ impl Walk<'_> {
                 for corner in corners {
                     let position = positions[corner as usize];
                     if !position.to_array().into_iter().all(is_usable) {
-                        return Err(coordinate_error(path, (node, key.0, corner)));
+                        return Err(coordinate_error((node, key.0, corner)));
                     }
                     reach.add(position, (node, key.0, corner));
                 }
@@ -249,26 +244,24 @@ impl Walk<'_> {
         Ok(())
     }
 
-    fn read_mesh(&mut self, mesh: usize, weights: &[f32]) -> Result<Vec<Part>, LoadError> {
+    fn read_mesh(&mut self, mesh: usize, weights: &[f32]) -> Result<Vec<Part>, Fault> {
         let place = |part: usize| format!("mesh {mesh}, primitive {part}");
         let Some(said) = self.data.root.meshes.get(mesh) else { return Ok(Vec::new()) };
         let mut parts = Vec::with_capacity(said.primitives.len());
         for (number, primitive) in said.primitives.iter().enumerate() {
             let uv_sets = primitive.material.and_then(|it| self.uv_sets.get(it.value())).copied().unwrap_or_default();
             let part = read_primitive(self.data, said, primitive, weights, uv_sets);
-            let Some(part) = part.map_err(|problem| self.problem(place(number), problem))? else {
+            let Some(part) = part.map_err(|problem| Fault::Parse(place(number), problem))? else {
                 self.draft.skipped.lines_and_points += 1;
                 continue;
             };
             let count = part.positions.len();
             self.decoded = self.decoded.saturating_add(part.triangles.len().max(count / 3));
             if self.decoded > MOST_POLYGONS {
-                let (path, count) = (self.path.to_owned(), self.decoded);
-                return Err(LoadError::TooLarge { path, count, most: MOST_POLYGONS });
+                return Err(Fault::TooLarge(self.decoded));
             }
             if let Some(&index) = part.triangles.iter().flatten().find(|&&index| index as usize >= count) {
-                let (path, place) = (self.path.to_owned(), place(number));
-                return Err(LoadError::FaceIndex { path, place, index: i64::from(index), count });
+                return Err(Fault::FaceIndex(place(number), i64::from(index), count));
             }
             parts.push(part);
         }
@@ -289,13 +282,8 @@ impl Walk<'_> {
             add_camera(&mut self.draft, camera, name, *world, reach);
         }
     }
-
-    fn problem(&self, place: String, problem: Problem) -> LoadError {
-        LoadError::Parse { path: self.path.to_owned(), place, problem }
-    }
 }
 
-fn coordinate_error(path: &Path, (node, mesh, number): (usize, usize, u32)) -> LoadError {
-    let (place, vertex) = (format!("node {node}, mesh {mesh}"), format!("vertex {number}"));
-    LoadError::Coordinate { path: path.to_path_buf(), place, vertex }
+fn coordinate_error((node, mesh, number): (usize, usize, u32)) -> Fault {
+    Fault::Coordinate(format!("node {node}, mesh {mesh}"), format!("vertex {number}"))
 }

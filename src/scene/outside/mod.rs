@@ -293,7 +293,7 @@ impl Scene {
     /// # Errors
     /// A picture that cannot be used, or a sky that needs a sun.
     pub fn add_daylight(&mut self, spec: &Daylight) -> Result<(), DaylightError> {
-        self.add_daylight_from(spec, |path| read_plain_file(path, files::MOST_BYTES).map_err(|error| error.to_string()))
+        self.add_daylight_from(spec, read_anywhere)
     }
 
     /// Adds daylight whose pictures are read by this function.
@@ -315,7 +315,7 @@ impl Scene {
     /// # Errors
     /// A picture that cannot be used, or a sky that needs a sun.
     pub fn replace_daylight(&mut self, spec: &Daylight) -> Result<(), DaylightError> {
-        self.set_daylight(spec, |path| read_plain_file(path, files::MOST_BYTES).map_err(|error| error.to_string()))
+        self.set_daylight(spec, read_anywhere)
     }
 
     /// Sets daylight whose pictures are read by this function.
@@ -331,6 +331,10 @@ impl Scene {
         self.outside = (!spec.is_empty()).then(|| Arc::new(outside));
         Ok(())
     }
+}
+
+fn read_anywhere(path: &Path) -> Result<Vec<u8>, String> {
+    read_plain_file(path, files::MOST_BYTES).map_err(|error| error.to_string())
 }
 
 impl Source {

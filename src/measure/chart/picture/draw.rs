@@ -7,7 +7,7 @@ use super::{PictureChart, PictureKind, PictureRecord};
 use crate::base::font::family;
 use crate::measure::chart::DrawError;
 use crate::measure::chart::axis::LogAxis;
-use crate::measure::chart::draw::{COLOURS, INK, LEGEND_WIDTH, SIZE, axes};
+use crate::measure::chart::draw::{COLOURS, Drawn, INK, Plot, axes, headed};
 
 /// Metric that is drawn over the seconds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -54,40 +54,24 @@ impl PictureMetric {
     }
 }
 
-/// The chart as RGB pixels of 1200 × 800, row by row.
-///
-/// # Errors
-/// No picture was made.
-pub fn draw_picture_png(chart: &PictureChart, metric: PictureMetric) -> Result<image::RgbImage, DrawError> {
-    let mut pixels = vec![0; (3 * SIZE.0 * SIZE.1) as usize];
-    let root = BitMapBackend::with_buffer(&mut pixels, SIZE).into_drawing_area();
-    draw(chart, metric, &root)?;
-    drop(root);
-    Ok(image::RgbImage::from_raw(SIZE.0, SIZE.1, pixels).expect("three bytes for each pixel"))
+/// A chart of pictures and the metric that it shows.
+#[derive(Clone, Copy, Debug)]
+pub struct PictureDrawing<'a> {
+    /// The pictures.
+    pub chart: &'a PictureChart,
+    /// The vertical axis.
+    pub metric: PictureMetric,
 }
 
-/// The chart as SVG.
-///
-/// # Errors
-/// No picture was made.
-pub fn draw_picture_svg(chart: &PictureChart, metric: PictureMetric) -> Result<String, DrawError> {
-    let mut text = String::new();
-    let root = SVGBackend::with_string(&mut text, SIZE).into_drawing_area();
-    draw(chart, metric, &root)?;
-    drop(root);
-    Ok(text)
-}
-
-fn draw<B: DrawingBackend>(
-    chart: &PictureChart,
-    metric: PictureMetric,
-    root: &DrawingArea<B, Shift>,
-) -> Result<(), DrawError> {
-    let empty = || DrawError::Empty(chart.scene.clone());
-    let x = LogAxis::around(chart.pictures.iter().map(|picture| picture.seconds)).ok_or_else(empty)?;
-    let values = chart.pictures.iter().map(|picture| metric.of(picture));
-    let y = LogAxis::around(values.chain([metric.floor(chart)])).ok_or_else(empty)?;
-    plot(chart, metric, root, (x, y)).map_err(|error| DrawError::Plot(error.to_string()))
+impl Plot for PictureDrawing<'_> {
+    fn plot<B: DrawingBackend>(&self, root: &DrawingArea<B, Shift>) -> Result<(), DrawError> {
+        let Self { chart, metric } = *self;
+        let empty = || DrawError::Empty(chart.scene.clone());
+        let x = LogAxis::around(chart.pictures.iter().map(|picture| picture.seconds)).ok_or_else(empty)?;
+        let values = chart.pictures.iter().map(|picture| metric.of(picture));
+        let y = LogAxis::around(values.chain([metric.floor(chart)])).ok_or_else(empty)?;
+        plot(chart, metric, root, (x, y)).map_err(|error| DrawError::Plot(error.to_string()))
+    }
 }
 
 fn plot<B: DrawingBackend>(
@@ -95,23 +79,19 @@ fn plot<B: DrawingBackend>(
     metric: PictureMetric,
     root: &DrawingArea<B, Shift>,
     (x, y): (LogAxis, LogAxis),
-) -> Result<(), DrawingAreaErrorKind<B::ErrorType>> {
+) -> Drawn<B, ()> {
     let text = |size: f64, colour: RGBColor| (family(), size).into_font().color(&colour);
-    root.fill(&WHITE)?;
     let title = match metric {
         PictureMetric::Flip => "FLIP",
         PictureMetric::Local => "local error",
     };
-    root.draw(&Text::new(format!("{}: {title} of pictures over time", chart.scene), (90, 22), text(32.0, INK)))?;
     let [width, height] = chart.size;
     let about = format!(
         "{width} × {height} pixels, {} threads; reference: {} samples a pixel",
         chart.threads,
         crate::base::format::count(chart.reference.samples),
     );
-    root.draw(&Text::new(about, (90, 62), text(19.0, RGBColor(110, 110, 110))))?;
-    let (_, area) = root.split_vertically(92);
-    let (area, beside) = area.split_horizontally(SIZE.0 - LEGEND_WIDTH);
+    let [area, beside] = headed(root, format!("{}: {title} of pictures over time", chart.scene), about)?;
     let of_axes = ("seconds from the start to the finished picture", metric.axis());
     let mut context = axes(&area, (x, y), of_axes)?;
     let mut legend_y = 30;

@@ -16,7 +16,7 @@ use std::time::{Duration, Instant};
 use glam::{DVec3, Vec2, Vec3};
 use serde::Serialize;
 
-pub use draw::{PictureMetric, draw_picture_png, draw_picture_svg};
+pub use draw::{PictureDrawing, PictureMetric};
 pub use flip::mean_flip;
 pub use write::{picture_csv, picture_table};
 

@@ -3,33 +3,31 @@
 use std::fmt::Write as _;
 
 use super::{PictureChart, PictureKind, PictureRecord};
-use crate::measure::records;
+use crate::measure::records::{self, columns, optional};
 
 /// The chart as CSV: a row for each picture.
 pub fn picture_csv(chart: &PictureChart) -> String {
     let record = |picture: &PictureRecord| {
-        let [width, height] = chart.size;
-        let optional = |value: Option<String>| value.unwrap_or_default();
-        vec![
+        let ([width, height], local, reference) = (chart.size, &picture.local, &chart.reference);
+        let mut row = vec![
             ("scene", chart.scene.clone()),
             ("picture", picture.kind.name().to_owned()),
             ("width", width.to_string()),
             ("height", height.to_string()),
-            ("threads", chart.threads.to_string()),
-            ("exposure", chart.exposure.to_string()),
-            ("error_asked", optional(picture.error_asked.map(|error| error.to_string()))),
-            ("samples", optional(picture.samples.map(|samples| samples.to_string()))),
-            ("seconds", picture.seconds.to_string()),
-            ("solve_seconds", picture.solve_seconds.to_string()),
-            ("flip", picture.flip.to_string()),
-            ("pixel_e_p50", picture.local.p50.to_string()),
-            ("pixel_e_p90", picture.local.p90.to_string()),
-            ("pixel_e_p95", picture.local.p95.to_string()),
-            ("pixel_e_rms", picture.local.rms.to_string()),
-            ("reference_samples", chart.reference.samples.to_string()),
-            ("reference_flip_of_halves", chart.reference.flip_of_halves.to_string()),
-            ("reference_noise_p90", chart.reference.noise_p90.to_string()),
-        ]
+        ];
+        row.extend(columns!(chart; threads, exposure));
+        row.extend([optional("error_asked", picture.error_asked), optional("samples", picture.samples)]);
+        row.extend(columns!(picture; seconds, solve_seconds, flip));
+        row.extend([
+            ("pixel_e_p50", local.p50.to_string()),
+            ("pixel_e_p90", local.p90.to_string()),
+            ("pixel_e_p95", local.p95.to_string()),
+            ("pixel_e_rms", local.rms.to_string()),
+            ("reference_samples", reference.samples.to_string()),
+            ("reference_flip_of_halves", reference.flip_of_halves.to_string()),
+            ("reference_noise_p90", reference.noise_p90.to_string()),
+        ]);
+        row
     };
     records::csv(&chart.pictures.iter().map(record).collect::<Vec<_>>())
 }

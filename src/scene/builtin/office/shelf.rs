@@ -24,8 +24,8 @@ pub(super) fn shelf(d: &mut Draft, p: &Paints, seed: u32) {
         let side = Faces::BACK | Faces::BOTTOM;
         d.cuboid(vec3(-inner - PLANK, 0.0, 0.0), vec3(-inner, HEIGHT, DEPTH), side, p.walnut);
         d.cuboid(vec3(inner, 0.0, 0.0), vec3(inner + PLANK, HEIGHT, DEPTH), side, p.walnut);
-        d.cuboid(vec3(-inner, PLINTH, 0.0), vec3(inner, HEIGHT - PLANK, back), Faces::FRONT.all_but(), p.walnut);
-        let plinth = Faces::FRONT.all_but();
+        d.cuboid(vec3(-inner, PLINTH, 0.0), vec3(inner, HEIGHT - PLANK, back), !Faces::FRONT, p.walnut);
+        let plinth = !Faces::FRONT;
         d.cuboid(vec3(-inner, 0.0, 0.0), vec3(inner, PLINTH, DEPTH - 0.03), plinth, p.walnut);
     });
     let clear = (HEIGHT - PLINTH - PLANK) / BOARDS as f32;

@@ -243,7 +243,7 @@ impl Hall {
             d.piece("board", vec3(-0.03 * room.width(), 0.9, -z), 0.0, |d| {
                 let (half, high) = (0.5 * board, 1.25);
                 let shut = Faces::BACK | Faces::ENDS;
-                d.cuboid(vec3(-half, 0.0, 0.0), vec3(half, high, 0.02), Faces::FRONT.all_but(), p.board);
+                d.cuboid(vec3(-half, 0.0, 0.0), vec3(half, high, 0.02), !Faces::FRONT, p.board);
                 d.cuboid(vec3(-half - 0.04, 0.0, 0.0), vec3(-half, high, 0.035), shut, p.wood);
                 d.cuboid(vec3(half, 0.0, 0.0), vec3(half + 0.04, high, 0.035), shut, p.wood);
                 d.cuboid(vec3(-half - 0.04, high, 0.0), vec3(half + 0.04, high + 0.04, 0.035), Faces::BACK, p.wood);
