@@ -3,12 +3,13 @@
 use egui::{Align2, Color32, FontId, Frame, Label, Rect, RichText, Ui, UiBuilder, pos2, vec2};
 
 use crate::app::state::comparison::{FULL_SCALE, Shading};
-use crate::app::view::colour_bar;
+use crate::app::tools::Tools;
 use crate::app::view::overlays::{Overlays, Place};
+use crate::app::view::{View, colour_bar};
 use crate::app::widgets::theme;
-use crate::app::{App, words};
+use crate::app::words;
 use crate::base::photometry::{CONVENTION, ShownIn, Unit};
-use crate::render::{Mark, Reading};
+use crate::render::{Mark, Reading, ReadingSettings};
 
 /// Size of the bar, points.
 const BAR: egui::Vec2 = vec2(264.0, 12.0);
@@ -27,23 +28,22 @@ struct Legend<'a> {
 }
 
 /// Shows the meaning of the surfaces' colours, where they have one.
-pub(in crate::app) fn show_meaning(app: &mut App, ui: &Ui, view: Rect) {
-    let overlays = &mut app.view.overlays;
-    if app.tools.pinned.painted().is_some() {
-        show_difference(overlays, ui, view);
-    } else if app.tools.comparison.error().is_some() && app.tools.comparison.shading != Shading::Lit {
-        show_error(overlays, ui, view, app.tools.comparison.shading);
-    } else if let Some(reading) = app.view.reading.last() {
-        let settings = &app.edits.display.reading;
+pub(in crate::app) fn show_meaning(ui: &Ui, rect: Rect, view: &mut View, tools: &Tools, settings: &ReadingSettings) {
+    let overlays = &mut view.overlays;
+    if tools.pinned.painted().is_some() {
+        show_difference(overlays, ui, rect);
+    } else if tools.comparison.error().is_some() && tools.comparison.shading != Shading::Lit {
+        show_error(overlays, ui, rect, tools.comparison.shading);
+    } else if let Some(reading) = view.reading.last() {
         let remark = match (reading.fills, settings.range) {
             (false, _) => "lines",
             (true, Some(_)) => "locked range",
             (true, None) => "",
         };
-        show_reading(overlays, ui, view, &reading, remark);
-    } else if let Some(reading) = app.tools.measuring.plane_scale(None).filter(|_| app.tools.measuring.shows_points) {
-        let reading = Reading { shown_in: ShownIn::Unit(app.edits.display.reading.unit), ..reading };
-        show_reading(overlays, ui, view, &reading, "work plane");
+        show_reading(overlays, ui, rect, &reading, remark);
+    } else if let Some(reading) = tools.measuring.plane_scale(None).filter(|_| tools.measuring.shows_points) {
+        let reading = Reading { shown_in: ShownIn::Unit(settings.unit), ..reading };
+        show_reading(overlays, ui, rect, &reading, "work plane");
     }
 }
 

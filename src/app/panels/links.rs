@@ -4,9 +4,9 @@
 use egui::{Align2, Color32, FontId, Rect, Slider, Ui, pos2, vec2};
 
 use crate::app::state::settings::{LinkOverlay, LinksOf};
-use crate::app::view::colour_bar;
+use crate::app::view::{View, colour_bar};
 use crate::app::widgets::theme;
-use crate::app::{App, Shown, format, words};
+use crate::app::{Shown, format, words};
 use crate::render::{ChosenLinks, LinkColour, LinkFilter, Seen, level_colour, power_colour};
 
 /// Numbers of links a slider offers.
@@ -70,8 +70,7 @@ pub(in crate::app) fn show(ui: &mut Ui, shown: &Shown, links: &mut LinkOverlay) 
 }
 
 fn show_level(ui: &mut Ui, shown: &Shown, links: &mut LinkOverlay) {
-    let solution_view = shown.snapshot.as_ref().and_then(|snapshot| snapshot.solution_view.as_ref());
-    let Some(deepest) = solution_view.map(|solution_view| solution_view.deepest()) else { return };
+    let Some(deepest) = shown.solution_view().map(|solution_view| solution_view.deepest()) else { return };
     theme::row(ui, words::RECEIVERS_AT_LEVEL, |ui| {
         // What was chosen for a deeper hierarchy comes back with it.
         let mut level = links.level.min(deepest);
@@ -126,24 +125,23 @@ const DECADES: f32 = 3.0;
 
 /// Draws what the colours say, and how much is not drawn, into the view's lower right corner;
 /// nothing where no links are drawn.
-pub(in crate::app) fn show_legend(app: &mut App, ui: &Ui, view: Rect) {
-    let Some(chosen) = app.view.marks.chosen_links() else { return };
+pub(in crate::app) fn show_legend(ui: &Ui, rect: Rect, shown: &Shown, view: &mut View, meaning: LinkColour) {
+    let Some(chosen) = view.marks.chosen_links() else { return };
     let words = chosen.to_string();
     let has_colours = !chosen.links.is_empty();
     let font = FontId::proportional(12.0);
-    let painter = ui.painter_at(view);
+    let painter = ui.painter_at(rect);
     let galley = painter.layout(words.clone(), font.clone(), theme::TEXT_STRONG, BAR.x);
-    let of_colours = match app.edits.display.links.style.colour {
+    let of_colours = match meaning {
         _ if !has_colours => 0.0,
         LinkColour::Visibility => 37.0,
         LinkColour::Power | LinkColour::Level => 50.0,
     };
     let height = galley.size().y + 2.0 * 8.0 + of_colours;
     let size = vec2(BAR.x + 2.0 * MARGIN, height);
-    let corner = Rect::from_min_size(view.right_bottom() - vec2(MARGIN, MARGIN) - size, size);
-    let Some(card) = app.view.overlays.free(view, corner) else { return };
-    app.view.overlays.take("link legend", card);
-    let Some(chosen) = app.view.marks.chosen_links() else { return };
+    let corner = Rect::from_min_size(rect.right_bottom() - vec2(MARGIN, MARGIN) - size, size);
+    let Some(card) = view.overlays.free(rect, corner) else { return };
+    view.overlays.take("link legend", card);
     let response = ui.interact(card, egui::Id::unique("link legend"), egui::Sense::hover());
     response.widget_info(|| egui::WidgetInfo::labeled(egui::accesskit::Role::Label, true, &words));
     painter.rect_filled(card, 6.0, theme::PANEL.gamma_multiply(0.92));
@@ -155,13 +153,13 @@ pub(in crate::app) fn show_legend(app: &mut App, ui: &Ui, view: Rect) {
     let text = |at, align, text: &str| painter.text(at, align, text, font.clone(), theme::TEXT);
     let top = card.top() + text_height + 14.0;
     let bar = Rect::from_min_size(pos2(card.left() + MARGIN, top + 15.0), BAR);
-    let (title, labels) = match app.edits.display.links.style.colour {
+    let (title, labels) = match meaning {
         LinkColour::Power => ("Colour: power of the link, sum of the channels", power_labels(chosen)),
         LinkColour::Visibility => ("Colour: visibility V of the link", [String::new(), String::new()]),
-        LinkColour::Level => ("Colour: level of the source", level_labels(app)),
+        LinkColour::Level => ("Colour: level of the source", level_labels(shown)),
     };
     painter.text(pos2(bar.left(), top - 3.0), Align2::LEFT_TOP, title, font.clone(), theme::TEXT_WEAK);
-    if app.edits.display.links.style.colour == LinkColour::Visibility {
+    if meaning == LinkColour::Visibility {
         let names = [
             (Seen::Full, words::FULLY_VISIBLE),
             (Seen::Partial, words::PARTLY_VISIBLE),
@@ -179,7 +177,7 @@ pub(in crate::app) fn show_legend(app: &mut App, ui: &Ui, view: Rect) {
         }
         return;
     }
-    let colour = |along: f32| match app.edits.display.links.style.colour {
+    let colour = |along: f32| match meaning {
         LinkColour::Level => level_colour((1000.0 * along) as u16, 1000),
         LinkColour::Power | LinkColour::Visibility => power_colour(10_f32.powf(DECADES * (along - 1.0))),
     };
@@ -194,8 +192,7 @@ fn power_labels(chosen: &ChosenLinks) -> [String; 2] {
     [format!("≤ {}", format::quantity(least, "W")), format::quantity(most, "W")]
 }
 
-fn level_labels(app: &App) -> [String; 2] {
-    let solution_view = app.shown.snapshot.as_ref().and_then(|snapshot| snapshot.solution_view.as_ref());
-    let deepest = solution_view.map_or(0, |solution_view| solution_view.deepest());
+fn level_labels(shown: &Shown) -> [String; 2] {
+    let deepest = shown.solution_view().map_or(0, |solution_view| solution_view.deepest());
     ["0, the root".into(), deepest.to_string()]
 }

@@ -4,30 +4,21 @@ use std::path::PathBuf;
 
 use egui::{ComboBox, RichText, Ui};
 
+use crate::app::actions::{Action, Outbox};
 use crate::app::state::files::Files;
 use crate::app::widgets::theme;
-use crate::app::{Outbox, Shown, format, words};
+use crate::app::{Shown, format, words};
 use crate::scene::builtin::BuiltinScene;
-use crate::scene::{CameraPose, Kept, Reading, Sidecar, Source, Unit, UpAxis};
+use crate::scene::{Sidecar, Source, Unit, UpAxis};
 use crate::worker::{Command, SceneInfo};
 
-/// Choices of a person that the section itself cannot carry out.
-#[derive(Default)]
-pub(in crate::app) struct Chosen {
-    /// Another way to read the scene's file.
-    pub reading: Option<Reading>,
-    /// A view of the file.
-    pub view: Option<CameraPose>,
-}
-
 /// Draws the section.
-pub(in crate::app) fn show(ui: &mut Ui, shown: &Shown, files: &mut Files, kept: Kept, outbox: &mut Outbox) -> Chosen {
-    let mut chosen = Chosen::default();
+pub(in crate::app) fn show(ui: &mut Ui, shown: &Shown, files: &mut Files, outbox: &mut Outbox) {
     match &shown.info {
         Some(info) => {
             show_present(ui, info);
             if info.path.is_some() {
-                show_frame(ui, info, &mut chosen);
+                show_frame(ui, info, outbox);
             }
         }
         None => {
@@ -46,16 +37,16 @@ pub(in crate::app) fn show(ui: &mut Ui, shown: &Shown, files: &mut Files, kept: 
     });
     ui.horizontal(|ui| {
         show_recent(ui, files, outbox);
-        if let Some(path) = sidecar_of(shown) {
-            show_save(ui, path, files, kept.clone(), outbox);
+        let hint = "Writes NAME.selflink.json beside the scene: what was changed of materials, luminaires, sides, the present camera, bookmarks and the task area. What it says already stays.";
+        if sidecar_of(shown).is_some() && ui.button(words::SAVE_SCENE_SETTINGS).on_hover_text(hint).clicked() {
+            outbox.act(Action::SaveSettings { overwrites: false });
         }
     });
-    show_question(ui, sidecar_of(shown), files, kept, outbox);
-    chosen
+    show_question(ui, sidecar_of(shown), files, outbox);
 }
 
 /// Up axis, length unit and views of the file.
-fn show_frame(ui: &mut Ui, info: &SceneInfo, chosen: &mut Chosen) {
+fn show_frame(ui: &mut Ui, info: &SceneInfo, outbox: &mut Outbox) {
     let scene = &info.scene;
     let mut reading = scene.reading.clone();
     ui.horizontal_wrapped(|ui| {
@@ -87,7 +78,7 @@ fn show_frame(ui: &mut Ui, info: &SceneInfo, chosen: &mut Chosen) {
             ui.menu_button("Cameras", |ui| {
                 for camera in &scene.cameras {
                     if ui.button(camera.name.as_str()).clicked() {
-                        chosen.view = Some(camera.pose);
+                        outbox.act(Action::GoTo(camera.pose));
                         ui.close();
                     }
                 }
@@ -95,7 +86,7 @@ fn show_frame(ui: &mut Ui, info: &SceneInfo, chosen: &mut Chosen) {
         }
     });
     if reading != scene.reading {
-        chosen.reading = Some(reading);
+        outbox.act(Action::Read(reading));
     }
 }
 
@@ -195,23 +186,12 @@ fn show_recent(ui: &mut Ui, files: &Files, outbox: &mut Outbox) {
 }
 
 /// Where the sidecar of the scene in view lies, or would lie.
-fn sidecar_of(shown: &Shown) -> Option<PathBuf> {
+pub(in crate::app) fn sidecar_of(shown: &Shown) -> Option<PathBuf> {
     shown.info.as_ref().and_then(|info| info.path.as_deref()).map(Sidecar::path_for)
 }
 
-fn show_save(ui: &mut Ui, path: PathBuf, files: &mut Files, kept: Kept, outbox: &mut Outbox) {
-    let hint = "Writes NAME.selflink.json beside the scene: what was changed of materials, luminaires, sides, the present camera, bookmarks and the task area. What it says already stays.";
-    if ui.button(words::SAVE_SCENE_SETTINGS).on_hover_text(hint).clicked() {
-        if path.exists() {
-            files.sidecar_in_question = Some(path);
-        } else {
-            outbox.push(Command::SaveSidecar(kept));
-        }
-    }
-}
-
 /// Asks before a sidecar that is there already is overwritten.
-fn show_question(ui: &mut Ui, present: Option<PathBuf>, files: &mut Files, kept: Kept, outbox: &mut Outbox) {
+fn show_question(ui: &mut Ui, present: Option<PathBuf>, files: &mut Files, outbox: &mut Outbox) {
     // Another scene makes the question pointless.
     let Some(path) = files.sidecar_in_question.take_if(|path| present.as_ref() == Some(path)) else { return };
     let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
@@ -219,7 +199,7 @@ fn show_question(ui: &mut Ui, present: Option<PathBuf>, files: &mut Files, kept:
     let (overwrite, cancel) =
         ui.horizontal(|ui| (ui.button(words::OVERWRITE).clicked(), ui.button(words::CANCEL).clicked())).inner;
     if overwrite {
-        outbox.push(Command::SaveSidecar(kept));
+        outbox.act(Action::SaveSettings { overwrites: true });
     } else if !cancel {
         files.sidecar_in_question = Some(path);
     }

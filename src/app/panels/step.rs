@@ -3,22 +3,22 @@
 
 use egui::{Align2, Frame, Label, Rect, Ui};
 
-use crate::app::view::overlays::Place;
+use crate::app::view::overlays::{Overlays, Place};
 use crate::app::widgets::theme;
-use crate::app::{App, format, words};
+use crate::app::{Shown, format, words};
 use crate::solve::{TimelineStep, TimelineStepKind};
 
 /// Width at most, points.
 const WIDTH: f32 = 430.0;
 
 /// Draws it while a former step is in view.
-pub(in crate::app) fn show(app: &mut App, ui: &Ui, view: Rect) {
-    let in_view = app.shown.snapshot.as_ref().and_then(|snapshot| snapshot.former_step);
-    let Some(step) = in_view.and_then(|step| app.shown.status.steps.get(step)) else { return };
+pub(in crate::app) fn show(ui: &Ui, view: Rect, shown: &Shown, overlays: &mut Overlays) {
+    let in_view = shown.snapshot.as_ref().and_then(|snapshot| snapshot.former_step);
+    let Some(step) = in_view.and_then(|step| shown.status.steps.get(step)) else { return };
     let text = in_words(step);
     let at_rim = Place::at_rim("step", view, Align2::CENTER_TOP);
     let place = Place { is_interactable: false, is_needed: false, ..at_rim };
-    app.view.overlays.show(ui.ctx(), place, |ui| {
+    overlays.show(ui.ctx(), place, |ui| {
         let fill = theme::PANEL.gamma_multiply(0.9);
         Frame::new().fill(fill).corner_radius(4).inner_margin(egui::Margin::symmetric(10, 6)).show(ui, |ui| {
             ui.set_max_width(WIDTH.min(view.width() - 40.0).max(80.0));

@@ -55,7 +55,7 @@ impl Files {
         self.dialog.is_open()
     }
 
-    /// Opens the system's dialog on a thread of its own.
+    /// Opens the system's dialog on a thread of its own, unless it is open.
     pub(in crate::app) fn open_dialog(&mut self, ctx: &egui::Context) {
         self.dialog.open(ctx, || {
             rfd::FileDialog::new()

@@ -12,10 +12,11 @@ use std::time::Duration;
 
 use egui::Ui;
 
+use crate::app::actions::Action;
 use crate::app::widgets::theme;
-use crate::app::{App, Outbox, Wake};
+use crate::app::{Outbox, Wake};
 use crate::scene::Source;
-use crate::worker::{Command, FileStamp, SceneInfo};
+use crate::worker::{FileStamp, SceneInfo};
 
 /// Time between two looks at the files.
 const INTERVAL: Duration = Duration::from_millis(500);
@@ -87,6 +88,11 @@ impl Watch {
         self.reloading.take_if(|reloading| reloading != source);
     }
 
+    /// The scene in view is read anew.
+    pub(in crate::app) fn note_reloading(&mut self, source: Source) {
+        self.reloading = Some(source);
+    }
+
     /// A scene could not be read.
     pub(in crate::app) fn forget_reload(&mut self) {
         self.reloading = None;
@@ -156,8 +162,8 @@ impl Watched {
 }
 
 /// Draws the bar over the view that offers to read a changed file again.
-pub(in crate::app) fn show(app: &mut App, ui: &mut Ui, outbox: &mut Outbox) {
-    let Some(path) = &app.documents.watch.changed else { return };
+pub(in crate::app) fn show(ui: &mut Ui, watch: &mut Watch, outbox: &mut Outbox) {
+    let Some(path) = &watch.changed else { return };
     let name = name_of(path);
     let fill = theme::palette(ui.visuals()).note_fill;
     let [mut reload, mut keep] = [false; 2];
@@ -175,14 +181,10 @@ pub(in crate::app) fn show(app: &mut App, ui: &mut Ui, outbox: &mut Outbox) {
         });
     });
     if keep || reload {
-        app.documents.watch.changed = None;
+        watch.changed = None;
     }
     if reload {
-        let settings = app.settings();
-        if let Some(source) = settings.source() {
-            outbox.push(Command::Load(source.clone(), settings.reading, settings.light));
-            app.documents.watch.reloading = Some(source);
-        }
+        outbox.act(Action::Reload);
     }
 }
 

@@ -5,12 +5,15 @@ use std::path::{Path, PathBuf};
 
 use egui::{Button, ComboBox, DragValue, RichText, Ui};
 
+use crate::app::actions::{Action, Outbox};
 use crate::app::state::exports::{self, Exports, Item, PictureSize};
+use crate::app::view::viewport::Viewport;
 use crate::app::widgets::dialog::DialogAnswer;
 use crate::app::widgets::theme;
-use crate::app::{App, format, words};
+use crate::app::{Shown, Wake, format, words};
 use crate::export::MeshFormat;
 use crate::export::peers::Peer;
+use crate::export::settings::Settings;
 use crate::render::MAX_SIZE;
 
 /// Text of a button, the item that it writes, and a hint about it.
@@ -46,31 +49,29 @@ const PEERS: [Offer; 2] = [
     ),
 ];
 
-/// Draws the tool.
-pub(in crate::app) fn show(app: &mut App, ui: &mut Ui) {
-    if app.shown.info.is_none() || app.shown.snapshot.is_none() {
+/// Draws the tool; `view` is the size of what is drawn there, pixels.
+pub(in crate::app) fn show(ui: &mut Ui, shown: &Shown, exports: &mut Exports, view: [u32; 2], outbox: &mut Outbox) {
+    if shown.info.is_none() || shown.snapshot.is_none() {
         ui.label(theme::weak("Nothing to export yet: open a scene."));
         return;
     }
-    show_name(&mut app.documents.exports, ui);
+    show_name(exports, ui);
     ui.add_space(6.0);
     let mut wanted = None;
-    let is_idle = app.documents.exports.writing().is_none();
+    let is_idle = exports.writing().is_none();
     heading(ui, "The view");
-    show_size(&mut app.documents.exports, ui, app.view.viewport.pixels());
+    show_size(exports, ui, view);
     buttons(ui, is_idle, &PICTURES, &mut wanted);
-    heading(ui, "The lit mesh");
-    buttons(ui, is_idle, &MESHES, &mut wanted);
-    heading(ui, "Numbers");
-    buttons(ui, is_idle, &NUMBERS, &mut wanted);
-    heading(ui, "For other programs");
-    buttons(ui, is_idle, &PEERS, &mut wanted);
+    for (title, offers) in [("The lit mesh", &MESHES[..]), ("Numbers", &NUMBERS), ("For other programs", &PEERS)] {
+        heading(ui, title);
+        buttons(ui, is_idle, offers, &mut wanted);
+    }
     ui.add_space(6.0);
     if let Some(item) = wanted {
-        ask(app, item);
+        ask(exports, item, outbox);
     }
-    show_question(app, ui);
-    show_state(&mut app.documents.exports, ui);
+    show_question(exports, ui, outbox);
+    show_state(exports, ui);
 }
 
 fn heading(ui: &mut Ui, text: &str) {
@@ -153,27 +154,25 @@ fn buttons(ui: &mut Ui, is_idle: bool, offers: &[Offer], wanted: &mut Option<Ite
 }
 
 /// Writes a file, or asks first where one is there.
-fn ask(app: &mut App, item: Item) {
-    app.documents.exports.in_question = None;
-    match app.documents.exports.path(item) {
-        Some(path) if path.exists() => app.documents.exports.in_question = Some(item),
-        Some(_) => begin(app, item),
-        None => app.documents.exports.outcome = Some(Err("Give the files a name first, such as /home/me/room.".into())),
+fn ask(exports: &mut Exports, item: Item, outbox: &mut Outbox) {
+    exports.in_question = None;
+    match exports.path(item) {
+        Some(path) if path.exists() => exports.in_question = Some(item),
+        Some(_) => outbox.act(Action::Export(item)),
+        None => exports.outcome = Some(Err("Give the files a name first, such as /home/me/room.".into())),
     }
 }
 
-fn show_question(app: &mut App, ui: &mut Ui) {
-    let Some(item) = app.documents.exports.in_question else { return };
-    let Some(path) = app.documents.exports.path(item) else { return };
-    let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned();
-    ui.label(format!("{name} already exists."));
+fn show_question(exports: &mut Exports, ui: &mut Ui, outbox: &mut Outbox) {
+    let Some((item, path)) = exports.in_question.and_then(|item| Some((item, exports.path(item)?))) else { return };
+    ui.label(format!("{} already exists.", path.file_name().unwrap_or(path.as_os_str()).to_string_lossy()));
     ui.horizontal(|ui| {
-        if ui.button("Overwrite it").clicked() {
-            app.documents.exports.in_question = None;
-            begin(app, item);
+        let overwrite = ui.button("Overwrite it").clicked();
+        if overwrite {
+            outbox.act(Action::Export(item));
         }
-        if ui.button("Keep it").clicked() {
-            app.documents.exports.in_question = None;
+        if ui.button("Keep it").clicked() || overwrite {
+            exports.in_question = None;
         }
     });
 }
@@ -204,17 +203,17 @@ fn show_state(exports: &mut Exports, ui: &mut Ui) {
 }
 
 /// Hands a file to its thread.
-fn begin(app: &mut App, item: Item) {
-    let (Some(path), Some(info), Some(snapshot)) =
-        (app.documents.exports.path(item), &app.shown.info, &app.shown.snapshot)
-    else {
-        return;
-    };
+pub(in crate::app) fn begin(
+    exports: &mut Exports,
+    item: Item,
+    shown: &Shown,
+    viewport: &Viewport,
+    settings: Settings,
+    wake: &Wake,
+) {
+    let (Some(path), Some(info), Some(snapshot)) = (exports.path(item), &shown.info, &shown.snapshot) else { return };
     let (scene, snapshot) = (info.scene.clone(), snapshot.clone());
-    let size = pixels(app.documents.exports.size, app.documents.exports.own_size, app.view.viewport.pixels());
-    let picture = app.view.viewport.picture(size);
-    let settings = app.settings();
-    let (exports, wake) = (&mut app.documents.exports, &app.wake);
+    let picture = viewport.picture(pixels(exports.size, exports.own_size, viewport.pixels()));
     match (item, picture) {
         (Item::Png, Some(picture)) => exports.begin(path, wake, move |to| exports::write_png(to, &picture)),
         (Item::Exr, Some(picture)) => exports.begin(path, wake, move |to| exports::write_exr(to, &picture, &snapshot)),

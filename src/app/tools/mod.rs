@@ -3,26 +3,27 @@
 //!
 //! A bar above the view opens and closes them.
 
-mod clusters;
+pub(in crate::app) mod clusters;
 pub(in crate::app) mod compare;
-mod export;
-mod inspector;
-mod matrix;
-mod measure;
+pub(in crate::app) mod export;
+pub(in crate::app) mod inspector;
+pub(in crate::app) mod matrix;
+pub(in crate::app) mod measure;
 
-use egui::{RichText, ScrollArea, Ui};
+use egui::Ui;
 use serde::{Deserialize, Serialize};
 
 pub(in crate::app) use clusters::Clusters;
 pub(in crate::app) use inspector::Inspector;
 pub(in crate::app) use matrix::LinkMatrix;
 
+use crate::app::actions::{Action, Outbox};
 use crate::app::state::comparison::Comparison;
 use crate::app::state::inspection::Inspection;
 use crate::app::state::measuring::Measuring;
 use crate::app::state::pinned::Pinned;
 use crate::app::state::playback::Playback;
-use crate::app::{App, Outbox, layout, words};
+use crate::app::words;
 
 /// State of each tool.
 #[derive(Default)]
@@ -77,13 +78,13 @@ impl Tool {
     }
 
     /// Width when it is opened for the first time, points; each tool remembers its own.
-    fn first_width(self) -> f32 {
+    pub(in crate::app) fn first_width(self) -> f32 {
         if matches!(self, Self::Inspector | Self::Matrix | Self::Clusters) { FIRST_WIDTH_OF_TABLE } else { FIRST_WIDTH }
     }
 }
 
 /// Every tool with its name on the bar and what it is for, in the bar's order.
-const TOOLS: [(Tool, &str, &str); 6] = [
+pub(in crate::app) const TOOLS: [(Tool, &str, &str); 6] = [
     (Tool::Inspector, words::INSPECTOR, "One element: its place in the hierarchy, its light and its links"),
     (Tool::Matrix, words::LINK_MATRIX, "All links as blocks: receivers by sources"),
     (Tool::Clusters, words::CLUSTERS, "The tree of clusters, and manual groups"),
@@ -102,31 +103,28 @@ const ROOM_FOR_TOOLS: f32 = 840.0;
 
 /// The bar above the view: a switch for each tool, in a menu where there is no room for all of
 /// them.
-pub(in crate::app) fn show_bar(app: &mut App, ui: &mut Ui) {
+pub(in crate::app) fn show_bar(ui: &mut Ui, open: Option<Tool>, are_keys_shown: bool, outbox: &mut Outbox) {
     let has_room = ui.max_rect().width() >= ROOM_FOR_TOOLS;
+    let full = (words::FULL_SCREEN, "The picture alone; F11 or Esc brings the panels back");
     ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-        let keys = ui
-            .selectable_label(app.layout.are_keys_shown, " ? ")
-            .on_hover_text(words::MOUSE_AND_KEYS)
-            .accessible_name(words::KEYS);
-        if keys.clicked() {
-            app.layout.are_keys_shown = !app.layout.are_keys_shown;
+        let keys = ui.selectable_label(are_keys_shown, " ? ").on_hover_text(words::MOUSE_AND_KEYS);
+        if keys.accessible_name(words::KEYS).clicked() {
+            outbox.act(Action::ToggleKeys);
         }
         if has_room {
-            show_full_screen(app, ui);
+            show_switch(ui, false, full, Action::ToggleFullScreen, outbox);
             ui.separator();
             for (tool, name, hint) in TOOLS.iter().rev() {
-                show_switch(app, ui, *tool, name, hint);
+                show_switch(ui, open == Some(*tool), (name, hint), Action::ToggleTool(*tool), outbox);
             }
         } else {
             ui.menu_button(words::TOOLS, |ui| {
+                let mut is_clicked = false;
                 for (tool, name, hint) in &TOOLS {
-                    if show_switch(app, ui, *tool, name, hint) {
-                        ui.close();
-                    }
+                    is_clicked |= show_switch(ui, open == Some(*tool), (name, hint), Action::ToggleTool(*tool), outbox);
                 }
                 ui.separator();
-                if show_full_screen(app, ui) {
+                if show_switch(ui, false, full, Action::ToggleFullScreen, outbox) || is_clicked {
                     ui.close();
                 }
             });
@@ -134,57 +132,11 @@ pub(in crate::app) fn show_bar(app: &mut App, ui: &mut Ui) {
     });
 }
 
-/// The switch of the full screen; whether it was clicked.
-fn show_full_screen(app: &mut App, ui: &mut Ui) -> bool {
-    let full = ui.selectable_label(app.layout.is_full_picture, words::FULL_SCREEN);
-    let is_clicked = full.on_hover_text("The picture alone; F11 or Esc brings the panels back").clicked();
+/// A switch with its name and hint; whether it was clicked.
+fn show_switch(ui: &mut Ui, is_on: bool, (name, hint): (&str, &str), action: Action, outbox: &mut Outbox) -> bool {
+    let is_clicked = ui.selectable_label(is_on, name).on_hover_text(hint).clicked();
     if is_clicked {
-        app.set_full_screen(ui.ctx(), true);
+        outbox.act(action);
     }
     is_clicked
-}
-
-/// The switch of a tool; whether it was clicked.
-fn show_switch(app: &mut App, ui: &mut Ui, tool: Tool, name: &str, hint: &str) -> bool {
-    let is_clicked = ui.selectable_label(app.tools.open == Some(tool), name).on_hover_text(hint).clicked();
-    if is_clicked {
-        app.toggle_tool(tool);
-    }
-    is_clicked
-}
-
-/// The open tool, if one is.
-pub(in crate::app) fn show(app: &mut App, ui: &mut Ui, outbox: &mut Outbox) {
-    let Some(open) = app.tools.open else { return };
-    let Some((_, name, hint)) = TOOLS.iter().find(|(tool, ..)| *tool == open) else { return };
-    let most =
-        (layout::Sides::of(app, ui.ctx()).all - app.layout.settings_width).max(*WIDTHS.start()).min(*WIDTHS.end());
-    let widths = *WIDTHS.start()..=most;
-    egui::Panel::right(*name).default_size(open.first_width().min(most)).size_range(widths).show(ui, |ui| {
-        ui.horizontal(|ui| {
-            ui.label(RichText::new(*name).strong().size(14.0)).on_hover_text(*hint);
-            ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-                if ui.button(words::CLOSE_TOOL).clicked() {
-                    app.tools.open = None;
-                }
-            });
-        });
-        ui.separator();
-        match open {
-            // These fill the dock and scroll by themselves.
-            Tool::Inspector => inspector::show(app, ui),
-            Tool::Matrix => matrix::show(app, ui),
-            Tool::Clusters => clusters::show(app, ui, outbox),
-            Tool::Measure | Tool::Compare | Tool::Export => {
-                ScrollArea::vertical().auto_shrink([false, false]).show(ui, |ui| match open {
-                    Tool::Measure => {
-                        measure::show(ui, &app.shown, &mut app.tools.measuring, &mut app.messages, &app.wake)
-                    }
-                    Tool::Compare => compare::show(app, ui),
-                    Tool::Export => export::show(app, ui),
-                    Tool::Inspector | Tool::Matrix | Tool::Clusters => {}
-                });
-            }
-        }
-    });
 }

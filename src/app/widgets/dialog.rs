@@ -30,8 +30,11 @@ impl Dialog {
         self.0.is_some()
     }
 
-    /// Opens it; `ask` shows it and waits for the answer.
+    /// Opens it unless it is open; `ask` shows it and waits for the answer.
     pub(in crate::app) fn open(&mut self, ctx: &egui::Context, ask: impl FnOnce() -> Option<PathBuf> + Send + 'static) {
+        if self.is_open() {
+            return;
+        }
         let ctx = ctx.clone();
         let ask = move || {
             let opened = Instant::now();

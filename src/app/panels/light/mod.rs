@@ -9,10 +9,12 @@ mod sun_place;
 
 use egui::{Align2, Rect, Slider, Ui};
 
+use crate::app::actions::{Action, Outbox};
 use crate::app::state::lighting::{Lighting, LuminaireLight};
+use crate::app::view::View;
 use crate::app::view::overlays::Place;
 use crate::app::widgets::theme;
-use crate::app::{App, Outbox, Shown, format, words};
+use crate::app::{Shown, format, words};
 use crate::scene::{Luminaire, LuminaireShape, MaterialId, Reading, Scene};
 use crate::solve::{Epsilon, SolverParams};
 use crate::worker::Command;
@@ -155,7 +157,7 @@ impl LightEditor {
 
     /// How the scene in view is to be read again, where somebody asked for faces or against them
     /// since the last time.
-    pub(in crate::app) fn take_reading(&mut self, present: &Reading) -> Option<Reading> {
+    fn take_reading(&mut self, present: &Reading) -> Option<Reading> {
         let (name, faces) = self.faces.take()?;
         let mut reading = present.clone();
         reading.ignored.retain(|ignored| *ignored != name);
@@ -215,21 +217,30 @@ pub(in crate::app) fn show(
     daylight::show(ui, &mut editor.daylight, outbox);
     ui.add_space(6.0);
     luminaires::show(ui, info, eye, editor);
+    let to_be_seen = editor.to_be_seen.take().map(Action::TurnTowards);
+    let reading = editor.take_reading(&info.scene.reading).map(Action::Read);
+    to_be_seen.into_iter().chain(reading).for_each(|action| outbox.act(action));
 }
 
 /// Over a view that nothing lights: a sentence that says so, and two ways to some light.
-pub(in crate::app) fn show_ways_to_light(app: &mut App, ui: &Ui, view: Rect, outbox: &mut Outbox) {
-    let Some(info) = app.shown.info.clone() else { return };
+pub(in crate::app) fn show_ways_to_light(
+    ui: &Ui,
+    rect: Rect,
+    shown: &Shown,
+    view: &mut View,
+    light: &mut LightEditor,
+    outbox: &mut Outbox,
+) {
+    let Some(info) = &shown.info else { return };
     let sentence = if info.has_light { words::NO_LIGHT_HERE } else { words::NO_LIGHT_YET };
-    let eye = app.view.viewport.pose().map(|pose| pose.eye);
-    let mut place = Place::at_rim("ways to light", view, Align2::CENTER_TOP);
+    let eye = view.viewport.pose().map(|pose| pose.eye);
+    let mut place = Place::at_rim("ways to light", rect, Align2::CENTER_TOP);
     // The readout comes and goes above it.
     place.at.y += 34.0;
-    let light = &mut app.edits.light;
-    app.view.overlays.show(ui.ctx(), place, |ui| {
+    view.overlays.show(ui.ctx(), place, |ui| {
         let fill = theme::PANEL.gamma_multiply(0.94);
         egui::Frame::popup(ui.style()).fill(fill).inner_margin(10).show(ui, |ui| {
-            ui.set_max_width((view.width() - 60.0).clamp(160.0, 420.0));
+            ui.set_max_width((rect.width() - 60.0).clamp(160.0, 420.0));
             ui.add(egui::Label::new(sentence).wrap());
             ui.horizontal_wrapped(|ui| {
                 let can_let_daylight_in = info.is_open && info.scene.outside().is_none();
@@ -238,7 +249,7 @@ pub(in crate::app) fn show_ways_to_light(app: &mut App, ui: &Ui, view: Rect, out
                 }
                 if ui.button(words::HANG_UP_A_LAMP).clicked() {
                     let before = light.lighting.clone();
-                    luminaires::add(&info, eye, LuminaireShape::Square, light);
+                    luminaires::add(info, eye, LuminaireShape::Square, light);
                     // The room is to be seen by it: the view stays.
                     light.to_be_seen = None;
                     outbox.extend(light.lighting.commands_since(&before));
@@ -254,8 +265,7 @@ pub(in crate::app) fn show_ways_to_light(app: &mut App, ui: &Ui, view: Rect, out
 /// The row is there whether or not it has, so that nothing below it jumps while somebody drags a
 /// slider.
 fn show_anchor(ui: &mut Ui, shown: &Shown, params: &SolverParams, outbox: &mut Outbox) {
-    let stats = shown.snapshot.as_ref().map(|snapshot| &snapshot.stats);
-    let Some(stats) = stats.filter(|stats| stats.power_watts > 0.0) else { return };
+    let Some(stats) = shown.stats().filter(|stats| stats.power_watts > 0.0) else { return };
     let is_relative = matches!(params.threshold(), Epsilon::Relative(_));
     let has_moved = (stats.power_watts - stats.anchor_watts).abs() > SAME_POWER * stats.anchor_watts;
     let [then, now] = [stats.anchor_watts, stats.power_watts].map(|power| format::quantity(power, "W"));

@@ -9,8 +9,13 @@ mod tree;
 use egui::{Slider, Ui};
 use glam::Vec3;
 
+use crate::app::state::edits::Edits;
+use crate::app::state::names::NamesInView;
+use crate::app::state::settings::DisplaySettings;
+use crate::app::view::View;
+use crate::app::view::cluster_view::ClusterScene;
 use crate::app::widgets::theme;
-use crate::app::{App, Outbox, words};
+use crate::app::{Outbox, Shown, words};
 use crate::render::{Line, Marks};
 use editor::GroupEditor;
 use tree::ClusterTree;
@@ -64,30 +69,37 @@ impl Clusters {
 }
 
 /// Draws the tool.
-pub(in crate::app) fn show(app: &mut App, ui: &mut Ui, outbox: &mut Outbox) {
-    show_view(app, ui);
+pub(in crate::app) fn show(
+    ui: &mut Ui,
+    shown: &Shown,
+    clusters: &mut Clusters,
+    names: &mut NamesInView,
+    view: &mut View,
+    edits: &mut Edits,
+    outbox: &mut Outbox,
+) {
+    show_view(ui, shown, &mut view.clusters, &mut edits.display);
     ui.separator();
     ui.horizontal(|ui| {
-        let page = &mut app.tools.clusters.page;
+        let page = &mut clusters.page;
         ui.selectable_value(page, Page::Tree, "Tree of clusters")
             .on_hover_text("The clusters that the solver links, from the whole scene down to polygons");
         ui.selectable_value(page, Page::Groups, words::MANUAL_GROUPS)
             .on_hover_text("Arrange the scene's objects in groups, which clustering by groups takes as its clusters");
     });
-    match app.tools.clusters.page {
-        Page::Tree => tree::show(app, ui),
-        Page::Groups => groups::show(app, ui, outbox),
+    match clusters.page {
+        Page::Tree => tree::show(ui, shown, &mut clusters.tree, names, &mut view.pointing, outbox),
+        Page::Groups => groups::show(ui, shown, &mut clusters.editor, &mut edits.params, outbox),
     }
 }
 
 /// Colours, level, boxes and how far clusters are pulled apart.
-fn show_view(app: &mut App, ui: &mut Ui) {
-    let Some(snapshot) = &app.shown.snapshot else {
+fn show_view(ui: &mut Ui, shown: &Shown, view: &mut ClusterScene, display: &mut DisplaySettings) {
+    let Some(snapshot) = &shown.snapshot else {
         ui.label(theme::weak("Open a scene to see its clusters."));
         return;
     };
     let deepest = snapshot.clusters.iter().map(|cluster| cluster.level).max().unwrap_or(0);
-    let (view, display) = (&mut app.view.clusters, &mut app.edits.display);
     ui.horizontal(|ui| {
         ui.checkbox(&mut view.coloured, words::COLOUR_BY_CLUSTER)
             .on_hover_text("Each surface shows the colour of its cluster instead of its light; grey hangs at the root");

@@ -6,11 +6,13 @@ use std::sync::Arc;
 use egui::{Color32, ScrollArea, Sense, Ui};
 use rustc_hash::FxHashSet;
 
+use crate::app::actions::{Action, Outbox};
+use crate::app::state::names::NamesInView;
 use crate::app::tools::clusters::outline::{Fold, ROW_HEIGHT, RowLook, show_head, show_row};
 use crate::app::tools::clusters::rows::{Powers, Row, has_rows_below, polygons, visible_rows, with_row};
-use crate::app::view::highlight::Highlight;
+use crate::app::view::highlight::{Highlight, Pointing};
 use crate::app::widgets::theme;
-use crate::app::{App, format, words};
+use crate::app::{Shown, format, words};
 use crate::hierarchy::{ElementId, Hierarchy};
 use crate::render::cluster_colours;
 use crate::solve::Snapshot;
@@ -129,11 +131,16 @@ fn within<'a>(full_name: &'a str, holder: &str) -> &'a str {
 }
 
 /// Draws the tree.
-pub(in crate::app) fn show(app: &mut App, ui: &mut Ui) {
-    let Some(snapshot) = app.shown.snapshot.clone() else { return };
-    let picked = app.picked.as_ref().map(|picked| picked.element);
-    let (tree, names) = (&mut app.tools.clusters.tree, &mut app.tools.inspection.names);
-    tree.follow(&snapshot, picked);
+pub(in crate::app) fn show(
+    ui: &mut Ui,
+    shown: &Shown,
+    tree: &mut ClusterTree,
+    names: &mut NamesInView,
+    pointing: &mut Pointing,
+    outbox: &mut Outbox,
+) {
+    let Some(snapshot) = &shown.snapshot else { return };
+    tree.follow(snapshot, shown.picked_element());
     let Some(solution_view) = &snapshot.solution_view else {
         ui.label(theme::weak("Asking for the clusters…"));
         return;
@@ -206,7 +213,7 @@ pub(in crate::app) fn show(app: &mut App, ui: &mut Ui) {
                 colour: tree.colour(id),
                 values: &values,
                 is_selected: tree.followed == Some(id),
-                is_marked: app.view.pointing.shown() == Highlight::Element(id),
+                is_marked: pointing.shown() == Highlight::Element(id),
                 sense: Sense::click(),
             };
             let done = show_row(ui, &look, &widths);
@@ -217,7 +224,7 @@ pub(in crate::app) fn show(app: &mut App, ui: &mut Ui) {
                 chosen = Some(id);
             }
             if done.response.hovered() || done.response.has_focus() {
-                app.view.pointing.at(Highlight::Element(id));
+                pointing.at(Highlight::Element(id));
             }
             done.response.on_hover_text(full_name);
         }
@@ -228,7 +235,7 @@ pub(in crate::app) fn show(app: &mut App, ui: &mut Ui) {
     if let Some(id) = chosen {
         // Known already, so that the tree does not jump to it.
         tree.followed = Some(id);
-        app.pick_element(id);
+        outbox.act(Action::Pick(id));
     }
 }
 
