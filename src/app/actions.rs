@@ -15,31 +15,31 @@ use crate::worker::{Command, RunState};
 
 /// Commands and actions that a frame gives rise to.
 #[derive(Default)]
-pub(in crate::app) struct Outbox {
+pub struct Outbox {
     pub commands: Vec<Command>,
     actions: Vec<Action>,
 }
 
 impl Outbox {
     /// Asks the worker for something.
-    pub(in crate::app) fn push(&mut self, command: Command) {
+    pub fn push(&mut self, command: Command) {
         self.commands.push(command);
     }
 
     /// Asks the worker for several things, or for none.
-    pub(in crate::app) fn extend(&mut self, commands: impl IntoIterator<Item = Command>) {
+    pub fn extend(&mut self, commands: impl IntoIterator<Item = Command>) {
         self.commands.extend(commands);
     }
 
     /// Asks the window for something.
-    pub(in crate::app) fn act(&mut self, action: Action) {
+    pub fn act(&mut self, action: Action) {
         self.actions.push(action);
     }
 }
 
 /// Action of the window.
 #[derive(Clone, Debug, PartialEq)]
-pub(in crate::app) enum Action {
+pub enum Action {
     /// Selects an element, patch or cluster.
     Pick(ElementId),
     Deselect,
@@ -86,7 +86,7 @@ pub(in crate::app) enum Action {
 
 impl App {
     /// Does what was asked of the window since the last time.
-    pub(in crate::app) fn perform(&mut self, ctx: &Context, outbox: &mut Outbox) {
+    pub(super) fn perform(&mut self, ctx: &Context, outbox: &mut Outbox) {
         for action in std::mem::take(&mut outbox.actions) {
             self.perform_one(action, ctx, outbox);
         }

@@ -11,10 +11,10 @@ use crate::render::Show;
 /// The view's share of the window's width.
 const VIEW_SHARE: f32 = 0.5;
 /// Width that the settings need, points.
-pub(in crate::app) const LEAST_SETTINGS: f32 = 300.0;
+pub const LEAST_SETTINGS: f32 = 300.0;
 
 /// Parts of the window that are shown, and how.
-pub(in crate::app) struct Layout {
+pub struct Layout {
     /// Scale, theme.
     pub appearance: Appearance,
     /// Whether the list of keys is open.
@@ -35,7 +35,7 @@ pub(in crate::app) struct Layout {
 
 impl Layout {
     /// As it is at first.
-    pub(in crate::app) fn new(appearance: Appearance) -> Self {
+    pub fn new(appearance: Appearance) -> Self {
         Self {
             appearance,
             are_keys_shown: false,
@@ -49,12 +49,12 @@ impl Layout {
     }
 
     /// Greatest widths of the panels beside the view while a tool is open, or none.
-    pub(in crate::app) fn sides(&self, ctx: &egui::Context, tool: Option<Tool>) -> Sides {
+    pub fn sides(&self, ctx: &egui::Context, tool: Option<Tool>) -> Sides {
         Sides::new(ctx.content_rect().width(), tool, self.shows_settings)
     }
 
     /// Shows the settings, in place of a tool where both have no room, or hides them.
-    pub(in crate::app) fn toggle_settings(&mut self, ctx: &egui::Context, tool: &mut Option<Tool>) {
+    pub fn toggle_settings(&mut self, ctx: &egui::Context, tool: &mut Option<Tool>) {
         self.shows_settings = self.sides(ctx, *tool).settings.is_none();
         if self.shows_settings && self.sides(ctx, *tool).settings.is_none() {
             *tool = None;
@@ -64,7 +64,7 @@ impl Layout {
 
 /// Greatest widths of the panels that are shown, points.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(in crate::app) struct Sides {
+pub struct Sides {
     /// The settings at the left.
     pub settings: Option<f32>,
     /// The settings and the tool together.

@@ -38,7 +38,7 @@ const LIST_HEIGHT: f32 = 430.0;
 const SCALING: (&str, &str) = ("Ctrl + − 0", "interface larger, smaller, as it was");
 
 /// Asks for what the keys of this frame do; not while a text is being typed.
-pub(in crate::app) fn act(ctx: &Context, view: Option<Id>, outbox: &mut Outbox) {
+pub fn act(ctx: &Context, view: Option<Id>, outbox: &mut Outbox) {
     if ctx.text_edit_focused() {
         return;
     }
@@ -56,7 +56,7 @@ fn deed_of(event: &Event) -> Option<Action> {
 }
 
 /// The list of all keys, over everything, while it is asked for.
-pub(in crate::app) fn show_list(ctx: &Context, is_open: &mut bool) {
+pub fn show_list(ctx: &Context, is_open: &mut bool) {
     egui::Window::new(words::MOUSE_AND_KEYS)
         .id(egui::Id::unique("keys"))
         .open(is_open)

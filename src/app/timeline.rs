@@ -23,7 +23,7 @@ const TICKS: [(TimelineStepKind, f32); 4] = [
 ];
 
 /// Draws it along the lower edge of the view; nothing before there is a step to be seen.
-pub(in crate::app) fn show(ui: &mut Ui, shown: &Shown, playback: &mut Playback) {
+pub fn show(ui: &mut Ui, shown: &Shown, playback: &mut Playback) {
     let steps = shown.status.steps.clone();
     if steps.len() < 2 || shown.snapshot.is_none() {
         return;

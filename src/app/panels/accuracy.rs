@@ -19,12 +19,7 @@ const CHART_HEIGHT: f32 = 170.0;
 const LEAST_ERROR: f64 = 1e-3;
 
 /// Draws the section; a sentence where a reference was asked for and cannot be made.
-pub(in crate::app) fn show(
-    ui: &mut Ui,
-    info: &Arc<SceneInfo>,
-    comparison: &mut Comparison,
-    wake: &Wake,
-) -> Result<(), String> {
+pub fn show(ui: &mut Ui, info: &Arc<SceneInfo>, comparison: &mut Comparison, wake: &Wake) -> Result<(), String> {
     let outcome = match comparison.report().is_active {
         true => {
             show_reference(ui, comparison);

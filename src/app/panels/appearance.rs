@@ -10,7 +10,7 @@ use crate::app::words;
 const SCALES: [f32; 7] = [0.75, 0.9, 1.0, 1.25, 1.5, 2.0, 2.5];
 
 /// Draws the section.
-pub(in crate::app) fn show(ui: &mut Ui, appearance: &mut Appearance) {
+pub fn show(ui: &mut Ui, appearance: &mut Appearance) {
     theme::row(ui, words::THEME, |ui| {
         let themes = ui.horizontal_wrapped(|ui| {
             for (theme, name) in [

@@ -12,13 +12,7 @@ use crate::render::Reading;
 const STOPS: std::ops::RangeInclusive<f32> = -12.0..=12.0;
 
 /// Draws the section.
-pub(in crate::app) fn show(
-    ui: &mut Ui,
-    shown: &Shown,
-    display: &mut DisplaySettings,
-    reading: Option<&Reading>,
-    metered: f32,
-) {
+pub fn show(ui: &mut Ui, shown: &Shown, display: &mut DisplaySettings, reading: Option<&Reading>, metered: f32) {
     show_picture(ui, display);
     readings::show(ui, display, reading, shown.info.as_ref().and_then(|info| info.open_ground.err()));
     ui.add_space(4.0);

@@ -15,7 +15,7 @@ use crate::worker::Command;
 const DOT_SECONDS: f64 = 0.4;
 
 /// In place of the first picture: how to get one.
-pub(in crate::app) fn show(ui: &Ui, shown: &Shown, rect: Rect, outbox: &mut Outbox) {
+pub fn show(ui: &Ui, shown: &Shown, rect: Rect, outbox: &mut Outbox) {
     egui::Area::new(egui::Id::unique("empty")).pivot(Align2::CENTER_CENTER).fixed_pos(rect.center()).show(
         ui.ctx(),
         |ui| {
@@ -46,7 +46,7 @@ pub(in crate::app) fn show(ui: &Ui, shown: &Shown, rect: Rect, outbox: &mut Outb
 }
 
 /// Over the present picture: what is being loaded, and a way out.
-pub(in crate::app) fn show_loading(ui: &Ui, shown: &Shown, rect: Rect, outbox: &mut Outbox) {
+pub fn show_loading(ui: &Ui, shown: &Shown, rect: Rect, outbox: &mut Outbox) {
     let Some(name) = &shown.status.loading else { return };
     let at = rect.center_top() + egui::vec2(0.0, 12.0);
     egui::Area::new(egui::Id::unique("loading")).pivot(Align2::CENTER_TOP).fixed_pos(at).show(ui.ctx(), |ui| {
@@ -72,7 +72,7 @@ fn loading_label(ui: &mut Ui, name: &str, size: f32) {
 }
 
 /// While a file hovers over the window.
-pub(in crate::app) fn show_drop_hint(ui: &Ui, rect: Rect) {
+pub fn show_drop_hint(ui: &Ui, rect: Rect) {
     if ui.input(|input| input.raw.hovered_files.is_empty()) {
         return;
     }

@@ -14,7 +14,7 @@ const LINES: [&str; 3] = [
 ];
 
 /// Draws the lines until somebody has read them.
-pub(in crate::app) fn show_first_lines(ui: &Ui, view: Rect, overlays: &mut Overlays, is_shown: &mut bool) {
+pub fn show_first_lines(ui: &Ui, view: Rect, overlays: &mut Overlays, is_shown: &mut bool) {
     if !*is_shown {
         return;
     }
@@ -38,7 +38,7 @@ const NEAR_TOP: f32 = 60.0;
 
 /// A button in the corner of the full screen, where the pointer comes near to it; otherwise the
 /// picture is alone.
-pub(in crate::app) fn show_way_back(ui: &Ui, view: Rect, outbox: &mut Outbox) {
+pub fn show_way_back(ui: &Ui, view: Rect, outbox: &mut Outbox) {
     let is_near = ui.input(|input| input.pointer.hover_pos().is_some_and(|at| at.y < view.top() + NEAR_TOP));
     if !is_near {
         return;

@@ -28,7 +28,7 @@ struct Legend<'a> {
 }
 
 /// Shows the meaning of the surfaces' colours, where they have one.
-pub(in crate::app) fn show_meaning(ui: &Ui, rect: Rect, view: &mut View, tools: &Tools, settings: &ReadingSettings) {
+pub fn show_meaning(ui: &Ui, rect: Rect, view: &mut View, tools: &Tools, settings: &ReadingSettings) {
     let overlays = &mut view.overlays;
     if tools.pinned.painted().is_some() {
         show_difference(overlays, ui, rect);

@@ -16,7 +16,7 @@ const LEAST_POWER: std::ops::RangeInclusive<f32> = 0.0..=10.0;
 const LEAST_POWER_ABOVE_0: f64 = 1e-4;
 
 /// Draws the rows of the display section.
-pub(in crate::app) fn show(ui: &mut Ui, shown: &Shown, links: &mut LinkOverlay) {
+pub fn show(ui: &mut Ui, shown: &Shown, links: &mut LinkOverlay) {
     choice(
         ui,
         words::SHOW_LINKS,
@@ -125,7 +125,7 @@ const DECADES: f32 = 3.0;
 
 /// Draws what the colours say, and how much is not drawn, into the view's lower right corner;
 /// nothing where no links are drawn.
-pub(in crate::app) fn show_legend(ui: &Ui, rect: Rect, shown: &Shown, view: &mut View, meaning: LinkColour) {
+pub fn show_legend(ui: &Ui, rect: Rect, shown: &Shown, view: &mut View, meaning: LinkColour) {
     let Some(chosen) = view.marks.chosen_links() else { return };
     let words = chosen.to_string();
     let has_colours = !chosen.links.is_empty();

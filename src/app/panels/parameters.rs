@@ -36,14 +36,14 @@ impl EpsilonMeasures {
 }
 
 /// Draws one parameter that is set outside of the method's fold.
-pub(in crate::app) fn show_one(ui: &mut Ui, id: ParameterId, params: &mut SolverParams, stats: Option<&Stats>) {
+pub fn show_one(ui: &mut Ui, id: ParameterId, params: &mut SolverParams, stats: Option<&Stats>) {
     if let Some(parameter) = PARAMETERS.iter().find(|parameter| parameter.id == id) {
         show_row(ui, parameter, params, stats);
     }
 }
 
 /// Draws the method's parameters, each with its sentence; true when one was changed.
-pub(in crate::app) fn show_method(ui: &mut Ui, params: &mut SolverParams, stats: Option<&Stats>) -> bool {
+pub fn show_method(ui: &mut Ui, params: &mut SolverParams, stats: Option<&Stats>) -> bool {
     let before = *params;
     ui.add(egui::Label::new(theme::weak(words::PAPER).small()).wrap());
     ui.add_space(3.0);

@@ -27,13 +27,13 @@ const READOUT_HEIGHT: f32 = 34.0;
 const MOST: usize = 5;
 
 /// Width of the view that the card leaves to the readout, points.
-pub(in crate::app) fn room_beside(view: Rect, is_shown: bool) -> f32 {
+pub fn room_beside(view: Rect, is_shown: bool) -> f32 {
     let taken = if is_shown && view.width() >= BESIDE_READOUT { WIDTH + 40.0 } else { 0.0 };
     view.width() - taken
 }
 
 /// Draws the card; nothing when nothing is picked.
-pub(in crate::app) fn show(
+pub fn show(
     ui: &Ui,
     rect: Rect,
     shown: &Shown,
@@ -144,12 +144,12 @@ fn name_of_source(inspection: &mut Inspection, link: &LinkView) -> String {
 }
 
 /// Whose link brings the light, seen from the inspected element.
-pub(in crate::app) fn whose(link: &LinkView) -> String {
+pub fn whose(link: &LinkView) -> String {
     whose_end(link.levels_up, link.receiver_is_cluster)
 }
 
 /// Whose link takes the light away, likewise.
-pub(in crate::app) fn whose_light(link: &LinkView) -> String {
+pub fn whose_light(link: &LinkView) -> String {
     whose_end(link.levels_up, link.source_is_cluster)
 }
 

@@ -14,7 +14,7 @@ use crate::worker::{Command, RunState};
 const QUALITIES: [(&str, f64); 3] = [(words::DRAFT, 0.2), (words::GOOD, USUAL_ERROR), (words::FINAL, 0.02)];
 
 /// Draws the section; a changed parameter goes out at once, the worker merges bursts.
-pub(in crate::app) fn show(ui: &mut Ui, shown: &Shown, params: &mut SolverParams, outbox: &mut Outbox) {
+pub fn show(ui: &mut Ui, shown: &Shown, params: &mut SolverParams, outbox: &mut Outbox) {
     let before = *params;
     show_qualities(ui, params);
     for id in [ParameterId::Error, ParameterId::Memory] {
@@ -28,7 +28,7 @@ pub(in crate::app) fn show(ui: &mut Ui, shown: &Shown, params: &mut SolverParams
 }
 
 /// Draws the fold of the method's parameters.
-pub(in crate::app) fn show_method(ui: &mut Ui, stats: Option<&Stats>, params: &mut SolverParams, outbox: &mut Outbox) {
+pub fn show_method(ui: &mut Ui, stats: Option<&Stats>, params: &mut SolverParams, outbox: &mut Outbox) {
     if parameters::show_method(ui, params, stats) {
         outbox.push(Command::SetParams(*params));
     }

@@ -15,12 +15,7 @@ const END_WIDTH: f32 = 112.0;
 const LIST_WIDTH: f32 = 224.0;
 
 /// Draws the controls; `reading` is what the view shows, `none` why there is no daylight factor.
-pub(in crate::app) fn show(
-    ui: &mut Ui,
-    display: &mut DisplaySettings,
-    reading: Option<&Reading>,
-    none: Option<NoDaylightFactor>,
-) {
+pub fn show(ui: &mut Ui, display: &mut DisplaySettings, reading: Option<&Reading>, none: Option<NoDaylightFactor>) {
     choose_show(ui, display, none);
     show_isolines(ui, display);
     let Some(reading) = reading else { return };

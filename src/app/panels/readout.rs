@@ -11,7 +11,7 @@ use crate::app::{Shown, format, words};
 use crate::base::photometry::{ShownIn, weighted};
 
 /// Draws it; nothing while the pointer is elsewhere.
-pub(in crate::app) fn show(ui: &Ui, rect: Rect, shown: &Shown, view: &mut View, measuring: &Measuring, has_card: bool) {
+pub fn show(ui: &Ui, rect: Rect, shown: &Shown, view: &mut View, measuring: &Measuring, has_card: bool) {
     let (Some(reading), Some(info)) = (measuring.under_pointer(), &shown.info) else { return };
     let (e, b) = (reading.irradiance.to_array(), reading.radiosity.to_array());
     let number = |value: f32| format::number(value.into());
@@ -42,13 +42,7 @@ pub(in crate::app) fn show(ui: &Ui, rect: Rect, shown: &Shown, view: &mut View, 
 }
 
 /// Says what a person might not know of what is in view.
-pub(in crate::app) fn show_notes(
-    ui: &Ui,
-    rect: Rect,
-    view: &mut View,
-    measuring: &Measuring,
-    looks_through_walls: bool,
-) {
+pub fn show_notes(ui: &Ui, rect: Rect, view: &mut View, measuring: &Measuring, looks_through_walls: bool) {
     let is_stale = measuring.shows_points && measuring.plane_is_stale();
     for (name, text, applies) in [
         ("walk note", words::WALKING, view.viewport.walks),

@@ -13,7 +13,7 @@ use crate::scene::{Sidecar, Source, Unit, UpAxis};
 use crate::worker::{Command, SceneInfo};
 
 /// Draws the section.
-pub(in crate::app) fn show(ui: &mut Ui, shown: &Shown, files: &mut Files, outbox: &mut Outbox) {
+pub fn show(ui: &mut Ui, shown: &Shown, files: &mut Files, outbox: &mut Outbox) {
     match &shown.info {
         Some(info) => {
             show_present(ui, info);
@@ -186,7 +186,7 @@ fn show_recent(ui: &mut Ui, files: &Files, outbox: &mut Outbox) {
 }
 
 /// Where the sidecar of the scene in view lies, or would lie.
-pub(in crate::app) fn sidecar_of(shown: &Shown) -> Option<PathBuf> {
+pub fn sidecar_of(shown: &Shown) -> Option<PathBuf> {
     shown.info.as_ref().and_then(|info| info.path.as_deref()).map(Sidecar::path_for)
 }
 

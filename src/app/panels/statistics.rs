@@ -11,7 +11,7 @@ use crate::solve::Stats;
 const ROUNDING: f64 = 1e-4;
 
 /// Draws the section.
-pub(in crate::app) fn show(ui: &mut Ui, shown: &Shown) {
+pub fn show(ui: &mut Ui, shown: &Shown) {
     let Some(snapshot) = &shown.snapshot else {
         ui.label(theme::weak("No solution yet."));
         return;

@@ -24,7 +24,7 @@ struct Said {
 }
 
 /// Draws the bar.
-pub(in crate::app) fn show(
+pub fn show(
     ui: &mut Ui,
     (shown, is_view_dark): (&Shown, bool),
     painted: Option<&Painted>,

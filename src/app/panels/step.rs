@@ -12,7 +12,7 @@ use crate::solve::{TimelineStep, TimelineStepKind};
 const WIDTH: f32 = 430.0;
 
 /// Draws it while a former step is in view.
-pub(in crate::app) fn show(ui: &Ui, view: Rect, shown: &Shown, overlays: &mut Overlays) {
+pub fn show(ui: &Ui, view: Rect, shown: &Shown, overlays: &mut Overlays) {
     let in_view = shown.snapshot.as_ref().and_then(|snapshot| snapshot.former_step);
     let Some(step) = in_view.and_then(|step| shown.status.steps.get(step)) else { return };
     let text = in_words(step);

@@ -20,7 +20,7 @@ const NAME: &str = "tag";
 const ASIDE: egui::Vec2 = vec2(14.0, 10.0);
 
 /// Draws it; nothing where nothing is selected.
-pub(in crate::app) fn show(
+pub fn show(
     ui: &Ui,
     rect: Rect,
     shown: &Shown,

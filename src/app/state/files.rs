@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use crate::app::widgets::dialog::Dialog;
-pub(in crate::app) use crate::app::widgets::dialog::DialogAnswer;
+pub use crate::app::widgets::dialog::DialogAnswer;
 
 /// So many recent files are remembered.
 const MOST_RECENT: usize = 6;
@@ -12,10 +12,10 @@ const MOST_RECENT: usize = 6;
 const EXTENSIONS: [&str; 10] = ["obj", "gltf", "glb", "ply", "stl", "OBJ", "GLTF", "GLB", "PLY", "STL"];
 
 /// Advice where there is no dialog.
-pub(in crate::app) const NO_DIALOG: &str = "No file dialog answers on this system: type the path into the field beside Browse…, or drop the file on the window.";
+pub const NO_DIALOG: &str = "No file dialog answers on this system: type the path into the field beside Browse…, or drop the file on the window.";
 
 /// State of the file controls.
-pub(in crate::app) struct Files {
+pub struct Files {
     /// The path field.
     pub path_text: String,
     recent: Vec<PathBuf>,
@@ -26,17 +26,17 @@ pub(in crate::app) struct Files {
 
 impl Files {
     /// With the files of earlier runs.
-    pub(in crate::app) fn new(recent: Vec<PathBuf>) -> Self {
+    pub fn new(recent: Vec<PathBuf>) -> Self {
         Self { path_text: String::new(), recent, dialog: Dialog::default(), sidecar_in_question: None }
     }
 
     /// Files opened lately, the last one first.
-    pub(in crate::app) fn recent(&self) -> &[PathBuf] {
+    pub fn recent(&self) -> &[PathBuf] {
         &self.recent
     }
 
     /// Remembers a file that was opened.
-    pub(in crate::app) fn note_opened(&mut self, path: &Path) {
+    pub fn note_opened(&mut self, path: &Path) {
         // A relative path would mean another file after a start elsewhere.
         let path = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
         self.recent.retain(|other| *other != path);
@@ -45,18 +45,18 @@ impl Files {
     }
 
     /// The path that was typed, without the blanks and quotes that come with pasting.
-    pub(in crate::app) fn typed_path(&self) -> Option<PathBuf> {
+    pub fn typed_path(&self) -> Option<PathBuf> {
         let text = self.path_text.trim().trim_matches(['"', '\'']);
         (!text.is_empty()).then(|| PathBuf::from(text))
     }
 
     /// Whether the system's dialog is open.
-    pub(in crate::app) fn dialog_is_open(&self) -> bool {
+    pub fn dialog_is_open(&self) -> bool {
         self.dialog.is_open()
     }
 
     /// Opens the system's dialog on a thread of its own, unless it is open.
-    pub(in crate::app) fn open_dialog(&mut self, ctx: &egui::Context) {
+    pub fn open_dialog(&mut self, ctx: &egui::Context) {
         self.dialog.open(ctx, || {
             rfd::FileDialog::new()
                 .set_title("Open a scene")
@@ -67,7 +67,7 @@ impl Files {
     }
 
     /// Answer of the dialog, once it is closed with something to say.
-    pub(in crate::app) fn poll_dialog(&mut self) -> Option<DialogAnswer> {
+    pub fn poll_dialog(&mut self) -> Option<DialogAnswer> {
         self.dialog.poll()
     }
 }

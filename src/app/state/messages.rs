@@ -17,7 +17,7 @@ enum Kind {
 
 /// Deed that a sentence is about. The outcome of a later one takes the place of the former's.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(in crate::app) enum Topic {
+pub enum Topic {
     /// Reading a scene.
     Opening,
     /// Writing the settings file beside a scene.
@@ -42,28 +42,28 @@ struct Entry {
 
 /// Sentences that wait to be read.
 #[derive(Default)]
-pub(in crate::app) struct Messages {
+pub struct Messages {
     entries: Vec<Entry>,
 }
 
 impl Messages {
     /// Something that was asked for cannot be done.
-    pub(in crate::app) fn error(&mut self, topic: Topic, sentence: String) {
+    pub fn error(&mut self, topic: Topic, sentence: String) {
         self.push(Kind::Error, topic, sentence);
     }
 
     /// Something worth knowing.
-    pub(in crate::app) fn note(&mut self, topic: Topic, sentence: String) {
+    pub fn note(&mut self, topic: Topic, sentence: String) {
         self.push(Kind::Note, topic, sentence);
     }
 
     /// Takes back what could not be done; for a scene that came after it, it no longer matters.
-    pub(in crate::app) fn forget_errors(&mut self) {
+    pub fn forget_errors(&mut self) {
         self.entries.retain(|entry| entry.kind != Kind::Error);
     }
 
     /// Takes back what was said of a deed that has succeeded since, or is being tried again.
-    pub(in crate::app) fn resolve(&mut self, topic: Topic) {
+    pub fn resolve(&mut self, topic: Topic) {
         self.entries.retain(|entry| entry.topic != topic);
     }
 
@@ -79,7 +79,7 @@ impl Messages {
     }
 
     /// Draws the bar; nothing when there is nothing to say.
-    pub(in crate::app) fn show(&mut self, ui: &mut egui::Ui) {
+    pub fn show(&mut self, ui: &mut egui::Ui) {
         let mut dismissed = None;
         for (index, Entry { kind, sentence, .. }) in self.entries.iter().enumerate() {
             let palette = theme::palette(ui.visuals());

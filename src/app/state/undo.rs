@@ -23,7 +23,7 @@ const REDO: KeyboardShortcut = KeyboardShortcut::new(Modifiers::COMMAND.plus(Mod
 
 /// All that can be undone, as it stood at one time.
 #[derive(Clone, Debug, PartialEq)]
-pub(in crate::app) struct Undoable {
+pub struct Undoable {
     params: SolverParams,
     display: DisplaySettings,
     lighting: Lighting,
@@ -52,7 +52,7 @@ impl Undoable {
 
 /// Former settings, and those that were undone.
 #[derive(Default)]
-pub(in crate::app) struct History {
+pub struct History {
     /// As it stood when everything was last let go.
     now: Option<Undoable>,
     past: Vec<Undoable>,
@@ -61,7 +61,7 @@ pub(in crate::app) struct History {
 
 impl History {
     /// Takes up what is set now as a new step, if it differs.
-    pub(in crate::app) fn note(&mut self, settings: &Undoable) {
+    pub fn note(&mut self, settings: &Undoable) {
         let is_new = self.now.as_ref() != Some(settings);
         if is_new && let Some(former) = self.now.replace(settings.clone()) {
             self.past.push(former);
@@ -73,7 +73,7 @@ impl History {
     }
 
     /// Takes what is set now as no person's doing: there is nothing to take back.
-    pub(in crate::app) fn take_as_given(&mut self, settings: Undoable) {
+    pub fn take_as_given(&mut self, settings: Undoable) {
         self.now = Some(settings);
     }
 
@@ -139,7 +139,7 @@ impl App {
 }
 
 /// Ctrl+Z and Ctrl+Shift+Z, unless text is being typed.
-pub(in crate::app) fn take_keys(ctx: &Context, outbox: &mut Outbox) {
+pub fn take_keys(ctx: &Context, outbox: &mut Outbox) {
     if ctx.text_edit_focused() {
         return;
     }
@@ -152,7 +152,7 @@ pub(in crate::app) fn take_keys(ctx: &Context, outbox: &mut Outbox) {
 }
 
 /// The two buttons.
-pub(in crate::app) fn show_buttons(ui: &mut Ui, history: &History, settings: &Undoable, outbox: &mut Outbox) {
+pub fn show_buttons(ui: &mut Ui, history: &History, settings: &Undoable, outbox: &mut Outbox) {
     let past = history.past.last().map(|former| former.difference(settings));
     let future = history.future.last().map(|later| later.difference(settings));
     let button = |ui: &mut Ui, [name, nothing]: [&str; 2], what: Option<&str>, shortcut: &KeyboardShortcut| {
@@ -173,7 +173,7 @@ pub(in crate::app) fn show_buttons(ui: &mut Ui, history: &History, settings: &Un
 }
 
 /// Whether a person is in the middle of setting something.
-pub(in crate::app) fn is_busy(ctx: &Context) -> bool {
+pub fn is_busy(ctx: &Context) -> bool {
     ctx.egui_is_using_pointer()
         || ctx.text_edit_focused()
         || ctx.input(|input| input.pointer.any_down() || !input.keys_down.is_empty())

@@ -32,7 +32,7 @@ enum News {
 
 /// Watches the files of the scene in view.
 #[derive(Default)]
-pub(in crate::app) struct Watch {
+pub struct Watch {
     watcher: Option<Watcher>,
     /// A file that has changed, until somebody says what to do.
     changed: Option<PathBuf>,
@@ -48,14 +48,14 @@ struct Watcher {
 
 impl Watch {
     /// Watches another scene's files, or none.
-    pub(in crate::app) fn start_with(&mut self, info: &SceneInfo, wake: &Wake) {
+    pub fn start_with(&mut self, info: &SceneInfo, wake: &Wake) {
         self.changed = None;
         // Without a thread nothing is watched, and nothing else is lost.
         self.watcher = spawn(info.stamps.clone(), wake.clone());
     }
 
     /// Takes a file that the window itself wrote for no change.
-    pub(in crate::app) fn accept(&self, path: &Path) {
+    pub fn accept(&self, path: &Path) {
         if let Some(watcher) = &self.watcher {
             // A thread that has ended watches nothing.
             let _ = watcher.accept.send(path.to_owned());
@@ -63,7 +63,7 @@ impl Watch {
     }
 
     /// Takes up what the thread found; a sentence where a file has vanished.
-    pub(in crate::app) fn poll(&mut self) -> Option<String> {
+    pub fn poll(&mut self) -> Option<String> {
         let mut sentence = None;
         while let Some(news) = self.watcher.as_ref().and_then(|watcher| watcher.news.try_recv().ok()) {
             match news {
@@ -79,22 +79,22 @@ impl Watch {
     }
 
     /// Whether the scene that came is the former one, read anew; reported once.
-    pub(in crate::app) fn take_reloading(&mut self) -> bool {
+    pub fn take_reloading(&mut self) -> bool {
         self.reloading.take().is_some()
     }
 
     /// A scene is asked for; any other than the one that is read anew makes that pointless.
-    pub(in crate::app) fn note_asked(&mut self, source: &Source) {
+    pub fn note_asked(&mut self, source: &Source) {
         self.reloading.take_if(|reloading| reloading != source);
     }
 
     /// The scene in view is read anew.
-    pub(in crate::app) fn note_reloading(&mut self, source: Source) {
+    pub fn note_reloading(&mut self, source: Source) {
         self.reloading = Some(source);
     }
 
     /// A scene could not be read.
-    pub(in crate::app) fn forget_reload(&mut self) {
+    pub fn forget_reload(&mut self) {
         self.reloading = None;
     }
 }
@@ -162,7 +162,7 @@ impl Watched {
 }
 
 /// Draws the bar over the view that offers to read a changed file again.
-pub(in crate::app) fn show(ui: &mut Ui, watch: &mut Watch, outbox: &mut Outbox) {
+pub fn show(ui: &mut Ui, watch: &mut Watch, outbox: &mut Outbox) {
     let Some(path) = &watch.changed else { return };
     let name = name_of(path);
     let fill = theme::palette(ui.visuals()).note_fill;

@@ -27,7 +27,7 @@ struct Row {
 }
 
 /// Draws the tool.
-pub(in crate::app) fn show(
+pub fn show(
     ui: &mut Ui,
     shown: &Shown,
     pinned: &mut Pinned,
@@ -74,7 +74,7 @@ pub(in crate::app) fn show(
 }
 
 /// The error of a snapshot by the reference of the Accuracy section, if it was measured.
-pub(in crate::app) fn measured(comparison: &Comparison, snapshot: &Arc<Snapshot>) -> Option<(f64, f64)> {
+pub fn measured(comparison: &Comparison, snapshot: &Arc<Snapshot>) -> Option<(f64, f64)> {
     let measured = comparison.report().measured.as_ref()?;
     let shown = &measured.error.displayed;
     Arc::ptr_eq(&measured.snapshot, snapshot).then_some((shown.rms, shown.rms_noise))

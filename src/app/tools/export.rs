@@ -50,7 +50,7 @@ const PEERS: [Offer; 2] = [
 ];
 
 /// Draws the tool; `view` is the size of what is drawn there, pixels.
-pub(in crate::app) fn show(ui: &mut Ui, shown: &Shown, exports: &mut Exports, view: [u32; 2], outbox: &mut Outbox) {
+pub fn show(ui: &mut Ui, shown: &Shown, exports: &mut Exports, view: [u32; 2], outbox: &mut Outbox) {
     if shown.info.is_none() || shown.snapshot.is_none() {
         ui.label(theme::weak("Nothing to export yet: open a scene."));
         return;
@@ -203,14 +203,7 @@ fn show_state(exports: &mut Exports, ui: &mut Ui) {
 }
 
 /// Hands a file to its thread.
-pub(in crate::app) fn begin(
-    exports: &mut Exports,
-    item: Item,
-    shown: &Shown,
-    viewport: &Viewport,
-    settings: Settings,
-    wake: &Wake,
-) {
+pub fn begin(exports: &mut Exports, item: Item, shown: &Shown, viewport: &Viewport, settings: Settings, wake: &Wake) {
     let (Some(path), Some(info), Some(snapshot)) = (exports.path(item), &shown.info, &shown.snapshot) else { return };
     let (scene, snapshot) = (info.scene.clone(), snapshot.clone());
     let picture = viewport.picture(pixels(exports.size, exports.own_size, viewport.pixels()));

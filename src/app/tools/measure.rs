@@ -20,13 +20,7 @@ const LENGTHS: std::ops::RangeInclusive<f32> = 0.0..=100.0;
 const NO_DIALOG: &str = "No file dialog answers on this system: type a path into the field CSV file and use Write.";
 
 /// Draws the tool.
-pub(in crate::app) fn show(
-    ui: &mut Ui,
-    shown: &Shown,
-    measuring: &mut Measuring,
-    messages: &mut Messages,
-    wake: &Wake,
-) {
+pub fn show(ui: &mut Ui, shown: &Shown, measuring: &mut Measuring, messages: &mut Messages, wake: &Wake) {
     heading(ui, "Probes");
     show_probes(ui, shown, measuring);
     ui.separator();

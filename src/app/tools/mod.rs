@@ -3,19 +3,19 @@
 //!
 //! A bar above the view opens and closes them.
 
-pub(in crate::app) mod clusters;
-pub(in crate::app) mod compare;
-pub(in crate::app) mod export;
-pub(in crate::app) mod inspector;
-pub(in crate::app) mod matrix;
-pub(in crate::app) mod measure;
+pub mod clusters;
+pub mod compare;
+pub mod export;
+pub mod inspector;
+pub mod matrix;
+pub mod measure;
 
 use egui::Ui;
 use serde::{Deserialize, Serialize};
 
-pub(in crate::app) use clusters::Clusters;
-pub(in crate::app) use inspector::Inspector;
-pub(in crate::app) use matrix::LinkMatrix;
+pub use clusters::Clusters;
+pub use inspector::Inspector;
+pub use matrix::LinkMatrix;
 
 use crate::app::actions::{Action, Outbox};
 use crate::app::state::comparison::Comparison;
@@ -27,7 +27,7 @@ use crate::app::words;
 
 /// State of each tool.
 #[derive(Default)]
-pub(in crate::app) struct Tools {
+pub struct Tools {
     /// The tool that the dock shows.
     pub open: Option<Tool>,
     /// Links of the selected element.
@@ -50,7 +50,7 @@ pub(in crate::app) struct Tools {
 
 /// A tool of the dock.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub(in crate::app) enum Tool {
+pub enum Tool {
     /// Facts about an element, the links that light it, and those by which it lights others.
     Inspector,
     /// All links as blocks, receivers by sources.
@@ -68,23 +68,23 @@ pub(in crate::app) enum Tool {
 impl Tool {
     /// Whether the tool looks at elements and links, which snapshots carry only when they are asked
     /// to.
-    pub(in crate::app) fn reads_solution_view(self) -> bool {
+    pub fn reads_solution_view(self) -> bool {
         matches!(self, Self::Inspector | Self::Matrix | Self::Clusters | Self::Export)
     }
 
     /// Whether the tool marks what lies under the mouse in the view.
-    pub(in crate::app) fn marks_what_is_pointed_at(self) -> bool {
+    pub fn marks_what_is_pointed_at(self) -> bool {
         self == Self::Matrix
     }
 
     /// Width when it is opened for the first time, points; each tool remembers its own.
-    pub(in crate::app) fn first_width(self) -> f32 {
+    pub fn first_width(self) -> f32 {
         if matches!(self, Self::Inspector | Self::Matrix | Self::Clusters) { FIRST_WIDTH_OF_TABLE } else { FIRST_WIDTH }
     }
 }
 
 /// Every tool with its name on the bar and what it is for, in the bar's order.
-pub(in crate::app) const TOOLS: [(Tool, &str, &str); 6] = [
+pub const TOOLS: [(Tool, &str, &str); 6] = [
     (Tool::Inspector, words::INSPECTOR, "One element: its place in the hierarchy, its light and its links"),
     (Tool::Matrix, words::LINK_MATRIX, "All links as blocks: receivers by sources"),
     (Tool::Clusters, words::CLUSTERS, "The tree of clusters, and manual groups"),
@@ -94,7 +94,7 @@ pub(in crate::app) const TOOLS: [(Tool, &str, &str); 6] = [
 ];
 
 /// Widths that the dock may be given, points.
-pub(in crate::app) const WIDTHS: std::ops::RangeInclusive<f32> = 340.0..=900.0;
+pub const WIDTHS: std::ops::RangeInclusive<f32> = 340.0..=900.0;
 const FIRST_WIDTH: f32 = 380.0;
 /// For a table.
 const FIRST_WIDTH_OF_TABLE: f32 = 540.0;
@@ -103,7 +103,7 @@ const ROOM_FOR_TOOLS: f32 = 840.0;
 
 /// The bar above the view: a switch for each tool, in a menu where there is no room for all of
 /// them.
-pub(in crate::app) fn show_bar(ui: &mut Ui, open: Option<Tool>, are_keys_shown: bool, outbox: &mut Outbox) {
+pub fn show_bar(ui: &mut Ui, open: Option<Tool>, are_keys_shown: bool, outbox: &mut Outbox) {
     let has_room = ui.max_rect().width() >= ROOM_FOR_TOOLS;
     let full = (words::FULL_SCREEN, "The picture alone; F11 or Esc brings the panels back");
     ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {

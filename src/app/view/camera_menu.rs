@@ -12,7 +12,7 @@ const FIELDS_OF_VIEW: std::ops::RangeInclusive<f32> = 10.0..=120.0;
 
 /// A view of the whole scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(in crate::app) enum Whole {
+pub enum Whole {
     Top,
     Front,
     Side,
@@ -20,7 +20,7 @@ pub(in crate::app) enum Whole {
 
 impl Whole {
     /// The direction of sight in a scene with this axis upwards.
-    pub(in crate::app) fn sight(self, up: Vec3) -> Vec3 {
+    pub fn sight(self, up: Vec3) -> Vec3 {
         let front = if up.z.abs() > 0.5 { Vec3::Y } else { -Vec3::Z };
         match self {
             // Nearly: the heading is that of the front view, so that its far end is above.
@@ -32,7 +32,7 @@ impl Whole {
 }
 
 /// Draws the menu.
-pub(in crate::app) fn show(ui: &mut Ui, viewport: &mut Viewport) {
+pub fn show(ui: &mut Ui, viewport: &mut Viewport) {
     // A click that chooses a view closes the menu; after others, one sees what came of them there.
     let stays = MenuConfig::new().close_behavior(PopupCloseBehavior::CloseOnClickOutside);
     MenuButton::new(words::CAMERA).config(stays).ui(ui, |ui| {

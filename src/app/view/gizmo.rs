@@ -45,7 +45,7 @@ fn nearest_along(point: Vec3, axis: Vec3, ray: &Ray) -> Option<f32> {
 }
 
 /// Draws the handles and follows them.
-pub(in crate::app) fn show(ui: &Ui, rect: Rect, viewport: &Viewport, light: &mut LightEditor) {
+pub fn show(ui: &Ui, rect: Rect, viewport: &Viewport, light: &mut LightEditor) {
     let Some(form) = light.selected_mut().map(|luminaire| luminaire.form) else { return };
     let painter = ui.painter_at(rect);
     let outline: Vec<_> = form.outline().iter().map(|corner| viewport.project(*corner)).collect();

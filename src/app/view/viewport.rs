@@ -27,7 +27,7 @@ const FAST: f32 = 4.0;
 const LONGEST_FLIGHT: f32 = 0.1;
 
 /// Where the eye is, and where it started.
-pub(in crate::app) struct Viewport {
+pub struct Viewport {
     camera: Option<Camera>,
     bounds: (Vec3, Vec3),
     /// Upwards in a view of everything.
@@ -63,7 +63,7 @@ impl Default for Viewport {
 }
 
 /// A click into the view, as a ray.
-pub(in crate::app) struct Clicked {
+pub struct Clicked {
     pub origin: Vec3,
     pub direction: Vec3,
     pub is_double: bool,
@@ -71,7 +71,7 @@ pub(in crate::app) struct Clicked {
 
 impl Viewport {
     /// Looks at a new scene, from `first` or from its own camera where it has one.
-    pub(in crate::app) fn start_with(&mut self, scene: &Scene, first: Option<CameraPose>) {
+    pub fn start_with(&mut self, scene: &Scene, first: Option<CameraPose>) {
         self.first = FirstView::of(first);
         self.bounds = scene.bounds();
         self.up = scene.up_axis();
@@ -82,12 +82,12 @@ impl Viewport {
     }
 
     /// Goes back to the scene's own view.
-    pub(in crate::app) fn reset(&mut self) {
+    pub fn reset(&mut self) {
         self.camera = Some(self.start_camera());
     }
 
     /// Looks at all of the scene from outside.
-    pub(in crate::app) fn show_whole(&mut self, whole: Whole) {
+    pub fn show_whole(&mut self, whole: Whole) {
         let (bounds, up, aspect) = (self.bounds, self.up, self.aspect());
         if let Some(camera) = self.camera.as_mut() {
             camera.look_along(whole.sight(up), bounds, aspect);
@@ -95,47 +95,47 @@ impl Viewport {
     }
 
     /// Horizontal field of view, degrees.
-    pub(in crate::app) fn field_of_view(&self) -> Option<f32> {
+    pub fn field_of_view(&self) -> Option<f32> {
         self.camera.map(|camera| camera.hfov(self.aspect()).to_degrees())
     }
 
     /// Sets the horizontal field of view, degrees; the eye stays.
-    pub(in crate::app) fn set_field_of_view(&mut self, degrees: f32) {
+    pub fn set_field_of_view(&mut self, degrees: f32) {
         if let Some(pose) = self.pose() {
             self.go_to(&CameraPose { hfov_deg: degrees, ..pose });
         }
     }
 
     /// Keeps the present view.
-    pub(in crate::app) fn add_bookmark(&mut self) {
+    pub fn add_bookmark(&mut self) {
         self.bookmarks.extend(self.pose());
     }
 
     /// Views that were kept.
-    pub(in crate::app) fn bookmarks(&self) -> &[CameraPose] {
+    pub fn bookmarks(&self) -> &[CameraPose] {
         &self.bookmarks
     }
 
     /// Forgets a view that was kept.
-    pub(in crate::app) fn remove_bookmark(&mut self, index: usize) {
+    pub fn remove_bookmark(&mut self, index: usize) {
         self.bookmarks.remove(index);
     }
 
     /// Goes on looking as before at a scene that was read anew.
-    pub(in crate::app) fn go_on_with(&mut self, scene: &Scene) {
+    pub fn go_on_with(&mut self, scene: &Scene) {
         self.bounds = scene.bounds();
         self.up = scene.up_axis();
         self.start = scene.camera;
     }
 
     /// Where the view lies in the window, points.
-    pub(in crate::app) fn rect(&self) -> Rect {
+    pub fn rect(&self) -> Rect {
         self.rect
     }
 
     /// Takes the room that is left of the window, and follows mouse and keys there; where an area
     /// is drawn, drags do not turn the view.
-    pub(in crate::app) fn follow(&mut self, ui: &Ui, response: &Response, shown: &Shown, draws_area: bool) {
+    pub fn follow(&mut self, ui: &Ui, response: &Response, shown: &Shown, draws_area: bool) {
         (self.rect, self.id) = (response.rect, Some(response.id));
         if shown.snapshot.is_none() {
             return;
@@ -151,42 +151,42 @@ impl Viewport {
     }
 
     /// The camera, once there is a view.
-    pub(in crate::app) fn camera(&self) -> Option<Camera> {
+    pub fn camera(&self) -> Option<Camera> {
         self.camera
     }
 
     /// Remembers the picture that is drawn.
-    pub(in crate::app) fn note_picture(&mut self, picture: &Picture) {
+    pub fn note_picture(&mut self, picture: &Picture) {
         self.picture = Some(picture.clone());
     }
 
     /// The widget that takes mouse and keys, once it was drawn.
-    pub(in crate::app) fn id(&self) -> Option<egui::Id> {
+    pub fn id(&self) -> Option<egui::Id> {
         self.id
     }
 
     /// Size of what was drawn last, pixels.
-    pub(in crate::app) fn pixels(&self) -> [u32; 2] {
+    pub fn pixels(&self) -> [u32; 2] {
         self.picture.as_ref().map_or([0; 2], |picture| picture.size)
     }
 
     /// Picture that was drawn last, in another size, pixels.
-    pub(in crate::app) fn picture(&self, size: [u32; 2]) -> Option<Picture> {
+    pub fn picture(&self, size: [u32; 2]) -> Option<Picture> {
         self.picture.clone().map(|picture| Picture { size, ..picture })
     }
 
     /// The present view, to be saved.
-    pub(in crate::app) fn pose(&self) -> Option<CameraPose> {
+    pub fn pose(&self) -> Option<CameraPose> {
         self.camera.map(|camera| camera.pose(self.aspect()))
     }
 
     /// Looks from elsewhere.
-    pub(in crate::app) fn go_to(&mut self, pose: &CameraPose) {
+    pub fn go_to(&mut self, pose: &CameraPose) {
         self.camera = Some(Camera::from_pose(pose, self.aspect(), self.bounds));
     }
 
     /// Turns the eye towards a point.
-    pub(in crate::app) fn look_at(&mut self, point: Vec3) {
+    pub fn look_at(&mut self, point: Vec3) {
         if let Some(camera) = self.camera.as_mut() {
             camera.look_at(point);
         }
@@ -194,7 +194,7 @@ impl Viewport {
 
     /// Turns the eye towards a point that lies beyond the edges of the view; one within them moves
     /// nothing.
-    pub(in crate::app) fn turn_towards_unseen(&mut self, point: Vec3) {
+    pub fn turn_towards_unseen(&mut self, point: Vec3) {
         let aspect = self.aspect();
         if let Some(camera) = self.camera.as_mut() {
             let clip = camera.clip_from_world(aspect) * point.extend(1.0);
@@ -205,7 +205,7 @@ impl Viewport {
     }
 
     /// Width over height.
-    pub(in crate::app) fn aspect(&self) -> f32 {
+    pub fn aspect(&self) -> f32 {
         if self.rect.height() > 0.0 { self.rect.width() / self.rect.height() } else { 1.0 }
     }
 
@@ -285,7 +285,7 @@ impl Viewport {
     }
 
     /// Where a point of the scene lies in the window; `None` behind the eye.
-    pub(in crate::app) fn project(&self, point: Vec3) -> Option<egui::Pos2> {
+    pub fn project(&self, point: Vec3) -> Option<egui::Pos2> {
         let camera = self.camera?;
         let clip = camera.clip_from_world(self.aspect()) * point.extend(1.0);
         let share = egui::vec2(0.5 + 0.5 * clip.x / clip.w, 0.5 - 0.5 * clip.y / clip.w);
@@ -293,13 +293,13 @@ impl Viewport {
     }
 
     /// Whether nothing that is drawn stands before a point of the scene.
-    pub(in crate::app) fn sees(&self, point: Vec3, occluders: &Occluders) -> bool {
+    pub fn sees(&self, point: Vec3, occluders: &Occluders) -> bool {
         self.camera.is_none_or(|camera| Eye::new(self.rect, &camera, occluders).sees(point))
     }
 
     /// Length at a point of the scene that takes so many points of the window across the sight;
     /// `None` behind the eye.
-    pub(in crate::app) fn length_of(&self, point: Vec3, points: f32) -> Option<f32> {
+    pub fn length_of(&self, point: Vec3, points: f32) -> Option<f32> {
         let camera = self.camera?;
         let across = camera.forward().any_orthonormal_vector();
         let step = 1e-2 * (point - camera.eye()).length();
@@ -308,7 +308,7 @@ impl Viewport {
     }
 
     /// The ray under a place in the window.
-    pub(in crate::app) fn ray_at(&self, at: egui::Pos2) -> Option<Ray> {
+    pub fn ray_at(&self, at: egui::Pos2) -> Option<Ray> {
         let share = (at - self.rect.min) / self.rect.size();
         let ndc = Vec2::new(2.0 * share.x - 1.0, 1.0 - 2.0 * share.y);
         let (origin, direction) = self.camera?.ray(ndc, self.aspect());
@@ -316,7 +316,7 @@ impl Viewport {
     }
 
     /// The ray under a click.
-    pub(in crate::app) fn clicked(&self, response: &Response) -> Option<Clicked> {
+    pub fn clicked(&self, response: &Response) -> Option<Clicked> {
         let is_double = response.double_clicked();
         if !(response.clicked() || is_double) {
             return None;

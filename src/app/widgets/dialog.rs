@@ -10,14 +10,14 @@ use crate::base::threads::Background;
 const TOO_FAST: Duration = Duration::from_millis(200);
 
 /// Answer of the system's dialog.
-pub(in crate::app) enum DialogAnswer {
+pub enum DialogAnswer {
     Chosen(PathBuf),
     NoDialog,
 }
 
 /// A dialog that may be open.
 #[derive(Default)]
-pub(in crate::app) struct Dialog(Option<Background<Closed>>);
+pub struct Dialog(Option<Background<Closed>>);
 
 struct Closed {
     path: Option<PathBuf>,
@@ -26,12 +26,12 @@ struct Closed {
 
 impl Dialog {
     /// Whether it is open.
-    pub(in crate::app) fn is_open(&self) -> bool {
+    pub fn is_open(&self) -> bool {
         self.0.is_some()
     }
 
     /// Opens it unless it is open; `ask` shows it and waits for the answer.
-    pub(in crate::app) fn open(&mut self, ctx: &egui::Context, ask: impl FnOnce() -> Option<PathBuf> + Send + 'static) {
+    pub fn open(&mut self, ctx: &egui::Context, ask: impl FnOnce() -> Option<PathBuf> + Send + 'static) {
         if self.is_open() {
             return;
         }
@@ -46,7 +46,7 @@ impl Dialog {
     }
 
     /// Answer of the dialog, once it is closed with something to say.
-    pub(in crate::app) fn poll(&mut self) -> Option<DialogAnswer> {
+    pub fn poll(&mut self) -> Option<DialogAnswer> {
         let Poll::Ready(closed) = self.0.as_ref()?.poll() else { return None };
         // Without an answer the dialog's thread broke.
         let closed = closed.unwrap_or(Closed { path: None, after: Duration::ZERO });

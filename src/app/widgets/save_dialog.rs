@@ -6,7 +6,7 @@ use crate::app::widgets::dialog::{Dialog, DialogAnswer};
 
 /// State of the controls that choose a file to write.
 #[derive(Default)]
-pub(in crate::app) struct SaveDialog {
+pub struct SaveDialog {
     /// The path field.
     pub path_text: String,
     dialog: Dialog,
@@ -14,23 +14,23 @@ pub(in crate::app) struct SaveDialog {
 
 impl SaveDialog {
     /// The path that was typed, without the blanks and quotes that come with pasting.
-    pub(in crate::app) fn typed_path(&self) -> Option<PathBuf> {
+    pub fn typed_path(&self) -> Option<PathBuf> {
         let text = self.path_text.trim().trim_matches(['"', '\'']);
         (!text.is_empty()).then(|| PathBuf::from(text))
     }
 
     /// Whether the system's dialog is open.
-    pub(in crate::app) fn is_open(&self) -> bool {
+    pub fn is_open(&self) -> bool {
         self.dialog.is_open()
     }
 
     /// Opens the system's dialog with a name to begin with.
-    pub(in crate::app) fn open(&mut self, ctx: &egui::Context, title: &'static str, name: String) {
+    pub fn open(&mut self, ctx: &egui::Context, title: &'static str, name: String) {
         self.dialog.open(ctx, move || rfd::FileDialog::new().set_title(title).set_file_name(name).save_file());
     }
 
     /// Answer of the dialog, once it is closed with something to say.
-    pub(in crate::app) fn poll(&mut self) -> Option<DialogAnswer> {
+    pub fn poll(&mut self) -> Option<DialogAnswer> {
         self.dialog.poll()
     }
 }

@@ -48,7 +48,7 @@ struct Preset {
 
 /// Daylight that is being set.
 #[derive(Clone, Debug, Default)]
-pub(in crate::app) struct DaylightEditor {
+pub struct DaylightEditor {
     /// What was set.
     pub spec: Daylight,
     /// The sky as it is being written.
@@ -59,7 +59,7 @@ pub(in crate::app) struct DaylightEditor {
 
 impl DaylightEditor {
     /// Takes over what a scene has.
-    pub(in crate::app) fn follow(&mut self, spec: Daylight) {
+    pub fn follow(&mut self, spec: Daylight) {
         self.text = spec.sky.as_ref().map(ToString::to_string).unwrap_or_default();
         (self.spec, self.problem) = (spec, None);
     }
@@ -100,12 +100,12 @@ impl DaylightEditor {
 }
 
 /// Overcast daylight, as is offered to a scene that has openings and no lamp.
-pub(in crate::app) fn usual() -> Daylight {
+pub fn usual() -> Daylight {
     Daylight { sky: Some(SkySpec::of(LuminanceDistribution::Overcast, Amount::Lux(10_000.0))), sun: None }
 }
 
 /// Draws the part.
-pub(in crate::app) fn show(ui: &mut Ui, editor: &mut DaylightEditor, outbox: &mut Outbox) {
+pub fn show(ui: &mut Ui, editor: &mut DaylightEditor, outbox: &mut Outbox) {
     ui.label(theme::weak(words::DAYLIGHT));
     let before = editor.spec.clone();
     ui.horizontal_wrapped(|ui| {

@@ -21,7 +21,7 @@ const PERCENT_WIDTH: f32 = 52.0;
 const COLOUR_WIDTH: f32 = 32.0;
 
 /// Draws the list.
-pub(in crate::app) fn show(ui: &mut Ui, scene: &Scene, editor: &mut LightEditor) {
+pub fn show(ui: &mut Ui, scene: &Scene, editor: &mut LightEditor) {
     let lamps: Vec<usize> = editor.lighting.lamps().collect();
     let count = lamps.len() + editor.lighting.luminaires.len();
     if count == 0 {

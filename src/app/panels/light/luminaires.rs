@@ -22,7 +22,7 @@ const SIZES: std::ops::RangeInclusive<f32> = 1e-6..=1e6;
 const COORDINATE_WIDTH: f32 = 52.0;
 
 /// Draws the part; `eye` is where a person looks from.
-pub(in crate::app) fn show(ui: &mut Ui, info: &SceneInfo, eye: Option<Vec3>, editor: &mut LightEditor) {
+pub fn show(ui: &mut Ui, info: &SceneInfo, eye: Option<Vec3>, editor: &mut LightEditor) {
     ui.label(theme::weak(words::LUMINAIRES));
     ui.horizontal_wrapped(|ui| {
         let buttons = [

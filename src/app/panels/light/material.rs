@@ -17,7 +17,7 @@ const TEMPERATURES: std::ops::RangeInclusive<f32> = 1700.0..=12_000.0;
 const SAME_TINT: f32 = 0.04;
 
 /// Draws the part.
-pub(in crate::app) fn show(ui: &mut Ui, info: &SceneInfo, editor: &mut LightEditor) {
+pub fn show(ui: &mut Ui, info: &SceneInfo, editor: &mut LightEditor) {
     let scene = &info.scene;
     ui.label(theme::weak("Material (click a surface in the view to choose it)"));
     show_choice(ui, scene, editor);
@@ -65,13 +65,7 @@ pub(in crate::app) fn show(ui: &mut Ui, info: &SceneInfo, editor: &mut LightEdit
 }
 
 /// The strength of a lamp by name, in a unit to be chosen.
-pub(in crate::app) fn show_strength(
-    ui: &mut Ui,
-    name: &str,
-    light: &mut MaterialLight,
-    area: f32,
-    unit: &mut LampUnit,
-) {
+pub fn show_strength(ui: &mut Ui, name: &str, light: &mut MaterialLight, area: f32, unit: &mut LampUnit) {
     ui.add_space(2.0);
     ui.add(Label::new(RichText::new(words::light_of(name)).strong()).truncate()).on_hover_text(name);
     if !light.is_on {
@@ -107,7 +101,7 @@ pub(in crate::app) fn show_strength(
 }
 
 /// The colour of the light as a temperature, where it is one.
-pub(in crate::app) fn show_temperature(ui: &mut Ui, light: &mut MaterialLight) {
+pub fn show_temperature(ui: &mut Ui, light: &mut MaterialLight) {
     let (mut kelvin, off) = temperature_of_tint(light.emission.tint().to_array());
     theme::row(ui, words::COLOUR_TEMPERATURE, |ui| {
         let slider = Slider::new(&mut kelvin, TEMPERATURES).logarithmic(true).clamping(egui::SliderClamping::Edits);
@@ -167,6 +161,6 @@ fn show_faces(ui: &mut Ui, scene: &Scene, editor: &mut LightEditor) {
 }
 
 /// A colour that can be edited; true when it was.
-pub(in crate::app) fn show_colour(ui: &mut Ui, label: &str, hint: &str, colour: &mut [f32; 3]) -> bool {
+pub fn show_colour(ui: &mut Ui, label: &str, hint: &str, colour: &mut [f32; 3]) -> bool {
     theme::row(ui, label, |ui| ui.color_edit_button_rgb(colour)).on_hover_text(hint).changed()
 }

@@ -33,7 +33,7 @@ const SAME_POWER: f64 = 1e-4;
 
 /// Changes that a person is making in the section.
 #[derive(Default)]
-pub(in crate::app) struct LightEditor {
+pub struct LightEditor {
     /// Of each material, what was set.
     pub lighting: Lighting,
     /// The material at hand.
@@ -108,7 +108,7 @@ impl LampUnit {
 
 impl LightEditor {
     /// For a scene that was just opened; its first lamp, if it has one, is the material at hand.
-    pub(in crate::app) fn for_scene(scene: &Scene) -> Self {
+    pub fn for_scene(scene: &Scene) -> Self {
         let lighting = Lighting::of_scene(scene);
         let lamp = lighting.lamps().next();
         let material = MaterialId(lamp.unwrap_or(0) as u32);
@@ -119,7 +119,7 @@ impl LightEditor {
     }
 
     /// Takes up what an edited scene has more.
-    pub(in crate::app) fn follow(&mut self, scene: &Scene) {
+    pub fn follow(&mut self, scene: &Scene) {
         self.daylight.follow(scene.daylight());
         self.areas = vec![0.0; scene.materials.len()];
         for polygon in &scene.polygons {
@@ -128,7 +128,7 @@ impl LightEditor {
     }
 
     /// The luminaires are those of the scene again: what was wanted cannot be had.
-    pub(in crate::app) fn take_back_luminaires(&mut self, scene: &Scene) {
+    pub fn take_back_luminaires(&mut self, scene: &Scene) {
         let present = scene.luminaires();
         if present != self.sent {
             self.lighting.luminaires = Lighting::of_scene(scene).luminaires;
@@ -138,7 +138,7 @@ impl LightEditor {
 
     /// Command by which the worker learns of changed luminaires. While a person moves one, only
     /// what is live goes out: another exitance.
-    pub(in crate::app) fn luminaires_command(&mut self, is_busy: bool) -> Option<Command> {
+    pub fn luminaires_command(&mut self, is_busy: bool) -> Option<Command> {
         let mut wanted = self.lighting.wanted_luminaires();
         if is_busy {
             if wanted.len() != self.sent.len() {
@@ -170,7 +170,7 @@ impl LightEditor {
     }
 
     /// Takes a material of the scene in view in hand, or the luminaire that it is of.
-    pub(in crate::app) fn choose(&mut self, scene: &Scene, material: MaterialId) {
+    pub fn choose(&mut self, scene: &Scene, material: MaterialId) {
         if scene.luminaire_of(material).is_none() {
             self.material = material;
         } else if let Some(of) = scene.materials.get(material.0 as usize) {
@@ -179,13 +179,13 @@ impl LightEditor {
     }
 
     /// The luminaire at hand.
-    pub(in crate::app) fn selected_mut(&mut self) -> Option<&mut LuminaireLight> {
+    pub fn selected_mut(&mut self) -> Option<&mut LuminaireLight> {
         self.lighting.luminaires.get_mut(self.selected?)
     }
 }
 
 /// Draws the section.
-pub(in crate::app) fn show(
+pub fn show(
     ui: &mut Ui,
     (shown, eye): (&Shown, Option<glam::Vec3>),
     params: &SolverParams,
@@ -223,7 +223,7 @@ pub(in crate::app) fn show(
 }
 
 /// Over a view that nothing lights: a sentence that says so, and two ways to some light.
-pub(in crate::app) fn show_ways_to_light(
+pub fn show_ways_to_light(
     ui: &Ui,
     rect: Rect,
     shown: &Shown,

@@ -12,7 +12,7 @@ const SIDE: f32 = 132.0;
 const DATE_WIDTH: f32 = 44.0;
 
 /// Draws the choice, the plan of the sky and the fields.
-pub(in crate::app) fn show(ui: &mut Ui, sun: &mut SunSpec) {
+pub fn show(ui: &mut Ui, sun: &mut SunSpec) {
     show_plan(ui, sun);
     let is_by_date = matches!(sun.place, SunPlace::Almanac { .. });
     let names = [words::SUN_BY_DIRECTION, words::SUN_BY_DATE];

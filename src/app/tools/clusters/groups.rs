@@ -22,13 +22,7 @@ const WIDTHS: [f32; 2] = [70.0, 70.0];
 struct Dragged(Vec<GroupId>);
 
 /// Draws the editor.
-pub(in crate::app) fn show(
-    ui: &mut Ui,
-    shown: &Shown,
-    editor: &mut GroupEditor,
-    params: &mut SolverParams,
-    outbox: &mut Outbox,
-) {
+pub fn show(ui: &mut Ui, shown: &Shown, editor: &mut GroupEditor, params: &mut SolverParams, outbox: &mut Outbox) {
     let Some(info) = &shown.info else { return };
     editor.follow(&info.scene);
     show_use(params, ui, outbox);

@@ -32,7 +32,7 @@ enum Page {
 
 /// The tool's own state; another scene starts it afresh.
 #[derive(Default)]
-pub(in crate::app) struct Clusters {
+pub struct Clusters {
     page: Page,
     tree: ClusterTree,
     editor: GroupEditor,
@@ -52,7 +52,7 @@ const GROUP_BOX: ([u8; 4], f32) = ([255, 255, 255, 255], 2.5);
 impl Clusters {
     /// Marks with the box of the group that the mouse is over added; the same ones as long as
     /// nothing changes.
-    pub(in crate::app) fn with_group(&mut self, marks: Marks) -> Marks {
+    pub fn with_group(&mut self, marks: Marks) -> Marks {
         let Some(edges) = self.editor.take_pointed_box() else { return marks };
         match &self.marked {
             Some(marked) if (&marked.over, &marked.edges) == (&marks, &edges) => marked.all.clone(),
@@ -69,7 +69,7 @@ impl Clusters {
 }
 
 /// Draws the tool.
-pub(in crate::app) fn show(
+pub fn show(
     ui: &mut Ui,
     shown: &Shown,
     clusters: &mut Clusters,

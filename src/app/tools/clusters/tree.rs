@@ -58,7 +58,7 @@ fn columns_in(width: f32) -> Vec<(Column, f32)> {
 
 /// State of the tree.
 #[derive(Default)]
-pub(in crate::app) struct ClusterTree {
+pub struct ClusterTree {
     power: PowerShown,
     unfolded: FxHashSet<ElementId>,
     rows: Vec<Row>,
@@ -131,7 +131,7 @@ fn within<'a>(full_name: &'a str, holder: &str) -> &'a str {
 }
 
 /// Draws the tree.
-pub(in crate::app) fn show(
+pub fn show(
     ui: &mut Ui,
     shown: &Shown,
     tree: &mut ClusterTree,

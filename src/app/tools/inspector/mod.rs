@@ -23,7 +23,7 @@ use crate::transport::SolutionView;
 
 /// How the inspector shows links, and where it has been.
 #[derive(Default)]
-pub(in crate::app) struct Inspector {
+pub struct Inspector {
     direction: Direction,
     bars: bars::Bars,
     order: order::Order,
@@ -33,7 +33,7 @@ pub(in crate::app) struct Inspector {
 
 impl Inspector {
     /// Which way the light goes that is looked at.
-    pub(in crate::app) fn direction(&self) -> Direction {
+    pub fn direction(&self) -> Direction {
         self.direction
     }
 }
@@ -51,7 +51,7 @@ enum Walk {
 }
 
 /// Draws it.
-pub(in crate::app) fn show(
+pub fn show(
     ui: &mut Ui,
     shown: &Shown,
     inspector: &mut Inspector,

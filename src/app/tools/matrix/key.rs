@@ -15,7 +15,7 @@ const SWATCH: f32 = 11.0;
 
 impl LinkMatrix {
     /// Draws key and numbers of the last picture.
-    pub(in crate::app) fn show_key(&mut self, ui: &mut Ui) {
+    pub fn show_key(&mut self, ui: &mut Ui) {
         let Some(shown) = &self.shown else { return };
         ui.add_space(4.0);
         ui.add(egui::Label::new(theme::weak(&shown.legend.title)).wrap());

@@ -53,7 +53,7 @@ const ROOM_BELOW: f32 = 100.0;
 const ROOM_BESIDE: f32 = 214.0;
 
 /// The tool's state.
-pub(in crate::app) struct LinkMatrix {
+pub struct LinkMatrix {
     room: Room,
     colouring: Colouring,
     view: View,
@@ -106,7 +106,7 @@ impl Default for LinkMatrix {
 }
 
 /// Draws the tool.
-pub(in crate::app) fn show(
+pub fn show(
     ui: &mut Ui,
     shown: &Shown,
     matrix: &mut LinkMatrix,

@@ -25,19 +25,19 @@ const NAME: &str = "Matrix of links";
 
 /// Where places of the matrix lie on the screen.
 #[derive(Clone, Copy)]
-pub(in crate::app) struct Map {
+pub struct Map {
     pub rect: Rect,
     pub view: View,
 }
 
 impl Map {
     /// Horizontal place of a source.
-    pub(in crate::app) fn x(&self, place: f64) -> f32 {
+    pub fn x(&self, place: f64) -> f32 {
         self.rect.left() + ((place - self.view.left) / self.view.size * f64::from(self.rect.width())) as f32
     }
 
     /// Vertical place of a receiver.
-    pub(in crate::app) fn y(&self, place: f64) -> f32 {
+    pub fn y(&self, place: f64) -> f32 {
         self.rect.top() + ((place - self.view.top) / self.view.size * f64::from(self.rect.height())) as f32
     }
 
@@ -55,7 +55,7 @@ impl Map {
 }
 
 /// Draws square and edges, so large; where the square lies.
-pub(in crate::app) fn show(
+pub fn show(
     matrix: &mut LinkMatrix,
     ui: &mut Ui,
     looked: Looked<'_>,
@@ -117,7 +117,7 @@ fn ends(pair: &Pair) -> (ElementId, ElementId) {
 }
 
 /// A marked row or column.
-pub(in crate::app) type Mark = (ElementId, Color32);
+pub type Mark = (ElementId, Color32);
 
 /// Elements whose rows and whose columns are marked: what is pointed at, here or elsewhere, and
 /// what is picked.
@@ -190,7 +190,7 @@ fn paint_marks(
 }
 
 /// A band's beginning and end, moved apart where it would be too thin to be seen.
-pub(in crate::app) fn at_least([start, end]: [f32; 2]) -> [f32; 2] {
+pub fn at_least([start, end]: [f32; 2]) -> [f32; 2] {
     let missing = 0.5 * (LEAST_BAND - (end - start)).max(0.0);
     [start - missing, end + missing]
 }
