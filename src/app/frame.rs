@@ -7,6 +7,7 @@ use crate::app::actions::Action;
 use crate::app::state::messages::Topic;
 use crate::app::state::{files, settings, undo, watch};
 use crate::app::view::camera_menu;
+use crate::app::widgets::dialog::DialogAnswer;
 use crate::app::{App, DISPLAY_KEY, Outbox, RECENT_KEY, shortcuts, timeline, tools, words};
 use crate::base::panic_report;
 use crate::scene::Source;
@@ -32,10 +33,10 @@ impl eframe::App for App {
         let ctx = &ui.ctx().clone();
         let mut outbox = Outbox::default();
         self.open_dropped_files(ctx, &mut outbox);
-        if let Some(answer) = self.documents.files.poll_dialog() {
+        if let Some(answer) = self.documents.files.field.dialog.poll() {
             match answer {
-                files::DialogAnswer::Chosen(path) => outbox.push(Command::load(Source::File(path))),
-                files::DialogAnswer::NoDialog => self.messages.note(Topic::Opening, files::NO_DIALOG.into()),
+                DialogAnswer::Chosen(path) => outbox.push(Command::load(Source::File(path))),
+                DialogAnswer::NoDialog => self.messages.note(Topic::Opening, files::NO_DIALOG.into()),
             }
         }
         shortcuts::act(ctx, self.view.viewport.id(), &mut outbox);

@@ -1,6 +1,6 @@
 //! Hints over the view: the three lines of the first start, and the way back from the full picture.
 
-use egui::{Align2, Area, Frame, Rect, Ui};
+use egui::{Align2, Area, Rect, Ui};
 
 use crate::app::actions::{Action, Outbox};
 use crate::app::view::overlays::{Overlays, Place};
@@ -19,17 +19,15 @@ pub fn show_first_lines(ui: &Ui, view: Rect, overlays: &mut Overlays, is_shown: 
         return;
     }
     let place = Place::at_rim("first lines", view, Align2::CENTER_BOTTOM);
-    overlays.show(ui.ctx(), place, |ui| {
-        Frame::popup(ui.style()).fill(theme::PANEL.gamma_multiply(0.94)).inner_margin(12).show(ui, |ui| {
-            ui.set_max_width((view.width() - 60.0).max(200.0));
-            for line in LINES {
-                ui.label(egui::RichText::new(line).strong());
-            }
-            ui.add_space(4.0);
-            if ui.button("Got it").clicked() {
-                *is_shown = false;
-            }
-        });
+    overlays.card(ui, place, 12, |ui| {
+        ui.set_max_width((view.width() - 60.0).max(200.0));
+        for line in LINES {
+            ui.label(egui::RichText::new(line).strong());
+        }
+        ui.add_space(4.0);
+        if ui.button("Got it").clicked() {
+            *is_shown = false;
+        }
     });
 }
 

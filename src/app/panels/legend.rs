@@ -1,6 +1,6 @@
 //! The legend over the view where colours stand for something: a ramp with marks below it.
 
-use egui::{Align2, Color32, FontId, Frame, Label, Rect, RichText, Ui, UiBuilder, pos2, vec2};
+use egui::{Align2, Color32, FontId, Label, Rect, RichText, Ui, UiBuilder, pos2, vec2};
 
 use crate::app::state::comparison::{FULL_SCALE, Shading};
 use crate::app::tools::Tools;
@@ -96,25 +96,20 @@ fn show_reading(overlays: &mut Overlays, ui: &Ui, view: Rect, reading: &Reading,
 /// Draws a legend into the view's lower left corner.
 fn show(overlays: &mut Overlays, ui: &Ui, view: Rect, legend: &Legend<'_>) {
     let place = Place { is_needed: false, ..Place::at_rim("legend", view, Align2::LEFT_BOTTOM) };
-    overlays.show(ui.ctx(), place, |ui| {
-        let frame = Frame::popup(ui.style())
-            .fill(theme::PANEL.gamma_multiply(0.94))
-            .inner_margin(egui::Margin::symmetric(26, 7));
-        frame.show(ui, |ui| {
-            ui.set_width(BAR.x);
-            ui.spacing_mut().item_spacing.y = 3.0;
-            ui.horizontal(|ui| {
-                ui.label(RichText::new(&legend.title).color(theme::TEXT_STRONG)).on_hover_text(legend.hint);
-                ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-                    ui.label(theme::weak(legend.remark).small());
-                });
+    overlays.card(ui, place, egui::Margin::symmetric(26, 7), |ui| {
+        ui.set_width(BAR.x);
+        ui.spacing_mut().item_spacing.y = 3.0;
+        ui.horizontal(|ui| {
+            ui.label(RichText::new(&legend.title).color(theme::TEXT_STRONG)).on_hover_text(legend.hint);
+            ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+                ui.label(theme::weak(legend.remark).small());
             });
-            let (bar, response) = ui.allocate_exact_size(BAR, egui::Sense::hover());
-            response.on_hover_text(legend.hint);
-            ui.painter().add(colour_bar::shape(bar, legend.colour));
-            let (row, _) = ui.allocate_exact_size(vec2(BAR.x, LABELS), egui::Sense::hover());
-            draw_labels(ui, row, bar, &legend.marks);
         });
+        let (bar, response) = ui.allocate_exact_size(BAR, egui::Sense::hover());
+        response.on_hover_text(legend.hint);
+        ui.painter().add(colour_bar::shape(bar, legend.colour));
+        let (row, _) = ui.allocate_exact_size(vec2(BAR.x, LABELS), egui::Sense::hover());
+        draw_labels(ui, row, bar, &legend.marks);
     });
 }
 

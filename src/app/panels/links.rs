@@ -1,11 +1,11 @@
 //! Links over the view: whose, which and in what colours; and the legend that says in words what is
 //! not drawn.
 
-use egui::{Align2, Color32, FontId, Rect, Slider, Ui, pos2, vec2};
+use egui::{Align2, FontId, Rect, Slider, Ui, pos2, vec2};
 
 use crate::app::state::settings::{LinkOverlay, LinksOf};
 use crate::app::view::{View, colour_bar};
-use crate::app::widgets::theme;
+use crate::app::widgets::{rows, theme};
 use crate::app::{Shown, format, words};
 use crate::render::{ChosenLinks, LinkColour, LinkFilter, Seen, level_colour, power_colour};
 
@@ -52,11 +52,11 @@ pub fn show(ui: &mut Ui, shown: &Shown, links: &mut LinkOverlay) {
         ],
     );
     let filter = &mut links.filter;
-    theme::row(ui, words::STRONGEST_LINKS, |ui| {
+    rows::row(ui, words::STRONGEST_LINKS, |ui| {
         let slider = Slider::new(&mut filter.strongest, STRONGEST).logarithmic(true);
         ui.add(slider).on_hover_text("The most that are drawn, the strongest first")
     });
-    theme::row(ui, words::MINIMUM_POWER, |ui| {
+    rows::row(ui, words::MINIMUM_POWER, |ui| {
         let slider = Slider::new(&mut filter.least_power, LEAST_POWER)
             .logarithmic(true)
             .smallest_positive(LEAST_POWER_ABOVE_0)
@@ -71,16 +71,8 @@ pub fn show(ui: &mut Ui, shown: &Shown, links: &mut LinkOverlay) {
 
 fn show_level(ui: &mut Ui, shown: &Shown, links: &mut LinkOverlay) {
     let Some(deepest) = shown.solution_view().map(|solution_view| solution_view.deepest()) else { return };
-    theme::row(ui, words::RECEIVERS_AT_LEVEL, |ui| {
-        // What was chosen for a deeper hierarchy comes back with it.
-        let mut level = links.level.min(deepest);
-        let slider = Slider::new(&mut level, 0..=deepest).suffix(format!(" of {deepest}"));
-        let response = ui.add(slider).on_hover_text("Levels below the root; clusters and patches count alike");
-        if response.changed() {
-            links.level = level;
-        }
-        response
-    });
+    rows::row(ui, words::RECEIVERS_AT_LEVEL, |ui| rows::level(ui, &mut links.level, deepest))
+        .on_hover_text("Levels below the root; clusters and patches count alike");
 }
 
 fn show_kinds(ui: &mut Ui, filter: &mut LinkFilter) {
@@ -104,7 +96,7 @@ fn show_kinds(ui: &mut Ui, filter: &mut LinkFilter) {
 /// A row of alternatives.
 fn choice<T: Copy + PartialEq>(ui: &mut Ui, name: &str, chosen: &mut T, choices: &[(T, &str, &str)]) {
     ui.horizontal_wrapped(|ui| {
-        theme::row_label(ui, name);
+        rows::row_label(ui, name);
         ui.spacing_mut().item_spacing.x = 2.0;
         for (value, text, hint) in choices {
             let response = ui.selectable_value(chosen, *value, *text).on_hover_text(*hint);
@@ -167,12 +159,8 @@ pub fn show_legend(ui: &Ui, rect: Rect, shown: &Shown, view: &mut View, meaning:
         ];
         let mut x = bar.left();
         for (seen, name) in names {
-            let [r, g, b] = seen.colour();
-            painter.rect_filled(
-                Rect::from_min_size(pos2(x, bar.top() + 2.0), vec2(14.0, 10.0)),
-                2.0,
-                Color32::from_rgb(r, g, b),
-            );
+            let swatch = Rect::from_min_size(pos2(x, bar.top() + 2.0), vec2(14.0, 10.0));
+            painter.rect_filled(swatch, 2.0, theme::rgb(seen.colour()));
             x = text(pos2(x + 19.0, bar.top()), Align2::LEFT_TOP, name).right() + 12.0;
         }
         return;

@@ -9,7 +9,7 @@ use crate::app::state::facts::Facts;
 use crate::app::state::inspection::Inspection;
 use crate::app::tools::Tool;
 use crate::app::view::overlays::{Overlays, Place};
-use crate::app::widgets::theme;
+use crate::app::widgets::{rows, theme};
 use crate::app::{Shown, format, words};
 use crate::hierarchy::ElementId;
 use crate::solve::Snapshot;
@@ -46,32 +46,29 @@ pub fn show(
     if rect.width() < BESIDE_READOUT {
         place.at.y += READOUT_HEIGHT;
     }
-    overlays.show(ui.ctx(), place, |ui| {
-        let frame = egui::Frame::popup(ui.style()).fill(theme::PANEL.gamma_multiply(0.94)).inner_margin(10);
-        frame.show(ui, |ui| {
-            ui.set_width(WIDTH);
-            ui.horizontal(|ui| {
-                ui.label(RichText::new(words::SELECTED_ELEMENT).strong().size(14.0));
-                ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-                    if ui.button(words::CLOSE).on_hover_text("Deselect (Esc)").clicked() {
-                        outbox.act(Action::Deselect);
-                    }
-                    let hint = "Open the inspector: all its links, and what holds it";
-                    if ui.button(words::INSPECT).on_hover_text(hint).clicked() {
-                        outbox.act(Action::OpenTool(Tool::Inspector));
-                    }
-                });
+    overlays.card(ui, place, 10, |ui| {
+        ui.set_width(WIDTH);
+        ui.horizontal(|ui| {
+            ui.label(RichText::new(words::SELECTED_ELEMENT).strong().size(14.0));
+            ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+                if ui.button(words::CLOSE).on_hover_text("Deselect (Esc)").clicked() {
+                    outbox.act(Action::Deselect);
+                }
+                let hint = "Open the inspector: all its links, and what holds it";
+                if ui.button(words::INSPECT).on_hover_text(hint).clicked() {
+                    outbox.act(Action::OpenTool(Tool::Inspector));
+                }
             });
-            let name = inspection.name(element);
-            ui.add(egui::Label::new(RichText::new(name).strong()).truncate());
-            if let Some(facts) = &inspection.facts {
-                let deepest = snapshot.solution_view.as_ref().map(|solution_view| solution_view.deepest());
-                show_facts(ui, facts, deepest);
-            }
-            if rect.width() >= WIDE_ENOUGH {
-                show_sources(ui, inspection, snapshot, element);
-            }
         });
+        let name = inspection.name(element);
+        ui.add(egui::Label::new(RichText::new(name).strong()).truncate());
+        if let Some(facts) = &inspection.facts {
+            let deepest = snapshot.solution_view.as_ref().map(|solution_view| solution_view.deepest());
+            show_facts(ui, facts, deepest);
+        }
+        if rect.width() >= WIDE_ENOUGH {
+            show_sources(ui, inspection, snapshot, element);
+        }
     });
 }
 
@@ -116,7 +113,7 @@ fn show_sources(ui: &mut Ui, inspection: &mut Inspection, snapshot: &Snapshot, e
     }
     let links = format::things(count, "link", "links");
     let heading = format!("{}, E in W/m² ({links}):", words::TOP_SOURCES);
-    ui.add(egui::Label::new(heading).wrap());
+    rows::sentence(ui, heading);
     let strongest: Vec<LinkView> = inspection.links.iter().take(MOST).copied().collect();
     Grid::new("sources").num_columns(2).spacing([12.0, 2.0]).show(ui, |ui| {
         for link in strongest {

@@ -5,7 +5,7 @@ use egui::{Button, Ui};
 
 use crate::app::actions::{Action, Outbox};
 use crate::app::panels::parameters;
-use crate::app::widgets::theme;
+use crate::app::widgets::rows;
 use crate::app::{Shown, format, words};
 use crate::solve::{ParameterId, SolverParams, Stats, USUAL_ERROR};
 use crate::worker::{Command, RunState};
@@ -35,7 +35,7 @@ pub fn show_method(ui: &mut Ui, stats: Option<&Stats>, params: &mut SolverParams
 }
 
 fn show_qualities(ui: &mut Ui, params: &mut SolverParams) {
-    theme::row(ui, words::QUALITY_CHOICE, |ui| {
+    rows::row(ui, words::QUALITY_CHOICE, |ui| {
         let choices = ui.horizontal(|ui| {
             for (name, error) in QUALITIES {
                 let is_chosen = params.error == Some(error);

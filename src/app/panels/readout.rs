@@ -1,6 +1,6 @@
 //! The reading under the pointer, in the view's upper left corner.
 
-use egui::{Align2, Frame, Rect, RichText, Ui};
+use egui::{Align2, Rect, RichText, Ui};
 
 use crate::app::panels::picked;
 use crate::app::state::measuring::{Measuring, lux_in_words};
@@ -32,12 +32,9 @@ pub fn show(ui: &Ui, rect: Rect, shown: &Shown, view: &mut View, measuring: &Mea
     // The pointer is over the view, and stays there.
     let place = Place { is_interactable: false, ..Place::at_rim("readout", rect, Align2::LEFT_TOP) };
     let room = picked::room_beside(rect, has_card);
-    view.overlays.show(ui.ctx(), place, |ui| {
-        let fill = theme::PANEL.gamma_multiply(0.85);
-        Frame::new().fill(fill).corner_radius(4).inner_margin(egui::Margin::symmetric(8, 4)).show(ui, |ui| {
-            ui.set_max_width((room - 40.0).max(80.0));
-            ui.add(egui::Label::new(RichText::new(text).monospace()).truncate());
-        });
+    view.overlays.note(ui, place, 0.85, [8, 4], |ui| {
+        ui.set_max_width((room - 40.0).max(80.0));
+        ui.add(egui::Label::new(RichText::new(text).monospace()).truncate());
     });
 }
 
@@ -59,11 +56,8 @@ pub fn show_notes(ui: &Ui, rect: Rect, view: &mut View, measuring: &Measuring, l
 fn show_note(overlays: &mut Overlays, ui: &Ui, view: Rect, name: &'static str, text: &str) {
     let at_rim = Place::at_rim(name, view, Align2::CENTER_BOTTOM);
     let place = Place { is_interactable: false, is_needed: false, ..at_rim };
-    overlays.show(ui.ctx(), place, |ui| {
-        let fill = theme::PANEL.gamma_multiply(0.7);
-        Frame::new().fill(fill).corner_radius(4).inner_margin(egui::Margin::symmetric(8, 3)).show(ui, |ui| {
-            ui.set_max_width((view.width() - 40.0).max(80.0));
-            ui.add(egui::Label::new(theme::weak(text).small()).wrap_mode(egui::TextWrapMode::Extend));
-        });
+    overlays.note(ui, place, 0.7, [8, 3], |ui| {
+        ui.set_max_width((view.width() - 40.0).max(80.0));
+        ui.add(egui::Label::new(theme::weak(text).small()).wrap_mode(egui::TextWrapMode::Extend));
     });
 }

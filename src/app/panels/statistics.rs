@@ -2,7 +2,7 @@
 
 use egui::Ui;
 
-use crate::app::widgets::theme;
+use crate::app::widgets::{rows, theme};
 use crate::app::{Shown, format};
 use crate::gather::Quantiles;
 use crate::solve::Stats;
@@ -26,7 +26,7 @@ pub fn show(ui: &mut Ui, shown: &Shown) {
         });
     }
     if let Some(remark) = remark(&snapshot.stats) {
-        ui.add(egui::Label::new(theme::notice(ui, remark)).wrap());
+        rows::notice(ui, remark);
     }
 }
 

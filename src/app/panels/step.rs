@@ -1,10 +1,10 @@
 //! What happened in the step of the solve that is in view, in a few words over it: for whoever
 //! studies the method.
 
-use egui::{Align2, Frame, Label, Rect, Ui};
+use egui::{Align2, Rect, Ui};
 
 use crate::app::view::overlays::{Overlays, Place};
-use crate::app::widgets::theme;
+use crate::app::widgets::rows;
 use crate::app::{Shown, format, words};
 use crate::solve::{TimelineStep, TimelineStepKind};
 
@@ -18,12 +18,9 @@ pub fn show(ui: &Ui, view: Rect, shown: &Shown, overlays: &mut Overlays) {
     let text = in_words(step);
     let at_rim = Place::at_rim("step", view, Align2::CENTER_TOP);
     let place = Place { is_interactable: false, is_needed: false, ..at_rim };
-    overlays.show(ui.ctx(), place, |ui| {
-        let fill = theme::PANEL.gamma_multiply(0.9);
-        Frame::new().fill(fill).corner_radius(4).inner_margin(egui::Margin::symmetric(10, 6)).show(ui, |ui| {
-            ui.set_max_width(WIDTH.min(view.width() - 40.0).max(80.0));
-            ui.add(Label::new(text).wrap());
-        });
+    overlays.note(ui, place, 0.9, [10, 6], |ui| {
+        ui.set_max_width(WIDTH.min(view.width() - 40.0).max(80.0));
+        rows::sentence(ui, text);
     });
 }
 

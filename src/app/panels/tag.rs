@@ -54,23 +54,19 @@ pub fn show(
         Some(reading) => format!("E {}", lux_in_words(&reading)),
         None => format!("E {} lx (mean)", format::number(mean.into())),
     };
-    view.overlays.show(ui.ctx(), place, |ui| {
-        let frame = egui::Frame::popup(ui.style()).fill(theme::PANEL.gamma_multiply(0.94)).inner_margin(7);
-        frame.show(ui, |ui| {
-            ui.set_max_width(MOST_WIDTH);
-            ui.spacing_mut().item_spacing.y = 2.0;
-            ui.add(egui::Label::new(RichText::new(name).strong()).truncate());
-            ui.label(theme::value(light))
-                .on_hover_text("Illuminance at the point that was clicked, ± its standard error");
-            ui.horizontal(|ui| {
-                if ui.small_button(words::DETAILS).on_hover_text("What it is and what lights it").clicked() {
-                    outbox.act(Action::ShowCard);
-                }
-                let button = egui::Button::new(words::LINKS).small().selected(links_of == LinksOf::Picked);
-                if ui.add(button).on_hover_text("Draw the links that bring it light").clicked() {
-                    outbox.act(Action::ToggleLinks);
-                }
-            });
+    view.overlays.card(ui, place, 7, |ui| {
+        ui.set_max_width(MOST_WIDTH);
+        ui.spacing_mut().item_spacing.y = 2.0;
+        ui.add(egui::Label::new(RichText::new(name).strong()).truncate());
+        ui.label(theme::value(light)).on_hover_text("Illuminance at the point that was clicked, ± its standard error");
+        ui.horizontal(|ui| {
+            if ui.small_button(words::DETAILS).on_hover_text("What it is and what lights it").clicked() {
+                outbox.act(Action::ShowCard);
+            }
+            let button = egui::Button::new(words::LINKS).small().selected(links_of == LinksOf::Picked);
+            if ui.add(button).on_hover_text("Draw the links that bring it light").clicked() {
+                outbox.act(Action::ToggleLinks);
+            }
         });
     });
 }

@@ -42,8 +42,7 @@ pub enum PictureSize {
 pub enum Item {
     Png,
     Exr,
-    Ply,
-    Glb,
+    Mesh(MeshFormat),
     Links,
     Settings,
     Statistics,
@@ -57,8 +56,8 @@ impl Item {
         match self {
             Self::Png => ".png",
             Self::Exr => ".exr",
-            Self::Ply => ".ply",
-            Self::Glb => ".glb",
+            Self::Mesh(MeshFormat::Ply) => ".ply",
+            Self::Mesh(MeshFormat::Glb) => ".glb",
             Self::Links => ".links.csv",
             Self::Settings => ".settings.json",
             Self::Statistics => ".statistics.json",

@@ -7,7 +7,7 @@ use glam::Vec3;
 
 use crate::app::Wake;
 use crate::app::format;
-use crate::app::widgets::save_dialog::SaveDialog;
+use crate::app::widgets::dialog::PathField;
 use crate::base::photometry::{Quantity, ShownIn, Unit, lux, weighted};
 use crate::read::survey::{
     NamedReading, PlaneReading, Probed, Ray, Report, SurfaceReading, Surveyor, WorkPlane, write_plane, write_probes,
@@ -79,7 +79,7 @@ pub struct Measuring {
     /// Whether their values are written there.
     pub writes_values: bool,
     /// Where tables are written.
-    pub save: SaveDialog,
+    pub save: PathField,
     /// Table for which the file dialog was opened.
     pub saves: Table,
 }
@@ -106,7 +106,7 @@ impl Default for Measuring {
             least_uniformity: USUAL_UNIFORMITY,
             shows_points: true,
             writes_values: true,
-            save: SaveDialog::default(),
+            save: PathField::default(),
             saves: Table::Plane,
         }
     }

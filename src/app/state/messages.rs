@@ -1,7 +1,7 @@
 //! The bar over the view: sentences that stay until they are dismissed, or until something newer is
 //! known of what they are about.
 
-use crate::app::widgets::theme;
+use crate::app::widgets::{rows, theme};
 use crate::app::words;
 
 /// No more than these are shown; older ones make room.
@@ -87,21 +87,16 @@ impl Messages {
                 Kind::Error => (palette.error_fill, theme::ERROR),
                 Kind::Note => (palette.note_fill, theme::ACCENT),
             };
-            egui::Frame::new().fill(fill).inner_margin(egui::Margin::symmetric(12, 8)).show(ui, |ui| {
-                ui.horizontal(|ui| {
-                    let (dot, _) = ui.allocate_exact_size(egui::vec2(8.0, 8.0), egui::Sense::hover());
-                    ui.painter().circle_filled(dot.center(), 4.0, mark);
-                    let text = egui::RichText::new(sentence).strong();
-                    ui.scope(|ui| {
-                        ui.set_max_width(ui.available_width() - BUTTON_ROOM);
-                        ui.add(egui::Label::new(text).wrap());
-                    });
-                    ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-                        if ui.button(words::DISMISS).clicked() {
-                            dismissed = Some(index);
-                        }
-                    });
+            let say = |ui: &mut egui::Ui| {
+                ui.scope(|ui| {
+                    ui.set_max_width(ui.available_width() - BUTTON_ROOM);
+                    rows::sentence(ui, egui::RichText::new(sentence).strong());
                 });
+            };
+            rows::bar(ui, fill, mark, say, |ui| {
+                if ui.button(words::DISMISS).clicked() {
+                    dismissed = Some(index);
+                }
             });
         }
         if let Some(index) = dismissed {

@@ -13,7 +13,7 @@ use std::time::Duration;
 use egui::Ui;
 
 use crate::app::actions::Action;
-use crate::app::widgets::theme;
+use crate::app::widgets::{rows, theme};
 use crate::app::{Outbox, Wake};
 use crate::scene::Source;
 use crate::worker::{FileStamp, SceneInfo};
@@ -167,18 +167,14 @@ pub fn show(ui: &mut Ui, watch: &mut Watch, outbox: &mut Outbox) {
     let name = name_of(path);
     let fill = theme::palette(ui.visuals()).note_fill;
     let [mut reload, mut keep] = [false; 2];
-    egui::Frame::new().fill(fill).inner_margin(egui::Margin::symmetric(12, 8)).show(ui, |ui| {
-        ui.horizontal(|ui| {
-            let (dot, _) = ui.allocate_exact_size(egui::vec2(8.0, 8.0), egui::Sense::hover());
-            ui.painter().circle_filled(dot.center(), 4.0, theme::ACCENT);
-            ui.add(egui::Label::new(egui::RichText::new(format!("{name} has changed on disk.")).strong()).truncate());
-            ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-                let hint = "Goes on with the scene as it is in view; what changes after this is reported again.";
-                keep = ui.button("Keep").on_hover_text(hint).clicked();
-                let hint = "Reads the file again. Camera, lamps and settings stay; materials and groups that were changed here and not saved do not.";
-                reload = ui.button("Reload").on_hover_text(hint).clicked();
-            });
-        });
+    let say = |ui: &mut Ui| {
+        ui.add(egui::Label::new(egui::RichText::new(format!("{name} has changed on disk.")).strong()).truncate());
+    };
+    rows::bar(ui, fill, theme::ACCENT, say, |ui| {
+        let hint = "Goes on with the scene as it is in view; what changes after this is reported again.";
+        keep = ui.button("Keep").on_hover_text(hint).clicked();
+        let hint = "Reads the file again. Camera, lamps and settings stay; materials and groups that were changed here and not saved do not.";
+        reload = ui.button("Reload").on_hover_text(hint).clicked();
     });
     if keep || reload {
         watch.changed = None;

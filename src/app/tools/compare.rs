@@ -3,13 +3,13 @@
 
 use std::sync::Arc;
 
-use egui::{Button, Grid, RichText, Ui};
+use egui::{Button, Grid, Ui};
 use serde_json::Value;
 
 use crate::app::actions::{Action, Outbox};
 use crate::app::state::comparison::Comparison;
 use crate::app::state::pinned::{Pinned, PinnedSolution, Sides};
-use crate::app::widgets::theme;
+use crate::app::widgets::{rows, theme};
 use crate::app::{Shown, format, words};
 use crate::solve::{PARAMETERS, Parameter, Snapshot, SolverParams, Stats};
 
@@ -17,6 +17,18 @@ use crate::solve::{PARAMETERS, Parameter, Snapshot, SolverParams, Stats};
 const NAME_WIDTH: f32 = 112.0;
 /// Numbers that differ by less than this share are alike.
 const WORTH_TELLING: f64 = 0.01;
+
+/// What the view can show, with names and hints.
+const SIDES: [(Sides, &str, &str); 4] = [
+    (
+        Sides::Split,
+        words::A_BESIDE_B,
+        "A at the left of a divider that can be dragged, B at its right; same view, same exposure",
+    ),
+    (Sides::A, words::A_ALONE, "The solution that was kept"),
+    (Sides::B, words::B_ALONE, "The solution that runs, exposed as A"),
+    (Sides::Difference, words::DIFFERENCE, "Where B is darker or brighter than A, relative to A"),
+];
 
 /// A row of the table: name, A, B and, where it is a number, how much of A's B is.
 struct Row {
@@ -42,7 +54,7 @@ pub fn show(
     let is_kept = pinned.solution().is_some();
     if !is_kept {
         let text = "Keep the solution in view as A, then change settings: the solver goes on with B, and the view shows both side by side.";
-        ui.add(egui::Label::new(theme::weak(text)).wrap());
+        rows::sentence(ui, theme::weak(text));
         ui.add_space(4.0);
     }
     ui.horizontal(|ui| {
@@ -58,18 +70,20 @@ pub fn show(
         return;
     }
     ui.add_space(6.0);
-    show_sides(pinned, ui);
+    ui.horizontal(|ui| rows::alternatives(ui, &mut pinned.sides, &SIDES));
     ui.add_space(8.0);
     let Some(kept) = pinned.solution() else { return };
     let settings = differing_settings(&kept.params, params);
-    heading(ui, "Settings that differ");
+    ui.add_space(4.0);
+    rows::heading(ui, "Settings that differ");
     match settings.is_empty() {
         true => {
             ui.label(theme::weak("None yet: change a setting, and B goes on from there."));
         }
         false => table(ui, "settings", &settings),
     }
-    heading(ui, words::RESULTS);
+    ui.add_space(4.0);
+    rows::heading(ui, words::RESULTS);
     table(ui, "results", &results(kept, snapshot, measured(comparison, snapshot), pinned.rms()));
 }
 
@@ -78,28 +92,6 @@ pub fn measured(comparison: &Comparison, snapshot: &Arc<Snapshot>) -> Option<(f6
     let measured = comparison.report().measured.as_ref()?;
     let shown = &measured.error.displayed;
     Arc::ptr_eq(&measured.snapshot, snapshot).then_some((shown.rms, shown.rms_noise))
-}
-
-fn show_sides(pinned: &mut Pinned, ui: &mut Ui) {
-    ui.horizontal(|ui| {
-        for (sides, name, hint) in [
-            (
-                Sides::Split,
-                words::A_BESIDE_B,
-                "A at the left of a divider that can be dragged, B at its right; same view, same exposure",
-            ),
-            (Sides::A, words::A_ALONE, "The solution that was kept"),
-            (Sides::B, words::B_ALONE, "The solution that runs, exposed as A"),
-            (Sides::Difference, words::DIFFERENCE, "Where B is darker or brighter than A, relative to A"),
-        ] {
-            ui.selectable_value(&mut pinned.sides, sides, name).on_hover_text(hint);
-        }
-    });
-}
-
-fn heading(ui: &mut Ui, text: &str) {
-    ui.add_space(4.0);
-    ui.label(RichText::new(text).strong());
 }
 
 fn table(ui: &mut Ui, id: &str, rows: &[Row]) {
@@ -111,7 +103,7 @@ fn table(ui: &mut Ui, id: &str, rows: &[Row]) {
         for row in rows {
             ui.scope(|ui| {
                 ui.set_max_width(NAME_WIDTH);
-                ui.add(egui::Label::new(row.name.as_str()).wrap());
+                rows::sentence(ui, row.name.as_str());
             });
             ui.label(theme::value(row.a.as_str()));
             ui.label(theme::value(row.b.as_str()));

@@ -3,13 +3,13 @@
 
 use std::path::{Path, PathBuf};
 
-use egui::{Button, ComboBox, DragValue, RichText, Ui};
+use egui::{Button, DragValue, RichText, Ui};
 
 use crate::app::actions::{Action, Outbox};
-use crate::app::state::exports::{self, Exports, Item, PictureSize};
+use crate::app::state::exports::{self, Exports, Item, PictureSize, Target};
 use crate::app::view::viewport::Viewport;
 use crate::app::widgets::dialog::DialogAnswer;
-use crate::app::widgets::theme;
+use crate::app::widgets::{rows, theme};
 use crate::app::{Shown, Wake, format, words};
 use crate::export::MeshFormat;
 use crate::export::peers::Peer;
@@ -24,8 +24,12 @@ const PICTURES: [Offer; 2] = [
     (Item::Exr, "Radiosities (EXR)", "What the view sees as radiosity B in W/m², 32-bit floats, linear and unexposed"),
 ];
 const MESHES: [Offer; 2] = [
-    (Item::Glb, "Mesh (GLB)", "Vertices with tone-mapped colours, which other programs show, and radiosities in W/m²"),
-    (Item::Ply, "Mesh (PLY)", "Vertices with radiosities in W/m² and tone-mapped colours, binary"),
+    (
+        Item::Mesh(MeshFormat::Glb),
+        "Mesh (GLB)",
+        "Vertices with tone-mapped colours, which other programs show, and radiosities in W/m²",
+    ),
+    (Item::Mesh(MeshFormat::Ply), "Mesh (PLY)", "Vertices with radiosities in W/m² and tone-mapped colours, binary"),
 ];
 const NUMBERS: [Offer; 3] = [
     (Item::Links, "Links (CSV)", "Every link: both ends, form factor F, visibility V, rays and power in W"),
@@ -116,20 +120,13 @@ fn show_size(exports: &mut Exports, ui: &mut Ui, view: [u32; 2]) {
             PictureSize::Own => words::CUSTOM_SIZE.to_owned(),
         }
     };
-    theme::row(ui, "Size in pixels", |ui| {
-        let combo = ComboBox::from_id_salt("picture size").selected_text(text(exports.size, exports.own_size));
-        let inner = combo.show_ui(ui, |ui| {
-            for size in [PictureSize::AsShown, PictureSize::FullHd, PictureSize::FourK, PictureSize::Own] {
-                let text = text(size, exports.own_size);
-                ui.selectable_value(&mut exports.size, size, text);
-            }
-        });
-        inner.response
-    });
+    let (own, sizes) =
+        (exports.own_size, [PictureSize::AsShown, PictureSize::FullHd, PictureSize::FourK, PictureSize::Own]);
+    rows::choice(ui, "Size in pixels", &mut exports.size, sizes, |size| text(*size, own));
     if exports.size == PictureSize::Own {
         let [width, height] = &mut exports.own_size;
         for (value, name) in [(width, "Width"), (height, "Height")] {
-            theme::row(ui, name, |ui| ui.add(DragValue::new(value).range(1..=MAX_SIZE).suffix(" pixels")));
+            rows::row(ui, name, |ui| ui.add(DragValue::new(value).range(1..=MAX_SIZE).suffix(" pixels")));
         }
     }
 }
@@ -192,11 +189,11 @@ fn show_state(exports: &mut Exports, ui: &mut Ui) {
     }
     match &exports.outcome {
         Some(Ok(sentence)) => {
-            ui.add(egui::Label::new(sentence.as_str()).wrap());
+            rows::sentence(ui, sentence.as_str());
         }
         Some(Err(sentence)) => {
             let sentence = format::without_os_codes(sentence);
-            ui.add(egui::Label::new(RichText::new(sentence).color(ui.visuals().error_fg_color)).wrap());
+            rows::failure(ui, sentence);
         }
         None => {}
     }
@@ -207,27 +204,26 @@ pub fn begin(exports: &mut Exports, item: Item, shown: &Shown, viewport: &Viewpo
     let (Some(path), Some(info), Some(snapshot)) = (exports.path(item), &shown.info, &shown.snapshot) else { return };
     let (scene, snapshot) = (info.scene.clone(), snapshot.clone());
     let picture = viewport.picture(pixels(exports.size, exports.own_size, viewport.pixels()));
-    match (item, picture) {
-        (Item::Png, Some(picture)) => exports.begin(path, wake, move |to| exports::write_png(to, &picture)),
-        (Item::Exr, Some(picture)) => exports.begin(path, wake, move |to| exports::write_exr(to, &picture, &snapshot)),
-        (Item::Png | Item::Exr, None) => exports.outcome = Some(Err("Nothing has been drawn yet.".into())),
-        (Item::Ply, _) => {
-            exports.begin(path, wake, move |to| exports::write_mesh(to, MeshFormat::Ply, &snapshot, &scene));
+    let write: Box<dyn FnOnce(&Target) -> Result<String, String> + Send> = match (item, picture) {
+        (Item::Png, Some(picture)) => Box::new(move |to| exports::write_png(to, &picture)),
+        (Item::Exr, Some(picture)) => Box::new(move |to| exports::write_exr(to, &picture, &snapshot)),
+        (Item::Png | Item::Exr, None) => {
+            exports.outcome = Some(Err("Nothing has been drawn yet.".into()));
+            return;
         }
-        (Item::Glb, _) => {
-            exports.begin(path, wake, move |to| exports::write_mesh(to, MeshFormat::Glb, &snapshot, &scene));
+        (Item::Mesh(form), _) => Box::new(move |to| exports::write_mesh(to, form, &snapshot, &scene)),
+        (Item::Links, _) => Box::new(move |to| exports::write_links(to, &snapshot)),
+        (Item::Peer(peer), _) => Box::new(move |to| exports::write_peer(to, peer, &scene)),
+        (Item::Settings, _) => {
+            Box::new(move |to| exports::write_text(to, &settings.to_json().map_err(|error| error.to_string())?))
         }
-        (Item::Links, _) => exports.begin(path, wake, move |to| exports::write_links(to, &snapshot)),
-        (Item::Peer(peer), _) => exports.begin(path, wake, move |to| exports::write_peer(to, peer, &scene)),
-        (Item::Settings, _) => exports.begin(path, wake, move |to| {
-            exports::write_text(to, &settings.to_json().map_err(|error| error.to_string())?)
-        }),
-        (Item::Statistics, _) => exports.begin(path, wake, move |to| {
+        (Item::Statistics, _) => Box::new(move |to| {
             let report = serde_json::json!({
                 "scene": scene.name, "settings": settings, "statistics": snapshot.stats,
             });
             let text = serde_json::to_string_pretty(&report).map_err(|error| error.to_string())?;
             exports::write_text(to, &(text + "\n"))
         }),
-    }
+    };
+    exports.begin(path, wake, write);
 }

@@ -1,6 +1,6 @@
 //! Cards, legends and notes over the view: each finds a place that those before it have left free.
 
-use egui::{Align2, Context, Pos2, Rect, Ui, Vec2};
+use egui::{Align2, Context, Frame, Margin, Pos2, Rect, Ui, Vec2};
 
 use crate::app::widgets::theme;
 
@@ -68,8 +68,25 @@ impl Overlays {
         None
     }
 
+    /// Draws a card with widgets.
+    pub fn card(&mut self, ui: &Ui, place: Place, margin: impl Into<Margin>, add: impl FnOnce(&mut Ui)) {
+        let frame = |ui: &Ui| Frame::popup(ui.style()).fill(theme::PANEL.gamma_multiply(0.94)).inner_margin(margin);
+        self.show(ui.ctx(), place, |ui| {
+            frame(ui).show(ui, add);
+        });
+    }
+
+    /// Draws a few words, so opaque.
+    pub fn note(&mut self, ui: &Ui, place: Place, opacity: f32, margin: [i8; 2], add: impl FnOnce(&mut Ui)) {
+        let [x, y] = margin;
+        let frame = Frame::new().fill(theme::PANEL.gamma_multiply(opacity)).corner_radius(4);
+        self.show(ui.ctx(), place, |ui| {
+            frame.inner_margin(Margin::symmetric(x, y)).show(ui, add);
+        });
+    }
+
     /// Draws widgets at a free place, if there is one or they are needed.
-    pub fn show(&mut self, ctx: &Context, place: Place, add: impl FnOnce(&mut Ui)) {
+    fn show(&mut self, ctx: &Context, place: Place, add: impl FnOnce(&mut Ui)) {
         let id = egui::Id::unique(place.name);
         let known = ctx.memory(|memory| memory.area_rect(id)).map_or(Vec2::ZERO, |rect| rect.size());
         let anchored = place.align.anchor_size(place.at, known);

@@ -58,3 +58,31 @@ impl Dialog {
         }
     }
 }
+
+/// A path that is typed, or chosen with the system's dialog.
+#[derive(Default)]
+pub struct PathField {
+    pub text: String,
+    pub dialog: Dialog,
+}
+
+impl PathField {
+    /// The path that was typed, without the blanks and quotes that come with pasting.
+    pub fn typed(&self) -> Option<PathBuf> {
+        let text = self.text.trim().trim_matches(['"', '\'']);
+        (!text.is_empty()).then(|| PathBuf::from(text))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pasted_paths_lose_blanks_and_quotes() {
+        let mut field = PathField::default();
+        assert_eq!(field.typed(), None);
+        field.text = " \"/rooms/my room.obj\" ".into();
+        assert_eq!(field.typed(), Some(PathBuf::from("/rooms/my room.obj")));
+    }
+}

@@ -2,5 +2,5 @@
 
 pub mod dialog;
 pub mod icon;
-pub mod save_dialog;
+pub mod rows;
 pub mod theme;

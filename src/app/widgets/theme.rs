@@ -83,16 +83,10 @@ pub const DONE: Color32 = Color32::from_rgb(112, 190, 128);
 
 /// Width of the left panel, points: a label, a slider, its value and the mark of its cost.
 pub const PANEL_WIDTH: f32 = 374.0;
-/// Width of the labels in the left panel, points.
-pub const LABEL_WIDTH: f32 = 132.0;
-const SLIDER_WIDTH: f32 = 96.0;
-/// Widths between which a slider follows its panel, points.
-const LEAST_SLIDER: f32 = 40.0;
-const MOST_SLIDER: f32 = 240.0;
-/// Room at the right end of a row for the mark of a cost, points.
-const MARK_WIDTH: f32 = 18.0;
+/// Width of a slider at first, points.
+pub const SLIDER_WIDTH: f32 = 96.0;
 /// Least width of the value beside a slider, points, so that values stand in a column.
-const VALUE_WIDTH: f32 = 84.0;
+pub const VALUE_WIDTH: f32 = 84.0;
 
 /// Gives a context both themes.
 pub fn apply(ctx: &egui::Context) {
@@ -174,33 +168,9 @@ pub fn notice(ui: &Ui, text: impl Into<String>) -> egui::RichText {
     egui::RichText::new(text).color(palette(ui.visuals()).accent)
 }
 
-/// A labelled row of a panel; the label names the widget for assistive technology too. Sliders and
-/// lists take the width that there is.
-pub fn row(ui: &mut egui::Ui, label: &str, widget: impl FnOnce(&mut egui::Ui) -> egui::Response) -> egui::Response {
-    let row = ui.horizontal(|ui| {
-        let label = row_label(ui, label);
-        let spacing = ui.spacing_mut();
-        spacing.interact_size.x = VALUE_WIDTH;
-        let between = spacing.item_spacing.x;
-        let room = ui.available_width() - MARK_WIDTH;
-        let spacing = ui.spacing_mut();
-        spacing.slider_width = (room - VALUE_WIDTH - between).clamp(LEAST_SLIDER, MOST_SLIDER);
-        spacing.combo_width = room.clamp(LEAST_SLIDER, SLIDER_WIDTH + VALUE_WIDTH + between);
-        let widget = widget(ui).labelled_by(label.id);
-        (label, widget)
-    });
-    row.inner.0 | row.inner.1
-}
-
-/// The label at the left of a row, on several lines where it is long.
-pub fn row_label(ui: &mut egui::Ui, label: &str) -> egui::Response {
-    let width = LABEL_WIDTH.min(0.45 * ui.available_width());
-    let scope = ui.scope(|ui| {
-        ui.set_min_width(width);
-        ui.set_max_width(width);
-        ui.add(egui::Label::new(label).wrap())
-    });
-    scope.inner
+/// A colour that the renderer uses, gamma-encoded.
+pub fn rgb([r, g, b]: [u8; 3]) -> Color32 {
+    Color32::from_rgb(r, g, b)
 }
 
 #[cfg(test)]

@@ -5,7 +5,7 @@ use glam::Vec3;
 
 use crate::app::panels::light::{Faces, LampUnit, LightEditor, lumens, strength_slider};
 use crate::app::state::lighting::MaterialLight;
-use crate::app::widgets::theme;
+use crate::app::widgets::{rows, theme};
 use crate::app::{format, words};
 use crate::base::photometry::{lux, temperature_of_tint, tint_of_temperature};
 use crate::scene::{MAX_SIDECAR_REFLECTANCE, MaterialId, Scene};
@@ -26,7 +26,7 @@ pub fn show(ui: &mut Ui, info: &SceneInfo, editor: &mut LightEditor) {
     let Some(light) = editor.lighting.of_mut(editor.material.0 as usize) else { return };
     let Some(material) = scene.materials.get(editor.material.0 as usize) else { return };
     let mut strength = light.reflectance.strength();
-    theme::row(ui, words::REFLECTANCE, |ui| {
+    rows::row(ui, words::REFLECTANCE, |ui| {
         let slider = Slider::new(&mut strength, 0.0..=MAX_SIDECAR_REFLECTANCE).fixed_decimals(2);
         let response = ui.add(slider.clamping(egui::SliderClamping::Edits));
         if response.changed() {
@@ -74,7 +74,7 @@ pub fn show_strength(ui: &mut Ui, name: &str, light: &mut MaterialLight, area: f
         let now = lumens(area * lux(light.emission().to_array()));
         ui.label(theme::weak(format!("Dimmed to {:.0} %: {now}", 100.0 * light.dimmer)));
     }
-    theme::row(ui, words::LAMP_UNIT, |ui| {
+    rows::row(ui, words::LAMP_UNIT, |ui| {
         let combo = ComboBox::from_id_salt("lamp unit").selected_text(unit.words().0);
         let shown = combo.show_ui(ui, |ui| {
             for each in LampUnit::ALL {
@@ -87,7 +87,7 @@ pub fn show_strength(ui: &mut Ui, name: &str, light: &mut MaterialLight, area: f
     let (label, sign, hint) = unit.words();
     let per_exitance = unit.per_exitance(light.emission.tint(), area);
     let mut strength = per_exitance * light.emission.strength();
-    theme::row(ui, label, |ui| {
+    rows::row(ui, label, |ui| {
         ui.add_enabled_ui(per_exitance > 0.0, |ui| {
             let response = strength_slider(ui, &mut strength, per_exitance, sign);
             if response.changed() {
@@ -103,7 +103,7 @@ pub fn show_strength(ui: &mut Ui, name: &str, light: &mut MaterialLight, area: f
 /// The colour of the light as a temperature, where it is one.
 pub fn show_temperature(ui: &mut Ui, light: &mut MaterialLight) {
     let (mut kelvin, off) = temperature_of_tint(light.emission.tint().to_array());
-    theme::row(ui, words::COLOUR_TEMPERATURE, |ui| {
+    rows::row(ui, words::COLOUR_TEMPERATURE, |ui| {
         let slider = Slider::new(&mut kelvin, TEMPERATURES).logarithmic(true).clamping(egui::SliderClamping::Edits);
         let is_one = off < SAME_TINT;
         let slider = slider.custom_formatter(move |kelvin, _| match is_one {
@@ -122,7 +122,7 @@ pub fn show_temperature(ui: &mut Ui, light: &mut MaterialLight) {
 
 fn show_choice(ui: &mut Ui, scene: &Scene, editor: &mut LightEditor) {
     let Some(material) = scene.materials.get(editor.material.0 as usize) else { return };
-    let response = theme::row(ui, "Material", |ui| {
+    let response = rows::row(ui, "Material", |ui| {
         let combo = ComboBox::from_id_salt("material").truncate().selected_text(material.name.as_str());
         let shown = combo.show_ui(ui, |ui| {
             // A luminaire's is its own affair.
@@ -162,5 +162,5 @@ fn show_faces(ui: &mut Ui, scene: &Scene, editor: &mut LightEditor) {
 
 /// A colour that can be edited; true when it was.
 pub fn show_colour(ui: &mut Ui, label: &str, hint: &str, colour: &mut [f32; 3]) -> bool {
-    theme::row(ui, label, |ui| ui.color_edit_button_rgb(colour)).on_hover_text(hint).changed()
+    rows::row(ui, label, |ui| ui.color_edit_button_rgb(colour)).on_hover_text(hint).changed()
 }

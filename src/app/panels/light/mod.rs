@@ -13,7 +13,7 @@ use crate::app::actions::{Action, Outbox};
 use crate::app::state::lighting::{Lighting, LuminaireLight};
 use crate::app::view::View;
 use crate::app::view::overlays::Place;
-use crate::app::widgets::theme;
+use crate::app::widgets::{rows, theme};
 use crate::app::{Shown, format, words};
 use crate::scene::{Luminaire, LuminaireShape, MaterialId, Reading, Scene};
 use crate::solve::{Epsilon, SolverParams};
@@ -202,7 +202,7 @@ pub fn show(
                 "Nothing in this scene emits light, so that there is nothing to solve: make a material a light, or add a luminaire."
             }
         };
-        ui.add(egui::Label::new(egui::RichText::new(sentence).color(theme::ACCENT)).wrap());
+        rows::sentence(ui, egui::RichText::new(sentence).color(theme::ACCENT));
         if info.is_open && ui.button(words::LET_DAYLIGHT_IN).clicked() {
             outbox.push(Command::SetDaylight(daylight::usual()));
         }
@@ -237,24 +237,21 @@ pub fn show_ways_to_light(
     let mut place = Place::at_rim("ways to light", rect, Align2::CENTER_TOP);
     // The readout comes and goes above it.
     place.at.y += 34.0;
-    view.overlays.show(ui.ctx(), place, |ui| {
-        let fill = theme::PANEL.gamma_multiply(0.94);
-        egui::Frame::popup(ui.style()).fill(fill).inner_margin(10).show(ui, |ui| {
-            ui.set_max_width((rect.width() - 60.0).clamp(160.0, 420.0));
-            ui.add(egui::Label::new(sentence).wrap());
-            ui.horizontal_wrapped(|ui| {
-                let can_let_daylight_in = info.is_open && info.scene.outside().is_none();
-                if can_let_daylight_in && ui.button(words::LIGHT_IT_BY_DAYLIGHT).clicked() {
-                    outbox.push(Command::SetDaylight(daylight::usual()));
-                }
-                if ui.button(words::HANG_UP_A_LAMP).clicked() {
-                    let before = light.lighting.clone();
-                    luminaires::add(info, eye, LuminaireShape::Square, light);
-                    // The room is to be seen by it: the view stays.
-                    light.to_be_seen = None;
-                    outbox.extend(light.lighting.commands_since(&before));
-                }
-            });
+    view.overlays.card(ui, place, 10, |ui| {
+        ui.set_max_width((rect.width() - 60.0).clamp(160.0, 420.0));
+        rows::sentence(ui, sentence);
+        ui.horizontal_wrapped(|ui| {
+            let can_let_daylight_in = info.is_open && info.scene.outside().is_none();
+            if can_let_daylight_in && ui.button(words::LIGHT_IT_BY_DAYLIGHT).clicked() {
+                outbox.push(Command::SetDaylight(daylight::usual()));
+            }
+            if ui.button(words::HANG_UP_A_LAMP).clicked() {
+                let before = light.lighting.clone();
+                luminaires::add(info, eye, LuminaireShape::Square, light);
+                // The room is to be seen by it: the view stays.
+                light.to_be_seen = None;
+                outbox.extend(light.lighting.commands_since(&before));
+            }
         });
     });
 }
@@ -275,7 +272,7 @@ fn show_anchor(ui: &mut Ui, shown: &Shown, params: &SolverParams, outbox: &mut O
         (true, true) => format!("Φ = {now} (strongest channel); ε was set at {then}"),
     };
     let hint = "ε stays in watts when lamps change; this sets it to the same share of the power Φ that they emit now, in the strongest channel, which ε bounds";
-    ui.add(egui::Label::new(theme::weak(text)).wrap()).on_hover_text(hint);
+    rows::sentence(ui, theme::weak(text)).on_hover_text(hint);
     let button = ui.add_enabled(is_relative && has_moved, egui::Button::new(words::RESCALE_EPSILON));
     if button.on_hover_text(hint).on_disabled_hover_text(hint).clicked() {
         outbox.push(Command::AnchorEpsilon);

@@ -2,7 +2,7 @@
 
 use egui::{Color32, ComboBox, DragValue, Pos2, Rect, Sense, Slider, Stroke, Ui, Vec2};
 
-use crate::app::widgets::theme;
+use crate::app::widgets::{rows, theme};
 use crate::app::{format, words};
 use crate::scene::outside::{Moment, SunPlace, SunSpec};
 
@@ -16,7 +16,7 @@ pub fn show(ui: &mut Ui, sun: &mut SunSpec) {
     show_plan(ui, sun);
     let is_by_date = matches!(sun.place, SunPlace::Almanac { .. });
     let names = [words::SUN_BY_DIRECTION, words::SUN_BY_DATE];
-    theme::row(ui, words::SUN_PLACE, |ui| {
+    rows::row(ui, words::SUN_PLACE, |ui| {
         let list = ComboBox::from_id_salt(words::SUN_PLACE).selected_text(names[usize::from(is_by_date)]);
         let choices = |ui: &mut Ui| {
             if ui.selectable_label(!is_by_date, names[0]).clicked() && is_by_date {
@@ -43,7 +43,7 @@ pub fn show(ui: &mut Ui, sun: &mut SunSpec) {
             ),
         ];
         for (label, angle, range, hint) in angles {
-            theme::row(ui, label, |ui| {
+            rows::row(ui, label, |ui| {
                 let field = DragValue::new(angle).speed(0.1).range(range).max_decimals(3).suffix("°");
                 ui.add(field).on_hover_text(hint)
             });
@@ -63,7 +63,7 @@ fn usual() -> SunPlace {
 fn show_moment(ui: &mut Ui, moment: &mut Moment) {
     let days = days_of(moment.date[0], moment.date[1]);
     ui.horizontal(|ui| {
-        theme::row_label(ui, words::DATE);
+        rows::row_label(ui, words::DATE);
         let parts = [("Year", 1..=9999), ("Month", 1..=12), ("Day", 1..=days)];
         for (number, (name, range)) in moment.date.iter_mut().zip(parts) {
             let field = DragValue::new(number).speed(0.05).range(range);
@@ -72,12 +72,12 @@ fn show_moment(ui: &mut Ui, moment: &mut Moment) {
     });
     // Another month may be shorter.
     moment.date[2] = moment.date[2].min(days_of(moment.date[0], moment.date[1]));
-    theme::row(ui, words::TIME, |ui| {
+    rows::row(ui, words::TIME, |ui| {
         let slider = Slider::new(&mut moment.hours, 0.0..=LAST_MINUTE).step_by(1.0 / 60.0);
         let slider = slider.custom_formatter(|hours, _| clock(hours)).custom_parser(read_clock);
         ui.add(slider).on_hover_text("By the clock of the zone below")
     });
-    theme::row(ui, words::ZONE, |ui| {
+    rows::row(ui, words::ZONE, |ui| {
         let field = DragValue::new(&mut moment.zone).speed(0.05).range(-14.0..=14.0).max_decimals(2);
         let field = field
             .custom_formatter(|hours, _| zone(hours))

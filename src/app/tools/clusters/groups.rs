@@ -9,7 +9,7 @@ use crate::app::actions::{Action, Outbox};
 use crate::app::state::messages::Topic;
 use crate::app::tools::clusters::editor::GroupEditor;
 use crate::app::tools::clusters::outline::{Fold, ROW_HEIGHT, RowLook, show_head, show_row};
-use crate::app::widgets::theme;
+use crate::app::widgets::{rows, theme};
 use crate::app::{Shown, format, words};
 use crate::scene::{GroupId, GroupTree, RegroupError, Regrouped, Sidecar};
 use crate::solve::{ClusteringMode, SolverParams};
@@ -32,7 +32,7 @@ pub fn show(ui: &mut Ui, shown: &Shown, editor: &mut GroupEditor, params: &mut S
     let tree = editor.tree().unwrap_or(tree);
     if let Some(problem) = &editor.problem {
         let problem = theme::notice(ui, problem);
-        ui.add(egui::Label::new(problem).wrap());
+        rows::sentence(ui, problem);
     }
     ui.separator();
     show_head(

@@ -1,9 +1,9 @@
 //! The clusters: how the view shows them, their tree with numbers, and manual groups.
 
+mod content;
 mod editor;
 mod groups;
 mod outline;
-mod rows;
 mod tree;
 
 use egui::{Slider, Ui};
@@ -14,7 +14,7 @@ use crate::app::state::names::NamesInView;
 use crate::app::state::settings::DisplaySettings;
 use crate::app::view::View;
 use crate::app::view::cluster_view::ClusterScene;
-use crate::app::widgets::theme;
+use crate::app::widgets::{rows, theme};
 use crate::app::{Outbox, Shown, words};
 use crate::render::{Line, Marks};
 use editor::GroupEditor;
@@ -29,6 +29,16 @@ enum Page {
     /// Groups, to be arranged by hand.
     Groups,
 }
+
+/// The pages with their names and hints.
+const PAGES: [(Page, &str, &str); 2] = [
+    (Page::Tree, "Tree of clusters", "The clusters that the solver links, from the whole scene down to polygons"),
+    (
+        Page::Groups,
+        words::MANUAL_GROUPS,
+        "Arrange the scene's objects in groups, which clustering by groups takes as its clusters",
+    ),
+];
 
 /// The tool's own state; another scene starts it afresh.
 #[derive(Default)]
@@ -80,13 +90,7 @@ pub fn show(
 ) {
     show_view(ui, shown, &mut view.clusters, &mut edits.display);
     ui.separator();
-    ui.horizontal(|ui| {
-        let page = &mut clusters.page;
-        ui.selectable_value(page, Page::Tree, "Tree of clusters")
-            .on_hover_text("The clusters that the solver links, from the whole scene down to polygons");
-        ui.selectable_value(page, Page::Groups, words::MANUAL_GROUPS)
-            .on_hover_text("Arrange the scene's objects in groups, which clustering by groups takes as its clusters");
-    });
+    ui.horizontal(|ui| rows::alternatives(ui, &mut clusters.page, &PAGES));
     match clusters.page {
         Page::Tree => tree::show(ui, shown, &mut clusters.tree, names, &mut view.pointing, outbox),
         Page::Groups => groups::show(ui, shown, &mut clusters.editor, &mut edits.params, outbox),
@@ -105,17 +109,10 @@ fn show_view(ui: &mut Ui, shown: &Shown, view: &mut ClusterScene, display: &mut 
             .on_hover_text("Each surface shows the colour of its cluster instead of its light; grey hangs at the root");
         ui.checkbox(&mut display.show_clusters, "Boxes").on_hover_text("The boxes of the clusters of this level");
     });
-    theme::row(ui, words::LEVEL, |ui| {
-        let mut level = display.cluster_level.min(deepest);
-        let slider = Slider::new(&mut level, 0..=deepest).suffix(format!(" of {deepest}"));
-        let response = ui.add_enabled(deepest > 0, slider);
-        if response.changed() {
-            display.cluster_level = level;
-        }
-        response.on_hover_text("Level of the hierarchy, the whole scene being 0")
-    });
+    rows::row(ui, words::LEVEL, |ui| rows::level(ui, &mut display.cluster_level, deepest))
+        .on_hover_text("Level of the hierarchy, the whole scene being 0");
     let can_explode = display.cluster_level.min(deepest) > 0;
-    theme::row(ui, words::EXPLODE, |ui| {
+    rows::row(ui, words::EXPLODE, |ui| {
         let mut percent = 100.0 * view.explode;
         let slider = Slider::new(&mut percent, 0.0..=100.0).fixed_decimals(0).suffix(" %");
         let response = ui.add_enabled(can_explode, slider);

@@ -8,10 +8,10 @@ use rustc_hash::FxHashSet;
 
 use crate::app::actions::{Action, Outbox};
 use crate::app::state::names::NamesInView;
+use crate::app::tools::clusters::content::{Powers, Row, has_rows_below, polygons, visible_rows, with_row};
 use crate::app::tools::clusters::outline::{Fold, ROW_HEIGHT, RowLook, show_head, show_row};
-use crate::app::tools::clusters::rows::{Powers, Row, has_rows_below, polygons, visible_rows, with_row};
 use crate::app::view::highlight::{Highlight, Pointing};
-use crate::app::widgets::theme;
+use crate::app::widgets::{rows, theme};
 use crate::app::{Shown, format, words};
 use crate::hierarchy::{ElementId, Hierarchy};
 use crate::render::cluster_colours;
@@ -25,6 +25,10 @@ enum PowerShown {
     Received,
     Sent,
 }
+
+/// What the powers mean.
+const RECEIVED: &str = "Power that arrives, E·A, sum of the channels, W";
+const SENT: &str = "Power that leaves, B·A, sum of the channels, W";
 
 /// A column of numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -153,10 +157,8 @@ pub fn show(
     });
     ui.horizontal(|ui| {
         ui.label(theme::weak("Power"));
-        ui.selectable_value(&mut tree.power, PowerShown::Received, "Received")
-            .on_hover_text("Power that arrives, E·A, sum of the channels, W");
-        ui.selectable_value(&mut tree.power, PowerShown::Sent, "Sent")
-            .on_hover_text("Power that leaves, B·A, sum of the channels, W");
+        let all = [(PowerShown::Received, "Received", RECEIVED), (PowerShown::Sent, "Sent", SENT)];
+        rows::alternatives(ui, &mut tree.power, &all);
     });
     let columns = columns_in(ui.available_width());
     let widths: Vec<f32> = columns.iter().map(|(_, width)| *width).collect();
@@ -166,12 +168,8 @@ pub fn show(
             (Column::Area, _) => ("Area (m²)", width, "Area that light can reach, m²"),
             (Column::Polygons, _) => ("Polygons", width, "Polygons in it"),
             (Column::Links, _) => ("Links", width, "Links that end at it and at nothing smaller"),
-            (Column::Power, PowerShown::Received) => {
-                (words::POWER_IN, width, "Power that arrives, E·A, sum of the channels, W")
-            }
-            (Column::Power, PowerShown::Sent) => {
-                (words::POWER_OUT, width, "Power that leaves, B·A, sum of the channels, W")
-            }
+            (Column::Power, PowerShown::Received) => (words::POWER_IN, width, RECEIVED),
+            (Column::Power, PowerShown::Sent) => (words::POWER_OUT, width, SENT),
         })
         .collect();
     show_head(ui, "Cluster", &heads);

@@ -16,7 +16,7 @@ use egui::{RichText, Ui};
 use crate::app::actions::{Action, Outbox};
 use crate::app::state::inspection::{Direction, Inspection};
 use crate::app::view::highlight::Pointing;
-use crate::app::widgets::theme;
+use crate::app::widgets::{rows, theme};
 use crate::app::{Shown, format, words};
 use crate::hierarchy::{ElementId, Hierarchy};
 use crate::transport::SolutionView;
@@ -37,6 +37,16 @@ impl Inspector {
         self.direction
     }
 }
+
+/// The directions with their names and hints.
+const DIRECTIONS: [(Direction, &str, &str); 2] = [
+    (
+        Direction::In,
+        words::WHAT_LIGHTS_THIS,
+        "Links that bring it light: its own, those of its parts and of all that holds it",
+    ),
+    (Direction::Out, words::WHAT_THIS_LIGHTS, "Links that take its light elsewhere, likewise"),
+];
 
 /// The element that is looked at, and the state that it is part of.
 struct Subject<'a> {
@@ -83,7 +93,7 @@ pub fn show(
     // The links at hand are those of the direction until now; another one is looked at in the next
     // frame.
     let direction = inspector.direction;
-    show_direction(ui, &mut inspector.direction);
+    ui.horizontal(|ui| rows::alternatives(ui, &mut inspector.direction, &DIRECTIONS));
     walk = bars::show(ui, &subject, inspection, direction, &mut inspector.bars, pointing).or(walk);
     ui.separator();
     walk = table::show(ui, &subject, inspection, direction, &mut inspector.order, pointing).or(walk);
@@ -138,22 +148,6 @@ fn show_head(ui: &mut Ui, subject: &Subject<'_>, inspection: &mut Inspection, vi
         });
     });
     walk
-}
-
-fn show_direction(ui: &mut Ui, direction: &mut Direction) {
-    ui.horizontal(|ui| {
-        let choices = [
-            (
-                Direction::In,
-                words::WHAT_LIGHTS_THIS,
-                "Links that bring it light: its own, those of its parts and of all that holds it",
-            ),
-            (Direction::Out, words::WHAT_THIS_LIGHTS, "Links that take its light elsewhere, likewise"),
-        ];
-        for (choice, name, hint) in choices {
-            ui.selectable_value(direction, choice, name).on_hover_text(hint);
-        }
-    });
 }
 
 /// A number in six characters at most: 12,345, 12.3, 0.0123, 0.0012, 1.2e-5.

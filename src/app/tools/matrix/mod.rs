@@ -18,7 +18,7 @@ use crate::app::actions::{Action, Outbox};
 use crate::app::state::messages::Topic;
 use crate::app::state::names::NamesInView;
 use crate::app::view::highlight::Pointing;
-use crate::app::widgets::theme;
+use crate::app::widgets::{rows, theme};
 use crate::app::{Shown, Wake, words};
 use crate::hierarchy::{ElementId, Room};
 use crate::read::matrix::{Colouring, Facts, Legend, Palette, Raster, Request, View};
@@ -134,15 +134,11 @@ impl LinkMatrix {
     fn show_switches(&mut self, ui: &mut Ui) {
         ui.horizontal(|ui| {
             ui.label(theme::weak("Colour by"));
-            for (colouring, name, hint) in COLOURINGS {
-                ui.selectable_value(&mut self.colouring, colouring, name).on_hover_text(hint);
-            }
+            rows::alternatives(ui, &mut self.colouring, &COLOURINGS);
         });
         ui.horizontal(|ui| {
             ui.label(theme::weak(words::ROW_HEIGHT_BY));
-            for (room, name, hint) in ROOMS {
-                ui.selectable_value(&mut self.room, room, name).on_hover_text(hint);
-            }
+            rows::alternatives(ui, &mut self.room, &ROOMS);
         });
     }
 
