@@ -43,7 +43,7 @@ pub fn show(ui: &mut Ui, shown: &Shown, playback: &mut Playback) {
                 playback.play_or_stop(now);
             }
             let is_live = playback.step.is_none();
-            if ui.selectable_label(is_live, words::LATEST).on_hover_text(words::JUMP_TO_LATEST).clicked() {
+            if ui.selectable_label(is_live, words::LATEST).on_hover_text("Jump to latest").clicked() {
                 playback.show(None);
             }
             ui.with_layout(Layout::right_to_left(Align::Center), |ui| {

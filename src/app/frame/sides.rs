@@ -46,7 +46,7 @@ impl App {
         if let Some(info) = &shown.info {
             // A dark scene opens the section that helps, which stays open once there is light; with
             // a lamp it is one of many.
-            let title = if info.has_light { words::LIGHT } else { words::LIGHT_NONE_YET };
+            let title = if info.has_light { words::LIGHT } else { "Light: none yet" };
             section(ui, title, edits.light.was_dark, Some("light"), |ui| {
                 let eye = view.viewport.pose().map(|pose| pose.eye);
                 light::show(ui, (shown, eye), &edits.params, &mut edits.light, outbox);

@@ -61,7 +61,7 @@ fn show_reference(ui: &mut Ui, comparison: &mut Comparison) {
     let (text, share) = match report.noise {
         None => {
             let pass = (report.passes + 1).min(LEAST_PASSES);
-            (format!("{}, pass {pass} of {LEAST_PASSES}", words::FIRST_PATHS), 0.0)
+            (format!("first paths, pass {pass} of {LEAST_PASSES}"), 0.0)
         }
         Some(noise) if report.is_done => (format!("noise {}", percent(noise)), 1.0),
         // Noise falls as the root of the paths.

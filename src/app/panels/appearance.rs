@@ -11,12 +11,12 @@ const SCALES: [f32; 7] = [0.75, 0.9, 1.0, 1.25, 1.5, 2.0, 2.5];
 
 /// Draws the section.
 pub fn show(ui: &mut Ui, appearance: &mut Appearance) {
-    rows::row(ui, words::THEME, |ui| {
+    rows::row(ui, "Theme", |ui| {
         let themes = ui.horizontal_wrapped(|ui| {
             for (theme, name) in [
                 (ThemePreference::Dark, words::DARK_THEME),
                 (ThemePreference::Light, words::LIGHT_THEME),
-                (ThemePreference::System, words::SYSTEM_THEME),
+                (ThemePreference::System, "As the system"),
             ] {
                 if ui.selectable_value(&mut appearance.theme, theme, name).changed() {
                     ui.ctx().set_theme(theme);

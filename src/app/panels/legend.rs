@@ -7,7 +7,6 @@ use crate::app::tools::Tools;
 use crate::app::view::overlays::{Overlays, Place};
 use crate::app::view::{View, colour_bar};
 use crate::app::widgets::theme;
-use crate::app::words;
 use crate::base::photometry::{CONVENTION, ShownIn, Unit};
 use crate::render::{Mark, Reading, ReadingSettings};
 
@@ -86,7 +85,9 @@ fn show_reading(overlays: &mut Overlays, ui: &Ui, view: Rect, reading: &Reading,
     let colour = |along: f32| reading.scale.ramp.at(along);
     let hint = match reading.shown_in {
         ShownIn::Unit(Unit::Lumens) => CONVENTION,
-        ShownIn::DaylightFactor { .. } => words::DAYLIGHT_FACTOR_HINT,
+        ShownIn::DaylightFactor { .. } => {
+            "Illuminance over that of open horizontal ground under the same sky, % (EN 17037)"
+        }
         ShownIn::Unit(Unit::Watts) => "The three colours weighed as the eye does: 0.2126 R + 0.7152 G + 0.0722 B",
     };
     let marks = reading.marks();

@@ -25,7 +25,7 @@ pub fn show(ui: &mut Ui, shown: &Shown, links: &mut LinkOverlay) {
             (LinksOf::Nothing, words::LINKS_NONE, "No links over the view"),
             (
                 LinksOf::Picked,
-                words::LINKS_OF_SELECTION,
+                "of selection",
                 "Links of the selected element, each of which says how much of the light of a surface or a cluster reaches another: click a surface to select it",
             ),
             (LinksOf::Level, words::LINKS_AT_LEVEL, "Links of all receivers at one level of the hierarchy"),
@@ -39,7 +39,7 @@ pub fn show(ui: &mut Ui, shown: &Shown, links: &mut LinkOverlay) {
     }
     choice(
         ui,
-        words::LINK_COLOUR,
+        "Link colour",
         &mut links.style.colour,
         &[
             (LinkColour::Power, "power", "Power B·F·V·A, sum of the channels, over that of the strongest link"),
@@ -56,7 +56,7 @@ pub fn show(ui: &mut Ui, shown: &Shown, links: &mut LinkOverlay) {
         let slider = Slider::new(&mut filter.strongest, STRONGEST).logarithmic(true);
         ui.add(slider).on_hover_text("The most that are drawn, the strongest first")
     });
-    rows::row(ui, words::MINIMUM_POWER, |ui| {
+    rows::row(ui, "Minimum power", |ui| {
         let slider = Slider::new(&mut filter.least_power, LEAST_POWER)
             .logarithmic(true)
             .smallest_positive(LEAST_POWER_ABOVE_0)
@@ -80,9 +80,9 @@ fn show_kinds(ui: &mut Ui, filter: &mut LinkFilter) {
         ui.spacing_mut().item_spacing.x = 10.0;
         ui.checkbox(&mut filter.patch_patch, words::PATCH_PATCH).on_hover_text("Links between two patches");
         let hint = "Links between a cluster and a patch, either way";
-        ui.checkbox(&mut filter.cluster_patch, words::CLUSTER_PATCH).on_hover_text(hint);
+        ui.checkbox(&mut filter.cluster_patch, "cluster–patch").on_hover_text(hint);
         let hint = "Links between two clusters, self-links among them";
-        ui.checkbox(&mut filter.cluster_cluster, words::CLUSTER_CLUSTER).on_hover_text(hint);
+        ui.checkbox(&mut filter.cluster_cluster, "cluster–cluster").on_hover_text(hint);
     });
     ui.horizontal_wrapped(|ui| {
         ui.spacing_mut().item_spacing.x = 10.0;

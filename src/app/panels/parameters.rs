@@ -55,7 +55,7 @@ pub fn show_method(ui: &mut Ui, params: &mut SolverParams, stats: Option<&Stats>
         rows::sentence(ui, theme::weak(sentence).small());
         ui.add_space(3.0);
     }
-    if ui.button(words::RESET_TO_DEFAULTS).clicked() {
+    if ui.button("Reset to defaults").clicked() {
         *params = SolverParams::usual();
     }
     *params != before
@@ -85,9 +85,9 @@ fn reason_of_no_effect(id: ParameterId, params: &SolverParams, stats: Option<&St
 
 /// The choice what ends a solve: the certified error, for which the solver chooses ε, or ε itself.
 fn show_what_ends_a_solve(ui: &mut Ui, params: &mut SolverParams) {
-    rows::row(ui, words::STOP_AT, |ui| {
+    rows::row(ui, "Stop at", |ui| {
         let response = ui.horizontal_wrapped(|ui| {
-            let by_error = ui.selectable_label(params.error.is_some(), words::STOP_AT_ERROR);
+            let by_error = ui.selectable_label(params.error.is_some(), "target error");
             if by_error.clicked() && params.error.is_none() {
                 params.error = Some(USUAL_ERROR);
             }

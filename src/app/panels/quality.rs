@@ -11,7 +11,7 @@ use crate::solve::{ParameterId, SolverParams, Stats, USUAL_ERROR};
 use crate::worker::{Command, RunState};
 
 /// Qualities with the target errors that they stand for.
-const QUALITIES: [(&str, f64); 3] = [(words::DRAFT, 0.2), (words::GOOD, USUAL_ERROR), (words::FINAL, 0.02)];
+const QUALITIES: [(&str, f64); 3] = [(words::DRAFT, 0.2), ("Good", USUAL_ERROR), ("Final", 0.02)];
 
 /// Draws the section; a changed parameter goes out at once, the worker merges bursts.
 pub fn show(ui: &mut Ui, shown: &Shown, params: &mut SolverParams, outbox: &mut Outbox) {
@@ -35,7 +35,7 @@ pub fn show_method(ui: &mut Ui, stats: Option<&Stats>, params: &mut SolverParams
 }
 
 fn show_qualities(ui: &mut Ui, params: &mut SolverParams) {
-    rows::row(ui, words::QUALITY_CHOICE, |ui| {
+    rows::row(ui, "Quality level", |ui| {
         let choices = ui.horizontal(|ui| {
             for (name, error) in QUALITIES {
                 let is_chosen = params.error == Some(error);
@@ -63,8 +63,8 @@ fn show_transport(ui: &mut Ui, run: RunState, has_scene: bool, outbox: &mut Outb
         if step.on_hover_text("Refine until the present wave ends, then pause").clicked() {
             outbox.push(Command::StepWave);
         }
-        let restart = ui.add_enabled(has_scene, Button::new(words::RESTART));
-        if restart.on_hover_text(words::SOLVE_AGAIN).clicked() {
+        let restart = ui.add_enabled(has_scene, Button::new("Restart"));
+        if restart.on_hover_text("Solve again from scratch").clicked() {
             outbox.push(Command::Restart);
         }
         let study = ui.add_enabled(has_scene, Button::new(words::STUDY));

@@ -91,9 +91,9 @@ fn name_of_show(show: Show, unit: Unit) -> &'static str {
     match (show, unit) {
         (Show::Lit, _) => words::LIT,
         (Show::Irradiance, Unit::Lumens) => words::ILLUMINANCE,
-        (Show::Irradiance, Unit::Watts) => words::IRRADIANCE,
-        (Show::Radiosity, Unit::Lumens) => words::LUMINOUS_EXITANCE,
-        (Show::Radiosity, Unit::Watts) => words::RADIOSITY,
+        (Show::Irradiance, Unit::Watts) => "false colours: irradiance E",
+        (Show::Radiosity, Unit::Lumens) => "false colours: luminous exitance B",
+        (Show::Radiosity, Unit::Watts) => "false colours: radiosity B",
         (Show::DaylightFactor, _) => words::DAYLIGHT_FACTOR,
     }
 }

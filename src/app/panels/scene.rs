@@ -28,7 +28,7 @@ pub fn show(ui: &mut Ui, shown: &Shown, files: &mut Files, outbox: &mut Outbox) 
     ui.add_space(4.0);
     show_path_field(ui, files, outbox);
     ui.horizontal_wrapped(|ui| {
-        rows::row_label(ui, words::SAMPLE_SCENES);
+        rows::row_label(ui, "Sample scenes");
         for scene in BuiltinScene::ALL {
             if ui.button(scene.name()).clicked() {
                 outbox.push(Command::load(Source::Builtin(scene)));

@@ -29,13 +29,15 @@ fn in_words(step: &TimelineStep) -> String {
     let links = format::things(stats.all_links(), "link", "links");
     match step.kind {
         TimelineStepKind::Start => words::STEP_SELF_LINK.to_owned(),
-        TimelineStepKind::Wave => {
-            let patches = format::things(stats.patches, "patch", "patches");
-            format!("Wave {}: {}. There are {links} between clusters and {patches}.", stats.wave, words::STEP_WAVE)
-        }
-        TimelineStepKind::Round => {
-            format!("Iteration {}: light went over all {links}; {}", stats.iterations, words::STEP_ROUND)
-        }
-        TimelineStepKind::Pass => words::STEP_PASS.to_owned(),
+        TimelineStepKind::Wave => format!(
+            "Wave {}: each link that carries more power than ε gave way to links with the parts of its larger end. There are {links} between clusters and {}.",
+            stats.wave,
+            format::things(stats.patches, "patch", "patches")
+        ),
+        TimelineStepKind::Round => format!(
+            "Iteration {}: light went over all {links}; it is handed up and down the clusters until nothing changes, and then links are tested again with it.",
+            stats.iterations
+        ),
+        TimelineStepKind::Pass => "Final gather: rays look for light from the surfaces themselves; what they meet is as bright as the links have lit it.".to_owned(),
     }
 }

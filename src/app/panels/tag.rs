@@ -63,7 +63,7 @@ pub fn show(
             if ui.small_button(words::DETAILS).on_hover_text("What it is and what lights it").clicked() {
                 outbox.act(Action::ShowCard);
             }
-            let button = egui::Button::new(words::LINKS).small().selected(links_of == LinksOf::Picked);
+            let button = egui::Button::new("Links").small().selected(links_of == LinksOf::Picked);
             if ui.add(button).on_hover_text("Draw the links that bring it light").clicked() {
                 outbox.act(Action::ToggleLinks);
             }

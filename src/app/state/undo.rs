@@ -164,10 +164,10 @@ pub fn show_buttons(ui: &mut Ui, history: &History, settings: &Undoable, outbox:
         };
         response.clicked()
     };
-    if button(ui, [words::UNDO, words::NOTHING_TO_UNDO], past, &UNDO) {
+    if button(ui, [words::UNDO, "Nothing to undo"], past, &UNDO) {
         outbox.act(Action::Undo);
     }
-    if button(ui, [words::REDO, words::NOTHING_TO_REDO], future, &REDO) {
+    if button(ui, [words::REDO, "Nothing to redo"], future, &REDO) {
         outbox.act(Action::Redo);
     }
 }

@@ -58,7 +58,7 @@ pub fn show(
         ui.add_space(4.0);
     }
     ui.horizontal(|ui| {
-        let name = if is_kept { words::REPLACE_A } else { words::KEEP_AS_A };
+        let name = if is_kept { "Replace A" } else { words::KEEP_AS_A };
         if ui.button(name).on_hover_text("Keep the solution in view, with its settings and statistics").clicked() {
             outbox.act(Action::KeepAsA);
         }
@@ -83,7 +83,7 @@ pub fn show(
         false => table(ui, "settings", &settings),
     }
     ui.add_space(4.0);
-    rows::heading(ui, words::RESULTS);
+    rows::heading(ui, "Results");
     table(ui, "results", &results(kept, snapshot, measured(comparison, snapshot), pinned.rms()));
 }
 

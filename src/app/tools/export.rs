@@ -10,7 +10,7 @@ use crate::app::state::exports::{self, Exports, Item, PictureSize, Target};
 use crate::app::view::viewport::Viewport;
 use crate::app::widgets::dialog::DialogAnswer;
 use crate::app::widgets::{rows, theme};
-use crate::app::{Shown, Wake, format, words};
+use crate::app::{Shown, Wake, format};
 use crate::export::MeshFormat;
 use crate::export::peers::Peer;
 use crate::export::settings::Settings;
@@ -117,7 +117,7 @@ fn show_size(exports: &mut Exports, ui: &mut Ui, view: [u32; 2]) {
         match size {
             PictureSize::AsShown => named("As shown: ", view),
             PictureSize::FullHd | PictureSize::FourK => named("", pixels(size, own, view)),
-            PictureSize::Own => words::CUSTOM_SIZE.to_owned(),
+            PictureSize::Own => "Custom…".to_owned(),
         }
     };
     let (own, sizes) =
@@ -199,12 +199,15 @@ fn show_state(exports: &mut Exports, ui: &mut Ui) {
     }
 }
 
+/// Writes a file and returns what to say of it.
+type Write = Box<dyn FnOnce(&Target) -> Result<String, String> + Send>;
+
 /// Hands a file to its thread.
 pub fn begin(exports: &mut Exports, item: Item, shown: &Shown, viewport: &Viewport, settings: Settings, wake: &Wake) {
     let (Some(path), Some(info), Some(snapshot)) = (exports.path(item), &shown.info, &shown.snapshot) else { return };
     let (scene, snapshot) = (info.scene.clone(), snapshot.clone());
     let picture = viewport.picture(pixels(exports.size, exports.own_size, viewport.pixels()));
-    let write: Box<dyn FnOnce(&Target) -> Result<String, String> + Send> = match (item, picture) {
+    let write: Write = match (item, picture) {
         (Item::Png, Some(picture)) => Box::new(move |to| exports::write_png(to, &picture)),
         (Item::Exr, Some(picture)) => Box::new(move |to| exports::write_exr(to, &picture, &snapshot)),
         (Item::Png | Item::Exr, None) => {

@@ -90,7 +90,7 @@ pub const TOOLS: [(Tool, &str, &str); 6] = [
     (Tool::Clusters, words::CLUSTERS, "The tree of clusters, and manual groups"),
     (Tool::Measure, words::MEASURE, "Irradiance and illuminance at points and on a work plane"),
     (Tool::Compare, words::COMPARE, "Two solutions side by side"),
-    (Tool::Export, words::EXPORT, words::EXPORT_HINT),
+    (Tool::Export, words::EXPORT, "Export images, meshes, data"),
 ];
 
 /// Widths that the dock may be given, points.
@@ -105,7 +105,7 @@ const ROOM_FOR_TOOLS: f32 = 840.0;
 /// them.
 pub fn show_bar(ui: &mut Ui, open: Option<Tool>, are_keys_shown: bool, outbox: &mut Outbox) {
     let has_room = ui.max_rect().width() >= ROOM_FOR_TOOLS;
-    let full = (words::FULL_SCREEN, "The picture alone; F11 or Esc brings the panels back");
+    let full = ("Full screen", "The picture alone; F11 or Esc brings the panels back");
     ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
         let keys = ui.selectable_label(are_keys_shown, " ? ").on_hover_text(words::MOUSE_AND_KEYS);
         if keys.accessible_name(words::KEYS).clicked() {

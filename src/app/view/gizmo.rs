@@ -22,9 +22,9 @@ const SHORTEST: f32 = 14.0;
 const STEP: f32 = 1e-2;
 /// Colours of the axes, as everywhere.
 const AXES: [(Vec3, &str, &str, Color32); 3] = [
-    (Vec3::X, "x", words::MOVE_ALONG_X, Color32::from_rgb(235, 80, 80)),
+    (Vec3::X, "x", "Move the luminaire along x", Color32::from_rgb(235, 80, 80)),
     (Vec3::Y, "y", words::MOVE_ALONG_Y, Color32::from_rgb(95, 200, 95)),
-    (Vec3::Z, "z", words::MOVE_ALONG_Z, Color32::from_rgb(90, 140, 255)),
+    (Vec3::Z, "z", "Move the luminaire along z", Color32::from_rgb(90, 140, 255)),
 ];
 
 /// A drag that goes on: where the luminaire was when it began, and where along the axis the pointer

@@ -106,7 +106,7 @@ pub fn usual() -> Daylight {
 
 /// Draws the part.
 pub fn show(ui: &mut Ui, editor: &mut DaylightEditor, outbox: &mut Outbox) {
-    ui.label(theme::weak(words::DAYLIGHT));
+    ui.label(theme::weak("Daylight from outside"));
     let before = editor.spec.clone();
     ui.horizontal_wrapped(|ui| {
         for (name, preset) in PRESETS {
@@ -132,7 +132,7 @@ pub fn show(ui: &mut Ui, editor: &mut DaylightEditor, outbox: &mut Outbox) {
     show_sky_kind(ui, editor);
     if let Some(sun) = &mut editor.spec.sun {
         let mut lux = crate::base::photometry::lux(sun.irradiance().into());
-        if rows::row(ui, words::SUN_ILLUMINANCE, |ui| lux_slider(ui, &mut lux))
+        if rows::row(ui, "Sun", |ui| lux_slider(ui, &mut lux))
             .on_hover_text("Illuminance of a face turned to the sun")
             .changed()
         {
@@ -178,7 +178,7 @@ fn show_sky_kind(ui: &mut Ui, editor: &mut DaylightEditor) {
     if let Some(distribution) = chosen {
         editor.set_distribution(distribution);
     }
-    let written = rows::row(ui, words::SKY_TEXT, |ui| {
+    let written = rows::row(ui, "Sky as text", |ui| {
         let hint = "As on the command line: cie=A/B/C/D/E (coefficients), perez=DIRECT/DIFFUSE (weather, W/m²), or the path of a picture all around; :10000lx or :50W may follow";
         ui.add(TextEdit::singleline(&mut editor.text).desired_width(f32::INFINITY)).on_hover_text(hint)
     });

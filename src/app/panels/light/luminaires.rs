@@ -32,7 +32,7 @@ const COORDINATE_WIDTH: f32 = 52.0;
 
 /// Draws the part; `eye` is where a person looks from.
 pub fn show(ui: &mut Ui, info: &SceneInfo, eye: Option<Vec3>, editor: &mut LightEditor) {
-    ui.label(theme::weak(words::LUMINAIRES));
+    ui.label(theme::weak("Luminaires"));
     ui.horizontal_wrapped(|ui| {
         let buttons = [
             (words::ADD_SQUARE_LIGHT, LuminaireShape::Square),
@@ -94,7 +94,7 @@ pub(super) fn add(info: &SceneInfo, eye: Option<Vec3>, shape: LuminaireShape, ed
 /// Draws the numbers of a luminaire; true when it is to be removed.
 fn show_one(ui: &mut Ui, scene: &Scene, luminaire: &mut LuminaireLight, unit: &mut LampUnit) -> bool {
     let mut name = luminaire.name.clone();
-    let field = rows::row(ui, words::LUMINAIRE_NAME, |ui| ui.add(TextEdit::singleline(&mut name).desired_width(140.0)));
+    let field = rows::row(ui, "Name", |ui| ui.add(TextEdit::singleline(&mut name).desired_width(140.0)));
     let is_free = name == luminaire.name || scene.material_named(&name).is_none();
     if field.changed() && is_free && !name.trim().is_empty() {
         luminaire.name = name;
@@ -107,7 +107,7 @@ fn show_one(ui: &mut Ui, scene: &Scene, luminaire: &mut LuminaireLight, unit: &m
     });
     let label = match form.shape {
         LuminaireShape::Square => words::SIDE_LENGTH,
-        LuminaireShape::Disc => words::DIAMETER,
+        LuminaireShape::Disc => "Diameter",
         LuminaireShape::Line => words::LENGTH,
     };
     let speed = (0.01 * f64::from(form.size)).max(1e-6);
@@ -118,13 +118,10 @@ fn show_one(ui: &mut Ui, scene: &Scene, luminaire: &mut LuminaireLight, unit: &m
     let mut place = scene.to_file(form.centre);
     let before = place;
     ui.horizontal(|ui| {
-        rows::row_label(ui, words::PLACE);
+        rows::row_label(ui, "Place x, y, z");
         ui.spacing_mut().interact_size.x = COORDINATE_WIDTH;
-        let fields = [
-            (words::LUMINAIRE_X, &mut place.x),
-            (words::LUMINAIRE_Y, &mut place.y),
-            (words::LUMINAIRE_Z, &mut place.z),
-        ];
+        let fields =
+            [("Place along x", &mut place.x), (words::LUMINAIRE_Y, &mut place.y), ("Place along z", &mut place.z)];
         for (name, coordinate) in fields {
             let field = ui.add(DragValue::new(coordinate).speed(0.01).max_decimals(3));
             let _ = field.on_hover_text("Its middle, in the coordinates of the scene's file, m").accessible_name(name);

@@ -148,12 +148,12 @@ fn show_faces(ui: &mut Ui, scene: &Scene, editor: &mut LightEditor) {
         let hint = "The file says that they let light through, so they were left out. This reads the file again and takes them for opaque; `Save scene settings` keeps it.";
         (format!("Make its {faces} opaque"), Faces::Opaque, hint)
     } else if is_ignored {
-        (words::BRING_FACES_BACK.to_owned(), Faces::Back, "Reads the scene again with the faces of this material")
+        ("Bring its faces back".to_owned(), Faces::Back, "Reads the scene again with the faces of this material")
     } else if !has_faces {
         return;
     } else {
         let hint = "Reads the scene again without the faces of this material, such as panes that daylight is to pass; `Save scene settings` keeps it.";
-        (words::LEAVE_FACES_OUT.to_owned(), Faces::LeftOut, hint)
+        ("Leave its faces out".to_owned(), Faces::LeftOut, hint)
     };
     if ui.button(label).on_hover_text(hint).clicked() {
         editor.faces = Some((material.name.clone(), faces));

@@ -242,7 +242,7 @@ pub fn show_ways_to_light(
         rows::sentence(ui, sentence);
         ui.horizontal_wrapped(|ui| {
             let can_let_daylight_in = info.is_open && info.scene.outside().is_none();
-            if can_let_daylight_in && ui.button(words::LIGHT_IT_BY_DAYLIGHT).clicked() {
+            if can_let_daylight_in && ui.button("Light it by daylight").clicked() {
                 outbox.push(Command::SetDaylight(daylight::usual()));
             }
             if ui.button(words::HANG_UP_A_LAMP).clicked() {

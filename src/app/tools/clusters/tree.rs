@@ -12,7 +12,7 @@ use crate::app::tools::clusters::content::{Powers, Row, has_rows_below, polygons
 use crate::app::tools::clusters::outline::{Fold, ROW_HEIGHT, RowLook, show_head, show_row};
 use crate::app::view::highlight::{Highlight, Pointing};
 use crate::app::widgets::{rows, theme};
-use crate::app::{Shown, format, words};
+use crate::app::{Shown, format};
 use crate::hierarchy::{ElementId, Hierarchy};
 use crate::render::cluster_colours;
 use crate::solve::Snapshot;
@@ -168,8 +168,8 @@ pub fn show(
             (Column::Area, _) => ("Area (m²)", width, "Area that light can reach, m²"),
             (Column::Polygons, _) => ("Polygons", width, "Polygons in it"),
             (Column::Links, _) => ("Links", width, "Links that end at it and at nothing smaller"),
-            (Column::Power, PowerShown::Received) => (words::POWER_IN, width, RECEIVED),
-            (Column::Power, PowerShown::Sent) => (words::POWER_OUT, width, SENT),
+            (Column::Power, PowerShown::Received) => ("Power in (W)", width, RECEIVED),
+            (Column::Power, PowerShown::Sent) => ("Power out (W)", width, SENT),
         })
         .collect();
     show_head(ui, "Cluster", &heads);

@@ -19,7 +19,7 @@ use crate::app::state::messages::Topic;
 use crate::app::state::names::NamesInView;
 use crate::app::view::highlight::Pointing;
 use crate::app::widgets::{rows, theme};
-use crate::app::{Shown, Wake, words};
+use crate::app::{Shown, Wake};
 use crate::hierarchy::{ElementId, Room};
 use crate::read::matrix::{Colouring, Facts, Legend, Palette, Raster, Request, View};
 use crate::read::names::Names;
@@ -137,7 +137,7 @@ impl LinkMatrix {
             rows::alternatives(ui, &mut self.colouring, &COLOURINGS);
         });
         ui.horizontal(|ui| {
-            ui.label(theme::weak(words::ROW_HEIGHT_BY));
+            ui.label(theme::weak("Row height by"));
             rows::alternatives(ui, &mut self.room, &ROOMS);
         });
     }
