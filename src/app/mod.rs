@@ -1,9 +1,9 @@
 //! The window: state, and what happens in a frame.
 //!
 //! The window owns no solver state. In each frame it takes up what the worker has to say (`Shown`),
-//! lets the panels and the view write commands into an outbox, and sends them. Panels see only what
-//! they are given, so none of them can wait for the solver. Imports everything below it; only
-//! `main` knows this module.
+//! lets the panels and the view write commands and actions into an outbox, sends the ones and
+//! performs the others. Panels see only what they are given, so none of them can wait for the
+//! solver. Imports everything below it; only `main` knows this module.
 
 mod actions;
 mod appearance;
