@@ -9,7 +9,7 @@ use crate::app::widgets::theme;
 /// Key under which the storage keeps it.
 const KEY: &str = "appearance";
 /// Sizes that a person may choose, as factors.
-pub(in crate::app) const SCALES: std::ops::RangeInclusive<f32> = 0.5..=3.0;
+pub const SCALES: std::ops::RangeInclusive<f32> = 0.5..=3.0;
 /// A screen of so many points in height is a 4K one that the system does not scale.
 const TALL_SCREEN: f32 = 1900.0;
 /// The size of everything on it at first.
@@ -18,7 +18,7 @@ const TALL_SCREEN_SCALE: f32 = 2.0;
 /// Appearance that a person chose.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
-pub(in crate::app) struct Appearance {
+pub struct Appearance {
     /// Dark, light or as the system has it.
     pub theme: ThemePreference,
     /// Factor on the size of everything; `None` until one was chosen.
@@ -35,7 +35,7 @@ impl Default for Appearance {
 
 impl Appearance {
     /// Puts the appearance that was kept into force.
-    pub(in crate::app) fn restore(ctx: &Context, storage: Option<&dyn eframe::Storage>) -> Self {
+    pub fn restore(ctx: &Context, storage: Option<&dyn eframe::Storage>) -> Self {
         let appearance: Self = storage.and_then(|storage| eframe::get_value(storage, KEY)).unwrap_or_default();
         theme::apply(ctx);
         ctx.set_theme(appearance.theme);
@@ -47,7 +47,7 @@ impl Appearance {
 
     /// Takes up what the keys changed (Ctrl with plus, minus and zero), and makes everything larger
     /// where a large screen asks for it.
-    pub(in crate::app) fn follow(&mut self, ctx: &Context) {
+    pub fn follow(&mut self, ctx: &Context) {
         let scale = ctx.zoom_factor();
         let screen = ctx.input(|input| input.viewport().monitor_size);
         match self.scale {
@@ -62,7 +62,7 @@ impl Appearance {
     }
 
     /// Keeps it.
-    pub(in crate::app) fn keep(&self, storage: &mut dyn eframe::Storage) {
+    pub fn keep(&self, storage: &mut dyn eframe::Storage) {
         eframe::set_value(storage, KEY, self);
     }
 }

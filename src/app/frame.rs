@@ -1,9 +1,14 @@
 //! A frame: news, panels and view, and the commands that come of them.
 
+mod picture;
+mod sides;
+
+use crate::app::actions::Action;
 use crate::app::state::messages::Topic;
 use crate::app::state::{files, settings, undo, watch};
-use crate::app::view::{camera_menu, viewport};
-use crate::app::{App, DISPLAY_KEY, Outbox, RECENT_KEY, layout, panels, shortcuts, timeline, tools, words};
+use crate::app::view::camera_menu;
+use crate::app::widgets::dialog::DialogAnswer;
+use crate::app::{App, DISPLAY_KEY, Outbox, RECENT_KEY, shortcuts, timeline, tools, words};
 use crate::base::panic_report;
 use crate::scene::Source;
 use crate::worker::Command;
@@ -25,61 +30,70 @@ impl eframe::App for App {
     }
 
     fn ui(&mut self, ui: &mut egui::Ui, _frame: &mut eframe::Frame) {
-        let mut outbox = Outbox::new();
-        self.open_dropped_files(ui.ctx(), &mut outbox);
-        if let Some(answer) = self.documents.files.poll_dialog() {
+        let ctx = &ui.ctx().clone();
+        let mut outbox = Outbox::default();
+        self.open_dropped_files(ctx, &mut outbox);
+        if let Some(answer) = self.documents.files.field.dialog.poll() {
             match answer {
-                files::DialogAnswer::Chosen(path) => outbox.push(Command::load(Source::File(path))),
-                files::DialogAnswer::NoDialog => self.messages.note(Topic::Opening, files::NO_DIALOG.into()),
+                DialogAnswer::Chosen(path) => outbox.push(Command::load(Source::File(path))),
+                DialogAnswer::NoDialog => self.messages.note(Topic::Opening, files::NO_DIALOG.into()),
             }
         }
-        shortcuts::act(self, ui, &mut outbox);
-        undo::take_keys(self, ui.ctx(), &mut outbox);
-        self.inspect_picked(ui.ctx());
+        shortcuts::act(ctx, self.view.viewport.id(), &mut outbox);
+        undo::take_keys(ctx, &mut outbox);
+        self.perform(ctx, &mut outbox);
+        self.inspect_picked(ctx);
         self.end_study();
         if !self.layout.is_full_picture {
-            panels::show_sides(self, ui, &mut outbox);
+            self.show_sides(ui, &mut outbox);
+            self.perform(ctx, &mut outbox);
             egui::Panel::top("tools").show(ui, |ui| {
                 ui.horizontal(|ui| {
-                    let are_shown = layout::Sides::of(self, ui.ctx()).settings.is_some();
+                    let are_shown = self.layout.sides(ctx, self.tools.open).settings.is_some();
                     let settings = ui.selectable_label(are_shown, words::SETTINGS);
                     if settings.on_hover_text("Show or hide the panels at the left").clicked() {
-                        self.toggle_settings(ui.ctx());
+                        outbox.act(Action::ToggleSettings);
                     }
-                    camera_menu::show(self, ui);
-                    undo::show_buttons(self, ui, &mut outbox);
-                    tools::show_bar(self, ui);
+                    camera_menu::show(ui, &mut self.view.viewport);
+                    undo::show_buttons(ui, &self.edits.history, &self.undoable(), &mut outbox);
+                    tools::show_bar(ui, self.tools.open, self.layout.are_keys_shown, &mut outbox);
                 });
             });
-            tools::show(self, ui, &mut outbox);
-            timeline::show(self, ui);
+            self.perform(ctx, &mut outbox);
+            self.show_dock(ui, &mut outbox);
+            self.perform(ctx, &mut outbox);
+            timeline::show(ui, &self.shown, &mut self.tools.playback);
         }
         egui::CentralPanel::no_frame().show(ui, |ui| {
             ui.spacing_mut().item_spacing.y = 0.0;
             self.messages.show(ui);
-            watch::show(self, ui, &mut outbox);
-            let clicked = viewport::show(self, ui, &mut outbox);
-            if let Some(clicked) = clicked {
+            watch::show(ui, &mut self.documents.watch, &mut outbox);
+            if let Some(clicked) = self.show_view(ui, &mut outbox) {
                 self.pick(clicked);
             }
         });
-        shortcuts::show_list(self, ui.ctx());
+        self.perform(ctx, &mut outbox);
+        shortcuts::show_list(ctx, &mut self.layout.are_keys_shown);
         let links_wanted = match self.edits.display.links.of {
             settings::LinksOf::Level => true,
-            settings::LinksOf::Picked => self.picked.is_some(),
-            settings::LinksOf::Nothing => self.layout.is_card_open && self.picked.is_some(),
+            settings::LinksOf::Picked => self.shown.picked.is_some(),
+            settings::LinksOf::Nothing => self.layout.is_card_open && self.shown.picked.is_some(),
         };
         let wants_solution_view = links_wanted
             || self.view.clusters.is_active()
             || self.tools.open.is_some_and(tools::Tool::reads_solution_view);
         outbox.extend(self.tools.playback.command(wants_solution_view));
-        self.view.pointing.end_frame(ui.ctx());
-        outbox.extend(self.edits.light.luminaires_command(undo::is_busy(ui.ctx())));
-        undo::note(self, ui.ctx());
-        if !outbox.is_empty() {
+        self.view.pointing.end_frame(ctx);
+        let is_busy = undo::is_busy(ctx);
+        outbox.extend(self.edits.light.luminaires_command(is_busy));
+        if !is_busy {
+            let settings = self.undoable();
+            self.edits.history.note(&settings);
+        }
+        if !outbox.commands.is_empty() {
             panic_report::note_settings(self.settings().to_json().unwrap_or_default());
         }
-        for command in outbox {
+        for command in outbox.commands {
             if command.solves_anew() {
                 self.messages.resolve(Topic::Solving);
             }

@@ -3,7 +3,6 @@
 //! Where settings and an open tool do not both fit beside it, the one that was asked for last takes
 //! the place of the other.
 
-use crate::app::App;
 use crate::app::appearance::Appearance;
 use crate::app::state::settings::LinksOf;
 use crate::app::tools::{Tool, WIDTHS};
@@ -12,10 +11,10 @@ use crate::render::Show;
 /// The view's share of the window's width.
 const VIEW_SHARE: f32 = 0.5;
 /// Width that the settings need, points.
-pub(in crate::app) const LEAST_SETTINGS: f32 = 300.0;
+pub const LEAST_SETTINGS: f32 = 300.0;
 
 /// Parts of the window that are shown, and how.
-pub(in crate::app) struct Layout {
+pub struct Layout {
     /// Scale, theme.
     pub appearance: Appearance,
     /// Whether the list of keys is open.
@@ -36,7 +35,7 @@ pub(in crate::app) struct Layout {
 
 impl Layout {
     /// As it is at first.
-    pub(in crate::app) fn new(appearance: Appearance) -> Self {
+    pub fn new(appearance: Appearance) -> Self {
         Self {
             appearance,
             are_keys_shown: false,
@@ -48,11 +47,24 @@ impl Layout {
             before_study: None,
         }
     }
+
+    /// Greatest widths of the panels beside the view while a tool is open, or none.
+    pub fn sides(&self, ctx: &egui::Context, tool: Option<Tool>) -> Sides {
+        Sides::new(ctx.content_rect().width(), tool, self.shows_settings)
+    }
+
+    /// Shows the settings, in place of a tool where both have no room, or hides them.
+    pub fn toggle_settings(&mut self, ctx: &egui::Context, tool: &mut Option<Tool>) {
+        self.shows_settings = self.sides(ctx, *tool).settings.is_none();
+        if self.shows_settings && self.sides(ctx, *tool).settings.is_none() {
+            *tool = None;
+        }
+    }
 }
 
 /// Greatest widths of the panels that are shown, points.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(in crate::app) struct Sides {
+pub struct Sides {
     /// The settings at the left.
     pub settings: Option<f32>,
     /// The settings and the tool together.
@@ -60,32 +72,11 @@ pub(in crate::app) struct Sides {
 }
 
 impl Sides {
-    /// In the window as it is.
-    pub(in crate::app) fn of(app: &App, ctx: &egui::Context) -> Self {
-        Self::new(ctx.content_rect().width(), app.tools.open, app.layout.shows_settings)
-    }
-
     fn new(width: f32, tool: Option<Tool>, wants_settings: bool) -> Self {
         let all = (1.0 - VIEW_SHARE) * width;
         let left = if tool.is_some() { all - WIDTHS.start() } else { all };
         let fits = tool.is_none() || left >= LEAST_SETTINGS;
         Self { settings: (wants_settings && fits).then_some(left), all }
-    }
-}
-
-impl App {
-    /// Opens a tool, or closes it where it is open.
-    pub(in crate::app) fn toggle_tool(&mut self, tool: Tool) {
-        self.tools.open = (self.tools.open != Some(tool)).then_some(tool);
-    }
-
-    /// Shows the settings, in place of a tool where both have no room, or hides them.
-    pub(in crate::app) fn toggle_settings(&mut self, ctx: &egui::Context) {
-        let are_shown = Sides::of(self, ctx).settings.is_some();
-        self.layout.shows_settings = !are_shown;
-        if self.layout.shows_settings && Sides::of(self, ctx).settings.is_none() {
-            self.tools.open = None;
-        }
     }
 }
 

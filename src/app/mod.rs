@@ -1,10 +1,11 @@
 //! The window: state, and what happens in a frame.
 //!
 //! The window owns no solver state. In each frame it takes up what the worker has to say (`Shown`),
-//! lets the panels and the view write commands into an outbox, and sends them. Panels see only what
-//! they are given, so none of them can wait for the solver. Imports everything below it; only
-//! `main` knows this module.
+//! lets the panels and the view write commands and actions into an outbox, sends the ones and
+//! performs the others. Panels see only what they are given, so none of them can wait for the
+//! solver. Imports everything below it; only `main` knows this module.
 
+mod actions;
 mod appearance;
 mod frame;
 mod launch;
@@ -32,8 +33,10 @@ use crate::hierarchy::ElementId;
 use crate::prepare::added_light::AddedLight;
 use crate::render::Show;
 use crate::scene::{CameraPose, Reading, Source};
-use crate::solve::{Snapshot, SolverParams};
+use crate::solve::{Snapshot, SolverParams, Stats};
+use crate::transport::SolutionView;
 use crate::worker::{Command, SceneInfo, SolverThread, Status};
+use actions::Outbox;
 use appearance::Appearance;
 use layout::Layout;
 use news::Incoming;
@@ -57,7 +60,7 @@ const LATER: Duration = Duration::from_millis(200);
 const RECENT_KEY: &str = "recent_files";
 const DISPLAY_KEY: &str = "display";
 
-/// News of the worker as every panel sees them.
+/// News of the worker, and what is picked in them, as every panel sees them.
 #[derive(Default)]
 struct Shown {
     /// The scene of `snapshot`.
@@ -67,10 +70,24 @@ struct Shown {
     /// The light in view: the newest, or a better picture that is kept until then.
     in_view: Option<Arc<Snapshot>>,
     status: Status,
+    picked: Option<PickedElement>,
 }
 
-/// Commands that a frame gives rise to.
-type Outbox = Vec<Command>;
+impl Shown {
+    /// The statistics of the newest light.
+    fn stats(&self) -> Option<&Stats> {
+        self.snapshot.as_ref().map(|snapshot| &snapshot.stats)
+    }
+
+    /// Elements and links of the newest light, where it was asked for them.
+    fn solution_view(&self) -> Option<&Arc<SolutionView>> {
+        self.snapshot.as_ref()?.solution_view.as_ref()
+    }
+
+    fn picked_element(&self) -> Option<ElementId> {
+        self.picked.as_ref().map(|picked| picked.element)
+    }
+}
 
 /// Function that threads call when they have something to show.
 type Wake = Arc<dyn Fn() + Send + Sync>;
@@ -81,7 +98,6 @@ pub struct App {
     shown: Shown,
     /// A scene whose first snapshot has not come yet; the former one stays in view meanwhile.
     incoming: Option<Incoming>,
-    picked: Option<PickedElement>,
     messages: Messages,
     edits: Edits,
     documents: Documents,
@@ -132,7 +148,6 @@ impl App {
             worker,
             shown: Shown::default(),
             incoming: None,
-            picked: None,
             messages: Messages::default(),
             edits: Edits::new(params, display),
             documents,
@@ -179,7 +194,7 @@ impl App {
 
     /// The picked element, in the snapshot in view.
     pub fn picked_element(&self) -> Option<ElementId> {
-        self.picked.as_ref().map(|picked| picked.element)
+        self.shown.picked_element()
     }
 
     /// Cards, legends and notes over the view, with their places, points.
@@ -193,9 +208,9 @@ impl App {
     }
 
     /// Shows the picture alone over all of the screen, or the window as it was.
-    fn set_full_screen(&mut self, ctx: &egui::Context, is_full: bool) {
-        self.layout.is_full_picture = is_full;
-        ctx.send_viewport_cmd(egui::ViewportCommand::Fullscreen(is_full));
+    fn toggle_full_screen(&mut self, ctx: &egui::Context) {
+        self.layout.is_full_picture = !self.layout.is_full_picture;
+        ctx.send_viewport_cmd(egui::ViewportCommand::Fullscreen(self.layout.is_full_picture));
     }
 
     /// Shows how the method works: its parameters, links of a level, and the solve played slowly

@@ -9,7 +9,7 @@ use crate::app::{App, tools};
 use crate::worker::{Event, RunState, SceneInfo};
 
 /// A scene whose first snapshot has not come yet.
-pub(in crate::app) struct Incoming {
+pub struct Incoming {
     /// Facts about the scene.
     pub info: Arc<SceneInfo>,
     /// A new scene rather than an edit: the camera starts afresh.
@@ -18,7 +18,7 @@ pub(in crate::app) struct Incoming {
 
 impl App {
     /// Takes up everything that the worker has to say.
-    pub(in crate::app) fn take_up_news(&mut self, ctx: &egui::Context) {
+    pub(super) fn take_up_news(&mut self, ctx: &egui::Context) {
         // Events before the snapshot: whoever has read the event of a scene finds that scene's
         // snapshot or an older one.
         while let Some(event) = self.worker.try_event() {

@@ -2,27 +2,12 @@
 //!
 //! Keys that move the camera belong to [`crate::app::view::viewport`]; the list shows them too.
 
-use egui::{Event, Grid, Key, Modifiers, RichText, Ui};
+use egui::{Context, Event, Grid, Id, Key, Modifiers, RichText, Ui};
 
-use crate::app::tools::{self, Tool};
+use crate::app::actions::{Action, Outbox};
+use crate::app::tools::Tool;
 use crate::app::widgets::theme;
-use crate::app::{App, Outbox, panels, words};
-use crate::worker::{Command, RunState};
-
-/// Action of a key.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Action {
-    ShowKeys,
-    Leave,
-    FullPicture,
-    PauseOrRun,
-    Step,
-    Restart,
-    Open,
-    Tool(Tool),
-    Pinned,
-    Outlines,
-}
+use crate::app::{panels, words};
 
 /// A key with its modifiers, how it is written, and what it does, in words and in deed.
 type Shortcut = (Key, Modifiers, &'static str, &'static str, Action);
@@ -31,17 +16,17 @@ const SHORTCUTS: [Shortcut; 15] = [
     (Key::Space, Modifiers::NONE, "Space", "pause, run", Action::PauseOrRun),
     (Key::Period, Modifiers::NONE, ".", "step one wave", Action::Step),
     (Key::R, Modifiers::COMMAND, "Ctrl R", "solve again from scratch", Action::Restart),
-    (Key::O, Modifiers::COMMAND, "Ctrl O", "open a scene", Action::Open),
-    (Key::Num1, Modifiers::NONE, "1", "inspector", Action::Tool(Tool::Inspector)),
-    (Key::Num2, Modifiers::NONE, "2", "link matrix", Action::Tool(Tool::Matrix)),
-    (Key::Num3, Modifiers::NONE, "3", "clusters", Action::Tool(Tool::Clusters)),
-    (Key::Num4, Modifiers::NONE, "4", "measure", Action::Tool(Tool::Measure)),
-    (Key::Num5, Modifiers::NONE, "5", "compare", Action::Tool(Tool::Compare)),
-    (Key::Num6, Modifiers::NONE, "6", "export", Action::Tool(Tool::Export)),
-    (Key::X, Modifiers::NONE, "X", "keep the solution as A", Action::Pinned),
-    (Key::O, Modifiers::NONE, "O", "element outlines", Action::Outlines),
-    (Key::F11, Modifiers::NONE, "F11", "full screen, the picture alone", Action::FullPicture),
-    (Key::Questionmark, Modifiers::NONE, "?", "this list", Action::ShowKeys),
+    (Key::O, Modifiers::COMMAND, "Ctrl O", "open a scene", Action::ChooseScene),
+    (Key::Num1, Modifiers::NONE, "1", "inspector", Action::ToggleTool(Tool::Inspector)),
+    (Key::Num2, Modifiers::NONE, "2", "link matrix", Action::ToggleTool(Tool::Matrix)),
+    (Key::Num3, Modifiers::NONE, "3", "clusters", Action::ToggleTool(Tool::Clusters)),
+    (Key::Num4, Modifiers::NONE, "4", "measure", Action::ToggleTool(Tool::Measure)),
+    (Key::Num5, Modifiers::NONE, "5", "compare", Action::ToggleTool(Tool::Compare)),
+    (Key::Num6, Modifiers::NONE, "6", "export", Action::ToggleTool(Tool::Export)),
+    (Key::X, Modifiers::NONE, "X", "keep the solution as A", Action::KeepAsA),
+    (Key::O, Modifiers::NONE, "O", "element outlines", Action::ToggleOutlines),
+    (Key::F11, Modifiers::NONE, "F11", "full screen, the picture alone", Action::ToggleFullScreen),
+    (Key::Questionmark, Modifiers::NONE, "?", "this list", Action::ToggleKeys),
     (Key::Escape, Modifiers::NONE, "Esc", "deselect, end placing and drawing, leave full screen", Action::Leave),
 ];
 
@@ -52,66 +37,29 @@ const LIST_HEIGHT: f32 = 430.0;
 /// Shortcut that egui handles by itself.
 const SCALING: (&str, &str) = ("Ctrl + − 0", "interface larger, smaller, as it was");
 
-/// Acts upon the keys of this frame; not while a text is being typed.
-pub(in crate::app) fn act(app: &mut App, ui: &Ui, outbox: &mut Outbox) {
-    let ctx = ui.ctx();
+/// Asks for what the keys of this frame do; not while a text is being typed.
+pub fn act(ctx: &Context, view: Option<Id>, outbox: &mut Outbox) {
     if ctx.text_edit_focused() {
         return;
     }
     let pressed = |input: &egui::InputState| -> Vec<Action> { input.events.iter().filter_map(deed_of).collect() };
     // Space presses the button that has the focus.
-    let is_view_focused =
-        ctx.memory(|memory| memory.focused()).is_none_or(|focused| app.view.viewport.id() == Some(focused));
-    for deed in ctx.input(pressed) {
-        if deed != Action::PauseOrRun || is_view_focused {
-            perform(app, deed, ctx, outbox);
-        }
-    }
+    let is_view_focused = ctx.memory(|memory| memory.focused()).is_none_or(|focused| view == Some(focused));
+    let is_meant = |deed: &Action| *deed != Action::PauseOrRun || is_view_focused;
+    ctx.input(pressed).into_iter().filter(is_meant).for_each(|deed| outbox.act(deed));
 }
 
 fn deed_of(event: &Event) -> Option<Action> {
     let Event::Key { key, pressed: true, repeat: false, modifiers, .. } = event else { return None };
     let fits = |(of, with, ..): &&Shortcut| of == key && with.command == modifiers.command && !modifiers.alt;
-    SHORTCUTS.iter().find(fits).map(|(.., deed)| *deed)
-}
-
-fn perform(app: &mut App, deed: Action, ctx: &egui::Context, outbox: &mut Outbox) {
-    let run = app.shown.status.run;
-    match deed {
-        Action::ShowKeys => app.layout.are_keys_shown = !app.layout.are_keys_shown,
-        Action::Leave if app.layout.are_keys_shown => app.layout.are_keys_shown = false,
-        Action::Leave if app.layout.is_full_picture => app.set_full_screen(ctx, false),
-        // What a click does comes back first, then what it chose.
-        Action::Leave if app.tools.measuring.is_placing() => app.tools.measuring.stop_placing(),
-        Action::Leave => app.deselect(),
-        Action::FullPicture => app.set_full_screen(ctx, !app.layout.is_full_picture),
-        Action::PauseOrRun => match run {
-            RunState::Paused => outbox.push(Command::Resume),
-            RunState::Running => outbox.push(Command::Pause),
-            RunState::Idle | RunState::Finished => {}
-        },
-        Action::Step if matches!(run, RunState::Running | RunState::Paused) => outbox.push(Command::StepWave),
-        Action::Restart if app.shown.info.is_some() => outbox.push(Command::Restart),
-        Action::Step | Action::Restart => {}
-        Action::Open if !app.documents.files.dialog_is_open() => app.documents.files.open_dialog(ctx),
-        Action::Open => {}
-        Action::Tool(tool) => app.toggle_tool(tool),
-        Action::Pinned => {
-            if let Some(snapshot) = app.shown.snapshot.clone() {
-                tools::compare::keep(app, snapshot);
-                app.tools.open = Some(Tool::Compare);
-            }
-        }
-        Action::Outlines => app.edits.display.show_elements = !app.edits.display.show_elements,
-    }
+    SHORTCUTS.iter().find(fits).map(|(.., deed)| deed.clone())
 }
 
 /// The list of all keys, over everything, while it is asked for.
-pub(in crate::app) fn show_list(app: &mut App, ctx: &egui::Context) {
-    let mut is_open = app.layout.are_keys_shown;
+pub fn show_list(ctx: &Context, is_open: &mut bool) {
     egui::Window::new(words::MOUSE_AND_KEYS)
         .id(egui::Id::unique("keys"))
-        .open(&mut is_open)
+        .open(is_open)
         .collapsible(false)
         .resizable(false)
         .anchor(egui::Align2::CENTER_CENTER, [0.0, 0.0])
@@ -128,7 +76,6 @@ pub(in crate::app) fn show_list(app: &mut App, ctx: &egui::Context) {
                 });
             });
         });
-    app.layout.are_keys_shown = is_open;
 }
 
 fn column(ui: &mut Ui, title: &str, rows: &[(&str, &str)]) {
@@ -162,7 +109,7 @@ mod tests {
             let flies = [Key::W, Key::A, Key::S, Key::D, Key::Q, Key::E, Key::F, Key::Home].contains(&key);
             assert!(!flies, "{name} moves the camera");
         }
-        assert_eq!(press(Key::Questionmark, Modifiers::SHIFT), Some(Action::ShowKeys));
+        assert_eq!(press(Key::Questionmark, Modifiers::SHIFT), Some(Action::ToggleKeys));
         assert_eq!(press(Key::R, Modifiers::NONE), None);
         assert_eq!(press(Key::Num1, Modifiers::COMMAND), None);
     }

@@ -3,8 +3,9 @@
 
 use egui::{Align, Layout, Rect, Response, Sense, Ui, pos2, vec2};
 
+use crate::app::state::playback::Playback;
 use crate::app::widgets::theme;
-use crate::app::{App, format, words};
+use crate::app::{Shown, format, words};
 use crate::solve::{TimelineStep, TimelineStepKind};
 
 /// Height of the bar, points.
@@ -22,40 +23,40 @@ const TICKS: [(TimelineStepKind, f32); 4] = [
 ];
 
 /// Draws it along the lower edge of the view; nothing before there is a step to be seen.
-pub(in crate::app) fn show(app: &mut App, ui: &mut Ui) {
-    let steps = app.shown.status.steps.clone();
-    if steps.len() < 2 || app.shown.snapshot.is_none() {
+pub fn show(ui: &mut Ui, shown: &Shown, playback: &mut Playback) {
+    let steps = shown.status.steps.clone();
+    if steps.len() < 2 || shown.snapshot.is_none() {
         return;
     }
     let now = ui.input(|input| input.time);
-    if let Some(wait) = app.tools.playback.play(now, app.shown.snapshot.as_deref(), steps.len()) {
+    if let Some(wait) = playback.play(now, shown.snapshot.as_deref(), steps.len()) {
         ui.ctx().request_repaint_after(wait);
     }
     egui::Panel::bottom("timeline").exact_size(HEIGHT).show(ui, |ui| {
         ui.horizontal_centered(|ui| {
-            let (label, hint) = match app.tools.playback.is_playing() {
+            let (label, hint) = match playback.is_playing() {
                 true => ("Stop", "Stop playing"),
                 false => (words::PLAY, "Play the refinement from the root's self-link, step by step"),
             };
             let play = ui.button(label).on_hover_text(hint);
             if play.clicked() {
-                app.tools.playback.play_or_stop(now);
+                playback.play_or_stop(now);
             }
-            let is_live = app.tools.playback.step.is_none();
-            if ui.selectable_label(is_live, words::LATEST).on_hover_text(words::JUMP_TO_LATEST).clicked() {
-                app.tools.playback.show(None);
+            let is_live = playback.step.is_none();
+            if ui.selectable_label(is_live, words::LATEST).on_hover_text("Jump to latest").clicked() {
+                playback.show(None);
             }
             ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
                 // Of the picture that is there, while that of a chosen step is still being made.
-                let in_view = app.shown.snapshot.as_ref().and_then(|snapshot| snapshot.former_step);
+                let in_view = shown.snapshot.as_ref().and_then(|snapshot| snapshot.former_step);
                 let at = in_view.unwrap_or(steps.len() - 1).min(steps.len() - 1);
                 let words = WORDS.min(SHARE_OF_WORDS * ui.available_width());
                 ui.allocate_ui_with_layout(vec2(words, 20.0), Layout::left_to_right(Align::Center), |ui| {
                     ui.set_width(words);
                     ui.add(egui::Label::new(theme::value(in_words(&steps, at))).truncate());
                 });
-                if let Some(step) = track(ui, &steps, app.tools.playback.step) {
-                    app.tools.playback.show(step);
+                if let Some(step) = track(ui, &steps, playback.step) {
+                    playback.show(step);
                 }
             });
         });

@@ -1,5 +1,5 @@
-//! The words on the window's widgets, each in one place: the panels draw them, tests and the
-//! gallery find widgets by them.
+//! The words on the window's widgets that are drawn in several places, or by which tests and the
+//! gallery find widgets; others stand where they are drawn.
 //!
 //! Labels of the solver's parameters stand in [`crate::solve::PARAMETERS`] instead, which
 //! [`parameter`] reads.
@@ -24,8 +24,6 @@ words! {
     SCENE = "Scene";
     /// Section of lamps and materials.
     LIGHT = "Light";
-    /// Title of the light section of a scene without a lamp.
-    LIGHT_NONE_YET = "Light: none yet";
     /// Section of the target error and of running, pausing and stepping.
     QUALITY = "Quality";
     /// Fold of the paper's parameters.
@@ -45,8 +43,6 @@ words! {
 
     /// Empty window: heading.
     OPEN_A_ROOM = "Open a room to light";
-    /// Row of the program's own scenes.
-    SAMPLE_SCENES = "Sample scenes";
     /// Field of a scene's path.
     SCENE_PATH = "Scene path";
     /// Opens the path that was typed.
@@ -60,42 +56,20 @@ words! {
     /// Takes a message away.
     DISMISS = "Dismiss";
 
-    /// Row of the three qualities.
-    QUALITY_CHOICE = "Quality level";
     /// The coarsest quality.
     DRAFT = "Draft";
-    /// The usual quality.
-    GOOD = "Good";
-    /// The finest quality.
-    FINAL = "Final";
     /// Pauses the solver.
     PAUSE = "Pause";
     /// Lets a paused solver go on.
     RUN = "Run";
     /// Lets the solver go on until a wave ends.
     STEP_ONE_WAVE = "Step one wave";
-    /// Forgets the solution and solves the same scene again.
-    RESTART = "Restart";
-    /// Tooltip of [`RESTART`].
-    SOLVE_AGAIN = "Solve again from scratch";
     /// Opens all that shows how the method works, and replays the solve.
     STUDY = "Study the method";
     /// Over the view: the first step of a solve.
     STEP_SELF_LINK = "One link joins the whole scene, as a single cluster, to itself. A link says how much of the light of its source reaches its receiver: this one stands for all light, so it is refined.";
-    /// Over the view: what a wave does.
-    STEP_WAVE = "each link that carries more power than ε gave way to links with the parts of its larger end";
-    /// Over the view: what follows on a gathering.
-    STEP_ROUND = "it is handed up and down the clusters until nothing changes, and then links are tested again with it.";
-    /// Over the view: a step of the final gather.
-    STEP_PASS = "Final gather: rays look for light from the surfaces themselves; what they meet is as bright as the links have lit it.";
-    /// Row: what ends a solve.
-    STOP_AT = "Stop at";
-    /// Choice of [`STOP_AT`]: the certified error.
-    STOP_AT_ERROR = "target error";
-    /// Choice of [`STOP_AT`]: the paper's ε.
+    /// Choice of *Stop at*: the paper's ε.
     STOP_AT_THRESHOLD = "link threshold ε";
-    /// Sets all parameters as they were at the first start.
-    RESET_TO_DEFAULTS = "Reset to defaults";
 
     /// Status while stored and new links are tested.
     TESTING_LINKS = "Testing links";
@@ -121,8 +95,6 @@ words! {
     NO_LIGHT_HERE = "Next to no light of this scene reaches what is seen here.";
     /// In the status bar beside the result of a solve, of such a view.
     NOTHING_SEEN_IS_LIT = "nothing in view is lit";
-    /// Button beside either, where daylight can come in.
-    LIGHT_IT_BY_DAYLIGHT = "Light it by daylight";
     /// Button beside either: adds a square luminaire.
     HANG_UP_A_LAMP = "Hang up a lamp";
     /// Name of the bar that tells how far a solve is.
@@ -138,20 +110,8 @@ words! {
     LIT = "lit";
     /// Choice of [`DISPLAY`]: E in lx. What is shown has the name that its legend has.
     ILLUMINANCE = "false colours: illuminance E";
-    /// Choice of [`DISPLAY`]: E in W/m².
-    IRRADIANCE = "false colours: irradiance E";
-    /// Choice of [`DISPLAY`]: B in lm/m².
-    LUMINOUS_EXITANCE = "false colours: luminous exitance B";
-    /// Choice of [`DISPLAY`]: B in W/m².
-    RADIOSITY = "false colours: radiosity B";
     /// Choice of [`DISPLAY`]: E over that of open ground.
     DAYLIGHT_FACTOR = "false colours: daylight factor D";
-    /// Button: the faces of a material are no longer there.
-    LEAVE_FACES_OUT = "Leave its faces out";
-    /// Button: the faces of a material are there again.
-    BRING_FACES_BACK = "Bring its faces back";
-    /// Heading of the part of the light section for sky and sun.
-    DAYLIGHT = "Daylight from outside";
     /// Button of a scene that is dark and has openings.
     LET_DAYLIGHT_IN = "Let daylight in";
     /// Preset: neither sky nor sun.
@@ -166,36 +126,18 @@ words! {
     LOW_SUN = "Low sun";
     /// List: how the sky's light is spread.
     SKY_TYPE = "Sky type";
-    /// Field: the sky in the words of the command line.
-    SKY_TEXT = "Sky as text";
     /// Slider: horizontal illuminance by the sky.
     SKY_ILLUMINANCE = "Sky";
-    /// Slider: illuminance of a face turned to the sun.
-    SUN_ILLUMINANCE = "Sun";
     /// Plan of the sky on which the sun is dragged.
     SKY_PLAN = "Plan of the sky";
     /// Row: how the place of the sun is given.
     SUN_PLACE = "Sun's place";
     /// Choice of [`SUN_PLACE`].
-    SUN_BY_DIRECTION = "direction";
-    /// Choice of [`SUN_PLACE`].
     SUN_BY_DATE = "date and place";
-    /// Row: year, month and day.
-    DATE = "Date";
     /// Row: hours and minutes.
     TIME = "Time";
-    /// Row: the clock's zone.
-    ZONE = "Time zone";
-    /// Row: degrees north of the equator.
-    LATITUDE = "Latitude";
-    /// Row: degrees east of Greenwich.
-    LONGITUDE = "Longitude";
-    /// Row: degrees by which the scene is turned.
-    TRUE_NORTH = "North turned by";
     /// Remark on a sun that does not shine.
     SUN_IS_DOWN = "The sun is below the horizon.";
-    /// How daylight factors come about.
-    DAYLIGHT_FACTOR_HINT = "Illuminance over that of open horizontal ground under the same sky, % (EN 17037)";
     /// Lines of equal value.
     ISOLUX_LINES = "Isolux lines";
     /// Field of their values.
@@ -219,25 +161,15 @@ words! {
     /// Choice of [`SHOW_LINKS`].
     LINKS_NONE = "none";
     /// Choice of [`SHOW_LINKS`].
-    LINKS_OF_SELECTION = "of selection";
-    /// Choice of [`SHOW_LINKS`].
     LINKS_AT_LEVEL = "at level";
-    /// Row: what colours of links mean.
-    LINK_COLOUR = "Link colour";
     /// Most links that are drawn.
     STRONGEST_LINKS = "Strongest links";
-    /// Weaker links are left out.
-    MINIMUM_POWER = "Minimum power";
     /// Level of the receivers whose links are drawn.
     RECEIVERS_AT_LEVEL = "Receivers at level";
     /// Links of both of these kinds.
     HIDDEN_OR_NOT_TESTED = "hidden or not tested";
     /// Links between two patches.
     PATCH_PATCH = "patch–patch";
-    /// Links between a cluster and a patch.
-    CLUSTER_PATCH = "cluster–patch";
-    /// Links between two clusters.
-    CLUSTER_CLUSTER = "cluster–cluster";
     /// Rims of both ends of links.
     OUTLINES_OF_ENDS = "Outlines of both ends";
 
@@ -247,8 +179,6 @@ words! {
     TOP_SOURCES = "Top sources (incl. inherited)";
     /// Opens the card from the tag.
     DETAILS = "Details";
-    /// Draws the links of the selection, from the tag.
-    LINKS = "Links";
     /// Closes the card.
     CLOSE = "Close";
     /// Opens the inspector from the card.
@@ -266,8 +196,6 @@ words! {
     COMPARE = "Compare";
     /// Tool: files.
     EXPORT = "Export";
-    /// Tooltip of [`EXPORT`].
-    EXPORT_HINT = "Export images, meshes, data";
     /// Menu of the tools where the window is narrow.
     TOOLS = "Tools";
     /// Shows and hides the panels at the left.
@@ -294,8 +222,6 @@ words! {
     THROUGH_WALLS = "Nearer walls are looked through";
     /// Closes the open tool.
     CLOSE_TOOL = "Close tool";
-    /// Hides all panels.
-    FULL_SCREEN = "Full screen";
     /// Brings the panels back.
     SHOW_PANELS = "Show panels";
     /// Opens the list of keys.
@@ -325,16 +251,10 @@ words! {
     COLOUR_BY_CLUSTER = "Colour by cluster";
     /// Clusters: how far they are pulled apart.
     EXPLODE = "Explode";
-    /// Clusters: power that an element receives, E·A, sum of the channels.
-    POWER_IN = "Power in (W)";
-    /// Clusters: power that leaves an element, B·A, sum of the channels.
-    POWER_OUT = "Power out (W)";
     /// Matrix: form factor of the block under the mouse.
     FORM_FACTOR = "Form factor F";
     /// Matrix: power of its strongest channel over ε.
     STRONGEST_CHANNEL = "Strongest channel";
-    /// Matrix: what decides how tall rows are.
-    ROW_HEIGHT_BY = "Row height by";
     /// Clusters: the page of groups arranged by hand.
     MANUAL_GROUPS = "Manual groups";
     /// Clusters: groups as the scene's file has them.
@@ -342,8 +262,6 @@ words! {
 
     /// Compare: keeps the solution in view.
     KEEP_AS_A = "Keep as A";
-    /// Compare: keeps the solution in view in place of the kept one.
-    REPLACE_A = "Replace A";
     /// Compare: forgets the kept solution.
     DISCARD_A = "Discard A";
     /// Compare: both on either side of a divider.
@@ -354,8 +272,6 @@ words! {
     B_ALONE = "B alone";
     /// Compare: where B is darker or brighter.
     DIFFERENCE = "B − A";
-    /// Compare: heading of figures of both.
-    RESULTS = "Results";
 
     /// Light: exitance of a material or lamp.
     EXITANCE = "Exitance (strongest channel)";
@@ -375,8 +291,6 @@ words! {
     SWITCH_OFF = "Switch it off";
     /// Light: measures a relative ε by the present lamps.
     RESCALE_EPSILON = "Rescale ε to current lamps";
-    /// Light: heading of luminaires that were added.
-    LUMINAIRES = "Luminaires";
     /// Light: adds a square luminaire.
     ADD_SQUARE_LIGHT = "Add square light";
     /// Light: adds a round luminaire.
@@ -385,34 +299,20 @@ words! {
     ADD_LINE_LIGHT = "Add line light";
     /// Light: takes the selected luminaire away.
     REMOVE_LUMINAIRE = "Remove";
-    /// Light: name of the selected luminaire.
-    LUMINAIRE_NAME = "Name";
     /// Light: outline of the selected luminaire.
     SHAPE = "Shape";
     /// Light: side of the selected square.
     SIDE_LENGTH = "Side length";
-    /// Light: diameter of the selected disc.
-    DIAMETER = "Diameter";
     /// Light: length of the selected line.
     LENGTH = "Length";
-    /// Light: where the selected luminaire is, along each axis of the file.
-    LUMINAIRE_X = "Place along x";
-    /// As [`LUMINAIRE_X`].
+    /// Light: where the selected luminaire is along y of the file.
     LUMINAIRE_Y = "Place along y";
-    /// As [`LUMINAIRE_X`].
-    LUMINAIRE_Z = "Place along z";
-    /// Light: middle of the selected luminaire.
-    PLACE = "Place x, y, z";
     /// Light: where the selected luminaire shines to.
     SHINES = "Shines";
     /// Light: turn of the selected luminaire about where it shines to.
     TURN = "Turn";
-    /// View: handles of the selected luminaire.
-    MOVE_ALONG_X = "Move the luminaire along x";
-    /// As [`MOVE_ALONG_X`].
+    /// View: one of the handles of the selected luminaire.
     MOVE_ALONG_Y = "Move the luminaire along y";
-    /// As [`MOVE_ALONG_X`].
-    MOVE_ALONG_Z = "Move the luminaire along z";
     /// Light: reflectance of a material.
     REFLECTANCE = "Reflectance";
 
@@ -420,8 +320,6 @@ words! {
     PLAY = "Play";
     /// Timeline: goes back to the newest step.
     LATEST = "Latest";
-    /// Tooltip of [`LATEST`].
-    JUMP_TO_LATEST = "Jump to latest";
     /// Timeline: the track.
     STEP_OF_THE_SOLVE = "Step of the solve";
 
@@ -429,26 +327,16 @@ words! {
     UNDO = "Undo";
     /// Does an undone setting again.
     REDO = "Redo";
-    /// Tooltip of [`UNDO`] where nothing was set.
-    NOTHING_TO_UNDO = "Nothing to undo";
-    /// Tooltip of [`REDO`] where nothing was undone.
-    NOTHING_TO_REDO = "Nothing to redo";
 
     /// Accuracy: starts the reference.
     COMPARE_WITH_REFERENCE = "Compare with a reference";
-    /// Accuracy: before the noise of a reference is known.
-    FIRST_PATHS = "first paths";
     /// Accuracy: stops the reference.
     STOP_COMPARING = "Stop comparing";
 
-    /// Appearance: colours of the panels.
-    THEME = "Theme";
-    /// Choice of [`THEME`].
+    /// Choice of *Theme*.
     DARK_THEME = "Dark theme";
-    /// Choice of [`THEME`].
+    /// Choice of *Theme*.
     LIGHT_THEME = "Light theme";
-    /// Choice of [`THEME`].
-    SYSTEM_THEME = "As the system";
     /// Appearance: size of text and widgets.
     INTERFACE_SCALE = "Interface scale";
     /// Keys: goes back to the scene's own view.
@@ -484,8 +372,6 @@ words! {
     EARLIER_PLANE = "Work plane of an earlier picture or setting; measured again when the solver rests";
     /// Measure: gives the plane up.
     CLEAR = "Clear";
-    /// Export: a size that is typed.
-    CUSTOM_SIZE = "Custom…";
 }
 
 /// Light: heading of the rows about the light of a material or luminaire.

@@ -7,7 +7,7 @@ use egui::{Color32, ProgressBar, Slider, Ui};
 use egui_plot::{FilledArea, Line, Plot, PlotPoints, Points};
 
 use crate::app::state::comparison::{Comparison, POINTS, Run, RunPoint, Shading};
-use crate::app::widgets::theme;
+use crate::app::widgets::{rows, theme};
 use crate::app::{Wake, format, words};
 use crate::measure::accuracy::SolutionError;
 use crate::measure::reference_worker::{GOAL, LEAST_PASSES};
@@ -19,12 +19,7 @@ const CHART_HEIGHT: f32 = 170.0;
 const LEAST_ERROR: f64 = 1e-3;
 
 /// Draws the section; a sentence where a reference was asked for and cannot be made.
-pub(in crate::app) fn show(
-    ui: &mut Ui,
-    info: &Arc<SceneInfo>,
-    comparison: &mut Comparison,
-    wake: &Wake,
-) -> Result<(), String> {
+pub fn show(ui: &mut Ui, info: &Arc<SceneInfo>, comparison: &mut Comparison, wake: &Wake) -> Result<(), String> {
     let outcome = match comparison.report().is_active {
         true => {
             show_reference(ui, comparison);
@@ -47,7 +42,7 @@ pub(in crate::app) fn show(
 
 fn show_offer(ui: &mut Ui, info: &Arc<SceneInfo>, comparison: &mut Comparison, wake: &Wake) -> Result<(), String> {
     ui.label(theme::weak("How far is this picture from the truth? A path tracer finds out in the background."));
-    theme::row(ui, "Points", |ui| {
+    rows::row(ui, "Points", |ui| {
         let slider = Slider::new(&mut comparison.points, POINTS).logarithmic(true);
         ui.add(slider)
             .on_hover_text("Points on the surfaces that are compared; more of them show errors in finer detail")
@@ -66,14 +61,14 @@ fn show_reference(ui: &mut Ui, comparison: &mut Comparison) {
     let (text, share) = match report.noise {
         None => {
             let pass = (report.passes + 1).min(LEAST_PASSES);
-            (format!("{}, pass {pass} of {LEAST_PASSES}", words::FIRST_PATHS), 0.0)
+            (format!("first paths, pass {pass} of {LEAST_PASSES}"), 0.0)
         }
         Some(noise) if report.is_done => (format!("noise {}", percent(noise)), 1.0),
         // Noise falls as the root of the paths.
         Some(noise) => (format!("noise {}, goal {}", percent(noise), percent(GOAL)), (GOAL / noise).powi(2).min(1.0)),
     };
     let points = format::count(report.points);
-    theme::row(ui, "Reference", |ui| {
+    rows::row(ui, "Reference", |ui| {
         ui.label(theme::value(text)).on_hover_text(format!(
             "Path-traced at {points} points; the noise is subtracted from the errors below. Kept on disk for the next time."
         ))
@@ -99,7 +94,7 @@ fn show_error(ui: &mut Ui, error: &SolutionError) {
         false => percent_with(shown.rms, shown.rms_noise),
     };
     let mut row = |name: &str, value: String, hint: &str| {
-        theme::row(ui, name, |ui| ui.label(theme::value(value)).on_hover_text(hint));
+        rows::row(ui, name, |ui| ui.label(theme::value(value)).on_hover_text(hint));
     };
     row(
         "Error (RMS)",
@@ -133,13 +128,9 @@ fn show_error(ui: &mut Ui, error: &SolutionError) {
 }
 
 fn show_shading(ui: &mut Ui, shading: &mut Shading) {
-    theme::row(ui, "Show", |ui| {
-        ui.horizontal(|ui| {
-            ui.selectable_value(shading, Shading::Lit, "light");
-            ui.selectable_value(shading, Shading::Error, "error");
-            ui.selectable_value(shading, Shading::Difference, "difference");
-        })
-        .response
+    rows::row(ui, "Show", |ui| {
+        let all = [(Shading::Lit, "light"), (Shading::Error, "error"), (Shading::Difference, "difference")];
+        ui.horizontal(|ui| all.map(|(value, name)| ui.selectable_value(shading, value, name))).response
     });
 }
 
@@ -193,8 +184,7 @@ fn show_chart(ui: &mut Ui, runs: &[Run]) {
         let colour = if index + 1 == runs.len() { theme::ACCENT } else { faint(index) };
         let end = run.points.last().map(|at| format!("{} after {}", percent(at.error), format::seconds(at.seconds)));
         ui.horizontal(|ui| {
-            let (dot, _) = ui.allocate_exact_size(egui::vec2(8.0, 8.0), egui::Sense::hover());
-            ui.painter().circle_filled(dot.center(), 4.0, colour);
+            rows::dot(ui, 8.0, colour);
             ui.add(egui::Label::new(theme::weak(format!("{}: {}", run.name, end.unwrap_or_default()))).truncate());
         });
     }

@@ -3,20 +3,20 @@
 use egui::{ComboBox, ThemePreference, Ui};
 
 use crate::app::appearance::Appearance;
-use crate::app::widgets::theme;
+use crate::app::widgets::rows;
 use crate::app::words;
 
 /// Scales offered, as factors.
 const SCALES: [f32; 7] = [0.75, 0.9, 1.0, 1.25, 1.5, 2.0, 2.5];
 
 /// Draws the section.
-pub(in crate::app) fn show(ui: &mut Ui, appearance: &mut Appearance) {
-    theme::row(ui, words::THEME, |ui| {
+pub fn show(ui: &mut Ui, appearance: &mut Appearance) {
+    rows::row(ui, "Theme", |ui| {
         let themes = ui.horizontal_wrapped(|ui| {
             for (theme, name) in [
                 (ThemePreference::Dark, words::DARK_THEME),
                 (ThemePreference::Light, words::LIGHT_THEME),
-                (ThemePreference::System, words::SYSTEM_THEME),
+                (ThemePreference::System, "As the system"),
             ] {
                 if ui.selectable_value(&mut appearance.theme, theme, name).changed() {
                     ui.ctx().set_theme(theme);
@@ -25,7 +25,7 @@ pub(in crate::app) fn show(ui: &mut Ui, appearance: &mut Appearance) {
         });
         themes.response
     });
-    theme::row(ui, words::INTERFACE_SCALE, |ui| {
+    rows::row(ui, words::INTERFACE_SCALE, |ui| {
         let percent = |scale: f32| format!("{:.0} %", 100.0 * scale);
         let present = ui.ctx().zoom_factor();
         let combo = ComboBox::from_id_salt("interface scale").selected_text(percent(present));

@@ -5,7 +5,7 @@ use egui::{Grid, Ui};
 use crate::app::widgets::theme;
 
 /// Gestures and their effects; [`crate::app::view::viewport`] acts so.
-pub(in crate::app) const CONTROLS: [(&str, &str); 11] = [
+pub const CONTROLS: [(&str, &str); 11] = [
     ("left drag", "orbit"),
     ("right, middle or shift drag", "pan"),
     ("wheel or pinch", "zoom"),
@@ -20,7 +20,7 @@ pub(in crate::app) const CONTROLS: [(&str, &str); 11] = [
 ];
 
 /// Draws the section.
-pub(in crate::app) fn show(ui: &mut Ui, are_keys_shown: &mut bool) {
+pub fn show(ui: &mut Ui, are_keys_shown: &mut bool) {
     Grid::new("controls").num_columns(2).spacing([16.0, 3.0]).show(ui, |ui| {
         for (deed, effect) in CONTROLS {
             ui.label(deed);

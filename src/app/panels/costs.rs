@@ -12,7 +12,7 @@ const MOST_BARS: usize = 3;
 const WIDTH: f32 = 14.0;
 
 /// Work that a change to a lower and to a higher value asks of the solver, in one sentence or two.
-pub(in crate::app) fn sentence(parameter: &Parameter) -> String {
+pub fn sentence(parameter: &Parameter) -> String {
     let [lower, higher] = parameter.costs.map(ChangeCost::in_words);
     match parameter.kind {
         _ if lower == higher => format!("A change {lower}."),
@@ -32,7 +32,7 @@ fn bars(cost: ChangeCost) -> usize {
 }
 
 /// Draws a mark at the right end of the parameter's row: the more bars, the more work.
-pub(in crate::app) fn show_mark(ui: &Ui, row: Rect, parameter: &Parameter) {
+pub fn show_mark(ui: &Ui, row: Rect, parameter: &Parameter) {
     let lit = parameter.costs.map(bars).into_iter().max().unwrap_or(0);
     let right = ui.max_rect().right() - 1.0;
     if right - WIDTH < row.right() {

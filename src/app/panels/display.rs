@@ -4,7 +4,7 @@ use egui::{Slider, Ui};
 
 use crate::app::panels::readings;
 use crate::app::state::settings::DisplaySettings;
-use crate::app::widgets::theme;
+use crate::app::widgets::{rows, theme};
 use crate::app::{Shown, words};
 use crate::render::Reading;
 
@@ -12,13 +12,7 @@ use crate::render::Reading;
 const STOPS: std::ops::RangeInclusive<f32> = -12.0..=12.0;
 
 /// Draws the section.
-pub(in crate::app) fn show(
-    ui: &mut Ui,
-    shown: &Shown,
-    display: &mut DisplaySettings,
-    reading: Option<&Reading>,
-    metered: f32,
-) {
+pub fn show(ui: &mut Ui, shown: &Shown, display: &mut DisplaySettings, reading: Option<&Reading>, metered: f32) {
     show_picture(ui, display);
     readings::show(ui, display, reading, shown.info.as_ref().and_then(|info| info.open_ground.err()));
     ui.add_space(4.0);
@@ -32,15 +26,9 @@ pub(in crate::app) fn show(
 
 /// Shows the choice between a gathered picture and the mesh.
 fn show_picture(ui: &mut Ui, display: &mut DisplaySettings) {
-    theme::row(ui, words::PICTURE, |ui| {
-        let name = |is_gathered| if is_gathered { words::GATHERED } else { words::MESH };
-        let list = egui::ComboBox::from_id_salt("Picture").selected_text(name(display.is_gathered));
-        let choices = |ui: &mut Ui| {
-            for choice in [true, false] {
-                ui.selectable_value(&mut display.is_gathered, choice, name(choice));
-            }
-        };
-        list.show_ui(ui, choices).response
+    rows::choice(ui, words::PICTURE, &mut display.is_gathered, [true, false], |is_gathered| match is_gathered {
+        true => words::GATHERED,
+        false => words::MESH,
     })
     .on_hover_text(
         "Gathered: light is looked for at every pixel while the camera stands still and the solution is finished, coarse \
@@ -62,7 +50,7 @@ fn show_exposure(ui: &mut Ui, display: &mut DisplaySettings, metered: f32) {
         true => (&mut display.auto_stops, "Correction of the automatic exposure; one stop is a factor of 2"),
         false => (&mut display.manual_stops, "0 stops shows 1 W/m² as white before the tone curve"),
     };
-    theme::row(ui, words::EXPOSURE, |ui| {
+    rows::row(ui, words::EXPOSURE, |ui| {
         let slider = Slider::new(stops, STOPS)
             .clamping(egui::SliderClamping::Edits)
             .fixed_decimals(1)
@@ -80,14 +68,6 @@ fn show_clusters(ui: &mut Ui, shown: &Shown, display: &mut DisplaySettings) {
         return;
     };
     ui.add_enabled_ui(display.show_clusters, |ui| {
-        theme::row(ui, "Cluster level", |ui| {
-            // What was chosen for a deeper hierarchy comes back with it.
-            let mut level = display.cluster_level.min(deepest);
-            let response = ui.add(Slider::new(&mut level, 0..=deepest).suffix(format!(" of {deepest}")));
-            if response.changed() {
-                display.cluster_level = level;
-            }
-            response
-        });
+        rows::row(ui, "Cluster level", |ui| rows::level(ui, &mut display.cluster_level, deepest));
     });
 }

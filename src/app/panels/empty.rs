@@ -6,7 +6,7 @@ use std::time::Duration;
 use egui::{Align2, Rect, RichText, Ui};
 
 use crate::app::widgets::theme;
-use crate::app::{App, Outbox, words};
+use crate::app::{Outbox, Shown, words};
 use crate::scene::Source;
 use crate::scene::builtin::BuiltinScene;
 use crate::worker::Command;
@@ -15,13 +15,13 @@ use crate::worker::Command;
 const DOT_SECONDS: f64 = 0.4;
 
 /// In place of the first picture: how to get one.
-pub(in crate::app) fn show(app: &mut App, ui: &mut Ui, rect: Rect, outbox: &mut Outbox) {
+pub fn show(ui: &Ui, shown: &Shown, rect: Rect, outbox: &mut Outbox) {
     egui::Area::new(egui::Id::unique("empty")).pivot(Align2::CENTER_CENTER).fixed_pos(rect.center()).show(
         ui.ctx(),
         |ui| {
             theme::over_the_view(ui);
             ui.set_width(rect.width().min(420.0));
-            ui.vertical_centered(|ui| match &app.shown.status.loading {
+            ui.vertical_centered(|ui| match &shown.status.loading {
                 Some(name) => {
                     loading_label(ui, name, 15.0);
                 }
@@ -46,8 +46,8 @@ pub(in crate::app) fn show(app: &mut App, ui: &mut Ui, rect: Rect, outbox: &mut 
 }
 
 /// Over the present picture: what is being loaded, and a way out.
-pub(in crate::app) fn show_loading(app: &App, ui: &mut Ui, rect: Rect, outbox: &mut Outbox) {
-    let Some(name) = &app.shown.status.loading else { return };
+pub fn show_loading(ui: &Ui, shown: &Shown, rect: Rect, outbox: &mut Outbox) {
+    let Some(name) = &shown.status.loading else { return };
     let at = rect.center_top() + egui::vec2(0.0, 12.0);
     egui::Area::new(egui::Id::unique("loading")).pivot(Align2::CENTER_TOP).fixed_pos(at).show(ui.ctx(), |ui| {
         theme::over_the_view(ui);
@@ -72,7 +72,7 @@ fn loading_label(ui: &mut Ui, name: &str, size: f32) {
 }
 
 /// While a file hovers over the window.
-pub(in crate::app) fn show_drop_hint(ui: &Ui, rect: Rect) {
+pub fn show_drop_hint(ui: &Ui, rect: Rect) {
     if ui.input(|input| input.raw.hovered_files.is_empty()) {
         return;
     }

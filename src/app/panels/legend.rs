@@ -1,14 +1,14 @@
 //! The legend over the view where colours stand for something: a ramp with marks below it.
 
-use egui::{Align2, Color32, FontId, Frame, Label, Rect, RichText, Ui, UiBuilder, pos2, vec2};
+use egui::{Align2, Color32, FontId, Label, Rect, RichText, Ui, UiBuilder, pos2, vec2};
 
 use crate::app::state::comparison::{FULL_SCALE, Shading};
-use crate::app::view::colour_bar;
+use crate::app::tools::Tools;
 use crate::app::view::overlays::{Overlays, Place};
+use crate::app::view::{View, colour_bar};
 use crate::app::widgets::theme;
-use crate::app::{App, words};
 use crate::base::photometry::{CONVENTION, ShownIn, Unit};
-use crate::render::{Mark, Reading};
+use crate::render::{Mark, Reading, ReadingSettings};
 
 /// Size of the bar, points.
 const BAR: egui::Vec2 = vec2(264.0, 12.0);
@@ -27,23 +27,22 @@ struct Legend<'a> {
 }
 
 /// Shows the meaning of the surfaces' colours, where they have one.
-pub(in crate::app) fn show_meaning(app: &mut App, ui: &Ui, view: Rect) {
-    let overlays = &mut app.view.overlays;
-    if app.tools.pinned.painted().is_some() {
-        show_difference(overlays, ui, view);
-    } else if app.tools.comparison.error().is_some() && app.tools.comparison.shading != Shading::Lit {
-        show_error(overlays, ui, view, app.tools.comparison.shading);
-    } else if let Some(reading) = app.view.reading.last() {
-        let settings = &app.edits.display.reading;
+pub fn show_meaning(ui: &Ui, rect: Rect, view: &mut View, tools: &Tools, settings: &ReadingSettings) {
+    let overlays = &mut view.overlays;
+    if tools.pinned.painted().is_some() {
+        show_difference(overlays, ui, rect);
+    } else if tools.comparison.error().is_some() && tools.comparison.shading != Shading::Lit {
+        show_error(overlays, ui, rect, tools.comparison.shading);
+    } else if let Some(reading) = view.reading.last() {
         let remark = match (reading.fills, settings.range) {
             (false, _) => "lines",
             (true, Some(_)) => "locked range",
             (true, None) => "",
         };
-        show_reading(overlays, ui, view, &reading, remark);
-    } else if let Some(reading) = app.tools.measuring.plane_scale(None).filter(|_| app.tools.measuring.shows_points) {
-        let reading = Reading { shown_in: ShownIn::Unit(app.edits.display.reading.unit), ..reading };
-        show_reading(overlays, ui, view, &reading, "work plane");
+        show_reading(overlays, ui, rect, &reading, remark);
+    } else if let Some(reading) = tools.measuring.plane_scale(None).filter(|_| tools.measuring.shows_points) {
+        let reading = Reading { shown_in: ShownIn::Unit(settings.unit), ..reading };
+        show_reading(overlays, ui, rect, &reading, "work plane");
     }
 }
 
@@ -86,7 +85,9 @@ fn show_reading(overlays: &mut Overlays, ui: &Ui, view: Rect, reading: &Reading,
     let colour = |along: f32| reading.scale.ramp.at(along);
     let hint = match reading.shown_in {
         ShownIn::Unit(Unit::Lumens) => CONVENTION,
-        ShownIn::DaylightFactor { .. } => words::DAYLIGHT_FACTOR_HINT,
+        ShownIn::DaylightFactor { .. } => {
+            "Illuminance over that of open horizontal ground under the same sky, % (EN 17037)"
+        }
         ShownIn::Unit(Unit::Watts) => "The three colours weighed as the eye does: 0.2126 R + 0.7152 G + 0.0722 B",
     };
     let marks = reading.marks();
@@ -96,25 +97,20 @@ fn show_reading(overlays: &mut Overlays, ui: &Ui, view: Rect, reading: &Reading,
 /// Draws a legend into the view's lower left corner.
 fn show(overlays: &mut Overlays, ui: &Ui, view: Rect, legend: &Legend<'_>) {
     let place = Place { is_needed: false, ..Place::at_rim("legend", view, Align2::LEFT_BOTTOM) };
-    overlays.show(ui.ctx(), place, |ui| {
-        let frame = Frame::popup(ui.style())
-            .fill(theme::PANEL.gamma_multiply(0.94))
-            .inner_margin(egui::Margin::symmetric(26, 7));
-        frame.show(ui, |ui| {
-            ui.set_width(BAR.x);
-            ui.spacing_mut().item_spacing.y = 3.0;
-            ui.horizontal(|ui| {
-                ui.label(RichText::new(&legend.title).color(theme::TEXT_STRONG)).on_hover_text(legend.hint);
-                ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-                    ui.label(theme::weak(legend.remark).small());
-                });
+    overlays.card(ui, place, egui::Margin::symmetric(26, 7), |ui| {
+        ui.set_width(BAR.x);
+        ui.spacing_mut().item_spacing.y = 3.0;
+        ui.horizontal(|ui| {
+            ui.label(RichText::new(&legend.title).color(theme::TEXT_STRONG)).on_hover_text(legend.hint);
+            ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+                ui.label(theme::weak(legend.remark).small());
             });
-            let (bar, response) = ui.allocate_exact_size(BAR, egui::Sense::hover());
-            response.on_hover_text(legend.hint);
-            ui.painter().add(colour_bar::shape(bar, legend.colour));
-            let (row, _) = ui.allocate_exact_size(vec2(BAR.x, LABELS), egui::Sense::hover());
-            draw_labels(ui, row, bar, &legend.marks);
         });
+        let (bar, response) = ui.allocate_exact_size(BAR, egui::Sense::hover());
+        response.on_hover_text(legend.hint);
+        ui.painter().add(colour_bar::shape(bar, legend.colour));
+        let (row, _) = ui.allocate_exact_size(vec2(BAR.x, LABELS), egui::Sense::hover());
+        draw_labels(ui, row, bar, &legend.marks);
     });
 }
 

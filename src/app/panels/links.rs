@@ -1,12 +1,12 @@
 //! Links over the view: whose, which and in what colours; and the legend that says in words what is
 //! not drawn.
 
-use egui::{Align2, Color32, FontId, Rect, Slider, Ui, pos2, vec2};
+use egui::{Align2, FontId, Rect, Slider, Ui, pos2, vec2};
 
 use crate::app::state::settings::{LinkOverlay, LinksOf};
-use crate::app::view::colour_bar;
-use crate::app::widgets::theme;
-use crate::app::{App, Shown, format, words};
+use crate::app::view::{View, colour_bar};
+use crate::app::widgets::{rows, theme};
+use crate::app::{Shown, format, words};
 use crate::render::{ChosenLinks, LinkColour, LinkFilter, Seen, level_colour, power_colour};
 
 /// Numbers of links a slider offers.
@@ -16,7 +16,7 @@ const LEAST_POWER: std::ops::RangeInclusive<f32> = 0.0..=10.0;
 const LEAST_POWER_ABOVE_0: f64 = 1e-4;
 
 /// Draws the rows of the display section.
-pub(in crate::app) fn show(ui: &mut Ui, shown: &Shown, links: &mut LinkOverlay) {
+pub fn show(ui: &mut Ui, shown: &Shown, links: &mut LinkOverlay) {
     choice(
         ui,
         words::SHOW_LINKS,
@@ -25,7 +25,7 @@ pub(in crate::app) fn show(ui: &mut Ui, shown: &Shown, links: &mut LinkOverlay) 
             (LinksOf::Nothing, words::LINKS_NONE, "No links over the view"),
             (
                 LinksOf::Picked,
-                words::LINKS_OF_SELECTION,
+                "of selection",
                 "Links of the selected element, each of which says how much of the light of a surface or a cluster reaches another: click a surface to select it",
             ),
             (LinksOf::Level, words::LINKS_AT_LEVEL, "Links of all receivers at one level of the hierarchy"),
@@ -39,7 +39,7 @@ pub(in crate::app) fn show(ui: &mut Ui, shown: &Shown, links: &mut LinkOverlay) 
     }
     choice(
         ui,
-        words::LINK_COLOUR,
+        "Link colour",
         &mut links.style.colour,
         &[
             (LinkColour::Power, "power", "Power B·F·V·A, sum of the channels, over that of the strongest link"),
@@ -52,11 +52,11 @@ pub(in crate::app) fn show(ui: &mut Ui, shown: &Shown, links: &mut LinkOverlay) 
         ],
     );
     let filter = &mut links.filter;
-    theme::row(ui, words::STRONGEST_LINKS, |ui| {
+    rows::row(ui, words::STRONGEST_LINKS, |ui| {
         let slider = Slider::new(&mut filter.strongest, STRONGEST).logarithmic(true);
         ui.add(slider).on_hover_text("The most that are drawn, the strongest first")
     });
-    theme::row(ui, words::MINIMUM_POWER, |ui| {
+    rows::row(ui, "Minimum power", |ui| {
         let slider = Slider::new(&mut filter.least_power, LEAST_POWER)
             .logarithmic(true)
             .smallest_positive(LEAST_POWER_ABOVE_0)
@@ -70,18 +70,9 @@ pub(in crate::app) fn show(ui: &mut Ui, shown: &Shown, links: &mut LinkOverlay) 
 }
 
 fn show_level(ui: &mut Ui, shown: &Shown, links: &mut LinkOverlay) {
-    let solution_view = shown.snapshot.as_ref().and_then(|snapshot| snapshot.solution_view.as_ref());
-    let Some(deepest) = solution_view.map(|solution_view| solution_view.deepest()) else { return };
-    theme::row(ui, words::RECEIVERS_AT_LEVEL, |ui| {
-        // What was chosen for a deeper hierarchy comes back with it.
-        let mut level = links.level.min(deepest);
-        let slider = Slider::new(&mut level, 0..=deepest).suffix(format!(" of {deepest}"));
-        let response = ui.add(slider).on_hover_text("Levels below the root; clusters and patches count alike");
-        if response.changed() {
-            links.level = level;
-        }
-        response
-    });
+    let Some(deepest) = shown.solution_view().map(|solution_view| solution_view.deepest()) else { return };
+    rows::row(ui, words::RECEIVERS_AT_LEVEL, |ui| rows::level(ui, &mut links.level, deepest))
+        .on_hover_text("Levels below the root; clusters and patches count alike");
 }
 
 fn show_kinds(ui: &mut Ui, filter: &mut LinkFilter) {
@@ -89,9 +80,9 @@ fn show_kinds(ui: &mut Ui, filter: &mut LinkFilter) {
         ui.spacing_mut().item_spacing.x = 10.0;
         ui.checkbox(&mut filter.patch_patch, words::PATCH_PATCH).on_hover_text("Links between two patches");
         let hint = "Links between a cluster and a patch, either way";
-        ui.checkbox(&mut filter.cluster_patch, words::CLUSTER_PATCH).on_hover_text(hint);
+        ui.checkbox(&mut filter.cluster_patch, "cluster–patch").on_hover_text(hint);
         let hint = "Links between two clusters, self-links among them";
-        ui.checkbox(&mut filter.cluster_cluster, words::CLUSTER_CLUSTER).on_hover_text(hint);
+        ui.checkbox(&mut filter.cluster_cluster, "cluster–cluster").on_hover_text(hint);
     });
     ui.horizontal_wrapped(|ui| {
         ui.spacing_mut().item_spacing.x = 10.0;
@@ -105,7 +96,7 @@ fn show_kinds(ui: &mut Ui, filter: &mut LinkFilter) {
 /// A row of alternatives.
 fn choice<T: Copy + PartialEq>(ui: &mut Ui, name: &str, chosen: &mut T, choices: &[(T, &str, &str)]) {
     ui.horizontal_wrapped(|ui| {
-        theme::row_label(ui, name);
+        rows::row_label(ui, name);
         ui.spacing_mut().item_spacing.x = 2.0;
         for (value, text, hint) in choices {
             let response = ui.selectable_value(chosen, *value, *text).on_hover_text(*hint);
@@ -126,24 +117,23 @@ const DECADES: f32 = 3.0;
 
 /// Draws what the colours say, and how much is not drawn, into the view's lower right corner;
 /// nothing where no links are drawn.
-pub(in crate::app) fn show_legend(app: &mut App, ui: &Ui, view: Rect) {
-    let Some(chosen) = app.view.marks.chosen_links() else { return };
+pub fn show_legend(ui: &Ui, rect: Rect, shown: &Shown, view: &mut View, meaning: LinkColour) {
+    let Some(chosen) = view.marks.chosen_links() else { return };
     let words = chosen.to_string();
     let has_colours = !chosen.links.is_empty();
     let font = FontId::proportional(12.0);
-    let painter = ui.painter_at(view);
+    let painter = ui.painter_at(rect);
     let galley = painter.layout(words.clone(), font.clone(), theme::TEXT_STRONG, BAR.x);
-    let of_colours = match app.edits.display.links.style.colour {
+    let of_colours = match meaning {
         _ if !has_colours => 0.0,
         LinkColour::Visibility => 37.0,
         LinkColour::Power | LinkColour::Level => 50.0,
     };
     let height = galley.size().y + 2.0 * 8.0 + of_colours;
     let size = vec2(BAR.x + 2.0 * MARGIN, height);
-    let corner = Rect::from_min_size(view.right_bottom() - vec2(MARGIN, MARGIN) - size, size);
-    let Some(card) = app.view.overlays.free(view, corner) else { return };
-    app.view.overlays.take("link legend", card);
-    let Some(chosen) = app.view.marks.chosen_links() else { return };
+    let corner = Rect::from_min_size(rect.right_bottom() - vec2(MARGIN, MARGIN) - size, size);
+    let Some(card) = view.overlays.free(rect, corner) else { return };
+    view.overlays.take("link legend", card);
     let response = ui.interact(card, egui::Id::unique("link legend"), egui::Sense::hover());
     response.widget_info(|| egui::WidgetInfo::labeled(egui::accesskit::Role::Label, true, &words));
     painter.rect_filled(card, 6.0, theme::PANEL.gamma_multiply(0.92));
@@ -155,13 +145,13 @@ pub(in crate::app) fn show_legend(app: &mut App, ui: &Ui, view: Rect) {
     let text = |at, align, text: &str| painter.text(at, align, text, font.clone(), theme::TEXT);
     let top = card.top() + text_height + 14.0;
     let bar = Rect::from_min_size(pos2(card.left() + MARGIN, top + 15.0), BAR);
-    let (title, labels) = match app.edits.display.links.style.colour {
+    let (title, labels) = match meaning {
         LinkColour::Power => ("Colour: power of the link, sum of the channels", power_labels(chosen)),
         LinkColour::Visibility => ("Colour: visibility V of the link", [String::new(), String::new()]),
-        LinkColour::Level => ("Colour: level of the source", level_labels(app)),
+        LinkColour::Level => ("Colour: level of the source", level_labels(shown)),
     };
     painter.text(pos2(bar.left(), top - 3.0), Align2::LEFT_TOP, title, font.clone(), theme::TEXT_WEAK);
-    if app.edits.display.links.style.colour == LinkColour::Visibility {
+    if meaning == LinkColour::Visibility {
         let names = [
             (Seen::Full, words::FULLY_VISIBLE),
             (Seen::Partial, words::PARTLY_VISIBLE),
@@ -169,17 +159,13 @@ pub(in crate::app) fn show_legend(app: &mut App, ui: &Ui, view: Rect) {
         ];
         let mut x = bar.left();
         for (seen, name) in names {
-            let [r, g, b] = seen.colour();
-            painter.rect_filled(
-                Rect::from_min_size(pos2(x, bar.top() + 2.0), vec2(14.0, 10.0)),
-                2.0,
-                Color32::from_rgb(r, g, b),
-            );
+            let swatch = Rect::from_min_size(pos2(x, bar.top() + 2.0), vec2(14.0, 10.0));
+            painter.rect_filled(swatch, 2.0, theme::rgb(seen.colour()));
             x = text(pos2(x + 19.0, bar.top()), Align2::LEFT_TOP, name).right() + 12.0;
         }
         return;
     }
-    let colour = |along: f32| match app.edits.display.links.style.colour {
+    let colour = |along: f32| match meaning {
         LinkColour::Level => level_colour((1000.0 * along) as u16, 1000),
         LinkColour::Power | LinkColour::Visibility => power_colour(10_f32.powf(DECADES * (along - 1.0))),
     };
@@ -194,8 +180,7 @@ fn power_labels(chosen: &ChosenLinks) -> [String; 2] {
     [format!("≤ {}", format::quantity(least, "W")), format::quantity(most, "W")]
 }
 
-fn level_labels(app: &App) -> [String; 2] {
-    let solution_view = app.shown.snapshot.as_ref().and_then(|snapshot| snapshot.solution_view.as_ref());
-    let deepest = solution_view.map_or(0, |solution_view| solution_view.deepest());
+fn level_labels(shown: &Shown) -> [String; 2] {
+    let deepest = shown.solution_view().map_or(0, |solution_view| solution_view.deepest());
     ["0, the root".into(), deepest.to_string()]
 }

@@ -3,7 +3,7 @@
 use egui::{ComboBox, Slider, Ui};
 
 use crate::app::panels::costs;
-use crate::app::widgets::theme;
+use crate::app::widgets::{rows, theme};
 use crate::app::{format, words};
 use crate::base::memory::MemoryBudget;
 use crate::solve::{
@@ -36,26 +36,26 @@ impl EpsilonMeasures {
 }
 
 /// Draws one parameter that is set outside of the method's fold.
-pub(in crate::app) fn show_one(ui: &mut Ui, id: ParameterId, params: &mut SolverParams, stats: Option<&Stats>) {
+pub fn show_one(ui: &mut Ui, id: ParameterId, params: &mut SolverParams, stats: Option<&Stats>) {
     if let Some(parameter) = PARAMETERS.iter().find(|parameter| parameter.id == id) {
         show_row(ui, parameter, params, stats);
     }
 }
 
 /// Draws the method's parameters, each with its sentence; true when one was changed.
-pub(in crate::app) fn show_method(ui: &mut Ui, params: &mut SolverParams, stats: Option<&Stats>) -> bool {
+pub fn show_method(ui: &mut Ui, params: &mut SolverParams, stats: Option<&Stats>) -> bool {
     let before = *params;
-    ui.add(egui::Label::new(theme::weak(words::PAPER).small()).wrap());
+    rows::sentence(ui, theme::weak(words::PAPER).small());
     ui.add_space(3.0);
     show_what_ends_a_solve(ui, params);
     let of_method = |parameter: &&Parameter| !matches!(parameter.id, ParameterId::Error | ParameterId::Memory);
     for parameter in PARAMETERS.iter().filter(of_method) {
         let reason = show_row(ui, parameter, params, stats);
         let sentence = reason.unwrap_or(parameter.hint);
-        ui.add(egui::Label::new(theme::weak(sentence).small()).wrap());
+        rows::sentence(ui, theme::weak(sentence).small());
         ui.add_space(3.0);
     }
-    if ui.button(words::RESET_TO_DEFAULTS).clicked() {
+    if ui.button("Reset to defaults").clicked() {
         *params = SolverParams::usual();
     }
     *params != before
@@ -85,9 +85,9 @@ fn reason_of_no_effect(id: ParameterId, params: &SolverParams, stats: Option<&St
 
 /// The choice what ends a solve: the certified error, for which the solver chooses ε, or ε itself.
 fn show_what_ends_a_solve(ui: &mut Ui, params: &mut SolverParams) {
-    theme::row(ui, words::STOP_AT, |ui| {
+    rows::row(ui, "Stop at", |ui| {
         let response = ui.horizontal_wrapped(|ui| {
-            let by_error = ui.selectable_label(params.error.is_some(), words::STOP_AT_ERROR);
+            let by_error = ui.selectable_label(params.error.is_some(), "target error");
             if by_error.clicked() && params.error.is_none() {
                 params.error = Some(USUAL_ERROR);
             }
@@ -111,7 +111,7 @@ fn show_row(
 ) -> Option<&'static str> {
     let reason = reason_of_no_effect(parameter.id, params, stats);
     ui.add_enabled_ui(reason.is_none(), |ui| {
-        let row = theme::row(ui, parameter.label, |ui| show_widget(ui, parameter, params, stats));
+        let row = rows::row(ui, parameter.label, |ui| show_widget(ui, parameter, params, stats));
         costs::show_mark(ui, row.rect, parameter);
         let row = row.on_hover_ui(|ui| {
             ui.set_max_width(ui.spacing().tooltip_width);

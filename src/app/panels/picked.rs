@@ -4,12 +4,13 @@
 use egui::{Align2, Grid, Rect, RichText, Ui};
 use glam::Vec3;
 
+use crate::app::actions::{Action, Outbox};
 use crate::app::state::facts::Facts;
 use crate::app::state::inspection::Inspection;
 use crate::app::tools::Tool;
-use crate::app::view::overlays::Place;
-use crate::app::widgets::theme;
-use crate::app::{App, format, words};
+use crate::app::view::overlays::{Overlays, Place};
+use crate::app::widgets::{rows, theme};
+use crate::app::{Shown, format, words};
 use crate::hierarchy::ElementId;
 use crate::solve::Snapshot;
 use crate::transport::LinkView;
@@ -25,59 +26,50 @@ const READOUT_HEIGHT: f32 = 34.0;
 /// So many links are shown, the strongest.
 const MOST: usize = 5;
 
-/// Whether the card is to be seen.
-fn is_shown(app: &App) -> bool {
-    app.layout.is_card_open && app.tools.open != Some(Tool::Inspector) && app.picked.is_some()
-}
-
 /// Width of the view that the card leaves to the readout, points.
-pub(in crate::app) fn room_beside(app: &App, view: Rect) -> f32 {
-    let taken = if is_shown(app) && view.width() >= BESIDE_READOUT { WIDTH + 40.0 } else { 0.0 };
+pub fn room_beside(view: Rect, is_shown: bool) -> f32 {
+    let taken = if is_shown && view.width() >= BESIDE_READOUT { WIDTH + 40.0 } else { 0.0 };
     view.width() - taken
 }
 
 /// Draws the card; nothing when nothing is picked.
-pub(in crate::app) fn show(app: &mut App, ui: &mut Ui, rect: Rect) {
-    if !is_shown(app) {
-        return;
-    }
-    let (Some(picked), Some(snapshot)) = (&app.picked, &app.shown.snapshot) else { return };
-    let element = picked.element;
-    let (mut close, mut inspect) = (false, false);
+pub fn show(
+    ui: &Ui,
+    rect: Rect,
+    shown: &Shown,
+    overlays: &mut Overlays,
+    inspection: &mut Inspection,
+    outbox: &mut Outbox,
+) {
+    let (Some(element), Some(snapshot)) = (shown.picked_element(), &shown.snapshot) else { return };
     let mut place = Place::at_rim("card", rect, Align2::RIGHT_TOP);
     if rect.width() < BESIDE_READOUT {
         place.at.y += READOUT_HEIGHT;
     }
-    let overlays = &mut app.view.overlays;
-    overlays.show(ui.ctx(), place, |ui| {
-        let frame = egui::Frame::popup(ui.style()).fill(theme::PANEL.gamma_multiply(0.94)).inner_margin(10);
-        frame.show(ui, |ui| {
-            ui.set_width(WIDTH);
-            ui.horizontal(|ui| {
-                ui.label(RichText::new(words::SELECTED_ELEMENT).strong().size(14.0));
-                ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-                    close = ui.button(words::CLOSE).on_hover_text("Deselect (Esc)").clicked();
-                    let hint = "Open the inspector: all its links, and what holds it";
-                    inspect = ui.button(words::INSPECT).on_hover_text(hint).clicked();
-                });
+    overlays.card(ui, place, 10, |ui| {
+        ui.set_width(WIDTH);
+        ui.horizontal(|ui| {
+            ui.label(RichText::new(words::SELECTED_ELEMENT).strong().size(14.0));
+            ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+                if ui.button(words::CLOSE).on_hover_text("Deselect (Esc)").clicked() {
+                    outbox.act(Action::Deselect);
+                }
+                let hint = "Open the inspector: all its links, and what holds it";
+                if ui.button(words::INSPECT).on_hover_text(hint).clicked() {
+                    outbox.act(Action::OpenTool(Tool::Inspector));
+                }
             });
-            let name = app.tools.inspection.name(element);
-            ui.add(egui::Label::new(RichText::new(name).strong()).truncate());
-            if let Some(facts) = &app.tools.inspection.facts {
-                let deepest = snapshot.solution_view.as_ref().map(|solution_view| solution_view.deepest());
-                show_facts(ui, facts, deepest);
-            }
-            if rect.width() >= WIDE_ENOUGH {
-                show_sources(ui, &mut app.tools.inspection, snapshot, element);
-            }
         });
+        let name = inspection.name(element);
+        ui.add(egui::Label::new(RichText::new(name).strong()).truncate());
+        if let Some(facts) = &inspection.facts {
+            let deepest = snapshot.solution_view.as_ref().map(|solution_view| solution_view.deepest());
+            show_facts(ui, facts, deepest);
+        }
+        if rect.width() >= WIDE_ENOUGH {
+            show_sources(ui, inspection, snapshot, element);
+        }
     });
-    if close {
-        app.deselect();
-    }
-    if inspect {
-        app.tools.open = Some(Tool::Inspector);
-    }
 }
 
 fn show_facts(ui: &mut Ui, facts: &Facts, deepest: Option<u16>) {
@@ -121,7 +113,7 @@ fn show_sources(ui: &mut Ui, inspection: &mut Inspection, snapshot: &Snapshot, e
     }
     let links = format::things(count, "link", "links");
     let heading = format!("{}, E in W/m² ({links}):", words::TOP_SOURCES);
-    ui.add(egui::Label::new(heading).wrap());
+    rows::sentence(ui, heading);
     let strongest: Vec<LinkView> = inspection.links.iter().take(MOST).copied().collect();
     Grid::new("sources").num_columns(2).spacing([12.0, 2.0]).show(ui, |ui| {
         for link in strongest {
@@ -149,12 +141,12 @@ fn name_of_source(inspection: &mut Inspection, link: &LinkView) -> String {
 }
 
 /// Whose link brings the light, seen from the inspected element.
-pub(in crate::app) fn whose(link: &LinkView) -> String {
+pub fn whose(link: &LinkView) -> String {
     whose_end(link.levels_up, link.receiver_is_cluster)
 }
 
 /// Whose link takes the light away, likewise.
-pub(in crate::app) fn whose_light(link: &LinkView) -> String {
+pub fn whose_light(link: &LinkView) -> String {
     whose_end(link.levels_up, link.source_is_cluster)
 }
 

@@ -3,46 +3,39 @@
 
 use egui::{Button, Ui};
 
+use crate::app::actions::{Action, Outbox};
 use crate::app::panels::parameters;
-use crate::app::widgets::theme;
-use crate::app::{Outbox, Shown, format, words};
+use crate::app::widgets::rows;
+use crate::app::{Shown, format, words};
 use crate::solve::{ParameterId, SolverParams, Stats, USUAL_ERROR};
 use crate::worker::{Command, RunState};
 
 /// Qualities with the target errors that they stand for.
-const QUALITIES: [(&str, f64); 3] = [(words::DRAFT, 0.2), (words::GOOD, USUAL_ERROR), (words::FINAL, 0.02)];
-
-/// Wishes of a person that the section itself cannot grant.
-#[derive(Clone, Copy, Default)]
-pub(in crate::app) struct Asked {
-    /// To see how the method works.
-    pub study: bool,
-}
+const QUALITIES: [(&str, f64); 3] = [(words::DRAFT, 0.2), ("Good", USUAL_ERROR), ("Final", 0.02)];
 
 /// Draws the section; a changed parameter goes out at once, the worker merges bursts.
-pub(in crate::app) fn show(ui: &mut Ui, shown: &Shown, params: &mut SolverParams, outbox: &mut Outbox) -> Asked {
+pub fn show(ui: &mut Ui, shown: &Shown, params: &mut SolverParams, outbox: &mut Outbox) {
     let before = *params;
     show_qualities(ui, params);
-    let stats = shown.snapshot.as_ref().map(|snapshot| &snapshot.stats);
     for id in [ParameterId::Error, ParameterId::Memory] {
-        parameters::show_one(ui, id, params, stats);
+        parameters::show_one(ui, id, params, shown.stats());
     }
     if *params != before {
         outbox.push(Command::SetParams(*params));
     }
     ui.add_space(4.0);
-    show_transport(ui, shown.status.run, shown.info.is_some(), outbox)
+    show_transport(ui, shown.status.run, shown.info.is_some(), outbox);
 }
 
 /// Draws the fold of the method's parameters.
-pub(in crate::app) fn show_method(ui: &mut Ui, stats: Option<&Stats>, params: &mut SolverParams, outbox: &mut Outbox) {
+pub fn show_method(ui: &mut Ui, stats: Option<&Stats>, params: &mut SolverParams, outbox: &mut Outbox) {
     if parameters::show_method(ui, params, stats) {
         outbox.push(Command::SetParams(*params));
     }
 }
 
 fn show_qualities(ui: &mut Ui, params: &mut SolverParams) {
-    theme::row(ui, words::QUALITY_CHOICE, |ui| {
+    rows::row(ui, "Quality level", |ui| {
         let choices = ui.horizontal(|ui| {
             for (name, error) in QUALITIES {
                 let is_chosen = params.error == Some(error);
@@ -56,8 +49,7 @@ fn show_qualities(ui: &mut Ui, params: &mut SolverParams) {
     });
 }
 
-fn show_transport(ui: &mut Ui, run: RunState, has_scene: bool, outbox: &mut Outbox) -> Asked {
-    let mut asked = Asked::default();
+fn show_transport(ui: &mut Ui, run: RunState, has_scene: bool, outbox: &mut Outbox) {
     ui.horizontal_wrapped(|ui| {
         let (name, hint, command) = match run {
             RunState::Paused => (words::RUN, "Go on refining", Command::Resume),
@@ -71,13 +63,14 @@ fn show_transport(ui: &mut Ui, run: RunState, has_scene: bool, outbox: &mut Outb
         if step.on_hover_text("Refine until the present wave ends, then pause").clicked() {
             outbox.push(Command::StepWave);
         }
-        let restart = ui.add_enabled(has_scene, Button::new(words::RESTART));
-        if restart.on_hover_text(words::SOLVE_AGAIN).clicked() {
+        let restart = ui.add_enabled(has_scene, Button::new("Restart"));
+        if restart.on_hover_text("Solve again from scratch").clicked() {
             outbox.push(Command::Restart);
         }
         let study = ui.add_enabled(has_scene, Button::new(words::STUDY));
         let hint = "Open the method's parameters, draw the links of a level, and replay the solve slowly from the root's self-link";
-        asked.study = study.on_hover_text(hint).clicked();
+        if study.on_hover_text(hint).clicked() {
+            outbox.act(Action::Study);
+        }
     });
-    asked
 }

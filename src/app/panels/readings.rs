@@ -3,7 +3,7 @@
 use egui::{ComboBox, DragValue, TextEdit, Ui};
 
 use crate::app::state::settings::DisplaySettings;
-use crate::app::widgets::theme;
+use crate::app::widgets::{rows, theme};
 use crate::app::words;
 use crate::base::photometry::{CONVENTION, Unit};
 use crate::read::daylight_factor::NoDaylightFactor;
@@ -15,39 +15,27 @@ const END_WIDTH: f32 = 112.0;
 const LIST_WIDTH: f32 = 224.0;
 
 /// Draws the controls; `reading` is what the view shows, `none` why there is no daylight factor.
-pub(in crate::app) fn show(
-    ui: &mut Ui,
-    display: &mut DisplaySettings,
-    reading: Option<&Reading>,
-    none: Option<NoDaylightFactor>,
-) {
+pub fn show(ui: &mut Ui, display: &mut DisplaySettings, reading: Option<&Reading>, none: Option<NoDaylightFactor>) {
     choose_show(ui, display, none);
     show_isolines(ui, display);
     let Some(reading) = reading else { return };
     let settings = &mut display.reading;
     if settings.show != Show::DaylightFactor {
-        let unit = choose(ui, words::UNIT, &mut settings.unit, &[Unit::Lumens, Unit::Watts], |unit| match unit {
+        rows::choice(ui, words::UNIT, &mut settings.unit, [Unit::Lumens, Unit::Watts], |unit| match unit {
             Unit::Lumens => "lux (lm/m²)",
             Unit::Watts => "W/m²",
-        });
-        unit.on_hover_text(format!("{CONVENTION}; W/m² is the mean of the three colours by the same weights"));
+        })
+        .on_hover_text(format!("{CONVENTION}; W/m² is the mean of the three colours by the same weights"));
     }
-    choose(
-        ui,
-        words::SCALE,
-        &mut settings.spacing,
-        &[Spacing::Linear, Spacing::Logarithmic],
-        |spacing| match spacing {
-            Spacing::Linear => "linear",
-            Spacing::Logarithmic => "logarithmic",
-        },
-    )
-    .on_hover_text("Whether equal differences or equal ratios look alike");
-    let ramps = Ramp::ALL.map(|(ramp, _)| ramp);
-    choose(ui, "Colours", &mut settings.ramp, &ramps, |ramp| {
-        Ramp::ALL.iter().find(|(other, _)| *other == ramp).map_or("", |(_, name)| name)
+    let spacings = [Spacing::Linear, Spacing::Logarithmic];
+    rows::choice(ui, words::SCALE, &mut settings.spacing, spacings, |spacing| match spacing {
+        Spacing::Linear => "linear",
+        Spacing::Logarithmic => "logarithmic",
     })
-    .on_hover_text("Both can be read by people who do not tell red from green");
+    .on_hover_text("Whether equal differences or equal ratios look alike");
+    let name = |ramp: &Ramp| Ramp::ALL.iter().find(|(other, _)| other == ramp).map_or("", |(_, name)| name);
+    rows::choice(ui, "Colours", &mut settings.ramp, Ramp::ALL.map(|(ramp, _)| ramp), name)
+        .on_hover_text("Both can be read by people who do not tell red from green");
     show_range(ui, display, reading);
 }
 
@@ -57,7 +45,7 @@ fn choose_show(ui: &mut Ui, display: &mut DisplaySettings, none: Option<NoDaylig
     let (before, unit) = (display.reading.show, display.reading.unit);
     let show = &mut display.reading.show;
     let hint = "The lit picture, or false colours of the light that arrives at (E) or leaves (B) each point, or of the daylight factor";
-    theme::row(ui, words::DISPLAY, |ui| {
+    rows::row(ui, words::DISPLAY, |ui| {
         let list = ComboBox::from_id_salt(words::DISPLAY).selected_text(name_of_show(*show, unit)).truncate();
         let list = list.width(ui.available_width().min(LIST_WIDTH));
         let choices = |ui: &mut Ui| {
@@ -73,7 +61,7 @@ fn choose_show(ui: &mut Ui, display: &mut DisplaySettings, none: Option<NoDaylig
             if let Some(missing) = none {
                 ui.set_max_width(LIST_WIDTH);
                 let why = sentence(missing);
-                ui.add(egui::Label::new(theme::weak(why).small()).wrap());
+                rows::sentence(ui, theme::weak(why).small());
             }
         };
         list.show_ui(ui, choices).response
@@ -90,7 +78,7 @@ fn choose_show(ui: &mut Ui, display: &mut DisplaySettings, none: Option<NoDaylig
     if display.reading.show == Show::DaylightFactor
         && let Some(missing) = none
     {
-        ui.add(egui::Label::new(theme::notice(ui, sentence(missing))).wrap());
+        rows::notice(ui, sentence(missing));
     }
 }
 
@@ -103,25 +91,11 @@ fn name_of_show(show: Show, unit: Unit) -> &'static str {
     match (show, unit) {
         (Show::Lit, _) => words::LIT,
         (Show::Irradiance, Unit::Lumens) => words::ILLUMINANCE,
-        (Show::Irradiance, Unit::Watts) => words::IRRADIANCE,
-        (Show::Radiosity, Unit::Lumens) => words::LUMINOUS_EXITANCE,
-        (Show::Radiosity, Unit::Watts) => words::RADIOSITY,
+        (Show::Irradiance, Unit::Watts) => "false colours: irradiance E",
+        (Show::Radiosity, Unit::Lumens) => "false colours: luminous exitance B",
+        (Show::Radiosity, Unit::Watts) => "false colours: radiosity B",
         (Show::DaylightFactor, _) => words::DAYLIGHT_FACTOR,
     }
-}
-
-/// A list to choose from, named by its label.
-fn choose<T: Copy + PartialEq>(
-    ui: &mut Ui,
-    label: &str,
-    chosen: &mut T,
-    all: &[T],
-    name: impl Fn(T) -> &'static str,
-) -> egui::Response {
-    theme::row(ui, label, |ui| {
-        let list = ComboBox::from_id_salt(label).selected_text(name(*chosen));
-        list.show_ui(ui, |ui| all.iter().for_each(|one| drop(ui.selectable_value(chosen, *one, name(*one))))).response
-    })
 }
 
 fn show_isolines(ui: &mut Ui, display: &mut DisplaySettings) {
@@ -135,7 +109,7 @@ fn show_isolines(ui: &mut Ui, display: &mut DisplaySettings) {
     }
     let is_good = values_of(&display.isolux_text).is_some();
     let (_, sign) = display.reading.factor_and_sign();
-    theme::row(ui, words::LINES_AT, |ui| {
+    rows::row(ui, words::LINES_AT, |ui| {
         let field = TextEdit::singleline(&mut display.isolux_text)
             .desired_width(ui.available_width() - 8.0)
             .hint_text("round values")
@@ -185,7 +159,7 @@ fn show_range(ui: &mut Ui, display: &mut DisplaySettings, reading: &Reading) {
     let least = if settings.spacing == Spacing::Logarithmic { 1e-6 } else { 0.0 };
     let mut changed = false;
     for (end, label) in [(0, "Range from"), (1, "Range to")] {
-        theme::row(ui, label, |ui| {
+        rows::row(ui, label, |ui| {
             ui.add_enabled_ui(is_locked, |ui| {
                 let speed = (0.005 * ends[1]).max(1e-4);
                 let bounds = if end == 0 { least..=ends[1] } else { ends[0].max(1e-6)..=1e9 };

@@ -4,30 +4,21 @@ use std::path::PathBuf;
 
 use egui::{ComboBox, RichText, Ui};
 
+use crate::app::actions::{Action, Outbox};
 use crate::app::state::files::Files;
-use crate::app::widgets::theme;
-use crate::app::{Outbox, Shown, format, words};
+use crate::app::widgets::{rows, theme};
+use crate::app::{Shown, format, words};
 use crate::scene::builtin::BuiltinScene;
-use crate::scene::{CameraPose, Kept, Reading, Sidecar, Source, Unit, UpAxis};
+use crate::scene::{Sidecar, Source, Unit, UpAxis};
 use crate::worker::{Command, SceneInfo};
 
-/// Choices of a person that the section itself cannot carry out.
-#[derive(Default)]
-pub(in crate::app) struct Chosen {
-    /// Another way to read the scene's file.
-    pub reading: Option<Reading>,
-    /// A view of the file.
-    pub view: Option<CameraPose>,
-}
-
 /// Draws the section.
-pub(in crate::app) fn show(ui: &mut Ui, shown: &Shown, files: &mut Files, kept: Kept, outbox: &mut Outbox) -> Chosen {
-    let mut chosen = Chosen::default();
+pub fn show(ui: &mut Ui, shown: &Shown, files: &mut Files, outbox: &mut Outbox) {
     match &shown.info {
         Some(info) => {
             show_present(ui, info);
             if info.path.is_some() {
-                show_frame(ui, info, &mut chosen);
+                show_frame(ui, info, outbox);
             }
         }
         None => {
@@ -37,7 +28,7 @@ pub(in crate::app) fn show(ui: &mut Ui, shown: &Shown, files: &mut Files, kept: 
     ui.add_space(4.0);
     show_path_field(ui, files, outbox);
     ui.horizontal_wrapped(|ui| {
-        theme::row_label(ui, words::SAMPLE_SCENES);
+        rows::row_label(ui, "Sample scenes");
         for scene in BuiltinScene::ALL {
             if ui.button(scene.name()).clicked() {
                 outbox.push(Command::load(Source::Builtin(scene)));
@@ -46,20 +37,20 @@ pub(in crate::app) fn show(ui: &mut Ui, shown: &Shown, files: &mut Files, kept: 
     });
     ui.horizontal(|ui| {
         show_recent(ui, files, outbox);
-        if let Some(path) = sidecar_of(shown) {
-            show_save(ui, path, files, kept.clone(), outbox);
+        let hint = "Writes NAME.selflink.json beside the scene: what was changed of materials, luminaires, sides, the present camera, bookmarks and the task area. What it says already stays.";
+        if sidecar_of(shown).is_some() && ui.button(words::SAVE_SCENE_SETTINGS).on_hover_text(hint).clicked() {
+            outbox.act(Action::SaveSettings { overwrites: false });
         }
     });
-    show_question(ui, sidecar_of(shown), files, kept, outbox);
-    chosen
+    show_question(ui, sidecar_of(shown), files, outbox);
 }
 
 /// Up axis, length unit and views of the file.
-fn show_frame(ui: &mut Ui, info: &SceneInfo, chosen: &mut Chosen) {
+fn show_frame(ui: &mut Ui, info: &SceneInfo, outbox: &mut Outbox) {
     let scene = &info.scene;
     let mut reading = scene.reading.clone();
     ui.horizontal_wrapped(|ui| {
-        theme::row_label(ui, "Up and unit");
+        rows::row_label(ui, "Up and unit");
         let mut up = scene.frame.up.unwrap_or_default();
         let combo = ComboBox::from_id_salt("up axis").width(44.0).selected_text(up.letter());
         let shown = combo.show_ui(ui, |ui| {
@@ -87,7 +78,7 @@ fn show_frame(ui: &mut Ui, info: &SceneInfo, chosen: &mut Chosen) {
             ui.menu_button("Cameras", |ui| {
                 for camera in &scene.cameras {
                     if ui.button(camera.name.as_str()).clicked() {
-                        chosen.view = Some(camera.pose);
+                        outbox.act(Action::GoTo(camera.pose));
                         ui.close();
                     }
                 }
@@ -95,7 +86,7 @@ fn show_frame(ui: &mut Ui, info: &SceneInfo, chosen: &mut Chosen) {
         }
     });
     if reading != scene.reading {
-        chosen.reading = Some(reading);
+        outbox.act(Action::Read(reading));
     }
 }
 
@@ -117,7 +108,7 @@ fn show_present(ui: &mut Ui, info: &SceneInfo) {
             .default_open(info.skipped.len() <= 3)
             .show(ui, |ui| {
                 for sentence in &info.skipped {
-                    ui.add(egui::Label::new(theme::weak(sentence)).wrap());
+                    rows::sentence(ui, theme::weak(sentence));
                 }
             });
     }
@@ -127,7 +118,7 @@ fn show_path_field(ui: &mut Ui, files: &mut Files, outbox: &mut Outbox) {
     ui.horizontal(|ui| {
         let browse = egui::Button::new("Browse…");
         if ui
-            .add_enabled(!files.dialog_is_open(), browse)
+            .add_enabled(!files.field.dialog.is_open(), browse)
             .on_hover_text("Choose a file (OBJ, glTF, GLB, PLY, STL)")
             .clicked()
         {
@@ -137,22 +128,22 @@ fn show_path_field(ui: &mut Ui, files: &mut Files, outbox: &mut Outbox) {
         let id = ui.make_persistent_id("scene path");
         // While nobody types, the end of a long path tells more than its start.
         let is_typed = ui.memory(|memory| memory.has_focus(id));
-        let mut end = if is_typed { None } else { end_that_fits(ui, &files.path_text, width - PATH_MARGIN) };
+        let mut end = if is_typed { None } else { end_that_fits(ui, &files.field.text, width - PATH_MARGIN) };
         let is_cut = end.is_some();
-        let field = egui::TextEdit::singleline(end.as_mut().unwrap_or(&mut files.path_text))
+        let field = egui::TextEdit::singleline(end.as_mut().unwrap_or(&mut files.field.text))
             .id(id)
             .hint_text("path of an OBJ, glTF, GLB, PLY or STL file")
             .desired_width(width);
         let mut response = ui.add(field);
         if is_cut {
-            response = response.on_hover_text(files.path_text.as_str());
+            response = response.on_hover_text(files.field.text.as_str());
         }
         let response = response.accessible_name(words::SCENE_PATH);
         let entered = response.lost_focus() && ui.input(|input| input.key_pressed(egui::Key::Enter));
-        let can_open = files.typed_path().is_some();
+        let can_open = files.field.typed().is_some();
         let open = ui.add_enabled(can_open, egui::Button::new(words::OPEN)).clicked();
         if (entered || open)
-            && let Some(path) = files.typed_path()
+            && let Some(path) = files.field.typed()
         {
             outbox.push(Command::load(Source::File(path)));
         }
@@ -195,31 +186,20 @@ fn show_recent(ui: &mut Ui, files: &Files, outbox: &mut Outbox) {
 }
 
 /// Where the sidecar of the scene in view lies, or would lie.
-fn sidecar_of(shown: &Shown) -> Option<PathBuf> {
+pub fn sidecar_of(shown: &Shown) -> Option<PathBuf> {
     shown.info.as_ref().and_then(|info| info.path.as_deref()).map(Sidecar::path_for)
 }
 
-fn show_save(ui: &mut Ui, path: PathBuf, files: &mut Files, kept: Kept, outbox: &mut Outbox) {
-    let hint = "Writes NAME.selflink.json beside the scene: what was changed of materials, luminaires, sides, the present camera, bookmarks and the task area. What it says already stays.";
-    if ui.button(words::SAVE_SCENE_SETTINGS).on_hover_text(hint).clicked() {
-        if path.exists() {
-            files.sidecar_in_question = Some(path);
-        } else {
-            outbox.push(Command::SaveSidecar(kept));
-        }
-    }
-}
-
 /// Asks before a sidecar that is there already is overwritten.
-fn show_question(ui: &mut Ui, present: Option<PathBuf>, files: &mut Files, kept: Kept, outbox: &mut Outbox) {
+fn show_question(ui: &mut Ui, present: Option<PathBuf>, files: &mut Files, outbox: &mut Outbox) {
     // Another scene makes the question pointless.
     let Some(path) = files.sidecar_in_question.take_if(|path| present.as_ref() == Some(path)) else { return };
     let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
-    ui.add(egui::Label::new(theme::notice(ui, format!("Overwrite {name}?"))).wrap());
+    rows::notice(ui, format!("Overwrite {name}?"));
     let (overwrite, cancel) =
         ui.horizontal(|ui| (ui.button(words::OVERWRITE).clicked(), ui.button(words::CANCEL).clicked())).inner;
     if overwrite {
-        outbox.push(Command::SaveSidecar(kept));
+        outbox.act(Action::SaveSettings { overwrites: true });
     } else if !cancel {
         files.sidecar_in_question = Some(path);
     }

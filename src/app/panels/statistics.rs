@@ -2,7 +2,7 @@
 
 use egui::Ui;
 
-use crate::app::widgets::theme;
+use crate::app::widgets::{rows, theme};
 use crate::app::{Shown, format};
 use crate::gather::Quantiles;
 use crate::solve::Stats;
@@ -11,7 +11,7 @@ use crate::solve::Stats;
 const ROUNDING: f64 = 1e-4;
 
 /// Draws the section.
-pub(in crate::app) fn show(ui: &mut Ui, shown: &Shown) {
+pub fn show(ui: &mut Ui, shown: &Shown) {
     let Some(snapshot) = &shown.snapshot else {
         ui.label(theme::weak("No solution yet."));
         return;
@@ -26,7 +26,7 @@ pub(in crate::app) fn show(ui: &mut Ui, shown: &Shown) {
         });
     }
     if let Some(remark) = remark(&snapshot.stats) {
-        ui.add(egui::Label::new(theme::notice(ui, remark)).wrap());
+        rows::notice(ui, remark);
     }
 }
 

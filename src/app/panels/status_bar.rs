@@ -5,7 +5,7 @@ use egui::{Color32, ProgressBar, Ui};
 
 use crate::app::state::time_left::{Clock, Course, TICK};
 use crate::app::view::gathering::Painted;
-use crate::app::widgets::theme;
+use crate::app::widgets::{rows, theme};
 use crate::app::{Shown, format, words};
 use crate::solve::{MemoryStop, Phase, Stats};
 use crate::worker::{ErrorOfMesh, RunState, Status};
@@ -24,7 +24,7 @@ struct Said {
 }
 
 /// Draws the bar.
-pub(in crate::app) fn show(
+pub fn show(
     ui: &mut Ui,
     (shown, is_view_dark): (&Shown, bool),
     painted: Option<&Painted>,
@@ -38,7 +38,7 @@ pub(in crate::app) fn show(
     ui.add_space(2.0);
     ui.horizontal(|ui| {
         ui.set_min_height(22.0);
-        let stats = shown.snapshot.as_ref().map(|snapshot| &snapshot.stats);
+        let stats = shown.stats();
         let is_dark = shown.info.as_ref().is_some_and(|info| !info.has_light);
         let mut said = said(&shown.status, stats, is_dark, course.share(), ui.visuals().text_color());
         if is_view_dark && shown.status.run == RunState::Finished {
@@ -46,8 +46,7 @@ pub(in crate::app) fn show(
             said =
                 Said { text: format!("{}; {}", said.text, words::NOTHING_SEEN_IS_LIT), colour: theme::ACCENT, ..said };
         }
-        let (dot, _) = ui.allocate_exact_size(egui::vec2(10.0, 10.0), egui::Sense::hover());
-        ui.painter().circle_filled(dot.center(), 4.0, said.colour);
+        rows::dot(ui, 10.0, said.colour);
         ui.scope(|ui| {
             ui.set_min_width(SENTENCE_WIDTH);
             let label = ui.add(egui::Label::new(said.text).truncate());

@@ -1,29 +1,26 @@
 //! What happened in the step of the solve that is in view, in a few words over it: for whoever
 //! studies the method.
 
-use egui::{Align2, Frame, Label, Rect, Ui};
+use egui::{Align2, Rect, Ui};
 
-use crate::app::view::overlays::Place;
-use crate::app::widgets::theme;
-use crate::app::{App, format, words};
+use crate::app::view::overlays::{Overlays, Place};
+use crate::app::widgets::rows;
+use crate::app::{Shown, format, words};
 use crate::solve::{TimelineStep, TimelineStepKind};
 
 /// Width at most, points.
 const WIDTH: f32 = 430.0;
 
 /// Draws it while a former step is in view.
-pub(in crate::app) fn show(app: &mut App, ui: &Ui, view: Rect) {
-    let in_view = app.shown.snapshot.as_ref().and_then(|snapshot| snapshot.former_step);
-    let Some(step) = in_view.and_then(|step| app.shown.status.steps.get(step)) else { return };
+pub fn show(ui: &Ui, view: Rect, shown: &Shown, overlays: &mut Overlays) {
+    let in_view = shown.snapshot.as_ref().and_then(|snapshot| snapshot.former_step);
+    let Some(step) = in_view.and_then(|step| shown.status.steps.get(step)) else { return };
     let text = in_words(step);
     let at_rim = Place::at_rim("step", view, Align2::CENTER_TOP);
     let place = Place { is_interactable: false, is_needed: false, ..at_rim };
-    app.view.overlays.show(ui.ctx(), place, |ui| {
-        let fill = theme::PANEL.gamma_multiply(0.9);
-        Frame::new().fill(fill).corner_radius(4).inner_margin(egui::Margin::symmetric(10, 6)).show(ui, |ui| {
-            ui.set_max_width(WIDTH.min(view.width() - 40.0).max(80.0));
-            ui.add(Label::new(text).wrap());
-        });
+    overlays.note(ui, place, 0.9, [10, 6], |ui| {
+        ui.set_max_width(WIDTH.min(view.width() - 40.0).max(80.0));
+        rows::sentence(ui, text);
     });
 }
 
@@ -32,13 +29,15 @@ fn in_words(step: &TimelineStep) -> String {
     let links = format::things(stats.all_links(), "link", "links");
     match step.kind {
         TimelineStepKind::Start => words::STEP_SELF_LINK.to_owned(),
-        TimelineStepKind::Wave => {
-            let patches = format::things(stats.patches, "patch", "patches");
-            format!("Wave {}: {}. There are {links} between clusters and {patches}.", stats.wave, words::STEP_WAVE)
-        }
-        TimelineStepKind::Round => {
-            format!("Iteration {}: light went over all {links}; {}", stats.iterations, words::STEP_ROUND)
-        }
-        TimelineStepKind::Pass => words::STEP_PASS.to_owned(),
+        TimelineStepKind::Wave => format!(
+            "Wave {}: each link that carries more power than ε gave way to links with the parts of its larger end. There are {links} between clusters and {}.",
+            stats.wave,
+            format::things(stats.patches, "patch", "patches")
+        ),
+        TimelineStepKind::Round => format!(
+            "Iteration {}: light went over all {links}; it is handed up and down the clusters until nothing changes, and then links are tested again with it.",
+            stats.iterations
+        ),
+        TimelineStepKind::Pass => "Final gather: rays look for light from the surfaces themselves; what they meet is as bright as the links have lit it.".to_owned(),
     }
 }

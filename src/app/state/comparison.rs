@@ -14,15 +14,15 @@ use crate::scene::Scene;
 use crate::solve::{Epsilon, Snapshot, SolverParams};
 
 /// Points of a reference that a person may choose.
-pub(in crate::app) const POINTS: std::ops::RangeInclusive<usize> = 250..=16_000;
+pub const POINTS: std::ops::RangeInclusive<usize> = 250..=16_000;
 /// Runs whose curves are kept.
 const MOST_RUNS: usize = 12;
 /// Relative error at the end of the colour scales.
-pub(in crate::app) const FULL_SCALE: f32 = 0.5;
+pub const FULL_SCALE: f32 = 0.5;
 
 /// Meaning of the colours of surfaces.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub(in crate::app) enum Shading {
+pub enum Shading {
     /// The light.
     #[default]
     Lit,
@@ -34,7 +34,7 @@ pub(in crate::app) enum Shading {
 
 impl Shading {
     /// The colour of a signed relative error; gamma-encoded.
-    pub(in crate::app) fn colour(self, difference: f32) -> [u8; 3] {
+    pub fn colour(self, difference: f32) -> [u8; 3] {
         match self {
             Self::Difference => along_ramp(&BLUE_WHITE_RED, 0.5 + 0.5 * difference / FULL_SCALE),
             Self::Lit | Self::Error => along_ramp(&VIRIDIS, difference.abs() / FULL_SCALE),
@@ -44,7 +44,7 @@ impl Shading {
 
 /// The error of a solve at one time.
 #[derive(Clone, Copy)]
-pub(in crate::app) struct RunPoint {
+pub struct RunPoint {
     /// Since the solve's start, s.
     pub seconds: f64,
     /// Relative RMS error.
@@ -54,7 +54,7 @@ pub(in crate::app) struct RunPoint {
 }
 
 /// The error over time of one solve.
-pub(in crate::app) struct Run {
+pub struct Run {
     /// Settings of the run, short.
     pub name: String,
     params: SolverParams,
@@ -71,7 +71,7 @@ struct Painted {
 }
 
 /// The window's side of the reference's thread.
-pub(in crate::app) struct Comparison {
+pub struct Comparison {
     reference_worker: Option<ReferenceWorker>,
     report: Report,
     /// Points of the next reference.
@@ -104,7 +104,7 @@ impl Comparison {
     ///
     /// # Errors
     /// The system gives no further thread.
-    pub(in crate::app) fn begin(&mut self, scene: &Arc<Scene>, wake: &Wake) -> std::io::Result<()> {
+    pub fn begin(&mut self, scene: &Arc<Scene>, wake: &Wake) -> std::io::Result<()> {
         if self.reference_worker.is_none() {
             let wake = wake.clone();
             self.reference_worker = Some(ReferenceWorker::spawn(Box::new(move || wake()))?);
@@ -119,7 +119,7 @@ impl Comparison {
     }
 
     /// Stops; the curves stay.
-    pub(in crate::app) fn stop(&mut self) {
+    pub fn stop(&mut self) {
         if let Some(reference_worker) = &self.reference_worker {
             reference_worker.forget();
         }
@@ -130,7 +130,7 @@ impl Comparison {
 
     /// Another scene is in view, or the same one changed: a reference of the former is none of this
     /// one.
-    pub(in crate::app) fn follow_scene(&mut self, scene: &Arc<Scene>, is_new: bool) {
+    pub fn follow_scene(&mut self, scene: &Arc<Scene>, is_new: bool) {
         self.runs.clear();
         if is_new {
             self.stop();
@@ -148,7 +148,7 @@ impl Comparison {
     }
 
     /// Takes up what the reference found, and shows it the snapshot in view.
-    pub(in crate::app) fn note(&mut self, snapshot: Option<&Arc<Snapshot>>, params: &SolverParams) {
+    pub fn note(&mut self, snapshot: Option<&Arc<Snapshot>>, params: &SolverParams) {
         let Some(reference_worker) = &self.reference_worker else { return };
         if !self.report.is_active {
             return;
@@ -196,28 +196,28 @@ impl Comparison {
     }
 
     /// Report of the reference's thread.
-    pub(in crate::app) fn report(&self) -> &Report {
+    pub fn report(&self) -> &Report {
         &self.report
     }
 
     /// The newest error.
-    pub(in crate::app) fn error(&self) -> Option<&SolutionError> {
+    pub fn error(&self) -> Option<&SolutionError> {
         self.report.measured.as_ref().map(|measured| &measured.error)
     }
 
     /// Runs measured so far, the present one last.
-    pub(in crate::app) fn runs(&self) -> &[Run] {
+    pub fn runs(&self) -> &[Run] {
         &self.runs
     }
 
     /// Forgets all runs but the present one.
-    pub(in crate::app) fn forget_runs(&mut self) {
+    pub fn forget_runs(&mut self) {
         let earlier = self.runs.len().saturating_sub(1);
         self.runs.drain(..earlier);
     }
 
     /// The measured snapshot with its errors as colours, where these are to be shown.
-    pub(in crate::app) fn painted(&mut self) -> Option<Arc<Snapshot>> {
+    pub fn painted(&mut self) -> Option<Arc<Snapshot>> {
         let measured = self.report.measured.as_ref().filter(|_| self.shading != Shading::Lit)?;
         let is_painted = |painted: &Painted| (painted.serial, painted.shading) == (measured.serial, self.shading);
         if !self.painted.as_ref().is_some_and(is_painted) {

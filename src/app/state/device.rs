@@ -14,7 +14,7 @@ use crate::export::settings::Settings;
 
 /// State that a window which lost its device hands over to the next one.
 #[derive(Clone, Debug)]
-pub(in crate::app) struct Legacy {
+pub struct Legacy {
     /// Scene, light, view and parameters.
     pub settings: Settings,
     /// Why the device was lost, in the driver's words.
@@ -22,10 +22,10 @@ pub(in crate::app) struct Legacy {
 }
 
 /// Where a window leaves its legacy, for whoever opens the next one.
-pub(in crate::app) type DeviceLossState = Arc<Mutex<Option<Legacy>>>;
+pub type DeviceLossState = Arc<Mutex<Option<Legacy>>>;
 
 /// The graphics device, and what becomes of the window without it.
-pub(in crate::app) struct Graphics {
+pub struct Graphics {
     /// Why the view could not be drawn.
     pub drawing_failures: Receiver<String>,
     /// Whether the device was lost.
@@ -35,7 +35,7 @@ pub(in crate::app) struct Graphics {
 }
 
 /// Knows whether the device was lost.
-pub(in crate::app) struct DeviceState {
+pub struct DeviceState {
     device: wgpu::Device,
     lost: Arc<Mutex<Option<String>>>,
 }
@@ -43,7 +43,7 @@ pub(in crate::app) struct DeviceState {
 impl DeviceState {
     /// Asks the device to tell when it is lost; `ctx` then draws a frame, so that the window
     /// notices.
-    pub(in crate::app) fn watch(device: &wgpu::Device, ctx: egui::Context) -> Self {
+    pub fn watch(device: &wgpu::Device, ctx: egui::Context) -> Self {
         let lost = Arc::<Mutex<Option<String>>>::default();
         let shared = lost.clone();
         device.set_device_lost_callback(move |_, reason| {
@@ -55,12 +55,12 @@ impl DeviceState {
     }
 
     /// Why the device was lost, as far as it was reported.
-    pub(in crate::app) fn lost(&self) -> Option<String> {
+    pub fn lost(&self) -> Option<String> {
         lock(&self.lost).clone()
     }
 
     /// Reason for which the device is lost, by asking the device.
-    pub(in crate::app) fn is_it_lost(&self) -> Option<String> {
+    pub fn is_it_lost(&self) -> Option<String> {
         // A lost device may have nothing to say to this either.
         let _ = self.device.poll(wgpu::PollType::Poll);
         self.lost()

@@ -6,7 +6,7 @@ use crate::app::state::session::Opened;
 use crate::app::state::watch::Watch;
 
 /// Files that the window reads and writes.
-pub(in crate::app) struct Documents {
+pub struct Documents {
     /// Recent files, and the dialog that opens another.
     pub files: Files,
     /// Where the scene in view came from.
@@ -19,7 +19,7 @@ pub(in crate::app) struct Documents {
 
 impl Documents {
     /// Nothing is open; these were.
-    pub(in crate::app) fn new(recent: Vec<std::path::PathBuf>) -> Self {
+    pub fn new(recent: Vec<std::path::PathBuf>) -> Self {
         Self {
             files: Files::new(recent),
             opened: Opened::default(),

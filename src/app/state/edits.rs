@@ -6,7 +6,7 @@ use crate::app::state::undo::History;
 use crate::solve::SolverParams;
 
 /// Settings of the window, and their history.
-pub(in crate::app) struct Edits {
+pub struct Edits {
     /// The solver's parameters as the panel shows them; ahead of the worker's while a slider is
     /// dragged.
     pub params: SolverParams,
@@ -20,7 +20,7 @@ pub(in crate::app) struct Edits {
 
 impl Edits {
     /// Nothing was set yet but these.
-    pub(in crate::app) fn new(params: SolverParams, display: DisplaySettings) -> Self {
+    pub fn new(params: SolverParams, display: DisplaySettings) -> Self {
         Self { params, display, light: LightEditor::default(), history: History::default() }
     }
 }

@@ -28,7 +28,7 @@ use crate::solve::Snapshot;
 
 /// Size of a picture that is to be written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(in crate::app) enum PictureSize {
+pub enum PictureSize {
     /// As the view has it.
     AsShown,
     FullHd,
@@ -39,11 +39,10 @@ pub(in crate::app) enum PictureSize {
 
 /// One file that can be written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(in crate::app) enum Item {
+pub enum Item {
     Png,
     Exr,
-    Ply,
-    Glb,
+    Mesh(MeshFormat),
     Links,
     Settings,
     Statistics,
@@ -53,12 +52,12 @@ pub(in crate::app) enum Item {
 
 impl Item {
     /// Ending of the file or folder, behind the name that a person chose.
-    pub(in crate::app) fn ending(self) -> &'static str {
+    pub fn ending(self) -> &'static str {
         match self {
             Self::Png => ".png",
             Self::Exr => ".exr",
-            Self::Ply => ".ply",
-            Self::Glb => ".glb",
+            Self::Mesh(MeshFormat::Ply) => ".ply",
+            Self::Mesh(MeshFormat::Glb) => ".glb",
             Self::Links => ".links.csv",
             Self::Settings => ".settings.json",
             Self::Statistics => ".statistics.json",
@@ -69,7 +68,7 @@ impl Item {
 }
 
 /// State of the exports.
-pub(in crate::app) struct Exports {
+pub struct Exports {
     /// Folder and beginning of every file's name, as typed.
     pub name: String,
     pub size: PictureSize,
@@ -106,7 +105,7 @@ impl Default for Exports {
 
 impl Exports {
     /// A name in the present folder for another scene, unless a person chose one.
-    pub(in crate::app) fn suggest(&mut self, scene: &str, former: Option<&str>) {
+    pub fn suggest(&mut self, scene: &str, former: Option<&str>) {
         if self.name.is_empty() || former.is_some_and(|former| self.name == suggested(former)) {
             self.name = suggested(scene);
         }
@@ -114,27 +113,27 @@ impl Exports {
     }
 
     /// Where a file goes.
-    pub(in crate::app) fn path(&self, item: Item) -> Option<PathBuf> {
+    pub fn path(&self, item: Item) -> Option<PathBuf> {
         let name = self.name.trim().trim_matches(['"', '\'']);
         // A folder alone is no name.
         (!name.is_empty() && !name.ends_with(['/', '\\'])).then(|| PathBuf::from(format!("{name}{}", item.ending())))
     }
 
     /// The file that is being written, and since when.
-    pub(in crate::app) fn writing(&self) -> Option<(&Path, Instant)> {
+    pub fn writing(&self) -> Option<(&Path, Instant)> {
         self.writing.as_ref().map(|writing| (writing.path.as_path(), writing.since))
     }
 
     /// Gives up on the file that is being written: nobody waits for its thread, which stops before
     /// it writes.
-    pub(in crate::app) fn cancel(&mut self) {
+    pub fn cancel(&mut self) {
         if let Some(writing) = self.writing.take() {
             writing.cancel.cancel();
         }
     }
 
     /// Writes a file on a thread of its own; `write` returns what to say of it.
-    pub(in crate::app) fn begin(
+    pub fn begin(
         &mut self,
         path: PathBuf,
         wake: &Wake,
@@ -152,7 +151,7 @@ impl Exports {
     }
 
     /// Takes up what came of a file.
-    pub(in crate::app) fn poll(&mut self) {
+    pub fn poll(&mut self) {
         let Some(writing) = &self.writing else { return };
         let Poll::Ready(outcome) = writing.answer.poll() else { return };
         let broken = || Err(format!("{}: was not written, the thread broke", writing.path.display()));
@@ -168,7 +167,7 @@ fn suggested(scene: &str) -> String {
 }
 
 /// Writes a picture as it is shown.
-pub(in crate::app) fn write_png(target: &Target, picture: &Picture) -> Result<String, String> {
+pub fn write_png(target: &Target, picture: &Picture) -> Result<String, String> {
     let gathered = gathered(target, picture)?;
     let drawn = draw(picture, gathered.as_ref())?;
     let mut encoded = io::Cursor::new(Vec::new());
@@ -218,7 +217,7 @@ fn draw(picture: &Picture, gathered: Option<&GatheredPicture>) -> Result<RgbaIma
 }
 
 /// Writes what the view shows as radiosities in W/m².
-pub(in crate::app) fn write_exr(target: &Target, picture: &Picture, lit: &Snapshot) -> Result<String, String> {
+pub fn write_exr(target: &Target, picture: &Picture, lit: &Snapshot) -> Result<String, String> {
     let layers = gathered(target, picture)?.and_then(|gathered| gathered.layers());
     match layers {
         Some(layers) => target.write(|writer| exr::write_layers(writer, &layers))?,
@@ -234,19 +233,14 @@ pub(in crate::app) fn write_exr(target: &Target, picture: &Picture, lit: &Snapsh
 }
 
 /// Writes the lit mesh.
-pub(in crate::app) fn write_mesh(
-    target: &Target,
-    form: MeshFormat,
-    snapshot: &Snapshot,
-    scene: &Scene,
-) -> Result<String, String> {
+pub fn write_mesh(target: &Target, form: MeshFormat, snapshot: &Snapshot, scene: &Scene) -> Result<String, String> {
     let lit = LitMesh::of(snapshot, scene);
     target.write(|writer| form.write(writer, &lit))?;
     Ok(target.saved(&format::things(snapshot.mesh.triangles.len(), "triangle", "triangles")))
 }
 
 /// Writes the links of a snapshot that carries its solution view.
-pub(in crate::app) fn write_links(target: &Target, snapshot: &Arc<Snapshot>) -> Result<String, String> {
+pub fn write_links(target: &Target, snapshot: &Arc<Snapshot>) -> Result<String, String> {
     let solution_view = snapshot.solution_view.as_ref().ok_or("the links are not there yet: try again")?;
     let rows = links::rows(solution_view);
     target.write(|writer| links::write(writer, &rows))?;
@@ -254,13 +248,13 @@ pub(in crate::app) fn write_links(target: &Target, snapshot: &Arc<Snapshot>) -> 
 }
 
 /// Writes a text that is there already.
-pub(in crate::app) fn write_text(target: &Target, text: &str) -> Result<String, String> {
+pub fn write_text(target: &Target, text: &str) -> Result<String, String> {
     target.write(|writer| writer.write_all(text.as_bytes()))?;
     Ok(target.saved(&format::bytes(text.len())))
 }
 
 /// Writes the scene into a folder as another program reads it.
-pub(in crate::app) fn write_peer(target: &Target, peer: Peer, scene: &Scene) -> Result<String, String> {
+pub fn write_peer(target: &Target, peer: Peer, scene: &Scene) -> Result<String, String> {
     if target.cancel.is_cancelled() {
         return Err(String::new());
     }
@@ -269,7 +263,7 @@ pub(in crate::app) fn write_peer(target: &Target, peer: Peer, scene: &Scene) -> 
 }
 
 /// Where a thread writes, unless somebody gave up on it.
-pub(in crate::app) struct Target {
+pub struct Target {
     path: PathBuf,
     cancel: CancelToken,
 }

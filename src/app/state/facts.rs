@@ -14,7 +14,7 @@ use crate::transport::SolutionView;
 
 /// An element in numbers.
 #[derive(Clone, Debug)]
-pub(in crate::app) struct Facts {
+pub struct Facts {
     /// Name of a patch; empty for others, which links alone can name.
     pub name: String,
     /// The polygon of a patch.
@@ -39,12 +39,7 @@ pub(in crate::app) struct Facts {
 
 impl Facts {
     /// All of any element.
-    pub(in crate::app) fn of(
-        snapshot: &Snapshot,
-        solution_view: &SolutionView,
-        scene: &Arc<Scene>,
-        id: ElementId,
-    ) -> Self {
+    pub fn of(snapshot: &Snapshot, solution_view: &SolutionView, scene: &Arc<Scene>, id: ElementId) -> Self {
         let hierarchy = solution_view.hierarchy();
         let element = hierarchy.element(id);
         let by_links = solution_view.irradiance(id);
@@ -80,7 +75,7 @@ impl Facts {
     }
 
     /// Facts about a leaf that a snapshot alone tells.
-    pub(in crate::app) fn of_leaf(snapshot: &Snapshot, scene: &Arc<Scene>, id: ElementId) -> Option<Self> {
+    pub fn of_leaf(snapshot: &Snapshot, scene: &Arc<Scene>, id: ElementId) -> Option<Self> {
         let leaf = snapshot.mesh.leaves.iter().find(|leaf| leaf.element == id)?;
         let light = mean_light(snapshot, |leaf| leaf == id)?;
         let lit = Self { area: light.area, irradiance: light.irradiance, radiosity: light.radiosity, ..Self::unlit() };
@@ -114,7 +109,7 @@ impl Facts {
 
     /// Irradiances with their names and what they mean: one, or that of the final gather beside
     /// that of the links below it.
-    pub(in crate::app) fn irradiances(&self) -> Vec<(&'static str, Vec3, &'static str)> {
+    pub fn irradiances(&self) -> Vec<(&'static str, Vec3, &'static str)> {
         match self.by_links {
             None => vec![(words::E, self.irradiance, "Irradiance of the three channels, the mean over the area")],
             Some(by_links) => vec![
@@ -133,12 +128,12 @@ impl Facts {
     }
 
     /// Illuminance, lx.
-    pub(in crate::app) fn illuminance(&self) -> f32 {
+    pub fn illuminance(&self) -> f32 {
         photometry::lux(self.irradiance.into())
     }
 
     /// Luminance L = B/π, cd/m².
-    pub(in crate::app) fn luminance(&self) -> f32 {
+    pub fn luminance(&self) -> f32 {
         photometry::lux(self.radiosity.into()) / std::f32::consts::PI
     }
 }

@@ -2,8 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::app::widgets::dialog::Dialog;
-pub(in crate::app) use crate::app::widgets::dialog::DialogAnswer;
+use crate::app::widgets::dialog::PathField;
 
 /// So many recent files are remembered.
 const MOST_RECENT: usize = 6;
@@ -12,31 +11,30 @@ const MOST_RECENT: usize = 6;
 const EXTENSIONS: [&str; 10] = ["obj", "gltf", "glb", "ply", "stl", "OBJ", "GLTF", "GLB", "PLY", "STL"];
 
 /// Advice where there is no dialog.
-pub(in crate::app) const NO_DIALOG: &str = "No file dialog answers on this system: type the path into the field beside Browse…, or drop the file on the window.";
+pub const NO_DIALOG: &str = "No file dialog answers on this system: type the path into the field beside Browse…, or drop the file on the window.";
 
 /// State of the file controls.
-pub(in crate::app) struct Files {
-    /// The path field.
-    pub path_text: String,
+pub struct Files {
+    /// The path of a scene to open.
+    pub field: PathField,
     recent: Vec<PathBuf>,
-    dialog: Dialog,
     /// A sidecar that is there already and is to be overwritten only if a person says so.
     pub sidecar_in_question: Option<PathBuf>,
 }
 
 impl Files {
     /// With the files of earlier runs.
-    pub(in crate::app) fn new(recent: Vec<PathBuf>) -> Self {
-        Self { path_text: String::new(), recent, dialog: Dialog::default(), sidecar_in_question: None }
+    pub fn new(recent: Vec<PathBuf>) -> Self {
+        Self { field: PathField::default(), recent, sidecar_in_question: None }
     }
 
     /// Files opened lately, the last one first.
-    pub(in crate::app) fn recent(&self) -> &[PathBuf] {
+    pub fn recent(&self) -> &[PathBuf] {
         &self.recent
     }
 
     /// Remembers a file that was opened.
-    pub(in crate::app) fn note_opened(&mut self, path: &Path) {
+    pub fn note_opened(&mut self, path: &Path) {
         // A relative path would mean another file after a start elsewhere.
         let path = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
         self.recent.retain(|other| *other != path);
@@ -44,31 +42,15 @@ impl Files {
         self.recent.truncate(MOST_RECENT);
     }
 
-    /// The path that was typed, without the blanks and quotes that come with pasting.
-    pub(in crate::app) fn typed_path(&self) -> Option<PathBuf> {
-        let text = self.path_text.trim().trim_matches(['"', '\'']);
-        (!text.is_empty()).then(|| PathBuf::from(text))
-    }
-
-    /// Whether the system's dialog is open.
-    pub(in crate::app) fn dialog_is_open(&self) -> bool {
-        self.dialog.is_open()
-    }
-
-    /// Opens the system's dialog on a thread of its own.
-    pub(in crate::app) fn open_dialog(&mut self, ctx: &egui::Context) {
-        self.dialog.open(ctx, || {
+    /// Opens the system's dialog on a thread of its own, unless it is open.
+    pub fn open_dialog(&mut self, ctx: &egui::Context) {
+        self.field.dialog.open(ctx, || {
             rfd::FileDialog::new()
                 .set_title("Open a scene")
                 .add_filter("Scenes (OBJ, glTF, GLB, PLY, STL)", &EXTENSIONS)
                 .add_filter("All files", &["*"])
                 .pick_file()
         });
-    }
-
-    /// Answer of the dialog, once it is closed with something to say.
-    pub(in crate::app) fn poll_dialog(&mut self) -> Option<DialogAnswer> {
-        self.dialog.poll()
     }
 }
 
@@ -84,13 +66,5 @@ mod tests {
         }
         let expected: Vec<PathBuf> = ["/b", "/g", "/f", "/e", "/d", "/c"].map(PathBuf::from).into();
         assert_eq!(files.recent(), expected);
-    }
-
-    #[test]
-    fn pasted_paths_lose_blanks_and_quotes() {
-        let mut files = Files::new(Vec::new());
-        assert_eq!(files.typed_path(), None);
-        files.path_text = " \"/rooms/my room.obj\" ".into();
-        assert_eq!(files.typed_path(), Some(PathBuf::from("/rooms/my room.obj")));
     }
 }

@@ -17,7 +17,7 @@ const BUSY_SHARE: u32 = 8;
 
 /// Which way light goes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(in crate::app) enum Direction {
+pub enum Direction {
     /// To the element: what lights it.
     #[default]
     In,
@@ -27,7 +27,7 @@ pub(in crate::app) enum Direction {
 
 impl Direction {
     /// The end of a link away from the element that is inspected.
-    pub(in crate::app) fn far_end(self, link: &LinkView) -> ElementId {
+    pub fn far_end(self, link: &LinkView) -> ElementId {
         match self {
             Self::In => link.source,
             Self::Out => link.receiver,
@@ -37,7 +37,7 @@ impl Direction {
 
 /// Content of the picked element's panels.
 #[derive(Default)]
-pub(in crate::app) struct Inspection {
+pub struct Inspection {
     made_of: Option<MadeOf>,
     made: Option<(Instant, Duration)>,
     /// Counts up with each change of `links`.
@@ -64,13 +64,7 @@ struct MadeOf {
 impl Inspection {
     /// Looks at an element, unless nothing has changed. While only the solution moves on and
     /// looking takes long, what was seen last stays for a while; true then: another look is due.
-    pub(in crate::app) fn look(
-        &mut self,
-        snapshot: &Snapshot,
-        scene: &Arc<Scene>,
-        element: ElementId,
-        direction: Direction,
-    ) -> bool {
+    pub fn look(&mut self, snapshot: &Snapshot, scene: &Arc<Scene>, element: ElementId, direction: Direction) -> bool {
         let (generation, serial, former_step) = (snapshot.generation, snapshot.serial, snapshot.former_step);
         let has_solution_view = snapshot.solution_view.is_some();
         let now = MadeOf { generation, serial, former_step, has_solution_view, element, direction };
@@ -96,7 +90,7 @@ impl Inspection {
     }
 
     /// Name of the element that was looked at; it needs no links where that is a patch.
-    pub(in crate::app) fn name(&mut self, element: ElementId) -> String {
+    pub fn name(&mut self, element: ElementId) -> String {
         match self.names.full(element) {
             "" => self.facts.as_ref().map(|facts| facts.name.clone()).unwrap_or_default(),
             name => name.to_owned(),

@@ -15,7 +15,7 @@ const FIRST_EXITANCE: f32 = 100.0;
 /// A colour by its brightest channel and its tint, so that neither is lost while the other is
 /// changed.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(in crate::app) struct Tinted {
+pub struct Tinted {
     value: Vec3,
     tint: Vec3,
 }
@@ -64,7 +64,7 @@ impl Tinted {
 
 /// One material.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(in crate::app) struct MaterialLight {
+pub struct MaterialLight {
     /// Reflectance ρ.
     pub reflectance: Tinted,
     /// Emission B_e at 100 %, W/m².
@@ -98,7 +98,7 @@ impl MaterialLight {
 
 /// A luminaire that was added to the scene's file.
 #[derive(Clone, Debug, PartialEq)]
-pub(in crate::app) struct LuminaireLight {
+pub struct LuminaireLight {
     /// Name of the material.
     pub name: String,
     /// Where it is and what it looks like.
@@ -123,7 +123,7 @@ impl LuminaireLight {
 
 /// Every material of the scene's file, in its order, and every luminaire that was added.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(in crate::app) struct Lighting {
+pub struct Lighting {
     materials: Vec<MaterialLight>,
     /// The luminaires.
     pub luminaires: Vec<LuminaireLight>,

@@ -7,7 +7,7 @@ use glam::Vec3;
 
 use crate::app::Wake;
 use crate::app::format;
-use crate::app::widgets::save_dialog::SaveDialog;
+use crate::app::widgets::dialog::PathField;
 use crate::base::photometry::{Quantity, ShownIn, Unit, lux, weighted};
 use crate::read::survey::{
     NamedReading, PlaneReading, Probed, Ray, Report, SurfaceReading, Surveyor, WorkPlane, write_plane, write_probes,
@@ -27,7 +27,7 @@ const SCALED_SHARE: f64 = 0.98;
 const GRACE: Duration = Duration::from_millis(400);
 
 /// A place on a surface that a person reads.
-pub(in crate::app) struct Probe {
+pub struct Probe {
     /// Name of the probe; a person may change it.
     pub name: String,
     pub point: Vec3,
@@ -36,13 +36,13 @@ pub(in crate::app) struct Probe {
 
 /// Table that is written to a file.
 #[derive(Clone, Copy, PartialEq, Eq)]
-pub(in crate::app) enum Table {
+pub enum Table {
     Probes,
     Plane,
 }
 
 /// State of the measure tool and of the reading under the pointer.
-pub(in crate::app) struct Measuring {
+pub struct Measuring {
     surveyor: Option<Surveyor>,
     report: Report,
     /// The pointer's ray that was asked about.
@@ -79,7 +79,7 @@ pub(in crate::app) struct Measuring {
     /// Whether their values are written there.
     pub writes_values: bool,
     /// Where tables are written.
-    pub save: SaveDialog,
+    pub save: PathField,
     /// Table for which the file dialog was opened.
     pub saves: Table,
 }
@@ -106,7 +106,7 @@ impl Default for Measuring {
             least_uniformity: USUAL_UNIFORMITY,
             shows_points: true,
             writes_values: true,
-            save: SaveDialog::default(),
+            save: PathField::default(),
             saves: Table::Plane,
         }
     }
@@ -114,7 +114,7 @@ impl Default for Measuring {
 
 impl Measuring {
     /// Another scene is in view: nothing of the former holds.
-    pub(in crate::app) fn start_with(&mut self, scene: &Scene) {
+    pub fn start_with(&mut self, scene: &Scene) {
         self.forget_plane();
         self.probes.clear();
         self.send_probes();
@@ -128,7 +128,7 @@ impl Measuring {
     }
 
     /// Sets the task area with what it asks for; without one the whole plane counts.
-    pub(in crate::app) fn set_task_area(&mut self, area: Option<TaskArea>, up: Vec3) {
+    pub fn set_task_area(&mut self, area: Option<TaskArea>, up: Vec3) {
         let Some(TaskArea { corners, height, average_lux, uniformity }) = area else {
             self.plane.area = None;
             return;
@@ -139,14 +139,14 @@ impl Measuring {
     }
 
     /// The task area with what it asks for, if one was drawn.
-    pub(in crate::app) fn task_area(&self) -> Option<TaskArea> {
+    pub fn task_area(&self) -> Option<TaskArea> {
         let (average_lux, uniformity) = (self.target, self.least_uniformity);
         self.plane.area.map(|corners| TaskArea { corners, height: self.plane.height, average_lux, uniformity })
     }
 
     /// Follows a drag in the view that draws a task area: where the pointer took hold, where it is,
     /// and whether it let go.
-    pub(in crate::app) fn draw_area(&mut self, scene: &Scene, [from, to]: [Ray; 2], has_ended: bool) {
+    pub fn draw_area(&mut self, scene: &Scene, [from, to]: [Ray; 2], has_ended: bool) {
         let Some((level, up)) = self.plane.level(scene) else { return };
         let on_plane = |ray: Ray| {
             let distance = (level - ray.origin.dot(up)) / ray.direction.dot(up);
@@ -163,7 +163,7 @@ impl Measuring {
     }
 
     /// Corners of the task area's rectangle as drawn or as set up, in turn.
-    pub(in crate::app) fn area_outline(&self, scene: &Scene) -> Option<[Vec3; 4]> {
+    pub fn area_outline(&self, scene: &Scene) -> Option<[Vec3; 4]> {
         let [a, b] = self.drawn.or(self.plane.area)?;
         let (level, up) = self.plane.level(scene)?;
         let mut axes = (0..3).filter(|&axis| up[axis] == 0.0);
@@ -178,13 +178,7 @@ impl Measuring {
 
     /// Shows the surveyor the light in view where it is asked for, and takes up what it found;
     /// `latest` is the solver's newest light, which the view may wait with.
-    pub(in crate::app) fn note(
-        &mut self,
-        scene: &Arc<Scene>,
-        snapshot: &Arc<Snapshot>,
-        latest: &Arc<Snapshot>,
-        is_settled: bool,
-    ) {
+    pub fn note(&mut self, scene: &Arc<Scene>, snapshot: &Arc<Snapshot>, latest: &Arc<Snapshot>, is_settled: bool) {
         self.latest = Some(latest.clone());
         let Some(surveyor) = &self.surveyor else { return };
         let is_probed = !self.probes.is_empty() || self.selection.is_some();
@@ -209,18 +203,18 @@ impl Measuring {
     }
 
     /// Whether readings of surfaces are of light that the solver has left behind.
-    pub(in crate::app) fn is_stale(&self) -> bool {
+    pub fn is_stale(&self) -> bool {
         self.behind_since.is_some_and(|since| since.elapsed() > GRACE)
     }
 
     /// Whether the plane is of such light, or of another height or grid than is set up.
-    pub(in crate::app) fn plane_is_stale(&self) -> bool {
+    pub fn plane_is_stale(&self) -> bool {
         let latest = self.plane_reading().zip(self.latest.as_ref());
         latest.is_some_and(|(plane, latest)| !Arc::ptr_eq(&plane.snapshot, latest) || plane.plane != self.plane)
     }
 
     /// Follows the pointer; `None` while it is not over the view.
-    pub(in crate::app) fn point_at(&mut self, ray: Option<Ray>, wake: &Wake) {
+    pub fn point_at(&mut self, ray: Option<Ray>, wake: &Wake) {
         if ray != self.pointer {
             if self.pointer.is_none() {
                 // The next frame shows the surveyor the light in view.
@@ -232,24 +226,24 @@ impl Measuring {
     }
 
     /// Reading of the surface under the pointer, as far as it is known.
-    pub(in crate::app) fn under_pointer(&self) -> Option<&SurfaceReading> {
+    pub fn under_pointer(&self) -> Option<&SurfaceReading> {
         self.pointer?;
         self.report.looked.as_ref()?.reading.as_ref()
     }
 
     /// Whether a click or drag in the view measures instead of selecting and turning.
-    pub(in crate::app) fn is_placing(&self) -> bool {
+    pub fn is_placing(&self) -> bool {
         self.places_probes || self.draws_area
     }
 
     /// Clicks select again, and drags turn the view.
-    pub(in crate::app) fn stop_placing(&mut self) {
+    pub fn stop_placing(&mut self) {
         (self.places_probes, self.draws_area) = (false, false);
         (self.drawn, self.pressed) = (None, None);
     }
 
     /// Places a probe.
-    pub(in crate::app) fn place(&mut self, point: Vec3, normal: Vec3, wake: &Wake) {
+    pub fn place(&mut self, point: Vec3, normal: Vec3, wake: &Wake) {
         self.placed += 1;
         self.probes.push(Probe { name: format!("P{}", self.placed), point, normal });
         self.with_surveyor(wake, |_| {});
@@ -258,19 +252,19 @@ impl Measuring {
     }
 
     /// Takes a probe away.
-    pub(in crate::app) fn remove(&mut self, index: usize) {
+    pub fn remove(&mut self, index: usize) {
         self.probes.remove(index);
         self.send_probes();
     }
 
     /// Takes all probes away.
-    pub(in crate::app) fn remove_all(&mut self) {
+    pub fn remove_all(&mut self) {
         self.probes.clear();
         self.send_probes();
     }
 
     /// Reads a place on a surface that is selected, or none.
-    pub(in crate::app) fn select(&mut self, place: Option<(Vec3, Vec3)>, wake: &Wake) {
+    pub fn select(&mut self, place: Option<(Vec3, Vec3)>, wake: &Wake) {
         if place == self.selection {
             return;
         }
@@ -283,7 +277,7 @@ impl Measuring {
     }
 
     /// Reading of the selection, once it is there.
-    pub(in crate::app) fn at_selection(&self) -> Option<SurfaceReading> {
+    pub fn at_selection(&self) -> Option<SurfaceReading> {
         let (point, _) = self.selection?;
         self.report.probes.iter().find(|found| found.point == point)?.reading
     }
@@ -296,18 +290,18 @@ impl Measuring {
     }
 
     /// Probes with what is known of them.
-    pub(in crate::app) fn probes(&self) -> impl Iterator<Item = (&Probe, Option<&Probed>)> {
+    pub fn probes(&self) -> impl Iterator<Item = (&Probe, Option<&Probed>)> {
         let found = |probe: &Probe| self.report.probes.iter().find(|found| found.point == probe.point);
         self.probes.iter().map(move |probe| (probe, found(probe)))
     }
 
     /// The name of a probe, to be changed.
-    pub(in crate::app) fn name_mut(&mut self, index: usize) -> &mut String {
+    pub fn name_mut(&mut self, index: usize) -> &mut String {
         &mut self.probes[index].name
     }
 
     /// Measures the plane that is set up, in the light in view.
-    pub(in crate::app) fn measure_plane(&mut self, scene: &Arc<Scene>, snapshot: &Arc<Snapshot>, wake: &Wake) {
+    pub fn measure_plane(&mut self, scene: &Arc<Scene>, snapshot: &Arc<Snapshot>, wake: &Wake) {
         let plane = self.plane;
         self.with_surveyor(wake, |surveyor| {
             surveyor.show(scene.clone(), snapshot.clone());
@@ -321,7 +315,7 @@ impl Measuring {
     }
 
     /// Gives the plane up.
-    pub(in crate::app) fn forget_plane(&mut self) {
+    pub fn forget_plane(&mut self) {
         self.asked = None;
         self.report.plane = None;
         if let Some(surveyor) = &self.surveyor {
@@ -330,23 +324,23 @@ impl Measuring {
     }
 
     /// The share of the plane that is measured, while it is.
-    pub(in crate::app) fn progress(&self) -> Option<f32> {
+    pub fn progress(&self) -> Option<f32> {
         self.report.progress
     }
 
     /// Why there is no plane, if it was asked for.
-    pub(in crate::app) fn failure(&self) -> Option<&str> {
+    pub fn failure(&self) -> Option<&str> {
         self.report.failure.as_deref().filter(|_| self.asked.is_some())
     }
 
     /// The plane as last measured.
-    pub(in crate::app) fn plane_reading(&self) -> Option<&Arc<PlaneReading>> {
+    pub fn plane_reading(&self) -> Option<&Arc<PlaneReading>> {
         self.report.plane.as_ref().filter(|_| self.asked.is_some())
     }
 
     /// How its values are coloured: as the irradiance in view where there is a legend of it,
     /// otherwise, in lx, from nothing to nearly the brightest point.
-    pub(in crate::app) fn plane_scale(&self, reading: Option<&Reading>) -> Option<Reading> {
+    pub fn plane_scale(&self, reading: Option<&Reading>) -> Option<Reading> {
         let plane = self.plane_reading()?;
         if let Some(reading) = reading.filter(|reading| reading.quantity == Quantity::Irradiance) {
             return Some(*reading);
@@ -368,7 +362,7 @@ impl Measuring {
     }
 
     /// The rows of a table as CSV.
-    pub(in crate::app) fn csv(&self, table: Table, scene: &Scene) -> std::io::Result<Vec<u8>> {
+    pub fn csv(&self, table: Table, scene: &Scene) -> std::io::Result<Vec<u8>> {
         let mut text = Vec::new();
         match table {
             Table::Plane => {
@@ -403,7 +397,7 @@ impl Measuring {
 }
 
 /// Illuminance with its standard error where it was gathered: *312 ± 4 lx*.
-pub(in crate::app) fn lux_in_words(reading: &SurfaceReading) -> String {
+pub fn lux_in_words(reading: &SurfaceReading) -> String {
     let value = f64::from(lux(reading.irradiance.to_array()));
     match reading.standard_error {
         Some(error) => format!("{} lx", format::plus_minus(value, lux(error.to_array()).into())),

@@ -1,7 +1,7 @@
 //! The bar over the view: sentences that stay until they are dismissed, or until something newer is
 //! known of what they are about.
 
-use crate::app::widgets::theme;
+use crate::app::widgets::{rows, theme};
 use crate::app::words;
 
 /// No more than these are shown; older ones make room.
@@ -17,7 +17,7 @@ enum Kind {
 
 /// Deed that a sentence is about. The outcome of a later one takes the place of the former's.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(in crate::app) enum Topic {
+pub enum Topic {
     /// Reading a scene.
     Opening,
     /// Writing the settings file beside a scene.
@@ -42,28 +42,28 @@ struct Entry {
 
 /// Sentences that wait to be read.
 #[derive(Default)]
-pub(in crate::app) struct Messages {
+pub struct Messages {
     entries: Vec<Entry>,
 }
 
 impl Messages {
     /// Something that was asked for cannot be done.
-    pub(in crate::app) fn error(&mut self, topic: Topic, sentence: String) {
+    pub fn error(&mut self, topic: Topic, sentence: String) {
         self.push(Kind::Error, topic, sentence);
     }
 
     /// Something worth knowing.
-    pub(in crate::app) fn note(&mut self, topic: Topic, sentence: String) {
+    pub fn note(&mut self, topic: Topic, sentence: String) {
         self.push(Kind::Note, topic, sentence);
     }
 
     /// Takes back what could not be done; for a scene that came after it, it no longer matters.
-    pub(in crate::app) fn forget_errors(&mut self) {
+    pub fn forget_errors(&mut self) {
         self.entries.retain(|entry| entry.kind != Kind::Error);
     }
 
     /// Takes back what was said of a deed that has succeeded since, or is being tried again.
-    pub(in crate::app) fn resolve(&mut self, topic: Topic) {
+    pub fn resolve(&mut self, topic: Topic) {
         self.entries.retain(|entry| entry.topic != topic);
     }
 
@@ -79,7 +79,7 @@ impl Messages {
     }
 
     /// Draws the bar; nothing when there is nothing to say.
-    pub(in crate::app) fn show(&mut self, ui: &mut egui::Ui) {
+    pub fn show(&mut self, ui: &mut egui::Ui) {
         let mut dismissed = None;
         for (index, Entry { kind, sentence, .. }) in self.entries.iter().enumerate() {
             let palette = theme::palette(ui.visuals());
@@ -87,21 +87,16 @@ impl Messages {
                 Kind::Error => (palette.error_fill, theme::ERROR),
                 Kind::Note => (palette.note_fill, theme::ACCENT),
             };
-            egui::Frame::new().fill(fill).inner_margin(egui::Margin::symmetric(12, 8)).show(ui, |ui| {
-                ui.horizontal(|ui| {
-                    let (dot, _) = ui.allocate_exact_size(egui::vec2(8.0, 8.0), egui::Sense::hover());
-                    ui.painter().circle_filled(dot.center(), 4.0, mark);
-                    let text = egui::RichText::new(sentence).strong();
-                    ui.scope(|ui| {
-                        ui.set_max_width(ui.available_width() - BUTTON_ROOM);
-                        ui.add(egui::Label::new(text).wrap());
-                    });
-                    ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-                        if ui.button(words::DISMISS).clicked() {
-                            dismissed = Some(index);
-                        }
-                    });
+            let say = |ui: &mut egui::Ui| {
+                ui.scope(|ui| {
+                    ui.set_max_width(ui.available_width() - BUTTON_ROOM);
+                    rows::sentence(ui, egui::RichText::new(sentence).strong());
                 });
+            };
+            rows::bar(ui, fill, mark, say, |ui| {
+                if ui.button(words::DISMISS).clicked() {
+                    dismissed = Some(index);
+                }
             });
         }
         if let Some(index) = dismissed {

@@ -11,14 +11,14 @@ use crate::transport::SolutionView;
 
 /// Names in the light of the snapshot in view.
 #[derive(Default)]
-pub(in crate::app) struct NamesInView {
+pub struct NamesInView {
     made_of: Option<(Names, Arc<SolutionView>)>,
     known: FxHashMap<ElementId, String>,
 }
 
 impl NamesInView {
     /// Follows the state in view and the groups of its scene.
-    pub(in crate::app) fn follow(&mut self, generation: u64, solution_view: &Arc<SolutionView>, scene: &Arc<Scene>) {
+    pub fn follow(&mut self, generation: u64, solution_view: &Arc<SolutionView>, scene: &Arc<Scene>) {
         let of = self.made_of.take();
         let are_known = |(names, _): &&(Names, _)| names.are_of(generation, scene);
         let is_same = of.as_ref().filter(are_known).is_some_and(|(_, of)| Arc::ptr_eq(of, solution_view));
@@ -31,18 +31,18 @@ impl NamesInView {
     }
 
     /// The names; `None` before elements were there.
-    pub(in crate::app) fn names(&self) -> Option<&Names> {
+    pub fn names(&self) -> Option<&Names> {
         self.made_of.as_ref().map(|(names, _)| names)
     }
 
     /// The full name of an element; empty where it is not known.
-    pub(in crate::app) fn full(&mut self, id: ElementId) -> &str {
+    pub fn full(&mut self, id: ElementId) -> &str {
         let Some((names, solution_view)) = self.made_of.as_ref().filter(|(_, of)| of.holds(id)) else { return "" };
         self.known.entry(id).or_insert_with(|| names.full(solution_view, id))
     }
 
     /// Short name of an element, among those that hold it.
-    pub(in crate::app) fn short(&self, id: ElementId) -> String {
+    pub fn short(&self, id: ElementId) -> String {
         let made_of = self.made_of.as_ref().filter(|(_, of)| of.holds(id));
         made_of.map(|(names, of)| names.short(of.hierarchy(), id)).unwrap_or_default()
     }

@@ -14,7 +14,7 @@ use crate::solve::Snapshot;
 use crate::transport::SolutionView;
 
 /// A patch or cluster, and how it was found.
-pub(in crate::app) struct PickedElement {
+pub struct PickedElement {
     /// The element as the present snapshot has it.
     pub element: ElementId,
     /// The point that was clicked, or the element's centre.
@@ -38,7 +38,7 @@ enum Found {
 
 impl PickedElement {
     /// The first leaf along a ray.
-    pub(in crate::app) fn at(snapshot: &Snapshot, origin: Vec3, direction: Vec3) -> Option<Self> {
+    pub fn at(snapshot: &Snapshot, origin: Vec3, direction: Vec3) -> Option<Self> {
         let found = pick(&snapshot.mesh, origin, direction)?;
         let element = snapshot.mesh.leaves.get(found.leaf as usize)?.element;
         let found_by = Found::ByRay { origin, direction };
@@ -46,7 +46,7 @@ impl PickedElement {
     }
 
     /// Any element; `None` where the snapshot does not know it.
-    pub(in crate::app) fn by_id(snapshot: &Snapshot, element: ElementId) -> Option<Self> {
+    pub fn by_id(snapshot: &Snapshot, element: ElementId) -> Option<Self> {
         let solution_view = snapshot.solution_view.as_ref().filter(|solution_view| solution_view.holds(element))?;
         let centre = solution_view.hierarchy().element(element).centre;
         Some(Self::new(snapshot, element, centre, Found::ById))
@@ -68,7 +68,7 @@ impl PickedElement {
     }
 
     /// Finds the element in a newer snapshot. False when nothing of its path is there.
-    pub(in crate::app) fn follow(&mut self, snapshot: &Snapshot) -> bool {
+    pub fn follow(&mut self, snapshot: &Snapshot) -> bool {
         if let Found::ByRay { origin, direction } = self.found
             && !self.is_leaf_of(snapshot)
         {

@@ -13,7 +13,7 @@ use crate::solve::{Snapshot, SolverParams};
 
 /// Sides that the view shows while a solution is pinned.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(in crate::app) enum Sides {
+pub enum Sides {
     /// A at the left of the divider, B at its right.
     #[default]
     Split,
@@ -24,7 +24,7 @@ pub(in crate::app) enum Sides {
 }
 
 /// The solution that is kept.
-pub(in crate::app) struct PinnedSolution {
+pub struct PinnedSolution {
     pub snapshot: Arc<Snapshot>,
     pub params: SolverParams,
     /// RMS error by the reference and its standard error, where it was measured.
@@ -34,7 +34,7 @@ pub(in crate::app) struct PinnedSolution {
 }
 
 /// State of the comparison.
-pub(in crate::app) struct Pinned {
+pub struct Pinned {
     solution: Option<PinnedSolution>,
     pub sides: Sides,
     /// Where the divider stands, as a share of the view's width.
@@ -60,42 +60,36 @@ impl Default for Pinned {
 
 impl Pinned {
     /// Keeps a solution as A.
-    pub(in crate::app) fn keep(
-        &mut self,
-        snapshot: Arc<Snapshot>,
-        params: SolverParams,
-        measured: Option<(f64, f64)>,
-        exposure: f32,
-    ) {
+    pub fn keep(&mut self, snapshot: Arc<Snapshot>, params: SolverParams, measured: Option<(f64, f64)>, exposure: f32) {
         self.let_go();
         self.solution = Some(PinnedSolution { snapshot, params, measured, exposure });
     }
 
     /// Lets A go.
-    pub(in crate::app) fn let_go(&mut self) {
+    pub fn let_go(&mut self) {
         (self.solution, self.difference, self.awaited) = (None, None, None);
         self.sides = Sides::Split;
     }
 
     /// A.
-    pub(in crate::app) fn solution(&self) -> Option<&PinnedSolution> {
+    pub fn solution(&self) -> Option<&PinnedSolution> {
         self.solution.as_ref()
     }
 
     /// The metered exposure of both, m²/W, which is A's while one is kept: whoever compares wants
     /// no other difference.
-    pub(in crate::app) fn exposure(&self, metered: f32) -> f32 {
+    pub fn exposure(&self, metered: f32) -> f32 {
         self.solution.as_ref().map_or(metered, |solution| solution.exposure)
     }
 
     /// RMS difference of B to A as a share of A's RMS radiosity, of the newest B for which it was
     /// found.
-    pub(in crate::app) fn rms(&self) -> Option<f64> {
+    pub fn rms(&self) -> Option<f64> {
         self.difference.as_ref().map(|difference| difference.rms)
     }
 
     /// Finds how B differs, on a thread of its own, where nobody looks for that already.
-    pub(in crate::app) fn note(&mut self, b: Option<&Arc<Snapshot>>, wake: &Wake) {
+    pub fn note(&mut self, b: Option<&Arc<Snapshot>>, wake: &Wake) {
         if let Some(awaited) = &self.awaited {
             let Poll::Ready(found) = awaited.poll() else { return };
             self.difference = found.or(self.difference.take());
@@ -111,18 +105,18 @@ impl Pinned {
     }
 
     /// A beside what the view shows, where both are to be seen.
-    pub(in crate::app) fn beside(&self) -> Option<Beside> {
+    pub fn beside(&self) -> Option<Beside> {
         let solution = self.solution.as_ref().filter(|_| self.sides == Sides::Split)?;
         Some(Beside { snapshot: solution.snapshot.clone(), share: self.divider })
     }
 
     /// A alone, where it alone is to be seen.
-    pub(in crate::app) fn alone(&self) -> Option<Arc<Snapshot>> {
+    pub fn alone(&self) -> Option<Arc<Snapshot>> {
         self.solution.as_ref().filter(|_| self.sides == Sides::A).map(|solution| solution.snapshot.clone())
     }
 
     /// The difference in colours, where it is to be seen and was found.
-    pub(in crate::app) fn painted(&self) -> Option<Arc<Snapshot>> {
+    pub fn painted(&self) -> Option<Arc<Snapshot>> {
         let difference =
             self.difference.as_ref().filter(|_| self.sides == Sides::Difference && self.solution.is_some());
         difference.map(|difference| difference.painted.clone())

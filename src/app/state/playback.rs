@@ -12,7 +12,7 @@ const STUDY_TIME: Duration = Duration::from_millis(1500);
 
 /// The step in view, and what was last asked for.
 #[derive(Default)]
-pub(in crate::app) struct Playback {
+pub struct Playback {
     asked: SnapshotRequest,
     /// The step that a person looks at; `None` for the present.
     pub step: Option<usize>,
@@ -26,12 +26,12 @@ pub(in crate::app) struct Playback {
 
 impl Playback {
     /// Whether steps are being played.
-    pub(in crate::app) fn is_playing(&self) -> bool {
+    pub fn is_playing(&self) -> bool {
         self.playing_since.is_some()
     }
 
     /// Plays the steps, from the first one where the present is in view, or stops playing.
-    pub(in crate::app) fn play_or_stop(&mut self, now: f64) {
+    pub fn play_or_stop(&mut self, now: f64) {
         if self.playing_since.take().is_none() {
             (self.playing_since, self.is_slow) = (Some(now), false);
             self.step = Some(self.step.unwrap_or(0));
@@ -39,7 +39,7 @@ impl Playback {
     }
 
     /// Plays the steps slowly, from the first one.
-    pub(in crate::app) fn study(&mut self, now: f64) {
+    pub fn study(&mut self, now: f64) {
         (self.playing_since, self.is_slow, self.step) = (Some(now), true, Some(0));
     }
 
@@ -48,14 +48,14 @@ impl Playback {
     }
 
     /// Shows a step, or the present; nothing is played any longer.
-    pub(in crate::app) fn show(&mut self, step: Option<usize>) {
+    pub fn show(&mut self, step: Option<usize>) {
         self.step = step;
         self.playing_since = None;
     }
 
     /// Takes the next step when its time has come; how long until the one after, while steps are
     /// played.
-    pub(in crate::app) fn play(&mut self, now: f64, shown: Option<&Snapshot>, steps: usize) -> Option<Duration> {
+    pub fn play(&mut self, now: f64, shown: Option<&Snapshot>, steps: usize) -> Option<Duration> {
         let since = self.playing_since?;
         if shown.is_none_or(|snapshot| snapshot.former_step != self.step) {
             // Its picture is still being made.
@@ -76,7 +76,7 @@ impl Playback {
     }
 
     /// Another solve has other steps.
-    pub(in crate::app) fn follow(&mut self, snapshot: &Snapshot) {
+    pub fn follow(&mut self, snapshot: &Snapshot) {
         if snapshot.generation != self.generation {
             self.generation = snapshot.generation;
             self.asked.former_step = None;
@@ -85,7 +85,7 @@ impl Playback {
     }
 
     /// Command that asks for another content than was asked for last, where it differs.
-    pub(in crate::app) fn command(&mut self, wants_solution_view: bool) -> Option<Command> {
+    pub fn command(&mut self, wants_solution_view: bool) -> Option<Command> {
         let request = SnapshotRequest { solution_view: wants_solution_view, former_step: self.step };
         (request != self.asked).then(|| {
             self.asked = request;

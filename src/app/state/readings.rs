@@ -9,7 +9,7 @@ type MadeOf = (u64, u64, Option<f32>, ReadingSettings);
 
 /// The reading of the snapshot in view.
 #[derive(Default)]
-pub(in crate::app) struct ReadingInView {
+pub struct ReadingInView {
     made_of: Option<MadeOf>,
     reading: Option<Reading>,
 }
@@ -17,7 +17,7 @@ pub(in crate::app) struct ReadingInView {
 impl ReadingInView {
     /// Follows the snapshot and the settings; `open_ground` is the irradiance of open ground where
     /// the sky alone shines, W/m², weighted as the eye does.
-    pub(in crate::app) fn follow(
+    pub fn follow(
         &mut self,
         snapshot: &Snapshot,
         open_ground: Option<f32>,
@@ -34,7 +34,7 @@ impl ReadingInView {
     }
 
     /// As it was last.
-    pub(in crate::app) fn last(&self) -> Option<Reading> {
+    pub fn last(&self) -> Option<Reading> {
         self.reading
     }
 }

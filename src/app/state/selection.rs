@@ -13,14 +13,14 @@ use crate::solve::Snapshot;
 impl App {
     /// Finds the picked element in a newer snapshot.
     pub(in crate::app) fn follow_picked(&mut self, latest: &Snapshot) {
-        if self.picked.as_mut().is_some_and(|picked| !picked.follow(latest)) {
-            self.picked = None;
+        if self.shown.picked.as_mut().is_some_and(|picked| !picked.follow(latest)) {
+            self.shown.picked = None;
         }
     }
 
     /// Nothing is selected any longer.
     pub(in crate::app) fn deselect(&mut self) {
-        (self.picked, self.layout.is_card_open) = (None, false);
+        (self.shown.picked, self.layout.is_card_open) = (None, false);
         self.edits.light.selected = None;
         self.tools.measuring.select(None, &self.wake);
     }
@@ -30,7 +30,7 @@ impl App {
     pub(in crate::app) fn pick_element(&mut self, id: ElementId) {
         let picked = self.shown.snapshot.as_ref().and_then(|snapshot| PickedElement::by_id(snapshot, id));
         if picked.is_some() {
-            self.picked = picked;
+            self.shown.picked = picked;
             self.tools.measuring.select(None, &self.wake);
         }
     }
@@ -42,7 +42,8 @@ impl App {
         {
             self.tools.inspection.names.follow(snapshot.generation, solution_view, &info.scene);
         }
-        let (Some(picked), Some(snapshot), Some(info)) = (&self.picked, &self.shown.snapshot, &self.shown.info) else {
+        let (Some(picked), Some(snapshot), Some(info)) = (&self.shown.picked, &self.shown.snapshot, &self.shown.info)
+        else {
             return;
         };
         // The card tells what lights an element; only the inspector can be turned round.
@@ -69,10 +70,10 @@ impl App {
             }
             return;
         }
-        self.picked = PickedElement::at(snapshot, origin, clicked.direction);
+        self.shown.picked = PickedElement::at(snapshot, origin, clicked.direction);
         let mut place = None;
         self.edits.light.selected = None;
-        if let Some(picked) = &self.picked {
+        if let Some(picked) = &self.shown.picked {
             if let Some(leaf) = snapshot.mesh.leaves.iter().find(|leaf| leaf.element == picked.element) {
                 self.edits.light.choose(&info.scene, leaf.material);
                 let polygon = info.scene.polygons.get(leaf.polygon as usize);
@@ -82,7 +83,7 @@ impl App {
                 self.view.viewport.look_at(picked.point + moved_by);
             }
         }
-        self.layout.is_card_open &= self.picked.is_some();
+        self.layout.is_card_open &= self.shown.picked.is_some();
         self.tools.measuring.select(place, &self.wake);
     }
 }

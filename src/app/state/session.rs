@@ -31,7 +31,7 @@ struct Session {
 
 /// Where the scene in view came from, and what it was like when it came.
 #[derive(Default)]
-pub(in crate::app) struct Opened {
+pub struct Opened {
     /// Scene and light that were last asked for.
     asked: Option<(Source, AddedLight)>,
     /// The view to start with, where the first scene is to have another than its own.
@@ -47,12 +47,12 @@ pub(in crate::app) struct Opened {
 
 impl Opened {
     /// A scene is asked for.
-    pub(in crate::app) fn ask(&mut self, source: &Source, light: &AddedLight) {
+    pub fn ask(&mut self, source: &Source, light: &AddedLight) {
         self.asked = Some((source.clone(), light.clone()));
     }
 
     /// A scene has come.
-    pub(in crate::app) fn note(&mut self, info: &SceneInfo) {
+    pub fn note(&mut self, info: &SceneInfo) {
         let source = match &info.path {
             Some(path) => Some(Source::File(path.clone())),
             None => BuiltinScene::from_name(&info.scene.name).map(Source::Builtin),

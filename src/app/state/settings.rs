@@ -7,7 +7,7 @@ use crate::render::{Display, Exposure, LinkFilter, LinkStyle, Marks, Overlay, Re
 /// How the picture is shown.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
-pub(in crate::app) struct DisplaySettings {
+pub struct DisplaySettings {
     /// Whether the exposure follows the picture.
     pub auto_exposure: bool,
     /// Correction of the automatic exposure, stops.
@@ -34,7 +34,7 @@ pub(in crate::app) struct DisplaySettings {
 /// Which links are drawn over the view, and how.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
-pub(in crate::app) struct LinkOverlay {
+pub struct LinkOverlay {
     pub of: LinksOf,
     /// Level of the receivers below the root.
     pub level: u16,
@@ -44,7 +44,7 @@ pub(in crate::app) struct LinkOverlay {
 
 /// Whose links are drawn.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub(in crate::app) enum LinksOf {
+pub enum LinksOf {
     /// Nobody's.
     #[default]
     Nothing,
@@ -80,7 +80,7 @@ impl Default for DisplaySettings {
 
 impl DisplaySettings {
     /// As the renderer wants it.
-    pub(in crate::app) fn display(&self) -> Display {
+    pub fn display(&self) -> Display {
         let exposure = match self.auto_exposure {
             true => Exposure::Auto { stops: self.auto_stops },
             false => Exposure::Manual { stops: self.manual_stops },
@@ -91,7 +91,7 @@ impl DisplaySettings {
     /// As the renderer wants it; cluster levels beyond the deepest show the deepest. What is shown
     /// without light would be black in black, so that nothing could be chosen in it: it is drawn
     /// with outlines.
-    pub(in crate::app) fn overlay(&self, deepest_level: u16, is_dark: bool, marks: Marks) -> Overlay {
+    pub fn overlay(&self, deepest_level: u16, is_dark: bool, marks: Marks) -> Overlay {
         Overlay {
             elements: self.show_elements || is_dark,
             clusters: self.show_clusters.then_some(self.cluster_level.min(deepest_level)),

@@ -14,7 +14,7 @@ const RECENT: f64 = 1.0 / 3.0;
 
 /// How far the solve is, and how long it has been working.
 #[derive(Default)]
-pub(in crate::app) struct Progress {
+pub struct Progress {
     /// The share that is done.
     pub course: Course,
     /// Time since the worker last reported.
@@ -23,7 +23,7 @@ pub(in crate::app) struct Progress {
 
 /// The course of a solve: a share that never goes back while the same is asked for.
 #[derive(Default)]
-pub(in crate::app) struct Course {
+pub struct Course {
     of: Option<Solve>,
     share: f32,
     /// Time of the solve when it last reported, s.
@@ -45,13 +45,13 @@ struct Solve {
 
 impl Course {
     /// The share of the solve that is done, 0..1.
-    pub(in crate::app) fn share(&self) -> f32 {
+    pub fn share(&self) -> f32 {
         self.share
     }
 
     /// Seconds that the solve may still take, this long after it last reported. `None` where that
     /// cannot be known: at the beginning, and while nothing is known to go on.
-    pub(in crate::app) fn seconds(&self, after: f64) -> Option<f64> {
+    pub fn seconds(&self, after: f64) -> Option<f64> {
         let of = self.of.as_ref().filter(|of| !of.is_done)?;
         let (now, (since, from)) = (self.total + after, of.begun);
         let (gone, took) = (self.share - from, now - since);
@@ -67,7 +67,7 @@ impl Course {
 
     /// Takes up a new picture of a solve with these parameters; one of an earlier step tells
     /// nothing of it.
-    pub(in crate::app) fn note(&mut self, snapshot: &Snapshot, params: &SolverParams) {
+    pub fn note(&mut self, snapshot: &Snapshot, params: &SolverParams) {
         if snapshot.former_step.is_none() {
             self.note_stats(snapshot.generation, &snapshot.stats, params);
         }
@@ -96,17 +96,17 @@ impl Course {
 }
 
 /// Time between two looks at the clock; a step of a large scene may take seconds.
-pub(in crate::app) const TICK: Duration = Duration::from_millis(250);
+pub const TICK: Duration = Duration::from_millis(250);
 
 /// Lets the time that the statistics tell go on while the solver works.
 #[derive(Default)]
-pub(in crate::app) struct Clock {
+pub struct Clock {
     working_since: Option<Instant>,
 }
 
 impl Clock {
     /// Takes up what the solver is about, and whether its statistics are new.
-    pub(in crate::app) fn note(&mut self, run: RunState, is_newer: bool) {
+    pub fn note(&mut self, run: RunState, is_newer: bool) {
         self.note_at(run, is_newer, Instant::now());
     }
 
@@ -119,7 +119,7 @@ impl Clock {
     }
 
     /// Seconds of work that the statistics do not hold yet; `None` while nothing is done.
-    pub(in crate::app) fn seconds(&self) -> Option<f64> {
+    pub fn seconds(&self) -> Option<f64> {
         self.seconds_at(Instant::now())
     }
 

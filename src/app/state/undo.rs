@@ -6,9 +6,10 @@
 
 use egui::{Button, Context, Key, KeyboardShortcut, Modifiers, Ui};
 
+use crate::app::actions::{Action, Outbox};
 use crate::app::state::lighting::Lighting;
 use crate::app::state::settings::DisplaySettings;
-use crate::app::{App, Outbox, words};
+use crate::app::{App, words};
 use crate::scene::TaskArea;
 use crate::scene::outside::Daylight;
 use crate::solve::SolverParams;
@@ -22,7 +23,7 @@ const REDO: KeyboardShortcut = KeyboardShortcut::new(Modifiers::COMMAND.plus(Mod
 
 /// All that can be undone, as it stood at one time.
 #[derive(Clone, Debug, PartialEq)]
-pub(in crate::app) struct Undoable {
+pub struct Undoable {
     params: SolverParams,
     display: DisplaySettings,
     lighting: Lighting,
@@ -51,7 +52,7 @@ impl Undoable {
 
 /// Former settings, and those that were undone.
 #[derive(Default)]
-pub(in crate::app) struct History {
+pub struct History {
     /// As it stood when everything was last let go.
     now: Option<Undoable>,
     past: Vec<Undoable>,
@@ -60,7 +61,7 @@ pub(in crate::app) struct History {
 
 impl History {
     /// Takes up what is set now as a new step, if it differs.
-    fn note(&mut self, settings: &Undoable) {
+    pub fn note(&mut self, settings: &Undoable) {
         let is_new = self.now.as_ref() != Some(settings);
         if is_new && let Some(former) = self.now.replace(settings.clone()) {
             self.past.push(former);
@@ -72,7 +73,7 @@ impl History {
     }
 
     /// Takes what is set now as no person's doing: there is nothing to take back.
-    pub(in crate::app) fn take_as_given(&mut self, settings: Undoable) {
+    pub fn take_as_given(&mut self, settings: Undoable) {
         self.now = Some(settings);
     }
 
@@ -106,12 +107,12 @@ impl App {
         }
     }
 
-    fn undo(&mut self, outbox: &mut Outbox) {
+    pub(in crate::app) fn undo(&mut self, outbox: &mut Outbox) {
         let former = self.edits.history.undo(self.undoable());
         self.restore(former, outbox);
     }
 
-    fn redo(&mut self, outbox: &mut Outbox) {
+    pub(in crate::app) fn redo(&mut self, outbox: &mut Outbox) {
         let later = self.edits.history.redo(self.undoable());
         self.restore(later, outbox);
     }
@@ -138,23 +139,22 @@ impl App {
 }
 
 /// Ctrl+Z and Ctrl+Shift+Z, unless text is being typed.
-pub(in crate::app) fn take_keys(app: &mut App, ctx: &Context, outbox: &mut Outbox) {
+pub fn take_keys(ctx: &Context, outbox: &mut Outbox) {
     if ctx.text_edit_focused() {
         return;
     }
     // The longer one first: a shortcut does not mind further modifiers.
     if ctx.input_mut(|input| input.consume_shortcut(&REDO)) {
-        app.redo(outbox);
+        outbox.act(Action::Redo);
     } else if ctx.input_mut(|input| input.consume_shortcut(&UNDO)) {
-        app.undo(outbox);
+        outbox.act(Action::Undo);
     }
 }
 
 /// The two buttons.
-pub(in crate::app) fn show_buttons(app: &mut App, ui: &mut Ui, outbox: &mut Outbox) {
-    let settings = app.undoable();
-    let past = app.edits.history.past.last().map(|former| former.difference(&settings));
-    let future = app.edits.history.future.last().map(|later| later.difference(&settings));
+pub fn show_buttons(ui: &mut Ui, history: &History, settings: &Undoable, outbox: &mut Outbox) {
+    let past = history.past.last().map(|former| former.difference(settings));
+    let future = history.future.last().map(|later| later.difference(settings));
     let button = |ui: &mut Ui, [name, nothing]: [&str; 2], what: Option<&str>, shortcut: &KeyboardShortcut| {
         let keys = ui.ctx().format_shortcut(shortcut);
         let response = ui.add_enabled(what.is_some(), Button::new(name));
@@ -164,27 +164,19 @@ pub(in crate::app) fn show_buttons(app: &mut App, ui: &mut Ui, outbox: &mut Outb
         };
         response.clicked()
     };
-    if button(ui, [words::UNDO, words::NOTHING_TO_UNDO], past, &UNDO) {
-        app.undo(outbox);
+    if button(ui, [words::UNDO, "Nothing to undo"], past, &UNDO) {
+        outbox.act(Action::Undo);
     }
-    if button(ui, [words::REDO, words::NOTHING_TO_REDO], future, &REDO) {
-        app.redo(outbox);
+    if button(ui, [words::REDO, "Nothing to redo"], future, &REDO) {
+        outbox.act(Action::Redo);
     }
 }
 
 /// Whether a person is in the middle of setting something.
-pub(in crate::app) fn is_busy(ctx: &Context) -> bool {
+pub fn is_busy(ctx: &Context) -> bool {
     ctx.egui_is_using_pointer()
         || ctx.text_edit_focused()
         || ctx.input(|input| input.pointer.any_down() || !input.keys_down.is_empty())
-}
-
-/// Takes up what a person set in this frame, once everything is let go.
-pub(in crate::app) fn note(app: &mut App, ctx: &Context) {
-    if !is_busy(ctx) {
-        let settings = app.undoable();
-        app.edits.history.note(&settings);
-    }
 }
 
 #[cfg(test)]

@@ -12,10 +12,11 @@ use std::time::Duration;
 
 use egui::Ui;
 
-use crate::app::widgets::theme;
-use crate::app::{App, Outbox, Wake};
+use crate::app::actions::Action;
+use crate::app::widgets::{rows, theme};
+use crate::app::{Outbox, Wake};
 use crate::scene::Source;
-use crate::worker::{Command, FileStamp, SceneInfo};
+use crate::worker::{FileStamp, SceneInfo};
 
 /// Time between two looks at the files.
 const INTERVAL: Duration = Duration::from_millis(500);
@@ -31,7 +32,7 @@ enum News {
 
 /// Watches the files of the scene in view.
 #[derive(Default)]
-pub(in crate::app) struct Watch {
+pub struct Watch {
     watcher: Option<Watcher>,
     /// A file that has changed, until somebody says what to do.
     changed: Option<PathBuf>,
@@ -47,14 +48,14 @@ struct Watcher {
 
 impl Watch {
     /// Watches another scene's files, or none.
-    pub(in crate::app) fn start_with(&mut self, info: &SceneInfo, wake: &Wake) {
+    pub fn start_with(&mut self, info: &SceneInfo, wake: &Wake) {
         self.changed = None;
         // Without a thread nothing is watched, and nothing else is lost.
         self.watcher = spawn(info.stamps.clone(), wake.clone());
     }
 
     /// Takes a file that the window itself wrote for no change.
-    pub(in crate::app) fn accept(&self, path: &Path) {
+    pub fn accept(&self, path: &Path) {
         if let Some(watcher) = &self.watcher {
             // A thread that has ended watches nothing.
             let _ = watcher.accept.send(path.to_owned());
@@ -62,7 +63,7 @@ impl Watch {
     }
 
     /// Takes up what the thread found; a sentence where a file has vanished.
-    pub(in crate::app) fn poll(&mut self) -> Option<String> {
+    pub fn poll(&mut self) -> Option<String> {
         let mut sentence = None;
         while let Some(news) = self.watcher.as_ref().and_then(|watcher| watcher.news.try_recv().ok()) {
             match news {
@@ -78,17 +79,22 @@ impl Watch {
     }
 
     /// Whether the scene that came is the former one, read anew; reported once.
-    pub(in crate::app) fn take_reloading(&mut self) -> bool {
+    pub fn take_reloading(&mut self) -> bool {
         self.reloading.take().is_some()
     }
 
     /// A scene is asked for; any other than the one that is read anew makes that pointless.
-    pub(in crate::app) fn note_asked(&mut self, source: &Source) {
+    pub fn note_asked(&mut self, source: &Source) {
         self.reloading.take_if(|reloading| reloading != source);
     }
 
+    /// The scene in view is read anew.
+    pub fn note_reloading(&mut self, source: Source) {
+        self.reloading = Some(source);
+    }
+
     /// A scene could not be read.
-    pub(in crate::app) fn forget_reload(&mut self) {
+    pub fn forget_reload(&mut self) {
         self.reloading = None;
     }
 }
@@ -156,33 +162,25 @@ impl Watched {
 }
 
 /// Draws the bar over the view that offers to read a changed file again.
-pub(in crate::app) fn show(app: &mut App, ui: &mut Ui, outbox: &mut Outbox) {
-    let Some(path) = &app.documents.watch.changed else { return };
+pub fn show(ui: &mut Ui, watch: &mut Watch, outbox: &mut Outbox) {
+    let Some(path) = &watch.changed else { return };
     let name = name_of(path);
     let fill = theme::palette(ui.visuals()).note_fill;
     let [mut reload, mut keep] = [false; 2];
-    egui::Frame::new().fill(fill).inner_margin(egui::Margin::symmetric(12, 8)).show(ui, |ui| {
-        ui.horizontal(|ui| {
-            let (dot, _) = ui.allocate_exact_size(egui::vec2(8.0, 8.0), egui::Sense::hover());
-            ui.painter().circle_filled(dot.center(), 4.0, theme::ACCENT);
-            ui.add(egui::Label::new(egui::RichText::new(format!("{name} has changed on disk.")).strong()).truncate());
-            ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-                let hint = "Goes on with the scene as it is in view; what changes after this is reported again.";
-                keep = ui.button("Keep").on_hover_text(hint).clicked();
-                let hint = "Reads the file again. Camera, lamps and settings stay; materials and groups that were changed here and not saved do not.";
-                reload = ui.button("Reload").on_hover_text(hint).clicked();
-            });
-        });
+    let say = |ui: &mut Ui| {
+        ui.add(egui::Label::new(egui::RichText::new(format!("{name} has changed on disk.")).strong()).truncate());
+    };
+    rows::bar(ui, fill, theme::ACCENT, say, |ui| {
+        let hint = "Goes on with the scene as it is in view; what changes after this is reported again.";
+        keep = ui.button("Keep").on_hover_text(hint).clicked();
+        let hint = "Reads the file again. Camera, lamps and settings stay; materials and groups that were changed here and not saved do not.";
+        reload = ui.button("Reload").on_hover_text(hint).clicked();
     });
     if keep || reload {
-        app.documents.watch.changed = None;
+        watch.changed = None;
     }
     if reload {
-        let settings = app.settings();
-        if let Some(source) = settings.source() {
-            outbox.push(Command::Load(source.clone(), settings.reading, settings.light));
-            app.documents.watch.reloading = Some(source);
-        }
+        outbox.act(Action::Reload);
     }
 }
 

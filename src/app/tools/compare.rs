@@ -3,19 +3,32 @@
 
 use std::sync::Arc;
 
-use egui::{Button, Grid, RichText, Ui};
+use egui::{Button, Grid, Ui};
 use serde_json::Value;
 
+use crate::app::actions::{Action, Outbox};
 use crate::app::state::comparison::Comparison;
 use crate::app::state::pinned::{Pinned, PinnedSolution, Sides};
-use crate::app::widgets::theme;
-use crate::app::{App, format, words};
+use crate::app::widgets::{rows, theme};
+use crate::app::{Shown, format, words};
 use crate::solve::{PARAMETERS, Parameter, Snapshot, SolverParams, Stats};
 
 /// Width of the names in a table, points.
 const NAME_WIDTH: f32 = 112.0;
 /// Numbers that differ by less than this share are alike.
 const WORTH_TELLING: f64 = 0.01;
+
+/// What the view can show, with names and hints.
+const SIDES: [(Sides, &str, &str); 4] = [
+    (
+        Sides::Split,
+        words::A_BESIDE_B,
+        "A at the left of a divider that can be dragged, B at its right; same view, same exposure",
+    ),
+    (Sides::A, words::A_ALONE, "The solution that was kept"),
+    (Sides::B, words::B_ALONE, "The solution that runs, exposed as A"),
+    (Sides::Difference, words::DIFFERENCE, "Where B is darker or brighter than A, relative to A"),
+];
 
 /// A row of the table: name, A, B and, where it is a number, how much of A's B is.
 struct Row {
@@ -26,80 +39,59 @@ struct Row {
 }
 
 /// Draws the tool.
-pub(in crate::app) fn show(app: &mut App, ui: &mut Ui) {
-    let Some(snapshot) = app.shown.snapshot.clone() else {
+pub fn show(
+    ui: &mut Ui,
+    shown: &Shown,
+    pinned: &mut Pinned,
+    comparison: &Comparison,
+    params: &SolverParams,
+    outbox: &mut Outbox,
+) {
+    let Some(snapshot) = &shown.snapshot else {
         ui.label(theme::weak("Nothing to compare yet: open a scene."));
         return;
     };
-    if app.tools.pinned.solution().is_none() {
+    let is_kept = pinned.solution().is_some();
+    if !is_kept {
         let text = "Keep the solution in view as A, then change settings: the solver goes on with B, and the view shows both side by side.";
-        ui.add(egui::Label::new(theme::weak(text)).wrap());
+        rows::sentence(ui, theme::weak(text));
         ui.add_space(4.0);
     }
     ui.horizontal(|ui| {
-        let is_kept = app.tools.pinned.solution().is_some();
-        let name = if is_kept { words::REPLACE_A } else { words::KEEP_AS_A };
+        let name = if is_kept { "Replace A" } else { words::KEEP_AS_A };
         if ui.button(name).on_hover_text("Keep the solution in view, with its settings and statistics").clicked() {
-            keep(app, snapshot.clone());
+            outbox.act(Action::KeepAsA);
         }
         if ui.add_enabled(is_kept, Button::new(words::DISCARD_A)).clicked() {
-            app.tools.pinned.let_go();
+            pinned.let_go();
         }
     });
-    if app.tools.pinned.solution().is_none() {
+    if !is_kept {
         return;
     }
     ui.add_space(6.0);
-    show_sides(&mut app.tools.pinned, ui);
+    ui.horizontal(|ui| rows::alternatives(ui, &mut pinned.sides, &SIDES));
     ui.add_space(8.0);
-    let measured = measured(&app.tools.comparison, &snapshot);
-    if let Some(pinned) = app.tools.pinned.solution() {
-        let settings = differing_settings(&pinned.params, &app.edits.params);
-        heading(ui, "Settings that differ");
-        match settings.is_empty() {
-            true => {
-                ui.label(theme::weak("None yet: change a setting, and B goes on from there."));
-            }
-            false => table(ui, "settings", &settings),
+    let Some(kept) = pinned.solution() else { return };
+    let settings = differing_settings(&kept.params, params);
+    ui.add_space(4.0);
+    rows::heading(ui, "Settings that differ");
+    match settings.is_empty() {
+        true => {
+            ui.label(theme::weak("None yet: change a setting, and B goes on from there."));
         }
-        heading(ui, words::RESULTS);
-        table(ui, "results", &results(pinned, &snapshot, measured, app.tools.pinned.rms()));
+        false => table(ui, "settings", &settings),
     }
-}
-
-/// Keeps what is in view.
-pub(in crate::app) fn keep(app: &mut App, snapshot: Arc<Snapshot>) {
-    let measured = measured(&app.tools.comparison, &snapshot);
-    app.tools.pinned.keep(snapshot, app.edits.params, measured, app.view.exposure);
+    ui.add_space(4.0);
+    rows::heading(ui, "Results");
+    table(ui, "results", &results(kept, snapshot, measured(comparison, snapshot), pinned.rms()));
 }
 
 /// The error of a snapshot by the reference of the Accuracy section, if it was measured.
-fn measured(comparison: &Comparison, snapshot: &Arc<Snapshot>) -> Option<(f64, f64)> {
+pub fn measured(comparison: &Comparison, snapshot: &Arc<Snapshot>) -> Option<(f64, f64)> {
     let measured = comparison.report().measured.as_ref()?;
     let shown = &measured.error.displayed;
     Arc::ptr_eq(&measured.snapshot, snapshot).then_some((shown.rms, shown.rms_noise))
-}
-
-fn show_sides(pinned: &mut Pinned, ui: &mut Ui) {
-    ui.horizontal(|ui| {
-        for (sides, name, hint) in [
-            (
-                Sides::Split,
-                words::A_BESIDE_B,
-                "A at the left of a divider that can be dragged, B at its right; same view, same exposure",
-            ),
-            (Sides::A, words::A_ALONE, "The solution that was kept"),
-            (Sides::B, words::B_ALONE, "The solution that runs, exposed as A"),
-            (Sides::Difference, words::DIFFERENCE, "Where B is darker or brighter than A, relative to A"),
-        ] {
-            ui.selectable_value(&mut pinned.sides, sides, name).on_hover_text(hint);
-        }
-    });
-}
-
-fn heading(ui: &mut Ui, text: &str) {
-    ui.add_space(4.0);
-    ui.label(RichText::new(text).strong());
 }
 
 fn table(ui: &mut Ui, id: &str, rows: &[Row]) {
@@ -111,7 +103,7 @@ fn table(ui: &mut Ui, id: &str, rows: &[Row]) {
         for row in rows {
             ui.scope(|ui| {
                 ui.set_max_width(NAME_WIDTH);
-                ui.add(egui::Label::new(row.name.as_str()).wrap());
+                rows::sentence(ui, row.name.as_str());
             });
             ui.label(theme::value(row.a.as_str()));
             ui.label(theme::value(row.b.as_str()));

@@ -3,14 +3,17 @@
 
 use std::path::{Path, PathBuf};
 
-use egui::{Button, ComboBox, DragValue, RichText, Ui};
+use egui::{Button, DragValue, RichText, Ui};
 
-use crate::app::state::exports::{self, Exports, Item, PictureSize};
+use crate::app::actions::{Action, Outbox};
+use crate::app::state::exports::{self, Exports, Item, PictureSize, Target};
+use crate::app::view::viewport::Viewport;
 use crate::app::widgets::dialog::DialogAnswer;
-use crate::app::widgets::theme;
-use crate::app::{App, format, words};
+use crate::app::widgets::{rows, theme};
+use crate::app::{Shown, Wake, format};
 use crate::export::MeshFormat;
 use crate::export::peers::Peer;
+use crate::export::settings::Settings;
 use crate::render::MAX_SIZE;
 
 /// Text of a button, the item that it writes, and a hint about it.
@@ -21,8 +24,12 @@ const PICTURES: [Offer; 2] = [
     (Item::Exr, "Radiosities (EXR)", "What the view sees as radiosity B in W/m², 32-bit floats, linear and unexposed"),
 ];
 const MESHES: [Offer; 2] = [
-    (Item::Glb, "Mesh (GLB)", "Vertices with tone-mapped colours, which other programs show, and radiosities in W/m²"),
-    (Item::Ply, "Mesh (PLY)", "Vertices with radiosities in W/m² and tone-mapped colours, binary"),
+    (
+        Item::Mesh(MeshFormat::Glb),
+        "Mesh (GLB)",
+        "Vertices with tone-mapped colours, which other programs show, and radiosities in W/m²",
+    ),
+    (Item::Mesh(MeshFormat::Ply), "Mesh (PLY)", "Vertices with radiosities in W/m² and tone-mapped colours, binary"),
 ];
 const NUMBERS: [Offer; 3] = [
     (Item::Links, "Links (CSV)", "Every link: both ends, form factor F, visibility V, rays and power in W"),
@@ -46,31 +53,29 @@ const PEERS: [Offer; 2] = [
     ),
 ];
 
-/// Draws the tool.
-pub(in crate::app) fn show(app: &mut App, ui: &mut Ui) {
-    if app.shown.info.is_none() || app.shown.snapshot.is_none() {
+/// Draws the tool; `view` is the size of what is drawn there, pixels.
+pub fn show(ui: &mut Ui, shown: &Shown, exports: &mut Exports, view: [u32; 2], outbox: &mut Outbox) {
+    if shown.info.is_none() || shown.snapshot.is_none() {
         ui.label(theme::weak("Nothing to export yet: open a scene."));
         return;
     }
-    show_name(&mut app.documents.exports, ui);
+    show_name(exports, ui);
     ui.add_space(6.0);
     let mut wanted = None;
-    let is_idle = app.documents.exports.writing().is_none();
+    let is_idle = exports.writing().is_none();
     heading(ui, "The view");
-    show_size(&mut app.documents.exports, ui, app.view.viewport.pixels());
+    show_size(exports, ui, view);
     buttons(ui, is_idle, &PICTURES, &mut wanted);
-    heading(ui, "The lit mesh");
-    buttons(ui, is_idle, &MESHES, &mut wanted);
-    heading(ui, "Numbers");
-    buttons(ui, is_idle, &NUMBERS, &mut wanted);
-    heading(ui, "For other programs");
-    buttons(ui, is_idle, &PEERS, &mut wanted);
+    for (title, offers) in [("The lit mesh", &MESHES[..]), ("Numbers", &NUMBERS), ("For other programs", &PEERS)] {
+        heading(ui, title);
+        buttons(ui, is_idle, offers, &mut wanted);
+    }
     ui.add_space(6.0);
     if let Some(item) = wanted {
-        ask(app, item);
+        ask(exports, item, outbox);
     }
-    show_question(app, ui);
-    show_state(&mut app.documents.exports, ui);
+    show_question(exports, ui, outbox);
+    show_state(exports, ui);
 }
 
 fn heading(ui: &mut Ui, text: &str) {
@@ -112,23 +117,16 @@ fn show_size(exports: &mut Exports, ui: &mut Ui, view: [u32; 2]) {
         match size {
             PictureSize::AsShown => named("As shown: ", view),
             PictureSize::FullHd | PictureSize::FourK => named("", pixels(size, own, view)),
-            PictureSize::Own => words::CUSTOM_SIZE.to_owned(),
+            PictureSize::Own => "Custom…".to_owned(),
         }
     };
-    theme::row(ui, "Size in pixels", |ui| {
-        let combo = ComboBox::from_id_salt("picture size").selected_text(text(exports.size, exports.own_size));
-        let inner = combo.show_ui(ui, |ui| {
-            for size in [PictureSize::AsShown, PictureSize::FullHd, PictureSize::FourK, PictureSize::Own] {
-                let text = text(size, exports.own_size);
-                ui.selectable_value(&mut exports.size, size, text);
-            }
-        });
-        inner.response
-    });
+    let (own, sizes) =
+        (exports.own_size, [PictureSize::AsShown, PictureSize::FullHd, PictureSize::FourK, PictureSize::Own]);
+    rows::choice(ui, "Size in pixels", &mut exports.size, sizes, |size| text(*size, own));
     if exports.size == PictureSize::Own {
         let [width, height] = &mut exports.own_size;
         for (value, name) in [(width, "Width"), (height, "Height")] {
-            theme::row(ui, name, |ui| ui.add(DragValue::new(value).range(1..=MAX_SIZE).suffix(" pixels")));
+            rows::row(ui, name, |ui| ui.add(DragValue::new(value).range(1..=MAX_SIZE).suffix(" pixels")));
         }
     }
 }
@@ -153,27 +151,25 @@ fn buttons(ui: &mut Ui, is_idle: bool, offers: &[Offer], wanted: &mut Option<Ite
 }
 
 /// Writes a file, or asks first where one is there.
-fn ask(app: &mut App, item: Item) {
-    app.documents.exports.in_question = None;
-    match app.documents.exports.path(item) {
-        Some(path) if path.exists() => app.documents.exports.in_question = Some(item),
-        Some(_) => begin(app, item),
-        None => app.documents.exports.outcome = Some(Err("Give the files a name first, such as /home/me/room.".into())),
+fn ask(exports: &mut Exports, item: Item, outbox: &mut Outbox) {
+    exports.in_question = None;
+    match exports.path(item) {
+        Some(path) if path.exists() => exports.in_question = Some(item),
+        Some(_) => outbox.act(Action::Export(item)),
+        None => exports.outcome = Some(Err("Give the files a name first, such as /home/me/room.".into())),
     }
 }
 
-fn show_question(app: &mut App, ui: &mut Ui) {
-    let Some(item) = app.documents.exports.in_question else { return };
-    let Some(path) = app.documents.exports.path(item) else { return };
-    let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned();
-    ui.label(format!("{name} already exists."));
+fn show_question(exports: &mut Exports, ui: &mut Ui, outbox: &mut Outbox) {
+    let Some((item, path)) = exports.in_question.and_then(|item| Some((item, exports.path(item)?))) else { return };
+    ui.label(format!("{} already exists.", path.file_name().unwrap_or(path.as_os_str()).to_string_lossy()));
     ui.horizontal(|ui| {
-        if ui.button("Overwrite it").clicked() {
-            app.documents.exports.in_question = None;
-            begin(app, item);
+        let overwrite = ui.button("Overwrite it").clicked();
+        if overwrite {
+            outbox.act(Action::Export(item));
         }
-        if ui.button("Keep it").clicked() {
-            app.documents.exports.in_question = None;
+        if ui.button("Keep it").clicked() || overwrite {
+            exports.in_question = None;
         }
     });
 }
@@ -193,49 +189,44 @@ fn show_state(exports: &mut Exports, ui: &mut Ui) {
     }
     match &exports.outcome {
         Some(Ok(sentence)) => {
-            ui.add(egui::Label::new(sentence.as_str()).wrap());
+            rows::sentence(ui, sentence.as_str());
         }
         Some(Err(sentence)) => {
             let sentence = format::without_os_codes(sentence);
-            ui.add(egui::Label::new(RichText::new(sentence).color(ui.visuals().error_fg_color)).wrap());
+            rows::failure(ui, sentence);
         }
         None => {}
     }
 }
 
+/// Writes a file and returns what to say of it.
+type Write = Box<dyn FnOnce(&Target) -> Result<String, String> + Send>;
+
 /// Hands a file to its thread.
-fn begin(app: &mut App, item: Item) {
-    let (Some(path), Some(info), Some(snapshot)) =
-        (app.documents.exports.path(item), &app.shown.info, &app.shown.snapshot)
-    else {
-        return;
-    };
+pub fn begin(exports: &mut Exports, item: Item, shown: &Shown, viewport: &Viewport, settings: Settings, wake: &Wake) {
+    let (Some(path), Some(info), Some(snapshot)) = (exports.path(item), &shown.info, &shown.snapshot) else { return };
     let (scene, snapshot) = (info.scene.clone(), snapshot.clone());
-    let size = pixels(app.documents.exports.size, app.documents.exports.own_size, app.view.viewport.pixels());
-    let picture = app.view.viewport.picture(size);
-    let settings = app.settings();
-    let (exports, wake) = (&mut app.documents.exports, &app.wake);
-    match (item, picture) {
-        (Item::Png, Some(picture)) => exports.begin(path, wake, move |to| exports::write_png(to, &picture)),
-        (Item::Exr, Some(picture)) => exports.begin(path, wake, move |to| exports::write_exr(to, &picture, &snapshot)),
-        (Item::Png | Item::Exr, None) => exports.outcome = Some(Err("Nothing has been drawn yet.".into())),
-        (Item::Ply, _) => {
-            exports.begin(path, wake, move |to| exports::write_mesh(to, MeshFormat::Ply, &snapshot, &scene));
+    let picture = viewport.picture(pixels(exports.size, exports.own_size, viewport.pixels()));
+    let write: Write = match (item, picture) {
+        (Item::Png, Some(picture)) => Box::new(move |to| exports::write_png(to, &picture)),
+        (Item::Exr, Some(picture)) => Box::new(move |to| exports::write_exr(to, &picture, &snapshot)),
+        (Item::Png | Item::Exr, None) => {
+            exports.outcome = Some(Err("Nothing has been drawn yet.".into()));
+            return;
         }
-        (Item::Glb, _) => {
-            exports.begin(path, wake, move |to| exports::write_mesh(to, MeshFormat::Glb, &snapshot, &scene));
+        (Item::Mesh(form), _) => Box::new(move |to| exports::write_mesh(to, form, &snapshot, &scene)),
+        (Item::Links, _) => Box::new(move |to| exports::write_links(to, &snapshot)),
+        (Item::Peer(peer), _) => Box::new(move |to| exports::write_peer(to, peer, &scene)),
+        (Item::Settings, _) => {
+            Box::new(move |to| exports::write_text(to, &settings.to_json().map_err(|error| error.to_string())?))
         }
-        (Item::Links, _) => exports.begin(path, wake, move |to| exports::write_links(to, &snapshot)),
-        (Item::Peer(peer), _) => exports.begin(path, wake, move |to| exports::write_peer(to, peer, &scene)),
-        (Item::Settings, _) => exports.begin(path, wake, move |to| {
-            exports::write_text(to, &settings.to_json().map_err(|error| error.to_string())?)
-        }),
-        (Item::Statistics, _) => exports.begin(path, wake, move |to| {
+        (Item::Statistics, _) => Box::new(move |to| {
             let report = serde_json::json!({
                 "scene": scene.name, "settings": settings, "statistics": snapshot.stats,
             });
             let text = serde_json::to_string_pretty(&report).map_err(|error| error.to_string())?;
             exports::write_text(to, &(text + "\n"))
         }),
-    }
+    };
+    exports.begin(path, wake, write);
 }

@@ -8,7 +8,7 @@ use glam::{DVec3, Vec3};
 use crate::app::state::measuring::{Measuring, Table, lux_in_words};
 use crate::app::state::messages::{Messages, Topic};
 use crate::app::widgets::dialog::DialogAnswer;
-use crate::app::widgets::theme;
+use crate::app::widgets::{rows, theme};
 use crate::app::{Shown, Wake, format, words};
 use crate::base::photometry::CONVENTION;
 use crate::read::daylight_factor::NoDaylightFactor;
@@ -20,17 +20,11 @@ const LENGTHS: std::ops::RangeInclusive<f32> = 0.0..=100.0;
 const NO_DIALOG: &str = "No file dialog answers on this system: type a path into the field CSV file and use Write.";
 
 /// Draws the tool.
-pub(in crate::app) fn show(
-    ui: &mut Ui,
-    shown: &Shown,
-    measuring: &mut Measuring,
-    messages: &mut Messages,
-    wake: &Wake,
-) {
-    heading(ui, "Probes");
+pub fn show(ui: &mut Ui, shown: &Shown, measuring: &mut Measuring, messages: &mut Messages, wake: &Wake) {
+    rows::heading(ui, "Probes");
     show_probes(ui, shown, measuring);
     ui.separator();
-    heading(ui, "Work plane");
+    rows::heading(ui, "Work plane");
     show_plane_setup(ui, shown, measuring, wake);
     if let Some(plane) = measuring.plane_reading().cloned() {
         show_summary(ui, &plane, measuring.plane_is_stale());
@@ -41,11 +35,7 @@ pub(in crate::app) fn show(
     ui.separator();
     show_files(ui, shown, measuring, messages);
     ui.add_space(4.0);
-    ui.add(egui::Label::new(theme::weak(CONVENTION).small()).wrap());
-}
-
-fn heading(ui: &mut Ui, text: &str) {
-    ui.label(RichText::new(text).strong());
+    rows::sentence(ui, theme::weak(CONVENTION).small());
 }
 
 fn show_probes(ui: &mut Ui, shown: &Shown, measuring: &mut Measuring) {
@@ -136,7 +126,7 @@ fn show_plane_setup(ui: &mut Ui, shown: &Shown, measuring: &mut Measuring, wake:
         ("Margin to walls", &mut plane.margin, "Strip along the rim of the floor that is left out (EN 12464-1: 0.5 m)"),
     ];
     for (label, length, hint) in fields {
-        theme::row(ui, label, |ui| {
+        rows::row(ui, label, |ui| {
             let field = DragValue::new(length).speed(0.01).range(LENGTHS).max_decimals(3).suffix(" m");
             ui.add(field).on_hover_text(hint)
         });
@@ -166,7 +156,7 @@ fn show_plane_setup(ui: &mut Ui, shown: &Shown, measuring: &mut Measuring, wake:
         ui.add(bar).on_hover_text(format!("{:.0} % of the points are measured", 100.0 * share));
     }
     if let Some(failure) = measuring.failure() {
-        ui.add(egui::Label::new(RichText::new(failure).color(ui.visuals().error_fg_color)).wrap());
+        rows::failure(ui, failure);
     }
 }
 
@@ -174,7 +164,7 @@ fn show_summary(ui: &mut Ui, plane: &PlaneReading, is_stale: bool) {
     let summary = plane.summary();
     if summary.points == 0 {
         let sentence = "Every point lies inside of something or outside of the room: choose another height.";
-        ui.add(egui::Label::new(RichText::new(sentence).color(ui.visuals().error_fg_color)).wrap());
+        rows::failure(ui, sentence);
         return;
     }
     let lux = |value: f32| format!("{:>7} lx", format::number(value.into()));
@@ -199,7 +189,7 @@ fn show_summary(ui: &mut Ui, plane: &PlaneReading, is_stale: bool) {
     });
     if let Err(missing @ (NoDaylightFactor::Sun | NoDaylightFactor::Lamps)) = plane.open_ground {
         let text = format!("There is {missing}.");
-        ui.add(egui::Label::new(theme::weak(text)).wrap());
+        rows::sentence(ui, theme::weak(text));
     }
     let [columns, rows] = plane.grid.counts.map(format::count);
     let [across, along] = plane.grid.steps.map(|step| format::short(step.into()));
@@ -208,9 +198,9 @@ fn show_summary(ui: &mut Ui, plane: &PlaneReading, is_stale: bool) {
         points => format!("; {} left out, inside of things or outside of the room", format::count(points)),
     };
     let text = format!("{columns} × {rows} points, {across} × {along} m apart{left_out}");
-    ui.add(egui::Label::new(theme::weak(text)).wrap());
+    rows::sentence(ui, theme::weak(text));
     if is_stale {
-        ui.add(egui::Label::new(theme::weak(format!("{}.", words::EARLIER_PLANE))).wrap());
+        rows::sentence(ui, theme::weak(format!("{}.", words::EARLIER_PLANE)));
     }
 }
 
@@ -238,7 +228,7 @@ fn show_area(ui: &mut Ui, shown: &Shown, measuring: &mut Measuring) {
     let before = filed;
     for (axis, letter) in axes {
         ui.horizontal(|ui| {
-            theme::row_label(ui, &format!("{}, {letter}", words::TASK_AREA));
+            rows::row_label(ui, &format!("{}, {letter}", words::TASK_AREA));
             for (corner, name) in ["from", "to"].into_iter().enumerate() {
                 let field = DragValue::new(&mut filed[corner][axis]).speed(0.01).max_decimals(3).suffix(" m");
                 let _ = ui.add(field).accessible_name(words::task_area(letter, name));
@@ -252,12 +242,12 @@ fn show_area(ui: &mut Ui, shown: &Shown, measuring: &mut Measuring) {
 
 /// The average and the uniformity that the plane is to have, and whether it has.
 fn show_target(ui: &mut Ui, plane: &PlaneReading, measuring: &mut Measuring) {
-    theme::row(ui, words::TARGET_AVERAGE, |ui| {
+    rows::row(ui, words::TARGET_AVERAGE, |ui| {
         let field = DragValue::new(&mut measuring.target).speed(5.0).range(1.0..=1e5).max_decimals(0).suffix(" lx");
         ui.add(field)
             .on_hover_text("Illuminance that the task asks for, such as 500 lx for writing and reading (EN 12464-1)")
     });
-    theme::row(ui, words::TARGET_UNIFORMITY, |ui| {
+    rows::row(ui, words::TARGET_UNIFORMITY, |ui| {
         let field = DragValue::new(&mut measuring.least_uniformity).speed(0.01).range(0.0..=1.0).max_decimals(2);
         ui.add(field).on_hover_text("Minimum over average that the task asks for, such as 0.6 (EN 12464-1)")
     });
@@ -288,29 +278,30 @@ fn show_files(ui: &mut Ui, shown: &Shown, measuring: &mut Measuring, messages: &
     ];
     ui.horizontal_wrapped(|ui| {
         for (table, label, name, is_there) in tables {
-            let button = ui.add_enabled(is_there && !measuring.save.is_open(), Button::new(label));
+            let button = ui.add_enabled(is_there && !measuring.save.dialog.is_open(), Button::new(label));
             if button.on_hover_text("Choose where this table is written").clicked() {
                 measuring.saves = table;
-                measuring.save.path_text = name.to_owned();
-                measuring.save.open(ui.ctx(), "Write a table", name.to_owned());
+                measuring.save.text = name.to_owned();
+                let dialog = rfd::FileDialog::new().set_title("Write a table").set_file_name(name);
+                measuring.save.dialog.open(ui.ctx(), || dialog.save_file());
             }
         }
     });
     let is_there = tables.iter().any(|(table, .., is_there)| *is_there && *table == measuring.saves);
     let mut is_clicked = false;
-    theme::row(ui, "CSV file", |ui| {
-        let field = TextEdit::singleline(&mut measuring.save.path_text)
+    rows::row(ui, "CSV file", |ui| {
+        let field = TextEdit::singleline(&mut measuring.save.text)
             .hint_text("path.csv")
             .desired_width((ui.available_width() - 72.0).max(60.0));
         let field = ui.add(field);
-        let can_write = is_there && measuring.save.typed_path().is_some();
+        let can_write = is_there && measuring.save.typed().is_some();
         is_clicked = ui.add_enabled(can_write, Button::new("Write")).clicked();
         field.on_hover_text("Path for systems without a file dialog; Write stores the table that was chosen last")
     });
-    if let Some(path) = measuring.save.typed_path().filter(|_| is_clicked) {
+    if let Some(path) = measuring.save.typed().filter(|_| is_clicked) {
         write(shown, measuring, &path, messages);
     }
-    match measuring.save.poll() {
+    match measuring.save.dialog.poll() {
         Some(DialogAnswer::Chosen(path)) => write(shown, measuring, &path, messages),
         Some(DialogAnswer::NoDialog) => messages.note(Topic::Writing, NO_DIALOG.into()),
         None => {}

@@ -8,7 +8,7 @@ use crate::worker::SceneInfo;
 
 /// The last finished picture, and the scene with its lamps and materials that it shows.
 #[derive(Default)]
-pub(in crate::app) struct BestPicture {
+pub struct BestPicture {
     finished: Option<(Arc<SceneInfo>, Arc<Snapshot>)>,
 }
 
@@ -17,7 +17,7 @@ impl BestPicture {
     ///
     /// A solve to another target error begins with links that are coarser than the light that was
     /// gathered before. One by ε, and a former step, are looked at for their own sake.
-    pub(in crate::app) fn follow(&mut self, latest: &Arc<Snapshot>, info: Option<&Arc<SceneInfo>>) -> Arc<Snapshot> {
+    pub fn follow(&mut self, latest: &Arc<Snapshot>, info: Option<&Arc<SceneInfo>>) -> Arc<Snapshot> {
         let Some(info) = info else { return latest.clone() };
         let is_done = latest.stats.phase == Phase::Done;
         if is_done && latest.former_step.is_none() && latest.field.is_some() {

@@ -16,7 +16,7 @@ const FIRST_SERIAL: u64 = 1 << 62;
 
 /// Settings of the view of clusters, and the snapshot made by them.
 #[derive(Default)]
-pub(in crate::app) struct ClusterScene {
+pub struct ClusterScene {
     /// Whether surfaces show the colours of their clusters.
     pub coloured: bool,
     /// How far clusters are pulled apart, 0..=1.
@@ -44,19 +44,19 @@ struct Painted {
 
 impl ClusterScene {
     /// Whether anything but the plain picture is asked for; it takes a solution view.
-    pub(in crate::app) fn is_active(&self) -> bool {
+    pub fn is_active(&self) -> bool {
         self.coloured || self.explode > 0.0
     }
 
     /// How a level is to be shown; `None` for the plain picture.
-    pub(in crate::app) fn view(&self, level: u16) -> Option<ClusterView> {
+    pub fn view(&self, level: u16) -> Option<ClusterView> {
         let explode = if level > 0 { self.explode } else { 0.0 };
         (self.coloured || explode > 0.0).then_some(ClusterView { level, explode, coloured: self.coloured })
     }
 
     /// The snapshot as the view shows a level; `None` for the plain picture, while the solution
     /// view has not come, and where no level is to be shown.
-    pub(in crate::app) fn painted(&mut self, snapshot: &Arc<Snapshot>, level: Option<u16>) -> Option<Arc<Snapshot>> {
+    pub fn painted(&mut self, snapshot: &Arc<Snapshot>, level: Option<u16>) -> Option<Arc<Snapshot>> {
         let wanted = level.and_then(|level| Some((level, self.view(level)?)));
         let (Some((level, view)), Some(solution_view)) = (wanted, &snapshot.solution_view) else {
             (self.cut, self.painted) = (None, None);
@@ -95,18 +95,13 @@ impl ClusterScene {
     }
 
     /// Whether surfaces lie elsewhere than in the scene.
-    pub(in crate::app) fn is_exploded(&self) -> bool {
+    pub fn is_exploded(&self) -> bool {
         self.painted.as_ref().is_some_and(|painted| painted.view.explode > 0.0)
     }
 
     /// The picked element and what is pointed at, where surfaces lie elsewhere than in the scene;
     /// links are left out, for their ways would be none of light's.
-    pub(in crate::app) fn marks(
-        &self,
-        solution_view: &SolutionView,
-        picked: Option<ElementId>,
-        highlight: Highlight,
-    ) -> Marks {
+    pub fn marks(&self, solution_view: &SolutionView, picked: Option<ElementId>, highlight: Highlight) -> Marks {
         let mut lines: Vec<Line> = Vec::new();
         let ends = match highlight {
             Highlight::None => [None; 2],
@@ -124,7 +119,7 @@ impl ClusterScene {
 
     /// A ray into the picture as one into the scene, which meets the same surface at once: beside
     /// it, how far that surface was moved.
-    pub(in crate::app) fn ray_in_scene(&self, origin: Vec3, direction: Vec3) -> Option<(Vec3, Vec3)> {
+    pub fn ray_in_scene(&self, origin: Vec3, direction: Vec3) -> Option<(Vec3, Vec3)> {
         let (cut, painted) = (self.cut.as_ref()?, self.painted.as_ref()?);
         let mesh = &painted.snapshot.mesh;
         let met = crate::render::pick(mesh, origin, direction)?;

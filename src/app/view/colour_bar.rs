@@ -6,7 +6,7 @@ use egui::{Color32, Mesh, Rect, Shape, pos2};
 const STEPS: usize = 88;
 
 /// The bar; `colour` is asked from 0 at the left to 1 at the right, gamma-encoded.
-pub(in crate::app) fn shape(bar: Rect, colour: impl Fn(f32) -> [u8; 3]) -> Shape {
+pub fn shape(bar: Rect, colour: impl Fn(f32) -> [u8; 3]) -> Shape {
     let mut mesh = Mesh::default();
     for step in 0..=STEPS {
         let along = step as f32 / STEPS as f32;

@@ -15,7 +15,7 @@ const STEP: f32 = 0.02;
 const HANDLE: f32 = 9.0;
 
 /// Draws it; also lets it be dragged. Nothing where no solution is kept.
-pub(in crate::app) fn show(ui: &mut Ui, view: Rect, pinned: &mut Pinned) {
+pub fn show(ui: &mut Ui, view: Rect, pinned: &mut Pinned) {
     if pinned.solution().is_none() {
         return;
     }

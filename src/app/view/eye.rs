@@ -16,7 +16,7 @@ const RAYS: [u32; 2] = [7, 5];
 const THROUGH_SHARE: f32 = 0.2;
 
 /// A camera with what stands before it.
-pub(in crate::app) struct Eye<'a> {
+pub struct Eye<'a> {
     camera: &'a Camera,
     occluders: &'a Occluders,
     clip_from_world: Mat4,
@@ -27,13 +27,13 @@ pub(in crate::app) struct Eye<'a> {
 
 impl<'a> Eye<'a> {
     /// The eye behind a view.
-    pub(in crate::app) fn new(view: Rect, camera: &'a Camera, occluders: &'a Occluders) -> Self {
+    pub fn new(view: Rect, camera: &'a Camera, occluders: &'a Occluders) -> Self {
         let focal = 0.5 * view.height() / (0.5 * camera.vfov()).tan();
         Self { camera, occluders, clip_from_world: camera.clip_from_world(aspect(view)), view, focal }
     }
 
     /// Whether nothing that is drawn stands before a point.
-    pub(in crate::app) fn sees(&self, point: Vec3) -> bool {
+    pub fn sees(&self, point: Vec3) -> bool {
         let away = point - self.camera.eye();
         let Some(direction) = away.try_normalize() else { return true };
         let first = self.occluders.first_front(self.camera.eye(), direction);
@@ -42,7 +42,7 @@ impl<'a> Eye<'a> {
 
     /// Where a point lies, and how many points of the view a length of 1 takes there; `None`
     /// outside.
-    pub(in crate::app) fn project(&self, point: Vec3) -> Option<(Pos2, f32)> {
+    pub fn project(&self, point: Vec3) -> Option<(Pos2, f32)> {
         let clip = self.clip_from_world * point.extend(1.0);
         if clip.w <= self.camera.near() {
             return None;
@@ -54,7 +54,7 @@ impl<'a> Eye<'a> {
 
     /// Whether a good part of the view is seen through backs of faces, such as walls between the
     /// eye and a room.
-    pub(in crate::app) fn looks_through_walls(&self) -> bool {
+    pub fn looks_through_walls(&self) -> bool {
         let [columns, rows] = RAYS;
         let meets_back = |index: &u32| {
             let at = |place: u32, of: u32| 2.0 * (place as f32 + 0.5) / of as f32 - 1.0;

@@ -9,7 +9,7 @@ const FRAMES: u8 = 4;
 
 /// A first view, taken up or not.
 #[derive(Default)]
-pub(in crate::app) struct FirstView {
+pub struct FirstView {
     /// Its pose, where it is not the scene's start.
     pose: Option<CameraPose>,
     /// The camera as it was made last, and frames in which it may be made anew.
@@ -18,17 +18,13 @@ pub(in crate::app) struct FirstView {
 
 impl FirstView {
     /// From this pose, or from the scene's start.
-    pub(in crate::app) fn of(pose: Option<CameraPose>) -> Self {
+    pub fn of(pose: Option<CameraPose>) -> Self {
         Self { pose, made: None }
     }
 
     /// The camera of this frame: made by `suited`, unless there is one that has been moved or has
     /// had its first frames.
-    pub(in crate::app) fn follow(
-        &mut self,
-        camera: Option<Camera>,
-        suited: impl Fn(Option<&CameraPose>) -> Camera,
-    ) -> Option<Camera> {
+    pub fn follow(&mut self, camera: Option<Camera>, suited: impl Fn(Option<&CameraPose>) -> Camera) -> Option<Camera> {
         let left = match (camera, self.made) {
             (None, _) => FRAMES,
             (Some(camera), Some((made, left))) if camera == made && left > 0 => left - 1,

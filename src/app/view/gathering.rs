@@ -30,7 +30,7 @@ struct Sitting {
 
 impl Painted {
     /// Noise that suffices, as a share of the local light.
-    pub(in crate::app) fn goal(&self) -> f32 {
+    pub fn goal(&self) -> f32 {
         self.sitting.error
     }
 }
@@ -53,7 +53,7 @@ struct Look {
 
 /// A picture as far as it is.
 #[derive(Clone)]
-pub(in crate::app) struct Painted {
+pub struct Painted {
     pub pixels: Arc<Pixels>,
     /// Counts up.
     pub serial: u64,
@@ -76,7 +76,7 @@ struct Ask {
 type Slot = Arc<Mutex<Option<Painted>>>;
 
 /// The thread, what was last asked of it and what it painted.
-pub(in crate::app) struct Gathering {
+pub struct Gathering {
     asks: Option<Sender<Option<Ask>>>,
     slot: Slot,
     /// Stops the thread's work on what was asked for last.
@@ -88,7 +88,7 @@ pub(in crate::app) struct Gathering {
 
 impl Gathering {
     /// Starts the thread; without one pictures stay those of the mesh.
-    pub(in crate::app) fn start(wake: &Wake) -> Self {
+    pub fn start(wake: &Wake) -> Self {
         let (asks, inbox) = channel();
         let slot = Slot::default();
         let easel = Easel {
@@ -104,7 +104,7 @@ impl Gathering {
 
     /// The picture of what the view shows, as far as it is; `None` while it shows the mesh. Asks
     /// for one once the view has stood still for a frame.
-    pub(in crate::app) fn follow(
+    pub fn follow(
         &mut self,
         snapshot: &Snapshot,
         camera: &Camera,
@@ -137,7 +137,7 @@ impl Gathering {
     }
 
     /// Nothing that is gathered is in view.
-    pub(in crate::app) fn rest(&mut self) {
+    pub fn rest(&mut self) {
         if self.last.take().is_some() {
             self.cancel.cancel();
             (self.cancel, self.is_asked) = (CancelToken::new(), false);
@@ -223,7 +223,7 @@ impl Easel {
 }
 
 /// A picture for a file, in the size asked for; `None` where it was cancelled.
-pub(in crate::app) fn gather_for_file(
+pub fn gather_for_file(
     field: &Arc<Field>,
     camera: &Camera,
     size: [u32; 2],

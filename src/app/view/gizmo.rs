@@ -4,8 +4,10 @@
 use egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Sense, Stroke, Ui, vec2};
 use glam::Vec3;
 
+use crate::app::panels::light::LightEditor;
 use crate::app::view::measure_marks::show_rim;
-use crate::app::{App, words};
+use crate::app::view::viewport::Viewport;
+use crate::app::words;
 use crate::read::survey::Ray;
 
 /// Length of an arrow, points.
@@ -20,9 +22,9 @@ const SHORTEST: f32 = 14.0;
 const STEP: f32 = 1e-2;
 /// Colours of the axes, as everywhere.
 const AXES: [(Vec3, &str, &str, Color32); 3] = [
-    (Vec3::X, "x", words::MOVE_ALONG_X, Color32::from_rgb(235, 80, 80)),
+    (Vec3::X, "x", "Move the luminaire along x", Color32::from_rgb(235, 80, 80)),
     (Vec3::Y, "y", words::MOVE_ALONG_Y, Color32::from_rgb(95, 200, 95)),
-    (Vec3::Z, "z", words::MOVE_ALONG_Z, Color32::from_rgb(90, 140, 255)),
+    (Vec3::Z, "z", "Move the luminaire along z", Color32::from_rgb(90, 140, 255)),
 ];
 
 /// A drag that goes on: where the luminaire was when it began, and where along the axis the pointer
@@ -43,21 +45,18 @@ fn nearest_along(point: Vec3, axis: Vec3, ray: &Ray) -> Option<f32> {
 }
 
 /// Draws the handles and follows them.
-pub(in crate::app) fn show(app: &mut App, ui: &Ui, rect: Rect) {
-    let Some(form) = app.edits.light.selected_mut().map(|luminaire| luminaire.form) else { return };
-    if app.layout.is_full_picture || app.view.clusters.is_exploded() {
-        return;
-    }
+pub fn show(ui: &Ui, rect: Rect, viewport: &Viewport, light: &mut LightEditor) {
+    let Some(form) = light.selected_mut().map(|luminaire| luminaire.form) else { return };
     let painter = ui.painter_at(rect);
-    let outline: Vec<_> = form.outline().iter().map(|corner| app.view.viewport.project(*corner)).collect();
+    let outline: Vec<_> = form.outline().iter().map(|corner| viewport.project(*corner)).collect();
     show_rim(&painter, &outline, Stroke::new(1.5, Color32::from_rgb(255, 210, 90)));
-    let Some(middle) = app.view.viewport.project(form.centre) else { return };
+    let Some(middle) = viewport.project(form.centre) else { return };
     for (axis, letter, name, colour) in AXES {
         let step = STEP * form.size;
-        let Some(beside) = app.view.viewport.project(form.centre + step * axis) else { continue };
+        let Some(beside) = viewport.project(form.centre + step * axis) else { continue };
         let per_length = (beside - middle) / step;
         // As long for every axis as the longest could be: those that point at the eye are short.
-        let Some(length) = app.view.viewport.length_of(form.centre, ARROW) else { continue };
+        let Some(length) = viewport.length_of(form.centre, ARROW) else { continue };
         let arrow = length * per_length;
         if arrow.length() < SHORTEST {
             continue;
@@ -68,7 +67,7 @@ pub(in crate::app) fn show(app: &mut App, ui: &Ui, rect: Rect) {
         let is_held = grip.dragged() || grip.hovered();
         draw_arrow(&painter, middle, tip, letter, if is_held { Color32::WHITE } else { colour });
         let id = grip.id;
-        if let Some(ray) = grip.interact_pointer_pos().and_then(|at| app.view.viewport.ray_at(at)) {
+        if let Some(ray) = grip.interact_pointer_pos().and_then(|at| viewport.ray_at(at)) {
             if grip.drag_started()
                 && let Some(at) = nearest_along(form.centre, axis, &ray)
             {
@@ -77,7 +76,7 @@ pub(in crate::app) fn show(app: &mut App, ui: &Ui, rect: Rect) {
             let hold: Option<Hold> = ui.data(|data| data.get_temp(id));
             if let Some(hold) = hold.filter(|_| grip.dragged())
                 && let Some(now) = nearest_along(hold.centre, axis, &ray)
-                && let Some(luminaire) = app.edits.light.selected_mut()
+                && let Some(luminaire) = light.selected_mut()
             {
                 luminaire.form.centre = hold.centre + (now - hold.at) * axis;
             }

@@ -11,7 +11,7 @@ use crate::transport::SolutionView;
 
 /// An element or a link that is pointed at.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(in crate::app) enum Highlight {
+pub enum Highlight {
     /// Nothing is.
     #[default]
     None,
@@ -23,14 +23,14 @@ pub(in crate::app) enum Highlight {
 
 /// Things that are pointed at in this frame, and in the last one.
 #[derive(Default)]
-pub(in crate::app) struct Pointing {
+pub struct Pointing {
     now: Highlight,
     shown: Highlight,
 }
 
 /// Colours of the highlight, gamma-encoded: what receives, what sends, and the light's way.
-pub(in crate::app) const RECEIVER: [u8; 4] = [92, 214, 255, 255];
-pub(in crate::app) const SOURCE: [u8; 4] = [255, 190, 70, 255];
+pub const RECEIVER: [u8; 4] = [92, 214, 255, 255];
+pub const SOURCE: [u8; 4] = [255, 190, 70, 255];
 const WAY: [u8; 4] = [255, 255, 255, 255];
 const OUTLINE_WIDTH: f32 = 3.0;
 const WAY_WIDTH: f32 = 3.0;
@@ -38,22 +38,22 @@ const DOT: f32 = 11.0;
 
 impl Pointing {
     /// Says that this is pointed at; the last one to say so in a frame is heard.
-    pub(in crate::app) fn at(&mut self, highlight: Highlight) {
+    pub fn at(&mut self, highlight: Highlight) {
         self.now = highlight;
     }
 
     /// Highlight by the pointer when the last frame ended.
-    pub(in crate::app) fn shown(&self) -> Highlight {
+    pub fn shown(&self) -> Highlight {
         self.shown
     }
 
     /// Highlight by the pointer so far in this frame.
-    pub(in crate::app) fn now(&self) -> Highlight {
+    pub fn now(&self) -> Highlight {
         self.now
     }
 
     /// Ends a frame; another one follows where something changed.
-    pub(in crate::app) fn end_frame(&mut self, ctx: &egui::Context) {
+    pub fn end_frame(&mut self, ctx: &egui::Context) {
         if self.now != self.shown {
             ctx.request_repaint();
         }
@@ -63,7 +63,7 @@ impl Pointing {
 
 impl Highlight {
     /// Lines that mark it in the view; none for what is not there.
-    pub(in crate::app) fn lines(self, solution_view: &SolutionView) -> Vec<Line> {
+    pub fn lines(self, solution_view: &SolutionView) -> Vec<Line> {
         let hierarchy = solution_view.hierarchy();
         match self {
             Self::Element(id) if solution_view.holds(id) => outline(hierarchy, id, WAY),

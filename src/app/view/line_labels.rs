@@ -9,7 +9,7 @@ use crate::read::picture::LABEL_RIM;
 use crate::render::Pixels;
 
 /// Writes them; white with a dark rim, so that they can be read over bright and dark.
-pub(in crate::app) fn show(ui: &Ui, view: Rect, pixels: &Pixels, shown_in: ShownIn) {
+pub fn show(ui: &Ui, view: Rect, pixels: &Pixels, shown_in: ShownIn) {
     let painter = ui.painter_at(view);
     let scale = view.size() / egui::Vec2::from(pixels.size.map(|side| side as f32));
     for (index, label) in pixels.labels.iter().enumerate() {

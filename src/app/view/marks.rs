@@ -11,7 +11,7 @@ use crate::transport::SolutionView;
 
 /// Marks, and what they were made of.
 #[derive(Default)]
-pub(in crate::app) struct MarksOverView {
+pub struct MarksOverView {
     made_of: Option<MadeOf>,
     /// The links that are drawn; `None` where none are asked for.
     chosen: Option<ChosenLinks>,
@@ -35,7 +35,7 @@ struct MadeOf {
 
 impl MarksOverView {
     /// The marks over a snapshot.
-    pub(in crate::app) fn over(
+    pub fn over(
         &mut self,
         snapshot: &Snapshot,
         picked: Option<ElementId>,
@@ -95,7 +95,7 @@ impl MarksOverView {
     }
 
     /// The links that were last drawn; `None` where none are asked for.
-    pub(in crate::app) fn chosen_links(&self) -> Option<&ChosenLinks> {
+    pub fn chosen_links(&self) -> Option<&ChosenLinks> {
         self.chosen.as_ref()
     }
 }

@@ -28,7 +28,7 @@ const PROBE_RADIUS: f32 = 5.0;
 const STALE: Color32 = Color32::from_gray(165);
 
 /// Draws what was measured over the view: points and probes that the eye sees.
-pub(in crate::app) fn show(ui: &Ui, view: Rect, eye: &Eye<'_>, measuring: &Measuring, reading: Option<&Reading>) {
+pub fn show(ui: &Ui, view: Rect, eye: &Eye<'_>, measuring: &Measuring, reading: Option<&Reading>) {
     let painter = ui.painter_at(view);
     if measuring.shows_points
         && let Some(scale) = measuring.plane_scale(reading)
@@ -118,12 +118,12 @@ fn write_values(painter: &Painter, ink: Color32, points: impl Iterator<Item = (P
 }
 
 /// Draws the rim of the task area.
-pub(in crate::app) fn show_area(painter: &Painter, corners: [Option<Pos2>; 4]) {
+pub fn show_area(painter: &Painter, corners: [Option<Pos2>; 4]) {
     show_rim(painter, &corners, Stroke::new(2.0, theme::ACCENT));
 }
 
 /// Draws the rim of an area so that it is seen on any picture; a corner may lie behind the eye.
-pub(in crate::app) fn show_rim(painter: &Painter, corners: &[Option<Pos2>], stroke: Stroke) {
+pub fn show_rim(painter: &Painter, corners: &[Option<Pos2>], stroke: Stroke) {
     for (index, corner) in corners.iter().enumerate() {
         if let (Some(from), Some(to)) = (corner, corners[(index + 1) % corners.len()]) {
             painter.line_segment([*from, to], Stroke::new(stroke.width + 1.5, Color32::from_black_alpha(170)));

@@ -9,7 +9,7 @@ use crate::worker::SceneInfo;
 
 /// The exposure that is in force, and what it was metered for.
 #[derive(Default)]
-pub(in crate::app) struct Metering {
+pub struct Metering {
     metered: Option<Metered>,
     /// The camera of the frame before.
     last: Option<Camera>,
@@ -27,7 +27,7 @@ struct Metered {
 impl Metering {
     /// The factor on radiosities, m²/W, of a view. One `held` stays as it was for the scene, once
     /// there is one.
-    pub(in crate::app) fn follow(
+    pub fn follow(
         &mut self,
         snapshot: &Snapshot,
         info: &Arc<SceneInfo>,
@@ -50,13 +50,13 @@ impl Metering {
     }
 
     /// Whether next to no light reaches what was seen when the view was metered last.
-    pub(in crate::app) fn is_dark(&self) -> bool {
+    pub fn is_dark(&self) -> bool {
         self.metered.as_ref().is_some_and(|metered| metered.exposure.is_dark)
     }
 
     /// Whether the view has moved since it was metered: another frame is wanted once it stands
     /// still.
-    pub(in crate::app) fn is_behind(&self) -> bool {
+    pub fn is_behind(&self) -> bool {
         self.metered.as_ref().zip(self.last.as_ref()).is_some_and(|(metered, last)| metered.camera != *last)
     }
 

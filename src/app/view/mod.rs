@@ -1,24 +1,24 @@
 //! The picture, and what is drawn and dragged over it.
 
-pub(in crate::app) mod best;
-pub(in crate::app) mod camera_menu;
-pub(in crate::app) mod cluster_view;
-pub(in crate::app) mod colour_bar;
-pub(in crate::app) mod divider;
-pub(in crate::app) mod eye;
-pub(in crate::app) mod first_view;
-pub(in crate::app) mod gathering;
-pub(in crate::app) mod gizmo;
-pub(in crate::app) mod highlight;
-pub(in crate::app) mod line_labels;
-pub(in crate::app) mod marks;
-pub(in crate::app) mod measure_marks;
-pub(in crate::app) mod metering;
-pub(in crate::app) mod overlays;
-pub(in crate::app) mod own_colours;
-pub(in crate::app) mod paint;
-pub(in crate::app) mod viewport;
-pub(in crate::app) mod walk;
+pub mod best;
+pub mod camera_menu;
+pub mod cluster_view;
+pub mod colour_bar;
+pub mod divider;
+pub mod eye;
+pub mod first_view;
+pub mod gathering;
+pub mod gizmo;
+pub mod highlight;
+pub mod line_labels;
+pub mod marks;
+pub mod measure_marks;
+pub mod metering;
+pub mod overlays;
+pub mod own_colours;
+pub mod paint;
+pub mod viewport;
+pub mod walk;
 
 use best::BestPicture;
 use cluster_view::ClusterScene;
@@ -34,7 +34,7 @@ use crate::app::Wake;
 use crate::app::state::readings::ReadingInView;
 
 /// The picture, and what lies over it.
-pub(in crate::app) struct View {
+pub struct View {
     /// The camera, and what the mouse does to it.
     pub viewport: Viewport,
     /// The best picture so far.
@@ -63,7 +63,7 @@ pub(in crate::app) struct View {
 
 impl View {
     /// Nothing is in view yet.
-    pub(in crate::app) fn new(wake: &Wake) -> Self {
+    pub fn new(wake: &Wake) -> Self {
         Self {
             viewport: Viewport::default(),
             best: BestPicture::default(),

@@ -1,23 +1,23 @@
 //! Cards, legends and notes over the view: each finds a place that those before it have left free.
 
-use egui::{Align2, Context, Pos2, Rect, Ui, Vec2};
+use egui::{Align2, Context, Frame, Margin, Pos2, Rect, Ui, Vec2};
 
 use crate::app::widgets::theme;
 
 /// Room between what lies over the view and the view's rims, points.
-pub(in crate::app) const MARGIN: f32 = 10.0;
+pub const MARGIN: f32 = 10.0;
 /// Room between two overlays, points.
 const GAP: f32 = 6.0;
 
 /// What lies over the view in this frame, by name.
 #[derive(Default)]
-pub(in crate::app) struct Overlays {
+pub struct Overlays {
     taken: Vec<(&'static str, Rect)>,
 }
 
 /// An overlay's name, the part of the view that it keeps to, and its anchor there.
 #[derive(Clone, Copy)]
-pub(in crate::app) struct Place {
+pub struct Place {
     pub name: &'static str,
     pub view: Rect,
     pub align: Align2,
@@ -30,7 +30,7 @@ pub(in crate::app) struct Place {
 
 impl Place {
     /// In a corner or at the middle of a rim of the view, as `align` says.
-    pub(in crate::app) fn at_rim(name: &'static str, view: Rect, align: Align2) -> Self {
+    pub fn at_rim(name: &'static str, view: Rect, align: Align2) -> Self {
         let inner = view.shrink(MARGIN);
         Self { name, view, align, at: align.pos_in_rect(&inner), is_interactable: true, is_needed: true }
     }
@@ -38,23 +38,23 @@ impl Place {
 
 impl Overlays {
     /// Nothing lies over the view yet.
-    pub(in crate::app) fn clear(&mut self) {
+    pub fn clear(&mut self) {
         self.taken.clear();
     }
 
     /// Names and rectangles, in the order in which they found their places.
-    pub(in crate::app) fn taken(&self) -> &[(&'static str, Rect)] {
+    pub fn taken(&self) -> &[(&'static str, Rect)] {
         &self.taken
     }
 
     /// Notes what lies somewhere already.
-    pub(in crate::app) fn take(&mut self, name: &'static str, rect: Rect) {
+    pub fn take(&mut self, name: &'static str, rect: Rect) {
         self.taken.push((name, rect));
     }
 
     /// The wanted rectangle, or the next free one towards the middle of the view: down from its
     /// upper half, up from its lower one. `None` where there is none in the view.
-    pub(in crate::app) fn free(&self, view: Rect, wanted: Rect) -> Option<Rect> {
+    pub fn free(&self, view: Rect, wanted: Rect) -> Option<Rect> {
         let goes_down = wanted.center().y < view.center().y;
         let mut rect = wanted;
         for _ in 0..=self.taken.len() {
@@ -68,8 +68,25 @@ impl Overlays {
         None
     }
 
+    /// Draws a card with widgets.
+    pub fn card(&mut self, ui: &Ui, place: Place, margin: impl Into<Margin>, add: impl FnOnce(&mut Ui)) {
+        let frame = |ui: &Ui| Frame::popup(ui.style()).fill(theme::PANEL.gamma_multiply(0.94)).inner_margin(margin);
+        self.show(ui.ctx(), place, |ui| {
+            frame(ui).show(ui, add);
+        });
+    }
+
+    /// Draws a few words, so opaque.
+    pub fn note(&mut self, ui: &Ui, place: Place, opacity: f32, margin: [i8; 2], add: impl FnOnce(&mut Ui)) {
+        let [x, y] = margin;
+        let frame = Frame::new().fill(theme::PANEL.gamma_multiply(opacity)).corner_radius(4);
+        self.show(ui.ctx(), place, |ui| {
+            frame.inner_margin(Margin::symmetric(x, y)).show(ui, add);
+        });
+    }
+
     /// Draws widgets at a free place, if there is one or they are needed.
-    pub(in crate::app) fn show(&mut self, ctx: &Context, place: Place, add: impl FnOnce(&mut Ui)) {
+    fn show(&mut self, ctx: &Context, place: Place, add: impl FnOnce(&mut Ui)) {
         let id = egui::Id::unique(place.name);
         let known = ctx.memory(|memory| memory.area_rect(id)).map_or(Vec2::ZERO, |rect| rect.size());
         let anchored = place.align.anchor_size(place.at, known);

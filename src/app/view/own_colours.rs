@@ -12,7 +12,7 @@ const FIRST_SERIAL: u64 = 1 << 61;
 
 /// The snapshot that was painted last.
 #[derive(Default)]
-pub(in crate::app) struct OwnColours {
+pub struct OwnColours {
     painted: Option<Painted>,
     serials: u64,
 }
@@ -25,11 +25,7 @@ struct Painted {
 impl OwnColours {
     /// The snapshot with the colours of the scene's surfaces at its vertices; `None` where the
     /// scene has light.
-    pub(in crate::app) fn painted(
-        &mut self,
-        snapshot: &Arc<Snapshot>,
-        info: Option<&Arc<SceneInfo>>,
-    ) -> Option<Arc<Snapshot>> {
+    pub fn painted(&mut self, snapshot: &Arc<Snapshot>, info: Option<&Arc<SceneInfo>>) -> Option<Arc<Snapshot>> {
         let Some(info) = info.filter(|info| !info.has_light && info.generation <= snapshot.generation) else {
             self.painted = None;
             return None;

@@ -15,7 +15,7 @@ use crate::solve::Snapshot;
 
 /// Content of one picture.
 #[derive(Clone)]
-pub(in crate::app) struct Picture {
+pub struct Picture {
     pub snapshot: Arc<Snapshot>,
     /// What lies behind the scene.
     pub outside: Option<Arc<Outside>>,
@@ -35,7 +35,7 @@ pub(in crate::app) struct Picture {
 
 /// A solution that covers the left of a picture.
 #[derive(Clone)]
-pub(in crate::app) struct Beside {
+pub struct Beside {
     pub snapshot: Arc<Snapshot>,
     /// Share of the picture's width that it covers.
     pub share: f32,
@@ -67,7 +67,7 @@ struct Key {
 }
 
 /// Sets up the renderer; what cannot be drawn is reported through `failures`.
-pub(in crate::app) fn install(render_state: &RenderState, failures: Sender<String>, ctx: egui::Context) {
+pub fn install(render_state: &RenderState, failures: Sender<String>, ctx: egui::Context) {
     let samples = render::sample_count(&render_state.adapter);
     let (device, queue) = (render_state.device.clone(), render_state.queue.clone());
     let format = render_state.target_format;
@@ -78,7 +78,7 @@ pub(in crate::app) fn install(render_state: &RenderState, failures: Sender<Strin
 
 impl Picture {
     /// Adds the picture to what is painted into `rect`.
-    pub(in crate::app) fn add_to(self, painter: &egui::Painter, rect: egui::Rect) {
+    pub fn add_to(self, painter: &egui::Painter, rect: egui::Rect) {
         painter.add(egui_wgpu::Callback::new_paint_callback(rect, self));
     }
 
@@ -125,7 +125,7 @@ impl Stage {
 
 impl Beside {
     /// Drawings over the left side: what is pointed at belongs to the solution at the right.
-    pub(in crate::app) fn overlay(&self, picture: &Picture) -> Overlay {
+    pub fn overlay(&self, picture: &Picture) -> Overlay {
         Overlay { marks: Marks::default(), ..picture.overlay.clone() }
     }
 }

@@ -17,7 +17,7 @@ const REACH_SHARE: f32 = 0.08;
 const ROOM_HEIGHT: f32 = 2.5;
 
 /// Scene that is walked through.
-pub(in crate::app) struct Ground<'a> {
+pub struct Ground<'a> {
     pub scene: &'a Scene,
     pub occluders: &'a Occluders,
     /// Unit vector upwards.
@@ -29,7 +29,7 @@ pub(in crate::app) struct Ground<'a> {
 impl Ground<'_> {
     /// Takes a step: to the right and forwards, each in seconds of walking. Along a wall that is in
     /// the way it slides.
-    pub(in crate::app) fn step(&self, camera: &mut Camera, by: Vec2) {
+    pub fn step(&self, camera: &mut Camera, by: Vec2) {
         let Some(ahead) = camera.forward().reject_from_normalized(self.up).try_normalize() else { return };
         // A doll's house is walked through by a doll.
         let scale = (self.height / ROOM_HEIGHT).min(1.0);

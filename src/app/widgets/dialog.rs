@@ -10,14 +10,14 @@ use crate::base::threads::Background;
 const TOO_FAST: Duration = Duration::from_millis(200);
 
 /// Answer of the system's dialog.
-pub(in crate::app) enum DialogAnswer {
+pub enum DialogAnswer {
     Chosen(PathBuf),
     NoDialog,
 }
 
 /// A dialog that may be open.
 #[derive(Default)]
-pub(in crate::app) struct Dialog(Option<Background<Closed>>);
+pub struct Dialog(Option<Background<Closed>>);
 
 struct Closed {
     path: Option<PathBuf>,
@@ -26,12 +26,15 @@ struct Closed {
 
 impl Dialog {
     /// Whether it is open.
-    pub(in crate::app) fn is_open(&self) -> bool {
+    pub fn is_open(&self) -> bool {
         self.0.is_some()
     }
 
-    /// Opens it; `ask` shows it and waits for the answer.
-    pub(in crate::app) fn open(&mut self, ctx: &egui::Context, ask: impl FnOnce() -> Option<PathBuf> + Send + 'static) {
+    /// Opens it unless it is open; `ask` shows it and waits for the answer.
+    pub fn open(&mut self, ctx: &egui::Context, ask: impl FnOnce() -> Option<PathBuf> + Send + 'static) {
+        if self.is_open() {
+            return;
+        }
         let ctx = ctx.clone();
         let ask = move || {
             let opened = Instant::now();
@@ -43,7 +46,7 @@ impl Dialog {
     }
 
     /// Answer of the dialog, once it is closed with something to say.
-    pub(in crate::app) fn poll(&mut self) -> Option<DialogAnswer> {
+    pub fn poll(&mut self) -> Option<DialogAnswer> {
         let Poll::Ready(closed) = self.0.as_ref()?.poll() else { return None };
         // Without an answer the dialog's thread broke.
         let closed = closed.unwrap_or(Closed { path: None, after: Duration::ZERO });
@@ -53,5 +56,33 @@ impl Dialog {
             Closed { after, .. } if after < TOO_FAST => Some(DialogAnswer::NoDialog),
             Closed { .. } => None,
         }
+    }
+}
+
+/// A path that is typed, or chosen with the system's dialog.
+#[derive(Default)]
+pub struct PathField {
+    pub text: String,
+    pub dialog: Dialog,
+}
+
+impl PathField {
+    /// The path that was typed, without the blanks and quotes that come with pasting.
+    pub fn typed(&self) -> Option<PathBuf> {
+        let text = self.text.trim().trim_matches(['"', '\'']);
+        (!text.is_empty()).then(|| PathBuf::from(text))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pasted_paths_lose_blanks_and_quotes() {
+        let mut field = PathField::default();
+        assert_eq!(field.typed(), None);
+        field.text = " \"/rooms/my room.obj\" ".into();
+        assert_eq!(field.typed(), Some(PathBuf::from("/rooms/my room.obj")));
     }
 }

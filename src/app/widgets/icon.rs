@@ -33,7 +33,7 @@ const BLOCKS: [([u32; 3], [u8; 3]); 16] = [
 ];
 
 /// The icon as pixels.
-pub(in crate::app) fn pixels() -> IconData {
+pub fn pixels() -> IconData {
     let size = CELLS * SCALE;
     let mut rgba: Vec<u8> = GROUND.iter().copied().chain([255]).cycle().take((4 * size * size) as usize).collect();
     for ([left, top, side], [red, green, blue]) in BLOCKS {

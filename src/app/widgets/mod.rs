@@ -1,6 +1,6 @@
 //! Parts that several panels use.
 
-pub(in crate::app) mod dialog;
-pub(in crate::app) mod icon;
-pub(in crate::app) mod save_dialog;
-pub(in crate::app) mod theme;
+pub mod dialog;
+pub mod icon;
+pub mod rows;
+pub mod theme;

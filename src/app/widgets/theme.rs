@@ -7,7 +7,7 @@
 use egui::{Color32, CornerRadius, FontFamily, FontId, Stroke, Style, TextStyle, Theme, Ui, Visuals};
 
 /// The colours of a theme.
-pub(in crate::app) struct Palette {
+pub struct Palette {
     /// Text that can be acted upon.
     pub accent: Color32,
     error: Color32,
@@ -65,48 +65,42 @@ const LIGHT: Palette = Palette {
 };
 
 /// Colour of all that can be acted upon, and of what is chosen: the warm white of a lamp.
-pub(in crate::app) const ACCENT: Color32 = Color32::from_rgb(240, 178, 84);
+pub const ACCENT: Color32 = Color32::from_rgb(240, 178, 84);
 /// A failure's mark.
-pub(in crate::app) const ERROR: Color32 = Color32::from_rgb(240, 100, 88);
+pub const ERROR: Color32 = Color32::from_rgb(240, 100, 88);
 /// Titles and values over the view.
-pub(in crate::app) const TEXT_STRONG: Color32 = Color32::from_rgb(236, 237, 240);
+pub const TEXT_STRONG: Color32 = Color32::from_rgb(236, 237, 240);
 /// Running text over the view.
-pub(in crate::app) const TEXT: Color32 = Color32::from_rgb(204, 207, 213);
+pub const TEXT: Color32 = Color32::from_rgb(204, 207, 213);
 /// Units, hints and names of values over the view.
-pub(in crate::app) const TEXT_WEAK: Color32 = Color32::from_rgb(146, 151, 161);
+pub const TEXT_WEAK: Color32 = Color32::from_rgb(146, 151, 161);
 /// Behind cards over the view.
-pub(in crate::app) const PANEL: Color32 = Color32::from_rgb(29, 31, 35);
+pub const PANEL: Color32 = Color32::from_rgb(29, 31, 35);
 /// Behind the view while nothing is shown.
-pub(in crate::app) const WELL: Color32 = Color32::from_rgb(18, 19, 22);
+pub const WELL: Color32 = Color32::from_rgb(18, 19, 22);
 /// Done.
-pub(in crate::app) const DONE: Color32 = Color32::from_rgb(112, 190, 128);
+pub const DONE: Color32 = Color32::from_rgb(112, 190, 128);
 
 /// Width of the left panel, points: a label, a slider, its value and the mark of its cost.
-pub(in crate::app) const PANEL_WIDTH: f32 = 374.0;
-/// Width of the labels in the left panel, points.
-pub(in crate::app) const LABEL_WIDTH: f32 = 132.0;
-const SLIDER_WIDTH: f32 = 96.0;
-/// Widths between which a slider follows its panel, points.
-const LEAST_SLIDER: f32 = 40.0;
-const MOST_SLIDER: f32 = 240.0;
-/// Room at the right end of a row for the mark of a cost, points.
-const MARK_WIDTH: f32 = 18.0;
+pub const PANEL_WIDTH: f32 = 374.0;
+/// Width of a slider at first, points.
+pub const SLIDER_WIDTH: f32 = 96.0;
 /// Least width of the value beside a slider, points, so that values stand in a column.
-const VALUE_WIDTH: f32 = 84.0;
+pub const VALUE_WIDTH: f32 = 84.0;
 
 /// Gives a context both themes.
-pub(in crate::app) fn apply(ctx: &egui::Context) {
+pub fn apply(ctx: &egui::Context) {
     ctx.style_mut_of(Theme::Dark, |style| style_with(style, Visuals::dark(), &DARK));
     ctx.style_mut_of(Theme::Light, |style| style_with(style, Visuals::light(), &LIGHT));
 }
 
 /// The colours that are in force.
-pub(in crate::app) fn palette(visuals: &Visuals) -> &'static Palette {
+pub fn palette(visuals: &Visuals) -> &'static Palette {
     if visuals.dark_mode { &DARK } else { &LIGHT }
 }
 
 /// Gives what is drawn over the view the dark theme.
-pub(in crate::app) fn over_the_view(ui: &mut Ui) {
+pub fn over_the_view(ui: &mut Ui) {
     let dark = ui.ctx().style_of(Theme::Dark);
     ui.set_style(dark);
 }
@@ -160,51 +154,23 @@ fn style_with(style: &mut Style, base: Visuals, palette: &Palette) {
 }
 
 /// A value that changes while one looks: monospace, so that it stays in place.
-pub(in crate::app) fn value(text: impl Into<String>) -> egui::RichText {
+pub fn value(text: impl Into<String>) -> egui::RichText {
     egui::RichText::new(text).monospace().strong()
 }
 
 /// The name of a value.
-pub(in crate::app) fn weak(text: impl Into<String>) -> egui::RichText {
+pub fn weak(text: impl Into<String>) -> egui::RichText {
     egui::RichText::new(text).weak()
 }
 
 /// Text that a person should not overlook.
-pub(in crate::app) fn notice(ui: &Ui, text: impl Into<String>) -> egui::RichText {
+pub fn notice(ui: &Ui, text: impl Into<String>) -> egui::RichText {
     egui::RichText::new(text).color(palette(ui.visuals()).accent)
 }
 
-/// A labelled row of a panel; the label names the widget for assistive technology too. Sliders and
-/// lists take the width that there is.
-pub(in crate::app) fn row(
-    ui: &mut egui::Ui,
-    label: &str,
-    widget: impl FnOnce(&mut egui::Ui) -> egui::Response,
-) -> egui::Response {
-    let row = ui.horizontal(|ui| {
-        let label = row_label(ui, label);
-        let spacing = ui.spacing_mut();
-        spacing.interact_size.x = VALUE_WIDTH;
-        let between = spacing.item_spacing.x;
-        let room = ui.available_width() - MARK_WIDTH;
-        let spacing = ui.spacing_mut();
-        spacing.slider_width = (room - VALUE_WIDTH - between).clamp(LEAST_SLIDER, MOST_SLIDER);
-        spacing.combo_width = room.clamp(LEAST_SLIDER, SLIDER_WIDTH + VALUE_WIDTH + between);
-        let widget = widget(ui).labelled_by(label.id);
-        (label, widget)
-    });
-    row.inner.0 | row.inner.1
-}
-
-/// The label at the left of a row, on several lines where it is long.
-pub(in crate::app) fn row_label(ui: &mut egui::Ui, label: &str) -> egui::Response {
-    let width = LABEL_WIDTH.min(0.45 * ui.available_width());
-    let scope = ui.scope(|ui| {
-        ui.set_min_width(width);
-        ui.set_max_width(width);
-        ui.add(egui::Label::new(label).wrap())
-    });
-    scope.inner
+/// A colour that the renderer uses, gamma-encoded.
+pub fn rgb([r, g, b]: [u8; 3]) -> Color32 {
+    Color32::from_rgb(r, g, b)
 }
 
 #[cfg(test)]

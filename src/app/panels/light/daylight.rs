@@ -4,7 +4,7 @@
 use egui::{ComboBox, Slider, TextEdit, Ui};
 
 use super::sun_place;
-use crate::app::widgets::theme;
+use crate::app::widgets::{rows, theme};
 use crate::app::{Outbox, format, words};
 use crate::scene::outside::{Amount, CLEAR, Daylight, LuminanceDistribution, SkyKind, SkySpec, SunSpec};
 use crate::worker::Command;
@@ -48,7 +48,7 @@ struct Preset {
 
 /// Daylight that is being set.
 #[derive(Clone, Debug, Default)]
-pub(in crate::app) struct DaylightEditor {
+pub struct DaylightEditor {
     /// What was set.
     pub spec: Daylight,
     /// The sky as it is being written.
@@ -59,7 +59,7 @@ pub(in crate::app) struct DaylightEditor {
 
 impl DaylightEditor {
     /// Takes over what a scene has.
-    pub(in crate::app) fn follow(&mut self, spec: Daylight) {
+    pub fn follow(&mut self, spec: Daylight) {
         self.text = spec.sky.as_ref().map(ToString::to_string).unwrap_or_default();
         (self.spec, self.problem) = (spec, None);
     }
@@ -100,13 +100,13 @@ impl DaylightEditor {
 }
 
 /// Overcast daylight, as is offered to a scene that has openings and no lamp.
-pub(in crate::app) fn usual() -> Daylight {
+pub fn usual() -> Daylight {
     Daylight { sky: Some(SkySpec::of(LuminanceDistribution::Overcast, Amount::Lux(10_000.0))), sun: None }
 }
 
 /// Draws the part.
-pub(in crate::app) fn show(ui: &mut Ui, editor: &mut DaylightEditor, outbox: &mut Outbox) {
-    ui.label(theme::weak(words::DAYLIGHT));
+pub fn show(ui: &mut Ui, editor: &mut DaylightEditor, outbox: &mut Outbox) {
+    ui.label(theme::weak("Daylight from outside"));
     let before = editor.spec.clone();
     ui.horizontal_wrapped(|ui| {
         for (name, preset) in PRESETS {
@@ -122,7 +122,7 @@ pub(in crate::app) fn show(ui: &mut Ui, editor: &mut DaylightEditor, outbox: &mu
     });
     if let Some(sky) = &mut editor.spec.sky {
         let mut lux = sky.amount.map_or(0.0, Amount::lux);
-        if theme::row(ui, words::SKY_ILLUMINANCE, |ui| lux_slider(ui, &mut lux))
+        if rows::row(ui, words::SKY_ILLUMINANCE, |ui| lux_slider(ui, &mut lux))
             .on_hover_text("Horizontal illuminance of open ground, without the sun")
             .changed()
         {
@@ -132,7 +132,7 @@ pub(in crate::app) fn show(ui: &mut Ui, editor: &mut DaylightEditor, outbox: &mu
     show_sky_kind(ui, editor);
     if let Some(sun) = &mut editor.spec.sun {
         let mut lux = crate::base::photometry::lux(sun.irradiance().into());
-        if theme::row(ui, words::SUN_ILLUMINANCE, |ui| lux_slider(ui, &mut lux))
+        if rows::row(ui, "Sun", |ui| lux_slider(ui, &mut lux))
             .on_hover_text("Illuminance of a face turned to the sun")
             .changed()
         {
@@ -161,7 +161,7 @@ fn show_sky_kind(ui: &mut Ui, editor: &mut DaylightEditor) {
         SkyKind::Picture(_) => (None, "Picture".to_owned()),
     };
     let mut chosen = None;
-    theme::row(ui, words::SKY_TYPE, |ui| {
+    rows::row(ui, words::SKY_TYPE, |ui| {
         let list = ComboBox::from_id_salt(words::SKY_TYPE).selected_text(shown).truncate();
         let answer = list.show_ui(ui, |ui| {
             for distribution in [LuminanceDistribution::Uniform, LuminanceDistribution::Overcast]
@@ -178,7 +178,7 @@ fn show_sky_kind(ui: &mut Ui, editor: &mut DaylightEditor) {
     if let Some(distribution) = chosen {
         editor.set_distribution(distribution);
     }
-    let written = theme::row(ui, words::SKY_TEXT, |ui| {
+    let written = rows::row(ui, "Sky as text", |ui| {
         let hint = "As on the command line: cie=A/B/C/D/E (coefficients), perez=DIRECT/DIFFUSE (weather, W/m²), or the path of a picture all around; :10000lx or :50W may follow";
         ui.add(TextEdit::singleline(&mut editor.text).desired_width(f32::INFINITY)).on_hover_text(hint)
     });

@@ -7,7 +7,7 @@ use glam::Vec3;
 use crate::app::format;
 use crate::app::panels::light::{LightEditor, lumens};
 use crate::app::state::lighting::MaterialLight;
-use crate::app::widgets::theme;
+use crate::app::widgets::{rows, theme};
 use crate::base::photometry::lux;
 use crate::scene::{FileLight, MaterialId, Scene};
 
@@ -21,7 +21,7 @@ const PERCENT_WIDTH: f32 = 52.0;
 const COLOUR_WIDTH: f32 = 32.0;
 
 /// Draws the list.
-pub(in crate::app) fn show(ui: &mut Ui, scene: &Scene, editor: &mut LightEditor) {
+pub fn show(ui: &mut Ui, scene: &Scene, editor: &mut LightEditor) {
     let lamps: Vec<usize> = editor.lighting.lamps().collect();
     let count = lamps.len() + editor.lighting.luminaires.len();
     if count == 0 {
@@ -84,7 +84,7 @@ fn show_one(ui: &mut Ui, name: &str, area: f32, light: &mut MaterialLight, of_fi
     let power = area * light.emission();
     let flux = lumens(lux(power.to_array()));
     ui.horizontal(|ui| {
-        let name_width = theme::LABEL_WIDTH.min(0.4 * ui.available_width());
+        let name_width = rows::LABEL_WIDTH.min(0.4 * ui.available_width());
         let beside = name_width + PERCENT_WIDTH + COLOUR_WIDTH + 4.0 * ui.spacing().item_spacing.x;
         ui.spacing_mut().slider_width = (ui.available_width() - beside).clamp(40.0, 240.0);
         let switch = ui

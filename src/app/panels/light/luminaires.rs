@@ -1,12 +1,12 @@
 //! Luminaires that are added to the scene: the list, and the one at hand by numbers.
 
-use egui::{ComboBox, DragValue, TextEdit, Ui};
+use egui::{DragValue, TextEdit, Ui};
 use glam::Vec3;
 
 use crate::app::panels::light::material::{show_colour, show_strength, show_temperature};
 use crate::app::panels::light::{LampUnit, LightEditor};
 use crate::app::state::lighting::LuminaireLight;
-use crate::app::widgets::theme;
+use crate::app::widgets::{rows, theme};
 use crate::app::words;
 use crate::base::photometry::{lux, tint_of_temperature};
 use crate::prepare::ceiling::{CeilingPlace, place_beside};
@@ -18,12 +18,21 @@ const FIRST_KELVIN: f32 = 4000.0;
 /// Sizes that a field offers, in the scene's length unit.
 const SIZES: std::ops::RangeInclusive<f32> = 1e-6..=1e6;
 
+/// Directions to shine to.
+const AXES: [(&str, Vec3); 6] = [
+    ("along −y", Vec3::NEG_Y),
+    ("along +y", Vec3::Y),
+    ("along −x", Vec3::NEG_X),
+    ("along +x", Vec3::X),
+    ("along −z", Vec3::NEG_Z),
+    ("along +z", Vec3::Z),
+];
 /// Width of the field of one coordinate, points.
 const COORDINATE_WIDTH: f32 = 52.0;
 
 /// Draws the part; `eye` is where a person looks from.
-pub(in crate::app) fn show(ui: &mut Ui, info: &SceneInfo, eye: Option<Vec3>, editor: &mut LightEditor) {
-    ui.label(theme::weak(words::LUMINAIRES));
+pub fn show(ui: &mut Ui, info: &SceneInfo, eye: Option<Vec3>, editor: &mut LightEditor) {
+    ui.label(theme::weak("Luminaires"));
     ui.horizontal_wrapped(|ui| {
         let buttons = [
             (words::ADD_SQUARE_LIGHT, LuminaireShape::Square),
@@ -85,34 +94,34 @@ pub(super) fn add(info: &SceneInfo, eye: Option<Vec3>, shape: LuminaireShape, ed
 /// Draws the numbers of a luminaire; true when it is to be removed.
 fn show_one(ui: &mut Ui, scene: &Scene, luminaire: &mut LuminaireLight, unit: &mut LampUnit) -> bool {
     let mut name = luminaire.name.clone();
-    let field =
-        theme::row(ui, words::LUMINAIRE_NAME, |ui| ui.add(TextEdit::singleline(&mut name).desired_width(140.0)));
+    let field = rows::row(ui, "Name", |ui| ui.add(TextEdit::singleline(&mut name).desired_width(140.0)));
     let is_free = name == luminaire.name || scene.material_named(&name).is_none();
     if field.changed() && is_free && !name.trim().is_empty() {
         luminaire.name = name;
     }
     let form = &mut luminaire.form;
-    show_shape(ui, form);
+    rows::choice(ui, words::SHAPE, &mut form.shape, LuminaireShape::ALL, |shape| match shape {
+        LuminaireShape::Square => "square",
+        LuminaireShape::Disc => "disc",
+        LuminaireShape::Line => "line",
+    });
     let label = match form.shape {
         LuminaireShape::Square => words::SIDE_LENGTH,
-        LuminaireShape::Disc => words::DIAMETER,
+        LuminaireShape::Disc => "Diameter",
         LuminaireShape::Line => words::LENGTH,
     };
     let speed = (0.01 * f64::from(form.size)).max(1e-6);
-    theme::row(ui, label, |ui| {
+    rows::row(ui, label, |ui| {
         ui.add(DragValue::new(&mut form.size).speed(speed).range(SIZES).max_decimals(3).suffix(" m"))
     })
     .on_hover_text("In the scene's length unit (metres)");
     let mut place = scene.to_file(form.centre);
     let before = place;
     ui.horizontal(|ui| {
-        theme::row_label(ui, words::PLACE);
+        rows::row_label(ui, "Place x, y, z");
         ui.spacing_mut().interact_size.x = COORDINATE_WIDTH;
-        let fields = [
-            (words::LUMINAIRE_X, &mut place.x),
-            (words::LUMINAIRE_Y, &mut place.y),
-            (words::LUMINAIRE_Z, &mut place.z),
-        ];
+        let fields =
+            [("Place along x", &mut place.x), (words::LUMINAIRE_Y, &mut place.y), ("Place along z", &mut place.z)];
         for (name, coordinate) in fields {
             let field = ui.add(DragValue::new(coordinate).speed(0.01).max_decimals(3));
             let _ = field.on_hover_text("Its middle, in the coordinates of the scene's file, m").accessible_name(name);
@@ -122,7 +131,7 @@ fn show_one(ui: &mut Ui, scene: &Scene, luminaire: &mut LuminaireLight, unit: &m
         form.centre = scene.from_file(place);
     }
     show_direction(ui, scene.up_axis(), form);
-    theme::row(ui, words::TURN, |ui| {
+    rows::row(ui, words::TURN, |ui| {
         ui.add(DragValue::new(&mut form.turn_deg).speed(1.0).range(-360.0..=360.0).max_decimals(1).suffix("°"))
     })
     .on_hover_text("About the direction that it shines to");
@@ -136,47 +145,13 @@ fn show_one(ui: &mut Ui, scene: &Scene, luminaire: &mut LuminaireLight, unit: &m
     remove.accessible_name(format!("{} {}", words::REMOVE_LUMINAIRE, luminaire.name)).clicked()
 }
 
-fn show_shape(ui: &mut Ui, form: &mut LuminaireForm) {
-    theme::row(ui, words::SHAPE, |ui| {
-        let name = |shape| match shape {
-            LuminaireShape::Square => "square",
-            LuminaireShape::Disc => "disc",
-            LuminaireShape::Line => "line",
-        };
-        let combo = ComboBox::from_id_salt("luminaire shape").selected_text(name(form.shape));
-        let shown = combo.show_ui(ui, |ui| {
-            for shape in LuminaireShape::ALL {
-                ui.selectable_value(&mut form.shape, shape, name(shape));
-            }
-        });
-        shown.response
-    });
-}
-
 /// Offers the axes as directions to shine to.
 fn show_direction(ui: &mut Ui, up: Vec3, form: &mut LuminaireForm) {
-    let axes = [
-        ("along −y", Vec3::NEG_Y),
-        ("along +y", Vec3::Y),
-        ("along −x", Vec3::NEG_X),
-        ("along +x", Vec3::X),
-        ("along −z", Vec3::NEG_Z),
-        ("along +z", Vec3::Z),
-    ];
-    let axes = axes.map(|(name, axis)| match axis.dot(up) {
-        -1.0 => ("down", axis),
-        1.0 => ("up", axis),
-        _ => (name, axis),
-    });
-    let name = axes.iter().find(|(_, axis)| axis.dot(form.direction) > 0.9999).map_or("aslant", |(name, _)| name);
-    theme::row(ui, words::SHINES, |ui| {
-        let combo = ComboBox::from_id_salt("luminaire direction").selected_text(name);
-        let shown = combo.show_ui(ui, |ui| {
-            for (name, axis) in axes {
-                ui.selectable_value(&mut form.direction, axis, name);
-            }
-        });
-        shown.response
-    })
-    .on_hover_text("Where its light goes");
+    let name = |axis: &Vec3| match axis {
+        axis if axis.dot(up) < -0.9999 => "down",
+        axis if axis.dot(up) > 0.9999 => "up",
+        axis => AXES.iter().find(|(_, other)| axis.dot(*other) > 0.9999).map_or("aslant", |(name, _)| name),
+    };
+    rows::choice(ui, words::SHINES, &mut form.direction, AXES.map(|(_, axis)| axis), name)
+        .on_hover_text("Where its light goes");
 }

@@ -5,7 +5,7 @@ use glam::Vec3;
 
 use crate::app::panels::light::{Faces, LampUnit, LightEditor, lumens, strength_slider};
 use crate::app::state::lighting::MaterialLight;
-use crate::app::widgets::theme;
+use crate::app::widgets::{rows, theme};
 use crate::app::{format, words};
 use crate::base::photometry::{lux, temperature_of_tint, tint_of_temperature};
 use crate::scene::{MAX_SIDECAR_REFLECTANCE, MaterialId, Scene};
@@ -17,7 +17,7 @@ const TEMPERATURES: std::ops::RangeInclusive<f32> = 1700.0..=12_000.0;
 const SAME_TINT: f32 = 0.04;
 
 /// Draws the part.
-pub(in crate::app) fn show(ui: &mut Ui, info: &SceneInfo, editor: &mut LightEditor) {
+pub fn show(ui: &mut Ui, info: &SceneInfo, editor: &mut LightEditor) {
     let scene = &info.scene;
     ui.label(theme::weak("Material (click a surface in the view to choose it)"));
     show_choice(ui, scene, editor);
@@ -26,7 +26,7 @@ pub(in crate::app) fn show(ui: &mut Ui, info: &SceneInfo, editor: &mut LightEdit
     let Some(light) = editor.lighting.of_mut(editor.material.0 as usize) else { return };
     let Some(material) = scene.materials.get(editor.material.0 as usize) else { return };
     let mut strength = light.reflectance.strength();
-    theme::row(ui, words::REFLECTANCE, |ui| {
+    rows::row(ui, words::REFLECTANCE, |ui| {
         let slider = Slider::new(&mut strength, 0.0..=MAX_SIDECAR_REFLECTANCE).fixed_decimals(2);
         let response = ui.add(slider.clamping(egui::SliderClamping::Edits));
         if response.changed() {
@@ -65,13 +65,7 @@ pub(in crate::app) fn show(ui: &mut Ui, info: &SceneInfo, editor: &mut LightEdit
 }
 
 /// The strength of a lamp by name, in a unit to be chosen.
-pub(in crate::app) fn show_strength(
-    ui: &mut Ui,
-    name: &str,
-    light: &mut MaterialLight,
-    area: f32,
-    unit: &mut LampUnit,
-) {
+pub fn show_strength(ui: &mut Ui, name: &str, light: &mut MaterialLight, area: f32, unit: &mut LampUnit) {
     ui.add_space(2.0);
     ui.add(Label::new(RichText::new(words::light_of(name)).strong()).truncate()).on_hover_text(name);
     if !light.is_on {
@@ -80,7 +74,7 @@ pub(in crate::app) fn show_strength(
         let now = lumens(area * lux(light.emission().to_array()));
         ui.label(theme::weak(format!("Dimmed to {:.0} %: {now}", 100.0 * light.dimmer)));
     }
-    theme::row(ui, words::LAMP_UNIT, |ui| {
+    rows::row(ui, words::LAMP_UNIT, |ui| {
         let combo = ComboBox::from_id_salt("lamp unit").selected_text(unit.words().0);
         let shown = combo.show_ui(ui, |ui| {
             for each in LampUnit::ALL {
@@ -93,7 +87,7 @@ pub(in crate::app) fn show_strength(
     let (label, sign, hint) = unit.words();
     let per_exitance = unit.per_exitance(light.emission.tint(), area);
     let mut strength = per_exitance * light.emission.strength();
-    theme::row(ui, label, |ui| {
+    rows::row(ui, label, |ui| {
         ui.add_enabled_ui(per_exitance > 0.0, |ui| {
             let response = strength_slider(ui, &mut strength, per_exitance, sign);
             if response.changed() {
@@ -107,9 +101,9 @@ pub(in crate::app) fn show_strength(
 }
 
 /// The colour of the light as a temperature, where it is one.
-pub(in crate::app) fn show_temperature(ui: &mut Ui, light: &mut MaterialLight) {
+pub fn show_temperature(ui: &mut Ui, light: &mut MaterialLight) {
     let (mut kelvin, off) = temperature_of_tint(light.emission.tint().to_array());
-    theme::row(ui, words::COLOUR_TEMPERATURE, |ui| {
+    rows::row(ui, words::COLOUR_TEMPERATURE, |ui| {
         let slider = Slider::new(&mut kelvin, TEMPERATURES).logarithmic(true).clamping(egui::SliderClamping::Edits);
         let is_one = off < SAME_TINT;
         let slider = slider.custom_formatter(move |kelvin, _| match is_one {
@@ -128,7 +122,7 @@ pub(in crate::app) fn show_temperature(ui: &mut Ui, light: &mut MaterialLight) {
 
 fn show_choice(ui: &mut Ui, scene: &Scene, editor: &mut LightEditor) {
     let Some(material) = scene.materials.get(editor.material.0 as usize) else { return };
-    let response = theme::row(ui, "Material", |ui| {
+    let response = rows::row(ui, "Material", |ui| {
         let combo = ComboBox::from_id_salt("material").truncate().selected_text(material.name.as_str());
         let shown = combo.show_ui(ui, |ui| {
             // A luminaire's is its own affair.
@@ -154,12 +148,12 @@ fn show_faces(ui: &mut Ui, scene: &Scene, editor: &mut LightEditor) {
         let hint = "The file says that they let light through, so they were left out. This reads the file again and takes them for opaque; `Save scene settings` keeps it.";
         (format!("Make its {faces} opaque"), Faces::Opaque, hint)
     } else if is_ignored {
-        (words::BRING_FACES_BACK.to_owned(), Faces::Back, "Reads the scene again with the faces of this material")
+        ("Bring its faces back".to_owned(), Faces::Back, "Reads the scene again with the faces of this material")
     } else if !has_faces {
         return;
     } else {
         let hint = "Reads the scene again without the faces of this material, such as panes that daylight is to pass; `Save scene settings` keeps it.";
-        (words::LEAVE_FACES_OUT.to_owned(), Faces::LeftOut, hint)
+        ("Leave its faces out".to_owned(), Faces::LeftOut, hint)
     };
     if ui.button(label).on_hover_text(hint).clicked() {
         editor.faces = Some((material.name.clone(), faces));
@@ -167,6 +161,6 @@ fn show_faces(ui: &mut Ui, scene: &Scene, editor: &mut LightEditor) {
 }
 
 /// A colour that can be edited; true when it was.
-pub(in crate::app) fn show_colour(ui: &mut Ui, label: &str, hint: &str, colour: &mut [f32; 3]) -> bool {
-    theme::row(ui, label, |ui| ui.color_edit_button_rgb(colour)).on_hover_text(hint).changed()
+pub fn show_colour(ui: &mut Ui, label: &str, hint: &str, colour: &mut [f32; 3]) -> bool {
+    rows::row(ui, label, |ui| ui.color_edit_button_rgb(colour)).on_hover_text(hint).changed()
 }

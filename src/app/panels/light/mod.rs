@@ -9,10 +9,12 @@ mod sun_place;
 
 use egui::{Align2, Rect, Slider, Ui};
 
+use crate::app::actions::{Action, Outbox};
 use crate::app::state::lighting::{Lighting, LuminaireLight};
+use crate::app::view::View;
 use crate::app::view::overlays::Place;
-use crate::app::widgets::theme;
-use crate::app::{App, Outbox, Shown, format, words};
+use crate::app::widgets::{rows, theme};
+use crate::app::{Shown, format, words};
 use crate::scene::{Luminaire, LuminaireShape, MaterialId, Reading, Scene};
 use crate::solve::{Epsilon, SolverParams};
 use crate::worker::Command;
@@ -31,7 +33,7 @@ const SAME_POWER: f64 = 1e-4;
 
 /// Changes that a person is making in the section.
 #[derive(Default)]
-pub(in crate::app) struct LightEditor {
+pub struct LightEditor {
     /// Of each material, what was set.
     pub lighting: Lighting,
     /// The material at hand.
@@ -106,7 +108,7 @@ impl LampUnit {
 
 impl LightEditor {
     /// For a scene that was just opened; its first lamp, if it has one, is the material at hand.
-    pub(in crate::app) fn for_scene(scene: &Scene) -> Self {
+    pub fn for_scene(scene: &Scene) -> Self {
         let lighting = Lighting::of_scene(scene);
         let lamp = lighting.lamps().next();
         let material = MaterialId(lamp.unwrap_or(0) as u32);
@@ -117,7 +119,7 @@ impl LightEditor {
     }
 
     /// Takes up what an edited scene has more.
-    pub(in crate::app) fn follow(&mut self, scene: &Scene) {
+    pub fn follow(&mut self, scene: &Scene) {
         self.daylight.follow(scene.daylight());
         self.areas = vec![0.0; scene.materials.len()];
         for polygon in &scene.polygons {
@@ -126,7 +128,7 @@ impl LightEditor {
     }
 
     /// The luminaires are those of the scene again: what was wanted cannot be had.
-    pub(in crate::app) fn take_back_luminaires(&mut self, scene: &Scene) {
+    pub fn take_back_luminaires(&mut self, scene: &Scene) {
         let present = scene.luminaires();
         if present != self.sent {
             self.lighting.luminaires = Lighting::of_scene(scene).luminaires;
@@ -136,7 +138,7 @@ impl LightEditor {
 
     /// Command by which the worker learns of changed luminaires. While a person moves one, only
     /// what is live goes out: another exitance.
-    pub(in crate::app) fn luminaires_command(&mut self, is_busy: bool) -> Option<Command> {
+    pub fn luminaires_command(&mut self, is_busy: bool) -> Option<Command> {
         let mut wanted = self.lighting.wanted_luminaires();
         if is_busy {
             if wanted.len() != self.sent.len() {
@@ -155,7 +157,7 @@ impl LightEditor {
 
     /// How the scene in view is to be read again, where somebody asked for faces or against them
     /// since the last time.
-    pub(in crate::app) fn take_reading(&mut self, present: &Reading) -> Option<Reading> {
+    fn take_reading(&mut self, present: &Reading) -> Option<Reading> {
         let (name, faces) = self.faces.take()?;
         let mut reading = present.clone();
         reading.ignored.retain(|ignored| *ignored != name);
@@ -168,7 +170,7 @@ impl LightEditor {
     }
 
     /// Takes a material of the scene in view in hand, or the luminaire that it is of.
-    pub(in crate::app) fn choose(&mut self, scene: &Scene, material: MaterialId) {
+    pub fn choose(&mut self, scene: &Scene, material: MaterialId) {
         if scene.luminaire_of(material).is_none() {
             self.material = material;
         } else if let Some(of) = scene.materials.get(material.0 as usize) {
@@ -177,13 +179,13 @@ impl LightEditor {
     }
 
     /// The luminaire at hand.
-    pub(in crate::app) fn selected_mut(&mut self) -> Option<&mut LuminaireLight> {
+    pub fn selected_mut(&mut self) -> Option<&mut LuminaireLight> {
         self.lighting.luminaires.get_mut(self.selected?)
     }
 }
 
 /// Draws the section.
-pub(in crate::app) fn show(
+pub fn show(
     ui: &mut Ui,
     (shown, eye): (&Shown, Option<glam::Vec3>),
     params: &SolverParams,
@@ -200,7 +202,7 @@ pub(in crate::app) fn show(
                 "Nothing in this scene emits light, so that there is nothing to solve: make a material a light, or add a luminaire."
             }
         };
-        ui.add(egui::Label::new(egui::RichText::new(sentence).color(theme::ACCENT)).wrap());
+        rows::sentence(ui, egui::RichText::new(sentence).color(theme::ACCENT));
         if info.is_open && ui.button(words::LET_DAYLIGHT_IN).clicked() {
             outbox.push(Command::SetDaylight(daylight::usual()));
         }
@@ -215,35 +217,41 @@ pub(in crate::app) fn show(
     daylight::show(ui, &mut editor.daylight, outbox);
     ui.add_space(6.0);
     luminaires::show(ui, info, eye, editor);
+    let to_be_seen = editor.to_be_seen.take().map(Action::TurnTowards);
+    let reading = editor.take_reading(&info.scene.reading).map(Action::Read);
+    to_be_seen.into_iter().chain(reading).for_each(|action| outbox.act(action));
 }
 
 /// Over a view that nothing lights: a sentence that says so, and two ways to some light.
-pub(in crate::app) fn show_ways_to_light(app: &mut App, ui: &Ui, view: Rect, outbox: &mut Outbox) {
-    let Some(info) = app.shown.info.clone() else { return };
+pub fn show_ways_to_light(
+    ui: &Ui,
+    rect: Rect,
+    shown: &Shown,
+    view: &mut View,
+    light: &mut LightEditor,
+    outbox: &mut Outbox,
+) {
+    let Some(info) = &shown.info else { return };
     let sentence = if info.has_light { words::NO_LIGHT_HERE } else { words::NO_LIGHT_YET };
-    let eye = app.view.viewport.pose().map(|pose| pose.eye);
-    let mut place = Place::at_rim("ways to light", view, Align2::CENTER_TOP);
+    let eye = view.viewport.pose().map(|pose| pose.eye);
+    let mut place = Place::at_rim("ways to light", rect, Align2::CENTER_TOP);
     // The readout comes and goes above it.
     place.at.y += 34.0;
-    let light = &mut app.edits.light;
-    app.view.overlays.show(ui.ctx(), place, |ui| {
-        let fill = theme::PANEL.gamma_multiply(0.94);
-        egui::Frame::popup(ui.style()).fill(fill).inner_margin(10).show(ui, |ui| {
-            ui.set_max_width((view.width() - 60.0).clamp(160.0, 420.0));
-            ui.add(egui::Label::new(sentence).wrap());
-            ui.horizontal_wrapped(|ui| {
-                let can_let_daylight_in = info.is_open && info.scene.outside().is_none();
-                if can_let_daylight_in && ui.button(words::LIGHT_IT_BY_DAYLIGHT).clicked() {
-                    outbox.push(Command::SetDaylight(daylight::usual()));
-                }
-                if ui.button(words::HANG_UP_A_LAMP).clicked() {
-                    let before = light.lighting.clone();
-                    luminaires::add(&info, eye, LuminaireShape::Square, light);
-                    // The room is to be seen by it: the view stays.
-                    light.to_be_seen = None;
-                    outbox.extend(light.lighting.commands_since(&before));
-                }
-            });
+    view.overlays.card(ui, place, 10, |ui| {
+        ui.set_max_width((rect.width() - 60.0).clamp(160.0, 420.0));
+        rows::sentence(ui, sentence);
+        ui.horizontal_wrapped(|ui| {
+            let can_let_daylight_in = info.is_open && info.scene.outside().is_none();
+            if can_let_daylight_in && ui.button("Light it by daylight").clicked() {
+                outbox.push(Command::SetDaylight(daylight::usual()));
+            }
+            if ui.button(words::HANG_UP_A_LAMP).clicked() {
+                let before = light.lighting.clone();
+                luminaires::add(info, eye, LuminaireShape::Square, light);
+                // The room is to be seen by it: the view stays.
+                light.to_be_seen = None;
+                outbox.extend(light.lighting.commands_since(&before));
+            }
         });
     });
 }
@@ -254,8 +262,7 @@ pub(in crate::app) fn show_ways_to_light(app: &mut App, ui: &Ui, view: Rect, out
 /// The row is there whether or not it has, so that nothing below it jumps while somebody drags a
 /// slider.
 fn show_anchor(ui: &mut Ui, shown: &Shown, params: &SolverParams, outbox: &mut Outbox) {
-    let stats = shown.snapshot.as_ref().map(|snapshot| &snapshot.stats);
-    let Some(stats) = stats.filter(|stats| stats.power_watts > 0.0) else { return };
+    let Some(stats) = shown.stats().filter(|stats| stats.power_watts > 0.0) else { return };
     let is_relative = matches!(params.threshold(), Epsilon::Relative(_));
     let has_moved = (stats.power_watts - stats.anchor_watts).abs() > SAME_POWER * stats.anchor_watts;
     let [then, now] = [stats.anchor_watts, stats.power_watts].map(|power| format::quantity(power, "W"));
@@ -265,7 +272,7 @@ fn show_anchor(ui: &mut Ui, shown: &Shown, params: &SolverParams, outbox: &mut O
         (true, true) => format!("Φ = {now} (strongest channel); ε was set at {then}"),
     };
     let hint = "ε stays in watts when lamps change; this sets it to the same share of the power Φ that they emit now, in the strongest channel, which ε bounds";
-    ui.add(egui::Label::new(theme::weak(text)).wrap()).on_hover_text(hint);
+    rows::sentence(ui, theme::weak(text)).on_hover_text(hint);
     let button = ui.add_enabled(is_relative && has_moved, egui::Button::new(words::RESCALE_EPSILON));
     if button.on_hover_text(hint).on_disabled_hover_text(hint).clicked() {
         outbox.push(Command::AnchorEpsilon);

@@ -2,7 +2,7 @@
 
 use egui::{Color32, ComboBox, DragValue, Pos2, Rect, Sense, Slider, Stroke, Ui, Vec2};
 
-use crate::app::widgets::theme;
+use crate::app::widgets::{rows, theme};
 use crate::app::{format, words};
 use crate::scene::outside::{Moment, SunPlace, SunSpec};
 
@@ -12,11 +12,11 @@ const SIDE: f32 = 132.0;
 const DATE_WIDTH: f32 = 44.0;
 
 /// Draws the choice, the plan of the sky and the fields.
-pub(in crate::app) fn show(ui: &mut Ui, sun: &mut SunSpec) {
+pub fn show(ui: &mut Ui, sun: &mut SunSpec) {
     show_plan(ui, sun);
     let is_by_date = matches!(sun.place, SunPlace::Almanac { .. });
-    let names = [words::SUN_BY_DIRECTION, words::SUN_BY_DATE];
-    theme::row(ui, words::SUN_PLACE, |ui| {
+    let names = ["direction", words::SUN_BY_DATE];
+    rows::row(ui, words::SUN_PLACE, |ui| {
         let list = ComboBox::from_id_salt(words::SUN_PLACE).selected_text(names[usize::from(is_by_date)]);
         let choices = |ui: &mut Ui| {
             if ui.selectable_label(!is_by_date, names[0]).clicked() && is_by_date {
@@ -33,17 +33,17 @@ pub(in crate::app) fn show(ui: &mut Ui, sun: &mut SunSpec) {
     if let SunPlace::Almanac { moment, latitude, longitude, north } = &mut sun.place {
         show_moment(ui, moment);
         let angles = [
-            (words::LATITUDE, latitude, -90.0..=90.0, "North of the equator; south counts below 0"),
-            (words::LONGITUDE, longitude, -180.0..=180.0, "East of Greenwich; west counts below 0"),
+            ("Latitude", latitude, -90.0..=90.0, "North of the equator; south counts below 0"),
+            ("Longitude", longitude, -180.0..=180.0, "East of Greenwich; west counts below 0"),
             (
-                words::TRUE_NORTH,
+                "North turned by",
                 north,
                 -180.0..=180.0,
                 "Where the scene's north points to: degrees from true north towards east",
             ),
         ];
         for (label, angle, range, hint) in angles {
-            theme::row(ui, label, |ui| {
+            rows::row(ui, label, |ui| {
                 let field = DragValue::new(angle).speed(0.1).range(range).max_decimals(3).suffix("°");
                 ui.add(field).on_hover_text(hint)
             });
@@ -63,7 +63,7 @@ fn usual() -> SunPlace {
 fn show_moment(ui: &mut Ui, moment: &mut Moment) {
     let days = days_of(moment.date[0], moment.date[1]);
     ui.horizontal(|ui| {
-        theme::row_label(ui, words::DATE);
+        rows::row_label(ui, "Date");
         let parts = [("Year", 1..=9999), ("Month", 1..=12), ("Day", 1..=days)];
         for (number, (name, range)) in moment.date.iter_mut().zip(parts) {
             let field = DragValue::new(number).speed(0.05).range(range);
@@ -72,12 +72,12 @@ fn show_moment(ui: &mut Ui, moment: &mut Moment) {
     });
     // Another month may be shorter.
     moment.date[2] = moment.date[2].min(days_of(moment.date[0], moment.date[1]));
-    theme::row(ui, words::TIME, |ui| {
+    rows::row(ui, words::TIME, |ui| {
         let slider = Slider::new(&mut moment.hours, 0.0..=LAST_MINUTE).step_by(1.0 / 60.0);
         let slider = slider.custom_formatter(|hours, _| clock(hours)).custom_parser(read_clock);
         ui.add(slider).on_hover_text("By the clock of the zone below")
     });
-    theme::row(ui, words::ZONE, |ui| {
+    rows::row(ui, "Time zone", |ui| {
         let field = DragValue::new(&mut moment.zone).speed(0.05).range(-14.0..=14.0).max_decimals(2);
         let field = field
             .custom_formatter(|hours, _| zone(hours))

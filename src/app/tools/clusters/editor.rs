@@ -16,7 +16,7 @@ const MOST_UNDO: usize = 100;
 
 /// A row of the tree.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(in crate::app) struct Row {
+pub struct Row {
     pub group: GroupId,
     /// Groups that hold it.
     pub depth: u16,
@@ -24,7 +24,7 @@ pub(in crate::app) struct Row {
 
 /// A tree of groups that is being arranged.
 #[derive(Default)]
-pub(in crate::app) struct GroupEditor {
+pub struct GroupEditor {
     scene: Option<Arc<Scene>>,
     members: Vec<GroupMember>,
     /// Whether the worker has yet to confirm the tree: until then the scene still has former
@@ -51,7 +51,7 @@ pub(in crate::app) struct GroupEditor {
 
 impl GroupEditor {
     /// Takes up the scene in view.
-    pub(in crate::app) fn follow(&mut self, scene: &Arc<Scene>) {
+    pub fn follow(&mut self, scene: &Arc<Scene>) {
         if self.scene.as_ref().is_some_and(|known| Arc::ptr_eq(known, scene)) {
             return;
         }
@@ -83,42 +83,42 @@ impl GroupEditor {
     }
 
     /// The tree as it is arranged now.
-    pub(in crate::app) fn tree(&self) -> Option<Arc<GroupTree>> {
+    pub fn tree(&self) -> Option<Arc<GroupTree>> {
         self.tree.clone()
     }
 
     /// Polygons in a group with all that is in it, and their area, m².
-    pub(in crate::app) fn size(&self, group: GroupId) -> (u32, f64) {
+    pub fn size(&self, group: GroupId) -> (u32, f64) {
         let index = group.0 as usize;
         (self.polygons.get(index).copied().unwrap_or(0), self.areas.get(index).copied().unwrap_or(0.0))
     }
 
     /// The edges of the box of the group that the mouse is over; rows say anew in each frame which
     /// one it is.
-    pub(in crate::app) fn take_pointed_box(&mut self) -> Option<[[Vec3; 2]; 12]> {
+    pub fn take_pointed_box(&mut self) -> Option<[[Vec3; 2]; 12]> {
         let (lower, upper) = *self.boxes.get(self.pointed.take()?.0 as usize)?;
         lower.cmple(upper).all().then(|| box_edges(lower, upper))
     }
 
     /// Whether groups lie in a group.
-    pub(in crate::app) fn has_groups(&self, group: GroupId) -> bool {
+    pub fn has_groups(&self, group: GroupId) -> bool {
         self.children.get(group.0 as usize).is_some_and(|children| !children.is_empty())
     }
 
     /// Whether what lies in a group is shown.
-    pub(in crate::app) fn is_unfolded(&self, group: GroupId) -> bool {
+    pub fn is_unfolded(&self, group: GroupId) -> bool {
         self.unfolded.contains(&group)
     }
 
     /// Shows or hides what lies in a group.
-    pub(in crate::app) fn toggle(&mut self, group: GroupId) {
+    pub fn toggle(&mut self, group: GroupId) {
         if !self.unfolded.remove(&group) {
             self.unfolded.insert(group);
         }
     }
 
     /// The rows that are to be seen, from the root down.
-    pub(in crate::app) fn rows(&self) -> Vec<Row> {
+    pub fn rows(&self) -> Vec<Row> {
         let mut rows = Vec::new();
         let mut waiting = vec![Row { group: GroupId(0), depth: 0 }];
         while let Some(row) = waiting.pop() {
@@ -133,7 +133,7 @@ impl GroupEditor {
     }
 
     /// Selects a group; with others, where they are to stay selected.
-    pub(in crate::app) fn select(&mut self, group: GroupId, keeps_others: bool) {
+    pub fn select(&mut self, group: GroupId, keeps_others: bool) {
         self.problem = None;
         if !keeps_others {
             self.selected = [group].into_iter().collect();
@@ -150,12 +150,12 @@ impl GroupEditor {
     }
 
     /// The selected groups.
-    pub(in crate::app) fn selection(&self) -> Vec<GroupId> {
+    pub fn selection(&self) -> Vec<GroupId> {
         self.selected.iter().copied().collect()
     }
 
     /// A name that no group has yet.
-    pub(in crate::app) fn free_name(&self) -> String {
+    pub fn free_name(&self) -> String {
         let is_taken =
             |name: &String| self.tree.iter().any(|tree| tree.groups().iter().any(|group| group.name == *name));
         let mut names = (1..).map(|number| format!("group {number}"));
@@ -164,7 +164,7 @@ impl GroupEditor {
 
     /// Makes an edit and returns the command for the worker, or keeps the reason why it cannot be
     /// made.
-    pub(in crate::app) fn edit(&mut self, edited: Result<Regrouped, RegroupError>) -> Option<Command> {
+    pub fn edit(&mut self, edited: Result<Regrouped, RegroupError>) -> Option<Command> {
         let (own, former) = (&self.scene.as_ref()?.groups, self.tree.as_deref()?);
         let Regrouped { tree, places, group } = match edited {
             Ok(edited) => edited,
@@ -189,14 +189,14 @@ impl GroupEditor {
     }
 
     /// Takes the last edit back.
-    pub(in crate::app) fn undo(&mut self) -> Option<Command> {
+    pub fn undo(&mut self) -> Option<Command> {
         let members = self.undo.pop()?;
         self.members = members;
         self.rearranged()
     }
 
     /// Arranges all groups as the scene's file has them.
-    pub(in crate::app) fn as_in_file(&mut self) -> Option<Command> {
+    pub fn as_in_file(&mut self) -> Option<Command> {
         self.undo.push(std::mem::take(&mut self.members));
         self.rearranged()
     }
@@ -221,12 +221,12 @@ impl GroupEditor {
     }
 
     /// Whether an edit can be taken back.
-    pub(in crate::app) fn can_undo(&self) -> bool {
+    pub fn can_undo(&self) -> bool {
         !self.undo.is_empty()
     }
 
     /// Whether the groups are other than the scene's file has them.
-    pub(in crate::app) fn is_arranged(&self) -> bool {
+    pub fn is_arranged(&self) -> bool {
         !self.members.is_empty()
     }
 }

@@ -1,15 +1,18 @@
 //! The editor of groups: a tree to drag, drop and select in, and buttons that do the same by
 //! keyboard.
 
+use std::path::Path;
+
 use egui::{Align2, Color32, ComboBox, LayerId, Order, ScrollArea, Sense, TextStyle, Ui};
 
+use crate::app::actions::{Action, Outbox};
 use crate::app::state::messages::Topic;
 use crate::app::tools::clusters::editor::GroupEditor;
 use crate::app::tools::clusters::outline::{Fold, ROW_HEIGHT, RowLook, show_head, show_row};
-use crate::app::widgets::theme;
-use crate::app::{App, Outbox, format, words};
+use crate::app::widgets::{rows, theme};
+use crate::app::{Shown, format, words};
 use crate::scene::{GroupId, GroupTree, RegroupError, Regrouped, Sidecar};
-use crate::solve::ClusteringMode;
+use crate::solve::{ClusteringMode, SolverParams};
 use crate::worker::Command;
 
 /// Widths of the columns, points.
@@ -19,18 +22,17 @@ const WIDTHS: [f32; 2] = [70.0, 70.0];
 struct Dragged(Vec<GroupId>);
 
 /// Draws the editor.
-pub(in crate::app) fn show(app: &mut App, ui: &mut Ui, outbox: &mut Outbox) {
-    let Some(info) = app.shown.info.clone() else { return };
-    app.tools.clusters.editor.follow(&info.scene);
-    show_use(app, ui, outbox);
-    let editor = &mut app.tools.clusters.editor;
+pub fn show(ui: &mut Ui, shown: &Shown, editor: &mut GroupEditor, params: &mut SolverParams, outbox: &mut Outbox) {
+    let Some(info) = &shown.info else { return };
+    editor.follow(&info.scene);
+    show_use(params, ui, outbox);
     let Some(tree) = editor.tree() else { return };
     let mut command = show_buttons(editor, &tree, ui);
     // A button may have changed it.
     let tree = editor.tree().unwrap_or(tree);
     if let Some(problem) = &editor.problem {
         let problem = theme::notice(ui, problem);
-        ui.add(egui::Label::new(problem).wrap());
+        rows::sentence(ui, problem);
     }
     ui.separator();
     show_head(
@@ -47,23 +49,23 @@ pub(in crate::app) fn show(app: &mut App, ui: &mut Ui, outbox: &mut Outbox) {
         }
     });
     ui.add_space(4.0);
-    show_foot(app, ui, outbox);
+    show_foot(editor, info.path.as_deref(), ui, outbox);
     outbox.extend(command);
 }
 
 /// Whether the solver clusters by these groups, and a way to have it do so.
-fn show_use(app: &mut App, ui: &mut Ui, outbox: &mut Outbox) {
+fn show_use(params: &mut SolverParams, ui: &mut Ui, outbox: &mut Outbox) {
     ui.horizontal_wrapped(|ui| {
-        if app.edits.params.clustering == ClusteringMode::Groups {
+        if params.clustering == ClusteringMode::Groups {
             ui.label(theme::weak("The solver takes these groups as its clusters."));
             return;
         }
         let button = ui.button("Cluster by groups");
         if button.on_hover_text("Sets clustering to groups: these groups become the clusters of the solver").clicked() {
-            app.edits.params.clustering = ClusteringMode::Groups;
-            outbox.push(Command::SetParams(app.edits.params));
+            params.clustering = ClusteringMode::Groups;
+            outbox.push(Command::SetParams(*params));
         }
-        let mode = format!("{:?}", app.edits.params.clustering).to_lowercase();
+        let mode = format!("{:?}", params.clustering).to_lowercase();
         ui.label(theme::weak(format!("Clustering is {mode} at present.")));
     });
 }
@@ -230,28 +232,21 @@ fn show_dragged(dragged: &Dragged, tree: &GroupTree, ui: &Ui) {
     painter.galley(at, galley, theme::TEXT_STRONG);
 }
 
-fn show_foot(app: &mut App, ui: &mut Ui, outbox: &mut Outbox) {
-    let path = app.shown.info.as_ref().and_then(|info| info.path.as_deref()).map(Sidecar::path_for);
-    let kept = app.kept();
-    let editor = &mut app.tools.clusters.editor;
+fn show_foot(editor: &mut GroupEditor, scene: Option<&Path>, ui: &mut Ui, outbox: &mut Outbox) {
     ui.horizontal_wrapped(|ui| {
         let as_in_file = ui.add_enabled(editor.is_arranged(), egui::Button::new(words::REVERT_TO_FILE));
         if as_in_file.on_hover_text("Arranges all groups as the scene's file has them; can be undone").clicked() {
             outbox.extend(editor.as_in_file());
         }
-        let save = ui.add_enabled(path.is_some(), egui::Button::new("Save groups"));
+        let save = ui.add_enabled(scene.is_some(), egui::Button::new("Save groups"));
         let save = save
             .on_hover_text("Writes the groups into NAME.selflink.json beside the scene, with whatever else was changed")
             .on_disabled_hover_text("A sample scene has no file: write it to one with selflink scene");
-        if let Some(path) = path.filter(|_| save.clicked()) {
-            if path.exists() {
-                app.documents.files.sidecar_in_question = Some(path);
-                app.messages.note(
-                    Topic::Saving,
-                    "The section Scene at the left asks whether the settings file is overwritten.".into(),
-                );
-            } else {
-                outbox.push(Command::SaveSidecar(kept));
+        if let Some(scene) = scene.filter(|_| save.clicked()) {
+            outbox.act(Action::SaveSettings { overwrites: false });
+            if Sidecar::path_for(scene).exists() {
+                let sentence = "The section Scene at the left asks whether the settings file is overwritten.";
+                outbox.act(Action::Note(Topic::Saving, sentence.into()));
             }
         }
         let count = editor.selected.len();

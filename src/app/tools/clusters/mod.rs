@@ -1,16 +1,21 @@
 //! The clusters: how the view shows them, their tree with numbers, and manual groups.
 
+mod content;
 mod editor;
 mod groups;
 mod outline;
-mod rows;
 mod tree;
 
 use egui::{Slider, Ui};
 use glam::Vec3;
 
-use crate::app::widgets::theme;
-use crate::app::{App, Outbox, words};
+use crate::app::state::edits::Edits;
+use crate::app::state::names::NamesInView;
+use crate::app::state::settings::DisplaySettings;
+use crate::app::view::View;
+use crate::app::view::cluster_view::ClusterScene;
+use crate::app::widgets::{rows, theme};
+use crate::app::{Outbox, Shown, words};
 use crate::render::{Line, Marks};
 use editor::GroupEditor;
 use tree::ClusterTree;
@@ -25,9 +30,19 @@ enum Page {
     Groups,
 }
 
+/// The pages with their names and hints.
+const PAGES: [(Page, &str, &str); 2] = [
+    (Page::Tree, "Tree of clusters", "The clusters that the solver links, from the whole scene down to polygons"),
+    (
+        Page::Groups,
+        words::MANUAL_GROUPS,
+        "Arrange the scene's objects in groups, which clustering by groups takes as its clusters",
+    ),
+];
+
 /// The tool's own state; another scene starts it afresh.
 #[derive(Default)]
-pub(in crate::app) struct Clusters {
+pub struct Clusters {
     page: Page,
     tree: ClusterTree,
     editor: GroupEditor,
@@ -47,7 +62,7 @@ const GROUP_BOX: ([u8; 4], f32) = ([255, 255, 255, 255], 2.5);
 impl Clusters {
     /// Marks with the box of the group that the mouse is over added; the same ones as long as
     /// nothing changes.
-    pub(in crate::app) fn with_group(&mut self, marks: Marks) -> Marks {
+    pub fn with_group(&mut self, marks: Marks) -> Marks {
         let Some(edges) = self.editor.take_pointed_box() else { return marks };
         match &self.marked {
             Some(marked) if (&marked.over, &marked.edges) == (&marks, &edges) => marked.all.clone(),
@@ -64,46 +79,40 @@ impl Clusters {
 }
 
 /// Draws the tool.
-pub(in crate::app) fn show(app: &mut App, ui: &mut Ui, outbox: &mut Outbox) {
-    show_view(app, ui);
+pub fn show(
+    ui: &mut Ui,
+    shown: &Shown,
+    clusters: &mut Clusters,
+    names: &mut NamesInView,
+    view: &mut View,
+    edits: &mut Edits,
+    outbox: &mut Outbox,
+) {
+    show_view(ui, shown, &mut view.clusters, &mut edits.display);
     ui.separator();
-    ui.horizontal(|ui| {
-        let page = &mut app.tools.clusters.page;
-        ui.selectable_value(page, Page::Tree, "Tree of clusters")
-            .on_hover_text("The clusters that the solver links, from the whole scene down to polygons");
-        ui.selectable_value(page, Page::Groups, words::MANUAL_GROUPS)
-            .on_hover_text("Arrange the scene's objects in groups, which clustering by groups takes as its clusters");
-    });
-    match app.tools.clusters.page {
-        Page::Tree => tree::show(app, ui),
-        Page::Groups => groups::show(app, ui, outbox),
+    ui.horizontal(|ui| rows::alternatives(ui, &mut clusters.page, &PAGES));
+    match clusters.page {
+        Page::Tree => tree::show(ui, shown, &mut clusters.tree, names, &mut view.pointing, outbox),
+        Page::Groups => groups::show(ui, shown, &mut clusters.editor, &mut edits.params, outbox),
     }
 }
 
 /// Colours, level, boxes and how far clusters are pulled apart.
-fn show_view(app: &mut App, ui: &mut Ui) {
-    let Some(snapshot) = &app.shown.snapshot else {
+fn show_view(ui: &mut Ui, shown: &Shown, view: &mut ClusterScene, display: &mut DisplaySettings) {
+    let Some(snapshot) = &shown.snapshot else {
         ui.label(theme::weak("Open a scene to see its clusters."));
         return;
     };
     let deepest = snapshot.clusters.iter().map(|cluster| cluster.level).max().unwrap_or(0);
-    let (view, display) = (&mut app.view.clusters, &mut app.edits.display);
     ui.horizontal(|ui| {
         ui.checkbox(&mut view.coloured, words::COLOUR_BY_CLUSTER)
             .on_hover_text("Each surface shows the colour of its cluster instead of its light; grey hangs at the root");
         ui.checkbox(&mut display.show_clusters, "Boxes").on_hover_text("The boxes of the clusters of this level");
     });
-    theme::row(ui, words::LEVEL, |ui| {
-        let mut level = display.cluster_level.min(deepest);
-        let slider = Slider::new(&mut level, 0..=deepest).suffix(format!(" of {deepest}"));
-        let response = ui.add_enabled(deepest > 0, slider);
-        if response.changed() {
-            display.cluster_level = level;
-        }
-        response.on_hover_text("Level of the hierarchy, the whole scene being 0")
-    });
+    rows::row(ui, words::LEVEL, |ui| rows::level(ui, &mut display.cluster_level, deepest))
+        .on_hover_text("Level of the hierarchy, the whole scene being 0");
     let can_explode = display.cluster_level.min(deepest) > 0;
-    theme::row(ui, words::EXPLODE, |ui| {
+    rows::row(ui, words::EXPLODE, |ui| {
         let mut percent = 100.0 * view.explode;
         let slider = Slider::new(&mut percent, 0.0..=100.0).fixed_decimals(0).suffix(" %");
         let response = ui.add_enabled(can_explode, slider);

@@ -8,7 +8,7 @@ use egui::{
 use crate::app::widgets::theme;
 
 /// Height of a row, points.
-pub(in crate::app) const ROW_HEIGHT: f32 = 20.0;
+pub const ROW_HEIGHT: f32 = 20.0;
 /// Room that a level takes at the left, points, and the deepest level that is moved in further.
 const INDENT: f32 = 9.0;
 const DEEPEST_INDENT: u16 = 12;
@@ -17,14 +17,14 @@ const FOLD_WIDTH: f32 = 15.0;
 
 /// Whether a row has others below it, and whether these are shown.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(in crate::app) enum Fold {
+pub enum Fold {
     Leaf,
     Folded,
     Unfolded,
 }
 
 /// Content of a row.
-pub(in crate::app) struct RowLook<'a> {
+pub struct RowLook<'a> {
     pub id: egui::Id,
     pub depth: u16,
     pub fold: Fold,
@@ -40,19 +40,19 @@ pub(in crate::app) struct RowLook<'a> {
 }
 
 /// Actions on a row.
-pub(in crate::app) struct RowDone {
+pub struct RowDone {
     pub response: Response,
     /// It is to be folded or unfolded.
     pub toggled: bool,
 }
 
 /// Widths of the columns behind the name, points.
-pub(in crate::app) fn columns_width(widths: &[f32]) -> f32 {
+pub fn columns_width(widths: &[f32]) -> f32 {
     widths.iter().sum()
 }
 
 /// Draws the head of a table with the columns of its rows.
-pub(in crate::app) fn show_head(ui: &mut Ui, name: &str, columns: &[(&str, f32, &str)]) {
+pub fn show_head(ui: &mut Ui, name: &str, columns: &[(&str, f32, &str)]) {
     let (rect, _) = ui.allocate_exact_size(vec2(ui.available_width(), ROW_HEIGHT), Sense::hover());
     let font = TextStyle::Small.resolve(ui.style());
     let middle = rect.center().y;
@@ -85,7 +85,7 @@ pub(in crate::app) fn show_head(ui: &mut Ui, name: &str, columns: &[(&str, f32, 
 const END_ROOM: f32 = 10.0;
 
 /// Draws a row over the whole width.
-pub(in crate::app) fn show_row(ui: &mut Ui, look: &RowLook<'_>, widths: &[f32]) -> RowDone {
+pub fn show_row(ui: &mut Ui, look: &RowLook<'_>, widths: &[f32]) -> RowDone {
     let (_, rect) = ui.allocate_space(vec2(ui.available_width(), ROW_HEIGHT));
     let response = ui.interact(rect, look.id, look.sense);
     response.widget_info(|| WidgetInfo::selected(Role::TreeItem, true, look.is_selected, look.full_name));

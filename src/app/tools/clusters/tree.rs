@@ -6,11 +6,13 @@ use std::sync::Arc;
 use egui::{Color32, ScrollArea, Sense, Ui};
 use rustc_hash::FxHashSet;
 
+use crate::app::actions::{Action, Outbox};
+use crate::app::state::names::NamesInView;
+use crate::app::tools::clusters::content::{Powers, Row, has_rows_below, polygons, visible_rows, with_row};
 use crate::app::tools::clusters::outline::{Fold, ROW_HEIGHT, RowLook, show_head, show_row};
-use crate::app::tools::clusters::rows::{Powers, Row, has_rows_below, polygons, visible_rows, with_row};
-use crate::app::view::highlight::Highlight;
-use crate::app::widgets::theme;
-use crate::app::{App, format, words};
+use crate::app::view::highlight::{Highlight, Pointing};
+use crate::app::widgets::{rows, theme};
+use crate::app::{Shown, format};
 use crate::hierarchy::{ElementId, Hierarchy};
 use crate::render::cluster_colours;
 use crate::solve::Snapshot;
@@ -23,6 +25,10 @@ enum PowerShown {
     Received,
     Sent,
 }
+
+/// What the powers mean.
+const RECEIVED: &str = "Power that arrives, E·A, sum of the channels, W";
+const SENT: &str = "Power that leaves, B·A, sum of the channels, W";
 
 /// A column of numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -56,7 +62,7 @@ fn columns_in(width: f32) -> Vec<(Column, f32)> {
 
 /// State of the tree.
 #[derive(Default)]
-pub(in crate::app) struct ClusterTree {
+pub struct ClusterTree {
     power: PowerShown,
     unfolded: FxHashSet<ElementId>,
     rows: Vec<Row>,
@@ -129,11 +135,16 @@ fn within<'a>(full_name: &'a str, holder: &str) -> &'a str {
 }
 
 /// Draws the tree.
-pub(in crate::app) fn show(app: &mut App, ui: &mut Ui) {
-    let Some(snapshot) = app.shown.snapshot.clone() else { return };
-    let picked = app.picked.as_ref().map(|picked| picked.element);
-    let (tree, names) = (&mut app.tools.clusters.tree, &mut app.tools.inspection.names);
-    tree.follow(&snapshot, picked);
+pub fn show(
+    ui: &mut Ui,
+    shown: &Shown,
+    tree: &mut ClusterTree,
+    names: &mut NamesInView,
+    pointing: &mut Pointing,
+    outbox: &mut Outbox,
+) {
+    let Some(snapshot) = &shown.snapshot else { return };
+    tree.follow(snapshot, shown.picked_element());
     let Some(solution_view) = &snapshot.solution_view else {
         ui.label(theme::weak("Asking for the clusters…"));
         return;
@@ -146,10 +157,8 @@ pub(in crate::app) fn show(app: &mut App, ui: &mut Ui) {
     });
     ui.horizontal(|ui| {
         ui.label(theme::weak("Power"));
-        ui.selectable_value(&mut tree.power, PowerShown::Received, "Received")
-            .on_hover_text("Power that arrives, E·A, sum of the channels, W");
-        ui.selectable_value(&mut tree.power, PowerShown::Sent, "Sent")
-            .on_hover_text("Power that leaves, B·A, sum of the channels, W");
+        let all = [(PowerShown::Received, "Received", RECEIVED), (PowerShown::Sent, "Sent", SENT)];
+        rows::alternatives(ui, &mut tree.power, &all);
     });
     let columns = columns_in(ui.available_width());
     let widths: Vec<f32> = columns.iter().map(|(_, width)| *width).collect();
@@ -159,12 +168,8 @@ pub(in crate::app) fn show(app: &mut App, ui: &mut Ui) {
             (Column::Area, _) => ("Area (m²)", width, "Area that light can reach, m²"),
             (Column::Polygons, _) => ("Polygons", width, "Polygons in it"),
             (Column::Links, _) => ("Links", width, "Links that end at it and at nothing smaller"),
-            (Column::Power, PowerShown::Received) => {
-                (words::POWER_IN, width, "Power that arrives, E·A, sum of the channels, W")
-            }
-            (Column::Power, PowerShown::Sent) => {
-                (words::POWER_OUT, width, "Power that leaves, B·A, sum of the channels, W")
-            }
+            (Column::Power, PowerShown::Received) => ("Power in (W)", width, RECEIVED),
+            (Column::Power, PowerShown::Sent) => ("Power out (W)", width, SENT),
         })
         .collect();
     show_head(ui, "Cluster", &heads);
@@ -206,7 +211,7 @@ pub(in crate::app) fn show(app: &mut App, ui: &mut Ui) {
                 colour: tree.colour(id),
                 values: &values,
                 is_selected: tree.followed == Some(id),
-                is_marked: app.view.pointing.shown() == Highlight::Element(id),
+                is_marked: pointing.shown() == Highlight::Element(id),
                 sense: Sense::click(),
             };
             let done = show_row(ui, &look, &widths);
@@ -217,7 +222,7 @@ pub(in crate::app) fn show(app: &mut App, ui: &mut Ui) {
                 chosen = Some(id);
             }
             if done.response.hovered() || done.response.has_focus() {
-                app.view.pointing.at(Highlight::Element(id));
+                pointing.at(Highlight::Element(id));
             }
             done.response.on_hover_text(full_name);
         }
@@ -228,7 +233,7 @@ pub(in crate::app) fn show(app: &mut App, ui: &mut Ui) {
     if let Some(id) = chosen {
         // Known already, so that the tree does not jump to it.
         tree.followed = Some(id);
-        app.pick_element(id);
+        outbox.act(Action::Pick(id));
     }
 }
 

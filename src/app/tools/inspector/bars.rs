@@ -24,7 +24,7 @@ const NUMBERS: f32 = 136.0;
 const USUAL_LEVEL: u16 = 3;
 
 /// The level of the bars, and what they were made of.
-pub(in crate::app) struct Bars {
+pub struct Bars {
     level: u16,
     made_of: Option<(u64, u16)>,
     sums: Vec<(ElementId, Vec3)>,
@@ -53,7 +53,7 @@ impl Bars {
 
 /// Irradiance that a link brings to the element, W/m², or power that it takes from it to its
 /// receiver, W.
-pub(in crate::app) fn brought(subject: &Subject<'_>, link: &LinkView, direction: Direction) -> Vec3 {
+pub fn brought(subject: &Subject<'_>, link: &LinkView, direction: Direction) -> Vec3 {
     match direction {
         Direction::In => link.irradiance,
         Direction::Out => link.irradiance * subject.solution_view.hierarchy().element(link.receiver).area,
@@ -61,7 +61,7 @@ pub(in crate::app) fn brought(subject: &Subject<'_>, link: &LinkView, direction:
 }
 
 /// One number for three channels: irradiance of the strongest, W/m², or power of all together, W.
-pub(in crate::app) fn in_one(brought: Vec3, direction: Direction) -> f32 {
+pub fn in_one(brought: Vec3, direction: Direction) -> f32 {
     match direction {
         Direction::In => brought.max_element(),
         Direction::Out => brought.element_sum(),
@@ -69,7 +69,7 @@ pub(in crate::app) fn in_one(brought: Vec3, direction: Direction) -> f32 {
 }
 
 /// Draws them; where a person goes.
-pub(in crate::app) fn show(
+pub fn show(
     ui: &mut Ui,
     subject: &Subject<'_>,
     inspection: &mut Inspection,

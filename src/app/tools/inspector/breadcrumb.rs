@@ -8,12 +8,7 @@ use crate::app::view::highlight::{Highlight, Pointing};
 use crate::app::widgets::theme;
 
 /// Draws it; where a person climbs to.
-pub(in crate::app) fn show(
-    ui: &mut Ui,
-    subject: &Subject<'_>,
-    inspection: &Inspection,
-    pointing: &mut Pointing,
-) -> Option<Walk> {
+pub fn show(ui: &mut Ui, subject: &Subject<'_>, inspection: &Inspection, pointing: &mut Pointing) -> Option<Walk> {
     let mut walk = None;
     let path = subject.solution_view.path(subject.element);
     ui.horizontal_wrapped(|ui| {

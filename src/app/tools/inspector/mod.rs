@@ -13,15 +13,17 @@ mod table;
 
 use egui::{RichText, Ui};
 
+use crate::app::actions::{Action, Outbox};
 use crate::app::state::inspection::{Direction, Inspection};
-use crate::app::widgets::theme;
-use crate::app::{App, format, words};
+use crate::app::view::highlight::Pointing;
+use crate::app::widgets::{rows, theme};
+use crate::app::{Shown, format, words};
 use crate::hierarchy::{ElementId, Hierarchy};
 use crate::transport::SolutionView;
 
 /// How the inspector shows links, and where it has been.
 #[derive(Default)]
-pub(in crate::app) struct Inspector {
+pub struct Inspector {
     direction: Direction,
     bars: bars::Bars,
     order: order::Order,
@@ -31,10 +33,20 @@ pub(in crate::app) struct Inspector {
 
 impl Inspector {
     /// Which way the light goes that is looked at.
-    pub(in crate::app) fn direction(&self) -> Direction {
+    pub fn direction(&self) -> Direction {
         self.direction
     }
 }
+
+/// The directions with their names and hints.
+const DIRECTIONS: [(Direction, &str, &str); 2] = [
+    (
+        Direction::In,
+        words::WHAT_LIGHTS_THIS,
+        "Links that bring it light: its own, those of its parts and of all that holds it",
+    ),
+    (Direction::Out, words::WHAT_THIS_LIGHTS, "Links that take its light elsewhere, likewise"),
+];
 
 /// The element that is looked at, and the state that it is part of.
 struct Subject<'a> {
@@ -49,61 +61,50 @@ enum Walk {
 }
 
 /// Draws it.
-pub(in crate::app) fn show(app: &mut App, ui: &mut Ui) {
-    let Some(snapshot) = app.shown.snapshot.clone() else {
+pub fn show(
+    ui: &mut Ui,
+    shown: &Shown,
+    inspector: &mut Inspector,
+    inspection: &mut Inspection,
+    pointing: &mut Pointing,
+    outbox: &mut Outbox,
+) {
+    if shown.snapshot.is_none() {
         ui.label(theme::weak("Open a scene to look inside its solution."));
         return;
-    };
-    let Some(picked) = &app.picked else {
+    }
+    let Some(element) = shown.picked_element() else {
         if show_nothing_picked(ui) {
-            app.pick_element(Hierarchy::ROOT);
+            outbox.act(Action::Pick(Hierarchy::ROOT));
         }
         return;
     };
-    let element = picked.element;
-    let Some(solution_view) = snapshot.solution_view.as_ref().filter(|solution_view| solution_view.holds(element))
-    else {
+    let Some(solution_view) = shown.solution_view().filter(|solution_view| solution_view.holds(element)) else {
         ui.label(theme::weak("Asking for its links…"));
         return;
     };
     let subject = Subject { solution_view, element };
-    let mut inspector = std::mem::take(&mut app.tools.inspector);
-    let mut walk = show_head(ui, &subject, &mut app.tools.inspection, &inspector.visited);
-    walk = breadcrumb::show(ui, &subject, &app.tools.inspection, &mut app.view.pointing).or(walk);
-    if let Some(facts) = &app.tools.inspection.facts {
+    let mut walk = show_head(ui, &subject, inspection, &inspector.visited);
+    walk = breadcrumb::show(ui, &subject, inspection, pointing).or(walk);
+    if let Some(facts) = &inspection.facts {
         numbers::show(ui, &subject, facts);
     }
     ui.separator();
     // The links at hand are those of the direction until now; another one is looked at in the next
     // frame.
     let direction = inspector.direction;
-    show_direction(ui, &mut inspector.direction);
-    let pointing = &mut app.view.pointing;
-    walk = bars::show(ui, &subject, &mut app.tools.inspection, direction, &mut inspector.bars, pointing).or(walk);
+    ui.horizontal(|ui| rows::alternatives(ui, &mut inspector.direction, &DIRECTIONS));
+    walk = bars::show(ui, &subject, inspection, direction, &mut inspector.bars, pointing).or(walk);
     ui.separator();
-    walk = table::show(ui, &subject, &mut app.tools.inspection, direction, &mut inspector.order, pointing).or(walk);
-    app.tools.inspector = inspector;
+    walk = table::show(ui, &subject, inspection, direction, &mut inspector.order, pointing).or(walk);
     match walk {
-        Some(Walk::To(id)) => go_to(app, element, id),
-        Some(Walk::Back) => {
-            if let Some(last) = app.tools.inspector.visited.pop() {
-                app.pick_element(last);
-            }
+        Some(Walk::To(id)) if id != element && solution_view.holds(id) => {
+            inspector.visited.push(element);
+            outbox.act(Action::Pick(id));
+            outbox.act(Action::TurnTowards(solution_view.hierarchy().element(id).centre));
         }
-        None => {}
-    }
-}
-
-/// Picks another element and remembers the present one; the view turns only where the other one is
-/// out of sight.
-fn go_to(app: &mut App, from: ElementId, to: ElementId) {
-    if from == to {
-        return;
-    }
-    app.pick_element(to);
-    if let Some(picked) = app.picked.as_ref().filter(|picked| picked.element == to) {
-        app.tools.inspector.visited.push(from);
-        app.view.viewport.turn_towards_unseen(picked.point);
+        Some(Walk::Back) => inspector.visited.pop().into_iter().for_each(|last| outbox.act(Action::Pick(last))),
+        Some(Walk::To(_)) | None => {}
     }
 }
 
@@ -147,22 +148,6 @@ fn show_head(ui: &mut Ui, subject: &Subject<'_>, inspection: &mut Inspection, vi
         });
     });
     walk
-}
-
-fn show_direction(ui: &mut Ui, direction: &mut Direction) {
-    ui.horizontal(|ui| {
-        let choices = [
-            (
-                Direction::In,
-                words::WHAT_LIGHTS_THIS,
-                "Links that bring it light: its own, those of its parts and of all that holds it",
-            ),
-            (Direction::Out, words::WHAT_THIS_LIGHTS, "Links that take its light elsewhere, likewise"),
-        ];
-        for (choice, name, hint) in choices {
-            ui.selectable_value(direction, choice, name).on_hover_text(hint);
-        }
-    });
 }
 
 /// A number in six characters at most: 12,345, 12.3, 0.0123, 0.0012, 1.2e-5.

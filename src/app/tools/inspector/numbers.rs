@@ -13,7 +13,7 @@ use crate::base::photometry;
 const ROOM_FOR_TWO: f32 = 460.0;
 
 /// Draws them, two to a line where there is room.
-pub(in crate::app) fn show(ui: &mut Ui, subject: &Subject<'_>, facts: &Facts) {
+pub fn show(ui: &mut Ui, subject: &Subject<'_>, facts: &Facts) {
     ui.add_space(2.0);
     let a_line = if ui.available_width() >= ROOM_FOR_TWO { 2 } else { 1 };
     Grid::new(("inspected", a_line)).num_columns(2 * a_line).spacing([10.0, 2.0]).show(ui, |ui| {

@@ -9,7 +9,7 @@ use crate::transport::{LinkView, VisibilitySource};
 
 /// A column of the table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(in crate::app) enum Column {
+pub enum Column {
     Name,
     Level,
     Brought,
@@ -22,7 +22,7 @@ pub(in crate::app) enum Column {
 }
 
 /// By which column rows are sorted, and the order that came of it.
-pub(in crate::app) struct Order {
+pub struct Order {
     pub by: Column,
     pub is_ascending: bool,
     made_of: Option<(u64, Column, bool)>,
@@ -38,18 +38,13 @@ impl Default for Order {
 impl Order {
     /// Sorts by a column: names upwards, numbers downwards at first, the other way when asked
     /// again.
-    pub(in crate::app) fn choose(&mut self, column: Column) {
+    pub fn choose(&mut self, column: Column) {
         self.is_ascending = if self.by == column { !self.is_ascending } else { column == Column::Name };
         self.by = column;
     }
 
     /// The links as indices, in order; made anew only when links or order changed.
-    pub(in crate::app) fn rows(
-        &mut self,
-        subject: &Subject<'_>,
-        inspection: &mut Inspection,
-        direction: Direction,
-    ) -> &[u32] {
+    pub fn rows(&mut self, subject: &Subject<'_>, inspection: &mut Inspection, direction: Direction) -> &[u32] {
         let now = Some((inspection.stamp, self.by, self.is_ascending));
         if self.made_of != now {
             self.rows = sorted(subject, inspection, direction, self.by, self.is_ascending);
@@ -82,7 +77,7 @@ fn sorted(
 }
 
 /// The number of a column.
-pub(in crate::app) fn value(subject: &Subject<'_>, link: &LinkView, direction: Direction, column: Column) -> f32 {
+pub fn value(subject: &Subject<'_>, link: &LinkView, direction: Direction, column: Column) -> f32 {
     match column {
         Column::Name => 0.0,
         Column::Level => subject.solution_view.depth(direction.far_end(link)).into(),
@@ -97,7 +92,7 @@ pub(in crate::app) fn value(subject: &Subject<'_>, link: &LinkView, direction: D
 }
 
 /// Rays that tell of a link's visibility; `None` where it is inherited or nobody looked.
-pub(in crate::app) fn rays(link: &LinkView) -> Option<u16> {
+pub fn rays(link: &LinkView) -> Option<u16> {
     match link.visibility_source {
         VisibilitySource::Rays(rays) | VisibilitySource::Clear(rays) => Some(rays),
         VisibilitySource::Inherited | VisibilitySource::None => None,
@@ -105,7 +100,7 @@ pub(in crate::app) fn rays(link: &LinkView) -> Option<u16> {
 }
 
 /// Power of a link's strongest channel, which ε bounds, as a share of ε.
-pub(in crate::app) fn over_epsilon(subject: &Subject<'_>, link: &LinkView) -> f32 {
+pub fn over_epsilon(subject: &Subject<'_>, link: &LinkView) -> f32 {
     let power = link.power.max_element();
     match subject.solution_view.epsilon_watts() {
         epsilon if epsilon > 0.0 => (f64::from(power) / epsilon) as f32,

@@ -77,7 +77,7 @@ fn columns_in(width: f32) -> Vec<&'static Heading> {
 }
 
 /// Draws it; where a person goes.
-pub(in crate::app) fn show(
+pub fn show(
     ui: &mut Ui,
     subject: &Subject<'_>,
     inspection: &mut Inspection,

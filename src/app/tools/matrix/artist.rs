@@ -18,7 +18,7 @@ use crate::transport::SolutionView;
 const PIXELS_OF_WHOLE: usize = 512;
 
 /// A picture that is to be drawn.
-pub(in crate::app) struct Order {
+pub struct Order {
     pub look: Look,
     pub solution_view: Arc<SolutionView>,
     pub request: Request,
@@ -27,7 +27,7 @@ pub(in crate::app) struct Order {
 }
 
 /// A picture that was drawn.
-pub(in crate::app) struct Drawn {
+pub struct Drawn {
     pub look: Look,
     pub request: Request,
     pub raster: Raster,
@@ -45,7 +45,7 @@ struct Known {
 }
 
 /// The window's side of the thread.
-pub(in crate::app) struct Artist {
+pub struct Artist {
     orders: Sender<Order>,
     drawn: Receiver<Drawn>,
     cancel: CancelToken,
@@ -57,7 +57,7 @@ impl Artist {
     ///
     /// # Errors
     /// The system gives no further thread.
-    pub(in crate::app) fn spawn(wake: Wake) -> std::io::Result<Self> {
+    pub fn spawn(wake: Wake) -> std::io::Result<Self> {
         let (orders, taken) = channel::<Order>();
         let (done, drawn) = channel();
         let cancel = CancelToken::new();
@@ -77,17 +77,17 @@ impl Artist {
     }
 
     /// Whether it would take an order now.
-    pub(in crate::app) fn is_free(&self) -> bool {
+    pub fn is_free(&self) -> bool {
         !self.under_way
     }
 
     /// Orders a picture.
-    pub(in crate::app) fn order(&mut self, order: Order) {
+    pub fn order(&mut self, order: Order) {
         self.under_way = self.orders.send(order).is_ok();
     }
 
     /// The picture that was ordered, once it is there.
-    pub(in crate::app) fn take(&mut self) -> Option<Drawn> {
+    pub fn take(&mut self) -> Option<Drawn> {
         let drawn = self.drawn.try_recv().ok()?;
         self.under_way = false;
         Some(drawn)

@@ -15,7 +15,7 @@ const TIERS: usize = 2;
 /// Room for the words that say which edge is which, points.
 const WORDS: f32 = 15.0;
 /// Width of both edges, points.
-pub(in crate::app) const WIDTH: Vec2 = Vec2::splat(WORDS + TIERS as f32 * (TIER + GAP) + 2.0);
+pub const WIDTH: Vec2 = Vec2::splat(WORDS + TIERS as f32 * (TIER + GAP) + 2.0);
 /// Fill of brackets that lie side by side.
 const FILLS: [Color32; 2] = [Color32::from_rgb(56, 60, 68), Color32::from_rgb(44, 47, 54)];
 /// Free room at both ends of a name, points.
@@ -33,7 +33,7 @@ enum Edge {
 }
 
 /// Draws both.
-pub(in crate::app) fn paint(
+pub fn paint(
     painter: &Painter,
     matrix: &LinkMatrix,
     looked: Looked<'_>,

@@ -5,7 +5,7 @@ use egui::{Align2, Color32, FontId, Sense, Stroke, StrokeKind, Ui, pos2, vec2};
 use crate::app::format;
 use crate::app::tools::matrix::LinkMatrix;
 use crate::app::view::colour_bar;
-use crate::app::widgets::theme;
+use crate::app::widgets::{rows, theme};
 use crate::read::matrix::{EMPTY, Legend, Palette, View};
 
 /// Size of the ramp, points.
@@ -15,10 +15,10 @@ const SWATCH: f32 = 11.0;
 
 impl LinkMatrix {
     /// Draws key and numbers of the last picture.
-    pub(in crate::app) fn show_key(&mut self, ui: &mut Ui) {
+    pub fn show_key(&mut self, ui: &mut Ui) {
         let Some(shown) = &self.shown else { return };
         ui.add_space(4.0);
-        ui.add(egui::Label::new(theme::weak(&shown.legend.title)).wrap());
+        rows::sentence(ui, theme::weak(&shown.legend.title));
         ui.horizontal_wrapped(|ui| {
             if !shown.legend.ticks.is_empty() {
                 ramp(ui, &shown.palette, &shown.legend);

@@ -12,12 +12,15 @@ mod tip;
 
 use std::sync::Arc;
 
-use egui::{ColorImage, Context, Rect, TextureHandle, TextureOptions, Ui, Vec2, vec2};
+use egui::{ColorImage, Context, TextureHandle, TextureOptions, Ui, Vec2, vec2};
 
+use crate::app::actions::{Action, Outbox};
 use crate::app::state::messages::Topic;
-use crate::app::widgets::theme;
-use crate::app::{App, Wake, words};
-use crate::hierarchy::Room;
+use crate::app::state::names::NamesInView;
+use crate::app::view::highlight::Pointing;
+use crate::app::widgets::{rows, theme};
+use crate::app::{Shown, Wake};
+use crate::hierarchy::{ElementId, Room};
 use crate::read::matrix::{Colouring, Facts, Legend, Palette, Raster, Request, View};
 use crate::read::names::Names;
 use crate::solve::Snapshot;
@@ -50,12 +53,12 @@ const ROOM_BELOW: f32 = 100.0;
 const ROOM_BESIDE: f32 = 214.0;
 
 /// The tool's state.
-pub(in crate::app) struct LinkMatrix {
+pub struct LinkMatrix {
     room: Room,
     colouring: Colouring,
     view: View,
     artist: Option<Artist>,
-    shown: Option<Shown>,
+    shown: Option<Drawing>,
     /// A coarse picture of the whole square.
     whole: Option<(Look, TextureHandle)>,
     generation: u64,
@@ -71,7 +74,7 @@ struct Look {
 }
 
 /// The last picture.
-struct Shown {
+struct Drawing {
     look: Look,
     request: Request,
     texture: TextureHandle,
@@ -85,6 +88,7 @@ struct Shown {
 struct Looked<'a> {
     solution_view: &'a Arc<SolutionView>,
     names: &'a Names,
+    picked: Option<ElementId>,
 }
 
 impl Default for LinkMatrix {
@@ -102,45 +106,51 @@ impl Default for LinkMatrix {
 }
 
 /// Draws the tool.
-pub(in crate::app) fn show(app: &mut App, ui: &mut Ui) {
-    let Some(snapshot) = app.shown.snapshot.clone() else {
+pub fn show(
+    ui: &mut Ui,
+    shown: &Shown,
+    matrix: &mut LinkMatrix,
+    names: &NamesInView,
+    pointing: &mut Pointing,
+    wake: &Wake,
+    outbox: &mut Outbox,
+) {
+    let Some(snapshot) = &shown.snapshot else {
         ui.label(theme::weak("Open a scene to see its links."));
         return;
     };
-    let mut matrix = std::mem::take(&mut app.tools.matrix);
     matrix.show_switches(ui);
-    match &snapshot.solution_view {
-        Some(solution_view) => {
-            let names = std::mem::take(&mut app.tools.inspection.names);
-            if let Some(names) = names.names() {
-                matrix.show(app, ui, &snapshot, Looked { solution_view, names });
-            }
-            app.tools.inspection.names = names;
-        }
-        None => {
-            ui.label(theme::weak("Asking for the links…"));
-        }
+    let Some(solution_view) = &snapshot.solution_view else {
+        ui.label(theme::weak("Asking for the links…"));
+        return;
+    };
+    if let Some(names) = names.names() {
+        let looked = Looked { solution_view, names, picked: shown.picked_element() };
+        matrix.show(ui, snapshot, looked, pointing, wake, outbox);
     }
-    app.tools.matrix = matrix;
 }
 
 impl LinkMatrix {
     fn show_switches(&mut self, ui: &mut Ui) {
         ui.horizontal(|ui| {
             ui.label(theme::weak("Colour by"));
-            for (colouring, name, hint) in COLOURINGS {
-                ui.selectable_value(&mut self.colouring, colouring, name).on_hover_text(hint);
-            }
+            rows::alternatives(ui, &mut self.colouring, &COLOURINGS);
         });
         ui.horizontal(|ui| {
-            ui.label(theme::weak(words::ROW_HEIGHT_BY));
-            for (room, name, hint) in ROOMS {
-                ui.selectable_value(&mut self.room, room, name).on_hover_text(hint);
-            }
+            ui.label(theme::weak("Row height by"));
+            rows::alternatives(ui, &mut self.room, &ROOMS);
         });
     }
 
-    fn show(&mut self, app: &mut App, ui: &mut Ui, snapshot: &Snapshot, looked: Looked<'_>) {
+    fn show(
+        &mut self,
+        ui: &mut Ui,
+        snapshot: &Snapshot,
+        looked: Looked<'_>,
+        pointing: &mut Pointing,
+        wake: &Wake,
+        outbox: &mut Outbox,
+    ) {
         if self.generation != snapshot.generation {
             self.generation = snapshot.generation;
             self.view = View::WHOLE;
@@ -154,38 +164,41 @@ impl LinkMatrix {
         let look = Look { state, room: self.room, colouring: self.colouring };
         let layout = if is_wide { egui::Layout::left_to_right(egui::Align::Min) } else { *ui.layout() };
         ui.with_layout(layout, |ui| {
-            let square = square::show(self, app, ui, looked, side);
-            self.keep_up(app, ui.ctx(), look, looked.solution_view, square);
+            let square = square::show(self, ui, looked, side, pointing, outbox);
+            let pixels = (square.width() * ui.ctx().pixels_per_point()).round().max(1.0) as usize;
+            self.keep_up(ui.ctx(), look, looked.solution_view, pixels, wake, outbox);
             ui.vertical(|ui| self.show_key(ui));
         });
     }
 
     /// Takes up a picture that is there, and orders the next one where something changed.
-    fn keep_up(&mut self, app: &mut App, ctx: &Context, look: Look, solution_view: &Arc<SolutionView>, square: Rect) {
+    fn keep_up(
+        &mut self,
+        ctx: &Context,
+        look: Look,
+        solution_view: &Arc<SolutionView>,
+        pixels: usize,
+        wake: &Wake,
+        outbox: &mut Outbox,
+    ) {
         if let Some(drawn) = self.artist.as_mut().and_then(Artist::take) {
             self.take_up(ctx, drawn);
         }
-        let pixels = (square.width() * ctx.pixels_per_point()).round().max(1.0) as usize;
         let request = Request { room: self.room, view: self.view, pixels, has_gaps: true };
         if self.shown.as_ref().is_some_and(|shown| shown.look == look && shown.request == request) {
             return;
         }
         if self.artist.is_none() {
-            self.artist = self.start(app.wake.clone(), &mut app.messages);
+            let failed = |error| format!("The link matrix cannot be drawn, no thread is left ({error}).");
+            match Artist::spawn(wake.clone()) {
+                Ok(artist) => self.artist = Some(artist),
+                Err(error) => outbox.act(Action::Fail(Topic::Drawing, failed(error))),
+            }
         }
         let wants_whole = !self.view.is_whole() && self.whole.as_ref().is_none_or(|(whole, _)| *whole != look);
         if let Some(artist) = self.artist.as_mut().filter(|artist| artist.is_free()) {
             artist.order(Order { look, solution_view: solution_view.clone(), request, wants_whole });
         }
-    }
-
-    fn start(&self, wake: Wake, messages: &mut crate::app::Messages) -> Option<Artist> {
-        let artist = Artist::spawn(wake);
-        if let Err(error) = &artist {
-            let failure = format!("The link matrix cannot be drawn, no thread is left ({error}).");
-            messages.error(Topic::Drawing, failure);
-        }
-        artist.ok()
     }
 
     fn take_up(&mut self, ctx: &Context, drawn: Drawn) {
@@ -197,7 +210,7 @@ impl LinkMatrix {
         } else if let Some(whole) = whole {
             self.whole = Some((look, self::texture(ctx, &whole)));
         }
-        self.shown = Some(Shown { look, request, texture, facts, palette, legend });
+        self.shown = Some(Drawing { look, request, texture, facts, palette, legend });
     }
 }
 

@@ -5,9 +5,9 @@ use egui::{
     Color32, EventFilter, Key, Painter, Pos2, Rect, Response, Sense, Stroke, StrokeKind, Tooltip, Ui, Vec2, pos2,
 };
 
-use crate::app::App;
+use crate::app::actions::{Action, Outbox};
 use crate::app::tools::matrix::{LinkMatrix, Looked, edges, tip};
-use crate::app::view::highlight::{Highlight, RECEIVER, SOURCE};
+use crate::app::view::highlight::{Highlight, Pointing, RECEIVER, SOURCE};
 use crate::app::widgets::theme;
 use crate::hierarchy::ElementId;
 use crate::read::matrix::{EMPTY, Pair, View, pair_at};
@@ -25,19 +25,19 @@ const NAME: &str = "Matrix of links";
 
 /// Where places of the matrix lie on the screen.
 #[derive(Clone, Copy)]
-pub(in crate::app) struct Map {
+pub struct Map {
     pub rect: Rect,
     pub view: View,
 }
 
 impl Map {
     /// Horizontal place of a source.
-    pub(in crate::app) fn x(&self, place: f64) -> f32 {
+    pub fn x(&self, place: f64) -> f32 {
         self.rect.left() + ((place - self.view.left) / self.view.size * f64::from(self.rect.width())) as f32
     }
 
     /// Vertical place of a receiver.
-    pub(in crate::app) fn y(&self, place: f64) -> f32 {
+    pub fn y(&self, place: f64) -> f32 {
         self.rect.top() + ((place - self.view.top) / self.view.size * f64::from(self.rect.height())) as f32
     }
 
@@ -55,7 +55,14 @@ impl Map {
 }
 
 /// Draws square and edges, so large; where the square lies.
-pub(in crate::app) fn show(matrix: &mut LinkMatrix, app: &mut App, ui: &mut Ui, looked: Looked<'_>, side: f32) -> Rect {
+pub fn show(
+    matrix: &mut LinkMatrix,
+    ui: &mut Ui,
+    looked: Looked<'_>,
+    side: f32,
+    pointing: &mut Pointing,
+    outbox: &mut Outbox,
+) -> Rect {
     let (outer, _) = ui.allocate_exact_size(Vec2::splat(side) + edges::WIDTH, Sense::hover());
     let rect = Rect::from_min_size(outer.min + edges::WIDTH, Vec2::splat(side)).round_to_pixels(ui.pixels_per_point());
     let response = ui.interact(rect, ui.scope_id().with(NAME), Sense::click_and_drag());
@@ -76,15 +83,15 @@ pub(in crate::app) fn show(matrix: &mut LinkMatrix, app: &mut App, ui: &mut Ui, 
     painter.rect_stroke(rect, 0.0, Stroke::new(1.0, theme::TEXT_WEAK.gamma_multiply(0.5)), StrokeKind::Outside);
 
     let hovered = hovered(matrix, looked, &response, map);
-    let (marked_rows, marked_columns) = marks(app, looked, hovered.as_ref());
+    let (marked_rows, marked_columns) = marks(pointing, looked, hovered.as_ref());
     paint_marks(&ui.painter_at(rect), matrix, looked, map, hovered.as_ref(), (&marked_rows, &marked_columns));
     edges::paint(&ui.painter_at(outer), matrix, looked, map, (&marked_rows, &marked_columns));
     if let Some(pair) = hovered {
         let (receiver, source) = ends(&pair);
-        app.view.pointing.at(Highlight::Link { receiver, source });
+        pointing.at(Highlight::Link { receiver, source });
         if response.clicked() {
             let picks_source = ui.input(|input| input.modifiers.shift);
-            app.pick_element(if picks_source { source } else { receiver });
+            outbox.act(Action::Pick(if picks_source { source } else { receiver }));
         }
         if !response.dragged() {
             // At once: one moves over many blocks.
@@ -110,18 +117,18 @@ fn ends(pair: &Pair) -> (ElementId, ElementId) {
 }
 
 /// A marked row or column.
-pub(in crate::app) type Mark = (ElementId, Color32);
+pub type Mark = (ElementId, Color32);
 
 /// Elements whose rows and whose columns are marked: what is pointed at, here or elsewhere, and
 /// what is picked.
-fn marks(app: &App, looked: Looked<'_>, hovered: Option<&Pair>) -> (Vec<Mark>, Vec<Mark>) {
+fn marks(pointing: &Pointing, looked: Looked<'_>, hovered: Option<&Pair>) -> (Vec<Mark>, Vec<Mark>) {
     let colour = |[r, g, b, _]: [u8; 4]| Color32::from_rgb(r, g, b);
     let (mut rows, mut columns) = (Vec::new(), Vec::new());
-    if let Some(picked) = &app.picked {
-        rows.push((picked.element, Color32::WHITE));
-        columns.push((picked.element, Color32::WHITE));
+    if let Some(picked) = looked.picked {
+        rows.push((picked, Color32::WHITE));
+        columns.push((picked, Color32::WHITE));
     }
-    let pointed = match (hovered, app.view.pointing.shown()) {
+    let pointed = match (hovered, pointing.shown()) {
         (Some(pair), _) => Some(ends(pair)),
         (None, Highlight::Link { receiver, source }) => Some((receiver, source)),
         (None, Highlight::Element(id)) => Some((id, id)),
@@ -183,7 +190,7 @@ fn paint_marks(
 }
 
 /// A band's beginning and end, moved apart where it would be too thin to be seen.
-pub(in crate::app) fn at_least([start, end]: [f32; 2]) -> [f32; 2] {
+pub fn at_least([start, end]: [f32; 2]) -> [f32; 2] {
     let missing = 0.5 * (LEAST_BAND - (end - start)).max(0.0);
     [start - missing, end + missing]
 }

@@ -11,7 +11,7 @@ use crate::read::matrix::Pair;
 use crate::transport::{LinkView, VisibilitySource};
 
 /// Draws it.
-pub(in crate::app) fn show(ui: &mut Ui, looked: Looked<'_>, pair: &Pair) {
+pub fn show(ui: &mut Ui, looked: Looked<'_>, pair: &Pair) {
     let name = |id: Option<ElementId>| match id {
         Some(id) => looked.names.full(looked.solution_view, id),
         None => String::new(),

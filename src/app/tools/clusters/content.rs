@@ -7,19 +7,19 @@ use crate::transport::SolutionView;
 
 /// A row of the tree.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(in crate::app) struct Row {
+pub struct Row {
     pub element: ElementId,
     /// Rows above it that hold it.
     pub depth: u16,
 }
 
 /// Whether an element has rows below its own: a polygon's quarters have none.
-pub(in crate::app) fn has_rows_below(hierarchy: &Hierarchy, id: ElementId) -> bool {
+pub fn has_rows_below(hierarchy: &Hierarchy, id: ElementId) -> bool {
     hierarchy.element(id).is_cluster() && !hierarchy.element(id).is_leaf()
 }
 
 /// The rows that are to be seen, from the root down.
-pub(in crate::app) fn visible_rows(hierarchy: &Hierarchy, unfolded: &FxHashSet<ElementId>) -> Vec<Row> {
+pub fn visible_rows(hierarchy: &Hierarchy, unfolded: &FxHashSet<ElementId>) -> Vec<Row> {
     let mut rows = Vec::new();
     let mut waiting = vec![Row { element: Hierarchy::ROOT, depth: 0 }];
     while let Some(row) = waiting.pop() {
@@ -35,7 +35,7 @@ pub(in crate::app) fn visible_rows(hierarchy: &Hierarchy, unfolded: &FxHashSet<E
 }
 
 /// The element that has a row: itself, or the polygon whose part it is.
-pub(in crate::app) fn with_row(hierarchy: &Hierarchy, id: ElementId) -> ElementId {
+pub fn with_row(hierarchy: &Hierarchy, id: ElementId) -> ElementId {
     let is_part = |id: ElementId| matches!(&hierarchy.element(id).shape, Shape::Patch(patch) if patch.level > 0);
     let mut at = id;
     while let Some(parent) = hierarchy.element(at).parent().filter(|_| is_part(at)) {
@@ -45,7 +45,7 @@ pub(in crate::app) fn with_row(hierarchy: &Hierarchy, id: ElementId) -> ElementI
 }
 
 /// Powers of every element in one state of the solution, sums over the three colours.
-pub(in crate::app) struct Powers {
+pub struct Powers {
     /// Light that arrives, E·A, W.
     received: Vec<f32>,
     /// Light that leaves, B·A, W.
@@ -54,7 +54,7 @@ pub(in crate::app) struct Powers {
 
 impl Powers {
     /// Adds up what leaves receive and send.
-    pub(in crate::app) fn new(solution_view: &SolutionView) -> Self {
+    pub fn new(solution_view: &SolutionView) -> Self {
         let hierarchy = solution_view.hierarchy();
         let count = hierarchy.elements().len();
         let (mut received, mut sent) = (vec![0.0; count], vec![0.0; count]);
@@ -75,18 +75,18 @@ impl Powers {
     }
 
     /// Light that arrives at an element, W.
-    pub(in crate::app) fn received(&self, id: ElementId) -> f32 {
+    pub fn received(&self, id: ElementId) -> f32 {
         self.received.get(id.index()).copied().unwrap_or(0.0)
     }
 
     /// Light that leaves an element, W.
-    pub(in crate::app) fn sent(&self, id: ElementId) -> f32 {
+    pub fn sent(&self, id: ElementId) -> f32 {
         self.sent.get(id.index()).copied().unwrap_or(0.0)
     }
 }
 
 /// Polygons in an element.
-pub(in crate::app) fn polygons(hierarchy: &Hierarchy, id: ElementId) -> usize {
+pub fn polygons(hierarchy: &Hierarchy, id: ElementId) -> usize {
     match &hierarchy.element(id).shape {
         Shape::Cluster(cluster) => hierarchy.patches_below(cluster).len(),
         Shape::Patch(_) => 1,
