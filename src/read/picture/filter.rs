@@ -41,10 +41,12 @@ const BRIGHTEST: f32 = 16.0;
 const FAR: f32 = 8.0;
 /// Mean places that lie closer to their samples than this, in deviations of the weights, are taken
 /// for the samples': a slope adds noise.
-const LEAST_SHIFT: f32 = 0.25;
+const LEAST_SHIFT: f32 = 0.1;
 /// A slope over this, in deviations of the weights, is taken for half of what it seems to be: over
 /// little, noise looks like one.
-const HALF_SLOPE: f32 = 0.5;
+const HALF_SLOPE: f32 = 0.1;
+/// Distance between the samples that tell a slope, in deviations of the weights.
+const SLOPE_STEP: f32 = 1.0;
 
 /// How far light is shared.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -306,7 +308,7 @@ fn at_own_place<const N: usize>(
 }
 
 /// Change of a part of the light with the way along a unit vector of a surface, by linear
-/// regression over the 5×5 samples around one, as far apart as the weights reach.
+/// regression over 5×5 samples around one, twice as far as the weights reach.
 fn slope<const N: usize>(
     grid: &Grid,
     mixed: &[Mixed<N>],
@@ -322,7 +324,7 @@ fn slope<const N: usize>(
     let across = here.normal.cross(along);
     let per_plane = 1.0 / (PLANE * here.distance);
     let deviation = 1.0 / narrowness.sqrt();
-    let step = ((0.5 * deviation / (grid.spacing * here.distance)) as i32).clamp(1, widest);
+    let step = ((SLOPE_STEP * deviation / (grid.spacing * here.distance)) as i32).clamp(1, widest);
     // Sums over the samples, (1, along, across) by (along, across) and by the light.
     let (mut sum, mut ways, mut squares, mut product) = (0.0, Vec2::ZERO, Vec2::ZERO, 0.0);
     let (mut light, mut rises) = (Vec4::ZERO, [Vec4::ZERO; 2]);
@@ -335,7 +337,7 @@ fn slope<const N: usize>(
             let there = (y * width + x) as usize;
             let (place, there) = (&grid.places[there], &mixed[there]);
             let away = place.position - here.position;
-            let fall_off = fall_off(away.length_squared() * narrowness);
+            let fall_off = fall_off(0.25 * narrowness * away.length_squared());
             if fall_off <= 0.0 || there.weight[part] <= 0.0 {
                 continue;
             }
@@ -429,6 +431,7 @@ mod tests {
         let shares = Filter::PICTURE.share(&visible, &light, &CancelToken::new()).unwrap();
         let off = |(share, light): (&Share, &f32)| (share.irradiance.x / light - 1.0).abs();
         let worst = shares.iter().zip(&rising).map(off).fold(0.0, f32::max);
-        assert!(worst < 0.01, "off by {:.2} %", 100.0 * worst);
+        // Ends of the slope's own samples and its caution leave 1.0 %; of means alone, 9 % are left.
+        assert!(worst < 0.015, "off by {:.2} %", 100.0 * worst);
     }
 }
