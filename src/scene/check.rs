@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::said;
+use super::sanitize;
 
 /// So many remarks are kept, the rest is counted: a file can give cause for millions.
 const MOST_NOTES: usize = 50;
@@ -87,7 +87,7 @@ impl Skipped {
     /// Adds a texture that is not used.
     pub(crate) fn unread_texture(&mut self, name: String, problem: impl AsRef<str>) {
         if self.unread_textures.len() < MOST_TEXTURES {
-            self.unread_textures.push(UnreadTexture { name, problem: said::sentence(problem.as_ref()) });
+            self.unread_textures.push(UnreadTexture { name, problem: sanitize::sentence(problem.as_ref()) });
         } else {
             self.further_notes += 1;
         }
@@ -132,7 +132,7 @@ impl Skipped {
         let named = |is_required: bool| {
             let plain = |it: &&UnreadExtension| it.is_required == is_required && it.remark.is_none();
             let names: Vec<String> =
-                self.unread_extensions.iter().filter(plain).map(|it| said::quoted(&it.name)).collect();
+                self.unread_extensions.iter().filter(plain).map(|it| sanitize::quoted(&it.name)).collect();
             let (shown, more) = names.split_at(names.len().min(EXTENSIONS_SAID));
             let and_more = if more.is_empty() { String::new() } else { format!(" and {} more", more.len()) };
             (!shown.is_empty()).then(|| shown.join(", ") + &and_more)
@@ -148,7 +148,7 @@ impl Skipped {
     /// Adds a remark, one sentence.
     pub(crate) fn note(&mut self, remark: impl AsRef<str>) {
         if self.notes.len() < MOST_NOTES {
-            self.notes.push(said::sentence(remark.as_ref()));
+            self.notes.push(sanitize::sentence(remark.as_ref()));
         } else {
             self.further_notes += 1;
         }
@@ -182,7 +182,7 @@ impl Skipped {
             (self.cut_faces, "face cut where a wall stands on it", "faces cut where walls stand on them"),
         ];
         let clear = (!self.transparent_materials.is_empty()).then(|| {
-            let shown: Vec<String> = self.transparent_materials.iter().take(5).map(|name| said::quoted(name)).collect();
+            let shown: Vec<String> = self.transparent_materials.iter().take(5).map(|name| sanitize::quoted(name)).collect();
             let more = self.transparent_materials.len() - shown.len();
             let more = if more > 0 { format!(" and {more} more") } else { String::new() };
             let names = shown.join(", ");

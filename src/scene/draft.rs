@@ -11,7 +11,7 @@ use super::punctual::{DirectionalLight, PunctualLight};
 use super::texture::{Opacity, TextureMap};
 use super::unit::Unit;
 use super::up::UpAxis;
-use super::{Group, GroupId, Skipped, said};
+use super::{Group, GroupId, Skipped, sanitize};
 
 /// More polygons than this are refused: they would take tens of gigabytes to light.
 pub(super) const MOST_POLYGONS: usize = 32_000_000;
@@ -142,7 +142,7 @@ impl Draft {
             faces: Vec::new(),
             materials: Vec::new(),
             unused_materials: Vec::new(),
-            groups: vec![Group { name: said::name(name), parent: None }],
+            groups: vec![Group { name: sanitize::name(name), parent: None }],
             cameras: Vec::new(),
             lights: Vec::new(),
             suns: Vec::new(),
@@ -164,7 +164,7 @@ impl Draft {
             return parent;
         }
         self.levels.push(level + 1);
-        self.groups.push(Group { name: said::name(name), parent: Some(parent) });
+        self.groups.push(Group { name: sanitize::name(name), parent: Some(parent) });
         GroupId(self.groups.len() as u32 - 1)
     }
 

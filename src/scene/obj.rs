@@ -15,7 +15,7 @@ use super::face::{packed_colour, packed_normal};
 use super::files::{SceneFiles, name_of};
 use super::load_error::LoadError;
 use super::mtl::{MaterialLibrary, text_of};
-use super::said::quoted;
+use super::sanitize::quoted;
 use super::unit::Unit;
 
 /// A face with more corners than this is no modeller's work.

@@ -11,7 +11,7 @@ use super::GroupId;
 use super::draft::{Draft, DraftMaterial, MOST_POLYGONS, NO_MATERIAL, scene_name};
 use super::load_error::LoadError;
 use super::mtl::text_of;
-use super::said::quoted;
+use super::sanitize::quoted;
 
 /// Bytes of a binary file before its first triangle: a text of any kind and the number of
 /// triangles.

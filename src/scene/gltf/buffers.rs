@@ -15,7 +15,7 @@ use gltf::json::{Index, Root, buffer, image};
 use super::compression::{MOST_DECODED, Meshopt};
 use crate::scene::draft::MOST_POLYGONS;
 use crate::scene::files::{FileError, MOST_BYTES, SceneFiles, find, name_of};
-use crate::scene::said::quoted;
+use crate::scene::sanitize::quoted;
 
 /// An accessor without data holds zeros, but for what is listed: more of them would only be one
 /// point again and again.

@@ -24,7 +24,7 @@ use serde_json::Value;
 use super::draft::{Draft, scene_name};
 use super::files::SceneFiles;
 use super::load_error::LoadError;
-use super::said::sentence;
+use super::sanitize::sentence;
 use super::up::UpAxis;
 use buffers::{GltfData, Problem};
 
