@@ -7,7 +7,6 @@
 mod waiting;
 
 use std::sync::Arc;
-use std::time::Duration;
 
 use selflink::base::cancel::CancelToken;
 use selflink::geometry::Occluders;
@@ -19,9 +18,7 @@ use selflink::scene::{
 };
 use selflink::solve::{Epsilon, Snapshot, Solver, SolverParams};
 use selflink::worker::{Command, Event, RunState, SolverThread};
-use waiting::wait_within;
-
-const PATIENCE: Duration = Duration::from_secs(60);
+use waiting::wait_for;
 
 fn params() -> SolverParams {
     SolverParams { epsilon: Epsilon::Relative(1e-2), clustering: ClusteringMode::Groups, ..SolverParams::default() }
@@ -136,9 +133,9 @@ fn names_that_are_not_there_are_told_and_counted() {
 #[test]
 fn the_worker_builds_clusters_anew_only_where_they_go_by_groups() {
     let worker = SolverThread::spawn(params(), Box::new(|| ())).expect("a thread");
-    let until = |what: &str, holds: &dyn Fn() -> bool| wait_within(PATIENCE, what, || holds().then_some(()));
+    let until = |what: &str, holds: &dyn Fn() -> bool| wait_for(what, || holds().then_some(()));
     let edited = || {
-        wait_within(PATIENCE, "the edit", || match worker.try_event() {
+        wait_for("the edit", || match worker.try_event() {
             Some(Event::SceneEdited(info)) => Some(info),
             Some(Event::SolveFailed(sentence)) => panic!("{sentence}"),
             _ => None,

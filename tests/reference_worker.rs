@@ -13,9 +13,7 @@ use selflink::measure::reference_worker::{GOAL, LEAST_PASSES, Measurement, Refer
 use selflink::scene::builtin::BuiltinScene;
 use selflink::scene::{Scene, Sides};
 use selflink::solve::{Epsilon, Snapshot, Solver, SolverParams};
-use waiting::wait_within;
-
-const PATIENCE: Duration = Duration::from_secs(60);
+use waiting::wait_for;
 
 fn solved(scene: BuiltinScene, epsilon: f64) -> (Arc<Scene>, Arc<Snapshot>) {
     let (scene, occluders) = selflink::geometry::orient::apply(scene.build(), Sides::Front);
@@ -25,10 +23,6 @@ fn solved(scene: BuiltinScene, epsilon: f64) -> (Arc<Scene>, Arc<Snapshot>) {
     solver.run(&CancelToken::new());
     let snapshot = Arc::new(solver.snapshot());
     (scene, snapshot)
-}
-
-fn until<T>(what: &str, found: impl FnMut() -> Option<T>) -> T {
-    wait_within(PATIENCE, what, found)
 }
 
 fn reference_worker() -> ReferenceWorker {
@@ -46,13 +40,13 @@ fn it_measures_what_the_meter_finds() {
     reference_worker.measure(snapshot.clone());
     let is_last =
         |measured: &Arc<Measurement>| measured.error.reference_noise <= selflink::measure::reference_worker::GOAL;
-    let measured = until("the last measurement", || reference_worker.report().measured.filter(is_last));
+    let measured = wait_for("the last measurement", || reference_worker.report().measured.filter(is_last));
     assert!(Arc::ptr_eq(&measured.snapshot, &snapshot));
     assert_eq!(measured.differences.len(), snapshot.mesh.positions.len());
     let known = measured.differences.iter().filter(|difference| difference.is_finite()).count();
     assert!(known > 0 && known < measured.differences.len(), "{known} vertices but the lamp's are known");
     reference_worker.forget();
-    until("forgetting", || (!reference_worker.report().is_active).then_some(()));
+    wait_for("forgetting", || (!reference_worker.report().is_active).then_some(()));
 
     let points: Arc<[_]> = random_points(&scene, 250, 1).into();
     let mut run = ReferenceRun::new(&scene, points, 1);
@@ -98,9 +92,9 @@ fn it_stops_in_the_middle_of_a_pass() {
     let reference_worker = reference_worker();
     reference_worker.begin(scene, 16_000, None);
     reference_worker.measure(snapshot);
-    until("the first pass", || reference_worker.report().is_active.then_some(()));
+    wait_for("the first pass", || reference_worker.report().is_active.then_some(()));
     std::thread::sleep(Duration::from_millis(100));
     reference_worker.forget();
-    until("stopping", || (!reference_worker.report().is_active).then_some(()));
+    wait_for("stopping", || (!reference_worker.report().is_active).then_some(()));
     assert!(reference_worker.report().measured.is_none());
 }

@@ -7,7 +7,6 @@
 mod waiting;
 
 use std::sync::Arc;
-use std::time::Duration;
 
 use glam::Vec3;
 use selflink::base::cancel::CancelToken;
@@ -16,9 +15,7 @@ use selflink::read::survey::{LitMesh, Ray, Report, Surveyor, WorkPlane};
 use selflink::scene::builtin::BuiltinScene;
 use selflink::scene::{Scene, Sides};
 use selflink::solve::{Epsilon, Snapshot, Solver, SolverParams};
-use waiting::wait_within;
-
-const PATIENCE: Duration = Duration::from_secs(60);
+use waiting::wait_for;
 
 fn cornell() -> (Arc<Scene>, Arc<Snapshot>) {
     let (scene, occluders) = selflink::geometry::orient::apply(BuiltinScene::Cornell.build(), Sides::Front);
@@ -40,7 +37,7 @@ fn gathered() -> (Arc<Scene>, Arc<Snapshot>) {
 }
 
 fn until(surveyor: &Surveyor, what: &str, holds: impl Fn(&Report) -> bool) -> Report {
-    wait_within(PATIENCE, what, || Some(surveyor.report()).filter(|report| holds(report)))
+    wait_for(what, || Some(surveyor.report()).filter(|report| holds(report)))
 }
 
 /// A ray from the middle of the box down to the floor in front of its boxes.

@@ -20,10 +20,10 @@ use selflink::scene::{Luminaire, LuminaireForm, LuminaireShape, MaterialId, Side
 use selflink::solve::{ClusteringMode, Epsilon, Reconstruct, SolverParams};
 use selflink::transport::{ClusterModel, Push};
 use selflink::worker::{Command, Event, RunState, SnapshotRequest, SolverThread};
+use waiting::wait_for;
 
 /// Commands where nobody asks for more.
 const USUAL_COMMANDS: usize = 2_000;
-const PATIENCE: Duration = Duration::from_secs(120);
 /// Memory that may be held at the end beyond what was held after a fifth of the commands, bytes:
 /// four loaders that nobody waits for any more hold a scene and its occluders each.
 const MOST_GROWTH: usize = 256 << 20;
@@ -98,10 +98,6 @@ fn resident() -> Option<usize> {
     text.split_whitespace().nth(1)?.parse::<usize>().ok().map(|pages| pages * 4096)
 }
 
-fn wait_for<T>(what: &str, found: impl FnMut() -> Option<T>) -> T {
-    waiting::wait_within(PATIENCE, what, found)
-}
-
 #[test]
 fn thousands_of_random_commands_leave_it_alive_current_and_small() {
     let commands = std::env::var("SELFLINK_COMMANDS").ok().and_then(|text| text.parse().ok()).unwrap_or(USUAL_COMMANDS);
@@ -157,6 +153,8 @@ fn thousands_of_random_commands_leave_it_alive_current_and_small() {
         }
         _ => left_out::left_out("memory over time; this system does not tell it"),
     }
+    // It ends in the midst of work as well.
+    worker.send(Command::Restart);
     worker.send(Command::Shutdown);
     wait_for("the end of the thread", || worker.has_ended().then_some(()));
 }

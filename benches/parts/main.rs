@@ -6,6 +6,7 @@
 //! the program for what is measured whole, and obvhs to measure it without us.
 
 mod alone;
+mod control;
 mod rooms;
 mod whole;
 
@@ -45,6 +46,8 @@ fn main() {
     two_threads(&mut table);
     reading(&mut table);
     tower(&mut table);
+    control::changes(&mut table);
+    control::commands(&mut table);
     whole::scenes(&mut table);
     if !table.missed.is_empty() {
         eprintln!("\ngoals that were missed:");

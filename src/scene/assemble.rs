@@ -15,7 +15,7 @@ use super::reading::{Reading, settle};
 use super::sidecar::{MAX_EMISSION, Sidecar, SidecarMaterial};
 use super::texture::{MaterialTextures, Opacity};
 use super::triangulate::{Effort, ear_clip, is_good_quad, longest_edge_squared, newell};
-use super::{Material, MaterialId, NamedCamera, Polygon, Scene, Sides, Skipped, place, said};
+use super::{Material, MaterialId, NamedCamera, Polygon, Scene, Sides, Skipped, place, sanitize};
 
 /// The largest reflectance that a scene file may set; more makes light that hardly ever dies.
 const MAX_FILE_REFLECTANCE: f32 = 0.95;
@@ -32,7 +32,7 @@ const SMALLEST: f64 = 1e-18;
 pub(super) fn assemble(name: &str, mut draft: Draft, sidecar: &Sidecar, reading: &Reading) -> Scene {
     let frame = settle(&mut draft, reading, sidecar);
     let mut lights = add_emitters(&mut draft);
-    let names = said::different_names(draft.materials.iter().map(|material| material.name.as_str()));
+    let names = sanitize::unique_names(draft.materials.iter().map(|material| material.name.as_str()));
     for (material, name) in draft.materials.iter_mut().zip(names) {
         material.name = name;
     }
@@ -59,7 +59,7 @@ pub(super) fn assemble(name: &str, mut draft: Draft, sidecar: &Sidecar, reading:
     }
     let PolygonBuilder { vertices, polygons, mut details, sources, left_out, mut skipped, .. } = builder;
     details.finish();
-    let mut scene = Scene::new(said::name(name));
+    let mut scene = Scene::new(sanitize::name(name));
     scene.origin = origin;
     scene.vertices = vertices;
     scene.polygons = polygons;
@@ -110,17 +110,19 @@ pub(super) fn assemble(name: &str, mut draft: Draft, sidecar: &Sidecar, reading:
 
 /// Notes what sidecar and person say of materials that there are not.
 fn note_unknown(draft: &mut Draft, sidecar: &Sidecar, reading: &Reading) {
-    let unused: Vec<String> = draft.unused_materials.iter().map(|name| said::name(name)).collect();
+    let unused: Vec<String> = draft.unused_materials.iter().map(|name| sanitize::name(name)).collect();
     let known: HashSet<&str> =
         draft.materials.iter().map(|material| &material.name).chain(&unused).map(String::as_str).collect();
     let unknown = sidecar.materials.keys().filter(|name| !known.contains(name.as_str()));
     let mut notes: Vec<String> = unknown
-        .map(|name| format!("The settings file names a material {} that the scene does not have.", said::quoted(name)))
+        .map(|name| {
+            format!("The settings file names a material {} that the scene does not have.", sanitize::quoted(name))
+        })
         .collect();
     let unknown = reading.opaque.iter().filter(|name| !known.contains(name.as_str()));
-    notes.extend(unknown.map(|name| format!("There is no material {} to be made opaque.", said::quoted(name))));
+    notes.extend(unknown.map(|name| format!("There is no material {} to be made opaque.", sanitize::quoted(name))));
     let unknown = reading.ignored.iter().filter(|name| !known.contains(name.as_str()));
-    notes.extend(unknown.map(|name| format!("There is no material {} to be left out.", said::quoted(name))));
+    notes.extend(unknown.map(|name| format!("There is no material {} to be left out.", sanitize::quoted(name))));
     notes.into_iter().for_each(|note| draft.skipped.note(note));
 }
 

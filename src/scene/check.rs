@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::said;
+use super::sanitize;
 
 /// So many remarks are kept, the rest is counted: a file can give cause for millions.
 const MOST_NOTES: usize = 50;
@@ -87,7 +87,7 @@ impl Skipped {
     /// Adds a texture that is not used.
     pub(crate) fn unread_texture(&mut self, name: String, problem: impl AsRef<str>) {
         if self.unread_textures.len() < MOST_TEXTURES {
-            self.unread_textures.push(UnreadTexture { name, problem: said::sentence(problem.as_ref()) });
+            self.unread_textures.push(UnreadTexture { name, problem: sanitize::sentence(problem.as_ref()) });
         } else {
             self.further_notes += 1;
         }
@@ -131,8 +131,8 @@ impl Skipped {
     fn said_of_extensions(&self) -> Vec<String> {
         let named = |is_required: bool| {
             let plain = |it: &&UnreadExtension| it.is_required == is_required && it.remark.is_none();
-            let names = self.unread_extensions.iter().filter(plain).map(|it| said::quoted(&it.name));
-            Some(said::list(names, EXTENSIONS_SAID)).filter(|names| !names.is_empty())
+            let names = self.unread_extensions.iter().filter(plain).map(|it| sanitize::quoted(&it.name));
+            Some(sanitize::list(names, EXTENSIONS_SAID)).filter(|names| !names.is_empty())
         };
         let needed = named(true).map(|names| {
             format!("The file needs extensions that are not read, so parts may be missing; export it without {names}.")
@@ -145,7 +145,7 @@ impl Skipped {
     /// Adds a remark, one sentence.
     pub(crate) fn note(&mut self, remark: impl AsRef<str>) {
         if self.notes.len() < MOST_NOTES {
-            self.notes.push(said::sentence(remark.as_ref()));
+            self.notes.push(sanitize::sentence(remark.as_ref()));
         } else {
             self.further_notes += 1;
         }
@@ -179,7 +179,7 @@ impl Skipped {
             (self.cut_faces, "face cut where a wall stands on it", "faces cut where walls stand on them"),
         ];
         let clear = (!self.transparent_materials.is_empty()).then(|| {
-            let names = said::list(self.transparent_materials.iter().map(|name| said::quoted(name)), 5);
+            let names = sanitize::list(self.transparent_materials.iter().map(|name| sanitize::quoted(name)), 5);
             format!("Transparent: {names}; *Material* in the section Light, or `\"opaque\": true` in the settings file, brings them back.")
         });
         let sentences = counted.iter().filter(|(count, ..)| *count > 0).map(|(count, one, many)| match count {

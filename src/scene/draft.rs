@@ -11,7 +11,7 @@ use super::punctual::{DirectionalLight, PunctualLight};
 use super::texture::{Opacity, TextureMap};
 use super::unit::Unit;
 use super::up::UpAxis;
-use super::{Group, GroupId, Skipped, said};
+use super::{Group, GroupId, Skipped, sanitize};
 
 /// More polygons than this are refused: they would take tens of gigabytes to light.
 pub(super) const MOST_POLYGONS: usize = 32_000_000;
@@ -124,7 +124,7 @@ pub(super) struct Draft {
 impl Draft {
     /// Nothing but a root group.
     pub fn new(name: &str) -> Self {
-        Self { groups: vec![Group { name: said::name(name), parent: None }], levels: vec![0], ..Self::default() }
+        Self { groups: vec![Group { name: sanitize::name(name), parent: None }], levels: vec![0], ..Self::default() }
     }
 
     /// A new group below `parent`, whether or not it has a sibling of the same name; `parent`
@@ -136,7 +136,7 @@ impl Draft {
             return parent;
         }
         self.levels.push(level + 1);
-        self.groups.push(Group { name: said::name(name), parent: Some(parent) });
+        self.groups.push(Group { name: sanitize::name(name), parent: Some(parent) });
         GroupId(self.groups.len() as u32 - 1)
     }
 

@@ -6,7 +6,7 @@ use glam::Vec3;
 
 use super::luminaire::{CEILING_LIGHT, Luminaire, LuminaireForm, LuminaireShape};
 use super::sidecar::MAX_EMISSION;
-use super::{Scene, said};
+use super::{Scene, sanitize};
 
 /// A change that cannot be made.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -86,7 +86,7 @@ impl Scene {
         for name in names {
             match self.material_named(name) {
                 Some(material) => self.polygons.retain(|polygon| polygon.material != material),
-                None => self.skipped.note(format!("There is no material {} to be left out.", said::quoted(name))),
+                None => self.skipped.note(format!("There is no material {} to be left out.", sanitize::quoted(name))),
             }
         }
         self.reading.ignored.extend_from_slice(names);
@@ -102,7 +102,7 @@ impl Scene {
         let mut names: Vec<&str> = self.materials.iter().map(|material| material.name.as_str()).collect();
         names.sort_by_cached_key(|name| (unlikeness(name, wanted), name.to_lowercase()));
         names.dedup();
-        if names.is_empty() { "it has no materials".to_owned() } else { format!("it has {}", said::list(names, 8)) }
+        if names.is_empty() { "it has no materials".to_owned() } else { format!("it has {}", sanitize::list(names, 8)) }
     }
 }
 

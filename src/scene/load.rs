@@ -10,7 +10,7 @@ use super::files::{FileError, MOST_BYTES, MOST_TEXT_BYTES, SceneFiles, SceneFold
 use super::load_error::{Fault, LoadError};
 use super::outside::DaylightError;
 use super::sidecar::{Sidecar, SidecarFault, of_sidecar};
-use super::{Reading, Scene, gltf, obj, ply, said, stl};
+use super::{Reading, Scene, gltf, obj, ply, sanitize, stl};
 
 /// So many objects of the sidecar that are not there are named, the rest is counted.
 const MOST_REMARKS: usize = 5;
@@ -199,7 +199,7 @@ fn format_of(path: &Path, bytes: &[u8]) -> Result<Format, Fault> {
             Ok(Format::Obj)
         }
         "" => not_a_scene("a file without a known extension".to_owned()),
-        other => not_a_scene(format!("a {} file", said::name(&format!(".{other}")))),
+        other => not_a_scene(format!("a {} file", sanitize::name(&format!(".{other}")))),
     }
 }
 

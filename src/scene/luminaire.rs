@@ -10,7 +10,7 @@ use glam::{DVec3, Vec3};
 use serde::{Deserialize, Serialize};
 
 use super::edit::{check_emission, panel_axes};
-use super::{EditError, GroupId, MaterialId, Scene, said};
+use super::{EditError, GroupId, MaterialId, Scene, sanitize};
 
 /// Name of a ceiling light, which is a square luminaire; further ones are numbered.
 pub const CEILING_LIGHT: &str = "ceiling light";
@@ -236,7 +236,7 @@ impl Scene {
         }
         form.direction = form.direction.normalize();
         let name = self.free_name(&luminaire.name);
-        let remark = self.misfit(&name, &form).map(|remark| said::sentence(&remark));
+        let remark = self.misfit(&name, &form).map(|remark| sanitize::sentence(&remark));
         if let Some(remark) = &remark {
             self.skipped.note(remark);
         }

@@ -29,7 +29,7 @@ mod reading;
 mod regroup;
 mod regroup_edit;
 mod regroup_list;
-mod said;
+mod sanitize;
 mod sidecar;
 mod stl;
 pub mod texture;

@@ -13,7 +13,7 @@ use glam::{Affine2, Vec2, Vec3};
 use super::Skipped;
 use super::draft::{DraftMaterial, GREY};
 use super::files::{FileError, MOST_BYTES, MOST_TEXT_BYTES, SceneFiles, find};
-use super::said::quoted;
+use super::sanitize::quoted;
 use super::texture::decode::{Encoded, decode_all};
 use super::texture::{Opacity, Texture, TextureMap, Wrap};
 

@@ -15,7 +15,7 @@ use super::face::{packed_colour, packed_normal};
 use super::files::{SceneFiles, name_of};
 use super::load_error::Fault;
 use super::mtl::{MaterialLibrary, text_of};
-use super::said::{self, quoted};
+use super::sanitize::{self, quoted};
 use super::unit::Unit;
 
 /// A face with more corners than this is no modeller's work.
@@ -318,7 +318,7 @@ impl LineReader {
         }
         self.draft.unused_materials = library.names().cloned().collect();
         if !unknown.is_empty() && !self.material_files.is_empty() {
-            let names = said::list(unknown, 5);
+            let names = sanitize::list(unknown, 5);
             self.draft.skipped.note(format!("No material file defines {names}: grey instead."));
         }
     }

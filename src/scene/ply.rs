@@ -12,7 +12,7 @@ use super::GroupId;
 use super::draft::{Draft, DraftMaterial, MOST_POLYGONS, NO_MATERIAL};
 use super::face::{packed_colour, packed_normal};
 use super::load_error::Fault;
-use super::said::{quoted, sentence};
+use super::sanitize::{quoted, sentence};
 use super::texture::linear_step;
 use super::unit::Unit;
 

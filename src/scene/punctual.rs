@@ -11,7 +11,7 @@ use glam::{DMat4, DVec3, Vec3};
 use super::draft::{Draft, DraftMaterial};
 use super::outside::{Amount, Axes, Daylight, SunSpec};
 use super::place::is_usable;
-use super::{FileLight, GroupId, MaterialId, Scene, said};
+use super::{FileLight, GroupId, MaterialId, Scene, sanitize};
 use crate::base::photometry::LUMENS_PER_WATT;
 
 /// Radius of a point light's sphere, m: at 1 m it is as good as a point.
@@ -72,7 +72,7 @@ pub(super) fn add_sun(scene: &mut Scene, mut suns: Vec<DirectionalLight>) {
         }
     }
     if !suns.is_empty() {
-        let names = said::list(suns.iter().map(|sun| said::name(&sun.name)), 5);
+        let names = sanitize::list(suns.iter().map(|sun| sanitize::name(&sun.name)), 5);
         scene.skipped.ignored_lights = suns.len();
         let why = if shining { "the brightest alone is the sun" } else { "they shine from below or not at all" };
         scene.skipped.note(format!("Directional lights are left out, for {why}: {names}."));
@@ -88,7 +88,9 @@ pub(super) fn add_emitters(draft: &mut Draft) -> Vec<FileLight> {
         let radius = if light.cone.is_some() { SPOT_RADIUS } else { RADIUS };
         let centre = light.world.transform_point3(DVec3::ZERO);
         if !centre.to_array().into_iter().all(is_usable) {
-            draft.skipped.note(format!("The light {} lies too far off and is left out.", said::quoted(&light.name)));
+            draft
+                .skipped
+                .note(format!("The light {} lies too far off and is left out.", sanitize::quoted(&light.name)));
             continue;
         }
         let material = draft.materials.len() as u32;

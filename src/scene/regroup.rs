@@ -23,7 +23,7 @@ use rustc_hash::FxHashMap;
 use serde::de::Error;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-use super::{Group, GroupId, Scene, group_names, said};
+use super::{Group, GroupId, Scene, group_names, sanitize};
 
 /// Behind the path of an object: what is in it, without itself.
 pub(super) const CONTENTS: &str = "/*";
@@ -147,7 +147,7 @@ impl GroupTree {
         for member in members {
             match member {
                 GroupMember::Group(name, members) => {
-                    let group = self.add(&said::name(name), into);
+                    let group = self.add(&sanitize::name(name), into);
                     self.add_members(members, group, by_address, named, remarks);
                 }
                 GroupMember::Object(path) => {
@@ -157,11 +157,11 @@ impl GroupTree {
                         Some(place @ None) => *place = Some(Named { into, with_itself }),
                         Some(Some(_)) => remarks.push(format!(
                             "The settings file's groups name the object {} twice: its first place counts.",
-                            said::quoted(address)
+                            sanitize::quoted(address)
                         )),
                         None => remarks.push(format!(
                             "The settings file's groups name an object {} that the scene does not have.",
-                            said::quoted(address)
+                            sanitize::quoted(address)
                         )),
                     }
                 }

@@ -27,7 +27,7 @@ use super::unit::Unit;
 use super::up::UpAxis;
 use super::{
     CEILING_LIGHT, CameraPose, EditError, FiledLuminaire, FiledTaskArea, GroupMember, LuminaireShape, Material,
-    MaterialId, Scene, Sides, said,
+    MaterialId, Scene, Sides, sanitize,
 };
 
 /// The largest reflectance that a sidecar may set; a light path then loses at least a hundredth at
@@ -257,7 +257,7 @@ impl Sidecar {
     /// Not a sidecar, or a value out of its range.
     pub fn from_bytes(path: &Path, bytes: &[u8]) -> Result<Self, SidecarError> {
         let text = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
-        let syntax = |error: serde_json::Error| SidecarFault::Syntax(said::sentence(&error.to_string()));
+        let syntax = |error: serde_json::Error| SidecarFault::Syntax(sanitize::sentence(&error.to_string()));
         let mut sidecar: Self = serde_json::from_slice(text).map_err(syntax).map_err(of_sidecar(path))?;
         sidecar.luminaires.splice(0..0, std::mem::take(&mut sidecar.ceiling_lights).into_iter().map(Into::into));
         match sidecar.problem() {
@@ -296,10 +296,10 @@ impl Sidecar {
             match (reflectance, emission) {
                 (Some(value), _) => Some(format!(
                     "the reflectance {value} of material {} must lie between 0 and {MAX_SIDECAR_REFLECTANCE}",
-                    said::quoted(name)
+                    sanitize::quoted(name)
                 )),
                 (_, Some(value)) => {
-                    let name = said::quoted(name);
+                    let name = sanitize::quoted(name);
                     Some(format!("the emission {value} of material {name} must lie between 0 and 1e9 W/m²"))
                 }
                 _ => None,
@@ -342,7 +342,7 @@ fn light_problem(light: &FiledLuminaire) -> Option<String> {
     } else {
         return None;
     };
-    Some(format!("the luminaire {} {problem}", said::quoted(name)))
+    Some(format!("the luminaire {} {problem}", sanitize::quoted(name)))
 }
 
 /// Why a view cannot be used, whatever the scene.

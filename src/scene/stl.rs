@@ -9,7 +9,7 @@ use super::GroupId;
 use super::draft::{Draft, DraftMaterial, MOST_POLYGONS, NO_MATERIAL};
 use super::load_error::Fault;
 use super::mtl::text_of;
-use super::said::quoted;
+use super::sanitize::quoted;
 
 /// Bytes of a binary file before its first triangle: a text of any kind and the number of
 /// triangles.

@@ -110,7 +110,8 @@ impl SolverParams {
 
 #[cfg(test)]
 mod tests {
-    use super::super::params::{Epsilon, PARAMETERS, ParameterId};
+    use super::super::parameter_table::{PARAMETERS, ParameterId};
+    use super::super::params::Epsilon;
     use super::*;
     use crate::base::memory::MemoryBudget;
     use crate::scene::Sides;

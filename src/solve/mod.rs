@@ -15,6 +15,7 @@ mod job;
 mod live;
 mod memory;
 mod mesh_error;
+mod parameter_table;
 pub mod params;
 mod picture;
 mod progress;
@@ -34,10 +35,8 @@ pub use change::ChangeCost;
 pub use job::Step;
 pub use memory::MemoryStop;
 pub use mesh_error::MeshError;
-pub use params::{
-    ClusteringMode, Epsilon, PARAMETERS, Parameter, ParameterId, ParamsError, Reconstruct, SolverParams, USUAL_ERROR,
-    ValueKind, name_of,
-};
+pub use parameter_table::{PARAMETERS, Parameter, ParameterId, ValueKind};
+pub use params::{ClusteringMode, Epsilon, ParamsError, Reconstruct, SolverParams, USUAL_ERROR, name_of};
 pub use reconstruction_mesh::{barycentric, place_among};
 pub use snapshot::{ClusterBox, Leaf, Mesh, Snapshot};
 pub use stats::{Bytes, ErrorFound, Phase, Seconds, Stats};

@@ -3,6 +3,8 @@
 //! [`support`] and [`strict`].
 
 mod bounds;
+#[path = "../support/dice.rs"]
+mod dice;
 mod finds;
 #[path = "../fuzz/inputs.rs"]
 mod inputs;

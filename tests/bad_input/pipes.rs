@@ -7,7 +7,7 @@ use std::process::Command;
 
 use selflink::scene::Sidecar;
 
-use crate::strict::{in_time, scene, sentence};
+use crate::strict::{ends, scene, sentence};
 use crate::support::{Folder, square_json};
 
 const SQUARE: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nusemtl m\nf 1 2 3 4\n";
@@ -26,7 +26,7 @@ fn a_pipe_as_the_scene_or_its_sidecar() {
     let sidecar = Sidecar::path_for(&room);
     make_pipe(&sidecar);
     assert!(sentence(&room).contains("room.selflink.json: cannot be read (it is not a plain file)"));
-    let written = in_time("writing", move || Sidecar::default().write(&sidecar));
+    let written = ends("writing", move || Sidecar::default().write(&sidecar));
     assert!(written.expect_err("it is a pipe").to_string().contains("it is not a plain file"));
 }
 
@@ -54,7 +54,7 @@ fn a_pipe_or_a_device_beside_the_scene() {
 fn a_device_as_the_scene() {
     for device in ["/dev/zero", "/dev/stdin", "/dev/tty"] {
         let path = Path::new(device);
-        let refused = in_time(device, move || selflink::scene::load_file(path).is_err());
+        let refused = ends(device, move || selflink::scene::load_file(path).is_err());
         assert!(refused || !path.exists(), "{device}");
     }
 }

@@ -2,6 +2,8 @@
 //! done.
 
 mod export;
+#[path = "../support/folder.rs"]
+mod folder;
 mod input;
 #[cfg(feature = "gui")]
 #[path = "../support/left_out.rs"]

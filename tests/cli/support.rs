@@ -1,29 +1,11 @@
 //! What the tests of the command line share: running it, folders, what it said.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::{Command, Output};
 
 use serde_json::Value;
-use tempfile::TempDir;
 
-/// A folder that goes away with the test.
-pub struct Folder(TempDir);
-
-impl Folder {
-    pub fn new() -> Self {
-        Self(TempDir::new().expect("a temporary folder"))
-    }
-
-    pub fn path(&self, name: &str) -> PathBuf {
-        self.0.path().join(name)
-    }
-
-    pub fn write(&self, name: &str, content: impl AsRef<[u8]>) -> PathBuf {
-        let path = self.path(name);
-        std::fs::write(&path, content).expect("a writable folder");
-        path
-    }
-}
+pub use crate::folder::Folder;
 
 /// Coarse, so that the development profile solves it in a moment.
 pub const COARSE: [&str; 2] = ["--epsilon", "1e-2"];

@@ -15,7 +15,7 @@ use selflink::scene::outside::{Daylight, Outside, SUN_RADIUS};
 use selflink::scene::{GroupId, MaterialId, Scene};
 use selflink::solve::{Solver, SolverParams, power_balance};
 
-use super::support::{add_box, leaves, params, solve, with_threads};
+use super::support::{add_box, leaves, params, solve};
 
 fn daylight(sky: Option<&str>, sun: Option<&str>) -> Daylight {
     Daylight { sky: sky.map(|sky| sky.parse().expect("a sky")), sun: sun.map(|sun| sun.parse().expect("a sun")) }
@@ -370,23 +370,4 @@ fn a_closed_scene_costs_nothing() {
         assert_eq!(super::support::links(&plain), super::support::links(&closed));
         assert_eq!(plain.stats().rays, closed.stats().rays);
     }
-}
-
-/// Truth: the same light bit for bit, whatever the number of threads.
-#[test]
-fn daylight_is_the_same_for_any_number_of_threads() {
-    let (mut scene, ..) = room(false);
-    scene.materials[0].reflectance = Vec3::splat(0.5);
-    scene.add_daylight(&daylight(Some("clear:100W"), Some("az:180,el:35,300W"))).expect("daylight");
-    let bits = |threads| {
-        with_threads(threads, || {
-            let solved = solve(&scene, gathered(0.1));
-            let field = solved.field().expect("a gather").irradiance().to_vec();
-            (
-                super::support::radiosity_bits(&solved),
-                field.iter().map(|light| light.to_array().map(f32::to_bits)).collect::<Vec<_>>(),
-            )
-        })
-    };
-    assert_eq!(bits(1), bits(3));
 }

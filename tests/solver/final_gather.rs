@@ -2,7 +2,6 @@
 //! where there is no light.
 
 use std::sync::Arc;
-use std::time::Duration;
 
 use glam::Vec3;
 use selflink::base::cancel::CancelToken;
@@ -15,7 +14,7 @@ use selflink::measure::reference::{Reference, ReferenceRun, SurfacePoint, Target
 use selflink::scene::{GroupId, MaterialId, Scene, Sides, builtin::BuiltinScene};
 use selflink::solve::{Epsilon, Reconstruct, Snapshot, SolverParams, Step};
 
-use super::support::{add_box, empty_room, furnished_room, lamp_room, solve, solver, with_threads};
+use super::support::{add_box, empty_room, furnished_room, lamp_room, solve, solver};
 
 fn asking(error: f64) -> SolverParams {
     SolverParams { error: Some(error), ..SolverParams::default() }
@@ -27,7 +26,7 @@ fn measured(scene: &Scene, snapshot: &Snapshot, points: usize, noise: f64) -> [M
     let points = random_points(scene, points, 7);
     let mut run = ReferenceRun::new(scene, points.into(), 7);
     let never = CancelToken::new();
-    let target = Target { noise, limit: Some(Duration::from_secs(60)) };
+    let target = Target { noise, limit: None };
     let reference = compute(&mut run, None, target, &never, |_, _| {}).reference;
     let lit: Vec<usize> =
         (0..reference.points.len()).filter(|at| reference.irradiance[*at].max_element() > 0.0).collect();
@@ -80,31 +79,45 @@ fn furnaces_glow_evenly_wherever_they_are_read() {
     }
 }
 
+/// Seeds by which each target error is asked for.
+const SEEDS: std::ops::RangeInclusive<u64> = 1..=5;
+
 /// Truth: nine tenths of what is read are within each target error by the independent reference, to
-/// twice the standard error of that quantile, and the certificate says so. Returns the quantiles.
+/// twice the standard error of that quantile, and the certificate says so. A run keeps that with a
+/// probability of 95 % (`tests/accuracy/coverage.rs` counts it), so of five runs one may miss.
+/// Returns the means of the quantiles.
 fn target_error_is_kept<const N: usize>(scene: &Scene, asked: [f64; N], points: usize, noise: f64) -> [f64; N] {
     let points = random_points(scene, points, 7);
     let mut run = ReferenceRun::new(scene, points.into(), 7);
-    let target = Target { noise, limit: Some(Duration::from_secs(60)) };
+    let target = Target { noise, limit: None };
     let reference = compute(&mut run, None, target, &CancelToken::new(), |_, _| {}).reference;
     let mut meter = ErrorMeter::new(Arc::new(reference));
     asked.map(|asked| {
-        let mut solved = solve(scene, asking(asked));
-        let found = solved.stats().error.expect("a certificate");
-        let local = meter.local_error(&solved.snapshot());
-        println!(
-            "{}: asked {:.1} %, certified {:.1} %, measured {:.1} ± {:.1} %; mesh {:.1} %",
-            scene.name,
-            100.0 * asked,
-            100.0 * found.bound,
-            100.0 * local.p90,
-            100.0 * local.p90_noise,
-            100.0 * found.mesh.p90
-        );
-        assert!(found.bound <= asked, "{} was reached, not {asked}", found.bound);
-        assert!(found.read.p50 <= found.read.p90 && found.read.p90 <= found.bound && found.points >= 64, "{found:?}");
-        assert!(local.p90 - 2.0 * local.p90_noise <= found.bound, "{local:?} where {} is certified", found.bound);
-        local.p90
+        let (mut missed, mut sum) = (Vec::new(), 0.0);
+        for seed in SEEDS {
+            let mut solved = solve(scene, SolverParams { seed, ..asking(asked) });
+            let found = solved.stats().error.expect("a certificate");
+            let local = meter.local_error(&solved.snapshot());
+            let run = format!(
+                "{}, seed {seed}: asked {:.1} %, certified {:.1} %, measured {:.1} ± {:.1} %; mesh {:.1} %",
+                scene.name,
+                100.0 * asked,
+                100.0 * found.bound,
+                100.0 * local.p90,
+                100.0 * local.p90_noise,
+                100.0 * found.mesh.p90
+            );
+            println!("{run}");
+            assert!(found.bound <= asked, "not reached: {run}");
+            let is_in_order = found.read.p50 <= found.read.p90 && found.read.p90 <= found.bound;
+            assert!(is_in_order && found.points >= 64, "{found:?}");
+            sum += local.p90;
+            if local.p90 - 2.0 * local.p90_noise > found.bound {
+                missed.push(run);
+            }
+        }
+        assert!(missed.len() <= 1, "{missed:?}");
+        sum / SEEDS.count() as f64
     })
 }
 
@@ -271,7 +284,7 @@ fn light_comes_through_a_slit() {
     let points = random_points(&scene, 240, 3);
     let behind: Vec<_> = points.into_iter().filter(|point| point.position.x > 2.05).collect();
     let mut run = ReferenceRun::new(&scene, behind.into(), 3);
-    let target = Target { noise: 0.05, limit: Some(Duration::from_secs(20)) };
+    let target = Target { noise: 0.05, limit: None };
     let outcome = compute(&mut run, None, target, &CancelToken::new(), |_, _| {});
     let error = ErrorMeter::new(Arc::new(outcome.reference)).measure(&snapshot).displayed;
     println!("behind the slit: median local error {:.1} %, RMS {:.1} %", 100.0 * error.local_median, 100.0 * error.rms);
@@ -300,14 +313,6 @@ fn every_part_of_the_gather_can_be_cancelled() {
     }
     assert!(interrupted > 10, "{interrupted}");
     assert_eq!(solving.snapshot().vertex_radiosity, plain);
-}
-
-/// The same bits for any number of threads.
-#[test]
-fn threads_do_not_matter() {
-    let solved = |threads| with_threads(threads, || solve(&lamp_room(), asking(0.1)).snapshot().vertex_radiosity);
-    let bits = |values: Vec<[f32; 3]>| values.into_iter().flatten().map(f32::to_bits).collect::<Vec<u32>>();
-    assert_eq!(bits(solved(1)), bits(solved(3)));
 }
 
 /// A lamp that changes after leaves were split by the gather sends verdicts back to them.
@@ -382,7 +387,7 @@ fn a_crevice_is_as_dark_as_it_is() {
         })
         .collect();
     let mut run = ReferenceRun::new(&scene, behind.clone().into(), 7);
-    let target = Target { noise: 0.02, limit: Some(Duration::from_secs(60)) };
+    let target = Target { noise: 0.02, limit: None };
     let reference = compute(&mut run, None, target, &CancelToken::new(), |_, _| {}).reference;
     let read = |point: &SurfacePoint| f64::from(grey(field.read(point.polygon, point.position, 0.02).mean));
     let read: f64 = behind.iter().map(read).sum();

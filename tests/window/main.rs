@@ -25,4 +25,6 @@ mod strain;
 mod support;
 mod take_along;
 mod timeline;
+#[path = "../support/waiting.rs"]
+mod waiting;
 mod watching;

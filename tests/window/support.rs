@@ -1,7 +1,5 @@
 //! What the tests of the window share: opening one, waiting, clicking, looking.
 
-use std::time::{Duration, Instant};
-
 use egui::accesskit::Role;
 use egui_kittest::kittest::{NodeT, Queryable};
 use egui_kittest::{Harness, Node};
@@ -12,7 +10,7 @@ use selflink::scene::{Reading, Source};
 use selflink::solve::{Epsilon, SolverParams};
 use selflink::worker::RunState;
 
-const PATIENCE: Duration = Duration::from_secs(60);
+use crate::waiting::wait_for;
 
 pub fn coarse() -> SolverParams {
     SolverParams { epsilon: Epsilon::Relative(1e-2), ..SolverParams::default() }
@@ -44,18 +42,13 @@ pub fn cornell(params: SolverParams) -> Harness<'static, App> {
 }
 
 /// Lets frames pass until the condition holds; the worker has its own pace.
-pub fn until(window: &mut Harness<'static, App>, what: &str, holds: impl Fn(&Harness<'static, App>) -> bool) {
-    let begun = Instant::now();
-    loop {
+pub fn until(window: &mut Harness<'static, App>, what: &str, mut holds: impl FnMut(&Harness<'static, App>) -> bool) {
+    wait_for(what, || {
         window.step();
-        if holds(window) {
-            // Whatever was clicked last has been laid out.
-            window.step();
-            return;
-        }
-        assert!(begun.elapsed() < PATIENCE, "{what} did not happen within {PATIENCE:?}");
-        std::thread::sleep(Duration::from_millis(5));
-    }
+        holds(window).then_some(())
+    });
+    // Whatever was clicked last has been laid out.
+    window.step();
 }
 
 /// The one widget of a name that can be clicked; texts may say the same word.

@@ -86,16 +86,10 @@ fn steps_are_played_from_the_first_to_the_present() {
     // One self-link waits, and nothing else is there.
     until(&mut window, "the first step", |window| first(window) == Some((0, 1)));
     let mut seen = vec![0];
-    loop {
-        if let Some(now) = step(&window).filter(|now| seen.last() != Some(now)) {
-            seen.push(now);
-        }
-        if step(&window).is_none() {
-            break;
-        }
-        window.step();
-        std::thread::sleep(std::time::Duration::from_millis(1));
-    }
+    until(&mut window, "the present", |window| {
+        seen.extend(step(window).filter(|now| seen.last() != Some(now)));
+        step(window).is_none()
+    });
     assert_eq!(seen, (0..steps).collect::<Vec<_>>());
     assert_eq!(window.state().snapshot().expect("a picture").stats.links, links_at_the_end);
 }

@@ -16,7 +16,7 @@ use percent_encoding::percent_decode_str;
 use super::compression::{MOST_DECODED, Meshopt};
 use crate::scene::draft::MOST_POLYGONS;
 use crate::scene::files::{FileError, MOST_BYTES, SceneFiles, find, name_of};
-use crate::scene::said::quoted;
+use crate::scene::sanitize::quoted;
 
 /// An accessor without data holds zeros, but for what is listed: more of them would only be one
 /// point again and again.

@@ -11,7 +11,7 @@ use serde::Deserialize;
 
 use super::buffers::Problem;
 use crate::scene::draft::MOST_POLYGONS;
-use crate::scene::said;
+use crate::scene::sanitize;
 
 /// The most bytes that a view or a primitive may become.
 pub(super) const MOST_DECODED: usize = 1 << 30;
@@ -73,7 +73,7 @@ impl DracoMesh {
         let decoded = MeshDecoder::new().decode(&mut buffer, &mut mesh);
         decoded.map_err(|error| {
             // The decoder's own words may run over several lines.
-            said::sentence(&format!("its compressed data is damaged or of an unknown kind ({error})"))
+            sanitize::sentence(&format!("its compressed data is damaged or of an unknown kind ({error})"))
         })?;
         Ok(Self { mesh })
     }

@@ -6,7 +6,7 @@ use gltf::json::validation::Checked;
 
 use super::buffers::Problem;
 use crate::scene::UnreadExtension;
-use crate::scene::said;
+use crate::scene::sanitize;
 
 /// Extensions that are read, as far as they tell of geometry, diffuse light and views.
 const READ: [&str; 16] = [
@@ -65,9 +65,9 @@ pub(super) fn unread(root: &Root) -> Vec<UnreadExtension> {
     let all = root.extensions_required.iter().zip(std::iter::repeat(true));
     let all = all.chain(root.extensions_used.iter().zip(std::iter::repeat(false)));
     for (name, is_required) in all.filter(|(name, _)| !is_known(name)).take(MOST) {
-        if unread.iter().all(|known| known.name != said::name(name)) {
+        if unread.iter().all(|known| known.name != sanitize::name(name)) {
             let remark = REMARKS.iter().find(|(of, _)| of == name).map(|(_, remark)| (*remark).to_owned());
-            unread.push(UnreadExtension { name: said::name(name), is_required, remark });
+            unread.push(UnreadExtension { name: sanitize::name(name), is_required, remark });
         }
     }
     unread

@@ -11,7 +11,7 @@ use super::buffers::{GltfData, Problem};
 use crate::scene::draft::Draft;
 use crate::scene::place::{FiledCamera, is_usable};
 use crate::scene::punctual::{DirectionalLight, PunctualLight};
-use crate::scene::{GroupId, said};
+use crate::scene::{GroupId, sanitize};
 
 /// Width by height that a camera without one is made for.
 const USUAL_ASPECT: f64 = 1.6;
@@ -67,8 +67,8 @@ pub(super) fn add_camera(draft: &mut Draft, camera: &Camera, name: &str, world: 
     // Nodes may share a camera: the first goes by its name, others by their nodes', so that each
     // can be chosen.
     let is_free = |name: &String| draft.cameras.iter().all(|(other, _)| other != name);
-    let names = camera.name.as_deref().into_iter().chain([name]).map(said::name);
-    let numbered = (2..).map(|number| format!("{} {number}", said::name(name)));
+    let names = camera.name.as_deref().into_iter().chain([name]).map(sanitize::name);
+    let numbered = (2..).map(|number| format!("{} {number}", sanitize::name(name)));
     let name = names.chain(numbered).find(is_free).unwrap_or_default();
     draft.cameras.push((name, FiledCamera { eye, target, up, hfov_deg }));
 }

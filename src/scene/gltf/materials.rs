@@ -151,7 +151,7 @@ fn textures(draft: &mut Draft, data: &GltfData) -> HashMap<usize, Arc<Texture>> 
             Err(problem) => {
                 let name = root.images.get(number).and_then(|image| image.name.as_deref().or(image.uri.as_deref()));
                 let name = name.filter(|name| !name.is_empty() && !name.starts_with("data:"));
-                let name = name.map_or_else(|| format!("of image {number}"), crate::scene::said::quoted);
+                let name = name.map_or_else(|| format!("of image {number}"), crate::scene::sanitize::quoted);
                 draft.skipped.unread_texture(name, problem);
             }
         }

@@ -22,7 +22,7 @@ use serde_json::Value;
 use super::draft::Draft;
 use super::files::SceneFiles;
 use super::load_error::Fault;
-use super::said::sentence;
+use super::sanitize::sentence;
 use super::up::UpAxis;
 use buffers::{GltfData, Problem};
 

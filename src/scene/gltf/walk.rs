@@ -10,7 +10,7 @@ use super::mesh::{Part, coarse_rounding, joint_matrices, read_primitive};
 use crate::scene::draft::{Draft, DraftMaterial, MOST_POLYGONS};
 use crate::scene::load_error::Fault;
 use crate::scene::place::{Reach, is_usable};
-use crate::scene::{GroupId, said};
+use crate::scene::{GroupId, sanitize};
 
 /// Visits every node of the scene that is shown and fills the draft.
 ///
@@ -128,7 +128,7 @@ impl Walk<'_> {
         if let Some(scene) = root.scenes.get(shown) {
             if root.scenes.len() > 1 {
                 let count = root.scenes.len();
-                let name = scene.name.as_deref().map_or_else(|| format!("number {shown}"), said::quoted);
+                let name = scene.name.as_deref().map_or_else(|| format!("number {shown}"), sanitize::quoted);
                 self.draft.skipped.note(format!("Of {count} scenes in the file {name} is shown."));
             }
             return scene.nodes.iter().map(gltf::json::Index::value).collect();

@@ -1,5 +1,5 @@
-//! Text out of a file, made fit to stand in a sentence or as a name: on one line, without control
-//! characters, not too long.
+//! Sanitizing text out of a file, so that it can stand in a sentence or as a name: on one line,
+//! without control characters, not too long.
 
 use std::collections::{HashMap, HashSet};
 
@@ -17,12 +17,12 @@ const LONGEST_SENTENCE: usize = 600;
 
 /// A word or name of the file, in backquotes.
 pub(super) fn quoted(text: &str) -> String {
-    format!("`{}`", tidied(text, LONGEST_QUOTE))
+    format!("`{}`", sanitized(text, LONGEST_QUOTE))
 }
 
 /// A name of a group or material as it is known from here on.
 pub(super) fn name(text: &str) -> String {
-    tidied(text, LONGEST_NAME)
+    sanitized(text, LONGEST_NAME)
 }
 
 /// Names between commas, so many of them; the rest is counted.
@@ -38,15 +38,15 @@ pub(super) fn list<S: AsRef<str>>(names: impl IntoIterator<Item = S>, most: usiz
 
 /// Names as they are known from here on, each another one: `Light`, `Light (2)`, `Light (3)`.
 /// Settings are kept by name.
-pub(super) fn different_names<'a>(texts: impl Iterator<Item = &'a str> + Clone) -> Vec<String> {
+pub(super) fn unique_names<'a>(texts: impl Iterator<Item = &'a str> + Clone) -> Vec<String> {
     let mut taken: HashSet<String> = texts.clone().map(name).collect();
     let mut counts: HashMap<String, u32> = HashMap::new();
-    let different = |text: &str| {
+    let unique = |text: &str| {
         let name = name(text);
         let count = counts.entry(name.clone()).or_insert(0);
         *count += 1;
         while *count > 1 {
-            let numbered = format!("{} ({count})", tidied(&name, LONGEST_NAME - MOST_DIGITS));
+            let numbered = format!("{} ({count})", sanitized(&name, LONGEST_NAME - MOST_DIGITS));
             if taken.insert(numbered.clone()) {
                 return numbered;
             }
@@ -54,23 +54,23 @@ pub(super) fn different_names<'a>(texts: impl Iterator<Item = &'a str> + Clone) 
         }
         name
     };
-    texts.map(different).collect()
+    texts.map(unique).collect()
 }
 
 /// A sentence that may quote a file in ways that we do not know (a parser's own words).
 pub(super) fn sentence(text: &str) -> String {
-    tidied(text, LONGEST_SENTENCE)
+    sanitized(text, LONGEST_SENTENCE)
 }
 
-fn tidied(text: &str, most: usize) -> String {
+fn sanitized(text: &str, most: usize) -> String {
     let is_sound = |letter: char| !letter.is_control() && !matches!(letter, '\u{2028}' | '\u{2029}');
     let mut letters = text.chars().map(|letter| if is_sound(letter) { letter } else { char::REPLACEMENT_CHARACTER });
-    let mut tidy: String = letters.by_ref().take(most).collect();
+    let mut sound: String = letters.by_ref().take(most).collect();
     if letters.next().is_some() {
-        tidy.pop();
-        tidy.push('…');
+        sound.pop();
+        sound.push('…');
     }
-    tidy
+    sound
 }
 
 #[cfg(test)]
@@ -80,16 +80,16 @@ mod tests {
     /// Truth: counted by hand; no name is given twice, also where a file has a name with a number
     /// itself.
     #[test]
-    fn names_differ() {
-        let names = different_names(["a", "b", "a", "a (2)", "a", ""].into_iter());
+    fn names_are_unique() {
+        let names = unique_names(["a", "b", "a", "a (2)", "a", ""].into_iter());
         assert_eq!(names, ["a", "b", "a (3)", "a (2)", "a (4)", ""]);
         let long = "x".repeat(300);
-        let names = different_names([long.as_str(), &long].into_iter());
+        let names = unique_names([long.as_str(), &long].into_iter());
         assert!(names[0] != names[1] && names.iter().all(|name| name.chars().count() <= 200), "{names:?}");
     }
 
     #[test]
-    fn what_is_said_is_short_and_on_one_line() {
+    fn text_of_a_file_is_short_and_on_one_line() {
         assert_eq!(quoted("oak\n\u{1b}[31m"), "`oak\u{fffd}\u{fffd}[31m`");
         assert_eq!(name("Wände \u{1f4a1}"), "Wände \u{1f4a1}");
         assert_eq!(name(&"x".repeat(200)), "x".repeat(200));

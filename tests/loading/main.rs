@@ -1,5 +1,6 @@
-//! The kinds of files that real exporters write: each is built here, small, with what must come of
-//! it.
+//! Loading OBJ, glTF, GLB, PLY and STL scenes with their sidecars: the kinds of files that real
+//! exporters write. Each is built here, small, with what must come of it; one program, so that it
+//! is linked once.
 //!
 //! A "furnace" is a unit cube seen from inside, ρ = ½ and B_e = 1 W/m² on every face, so that B = 2
 //! everywhere.
@@ -7,11 +8,18 @@
 mod basis;
 mod builder;
 mod compressed;
+mod far_off;
 mod formats;
+mod gltf;
+#[path = "../support/left_out.rs"]
+mod left_out;
 mod lights;
+mod obj;
 mod paint;
+mod real_scenes;
 mod reports;
 mod rooms;
+mod sidecars;
 mod solved;
 mod structure;
 #[path = "../support/mod.rs"]
@@ -24,7 +32,7 @@ use std::io::Cursor;
 use glam::Vec3;
 use image::{ImageFormat, Rgba, RgbaImage};
 use selflink::scene::{Scene, load_file};
-use support::Folder;
+use support::{Folder, glb, square_bytes, square_json};
 
 /// Faces of a unit cube, seen from inside.
 const CUBE: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\n\
@@ -43,6 +51,20 @@ fn load(files: &[(&str, &[u8])], name: &str) -> Scene {
 
 fn load_obj(obj: &str, mtl: &str) -> Scene {
     load(&[("a.obj", obj.as_bytes()), ("a.mtl", mtl.as_bytes())], "a.obj")
+}
+
+fn load_square_glb(rest: &str) -> Scene {
+    load(&[("scene.glb", &glb(&square_json(rest), &square_bytes()))], "scene.glb")
+}
+
+const SQUARE: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
+
+fn total_area(scene: &Scene) -> f32 {
+    scene.polygons.iter().map(|polygon| scene.area(polygon)).sum()
+}
+
+fn close(a: Vec3, b: Vec3) -> bool {
+    a.distance(b) <= 1e-5 * b.length().max(1.0)
 }
 
 fn assert_furnace(scene: &Scene, what: &str) {
