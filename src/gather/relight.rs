@@ -102,16 +102,17 @@ impl<'a> Relighting<'a> {
     /// Factor on all reflected light that makes up for what the closure takes: rows that have too
     /// much by chance have what others lack.
     fn refund(&self, indirect: &[Vec3]) -> f32 {
-        let of_chunk = |chunk: usize| {
+        let of_chunk = |((light, areas), closure): ((&[Vec3], &[f32]), &[f32])| {
             let (mut all, mut kept) = (0.0_f64, 0.0);
-            for index in chunk * CHUNK..((chunk + 1) * CHUNK).min(indirect.len()) {
-                let light = f64::from(self.field.areas[index] * grey(indirect[index]));
-                all += light;
-                kept += f64::from(self.closure[index]) * light;
+            for ((light, area), closure) in light.iter().zip(areas).zip(closure) {
+                let power = f64::from(area * grey(*light));
+                all += power;
+                kept += f64::from(*closure) * power;
             }
             [all, kept]
         };
-        let chunks: Vec<[f64; 2]> = (0..indirect.len().div_ceil(CHUNK)).into_par_iter().map(of_chunk).collect();
+        let lights = indirect.par_chunks(CHUNK).zip(self.field.areas.par_chunks(CHUNK));
+        let chunks: Vec<[f64; 2]> = lights.zip(self.closure.par_chunks(CHUNK)).map(of_chunk).collect();
         let [all, kept] = [0, 1].map(|which| chunks.iter().map(|chunk| chunk[which]).sum::<f64>());
         if kept > 0.0 { (all / kept).min(MOST_REFUND) as f32 } else { 1.0 }
     }
