@@ -123,7 +123,8 @@ impl Solver {
     pub(super) fn lasting_bytes(&self) -> usize {
         let of_link = if self.is_watched() { LINK + LINK_IN_WINDOW } else { LINK };
         let timeline = self.timeline.as_ref().map_or(0, Timeline::bytes);
-        self.scene_bytes() + timeline + self.links().len() * of_link
+        let tables = self.links.push_tables().bytes();
+        self.scene_bytes() + tables + timeline + self.links().len() * of_link
     }
 
     fn bytes_of_links(&self) -> usize {
