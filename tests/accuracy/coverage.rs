@@ -103,7 +103,7 @@ fn reference(scene: &Scene, points: Vec<SurfacePoint>, passes: u32) -> Reference
 /// at each two of the reference's own.
 #[test]
 #[ignore = "slow: 120 solves and a reference for each room"]
-fn runs_keep_what_they_report() {
+fn slow_runs_keep_what_they_report() {
     let own = |scene: BuiltinScene| scene.build();
     let rooms = [
         ("cornell", own(BuiltinScene::Cornell), 30),
