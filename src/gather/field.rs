@@ -11,6 +11,7 @@ use rayon::prelude::*;
 
 use super::groups::Groups;
 use super::openings::{self, Openings};
+use super::patches::Patches;
 use super::sources::Sources;
 use crate::base::random::{cosine_direction, r2_sequence};
 use crate::geometry::{EnclosureTest, Hit, LampList, Occluders};
@@ -43,45 +44,6 @@ pub(super) struct Surroundings {
     pub(super) outside: Option<Arc<Outside>>,
     /// Where its sky is seen, unless it is open all around.
     pub(super) openings: Option<Openings>,
-}
-
-/// The patches of a hierarchy by the little that sweeps over all of them read.
-#[derive(Clone, Default)]
-struct Patches {
-    leaves: Vec<ElementId>,
-    /// Those that were split, parents before their parts.
-    split: Vec<ElementId>,
-    /// Polygon of each patch, parallel to the arena.
-    polygons: Vec<u32>,
-}
-
-impl Patches {
-    fn of(hierarchy: &Hierarchy) -> Self {
-        let mut patches = Self { polygons: vec![0; hierarchy.elements().len()], ..Self::default() };
-        for id in hierarchy.ids() {
-            let element = hierarchy.element(id);
-            if let Shape::Patch(patch) = &element.shape {
-                patches.polygons[id.index()] = patch.polygon;
-                if element.is_leaf() { &mut patches.leaves } else { &mut patches.split }.push(id);
-            }
-        }
-        patches
-    }
-
-    /// Takes up the parts of leaves that were split.
-    fn split(&mut self, hierarchy: &Hierarchy, leaves: &[ElementId]) {
-        self.polygons.resize(hierarchy.elements().len(), 0);
-        let mut is_split = vec![false; self.polygons.len()];
-        for leaf in leaves {
-            is_split[leaf.index()] = true;
-            for part in hierarchy.element(*leaf).children() {
-                self.polygons[part.index()] = self.polygons[leaf.index()];
-                self.leaves.push(part);
-            }
-        }
-        self.leaves.retain(|leaf| !is_split[leaf.index()]);
-        self.split.extend(leaves);
-    }
 }
 
 /// A state of the light that surfaces send; cheap to clone.
@@ -374,7 +336,7 @@ impl Field {
         self.all_leaves().iter().copied()
     }
 
-    /// The leaves, in the order of the arena.
+    /// The leaves, in the order of the arena, for all threads to share out.
     pub(super) fn all_leaves(&self) -> &[ElementId] {
         &self.patches.leaves
     }

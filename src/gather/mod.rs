@@ -21,6 +21,7 @@ mod groups;
 mod looks;
 mod openings;
 mod passes;
+mod patches;
 mod reaching;
 mod refine;
 mod relight;

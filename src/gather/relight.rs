@@ -60,21 +60,19 @@ impl<'a> Relighting<'a> {
         let elements = field.hierarchy.elements().len();
         let (mut direct, mut closure) = (vec![Vec3::ZERO; elements], vec![1.0; elements]);
         let mut known = vec![Known::Nothing; elements];
-        let mean = |sum, looks| Mean { sum, looks: looks as f32 };
         let emitted = groups.shared(|leaf| {
             let sums = samples.of(leaf);
-            mean(sums.emitted, sums.seen)
+            Mean { sum: sums.emitted, looks: sums.seen as f32 }
         });
         let rows = groups.shared(|leaf| {
             let sums = samples.of(leaf);
             Mean { sum: sums.row, looks: sums.whole as f32 }
         });
-        let by_shape = |(mean, shape): (f32, f32)| shape * mean;
         for leaf in field.leaves() {
             let (index, sums) = (leaf.index(), samples.of(leaf));
             known[index] = if sums.whole > 0 { Known::ByLooks(1.0 / sums.whole as f32) } else { Known::ByLinks };
             direct[index] = emitted.of(leaf).map_or_else(|| samples.direct(leaf).0, |(mean, shape)| shape * mean);
-            let row = rows.of(leaf).map_or_else(|| sums.row / sums.whole.max(1) as f32, by_shape);
+            let row = rows.of(leaf).map_or_else(|| sums.row / sums.whole.max(1) as f32, |(mean, shape)| shape * mean);
             closure[index] = closure_of(row, field.reflectance(leaf).max_element());
         }
         Self { field, samples, groups, of_links, known, direct, closure }
