@@ -5,10 +5,11 @@
 //! spherical triangles*, SIGGRAPH 1995]: by area, most of the light of a lamp that touches a wall
 //! would come from the few samples beside the contact.
 
-use std::f32::consts::{PI, TAU};
+use std::f32::consts::PI;
 
 use glam::Vec3;
 
+use crate::geometry::lambert;
 use crate::hierarchy::point_on_polygon;
 
 /// A polygon whose radius is above this share of its distance is sampled by solid angle.
@@ -67,7 +68,7 @@ impl Facet {
         }
         let used = &corners[..count];
         // The polygon runs clockwise as seen from a point that its bright side faces.
-        let form_factor = -lambert(normal, used);
+        let form_factor = lambert(normal, used);
         let centre = used.iter().sum::<Vec3>() / count as f32;
         let radius_squared = used.iter().map(|corner| corner.distance_squared(centre)).fold(0.0, f32::max);
         let is_near = radius_squared > NEAR * NEAR * centre.length_squared();
@@ -151,20 +152,6 @@ impl FacetSampler<'_> {
         }
         FacetSample { span: distance * direction, kernel: cosine }
     }
-}
-
-/// Lambert's form factor from the origin to a polygon, with the sign of its orientation.
-fn lambert(normal: Vec3, corners: &[Vec3]) -> f32 {
-    let mut sum = 0.0;
-    for (index, &from) in corners.iter().enumerate() {
-        let to = corners[(index + 1) % corners.len()];
-        let cross = from.cross(to);
-        let sine = cross.length();
-        if sine > 0.0 {
-            sum += sine.atan2(from.dot(to)) * normal.dot(cross) / sine;
-        }
-    }
-    sum / TAU
 }
 
 fn fan_area(corners: &[Vec3]) -> f32 {

@@ -14,7 +14,7 @@ use super::openings::{self, Openings};
 use super::patches::Patches;
 use super::sources::Sources;
 use crate::base::random::{cosine_direction, r2_sequence};
-use crate::geometry::{EnclosureTest, Hit, LampList, Occluders};
+use crate::geometry::{EnclosureTest, Hit, LampList, LastStop, Occluders};
 use crate::hierarchy::{Element, ElementId, Hierarchy, Patch, Shape};
 use crate::scene::outside::Outside;
 use crate::scene::{Scene, Surface};
@@ -374,8 +374,8 @@ impl Field {
     }
 
     /// Whether nothing stands between two points of faces with these normals.
-    pub(super) fn sees(&self, from: (Vec3, Vec3), to: (Vec3, Vec3)) -> bool {
-        self.around.occluders.sees(from, to)
+    pub(super) fn sees(&self, last: &mut LastStop, from: (Vec3, Vec3), to: (Vec3, Vec3)) -> bool {
+        self.around.occluders.sees_after(last, from, to)
     }
 
     /// Whether a point lies inside of something, as so many rays tell.

@@ -13,6 +13,7 @@ use super::facet::Facet;
 use super::field::{End, Field, Met};
 use super::source_tree::FAR;
 use crate::base::random::{cosine_direction, fraction, hash64};
+use crate::geometry::LastStop;
 use crate::hierarchy::{Element, Shape, point_on_polygon};
 
 /// Sequences are this long before another one begins.
@@ -189,7 +190,7 @@ impl Field {
         let (corners, count) = self.hierarchy.corner_positions(patch);
         let (span, weight) = sample_polygon((point, normal), &corners[..count], (element, patch.normal), [u, v])?;
         let position = self.on_plane(choice.id, point + span);
-        if face.dot(span) <= 0.0 || !self.sees((point, face), (position, patch.normal)) {
+        if face.dot(span) <= 0.0 || !self.sees(&mut LastStop::default(), (point, face), (position, patch.normal)) {
             return None;
         }
         let lit = if choice.emits {

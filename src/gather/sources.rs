@@ -15,6 +15,7 @@ use super::facet::Facet;
 use super::field::{CHUNK, Field, Met};
 use super::source_tree::SourceTree;
 use crate::base::random::{fraction, hash64, r2_sequence};
+use crate::geometry::LastStop;
 use crate::hierarchy::{Element, ElementId, Hierarchy, Shape};
 use crate::scene::Surface;
 
@@ -269,7 +270,7 @@ impl Field {
         if all <= 0.0 {
             return 0;
         }
-        let mut cast = 0;
+        let (mut cast, mut last) = (0, LastStop::default());
         for index in 0..count {
             let sample = sample(index);
             if sample.kernel <= 0.0 {
@@ -277,7 +278,7 @@ impl Field {
             }
             cast += 1;
             let position = self.on_plane(id, point + sample.span);
-            if self.sees((point, normal), (position, patch.normal)) {
+            if self.sees(&mut last, (point, normal), (position, patch.normal)) {
                 tell(position, facet.form_factor * sample.kernel / all);
             }
         }
@@ -291,7 +292,7 @@ impl Field {
         (seed, first, count): (u64, u32, u32),
         reflected: &mut impl FnMut(Met, f32),
     ) -> (Vec3, u32) {
-        let (mut light, mut cast) = (Vec3::ZERO, 0);
+        let (mut light, mut cast, mut last) = (Vec3::ZERO, 0, LastStop::default());
         for index in 0..count {
             let [u, v] = r2_sequence(seed, first + index);
             let (leaf, u) = self.pick_leaf(id, u);
@@ -303,7 +304,7 @@ impl Field {
                 continue;
             }
             cast += 1;
-            if !self.sees((point, normal), (target.position, target.normal)) {
+            if !self.sees(&mut last, (point, normal), (target.position, target.normal)) {
                 continue;
             }
             let emission = self.surface(target.polygon).emission;

@@ -7,7 +7,7 @@ use glam::{Vec3, Vec3A};
 use rayon::prelude::*;
 
 use super::offset::{Crossing, End, Triangle};
-use super::wide_bvh::{Effort, WideBvh};
+use super::wide_bvh::{Effort, LastStop, WideBvh};
 use crate::scene::{Polygon, Scene};
 
 /// Marks a triangle that is dark from behind.
@@ -120,6 +120,12 @@ impl Occluders {
     /// with nothing between them.
     #[inline]
     pub fn sees(&self, from: (Vec3, Vec3), to: (Vec3, Vec3)) -> bool {
+        self.sees_after(&mut LastStop::default(), from, to)
+    }
+
+    /// The same, asked after other rays that are likely to have been stopped by the same faces.
+    #[inline]
+    pub fn sees_after(&self, last: &mut LastStop, from: (Vec3, Vec3), to: (Vec3, Vec3)) -> bool {
         let span = to.0 - from.0;
         if !(from.1.dot(span) > 0.0 && to.1.dot(span) < 0.0) {
             return false;
@@ -130,7 +136,7 @@ impl Occluders {
         let away = without_negative_zeros(span / length);
         let start = End { point: start, normal: from.1.into(), away };
         let end = End { point: end, normal: to.1.into(), away: -away };
-        !self.is_blocked(start.point, away, length, |triangle, index, crossing| {
+        !self.is_blocked((start.point, away, length), last, |triangle, index, crossing| {
             self.is_held(&start, triangle, index, crossing) || self.is_held(&end, triangle, index, crossing)
         })
     }
@@ -139,7 +145,8 @@ impl Occluders {
     pub fn occluded(&self, from: Vec3, to: Vec3) -> bool {
         let [start, end] = [from, to].map(Vec3A::from);
         let length = start.distance(end);
-        length > 0.0 && self.is_blocked(start, without_negative_zeros((end - start) / length), length, |_, _, _| false)
+        let ray = (start, without_negative_zeros((end - start) / length), length);
+        length > 0.0 && self.is_blocked(ray, &mut LastStop::default(), |_, _, _| false)
     }
 
     /// Whether a ray that leaves a face meets no other: by a point of it and its unit normal on the
@@ -148,7 +155,7 @@ impl Occluders {
     pub fn is_open(&self, point: Vec3, normal: Vec3, direction: Vec3) -> bool {
         let away = without_negative_zeros(direction.into());
         let start = End { point: point.into(), normal: normal.into(), away };
-        !self.is_blocked(start.point, away, f32::INFINITY, |triangle, index, crossing| {
+        !self.is_blocked((start.point, away, f32::INFINITY), &mut LastStop::default(), |triangle, index, crossing| {
             self.is_held(&start, triangle, index, crossing)
         })
     }
@@ -156,12 +163,12 @@ impl Occluders {
     #[inline]
     fn is_blocked(
         &self,
-        start: Vec3A,
-        direction: Vec3A,
-        length: f32,
+        ray: (Vec3A, Vec3A, f32),
+        last: &mut LastStop,
         passes: impl Fn(&Triangle, usize, &Crossing) -> bool,
     ) -> bool {
-        self.bvh.is_stopped(start, direction, length, |triangle, index| {
+        let (start, direction, length) = ray;
+        self.bvh.is_stopped(ray, last, |triangle, index| {
             let is_between =
                 |met: &Crossing| met.distance >= 0.0 && met.distance <= length && !passes(triangle, index, met);
             Crossing::of(triangle, start, direction).is_some_and(|met| is_between(&met))

@@ -51,6 +51,16 @@ struct Leaf {
     start: u32,
 }
 
+/// The leaf that stopped the last ray, if any: what stops one often stops the next one too.
+#[derive(Clone, Copy, Debug)]
+pub struct LastStop(u32);
+
+impl Default for LastStop {
+    fn default() -> Self {
+        Self(u32::MAX)
+    }
+}
+
 /// A ray, with each number four times.
 struct Lines {
     origin: [Vec4; 3],
@@ -275,16 +285,21 @@ impl WideBvh {
     }
 
     /// Whether one of the triangles that the ray may cross before the limit stops it, which `stops`
-    /// decides by their number.
+    /// decides by their number. Those that stopped the last ray are looked at first.
     #[inline]
     pub fn is_stopped(
         &self,
-        origin: Vec3A,
-        direction: Vec3A,
-        limit: f32,
+        (origin, direction, limit): (Vec3A, Vec3A, f32),
+        last: &mut LastStop,
         mut stops: impl FnMut(&Triangle, usize) -> bool,
     ) -> bool {
         let lines = Lines::new(origin, direction);
+        let mut stops_at = |leaf: &Leaf| {
+            lanes(leaf.meet(&lines, limit)).any(|lane| stops(&leaf.triangle(lane), leaf.start as usize + lane))
+        };
+        if self.leaves.get(last.0 as usize).is_some_and(&mut stops_at) {
+            return true;
+        }
         let (mut short, mut long);
         let waiting: &mut [u32] = if self.depth <= SHORT {
             short = [0; SHORT];
@@ -298,8 +313,9 @@ impl WideBvh {
             count -= 1;
             let next = waiting[count];
             if next & LEAF != 0 {
-                let leaf = &self.leaves[(next & !LEAF) as usize];
-                if lanes(leaf.meet(&lines, limit)).any(|lane| stops(&leaf.triangle(lane), leaf.start as usize + lane)) {
+                let leaf = next & !LEAF;
+                if stops_at(&self.leaves[leaf as usize]) {
+                    last.0 = leaf;
                     return true;
                 }
                 continue;
@@ -439,7 +455,7 @@ mod tests {
                 let [found, wanted] = nearest(&tree, &order, &corners, origin, direction);
                 assert_eq!(found, wanted, "{count} triangles, ray {ray}");
                 let stops = |limit: f32| {
-                    tree.is_stopped(origin, direction, limit, |triangle, _| {
+                    tree.is_stopped((origin, direction, limit), &mut LastStop::default(), |triangle, _| {
                         let crossing = Crossing::of(triangle, origin, direction);
                         crossing.is_some_and(|met| (0.0..=limit).contains(&met.distance))
                     })
@@ -482,7 +498,7 @@ mod tests {
         for (tree, origin, direction) in
             [(&tree, Vec3A::NAN, Vec3A::Z), (&tree, Vec3A::ZERO, Vec3A::NAN), (&empty, Vec3A::ZERO, Vec3A::Z)]
         {
-            assert!(!tree.is_stopped(origin, direction, f32::INFINITY, |_, _| true));
+            assert!(!tree.is_stopped((origin, direction, f32::INFINITY), &mut LastStop::default(), |_, _| true));
             tree.walk(origin, direction, |_, _| panic!("nothing to be met"));
         }
     }

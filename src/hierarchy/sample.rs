@@ -98,48 +98,34 @@ impl Hierarchy {
     /// The points of an element, a cluster's by these sums or by area.
     pub fn points_on<'a>(&'a self, sums: Option<&'a PatchSums>, id: ElementId) -> ElementPoints<'a> {
         let element = self.element(id);
-        let leaf = match &element.shape {
-            Shape::Patch(patch) if element.is_leaf() && patch.cells.are_all_reachable() => {
+        let open = match &element.shape {
+            Shape::Patch(patch) if patch.cells.are_all_reachable() => {
                 let (corners, count) = self.corner_positions(patch);
                 let point = SurfacePoint { position: corners[0], normal: patch.normal, polygon: patch.polygon };
                 Some((PolygonMap::new(&corners[..count]), point))
             }
             _ => None,
         };
-        ElementPoints { hierarchy: self, sums: sums.unwrap_or(&self.area_sums), id, leaf }
+        ElementPoints { hierarchy: self, sums: sums.unwrap_or(&self.area_sums), id, open }
     }
 
-    /// The point of a patch, found by going down to its leaf.
-    fn point_on_patch(&self, mut id: ElementId, mut u: f32, mut v: f32) -> SurfacePoint {
+    /// The point of a patch; where it is hidden in part, found by going down to a leaf, or to a part
+    /// that is not.
+    fn point_on_patch(&self, mut id: ElementId, mut u: f32, v: f32) -> SurfacePoint {
         loop {
             let element = self.element(id);
             let Shape::Patch(patch) = &element.shape else { unreachable!("below a patch there are patches") };
-            if element.is_leaf() {
+            let is_open = patch.cells.are_all_reachable();
+            if is_open || element.is_leaf() {
                 let (mut corners, count) = self.corner_positions(patch);
-                if !patch.cells.are_all_reachable()
-                    && let Some((quarters, rest)) = self.reachability.sampled_cell(patch.cells, u)
-                {
+                if !is_open && let Some((quarters, rest)) = self.reachability.sampled_cell(patch.cells, u) {
                     corners = quarters.fold(corners, |corners, number| quarter(corners, count, number));
                     u = rest;
                 }
                 let position = point_on_polygon(&corners[..count], u, v);
                 return SurfacePoint { position, normal: patch.normal, polygon: patch.polygon };
             }
-            let child = if !patch.cells.are_all_reachable() {
-                self.quarter_by_area(element, &mut u)
-            } else if patch.corners().len() == 3 {
-                triangle_quarter(&mut u, &mut v)
-            } else {
-                let [a, b, c, d] = [0, 1, 2, 3].map(|child| self.elements[element.first_child as usize + child].area);
-                let is_right = take_side(&mut u, (a + d) / (a + b + c + d));
-                let is_upper = take_side(&mut v, if is_right { b / (b + c) } else { a / (a + d) });
-                match (is_right, is_upper) {
-                    (false, false) => 0,
-                    (true, false) => 1,
-                    (true, true) => 2,
-                    (false, true) => 3,
-                }
-            };
+            let child = self.quarter_by_area(element, &mut u);
             id = ElementId(element.first_child + child);
         }
     }
@@ -162,27 +148,14 @@ impl Hierarchy {
     }
 }
 
-/// Whether a coordinate lies beyond `share`; spreads the side it lies on over the unit interval.
-fn take_side(coordinate: &mut f32, share: f32) -> bool {
-    let is_beyond = *coordinate >= share;
-    *coordinate = if is_beyond { (*coordinate - share) / (1.0 - share) } else { *coordinate / share };
-    is_beyond
-}
-
-/// The quarter of a triangle that `(u, v)` lies in, by area; spreads it over the unit square.
-fn triangle_quarter(u: &mut f32, v: &mut f32) -> u32 {
-    if !take_side(u, 0.25) {
-        return 0;
-    }
-    let third = ((*v * 3.0) as u32).min(2);
-    *v = (*v * 3.0 - third as f32).clamp(0.0, 1.0);
-    [1, 3, 2][third as usize]
-}
-
 /// The point of a triangle or convex quad at `(u, v)`, uniform by area.
 pub fn point_on_polygon(corners: &[Vec3], u: f32, v: f32) -> Vec3 {
     PolygonMap::new(corners).at(u, v)
 }
+
+/// Sides of a parallelogram may differ by this share of its diagonal: what rounding does to the
+/// corners of all but the smallest.
+const MOST_SKEWED: f32 = 1e-5;
 
 /// The unit square on a triangle or convex quad, equal areas on equal areas.
 #[derive(Clone, Copy)]
@@ -205,11 +178,14 @@ impl PolygonMap {
         match *corners {
             [a, b, c] => Self { corners: [a, b, c, a], form: Form::Triangle },
             [a, b, c, d] => {
-                let (first, second) = ((b - a).cross(c - a).length(), (c - a).cross(d - a).length());
-                let share = first / (first + second);
-                let is_parallelogram = (share - 0.5).abs() < 1e-4
-                    && ((b - a) - (c - d)).length_squared() < 1e-8 * (c - a).length_squared();
-                let form = if is_parallelogram { Form::Parallelogram } else { Form::Quad(share) };
+                let is_parallelogram =
+                    ((b - a) - (c - d)).length_squared() < MOST_SKEWED * MOST_SKEWED * (c - a).length_squared();
+                let form = if is_parallelogram {
+                    Form::Parallelogram
+                } else {
+                    let (first, second) = ((b - a).cross(c - a).length(), (c - a).cross(d - a).length());
+                    Form::Quad(first / (first + second))
+                };
                 Self { corners: [a, b, c, d], form }
             }
             _ => unreachable!("a patch has three or four corners"),
@@ -232,15 +208,15 @@ pub struct ElementPoints<'a> {
     hierarchy: &'a Hierarchy,
     sums: &'a PatchSums,
     id: ElementId,
-    /// A leaf that is not hidden anywhere, with a point of it.
-    leaf: Option<(PolygonMap, SurfacePoint)>,
+    /// A patch that is not hidden anywhere, with a point of it.
+    open: Option<(PolygonMap, SurfacePoint)>,
 }
 
 impl ElementPoints<'_> {
     /// The point at `(u, v)` in the unit square.
     #[inline]
     pub fn at(&self, u: f32, v: f32) -> SurfacePoint {
-        match &self.leaf {
+        match &self.open {
             Some((map, point)) => SurfacePoint { position: map.at(u, v), ..*point },
             None => self.hierarchy.point_on_by(self.sums, self.id, u, v),
         }

@@ -8,6 +8,7 @@ use std::f32::consts::PI;
 
 use glam::Vec3;
 
+use crate::geometry::lambert;
 use crate::hierarchy::{Cluster, Element, ElementId, Hierarchy, Patch, Shape, SkyPart};
 
 /// A cluster's mean cosine: projected over total area of randomly turned one-sided faces.
@@ -211,18 +212,7 @@ pub fn point_to_polygon(point: Vec3, normal: Vec3, corners: &[Vec3]) -> f32 {
     if let Some(far) = far_away(normal, &clipped[..count]) {
         return far;
     }
-    let mut sum = 0.0;
-    for index in 0..count {
-        let (from, to) = (clipped[index], clipped[(index + 1) % count]);
-        let cross = from.cross(to);
-        let sine = cross.length();
-        if sine > 0.0 {
-            let angle = sine.atan2(from.dot(to));
-            sum += angle * normal.dot(cross) / sine;
-        }
-    }
-    // The polygon runs clockwise as seen from a point that its bright side faces.
-    (-sum / (2.0 * PI)).clamp(0.0, 1.0)
+    lambert(normal, &clipped[..count]).clamp(0.0, 1.0)
 }
 
 /// A polygon is far away if its corners are seen this close to its middle, as the square of a

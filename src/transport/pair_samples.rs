@@ -12,7 +12,7 @@ use glam::Vec3;
 
 use super::form_factor::point_to_polygon;
 use crate::base::random::{fraction, hash64};
-use crate::geometry::Occluders;
+use crate::geometry::{LastStop, Occluders};
 use crate::hierarchy::{ElementId, Hierarchy, PatchSums, Shape, SurfacePoint};
 
 /// How many rays a pair gets.
@@ -181,7 +181,7 @@ impl RaySampler<'_> {
             hierarchy.points_on((density == by_emission).then_some(self.emission), id)
         };
         let (on_a, on_b) = (points(a, SampleDensity::EmissionOfA), points(b, SampleDensity::EmissionOfB));
-        let mut samples = PairSamples::default();
+        let (mut samples, mut last) = (PairSamples::default(), LastStop::default());
         for index in 0..pairs_if_blocked {
             let enough = if clusters > 0 { index >= pairs } else { samples.cast >= budget.rays };
             let blocked = samples.visible == 0 && samples.cast < budget.rays_if_blocked;
@@ -213,7 +213,7 @@ impl RaySampler<'_> {
             }
             samples.rayed_kernel += kernel;
             samples.cast += 1;
-            if self.occluders.sees((from.position, from.normal), (to.position, to.normal)) {
+            if self.occluders.sees_after(&mut last, (from.position, from.normal), (to.position, to.normal)) {
                 samples.visible += 1;
                 samples.visible_kernel += kernel;
             }

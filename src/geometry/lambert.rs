@@ -1,0 +1,81 @@
+//! Lambert's formula: the form factor from a point to a polygon \[Lambert 1760; Baum, Rushmeier,
+//! Winget: *Improving radiosity solutions through the use of analytically determined form-factors*,
+//! SIGGRAPH 1989, eq 9\].
+
+use std::f32::consts::{PI, TAU};
+
+use glam::Vec3;
+
+/// Coefficients of `arccos(x)/√(1−x²)` for x in 0..=1, from the constant on; its relative error is
+/// 1e-8 before rounding.
+const ARC: [f32; 10] = [
+    1.570_796_3,
+    -0.999_995_8,
+    0.785_258_7,
+    -0.664_815_4,
+    0.576_202_45,
+    -0.480_019_63,
+    0.347_402_3,
+    -0.191_148_56,
+    0.067_372_724,
+    -0.011_053_119,
+];
+
+/// Form factor from the origin, with this unit normal, to a polygon wholly above its horizon;
+/// positive where the polygon shows its bright side, anticlockwise as seen from the origin.
+///
+/// Each edge adds its angle times the unit normal of the plane through it and the origin. Of two
+/// unit vectors, the angle over its sine is a smooth function of its cosine, which takes fewer
+/// steps than an arc tangent and gives the same bits on all machines.
+#[inline]
+pub fn lambert(normal: Vec3, corners: &[Vec3]) -> f32 {
+    let Some(last) = corners.last() else { return 0.0 };
+    let (mut from, mut sum) = (last.normalize_or_zero(), Vec3::ZERO);
+    for corner in corners {
+        let to = corner.normalize_or_zero();
+        let cross = from.cross(to);
+        sum += arc_over_sine(from.dot(to), cross.length()) * cross;
+        from = to;
+    }
+    -normal.dot(sum) / TAU
+}
+
+/// An angle over its sine, by its cosine and sine.
+#[inline]
+fn arc_over_sine(cosine: f32, sine: f32) -> f32 {
+    let x = cosine.abs();
+    let acute = ARC.iter().rev().fold(0.0, |sum, coefficient| sum * x + coefficient);
+    if cosine >= 0.0 { acute } else { PI / sine.max(f32::MIN_POSITIVE) - acute }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Truth: the angle itself, in double precision.
+    #[test]
+    fn angles_are_right_to_rounding() {
+        for step in 1..3_141 {
+            let angle = f64::from(step) * 1e-3;
+            let (sine, cosine) = angle.sin_cos();
+            let error = f64::from(arc_over_sine(cosine as f32, sine as f32)) * sine / angle - 1.0;
+            // Rounding of the cosine alone changes obtuse angles by as much.
+            assert!(error.abs() < 4e-7, "{angle}: off by {error:e}");
+        }
+        assert_eq!(arc_over_sine(1.0, 0.0), 1.0);
+    }
+
+    /// Truth: a square of side 2 at a height of 1 is seen by (4/π)·(1/√2)·arctan(1/√2) \[Howell, *A
+    /// catalog of radiation heat transfer configuration factors*, B-4\]; from a corner, on an edge,
+    /// and with a point in a corner of the polygon, all is finite.
+    #[test]
+    fn a_square_above_a_point() {
+        let square = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]].map(|[x, y]| Vec3::new(y, x, 1.0));
+        let truth = 4.0 / PI * 0.5_f32.sqrt() * 0.5_f32.sqrt().atan();
+        assert!((lambert(Vec3::Z, &square) - truth).abs() < 3e-7);
+        let from_edge = square.map(|corner| corner - Vec3::new(1.0, 0.0, 1.0));
+        let from_corner = square.map(|corner| corner - square[2]);
+        assert!(lambert(Vec3::Z, &from_edge).is_finite() && lambert(Vec3::Z, &from_corner).is_finite());
+        assert_eq!(lambert(Vec3::Z, &[]), 0.0);
+    }
+}
